@@ -1,0 +1,212 @@
+# palpate: plain make; `make help` lists the targets and variables.
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+.SECONDARY:
+
+VERSION   := $(shell sed -n 's/^.define PALP_VERSION "\(.*\)"/\1/p' include/palpate/version.h)
+SOVERSION := $(firstword $(subst ., ,$(VERSION)))
+
+# ---- what a user may set -------------------------------------------------------------------------
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+CFLAGS ?= -O3 -g
+BUILD  ?= build
+PREFIX ?= /usr/local
+BINDIR     ?= $(PREFIX)/bin
+LIBDIR     ?= $(PREFIX)/lib
+INCLUDEDIR ?= $(PREFIX)/include
+MANDIR     ?= $(PREFIX)/share/man
+PKG_CONFIG ?= pkg-config
+# GPL=1: also CHOLMOD's supernodal module, which makes the result GPL.
+# WERROR=1 (implied by CI=true): warnings are errors.  SANITIZE=1: AddressSanitizer and UBSan.  V=1: show commands.
+
+# ---- libraries -----------------------------------------------------------------------------------
+# Debian 12 ships no .pc for SuiteSparse. Its headers are system headers: their warnings are not ours.
+ifeq ($(shell $(PKG_CONFIG) --exists CHOLMOD AMD COLAMD 2>/dev/null && echo yes),yes)
+SUITESPARSE_CFLAGS ?= $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags CHOLMOD AMD COLAMD))
+SUITESPARSE_LIBS   ?= $(shell $(PKG_CONFIG) --libs CHOLMOD AMD COLAMD)
+endif
+SUITESPARSE_CFLAGS ?= -isystem /usr/include/suitesparse
+SUITESPARSE_LIBS   ?= -lcholmod -lamd -lcolamd -lsuitesparseconfig
+# -lblas, not -lopenblas: CHOLMOD calls libblas.so.3, which the system's alternatives point at one BLAS.
+# Naming OpenBLAS itself would put a second copy into the process. tools/install-deps installs OpenBLAS'
+# serial variant behind that name: no threads of its own, so a result does not depend on their number.
+BLAS_LIBS ?= $(shell $(PKG_CONFIG) --libs lapack blas 2>/dev/null || echo -llapack -lblas)
+DEP_CFLAGS := $(SUITESPARSE_CFLAGS) $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags nlopt jansson 2>/dev/null))
+LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs nlopt jansson 2>/dev/null || echo -lnlopt -ljansson) $(BLAS_LIBS) -lm
+CHECK_LIBS  = $(shell $(PKG_CONFIG) --libs check 2>/dev/null || echo -lcheck)
+CMOCKA_LIBS = $(shell $(PKG_CONFIG) --libs cmocka 2>/dev/null || echo -lcmocka)
+
+# ---- flags ---------------------------------------------------------------------------------------
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+ifneq ($(SANITIZE),)
+SAN := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+else ifneq ($(WERROR)$(filter true,$(CI)),) # not with sanitizers, under which gcc warns falsely
+WARNINGS += -Werror
+endif
+# No contraction, no -ffast-math, no -march=native: the same numbers on every machine. The other two
+# change no number either; they let square roots and selections be vectorized.
+FLOAT := -ffp-contract=off -fno-math-errno -fno-trapping-math
+ALL_CPPFLAGS := -Iinclude $(DEP_CFLAGS) $(if $(filter 1,$(GPL)),-DPALP_GPL) $(CPPFLAGS)
+ALL_CFLAGS   := -std=c99 -fPIC -fvisibility=hidden $(FLOAT) $(WARNINGS) $(CFLAGS) $(SAN)
+ALL_LDFLAGS  := -Wl,--as-needed $(SAN) $(LDFLAGS)
+
+# ---- files ---------------------------------------------------------------------------------------
+LIB_SRC    := $(wildcard lib/*.c)
+TOOL_SRC   := $(wildcard tools/*.c)
+LIB_TESTS  := $(wildcard tests/lib/test_*.c)
+TOOL_TESTS := $(wildcard tests/tools/test_*.c)
+BENCHES    := $(wildcard bench/bench_*.c)
+EXAMPLES   := $(wildcard examples/*.c)
+# Other .c files beside tests and benches are helpers, linked into each of them.
+LIB_TEST_HELP  := $(filter-out $(LIB_TESTS),$(wildcard tests/lib/*.c))
+TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS),$(wildcard tests/tools/*.c))
+BENCH_HELP     := $(filter-out $(BENCHES),$(wildcard bench/*.c))
+HEADERS := $(wildcard include/palpate/*.h)
+MAN_SRC := $(wildcard doc/*.scd)
+
+obj  = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
+prog = $(patsubst %.c,$(BUILD)/%,$(1))
+STATIC := $(BUILD)/libpalpate.a
+SONAME := libpalpate.so.$(SOVERSION)
+SHARED := $(BUILD)/libpalpate.so.$(VERSION)
+TOOL   := $(BUILD)/palpate
+TEST_PROGRAMS := $(call prog,$(LIB_TESTS) $(TOOL_TESTS))
+ifneq ($(V),1)
+Q := @
+note = @echo "  $(1)"
+endif
+
+# ---- building ------------------------------------------------------------------------------------
+.PHONY: all static shared programs tests FORCE
+all: static shared $(TOOL) ## the static and shared library and the palpate command, under build/
+static: $(STATIC)
+shared: $(SHARED)
+tests: $(TEST_PROGRAMS) $(TOOL)
+programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES))
+
+# Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
+FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS)
+$(BUILD)/flags: FORCE
+	@tools/install-deps --check build
+	@mkdir -p $(@D)
+	@echo '$(FLAGS_LINE)' | cmp -s - $@ || echo '$(FLAGS_LINE)' >$@
+
+# Tools and examples see the public headers only; tests and benches also the internal ones.
+$(BUILD)/obj/lib/%.o: EXTRA := -Ilib
+$(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o: EXTRA := -Itools
+$(BUILD)/obj/tests/lib/%.o $(BUILD)/obj/bench/%.o: EXTRA := -Ilib
+$(BUILD)/obj/%.o: %.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(call note,CC   $@)
+	$(Q)$(CC) $(ALL_CPPFLAGS) $(EXTRA) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
+
+$(STATIC): $(call obj,$(LIB_SRC))
+	$(call note,AR   $@)
+	@rm -f $@
+	$(Q)$(AR) rcs $@ $^
+
+$(SHARED): $(call obj,$(LIB_SRC)) lib/palpate.map
+	$(call note,LD   $@)
+	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=lib/palpate.map \
+	    -Wl,-z,defs -o $@ $(filter %.o,$^) $(LIBS)
+	@ln -sf $(notdir $@) $(BUILD)/$(SONAME)
+	@ln -sf $(notdir $@) $(BUILD)/libpalpate.so
+
+# Programs. A line "/* link: FLAGS */" in a program's source adds linker flags, e.g. -Wl,--wrap=malloc.
+own_flags = $(shell sed -n 's,^/\* link: \(.*\) \*/$$,\1,p' $*.c 2>/dev/null)
+link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o $@ $(filter %.o,$^) $(STATIC) $(1) $(LIBS)
+
+$(TOOL): $(call obj,$(TOOL_SRC)) $(STATIC)
+	$(call note,LD   $@)
+	$(call link)
+$(filter $(BUILD)/tests/lib/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(LIB_TEST_HELP)) $(STATIC)
+	$(call note,LD   $@)
+	$(call link,$(CHECK_LIBS))
+$(filter $(BUILD)/tests/tools/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(TOOL_TEST_HELP)) \
+    $(call obj,$(filter-out tools/palpate.c,$(TOOL_SRC))) $(STATIC)
+	$(call note,LD   $@)
+	$(call link,$(CMOCKA_LIBS))
+$(call prog,$(BENCHES)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(BENCH_HELP)) $(STATIC)
+	$(call note,LD   $@)
+	$(call link)
+$(call prog,$(EXAMPLES)): $(BUILD)/%: $(BUILD)/obj/%.o $(STATIC)
+	$(call note,LD   $@)
+	$(call link)
+
+ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(wildcard tests/lib/*.c tests/tools/*.c bench/*.c) $(EXAMPLES)
+-include $(patsubst %.o,%.d,$(call obj,$(ALL_SRC)))
+
+# ---- running -------------------------------------------------------------------------------------
+# These install what is missing first; make then starts anew, since pkg-config may only now be there.
+.PHONY: demo demo-run check check-run asan bench bench-run
+JOBS = $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
+again = +@$(MAKE) --no-print-directory $(JOBS)
+
+demo: ## calibrates a network on the seed's phantom and plots how it converged
+	@tools/install-deps demo
+	$(again) demo-run
+demo-run: $(TOOL)
+	@PALPATE=$(TOOL) tools/demo.sh
+check: ## every test, with gcc, clang and the sanitizers; ends with "N passed, N failed"
+	@tools/install-deps check
+	+@BUILD='$(BUILD)' MAKE='$(MAKE)' tests/run.sh check
+asan: ## the tests under AddressSanitizer and UBSan only
+	@tools/install-deps check
+	+@BUILD='$(BUILD)' MAKE='$(MAKE)' tests/run.sh asan
+bench: ## builds and runs every bench/bench_*.c
+	@tools/install-deps build
+	$(again) bench-run
+# One thread: Debian's CHOLMOD starts OpenMP threads whatever OMP_NUM_THREADS says.
+bench-run: $(call prog,$(BENCHES)) $(TOOL)
+	@set -e; for b in $(call prog,$(BENCHES)); do \
+	    echo "== $$(basename $$b)"; PALPATE=$(TOOL) OMP_THREAD_LIMIT=1 OPENBLAS_NUM_THREADS=1 $$b; done
+
+# ---- installing ----------------------------------------------------------------------------------
+.PHONY: install uninstall man
+D = $(DESTDIR)
+MAN_PAGES := $(patsubst doc/%.scd,$(BUILD)/man/%,$(MAN_SRC))
+# A command's page takes its options and example from the command's own --help.
+$(BUILD)/man/palpate-%.1: doc/palpate-%.1.scd doc/options.awk $(TOOL)
+	@mkdir -p $(@D)
+	$(Q)$(TOOL) $* --help >$@.help && awk -f doc/options.awk $@.help $< | scdoc >$@
+	@rm $@.help
+$(BUILD)/man/%: doc/%.scd
+	@mkdir -p $(@D)
+	$(Q)scdoc <$< >$@
+man: $(MAN_PAGES) ## the manual pages (needs scdoc)
+
+install: all ## into PREFIX (default /usr/local), under DESTDIR if given
+	install -d '$(D)$(BINDIR)' '$(D)$(LIBDIR)/pkgconfig' '$(D)$(INCLUDEDIR)/palpate'
+	install -m 755 $(TOOL) '$(D)$(BINDIR)'
+	install -m 644 $(HEADERS) '$(D)$(INCLUDEDIR)/palpate'
+	install -m 644 $(STATIC) $(SHARED) '$(D)$(LIBDIR)'
+	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
+	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/libpalpate.so'
+	@sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR:$(PREFIX)/%=$${prefix}/%)|' -e 's|@VERSION@|$(VERSION)|' \
+	    -e 's|@INCLUDEDIR@|$(INCLUDEDIR:$(PREFIX)/%=$${prefix}/%)|' -e 's|@LIBS@|$(strip $(LIBS))|' \
+	    lib/palpate.pc.in >'$(D)$(LIBDIR)/pkgconfig/palpate.pc'
+	+@if command -v scdoc >/dev/null; then $(MAKE) -s --no-print-directory man && for p in $(MAN_PAGES); do \
+	    install -D -m 644 $$p "$(D)$(MANDIR)/man$${p##*.}/$${p##*/}" || exit 1; done; \
+	  else echo "scdoc is not installed: no manual pages"; fi
+	@if [ -z '$(D)' ]; then ldconfig 2>/dev/null || echo "run ldconfig as root if $(LIBDIR) is a system folder"; fi
+
+uninstall: ## removes what install put there
+	rm -f '$(D)$(BINDIR)/palpate' '$(D)$(LIBDIR)/pkgconfig/palpate.pc'
+	rm -f $(foreach f,$(notdir $(STATIC) $(SHARED)) $(SONAME) libpalpate.so,'$(D)$(LIBDIR)/$(f)')
+	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
+	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
+	-rmdir '$(D)$(INCLUDEDIR)/palpate'
+
+# ---- the rest ------------------------------------------------------------------------------------
+.PHONY: dist symbols clean help
+dist: ## palpate-VERSION.tar.gz of the last commit
+	git archive --format=tar.gz --prefix=palpate-$(VERSION)/ -o palpate-$(VERSION).tar.gz HEAD
+symbols: ## rewrites lib/palpate.map, the list of exported functions, from the public headers
+	@tests/install/symbols.sh --map >lib/palpate.map.part && mv lib/palpate.map.part lib/palpate.map
+clean: ## removes build/
+	rm -rf '$(BUILD)'
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 12
+	@echo "Variables: CC CFLAGS LDFLAGS PREFIX DESTDIR BUILD GPL=1 WERROR=1 SANITIZE=1 V=1"

@@ -1,0 +1,100 @@
+/* calibrate.h: find the element material with which a network gives a wanted force curve. */
+#ifndef PALPATE_CALIBRATE_H
+#define PALPATE_CALIBRATE_H
+
+#include <palpate/network.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum palp_calibrate_method {
+    PALP_CALIBRATE_NLOPT,       /* least squares by NLopt with analytic gradients (default) */
+    PALP_CALIBRATE_FIXED_POINT, /* static: Figure 5.6 */
+    PALP_CALIBRATE_THREE_PHASE  /* relaxation: Figure 5.21; PALP_SEDEF2008 or PALP_HISTORY, one arm */
+} palp_calibrate_method;
+
+/* One evaluation of the curve (or one iteration of the seed's loops). */
+typedef struct palp_calibrate_iteration {
+    int phase;                        /* three_phase: 1, 2, 3; else 0 */
+    double residual_N;                /* 2-norm over the samples */
+    palp_material material;           /* that gave it */
+    /* three_phase, absolute; NaN where that phase does not measure it */
+    double peak_error_percent, steady_time_error_percent, steady_force_error_percent;
+} palp_calibrate_iteration;
+
+/* The result; free with palp_calibration_free. */
+typedef struct palp_calibration {
+    palp_material material;           /* the best found */
+    double residual_N;                /* of it */
+    size_t n_iterations;
+    palp_calibrate_iteration *iterations;
+    size_t n_samples;                 /* static: of the curve */
+    double *depth_m, *target_N, *force_N; /* [n_samples], the wanted and the reached curve */
+    double reached_m;                 /* static: depth that the best curve reached before its branch ended */
+    bool converged;                   /* the method's own criterion was met */
+} palp_calibration;
+
+PALP_API void palp_calibration_free(palp_calibration *calibration); /* frees arrays, zeroes; NULL is fine */
+
+typedef int (*palp_calibrate_progress)(void *user, double fraction, const palp_calibrate_iteration *last);
+
+typedef struct palp_static_settings {
+    palp_calibrate_method method;   /* NLOPT or FIXED_POINT */
+    size_t max_evaluations;         /* of the curve */
+    bool every_step;                /* solve every sample instead of error-controlled continuation */
+    double curve_tolerance;         /* continuation: interpolation error relative to the peak force;
+                                       0 = 1e-6, or 1e-5 for networks whose factors are dear */
+    double stop_relative;           /* nlopt: stop when the residual changes less than this */
+    palp_calibrate_progress progress; /* may be NULL; non-zero stops with ERR_STOPPED */
+    void *user;
+} palp_static_settings;
+
+PALP_API palp_static_settings palp_static_settings_default(void);
+
+/* Static stage (Section 5.3.1): fits the law of *start* (a polynomial or spline; its coefficients are
+ * the first guess) so that the fully relaxed network's force at depth_m[n] (increasing, > 0) meets
+ * target_N[n]. The network's supports, branch and solver are used; its material is replaced by the
+ * result. Arms of start are kept as they are. */
+PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n,
+                                           const double *depth_m, const double *target_N,
+                                           const palp_static_settings *settings, palp_calibration *result);
+
+/* A force record to meet: n samples along a path. */
+typedef struct palp_target {
+    palp_path path;         /* corners of the plate's motion, starting at depth 0; caller's */
+    size_t n;
+    const double *time_s;   /* [n] increasing, caller's */
+    const double *force_N;  /* [n] caller's */
+    double weight;          /* of its squared residuals; 0 = 1 / (n peak^2) */
+} palp_target;
+
+typedef struct palp_relaxation_settings {
+    palp_calibrate_method method;  /* NLOPT or THREE_PHASE */
+    size_t max_evaluations;
+    double dt_s;                   /* fixed step; NLOPT: 0 = steps graded by tolerance */
+    double tolerance;              /* NLOPT: of the graded steps, relative force */
+    double stop_relative;          /* NLOPT: stop when the residual changes less than this */
+    bool fit_beta, fit_gamma;      /* strain dependence of the arms */
+    bool one_beta;                 /* one beta (and gamma) for all arms */
+    bool fit_scale;                /* the stiffness law's scale */
+    double error_bound;            /* THREE_PHASE: 0.01 */
+    double steady_slope_N_s;       /* THREE_PHASE: 1e-3 */
+    palp_calibrate_progress progress;
+    void *user;
+} palp_relaxation_settings;
+
+PALP_API palp_relaxation_settings palp_relaxation_settings_default(void);
+
+/* Relaxation stage (Section 5.3.2): fits the arms (and optionally the law's scale and the strain
+ * dependence) of *start so that the network's force meets all targets at once. THREE_PHASE takes one
+ * ramp-and-hold target and follows Figure 5.21. */
+PALP_API palp_status palp_calibrate_relaxation(palp_network *network, const palp_material *start,
+                                               size_t n_targets, const palp_target *targets,
+                                               const palp_relaxation_settings *settings,
+                                               palp_calibration *result);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

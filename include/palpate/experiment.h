@@ -1,0 +1,52 @@
+/* experiment.h: the experiment CSV: "# key: JSON value" lines, a name row, numbers. */
+#ifndef PALPATE_EXPERIMENT_H
+#define PALPATE_EXPERIMENT_H
+
+#include <palpate/export.h>
+#include <palpate/status.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct palp_experiment palp_experiment; /* opaque; palp_experiment_free */
+
+/* An empty experiment with the columns time_s, depth_mm, force_N and n rows of zeros, and the key
+ * palpate.experiment = 1. */
+PALP_API palp_status palp_experiment_create(size_t rows, palp_experiment **experiment);
+PALP_API void palp_experiment_free(palp_experiment *experiment); /* NULL is fine */
+
+/* Reads a file. ERR_INPUT with "file:line: ..." for a line that is no "# key: value", no number
+ * (NaN and infinities too), a row of the wrong width, a missing column, times that do not increase,
+ * a truncated last row, or a version other than 1. Unknown keys and columns are kept. */
+PALP_API palp_status palp_experiment_read(const char *path, palp_experiment **experiment, palp_error *error);
+
+/* Writes to a temporary name beside path, then renames: path is never half a file. Numbers keep
+ * every digit needed to read the same double back. ERR_ARGUMENT (and no file) if a number is not
+ * finite or time_s does not increase. */
+PALP_API palp_status palp_experiment_write(const palp_experiment *experiment, const char *path, palp_error *error);
+
+PALP_API size_t palp_experiment_rows(const palp_experiment *experiment);
+
+/* Column by name, rows numbers owned by the experiment; NULL if there is none. */
+PALP_API double *palp_experiment_column(const palp_experiment *experiment, const char *name);
+PALP_API size_t palp_experiment_column_count(const palp_experiment *experiment);
+PALP_API const char *palp_experiment_column_name(const palp_experiment *experiment, size_t i);
+/* Adds a column of zeros; ERR_ARGUMENT if the name is taken or cannot stand in a name row (a comma, '#',
+ * a blank at its ends, a digit or sign first). */
+PALP_API palp_status palp_experiment_add_column(palp_experiment *experiment, const char *name);
+
+/* Header values. The getters give ERR_INPUT if the key is absent or of another type; *value of
+ * get_string is the experiment's. Setters add or replace; ERR_ARGUMENT for a number that is not
+ * finite, a text that is not UTF-8, a key of other than letters, digits, '_', '.' and '-'. Keys that
+ * start with "end." are written after the numbers. */
+PALP_API palp_status palp_experiment_get_number(const palp_experiment *experiment, const char *key, double *value);
+PALP_API palp_status palp_experiment_get_string(const palp_experiment *experiment, const char *key, const char **value);
+PALP_API palp_status palp_experiment_set_number(palp_experiment *experiment, const char *key, double value);
+PALP_API palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key, const char *value);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,89 @@
+/* law.h: stiffness laws, F = K(|e|) e, behind one interface with value, derivative and energy. */
+#ifndef PALPATE_LAW_H
+#define PALPATE_LAW_H
+
+#include <palpate/export.h>
+#include <palpate/status.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { PALP_LAW_MAX = 32 }; /* most coefficients a law holds */
+
+typedef enum palp_law_kind {
+    PALP_LAW_POLYNOMIAL,     /* K(a) = c0 + c1 a + c2 a^2 ..., c in N (Eq. 4.3) */
+    PALP_LAW_SPLINE,         /* C1 piecewise cubic through (strain_i, K_i), monotone between knots (slopes
+                                of Fritsch and Butland 1984 as in PCHIP: weighted harmonic means,
+                                shape-preserving three-point formula at the two ends); beyond the last
+                                knot K continues as a straight line with the end slope */
+    PALP_LAW_NEO_HOOKEAN,    /* W = C10 (I1 - 3) (Eq. 3.59) */
+    PALP_LAW_MOONEY_RIVLIN2, /* C10, C01 (Eq. 3.60, 3.76) */
+    PALP_LAW_MOONEY_RIVLIN5, /* C10, C01, C20, C11, C02 (Eq. 3.73, 3.76) */
+    PALP_LAW_YEOH,           /* W = sum over i = 1.. of Ci0 (I1 - 3)^i: C10, C20, C30, ... any number
+                                (Eq. 3.62 without its constant i = 0) */
+    PALP_LAW_OGDEN           /* W = sum mu_i / alpha_i (l1^alpha_i + l2^alpha_i + l3^alpha_i - 3):
+                                mu1, alpha1, mu2, alpha2, ... (Eq. 3.63); the initial shear modulus is
+                                sum mu_i alpha_i / 2, so alpha 2, mu 2 C10 is neo-Hookean */
+} palp_law_kind;
+
+/* A stiffness law; a plain value, copied freely. Fill it with one of the three makers below, and
+ * change it through them too (a spline's slopes follow from its knots).
+ * The hyperelastic laws are those of an incompressible cylinder of initial cross-section area_m2
+ * in uniaxial compression (Section 3.2): F(a) = -area dW/dstretch at stretch 1 - a, a = |strain|, and
+ * K = F(a)/a. */
+typedef struct palp_law {
+    palp_law_kind kind;
+    size_t n;                          /* number of coefficients */
+    double coefficients[PALP_LAW_MAX]; /* N (polynomial, spline), Pa (hyperelastic; Ogden's alpha: 1) */
+    double strain[PALP_LAW_MAX];       /* spline only: knots, strain[0] = 0, increasing */
+    double slope[PALP_LAW_MAX];        /* spline only: dK/da at the knots, N; derived by the maker */
+    double area_m2;                    /* hyperelastic only: initial cross-section */
+} palp_law;
+
+/* K(a) = sum c_N[i] a^i, i < n, 1 <= n <= PALP_LAW_MAX. ERR_ARGUMENT: n = 0 or a coefficient is not
+ * finite; ERR_LIMIT: n too large (so for all three makers). *law is untouched on failure. */
+PALP_API palp_status palp_law_polynomial(size_t n, const double *c_N, palp_law *law);
+
+/* Spline through n >= 2 knots; strain[0] = 0, strictly increasing; stiffness_N finite and > 0. */
+PALP_API palp_status palp_law_spline(size_t n, const double *strain, const double *stiffness_N,
+                                     palp_law *law);
+
+/* One of the hyperelastic kinds with n coefficients as listed at palp_law_kind; area_m2 > 0.
+ * ERR_ARGUMENT too for an Ogden alpha of 0. */
+PALP_API palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *coefficients_Pa,
+                                           double area_m2, palp_law *law);
+
+/* The same law with every coefficient times factor (Ogden's alpha untouched); *scaled may be *law.
+ * ERR_ARGUMENT: the result is no law (factor not finite, or <= 0 for a spline). */
+PALP_API palp_status palp_law_scale(const palp_law *law, double factor, palp_law *scaled);
+
+/* K(|e|) in N and dK/d|e| in N at strain e; either output may be NULL. */
+PALP_API void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, double *slope_N);
+
+/* For n strains e[n]: force f = K(|e|) e, tangent df/de, energy = integral of f de from 0 (N, i.e.
+ * J per metre of rest length). e positive = tension in an element, or compression of a lumped
+ * specimen; the law does not tell. tangent and energy may be NULL; the arrays must not overlap.
+ * A hyperelastic law at |e| >= 1 gives infinity. e may be any finite number. */
+PALP_API void palp_law_force(const palp_law *law, size_t n, const double *e, double *force_N,
+                             double *tangent_N, double *energy_N);
+
+/* dforce[k] = d(K(|e|) e) / d coefficients[k], k < law->n, at one strain; for a spline with the slopes
+ * following the knots (at their kinks, a flat interval or a knot that is an extremum, as if the slope
+ * stayed 0). */
+PALP_API void palp_law_gradient(const palp_law *law, double e, double *dforce);
+
+/* The lowest K(a) for 0 <= a <= strain_max, searched on a fine grid and a spline's knots; a law with
+ * a value <= 0 there is not physical. */
+PALP_API double palp_law_minimum(const palp_law *law, double strain_max);
+
+/* "polynomial", "spline", "neo_hookean", "mooney_rivlin2", "mooney_rivlin5", "yeoh", "ogden".
+ * parse: ERR_ARGUMENT for any other name; kind_name: "unknown" for a number outside the list. */
+PALP_API const char *palp_law_kind_name(palp_law_kind kind);
+PALP_API palp_status palp_law_kind_parse(const char *name, palp_law_kind *kind);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,76 @@
+/* mesh.h: particles, the elements between them, and named sets of particles. */
+#ifndef PALPATE_MESH_H
+#define PALPATE_MESH_H
+
+#include <palpate/export.h>
+#include <palpate/status.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct palp_mesh palp_mesh; /* owns its arrays; free with palp_mesh_free */
+
+/* Neighbourhood of a lattice node: the faces; faces and edges; faces, edges and corners (Moore). */
+typedef enum palp_neighbourhood {
+    PALP_NEIGHBOURS_6 = 6,
+    PALP_NEIGHBOURS_18 = 18,
+    PALP_NEIGHBOURS_26 = 26
+} palp_neighbourhood;
+
+/* A box lattice of nodes[0] x nodes[1] x nodes[2] particles (each >= 2) filling size_m[3], one
+ * corner at the origin; y (axis 1) is the direction of compression. Particle (i, j, k) has index
+ * (i * nodes[1] + j) * nodes[2] + k: x slowest, z fastest. An element on every pair of neighbours,
+ * once. Sets: "bottom" (y = 0), "top" (y = size), "left"/"right" (x), "back"/"front" (z).
+ * The caller owns *mesh. */
+PALP_API palp_status palp_mesh_lattice(const size_t nodes[3], const double size_m[3],
+                                       palp_neighbourhood neighbourhood, palp_mesh **mesh);
+
+/* A mesh from arrays: x_m[3 n_nodes], pairs[2 n_elements] (node indices). Copies. No sets.
+ * ERR_INPUT with a line in error for an element of zero length (below 1e-12 of the mesh's size), an
+ * index out of range, a pair given twice, a node without an element, or more than one connected part.
+ * error may be NULL. */
+PALP_API palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_elements,
+                                      const int32_t *pairs, palp_mesh **mesh, palp_error *error);
+
+/* Reads a Gmsh 4.1 ASCII file: tetrahedra (type 4) and hexahedra (type 5), elements along their
+ * edges, each once; with hex_diagonals also the face and space diagonals of hexahedra. scale_m is
+ * the length of the file's unit in metres (0.001 for millimetres). Named physical groups become
+ * node sets (of the nodes of their entities' elements); if the file names none called so, "bottom"
+ * and "top" are the nodes at the lowest and highest y within 1e-6 of the height. Nodes that no
+ * tetrahedron or hexahedron uses are left out, the others numbered in the order of their tags; a group
+ * of left out nodes only gives no set. ERR_INPUT with "file:line: ..." for anything malformed, a node
+ * that is not there, given twice or twice in an element, an element of zero length, more than one
+ * connected part, volume elements of other types, a partitioned or binary file, another version. */
+PALP_API palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diagonals,
+                                         palp_mesh **mesh, palp_error *error);
+
+PALP_API void palp_mesh_free(palp_mesh *mesh); /* NULL is fine */
+
+PALP_API size_t palp_mesh_node_count(const palp_mesh *mesh);
+PALP_API size_t palp_mesh_element_count(const palp_mesh *mesh);
+PALP_API const double *palp_mesh_positions(const palp_mesh *mesh); /* [3 n_nodes], m, rest; mesh's */
+PALP_API const int32_t *palp_mesh_pairs(const palp_mesh *mesh);    /* [2 n_elements]; mesh's */
+
+/* Adds (or replaces) the node set called name; it is kept in ascending order, each node once.
+ * ERR_ARGUMENT: an index out of range, no name. */
+PALP_API palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const int32_t *nodes);
+
+/* Adds the set of the nodes within tolerance_m of the plane axis = value_m (axis 0, 1, 2 = x, y, z).
+ * ERR_INPUT if there are none. */
+PALP_API palp_status palp_mesh_add_plane_set(palp_mesh *mesh, const char *name, int axis, double value_m,
+                                             double tolerance_m);
+
+/* The nodes of a set; *nodes is the mesh's. ERR_INPUT if there is no such set. */
+PALP_API palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, const int32_t **nodes);
+
+/* Lowest and highest rest coordinate, m. */
+PALP_API void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,61 @@
+/* model.h: the model JSON, lumped or network. */
+#ifndef PALPATE_MODEL_H
+#define PALPATE_MODEL_H
+
+#include <palpate/material.h>
+#include <palpate/mesh.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum palp_model_kind { PALP_MODEL_LUMPED, PALP_MODEL_NETWORK } palp_model_kind;
+typedef enum palp_mesh_kind { PALP_MESH_LATTICE, PALP_MESH_FILE } palp_mesh_kind;
+
+enum { PALP_PATH_MAX = 4096, PALP_SPECIMEN_KIND_MAX = 32 };
+
+/* How a network model's mesh is made. A relative path is taken from the model file's folder. */
+typedef struct palp_mesh_spec {
+    palp_mesh_kind kind;
+    size_t nodes[3];                  /* lattice */
+    double size_m[3];                 /* lattice */
+    palp_neighbourhood neighbourhood; /* lattice; default 26 */
+    char path[PALP_PATH_MAX];         /* file: as written in the model */
+    char folder[PALP_PATH_MAX];       /* file: where a relative path starts; "" = working directory */
+    double scale_m;                   /* file: metres per unit; default 0.001 */
+    bool hex_diagonals;               /* file */
+} palp_mesh_spec;
+
+/* A model; a plain value. Lengths in metres here, in mm in the file. */
+typedef struct palp_model {
+    palp_model_kind kind;
+    double height_m, radius_m; /* specimen; radius 0 = not given; a network's height may be 0 = that
+                                  of its mesh */
+    char specimen_kind[PALP_SPECIMEN_KIND_MAX]; /* "cylinder", ...; "" = not given */
+    palp_material material;
+    palp_mesh_spec mesh;       /* network only */
+    double density_kg_m3;      /* network only, 0 = massless */
+} palp_model;
+
+/* Reads and checks a model. ERR_INPUT with "file:line: ..." (Jansson's line for syntax; for a wrong
+ * value the line where its key stands, as nearly as can be told) for malformed JSON, a missing or
+ * unknown key, a wrong unit in a key ("height_m"), a non-physical number, K(a) <= 0 for a in [0, 0.4].
+ * ERR_UNSUPPORTED for an effect this build does not know. */
+PALP_API palp_status palp_model_read(const char *path, palp_model *model, palp_error *error);
+
+/* Writes to a temporary name, then renames. A mesh file's relative path is rewritten so that it
+ * holds from the folder of path. ERR_ARGUMENT for a model that could not be read again: numbers that
+ * make no material, K(a) <= 0, a hyperelastic law whose area is not that of the specimen's radius. */
+PALP_API palp_status palp_model_write(const palp_model *model, const char *path, palp_error *error);
+
+/* The model as one JSON line without its end, malloc'ed; the caller frees it. A mesh file's path is
+ * given as it stands in the model. */
+PALP_API palp_status palp_model_format(const palp_model *model, char **json);
+
+/* The mesh of a network model, a lattice made or a file read; the caller owns it. */
+PALP_API palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,135 @@
+/* network.h: a network of generalized Maxwell solids between particles, and its time stepping. */
+#ifndef PALPATE_NETWORK_H
+#define PALPATE_NETWORK_H
+
+#include <palpate/material.h>
+#include <palpate/mesh.h>
+#include <palpate/path.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct palp_network palp_network; /* opaque; palp_network_free */
+
+/* What an axis of a node set does. A driven axis moves by depth times the support's motion. */
+typedef enum palp_axis { PALP_FREE, PALP_FIXED, PALP_DRIVEN } palp_axis;
+
+typedef struct palp_support {
+    const char *set;    /* node set of the mesh */
+    palp_axis axis[3];  /* x, y, z */
+    double motion[3];   /* displacement per unit depth of the driven axes */
+} palp_support;
+
+/* Which equilibrium to follow where the network can buckle. CONTINUE: the branch Newton follows
+ * from the last step, stable or not. STABLE: descend in energy to a stable one. */
+typedef enum palp_branch { PALP_BRANCH_CONTINUE, PALP_BRANCH_STABLE } palp_branch;
+
+typedef enum palp_solver {
+    PALP_SOLVER_AUTO,       /* the cheapest by estimated flops */
+    PALP_SOLVER_BAND,       /* block band L D L' with BLAS */
+    PALP_SOLVER_SIMPLICIAL, /* CHOLMOD simplicial L D L' (LGPL) */
+    PALP_SOLVER_SUPERNODAL  /* CHOLMOD supernodal; built with GPL=1 only */
+} palp_solver;
+
+typedef enum palp_integrator {
+    PALP_BACKWARD_EULER,
+    PALP_GENERALIZED_ALPHA /* Chung and Hulbert 1993, spectral_radius at infinity */
+} palp_integrator;
+
+typedef struct palp_network_settings {
+    double tolerance;       /* |residual|_2 <= tolerance |element forces|_2 */
+    int max_iterations;     /* Newton iterations a step */
+    palp_branch branch;
+    palp_solver solver;
+    double density_kg_m3;   /* 0 = massless (quasi-static) */
+    palp_integrator integrator;
+    double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
+    double check_strain;    /* the tangent's inertia is looked at at least every so much depth / height */
+} palp_network_settings;
+
+/* tolerance 1e-10, 50 iterations, CONTINUE, AUTO, massless, backward Euler, check every 1e-3. */
+PALP_API palp_network_settings palp_network_settings_default(void);
+
+/* The seed's supports: "bottom" fixed, "top" held in x and z and driven in -y. */
+PALP_API void palp_supports_default(palp_support supports[2]);
+
+/* How a step went. */
+typedef struct palp_step_info {
+    int iterations;         /* Newton iterations (factorizations) */
+    double residual;        /* relative residual reached */
+    double force_N;         /* reaction conjugate to depth, positive = compression */
+    int negative_pivots;    /* of the last factor; -1 = not looked at in this step */
+} palp_step_info;
+
+/* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
+ * mesh and the material. The caller owns *network. error may be NULL. */
+PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material,
+                                         size_t n_supports, const palp_support *supports,
+                                         const palp_network_settings *settings, palp_network **network,
+                                         palp_error *error);
+PALP_API void palp_network_free(palp_network *network); /* NULL is fine */
+
+/* Back to rest: undeformed, no history, time 0. */
+PALP_API void palp_network_reset(palp_network *network);
+
+/* Gives every element another material and resets the network. */
+PALP_API palp_status palp_network_set_material(palp_network *network, const palp_material *material);
+
+/* One step to depth_m after dt_s seconds (INFINITY = fully relaxed). try leaves the result as a
+ * trial, to be committed or rolled back; step commits on success and leaves the state as it was on
+ * failure. info may be NULL. ERR_NOT_CONVERGED, ERR_BUCKLED, ERR_SINGULAR, ERR_COLLAPSED. */
+PALP_API palp_status palp_network_try(palp_network *network, double depth_m, double dt_s, palp_step_info *info);
+PALP_API void palp_network_commit(palp_network *network);
+PALP_API void palp_network_rollback(palp_network *network);
+PALP_API palp_status palp_network_step(palp_network *network, double depth_m, double dt_s, palp_step_info *info);
+
+/* The same with the force on the driven nodes given; the depth follows (creep). */
+PALP_API palp_status palp_network_step_force(palp_network *network, double force_N, double dt_s,
+                                             palp_step_info *info);
+
+/* State of the last commit. Arrays are the network's, valid until the next call that changes it. */
+PALP_API double palp_network_depth(const palp_network *network);  /* m */
+PALP_API double palp_network_time(const palp_network *network);   /* s */
+PALP_API double palp_network_force(const palp_network *network);  /* N, conjugate to depth */
+PALP_API const double *palp_network_positions(const palp_network *network);      /* [3 n_nodes], m */
+PALP_API const double *palp_network_element_strain(const palp_network *network); /* [n_elements] */
+PALP_API size_t palp_network_unknowns(const palp_network *network);
+PALP_API const palp_mesh *palp_network_mesh(const palp_network *network); /* as given to create, copied */
+/* element forces, tension positive, into force_N[n_elements] */
+PALP_API void palp_network_element_force(const palp_network *network, double *force_N);
+
+/* Sum of the element forces that the nodes of a set put on their support, N. */
+PALP_API palp_status palp_network_reaction(const palp_network *network, const char *set, double force_N[3]);
+
+/* Depth range in which the tangent first lost positive definiteness: stable at *stable_m, not at
+ * *unstable_m. false if it never did since the last reset. */
+PALP_API bool palp_network_buckled(const palp_network *network, double *stable_m, double *unstable_m);
+
+/* Called after each committed step; a non-zero return stops the run with ERR_STOPPED. */
+typedef int (*palp_network_observer)(void *user, double time_s, double depth_m, double force_N);
+
+typedef struct palp_run_settings {
+    double dt_s;            /* fixed step; each segment is cut into equal steps of at most dt_s */
+    double tolerance;       /* > 0: error-controlled instead, relative to the largest force so far */
+    double dt_min_s;        /* error-controlled: smallest and first step; 0 = chosen from the path */
+    bool relaxed;           /* every step fully relaxed (static) */
+    palp_network_observer observer; /* may be NULL */
+    void *user;
+} palp_run_settings;
+
+typedef struct palp_run_info {
+    size_t steps, rejected, iterations;
+    double worst_residual;
+    double peak_force_N;
+} palp_run_info;
+
+/* Follows a path from where the network is; the path's first corner is reached by an instantaneous
+ * step if the network is elsewhere. Error control is by step doubling of the reaction force. */
+PALP_API palp_status palp_network_run(palp_network *network, const palp_path *path,
+                                      const palp_run_settings *settings, palp_run_info *info);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

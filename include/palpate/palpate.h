@@ -1,0 +1,18 @@
+/* palpate.h: the whole library. */
+#ifndef PALPATE_H
+#define PALPATE_H
+
+#include <palpate/calibrate.h>
+#include <palpate/closed_form.h>
+#include <palpate/experiment.h>
+#include <palpate/law.h>
+#include <palpate/material.h>
+#include <palpate/mesh.h>
+#include <palpate/model.h>
+#include <palpate/network.h>
+#include <palpate/path.h>
+#include <palpate/status.h>
+#include <palpate/version.h>
+#include <palpate/vtu.h>
+
+#endif

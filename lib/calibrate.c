@@ -1,0 +1,243 @@
+/* calibrate.c: results of a calibration, and least squares by NLopt. */
+#include "calibrate_internal.h"
+#include "lapack.h"
+
+#include <math.h>
+#include <nlopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+void palp_calibration_free(palp_calibration *c) {
+    if (!c)
+        return;
+    free(c->iterations);
+    free(c->depth_m);
+    free(c->target_N);
+    free(c->force_N);
+    memset(c, 0, sizeof *c);
+}
+
+palp_status calibration_add(palp_calibration *c, const palp_calibrate_iteration *iteration) {
+    palp_calibrate_iteration *grown = realloc(c->iterations, (c->n_iterations + 1) * sizeof *grown);
+    if (!grown)
+        return PALP_ERR_NO_MEMORY;
+    c->iterations = grown;
+    grown[c->n_iterations++] = *iteration;
+    return PALP_OK;
+}
+
+/* One descent in coordinates y, p = origin + R^-1 y, in which the Gauss-Newton Hessian is the identity:
+ * the quasi-Newton method then starts with a Gauss-Newton step. */
+typedef struct descent {
+    const least_squares *problem;
+    double *origin, *best, *p; /* [n_parameters] */
+    double *r, *best_r;        /* [n_residuals] */
+    double *jacobian;          /* [n_residuals n_parameters] */
+    double *triangle;          /* [n_parameters n_parameters], upper, by columns */
+    double *best_jacobian, *stacked, *tau, *work;
+    int n_work;
+    double best_value;
+    size_t evaluations, stalled; /* evaluations since the best got better by stop_relative */
+    palp_status status;
+    nlopt_opt optimizer;
+} descent;
+
+/* Solves R x = b (or R' x = b) in place. */
+static void solve_triangle(const descent *d, bool transposed, double *b) {
+    int n = (int)d->problem->n_parameters, one = 1;
+    double unit = 1.0;
+    dtrsm_("L", "U", transposed ? "T" : "N", "N", &n, &one, &unit, d->triangle, &n, b, &n);
+}
+
+static double norm2(const double *v, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += v[i] * v[i];
+    return sum;
+}
+
+static void to_parameters(const descent *d, const double *y, double *p) {
+    size_t n = d->problem->n_parameters;
+    memcpy(p, y, n * sizeof *p);
+    solve_triangle(d, false, p);
+    for (size_t k = 0; k < n; k++)
+        p[k] += d->origin[k];
+}
+
+/* |r|^2 / 2 at d->p, kept if it is the best; a round ends when two evaluations bring nothing. */
+static double evaluate(descent *d) {
+    const least_squares *problem = d->problem;
+    size_t n = problem->n_parameters, m = problem->n_residuals;
+    d->status = problem->evaluate(problem->user, d->p, d->r, d->jacobian);
+    d->evaluations++;
+    if (d->status) {
+        if (d->optimizer)
+            nlopt_force_stop(d->optimizer);
+        return HUGE_VAL;
+    }
+    double value = 0.5 * norm2(d->r, m);
+    d->stalled = value < d->best_value * (1.0 - 2.0 * problem->stop_relative) ? 0 : d->stalled + 1;
+    if (value < d->best_value) {
+        d->best_value = value;
+        memcpy(d->best, d->p, n * sizeof *d->best);
+        memcpy(d->best_r, d->r, m * sizeof *d->best_r);
+        memcpy(d->best_jacobian, d->jacobian, n * m * sizeof *d->best_jacobian);
+    }
+    if (d->stalled >= 2 && d->optimizer)
+        nlopt_force_stop(d->optimizer);
+    return value;
+}
+
+static double objective(unsigned n, const double *y, double *gradient, void *user) {
+    descent *d = user;
+    size_t m = d->problem->n_residuals;
+    to_parameters(d, y, d->p);
+    bool known = memcmp(d->p, d->best, n * sizeof *d->p) == 0; /* the origin of a round */
+    double value = known ? d->best_value : evaluate(d);
+    const double *r = known ? d->best_r : d->r, *jacobian = known ? d->best_jacobian : d->jacobian;
+    if (gradient && !d->status) {
+        for (unsigned k = 0; k < n; k++) {
+            gradient[k] = 0.0;
+            for (size_t i = 0; i < m; i++)
+                gradient[k] += jacobian[k * m + i] * r[i];
+        }
+        solve_triangle(d, true, gradient);
+    }
+    return value;
+}
+
+/* floor - row . p <= 0 */
+static void constraints(unsigned rows, double *result, unsigned n, const double *y, double *gradient, void *user) {
+    descent *d = user;
+    const least_squares *problem = d->problem;
+    to_parameters(d, y, d->p);
+    for (unsigned i = 0; i < rows; i++) {
+        const double *row = problem->constraint + (size_t)i * n;
+        result[i] = problem->floor[i];
+        for (unsigned k = 0; k < n; k++)
+            result[i] -= row[k] * d->p[k];
+        if (gradient) {
+            for (unsigned k = 0; k < n; k++)
+                gradient[(size_t)i * n + k] = -row[k];
+            solve_triangle(d, true, gradient + (size_t)i * n);
+        }
+    }
+}
+
+/* R of the best Jacobian, with a little of each column's own size below it so that a parameter without
+ * influence leaves R regular. */
+static palp_status whiten(descent *d) {
+    size_t n = d->problem->n_parameters, m = d->problem->n_residuals, rows = m + n;
+    double largest = 0.0;
+    for (size_t k = 0; k < n; k++)
+        largest = fmax(largest, sqrt(norm2(d->best_jacobian + k * m, m)));
+    if (!(largest > 0.0) || !isfinite(largest))
+        return PALP_ERR_SINGULAR;
+    for (size_t k = 0; k < n; k++) {
+        double *column = d->stacked + k * rows, size = sqrt(norm2(d->best_jacobian + k * m, m));
+        memcpy(column, d->best_jacobian + k * m, m * sizeof *column);
+        memset(column + m, 0, n * sizeof *column);
+        column[m + k] = 1e-6 * fmax(size, 1e-3 * largest);
+    }
+    int rows_i = (int)rows, n_i = (int)n, info = 0;
+    dgeqrf_(&rows_i, &n_i, d->stacked, &rows_i, d->tau, d->work, &d->n_work, &info);
+    memset(d->triangle, 0, n * n * sizeof *d->triangle);
+    for (size_t k = 0; k < n; k++)
+        for (size_t i = 0; i <= k; i++)
+            d->triangle[k * n + i] = d->stacked[k * rows + i];
+    memcpy(d->origin, d->best, n * sizeof *d->origin);
+    return info ? PALP_ERR_SINGULAR : PALP_OK;
+}
+
+/* Bounds on p become constraints on y, which is a mixture of parameters. */
+static nlopt_result descend(descent *d, double *y, size_t evaluations) {
+    const least_squares *problem = d->problem;
+    double value;
+    memset(y, 0, problem->n_parameters * sizeof *y);
+    nlopt_opt o = nlopt_create(NLOPT_LD_SLSQP, (unsigned)problem->n_parameters);
+    if (!o)
+        return NLOPT_OUT_OF_MEMORY;
+    nlopt_result result = nlopt_set_min_objective(o, objective, d);
+    nlopt_set_ftol_rel(o, problem->stop_relative);
+    nlopt_set_maxeval(o, (int)evaluations);
+    if (problem->n_constraints && result > 0)
+        result = nlopt_add_inequality_mconstraint(o, (unsigned)problem->n_constraints, constraints, d, NULL);
+    d->optimizer = o;
+    if (result > 0)
+        result = nlopt_optimize(o, y, &value);
+    d->optimizer = NULL;
+    nlopt_destroy(o);
+    return result;
+}
+
+static palp_status allocate(descent *d) {
+    size_t n = d->problem->n_parameters, m = d->problem->n_residuals;
+    d->n_work = (int)(64 * n);
+    d->origin = calloc(4 * n, sizeof(double));
+    d->r = calloc(2 * m, sizeof(double));
+    d->jacobian = calloc(n * m, sizeof(double));
+    d->best_jacobian = calloc(n * m, sizeof(double));
+    d->stacked = calloc(n * (m + n), sizeof(double));
+    d->triangle = calloc(n * n, sizeof(double));
+    d->work = calloc((size_t)d->n_work, sizeof(double));
+    if (!d->origin || !d->r || !d->jacobian || !d->best_jacobian || !d->stacked || !d->triangle || !d->work)
+        return PALP_ERR_NO_MEMORY;
+    d->best_r = d->r + m;
+    d->best = d->origin + n;
+    d->p = d->origin + 2 * n;
+    d->tau = d->origin + 3 * n;
+    return PALP_OK;
+}
+
+static void release(descent *d) {
+    free(d->origin);
+    free(d->r);
+    free(d->jacobian);
+    free(d->best_jacobian);
+    free(d->stacked);
+    free(d->triangle);
+    free(d->work);
+}
+
+/* Descents of a few evaluations, each in fresh coordinates, until one brings nothing. */
+static palp_status descend_in_rounds(descent *d, double *y, bool *converged) {
+    enum { ROUND = 8 };
+    const least_squares *problem = d->problem;
+    while (!*converged && d->evaluations < problem->max_evaluations) {
+        size_t left = problem->max_evaluations - d->evaluations;
+        double before = d->best_value;
+        d->stalled = 0;
+        palp_status status = whiten(d);
+        if (status)
+            return status;
+        nlopt_result result = descend(d, y, left < ROUND ? left : ROUND);
+        if (d->status)
+            return d->status;
+        if (result == NLOPT_OUT_OF_MEMORY)
+            return PALP_ERR_NO_MEMORY;
+        *converged = before - d->best_value <= 2.0 * problem->stop_relative * before;
+    }
+    return PALP_OK;
+}
+
+palp_status least_squares_solve(const least_squares *problem, double *p, double *norm, bool *converged) {
+    descent d = {.problem = problem, .best_value = HUGE_VAL};
+    size_t n = problem->n_parameters;
+    double *y = calloc(n, sizeof *y);
+    palp_status status = y ? allocate(&d) : PALP_ERR_NO_MEMORY;
+    *converged = false;
+    if (!status) {
+        memcpy(d.p, p, n * sizeof *p);
+        evaluate(&d);
+        status = d.status;
+        if (!status)
+            status = descend_in_rounds(&d, y, converged);
+        if (d.best_value < HUGE_VAL) {
+            memcpy(p, d.best, n * sizeof *p);
+            *norm = sqrt(2.0 * d.best_value);
+        }
+    }
+    release(&d);
+    free(y);
+    return status;
+}

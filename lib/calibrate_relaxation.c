@@ -1,0 +1,421 @@
+/* calibrate_relaxation.c: arms and scale of the element material from force records of several depths at
+ * once (the seed's open problem of Section 6.2), by least squares with forward sensitivities. */
+#include "calibrate_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+palp_relaxation_settings palp_relaxation_settings_default(void) {
+    return (palp_relaxation_settings){.method = PALP_CALIBRATE_NLOPT,
+                                      .max_evaluations = 80,
+                                      .dt_s = 0.0,
+                                      .tolerance = 1e-4,
+                                      .stop_relative = 1e-4,
+                                      .fit_beta = false,
+                                      .fit_gamma = false,
+                                      .one_beta = true,
+                                      .fit_scale = true,
+                                      .error_bound = 0.01,
+                                      .steady_slope_N_s = 1e-3};
+}
+
+/* What a parameter changes: the arms from first to last, or the law's scale. */
+typedef enum role { SCALE, LOG_STIFFNESS, LOG_TIME, BETA, GAMMA } parameter_role;
+
+typedef struct parameter {
+    parameter_role role;
+    size_t first, last; /* arms, inclusive */
+} parameter;
+
+enum { PARAMETERS_MAX = 1 + 4 * PALP_ARMS_MAX };
+
+typedef struct relaxation {
+    palp_network *net;
+    const palp_material *start;
+    const palp_relaxation_settings *settings;
+    size_t n_targets, n_samples;
+    const palp_target *target;
+    palp_calibration *result;
+    size_t n;
+    parameter parameter[PARAMETERS_MAX];
+    /* sensitivities by parameter: [n n_elements], [n n_arms n_elements]; weight and partial [n_elements] */
+    double *strain, *arm, *weight, *partial, *force;
+    element_partials *arm_partials; /* [n_arms n_elements] of the step at hand */
+    double best; /* weighted sum of squares */
+} relaxation;
+
+static void add_parameter(relaxation *s, parameter_role role, size_t first, size_t last) {
+    s->parameter[s->n++] = (parameter){role, first, last};
+}
+
+static void list_parameters(relaxation *s) {
+    size_t arms = s->start->n_arms;
+    if (s->settings->fit_scale)
+        add_parameter(s, SCALE, 0, 0);
+    for (size_t j = 0; j < arms; j++) {
+        add_parameter(s, LOG_STIFFNESS, j, j);
+        add_parameter(s, LOG_TIME, j, j);
+    }
+    for (size_t j = 0; j < (s->settings->one_beta ? 1 : arms); j++) {
+        size_t last = s->settings->one_beta ? arms - 1 : j;
+        if (s->settings->fit_beta)
+            add_parameter(s, BETA, j, last);
+        if (s->settings->fit_gamma)
+            add_parameter(s, GAMMA, j, last);
+    }
+}
+
+static void first_guess(const relaxation *s, double *p) {
+    for (size_t k = 0; k < s->n; k++) {
+        const palp_arm *arm = &s->start->arms[s->parameter[k].first];
+        switch (s->parameter[k].role) {
+        case SCALE:
+            p[k] = 1.0;
+            break;
+        case LOG_STIFFNESS:
+            p[k] = log(arm->stiffness_N);
+            break;
+        case LOG_TIME:
+            p[k] = log(arm->viscosity_Ns / arm->stiffness_N);
+            break;
+        case BETA:
+            p[k] = arm->beta;
+            break;
+        case GAMMA:
+            p[k] = arm->gamma;
+            break;
+        }
+    }
+}
+
+static palp_status material_from(const relaxation *s, const double *p, palp_material *material) {
+    double time[PALP_ARMS_MAX];
+    palp_status status = PALP_OK;
+    *material = *s->start;
+    for (size_t j = 0; j < material->n_arms; j++)
+        time[j] = material->arms[j].viscosity_Ns / material->arms[j].stiffness_N;
+    for (size_t k = 0; k < s->n && !status; k++)
+        for (size_t j = s->parameter[k].first; j <= s->parameter[k].last; j++)
+            switch (s->parameter[k].role) {
+            case SCALE:
+                status = p[k] > 0.0 ? palp_law_scale(&s->start->law, p[k], &material->law) : PALP_ERR_ARGUMENT;
+                break;
+            case LOG_STIFFNESS:
+                material->arms[j].stiffness_N = exp(p[k]);
+                break;
+            case LOG_TIME:
+                time[j] = exp(p[k]);
+                break;
+            case BETA:
+                material->arms[j].beta = p[k];
+                break;
+            case GAMMA:
+                material->arms[j].gamma = p[k];
+                break;
+            }
+    for (size_t j = 0; j < material->n_arms; j++)
+        material->arms[j].viscosity_Ns = time[j] * material->arms[j].stiffness_N;
+    return status ? status : palp_material_check(material, NULL);
+}
+
+/* Direct effect of parameter k on arm j's force beside what the history carries. */
+static double direct(const parameter *p, size_t j, const element_partials *d) {
+    if (p->role == SCALE || j < p->first || j > p->last)
+        return 0.0;
+    switch (p->role) {
+    case LOG_STIFFNESS:
+        return d->log_stiffness;
+    case LOG_TIME:
+        return d->log_time;
+    case BETA:
+        return d->beta;
+    default:
+        return d->gamma;
+    }
+}
+
+static void find_arm_partials(relaxation *s) {
+    const palp_network *net = s->net;
+    size_t m = net->n_elements;
+    for (size_t j = 0; j < net->material.n_arms; j++)
+        for (size_t i = 0; i < m; i++)
+            s->arm_partials[j * m + i] = element_arm_partials(&net->material, &net->step, j, net->strain[i],
+                                                              net->now.history.strain[i],
+                                                              net->now.history.arm[j * m + i]);
+}
+
+/* Element forces' change with parameter k at fixed positions; arm sensitivities become those at fixed
+ * strain. */
+static void partial_forces(relaxation *s, size_t k, double scale) {
+    const palp_network *net = s->net;
+    size_t m = net->n_elements, arms = net->material.n_arms;
+    const double *strain = s->strain + k * m;
+    for (size_t i = 0; i < m; i++)
+        s->partial[i] = s->parameter[k].role == SCALE ? net->next.history.elastic[i] / scale : 0.0;
+    for (size_t j = 0; j < arms; j++) {
+        double *arm = s->arm + (k * arms + j) * m;
+        const element_partials *d = s->arm_partials + j * m;
+        for (size_t i = 0; i < m; i++) {
+            arm[i] = d[i].arm_old * arm[i] + d[i].strain_old * strain[i] + direct(&s->parameter[k], j, &d[i]);
+            s->partial[i] += arm[i];
+        }
+    }
+}
+
+/* K^-1 of the partial forces: displacement per parameter at every node, into net->fint. */
+static void displace(relaxation *s) {
+    palp_network *net = s->net;
+    double *u = net->fint;
+    memset(u, 0, 3 * net->n_nodes * sizeof *u);
+    for (size_t i = 0; i < net->n_elements; i++)
+        for (size_t c = 0; c < 3; c++) {
+            double f = s->partial[i] * net->direction[3 * i + c];
+            u[3 * (size_t)net->pair[2 * i] + c] += f;
+            u[3 * (size_t)net->pair[2 * i + 1] + c] -= f;
+        }
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            net->dx[net->dof[i]] = u[i];
+    linsys_solve(net->ls, net->dx);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        u[i] = net->dof[i] >= 0 ? net->dx[net->dof[i]] : 0.0;
+}
+
+/* Strain sensitivities of parameter k at equilibrium, and the arms' share of them. */
+static void equilibrate(relaxation *s, size_t k) {
+    palp_network *net = s->net;
+    size_t m = net->n_elements, arms = net->material.n_arms;
+    double *strain = s->strain + k * m;
+    displace(s);
+    for (size_t i = 0; i < m; i++) {
+        const double *n = net->direction + 3 * i, *a = net->fint + 3 * net->pair[2 * i],
+                     *b = net->fint + 3 * net->pair[2 * i + 1];
+        strain[i] = (n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])) * net->inverse_rest[i];
+    }
+    for (size_t j = 0; j < arms; j++)
+        for (size_t i = 0; i < m; i++)
+            s->arm[(k * arms + j) * m + i] += s->arm_partials[j * m + i].strain * strain[i];
+}
+
+/* After a trial step: dforce/dparameter into gradient[n], sensitivities advanced. */
+static palp_status advance_sensitivities(relaxation *s, double scale, double *gradient) {
+    double stiffness;
+    palp_status status = network_weights(s->net, s->weight, &stiffness);
+    if (!status)
+        find_arm_partials(s);
+    for (size_t k = 0; k < s->n && !status; k++) {
+        partial_forces(s, k, scale);
+        gradient[k] = 0.0;
+        for (size_t i = 0; i < s->net->n_elements; i++)
+            gradient[k] += s->weight[i] * s->partial[i];
+        equilibrate(s, k);
+    }
+    return status;
+}
+
+/* Next time to solve at: graded steps, never past a sample or a corner. Steps grow with the time since
+ * the last corner; both constants leave a tenth of the tolerance on the seed's material (test_calibrate). */
+static double next_time(const relaxation *s, const palp_target *target, size_t sample, double t) {
+    size_t corner = 0;
+    while (corner + 2 < target->path.n && target->path.time_s[corner + 1] <= t)
+        corner++;
+    double from = target->path.time_s[corner], to = target->path.time_s[corner + 1];
+    double coarse = sqrt(s->settings->tolerance), step = s->settings->dt_s;
+    if (step == 0.0)
+        step = target->path.depth_m[corner] == target->path.depth_m[corner + 1]
+                   ? fmax(15.0 * coarse * (t - from), 0.5 * coarse)
+                   : (to - from) * 5.0 * coarse;
+    double next = t + step;
+    if (t < to && next > to - 1e-9 * step)
+        next = to;
+    if (sample < target->n && next > target->time_s[sample] - 1e-9 * step)
+        next = target->time_s[sample];
+    return next;
+}
+
+/* Runs one target from rest: force[n] at its samples and, unless NULL, gradient rows of stride total. */
+static palp_status run_target(relaxation *s, const palp_target *target, double scale, double *force,
+                              double *gradient, size_t total) {
+    size_t m = s->net->n_elements, arms = s->net->material.n_arms;
+    double row[PARAMETERS_MAX] = {0}, t = target->path.time_s[0];
+    palp_status status = PALP_OK;
+    palp_network_reset(s->net);
+    memset(s->strain, 0, s->n * m * sizeof *s->strain);
+    memset(s->arm, 0, s->n * arms * m * sizeof *s->arm);
+    for (size_t i = 0; i < target->n && !status;) {
+        if (t >= target->time_s[i]) {
+            force[i] = s->net->now.force;
+            for (size_t k = 0; k < s->n && gradient; k++)
+                gradient[k * total + i] = row[k];
+            i++;
+            continue;
+        }
+        double next = next_time(s, target, i, t);
+        status = palp_network_try(s->net, palp_path_at(&target->path, next), next - t, NULL);
+        if (!status && gradient)
+            status = advance_sensitivities(s, scale, row);
+        if (!status)
+            palp_network_commit(s->net);
+        t = next;
+    }
+    return status;
+}
+
+static double weight_of(const palp_target *target) {
+    double peak = 0.0;
+    for (size_t i = 0; i < target->n; i++)
+        peak = fmax(peak, fabs(target->force_N[i]));
+    return target->weight > 0.0 ? target->weight : 1.0 / ((double)target->n * peak * peak);
+}
+
+static palp_status report(relaxation *s, const palp_material *material, double weighted) {
+    double sum = 0.0;
+    const double *force = s->force;
+    for (size_t t = 0; t < s->n_targets; force += s->target[t++].n)
+        for (size_t i = 0; i < s->target[t].n; i++)
+            sum += (force[i] - s->target[t].force_N[i]) * (force[i] - s->target[t].force_N[i]);
+    palp_calibrate_iteration it = {0, sqrt(sum), *material, NAN, NAN, NAN};
+    palp_status status = calibration_add(s->result, &it);
+    if (status)
+        return status;
+    if (s->result->n_iterations == 1 || weighted < s->best) {
+        s->best = weighted;
+        s->result->residual_N = it.residual_N;
+        s->result->material = *material;
+    }
+    double done = (double)s->result->n_iterations / (double)s->settings->max_evaluations;
+    if (s->settings->progress && s->settings->progress(s->settings->user, done, &it))
+        return PALP_ERR_STOPPED;
+    return PALP_OK;
+}
+
+static bool lost(palp_status status) {
+    return status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED ||
+           status == PALP_ERR_ARGUMENT;
+}
+
+/* A material that the network cannot follow counts as one without force: far from any target. */
+static palp_status residuals(void *user, const double *p, double *r, double *jacobian) {
+    relaxation *s = user;
+    palp_material material;
+    size_t first = 0;
+    double weighted = 0.0, scale = s->settings->fit_scale ? p[0] : 1.0;
+    palp_status status = material_from(s, p, &material);
+    if (!status)
+        status = palp_network_set_material(s->net, &material);
+    bool no_material = status != PALP_OK;
+    for (size_t t = 0; t < s->n_targets; t++) {
+        const palp_target *target = &s->target[t];
+        double root = sqrt(weight_of(target));
+        if (!status)
+            status = run_target(s, target, scale, s->force + first, jacobian ? jacobian + first : NULL, s->n_samples);
+        if (status && (!lost(status) || s->result->n_iterations == 0))
+            return status;
+        for (size_t i = first; i < first + target->n; i++) {
+            if (status)
+                s->force[i] = 0.0;
+            r[i] = root * (s->force[i] - target->force_N[i - first]);
+            weighted += r[i] * r[i];
+            for (size_t k = 0; k < s->n && jacobian; k++)
+                jacobian[k * s->n_samples + i] *= root;
+        }
+        first += target->n;
+    }
+    return no_material ? PALP_OK : report(s, &material, weighted);
+}
+
+/* Bounds as linear constraints: scale >= 0.05, beta and gamma >= 0. */
+static size_t bound_rows(const relaxation *s, double *row, double *floor) {
+    size_t rows = 0;
+    memset(row, 0, s->n * s->n * sizeof *row);
+    for (size_t k = 0; k < s->n; k++) {
+        parameter_role role = s->parameter[k].role;
+        if (role == LOG_STIFFNESS || role == LOG_TIME)
+            continue;
+        floor[rows] = role == SCALE ? 0.05 : 0.0;
+        row[rows++ * s->n + k] = 1.0;
+    }
+    return rows;
+}
+
+static palp_status fit(relaxation *s) {
+    double p[PARAMETERS_MAX], floor[PARAMETERS_MAX], norm;
+    double *row = malloc(s->n * s->n * sizeof *row + 1);
+    if (!row)
+        return PALP_ERR_NO_MEMORY;
+    first_guess(s, p);
+    least_squares problem = {.n_parameters = s->n,
+                             .n_residuals = s->n_samples,
+                             .max_evaluations = s->settings->max_evaluations,
+                             .stop_relative = s->settings->stop_relative,
+                             .evaluate = residuals,
+                             .user = s,
+                             .n_constraints = bound_rows(s, row, floor),
+                             .constraint = row,
+                             .floor = floor};
+    palp_status status = least_squares_solve(&problem, p, &norm, &s->result->converged);
+    free(row);
+    return status;
+}
+
+static palp_status check(const relaxation *s) {
+    if (s->start->n_arms == 0 || s->n_targets == 0)
+        return PALP_ERR_ARGUMENT;
+    if (s->start->formulation != PALP_HISTORY)
+        return PALP_ERR_UNSUPPORTED;
+    if (!(s->settings->tolerance > 0.0) || s->settings->dt_s < 0.0)
+        return PALP_ERR_ARGUMENT;
+    for (size_t t = 0; t < s->n_targets; t++) {
+        const palp_target *target = &s->target[t];
+        if (target->n == 0 || target->path.n < 2 || !target->path.depth_m || target->path.depth_m[0] != 0.0)
+            return PALP_ERR_ARGUMENT;
+        for (size_t i = 1; i < target->n; i++)
+            if (!(target->time_s[i] > target->time_s[i - 1]))
+                return PALP_ERR_ARGUMENT;
+    }
+    return palp_material_check(s->start, NULL);
+}
+
+static palp_status calibrate(relaxation *s) {
+    size_t m = s->net->n_elements;
+    list_parameters(s);
+    for (size_t t = 0; t < s->n_targets; t++)
+        s->n_samples += s->target[t].n;
+    s->strain = malloc((s->n * m + 1) * sizeof(double));
+    s->arm = malloc((s->n * s->start->n_arms * m + 1) * sizeof(double));
+    s->weight = malloc((m + 1) * sizeof(double));
+    s->partial = malloc((m + 1) * sizeof(double));
+    s->force = calloc(s->n_samples + 1, sizeof(double));
+    s->arm_partials = malloc((s->start->n_arms * m + 1) * sizeof *s->arm_partials);
+    bool ok = s->strain && s->arm && s->weight && s->partial && s->force && s->arm_partials;
+    palp_status status = ok ? fit(s) : PALP_ERR_NO_MEMORY;
+    free(s->strain);
+    free(s->arm);
+    free(s->weight);
+    free(s->partial);
+    free(s->force);
+    free(s->arm_partials);
+    return status;
+}
+
+palp_status palp_calibrate_relaxation(palp_network *network, const palp_material *start, size_t n_targets,
+                                      const palp_target *targets, const palp_relaxation_settings *settings,
+                                      palp_calibration *result) {
+    relaxation s = {.net = network, .start = start, .settings = settings, .n_targets = n_targets,
+                    .target = targets, .result = result};
+    memset(result, 0, sizeof *result);
+    palp_status status;
+    if (settings->method == PALP_CALIBRATE_THREE_PHASE) {
+        status = calibrate_three_phase(network, start, n_targets, targets, settings, result);
+    } else {
+        status = settings->method == PALP_CALIBRATE_NLOPT ? check(&s) : PALP_ERR_UNSUPPORTED;
+        if (!status)
+            status = calibrate(&s);
+    }
+    if (!status)
+        status = palp_network_set_material(network, &result->material);
+    if (status)
+        palp_calibration_free(result);
+    return status;
+}

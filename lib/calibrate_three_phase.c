@@ -1,0 +1,177 @@
+/* calibrate_three_phase.c: the seed's loops of Figure 5.21 for one arm: peak force by K1 and b1, time to
+ * the steady state by b1, force there by the law's scale. */
+#include "calibrate_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Peak force, and the time and force at which the slope has fallen to steady_slope. */
+typedef struct marks {
+    double peak, steady_time, steady_force;
+} marks;
+
+typedef struct three_phase {
+    palp_network *net;
+    const palp_target *target;
+    const palp_relaxation_settings *settings;
+    palp_calibration *result;
+    palp_material material;
+    marks wanted, reached;
+} three_phase;
+
+static marks marks_of_record(const palp_target *target, double slope) {
+    marks m = {0};
+    size_t i = 1, n = target->n;
+    double ramp_end = target->path.time_s[1];
+    while (i < n && target->time_s[i] < ramp_end * (1.0 - 1e-12))
+        i++;
+    m.peak = target->force_N[i < n ? i : n - 1];
+    for (i++; i < n; i++) {
+        m.steady_time = target->time_s[i];
+        m.steady_force = target->force_N[i];
+        if (target->force_N[i - 1] - target->force_N[i] < slope * (target->time_s[i] - target->time_s[i - 1]))
+            break;
+    }
+    return m;
+}
+
+/* Runs the ramp, and the hold until it is steady if wanted. */
+static palp_status run(three_phase *s, bool hold) {
+    const palp_path *path = &s->target->path;
+    double dt = s->settings->dt_s, ramp = path->time_s[1], end = path->time_s[path->n - 1];
+    palp_status status = palp_network_set_material(s->net, &s->material);
+    double steps = ceil(ramp / dt - 1e-9), step = ramp / steps;
+    for (double i = 1.0; i <= steps && !status; i += 1.0)
+        status = palp_network_step(s->net, path->depth_m[1] * i / steps, step, NULL);
+    s->reached.peak = s->net->now.force;
+    for (double t = ramp + dt; hold && t < end + 0.5 * dt && !status; t += dt) {
+        double before = s->net->now.force;
+        status = palp_network_step(s->net, path->depth_m[1], dt, NULL);
+        s->reached.steady_time = t;
+        s->reached.steady_force = s->net->now.force;
+        if (before - s->net->now.force < s->settings->steady_slope_N_s * dt)
+            break;
+    }
+    return status;
+}
+
+static double error(double reached, double wanted) {
+    return fabs(reached - wanted) / fabs(wanted);
+}
+
+static palp_status record(three_phase *s, int phase, bool hold) {
+    double peak = 100.0 * error(s->reached.peak, s->wanted.peak);
+    palp_calibrate_iteration it = {phase, fabs(s->reached.peak - s->wanted.peak), s->material, peak, NAN, NAN};
+    if (hold) {
+        it.steady_time_error_percent = 100.0 * error(s->reached.steady_time, s->wanted.steady_time);
+        it.steady_force_error_percent = 100.0 * error(s->reached.steady_force, s->wanted.steady_force);
+    }
+    palp_status status = calibration_add(s->result, &it);
+    double done = (double)s->result->n_iterations / (double)s->settings->max_evaluations;
+    if (!status && s->settings->progress && s->settings->progress(s->settings->user, done, &it))
+        status = PALP_ERR_STOPPED;
+    return status;
+}
+
+static bool exhausted(const three_phase *s) {
+    return s->result->n_iterations >= s->settings->max_evaluations;
+}
+
+/* Phases 1 and 2: multiply by wanted / reached until the error is within the bound or grows. */
+static palp_status match(three_phase *s, int phase) {
+    double least = HUGE_VAL, e;
+    palp_arm *arm = &s->material.arms[0], best = *arm;
+    do {
+        palp_status status = run(s, phase == 2);
+        if (!status)
+            status = record(s, phase, phase == 2);
+        if (status)
+            return status;
+        double wanted = phase == 1 ? s->wanted.peak : s->wanted.steady_time;
+        double reached = phase == 1 ? s->reached.peak : s->reached.steady_time;
+        e = error(reached, wanted);
+        if (!(e < least))
+            break;
+        least = e;
+        best = *arm;
+        if (e > s->settings->error_bound) {
+            arm->viscosity_Ns *= wanted / reached;
+            if (phase == 1)
+                arm->stiffness_N *= wanted / reached;
+        }
+    } while (e > s->settings->error_bound && !exhausted(s));
+    *arm = best;
+    return PALP_OK;
+}
+
+/* Phase 3, as printed: the law's scale moves by the last error, halved whenever it overshoots. */
+static palp_status match_steady_force(three_phase *s) {
+    enum { ROUNDS = 20 };
+    double least = HUGE_VAL, best_force = 0.0, difference = 0.0, e;
+    palp_law best = s->material.law;
+    int rounds = 0;
+    do {
+        palp_status status = run(s, true);
+        if (!status)
+            status = record(s, 3, true);
+        if (status)
+            return status;
+        e = error(s->reached.steady_force, s->wanted.steady_force);
+        if (e <= s->settings->error_bound)
+            return PALP_OK;
+        if (e < least) {
+            least = difference = e;
+            best_force = s->reached.steady_force;
+            best = s->material.law;
+        } else {
+            difference *= 0.5;
+        }
+        double factor = best_force > s->wanted.steady_force ? 1.0 - difference : 1.0 + difference;
+        status = palp_law_scale(&best, factor, &s->material.law);
+        if (status)
+            return status;
+    } while (++rounds < ROUNDS && !exhausted(s));
+    s->material.law = best;
+    return PALP_OK;
+}
+
+static bool within(const three_phase *s) {
+    double bound = s->settings->error_bound;
+    return error(s->reached.peak, s->wanted.peak) <= bound &&
+           error(s->reached.steady_time, s->wanted.steady_time) <= bound &&
+           error(s->reached.steady_force, s->wanted.steady_force) <= bound;
+}
+
+static palp_status check(const palp_material *start, size_t n_targets, const palp_target *target,
+                         const palp_relaxation_settings *settings) {
+    if (start->n_arms != 1)
+        return PALP_ERR_UNSUPPORTED;
+    const palp_path *p = &target->path;
+    if (n_targets != 1 || target->n < 3 || p->n != 3 || !p->depth_m || p->depth_m[0] != 0.0 || p->time_s[0] != 0.0 ||
+        p->depth_m[1] != p->depth_m[2] || !(settings->dt_s > 0.0) || settings->max_evaluations < 1)
+        return PALP_ERR_ARGUMENT;
+    return palp_material_check(start, NULL);
+}
+
+palp_status calibrate_three_phase(palp_network *network, const palp_material *start, size_t n_targets,
+                                  const palp_target *targets, const palp_relaxation_settings *settings,
+                                  palp_calibration *result) {
+    palp_status status = check(start, n_targets, targets, settings);
+    if (status)
+        return status;
+    three_phase s = {.net = network, .target = targets, .settings = settings, .result = result, .material = *start};
+    s.wanted = marks_of_record(targets, settings->steady_slope_N_s);
+    do {
+        status = match(&s, 1);
+        if (!status)
+            status = match(&s, 2);
+        if (!status)
+            status = match_steady_force(&s);
+        if (!status)
+            status = run(&s, true);
+        result->converged = !status && within(&s);
+    } while (!status && !result->converged && !exhausted(&s));
+    result->material = s.material;
+    result->residual_N = fabs(s.reached.peak - s.wanted.peak);
+    return status;
+}

@@ -1,0 +1,169 @@
+/* element.c: the generalized Maxwell solid over one time step, many elements at a time. */
+#include "element.h"
+
+#include <math.h>
+
+void element_decay(double x, double *decay, double *mean) {
+    *decay = exp(-x);
+    if (x < 1e-8)
+        *mean = 1.0 - 0.5 * x;
+    else
+        *mean = isinf(x) ? 0.0 : -expm1(-x) / x;
+}
+
+void element_step_prepare(const palp_material *material, double dt, element_step *step) {
+    step->dt = dt;
+    step->dashpot = material->dashpot_Ns > 0.0 ? material->dashpot_Ns / dt : 0.0;
+    step->carry = 0.0;
+    bool sedef = material->formulation == PALP_SEDEF2008;
+    for (size_t j = 0; j < material->n_arms; j++) {
+        const palp_arm *arm = &material->arms[j];
+        double x = dt * arm->stiffness_N / arm->viscosity_Ns, mean;
+        element_decay(x, &step->decay[j], &mean);
+        step->gain[j] = arm->stiffness_N * mean;
+        if (sedef)
+            step->carry = 1.0 / (1.0 + x);
+    }
+}
+
+/* Eq. 5.11: A = (K e + b1 (1 + K/K1) (e - e_old) / dt) / (1 + b1 / (K1 dt)), and dA/de. */
+static void sedef_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
+                        const element_history *old, double *force, double *tangent) {
+    const palp_arm *arm = &material->arms[0];
+    double rate = arm->viscosity_Ns / step->dt;
+    double share = 1.0 - step->carry;
+    for (size_t i = 0; i < n; i++) {
+        double stiffness, slope;
+        palp_law_stiffness(&material->law, e[i], &stiffness, &slope);
+        double de = e[i] - old->strain[i];
+        double along = 1.0 + stiffness / arm->stiffness_N;
+        double turn = (e[i] < 0.0 ? -slope : slope) / arm->stiffness_N;
+        force[i] = share * (force[i] + rate * along * de);
+        tangent[i] = share * (tangent[i] + rate * (along + turn * de));
+    }
+}
+
+element_drive element_arm_drive(const palp_material *material, size_t arm, double e, double elastic,
+                                double tangent, double energy) {
+    if (material->quasi_linear) {
+        double start;
+        palp_law_stiffness(&material->law, 0.0, &start, NULL);
+        return (element_drive){elastic / start, tangent / start, energy / start};
+    }
+    double beta = material->arms[arm].beta, a = fabs(e);
+    return (element_drive){e * (1.0 + 0.5 * beta * a), 1.0 + beta * a, e * e * (0.5 + beta * a / 6.0)};
+}
+
+/* q = decay q_old + gain (e - e_old): the common arm, no strain dependence. */
+static void linear_arm(const element_step *step, size_t j, size_t n, const double *e,
+                       const element_history *old, element_history *new, double *force, double *tangent) {
+    const double decay = step->decay[j], gain = step->gain[j];
+    const double *q_old = old->arm + j * n, *e_old = old->strain;
+    double *q = new->arm + j * n;
+    for (size_t i = 0; i < n; i++) {
+        q[i] = decay * q_old[i] + gain * (e[i] - e_old[i]);
+        force[i] += q[i];
+        tangent[i] += gain;
+    }
+}
+
+/* The same with a drive s(e), and with tau (1 + gamma |e|) taken at the mean of both strains. */
+static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t n,
+                          const double *e, const element_history *old, element_history *new, double *force,
+                          double *tangent) {
+    const palp_arm *arm = &material->arms[j];
+    const double *q_old = old->arm + j * n, *elastic = new->elastic;
+    double *q = new->arm + j * n, tau = arm->viscosity_Ns / arm->stiffness_N;
+    for (size_t i = 0; i < n; i++) {
+        double slope = 0.0;
+        if (material->quasi_linear)
+            palp_law_force(&material->law, 1, &e[i], &(double){0}, &slope, NULL);
+        element_drive s = element_arm_drive(material, j, e[i], elastic[i], slope, 0.0);
+        element_drive s_old = element_arm_drive(material, j, old->strain[i], old->elastic[i], 0.0, 0.0);
+        double ds = s.value - s_old.value, decay = step->decay[j], gain = step->gain[j], turn = 0.0;
+        if (arm->gamma != 0.0) {
+            double stretch = 1.0 + 0.5 * arm->gamma * (fabs(e[i]) + fabs(old->strain[i]));
+            double x = step->dt / (tau * stretch), mean;
+            element_decay(x, &decay, &mean);
+            gain = arm->stiffness_N * mean;
+            /* d/de of decay and gain through x: dx/de = -x gamma sign(e) / (2 stretch) */
+            double dx = -0.5 * x * (e[i] < 0.0 ? -arm->gamma : arm->gamma) / stretch;
+            double dmean = x < 1e-4 ? -0.5 + x / 3.0 : (decay - mean) / x;
+            turn = isinf(x) ? 0.0 : dx * (-decay * q_old[i] + arm->stiffness_N * dmean * ds);
+        }
+        q[i] = decay * q_old[i] + gain * ds;
+        force[i] += q[i];
+        tangent[i] += gain * s.slope + turn;
+    }
+}
+
+void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
+                   const element_history *old, element_history *new, double *force, double *tangent) {
+    palp_law_force(&material->law, n, e, force, tangent, NULL);
+    for (size_t i = 0; i < n; i++) {
+        new->strain[i] = e[i];
+        new->elastic[i] = force[i];
+    }
+    if (material->formulation == PALP_SEDEF2008 && material->n_arms > 0) {
+        sedef_trial(material, step, n, e, old, force, tangent);
+        return;
+    }
+    for (size_t j = 0; j < material->n_arms; j++) {
+        const palp_arm *arm = &material->arms[j];
+        if (material->quasi_linear || arm->beta != 0.0 || arm->gamma != 0.0)
+            nonlinear_arm(material, step, j, n, e, old, new, force, tangent);
+        else
+            linear_arm(step, j, n, e, old, new, force, tangent);
+    }
+    if (step->dashpot > 0.0)
+        for (size_t i = 0; i < n; i++) {
+            force[i] += step->dashpot * (e[i] - old->strain[i]);
+            tangent[i] += step->dashpot;
+        }
+}
+
+bool element_energy(const palp_material *material, const element_step *step, size_t n, const double *e,
+                    const element_history *old, double *energy, double *work) {
+    for (size_t j = 0; j < material->n_arms; j++)
+        if (material->arms[j].gamma != 0.0)
+            return false;
+    if (material->formulation == PALP_SEDEF2008 && material->n_arms > 0)
+        return false;
+    palp_law_force(&material->law, n, e, work, NULL, energy);
+    for (size_t i = 0; i < n; i++) {
+        double law = energy[i], de = e[i] - old->strain[i];
+        energy[i] += 0.5 * step->dashpot * de * de;
+        for (size_t j = 0; j < material->n_arms; j++) {
+            element_drive s = element_arm_drive(material, j, e[i], work[i], 0.0, law);
+            element_drive s_old = element_arm_drive(material, j, old->strain[i], old->elastic[i], 0.0, 0.0);
+            energy[i] += step->decay[j] * old->arm[j * n + i] * e[i] +
+                         step->gain[j] * (s.integral - s_old.value * e[i]);
+        }
+    }
+    return true;
+}
+
+element_partials element_arm_partials(const palp_material *material, const element_step *step, size_t j, double e,
+                                      double e_old, double q_old) {
+    const palp_arm *arm = &material->arms[j];
+    double elastic, tangent, elastic_old, tangent_old, decay, mean;
+    palp_law_force(&material->law, 1, &e, &elastic, &tangent, NULL);
+    palp_law_force(&material->law, 1, &e_old, &elastic_old, &tangent_old, NULL);
+    element_drive s = element_arm_drive(material, j, e, elastic, tangent, 0.0);
+    element_drive s_old = element_arm_drive(material, j, e_old, elastic_old, tangent_old, 0.0);
+    double stretch = 1.0 + 0.5 * arm->gamma * (fabs(e) + fabs(e_old));
+    double x = step->dt * arm->stiffness_N / (arm->viscosity_Ns * stretch), ds = s.value - s_old.value;
+    element_decay(x, &decay, &mean);
+    double dmean = x < 1e-4 ? -0.5 + x / 3.0 : (decay - mean) / x;
+    double by_x = isinf(x) ? 0.0 : x * (-decay * q_old + arm->stiffness_N * dmean * ds); /* x dq/dx */
+    double gain = arm->stiffness_N * mean, turn = 0.5 * arm->gamma / stretch;
+    element_partials p = {
+        .strain = gain * s.slope - by_x * (e < 0.0 ? -turn : turn),
+        .strain_old = -gain * s_old.slope - by_x * (e_old < 0.0 ? -turn : turn),
+        .arm_old = decay,
+        .log_stiffness = gain * ds,
+        .log_time = -by_x,
+        .beta = 0.5 * gain * (e * fabs(e) - e_old * fabs(e_old)),
+        .gamma = -by_x * 0.5 * (fabs(e) + fabs(e_old)) / stretch};
+    return p;
+}

@@ -1,0 +1,53 @@
+/* element.h: what n elements of one material do in a time step. Internal. */
+#ifndef ELEMENT_H
+#define ELEMENT_H
+
+#include <palpate/material.h>
+
+/* Constants of a step of dt seconds; arms with strain-dependent times take theirs per element. */
+typedef struct element_step {
+    double dt;
+    double decay[PALP_ARMS_MAX]; /* exp(-dt / tau_j) */
+    double gain[PALP_ARMS_MAX];  /* K_j (1 - exp(-dt / tau_j)) tau_j / dt, N */
+    double dashpot;              /* b / dt, N */
+    double carry;                /* PALP_SEDEF2008: share of the previous force vector, Eq. 5.11 */
+} element_step;
+
+/* What n elements remember, structure of arrays. */
+typedef struct element_history {
+    double *strain;  /* [n] */
+    double *elastic; /* [n] K(|e|) e */
+    double *arm;     /* [n_arms n], arm j at arm + j n */
+} element_history;
+
+/* exp(-x) and (1 - exp(-x)) / x, their limits at x = 0 and infinity included. */
+void element_decay(double x, double *decay, double *mean);
+
+void element_step_prepare(const palp_material *material, double dt, element_step *step);
+
+/* Force and tangent (N) of n elements at the strains e, and the history a commit would keep.
+ * PALP_SEDEF2008: force is A of Eq. 5.11; the caller adds carry times the previous force. */
+void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
+                   const element_history *old, element_history *new, double *force, double *tangent);
+
+/* Incremental energy, N: integral of the force over the strain from 0 at frozen history. False if
+ * there is no closed form (strain-dependent relaxation times). work[n] is scratch. */
+bool element_energy(const palp_material *material, const element_step *step, size_t n, const double *e,
+                    const element_history *old, double *energy, double *work);
+
+/* The drive s of an arm, ds/de and its integral at strain e; elastic, tangent, energy are the law's. */
+typedef struct element_drive {
+    double value, slope, integral;
+} element_drive;
+element_drive element_arm_drive(const palp_material *material, size_t arm, double e, double elastic,
+                                double tangent, double energy);
+
+/* Partial derivatives of an arm's force q at the end of a step, PALP_HISTORY. */
+typedef struct element_partials {
+    double strain, strain_old, arm_old;               /* dq/de, dq/de_old, dq/dq_old */
+    double log_stiffness, log_time, beta, gamma;      /* tau held while K varies, and the other way round */
+} element_partials;
+element_partials element_arm_partials(const palp_material *material, const element_step *step, size_t arm, double e,
+                                      double e_old, double q_old);
+
+#endif

@@ -1,0 +1,42 @@
+/* experiment_internal.h: what an experiment holds; shared by its reader and writer. */
+#ifndef PALP_EXPERIMENT_INTERNAL_H
+#define PALP_EXPERIMENT_INTERNAL_H
+
+#include <palpate/experiment.h>
+
+#include <jansson.h>
+#include <stdbool.h>
+
+typedef struct palp_column {
+    char *name;
+    double *values; /* [capacity], rows of them used */
+} palp_column;
+
+struct palp_experiment {
+    json_t *header; /* flat: "specimen.height_mm" -> value, in the order of the file */
+    size_t rows, capacity;
+    size_t n_columns;
+    palp_column *columns; /* [n_columns] */
+};
+
+/* No columns, no keys. */
+palp_status palp_experiment_empty(palp_experiment **experiment);
+
+/* Adds a column name[length] of zeros. */
+palp_status palp_experiment_append_column(palp_experiment *experiment, const char *name, size_t length);
+
+/* Room for at least twice the rows there are. */
+palp_status palp_experiment_grow(palp_experiment *experiment);
+
+enum { PALP_KEY_MAX = 127 }; /* most characters of a header key */
+
+/* Letters, digits, '_', '.' and '-', 1 to PALP_KEY_MAX of them. */
+bool palp_experiment_key_valid(const char *key, size_t length);
+
+/* Something printable without comma or '#', no blanks at the ends, that does not start as a number. */
+bool palp_experiment_name_valid(const char *name, size_t length);
+
+/* Index of a column, n_columns if there is none. */
+size_t palp_experiment_find(const palp_experiment *experiment, const char *name, size_t length);
+
+#endif

@@ -1,0 +1,192 @@
+/* file.c: one-line errors, reading a whole file, and writing one that is never half there. */
+#define _XOPEN_SOURCE 700 /* realpath, fsync, strerror_r */
+#include "file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void text_set(palp_error *error, size_t from, const char *format, va_list arguments) {
+    if (from < sizeof error->text)
+        vsnprintf(error->text + from, sizeof error->text - from, format, arguments);
+    for (char *p = error->text; *p; p++)
+        if ((unsigned char)*p < ' ' || *p == 127)
+            *p = '?';
+}
+
+palp_status palp_error_set(palp_error *error, palp_status status, const char *format, ...) {
+    if (!error)
+        return status;
+    error->status = status;
+    va_list arguments;
+    va_start(arguments, format);
+    text_set(error, 0, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+palp_status palp_error_set_line(palp_error *error, palp_status status, const char *path, size_t line,
+                                const char *format, ...) {
+    if (!error)
+        return status;
+    error->status = status;
+    int from = snprintf(error->text, sizeof error->text, "%s:%zu: ", path, line);
+    va_list arguments;
+    va_start(arguments, format);
+    text_set(error, from > 0 ? (size_t)from : 0, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+palp_status palp_error_set_file(palp_error *error, const char *path, const char *what, int number) {
+    char reason[128] = "";
+    if (strerror_r(number, reason, sizeof reason) || !reason[0])
+        snprintf(reason, sizeof reason, "error %d", number);
+    return palp_error_set(error, PALP_ERR_FILE, "%s: %s: %s", path, what, reason);
+}
+
+/* Room for a regular file of its size, else a first guess. */
+static size_t size_guess(FILE *stream) {
+    struct stat info;
+    if (fstat(fileno(stream), &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0)
+        return (size_t)info.st_size + 2; /* the NUL, and one more so that fread meets the end */
+    return 65536;
+}
+
+static palp_status read_stream(FILE *stream, char **text, size_t *size) {
+    size_t capacity = size_guess(stream), n = 0;
+    char *buffer = malloc(capacity);
+    while (buffer) {
+        n += fread(buffer + n, 1, capacity - 1 - n, stream);
+        if (n + 1 < capacity)
+            break;
+        char *larger = capacity > (size_t)-1 / 2 ? NULL : realloc(buffer, 2 * capacity);
+        if (!larger)
+            free(buffer);
+        buffer = larger;
+        capacity *= 2;
+    }
+    if (!buffer)
+        return PALP_ERR_NO_MEMORY;
+    buffer[n] = '\0';
+    *text = buffer;
+    *size = n;
+    return PALP_OK;
+}
+
+palp_status palp_file_read(const char *path, char **text, size_t *size, palp_error *error) {
+    FILE *stream = fopen(path, "rb");
+    if (!stream)
+        return palp_error_set_file(error, path, "cannot open", errno);
+    errno = 0;
+    palp_status status = read_stream(stream, text, size);
+    int number = errno;
+    bool failed = ferror(stream) != 0;
+    fclose(stream);
+    if (status)
+        return palp_error_set(error, status, "%s: %s", path, palp_status_text(status));
+    if (failed) {
+        free(*text);
+        *text = NULL;
+        return palp_error_set_file(error, path, "cannot read", number);
+    }
+    return PALP_OK;
+}
+
+static char *text_copy(const char *text) {
+    size_t size = strlen(text) + 1;
+    char *copy = malloc(size);
+    return copy ? memcpy(copy, text, size) : NULL;
+}
+
+static void file_free(palp_file *file) {
+    free(file->target);
+    free(file->temporary);
+    memset(file, 0, sizeof *file);
+}
+
+/* Opens target.PID.N.tmp for the first N that is not taken; -1 with errno if it cannot be made. */
+static int open_temporary(palp_file *file) {
+    size_t room = strlen(file->target) + 48;
+    char *larger = realloc(file->temporary, room);
+    if (!larger) {
+        errno = ENOMEM;
+        return -1;
+    }
+    file->temporary = larger;
+    int fd = -1;
+    for (int i = 0; i < 1000 && fd < 0; i++) {
+        snprintf(file->temporary, room, "%s.%ld.%d.tmp", file->target, (long)getpid(), i);
+        fd = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL, 0666);
+        if (fd < 0 && errno != EEXIST)
+            break;
+    }
+    return fd;
+}
+
+static int open_target(palp_file *file) {
+    struct stat info;
+    bool direct = stat(file->target, &info) == 0 && !S_ISREG(info.st_mode);
+    return direct ? open(file->target, O_WRONLY) : open_temporary(file);
+}
+
+palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error) {
+    memset(file, 0, sizeof *file);
+    file->path = path;
+    file->target = realpath(path, NULL);
+    if (!file->target)
+        file->target = text_copy(path);
+    file->temporary = text_copy("");
+    if (!file->target || !file->temporary) {
+        file_free(file);
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
+    }
+    int fd = open_target(file);
+    if (fd >= 0)
+        file->stream = fdopen(fd, "wb");
+    if (file->stream)
+        return PALP_OK;
+    int number = errno;
+    if (fd >= 0) {
+        close(fd);
+        if (file->temporary[0])
+            unlink(file->temporary);
+    }
+    file_free(file);
+    if (number == ENOMEM)
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
+    return palp_error_set_file(error, path, "cannot write", number);
+}
+
+palp_status palp_file_commit(palp_file *file, bool durable, palp_error *error) {
+    bool staged = file->temporary[0] != '\0';
+    errno = 0;
+    bool bad = ferror(file->stream) != 0 || fflush(file->stream) != 0;
+    if (!bad && durable && staged)
+        bad = fsync(fileno(file->stream)) != 0;
+    int number = errno;
+    if (fclose(file->stream) != 0 && !bad) {
+        bad = true;
+        number = errno;
+    }
+    if (!bad && staged && rename(file->temporary, file->target) != 0) {
+        bad = true;
+        number = errno;
+    }
+    if (bad && staged)
+        unlink(file->temporary);
+    palp_status status = bad ? palp_error_set_file(error, file->path, "cannot write", number) : PALP_OK;
+    file_free(file);
+    return status;
+}
+
+void palp_file_abandon(palp_file *file) {
+    fclose(file->stream);
+    if (file->temporary[0])
+        unlink(file->temporary);
+    file_free(file);
+}

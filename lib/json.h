@@ -1,0 +1,55 @@
+/* json.h: strict reading of JSON files: every key known, every error with its line. */
+#ifndef PALP_JSON_H
+#define PALP_JSON_H
+
+#include "file.h"
+
+#include <jansson.h>
+
+/* A parsed file; its text is kept to find lines in. */
+typedef struct palp_json_file {
+    const char *path; /* caller's */
+    char *text;
+    json_t *root;
+    palp_error *error; /* where failures are told, may be NULL */
+} palp_json_file;
+
+/* A value and where it stands: member key of parent, or item index of it if key is NULL. */
+typedef struct palp_json {
+    const palp_json_file *file;
+    const struct palp_json *parent; /* NULL: the root */
+    const char *key;
+    size_t index;
+    json_t *value;
+} palp_json;
+
+palp_status palp_json_open(const char *path, palp_json_file *file, palp_json *root, palp_error *error);
+void palp_json_close(palp_json_file *file);
+
+/* "path:line: name text" with the line of at's key and its dotted name. Returns status. */
+palp_status palp_json_fail(const palp_json *at, palp_status status, const char *format, ...)
+    PALP_PRINTF(3, 4);
+
+/* ERR_INPUT unless at is an object whose keys are all among allowed[n]; a key that differs from an
+ * allowed one in its unit only is told so. */
+palp_status palp_json_keys(const palp_json *at, size_t n, const char *const *allowed);
+
+bool palp_json_member(const palp_json *at, const char *key, palp_json *member); /* false: absent */
+palp_status palp_json_require(const palp_json *at, const char *key,
+                              palp_json *member); /* ERR_INPUT: absent */
+palp_status palp_json_item(const palp_json *at, size_t index, palp_json *item);
+palp_status palp_json_list(const palp_json *at, size_t most, size_t *n); /* length; ERR_LIMIT above most */
+
+palp_status palp_json_number(const palp_json *at, double *value);
+palp_status palp_json_positive(const palp_json *at, double *value); /* > 0 */
+palp_status palp_json_numbers(const palp_json *at, size_t most, size_t *n, double *values);
+palp_status palp_json_bool(const palp_json *at, bool *value);
+palp_status palp_json_string(const palp_json *at, const char **value); /* the file's */
+
+/* The one of expected[n] that key equals but for its unit (what follows the last '_'), or NULL. */
+const char *palp_key_hint(const char *key, size_t n, const char *const *expected);
+
+/* UTF-8 without overlong forms and surrogates, which is what Jansson takes as text. */
+bool palp_text_is_utf8(const char *text);
+
+#endif

@@ -1,0 +1,265 @@
+/* law.c: stiffness laws: makers, the polynomial law, and the door to the other kinds. */
+#include "law_internal.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+static const char *const kind_names[] = {
+    [PALP_LAW_POLYNOMIAL] = "polynomial",
+    [PALP_LAW_SPLINE] = "spline",
+    [PALP_LAW_NEO_HOOKEAN] = "neo_hookean",
+    [PALP_LAW_MOONEY_RIVLIN2] = "mooney_rivlin2",
+    [PALP_LAW_MOONEY_RIVLIN5] = "mooney_rivlin5",
+    [PALP_LAW_YEOH] = "yeoh",
+    [PALP_LAW_OGDEN] = "ogden",
+};
+
+enum { KIND_COUNT = sizeof kind_names / sizeof kind_names[0] };
+
+const char *palp_law_kind_name(palp_law_kind kind) {
+    size_t i = (size_t)kind;
+    return i < KIND_COUNT ? kind_names[i] : "unknown";
+}
+
+palp_status palp_law_kind_parse(const char *name, palp_law_kind *kind) {
+    for (size_t i = 0; name && i < KIND_COUNT; i++) {
+        if (strcmp(name, kind_names[i]) == 0) {
+            *kind = (palp_law_kind)i;
+            return PALP_OK;
+        }
+    }
+    return PALP_ERR_ARGUMENT;
+}
+
+static bool all_finite(size_t n, const double *x) {
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(x[i]))
+            return false;
+    }
+    return true;
+}
+
+static palp_status check_coefficients(size_t n, const double *c) {
+    if (n == 0 || !c)
+        return PALP_ERR_ARGUMENT;
+    if (n > PALP_LAW_MAX)
+        return PALP_ERR_LIMIT;
+    return all_finite(n, c) ? PALP_OK : PALP_ERR_ARGUMENT;
+}
+
+static palp_law make(palp_law_kind kind, size_t n, const double *c) {
+    palp_law law = {.kind = kind, .n = n};
+    memcpy(law.coefficients, c, n * sizeof *c);
+    return law;
+}
+
+palp_status palp_law_polynomial(size_t n, const double *c_N, palp_law *law) {
+    palp_status status = check_coefficients(n, c_N);
+    if (status == PALP_OK)
+        *law = make(PALP_LAW_POLYNOMIAL, n, c_N);
+    return status;
+}
+
+palp_status palp_law_spline(size_t n, const double *strain, const double *stiffness_N, palp_law *law) {
+    palp_status status = check_coefficients(n, stiffness_N);
+    if (status != PALP_OK)
+        return status;
+    if (n < 2 || !strain || !all_finite(n, strain) || strain[0] != 0.0)
+        return PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < n; i++) {
+        if (stiffness_N[i] <= 0.0 || (i > 0 && strain[i] <= strain[i - 1]))
+            return PALP_ERR_ARGUMENT;
+    }
+    palp_law made = make(PALP_LAW_SPLINE, n, stiffness_N);
+    memcpy(made.strain, strain, n * sizeof *strain);
+    palp_law_spline_slopes(&made);
+    *law = made;
+    return PALP_OK;
+}
+
+palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *coefficients_Pa, double area_m2,
+                                  palp_law *law) {
+    palp_status status = check_coefficients(n, coefficients_Pa);
+    if (status == PALP_OK)
+        status = palp_law_hyperelastic_check(kind, n, coefficients_Pa);
+    if (status != PALP_OK)
+        return status;
+    if (!(area_m2 > 0.0) || !isfinite(area_m2))
+        return PALP_ERR_ARGUMENT;
+    *law = make(kind, n, coefficients_Pa);
+    law->area_m2 = area_m2;
+    return PALP_OK;
+}
+
+palp_status palp_law_scale(const palp_law *law, double factor, palp_law *scaled) {
+    double c[PALP_LAW_MAX];
+    for (size_t i = 0; i < law->n; i++) {
+        bool exponent = law->kind == PALP_LAW_OGDEN && i % 2 == 1;
+        c[i] = exponent ? law->coefficients[i] : law->coefficients[i] * factor;
+    }
+    switch (law->kind) {
+    case PALP_LAW_POLYNOMIAL:
+        return palp_law_polynomial(law->n, c, scaled);
+    case PALP_LAW_SPLINE: {
+        palp_law knots = *law; /* scaled may be law */
+        return palp_law_spline(law->n, knots.strain, c, scaled);
+    }
+    default:
+        return palp_law_hyperelastic(law->kind, law->n, c, law->area_m2, scaled);
+    }
+}
+
+/* The polynomial loops are inlined with a constant m into polynomial_force, which unrolls the inner
+ * loop and lets the compiler vectorise the outer one. */
+static inline void horner_force(size_t m, const double *restrict c, size_t n, const double *restrict e,
+                                double *restrict force) {
+    for (size_t i = 0; i < n; i++) {
+        double a = fabs(e[i]), k = c[m - 1];
+        for (size_t j = m - 1; j-- > 0;)
+            k = k * a + c[j];
+        force[i] = k * e[i];
+    }
+}
+
+static inline void horner_tangent(size_t m, const double *restrict c, size_t n, const double *restrict e,
+                                  double *restrict force, double *restrict tangent) {
+    for (size_t i = 0; i < n; i++) {
+        double a = fabs(e[i]), k = c[m - 1], slope = 0.0;
+        for (size_t j = m - 1; j-- > 0;) {
+            slope = slope * a + k;
+            k = k * a + c[j];
+        }
+        force[i] = k * e[i];
+        tangent[i] = k + a * slope;
+    }
+}
+
+static inline void polynomial_loop(size_t m, const double *c, size_t n, const double *e, double *force,
+                                   double *tangent) {
+    if (tangent)
+        horner_tangent(m, c, n, e, force, tangent);
+    else
+        horner_force(m, c, n, e, force);
+}
+
+static void polynomial_force(const palp_law *law, size_t n, const double *e, double *force, double *tangent) {
+    const double *c = law->coefficients;
+    switch (law->n) {
+    case 1:
+        polynomial_loop(1, c, n, e, force, tangent);
+        break;
+    case 2:
+        polynomial_loop(2, c, n, e, force, tangent);
+        break;
+    case 3:
+        polynomial_loop(3, c, n, e, force, tangent);
+        break;
+    case 4:
+        polynomial_loop(4, c, n, e, force, tangent);
+        break;
+    case 5:
+        polynomial_loop(5, c, n, e, force, tangent);
+        break;
+    case 6:
+        polynomial_loop(6, c, n, e, force, tangent);
+        break;
+    default:
+        polynomial_loop(law->n, c, n, e, force, tangent);
+    }
+}
+
+/* sum c_j a^(j+2) / (j+2) */
+static void polynomial_energy(const palp_law *law, size_t n, const double *restrict e,
+                              double *restrict energy) {
+    double g[PALP_LAW_MAX];
+    size_t m = law->n;
+    for (size_t j = 0; j < m; j++)
+        g[j] = law->coefficients[j] / (double)(j + 2);
+    for (size_t i = 0; i < n; i++) {
+        double a = fabs(e[i]), w = g[m - 1];
+        for (size_t j = m - 1; j-- > 0;)
+            w = w * a + g[j];
+        energy[i] = w * a * a;
+    }
+}
+
+static void polynomial_stiffness(const palp_law *law, double a, double *stiffness, double *slope) {
+    double k = law->coefficients[law->n - 1], d = 0.0;
+    for (size_t j = law->n - 1; j-- > 0;) {
+        d = d * a + k;
+        k = k * a + law->coefficients[j];
+    }
+    *stiffness = k;
+    *slope = d;
+}
+
+void palp_law_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                    double *energy_N) {
+    switch (law->kind) {
+    case PALP_LAW_POLYNOMIAL:
+        polynomial_force(law, n, e, force_N, tangent_N);
+        if (energy_N)
+            polynomial_energy(law, n, e, energy_N);
+        break;
+    case PALP_LAW_SPLINE:
+        palp_law_spline_force(law, n, e, force_N, tangent_N, energy_N);
+        break;
+    default:
+        palp_law_hyperelastic_force(law, n, e, force_N, tangent_N, energy_N);
+    }
+}
+
+void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, double *slope_N) {
+    double a = fabs(e), k, slope;
+    switch (law->kind) {
+    case PALP_LAW_POLYNOMIAL:
+        polynomial_stiffness(law, a, &k, &slope);
+        break;
+    case PALP_LAW_SPLINE:
+        palp_law_spline_stiffness(law, a, &k, &slope);
+        break;
+    default:
+        palp_law_hyperelastic_stiffness(law, a, &k, &slope);
+    }
+    if (stiffness_N)
+        *stiffness_N = k;
+    if (slope_N)
+        *slope_N = slope;
+}
+
+static void polynomial_gradient(const palp_law *law, double a, double *dstiffness) {
+    double power = 1.0;
+    for (size_t k = 0; k < law->n; k++, power *= a)
+        dstiffness[k] = power;
+}
+
+void palp_law_gradient(const palp_law *law, double e, double *dforce) {
+    double a = fabs(e);
+    switch (law->kind) {
+    case PALP_LAW_POLYNOMIAL:
+        polynomial_gradient(law, a, dforce);
+        break;
+    case PALP_LAW_SPLINE:
+        palp_law_spline_gradient(law, a, dforce);
+        break;
+    default:
+        palp_law_hyperelastic_gradient(law, a, dforce);
+    }
+    for (size_t k = 0; k < law->n; k++)
+        dforce[k] *= e;
+}
+
+double palp_law_minimum(const palp_law *law, double strain_max) {
+    enum { GRID = 2000 };
+    double lowest = INFINITY, k;
+    for (int i = 0; i <= GRID; i++) {
+        palp_law_stiffness(law, strain_max * i / GRID, &k, NULL);
+        lowest = fmin(lowest, k);
+    }
+    if (law->kind == PALP_LAW_SPLINE) {
+        for (size_t i = 0; i < law->n && law->strain[i] <= strain_max; i++)
+            lowest = fmin(lowest, law->coefficients[i]);
+    }
+    return lowest;
+}

@@ -1,0 +1,24 @@
+/* law_internal.h: the kinds of stiffness law that law.c hands over to. */
+#ifndef PALPATE_LAW_INTERNAL_H
+#define PALPATE_LAW_INTERNAL_H
+
+#include <palpate/law.h>
+
+/* Arguments as of palp_law_force, palp_law_stiffness (with a = |e|) and palp_law_gradient, but the
+ * gradients are of K(a). */
+
+/* Fills law->slope from the knots. */
+void palp_law_spline_slopes(palp_law *law);
+void palp_law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                           double *energy_N);
+void palp_law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
+void palp_law_spline_gradient(const palp_law *law, double a, double *dstiffness);
+
+/* Whether the numbers make a hyperelastic law. */
+palp_status palp_law_hyperelastic_check(palp_law_kind kind, size_t n, const double *c);
+void palp_law_hyperelastic_force(const palp_law *law, size_t n, const double *e, double *force_N,
+                                 double *tangent_N, double *energy_N);
+void palp_law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
+void palp_law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness);
+
+#endif

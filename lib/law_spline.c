@@ -1,0 +1,176 @@
+/* law_spline.c: the monotone C1 cubic spline as a stiffness law (Fritsch and Butland 1984). */
+#include "law_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* One interval: K(x + u) = c[0] + c[1] u + c[2] u^2 + c[3] u^3; energy = integral of K(a) a da from 0
+ * to x. */
+typedef struct piece {
+    double x, c[4], energy;
+} piece;
+
+/* A slope and how it follows the secants left and right of its knot (0 where there is none). */
+typedef struct knot_slope {
+    double slope, left, right;
+} knot_slope;
+
+static double spacing(const palp_law *law, size_t i) {
+    return law->strain[i + 1] - law->strain[i];
+}
+
+static double secant(const palp_law *law, size_t i) {
+    return (law->coefficients[i + 1] - law->coefficients[i]) / spacing(law, i);
+}
+
+/* Weighted harmonic mean of the secants of the intervals i-1 and i; 0 at an extremum. */
+static knot_slope inner_slope(const palp_law *law, size_t i) {
+    double h0 = spacing(law, i - 1), h1 = spacing(law, i);
+    double d0 = secant(law, i - 1), d1 = secant(law, i);
+    knot_slope s = {0.0, 0.0, 0.0};
+    if ((d0 > 0.0 && d1 > 0.0) || (d0 < 0.0 && d1 < 0.0)) {
+        double w0 = (2.0 * h1 + h0) / (3.0 * (h0 + h1)), w1 = 1.0 - w0;
+        double sum = w0 * d1 + w1 * d0;
+        double p = d1 / sum, q = d0 / sum;
+        s.slope = d0 * p;
+        s.left = w0 * p * p;
+        s.right = w1 * q * q;
+    }
+    return s;
+}
+
+/* Three-point slope at an end: near and far are the secants of the intervals next to it. Kept in the
+ * sign of near and below three times it, which keeps the end interval monotone. */
+static knot_slope end_slope(double h_near, double h_far, double near, double far) {
+    double w = h_near / (h_near + h_far);
+    knot_slope s = {(1.0 + w) * near - w * far, 1.0 + w, -w}; /* left = d/dnear, right = d/dfar */
+    if (s.slope * near <= 0.0)
+        return (knot_slope){0.0, 0.0, 0.0};
+    if (near * far < 0.0 && fabs(s.slope) > 3.0 * fabs(near))
+        return (knot_slope){3.0 * near, 3.0, 0.0};
+    return s;
+}
+
+static knot_slope slope_at(const palp_law *law, size_t i) {
+    size_t n = law->n;
+    if (n == 2)
+        return i == 0 ? (knot_slope){secant(law, 0), 0.0, 1.0} : (knot_slope){secant(law, 0), 1.0, 0.0};
+    if (i == 0)
+        return end_slope(spacing(law, 0), spacing(law, 1), secant(law, 0), secant(law, 1));
+    if (i == n - 1)
+        return end_slope(spacing(law, n - 2), spacing(law, n - 3), secant(law, n - 2), secant(law, n - 3));
+    return inner_slope(law, i);
+}
+
+void palp_law_spline_slopes(palp_law *law) {
+    for (size_t i = 0; i < law->n; i++)
+        law->slope[i] = slope_at(law, i).slope;
+}
+
+/* Interval i, i < n - 1, or the straight continuation, i = n - 1. */
+static piece make_piece(const palp_law *law, size_t i) {
+    piece p = {law->strain[i], {law->coefficients[i], law->slope[i], 0.0, 0.0}, 0.0};
+    if (i + 1 < law->n) {
+        double h = spacing(law, i), d = secant(law, i);
+        p.c[2] = (3.0 * d - 2.0 * law->slope[i] - law->slope[i + 1]) / h;
+        p.c[3] = (law->slope[i] + law->slope[i + 1] - 2.0 * d) / (h * h);
+    }
+    return p;
+}
+
+/* Integral of K(a) a da from x to x + u. */
+static double piece_energy(const piece *p, double u) {
+    const double *c = p->c;
+    double k = c[0] + u * (c[1] / 2.0 + u * (c[2] / 3.0 + u * c[3] / 4.0));
+    double ku = c[0] / 2.0 + u * (c[1] / 3.0 + u * (c[2] / 4.0 + u * c[3] / 5.0));
+    return u * (p->x * k + u * ku);
+}
+
+static double piece_stiffness(const piece *p, double u) {
+    return p->c[0] + u * (p->c[1] + u * (p->c[2] + u * p->c[3]));
+}
+
+static double piece_slope(const piece *p, double u) {
+    return p->c[1] + u * (2.0 * p->c[2] + u * 3.0 * p->c[3]);
+}
+
+/* The last knot at or below a. */
+static size_t find_interval(const palp_law *law, double a) {
+    size_t low = 0, high = law->n;
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        if (law->strain[middle] <= a)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+void palp_law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                           double *energy_N) {
+    piece pieces[PALP_LAW_MAX];
+    for (size_t i = 0; i < law->n; i++) {
+        pieces[i] = make_piece(law, i);
+        if (i > 0)
+            pieces[i].energy = pieces[i - 1].energy + piece_energy(&pieces[i - 1], spacing(law, i - 1));
+    }
+    for (size_t i = 0; i < n; i++) {
+        double a = fabs(e[i]);
+        const piece *p = &pieces[find_interval(law, a)];
+        double u = a - p->x, k = piece_stiffness(p, u);
+        force_N[i] = k * e[i];
+        if (tangent_N)
+            tangent_N[i] = k + a * piece_slope(p, u);
+        if (energy_N)
+            energy_N[i] = p->energy + piece_energy(p, u);
+    }
+}
+
+void palp_law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
+    piece p = make_piece(law, find_interval(law, a));
+    *stiffness_N = piece_stiffness(&p, a - p.x);
+    *slope_N = piece_slope(&p, a - p.x);
+}
+
+/* Adds weight * d secant_i / d K_k. */
+static void add_secant(const palp_law *law, size_t i, double weight, double *dstiffness) {
+    double g = weight / spacing(law, i);
+    dstiffness[i] -= g;
+    dstiffness[i + 1] += g;
+}
+
+/* Adds weight * d slope_i / d K_k. */
+static void add_slope(const palp_law *law, size_t i, double weight, double *dstiffness) {
+    size_t n = law->n;
+    knot_slope s = slope_at(law, i);
+    if (n > 2 && i == 0) { /* end slopes: near, far instead of left, right */
+        add_secant(law, 0, weight * s.left, dstiffness);
+        add_secant(law, 1, weight * s.right, dstiffness);
+    } else if (n > 2 && i == n - 1) {
+        add_secant(law, n - 2, weight * s.left, dstiffness);
+        add_secant(law, n - 3, weight * s.right, dstiffness);
+    } else {
+        if (i > 0)
+            add_secant(law, i - 1, weight * s.left, dstiffness);
+        if (i + 1 < n)
+            add_secant(law, i, weight * s.right, dstiffness);
+    }
+}
+
+void palp_law_spline_gradient(const palp_law *law, double a, double *dstiffness) {
+    memset(dstiffness, 0, law->n * sizeof *dstiffness);
+    size_t i = find_interval(law, a);
+    double u = a - law->strain[i];
+    if (i + 1 == law->n) {
+        dstiffness[i] = 1.0;
+        add_slope(law, i, u, dstiffness);
+        return;
+    }
+    double h = spacing(law, i), t = u / h; /* Hermite's basis */
+    double h01 = t * t * (3.0 - 2.0 * t);
+    dstiffness[i] = 1.0 - h01;
+    dstiffness[i + 1] = h01;
+    add_slope(law, i, u * (1.0 - t) * (1.0 - t), dstiffness);
+    add_slope(law, i + 1, u * t * (t - 1.0), dstiffness);
+}

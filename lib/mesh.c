@@ -1,0 +1,319 @@
+/* mesh.c: particles, the elements between them, and named sets of particles. */
+#include "mesh_internal.h"
+#include "file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+palp_status palp_mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh) {
+    if (n_nodes > SIZE_MAX / (3 * sizeof(double)) || n_elements > SIZE_MAX / (2 * sizeof(int32_t)))
+        return PALP_ERR_NO_MEMORY;
+    palp_mesh *m = calloc(1, sizeof *m);
+    if (!m)
+        return PALP_ERR_NO_MEMORY;
+    m->n_nodes = n_nodes;
+    m->n_elements = n_elements;
+    m->x_m = malloc(3 * n_nodes * sizeof *m->x_m);
+    m->pairs = malloc(2 * n_elements * sizeof *m->pairs);
+    if (!m->x_m || !m->pairs) {
+        palp_mesh_free(m);
+        return PALP_ERR_NO_MEMORY;
+    }
+    *mesh = m;
+    return PALP_OK;
+}
+
+void palp_mesh_free(palp_mesh *mesh) {
+    if (!mesh)
+        return;
+    for (size_t i = 0; i < mesh->n_sets; i++) {
+        free(mesh->sets[i].name);
+        free(mesh->sets[i].nodes);
+    }
+    free(mesh->sets);
+    free(mesh->x_m);
+    free(mesh->pairs);
+    free(mesh);
+}
+
+palp_status palp_mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
+    palp_mesh *m = NULL;
+    palp_status status = palp_mesh_new(mesh->n_nodes, mesh->n_elements, &m);
+    if (status)
+        return status;
+    memcpy(m->x_m, mesh->x_m, 3 * mesh->n_nodes * sizeof *m->x_m);
+    memcpy(m->pairs, mesh->pairs, 2 * mesh->n_elements * sizeof *m->pairs);
+    for (size_t i = 0; i < mesh->n_sets && !status; i++)
+        status = palp_mesh_add_set(m, mesh->sets[i].name, mesh->sets[i].n, mesh->sets[i].nodes);
+    if (status) {
+        palp_mesh_free(m);
+        return status;
+    }
+    *copy = m;
+    return PALP_OK;
+}
+
+/* ---- checks -------------------------------------------------------------------------------------- */
+
+static int compare_pairs(const void *left, const void *right) {
+    const int32_t *a = left, *b = right;
+    if (a[0] != b[0])
+        return a[0] < b[0] ? -1 : 1;
+    return (a[1] > b[1]) - (a[1] < b[1]);
+}
+
+size_t palp_mesh_pairs_unique(size_t n_pairs, int32_t *pairs) {
+    for (size_t e = 0; e < n_pairs; e++) {
+        int32_t a = pairs[2 * e], b = pairs[2 * e + 1];
+        pairs[2 * e] = a < b ? a : b;
+        pairs[2 * e + 1] = a < b ? b : a;
+    }
+    qsort(pairs, n_pairs, 2 * sizeof *pairs, compare_pairs);
+    size_t kept = 0;
+    for (size_t e = 0; e < n_pairs; e++)
+        if (e == 0 || compare_pairs(pairs + 2 * e, pairs + 2 * (kept - 1)) != 0) {
+            memmove(pairs + 2 * kept, pairs + 2 * e, 2 * sizeof *pairs);
+            kept++;
+        }
+    return kept;
+}
+
+bool palp_mesh_length_ok(const double a[3], const double b[3], double size_m) {
+    double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    return length > 1e-12 * size_m && isfinite(length);
+}
+
+static void box(size_t n_nodes, const double *x_m, double low[3], double high[3]) {
+    for (int axis = 0; axis < 3; axis++)
+        low[axis] = high[axis] = x_m[axis];
+    for (size_t i = 1; i < n_nodes; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            double x = x_m[3 * i + (size_t)axis];
+            low[axis] = x < low[axis] ? x : low[axis];
+            high[axis] = x > high[axis] ? x : high[axis];
+        }
+}
+
+double palp_mesh_diagonal(size_t n_nodes, const double *x_m) {
+    double low[3], high[3];
+    box(n_nodes, x_m, low, high);
+    double d[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+    return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+static int32_t find_root(int32_t *root, int32_t i) {
+    while (root[i] != i) {
+        root[i] = root[root[i]];
+        i = root[i];
+    }
+    return i;
+}
+
+size_t palp_mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, int32_t *root) {
+    size_t n_parts = n_nodes;
+    for (size_t i = 0; i < n_nodes; i++)
+        root[i] = (int32_t)i;
+    for (size_t e = 0; e < n_elements; e++) {
+        int32_t a = find_root(root, pairs[2 * e]), b = find_root(root, pairs[2 * e + 1]);
+        if (a == b)
+            continue;
+        root[a > b ? a : b] = a > b ? b : a;
+        n_parts--;
+    }
+    for (size_t i = 0; i < n_nodes; i++)
+        root[i] = find_root(root, (int32_t)i);
+    return n_parts;
+}
+
+static palp_status check_positions(size_t n_nodes, const double *x_m, palp_error *error) {
+    for (size_t i = 0; i < 3 * n_nodes; i++)
+        if (!isfinite(x_m[i]))
+            return palp_error_set(error, PALP_ERR_INPUT, "node %zu: a coordinate is not finite", i / 3);
+    return PALP_OK;
+}
+
+static palp_status check_elements(const palp_mesh *mesh, palp_error *error) {
+    double size_m = palp_mesh_diagonal(mesh->n_nodes, mesh->x_m);
+    for (size_t e = 0; e < mesh->n_elements; e++) {
+        const int32_t *pair = mesh->pairs + 2 * e;
+        for (int end = 0; end < 2; end++)
+            if (pair[end] < 0 || (size_t)pair[end] >= mesh->n_nodes)
+                return palp_error_set(error, PALP_ERR_INPUT,
+                                      "element %zu: there is no node %ld, the mesh has %zu", e,
+                                      (long)pair[end], mesh->n_nodes);
+        if (!palp_mesh_length_ok(mesh->x_m + 3 * (size_t)pair[0], mesh->x_m + 3 * (size_t)pair[1], size_m))
+            return palp_error_set(error, PALP_ERR_INPUT,
+                                  "element %zu: nodes %ld and %ld are at the same place (or too far apart)",
+                                  e, (long)pair[0], (long)pair[1]);
+    }
+    return PALP_OK;
+}
+
+static palp_status check_repeats(const palp_mesh *mesh, palp_error *error) {
+    size_t bytes = 2 * mesh->n_elements * sizeof *mesh->pairs;
+    int32_t *sorted = malloc(bytes);
+    if (!sorted)
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
+    memcpy(sorted, mesh->pairs, bytes);
+    size_t distinct = palp_mesh_pairs_unique(mesh->n_elements, sorted);
+    free(sorted);
+    if (distinct < mesh->n_elements)
+        return palp_error_set(error, PALP_ERR_INPUT,
+                              "%zu elements join a pair of nodes that another one joins",
+                              mesh->n_elements - distinct);
+    return PALP_OK;
+}
+
+static palp_status check_connected(const palp_mesh *mesh, palp_error *error) {
+    int32_t *root = malloc(mesh->n_nodes * sizeof *root);
+    if (!root)
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
+    size_t parts = palp_mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, root), other = 0;
+    while (other < mesh->n_nodes && root[other] == 0)
+        other++;
+    free(root);
+    if (parts == 1)
+        return PALP_OK;
+    return palp_error_set(error, PALP_ERR_INPUT,
+                          "the mesh falls into %zu parts: no elements lead from node 0 to node %zu", parts,
+                          other);
+}
+
+static palp_status check_mesh(const palp_mesh *mesh, palp_error *error) {
+    palp_status status = check_positions(mesh->n_nodes, mesh->x_m, error);
+    if (!status)
+        status = check_elements(mesh, error);
+    if (!status)
+        status = check_repeats(mesh, error);
+    return status ? status : check_connected(mesh, error);
+}
+
+palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_elements, const int32_t *pairs,
+                             palp_mesh **mesh, palp_error *error) {
+    if (!mesh || !x_m || !pairs || n_nodes < 2 || n_nodes > INT32_MAX || n_elements < 1)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a mesh has at least two nodes and one element");
+    palp_mesh *m = NULL;
+    palp_status status = palp_mesh_new(n_nodes, n_elements, &m);
+    if (status)
+        return palp_error_set(error, status, "out of memory");
+    memcpy(m->x_m, x_m, 3 * n_nodes * sizeof *x_m);
+    memcpy(m->pairs, pairs, 2 * n_elements * sizeof *pairs);
+    status = check_mesh(m, error);
+    if (status)
+        palp_mesh_free(m);
+    else
+        *mesh = m;
+    return status;
+}
+
+/* ---- sets ---------------------------------------------------------------------------------------- */
+
+static int compare_nodes(const void *left, const void *right) {
+    int32_t a = *(const int32_t *)left, b = *(const int32_t *)right;
+    return (a > b) - (a < b);
+}
+
+static palp_node_set *find_set(const palp_mesh *mesh, const char *name) {
+    for (size_t i = 0; i < mesh->n_sets; i++)
+        if (strcmp(mesh->sets[i].name, name) == 0)
+            return &mesh->sets[i];
+    return NULL;
+}
+
+static palp_status set_fill(palp_node_set *set, const char *name, size_t n, const int32_t *nodes) {
+    size_t length = strlen(name) + 1;
+    set->n = 0;
+    set->name = malloc(length);
+    set->nodes = malloc((n + 1) * sizeof *nodes);
+    if (!set->name || !set->nodes) {
+        free(set->name);
+        free(set->nodes);
+        return PALP_ERR_NO_MEMORY;
+    }
+    memcpy(set->name, name, length);
+    if (n > 0)
+        memcpy(set->nodes, nodes, n * sizeof *nodes);
+    qsort(set->nodes, n, sizeof *nodes, compare_nodes);
+    for (size_t i = 0; i < n; i++)
+        if (i == 0 || set->nodes[i] != set->nodes[set->n - 1])
+            set->nodes[set->n++] = set->nodes[i];
+    return PALP_OK;
+}
+
+palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const int32_t *nodes) {
+    if (!mesh || !name || !name[0] || (n > 0 && !nodes) || n >= SIZE_MAX / sizeof *nodes)
+        return PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < n; i++)
+        if (nodes[i] < 0 || (size_t)nodes[i] >= mesh->n_nodes)
+            return PALP_ERR_ARGUMENT;
+    palp_node_set set, *old = find_set(mesh, name);
+    palp_status status = set_fill(&set, name, n, nodes);
+    if (status)
+        return status;
+    if (old) {
+        free(old->name);
+        free(old->nodes);
+        *old = set;
+        return PALP_OK;
+    }
+    palp_node_set *sets = realloc(mesh->sets, (mesh->n_sets + 1) * sizeof *sets);
+    if (!sets) {
+        free(set.name);
+        free(set.nodes);
+        return PALP_ERR_NO_MEMORY;
+    }
+    mesh->sets = sets;
+    sets[mesh->n_sets++] = set;
+    return PALP_OK;
+}
+
+palp_status palp_mesh_add_plane_set(palp_mesh *mesh, const char *name, int axis, double value_m,
+                                    double tolerance_m) {
+    if (!mesh || axis < 0 || axis > 2 || !isfinite(value_m) || !(tolerance_m >= 0.0))
+        return PALP_ERR_ARGUMENT;
+    int32_t *nodes = malloc(mesh->n_nodes * sizeof *nodes);
+    if (!nodes)
+        return PALP_ERR_NO_MEMORY;
+    size_t n = 0;
+    for (size_t i = 0; i < mesh->n_nodes; i++)
+        if (fabs(mesh->x_m[3 * i + (size_t)axis] - value_m) <= tolerance_m)
+            nodes[n++] = (int32_t)i;
+    palp_status status = n > 0 ? palp_mesh_add_set(mesh, name, n, nodes) : PALP_ERR_INPUT;
+    free(nodes);
+    return status;
+}
+
+palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, const int32_t **nodes) {
+    if (!mesh || !name || !n || !nodes)
+        return PALP_ERR_ARGUMENT;
+    const palp_node_set *set = find_set(mesh, name);
+    if (!set)
+        return PALP_ERR_INPUT;
+    *n = set->n;
+    *nodes = set->nodes;
+    return PALP_OK;
+}
+
+/* ---- what it holds ------------------------------------------------------------------------------- */
+
+size_t palp_mesh_node_count(const palp_mesh *mesh) {
+    return mesh->n_nodes;
+}
+
+size_t palp_mesh_element_count(const palp_mesh *mesh) {
+    return mesh->n_elements;
+}
+
+const double *palp_mesh_positions(const palp_mesh *mesh) {
+    return mesh->x_m;
+}
+
+const int32_t *palp_mesh_pairs(const palp_mesh *mesh) {
+    return mesh->pairs;
+}
+
+void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]) {
+    box(mesh->n_nodes, mesh->x_m, low_m, high_m);
+}

@@ -1,0 +1,199 @@
+/* mesh_gmsh.c: a network mesh from what a Gmsh file holds. */
+#define _POSIX_C_SOURCE 200809L /* locale_t */
+#include "mesh_gmsh.h"
+#include "mesh_internal.h"
+#include "number.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Is there an element between nodes a < b of a cell? Tetrahedra: every pair. Hexahedra: along the
+ * edges, bit b of edges[a]; with diagonals every pair too. */
+static bool joined(const gmsh_cell *cell, bool diagonals, int a, int b) {
+    static const unsigned char edges[GMSH_CELL_NODES] = {
+        1 << 1 | 1 << 3 | 1 << 4, 1 << 2 | 1 << 5, 1 << 3 | 1 << 6, 1 << 7,
+        1 << 5 | 1 << 7,          1 << 6,          1 << 7,          0};
+    return cell->n == 4 || diagonals || (edges[a] >> b & 1);
+}
+
+/* Numbers the nodes that cells use in the order of their tags; returns how many. */
+static size_t number_nodes(gmsh_file *r) {
+    gmsh_node *nodes = r->nodes.items;
+    const gmsh_cell *cells = r->cells.items;
+    size_t n = 0;
+    for (size_t c = 0; c < r->cells.n; c++)
+        for (int i = 0; i < cells[c].n; i++)
+            nodes[cells[c].node[i]].index = 0;
+    for (size_t i = 0; i < r->nodes.n; i++)
+        if (nodes[i].index == 0)
+            nodes[i].index = (int32_t)n++;
+    return n;
+}
+
+static size_t count_pairs(const gmsh_file *r, bool diagonals) {
+    const gmsh_cell *cells = r->cells.items;
+    size_t n = 0;
+    for (size_t c = 0; c < r->cells.n; c++)
+        n += cells[c].n == 4 ? 6 : diagonals ? 28 : 12;
+    return n;
+}
+
+static void fill_positions(const gmsh_file *r, palp_mesh *mesh) {
+    const gmsh_node *nodes = r->nodes.items;
+    for (size_t i = 0; i < r->nodes.n; i++)
+        if (nodes[i].index >= 0)
+            memcpy(mesh->x_m + 3 * (size_t)nodes[i].index, nodes[i].x_m, sizeof nodes[i].x_m);
+}
+
+/* The pairs of one cell, written at *pair, which moves behind them. */
+static palp_status fill_cell(const gmsh_file *r, const gmsh_cell *cell, bool diagonals, double size_m,
+                             int32_t **pair) {
+    const gmsh_node *nodes = r->nodes.items;
+    for (int a = 0; a < cell->n; a++)
+        for (int b = a + 1; b < cell->n; b++) {
+            if (!joined(cell, diagonals, a, b))
+                continue;
+            const gmsh_node *from = &nodes[cell->node[a]], *to = &nodes[cell->node[b]];
+            if (!palp_mesh_length_ok(from->x_m, to->x_m, size_m))
+                return palp_gmsh_fail(r, cell->line,
+                                      "an element of zero length: nodes %lld and %lld are at the same place",
+                                      from->tag, to->tag);
+            *(*pair)++ = from->index;
+            *(*pair)++ = to->index;
+        }
+    return PALP_OK;
+}
+
+static palp_status fill_pairs(const gmsh_file *r, bool diagonals, palp_mesh *mesh) {
+    const gmsh_cell *cells = r->cells.items;
+    double size_m = palp_mesh_diagonal(mesh->n_nodes, mesh->x_m);
+    int32_t *pair = mesh->pairs;
+    if (!isfinite(size_m))
+        return palp_gmsh_fail(r, r->elements_line, "the mesh is too large");
+    for (size_t c = 0; c < r->cells.n; c++) {
+        palp_status status = fill_cell(r, &cells[c], diagonals, size_m, &pair);
+        if (status)
+            return status;
+    }
+    mesh->n_elements = palp_mesh_pairs_unique(mesh->n_elements, mesh->pairs);
+    pair = realloc(mesh->pairs, 2 * mesh->n_elements * sizeof *pair);
+    mesh->pairs = pair ? pair : mesh->pairs;
+    return PALP_OK;
+}
+
+static const gmsh_node *node_of_index(const gmsh_file *r, size_t index) {
+    const gmsh_node *node = r->nodes.items;
+    while (node->index < 0 || (size_t)node->index != index)
+        node++;
+    return node;
+}
+
+static palp_status check_connected(const gmsh_file *r, const palp_mesh *mesh) {
+    int32_t *root = malloc(mesh->n_nodes * sizeof *root);
+    if (!root)
+        return palp_gmsh_no_memory(r);
+    size_t parts = palp_mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, root), other = 0;
+    while (other < mesh->n_nodes && root[other] == 0)
+        other++;
+    free(root);
+    if (parts == 1)
+        return PALP_OK;
+    const gmsh_node *from = node_of_index(r, 0), *to = node_of_index(r, other);
+    return palp_gmsh_fail(r, to->line,
+                          "the mesh falls into %zu parts: no elements lead from node %lld to node %lld",
+                          parts, from->tag, to->tag);
+}
+
+/* ---- sets ---------------------------------------------------------------------------------------- */
+
+static int compare_members(const void *left, const void *right) {
+    const gmsh_member *a = left, *b = right;
+    if (a->group != b->group)
+        return a->group < b->group ? -1 : 1;
+    return (a->node > b->node) - (a->node < b->node);
+}
+
+/* The members from *first on that are of one group; *first moves behind them. A group none of whose
+ * nodes is in the mesh gives no set. */
+static palp_status add_group(const gmsh_file *r, palp_mesh *mesh, int32_t *set, size_t *first) {
+    const gmsh_member *members = r->members.items;
+    const gmsh_node *nodes = r->nodes.items;
+    size_t group = members[*first].group, n = 0;
+    for (; *first < r->members.n && members[*first].group == group; ++*first) {
+        int32_t index = nodes[members[*first].node].index;
+        if (index >= 0 && (n == 0 || set[n - 1] != index))
+            set[n++] = index;
+    }
+    return n > 0 ? palp_mesh_add_set(mesh, ((gmsh_group *)r->groups.items)[group].name, n, set) : PALP_OK;
+}
+
+static palp_status add_groups(const gmsh_file *r, palp_mesh *mesh) {
+    int32_t *set = malloc(mesh->n_nodes * sizeof *set);
+    palp_status status = set ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status && r->members.n > 0)
+        qsort(r->members.items, r->members.n, sizeof(gmsh_member), compare_members);
+    for (size_t i = 0; i < r->members.n && !status;)
+        status = add_group(r, mesh, set, &i);
+    free(set);
+    return status;
+}
+
+/* The lowest or highest nodes in y, if no group of the file has that name. */
+static palp_status add_end(const gmsh_file *r, palp_mesh *mesh, const char *name, bool top) {
+    const gmsh_group *groups = r->groups.items;
+    double low[3], high[3];
+    for (size_t g = 0; g < r->groups.n; g++)
+        if (strcmp(groups[g].name, name) == 0)
+            return PALP_OK;
+    palp_mesh_bounds(mesh, low, high);
+    return palp_mesh_add_plane_set(mesh, name, 1, top ? high[1] : low[1], 1e-6 * (high[1] - low[1]));
+}
+
+static palp_status add_sets(const gmsh_file *r, palp_mesh *mesh) {
+    palp_status status = add_groups(r, mesh);
+    if (!status)
+        status = add_end(r, mesh, "bottom", false);
+    if (!status)
+        status = add_end(r, mesh, "top", true);
+    return status ? palp_gmsh_no_memory(r) : PALP_OK;
+}
+
+/* ---- the mesh ------------------------------------------------------------------------------------ */
+
+static palp_status build(gmsh_file *r, bool diagonals, palp_mesh **mesh) {
+    palp_mesh *m = NULL;
+    if (r->cells.n == 0)
+        return palp_gmsh_fail(r, r->elements_line,
+                              "there are no 4-node tetrahedra (type 4) or 8-node hexahedra (type 5)");
+    size_t n_nodes = number_nodes(r);
+    if (palp_mesh_new(n_nodes, count_pairs(r, diagonals), &m))
+        return palp_gmsh_no_memory(r);
+    fill_positions(r, m);
+    palp_status status = fill_pairs(r, diagonals, m);
+    if (!status)
+        status = check_connected(r, m);
+    if (!status)
+        status = add_sets(r, m);
+    if (status)
+        palp_mesh_free(m);
+    else
+        *mesh = m;
+    return status;
+}
+
+palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diagonals, palp_mesh **mesh,
+                                palp_error *error) {
+    if (!path || !mesh || !(scale_m > 0.0 && isfinite(scale_m)))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a mesh needs a path and a scale above 0");
+    gmsh_file r = {.path = path, .error = error, .scale_m = scale_m};
+    palp_locale locale;
+    if (!palp_locale_enter(&locale))
+        return palp_gmsh_no_memory(&r);
+    palp_status status = palp_gmsh_read(&r);
+    if (!status)
+        status = build(&r, hex_diagonals, mesh);
+    palp_gmsh_release(&r);
+    palp_locale_leave(&locale);
+    return status;
+}

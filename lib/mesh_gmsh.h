@@ -1,0 +1,90 @@
+/* mesh_gmsh.h: what is read of a Gmsh file, before it becomes a mesh. */
+#ifndef PALP_MESH_GMSH_H
+#define PALP_MESH_GMSH_H
+
+#include "file.h"
+
+#include <stdint.h>
+
+enum { GMSH_CELL_NODES = 8, GMSH_SECTION_TEXT = 64 };
+
+typedef struct gmsh_group { /* a line of $PhysicalNames */
+    long long dim, tag;
+    const char *name; /* in the file's text */
+} gmsh_group;
+
+typedef struct gmsh_entity { /* a physical group of an entity of $Entities */
+    long long dim, tag, physical;
+} gmsh_entity;
+
+typedef struct gmsh_node {
+    long long tag;
+    double x_m[3];
+    size_t line;
+    int32_t index; /* in the mesh; -1 = not used */
+} gmsh_node;
+
+typedef struct gmsh_cell {         /* a tetrahedron or hexahedron */
+    int32_t node[GMSH_CELL_NODES]; /* in nodes */
+    int n;
+    size_t line;
+} gmsh_cell;
+
+typedef struct gmsh_member { /* a node in a group */
+    size_t group;            /* in groups, the first of its name */
+    int32_t node;            /* in nodes */
+} gmsh_member;
+
+/* A growing array of any type; room and n count items. */
+typedef struct gmsh_list {
+    void *items;
+    size_t n, room;
+} gmsh_list;
+
+typedef struct gmsh_file {
+    const char *path;
+    palp_error *error;
+    double scale_m;
+    char *text, *next, *end;         /* the file, the next line, its end */
+    char *at;                        /* where reading stands in the present line */
+    size_t line;                     /* its number */
+    char section[GMSH_SECTION_TEXT]; /* name with its dollar sign */
+    unsigned seen;                   /* bit i: section i of the table */
+    size_t elements_line;
+    gmsh_list groups, entities, nodes, cells, members; /* of the types above */
+    gmsh_list block_groups;                            /* size_t: the groups of the present block */
+} gmsh_file;
+
+/* ERR_INPUT with "path:line: " and the formatted text. */
+palp_status palp_gmsh_fail(const gmsh_file *r, size_t line, const char *format, ...) PALP_PRINTF(3, 4);
+
+palp_status palp_gmsh_no_memory(const gmsh_file *r);
+
+/* Room for one more item of this size, its address in *item. Counts in the file are not trusted:
+ * memory grows with what is read. */
+palp_status palp_gmsh_append(const gmsh_file *r, gmsh_list *l, size_t size, void **item);
+
+/* The next line that is not blank, without the space around it: false at the end of the file, or
+ * an error there. */
+bool palp_gmsh_next(gmsh_file *r);
+palp_status palp_gmsh_line(gmsh_file *r);
+
+/* The next token of the line as a number; what says in an error what is expected, "a node tag". */
+palp_status palp_gmsh_integer(gmsh_file *r, const char *what, long long low, long long high,
+                              long long *value);
+palp_status palp_gmsh_count(gmsh_file *r, const char *what, size_t *count); /* 0 to INT32_MAX */
+palp_status palp_gmsh_number(gmsh_file *r, const char *what, double *value);
+palp_status palp_gmsh_line_end(gmsh_file *r);
+void palp_gmsh_skip(gmsh_file *r); /* to the next token */
+
+/* The error that something else than the token at r->at is expected. */
+palp_status palp_gmsh_fail_token(const gmsh_file *r, const char *expected);
+
+/* Reads the file at r->path into the lists; the rest of *r is zero but for error and scale_m. Nodes
+ * are in the order of their tags, each tag once; cells and members refer to nodes that exist. */
+palp_status palp_gmsh_read(gmsh_file *r);
+
+/* Frees what palp_gmsh_read made, after a failure too. */
+void palp_gmsh_release(gmsh_file *r);
+
+#endif

@@ -1,0 +1,42 @@
+/* mesh_internal.h: what a mesh holds, and what its makers share. */
+#ifndef PALP_MESH_INTERNAL_H
+#define PALP_MESH_INTERNAL_H
+
+#include <palpate/mesh.h>
+
+typedef struct palp_node_set {
+    char *name;
+    size_t n;
+    int32_t *nodes; /* [n], ascending, each once */
+} palp_node_set;
+
+struct palp_mesh {
+    size_t n_nodes;
+    size_t n_elements;
+    double *x_m;    /* [3 n_nodes] */
+    int32_t *pairs; /* [2 n_elements] */
+    size_t n_sets;
+    palp_node_set *sets; /* [n_sets] */
+};
+
+/* A mesh with arrays of this size, their contents unset, and no sets. */
+palp_status palp_mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh);
+
+/* A copy with arrays of its own. */
+palp_status palp_mesh_copy(const palp_mesh *mesh, palp_mesh **copy);
+
+/* Sorts n_pairs pairs by lower then higher node, lower first in each, and drops repeats; returns
+ * how many are left. */
+size_t palp_mesh_pairs_unique(size_t n_pairs, int32_t *pairs);
+
+/* Is the element between the nodes at a and b long enough in a mesh whose box has the diagonal
+ * size_m? Shorter than 1e-12 of it, its direction is noise. False too where a number overflows. */
+bool palp_mesh_length_ok(const double a[3], const double b[3], double size_m);
+
+/* The diagonal of the box around n_nodes points x_m[3 n_nodes]. */
+double palp_mesh_diagonal(size_t n_nodes, const double *x_m);
+
+/* Number of connected parts; root[n_nodes] is the lowest node of each node's part. */
+size_t palp_mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, int32_t *root);
+
+#endif

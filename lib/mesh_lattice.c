@@ -1,0 +1,106 @@
+/* mesh_lattice.c: a box lattice of particles with its face, edge or Moore neighbours. */
+#include "mesh_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { HALF_MAX = 13 }; /* of the 26 neighbours, those that come later in the numbering */
+
+/* The later neighbours of a node, in the order of their index; returns how many. */
+static int half_neighbours(palp_neighbourhood neighbourhood, int offset[HALF_MAX][3]) {
+    int steps = neighbourhood == PALP_NEIGHBOURS_6 ? 1 : neighbourhood == PALP_NEIGHBOURS_18 ? 2 : 3;
+    int n = 0;
+    for (int code = 14; code < 27; code++) { /* base 3; 13 is the node itself */
+        int d[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
+        if (abs(d[0]) + abs(d[1]) + abs(d[2]) > steps)
+            continue;
+        for (int axis = 0; axis < 3; axis++)
+            offset[n][axis] = d[axis];
+        n++;
+    }
+    return n;
+}
+
+/* Nodes that have a neighbour at this offset. */
+static size_t offset_count(const size_t nodes[3], const int offset[3]) {
+    size_t count = 1;
+    for (int axis = 0; axis < 3; axis++)
+        count *= nodes[axis] - (offset[axis] != 0);
+    return count;
+}
+
+static bool inside(const size_t nodes[3], const size_t at[3], const int offset[3]) {
+    for (int axis = 0; axis < 3; axis++)
+        if ((offset[axis] < 0 && at[axis] == 0) || (offset[axis] > 0 && at[axis] + 1 == nodes[axis]))
+            return false;
+    return true;
+}
+
+static void fill_node(palp_mesh *mesh, const size_t nodes[3], const double size_m[3], const size_t at[3],
+                      size_t index) {
+    for (int axis = 0; axis < 3; axis++) {
+        size_t last = nodes[axis] - 1; /* the far face is exactly at size */
+        mesh->x_m[3 * index + (size_t)axis] =
+            at[axis] == last ? size_m[axis] : size_m[axis] * (double)at[axis] / (double)last;
+    }
+}
+
+static void fill(palp_mesh *mesh, const size_t nodes[3], const double size_m[3], int n_offsets,
+                 int offset[HALF_MAX][3]) {
+    int32_t *pair = mesh->pairs, stride[2] = {(int32_t)(nodes[1] * nodes[2]), (int32_t)nodes[2]};
+    for (size_t index = 0; index < mesh->n_nodes; index++) {
+        size_t at[3] = {index / (nodes[1] * nodes[2]), index / nodes[2] % nodes[1], index % nodes[2]};
+        fill_node(mesh, nodes, size_m, at, index);
+        for (int k = 0; k < n_offsets; k++) {
+            if (!inside(nodes, at, offset[k]))
+                continue;
+            *pair++ = (int32_t)index;
+            *pair++ = (int32_t)index + offset[k][0] * stride[0] + offset[k][1] * stride[1] + offset[k][2];
+        }
+    }
+}
+
+static palp_status add_faces(palp_mesh *mesh, const double size_m[3]) {
+    static const char *const names[3][2] = {{"left", "right"}, {"bottom", "top"}, {"back", "front"}};
+    palp_status status = PALP_OK;
+    for (int face = 0; face < 6 && !status; face++) {
+        int axis = face / 2;
+        double value_m = face % 2 ? size_m[axis] : 0.0;
+        status = palp_mesh_add_plane_set(mesh, names[axis][face % 2], axis, value_m, 0.0);
+    }
+    return status;
+}
+
+static bool arguments_ok(const size_t nodes[3], const double size_m[3], palp_neighbourhood neighbourhood) {
+    size_t product = 1;
+    for (int axis = 0; axis < 3; axis++) {
+        if (nodes[axis] < 2 || nodes[axis] > INT32_MAX / product)
+            return false;
+        product *= nodes[axis];
+        if (!(size_m[axis] > 0.0 && isfinite(size_m[axis])))
+            return false;
+    }
+    return neighbourhood == PALP_NEIGHBOURS_6 || neighbourhood == PALP_NEIGHBOURS_18 ||
+           neighbourhood == PALP_NEIGHBOURS_26;
+}
+
+palp_status palp_mesh_lattice(const size_t nodes[3], const double size_m[3], palp_neighbourhood neighbourhood,
+                              palp_mesh **mesh) {
+    if (!mesh || !nodes || !size_m || !arguments_ok(nodes, size_m, neighbourhood))
+        return PALP_ERR_ARGUMENT;
+    int offset[HALF_MAX][3], n_offsets = half_neighbours(neighbourhood, offset);
+    size_t n_elements = 0;
+    for (int k = 0; k < n_offsets; k++)
+        n_elements += offset_count(nodes, offset[k]);
+    palp_mesh *m = NULL;
+    palp_status status = palp_mesh_new(nodes[0] * nodes[1] * nodes[2], n_elements, &m);
+    if (status)
+        return status;
+    fill(m, nodes, size_m, n_offsets, offset);
+    status = add_faces(m, size_m);
+    if (status)
+        palp_mesh_free(m);
+    else
+        *mesh = m;
+    return status;
+}

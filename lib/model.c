@@ -1,0 +1,52 @@
+/* model.c: paths of a model and its mesh. */
+#include "file.h"
+#include "model_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+double palp_model_area(double radius_m) {
+    return 3.14159265358979323846 * radius_m * radius_m;
+}
+
+bool palp_model_kind_valid(const char *kind) {
+    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+    size_t length = strspn(kind, allowed);
+    return kind[length] == '\0' && length < PALP_SPECIMEN_KIND_MAX;
+}
+
+palp_status palp_model_folder(const char *path, char folder[PALP_PATH_MAX]) {
+    const char *slash = strrchr(path, '/');
+    size_t length = slash ? (size_t)(slash - path) : 0;
+    if (slash == path)
+        length = 1;
+    if (length >= PALP_PATH_MAX)
+        return PALP_ERR_LIMIT;
+    memcpy(folder, path, length);
+    folder[length] = '\0';
+    return PALP_OK;
+}
+
+palp_status palp_model_join(const char *folder, const char *path, char joined[PALP_PATH_MAX]) {
+    bool alone = path[0] == '/' || folder[0] == '\0';
+    int n = alone ? snprintf(joined, PALP_PATH_MAX, "%s", path)
+                  : snprintf(joined, PALP_PATH_MAX, "%s/%s", folder, path);
+    return n >= 0 && n < PALP_PATH_MAX ? PALP_OK : PALP_ERR_LIMIT;
+}
+
+palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_error *error) {
+    const palp_mesh_spec *spec = &model->mesh;
+    char path[PALP_PATH_MAX];
+    *mesh = NULL;
+    if (model->kind != PALP_MODEL_NETWORK)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model has no mesh");
+    palp_status status;
+    if (spec->kind == PALP_MESH_LATTICE) {
+        status = palp_mesh_lattice(spec->nodes, spec->size_m, spec->neighbourhood, mesh);
+        return status ? palp_error_set(error, status, "the lattice: %s", palp_status_text(status)) : PALP_OK;
+    }
+    status = palp_model_join(spec->folder, spec->path, path);
+    if (status)
+        return palp_error_set(error, status, "the path of the mesh is too long");
+    return palp_mesh_read_gmsh(path, spec->scale_m, spec->hex_diagonals, mesh, error);
+}

@@ -1,0 +1,22 @@
+/* model_internal.h: what the model's reader and writer share. */
+#ifndef PALP_MODEL_INTERNAL_H
+#define PALP_MODEL_INTERNAL_H
+
+#include <palpate/model.h>
+
+/* K must be positive up to here, in a model that is read or written. */
+#define PALP_MODEL_STRAIN 0.4
+
+/* Cross-section of a cylinder, m^2. */
+double palp_model_area(double radius_m);
+
+/* Letters, digits, '_' and '-', less than PALP_SPECIMEN_KIND_MAX of them. */
+bool palp_model_kind_valid(const char *kind);
+
+/* The folder part of path ("" if it has none) into folder; ERR_LIMIT if it does not fit. */
+palp_status palp_model_folder(const char *path, char folder[PALP_PATH_MAX]);
+
+/* folder/path, or path if it is absolute or folder is "". ERR_LIMIT if it does not fit. */
+palp_status palp_model_join(const char *folder, const char *path, char joined[PALP_PATH_MAX]);
+
+#endif

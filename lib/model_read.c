@@ -1,0 +1,436 @@
+/* model_read.c: reads and checks the model JSON. */
+#include "json.h"
+#include "model_internal.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#define COUNT(list) (sizeof(list) / sizeof(list)[0])
+
+/* value_mm in metres; true if it is written and positive. */
+static palp_status length_read(const palp_json *at, double *value_m) {
+    double value_mm = 0;
+    palp_status status = palp_json_positive(at, &value_mm);
+    *value_m = value_mm / 1000;
+    return status;
+}
+
+static palp_status version_read(const palp_json *root) {
+    static const char *const keys[] = {"model"};
+    palp_json palpate, model;
+    if (!json_is_object(root->value) || !palp_json_member(root, "palpate", &palpate))
+        return palp_json_fail(root, PALP_ERR_INPUT,
+                              "no model of palpate: it lacks \"palpate\": {\"model\": 1}");
+    palp_status status = palp_json_keys(&palpate, COUNT(keys), keys);
+    if (!status)
+        status = palp_json_require(&palpate, "model", &model);
+    if (!status && !(json_is_integer(model.value) && json_integer_value(model.value) == 1))
+        status = palp_json_fail(&model, PALP_ERR_INPUT, "is not 1, the version that this build reads");
+    return status;
+}
+
+static palp_status kind_read(const palp_json *root, palp_model *model) {
+    palp_json kind;
+    const char *name = "";
+    palp_status status = palp_json_require(root, "kind", &kind);
+    if (!status)
+        status = palp_json_string(&kind, &name);
+    if (status)
+        return status;
+    bool network = strcmp(name, "network") == 0;
+    if (!network && strcmp(name, "lumped") != 0)
+        return palp_json_fail(&kind, PALP_ERR_INPUT, "must be \"lumped\" or \"network\", not \"%s\"", name);
+    model->kind = network ? PALP_MODEL_NETWORK : PALP_MODEL_LUMPED;
+    return PALP_OK;
+}
+
+static palp_status specimen_kind_read(const palp_json *kind, palp_model *model) {
+    const char *name = "";
+    palp_status status = palp_json_string(kind, &name);
+    if (status)
+        return status;
+    if (!palp_model_kind_valid(name))
+        return palp_json_fail(kind, PALP_ERR_INPUT, "must be one short word such as \"cylinder\"");
+    strcpy(model->specimen_kind, name);
+    return PALP_OK;
+}
+
+/* A network may leave the specimen out: its mesh says how high it is. */
+static palp_status specimen_read(const palp_json *root, palp_model *model) {
+    static const char *const keys[] = {"height_mm", "radius_mm", "kind"};
+    palp_json specimen, value;
+    palp_status status = PALP_OK;
+    if (!palp_json_member(root, "specimen", &specimen))
+        return model->kind == PALP_MODEL_NETWORK ? PALP_OK : palp_json_require(root, "specimen", &specimen);
+    status = palp_json_keys(&specimen, COUNT(keys), keys);
+    if (!status && palp_json_member(&specimen, "height_mm", &value))
+        status = length_read(&value, &model->height_m);
+    else if (!status && model->kind == PALP_MODEL_LUMPED)
+        status = palp_json_require(&specimen, "height_mm", &value);
+    if (!status && palp_json_member(&specimen, "radius_mm", &value))
+        status = length_read(&value, &model->radius_m);
+    if (!status && palp_json_member(&specimen, "kind", &value))
+        status = specimen_kind_read(&value, model);
+    return status;
+}
+
+/* The list called key of a stiffness; ERR_INPUT if it is absent or empty. */
+static palp_status list_read(const palp_json *at, const char *key, palp_json *list, size_t *n,
+                             double *values) {
+    palp_status status = palp_json_require(at, key, list);
+    if (!status)
+        status = palp_json_numbers(list, PALP_LAW_MAX, n, values);
+    if (!status && *n == 0)
+        status = palp_json_fail(list, PALP_ERR_INPUT, "must not be empty");
+    return status;
+}
+
+static palp_status polynomial_read(const palp_json *at, palp_law *law) {
+    static const char *const keys[] = {"kind", "coefficients_N"};
+    palp_json list;
+    double c_N[PALP_LAW_MAX];
+    size_t n = 0;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = list_read(at, "coefficients_N", &list, &n, c_N);
+    if (!status && palp_law_polynomial(n, c_N, law))
+        status = palp_json_fail(&list, PALP_ERR_INPUT, "make no polynomial law");
+    return status;
+}
+
+static palp_status knots_check(const palp_json *strain, size_t n, const double *a) {
+    if (n < 2 || a[0] != 0)
+        return palp_json_fail(strain, PALP_ERR_INPUT, "must have at least two knots, the first at 0");
+    for (size_t i = 1; i < n; i++)
+        if (!(a[i] > a[i - 1]))
+            return palp_json_fail(strain, PALP_ERR_INPUT, "must increase (%g after %g)", a[i], a[i - 1]);
+    return PALP_OK;
+}
+
+static palp_status spline_read(const palp_json *at, palp_law *law) {
+    static const char *const keys[] = {"kind", "strain", "stiffness_N"};
+    palp_json strain, stiffness;
+    double a[PALP_LAW_MAX], k_N[PALP_LAW_MAX];
+    size_t n = 0, m = 0;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = list_read(at, "strain", &strain, &n, a);
+    if (!status)
+        status = knots_check(&strain, n, a);
+    if (!status)
+        status = list_read(at, "stiffness_N", &stiffness, &m, k_N);
+    if (!status && m != n)
+        status = palp_json_fail(&stiffness, PALP_ERR_INPUT, "has %zu values for %zu knots", m, n);
+    if (!status && palp_law_spline(n, a, k_N, law))
+        status = palp_json_fail(&stiffness, PALP_ERR_INPUT, "must be greater than 0 at every knot");
+    return status;
+}
+
+static palp_status hyperelastic_read(const palp_json *at, palp_law_kind kind, double radius_m,
+                                     palp_law *law) {
+    static const char *const keys[] = {"kind", "coefficients_Pa"};
+    palp_json list;
+    double c_Pa[PALP_LAW_MAX];
+    size_t n = 0;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = list_read(at, "coefficients_Pa", &list, &n, c_Pa);
+    if (!status && !(radius_m > 0))
+        status =
+            palp_json_fail(at, PALP_ERR_INPUT, "is hyperelastic: it needs specimen.radius_mm for the area");
+    if (!status && palp_law_hyperelastic(kind, n, c_Pa, palp_model_area(radius_m), law))
+        status =
+            palp_json_fail(&list, PALP_ERR_INPUT, "make no %s law: %zu of them", palp_law_kind_name(kind), n);
+    return status;
+}
+
+static palp_status law_read(const palp_json *at, palp_model *model) {
+    palp_json kind;
+    palp_law_kind law_kind;
+    palp_law *law = &model->material.law;
+    const char *name = "";
+    if (!json_is_object(at->value))
+        return palp_json_fail(at, PALP_ERR_INPUT, "must be an object {...}");
+    palp_status status = palp_json_require(at, "kind", &kind);
+    if (!status)
+        status = palp_json_string(&kind, &name);
+    if (status)
+        return status;
+    if (palp_law_kind_parse(name, &law_kind))
+        return palp_json_fail(&kind, PALP_ERR_INPUT,
+                              "\"%s\" is none of polynomial, spline, neo_hookean, mooney_rivlin2, "
+                              "mooney_rivlin5, yeoh, ogden",
+                              name);
+    if (law_kind == PALP_LAW_POLYNOMIAL)
+        return polynomial_read(at, law);
+    if (law_kind == PALP_LAW_SPLINE)
+        return spline_read(at, law);
+    return hyperelastic_read(at, law_kind, model->radius_m, law);
+}
+
+static palp_status stiffness_read(const palp_json *root, palp_model *model) {
+    palp_json stiffness;
+    palp_status status = palp_json_require(root, "stiffness", &stiffness);
+    if (!status)
+        status = law_read(&stiffness, model);
+    if (status)
+        return status;
+    double lowest_N = palp_law_minimum(&model->material.law, PALP_MODEL_STRAIN);
+    if (!(lowest_N > 0))
+        return palp_json_fail(&stiffness, PALP_ERR_INPUT,
+                              "falls to %.6g N between strain 0 and %g: it must stay above 0", lowest_N,
+                              PALP_MODEL_STRAIN);
+    return PALP_OK;
+}
+
+static palp_status arm_read(const palp_json *at, palp_arm *arm) {
+    static const char *const keys[] = {"stiffness_N", "viscosity_Ns", "stiffness_per_strain",
+                                       "time_per_strain"};
+    palp_json value;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = palp_json_require(at, "stiffness_N", &value);
+    if (!status)
+        status = palp_json_positive(&value, &arm->stiffness_N);
+    if (!status)
+        status = palp_json_require(at, "viscosity_Ns", &value);
+    if (!status)
+        status = palp_json_positive(&value, &arm->viscosity_Ns);
+    if (!status && palp_json_member(at, "stiffness_per_strain", &value))
+        status = palp_json_number(&value, &arm->beta);
+    if (!status && palp_json_member(at, "time_per_strain", &value))
+        status = palp_json_number(&value, &arm->gamma);
+    return status;
+}
+
+static palp_status arms_read(const palp_json *root, palp_material *material) {
+    palp_json arms, arm;
+    if (!palp_json_member(root, "arms", &arms))
+        return PALP_OK;
+    palp_status status = palp_json_list(&arms, PALP_ARMS_MAX, &material->n_arms);
+    for (size_t j = 0; !status && j < material->n_arms; j++) {
+        status = palp_json_item(&arms, j, &arm);
+        if (!status)
+            status = arm_read(&arm, &material->arms[j]);
+    }
+    return status;
+}
+
+static palp_status formulation_read(const palp_json *root, palp_material *material) {
+    palp_json formulation;
+    const char *name = "";
+    if (!palp_json_member(root, "formulation", &formulation))
+        return PALP_OK;
+    palp_status status = palp_json_string(&formulation, &name);
+    if (status)
+        return status;
+    bool sedef = strcmp(name, "sedef2008") == 0;
+    if (!sedef && strcmp(name, "history") != 0)
+        return palp_json_fail(&formulation, PALP_ERR_INPUT,
+                              "must be \"history\" or \"sedef2008\", not \"%s\"", name);
+    material->formulation = sedef ? PALP_SEDEF2008 : PALP_HISTORY;
+    return PALP_OK;
+}
+
+/* This build knows no effects yet. */
+static palp_status effects_read(const palp_json *root) {
+    palp_json effects, effect, id;
+    size_t n = 0;
+    if (!palp_json_member(root, "effects", &effects))
+        return PALP_OK;
+    palp_status status = palp_json_list(&effects, SIZE_MAX, &n);
+    if (status || n == 0)
+        return status;
+    const char *name = "";
+    status = palp_json_item(&effects, 0, &effect);
+    if (!status)
+        status = palp_json_require(&effect, "id", &id);
+    if (!status)
+        status = palp_json_string(&id, &name);
+    if (!status)
+        status = palp_json_fail(&id, PALP_ERR_UNSUPPORTED,
+                                "\"%s\" is an effect that this build does not know", name);
+    return status;
+}
+
+static palp_status material_read(const palp_json *root, palp_model *model) {
+    palp_json value;
+    palp_error wrong = {PALP_OK, ""};
+    palp_material *material = &model->material;
+    palp_status status = stiffness_read(root, model);
+    if (!status)
+        status = arms_read(root, material);
+    if (!status && palp_json_member(root, "dashpot_Ns", &value)) {
+        status = palp_json_number(&value, &material->dashpot_Ns);
+        if (!status && material->dashpot_Ns < 0)
+            status = palp_json_fail(&value, PALP_ERR_INPUT, "must not be negative");
+    }
+    if (!status && palp_json_member(root, "quasi_linear", &value))
+        status = palp_json_bool(&value, &material->quasi_linear);
+    if (!status)
+        status = formulation_read(root, material);
+    if (!status)
+        status = effects_read(root);
+    if (status)
+        return status;
+    status = palp_material_check(material, &wrong);
+    if (!status)
+        return PALP_OK;
+    if (status == PALP_ERR_ARGUMENT)
+        status = PALP_ERR_INPUT;
+    palp_json_member(root, material->formulation == PALP_HISTORY ? "arms" : "formulation", &value);
+    return palp_json_fail(value.value ? &value : root, status, "%s%s",
+                          value.value ? "make no material: " : "", wrong.text);
+}
+
+static palp_status nodes_read(const palp_json *at, size_t nodes[3]) {
+    double count[3], product = 1;
+    size_t n = 0;
+    palp_status status = palp_json_numbers(at, 3, &n, count);
+    if (status)
+        return status;
+    for (size_t i = 0; i < n; i++) {
+        if (!(count[i] >= 2) || count[i] != floor(count[i]))
+            return palp_json_fail(at, PALP_ERR_INPUT, "must be whole numbers of at least 2, not %g",
+                                  count[i]);
+        product *= count[i];
+    }
+    if (n != 3 || !(product <= INT32_MAX))
+        return palp_json_fail(at, PALP_ERR_INPUT, "must be three counts, below 2^31 nodes in all");
+    for (size_t i = 0; i < 3; i++)
+        nodes[i] = (size_t)count[i];
+    return PALP_OK;
+}
+
+static palp_status size_read(const palp_json *at, double size_m[3]) {
+    double size_mm[3];
+    size_t n = 0;
+    palp_status status = palp_json_numbers(at, 3, &n, size_mm);
+    if (!status && n != 3)
+        status = palp_json_fail(at, PALP_ERR_INPUT, "must be three lengths");
+    for (size_t i = 0; !status && i < 3; i++) {
+        size_m[i] = size_mm[i] / 1000;
+        if (!(size_m[i] > 0))
+            status = palp_json_fail(at, PALP_ERR_INPUT, "must be greater than 0, not %g", size_mm[i]);
+    }
+    return status;
+}
+
+static palp_status lattice_read(const palp_json *at, palp_mesh_spec *spec) {
+    static const char *const keys[] = {"kind", "nodes", "size_mm", "neighbourhood"};
+    palp_json value;
+    double reach = 26;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = palp_json_require(at, "nodes", &value);
+    if (!status)
+        status = nodes_read(&value, spec->nodes);
+    if (!status)
+        status = palp_json_require(at, "size_mm", &value);
+    if (!status)
+        status = size_read(&value, spec->size_m);
+    if (!status && palp_json_member(at, "neighbourhood", &value)) {
+        status = palp_json_number(&value, &reach);
+        if (!status && reach != 6 && reach != 18 && reach != 26)
+            status = palp_json_fail(&value, PALP_ERR_INPUT, "must be 6, 18 or 26, not %g", reach);
+    }
+    if (!status)
+        spec->neighbourhood = (palp_neighbourhood)(int)reach;
+    return status;
+}
+
+static palp_status mesh_file_read(const palp_json *at, palp_mesh_spec *spec) {
+    static const char *const keys[] = {"kind", "path", "scale_mm", "hex_diagonals"};
+    palp_json value;
+    const char *path = "";
+    spec->kind = PALP_MESH_FILE;
+    spec->scale_m = 0.001;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = palp_json_require(at, "path", &value);
+    if (!status)
+        status = palp_json_string(&value, &path);
+    if (!status && (!path[0] || strlen(path) >= PALP_PATH_MAX))
+        status = palp_json_fail(&value, PALP_ERR_INPUT, "must be the path of a Gmsh file");
+    if (!status)
+        strcpy(spec->path, path);
+    if (!status && palp_json_member(at, "scale_mm", &value))
+        status = length_read(&value, &spec->scale_m);
+    if (!status && palp_json_member(at, "hex_diagonals", &value))
+        status = palp_json_bool(&value, &spec->hex_diagonals);
+    if (!status && palp_model_folder(at->file->path, spec->folder))
+        status = palp_json_fail(&value, PALP_ERR_LIMIT, "starts from too long a folder");
+    return status;
+}
+
+static palp_status mesh_read(const palp_json *root, palp_model *model) {
+    palp_json mesh, kind;
+    const char *name = "";
+    palp_status status = palp_json_require(root, "mesh", &mesh);
+    if (status)
+        return status;
+    if (!json_is_object(mesh.value))
+        return palp_json_fail(&mesh, PALP_ERR_INPUT, "must be an object {...}");
+    status = palp_json_require(&mesh, "kind", &kind);
+    if (!status)
+        status = palp_json_string(&kind, &name);
+    if (status)
+        return status;
+    if (strcmp(name, "lattice") == 0)
+        return lattice_read(&mesh, &model->mesh);
+    if (strcmp(name, "file") == 0)
+        return mesh_file_read(&mesh, &model->mesh);
+    return palp_json_fail(&kind, PALP_ERR_INPUT, "must be \"lattice\" or \"file\", not \"%s\"", name);
+}
+
+static palp_status network_read(const palp_json *root, palp_model *model) {
+    palp_json density;
+    palp_status status = mesh_read(root, model);
+    if (!status && palp_json_member(root, "density_kg_m3", &density)) {
+        status = palp_json_number(&density, &model->density_kg_m3);
+        if (!status && model->density_kg_m3 < 0)
+            status = palp_json_fail(&density, PALP_ERR_INPUT, "must not be negative");
+    }
+    if (!status && model->height_m == 0 && model->mesh.kind == PALP_MESH_LATTICE)
+        model->height_m = model->mesh.size_m[1];
+    return status;
+}
+
+static palp_status root_read(const palp_json *root, palp_model *model) {
+    /* the last two are a network's only */
+    static const char *const keys[] = {"palpate", "kind",       "specimen",     "stiffness",
+                                       "arms",    "dashpot_Ns", "quasi_linear", "formulation",
+                                       "effects", "mesh",       "density_kg_m3"};
+    palp_json mesh;
+    palp_status status = version_read(root);
+    if (!status)
+        status = kind_read(root, model);
+    bool network = model->kind == PALP_MODEL_NETWORK;
+    if (!status && !network && palp_json_member(root, "mesh", &mesh))
+        status = palp_json_fail(&mesh, PALP_ERR_INPUT, "belongs to a model of kind \"network\"");
+    if (!status)
+        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 2, keys);
+    if (!status)
+        status = specimen_read(root, model);
+    if (!status)
+        status = material_read(root, model);
+    if (!status && network)
+        status = network_read(root, model);
+    return status;
+}
+
+palp_status palp_model_read(const char *path, palp_model *model, palp_error *error) {
+    palp_json_file file;
+    palp_json root;
+    palp_model made;
+    memset(&made, 0, sizeof made);
+    palp_status status = palp_json_open(path, &file, &root, error);
+    if (status)
+        return status;
+    status = root_read(&root, &made);
+    palp_json_close(&file);
+    if (!status)
+        *model = made;
+    return status;
+}

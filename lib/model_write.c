@@ -1,0 +1,311 @@
+/* model_write.c: writes the model JSON. */
+#define _XOPEN_SOURCE 700 /* locale_t, open_memstream, realpath */
+#include "json.h"
+#include "model_internal.h"
+#include "number.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static palp_status law_check(const palp_model *model, palp_error *error) {
+    const palp_law *law = &model->material.law;
+    double area_m2 = palp_model_area(model->radius_m);
+    bool hyperelastic = law->kind != PALP_LAW_POLYNOMIAL && law->kind != PALP_LAW_SPLINE;
+    if (hyperelastic && !(fabs(area_m2 - law->area_m2) <= 1e-9 * law->area_m2))
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "the hyperelastic law's area is not that of the specimen's radius");
+    double lowest_N = palp_law_minimum(law, PALP_MODEL_STRAIN);
+    if (!(lowest_N > 0))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the stiffness falls to %.6g N below strain %g",
+                              lowest_N, PALP_MODEL_STRAIN);
+    return PALP_OK;
+}
+
+static bool lattice_valid(const palp_mesh_spec *mesh) {
+    for (size_t i = 0; i < 3; i++)
+        if (mesh->nodes[i] < 2 || !(mesh->size_m[i] > 0) || !isfinite(mesh->size_m[i]))
+            return false;
+    return mesh->neighbourhood == 6 || mesh->neighbourhood == 18 || mesh->neighbourhood == 26;
+}
+
+static bool shape_valid(const palp_model *model) {
+    const palp_mesh_spec *mesh = &model->mesh;
+    bool network = model->kind == PALP_MODEL_NETWORK;
+    if (!(model->height_m >= 0) || !isfinite(model->height_m) || (!network && model->height_m == 0))
+        return false;
+    if (!(model->radius_m >= 0) || !isfinite(model->radius_m) || !palp_model_kind_valid(model->specimen_kind))
+        return false;
+    if (!network)
+        return true;
+    if (!(model->density_kg_m3 >= 0) || !isfinite(model->density_kg_m3))
+        return false;
+    if (mesh->kind == PALP_MESH_LATTICE)
+        return lattice_valid(mesh);
+    return mesh->path[0] && palp_text_is_utf8(mesh->path) && mesh->scale_m > 0 && isfinite(mesh->scale_m);
+}
+
+/* Nothing is written that could not be read again. */
+static palp_status model_check(const palp_model *model, palp_error *error) {
+    if (!shape_valid(model))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the model's specimen or mesh is out of range");
+    palp_status status = palp_material_check(&model->material, error);
+    return status ? status : law_check(model, error);
+}
+
+/* ---- text ---- */
+
+/* Where a model's text goes, and what stands between its parts. */
+typedef struct writer {
+    FILE *stream;
+    const char *open, *between, *item, *close;
+} writer;
+
+static const writer lines = {NULL, "{\n  ", ",\n  ", "\n    ", "\n}\n"};
+static const writer one_line = {NULL, "{", ", ", "", "}"};
+
+static void number_print(const writer *w, const char *before, double value) {
+    char text[PALP_NUMBER_TEXT];
+    palp_number_format(value, text);
+    fprintf(w->stream, "%s%s", before, text);
+}
+
+/* The shortest number of millimetres that reads back as the same metres, if there is one. */
+static void length_print(const writer *w, const char *before, double value_m) {
+    char text[PALP_NUMBER_TEXT];
+    double back = 0;
+    for (int precision = 15; precision <= 17; precision++) {
+        snprintf(text, sizeof text, "%.*g", precision, 1000 * value_m);
+        if (palp_number_parse(text, &back) && back / 1000 == value_m)
+            break;
+    }
+    fprintf(w->stream, "%s%s", before, text);
+}
+
+static void list_print(const writer *w, const char *before, size_t n, const double *values) {
+    fprintf(w->stream, "%s[", before);
+    for (size_t i = 0; i < n; i++)
+        number_print(w, i ? ", " : "", values[i]);
+    fputc(']', w->stream);
+}
+
+static void specimen_print(const writer *w, const palp_model *model) {
+    const char *comma = "";
+    if (model->height_m == 0 && model->radius_m == 0 && !model->specimen_kind[0])
+        return;
+    fprintf(w->stream, "%s\"specimen\": {", w->between);
+    if (model->height_m > 0) {
+        length_print(w, "\"height_mm\": ", model->height_m);
+        comma = ", ";
+    }
+    if (model->radius_m > 0) {
+        fputs(comma, w->stream);
+        length_print(w, "\"radius_mm\": ", model->radius_m);
+        comma = ", ";
+    }
+    if (model->specimen_kind[0])
+        fprintf(w->stream, "%s\"kind\": \"%s\"", comma, model->specimen_kind);
+    fputc('}', w->stream);
+}
+
+static void law_print(const writer *w, const palp_law *law) {
+    fprintf(w->stream, "%s\"stiffness\": {\"kind\": \"%s\"", w->between, palp_law_kind_name(law->kind));
+    if (law->kind == PALP_LAW_SPLINE) {
+        list_print(w, ", \"strain\": ", law->n, law->strain);
+        list_print(w, ", \"stiffness_N\": ", law->n, law->coefficients);
+    } else if (law->kind == PALP_LAW_POLYNOMIAL)
+        list_print(w, ", \"coefficients_N\": ", law->n, law->coefficients);
+    else
+        list_print(w, ", \"coefficients_Pa\": ", law->n, law->coefficients);
+    fputc('}', w->stream);
+}
+
+static void arm_print(const writer *w, const palp_arm *arm) {
+    number_print(w, "{\"stiffness_N\": ", arm->stiffness_N);
+    number_print(w, ", \"viscosity_Ns\": ", arm->viscosity_Ns);
+    if (arm->beta != 0)
+        number_print(w, ", \"stiffness_per_strain\": ", arm->beta);
+    if (arm->gamma != 0)
+        number_print(w, ", \"time_per_strain\": ", arm->gamma);
+    fputc('}', w->stream);
+}
+
+static void material_print(const writer *w, const palp_material *material) {
+    law_print(w, &material->law);
+    fprintf(w->stream, "%s\"arms\": [", w->between);
+    for (size_t j = 0; j < material->n_arms; j++) {
+        fprintf(w->stream, "%s%s", j ? (w->item[0] ? "," : ", ") : "", w->item);
+        arm_print(w, &material->arms[j]);
+    }
+    fputc(']', w->stream);
+    if (material->dashpot_Ns > 0) {
+        fputs(w->between, w->stream);
+        number_print(w, "\"dashpot_Ns\": ", material->dashpot_Ns);
+    }
+    if (material->quasi_linear)
+        fprintf(w->stream, "%s\"quasi_linear\": true", w->between);
+    fprintf(w->stream, "%s\"formulation\": \"%s\"", w->between,
+            material->formulation == PALP_SEDEF2008 ? "sedef2008" : "history");
+    fprintf(w->stream, "%s\"effects\": []", w->between);
+}
+
+static void lattice_print(const writer *w, const palp_mesh_spec *mesh) {
+    const size_t *n = mesh->nodes;
+    fprintf(w->stream, "%s\"mesh\": {\"kind\": \"lattice\", \"nodes\": [%zu, %zu, %zu], ", w->between, n[0],
+            n[1], n[2]);
+    for (size_t i = 0; i < 3; i++)
+        length_print(w, i ? ", " : "\"size_mm\": [", mesh->size_m[i]);
+    fputc(']', w->stream);
+    if (mesh->neighbourhood != PALP_NEIGHBOURS_26)
+        fprintf(w->stream, ", \"neighbourhood\": %d", (int)mesh->neighbourhood);
+    fputc('}', w->stream);
+}
+
+static palp_status mesh_file_print(const writer *w, const palp_mesh_spec *mesh, const char *path) {
+    json_t *text = json_string(path);
+    char *quoted = text ? json_dumps(text, JSON_ENCODE_ANY) : NULL;
+    json_decref(text);
+    if (!quoted)
+        return PALP_ERR_NO_MEMORY;
+    fprintf(w->stream, "%s\"mesh\": {\"kind\": \"file\", \"path\": %s, ", w->between, quoted);
+    length_print(w, "\"scale_mm\": ", mesh->scale_m);
+    fprintf(w->stream, "%s}", mesh->hex_diagonals ? ", \"hex_diagonals\": true" : "");
+    free(quoted);
+    return PALP_OK;
+}
+
+static palp_status network_print(const writer *w, const palp_model *model, const char *mesh_path) {
+    palp_status status = PALP_OK;
+    if (model->mesh.kind == PALP_MESH_LATTICE)
+        lattice_print(w, &model->mesh);
+    else
+        status = mesh_file_print(w, &model->mesh, mesh_path);
+    if (model->density_kg_m3 > 0) {
+        fputs(w->between, w->stream);
+        number_print(w, "\"density_kg_m3\": ", model->density_kg_m3);
+    }
+    return status;
+}
+
+static palp_status model_print(const writer *w, const palp_model *model, const char *mesh_path) {
+    palp_locale locale;
+    bool network = model->kind == PALP_MODEL_NETWORK;
+    if (!palp_locale_enter(&locale))
+        return PALP_ERR_NO_MEMORY;
+    fprintf(w->stream, "%s\"palpate\": {\"model\": 1}", w->open);
+    fprintf(w->stream, "%s\"kind\": \"%s\"", w->between, network ? "network" : "lumped");
+    specimen_print(w, model);
+    material_print(w, &model->material);
+    palp_status status = network ? network_print(w, model, mesh_path) : PALP_OK;
+    fputs(w->close, w->stream);
+    palp_locale_leave(&locale);
+    return status;
+}
+
+/* ---- the mesh's path as seen from another folder ---- */
+
+/* to (absolute) as seen from the folder from (absolute): "../meshes/a.msh". */
+static palp_status relative_path(const char *from, const char *to, char path[PALP_PATH_MAX]) {
+    size_t same = 0; /* length of the folders that both share, with the '/' after them */
+    for (size_t i = 0; to[i] && (from[i] == to[i] || (!from[i] && to[i] == '/')); i++) {
+        if (to[i] == '/')
+            same = i + 1;
+        if (!from[i])
+            break;
+    }
+    size_t length = strlen(from), n = 0;
+    for (size_t i = same; i < length; i++)
+        if (i == same || from[i - 1] == '/') {
+            if (n + 4 > PALP_PATH_MAX)
+                return PALP_ERR_LIMIT;
+            memcpy(path + n, "../", 4);
+            n += 3;
+        }
+    if (n + strlen(to + same) + 1 > PALP_PATH_MAX)
+        return PALP_ERR_LIMIT;
+    strcpy(path + n, to + same);
+    return PALP_OK;
+}
+
+/* relative_path after resolving both folders; ERR_FILE if one is not there. */
+static palp_status path_move(const palp_mesh_spec *mesh, const char *target, char path[PALP_PATH_MAX]) {
+    char old_folder[PALP_PATH_MAX], new_folder[PALP_PATH_MAX], name[PALP_PATH_MAX], joined[PALP_PATH_MAX];
+    if (palp_model_folder(target, new_folder) || palp_model_join(mesh->folder, mesh->path, name) ||
+        palp_model_folder(name, old_folder))
+        return PALP_ERR_LIMIT;
+    char *from = realpath(new_folder[0] ? new_folder : ".", NULL);
+    char *to = realpath(old_folder[0] ? old_folder : ".", NULL);
+    const char *slash = strrchr(name, '/');
+    palp_status status = from && to ? PALP_OK : PALP_ERR_FILE;
+    if (!status)
+        status = palp_model_join(strcmp(to, "/") == 0 ? "" : to, slash ? slash + 1 : name, joined);
+    if (!status)
+        status = relative_path(from, joined, path);
+    free(from);
+    free(to);
+    return status;
+}
+
+/* The mesh's path to be written into a model at target. */
+static palp_status mesh_path(const palp_model *model, const char *target, char path[PALP_PATH_MAX]) {
+    char folder[PALP_PATH_MAX];
+    const palp_mesh_spec *mesh = &model->mesh;
+    bool file = model->kind == PALP_MODEL_NETWORK && mesh->kind == PALP_MESH_FILE;
+    strcpy(path, file ? mesh->path : "");
+    if (!file || mesh->path[0] == '/')
+        return PALP_OK;
+    palp_status status = palp_model_folder(target, folder);
+    if (status || strcmp(folder, mesh->folder) == 0)
+        return status;
+    return path_move(mesh, target, path);
+}
+
+palp_status palp_model_write(const palp_model *model, const char *path, palp_error *error) {
+    palp_file file;
+    palp_error wrong = {PALP_OK, ""};
+    char mesh[PALP_PATH_MAX];
+    palp_status status = model_check(model, &wrong);
+    if (status)
+        return palp_error_set(error, status, "%s: not written: %s", path, wrong.text);
+    status = mesh_path(model, path, mesh);
+    if (status)
+        return palp_error_set(error, status,
+                              "%s: not written: the folder of it or of the mesh \"%s\" is not there", path,
+                              model->mesh.path);
+    if (!palp_text_is_utf8(mesh))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "%s: not written: the mesh's path is not UTF-8",
+                              path);
+    status = palp_file_begin(&file, path, error);
+    if (status)
+        return status;
+    writer w = lines;
+    w.stream = file.stream;
+    status = model_print(&w, model, mesh);
+    if (!status)
+        return palp_file_commit(&file, true, error);
+    palp_file_abandon(&file);
+    return palp_error_set(error, status, "%s: not written: %s", path, palp_status_text(status));
+}
+
+palp_status palp_model_format(const palp_model *model, char **json) {
+    char *text = NULL;
+    size_t size = 0;
+    *json = NULL;
+    palp_status status = model_check(model, NULL);
+    if (status)
+        return status;
+    writer w = one_line;
+    w.stream = open_memstream(&text, &size);
+    if (!w.stream)
+        return PALP_ERR_NO_MEMORY;
+    status = model_print(&w, model, model->mesh.path);
+    bool failed = ferror(w.stream) != 0;
+    failed = fclose(w.stream) != 0 || failed;
+    if (!status && (failed || !text))
+        status = PALP_ERR_NO_MEMORY;
+    if (status)
+        free(text);
+    else
+        *json = text;
+    return status;
+}

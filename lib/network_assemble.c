@@ -1,0 +1,208 @@
+/* network_assemble.c: forces, tangent and their sums over the network. */
+#include "network_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
+
+static bool measure(palp_network *net) {
+    const double *x = net->next.x;
+    bool sound = true;
+    for (size_t i = 0; i < net->n_elements; i++) {
+        const double *a = x + 3 * net->pair[2 * i], *b = x + 3 * net->pair[2 * i + 1];
+        double d0 = b[0] - a[0], d1 = b[1] - a[1], d2 = b[2] - a[2];
+        double length = sqrt(d0 * d0 + d1 * d1 + d2 * d2), inverse = 1.0 / length;
+        net->strain[i] = length * net->inverse_rest[i] - 1.0;
+        net->inverse_length[i] = inverse;
+        net->direction[3 * i] = d0 * inverse;
+        net->direction[3 * i + 1] = d1 * inverse;
+        net->direction[3 * i + 2] = d2 * inverse;
+        sound = sound && net->strain[i] > COLLAPSED;
+    }
+    return sound;
+}
+
+/* Force of element i on its first node. */
+static void element_vector(const palp_network *net, size_t i, double f[3]) {
+    for (size_t k = 0; k < 3; k++)
+        f[k] = net->force[i] * net->direction[3 * i + k];
+    if (net->step.carry > 0.0)
+        for (size_t k = 0; k < 3; k++)
+            f[k] += net->step.carry * net->now.vector[3 * i + k];
+}
+
+static void sum_forces(palp_network *net) {
+    memset(net->fint, 0, 3 * net->n_nodes * sizeof *net->fint);
+    for (size_t i = 0; i < net->n_elements; i++) {
+        double f[3], *a = net->fint + 3 * net->pair[2 * i], *b = net->fint + 3 * net->pair[2 * i + 1];
+        element_vector(net, i, f);
+        for (size_t k = 0; k < 3; k++) {
+            a[k] += f[k];
+            b[k] -= f[k];
+        }
+        if (net->next.vector)
+            memcpy(net->next.vector + 3 * i, f, sizeof f);
+    }
+}
+
+bool network_evaluate(palp_network *net) {
+    if (!measure(net))
+        return false;
+    element_trial(&net->material, &net->step, net->n_elements, net->strain, &net->now.history,
+                  &net->next.history, net->force, net->tangent);
+    sum_forces(net);
+    double sum = 0.0;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        sum += net->fint[i];
+    return isfinite(sum);
+}
+
+double network_residual(palp_network *net, double *scale) {
+    double residual = 0.0, force = 0.0, noise = 0.0;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
+        if (net->dof[i] < 0)
+            continue;
+        double r = net->fint[i];
+        if (net->inertia > 0.0)
+            r -= net->mass[i / 3] * net->inertia * net->next.x[i] - net->inertia_rhs[i];
+        net->rhs[net->dof[i]] = r;
+        residual += r * r;
+    }
+    for (size_t i = 0; i < net->n_elements; i++) {
+        force += net->force[i] * net->force[i];
+        noise += net->tangent[i] * net->tangent[i];
+    }
+    /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent */
+    *scale = net->settings.tolerance * sqrt(force) + 2e-15 * sqrt(noise);
+    return sqrt(residual);
+}
+
+/* k = (tangent / L0) n n' + (force / L) (1 - n n'), lower triangle xx yx yy zx zy zz. */
+static void element_block(const palp_network *net, size_t i, double k[6]) {
+    const double *n = net->direction + 3 * i;
+    double across = net->force[i] * net->inverse_length[i];
+    double along = net->tangent[i] * net->inverse_rest[i] - across;
+    double p0 = along * n[0], p1 = along * n[1];
+    k[0] = p0 * n[0] + across;
+    k[1] = p0 * n[1];
+    k[2] = p1 * n[1] + across;
+    k[3] = p0 * n[2];
+    k[4] = p1 * n[2];
+    k[5] = along * n[2] * n[2] + across;
+}
+
+static void assemble(palp_network *net, double shift) {
+    double *restrict value = linsys_values(net->ls), *restrict block = net->node_block;
+    memset(value, 0, linsys_value_count(net->ls) * sizeof *value);
+    memset(block, 0, 6 * net->n_nodes * sizeof *block);
+    for (size_t i = 0; i < net->n_elements; i++) {
+        double k[6], *a = block + 6 * net->pair[2 * i], *b = block + 6 * net->pair[2 * i + 1];
+        const uint32_t *s = net->slot + 9 * i;
+        element_block(net, i, k);
+        for (size_t j = 0; j < 6; j++) {
+            a[j] += k[j];
+            b[j] += k[j];
+        }
+        value[s[0]] = -k[0];
+        value[s[1]] = value[s[3]] = -k[1];
+        value[s[2]] = value[s[6]] = -k[3];
+        value[s[4]] = -k[2];
+        value[s[5]] = value[s[7]] = -k[4];
+        value[s[8]] = -k[5];
+    }
+    for (size_t i = 0; i < net->n_nodes; i++) {
+        const uint32_t *s = net->slot_node + 6 * i;
+        double *b = block + 6 * i, add = shift;
+        if (net->inertia > 0.0)
+            add += net->mass[i] * net->inertia;
+        b[0] += add;
+        b[2] += add;
+        b[5] += add;
+        for (size_t j = 0; j < 6; j++)
+            value[s[j]] = b[j];
+    }
+}
+
+palp_status network_factor(palp_network *net, double shift, int *negative) {
+    assemble(net, shift);
+    return linsys_factor(net->ls, negative);
+}
+
+/* k (vb - va) of element i. */
+static void block_times(const palp_network *net, size_t i, const double *va, const double *vb, double out[3]) {
+    double k[6], d[3] = {vb[0] - va[0], vb[1] - va[1], vb[2] - va[2]};
+    element_block(net, i, k);
+    out[0] = k[0] * d[0] + k[1] * d[1] + k[3] * d[2];
+    out[1] = k[1] * d[0] + k[2] * d[1] + k[4] * d[2];
+    out[2] = k[3] * d[0] + k[4] * d[1] + k[5] * d[2];
+}
+
+void network_drive_column(palp_network *net, double *column) {
+    memset(column, 0, net->n_free * sizeof *column);
+    for (size_t i = 0; i < net->n_elements; i++) {
+        size_t a = 3 * (size_t)net->pair[2 * i], b = 3 * (size_t)net->pair[2 * i + 1];
+        double f[3];
+        block_times(net, i, net->motion + a, net->motion + b, f);
+        for (size_t k = 0; k < 3; k++) {
+            if (net->dof[a + k] >= 0)
+                column[net->dof[a + k]] += f[k];
+            if (net->dof[b + k] >= 0)
+                column[net->dof[b + k]] -= f[k];
+        }
+    }
+}
+
+bool network_energy(palp_network *net, double *energy) {
+    double *psi = net->scratch, sum = 0.0;
+    if (!element_energy(&net->material, &net->step, net->n_elements, net->strain, &net->now.history, psi,
+                        psi + net->n_elements))
+        return false;
+    for (size_t i = 0; i < net->n_elements; i++)
+        sum += psi[i] / net->inverse_rest[i];
+    if (net->inertia > 0.0)
+        for (size_t i = 0; i < 3 * net->n_nodes; i++)
+            if (net->dof[i] >= 0) {
+                double x = net->next.x[i];
+                sum += x * (0.5 * net->mass[i / 3] * net->inertia * x - net->inertia_rhs[i]);
+            }
+    *energy = sum;
+    return true;
+}
+
+double network_drive_force(const palp_network *net) {
+    double force = 0.0;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        force -= net->motion[i] * net->fint[i];
+    return force;
+}
+
+void network_place(palp_network *net, double depth) {
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] < 0)
+            net->next.x[i] = net->rest[i] + depth * net->motion[i];
+}
+
+palp_status network_weights(palp_network *net, double *weight, double *stiffness) {
+    int negative;
+    palp_status status = network_factor(net, 0.0, &negative);
+    if (status)
+        return status;
+    network_drive_column(net, net->start);
+    linsys_solve(net->ls, net->start);
+    double *u = net->fint; /* displacement per depth; fint is not needed any more */
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        u[i] = net->dof[i] < 0 ? net->motion[i] : net->start[net->dof[i]];
+    *stiffness = 0.0;
+    for (size_t i = 0; i < net->n_elements; i++) {
+        const double *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
+        double f[3];
+        block_times(net, i, a, b, f);
+        weight[i] = 0.0;
+        for (size_t k = 0; k < 3; k++) {
+            weight[i] += net->direction[3 * i + k] * (b[k] - a[k]);
+            *stiffness += f[k] * (b[k] - a[k]);
+        }
+    }
+    return PALP_OK;
+}

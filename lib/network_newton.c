@@ -1,0 +1,178 @@
+/* network_newton.c: damped Newton for one equilibrium, on either branch. */
+#include "network_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double SLOW = 0.3;      /* a kept factor that contracts less is rebuilt */
+static const double SHORTEST = 1e-7; /* energy line search: smallest step */
+static const double STUCK = 0.02;    /* residual line search: a shorter step is a standstill, not progress */
+static const double FIRST_SHIFT = 1e-4; /* of the largest diagonal, to make a tangent definite */
+
+static void gather(const palp_network *net, double *x) {
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            x[net->dof[i]] = net->next.x[i];
+}
+
+/* next.x = start + alpha dx, evaluated. */
+static bool move(palp_network *net, double alpha) {
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            net->next.x[i] = net->start[net->dof[i]] + alpha * net->dx[net->dof[i]];
+    return network_evaluate(net);
+}
+
+static double dot(const double *a, const double *b, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+/* dx = K^-1 rhs with the present factor, from where next is. */
+static void solve_direction(palp_network *net, palp_step_info *info) {
+    memcpy(net->dx, net->rhs, net->n_free * sizeof *net->dx);
+    linsys_solve(net->ls, net->dx);
+    gather(net, net->start);
+    info->iterations++;
+}
+
+/* Halves the step until the residual falls; with one_step only the full step is tried. */
+static bool reduce_residual(palp_network *net, bool one_step, double *residual, double *scale) {
+    double before = *residual;
+    for (double alpha = 1.0; alpha >= STUCK; alpha *= 0.5) {
+        if (move(net, alpha)) {
+            *residual = network_residual(net, scale);
+            if (*residual <= (1.0 - 1e-4 * alpha) * before || *residual <= *scale)
+                return true;
+        }
+        if (one_step)
+            break;
+    }
+    return false;
+}
+
+/* Newton on the residual, whatever the sign of the tangent. Where factors are dear one is kept as long
+ * as it contracts. */
+static palp_status follow_branch(palp_network *net, palp_step_info *info) {
+    double scale, residual = network_residual(net, &scale);
+    bool keep = net->chord && net->factored;
+    for (int i = 0; residual > scale; i++) {
+        if (i == net->settings.max_iterations)
+            return PALP_ERR_NOT_CONVERGED;
+        if (!keep) {
+            palp_status status = network_factor(net, 0.0, &info->negative_pivots);
+            net->factored = !status;
+            if (status)
+                return status;
+        }
+        double before = residual;
+        solve_direction(net, info);
+        if (reduce_residual(net, keep, &residual, &scale)) {
+            keep = net->chord && residual <= SLOW * before;
+            continue;
+        }
+        if (!keep || !move(net, 0.0))
+            return PALP_ERR_NOT_CONVERGED;
+        residual = network_residual(net, &scale);
+        keep = false;
+    }
+    info->residual = scale > 0.0 ? net->settings.tolerance * residual / scale : 0.0;
+    return PALP_OK;
+}
+
+/* Factors the tangent, shifted if need be until it is positive definite. *shift = 0: it was. */
+static palp_status factor_definite(palp_network *net, double *shift) {
+    int negative = 0;
+    palp_status status = network_factor(net, 0.0, &negative);
+    *shift = 0.0;
+    if (!status && negative == 0)
+        return PALP_OK;
+    double largest = 0.0;
+    for (size_t i = 0; i < 6 * net->n_nodes; i++)
+        largest = fmax(largest, fabs(net->node_block[i]));
+    for (*shift = FIRST_SHIFT * largest; *shift < 1e3 * largest; *shift *= 2.0) {
+        status = network_factor(net, *shift, &negative);
+        if (!status && negative == 0)
+            return PALP_OK;
+    }
+    return PALP_ERR_SINGULAR;
+}
+
+/* Armijo along dx on the energy; without one, on the slope along dx. */
+static bool descend(palp_network *net, double *residual, double *scale) {
+    double energy, start, slope = -dot(net->rhs, net->dx, net->n_free), before = *residual;
+    bool known = network_energy(net, &start);
+    for (double alpha = 1.0; alpha >= SHORTEST; alpha *= 0.5) {
+        if (!move(net, alpha))
+            continue;
+        *residual = network_residual(net, scale);
+        if (*residual <= *scale)
+            return true;
+        if (!known) {
+            if (-dot(net->rhs, net->dx, net->n_free) <= -0.5 * slope)
+                return true;
+        } else if (network_energy(net, &energy) &&
+                   (energy <= start + 1e-4 * alpha * slope ||
+                    (energy <= start + 1e-13 * fabs(start) && *residual <= 0.5 * before)))
+            return true;
+    }
+    return false;
+}
+
+/* At an unstable equilibrium: a step along the softest direction of the shifted factor that lowers the
+ * energy. The direction starts from fixed numbers, so the same network always falls the same way. */
+static bool leave_saddle(palp_network *net) {
+    enum { ROUNDS = 40 };
+    double *v = net->dx, start, energy, largest = 0.0;
+    for (size_t i = 0; i < net->n_free; i++)
+        v[i] = (double)((i * 7919 + 13) % 1009) / 1009.0 - 0.5;
+    for (int k = 0; k < ROUNDS; k++) {
+        double norm = sqrt(dot(v, v, net->n_free));
+        for (size_t i = 0; i < net->n_free; i++)
+            v[i] /= norm;
+        linsys_solve(net->ls, v);
+    }
+    for (size_t i = 0; i < net->n_free; i++)
+        largest = fmax(largest, fabs(v[i]));
+    bool known = network_energy(net, &start);
+    gather(net, net->start);
+    for (double reach = 0.02 * net->extent; reach > 1e-9 * net->extent; reach *= 0.5)
+        for (int sign = 1; sign >= -1; sign -= 2)
+            if (move(net, sign * reach / largest) && (!known || (network_energy(net, &energy) && energy < start)))
+                return true;
+    return false;
+}
+
+static palp_status follow_stable(palp_network *net, palp_step_info *info) {
+    double scale, shift, residual = network_residual(net, &scale);
+    for (int i = 0; i < 4 * net->settings.max_iterations; i++) {
+        palp_status status = factor_definite(net, &shift);
+        net->factored = !status;
+        if (status)
+            return status;
+        if (residual <= scale) {
+            if (shift == 0.0) {
+                info->negative_pivots = 0;
+                info->residual = scale > 0.0 ? net->settings.tolerance * residual / scale : 0.0;
+                return PALP_OK;
+            }
+            if (!leave_saddle(net))
+                return PALP_ERR_BUCKLED;
+            residual = network_residual(net, &scale);
+            continue;
+        }
+        solve_direction(net, info);
+        if (!descend(net, &residual, &scale))
+            return PALP_ERR_NOT_CONVERGED;
+    }
+    return PALP_ERR_NOT_CONVERGED;
+}
+
+palp_status network_newton(palp_network *net, palp_step_info *info) {
+    if (net->settings.branch == PALP_BRANCH_STABLE)
+        return follow_stable(net, info);
+    palp_status status = follow_branch(net, info);
+    return status == PALP_ERR_NOT_CONVERGED && info->negative_pivots > 0 ? PALP_ERR_BUCKLED : status;
+}

@@ -1,0 +1,151 @@
+/* network_run.c: following a path with fixed or error-controlled steps. */
+#include "network_internal.h"
+
+#include <math.h>
+
+typedef struct run {
+    palp_network *net;
+    const palp_path *path;
+    const palp_run_settings *settings;
+    palp_run_info *info;
+} run;
+
+static palp_status observe(const run *r, double time) {
+    const palp_network *net = r->net;
+    r->info->peak_force_N = fmax(r->info->peak_force_N, fabs(net->now.force));
+    if (r->settings->observer && r->settings->observer(r->settings->user, time, net->now.depth, net->now.force))
+        return PALP_ERR_STOPPED;
+    return PALP_OK;
+}
+
+/* One trial step to the path's value at time t; creep paths commit at once, since their depth is found
+ * by several tries. */
+static palp_status advance(run *r, double t, double dt, bool commit) {
+    palp_step_info step = {0};
+    double target = palp_path_at(r->path, t), length = r->settings->relaxed ? INFINITY : dt;
+    palp_status status = r->path->depth_m ? palp_network_try(r->net, target, length, &step)
+                                          : palp_network_step_force(r->net, target, length, &step);
+    r->info->iterations += (size_t)step.iterations;
+    r->info->worst_residual = fmax(r->info->worst_residual, step.residual);
+    if (!status && commit)
+        palp_network_commit(r->net);
+    return status;
+}
+
+static palp_status fixed_segment(run *r, double from, double to) {
+    double count = ceil((to - from) / r->settings->dt_s * (1.0 - 1e-12));
+    palp_status status = PALP_OK;
+    for (double i = 1.0; i <= count && !status; i += 1.0) {
+        double t = i < count ? from + (to - from) * i / count : to;
+        status = advance(r, t, (to - from) / count, true);
+        r->info->steps += !status;
+        if (!status)
+            status = observe(r, t);
+    }
+    return status;
+}
+
+/* The measure that a step's error is told by: the force, or in creep the depth. */
+static double measure(const run *r, const network_state *s) {
+    return r->path->depth_m ? s->force : s->depth;
+}
+
+/* Step doubling: a whole step and two halves; a second-order method errs by a third of the difference,
+ * and the halves are kept. */
+static palp_status doubled_step(run *r, double t, double h, double *error) {
+    palp_network *net = r->net;
+    palp_status status = advance(r, t + h, h, false);
+    double whole = r->path->depth_m ? net->next.force : net->now.depth;
+    if (status)
+        return status;
+    if (!r->path->depth_m)
+        network_revert(net);
+    palp_network_rollback(net);
+    status = advance(r, t + 0.5 * h, 0.5 * h, true);
+    if (!status)
+        status = advance(r, t + h, 0.5 * h, true);
+    *error = fabs(measure(r, &net->now) - whole) / 3.0;
+    return status;
+}
+
+static bool may_shrink(palp_status status) {
+    return status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+}
+
+/* A step that first meets a loss of stability is cut until its depth is known to check_strain. */
+static bool locates_buckling(const palp_network *net, bool before) {
+    return net->buckled && !before && fabs(net->unstable_depth - net->checked_depth) >
+                                           net->settings.check_strain * net->height;
+}
+
+/* However exact a longer step would be, the record shall show the curve: 50 samples of a moving plate,
+ * some 25 a decade of a hold. */
+static double longest_step(const run *r, double from, double to, double t) {
+    double length = to - from;
+    bool hold = palp_path_at(r->path, from) == palp_path_at(r->path, to);
+    return hold ? fmax(0.1 * (t - from), 1e-3 * length) : length / 50.0;
+}
+
+static palp_status adaptive_segment(run *r, double from, double to, double *step) {
+    const double smallest = fmax(1e-9 * (to - from), 1e-3 * r->settings->dt_min_s);
+    double t = from;
+    while (t < to) {
+        double h = fmin(fmin(*step, longest_step(r, from, to, t)), to - t), error = 0.0;
+        bool buckled = r->net->buckled;
+        double checked = r->net->checked_depth;
+        if (to - t - h < 0.1 * h)
+            h = to - t;
+        network_mark(r->net);
+        palp_status status = doubled_step(r, t, h, &error);
+        if (status && !may_shrink(status))
+            return status;
+        double scale = r->path->depth_m ? fmax(r->info->peak_force_N, fabs(r->net->now.force)) : r->net->height;
+        double ratio = status ? 64.0 : error / (r->settings->tolerance * scale + 1e-300);
+        bool cut = !status && locates_buckling(r->net, buckled);
+        if ((ratio > 1.0 || cut) && h > smallest) {
+            network_revert(r->net);
+            r->net->buckled = buckled;
+            r->net->checked_depth = checked;
+            r->info->rejected++;
+            *step = h * fmax(0.2, fmin(0.5, 0.9 * pow(ratio, -1.0 / 3.0)));
+            continue;
+        }
+        if (status)
+            return status;
+        t = to - t - h <= 0.0 ? to : t + h;
+        r->info->steps += 2;
+        status = observe(r, t);
+        if (status)
+            return status;
+        *step = h * fmin(3.0, 0.9 * pow(ratio + 1e-6, -1.0 / 3.0));
+    }
+    return PALP_OK;
+}
+
+static palp_status check(const run *r) {
+    const palp_path *p = r->path;
+    bool adaptive = r->settings->tolerance > 0.0;
+    if (p->n == 0 || (!p->depth_m && !p->force_N) || (!adaptive && !(r->settings->dt_s > 0.0)))
+        return PALP_ERR_ARGUMENT;
+    return PALP_OK;
+}
+
+palp_status palp_network_run(palp_network *network, const palp_path *path, const palp_run_settings *settings,
+                             palp_run_info *info) {
+    palp_run_info local = {0};
+    run r = {network, path, settings, &local};
+    palp_status status = check(&r);
+    double start = status ? 0.0 : palp_path_at(path, path->time_s[0]);
+    if (!status && start != (path->depth_m ? network->now.depth : network->now.force))
+        status = advance(&r, path->time_s[0], 0.0, true);
+    if (!status)
+        status = observe(&r, path->time_s[0]);
+    for (size_t i = 0; i + 1 < path->n && !status; i++) {
+        double from = path->time_s[i], to = path->time_s[i + 1];
+        double step = settings->dt_min_s > 0.0 ? settings->dt_min_s : (to - from) / 50.0;
+        status = settings->tolerance > 0.0 ? adaptive_segment(&r, from, to, &step) : fixed_segment(&r, from, to);
+    }
+    if (info)
+        *info = local;
+    return status;
+}

@@ -1,0 +1,262 @@
+/* network_step.c: one time step: predictor, Newton, inertia of the tangent, commit and rollback. */
+#include "network_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Chung and Hulbert 1993; backward Euler has its own two lines. */
+typedef struct alpha {
+    double m, f, beta, gamma;
+} alpha;
+
+static alpha alpha_of(double rho) {
+    alpha a = {.m = (2.0 * rho - 1.0) / (rho + 1.0), .f = rho / (rho + 1.0)};
+    a.beta = 0.25 * (1.0 - a.m + a.f) * (1.0 - a.m + a.f);
+    a.gamma = 0.5 - a.m + a.f;
+    return a;
+}
+
+/* Mass terms of the residual: mass (inertia x) - inertia_rhs. */
+static void prepare_inertia(palp_network *net, double dt) {
+    net->inertia = 0.0;
+    if (!net->mass || isinf(dt))
+        return;
+    const network_state *s = &net->now;
+    alpha a = alpha_of(net->settings.spectral_radius);
+    bool euler = net->settings.integrator == PALP_BACKWARD_EULER;
+    double share = (1.0 - a.m) / (1.0 - a.f);
+    net->inertia = euler ? 1.0 / (dt * dt) : share / (a.beta * dt * dt);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
+        double m = net->mass[i / 3], moved = m * net->inertia * (s->x[i] + dt * s->velocity[i]);
+        if (!euler)
+            moved += m * (share * (0.5 / a.beta - 1.0) - a.m / (1.0 - a.f)) * s->acceleration[i] +
+                     a.f / (1.0 - a.f) * s->inner[i];
+        net->inertia_rhs[i] = moved;
+    }
+}
+
+static void finish_inertia(palp_network *net, double dt) {
+    if (!net->mass)
+        return;
+    const network_state *s = &net->now;
+    network_state *t = &net->next;
+    alpha a = alpha_of(net->settings.spectral_radius);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
+        if (isinf(dt)) {
+            t->velocity[i] = t->acceleration[i] = 0.0;
+        } else if (net->settings.integrator == PALP_BACKWARD_EULER) {
+            t->velocity[i] = (t->x[i] - s->x[i]) / dt;
+            t->acceleration[i] = (t->velocity[i] - s->velocity[i]) / dt;
+        } else {
+            t->acceleration[i] = (t->x[i] - s->x[i] - dt * s->velocity[i]) / (a.beta * dt * dt) -
+                                 (0.5 / a.beta - 1.0) * s->acceleration[i];
+            t->velocity[i] =
+                s->velocity[i] + dt * ((1.0 - a.gamma) * s->acceleration[i] + a.gamma * t->acceleration[i]);
+        }
+    }
+}
+
+/* Extrapolates the unknowns along s (depth, or time in a hold) through the last two or three states. */
+static bool extrapolate(palp_network *net, double depth, double time) {
+    if (net->n_past == 0)
+        return false;
+    bool hold = depth == net->now.depth;
+    double s0 = hold ? net->now.time : net->now.depth, s = hold ? time : depth;
+    double s1 = hold ? net->past_time[0] : net->past_depth[0];
+    double step = s - s0, last = s0 - s1;
+    if (!isfinite(s) || !(last * step > 0.0) || fabs(step) > 2.5 * fabs(last) ||
+        (hold && net->past_depth[0] != depth))
+        return false;
+    double c0 = 1.0 + step / last, c1 = -step / last, c2 = 0.0;
+    if (net->n_past > 1 && !(hold && net->past_depth[1] != depth)) {
+        double s2 = hold ? net->past_time[1] : net->past_depth[1];
+        if ((s1 - s2) * step > 0.0) {
+            c0 = (s - s1) * (s - s2) / ((s0 - s1) * (s0 - s2));
+            c1 = (s - s0) * (s - s2) / ((s1 - s0) * (s1 - s2));
+            c2 = (s - s0) * (s - s1) / ((s2 - s0) * (s2 - s1));
+        }
+    }
+    const double *x0 = net->now.x, *x1 = net->past[0], *x2 = net->past[1];
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            net->next.x[i] = c0 * x0[i] + c1 * x1[i] + (c2 != 0.0 ? c2 * x2[i] : 0.0);
+    network_place(net, depth);
+    return network_evaluate(net);
+}
+
+/* The linear answer of the last state to the plate's motion. */
+static bool predict_linear(palp_network *net, double depth) {
+    int negative;
+    double scale, move = depth - net->now.depth;
+    memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+    if (move == 0.0)
+        return network_evaluate(net);
+    if (network_evaluate(net) && !network_factor(net, 0.0, &negative)) {
+        network_residual(net, &scale);
+        network_drive_column(net, net->dx);
+        for (size_t i = 0; i < net->n_free; i++)
+            net->dx[i] = net->rhs[i] + move * net->dx[i];
+        linsys_solve(net->ls, net->dx);
+        net->factored = true;
+        network_place(net, depth);
+        for (size_t i = 0; i < 3 * net->n_nodes; i++)
+            if (net->dof[i] >= 0)
+                net->next.x[i] = net->now.x[i] + net->dx[net->dof[i]];
+        if (network_evaluate(net))
+            return true;
+    }
+    memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+    network_place(net, depth);
+    return network_evaluate(net);
+}
+
+/* Goes to the depth in parts, each started from the secant through the last two: history and time stay
+ * those of the whole step, so this only finds a better place to start Newton from. */
+static palp_status approach(palp_network *net, double depth, palp_step_info *info) {
+    size_t size = 3 * net->n_nodes * sizeof(double);
+    double reached = net->now.depth, before = reached, whole = depth - reached, part = whole / 4.0;
+    memcpy(net->way[0], net->now.x, size);
+    palp_status status = PALP_ERR_NOT_CONVERGED;
+    while (fabs(part) >= fabs(whole) / 2048.0 && reached != depth) {
+        double target = fabs(depth - reached) <= 1.0001 * fabs(part) ? depth : reached + part;
+        double ahead = reached != before ? (target - reached) / (reached - before) : 0.0;
+        for (size_t i = 0; i < 3 * net->n_nodes; i++)
+            net->next.x[i] = net->way[0][i] + (ahead > 0.0 ? ahead * (net->way[0][i] - net->way[1][i]) : 0.0);
+        network_place(net, target);
+        status = network_evaluate(net) ? network_newton(net, info) : PALP_ERR_COLLAPSED;
+        if (status) {
+            part *= 0.25;
+            continue;
+        }
+        memcpy(net->way[1], net->way[0], size);
+        memcpy(net->way[0], net->next.x, size);
+        before = reached;
+        reached = target;
+        part *= 1.5;
+    }
+    return status;
+}
+
+static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
+    palp_status status = PALP_ERR_NOT_CONVERGED;
+    if (extrapolate(net, depth, time))
+        status = network_newton(net, info);
+    if (status && status != PALP_ERR_NO_MEMORY)
+        status = predict_linear(net, depth) ? network_newton(net, info) : PALP_ERR_COLLAPSED;
+    if (status && status != PALP_ERR_NO_MEMORY && status != PALP_ERR_SINGULAR && depth != net->now.depth &&
+        !net->no_approach)
+        status = approach(net, depth, info);
+    return status;
+}
+
+/* Looks at the tangent's inertia at the solution when Newton met a negative pivot for the first time, or
+ * when the plate has gone check_strain since the last look. */
+static void look_at_stability(palp_network *net, palp_step_info *info) {
+    bool due = fabs(net->next.depth - net->checked_depth) >= net->settings.check_strain * net->height;
+    if (!net->buckled && (info->negative_pivots > 0 || (info->negative_pivots < 0 && due))) {
+        int negative;
+        palp_status status = network_factor(net, 0.0, &negative);
+        info->negative_pivots = status ? 1 : negative;
+        net->factored = !status;
+    }
+    net->trial_checked = info->negative_pivots >= 0;
+    net->trial_stable = info->negative_pivots == 0;
+}
+
+static palp_status check_step(const palp_network *net, double depth, double dt) {
+    const palp_material *m = &net->material;
+    bool rate = m->dashpot_Ns > 0.0 || net->mass || (m->formulation == PALP_SEDEF2008 && m->n_arms > 0);
+    return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
+}
+
+palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
+    palp_step_info local = {.negative_pivots = -1};
+    net->trial = false;
+    palp_status status = check_step(net, depth_m, dt_s);
+    if (status)
+        return status;
+    element_step_prepare(&net->material, dt_s, &net->step);
+    prepare_inertia(net, dt_s);
+    net->next.depth = depth_m;
+    net->next.time = net->now.time + (isinf(dt_s) ? 0.0 : dt_s);
+    status = solve(net, depth_m, net->next.time, &local);
+    if (!status) {
+        net->next.force = local.force_N = network_drive_force(net);
+        memcpy(net->next.inner, net->fint, 3 * net->n_nodes * sizeof *net->fint);
+        memcpy(net->next.element, net->force, net->n_elements * sizeof *net->force);
+        if (net->step.carry > 0.0)
+            for (size_t i = 0; i < net->n_elements; i++)
+                for (size_t k = 0; k < 3; k++)
+                    net->next.element[i] += net->step.carry * net->now.vector[3 * i + k] * net->direction[3 * i + k];
+        finish_inertia(net, dt_s);
+        look_at_stability(net, &local);
+        net->trial = true;
+    } else {
+        net->factored = false;
+    }
+    if (info)
+        *info = local;
+    return status;
+}
+
+void palp_network_commit(palp_network *net) {
+    if (!net->trial)
+        return;
+    double *spare = net->past[1];
+    net->past[1] = net->past[0];
+    net->past_depth[1] = net->past_depth[0];
+    net->past_time[1] = net->past_time[0];
+    net->past[0] = net->now.x;
+    net->past_depth[0] = net->now.depth;
+    net->past_time[0] = net->now.time;
+    net->n_past += net->n_past < NETWORK_PAST;
+    net->now.x = spare;
+    network_state old = net->now;
+    net->now = net->next;
+    net->next = old;
+    net->trial = false;
+    if (net->trial_checked && !net->buckled) {
+        net->buckled = !net->trial_stable;
+        *(net->trial_stable ? &net->checked_depth : &net->unstable_depth) = net->now.depth;
+    }
+}
+
+void palp_network_rollback(palp_network *net) {
+    net->trial = false;
+}
+
+palp_status palp_network_step(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
+    palp_status status = palp_network_try(net, depth_m, dt_s, info);
+    if (!status)
+        palp_network_commit(net);
+    return status;
+}
+
+palp_status palp_network_step_force(palp_network *net, double force_N, double dt_s, palp_step_info *info) {
+    enum { ROUNDS = 40 };
+    palp_step_info local = {0}, total = {0};
+    double depth = net->now.depth, stiffness = 0.0;
+    if (!isfinite(force_N))
+        return PALP_ERR_ARGUMENT;
+    for (int i = 0; i < ROUNDS; i++) {
+        palp_status status = palp_network_try(net, depth, dt_s, &local);
+        total.iterations += local.iterations;
+        local.iterations = total.iterations;
+        if (!status && fabs(local.force_N - force_N) <= 1e-10 * fabs(force_N) + 1e-14 * stiffness * net->extent) {
+            palp_network_commit(net);
+            if (info)
+                *info = local;
+            return PALP_OK;
+        }
+        if (!status)
+            status = network_weights(net, net->scratch, &stiffness);
+        if (!status && !(stiffness > 0.0))
+            status = PALP_ERR_BUCKLED;
+        net->trial = false;
+        if (status)
+            return status;
+        double limit = 0.1 * net->extent, move = (force_N - local.force_N) / stiffness;
+        depth += fmax(-limit, fmin(limit, move));
+    }
+    return PALP_ERR_NOT_CONVERGED;
+}

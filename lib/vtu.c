@@ -1,0 +1,227 @@
+/* vtu.c: the deforming network for ParaView: VTK XML unstructured grids and a .pvd series. */
+#define _XOPEN_SOURCE 700 /* locale_t, mkdir */
+#include <palpate/vtu.h>
+
+#include "file.h"
+#include "number.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct palp_vtu {
+    char *folder, *name;
+    size_t n, capacity;
+    double *time_s; /* [capacity], n of them used: one a frame */
+};
+
+enum { VTK_LINE = 3 };
+
+static char *text_copy(const char *text) {
+    size_t size = strlen(text) + 1;
+    char *copy = malloc(size);
+    return copy ? memcpy(copy, text, size) : NULL;
+}
+
+static void series_free(palp_vtu *series) {
+    free(series->folder);
+    free(series->name);
+    free(series->time_s);
+    free(series);
+}
+
+/* A plain file name, so that it needs no escaping in XML. */
+static bool name_valid(const char *name) {
+    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
+    return name[0] && name[0] != '.' && name[strspn(name, allowed)] == '\0';
+}
+
+static palp_status folder_make(const char *folder, palp_error *error) {
+    struct stat info;
+    if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &info) == 0 && S_ISDIR(info.st_mode)))
+        return PALP_OK;
+    return palp_error_set_file(error, folder, "cannot make the folder", errno);
+}
+
+palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **series, palp_error *error) {
+    *series = NULL;
+    if (!name_valid(name))
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "\"%s\" is no name of a series: use letters and digits", name);
+    palp_status status = folder_make(folder, error);
+    if (status)
+        return status;
+    palp_vtu *made = calloc(1, sizeof *made);
+    if (made) {
+        made->folder = text_copy(folder);
+        made->name = text_copy(name);
+    }
+    if (!made || !made->folder || !made->name) {
+        if (made)
+            series_free(made);
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", folder);
+    }
+    *series = made;
+    return PALP_OK;
+}
+
+/* folder/name + ending, malloc'ed. */
+static char *file_path(const palp_vtu *series, const char *ending) {
+    size_t size = strlen(series->folder) + strlen(series->name) + strlen(ending) + 2;
+    char *path = malloc(size);
+    if (path)
+        snprintf(path, size, "%s/%s%s", series->folder, series->name, ending);
+    return path;
+}
+
+static void array_open(FILE *f, const char *type, const char *name, int components) {
+    fprintf(f, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"ascii\">\n", type, name,
+            components);
+}
+
+static void array_close(FILE *f) {
+    fputs("</DataArray>\n", f);
+}
+
+/* values[n] less from[n] (or 0), per of them in a line. */
+static void numbers_print(FILE *f, size_t n, const double *values, const double *from, size_t per) {
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%.9g%c", values[i] - (from ? from[i] : 0), (i + 1) % per ? ' ' : '\n');
+}
+
+static void points_print(FILE *f, size_t n_nodes, const double *x_m, const double *rest_m) {
+    fputs("<Points>\n", f);
+    array_open(f, "Float64", "Points", 3);
+    numbers_print(f, 3 * n_nodes, x_m, NULL, 3);
+    array_close(f);
+    fputs("</Points>\n<PointData Vectors=\"displacement\">\n", f);
+    array_open(f, "Float64", "displacement", 3);
+    numbers_print(f, 3 * n_nodes, x_m, rest_m, 3);
+    array_close(f);
+    fputs("</PointData>\n", f);
+}
+
+static void cells_print(FILE *f, size_t n, const int32_t *pairs) {
+    fputs("<Cells>\n", f);
+    array_open(f, "Int64", "connectivity", 1);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%ld %ld\n", (long)pairs[2 * i], (long)pairs[2 * i + 1]);
+    array_close(f);
+    array_open(f, "Int64", "offsets", 1);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%zu\n", 2 * (i + 1));
+    array_close(f);
+    array_open(f, "UInt8", "types", 1);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%d\n", VTK_LINE);
+    array_close(f);
+    fputs("</Cells>\n", f);
+}
+
+static void cell_data_print(FILE *f, size_t n, const double *strain, const double *force_N) {
+    fputs("<CellData Scalars=\"strain\">\n", f);
+    array_open(f, "Float64", "strain", 1);
+    numbers_print(f, n, strain, NULL, 1);
+    array_close(f);
+    array_open(f, "Float64", "force_N", 1);
+    numbers_print(f, n, force_N, NULL, 1);
+    array_close(f);
+    fputs("</CellData>\n", f);
+}
+
+static void frame_print(FILE *f, const palp_network *network, const double *force_N) {
+    const palp_mesh *mesh = palp_network_mesh(network);
+    size_t n_nodes = palp_mesh_node_count(mesh), n_elements = palp_mesh_element_count(mesh);
+    fputs(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\">\n<UnstructuredGrid>\n",
+        f);
+    fprintf(f, "<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n", n_nodes, n_elements);
+    points_print(f, n_nodes, palp_network_positions(network), palp_mesh_positions(mesh));
+    cells_print(f, n_elements, palp_mesh_pairs(mesh));
+    cell_data_print(f, n_elements, palp_network_element_strain(network), force_N);
+    fputs("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", f);
+}
+
+static palp_status frame_write(const char *path, const palp_network *network, const double *force_N,
+                               palp_error *error) {
+    palp_file file;
+    palp_locale locale;
+    palp_status status = palp_file_begin(&file, path, error);
+    if (status)
+        return status;
+    if (!palp_locale_enter(&locale)) {
+        palp_file_abandon(&file);
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
+    }
+    frame_print(file.stream, network, force_N);
+    palp_locale_leave(&locale);
+    return palp_file_commit(&file, false, error);
+}
+
+/* Room for one more frame's time. */
+static bool series_grow(palp_vtu *series) {
+    if (series->n < series->capacity)
+        return true;
+    size_t capacity = series->capacity ? 2 * series->capacity : 64;
+    double *time_s = realloc(series->time_s, capacity * sizeof *time_s);
+    if (!time_s)
+        return false;
+    series->time_s = time_s;
+    series->capacity = capacity;
+    return true;
+}
+
+palp_status palp_vtu_add(palp_vtu *series, const palp_network *network, palp_error *error) {
+    char ending[48];
+    snprintf(ending, sizeof ending, "_%04zu.vtu", series->n);
+    char *path = file_path(series, ending);
+    double *force_N = malloc((palp_mesh_element_count(palp_network_mesh(network)) + 1) * sizeof *force_N);
+    palp_status status = PALP_ERR_NO_MEMORY;
+    if (path && force_N && series_grow(series)) {
+        palp_network_element_force(network, force_N);
+        status = frame_write(path, network, force_N, error);
+    } else
+        palp_error_set(error, status, "%s: out of memory", series->folder);
+    if (!status)
+        series->time_s[series->n++] = palp_network_time(network);
+    free(path);
+    free(force_N);
+    return status;
+}
+
+static void series_print(FILE *f, const palp_vtu *series) {
+    char text[PALP_NUMBER_TEXT];
+    fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", f);
+    for (size_t i = 0; i < series->n; i++) {
+        palp_number_format(series->time_s[i], text);
+        fprintf(f, "<DataSet timestep=\"%s\" part=\"0\" file=\"%s_%04zu.vtu\"/>\n", text, series->name, i);
+    }
+    fputs("</Collection>\n</VTKFile>\n", f);
+}
+
+static palp_status series_write(const palp_vtu *series, palp_error *error) {
+    palp_file file;
+    palp_locale locale;
+    char *path = file_path(series, ".pvd");
+    if (!path || !palp_locale_enter(&locale)) {
+        free(path);
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", series->folder);
+    }
+    palp_status status = palp_file_begin(&file, path, error);
+    if (!status) {
+        series_print(file.stream, series);
+        status = palp_file_commit(&file, false, error);
+    }
+    palp_locale_leave(&locale);
+    free(path);
+    return status;
+}
+
+palp_status palp_vtu_close(palp_vtu *series, palp_error *error) {
+    if (!series)
+        return PALP_OK;
+    palp_status status = series_write(series, error);
+    series_free(series);
+    return status;
+}

@@ -1,0 +1,49 @@
+#!/bin/sh
+# bad_input.sh: files that are missing or wrong: one line that names the file, exit code 1. check: asan
+. tests/cli/common
+
+M=$DATA/network_27.json L=$DATA/lumped_n1.json
+wrong() { # text, arguments...
+    text=$1; shift
+    expect 1 "$@"
+    says "palpate $1: "
+    says "$text"
+}
+wrong "none.json" simulate none.json --protocol static --depth-mm 3
+wrong "none.csv" simulate $M --like none.csv
+wrong "none.json" calibrate none.json --nodes 3
+wrong "none.json" export none.json --strain 0.1
+printf '{"palpate": {"model": 1},\n "kind": "lumped"' >half.json
+wrong "half.json:2" simulate half.json --protocol static --depth-mm 3
+sed 's/-0.70/-700/' $L >negative.json
+wrong "negative.json" simulate negative.json --protocol static --depth-mm 3
+sed 's/height_mm/height_m/' $L >unit.json
+wrong "unit.json:4" simulate unit.json --protocol static --depth-mm 3
+
+run() { # name kind rows...
+    { printf '# palpate.experiment: 1\n# protocol.kind: "%s"\ntime_s,depth_mm,force_N\n' "$2"; printf '%b' "$3"; } >"$1"
+}
+run nan.csv static '0,0,0\n1,1,nan\n'
+wrong "nan.csv:5" simulate $M --like nan.csv
+run back.csv static '0,0,0\n1,1,1\n1,2,2\n'
+wrong "back.csv:6" simulate $M --like back.csv
+run short.csv static '0,0,0\n'
+wrong "short.csv" simulate $M --like short.csv
+run deep.csv static '0,0,0\n1,30,1\n'
+wrong "deep.csv: depth_mm reaches 30" simulate $M --like deep.csv
+run cyclic.csv cyclic '0,0,0\n1,1,1\n2,0,0\n'
+wrong "cyclic.csv: a run of kind cyclic" calibrate $L cyclic.csv --nodes 3
+run few.csv static '0,0,0\n1,1,1\n2,2,2\n'
+wrong "few.csv" calibrate $L few.csv --nodes 3 --stage static
+printf '# palpate.experiment: 1\ntime_s,depth_mm,force_N\n0,0,0\n1,1,1\n' >kindless.csv
+wrong "no key protocol.kind" calibrate $L kindless.csv --nodes 3
+wrong "is a network" calibrate $M --nodes 3
+wrong "--start wants a network" calibrate $L --start $L
+wrong "a lumped model has no mesh" export $L --strain 0.1
+wrong "handles one" calibrate $DATA/lumped_n2.json --nodes 3 --method three_phase
+wrong "none.msh" calibrate $L --mesh none.msh --stage static
+wrong "hex-diagonals" calibrate $L --mesh "$ROOT/data/meshes/box_hexa.msh" --stage static
+wrong "nowhere/run.csv" simulate $L --protocol static --depth-mm 3 --out nowhere/run.csv
+wrong "nowhere/deck.inp" export $M --strain 0.1 --out nowhere/deck.inp
+ls | grep -q tmp && fail "a temporary file was left behind: $(ls | grep tmp)"
+done_testing

@@ -1,0 +1,38 @@
+#!/bin/sh
+# calculix.sh: CalculiX on the exported decks agrees to 1e-4.
+. tests/cli/common
+command -v ccx >/dev/null || { echo "ccx is not installed"; exit 77; }
+OMP_NUM_THREADS=1
+export OMP_NUM_THREADS
+
+agrees() { # name, model, wanted forces at strain 0.1, 0.2, 0.3, 0.4
+    expect 0 export "$2" --strain 0.1,0.2,0.3,0.4 --out "$1.inp"
+    grep -c '^\*STEP' "$1.inp" | grep -q '^4$' || fail "$1: not four steps"
+    # at most 199 points a table: CalculiX resamples longer ones
+    awk '/^\*/ { spring = /^\*SPRING/; n = 0; next } spring && ++n > 199 { exit 1 }' "$1.inp" || fail "$1: a longer table"
+    ccx -i "$1" >"$1.log" 2>&1 || { fail "ccx $1"; tail -n 5 "$1.log"; }
+    step=0
+    for wanted in $3; do
+        step=$((step + 1))
+        got=$(awk -v s=$step '/time/ { t = $NF + 0 } !/force/ && NF == 3 && t == s { print -$2 }' "$1.dat")
+        near "$1 at strain 0.$step" "$got" "$wanted" 1e-4
+    done
+}
+sed 's/\[3, 3, 3\]/[5, 5, 5]/' $DATA/network_27.json >5.json
+agrees deck27 $DATA/network_27.json "0.851966 1.831668 2.961096 4.306510"
+agrees deck125 5.json "2.551424 5.479929 9.052187 13.264005"
+
+# Any model: the network that simulate presses gives the same.
+cat >spline.json <<'J'
+{"palpate": {"model": 1}, "kind": "network", "specimen": {"height_mm": 30},
+ "stiffness": {"kind": "spline", "strain": [0, 0.1, 0.2, 0.4], "stiffness_N": [0.5, 0.6, 0.9, 1.4]},
+ "arms": [], "mesh": {"kind": "lattice", "nodes": [3, 4, 3], "size_mm": [20, 30, 25]}, "formulation": "history"}
+J
+expect 0 simulate spline.json --protocol static --depth-mm 6 --relaxed --json
+ours=$(value out final_force_N)
+expect 0 export spline.json --depth-mm 6 --out box.inp
+ccx -i box >box.log 2>&1 || fail "ccx box"
+near "box of 30 mm at 6 mm" "$(awk '!/force/ && NF == 3 { f = -$2 } END { print f }' box.dat)" "$ours" 1e-4
+expect 0 export spline.json --depth-mm 6
+cmp -s out box.inp || fail "standard output differs from --out"
+done_testing

@@ -1,0 +1,60 @@
+#!/bin/sh
+# run.sh: installs into a scratch folder and builds outside.c against what is there, as a stranger would:
+# shared and static, as C and as C++; then uninstalls and looks for leftovers.
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build} MAKE=${MAKE:-make}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+stage=$work/stage lib=$work/stage/usr/local/lib
+
+fail() { echo "$*"; exit 1; }
+
+$MAKE --no-print-directory install BUILD="$BUILD" DESTDIR="$stage" PREFIX=/usr/local
+[ "$("$stage/usr/local/bin/palpate" --version)" = "palpate $(sed -n 's/.*PALP_VERSION "\(.*\)"/\1/p' include/palpate/version.h)" ] ||
+    fail "the installed command does not tell its version"
+
+export PKG_CONFIG_SYSROOT_DIR="$stage" PKG_CONFIG_PATH="$lib/pkgconfig"
+flags=$(pkg-config --cflags palpate)
+shared=$(pkg-config --libs palpate)
+static=$(pkg-config --static --libs palpate | sed 's/-lpalpate/-l:libpalpate.a/')
+case "$flags" in *"$stage/usr/local/include"*) ;; *) fail "pkg-config --cflags gave: $flags" ;; esac
+
+try() { # name compiler and language flags...
+    name=$1; shift
+    # shellcheck disable=SC2086
+    "$@" -Wall -Wextra -Wpedantic -Werror $flags -o "$work/shared" tests/install/outside.c -x none $shared -lm
+    # shellcheck disable=SC2086
+    "$@" -Wall -Wextra -Wpedantic -Werror $flags -o "$work/static" tests/install/outside.c -x none $static
+    LD_LIBRARY_PATH=$lib "$work/shared" || fail "$name, shared: failed"
+    LD_LIBRARY_PATH=$lib ldd "$work/shared" | grep -q "libpalpate.so.[0-9]* => $lib" || fail "$name: not the shared library"
+    "$work/static" || fail "$name, static: failed"
+    if ldd "$work/static" | grep -q libpalpate; then fail "$name: not the static library"; fi
+    echo "$name: shared and static work"
+}
+
+tried_cxx=
+try gcc gcc -std=c99 -x c
+if command -v clang >/dev/null; then try clang clang -std=c99 -x c; fi
+for cxx in g++ clang++; do
+    if command -v $cxx >/dev/null; then try $cxx $cxx -std=c++11 -x c++; tried_cxx=1; fi
+done
+[ -n "$tried_cxx" ] || echo "no C++ compiler: not tried as C++"
+
+# The README's program, pressing a model as its text says.
+sed -n '/^```c$/,/^```$/p' README.md | sed '/^```/d' >"$work/press.c"
+cat >"$work/network.json" <<'END'
+{"palpate": {"model": 1}, "kind": "network", "specimen": {"height_mm": 24, "radius_mm": 12},
+ "stiffness": {"kind": "polynomial", "coefficients_N": [0.54, -2.34, 33.25, -124.03, 177.63]},
+ "arms": [{"stiffness_N": 1, "viscosity_Ns": 1}],
+ "mesh": {"kind": "lattice", "nodes": [3, 3, 3], "size_mm": [24, 24, 24]}, "formulation": "history"}
+END
+# shellcheck disable=SC2086
+gcc -std=c99 -Wall -Wextra -Wpedantic -Werror "$work/press.c" $flags $shared -o "$work/press"
+(cd "$work" && LD_LIBRARY_PATH=$lib ./press) >"$work/pressed" || fail "the README's program failed"
+[ "$(wc -l <"$work/pressed")" = 6 ] || fail "the README's program printed: $(cat "$work/pressed")"
+
+unset PKG_CONFIG_SYSROOT_DIR PKG_CONFIG_PATH
+$MAKE --no-print-directory uninstall BUILD="$BUILD" DESTDIR="$stage" PREFIX=/usr/local
+left=$(find "$stage" ! -type d)
+[ -z "$left" ] || fail "uninstall left: $left"

@@ -1,0 +1,577 @@
+/* test_mesh.c: lattices, meshes from arrays and from Gmsh files, sets, and what is refused. */
+#include "mesh_internal.h"
+
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DATA "tests/data/mesh/"
+
+static const double MM = 0.001;
+
+/* ---- lattices ------------------------------------------------------------------------------------ */
+
+static palp_mesh *lattice(size_t nx, size_t ny, size_t nz, palp_neighbourhood neighbourhood) {
+    const size_t nodes[3] = {nx, ny, nz};
+    const double size_m[3] = {0.024, 0.012, 0.036};
+    palp_mesh *mesh = NULL;
+    ck_assert_int_eq(palp_mesh_lattice(nodes, size_m, neighbourhood, &mesh), PALP_OK);
+    return mesh;
+}
+
+/* Pairs along the axes; across the two diagonals of each face; across the four of each box. */
+static size_t lattice_count(size_t nx, size_t ny, size_t nz, palp_neighbourhood neighbourhood) {
+    size_t ax = nx - 1, ay = ny - 1, az = nz - 1;
+    size_t count = ax * ny * nz + nx * ay * nz + nx * ny * az;
+    if (neighbourhood >= PALP_NEIGHBOURS_18)
+        count += 2 * (ax * ay * nz + ax * ny * az + nx * ay * az);
+    if (neighbourhood == PALP_NEIGHBOURS_26)
+        count += 4 * ax * ay * az;
+    return count;
+}
+
+START_TEST(lattice_has_the_seeds_element_counts) {
+    static const size_t expected[][2] = {{3, 158}, {5, 1036}, {11, 14230}, {21, 108860}};
+    palp_mesh *mesh = lattice(expected[_i][0], expected[_i][0], expected[_i][0], PALP_NEIGHBOURS_26);
+    ck_assert_uint_eq(palp_mesh_element_count(mesh), expected[_i][1]);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+START_TEST(lattice_counts_follow_the_closed_form) {
+    static const palp_neighbourhood kinds[] = {PALP_NEIGHBOURS_6, PALP_NEIGHBOURS_18, PALP_NEIGHBOURS_26};
+    for (size_t nx = 2; nx < 5; nx++)
+        for (size_t ny = 2; ny < 5; ny++)
+            for (size_t nz = 2; nz < 5; nz++) {
+                palp_mesh *mesh = lattice(nx, ny, nz, kinds[_i]);
+                ck_assert_uint_eq(palp_mesh_node_count(mesh), nx * ny * nz);
+                ck_assert_uint_eq(palp_mesh_element_count(mesh), lattice_count(nx, ny, nz, kinds[_i]));
+                palp_mesh_free(mesh);
+            }
+}
+END_TEST
+
+/* Every pair that stands is a neighbour pair, in ascending order (so each once); with the counts
+ * above that makes it all of them. */
+START_TEST(lattice_pairs_are_neighbours_in_order) {
+    static const palp_neighbourhood kinds[] = {PALP_NEIGHBOURS_6, PALP_NEIGHBOURS_18, PALP_NEIGHBOURS_26};
+    palp_mesh *mesh = lattice(2, 3, 4, kinds[_i]);
+    const int32_t *pairs = palp_mesh_pairs(mesh);
+    for (size_t e = 0; e < palp_mesh_element_count(mesh); e++) {
+        int32_t a = pairs[2 * e], b = pairs[2 * e + 1];
+        int dx = abs(b / 12 - a / 12), dy = abs(b / 4 % 3 - a / 4 % 3), dz = abs(b % 4 - a % 4);
+        ck_assert(a < b && b < 24 && dx <= 1 && dy <= 1 && dz <= 1);
+        ck_assert_int_le(dx + dy + dz, _i + 1);
+        if (e > 0)
+            ck_assert(pairs[2 * e - 2] < a || (pairs[2 * e - 2] == a && pairs[2 * e - 1] < b));
+    }
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+START_TEST(lattice_fills_its_box) {
+    palp_mesh *mesh = lattice(3, 4, 8, PALP_NEIGHBOURS_26);
+    const double *x = palp_mesh_positions(mesh);
+    for (size_t i = 0; i < 3; i++)
+        for (size_t j = 0; j < 4; j++)
+            for (size_t k = 0; k < 8; k++) {
+                const double *at = x + 3 * ((i * 4 + j) * 8 + k);
+                ck_assert_double_eq_tol(at[0], 0.012 * (double)i, 1e-17);
+                ck_assert_double_eq_tol(at[1], 0.004 * (double)j, 1e-17);
+                ck_assert_double_eq_tol(at[2], 0.036 / 7.0 * (double)k, 1e-17);
+            }
+    double low[3], high[3];
+    palp_mesh_bounds(mesh, low, high);
+    ck_assert(low[0] == 0.0 && low[1] == 0.0 && low[2] == 0.0);
+    ck_assert(high[0] == 0.024 && high[1] == 0.012 && high[2] == 0.036);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+START_TEST(lattice_has_a_set_for_each_face) {
+    static const struct {
+        const char *name;
+        size_t n;
+        int axis;
+        double value;
+    } faces[] = {{"left", 12, 0, 0.0}, {"right", 12, 0, 0.024}, {"bottom", 8, 1, 0.0},
+                 {"top", 8, 1, 0.012}, {"back", 6, 2, 0.0},     {"front", 6, 2, 0.036}};
+    palp_mesh *mesh = lattice(2, 3, 4, PALP_NEIGHBOURS_6);
+    size_t n = 0;
+    const int32_t *nodes = NULL;
+    ck_assert_int_eq(palp_mesh_set(mesh, faces[_i].name, &n, &nodes), PALP_OK);
+    ck_assert_uint_eq(n, faces[_i].n);
+    for (size_t i = 0; i < n; i++) {
+        ck_assert_double_eq(palp_mesh_positions(mesh)[3 * nodes[i] + faces[_i].axis], faces[_i].value);
+        ck_assert(i == 0 || nodes[i - 1] < nodes[i]);
+    }
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+START_TEST(lattice_refuses_bad_arguments) {
+    const double size[3] = {1.0, 1.0, 1.0}, nan_size[3] = {1.0, NAN, 1.0}, flat[3] = {1.0, 1.0, 0.0};
+    const size_t nodes[3] = {2, 2, 2}, thin[3] = {2, 1, 2}, many[3] = {2000, 2000, 2000};
+    const size_t wraps[3] = {SIZE_MAX / 2 + 2, 2, 2};
+    palp_mesh *mesh = NULL;
+    ck_assert_int_eq(palp_mesh_lattice(thin, size, PALP_NEIGHBOURS_26, &mesh), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_lattice(many, size, PALP_NEIGHBOURS_26, &mesh), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_lattice(wraps, size, PALP_NEIGHBOURS_26, &mesh), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_lattice(nodes, nan_size, PALP_NEIGHBOURS_26, &mesh), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_lattice(nodes, flat, PALP_NEIGHBOURS_26, &mesh), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_lattice(nodes, size, (palp_neighbourhood)7, &mesh), PALP_ERR_ARGUMENT);
+    ck_assert_ptr_null(mesh);
+}
+END_TEST
+
+/* ---- meshes from arrays, sets, copies ------------------------------------------------------------ */
+
+static const double triangle[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+START_TEST(create_copies_its_arrays) {
+    double x[9];
+    int32_t pairs[] = {2, 0, 1, 2};
+    palp_mesh *mesh = NULL;
+    memcpy(x, triangle, sizeof x);
+    ck_assert_int_eq(palp_mesh_create(3, x, 2, pairs, &mesh, NULL), PALP_OK);
+    x[3] = 5.0;
+    pairs[0] = 1;
+    ck_assert_mem_eq(palp_mesh_positions(mesh), triangle, sizeof triangle);
+    ck_assert(palp_mesh_pairs(mesh)[0] == 2 && palp_mesh_pairs(mesh)[1] == 0);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+START_TEST(create_refuses_bad_meshes) {
+    static const double same[] = {0, 0, 0, 0, 0, 0, 1, 0, 0}, lost[] = {0, 0, 0, NAN, 0, 0, 1, 0, 0};
+    static const double close[] = {0, 0, 0, 1e-13, 0, 0, 1, 0, 0}, far[] = {0, 0, 0, 1e200, 0, 0, 1, 0, 0};
+    static const struct {
+        const double *x;
+        size_t n_elements;
+        int32_t pairs[6];
+        const char *text;
+    } bad[] = {{same, 2, {1, 2, 0, 1}, "element 1: nodes 0 and 1 are at the same place"},
+               {close, 2, {1, 2, 0, 1}, "element 1: nodes 0 and 1 are at the same place"},
+               {far, 2, {0, 2, 0, 1}, "too far apart"},
+               {triangle, 2, {0, 1, 2, 2}, "element 1: nodes 2 and 2"},
+               {lost, 2, {0, 1, 1, 2}, "node 1: a coordinate is not finite"},
+               {triangle, 2, {0, 1, 1, 3}, "element 1: there is no node 3, the mesh has 3"},
+               {triangle, 2, {0, 1, -1, 2}, "there is no node -1"},
+               {triangle, 3, {0, 1, 1, 2, 1, 0}, "1 elements join a pair"},
+               {triangle, 1, {0, 1}, "2 parts: no elements lead from node 0 to node 2"},
+               {triangle, 1, {1, 2}, "2 parts: no elements lead from node 0 to node 1"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        palp_error error = {PALP_OK, ""};
+        palp_mesh *mesh = NULL;
+        palp_status status = palp_mesh_create(3, bad[i].x, bad[i].n_elements, bad[i].pairs, &mesh, &error);
+        ck_assert_int_eq(status, PALP_ERR_INPUT);
+        ck_assert_int_eq(error.status, PALP_ERR_INPUT);
+        ck_assert_msg(strstr(error.text, bad[i].text), "%zu: %s", i, error.text);
+        ck_assert_ptr_null(mesh);
+    }
+}
+END_TEST
+
+START_TEST(sets_are_sorted_replaced_and_checked) {
+    const int32_t first[] = {5, 1, 5, 0}, second[] = {7}, outside[] = {0, 27}, negative[] = {-1};
+    palp_mesh *mesh = lattice(3, 3, 3, PALP_NEIGHBOURS_26);
+    const int32_t *nodes = NULL;
+    size_t n = 0;
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "grip", 4, first), PALP_OK);
+    ck_assert_int_eq(palp_mesh_set(mesh, "grip", &n, &nodes), PALP_OK);
+    ck_assert_uint_eq(n, 3);
+    ck_assert(nodes[0] == 0 && nodes[1] == 1 && nodes[2] == 5);
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "grip", 1, second), PALP_OK);
+    ck_assert_int_eq(palp_mesh_set(mesh, "grip", &n, &nodes), PALP_OK);
+    ck_assert(n == 1 && nodes[0] == 7);
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "grip", 2, outside), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "grip", 1, negative), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "", 1, second), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_add_set(mesh, NULL, 1, second), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_set(mesh, "grip", &n, &nodes), PALP_OK);
+    ck_assert(n == 1 && nodes[0] == 7);
+    ck_assert_int_eq(palp_mesh_set(mesh, "Grip", &n, &nodes), PALP_ERR_INPUT);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+START_TEST(plane_sets_hold_the_nodes_of_a_plane) {
+    palp_mesh *mesh = lattice(3, 3, 3, PALP_NEIGHBOURS_26);
+    const int32_t *nodes = NULL;
+    size_t n = 0;
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "middle", 1, 0.0061, 2e-4), PALP_OK);
+    ck_assert_int_eq(palp_mesh_set(mesh, "middle", &n, &nodes), PALP_OK);
+    ck_assert_uint_eq(n, 9);
+    for (size_t i = 0; i < n; i++)
+        ck_assert_int_eq(nodes[i] / 3 % 3, 1);
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "none", 1, 0.0061, 5e-5), PALP_ERR_INPUT);
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "none", 3, 0.0, 1.0), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "none", 1, NAN, 1.0), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "none", 1, 0.0, -1.0), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_set(mesh, "none", &n, &nodes), PALP_ERR_INPUT);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+START_TEST(a_copy_is_equal_and_its_own) {
+    palp_mesh *mesh = lattice(3, 4, 2, PALP_NEIGHBOURS_18), *copy = NULL;
+    const int32_t *nodes = NULL, *copied = NULL, other[] = {0};
+    size_t n = 0, m = 0;
+    ck_assert_int_eq(palp_mesh_copy(mesh, &copy), PALP_OK);
+    ck_assert_int_eq(palp_mesh_set(mesh, "top", &n, &nodes), PALP_OK);
+    ck_assert_int_eq(palp_mesh_set(copy, "top", &m, &copied), PALP_OK);
+    ck_assert_uint_eq(n, m);
+    ck_assert_mem_eq(nodes, copied, n * sizeof *nodes);
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "top", 1, other), PALP_OK);
+    palp_mesh_free(mesh);
+    ck_assert_int_eq(palp_mesh_set(copy, "top", &m, &copied), PALP_OK);
+    ck_assert_uint_eq(n, m);
+    ck_assert_uint_eq(palp_mesh_node_count(copy), 24);
+    mesh = lattice(3, 4, 2, PALP_NEIGHBOURS_18);
+    ck_assert_uint_eq(palp_mesh_element_count(copy), palp_mesh_element_count(mesh));
+    ck_assert_mem_eq(palp_mesh_positions(copy), palp_mesh_positions(mesh), 3 * 24 * sizeof(double));
+    ck_assert_mem_eq(palp_mesh_pairs(copy), palp_mesh_pairs(mesh),
+                     2 * palp_mesh_element_count(mesh) * sizeof(int32_t));
+    palp_mesh_free(mesh);
+    palp_mesh_free(copy);
+}
+END_TEST
+
+/* ---- Gmsh files ---------------------------------------------------------------------------------- */
+
+static palp_mesh *read_good(const char *path, bool diagonals) {
+    palp_error error = {PALP_OK, "untouched"};
+    palp_mesh *mesh = NULL;
+    palp_status status = palp_mesh_read_gmsh(path, MM, diagonals, &mesh, &error);
+    ck_assert_msg(status == PALP_OK, "%s", error.text);
+    ck_assert_str_eq(error.text, "untouched");
+    return mesh;
+}
+
+static void check_set(const palp_mesh *mesh, const char *name, size_t n, const int32_t *expected) {
+    const int32_t *nodes = NULL;
+    size_t found = 0;
+    ck_assert_int_eq(palp_mesh_set(mesh, name, &found, &nodes), PALP_OK);
+    ck_assert_uint_eq(found, n);
+    ck_assert_mem_eq(nodes, expected, n * sizeof *nodes);
+}
+
+/* Tags 3, 5, 10, 42, 700 become nodes 0 to 4. */
+START_TEST(gmsh_tetrahedra_with_everything) {
+    static const int32_t pairs[] = {0, 1, 0, 2, 0, 3, 0, 4, 1, 2, 1, 4, 2, 3, 2, 4, 3, 4};
+    static const double x[] = {1, 0, 0, 1, -1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const int32_t tip[] = {3}, bottom[] = {0, 2, 4}, tissue[] = {0, 1, 2, 3, 4};
+    palp_mesh *mesh = read_good(DATA "good_tetra.msh", false);
+    const int32_t *nodes;
+    size_t n;
+    ck_assert_uint_eq(palp_mesh_node_count(mesh), 5);
+    ck_assert_uint_eq(palp_mesh_element_count(mesh), 9);
+    ck_assert_mem_eq(palp_mesh_pairs(mesh), pairs, sizeof pairs);
+    for (int i = 0; i < 15; i++)
+        ck_assert_double_eq(palp_mesh_positions(mesh)[i], MM * x[i]);
+    check_set(mesh, "tip node", 1, tip);
+    check_set(mesh, "bottom", 3, bottom);
+    check_set(mesh, "tissue", 5, tissue);
+    check_set(mesh, "top", 1, tip);
+    ck_assert_int_eq(palp_mesh_set(mesh, "nothing of the volume", &n, &nodes), PALP_ERR_INPUT);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+START_TEST(gmsh_scale_and_default_sets) {
+    static const int32_t bottom[] = {0, 1, 3}, top[] = {2, 4};
+    palp_mesh *mesh = NULL;
+    ck_assert_int_eq(palp_mesh_read_gmsh(DATA "good_plain.msh", 2.0, false, &mesh, NULL), PALP_OK);
+    ck_assert_double_eq(palp_mesh_positions(mesh)[3], 2.0);
+    check_set(mesh, "bottom", 3, bottom);
+    check_set(mesh, "top", 2, top);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+/* The number of edges of a mesh of a ball is its nodes + faces - cells - 1 (Euler): 259 nodes, 972
+ * tetrahedra and (4 * 972 + 324) / 2 triangles, 324 of them on the surface. */
+START_TEST(gmsh_cylinder_has_eulers_edges) {
+    palp_mesh *mesh = read_good("data/meshes/cylinder_tetra.msh", false);
+    const int32_t *nodes = NULL;
+    size_t n = 0;
+    double low[3], high[3];
+    ck_assert_uint_eq(palp_mesh_node_count(mesh), 259);
+    ck_assert_uint_eq(palp_mesh_element_count(mesh), 259 + (4 * 972 + 324) / 2 - 972 - 1);
+    palp_mesh_bounds(mesh, low, high);
+    ck_assert_double_eq_tol(low[0], -0.012, 1e-15);
+    ck_assert_double_eq_tol(high[0], 0.012, 1e-15);
+    ck_assert(low[1] == 0.0 && fabs(high[1] - 0.024) < 1e-15);
+    for (int end = 0; end < 2; end++) {
+        ck_assert_int_eq(palp_mesh_set(mesh, end ? "top" : "bottom", &n, &nodes), PALP_OK);
+        ck_assert_uint_eq(n, 37);
+        for (size_t i = 0; i < n; i++)
+            ck_assert_double_eq(palp_mesh_positions(mesh)[3 * nodes[i] + 1], end ? high[1] : 0.0);
+    }
+    palp_mesh_free(mesh);
+}
+END_TEST
+
+static int compare_pairs(const void *left, const void *right) {
+    const int32_t *a = left, *b = right;
+    return a[0] != b[0] ? a[0] - b[0] : a[1] - b[1];
+}
+
+/* The pairs of a mesh in the numbering of a 5 x 5 x 5 lattice of 24 mm, sorted. */
+static int32_t *lattice_pairs(const palp_mesh *mesh) {
+    size_t n = palp_mesh_element_count(mesh);
+    int32_t *pairs = malloc(2 * n * sizeof *pairs), number[2];
+    ck_assert_ptr_nonnull(pairs);
+    for (size_t e = 0; e < n; e++) {
+        for (int end = 0; end < 2; end++) {
+            const double *x = palp_mesh_positions(mesh) + 3 * palp_mesh_pairs(mesh)[2 * e + (size_t)end];
+            number[end] =
+                (int32_t)(lround(x[0] / 0.006) * 25 + lround(x[1] / 0.006) * 5 + lround(x[2] / 0.006));
+        }
+        pairs[2 * e] = number[0] < number[1] ? number[0] : number[1];
+        pairs[2 * e + 1] = number[0] < number[1] ? number[1] : number[0];
+    }
+    qsort(pairs, n, 2 * sizeof *pairs, compare_pairs);
+    return pairs;
+}
+
+static void check_same_lattice(bool diagonals, palp_neighbourhood neighbourhood) {
+    const size_t nodes[3] = {5, 5, 5};
+    const double size_m[3] = {0.024, 0.024, 0.024};
+    palp_mesh *read = read_good("data/meshes/box_hexa.msh", diagonals), *mesh = NULL;
+    ck_assert_int_eq(palp_mesh_lattice(nodes, size_m, neighbourhood, &mesh), PALP_OK);
+    size_t n = palp_mesh_element_count(mesh);
+    ck_assert_uint_eq(palp_mesh_node_count(read), 125);
+    ck_assert_uint_eq(palp_mesh_element_count(read), n);
+    int32_t *a = lattice_pairs(read), *b = lattice_pairs(mesh);
+    ck_assert_mem_eq(a, b, 2 * n * sizeof *a);
+    free(a);
+    free(b);
+    palp_mesh_free(read);
+    palp_mesh_free(mesh);
+}
+
+START_TEST(gmsh_hexahedra_are_the_lattice) {
+    check_same_lattice(true, PALP_NEIGHBOURS_26);
+    check_same_lattice(false, PALP_NEIGHBOURS_6);
+}
+END_TEST
+
+/* file, the line to blame, what the message holds */
+static const struct {
+    const char *name;
+    int line;
+    const char *text;
+} bad_files[] = {
+    {"bad_version", 2, "MSH version 2.2 is not read"},
+    {"bad_binary", 2, "a binary file is not read"},
+    {"bad_no_format", 1, "$MeshFormat is expected before $Nodes"},
+    {"bad_not_gmsh", 1, "not 'solid thing'"},
+    {"bad_empty", 1, "the file ends without $MeshFormat"},
+    {"bad_truncated_nodes", 14, "the file ends inside $Nodes"},
+    {"bad_truncated_elements", 21, "the file ends inside $Elements"},
+    {"bad_no_elements", 17, "the file ends without $Elements"},
+    {"bad_nan", 14, "a coordinate is expected, not 'nan'"},
+    {"bad_infinite", 14, "a coordinate is out of range"},
+    {"bad_missing_coordinate", 13, "the line ends where a coordinate is expected"},
+    {"bad_extra_coordinate", 13, "the end of the line is expected, not '7'"},
+    {"bad_node_tag", 9, "a node tag is expected, not 'x3'"},
+    {"bad_unknown_node", 22, "there is no node 6"},
+    {"bad_duplicate_tag", 10, "node tag 2 is given a second time"},
+    {"bad_same_place", 22, "nodes 4 and 5 are at the same place"},
+    {"bad_repeated_node", 22, "an element has node 3 twice"},
+    {"bad_nothing_usable", 18, "there are no 4-node tetrahedra"},
+    {"bad_prisms", 20, "elements of type 6 are not read"},
+    {"bad_negative_count", 6, "a number in the block of -5 is out of range"},
+    {"bad_huge_count", 5, "a total number of 99999999999999999999 is out of range"},
+    {"bad_long_block", 12, "a node tag of 0 is out of range"},
+    {"bad_few_nodes", 16, "5 nodes, but $Nodes announces 6"},
+    {"bad_many_elements", 20, "more elements than $Elements announces"},
+    {"bad_few_elements", 22, "1 elements fewer than $Elements announces"},
+    {"bad_end", 23, "$EndElements is expected, not '$EndElement'"},
+    {"bad_second_nodes", 18, "$Nodes stands a second time"},
+    {"bad_elements_first", 4, "$Nodes is expected before $Elements"},
+    {"bad_partitioned", 4, "a partitioned mesh is not read"},
+    {"bad_name", 6, "a name in quotation marks is expected, not 'bottom'"},
+    {"bad_parts", 11, "the mesh falls into 3 parts: no elements lead from node 1 to node 5"},
+};
+
+START_TEST(gmsh_bad_files_say_where) {
+    char path[256], prefix[300];
+    palp_error error = {PALP_OK, ""};
+    palp_mesh *mesh = NULL;
+    snprintf(path, sizeof path, DATA "%s.msh", bad_files[_i].name);
+    snprintf(prefix, sizeof prefix, "%s:%d: ", path, bad_files[_i].line);
+    ck_assert_int_eq(palp_mesh_read_gmsh(path, MM, true, &mesh, &error), PALP_ERR_INPUT);
+    ck_assert_int_eq(error.status, PALP_ERR_INPUT);
+    ck_assert_msg(strncmp(error.text, prefix, strlen(prefix)) == 0, "%s, not %s", error.text, prefix);
+    ck_assert_msg(strstr(error.text, bad_files[_i].text), "%s", error.text);
+    ck_assert_ptr_null(mesh);
+}
+END_TEST
+
+START_TEST(gmsh_refuses_bad_arguments) {
+    palp_error error = {PALP_OK, ""};
+    palp_mesh *mesh = NULL;
+    ck_assert_int_eq(palp_mesh_read_gmsh(DATA "good_plain.msh", 0.0, true, &mesh, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_read_gmsh(DATA "good_plain.msh", NAN, true, &mesh, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_mesh_read_gmsh(DATA "no_such_file.msh", MM, true, &mesh, &error), PALP_ERR_FILE);
+    ck_assert_ptr_nonnull(strstr(error.text, "no_such_file.msh"));
+    ck_assert_ptr_null(mesh);
+}
+END_TEST
+
+/* ---- damaged files ------------------------------------------------------------------------------- */
+
+static const char *scratch_path(void) {
+    static char path[512];
+    const char *folder = getenv("SCRATCH");
+    snprintf(path, sizeof path, "%s/test_mesh.msh", folder ? folder : "/tmp");
+    return path;
+}
+
+static void write_bytes(const char *path, const char *bytes, size_t n) {
+    FILE *file = fopen(path, "wb");
+    ck_assert_ptr_nonnull(file);
+    ck_assert_uint_eq(fwrite(bytes, 1, n, file), n);
+    ck_assert_int_eq(fclose(file), 0);
+}
+
+static char *read_bytes(const char *path, size_t *n) {
+    FILE *file = fopen(path, "rb");
+    ck_assert_ptr_nonnull(file);
+    char *bytes = malloc(65536);
+    ck_assert_ptr_nonnull(bytes);
+    *n = fread(bytes, 1, 65535, file);
+    bytes[*n] = '\0';
+    fclose(file);
+    return bytes;
+}
+
+/* A mesh, or one line that names the file and a line it has. */
+static bool read_damaged(const char *path, size_t lines) {
+    palp_error error = {PALP_OK, ""};
+    palp_mesh *mesh = NULL;
+    palp_status status = palp_mesh_read_gmsh(path, MM, false, &mesh, &error);
+    palp_mesh_free(mesh);
+    if (status == PALP_OK)
+        return true;
+    size_t length = strlen(path);
+    ck_assert_int_eq(status, PALP_ERR_INPUT);
+    ck_assert_ptr_null(strchr(error.text, '\n'));
+    ck_assert_msg(strncmp(error.text, path, length) == 0 && error.text[length] == ':', "%s", error.text);
+    long line = strtol(error.text + length + 1, NULL, 10);
+    ck_assert_msg(line >= 1 && (size_t)line <= lines, "%s", error.text);
+    return false;
+}
+
+/* Cut after any byte: a mesh only from where a section has just ended, behind $Elements. */
+START_TEST(gmsh_every_truncation_is_an_error_or_a_mesh) {
+    size_t n = 0, lines = 1, meshes = 0;
+    char *bytes = read_bytes(DATA "good_tetra.msh", &n);
+    const char *path = scratch_path(), *elements = strstr(bytes, "$EndElements");
+    const char *data = strstr(bytes, "$NodeData"), *end = strstr(bytes, "$EndNodeData");
+    for (size_t cut = 0; cut <= n; cut++) {
+        write_bytes(path, bytes, cut);
+        bool mesh = read_damaged(path, lines);
+        bool whole = (bytes + cut >= elements + 12 && bytes + cut <= data) || bytes + cut >= end + 12;
+        ck_assert_msg(mesh == whole, "cut after byte %zu", cut);
+        meshes += mesh;
+        lines += bytes[cut] == '\n' && cut > 0;
+    }
+    ck_assert_uint_eq(meshes, 5);
+    free(bytes);
+    remove(path);
+}
+END_TEST
+
+/* Any byte overwritten: never a crash, and an error says where. */
+START_TEST(gmsh_every_overwritten_byte_is_an_error_or_a_mesh) {
+    static const char with[] = {'\0', '9', '-', '$', '\n', '"', 'e', ' '};
+    size_t n = 0, failed = 0;
+    char *bytes = read_bytes(DATA "good_tetra.msh", &n);
+    const char *path = scratch_path();
+    for (size_t at = 0; at < n; at++) {
+        char kept = bytes[at];
+        bytes[at] = with[(at + (size_t)_i) % sizeof with];
+        write_bytes(path, bytes, n);
+        failed += !read_damaged(path, 80);
+        bytes[at] = kept;
+    }
+    ck_assert_uint_gt(failed, n / 4);
+    ck_assert_uint_lt(failed, n);
+    free(bytes);
+    remove(path);
+}
+END_TEST
+
+START_TEST(gmsh_windows_line_ends_are_read) {
+    size_t n = 0, m = 0;
+    char *bytes = read_bytes(DATA "good_plain.msh", &n), *windows = malloc(2 * n);
+    ck_assert_ptr_nonnull(windows);
+    for (size_t i = 0; i < n; i++) {
+        if (bytes[i] == '\n')
+            windows[m++] = '\r';
+        windows[m++] = bytes[i];
+    }
+    write_bytes(scratch_path(), windows, m);
+    palp_mesh *mesh = read_good(scratch_path(), false);
+    ck_assert_uint_eq(palp_mesh_element_count(mesh), 9);
+    palp_mesh_free(mesh);
+    free(bytes);
+    free(windows);
+    remove(scratch_path());
+}
+END_TEST
+
+/* ---- suite --------------------------------------------------------------------------------------- */
+
+static TCase *lattice_case(void) {
+    TCase *tests = tcase_create("lattice");
+    tcase_add_loop_test(tests, lattice_has_the_seeds_element_counts, 0, 4);
+    tcase_add_loop_test(tests, lattice_counts_follow_the_closed_form, 0, 3);
+    tcase_add_loop_test(tests, lattice_pairs_are_neighbours_in_order, 0, 3);
+    tcase_add_test(tests, lattice_fills_its_box);
+    tcase_add_loop_test(tests, lattice_has_a_set_for_each_face, 0, 6);
+    tcase_add_test(tests, lattice_refuses_bad_arguments);
+    return tests;
+}
+
+static TCase *mesh_case(void) {
+    TCase *tests = tcase_create("mesh");
+    tcase_add_test(tests, create_copies_its_arrays);
+    tcase_add_test(tests, create_refuses_bad_meshes);
+    tcase_add_test(tests, sets_are_sorted_replaced_and_checked);
+    tcase_add_test(tests, plane_sets_hold_the_nodes_of_a_plane);
+    tcase_add_test(tests, a_copy_is_equal_and_its_own);
+    return tests;
+}
+
+static TCase *gmsh_case(void) {
+    TCase *tests = tcase_create("gmsh");
+    tcase_set_timeout(tests, 60);
+    tcase_add_test(tests, gmsh_tetrahedra_with_everything);
+    tcase_add_test(tests, gmsh_scale_and_default_sets);
+    tcase_add_test(tests, gmsh_cylinder_has_eulers_edges);
+    tcase_add_test(tests, gmsh_hexahedra_are_the_lattice);
+    tcase_add_loop_test(tests, gmsh_bad_files_say_where, 0, (int)(sizeof bad_files / sizeof *bad_files));
+    tcase_add_test(tests, gmsh_refuses_bad_arguments);
+    tcase_add_test(tests, gmsh_every_truncation_is_an_error_or_a_mesh);
+    tcase_add_loop_test(tests, gmsh_every_overwritten_byte_is_an_error_or_a_mesh, 0, 8);
+    tcase_add_test(tests, gmsh_windows_line_ends_are_read);
+    return tests;
+}
+
+int main(void) {
+    Suite *suite = suite_create("mesh");
+    suite_add_tcase(suite, lattice_case());
+    suite_add_tcase(suite, mesh_case());
+    suite_add_tcase(suite, gmsh_case());
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed > 0;
+}

@@ -1,0 +1,501 @@
+/* test_model.c: the model JSON: round trips, every error with its line, atomic writing, meshes. */
+#define _POSIX_C_SOURCE 200809L
+#include <palpate/model.h>
+
+#include "scratch.h"
+
+#include <math.h>
+#include <sys/stat.h>
+
+/* ---- errors ---- */
+
+static const struct {
+    const char *name; /* of tests/data/bad/model_NAME.json */
+    int line;
+    palp_status status;
+    const char *text;
+} bad[] = {
+    {"arms", 7, PALP_ERR_INPUT, "dashpot_Ns must not be negative"},
+    {"coefficients_empty", 6, PALP_ERR_INPUT, "stiffness.coefficients_N must not be empty"},
+    {"coefficients_many", 6, PALP_ERR_LIMIT, "stiffness.coefficients_N has 33 items, at most 32 can be held"},
+    {"coefficients_text", 6, PALP_ERR_INPUT, "stiffness.coefficients_N[1] must be a number"},
+    {"cut", 10, PALP_ERR_INPUT, "malformed JSON: string or '}' expected near end of file"},
+    {"density", 13, PALP_ERR_INPUT, "density_kg_m3 must not be negative"},
+    {"effect", 12, PALP_ERR_UNSUPPORTED,
+     "effects[0].id \"plate_friction\" is an effect that this build does not know"},
+    {"empty", 1, PALP_ERR_INPUT, "malformed JSON: '[' or '{' expected near end of file"},
+    {"formulation", 12, PALP_ERR_INPUT, "formulation must be \"history\" or \"sedef2008\", not \"maxwell\""},
+    {"height_text", 4, PALP_ERR_INPUT, "specimen.height_mm must be a number"},
+    {"height_zero", 4, PALP_ERR_INPUT, "specimen.height_mm must be greater than 0, not 0"},
+    {"hyperelastic_count", 6, PALP_ERR_INPUT,
+     "stiffness.coefficients_Pa make no mooney_rivlin2 law: 3 of them"},
+    {"key_twice", 8, PALP_ERR_INPUT, "malformed JSON: duplicate object key near '\"stiffness_N\"'"},
+    {"kind", 3, PALP_ERR_INPUT, "kind must be \"lumped\" or \"network\", not \"limped\""},
+    {"knots", 6, PALP_ERR_INPUT, "stiffness.strain must increase (0.2 after 0.2)"},
+    {"knots_count", 6, PALP_ERR_INPUT, "stiffness.stiffness_N has 3 values for 2 knots"},
+    {"knots_negative", 6, PALP_ERR_INPUT, "stiffness.stiffness_N must be greater than 0 at every knot"},
+    {"knots_start", 5, PALP_ERR_INPUT, "stiffness.strain must have at least two knots, the first at 0"},
+    {"law", 5, PALP_ERR_INPUT,
+     "stiffness.kind \"cubic\" is none of polynomial, spline, neo_hookean, mooney_rivlin2, mooney_rivlin5, "
+     "yeoh, ogden"},
+    {"list", 1, PALP_ERR_INPUT, "no model of palpate: it lacks \"palpate\": {\"model\": 1}"},
+    {"mesh_in_lumped", 12, PALP_ERR_INPUT, "mesh belongs to a model of kind \"network\""},
+    {"mesh_kind", 12, PALP_ERR_INPUT, "mesh.kind must be \"lattice\" or \"file\", not \"grid\""},
+    {"nan", 8, PALP_ERR_INPUT, "malformed JSON: invalid token near 'NaN'"},
+    {"neighbourhood", 13, PALP_ERR_INPUT, "mesh.neighbourhood must be 6, 18 or 26, not 8"},
+    {"no_height", 4, PALP_ERR_INPUT, "specimen lacks \"height_mm\""},
+    {"no_mesh", 1, PALP_ERR_INPUT, "missing key \"mesh\""},
+    {"no_radius", 5, PALP_ERR_INPUT, "stiffness is hyperelastic: it needs specimen.radius_mm for the area"},
+    {"no_specimen", 1, PALP_ERR_INPUT, "missing key \"specimen\""},
+    {"no_viscosity", 8, PALP_ERR_INPUT, "arms[0] lacks \"viscosity_Ns\""},
+    {"nodes_half", 13, PALP_ERR_INPUT, "mesh.nodes must be whole numbers of at least 2, not 2.5"},
+    {"nodes_many", 13, PALP_ERR_INPUT, "mesh.nodes must be three counts, below 2^31 nodes in all"},
+    {"nodes_one", 13, PALP_ERR_INPUT, "mesh.nodes must be whole numbers of at least 2, not 1"},
+    {"nodes_two", 13, PALP_ERR_INPUT, "mesh.nodes must be three counts, below 2^31 nodes in all"},
+    {"other", 1, PALP_ERR_INPUT, "no model of palpate: it lacks \"palpate\": {\"model\": 1}"},
+    {"overflow", 8, PALP_ERR_INPUT, "malformed JSON: real number overflow near '1e999'"},
+    {"path", 13, PALP_ERR_INPUT, "mesh.path must be the path of a Gmsh file"},
+    {"scale", 13, PALP_ERR_INPUT, "mesh.scale_mm must be greater than 0, not 0"},
+    {"sedef_arms", 12, PALP_ERR_UNSUPPORTED,
+     "formulation make no material: formulation sedef2008 takes one arm at most, no dashpot, no "
+     "quasi_linear"},
+    {"size", 13, PALP_ERR_INPUT, "mesh.size_mm must be greater than 0, not 0"},
+    {"size_unit", 13, PALP_ERR_INPUT, "mesh.size_m is no known key: \"size_mm\" is expected"},
+    {"stiffness_falls", 5, PALP_ERR_INPUT,
+     "stiffness falls to -0.396 N between strain 0 and 0.4: it must stay above 0"},
+    {"unit_coefficients", 6, PALP_ERR_INPUT,
+     "stiffness.coefficients_Pa is no known key: \"coefficients_N\" is expected"},
+    {"unit_height", 4, PALP_ERR_INPUT, "specimen.height_m is no known key: \"height_mm\" is expected"},
+    {"unit_missing", 10, PALP_ERR_INPUT, "arms[1].viscosity is no known key: \"viscosity_Ns\" is expected"},
+    {"unit_stiffness", 9, PALP_ERR_INPUT,
+     "arms[1].stiffness_kN is no known key: \"stiffness_N\" is expected"},
+    {"unknown", 12, PALP_ERR_INPUT,
+     "colour is no known key: known here are palpate, kind, specimen, stiffness, arms, dashpot_Ns, "
+     "quasi_linear, formulation, effects"},
+    {"version_2", 2, PALP_ERR_INPUT, "palpate.model is not 1, the version that this build reads"},
+    {"viscosity", 10, PALP_ERR_INPUT, "arms[1].viscosity_Ns must be greater than 0, not -30"},
+};
+
+START_TEST(bad_file_gives_its_line) {
+    char path[SCRATCH_PATH], want[PALP_ERROR_TEXT];
+    palp_error error;
+    palp_model model;
+    memset(&model, 0x5A, sizeof model);
+    palp_model before;
+    memcpy(&before, &model, sizeof before);
+    snprintf(path, sizeof path, "%s/bad/model_%s.json", PALP_TEST_DATA, bad[_i].name);
+    ck_assert_int_lt(snprintf(want, sizeof want, "%s:%d: %s", path, bad[_i].line, bad[_i].text),
+                     (int)sizeof want);
+    ck_assert_int_eq(palp_model_read(path, &model, &error), bad[_i].status);
+    ck_assert_int_eq(error.status, bad[_i].status);
+    ck_assert_str_eq(error.text, want);
+    ck_assert_mem_eq(&model, &before, sizeof model);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL), bad[_i].status);
+}
+END_TEST
+
+START_TEST(missing_file_is_a_file_error) {
+    palp_error error;
+    palp_model model;
+    ck_assert_int_eq(palp_model_read("/nowhere/m.json", &model, &error), PALP_ERR_FILE);
+    ck_assert_str_eq(error.text, "/nowhere/m.json: cannot open: No such file or directory");
+}
+END_TEST
+
+/* Keys in other places, strings with brackets and quotes, one line only: the line is still found. */
+START_TEST(line_is_found_in_any_layout) {
+    static const char text[] =
+        "\n\n{\"kind\": \"lumped\", \"arms\": [\n{\"viscosity_Ns\": 3, \"stiffness_N\": 1},"
+        "\n{\"viscosity_Ns\": 3,\n\n\"stiffness_N\": -1}],\n\"palpate\": {\"model\": 1},\n"
+        "\"specimen\": {\"height_mm\": 24},\n\"stiffness\": {\"kind\": \"polynomial\", "
+        "\"coefficients_N\": [1]}}";
+    static const char quoted[] = "{\"kind\":\"lumped\",\"palpate\":{\"model\":1},\n"
+                                 "\"a \\\"}] \\\\\": [\"]}\", {\"stiffness\": 1}],\n\"stiffness\": 2}";
+    palp_error error;
+    palp_model model;
+    char want[PALP_ERROR_TEXT];
+    const char *path = scratch_write("m.json", text, sizeof text - 1);
+    ck_assert_int_eq(palp_model_read(path, &model, &error), PALP_ERR_INPUT);
+    snprintf(want, sizeof want, "%s:7: arms[1].stiffness_N must be greater than 0, not -1", path);
+    ck_assert_str_eq(error.text, want);
+    scratch_write("m.json", quoted, sizeof quoted - 1);
+    ck_assert_int_eq(palp_model_read(path, &model, &error), PALP_ERR_INPUT);
+    snprintf(want, sizeof want, "%s:1: a \"}] \\ is no known key", path); /* escapes: its object's line */
+    ck_assert_int_eq(strncmp(error.text, want, strlen(want)), 0);
+}
+END_TEST
+
+/* ---- reading ---- */
+
+static const char sample[] =
+    "{\n"
+    "  \"palpate\": {\"model\": 1},\n"
+    "  \"kind\": \"network\",\n"
+    "  \"specimen\": {\"height_mm\": 24, \"radius_mm\": 12.1, \"kind\": \"cylinder\"},\n"
+    "  \"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [8.18, -0.7, 47.47]},\n"
+    "  \"arms\": [\n"
+    "    {\"stiffness_N\": 1.5, \"viscosity_Ns\": 3, \"stiffness_per_strain\": 2.9},\n"
+    "    {\"stiffness_N\": 0.5, \"viscosity_Ns\": 30, \"time_per_strain\": -0.1}],\n"
+    "  \"dashpot_Ns\": 0.25,\n"
+    "  \"formulation\": \"history\",\n"
+    "  \"effects\": [],\n"
+    "  \"mesh\": {\"kind\": \"lattice\", \"nodes\": [3, 4, 5], \"size_mm\": [24, 23.9, 24], "
+    "\"neighbourhood\": 18},\n"
+    "  \"density_kg_m3\": 1040\n"
+    "}\n";
+
+static palp_model read_text(const char *text) {
+    palp_error error = {PALP_OK, ""};
+    palp_model model;
+    const char *path = scratch_write("model.json", text, strlen(text));
+    ck_assert_msg(palp_model_read(path, &model, &error) == PALP_OK, "%s", error.text);
+    return model;
+}
+
+static void is_sample(const palp_model *model) {
+    static const double c_N[] = {8.18, -0.7, 47.47};
+    ck_assert_int_eq(model->kind, PALP_MODEL_NETWORK);
+    ck_assert_double_eq(model->height_m, 24.0 / 1000);
+    ck_assert_double_eq(model->radius_m, 12.1 / 1000);
+    ck_assert_str_eq(model->specimen_kind, "cylinder");
+    ck_assert_int_eq(model->material.law.kind, PALP_LAW_POLYNOMIAL);
+    ck_assert_uint_eq(model->material.law.n, 3);
+    ck_assert_mem_eq(model->material.law.coefficients, c_N, sizeof c_N);
+    ck_assert_uint_eq(model->material.n_arms, 2);
+    ck_assert_double_eq(model->material.arms[0].stiffness_N, 1.5);
+    ck_assert_double_eq(model->material.arms[0].viscosity_Ns, 3);
+    ck_assert_double_eq(model->material.arms[0].beta, 2.9);
+    ck_assert_double_eq(model->material.arms[0].gamma, 0);
+    ck_assert_double_eq(model->material.arms[1].gamma, -0.1);
+    ck_assert_double_eq(model->material.dashpot_Ns, 0.25);
+    ck_assert(!model->material.quasi_linear);
+    ck_assert_int_eq(model->material.formulation, PALP_HISTORY);
+    ck_assert_int_eq(model->mesh.kind, PALP_MESH_LATTICE);
+    ck_assert_uint_eq(model->mesh.nodes[0] * 100 + model->mesh.nodes[1] * 10 + model->mesh.nodes[2], 345);
+    ck_assert_double_eq(model->mesh.size_m[1], 23.9 / 1000);
+    ck_assert_int_eq(model->mesh.neighbourhood, PALP_NEIGHBOURS_18);
+    ck_assert_double_eq(model->density_kg_m3, 1040);
+}
+
+START_TEST(sample_is_read) {
+    palp_model model = read_text(sample);
+    is_sample(&model);
+}
+END_TEST
+
+START_TEST(what_may_be_left_out_has_defaults) {
+    palp_model model =
+        read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
+                  "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, "
+                  "\"mesh\": {\"kind\": \"lattice\", \"nodes\": [2, 2, 2], \"size_mm\": [1, 2, 3]}}");
+    ck_assert_double_eq(model.height_m, 0.002);
+    ck_assert_double_eq(model.radius_m, 0);
+    ck_assert_uint_eq(model.material.n_arms, 0);
+    ck_assert_int_eq(model.mesh.neighbourhood, PALP_NEIGHBOURS_26);
+    ck_assert_double_eq(model.density_kg_m3, 0);
+    ck_assert_int_eq(model.material.formulation, PALP_HISTORY);
+    model = read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
+                      "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, "
+                      "\"mesh\": {\"kind\": \"file\", \"path\": \"a.msh\"}}");
+    ck_assert_double_eq(model.mesh.scale_m, 0.001);
+    ck_assert(!model.mesh.hex_diagonals);
+    ck_assert_str_eq(model.mesh.path, "a.msh");
+    ck_assert_str_eq(model.mesh.folder, scratch_folder);
+}
+END_TEST
+
+/* The area of a hyperelastic law is the specimen's: K(0) = E A with E = 6 (C10 + C01). */
+START_TEST(hyperelastic_area_is_that_of_the_radius) {
+    palp_model model =
+        read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"quasi_linear\": true, "
+                  "\"specimen\": {\"height_mm\": 24, \"radius_mm\": 12}, \"stiffness\": "
+                  "{\"kind\": \"mooney_rivlin2\", \"coefficients_Pa\": [2500, 700]}}");
+    double stiffness_N;
+    palp_law_stiffness(&model.material.law, 0, &stiffness_N, NULL);
+    ck_assert_double_eq_tol(stiffness_N, 6 * 3200 * acos(-1) * 0.012 * 0.012, 1e-9);
+    ck_assert(model.material.quasi_linear);
+}
+END_TEST
+
+START_TEST(truncations_are_read_or_named) {
+    const char *path = scratch_path("cut.json");
+    for (size_t n = 0; n < sizeof sample; n++) {
+        palp_error error = {PALP_OK, ""};
+        palp_model model;
+        scratch_write("cut.json", sample, n);
+        if (palp_model_read(path, &model, &error)) {
+            ck_assert_uint_lt(n, sizeof sample - 2);
+            ck_assert_int_eq(error.status, PALP_ERR_INPUT);
+            ck_assert_int_eq(strncmp(error.text, path, strlen(path)), 0);
+            ck_assert_int_eq(error.text[strlen(path)], ':');
+        } else
+            is_sample(&model); /* whole but for the last line end */
+    }
+}
+END_TEST
+
+/* Every byte changed to each of a few, and every byte left out. */
+START_TEST(changed_bytes_are_survived) {
+    static const char bytes[] = {'\0', '\n', '"', '\\', '{', ']', ',', '-', '0', 'e', 'N', (char)0xC3};
+    char text[sizeof sample];
+    const char *path = scratch_path("changed.json");
+    for (size_t i = 0; i + 1 < sizeof sample; i++)
+        for (size_t k = 0; k <= sizeof bytes; k++) {
+            palp_model model;
+            palp_error error = {PALP_OK, ""};
+            memcpy(text, sample, sizeof sample);
+            size_t n = sizeof sample - 1;
+            if (k < sizeof bytes)
+                text[i] = bytes[k];
+            else
+                memmove(text + i, text + i + 1, n-- - i);
+            scratch_write("changed.json", text, n);
+            if (palp_model_read(path, &model, &error))
+                ck_assert_int_eq(strncmp(error.text, path, strlen(path)), 0);
+            else
+                ck_assert_int_eq(palp_material_check(&model.material, NULL), PALP_OK);
+        }
+}
+END_TEST
+
+/* ---- writing ---- */
+
+static void comes_back(const palp_model *model) {
+    palp_error error = {PALP_OK, ""};
+    palp_model back;
+    const char *path = scratch_path("out.json");
+    ck_assert_msg(palp_model_write(model, path, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_model_read(path, &back, &error) == PALP_OK, "%s", error.text);
+    ck_assert_int_eq(back.kind, model->kind);
+    ck_assert_double_eq(back.height_m, model->height_m);
+    ck_assert_double_eq(back.radius_m, model->radius_m);
+    ck_assert_str_eq(back.specimen_kind, model->specimen_kind);
+    ck_assert_int_eq(back.material.law.kind, model->material.law.kind);
+    ck_assert_uint_eq(back.material.law.n, model->material.law.n);
+    size_t bytes = model->material.law.n * sizeof(double);
+    ck_assert_mem_eq(back.material.law.coefficients, model->material.law.coefficients, bytes);
+    if (model->material.law.kind == PALP_LAW_SPLINE)
+        ck_assert_mem_eq(back.material.law.strain, model->material.law.strain, bytes);
+    ck_assert_double_eq(back.material.law.area_m2, model->material.law.area_m2);
+    ck_assert_uint_eq(back.material.n_arms, model->material.n_arms);
+    ck_assert_mem_eq(back.material.arms, model->material.arms, model->material.n_arms * sizeof(palp_arm));
+    ck_assert_double_eq(back.material.dashpot_Ns, model->material.dashpot_Ns);
+    ck_assert_int_eq(back.material.quasi_linear, model->material.quasi_linear);
+    ck_assert_int_eq(back.material.formulation, model->material.formulation);
+    ck_assert_double_eq(back.density_kg_m3, model->density_kg_m3);
+    ck_assert_int_eq(back.mesh.kind, model->mesh.kind);
+    ck_assert_mem_eq(back.mesh.nodes, model->mesh.nodes, sizeof back.mesh.nodes);
+    ck_assert_mem_eq(back.mesh.size_m, model->mesh.size_m, sizeof back.mesh.size_m);
+    ck_assert_int_eq(back.mesh.neighbourhood, model->mesh.neighbourhood);
+}
+
+START_TEST(network_comes_back) {
+    palp_model model = read_text(sample);
+    comes_back(&model);
+    model.material.law.coefficients[0] = 0.1 + 0.2; /* needs 17 digits */
+    model.material.arms[1].viscosity_Ns = 1.0 / 3;
+    model.mesh.neighbourhood = PALP_NEIGHBOURS_26;
+    model.density_kg_m3 = 0;
+    comes_back(&model);
+}
+END_TEST
+
+START_TEST(lengths_in_millimetres_come_back) {
+    palp_model model = read_text(sample);
+    for (int i = 1; i < 3000; i++) {
+        double mm = 0.01 * i; /* what a file can hold */
+        palp_model back;
+        model.height_m = mm / 1000;
+        const char *path = scratch_path("out.json");
+        ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_OK);
+        ck_assert_int_eq(palp_model_read(path, &back, NULL), PALP_OK);
+        ck_assert_double_eq(back.height_m, model.height_m);
+        i += 1 + i / 20;
+    }
+}
+END_TEST
+
+START_TEST(every_law_comes_back) {
+    static const double knots[] = {0, 0.1, 0.4}, c[] = {3000, 1.3, 20, 2.1, 10};
+    static const size_t count[] = {0, 0, 1, 2, 5, 3, 4};
+    palp_model model = {PALP_MODEL_LUMPED, 0.024, 0.012, "", {.n_arms = 0}, {.kind = PALP_MESH_LATTICE}, 0};
+    ck_assert_int_eq(palp_law_spline(3, knots, c, &model.material.law), PALP_OK);
+    comes_back(&model);
+    for (int kind = PALP_LAW_NEO_HOOKEAN; kind <= PALP_LAW_OGDEN; kind++) {
+        double area_m2 = 3.14159265358979323846 * 0.012 * 0.012;
+        ck_assert_int_eq(
+            palp_law_hyperelastic((palp_law_kind)kind, count[kind], c, area_m2, &model.material.law),
+            PALP_OK);
+        model.material.quasi_linear = kind == PALP_LAW_YEOH;
+        comes_back(&model);
+    }
+    model.radius_m = 0.013;
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("out.json"), NULL), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
+START_TEST(model_is_one_line_when_formatted) {
+    palp_model model = read_text(sample);
+    char *json;
+    ck_assert_int_eq(palp_model_format(&model, &json), PALP_OK);
+    ck_assert_str_eq(json,
+                     "{\"palpate\": {\"model\": 1}, \"kind\": \"network\", "
+                     "\"specimen\": {\"height_mm\": 24, \"radius_mm\": 12.1, \"kind\": \"cylinder\"}, "
+                     "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [8.18, -0.7, 47.47]}, "
+                     "\"arms\": [{\"stiffness_N\": 1.5, \"viscosity_Ns\": 3, \"stiffness_per_strain\": 2.9}, "
+                     "{\"stiffness_N\": 0.5, \"viscosity_Ns\": 30, \"time_per_strain\": -0.1}], "
+                     "\"dashpot_Ns\": 0.25, \"formulation\": \"history\", \"effects\": [], "
+                     "\"mesh\": {\"kind\": \"lattice\", \"nodes\": [3, 4, 5], \"size_mm\": [24, 23.9, 24], "
+                     "\"neighbourhood\": 18}, \"density_kg_m3\": 1040}");
+    model = read_text(json);
+    is_sample(&model);
+    free(json);
+    model.material.n_arms = PALP_ARMS_MAX + 1;
+    ck_assert_int_eq(palp_model_format(&model, &json), PALP_ERR_LIMIT);
+    ck_assert_ptr_null(json);
+}
+END_TEST
+
+static void write_fails(const palp_model *model, const char *path, palp_status want) {
+    palp_error error;
+    int before = scratch_entries(scratch_folder, 0);
+    ck_assert_int_eq(palp_model_write(model, path, &error), want);
+    ck_assert_int_eq(strncmp(error.text, path, strlen(path)), 0);
+    ck_assert_int_eq(scratch_entries(scratch_folder, 0), before);
+}
+
+START_TEST(failed_write_leaves_nothing) {
+    palp_model model = read_text(sample), wrong = model;
+    const char *path = scratch_write("old.json", "old", 3);
+    write_fails(&model, scratch_path("missing/m.json"), PALP_ERR_FILE);
+    write_fails(&model, scratch_folder, PALP_ERR_FILE);
+    wrong.material.law.coefficients[0] = -1;
+    write_fails(&wrong, path, PALP_ERR_ARGUMENT);
+    wrong = model;
+    wrong.material.arms[0].viscosity_Ns = NAN;
+    write_fails(&wrong, path, PALP_ERR_ARGUMENT);
+    wrong = model;
+    wrong.height_m = INFINITY;
+    write_fails(&wrong, path, PALP_ERR_ARGUMENT);
+    wrong = model;
+    wrong.mesh.nodes[1] = 1;
+    write_fails(&wrong, path, PALP_ERR_ARGUMENT);
+    wrong = model;
+    strcpy(wrong.specimen_kind, "a\"b");
+    write_fails(&wrong, path, PALP_ERR_ARGUMENT);
+    wrong = model;
+    wrong.mesh.kind = PALP_MESH_FILE;
+    wrong.mesh.scale_m = 0.001;
+    strcpy(wrong.mesh.path, "\xFF.msh");
+    strcpy(wrong.mesh.folder, scratch_folder);
+    write_fails(&wrong, path, PALP_ERR_ARGUMENT);
+    char *text = scratch_read(path);
+    ck_assert_str_eq(text, "old");
+    free(text);
+}
+END_TEST
+
+/* ---- meshes ---- */
+
+START_TEST(lattice_is_made) {
+    palp_model model = read_text(sample);
+    palp_mesh *mesh;
+    double low_m[3], high_m[3];
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, NULL), PALP_OK);
+    ck_assert_uint_eq(palp_mesh_node_count(mesh), 60);
+    palp_mesh_bounds(mesh, low_m, high_m);
+    ck_assert_double_eq_tol(high_m[1] - low_m[1], 0.0239, 1e-16);
+    palp_mesh_free(mesh);
+    palp_error error;
+    model.kind = PALP_MODEL_LUMPED;
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, &error), PALP_ERR_ARGUMENT);
+    ck_assert_str_eq(error.text, "a lumped model has no mesh");
+    ck_assert_ptr_null(mesh);
+}
+END_TEST
+
+static const char tetrahedron[] =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n"
+    "1 0 0 0 1 1 1 0 0\n$EndEntities\n"
+    "$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
+    "$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
+
+static void mesh_is_tetrahedron(const char *path) {
+    palp_error error = {PALP_OK, ""};
+    palp_model model;
+    palp_mesh *mesh;
+    ck_assert_msg(palp_model_read(path, &model, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_model_mesh(&model, &mesh, &error) == PALP_OK, "%s", error.text);
+    ck_assert_uint_eq(palp_mesh_node_count(mesh), 4);
+    ck_assert_uint_eq(palp_mesh_element_count(mesh), 6);
+    palp_mesh_free(mesh);
+}
+
+static void path_in(const char *model_path, const char *want) {
+    palp_model model;
+    ck_assert_int_eq(palp_model_read(model_path, &model, NULL), PALP_OK);
+    ck_assert_str_eq(model.mesh.path, want);
+    mesh_is_tetrahedron(model_path);
+}
+
+/* The mesh is found from the model's folder, and still is when the model is written elsewhere. */
+START_TEST(mesh_file_is_found_from_any_folder) {
+    palp_error error;
+    palp_mesh *mesh;
+    ck_assert_int_eq(mkdir(scratch_path("in"), 0777), 0);
+    ck_assert_int_eq(mkdir(scratch_path("out"), 0777), 0);
+    scratch_write("in/t.msh", tetrahedron, sizeof tetrahedron - 1);
+    palp_model model = read_text(sample);
+    model.mesh =
+        (palp_mesh_spec){.kind = PALP_MESH_FILE, .path = "in/t.msh", .scale_m = 0.01, .hex_diagonals = true};
+    strcpy(model.mesh.folder, scratch_folder);
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("a.json"), NULL), PALP_OK);
+    path_in(scratch_path("a.json"), "in/t.msh");
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("out/b.json"), NULL), PALP_OK);
+    path_in(scratch_path("out/b.json"), "../in/t.msh");
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("in/c.json"), NULL), PALP_OK);
+    path_in(scratch_path("in/c.json"), "t.msh");
+    ck_assert_int_eq(palp_model_read(scratch_path("out/b.json"), &model, NULL), PALP_OK);
+    ck_assert_double_eq(model.mesh.scale_m, 0.01);
+    ck_assert(model.mesh.hex_diagonals);
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("d.json"), NULL), PALP_OK);
+    path_in(scratch_path("d.json"), "in/t.msh");
+    ck_assert_int_eq(chdir(scratch_path("out")), 0); /* a folder of "" is the working directory */
+    model.mesh.folder[0] = '\0';
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("e.json"), NULL), PALP_OK);
+    path_in(scratch_path("e.json"), "in/t.msh");
+    ck_assert_int_eq(palp_model_write(&model, "f.json", NULL), PALP_OK);
+    path_in("f.json", "../in/t.msh");
+    strcpy(model.mesh.path, "none.msh");
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, &error), PALP_ERR_FILE);
+    ck_assert_int_eq(chdir("/"), 0);
+}
+END_TEST
+
+static Suite *model_suite(void) {
+    Suite *suite = suite_create("model");
+    TCase *tc = tcase_create("model");
+    tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
+    tcase_set_timeout(tc, 60);
+    tcase_add_loop_test(tc, bad_file_gives_its_line, 0, sizeof bad / sizeof bad[0]);
+    tcase_add_test(tc, missing_file_is_a_file_error);
+    tcase_add_test(tc, line_is_found_in_any_layout);
+    tcase_add_test(tc, sample_is_read);
+    tcase_add_test(tc, what_may_be_left_out_has_defaults);
+    tcase_add_test(tc, hyperelastic_area_is_that_of_the_radius);
+    tcase_add_test(tc, truncations_are_read_or_named);
+    tcase_add_test(tc, changed_bytes_are_survived);
+    tcase_add_test(tc, network_comes_back);
+    tcase_add_test(tc, lengths_in_millimetres_come_back);
+    tcase_add_test(tc, every_law_comes_back);
+    tcase_add_test(tc, model_is_one_line_when_formatted);
+    tcase_add_test(tc, failed_write_leaves_nothing);
+    tcase_add_test(tc, lattice_is_made);
+    tcase_add_test(tc, mesh_file_is_found_from_any_folder);
+    suite_add_tcase(suite, tc);
+    return suite;
+}
+
+int main(void) {
+    return scratch_run(model_suite());
+}

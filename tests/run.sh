@@ -1,0 +1,116 @@
+#!/bin/sh
+# run.sh: builds and runs all tests, one line each, the sum last. Called by make with BUILD and MAKE set.
+#   tests/run.sh check|asan
+# A comment in a test's first ten lines says where else it runs:
+#   "check: once"      a slow one: the optimized gcc build only, neither clang nor the sanitizers
+#   "check: valgrind"  (C) under valgrind too
+#   "check: asan"      (tests/cli) with the sanitized command too
+# Tests run from the root with SCRATCH, an empty folder of their own; tests/cli/*.sh get PALPATE, the command.
+# Exit code 77 means skipped: said, not counted, and a failure where CI=true.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+BUILD=${BUILD:-build} MAKE=${MAKE:-make}
+export BUILD MAKE
+logs=$BUILD/check
+
+report() { # label exit_code seconds log
+    case $2 in
+    0) word=ok ;;
+    77) if [ "${CI-}" = true ]; then word=FAIL; else word=skip; fi ;;
+    *) word=FAIL ;;
+    esac
+    echo "$word $1" >>"$logs/results"
+    case $word in
+    ok) printf 'ok    %s (%s s)\n' "$1" "$3" ;;
+    skip) printf 'skip  %s: %s\n' "$1" "$(tail -n 1 "$4")" ;;
+    FAIL) printf 'FAIL  %s (exit code %s, %s)\n%s\n' "$1" "$2" "$4" "$(tail -n 40 "$4" | sed 's/^/      | /')" ;;
+    esac
+}
+
+run() { # label command...
+    label=$1; shift
+    name=$(echo "$label" | tr ' /' '__')
+    SCRATCH=$PWD/$logs/$name.scratch
+    export SCRATCH
+    mkdir -p "$SCRATCH"
+    start=$(date +%s)
+    timeout --foreground -k 10 1800 "$@" >"$logs/$name.log" 2>&1 </dev/null
+    report "$label" $? $(($(date +%s) - start)) "$logs/$name.log"
+}
+
+if [ "${1-}" = one ]; then # one line of the list, from xargs: label, tab, command
+    tab=$(printf '\t')
+    run "${2%%"$tab"*}" sh -c "${2#*"$tab"}"
+    exit 0
+fi
+
+mode=${1:-check}
+rm -rf "$logs"
+mkdir -p "$logs"
+: >"$logs/results"
+: >"$logs/list"
+jobs=$(nproc)
+case ${MAKEFLAGS-} in *-j*) j= ;; *) j=-j$jobs ;; esac
+
+# Check: in one process, so that a leak is seen at its end and no clock stops a slow machine.
+export CK_FORK=no ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1
+
+build() { # label variables and targets...
+    label=$1; shift
+    run "build $label" $MAKE --no-print-directory -k $j "$@"
+}
+add() { printf '%s\t%s\n' "$1" "$2" >>"$logs/list"; }
+tagged() { head -n 10 "$1" | grep -q "check: $2"; }
+programs() { # label folder: its test programs
+    for t in tests/lib/test_*.c tests/tools/test_*.c; do
+        [ -e "$t" ] || continue
+        if [ "$1" != gcc ] && tagged "$t" once; then continue; fi
+        add "$1 ${t%.c}" "$2/${t%.c}"
+    done
+}
+scripts() { # label folder: the runs of its command
+    for t in tests/cli/*.sh; do
+        [ -e "$t" ] || continue
+        if [ "$1" != gcc ] && ! tagged "$t" "$1"; then continue; fi
+        add "$1 ${t%.sh}" "PALPATE=$2/palpate sh $t"
+    done
+}
+
+build asan BUILD="$BUILD/asan" SANITIZE=1 tests
+programs asan "$BUILD/asan"
+scripts asan "$BUILD/asan"
+if [ "$mode" = check ]; then
+    man=$(command -v scdoc >/dev/null && echo man)
+    # shellcheck disable=SC2086
+    build gcc BUILD="$BUILD" all programs $man
+    scripts gcc "$BUILD"
+    programs gcc "$BUILD"
+    if command -v clang >/dev/null; then
+        build clang BUILD="$BUILD/clang" CC=clang WERROR=1 all programs
+        programs clang "$BUILD/clang"
+    else
+        run "build clang" sh -c "echo there is no clang; exit 77"
+    fi
+    memcheck="valgrind -q --error-exitcode=99 --leak-check=full"
+    command -v valgrind >/dev/null || memcheck="echo there is no valgrind; exit 77;"
+    for t in tests/lib/test_*.c tests/tools/test_*.c; do
+        if [ -e "$t" ] && tagged "$t" valgrind; then
+            # A processor type that valgrind knows, whatever the real one is.
+            add "valgrind ${t%.c}" "OPENBLAS_CORETYPE=Haswell $memcheck $BUILD/${t%.c}"
+        fi
+    done
+    add "installed library" "sh tests/install/run.sh"
+    add "exported symbols" "sh tests/install/symbols.sh"
+    add "public headers" "sh tests/install/headers.sh"
+    add "manual pages" "sh tests/install/manual.sh"
+fi
+
+xargs -d '\n' -n 1 -P "$jobs" sh tests/run.sh one <"$logs/list"
+
+builds=$(grep -c ' build ' "$logs/results")
+skipped=$(grep -c '^skip' "$logs/results")
+passed=$(grep -c '^ok' "$logs/results")
+failed=$(($(wc -l <"$logs/list") + builds - skipped - passed)) # what vanished has failed
+if [ "$failed" -gt 0 ]; then grep '^FAIL' "$logs/results"; fi
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

@@ -1,0 +1,199 @@
+/* calculix.c: a network as a CalculiX deck: SPRINGA elements with force-elongation tables. */
+#include "calculix.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { HALF_MAX = (CALCULIX_POINTS_MAX + 1) / 2, GAUSS = 5 };
+
+/* Elements in the order of their rest lengths. */
+typedef struct spring {
+    double length_m;
+    int32_t a, b;
+} spring;
+
+/* ---- the table ---- */
+
+static void mass_and_load(const palp_law *law, size_t n, const double *strain, double *diagonal, double *upper,
+                          double *load)
+{
+    static const double x[GAUSS] = {-0.90617984593866399, -0.53846931010568309, 0, 0.53846931010568309,
+                                    0.90617984593866399};
+    static const double w[GAUSS] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889,
+                                    0.47862867049936647, 0.23692688505618909};
+    for (size_t i = 0; i < n; i++) {
+        diagonal[i] = load[i] = 0;
+    }
+    for (size_t i = 0; i + 1 < n; i++) {
+        double h = strain[i + 1] - strain[i], e[GAUSS], force[GAUSS];
+        for (int k = 0; k < GAUSS; k++) {
+            e[k] = strain[i] + 0.5 * (x[k] + 1) * h;
+        }
+        palp_law_force(law, GAUSS, e, force, NULL, NULL);
+        for (int k = 0; k < GAUSS; k++) {
+            double t = 0.5 * (x[k] + 1);
+            load[i] += 0.5 * h * w[k] * force[k] * (1 - t);
+            load[i + 1] += 0.5 * h * w[k] * force[k] * t;
+        }
+        diagonal[i] += h / 3;
+        diagonal[i + 1] += h / 3;
+        upper[i] = h / 6;
+    }
+}
+
+void calculix_table(const palp_law *law, size_t n, const double *strain, double *force_N)
+{
+    double diagonal[HALF_MAX], upper[HALF_MAX] = {0}, load[HALF_MAX];
+    mass_and_load(law, n, strain, diagonal, upper, load);
+    for (size_t i = 2; i < n; i++) { /* force_N[0] = 0 takes row and column 0 out */
+        double q = upper[i - 1] / diagonal[i - 1];
+        diagonal[i] -= q * upper[i - 1];
+        load[i] -= q * load[i - 1];
+    }
+    force_N[n - 1] = load[n - 1] / diagonal[n - 1];
+    for (size_t i = n - 2; i > 0; i--) {
+        force_N[i] = (load[i] - upper[i] * force_N[i + 1]) / diagonal[i];
+    }
+    force_N[0] = 0;
+}
+
+/* ---- the deck ---- */
+
+static int by_length(const void *left, const void *right)
+{
+    const spring *p = left, *q = right;
+    if (p->length_m != q->length_m) {
+        return p->length_m < q->length_m ? -1 : 1;
+    }
+    return p->a != q->a ? (p->a > q->a) - (p->a < q->a) : (p->b > q->b) - (p->b < q->b);
+}
+
+static spring *springs(const palp_mesh *mesh, size_t n)
+{
+    const double *x = palp_mesh_positions(mesh);
+    const int32_t *pairs = palp_mesh_pairs(mesh);
+    spring *list = malloc(n * sizeof *list);
+    for (size_t i = 0; list && i < n; i++) {
+        const double *p = &x[3 * (size_t)pairs[2 * i]], *q = &x[3 * (size_t)pairs[2 * i + 1]];
+        double length = sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
+                             (p[2] - q[2]) * (p[2] - q[2]));
+        list[i] = (spring){length, pairs[2 * i], pairs[2 * i + 1]};
+    }
+    return list;
+}
+
+static void write_nodes(const palp_mesh *mesh, FILE *to)
+{
+    const double *x = palp_mesh_positions(mesh);
+    size_t n = palp_mesh_node_count(mesh);
+    fputs("*NODE\n", to);
+    for (size_t i = 0; i < n; i++) {
+        fprintf(to, "%zu,%.15g,%.15g,%.15g\n", i + 1, 1e3 * x[3 * i], 1e3 * x[3 * i + 1], 1e3 * x[3 * i + 2]);
+    }
+}
+
+static void write_table(const calculix_deck *deck, const double *strain, const double *force_N, double length_m,
+                        FILE *to)
+{
+    size_t half = deck->table_points / 2;
+    for (size_t i = 0; i < deck->table_points; i++) {
+        size_t k = i < half ? half - i : i - half;
+        double sign = i < half ? -1 : 1;
+        fprintf(to, "%.12e,%.12e,0.\n", sign * force_N[k], sign * 1e3 * strain[k] * length_m);
+    }
+}
+
+/* A set of elements and a table for each rest length, within rounding. */
+static palp_status write_springs(const calculix_deck *deck, FILE *to)
+{
+    double strain[HALF_MAX], force_N[HALF_MAX];
+    size_t half = deck->table_points / 2, n = palp_mesh_element_count(deck->mesh), group = 0;
+    spring *list = springs(deck->mesh, n);
+    if (!list) {
+        return PALP_ERR_NO_MEMORY;
+    }
+    for (size_t i = 0; i <= half; i++) {
+        strain[i] = deck->table_strain * (double)i / (double)half;
+    }
+    calculix_table(deck->law, half + 1, strain, force_N);
+    qsort(list, n, sizeof *list, by_length);
+    for (size_t first = 0, i; first < n; first = i) {
+        fprintf(to, "*ELEMENT,TYPE=SPRINGA,ELSET=LENGTH%zu\n", ++group);
+        for (i = first; i < n && list[i].length_m <= list[first].length_m * (1 + 1e-9); i++) {
+            fprintf(to, "%zu,%d,%d\n", i + 1, list[i].a + 1, list[i].b + 1);
+        }
+        fprintf(to, "*SPRING,ELSET=LENGTH%zu,NONLINEAR\n", group);
+        write_table(deck, strain, force_N, list[first].length_m, to);
+    }
+    free(list);
+    return PALP_OK;
+}
+
+static palp_status write_supports(const calculix_deck *deck, FILE *to)
+{
+    for (size_t s = 0; s < deck->n_supports; s++) {
+        const palp_support *support = &deck->supports[s];
+        const int32_t *nodes;
+        size_t n;
+        palp_status status = palp_mesh_set(deck->mesh, support->set, &n, &nodes);
+        if (status) {
+            return status;
+        }
+        fprintf(to, "*NSET,NSET=SUPPORT%zu\n", s + 1);
+        for (size_t i = 0; i < n; i++) {
+            fprintf(to, "%d\n", nodes[i] + 1);
+        }
+        fputs("*BOUNDARY\n", to);
+        for (int axis = 0; axis < 3; axis++) {
+            if (support->axis[axis] == PALP_FIXED) {
+                fprintf(to, "SUPPORT%zu,%d,%d\n", s + 1, axis + 1, axis + 1);
+            }
+        }
+    }
+    return PALP_OK;
+}
+
+/* A step to depth_m, cut so finely that Newton stays on the branch that leads there from rest. */
+static void write_step(const calculix_deck *deck, double from_m, double depth_m, FILE *to)
+{
+    double increment = deck->step_strain * deck->height_m / fabs(depth_m - from_m);
+    increment = increment < 1 ? increment : 1;
+    fprintf(to, "** depth %.9g mm, strain %.9g\n*STEP,NLGEOM,INC=100000\n*STATIC\n%.9g,1.,1e-8,%.9g\n*BOUNDARY\n",
+            1e3 * depth_m, depth_m / deck->height_m, increment, increment);
+    for (size_t s = 0; s < deck->n_supports; s++) {
+        for (int axis = 0; axis < 3; axis++) {
+            if (deck->supports[s].axis[axis] == PALP_DRIVEN) {
+                fprintf(to, "SUPPORT%zu,%d,%d,%.15g\n", s + 1, axis + 1, axis + 1,
+                        1e3 * depth_m * deck->supports[s].motion[axis]);
+            }
+        }
+    }
+    for (size_t s = 0; s < deck->n_supports; s++) {
+        const palp_axis *axis = deck->supports[s].axis;
+        if (axis[0] == PALP_DRIVEN || axis[1] == PALP_DRIVEN || axis[2] == PALP_DRIVEN) {
+            fprintf(to, "*NODE PRINT,NSET=SUPPORT%zu,TOTALS=ONLY\nRF\n", s + 1);
+        }
+    }
+    fputs("*END STEP\n", to);
+}
+
+palp_status calculix_write(const calculix_deck *deck, FILE *to)
+{
+    fprintf(to,
+            "** %s: its fully relaxed network, in mm and N; run: ccx -i DECK (without .inp)\n"
+            "** Each *SPRING table is K(|e|) e against the elongation: %zu points, e from %.4g to %.4g,\n"
+            "** placed for the least squared error of the straight lines between them.\n"
+            "** DECK.dat gets the total reaction RF of the driven nodes.\n",
+            deck->model, deck->table_points, -deck->table_strain, deck->table_strain);
+    write_nodes(deck->mesh, to);
+    palp_status status = write_springs(deck, to);
+    if (status == PALP_OK) {
+        status = write_supports(deck, to);
+    }
+    double from_m = 0;
+    for (size_t i = 0; status == PALP_OK && i < deck->n_depths; i++) {
+        write_step(deck, from_m, deck->depth_m[i], to);
+        from_m = deck->depth_m[i];
+    }
+    return status;
+}

@@ -1,0 +1,35 @@
+/* calculix.h: a network as a CalculiX deck. */
+#ifndef PALPATE_CALCULIX_H
+#define PALPATE_CALCULIX_H
+
+#include <palpate/material.h>
+#include <palpate/mesh.h>
+#include <palpate/network.h>
+#include <stdio.h>
+
+/* CalculiX 2.20 resamples a spring's table of 200 points or more onto fewer and then loses accuracy;
+ * an odd number gives a point at zero. */
+enum { CALCULIX_POINTS_MAX = 199 };
+
+typedef struct calculix_deck {
+    const palp_mesh *mesh;
+    const palp_law *law;
+    const char *model; /* its name, for the heading */
+    size_t n_supports;
+    const palp_support *supports;
+    size_t n_depths;
+    const double *depth_m;
+    double height_m;
+    double step_strain;  /* largest increment, depth / height */
+    double table_strain; /* the tables reach from -table_strain to table_strain */
+    size_t table_points; /* odd, 5 <= n <= CALCULIX_POINTS_MAX */
+} calculix_deck;
+
+/* Writes the deck in mm and N. The caller looks at ferror. */
+palp_status calculix_write(const calculix_deck *deck, FILE *to);
+
+/* The continuous piecewise linear function on n knots strain[0] = 0 < strain[1] ..., zero at 0, that
+ * is nearest to K(e) e in the least-squares sense: its error has no bias, where a chord's has. */
+void calculix_table(const palp_law *law, size_t n, const double *strain, double *force_N);
+
+#endif

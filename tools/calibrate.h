@@ -1,0 +1,66 @@
+/* calibrate.h: the parts of palpate calibrate. */
+#ifndef PALPATE_TOOL_CALIBRATE_H
+#define PALPATE_TOOL_CALIBRATE_H
+
+#include "cli.h"
+#include "record.h"
+
+#include <palpate/palpate.h>
+
+enum { RUNS_MAX = 64, PRESSES_MAX = 64 };
+
+typedef enum calibrate_stage { STAGE_STATIC, STAGE_RELAXATION, STAGE_ALL } calibrate_stage;
+typedef enum calibrate_law { LAW_POLYNOMIAL, LAW_SPLINE } calibrate_law;
+
+typedef struct calibrate_options {
+    const char *lumped, *mesh, *start, *out, *plot;
+    const char *words[1 + RUNS_MAX]; /* LUMPED.json, RUN.csv ... */
+    size_t n_words;
+    cli_list nodes, size_mm, depth_mm;
+    double scale_mm, ramp_s, hold_s, dt_ms;
+    int stage, method, formulation, law, branch; /* method: palp_calibrate_method or -1 */
+    size_t arms, degree, knots, steps;
+    bool hex_diagonals, strain_dependent, every_step, json;
+} calibrate_options;
+
+/* A ramp and hold to meet, and what the calibrated network makes of it. */
+typedef struct press_target {
+    palp_path path;
+    record target;      /* samples given to the library */
+    record network;     /* the calibrated network's answer */
+    double *wanted_N;   /* the target's force at the times of network */
+    double depth_m, peak_N, max_error_percent;
+    bool measured;      /* from a run, not from the lumped model */
+} press_target;
+
+typedef struct calibrate_state {
+    palp_model lumped, model; /* model: the network, its material the latest found */
+    palp_mesh *mesh;
+    palp_network *network;
+    double height_m;                      /* of the mesh */
+    palp_calibrate_method static_method, relaxation_method;
+    bool does_static, does_relaxation;
+    size_t n_static;                      /* the static target */
+    double *depth_m, *force_N;
+    size_t n_presses;
+    press_target press[PRESSES_MAX];
+    palp_calibration static_result, relaxation_result;
+    bool buckled;
+    double stable_m, unstable_m;
+} calibrate_state;
+
+/* Each returns an exit code, after one line on stderr if it is not 0. */
+int calibrate_setup(const calibrate_options *o, calibrate_state *s);   /* models, mesh, network */
+int calibrate_targets(const calibrate_options *o, calibrate_state *s); /* curves to meet */
+int calibrate_static(const calibrate_options *o, calibrate_state *s);
+int calibrate_relaxation(const calibrate_options *o, calibrate_state *s);
+int calibrate_compare(const calibrate_options *o, calibrate_state *s); /* fills press[].network */
+int calibrate_report(const calibrate_options *o, const calibrate_state *s);
+int calibrate_plot(const calibrate_options *o, const calibrate_state *s);
+
+/* First guesses. */
+palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_max, palp_law *guess);
+palp_status guess_spline(const palp_law *law, size_t knots, double strain_max, palp_law *guess);
+void guess_arms(const palp_material *lumped, size_t n, double ratio, palp_material *guess);
+
+#endif

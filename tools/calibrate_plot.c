@@ -1,0 +1,190 @@
+/* calibrate_plot.c: the figures of palpate calibrate. */
+#include "calibrate.h"
+#include "plot.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char NAME[] = "calibrate";
+
+enum { CURVE_POINTS = 400, MARKS = 60, LAW_POINTS = 200, SHOWN_MAX = 7 };
+
+/* What every figure needs: where, and what became of those before. */
+typedef struct figures {
+    const char *folder;
+    plot_result result;
+} figures;
+
+static void draw(figures *f, const char *name, const plot_figure *figure)
+{
+    plot_result result = f->result == PLOT_NO_GNUPLOT ? PLOT_NO_GNUPLOT : plot_write(f->folder, name, figure);
+    f->result = result != PLOT_OK ? result : f->result;
+}
+
+static double largest(size_t n, const double *value)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++) {
+        most = fmax(most, fabs(value[i]));
+    }
+    return most;
+}
+
+/* ---- convergence ---- */
+
+static void plot_residual(figures *f, const palp_calibration *c, const char *name, const char *title)
+{
+    double *work = malloc(2 * (c->n_iterations + 1) * sizeof *work);
+    if (!work) {
+        f->result = PLOT_FAILED;
+        return;
+    }
+    double *x = work, *y = work + c->n_iterations + 1;
+    for (size_t i = 0; i < c->n_iterations; i++) {
+        x[i] = (double)(i + 1);
+        y[i] = c->iterations[i].residual_N > 0 ? c->iterations[i].residual_N : NAN;
+    }
+    const plot_series series = {NULL, PLOT_LINE_POINTS, 0, c->n_iterations, x, y};
+    const plot_figure figure = {title, 1, {{"evaluation of the curve", "residual, 2-norm (N)", false, true, 1, &series}}};
+    if (largest(c->n_iterations, y) > 0) {
+        draw(f, name, &figure);
+    }
+    free(work);
+}
+
+static void plot_phases(figures *f, const palp_calibration *c)
+{
+    size_t n = c->n_iterations + 1;
+    double *work = malloc(4 * n * sizeof *work);
+    if (!work) {
+        f->result = PLOT_FAILED;
+        return;
+    }
+    for (size_t i = 0; i < c->n_iterations; i++) {
+        const palp_calibrate_iteration *it = &c->iterations[i];
+        const double error[3] = {it->peak_error_percent, it->steady_time_error_percent, it->steady_force_error_percent};
+        work[i] = (double)(i + 1);
+        for (size_t k = 0; k < 3; k++) {
+            work[(k + 1) * n + i] = error[k] > 0 ? error[k] : NAN;
+        }
+    }
+    const plot_series series[] = {{"peak force", PLOT_LINE_POINTS, 0, c->n_iterations, work, work + n},
+                                  {"steady time", PLOT_LINE_POINTS, 1, c->n_iterations, work, work + 2 * n},
+                                  {"steady force", PLOT_LINE_POINTS, 2, c->n_iterations, work, work + 3 * n}};
+    const plot_figure figure = {"Convergence of the three phases", 1,
+                                {{"iteration", "error (%)", false, true, 3, series}}};
+    draw(f, "relaxation_convergence", &figure);
+    free(work);
+}
+
+/* ---- static ---- */
+
+static void plot_fit(figures *f, const calibrate_state *s)
+{
+    const palp_calibration *c = &s->static_result;
+    double depth[CURVE_POINTS], force[CURVE_POINTS], miss[CURVE_POINTS], mark[MARKS], wanted[MARKS];
+    if (c->n_samples == 0) {
+        return;
+    }
+    for (size_t k = 0; k < CURVE_POINTS; k++) {
+        size_t i = k * (c->n_samples - 1) / (CURVE_POINTS - 1);
+        depth[k] = 1e3 * c->depth_m[i];
+        force[k] = c->force_N[i];
+        miss[k] = 1e3 * (c->force_N[i] - c->target_N[i]);
+    }
+    for (size_t k = 0; k < MARKS; k++) {
+        size_t i = k * (c->n_samples - 1) / (MARKS - 1);
+        mark[k] = 1e3 * c->depth_m[i];
+        wanted[k] = c->target_N[i];
+    }
+    const plot_series curve[] = {{"wanted", PLOT_POINTS, 0, MARKS, mark, wanted},
+                                 {"network", PLOT_LINE, 1, CURVE_POINTS, depth, force}};
+    const plot_series residual = {NULL, PLOT_LINE, 1, CURVE_POINTS, depth, miss};
+    const plot_figure figure = {"Static press: the wanted curve and the calibrated network", 2,
+                                {{"", "force (N)", false, false, 2, curve},
+                                 {"depth (mm)", "network - wanted (mN)", false, false, 1, &residual}}};
+    draw(f, "static_fit", &figure);
+}
+
+static void plot_law(figures *f, const calibrate_state *s)
+{
+    double strain[LAW_POINTS], lumped[LAW_POINTS], element[LAW_POINTS];
+    double strain_max = s->n_static ? s->depth_m[s->n_static - 1] / s->height_m : 0;
+    for (size_t i = 0; i < s->n_presses; i++) {
+        strain_max = fmax(strain_max, s->press[i].depth_m / s->height_m);
+    }
+    for (size_t i = 0; i < LAW_POINTS; i++) {
+        strain[i] = strain_max * (double)i / (LAW_POINTS - 1);
+        palp_law_stiffness(&s->lumped.material.law, strain[i], &lumped[i], NULL);
+        palp_law_stiffness(&s->model.material.law, strain[i], &element[i], NULL);
+    }
+    const plot_series series[] = {{"lumped model", PLOT_LINE, 0, LAW_POINTS, strain, lumped},
+                                  {"element", PLOT_LINE, 1, LAW_POINTS, strain, element}};
+    const plot_figure figure = {"Stiffness law K(e) of the lumped model and of an element", 1,
+                                {{"strain e", "stiffness K (N)", false, true, 2, series}}};
+    draw(f, "stiffness", &figure);
+}
+
+/* ---- relaxation ---- */
+
+/* Samples thinned evenly in log time for the marks; returns how many. */
+static size_t marks(const record *run, const double *wanted, double *time_s, double *force_N)
+{
+    size_t n = 0;
+    double next = 0;
+    for (size_t i = 0; i < run->n && n < MARKS; i++) {
+        if (run->time_s[i] > 0 && run->time_s[i] >= next) {
+            time_s[n] = run->time_s[i];
+            force_N[n++] = wanted[i];
+            next = fmax(1.15 * run->time_s[i], 1e-3 * run->time_s[run->n - 1]);
+        }
+    }
+    return n;
+}
+
+static void plot_relaxation(figures *f, const calibrate_state *s, bool log_time)
+{
+    double mark_s[SHOWN_MAX][MARKS], mark_N[SHOWN_MAX][MARKS];
+    char title[SHOWN_MAX][32];
+    plot_series series[2 * SHOWN_MAX];
+    size_t shown = s->n_presses < SHOWN_MAX ? s->n_presses : SHOWN_MAX;
+    for (size_t k = 0; k < shown; k++) {
+        /* of many depths every so many, the shallowest and the deepest among them */
+        const press_target *p = &s->press[shown > 1 ? k * (s->n_presses - 1) / (shown - 1) : 0];
+        size_t first = log_time && p->network.n > 1 && p->network.time_s[0] <= 0 ? 1 : 0;
+        size_t n = marks(&p->network, p->wanted_N, mark_s[k], mark_N[k]);
+        snprintf(title[k], sizeof title[k], "%.3g mm", 1e3 * p->depth_m);
+        series[2 * k] = (plot_series){NULL, PLOT_POINTS, (int)k, n, mark_s[k], mark_N[k]};
+        series[2 * k + 1] = (plot_series){title[k], PLOT_LINE, (int)k, p->network.n - first, p->network.time_s + first,
+                                          p->network.force_N + first};
+    }
+    const plot_figure figure = {"Ramp and hold: wanted (circles) and the calibrated network (lines)", 1,
+                                {{"time (s)", "force (N)", log_time, false, 2 * shown, series}}};
+    draw(f, log_time ? "relaxation_log" : "relaxation_linear", &figure);
+}
+
+int calibrate_plot(const calibrate_options *o, const calibrate_state *s)
+{
+    figures f = {o->plot, PLOT_OK};
+    if (!plot_folder(o->plot)) {
+        return cli_failure(NAME, "%s: is no folder and cannot be made", o->plot);
+    }
+    plot_law(&f, s);
+    if (s->does_static) {
+        plot_residual(&f, &s->static_result, "static_convergence", "Convergence of the static stage");
+        plot_fit(&f, s);
+    }
+    if (s->does_relaxation) {
+        if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
+            plot_phases(&f, &s->relaxation_result);
+        } else {
+            plot_residual(&f, &s->relaxation_result, "relaxation_convergence", "Convergence of the relaxation stage");
+        }
+        plot_relaxation(&f, s, false);
+        plot_relaxation(&f, s, true);
+    }
+    if (f.result == PLOT_NO_GNUPLOT) {
+        cli_warning(NAME, "gnuplot is not installed: no figures, only the script %s/stiffness.gp", o->plot);
+    }
+    return f.result == PLOT_FAILED ? cli_failure(NAME, "%s: a figure could not be written", o->plot) : CLI_OK;
+}

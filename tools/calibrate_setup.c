@@ -1,0 +1,110 @@
+/* calibrate_setup.c: the models, mesh and network of palpate calibrate. */
+#include "calibrate.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char NAME[] = "calibrate";
+
+static int read_models(const calibrate_options *o, calibrate_state *s)
+{
+    palp_error error = {PALP_OK, ""};
+    palp_status status = palp_model_read(o->lumped, &s->lumped, &error);
+    if (status) {
+        return cli_status(NAME, status, &error);
+    }
+    if (s->lumped.kind != PALP_MODEL_LUMPED) {
+        return cli_failure(NAME, "%s: is a network; name the lumped model to meet (a network to start from goes to --start)",
+                           o->lumped);
+    }
+    if (s->does_relaxation && s->lumped.material.n_arms == 0) {
+        return cli_failure(NAME, "%s: has no arms to relax; use --stage static", o->lumped);
+    }
+    if (s->does_relaxation && s->relaxation_method == PALP_CALIBRATE_THREE_PHASE && s->lumped.material.n_arms > 1) {
+        return cli_failure(NAME, "%s: has %zu arms, --method three_phase handles one; use --method nlopt", o->lumped,
+                           s->lumped.material.n_arms);
+    }
+    s->model = s->lumped;
+    s->model.kind = PALP_MODEL_NETWORK;
+    if (!o->start) {
+        return CLI_OK;
+    }
+    status = palp_model_read(o->start, &s->model, &error);
+    if (status) {
+        return cli_status(NAME, status, &error);
+    }
+    return s->model.kind == PALP_MODEL_NETWORK ? CLI_OK
+                                               : cli_failure(NAME, "%s: --start wants a network model", o->start);
+}
+
+static int choose_lattice(const calibrate_options *o, const calibrate_state *s, palp_mesh_spec *mesh)
+{
+    double nodes[3], size_mm[3] = {1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m};
+    if (!cli_spread(&o->nodes, nodes)) {
+        return cli_usage_error(NAME, "--nodes wants one or three numbers, e.g. 5 or 5,7,5");
+    }
+    if (o->size_mm.n && !cli_spread(&o->size_mm, size_mm)) {
+        return cli_usage_error(NAME, "--size-mm wants one or three numbers, e.g. 24 or 24,30,24");
+    }
+    memset(mesh, 0, sizeof *mesh);
+    mesh->kind = PALP_MESH_LATTICE;
+    mesh->neighbourhood = PALP_NEIGHBOURS_26;
+    for (int i = 0; i < 3; i++) {
+        mesh->nodes[i] = (size_t)nodes[i];
+        mesh->size_m[i] = 1e-3 * size_mm[i];
+    }
+    return CLI_OK;
+}
+
+static int choose_mesh(const calibrate_options *o, calibrate_state *s)
+{
+    palp_mesh_spec *mesh = &s->model.mesh;
+    if (o->nodes.n) {
+        return choose_lattice(o, s, mesh);
+    }
+    if (o->mesh) {
+        memset(mesh, 0, sizeof *mesh);
+        mesh->kind = PALP_MESH_FILE;
+        mesh->neighbourhood = PALP_NEIGHBOURS_26;
+        mesh->scale_m = 1e-3 * o->scale_mm;
+        mesh->hex_diagonals = o->hex_diagonals;
+        strncpy(mesh->path, o->mesh, sizeof mesh->path - 1);
+    }
+    return CLI_OK; /* else that of --start */
+}
+
+int calibrate_setup(const calibrate_options *o, calibrate_state *s)
+{
+    palp_support supports[2];
+    palp_network_settings settings = palp_network_settings_default();
+    palp_error error = {PALP_OK, ""};
+    double low[3], high[3];
+    int code = read_models(o, s);
+    if (code == CLI_OK) {
+        code = choose_mesh(o, s);
+    }
+    if (code) {
+        return code;
+    }
+    palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
+    if (status == PALP_OK) {
+        palp_mesh_bounds(s->mesh, low, high);
+        s->height_m = high[1] - low[1];
+        palp_supports_default(supports);
+        settings.branch = (palp_branch)o->branch;
+        s->model.material.formulation = (palp_formulation)o->formulation;
+        if (s->does_static) {
+            s->model.material.n_arms = 0;
+            s->model.material.dashpot_Ns = 0;
+        }
+        status = palp_network_create(s->mesh, &s->model.material, 2, supports, &settings, &s->network, &error);
+    }
+    if (status) {
+        return cli_status(NAME, status, &error);
+    }
+    if (fabs(s->height_m - s->lumped.height_m) > 1e-3 * s->lumped.height_m) {
+        cli_warning(NAME, "the network is %.4g mm high, the specimen of %s %.4g mm; depths stay the same in mm",
+                    1e3 * s->height_m, o->lumped, 1e3 * s->lumped.height_m);
+    }
+    return CLI_OK;
+}

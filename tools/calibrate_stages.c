@@ -1,0 +1,262 @@
+/* calibrate_stages.c: the two stages of palpate calibrate, and how well the result does. */
+#include "calibrate.h"
+#include "press.h"
+#include "simulate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char NAME[] = "calibrate";
+
+enum { GUESS_STEPS = 20 };
+
+/* ---- shared ---- */
+
+static int show_progress(void *user, double fraction, const palp_calibrate_iteration *last)
+{
+    progress *bar = user;
+    if (last) {
+        snprintf(bar->label, sizeof bar->label, "residual %.4g N", last->residual_N);
+    }
+    progress_update(bar, fraction);
+    return 0;
+}
+
+static void note_buckling(calibrate_state *s)
+{
+    double stable_m, unstable_m;
+    if (!s->buckled && palp_network_buckled(s->network, &stable_m, &unstable_m)) {
+        s->buckled = true;
+        s->stable_m = stable_m;
+        s->unstable_m = unstable_m;
+    }
+}
+
+/* Presses the relaxed network to the deepest depth in a few steps, halved where the tangent is no
+ * longer stable: the calibration leaves the network at rest, which tells nothing. */
+static void look_for_buckling(calibrate_state *s)
+{
+    double depth_m = 0, deepest_m = s->depth_m[s->n_static - 1], step_m = deepest_m / 16;
+    while (!s->buckled && depth_m < deepest_m && step_m > 1e-3 * s->height_m) {
+        palp_step_info info;
+        double next_m = fmin(depth_m + step_m, deepest_m);
+        palp_status status = palp_network_try(s->network, next_m, INFINITY, &info);
+        if ((status || info.negative_pivots > 0) && step_m > 2e-3 * s->height_m) {
+            palp_network_rollback(s->network);
+            step_m *= 0.5;
+            continue;
+        }
+        if (status) {
+            break;
+        }
+        palp_network_commit(s->network);
+        depth_m = next_m;
+        note_buckling(s);
+    }
+    palp_network_reset(s->network);
+}
+
+static int stage_failed(const calibrate_options *o, const char *stage, palp_status status)
+{
+    bool gave_up = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+    const char *advice = gave_up ? "; try a smaller --depth-mm or --branch stable" : "";
+    if (status == PALP_ERR_SINGULAR && o->mesh && !o->hex_diagonals) {
+        advice = "; a mesh of hexahedra needs --hex-diagonals";
+    }
+    cli_failure(NAME, "%s stage: %s%s", stage, palp_status_text(status), advice);
+    return gave_up ? CLI_NOT_CONVERGED : CLI_FAILURE;
+}
+
+/* ---- static ---- */
+
+/* How many times too stiff the network is with this law: the force is in proportion to the law, so a
+ * coarse press tells, by least squares. 1 where it does not converge. */
+static double stiffness_excess(calibrate_state *s, const palp_material *material)
+{
+    double wanted_squared = 0, product = 0, squared = 0;
+    size_t n = s->n_static;
+    if (palp_network_set_material(s->network, material)) {
+        return 1;
+    }
+    for (size_t k = 1; k <= GUESS_STEPS; k++) {
+        palp_step_info info;
+        size_t i = n * k / GUESS_STEPS - 1;
+        if (palp_network_step(s->network, s->depth_m[i], INFINITY, &info)) {
+            break;
+        }
+        wanted_squared += s->force_N[i] * s->force_N[i];
+        product += s->force_N[i] * info.force_N;
+        squared += info.force_N * info.force_N;
+    }
+    palp_network_reset(s->network);
+    return wanted_squared > 0 && product > 0 ? squared / product : 1;
+}
+
+/* The first guess: the lumped law in the wanted form, unscaled for the seed's loop; or --start's. */
+static palp_status static_start(const calibrate_options *o, calibrate_state *s, palp_material *start)
+{
+    double strain_max = s->depth_m[s->n_static - 1] / s->height_m;
+    const palp_law *law = o->start ? &s->model.material.law : &s->lumped.material.law;
+    memset(start, 0, sizeof *start);
+    start->formulation = (palp_formulation)o->formulation;
+    palp_status status = o->law == LAW_SPLINE ? guess_spline(law, o->knots, strain_max, &start->law)
+                                              : guess_polynomial(law, o->degree, strain_max, &start->law);
+    if (status == PALP_OK && s->static_method == PALP_CALIBRATE_NLOPT && !o->start) {
+        palp_law scaled;
+        status = palp_law_scale(&start->law, 1 / stiffness_excess(s, start), &scaled);
+        start->law = scaled;
+    }
+    return status;
+}
+
+int calibrate_static(const calibrate_options *o, calibrate_state *s)
+{
+    palp_static_settings settings = palp_static_settings_default();
+    palp_material start;
+    progress bar;
+    palp_status status = static_start(o, s, &start);
+    if (status) {
+        return cli_status(NAME, status, NULL);
+    }
+    progress_start(&bar, "static stage");
+    settings.method = s->static_method;
+    settings.every_step = o->every_step;
+    settings.progress = show_progress;
+    settings.user = &bar;
+    status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings, &s->static_result);
+    progress_finish(&bar);
+    if (status) {
+        return stage_failed(o, "static", status);
+    }
+    s->model.material = s->static_result.material;
+    status = palp_network_set_material(s->network, &s->model.material);
+    if (status) {
+        return stage_failed(o, "static", status);
+    }
+    look_for_buckling(s);
+    return CLI_OK;
+}
+
+/* ---- relaxation ---- */
+
+static double stiffness_ratio(const palp_law *element, const palp_law *lumped, double strain_max)
+{
+    double sum = 0;
+    for (int i = 1; i <= GUESS_STEPS; i++) {
+        double a, b, e = strain_max * i / GUESS_STEPS;
+        palp_law_stiffness(element, e, &a, NULL);
+        palp_law_stiffness(lumped, e, &b, NULL);
+        sum += a / b;
+    }
+    return sum / GUESS_STEPS;
+}
+
+static void relaxation_start(const calibrate_options *o, const calibrate_state *s, palp_material *start)
+{
+    size_t n = o->arms ? o->arms : s->lumped.material.n_arms;
+    double deepest = 0;
+    for (size_t i = 0; i < s->n_presses; i++) {
+        deepest = fmax(deepest, s->press[i].depth_m);
+    }
+    double ratio = stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest / s->height_m);
+    bool seed = s->relaxation_method == PALP_CALIBRATE_THREE_PHASE;
+    bool arms_given = o->start && s->model.material.n_arms == n && n > 0 && !seed;
+    *start = s->model.material;
+    start->formulation = (palp_formulation)o->formulation;
+    if (!arms_given) {
+        guess_arms(&s->lumped.material, n, seed ? 1 : ratio, start);
+    }
+}
+
+static palp_status run_relaxation(const calibrate_options *o, calibrate_state *s, const palp_material *start,
+                                  const palp_target *targets)
+{
+    palp_relaxation_settings settings = palp_relaxation_settings_default();
+    progress bar;
+    progress_start(&bar, "relaxation stage");
+    settings.method = s->relaxation_method;
+    settings.fit_beta = o->strain_dependent;
+    settings.progress = show_progress;
+    settings.user = &bar;
+    if (o->dt_ms > 0) {
+        settings.dt_s = 1e-3 * o->dt_ms;
+    }
+    palp_status status = palp_calibrate_relaxation(s->network, start, s->n_presses, targets, &settings,
+                                                   &s->relaxation_result);
+    progress_finish(&bar);
+    return status;
+}
+
+int calibrate_relaxation(const calibrate_options *o, calibrate_state *s)
+{
+    palp_target targets[PRESSES_MAX];
+    palp_material start;
+    relaxation_start(o, s, &start);
+    for (size_t i = 0; i < s->n_presses; i++) {
+        const press_target *press = &s->press[i];
+        targets[i] = (palp_target){.path = press->path, .n = press->target.n, .time_s = press->target.time_s,
+                                   .force_N = press->target.force_N};
+    }
+    palp_status status = run_relaxation(o, s, &start, targets);
+    if (status) {
+        return stage_failed(o, "relaxation", status);
+    }
+    s->model.material = s->relaxation_result.material;
+    return CLI_OK;
+}
+
+/* ---- the calibrated network against each target ---- */
+
+static palp_status wanted_forces(const calibrate_state *s, press_target *press)
+{
+    const record *run = &press->network;
+    press->wanted_N = malloc(run->n * sizeof *press->wanted_N);
+    if (!press->wanted_N) {
+        return PALP_ERR_NO_MEMORY;
+    }
+    if (!press->measured) {
+        return palp_lumped_run(&s->lumped.material, s->lumped.height_m, run->n, run->time_s, run->depth_m,
+                               press->wanted_N);
+    }
+    for (size_t i = 0; i < run->n; i++) {
+        press->wanted_N[i] = record_at(&press->target, run->time_s[i]);
+    }
+    return PALP_OK;
+}
+
+static palp_status compare(calibrate_state *s, press_target *press, progress *bar)
+{
+    const press_settings settings = {.tolerance = 1e-4};
+    const press_watch watch = {bar, NULL, NULL};
+    palp_run_info info;
+    palp_network_reset(s->network);
+    palp_status status = press_network(s->network, &press->path, &settings, &watch, &press->network, &info);
+    note_buckling(s);
+    if (status == PALP_OK) {
+        status = wanted_forces(s, press);
+    }
+    for (size_t i = 0; status == PALP_OK && i < press->network.n; i++) {
+        double error = fabs(press->network.force_N[i] - press->wanted_N[i]);
+        press->max_error_percent = fmax(press->max_error_percent, 100 * error / press->peak_N);
+    }
+    return status;
+}
+
+int calibrate_compare(const calibrate_options *o, calibrate_state *s)
+{
+    progress bar;
+    palp_status status = palp_network_set_material(s->network, &s->model.material);
+    for (size_t i = 0; status == PALP_OK && i < s->n_presses; i++) {
+        progress_start(&bar, "checking");
+        status = compare(s, &s->press[i], &bar);
+        progress_finish(&bar);
+    }
+    if (status) {
+        return stage_failed(o, "relaxation", status);
+    }
+    if (s->buckled) {
+        simulate_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, (palp_branch)o->branch);
+    }
+    return CLI_OK;
+}

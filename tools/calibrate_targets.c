@@ -1,0 +1,301 @@
+/* calibrate_targets.c: the curves to meet, from the lumped model or from measured runs. */
+#include "calibrate.h"
+#include "press.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char NAME[] = "calibrate";
+
+enum { HOLD_SAMPLES = 120, RAMP_SAMPLES = 40 };
+
+/* ---- from the lumped model ---- */
+
+static int static_from_lumped(const calibrate_options *o, calibrate_state *s, double depth_m)
+{
+    size_t n = o->steps;
+    s->depth_m = malloc(n * sizeof *s->depth_m);
+    s->force_N = malloc(n * sizeof *s->force_N);
+    if (!s->depth_m || !s->force_N) {
+        return cli_status(NAME, PALP_ERR_NO_MEMORY, NULL);
+    }
+    for (size_t i = 0; i < n; i++) {
+        s->depth_m[i] = depth_m * (double)(i + 1) / (double)n;
+        double e = s->depth_m[i] / s->lumped.height_m;
+        palp_law_force(&s->lumped.material.law, 1, &e, &s->force_N[i], NULL, NULL);
+    }
+    s->n_static = n;
+    return CLI_OK;
+}
+
+/* Times at which the library compares: every step for the seed's three phases (they look for the time
+ * the curve turns flat), else even on the ramp and growing in the hold. */
+static palp_status sample_times(const calibrate_options *o, const calibrate_state *s, const palp_path *path, size_t *n,
+                                double **time_s)
+{
+    if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
+        const press_settings every = {.dt_s = 1e-3 * o->dt_ms};
+        return press_times(path, &every, n, time_s);
+    }
+    double *t = malloc((1 + RAMP_SAMPLES + HOLD_SAMPLES) * sizeof *t);
+    if (!t) {
+        return PALP_ERR_NO_MEMORY;
+    }
+    size_t at = 0;
+    double first = fmin(0.01 * o->ramp_s, 1e-3 * o->hold_s);
+    for (int i = 0; i <= RAMP_SAMPLES; i++) {
+        t[at++] = path->time_s[1] * i / RAMP_SAMPLES;
+    }
+    for (int i = 0; i < HOLD_SAMPLES && o->hold_s > 0; i++) {
+        t[at++] = o->ramp_s + first * pow(o->hold_s / first, (double)i / (HOLD_SAMPLES - 1));
+    }
+    *n = at;
+    *time_s = t;
+    return PALP_OK;
+}
+
+static palp_status press_from_lumped(const calibrate_options *o, const calibrate_state *s, double depth_m,
+                                     press_target *press)
+{
+    size_t n = 0;
+    double *t = NULL, *depth = NULL, *force = NULL;
+    press->depth_m = depth_m;
+    palp_status status = palp_path_ramp_hold(depth_m, o->ramp_s, o->hold_s, &press->path);
+    if (status == PALP_OK) {
+        status = sample_times(o, s, &press->path, &n, &t);
+    }
+    if (status == PALP_OK) {
+        depth = malloc(n * sizeof *depth);
+        force = malloc(n * sizeof *force);
+        status = depth && force ? PALP_OK : PALP_ERR_NO_MEMORY;
+    }
+    for (size_t i = 0; status == PALP_OK && i < n; i++) {
+        depth[i] = palp_path_at(&press->path, t[i]);
+    }
+    if (status == PALP_OK) {
+        status = palp_lumped_run(&s->lumped.material, s->lumped.height_m, n, t, depth, force);
+    }
+    for (size_t i = 0; status == PALP_OK && i < n; i++) {
+        status = record_add(&press->target, t[i], depth[i], force[i]);
+    }
+    free(t);
+    free(depth);
+    free(force);
+    return status;
+}
+
+/* ---- from measured runs ---- */
+
+/* Samples ever deeper than the last one kept: what a slow press going down recorded. */
+static int static_from_run(const char *file, const palp_experiment *run, calibrate_state *s)
+{
+    const double *depth_mm = palp_experiment_column(run, "depth_mm"), *force_N = palp_experiment_column(run, "force_N");
+    size_t rows = palp_experiment_rows(run);
+    if (s->n_static) {
+        return cli_failure(NAME, "%s: is the second static run; give one", file);
+    }
+    s->depth_m = malloc((rows ? rows : 1) * sizeof *s->depth_m);
+    s->force_N = malloc((rows ? rows : 1) * sizeof *s->force_N);
+    if (!s->depth_m || !s->force_N) {
+        return cli_status(NAME, PALP_ERR_NO_MEMORY, NULL);
+    }
+    double deepest = 0;
+    for (size_t i = 0; i < rows; i++) {
+        if (1e-3 * depth_mm[i] > deepest) {
+            deepest = 1e-3 * depth_mm[i];
+            s->depth_m[s->n_static] = deepest;
+            s->force_N[s->n_static++] = force_N[i];
+        }
+    }
+    return s->n_static >= 10 ? CLI_OK
+                             : cli_failure(NAME, "%s: has %zu samples of increasing depth; a static run needs ten", file,
+                                           s->n_static);
+}
+
+/* First row of the press: the last one in free air before the first contact. */
+static size_t contact_row(size_t rows, const double *depth_mm)
+{
+    for (size_t i = 0; i < rows; i++) {
+        if (depth_mm[i] > 0) {
+            return i > 0 ? i - 1 : 0;
+        }
+    }
+    return rows;
+}
+
+static void add_corner(palp_path *corners, double time_s, double depth_m)
+{
+    corners->time_s[corners->n] = time_s;
+    corners->depth_m[corners->n++] = depth_m;
+}
+
+/* The corners of a recorded depth: the fewest rows (found greedily) between which straight lines stay
+ * within 0.1 % of the deepest. */
+static palp_status simplify(size_t n, const double *time_s, const double *depth_m, double deepest_m, palp_path *path)
+{
+    palp_path corners = {0, malloc(n * sizeof(double)), malloc(n * sizeof(double)), NULL};
+    palp_status status = corners.time_s && corners.depth_m ? PALP_OK : PALP_ERR_NO_MEMORY;
+    double allowed = 1e-3 * deepest_m, low = -INFINITY, high = INFINITY;
+    size_t from = 0;
+    if (status == PALP_OK) {
+        add_corner(&corners, time_s[0], depth_m[0]);
+    }
+    for (size_t i = 1; status == PALP_OK && i < n; i++) {
+        double dt = time_s[i] - time_s[from], slope = (depth_m[i] - depth_m[from]) / dt;
+        if (slope < low || slope > high) {
+            from = i - 1;
+            add_corner(&corners, time_s[from], depth_m[from]);
+            dt = time_s[i] - time_s[from];
+            low = -INFINITY;
+            high = INFINITY;
+        }
+        low = fmax(low, (depth_m[i] - allowed - depth_m[from]) / dt);
+        high = fmin(high, (depth_m[i] + allowed - depth_m[from]) / dt);
+    }
+    if (status == PALP_OK) {
+        add_corner(&corners, time_s[n - 1], depth_m[n - 1]);
+        status = palp_path_create(corners.n, corners.time_s, corners.depth_m, path);
+    }
+    free(corners.time_s);
+    free(corners.depth_m);
+    return status;
+}
+
+/* Thins the samples: even to the deepest, then growing steps. */
+static palp_status thin(size_t n, const double *time_s, const double *depth_m, const double *force_N, double deepest_m,
+                        record *target)
+{
+    size_t peak = 0;
+    while (peak + 1 < n && depth_m[peak] < 0.999 * deepest_m) {
+        peak++;
+    }
+    double ramp = (time_s[peak] - time_s[0]) / RAMP_SAMPLES, next = time_s[0];
+    palp_status status = PALP_OK;
+    for (size_t i = 0; status == PALP_OK && i < n; i++) {
+        if (time_s[i] < next && i != peak) {
+            continue;
+        }
+        status = record_add(target, time_s[i], depth_m[i], force_N[i]);
+        next = time_s[i] + (i < peak ? ramp : fmax(0.1 * ramp, 0.07 * (time_s[i] - time_s[peak])));
+    }
+    return status;
+}
+
+static int press_from_run(const char *file, const palp_experiment *run, press_target *press)
+{
+    const double *time_s = palp_experiment_column(run, "time_s"), *depth_mm = palp_experiment_column(run, "depth_mm"),
+                 *force_N = palp_experiment_column(run, "force_N");
+    size_t rows = palp_experiment_rows(run), first = contact_row(rows, depth_mm), n = rows - first;
+    if (n < 10) {
+        return cli_failure(NAME, "%s: has fewer than ten samples in contact", file);
+    }
+    double *time = malloc(n * sizeof *time), *depth = malloc(n * sizeof *depth);
+    palp_status status = time && depth ? PALP_OK : PALP_ERR_NO_MEMORY;
+    press->measured = true;
+    for (size_t i = 0; status == PALP_OK && i < n; i++) {
+        time[i] = time_s[first + i] - time_s[first];
+        depth[i] = i ? 1e-3 * fmax(depth_mm[first + i], 0) : 0;
+        press->depth_m = fmax(press->depth_m, depth[i]);
+    }
+    if (status == PALP_OK) {
+        status = simplify(n, time, depth, press->depth_m, &press->path);
+    }
+    if (status == PALP_OK) {
+        status = thin(n, time, depth, force_N + first, press->depth_m, &press->target);
+    }
+    free(time);
+    free(depth);
+    return status ? cli_status(NAME, status, NULL) : CLI_OK;
+}
+
+static int read_run(const char *file, calibrate_state *s)
+{
+    palp_experiment *run = NULL;
+    palp_error error = {PALP_OK, ""};
+    const char *kind = "";
+    palp_status status = palp_experiment_read(file, &run, &error);
+    if (status) {
+        return cli_status(NAME, status, &error);
+    }
+    int code = CLI_OK;
+    if (palp_experiment_get_string(run, "protocol.kind", &kind)) {
+        code = cli_failure(NAME, "%s: has no key protocol.kind; add the line # protocol.kind: \"static\" or \"ramp_hold\"",
+                           file);
+    } else if (strcmp(kind, "static") == 0 && s->does_static) {
+        code = static_from_run(file, run, s);
+    } else if (strcmp(kind, "ramp_hold") == 0 && s->does_relaxation && s->n_presses < PRESSES_MAX) {
+        code = press_from_run(file, run, &s->press[s->n_presses++]);
+    } else {
+        code = cli_failure(NAME, "%s: a run of kind %s is of no use here; leave it out or choose another --stage", file, kind);
+    }
+    palp_experiment_free(run);
+    return code;
+}
+
+/* ---- all of them ---- */
+
+/* The seed's depths, Section 5.3 and Chapter 4, as parts of the height. */
+static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MAX])
+{
+    if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
+        depth_m[0] = 0.25 * s->lumped.height_m;
+        return 1;
+    }
+    for (size_t i = 0; i < 12; i++) {
+        depth_m[i] = (1.5 + 0.5 * (double)i) / 24 * s->lumped.height_m;
+    }
+    return 12;
+}
+
+static int presses_from_lumped(const calibrate_options *o, calibrate_state *s)
+{
+    double depth_m[PRESSES_MAX];
+    size_t n = default_depths(s, depth_m);
+    if (o->depth_mm.n) {
+        n = o->depth_mm.n;
+        for (size_t i = 0; i < n; i++) {
+            depth_m[i] = 1e-3 * o->depth_mm.value[i];
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        palp_status status = press_from_lumped(o, s, depth_m[i], &s->press[s->n_presses++]);
+        if (status) {
+            return cli_status(NAME, status, NULL);
+        }
+    }
+    return CLI_OK;
+}
+
+static int check_depths(const calibrate_state *s)
+{
+    double deepest = s->n_static ? s->depth_m[s->n_static - 1] : 0;
+    for (size_t i = 0; i < s->n_presses; i++) {
+        deepest = fmax(deepest, s->press[i].depth_m);
+    }
+    if (deepest >= s->height_m) {
+        return cli_usage_error(NAME, "a depth of %g mm is beyond the network's height of %g mm; press less", 1e3 * deepest,
+                               1e3 * s->height_m);
+    }
+    return CLI_OK;
+}
+
+int calibrate_targets(const calibrate_options *o, calibrate_state *s)
+{
+    int code = CLI_OK;
+    for (size_t i = 1; code == CLI_OK && i < o->n_words; i++) {
+        code = read_run(o->words[i], s);
+    }
+    if (code == CLI_OK && s->does_static && s->n_static == 0) {
+        bool given = o->stage == STAGE_STATIC && o->depth_mm.n;
+        double depth_m = given ? 1e-3 * o->depth_mm.value[0] : 9.7 / 24 * s->lumped.height_m;
+        code = static_from_lumped(o, s, depth_m);
+    }
+    if (code == CLI_OK && s->does_relaxation && s->n_presses == 0) {
+        code = presses_from_lumped(o, s);
+    }
+    for (size_t i = 0; i < s->n_presses; i++) {
+        s->press[i].peak_N = record_peak(&s->press[i].target);
+    }
+    return code ? code : check_depths(s);
+}

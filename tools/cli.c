@@ -1,0 +1,332 @@
+/* cli.c: options and their help, error lines, exit codes, output files. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { OPTIONS_MAX = 64, FIRST_CODE = 256, HELP_COLUMN = 26 };
+
+/* ---- lines on stderr ---- */
+
+static void line(const char *name, const char *what, const char *format, va_list arguments)
+{
+    fprintf(stderr, name ? "palpate %s: %s" : "palpate%s: %s", name ? name : "", what);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+}
+
+int cli_usage_error(const char *name, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    line(name, "", format, arguments);
+    va_end(arguments);
+    return CLI_USAGE;
+}
+
+int cli_failure(const char *name, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    line(name, "", format, arguments);
+    va_end(arguments);
+    return CLI_FAILURE;
+}
+
+void cli_warning(const char *name, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    line(name, "warning: ", format, arguments);
+    va_end(arguments);
+}
+
+int cli_status(const char *name, palp_status status, const palp_error *error)
+{
+    bool gave_up = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+    cli_failure(name, "%s", error && error->text[0] ? error->text : palp_status_text(status));
+    return gave_up ? CLI_NOT_CONVERGED : CLI_FAILURE;
+}
+
+/* ---- numbers and lists ---- */
+
+bool cli_read_number(const char *text, double *value)
+{
+    char *end;
+    double number = strtod(text, &end);
+    if (end == text || *end || !isfinite(number)) {
+        return false;
+    }
+    *value = number;
+    return true;
+}
+
+bool cli_read_list(const char *text, cli_list *list)
+{
+    char word[64];
+    list->n = 0;
+    for (const char *from = text;; ) {
+        size_t length = strcspn(from, ",");
+        if (length == 0 || length >= sizeof word || list->n == CLI_LIST_MAX) {
+            return false;
+        }
+        memcpy(word, from, length);
+        word[length] = '\0';
+        if (!cli_read_number(word, &list->value[list->n++])) {
+            return false;
+        }
+        if (!from[length]) {
+            return true;
+        }
+        from += length + 1;
+    }
+}
+
+bool cli_spread(const cli_list *list, double value[3])
+{
+    if (list->n != 1 && list->n != 3) {
+        return false;
+    }
+    for (size_t i = 0; i < 3; i++) {
+        value[i] = list->value[list->n == 3 ? i : 0];
+    }
+    return true;
+}
+
+/* ---- one option's value ---- */
+
+static int choice_index(const char *choices, const char *text)
+{
+    size_t length = strlen(text);
+    int index = 0;
+    for (const char *at = choices;; index++) {
+        size_t n = strcspn(at, "|");
+        if (n == length && memcmp(at, text, n) == 0) {
+            return index;
+        }
+        if (!at[n]) {
+            return -1;
+        }
+        at += n + 1;
+    }
+}
+
+static int check_range(const char *name, const cli_option *o, double x)
+{
+    bool whole = o->type == CLI_COUNT || o->type == CLI_COUNTS;
+    bool above = o->type == CLI_POSITIVE || o->type == CLI_NUMBERS;
+    if (whole && x != floor(x)) {
+        return cli_usage_error(name, "--%s wants a whole number, not %g", o->name, x);
+    }
+    if (above && (x <= 0 || x > o->high)) {
+        return cli_usage_error(name, "--%s must be above 0 and at most %g, not %g", o->name, o->high, x);
+    }
+    if (!above && (x < o->low || x > o->high)) {
+        return cli_usage_error(name, "--%s must be from %g to %g, not %g", o->name, o->low, o->high, x);
+    }
+    return CLI_OK;
+}
+
+static int take_list(const char *name, const cli_option *o, const char *text)
+{
+    if (!cli_read_list(text, o->to.list)) {
+        return cli_usage_error(name, "--%s wants numbers separated by commas (%s), not \"%s\"", o->name, o->value,
+                               text);
+    }
+    for (size_t i = 0; i < o->to.list->n; i++) {
+        int code = check_range(name, o, o->to.list->value[i]);
+        if (code) {
+            return code;
+        }
+    }
+    return CLI_OK;
+}
+
+static int take_number(const char *name, const cli_option *o, const char *text)
+{
+    double x = 0;
+    if (!cli_read_number(text, &x)) {
+        return cli_usage_error(name, "--%s wants a number (%s), not \"%s\"", o->name, o->value, text);
+    }
+    int code = check_range(name, o, x);
+    if (code == CLI_OK && o->type == CLI_COUNT) {
+        *o->to.count = (size_t)x;
+    } else if (code == CLI_OK) {
+        *o->to.number = x;
+    }
+    return code;
+}
+
+static int take(const char *name, const cli_option *o, const char *text)
+{
+    switch (o->type) {
+    case CLI_HEADING:
+        return CLI_OK;
+    case CLI_FLAG:
+        *o->to.flag = true;
+        return CLI_OK;
+    case CLI_TEXT:
+        if (!*text || strlen(text) >= CLI_PATH_MAX - 32) {
+            return cli_usage_error(name, "--%s wants a name (%s)", o->name, o->value);
+        }
+        *o->to.text = text;
+        return CLI_OK;
+    case CLI_CHOICE:
+        *o->to.choice = choice_index(o->value, text);
+        return *o->to.choice >= 0 ? CLI_OK
+                                  : cli_usage_error(name, "--%s must be one of %s, not \"%s\"", o->name, o->value, text);
+    case CLI_NUMBERS:
+    case CLI_COUNTS:
+        return take_list(name, o, text);
+    case CLI_NUMBER:
+    case CLI_POSITIVE:
+    case CLI_COUNT:
+        break;
+    }
+    return take_number(name, o, text);
+}
+
+/* ---- the whole command line ---- */
+
+static void long_options(const cli_command *command, struct option *table)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < command->n_options && n + 2 < OPTIONS_MAX; i++) {
+        const cli_option *o = &command->options[i];
+        if (o->type != CLI_HEADING) {
+            table[n++] = (struct option){o->name, o->type == CLI_FLAG ? no_argument : required_argument, NULL,
+                                         FIRST_CODE + (int)i};
+        }
+    }
+    table[n++] = (struct option){"help", no_argument, NULL, 'h'};
+    table[n] = (struct option){NULL, 0, NULL, 0};
+}
+
+static int bad_option(const char *name, int code, char **argv)
+{
+    if (code == ':') {
+        return cli_usage_error(name, "%s wants a value; see palpate %s --help", argv[optind - 1], name);
+    }
+    if (optopt >= FIRST_CODE) {
+        return cli_usage_error(name, "%s takes no value; see palpate %s --help", argv[optind - 1], name);
+    }
+    if (optopt && strncmp(argv[optind - 1], "--", 2) != 0) {
+        return cli_usage_error(name, "no such option: -%c; see palpate %s --help", optopt, name);
+    }
+    return cli_usage_error(name, "no such option: %s; see palpate %s --help", argv[optind - 1], name);
+}
+
+static void restart_getopt(void)
+{
+    opterr = 0;
+#if defined(__GLIBC__)
+    optind = 0;
+#else
+    optind = 1;
+#endif
+}
+
+int cli_parse(const cli_command *command, int argc, char **argv, const char **words, size_t max_words,
+              size_t *n_words)
+{
+    struct option table[OPTIONS_MAX];
+    int code;
+    long_options(command, table);
+    restart_getopt();
+    while ((code = getopt_long(argc, argv, ":h", table, NULL)) != -1) {
+        if (code == 'h') {
+            cli_help(command, stdout);
+            return CLI_HELP;
+        }
+        if (code < FIRST_CODE) {
+            return bad_option(command->name, code, argv);
+        }
+        int exit_code = take(command->name, &command->options[code - FIRST_CODE], optarg);
+        if (exit_code) {
+            return exit_code;
+        }
+    }
+    for (*n_words = 0; optind < argc; optind++) {
+        if (*n_words == max_words) {
+            return cli_usage_error(command->name, "one argument too many: \"%s\"", argv[optind]);
+        }
+        words[(*n_words)++] = argv[optind];
+    }
+    return CLI_OK;
+}
+
+/* Help lines of several rows are separated by \n in the text. */
+static void help_line(const cli_option *o, FILE *to)
+{
+    int width = o->type == CLI_FLAG ? fprintf(to, "  --%s", o->name) : fprintf(to, "  --%s %s", o->name, o->value);
+    if (width >= HELP_COLUMN) {
+        fputc('\n', to);
+        width = 0;
+    }
+    for (const char *at = o->help; at;) {
+        int n = (int)strcspn(at, "\n");
+        fprintf(to, "%*s%.*s\n", HELP_COLUMN - width, "", n, at);
+        width = 0;
+        at = at[n] ? at + n + 1 : NULL;
+    }
+}
+
+void cli_help(const cli_command *command, FILE *to)
+{
+    fprintf(to, "Usage: palpate %s %s\n\n%s\n", command->name, command->usage, command->about);
+    for (size_t i = 0; i < command->n_options; i++) {
+        const cli_option *o = &command->options[i];
+        if (o->type == CLI_HEADING) {
+            fprintf(to, "\n%s\n", o->name);
+        } else {
+            help_line(o, to);
+        }
+    }
+    fprintf(to, "  --help%*sthis text\n\nExample:\n%s", HELP_COLUMN - 8, "", command->example);
+}
+
+/* ---- output files ---- */
+
+int cli_file_open(const char *name, const char *path, cli_file *file)
+{
+    *file = (cli_file){.stream = stdout};
+    if (!path) {
+        return CLI_OK;
+    }
+    int n = snprintf(file->temporary, sizeof file->temporary, "%s.%ld.tmp", path, (long)getpid());
+    if (n < 0 || (size_t)n >= sizeof file->temporary) {
+        return cli_failure(name, "%s: the name is too long", path);
+    }
+    strcpy(file->path, path); /* shorter than temporary */
+    file->stream = fopen(file->temporary, "w");
+    return file->stream ? CLI_OK : cli_failure(name, "%s: %s", path, strerror(errno));
+}
+
+int cli_file_close(const char *name, cli_file *file)
+{
+    if (file->stream == stdout) {
+        return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK : cli_failure(name, "standard output: write error");
+    }
+    bool bad = ferror(file->stream) != 0;
+    bad = fclose(file->stream) != 0 || bad;
+    if (bad || rename(file->temporary, file->path) != 0) {
+        int code = cli_failure(name, "%s: %s", file->path, errno ? strerror(errno) : "write error");
+        remove(file->temporary);
+        return code;
+    }
+    return CLI_OK;
+}
+
+void cli_file_drop(cli_file *file)
+{
+    if (file->stream != stdout) {
+        fclose(file->stream);
+        remove(file->temporary);
+    }
+}

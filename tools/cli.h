@@ -1,0 +1,91 @@
+/* cli.h: what the commands share: options and their help, error lines, exit codes, output files. */
+#ifndef PALPATE_CLI_H
+#define PALPATE_CLI_H
+
+#include <palpate/status.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum { CLI_OK = 0, CLI_FAILURE = 1, CLI_USAGE = 2, CLI_NOT_CONVERGED = 3 };
+enum { CLI_HELP = -1 };      /* cli_parse printed the help: exit 0 */
+enum { CLI_LIST_MAX = 64 };  /* most numbers in a list such as 1.5,2,2.5 */
+enum { CLI_PATH_MAX = 4096 };
+
+typedef struct cli_list {
+    size_t n;
+    double value[CLI_LIST_MAX];
+} cli_list;
+
+typedef enum cli_type {
+    CLI_HEADING,  /* of a group of options, in the help */
+    CLI_FLAG,     /* bool */
+    CLI_TEXT,     /* const char * */
+    CLI_CHOICE,   /* int: index in the value string "first|second|third" */
+    CLI_NUMBER,   /* double, low <= x <= high */
+    CLI_POSITIVE, /* double, 0 < x <= high */
+    CLI_COUNT,    /* size_t, low <= n <= high */
+    CLI_NUMBERS,  /* cli_list of 0 < x <= high */
+    CLI_COUNTS    /* cli_list of whole numbers, low <= n <= high */
+} cli_type;
+
+/* One option. A heading has only its text, in name. */
+typedef struct cli_option {
+    cli_type type;
+    const char *name;  /* without the dashes */
+    const char *value; /* what stands for the value in the help, e.g. "MM" */
+    const char *help;
+    union {
+        bool *flag;
+        const char **text;
+        int *choice;
+        double *number;
+        size_t *count;
+        cli_list *list;
+    } to;
+    double low, high;
+} cli_option;
+
+typedef struct cli_command {
+    const char *name;  /* "simulate" */
+    const char *usage; /* "MODEL.json --protocol P [options]" */
+    const char *about;
+    const char *example;
+    const cli_option *options;
+    size_t n_options;
+} cli_command;
+
+/* Reads argv[1] on into the options' targets and the other words into words[max_words]. CLI_OK;
+ * CLI_USAGE after one line on stderr; CLI_HELP after the help on stdout. */
+int cli_parse(const cli_command *command, int argc, char **argv, const char **words, size_t max_words,
+              size_t *n_words);
+
+void cli_help(const cli_command *command, FILE *to);
+
+/* One line "palpate NAME: ..." on stderr; returns the exit code of its name. */
+int cli_usage_error(const char *name, const char *format, ...);
+int cli_failure(const char *name, const char *format, ...);
+void cli_warning(const char *name, const char *format, ...);
+
+/* The same for a failed library call; error may be NULL. 3 where a solver gave up, else 1. */
+int cli_status(const char *name, palp_status status, const palp_error *error);
+
+/* The whole of text as a finite number, or as numbers between commas (up to CLI_LIST_MAX). */
+bool cli_read_number(const char *text, double *value);
+bool cli_read_list(const char *text, cli_list *list);
+
+/* A list of one or three values spread over the three axes. */
+bool cli_spread(const cli_list *list, double value[3]);
+
+/* A file being written under a temporary name beside path; NULL path = standard output. */
+typedef struct cli_file {
+    FILE *stream;
+    char path[CLI_PATH_MAX];
+    char temporary[CLI_PATH_MAX];
+} cli_file;
+
+int cli_file_open(const char *name, const char *path, cli_file *file);
+int cli_file_close(const char *name, cli_file *file); /* renames; on failure nothing is left behind */
+void cli_file_drop(cli_file *file);                   /* instead of close: removes what was written */
+
+#endif

@@ -1,0 +1,212 @@
+/* cmd_calibrate.c: palpate calibrate: the element material with which a network meets wanted curves. */
+#include "calibrate.h"
+#include "commands.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char NAME[] = "calibrate";
+
+static int parse(int argc, char **argv, calibrate_options *o)
+{
+    const cli_option options[] = {
+        {CLI_HEADING, .name = "Network"},
+        {CLI_COUNTS, "nodes", "N[,N,N]", "nodes along x, y (the press), z of a lattice", {.list = &o->nodes}, 2, 200},
+        {CLI_NUMBERS, "size-mm", "MM[,MM,MM]", "size of the lattice, mm (default: the specimen's height)",
+         {.list = &o->size_mm}, 0, 1e4},
+        {CLI_TEXT, "mesh", "FILE.msh", "instead: a Gmsh 4.1 file of tetrahedra or hexahedra", {.text = &o->mesh}, 0, 0},
+        {CLI_POSITIVE, "scale-mm", "MM", "length of the file's unit, mm (default 1)", {.number = &o->scale_mm}, 0, 1e6},
+        {CLI_FLAG, "hex-diagonals", NULL, "elements along the diagonals of the file's hexahedra too, without\n"
+         "which they shear like a box without a back", {.flag = &o->hex_diagonals}, 0, 0},
+        {CLI_CHOICE, "branch", "continue|stable", "which equilibrium to follow where the network buckles: the one\n"
+         "Newton's method follows (default), or descend to a stable one", {.choice = &o->branch}, 0, 0},
+        {CLI_HEADING, .name = "Fit"},
+        {CLI_CHOICE, "stage", "static|relaxation|all", "the stiffness law, the arms, or both (default all)",
+         {.choice = &o->stage}, 0, 0},
+        {CLI_CHOICE, "method", "nlopt|fixed_point|three_phase", "nlopt: least squares (default); fixed_point and\n"
+         "three_phase: the loops of Sedef 2008 (Figure 5.6, 5.21); with\n--stage all either of the two means both",
+         {.choice = &o->method}, 0, 0},
+        {CLI_CHOICE, "formulation", "history|sedef2008", "how an element advances (default history: exact;\n"
+         "sedef2008: Eq. 5.4, one arm)", {.choice = &o->formulation}, 0, 0},
+        {CLI_CHOICE, "law", "polynomial|spline", "form of the stiffness law (default polynomial)", {.choice = &o->law}, 0, 0},
+        {CLI_COUNT, "degree", "N", "of the polynomial (default 4)", {.count = &o->degree}, 0, 12},
+        {CLI_COUNT, "knots", "N", "of the spline (default 8)", {.count = &o->knots}, 2, PALP_LAW_MAX},
+        {CLI_COUNT, "arms", "N", "Maxwell arms of an element (default: as many as the lumped model)",
+         {.count = &o->arms}, 1, PALP_ARMS_MAX},
+        {CLI_FLAG, "strain-dependent", NULL, "arms whose stiffness grows with strain, K (1 + beta |e|)",
+         {.flag = &o->strain_dependent}, 0, 0},
+        {CLI_TEXT, "start", "NETWORK.json", "first guess; --stage relaxation takes its law (default: a static\n"
+         "stage runs first), and its mesh unless --nodes or --mesh is given", {.text = &o->start}, 0, 0},
+        {CLI_HEADING, .name = "Curves to meet (of the lumped model, unless runs of the wanted kind are given)"},
+        {CLI_NUMBERS, "depth-mm", "LIST", "static: deepest (default 9.7 of 24 mm); relaxation and all: depths of\n"
+         "the holds (default 1.5,2,...,7 of 24 mm; three_phase: 6)", {.list = &o->depth_mm}, 0, 1e4},
+        {CLI_COUNT, "steps", "N", "samples of the static curve (default 97000, 1e-4 mm each, as in the\n"
+         "thesis: the residual is a 2-norm over them)", {.count = &o->steps}, 10, 1e7},
+        {CLI_POSITIVE, "ramp-s", "S", "time of the ramp, s (default 1)", {.number = &o->ramp_s}, 0, 1e6},
+        {CLI_NUMBER, "hold-s", "S", "time held after it, s (default 200)", {.number = &o->hold_s}, 0, 1e6},
+        {CLI_POSITIVE, "dt-ms", "MS", "time step, ms (three_phase: default 1; nlopt: graded steps)",
+         {.number = &o->dt_ms}, 0, 1e6},
+        {CLI_FLAG, "every-step", NULL, "solve every sample of the static curve, not only as many as it takes",
+         {.flag = &o->every_step}, 0, 0},
+        {CLI_HEADING, .name = "Output"},
+        {CLI_TEXT, "out", "NETWORK.json", "the calibrated network", {.text = &o->out}, 0, 0},
+        {CLI_TEXT, "plot", "DIR", "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation", {.text = &o->plot}, 0, 0},
+        {CLI_FLAG, "json", NULL, "the result as one JSON object on standard output", {.flag = &o->json}, 0, 0},
+    };
+    const cli_command command = {
+        NAME, "LUMPED.json [RUN.csv ...] --nodes N [options]",
+        "Finds the stiffness law and the arms of a network's elements with which its force meets that\n"
+        "of a lumped model, or of measured runs (protocol.kind static or ramp_hold).",
+        "  palpate calibrate data/sedef2008/lumped_n2.json --nodes 5 --strain-dependent --out network.json\n"
+        "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage static --method fixed_point --json\n",
+        options, sizeof options / sizeof options[0]};
+    int code = cli_parse(&command, argc, argv, o->words, 1 + RUNS_MAX, &o->n_words);
+    o->lumped = o->words[0];
+    return code == CLI_OK && o->n_words == 0 ? cli_usage_error(NAME, "name a LUMPED.json; see palpate calibrate --help")
+                                             : code;
+}
+
+static int check_mesh(const calibrate_options *o)
+{
+    if (o->nodes.n && o->mesh) {
+        return cli_usage_error(NAME, "give either --nodes or --mesh");
+    }
+    if (!o->nodes.n && !o->mesh && !o->start) {
+        return cli_usage_error(NAME, "say which network: --nodes N, --mesh FILE.msh or --start NETWORK.json");
+    }
+    if (o->size_mm.n && !o->nodes.n) {
+        return cli_usage_error(NAME, "--size-mm goes with --nodes");
+    }
+    if ((o->scale_mm > 0 || o->hex_diagonals) && !o->mesh) {
+        return cli_usage_error(NAME, "--scale-mm and --hex-diagonals go with --mesh");
+    }
+    return CLI_OK;
+}
+
+static int check_method(const calibrate_options *o)
+{
+    if (o->stage == STAGE_STATIC && o->method == PALP_CALIBRATE_THREE_PHASE) {
+        return cli_usage_error(NAME, "--method three_phase is for --stage relaxation or all");
+    }
+    if (o->stage == STAGE_RELAXATION && o->method == PALP_CALIBRATE_FIXED_POINT) {
+        return cli_usage_error(NAME, "--method fixed_point is for --stage static or all");
+    }
+    bool loops = o->method != PALP_CALIBRATE_NLOPT, seed = o->formulation == PALP_SEDEF2008;
+    if (o->stage != STAGE_STATIC && (loops || seed) && o->arms > 1) {
+        return cli_usage_error(NAME, "%s has one arm; leave out --arms %zu",
+                               loops ? "--method three_phase" : "--formulation sedef2008", o->arms);
+    }
+    if (o->stage != STAGE_STATIC && (loops || seed) && o->strain_dependent) {
+        return cli_usage_error(NAME, "--strain-dependent needs --method nlopt and --formulation history");
+    }
+    if (o->stage != STAGE_STATIC && loops && o->depth_mm.n > 1) {
+        return cli_usage_error(NAME, "--method three_phase takes one depth; run it once for each");
+    }
+    if (o->law == LAW_SPLINE && loops && !(o->stage == STAGE_RELAXATION && o->start)) {
+        return cli_usage_error(NAME, "--law spline needs --method nlopt");
+    }
+    return CLI_OK;
+}
+
+static int check_options(const calibrate_options *o)
+{
+    int code = check_mesh(o);
+    if (code == CLI_OK) {
+        code = check_method(o);
+    }
+    if (code == CLI_OK && o->stage == STAGE_STATIC && o->depth_mm.n > 1) {
+        code = cli_usage_error(NAME, "--stage static takes one --depth-mm, the deepest");
+    }
+    return code;
+}
+
+static void plan(calibrate_options *o, calibrate_state *s)
+{
+    bool loops = o->method != PALP_CALIBRATE_NLOPT;
+    s->does_relaxation = o->stage != STAGE_STATIC;
+    s->does_static = o->stage != STAGE_RELAXATION || !o->start;
+    s->static_method = loops ? PALP_CALIBRATE_FIXED_POINT : PALP_CALIBRATE_NLOPT;
+    s->relaxation_method = loops ? PALP_CALIBRATE_THREE_PHASE : PALP_CALIBRATE_NLOPT;
+    o->scale_mm = o->scale_mm > 0 ? o->scale_mm : 1;
+    if (s->does_relaxation && loops) {
+        o->arms = 1;
+        o->dt_ms = o->dt_ms > 0 ? o->dt_ms : 1;
+    }
+}
+
+/* Exit code of a calibration that ran: 3 where a method's own criterion was not met. */
+static int verdict(const calibrate_state *s)
+{
+    bool missed_static = s->does_static && !s->static_result.converged;
+    bool missed_relaxation = s->does_relaxation && !s->relaxation_result.converged;
+    if (missed_static) {
+        cli_warning(NAME, "the static stage stopped before it met its own criterion; the best law found is given");
+    }
+    if (missed_relaxation) {
+        cli_warning(NAME, "the relaxation stage stopped before it met its own criterion; the best arms found are given");
+    }
+    return missed_static || missed_relaxation ? CLI_NOT_CONVERGED : CLI_OK;
+}
+
+static int write_model(const calibrate_options *o, const calibrate_state *s)
+{
+    palp_error error = {PALP_OK, ""};
+    palp_status status = o->out ? palp_model_write(&s->model, o->out, &error) : PALP_OK;
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
+}
+
+static int calibrate(const calibrate_options *o, calibrate_state *s)
+{
+    int code = calibrate_setup(o, s);
+    code = code ? code : calibrate_targets(o, s);
+    if (code == CLI_OK && s->does_static) {
+        code = calibrate_static(o, s);
+    }
+    if (code == CLI_OK && s->does_relaxation) {
+        code = calibrate_relaxation(o, s);
+    }
+    code = code ? code : calibrate_compare(o, s);
+    code = code ? code : write_model(o, s);
+    code = code ? code : calibrate_report(o, s);
+    if (code == CLI_OK && o->plot) {
+        code = calibrate_plot(o, s);
+    }
+    return code ? code : verdict(s);
+}
+
+static void state_free(calibrate_state *s)
+{
+    palp_calibration_free(&s->static_result);
+    palp_calibration_free(&s->relaxation_result);
+    for (size_t i = 0; i < s->n_presses; i++) {
+        palp_path_free(&s->press[i].path);
+        record_free(&s->press[i].target);
+        record_free(&s->press[i].network);
+        free(s->press[i].wanted_N);
+    }
+    free(s->depth_m);
+    free(s->force_N);
+    palp_network_free(s->network);
+    palp_mesh_free(s->mesh);
+    free(s);
+}
+
+int cmd_calibrate(int argc, char **argv)
+{
+    calibrate_options o = {.stage = STAGE_ALL, .degree = 4, .knots = 8, .steps = 97000, .ramp_s = 1, .hold_s = 200};
+    int code = parse(argc, argv, &o);
+    if (code == CLI_OK) {
+        code = check_options(&o);
+    }
+    if (code) {
+        return code == CLI_HELP ? CLI_OK : code;
+    }
+    calibrate_state *s = calloc(1, sizeof *s);
+    if (!s) {
+        return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    }
+    plan(&o, s);
+    code = calibrate(&o, s);
+    state_free(s);
+    return code;
+}

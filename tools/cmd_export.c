@@ -1,0 +1,122 @@
+/* cmd_export.c: palpate export: a network for another solver. */
+#include "calculix.h"
+#include "cli.h"
+#include "commands.h"
+
+#include <math.h>
+#include <palpate/model.h>
+
+typedef struct export_options {
+    int format;
+    cli_list depth_mm, strain;
+    size_t points;
+    double table_strain, step_strain;
+    const char *out;
+} export_options;
+
+static int parse(int argc, char **argv, export_options *o, const char **model)
+{
+    const cli_option options[] = {
+        {CLI_HEADING, .name = "Presses (one of the two)"},
+        {CLI_NUMBERS, "depth-mm", "LIST", "depths in mm, one step each", {.list = &o->depth_mm}, 0, 1e4},
+        {CLI_NUMBERS, "strain", "LIST", "the same as depth / height of the network", {.list = &o->strain}, 0, 0.95},
+        {CLI_HEADING, .name = "Deck"},
+        {CLI_CHOICE, "format", "calculix", "the only one", {.choice = &o->format}, 0, 0},
+        {CLI_COUNT, "table-points", "N", "points of each force-elongation table, rounded down to an\n"
+         "odd number (default and most 199: CalculiX thins out longer ones)", {.count = &o->points}, 5, 200},
+        {CLI_POSITIVE, "table-strain", "E", "the tables reach from -E to E (default 1.2 x the largest strain);\n"
+         "beyond, CalculiX keeps the force constant", {.number = &o->table_strain}, 0, 0.99},
+        {CLI_POSITIVE, "step-strain", "E", "largest increment, depth / height (default 0.01)",
+         {.number = &o->step_strain}, 0, 1},
+        {CLI_HEADING, .name = "Output"},
+        {CLI_TEXT, "out", "DECK.inp", "the deck (default: standard output)", {.text = &o->out}, 0, 0},
+    };
+    const cli_command command = {
+        "export", "MODEL.json --depth-mm LIST [--out DECK.inp]",
+        "Writes the fully relaxed network (its springs, without arms) as a CalculiX deck: SPRINGA\n"
+        "elements, supports, and a static step to each depth that prints the reaction on the plate.",
+        "  palpate export network.json --strain 0.1,0.2,0.3,0.4 --out network.inp\n"
+        "  ccx -i network && cat network.dat\n",
+        options, sizeof options / sizeof options[0]};
+    size_t n = 0;
+    int code = cli_parse(&command, argc, argv, model, 1, &n);
+    if (code == CLI_OK && n == 0) {
+        return cli_usage_error("export", "name a MODEL.json; see palpate export --help");
+    }
+    if (code == CLI_OK && (o->depth_mm.n > 0) == (o->strain.n > 0)) {
+        return cli_usage_error("export", "give the presses by either --depth-mm or --strain");
+    }
+    return code;
+}
+
+/* Depths in m, and the tables' reach. */
+static int presses(const export_options *o, const char *model, calculix_deck *deck, double depth_m[CLI_LIST_MAX])
+{
+    double deepest = 0;
+    deck->n_depths = o->depth_mm.n ? o->depth_mm.n : o->strain.n;
+    for (size_t i = 0; i < deck->n_depths; i++) {
+        depth_m[i] = o->depth_mm.n ? 1e-3 * o->depth_mm.value[i] : o->strain.value[i] * deck->height_m;
+        deepest = fmax(deepest, depth_m[i]);
+        if (i > 0 && depth_m[i] == depth_m[i - 1]) {
+            return cli_usage_error("export", "two steps in a row to %g mm; leave one out", 1e3 * depth_m[i]);
+        }
+    }
+    if (deepest >= 0.95 * deck->height_m) {
+        return cli_usage_error("export", "a depth of %g mm leaves nothing of the %g mm that %s is high; press less",
+                               1e3 * deepest, 1e3 * deck->height_m, model);
+    }
+    deck->depth_m = depth_m;
+    deck->table_strain = o->table_strain > 0 ? o->table_strain : fmin(0.95, 1.2 * deepest / deck->height_m);
+    return CLI_OK;
+}
+
+static int write_deck(const export_options *o, const palp_model *model, const char *path, palp_mesh *mesh)
+{
+    palp_support supports[2];
+    double low[3], high[3], depth_m[CLI_LIST_MAX];
+    cli_file file;
+    palp_supports_default(supports);
+    palp_mesh_bounds(mesh, low, high);
+    calculix_deck deck = {.mesh = mesh, .law = &model->material.law, .model = path, .n_supports = 2,
+                          .supports = supports, .height_m = high[1] - low[1], .step_strain = o->step_strain,
+                          .table_points = o->points - (o->points % 2 == 0)};
+    int code = presses(o, path, &deck, depth_m);
+    if (code == CLI_OK) {
+        code = cli_file_open("export", o->out, &file);
+    }
+    if (code) {
+        return code;
+    }
+    palp_status status = calculix_write(&deck, file.stream);
+    if (status) {
+        cli_file_drop(&file);
+        return cli_status("export", status, NULL);
+    }
+    return cli_file_close("export", &file);
+}
+
+int cmd_export(int argc, char **argv)
+{
+    export_options o = {.points = CALCULIX_POINTS_MAX, .step_strain = 0.01};
+    const char *path = NULL;
+    palp_model model;
+    palp_mesh *mesh = NULL;
+    palp_error error = {PALP_OK, ""};
+    int code = parse(argc, argv, &o, &path);
+    if (code) {
+        return code == CLI_HELP ? CLI_OK : code;
+    }
+    palp_status status = palp_model_read(path, &model, &error);
+    if (status == PALP_OK && model.kind != PALP_MODEL_NETWORK) {
+        return cli_failure("export", "%s: a lumped model has no mesh; make a network of it by palpate calibrate", path);
+    }
+    if (status == PALP_OK) {
+        status = palp_model_mesh(&model, &mesh, &error);
+    }
+    if (status) {
+        return cli_status("export", status, &error);
+    }
+    code = write_deck(&o, &model, path, mesh);
+    palp_mesh_free(mesh);
+    return code;
+}

@@ -1,0 +1,9 @@
+/* commands.h: the subcommands, each run with argv[0] its own name; they return the exit code. */
+#ifndef PALPATE_COMMANDS_H
+#define PALPATE_COMMANDS_H
+
+int cmd_simulate(int argc, char **argv);
+int cmd_calibrate(int argc, char **argv);
+int cmd_export(int argc, char **argv);
+
+#endif

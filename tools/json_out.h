@@ -1,0 +1,16 @@
+/* json_out.h: JSON on standard output. */
+#ifndef PALPATE_JSON_OUT_H
+#define PALPATE_JSON_OUT_H
+
+#include <jansson.h>
+#include <stddef.h>
+
+/* Prints a value with two spaces of indent and frees it; an exit code. NULL = out of memory. */
+int json_print(const char *name, json_t *value);
+
+json_t *json_numbers(size_t n, const double *value);
+
+/* A number, or null where it is not finite. */
+json_t *json_number_or_null(double value);
+
+#endif

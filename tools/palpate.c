@@ -1,0 +1,63 @@
+/* palpate.c: the command: picks the subcommand. */
+#include "cli.h"
+#include "commands.h"
+
+#include <palpate/version.h>
+#include <string.h>
+
+typedef struct subcommand {
+    const char *group; /* printed above the first of a group */
+    const char *name;
+    const char *about;
+    int (*run)(int argc, char **argv);
+} subcommand;
+
+static const subcommand subcommands[] = {
+    {"Tissue models", "calibrate", "find the element material with which a network meets a lumped model or runs",
+     cmd_calibrate},
+    {NULL, "simulate", "press a model: static, ramp and hold, cyclic, creep, or as a run was recorded", cmd_simulate},
+    {"Files", "export", "write a network for another solver (CalculiX)", cmd_export},
+};
+
+enum { SUBCOMMANDS = sizeof subcommands / sizeof subcommands[0] };
+
+static void help(FILE *to)
+{
+    fprintf(to, "palpate %s: from the press of an indenter to a tissue model that a simulator can run\n\n"
+                "Usage: palpate COMMAND [options]\n", palp_version());
+    for (size_t i = 0; i < SUBCOMMANDS; i++) {
+        const subcommand *s = &subcommands[i];
+        if (s->group) {
+            fprintf(to, "\n%s\n", s->group);
+        }
+        fprintf(to, "  %-12s%s\n", s->name, s->about);
+    }
+    fputs("\n  palpate COMMAND --help    options of a command, with units and an example\n"
+          "  palpate --version         the version\n"
+          "\nExample:\n"
+          "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage all --out network.json\n"
+          "  palpate simulate network.json --protocol ramp_hold --depth-mm 6 --out run.csv\n"
+          "\nExit codes: 0 success, 1 failure, 2 wrong usage, 3 not converged\n", to);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) {
+        help(stderr);
+        return CLI_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+        help(stdout);
+        return CLI_OK;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("palpate %s\n", palp_version());
+        return CLI_OK;
+    }
+    for (size_t i = 0; i < SUBCOMMANDS; i++) {
+        if (strcmp(argv[1], subcommands[i].name) == 0) {
+            return subcommands[i].run(argc - 1, argv + 1);
+        }
+    }
+    return cli_usage_error(NULL, "no such command: %s; see palpate --help", argv[1]);
+}

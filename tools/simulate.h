@@ -1,0 +1,40 @@
+/* simulate.h: the parts of palpate simulate. */
+#ifndef PALPATE_SIMULATE_H
+#define PALPATE_SIMULATE_H
+
+#include "cli.h"
+#include "press.h"
+
+#include <palpate/palpate.h>
+
+typedef struct simulate_options {
+    const char *model, *like, *out, *vtu;
+    int protocol, branch, solver; /* protocol: index of static, ramp_hold, cyclic, creep; -1 = --like */
+    double depth_mm, rate_mm_s, ramp_s, hold_s, force_N, dt_ms, tolerance;
+    size_t cycles, vtu_every;
+    cli_list nodes;
+    bool relaxed, json;
+} simulate_options;
+
+typedef struct simulation {
+    palp_model model;
+    palp_experiment *like;
+    palp_path path;
+    palp_mesh *mesh;       /* network only, as is network */
+    palp_network *network;
+    double height_m;       /* of what is pressed */
+    record curve;
+    palp_run_info info;
+    bool buckled;
+    double stable_m, unstable_m;
+} simulation;
+
+/* Each returns an exit code, after one line on stderr if it is not 0. */
+int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
+int simulate_network(const simulate_options *o, simulation *s);
+int simulate_report(const simulate_options *o, const simulation *s);
+
+/* The one warning about a network that buckled between two depths. */
+void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m, palp_branch branch);
+
+#endif

@@ -1,0 +1,146 @@
+/* simulate_report.c: palpate simulate's run as an experiment, and its summary. */
+#define _POSIX_C_SOURCE 200809L
+#include "json_out.h"
+#include "simulate.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+static const char NAME[] = "simulate";
+static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "creep"};
+
+/* A key of the header; the first failure sticks. */
+static void number(palp_experiment *run, const char *key, double value, palp_status *status)
+{
+    *status = *status ? *status : palp_experiment_set_number(run, key, value);
+}
+
+static void string(palp_experiment *run, const char *key, const char *value, palp_status *status)
+{
+    *status = *status ? *status : palp_experiment_set_string(run, key, value);
+}
+
+static const char *protocol_kind(const simulate_options *o, const simulation *s)
+{
+    const char *kind = "free";
+    if (o->protocol >= 0) {
+        return protocols[o->protocol];
+    }
+    return palp_experiment_get_string(s->like, "protocol.kind", &kind) == PALP_OK ? kind : "free";
+}
+
+static palp_status fill_protocol(const simulate_options *o, const simulation *s, palp_experiment *run)
+{
+    palp_status status = PALP_OK;
+    string(run, "protocol.kind", protocol_kind(o, s), &status);
+    if (o->like) {
+        string(run, "protocol.like", o->like, &status);
+        return status;
+    }
+    if (o->protocol == 3) {
+        number(run, "protocol.force_N", o->force_N, &status);
+    } else {
+        number(run, "protocol.depth_mm", o->depth_mm, &status);
+    }
+    if (o->protocol == 0 && o->relaxed) {
+        string(run, "protocol.rate", "relaxed", &status);
+    } else if (o->protocol == 0 || o->protocol == 2) {
+        number(run, "protocol.rate_mm_s", o->rate_mm_s, &status);
+    } else {
+        number(run, "protocol.ramp_s", o->ramp_s, &status);
+        number(run, "protocol.hold_s", o->hold_s, &status);
+    }
+    if (o->protocol == 2) {
+        number(run, "protocol.cycles", (double)o->cycles, &status);
+    }
+    return status;
+}
+
+static palp_status fill(const simulate_options *o, const simulation *s, palp_experiment *run)
+{
+    const record *c = &s->curve;
+    double *time_s = palp_experiment_column(run, "time_s"), *depth_mm = palp_experiment_column(run, "depth_mm"),
+           *force_N = palp_experiment_column(run, "force_N"), start_s = 0;
+    palp_status status = PALP_OK;
+    if (s->like) {
+        start_s = palp_experiment_column(s->like, "time_s")[0];
+    }
+    for (size_t i = 0; i < c->n; i++) {
+        time_s[i] = start_s + c->time_s[i];
+        depth_mm[i] = 1e3 * c->depth_m[i];
+        force_N[i] = c->force_N[i];
+    }
+    number(run, "specimen.height_mm", 1e3 * s->height_m, &status);
+    if (s->model.radius_m > 0) {
+        number(run, "specimen.radius_mm", 1e3 * s->model.radius_m, &status);
+    }
+    status = status ? status : fill_protocol(o, s, run);
+    string(run, "model.file", o->model, &status);
+    string(run, "palpate.version", palp_version(), &status);
+    return status;
+}
+
+/* To standard output by way of the library's writer and a temporary file. */
+static int write_out(const palp_experiment *run, palp_error *error)
+{
+    const char *folder = getenv("TMPDIR");
+    char path[CLI_PATH_MAX];
+    int n = snprintf(path, sizeof path, "%s/palpate.XXXXXX", folder && *folder ? folder : "/tmp");
+    int file = n > 0 && (size_t)n < sizeof path ? mkstemp(path) : -1;
+    if (file < 0) {
+        return cli_failure(NAME, "cannot make a temporary file in %s; name the run by --out", folder ? folder : "/tmp");
+    }
+    close(file);
+    palp_status status = palp_experiment_write(run, path, error);
+    FILE *from = status ? NULL : fopen(path, "r");
+    int c;
+    while (from && (c = getc(from)) != EOF && putchar(c) != EOF) {
+    }
+    if (from) {
+        fclose(from);
+    }
+    remove(path);
+    if (status) {
+        return cli_status(NAME, status, error);
+    }
+    return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK : cli_failure(NAME, "standard output: write error");
+}
+
+static json_t *summary(const simulate_options *o, const simulation *s)
+{
+    const record *c = &s->curve;
+    json_t *buckling = json_null();
+    if (s->buckled) {
+        buckling = json_pack("{s:f, s:f, s:f, s:f}", "stable_mm", 1e3 * s->stable_m, "unstable_mm", 1e3 * s->unstable_m,
+                             "stable_strain", s->stable_m / s->height_m, "unstable_strain", s->unstable_m / s->height_m);
+    }
+    json_t *all = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:o}", "model", o->model, "kind",
+                            s->model.kind == PALP_MODEL_LUMPED ? "lumped" : "network", "protocol", protocol_kind(o, s),
+                            "peak_force_N", record_peak(c), "final_force_N", c->force_N[c->n - 1], "final_depth_mm",
+                            1e3 * c->depth_m[c->n - 1], "duration_s", c->time_s[c->n - 1], "steps",
+                            (json_int_t)s->info.steps, "rejected", (json_int_t)s->info.rejected, "iterations",
+                            (json_int_t)s->info.iterations, "worst_residual", s->info.worst_residual, "buckling",
+                            buckling);
+    return all;
+}
+
+int simulate_report(const simulate_options *o, const simulation *s)
+{
+    palp_experiment *run = NULL;
+    palp_error error = {PALP_OK, ""};
+    int code = CLI_OK;
+    palp_status status = palp_experiment_create(s->curve.n, &run);
+    status = status ? status : fill(o, s, run);
+    if (status == PALP_OK && o->out) {
+        status = palp_experiment_write(run, o->out, &error);
+    }
+    if (status) {
+        code = cli_status(NAME, status, &error);
+    } else if (o->json) {
+        code = json_print(NAME, summary(o, s));
+    } else if (!o->out) {
+        code = write_out(run, &error);
+    }
+    palp_experiment_free(run);
+    return code;
+}
