@@ -14,9 +14,8 @@ typedef struct spring {
 
 /* ---- the table ---- */
 
-static void mass_and_load(const palp_law *law, size_t n, const double *strain, double *diagonal, double *upper,
-                          double *load)
-{
+static void mass_and_load(const palp_law *law, size_t n, const double *strain, double *diagonal,
+                          double *upper, double *load) {
     static const double x[GAUSS] = {-0.90617984593866399, -0.53846931010568309, 0, 0.53846931010568309,
                                     0.90617984593866399};
     static const double w[GAUSS] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889,
@@ -41,8 +40,7 @@ static void mass_and_load(const palp_law *law, size_t n, const double *strain, d
     }
 }
 
-void calculix_table(const palp_law *law, size_t n, const double *strain, double *force_N)
-{
+void calculix_table(const palp_law *law, size_t n, const double *strain, double *force_N) {
     double diagonal[HALF_MAX], upper[HALF_MAX] = {0}, load[HALF_MAX];
     mass_and_load(law, n, strain, diagonal, upper, load);
     for (size_t i = 2; i < n; i++) { /* force_N[0] = 0 takes row and column 0 out */
@@ -59,8 +57,7 @@ void calculix_table(const palp_law *law, size_t n, const double *strain, double 
 
 /* ---- the deck ---- */
 
-static int by_length(const void *left, const void *right)
-{
+static int by_length(const void *left, const void *right) {
     const spring *p = left, *q = right;
     if (p->length_m != q->length_m) {
         return p->length_m < q->length_m ? -1 : 1;
@@ -68,8 +65,7 @@ static int by_length(const void *left, const void *right)
     return p->a != q->a ? (p->a > q->a) - (p->a < q->a) : (p->b > q->b) - (p->b < q->b);
 }
 
-static spring *springs(const palp_mesh *mesh, size_t n)
-{
+static spring *springs(const palp_mesh *mesh, size_t n) {
     const double *x = palp_mesh_positions(mesh);
     const int32_t *pairs = palp_mesh_pairs(mesh);
     spring *list = malloc(n * sizeof *list);
@@ -82,8 +78,7 @@ static spring *springs(const palp_mesh *mesh, size_t n)
     return list;
 }
 
-static void write_nodes(const palp_mesh *mesh, FILE *to)
-{
+static void write_nodes(const palp_mesh *mesh, FILE *to) {
     const double *x = palp_mesh_positions(mesh);
     size_t n = palp_mesh_node_count(mesh);
     fputs("*NODE\n", to);
@@ -92,9 +87,8 @@ static void write_nodes(const palp_mesh *mesh, FILE *to)
     }
 }
 
-static void write_table(const calculix_deck *deck, const double *strain, const double *force_N, double length_m,
-                        FILE *to)
-{
+static void write_table(const calculix_deck *deck, const double *strain, const double *force_N,
+                        double length_m, FILE *to) {
     size_t half = deck->table_points / 2;
     for (size_t i = 0; i < deck->table_points; i++) {
         size_t k = i < half ? half - i : i - half;
@@ -104,8 +98,7 @@ static void write_table(const calculix_deck *deck, const double *strain, const d
 }
 
 /* A set of elements and a table for each rest length, within rounding. */
-static palp_status write_springs(const calculix_deck *deck, FILE *to)
-{
+static palp_status write_springs(const calculix_deck *deck, FILE *to) {
     double strain[HALF_MAX], force_N[HALF_MAX];
     size_t half = deck->table_points / 2, n = palp_mesh_element_count(deck->mesh), group = 0;
     spring *list = springs(deck->mesh, n);
@@ -129,8 +122,7 @@ static palp_status write_springs(const calculix_deck *deck, FILE *to)
     return PALP_OK;
 }
 
-static palp_status write_supports(const calculix_deck *deck, FILE *to)
-{
+static palp_status write_supports(const calculix_deck *deck, FILE *to) {
     for (size_t s = 0; s < deck->n_supports; s++) {
         const palp_support *support = &deck->supports[s];
         const int32_t *nodes;
@@ -154,11 +146,11 @@ static palp_status write_supports(const calculix_deck *deck, FILE *to)
 }
 
 /* A step to depth_m, cut so finely that Newton stays on the branch that leads there from rest. */
-static void write_step(const calculix_deck *deck, double from_m, double depth_m, FILE *to)
-{
+static void write_step(const calculix_deck *deck, double from_m, double depth_m, FILE *to) {
     double increment = deck->step_strain * deck->height_m / fabs(depth_m - from_m);
     increment = increment < 1 ? increment : 1;
-    fprintf(to, "** depth %.9g mm, strain %.9g\n*STEP,NLGEOM,INC=100000\n*STATIC\n%.9g,1.,1e-8,%.9g\n*BOUNDARY\n",
+    fprintf(to,
+            "** depth %.9g mm, strain %.9g\n*STEP,NLGEOM,INC=100000\n*STATIC\n%.9g,1.,1e-8,%.9g\n*BOUNDARY\n",
             1e3 * depth_m, depth_m / deck->height_m, increment, increment);
     for (size_t s = 0; s < deck->n_supports; s++) {
         for (int axis = 0; axis < 3; axis++) {
@@ -177,8 +169,7 @@ static void write_step(const calculix_deck *deck, double from_m, double depth_m,
     fputs("*END STEP\n", to);
 }
 
-palp_status calculix_write(const calculix_deck *deck, FILE *to)
-{
+palp_status calculix_write(const calculix_deck *deck, FILE *to) {
     fprintf(to,
             "** %s: its fully relaxed network, in mm and N; run: ccx -i DECK (without .inp)\n"
             "** Each *SPRING table is K(|e|) e against the elongation: %zu points, e from %.4g to %.4g,\n"

@@ -26,21 +26,21 @@ typedef struct calibrate_options {
 /* A ramp and hold to meet, and what the calibrated network makes of it. */
 typedef struct press_target {
     palp_path path;
-    record target;      /* samples given to the library */
-    record network;     /* the calibrated network's answer */
-    double *wanted_N;   /* the target's force at the times of network */
+    record target;    /* samples given to the library */
+    record network;   /* the calibrated network's answer */
+    double *wanted_N; /* the target's force at the times of network */
     double depth_m, peak_N, max_error_percent;
-    bool measured;      /* from a run, not from the lumped model */
+    bool measured; /* from a run, not from the lumped model */
 } press_target;
 
 typedef struct calibrate_state {
     palp_model lumped, model; /* model: the network, its material the latest found */
     palp_mesh *mesh;
     palp_network *network;
-    double height_m;                      /* of the mesh */
+    double height_m; /* of the mesh */
     palp_calibrate_method static_method, relaxation_method;
     bool does_static, does_relaxation;
-    size_t n_static;                      /* the static target */
+    size_t n_static; /* the static target */
     double *depth_m, *force_N;
     size_t n_presses;
     press_target press[PRESSES_MAX];

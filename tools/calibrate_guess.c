@@ -7,8 +7,7 @@ static const double pi = 3.14159265358979323846;
 
 /* The polynomial of that degree through the law at Chebyshev's points of [0, strain_max]: the law
  * itself where it is such a polynomial, else nearly the best one. */
-palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_max, palp_law *guess)
-{
+palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_max, palp_law *guess) {
     double e[PALP_LAW_MAX], f[PALP_LAW_MAX], c[PALP_LAW_MAX] = {0};
     size_t n = degree + 1;
     if (law->kind == PALP_LAW_POLYNOMIAL && law->n <= n) {
@@ -35,8 +34,7 @@ palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_m
     return palp_law_polynomial(n, c, guess);
 }
 
-palp_status guess_spline(const palp_law *law, size_t knots, double strain_max, palp_law *guess)
-{
+palp_status guess_spline(const palp_law *law, size_t knots, double strain_max, palp_law *guess) {
     double e[PALP_LAW_MAX], stiffness[PALP_LAW_MAX];
     for (size_t i = 0; i < knots; i++) {
         e[i] = strain_max * (double)i / (double)(knots - 1);
@@ -47,8 +45,7 @@ palp_status guess_spline(const palp_law *law, size_t knots, double strain_max, p
 
 /* The lumped model's arms, stiffness and viscosity times ratio. With another number of arms: their
  * stiffness shared evenly, relaxation times spread over the lumped model's (a decade if it has one). */
-void guess_arms(const palp_material *lumped, size_t n, double ratio, palp_material *guess)
-{
+void guess_arms(const palp_material *lumped, size_t n, double ratio, palp_material *guess) {
     double total = 0, shortest = INFINITY, longest = 0;
     guess->n_arms = n;
     for (size_t j = 0; j < lumped->n_arms; j++) {

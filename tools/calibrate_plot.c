@@ -15,14 +15,12 @@ typedef struct figures {
     plot_result result;
 } figures;
 
-static void draw(figures *f, const char *name, const plot_figure *figure)
-{
+static void draw(figures *f, const char *name, const plot_figure *figure) {
     plot_result result = f->result == PLOT_NO_GNUPLOT ? PLOT_NO_GNUPLOT : plot_write(f->folder, name, figure);
     f->result = result != PLOT_OK ? result : f->result;
 }
 
-static double largest(size_t n, const double *value)
-{
+static double largest(size_t n, const double *value) {
     double most = 0;
     for (size_t i = 0; i < n; i++) {
         most = fmax(most, fabs(value[i]));
@@ -32,8 +30,7 @@ static double largest(size_t n, const double *value)
 
 /* ---- convergence ---- */
 
-static void plot_residual(figures *f, const palp_calibration *c, const char *name, const char *title)
-{
+static void plot_residual(figures *f, const palp_calibration *c, const char *name, const char *title) {
     double *work = malloc(2 * (c->n_iterations + 1) * sizeof *work);
     if (!work) {
         f->result = PLOT_FAILED;
@@ -45,15 +42,15 @@ static void plot_residual(figures *f, const palp_calibration *c, const char *nam
         y[i] = c->iterations[i].residual_N > 0 ? c->iterations[i].residual_N : NAN;
     }
     const plot_series series = {NULL, PLOT_LINE_POINTS, 0, c->n_iterations, x, y};
-    const plot_figure figure = {title, 1, {{"evaluation of the curve", "residual, 2-norm (N)", false, true, 1, &series}}};
+    const plot_figure figure = {
+        title, 1, {{"evaluation of the curve", "residual, 2-norm (N)", false, true, 1, &series}}};
     if (largest(c->n_iterations, y) > 0) {
         draw(f, name, &figure);
     }
     free(work);
 }
 
-static void plot_phases(figures *f, const palp_calibration *c)
-{
+static void plot_phases(figures *f, const palp_calibration *c) {
     size_t n = c->n_iterations + 1;
     double *work = malloc(4 * n * sizeof *work);
     if (!work) {
@@ -62,7 +59,8 @@ static void plot_phases(figures *f, const palp_calibration *c)
     }
     for (size_t i = 0; i < c->n_iterations; i++) {
         const palp_calibrate_iteration *it = &c->iterations[i];
-        const double error[3] = {it->peak_error_percent, it->steady_time_error_percent, it->steady_force_error_percent};
+        const double error[3] = {it->peak_error_percent, it->steady_time_error_percent,
+                                 it->steady_force_error_percent};
         work[i] = (double)(i + 1);
         for (size_t k = 0; k < 3; k++) {
             work[(k + 1) * n + i] = error[k] > 0 ? error[k] : NAN;
@@ -71,16 +69,15 @@ static void plot_phases(figures *f, const palp_calibration *c)
     const plot_series series[] = {{"peak force", PLOT_LINE_POINTS, 0, c->n_iterations, work, work + n},
                                   {"steady time", PLOT_LINE_POINTS, 1, c->n_iterations, work, work + 2 * n},
                                   {"steady force", PLOT_LINE_POINTS, 2, c->n_iterations, work, work + 3 * n}};
-    const plot_figure figure = {"Convergence of the three phases", 1,
-                                {{"iteration", "error (%)", false, true, 3, series}}};
+    const plot_figure figure = {
+        "Convergence of the three phases", 1, {{"iteration", "error (%)", false, true, 3, series}}};
     draw(f, "relaxation_convergence", &figure);
     free(work);
 }
 
 /* ---- static ---- */
 
-static void plot_fit(figures *f, const calibrate_state *s)
-{
+static void plot_fit(figures *f, const calibrate_state *s) {
     const palp_calibration *c = &s->static_result;
     double depth[CURVE_POINTS], force[CURVE_POINTS], miss[CURVE_POINTS], mark[MARKS], wanted[MARKS];
     if (c->n_samples == 0) {
@@ -100,14 +97,14 @@ static void plot_fit(figures *f, const calibrate_state *s)
     const plot_series curve[] = {{"wanted", PLOT_POINTS, 0, MARKS, mark, wanted},
                                  {"network", PLOT_LINE, 1, CURVE_POINTS, depth, force}};
     const plot_series residual = {NULL, PLOT_LINE, 1, CURVE_POINTS, depth, miss};
-    const plot_figure figure = {"Static press: the wanted curve and the calibrated network", 2,
+    const plot_figure figure = {"Static press: the wanted curve and the calibrated network",
+                                2,
                                 {{"", "force (N)", false, false, 2, curve},
                                  {"depth (mm)", "network - wanted (mN)", false, false, 1, &residual}}};
     draw(f, "static_fit", &figure);
 }
 
-static void plot_law(figures *f, const calibrate_state *s)
-{
+static void plot_law(figures *f, const calibrate_state *s) {
     double strain[LAW_POINTS], lumped[LAW_POINTS], element[LAW_POINTS];
     double strain_max = s->n_static ? s->depth_m[s->n_static - 1] / s->height_m : 0;
     for (size_t i = 0; i < s->n_presses; i++) {
@@ -120,7 +117,8 @@ static void plot_law(figures *f, const calibrate_state *s)
     }
     const plot_series series[] = {{"lumped model", PLOT_LINE, 0, LAW_POINTS, strain, lumped},
                                   {"element", PLOT_LINE, 1, LAW_POINTS, strain, element}};
-    const plot_figure figure = {"Stiffness law K(e) of the lumped model and of an element", 1,
+    const plot_figure figure = {"Stiffness law K(e) of the lumped model and of an element",
+                                1,
                                 {{"strain e", "stiffness K (N)", false, true, 2, series}}};
     draw(f, "stiffness", &figure);
 }
@@ -128,8 +126,7 @@ static void plot_law(figures *f, const calibrate_state *s)
 /* ---- relaxation ---- */
 
 /* Samples thinned evenly in log time for the marks; returns how many. */
-static size_t marks(const record *run, const double *wanted, double *time_s, double *force_N)
-{
+static size_t marks(const record *run, const double *wanted, double *time_s, double *force_N) {
     size_t n = 0;
     double next = 0;
     for (size_t i = 0; i < run->n && n < MARKS; i++) {
@@ -142,8 +139,7 @@ static size_t marks(const record *run, const double *wanted, double *time_s, dou
     return n;
 }
 
-static void plot_relaxation(figures *f, const calibrate_state *s, bool log_time)
-{
+static void plot_relaxation(figures *f, const calibrate_state *s, bool log_time) {
     double mark_s[SHOWN_MAX][MARKS], mark_N[SHOWN_MAX][MARKS];
     char title[SHOWN_MAX][32];
     plot_series series[2 * SHOWN_MAX];
@@ -155,16 +151,20 @@ static void plot_relaxation(figures *f, const calibrate_state *s, bool log_time)
         size_t n = marks(&p->network, p->wanted_N, mark_s[k], mark_N[k]);
         snprintf(title[k], sizeof title[k], "%.3g mm", 1e3 * p->depth_m);
         series[2 * k] = (plot_series){NULL, PLOT_POINTS, (int)k, n, mark_s[k], mark_N[k]};
-        series[2 * k + 1] = (plot_series){title[k], PLOT_LINE, (int)k, p->network.n - first, p->network.time_s + first,
+        series[2 * k + 1] = (plot_series){title[k],
+                                          PLOT_LINE,
+                                          (int)k,
+                                          p->network.n - first,
+                                          p->network.time_s + first,
                                           p->network.force_N + first};
     }
-    const plot_figure figure = {"Ramp and hold: wanted (circles) and the calibrated network (lines)", 1,
+    const plot_figure figure = {"Ramp and hold: wanted (circles) and the calibrated network (lines)",
+                                1,
                                 {{"time (s)", "force (N)", log_time, false, 2 * shown, series}}};
     draw(f, log_time ? "relaxation_log" : "relaxation_linear", &figure);
 }
 
-int calibrate_plot(const calibrate_options *o, const calibrate_state *s)
-{
+int calibrate_plot(const calibrate_options *o, const calibrate_state *s) {
     figures f = {o->plot, PLOT_OK};
     if (!plot_folder(o->plot)) {
         return cli_failure(NAME, "%s: is no folder and cannot be made", o->plot);
@@ -178,7 +178,8 @@ int calibrate_plot(const calibrate_options *o, const calibrate_state *s)
         if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
             plot_phases(&f, &s->relaxation_result);
         } else {
-            plot_residual(&f, &s->relaxation_result, "relaxation_convergence", "Convergence of the relaxation stage");
+            plot_residual(&f, &s->relaxation_result, "relaxation_convergence",
+                          "Convergence of the relaxation stage");
         }
         plot_relaxation(&f, s, false);
         plot_relaxation(&f, s, true);

@@ -6,8 +6,7 @@
 
 static const char NAME[] = "calibrate";
 
-static const char *method_name(palp_calibrate_method method)
-{
+static const char *method_name(palp_calibrate_method method) {
     static const char *const names[] = {"nlopt", "fixed_point", "three_phase"};
     return names[method];
 }
@@ -15,8 +14,7 @@ static const char *method_name(palp_calibrate_method method)
 /* ---- JSON ---- */
 
 /* The law's keys: coefficients_N, or strain and stiffness_N of a spline. */
-static void add_law(json_t *to, const palp_law *law)
-{
+static void add_law(json_t *to, const palp_law *law) {
     if (law->kind == PALP_LAW_SPLINE) {
         json_object_set_new(to, "strain", json_numbers(law->n, law->strain));
         json_object_set_new(to, "stiffness_N", json_numbers(law->n, law->coefficients));
@@ -27,12 +25,12 @@ static void add_law(json_t *to, const palp_law *law)
     }
 }
 
-static json_t *arms_json(const palp_material *material)
-{
+static json_t *arms_json(const palp_material *material) {
     json_t *list = json_array();
     for (size_t j = 0; j < material->n_arms; j++) {
         const palp_arm *arm = &material->arms[j];
-        json_t *entry = json_pack("{s:f, s:f}", "stiffness_N", arm->stiffness_N, "viscosity_Ns", arm->viscosity_Ns);
+        json_t *entry =
+            json_pack("{s:f, s:f}", "stiffness_N", arm->stiffness_N, "viscosity_Ns", arm->viscosity_Ns);
         if (arm->beta != 0) {
             json_object_set_new(entry, "beta", json_real(arm->beta));
         }
@@ -44,16 +42,18 @@ static json_t *arms_json(const palp_material *material)
     return list;
 }
 
-static json_t *iteration_json(palp_calibrate_method method, bool relaxation, const palp_calibrate_iteration *it)
-{
+static json_t *iteration_json(palp_calibrate_method method, bool relaxation,
+                              const palp_calibrate_iteration *it) {
     json_t *entry = json_object();
     if (method == PALP_CALIBRATE_THREE_PHASE) {
         json_object_set_new(entry, "phase", json_integer(it->phase));
         json_object_set_new(entry, "stiffness_N", json_number_or_null(it->material.arms[0].stiffness_N));
         json_object_set_new(entry, "viscosity_Ns", json_number_or_null(it->material.arms[0].viscosity_Ns));
         json_object_set_new(entry, "peak_error_percent", json_number_or_null(it->peak_error_percent));
-        json_object_set_new(entry, "steady_time_error_percent", json_number_or_null(it->steady_time_error_percent));
-        json_object_set_new(entry, "steady_force_error_percent", json_number_or_null(it->steady_force_error_percent));
+        json_object_set_new(entry, "steady_time_error_percent",
+                            json_number_or_null(it->steady_time_error_percent));
+        json_object_set_new(entry, "steady_force_error_percent",
+                            json_number_or_null(it->steady_force_error_percent));
         if (it->phase == 3) {
             add_law(entry, &it->material.law);
         }
@@ -67,19 +67,17 @@ static json_t *iteration_json(palp_calibrate_method method, bool relaxation, con
     return entry;
 }
 
-static json_t *depths_json(const calibrate_state *s)
-{
+static json_t *depths_json(const calibrate_state *s) {
     json_t *list = json_array();
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *p = &s->press[i];
-        json_array_append_new(list, json_pack("{s:f, s:f, s:f}", "depth_mm", 1e3 * p->depth_m, "peak_N", p->peak_N,
-                                              "max_error_percent", p->max_error_percent));
+        json_array_append_new(list, json_pack("{s:f, s:f, s:f}", "depth_mm", 1e3 * p->depth_m, "peak_N",
+                                              p->peak_N, "max_error_percent", p->max_error_percent));
     }
     return list;
 }
 
-static void add_stage(json_t *to, const calibrate_state *s, bool relaxation)
-{
+static void add_stage(json_t *to, const calibrate_state *s, bool relaxation) {
     const palp_calibration *c = relaxation ? &s->relaxation_result : &s->static_result;
     palp_calibrate_method method = relaxation ? s->relaxation_method : s->static_method;
     json_t *iterations = json_array();
@@ -100,26 +98,27 @@ static void add_stage(json_t *to, const calibrate_state *s, bool relaxation)
     json_object_set_new(to, "iterations", iterations);
 }
 
-static json_t *nodes_json(const calibrate_state *s)
-{
+static json_t *nodes_json(const calibrate_state *s) {
     const palp_mesh_spec *mesh = &s->model.mesh;
     if (mesh->kind != PALP_MESH_LATTICE) {
         return json_integer((json_int_t)palp_mesh_node_count(s->mesh));
     }
-    return json_pack("[I, I, I]", (json_int_t)mesh->nodes[0], (json_int_t)mesh->nodes[1], (json_int_t)mesh->nodes[2]);
+    return json_pack("[I, I, I]", (json_int_t)mesh->nodes[0], (json_int_t)mesh->nodes[1],
+                     (json_int_t)mesh->nodes[2]);
 }
 
-static json_t *whole_json(const calibrate_options *o, const calibrate_state *s)
-{
+static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) {
     static const char *const stages[] = {"static", "relaxation", "all"};
     json_t *all = json_object();
     json_object_set_new(all, "stage", json_string(stages[o->stage]));
-    json_object_set_new(all, "formulation", json_string(o->formulation == PALP_HISTORY ? "history" : "sedef2008"));
+    json_object_set_new(all, "formulation",
+                        json_string(o->formulation == PALP_HISTORY ? "history" : "sedef2008"));
     json_object_set_new(all, "nodes", nodes_json(s));
     add_stage(all, s, s->does_relaxation);
     if (s->buckled) {
-        json_object_set_new(all, "buckling", json_pack("{s:f, s:f}", "stable_mm", 1e3 * s->stable_m, "unstable_mm",
-                                                       1e3 * s->unstable_m));
+        json_object_set_new(
+            all, "buckling",
+            json_pack("{s:f, s:f}", "stable_mm", 1e3 * s->stable_m, "unstable_mm", 1e3 * s->unstable_m));
     }
     if (s->does_static && s->does_relaxation) {
         json_t *first = json_object(), *second = json_object();
@@ -133,8 +132,7 @@ static json_t *whole_json(const calibrate_options *o, const calibrate_state *s)
 
 /* ---- text ---- */
 
-static void print_law(const palp_law *law)
-{
+static void print_law(const palp_law *law) {
     if (law->kind == PALP_LAW_SPLINE) {
         printf("  K(e) through");
         for (size_t i = 0; i < law->n; i++) {
@@ -154,8 +152,7 @@ static void print_law(const palp_law *law)
     printf(law->kind == PALP_LAW_POLYNOMIAL ? " N\n" : " Pa\n");
 }
 
-static void print_arms(const palp_material *material)
-{
+static void print_arms(const palp_material *material) {
     for (size_t j = 0; j < material->n_arms; j++) {
         const palp_arm *arm = &material->arms[j];
         printf("  arm %zu: %.6g N, %.6g N s (%.4g s)", j + 1, arm->stiffness_N, arm->viscosity_Ns,
@@ -164,25 +161,35 @@ static void print_arms(const palp_material *material)
     }
 }
 
-static void print_iterations(const palp_calibration *c, palp_calibrate_method method)
-{
+/* A column of percent; "-" where the phase does not look at it. */
+static void print_percent(double value) {
+    if (isfinite(value)) {
+        printf(" %12.2f", value);
+    } else {
+        printf(" %12s", "-");
+    }
+}
+
+static void print_iterations(const palp_calibration *c, palp_calibrate_method method) {
     bool phases = method == PALP_CALIBRATE_THREE_PHASE;
     printf(phases ? "  phase         K1 (N)     b1 (N s)   peak err %%   time err %%  force err %%\n"
                   : "  evaluation   residual (N)\n");
     for (size_t i = 0; i < c->n_iterations; i++) {
         const palp_calibrate_iteration *it = &c->iterations[i];
         if (phases) {
-            printf("  %5d %14.6f %12.6f %12.2f %12.2f %12.2f\n", it->phase, it->material.arms[0].stiffness_N,
-                   it->material.arms[0].viscosity_Ns, it->peak_error_percent, it->steady_time_error_percent,
-                   it->steady_force_error_percent);
+            printf("  %5d %14.6f %12.6f", it->phase, it->material.arms[0].stiffness_N,
+                   it->material.arms[0].viscosity_Ns);
+            print_percent(it->peak_error_percent);
+            print_percent(it->steady_time_error_percent);
+            print_percent(it->steady_force_error_percent);
+            putchar('\n');
         } else {
             printf("  %10zu %14.6g\n", i + 1, it->residual_N);
         }
     }
 }
 
-static void print_static(const calibrate_state *s)
-{
+static void print_static(const calibrate_state *s) {
     const palp_calibration *c = &s->static_result;
     printf("Static stage (%s), %zu samples to %.4g mm\n", method_name(s->static_method), s->n_static,
            1e3 * s->depth_m[s->n_static - 1]);
@@ -191,8 +198,7 @@ static void print_static(const calibrate_state *s)
     print_law(&c->material.law);
 }
 
-static void print_relaxation(const calibrate_state *s)
-{
+static void print_relaxation(const calibrate_state *s) {
     const palp_calibration *c = &s->relaxation_result;
     printf("Relaxation stage (%s)\n", method_name(s->relaxation_method));
     print_iterations(c, s->relaxation_method);
@@ -205,8 +211,7 @@ static void print_relaxation(const calibrate_state *s)
     }
 }
 
-int calibrate_report(const calibrate_options *o, const calibrate_state *s)
-{
+int calibrate_report(const calibrate_options *o, const calibrate_state *s) {
     if (o->json) {
         return json_print(NAME, whole_json(o, s));
     }

@@ -6,23 +6,24 @@
 
 static const char NAME[] = "calibrate";
 
-static int read_models(const calibrate_options *o, calibrate_state *s)
-{
+static int read_models(const calibrate_options *o, calibrate_state *s) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_model_read(o->lumped, &s->lumped, &error);
     if (status) {
         return cli_status(NAME, status, &error);
     }
     if (s->lumped.kind != PALP_MODEL_LUMPED) {
-        return cli_failure(NAME, "%s: is a network; name the lumped model to meet (a network to start from goes to --start)",
-                           o->lumped);
+        return cli_failure(
+            NAME, "%s: is a network; name the lumped model to meet (a network to start from goes to --start)",
+            o->lumped);
     }
     if (s->does_relaxation && s->lumped.material.n_arms == 0) {
         return cli_failure(NAME, "%s: has no arms to relax; use --stage static", o->lumped);
     }
-    if (s->does_relaxation && s->relaxation_method == PALP_CALIBRATE_THREE_PHASE && s->lumped.material.n_arms > 1) {
-        return cli_failure(NAME, "%s: has %zu arms, --method three_phase handles one; use --method nlopt", o->lumped,
-                           s->lumped.material.n_arms);
+    if (s->does_relaxation && s->relaxation_method == PALP_CALIBRATE_THREE_PHASE &&
+        s->lumped.material.n_arms > 1) {
+        return cli_failure(NAME, "%s: has %zu arms, --method three_phase handles one; use --method nlopt",
+                           o->lumped, s->lumped.material.n_arms);
     }
     s->model = s->lumped;
     s->model.kind = PALP_MODEL_NETWORK;
@@ -33,13 +34,14 @@ static int read_models(const calibrate_options *o, calibrate_state *s)
     if (status) {
         return cli_status(NAME, status, &error);
     }
-    return s->model.kind == PALP_MODEL_NETWORK ? CLI_OK
-                                               : cli_failure(NAME, "%s: --start wants a network model", o->start);
+    return s->model.kind == PALP_MODEL_NETWORK
+               ? CLI_OK
+               : cli_failure(NAME, "%s: --start wants a network model", o->start);
 }
 
-static int choose_lattice(const calibrate_options *o, const calibrate_state *s, palp_mesh_spec *mesh)
-{
-    double nodes[3], size_mm[3] = {1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m};
+static int choose_lattice(const calibrate_options *o, const calibrate_state *s, palp_mesh_spec *mesh) {
+    double nodes[3],
+        size_mm[3] = {1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m};
     if (!cli_spread(&o->nodes, nodes)) {
         return cli_usage_error(NAME, "--nodes wants one or three numbers, e.g. 5 or 5,7,5");
     }
@@ -56,8 +58,7 @@ static int choose_lattice(const calibrate_options *o, const calibrate_state *s, 
     return CLI_OK;
 }
 
-static int choose_mesh(const calibrate_options *o, calibrate_state *s)
-{
+static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
     palp_mesh_spec *mesh = &s->model.mesh;
     if (o->nodes.n) {
         return choose_lattice(o, s, mesh);
@@ -73,8 +74,7 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s)
     return CLI_OK; /* else that of --start */
 }
 
-int calibrate_setup(const calibrate_options *o, calibrate_state *s)
-{
+int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     palp_support supports[2];
     palp_network_settings settings = palp_network_settings_default();
     palp_error error = {PALP_OK, ""};
@@ -97,13 +97,15 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s)
             s->model.material.n_arms = 0;
             s->model.material.dashpot_Ns = 0;
         }
-        status = palp_network_create(s->mesh, &s->model.material, 2, supports, &settings, &s->network, &error);
+        status =
+            palp_network_create(s->mesh, &s->model.material, 2, supports, &settings, &s->network, &error);
     }
     if (status) {
         return cli_status(NAME, status, &error);
     }
     if (fabs(s->height_m - s->lumped.height_m) > 1e-3 * s->lumped.height_m) {
-        cli_warning(NAME, "the network is %.4g mm high, the specimen of %s %.4g mm; depths stay the same in mm",
+        cli_warning(NAME,
+                    "the network is %.4g mm high, the specimen of %s %.4g mm; depths stay the same in mm",
                     1e3 * s->height_m, o->lumped, 1e3 * s->lumped.height_m);
     }
     return CLI_OK;

@@ -13,8 +13,7 @@ enum { GUESS_STEPS = 20 };
 
 /* ---- shared ---- */
 
-static int show_progress(void *user, double fraction, const palp_calibrate_iteration *last)
-{
+static int show_progress(void *user, double fraction, const palp_calibrate_iteration *last) {
     progress *bar = user;
     if (last) {
         snprintf(bar->label, sizeof bar->label, "residual %.4g N", last->residual_N);
@@ -23,8 +22,7 @@ static int show_progress(void *user, double fraction, const palp_calibrate_itera
     return 0;
 }
 
-static void note_buckling(calibrate_state *s)
-{
+static void note_buckling(calibrate_state *s) {
     double stable_m, unstable_m;
     if (!s->buckled && palp_network_buckled(s->network, &stable_m, &unstable_m)) {
         s->buckled = true;
@@ -35,8 +33,7 @@ static void note_buckling(calibrate_state *s)
 
 /* Presses the relaxed network to the deepest depth in a few steps, halved where the tangent is no
  * longer stable: the calibration leaves the network at rest, which tells nothing. */
-static void look_for_buckling(calibrate_state *s)
-{
+static void look_for_buckling(calibrate_state *s) {
     double depth_m = 0, deepest_m = s->depth_m[s->n_static - 1], step_m = deepest_m / 16;
     while (!s->buckled && depth_m < deepest_m && step_m > 1e-3 * s->height_m) {
         palp_step_info info;
@@ -57,9 +54,9 @@ static void look_for_buckling(calibrate_state *s)
     palp_network_reset(s->network);
 }
 
-static int stage_failed(const calibrate_options *o, const char *stage, palp_status status)
-{
-    bool gave_up = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+static int stage_failed(const calibrate_options *o, const char *stage, palp_status status) {
+    bool gave_up =
+        status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
     const char *advice = gave_up ? "; try a smaller --depth-mm or --branch stable" : "";
     if (status == PALP_ERR_SINGULAR && o->mesh && !o->hex_diagonals) {
         advice = "; a mesh of hexahedra needs --hex-diagonals";
@@ -72,8 +69,7 @@ static int stage_failed(const calibrate_options *o, const char *stage, palp_stat
 
 /* How many times too stiff the network is with this law: the force is in proportion to the law, so a
  * coarse press tells, by least squares. 1 where it does not converge. */
-static double stiffness_excess(calibrate_state *s, const palp_material *material)
-{
+static double stiffness_excess(calibrate_state *s, const palp_material *material) {
     double wanted_squared = 0, product = 0, squared = 0;
     size_t n = s->n_static;
     if (palp_network_set_material(s->network, material)) {
@@ -94,8 +90,7 @@ static double stiffness_excess(calibrate_state *s, const palp_material *material
 }
 
 /* The first guess: the lumped law in the wanted form, unscaled for the seed's loop; or --start's. */
-static palp_status static_start(const calibrate_options *o, calibrate_state *s, palp_material *start)
-{
+static palp_status static_start(const calibrate_options *o, calibrate_state *s, palp_material *start) {
     double strain_max = s->depth_m[s->n_static - 1] / s->height_m;
     const palp_law *law = o->start ? &s->model.material.law : &s->lumped.material.law;
     memset(start, 0, sizeof *start);
@@ -110,8 +105,7 @@ static palp_status static_start(const calibrate_options *o, calibrate_state *s, 
     return status;
 }
 
-int calibrate_static(const calibrate_options *o, calibrate_state *s)
-{
+int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     palp_static_settings settings = palp_static_settings_default();
     palp_material start;
     progress bar;
@@ -124,7 +118,8 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s)
     settings.every_step = o->every_step;
     settings.progress = show_progress;
     settings.user = &bar;
-    status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings, &s->static_result);
+    status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
+                                   &s->static_result);
     progress_finish(&bar);
     if (status) {
         return stage_failed(o, "static", status);
@@ -140,8 +135,7 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s)
 
 /* ---- relaxation ---- */
 
-static double stiffness_ratio(const palp_law *element, const palp_law *lumped, double strain_max)
-{
+static double stiffness_ratio(const palp_law *element, const palp_law *lumped, double strain_max) {
     double sum = 0;
     for (int i = 1; i <= GUESS_STEPS; i++) {
         double a, b, e = strain_max * i / GUESS_STEPS;
@@ -152,8 +146,7 @@ static double stiffness_ratio(const palp_law *element, const palp_law *lumped, d
     return sum / GUESS_STEPS;
 }
 
-static void relaxation_start(const calibrate_options *o, const calibrate_state *s, palp_material *start)
-{
+static void relaxation_start(const calibrate_options *o, const calibrate_state *s, palp_material *start) {
     size_t n = o->arms ? o->arms : s->lumped.material.n_arms;
     double deepest = 0;
     for (size_t i = 0; i < s->n_presses; i++) {
@@ -170,8 +163,7 @@ static void relaxation_start(const calibrate_options *o, const calibrate_state *
 }
 
 static palp_status run_relaxation(const calibrate_options *o, calibrate_state *s, const palp_material *start,
-                                  const palp_target *targets)
-{
+                                  const palp_target *targets) {
     palp_relaxation_settings settings = palp_relaxation_settings_default();
     progress bar;
     progress_start(&bar, "relaxation stage");
@@ -182,20 +174,21 @@ static palp_status run_relaxation(const calibrate_options *o, calibrate_state *s
     if (o->dt_ms > 0) {
         settings.dt_s = 1e-3 * o->dt_ms;
     }
-    palp_status status = palp_calibrate_relaxation(s->network, start, s->n_presses, targets, &settings,
-                                                   &s->relaxation_result);
+    palp_status status =
+        palp_calibrate_relaxation(s->network, start, s->n_presses, targets, &settings, &s->relaxation_result);
     progress_finish(&bar);
     return status;
 }
 
-int calibrate_relaxation(const calibrate_options *o, calibrate_state *s)
-{
+int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     palp_target targets[PRESSES_MAX];
     palp_material start;
     relaxation_start(o, s, &start);
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *press = &s->press[i];
-        targets[i] = (palp_target){.path = press->path, .n = press->target.n, .time_s = press->target.time_s,
+        targets[i] = (palp_target){.path = press->path,
+                                   .n = press->target.n,
+                                   .time_s = press->target.time_s,
                                    .force_N = press->target.force_N};
     }
     palp_status status = run_relaxation(o, s, &start, targets);
@@ -208,8 +201,7 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s)
 
 /* ---- the calibrated network against each target ---- */
 
-static palp_status wanted_forces(const calibrate_state *s, press_target *press)
-{
+static palp_status wanted_forces(const calibrate_state *s, press_target *press) {
     const record *run = &press->network;
     press->wanted_N = malloc(run->n * sizeof *press->wanted_N);
     if (!press->wanted_N) {
@@ -225,8 +217,7 @@ static palp_status wanted_forces(const calibrate_state *s, press_target *press)
     return PALP_OK;
 }
 
-static palp_status compare(calibrate_state *s, press_target *press, progress *bar)
-{
+static palp_status compare(calibrate_state *s, press_target *press, progress *bar) {
     const press_settings settings = {.tolerance = 1e-4};
     const press_watch watch = {bar, NULL, NULL};
     palp_run_info info;
@@ -243,8 +234,7 @@ static palp_status compare(calibrate_state *s, press_target *press, progress *ba
     return status;
 }
 
-int calibrate_compare(const calibrate_options *o, calibrate_state *s)
-{
+int calibrate_compare(const calibrate_options *o, calibrate_state *s) {
     progress bar;
     palp_status status = palp_network_set_material(s->network, &s->model.material);
     for (size_t i = 0; status == PALP_OK && i < s->n_presses; i++) {

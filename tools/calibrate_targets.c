@@ -12,8 +12,7 @@ enum { HOLD_SAMPLES = 120, RAMP_SAMPLES = 40 };
 
 /* ---- from the lumped model ---- */
 
-static int static_from_lumped(const calibrate_options *o, calibrate_state *s, double depth_m)
-{
+static int static_from_lumped(const calibrate_options *o, calibrate_state *s, double depth_m) {
     size_t n = o->steps;
     s->depth_m = malloc(n * sizeof *s->depth_m);
     s->force_N = malloc(n * sizeof *s->force_N);
@@ -31,9 +30,8 @@ static int static_from_lumped(const calibrate_options *o, calibrate_state *s, do
 
 /* Times at which the library compares: every step for the seed's three phases (they look for the time
  * the curve turns flat), else even on the ramp and growing in the hold. */
-static palp_status sample_times(const calibrate_options *o, const calibrate_state *s, const palp_path *path, size_t *n,
-                                double **time_s)
-{
+static palp_status sample_times(const calibrate_options *o, const calibrate_state *s, const palp_path *path,
+                                size_t *n, double **time_s) {
     if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
         const press_settings every = {.dt_s = 1e-3 * o->dt_ms};
         return press_times(path, &every, n, time_s);
@@ -56,8 +54,7 @@ static palp_status sample_times(const calibrate_options *o, const calibrate_stat
 }
 
 static palp_status press_from_lumped(const calibrate_options *o, const calibrate_state *s, double depth_m,
-                                     press_target *press)
-{
+                                     press_target *press) {
     size_t n = 0;
     double *t = NULL, *depth = NULL, *force = NULL;
     press->depth_m = depth_m;
@@ -88,9 +85,9 @@ static palp_status press_from_lumped(const calibrate_options *o, const calibrate
 /* ---- from measured runs ---- */
 
 /* Samples ever deeper than the last one kept: what a slow press going down recorded. */
-static int static_from_run(const char *file, const palp_experiment *run, calibrate_state *s)
-{
-    const double *depth_mm = palp_experiment_column(run, "depth_mm"), *force_N = palp_experiment_column(run, "force_N");
+static int static_from_run(const char *file, const palp_experiment *run, calibrate_state *s) {
+    const double *depth_mm = palp_experiment_column(run, "depth_mm"),
+                 *force_N = palp_experiment_column(run, "force_N");
     size_t rows = palp_experiment_rows(run);
     if (s->n_static) {
         return cli_failure(NAME, "%s: is the second static run; give one", file);
@@ -108,14 +105,14 @@ static int static_from_run(const char *file, const palp_experiment *run, calibra
             s->force_N[s->n_static++] = force_N[i];
         }
     }
-    return s->n_static >= 10 ? CLI_OK
-                             : cli_failure(NAME, "%s: has %zu samples of increasing depth; a static run needs ten", file,
-                                           s->n_static);
+    return s->n_static >= 10
+               ? CLI_OK
+               : cli_failure(NAME, "%s: has %zu samples of increasing depth; a static run needs ten", file,
+                             s->n_static);
 }
 
 /* First row of the press: the last one in free air before the first contact. */
-static size_t contact_row(size_t rows, const double *depth_mm)
-{
+static size_t contact_row(size_t rows, const double *depth_mm) {
     for (size_t i = 0; i < rows; i++) {
         if (depth_mm[i] > 0) {
             return i > 0 ? i - 1 : 0;
@@ -124,16 +121,15 @@ static size_t contact_row(size_t rows, const double *depth_mm)
     return rows;
 }
 
-static void add_corner(palp_path *corners, double time_s, double depth_m)
-{
+static void add_corner(palp_path *corners, double time_s, double depth_m) {
     corners->time_s[corners->n] = time_s;
     corners->depth_m[corners->n++] = depth_m;
 }
 
 /* The corners of a recorded depth: the fewest rows (found greedily) between which straight lines stay
  * within 0.1 % of the deepest. */
-static palp_status simplify(size_t n, const double *time_s, const double *depth_m, double deepest_m, palp_path *path)
-{
+static palp_status simplify(size_t n, const double *time_s, const double *depth_m, double deepest_m,
+                            palp_path *path) {
     palp_path corners = {0, malloc(n * sizeof(double)), malloc(n * sizeof(double)), NULL};
     palp_status status = corners.time_s && corners.depth_m ? PALP_OK : PALP_ERR_NO_MEMORY;
     double allowed = 1e-3 * deepest_m, low = -INFINITY, high = INFINITY;
@@ -163,9 +159,8 @@ static palp_status simplify(size_t n, const double *time_s, const double *depth_
 }
 
 /* Thins the samples: even to the deepest, then growing steps. */
-static palp_status thin(size_t n, const double *time_s, const double *depth_m, const double *force_N, double deepest_m,
-                        record *target)
-{
+static palp_status thin(size_t n, const double *time_s, const double *depth_m, const double *force_N,
+                        double deepest_m, record *target) {
     size_t peak = 0;
     while (peak + 1 < n && depth_m[peak] < 0.999 * deepest_m) {
         peak++;
@@ -182,9 +177,9 @@ static palp_status thin(size_t n, const double *time_s, const double *depth_m, c
     return status;
 }
 
-static int press_from_run(const char *file, const palp_experiment *run, press_target *press)
-{
-    const double *time_s = palp_experiment_column(run, "time_s"), *depth_mm = palp_experiment_column(run, "depth_mm"),
+static int press_from_run(const char *file, const palp_experiment *run, press_target *press) {
+    const double *time_s = palp_experiment_column(run, "time_s"),
+                 *depth_mm = palp_experiment_column(run, "depth_mm"),
                  *force_N = palp_experiment_column(run, "force_N");
     size_t rows = palp_experiment_rows(run), first = contact_row(rows, depth_mm), n = rows - first;
     if (n < 10) {
@@ -209,8 +204,7 @@ static int press_from_run(const char *file, const palp_experiment *run, press_ta
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
-static int read_run(const char *file, calibrate_state *s)
-{
+static int read_run(const char *file, calibrate_state *s) {
     palp_experiment *run = NULL;
     palp_error error = {PALP_OK, ""};
     const char *kind = "";
@@ -220,14 +214,17 @@ static int read_run(const char *file, calibrate_state *s)
     }
     int code = CLI_OK;
     if (palp_experiment_get_string(run, "protocol.kind", &kind)) {
-        code = cli_failure(NAME, "%s: has no key protocol.kind; add the line # protocol.kind: \"static\" or \"ramp_hold\"",
-                           file);
+        code = cli_failure(
+            NAME, "%s: has no key protocol.kind; add the line # protocol.kind: \"static\" or \"ramp_hold\"",
+            file);
     } else if (strcmp(kind, "static") == 0 && s->does_static) {
         code = static_from_run(file, run, s);
     } else if (strcmp(kind, "ramp_hold") == 0 && s->does_relaxation && s->n_presses < PRESSES_MAX) {
         code = press_from_run(file, run, &s->press[s->n_presses++]);
     } else {
-        code = cli_failure(NAME, "%s: a run of kind %s is of no use here; leave it out or choose another --stage", file, kind);
+        code = cli_failure(NAME,
+                           "%s: a run of kind %s is of no use here; leave it out or choose another --stage",
+                           file, kind);
     }
     palp_experiment_free(run);
     return code;
@@ -236,8 +233,7 @@ static int read_run(const char *file, calibrate_state *s)
 /* ---- all of them ---- */
 
 /* The seed's depths, Section 5.3 and Chapter 4, as parts of the height. */
-static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MAX])
-{
+static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MAX]) {
     if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
         depth_m[0] = 0.25 * s->lumped.height_m;
         return 1;
@@ -248,8 +244,7 @@ static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MA
     return 12;
 }
 
-static int presses_from_lumped(const calibrate_options *o, calibrate_state *s)
-{
+static int presses_from_lumped(const calibrate_options *o, calibrate_state *s) {
     double depth_m[PRESSES_MAX];
     size_t n = default_depths(s, depth_m);
     if (o->depth_mm.n) {
@@ -267,21 +262,19 @@ static int presses_from_lumped(const calibrate_options *o, calibrate_state *s)
     return CLI_OK;
 }
 
-static int check_depths(const calibrate_state *s)
-{
+static int check_depths(const calibrate_state *s) {
     double deepest = s->n_static ? s->depth_m[s->n_static - 1] : 0;
     for (size_t i = 0; i < s->n_presses; i++) {
         deepest = fmax(deepest, s->press[i].depth_m);
     }
     if (deepest >= s->height_m) {
-        return cli_usage_error(NAME, "a depth of %g mm is beyond the network's height of %g mm; press less", 1e3 * deepest,
-                               1e3 * s->height_m);
+        return cli_usage_error(NAME, "a depth of %g mm is beyond the network's height of %g mm; press less",
+                               1e3 * deepest, 1e3 * s->height_m);
     }
     return CLI_OK;
 }
 
-int calibrate_targets(const calibrate_options *o, calibrate_state *s)
-{
+int calibrate_targets(const calibrate_options *o, calibrate_state *s) {
     int code = CLI_OK;
     for (size_t i = 1; code == CLI_OK && i < o->n_words; i++) {
         code = read_run(o->words[i], s);

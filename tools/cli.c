@@ -14,15 +14,13 @@ enum { OPTIONS_MAX = 64, FIRST_CODE = 256, HELP_COLUMN = 26 };
 
 /* ---- lines on stderr ---- */
 
-static void line(const char *name, const char *what, const char *format, va_list arguments)
-{
+static void line(const char *name, const char *what, const char *format, va_list arguments) {
     fprintf(stderr, name ? "palpate %s: %s" : "palpate%s: %s", name ? name : "", what);
     vfprintf(stderr, format, arguments);
     fputc('\n', stderr);
 }
 
-int cli_usage_error(const char *name, const char *format, ...)
-{
+int cli_usage_error(const char *name, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     line(name, "", format, arguments);
@@ -30,8 +28,7 @@ int cli_usage_error(const char *name, const char *format, ...)
     return CLI_USAGE;
 }
 
-int cli_failure(const char *name, const char *format, ...)
-{
+int cli_failure(const char *name, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     line(name, "", format, arguments);
@@ -39,25 +36,23 @@ int cli_failure(const char *name, const char *format, ...)
     return CLI_FAILURE;
 }
 
-void cli_warning(const char *name, const char *format, ...)
-{
+void cli_warning(const char *name, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     line(name, "warning: ", format, arguments);
     va_end(arguments);
 }
 
-int cli_status(const char *name, palp_status status, const palp_error *error)
-{
-    bool gave_up = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+int cli_status(const char *name, palp_status status, const palp_error *error) {
+    bool gave_up =
+        status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
     cli_failure(name, "%s", error && error->text[0] ? error->text : palp_status_text(status));
     return gave_up ? CLI_NOT_CONVERGED : CLI_FAILURE;
 }
 
 /* ---- numbers and lists ---- */
 
-bool cli_read_number(const char *text, double *value)
-{
+bool cli_read_number(const char *text, double *value) {
     char *end;
     double number = strtod(text, &end);
     if (end == text || *end || !isfinite(number)) {
@@ -67,11 +62,10 @@ bool cli_read_number(const char *text, double *value)
     return true;
 }
 
-bool cli_read_list(const char *text, cli_list *list)
-{
+bool cli_read_list(const char *text, cli_list *list) {
     char word[64];
     list->n = 0;
-    for (const char *from = text;; ) {
+    for (const char *from = text;;) {
         size_t length = strcspn(from, ",");
         if (length == 0 || length >= sizeof word || list->n == CLI_LIST_MAX) {
             return false;
@@ -88,8 +82,7 @@ bool cli_read_list(const char *text, cli_list *list)
     }
 }
 
-bool cli_spread(const cli_list *list, double value[3])
-{
+bool cli_spread(const cli_list *list, double value[3]) {
     if (list->n != 1 && list->n != 3) {
         return false;
     }
@@ -99,10 +92,50 @@ bool cli_spread(const cli_list *list, double value[3])
     return true;
 }
 
+/* ---- options ---- */
+
+cli_option cli_heading(const char *text) {
+    return (cli_option){.type = CLI_HEADING, .name = text};
+}
+
+cli_option cli_flag(const char *name, bool *to, const char *help) {
+    return (cli_option){CLI_FLAG, name, NULL, help, {.flag = to}, 0, 0};
+}
+
+cli_option cli_text(const char *name, const char *value, const char **to, const char *help) {
+    return (cli_option){CLI_TEXT, name, value, help, {.text = to}, 0, 0};
+}
+
+cli_option cli_choice(const char *name, const char *choices, int *to, const char *help) {
+    return (cli_option){CLI_CHOICE, name, choices, help, {.choice = to}, 0, 0};
+}
+
+cli_option cli_number(const char *name, const char *value, double low, double high, double *to,
+                      const char *help) {
+    return (cli_option){CLI_NUMBER, name, value, help, {.number = to}, low, high};
+}
+
+cli_option cli_positive(const char *name, const char *value, double high, double *to, const char *help) {
+    return (cli_option){CLI_POSITIVE, name, value, help, {.number = to}, 0, high};
+}
+
+cli_option cli_count(const char *name, const char *value, double low, double high, size_t *to,
+                     const char *help) {
+    return (cli_option){CLI_COUNT, name, value, help, {.count = to}, low, high};
+}
+
+cli_option cli_numbers(const char *name, const char *value, double high, cli_list *to, const char *help) {
+    return (cli_option){CLI_NUMBERS, name, value, help, {.list = to}, 0, high};
+}
+
+cli_option cli_counts(const char *name, const char *value, double low, double high, cli_list *to,
+                      const char *help) {
+    return (cli_option){CLI_COUNTS, name, value, help, {.list = to}, low, high};
+}
+
 /* ---- one option's value ---- */
 
-static int choice_index(const char *choices, const char *text)
-{
+static int choice_index(const char *choices, const char *text) {
     size_t length = strlen(text);
     int index = 0;
     for (const char *at = choices;; index++) {
@@ -117,8 +150,7 @@ static int choice_index(const char *choices, const char *text)
     }
 }
 
-static int check_range(const char *name, const cli_option *o, double x)
-{
+static int check_range(const char *name, const cli_option *o, double x) {
     bool whole = o->type == CLI_COUNT || o->type == CLI_COUNTS;
     bool above = o->type == CLI_POSITIVE || o->type == CLI_NUMBERS;
     if (whole && x != floor(x)) {
@@ -133,11 +165,10 @@ static int check_range(const char *name, const cli_option *o, double x)
     return CLI_OK;
 }
 
-static int take_list(const char *name, const cli_option *o, const char *text)
-{
+static int take_list(const char *name, const cli_option *o, const char *text) {
     if (!cli_read_list(text, o->to.list)) {
-        return cli_usage_error(name, "--%s wants numbers separated by commas (%s), not \"%s\"", o->name, o->value,
-                               text);
+        return cli_usage_error(name, "--%s wants numbers separated by commas (%s), not \"%s\"", o->name,
+                               o->value, text);
     }
     for (size_t i = 0; i < o->to.list->n; i++) {
         int code = check_range(name, o, o->to.list->value[i]);
@@ -148,8 +179,7 @@ static int take_list(const char *name, const cli_option *o, const char *text)
     return CLI_OK;
 }
 
-static int take_number(const char *name, const cli_option *o, const char *text)
-{
+static int take_number(const char *name, const cli_option *o, const char *text) {
     double x = 0;
     if (!cli_read_number(text, &x)) {
         return cli_usage_error(name, "--%s wants a number (%s), not \"%s\"", o->name, o->value, text);
@@ -163,8 +193,7 @@ static int take_number(const char *name, const cli_option *o, const char *text)
     return code;
 }
 
-static int take(const char *name, const cli_option *o, const char *text)
-{
+static int take(const char *name, const cli_option *o, const char *text) {
     switch (o->type) {
     case CLI_HEADING:
         return CLI_OK;
@@ -179,8 +208,9 @@ static int take(const char *name, const cli_option *o, const char *text)
         return CLI_OK;
     case CLI_CHOICE:
         *o->to.choice = choice_index(o->value, text);
-        return *o->to.choice >= 0 ? CLI_OK
-                                  : cli_usage_error(name, "--%s must be one of %s, not \"%s\"", o->name, o->value, text);
+        return *o->to.choice >= 0
+                   ? CLI_OK
+                   : cli_usage_error(name, "--%s must be one of %s, not \"%s\"", o->name, o->value, text);
     case CLI_NUMBERS:
     case CLI_COUNTS:
         return take_list(name, o, text);
@@ -194,8 +224,7 @@ static int take(const char *name, const cli_option *o, const char *text)
 
 /* ---- the whole command line ---- */
 
-static void long_options(const cli_command *command, struct option *table)
-{
+static void long_options(const cli_command *command, struct option *table) {
     size_t n = 0;
     for (size_t i = 0; i < command->n_options && n + 2 < OPTIONS_MAX; i++) {
         const cli_option *o = &command->options[i];
@@ -208,8 +237,7 @@ static void long_options(const cli_command *command, struct option *table)
     table[n] = (struct option){NULL, 0, NULL, 0};
 }
 
-static int bad_option(const char *name, int code, char **argv)
-{
+static int bad_option(const char *name, int code, char **argv) {
     if (code == ':') {
         return cli_usage_error(name, "%s wants a value; see palpate %s --help", argv[optind - 1], name);
     }
@@ -222,8 +250,7 @@ static int bad_option(const char *name, int code, char **argv)
     return cli_usage_error(name, "no such option: %s; see palpate %s --help", argv[optind - 1], name);
 }
 
-static void restart_getopt(void)
-{
+static void restart_getopt(void) {
     opterr = 0;
 #if defined(__GLIBC__)
     optind = 0;
@@ -233,8 +260,7 @@ static void restart_getopt(void)
 }
 
 int cli_parse(const cli_command *command, int argc, char **argv, const char **words, size_t max_words,
-              size_t *n_words)
-{
+              size_t *n_words) {
     struct option table[OPTIONS_MAX];
     int code;
     long_options(command, table);
@@ -262,9 +288,9 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
 }
 
 /* Help lines of several rows are separated by \n in the text. */
-static void help_line(const cli_option *o, FILE *to)
-{
-    int width = o->type == CLI_FLAG ? fprintf(to, "  --%s", o->name) : fprintf(to, "  --%s %s", o->name, o->value);
+static void help_line(const cli_option *o, FILE *to) {
+    int width =
+        o->type == CLI_FLAG ? fprintf(to, "  --%s", o->name) : fprintf(to, "  --%s %s", o->name, o->value);
     if (width >= HELP_COLUMN) {
         fputc('\n', to);
         width = 0;
@@ -277,8 +303,7 @@ static void help_line(const cli_option *o, FILE *to)
     }
 }
 
-void cli_help(const cli_command *command, FILE *to)
-{
+void cli_help(const cli_command *command, FILE *to) {
     fprintf(to, "Usage: palpate %s %s\n\n%s\n", command->name, command->usage, command->about);
     for (size_t i = 0; i < command->n_options; i++) {
         const cli_option *o = &command->options[i];
@@ -293,8 +318,7 @@ void cli_help(const cli_command *command, FILE *to)
 
 /* ---- output files ---- */
 
-int cli_file_open(const char *name, const char *path, cli_file *file)
-{
+int cli_file_open(const char *name, const char *path, cli_file *file) {
     *file = (cli_file){.stream = stdout};
     if (!path) {
         return CLI_OK;
@@ -308,10 +332,10 @@ int cli_file_open(const char *name, const char *path, cli_file *file)
     return file->stream ? CLI_OK : cli_failure(name, "%s: %s", path, strerror(errno));
 }
 
-int cli_file_close(const char *name, cli_file *file)
-{
+int cli_file_close(const char *name, cli_file *file) {
     if (file->stream == stdout) {
-        return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK : cli_failure(name, "standard output: write error");
+        return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK
+                                                      : cli_failure(name, "standard output: write error");
     }
     bool bad = ferror(file->stream) != 0;
     bad = fclose(file->stream) != 0 || bad;
@@ -323,8 +347,7 @@ int cli_file_close(const char *name, cli_file *file)
     return CLI_OK;
 }
 
-void cli_file_drop(cli_file *file)
-{
+void cli_file_drop(cli_file *file) {
     if (file->stream != stdout) {
         fclose(file->stream);
         remove(file->temporary);

@@ -8,8 +8,8 @@
 #include <stdio.h>
 
 enum { CLI_OK = 0, CLI_FAILURE = 1, CLI_USAGE = 2, CLI_NOT_CONVERGED = 3 };
-enum { CLI_HELP = -1 };      /* cli_parse printed the help: exit 0 */
-enum { CLI_LIST_MAX = 64 };  /* most numbers in a list such as 1.5,2,2.5 */
+enum { CLI_HELP = -1 };     /* cli_parse printed the help: exit 0 */
+enum { CLI_LIST_MAX = 64 }; /* most numbers in a list such as 1.5,2,2.5 */
 enum { CLI_PATH_MAX = 4096 };
 
 typedef struct cli_list {
@@ -18,23 +18,23 @@ typedef struct cli_list {
 } cli_list;
 
 typedef enum cli_type {
-    CLI_HEADING,  /* of a group of options, in the help */
-    CLI_FLAG,     /* bool */
-    CLI_TEXT,     /* const char * */
-    CLI_CHOICE,   /* int: index in the value string "first|second|third" */
-    CLI_NUMBER,   /* double, low <= x <= high */
-    CLI_POSITIVE, /* double, 0 < x <= high */
-    CLI_COUNT,    /* size_t, low <= n <= high */
-    CLI_NUMBERS,  /* cli_list of 0 < x <= high */
-    CLI_COUNTS    /* cli_list of whole numbers, low <= n <= high */
+    CLI_HEADING,
+    CLI_FLAG,
+    CLI_TEXT,
+    CLI_CHOICE,
+    CLI_NUMBER,
+    CLI_POSITIVE,
+    CLI_COUNT,
+    CLI_NUMBERS,
+    CLI_COUNTS
 } cli_type;
 
-/* One option. A heading has only its text, in name. */
+/* One option; made by the functions below. */
 typedef struct cli_option {
     cli_type type;
     const char *name;  /* without the dashes */
     const char *value; /* what stands for the value in the help, e.g. "MM" */
-    const char *help;
+    const char *help;  /* its rows separated by \n */
     union {
         bool *flag;
         const char **text;
@@ -45,6 +45,23 @@ typedef struct cli_option {
     } to;
     double low, high;
 } cli_option;
+
+cli_option cli_heading(const char *text); /* of a group of options, in the help */
+cli_option cli_flag(const char *name, bool *to, const char *help);
+cli_option cli_text(const char *name, const char *value, const char **to, const char *help);
+
+/* choices: "first|second|third"; *to is the index. */
+cli_option cli_choice(const char *name, const char *choices, int *to, const char *help);
+
+/* low <= x <= high; 0 < x <= high; whole, low <= n <= high; and lists of the last two. */
+cli_option cli_number(const char *name, const char *value, double low, double high, double *to,
+                      const char *help);
+cli_option cli_positive(const char *name, const char *value, double high, double *to, const char *help);
+cli_option cli_count(const char *name, const char *value, double low, double high, size_t *to,
+                     const char *help);
+cli_option cli_numbers(const char *name, const char *value, double high, cli_list *to, const char *help);
+cli_option cli_counts(const char *name, const char *value, double low, double high, cli_list *to,
+                      const char *help);
 
 typedef struct cli_command {
     const char *name;  /* "simulate" */

@@ -7,67 +7,78 @@
 
 static const char NAME[] = "calibrate";
 
-static int parse(int argc, char **argv, calibrate_options *o)
-{
+static int parse(int argc, char **argv, calibrate_options *o) {
     const cli_option options[] = {
-        {CLI_HEADING, .name = "Network"},
-        {CLI_COUNTS, "nodes", "N[,N,N]", "nodes along x, y (the press), z of a lattice", {.list = &o->nodes}, 2, 200},
-        {CLI_NUMBERS, "size-mm", "MM[,MM,MM]", "size of the lattice, mm (default: the specimen's height)",
-         {.list = &o->size_mm}, 0, 1e4},
-        {CLI_TEXT, "mesh", "FILE.msh", "instead: a Gmsh 4.1 file of tetrahedra or hexahedra", {.text = &o->mesh}, 0, 0},
-        {CLI_POSITIVE, "scale-mm", "MM", "length of the file's unit, mm (default 1)", {.number = &o->scale_mm}, 0, 1e6},
-        {CLI_FLAG, "hex-diagonals", NULL, "elements along the diagonals of the file's hexahedra too, without\n"
-         "which they shear like a box without a back", {.flag = &o->hex_diagonals}, 0, 0},
-        {CLI_CHOICE, "branch", "continue|stable", "which equilibrium to follow where the network buckles: the one\n"
-         "Newton's method follows (default), or descend to a stable one", {.choice = &o->branch}, 0, 0},
-        {CLI_HEADING, .name = "Fit"},
-        {CLI_CHOICE, "stage", "static|relaxation|all", "the stiffness law, the arms, or both (default all)",
-         {.choice = &o->stage}, 0, 0},
-        {CLI_CHOICE, "method", "nlopt|fixed_point|three_phase", "nlopt: least squares (default); fixed_point and\n"
-         "three_phase: the loops of Sedef 2008 (Figure 5.6, 5.21); with\n--stage all either of the two means both",
-         {.choice = &o->method}, 0, 0},
-        {CLI_CHOICE, "formulation", "history|sedef2008", "how an element advances (default history: exact;\n"
-         "sedef2008: Eq. 5.4, one arm)", {.choice = &o->formulation}, 0, 0},
-        {CLI_CHOICE, "law", "polynomial|spline", "form of the stiffness law (default polynomial)", {.choice = &o->law}, 0, 0},
-        {CLI_COUNT, "degree", "N", "of the polynomial (default 4)", {.count = &o->degree}, 0, 12},
-        {CLI_COUNT, "knots", "N", "of the spline (default 8)", {.count = &o->knots}, 2, PALP_LAW_MAX},
-        {CLI_COUNT, "arms", "N", "Maxwell arms of an element (default: as many as the lumped model)",
-         {.count = &o->arms}, 1, PALP_ARMS_MAX},
-        {CLI_FLAG, "strain-dependent", NULL, "arms whose stiffness grows with strain, K (1 + beta |e|)",
-         {.flag = &o->strain_dependent}, 0, 0},
-        {CLI_TEXT, "start", "NETWORK.json", "first guess; --stage relaxation takes its law (default: a static\n"
-         "stage runs first), and its mesh unless --nodes or --mesh is given", {.text = &o->start}, 0, 0},
-        {CLI_HEADING, .name = "Curves to meet (of the lumped model, unless runs of the wanted kind are given)"},
-        {CLI_NUMBERS, "depth-mm", "LIST", "static: deepest (default 9.7 of 24 mm); relaxation and all: depths of\n"
-         "the holds (default 1.5,2,...,7 of 24 mm; three_phase: 6)", {.list = &o->depth_mm}, 0, 1e4},
-        {CLI_COUNT, "steps", "N", "samples of the static curve (default 97000, 1e-4 mm each, as in the\n"
-         "thesis: the residual is a 2-norm over them)", {.count = &o->steps}, 10, 1e7},
-        {CLI_POSITIVE, "ramp-s", "S", "time of the ramp, s (default 1)", {.number = &o->ramp_s}, 0, 1e6},
-        {CLI_NUMBER, "hold-s", "S", "time held after it, s (default 200)", {.number = &o->hold_s}, 0, 1e6},
-        {CLI_POSITIVE, "dt-ms", "MS", "time step, ms (three_phase: default 1; nlopt: graded steps)",
-         {.number = &o->dt_ms}, 0, 1e6},
-        {CLI_FLAG, "every-step", NULL, "solve every sample of the static curve, not only as many as it takes",
-         {.flag = &o->every_step}, 0, 0},
-        {CLI_HEADING, .name = "Output"},
-        {CLI_TEXT, "out", "NETWORK.json", "the calibrated network", {.text = &o->out}, 0, 0},
-        {CLI_TEXT, "plot", "DIR", "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation", {.text = &o->plot}, 0, 0},
-        {CLI_FLAG, "json", NULL, "the result as one JSON object on standard output", {.flag = &o->json}, 0, 0},
+        cli_heading("Network"),
+        cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes, "nodes along x, y (the press), z of a lattice"),
+        cli_numbers("size-mm", "MM[,MM,MM]", 1e4, &o->size_mm,
+                    "size of the lattice, mm (default: the specimen's height)"),
+        cli_text("mesh", "FILE.msh", &o->mesh, "instead: a Gmsh 4.1 file of tetrahedra or hexahedra"),
+        cli_positive("scale-mm", "MM", 1e6, &o->scale_mm, "length of the file's unit, mm (default 1)"),
+        cli_flag("hex-diagonals", &o->hex_diagonals,
+                 "elements along the diagonals of the file's hexahedra too, without\n"
+                 "which they shear like a box without a back"),
+        cli_choice("branch", "continue|stable", &o->branch,
+                   "which equilibrium to follow where the network buckles: the one\n"
+                   "Newton's method follows (default), or descend to a stable one"),
+        cli_heading("Fit"),
+        cli_choice("stage", "static|relaxation|all", &o->stage,
+                   "the stiffness law, the arms, or both (default all)"),
+        cli_choice("method", "nlopt|fixed_point|three_phase", &o->method,
+                   "nlopt: least squares (default); fixed_point and\n"
+                   "three_phase: the loops of Sedef 2008 (Figure 5.6, 5.21); with\n--stage all either of the "
+                   "two means "
+                   "both"),
+        cli_choice("formulation", "history|sedef2008", &o->formulation,
+                   "how an element advances (default history: exact;\n"
+                   "sedef2008: Eq. 5.4, one arm)"),
+        cli_choice("law", "polynomial|spline", &o->law, "form of the stiffness law (default polynomial)"),
+        cli_count("degree", "N", 0, 12, &o->degree, "of the polynomial (default 4)"),
+        cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 8)"),
+        cli_count("arms", "N", 1, PALP_ARMS_MAX, &o->arms,
+                  "Maxwell arms of an element (default: as many as the lumped model)"),
+        cli_flag("strain-dependent", &o->strain_dependent,
+                 "arms whose stiffness grows with strain, K (1 + beta |e|)"),
+        cli_text("start", "NETWORK.json", &o->start,
+                 "first guess; --stage relaxation takes its law (default: a static\n"
+                 "stage runs first), and its mesh unless --nodes or --mesh is given"),
+        cli_heading("Curves to meet (of the lumped model, unless runs of the wanted kind are given)"),
+        cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm,
+                    "static: deepest (default 9.7 of 24 mm); relaxation and all: depths of\n"
+                    "the holds (default 1.5,2,...,7 of 24 mm; three_phase: 6)"),
+        cli_count("steps", "N", 10, 1e7, &o->steps,
+                  "samples of the static curve (default 97000, 1e-4 mm each, as in the\n"
+                  "thesis: the residual is a 2-norm over them)"),
+        cli_positive("ramp-s", "S", 1e6, &o->ramp_s, "time of the ramp, s (default 1)"),
+        cli_number("hold-s", "S", 0, 1e6, &o->hold_s, "time held after it, s (default 200)"),
+        cli_positive("dt-ms", "MS", 1e6, &o->dt_ms,
+                     "time step, ms (three_phase: default 1; nlopt: graded steps)"),
+        cli_flag("every-step", &o->every_step,
+                 "solve every sample of the static curve, not only as many as it takes"),
+        cli_heading("Output"),
+        cli_text("out", "NETWORK.json", &o->out, "the calibrated network"),
+        cli_text("plot", "DIR", &o->plot,
+                 "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation"),
+        cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };
     const cli_command command = {
-        NAME, "LUMPED.json [RUN.csv ...] --nodes N [options]",
+        NAME,
+        "LUMPED.json [RUN.csv ...] --nodes N [options]",
         "Finds the stiffness law and the arms of a network's elements with which its force meets that\n"
         "of a lumped model, or of measured runs (protocol.kind static or ramp_hold).",
         "  palpate calibrate data/sedef2008/lumped_n2.json --nodes 5 --strain-dependent --out network.json\n"
-        "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage static --method fixed_point --json\n",
-        options, sizeof options / sizeof options[0]};
+        "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage static --method fixed_point "
+        "--json\n",
+        options,
+        sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, o->words, 1 + RUNS_MAX, &o->n_words);
     o->lumped = o->words[0];
-    return code == CLI_OK && o->n_words == 0 ? cli_usage_error(NAME, "name a LUMPED.json; see palpate calibrate --help")
-                                             : code;
+    return code == CLI_OK && o->n_words == 0
+               ? cli_usage_error(NAME, "name a LUMPED.json; see palpate calibrate --help")
+               : code;
 }
 
-static int check_mesh(const calibrate_options *o)
-{
+static int check_mesh(const calibrate_options *o) {
     if (o->nodes.n && o->mesh) {
         return cli_usage_error(NAME, "give either --nodes or --mesh");
     }
@@ -83,8 +94,7 @@ static int check_mesh(const calibrate_options *o)
     return CLI_OK;
 }
 
-static int check_method(const calibrate_options *o)
-{
+static int check_method(const calibrate_options *o) {
     if (o->stage == STAGE_STATIC && o->method == PALP_CALIBRATE_THREE_PHASE) {
         return cli_usage_error(NAME, "--method three_phase is for --stage relaxation or all");
     }
@@ -108,8 +118,7 @@ static int check_method(const calibrate_options *o)
     return CLI_OK;
 }
 
-static int check_options(const calibrate_options *o)
-{
+static int check_options(const calibrate_options *o) {
     int code = check_mesh(o);
     if (code == CLI_OK) {
         code = check_method(o);
@@ -120,8 +129,7 @@ static int check_options(const calibrate_options *o)
     return code;
 }
 
-static void plan(calibrate_options *o, calibrate_state *s)
-{
+static void plan(calibrate_options *o, calibrate_state *s) {
     bool loops = o->method != PALP_CALIBRATE_NLOPT;
     s->does_relaxation = o->stage != STAGE_STATIC;
     s->does_static = o->stage != STAGE_RELAXATION || !o->start;
@@ -135,28 +143,28 @@ static void plan(calibrate_options *o, calibrate_state *s)
 }
 
 /* Exit code of a calibration that ran: 3 where a method's own criterion was not met. */
-static int verdict(const calibrate_state *s)
-{
+static int verdict(const calibrate_state *s) {
     bool missed_static = s->does_static && !s->static_result.converged;
     bool missed_relaxation = s->does_relaxation && !s->relaxation_result.converged;
     if (missed_static) {
-        cli_warning(NAME, "the static stage stopped before it met its own criterion; the best law found is given");
+        cli_warning(NAME,
+                    "the static stage stopped before it met its own criterion; the best law found is given");
     }
     if (missed_relaxation) {
-        cli_warning(NAME, "the relaxation stage stopped before it met its own criterion; the best arms found are given");
+        cli_warning(
+            NAME,
+            "the relaxation stage stopped before it met its own criterion; the best arms found are given");
     }
     return missed_static || missed_relaxation ? CLI_NOT_CONVERGED : CLI_OK;
 }
 
-static int write_model(const calibrate_options *o, const calibrate_state *s)
-{
+static int write_model(const calibrate_options *o, const calibrate_state *s) {
     palp_error error = {PALP_OK, ""};
     palp_status status = o->out ? palp_model_write(&s->model, o->out, &error) : PALP_OK;
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
 
-static int calibrate(const calibrate_options *o, calibrate_state *s)
-{
+static int calibrate(const calibrate_options *o, calibrate_state *s) {
     int code = calibrate_setup(o, s);
     code = code ? code : calibrate_targets(o, s);
     if (code == CLI_OK && s->does_static) {
@@ -174,8 +182,7 @@ static int calibrate(const calibrate_options *o, calibrate_state *s)
     return code ? code : verdict(s);
 }
 
-static void state_free(calibrate_state *s)
-{
+static void state_free(calibrate_state *s) {
     palp_calibration_free(&s->static_result);
     palp_calibration_free(&s->relaxation_result);
     for (size_t i = 0; i < s->n_presses; i++) {
@@ -191,9 +198,9 @@ static void state_free(calibrate_state *s)
     free(s);
 }
 
-int cmd_calibrate(int argc, char **argv)
-{
-    calibrate_options o = {.stage = STAGE_ALL, .degree = 4, .knots = 8, .steps = 97000, .ramp_s = 1, .hold_s = 200};
+int cmd_calibrate(int argc, char **argv) {
+    calibrate_options o = {
+        .stage = STAGE_ALL, .degree = 4, .knots = 8, .steps = 97000, .ramp_s = 1, .hold_s = 200};
     int code = parse(argc, argv, &o);
     if (code == CLI_OK) {
         code = check_options(&o);

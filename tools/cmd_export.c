@@ -14,30 +14,33 @@ typedef struct export_options {
     const char *out;
 } export_options;
 
-static int parse(int argc, char **argv, export_options *o, const char **model)
-{
+static int parse(int argc, char **argv, export_options *o, const char **model) {
     const cli_option options[] = {
-        {CLI_HEADING, .name = "Presses (one of the two)"},
-        {CLI_NUMBERS, "depth-mm", "LIST", "depths in mm, one step each", {.list = &o->depth_mm}, 0, 1e4},
-        {CLI_NUMBERS, "strain", "LIST", "the same as depth / height of the network", {.list = &o->strain}, 0, 0.95},
-        {CLI_HEADING, .name = "Deck"},
-        {CLI_CHOICE, "format", "calculix", "the only one", {.choice = &o->format}, 0, 0},
-        {CLI_COUNT, "table-points", "N", "points of each force-elongation table, rounded down to an\n"
-         "odd number (default and most 199: CalculiX thins out longer ones)", {.count = &o->points}, 5, 200},
-        {CLI_POSITIVE, "table-strain", "E", "the tables reach from -E to E (default 1.2 x the largest strain);\n"
-         "beyond, CalculiX keeps the force constant", {.number = &o->table_strain}, 0, 0.99},
-        {CLI_POSITIVE, "step-strain", "E", "largest increment, depth / height (default 0.01)",
-         {.number = &o->step_strain}, 0, 1},
-        {CLI_HEADING, .name = "Output"},
-        {CLI_TEXT, "out", "DECK.inp", "the deck (default: standard output)", {.text = &o->out}, 0, 0},
+        cli_heading("Presses (one of the two)"),
+        cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm, "depths in mm, one step each"),
+        cli_numbers("strain", "LIST", 0.95, &o->strain, "the same as depth / height of the network"),
+        cli_heading("Deck"),
+        cli_choice("format", "calculix", &o->format, "the only one"),
+        cli_count("table-points", "N", 5, 200, &o->points,
+                  "points of each force-elongation table, rounded down to an\n"
+                  "odd number (default and most 199: CalculiX thins out longer ones)"),
+        cli_positive("table-strain", "E", 0.99, &o->table_strain,
+                     "the tables reach from -E to E (default 1.2 x the largest strain);\n"
+                     "beyond, CalculiX keeps the force constant"),
+        cli_positive("step-strain", "E", 1, &o->step_strain,
+                     "largest increment, depth / height (default 0.01)"),
+        cli_heading("Output"),
+        cli_text("out", "DECK.inp", &o->out, "the deck (default: standard output)"),
     };
     const cli_command command = {
-        "export", "MODEL.json --depth-mm LIST [--out DECK.inp]",
+        "export",
+        "MODEL.json --depth-mm LIST [--out DECK.inp]",
         "Writes the fully relaxed network (its springs, without arms) as a CalculiX deck: SPRINGA\n"
         "elements, supports, and a static step to each depth that prints the reaction on the plate.",
         "  palpate export network.json --strain 0.1,0.2,0.3,0.4 --out network.inp\n"
         "  ccx -i network && cat network.dat\n",
-        options, sizeof options / sizeof options[0]};
+        options,
+        sizeof options / sizeof options[0]};
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, model, 1, &n);
     if (code == CLI_OK && n == 0) {
@@ -50,8 +53,8 @@ static int parse(int argc, char **argv, export_options *o, const char **model)
 }
 
 /* Depths in m, and the tables' reach. */
-static int presses(const export_options *o, const char *model, calculix_deck *deck, double depth_m[CLI_LIST_MAX])
-{
+static int presses(const export_options *o, const char *model, calculix_deck *deck,
+                   double depth_m[CLI_LIST_MAX]) {
     double deepest = 0;
     deck->n_depths = o->depth_mm.n ? o->depth_mm.n : o->strain.n;
     for (size_t i = 0; i < deck->n_depths; i++) {
@@ -62,7 +65,8 @@ static int presses(const export_options *o, const char *model, calculix_deck *de
         }
     }
     if (deepest >= 0.95 * deck->height_m) {
-        return cli_usage_error("export", "a depth of %g mm leaves nothing of the %g mm that %s is high; press less",
+        return cli_usage_error("export",
+                               "a depth of %g mm leaves nothing of the %g mm that %s is high; press less",
                                1e3 * deepest, 1e3 * deck->height_m, model);
     }
     deck->depth_m = depth_m;
@@ -70,15 +74,19 @@ static int presses(const export_options *o, const char *model, calculix_deck *de
     return CLI_OK;
 }
 
-static int write_deck(const export_options *o, const palp_model *model, const char *path, palp_mesh *mesh)
-{
+static int write_deck(const export_options *o, const palp_model *model, const char *path, palp_mesh *mesh) {
     palp_support supports[2];
     double low[3], high[3], depth_m[CLI_LIST_MAX];
     cli_file file;
     palp_supports_default(supports);
     palp_mesh_bounds(mesh, low, high);
-    calculix_deck deck = {.mesh = mesh, .law = &model->material.law, .model = path, .n_supports = 2,
-                          .supports = supports, .height_m = high[1] - low[1], .step_strain = o->step_strain,
+    calculix_deck deck = {.mesh = mesh,
+                          .law = &model->material.law,
+                          .model = path,
+                          .n_supports = 2,
+                          .supports = supports,
+                          .height_m = high[1] - low[1],
+                          .step_strain = o->step_strain,
                           .table_points = o->points - (o->points % 2 == 0)};
     int code = presses(o, path, &deck, depth_m);
     if (code == CLI_OK) {
@@ -95,8 +103,7 @@ static int write_deck(const export_options *o, const palp_model *model, const ch
     return cli_file_close("export", &file);
 }
 
-int cmd_export(int argc, char **argv)
-{
+int cmd_export(int argc, char **argv) {
     export_options o = {.points = CALCULIX_POINTS_MAX, .step_strain = 0.01};
     const char *path = NULL;
     palp_model model;
@@ -108,7 +115,8 @@ int cmd_export(int argc, char **argv)
     }
     palp_status status = palp_model_read(path, &model, &error);
     if (status == PALP_OK && model.kind != PALP_MODEL_NETWORK) {
-        return cli_failure("export", "%s: a lumped model has no mesh; make a network of it by palpate calibrate", path);
+        return cli_failure("export",
+                           "%s: a lumped model has no mesh; make a network of it by palpate calibrate", path);
     }
     if (status == PALP_OK) {
         status = palp_model_mesh(&model, &mesh, &error);

@@ -9,69 +9,78 @@
 
 static const char NAME[] = "simulate";
 
-static int parse(int argc, char **argv, simulate_options *o)
-{
+static int parse(int argc, char **argv, simulate_options *o) {
     const cli_option options[] = {
-        {CLI_HEADING, .name = "Protocol"},
-        {CLI_CHOICE, "protocol", "static|ramp_hold|cyclic|creep", "what the plate does", {.choice = &o->protocol}, 0, 0},
-        {CLI_TEXT, "like", "RUN.csv", "instead: follow the depth a run recorded, at its samples", {.text = &o->like}, 0, 0},
-        {CLI_POSITIVE, "depth-mm", "MM", "depth to press to, mm (not creep)", {.number = &o->depth_mm}, 0, 1e4},
-        {CLI_POSITIVE, "rate-mm-s", "R", "speed of the plate, mm/s (static 0.1, cyclic 1; ramp_hold: instead of\n"
-         "--ramp-s)", {.number = &o->rate_mm_s}, 0, 1e6},
-        {CLI_POSITIVE, "ramp-s", "S", "time of the ramp, s (ramp_hold, creep; default 1)", {.number = &o->ramp_s}, 0, 1e9},
-        {CLI_NUMBER, "hold-s", "S", "time held after it, s (ramp_hold, creep; default 200)", {.number = &o->hold_s}, 0, 1e9},
-        {CLI_COUNT, "cycles", "N", "presses and returns (cyclic; default 3)", {.count = &o->cycles}, 1, 1e5},
-        {CLI_POSITIVE, "force-N", "F", "force on the plate, N (creep)", {.number = &o->force_N}, 0, 1e6},
-        {CLI_FLAG, "relaxed", NULL, "every sample fully relaxed, at no particular rate (static)", {.flag = &o->relaxed}, 0, 0},
-        {CLI_HEADING, .name = "Solution"},
-        {CLI_POSITIVE, "dt-ms", "MS", "fixed time steps of at most MS ms", {.number = &o->dt_ms}, 0, 1e9},
-        {CLI_POSITIVE, "tolerance", "REL", "instead: steps that keep the force this exact, relative to the\n"
-         "largest (default 1e-4)", {.number = &o->tolerance}, 0, 0.1},
-        {CLI_CHOICE, "branch", "continue|stable", "which equilibrium to follow where the network buckles: the one\n"
-         "Newton's method follows (default), or descend to a stable one", {.choice = &o->branch}, 0, 0},
-        {CLI_COUNTS, "nodes", "N[,N,N]", "nodes along x, y, z, instead of the model's lattice", {.list = &o->nodes}, 2, 200},
-        {CLI_CHOICE, "solver", "auto|band|simplicial|supernodal", "sparse solver (default auto)", {.choice = &o->solver}, 0, 0},
-        {CLI_HEADING, .name = "Output"},
-        {CLI_TEXT, "out", "RUN.csv", "the run (default: standard output)", {.text = &o->out}, 0, 0},
-        {CLI_TEXT, "vtu", "DIR", "frames for ParaView into DIR/network.pvd (network)", {.text = &o->vtu}, 0, 0},
-        {CLI_COUNT, "vtu-every", "N", "a frame every N steps only (default 1)", {.count = &o->vtu_every}, 1, 1e9},
-        {CLI_FLAG, "json", NULL, "a summary as JSON on standard output; the run only to --out", {.flag = &o->json}, 0, 0},
+        cli_heading("Protocol"),
+        cli_choice("protocol", "static|ramp_hold|cyclic|creep", &o->protocol, "what the plate does"),
+        cli_text("like", "RUN.csv", &o->like, "instead: follow the depth a run recorded, at its samples"),
+        cli_positive("depth-mm", "MM", 1e4, &o->depth_mm, "depth to press to, mm (not creep)"),
+        cli_positive("rate-mm-s", "R", 1e6, &o->rate_mm_s,
+                     "speed of the plate, mm/s (static 0.1, cyclic 1; ramp_hold: instead of\n"
+                     "--ramp-s)"),
+        cli_positive("ramp-s", "S", 1e9, &o->ramp_s, "time of the ramp, s (ramp_hold, creep; default 1)"),
+        cli_number("hold-s", "S", 0, 1e9, &o->hold_s,
+                   "time held after it, s (ramp_hold, creep; default 200)"),
+        cli_count("cycles", "N", 1, 1e5, &o->cycles, "presses and returns (cyclic; default 3)"),
+        cli_positive("force-N", "F", 1e6, &o->force_N, "force on the plate, N (creep)"),
+        cli_flag("relaxed", &o->relaxed, "every sample fully relaxed, at no particular rate (static)"),
+        cli_heading("Solution"),
+        cli_positive("dt-ms", "MS", 1e9, &o->dt_ms, "fixed time steps of at most MS ms"),
+        cli_positive("tolerance", "REL", 0.1, &o->tolerance,
+                     "instead: steps that keep the force this exact, relative to the\n"
+                     "largest (default 1e-4)"),
+        cli_choice("branch", "continue|stable", &o->branch,
+                   "which equilibrium to follow where the network buckles: the one\n"
+                   "Newton's method follows (default), or descend to a stable one"),
+        cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes,
+                   "nodes along x, y, z, instead of the model's lattice"),
+        cli_choice("solver", "auto|band|simplicial|supernodal", &o->solver, "sparse solver (default auto)"),
+        cli_heading("Output"),
+        cli_text("out", "RUN.csv", &o->out, "the run (default: standard output)"),
+        cli_text("vtu", "DIR", &o->vtu, "frames for ParaView into DIR/network.pvd (network)"),
+        cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "a frame every N steps only (default 1)"),
+        cli_flag("json", &o->json, "a summary as JSON on standard output; the run only to --out"),
     };
     const cli_command command = {
-        NAME, "MODEL.json --protocol P [options]",
+        NAME,
+        "MODEL.json --protocol P [options]",
         "Presses a lumped or network model and writes time_s, depth_mm, force_N.",
         "  palpate simulate network.json --protocol ramp_hold --depth-mm 6 --hold-s 50 --out run.csv\n"
         "  palpate simulate network.json --like measured.csv --out simulated.csv\n",
-        options, sizeof options / sizeof options[0]};
+        options,
+        sizeof options / sizeof options[0]};
     const char *words[1] = {NULL};
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, words, 1, &n);
     o->model = words[0];
-    return code == CLI_OK && n == 0 ? cli_usage_error(NAME, "name a MODEL.json; see palpate simulate --help") : code;
+    return code == CLI_OK && n == 0 ? cli_usage_error(NAME, "name a MODEL.json; see palpate simulate --help")
+                                    : code;
 }
 
 /* ---- which options go together ---- */
 
 enum { STATIC = 1, RAMP_HOLD = 2, CYCLIC = 4, CREEP = 8 };
 
-static int check_options(const simulate_options *o)
-{
+static int check_options(const simulate_options *o) {
     static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "creep"};
     const struct {
         const char *option;
         bool given;
         int goes_with;
-    } uses[] = {
-        {"depth-mm", o->depth_mm > 0, STATIC | RAMP_HOLD | CYCLIC}, {"rate-mm-s", o->rate_mm_s > 0, STATIC | RAMP_HOLD | CYCLIC},
-        {"ramp-s", o->ramp_s > 0, RAMP_HOLD | CREEP}, {"hold-s", o->hold_s >= 0, RAMP_HOLD | CREEP},
-        {"cycles", o->cycles > 0, CYCLIC}, {"force-N", o->force_N > 0, CREEP}, {"relaxed", o->relaxed, STATIC}};
+    } uses[] = {{"depth-mm", o->depth_mm > 0, STATIC | RAMP_HOLD | CYCLIC},
+                {"rate-mm-s", o->rate_mm_s > 0, STATIC | RAMP_HOLD | CYCLIC},
+                {"ramp-s", o->ramp_s > 0, RAMP_HOLD | CREEP},
+                {"hold-s", o->hold_s >= 0, RAMP_HOLD | CREEP},
+                {"cycles", o->cycles > 0, CYCLIC},
+                {"force-N", o->force_N > 0, CREEP},
+                {"relaxed", o->relaxed, STATIC}};
     if ((o->protocol >= 0) == (o->like != NULL)) {
         return cli_usage_error(NAME, "say what the plate does by either --protocol or --like");
     }
     for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
         if (uses[i].given && (o->like || !(uses[i].goes_with & (1 << o->protocol)))) {
-            return cli_usage_error(NAME, "--%s does not go with %s%s", uses[i].option, o->like ? "--like" : "--protocol ",
-                                   o->like ? "" : protocols[o->protocol]);
+            return cli_usage_error(NAME, "--%s does not go with %s%s", uses[i].option,
+                                   o->like ? "--like" : "--protocol ", o->like ? "" : protocols[o->protocol]);
         }
     }
     if (o->rate_mm_s > 0 && o->ramp_s > 0) {
@@ -87,8 +96,7 @@ static int check_options(const simulate_options *o)
     return CLI_OK;
 }
 
-static void set_defaults(simulate_options *o)
-{
+static void set_defaults(simulate_options *o) {
     if (o->rate_mm_s <= 0 && (o->protocol == 0 || o->protocol == 2)) {
         o->rate_mm_s = o->protocol == 0 ? 0.1 : 1;
     }
@@ -103,8 +111,7 @@ static void set_defaults(simulate_options *o)
 /* ---- the path ---- */
 
 /* The depth column of a run; free air (negative depth) presses nothing. Times start at 0. */
-static palp_status path_like(const palp_experiment *run, palp_path *path)
-{
+static palp_status path_like(const palp_experiment *run, palp_path *path) {
     const double *time_s = palp_experiment_column(run, "time_s");
     const double *depth_mm = palp_experiment_column(run, "depth_mm");
     size_t n = palp_experiment_rows(run);
@@ -116,8 +123,7 @@ static palp_status path_like(const palp_experiment *run, palp_path *path)
     return status;
 }
 
-static int make_path(const simulate_options *o, const palp_experiment *like, palp_path *path)
-{
+static int make_path(const simulate_options *o, const palp_experiment *like, palp_path *path) {
     palp_status status = PALP_OK;
     double depth_m = 1e-3 * o->depth_mm;
     if (like) {
@@ -137,8 +143,7 @@ static int make_path(const simulate_options *o, const palp_experiment *like, pal
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
-static int check_path(const simulate_options *o, const palp_path *path, double height_m)
-{
+static int check_path(const simulate_options *o, const palp_path *path, double height_m) {
     double deepest = 0, length = path->time_s[path->n - 1];
     for (size_t i = 0; path->depth_m && i < path->n; i++) {
         deepest = fmax(deepest, path->depth_m[i]);
@@ -150,17 +155,18 @@ static int check_path(const simulate_options *o, const palp_path *path, double h
         return CLI_OK;
     }
     if (o->like) {
-        return cli_failure(NAME, "%s: depth_mm reaches %g, beyond the model's height of %g mm; take the model of "
-                           "that specimen", o->like, 1e3 * deepest, 1e3 * height_m);
+        return cli_failure(NAME,
+                           "%s: depth_mm reaches %g, beyond the model's height of %g mm; take the model of "
+                           "that specimen",
+                           o->like, 1e3 * deepest, 1e3 * height_m);
     }
-    return cli_usage_error(NAME, "--depth-mm %g is beyond the model's height of %g mm; press less", o->depth_mm,
-                           1e3 * height_m);
+    return cli_usage_error(NAME, "--depth-mm %g is beyond the model's height of %g mm; press less",
+                           o->depth_mm, 1e3 * height_m);
 }
 
 /* ---- the run ---- */
 
-static int override_nodes(const simulate_options *o, palp_model *model)
-{
+static int override_nodes(const simulate_options *o, palp_model *model) {
     double nodes[3];
     if (o->vtu && model->kind != PALP_MODEL_NETWORK) {
         return cli_usage_error(NAME, "--vtu needs a network; %s is a lumped model", o->model);
@@ -180,8 +186,7 @@ static int override_nodes(const simulate_options *o, palp_model *model)
     return CLI_OK;
 }
 
-static int run_lumped(const simulate_options *o, simulation *s)
-{
+static int run_lumped(const simulate_options *o, simulation *s) {
     press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like != NULL};
     s->height_m = s->model.height_m;
     int code = check_path(o, &s->path, s->height_m);
@@ -198,8 +203,7 @@ static int run_lumped(const simulate_options *o, simulation *s)
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
-static int simulate(const simulate_options *o, simulation *s)
-{
+static int simulate(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_model_read(o->model, &s->model, &error);
     if (status == PALP_OK && o->like) {
@@ -225,8 +229,7 @@ static int simulate(const simulate_options *o, simulation *s)
     return code ? code : simulate_report(o, s);
 }
 
-int cmd_simulate(int argc, char **argv)
-{
+int cmd_simulate(int argc, char **argv) {
     simulate_options o = {.protocol = -1, .hold_s = -1, .vtu_every = 1};
     simulation s;
     int code = parse(argc, argv, &o);

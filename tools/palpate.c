@@ -13,18 +13,20 @@ typedef struct subcommand {
 } subcommand;
 
 static const subcommand subcommands[] = {
-    {"Tissue models", "calibrate", "find the element material with which a network meets a lumped model or runs",
-     cmd_calibrate},
-    {NULL, "simulate", "press a model: static, ramp and hold, cyclic, creep, or as a run was recorded", cmd_simulate},
+    {"Tissue models", "calibrate",
+     "find the element material with which a network meets a lumped model or runs", cmd_calibrate},
+    {NULL, "simulate", "press a model: static, ramp and hold, cyclic, creep, or as a run was recorded",
+     cmd_simulate},
     {"Files", "export", "write a network for another solver (CalculiX)", cmd_export},
 };
 
 enum { SUBCOMMANDS = sizeof subcommands / sizeof subcommands[0] };
 
-static void help(FILE *to)
-{
-    fprintf(to, "palpate %s: from the press of an indenter to a tissue model that a simulator can run\n\n"
-                "Usage: palpate COMMAND [options]\n", palp_version());
+static void help(FILE *to) {
+    fprintf(to,
+            "palpate %s: from the press of an indenter to a tissue model that a simulator can run\n\n"
+            "Usage: palpate COMMAND [options]\n",
+            palp_version());
     for (size_t i = 0; i < SUBCOMMANDS; i++) {
         const subcommand *s = &subcommands[i];
         if (s->group) {
@@ -37,11 +39,11 @@ static void help(FILE *to)
           "\nExample:\n"
           "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage all --out network.json\n"
           "  palpate simulate network.json --protocol ramp_hold --depth-mm 6 --out run.csv\n"
-          "\nExit codes: 0 success, 1 failure, 2 wrong usage, 3 not converged\n", to);
+          "\nExit codes: 0 success, 1 failure, 2 wrong usage, 3 not converged\n",
+          to);
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
     if (argc < 2) {
         help(stderr);
         return CLI_USAGE;

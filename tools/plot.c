@@ -19,8 +19,7 @@ enum { NAME_MAX_LENGTH = 4096 };
 static const char *const palette[PLOT_COLOURS] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                   "#56B4E9", "#E69F00", "#000000", "#8C6D31"};
 
-bool plot_folder(const char *folder)
-{
+bool plot_folder(const char *folder) {
     struct stat entry;
     if (mkdir(folder, 0777) == 0) {
         return true;
@@ -29,8 +28,7 @@ bool plot_folder(const char *folder)
 }
 
 /* Quoted for gnuplot: single quotes, with a quote inside doubled. */
-static void quote(FILE *to, const char *text)
-{
+static void quote(FILE *to, const char *text) {
     fputc('\'', to);
     for (; *text; text++) {
         if (*text == '\'') {
@@ -41,8 +39,7 @@ static void quote(FILE *to, const char *text)
     fputc('\'', to);
 }
 
-static void write_data(FILE *to, size_t panel, size_t index, const plot_series *series)
-{
+static void write_data(FILE *to, size_t panel, size_t index, const plot_series *series) {
     fprintf(to, "$d%zu_%zu << EOD\n", panel, index);
     for (size_t i = 0; i < series->n; i++) {
         if (isfinite(series->x[i]) && isfinite(series->y[i])) {
@@ -52,9 +49,9 @@ static void write_data(FILE *to, size_t panel, size_t index, const plot_series *
     fputs("EOD\n", to);
 }
 
-static void write_series(FILE *to, size_t panel, size_t index, const plot_series *series)
-{
-    static const char *const looks[] = {"lines lw 2", "lines lw 2 dt 2", "points pt 6 ps 0.6", "linespoints lw 2 pt 7 ps 0.7"};
+static void write_series(FILE *to, size_t panel, size_t index, const plot_series *series) {
+    static const char *const looks[] = {"lines lw 2", "lines lw 2 dt 2", "points pt 6 ps 0.6",
+                                        "linespoints lw 2 pt 7 ps 0.7"};
     fprintf(to, "%s$d%zu_%zu using 1:2 with %s lc rgb '%s' ", index ? ", \\\n     " : "plot ", panel, index,
             looks[series->style], palette[series->colour % PLOT_COLOURS]);
     if (series->title) {
@@ -65,8 +62,7 @@ static void write_series(FILE *to, size_t panel, size_t index, const plot_series
     }
 }
 
-static void write_panel(FILE *to, size_t panel, size_t n_panels, const plot_panel *p)
-{
+static void write_panel(FILE *to, size_t panel, size_t n_panels, const plot_panel *p) {
     bool key = false;
     for (size_t i = 0; i < p->n_series; i++) {
         key = key || p->series[i].title;
@@ -76,7 +72,8 @@ static void write_panel(FILE *to, size_t panel, size_t n_panels, const plot_pane
                                : "unset title\nset bmargin at screen 0.11\nset tmargin at screen 0.31\n");
         fprintf(to, "set rmargin at screen 0.80\n");
     }
-    fprintf(to, "unset logscale\n%s%s", p->x_log ? "set logscale x\nset format x '10^{%L}'\n" : "set format x '%g'\n",
+    fprintf(to, "unset logscale\n%s%s",
+            p->x_log ? "set logscale x\nset format x '10^{%L}'\n" : "set format x '%g'\n",
             p->y_log ? "set logscale y\n" : "");
     fputs("set xlabel ", to);
     quote(to, p->x_label);
@@ -89,16 +86,17 @@ static void write_panel(FILE *to, size_t panel, size_t n_panels, const plot_pane
     fputc('\n', to);
 }
 
-static bool write_script(const char *script, const char *svg, const plot_figure *figure)
-{
+static bool write_script(const char *script, const char *svg, const plot_figure *figure) {
     FILE *to = fopen(script, "w");
     if (!to) {
         return false;
     }
-    fprintf(to, "set encoding utf8\nset terminal svg size 900,560 dynamic font 'DejaVu Sans,Arial,sans-serif' fontscale 1.15"
+    fprintf(to, "set encoding utf8\nset terminal svg size 900,560 dynamic font 'DejaVu "
+                "Sans,Arial,sans-serif' fontscale 1.15"
                 " background rgb 'white'\nset output exists('ARGC') && ARGC > 0 ? ARG1 : ");
     quote(to, svg);
-    fputs("\nset grid lc rgb '#dddddd' lt 1\nset border 3\nset tics nomirror\nset lmargin 11\nset title ", to);
+    fputs("\nset grid lc rgb '#dddddd' lt 1\nset border 3\nset tics nomirror\nset lmargin 11\nset title ",
+          to);
     quote(to, figure->title);
     fputc('\n', to);
     for (size_t k = 0; k < figure->n_panels; k++) {
@@ -120,8 +118,7 @@ static bool write_script(const char *script, const char *svg, const plot_figure 
     return fclose(to) == 0 && !bad;
 }
 
-static plot_result run_gnuplot(char *script, char *svg)
-{
+static plot_result run_gnuplot(char *script, char *svg) {
     char program[] = "gnuplot", with_arguments[] = "-c";
     char *arguments[] = {program, with_arguments, script, svg, NULL};
     pid_t child;
@@ -140,8 +137,7 @@ static plot_result run_gnuplot(char *script, char *svg)
     return WIFEXITED(how) && WEXITSTATUS(how) == 0 ? PLOT_OK : PLOT_FAILED;
 }
 
-plot_result plot_write(const char *folder, const char *name, const plot_figure *figure)
-{
+plot_result plot_write(const char *folder, const char *name, const plot_figure *figure) {
     char script[NAME_MAX_LENGTH], svg[NAME_MAX_LENGTH], temporary[NAME_MAX_LENGTH];
     int n = snprintf(script, sizeof script, "%s/%s.gp", folder, name);
     int m = snprintf(svg, sizeof svg, "%s/%s.svg", folder, name);

@@ -10,7 +10,7 @@ typedef enum plot_style { PLOT_LINE, PLOT_DASHED, PLOT_POINTS, PLOT_LINE_POINTS 
 typedef struct plot_series {
     const char *title; /* NULL = not in the key */
     plot_style style;
-    int colour;        /* index in the palette; series of one colour belong together */
+    int colour; /* index in the palette; series of one colour belong together */
     size_t n;
     const double *x, *y; /* caller's */
 } plot_series;

@@ -6,8 +6,8 @@
 #include <string.h>
 
 enum {
-    EVEN = 100,         /* steps of a segment that moves */
-    GROWING = 120,      /* steps of a segment that is held */
+    EVEN = 100,    /* steps of a segment that moves */
+    GROWING = 120, /* steps of a segment that is held */
     RELAXED_STEPS = 200,
     HALVINGS_MAX = 7
 };
@@ -16,14 +16,12 @@ static const double first_part = 1e-5; /* first step of a held segment, of its l
 
 /* ---- sample times ---- */
 
-static double held_value(const palp_path *path, size_t i)
-{
+static double held_value(const palp_path *path, size_t i) {
     return path->force_N ? path->force_N[i] : path->depth_m[i];
 }
 
 /* Steps of segment i: their number, and whether they grow. */
-static size_t segment_steps(const palp_path *path, size_t i, const press_settings *settings, bool *growing)
-{
+static size_t segment_steps(const palp_path *path, size_t i, const press_settings *settings, bool *growing) {
     *growing = false;
     if (settings->corners) {
         return 1;
@@ -36,8 +34,7 @@ static size_t segment_steps(const palp_path *path, size_t i, const press_setting
     return *growing ? GROWING : EVEN;
 }
 
-palp_status press_times(const palp_path *path, const press_settings *settings, size_t *n, double **time_s)
-{
+palp_status press_times(const palp_path *path, const press_settings *settings, size_t *n, double **time_s) {
     size_t total = 1, at = 0;
     bool growing;
     for (size_t i = 0; i + 1 < path->n; i++) {
@@ -65,8 +62,8 @@ palp_status press_times(const palp_path *path, const press_settings *settings, s
 /* ---- lumped ---- */
 
 /* Strain at which the force after dt_s is force_N: Newton, kept in a bracket by bisection. */
-static palp_status creep_step(const palp_material *material, double force_N, double dt_s, palp_element_state *state)
-{
+static palp_status creep_step(const palp_material *material, double force_N, double dt_s,
+                              palp_element_state *state) {
     double low = -0.95, high = 0.95, e = state->strain, slope;
     palp_element_state next = *state;
     palp_status status = palp_element_advance(material, state, high, dt_s, &next, NULL);
@@ -93,8 +90,7 @@ static palp_status creep_step(const palp_material *material, double force_N, dou
 
 /* What the specimen answers at n times: force to a depth path, depth to a force path. */
 static palp_status answer(const palp_material *material, double height_m, const palp_path *path, bool relaxed,
-                          size_t n, const double *time_s, double *drive, double *out)
-{
+                          size_t n, const double *time_s, double *drive, double *out) {
     for (size_t i = 0; i < n; i++) {
         drive[i] = palp_path_at(path, time_s[i]);
         if (!path->force_N && drive[i] < 0) {
@@ -128,8 +124,7 @@ static palp_status answer(const palp_material *material, double height_m, const 
 /* The answer with every step of time_s[n] cut in cuts, at the times of time_s only. */
 static palp_status answer_finer(const palp_material *material, double height_m, const palp_path *path,
                                 const press_settings *settings, size_t n, const double *time_s, size_t cuts,
-                                double *out)
-{
+                                double *out) {
     size_t m = (n - 1) * cuts + 1;
     double *work = malloc(3 * m * sizeof *work);
     if (!work) {
@@ -152,11 +147,11 @@ static palp_status answer_finer(const palp_material *material, double height_m, 
 
 /* Halves the steps until the answer changes less than the tolerance. */
 static palp_status answer_to_tolerance(const palp_material *material, double height_m, const palp_path *path,
-                                       const press_settings *settings, size_t n, const double *time_s, double *out)
-{
+                                       const press_settings *settings, size_t n, const double *time_s,
+                                       double *out) {
     double *coarse = malloc(n * sizeof *coarse);
-    palp_status status = coarse ? answer_finer(material, height_m, path, settings, n, time_s, 1, out)
-                                : PALP_ERR_NO_MEMORY;
+    palp_status status =
+        coarse ? answer_finer(material, height_m, path, settings, n, time_s, 1, out) : PALP_ERR_NO_MEMORY;
     double change = settings->dt_s > 0 ? 0 : 1, scale = 0;
     for (size_t k = 1; status == PALP_OK && change > settings->tolerance * scale && k <= HALVINGS_MAX; k++) {
         memcpy(coarse, out, n * sizeof *out);
@@ -172,18 +167,19 @@ static palp_status answer_to_tolerance(const palp_material *material, double hei
 }
 
 palp_status press_lumped(const palp_material *material, double height_m, const palp_path *path,
-                         const press_settings *settings, record *curve)
-{
+                         const press_settings *settings, record *curve) {
     size_t n = 0;
     double *t = NULL;
     palp_status status = press_times(path, settings, &n, &t);
     double *out = status == PALP_OK ? malloc(n * sizeof *out) : NULL;
     if (status == PALP_OK) {
-        status = out ? answer_to_tolerance(material, height_m, path, settings, n, t, out) : PALP_ERR_NO_MEMORY;
+        status =
+            out ? answer_to_tolerance(material, height_m, path, settings, n, t, out) : PALP_ERR_NO_MEMORY;
     }
     for (size_t i = 0; status == PALP_OK && i < n; i++) {
         double given = palp_path_at(path, t[i]);
-        status = path->force_N ? record_add(curve, t[i], out[i], given) : record_add(curve, t[i], given, out[i]);
+        status =
+            path->force_N ? record_add(curve, t[i], out[i], given) : record_add(curve, t[i], given, out[i]);
     }
     free(out);
     free(t);
@@ -201,8 +197,7 @@ typedef struct observation {
     palp_status status;
 } observation;
 
-static bool at_corner(observation *o, double time_s)
-{
+static bool at_corner(observation *o, double time_s) {
     const palp_path *path = o->path;
     while (o->corner < path->n) {
         size_t i = o->corner, next = i + 1 < path->n ? i + 1 : i;
@@ -218,8 +213,7 @@ static bool at_corner(observation *o, double time_s)
     return false;
 }
 
-static int observe(void *user, double time_s, double depth_m, double force_N)
-{
+static int observe(void *user, double time_s, double depth_m, double force_N) {
     observation *o = user;
     const palp_path *path = o->path;
     if (!o->settings->corners || at_corner(o, time_s)) {
@@ -236,10 +230,10 @@ static int observe(void *user, double time_s, double depth_m, double force_N)
 }
 
 palp_status press_network(palp_network *network, const palp_path *path, const press_settings *settings,
-                          const press_watch *watch, record *curve, palp_run_info *info)
-{
+                          const press_watch *watch, record *curve, palp_run_info *info) {
     observation o = {.path = path, .settings = settings, .watch = watch, .curve = curve};
-    palp_run_settings run = {.dt_s = settings->dt_s, .observer = observe, .user = &o, .relaxed = settings->relaxed};
+    palp_run_settings run = {
+        .dt_s = settings->dt_s, .observer = observe, .user = &o, .relaxed = settings->relaxed};
     double length = path->time_s[path->n - 1] - path->time_s[0];
     if (settings->relaxed && run.dt_s <= 0) {
         run.dt_s = length / RELAXED_STEPS;

@@ -8,22 +8,19 @@
 
 enum { BAR_WIDTH = 30 };
 
-static double now_s(void)
-{
+static double now_s(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-void progress_start(progress *bar, const char *label)
-{
+void progress_start(progress *bar, const char *label) {
     *bar = (progress){.on = isatty(STDERR_FILENO) == 1};
     snprintf(bar->label, sizeof bar->label, "%s", label);
     bar->started_s = bar->drawn_s = now_s();
 }
 
-void progress_update(progress *bar, double fraction)
-{
+void progress_update(progress *bar, double fraction) {
     if (!bar->on) {
         return;
     }
@@ -46,8 +43,7 @@ void progress_update(progress *bar, double fraction)
     bar->shown = true;
 }
 
-void progress_finish(progress *bar)
-{
+void progress_finish(progress *bar) {
     if (bar->shown) {
         fputs("\r\033[K", stderr);
         bar->shown = false;

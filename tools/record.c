@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static palp_status grow(record *curve)
-{
+static palp_status grow(record *curve) {
     size_t capacity = curve->capacity ? 2 * curve->capacity : 256;
     double **arrays[3] = {&curve->time_s, &curve->depth_m, &curve->force_N};
     for (int i = 0; i < 3; i++) {
@@ -20,8 +19,7 @@ static palp_status grow(record *curve)
     return PALP_OK;
 }
 
-palp_status record_add(record *curve, double time_s, double depth_m, double force_N)
-{
+palp_status record_add(record *curve, double time_s, double depth_m, double force_N) {
     size_t at = curve->n;
     if (at > 0 && curve->time_s[at - 1] >= time_s) {
         at--;
@@ -38,16 +36,14 @@ palp_status record_add(record *curve, double time_s, double depth_m, double forc
     return PALP_OK;
 }
 
-void record_free(record *curve)
-{
+void record_free(record *curve) {
     free(curve->time_s);
     free(curve->depth_m);
     free(curve->force_N);
     memset(curve, 0, sizeof *curve);
 }
 
-double record_peak(const record *curve)
-{
+double record_peak(const record *curve) {
     double peak = 0;
     for (size_t i = 0; i < curve->n; i++) {
         peak = fmax(peak, fabs(curve->force_N[i]));
@@ -55,8 +51,7 @@ double record_peak(const record *curve)
     return peak;
 }
 
-double record_at(const record *curve, double t)
-{
+double record_at(const record *curve, double t) {
     size_t low = 0, high = curve->n - 1;
     if (t <= curve->time_s[0] || curve->n == 1) {
         return curve->force_N[0];

@@ -20,9 +20,9 @@ typedef struct simulation {
     palp_model model;
     palp_experiment *like;
     palp_path path;
-    palp_mesh *mesh;       /* network only, as is network */
+    palp_mesh *mesh; /* network only, as is network */
     palp_network *network;
-    double height_m;       /* of what is pressed */
+    double height_m; /* of what is pressed */
     record curve;
     palp_run_info info;
     bool buckled;
@@ -35,6 +35,7 @@ int simulate_network(const simulate_options *o, simulation *s);
 int simulate_report(const simulate_options *o, const simulation *s);
 
 /* The one warning about a network that buckled between two depths. */
-void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m, palp_branch branch);
+void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,
+                           palp_branch branch);
 
 #endif

@@ -11,8 +11,7 @@ typedef struct frames {
     palp_error error;
 } frames;
 
-static int add_frame(void *user)
-{
+static int add_frame(void *user) {
     frames *f = user;
     if (f->series && f->step++ % f->every == 0) {
         f->status = palp_vtu_add(f->series, f->network, &f->error);
@@ -20,8 +19,7 @@ static int add_frame(void *user)
     return f->status != PALP_OK;
 }
 
-int simulate_mesh(const simulate_options *o, simulation *s)
-{
+int simulate_mesh(const simulate_options *o, simulation *s) {
     double low[3], high[3];
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
@@ -34,29 +32,30 @@ int simulate_mesh(const simulate_options *o, simulation *s)
     return CLI_OK;
 }
 
-void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m, palp_branch branch)
-{
+void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,
+                           palp_branch branch) {
     cli_warning(name, "the network buckles between %.4g and %.4g mm (strain %.4g..%.4g); %s", 1e3 * stable_m,
                 1e3 * unstable_m, stable_m / height_m, unstable_m / height_m,
-                branch == PALP_BRANCH_STABLE ? "descended to a stable branch; --branch continue follows Newton's method"
-                                             : "following the branch of Newton's method; --branch stable descends to "
-                                               "the stable one");
+                branch == PALP_BRANCH_STABLE
+                    ? "descended to a stable branch; --branch continue follows Newton's method"
+                    : "following the branch of Newton's method; --branch stable descends to "
+                      "the stable one");
 }
 
-static int run_failed(const simulate_options *o, const simulation *s, palp_status status)
-{
+static int run_failed(const simulate_options *o, const simulation *s, palp_status status) {
     double at_mm = 1e3 * palp_network_depth(s->network), at_s = palp_network_time(s->network);
     const char *advice = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED
                              ? (o->dt_ms > 0 ? "; try a smaller --dt-ms" : "; try a smaller --tolerance")
                              : "";
     int code = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED
-                   ? CLI_NOT_CONVERGED : CLI_FAILURE;
-    cli_failure(NAME, "%s: %s after %.4g mm (%.4g s)%s", o->model, palp_status_text(status), at_mm, at_s, advice);
+                   ? CLI_NOT_CONVERGED
+                   : CLI_FAILURE;
+    cli_failure(NAME, "%s: %s after %.4g mm (%.4g s)%s", o->model, palp_status_text(status), at_mm, at_s,
+                advice);
     return code;
 }
 
-static palp_status press_with_bar(const simulate_options *o, simulation *s, frames *f)
-{
+static palp_status press_with_bar(const simulate_options *o, simulation *s, frames *f) {
     progress bar;
     press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like != NULL};
     press_watch watch = {&bar, add_frame, f};
@@ -66,8 +65,7 @@ static palp_status press_with_bar(const simulate_options *o, simulation *s, fram
     return status;
 }
 
-int simulate_network(const simulate_options *o, simulation *s)
-{
+int simulate_network(const simulate_options *o, simulation *s) {
     palp_support supports[2];
     palp_network_settings settings = palp_network_settings_default();
     frames f = {.every = o->vtu_every};
@@ -76,7 +74,8 @@ int simulate_network(const simulate_options *o, simulation *s)
     settings.branch = (palp_branch)o->branch;
     settings.solver = (palp_solver)o->solver;
     settings.density_kg_m3 = s->model.density_kg_m3;
-    palp_status status = palp_network_create(s->mesh, &s->model.material, 2, supports, &settings, &s->network, &error);
+    palp_status status =
+        palp_network_create(s->mesh, &s->model.material, 2, supports, &settings, &s->network, &error);
     if (status == PALP_OK && o->vtu) {
         f.network = s->network;
         status = palp_vtu_open(o->vtu, "network", &f.series, &error);

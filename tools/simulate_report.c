@@ -10,18 +10,15 @@ static const char NAME[] = "simulate";
 static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "creep"};
 
 /* A key of the header; the first failure sticks. */
-static void number(palp_experiment *run, const char *key, double value, palp_status *status)
-{
+static void number(palp_experiment *run, const char *key, double value, palp_status *status) {
     *status = *status ? *status : palp_experiment_set_number(run, key, value);
 }
 
-static void string(palp_experiment *run, const char *key, const char *value, palp_status *status)
-{
+static void string(palp_experiment *run, const char *key, const char *value, palp_status *status) {
     *status = *status ? *status : palp_experiment_set_string(run, key, value);
 }
 
-static const char *protocol_kind(const simulate_options *o, const simulation *s)
-{
+static const char *protocol_kind(const simulate_options *o, const simulation *s) {
     const char *kind = "free";
     if (o->protocol >= 0) {
         return protocols[o->protocol];
@@ -29,8 +26,7 @@ static const char *protocol_kind(const simulate_options *o, const simulation *s)
     return palp_experiment_get_string(s->like, "protocol.kind", &kind) == PALP_OK ? kind : "free";
 }
 
-static palp_status fill_protocol(const simulate_options *o, const simulation *s, palp_experiment *run)
-{
+static palp_status fill_protocol(const simulate_options *o, const simulation *s, palp_experiment *run) {
     palp_status status = PALP_OK;
     string(run, "protocol.kind", protocol_kind(o, s), &status);
     if (o->like) {
@@ -56,10 +52,10 @@ static palp_status fill_protocol(const simulate_options *o, const simulation *s,
     return status;
 }
 
-static palp_status fill(const simulate_options *o, const simulation *s, palp_experiment *run)
-{
+static palp_status fill(const simulate_options *o, const simulation *s, palp_experiment *run) {
     const record *c = &s->curve;
-    double *time_s = palp_experiment_column(run, "time_s"), *depth_mm = palp_experiment_column(run, "depth_mm"),
+    double *time_s = palp_experiment_column(run, "time_s"),
+           *depth_mm = palp_experiment_column(run, "depth_mm"),
            *force_N = palp_experiment_column(run, "force_N"), start_s = 0;
     palp_status status = PALP_OK;
     if (s->like) {
@@ -81,14 +77,14 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
 }
 
 /* To standard output by way of the library's writer and a temporary file. */
-static int write_out(const palp_experiment *run, palp_error *error)
-{
+static int write_out(const palp_experiment *run, palp_error *error) {
     const char *folder = getenv("TMPDIR");
     char path[CLI_PATH_MAX];
     int n = snprintf(path, sizeof path, "%s/palpate.XXXXXX", folder && *folder ? folder : "/tmp");
     int file = n > 0 && (size_t)n < sizeof path ? mkstemp(path) : -1;
     if (file < 0) {
-        return cli_failure(NAME, "cannot make a temporary file in %s; name the run by --out", folder ? folder : "/tmp");
+        return cli_failure(NAME, "cannot make a temporary file in %s; name the run by --out",
+                           folder ? folder : "/tmp");
     }
     close(file);
     palp_status status = palp_experiment_write(run, path, error);
@@ -103,29 +99,29 @@ static int write_out(const palp_experiment *run, palp_error *error)
     if (status) {
         return cli_status(NAME, status, error);
     }
-    return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK : cli_failure(NAME, "standard output: write error");
+    return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK
+                                                  : cli_failure(NAME, "standard output: write error");
 }
 
-static json_t *summary(const simulate_options *o, const simulation *s)
-{
+static json_t *summary(const simulate_options *o, const simulation *s) {
     const record *c = &s->curve;
     json_t *buckling = json_null();
     if (s->buckled) {
-        buckling = json_pack("{s:f, s:f, s:f, s:f}", "stable_mm", 1e3 * s->stable_m, "unstable_mm", 1e3 * s->unstable_m,
-                             "stable_strain", s->stable_m / s->height_m, "unstable_strain", s->unstable_m / s->height_m);
+        buckling = json_pack("{s:f, s:f, s:f, s:f}", "stable_mm", 1e3 * s->stable_m, "unstable_mm",
+                             1e3 * s->unstable_m, "stable_strain", s->stable_m / s->height_m,
+                             "unstable_strain", s->unstable_m / s->height_m);
     }
-    json_t *all = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:o}", "model", o->model, "kind",
-                            s->model.kind == PALP_MODEL_LUMPED ? "lumped" : "network", "protocol", protocol_kind(o, s),
-                            "peak_force_N", record_peak(c), "final_force_N", c->force_N[c->n - 1], "final_depth_mm",
-                            1e3 * c->depth_m[c->n - 1], "duration_s", c->time_s[c->n - 1], "steps",
-                            (json_int_t)s->info.steps, "rejected", (json_int_t)s->info.rejected, "iterations",
-                            (json_int_t)s->info.iterations, "worst_residual", s->info.worst_residual, "buckling",
-                            buckling);
+    json_t *all = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:o}", "model", o->model,
+                            "kind", s->model.kind == PALP_MODEL_LUMPED ? "lumped" : "network", "protocol",
+                            protocol_kind(o, s), "peak_force_N", record_peak(c), "final_force_N",
+                            c->force_N[c->n - 1], "final_depth_mm", 1e3 * c->depth_m[c->n - 1], "duration_s",
+                            c->time_s[c->n - 1], "steps", (json_int_t)s->info.steps, "rejected",
+                            (json_int_t)s->info.rejected, "iterations", (json_int_t)s->info.iterations,
+                            "worst_residual", s->info.worst_residual, "buckling", buckling);
     return all;
 }
 
-int simulate_report(const simulate_options *o, const simulation *s)
-{
+int simulate_report(const simulate_options *o, const simulation *s) {
     palp_experiment *run = NULL;
     palp_error error = {PALP_OK, ""};
     int code = CLI_OK;

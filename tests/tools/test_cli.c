@@ -74,18 +74,18 @@ typedef struct targets {
 /* Parses words up to a NULL; what it wrote to stderr goes to line. */
 static int parse(targets *t, char *line, size_t size, ...) {
     const cli_option options[] = {
-        {CLI_HEADING, .name = "All kinds"},
-        {CLI_FLAG, "flag", NULL, "a flag", {.flag = &t->flag}, 0, 0},
-        {CLI_TEXT, "text", "FILE", "a text", {.text = &t->text}, 0, 0},
-        {CLI_CHOICE, "choice", "red|green|blue", "a choice", {.choice = &t->choice}, 0, 0},
-        {CLI_NUMBER, "number", "S", "from -1 to 10", {.number = &t->number}, -1, 10},
-        {CLI_POSITIVE, "positive", "MM", "above 0", {.number = &t->positive}, 0, 10},
-        {CLI_COUNT, "count", "N", "2 to 9", {.count = &t->count}, 2, 9},
-        {CLI_NUMBERS, "numbers", "LIST", "above 0", {.list = &t->numbers}, 0, 10},
-        {CLI_COUNTS, "counts", "LIST", "2 to 9", {.list = &t->counts}, 2, 9},
+        cli_heading("All kinds"),
+        cli_flag("flag", &t->flag, "a flag"),
+        cli_text("text", "FILE", &t->text, "a text"),
+        cli_choice("choice", "red|green|blue", &t->choice, "a choice"),
+        cli_number("number", "S", -1, 10, &t->number, "from -1 to 10"),
+        cli_positive("positive", "MM", 10, &t->positive, "above 0"),
+        cli_count("count", "N", 2, 9, &t->count, "2 to 9"),
+        cli_numbers("numbers", "LIST", 10, &t->numbers, "above 0"),
+        cli_counts("counts", "LIST", 2, 9, &t->counts, "2 to 9"),
     };
-    const cli_command command = {"try", "[options]", "Tries.", "  palpate try\n", options,
-                                 sizeof options / sizeof options[0]};
+    const cli_command command = {
+        "try", "[options]", "Tries.", "  palpate try\n", options, sizeof options / sizeof options[0]};
     char name[] = "try", *argv[12] = {name};
     int argc = 1, kept = dup(STDERR_FILENO);
     FILE *to = tmpfile();
@@ -112,15 +112,17 @@ static void test_parse_good(void **state) {
     targets t;
     char line[400];
     (void)state;
-    assert_int_equal(parse(&t, line, sizeof line, "a.json", "--flag", "--text", "out.csv", "--choice=green", "--number",
-                           "-0.5", "b.csv", "--counts", "3,4,5", NULL), CLI_OK);
+    assert_int_equal(parse(&t, line, sizeof line, "a.json", "--flag", "--text", "out.csv", "--choice=green",
+                           "--number", "-0.5", "b.csv", "--counts", "3,4,5", NULL),
+                     CLI_OK);
     assert_string_equal(line, "");
     assert_true(t.flag && t.number == -0.5 && t.choice == 1 && t.counts.n == 3 && t.counts.value[2] == 5);
     assert_string_equal(t.text, "out.csv");
     assert_int_equal(t.n_words, 2);
     assert_string_equal(t.words[0], "a.json");
     assert_string_equal(t.words[1], "b.csv");
-    assert_int_equal(parse(&t, line, sizeof line, "--positive", "10", "--count", "9", "--numbers", "0.5", NULL), CLI_OK);
+    assert_int_equal(
+        parse(&t, line, sizeof line, "--positive", "10", "--count", "9", "--numbers", "0.5", NULL), CLI_OK);
     assert_true(t.positive == 10 && t.count == 9 && t.numbers.n == 1 && !t.flag && t.choice == -1);
 }
 
@@ -164,9 +166,9 @@ static void test_parse_bad(void **state) {
 
 static void test_help_lists_every_option(void **state) {
     static const cli_option options[] = {
-        {CLI_HEADING, .name = "Group"},
-        {CLI_FLAG, "short", NULL, "first\nsecond", {0}, 0, 0},
-        {CLI_NUMBER, "an-option-with-a-long-name", "MM", "its help", {0}, 0, 0},
+        cli_heading("Group"),
+        cli_flag("short", NULL, "first\nsecond"),
+        cli_number("an-option-with-a-long-name", "MM", 0, 0, NULL, "its help"),
     };
     const cli_command command = {"try", "[options]", "Tries.", "  palpate try\n", options, 3};
     char text[1000];
@@ -187,8 +189,11 @@ static void test_status_codes(void **state) {
     static const struct {
         palp_status status;
         int code;
-    } codes[] = {{PALP_ERR_INPUT, CLI_FAILURE}, {PALP_ERR_FILE, CLI_FAILURE}, {PALP_ERR_NO_MEMORY, CLI_FAILURE},
-                 {PALP_ERR_NOT_CONVERGED, CLI_NOT_CONVERGED}, {PALP_ERR_BUCKLED, CLI_NOT_CONVERGED}};
+    } codes[] = {{PALP_ERR_INPUT, CLI_FAILURE},
+                 {PALP_ERR_FILE, CLI_FAILURE},
+                 {PALP_ERR_NO_MEMORY, CLI_FAILURE},
+                 {PALP_ERR_NOT_CONVERGED, CLI_NOT_CONVERGED},
+                 {PALP_ERR_BUCKLED, CLI_NOT_CONVERGED}};
     int kept = dup(STDERR_FILENO);
     FILE *to = tmpfile();
     (void)state;
@@ -349,7 +354,8 @@ static void test_press_times(void **state) {
 /* A force path pressed on a specimen, and the depth it gives pressed again, are each other's inverse. */
 static void test_creep_is_the_inverse(void **state) {
     const double c[] = {8.18, -0.70, 47.47, -131.36, 146.89};
-    const press_settings settings = {.dt_s = 0.05, .tolerance = 1e-4}, at_corners = {.dt_s = 0.05, .corners = true};
+    const press_settings settings = {.dt_s = 0.05, .tolerance = 1e-4},
+                         at_corners = {.dt_s = 0.05, .corners = true};
     palp_material material = {.n_arms = 2, .arms = {{1.3, 17.9, 0, 0}, {0.7, 0.4, 0, 0}}};
     record creep = {0}, press = {0};
     palp_path force, depth;
@@ -371,11 +377,13 @@ static void test_creep_is_the_inverse(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_number), cmocka_unit_test(test_list), cmocka_unit_test(test_spread),
-        cmocka_unit_test(test_parse_good), cmocka_unit_test(test_parse_bad), cmocka_unit_test(test_help_lists_every_option),
-        cmocka_unit_test(test_status_codes), cmocka_unit_test(test_file), cmocka_unit_test(test_table),
-        cmocka_unit_test(test_guess_polynomial), cmocka_unit_test(test_guess_arms), cmocka_unit_test(test_record),
-        cmocka_unit_test(test_press_times), cmocka_unit_test(test_creep_is_the_inverse),
+        cmocka_unit_test(test_number),       cmocka_unit_test(test_list),
+        cmocka_unit_test(test_spread),       cmocka_unit_test(test_parse_good),
+        cmocka_unit_test(test_parse_bad),    cmocka_unit_test(test_help_lists_every_option),
+        cmocka_unit_test(test_status_codes), cmocka_unit_test(test_file),
+        cmocka_unit_test(test_table),        cmocka_unit_test(test_guess_polynomial),
+        cmocka_unit_test(test_guess_arms),   cmocka_unit_test(test_record),
+        cmocka_unit_test(test_press_times),  cmocka_unit_test(test_creep_is_the_inverse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
