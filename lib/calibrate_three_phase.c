@@ -61,7 +61,12 @@ static double error(double reached, double wanted) {
 
 static palp_status record(three_phase *s, int phase, bool hold) {
     double peak = 100.0 * error(s->reached.peak, s->wanted.peak);
-    palp_calibrate_iteration it = {phase, fabs(s->reached.peak - s->wanted.peak), s->material, peak, NAN, NAN};
+    palp_calibrate_iteration it = {.phase = phase,
+                                   .residual_N = fabs(s->reached.peak - s->wanted.peak),
+                                   .material = s->material,
+                                   .peak_error_percent = peak,
+                                   .steady_time_error_percent = NAN,
+                                   .steady_force_error_percent = NAN};
     if (hold) {
         it.steady_time_error_percent = 100.0 * error(s->reached.steady_time, s->wanted.steady_time);
         it.steady_force_error_percent = 100.0 * error(s->reached.steady_force, s->wanted.steady_force);

@@ -66,6 +66,9 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
         depth_mm[i] = 1e3 * c->depth_m[i];
         force_N[i] = c->force_N[i];
     }
+    if (s->model.specimen_kind[0]) {
+        string(run, "specimen.kind", s->model.specimen_kind, &status);
+    }
     number(run, "specimen.height_mm", 1e3 * s->height_m, &status);
     if (s->model.radius_m > 0) {
         number(run, "specimen.radius_mm", 1e3 * s->model.radius_m, &status);

@@ -18,6 +18,8 @@ typedef enum palp_calibrate_method {
 typedef struct palp_calibrate_iteration {
     int phase;                        /* three_phase: 1, 2, 3; else 0 */
     double residual_N;                /* 2-norm over the samples */
+    double relative_rms;              /* relaxation by NLOPT, what it minimises: rms over the targets of
+                                         each one's rms force error over its peak (with default weights) */
     palp_material material;           /* that gave it */
     /* three_phase, absolute; NaN where that phase does not measure it */
     double peak_error_percent, steady_time_error_percent, steady_force_error_percent;

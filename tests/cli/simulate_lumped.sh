@@ -34,7 +34,7 @@ awk -v ramp=97 -v depth=9.7 -v until=97 "$closed_form" rate.csv || fail "static 
 
 grep -q '^# palpate.experiment: 1$' ramp.csv || fail "header: palpate.experiment"
 for line in 'protocol.kind: "ramp_hold"' 'protocol.depth_mm: 6' 'protocol.ramp_s: 1' 'protocol.hold_s: 50' \
-    'specimen.height_mm: 24' 'specimen.radius_mm: 12' 'model.file: ' 'palpate.version: "'; do
+    'specimen.kind: "cylinder"' 'specimen.height_mm: 24' 'specimen.radius_mm: 12' 'model.file: ' 'palpate.version: "'; do
     grep -q "^# $line" ramp.csv || fail "the header lacks $line"
 done
 

@@ -165,7 +165,7 @@ static void test_parse_bad(void **state) {
 }
 
 static void test_help_lists_every_option(void **state) {
-    static const cli_option options[] = {
+    const cli_option options[] = {
         cli_heading("Group"),
         cli_flag("short", NULL, "first\nsecond"),
         cli_number("an-option-with-a-long-name", "MM", 0, 0, NULL, "its help"),
