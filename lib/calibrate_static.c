@@ -37,6 +37,7 @@ static palp_status report(stage *s, const palp_material *material) {
     if (s->result->n_iterations == 1 || it.residual_N < s->result->residual_N) {
         s->result->residual_N = it.residual_N;
         s->result->material = *material;
+        s->result->buckled = palp_network_buckled(s->net, &s->result->stable_m, &s->result->unstable_m);
         s->result->reached_m = s->curve.depth[s->curve.n - 1];
         memcpy(s->result->force_N, s->force, s->n * sizeof *s->force);
     }

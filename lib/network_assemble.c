@@ -185,9 +185,10 @@ void network_place(palp_network *net, double depth) {
 
 palp_status network_weights(palp_network *net, double *weight, double *stiffness) {
     int negative;
-    palp_status status = network_factor(net, 0.0, &negative);
+    palp_status status = net->exact ? PALP_OK : network_factor(net, 0.0, &negative);
     if (status)
         return status;
+    net->exact = true;
     network_drive_column(net, net->start);
     linsys_solve(net->ls, net->start);
     double *u = net->fint; /* displacement per depth; fint is not needed any more */

@@ -152,6 +152,7 @@ static palp_status follow_stable(palp_network *net, palp_step_info *info) {
         net->factored = !status;
         if (status)
             return status;
+        net->left_branch = net->left_branch || shift > 0.0;
         if (residual <= scale) {
             if (shift == 0.0) {
                 info->negative_pivots = 0;

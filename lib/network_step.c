@@ -157,10 +157,10 @@ static void look_at_stability(palp_network *net, palp_step_info *info) {
         int negative;
         palp_status status = network_factor(net, 0.0, &negative);
         info->negative_pivots = status ? 1 : negative;
-        net->factored = !status;
+        net->factored = net->exact = !status;
     }
     net->trial_checked = info->negative_pivots >= 0;
-    net->trial_stable = info->negative_pivots == 0;
+    net->trial_stable = info->negative_pivots == 0 && !net->left_branch;
 }
 
 static palp_status check_step(const palp_network *net, double depth, double dt) {
@@ -171,7 +171,7 @@ static palp_status check_step(const palp_network *net, double depth, double dt) 
 
 palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
     palp_step_info local = {.negative_pivots = -1};
-    net->trial = false;
+    net->trial = net->exact = net->left_branch = false;
     palp_status status = check_step(net, depth_m, dt_s);
     if (status)
         return status;

@@ -30,7 +30,8 @@ static double largest(size_t n, const double *value) {
 
 /* ---- convergence ---- */
 
-static void plot_residual(figures *f, const palp_calibration *c, const char *name, const char *title) {
+static void plot_residual(figures *f, const palp_calibration *c, bool relaxation, const char *name,
+                          const char *title) {
     double *work = malloc(2 * (c->n_iterations + 1) * sizeof *work);
     if (!work) {
         f->result = PLOT_FAILED;
@@ -39,11 +40,15 @@ static void plot_residual(figures *f, const palp_calibration *c, const char *nam
     double *x = work, *y = work + c->n_iterations + 1;
     for (size_t i = 0; i < c->n_iterations; i++) {
         x[i] = (double)(i + 1);
-        y[i] = c->iterations[i].residual_N > 0 ? c->iterations[i].residual_N : NAN;
+        double value = relaxation ? 100 * c->iterations[i].relative_rms : c->iterations[i].residual_N;
+        y[i] = value > 0 ? value : NAN;
     }
     const plot_series series = {NULL, PLOT_LINE_POINTS, 0, c->n_iterations, x, y};
     const plot_figure figure = {
-        title, 1, {{"evaluation of the curve", "residual, 2-norm (N)", false, true, 1, &series}}};
+        title,
+        1,
+        {{"evaluation of the curve", relaxation ? "rms error (% of the peak)" : "residual, 2-norm (N)", false, true, 1,
+          &series}}};
     if (largest(c->n_iterations, y) > 0) {
         draw(f, name, &figure);
     }
@@ -171,14 +176,14 @@ int calibrate_plot(const calibrate_options *o, const calibrate_state *s) {
     }
     plot_law(&f, s);
     if (s->does_static) {
-        plot_residual(&f, &s->static_result, "static_convergence", "Convergence of the static stage");
+        plot_residual(&f, &s->static_result, false, "static_convergence", "Convergence of the static stage");
         plot_fit(&f, s);
     }
     if (s->does_relaxation) {
         if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
             plot_phases(&f, &s->relaxation_result);
         } else {
-            plot_residual(&f, &s->relaxation_result, "relaxation_convergence",
+            plot_residual(&f, &s->relaxation_result, true, "relaxation_convergence",
                           "Convergence of the relaxation stage");
         }
         plot_relaxation(&f, s, false);

@@ -62,6 +62,7 @@ static json_t *iteration_json(palp_calibrate_method method, bool relaxation,
     json_object_set_new(entry, "residual", json_number_or_null(it->residual_N));
     add_law(entry, &it->material.law);
     if (relaxation) {
+        json_object_set_new(entry, "relative_rms_percent", json_real(100 * it->relative_rms));
         json_object_set_new(entry, "arms", arms_json(&it->material));
     }
     return entry;
@@ -91,6 +92,7 @@ static void add_stage(json_t *to, const calibrate_state *s, bool relaxation) {
     } else {
         json_object_set_new(to, "samples", json_integer((json_int_t)s->n_static));
         json_object_set_new(to, "depth_mm", json_real(1e3 * s->depth_m[s->n_static - 1]));
+        json_object_set_new(to, "reached_depth_mm", json_real(1e3 * c->reached_m));
     }
     for (size_t i = 0; i < c->n_iterations; i++) {
         json_array_append_new(iterations, iteration_json(method, relaxation, &c->iterations[i]));
@@ -170,10 +172,11 @@ static void print_percent(double value) {
     }
 }
 
-static void print_iterations(const palp_calibration *c, palp_calibrate_method method) {
+static void print_iterations(const palp_calibration *c, palp_calibrate_method method, bool relaxation) {
     bool phases = method == PALP_CALIBRATE_THREE_PHASE;
-    printf(phases ? "  phase         K1 (N)     b1 (N s)   peak err %%   time err %%  force err %%\n"
-                  : "  evaluation   residual (N)\n");
+    printf(phases       ? "  phase         K1 (N)     b1 (N s)   peak err %%   time err %%  force err %%\n"
+           : relaxation ? "  evaluation   rms error (%% of the peak)\n"
+                        : "  evaluation   residual (N)\n");
     for (size_t i = 0; i < c->n_iterations; i++) {
         const palp_calibrate_iteration *it = &c->iterations[i];
         if (phases) {
@@ -184,7 +187,7 @@ static void print_iterations(const palp_calibration *c, palp_calibrate_method me
             print_percent(it->steady_force_error_percent);
             putchar('\n');
         } else {
-            printf("  %10zu %14.6g\n", i + 1, it->residual_N);
+            printf("  %10zu %14.6g\n", i + 1, relaxation ? 100 * it->relative_rms : it->residual_N);
         }
     }
 }
@@ -193,7 +196,7 @@ static void print_static(const calibrate_state *s) {
     const palp_calibration *c = &s->static_result;
     printf("Static stage (%s), %zu samples to %.4g mm\n", method_name(s->static_method), s->n_static,
            1e3 * s->depth_m[s->n_static - 1]);
-    print_iterations(c, s->static_method);
+    print_iterations(c, s->static_method, false);
     printf("  residual %.5g N, %.3g N a sample\n", c->residual_N, c->residual_N / sqrt((double)s->n_static));
     print_law(&c->material.law);
 }
@@ -201,7 +204,7 @@ static void print_static(const calibrate_state *s) {
 static void print_relaxation(const calibrate_state *s) {
     const palp_calibration *c = &s->relaxation_result;
     printf("Relaxation stage (%s)\n", method_name(s->relaxation_method));
-    print_iterations(c, s->relaxation_method);
+    print_iterations(c, s->relaxation_method, true);
     print_law(&c->material.law);
     print_arms(&c->material);
     printf("  depth (mm)   peak (N)   largest error (%% of the peak)\n");

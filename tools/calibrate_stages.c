@@ -22,36 +22,12 @@ static int show_progress(void *user, double fraction, const palp_calibrate_itera
     return 0;
 }
 
-static void note_buckling(calibrate_state *s) {
-    double stable_m, unstable_m;
-    if (!s->buckled && palp_network_buckled(s->network, &stable_m, &unstable_m)) {
+static void note_buckling(calibrate_state *s, bool buckled, double stable_m, double unstable_m) {
+    if (buckled && !s->buckled) {
         s->buckled = true;
         s->stable_m = stable_m;
         s->unstable_m = unstable_m;
     }
-}
-
-/* Presses the relaxed network to the deepest depth in a few steps, halved where the tangent is no
- * longer stable: the calibration leaves the network at rest, which tells nothing. */
-static void look_for_buckling(calibrate_state *s) {
-    double depth_m = 0, deepest_m = s->depth_m[s->n_static - 1], step_m = deepest_m / 16;
-    while (!s->buckled && depth_m < deepest_m && step_m > 1e-3 * s->height_m) {
-        palp_step_info info;
-        double next_m = fmin(depth_m + step_m, deepest_m);
-        palp_status status = palp_network_try(s->network, next_m, INFINITY, &info);
-        if ((status || info.negative_pivots > 0) && step_m > 2e-3 * s->height_m) {
-            palp_network_rollback(s->network);
-            step_m *= 0.5;
-            continue;
-        }
-        if (status) {
-            break;
-        }
-        palp_network_commit(s->network);
-        depth_m = next_m;
-        note_buckling(s);
-    }
-    palp_network_reset(s->network);
 }
 
 static int stage_failed(const calibrate_options *o, const char *stage, palp_status status) {
@@ -129,7 +105,13 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     if (status) {
         return stage_failed(o, "static", status);
     }
-    look_for_buckling(s);
+    const palp_calibration *c = &s->static_result;
+    double deepest_m = s->depth_m[s->n_static - 1];
+    note_buckling(s, c->buckled, c->stable_m, c->unstable_m);
+    if (c->reached_m < 0.999 * deepest_m) {
+        cli_warning(NAME, "the network's branch of equilibria ends at %.4g mm: beyond it the fit to %.4g mm is not met",
+                    1e3 * c->reached_m, 1e3 * deepest_m);
+    }
     return CLI_OK;
 }
 
@@ -223,7 +205,9 @@ static palp_status compare(calibrate_state *s, press_target *press, progress *ba
     palp_run_info info;
     palp_network_reset(s->network);
     palp_status status = press_network(s->network, &press->path, &settings, &watch, &press->network, &info);
-    note_buckling(s);
+    double stable_m = 0, unstable_m = 0;
+    bool buckled = palp_network_buckled(s->network, &stable_m, &unstable_m);
+    note_buckling(s, buckled, stable_m, unstable_m);
     if (status == PALP_OK) {
         status = wanted_forces(s, press);
     }

@@ -34,6 +34,8 @@ typedef struct palp_calibration {
     size_t n_samples;                 /* static: of the curve */
     double *depth_m, *target_N, *force_N; /* [n_samples], the wanted and the reached curve */
     double reached_m;                 /* static: depth that the best curve reached before its branch ended */
+    bool buckled;                     /* static: the best network loses stability ... */
+    double stable_m, unstable_m;      /* ... between these depths */
     bool converged;                   /* the method's own criterion was met */
 } palp_calibration;
 

@@ -103,7 +103,8 @@ PALP_API void palp_network_element_force(const palp_network *network, double *fo
 PALP_API palp_status palp_network_reaction(const palp_network *network, const char *set, double force_N[3]);
 
 /* Depth range in which the tangent first lost positive definiteness: stable at *stable_m, not at
- * *unstable_m. false if it never did since the last reset. */
+ * *unstable_m (with the STABLE branch: where the network fell to another one). false if it never did
+ * since the last reset. */
 PALP_API bool palp_network_buckled(const palp_network *network, double *stable_m, double *unstable_m);
 
 /* Called after each committed step; a non-zero return stops the run with ERR_STOPPED. */
