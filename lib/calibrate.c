@@ -26,8 +26,12 @@ palp_status calibration_add(palp_calibration *c, const palp_calibrate_iteration 
     return PALP_OK;
 }
 
-/* One descent in coordinates y, p = origin + R^-1 y, in which the Gauss-Newton Hessian is the identity:
- * the quasi-Newton method then starts with a Gauss-Newton step. */
+bool calibration_lost(palp_status status) {
+    return status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+}
+
+/* One descent in coordinates y, p = origin + R^-1 y, in which the Hessian of Levenberg and Marquardt is the
+ * identity: the quasi-Newton method then starts with their step. */
 typedef struct descent {
     const least_squares *problem;
     double *origin, *best, *p; /* [n_parameters] */
@@ -36,8 +40,11 @@ typedef struct descent {
     double *triangle;          /* [n_parameters n_parameters], upper, by columns */
     double *best_jacobian, *stacked, *tau, *work;
     int n_work;
-    double best_value;
-    size_t evaluations, stalled; /* evaluations since the best got better by stop_relative */
+    double best_value, best_excess, damping;
+    double nothing;            /* a value that is rounding beside that of the first guess */
+    bool overshot;             /* in the round at hand */
+    size_t evaluations, limit; /* of the round at hand */
+    size_t stalled;            /* evaluations since the best got better by stop_relative */
     palp_status status;
     nlopt_opt optimizer;
 } descent;
@@ -64,10 +71,38 @@ static void to_parameters(const descent *d, const double *y, double *p) {
         p[k] += d->origin[k];
 }
 
-/* |r|^2 / 2 at d->p, kept if it is the best; a round ends when two evaluations bring nothing. */
+/* By how much p misses its constraints at most, rounding aside: y mixes all parameters. */
+static double excess(const least_squares *problem, const double *p) {
+    size_t n = problem->n_parameters;
+    double most = 0.0, largest = 0.0;
+    for (size_t k = 0; k < n; k++)
+        largest = fmax(largest, fabs(p[k]));
+    for (size_t i = 0; i < problem->n_constraints; i++) {
+        double miss = problem->floor[i], size = fabs(problem->floor[i]);
+        for (size_t k = 0; k < n; k++) {
+            miss -= problem->constraint[i * n + k] * p[k];
+            size += fabs(problem->constraint[i * n + k]) * largest;
+        }
+        if (miss > 1e-9 * size)
+            most = fmax(most, miss);
+    }
+    return most;
+}
+
+/* The point at hand is the best so far. */
+static void keep(descent *d, double value, double miss) {
+    size_t n = d->problem->n_parameters, m = d->problem->n_residuals;
+    d->best_value = value;
+    d->best_excess = miss;
+    memcpy(d->best, d->p, n * sizeof *d->best);
+    memcpy(d->best_r, d->r, m * sizeof *d->best_r);
+    memcpy(d->best_jacobian, d->jacobian, n * m * sizeof *d->best_jacobian);
+}
+
+/* |r|^2 / 2 at d->p, kept if it is the best, for which meeting the constraints comes first; a round ends
+ * when two evaluations bring nothing. */
 static double evaluate(descent *d) {
     const least_squares *problem = d->problem;
-    size_t n = problem->n_parameters, m = problem->n_residuals;
     d->status = problem->evaluate(problem->user, d->p, d->r, d->jacobian);
     d->evaluations++;
     if (d->status) {
@@ -75,15 +110,15 @@ static double evaluate(descent *d) {
             nlopt_force_stop(d->optimizer);
         return HUGE_VAL;
     }
-    double value = 0.5 * norm2(d->r, m);
-    d->stalled = value < d->best_value * (1.0 - 2.0 * problem->stop_relative) ? 0 : d->stalled + 1;
-    if (value < d->best_value) {
-        d->best_value = value;
-        memcpy(d->best, d->p, n * sizeof *d->best);
-        memcpy(d->best_r, d->r, m * sizeof *d->best_r);
-        memcpy(d->best_jacobian, d->jacobian, n * m * sizeof *d->best_jacobian);
-    }
-    if (d->stalled >= 2 && d->optimizer)
+    double value = 0.5 * norm2(d->r, problem->n_residuals), miss = excess(problem, d->p);
+    bool nearer = miss < d->best_excess;
+    bool better = isfinite(value) && (nearer || (miss == d->best_excess && value < d->best_value));
+    bool much = nearer || value < d->best_value * (1.0 - 2.0 * problem->stop_relative);
+    d->stalled = better && much ? 0 : d->stalled + 1;
+    d->overshot = d->overshot || !(value <= d->best_value * (1.0 + 2.0 * problem->stop_relative));
+    if (better)
+        keep(d, value, miss);
+    if (d->optimizer && (d->stalled >= 2 || d->evaluations == d->limit || d->best_value <= d->nothing))
         nlopt_force_stop(d->optimizer);
     return value;
 }
@@ -124,8 +159,10 @@ static void constraints(unsigned rows, double *result, unsigned n, const double 
     }
 }
 
-/* R of the best Jacobian, with a little of each column's own size below it so that a parameter without
- * influence leaves R regular. */
+static const double LEAST_DAMPING = 1e-6, MOST_DAMPING = 1.0;
+
+/* R of the best Jacobian, with damping times each column's own size below it, which also leaves R regular
+ * where a parameter has no influence. */
 static palp_status whiten(descent *d) {
     size_t n = d->problem->n_parameters, m = d->problem->n_residuals, rows = m + n;
     double largest = 0.0;
@@ -137,7 +174,7 @@ static palp_status whiten(descent *d) {
         double *column = d->stacked + k * rows, size = sqrt(norm2(d->best_jacobian + k * m, m));
         memcpy(column, d->best_jacobian + k * m, m * sizeof *column);
         memset(column + m, 0, n * sizeof *column);
-        column[m + k] = 1e-6 * fmax(size, 1e-3 * largest);
+        column[m + k] = d->damping * fmax(size, 1e-3 * largest);
     }
     int rows_i = (int)rows, n_i = (int)n, info = 0;
     dgeqrf_(&rows_i, &n_i, d->stacked, &rows_i, d->tau, d->work, &d->n_work, &info);
@@ -150,7 +187,7 @@ static palp_status whiten(descent *d) {
 }
 
 /* Bounds on p become constraints on y, which is a mixture of parameters. */
-static nlopt_result descend(descent *d, double *y, size_t evaluations) {
+static nlopt_result descend(descent *d, double *y) {
     const least_squares *problem = d->problem;
     double value;
     memset(y, 0, problem->n_parameters * sizeof *y);
@@ -159,7 +196,6 @@ static nlopt_result descend(descent *d, double *y, size_t evaluations) {
         return NLOPT_OUT_OF_MEMORY;
     nlopt_result result = nlopt_set_min_objective(o, objective, d);
     nlopt_set_ftol_rel(o, problem->stop_relative);
-    nlopt_set_maxeval(o, (int)evaluations);
     if (problem->n_constraints && result > 0)
         result = nlopt_add_inequality_mconstraint(o, (unsigned)problem->n_constraints, constraints, d, NULL);
     d->optimizer = o;
@@ -199,29 +235,41 @@ static void release(descent *d) {
     free(d->work);
 }
 
-/* Descents of a few evaluations, each in fresh coordinates, until one brings nothing. */
+static bool down_to_rounding(const descent *d) {
+    return d->best_value <= d->nothing && d->best_excess == 0.0;
+}
+
+/* Descents of a few evaluations, each in fresh coordinates, until one brings nothing. One that only went
+ * too far is followed by a shorter one. */
 static palp_status descend_in_rounds(descent *d, double *y, bool *converged) {
-    enum { ROUND = 8 };
+    enum { ROUND = 2 }; /* the step of the least squares, and a shorter or longer one along its way */
     const least_squares *problem = d->problem;
     while (!*converged && d->evaluations < problem->max_evaluations) {
         size_t left = problem->max_evaluations - d->evaluations;
-        double before = d->best_value;
+        double before = d->best_value, missed = d->best_excess;
         d->stalled = 0;
+        d->overshot = false;
+        d->limit = d->evaluations + (left < ROUND ? left : ROUND);
         palp_status status = whiten(d);
         if (status)
             return status;
-        nlopt_result result = descend(d, y, left < ROUND ? left : ROUND);
+        nlopt_result result = descend(d, y);
         if (d->status)
             return d->status;
         if (result == NLOPT_OUT_OF_MEMORY)
             return PALP_ERR_NO_MEMORY;
-        *converged = before - d->best_value <= 2.0 * problem->stop_relative * before;
+        bool better = d->best_excess < missed || before - d->best_value > 2.0 * problem->stop_relative * before;
+        bool cut_short = d->stalled < 2 && d->evaluations == problem->max_evaluations;
+        bool too_far = d->overshot && d->damping < MOST_DAMPING;
+        *converged = down_to_rounding(d) || (!better && !cut_short && !too_far);
+        if (d->overshot != better)
+            d->damping = better ? fmax(LEAST_DAMPING, 0.1 * d->damping) : 10.0 * d->damping;
     }
     return PALP_OK;
 }
 
 palp_status least_squares_solve(const least_squares *problem, double *p, double *norm, bool *converged) {
-    descent d = {.problem = problem, .best_value = HUGE_VAL};
+    descent d = {.problem = problem, .best_value = HUGE_VAL, .best_excess = HUGE_VAL, .damping = LEAST_DAMPING};
     size_t n = problem->n_parameters;
     double *y = calloc(n, sizeof *y);
     palp_status status = y ? allocate(&d) : PALP_ERR_NO_MEMORY;
@@ -230,6 +278,7 @@ palp_status least_squares_solve(const least_squares *problem, double *p, double 
         memcpy(d.p, p, n * sizeof *p);
         evaluate(&d);
         status = d.status;
+        d.nothing = 1e-24 * d.best_value;
         if (!status)
             status = descend_in_rounds(&d, y, converged);
         if (d.best_value < HUGE_VAL) {

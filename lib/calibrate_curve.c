@@ -64,11 +64,24 @@ static double hermite(const force_curve *c, size_t i, double d) {
            t * t * ((1.0 + 2.0 * s) * c->force[i + 1] - s * h * c->slope[i + 1]);
 }
 
+/* Extrapolating the last interval of length l over a step h errs by h^2 (l + h)^2 F''''/24, interpolating the
+ * step by h^4/16 of the same: what the extrapolation misses tells the error of the interpolation. */
+static double interpolation_error(const force_curve *c, double depth, double force) {
+    double last = c->depth[c->n - 1] - c->depth[c->n - 2], step = depth - c->depth[c->n - 1];
+    double share = 0.25 * step / (last + step), doubt = 2.0; /* F'''' is not constant */
+    return doubt * fabs(hermite(c, c->n - 2, depth) - force) * share * share;
+}
+
+/* The next step and the one after it share what is left, so that no sliver is left over. */
+static double next_depth(double depth, double step, double depth_max) {
+    double left = depth_max - depth;
+    return step >= left ? depth_max : depth + fmin(step, 0.5 * left);
+}
+
 palp_status force_curve_trace(force_curve *c, palp_network *net, double depth_max, double tolerance) {
     enum { FEWEST = 12 };
-    /* extrapolating one interval ahead errs by 4 h^4 F''''/24, interpolating by h^4/16 of it */
-    const double ratio = 64.0;
-    double step = depth_max / (4.0 * FEWEST), peak = 0.0;
+    const double shortest = 2e-4 * depth_max;
+    double step = depth_max / (16.0 * FEWEST), peak = 0.0; /* nothing tells the error of the first one */
     palp_step_info info;
     palp_network_reset(net);
     net->no_approach = true;
@@ -77,11 +90,10 @@ palp_status force_curve_trace(force_curve *c, palp_network *net, double depth_ma
     if (!status)
         status = add_point(c, net, 0.0, true);
     while (!status && net->now.depth < depth_max) {
-        double left = depth_max - net->now.depth;
-        double target = step >= left ? depth_max : net->now.depth + fmin(step, 0.5 * left > step ? step : left);
+        double target = next_depth(net->now.depth, step, depth_max);
         status = palp_network_try(net, target, INFINITY, &info);
-        if (status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED) {
-            if (step > 2e-3 * depth_max)
+        if (calibration_lost(status)) {
+            if (step > shortest)
                 status = PALP_OK;
             step *= 0.25;
             continue;
@@ -89,16 +101,16 @@ palp_status force_curve_trace(force_curve *c, palp_network *net, double depth_ma
         if (status)
             break;
         peak = fmax(peak, fabs(info.force_N));
-        double error = c->n > 1 ? fabs(hermite(c, c->n - 2, target) - info.force_N) / (ratio * tolerance * peak) : 1.0;
-        if (error > 16.0 && step > 1e-3 * depth_max) {
+        double error = c->n > 1 ? interpolation_error(c, target, info.force_N) / (tolerance * peak) : 0.0;
+        if (error > 1.0 && step > shortest) {
             palp_network_rollback(net);
-            step *= 0.5;
+            step *= fmax(0.25, 0.8 * pow(error, -0.25));
             continue;
         }
         status = add_point(c, net, info.force_N, true);
         if (!status)
             palp_network_commit(net);
-        step = fmin(depth_max / FEWEST, step * fmin(2.0, 0.9 * pow(error + 1e-9, -0.25)));
+        step = fmin(depth_max / FEWEST, step * fmin(2.0, 0.8 * pow(error + 1e-9, -0.25)));
     }
     net->no_approach = false;
     return status;

@@ -9,6 +9,9 @@
 /* Appends a copy of *iteration. */
 palp_status calibration_add(palp_calibration *c, const palp_calibrate_iteration *iteration);
 
+/* No equilibrium was found: the material is at fault, another may do. */
+bool calibration_lost(palp_status status);
+
 /* Least squares by NLopt: minimises |r(p)|_2^2 / 2, r[n_residuals], over n_parameters. evaluate fills r
  * and, unless NULL, the Jacobian by columns, jacobian[k n_residuals + i] = dr_i / dp_k.
  */
@@ -46,6 +49,14 @@ palp_status force_curve_steps(force_curve *curve, palp_network *net, size_t n, c
 /* Samples the curve at depth[n] (increasing): force[n] and, if not NULL, gradient by columns
  * [n_parameters n]. Beyond the last depth reached the force stays as it was there. */
 void force_curve_sample(const force_curve *curve, size_t n, const double *depth, double *force, double *gradient);
+
+/* What the fit of palp_calibrate_relaxation by NLOPT sees at its first guess: the weighted residual[n_samples],
+ * samples of all targets one after the other, and its derivatives by columns [n_samples n_parameters] (room
+ * for 1 + 4 PALP_ARMS_MAX columns): by the scale (if fitted), then K_j and log tau_j of each arm (tau held
+ * while K varies), then beta and gamma (if fitted), one pair or one an arm. */
+palp_status relaxation_linearize(palp_network *network, const palp_material *start, size_t n_targets,
+                                 const palp_target *targets, const palp_relaxation_settings *settings,
+                                 size_t *n_parameters, double *residual, double *jacobian);
 
 /* Figure 5.21; see palp_calibrate_relaxation. */
 palp_status calibrate_three_phase(palp_network *network, const palp_material *start, size_t n_targets,

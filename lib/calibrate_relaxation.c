@@ -21,7 +21,7 @@ palp_relaxation_settings palp_relaxation_settings_default(void) {
 }
 
 /* What a parameter changes: the arms from first to last, or the law's scale. */
-typedef enum role { SCALE, LOG_STIFFNESS, LOG_TIME, BETA, GAMMA } parameter_role;
+typedef enum role { SCALE, STIFFNESS, LOG_TIME, BETA, GAMMA } parameter_role;
 
 typedef struct parameter {
     parameter_role role;
@@ -43,6 +43,7 @@ typedef struct relaxation {
     double *strain, *arm, *weight, *partial, *force;
     element_partials *arm_partials; /* [n_arms n_elements] of the step at hand */
     double best; /* weighted sum of squares */
+    double *residual, *jacobian; /* where linearize puts them, else NULL */
 } relaxation;
 
 static void add_parameter(relaxation *s, parameter_role role, size_t first, size_t last) {
@@ -54,7 +55,7 @@ static void list_parameters(relaxation *s) {
     if (s->settings->fit_scale)
         add_parameter(s, SCALE, 0, 0);
     for (size_t j = 0; j < arms; j++) {
-        add_parameter(s, LOG_STIFFNESS, j, j);
+        add_parameter(s, STIFFNESS, j, j);
         add_parameter(s, LOG_TIME, j, j);
     }
     for (size_t j = 0; j < (s->settings->one_beta ? 1 : arms); j++) {
@@ -73,8 +74,8 @@ static void first_guess(const relaxation *s, double *p) {
         case SCALE:
             p[k] = 1.0;
             break;
-        case LOG_STIFFNESS:
-            p[k] = log(arm->stiffness_N);
+        case STIFFNESS:
+            p[k] = arm->stiffness_N;
             break;
         case LOG_TIME:
             p[k] = log(arm->viscosity_Ns / arm->stiffness_N);
@@ -101,8 +102,8 @@ static palp_status material_from(const relaxation *s, const double *p, palp_mate
             case SCALE:
                 status = p[k] > 0.0 ? palp_law_scale(&s->start->law, p[k], &material->law) : PALP_ERR_ARGUMENT;
                 break;
-            case LOG_STIFFNESS:
-                material->arms[j].stiffness_N = exp(p[k]);
+            case STIFFNESS:
+                material->arms[j].stiffness_N = p[k];
                 break;
             case LOG_TIME:
                 time[j] = exp(p[k]);
@@ -120,12 +121,12 @@ static palp_status material_from(const relaxation *s, const double *p, palp_mate
 }
 
 /* Direct effect of parameter k on arm j's force beside what the history carries. */
-static double direct(const parameter *p, size_t j, const element_partials *d) {
+static double direct(const relaxation *s, const parameter *p, size_t j, const element_partials *d) {
     if (p->role == SCALE || j < p->first || j > p->last)
         return 0.0;
     switch (p->role) {
-    case LOG_STIFFNESS:
-        return d->log_stiffness;
+    case STIFFNESS:
+        return d->log_stiffness / s->net->material.arms[j].stiffness_N;
     case LOG_TIME:
         return d->log_time;
     case BETA:
@@ -152,12 +153,13 @@ static void partial_forces(relaxation *s, size_t k, double scale) {
     size_t m = net->n_elements, arms = net->material.n_arms;
     const double *strain = s->strain + k * m;
     for (size_t i = 0; i < m; i++)
-        s->partial[i] = s->parameter[k].role == SCALE ? net->next.history.elastic[i] / scale : 0.0;
+        s->partial[i] = (s->parameter[k].role == SCALE ? net->next.history.elastic[i] / scale : 0.0) -
+                        net->step.dashpot * strain[i];
     for (size_t j = 0; j < arms; j++) {
         double *arm = s->arm + (k * arms + j) * m;
         const element_partials *d = s->arm_partials + j * m;
         for (size_t i = 0; i < m; i++) {
-            arm[i] = d[i].arm_old * arm[i] + d[i].strain_old * strain[i] + direct(&s->parameter[k], j, &d[i]);
+            arm[i] = d[i].arm_old * arm[i] + d[i].strain_old * strain[i] + direct(s, &s->parameter[k], j, &d[i]);
             s->partial[i] += arm[i];
         }
     }
@@ -214,17 +216,18 @@ static palp_status advance_sensitivities(relaxation *s, double scale, double *gr
     return status;
 }
 
-/* Next time to solve at: graded steps, never past a sample or a corner. Steps grow with the time since
- * the last corner; both constants leave a tenth of the tolerance on the seed's material (test_calibrate). */
+/* Next time to solve at: graded steps, never past a sample or a corner, even on a ramp; in a hold they grow
+ * with the time since the ramp. Both constants leave a tenth of the tolerance on the material of Table 4.5. */
 static double next_time(const relaxation *s, const palp_target *target, size_t sample, double t) {
     size_t corner = 0;
     while (corner + 2 < target->path.n && target->path.time_s[corner + 1] <= t)
         corner++;
     double from = target->path.time_s[corner], to = target->path.time_s[corner + 1];
+    double before = corner ? from - target->path.time_s[corner - 1] : to - from; /* the ramp, in a hold */
     double coarse = sqrt(s->settings->tolerance), step = s->settings->dt_s;
     if (step == 0.0)
         step = target->path.depth_m[corner] == target->path.depth_m[corner + 1]
-                   ? fmax(15.0 * coarse * (t - from), 0.5 * coarse)
+                   ? fmax(15.0 * coarse * (t - from), 0.5 * coarse * before)
                    : (to - from) * 5.0 * coarse;
     double next = t + step;
     if (t < to && next > to - 1e-9 * step)
@@ -295,11 +298,6 @@ static palp_status report(relaxation *s, const palp_material *material, double w
     return PALP_OK;
 }
 
-static bool lost(palp_status status) {
-    return status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED ||
-           status == PALP_ERR_ARGUMENT;
-}
-
 /* A material that the network cannot follow counts as one without force: far from any target. */
 static palp_status residuals(void *user, const double *p, double *r, double *jacobian) {
     relaxation *s = user;
@@ -315,7 +313,8 @@ static palp_status residuals(void *user, const double *p, double *r, double *jac
         double root = sqrt(weight_of(target));
         if (!status)
             status = run_target(s, target, scale, s->force + first, jacobian ? jacobian + first : NULL, s->n_samples);
-        if (status && (!lost(status) || s->result->n_iterations == 0))
+        bool lost = calibration_lost(status) || status == PALP_ERR_ARGUMENT;
+        if (status && (!lost || s->result->n_iterations == 0))
             return status;
         for (size_t i = first; i < first + target->n; i++) {
             if (status)
@@ -323,30 +322,56 @@ static palp_status residuals(void *user, const double *p, double *r, double *jac
             r[i] = root * (s->force[i] - target->force_N[i - first]);
             weighted += r[i] * r[i];
             for (size_t k = 0; k < s->n && jacobian; k++)
-                jacobian[k * s->n_samples + i] *= root;
+                jacobian[k * s->n_samples + i] = status ? 0.0 : root * jacobian[k * s->n_samples + i];
         }
         first += target->n;
     }
     return no_material ? PALP_OK : report(s, &material, weighted);
 }
 
-/* Bounds as linear constraints: scale >= 0.05, beta and gamma >= 0. */
+static double longest_path(const relaxation *s) {
+    double longest = 0.0;
+    for (size_t t = 0; t < s->n_targets; t++) {
+        const palp_path *path = &s->target[t].path;
+        longest = fmax(longest, path->time_s[path->n - 1] - path->time_s[0]);
+    }
+    return longest;
+}
+
+/* Bounds as linear constraints. An arm much softer, quicker or slower than the records can tell would never
+ * come back from there. */
 static size_t bound_rows(const relaxation *s, double *row, double *floor) {
+    double longest = longest_path(s);
     size_t rows = 0;
-    memset(row, 0, s->n * s->n * sizeof *row);
+    memset(row, 0, 2 * s->n * s->n * sizeof *row);
     for (size_t k = 0; k < s->n; k++) {
-        parameter_role role = s->parameter[k].role;
-        if (role == LOG_STIFFNESS || role == LOG_TIME)
-            continue;
-        floor[rows] = role == SCALE ? 0.05 : 0.0;
-        row[rows++ * s->n + k] = 1.0;
+        const palp_arm *arm = &s->start->arms[s->parameter[k].first];
+        double time = arm->viscosity_Ns / arm->stiffness_N;
+        row[rows * s->n + k] = 1.0;
+        switch (s->parameter[k].role) {
+        case SCALE:
+            floor[rows++] = 0.05;
+            break;
+        case STIFFNESS:
+            floor[rows++] = 1e-6 * arm->stiffness_N;
+            break;
+        case LOG_TIME:
+            floor[rows++] = log(fmin(1e-5 * longest, time));
+            row[rows * s->n + k] = -1.0;
+            floor[rows++] = -log(fmax(1e2 * longest, time));
+            break;
+        case BETA:
+        case GAMMA:
+            floor[rows++] = 0.0;
+            break;
+        }
     }
     return rows;
 }
 
 static palp_status fit(relaxation *s) {
-    double p[PARAMETERS_MAX], floor[PARAMETERS_MAX], norm;
-    double *row = malloc(s->n * s->n * sizeof *row + 1);
+    double p[PARAMETERS_MAX], floor[2 * PARAMETERS_MAX], norm; /* two bounds of a time */
+    double *row = malloc(2 * s->n * s->n * sizeof *row + 1);
     if (!row)
         return PALP_ERR_NO_MEMORY;
     first_guess(s, p);
@@ -364,26 +389,40 @@ static palp_status fit(relaxation *s) {
     return status;
 }
 
-static palp_status check(const relaxation *s) {
-    if (s->start->n_arms == 0 || s->n_targets == 0)
-        return PALP_ERR_ARGUMENT;
-    if (s->start->formulation != PALP_HISTORY)
-        return PALP_ERR_UNSUPPORTED;
-    if (!(s->settings->tolerance > 0.0) || s->settings->dt_s < 0.0)
-        return PALP_ERR_ARGUMENT;
-    for (size_t t = 0; t < s->n_targets; t++) {
-        const palp_target *target = &s->target[t];
-        if (target->n == 0 || target->path.n < 2 || !target->path.depth_m || target->path.depth_m[0] != 0.0)
-            return PALP_ERR_ARGUMENT;
-        for (size_t i = 1; i < target->n; i++)
-            if (!(target->time_s[i] > target->time_s[i - 1]))
-                return PALP_ERR_ARGUMENT;
+static bool target_sound(const palp_target *target) {
+    double peak = 0.0;
+    if (target->n == 0 || target->path.n < 2 || !target->path.depth_m || target->path.depth_m[0] != 0.0)
+        return false;
+    for (size_t i = 0; i < target->n; i++) {
+        if (!isfinite(target->time_s[i]) || !isfinite(target->force_N[i]) ||
+            (i && !(target->time_s[i] > target->time_s[i - 1])))
+            return false;
+        peak = fmax(peak, fabs(target->force_N[i]));
     }
+    return isfinite(target->weight) && (target->weight > 0.0 || (target->weight == 0.0 && peak > 0.0));
+}
+
+/* The sensitivities leave out mass; a quasi-linear arm has no beta (palp_material_check). */
+static palp_status check(const relaxation *s) {
+    const palp_relaxation_settings *settings = s->settings;
+    if (settings->method != PALP_CALIBRATE_NLOPT || s->start->formulation != PALP_HISTORY || s->net->mass ||
+        (settings->fit_beta && s->start->quasi_linear))
+        return PALP_ERR_UNSUPPORTED;
+    if (s->start->n_arms == 0 || s->n_targets == 0 || settings->max_evaluations < 1 ||
+        !(settings->tolerance > 0.0) || !(settings->dt_s >= 0.0))
+        return PALP_ERR_ARGUMENT;
+    for (size_t t = 0; t < s->n_targets; t++)
+        if (!target_sound(&s->target[t]))
+            return PALP_ERR_ARGUMENT;
     return palp_material_check(s->start, NULL);
 }
 
-static palp_status calibrate(relaxation *s) {
+/* Checks, allocates and does the work. */
+static palp_status prepare(relaxation *s, palp_status (*work)(relaxation *)) {
     size_t m = s->net->n_elements;
+    palp_status status = check(s);
+    if (status)
+        return status;
     list_parameters(s);
     for (size_t t = 0; t < s->n_targets; t++)
         s->n_samples += s->target[t].n;
@@ -394,13 +433,31 @@ static palp_status calibrate(relaxation *s) {
     s->force = calloc(s->n_samples + 1, sizeof(double));
     s->arm_partials = malloc((s->start->n_arms * m + 1) * sizeof *s->arm_partials);
     bool ok = s->strain && s->arm && s->weight && s->partial && s->force && s->arm_partials;
-    palp_status status = ok ? fit(s) : PALP_ERR_NO_MEMORY;
+    status = ok ? work(s) : PALP_ERR_NO_MEMORY;
     free(s->strain);
     free(s->arm);
     free(s->weight);
     free(s->partial);
     free(s->force);
     free(s->arm_partials);
+    return status;
+}
+
+static palp_status linearize(relaxation *s) {
+    double p[PARAMETERS_MAX];
+    first_guess(s, p);
+    return residuals(s, p, s->residual, s->jacobian);
+}
+
+palp_status relaxation_linearize(palp_network *network, const palp_material *start, size_t n_targets,
+                                 const palp_target *targets, const palp_relaxation_settings *settings,
+                                 size_t *n_parameters, double *residual, double *jacobian) {
+    palp_calibration result = {0};
+    relaxation s = {.net = network, .start = start, .settings = settings, .n_targets = n_targets, .target = targets,
+                    .result = &result, .residual = residual, .jacobian = jacobian};
+    palp_status status = prepare(&s, linearize);
+    *n_parameters = s.n;
+    palp_calibration_free(&result);
     return status;
 }
 
@@ -414,9 +471,7 @@ palp_status palp_calibrate_relaxation(palp_network *network, const palp_material
     if (settings->method == PALP_CALIBRATE_THREE_PHASE) {
         status = calibrate_three_phase(network, start, n_targets, targets, settings, result);
     } else {
-        status = settings->method == PALP_CALIBRATE_NLOPT ? check(&s) : PALP_ERR_UNSUPPORTED;
-        if (!status)
-            status = calibrate(&s);
+        status = prepare(&s, fit);
     }
     if (!status)
         status = palp_network_set_material(network, &result->material);

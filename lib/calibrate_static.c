@@ -57,7 +57,7 @@ static palp_status run_curve(stage *s, const palp_material *material, double *gr
         status = force_curve_steps(&s->curve, s->net, s->n, s->depth, gradient != NULL);
     else
         status = force_curve_trace(&s->curve, s->net, s->depth[s->n - 1], s->tolerance);
-    bool early = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+    bool early = calibration_lost(status);
     if (status && !(early && s->curve.n > 1))
         return status;
     if (s->settings->every_step && !early && !gradient) {
@@ -96,9 +96,10 @@ static palp_status polynomial_fit(size_t n, const double *x, const double *y, si
 /* Figure 5.6. The fit has a constant term, which is dropped: that is what reproduces Table 5.1. */
 static palp_status fixed_point(stage *s) {
     palp_material material = *s->start;
-    double fit[PALP_LAW_MAX + 1], *strain = malloc(2 * s->n * sizeof *strain), *guess = strain + s->n;
+    double fit[PALP_LAW_MAX + 1], *strain = malloc(2 * s->n * sizeof *strain);
     if (!strain)
         return PALP_ERR_NO_MEMORY;
+    double *guess = strain + s->n;
     for (size_t i = 0; i < s->n; i++) {
         strain[i] = s->depth[i] / s->net->height;
         guess[i] = s->target[i];
@@ -220,6 +221,9 @@ static palp_status check(const stage *s) {
     for (size_t i = 0; i < s->n; i++)
         if (!(s->depth[i] > (i ? s->depth[i - 1] : 0.0)) || !isfinite(s->target[i]) || !(s->target[i] > 0.0))
             return PALP_ERR_ARGUMENT;
+    double strain = s->depth[s->n - 1] / s->net->height;
+    if (!(strain < 1.0) || !(palp_law_minimum(law, strain) > 0.0))
+        return PALP_ERR_ARGUMENT;
     return palp_material_check(s->start, NULL);
 }
 

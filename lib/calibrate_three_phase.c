@@ -84,9 +84,9 @@ static bool exhausted(const three_phase *s) {
 
 /* Phases 1 and 2: multiply by wanted / reached until the error is within the bound or grows. */
 static palp_status match(three_phase *s, int phase) {
-    double least = HUGE_VAL, e;
+    double least = HUGE_VAL, e = HUGE_VAL;
     palp_arm *arm = &s->material.arms[0], best = *arm;
-    do {
+    while (e > s->settings->error_bound && !exhausted(s)) {
         palp_status status = run(s, phase == 2);
         if (!status)
             status = record(s, phase, phase == 2);
@@ -104,7 +104,7 @@ static palp_status match(three_phase *s, int phase) {
             if (phase == 1)
                 arm->stiffness_N *= wanted / reached;
         }
-    } while (e > s->settings->error_bound && !exhausted(s));
+    }
     *arm = best;
     return PALP_OK;
 }
@@ -114,8 +114,7 @@ static palp_status match_steady_force(three_phase *s) {
     enum { ROUNDS = 20 };
     double least = HUGE_VAL, best_force = 0.0, difference = 0.0, e;
     palp_law best = s->material.law;
-    int rounds = 0;
-    do {
+    for (int round = 0; round < ROUNDS && !exhausted(s); round++) {
         palp_status status = run(s, true);
         if (!status)
             status = record(s, 3, true);
@@ -135,9 +134,14 @@ static palp_status match_steady_force(three_phase *s) {
         status = palp_law_scale(&best, factor, &s->material.law);
         if (status)
             return status;
-    } while (++rounds < ROUNDS && !exhausted(s));
+    }
     s->material.law = best;
     return PALP_OK;
+}
+
+static bool same(const palp_material *a, const palp_material *b) {
+    return a->arms[0].stiffness_N == b->arms[0].stiffness_N && a->arms[0].viscosity_Ns == b->arms[0].viscosity_Ns &&
+           memcmp(a->law.coefficients, b->law.coefficients, sizeof a->law.coefficients) == 0;
 }
 
 static bool within(const three_phase *s) {
@@ -147,14 +151,19 @@ static bool within(const three_phase *s) {
            error(s->reached.steady_force, s->wanted.steady_force) <= bound;
 }
 
+/* From rest along a ramp and a hold. */
 static palp_status check(const palp_material *start, size_t n_targets, const palp_target *target,
                          const palp_relaxation_settings *settings) {
     if (start->n_arms != 1)
         return PALP_ERR_UNSUPPORTED;
     const palp_path *p = &target->path;
     if (n_targets != 1 || target->n < 3 || p->n != 3 || !p->depth_m || p->depth_m[0] != 0.0 || p->time_s[0] != 0.0 ||
-        p->depth_m[1] != p->depth_m[2] || !(settings->dt_s > 0.0) || settings->max_evaluations < 1)
+        p->depth_m[1] != p->depth_m[2] || !(settings->dt_s > 0.0) || settings->max_evaluations < 1 ||
+        !(settings->error_bound > 0.0))
         return PALP_ERR_ARGUMENT;
+    for (size_t i = 1; i < target->n; i++)
+        if (!(target->time_s[i] > target->time_s[i - 1]))
+            return PALP_ERR_ARGUMENT;
     return palp_material_check(start, NULL);
 }
 
@@ -166,7 +175,11 @@ palp_status calibrate_three_phase(palp_network *network, const palp_material *st
         return status;
     three_phase s = {.net = network, .target = targets, .settings = settings, .result = result, .material = *start};
     s.wanted = marks_of_record(targets, settings->steady_slope_N_s);
+    if (!(s.wanted.peak > 0.0) || !(s.wanted.steady_time > 0.0) || !(s.wanted.steady_force > 0.0))
+        return PALP_ERR_ARGUMENT; /* no force, or a record that ends with the ramp */
+    palp_material before;
     do {
+        before = s.material;
         status = match(&s, 1);
         if (!status)
             status = match(&s, 2);
@@ -175,7 +188,7 @@ palp_status calibrate_three_phase(palp_network *network, const palp_material *st
         if (!status)
             status = run(&s, true);
         result->converged = !status && within(&s);
-    } while (!status && !result->converged && !exhausted(&s));
+    } while (!status && !result->converged && !exhausted(&s) && !same(&before, &s.material));
     result->material = s.material;
     result->residual_N = fabs(s.reached.peak - s.wanted.peak);
     return status;

@@ -31,7 +31,7 @@ static void sedef_trial(const palp_material *material, const element_step *step,
                         const element_history *old, double *force, double *tangent) {
     const palp_arm *arm = &material->arms[0];
     double rate = arm->viscosity_Ns / step->dt;
-    double share = 1.0 - step->carry;
+    double share = 1.0 / (1.0 + rate / arm->stiffness_N);
     for (size_t i = 0; i < n; i++) {
         double stiffness, slope;
         palp_law_stiffness(&material->law, e[i], &stiffness, &slope);

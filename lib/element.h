@@ -30,7 +30,7 @@ void element_step_prepare(const palp_material *material, double dt, element_step
 void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
                    const element_history *old, element_history *new, double *force, double *tangent);
 
-/* Incremental energy, N: integral of the force over the strain from 0 at frozen history. False if
+/* Incremental energy, N: integral of the force over the strain at frozen history, up to a constant. False if
  * there is no closed form (strain-dependent relaxation times). work[n] is scratch. */
 bool element_energy(const palp_material *material, const element_step *step, size_t n, const double *e,
                     const element_history *old, double *energy, double *work);

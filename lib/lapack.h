@@ -7,6 +7,8 @@ void dgemm_(const char *ta, const char *tb, const int *m, const int *n, const in
             const int *ldc);
 void dtrsm_(const char *side, const char *uplo, const char *ta, const char *diag, const int *m, const int *n,
             const double *alpha, const double *a, const int *lda, double *b, const int *ldb);
+void dtbsv_(const char *uplo, const char *ta, const char *diag, const int *n, const int *k, const double *a,
+            const int *lda, double *x, const int *incx);
 void dgeqrf_(const int *m, const int *n, double *a, const int *lda, double *tau, double *work, const int *lwork,
              int *info);
 void dgels_(const char *trans, const int *m, const int *n, const int *nrhs, double *a, const int *lda, double *b,

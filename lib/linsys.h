@@ -26,7 +26,7 @@ size_t linsys_slot(const linsys *ls, size_t row, size_t column);
 double linsys_flops(const linsys *ls);       /* of one factorization, estimated */
 
 /* Factors the values (and may destroy them). *negative: number of negative pivots (Sylvester).
- * ERR_SINGULAR: a zero or non-finite pivot. */
+ * ERR_SINGULAR: a pivot that is not finite, or so small beside the largest that it is rounding. */
 palp_status linsys_factor(linsys *ls, int *negative);
 void linsys_solve(linsys *ls, double *b); /* b[n] in, solution out */
 
@@ -41,7 +41,13 @@ typedef struct linsys_made {
 palp_status linsys_band_make(size_t n, const size_t *column, const int32_t *row, linsys_made *made);
 palp_status linsys_cholmod_make(bool supernodal, size_t n, const size_t *column, const int32_t *row,
                                 linsys_made *made);
+/* The verdict on a factor: OK if no pivot is lost in the rounding of the largest one. */
+palp_status linsys_judge(double smallest, double largest);
+
+/* Position of every unknown in the numbering of reverse Cuthill-McKee (linsys_order.c). */
+palp_status linsys_order(size_t n, const size_t *column, const int32_t *row, int32_t *position);
+
 /* Seconds a factorization is expected to take, to choose by. */
-double linsys_band_cost(size_t n, const size_t *column, const int32_t *row);
+palp_status linsys_band_cost(size_t n, const size_t *column, const int32_t *row, double *cost);
 
 #endif

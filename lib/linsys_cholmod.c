@@ -63,13 +63,16 @@ static void solver_destroy(void *self) {
 static palp_status count_negative(const cholmod_factor *factor, int *negative) {
     const int *p = factor->p;
     const double *x = factor->x;
+    double smallest = INFINITY, largest = 0.0;
     for (size_t j = 0; j < factor->n; j++) {
         double pivot = x[p[j]];
         if (!isfinite(pivot) || pivot == 0.0)
             return PALP_ERR_SINGULAR;
         *negative += pivot < 0.0;
+        smallest = fmin(smallest, fabs(pivot));
+        largest = fmax(largest, fabs(pivot));
     }
-    return factor->minor == factor->n ? PALP_OK : PALP_ERR_SINGULAR;
+    return factor->minor == factor->n ? linsys_judge(smallest, largest) : PALP_ERR_SINGULAR;
 }
 
 static palp_status factor_simplicial(solver *s, int *negative) {
@@ -86,7 +89,7 @@ static palp_status solver_factor(void *self, int *negative) {
         cholmod_factorize(s->matrix, s->super, &s->common);
         if (s->common.status == CHOLMOD_OK) {
             s->is_super = true;
-            return PALP_OK;
+            return linsys_judge(cholmod_rcond(s->super, &s->common), 1.0);
         }
         if (s->common.status == CHOLMOD_OUT_OF_MEMORY)
             return PALP_ERR_NO_MEMORY;

@@ -134,6 +134,10 @@ static palp_status apply_support(palp_network *net, const palp_support *support,
     size_t n;
     if (palp_mesh_set(net->mesh, support->set, &n, &nodes))
         return palp_error_set(error, PALP_ERR_INPUT, "the mesh has no node set \"%s\"", support->set);
+    for (size_t k = 0; k < 3; k++)
+        if (support->axis[k] == PALP_DRIVEN && !isfinite(support->motion[k]))
+            return palp_error_set(error, PALP_ERR_ARGUMENT, "the motion of node set \"%s\" is not a number",
+                                  support->set);
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < 3; k++) {
             size_t d = 3 * (size_t)nodes[i] + k;
@@ -318,14 +322,20 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     return PALP_OK;
 }
 
+static bool settings_in_range(const palp_network_settings *s) {
+    return s->tolerance > 0.0 && isfinite(s->tolerance) && s->max_iterations >= 1 && s->density_kg_m3 >= 0.0 &&
+           isfinite(s->density_kg_m3) && s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 &&
+           s->check_strain >= 0.0 && s->branch <= PALP_BRANCH_STABLE && s->solver <= PALP_SOLVER_SUPERNODAL &&
+           s->integrator <= PALP_GENERALIZED_ALPHA;
+}
+
 palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material, size_t n_supports,
                                 const palp_support *supports, const palp_network_settings *settings,
                                 palp_network **network, palp_error *error) {
     palp_status status = palp_material_check(material, error);
     if (status)
         return status;
-    if (!(settings->tolerance > 0.0) || settings->max_iterations < 1 || !(settings->density_kg_m3 >= 0.0) ||
-        !(settings->spectral_radius >= 0.0) || settings->spectral_radius > 1.0)
+    if (!settings_in_range(settings))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a network setting is out of range");
     palp_network *net = calloc(1, sizeof *net);
     if (!net)

@@ -59,13 +59,16 @@ bool network_evaluate(palp_network *net) {
 }
 
 double network_residual(palp_network *net, double *scale) {
-    double residual = 0.0, force = 0.0, noise = 0.0;
+    double residual = 0.0, force = 0.0, noise = 0.0, heavy = 0.0;
     for (size_t i = 0; i < 3 * net->n_nodes; i++) {
         if (net->dof[i] < 0)
             continue;
         double r = net->fint[i];
-        if (net->inertia > 0.0)
-            r -= net->mass[i / 3] * net->inertia * net->next.x[i] - net->inertia_rhs[i];
+        if (net->inertia > 0.0) {
+            double pull = net->mass[i / 3] * net->inertia * net->next.x[i];
+            r -= pull - net->inertia_rhs[i];
+            heavy += pull * pull;
+        }
         net->rhs[net->dof[i]] = r;
         residual += r * r;
     }
@@ -73,8 +76,9 @@ double network_residual(palp_network *net, double *scale) {
         force += net->force[i] * net->force[i];
         noise += net->tangent[i] * net->tangent[i];
     }
-    /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent */
-    *scale = net->settings.tolerance * sqrt(force) + 2e-15 * sqrt(noise);
+    /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and the
+     * mass terms to that times theirs, which short steps make large */
+    *scale = net->settings.tolerance * sqrt(force) + 2e-15 * sqrt(noise) + 1e-15 * sqrt(heavy);
     return sqrt(residual);
 }
 
@@ -92,7 +96,7 @@ static void element_block(const palp_network *net, size_t i, double k[6]) {
     k[5] = along * n[2] * n[2] + across;
 }
 
-static void assemble(palp_network *net, double shift) {
+void network_assemble(palp_network *net, double shift) {
     double *restrict value = linsys_values(net->ls), *restrict block = net->node_block;
     memset(value, 0, linsys_value_count(net->ls) * sizeof *value);
     memset(block, 0, 6 * net->n_nodes * sizeof *block);
@@ -125,7 +129,7 @@ static void assemble(palp_network *net, double shift) {
 }
 
 palp_status network_factor(palp_network *net, double shift, int *negative) {
-    assemble(net, shift);
+    network_assemble(net, shift);
     return linsys_factor(net->ls, negative);
 }
 
@@ -195,6 +199,10 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         u[i] = net->dof[i] < 0 ? net->motion[i] : net->start[net->dof[i]];
     *stiffness = 0.0;
+    if (net->inertia > 0.0) /* of the free nodes: the plate's own reaction is that of the elements alone */
+        for (size_t i = 0; i < 3 * net->n_nodes; i++)
+            if (net->dof[i] >= 0)
+                *stiffness += net->mass[i / 3] * net->inertia * u[i] * u[i];
     for (size_t i = 0; i < net->n_elements; i++) {
         const double *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
         double f[3];

@@ -73,7 +73,10 @@ bool network_evaluate(palp_network *net);
 /* |residual|_2 of the unknowns into rhs (K dx = rhs), and the scale it is judged by. */
 double network_residual(palp_network *net, double *scale);
 
-/* Tangent of the last evaluation plus shift on the diagonal, factored. */
+/* Tangent of the last evaluation plus shift on the diagonal, into the solver's values. */
+void network_assemble(palp_network *net, double shift);
+
+/* The same, factored. */
 palp_status network_factor(palp_network *net, double shift, int *negative);
 
 /* d fint / d depth on the unknowns: column[n_free]. */

@@ -97,8 +97,10 @@ static palp_status adaptive_segment(run *r, double from, double to, double *step
             h = to - t;
         network_mark(r->net);
         palp_status status = doubled_step(r, t, h, &error);
-        if (status && !may_shrink(status))
+        if (status && !may_shrink(status)) {
+            network_revert(r->net);
             return status;
+        }
         double scale = r->path->depth_m ? fmax(r->info->peak_force_N, fabs(r->net->now.force)) : r->net->height;
         double ratio = status ? 64.0 : error / (r->settings->tolerance * scale + 1e-300);
         bool cut = !status && locates_buckling(r->net, buckled);
@@ -110,8 +112,10 @@ static palp_status adaptive_segment(run *r, double from, double to, double *step
             *step = h * fmax(0.2, fmin(0.5, 0.9 * pow(ratio, -1.0 / 3.0)));
             continue;
         }
-        if (status)
+        if (status) {
+            network_revert(r->net);
             return status;
+        }
         t = to - t - h <= 0.0 ? to : t + h;
         r->info->steps += 2;
         status = observe(r, t);
@@ -124,10 +128,10 @@ static palp_status adaptive_segment(run *r, double from, double to, double *step
 
 static palp_status check(const run *r) {
     const palp_path *p = r->path;
-    bool adaptive = r->settings->tolerance > 0.0;
-    if (p->n == 0 || (!p->depth_m && !p->force_N) || (!adaptive && !(r->settings->dt_s > 0.0)))
+    const palp_run_settings *s = r->settings;
+    if (p->n == 0 || (!p->depth_m && !p->force_N) || !(s->tolerance >= 0.0) || !(s->dt_min_s >= 0.0))
         return PALP_ERR_ARGUMENT;
-    return PALP_OK;
+    return s->tolerance > 0.0 || s->dt_s > 0.0 ? PALP_OK : PALP_ERR_ARGUMENT;
 }
 
 palp_status palp_network_run(palp_network *network, const palp_path *path, const palp_run_settings *settings,

@@ -84,14 +84,19 @@ static bool extrapolate(palp_network *net, double depth, double time) {
     return network_evaluate(net);
 }
 
-/* The linear answer of the last state to the plate's motion. */
-static bool predict_linear(palp_network *net, double depth) {
+/* The linear answer of the last state to the plate's motion. A state whose tangent is singular, as that of
+ * a mechanism at rest, has none: ERR_SINGULAR. */
+static palp_status predict_linear(palp_network *net, double depth) {
     int negative;
     double scale, move = depth - net->now.depth;
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+    bool sound = network_evaluate(net);
     if (move == 0.0)
-        return network_evaluate(net);
-    if (network_evaluate(net) && !network_factor(net, 0.0, &negative)) {
+        return sound ? PALP_OK : PALP_ERR_COLLAPSED;
+    if (sound) {
+        palp_status status = network_factor(net, 0.0, &negative);
+        if (status)
+            return status;
         network_residual(net, &scale);
         network_drive_column(net, net->dx);
         for (size_t i = 0; i < net->n_free; i++)
@@ -103,11 +108,11 @@ static bool predict_linear(palp_network *net, double depth) {
             if (net->dof[i] >= 0)
                 net->next.x[i] = net->now.x[i] + net->dx[net->dof[i]];
         if (network_evaluate(net))
-            return true;
+            return PALP_OK;
     }
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
     network_place(net, depth);
-    return network_evaluate(net);
+    return network_evaluate(net) ? PALP_OK : PALP_ERR_COLLAPSED;
 }
 
 /* Goes to the depth in parts, each started from the secant through the last two: history and time stay
@@ -141,8 +146,11 @@ static palp_status solve(palp_network *net, double depth, double time, palp_step
     palp_status status = PALP_ERR_NOT_CONVERGED;
     if (extrapolate(net, depth, time))
         status = network_newton(net, info);
-    if (status && status != PALP_ERR_NO_MEMORY)
-        status = predict_linear(net, depth) ? network_newton(net, info) : PALP_ERR_COLLAPSED;
+    if (status && status != PALP_ERR_NO_MEMORY) {
+        status = predict_linear(net, depth);
+        if (!status)
+            status = network_newton(net, info);
+    }
     if (status && status != PALP_ERR_NO_MEMORY && status != PALP_ERR_SINGULAR && depth != net->now.depth &&
         !net->no_approach)
         status = approach(net, depth, info);

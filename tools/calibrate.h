@@ -21,6 +21,7 @@ typedef struct calibrate_options {
     int stage, method, formulation, law, branch; /* method: palp_calibrate_method or -1 */
     size_t arms, degree, knots, steps;
     bool hex_diagonals, strain_dependent, every_step, json;
+    char command[CLI_COMMAND_MAX];
 } calibrate_options;
 
 /* A ramp and hold to meet, and what the calibrated network makes of it. */

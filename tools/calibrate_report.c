@@ -1,6 +1,7 @@
 /* calibrate_report.c: what palpate calibrate found, as JSON or as text. */
 #include "calibrate.h"
 #include "json_out.h"
+#include "plot.h"
 
 #include <math.h>
 
@@ -111,7 +112,9 @@ static json_t *nodes_json(const calibrate_state *s) {
 
 static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) {
     static const char *const stages[] = {"static", "relaxation", "all"};
-    json_t *all = json_object();
+    json_t *all = json_object(), *command = json_string(o->command);
+    json_object_set_new(all, "palpate", json_pack("{s:i, s:s}", "calibrate", 1, "version", palp_version()));
+    json_object_set_new(all, "command", command ? command : json_null());
     json_object_set_new(all, "stage", json_string(stages[o->stage]));
     json_object_set_new(all, "formulation",
                         json_string(o->formulation == PALP_HISTORY ? "history" : "sedef2008"));
@@ -215,6 +218,12 @@ static void print_relaxation(const calibrate_state *s) {
 }
 
 int calibrate_report(const calibrate_options *o, const calibrate_state *s) {
+    if (o->plot && plot_folder(o->plot)) { /* calibrate_plot says if there is no folder */
+        int code = json_save(NAME, whole_json(o, s), o->plot, "calibrate.json");
+        if (code) {
+            return code;
+        }
+    }
     if (o->json) {
         return json_print(NAME, whole_json(o, s));
     }

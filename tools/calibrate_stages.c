@@ -43,26 +43,41 @@ static int stage_failed(const calibrate_options *o, const char *stage, palp_stat
 
 /* ---- static ---- */
 
-/* How many times too stiff the network is with this law: the force is in proportion to the law, so a
- * coarse press tells, by least squares. 1 where it does not converge. */
-static double stiffness_excess(calibrate_state *s, const palp_material *material) {
-    double wanted_squared = 0, product = 0, squared = 0;
-    size_t n = s->n_static;
-    if (palp_network_set_material(s->network, material)) {
-        return 1;
+/* A fine lattice starts from the law that a coarse one of the same box takes: a second instead of many
+ * evaluations of a dear curve. The library scales it. */
+static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, palp_material *start) {
+    enum { COARSE = 5, FINE = 8 };
+    const palp_mesh_spec *spec = &s->model.mesh;
+    size_t nodes[3], finest = 0;
+    for (size_t k = 0; k < 3; k++) {
+        finest = spec->nodes[k] > finest ? spec->nodes[k] : finest;
+        nodes[k] = spec->nodes[k] < COARSE ? spec->nodes[k] : COARSE;
     }
-    for (size_t k = 1; k <= GUESS_STEPS; k++) {
-        palp_step_info info;
-        size_t i = n * k / GUESS_STEPS - 1;
-        if (palp_network_step(s->network, s->depth_m[i], INFINITY, &info)) {
-            break;
-        }
-        wanted_squared += s->force_N[i] * s->force_N[i];
-        product += s->force_N[i] * info.force_N;
-        squared += info.force_N * info.force_N;
+    if (spec->kind != PALP_MESH_LATTICE || finest < FINE) {
+        return PALP_OK;
     }
-    palp_network_reset(s->network);
-    return wanted_squared > 0 && product > 0 ? squared / product : 1;
+    palp_mesh *mesh = NULL;
+    palp_network *network = NULL;
+    palp_support supports[2];
+    palp_network_settings network_settings = palp_network_settings_default();
+    palp_static_settings settings = palp_static_settings_default();
+    palp_calibration result = {0};
+    palp_supports_default(supports);
+    network_settings.branch = (palp_branch)o->branch;
+    palp_status status = palp_mesh_lattice(nodes, spec->size_m, spec->neighbourhood, &mesh);
+    if (!status) {
+        status = palp_network_create(mesh, start, 2, supports, &network_settings, &network, NULL);
+    }
+    if (!status) {
+        status = palp_calibrate_static(network, start, s->n_static, s->depth_m, s->force_N, &settings, &result);
+    }
+    if (!status) {
+        start->law = result.material.law;
+    }
+    palp_calibration_free(&result);
+    palp_network_free(network);
+    palp_mesh_free(mesh);
+    return status;
 }
 
 /* The first guess: the lumped law in the wanted form, unscaled for the seed's loop; or --start's. */
@@ -74,9 +89,7 @@ static palp_status static_start(const calibrate_options *o, calibrate_state *s, 
     palp_status status = o->law == LAW_SPLINE ? guess_spline(law, o->knots, strain_max, &start->law)
                                               : guess_polynomial(law, o->degree, strain_max, &start->law);
     if (status == PALP_OK && s->static_method == PALP_CALIBRATE_NLOPT && !o->start) {
-        palp_law scaled;
-        status = palp_law_scale(&start->law, 1 / stiffness_excess(s, start), &scaled);
-        start->law = scaled;
+        status = coarse_start(o, s, start);
     }
     return status;
 }

@@ -316,6 +316,17 @@ void cli_help(const cli_command *command, FILE *to) {
     fprintf(to, "  --help%*sthis text\n\nExample:\n%s", HELP_COLUMN - 8, "", command->example);
 }
 
+void cli_keep_command(int argc, char **argv, char command[CLI_COMMAND_MAX]) {
+    size_t at = (size_t)snprintf(command, CLI_COMMAND_MAX, "palpate");
+    for (int i = 0; i < argc && at < CLI_COMMAND_MAX; i++) {
+        int n = snprintf(command + at, CLI_COMMAND_MAX - at, " %s", argv[i]);
+        at += n > 0 ? (size_t)n : 0;
+    }
+    if (at >= CLI_COMMAND_MAX) {
+        memcpy(command + CLI_COMMAND_MAX - 5, " ...", 5);
+    }
+}
+
 /* ---- output files ---- */
 
 int cli_file_open(const char *name, const char *path, cli_file *file) {

@@ -10,7 +10,7 @@
 enum { CLI_OK = 0, CLI_FAILURE = 1, CLI_USAGE = 2, CLI_NOT_CONVERGED = 3 };
 enum { CLI_HELP = -1 };     /* cli_parse printed the help: exit 0 */
 enum { CLI_LIST_MAX = 64 }; /* most numbers in a list such as 1.5,2,2.5 */
-enum { CLI_PATH_MAX = 4096 };
+enum { CLI_PATH_MAX = 4096, CLI_COMMAND_MAX = 1024 };
 
 typedef struct cli_list {
     size_t n;
@@ -78,6 +78,10 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
               size_t *n_words);
 
 void cli_help(const cli_command *command, FILE *to);
+
+/* The command line as typed, for the record; cut where it is too long. Call it before cli_parse, which
+ * moves the words behind the options. */
+void cli_keep_command(int argc, char **argv, char command[CLI_COMMAND_MAX]);
 
 /* One line "palpate NAME: ..." on stderr; returns the exit code of its name. */
 int cli_usage_error(const char *name, const char *format, ...);

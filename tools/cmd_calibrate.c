@@ -58,7 +58,8 @@ static int parse(int argc, char **argv, calibrate_options *o) {
         cli_heading("Output"),
         cli_text("out", "NETWORK.json", &o->out, "the calibrated network"),
         cli_text("plot", "DIR", &o->plot,
-                 "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation"),
+                 "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation;\n"
+                 "and the result as calibrate.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };
     const cli_command command = {
@@ -201,6 +202,7 @@ static void state_free(calibrate_state *s) {
 int cmd_calibrate(int argc, char **argv) {
     calibrate_options o = {
         .stage = STAGE_ALL, .degree = 4, .knots = 8, .steps = 97000, .ramp_s = 1, .hold_s = 200};
+    cli_keep_command(argc, argv, o.command);
     int code = parse(argc, argv, &o);
     if (code == CLI_OK) {
         code = check_options(&o);

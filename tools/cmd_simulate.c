@@ -4,6 +4,7 @@
 #include "simulate.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <palpate/palpate.h>
 #include <string.h>
 
@@ -35,6 +36,19 @@ static int parse(int argc, char **argv, simulate_options *o) {
         cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes,
                    "nodes along x, y, z, instead of the model's lattice"),
         cli_choice("solver", "auto|band|simplicial|supernodal", &o->solver, "sparse solver (default auto)"),
+        cli_heading("Tester"),
+        cli_positive("sample-Hz", "F", 1e9, &o->sample_Hz,
+                     "even samples, F a second (default: where the force needs them)"),
+        cli_number("air-s", "S", 0, 1e6, &o->air_s,
+                   "S seconds of free air before contact, at the speed of the first\n"
+                   "ramp (needs --sample-Hz)"),
+        cli_number("noise-N", "SD", 0, 1e6, &o->noise_N, "white Gaussian noise on the force, N"),
+        cli_count("seed", "N", 0, 9e15, &o->seed,
+                  "which noise (default 1); the same seed gives the same run"),
+        cli_number("hum-N", "A", 0, 1e6, &o->hum_N, "mains hum on the force: amplitude, N, at 50 Hz"),
+        cli_text("spike", "T,F", &o->spike, "F newtons more on the sample at T s; more pairs: T,F,T,F"),
+        cli_number("clip-N", "F", 0, 1e6, &o->clip_N, "the sensor ends at F and -F newtons"),
+        cli_text("drop", "T0,T1", &o->drop, "samples from T0 to before T1 s are lost; more pairs likewise"),
         cli_heading("Output"),
         cli_text("out", "RUN.csv", &o->out, "the run (default: standard output)"),
         cli_text("vtu", "DIR", &o->vtu, "frames for ParaView into DIR/network.pvd (network)"),
@@ -61,7 +75,7 @@ static int parse(int argc, char **argv, simulate_options *o) {
 
 enum { STATIC = 1, RAMP_HOLD = 2, CYCLIC = 4, CREEP = 8 };
 
-static int check_options(const simulate_options *o) {
+static int check_options(simulate_options *o) {
     static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "creep"};
     const struct {
         const char *option;
@@ -93,7 +107,7 @@ static int check_options(const simulate_options *o) {
     if (o->dt_ms > 0 && o->tolerance > 0) {
         return cli_usage_error(NAME, "give either --dt-ms or --tolerance");
     }
-    return CLI_OK;
+    return simulate_sensor_check(o);
 }
 
 static void set_defaults(simulate_options *o) {
@@ -187,7 +201,7 @@ static int override_nodes(const simulate_options *o, palp_model *model) {
 }
 
 static int run_lumped(const simulate_options *o, simulation *s) {
-    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like != NULL};
+    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
     s->height_m = s->model.height_m;
     int code = check_path(o, &s->path, s->height_m);
     if (code) {
@@ -216,6 +230,7 @@ static int simulate(const simulate_options *o, simulation *s) {
     if (code == CLI_OK) {
         code = make_path(o, s->like, &s->path);
     }
+    code = code ? code : simulate_resample(o, &s->path);
     if (code) {
         return code;
     }
@@ -226,11 +241,12 @@ static int simulate(const simulate_options *o, simulation *s) {
         code = code ? code : check_path(o, &s->path, s->height_m);
         code = code ? code : simulate_network(o, s);
     }
+    code = code ? code : simulate_sense(o, s);
     return code ? code : simulate_report(o, s);
 }
 
 int cmd_simulate(int argc, char **argv) {
-    simulate_options o = {.protocol = -1, .hold_s = -1, .vtu_every = 1};
+    simulate_options o = {.protocol = -1, .hold_s = -1, .vtu_every = 1, .seed = SIZE_MAX};
     simulation s;
     int code = parse(argc, argv, &o);
     if (code) {

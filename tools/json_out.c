@@ -1,19 +1,46 @@
-/* json_out.c: JSON on standard output. */
+/* json_out.c: JSON on standard output and in files. */
 #include "json_out.h"
 
 #include "cli.h"
 
 #include <math.h>
 
+static const size_t LOOK = JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15);
+
 int json_print(const char *name, json_t *value) {
     if (!value) {
         return cli_failure(name, "out of memory");
     }
-    int bad = json_dumpf(value, stdout, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15));
+    int bad = json_dumpf(value, stdout, LOOK);
     json_decref(value);
     putchar('\n');
     return bad || fflush(stdout) || ferror(stdout) ? cli_failure(name, "standard output: write error")
                                                    : CLI_OK;
+}
+
+int json_save(const char *name, json_t *value, const char *folder, const char *file) {
+    char path[CLI_PATH_MAX];
+    cli_file to;
+    int n = snprintf(path, sizeof path, "%s/%s", folder, file), code = CLI_OK;
+    if (!value) {
+        return cli_failure(name, "out of memory");
+    }
+    if (n < 0 || (size_t)n >= sizeof path) {
+        json_decref(value);
+        return cli_failure(name, "%s: the name is too long", folder);
+    }
+    code = cli_file_open(name, path, &to);
+    if (code == CLI_OK) {
+        bool bad = json_dumpf(value, to.stream, LOOK) != 0 || putc('\n', to.stream) == EOF;
+        if (bad) {
+            cli_file_drop(&to);
+            code = cli_failure(name, "%s: write error", path);
+        } else {
+            code = cli_file_close(name, &to);
+        }
+    }
+    json_decref(value);
+    return code;
 }
 
 json_t *json_number_or_null(double value) {

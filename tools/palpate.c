@@ -13,6 +13,10 @@ typedef struct subcommand {
 } subcommand;
 
 static const subcommand subcommands[] = {
+    {"Recordings", "import", "other testers' recordings (Mach-1, Instron, CSV) as experiments", cmd_import},
+    {NULL, "characterize",
+     "find a lumped model, with 95 % intervals, from raw recordings", cmd_characterize},
+    {NULL, "report", "put recordings, models and results on one HTML page", cmd_report},
     {"Tissue models", "calibrate",
      "find the element material with which a network meets a lumped model or runs", cmd_calibrate},
     {NULL, "simulate", "press a model: static, ramp and hold, cyclic, creep, or as a run was recorded",
@@ -32,12 +36,13 @@ static void help(FILE *to) {
         if (s->group) {
             fprintf(to, "\n%s\n", s->group);
         }
-        fprintf(to, "  %-12s%s\n", s->name, s->about);
+        fprintf(to, "  %-14s%s\n", s->name, s->about);
     }
     fputs("\n  palpate COMMAND --help    options of a command, with units and an example\n"
           "  palpate --version         the version\n"
           "\nExample:\n"
-          "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage all --out network.json\n"
+          "  palpate characterize static.csv hold_*.csv --out lumped.json\n"
+          "  palpate calibrate lumped.json --nodes 3 --stage all --out network.json\n"
           "  palpate simulate network.json --protocol ramp_hold --depth-mm 6 --out run.csv\n"
           "\nExit codes: 0 success, 1 failure, 2 wrong usage, 3 not converged\n",
           to);

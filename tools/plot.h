@@ -5,12 +5,23 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-typedef enum plot_style { PLOT_LINE, PLOT_DASHED, PLOT_POINTS, PLOT_LINE_POINTS } plot_style;
+typedef enum plot_style {
+    PLOT_LINE,
+    PLOT_DASHED,
+    PLOT_POINTS,
+    PLOT_LINE_POINTS,
+    PLOT_PALE, /* a thin line in a light tint: raw samples behind what is made of them */
+    PLOT_BARS  /* points with error bars: y holds n values, then n lower and n upper ends */
+} plot_style;
+
+/* A colour from PLOT_SHADE + 0 to PLOT_SHADE + 999 is a place on a ramp from dark to light, for curves
+ * that follow each other, such as depths. */
+enum { PLOT_COLOURS = 8, PLOT_BLACK = 6, PLOT_SHADE = 1000 };
 
 typedef struct plot_series {
     const char *title; /* NULL = not in the key */
     plot_style style;
-    int colour; /* index in the palette; series of one colour belong together */
+    int colour; /* index in the palette, or a shade; series of one colour belong together */
     size_t n;
     const double *x, *y; /* caller's */
 } plot_series;
@@ -22,7 +33,7 @@ typedef struct plot_panel {
     const plot_series *series;
 } plot_panel;
 
-enum { PLOT_PANELS_MAX = 2, PLOT_COLOURS = 8 };
+enum { PLOT_PANELS_MAX = 2 };
 
 typedef struct plot_figure {
     const char *title;

@@ -13,6 +13,10 @@ typedef struct simulate_options {
     double depth_mm, rate_mm_s, ramp_s, hold_s, force_N, dt_ms, tolerance;
     size_t cycles, vtu_every;
     cli_list nodes;
+    double sample_Hz, air_s, noise_N, hum_N, clip_N;
+    size_t seed; /* SIZE_MAX = not given */
+    const char *drop, *spike;
+    cli_list gaps, spikes; /* what they say: from, to; time, force */
     bool relaxed, json;
 } simulate_options;
 
@@ -33,6 +37,16 @@ typedef struct simulation {
 int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
 int simulate_network(const simulate_options *o, simulation *s);
 int simulate_report(const simulate_options *o, const simulation *s);
+
+/* The tester: even samples, free air, a sensor that is not perfect. check reads its options; resample
+ * makes the samples corners of the path before the run; sense makes the recording after it. */
+enum { SIMULATE_HUM_HZ = 50 };
+
+int simulate_sensor_check(simulate_options *o);
+int simulate_resample(const simulate_options *o, palp_path *path);
+int simulate_sense(const simulate_options *o, simulation *s);
+double simulate_air_rate(const simulate_options *o); /* mm/s */
+double simulate_normal(size_t seed, size_t k);       /* sample k of white Gaussian noise, sd 1 */
 
 /* The one warning about a network that buckled between two depths. */
 void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,

@@ -57,7 +57,7 @@ static int run_failed(const simulate_options *o, const simulation *s, palp_statu
 
 static palp_status press_with_bar(const simulate_options *o, simulation *s, frames *f) {
     progress bar;
-    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like != NULL};
+    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
     press_watch watch = {&bar, add_frame, f};
     progress_start(&bar, "simulate");
     palp_status status = press_network(s->network, &s->path, &press, &watch, &s->curve, &s->info);

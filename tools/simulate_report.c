@@ -49,6 +49,35 @@ static palp_status fill_protocol(const simulate_options *o, const simulation *s,
     if (o->protocol == 2) {
         number(run, "protocol.cycles", (double)o->cycles, &status);
     }
+    if (o->air_s > 0) {
+        number(run, "protocol.air_s", o->air_s, &status);
+    }
+    return status;
+}
+
+static palp_status fill_sensor(const simulate_options *o, palp_experiment *run) {
+    palp_status status = PALP_OK;
+    const struct {
+        const char *key;
+        double value;
+    } numbers[] = {{"sensor.sample_Hz", o->sample_Hz},
+                   {"sensor.noise_N", o->noise_N},
+                   {"sensor.hum_N", o->hum_N},
+                   {"sensor.clip_N", o->clip_N}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (numbers[i].value > 0) {
+            number(run, numbers[i].key, numbers[i].value, &status);
+        }
+    }
+    if (o->noise_N > 0) {
+        number(run, "sensor.seed", (double)o->seed, &status);
+    }
+    if (o->spike) {
+        string(run, "sensor.spike", o->spike, &status);
+    }
+    if (o->drop) {
+        string(run, "sensor.drop", o->drop, &status);
+    }
     return status;
 }
 
@@ -74,6 +103,7 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
         number(run, "specimen.radius_mm", 1e3 * s->model.radius_m, &status);
     }
     status = status ? status : fill_protocol(o, s, run);
+    status = status ? status : fill_sensor(o, run);
     string(run, "model.file", o->model, &status);
     string(run, "palpate.version", palp_version(), &status);
     return status;

@@ -42,13 +42,14 @@ typedef struct palp_network_settings {
     int max_iterations;     /* Newton iterations a step */
     palp_branch branch;
     palp_solver solver;
-    double density_kg_m3;   /* 0 = massless (quasi-static) */
+    double density_kg_m3;   /* 0 = massless (quasi-static); mass = density times the bounding box, shared
+                               among the nodes by the rest length of their elements */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
     double check_strain;    /* the tangent's inertia is looked at at least every so much depth / height */
 } palp_network_settings;
 
-/* tolerance 1e-10, 50 iterations, CONTINUE, AUTO, massless, backward Euler, check every 1e-3. */
+/* tolerance 1e-10, 50 iterations, CONTINUE, AUTO, massless, backward Euler, check every 5e-3. */
 PALP_API palp_network_settings palp_network_settings_default(void);
 
 /* The seed's supports: "bottom" fixed, "top" held in x and z and driven in -y. */
@@ -113,7 +114,8 @@ typedef int (*palp_network_observer)(void *user, double time_s, double depth_m, 
 typedef struct palp_run_settings {
     double dt_s;            /* fixed step; each segment is cut into equal steps of at most dt_s */
     double tolerance;       /* > 0: error-controlled instead, relative to the largest force so far */
-    double dt_min_s;        /* error-controlled: smallest and first step; 0 = chosen from the path */
+    double dt_min_s;        /* error-controlled: first step of a segment, a thousandth of it the smallest
+                               (taken whatever its error); 0 = a fiftieth of the segment, 1e-9 of it */
     bool relaxed;           /* every step fully relaxed (static) */
     palp_network_observer observer; /* may be NULL */
     void *user;

@@ -1,0 +1,73 @@
+/* recording.h: a raw recording made ready for a fit: contact, zero force, noise, what is wrong with it. */
+#ifndef PALPATE_RECORDING_H
+#define PALPATE_RECORDING_H
+
+#include <palpate/experiment.h>
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { PALP_NAME_MAX = 256 };
+
+typedef enum palp_recording_kind { PALP_RECORDING_STATIC, PALP_RECORDING_RAMP_HOLD, PALP_RECORDING_OTHER } palp_recording_kind;
+
+/* How contact (depth 0) and zero force were found. */
+typedef enum palp_contact_rule {
+    PALP_CONTACT_GIVEN,     /* by the caller */
+    PALP_CONTACT_FREE_AIR,  /* mean force in the air is zero; contact where the force leaves its noise */
+    PALP_CONTACT_NOMINAL    /* no air: depth 0 and force as recorded; sd from the first samples */
+} palp_contact_rule;
+
+typedef struct palp_recording_settings {
+    double height_m;      /* 0 = from the file's specimen.height_mm */
+    bool contact_given;
+    double contact_m;     /* recorded depth at contact, with contact_given */
+    double spike_sigma;   /* a lone sample further than so many noise sd from both its neighbours is masked */
+    double clip_share;    /* this share of samples at exactly the extreme force counts as clipping */
+} palp_recording_settings;
+
+/* contact found, spikes beyond 8 sd masked, clipping from 0.002 of the samples. */
+PALP_API palp_recording_settings palp_recording_settings_default(void);
+
+/* A prepared recording; owns its arrays; palp_recording_free. Depth and force are relative to contact. */
+typedef struct palp_recording {
+    char name[PALP_NAME_MAX];
+    palp_recording_kind kind;
+    double height_m, radius_m;   /* radius 0 = not given */
+    size_t n;
+    double *time_s, *depth_m, *force_N;
+    unsigned char *use;          /* [n] 0 = masked: a spike, clipped */
+    double deepest_m;            /* largest depth */
+    double ramp_start_s, ramp_end_s; /* first motion into the specimen: its start and its end */
+    palp_contact_rule contact_rule;
+    double contact_m, contact_sd_m;  /* recorded depth at contact */
+    double zero_N, zero_sd_N;        /* recorded force at zero */
+    double noise_N;              /* sd of a sample's white noise, from differences */
+    double correlation;          /* lag-1 autocorrelation of the noise in the air or a detrended hold */
+    double hum_Hz, hum_N;        /* strongest line in 45-65 Hz and its amplitude; 0 if none stands out */
+    size_t n_spikes, n_clipped, n_gaps; /* gaps: time steps over 3 times the median */
+    double longest_gap_s;
+    bool faulted;                /* the file has end.fault */
+    bool uneven;                 /* time steps vary by more than 1 % (gaps aside) */
+} palp_recording;
+
+/* Prepares an experiment; name is copied (the file's name, for messages). ERR_INPUT with a line for a
+ * recording that cannot be used: depth in the wrong sign (force grows while depth falls), no motion, no
+ * height, force that never leaves its noise. */
+PALP_API palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,
+                                            const palp_recording_settings *settings, palp_recording *recording,
+                                            palp_error *error);
+PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, zeroes; NULL is fine */
+
+/* Zero-phase low-pass: a Butterworth filter of an even order 2..8, run forward and backward (so twice
+ * the order, -6 dB at cutoff_Hz), for evenly sampled data; ends are extended by odd reflection.
+ * ERR_ARGUMENT: cutoff not in (0, 0.5 / dt_s). */
+PALP_API palp_status palp_filter_zero_phase(size_t n, const double *in, double dt_s, int order, double cutoff_Hz,
+                                            double *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,352 @@
+/* characterize.c: the fit's result: estimates with intervals, merged arms, residuals of each recording. */
+#include "file.h"
+#include "fit_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double Z95 = 1.959963984540054;
+
+palp_fit_settings palp_fit_settings_default(void) {
+    return (palp_fit_settings){
+        .spring = PALP_SPRING_PER_RUN, .n_arms = 0, .hold_only = false, .starts = 4, .max_evaluations = 60};
+}
+
+void palp_lumped_fit_free(palp_lumped_fit *fit) {
+    if (!fit)
+        return;
+    free(fit->spring_N);
+    free(fit->rms_N);
+    free(fit->absolute_N);
+    free(fit->estimate);
+    free(fit->correlation);
+    memset(fit, 0, sizeof *fit);
+}
+
+/* Arms by rising tau. */
+static void sort_arms(const fit_problem *p, double *v) {
+    double *arm = v + p->n_springs;
+    for (size_t j = 1; j < p->n_arms; j++)
+        for (size_t k = j; k > 0 && arm[2 * k + 1] < arm[2 * k - 1]; k--)
+            for (size_t c = 0; c < 2; c++) {
+                double t = arm[2 * k + c];
+                arm[2 * k + c] = arm[2 * k - 2 + c];
+                arm[2 * k - 2 + c] = t;
+            }
+}
+
+/* Inverse of J'J, scaled to a unit diagonal first, by Gauss-Jordan with a ridge of rounding size. */
+static palp_status invert(size_t n, double *a, double *inverse) {
+    double *scale = malloc(n * sizeof *scale);
+    if (!scale)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n; i++)
+        scale[i] = a[i * n + i] > 0.0 ? 1.0 / sqrt(a[i * n + i]) : 1.0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            a[i * n + j] *= scale[i] * scale[j];
+            inverse[i * n + j] = i == j;
+        }
+    for (size_t i = 0; i < n; i++)
+        a[i * n + i] += 1e-14;
+    for (size_t i = 0; i < n; i++) {
+        size_t best = i;
+        for (size_t k = i + 1; k < n; k++)
+            best = fabs(a[k * n + i]) > fabs(a[best * n + i]) ? k : best;
+        double pivot = a[best * n + i];
+        for (size_t j = 0; j < n; j++) {
+            double t = a[i * n + j], u = inverse[i * n + j];
+            a[i * n + j] = a[best * n + j] / pivot;
+            inverse[i * n + j] = inverse[best * n + j] / pivot;
+            if (best != i) {
+                a[best * n + j] = t;
+                inverse[best * n + j] = u;
+            }
+        }
+        for (size_t k = 0; k < n; k++) {
+            double factor = a[k * n + i];
+            for (size_t j = 0; k != i && factor != 0.0 && j < n; j++) {
+                a[k * n + j] -= factor * a[i * n + j];
+                inverse[k * n + j] -= factor * inverse[i * n + j];
+            }
+        }
+    }
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            inverse[i * n + j] *= scale[i] * scale[j];
+    free(scale);
+    return PALP_OK;
+}
+
+/* Covariance of the parameters at v, and the residual's weighted square and its lag-1 correlation. */
+typedef struct curvature {
+    double *covariance; /* [n^2] from the blocks' own noise */
+    double *zero;       /* [n^2] from the force that was taken for zero */
+    double chi2, correlation;
+    size_t freedom;
+} curvature;
+
+/* A wrong zero shifts a whole recording: for each, what zero_sd does to the parameters. work[2 n]. */
+static void find_zero_error(const fit_problem *p, const double *jacobian, const double *covariance, double *zero,
+                            double *work) {
+    size_t n = fit_parameter_count(p), m = p->n_blocks, first = 0;
+    double *pull = work, *move = work + n;
+    memset(zero, 0, n * n * sizeof *zero);
+    for (size_t r = 0; r < p->n_runs; first += p->run[r++].n) {
+        const fit_run *run = &p->run[r];
+        for (size_t a = 0; a < n; a++) {
+            pull[a] = 0.0;
+            for (size_t i = 0; i < run->n; i++)
+                pull[a] += jacobian[a * m + first + i] * sqrt(run->count[i]) / run->noise * run->zero_sd;
+        }
+        for (size_t a = 0; a < n; a++) {
+            move[a] = 0.0;
+            for (size_t b = 0; b < n; b++)
+                move[a] += covariance[a * n + b] * pull[b];
+        }
+        for (size_t a = 0; a < n; a++)
+            for (size_t b = 0; b < n; b++)
+                zero[a * n + b] += move[a] * move[b];
+    }
+}
+
+static palp_status find_curvature(const fit_problem *p, const double *v, curvature *c) {
+    size_t n = fit_parameter_count(p), m = p->n_blocks, used = 0;
+    double *r = malloc(m * sizeof *r), *jacobian = malloc(m * n * sizeof *jacobian), *square = calloc(n * n, sizeof *square);
+    double *work = calloc(2 * n, sizeof *work);
+    palp_status status = r && jacobian && square && work ? fit_evaluate(p, v, r, jacobian) : PALP_ERR_NO_MEMORY;
+    double own = 0.0, next = 0.0, last = 0.0;
+    for (size_t run = 0, i = 0; run < p->n_runs && !status; run++) {
+        last = 0.0;
+        for (size_t b = 0; b < p->run[run].n; b++, i++) {
+            if (p->run[run].count[b] == 0.0)
+                continue;
+            own += r[i] * r[i];
+            next += r[i] * last;
+            last = r[i];
+            used++;
+        }
+    }
+    for (size_t a = 0; a < n && !status; a++)
+        for (size_t b = 0; b <= a; b++) {
+            double sum = 0.0;
+            for (size_t i = 0; i < m; i++)
+                sum += jacobian[a * m + i] * jacobian[b * m + i];
+            square[a * n + b] = square[b * n + a] = sum;
+        }
+    if (!status)
+        status = invert(n, square, c->covariance);
+    if (!status)
+        find_zero_error(p, jacobian, c->covariance, c->zero, work);
+    c->chi2 = own;
+    c->correlation = own > 0.0 ? next / own : 0.0;
+    c->freedom = used > n ? used - n : 1;
+    free(r);
+    free(jacobian);
+    free(work);
+    free(square);
+    return status;
+}
+
+/* Misfit and colour of the residual widen the intervals: sqrt of reduced chi2, and of (1 + rho)/(1 - rho),
+ * the loss of independent blocks for a first-order correlation. Neither ever narrows them. */
+static double inflation(const curvature *c) {
+    double misfit = c->chi2 / (double)c->freedom, rho = fmin(fmax(c->correlation, 0.0), 0.98);
+    if (rho < 3.0 / sqrt((double)c->freedom))
+        rho = 0.0;
+    return sqrt(fmax(1.0, misfit) * (1.0 + rho) / (1.0 - rho));
+}
+
+/* Two arms are one if their times differ by less than two sds, or by less than 15 %, or one is nothing. */
+static size_t weakest_arm(const fit_problem *p, const double *v, const curvature *c, double widen) {
+    size_t n = fit_parameter_count(p);
+    for (size_t j = 0; j < p->n_arms; j++) {
+        size_t k = p->n_springs + 2 * j;
+        if (sqrt(fmax(c->covariance[k * n + k], 0.0)) * widen > 2.0)
+            return j;
+        if (j + 1 == p->n_arms)
+            break;
+        size_t a = k + 1, b = k + 3;
+        double apart = v[b] - v[a];
+        double sd = sqrt(fmax(c->covariance[a * n + a] + c->covariance[b * n + b] - 2.0 * c->covariance[a * n + b], 0.0));
+        if (apart < 0.14 || apart < 2.0 * sd * widen)
+            return j;
+    }
+    return p->n_arms;
+}
+
+/* Rows of the map from the parameters' covariance to that of the estimates: springs, then log K, log b,
+ * log tau of each arm. */
+static double map(const fit_problem *p, size_t estimate, size_t parameter) {
+    if (estimate < p->n_springs)
+        return estimate == parameter;
+    size_t j = (estimate - p->n_springs) / 3, what = (estimate - p->n_springs) % 3, k = p->n_springs + 2 * j;
+    return (parameter == k && what < 2) || (parameter == k + 1 && what > 0);
+}
+
+static double mapped(const fit_problem *p, const double *covariance, size_t a, size_t b) {
+    size_t n = fit_parameter_count(p);
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            double m = map(p, a, i) * map(p, b, j);
+            sum += m != 0.0 ? m * covariance[i * n + j] : 0.0;
+        }
+    return sum;
+}
+
+static void name_estimate(const fit_problem *p, size_t i, palp_estimate *e) {
+    static const char *const ARM[] = {"K", "b", "tau"}, *const UNIT[] = {"N", "N s", "s"};
+    bool law = p->settings->spring == PALP_SPRING_LAW;
+    if (i >= p->n_springs) {
+        size_t j = (i - p->n_springs) / 3, what = (i - p->n_springs) % 3;
+        snprintf(e->name, sizeof e->name, "%s_%zu", ARM[what], j + 1);
+        e->unit = UNIT[what];
+        return;
+    }
+    bool pascal = law && p->law.kind != PALP_LAW_POLYNOMIAL && p->law.kind != PALP_LAW_SPLINE;
+    snprintf(e->name, sizeof e->name, law ? "c%zu" : "K_inf [%zu]", law ? i : i + 1);
+    e->unit = pascal ? (p->law.kind == PALP_LAW_OGDEN && i % 2 ? "1" : "Pa") : "N";
+}
+
+static void estimate(const fit_problem *p, const double *v, double variance, size_t i, palp_estimate *e) {
+    name_estimate(p, i, e);
+    double sd = sqrt(fmax(variance, 0.0));
+    if (i < p->n_springs) {
+        *e = (palp_estimate){.unit = e->unit, .value = v[i], .sd = sd, .low = v[i] - Z95 * sd, .high = v[i] + Z95 * sd};
+        name_estimate(p, i, e);
+        e->determined = p->settings->spring == PALP_SPRING_LAW ? sd < 3.0 * fabs(v[i]) : e->low > 0.0;
+        return;
+    }
+    size_t k = p->n_springs + 2 * ((i - p->n_springs) / 3);
+    double logarithm = map(p, i, k) * v[k] + map(p, i, k + 1) * v[k + 1];
+    e->value = exp(logarithm);
+    e->sd = e->value * sd;
+    e->low = exp(logarithm - Z95 * sd);
+    e->high = exp(logarithm + Z95 * sd);
+    e->determined = 2.0 * Z95 * sd < log(10.0);
+}
+
+static palp_status fill_estimates(const fit_problem *p, const double *v, const curvature *c, palp_lumped_fit *fit) {
+    size_t n = p->n_springs + 3 * p->n_arms;
+    fit->n_estimates = n;
+    fit->estimate = calloc(n, sizeof *fit->estimate);
+    fit->correlation = calloc(n * n, sizeof *fit->correlation);
+    if (!fit->estimate || !fit->correlation)
+        return PALP_ERR_NO_MEMORY;
+    fit->reduced_chi2 = c->chi2 / (double)c->freedom;
+    fit->inflation = inflation(c);
+    double widen = fit->inflation * fit->inflation;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j <= i; j++)
+            fit->correlation[i * n + j] = widen * mapped(p, c->covariance, i, j) + mapped(p, c->zero, i, j);
+    for (size_t i = 0; i < n; i++)
+        estimate(p, v, fit->correlation[i * n + i], i, &fit->estimate[i]);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < i; j++) {
+            double sd = sqrt(fit->correlation[i * n + i] * fit->correlation[j * n + j]);
+            fit->correlation[i * n + j] = fit->correlation[j * n + i] = sd > 0.0 ? fit->correlation[i * n + j] / sd : 0.0;
+        }
+    for (size_t i = 0; i < n; i++)
+        fit->correlation[i * n + i] = 1.0;
+    return PALP_OK;
+}
+
+palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *rec, double *force_N) {
+    palp_material material = fit->material;
+    palp_status status = PALP_OK;
+    if (fit->spring_N) {
+        if (run >= fit->n_runs)
+            return PALP_ERR_ARGUMENT;
+        status = palp_law_polynomial(1, &fit->spring_N[run], &material.law);
+    }
+    palp_element_state state = {0};
+    for (size_t i = 0; i < rec->n && !status; i++) {
+        double strain = fmax(rec->depth_m[i], 0.0) / rec->height_m;
+        status = palp_element_advance(&material, &state, strain, i ? rec->time_s[i] - rec->time_s[i - 1] : 0.0, &state, NULL);
+        force_N[i] = state.force_N;
+    }
+    return status;
+}
+
+static palp_status fill_residuals(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+                                  palp_lumped_fit *fit) {
+    palp_status status = PALP_OK;
+    for (size_t r = 0; r < n && !status; r++) {
+        const palp_recording *rec = &recordings[r];
+        double square = 0.0, used = 0.0, *force = malloc(rec->n * sizeof *force);
+        status = force ? palp_lumped_fit_force(fit, r, rec, force) : PALP_ERR_NO_MEMORY;
+        for (size_t i = 0; i < rec->n && !status; i++) {
+            bool ramp = settings->hold_only && rec->kind == PALP_RECORDING_RAMP_HOLD && rec->time_s[i] < rec->ramp_end_s;
+            if (!rec->use[i] || rec->depth_m[i] <= 0.0 || ramp)
+                continue;
+            double miss = force[i] - rec->force_N[i];
+            square += miss * miss;
+            fit->absolute_N[r] += fabs(miss);
+            used += 1.0;
+        }
+        fit->rms_N[r] = used > 0.0 ? sqrt(square / used) : 0.0;
+        free(force);
+    }
+    return status;
+}
+
+/* Solves, and solves again with an arm less while two cannot be told apart. */
+static palp_status solve_and_merge(fit_problem *p, double *v, curvature *c, palp_lumped_fit *fit) {
+    for (;;) {
+        double chi2;
+        palp_status status = fit_solve(p, v, &chi2, &fit->converged);
+        if (status)
+            return status;
+        sort_arms(p, v);
+        status = find_curvature(p, v, c);
+        if (status || p->n_arms < 2 || weakest_arm(p, v, c, inflation(c)) == p->n_arms)
+            return status;
+        p->n_arms--;
+        fit->n_merged++;
+    }
+}
+
+static palp_status finish(fit_problem *p, const double *v, const curvature *c, size_t n,
+                          const palp_recording *recordings, const palp_fit_settings *settings, palp_lumped_fit *fit) {
+    fit->n_runs = n;
+    fit->constrained = p->positive;
+    fit->rms_N = calloc(n, sizeof(double));
+    fit->absolute_N = calloc(n, sizeof(double));
+    if (settings->spring == PALP_SPRING_PER_RUN)
+        fit->spring_N = malloc(n * sizeof(double));
+    if (!fit->rms_N || !fit->absolute_N || (settings->spring == PALP_SPRING_PER_RUN && !fit->spring_N))
+        return PALP_ERR_NO_MEMORY;
+    if (fit->spring_N)
+        memcpy(fit->spring_N, v, n * sizeof *v);
+    palp_status status = fit_material(p, v, &fit->material);
+    if (!status)
+        status = fill_estimates(p, v, c, fit);
+    return status ? status : fill_residuals(n, recordings, settings, fit);
+}
+
+palp_status palp_fit_lumped(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+                            palp_lumped_fit *fit, palp_error *error) {
+    fit_problem p;
+    memset(fit, 0, sizeof *fit);
+    palp_status status = fit_problem_create(&p, n, recordings, settings, error);
+    if (status)
+        return status;
+    size_t parameters = fit_parameter_count(&p);
+    double *v = calloc(parameters, sizeof *v);
+    curvature c = {.covariance = calloc(2 * parameters * parameters + 1, sizeof(double))};
+    c.zero = c.covariance ? c.covariance + parameters * parameters : NULL;
+    status = v && c.covariance ? solve_and_merge(&p, v, &c, fit) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = finish(&p, v, &c, n, recordings, settings, fit);
+    free(v);
+    free(c.covariance);
+    fit_problem_free(&p);
+    if (status) {
+        palp_lumped_fit_free(fit);
+        palp_error_set(error, status, "%s: %s", recordings[0].name, palp_status_text(status));
+    }
+    return status;
+}

@@ -1,0 +1,62 @@
+/* fit_internal.h: the inside of a characterization fit. */
+#ifndef FIT_INTERNAL_H
+#define FIT_INTERNAL_H
+
+#include <palpate/characterize.h>
+
+#include "calibrate_internal.h"
+
+/* A recording in blocks of samples, short against what changes in them: every block carries its mean
+ * time, strain and force, and how many samples speak for it. */
+typedef struct fit_run {
+    size_t n;
+    double *time, *strain, *force; /* [n] */
+    double *count;                 /* [n] samples; 0 = the block only carries the history */
+    double noise;                  /* sd of a sample, N, > 0 */
+    double zero_sd;                /* of the force that was taken for zero, N */
+    double end;                    /* last time from the start, s */
+} fit_run;
+
+typedef struct fit_problem {
+    size_t n_runs, n_blocks; /* blocks of all runs */
+    fit_run *run;
+    const palp_fit_settings *settings;
+    double height_m, strain_max;
+    double tau_min, tau_max;
+    size_t n_springs;        /* parameters of the spring */
+    palp_law law;            /* kind and shape; a constant with PALP_SPRING_PER_RUN */
+    size_t n_arms;
+    bool positive;           /* K(e) >= 0 is enforced */
+    const unsigned char *held_out; /* [n_blocks] 1 = not fitted; NULL = all are */
+} fit_problem;
+
+enum { FIT_PARAMETERS_MAX = 512 };
+
+palp_status fit_problem_create(fit_problem *problem, size_t n, const palp_recording *recordings,
+                               const palp_fit_settings *settings, palp_error *error);
+void fit_problem_free(fit_problem *problem);
+
+size_t fit_parameter_count(const fit_problem *problem);
+
+/* Residuals (model - measured) over the sd of the block's mean, and by columns their derivatives by
+ * springs, log K_j, log tau_j ... jacobian may be NULL. */
+palp_status fit_evaluate(const fit_problem *problem, const double *p, double *residual, double *jacobian);
+
+/* Response of an arm of unit stiffness to a run's strain, and its derivative by log tau; slope may be NULL. */
+void fit_arm_response(const fit_run *run, double tau, double *response, double *slope);
+
+/* First guesses: the best combinations of relaxation times on a grid, springs and K_j by linear least
+ * squares; start[n_starts n_parameters], *found how many. */
+palp_status fit_scan(const fit_problem *problem, size_t n_starts, double *start, size_t *found);
+
+/* Polishes p by NLopt; *chi2 = sum of squared residuals of what is fitted. */
+palp_status fit_polish(const fit_problem *problem, double *p, double *chi2, bool *converged);
+
+/* Scan and polish from several starts, then K(e) > 0 if need be. */
+palp_status fit_solve(fit_problem *problem, double *p, double *chi2, bool *converged);
+
+/* The law of a parameter vector, and the whole material with the arms in order of tau. */
+palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
+palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);
+
+#endif

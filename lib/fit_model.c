@@ -1,0 +1,115 @@
+/* fit_model.c: what a parameter vector predicts, and how far that is from the blocks. */
+#include "fit_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+size_t fit_parameter_count(const fit_problem *p) {
+    return p->n_springs + 2 * p->n_arms;
+}
+
+void fit_arm_response(const fit_run *run, double tau, double *response, double *slope) {
+    double q = run->strain[0], dq = 0.0; /* the first sample's strain is applied at once */
+    for (size_t i = 0; i < run->n; i++) {
+        if (i > 0) {
+            double x = (run->time[i] - run->time[i - 1]) / tau, de = run->strain[i] - run->strain[i - 1], decay, mean;
+            element_decay(x, &decay, &mean);
+            dq = decay * dq + x * decay * q + (mean - decay) * de;
+            q = decay * q + mean * de;
+        }
+        response[i] = q;
+        if (slope)
+            slope[i] = dq;
+    }
+}
+
+palp_status fit_law(const fit_problem *p, const double *v, palp_law *law) {
+    const palp_law *like = &p->law;
+    if (p->settings->spring == PALP_SPRING_PER_RUN) {
+        double sum = 0.0;
+        for (size_t r = 0; r < p->n_runs; r++)
+            sum += v[r] / (double)p->n_runs;
+        return palp_law_polynomial(1, &sum, law);
+    }
+    if (like->kind == PALP_LAW_POLYNOMIAL)
+        return palp_law_polynomial(like->n, v, law);
+    if (like->kind == PALP_LAW_SPLINE)
+        return palp_law_spline(like->n, like->strain, v, law);
+    return palp_law_hyperelastic(like->kind, like->n, v, like->area_m2, law);
+}
+
+palp_status fit_material(const fit_problem *p, const double *v, palp_material *material) {
+    memset(material, 0, sizeof *material);
+    const double *arm = v + p->n_springs;
+    material->n_arms = p->n_arms;
+    for (size_t j = 0; j < p->n_arms; j++) {
+        double k = exp(arm[2 * j]), b = k * exp(arm[2 * j + 1]);
+        material->arms[j] = (palp_arm){.stiffness_N = k, .viscosity_Ns = b};
+    }
+    return fit_law(p, v, &material->law);
+}
+
+/* Spring force of run r and its derivatives by the spring's parameters. */
+static void spring(const fit_problem *p, const palp_law *law, const double *v, size_t r, double e, double *force,
+                   double *derivative) {
+    if (p->settings->spring == PALP_SPRING_PER_RUN) {
+        *force = v[r] * e;
+        memset(derivative, 0, p->n_springs * sizeof *derivative);
+        derivative[r] = e;
+        return;
+    }
+    palp_law_force(law, 1, &e, force, NULL, NULL);
+    palp_law_gradient(law, e, derivative);
+}
+
+/* A spring that is none, as a line search may ask for: as far off as ten times no force at all. */
+static palp_status no_spring(const fit_problem *p, double *residual, double *jacobian) {
+    for (size_t r = 0, row = 0; r < p->n_runs; r++)
+        for (size_t i = 0; i < p->run[r].n; i++, row++)
+            residual[row] = -10.0 * sqrt(p->run[r].count[i]) / p->run[r].noise * p->run[r].force[i];
+    if (jacobian)
+        memset(jacobian, 0, p->n_blocks * fit_parameter_count(p) * sizeof *jacobian);
+    return PALP_OK;
+}
+
+palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual, double *jacobian) {
+    palp_law law;
+    bool sound = true;
+    if (fit_law(p, v, &law))
+        return no_spring(p, residual, jacobian);
+    size_t longest = 0, first = 0, m = p->n_blocks;
+    for (size_t r = 0; r < p->n_runs; r++)
+        longest = p->run[r].n > longest ? p->run[r].n : longest;
+    double *response = malloc((2 * p->n_arms * longest + p->n_springs + 1) * sizeof *response);
+    if (!response)
+        return PALP_ERR_NO_MEMORY;
+    double *by_spring = response + 2 * p->n_arms * longest;
+    for (size_t r = 0; r < p->n_runs; first += p->run[r++].n) {
+        const fit_run *run = &p->run[r];
+        const double *arm = v + p->n_springs;
+        for (size_t j = 0; j < p->n_arms; j++)
+            fit_arm_response(run, exp(arm[2 * j + 1]), response + 2 * j * longest, response + (2 * j + 1) * longest);
+        for (size_t i = 0; i < run->n; i++) {
+            size_t row = first + i;
+            double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise, force;
+            spring(p, &law, v, r, run->strain[i], &force, by_spring);
+            for (size_t k = 0; k < p->n_springs && jacobian; k++)
+                jacobian[k * m + row] = weight * by_spring[k];
+            for (size_t j = 0; j < p->n_arms; j++) {
+                double stiffness = exp(arm[2 * j]), q = stiffness * response[2 * j * longest + i];
+                force += q;
+                if (jacobian) {
+                    jacobian[(p->n_springs + 2 * j) * m + row] = weight * q;
+                    jacobian[(p->n_springs + 2 * j + 1) * m + row] =
+                        weight * stiffness * response[(2 * j + 1) * longest + i];
+                }
+            }
+            residual[row] = weight * (force - run->force[i]);
+        }
+        for (size_t i = first; i < first + run->n; i++)
+            sound = sound && isfinite(residual[i]);
+    }
+    free(response);
+    return sound ? PALP_OK : no_spring(p, residual, jacobian);
+}

@@ -1,0 +1,278 @@
+/* fit_solve.c: first guesses by a scan over relaxation times, polished by NLopt. */
+#include "fit_internal.h"
+#include "lapack.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TIMES = 14, STARTS_MAX = 16 };
+
+/* Normal equations of springs and arms at fixed times on the grid. */
+typedef struct scan {
+    const fit_problem *problem;
+    size_t n_springs;     /* columns of the spring: its parameters, or one for a law that is not linear */
+    size_t columns;       /* n_springs + TIMES */
+    double tau[TIMES];
+    double *gram, *right; /* [columns^2], [columns] */
+    double total;         /* right-hand side's own square */
+    double best[STARTS_MAX];
+    double *start;        /* [n_starts n_parameters] */
+    size_t n_starts, found;
+} scan;
+
+static bool linear_law(const fit_problem *p) {
+    return p->settings->spring == PALP_SPRING_PER_RUN ||
+           (p->law.kind != PALP_LAW_SPLINE && p->law.kind != PALP_LAW_OGDEN);
+}
+
+/* Row of one block: spring columns and the arms' responses at every time of the grid. */
+static void fill_row(const scan *s, size_t r, size_t i, const double *response, double *row) {
+    const fit_problem *p = s->problem;
+    const fit_run *run = &p->run[r];
+    if (p->settings->spring == PALP_SPRING_PER_RUN) {
+        memset(row, 0, s->n_springs * sizeof *row);
+        row[r] = run->strain[i];
+    } else if (linear_law(p)) {
+        palp_law_gradient(&p->law, run->strain[i], row);
+    } else {
+        palp_law_force(&p->law, 1, &run->strain[i], row, NULL, NULL);
+    }
+    for (size_t k = 0; k < TIMES; k++)
+        row[s->n_springs + k] = response[k * run->n + i];
+}
+
+static palp_status sum_up(scan *s) {
+    const fit_problem *p = s->problem;
+    size_t longest = 0, block = 0;
+    for (size_t r = 0; r < p->n_runs; r++)
+        longest = p->run[r].n > longest ? p->run[r].n : longest;
+    double *response = malloc((TIMES * longest + s->columns) * sizeof *response);
+    if (!response)
+        return PALP_ERR_NO_MEMORY;
+    double *row = response + TIMES * longest;
+    for (size_t r = 0; r < p->n_runs; r++) {
+        const fit_run *run = &p->run[r];
+        for (size_t k = 0; k < TIMES; k++)
+            fit_arm_response(run, s->tau[k], response + k * run->n, NULL);
+        for (size_t i = 0; i < run->n; i++, block++) {
+            double weight = run->count[i] / (run->noise * run->noise);
+            if (weight == 0.0 || (p->held_out && p->held_out[block]))
+                continue;
+            fill_row(s, r, i, response, row);
+            for (size_t a = 0; a < s->columns; a++) {
+                s->right[a] += weight * row[a] * run->force[i];
+                for (size_t b = 0; b <= a; b++)
+                    s->gram[a * s->columns + b] += weight * row[a] * row[b];
+            }
+            s->total += weight * run->force[i] * run->force[i];
+        }
+    }
+    free(response);
+    return PALP_OK;
+}
+
+/* Least squares on the springs and the chosen arms: Cholesky in place. *chi2 of it; false if singular. */
+static bool solve_choice(const scan *s, const size_t *arm, size_t n_arms, double *solution, double *work,
+                         double *chi2) {
+    size_t n = s->n_springs + n_arms;
+    for (size_t a = 0; a < n; a++) {
+        size_t ga = a < s->n_springs ? a : s->n_springs + arm[a - s->n_springs];
+        solution[a] = s->right[ga];
+        for (size_t b = 0; b <= a; b++) {
+            size_t gb = b < s->n_springs ? b : s->n_springs + arm[b - s->n_springs];
+            work[a * n + b] = s->gram[ga * s->columns + gb] * (a == b ? 1.0 + 1e-12 : 1.0);
+        }
+    }
+    *chi2 = s->total;
+    for (size_t a = 0; a < n; a++) {
+        for (size_t b = 0; b <= a; b++) {
+            double sum = work[a * n + b];
+            for (size_t k = 0; k < b; k++)
+                sum -= work[a * n + k] * work[b * n + k];
+            if (a == b && !(sum > 0.0))
+                return false;
+            work[a * n + b] = a == b ? sqrt(sum) : sum / work[b * n + b];
+        }
+        for (size_t k = 0; k < a; k++)
+            solution[a] -= work[a * n + k] * solution[k];
+        solution[a] /= work[a * n + a];
+        *chi2 -= solution[a] * solution[a];
+    }
+    for (size_t a = n; a-- > 0;) {
+        for (size_t k = a + 1; k < n; k++)
+            solution[a] -= work[k * n + a] * solution[k];
+        solution[a] /= work[a * n + a];
+    }
+    return true;
+}
+
+/* Keeps a solution among the best starts; an arm that came out negative gets a small stiffness and the
+ * choice a penalty. */
+static void keep(scan *s, const size_t *arm, const double *solution, double chi2) {
+    const fit_problem *p = s->problem;
+    size_t n = fit_parameter_count(p), at = s->found;
+    double scale = 0.0;
+    for (size_t k = 0; k < s->n_springs; k++)
+        scale = fmax(scale, fabs(solution[k]));
+    for (size_t j = 0; j < p->n_arms; j++)
+        if (solution[s->n_springs + j] <= 0.0)
+            chi2 += s->total;
+    while (at > 0 && s->best[at - 1] > chi2)
+        at--;
+    if (at >= s->n_starts)
+        return;
+    s->found += s->found < s->n_starts;
+    for (size_t k = s->found - 1; k > at; k--) {
+        s->best[k] = s->best[k - 1];
+        memcpy(s->start + k * n, s->start + (k - 1) * n, n * sizeof *s->start);
+    }
+    double *v = s->start + at * n;
+    s->best[at] = chi2;
+    if (linear_law(p))
+        memcpy(v, solution, s->n_springs * sizeof *v);
+    else
+        for (size_t k = 0; k < p->n_springs; k++) {
+            bool exponent = p->law.kind == PALP_LAW_OGDEN && k % 2;
+            v[k] = p->law.coefficients[k] * (exponent ? 1.0 : fabs(solution[0]));
+        }
+    for (size_t j = 0; j < p->n_arms; j++) {
+        v[p->n_springs + 2 * j] = log(fmax(solution[s->n_springs + j], 1e-3 * scale));
+        v[p->n_springs + 2 * j + 1] = log(s->tau[arm[j]]);
+    }
+}
+
+/* Next combination of n out of TIMES in order. */
+static bool next_choice(size_t *arm, size_t n) {
+    for (size_t j = n; j-- > 0;)
+        if (arm[j] < TIMES - n + j) {
+            arm[j]++;
+            for (size_t k = j + 1; k < n; k++)
+                arm[k] = arm[k - 1] + 1;
+            return true;
+        }
+    return false;
+}
+
+static palp_status try_choices(scan *s) {
+    size_t n_arms = s->problem->n_arms, n = s->n_springs + n_arms, arm[PALP_ARMS_MAX];
+    double *work = malloc((n * n + n) * sizeof *work), *solution = work + n * n, chi2;
+    if (!work)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t j = 0; j < n_arms; j++)
+        arm[j] = j;
+    do {
+        if (solve_choice(s, arm, n_arms, solution, work, &chi2))
+            keep(s, arm, solution, chi2);
+    } while (next_choice(arm, n_arms));
+    free(work);
+    return s->found ? PALP_OK : PALP_ERR_SINGULAR;
+}
+
+palp_status fit_scan(const fit_problem *p, size_t n_starts, double *start, size_t *found) {
+    scan s = {.problem = p, .start = start, .n_starts = n_starts < STARTS_MAX ? n_starts : STARTS_MAX};
+    if (p->n_arms > TIMES)
+        return PALP_ERR_LIMIT;
+    s.n_springs = linear_law(p) ? p->n_springs : 1;
+    s.columns = s.n_springs + TIMES;
+    for (size_t k = 0; k < TIMES; k++)
+        s.tau[k] = p->tau_min * pow(p->tau_max / p->tau_min, ((double)k + 0.5) / TIMES);
+    s.gram = calloc(s.columns * s.columns, sizeof(double));
+    s.right = calloc(s.columns, sizeof(double));
+    palp_status status = s.gram && s.right ? sum_up(&s) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = try_choices(&s);
+    *found = s.found;
+    free(s.gram);
+    free(s.right);
+    return status;
+}
+
+static palp_status residuals(void *user, const double *v, double *residual, double *jacobian) {
+    return fit_evaluate(user, v, residual, jacobian);
+}
+
+enum { GRID = 40 };
+
+/* log tau within its bounds, log K not below a millionth of the spring; K(e) >= 0 where asked. */
+static size_t constrain(const fit_problem *p, const double *start, double *row, double *floor) {
+    size_t n = fit_parameter_count(p), rows = 0;
+    double a[PALP_LAW_MAX] = {0};
+    for (size_t j = 0; j < p->n_arms; j++) {
+        size_t k = p->n_springs + 2 * j;
+        row[rows * n + k + 1] = 1.0;
+        floor[rows++] = log(p->tau_min);
+        row[rows * n + k + 1] = -1.0;
+        floor[rows++] = -log(p->tau_max);
+        row[rows * n + k] = 1.0;
+        floor[rows++] = log(1e-6 * (fabs(start[0]) + 1e-12));
+    }
+    bool spline = p->settings->spring == PALP_SPRING_LAW && p->law.kind == PALP_LAW_SPLINE;
+    for (size_t i = 0; spline && i < p->law.n; i++) {
+        row[rows * n + i] = 1.0;
+        floor[rows++] = 1e-6 * start[0];
+    }
+    for (size_t i = 0; p->positive && !spline && i < GRID; i++) {
+        double e = p->strain_max * ((double)i + 0.01) / GRID;
+        palp_law_gradient(&p->law, e, a);
+        for (size_t k = 0; k < p->law.n; k++)
+            row[rows * n + k] = a[k] / e;
+        floor[rows++] = 1e-3 * fabs(start[0]);
+    }
+    return rows;
+}
+
+palp_status fit_polish(const fit_problem *p, double *v, double *chi2, bool *converged) {
+    size_t n = fit_parameter_count(p), most = 3 * p->n_arms + GRID + PALP_LAW_MAX;
+    double *row = calloc(most * n + most, sizeof *row), norm = 0.0;
+    if (!row)
+        return PALP_ERR_NO_MEMORY;
+    double *floor = row + most * n;
+    least_squares problem = {.n_parameters = n,
+                             .n_residuals = p->n_blocks,
+                             .max_evaluations = p->settings->max_evaluations,
+                             .stop_relative = 1e-7,
+                             .evaluate = residuals,
+                             .user = (void *)p,
+                             .constraint = row,
+                             .floor = floor};
+    problem.n_constraints = constrain(p, v, row, floor);
+    palp_status status = least_squares_solve(&problem, v, &norm, converged);
+    *chi2 = norm * norm;
+    free(row);
+    return status;
+}
+
+static palp_status polish_starts(const fit_problem *p, double *v, double *chi2, bool *converged) {
+    size_t n = fit_parameter_count(p), found = 0;
+    size_t starts = p->n_arms == 0 || p->settings->starts < 1 ? 1 : p->settings->starts;
+    double *start = malloc(starts * n * sizeof *start);
+    palp_status status = start ? fit_scan(p, starts, start, &found) : PALP_ERR_NO_MEMORY;
+    *chi2 = HUGE_VAL;
+    for (size_t k = 0; k < found && !status; k++) {
+        double c = HUGE_VAL;
+        bool done = false;
+        status = fit_polish(p, start + k * n, &c, &done);
+        if (!status && c < *chi2) {
+            *chi2 = c;
+            *converged = done;
+            memcpy(v, start + k * n, n * sizeof *v);
+        }
+    }
+    free(start);
+    return status;
+}
+
+palp_status fit_solve(fit_problem *p, double *v, double *chi2, bool *converged) {
+    palp_law law;
+    *converged = false;
+    palp_status status = polish_starts(p, v, chi2, converged);
+    if (status || p->settings->spring == PALP_SPRING_PER_RUN || !linear_law(p))
+        return status;
+    status = fit_law(p, v, &law);
+    if (!status && palp_law_minimum(&law, p->strain_max) <= 0.0) {
+        p->positive = true;
+        status = fit_polish(p, v, chi2, converged);
+    }
+    return status;
+}

@@ -1,0 +1,95 @@
+/* linsys_order.c: reverse Cuthill-McKee, the numbering that makes the band of an unordered mesh narrow. */
+#include "linsys.h"
+
+#include <stdlib.h>
+
+/* Neighbours of every unknown, itself left out: list[first[i]] to list[first[i + 1]]. */
+typedef struct graph {
+    size_t n, *first;
+    int32_t *list;
+} graph;
+
+static bool graph_make(size_t n, const size_t *column, const int32_t *row, graph *g) {
+    g->n = n;
+    g->first = calloc(n + 2, sizeof *g->first);
+    g->list = malloc((2 * column[n] + 1) * sizeof *g->list);
+    if (!g->first || !g->list)
+        return false;
+    size_t *end = g->first + 1;
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t j = 0; j < n; j++)
+            for (size_t k = column[j]; k < column[j + 1]; k++) {
+                size_t i = (size_t)row[k];
+                if (i == j)
+                    continue;
+                if (pass) {
+                    g->list[end[i]] = (int32_t)j;
+                    g->list[end[j]] = row[k];
+                }
+                end[i + !pass]++;
+                end[j + !pass]++;
+            }
+        for (size_t j = 0; j < n && !pass; j++)
+            end[j + 1] += end[j];
+    }
+    return true;
+}
+
+static size_t degree(const graph *g, int32_t i) {
+    return g->first[i + 1] - g->first[i];
+}
+
+/* Appends what can be reached from start to order[count], breadth first, low degrees first. */
+static size_t sweep(const graph *g, int32_t start, bool *seen, int32_t *order, size_t count) {
+    size_t head = count;
+    order[count++] = start;
+    seen[start] = true;
+    for (; head < count; head++) {
+        size_t from = count;
+        for (size_t k = g->first[order[head]]; k < g->first[order[head] + 1]; k++) {
+            int32_t next = g->list[k];
+            if (seen[next])
+                continue;
+            seen[next] = true;
+            size_t at = count++;
+            for (; at > from && degree(g, order[at - 1]) > degree(g, next); at--)
+                order[at] = order[at - 1];
+            order[at] = next;
+        }
+    }
+    return count;
+}
+
+/* Starts each connected part at its far end: the last one reached from the last one reached. */
+static void number(const graph *g, bool *seen, int32_t *order) {
+    enum { TRIES = 4 };
+    size_t count = 0;
+    for (size_t i = 0; i < g->n; i++) {
+        int32_t start = (int32_t)i;
+        for (int t = 0; t < TRIES && !seen[i]; t++) {
+            size_t end = sweep(g, start, seen, order, count);
+            start = order[end - 1];
+            for (size_t k = count; k < end; k++)
+                seen[order[k]] = false;
+        }
+        if (!seen[i])
+            count = sweep(g, start, seen, order, count);
+    }
+}
+
+palp_status linsys_order(size_t n, const size_t *column, const int32_t *row, int32_t *position) {
+    graph g = {0};
+    bool *seen = calloc(n + 1, sizeof *seen);
+    int32_t *order = malloc((n + 1) * sizeof *order);
+    palp_status status = seen && order && graph_make(n, column, row, &g) ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        number(&g, seen, order);
+        for (size_t i = 0; i < n; i++)
+            position[order[i]] = (int32_t)(n - 1 - i);
+    }
+    free(seen);
+    free(order);
+    free(g.first);
+    free(g.list);
+    return status;
+}

@@ -1,0 +1,54 @@
+/* cube.h: the seed's cubes of 24 mm, its materials, and small helpers of the tests that calibrate them. */
+#ifndef CUBE_H
+#define CUBE_H
+
+#include <palpate/mesh.h>
+#include <palpate/model.h>
+#include <palpate/network.h>
+
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+
+#define CUBE_HEIGHT_M 0.024
+
+/* Eq. 4.3 and 5.21, ascending powers of strain, N. */
+static const double LUMPED_LAW[5] = {8.18, -0.70, 47.47, -131.36, 146.89};
+static const double NETWORK_LAW[5] = {0.54, -2.34, 33.25, -124.03, 177.63};
+
+static inline palp_material cube_polynomial(size_t n, const double *coefficients_N) {
+    palp_material material = {.n_arms = 0};
+    ck_assert_int_eq(palp_law_polynomial(n, coefficients_N, &material.law), PALP_OK);
+    return material;
+}
+
+/* A lattice cube of n nodes a side on the seed's supports. */
+static inline palp_network *cube_network(size_t n, const palp_material *material,
+                                         const palp_network_settings *settings) {
+    const size_t nodes[3] = {n, n, n};
+    const double size_m[3] = {CUBE_HEIGHT_M, CUBE_HEIGHT_M, CUBE_HEIGHT_M};
+    palp_support supports[2];
+    palp_mesh *mesh;
+    palp_network *network;
+    ck_assert_int_eq(palp_mesh_lattice(nodes, size_m, PALP_NEIGHBOURS_26, &mesh), PALP_OK);
+    palp_supports_default(supports);
+    ck_assert_int_eq(palp_network_create(mesh, material, 2, supports, settings, &network, NULL), PALP_OK);
+    palp_mesh_free(mesh);
+    return network;
+}
+
+/* depth[n] evenly up to depth_m, the first not 0. */
+static inline void cube_depths(size_t n, double depth_m, double *depth) {
+    for (size_t i = 0; i < n; i++)
+        depth[i] = depth_m * (double)(i + 1) / (double)n;
+}
+
+static inline int cube_run(Suite *suite) {
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
+#endif

@@ -1,0 +1,586 @@
+/* test_element.c: one element's force, tangent, energy and history against closed forms, finite
+ * differences and equations integrated here. */
+#include "element.h"
+
+#include <palpate/closed_form.h>
+
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const double QUARTIC[] = {0.54, -2.34, 33.25, -124.03, 177.63}; /* N, phantom of the seed */
+
+/* N s against N: relaxation times from 0.05 to 800 s. */
+static const palp_arm ARMS[] = {
+    {0.9, 0.6, 0, 0}, {0.35, 14.0, 0, 0}, {1.6, 0.08, 0, 0}, {0.2, 160.0, 0, 0}, {0.5, 2.5, 0, 0}};
+
+static palp_material plain(size_t n_arms) {
+    palp_material m = {.n_arms = n_arms};
+    ck_assert_int_eq(palp_law_polynomial(5, QUARTIC, &m.law), PALP_OK);
+    for (size_t j = 0; j < n_arms; j++)
+        m.arms[j] = ARMS[j];
+    return m;
+}
+
+enum {
+    PLAIN_0,
+    PLAIN_1,
+    PLAIN_2,
+    PLAIN_5,
+    DASHPOT,
+    BETA,
+    GAMMA,
+    BETA_GAMMA,
+    QLV,
+    QLV_GAMMA,
+    SEDEF_0,
+    SEDEF_1,
+    KINDS
+};
+
+/* One of each kind of material. */
+static palp_material material_of(int kind) {
+    static const size_t arms[KINDS] = {0, 1, 2, 5, 1, 2, 2, 3, 2, 2, 0, 1};
+    palp_material m = plain(arms[kind]);
+    for (size_t j = 0; j < m.n_arms; j++) {
+        if (kind == BETA || kind == BETA_GAMMA)
+            m.arms[j].beta = 3.0 - (double)j;
+        if (kind == GAMMA || kind == BETA_GAMMA || kind == QLV_GAMMA)
+            m.arms[j].gamma = 2.5 - 1.5 * (double)j;
+    }
+    m.dashpot_Ns = kind == DASHPOT || kind == QLV ? 0.7 : 0.0;
+    m.quasi_linear = kind == QLV || kind == QLV_GAMMA;
+    m.formulation = kind == SEDEF_0 || kind == SEDEF_1 ? PALP_SEDEF2008 : PALP_HISTORY;
+    ck_assert_int_eq(palp_material_check(&m, NULL), PALP_OK);
+    return m;
+}
+
+static bool needs_time(const palp_material *m) {
+    return m->dashpot_Ns > 0.0 || (m->formulation == PALP_SEDEF2008 && m->n_arms > 0);
+}
+
+static palp_element_state advance(const palp_material *m, palp_element_state from, double strain, double dt) {
+    palp_element_state to;
+    ck_assert_int_eq(palp_element_advance(m, &from, strain, dt, &to, NULL), PALP_OK);
+    return to;
+}
+
+/* Somewhere with a history: two steps from rest. */
+static palp_element_state worn(const palp_material *m, double strain) {
+    palp_element_state state = {0};
+    return advance(m, advance(m, state, -0.12, 0.3), strain, 0.7);
+}
+
+static const double STRAINS[] = {-0.38, -0.2, -0.01, 0.004, 0.15, 0.31};
+static const double STEPS[] = {0.0, 1e-9, 1e-3, 0.1, 3.0, 1e3, INFINITY};
+enum { N_STRAINS = sizeof STRAINS / sizeof *STRAINS, N_STEPS = sizeof STEPS / sizeof *STEPS };
+
+/* ---- tangent ------------------------------------------------------------------------------------- */
+
+/* Calls back with every material, history and step, at rest too. */
+static void for_all(void (*judge)(const palp_material *, const palp_element_state *, double dt, int kind)) {
+    for (int kind = 0; kind < KINDS; kind++) {
+        palp_material m = material_of(kind);
+        palp_element_state from[] = {{0}, worn(&m, -0.25), worn(&m, 0.1), worn(&m, 0.0)};
+        for (size_t f = 0; f < 4; f++)
+            for (size_t s = 0; s < N_STEPS; s++)
+                if (STEPS[s] > 0.0 || !needs_time(&m))
+                    judge(&m, &from[f], STEPS[s], kind);
+    }
+}
+
+/* The error of a central difference is h^2 times a third derivative of some 1e3, plus rounding of 1e-16 of
+ * the force over h. */
+static void judge_tangent(const palp_material *m, const palp_element_state *from, double dt, int kind) {
+    const double h = 1e-6;
+    for (size_t i = 0; i < N_STRAINS; i++) {
+        palp_element_state at;
+        double e = STRAINS[i], tangent;
+        ck_assert_int_eq(palp_element_advance(m, from, e, dt, &at, &tangent), PALP_OK);
+        double high = advance(m, *from, e + h, dt).force_N, low = advance(m, *from, e - h, dt).force_N;
+        double difference = (high - low) / (2.0 * h), size = fabs(tangent) + fabs(at.force_N) + 1.0;
+        ck_assert_msg(fabs(tangent - difference) < 1e-8 * size,
+                      "kind %d, e %g from %g, dt %g: %.12g not %.12g", kind, e, from->strain, dt, tangent,
+                      difference);
+    }
+}
+
+START_TEST(tangent_is_the_derivative_of_the_force) {
+    for_all(judge_tangent);
+}
+END_TEST
+
+/* At e = 0 the force has a kink where |e| meets a history (gamma) or a rate (Eq. 5.11): the tangent is one of
+ * the two slopes. Where there is none, both. */
+static void judge_tangent_at_zero(const palp_material *m, const palp_element_state *from, double dt,
+                                  int kind) {
+    const double h = 1e-5;
+    bool kinked = kind == GAMMA || kind == BETA_GAMMA || kind == QLV_GAMMA || kind == SEDEF_1;
+    palp_element_state at;
+    double tangent, slope[2];
+    ck_assert_int_eq(palp_element_advance(m, from, 0.0, dt, &at, &tangent), PALP_OK);
+    for (int side = 0; side < 2; side++) {
+        double s = side ? -h : h, one = advance(m, *from, s, dt).force_N,
+               two = advance(m, *from, 2 * s, dt).force_N;
+        slope[side] = (4.0 * one - 3.0 * at.force_N - two) / (2.0 * s);
+    }
+    double size = 1e-6 * (fabs(tangent) + fabs(at.force_N) + 1.0);
+    bool high = fabs(tangent - slope[0]) < size, low = fabs(tangent - slope[1]) < size;
+    ck_assert_msg(kinked ? high || low : high && low, "kind %d from %g, dt %g: %.12g not %.12g or %.12g",
+                  kind, from->strain, dt, tangent, slope[0], slope[1]);
+}
+
+START_TEST(tangent_at_no_strain) {
+    for_all(judge_tangent_at_zero);
+}
+END_TEST
+
+/* ---- energy -------------------------------------------------------------------------------------- */
+
+static double energy_at(const palp_material *m, const palp_element_state *from, double dt, double e,
+                        bool *known) {
+    palp_element_state start = *from;
+    double elastic, energy = 0.0, work;
+    palp_law_force(&m->law, 1, &start.strain, &elastic, NULL, NULL);
+    element_history old = {&start.strain, &elastic, start.arm_N};
+    element_step step;
+    element_step_prepare(m, dt, &step);
+    *known = element_energy(m, &step, 1, &e, &old, &energy, &work);
+    return energy;
+}
+
+/* Gauss' rule of four points, exact for these polynomials on either side of 0. */
+static double work_done(const palp_material *m, const palp_element_state *from, double dt, double a,
+                        double b) {
+    static const double x[] = {0.3399810435848563, 0.8611363115940526},
+                        w[] = {0.6521451548625461, 0.3478548451374538};
+    double sum = 0.0, middle = 0.5 * (a + b), half = 0.5 * (b - a);
+    for (size_t k = 0; k < 2; k++)
+        sum += w[k] * (advance(m, *from, middle - half * x[k], dt).force_N +
+                       advance(m, *from, middle + half * x[k], dt).force_N);
+    return sum * half;
+}
+
+static void judge_energy(const palp_material *m, const palp_element_state *from, double dt, int kind) {
+    bool known;
+    double zero = energy_at(m, from, dt, 0.0, &known);
+    ck_assert_int_eq(known, kind != GAMMA && kind != BETA_GAMMA && kind != QLV_GAMMA && kind != SEDEF_1);
+    for (size_t i = 0; known && i < N_STRAINS; i++) {
+        double work = work_done(m, from, dt, 0.0, STRAINS[i]),
+               rise = energy_at(m, from, dt, STRAINS[i], &known) - zero;
+        ck_assert_msg(fabs(rise - work) <= 1e-13 * (fabs(work) + fabs(zero) + 1.0),
+                      "kind %d, e %g from %g, dt %g: %.15g not %.15g", kind, STRAINS[i], from->strain, dt,
+                      rise, work);
+    }
+}
+
+START_TEST(energy_is_the_integral_of_the_force) {
+    for_all(judge_energy);
+}
+END_TEST
+
+/* ---- partial derivatives of an arm --------------------------------------------------------------- */
+
+enum { OF_STRAIN, OF_STRAIN_OLD, OF_ARM_OLD, OF_LOG_STIFFNESS, OF_LOG_TIME, OF_BETA, OF_GAMMA, PARTIALS };
+
+/* The force of arm j after a step with one of its causes shifted by h. */
+static double shifted_arm(const palp_material *m, const palp_element_state *from, size_t j, double e,
+                          double dt, int what, double h) {
+    palp_material material = *m;
+    palp_element_state start = *from;
+    palp_arm *arm = &material.arms[j];
+    start.strain += what == OF_STRAIN_OLD ? h : 0.0;
+    start.arm_N[j] += what == OF_ARM_OLD ? h : 0.0;
+    if (what == OF_LOG_STIFFNESS)
+        arm->stiffness_N *= exp(h);
+    if (what == OF_LOG_STIFFNESS || what == OF_LOG_TIME)
+        arm->viscosity_Ns *= exp(h);
+    arm->beta += what == OF_BETA ? h : 0.0;
+    arm->gamma += what == OF_GAMMA ? h : 0.0;
+    return advance(&material, start, what == OF_STRAIN ? e + h : e, dt).arm_N[j];
+}
+
+static void judge_partials(const palp_material *m, const palp_element_state *from, double dt, int kind) {
+    const double h = 1e-5;
+    if (m->formulation != PALP_HISTORY || from->strain == 0.0)
+        return; /* |e_old| has its kink there */
+    element_step step;
+    element_step_prepare(m, dt, &step);
+    for (size_t j = 0; j < m->n_arms; j++)
+        for (size_t i = 0; i < N_STRAINS; i++) {
+            element_partials p = element_arm_partials(m, &step, j, STRAINS[i], from->strain, from->arm_N[j]);
+            const double got[PARTIALS] = {p.strain,   p.strain_old, p.arm_old, p.log_stiffness,
+                                          p.log_time, p.beta,       p.gamma};
+            for (int what = 0; what < PARTIALS; what++) {
+                if (m->quasi_linear && what == OF_BETA)
+                    continue; /* not a parameter of it */
+                double high = shifted_arm(m, from, j, STRAINS[i], dt, what, h);
+                double low = shifted_arm(m, from, j, STRAINS[i], dt, what, -h),
+                       want = (high - low) / (2.0 * h);
+                ck_assert_msg(fabs(got[what] - want) < 1e-7 * (fabs(want) + fabs(high) + 0.1),
+                              "kind %d, arm %zu, e %g from %g, dt %g: partial %d is %.12g not %.12g", kind, j,
+                              STRAINS[i], from->strain, dt, what, got[what], want);
+            }
+        }
+}
+
+START_TEST(partials_of_an_arm) {
+    for_all(judge_partials);
+}
+END_TEST
+
+/* ---- steps of no time and of all time ------------------------------------------------------------ */
+
+START_TEST(no_time_moves_only_springs) {
+    for (int kind = 0; kind < KINDS; kind++) {
+        palp_material m = material_of(kind);
+        if (needs_time(&m))
+            continue;
+        palp_element_state from = worn(&m, -0.1), to = advance(&m, from, -0.22, 0.0);
+        double k, k_old, k0, sum;
+        palp_law_stiffness(&m.law, -0.22, &k, NULL);
+        palp_law_stiffness(&m.law, -0.1, &k_old, NULL);
+        palp_law_stiffness(&m.law, 0.0, &k0, NULL);
+        sum = k * -0.22;
+        for (size_t j = 0; j < m.n_arms; j++) {
+            double beta = m.arms[j].beta, drive = -0.12 - 0.5 * beta * (0.22 * 0.22 - 0.1 * 0.1);
+            if (m.quasi_linear)
+                drive = (k * -0.22 - k_old * -0.1) / k0;
+            ck_assert_double_eq_tol(to.arm_N[j], from.arm_N[j] + m.arms[j].stiffness_N * drive, 1e-15);
+            sum += to.arm_N[j];
+        }
+        ck_assert_double_eq_tol(to.force_N, sum, 1e-14);
+        ck_assert_double_eq_tol(advance(&m, from, -0.22, 1e-13).force_N, sum, 1e-11); /* the limit is met */
+    }
+}
+END_TEST
+
+START_TEST(all_time_relaxes_the_arms) {
+    for (int kind = 0; kind < KINDS; kind++) {
+        palp_material m = material_of(kind);
+        palp_element_state from = worn(&m, -0.1), to = advance(&m, from, -0.3, INFINITY);
+        double k;
+        palp_law_stiffness(&m.law, -0.3, &k, NULL);
+        ck_assert_double_eq_tol(to.force_N, k * -0.3, 1e-15);
+        for (size_t j = 0; j < m.n_arms && m.formulation == PALP_HISTORY; j++)
+            ck_assert_double_eq(to.arm_N[j], 0.0);
+        ck_assert_double_eq_tol(advance(&m, from, -0.3, 1e15).force_N, k * -0.3, 1e-11);
+    }
+}
+END_TEST
+
+START_TEST(decay_and_its_mean_over_a_step) {
+    /* (1 - exp(-x)) / x by its series where the difference would cancel */
+    for (double x = 1e-12; x < 1e3; x *= 1.7) {
+        double decay, mean, series = 0.0, term = 1.0;
+        element_decay(x, &decay, &mean);
+        for (int k = 1; k < 30; k++) {
+            series += term;
+            term *= -x / (k + 1);
+        }
+        ck_assert_double_eq_tol(decay, exp(-x), 1e-16);
+        ck_assert_double_eq_tol(mean / (x < 0.7 ? series : (1.0 - exp(-x)) / x), 1.0, 1e-15);
+    }
+    double decay, mean;
+    element_decay(0.0, &decay, &mean);
+    ck_assert(decay == 1.0 && mean == 1.0);
+    element_decay(INFINITY, &decay, &mean);
+    ck_assert(decay == 0.0 && mean == 0.0);
+}
+END_TEST
+
+/* ---- against differential equations -------------------------------------------------------------- */
+
+/* Smooth, into compression and back, |e| never turning: e = -0.16 (1 - cos(1.1 t)). */
+static double path(double t) {
+    return -0.16 * (1.0 - cos(1.1 * t));
+}
+
+static double path_rate(double t) {
+    return -0.16 * 1.1 * sin(1.1 * t);
+}
+
+/* dq/dt of an arm, written from material.h and Eq. 3.77-3.79. */
+static double arm_rate(const palp_material *m, size_t j, double q, double t) {
+    const palp_arm *arm = &m->arms[j];
+    double e = path(t), a = fabs(e), drive = 1.0 + arm->beta * a;
+    double tau = arm->viscosity_Ns / arm->stiffness_N * (1.0 + arm->gamma * a);
+    if (m->quasi_linear) {
+        const double *c = QUARTIC;
+        drive = (c[0] + a * (2 * c[1] + a * (3 * c[2] + a * (4 * c[3] + a * 5 * c[4])))) / c[0];
+    }
+    return arm->stiffness_N * drive * path_rate(t) - q / tau;
+}
+
+/* F at the end of the path by Runge and Kutta's fourth order, with steps so small that it is exact here. */
+static double reference_force(const palp_material *m, double end) {
+    double k, force, e = path(end);
+    palp_law_stiffness(&m->law, e, &k, NULL);
+    force = k * e + m->dashpot_Ns * path_rate(end);
+    for (size_t j = 0; j < m->n_arms; j++) {
+        enum { STEPS_TAKEN = 4000 };
+        double q = 0.0, h = end / STEPS_TAKEN;
+        for (int i = 0; i < STEPS_TAKEN; i++) {
+            double t = i * h, a = arm_rate(m, j, q, t), b = arm_rate(m, j, q + 0.5 * h * a, t + 0.5 * h);
+            double c = arm_rate(m, j, q + 0.5 * h * b, t + 0.5 * h), d = arm_rate(m, j, q + h * c, t + h);
+            q += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        }
+        force += q;
+    }
+    return force;
+}
+
+static double stepped_force(const palp_material *m, double end, int steps) {
+    palp_element_state state = {0};
+    for (int i = 1; i <= steps; i++)
+        state = advance(m, state, path(end * i / steps), end / steps);
+    return state.force_N;
+}
+
+/* The dashpot's rate is a backward difference, of first order; it is checked by itself below. */
+START_TEST(history_is_of_second_order) {
+    static const int kinds[] = {PLAIN_1, PLAIN_5, BETA, GAMMA, BETA_GAMMA, QLV, QLV_GAMMA};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        palp_material m = material_of(kinds[i]);
+        m.dashpot_Ns = 0.0;
+        double want = reference_force(&m, 4.0), error[3];
+        for (int k = 0; k < 3; k++)
+            error[k] = fabs(stepped_force(&m, 4.0, 400 << k) - want);
+        for (int k = 0; k < 2; k++)
+            ck_assert_msg(error[k] / error[k + 1] > 3.8 && error[k] / error[k + 1] < 4.2,
+                          "kind %d: errors %g, %g, %g", kinds[i], error[0], error[1], error[2]);
+        ck_assert_msg(error[2] < 1e-5 * fabs(want), "kind %d: error %g of %g", kinds[i], error[2], want);
+    }
+}
+END_TEST
+
+START_TEST(sedef2008_is_of_first_order_in_its_own_equation) {
+    /* Eq. 5.2, F + tau F' = K e + b1 (1 + K/K1) e', without the e K' that it lost */
+    palp_material m = material_of(SEDEF_1);
+    const palp_arm *arm = &m.arms[0];
+    double force = 0.0, tau = arm->viscosity_Ns / arm->stiffness_N, h = 4.0 / 8000, error[3];
+    for (int i = 0; i < 8000; i++) {
+        double slope[4] = {0};
+        for (int s = 0; s < 4; s++) {
+            double c = s == 0 ? 0.0 : s == 3 ? 1.0 : 0.5, t = (i + c) * h, e = path(t), k;
+            palp_law_stiffness(&m.law, e, &k, NULL);
+            double f = force + (s ? c * h * slope[s - 1] : 0.0);
+            slope[s] = (k * e + arm->viscosity_Ns * (1.0 + k / arm->stiffness_N) * path_rate(t) - f) / tau;
+        }
+        force += h / 6.0 * (slope[0] + 2.0 * slope[1] + 2.0 * slope[2] + slope[3]);
+    }
+    for (int k = 0; k < 3; k++)
+        error[k] = fabs(stepped_force(&m, 4.0, 4000 << k) - force);
+    for (int k = 0; k < 2; k++)
+        ck_assert_msg(error[k] / error[k + 1] > 1.9 && error[k] / error[k + 1] < 2.1, "errors %g, %g, %g",
+                      error[0], error[1], error[2]);
+}
+END_TEST
+
+/* ---- against closed forms ------------------------------------------------------------------------ */
+
+/* Steps of any size, here wildly different ones, are exact on ramps and holds. */
+START_TEST(linear_arms_are_exact_on_ramps) {
+    static const double times[] = {1e-4,  0.03, 0.031, 0.7,  2.0,
+                                   2.001, 2.9,  50.0,  51.0, 4000.0}; /* ramp to 2 s */
+    enum { N = sizeof times / sizeof *times };
+    for (int sign = -1; sign <= 1; sign += 2)
+        for (int kind = PLAIN_0; kind <= PLAIN_5; kind++) {
+            palp_material m = material_of(kind);
+            palp_element_state state = {0};
+            double want[N], rate = sign * 0.15, before = 0.0;
+            ck_assert_int_eq(palp_lumped_ramp_hold(&m, sign * 0.3, 2.0, N, times, want), PALP_OK);
+            for (size_t i = 0; i < N; i++) {
+                double t = times[i], up = fmin(t, 2.0), k, force;
+                state = advance(&m, state, rate * up, t - before);
+                palp_law_stiffness(&m.law, rate * up, &k, NULL);
+                force = k * rate * up;
+                for (size_t j = 0; j < m.n_arms; j++) { /* Eq. 3.56 with b_j rate for eta_j rate */
+                    double tau = m.arms[j].viscosity_Ns / m.arms[j].stiffness_N;
+                    force += m.arms[j].viscosity_Ns * rate * (exp((up - t) / tau) - exp(-t / tau));
+                }
+                ck_assert_double_eq_tol(state.force_N, force, 1e-13);
+                ck_assert_double_eq_tol(state.force_N, want[i], 1e-13);
+                before = t;
+            }
+        }
+}
+END_TEST
+
+START_TEST(lumped_run_of_a_triangle) {
+    /* linear spring and arms: superposed ramps (Boltzmann), up to 1 s, down to 2 s, rest */
+    palp_material m = plain(3);
+    ck_assert_int_eq(palp_law_polynomial(1, (double[]){2.5}, &m.law), PALP_OK);
+    m.dashpot_Ns = 0.4;
+    const double height = 0.024, rate = 0.2; /* of strain */
+    double time[31], depth[31], force[31];
+    for (int i = 0; i <= 30; i++) {
+        time[i] = 0.1 * i + 7.0; /* where the clock starts is no matter */
+        double t = 0.1 * i, strain = rate * (t < 1.0 ? t : fmax(0.0, 2.0 - t));
+        depth[i] = height * strain;
+    }
+    ck_assert_int_eq(palp_lumped_run(&m, height, 31, time, depth, force), PALP_OK);
+    for (int i = 0; i <= 30; i++) {
+        static const double corner[] = {0.0, 1.0, 2.0}, turn[] = {1.0, -2.0, 1.0};
+        double t = 0.1 * i, want = 2.5 * depth[i] / height;
+        for (int c = 0; c < 3; c++)
+            for (size_t j = 0; j < 3 && t > corner[c]; j++)
+                want += turn[c] * rate * m.arms[j].viscosity_Ns *
+                        -expm1(-(t - corner[c]) * m.arms[j].stiffness_N / m.arms[j].viscosity_Ns);
+        if (i > 0 && i <= 20)
+            want += 0.4 * (i <= 10 ? rate : -rate);
+        ck_assert_double_eq_tol(force[i], want, 2e-14);
+    }
+}
+END_TEST
+
+START_TEST(lumped_run_that_starts_with_a_jump) {
+    palp_material m = plain(2);
+    const double time[] = {0.0, 0.5, 30.0}, depth[] = {0.006, 0.006, 0.006};
+    double force[3], want[3];
+    ck_assert_int_eq(palp_lumped_run(&m, 0.024, 3, time, depth, force), PALP_OK);
+    ck_assert_int_eq(palp_lumped_ramp_hold(&m, 0.25, 0.0, 3, time, want), PALP_OK);
+    for (size_t i = 0; i < 3; i++)
+        ck_assert_double_eq_tol(force[i], want[i], 1e-14);
+    m.dashpot_Ns = 1.0; /* would give an infinite force */
+    ck_assert_int_eq(palp_lumped_run(&m, 0.024, 3, time, depth, force), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
+START_TEST(sedef2008_steps_by_hand) {
+    /* Eq. 5.4 with K = 2 + 3 |e|, K1 = 0.5 N, b1 = 2 N s: b1 / (K1 dt) = 8 at dt = 0.5 s */
+    palp_material m = {.n_arms = 1, .arms = {{0.5, 2.0, 0, 0}}, .formulation = PALP_SEDEF2008};
+    ck_assert_int_eq(palp_law_polynomial(2, (double[]){2.0, 3.0}, &m.law), PALP_OK);
+    palp_element_state state = {0};
+    /* to -0.1: K = 2.3, (-0.23 + 2 * 5.6 * -0.2) / 9 */
+    state = advance(&m, state, -0.1, 0.5);
+    ck_assert_double_eq_tol(state.force_N, (-0.23 - 2.24) / 9.0, 1e-15);
+    /* to -0.2: K = 2.6, (-0.52 + 2 * 6.2 * -0.2 + 8 F) / 9 */
+    double before = state.force_N;
+    state = advance(&m, state, -0.2, 0.5);
+    ck_assert_double_eq_tol(state.force_N, (-0.52 - 2.48 + 8.0 * before) / 9.0, 1e-15);
+    /* held, and let go into tension: K = 2.15, (0.1075 + 2 * 5.3 * 0.5 + 8 F) / 9 */
+    before = state.force_N;
+    state = advance(&m, state, -0.2, 0.5);
+    ck_assert_double_eq_tol(state.force_N, (-0.52 + 8.0 * before) / 9.0, 1e-15);
+    before = state.force_N;
+    state = advance(&m, state, 0.05, 0.5);
+    ck_assert_double_eq_tol(state.force_N, (0.1075 + 5.3 + 8.0 * before) / 9.0, 1e-15);
+    /* a short step loses no digits: A to first order in dt is K1 / b1 (K e dt + b1 (1 + K/K1) de) */
+    palp_element_state rest = {0};
+    double want =
+        0.25 * (2.0 * (1.0 + (2.0 + 3e-6) / 0.5) * 1e-6 + (2.0 + 3e-6) * 1e-6 * 1e-9) / (1.0 + 0.25e-9);
+    ck_assert_double_eq_tol(advance(&m, rest, 1e-6, 1e-9).force_N / want, 1.0, 1e-14);
+}
+END_TEST
+
+/* ---- what is refused ----------------------------------------------------------------------------- */
+
+START_TEST(steps_that_make_no_sense) {
+    palp_material m = material_of(PLAIN_1), dashpot = material_of(DASHPOT), sedef = material_of(SEDEF_1);
+    palp_element_state from = {0}, to = {.force_N = 123.0};
+    static const double bad_dt[] = {-1.0, -INFINITY, NAN};
+    static const double bad_strain[] = {NAN, INFINITY, -INFINITY};
+    for (size_t i = 0; i < 3; i++) {
+        ck_assert_int_eq(palp_element_advance(&m, &from, 0.1, bad_dt[i], &to, NULL), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_element_advance(&m, &from, bad_strain[i], 1.0, &to, NULL), PALP_ERR_ARGUMENT);
+    }
+    ck_assert_int_eq(palp_element_advance(&dashpot, &from, 0.1, 0.0, &to, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_element_advance(&sedef, &from, 0.1, 0.0, &to, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_double_eq(to.force_N, 123.0);
+    ck_assert_int_eq(palp_element_advance(&m, &from, 0.1, 0.0, &from, NULL), PALP_OK); /* onto itself */
+    ck_assert_double_eq(from.strain, 0.1);
+}
+END_TEST
+
+START_TEST(materials_that_make_no_sense) {
+    palp_error error;
+    palp_material m = plain(2);
+    static const double bad[] = {0.0, -1.0, NAN, INFINITY};
+    for (size_t i = 0; i < 4; i++) {
+        m = plain(2);
+        m.arms[1].stiffness_N = bad[i];
+        ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_ARGUMENT);
+        m = plain(2);
+        m.arms[1].viscosity_Ns = bad[i];
+        ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_ARGUMENT);
+        m = plain(2);
+        m.dashpot_Ns = bad[i];
+        ck_assert_int_eq(palp_material_check(&m, &error), bad[i] == 0.0 ? PALP_OK : PALP_ERR_ARGUMENT);
+        m = plain(2);
+        m.arms[0].beta = bad[i];
+        ck_assert_int_eq(palp_material_check(&m, NULL), bad[i] == 0.0 ? PALP_OK : PALP_ERR_ARGUMENT);
+        m = plain(2);
+        m.arms[0].gamma = bad[i];
+        ck_assert_int_eq(palp_material_check(&m, NULL), bad[i] == 0.0 ? PALP_OK : PALP_ERR_ARGUMENT);
+    }
+    m = plain(2);
+    m.n_arms = PALP_ARMS_MAX + 1;
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_LIMIT);
+    m = plain(2);
+    m.formulation = PALP_SEDEF2008; /* two arms */
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_UNSUPPORTED);
+    m = plain(1);
+    m.formulation = PALP_SEDEF2008;
+    m.arms[0].beta = 1.0;
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_UNSUPPORTED);
+    m = plain(1);
+    m.quasi_linear = true;
+    m.arms[0].beta = 1.0;
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_UNSUPPORTED);
+    m = plain(1);
+    m.quasi_linear = true; /* K(0) divides */
+    ck_assert_int_eq(palp_law_polynomial(2, (double[]){0.0, 1.0}, &m.law), PALP_OK);
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
+START_TEST(lumped_runs_that_make_no_sense) {
+    palp_material m = plain(1);
+    double force[3];
+    const double time[] = {0.0, 1.0, 2.0}, depth[] = {0.0, 0.001, 0.002};
+    ck_assert_int_eq(palp_lumped_run(&m, 0.0, 3, time, depth, force), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_lumped_run(&m, NAN, 3, time, depth, force), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_lumped_run(&m, 0.024, 3, (double[]){0.0, 1.0, 1.0}, depth, force),
+                     PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_lumped_run(&m, 0.024, 3, (double[]){0.0, NAN, 1.0}, depth, force),
+                     PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_lumped_run(&m, 0.024, 3, time, (double[]){0.0, NAN, 1.0}, force),
+                     PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_lumped_run(&m, 0.024, 0, time, depth, force), PALP_OK);
+    m.arms[0].stiffness_N = 0.0;
+    ck_assert_int_eq(palp_lumped_run(&m, 0.024, 3, time, depth, force), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
+static Suite *element_suite(void) {
+    Suite *suite = suite_create("element");
+    TCase *tc = tcase_create("element");
+    tcase_add_test(tc, tangent_is_the_derivative_of_the_force);
+    tcase_add_test(tc, tangent_at_no_strain);
+    tcase_add_test(tc, energy_is_the_integral_of_the_force);
+    tcase_add_test(tc, partials_of_an_arm);
+    tcase_add_test(tc, no_time_moves_only_springs);
+    tcase_add_test(tc, all_time_relaxes_the_arms);
+    tcase_add_test(tc, decay_and_its_mean_over_a_step);
+    tcase_add_test(tc, history_is_of_second_order);
+    tcase_add_test(tc, sedef2008_is_of_first_order_in_its_own_equation);
+    tcase_add_test(tc, linear_arms_are_exact_on_ramps);
+    tcase_add_test(tc, lumped_run_of_a_triangle);
+    tcase_add_test(tc, lumped_run_that_starts_with_a_jump);
+    tcase_add_test(tc, sedef2008_steps_by_hand);
+    tcase_add_test(tc, steps_that_make_no_sense);
+    tcase_add_test(tc, materials_that_make_no_sense);
+    tcase_add_test(tc, lumped_runs_that_make_no_sense);
+    suite_add_tcase(suite, tc);
+    return suite;
+}
+
+int main(void) {
+    SRunner *sr = srunner_create(element_suite());
+    srunner_run_all(sr, CK_ENV);
+    int failed = srunner_ntests_failed(sr);
+    srunner_free(sr);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,592 @@
+/* test_network_run.c: networks that follow a path: steps of both kinds, creep, cycles, and with mass. */
+#include "network_internal.h"
+#include "network_make.h"
+
+#include <palpate/closed_form.h>
+
+static palp_network *heavy_on(size_t n_arms, palp_integrator integrator, palp_branch branch, double radius) {
+    palp_material m = quartic(n_arms);
+    palp_network_settings settings = palp_network_settings_default();
+    settings.density_kg_m3 = 1070.0;
+    settings.integrator = integrator;
+    settings.branch = branch;
+    settings.spectral_radius = radius;
+    return cube_network(3, &m, &settings);
+}
+
+static palp_network *heavy(size_t n_arms, palp_integrator integrator) {
+    return heavy_on(n_arms, integrator, PALP_BRANCH_CONTINUE, 0.5);
+}
+
+/* What a run showed. */
+enum { RECORD_MAX = 20000 };
+typedef struct record {
+    size_t n, stop_after; /* stop_after 0: never */
+    double time[RECORD_MAX], depth[RECORD_MAX], force[RECORD_MAX];
+} record;
+
+static int take(void *user, double time_s, double depth_m, double force_N) {
+    record *r = user;
+    if (r->n == RECORD_MAX)
+        return 1;
+    r->time[r->n] = time_s;
+    r->depth[r->n] = depth_m;
+    r->force[r->n++] = force_N;
+    return r->n == r->stop_after;
+}
+
+static record seen; /* too large for the stack */
+
+static palp_run_settings recording(double dt, double tolerance) {
+    seen.n = seen.stop_after = 0;
+    return (palp_run_settings){.dt_s = dt, .tolerance = tolerance, .observer = take, .user = &seen};
+}
+
+/* Runs and frees the path. */
+static palp_run_info run_path(palp_network *net, palp_path path, const palp_run_settings *settings) {
+    palp_run_info info;
+    palp_status status = palp_network_run(net, &path, settings, &info);
+    ck_assert_msg(!status, "%s after %zu steps", palp_status_name(status), info.steps);
+    palp_path_free(&path);
+    return info;
+}
+
+static palp_path ramp_hold(double strain, double ramp, double hold) {
+    palp_path path;
+    ck_assert_int_eq(palp_path_ramp_hold(strain * HEIGHT, ramp, hold, &path), PALP_OK);
+    return path;
+}
+
+/* ---- steps --------------------------------------------------------------------------------------- */
+
+START_TEST(fixed_steps_visit_every_corner) {
+    palp_material m = quartic(1);
+    palp_network *net = cube_network(3, &m, NULL);
+    palp_run_settings settings = recording(0.3, 0.0);
+    palp_run_info info = run_path(net, ramp_hold(0.1, 1.0, 2.0), &settings);
+    ck_assert_uint_eq(info.steps, 4 + 7); /* of 0.25 and of 2/7 s */
+    ck_assert_uint_eq(info.rejected, 0);
+    ck_assert_uint_ge(info.iterations, 11);
+    ck_assert_double_le(info.worst_residual, 1e-10);
+    ck_assert_uint_eq(seen.n, 12);
+    double peak = 0.0;
+    for (size_t i = 0; i < seen.n; i++) {
+        ck_assert_double_eq_tol(seen.time[i], i <= 4 ? 0.25 * (double)i : 1.0 + (double)(i - 4) * 2.0 / 7.0,
+                                1e-14);
+        ck_assert_double_eq_tol(seen.depth[i], 0.1 * HEIGHT * fmin(1.0, seen.time[i]), 1e-16);
+        peak = fmax(peak, seen.force[i]);
+    }
+    ck_assert_double_eq(seen.time[4], 1.0);
+    ck_assert_double_eq(seen.time[11], 3.0);
+    ck_assert_double_eq(info.peak_force_N, peak);
+    ck_assert_double_eq(peak, seen.force[4]);
+    ck_assert_double_eq_tol(palp_network_time(net), 3.0, 1e-14);
+    palp_network_free(net);
+}
+END_TEST
+
+/* Forces at the end of a ramp of 1 s and of a hold of 10 s. */
+static palp_run_info ends(palp_network *net, double dt, double tolerance, double force[2]) {
+    palp_run_settings settings = recording(dt, tolerance);
+    palp_network_reset(net);
+    palp_run_info info = run_path(net, ramp_hold(0.3, 1.0, 10.0), &settings);
+    for (size_t i = 1; i < seen.n; i++) {
+        if (!(seen.time[i] > seen.time[i - 1]))
+            ck_abort_msg("time stands still at step %zu", i);
+        if (seen.time[i] == 1.0)
+            force[0] = seen.force[i];
+    }
+    force[1] = seen.force[seen.n - 1];
+    return info;
+}
+
+START_TEST(controlled_steps_agree_with_small_fixed_ones) {
+    palp_material m = quartic(2);
+    m.arms[0].beta = 3.0;
+    m.arms[1].gamma = 2.0;
+    palp_network *net = cube_network(3, &m, NULL);
+    double coarse[2], fine[2], got[2];
+    ends(net, 4e-3, 0.0, coarse);
+    ends(net, 2e-3, 0.0, fine);
+    for (double tolerance = 1e-4; tolerance > 5e-9; tolerance *= 0.1) {
+        palp_run_info info = ends(net, 0.0, tolerance, got);
+        ck_assert_uint_eq(info.steps, 2 * (seen.n - 1));
+        ck_assert_uint_lt(info.steps, 2500);
+        for (size_t i = 0; i < 2; i++) { /* the errors of the steps fade, but add up at worst */
+            double want = fine[i] + (fine[i] - coarse[i]) / 3.0,
+                   off = fabs(got[i] - want) / info.peak_force_N;
+            ck_assert_msg(off < 30.0 * tolerance, "tolerance %g: error %g", tolerance, off);
+        }
+    }
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(second_order_in_dt) {
+    palp_material m = quartic(3);
+    m.arms[0].beta = 3.0;
+    m.arms[1].gamma = 2.0;
+    palp_network *net = cube_network(3, &m, NULL);
+    double force[5];
+    for (int k = 0; k < 5; k++) {
+        palp_network_reset(net);
+        palp_run_settings settings = recording(0.02 / (1 << k), 0.0);
+        run_path(net, ramp_hold(0.3, 1.0, 0.5), &settings);
+        force[k] = palp_network_force(net);
+    }
+    for (int k = 0; k < 3; k++) {
+        double ratio = (force[k] - force[k + 1]) / (force[k + 1] - force[k + 2]);
+        ck_assert_msg(ratio > 3.7 && ratio < 4.3, "differences fall by %g", ratio);
+    }
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(relaxed_runs_are_static) {
+    palp_material m = quartic(2); /* arms that must not show */
+    palp_network *net = cube_network(3, &m, NULL);
+    palp_path path;
+    palp_run_settings settings = recording(1.0, 0.0);
+    settings.relaxed = true;
+    ck_assert_int_eq(palp_path_static(0.3 * HEIGHT, 0.3 * HEIGHT / 30.0, &path), PALP_OK);
+    run_path(net, path, &settings);
+    ck_assert_uint_eq(seen.n, 31);
+    ck_assert_double_eq_tol(seen.force[10], 0.851966, 1e-6);
+    ck_assert_double_eq_tol(seen.force[20], 1.831668, 1e-6);
+    ck_assert_double_eq_tol(seen.force[30], 2.961096, 1e-6);
+    palp_network_reset(net);
+    settings = recording(0.0, 1e-6);
+    settings.relaxed = true;
+    ck_assert_int_eq(palp_path_static(0.3 * HEIGHT, 0.3 * HEIGHT / 30.0, &path), PALP_OK);
+    run_path(net, path, &settings);
+    ck_assert_double_eq_tol(seen.force[seen.n - 1], 2.961096, 1e-6);
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(controlled_steps_locate_buckling) {
+    palp_material m = quartic(0);
+    palp_network *net = cube_network(5, &m, NULL);
+    palp_run_settings settings = recording(0.0, 1e-3);
+    double stable, unstable;
+    palp_path path;
+    settings.relaxed = true;
+    ck_assert_int_eq(palp_path_static(0.4 * HEIGHT, 0.001, &path), PALP_OK);
+    run_path(net, path, &settings);
+    ck_assert(palp_network_buckled(net, &stable, &unstable));
+    ck_assert_double_ge(unstable, 0.325 * HEIGHT);
+    ck_assert_double_le(stable, 0.33 * HEIGHT);
+    ck_assert_double_le(unstable - stable, 1.0001 * palp_network_settings_default().check_strain * HEIGHT);
+    ck_assert_double_eq_tol(palp_network_force(net), 13.264005, 1e-6);
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(runs_start_where_the_network_is) {
+    palp_material m = quartic(1), dashpot = quartic(0);
+    dashpot.dashpot_Ns = 0.1;
+    palp_network *net = cube_network(3, &m, NULL), *stepped = cube_network(3, &m, NULL),
+                 *damped = cube_network(3, &dashpot, NULL);
+    palp_run_settings settings = recording(0.1, 0.0);
+    run_path(net, ramp_hold(0.1, 0.0, 1.0), &settings); /* starts at 0.1: at once */
+    ck_assert_int_eq(palp_network_step(stepped, 0.1 * HEIGHT, 0.0, NULL), PALP_OK);
+    ck_assert_double_eq(seen.force[0], palp_network_force(stepped));
+    for (int i = 0; i < 10; i++)
+        ck_assert_int_eq(palp_network_step(stepped, 0.1 * HEIGHT, 0.1, NULL), PALP_OK);
+    ck_assert_double_eq_tol(palp_network_force(net), palp_network_force(stepped), 1e-12);
+    palp_path path = ramp_hold(0.1, 0.0, 1.0);
+    ck_assert_int_eq(palp_network_run(damped, &path, &settings, NULL),
+                     PALP_ERR_ARGUMENT); /* infinite force */
+    palp_path_free(&path);
+    palp_network_free(net);
+    palp_network_free(stepped);
+    palp_network_free(damped);
+}
+END_TEST
+
+/* ---- creep --------------------------------------------------------------------------------------- */
+
+START_TEST(step_force_holds_the_force) {
+    for (int mass = 0; mass < 2; mass++) {
+        palp_material m = quartic(2);
+        palp_network *net = mass ? heavy(2, PALP_BACKWARD_EULER) : cube_network(3, &m, NULL);
+        palp_step_info info;
+        double before = 0.0;
+        for (int i = 1; i <= 30; i++) { /* raised in ten steps, held, and the specimen gives way */
+            double force = 0.1 * fmin(i, 10);
+            ck_assert_int_eq(palp_network_step_force(net, force, 0.1, &info), PALP_OK);
+            ck_assert_double_eq_tol(palp_network_force(net), force, 1.1e-10 * force);
+            ck_assert_double_eq(info.force_N, palp_network_force(net));
+            ck_assert_int_lt(info.iterations, 40);
+            ck_assert_double_gt(palp_network_depth(net), before);
+            before = palp_network_depth(net);
+        }
+        ck_assert_double_eq_tol(palp_network_time(net), 3.0, 1e-12);
+        palp_network_free(net);
+    }
+}
+END_TEST
+
+START_TEST(step_force_lets_go) {
+    palp_material m = quartic(2);
+    palp_network *net = cube_network(3, &m, NULL);
+    ck_assert_int_eq(palp_network_step(net, 0.2 * HEIGHT, 1.0, NULL), PALP_OK);
+    ck_assert_int_eq(palp_network_step(net, 0.2 * HEIGHT, 5.0, NULL), PALP_OK);
+    for (int i = 0; i < 20; i++) { /* no force: it creeps back from what the arms have kept */
+        double before = palp_network_depth(net);
+        ck_assert_int_eq(palp_network_step_force(net, 0.0, 1.0, NULL), PALP_OK);
+        ck_assert_double_eq_tol(palp_network_force(net), 0.0, 1e-9);
+        ck_assert_double_lt(palp_network_depth(net), before);
+        ck_assert_double_gt(palp_network_depth(net), 0.0);
+    }
+    ck_assert_int_eq(palp_network_step_force(net, 0.0, INFINITY, NULL), PALP_OK);
+    ck_assert_double_eq_tol(palp_network_depth(net), 0.0, 1e-9 * HEIGHT);
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(failed_force_steps_leave_the_state) {
+    palp_material m = quartic(2);
+    palp_network *net = cube_network(3, &m, NULL);
+    ck_assert_int_eq(palp_network_step(net, 0.1 * HEIGHT, 0.3, NULL), PALP_OK);
+    snapshot before = snapshot_take(net);
+    ck_assert_int_ne(palp_network_step_force(net, -1e9, 0.1, NULL), PALP_OK);
+    ck_assert(still_at(net, &before));
+    ck_assert_int_ne(palp_network_step_force(net, 1e300, 0.1, NULL), PALP_OK);
+    ck_assert(still_at(net, &before));
+    snapshot_free(&before);
+    palp_network_free(net);
+}
+END_TEST
+
+/* A column of linear springs and arms creeps as the closed form of the generalized Maxwell solid. */
+START_TEST(creep_of_a_column) {
+    palp_generalized_maxwell solid = {0.8, 2, {{0.4, 0.2}, {0.15, 3.0}}};
+    palp_retardation spectrum;
+    palp_material m = quartic(2);
+    ck_assert_int_eq(palp_law_polynomial(1, (double[]){0.8}, &m.law), PALP_OK);
+    ck_assert_int_eq(palp_retardation_spectrum(&solid, &spectrum), PALP_OK);
+    for (int controlled = 0; controlled < 2; controlled++) {
+        palp_network *net = column_of(3, &m);
+        palp_path path;
+        palp_run_settings settings = recording(controlled ? 0.0 : 0.01, controlled ? 1e-7 : 0.0);
+        ck_assert_int_eq(palp_path_creep(0.2, 0.0, 20.0, &path), PALP_OK);
+        run_path(net, path, &settings);
+        for (size_t i = 0; i < seen.n; i++) {
+            double want = HEIGHT * palp_generalized_maxwell_creep(&spectrum, 0.2, seen.time[i]);
+            ck_assert_msg(fabs(seen.depth[i] - want) < 2e-5 * want, "t %g: %g not %g m", seen.time[i],
+                          seen.depth[i], want);
+            ck_assert_double_eq_tol(seen.force[i], 0.2, 1e-10);
+        }
+        palp_network_free(net);
+    }
+}
+END_TEST
+
+START_TEST(creep_ends_where_the_relaxed_network_is) {
+    palp_material m = quartic(2);
+    palp_network *net = cube_network(3, &m, NULL), *relaxed = cube_network(3, &m, NULL);
+    palp_path path;
+    palp_run_settings settings = recording(0.0, 1e-5);
+    ck_assert_int_eq(palp_path_creep(1.0, 0.5, 3000.0, &path), PALP_OK);
+    run_path(net, path, &settings);
+    for (size_t i = 1; i < seen.n; i++) {
+        ck_assert_double_eq_tol(seen.force[i], fmin(1.0, seen.time[i] / 0.5), 2e-10);
+        ck_assert_double_ge(seen.depth[i], seen.depth[i - 1] - 1e-12);
+    }
+    ck_assert_int_eq(palp_network_step_force(relaxed, 1.0, INFINITY, NULL), PALP_OK);
+    ck_assert_double_eq_tol(palp_network_depth(net), palp_network_depth(relaxed), 1e-7 * HEIGHT);
+    palp_network_free(net);
+    palp_network_free(relaxed);
+}
+END_TEST
+
+/* ---- cycles -------------------------------------------------------------------------------------- */
+
+START_TEST(elastic_cycles_close) {
+    palp_material m = quartic(0);
+    palp_network *net = cube_network(3, &m, NULL);
+    palp_path path;
+    palp_run_settings settings = recording(0.1, 0.0);
+    ck_assert_int_eq(palp_path_cyclic(0.25 * HEIGHT, 0.25 * HEIGHT, 3, &path), PALP_OK);
+    run_path(net, path, &settings);
+    ck_assert_uint_eq(seen.n, 61);
+    for (size_t i = 0; i <= 60; i++) { /* the same force in and out */
+        size_t j = i % 20 <= 10 ? i % 20 : 20 - i % 20;
+        ck_assert_double_eq_tol(seen.force[i], seen.force[j], 1e-9);
+    }
+    const double *x = palp_network_positions(net), *rest = palp_mesh_positions(palp_network_mesh(net));
+    for (size_t i = 0; i < 3 * node_count(net); i++)
+        ck_assert_double_eq_tol(x[i], rest[i], 1e-9 * HEIGHT);
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(viscoelastic_cycles_settle_and_lose_energy) {
+    palp_material m = quartic(1); /* tau 0.5 s */
+    palp_network *net = cube_network(3, &m, NULL);
+    palp_path path;
+    palp_run_settings settings = recording(0.05, 0.0);
+    ck_assert_int_eq(palp_path_cyclic(0.2 * HEIGHT, 0.2 * HEIGHT, 8, &path), PALP_OK);
+    run_path(net, path, &settings);
+    double work = 0.0;
+    for (size_t i = 281; i <= 320; i++) {
+        ck_assert_double_eq_tol(seen.force[i], seen.force[i - 40], 1e-8); /* settled */
+        work += 0.5 * (seen.force[i] + seen.force[i - 1]) * (seen.depth[i] - seen.depth[i - 1]);
+    }
+    ck_assert_double_gt(work, 0.01 * seen.force[300] * 0.2 * HEIGHT);
+    palp_network_free(net);
+}
+END_TEST
+
+/* ---- stopping and failing ------------------------------------------------------------------------ */
+
+START_TEST(observers_stop_a_run) {
+    palp_material m = quartic(1);
+    palp_network *net = cube_network(3, &m, NULL);
+    for (int controlled = 0; controlled < 2; controlled++)
+        for (size_t after = 1; after < 15; after += 4) {
+            palp_run_settings settings = recording(controlled ? 0.0 : 0.05, controlled ? 1e-4 : 0.0);
+            palp_path path = ramp_hold(0.2, 1.0, 1.0);
+            palp_run_info info;
+            palp_network_reset(net);
+            seen.stop_after = after;
+            ck_assert_int_eq(palp_network_run(net, &path, &settings, &info), PALP_ERR_STOPPED);
+            ck_assert_uint_eq(seen.n, after);
+            ck_assert_uint_eq(info.steps, (after - 1) * (controlled ? 2 : 1));
+            ck_assert_double_eq(palp_network_depth(net), seen.depth[after - 1]);
+            ck_assert_double_eq(palp_network_force(net), seen.force[after - 1]);
+            ck_assert_double_eq_tol(palp_network_time(net), seen.time[after - 1], 1e-14);
+            palp_path_free(&path);
+        }
+    palp_network_free(net);
+}
+END_TEST
+
+/* A run that cannot go on gives a status and leaves the network at the last step that was seen. */
+START_TEST(runs_that_fail_stay_at_the_last_step) {
+    for (int controlled = 0; controlled < 2; controlled++)
+        for (int creep = 0; creep < 2; creep++) {
+            palp_material m = quartic(1); /* infinitely stiff at twice the length */
+            ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_NEO_HOOKEAN, 1, (double[]){3e3}, 1e-4, &m.law),
+                             PALP_OK);
+            palp_network *net = cube_network(3, &m, NULL);
+            palp_run_settings settings = recording(controlled ? 0.0 : 0.1, controlled ? 1e-3 : 0.0);
+            palp_path path;
+            ck_assert_int_eq(creep ? palp_path_creep(1e300, 1.0, 1.0, &path)
+                                   : palp_path_ramp_hold(-3.0 * HEIGHT, 1.0, 1.0, &path),
+                             PALP_OK);
+            palp_status status = palp_network_run(net, &path, &settings, NULL);
+            ck_assert_int_ne(status, PALP_OK);
+            ck_assert_int_ne(status, PALP_ERR_ARGUMENT);
+            ck_assert(creep || seen.n > 2);
+            ck_assert_double_eq(palp_network_depth(net), seen.depth[seen.n - 1]);
+            ck_assert_double_eq(palp_network_force(net), seen.force[seen.n - 1]);
+            ck_assert_double_eq_tol(palp_network_time(net), seen.time[seen.n - 1], 1e-13);
+            palp_path_free(&path);
+            palp_network_free(net);
+        }
+}
+END_TEST
+
+START_TEST(runs_that_make_no_sense) {
+    palp_material m = quartic(1);
+    palp_network *net = cube_network(3, &m, NULL);
+    palp_path path = ramp_hold(0.1, 1.0, 1.0), none = {0};
+    static const double bad[] = {0.0, -0.1, NAN};
+    snapshot rest = snapshot_take(net);
+    for (size_t i = 0; i < 3; i++) {
+        palp_run_settings settings = {.dt_s = bad[i]};
+        ck_assert_int_eq(palp_network_run(net, &path, &settings, NULL), PALP_ERR_ARGUMENT);
+        settings.tolerance = bad[i];
+        ck_assert_int_eq(palp_network_run(net, &path, &settings, NULL), PALP_ERR_ARGUMENT);
+    }
+    palp_run_settings fine = {.dt_s = 0.1}, nan = {.dt_s = 0.1, .tolerance = NAN},
+                      first = {.tolerance = 1e-3, .dt_min_s = NAN};
+    ck_assert_int_eq(palp_network_run(net, &none, &fine, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_run(net, &path, &nan, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_run(net, &path, &first, NULL), PALP_ERR_ARGUMENT);
+    ck_assert(still_at(net, &rest));
+    ck_assert_int_eq(palp_network_run(net, &path, &fine, NULL), PALP_OK);
+    snapshot_free(&rest);
+    palp_path_free(&path);
+    palp_network_free(net);
+}
+END_TEST
+
+/* ---- mass ---------------------------------------------------------------------------------------- */
+
+static const palp_integrator INTEGRATORS[] = {PALP_BACKWARD_EULER, PALP_GENERALIZED_ALPHA};
+
+/* A 1 s ramp stops with a jolt of the plate's 4.8 mm/s. Against the massless network: within 1 % of the force
+ * at once, and with backward Euler nothing left after 100 ms, without an arm that would damp it. */
+START_TEST(ramps_do_not_ring) {
+    static const double steps[] = {1e-3, 1e-2};
+    for (size_t s = 0; s < 2; s++)
+        for (size_t k = 0; k < 2; k++) {
+            palp_material m = quartic(0);
+            palp_network *net = heavy(0, INTEGRATORS[k]), *massless = cube_network(3, &m, NULL);
+            int n = (int)lround(1.0 / steps[s]);
+            double late = 0.0, force = 0.0;
+            for (int i = 1; i <= n + n / 2; i++) {
+                double depth = 0.2 * HEIGHT * fmin(1.0, (double)i / n);
+                ck_assert_int_eq(palp_network_step(net, depth, steps[s], NULL), PALP_OK);
+                ck_assert_int_eq(palp_network_step(massless, depth, steps[s], NULL), PALP_OK);
+                force = palp_network_force(massless);
+                double off = fabs(palp_network_force(net) - force);
+                if (i >= n)
+                    ck_assert_double_lt(off, 0.01 * force);
+                if (i > n + n / 10)
+                    late = fmax(late, off);
+            }
+            ck_assert_double_lt(late, (k == 0 ? 1e-6 : 2.5e-3) * force);
+            ck_assert_double_eq_tol(palp_network_force(net), force, (k == 0 ? 1e-9 : 2e-3) * force);
+            palp_network_free(net);
+            palp_network_free(massless);
+        }
+}
+END_TEST
+
+/* Of motion and of the springs, J. */
+static double total_energy(const palp_network *net) {
+    double sum = 0.0;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            sum += 0.5 * net->mass[i / 3] * net->now.velocity[i] * net->now.velocity[i];
+    for (size_t i = 0; i < net->n_elements; i++) {
+        double force, energy;
+        palp_law_force(&net->material.law, 1, &net->now.history.strain[i], &force, NULL, &energy);
+        sum += energy / net->inverse_rest[i];
+    }
+    return sum;
+}
+
+/* Pressed, let back a little at once, and then left to swing with the plate at rest. Backward Euler loses
+ * energy in every step; generalized alpha only on the whole, so that none above the first is asked. */
+START_TEST(free_vibration_gains_no_energy) {
+    static const double steps[] = {1e-4, 1e-3, 1e-2};
+    for (size_t s = 0; s < 3; s++)
+        for (size_t k = 0; k < 2; k++) {
+            palp_network *net = heavy(0, INTEGRATORS[k]), *still = heavy(0, PALP_BACKWARD_EULER);
+            ck_assert_int_eq(palp_network_step(still, 0.19 * HEIGHT, INFINITY, NULL), PALP_OK);
+            ck_assert_int_eq(palp_network_step(net, 0.2 * HEIGHT, INFINITY, NULL), PALP_OK);
+            ck_assert_int_eq(palp_network_step(net, 0.19 * HEIGHT, steps[s], NULL), PALP_OK);
+            double least = total_energy(still), first = total_energy(net) - least, before = first;
+            ck_assert_double_gt(first, 1e-7);
+            for (int i = 0; i < 300; i++) {
+                ck_assert_int_eq(palp_network_step(net, 0.19 * HEIGHT, steps[s], NULL), PALP_OK);
+                double energy = total_energy(net) - least;
+                ck_assert_double_le(energy, (k == 0 ? before : first) + 1e-9 * first);
+                before = energy;
+            }
+            ck_assert_double_lt(before, (s == 0 ? 1.0 : k == 0 ? 1e-8 : 0.5) * first);
+            palp_network_free(net);
+            palp_network_free(still);
+        }
+}
+END_TEST
+
+/* A pulse of the plate of 0.2 s; the forces at 15 instants in steps of 0.15 s / n. */
+static void pulse(palp_integrator integrator, double radius, int n, double force[15]) {
+    palp_network *net = heavy_on(1, integrator, PALP_BRANCH_CONTINUE, radius);
+    for (int i = 1; i <= n; i++) {
+        double s = sin(acos(-1.0) * 0.75 * i / n);
+        ck_assert_int_eq(palp_network_step(net, 0.2 * HEIGHT * s * s * s * s, 0.15 / n, NULL), PALP_OK);
+        if (i % (n / 15) == 0)
+            force[i / (n / 15) - 1] = palp_network_force(net);
+    }
+    palp_network_free(net);
+}
+
+static double largest_difference(const double a[15], const double b[15]) {
+    double worst = 0.0;
+    for (int i = 0; i < 15; i++)
+        worst = fmax(worst, fabs(a[i] - b[i]));
+    return worst;
+}
+
+START_TEST(orders_of_the_integrators) {
+    static const double radius[] = {0.0, 0.5, 0.8};
+    double want[15], coarse[15], fine[15], ratio;
+    pulse(PALP_GENERALIZED_ALPHA, 1.0, 3840, want);
+    pulse(PALP_BACKWARD_EULER, 0.5, 60, coarse);
+    pulse(PALP_BACKWARD_EULER, 0.5, 120, fine);
+    ratio = largest_difference(coarse, want) / largest_difference(fine, want);
+    ck_assert_msg(ratio > 1.8 && ratio < 2.2, "backward Euler: %g", ratio);
+    for (size_t k = 0; k < 3; k++) {
+        pulse(PALP_GENERALIZED_ALPHA, radius[k], k ? 480 : 960, coarse);
+        pulse(PALP_GENERALIZED_ALPHA, radius[k], k ? 960 : 1920, fine);
+        ratio = largest_difference(coarse, want) / largest_difference(fine, want);
+        ck_assert_msg(ratio > 3.6 && ratio < 5.0, "generalized alpha, radius %g: %g", radius[k], ratio);
+    }
+}
+END_TEST
+
+/* Mass over dt squared grows beyond what positions resolve: the step must still be found. */
+START_TEST(short_steps_with_mass) {
+    for (int branch = 0; branch < 2; branch++)
+        for (size_t k = 0; k < 2; k++)
+            for (double dt = 1e-3; dt > 5e-9; dt *= 0.1) {
+                palp_network *net =
+                    heavy_on(1, INTEGRATORS[k], branch ? PALP_BRANCH_STABLE : PALP_BRANCH_CONTINUE, 0.5);
+                for (int i = 1; i <= 5; i++) {
+                    palp_status status = palp_network_step(net, HEIGHT * dt * i, dt, NULL);
+                    ck_assert_msg(!status, "branch %d, dt %g, step %d: %s", branch, dt, i,
+                                  palp_status_name(status));
+                }
+                palp_network_free(net);
+            }
+}
+END_TEST
+
+START_TEST(controlled_steps_with_mass) {
+    for (size_t k = 0; k < 2; k++) {
+        palp_material m = quartic(1);
+        palp_network *net = heavy(1, INTEGRATORS[k]), *massless = cube_network(3, &m, NULL);
+        palp_run_settings settings = recording(0.0, 1e-4);
+        run_path(net, ramp_hold(0.2, 1.0, 5.0), &settings);
+        settings = recording(0.0, 1e-4);
+        run_path(massless, ramp_hold(0.2, 1.0, 5.0), &settings);
+        ck_assert_double_eq_tol(palp_network_force(net), palp_network_force(massless),
+                                5e-3 * palp_network_force(massless));
+        palp_network_free(net);
+        palp_network_free(massless);
+    }
+}
+END_TEST
+
+static Suite *network_run_suite(void) {
+    Suite *suite = suite_create("network_run");
+    TCase *tc = tcase_create("network_run");
+    tcase_add_test(tc, fixed_steps_visit_every_corner);
+    tcase_add_test(tc, controlled_steps_agree_with_small_fixed_ones);
+    tcase_add_test(tc, second_order_in_dt);
+    tcase_add_test(tc, relaxed_runs_are_static);
+    tcase_add_test(tc, controlled_steps_locate_buckling);
+    tcase_add_test(tc, runs_start_where_the_network_is);
+    tcase_add_test(tc, step_force_holds_the_force);
+    tcase_add_test(tc, step_force_lets_go);
+    tcase_add_test(tc, failed_force_steps_leave_the_state);
+    tcase_add_test(tc, creep_of_a_column);
+    tcase_add_test(tc, creep_ends_where_the_relaxed_network_is);
+    tcase_add_test(tc, elastic_cycles_close);
+    tcase_add_test(tc, viscoelastic_cycles_settle_and_lose_energy);
+    tcase_add_test(tc, observers_stop_a_run);
+    tcase_add_test(tc, runs_that_fail_stay_at_the_last_step);
+    tcase_add_test(tc, runs_that_make_no_sense);
+    tcase_add_test(tc, ramps_do_not_ring);
+    tcase_add_test(tc, free_vibration_gains_no_energy);
+    tcase_add_test(tc, orders_of_the_integrators);
+    tcase_add_test(tc, short_steps_with_mass);
+    tcase_add_test(tc, controlled_steps_with_mass);
+    suite_add_tcase(suite, tc);
+    return suite;
+}
+
+int main(void) {
+    SRunner *sr = srunner_create(network_run_suite());
+    srunner_run_all(sr, CK_ENV);
+    int failed = srunner_ntests_failed(sr);
+    srunner_free(sr);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,85 @@
+/* characterize.h: the parts of palpate characterize. */
+#ifndef PALPATE_TOOL_CHARACTERIZE_H
+#define PALPATE_TOOL_CHARACTERIZE_H
+
+#include "cli.h"
+#include "plot_runs.h"
+
+#include <palpate/characterize.h>
+#include <palpate/palpate.h>
+
+enum {
+    CHARACTERIZE_RUNS_MAX = 64,
+    CHARACTERIZE_WARNINGS_MAX = 32,
+    DEGREE_MIN = 2, /* of the force polynomial F(e) = K(e) e, as Table 4.1 counts */
+    DEGREE_MAX = 7,
+    SELECT_ARMS_MAX = 5
+};
+
+typedef struct characterize_options {
+    const char *words[CHARACTERIZE_RUNS_MAX]; /* RUN.csv ... */
+    size_t n_words;
+    const char *arms_text, *degree_text, *out, *plot;
+    int law, method; /* palp_law_kind, palp_characterize_method */
+    size_t arms, degree, knots;
+    bool arms_auto, degree_auto, degree_given;
+    bool shared_arms, per_depth, hold_only, fit_filtered, json;
+    double filter_Hz, height_mm, contact_mm; /* 0, 0, NaN = not given */
+    char command[CLI_COMMAND_MAX];
+} characterize_options;
+
+/* Held-out scores of a choice; index i stands for first + i. */
+typedef struct characterize_scores {
+    size_t first, n, best;
+    double score[DEGREE_MAX + 2], sd[DEGREE_MAX + 2], rms_noise[DEGREE_MAX + 2];
+} characterize_scores;
+
+/* K of the plain static polynomial, the joint law and the single runs at the depth of a ramp and hold. */
+typedef struct characterize_gap {
+    double strain, run_N, low_N, high_N, plain_N, joint_N;
+} characterize_gap;
+
+typedef struct characterize_state {
+    size_t n, n_static, n_hold;                   /* runs: static, then ramp and hold by depth, then others */
+    palp_recording run[CHARACTERIZE_RUNS_MAX];
+    double *filtered_N[CHARACTERIZE_RUNS_MAX];    /* NULL = not even enough */
+    double cutoff_Hz;
+    palp_law plain[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1]; /* [static run][degree]; n = 0: not fitted */
+    double norm_N[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1];
+    size_t degree, n_arms;                        /* of the final model */
+    characterize_scores degrees, arms;            /* n = 0: not asked for */
+    size_t n_single;
+    palp_lumped_fit single[CHARACTERIZE_RUNS_MAX]; /* of each ramp and hold alone */
+    bool has_shared;
+    palp_lumped_fit shared; /* one set of arms, a K_inf for each run */
+    bool has_final;         /* false: the seed's procedure, model from the static curve and shared */
+    palp_lumped_fit final;
+    palp_material material; /* of the model */
+    size_t n_gap;
+    characterize_gap gap[CHARACTERIZE_RUNS_MAX];
+    double gap_before_percent, gap_after_percent;
+    size_t n_warnings;
+    char warning[CHARACTERIZE_WARNINGS_MAX][256];
+} characterize_state;
+
+/* On stderr, and kept for the report. */
+void characterize_warn(characterize_state *s, const char *format, ...);
+
+/* The fit the model comes from. */
+const palp_lumped_fit *characterize_fit_of(const characterize_state *s);
+
+double characterize_strain_max(const characterize_state *s);
+const char *characterize_kind(const palp_recording *r);         /* "static", "ramp_hold", "other" */
+const char *characterize_rule(const palp_recording *r);         /* "given", "free air", "nominal" */
+double characterize_total(const palp_lumped_fit *fit);          /* sum of |residual|, N */
+double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const palp_recording *r);
+
+/* Each returns an exit code, after one line on stderr if it is not 0. */
+int characterize_read(const characterize_options *o, characterize_state *s);  /* runs and their findings */
+int characterize_model(const characterize_options *o, characterize_state *s); /* all fits */
+palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law);
+int characterize_print(const characterize_options *o, const characterize_state *s);
+int characterize_json(const characterize_options *o, const characterize_state *s);
+int characterize_plot(const characterize_options *o, const characterize_state *s);
+
+#endif

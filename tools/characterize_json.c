@@ -1,0 +1,232 @@
+/* characterize_json.c: what palpate characterize found, as JSON. */
+#include "characterize.h"
+#include "json_out.h"
+
+#include <math.h>
+
+static const char NAME[] = "characterize";
+
+static void set(json_t *to, const char *key, double value) {
+    json_object_set_new(to, key, json_number_or_null(value));
+}
+
+static void set_text(json_t *to, const char *key, const char *text) {
+    json_t *value = json_string(text);
+    json_object_set_new(to, key, value ? value : json_string("(not UTF-8)"));
+}
+
+static json_t *law_json(const palp_law *law) {
+    json_t *to = json_object();
+    set_text(to, "kind", palp_law_kind_name(law->kind));
+    if (law->kind == PALP_LAW_SPLINE) {
+        json_object_set_new(to, "strain", json_numbers(law->n, law->strain));
+        json_object_set_new(to, "stiffness_N", json_numbers(law->n, law->coefficients));
+    } else {
+        json_object_set_new(to, law->kind == PALP_LAW_POLYNOMIAL ? "coefficients_N" : "coefficients_Pa",
+                            json_numbers(law->n, law->coefficients));
+    }
+    return to;
+}
+
+static json_t *arms_json(const palp_material *m) {
+    json_t *list = json_array();
+    for (size_t j = 0; j < m->n_arms; j++) {
+        const palp_arm *a = &m->arms[j];
+        json_array_append_new(list, json_pack("{s:f, s:f, s:f}", "stiffness_N", a->stiffness_N, "viscosity_Ns",
+                                              a->viscosity_Ns, "tau_s", a->viscosity_Ns / a->stiffness_N));
+    }
+    return list;
+}
+
+static json_t *estimates_json(const palp_lumped_fit *f) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < f->n_estimates; i++) {
+        const palp_estimate *e = &f->estimate[i];
+        json_t *to = json_object();
+        set_text(to, "name", e->name);
+        set_text(to, "unit", e->unit);
+        set(to, "value", e->value);
+        set(to, "sd", e->sd);
+        set(to, "low", e->low);
+        set(to, "high", e->high);
+        json_object_set_new(to, "determined", json_boolean(e->determined));
+        json_array_append_new(list, to);
+    }
+    return list;
+}
+
+static json_t *correlation_json(const palp_lumped_fit *f) {
+    json_t *rows = json_array();
+    for (size_t i = 0; i < f->n_estimates; i++) {
+        json_array_append_new(rows, json_numbers(f->n_estimates, f->correlation + i * f->n_estimates));
+    }
+    return rows;
+}
+
+static json_t *scores_json(const characterize_scores *c, const char *what, bool rms) {
+    json_t *list = json_array();
+    for (size_t k = 0; k < c->n; k++) {
+        json_t *to = json_object();
+        json_object_set_new(to, what, json_integer((json_int_t)(c->first + k)));
+        set(to, "held_out", c->score[k]);
+        set(to, "excess_sd", c->sd[k]);
+        if (rms) {
+            set(to, "rms_noise", c->rms_noise[k]);
+        }
+        json_object_set_new(to, "taken", json_boolean(c->first + k == c->best));
+        json_array_append_new(list, to);
+    }
+    return list;
+}
+
+/* ---- runs ---- */
+
+static json_t *run_json(const characterize_state *s, size_t i) {
+    const palp_recording *r = &s->run[i];
+    json_t *to = json_object();
+    set_text(to, "file", r->name);
+    set_text(to, "kind", characterize_kind(r));
+    json_object_set_new(to, "samples", json_integer((json_int_t)r->n));
+    set(to, "duration_s", r->time_s[r->n - 1] - r->time_s[0]);
+    set(to, "height_mm", 1e3 * r->height_m);
+    set(to, "deepest_mm", 1e3 * r->deepest_m);
+    set(to, "ramp_s", r->ramp_end_s - r->ramp_start_s);
+    set_text(to, "contact_rule", characterize_rule(r));
+    set(to, "contact_mm", 1e3 * r->contact_m);
+    set(to, "contact_sd_mm", 1e3 * r->contact_sd_m);
+    set(to, "zero_N", r->zero_N);
+    set(to, "zero_sd_N", r->zero_sd_N);
+    set(to, "noise_N", r->noise_N);
+    set(to, "correlation", r->correlation);
+    set(to, "hum_Hz", r->hum_Hz);
+    set(to, "hum_N", r->hum_N);
+    json_object_set_new(to, "spikes", json_integer((json_int_t)r->n_spikes));
+    json_object_set_new(to, "clipped", json_integer((json_int_t)r->n_clipped));
+    json_object_set_new(to, "gaps", json_integer((json_int_t)r->n_gaps));
+    set(to, "longest_gap_s", r->longest_gap_s);
+    json_object_set_new(to, "fault", json_boolean(r->faulted));
+    json_object_set_new(to, "uneven", json_boolean(r->uneven));
+    if (s->has_final) {
+        set(to, "rms_N", s->final.rms_N[i]);
+        set(to, "rms_noise", characterize_noise_ratio(&s->final, i, r));
+        set(to, "absolute_N", s->final.absolute_N[i]);
+    }
+    return to;
+}
+
+static json_t *static_json(const characterize_state *s, size_t i) {
+    json_t *list = json_array();
+    for (size_t d = DEGREE_MIN; d <= DEGREE_MAX; d++) {
+        const palp_law *law = &s->plain[i][d];
+        if (law->n) {
+            json_array_append_new(list, json_pack("{s:I, s:o, s:f}", "degree", (json_int_t)d, "coefficients_N",
+                                                  json_numbers(law->n, law->coefficients), "norm_N", s->norm_N[i][d]));
+        }
+    }
+    return json_pack("{s:s, s:o}", "file", s->run[i].name, "polynomials", list);
+}
+
+static json_t *single_json(const characterize_state *s, size_t i) {
+    const palp_recording *r = &s->run[s->n_static + i];
+    const palp_lumped_fit *f = &s->single[i];
+    json_t *to = json_object();
+    set_text(to, "file", r->name);
+    set(to, "depth_mm", 1e3 * r->deepest_m);
+    set(to, "strain", r->deepest_m / r->height_m);
+    json_object_set_new(to, "estimates", estimates_json(f));
+    set(to, "rms_N", f->rms_N[0]);
+    set(to, "rms_noise", characterize_noise_ratio(f, 0, r));
+    json_object_set_new(to, "merged", json_integer((json_int_t)f->n_merged));
+    json_object_set_new(to, "converged", json_boolean(f->converged));
+    return to;
+}
+
+static json_t *shared_json(const characterize_state *s) {
+    const palp_lumped_fit *f = &s->shared;
+    json_t *to = json_object();
+    json_object_set_new(to, "arms", arms_json(&f->material));
+    json_object_set_new(to, "springs_N", json_numbers(f->n_runs, f->spring_N));
+    json_object_set_new(to, "estimates", estimates_json(f));
+    json_object_set_new(to, "correlation", correlation_json(f));
+    set(to, "total_absolute_residual_N", characterize_total(f));
+    json_object_set_new(to, "merged", json_integer((json_int_t)f->n_merged));
+    json_object_set_new(to, "converged", json_boolean(f->converged));
+    return to;
+}
+
+static json_t *gap_json(const characterize_state *s) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < s->n_gap; i++) {
+        const characterize_gap *g = &s->gap[i];
+        json_t *to = json_object();
+        set(to, "strain", g->strain);
+        set(to, "ramp_hold_N", g->run_N);
+        set(to, "ramp_hold_low_N", g->low_N);
+        set(to, "ramp_hold_high_N", g->high_N);
+        set(to, "static_plain_N", g->plain_N);
+        set(to, "joint_N", g->joint_N);
+        json_array_append_new(list, to);
+    }
+    return list;
+}
+
+/* ---- the whole ---- */
+
+static void add_lists(json_t *all, const characterize_state *s) {
+    json_t *runs = json_array(), *statics = json_array(), *singles = json_array(), *warnings = json_array();
+    for (size_t i = 0; i < s->n; i++) {
+        json_array_append_new(runs, run_json(s, i));
+    }
+    for (size_t i = 0; i < s->n_static; i++) {
+        json_array_append_new(statics, static_json(s, i));
+    }
+    for (size_t i = 0; i < s->n_single; i++) {
+        json_array_append_new(singles, single_json(s, i));
+    }
+    for (size_t i = 0; i < s->n_warnings; i++) {
+        json_array_append_new(warnings, json_string(s->warning[i]));
+    }
+    json_object_set_new(all, "runs", runs);
+    json_object_set_new(all, "static", statics);
+    json_object_set_new(all, "degree_scores", scores_json(&s->degrees, "degree", false));
+    json_object_set_new(all, "arms_scores", scores_json(&s->arms, "n_arms", true));
+    json_object_set_new(all, "per_depth", singles);
+    json_object_set_new(all, "shared", s->has_shared ? shared_json(s) : json_null());
+    json_object_set_new(all, "comparison", gap_json(s));
+    json_object_set_new(all, "warnings", warnings);
+}
+
+static json_t *whole(const characterize_options *o, const characterize_state *s) {
+    const palp_lumped_fit *f = characterize_fit_of(s);
+    json_t *all = json_object();
+    json_object_set_new(all, "palpate", json_pack("{s:i, s:s}", "characterize", 1, "version", palp_version()));
+    set_text(all, "command", o->command);
+    set_text(all, "method", o->method == PALP_CHARACTERIZE_GRID ? "grid" : "nlopt");
+    json_object_set_new(all, "hold_only", json_boolean(o->hold_only));
+    json_object_set_new(all, "law", law_json(&s->material.law));
+    json_object_set_new(all, "arms", arms_json(&s->material));
+    json_object_set_new(all, "estimates", estimates_json(f));
+    json_object_set_new(all, "correlation", correlation_json(f));
+    set(all, "total_absolute_residual_N", characterize_total(f));
+    set(all, "reduced_chi2", f->reduced_chi2);
+    set(all, "inflation", f->inflation);
+    json_object_set_new(all, "merged", json_integer((json_int_t)f->n_merged));
+    json_object_set_new(all, "constrained", json_boolean(f->constrained));
+    json_object_set_new(all, "converged", json_boolean(f->converged));
+    set(all, "strain_max", characterize_strain_max(s));
+    set(all, "gap_before_percent", s->gap_before_percent);
+    set(all, "gap_after_percent", s->gap_after_percent);
+    json_object_set_new(all, "filter",
+                        json_pack("{s:s, s:i, s:f, s:b}", "kind", "Butterworth, forward and backward", "order",
+                                  RUN_FILTER_ORDER, "cutoff_Hz", s->cutoff_Hz, "used_for_fit", o->fit_filtered));
+    add_lists(all, s);
+    return all;
+}
+
+int characterize_json(const characterize_options *o, const characterize_state *s) {
+    int code = CLI_OK;
+    if (o->plot) {
+        code = json_save(NAME, whole(o, s), o->plot, "characterize.json");
+    }
+    return code == CLI_OK && o->json ? json_print(NAME, whole(o, s)) : code;
+}

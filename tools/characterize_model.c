@@ -1,0 +1,404 @@
+/* characterize_model.c: the fits of palpate characterize, one after the other. */
+#include "characterize.h"
+#include "progress.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char NAME[] = "characterize";
+
+/* ---- what is asked of a state ---- */
+
+const palp_lumped_fit *characterize_fit_of(const characterize_state *s) {
+    return s->has_final ? &s->final : &s->shared;
+}
+
+double characterize_strain_max(const characterize_state *s) {
+    double most = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        most = fmax(most, s->run[i].deepest_m / s->run[i].height_m);
+    }
+    return most;
+}
+
+double characterize_total(const palp_lumped_fit *fit) {
+    double sum = 0;
+    for (size_t i = 0; i < fit->n_runs; i++) {
+        sum += fit->absolute_N[i];
+    }
+    return sum;
+}
+
+double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const palp_recording *r) {
+    return r->noise_N > 0 ? fit->rms_N[run] / r->noise_N : NAN;
+}
+
+/* The runs in which time matters: all but the static ones. */
+static const palp_recording *timed(const characterize_state *s, size_t *n) {
+    *n = s->n - s->n_static;
+    return &s->run[s->n_static];
+}
+
+/* A spring for each run is constant, which K(e) is not on the ramp: such fits see the hold only, as in
+ * Section 4.3.3; the ramp is for the joint law. */
+static palp_fit_settings settings_of(const characterize_options *o, palp_spring_form spring, size_t n_arms) {
+    palp_fit_settings settings = palp_fit_settings_default();
+    settings.spring = spring;
+    settings.n_arms = n_arms;
+    settings.hold_only = o->hold_only || spring == PALP_SPRING_PER_RUN;
+    return settings;
+}
+
+/* ---- static ---- */
+
+static int fit_plain(const characterize_options *o, characterize_state *s) {
+    for (size_t i = 0; i < s->n_static; i++) {
+        for (size_t d = 1; d <= DEGREE_MAX; d++) {
+            if (d > 5 && d != o->degree && !o->degree_auto) {
+                continue;
+            }
+            palp_status status = palp_fit_polynomial(&s->run[i], d, &s->plain[i][d], &s->norm_N[i][d]);
+            if (status) {
+                return cli_failure(NAME, "%s: no polynomial of degree %zu: %s", s->run[i].name, d,
+                                   palp_status_text(status));
+            }
+        }
+    }
+    return CLI_OK;
+}
+
+/* Different depths held, to 2 %: what a polynomial can be told from without a static run. A press of
+ * another kind counts for its steps: as many as a quadratic needs. */
+static size_t count_depths(const characterize_state *s) {
+    size_t count = 0;
+    double last = 0;
+    for (size_t i = s->n_static; i < s->n; i++) {
+        bool other = s->run[i].kind == PALP_RECORDING_OTHER;
+        if (other || s->run[i].deepest_m > 1.02 * last) {
+            count += other ? 3 : 1;
+            last = other ? last : s->run[i].deepest_m;
+        }
+    }
+    return count;
+}
+
+static int choose_degree(const characterize_options *o, characterize_state *s) {
+    palp_error error = {PALP_OK, ""};
+    size_t depths = s->n_static ? DEGREE_MAX : count_depths(s);
+    size_t most = depths < DEGREE_MAX ? depths : DEGREE_MAX, best = 0;
+    if (!o->degree_auto) {
+        s->degree = o->degree <= depths ? o->degree : depths;
+        if (s->degree < o->degree && o->degree_given) {
+            characterize_warn(s, "%zu depth(s) do not tell a polynomial of degree %zu; degree %zu is fitted", depths,
+                              o->degree, s->degree);
+        }
+        return CLI_OK;
+    }
+    palp_fit_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_static ? 0 : 2);
+    const double one = 1;
+    palp_law_polynomial(1, &one, &settings.law);
+    palp_status status = palp_select_degree(s->n_static ? s->n_static : s->n, s->run, &settings, most - 1,
+                                            s->degrees.score, s->degrees.sd, &best, &error);
+    s->degrees.first = 1;
+    s->degrees.n = status ? 0 : most;
+    s->degrees.best = s->degree = best + 1;
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
+}
+
+/* ---- ramp and hold ---- */
+
+/* The residual of a fit over the noise, of all samples of all runs. */
+static double whole_ratio(const palp_lumped_fit *fit, const palp_recording *run) {
+    double square = 0, count = 0;
+    for (size_t i = 0; i < fit->n_runs; i++) {
+        double ratio = characterize_noise_ratio(fit, i, &run[i]), n = (double)run[i].n;
+        square += n * ratio * ratio;
+        count += n;
+    }
+    return sqrt(square / count);
+}
+
+/* Fits each number of arms to tell its residual, and how many arms the one chosen really tells apart. */
+static palp_status try_arms(characterize_state *s, palp_fit_settings settings, size_t most, progress *bar) {
+    palp_error error = {PALP_OK, ""};
+    palp_status status = PALP_OK;
+    size_t n = 0;
+    const palp_recording *run = timed(s, &n);
+    for (size_t k = 0; k <= most && status == PALP_OK; k++) {
+        palp_lumped_fit fit;
+        progress_update(bar, 0.2 + 0.05 * (double)k);
+        settings.n_arms = k;
+        status = palp_fit_lumped(n, run, &settings, &fit, &error);
+        s->arms.rms_noise[k] = status ? NAN : whole_ratio(&fit, run);
+        if (status == PALP_OK) {
+            s->n_arms = k == s->arms.best ? fit.material.n_arms : s->n_arms;
+            palp_lumped_fit_free(&fit);
+        }
+        status = status == PALP_ERR_SINGULAR && k != s->arms.best ? PALP_OK : status;
+    }
+    return status;
+}
+
+/* Arms by the error on samples left out; each run has its own spring if all are single holds.
+ * Data that do not carry the most arms tried are asked for fewer. */
+static int choose_arms(const characterize_options *o, characterize_state *s, progress *bar) {
+    palp_error error = {PALP_OK, ""};
+    size_t n = 0, most = SELECT_ARMS_MAX;
+    const palp_recording *run = timed(s, &n);
+    s->n_arms = n ? o->arms : 0;
+    if (!o->arms_auto || n == 0) {
+        return CLI_OK;
+    }
+    palp_fit_settings settings = settings_of(o, s->n_hold == n ? PALP_SPRING_PER_RUN : PALP_SPRING_LAW, 0);
+    palp_status status = characterize_guess(o, s, &settings.law);
+    for (bool again = status == PALP_OK; again; again = status == PALP_ERR_SINGULAR && most-- > 1) {
+        status = palp_select_arms(n, run, &settings, most, s->arms.score, s->arms.sd, &s->arms.best, &error);
+    }
+    status = status ? status : try_arms(s, settings, most, bar);
+    s->arms.n = status ? 0 : most + 1;
+    if (status == PALP_OK && s->n_arms < s->arms.best) {
+        characterize_warn(s, "of %zu arms the data tell only %zu apart; %zu are fitted", s->arms.best, s->n_arms,
+                          s->n_arms);
+        s->arms.best = s->n_arms;
+    }
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
+}
+
+static int fit_single(const characterize_options *o, characterize_state *s) {
+    palp_error error = {PALP_OK, ""};
+    palp_fit_settings settings = settings_of(o, PALP_SPRING_PER_RUN, s->n_arms);
+    for (size_t i = 0; i < s->n_hold && !o->shared_arms; i++) {
+        palp_status status = palp_fit_lumped(1, &s->run[s->n_static + i], &settings, &s->single[i], &error);
+        if (status) {
+            return cli_status(NAME, status, &error);
+        }
+        s->n_single++;
+        if (!s->single[i].converged) {
+            characterize_warn(s, "%s: the fit of this depth alone stopped before it converged",
+                              s->run[s->n_static + i].name);
+        }
+    }
+    return CLI_OK;
+}
+
+static int fit_shared(const characterize_options *o, characterize_state *s) {
+    palp_error error = {PALP_OK, ""};
+    palp_fit_settings settings = settings_of(o, PALP_SPRING_PER_RUN, s->n_arms);
+    if (s->n_hold == 0 || o->per_depth) {
+        return CLI_OK;
+    }
+    palp_status status = o->method == PALP_CHARACTERIZE_GRID
+                             ? palp_fit_grid(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error)
+                             : palp_fit_lumped(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error);
+    s->has_shared = status == PALP_OK;
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
+}
+
+/* ---- the joint fit ---- */
+
+/* K_inf of the single depths as if recorded by a static press: a law through them by least squares. */
+static palp_status law_of_depths(const characterize_state *s, size_t degree, palp_law *law) {
+    double depth[CHARACTERIZE_RUNS_MAX], force[CHARACTERIZE_RUNS_MAX], norm = 0;
+    unsigned char use[CHARACTERIZE_RUNS_MAX];
+    palp_recording points = {.height_m = s->run[0].height_m, .n = s->n_hold, .depth_m = depth, .force_N = force, .use = use};
+    for (size_t i = 0; i < s->n_hold; i++) {
+        double strain = s->run[s->n_static + i].deepest_m / points.height_m;
+        double k = s->has_shared ? s->shared.spring_N[i] : s->n_single ? s->single[i].spring_N[0] : NAN;
+        depth[i] = strain * points.height_m;
+        force[i] = k * strain;
+        use[i] = 1;
+        points.deepest_m = fmax(points.deepest_m, depth[i]);
+        if (!isfinite(k)) {
+            return PALP_ERR_INPUT;
+        }
+    }
+    degree = degree < s->n_hold ? degree : s->n_hold - (s->n_hold > 1);
+    return degree ? palp_fit_polynomial(&points, degree, law, &norm) : PALP_ERR_INPUT;
+}
+
+/* Force over strain at the deepest point of a run: a stiffness to start from. */
+static double rough_stiffness(const palp_recording *r) {
+    size_t last = r->n - 1;
+    while (last > 0 && (r->depth_m[last] < 0.9 * r->deepest_m || !r->use[last])) {
+        last--;
+    }
+    return fmax(r->force_N[last] / (fmax(r->depth_m[last], 1e-3 * r->deepest_m) / r->height_m), 1e-9);
+}
+
+/* A polynomial K(e) to start from. */
+static palp_status rough_law(const characterize_state *s, size_t n, palp_law *law) {
+    double c[PALP_LAW_MAX] = {rough_stiffness(&s->run[0])};
+    if (s->n_static > 0 && n <= DEGREE_MAX && s->plain[0][n].n == n) {
+        *law = s->plain[0][n];
+        return PALP_OK;
+    }
+    palp_law through;
+    if (s->n_hold > 0 && law_of_depths(s, n, &through) == PALP_OK) {
+        memcpy(c, through.coefficients, through.n * sizeof *c);
+    }
+    return palp_law_polynomial(n, c, law);
+}
+
+static palp_status guess_spline(const characterize_options *o, const characterize_state *s, palp_law *law) {
+    double strain[PALP_LAW_MAX], stiffness[PALP_LAW_MAX], top = characterize_strain_max(s), most = 0;
+    palp_law rough;
+    palp_status status = rough_law(s, s->n_static ? 4 : 1, &rough);
+    for (size_t k = 0; k < o->knots && status == PALP_OK; k++) {
+        strain[k] = top * (double)k / (double)(o->knots - 1);
+        palp_law_stiffness(&rough, strain[k], &stiffness[k], NULL);
+        most = fmax(most, stiffness[k]);
+    }
+    for (size_t k = 0; k < o->knots; k++) {
+        stiffness[k] = fmax(stiffness[k], 0.02 * most);
+    }
+    return status ? status : palp_law_spline(o->knots, strain, stiffness, law);
+}
+
+/* K(0) = 3 G area with G the initial shear modulus, split over the coefficients. */
+static palp_status guess_hyperelastic(const characterize_options *o, const characterize_state *s, palp_law *law) {
+    static const size_t counts[] = {0, 0, 1, 2, 5, 3, 4};
+    double radius = 0, k0 = 0, c[5] = {0};
+    for (size_t i = 0; i < s->n; i++) {
+        radius = fmax(radius, s->run[i].radius_m);
+    }
+    palp_law rough;
+    palp_status status = rough_law(s, 1, &rough);
+    if (radius <= 0 || status) {
+        return status ? status : PALP_ERR_INPUT;
+    }
+    double area = 3.14159265358979323846 * radius * radius;
+    palp_law_stiffness(&rough, 0, &k0, NULL);
+    double shear = k0 / (3 * area);
+    c[0] = 0.5 * shear;
+    c[1] = o->law == PALP_LAW_YEOH ? 0.01 * shear : 0.05 * shear;
+    if (o->law == PALP_LAW_OGDEN) {
+        c[0] = 0.8 * shear; /* alpha 2 */
+        c[1] = 2;
+        c[2] = -0.1 * shear; /* alpha -4 */
+        c[3] = -4;
+    }
+    return palp_law_hyperelastic((palp_law_kind)o->law, counts[o->law], c, area, law);
+}
+
+palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law) {
+    if (o->law == PALP_LAW_POLYNOMIAL) {
+        return rough_law(s, s->degree, law);
+    }
+    return o->law == PALP_LAW_SPLINE ? guess_spline(o, s, law) : guess_hyperelastic(o, s, law);
+}
+
+static int fit_joint(const characterize_options *o, characterize_state *s) {
+    palp_error error = {PALP_OK, ""};
+    palp_fit_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_arms);
+    palp_status status = characterize_guess(o, s, &settings.law);
+    if (status == PALP_ERR_INPUT) {
+        return cli_failure(NAME, "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
+                           s->run[0].name, palp_law_kind_name((palp_law_kind)o->law));
+    }
+    status = status ? status : palp_fit_lumped(s->n, s->run, &settings, &s->final, &error);
+    if (status) {
+        return cli_status(NAME, status, &error);
+    }
+    s->has_final = true;
+    s->material = s->final.material;
+    return CLI_OK;
+}
+
+/* The seed's procedure: arms of the grid, the plain static polynomial or a law through the depths' K_inf. */
+static int assemble_grid(characterize_state *s) {
+    s->material = s->shared.material;
+    palp_status status = s->n_static ? PALP_OK : law_of_depths(s, s->degree, &s->material.law);
+    if (s->n_static) {
+        s->material.law = s->plain[0][s->degree];
+    }
+    return status ? cli_status(NAME, status, NULL) : CLI_OK;
+}
+
+/* ---- static against ramp and hold, Figure 4.26 ---- */
+
+static void compare(characterize_state *s) {
+    double before = 0, after = 0;
+    const palp_lumped_fit *shared = &s->shared;
+    for (size_t i = 0; i < s->n_hold && (s->has_shared || s->n_single == s->n_hold); i++) {
+        characterize_gap *g = &s->gap[s->n_gap++];
+        const palp_lumped_fit *fit = s->has_shared ? shared : &s->single[i];
+        size_t at = s->has_shared ? i : 0;
+        const palp_recording *r = &s->run[s->n_static + i];
+        g->strain = r->deepest_m / r->height_m;
+        g->run_N = fit->spring_N[at];
+        g->low_N = fit->n_estimates ? fit->estimate[at].low : NAN;
+        g->high_N = fit->n_estimates ? fit->estimate[at].high : NAN;
+        g->plain_N = g->joint_N = NAN;
+        if (s->n_static > 0) {
+            palp_law_stiffness(&s->plain[0][s->degree], g->strain, &g->plain_N, NULL);
+        }
+        palp_law_stiffness(&s->material.law, g->strain, &g->joint_N, NULL);
+        before += 100 * (g->plain_N / g->run_N - 1) / (double)s->n_hold;
+        after += 100 * (g->joint_N / g->run_N - 1) / (double)s->n_hold;
+    }
+    s->gap_before_percent = s->n_gap ? before : NAN;
+    s->gap_after_percent = s->n_gap ? after : NAN;
+}
+
+static void judge(characterize_state *s) {
+    const palp_lumped_fit *fit = characterize_fit_of(s);
+    double top = characterize_strain_max(s), lowest = palp_law_minimum(&s->material.law, top);
+    if (lowest <= 0) {
+        characterize_warn(s, "K(e) falls to %.3g N within the measured range: no physical law; try another --degree or --law",
+                          lowest);
+    } else if (fit->constrained) {
+        characterize_warn(s, "K(e) > 0 had to be enforced over the measured range; try a lower --degree or --law spline");
+    }
+    for (size_t i = 0; i < s->n_static; i++) {
+        const palp_law *plain = &s->plain[i][s->degree];
+        if (plain->n && palp_law_minimum(plain, top) <= 0) {
+            characterize_warn(s, "%s: the plain polynomial of degree %zu has K(e) <= 0 in the measured range",
+                              s->run[i].name, s->degree);
+        }
+    }
+    if (fit->n_merged > 0) {
+        characterize_warn(s, "%zu arm(s) merged with a neighbour: the data cannot tell their relaxation times apart",
+                          fit->n_merged);
+    }
+    for (size_t j = 0; j < fit->n_estimates; j++) {
+        if (!fit->estimate[j].determined) {
+            characterize_warn(s, "%s is not determined by these data", fit->estimate[j].name);
+        }
+    }
+    if (s->has_shared && !s->shared.converged && s->has_final) {
+        characterize_warn(s, "the fit of shared arms stopped before it converged");
+    }
+    if (!fit->converged) {
+        characterize_warn(s, "the fit stopped before it converged; the best parameters found are given");
+    }
+}
+
+int characterize_model(const characterize_options *o, characterize_state *s) {
+    progress bar;
+    bool grid = o->method == PALP_CHARACTERIZE_GRID;
+    if (grid && s->n_hold == 0) {
+        return cli_failure(NAME, "--method grid needs ramp-and-hold runs (protocol.kind: \"ramp_hold\")");
+    }
+    if (!o->arms_auto && o->arms > 0 && s->n == s->n_static) {
+        characterize_warn(s, "a static press alone tells nothing of arms: the model has none");
+    }
+    progress_start(&bar, "fitting");
+    int code = fit_plain(o, s);
+    code = code ? code : choose_degree(o, s);
+    code = code ? code : choose_arms(o, s, &bar);
+    progress_update(&bar, 0.5);
+    code = code ? code : fit_single(o, s);
+    progress_update(&bar, 0.65);
+    code = code ? code : fit_shared(o, s);
+    progress_update(&bar, 0.8);
+    if (code == CLI_OK) {
+        code = grid ? assemble_grid(s) : fit_joint(o, s);
+    }
+    progress_finish(&bar);
+    if (code == CLI_OK) {
+        compare(s);
+        judge(s);
+    }
+    return code;
+}

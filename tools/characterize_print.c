@@ -1,0 +1,239 @@
+/* characterize_print.c: what palpate characterize found, as text. */
+#include "characterize.h"
+#include "digits.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char NAME[] = "characterize";
+
+enum { PAIRS_MAX = 12 };
+
+/* ---- numbers ---- */
+
+/* "7.608 +-0.012", half the interval; "?" for what the data do not tell. */
+static void with_half(char text[32], const palp_estimate *e) {
+    double half = 0.5 * (e->high - e->low);
+    if (!e->determined) {
+        snprintf(text, 32, "?");
+    } else {
+        snprintf(text, 32, "%.*f +-%.*f", digits_after_point(half), e->value, digits_after_point(half), half);
+    }
+}
+
+/* ---- the law ---- */
+
+static void print_law(const palp_law *law) {
+    if (law->kind == PALP_LAW_SPLINE) {
+        printf("  K(e) through");
+        for (size_t i = 0; i < law->n; i++) {
+            printf(" (%.4g, %.5g)", law->strain[i], law->coefficients[i]);
+        }
+        printf(" (strain, N)\n");
+        return;
+    }
+    if (law->kind != PALP_LAW_POLYNOMIAL) {
+        printf("  %s:", palp_law_kind_name(law->kind));
+        for (size_t i = 0; i < law->n; i++) {
+            printf(" %.6g", law->coefficients[i]);
+        }
+        printf(law->kind == PALP_LAW_OGDEN ? " (mu in Pa and alpha in turn)\n" : " Pa\n");
+        return;
+    }
+    printf("  K(e) =");
+    for (size_t i = law->n; i-- > 0;) {
+        double c = law->coefficients[i];
+        printf(" %s%.6g", i + 1 == law->n ? (c < 0 ? "-" : "") : (c < 0 ? "- " : "+ "), fabs(c));
+        if (i > 0) {
+            printf(i > 1 ? " e^%zu" : " e", i);
+        }
+    }
+    printf(" N\n");
+}
+
+/* ---- tables ---- */
+
+static void print_static(const characterize_state *s) {
+    for (size_t i = 0; i < s->n_static; i++) {
+        printf("Static press %s: plain polynomials F(e) (as Table 4.1)\n", s->run[i].name);
+        printf("  degree  norm residual (N)\n");
+        for (size_t d = DEGREE_MIN; d <= DEGREE_MAX; d++) {
+            if (s->plain[i][d].n) {
+                printf("  %6zu  %17.4g ", d, s->norm_N[i][d]);
+                print_law(&s->plain[i][d]);
+            }
+        }
+    }
+}
+
+static void print_scores(const characterize_scores *c, const char *what, bool rms) {
+    if (c->n == 0) {
+        return;
+    }
+    printf("Held-out error (mean square over the noise variance of blocks left out of the fit)\n");
+    printf("  %8s  %12s  %17s%s\n", what, "error", "s.e. of the excess", rms ? "   residual rms / noise" : "");
+    for (size_t k = 0; k < c->n; k++) {
+        printf("  %8zu  %12.5g  %17.3g ", c->first + k, c->score[k], c->sd[k]);
+        if (rms) {
+            printf("  %20.4g", c->rms_noise[k]);
+        }
+        printf(c->first + k == c->best ? "  <- taken\n" : "\n");
+    }
+}
+
+static void print_single(const characterize_state *s) {
+    char text[32];
+    if (s->n_single == 0) {
+        return;
+    }
+    size_t arms = 0;
+    for (size_t i = 0; i < s->n_single; i++) {
+        arms = s->single[i].material.n_arms > arms ? s->single[i].material.n_arms : arms;
+    }
+    printf("The hold of each depth alone (as Tables 4.2 and 4.3; +- 95 %%; ? = not determined)\n  depth (mm)  strain  %17s", "K_inf (N)");
+    for (size_t j = 1; j <= arms; j++) {
+        printf("      K_%zu (N)           b_%zu (N s)   ", j, j);
+    }
+    printf("  rms / noise\n");
+    for (size_t i = 0; i < s->n_single; i++) {
+        const palp_lumped_fit *f = &s->single[i];
+        const palp_recording *r = &s->run[s->n_static + i];
+        size_t n = f->material.n_arms;
+        printf("  %10.4g  %6.4f", 1e3 * r->deepest_m, r->deepest_m / r->height_m);
+        with_half(text, &f->estimate[0]);
+        printf("  %17s", text);
+        for (size_t j = 0; j < arms; j++) {
+            for (int k = 0; k < 2; k++) {
+                strcpy(text, "merged");
+                if (j < n) {
+                    with_half(text, &f->estimate[1 + 3 * j + (size_t)k]);
+                }
+                printf("  %17s", text);
+            }
+        }
+        printf("  %11.4g\n", characterize_noise_ratio(f, 0, r));
+    }
+}
+
+static void print_estimates(const palp_lumped_fit *f) {
+    printf("  %-10s %14s   %s\n", "parameter", "value", "95 % interval");
+    for (size_t i = 0; i < f->n_estimates; i++) {
+        const palp_estimate *e = &f->estimate[i];
+        int d = digits_after_point(0.5 * (e->high - e->low));
+        if (e->determined) {
+            printf("  %-10s %14.*f   %.*f to %.*f %s\n", e->name, d, e->value, d, e->low, d, e->high, e->unit);
+        } else {
+            printf("  %-10s %14s   not determined by these data (%.1g to %.1g %s)\n", e->name, "-", e->low, e->high,
+                   e->unit);
+        }
+    }
+}
+
+static void print_pairs(const palp_lumped_fit *f) {
+    size_t n = f->n_estimates, found = 0;
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = i + 1; j < n; j++) {
+            double c = f->correlation[i * n + j];
+            if (fabs(c) > 0.95) {
+                found++;
+                if (found <= PAIRS_MAX) {
+                    printf("%s%s and %s %.3f", found == 1 ? "  correlated above 0.95: " : ", ", f->estimate[i].name,
+                           f->estimate[j].name, c);
+                }
+            }
+        }
+    }
+    if (found > PAIRS_MAX) {
+        printf(" and %zu more", found - PAIRS_MAX);
+    }
+    if (found) {
+        putchar('\n');
+    }
+}
+
+static void print_arms(const palp_material *m) {
+    for (size_t j = 0; j < m->n_arms; j++) {
+        const palp_arm *a = &m->arms[j];
+        printf("  arm %zu: %.5g N, %.5g N s, %.4g s\n", j + 1, a->stiffness_N, a->viscosity_Ns,
+               a->viscosity_Ns / a->stiffness_N);
+    }
+}
+
+static void print_shared(const characterize_options *o, const characterize_state *s) {
+    if (!s->has_shared) {
+        return;
+    }
+    printf("Arms shared by the holds of all depths (as Tables 4.4 and 4.5; %s)\n",
+           o->method == PALP_CHARACTERIZE_GRID ? "grid of Section 4.3.3" : "nlopt");
+    if (s->shared.n_estimates) {
+        print_estimates(&s->shared);
+    } else {
+        print_arms(&s->shared.material);
+    }
+    printf("  total |residual| %.6g N\n", characterize_total(&s->shared));
+}
+
+static void print_final(const characterize_state *s) {
+    const palp_lumped_fit *f = &s->final;
+    printf(s->has_final ? "Model: one law%s over all runs\n" : "Model: the static law%s\n",
+           s->material.n_arms ? " and one set of arms" : "");
+    print_law(&s->material.law);
+    print_arms(&s->material);
+    if (!s->has_final) {
+        return;
+    }
+    print_estimates(f);
+    print_pairs(f);
+    printf("  run                               rms (mN)   rms / noise\n");
+    for (size_t i = 0; i < f->n_runs; i++) {
+        printf("  %-32.32s %9.4g  %12.4g\n", s->run[i].name, 1e3 * f->rms_N[i],
+               characterize_noise_ratio(f, i, &s->run[i]));
+    }
+    printf("  total |residual| %.6g N; intervals widened %.3g times for misfit and coloured noise\n",
+           characterize_total(f), f->inflation);
+}
+
+/* The plain polynomial beside the joint law: what the arms add to a press that is not slow enough. */
+static void print_bias(const characterize_state *s) {
+    if (s->n_static == 0 || !s->has_final || s->material.n_arms == 0) {
+        return;
+    }
+    double top = s->run[0].deepest_m / s->run[0].height_m;
+    printf("Static press: the plain polynomial takes the arms' force for the spring's\n");
+    printf("  strain   plain K (N)   joint K (N)   plain / joint - 1\n");
+    for (double e = 0.05; e <= top + 1e-9; e += 0.05) {
+        double plain, joint;
+        palp_law_stiffness(&s->plain[0][s->degree], e, &plain, NULL);
+        palp_law_stiffness(&s->material.law, e, &joint, NULL);
+        printf("  %6.2f  %12.5g  %12.5g  %15.2f %%\n", e, plain, joint, 100 * (plain / joint - 1));
+    }
+}
+
+static void print_gap(const characterize_state *s) {
+    if (s->n_gap == 0 || s->n_static == 0 || !s->has_final) {
+        return;
+    }
+    printf("K_inf of static press and ramp and hold (Figure 4.26)\n");
+    printf("  strain   ramp and hold (N)   static, plain (N)   joint law (N)\n");
+    for (size_t i = 0; i < s->n_gap; i++) {
+        const characterize_gap *g = &s->gap[i];
+        printf("  %6.4f  %18.5g  %18.5g  %14.5g\n", g->strain, g->run_N, g->plain_N, g->joint_N);
+    }
+    printf("  mean gap to ramp and hold: %.2f %% before (plain), %.2f %% after (joint)\n", s->gap_before_percent,
+           s->gap_after_percent);
+}
+
+int characterize_print(const characterize_options *o, const characterize_state *s) {
+    print_static(s);
+    print_scores(&s->degrees, "degree", false);
+    print_scores(&s->arms, "arms", true);
+    print_single(s);
+    print_shared(o, s);
+    print_final(s);
+    print_bias(s);
+    print_gap(s);
+    if (o->out) {
+        printf("Written to %s\n", o->out);
+    }
+    return fflush(stdout) == 0 ? CLI_OK : cli_failure(NAME, "standard output: write error");
+}

@@ -1,0 +1,151 @@
+/* characterize_read.c: the runs of palpate characterize and what is found in each. */
+#include "characterize.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char NAME[] = "characterize";
+
+const char *characterize_kind(const palp_recording *r) {
+    static const char *const kinds[] = {"static", "ramp_hold", "other"};
+    return kinds[r->kind];
+}
+
+const char *characterize_rule(const palp_recording *r) {
+    static const char *const rules[] = {"given", "free air", "nominal"};
+    return rules[r->contact_rule];
+}
+
+/* ---- findings ---- */
+
+typedef struct text_line {
+    char text[512];
+    size_t n;
+} text_line;
+
+static void add(text_line *line, const char *format, double a, double b) {
+    int n = snprintf(line->text + line->n, sizeof line->text - line->n, format, a, b);
+    line->n += n > 0 ? (size_t)n : 0;
+    line->n = line->n < sizeof line->text ? line->n : sizeof line->text - 1;
+}
+
+/* One line for a run: contact, zero force, noise, and what is wrong with it. */
+static void tell(const palp_recording *r) {
+    static const char *const kinds[] = {"static press", "ramp and hold", "press"};
+    text_line line = {"", 0};
+    add(&line, " to %.4g mm, %.0f samples", 1e3 * r->deepest_m, (double)r->n);
+    add(&line, "; contact %.4f +- %.4f mm", 1e3 * r->contact_m, 1.96e3 * r->contact_sd_m);
+    add(&line, r->contact_rule == PALP_CONTACT_FREE_AIR ? " (free air)"
+               : r->contact_rule == PALP_CONTACT_GIVEN  ? " (given)"
+                                                        : " (nominal: no free air in it)", 0, 0);
+    add(&line, "; zero %.3g +- %.2g mN", 1e3 * r->zero_N, 1.96e3 * r->zero_sd_N);
+    add(&line, "; noise %.3g mN", 1e3 * r->noise_N, 0);
+    if (r->n_gaps > 0) {
+        add(&line, "; %.0f gap(s), the longest %.3g s", (double)r->n_gaps, r->longest_gap_s);
+    }
+    if (r->n_spikes > 0) {
+        add(&line, "; %.0f spike(s) masked", (double)r->n_spikes, 0);
+    }
+    if (r->n_clipped > 0) {
+        add(&line, "; %.0f clipped samples masked", (double)r->n_clipped, 0);
+    }
+    if (r->hum_N > 0) {
+        add(&line, "; hum of %.2g mN at %.4g Hz", 1e3 * r->hum_N, r->hum_Hz);
+    }
+    if (r->uneven) {
+        add(&line, "; uneven sampling", 0, 0);
+    }
+    if (r->faulted) {
+        add(&line, "; ended early by a fault", 0, 0);
+    }
+    fprintf(stderr, "palpate %s: %s: %s%s\n", NAME, r->name, kinds[r->kind], line.text);
+}
+
+/* ---- reading ---- */
+
+static int read_one(const characterize_options *o, const char *file, palp_recording *r) {
+    palp_experiment *experiment = NULL;
+    palp_error error = {PALP_OK, ""};
+    palp_recording_settings settings = palp_recording_settings_default();
+    settings.height_m = 1e-3 * o->height_mm;
+    settings.contact_given = !isnan(o->contact_mm);
+    settings.contact_m = settings.contact_given ? 1e-3 * o->contact_mm : 0;
+    palp_status status = palp_experiment_read(file, &experiment, &error);
+    status = status ? status : palp_recording_prepare(experiment, file, &settings, r, &error);
+    palp_experiment_free(experiment);
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
+}
+
+/* Static runs first, ramps and holds by depth, then the others; each kind in the order given. */
+static int rank(const palp_recording *a, const palp_recording *b) {
+    if (a->kind != b->kind) {
+        return a->kind < b->kind ? -1 : 1;
+    }
+    return a->kind == PALP_RECORDING_RAMP_HOLD && a->deepest_m > b->deepest_m ? 1 : 0;
+}
+
+static void sort(characterize_state *s) {
+    for (size_t i = 1; i < s->n; i++) {
+        palp_recording moved = s->run[i];
+        size_t at = i;
+        for (; at > 0 && rank(&s->run[at - 1], &moved) > 0; at--) {
+            s->run[at] = s->run[at - 1];
+        }
+        s->run[at] = moved;
+    }
+}
+
+static int check_heights(const characterize_state *s) {
+    for (size_t i = 1; i < s->n; i++) {
+        if (fabs(s->run[i].height_m - s->run[0].height_m) > 1e-9) {
+            return cli_failure(NAME,
+                               "%s: a specimen of %g mm, but %s: of %g mm; characterize each specimen by itself "
+                               "or give --specimen-height-mm",
+                               s->run[i].name, 1e3 * s->run[i].height_m, s->run[0].name, 1e3 * s->run[0].height_m);
+        }
+    }
+    return CLI_OK;
+}
+
+/* ---- the filter, for figures unless asked ---- */
+
+static int filter_runs(const characterize_options *o, characterize_state *s) {
+    s->cutoff_Hz = o->filter_Hz;
+    for (size_t i = 0; i < s->n && o->filter_Hz <= 0; i++) {
+        double own = run_cutoff_Hz(&s->run[i]);
+        s->cutoff_Hz = i == 0 ? own : fmin(s->cutoff_Hz, own);
+    }
+    for (size_t i = 0; i < s->n && (o->plot || o->fit_filtered); i++) {
+        palp_recording *r = &s->run[i];
+        s->filtered_N[i] = run_filter(r, s->cutoff_Hz);
+        if (!s->filtered_N[i] && (o->fit_filtered || o->filter_Hz > 0)) {
+            return cli_failure(NAME, "%s: cannot be filtered at %g Hz: %s", r->name, s->cutoff_Hz,
+                               r->uneven ? "its samples are not even in time" : "too fast for its sampling rate");
+        }
+        if (o->fit_filtered) {
+            memcpy(r->force_N, s->filtered_N[i], r->n * sizeof *r->force_N);
+        }
+    }
+    if (o->fit_filtered) {
+        characterize_warn(s, "fitted to the filtered force: the filter rounds the ramp, so that fast arms are biased");
+    }
+    return CLI_OK;
+}
+
+int characterize_read(const characterize_options *o, characterize_state *s) {
+    for (size_t i = 0; i < o->n_words; i++) {
+        int code = read_one(o, o->words[i], &s->run[s->n]);
+        if (code) {
+            return code;
+        }
+        s->n++;
+        tell(&s->run[s->n - 1]);
+    }
+    sort(s);
+    for (size_t i = 0; i < s->n; i++) {
+        s->n_static += s->run[i].kind == PALP_RECORDING_STATIC;
+        s->n_hold += s->run[i].kind == PALP_RECORDING_RAMP_HOLD;
+    }
+    int code = check_heights(s);
+    return code ? code : filter_runs(o, s);
+}

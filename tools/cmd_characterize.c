@@ -1,0 +1,183 @@
+/* cmd_characterize.c: palpate characterize: a lumped model with intervals from raw recordings. */
+#include "characterize.h"
+#include "commands.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char NAME[] = "characterize";
+
+static int parse(int argc, char **argv, characterize_options *o) {
+    const cli_option options[] = {
+        cli_heading("Model"),
+        cli_text("arms", "N|auto", &o->arms_text,
+                 "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\n"
+                 "of the fit)"),
+        cli_choice("law", "polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden", &o->law,
+                   "form of the stiffness law K(e), F = K(e) e (default polynomial)"),
+        cli_text("degree", "N|auto", &o->degree_text,
+                 "degree of the force polynomial F(e), 2 to 7, so that K(e) has one degree\n"
+                 "less, as Table 4.1 of Sedef 2008 counts (default 5; no more terms than\n"
+                 "there are depths); auto: by the error on samples left out"),
+        cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 5)"),
+        cli_heading("Fit"),
+        cli_flag("shared-arms", &o->shared_arms, "one set of arms for all depths only, no fit of each depth alone"),
+        cli_flag("per-depth", &o->per_depth,
+                 "each depth alone, no table of shared arms (default: both tables)"),
+        cli_choice("method", "nlopt|grid", &o->method,
+                   "nlopt: weighted least squares from several starts (default); grid:\n"
+                   "the procedure of Sedef 2008, Section 4.3.3, with one or two arms"),
+        cli_flag("hold-only", &o->hold_only, "leave the ramp out of the fit of the model too (fits with a K_inf for\n"
+                 "each depth see the hold only: on the ramp K(e) is not constant)"),
+        cli_flag("fit-filtered", &o->fit_filtered,
+                 "fit the filtered force instead of the raw one (biased; for comparison)"),
+        cli_heading("Recordings"),
+        cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz,
+                     "cut-off of the zero-phase Butterworth filter of the figures, Hz\n"
+                     "(default 10, at most a fifth of the sampling rate)"),
+        cli_positive("specimen-height-mm", "H", 1e4, &o->height_mm,
+                     "height of the specimen, mm, instead of the files'"),
+        cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm,
+                   "recorded depth at contact, mm, instead of the one found"),
+        cli_heading("Output"),
+        cli_text("out", "LUMPED.json", &o->out, "the lumped model"),
+        cli_text("plot", "DIR", &o->plot, "SVG figures by gnuplot, and the result as characterize.json"),
+        cli_flag("json", &o->json, "the result as one JSON object on standard output"),
+    };
+    const cli_command command = {
+        NAME,
+        "RUN.csv ... [options]",
+        "Finds a generalized Maxwell solid, with 95 % intervals, from raw static and ramp-and-hold runs.\n"
+        "Contact, zero force and noise of each run are found first and told on standard error.",
+        "  palpate characterize static.csv hold_*.csv --out lumped.json --plot figures\n"
+        "  palpate characterize hold_*.csv --arms 2 --shared-arms --json\n",
+        options,
+        sizeof options / sizeof options[0]};
+    int code = cli_parse(&command, argc, argv, o->words, CHARACTERIZE_RUNS_MAX, &o->n_words);
+    return code == CLI_OK && o->n_words == 0
+               ? cli_usage_error(NAME, "name a RUN.csv; see palpate characterize --help")
+               : code;
+}
+
+/* "auto" or a whole number from low to high. */
+static int number_or_auto(const char *option, const char *text, double low, double high, size_t *number, bool *automatic) {
+    double value = 0;
+    *automatic = strcmp(text, "auto") == 0;
+    if (*automatic) {
+        return CLI_OK;
+    }
+    if (!cli_read_number(text, &value) || value != floor(value) || value < low || value > high) {
+        return cli_usage_error(NAME, "--%s must be auto or a whole number from %g to %g, not \"%s\"", option, low,
+                               high, text);
+    }
+    *number = (size_t)value;
+    return CLI_OK;
+}
+
+static int check_options(characterize_options *o) {
+    o->degree_given = o->degree_text != NULL;
+    int code = number_or_auto("arms", o->arms_text, 0, PALP_ARMS_MAX, &o->arms, &o->arms_auto);
+    if (code == CLI_OK && o->degree_given) {
+        code = number_or_auto("degree", o->degree_text, DEGREE_MIN, DEGREE_MAX, &o->degree, &o->degree_auto);
+    }
+    if (code) {
+        return code;
+    }
+    if (o->law != PALP_LAW_POLYNOMIAL && o->degree_given) {
+        return cli_usage_error(NAME, "--degree goes with --law polynomial");
+    }
+    if (o->law != PALP_LAW_SPLINE && o->knots > 0) {
+        return cli_usage_error(NAME, "--knots goes with --law spline");
+    }
+    if (o->shared_arms && o->per_depth) {
+        return cli_usage_error(NAME, "give either --shared-arms or --per-depth (default: both tables)");
+    }
+    if (o->method == PALP_CHARACTERIZE_GRID && (o->arms_auto || o->arms < 1 || o->arms > 2)) {
+        return cli_usage_error(NAME, "--method grid needs --arms 1 or --arms 2");
+    }
+    if (o->method == PALP_CHARACTERIZE_GRID && (o->law != PALP_LAW_POLYNOMIAL || o->per_depth)) {
+        return cli_usage_error(NAME, "--method grid has shared arms and a polynomial; leave out %s",
+                               o->per_depth ? "--per-depth" : "--law");
+    }
+    o->knots = o->knots ? o->knots : 5;
+    return CLI_OK;
+}
+
+void characterize_warn(characterize_state *s, const char *format, ...) {
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    cli_warning(NAME, "%s", text);
+    if (s->n_warnings < CHARACTERIZE_WARNINGS_MAX) {
+        memcpy(s->warning[s->n_warnings++], text, sizeof text);
+    }
+}
+
+/* ---- the model ---- */
+
+static int write_model(const characterize_options *o, const characterize_state *s) {
+    palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = s->run[0].height_m};
+    palp_error error = {PALP_OK, ""};
+    for (size_t i = 0; i < s->n; i++) {
+        model.radius_m = model.radius_m > 0 ? model.radius_m : s->run[i].radius_m;
+    }
+    if (model.radius_m > 0) {
+        strcpy(model.specimen_kind, "cylinder");
+    }
+    model.material = s->material;
+    palp_status status = o->out ? palp_model_write(&model, o->out, &error) : PALP_OK;
+    if (status && palp_law_minimum(&s->material.law, 0.4) <= 0) {
+        return cli_failure(NAME, "%s: not written: K(e) falls to zero before a strain of 0.4, beyond the measured "
+                                 "%.3g; take a lower --degree or --law spline",
+                           o->out, characterize_strain_max(s));
+    }
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
+}
+
+static int characterize(const characterize_options *o, characterize_state *s) {
+    int code = characterize_read(o, s);
+    code = code ? code : characterize_model(o, s);
+    code = code ? code : write_model(o, s);
+    if (code == CLI_OK && o->plot) {
+        code = characterize_plot(o, s);
+    }
+    if (code == CLI_OK) {
+        code = o->json ? CLI_OK : characterize_print(o, s);
+    }
+    code = code ? code : characterize_json(o, s);
+    return code == CLI_OK && !characterize_fit_of(s)->converged ? CLI_NOT_CONVERGED : code;
+}
+
+static void state_free(characterize_state *s) {
+    for (size_t i = 0; i < s->n; i++) {
+        palp_recording_free(&s->run[i]);
+        free(s->filtered_N[i]);
+    }
+    for (size_t i = 0; i < s->n_single; i++) {
+        palp_lumped_fit_free(&s->single[i]);
+    }
+    palp_lumped_fit_free(&s->shared);
+    palp_lumped_fit_free(&s->final);
+    free(s);
+}
+
+int cmd_characterize(int argc, char **argv) {
+    characterize_options o = {.arms_text = "auto", .degree = 5, .contact_mm = NAN};
+    cli_keep_command(argc, argv, o.command);
+    int code = parse(argc, argv, &o);
+    code = code ? code : check_options(&o);
+    if (code) {
+        return code == CLI_HELP ? CLI_OK : code;
+    }
+    characterize_state *s = calloc(1, sizeof *s);
+    if (!s) {
+        return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    }
+    code = characterize(&o, s);
+    state_free(s);
+    return code;
+}

@@ -1,0 +1,75 @@
+/* cmd_report.c: palpate report: recordings, models and results on one HTML page. */
+#include "commands.h"
+#include "report.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char NAME[] = "report";
+
+typedef struct report_options {
+    const char *words[REPORT_FILES_MAX], *out, *title;
+    size_t n_words;
+} report_options;
+
+static int parse(int argc, char **argv, report_options *o) {
+    const cli_option options[] = {
+        cli_heading("Output"),
+        cli_text("out", "REPORT.html", &o->out, "the page (default: standard output)"),
+        cli_text("title", "TEXT", &o->title, "heading of the page (default \"Palpation report\")"),
+    };
+    const cli_command command = {
+        NAME,
+        "DIR|FILES ... --out REPORT.html",
+        "Puts recordings, their fits, parameters with intervals, the stiffness law, a network's calibration,\n"
+        "simulations beside recordings, and the checksums of all files on one page that needs nothing else.\n"
+        "Of a folder it takes all *.csv, *.json and *.svg; characterize and calibrate leave theirs by --plot.",
+        "  palpate characterize runs/*.csv --out work/lumped.json --plot work\n"
+        "  palpate report runs work --out report.html\n",
+        options,
+        sizeof options / sizeof options[0]};
+    int code = cli_parse(&command, argc, argv, o->words, REPORT_FILES_MAX, &o->n_words);
+    return code == CLI_OK && o->n_words == 0
+               ? cli_usage_error(NAME, "name a folder or files; see palpate report --help")
+               : code;
+}
+
+static bool lumped(const report *r, bool network) {
+    const report_file *f;
+    for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++) {
+        if ((f->model.kind == PALP_MODEL_NETWORK) == network) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int make(const report_options *o, report *r) {
+    int code = CLI_OK;
+    for (size_t i = 0; i < o->n_words && code == CLI_OK; i++) {
+        code = report_add(r, o->words[i], true);
+    }
+    if (code == CLI_OK && report_count(r, REPORT_OTHER) == r->n) {
+        code = cli_failure(NAME, "%s: holds nothing that palpate writes: no run, model, result or figure", o->words[0]);
+    }
+    code = code ? code : report_pairs(r);
+    code = code ? code : report_figures(r);
+    bool results = report_count(r, REPORT_CHARACTERIZE) > 0, model = lumped(r, false);
+    r->has_law = results || model;
+    r->has_fits = results || (model && report_count(r, REPORT_RECORDING) > 0);
+    r->has_calibration = report_count(r, REPORT_CALIBRATE) > 0 || lumped(r, true);
+    return code ? code : report_page(r, o->out);
+}
+
+int cmd_report(int argc, char **argv) {
+    report_options *o = calloc(1, sizeof *o);
+    report r = {.file = calloc(REPORT_FILES_MAX, sizeof *r.file)};
+    int code = o && r.file ? parse(argc, argv, o) : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    if (code == CLI_OK) {
+        r.title = o->title ? o->title : "Palpation report";
+        code = make(o, &r);
+    }
+    report_free(&r);
+    free(o);
+    return code == CLI_HELP ? CLI_OK : code;
+}

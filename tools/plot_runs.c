@@ -1,0 +1,299 @@
+/* plot_runs.c: the figures of recordings, and of fits to them. */
+#include "plot_runs.h"
+
+#include <math.h>
+#include <palpate/law.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { POINTS = 12000, LEAST_BINS = 100, MOST_BINS = 900, KEY_MAX = 14, LINES_MAX = 8, LAW_POINTS = 200 };
+
+static const double FIRST_S = 10, LOG_FROM_S = 0.01;
+
+void plot_book_draw(plot_book *book, const char *name, const plot_figure *figure) {
+    plot_result result =
+        book->result == PLOT_NO_GNUPLOT ? PLOT_NO_GNUPLOT : plot_write(book->folder, name, figure);
+    book->result = result != PLOT_OK ? result : book->result;
+}
+
+/* ---- thinning ---- */
+
+typedef struct axis {
+    bool depth, log;
+    double from, to;
+    size_t bins;
+} axis;
+
+static double abscissa(const palp_recording *r, const axis *a, size_t i) {
+    return a->depth ? 1e3 * r->depth_m[i] : r->time_s[i] - r->ramp_start_s;
+}
+
+/* Bin of a sample: even in time or log time, or in the count of samples for a depth; -1 = not drawn. */
+static long bin_of(const palp_recording *r, const axis *a, size_t i) {
+    double x = abscissa(r, a, i), at = 0;
+    if (!r->use[i] || x < a->from || x > a->to) {
+        return -1;
+    }
+    if (a->depth) {
+        at = (double)i / (double)r->n;
+    } else if (a->log) {
+        at = log(x / a->from) / log(a->to / a->from);
+    } else {
+        at = (x - a->from) / (a->to - a->from);
+    }
+    return (long)fmin(at * (double)a->bins, (double)a->bins - 1);
+}
+
+/* The lowest and the highest sample of each bin, in their order; x and y hold 2 bins numbers. */
+static size_t thin(const palp_recording *r, const double *force_N, const axis *a, double *x, double *y) {
+    size_t n = 0, low = 0, high = 0;
+    long bin = -1;
+    for (size_t i = 0; i <= r->n; i++) {
+        long own = i < r->n ? bin_of(r, a, i) : -1;
+        if (own == bin && own >= 0) {
+            low = force_N[i] < force_N[low] ? i : low;
+            high = force_N[i] > force_N[high] ? i : high;
+            continue;
+        }
+        for (int k = 0; k < 2 && bin >= 0 && n < 2 * a->bins; k++) {
+            size_t at = (k == 0) == (low < high) ? low : high;
+            if (k == 0 || low != high) {
+                x[n] = abscissa(r, a, at);
+                y[n++] = force_N[at];
+            }
+        }
+        low = high = i;
+        bin = own;
+    }
+    return n;
+}
+
+/* ---- curves of force ---- */
+
+typedef struct curves {
+    size_t n, used;
+    plot_series *series; /* [2 n] */
+    char (*title)[32];   /* [n] */
+    double *work;        /* [8 n bins] */
+} curves;
+
+static bool curves_create(size_t n, size_t bins, curves *c) {
+    *c = (curves){.n = n,
+                  .series = calloc(2 * n + 1, sizeof *c->series),
+                  .title = calloc(n + 1, sizeof *c->title),
+                  .work = calloc(8 * n * bins + 1, sizeof *c->work)};
+    return c->series && c->title && c->work;
+}
+
+static void curves_free(curves *c) {
+    free(c->series);
+    free(c->title);
+    free(c->work);
+}
+
+/* The palette for few runs, a ramp from the first to the last for many. */
+static int colour_of(size_t k, size_t n) {
+    return n <= 4 ? (int)k : PLOT_SHADE + (int)(999 * k / (n - 1));
+}
+
+/* Of many runs every so many is named in the key. */
+static bool named(size_t k, size_t n) {
+    size_t every = (n + KEY_MAX - 1) / KEY_MAX;
+    return every <= 1 || k % every == 0;
+}
+
+static const char *base(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static void name_curve(const run_curve *run, char title[32]) {
+    if (run->recording->kind == PALP_RECORDING_RAMP_HOLD) {
+        snprintf(title, 32, "%.3g mm", 1e3 * run->recording->deepest_m);
+    } else {
+        snprintf(title, 32, "%.18s", base(run->recording->name));
+    }
+}
+
+static void add_curve(curves *c, const run_curve *run, size_t k, const axis *a, const double *force_N,
+                      plot_style style, bool key) {
+    double *x = c->work + 4 * a->bins * c->used, *y = x + 2 * a->bins;
+    size_t n = thin(run->recording, force_N, a, x, y);
+    name_curve(run, c->title[k]);
+    c->series[c->used++] =
+        (plot_series){key && named(k, c->n) ? c->title[k] : NULL, style, colour_of(k, c->n), n, x, y};
+}
+
+/* Raw curves behind, then what is made of them. */
+static void draw_curves(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+                        axis a, bool fit) {
+    curves c;
+    a.bins = (size_t)fmin(fmax((double)POINTS / (double)(2 * n), LEAST_BINS), MOST_BINS);
+    if (curves_create(n, a.bins, &c)) {
+        for (size_t k = 0; k < n; k++) {
+            const double *over = fit ? run[k].fit_N : run[k].filtered_N;
+            add_curve(&c, &run[k], k, &a, run[k].recording->force_N, PLOT_PALE, !over);
+        }
+        for (size_t k = 0; k < n; k++) {
+            const double *over = fit ? run[k].fit_N : run[k].filtered_N;
+            if (over) {
+                add_curve(&c, &run[k], k, &a, over, PLOT_LINE, true);
+            }
+        }
+        const plot_figure figure = {title,
+                                    1,
+                                    {{a.depth ? "depth (mm)" : "time from the start of the ramp (s)", "force (N)",
+                                      a.log, false, c.used, c.series}}};
+        plot_book_draw(book, name, &figure);
+    } else {
+        book->result = PLOT_FAILED;
+    }
+    curves_free(&c);
+}
+
+static double longest_s(size_t n, const run_curve *run) {
+    double end = 0;
+    for (size_t k = 0; k < n; k++) {
+        const palp_recording *r = run[k].recording;
+        end = fmax(end, r->time_s[r->n - 1] - r->ramp_start_s);
+    }
+    return end;
+}
+
+void plot_runs_time(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+                    plot_time time, bool fit) {
+    double end = longest_s(n, run);
+    axis a = {false, time == PLOT_TIME_LOG, time == PLOT_TIME_LOG ? fmin(LOG_FROM_S, 0.01 * end) : -0.05 * end, end, 0};
+    if (time == PLOT_TIME_FIRST) {
+        a.to = fmin(FIRST_S, end);
+        a.from = -0.05 * a.to;
+    }
+    draw_curves(book, name, title, n, run, a, fit);
+}
+
+void plot_runs_depth(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+                     bool fit) {
+    draw_curves(book, name, title, n, run, (axis){true, false, -HUGE_VAL, HUGE_VAL, 0}, fit);
+}
+
+/* ---- residuals ---- */
+
+/* Means of fit minus measured over noise in bins of log time. */
+static size_t bin_means(const run_curve *run, const axis *a, double *x, double *y) {
+    const palp_recording *r = run->recording;
+    double sum = 0, sum_x = 0, count = 0;
+    size_t n = 0;
+    long bin = -1;
+    for (size_t i = 0; i <= r->n; i++) {
+        long own = i < r->n ? bin_of(r, a, i) : -1;
+        if (own != bin && count > 0) {
+            x[n] = sum_x / count;
+            y[n++] = sum / count / r->noise_N;
+            sum = sum_x = count = 0;
+        }
+        bin = own;
+        if (own >= 0) {
+            sum += run->fit_N[i] - r->force_N[i];
+            sum_x += abscissa(r, a, i);
+            count++;
+        }
+    }
+    return n;
+}
+
+void plot_runs_residual(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run) {
+    enum { BINS = 120 };
+    double end = longest_s(n, run);
+    const axis a = {false, true, fmin(LOG_FROM_S, 0.01 * end), end, BINS};
+    curves c;
+    if (!curves_create(n, BINS, &c)) {
+        book->result = PLOT_FAILED;
+        curves_free(&c);
+        return;
+    }
+    for (size_t k = 0; k < n; k++) {
+        if (run[k].fit_N && run[k].recording->noise_N > 0) {
+            double *x = c.work + 4 * BINS * c.used, *y = x + 2 * BINS;
+            size_t points = bin_means(&run[k], &a, x, y);
+            name_curve(&run[k], c.title[k]);
+            c.series[c.used++] =
+                (plot_series){named(k, n) ? c.title[k] : NULL, PLOT_LINE, colour_of(k, n), points, x, y};
+        }
+    }
+    const plot_figure figure = {title,
+                                1,
+                                {{"time from the start of the ramp (s)", "mean of (fit - measured) / noise of a sample",
+                                  true, false, c.used, c.series}}};
+    if (c.used > 0) {
+        plot_book_draw(book, name, &figure);
+    }
+    curves_free(&c);
+}
+
+/* ---- the stiffness law ---- */
+
+void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max, size_t n_lines,
+                         const law_line *line, const plot_series *points) {
+    double strain[LAW_POINTS], stiffness[LINES_MAX][LAW_POINTS];
+    plot_series series[LINES_MAX + 1];
+    size_t n = n_lines < LINES_MAX ? n_lines : LINES_MAX;
+    for (size_t i = 0; i < LAW_POINTS; i++) {
+        strain[i] = strain_max * (double)i / (LAW_POINTS - 1);
+        for (size_t k = 0; k < n; k++) {
+            palp_law_stiffness(&line[k].law, strain[i], &stiffness[k][i], NULL);
+        }
+    }
+    for (size_t k = 0; k < n; k++) {
+        series[k] = (plot_series){
+            line[k].title, line[k].dashed ? PLOT_DASHED : PLOT_LINE, (int)k, LAW_POINTS, strain, stiffness[k]};
+    }
+    if (points) {
+        series[n++] = *points;
+    }
+    const plot_figure figure = {
+        title, 1, {{"strain e", "stiffness K (N per unit strain)", false, false, n, series}}};
+    plot_book_draw(book, name, &figure);
+}
+
+/* ---- the filter ---- */
+
+/* Of the first stretch without a gap. */
+double run_rate_Hz(const palp_recording *r) {
+    double step = r->time_s[1] - r->time_s[0];
+    size_t i = 1;
+    while (i + 1 < r->n && r->time_s[i + 1] - r->time_s[i] < 3 * step) {
+        i++;
+    }
+    return (double)i / (r->time_s[i] - r->time_s[0]);
+}
+
+double run_cutoff_Hz(const palp_recording *r) {
+    return fmin(10, 0.2 * run_rate_Hz(r));
+}
+
+double *run_filter(const palp_recording *r, double cutoff_Hz) {
+    enum { FEWEST = 16 };
+    double *out = r->uneven ? NULL : malloc(r->n * sizeof *out), *in = out ? malloc(r->n * sizeof *in) : NULL;
+    double dt = 1 / run_rate_Hz(r);
+    for (size_t i = 0; in && i < r->n; i++) { /* a masked sample repeats the one before */
+        in[i] = r->use[i] || i == 0 ? r->force_N[i] : in[i - 1];
+        out[i] = in[i];
+    }
+    for (size_t from = 0, to; in && from < r->n; from = to) {
+        for (to = from + 1; to < r->n && r->time_s[to] - r->time_s[to - 1] < 3 * dt; to++) {
+        }
+        if (to - from >= FEWEST &&
+            palp_filter_zero_phase(to - from, in + from, dt, RUN_FILTER_ORDER, cutoff_Hz, out + from)) {
+            free(out);
+            out = NULL;
+            break;
+        }
+    }
+    if (!in) {
+        free(out);
+        out = NULL;
+    }
+    free(in);
+    return out;
+}

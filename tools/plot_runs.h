@@ -1,0 +1,58 @@
+/* plot_runs.h: the figures of recordings, and of fits to them. */
+#ifndef PALPATE_PLOT_RUNS_H
+#define PALPATE_PLOT_RUNS_H
+
+#include "plot.h"
+
+#include <palpate/law.h>
+#include <palpate/recording.h>
+
+/* A zero-phase Butterworth filter of this order, forward and backward. */
+enum { RUN_FILTER_ORDER = 4 };
+
+/* A recording as it is drawn. */
+typedef struct run_curve {
+    const palp_recording *recording;
+    double *filtered_N, *fit_N; /* [recording->n]; NULL = none */
+} run_curve;
+
+/* Where figures go, and what became of those before. */
+typedef struct plot_book {
+    const char *folder;
+    plot_result result;
+} plot_book;
+
+typedef enum plot_time { PLOT_TIME_LINEAR, PLOT_TIME_LOG, PLOT_TIME_FIRST } plot_time;
+
+void plot_book_draw(plot_book *book, const char *name, const plot_figure *figure);
+
+/* Force against time from the start of the ramp: raw in a light tint, and over it the fit if fit, else
+ * the filtered curve. PLOT_TIME_FIRST: the first 10 s. */
+void plot_runs_time(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+                    plot_time time, bool fit);
+
+/* Force against depth, likewise. */
+void plot_runs_depth(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+                     bool fit);
+
+/* Fit minus measured over the noise of a sample, against log time; means of bins even in log time. */
+void plot_runs_residual(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run);
+
+/* K against strain: lines (each a law) and points with error bars. */
+typedef struct law_line {
+    const char *title;
+    palp_law law;
+    bool dashed;
+} law_line;
+void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max, size_t n_lines,
+                         const law_line *line, const plot_series *points);
+
+/* The low-passed force of each stretch between gaps, malloc'ed; NULL where the samples are not even, the
+ * cut-off is beyond them, or there is no memory. */
+double *run_filter(const palp_recording *recording, double cutoff_Hz);
+
+/* The cut-off for figures if none is asked for: 10 Hz, or a fifth of the sampling rate. */
+double run_cutoff_Hz(const palp_recording *recording);
+double run_rate_Hz(const palp_recording *recording); /* samples a second */
+
+#endif

@@ -1,0 +1,278 @@
+/* report_figures.c: the figures that were not among the files, drawn for the page. */
+#define _POSIX_C_SOURCE 200809L
+#include "report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char NAME[] = "report";
+
+/* ---- simulations beside recordings ---- */
+
+/* The recording a simulation follows by its key protocol.like, or one of the same kind and depth. */
+static const report_file *partner(const report *r, const report_file *simulation) {
+    const palp_recording *s = &simulation->recording;
+    const char *like = NULL;
+    bool named = palp_experiment_get_string(simulation->experiment, "protocol.like", &like) == PALP_OK;
+    for (size_t i = 0; i < r->n; i++) {
+        const report_file *f = &r->file[i];
+        if (f->kind != REPORT_RECORDING || f->recording.n == 0) {
+            continue;
+        }
+        bool same = named ? strcmp(report_base(f->path), report_base(like)) == 0
+                          : f->recording.kind == s->kind && s->kind != PALP_RECORDING_OTHER &&
+                                fabs(f->recording.deepest_m - s->deepest_m) < 0.01 * s->deepest_m &&
+                                fabs(f->recording.ramp_end_s - f->recording.ramp_start_s - s->ramp_end_s +
+                                     s->ramp_start_s) < 0.1 * (s->ramp_end_s - s->ramp_start_s);
+        if (same) {
+            return f;
+        }
+    }
+    return NULL;
+}
+
+/* Force of s at time t, linear between samples; *at remembers where the last one was. */
+static double force_at(const palp_recording *s, double t, size_t *at) {
+    while (*at + 2 < s->n && s->time_s[*at + 1] < t) {
+        ++*at;
+    }
+    double part = (t - s->time_s[*at]) / (s->time_s[*at + 1] - s->time_s[*at]);
+    return s->force_N[*at] + fmin(fmax(part, 0), 1) * (s->force_N[*at + 1] - s->force_N[*at]);
+}
+
+/* Simulated minus recorded over what both cover; the largest against the recording without its noise. */
+static bool compare(report_pair *p) {
+    const palp_recording *s = &p->simulation->recording, *r = &p->recording->recording;
+    const char *like;
+    bool same_clock = palp_experiment_get_string(p->simulation->experiment, "protocol.like", &like) == PALP_OK;
+    double shift = same_clock ? 0 : s->ramp_start_s - r->ramp_start_s, square = 0, worst = 0;
+    double *smooth = run_filter(r, run_cutoff_Hz(r));
+    size_t count = 0, at = 0;
+    p->force_N = malloc(r->n * sizeof *p->force_N);
+    for (size_t i = 0; p->force_N && i < r->n; i++) {
+        double t = r->time_s[i] + shift, clean = smooth ? smooth[i] : r->force_N[i];
+        p->force_N[i] = NAN;
+        if (t < s->time_s[0] - 1e-9 || t > s->time_s[s->n - 1] + 1e-9) {
+            continue;
+        }
+        p->force_N[i] = force_at(s, t, &at);
+        if (r->use[i]) {
+            square += (p->force_N[i] - r->force_N[i]) * (p->force_N[i] - r->force_N[i]);
+            worst = fmax(worst, fabs(p->force_N[i] - clean));
+            p->peak_N = fmax(p->peak_N, clean);
+            count++;
+        }
+    }
+    free(smooth);
+    p->rms_N = count ? sqrt(square / (double)count) : NAN;
+    p->worst_percent = p->peak_N > 0 ? 100 * worst / p->peak_N : NAN;
+    return p->force_N != NULL;
+}
+
+int report_pairs(report *r) {
+    for (size_t i = 0; i < r->n && r->n_pairs < REPORT_CURVES_MAX; i++) {
+        const report_file *f = &r->file[i];
+        if (f->kind != REPORT_SIMULATION || f->recording.n == 0) {
+            continue;
+        }
+        report_pair *p = &r->pair[r->n_pairs];
+        *p = (report_pair){.simulation = f, .recording = partner(r, f)};
+        if (p->recording) {
+            r->n_pairs++;
+            if (!compare(p)) {
+                return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+            }
+        }
+    }
+    return CLI_OK;
+}
+
+/* ---- curves ---- */
+
+/* Recordings that can be drawn: static ones, or the others by depth. */
+static size_t collect(const report *r, bool is_static, run_curve *curve) {
+    size_t n = 0;
+    for (size_t i = 0; i < r->n && n < REPORT_CURVES_MAX; i++) {
+        const palp_recording *own = &r->file[i].recording;
+        if (r->file[i].kind != REPORT_RECORDING || own->n == 0 || (own->kind == PALP_RECORDING_STATIC) != is_static) {
+            continue;
+        }
+        size_t at = n++;
+        for (; !is_static && at > 0 && curve[at - 1].recording->deepest_m > own->deepest_m; at--) {
+            curve[at] = curve[at - 1];
+        }
+        curve[at] = (run_curve){own, NULL, NULL};
+    }
+    return n;
+}
+
+/* The lumped model's answer to the recorded depth. */
+static double *lumped_force(const palp_model *m, const palp_recording *r) {
+    double *depth = malloc(r->n * sizeof *depth), *force = malloc(r->n * sizeof *force);
+    for (size_t i = 0; depth && i < r->n; i++) {
+        depth[i] = fmax(r->depth_m[i], 0);
+    }
+    if (!depth || !force || palp_lumped_run(&m->material, r->height_m, r->n, r->time_s, depth, force)) {
+        free(force);
+        force = NULL;
+    }
+    free(depth);
+    return force;
+}
+
+static const palp_model *lumped_model(const report *r) {
+    for (size_t i = 0;; i++) {
+        const report_file *f = report_find(r, REPORT_MODEL, i);
+        if (!f || f->model.kind == PALP_MODEL_LUMPED) {
+            return f ? &f->model : NULL;
+        }
+    }
+}
+
+static bool has(const report *r, const char *name) {
+    size_t n = strlen(name);
+    for (size_t i = 0; i < r->n; i++) {
+        const char *base = report_base(r->file[i].path);
+        if (r->file[i].kind == REPORT_FIGURE && strncmp(base, name, n) == 0 && strcmp(base + n, ".svg") == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void fill(const report *r, size_t n, run_curve *curve, bool filter, bool fit) {
+    const palp_model *model = lumped_model(r);
+    for (size_t k = 0; k < n; k++) {
+        curve[k].filtered_N = filter ? run_filter(curve[k].recording, run_cutoff_Hz(curve[k].recording)) : NULL;
+        curve[k].fit_N = fit && model ? lumped_force(model, curve[k].recording) : NULL;
+    }
+}
+
+static void release(size_t n, run_curve *curve) {
+    for (size_t k = 0; k < n; k++) {
+        free(curve[k].filtered_N);
+        free(curve[k].fit_N);
+    }
+}
+
+static void draw_timed(report *r, plot_book *book) {
+    run_curve curve[REPORT_CURVES_MAX];
+    size_t n = collect(r, false, curve);
+    bool raw = !has(r, "recordings_log"), fit = !has(r, "fit_log") && lumped_model(r);
+    if (n == 0 || (!raw && !fit)) {
+        return;
+    }
+    fill(r, n, curve, raw, fit);
+    if (raw) {
+        const char *title = "Recordings: raw (light) and filtered";
+        plot_runs_time(book, "recordings_linear", title, n, curve, PLOT_TIME_LINEAR, false);
+        plot_runs_time(book, "recordings_log", title, n, curve, PLOT_TIME_LOG, false);
+        plot_runs_time(book, "recordings_first", title, n, curve, PLOT_TIME_FIRST, false);
+    }
+    if (fit) {
+        const char *title = "Recordings (light) and the lumped model";
+        plot_runs_time(book, "fit_linear", title, n, curve, PLOT_TIME_LINEAR, true);
+        plot_runs_time(book, "fit_log", title, n, curve, PLOT_TIME_LOG, true);
+        plot_runs_residual(book, "residuals", "Residuals of the lumped model", n, curve);
+    }
+    release(n, curve);
+}
+
+static void draw_static(report *r, plot_book *book) {
+    run_curve curve[REPORT_CURVES_MAX];
+    size_t n = collect(r, true, curve);
+    bool raw = !has(r, "recordings_static"), fit = !has(r, "fit_static") && lumped_model(r);
+    if (n == 0 || (!raw && !fit)) {
+        return;
+    }
+    fill(r, n, curve, raw, fit);
+    if (raw) {
+        plot_runs_depth(book, "recordings_static", "Static press: raw (light) and filtered", n, curve, false);
+    }
+    if (fit) {
+        plot_runs_depth(book, "fit_static", "Static press (light) and the lumped model", n, curve, true);
+    }
+    release(n, curve);
+}
+
+static void draw_pairs(report *r, plot_book *book) {
+    run_curve curve[REPORT_CURVES_MAX];
+    for (int is_static = 0; is_static < 2; is_static++) {
+        size_t n = 0;
+        for (size_t i = 0; i < r->n_pairs; i++) {
+            const palp_recording *own = &r->pair[i].recording->recording;
+            if ((own->kind == PALP_RECORDING_STATIC) == (is_static == 1)) {
+                curve[n++] = (run_curve){own, NULL, r->pair[i].force_N};
+            }
+        }
+        if (n > 0 && is_static) {
+            plot_runs_depth(book, "simulated_static", "Static press: recorded (light) and simulated", n, curve, true);
+        } else if (n > 0) {
+            const char *title = "Recorded (light) and simulated";
+            plot_runs_time(book, "simulated_linear", title, n, curve, PLOT_TIME_LINEAR, true);
+            plot_runs_time(book, "simulated_log", title, n, curve, PLOT_TIME_LOG, true);
+        }
+    }
+}
+
+static void draw_law(report *r, plot_book *book) {
+    const palp_model *m = lumped_model(r);
+    double top = 0;
+    if (!m || has(r, "stiffness_law")) {
+        return;
+    }
+    for (size_t i = 0; i < r->n; i++) {
+        if (r->file[i].recording.n > 0) {
+            top = fmax(top, r->file[i].recording.deepest_m / r->file[i].recording.height_m);
+        }
+    }
+    const law_line line = {NULL, m->material.law, false};
+    plot_runs_stiffness(book, "stiffness_law", "Stiffness law K(e) of the lumped model", top > 0 ? top : 0.4, 1, &line,
+                        NULL);
+}
+
+/* ---- into the report ---- */
+
+/* Takes a drawn figure over as if it had been among the files, without a line in the list of files. */
+static void adopt(report *r, const char *folder, const char *name) {
+    char path[CLI_PATH_MAX];
+    int n = snprintf(path, sizeof path, "%s/%s.svg", folder, name);
+    if (n > 0 && (size_t)n < sizeof path && access(path, R_OK) == 0 && r->n < REPORT_FILES_MAX &&
+        report_add(r, path, false) == CLI_OK) {
+        r->file[r->n - 1].drawn = true;
+    }
+    remove(path);
+    n = snprintf(path, sizeof path, "%s/%s.gp", folder, name);
+    if (n > 0 && (size_t)n < sizeof path) {
+        remove(path);
+    }
+}
+
+int report_figures(report *r) {
+    static const char *const names[] = {"recordings_linear", "recordings_log",   "recordings_first",
+                                        "fit_linear",        "fit_log",          "residuals",
+                                        "recordings_static", "fit_static",       "stiffness_law",
+                                        "simulated_linear",  "simulated_log",    "simulated_static"};
+    const char *temporary = getenv("TMPDIR");
+    char folder[CLI_PATH_MAX];
+    int n = snprintf(folder, sizeof folder, "%s/palpate.XXXXXX", temporary && *temporary ? temporary : "/tmp");
+    if (n < 0 || (size_t)n >= sizeof folder || !mkdtemp(folder)) {
+        return cli_failure(NAME, "cannot make a folder for figures in %s", temporary ? temporary : "/tmp");
+    }
+    plot_book book = {folder, PLOT_OK};
+    draw_timed(r, &book);
+    draw_static(r, &book);
+    draw_pairs(r, &book);
+    draw_law(r, &book);
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        adopt(r, folder, names[k]);
+    }
+    rmdir(folder);
+    r->no_gnuplot = book.result == PLOT_NO_GNUPLOT;
+    if (r->no_gnuplot) {
+        cli_warning(NAME, "gnuplot is not installed: only the figures among the files are on the page");
+    }
+    return book.result == PLOT_FAILED ? cli_failure(NAME, "a figure could not be drawn") : CLI_OK;
+}

@@ -1,0 +1,228 @@
+/* report_load.c: the files of a report, and what each of them is. */
+#define _POSIX_C_SOURCE 200809L
+#include "report.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char NAME[] = "report";
+
+const char *report_base(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static bool ends(const char *path, const char *ending) {
+    size_t n = strlen(path), m = strlen(ending);
+    return n > m && strcmp(path + n - m, ending) == 0;
+}
+
+const report_file *report_find(const report *r, report_kind kind, size_t which) {
+    for (size_t i = 0; i < r->n; i++) {
+        if (r->file[i].kind == kind && which-- == 0) {
+            return &r->file[i];
+        }
+    }
+    return NULL;
+}
+
+size_t report_count(const report *r, report_kind kind) {
+    size_t count = 0;
+    for (size_t i = 0; i < r->n; i++) {
+        count += r->file[i].kind == kind;
+    }
+    return count;
+}
+
+/* ---- checksum: CRC-32 of ISO 3309, as zip and cksum -a crc32b give it ---- */
+
+static void crc_table(uint32_t table[256]) {
+    for (uint32_t i = 0; i < 256; i++) {
+        uint32_t c = i;
+        for (int k = 0; k < 8; k++) {
+            c = c & 1 ? 0xEDB88320u ^ c >> 1 : c >> 1;
+        }
+        table[i] = c;
+    }
+}
+
+static bool checksum(report_file *file) {
+    enum { CHUNK = 65536 };
+    uint32_t table[256], crc = 0xFFFFFFFFu;
+    unsigned char *chunk = malloc(CHUNK);
+    FILE *from = chunk ? fopen(file->path, "rb") : NULL;
+    bool good = from != NULL;
+    crc_table(table);
+    for (size_t n; good && (n = fread(chunk, 1, CHUNK, from)) > 0;) {
+        for (size_t i = 0; i < n; i++) {
+            crc = table[(crc ^ chunk[i]) & 0xFF] ^ crc >> 8;
+        }
+    }
+    good = good && !ferror(from);
+    if (from) {
+        fclose(from);
+    }
+    free(chunk);
+    file->crc = crc ^ 0xFFFFFFFFu;
+    return good;
+}
+
+/* ---- what a file is ---- */
+
+static void load_run(report_file *file) {
+    palp_error error = {PALP_OK, ""};
+    const palp_recording_settings settings = palp_recording_settings_default();
+    const char *text;
+    double number;
+    if (palp_experiment_read(file->path, &file->experiment, &error)) {
+        snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
+        return;
+    }
+    /* a simulated sensor's noise makes a recording of a simulation */
+    bool simulated = palp_experiment_get_string(file->experiment, "model.file", &text) == PALP_OK &&
+                     palp_experiment_get_number(file->experiment, "sensor.noise_N", &number) != PALP_OK;
+    file->kind = simulated ? REPORT_SIMULATION : REPORT_RECORDING;
+    if (palp_recording_prepare(file->experiment, file->path, &settings, &file->recording, &error)) {
+        snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
+        memset(&file->recording, 0, sizeof file->recording);
+    }
+}
+
+static void load_json(report_file *file) {
+    json_error_t where;
+    palp_error error = {PALP_OK, ""};
+    json_t *all = json_load_file(file->path, 0, &where);
+    const json_t *about = json_object_get(all, "palpate");
+    if (json_is_integer(json_object_get(about, "characterize"))) {
+        file->kind = REPORT_CHARACTERIZE;
+    } else if (json_is_integer(json_object_get(about, "calibrate"))) {
+        file->kind = REPORT_CALIBRATE;
+    } else if (json_is_integer(json_object_get(about, "model"))) {
+        if (palp_model_read(file->path, &file->model, &error) == PALP_OK) {
+            file->kind = REPORT_MODEL;
+        }
+        snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
+    } else if (all) {
+        snprintf(file->note, sizeof file->note, "no JSON that palpate writes");
+    } else {
+        snprintf(file->note, sizeof file->note, "line %d: %s", where.line, where.text);
+    }
+    if (file->kind == REPORT_CHARACTERIZE || file->kind == REPORT_CALIBRATE) {
+        file->json = all;
+    } else {
+        json_decref(all);
+    }
+}
+
+/* The text from "<svg" on; one with a script in it stays out of the page. */
+static void load_svg(report_file *file) {
+    FILE *from = fopen(file->path, "rb");
+    size_t size = (size_t)file->size;
+    char *text = from && size < (size_t)1 << 28 ? malloc(size + 1) : NULL;
+    size_t n = text ? fread(text, 1, size, from) : 0;
+    if (from) {
+        fclose(from);
+    }
+    if (!text) {
+        return;
+    }
+    text[n] = '\0';
+    char *start = strstr(text, "<svg");
+    if (!start || !strstr(start, "</svg>") || strstr(start, "<script") || strstr(start, "<foreignObject")) {
+        snprintf(file->note, sizeof file->note, start ? "an SVG with a script in it, or cut short" : "no SVG");
+        free(text);
+        return;
+    }
+    memmove(text, start, strlen(start) + 1);
+    file->svg = text;
+    file->kind = REPORT_FIGURE;
+}
+
+static int add_file(report *r, const char *path, bool must_read) {
+    struct stat entry;
+    if (r->n == REPORT_FILES_MAX) {
+        return cli_failure(NAME, "more than %d files", REPORT_FILES_MAX);
+    }
+    report_file *file = &r->file[r->n];
+    memset(file, 0, sizeof *file);
+    file->path = malloc(strlen(path) + 1);
+    if (!file->path) {
+        return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    }
+    strcpy(file->path, path);
+    r->n++;
+    if (stat(path, &entry) != 0 || !checksum(file)) {
+        return cli_failure(NAME, "%s: %s", path, strerror(errno));
+    }
+    file->size = (long long)entry.st_size;
+    file->modified = entry.st_mtime;
+    if (ends(path, ".csv")) {
+        load_run(file);
+    } else if (ends(path, ".json")) {
+        load_json(file);
+    } else if (ends(path, ".svg")) {
+        load_svg(file);
+    } else {
+        snprintf(file->note, sizeof file->note, "neither .csv, .json nor .svg");
+    }
+    if (file->note[0] && must_read && file->kind == REPORT_OTHER) {
+        bool named = strncmp(file->note, path, strlen(path)) == 0;
+        return cli_failure(NAME, "%s%s%s", named ? "" : path, named ? "" : ": ", file->note);
+    }
+    if (file->note[0]) {
+        bool named = strncmp(file->note, path, strlen(path)) == 0;
+        cli_warning(NAME, "%s%s%s", named ? "" : path, named ? "" : ": ", file->note);
+    }
+    return CLI_OK;
+}
+
+/* ---- folders ---- */
+
+static int wanted(const struct dirent *entry) {
+    return entry->d_name[0] != '.' &&
+           (ends(entry->d_name, ".csv") || ends(entry->d_name, ".json") || ends(entry->d_name, ".svg"));
+}
+
+static int add_folder(report *r, const char *folder) {
+    struct dirent **entry = NULL;
+    char path[CLI_PATH_MAX];
+    int n = scandir(folder, &entry, wanted, alphasort), code = CLI_OK;
+    if (n < 0) {
+        return cli_failure(NAME, "%s: %s", folder, strerror(errno));
+    }
+    for (int i = 0; i < n; i++) {
+        int length = snprintf(path, sizeof path, "%s/%s", folder, entry[i]->d_name);
+        if (code == CLI_OK && length > 0 && (size_t)length < sizeof path) {
+            code = add_file(r, path, false);
+        }
+        free(entry[i]);
+    }
+    free(entry);
+    return code;
+}
+
+int report_add(report *r, const char *path, bool must_read) {
+    struct stat entry;
+    if (stat(path, &entry) == 0 && S_ISDIR(entry.st_mode)) {
+        return add_folder(r, path);
+    }
+    return add_file(r, path, must_read);
+}
+
+void report_free(report *r) {
+    for (size_t i = 0; i < r->n_pairs; i++) {
+        free(r->pair[i].force_N);
+    }
+    for (size_t i = 0; i < r->n; i++) {
+        report_file *file = &r->file[i];
+        palp_experiment_free(file->experiment);
+        palp_recording_free(&file->recording);
+        json_decref(file->json);
+        free(file->svg);
+        free(file->path);
+    }
+    free(r->file);
+}
