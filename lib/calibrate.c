@@ -159,7 +159,7 @@ static void constraints(unsigned rows, double *result, unsigned n, const double 
     }
 }
 
-static const double LEAST_DAMPING = 1e-6, MOST_DAMPING = 1.0;
+static const double LEAST_DAMPING = 1e-6, FELT_DAMPING = 1e-2, MOST_DAMPING = 1e2;
 
 /* R of the best Jacobian, with damping times each column's own size below it, which also leaves R regular
  * where a parameter has no influence. */
@@ -242,7 +242,7 @@ static bool down_to_rounding(const descent *d) {
 /* Descents of a few evaluations, each in fresh coordinates, until one brings nothing. One that only went
  * too far is followed by a shorter one. */
 static palp_status descend_in_rounds(descent *d, double *y, bool *converged) {
-    enum { ROUND = 2 }; /* the step of the least squares, and a shorter or longer one along its way */
+    enum { ROUND = 2 }; /* the step, and a second one along its way or from its end */
     const least_squares *problem = d->problem;
     while (!*converged && d->evaluations < problem->max_evaluations) {
         size_t left = problem->max_evaluations - d->evaluations;
@@ -259,11 +259,10 @@ static palp_status descend_in_rounds(descent *d, double *y, bool *converged) {
         if (result == NLOPT_OUT_OF_MEMORY)
             return PALP_ERR_NO_MEMORY;
         bool better = d->best_excess < missed || before - d->best_value > 2.0 * problem->stop_relative * before;
-        bool cut_short = d->stalled < 2 && d->evaluations == problem->max_evaluations;
         bool too_far = d->overshot && d->damping < MOST_DAMPING;
-        *converged = down_to_rounding(d) || (!better && !cut_short && !too_far);
+        *converged = down_to_rounding(d) || (!better && !too_far);
         if (d->overshot != better)
-            d->damping = better ? fmax(LEAST_DAMPING, 0.1 * d->damping) : 10.0 * d->damping;
+            d->damping = better ? fmax(LEAST_DAMPING, 0.1 * d->damping) : fmax(FELT_DAMPING, 100.0 * d->damping);
     }
     return PALP_OK;
 }

@@ -80,7 +80,7 @@ static double next_depth(double depth, double step, double depth_max) {
 
 palp_status force_curve_trace(force_curve *c, palp_network *net, double depth_max, double tolerance) {
     enum { FEWEST = 12 };
-    const double shortest = 2e-4 * depth_max;
+    const double shortest = 2e-4 * depth_max, nearest = 2e-3 * depth_max; /* for the error; to a branch's end */
     double step = depth_max / (16.0 * FEWEST), peak = 0.0; /* nothing tells the error of the first one */
     palp_step_info info;
     palp_network_reset(net);
@@ -93,7 +93,7 @@ palp_status force_curve_trace(force_curve *c, palp_network *net, double depth_ma
         double target = next_depth(net->now.depth, step, depth_max);
         status = palp_network_try(net, target, INFINITY, &info);
         if (calibration_lost(status)) {
-            if (step > shortest)
+            if (step > nearest)
                 status = PALP_OK;
             step *= 0.25;
             continue;

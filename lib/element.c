@@ -26,20 +26,21 @@ void element_step_prepare(const palp_material *material, double dt, element_step
     }
 }
 
-/* Eq. 5.11: A = (K e + b1 (1 + K/K1) (e - e_old) / dt) / (1 + b1 / (K1 dt)), and dA/de. */
+/* Eq. 5.11: A = (K e + b1 (1 + K/K1) (e - e_old) / dt) / (1 + b1 / (K1 dt)), and dA/de. K and dK/de come
+ * from the law's force K e and tangent K + e dK/de; dK/de, of which only the tangent needs a few digits, is
+ * left out where rounding hides it. */
 static void sedef_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
                         const element_history *old, double *force, double *tangent) {
     const palp_arm *arm = &material->arms[0];
-    double rate = arm->viscosity_Ns / step->dt;
-    double share = 1.0 / (1.0 + rate / arm->stiffness_N);
+    const double rate = arm->viscosity_Ns / step->dt, share = 1.0 - step->carry;
+    const double compliance = 1.0 / arm->stiffness_N, tiny = 1e-7;
     for (size_t i = 0; i < n; i++) {
-        double stiffness, slope;
-        palp_law_stiffness(&material->law, e[i], &stiffness, &slope);
-        double de = e[i] - old->strain[i];
-        double along = 1.0 + stiffness / arm->stiffness_N;
-        double turn = (e[i] < 0.0 ? -slope : slope) / arm->stiffness_N;
+        double inverse = 1.0 / e[i], de = e[i] - old->strain[i];
+        double stiffness = fabs(e[i]) < 1e-200 ? tangent[i] : force[i] * inverse;
+        double slope = fabs(e[i]) < tiny ? 0.0 : (tangent[i] - stiffness) * inverse;
+        double along = 1.0 + stiffness * compliance;
         force[i] = share * (force[i] + rate * along * de);
-        tangent[i] = share * (tangent[i] + rate * (along + turn * de));
+        tangent[i] = share * (tangent[i] + rate * (along + slope * compliance * de));
     }
 }
 

@@ -23,26 +23,29 @@ static bool measure(palp_network *net) {
     return sound;
 }
 
-/* Force of element i on its first node. */
-static void element_vector(const palp_network *net, size_t i, double f[3]) {
-    for (size_t k = 0; k < 3; k++)
-        f[k] = net->force[i] * net->direction[3 * i + k];
-    if (net->step.carry > 0.0)
-        for (size_t k = 0; k < 3; k++)
-            f[k] += net->step.carry * net->now.vector[3 * i + k];
-}
-
+/* Sums the forces of the elements on their nodes. Elements come grouped by their first node, whose share is
+ * summed apart: adding to memory each time would wait for the last addition. */
 static void sum_forces(palp_network *net) {
-    memset(net->fint, 0, 3 * net->n_nodes * sizeof *net->fint);
-    for (size_t i = 0; i < net->n_elements; i++) {
-        double f[3], *a = net->fint + 3 * net->pair[2 * i], *b = net->fint + 3 * net->pair[2 * i + 1];
-        element_vector(net, i, f);
-        for (size_t k = 0; k < 3; k++) {
-            a[k] += f[k];
-            b[k] -= f[k];
+    const double carry = net->step.carry, *old = net->now.vector;
+    double *vector = net->next.vector, *fint = net->fint;
+    memset(fint, 0, 3 * net->n_nodes * sizeof *fint);
+    for (size_t i = 0; i < net->n_elements;) {
+        const int32_t first = net->pair[2 * i];
+        double sum[3] = {0.0};
+        for (; i < net->n_elements && net->pair[2 * i] == first; i++) {
+            const double *n = net->direction + 3 * i, force = net->force[i];
+            double f[3] = {force * n[0], force * n[1], force * n[2]};
+            if (vector)
+                for (size_t k = 0; k < 3; k++)
+                    vector[3 * i + k] = f[k] += carry * old[3 * i + k];
+            double *b = fint + 3 * net->pair[2 * i + 1];
+            for (size_t k = 0; k < 3; k++) {
+                sum[k] += f[k];
+                b[k] -= f[k];
+            }
         }
-        if (net->next.vector)
-            memcpy(net->next.vector + 3 * i, f, sizeof f);
+        for (size_t k = 0; k < 3; k++)
+            fint[3 * first + (int32_t)k] += sum[k];
     }
 }
 
@@ -83,7 +86,7 @@ double network_residual(palp_network *net, double *scale) {
 }
 
 /* k = (tangent / L0) n n' + (force / L) (1 - n n'), lower triangle xx yx yy zx zy zz. */
-static void element_block(const palp_network *net, size_t i, double k[6]) {
+static inline void element_block(const palp_network *net, size_t i, double k[6]) {
     const double *n = net->direction + 3 * i;
     double across = net->force[i] * net->inverse_length[i];
     double along = net->tangent[i] * net->inverse_rest[i] - across;
@@ -100,20 +103,26 @@ void network_assemble(palp_network *net, double shift) {
     double *restrict value = linsys_values(net->ls), *restrict block = net->node_block;
     memset(value, 0, linsys_value_count(net->ls) * sizeof *value);
     memset(block, 0, 6 * net->n_nodes * sizeof *block);
-    for (size_t i = 0; i < net->n_elements; i++) {
-        double k[6], *a = block + 6 * net->pair[2 * i], *b = block + 6 * net->pair[2 * i + 1];
-        const uint32_t *s = net->slot + 9 * i;
-        element_block(net, i, k);
-        for (size_t j = 0; j < 6; j++) {
-            a[j] += k[j];
-            b[j] += k[j];
+    for (size_t i = 0; i < net->n_elements;) {
+        const int32_t first = net->pair[2 * i];
+        double sum[6] = {0.0};
+        for (; i < net->n_elements && net->pair[2 * i] == first; i++) {
+            double k[6], *b = block + 6 * net->pair[2 * i + 1];
+            const uint32_t *s = net->slot + 9 * i;
+            element_block(net, i, k);
+            for (size_t j = 0; j < 6; j++)
+                sum[j] += k[j];
+            for (size_t j = 0; j < 6; j++)
+                b[j] += k[j];
+            value[s[0]] = -k[0];
+            value[s[1]] = value[s[3]] = -k[1];
+            value[s[2]] = value[s[6]] = -k[3];
+            value[s[4]] = -k[2];
+            value[s[5]] = value[s[7]] = -k[4];
+            value[s[8]] = -k[5];
         }
-        value[s[0]] = -k[0];
-        value[s[1]] = value[s[3]] = -k[1];
-        value[s[2]] = value[s[6]] = -k[3];
-        value[s[4]] = -k[2];
-        value[s[5]] = value[s[7]] = -k[4];
-        value[s[8]] = -k[5];
+        for (size_t j = 0; j < 6; j++)
+            block[6 * first + (int32_t)j] += sum[j];
     }
     for (size_t i = 0; i < net->n_nodes; i++) {
         const uint32_t *s = net->slot_node + 6 * i;

@@ -5,8 +5,13 @@
 #include <string.h>
 
 static const double SLOW = 0.3;      /* a kept factor that contracts less is rebuilt */
+#ifndef NEARV
+#define NEARV 0
+#endif
+static const double NEAR = NEARV;      /* times the tolerance: from here the last step's factor may do */
 static const double SHORTEST = 1e-7; /* energy line search: smallest step */
 static const double STUCK = 0.02;    /* residual line search: a shorter step is a standstill, not progress */
+enum { STANDSTILL = 6 };             /* full iterations in a row that bring next to nothing */
 static const double FIRST_SHIFT = 1e-4; /* of the largest diagonal, to make a tangent definite */
 
 static void gather(const palp_network *net, double *x) {
@@ -57,9 +62,9 @@ static bool reduce_residual(palp_network *net, bool one_step, double *residual, 
  * as it contracts. */
 static palp_status follow_branch(palp_network *net, palp_step_info *info) {
     double scale, residual = network_residual(net, &scale);
-    bool keep = net->chord && net->factored;
-    for (int i = 0; residual > scale; i++) {
-        if (i == net->settings.max_iterations)
+    bool keep = net->factored && (net->chord || residual <= NEAR * scale);
+    for (int i = 0, idle = 0; residual > scale; i++) {
+        if (i == net->settings.max_iterations || idle == STANDSTILL)
             return PALP_ERR_NOT_CONVERGED;
         if (!keep) {
             palp_status status = network_factor(net, 0.0, &info->negative_pivots);
@@ -70,6 +75,7 @@ static palp_status follow_branch(palp_network *net, palp_step_info *info) {
         double before = residual;
         solve_direction(net, info);
         if (reduce_residual(net, keep, &residual, &scale)) {
+            idle = !keep && residual > 0.8 * before ? idle + 1 : 0;
             keep = net->chord && residual <= SLOW * before;
             continue;
         }

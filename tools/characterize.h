@@ -13,7 +13,8 @@ enum {
     CHARACTERIZE_WARNINGS_MAX = 32,
     DEGREE_MIN = 2, /* of the force polynomial F(e) = K(e) e, as Table 4.1 counts */
     DEGREE_MAX = 7,
-    SELECT_ARMS_MAX = 5
+    SELECT_ARMS_MAX = 5,
+    CHARACTERIZE_SPREAD_MAX = 20
 };
 
 typedef struct characterize_options {
@@ -39,15 +40,20 @@ typedef struct characterize_gap {
     double strain, run_N, low_N, high_N, plain_N, joint_N;
 } characterize_gap;
 
+/* Force of several static runs at a strain. */
+typedef struct characterize_spread {
+    double strain, mean_N, sd_N, low_N, high_N;
+} characterize_spread;
+
 typedef struct characterize_state {
-    size_t n, n_static, n_hold;                   /* runs: static, then ramp and hold by depth, then others */
+    size_t n, n_static, n_hold; /* runs: static, then ramp and hold by depth, then others */
     palp_recording run[CHARACTERIZE_RUNS_MAX];
-    double *filtered_N[CHARACTERIZE_RUNS_MAX];    /* NULL = not even enough */
+    double *filtered_N[CHARACTERIZE_RUNS_MAX]; /* NULL = not even enough */
     double cutoff_Hz;
     palp_law plain[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1]; /* [static run][degree]; n = 0: not fitted */
     double norm_N[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1];
-    size_t degree, n_arms;                        /* of the final model */
-    characterize_scores degrees, arms;            /* n = 0: not asked for */
+    size_t degree, n_arms;             /* of the final model */
+    characterize_scores degrees, arms; /* n = 0: not asked for */
     size_t n_single;
     palp_lumped_fit single[CHARACTERIZE_RUNS_MAX]; /* of each ramp and hold alone */
     bool has_shared;
@@ -58,6 +64,10 @@ typedef struct characterize_state {
     size_t n_gap;
     characterize_gap gap[CHARACTERIZE_RUNS_MAX];
     double gap_before_percent, gap_after_percent;
+    double peak_N[CHARACTERIZE_RUNS_MAX],
+        largest_N[CHARACTERIZE_RUNS_MAX]; /* force; |residual| of the model */
+    size_t n_spread;
+    characterize_spread spread[CHARACTERIZE_SPREAD_MAX];
     size_t n_warnings;
     char warning[CHARACTERIZE_WARNINGS_MAX][256];
 } characterize_state;
@@ -69,15 +79,16 @@ void characterize_warn(characterize_state *s, const char *format, ...);
 const palp_lumped_fit *characterize_fit_of(const characterize_state *s);
 
 double characterize_strain_max(const characterize_state *s);
-const char *characterize_kind(const palp_recording *r);         /* "static", "ramp_hold", "other" */
-const char *characterize_rule(const palp_recording *r);         /* "given", "free air", "nominal" */
-double characterize_total(const palp_lumped_fit *fit);          /* sum of |residual|, N */
+const char *characterize_kind(const palp_recording *r); /* "static", "ramp_hold", "other" */
+const char *characterize_rule(const palp_recording *r); /* "given", "free air", "nominal" */
+double characterize_total(const palp_lumped_fit *fit);  /* sum of |residual|, N */
 double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const palp_recording *r);
 
 /* Each returns an exit code, after one line on stderr if it is not 0. */
 int characterize_read(const characterize_options *o, characterize_state *s);  /* runs and their findings */
 int characterize_model(const characterize_options *o, characterize_state *s); /* all fits */
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law);
+int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
 int characterize_print(const characterize_options *o, const characterize_state *s);
 int characterize_json(const characterize_options *o, const characterize_state *s);
 int characterize_plot(const characterize_options *o, const characterize_state *s);

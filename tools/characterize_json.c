@@ -32,8 +32,9 @@ static json_t *arms_json(const palp_material *m) {
     json_t *list = json_array();
     for (size_t j = 0; j < m->n_arms; j++) {
         const palp_arm *a = &m->arms[j];
-        json_array_append_new(list, json_pack("{s:f, s:f, s:f}", "stiffness_N", a->stiffness_N, "viscosity_Ns",
-                                              a->viscosity_Ns, "tau_s", a->viscosity_Ns / a->stiffness_N));
+        json_array_append_new(list,
+                              json_pack("{s:f, s:f, s:f}", "stiffness_N", a->stiffness_N, "viscosity_Ns",
+                                        a->viscosity_Ns, "tau_s", a->viscosity_Ns / a->stiffness_N));
     }
     return list;
 }
@@ -106,6 +107,8 @@ static json_t *run_json(const characterize_state *s, size_t i) {
     set(to, "longest_gap_s", r->longest_gap_s);
     json_object_set_new(to, "fault", json_boolean(r->faulted));
     json_object_set_new(to, "uneven", json_boolean(r->uneven));
+    set(to, "peak_N", s->peak_N[i]);
+    set(to, "largest_residual_percent", 100 * s->largest_N[i] / s->peak_N[i]);
     if (s->has_final) {
         set(to, "rms_N", s->final.rms_N[i]);
         set(to, "rms_noise", characterize_noise_ratio(&s->final, i, r));
@@ -119,8 +122,9 @@ static json_t *static_json(const characterize_state *s, size_t i) {
     for (size_t d = DEGREE_MIN; d <= DEGREE_MAX; d++) {
         const palp_law *law = &s->plain[i][d];
         if (law->n) {
-            json_array_append_new(list, json_pack("{s:I, s:o, s:f}", "degree", (json_int_t)d, "coefficients_N",
-                                                  json_numbers(law->n, law->coefficients), "norm_N", s->norm_N[i][d]));
+            json_array_append_new(list, json_pack("{s:I, s:o, s:f}", "degree", (json_int_t)d,
+                                                  "coefficients_N", json_numbers(law->n, law->coefficients),
+                                                  "norm_N", s->norm_N[i][d]));
         }
     }
     return json_pack("{s:s, s:o}", "file", s->run[i].name, "polynomials", list);
@@ -170,6 +174,21 @@ static json_t *gap_json(const characterize_state *s) {
     return list;
 }
 
+static json_t *spread_json(const characterize_state *s) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < s->n_spread; i++) {
+        const characterize_spread *at = &s->spread[i];
+        json_t *to = json_object();
+        set(to, "strain", at->strain);
+        set(to, "mean_N", at->mean_N);
+        set(to, "sd_N", at->sd_N);
+        set(to, "low_N", at->low_N);
+        set(to, "high_N", at->high_N);
+        json_array_append_new(list, to);
+    }
+    return list;
+}
+
 /* ---- the whole ---- */
 
 static void add_lists(json_t *all, const characterize_state *s) {
@@ -193,13 +212,15 @@ static void add_lists(json_t *all, const characterize_state *s) {
     json_object_set_new(all, "per_depth", singles);
     json_object_set_new(all, "shared", s->has_shared ? shared_json(s) : json_null());
     json_object_set_new(all, "comparison", gap_json(s));
+    json_object_set_new(all, "spread", spread_json(s));
     json_object_set_new(all, "warnings", warnings);
 }
 
 static json_t *whole(const characterize_options *o, const characterize_state *s) {
     const palp_lumped_fit *f = characterize_fit_of(s);
     json_t *all = json_object();
-    json_object_set_new(all, "palpate", json_pack("{s:i, s:s}", "characterize", 1, "version", palp_version()));
+    json_object_set_new(all, "palpate",
+                        json_pack("{s:i, s:s}", "characterize", 1, "version", palp_version()));
     set_text(all, "command", o->command);
     set_text(all, "method", o->method == PALP_CHARACTERIZE_GRID ? "grid" : "nlopt");
     json_object_set_new(all, "hold_only", json_boolean(o->hold_only));
@@ -217,8 +238,9 @@ static json_t *whole(const characterize_options *o, const characterize_state *s)
     set(all, "gap_before_percent", s->gap_before_percent);
     set(all, "gap_after_percent", s->gap_after_percent);
     json_object_set_new(all, "filter",
-                        json_pack("{s:s, s:i, s:f, s:b}", "kind", "Butterworth, forward and backward", "order",
-                                  RUN_FILTER_ORDER, "cutoff_Hz", s->cutoff_Hz, "used_for_fit", o->fit_filtered));
+                        json_pack("{s:s, s:i, s:f, s:b}", "kind", "Butterworth, forward and backward",
+                                  "order", RUN_FILTER_ORDER, "cutoff_Hz", s->cutoff_Hz, "used_for_fit",
+                                  o->fit_filtered));
     add_lists(all, s);
     return all;
 }

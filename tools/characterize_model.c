@@ -86,22 +86,18 @@ static size_t count_depths(const characterize_state *s) {
 static int choose_degree(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
     size_t depths = s->n_static ? DEGREE_MAX : count_depths(s);
-    size_t most = depths < DEGREE_MAX ? depths : DEGREE_MAX, best = 0;
+    size_t best = 0;
     if (!o->degree_auto) {
-        s->degree = o->degree <= depths ? o->degree : depths;
-        if (s->degree < o->degree && o->degree_given) {
-            characterize_warn(s, "%zu depth(s) do not tell a polynomial of degree %zu; degree %zu is fitted", depths,
-                              o->degree, s->degree);
-        }
+        s->degree = o->degree <= depths || o->degree_given ? o->degree : depths;
         return CLI_OK;
     }
     palp_fit_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_static ? 0 : 2);
     const double one = 1;
     palp_law_polynomial(1, &one, &settings.law);
-    palp_status status = palp_select_degree(s->n_static ? s->n_static : s->n, s->run, &settings, most - 1,
-                                            s->degrees.score, s->degrees.sd, &best, &error);
+    palp_status status = palp_select_degree(s->n_static ? s->n_static : s->n, s->run, &settings,
+                                            DEGREE_MAX - 1, s->degrees.score, s->degrees.sd, &best, &error);
     s->degrees.first = 1;
-    s->degrees.n = status ? 0 : most;
+    s->degrees.n = status ? 0 : DEGREE_MAX;
     s->degrees.best = s->degree = best + 1;
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
@@ -158,8 +154,8 @@ static int choose_arms(const characterize_options *o, characterize_state *s, pro
     status = status ? status : try_arms(s, settings, most, bar);
     s->arms.n = status ? 0 : most + 1;
     if (status == PALP_OK && s->n_arms < s->arms.best) {
-        characterize_warn(s, "of %zu arms the data tell only %zu apart; %zu are fitted", s->arms.best, s->n_arms,
-                          s->n_arms);
+        characterize_warn(s, "of %zu arms the data tell only %zu apart; %zu are fitted", s->arms.best,
+                          s->n_arms, s->n_arms);
         s->arms.best = s->n_arms;
     }
     return status ? cli_status(NAME, status, &error) : CLI_OK;
@@ -188,9 +184,10 @@ static int fit_shared(const characterize_options *o, characterize_state *s) {
     if (s->n_hold == 0 || o->per_depth) {
         return CLI_OK;
     }
-    palp_status status = o->method == PALP_CHARACTERIZE_GRID
-                             ? palp_fit_grid(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error)
-                             : palp_fit_lumped(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error);
+    palp_status status =
+        o->method == PALP_CHARACTERIZE_GRID
+            ? palp_fit_grid(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error)
+            : palp_fit_lumped(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error);
     s->has_shared = status == PALP_OK;
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
@@ -201,7 +198,8 @@ static int fit_shared(const characterize_options *o, characterize_state *s) {
 static palp_status law_of_depths(const characterize_state *s, size_t degree, palp_law *law) {
     double depth[CHARACTERIZE_RUNS_MAX], force[CHARACTERIZE_RUNS_MAX], norm = 0;
     unsigned char use[CHARACTERIZE_RUNS_MAX];
-    palp_recording points = {.height_m = s->run[0].height_m, .n = s->n_hold, .depth_m = depth, .force_N = force, .use = use};
+    palp_recording points = {
+        .height_m = s->run[0].height_m, .n = s->n_hold, .depth_m = depth, .force_N = force, .use = use};
     for (size_t i = 0; i < s->n_hold; i++) {
         double strain = s->run[s->n_static + i].deepest_m / points.height_m;
         double k = s->has_shared ? s->shared.spring_N[i] : s->n_single ? s->single[i].spring_N[0] : NAN;
@@ -256,7 +254,8 @@ static palp_status guess_spline(const characterize_options *o, const characteriz
 }
 
 /* K(0) = 3 G area with G the initial shear modulus, split over the coefficients. */
-static palp_status guess_hyperelastic(const characterize_options *o, const characterize_state *s, palp_law *law) {
+static palp_status guess_hyperelastic(const characterize_options *o, const characterize_state *s,
+                                      palp_law *law) {
     static const size_t counts[] = {0, 0, 1, 2, 5, 3, 4};
     double radius = 0, k0 = 0, c[5] = {0};
     for (size_t i = 0; i < s->n; i++) {
@@ -293,7 +292,8 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
     palp_fit_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_arms);
     palp_status status = characterize_guess(o, s, &settings.law);
     if (status == PALP_ERR_INPUT) {
-        return cli_failure(NAME, "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
+        return cli_failure(NAME,
+                           "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
                            s->run[0].name, palp_law_kind_name((palp_law_kind)o->law));
     }
     status = status ? status : palp_fit_lumped(s->n, s->run, &settings, &s->final, &error);
@@ -315,40 +315,19 @@ static int assemble_grid(characterize_state *s) {
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
-/* ---- static against ramp and hold, Figure 4.26 ---- */
-
-static void compare(characterize_state *s) {
-    double before = 0, after = 0;
-    const palp_lumped_fit *shared = &s->shared;
-    for (size_t i = 0; i < s->n_hold && (s->has_shared || s->n_single == s->n_hold); i++) {
-        characterize_gap *g = &s->gap[s->n_gap++];
-        const palp_lumped_fit *fit = s->has_shared ? shared : &s->single[i];
-        size_t at = s->has_shared ? i : 0;
-        const palp_recording *r = &s->run[s->n_static + i];
-        g->strain = r->deepest_m / r->height_m;
-        g->run_N = fit->spring_N[at];
-        g->low_N = fit->n_estimates ? fit->estimate[at].low : NAN;
-        g->high_N = fit->n_estimates ? fit->estimate[at].high : NAN;
-        g->plain_N = g->joint_N = NAN;
-        if (s->n_static > 0) {
-            palp_law_stiffness(&s->plain[0][s->degree], g->strain, &g->plain_N, NULL);
-        }
-        palp_law_stiffness(&s->material.law, g->strain, &g->joint_N, NULL);
-        before += 100 * (g->plain_N / g->run_N - 1) / (double)s->n_hold;
-        after += 100 * (g->joint_N / g->run_N - 1) / (double)s->n_hold;
-    }
-    s->gap_before_percent = s->n_gap ? before : NAN;
-    s->gap_after_percent = s->n_gap ? after : NAN;
-}
+/* ---- the verdict ---- */
 
 static void judge(characterize_state *s) {
     const palp_lumped_fit *fit = characterize_fit_of(s);
     double top = characterize_strain_max(s), lowest = palp_law_minimum(&s->material.law, top);
     if (lowest <= 0) {
-        characterize_warn(s, "K(e) falls to %.3g N within the measured range: no physical law; try another --degree or --law",
-                          lowest);
+        characterize_warn(
+            s,
+            "K(e) falls to %.3g N within the measured range: no physical law; try another --degree or --law",
+            lowest);
     } else if (fit->constrained) {
-        characterize_warn(s, "K(e) > 0 had to be enforced over the measured range; try a lower --degree or --law spline");
+        characterize_warn(
+            s, "K(e) > 0 had to be enforced over the measured range; try a lower --degree or --law spline");
     }
     for (size_t i = 0; i < s->n_static; i++) {
         const palp_law *plain = &s->plain[i][s->degree];
@@ -358,8 +337,9 @@ static void judge(characterize_state *s) {
         }
     }
     if (fit->n_merged > 0) {
-        characterize_warn(s, "%zu arm(s) merged with a neighbour: the data cannot tell their relaxation times apart",
-                          fit->n_merged);
+        characterize_warn(
+            s, "%zu arm(s) merged with a neighbour: the data cannot tell their relaxation times apart",
+            fit->n_merged);
     }
     for (size_t j = 0; j < fit->n_estimates; j++) {
         if (!fit->estimate[j].determined) {
@@ -396,8 +376,8 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
         code = grid ? assemble_grid(s) : fit_joint(o, s);
     }
     progress_finish(&bar);
+    code = code ? code : characterize_compare(s);
     if (code == CLI_OK) {
-        compare(s);
         judge(s);
     }
     return code;

@@ -88,7 +88,8 @@ static void plot_stiffness(plot_book *book, const characterize_state *s) {
         line[n_lines++] = (law_line){"static polynomial", s->plain[0][s->degree], true};
     }
     const plot_series points = {"ramp and hold", PLOT_BARS, PLOT_BLACK, n, strain, k};
-    plot_runs_stiffness(book, "stiffness_law", "Stiffness law K(e), and K_inf of single depths with 95 % intervals",
+    plot_runs_stiffness(book, "stiffness_law",
+                        "Stiffness law K(e), and K_inf of single depths with 95 % intervals",
                         characterize_strain_max(s), n_lines, line, n ? &points : NULL);
 }
 
@@ -126,8 +127,9 @@ static int make_curves(const characterize_state *s, run_curve *curve) {
 
 static void plot_timed(plot_book *book, size_t n, const run_curve *curve, bool fitted, double cutoff_Hz) {
     char title[160];
-    snprintf(title, sizeof title, "Ramp and hold: raw (light) and filtered (Butterworth of order %d both ways, %.3g Hz)", RUN_FILTER_ORDER,
-             cutoff_Hz);
+    snprintf(title, sizeof title,
+             "Ramp and hold: raw (light) and filtered (Butterworth of order %d both ways, %.3g Hz)",
+             RUN_FILTER_ORDER, cutoff_Hz);
     plot_runs_time(book, "recordings_linear", title, n, curve, PLOT_TIME_LINEAR, false);
     plot_runs_time(book, "recordings_log", title, n, curve, PLOT_TIME_LOG, false);
     plot_runs_time(book, "recordings_first", title, n, curve, PLOT_TIME_FIRST, false);
@@ -145,21 +147,22 @@ static void plot_all(plot_book *book, const characterize_state *s, const run_cur
         plot_timed(book, s->n - s->n_static, curve + s->n_static, s->has_final, s->cutoff_Hz);
     }
     if (s->n_static > 0) {
-        plot_runs_depth(book, "recordings_static", "Static press: raw (light) and filtered", s->n_static, curve, false);
+        plot_runs_depth(book, "recordings_static", "Static press: raw (light) and filtered", s->n_static,
+                        curve, false);
         plot_static(book, s);
         if (s->has_final) {
-            plot_runs_depth(book, "fit_static", "Static press: raw (light) and the fitted model", s->n_static, curve,
-                            true);
+            plot_runs_depth(book, "fit_static", "Static press: raw (light) and the fitted model", s->n_static,
+                            curve, true);
         }
     }
     plot_stiffness(book, s);
     if (s->arms.n > 0) {
-        plot_scores(book, "arms_score", "How many arms: error on blocks left out of the fit", "number of arms", &s->arms,
-                    true);
+        plot_scores(book, "arms_score", "How many arms: error on blocks left out of the fit",
+                    "number of arms", &s->arms, true);
     }
     if (s->degrees.n > 0) {
-        plot_scores(book, "degree_score", "Which degree: error on blocks left out of the fit", "degree of F(e)",
-                    &s->degrees, false);
+        plot_scores(book, "degree_score", "Which degree: error on blocks left out of the fit",
+                    "degree of F(e)", &s->degrees, false);
     }
 }
 
@@ -177,7 +180,8 @@ int characterize_plot(const characterize_options *o, const characterize_state *s
         free(curve[i].fit_N);
     }
     if (book.result == PLOT_NO_GNUPLOT) {
-        cli_warning(NAME, "gnuplot is not installed: no figures, only the script of the first in %s", o->plot);
+        cli_warning(NAME, "gnuplot is not installed: no figures, only the script of the first in %s",
+                    o->plot);
     }
     return code == CLI_OK && book.result == PLOT_FAILED
                ? cli_failure(NAME, "%s: a figure could not be written", o->plot)

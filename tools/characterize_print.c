@@ -71,7 +71,8 @@ static void print_scores(const characterize_scores *c, const char *what, bool rm
         return;
     }
     printf("Held-out error (mean square over the noise variance of blocks left out of the fit)\n");
-    printf("  %8s  %12s  %17s%s\n", what, "error", "s.e. of the excess", rms ? "   residual rms / noise" : "");
+    printf("  %8s  %12s  %17s%s\n", what, "error", "s.e. of the excess",
+           rms ? "   residual rms / noise" : "");
     for (size_t k = 0; k < c->n; k++) {
         printf("  %8zu  %12.5g  %17.3g ", c->first + k, c->score[k], c->sd[k]);
         if (rms) {
@@ -90,7 +91,9 @@ static void print_single(const characterize_state *s) {
     for (size_t i = 0; i < s->n_single; i++) {
         arms = s->single[i].material.n_arms > arms ? s->single[i].material.n_arms : arms;
     }
-    printf("The hold of each depth alone (as Tables 4.2 and 4.3; +- 95 %%; ? = not determined)\n  depth (mm)  strain  %17s", "K_inf (N)");
+    printf("The hold of each depth alone (as Tables 4.2 and 4.3; +- 95 %%; ? = not determined)\n  depth (mm) "
+           " strain  %17s",
+           "K_inf (N)");
     for (size_t j = 1; j <= arms; j++) {
         printf("      K_%zu (N)           b_%zu (N s)   ", j, j);
     }
@@ -121,10 +124,11 @@ static void print_estimates(const palp_lumped_fit *f) {
         const palp_estimate *e = &f->estimate[i];
         int d = digits_after_point(0.5 * (e->high - e->low));
         if (e->determined) {
-            printf("  %-10s %14.*f   %.*f to %.*f %s\n", e->name, d, e->value, d, e->low, d, e->high, e->unit);
-        } else {
-            printf("  %-10s %14s   not determined by these data (%.1g to %.1g %s)\n", e->name, "-", e->low, e->high,
+            printf("  %-10s %14.*f   %.*f to %.*f %s\n", e->name, d, e->value, d, e->low, d, e->high,
                    e->unit);
+        } else {
+            printf("  %-10s %14s   not determined by these data (%.1g to %.1g %s)\n", e->name, "-", e->low,
+                   e->high, e->unit);
         }
     }
 }
@@ -137,8 +141,8 @@ static void print_pairs(const palp_lumped_fit *f) {
             if (fabs(c) > 0.95) {
                 found++;
                 if (found <= PAIRS_MAX) {
-                    printf("%s%s and %s %.3f", found == 1 ? "  correlated above 0.95: " : ", ", f->estimate[i].name,
-                           f->estimate[j].name, c);
+                    printf("%s%s and %s %.3f", found == 1 ? "  correlated above 0.95: " : ", ",
+                           f->estimate[i].name, f->estimate[j].name, c);
                 }
             }
         }
@@ -184,10 +188,13 @@ static void print_final(const characterize_state *s) {
     }
     print_estimates(f);
     print_pairs(f);
-    printf("  run                               rms (mN)   rms / noise\n");
+    printf("  run                                 rms (mN)   rms / noise   largest |residual| / peak\n");
     for (size_t i = 0; i < f->n_runs; i++) {
-        printf("  %-32.32s %9.4g  %12.4g\n", s->run[i].name, 1e3 * f->rms_N[i],
-               characterize_noise_ratio(f, i, &s->run[i]));
+        const char *name = s->run[i].name;
+        size_t length = strlen(name);
+        printf("  %-34s %9.4g  %12.4g  %22.3f %%\n", name + (length > 34 ? length - 34 : 0),
+               1e3 * f->rms_N[i], characterize_noise_ratio(f, i, &s->run[i]),
+               100 * s->largest_N[i] / s->peak_N[i]);
     }
     printf("  total |residual| %.6g N; intervals widened %.3g times for misfit and coloured noise\n",
            characterize_total(f), f->inflation);
@@ -219,12 +226,27 @@ static void print_gap(const characterize_state *s) {
         const characterize_gap *g = &s->gap[i];
         printf("  %6.4f  %18.5g  %18.5g  %14.5g\n", g->strain, g->run_N, g->plain_N, g->joint_N);
     }
-    printf("  mean gap to ramp and hold: %.2f %% before (plain), %.2f %% after (joint)\n", s->gap_before_percent,
-           s->gap_after_percent);
+    printf("  mean gap to ramp and hold: %.2f %% before (plain), %.2f %% after (joint)\n",
+           s->gap_before_percent, s->gap_after_percent);
+}
+
+static void print_spread(const characterize_state *s) {
+    if (s->n_spread == 0) {
+        return;
+    }
+    printf(
+        "Spread of the %zu static presses\n  strain   mean force (N)   sd (%%)   lowest (N)   highest (N)\n",
+        s->n_static);
+    for (size_t i = 0; i < s->n_spread; i++) {
+        const characterize_spread *at = &s->spread[i];
+        printf("  %6.3f  %15.5g  %7.2f  %11.5g  %12.5g\n", at->strain, at->mean_N,
+               100 * at->sd_N / at->mean_N, at->low_N, at->high_N);
+    }
 }
 
 int characterize_print(const characterize_options *o, const characterize_state *s) {
     print_static(s);
+    print_spread(s);
     print_scores(&s->degrees, "degree", false);
     print_scores(&s->arms, "arms", true);
     print_single(s);

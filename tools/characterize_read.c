@@ -34,10 +34,12 @@ static void tell(const palp_recording *r) {
     static const char *const kinds[] = {"static press", "ramp and hold", "press"};
     text_line line = {"", 0};
     add(&line, " to %.4g mm, %.0f samples", 1e3 * r->deepest_m, (double)r->n);
-    add(&line, "; contact %.4f +- %.4f mm", 1e3 * r->contact_m, 1.96e3 * r->contact_sd_m);
-    add(&line, r->contact_rule == PALP_CONTACT_FREE_AIR ? " (free air)"
-               : r->contact_rule == PALP_CONTACT_GIVEN  ? " (given)"
-                                                        : " (nominal: no free air in it)", 0, 0);
+    add(&line, "; contact %.4g +- %.2g mm", 1e3 * r->contact_m, 1.96e3 * r->contact_sd_m);
+    add(&line,
+        r->contact_rule == PALP_CONTACT_FREE_AIR ? " (free air)"
+        : r->contact_rule == PALP_CONTACT_GIVEN  ? " (given)"
+                                                 : " (nominal: no free air in it)",
+        0, 0);
     add(&line, "; zero %.3g +- %.2g mN", 1e3 * r->zero_N, 1.96e3 * r->zero_sd_N);
     add(&line, "; noise %.3g mN", 1e3 * r->noise_N, 0);
     if (r->n_gaps > 0) {
@@ -98,10 +100,11 @@ static void sort(characterize_state *s) {
 static int check_heights(const characterize_state *s) {
     for (size_t i = 1; i < s->n; i++) {
         if (fabs(s->run[i].height_m - s->run[0].height_m) > 1e-9) {
-            return cli_failure(NAME,
-                               "%s: a specimen of %g mm, but %s: of %g mm; characterize each specimen by itself "
-                               "or give --specimen-height-mm",
-                               s->run[i].name, 1e3 * s->run[i].height_m, s->run[0].name, 1e3 * s->run[0].height_m);
+            return cli_failure(
+                NAME,
+                "%s: a specimen of %g mm, but %s: of %g mm; characterize each specimen by itself "
+                "or give --specimen-height-mm",
+                s->run[i].name, 1e3 * s->run[i].height_m, s->run[0].name, 1e3 * s->run[0].height_m);
         }
     }
     return CLI_OK;
@@ -120,14 +123,16 @@ static int filter_runs(const characterize_options *o, characterize_state *s) {
         s->filtered_N[i] = run_filter(r, s->cutoff_Hz);
         if (!s->filtered_N[i] && (o->fit_filtered || o->filter_Hz > 0)) {
             return cli_failure(NAME, "%s: cannot be filtered at %g Hz: %s", r->name, s->cutoff_Hz,
-                               r->uneven ? "its samples are not even in time" : "too fast for its sampling rate");
+                               r->uneven ? "its samples are not even in time"
+                                         : "too fast for its sampling rate");
         }
         if (o->fit_filtered) {
             memcpy(r->force_N, s->filtered_N[i], r->n * sizeof *r->force_N);
         }
     }
     if (o->fit_filtered) {
-        characterize_warn(s, "fitted to the filtered force: the filter rounds the ramp, so that fast arms are biased");
+        characterize_warn(
+            s, "fitted to the filtered force: the filter rounds the ramp, so that fast arms are biased");
     }
     return CLI_OK;
 }

@@ -23,13 +23,15 @@ static int parse(int argc, char **argv, characterize_options *o) {
                  "there are depths); auto: by the error on samples left out"),
         cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 5)"),
         cli_heading("Fit"),
-        cli_flag("shared-arms", &o->shared_arms, "one set of arms for all depths only, no fit of each depth alone"),
+        cli_flag("shared-arms", &o->shared_arms,
+                 "one set of arms for all depths only, no fit of each depth alone"),
         cli_flag("per-depth", &o->per_depth,
                  "each depth alone, no table of shared arms (default: both tables)"),
         cli_choice("method", "nlopt|grid", &o->method,
                    "nlopt: weighted least squares from several starts (default); grid:\n"
                    "the procedure of Sedef 2008, Section 4.3.3, with one or two arms"),
-        cli_flag("hold-only", &o->hold_only, "leave the ramp out of the fit of the model too (fits with a K_inf for\n"
+        cli_flag("hold-only", &o->hold_only,
+                 "leave the ramp out of the fit of the model too (fits with a K_inf for\n"
                  "each depth see the hold only: on the ramp K(e) is not constant)"),
         cli_flag("fit-filtered", &o->fit_filtered,
                  "fit the filtered force instead of the raw one (biased; for comparison)"),
@@ -62,15 +64,16 @@ static int parse(int argc, char **argv, characterize_options *o) {
 }
 
 /* "auto" or a whole number from low to high. */
-static int number_or_auto(const char *option, const char *text, double low, double high, size_t *number, bool *automatic) {
+static int number_or_auto(const char *option, const char *text, double low, double high, size_t *number,
+                          bool *automatic) {
     double value = 0;
     *automatic = strcmp(text, "auto") == 0;
     if (*automatic) {
         return CLI_OK;
     }
     if (!cli_read_number(text, &value) || value != floor(value) || value < low || value > high) {
-        return cli_usage_error(NAME, "--%s must be auto or a whole number from %g to %g, not \"%s\"", option, low,
-                               high, text);
+        return cli_usage_error(NAME, "--%s must be auto or a whole number from %g to %g, not \"%s\"", option,
+                               low, high, text);
     }
     *number = (size_t)value;
     return CLI_OK;
@@ -131,8 +134,9 @@ static int write_model(const characterize_options *o, const characterize_state *
     model.material = s->material;
     palp_status status = o->out ? palp_model_write(&model, o->out, &error) : PALP_OK;
     if (status && palp_law_minimum(&s->material.law, 0.4) <= 0) {
-        return cli_failure(NAME, "%s: not written: K(e) falls to zero before a strain of 0.4, beyond the measured "
-                                 "%.3g; take a lower --degree or --law spline",
+        return cli_failure(NAME,
+                           "%s: not written: K(e) falls to zero before a strain of 0.4, beyond the measured "
+                           "%.3g; take a lower --degree or --law spline",
                            o->out, characterize_strain_max(s));
     }
     return status ? cli_status(NAME, status, &error) : CLI_OK;

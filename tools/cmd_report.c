@@ -21,9 +21,11 @@ static int parse(int argc, char **argv, report_options *o) {
     const cli_command command = {
         NAME,
         "DIR|FILES ... --out REPORT.html",
-        "Puts recordings, their fits, parameters with intervals, the stiffness law, a network's calibration,\n"
+        "Puts recordings, their fits, parameters with intervals, the stiffness law, a network's "
+        "calibration,\n"
         "simulations beside recordings, and the checksums of all files on one page that needs nothing else.\n"
-        "Of a folder it takes all *.csv, *.json and *.svg; characterize and calibrate leave theirs by --plot.",
+        "Of a folder it takes all *.csv, *.json and *.svg; characterize and calibrate leave theirs by "
+        "--plot.",
         "  palpate characterize runs/*.csv --out work/lumped.json --plot work\n"
         "  palpate report runs work --out report.html\n",
         options,
@@ -50,7 +52,8 @@ static int make(const report_options *o, report *r) {
         code = report_add(r, o->words[i], true);
     }
     if (code == CLI_OK && report_count(r, REPORT_OTHER) == r->n) {
-        code = cli_failure(NAME, "%s: holds nothing that palpate writes: no run, model, result or figure", o->words[0]);
+        code = cli_failure(NAME, "%s: holds nothing that palpate writes: no run, model, result or figure",
+                           o->words[0]);
     }
     code = code ? code : report_pairs(r);
     code = code ? code : report_figures(r);
@@ -64,7 +67,8 @@ static int make(const report_options *o, report *r) {
 int cmd_report(int argc, char **argv) {
     report_options *o = calloc(1, sizeof *o);
     report r = {.file = calloc(REPORT_FILES_MAX, sizeof *r.file)};
-    int code = o && r.file ? parse(argc, argv, o) : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    int code =
+        o && r.file ? parse(argc, argv, o) : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
     if (code == CLI_OK) {
         r.title = o->title ? o->title : "Palpation report";
         code = make(o, &r);

@@ -35,7 +35,7 @@ for depth in 2 4 6; do
     "$palpate" simulate "$out/network.json" --protocol ramp_hold --depth-mm $depth --ramp-s 1 --hold-s 100 \
         --out "$out/simulated_${depth}mm.csv"
 done
-"$palpate" report "$runs" "$out" --title "Silicone phantom of Sedef (2008)" --out "$out/report.html"
+"$palpate" report "$runs" "$out" --title "Silicone phantom of Sedef (2008), simulated recordings" --out "$out/report.html"
 
 key() { sed -n "s/^ *\"$1\": *\([-+.0-9eE]*\),\{0,1\}\$/\1/p" "$2"; }
 echo

@@ -41,7 +41,8 @@ static void colour_code(int colour, bool pale, char code[8]) {
     for (int i = 0; pale && i < 3; i++) {
         rgb[i] += 0.62 * (255 - rgb[i]);
     }
-    snprintf(code, 8, "#%02x%02x%02x", (unsigned)rgb[0] & 255u, (unsigned)rgb[1] & 255u, (unsigned)rgb[2] & 255u);
+    snprintf(code, 8, "#%02x%02x%02x", (unsigned)rgb[0] & 255u, (unsigned)rgb[1] & 255u,
+             (unsigned)rgb[2] & 255u);
 }
 
 bool plot_folder(const char *folder) {
@@ -79,9 +80,9 @@ static void write_data(FILE *to, size_t panel, size_t index, const plot_series *
 }
 
 static void write_series(FILE *to, size_t panel, size_t index, const plot_series *series) {
-    static const char *const looks[] = {"lines lw 2", "lines lw 2 dt 2", "points pt 6 ps 0.6",
-                                        "linespoints lw 2 pt 7 ps 0.7", "lines lw 1",
-                                        "yerrorbars lw 1.5 pt 7 ps 0.6"};
+    static const char *const looks[] = {"lines lw 2",         "lines lw 2 dt 2",
+                                        "points pt 6 ps 0.6", "linespoints lw 2 pt 7 ps 0.7",
+                                        "lines lw 1",         "yerrorbars lw 1.5 pt 7 ps 0.6"};
     char code[8];
     colour_code(series->colour, series->style == PLOT_PALE, code);
     fprintf(to, "%s$d%zu_%zu using %s with %s lc rgb '%s' ", index ? ", \\\n     " : "plot ", panel, index,
@@ -160,7 +161,9 @@ static void write_panel(FILE *to, size_t panel, const plot_figure *figure) {
     quote(to, p->x_label);
     fputs(" noenhanced\nset ylabel ", to);
     quote(to, p->y_label);
-    fprintf(to, " noenhanced\n%s", key ? "set key outside right top vertical Left reverse noenhanced samplen 2 width 2\n" : "unset key\n");
+    fprintf(to, " noenhanced\n%s",
+            key ? "set key outside right top vertical Left reverse noenhanced samplen 2 width 2\n"
+                : "unset key\n");
     double step = panel > 0 ? tic_step(p) : 0;
     if (step > 0) {
         fprintf(to, "set ytics nomirror %.9g\n", step);
@@ -203,11 +206,28 @@ static bool write_script(const char *script, const char *svg, const plot_figure 
     return fclose(to) == 0 && !bad;
 }
 
+/* The environment in a locale of UTF-8, without which gnuplot warns of its own degree sign. The caller
+ * frees it; NULL = no memory. */
+static char **utf8_environment(char *locale) {
+    size_t n = 0;
+    while (environ[n]) {
+        n++;
+    }
+    char **own = malloc((n + 2) * sizeof *own);
+    if (own) {
+        own[0] = locale; /* the first of a name counts */
+        memcpy(own + 1, environ, (n + 1) * sizeof *own);
+    }
+    return own;
+}
+
 static plot_result run_gnuplot(char *script, char *svg) {
-    char program[] = "gnuplot", with_arguments[] = "-c";
+    char program[] = "gnuplot", with_arguments[] = "-c", locale[] = "LC_ALL=C.UTF-8";
     char *arguments[] = {program, with_arguments, script, svg, NULL};
+    char **environment = utf8_environment(locale);
     pid_t child;
-    int how, code = posix_spawnp(&child, program, NULL, NULL, arguments, environ);
+    int how, code = environment ? posix_spawnp(&child, program, NULL, NULL, arguments, environment) : ENOMEM;
+    free(environment);
     if (code) {
         return code == ENOENT ? PLOT_NO_GNUPLOT : PLOT_FAILED;
     }

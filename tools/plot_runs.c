@@ -143,8 +143,8 @@ static void draw_curves(plot_book *book, const char *name, const char *title, si
         }
         const plot_figure figure = {title,
                                     1,
-                                    {{a.depth ? "depth (mm)" : "time from the start of the ramp (s)", "force (N)",
-                                      a.log, false, c.used, c.series}}};
+                                    {{a.depth ? "depth (mm)" : "time from the start of the ramp (s)",
+                                      "force (N)", a.log, false, c.used, c.series}}};
         plot_book_draw(book, name, &figure);
     } else {
         book->result = PLOT_FAILED;
@@ -164,7 +164,8 @@ static double longest_s(size_t n, const run_curve *run) {
 void plot_runs_time(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
                     plot_time time, bool fit) {
     double end = longest_s(n, run);
-    axis a = {false, time == PLOT_TIME_LOG, time == PLOT_TIME_LOG ? fmin(LOG_FROM_S, 0.01 * end) : -0.05 * end, end, 0};
+    axis a = {false, time == PLOT_TIME_LOG,
+              time == PLOT_TIME_LOG ? fmin(LOG_FROM_S, 0.01 * end) : -0.05 * end, end, 0};
     if (time == PLOT_TIME_FIRST) {
         a.to = fmin(FIRST_S, end);
         a.from = -0.05 * a.to;
@@ -202,7 +203,8 @@ static size_t bin_means(const run_curve *run, const axis *a, double *x, double *
     return n;
 }
 
-void plot_runs_residual(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run) {
+void plot_runs_residual(plot_book *book, const char *name, const char *title, size_t n,
+                        const run_curve *run) {
     enum { BINS = 120 };
     double end = longest_s(n, run);
     const axis a = {false, true, fmin(LOG_FROM_S, 0.01 * end), end, BINS};
@@ -221,10 +223,11 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
                 (plot_series){named(k, n) ? c.title[k] : NULL, PLOT_LINE, colour_of(k, n), points, x, y};
         }
     }
-    const plot_figure figure = {title,
-                                1,
-                                {{"time from the start of the ramp (s)", "mean of (fit - measured) / noise of a sample",
-                                  true, false, c.used, c.series}}};
+    const plot_figure figure = {
+        title,
+        1,
+        {{"time from the start of the ramp (s)", "mean of (fit - measured) / noise of a sample", true, false,
+          c.used, c.series}}};
     if (c.used > 0) {
         plot_book_draw(book, name, &figure);
     }
@@ -233,8 +236,8 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
 
 /* ---- the stiffness law ---- */
 
-void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max, size_t n_lines,
-                         const law_line *line, const plot_series *points) {
+void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max,
+                         size_t n_lines, const law_line *line, const plot_series *points) {
     double strain[LAW_POINTS], stiffness[LINES_MAX][LAW_POINTS];
     plot_series series[LINES_MAX + 1];
     size_t n = n_lines < LINES_MAX ? n_lines : LINES_MAX;
@@ -245,8 +248,9 @@ void plot_runs_stiffness(plot_book *book, const char *name, const char *title, d
         }
     }
     for (size_t k = 0; k < n; k++) {
-        series[k] = (plot_series){
-            line[k].title, line[k].dashed ? PLOT_DASHED : PLOT_LINE, (int)k, LAW_POINTS, strain, stiffness[k]};
+        series[k] =
+            (plot_series){line[k].title, line[k].dashed ? PLOT_DASHED : PLOT_LINE, (int)k, LAW_POINTS, strain,
+                          stiffness[k]};
     }
     if (points) {
         series[n++] = *points;

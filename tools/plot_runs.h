@@ -44,8 +44,8 @@ typedef struct law_line {
     palp_law law;
     bool dashed;
 } law_line;
-void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max, size_t n_lines,
-                         const law_line *line, const plot_series *points);
+void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max,
+                         size_t n_lines, const law_line *line, const plot_series *points);
 
 /* The low-passed force of each stretch between gaps, malloc'ed; NULL where the samples are not even, the
  * cut-off is beyond them, or there is no memory. */

@@ -46,7 +46,8 @@ static double force_at(const palp_recording *s, double t, size_t *at) {
 static bool compare(report_pair *p) {
     const palp_recording *s = &p->simulation->recording, *r = &p->recording->recording;
     const char *like;
-    bool same_clock = palp_experiment_get_string(p->simulation->experiment, "protocol.like", &like) == PALP_OK;
+    bool same_clock =
+        palp_experiment_get_string(p->simulation->experiment, "protocol.like", &like) == PALP_OK;
     double shift = same_clock ? 0 : s->ramp_start_s - r->ramp_start_s, square = 0, worst = 0;
     double *smooth = run_filter(r, run_cutoff_Hz(r));
     size_t count = 0, at = 0;
@@ -96,7 +97,8 @@ static size_t collect(const report *r, bool is_static, run_curve *curve) {
     size_t n = 0;
     for (size_t i = 0; i < r->n && n < REPORT_CURVES_MAX; i++) {
         const palp_recording *own = &r->file[i].recording;
-        if (r->file[i].kind != REPORT_RECORDING || own->n == 0 || (own->kind == PALP_RECORDING_STATIC) != is_static) {
+        if (r->file[i].kind != REPORT_RECORDING || own->n == 0 ||
+            (own->kind == PALP_RECORDING_STATIC) != is_static) {
             continue;
         }
         size_t at = n++;
@@ -135,7 +137,8 @@ static bool has(const report *r, const char *name) {
     size_t n = strlen(name);
     for (size_t i = 0; i < r->n; i++) {
         const char *base = report_base(r->file[i].path);
-        if (r->file[i].kind == REPORT_FIGURE && strncmp(base, name, n) == 0 && strcmp(base + n, ".svg") == 0) {
+        if (r->file[i].kind == REPORT_FIGURE && strncmp(base, name, n) == 0 &&
+            strcmp(base + n, ".svg") == 0) {
             return true;
         }
     }
@@ -145,7 +148,8 @@ static bool has(const report *r, const char *name) {
 static void fill(const report *r, size_t n, run_curve *curve, bool filter, bool fit) {
     const palp_model *model = lumped_model(r);
     for (size_t k = 0; k < n; k++) {
-        curve[k].filtered_N = filter ? run_filter(curve[k].recording, run_cutoff_Hz(curve[k].recording)) : NULL;
+        curve[k].filtered_N =
+            filter ? run_filter(curve[k].recording, run_cutoff_Hz(curve[k].recording)) : NULL;
         curve[k].fit_N = fit && model ? lumped_force(model, curve[k].recording) : NULL;
     }
 }
@@ -208,7 +212,8 @@ static void draw_pairs(report *r, plot_book *book) {
             }
         }
         if (n > 0 && is_static) {
-            plot_runs_depth(book, "simulated_static", "Static press: recorded (light) and simulated", n, curve, true);
+            plot_runs_depth(book, "simulated_static", "Static press: recorded (light) and simulated", n,
+                            curve, true);
         } else if (n > 0) {
             const char *title = "Recorded (light) and simulated";
             plot_runs_time(book, "simulated_linear", title, n, curve, PLOT_TIME_LINEAR, true);
@@ -229,8 +234,8 @@ static void draw_law(report *r, plot_book *book) {
         }
     }
     const law_line line = {NULL, m->material.law, false};
-    plot_runs_stiffness(book, "stiffness_law", "Stiffness law K(e) of the lumped model", top > 0 ? top : 0.4, 1, &line,
-                        NULL);
+    plot_runs_stiffness(book, "stiffness_law", "Stiffness law K(e) of the lumped model", top > 0 ? top : 0.4,
+                        1, &line, NULL);
 }
 
 /* ---- into the report ---- */
@@ -251,13 +256,14 @@ static void adopt(report *r, const char *folder, const char *name) {
 }
 
 int report_figures(report *r) {
-    static const char *const names[] = {"recordings_linear", "recordings_log",   "recordings_first",
-                                        "fit_linear",        "fit_log",          "residuals",
-                                        "recordings_static", "fit_static",       "stiffness_law",
-                                        "simulated_linear",  "simulated_log",    "simulated_static"};
+    static const char *const names[] = {"recordings_linear", "recordings_log", "recordings_first",
+                                        "fit_linear",        "fit_log",        "residuals",
+                                        "recordings_static", "fit_static",     "stiffness_law",
+                                        "simulated_linear",  "simulated_log",  "simulated_static"};
     const char *temporary = getenv("TMPDIR");
     char folder[CLI_PATH_MAX];
-    int n = snprintf(folder, sizeof folder, "%s/palpate.XXXXXX", temporary && *temporary ? temporary : "/tmp");
+    int n =
+        snprintf(folder, sizeof folder, "%s/palpate.XXXXXX", temporary && *temporary ? temporary : "/tmp");
     if (n < 0 || (size_t)n >= sizeof folder || !mkdtemp(folder)) {
         return cli_failure(NAME, "cannot make a folder for figures in %s", temporary ? temporary : "/tmp");
     }

@@ -8,17 +8,27 @@
 void html_text(FILE *to, const char *text) {
     for (; *text; text++) {
         switch (*text) {
-        case '<': fputs("&lt;", to); break;
-        case '>': fputs("&gt;", to); break;
-        case '&': fputs("&amp;", to); break;
-        case '"': fputs("&quot;", to); break;
-        default: fputc(*text, to);
+        case '<':
+            fputs("&lt;", to);
+            break;
+        case '>':
+            fputs("&gt;", to);
+            break;
+        case '&':
+            fputs("&amp;", to);
+            break;
+        case '"':
+            fputs("&quot;", to);
+            break;
+        default:
+            fputc(*text, to);
         }
     }
 }
 
 static const char STYLE[] =
-    "html{color:#1c2329;background:#f6f7f8;font:16px/1.5 system-ui,'Segoe UI','DejaVu Sans',Arial,sans-serif}\n"
+    "html{color:#1c2329;background:#f6f7f8;font:16px/1.5 system-ui,'Segoe UI','DejaVu "
+    "Sans',Arial,sans-serif}\n"
     "body{margin:0}main{max-width:1270px;margin:0 auto;padding:24px 36px 80px;background:#fff}\n"
     "h1{font-size:1.9rem;line-height:1.2;margin:.4em 0 .1em}h2{font-size:1.35rem;margin:2.2em 0 .6em;"
     "padding-bottom:.25em;border-bottom:2px solid #dfe4e8}h3{font-size:1.05rem;margin:1.6em 0 .4em}\n"
@@ -31,15 +41,19 @@ static const char STYLE[] =
     ".scroll{overflow-x:auto;margin:1em 0}table{border-collapse:collapse;font-size:.87rem;"
     "font-variant-numeric:tabular-nums}\n"
     "caption{text-align:left;font-weight:600;padding:.3em 0;white-space:nowrap}\n"
-    "th,td{text-align:right;padding:.28em .7em;border-bottom:1px solid #e6eaed;vertical-align:top;white-space:nowrap}\n"
+    "th,td{text-align:right;padding:.28em .7em;border-bottom:1px solid "
+    "#e6eaed;vertical-align:top;white-space:nowrap}\n"
     "th{border-bottom:2px solid #c3ccd3;font-weight:600;vertical-align:bottom}\n"
-    "th:first-child,td:first-child,.t{text-align:left}td:first-child{padding-left:0}th:first-child{padding-left:0}\n"
+    "th:first-child,td:first-child,.t{text-align:left}td:first-child{padding-left:0}th:first-child{padding-"
+    "left:0}\n"
     "td.t:last-child{white-space:normal}tbody tr:hover{background:#f3f6f8}\n"
     ".tables{display:flex;flex-wrap:wrap;gap:0 3.5em;align-items:flex-start}\n"
     ".figures{display:grid;grid-template-columns:repeat(auto-fill,minmax(520px,1fr));gap:16px}\n"
     "figure{margin:0;border:1px solid #e6eaed;border-radius:6px;padding:6px 8px;min-width:0}\n"
-    "figure svg{display:block;width:100%;height:auto}figcaption{font-size:.86rem;color:#44505a;padding:2px 6px 6px}\n"
-    ".warn{background:#fff6e0;border-left:4px solid #e0a000;padding:.5em 1em;margin:.8em 0}.warn ul{margin:.2em 0}\n"
+    "figure svg{display:block;width:100%;height:auto}figcaption{font-size:.86rem;color:#44505a;padding:2px "
+    "6px 6px}\n"
+    ".warn{background:#fff6e0;border-left:4px solid #e0a000;padding:.5em 1em;margin:.8em 0}.warn "
+    "ul{margin:.2em 0}\n"
     "code{font:.9em/1.5 ui-monospace,'DejaVu Sans Mono',monospace;background:#f3f5f7;padding:.1em .3em;"
     "border-radius:3px;overflow-wrap:anywhere}\n"
     "@media print{html,main{background:#fff}main{padding:0}figure{break-inside:avoid}}\n"

@@ -132,7 +132,8 @@ static void load_svg(report_file *file) {
     text[n] = '\0';
     char *start = strstr(text, "<svg");
     if (!start || !strstr(start, "</svg>") || strstr(start, "<script") || strstr(start, "<foreignObject")) {
-        snprintf(file->note, sizeof file->note, start ? "an SVG with a script in it, or cut short" : "no SVG");
+        snprintf(file->note, sizeof file->note,
+                 start ? "an SVG with a script in it, or cut short" : "no SVG");
         free(text);
         return;
     }

@@ -40,8 +40,8 @@ static void card_recordings(FILE *to, const report *r) {
     size_t n = report_count(r, REPORT_RECORDING), n_static = 0;
     double top = strain_top(r);
     for (size_t i = 0; i < r->n; i++) {
-        n_static += r->file[i].kind == REPORT_RECORDING && r->file[i].recording.kind == PALP_RECORDING_STATIC &&
-                    r->file[i].recording.n > 0;
+        n_static += r->file[i].kind == REPORT_RECORDING &&
+                    r->file[i].recording.kind == PALP_RECORDING_STATIC && r->file[i].recording.n > 0;
     }
     if (n > 0) {
         html_card(to, "Recordings", n_static ? "%zu, %zu of them static" : "%zu", n, n_static);
@@ -54,15 +54,18 @@ static void cards_characterize(FILE *to, const report *r) {
     if (!f) {
         return;
     }
-    const json_t *arms = json_object_get(f->json, "arms"), *runs = json_object_get(f->json, "runs"), *arm, *run;
+    const json_t *arms = json_object_get(f->json, "arms"), *runs = json_object_get(f->json, "runs"), *arm,
+                 *run;
     size_t i;
     char text[256] = "none";
     double low = HUGE_VAL, high = 0;
     for (i = 0; (arm = json_array_get(arms, i)) != NULL; i++) {
         size_t n = i ? strlen(text) : 0;
-        snprintf(text + n, sizeof text - n, "%s%.3g s", i ? ", " : "", json_number_value(json_object_get(arm, "tau_s")));
+        snprintf(text + n, sizeof text - n, "%s%.3g s", i ? ", " : "",
+                 json_number_value(json_object_get(arm, "tau_s")));
     }
-    html_card(to, json_array_size(arms) == 1 ? "1 arm, relaxation time" : "Arms, relaxation times", "%s", text);
+    html_card(to, json_array_size(arms) == 1 ? "1 arm, relaxation time" : "Arms, relaxation times", "%s",
+              text);
     for (i = 0; (run = json_array_get(runs, i)) != NULL; i++) {
         const json_t *ratio = json_object_get(run, "rms_noise");
         if (json_is_number(ratio)) {
@@ -71,7 +74,8 @@ static void cards_characterize(FILE *to, const report *r) {
         }
     }
     if (high > 0) {
-        html_card(to, "Residual, times the noise of a sample", low < high ? "%.3g to %.3g" : "%.3g", low, high);
+        html_card(to, "Residual, times the noise of a sample", low < high ? "%.3g to %.3g" : "%.3g", low,
+                  high);
     }
     const json_t *before = json_object_get(f->json, "gap_before_percent"),
                  *after = json_object_get(f->json, "gap_after_percent");
@@ -167,10 +171,10 @@ static void measured_row(FILE *to, const report_file *f) {
         return;
     }
     findings(r, text, sizeof text);
-    html_row(to, "%s|~%s|%.4g|%.3g|%.4g|%zu|%.4g|%.3f \u00b1 %.3f|~%s|%.3f|%#.3g|~%s", report_base(f->path),
-             kinds[r->kind], 1e3 * r->deepest_m, r->ramp_end_s - r->ramp_start_s, r->time_s[r->n - 1] - r->time_s[0],
-             r->n, run_rate_Hz(r), 1e3 * r->contact_m, 1.96e3 * r->contact_sd_m, rules[r->contact_rule],
-             1e3 * r->zero_N, 1e3 * r->noise_N, text);
+    html_row(to, "%s|~%s|%.4g|%.3g|%.4g|%zu|%.4g|%.3g \u00b1 %.2g|~%s|%.3f|%#.3g|~%s", report_base(f->path),
+             kinds[r->kind], 1e3 * r->deepest_m, r->ramp_end_s - r->ramp_start_s,
+             r->time_s[r->n - 1] - r->time_s[0], r->n, run_rate_Hz(r), 1e3 * r->contact_m,
+             1.96e3 * r->contact_sd_m, rules[r->contact_rule], 1e3 * r->zero_N, 1e3 * r->noise_N, text);
 }
 
 static void warnings(FILE *to, const report *r) {
@@ -205,7 +209,8 @@ static void measured(FILE *to, const report *r) {
         }
     }
     html_table_end(to);
-    fputs("<p class=\"about\">Contact is the recorded depth at which the force begins, with its 95&nbsp;% interval; zero "
+    fputs("<p class=\"about\">Contact is the recorded depth at which the force begins, with its 95&nbsp;% "
+          "interval; zero "
           "is the recorded force in free air; noise is the standard deviation of a sample.</p>\n",
           to);
 }
@@ -217,10 +222,12 @@ static void curves(FILE *to, report *r) {
     html_section(to, "curves", "Recorded curves");
     fputs("<div class=\"figures\">\n", to);
     html_figure(to, r, "recordings_linear", "Force over time.");
-    html_figure(to, r, "recordings_log", "The same over the logarithm of time, where each arm takes its decade.");
+    html_figure(to, r, "recordings_log",
+                "The same over the logarithm of time, where each arm takes its decade.");
     html_figure(to, r, "recordings_first", "The first ten seconds.");
     html_figure(to, r, "recordings_static", "Force over depth in the slow press.");
-    fputs("</div>\n<p class=\"about\">Light: raw samples, thinned to the lowest and highest of each stretch. Dark: "
+    fputs("</div>\n<p class=\"about\">Light: raw samples, thinned to the lowest and highest of each stretch. "
+          "Dark: "
           "filtered forward and backward, without a shift in time; fits use the raw samples unless said "
           "otherwise.</p>\n",
           to);
@@ -229,7 +236,8 @@ static void curves(FILE *to, report *r) {
 /* ---- provenance ---- */
 
 static const char *kind_name(report_kind kind) {
-    static const char *const names[] = {"not used", "recording", "simulation", "model", "characterize", "calibrate", "figure"};
+    static const char *const names[] = {"not used",     "recording", "simulation", "model",
+                                        "characterize", "calibrate", "figure"};
     return names[kind];
 }
 
@@ -324,7 +332,9 @@ int report_page(report *r, const char *path) {
     }
     FILE *to = file.stream;
     html_open(to, r->title);
-    fputs("<p class=\"about\">From the press of an indenter to a tissue model that a simulator can run.</p>\n", to);
+    fputs(
+        "<p class=\"about\">From the press of an indenter to a tissue model that a simulator can run.</p>\n",
+        to);
     summary(to, r);
     contents(to, r);
     measured(to, r);

@@ -21,11 +21,25 @@ static const char *base_of(const json_t *object) {
 
 /* ---- fits and residuals ---- */
 
+static void table_spread(FILE *to, const json_t *all) {
+    const json_t *list = json_object_get(all, "spread"), *at;
+    if (json_array_size(list) == 0) {
+        return;
+    }
+    html_table(to, "Spread of the static presses", "strain|mean force (N)|sd (%)|lowest (N)|highest (N)");
+    for (size_t i = 0; (at = json_array_get(list, i)) != NULL; i++) {
+        html_row(to, "%.3f|%#.4g|%.2f|%#.4g|%#.4g", number(at, "strain"), number(at, "mean_N"),
+                 100 * number(at, "sd_N") / number(at, "mean_N"), number(at, "low_N"), number(at, "high_N"));
+    }
+    html_table_end(to);
+}
+
 static void table_runs(FILE *to, const json_t *all) {
     const json_t *runs = json_object_get(all, "runs"), *run;
-    html_table(to, "Residuals of the model", "recording|rms (mN)|rms over noise|sum of residuals (N)");
+    html_table(to, "Residuals of the model", "recording|rms (mN)|rms over noise|largest (% of peak)|sum (N)");
     for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++) {
-        html_row(to, "%s|%.4g|%.3g|%.5g", base_of(run), 1e3 * number(run, "rms_N"), number(run, "rms_noise"),
+        html_row(to, "%s|%#.4g|%#.3g|%.2f|%#.5g", base_of(run), 1e3 * number(run, "rms_N"),
+                 number(run, "rms_noise"), number(run, "largest_residual_percent"),
                  number(run, "absolute_N"));
     }
     html_table_end(to);
@@ -67,8 +81,8 @@ static void table_scores(FILE *to, const json_t *list, const char *key, const ch
     for (size_t i = 0; (row = json_array_get(list, i)) != NULL; i++) {
         char ratio[32];
         html_number(ratio, json_object_get(row, "rms_noise"), 4);
-        html_row(to, "%.0f|%.5g|%.3g|%s|~%s", number(row, key), number(row, "held_out"), number(row, "excess_sd"), ratio,
-                 json_is_true(json_object_get(row, "taken")) ? "taken" : "");
+        html_row(to, "%.0f|%.5g|%.3g|%s|~%s", number(row, key), number(row, "held_out"),
+                 number(row, "excess_sd"), ratio, json_is_true(json_object_get(row, "taken")) ? "taken" : "");
     }
     html_table_end(to);
 }
@@ -83,10 +97,13 @@ void report_fits(FILE *to, report *r) {
     html_figure(to, r, "fit_linear", "The model (dark) over the raw samples (light).");
     html_figure(to, r, "fit_log", "The same over the logarithm of time.");
     html_figure(to, r, "fit_first", "The first ten seconds, with the ramp.");
-    html_figure(to, r, "residuals", "Model minus measured in units of the noise of a sample; means of short stretches.");
+    html_figure(to, r, "residuals",
+                "Model minus measured in units of the noise of a sample; means of short stretches.");
     html_figure(to, r, "fit_static", "The slow press: the model with its arms at work.");
-    html_figure(to, r, "static_polynomials", "Plain polynomials through the slow press, as if it were at rest.");
-    html_figure(to, r, "arms_score", "More arms always fit better; these errors are of samples that the fit did not see.");
+    html_figure(to, r, "static_polynomials",
+                "Plain polynomials through the slow press, as if it were at rest.");
+    html_figure(to, r, "arms_score",
+                "More arms always fit better; these errors are of samples that the fit did not see.");
     html_figure(to, r, "degree_score", "Which degree of the force polynomial.");
     fputs("</div>\n", to);
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++) {
@@ -94,6 +111,7 @@ void report_fits(FILE *to, report *r) {
         table_runs(to, f->json);
         table_scores(to, json_object_get(f->json, "arms_scores"), "n_arms", "arms");
         table_scores(to, json_object_get(f->json, "degree_scores"), "degree", "degree of F(e)");
+        table_spread(to, f->json);
         table_static(to, f->json);
         fputs("</div>\n", to);
     }
@@ -105,7 +123,8 @@ static void estimate_row(FILE *to, const json_t *e) {
     double low = number(e, "low"), high = number(e, "high");
     int d = digits_after_point(0.5 * (high - low));
     if (json_is_true(json_object_get(e, "determined"))) {
-        html_row(to, "%s|%.*f|%.*f to %.*f|~%s", text(e, "name"), d, number(e, "value"), d, low, d, high, text(e, "unit"));
+        html_row(to, "%s|%.*f|%.*f to %.*f|~%s", text(e, "name"), d, number(e, "value"), d, low, d, high,
+                 text(e, "unit"));
     } else {
         html_row(to, "%s|not determined|%.1g to %.1g|~%s", text(e, "name"), low, high, text(e, "unit"));
     }
@@ -130,9 +149,12 @@ static void list_pairs(FILE *to, const json_t *all) {
         for (size_t j = i + 1; j < json_array_size(rows); j++) {
             double c = json_number_value(json_array_get(json_array_get(rows, i), j));
             if (fabs(c) > 0.95) {
-                fputs(found++ ? ", " : "<p class=\"about\">Correlated above 0.95, so that only their combination is known "
-                                       "well: ",
-                      to);
+                fputs(
+                    found++
+                        ? ", "
+                        : "<p class=\"about\">Correlated above 0.95, so that only their combination is known "
+                          "well: ",
+                    to);
                 html_text(to, text(json_array_get(names, i), "name"));
                 fputs(" and ", to);
                 html_text(to, text(json_array_get(names, j), "name"));
@@ -149,7 +171,8 @@ static void cell(const json_t *list, const char *name, char line[64]) {
     strcpy(line, "-");
     for (size_t i = 0; (e = json_array_get(list, i)) != NULL; i++) {
         size_t n = strlen(name);
-        if (strncmp(text(e, "name"), name, n) == 0 && (text(e, "name")[n] == '\0' || text(e, "name")[n] == ' ')) {
+        if (strncmp(text(e, "name"), name, n) == 0 &&
+            (text(e, "name")[n] == '\0' || text(e, "name")[n] == ' ')) {
             double half = 0.5 * (number(e, "high") - number(e, "low"));
             int d = digits_after_point(half);
             if (json_is_true(json_object_get(e, "determined"))) {
@@ -192,7 +215,8 @@ static void table_depths(FILE *to, const json_t *all) {
     for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++) {
         const json_t *estimates = json_object_get(one, "estimates");
         cell(estimates, "K_inf", value);
-        n = (size_t)snprintf(line, sizeof line, "%.4g|%.4f|%s", number(one, "depth_mm"), number(one, "strain"), value);
+        n = (size_t)snprintf(line, sizeof line, "%.4g|%.4f|%s", number(one, "depth_mm"),
+                             number(one, "strain"), value);
         for (size_t j = 1; j <= arms; j++) {
             for (int k = 0; k < 2; k++) {
                 snprintf(name, sizeof name, "%c_%zu", k ? 'b' : 'K', j);
@@ -262,7 +286,8 @@ static void table_gap(FILE *to, const json_t *all) {
                "strain|ramp and hold (N)|static polynomial (N)|model (N)");
     for (size_t i = 0; (g = json_array_get(list, i)) != NULL; i++) {
         html_number(plain, json_object_get(g, "static_plain_N"), 4);
-        html_row(to, "%.4f|%#.4g|%s|%#.4g", number(g, "strain"), number(g, "ramp_hold_N"), plain, number(g, "joint_N"));
+        html_row(to, "%.4f|%#.4g|%s|%#.4g", number(g, "strain"), number(g, "ramp_hold_N"), plain,
+                 number(g, "joint_N"));
     }
     html_table_end(to);
 }
@@ -282,7 +307,8 @@ void report_law(FILE *to, report *r) {
         }
     }
     fputs("<div class=\"figures\">\n", to);
-    html_figure(to, r, "stiffness_law", "F = K(e) e at rest. A static press that is not slow enough has the arms' force in it.");
+    html_figure(to, r, "stiffness_law",
+                "F = K(e) e at rest. A static press that is not slow enough has the arms' force in it.");
     fputs("<div>", to);
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++) {
         table_gap(to, f->json);
@@ -298,7 +324,9 @@ static void network(FILE *to, const report_file *f) {
     html_text(to, report_base(f->path));
     fputs("</h3>\n<p>", to);
     if (mesh->kind == PALP_MESH_LATTICE) {
-        fprintf(to, "A lattice of %zu \u00d7 %zu \u00d7 %zu nodes, %.4g \u00d7 %.4g \u00d7 %.4g mm. Element law:</p>\n",
+        fprintf(to,
+                "A lattice of %zu \u00d7 %zu \u00d7 %zu nodes, %.4g \u00d7 %.4g \u00d7 %.4g mm. Element "
+                "law:</p>\n",
                 mesh->nodes[0], mesh->nodes[1], mesh->nodes[2], 1e3 * mesh->size_m[0], 1e3 * mesh->size_m[1],
                 1e3 * mesh->size_m[2]);
     } else {
@@ -324,7 +352,8 @@ static void network_arms(FILE *to, const report_file *f) {
 static void calibrated_depths(FILE *to, const json_t *all) {
     const json_t *depths = json_object_get(all, "depths"), *depth;
     if (json_array_size(depths) > 0) {
-        html_table(to, "Network against its target, ramp and hold", "depth (mm)|peak (N)|largest error (% of the peak)");
+        html_table(to, "Network against its target, ramp and hold",
+                   "depth (mm)|peak (N)|largest error (% of the peak)");
         for (size_t i = 0; (depth = json_array_get(depths, i)) != NULL; i++) {
             html_row(to, "%.4g|%#.4g|%.3f", number(depth, "depth_mm"), number(depth, "peak_N"),
                      number(depth, "max_error_percent"));
@@ -336,7 +365,8 @@ static void calibrated_depths(FILE *to, const json_t *all) {
 static void calibrated(FILE *to, const json_t *all) {
     fputs("<p>Method ", to);
     html_text(to, text(all, "method"));
-    fprintf(to, ", %s.</p>\n", json_is_false(json_object_get(all, "converged")) ? "<b>not converged</b>" : "converged");
+    fprintf(to, ", %s.</p>\n",
+            json_is_false(json_object_get(all, "converged")) ? "<b>not converged</b>" : "converged");
 }
 
 void report_calibration(FILE *to, report *r) {
@@ -379,7 +409,8 @@ void report_simulations(FILE *to, report *r) {
         return;
     }
     html_section(to, "simulation", "Simulation against recordings");
-    html_table(to, NULL, "simulation|~of the model|~recording|peak (N)|rms error (mN)|largest error (% of the peak)");
+    html_table(to, NULL,
+               "simulation|~of the model|~recording|peak (N)|rms error (mN)|largest error (% of the peak)");
     for (size_t i = 0; i < r->n_pairs; i++) {
         const report_pair *p = &r->pair[i];
         const char *model = "-";

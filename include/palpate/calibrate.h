@@ -47,7 +47,7 @@ typedef struct palp_static_settings {
     palp_calibrate_method method;   /* NLOPT or FIXED_POINT */
     size_t max_evaluations;         /* of the curve */
     bool every_step;                /* solve every sample instead of error-controlled continuation */
-    double curve_tolerance;         /* continuation: interpolation error relative to the peak force;
+    double curve_tolerance;         /* continuation: estimated interpolation error relative to the peak force;
                                        0 = 1e-6, or 1e-5 for networks whose factors are dear */
     double stop_relative;           /* nlopt: stop when the residual changes less than this */
     palp_calibrate_progress progress; /* may be NULL; non-zero stops with ERR_STOPPED */

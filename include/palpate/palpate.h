@@ -3,6 +3,7 @@
 #define PALPATE_H
 
 #include <palpate/calibrate.h>
+#include <palpate/characterize.h>
 #include <palpate/closed_form.h>
 #include <palpate/experiment.h>
 #include <palpate/law.h>
@@ -11,6 +12,7 @@
 #include <palpate/model.h>
 #include <palpate/network.h>
 #include <palpate/path.h>
+#include <palpate/recording.h>
 #include <palpate/status.h>
 #include <palpate/version.h>
 #include <palpate/vtu.h>

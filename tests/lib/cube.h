@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #define CUBE_HEIGHT_M 0.024
+#define CUBE_PRESS_M 0.0097 /* the seed's static loading goes as far */
 
 /* Eq. 4.3 and 5.21, ascending powers of strain, N. */
 static const double LUMPED_LAW[5] = {8.18, -0.70, 47.47, -131.36, 146.89};
@@ -19,6 +20,18 @@ static const double NETWORK_LAW[5] = {0.54, -2.34, 33.25, -124.03, 177.63};
 static inline palp_material cube_polynomial(size_t n, const double *coefficients_N) {
     palp_material material = {.n_arms = 0};
     ck_assert_int_eq(palp_law_polynomial(n, coefficients_N, &material.law), PALP_OK);
+    return material;
+}
+
+/* Eight knots evenly up to a little beyond the nominal strain, on the quartic of Eq. 5.21. */
+static inline palp_material cube_spline(void) {
+    double strain[8], stiffness[8];
+    palp_material material = cube_polynomial(5, NETWORK_LAW);
+    for (size_t i = 0; i < 8; i++) {
+        strain[i] = 1.05 * CUBE_PRESS_M / CUBE_HEIGHT_M * (double)i / 7.0;
+        palp_law_stiffness(&material.law, strain[i], &stiffness[i], NULL);
+    }
+    ck_assert_int_eq(palp_law_spline(8, strain, stiffness, &material.law), PALP_OK);
     return material;
 }
 

@@ -19,11 +19,14 @@ typedef struct records {
 static void records_make(records *r, double weight) {
     for (size_t i = 0; i < SAMPLES; i++) {
         double share = ((double)i - RAMP_SAMPLES) / (SAMPLES - RAMP_SAMPLES - 1.0);
-        r->time_s[i] = i < RAMP_SAMPLES ? (double)(i + 1) / RAMP_SAMPLES : 1.0 + 0.02 * pow(200.0 / 0.02, share);
+        r->time_s[i] =
+            i < RAMP_SAMPLES ? (double)(i + 1) / RAMP_SAMPLES : 1.0 + 0.02 * pow(200.0 / 0.02, share);
     }
     for (size_t t = 0; t < TARGETS; t++) {
-        r->target[t] = (palp_target){.n = SAMPLES, .time_s = r->time_s, .force_N = r->force_N[t], .weight = weight};
-        ck_assert_int_eq(palp_path_ramp_hold(1e-3 * (1.5 + 0.5 * (double)t), 1.0, 200.0, &r->target[t].path), PALP_OK);
+        r->target[t] =
+            (palp_target){.n = SAMPLES, .time_s = r->time_s, .force_N = r->force_N[t], .weight = weight};
+        ck_assert_int_eq(palp_path_ramp_hold(1e-3 * (1.5 + 0.5 * (double)t), 1.0, 200.0, &r->target[t].path),
+                         PALP_OK);
     }
 }
 
@@ -94,7 +97,8 @@ static void check_column(comparison *c, size_t column, change what, size_t first
     size_t n;
     for (int side = 0; side < 2; side++) {
         palp_material m = moved(c->material, what, first, last, side ? h : -h);
-        ck_assert_int_eq(relaxation_linearize(c->network, &m, 2, c->targets, c->settings, &n, r[side], NULL), PALP_OK);
+        ck_assert_int_eq(relaxation_linearize(c->network, &m, 2, c->targets, c->settings, &n, r[side], NULL),
+                         PALP_OK);
     }
     double *derivative = c->jacobian + column * c->n;
     for (size_t i = 0; i < c->n && what == BY_STIFFNESS; i++)
@@ -107,7 +111,8 @@ static void check_column(comparison *c, size_t column, change what, size_t first
 }
 
 /* Central differences with 1e-4: 1e-8 of truncation, 1e-12 / 1e-4 of rounding. */
-static void check_derivatives(const palp_material *material, bool beta, bool gamma, bool shared, double dt_s) {
+static void check_derivatives(const palp_material *material, bool beta, bool gamma, bool shared,
+                              double dt_s) {
     static comparison c;
     records r;
     records_make(&r, 1.0);
@@ -123,9 +128,13 @@ static void check_derivatives(const palp_material *material, bool beta, bool gam
     double residual[2 * SAMPLES];
     size_t n, column = 0, arms = material->n_arms;
     memset(r.force_N, 0, sizeof r.force_N);
-    c = (comparison){.network = network_of(material), .material = material, .targets = targets,
-                     .settings = &settings, .n = targets[0].n + targets[1].n};
-    ck_assert_int_eq(relaxation_linearize(c.network, material, 2, targets, &settings, &n, residual, c.jacobian), PALP_OK);
+    c = (comparison){.network = network_of(material),
+                     .material = material,
+                     .targets = targets,
+                     .settings = &settings,
+                     .n = targets[0].n + targets[1].n};
+    ck_assert_int_eq(
+        relaxation_linearize(c.network, material, 2, targets, &settings, &n, residual, c.jacobian), PALP_OK);
     ck_assert_uint_eq(n, 1 + 2 * arms + (beta + gamma) * (shared ? 1 : arms));
     check_column(&c, column++, BY_SCALE, 0, 0);
     for (size_t j = 0; j < arms; j++) {
@@ -203,7 +212,8 @@ static double arm_time(const palp_arm *arm) {
 }
 
 /* A network's own record with steps of 0.1 s, fitted with the same steps: the material comes back. */
-static void recover(const palp_material *known, const palp_material *start, palp_relaxation_settings settings) {
+static void recover(const palp_material *known, const palp_material *start,
+                    palp_relaxation_settings settings) {
     static record kept[2];
     palp_target targets[2] = {{.n = 0}, {.n = 0}};
     palp_network *network = network_of(known);
@@ -265,8 +275,9 @@ END_TEST
 static void lumped_records(records *r) {
     palp_material lumped = lumped_n2();
     for (size_t t = 0; t < TARGETS; t++)
-        ck_assert_int_eq(palp_lumped_ramp_hold(&lumped, r->target[t].path.depth_m[1] / CUBE_HEIGHT_M, 1.0, SAMPLES,
-                                               r->time_s, r->force_N[t]), PALP_OK);
+        ck_assert_int_eq(palp_lumped_ramp_hold(&lumped, r->target[t].path.depth_m[1] / CUBE_HEIGHT_M, 1.0,
+                                               SAMPLES, r->time_s, r->force_N[t]),
+                         PALP_OK);
 }
 
 /* Largest error of a material over all samples, in percent of its record's peak. */
@@ -276,8 +287,8 @@ static double worst_percent(palp_network *network, const palp_material *material
     size_t n;
     double worst = 0.0;
     settings.tolerance = 1e-4;
-    ck_assert_int_eq(relaxation_linearize(network, material, TARGETS, r->target, &settings, &n, residual, NULL),
-                     PALP_OK);
+    ck_assert_int_eq(
+        relaxation_linearize(network, material, TARGETS, r->target, &settings, &n, residual, NULL), PALP_OK);
     for (size_t i = 0; i < TARGETS * SAMPLES; i++)
         worst = fmax(worst, 100.0 * sqrt((double)SAMPLES) * fabs(residual[i])); /* weight 1 / (n peak^2) */
     return worst;
@@ -293,7 +304,8 @@ static double lowest_rms(const palp_calibration *result) {
 static palp_calibration fit_depths(palp_network *network, const palp_material *start, const records *r,
                                    const palp_relaxation_settings *settings, double *worst) {
     palp_calibration result;
-    ck_assert_int_eq(palp_calibrate_relaxation(network, start, TARGETS, r->target, settings, &result), PALP_OK);
+    ck_assert_int_eq(palp_calibrate_relaxation(network, start, TARGETS, r->target, settings, &result),
+                     PALP_OK);
     *worst = worst_percent(network, &result.material, r);
     ck_assert_double_le(100.0 * lowest_rms(&result), *worst);
     ck_assert_double_ge(400.0 * lowest_rms(&result), *worst);
@@ -360,11 +372,13 @@ START_TEST(graded_steps_keep_the_tolerance) {
             double exact[SAMPLES], force[SAMPLES], peak = 0.0, worst = 0.0;
             size_t n;
             settings.tolerance = 1e-7;
-            ck_assert_int_eq(relaxation_linearize(network, &material, 1, target, &settings, &n, exact, NULL), PALP_OK);
+            ck_assert_int_eq(relaxation_linearize(network, &material, 1, target, &settings, &n, exact, NULL),
+                             PALP_OK);
             for (size_t i = 0; i < target->n; i++)
                 peak = fmax(peak, exact[i]);
             for (settings.tolerance = 1e-3; settings.tolerance > 1e-5; settings.tolerance *= 0.25) {
-                ck_assert_int_eq(relaxation_linearize(network, &material, 1, target, &settings, &n, force, NULL), PALP_OK);
+                ck_assert_int_eq(
+                    relaxation_linearize(network, &material, 1, target, &settings, &n, force, NULL), PALP_OK);
                 worst = 0.0;
                 for (size_t i = 0; i < target->n; i++)
                     worst = fmax(worst, fabs(force[i] - exact[i]) / peak);
@@ -390,11 +404,13 @@ START_TEST(graded_steps_scale_with_time) {
     fast.arms[0].viscosity_Ns *= 1e-3;
     fast.arms[1].viscosity_Ns *= 1e-3;
     ck_assert_int_eq(palp_path_ramp_hold(0.006, 1.0, 49.0, &target.path), PALP_OK);
-    ck_assert_int_eq(relaxation_linearize(network, &slow, 1, &target, &settings, &n, force[0], NULL), PALP_OK);
+    ck_assert_int_eq(relaxation_linearize(network, &slow, 1, &target, &settings, &n, force[0], NULL),
+                     PALP_OK);
     palp_path_free(&target.path);
     ck_assert_int_eq(palp_path_ramp_hold(0.006, 1e-3, 49e-3, &target.path), PALP_OK);
     target.time_s = fast_s;
-    ck_assert_int_eq(relaxation_linearize(network, &fast, 1, &target, &settings, &n, force[1], NULL), PALP_OK);
+    ck_assert_int_eq(relaxation_linearize(network, &fast, 1, &target, &settings, &n, force[1], NULL),
+                     PALP_OK);
     for (size_t i = 0; i < 3; i++)
         ck_assert_double_eq_tol(force[0][i], force[1][i], 1e-10);
     palp_path_free(&target.path);
@@ -420,16 +436,16 @@ START_TEST(bad_input) {
     palp_relaxation_settings changed;
     palp_calibration result;
     palp_target target;
-#define STATUS(material, n, targets, how, wanted)                                                             \
-    do {                                                                                                      \
-        ck_assert_int_eq(palp_calibrate_relaxation(network, material, n, targets, how, &result), wanted);     \
-        ck_assert_ptr_null(result.iterations);                                                                \
+#define STATUS(material, n, targets, how, wanted)                                                            \
+    do {                                                                                                     \
+        ck_assert_int_eq(palp_calibrate_relaxation(network, material, n, targets, how, &result), wanted);    \
+        ck_assert_ptr_null(result.iterations);                                                               \
     } while (0)
-#define SETTING(member, value, wanted)                                                                        \
-    do {                                                                                                      \
-        changed = settings;                                                                                   \
-        changed.member = value;                                                                               \
-        STATUS(&start, 1, &target, &changed, wanted);                                                         \
+#define SETTING(member, value, wanted)                                                                       \
+    do {                                                                                                     \
+        changed = settings;                                                                                  \
+        changed.member = value;                                                                              \
+        STATUS(&start, 1, &target, &changed, wanted);                                                        \
     } while (0)
     target = r.target[0];
     SETTING(method, PALP_CALIBRATE_FIXED_POINT, PALP_ERR_UNSUPPORTED);

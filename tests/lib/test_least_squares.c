@@ -41,6 +41,14 @@ static palp_status linear(void *user, const double *p, double *r, double *jacobi
     return note(c);
 }
 
+/* From far off the step of Newton goes farther still. */
+static palp_status arc_tangent(void *user, const double *p, double *r, double *jacobian) {
+    r[0] = atan(p[0]);
+    if (jacobian)
+        jacobian[0] = 1.0 / (1.0 + p[0] * p[0]);
+    return note(user);
+}
+
 static palp_status not_a_number(void *user, const double *p, double *r, double *jacobian) {
     (void)p;
     r[0] = r[1] = NAN;
@@ -51,11 +59,16 @@ static palp_status not_a_number(void *user, const double *p, double *r, double *
 }
 
 static least_squares problem_of(size_t n, size_t m,
-                                palp_status (*evaluate)(void *, const double *, double *, double *), counted *c) {
+                                palp_status (*evaluate)(void *, const double *, double *, double *),
+                                counted *c) {
     c->n = n;
     c->m = m;
-    return (least_squares){.n_parameters = n, .n_residuals = m, .max_evaluations = 200, .stop_relative = 1e-6,
-                           .evaluate = evaluate, .user = c};
+    return (least_squares){.n_parameters = n,
+                           .n_residuals = m,
+                           .max_evaluations = 200,
+                           .stop_relative = 1e-6,
+                           .evaluate = evaluate,
+                           .user = c};
 }
 
 START_TEST(rosenbrock_valley) {
@@ -69,6 +82,19 @@ START_TEST(rosenbrock_valley) {
     ck_assert_double_lt(norm, 1e-8);
     ck_assert(converged);
     ck_assert_uint_le(c.calls, 80);
+}
+END_TEST
+
+START_TEST(steps_that_go_too_far) {
+    for (double far = 2.0; far < 1e4; far *= 3.0) {
+        counted c = {0};
+        least_squares problem = problem_of(1, 1, arc_tangent, &c);
+        double p = far, norm;
+        bool converged;
+        ck_assert_int_eq(least_squares_solve(&problem, &p, &norm, &converged), PALP_OK);
+        ck_assert_double_eq_tol(p, 0.0, 1e-8);
+        ck_assert(converged);
+    }
 }
 END_TEST
 
@@ -205,6 +231,7 @@ int main(void) {
     Suite *suite = suite_create("least squares");
     TCase *tests = tcase_create("known answers");
     tcase_add_test(tests, rosenbrock_valley);
+    tcase_add_test(tests, steps_that_go_too_far);
     tcase_add_test(tests, ill_conditioned_linear);
     tcase_add_test(tests, active_constraints);
     tcase_add_test(tests, first_guess_outside);

@@ -1,0 +1,140 @@
+#!/bin/sh
+# characterize.sh: recordings whose answer is known give it back; bad ones are told of or refused. check: asan
+. tests/cli/common
+
+# The phantom of Tables 4.5 and Eq. 4.2: K1 2.5847711, b1 3.6146, K2 0.6853036, b2 23.964533.
+L=$DATA/lumped_n2.json
+sensor="--sample-Hz 100 --air-s 1 --noise-N 0.004"
+for depth in 2 3 4 5 6 7; do
+    expect 0 simulate $L --protocol ramp_hold --depth-mm $depth --hold-s 150 $sensor --seed $depth --out hold$depth.csv
+done
+expect 0 simulate $L --protocol static --depth-mm 9.7 --rate-mm-s 0.1 $sensor --seed 9 --out static.csv
+
+# estimate NAME FILE KEY: of the model's parameters, the first list of the JSON
+estimate() { awk -v n="\"$1\"," -v k="\"$3\":" '/"correlation"/ { exit } $2 == n { on = 1 } on && $1 == k { sub(",", "", $2); print $2; exit }' "$2"; }
+
+expect 0 characterize static.csv hold?.csv --out lumped.json --json
+cp out joint.json
+for key in palpate command law arms estimates correlation runs static arms_scores per_depth shared comparison warnings \
+    filter total_absolute_residual_N; do
+    grep -q "^  \"$key\":" out || fail "--json lacks $key"
+done
+[ "$(wc -l <err)" -eq 7 ] || fail "not one line for each run on stderr"
+grep -q 'static.csv: static press to 9.7.* mm.*contact.*+-.*(free air); zero.*+-.*noise' err || fail "findings: $(tail -n 1 err)"
+near "arms of auto" "$(grep -c '"tau_s"' joint.json)" 4 0 # two of the model, two shared
+near "K1" "$(estimate K_1 joint.json value)" 2.5847711 0.01
+near "b1" "$(estimate b_1 joint.json value)" 3.6146 0.01
+near "K2" "$(estimate K_2 joint.json value)" 0.6853036 0.01
+near "b2" "$(estimate b_2 joint.json value)" 23.964533 0.02
+
+# Eq. 4.3 within 1 % from strain 0.03 to 0.4, where the plain polynomial is off by more.
+laws() { # the coefficients of the joint law, and of the plain polynomial of degree 5
+    awk '/"coefficients_N"/ { on = 1; next } on && /\]/ { exit } on { gsub(/[ ,]/, ""); print }' joint.json >joint
+    awk '/"degree": 5/ { five = 1 } five && /"coefficients_N"/ { on = 1; next } on && /\]/ { exit }
+        on { gsub(/[ ,]/, ""); print }' joint.json >plain
+}
+laws
+for name in joint plain; do
+    awk '{ c[NR - 1] = $1 } END { if (NR != 5) exit 1
+        for (e = 0.03; e <= 0.4; e += 0.01) {
+            k = c[0] + e * (c[1] + e * (c[2] + e * (c[3] + e * c[4])))
+            w = 8.18 + e * (-0.70 + e * (47.47 + e * (-131.36 + e * 146.89)))
+            d = k / w - 1; if (d < 0) d = -d; if (d > worst) worst = d } print worst }' $name >$name.worst ||
+        fail "$name: not five coefficients"
+done
+awk '$1 > 0.01 { exit 1 }' joint.worst || fail "the joint law is off Eq. 4.3 by $(cat joint.worst)"
+awk '$1 < 0.03 { exit 1 }' plain.worst || fail "the plain polynomial is not biased: $(cat plain.worst)"
+near "gap after" "$(value joint.json gap_after_percent)" 0 0 0.3
+awk -v g="$(value joint.json gap_before_percent)" 'BEGIN { exit !(g > 3) }' || fail "no gap before the joint fit"
+
+# The written model answers as the phantom.
+for model in lumped.json $L; do
+    expect 0 simulate $model --protocol ramp_hold --depth-mm 4.5 --hold-s 100 --json
+    value out peak_force_N >>peaks
+done
+near "peak at 4.5 mm" "$(sed -n 1p peaks)" "$(sed -n 2p peaks)" 0.003
+
+# Text; arms by number; shared only, single only; the seed's grid needs no smaller total residual.
+expect 0 characterize static.csv hold?.csv --arms 2
+for text in 'Table 4.1' 'Tables 4.2 and 4.3' 'Tables 4.4 and 4.5' 'Figure 4.26' '95 % interval' 'correlated above 0.95'; do
+    grep -q "$text" out || fail "the text lacks \"$text\""
+done
+expect 0 characterize hold?.csv --arms 2 --shared-arms --json
+grep -q '"per_depth": \[\]' out || fail "--shared-arms fitted single depths"
+awk '/"shared": {/ { on = 1 } on && /total_absolute/ { sub(",", "", $2); print $2; exit }' out >ours
+expect 0 characterize hold?.csv --arms 2 --method grid --json
+awk '/"shared": {/ { on = 1 } on && /total_absolute/ { sub(",", "", $2); print $2; exit }' out >grid
+awk -v a="$(cat ours)" -v b="$(cat grid)" 'BEGIN { exit !(a > 0 && a <= 1.01 * b) }' || fail "nlopt $(cat ours), grid $(cat grid)"
+expect 0 characterize hold?.csv --arms 2 --per-depth --json
+grep -q '"shared": null' out || fail "--per-depth fitted shared arms"
+expect 0 characterize hold5.csv --arms 1 --json
+near "one depth: a constant" "$(sed -n '/"law"/,/}/p' out | grep -c '^ *[-0-9.]*$')" 1 0
+expect 0 characterize static.csv --degree 4 --json
+near "a static run alone: no arms" "$(grep -c '"tau_s"' out)" 0 0 0
+for law in spline neo_hookean mooney_rivlin2 mooney_rivlin5 yeoh; do
+    expect 0 characterize static.csv hold?.csv --arms 2 --law $law --shared-arms --out law.json --json
+    grep -q "\"kind\": \"$law\"" out || fail "--law $law is another"
+done
+
+# What goes wrong while recording: told, and the answer stays. A mean of 4 mN noise and its interval aside.
+run="$L --protocol ramp_hold --depth-mm 5 --hold-s 150"
+told() { # text, options of simulate...
+    text=$1; shift
+    expect 0 simulate $run $sensor --seed 5 "$@" --out odd.csv
+    expect 0 characterize static.csv hold?.csv odd.csv --arms 2 --shared-arms --json
+    grep "odd.csv" err | grep -q "$text" || fail "no \"$text\": $(grep odd.csv err)"
+    near "$text: K1" "$(estimate K_1 out value)" 2.5847711 0.03
+    near "$text: b2" "$(estimate b_2 out value)" 23.964533 0.05
+}
+told "1 spike(s) masked" --spike 20,2
+told "1 gap(s)" --drop 30,31
+told "clipped samples masked" --clip-N 2.2
+told "hum of" --hum-N 0.01 --sample-Hz 500
+sed '/^specimen/d' hold5.csv | awk -F, '/^[0-9]/ { n++; if (n % 7 == 3) next } { print }' >odd.csv
+expect 0 characterize odd.csv --arms 2
+grep -q "uneven sampling\|gap" err || fail "uneven sampling is not told: $(cat err)"
+{ head -n 3000 hold5.csv; echo '# end.fault: "over_temperature"'; } >odd.csv
+expect 0 characterize odd.csv --arms 1 --json
+grep -q "ended early by a fault" err || fail "a fault is not told: $(cat err)"
+
+wrong() { # exit code, text, arguments...: the last line says why
+    code=$1 text=$2; shift 2
+    expect $code characterize "$@"
+    tail -n 1 err | grep -qF -e "palpate characterize: " && tail -n 1 err | grep -qF -e "$text" ||
+        fail "characterize $*: stderr lacks \"$text\": $(tail -n 1 err)"
+    [ -s out ] && fail "characterize $*: wrote to stdout"
+}
+awk -F, '/^[0-9]/ { print $1 "," -$2 "," $3; next } { print }' hold5.csv >sign.csv
+awk -F, '/^[0-9]/ { print $1 ",0," $3; next } { print }' hold5.csv >still.csv
+awk -F, '/^[0-9]/ { print $1 "," $2 ",0"; next } { print }' hold5.csv >forceless.csv
+grep -v height_mm hold5.csv >heightless.csv
+grep -v radius_mm static.csv >radiusless.csv
+sed 's/height_mm: 24/height_mm: 30/' hold5.csv >taller.csv
+wrong 1 "none.csv" none.csv
+wrong 1 "sign.csv" sign.csv
+wrong 1 "still.csv" still.csv
+wrong 1 "forceless.csv" forceless.csv
+wrong 1 "--specimen-height-mm" heightless.csv
+wrong 1 "specimen.radius_mm" radiusless.csv --law yeoh
+wrong 1 "characterize each specimen by itself" hold4.csv taller.csv
+wrong 1 "needs ramp-and-hold runs" static.csv --method grid --arms 1
+wrong 2 "name a RUN.csv"
+wrong 2 "--arms must be auto or a whole number from 0 to 16, not \"2.5\"" hold5.csv --arms 2.5
+wrong 2 "--degree must be auto or a whole number from 2 to 7, not \"9\"" hold5.csv --degree 9
+wrong 2 "goes with --law polynomial" hold5.csv --law yeoh --degree 3
+wrong 2 "goes with --law spline" hold5.csv --knots 4
+wrong 2 "either --shared-arms or --per-depth" hold5.csv --shared-arms --per-depth
+wrong 2 "needs --arms 1 or --arms 2" hold5.csv --method grid
+wrong 2 "must be one of polynomial" hold5.csv --law cubic
+expect 0 characterize heightless.csv --specimen-height-mm 24 --arms 2
+ls | grep -q tmp && fail "a temporary file was left behind"
+
+command -v gnuplot >/dev/null || done_testing
+expect 0 characterize static.csv hold?.csv --plot figures
+for name in recordings_linear recordings_log recordings_first recordings_static fit_linear fit_log fit_first fit_static \
+    residuals static_polynomials stiffness_law arms_score; do
+    grep -q 'width="900" height="560"' figures/$name.svg 2>/dev/null || fail "no figure $name.svg of 900 x 560"
+    grep -q '</svg>' figures/$name.svg 2>/dev/null || fail "$name.svg is cut short"
+done
+grep -q '"characterize": 1' figures/characterize.json || fail "no characterize.json beside the figures"
+done_testing

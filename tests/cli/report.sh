@@ -1,0 +1,77 @@
+#!/bin/sh
+# report.sh: one page that needs nothing else, with every section the files give. check: asan
+. tests/cli/common
+
+L=$DATA/lumped_n2.json
+mkdir runs work
+for depth in 2 5; do
+    expect 0 simulate $L --protocol ramp_hold --depth-mm $depth --hold-s 60 --sample-Hz 100 --air-s 1 --noise-N 0.004 \
+        --seed $depth --out runs/hold$depth.csv
+done
+expect 0 simulate $L --protocol static --depth-mm 9 --sample-Hz 50 --air-s 1 --noise-N 0.004 --seed 9 --out "runs/a<b>&c.csv"
+
+page() { # file: well formed, self-contained
+    grep -q '^<!DOCTYPE html>' "$1" && grep -q '</html>' "$1" || fail "$1 is no page"
+    grep -o '\(src\|href\)="[^"#][^"]*"' "$1" | grep -v '^href="#' | grep -q . && fail "$1 refers to another file"
+    grep -q '<script\|@import\|<link\|<img' "$1" && fail "$1 is not self-contained"
+    grep -q 'a<b>' "$1" && fail "$1: a name is not escaped"
+    grep -o ' id="[^"]*"' "$1" | sort | uniq -d | grep -q . && fail "$1: an id is there twice"
+}
+
+# Recordings and a model: the report computes the rest.
+expect 0 report runs $L --title 'A < B' --out page.html
+[ -s out ] && fail "wrote to stdout in spite of --out"
+page page.html
+for text in '<h1>A &lt; B</h1>' 'What was measured' 'Recorded curves' 'Stiffness law' 'Provenance' 'a&lt;b&gt;&amp;c.csv' \
+    'free air' '24 mm high'; do
+    grep -qF "$text" page.html || fail "the page lacks \"$text\""
+done
+grep -q 'Network calibration' page.html && fail "a network out of nothing"
+crc=$(gzip -c runs/hold2.csv | tail -c 8 | od -An -tx1 | awk '{ print $4 $3 $2 $1 }')
+grep -qi "$crc" page.html || fail "CRC-32 of hold2.csv is not $crc"
+expect 0 report runs $L
+page out
+
+# With results of characterize and calibrate, and a simulation.
+expect 0 characterize runs/*.csv --arms 2 --degree 3 --out work/lumped.json --plot work
+expect 0 calibrate work/lumped.json --nodes 3 --depth-mm 2,5 --hold-s 20 --degree 3 --out work/network.json --plot work
+grep -q '"calibrate": 1' work/calibrate.json || fail "no calibrate.json"
+expect 0 simulate work/network.json --protocol ramp_hold --depth-mm 5 --hold-s 60 --out work/simulated.csv
+expect 0 report runs work --out all.html
+page all.html
+for text in 'Fits and residuals' 'Parameters' '95 % interval' 'Network calibration' '3 × 3 × 3 nodes' \
+    'Simulation against recordings' '<td class="t">hold5.csv</td>' 'palpate characterize runs/' 'palpate calibrate work/'; do
+    grep -qF "$text" all.html || fail "the page lacks \"$text\""
+done
+if command -v gnuplot >/dev/null; then
+    [ "$(grep -c '<figure>' all.html)" -ge 19 ] || fail "only $(grep -c '<figure>' all.html) figures"
+fi
+[ "$(wc -c <all.html)" -lt 4000000 ] || fail "a page of $(wc -c <all.html) bytes: curves are not thinned"
+
+# What cannot be read: named outright it fails, in a folder it is warned of and listed.
+echo '{"a": 1}' >work/strange.json
+echo 'no run' >work/broken.csv
+echo '<svg><script>alert(1)</script></svg>' >work/evil.svg
+expect 0 report work --out more.html
+[ "$(grep -c 'warning: work/' err)" -eq 3 ] || fail "not three warnings: $(cat err)"
+grep -q 'strange.json' more.html || fail "a file that was not used is not listed"
+page more.html
+expect 1 report work/broken.csv --out no.html; says "palpate report: work/broken.csv"
+expect 1 report work/strange.json; says "no JSON that palpate writes"
+expect 1 report nowhere; says "palpate report: nowhere"
+mkdir empty
+expect 1 report empty; says "holds nothing that palpate writes"
+expect 2 report; says "name a folder or files"
+expect 1 report runs --out nowhere/page.html; says "nowhere/page.html"
+[ -e no.html ] && fail "a page in spite of failure"
+ls . work | grep -q tmp && fail "a temporary file was left behind"
+
+mkdir path
+expect 0 report runs $L --out page.html
+PATH_WAS=$PATH
+PATH=$SCRATCH/path "$PALPATE" report runs $L --out plain.html >out 2>err
+code=$?
+PATH=$PATH_WAS
+[ $code -eq 0 ] || fail "without gnuplot: exit code $code"
+says "warning: gnuplot is not installed"
+done_testing

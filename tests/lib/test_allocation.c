@@ -1,0 +1,552 @@
+/* test_allocation.c: makes each allocation of the library fail in turn, and counts those of a time step. */
+/* link: -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free */
+#define _POSIX_C_SOURCE 200809L
+#include "cube.h"
+#include "scratch.h"
+
+#include <palpate/calibrate.h>
+#include <palpate/experiment.h>
+#include <palpate/path.h>
+#include <palpate/vtu.h>
+
+#include <SuiteSparse_config.h>
+
+/* The wrapped functions are those that this program and the library in it call; other libraries' own are
+ * not touched, but for CHOLMOD's, which asks SuiteSparse_config for them. */
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t n, size_t size);
+void *__real_realloc(void *old, size_t size);
+void __real_free(void *p);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t n, size_t size);
+void *__wrap_realloc(void *old, size_t size);
+void __wrap_free(void *p);
+
+enum { LIVE_MAX = 8192 };
+
+static struct {
+    bool armed;         /* inside the library */
+    size_t calls, fail; /* the fail-th call gives NULL; 0 = none does */
+    size_t live;        /* blocks taken while armed and not yet given back */
+    void *block[LIVE_MAX];
+} heap;
+
+static bool refused(void) {
+    return heap.armed && ++heap.calls == heap.fail;
+}
+
+static void *taken(void *p) {
+    if (heap.armed && p) {
+        if (heap.live == LIVE_MAX)
+            abort();
+        heap.block[heap.live++] = p;
+    }
+    return p;
+}
+
+/* Blocks from elsewhere (realpath, Jansson) are not ours to count. */
+static void given_back(const void *p) {
+    for (size_t i = heap.live; i-- > 0;)
+        if (heap.block[i] == p) {
+            heap.block[i] = heap.block[--heap.live];
+            return;
+        }
+}
+
+void *__wrap_malloc(size_t size) {
+    return refused() ? NULL : taken(__real_malloc(size));
+}
+
+void *__wrap_calloc(size_t n, size_t size) {
+    return refused() ? NULL : taken(__real_calloc(n, size));
+}
+
+void *__wrap_realloc(void *old, size_t size) {
+    if (refused())
+        return NULL;
+    given_back(old);
+    return taken(__real_realloc(old, size));
+}
+
+void __wrap_free(void *p) {
+    given_back(p);
+    __real_free(p);
+}
+
+static void arm(size_t fail) {
+    heap.armed = true;
+    heap.calls = 0;
+    heap.fail = fail;
+}
+
+/* ---- each fails in turn ---- */
+
+typedef palp_status (*scenario)(palp_error *error);
+
+/* Runs a scenario, which gives back all that it takes, until none of its allocations is left to fail. */
+static void each_fails(scenario run, size_t least, void (*check)(palp_status status)) {
+    size_t n = 0;
+    for (;;) {
+        palp_error error = {PALP_OK, ""};
+        arm(++n);
+        palp_status status = run(&error);
+        heap.armed = false;
+        ck_assert_msg(heap.live == 0, "allocation %zu: %zu blocks leak", n, heap.live);
+        if (check)
+            check(status);
+        if (heap.calls < n) {
+            ck_assert_int_eq(status, PALP_OK);
+            break;
+        }
+        ck_assert_msg(status == PALP_OK || status == PALP_ERR_NO_MEMORY, "allocation %zu: %s", n,
+                      palp_status_name(status));
+        if (error.status) {
+            ck_assert_int_eq(error.status, status);
+            ck_assert_int_ne(error.text[0], '\0');
+        }
+    }
+    ck_assert_uint_gt(n, least); /* the wrapping works */
+}
+
+/* A folder with a failed write holds nothing. */
+static void check_folder(palp_status status) {
+    ck_assert_int_eq(scratch_entries(scratch_folder, 1), status ? 0 : 1);
+}
+
+static palp_status read_model(palp_error *error) {
+    static palp_model model;
+    return palp_model_read("data/sedef2008/lumped_n2.json", &model, error);
+}
+
+static palp_model lumped_model(void) {
+    return (palp_model){.kind = PALP_MODEL_LUMPED,
+                        .height_m = CUBE_HEIGHT_M,
+                        .material.law = {.kind = PALP_LAW_POLYNOMIAL, .n = 1, .coefficients = {2.0}}};
+}
+
+static palp_status write_model(palp_error *error) {
+    palp_model model = lumped_model();
+    return palp_model_write(&model, scratch_path("model.json"), error);
+}
+
+static palp_status format_model(palp_error *error) {
+    char *json;
+    palp_model model = lumped_model();
+    (void)error;
+    palp_status status = palp_model_format(&model, &json);
+    if (status ? json != NULL : json == NULL)
+        abort();
+    free(json);
+    return status;
+}
+
+START_TEST(models) {
+    each_fails(read_model, 1, NULL);
+    each_fails(write_model, 1, check_folder);
+    each_fails(format_model, 0, NULL);
+}
+END_TEST
+
+static palp_status write_experiment(palp_error *error) {
+    palp_experiment *e;
+    palp_status status = palp_experiment_create(3, &e);
+    if (status)
+        return status;
+    for (size_t i = 0; i < 3; i++)
+        palp_experiment_column(e, "time_s")[i] = (double)i;
+    status = palp_experiment_add_column(e, "temperature_C");
+    if (!status)
+        status = palp_experiment_set_string(e, "specimen.kind", "cylinder");
+    if (!status)
+        status = palp_experiment_set_number(e, "end.count", 3);
+    if (!status)
+        status = palp_experiment_write(e, scratch_path("run.csv"), error);
+    palp_experiment_free(e);
+    return status;
+}
+
+static palp_status read_experiment(palp_error *error) {
+    palp_experiment *e = NULL;
+    palp_status status = palp_experiment_read(scratch_path("long.csv"), &e, error);
+    if (!status && palp_experiment_rows(e) != 1000)
+        abort();
+    palp_experiment_free(e);
+    return status;
+}
+
+START_TEST(experiments) {
+    each_fails(write_experiment, 8, check_folder);
+    FILE *f = fopen(scratch_path("long.csv"), "w");
+    ck_assert_ptr_nonnull(f);
+    fputs("# palpate.experiment: 1\n# specimen.kind: \"cylinder\"\ntime_s,depth_mm,force_N,other\n", f);
+    for (int i = 0; i < 1000; i++)
+        fprintf(f, "%d,1,2,3\n", i);
+    ck_assert_int_eq(fclose(f), 0);
+    each_fails(read_experiment, 10, NULL);
+}
+END_TEST
+
+static palp_status lattice(palp_error *error) {
+    palp_mesh *mesh = NULL;
+    const int32_t some[3] = {2, 0, 1};
+    palp_status status =
+        palp_mesh_lattice((size_t[3]){3, 4, 2}, (double[3]){1, 1, 1}, PALP_NEIGHBOURS_26, &mesh);
+    (void)error;
+    if (!status)
+        status = palp_mesh_add_set(mesh, "some", 3, some);
+    if (!status)
+        status = palp_mesh_add_set(mesh, "some", 2, some);
+    if (!status)
+        status = palp_mesh_add_plane_set(mesh, "plane", 0, 0.5, 1e-9);
+    palp_mesh_free(mesh);
+    return status;
+}
+
+static palp_status triangle(palp_error *error) {
+    const double x[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const int32_t pairs[6] = {0, 1, 1, 2, 2, 0};
+    palp_mesh *mesh = NULL;
+    palp_status status = palp_mesh_create(3, x, 3, pairs, &mesh, error);
+    palp_mesh_free(mesh);
+    return status;
+}
+
+static palp_status gmsh(palp_error *error) {
+    palp_mesh *mesh = NULL;
+    palp_status status = palp_mesh_read_gmsh("data/meshes/box_hexa.msh", 1e-3, true, &mesh, error);
+    palp_mesh_free(mesh);
+    return status;
+}
+
+static palp_status mesh_of_model(palp_error *error) {
+    palp_mesh *mesh = NULL;
+    palp_model model = {
+        .kind = PALP_MODEL_NETWORK,
+        .mesh = {.nodes = {2, 2, 2}, .size_m = {1, 1, 1}, .neighbourhood = PALP_NEIGHBOURS_26}};
+    palp_status status = palp_model_mesh(&model, &mesh, error);
+    palp_mesh_free(mesh);
+    return status;
+}
+
+START_TEST(meshes) {
+    each_fails(lattice, 10, NULL);
+    each_fails(triangle, 3, NULL);
+    each_fails(gmsh, 10, NULL);
+    each_fails(mesh_of_model, 5, NULL);
+}
+END_TEST
+
+static palp_status paths(palp_error *error) {
+    palp_path path;
+    (void)error;
+    palp_status status = palp_path_ramp_hold(0.005, 1.0, 10.0, &path);
+    if (!status)
+        palp_path_free(&path);
+    if (!status && !(status = palp_path_cyclic(0.005, 1.0, 3, &path)))
+        palp_path_free(&path);
+    if (!status && !(status = palp_path_creep(1.0, 1.0, 3.0, &path)))
+        palp_path_free(&path);
+    return status;
+}
+
+START_TEST(path_makers) {
+    each_fails(paths, 6, NULL);
+}
+END_TEST
+
+/* ---- networks ---- */
+
+static palp_material with_arms(size_t n) {
+    palp_material material = {.law = {.kind = PALP_LAW_POLYNOMIAL, .n = 5}, .n_arms = n};
+    memcpy(material.law.coefficients, NETWORK_LAW, sizeof NETWORK_LAW);
+    for (size_t j = 0; j < n; j++)
+        material.arms[j] = (palp_arm){.stiffness_N = 0.1, .viscosity_Ns = 0.1 * (double)(j + 1)};
+    return material;
+}
+
+static palp_status make_network(palp_solver solver, double density, palp_network **network,
+                                palp_error *error) {
+    palp_mesh *mesh = NULL;
+    palp_support supports[2];
+    palp_network_settings settings = palp_network_settings_default();
+    palp_material material = with_arms(1);
+    settings.solver = solver;
+    settings.density_kg_m3 = density;
+    *network = NULL;
+    palp_supports_default(supports);
+    palp_status status =
+        palp_mesh_lattice((size_t[3]){3, 3, 3}, (double[3]){CUBE_HEIGHT_M, CUBE_HEIGHT_M, CUBE_HEIGHT_M},
+                          PALP_NEIGHBOURS_26, &mesh);
+    if (!status)
+        status = palp_network_create(mesh, &material, 2, supports, &settings, network, error);
+    palp_mesh_free(mesh);
+    return status;
+}
+
+/* A material that needs more room than there is leaves the network as it was. */
+static palp_status use_network(palp_network *network) {
+    palp_material more = with_arms(3), other = with_arms(1);
+    palp_status status = palp_network_step(network, 0.002, 0.1, NULL);
+    double force = palp_network_force(network);
+    if (!status)
+        status = palp_network_set_material(network, &more);
+    if (status && (palp_network_force(network) != force || palp_network_step(network, 0.003, 0.1, NULL)))
+        abort();
+    other.formulation = PALP_SEDEF2008;
+    if (!status)
+        status = palp_network_step(network, 0.002, 0.1, NULL);
+    if (!status)
+        status = palp_network_set_material(network, &other);
+    if (!status)
+        status = palp_network_step(network, 0.002, 0.1, NULL);
+    return status;
+}
+
+static palp_status network_banded(palp_error *error) {
+    palp_network *network;
+    palp_status status = make_network(PALP_SOLVER_BAND, 1000.0, &network, error);
+    if (!status)
+        status = use_network(network);
+    palp_network_free(network);
+    return status;
+}
+
+static palp_status network_simplicial(palp_error *error) {
+    palp_network *network;
+    palp_status status = make_network(PALP_SOLVER_SIMPLICIAL, 0.0, &network, error);
+    if (!status)
+        status = use_network(network);
+    palp_network_free(network);
+    return status;
+}
+
+START_TEST(networks) {
+    each_fails(network_banded, 40, NULL);
+    each_fails(network_simplicial, 40, NULL);
+}
+END_TEST
+
+/* CHOLMOD's allocations fail too: its memory is counted by SuiteSparse's own wrappers. */
+static size_t cholmod_live;
+
+static void *cholmod_malloc(size_t size) {
+    void *p = refused() ? NULL : __real_malloc(size);
+    cholmod_live += p != NULL;
+    return p;
+}
+
+static void *cholmod_calloc(size_t n, size_t size) {
+    void *p = refused() ? NULL : __real_calloc(n, size);
+    cholmod_live += p != NULL;
+    return p;
+}
+
+static void *cholmod_realloc(void *old, size_t size) {
+    void *p = refused() ? NULL : __real_realloc(old, size);
+    cholmod_live += p && !old;
+    return p;
+}
+
+static void cholmod_free_one(void *p) {
+    cholmod_live -= p != NULL;
+    __real_free(p);
+}
+
+static void wrap_cholmod(bool on) {
+#if SUITESPARSE_VERSION >= SUITESPARSE_VER_CODE(6, 0)
+    SuiteSparse_config_malloc_func_set(on ? cholmod_malloc : __real_malloc);
+    SuiteSparse_config_calloc_func_set(on ? cholmod_calloc : __real_calloc);
+    SuiteSparse_config_realloc_func_set(on ? cholmod_realloc : __real_realloc);
+    SuiteSparse_config_free_func_set(on ? cholmod_free_one : __real_free);
+#else
+    SuiteSparse_config.malloc_func = on ? cholmod_malloc : __real_malloc;
+    SuiteSparse_config.calloc_func = on ? cholmod_calloc : __real_calloc;
+    SuiteSparse_config.realloc_func = on ? cholmod_realloc : __real_realloc;
+    SuiteSparse_config.free_func = on ? cholmod_free_one : __real_free;
+#endif
+    cholmod_live = 0;
+}
+
+START_TEST(networks_with_cholmod) {
+    wrap_cholmod(true);
+    each_fails(network_simplicial, 80, NULL);
+    ck_assert_uint_eq(cholmod_live, 0);
+    wrap_cholmod(false);
+}
+END_TEST
+
+static palp_network *shown; /* not counted */
+
+static palp_status frames(palp_error *error) {
+    palp_vtu *series = NULL;
+    palp_status status = palp_vtu_open(scratch_folder, "frame", &series, error);
+    for (int i = 0; i < 2 && !status; i++)
+        status = palp_vtu_add(series, shown, error);
+    palp_status closed = palp_vtu_close(series, error);
+    return status ? status : closed;
+}
+
+/* Whatever stands in the folder is whole. */
+static void check_frames(palp_status status) {
+    static const char *const names[3] = {"frame_0000.vtu", "frame_0001.vtu", "frame.pvd"};
+    static const char end[] = "</VTKFile>\n";
+    int found = 0;
+    for (size_t i = 0; i < 3; i++) {
+        const char *path = scratch_path(names[i]);
+        if (access(path, F_OK) != 0)
+            continue;
+        char *text = scratch_read(path);
+        ck_assert_uint_gt(strlen(text), sizeof end);
+        ck_assert_str_eq(text + strlen(text) - (sizeof end - 1), end);
+        free(text);
+        found++;
+    }
+    ck_assert_int_eq(scratch_entries(scratch_folder, 1), found); /* no temporary stays */
+    ck_assert(status || found == 3);
+}
+
+START_TEST(vtu_series) {
+    ck_assert_int_eq(make_network(PALP_SOLVER_BAND, 0.0, &shown, NULL), PALP_OK);
+    ck_assert_int_eq(palp_network_step(shown, 0.001, 0.1, NULL), PALP_OK);
+    each_fails(frames, 10, check_frames);
+    palp_network_free(shown);
+}
+END_TEST
+
+/* ---- calibration ---- */
+
+static void check_failed(palp_status status, palp_calibration *result) {
+    if (status && (result->iterations || result->force_N || result->n_iterations))
+        abort();
+    palp_calibration_free(result);
+}
+
+static palp_status calibrate_static(palp_error *error) {
+    palp_network *network;
+    palp_status status = make_network(PALP_SOLVER_BAND, 0.0, &network, error);
+    palp_static_settings settings = palp_static_settings_default();
+    palp_material start = with_arms(1);
+    double depth[12], target[12];
+    for (size_t i = 0; i < 12; i++) {
+        depth[i] = 0.0005 * (double)(i + 1);
+        target[i] = 300.0 * depth[i];
+    }
+    settings.max_evaluations = 3;
+    settings.curve_tolerance = 1e-2;
+    for (int k = 0; k < 3 && !status; k++) {
+        palp_calibration result;
+        settings.method = k == 1 ? PALP_CALIBRATE_FIXED_POINT : PALP_CALIBRATE_NLOPT;
+        settings.every_step = k == 2;
+        status = palp_calibrate_static(network, &start, 12, depth, target, &settings, &result);
+        check_failed(status, &result);
+    }
+    palp_network_free(network);
+    return status;
+}
+
+static palp_status calibrate_relaxation(palp_error *error) {
+    const double time_s[4] = {0.5, 1.0, 2.0, 3.0}, force_N[4] = {1.0, 2.0, 1.8, 1.7};
+    palp_target target = {.n = 4, .time_s = time_s, .force_N = force_N};
+    palp_relaxation_settings settings = palp_relaxation_settings_default();
+    palp_material start = with_arms(2);
+    palp_network *network = NULL;
+    palp_status status = palp_path_ramp_hold(0.005, 1.0, 10.0, &target.path);
+    if (!status)
+        status = make_network(PALP_SOLVER_BAND, 0.0, &network, error);
+    settings.max_evaluations = 4;
+    settings.tolerance = 1e-2;
+    settings.fit_beta = true;
+    for (int k = 0; k < 2 && !status; k++) {
+        palp_calibration result;
+        settings.method = k ? PALP_CALIBRATE_THREE_PHASE : PALP_CALIBRATE_NLOPT;
+        settings.dt_s = k ? 0.5 : 0.0;
+        start.n_arms = k ? 1 : 2;
+        status = palp_calibrate_relaxation(network, &start, 1, &target, &settings, &result);
+        check_failed(status, &result);
+    }
+    palp_network_free(network);
+    palp_path_free(&target.path);
+    return status;
+}
+
+START_TEST(calibrations) {
+    each_fails(calibrate_static, 80, NULL);
+    each_fails(calibrate_relaxation, 80, NULL);
+}
+END_TEST
+
+/* ---- none in a time step ---- */
+
+/* Presses past the loss of stability, holds, comes back and starts anew. */
+static palp_status press(palp_network *network) {
+    palp_material material = with_arms(2);
+    palp_status status = PALP_OK;
+    for (int i = 2; i <= 97 && !status; i++)
+        status = palp_network_step(network, 0.0001 * i, 100.0, NULL);
+    for (int i = 0; i < 5 && !status; i++)
+        status = palp_network_step(network, 0.0097, 0.1, NULL);
+    if (!status && !palp_network_buckled(network, &(double){0}, &(double){0}))
+        status = PALP_ERR_ARGUMENT;
+    if (!status)
+        status = palp_network_step(network, 0.002, INFINITY, NULL);
+    if (!status)
+        status = palp_network_step_force(network, 0.5, 1.0, NULL);
+    if (!status)
+        status = palp_network_set_material(network, &material);
+    if (!status)
+        status = palp_network_step(network, 0.004, 1.0, NULL);
+    palp_network_reset(network);
+    return status;
+}
+
+/* After the first step nothing is allocated, by us or by CHOLMOD. */
+static void count_steps(palp_solver solver, palp_branch branch) {
+    palp_network_settings settings = palp_network_settings_default();
+    palp_material material = with_arms(2);
+    settings.solver = solver;
+    settings.branch = branch;
+    wrap_cholmod(true);
+    arm(0);
+    palp_network *network = cube_network(3, &material, &settings);
+    palp_status first = palp_network_step(network, 0.0001, 100.0, NULL);
+    size_t before = heap.calls;
+    palp_status status = press(network);
+    size_t after = heap.calls;
+    palp_network_free(network);
+    heap.armed = false;
+    ck_assert_int_eq(first, PALP_OK);
+    ck_assert_int_eq(status, PALP_OK);
+    ck_assert_uint_gt(before, 40);
+    ck_assert_uint_eq(after, before);
+    ck_assert_uint_eq(heap.live, 0);
+    ck_assert_uint_eq(cholmod_live, 0);
+    wrap_cholmod(false);
+}
+
+START_TEST(none_in_a_step) {
+    count_steps(PALP_SOLVER_BAND, PALP_BRANCH_CONTINUE);
+    count_steps(PALP_SOLVER_BAND, PALP_BRANCH_STABLE);
+    count_steps(PALP_SOLVER_SIMPLICIAL, PALP_BRANCH_CONTINUE);
+    count_steps(PALP_SOLVER_SIMPLICIAL, PALP_BRANCH_STABLE);
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("allocation");
+    TCase *failing = tcase_create("each fails in turn"), *counting = tcase_create("none in a step");
+    tcase_set_timeout(failing, 0);
+    tcase_set_timeout(counting, 0);
+    tcase_add_checked_fixture(failing, scratch_setup, scratch_teardown);
+    tcase_add_test(failing, models);
+    tcase_add_test(failing, experiments);
+    tcase_add_test(failing, meshes);
+    tcase_add_test(failing, path_makers);
+    tcase_add_test(failing, networks);
+    tcase_add_test(failing, networks_with_cholmod);
+    tcase_add_test(failing, vtu_series);
+    tcase_add_test(failing, calibrations);
+    tcase_add_test(counting, none_in_a_step);
+    suite_add_tcase(suite, failing);
+    suite_add_tcase(suite, counting);
+    return scratch_run(suite);
+}
