@@ -235,7 +235,7 @@ palp_status palp_calibrate_static(palp_network *network, const palp_material *st
     memset(result, 0, sizeof *result);
     s.tolerance = settings->curve_tolerance;
     if (s.tolerance == 0.0)
-        s.tolerance = network->chord ? 1e-5 : 1e-6;
+        s.tolerance = network->chord ? 1e-4 : 1e-6;
     palp_status status = check(&s);
     if (status)
         return status;

@@ -83,70 +83,115 @@ static palp_status invert(size_t n, double *a, double *inverse) {
 /* Covariance of the parameters at v, and the residual's weighted square and its lag-1 correlation. */
 typedef struct curvature {
     double *covariance; /* [n^2] from the blocks' own noise */
-    double *zero;       /* [n^2] from the force that was taken for zero */
+    double *systematic; /* [n^2] from the force and the depth that were taken for zero */
     double chi2, correlation;
     size_t freedom;
 } curvature;
 
-/* A wrong zero shifts a whole recording: for each, what zero_sd does to the parameters. work[2 n]. */
-static void find_zero_error(const fit_problem *p, const double *jacobian, const double *covariance, double *zero,
-                            double *work) {
-    size_t n = fit_parameter_count(p), m = p->n_blocks, first = 0;
-    double *pull = work, *move = work + n;
-    memset(zero, 0, n * n * sizeof *zero);
-    for (size_t r = 0; r < p->n_runs; first += p->run[r++].n) {
-        const fit_run *run = &p->run[r];
-        for (size_t a = 0; a < n; a++) {
-            pull[a] = 0.0;
-            for (size_t i = 0; i < run->n; i++)
-                pull[a] += jacobian[a * m + first + i] * sqrt(run->count[i]) / run->noise * run->zero_sd;
-        }
-        for (size_t a = 0; a < n; a++) {
-            move[a] = 0.0;
-            for (size_t b = 0; b < n; b++)
-                move[a] += covariance[a * n + b] * pull[b];
-        }
-        for (size_t a = 0; a < n; a++)
-            for (size_t b = 0; b < n; b++)
-                zero[a * n + b] += move[a] * move[b];
+/* Adds what one wrong number, that shifts the residuals of run r by shift[run's n], does to the
+ * parameters; move[2 n] is scratch. */
+static void add_systematic(const fit_problem *p, const double *jacobian, size_t first, size_t blocks,
+                           const double *shift, double *move, curvature *c) {
+    size_t n = fit_parameter_count(p);
+    double *pull = move + n;
+    for (size_t a = 0; a < n; a++) {
+        pull[a] = 0.0;
+        for (size_t i = 0; i < blocks; i++)
+            pull[a] += jacobian[a * p->n_blocks + first + i] * shift[i];
     }
+    for (size_t a = 0; a < n; a++) {
+        move[a] = 0.0;
+        for (size_t b = 0; b < n; b++)
+            move[a] += c->covariance[a * n + b] * pull[b];
+    }
+    for (size_t a = 0; a < n; a++)
+        for (size_t b = 0; b < n; b++)
+            c->systematic[a * n + b] += move[a] * move[b];
 }
 
-static palp_status find_curvature(const fit_problem *p, const double *v, curvature *c) {
-    size_t n = fit_parameter_count(p), m = p->n_blocks, used = 0;
-    double *r = malloc(m * sizeof *r), *jacobian = malloc(m * n * sizeof *jacobian), *square = calloc(n * n, sizeof *square);
-    double *work = calloc(2 * n, sizeof *work);
-    palp_status status = r && jacobian && square && work ? fit_evaluate(p, v, r, jacobian) : PALP_ERR_NO_MEMORY;
-    double own = 0.0, next = 0.0, last = 0.0;
-    for (size_t run = 0, i = 0; run < p->n_runs && !status; run++) {
-        last = 0.0;
+/* Residuals with every contact one sd earlier. */
+static palp_status earlier_contact(const fit_problem *p, const double *v, double *residual) {
+    double *saved = malloc(p->n_blocks * sizeof *saved);
+    if (!saved)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t r = 0, first = 0; r < p->n_runs; first += p->run[r++].n) {
+        const fit_run *run = &p->run[r];
+        memcpy(saved + first, run->strain, run->n * sizeof *saved);
+        for (size_t i = 0; i < run->n; i++)
+            run->strain[i] += run->strain[i] > 0.0 ? run->contact_sd : 0.0;
+    }
+    palp_status status = fit_evaluate(p, v, residual, NULL);
+    for (size_t r = 0, first = 0; r < p->n_runs; first += p->run[r++].n)
+        memcpy(p->run[r].strain, saved + first, p->run[r].n * sizeof *saved);
+    free(saved);
+    return status;
+}
+
+/* A wrong zero shifts a whole recording, force or depth, and more samples do not help. */
+static palp_status find_systematic(const fit_problem *p, const double *v, const double *residual,
+                                   const double *jacobian, curvature *c) {
+    size_t n = fit_parameter_count(p), m = p->n_blocks;
+    double *shift = malloc((2 * m + 2 * n) * sizeof *shift);
+    palp_status status = shift ? earlier_contact(p, v, shift + m) : PALP_ERR_NO_MEMORY;
+    memset(c->systematic, 0, n * n * sizeof *c->systematic);
+    for (size_t r = 0, first = 0; r < p->n_runs && !status; first += p->run[r++].n) {
+        const fit_run *run = &p->run[r];
+        for (size_t i = 0; i < run->n; i++) {
+            shift[i] = sqrt(run->count[i]) / run->noise * run->zero_sd;
+            shift[m + first + i] -= residual[first + i];
+        }
+        add_systematic(p, jacobian, first, run->n, shift, shift + 2 * m, c);
+        add_systematic(p, jacobian, first, run->n, shift + m + first, shift + 2 * m, c);
+    }
+    free(shift);
+    return status;
+}
+
+/* Square of the residual, and its correlation from block to block of each run. */
+static void sum_residual(const fit_problem *p, const double *residual, curvature *c) {
+    double own = 0.0, next = 0.0;
+    size_t used = 0, n = fit_parameter_count(p);
+    for (size_t run = 0, i = 0; run < p->n_runs; run++) {
+        double last = 0.0;
         for (size_t b = 0; b < p->run[run].n; b++, i++) {
             if (p->run[run].count[b] == 0.0)
                 continue;
-            own += r[i] * r[i];
-            next += r[i] * last;
-            last = r[i];
+            own += residual[i] * residual[i];
+            next += residual[i] * last;
+            last = residual[i];
             used++;
         }
     }
-    for (size_t a = 0; a < n && !status; a++)
+    c->chi2 = own;
+    c->correlation = own > 0.0 ? next / own : 0.0;
+    c->freedom = used > n ? used - n : 1;
+}
+
+/* The lower triangle's column sums run over the blocks, once for a pair. */
+static void square_of(const double *jacobian, size_t m, size_t n, double *square) {
+    for (size_t a = 0; a < n; a++)
         for (size_t b = 0; b <= a; b++) {
             double sum = 0.0;
             for (size_t i = 0; i < m; i++)
                 sum += jacobian[a * m + i] * jacobian[b * m + i];
             square[a * n + b] = square[b * n + a] = sum;
         }
-    if (!status)
+}
+
+static palp_status find_curvature(const fit_problem *p, const double *v, curvature *c) {
+    size_t n = fit_parameter_count(p), m = p->n_blocks;
+    double *r = malloc((m + m * n + n * n) * sizeof *r), *jacobian = r + m, *square = jacobian + m * n;
+    if (!r)
+        return PALP_ERR_NO_MEMORY;
+    palp_status status = fit_evaluate(p, v, r, jacobian);
+    if (!status) {
+        sum_residual(p, r, c);
+        square_of(jacobian, m, n, square);
         status = invert(n, square, c->covariance);
+    }
     if (!status)
-        find_zero_error(p, jacobian, c->covariance, c->zero, work);
-    c->chi2 = own;
-    c->correlation = own > 0.0 ? next / own : 0.0;
-    c->freedom = used > n ? used - n : 1;
+        status = find_systematic(p, v, r, jacobian, c);
     free(r);
-    free(jacobian);
-    free(work);
-    free(square);
     return status;
 }
 
@@ -217,7 +262,7 @@ static void estimate(const fit_problem *p, const double *v, double variance, siz
     if (i < p->n_springs) {
         *e = (palp_estimate){.unit = e->unit, .value = v[i], .sd = sd, .low = v[i] - Z95 * sd, .high = v[i] + Z95 * sd};
         name_estimate(p, i, e);
-        e->determined = p->settings->spring == PALP_SPRING_LAW ? sd < 3.0 * fabs(v[i]) : e->low > 0.0;
+        e->determined = e->low > 0.0 || (p->settings->spring == PALP_SPRING_LAW && e->high < 0.0);
         return;
     }
     size_t k = p->n_springs + 2 * ((i - p->n_springs) / 3);
@@ -241,7 +286,7 @@ static palp_status fill_estimates(const fit_problem *p, const double *v, const c
     double widen = fit->inflation * fit->inflation;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j <= i; j++)
-            fit->correlation[i * n + j] = widen * mapped(p, c->covariance, i, j) + mapped(p, c->zero, i, j);
+            fit->correlation[i * n + j] = widen * mapped(p, c->covariance, i, j) + mapped(p, c->systematic, i, j);
     for (size_t i = 0; i < n; i++)
         estimate(p, v, fit->correlation[i * n + i], i, &fit->estimate[i]);
     for (size_t i = 0; i < n; i++)
@@ -271,16 +316,15 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
     return status;
 }
 
-static palp_status fill_residuals(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
-                                  palp_lumped_fit *fit) {
+palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+                               palp_lumped_fit *fit) {
     palp_status status = PALP_OK;
     for (size_t r = 0; r < n && !status; r++) {
         const palp_recording *rec = &recordings[r];
         double square = 0.0, used = 0.0, *force = malloc(rec->n * sizeof *force);
         status = force ? palp_lumped_fit_force(fit, r, rec, force) : PALP_ERR_NO_MEMORY;
         for (size_t i = 0; i < rec->n && !status; i++) {
-            bool ramp = settings->hold_only && rec->kind == PALP_RECORDING_RAMP_HOLD && rec->time_s[i] < rec->ramp_end_s;
-            if (!rec->use[i] || rec->depth_m[i] <= 0.0 || ramp)
+            if (!fit_counts(rec, settings, i))
                 continue;
             double miss = force[i] - rec->force_N[i];
             square += miss * miss;
@@ -324,7 +368,7 @@ static palp_status finish(fit_problem *p, const double *v, const curvature *c, s
     palp_status status = fit_material(p, v, &fit->material);
     if (!status)
         status = fill_estimates(p, v, c, fit);
-    return status ? status : fill_residuals(n, recordings, settings, fit);
+    return status ? status : fit_fill_residuals(n, recordings, settings, fit);
 }
 
 palp_status palp_fit_lumped(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
@@ -337,7 +381,7 @@ palp_status palp_fit_lumped(size_t n, const palp_recording *recordings, const pa
     size_t parameters = fit_parameter_count(&p);
     double *v = calloc(parameters, sizeof *v);
     curvature c = {.covariance = calloc(2 * parameters * parameters + 1, sizeof(double))};
-    c.zero = c.covariance ? c.covariance + parameters * parameters : NULL;
+    c.systematic = c.covariance ? c.covariance + parameters * parameters : NULL;
     status = v && c.covariance ? solve_and_merge(&p, v, &c, fit) : PALP_ERR_NO_MEMORY;
     if (!status)
         status = finish(&p, v, &c, n, recordings, settings, fit);

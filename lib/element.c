@@ -27,20 +27,21 @@ void element_step_prepare(const palp_material *material, double dt, element_step
 }
 
 /* Eq. 5.11: A = (K e + b1 (1 + K/K1) (e - e_old) / dt) / (1 + b1 / (K1 dt)), and dA/de. K and dK/de come
- * from the law's force K e and tangent K + e dK/de; dK/de, of which only the tangent needs a few digits, is
- * left out where rounding hides it. */
+ * from the law's force K e and tangent K + e dK/de, but dK/de near e = 0 is the law's there. */
 static void sedef_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
                         const element_history *old, double *force, double *tangent) {
     const palp_arm *arm = &material->arms[0];
-    const double rate = arm->viscosity_Ns / step->dt, share = 1.0 - step->carry;
-    const double compliance = 1.0 / arm->stiffness_N, tiny = 1e-7;
+    const double rate = arm->viscosity_Ns / step->dt, compliance = 1.0 / arm->stiffness_N;
+    const double share = 1.0 / (1.0 + rate * compliance);
+    double start, slope;
+    palp_law_stiffness(&material->law, 0.0, &start, &slope);
     for (size_t i = 0; i < n; i++) {
-        double inverse = 1.0 / e[i], de = e[i] - old->strain[i];
-        double stiffness = fabs(e[i]) < 1e-200 ? tangent[i] : force[i] * inverse;
-        double slope = fabs(e[i]) < tiny ? 0.0 : (tangent[i] - stiffness) * inverse;
+        double size = fabs(e[i]), inverse = 1.0 / e[i], de = e[i] - old->strain[i];
+        double stiffness = size < 1e-200 ? start : force[i] * inverse;
+        double turn = size < 1e-7 ? (e[i] < 0.0 ? -slope : slope) : (tangent[i] - stiffness) * inverse;
         double along = 1.0 + stiffness * compliance;
         force[i] = share * (force[i] + rate * along * de);
-        tangent[i] = share * (tangent[i] + rate * (along + slope * compliance * de));
+        tangent[i] = share * (tangent[i] + rate * (along + turn * compliance * de));
     }
 }
 

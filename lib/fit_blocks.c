@@ -21,19 +21,39 @@ static double strain_of(const palp_recording *rec, size_t i) {
     return fmax(rec->depth_m[i], 0.0) / rec->height_m; /* one-sided: in the air the specimen rests */
 }
 
-/* Whether a block that began at sample first may take sample i as well: it moves by less than a
- * three-hundredth of the way at an even speed, or it lasts less than a fiftieth of the time since the plate
- * last moved. A corner of the path always ends a block. */
-static bool same_block(const palp_recording *rec, size_t first, size_t i, double still_since) {
-    double moved = fabs(rec->depth_m[i] - rec->depth_m[first]), last = fabs(rec->depth_m[i] - rec->depth_m[i - 1]);
-    double span = rec->time_s[i] - rec->time_s[first], gap = rec->time_s[i] - rec->time_s[i - 1];
-    bool moving = moved >= 1e-3 * rec->deepest_m && last * (double)(i - first) >= 0.3 * moved;
-    return rec->use[i] == rec->use[first] && moved < rec->deepest_m / 300.0 &&
-           gap < 0.02 * (rec->time_s[i] - rec->time_s[0]) + 1e-12 &&
-           (moving || span <= 0.02 * (rec->time_s[first] - still_since));
+/* The path of the plate in straight pieces: from sample `from` on every depth is within a tolerance of one
+ * straight line, the slope of which is between low and high. */
+typedef struct straight {
+    size_t from;
+    double low, high;
+} straight;
+
+/* Takes sample i; false, and a new piece from the sample before, if i is not on the line: a corner. */
+static bool goes_straight(straight *s, const palp_recording *rec, size_t i) {
+    double tolerance = 5e-4 * rec->deepest_m;
+    for (int fresh = 0; fresh < 2; fresh++) {
+        double t = rec->time_s[i] - rec->time_s[s->from], way = rec->depth_m[i] - rec->depth_m[s->from];
+        s->low = fmax(s->low, (way - tolerance) / t);
+        s->high = fmin(s->high, (way + tolerance) / t);
+        if (s->low <= s->high)
+            return fresh == 0;
+        *s = (straight){.from = i - 1, .low = -HUGE_VAL, .high = HUGE_VAL};
+    }
+    return false;
 }
 
-static void add_block(fit_run *run, const palp_recording *rec, size_t first, size_t end, bool counts) {
+/* A block moves by less than a three-hundredth of the way and lasts less than a fiftieth of the time since
+ * the last corner, so that the force is as good as linear in it. In the air nothing happens. */
+static bool same_block(const palp_recording *rec, size_t first, size_t i, size_t corner) {
+    if (rec->depth_m[first] <= 0.0)
+        return rec->depth_m[i] <= 0.0;
+    return rec->use[i] == rec->use[first] &&
+           fabs(rec->depth_m[i] - rec->depth_m[first]) < rec->deepest_m / 300.0 &&
+           rec->time_s[i] - rec->time_s[first] <= 0.02 * (rec->time_s[first] - rec->time_s[corner]);
+}
+
+/* Adds the mean of samples first to end - 1, count of which speak for it. */
+static void add_block(fit_run *run, const palp_recording *rec, size_t first, size_t end, double count) {
     double t = 0.0, e = 0.0, f = 0.0, n = (double)(end - first);
     for (size_t i = first; i < end; i++) {
         t += rec->time_s[i] - rec->time_s[0];
@@ -43,42 +63,53 @@ static void add_block(fit_run *run, const palp_recording *rec, size_t first, siz
     run->time[run->n] = t / n;
     run->strain[run->n] = e / n;
     run->force[run->n] = f / n;
-    run->count[run->n] = counts && rec->use[first] ? n : 0.0;
+    run->count[run->n] = count;
     run->n++;
 }
 
-/* Air does not speak for any parameter; with hold_only the ramp does not either. */
-static bool counts(const palp_recording *rec, const palp_fit_settings *settings, size_t i) {
-    if (rec->depth_m[i] <= 0.0)
+bool fit_counts(const palp_recording *rec, const palp_fit_settings *settings, size_t i) {
+    if (!rec->use[i] || rec->depth_m[i] <= 0.0)
         return false;
     return !(settings->hold_only && rec->kind == PALP_RECORDING_RAMP_HOLD && rec->time_s[i] < rec->ramp_end_s);
 }
 
+/* Blocks of one recording. One that does not count, or that ends at a corner, leaves its last sample for the
+ * history: the strain is linear between what is there. */
+static void cut(fit_run *run, const palp_recording *rec, const palp_fit_settings *settings) {
+    straight path = {.from = 0, .low = -HUGE_VAL, .high = HUGE_VAL};
+    for (size_t first = 0, end; first < rec->n; first = end) {
+        bool take = fit_counts(rec, settings, first), corner = false;
+        size_t from = path.from;
+        for (end = first + 1; end < rec->n; end++) {
+            corner = !goes_straight(&path, rec, end);
+            if (corner || fit_counts(rec, settings, end) != take || !same_block(rec, first, end, from))
+                break;
+        }
+        if (take)
+            add_block(run, rec, first, end, (double)(end - first));
+        if (!take || (corner && end - first > 1))
+            add_block(run, rec, end - 1, end, 0.0);
+    }
+}
+
 static palp_status make_run(fit_run *run, const palp_recording *rec, const palp_fit_settings *settings) {
     size_t bytes = (rec->n + 1) * sizeof(double);
+    double peak = 0.0;
     run->time = malloc(bytes);
     run->strain = malloc(bytes);
     run->force = malloc(bytes);
     run->count = malloc(bytes);
     if (!run->time || !run->strain || !run->force || !run->count)
         return PALP_ERR_NO_MEMORY;
-    double still_since = rec->time_s[0], reference = rec->depth_m[0], peak = 0.0;
-    for (size_t first = 0; first < rec->n;) {
-        size_t end = first + 1;
-        bool take = counts(rec, settings, first);
-        if (fabs(rec->depth_m[first] - reference) > 1e-3 * rec->deepest_m) {
-            reference = rec->depth_m[first];
-            still_since = rec->time_s[first];
-        }
-        while (end < rec->n && counts(rec, settings, end) == take && same_block(rec, first, end, still_since))
-            end++;
-        add_block(run, rec, first, end, take);
-        peak = fmax(peak, fabs(run->force[run->n - 1]));
-        first = end;
-    }
+    cut(run, rec, settings);
+    for (size_t i = 0; i < run->n; i++)
+        peak = fmax(peak, fabs(run->force[i]));
     run->noise = fmax(rec->noise_N, 1e-6 * peak);
     run->zero_sd = rec->zero_sd_N;
+    bool exact = rec->contact_rule == PALP_CONTACT_FREE_AIR && rec->contact_m == 0.0; /* nothing spoke against it */
+    run->contact_sd = exact ? 0.0 : rec->contact_sd_m / rec->height_m;
     run->end = rec->time_s[rec->n - 1] - rec->time_s[0];
+    run->peak = peak;
     return run->noise > 0.0 ? PALP_OK : PALP_ERR_INPUT;
 }
 
@@ -103,7 +134,9 @@ static palp_status choose_spring(fit_problem *p, palp_error *error) {
     else
         p->law = s->law;
     p->n_springs = s->spring == PALP_SPRING_PER_RUN ? p->n_runs : p->law.n;
-    if (p->n_springs == 0 || s->n_arms > PALP_ARMS_MAX || fit_parameter_count(p) > FIT_PARAMETERS_MAX)
+    if (p->n_springs == 0)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a law without coefficients cannot be fitted");
+    if (s->n_arms > PALP_ARMS_MAX || fit_parameter_count(p) > FIT_PARAMETERS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "too many parameters for one fit");
     return status;
 }
@@ -128,6 +161,7 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
             status = make_run(&p->run[r], rec, settings);
         p->n_blocks += p->run[r].n;
         p->strain_max = fmax(p->strain_max, rec->deepest_m / rec->height_m);
+        p->stiffness = fmax(p->stiffness, p->run[r].peak * rec->height_m / rec->deepest_m);
     }
     if (!status)
         status = choose_spring(p, error);

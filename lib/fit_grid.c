@@ -134,8 +134,8 @@ static palp_status fit_each(size_t n, const palp_recording *recordings, const pa
     return status;
 }
 
-static palp_status grid_result(size_t n, const palp_recording *recordings, const palp_lumped_fit *fits,
-                               palp_lumped_fit *fit) {
+static palp_status grid_result(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+                               const palp_lumped_fit *fits, palp_lumped_fit *fit) {
     double middle = 0.0;
     fit->n_runs = n;
     fit->spring_N = malloc(n * sizeof(double));
@@ -149,20 +149,7 @@ static palp_status grid_result(size_t n, const palp_recording *recordings, const
     }
     palp_status status = palp_law_polynomial(1, &middle, &fit->material.law);
     fit->converged = true;
-    for (size_t r = 0; r < n && !status; r++) {
-        double square = 0.0, used = 0.0, *force = malloc(recordings[r].n * sizeof *force);
-        status = force ? palp_lumped_fit_force(fit, r, &recordings[r], force) : PALP_ERR_NO_MEMORY;
-        for (size_t i = 0; i < recordings[r].n && !status; i++)
-            if (recordings[r].use[i] && recordings[r].depth_m[i] > 0.0) {
-                double miss = force[i] - recordings[r].force_N[i];
-                square += miss * miss;
-                fit->absolute_N[r] += fabs(miss);
-                used += 1.0;
-            }
-        fit->rms_N[r] = used > 0.0 ? sqrt(square / used) : 0.0;
-        free(force);
-    }
-    return status;
+    return status ? status : fit_fill_residuals(n, recordings, settings, fit);
 }
 
 palp_status palp_fit_grid(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
@@ -182,7 +169,7 @@ palp_status palp_fit_grid(size_t n, const palp_recording *recordings, const palp
     if (!status)
         status = search(&p, fits, fit);
     if (!status)
-        status = grid_result(n, recordings, fits, fit);
+        status = grid_result(n, recordings, &each, fits, fit);
     for (size_t r = 0; fits && r < n; r++)
         palp_lumped_fit_free(&fits[r]);
     free(fits);

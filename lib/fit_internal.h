@@ -14,7 +14,9 @@ typedef struct fit_run {
     double *count;                 /* [n] samples; 0 = the block only carries the history */
     double noise;                  /* sd of a sample, N, > 0 */
     double zero_sd;                /* of the force that was taken for zero, N */
+    double contact_sd;             /* of the strain, by the depth that was taken for contact */
     double end;                    /* last time from the start, s */
+    double peak;                   /* largest |force| of a block, N */
 } fit_run;
 
 typedef struct fit_problem {
@@ -22,6 +24,7 @@ typedef struct fit_problem {
     fit_run *run;
     const palp_fit_settings *settings;
     double height_m, strain_max;
+    double stiffness;        /* largest force by depth of all runs, N: what is large and small */
     double tau_min, tau_max;
     size_t n_springs;        /* parameters of the spring */
     palp_law law;            /* kind and shape; a constant with PALP_SPRING_PER_RUN */
@@ -35,6 +38,9 @@ enum { FIT_PARAMETERS_MAX = 512 };
 palp_status fit_problem_create(fit_problem *problem, size_t n, const palp_recording *recordings,
                                const palp_fit_settings *settings, palp_error *error);
 void fit_problem_free(fit_problem *problem);
+
+/* Whether sample i speaks for the parameters: not masked, not in the air, nor on the ramp with hold_only. */
+bool fit_counts(const palp_recording *recording, const palp_fit_settings *settings, size_t i);
 
 size_t fit_parameter_count(const fit_problem *problem);
 
@@ -58,5 +64,9 @@ palp_status fit_solve(fit_problem *problem, double *p, double *chi2, bool *conve
 /* The law of a parameter vector, and the whole material with the arms in order of tau. */
 palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);
+
+/* rms_N and absolute_N, which are 0 so far, of the fit's material over the samples that count. */
+palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+                               palp_lumped_fit *fit);
 
 #endif

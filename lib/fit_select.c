@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FOLDS = 5, GROUPS = 40, CANDIDATES_MAX = PALP_ARMS_MAX + 1 };
+enum { FOLDS = 5, GROUPS = 40 };
 
 /* Blocks in groups (of one recording, neighbours in log time), groups in folds. With three recordings and
  * one law for all, a fold is a recording. */
@@ -70,9 +70,9 @@ static palp_status score_fold(const folds *f, fit_problem *p, size_t fold, const
 static palp_status score_candidate(folds *f, fit_problem *p, double *loss) {
     double chi2, *count = calloc(f->n_groups, sizeof *count);
     size_t n = fit_parameter_count(p);
-    double *whole = calloc(2 * n, sizeof *whole), *v = whole + n;
+    double *whole = calloc(n + 1, sizeof *whole), *v = calloc(n + 1, sizeof *v);
     bool done;
-    palp_status status = whole && count ? fit_solve(p, whole, &chi2, &done) : PALP_ERR_NO_MEMORY;
+    palp_status status = whole && v && count ? fit_solve(p, whole, &chi2, &done) : PALP_ERR_NO_MEMORY;
     for (size_t fold = 0; fold < f->n_folds && !status; fold++) {
         for (size_t i = 0; i < p->n_blocks; i++)
             f->held_out[i] = f->fold[f->group[i]] == fold;
@@ -87,20 +87,41 @@ static palp_status score_candidate(folds *f, fit_problem *p, double *loss) {
         loss[g] = count[g] > 0.0 ? loss[g] / count[g] : 0.0;
     free(count);
     free(whole);
+    free(v);
     return status;
 }
 
-/* Mean losses; sd of the paired difference to the best; the first candidate within two sds of the best, or
- * within a fifth of its mean square (a tenth in rms): less than that is not worth a parameter. */
+/* Mean over the groups of log(loss of a / loss of b), and its standard error: the logarithm keeps a few
+ * groups of a large loss, a corner or a first sample, from hiding all others. */
+static double log_ratio(const folds *f, size_t a, size_t b, double *error) {
+    double sum = 0.0, square = 0.0, used = 0.0;
+    for (size_t g = 0; g < f->n_groups; g++) {
+        double x = f->loss[a * f->n_groups + g], y = f->loss[b * f->n_groups + g];
+        if (!(x > 0.0) || !(y > 0.0))
+            continue;
+        double d = log(x / y);
+        sum += d;
+        square += d * d;
+        used += 1.0;
+    }
+    double mean = used > 0.0 ? sum / used : 0.0;
+    *error = used > 1.0 ? sqrt(fmax(square / used - mean * mean, 0.0) / (used - 1.0)) : HUGE_VAL;
+    return mean;
+}
+
+/* Mean losses, and the standard error of the difference to the best. Chosen: the first candidate whose
+ * losses are typically within two standard errors of the best one's, or within a fifth (a tenth in rms):
+ * less than that is not worth a parameter. */
 static size_t choose(const folds *f, size_t candidates, double *score, double *sd) {
-    size_t best = 0, chosen, used = 0;
+    size_t best = 0, chosen = 0, used = 0;
+    double error;
     for (size_t g = 0; g < f->n_groups; g++)
         used += f->loss[g] > 0.0;
     for (size_t c = 0; c < candidates; c++) {
         score[c] = 0.0;
         for (size_t g = 0; g < f->n_groups; g++)
             score[c] += f->loss[c * f->n_groups + g] / (double)used;
-        if (score[c] < score[best])
+        if (log_ratio(f, c, best, &error) < 0.0)
             best = c;
     }
     for (size_t c = 0; c < candidates; c++) {
@@ -111,8 +132,8 @@ static size_t choose(const folds *f, size_t candidates, double *score, double *s
         }
         sd[c] = used > 1 ? sqrt(square / (double)(used - 1) / (double)used) : 0.0;
     }
-    for (chosen = 0; score[chosen] > fmax(score[best] + 2.0 * sd[chosen], 1.2 * score[best]); chosen++)
-        ;
+    while (chosen < best && log_ratio(f, chosen, best, &error) > fmax(2.0 * error, log(1.2)))
+        chosen++;
     return chosen;
 }
 
@@ -148,15 +169,15 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
 palp_status palp_select_arms(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
                              size_t max_arms, double *score, double *sd, size_t *best, palp_error *error) {
     if (max_arms > PALP_ARMS_MAX)
-        return PALP_ERR_LIMIT;
+        return palp_error_set(error, PALP_ERR_LIMIT, "%zu arms, at most %d", max_arms, PALP_ARMS_MAX);
     return select_best(n, recordings, settings, true, max_arms + 1, score, sd, best, error);
 }
 
 palp_status palp_select_degree(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
                                size_t max_degree, double *score, double *sd, size_t *best, palp_error *error) {
     if (max_degree + 1 > PALP_LAW_MAX)
-        return PALP_ERR_LIMIT;
+        return palp_error_set(error, PALP_ERR_LIMIT, "degree %zu, at most %d", max_degree, PALP_LAW_MAX - 1);
     if (settings->spring != PALP_SPRING_LAW)
-        return PALP_ERR_ARGUMENT;
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a degree is chosen for one law of all recordings");
     return select_best(n, recordings, settings, false, max_degree + 1, score, sd, best, error);
 }

@@ -112,9 +112,6 @@ static bool solve_choice(const scan *s, const size_t *arm, size_t n_arms, double
 static void keep(scan *s, const size_t *arm, const double *solution, double chi2) {
     const fit_problem *p = s->problem;
     size_t n = fit_parameter_count(p), at = s->found;
-    double scale = 0.0;
-    for (size_t k = 0; k < s->n_springs; k++)
-        scale = fmax(scale, fabs(solution[k]));
     for (size_t j = 0; j < p->n_arms; j++)
         if (solution[s->n_springs + j] <= 0.0)
             chi2 += s->total;
@@ -137,7 +134,7 @@ static void keep(scan *s, const size_t *arm, const double *solution, double chi2
             v[k] = p->law.coefficients[k] * (exponent ? 1.0 : fabs(solution[0]));
         }
     for (size_t j = 0; j < p->n_arms; j++) {
-        v[p->n_springs + 2 * j] = log(fmax(solution[s->n_springs + j], 1e-3 * scale));
+        v[p->n_springs + 2 * j] = log(fmax(solution[s->n_springs + j], 1e-3 * p->stiffness));
         v[p->n_springs + 2 * j + 1] = log(s->tau[arm[j]]);
     }
 }
@@ -194,8 +191,8 @@ static palp_status residuals(void *user, const double *v, double *residual, doub
 
 enum { GRID = 40 };
 
-/* log tau within its bounds, log K not below a millionth of the spring; K(e) >= 0 where asked. */
-static size_t constrain(const fit_problem *p, const double *start, double *row, double *floor) {
+/* log tau within its bounds, log K not below a millionth of the stiffness of all; K(e) > 0 where asked. */
+static size_t constrain(const fit_problem *p, double *row, double *floor) {
     size_t n = fit_parameter_count(p), rows = 0;
     double a[PALP_LAW_MAX] = {0};
     for (size_t j = 0; j < p->n_arms; j++) {
@@ -205,19 +202,19 @@ static size_t constrain(const fit_problem *p, const double *start, double *row, 
         row[rows * n + k + 1] = -1.0;
         floor[rows++] = -log(p->tau_max);
         row[rows * n + k] = 1.0;
-        floor[rows++] = log(1e-6 * (fabs(start[0]) + 1e-12));
+        floor[rows++] = log(1e-6 * p->stiffness);
     }
     bool spline = p->settings->spring == PALP_SPRING_LAW && p->law.kind == PALP_LAW_SPLINE;
     for (size_t i = 0; spline && i < p->law.n; i++) {
         row[rows * n + i] = 1.0;
-        floor[rows++] = 1e-6 * start[0];
+        floor[rows++] = 1e-6 * p->stiffness;
     }
     for (size_t i = 0; p->positive && !spline && i < GRID; i++) {
         double e = p->strain_max * ((double)i + 0.01) / GRID;
         palp_law_gradient(&p->law, e, a);
         for (size_t k = 0; k < p->law.n; k++)
             row[rows * n + k] = a[k] / e;
-        floor[rows++] = 1e-3 * fabs(start[0]);
+        floor[rows++] = 1e-3 * p->stiffness;
     }
     return rows;
 }
@@ -236,7 +233,7 @@ palp_status fit_polish(const fit_problem *p, double *v, double *chi2, bool *conv
                              .user = (void *)p,
                              .constraint = row,
                              .floor = floor};
-    problem.n_constraints = constrain(p, v, row, floor);
+    problem.n_constraints = constrain(p, row, floor);
     palp_status status = least_squares_solve(&problem, v, &norm, converged);
     *chi2 = norm * norm;
     free(row);

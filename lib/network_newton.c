@@ -5,10 +5,7 @@
 #include <string.h>
 
 static const double SLOW = 0.3;      /* a kept factor that contracts less is rebuilt */
-#ifndef NEARV
-#define NEARV 0
-#endif
-static const double NEAR = NEARV;      /* times the tolerance: from here the last step's factor may do */
+static const double NEAR = 1e3;      /* times the tolerance: so close, the last step's factor will do */
 static const double SHORTEST = 1e-7; /* energy line search: smallest step */
 static const double STUCK = 0.02;    /* residual line search: a shorter step is a standstill, not progress */
 enum { STANDSTILL = 6 };             /* full iterations in a row that bring next to nothing */

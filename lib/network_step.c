@@ -144,9 +144,10 @@ static palp_status approach(palp_network *net, double depth, palp_step_info *inf
 
 static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
     palp_status status = PALP_ERR_NOT_CONVERGED;
-    if (extrapolate(net, depth, time))
+    bool extrapolated = extrapolate(net, depth, time);
+    if (extrapolated)
         status = network_newton(net, info);
-    if (status && status != PALP_ERR_NO_MEMORY) {
+    if (status && status != PALP_ERR_NO_MEMORY && !(extrapolated && net->no_approach)) {
         status = predict_linear(net, depth);
         if (!status)
             status = network_newton(net, info);

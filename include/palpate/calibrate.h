@@ -48,7 +48,7 @@ typedef struct palp_static_settings {
     size_t max_evaluations;         /* of the curve */
     bool every_step;                /* solve every sample instead of error-controlled continuation */
     double curve_tolerance;         /* continuation: estimated interpolation error relative to the peak force;
-                                       0 = 1e-6, or 1e-5 for networks whose factors are dear */
+                                       0 = 1e-6, or 1e-4 for networks whose factors are dear */
     double stop_relative;           /* nlopt: stop when the residual changes less than this */
     palp_calibrate_progress progress; /* may be NULL; non-zero stops with ERR_STOPPED */
     void *user;

@@ -30,13 +30,13 @@ typedef struct palp_fit_settings {
 /* A per-recording constant spring, no arms, whole curve, 4 starts, 60 evaluations. */
 PALP_API palp_fit_settings palp_fit_settings_default(void);
 
-/* One fitted parameter. Intervals are 95 %, from the curvature at the optimum and the noise model; those
- * of arms are symmetric in the logarithm. */
+/* One fitted parameter. Intervals are 95 %, from the curvature at the optimum, the noise model, and the sd of
+ * zero force and of contact; those of arms are symmetric in the logarithm. */
 typedef struct palp_estimate {
     char name[48];          /* "K_inf [3]", "c2", "K_1", "b_1", "tau_1" */
     const char *unit;       /* "N", "N s", "s", "Pa" */
     double value, sd, low, high;
-    bool determined;        /* false: the interval spans more than a factor of 10, or zero for a K_inf */
+    bool determined;        /* false: the interval spans more than a factor of 10, or zero (springs; K_inf: or less) */
 } palp_estimate;
 
 /* Result of a fit; palp_lumped_fit_free. */
@@ -69,10 +69,11 @@ PALP_API palp_status palp_fit_lumped(size_t n, const palp_recording *recordings,
 PALP_API palp_status palp_fit_grid(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
                                    palp_lumped_fit *fit, palp_error *error);
 
-/* Held-out error for 0..max_arms arms (or, with by_degree, polynomials of degree 1..max for K): folds of
+/* Held-out error for 0..max_arms arms (or polynomials K of degree 0..max_degree; max + 1 scores): folds of
  * log-time (or depth) blocks of each recording, or whole recordings where there are three and more.
  * score[i]: mean squared held-out residual over the noise variance; sd[i]: standard error of its
- * difference to the best. *best: the smallest within two standard errors or a fifth of the best score. */
+ * difference to the best. *best: the first whose losses are typically (in the mean of their logarithms, fold
+ * group by fold group) within two standard errors, or a fifth, of the best one's. */
 PALP_API palp_status palp_select_arms(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
                                       size_t max_arms, double *score, double *sd, size_t *best, palp_error *error);
 PALP_API palp_status palp_select_degree(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,

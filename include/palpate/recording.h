@@ -15,9 +15,11 @@ typedef enum palp_recording_kind { PALP_RECORDING_STATIC, PALP_RECORDING_RAMP_HO
 
 /* How contact (depth 0) and zero force were found. */
 typedef enum palp_contact_rule {
-    PALP_CONTACT_GIVEN,     /* by the caller */
-    PALP_CONTACT_FREE_AIR,  /* mean force in the air is zero; contact where the force leaves its noise */
-    PALP_CONTACT_NOMINAL    /* no air: depth 0 and force as recorded; sd from the first samples */
+    PALP_CONTACT_GIVEN,     /* by the caller, or by the file's contact.rule (palpate import) */
+    PALP_CONTACT_FREE_AIR,  /* mean force in the air is zero; the recorded contact stands, as exact, unless the
+                               rising force leads back to a place more than 3 sd off: then that is contact */
+    PALP_CONTACT_NOMINAL    /* no air: depth 0 is contact and the rest there zero force, or else the force is as
+                               recorded; sd from the file's contact.sd_mm or the first of the rise */
 } palp_contact_rule;
 
 typedef struct palp_recording_settings {
@@ -25,7 +27,8 @@ typedef struct palp_recording_settings {
     bool contact_given;
     double contact_m;     /* recorded depth at contact, with contact_given */
     double spike_sigma;   /* a lone sample further than so many noise sd from both its neighbours is masked */
-    double clip_share;    /* this share of samples at exactly the extreme force counts as clipping */
+    double clip_share;    /* this share of samples at exactly the largest force, while the plate moves on,
+                             counts as clipping */
 } palp_recording_settings;
 
 /* contact found, spikes beyond 8 sd masked, clipping from 0.002 of the samples. */
@@ -41,21 +44,22 @@ typedef struct palp_recording {
     unsigned char *use;          /* [n] 0 = masked: a spike, clipped */
     double deepest_m;            /* largest depth */
     double ramp_start_s, ramp_end_s; /* first motion into the specimen: its start and its end */
+    bool settled;                    /* the file says that its depth and force are already relative to contact */
     palp_contact_rule contact_rule;
     double contact_m, contact_sd_m;  /* recorded depth at contact */
     double zero_N, zero_sd_N;        /* recorded force at zero */
     double noise_N;              /* sd of a sample's white noise, from differences */
-    double correlation;          /* lag-1 autocorrelation of the noise in the air or a detrended hold */
+    double correlation;          /* from sample to sample, of what straight lines leave of the end */
     double hum_Hz, hum_N;        /* strongest line in 45-65 Hz and its amplitude; 0 if none stands out */
     size_t n_spikes, n_clipped, n_gaps; /* gaps: time steps over 3 times the median */
     double longest_gap_s;
     bool faulted;                /* the file has end.fault */
-    bool uneven;                 /* time steps vary by more than 1 % (gaps aside) */
+    bool uneven;                 /* one time step in a hundred is off the median by over 1 % (gaps aside) */
 } palp_recording;
 
 /* Prepares an experiment; name is copied (the file's name, for messages). ERR_INPUT with a line for a
- * recording that cannot be used: depth in the wrong sign (force grows while depth falls), no motion, no
- * height, force that never leaves its noise. */
+ * recording that cannot be used: depth or force in the wrong sign, no motion, no height, force that never
+ * leaves its noise, fewer than 16 samples, numbers that are not finite, times that do not increase. */
 PALP_API palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,
                                             const palp_recording_settings *settings, palp_recording *recording,
                                             palp_error *error);

@@ -19,7 +19,7 @@ for key in palpate command law arms estimates correlation runs static arms_score
     filter total_absolute_residual_N; do
     grep -q "^  \"$key\":" out || fail "--json lacks $key"
 done
-[ "$(wc -l <err)" -eq 7 ] || fail "not one line for each run on stderr"
+[ "$(grep -c " samples; " err)" -eq 7 ] || fail "not one line for each run on stderr"
 grep -q 'static.csv: static press to 9.7.* mm.*contact.*+-.*(free air); zero.*+-.*noise' err || fail "findings: $(tail -n 1 err)"
 near "arms of auto" "$(grep -c '"tau_s"' joint.json)" 4 0 # two of the model, two shared
 near "K1" "$(estimate K_1 joint.json value)" 2.5847711 0.01

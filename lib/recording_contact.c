@@ -1,0 +1,164 @@
+/* recording_contact.c: where contact is and which force is zero. */
+#include "recording_internal.h"
+
+#include <math.h>
+
+/* The motion counts as begun, and a depth as past contact, at this share of the deepest. */
+static const double STARTED = 1e-3;
+
+double recording_mean(const palp_recording *r, size_t first, size_t n, size_t *used) {
+    double sum = 0.0, count = 0.0;
+    for (size_t i = first; i < first + n; i++)
+        if (r->use[i]) {
+            sum += r->force_N[i];
+            count += 1.0;
+        }
+    if (used)
+        *used = (size_t)count;
+    return count > 0.0 ? sum / count : 0.0;
+}
+
+/* Samples of rest or air at the start: the depth has not come past the larger of its start and zero. */
+static size_t quiet_start(const palp_recording *r, double deepest) {
+    double limit = fmax(r->depth_m[0], 0.0) + STARTED * (deepest - fmin(r->depth_m[0], 0.0));
+    size_t i = 0;
+    while (i < r->n && r->depth_m[i] <= limit)
+        i++;
+    return i;
+}
+
+/* First sample at half the largest force: on the first press, whatever comes later. */
+static size_t half_way(const palp_recording *r, double zero) {
+    double top = zero;
+    for (size_t i = 0; i < r->n; i++)
+        top = r->use[i] ? fmax(top, r->force_N[i]) : top;
+    size_t i = 0;
+    while (i + 1 < r->n && (!r->use[i] || r->force_N[i] - zero < 0.5 * (top - zero)))
+        i++;
+    return i;
+}
+
+/* First sample from which the force, averaged over a window, stays 4 sd above zero on its way up. */
+static size_t departure(const palp_recording *r, double zero) {
+    enum { WINDOW = 9 };
+    double limit = 4.0 * fmax(r->noise_N, 1e-12) * sqrt((double)WINDOW), sum = 0.0;
+    size_t end = half_way(r, zero), first = 0;
+    for (size_t i = 0; i <= end; i++) {
+        sum += r->use[i] ? r->force_N[i] - zero : 0.0;
+        if (i >= WINDOW)
+            sum -= r->use[i - WINDOW] ? r->force_N[i - WINDOW] - zero : 0.0;
+        if (sum <= limit)
+            first = i + 1;
+    }
+    return first <= end ? first : end;
+}
+
+/* Where a straight line through samples first to end - 1 crosses zero force, and its sd. */
+static double crossing(const palp_recording *r, size_t first, size_t end, double zero, double *sd) {
+    double n = 0.0, mx = 0.0, mf = 0.0, sxx = 0.0, sxf = 0.0;
+    for (size_t i = first; i < end; i++)
+        if (r->use[i]) {
+            n += 1.0;
+            mx += r->depth_m[i];
+            mf += r->force_N[i] - zero;
+        }
+    mx /= n;
+    mf /= n;
+    for (size_t i = first; i < end; i++)
+        if (r->use[i]) {
+            sxx += (r->depth_m[i] - mx) * (r->depth_m[i] - mx);
+            sxf += (r->depth_m[i] - mx) * (r->force_N[i] - zero - mf);
+        }
+    double slope = sxf / sxx, at = mx - mf / slope;
+    *sd = hypot(r->noise_N * sqrt(1.0 / n + (at - mx) * (at - mx) / sxx), r->zero_sd_N) / fabs(slope);
+    return at;
+}
+
+static size_t stretch_end(const palp_recording *r, size_t first, double length) {
+    size_t end = first;
+    while (end < r->n && r->depth_m[end] - r->depth_m[first] < length)
+        end++;
+    return end;
+}
+
+/* Where the rising force leads back to, by its first 3 % of the way. Where the first 6 % lead elsewhere the
+ * force bends, and it bends on within the noise: that counts three times. False: too few samples. */
+static bool extrapolate(const palp_recording *r, size_t first, double deepest, double zero, double *at, double *sd) {
+    size_t near = stretch_end(r, first, 0.03 * deepest), far = stretch_end(r, first, 0.06 * deepest);
+    double sd_far;
+    if (near < first + 5 || far < near + 5)
+        return false;
+    *at = crossing(r, first, near, zero, sd);
+    double bend = fabs(*at - crossing(r, first, far, zero, &sd_far));
+    *sd = hypot(*sd, 3.0 * fmax(bend - *sd, 0.0));
+    return isfinite(*at) && isfinite(*sd);
+}
+
+/* Mean of n samples of air or rest. Its sd is that of white noise, unless the means of ten parts differ by
+ * much more: drift, or noise that is not white. */
+static void find_zero(palp_recording *r, size_t n) {
+    enum { PARTS = 10 };
+    double part[PARTS], square = 0.0;
+    size_t used;
+    r->zero_N = recording_mean(r, 0, n, &used);
+    r->zero_sd_N = used ? r->noise_N / sqrt((double)used) : 0.0;
+    for (size_t k = 0; k < PARTS && n >= 10 * PARTS; k++) {
+        part[k] = recording_mean(r, k * (n / PARTS), n / PARTS, NULL) - r->zero_N;
+        square += part[k] * part[k];
+    }
+    double sd = sqrt(square / (PARTS - 1.0) / PARTS);
+    if (sd > 1.6 * r->zero_sd_N) /* by chance in one of two hundred */
+        r->zero_sd_N = sd;
+}
+
+/* Air up to where the force leaves; contact before depth 0 makes it end before the motion does. */
+static void find_zero_in_air(palp_recording *r, size_t quiet) {
+    find_zero(r, quiet);
+    for (int round = 0; round < 2; round++) {
+        size_t left = departure(r, r->zero_N);
+        find_zero(r, left < quiet ? left : quiet);
+    }
+}
+
+/* With air the recorded contact stands unless the rising force leads back to a place more than 3 sd off. */
+static void check_contact(palp_recording *r, double deepest) {
+    double at, sd;
+    if (!extrapolate(r, departure(r, r->zero_N), deepest, r->zero_N, &at, &sd))
+        return;
+    r->contact_sd_m = sd;
+    if (fabs(at) > 3.0 * sd)
+        r->contact_m = at;
+}
+
+/* Without, depth 0 is contact. How far that may be off is for the file to say, or else for the first of the
+ * rise. */
+static void trust_contact(palp_recording *r, size_t quiet, double deepest) {
+    double at, sd;
+    if (r->contact_sd_m == 0.0 && extrapolate(r, quiet, deepest, r->zero_N, &at, &sd))
+        r->contact_sd_m = hypot(sd, at);
+}
+
+void recording_find_contact(palp_recording *r, const palp_recording_settings *settings) {
+    enum { FEWEST = 20 };
+    double deepest = 0.0;
+    for (size_t i = 0; i < r->n; i++)
+        deepest = fmax(deepest, r->depth_m[i]);
+    size_t quiet = quiet_start(r, deepest);
+    bool air = quiet >= FEWEST && r->depth_m[0] < -STARTED * deepest;
+    if (air)
+        find_zero_in_air(r, quiet);
+    else if (quiet >= FEWEST / 2 && fabs(r->depth_m[0]) <= STARTED * deepest)
+        find_zero(r, quiet); /* the plate rests on the specimen */
+    if (settings->contact_given || r->settled) {
+        r->contact_rule = PALP_CONTACT_GIVEN;
+        r->contact_m = settings->contact_given ? settings->contact_m : 0.0;
+        r->contact_sd_m = settings->contact_given ? 0.0 : r->contact_sd_m;
+        r->zero_N = r->settled ? 0.0 : r->zero_N;
+    } else if (air) {
+        r->contact_rule = PALP_CONTACT_FREE_AIR;
+        check_contact(r, deepest);
+    } else {
+        r->contact_rule = PALP_CONTACT_NOMINAL;
+        trust_contact(r, quiet, deepest);
+    }
+}
