@@ -11,7 +11,7 @@ static const double Z95 = 1.959963984540054;
 
 palp_fit_settings palp_fit_settings_default(void) {
     return (palp_fit_settings){
-        .spring = PALP_SPRING_PER_RUN, .n_arms = 0, .hold_only = false, .starts = 4, .max_evaluations = 60};
+        .spring = PALP_SPRING_PER_RUN, .n_arms = 0, .hold_only = false, .starts = 4, .max_evaluations = 300};
 }
 
 void palp_lumped_fit_free(palp_lumped_fit *fit) {

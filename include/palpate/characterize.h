@@ -27,7 +27,7 @@ typedef struct palp_fit_settings {
     size_t max_evaluations; /* of one polish */
 } palp_fit_settings;
 
-/* A per-recording constant spring, no arms, whole curve, 4 starts, 60 evaluations. */
+/* A per-recording constant spring, no arms, whole curve, 4 starts, 300 evaluations. */
 PALP_API palp_fit_settings palp_fit_settings_default(void);
 
 /* One fitted parameter. Intervals are 95 %, from the curvature at the optimum, the noise model, and the sd of
