@@ -346,7 +346,7 @@ static palp_status solve_and_merge(fit_problem *p, double *v, curvature *c, palp
             return status;
         sort_arms(p, v);
         status = find_curvature(p, v, c);
-        if (status || p->n_arms < 2 || weakest_arm(p, v, c, inflation(c)) == p->n_arms)
+        if (status || !fit->converged || p->n_arms < 2 || weakest_arm(p, v, c, inflation(c)) == p->n_arms)
             return status;
         p->n_arms--;
         fit->n_merged++;
