@@ -72,7 +72,8 @@ static palp_status run_curve(stage *s, const palp_material *material, double *gr
 static palp_status polynomial_fit(size_t n, const double *x, const double *y, size_t degree, double *coefficients) {
     size_t columns = degree + 1;
     int m = (int)n, k = (int)columns, one = 1, info = 0, n_work = (int)(64 * columns);
-    double *a = malloc(n * columns * sizeof *a), *b = malloc(n * sizeof *b), *work = malloc((size_t)n_work * sizeof *work);
+    double *a = malloc(n * columns * sizeof *a), *b = malloc(n * sizeof *b);
+    double *work = malloc((size_t)n_work * sizeof *work);
     palp_status status = a && b && work && n > degree ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status) {
         for (size_t i = 0; i < n; i++) {

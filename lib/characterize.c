@@ -215,7 +215,8 @@ static size_t weakest_arm(const fit_problem *p, const double *v, const curvature
             break;
         size_t a = k + 1, b = k + 3;
         double apart = v[b] - v[a];
-        double sd = sqrt(fmax(c->covariance[a * n + a] + c->covariance[b * n + b] - 2.0 * c->covariance[a * n + b], 0.0));
+        double sd = sqrt(
+            fmax(c->covariance[a * n + a] + c->covariance[b * n + b] - 2.0 * c->covariance[a * n + b], 0.0));
         if (apart < 0.14 || apart < 2.0 * sd * widen)
             return j;
     }
@@ -260,7 +261,8 @@ static void estimate(const fit_problem *p, const double *v, double variance, siz
     name_estimate(p, i, e);
     double sd = sqrt(fmax(variance, 0.0));
     if (i < p->n_springs) {
-        *e = (palp_estimate){.unit = e->unit, .value = v[i], .sd = sd, .low = v[i] - Z95 * sd, .high = v[i] + Z95 * sd};
+        *e = (palp_estimate){
+            .unit = e->unit, .value = v[i], .sd = sd, .low = v[i] - Z95 * sd, .high = v[i] + Z95 * sd};
         name_estimate(p, i, e);
         e->determined = e->low > 0.0 || (p->settings->spring == PALP_SPRING_LAW && e->high < 0.0);
         return;
@@ -274,7 +276,8 @@ static void estimate(const fit_problem *p, const double *v, double variance, siz
     e->determined = 2.0 * Z95 * sd < log(10.0);
 }
 
-static palp_status fill_estimates(const fit_problem *p, const double *v, const curvature *c, palp_lumped_fit *fit) {
+static palp_status fill_estimates(const fit_problem *p, const double *v, const curvature *c,
+                                  palp_lumped_fit *fit) {
     size_t n = p->n_springs + 3 * p->n_arms;
     fit->n_estimates = n;
     fit->estimate = calloc(n, sizeof *fit->estimate);
@@ -286,20 +289,23 @@ static palp_status fill_estimates(const fit_problem *p, const double *v, const c
     double widen = fit->inflation * fit->inflation;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j <= i; j++)
-            fit->correlation[i * n + j] = widen * mapped(p, c->covariance, i, j) + mapped(p, c->systematic, i, j);
+            fit->correlation[i * n + j] =
+                widen * mapped(p, c->covariance, i, j) + mapped(p, c->systematic, i, j);
     for (size_t i = 0; i < n; i++)
         estimate(p, v, fit->correlation[i * n + i], i, &fit->estimate[i]);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < i; j++) {
             double sd = sqrt(fit->correlation[i * n + i] * fit->correlation[j * n + j]);
-            fit->correlation[i * n + j] = fit->correlation[j * n + i] = sd > 0.0 ? fit->correlation[i * n + j] / sd : 0.0;
+            fit->correlation[i * n + j] = fit->correlation[j * n + i] =
+                sd > 0.0 ? fit->correlation[i * n + j] / sd : 0.0;
         }
     for (size_t i = 0; i < n; i++)
         fit->correlation[i * n + i] = 1.0;
     return PALP_OK;
 }
 
-palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *rec, double *force_N) {
+palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *rec,
+                                  double *force_N) {
     palp_material material = fit->material;
     palp_status status = PALP_OK;
     if (fit->spring_N) {
@@ -310,7 +316,8 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
     palp_element_state state = {0};
     for (size_t i = 0; i < rec->n && !status; i++) {
         double strain = fmax(rec->depth_m[i], 0.0) / rec->height_m;
-        status = palp_element_advance(&material, &state, strain, i ? rec->time_s[i] - rec->time_s[i - 1] : 0.0, &state, NULL);
+        status = palp_element_advance(&material, &state, strain,
+                                      i ? rec->time_s[i] - rec->time_s[i - 1] : 0.0, &state, NULL);
         force_N[i] = state.force_N;
     }
     return status;
@@ -354,7 +361,8 @@ static palp_status solve_and_merge(fit_problem *p, double *v, curvature *c, palp
 }
 
 static palp_status finish(fit_problem *p, const double *v, const curvature *c, size_t n,
-                          const palp_recording *recordings, const palp_fit_settings *settings, palp_lumped_fit *fit) {
+                          const palp_recording *recordings, const palp_fit_settings *settings,
+                          palp_lumped_fit *fit) {
     fit->n_runs = n;
     fit->constrained = p->positive;
     fit->rms_N = calloc(n, sizeof(double));

@@ -1,6 +1,7 @@
 /* fit_blocks.c: recordings into blocks. */
 #include "file.h"
 #include "fit_internal.h"
+#include "recording_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,19 +26,36 @@ static double strain_of(const palp_recording *rec, size_t i) {
  * straight line, the slope of which is between low and high. */
 typedef struct straight {
     size_t from;
-    double low, high;
+    double low, high, tolerance;
 } straight;
+
+/* A two-thousandth of the way, or more for an encoder whose counts or jitter are coarser: the typical second
+ * difference of the depth, where it is not 0, unless only a few corners have one. */
+static palp_status path_tolerance(const palp_recording *rec, double *tolerance) {
+    double *bend = malloc(rec->n * sizeof *bend), least = 5e-4 * rec->deepest_m;
+    size_t m = 0;
+    if (!bend)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 1; i + 1 < rec->n; i++) {
+        double d = fabs(rec->depth_m[i - 1] - 2.0 * rec->depth_m[i] + rec->depth_m[i + 1]);
+        if (d > 1e-9 * rec->deepest_m)
+            bend[m++] = d;
+    }
+    double typical = m > rec->n / 500 + 4 ? recording_kth(bend, m, m / 2) : 0.0;
+    *tolerance = fmin(fmax(1.5 * typical, least), 10.0 * least);
+    free(bend);
+    return PALP_OK;
+}
 
 /* Takes sample i; false, and a new piece from the sample before, if i is not on the line: a corner. */
 static bool goes_straight(straight *s, const palp_recording *rec, size_t i) {
-    double tolerance = 5e-4 * rec->deepest_m;
     for (int fresh = 0; fresh < 2; fresh++) {
         double t = rec->time_s[i] - rec->time_s[s->from], way = rec->depth_m[i] - rec->depth_m[s->from];
-        s->low = fmax(s->low, (way - tolerance) / t);
-        s->high = fmin(s->high, (way + tolerance) / t);
+        s->low = fmax(s->low, (way - s->tolerance) / t);
+        s->high = fmin(s->high, (way + s->tolerance) / t);
         if (s->low <= s->high)
             return fresh == 0;
-        *s = (straight){.from = i - 1, .low = -HUGE_VAL, .high = HUGE_VAL};
+        *s = (straight){.from = i - 1, .low = -HUGE_VAL, .high = HUGE_VAL, .tolerance = s->tolerance};
     }
     return false;
 }
@@ -70,13 +88,17 @@ static void add_block(fit_run *run, const palp_recording *rec, size_t first, siz
 bool fit_counts(const palp_recording *rec, const palp_fit_settings *settings, size_t i) {
     if (!rec->use[i] || rec->depth_m[i] <= 0.0)
         return false;
-    return !(settings->hold_only && rec->kind == PALP_RECORDING_RAMP_HOLD && rec->time_s[i] < rec->ramp_end_s);
+    return !(settings->hold_only && rec->kind == PALP_RECORDING_RAMP_HOLD &&
+             rec->time_s[i] < rec->ramp_end_s);
 }
 
 /* Blocks of one recording. One that does not count, or that ends at a corner, leaves its last sample for the
  * history: the strain is linear between what is there. */
-static void cut(fit_run *run, const palp_recording *rec, const palp_fit_settings *settings) {
+static palp_status cut(fit_run *run, const palp_recording *rec, const palp_fit_settings *settings) {
     straight path = {.from = 0, .low = -HUGE_VAL, .high = HUGE_VAL};
+    palp_status status = path_tolerance(rec, &path.tolerance);
+    if (status)
+        return status;
     for (size_t first = 0, end; first < rec->n; first = end) {
         bool take = fit_counts(rec, settings, first), corner = false;
         size_t from = path.from;
@@ -90,6 +112,7 @@ static void cut(fit_run *run, const palp_recording *rec, const palp_fit_settings
         if (!take || (corner && end - first > 1))
             add_block(run, rec, end - 1, end, 0.0);
     }
+    return PALP_OK;
 }
 
 static palp_status make_run(fit_run *run, const palp_recording *rec, const palp_fit_settings *settings) {
@@ -101,12 +124,15 @@ static palp_status make_run(fit_run *run, const palp_recording *rec, const palp_
     run->count = malloc(bytes);
     if (!run->time || !run->strain || !run->force || !run->count)
         return PALP_ERR_NO_MEMORY;
-    cut(run, rec, settings);
+    palp_status status = cut(run, rec, settings);
+    if (status)
+        return status;
     for (size_t i = 0; i < run->n; i++)
         peak = fmax(peak, fabs(run->force[i]));
     run->noise = fmax(rec->noise_N, 1e-6 * peak);
     run->zero_sd = rec->zero_sd_N;
-    bool exact = rec->contact_rule == PALP_CONTACT_FREE_AIR && rec->contact_m == 0.0; /* nothing spoke against it */
+    bool exact =
+        rec->contact_rule == PALP_CONTACT_FREE_AIR && rec->contact_m == 0.0; /* nothing spoke against it */
     run->contact_sd = exact ? 0.0 : rec->contact_sd_m / rec->height_m;
     run->end = rec->time_s[rec->n - 1] - rec->time_s[0];
     run->peak = peak;
@@ -155,8 +181,8 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
     for (size_t r = 0; r < n && !status; r++) {
         const palp_recording *rec = &recordings[r];
         if (fabs(rec->height_m - p->height_m) > 1e-9)
-            status = palp_error_set(error, PALP_ERR_INPUT, "%s: specimen of %g mm among specimens of %g mm", rec->name,
-                                    1e3 * rec->height_m, 1e3 * p->height_m);
+            status = palp_error_set(error, PALP_ERR_INPUT, "%s: specimen of %g mm among specimens of %g mm",
+                                    rec->name, 1e3 * rec->height_m, 1e3 * p->height_m);
         if (!status)
             status = make_run(&p->run[r], rec, settings);
         p->n_blocks += p->run[r].n;
@@ -168,7 +194,8 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
     if (!status)
         bound_times(p, recordings);
     if (!status && p->n_blocks <= fit_parameter_count(p))
-        status = palp_error_set(error, PALP_ERR_INPUT, "%s: fewer samples than parameters", recordings[0].name);
+        status =
+            palp_error_set(error, PALP_ERR_INPUT, "%s: fewer samples than parameters", recordings[0].name);
     if (status)
         fit_problem_free(p);
     return status;

@@ -1,4 +1,5 @@
-/* fit_grid.c: the seed's own procedures, for comparison: polynomials of Table 4.1 and the grid of Section 4.3.3. */
+/* fit_grid.c: the seed's own procedures, for comparison: polynomials of Table 4.1 and the grid of
+ * Section 4.3.3. */
 #include "file.h"
 #include "fit_internal.h"
 #include "lapack.h"
@@ -13,7 +14,8 @@ palp_status palp_fit_polynomial(const palp_recording *rec, size_t degree, palp_l
         return PALP_ERR_ARGUMENT;
     int columns = (int)degree, one = 1, info = 0, n_work = (int)(64 * degree);
     double *a = malloc(rec->n * degree * sizeof *a), *b = malloc(rec->n * sizeof *b);
-    double *work = malloc((size_t)n_work * sizeof *work), top = rec->deepest_m / rec->height_m, c[PALP_LAW_MAX];
+    double *work = malloc((size_t)n_work * sizeof *work), top = rec->deepest_m / rec->height_m,
+           c[PALP_LAW_MAX];
     palp_status status = a && b && work ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < rec->n && !status; i++)
         if (rec->use[i] && rec->depth_m[i] > 0.0)
@@ -51,12 +53,13 @@ enum { STEPS = 21 }; /* 20 intervals */
 typedef struct grid {
     size_t n_arms;
     double low_k[2], step_k[2], low_b[2], step_b[2];
-    double *total;  /* sum of |residual| by combination, [STEPS^(2 n_arms)] */
-    double *curve;  /* [n_arms STEPS^2 longest] */
+    double *total; /* sum of |residual| by combination, [STEPS^(2 n_arms)] */
+    double *curve; /* [n_arms STEPS^2 longest] */
     size_t longest;
 } grid;
 
-static void range(size_t n, const palp_lumped_fit *fits, size_t arm, bool stiffness, double *low, double *step) {
+static void range(size_t n, const palp_lumped_fit *fits, size_t arm, bool stiffness, double *low,
+                  double *step) {
     double high = 0.0;
     *low = HUGE_VAL;
     for (size_t r = 0; r < n; r++) {
@@ -71,7 +74,8 @@ static void range(size_t n, const palp_lumped_fit *fits, size_t arm, bool stiffn
 static void arm_curves(grid *g, const fit_run *run) {
     for (size_t j = 0; j < g->n_arms; j++)
         for (size_t c = 0; c < STEPS * STEPS; c++) {
-            double k = g->low_k[j] + g->step_k[j] * (double)(c / STEPS), b = g->low_b[j] + g->step_b[j] * (double)(c % STEPS);
+            double k = g->low_k[j] + g->step_k[j] * (double)(c / STEPS),
+                   b = g->low_b[j] + g->step_b[j] * (double)(c % STEPS);
             double *curve = g->curve + (j * STEPS * STEPS + c) * g->longest;
             fit_arm_response(run, b / k, curve, NULL);
             for (size_t i = 0; i < run->n; i++)
@@ -128,8 +132,8 @@ static palp_status fit_each(size_t n, const palp_recording *recordings, const pa
     for (size_t r = 0; r < n && !status; r++) {
         status = palp_fit_lumped(1, &recordings[r], settings, &fits[r], error);
         if (!status && fits[r].material.n_arms != settings->n_arms)
-            status = palp_error_set(error, PALP_ERR_INPUT, "%s: does not tell %zu arms apart", recordings[r].name,
-                                    settings->n_arms);
+            status = palp_error_set(error, PALP_ERR_INPUT, "%s: does not tell %zu arms apart",
+                                    recordings[r].name, settings->n_arms);
     }
     return status;
 }

@@ -13,7 +13,8 @@ void fit_arm_response(const fit_run *run, double tau, double *response, double *
     double q = run->strain[0], dq = 0.0; /* the first sample's strain is applied at once */
     for (size_t i = 0; i < run->n; i++) {
         if (i > 0) {
-            double x = (run->time[i] - run->time[i - 1]) / tau, de = run->strain[i] - run->strain[i - 1], decay, mean;
+            double x = (run->time[i] - run->time[i - 1]) / tau, de = run->strain[i] - run->strain[i - 1],
+                   decay, mean;
             element_decay(x, &decay, &mean);
             dq = decay * dq + x * decay * q + (mean - decay) * de;
             q = decay * q + mean * de;
@@ -51,8 +52,8 @@ palp_status fit_material(const fit_problem *p, const double *v, palp_material *m
 }
 
 /* Spring force of run r and its derivatives by the spring's parameters. */
-static void spring(const fit_problem *p, const palp_law *law, const double *v, size_t r, double e, double *force,
-                   double *derivative) {
+static void spring(const fit_problem *p, const palp_law *law, const double *v, size_t r, double e,
+                   double *force, double *derivative) {
     if (p->settings->spring == PALP_SPRING_PER_RUN) {
         *force = v[r] * e;
         memset(derivative, 0, p->n_springs * sizeof *derivative);
@@ -89,7 +90,8 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
         const fit_run *run = &p->run[r];
         const double *arm = v + p->n_springs;
         for (size_t j = 0; j < p->n_arms; j++)
-            fit_arm_response(run, exp(arm[2 * j + 1]), response + 2 * j * longest, response + (2 * j + 1) * longest);
+            fit_arm_response(run, exp(arm[2 * j + 1]), response + 2 * j * longest,
+                             response + (2 * j + 1) * longest);
         for (size_t i = 0; i < run->n; i++) {
             size_t row = first + i;
             double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise, force;

@@ -174,7 +174,8 @@ palp_status palp_select_arms(size_t n, const palp_recording *recordings, const p
 }
 
 palp_status palp_select_degree(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
-                               size_t max_degree, double *score, double *sd, size_t *best, palp_error *error) {
+                               size_t max_degree, double *score, double *sd, size_t *best,
+                               palp_error *error) {
     if (max_degree + 1 > PALP_LAW_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "degree %zu, at most %d", max_degree, PALP_LAW_MAX - 1);
     if (settings->spring != PALP_SPRING_LAW)

@@ -11,13 +11,13 @@ enum { TIMES = 14, STARTS_MAX = 16 };
 /* Normal equations of springs and arms at fixed times on the grid. */
 typedef struct scan {
     const fit_problem *problem;
-    size_t n_springs;     /* columns of the spring: its parameters, or one for a law that is not linear */
-    size_t columns;       /* n_springs + TIMES */
+    size_t n_springs; /* columns of the spring: its parameters, or one for a law that is not linear */
+    size_t columns;   /* n_springs + TIMES */
     double tau[TIMES];
     double *gram, *right; /* [columns^2], [columns] */
     double total;         /* right-hand side's own square */
     double best[STARTS_MAX];
-    double *start;        /* [n_starts n_parameters] */
+    double *start; /* [n_starts n_parameters] */
     size_t n_starts, found;
 } scan;
 

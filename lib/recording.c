@@ -37,13 +37,14 @@ static palp_status copy_columns(palp_recording *r, const palp_experiment *e, pal
         r->force_N[i] = f[i];
         r->use[i] = 1;
         if (!isfinite(t[i]) || !isfinite(d[i]) || !isfinite(f[i]) || (i > 0 && !(t[i] > t[i - 1])))
-            return palp_error_set(error, PALP_ERR_INPUT, "%s: sample %zu: not finite, or time_s does not increase",
-                                  r->name, i + 1);
+            return palp_error_set(error, PALP_ERR_INPUT,
+                                  "%s: sample %zu: not finite, or time_s does not increase", r->name, i + 1);
     }
     return PALP_OK;
 }
 
-static void read_header(palp_recording *r, const palp_experiment *e, const palp_recording_settings *settings) {
+static void read_header(palp_recording *r, const palp_experiment *e,
+                        const palp_recording_settings *settings) {
     const char *text;
     double value;
     r->n = palp_experiment_rows(e);
@@ -104,19 +105,22 @@ static palp_status check_signs(const palp_recording *r, palp_error *error) {
             strongest = r->force_N[i] - before;
     }
     if (!(high > low))
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: depth_mm never changes: nothing was pressed", r->name);
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: depth_mm never changes: nothing was pressed",
+                              r->name);
     if (!(fabs(strongest) > 6.0 * r->noise_N))
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: force_N never leaves its noise: no contact", r->name);
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: force_N never leaves its noise: no contact",
+                              r->name);
     if (cov < 0.0)
         return palp_error_set(error, PALP_ERR_INPUT,
                               "%s: force_N grows while depth_mm falls: depth or force has the wrong sign "
                               "(palpate import --negate depth or force)",
                               r->name);
     if (strongest < 0.0 || !(high > 0.0))
-        return palp_error_set(error, PALP_ERR_INPUT,
-                              "%s: depth_mm and force_N fall under load: both have the wrong sign, or contact "
-                              "was not reached (palpate import --negate depth,force)",
-                              r->name);
+        return palp_error_set(
+            error, PALP_ERR_INPUT,
+            "%s: depth_mm and force_N fall under load: both have the wrong sign, or contact "
+            "was not reached (palpate import --negate depth,force)",
+            r->name);
     return PALP_OK;
 }
 
@@ -146,7 +150,8 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
     if (r->n < FEWEST)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: %zu samples are too few", r->name, r->n);
     if (!(r->height_m > 0.0))
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: no specimen.height_mm: give --specimen-height-mm", r->name);
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: no specimen.height_mm: give --specimen-height-mm",
+                              r->name);
     palp_status status = copy_columns(r, experiment, error);
     if (!status)
         status = look_at_times(r, &step);
@@ -162,7 +167,8 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
     recording_find_contact(r, settings);
     shift(r);
     if (!(r->deepest_m > 0.0) || r->deepest_m >= r->height_m)
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
+        return palp_error_set(error, PALP_ERR_INPUT,
+                              "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
                               1e3 * r->deepest_m, 1e3 * r->height_m);
     return recording_look_at_noise(r, step);
 }

@@ -83,7 +83,8 @@ static size_t stretch_end(const palp_recording *r, size_t first, double length) 
 
 /* Where the rising force leads back to, by its first 3 % of the way. Where the first 6 % lead elsewhere the
  * force bends, and it bends on within the noise: that counts three times. False: too few samples. */
-static bool extrapolate(const palp_recording *r, size_t first, double deepest, double zero, double *at, double *sd) {
+static bool extrapolate(const palp_recording *r, size_t first, double deepest, double zero, double *at,
+                        double *sd) {
     size_t near = stretch_end(r, first, 0.03 * deepest), far = stretch_end(r, first, 0.06 * deepest);
     double sd_far;
     if (near < first + 5 || far < near + 5)

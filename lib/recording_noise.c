@@ -133,12 +133,14 @@ void recording_mask_clipped(palp_recording *r, double share) {
 }
 
 /* The second half of the stretch at the end without motion, or of the recording, and of that the last. */
-static size_t still_tail(const palp_recording *r) {
+static size_t still_tail(const palp_recording *r, bool *still) {
     enum { FEWEST = 20, MOST = 8192 };
     size_t i = r->n - 1;
     while (i > 0 && fabs(r->depth_m[i - 1] - r->depth_m[r->n - 1]) < 1e-3 * r->deepest_m)
         i--;
-    size_t tail = r->n - i, half = tail > FEWEST ? (tail + 1) / 2 : r->n / 2;
+    size_t tail = r->n - i, half;
+    *still = tail > FEWEST;
+    half = *still ? (tail + 1) / 2 : r->n / 2;
     return r->n - (half < MOST ? half : MOST);
 }
 
@@ -154,9 +156,9 @@ static void detrend(const double *f, size_t n, double *x) {
 }
 
 /* The tail without a straight line through each of some pieces; masked samples become 0. */
-static double *detrended_tail(const palp_recording *r, size_t *n_out) {
+static double *detrended_tail(const palp_recording *r, size_t *n_out, bool *still) {
     enum { PIECES = 8 };
-    size_t first = still_tail(r), piece = (r->n - first) / PIECES;
+    size_t first = still_tail(r, still), piece = (r->n - first) / PIECES;
     *n_out = piece * PIECES;
     double *x = malloc((*n_out + 1) * sizeof *x);
     for (size_t p = 0; x && p < PIECES && piece > 0; p++)
@@ -194,14 +196,15 @@ static void strongest_line(palp_recording *r, const double *x, size_t n, double 
 
 palp_status recording_look_at_noise(palp_recording *r, double step) {
     size_t n;
-    double *x = detrended_tail(r, &n), own = 0.0, next = 0.0;
+    bool still;
+    double *x = detrended_tail(r, &n, &still), own = 0.0, next = 0.0;
     if (!x)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n; i++) {
         own += x[i] * x[i];
         next += i ? x[i] * x[i - 1] : 0.0;
     }
-    r->correlation = own > 0.0 ? next / own : 0.0;
+    r->correlation = still && own > 0.0 ? next / own : 0.0; /* what bends would look like noise */
     if (n >= 200 && step < 1.0 / 135.0 && !r->uneven && r->noise_N > 0.0) {
         double sd = sqrt(own / (double)n), around = 0.5 / ((double)n * step);
         strongest_line(r, x, n, step, 45.0, 65.0, 0.5);

@@ -49,7 +49,7 @@ typedef struct palp_recording {
     double contact_m, contact_sd_m;  /* recorded depth at contact */
     double zero_N, zero_sd_N;        /* recorded force at zero */
     double noise_N;              /* sd of a sample's white noise, from differences */
-    double correlation;          /* from sample to sample, of what straight lines leave of the end */
+    double correlation;          /* of the noise from sample to sample, in a still end; 0 without one */
     double hum_Hz, hum_N;        /* strongest line in 45-65 Hz and its amplitude; 0 if none stands out */
     size_t n_spikes, n_clipped, n_gaps; /* gaps: time steps over 3 times the median */
     double longest_gap_s;

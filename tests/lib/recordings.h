@@ -32,7 +32,8 @@ typedef struct take {
 
 /* One press of a 24 mm specimen: air at the ramp's speed, ramp, hold. */
 static inline palp_experiment *record(const take *t) {
-    size_t air = (size_t)lround(t->air_s * t->rate_Hz), n = air + 1 + (size_t)lround((t->ramp_s + t->hold_s) * t->rate_Hz);
+    size_t air = (size_t)lround(t->air_s * t->rate_Hz),
+           n = air + 1 + (size_t)lround((t->ramp_s + t->hold_s) * t->rate_Hz);
     palp_experiment *e;
     uint64_t state = t->seed;
     ck_assert_int_eq(palp_experiment_create(n, &e), PALP_OK);
@@ -44,7 +45,8 @@ static inline palp_experiment *record(const take *t) {
         time[i] = (double)i / t->rate_Hz;
         depth[i] = t->depth_mm * fmin(((double)i - (double)air) / t->rate_Hz / t->ramp_s, 1.0);
         double strain = fmax(depth[i], 0.0) / 24.0;
-        bad += palp_element_advance(&t->material, &s, strain, i ? 1.0 / t->rate_Hz : 0.0, &s, NULL) != PALP_OK;
+        bad +=
+            palp_element_advance(&t->material, &s, strain, i ? 1.0 / t->rate_Hz : 0.0, &s, NULL) != PALP_OK;
         force[i] = s.force_N + (t->noise_N > 0.0 ? t->noise_N * normal(&state) : 0.0);
     }
     ck_assert_int_eq(bad, 0);

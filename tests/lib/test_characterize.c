@@ -29,8 +29,15 @@ static double total(const palp_lumped_fit *f) {
 /* A depth of Table 4.3: 1 s of air, 1 s ramp, hold. 4 mN at 1 kHz is 1.8 mN at 200 Hz. */
 static palp_recording table_run(size_t q, double hold_s) {
     const double *row = TABLE[q];
-    take t = {two_arms(row[1], row[2], row[3], row[4], row[5]), row[0], 1.0, hold_s, 1.0, 200.0,
-              0.004 / sqrt(5.0), "ramp_hold", q + 1};
+    take t = {two_arms(row[1], row[2], row[3], row[4], row[5]),
+              row[0],
+              1.0,
+              hold_s,
+              1.0,
+              200.0,
+              0.004 / sqrt(5.0),
+              "ramp_hold",
+              q + 1};
     return prepare(record(&t));
 }
 
@@ -40,8 +47,10 @@ START_TEST(table_4_3_comes_back) {
         palp_lumped_fit f = fit(1, &r, with_arms(2));
         ck_assert_double_eq_tol(f.spring_N[0], TABLE[q][1], 0.002 * TABLE[q][1]);
         for (size_t j = 0; j < 2; j++) {
-            ck_assert_double_eq_tol(f.material.arms[j].stiffness_N, TABLE[q][2 + 2 * j], 0.03 * TABLE[q][2 + 2 * j]);
-            ck_assert_double_eq_tol(f.material.arms[j].viscosity_Ns, TABLE[q][3 + 2 * j], 0.03 * TABLE[q][3 + 2 * j]);
+            ck_assert_double_eq_tol(f.material.arms[j].stiffness_N, TABLE[q][2 + 2 * j],
+                                    0.03 * TABLE[q][2 + 2 * j]);
+            ck_assert_double_eq_tol(f.material.arms[j].viscosity_Ns, TABLE[q][3 + 2 * j],
+                                    0.03 * TABLE[q][3 + 2 * j]);
         }
         ck_assert(f.converged && f.n_merged == 0);
         ck_assert_double_eq_tol(f.reduced_chi2, 1.0, 0.2);

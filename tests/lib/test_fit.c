@@ -41,7 +41,8 @@ static void estimates_are(const palp_lumped_fit *f, const double *truth, const c
 }
 
 START_TEST(laws_come_back) {
-    const double area = 4.52e-4, mooney[2] = {4000.0, 1500.0}, yeoh[2] = {3000.0, 900.0}, ones[2] = {1.0, 1.0};
+    const double area = 4.52e-4, mooney[2] = {4000.0, 1500.0}, yeoh[2] = {3000.0, 900.0},
+                 ones[2] = {1.0, 1.0};
     palp_law truth, guess;
     palp_lumped_fit f = law_comes_back(polynomial(5, LAW), polynomial(5, (double[5]){1.0}));
     estimates_are(&f, LAW, "N");
@@ -61,7 +62,8 @@ END_TEST
 
 START_TEST(laws_that_are_not_linear_come_back) {
     const double area = 4.52e-4, ogden[2] = {2500.0, 7.0}, start[2] = {1000.0, 3.0};
-    const double knots[5] = {0.0, 0.1, 0.2, 0.3, 0.4}, k[5] = {8.2, 8.4, 9.0, 9.4, 11.0}, ones[5] = {1, 1, 1, 1, 1};
+    const double knots[5] = {0.0, 0.1, 0.2, 0.3, 0.4}, k[5] = {8.2, 8.4, 9.0, 9.4, 11.0},
+                 ones[5] = {1, 1, 1, 1, 1};
     palp_law truth, guess;
     ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_OGDEN, 2, ogden, area, &truth), PALP_OK);
     ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_OGDEN, 2, start, area, &guess), PALP_OK);
@@ -80,7 +82,8 @@ END_TEST
 
 START_TEST(hyperelastic_law_and_arms_at_once) {
     const double area = 4.52e-4, mooney[2] = {4000.0, 1500.0}, ones[2] = {1.0, 1.0};
-    palp_material m = two_arms(1.0, 0.02, 0.03, 0.01, 0.3); /* soft against a law in Pa: bounds must not care */
+    palp_material m =
+        two_arms(1.0, 0.02, 0.03, 0.01, 0.3); /* soft against a law in Pa: bounds must not care */
     ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_MOONEY_RIVLIN2, 2, mooney, area, &m.law), PALP_OK);
     palp_recording r[2];
     for (size_t q = 0; q < 2; q++) {
@@ -112,7 +115,8 @@ START_TEST(stiffness_is_kept_positive) {
             f = (f + c[k]) * strain;
         force[i] = f + 0.001 * normal(&state);
     }
-    palp_experiment_set_string(e, "contact.rule", "find_contact"); /* do not look for it where the force rises */
+    palp_experiment_set_string(e, "contact.rule",
+                               "find_contact"); /* do not look for it where the force rises */
     palp_recording r = prepare(e);
     palp_lumped_fit f = fit(1, &r, with_law(polynomial(5, (double[5]){1.0}), 0));
     ck_assert(f.constrained);
@@ -211,7 +215,8 @@ END_TEST
 START_TEST(force_is_that_of_the_material) {
     palp_recording r = one_press(20.0, 2);
     palp_lumped_fit f = fit(1, &r, with_arms(2));
-    double *ours = malloc(r.n * sizeof *ours), *known = malloc(r.n * sizeof *known), *depth = malloc(r.n * sizeof *depth);
+    double *ours = malloc(r.n * sizeof *ours), *known = malloc(r.n * sizeof *known),
+           *depth = malloc(r.n * sizeof *depth);
     ck_assert_int_eq(palp_lumped_fit_force(&f, 0, &r, ours), PALP_OK);
     ck_assert_int_eq(palp_lumped_fit_force(&f, 1, &r, ours), PALP_ERR_ARGUMENT);
     for (size_t i = 0; i < r.n; i++)
@@ -232,7 +237,8 @@ static void jacobian_is_right(size_t n, const palp_recording *r, palp_fit_settin
     fit_problem p;
     ck_assert_int_eq(fit_problem_create(&p, n, r, &s, NULL), PALP_OK);
     size_t parameters = fit_parameter_count(&p), m = p.n_blocks;
-    double *a = malloc(m * sizeof *a), *b = malloc(m * sizeof *b), *j = malloc(m * parameters * sizeof *j), w[16];
+    double *a = malloc(m * sizeof *a), *b = malloc(m * sizeof *b), *j = malloc(m * parameters * sizeof *j),
+           w[16];
     ck_assert_uint_le(parameters, 16);
     memcpy(w, v, parameters * sizeof *w);
     ck_assert_int_eq(fit_evaluate(&p, v, a, j), PALP_OK);

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-enum { REPEATS = 200, RUNS_MAX = 3, ESTIMATES_MAX = 16 };
+enum { REPEATS = 600, RUNS_MAX = 3, ESTIMATES_MAX = 16 };
 
 /* The truth of estimate i of a fit of n runs: springs of 9.0, 9.3 ... N, then K, b, tau of each arm. */
 static double truth(const palp_material *m, size_t n, size_t i) {

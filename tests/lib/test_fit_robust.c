@@ -1,7 +1,8 @@
 /* test_fit_robust.c: recordings with something wrong with them are told so and still give the answer. */
 #include "recordings.h"
 
-static const double TRUTH[7] = {8.9, 2.3, 3.5, 3.5 / 2.3, 0.63, 21.0, 21.0 / 0.63}; /* as the estimates are ordered */
+static const double TRUTH[7] = {8.9,  2.3,  3.5,        3.5 / 2.3,
+                                0.63, 21.0, 21.0 / 0.63}; /* as the estimates are ordered */
 
 static take press(uint64_t seed) {
     return (take){two_arms(8.9, 2.3, 3.5, 0.63, 21.0), 5.0, 1.0, 150.0, 1.0, 500.0, 0.004, "ramp_hold", seed};
@@ -13,8 +14,8 @@ static void answer_is(const palp_recording *r, double spring, double arms) {
     ck_assert_uint_eq(f.n_merged, 0);
     for (size_t i = 0; i < 7; i++) {
         double share = i == 0 ? spring : arms, z = (f.estimate[i].value - TRUTH[i]) / f.estimate[i].sd;
-        ck_assert_msg(fabs(f.estimate[i].value / TRUTH[i] - 1.0) < share, "%s: %g, not %g", f.estimate[i].name,
-                      f.estimate[i].value, TRUTH[i]);
+        ck_assert_msg(fabs(f.estimate[i].value / TRUTH[i] - 1.0) < share, "%s: %g, not %g",
+                      f.estimate[i].name, f.estimate[i].value, TRUTH[i]);
         ck_assert_msg(fabs(z) < 4.0, "%s: %g is %g sd off", f.estimate[i].name, f.estimate[i].value, z);
     }
     palp_lumped_fit_free(&f);
@@ -76,7 +77,8 @@ START_TEST(mains_hum) {
 END_TEST
 
 START_TEST(a_lost_second) {
-    static const double lost[3][2] = {{30.0, 31.0}, {2.2, 3.2}, {1.4, 1.7}}; /* in the hold, early in it, on the ramp */
+    static const double lost[3][2] = {
+        {30.0, 31.0}, {2.2, 3.2}, {1.4, 1.7}}; /* in the hold, early in it, on the ramp */
     for (size_t k = 0; k < 3; k++) {
         take t = press(3);
         palp_recording r = prepare(without(record(&t), lost[k][0], lost[k][1]));

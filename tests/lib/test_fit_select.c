@@ -7,7 +7,8 @@ static palp_material arms(size_t n) {
     return m;
 }
 
-static size_t selected(size_t n, const palp_recording *r, palp_fit_settings s, size_t max_arms, double *score) {
+static size_t selected(size_t n, const palp_recording *r, palp_fit_settings s, size_t max_arms,
+                       double *score) {
     size_t best = 99;
     double sd[PALP_ARMS_MAX + 1];
     palp_error error = {PALP_OK, ""};
@@ -91,7 +92,8 @@ START_TEST(bad_requests_are_refused) {
     palp_error error = {PALP_OK, ""};
     double score[PALP_LAW_MAX + 1], sd[PALP_LAW_MAX + 1];
     size_t best;
-    ck_assert_int_eq(palp_select_arms(1, &r, &s, PALP_ARMS_MAX + 1, score, sd, &best, &error), PALP_ERR_LIMIT);
+    ck_assert_int_eq(palp_select_arms(1, &r, &s, PALP_ARMS_MAX + 1, score, sd, &best, &error),
+                     PALP_ERR_LIMIT);
     ck_assert_int_eq(palp_select_degree(1, &r, &s, 3, score, sd, &best, &error), PALP_ERR_ARGUMENT);
     s.spring = PALP_SPRING_LAW;
     ck_assert_int_eq(palp_select_degree(1, &r, &s, PALP_LAW_MAX, score, sd, &best, &error), PALP_ERR_LIMIT);
