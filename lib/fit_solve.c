@@ -1,6 +1,5 @@
 /* fit_solve.c: first guesses by a scan over relaxation times, polished by NLopt. */
 #include "fit_internal.h"
-#include "lapack.h"
 
 #include <math.h>
 #include <stdlib.h>
