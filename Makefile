@@ -35,6 +35,8 @@ SUITESPARSE_LIBS   ?= -lcholmod -lamd -lcolamd -lsuitesparseconfig
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --libs lapack blas 2>/dev/null || echo -llapack -lblas)
 DEP_CFLAGS := $(SUITESPARSE_CFLAGS) $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags nlopt jansson 2>/dev/null))
 LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs nlopt jansson 2>/dev/null || echo -lnlopt -ljansson) $(BLAS_LIBS) -lm
+SERIAL_CFLAGS := $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags libserialport 2>/dev/null))
+SERIAL_LIBS  = $(shell $(PKG_CONFIG) --libs libserialport 2>/dev/null || echo -lserialport)
 CHECK_LIBS  = $(shell $(PKG_CONFIG) --libs check 2>/dev/null || echo -lcheck)
 CMOCKA_LIBS = $(shell $(PKG_CONFIG) --libs cmocka 2>/dev/null || echo -lcmocka)
 
@@ -57,11 +59,14 @@ LIB_SRC    := $(wildcard lib/*.c)
 TOOL_SRC   := $(wildcard tools/*.c)
 LIB_TESTS  := $(wildcard tests/lib/test_*.c)
 TOOL_TESTS := $(wildcard tests/tools/test_*.c)
+CORE_SRC   := $(wildcard firmware/core/*.c) firmware/board/plant_link.c
+CORE_TESTS := $(wildcard tests/firmware/test_*.c)
 BENCHES    := $(wildcard bench/bench_*.c)
 EXAMPLES   := $(wildcard examples/*.c)
 # Other .c files beside tests and benches are helpers, linked into each of them.
 LIB_TEST_HELP  := $(filter-out $(LIB_TESTS),$(wildcard tests/lib/*.c))
-TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS),$(wildcard tests/tools/*.c))
+TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS) tests/tools/serial_shim.c,$(wildcard tests/tools/*.c))
+CORE_TEST_HELP := $(filter-out $(CORE_TESTS),$(wildcard tests/firmware/*.c))
 BENCH_HELP     := $(filter-out $(BENCHES),$(wildcard bench/*.c))
 HEADERS := $(wildcard include/palpate/*.h)
 MAN_SRC := $(wildcard doc/*.scd)
@@ -69,10 +74,11 @@ MAN_SRC := $(wildcard doc/*.scd)
 obj  = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 prog = $(patsubst %.c,$(BUILD)/%,$(1))
 STATIC := $(BUILD)/libpalpate.a
+CORE   := $(BUILD)/libindenter.a
 SONAME := libpalpate.so.$(SOVERSION)
 SHARED := $(BUILD)/libpalpate.so.$(VERSION)
 TOOL   := $(BUILD)/palpate
-TEST_PROGRAMS := $(call prog,$(LIB_TESTS) $(TOOL_TESTS))
+TEST_PROGRAMS := $(call prog,$(LIB_TESTS) $(TOOL_TESTS) $(CORE_TESTS))
 ifneq ($(V),1)
 Q := @
 note = @echo "  $(1)"
@@ -80,10 +86,10 @@ endif
 
 # ---- building ------------------------------------------------------------------------------------
 .PHONY: all static shared programs tests FORCE
-all: static shared $(TOOL) ## the static and shared library and the palpate command, under build/
+all: static shared $(TOOL) firmware-host ## the static and shared library and the palpate command, under build/
 static: $(STATIC)
 shared: $(SHARED)
-tests: $(TEST_PROGRAMS) $(TOOL)
+tests: $(TEST_PROGRAMS) $(TOOL) firmware-host
 programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES))
 
 # Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
@@ -95,7 +101,10 @@ $(BUILD)/flags: FORCE
 
 # Tools and examples see the public headers only; tests and benches also the internal ones.
 $(BUILD)/obj/lib/%.o: EXTRA := -Ilib
-$(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o: EXTRA := -Itools
+FIRMWARE_FLAGS := -Ifirmware/core -Ifirmware/board
+$(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS)
+# The firmware's own code as this machine runs it; the images for the board are firmware.mk's.
+$(BUILD)/obj/firmware/%.o: EXTRA := $(FIRMWARE_FLAGS)
 $(BUILD)/obj/tests/lib/%.o $(BUILD)/obj/bench/%.o: EXTRA := -Ilib
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -103,6 +112,12 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	$(Q)$(CC) $(ALL_CPPFLAGS) $(EXTRA) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 
 $(STATIC): $(call obj,$(LIB_SRC))
+	$(call note,AR   $@)
+	@rm -f $@
+	$(Q)$(AR) rcs $@ $^
+
+# The part of the firmware that knows no registers: the plant shares its sensor, the tests run it.
+$(CORE): $(call obj,$(CORE_SRC))
 	$(call note,AR   $@)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $^
@@ -116,18 +131,27 @@ $(SHARED): $(call obj,$(LIB_SRC)) lib/palpate.map
 
 # Programs. A line "/* link: FLAGS */" in a program's source adds linker flags, e.g. -Wl,--wrap=malloc.
 own_flags = $(shell sed -n 's,^/\* link: \(.*\) \*/$$,\1,p' $*.c 2>/dev/null)
-link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o $@ $(filter %.o,$^) $(STATIC) $(1) $(LIBS)
+link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o $@ $(filter %.o,$^) $(filter $(CORE),$^) $(STATIC) $(1) $(LIBS)
 
-$(TOOL): $(call obj,$(TOOL_SRC)) $(STATIC)
+$(TOOL): $(call obj,$(TOOL_SRC)) $(CORE) $(STATIC)
 	$(call note,LD   $@)
-	$(call link)
+	$(call link,$(SERIAL_LIBS))
 $(filter $(BUILD)/tests/lib/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(LIB_TEST_HELP)) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(CHECK_LIBS))
 $(filter $(BUILD)/tests/tools/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(TOOL_TEST_HELP)) \
-    $(call obj,$(filter-out tools/palpate.c,$(TOOL_SRC))) $(STATIC)
+    $(call obj,$(filter-out tools/palpate.c,$(TOOL_SRC))) $(CORE) $(STATIC)
 	$(call note,LD   $@)
-	$(call link,$(CMOCKA_LIBS))
+	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS))
+$(filter $(BUILD)/tests/firmware/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(CORE_TEST_HELP)) \
+    $(call obj,$(filter-out tools/palpate.c,$(TOOL_SRC))) $(CORE) $(STATIC)
+	$(call note,LD   $@)
+	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS))
+# Lets libserialport, which opens no PTY, open one.
+$(BUILD)/tests/tools/serial_shim.so: tests/tools/serial_shim.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(Q)$(CC) -std=c99 $(WARNINGS) -O2 -fPIC -shared -o $@ $< -ldl
+$(BUILD)/tests/tools/test_serial: | $(BUILD)/tests/tools/serial_shim.so
 $(call prog,$(BENCHES)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(BENCH_HELP)) $(STATIC)
 	$(call note,LD   $@)
 	$(call link)
@@ -135,8 +159,10 @@ $(call prog,$(EXAMPLES)): $(BUILD)/%: $(BUILD)/obj/%.o $(STATIC)
 	$(call note,LD   $@)
 	$(call link)
 
-ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(wildcard tests/lib/*.c tests/tools/*.c bench/*.c) $(EXAMPLES)
+ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/lib/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES)
 -include $(patsubst %.o,%.d,$(call obj,$(ALL_SRC)))
+
+-include firmware/firmware.mk
 
 # ---- running -------------------------------------------------------------------------------------
 # These install what is missing first; make then starts anew, since pkg-config may only now be there.
@@ -147,7 +173,7 @@ again = +@$(MAKE) --no-print-directory $(JOBS)
 demo: ## calibrates a network on the seed's phantom and plots how it converged
 	@tools/install-deps demo
 	$(again) demo-run
-demo-run: $(TOOL)
+demo-run: $(TOOL) firmware-host $(if $(HAS_ARM),firmware)
 	@PALPATE=$(TOOL) tools/demo.sh
 check: ## every test, with gcc, clang and the sanitizers; ends with "N passed, N failed"
 	@tools/install-deps check
@@ -182,6 +208,9 @@ install: all ## into PREFIX (default /usr/local), under DESTDIR if given
 	install -m 755 $(TOOL) '$(D)$(BINDIR)'
 	install -m 644 $(HEADERS) '$(D)$(INCLUDEDIR)/palpate'
 	install -m 644 $(STATIC) $(SHARED) '$(D)$(LIBDIR)'
+	install -d '$(D)$(LIBDIR)/palpate'
+	install -m 755 $(FW)/indenter_host '$(D)$(LIBDIR)/palpate'
+	if [ -e $(FW)/rig.elf ]; then install -m 644 $(FW)/rig.elf $(FW)/indenter.elf '$(D)$(LIBDIR)/palpate'; fi
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/libpalpate.so'
 	@sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR:$(PREFIX)/%=$${prefix}/%)|' -e 's|@VERSION@|$(VERSION)|' \
@@ -197,7 +226,8 @@ uninstall: ## removes what install put there
 	rm -f $(foreach f,$(notdir $(STATIC) $(SHARED)) $(SONAME) libpalpate.so,'$(D)$(LIBDIR)/$(f)')
 	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
-	-rmdir '$(D)$(INCLUDEDIR)/palpate'
+	rm -f $(foreach f,indenter_host rig.elf indenter.elf,'$(D)$(LIBDIR)/palpate/$(f)')
+	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(LIBDIR)/palpate'
 
 # ---- the rest ------------------------------------------------------------------------------------
 .PHONY: dist symbols clean help

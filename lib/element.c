@@ -15,6 +15,8 @@ void element_step_prepare(const palp_material *material, double dt, element_step
     step->dt = dt;
     step->dashpot = material->dashpot_Ns > 0.0 ? material->dashpot_Ns / dt : 0.0;
     step->carry = 0.0;
+    step->boost = 1.0;
+    step->wear = NULL;
     bool sedef = material->formulation == PALP_SEDEF2008;
     for (size_t j = 0; j < material->n_arms; j++) {
         const palp_arm *arm = &material->arms[j];
@@ -99,6 +101,22 @@ static void nonlinear_arm(const palp_material *material, const element_step *ste
     }
 }
 
+/* The springs as wear and boost make them, in place of the law's. */
+static void change_springs(const palp_material *material, const element_step *step, size_t n, const double *e,
+                           const element_history *old, element_history *new, double *force, double *tangent) {
+    for (size_t i = 0; i < n; i++) {
+        if (step->wear) {
+            element_worn spring;
+            element_worn_force(&material->law, step->wear, e[i], old->peak[i], &spring);
+            new->peak[i] = spring.peak;
+            force[i] = spring.force;
+            tangent[i] = spring.by_strain;
+        }
+        force[i] *= step->boost;
+        tangent[i] *= step->boost;
+    }
+}
+
 void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
                    const element_history *old, element_history *new, double *force, double *tangent) {
     palp_law_force(&material->law, n, e, force, tangent, NULL);
@@ -106,6 +124,8 @@ void element_trial(const palp_material *material, const element_step *step, size
         new->strain[i] = e[i];
         new->elastic[i] = force[i];
     }
+    if (step->wear || step->boost != 1.0)
+        change_springs(material, step, n, e, old, new, force, tangent);
     if (material->formulation == PALP_SEDEF2008 && material->n_arms > 0) {
         sedef_trial(material, step, n, e, old, force, tangent);
         return;
@@ -129,7 +149,7 @@ bool element_energy(const palp_material *material, const element_step *step, siz
     for (size_t j = 0; j < material->n_arms; j++)
         if (material->arms[j].gamma != 0.0)
             return false;
-    if (material->formulation == PALP_SEDEF2008 && material->n_arms > 0)
+    if ((material->formulation == PALP_SEDEF2008 && material->n_arms > 0) || step->wear || step->boost != 1.0)
         return false;
     palp_law_force(&material->law, n, e, work, NULL, energy);
     for (size_t i = 0; i < n; i++) {
@@ -163,6 +183,7 @@ element_partials element_arm_partials(const palp_material *material, const eleme
         .strain = gain * s.slope - by_x * (e < 0.0 ? -turn : turn),
         .strain_old = -gain * s_old.slope - by_x * (e_old < 0.0 ? -turn : turn),
         .arm_old = decay,
+        .drive = gain,
         .log_stiffness = gain * ds,
         .log_time = -by_x,
         .beta = 0.5 * gain * (e * fabs(e) - e_old * fabs(e_old)),

@@ -4,6 +4,14 @@
 
 #include <palpate/material.h>
 
+/* What loading leaves behind in a spring that has been at peak, the largest |e| so far: it sees
+ * (|e| - set peak) / (1 - set), 0 where that is negative, and its force is multiplied by
+ * 1 - softening erf((W(peak) - W) / (sharpness W(peak))), W the law's energy there. slack: share of the
+ * strain that it sees at least; a network without it would be a mechanism. */
+typedef struct element_wear {
+    double set, softening, sharpness, slack;
+} element_wear;
+
 /* Constants of a step of dt seconds; arms with strain-dependent times take theirs per element. */
 typedef struct element_step {
     double dt;
@@ -11,6 +19,8 @@ typedef struct element_step {
     double gain[PALP_ARMS_MAX];  /* K_j (1 - exp(-dt / tau_j)) tau_j / dt, N */
     double dashpot;              /* b / dt, N */
     double carry;                /* PALP_SEDEF2008: share of the previous force vector, Eq. 5.11 */
+    double boost;                /* factor of the spring's force; prepare gives 1 */
+    const element_wear *wear;    /* prepare gives NULL: the spring does not wear */
 } element_step;
 
 /* What n elements remember, structure of arrays. */
@@ -18,6 +28,7 @@ typedef struct element_history {
     double *strain;  /* [n] */
     double *elastic; /* [n] K(|e|) e */
     double *arm;     /* [n_arms n], arm j at arm + j n */
+    double *peak;    /* [n] largest |e|, where the spring wears; or NULL */
 } element_history;
 
 /* exp(-x) and (1 - exp(-x)) / x, their limits at x = 0 and infinity included. */
@@ -31,7 +42,7 @@ void element_trial(const palp_material *material, const element_step *step, size
                    const element_history *old, element_history *new, double *force, double *tangent);
 
 /* Incremental energy, N: integral of the force over the strain at frozen history, up to a constant. False if
- * there is no closed form (strain-dependent relaxation times). work[n] is scratch. */
+ * there is no closed form (strain-dependent relaxation times, changed springs). work[n] is scratch. */
 bool element_energy(const palp_material *material, const element_step *step, size_t n, const double *e,
                     const element_history *old, double *energy, double *work);
 
@@ -44,10 +55,20 @@ element_drive element_arm_drive(const palp_material *material, size_t arm, doubl
 
 /* Partial derivatives of an arm's force q at the end of a step, PALP_HISTORY. */
 typedef struct element_partials {
-    double strain, strain_old, arm_old;               /* dq/de, dq/de_old, dq/dq_old */
+    double strain, strain_old, arm_old, drive;        /* dq/de, dq/de_old, dq/dq_old, dq/ds */
     double log_stiffness, log_time, beta, gamma;      /* tau held while K varies, and the other way round */
 } element_partials;
 element_partials element_arm_partials(const palp_material *material, const element_step *step, size_t arm, double e,
                                       double e_old, double q_old);
+
+/* Force of a worn spring and its derivatives; factor: what softening makes of it. */
+typedef struct element_worn {
+    double force, peak;                                 /* peak: with e in it */
+    double by_strain, by_peak;                          /* peak: the old one, 0 where e is the new one */
+    double by_set, by_softening, by_sharpness;
+    double inner, factor, factor_by_energy, factor_by_peak_energy; /* inner: the strain that the law sees */
+} element_worn;
+void element_worn_force(const palp_law *law, const element_wear *wear, double e, double peak,
+                        element_worn *out);
 
 #endif

@@ -48,8 +48,8 @@ palp_status palp_element_advance(const palp_material *material, const palp_eleme
     palp_element_state start = *from, end = *from;
     double force, tangent, elastic_old;
     palp_law_force(&material->law, 1, &start.strain, &elastic_old, NULL, NULL);
-    element_history old = {&start.strain, &elastic_old, start.arm_N};
-    element_history new = {&end.strain, &(double){0}, end.arm_N};
+    element_history old = {&start.strain, &elastic_old, start.arm_N, NULL};
+    element_history new = {&end.strain, &(double){0}, end.arm_N, NULL};
     element_step step;
     element_step_prepare(material, dt_s, &step);
     element_trial(material, &step, 1, &strain, &old, &new, &force, &tangent);

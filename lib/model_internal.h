@@ -4,6 +4,8 @@
 
 #include <palpate/model.h>
 
+#include "json.h"
+
 /* K must be positive up to here, in a model that is read or written. */
 #define PALP_MODEL_STRAIN 0.4
 
@@ -12,6 +14,9 @@ double palp_model_area(double radius_m);
 
 /* Letters, digits, '_' and '-', less than PALP_SPECIMEN_KIND_MAX of them. */
 bool palp_model_kind_valid(const char *kind);
+
+/* The list "effects" of a model whose kind is known; absent = none. */
+palp_status palp_model_effects_read(const palp_json *root, palp_model *model);
 
 /* The folder part of path ("" if it has none) into folder; ERR_LIMIT if it does not fit. */
 palp_status palp_model_folder(const char *path, char folder[PALP_PATH_MAX]);

@@ -233,27 +233,6 @@ static palp_status formulation_read(const palp_json *root, palp_material *materi
     return PALP_OK;
 }
 
-/* This build knows no effects yet. */
-static palp_status effects_read(const palp_json *root) {
-    palp_json effects, effect, id;
-    size_t n = 0;
-    if (!palp_json_member(root, "effects", &effects))
-        return PALP_OK;
-    palp_status status = palp_json_list(&effects, SIZE_MAX, &n);
-    if (status || n == 0)
-        return status;
-    const char *name = "";
-    status = palp_json_item(&effects, 0, &effect);
-    if (!status)
-        status = palp_json_require(&effect, "id", &id);
-    if (!status)
-        status = palp_json_string(&id, &name);
-    if (!status)
-        status = palp_json_fail(&id, PALP_ERR_UNSUPPORTED,
-                                "\"%s\" is an effect that this build does not know", name);
-    return status;
-}
-
 static palp_status material_read(const palp_json *root, palp_model *model) {
     palp_json value;
     palp_error wrong = {PALP_OK, ""};
@@ -271,7 +250,7 @@ static palp_status material_read(const palp_json *root, palp_model *model) {
     if (!status)
         status = formulation_read(root, material);
     if (!status)
-        status = effects_read(root);
+        status = palp_model_effects_read(root, model);
     if (status)
         return status;
     status = palp_material_check(material, &wrong);

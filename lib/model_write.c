@@ -1,5 +1,6 @@
 /* model_write.c: writes the model JSON. */
 #define _XOPEN_SOURCE 700 /* locale_t, open_memstream, realpath */
+#include "effect_internal.h"
 #include "json.h"
 #include "model_internal.h"
 #include "number.h"
@@ -50,7 +51,9 @@ static palp_status model_check(const palp_model *model, palp_error *error) {
     if (!shape_valid(model))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the model's specimen or mesh is out of range");
     palp_status status = palp_material_check(&model->material, error);
-    return status ? status : law_check(model, error);
+    if (!status)
+        status = law_check(model, error);
+    return status ? status : effect_list_check(model, error);
 }
 
 /* ---- text ---- */
@@ -79,6 +82,26 @@ static void length_print(const writer *w, const char *before, double value_m) {
         if (palp_number_parse(text, &back) && back / 1000 == value_m)
             break;
     }
+    fprintf(w->stream, "%s%s", before, text);
+}
+
+/* The shortest number near value / unit that times unit reads back as value; false: there is none. */
+static bool quantity_format(double value, double unit, char text[PALP_NUMBER_TEXT]) {
+    double near = value / unit, back = 0;
+    const double tries[] = {near, nextafter(near, INFINITY), nextafter(near, -INFINITY)};
+    for (int i = 0; i < 9; i++) {
+        snprintf(text, PALP_NUMBER_TEXT, "%.*g", 15 + i % 3, tries[i / 3]);
+        if (palp_number_parse(text, &back) && back * unit == value)
+            return true;
+    }
+    return false;
+}
+
+/* Where no number reads back as value, its neighbour that one does. */
+static void quantity_print(const writer *w, const char *before, double value, double unit) {
+    char text[PALP_NUMBER_TEXT];
+    if (!quantity_format(value, unit, text))
+        quantity_format(value / unit * unit, unit, text);
     fprintf(w->stream, "%s%s", before, text);
 }
 
@@ -146,7 +169,25 @@ static void material_print(const writer *w, const palp_material *material) {
         fprintf(w->stream, "%s\"quasi_linear\": true", w->between);
     fprintf(w->stream, "%s\"formulation\": \"%s\"", w->between,
             material->formulation == PALP_SEDEF2008 ? "sedef2008" : "history");
-    fprintf(w->stream, "%s\"effects\": []", w->between);
+}
+
+static void effect_print(const writer *w, const palp_effect *effect) {
+    const palp_effect_info *info = palp_effect_look_up(effect->id);
+    fprintf(w->stream, "{\"id\": \"%s\", \"parameters\": {", info->id);
+    for (size_t k = 0; k < info->n_parameters; k++) {
+        fprintf(w->stream, "%s\"%s\"", k ? ", " : "", info->parameter[k].key);
+        quantity_print(w, ": ", effect->value[k], info->parameter[k].unit);
+    }
+    fputs("}}", w->stream);
+}
+
+static void effects_print(const writer *w, const palp_model *model) {
+    fprintf(w->stream, "%s\"effects\": [", w->between);
+    for (size_t i = 0; i < model->n_effects; i++) {
+        fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : "", w->item);
+        effect_print(w, &model->effects[i]);
+    }
+    fputc(']', w->stream);
 }
 
 static void lattice_print(const writer *w, const palp_mesh_spec *mesh) {
@@ -196,6 +237,7 @@ static palp_status model_print(const writer *w, const palp_model *model, const c
     fprintf(w->stream, "%s\"kind\": \"%s\"", w->between, network ? "network" : "lumped");
     specimen_print(w, model);
     material_print(w, &model->material);
+    effects_print(w, model);
     palp_status status = network ? network_print(w, model, mesh_path) : PALP_OK;
     fputs(w->close, w->stream);
     palp_locale_leave(&locale);

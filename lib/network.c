@@ -33,6 +33,7 @@ static void state_free(network_state *s) {
     free(s->history.strain);
     free(s->history.elastic);
     free(s->history.arm);
+    free(s->history.peak);
     free(s->vector);
 }
 
@@ -48,7 +49,7 @@ void palp_network_free(palp_network *net) {
     free(net->way[1]);
     linsys_free(net->ls);
     palp_mesh_free(net->mesh);
-    double *arrays[] = {net->inverse_rest, net->motion, net->mass,  net->node_block, net->direction,
+    double *arrays[] = {net->inverse_rest, net->motion, net->mass, net->grip, net->node_block, net->direction,
                         net->inverse_length, net->strain, net->force, net->tangent, net->fint,
                         net->inertia_rhs, net->rhs, net->dx, net->start, net->scratch};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
@@ -79,6 +80,8 @@ static bool state_allocate(palp_network *net, network_state *s) {
     s->history.strain = doubles(m, &ok);
     s->history.elastic = doubles(m, &ok);
     s->history.arm = doubles(m * net->material.n_arms, &ok);
+    if (net->wear)
+        s->history.peak = doubles(m, &ok);
     if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
         s->vector = doubles(3 * m, &ok);
     return ok;
@@ -342,6 +345,7 @@ palp_status palp_network_create(const palp_mesh *mesh, const palp_material *mate
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     net->settings = *settings;
     net->material = *material;
+    net->boost = 1.0;
     palp_error why = {PALP_OK, ""};
     status = build(net, mesh, n_supports, supports, &why);
     if (status) {
@@ -364,6 +368,8 @@ void network_state_copy(const palp_network *net, network_state *to, const networ
     memcpy(to->history.strain, from->history.strain, m);
     memcpy(to->history.elastic, from->history.elastic, m);
     memcpy(to->history.arm, from->history.arm, m * net->material.n_arms);
+    if (to->history.peak)
+        memcpy(to->history.peak, from->history.peak, m);
     if (to->vector)
         memcpy(to->vector, from->vector, 3 * m);
     to->depth = from->depth;
@@ -394,6 +400,8 @@ void palp_network_reset(palp_network *net) {
     memset(s->history.strain, 0, m);
     memset(s->history.elastic, 0, m);
     memset(s->history.arm, 0, m * net->material.n_arms);
+    if (s->history.peak)
+        memset(s->history.peak, 0, m);
     if (s->vector)
         memset(s->vector, 0, 3 * m);
     s->depth = s->time = s->force = 0.0;
@@ -415,6 +423,38 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
         return PALP_ERR_NO_MEMORY;
     }
     palp_network_reset(net);
+    return PALP_OK;
+}
+
+palp_status network_set_wear(palp_network *net, const element_wear *wear) {
+    net->wear = wear;
+    palp_status status = allocate_states(net);
+    if (!status)
+        palp_network_reset(net);
+    return status;
+}
+
+palp_status network_set_grip(palp_network *net, const char *set, double share) {
+    const int32_t *nodes;
+    size_t n;
+    double start;
+    palp_status status = palp_mesh_set(net->mesh, set, &n, &nodes);
+    if (status)
+        return status;
+    if (!net->grip)
+        net->grip = calloc(3 * net->n_nodes, sizeof *net->grip);
+    if (!net->grip)
+        return PALP_ERR_NO_MEMORY;
+    unsigned char *held = calloc(net->n_nodes, 1);
+    if (!held)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n; i++)
+        held[nodes[i]] = 1;
+    palp_law_stiffness(&net->material.law, 0.0, &start, NULL);
+    for (size_t j = 0; j < 2 * net->n_elements; j++)
+        for (size_t k = 0; k < 3 && held[net->pair[j]]; k++)
+            net->grip[3 * (size_t)net->pair[j] + k] += share * start * net->inverse_rest[j / 2];
+    free(held);
     return PALP_OK;
 }
 

@@ -72,6 +72,10 @@ double network_residual(palp_network *net, double *scale) {
             r -= pull - net->inertia_rhs[i];
             heavy += pull * pull;
         }
+        if (net->grip) {
+            r -= net->grip[i] * (net->next.x[i] - net->rest[i]);
+            heavy += net->grip[i] * net->next.x[i] * net->grip[i] * net->next.x[i];
+        }
         net->rhs[net->dof[i]] = r;
         residual += r * r;
     }
@@ -80,7 +84,7 @@ double network_residual(palp_network *net, double *scale) {
         noise += net->tangent[i] * net->tangent[i];
     }
     /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and the
-     * mass terms to that times theirs, which short steps make large */
+     * mass terms and those of a firm grip to that times theirs, which may be large */
     *scale = net->settings.tolerance * sqrt(force) + 2e-15 * sqrt(noise) + 1e-15 * sqrt(heavy);
     return sqrt(residual);
 }
@@ -129,9 +133,10 @@ void network_assemble(palp_network *net, double shift) {
         double *b = block + 6 * i, add = shift;
         if (net->inertia > 0.0)
             add += net->mass[i] * net->inertia;
-        b[0] += add;
-        b[2] += add;
-        b[5] += add;
+        const double *grip = net->grip ? net->grip + 3 * i : (double[3]){0.0};
+        b[0] += add + grip[0];
+        b[2] += add + grip[1];
+        b[5] += add + grip[2];
         for (size_t j = 0; j < 6; j++)
             value[s[j]] = b[j];
     }
@@ -173,6 +178,11 @@ bool network_energy(palp_network *net, double *energy) {
         return false;
     for (size_t i = 0; i < net->n_elements; i++)
         sum += psi[i] / net->inverse_rest[i];
+    for (size_t i = 0; i < 3 * net->n_nodes && net->grip; i++)
+        if (net->dof[i] >= 0) {
+            double moved = net->next.x[i] - net->rest[i];
+            sum += 0.5 * net->grip[i] * moved * moved;
+        }
     if (net->inertia > 0.0)
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             if (net->dof[i] >= 0) {
@@ -212,6 +222,9 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             if (net->dof[i] >= 0)
                 *stiffness += net->mass[i / 3] * net->inertia * u[i] * u[i];
+    for (size_t i = 0; i < 3 * net->n_nodes && net->grip; i++)
+        if (net->dof[i] >= 0)
+            *stiffness += net->grip[i] * u[i] * u[i];
     for (size_t i = 0; i < net->n_elements; i++) {
         const double *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
         double f[3];

@@ -30,6 +30,9 @@ struct palp_network {
     double *motion;       /* [3 n_nodes] displacement per depth, 0 unless driven */
     int32_t *dof;         /* [3 n_nodes] unknown, or -1 */
     double *mass;         /* [n_nodes] kg, or NULL */
+    double *grip;         /* [3 n_nodes] N/m, springs from a node to its place at rest, or NULL */
+    const element_wear *wear; /* of every element's spring, or NULL; caller's */
+    double boost;         /* factor of every spring's force in the next try */
     double extent;        /* largest rest dimension, m */
     double height;        /* rest dimension along the plate's motion, m */
 
@@ -97,6 +100,13 @@ palp_status network_newton(palp_network *net, palp_step_info *info);
  * unit depth, weight[n_elements], and dforce/ddepth, N/m. A parameter p of the element force changes the
  * reaction by sum weight dforce_e/dp (adjoint of the equilibrium). */
 palp_status network_weights(palp_network *net, double *weight, double *stiffness);
+
+/* Lets the springs wear and resets the network. *wear is the caller's and stays. */
+palp_status network_set_wear(palp_network *net, const element_wear *wear);
+
+/* Springs that resist what the free axes of a node set move: share times the stiffness at rest of the
+ * elements that meet in the node. */
+palp_status network_set_grip(palp_network *net, const char *set, double share);
 
 /* Copies now to mark and back; the predictor forgets its past. */
 void network_mark(palp_network *net);

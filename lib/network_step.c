@@ -185,6 +185,8 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
     if (status)
         return status;
     element_step_prepare(&net->material, dt_s, &net->step);
+    net->step.boost = net->boost;
+    net->step.wear = net->wear;
     prepare_inertia(net, dt_s);
     net->next.depth = depth_m;
     net->next.time = net->now.time + (isinf(dt_s) ? 0.0 : dt_s);

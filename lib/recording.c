@@ -140,6 +140,23 @@ static void shift(palp_recording *r) {
     while (i + 1 < r->n && r->depth_m[i] < 0.998 * r->deepest_m)
         i++;
     r->ramp_end_s = r->time_s[i];
+    r->end_s = r->time_s[r->n - 1];
+}
+
+/* A press that ends by taking the plate back: what follows says how the plate leaves, which no law of pressing
+ * tells. Left out from where the depth was last within a five-hundredth of the deepest. */
+static void leave_withdrawal_out(palp_recording *r) {
+    size_t last = 0, i;
+    if (r->kind == PALP_RECORDING_OTHER)
+        return;
+    for (i = 0; i < r->n && !(r->time_s[i] > r->ramp_end_s && r->depth_m[i] < 0.95 * r->deepest_m); i++) {
+        if (r->depth_m[i] >= 0.998 * r->deepest_m)
+            last = i;
+    }
+    if (i == r->n)
+        return;
+    r->end_s = r->time_s[last];
+    memset(r->use + last + 1, 0, r->n - last - 1);
 }
 
 static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
@@ -170,7 +187,9 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
         return palp_error_set(error, PALP_ERR_INPUT,
                               "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
                               1e3 * r->deepest_m, 1e3 * r->height_m);
-    return recording_look_at_noise(r, step);
+    status = recording_look_at_noise(r, step);
+    leave_withdrawal_out(r);
+    return status;
 }
 
 palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,

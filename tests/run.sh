@@ -62,7 +62,7 @@ build() { # label variables and targets...
 add() { printf '%s\t%s\n' "$1" "$2" >>"$logs/list"; }
 tagged() { head -n 10 "$1" | grep -q "check: $2"; }
 programs() { # label folder: its test programs
-    for t in tests/lib/test_*.c tests/tools/test_*.c; do
+    for t in tests/lib/test_*.c tests/tools/test_*.c tests/firmware/test_*.c; do
         [ -e "$t" ] || continue
         if [ "$1" != gcc ] && tagged "$t" once; then continue; fi
         add "$1 ${t%.c}" "$2/${t%.c}"
@@ -83,6 +83,11 @@ if [ "$mode" = check ]; then
     man=$(command -v scdoc >/dev/null && echo man)
     # shellcheck disable=SC2086
     build gcc BUILD="$BUILD" all programs $man
+    if command -v arm-none-eabi-gcc >/dev/null; then
+        build firmware BUILD="$BUILD" firmware
+    else
+        run "build firmware" sh -c "echo there is no arm-none-eabi-gcc; exit 77"
+    fi
     scripts gcc "$BUILD"
     programs gcc "$BUILD"
     if command -v clang >/dev/null; then
@@ -93,12 +98,13 @@ if [ "$mode" = check ]; then
     fi
     memcheck="valgrind -q --error-exitcode=99 --leak-check=full"
     command -v valgrind >/dev/null || memcheck="echo there is no valgrind; exit 77;"
-    for t in tests/lib/test_*.c tests/tools/test_*.c; do
+    for t in tests/lib/test_*.c tests/tools/test_*.c tests/firmware/test_*.c; do
         if [ -e "$t" ] && tagged "$t" valgrind; then
             # A processor type that valgrind knows, whatever the real one is.
             add "valgrind ${t%.c}" "OPENBLAS_CORETYPE=Haswell $memcheck $BUILD/${t%.c}"
         fi
     done
+    add "fuzzed wire" "sh tests/fuzz/run.sh"
     add "installed library" "sh tests/install/run.sh"
     add "exported symbols" "sh tests/install/symbols.sh"
     add "public headers" "sh tests/install/headers.sh"

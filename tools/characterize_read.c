@@ -65,7 +65,19 @@ static void tell(const palp_recording *r) {
 
 /* ---- reading ---- */
 
-static int read_one(const characterize_options *o, const char *file, palp_recording *r) {
+/* A recording of air or of a rigid block, as palpate acquire makes them beside those of the specimen. */
+static bool has_no_specimen(const palp_experiment *experiment, const char *file) {
+    const char *kind;
+    if (palp_experiment_get_string(experiment, "specimen.kind", &kind) ||
+        (strcmp(kind, "none") != 0 && strcmp(kind, "rigid") != 0)) {
+        return false;
+    }
+    fprintf(stderr, "palpate %s: %s: no specimen in it (\"%s\"); left out\n", NAME, file, kind);
+    return true;
+}
+
+/* Adds the run to the state, unless there is no specimen in it. */
+static int read_one(const characterize_options *o, const char *file, characterize_state *s) {
     palp_experiment *experiment = NULL;
     palp_error error = {PALP_OK, ""};
     palp_recording_settings settings = palp_recording_settings_default();
@@ -73,7 +85,14 @@ static int read_one(const characterize_options *o, const char *file, palp_record
     settings.contact_given = !isnan(o->contact_mm);
     settings.contact_m = settings.contact_given ? 1e-3 * o->contact_mm : 0;
     palp_status status = palp_experiment_read(file, &experiment, &error);
-    status = status ? status : palp_recording_prepare(experiment, file, &settings, r, &error);
+    if (status || !has_no_specimen(experiment, file)) {
+        palp_recording *r = &s->run[s->n];
+        status = status ? status : palp_recording_prepare(experiment, file, &settings, r, &error);
+        if (!status) {
+            s->n++;
+            tell(r);
+        }
+    }
     palp_experiment_free(experiment);
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
@@ -139,12 +158,13 @@ static int filter_runs(const characterize_options *o, characterize_state *s) {
 
 int characterize_read(const characterize_options *o, characterize_state *s) {
     for (size_t i = 0; i < o->n_words; i++) {
-        int code = read_one(o, o->words[i], &s->run[s->n]);
+        int code = read_one(o, o->words[i], s);
         if (code) {
             return code;
         }
-        s->n++;
-        tell(&s->run[s->n - 1]);
+    }
+    if (s->n == 0) {
+        return cli_failure(NAME, "no recording of a specimen among the %zu given", o->n_words);
     }
     sort(s);
     for (size_t i = 0; i < s->n; i++) {

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { OPTIONS_MAX = 64, FIRST_CODE = 256, HELP_COLUMN = 26 };
+enum { OPTIONS_MAX = 96, FIRST_CODE = 256, HELP_COLUMN = 26 };
 
 /* ---- lines on stderr ---- */
 
@@ -291,7 +291,7 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
 static void help_line(const cli_option *o, FILE *to) {
     int width =
         o->type == CLI_FLAG ? fprintf(to, "  --%s", o->name) : fprintf(to, "  --%s %s", o->name, o->value);
-    if (width >= HELP_COLUMN) {
+    if (width > HELP_COLUMN - 2) { /* two blanks: what tells them apart in a manual page */
         fputc('\n', to);
         width = 0;
     }

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-enum { CLI_OK = 0, CLI_FAILURE = 1, CLI_USAGE = 2, CLI_NOT_CONVERGED = 3 };
+enum { CLI_OK = 0, CLI_FAILURE = 1, CLI_USAGE = 2, CLI_NOT_CONVERGED = 3, CLI_DEVICE_FAULT = 4 };
 enum { CLI_HELP = -1 };     /* cli_parse printed the help: exit 0 */
 enum { CLI_LIST_MAX = 64 }; /* most numbers in a list such as 1.5,2,2.5 */
 enum { CLI_PATH_MAX = 4096, CLI_COMMAND_MAX = 1024 };

@@ -124,24 +124,24 @@ static void set_defaults(simulate_options *o) {
 
 /* ---- the path ---- */
 
-/* The depth column of a run; free air (negative depth) presses nothing. Times start at 0. */
-static palp_status path_like(const palp_experiment *run, palp_path *path) {
+/* The depth column of a run, times from 0. Without effects free air (negative depth) presses nothing. */
+static palp_status path_like(const palp_experiment *run, bool air, palp_path *path) {
     const double *time_s = palp_experiment_column(run, "time_s");
     const double *depth_mm = palp_experiment_column(run, "depth_mm");
     size_t n = palp_experiment_rows(run);
     palp_status status = palp_path_create(n, time_s, depth_mm, path);
     for (size_t i = 0; status == PALP_OK && i < n; i++) {
         path->time_s[i] -= time_s[0];
-        path->depth_m[i] = 1e-3 * fmax(path->depth_m[i], 0);
+        path->depth_m[i] = 1e-3 * (air ? path->depth_m[i] : fmax(path->depth_m[i], 0));
     }
     return status;
 }
 
-static int make_path(const simulate_options *o, const palp_experiment *like, palp_path *path) {
+static int make_path(const simulate_options *o, const palp_experiment *like, bool air, palp_path *path) {
     palp_status status = PALP_OK;
     double depth_m = 1e-3 * o->depth_mm;
     if (like) {
-        status = palp_experiment_rows(like) < 2 ? PALP_ERR_INPUT : path_like(like, path);
+        status = palp_experiment_rows(like) < 2 ? PALP_ERR_INPUT : path_like(like, air, path);
     } else if (o->protocol == 0) {
         status = palp_path_static(depth_m, 1e-3 * o->rate_mm_s, path);
     } else if (o->protocol == 1) {
@@ -202,11 +202,6 @@ static int override_nodes(const simulate_options *o, palp_model *model) {
 
 static int run_lumped(const simulate_options *o, simulation *s) {
     press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
-    s->height_m = s->model.height_m;
-    int code = check_path(o, &s->path, s->height_m);
-    if (code) {
-        return code;
-    }
     palp_status status = press_lumped(&s->model.material, s->height_m, &s->path, &press, &s->curve);
     if (status == PALP_ERR_COLLAPSED) {
         cli_failure(NAME, "%g N press the specimen beyond 95 %% of its height; lower --force-N", o->force_N);
@@ -228,18 +223,22 @@ static int simulate(const simulate_options *o, simulation *s) {
     }
     int code = override_nodes(o, &s->model);
     if (code == CLI_OK) {
-        code = make_path(o, s->like, &s->path);
+        code = make_path(o, s->like, s->model.n_effects > 0, &s->path);
     }
     code = code ? code : simulate_resample(o, &s->path);
+    bool network = s->model.kind == PALP_MODEL_NETWORK;
+    s->height_m = s->model.height_m;
+    if (code == CLI_OK && network) {
+        code = simulate_mesh(o, s);
+    }
+    code = code ? code : check_path(o, &s->path, s->height_m);
     if (code) {
         return code;
     }
-    if (s->model.kind == PALP_MODEL_LUMPED) {
-        code = run_lumped(o, s);
+    if (s->model.n_effects > 0) {
+        code = simulate_effects(o, s);
     } else {
-        code = simulate_mesh(o, s);
-        code = code ? code : check_path(o, &s->path, s->height_m);
-        code = code ? code : simulate_network(o, s);
+        code = network ? simulate_network(o, s) : run_lumped(o, s);
     }
     code = code ? code : simulate_sense(o, s);
     return code ? code : simulate_report(o, s);

@@ -2,6 +2,9 @@
 #ifndef PALPATE_COMMANDS_H
 #define PALPATE_COMMANDS_H
 
+int cmd_acquire(int argc, char **argv);
+int cmd_firmware(int argc, char **argv);
+int cmd_rig(int argc, char **argv);
 int cmd_import(int argc, char **argv);
 int cmd_characterize(int argc, char **argv);
 int cmd_report(int argc, char **argv);

@@ -13,6 +13,9 @@ typedef struct subcommand {
 } subcommand;
 
 static const subcommand subcommands[] = {
+    {"Indenter", "acquire", "press a specimen and record it, by an indenter or the virtual one", cmd_acquire},
+    {NULL, "firmware", "an indenter at the bench: what it is, home, tare, gains, clear a fault", cmd_firmware},
+    {NULL, "rig", "the virtual indenter: the firmware, a simulated plant and a specimen", cmd_rig},
     {"Recordings", "import", "other testers' recordings (Mach-1, Instron, CSV) as experiments", cmd_import},
     {NULL, "characterize",
      "find a lumped model, with 95 % intervals, from raw recordings", cmd_characterize},
@@ -41,10 +44,11 @@ static void help(FILE *to) {
     fputs("\n  palpate COMMAND --help    options of a command, with units and an example\n"
           "  palpate --version         the version\n"
           "\nExample:\n"
+          "  palpate acquire --port rig --ramp-hold 2,4,6 --out runs\n"
           "  palpate characterize static.csv hold_*.csv --out lumped.json\n"
           "  palpate calibrate lumped.json --nodes 3 --stage all --out network.json\n"
           "  palpate simulate network.json --protocol ramp_hold --depth-mm 6 --out run.csv\n"
-          "\nExit codes: 0 success, 1 failure, 2 wrong usage, 3 not converged\n",
+          "\nExit codes: 0 success, 1 failure, 2 wrong usage, 3 not converged, 4 device fault\n",
           to);
 }
 

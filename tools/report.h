@@ -84,7 +84,7 @@ int report_page(report *r, const char *path);
 void report_fits(FILE *to, report *r);
 void report_parameters(FILE *to, report *r);
 void report_law(FILE *to, report *r);
-void report_calibration(FILE *to, report *r);
+void report_calibrations(FILE *to, report *r);
 void report_simulations(FILE *to, report *r);
 
 #endif

@@ -342,7 +342,7 @@ int report_page(report *r, const char *path) {
     report_fits(to, r);
     report_parameters(to, r);
     report_law(to, r);
-    report_calibration(to, r);
+    report_calibrations(to, r);
     report_simulations(to, r);
     others(to, r);
     provenance(to, r);

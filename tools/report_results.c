@@ -369,7 +369,7 @@ static void calibrated(FILE *to, const json_t *all) {
             json_is_false(json_object_get(all, "converged")) ? "<b>not converged</b>" : "converged");
 }
 
-void report_calibration(FILE *to, report *r) {
+void report_calibrations(FILE *to, report *r) {
     const report_file *f;
     if (!r->has_calibration) {
         return;

@@ -36,17 +36,19 @@ typedef struct simulation {
 /* Each returns an exit code, after one line on stderr if it is not 0. */
 int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
 int simulate_network(const simulate_options *o, simulation *s);
+int simulate_effects(const simulate_options *o, simulation *s); /* instead: a model that has some */
 int simulate_report(const simulate_options *o, const simulation *s);
 
 /* The tester: even samples, free air, a sensor that is not perfect. check reads its options; resample
- * makes the samples corners of the path before the run; sense makes the recording after it. */
+ * makes the samples corners of the path before the run; sense makes the recording after it. samples: the
+ * times of a recording alone, from its first sample on (malloc'ed; the caller frees them). */
 enum { SIMULATE_HUM_HZ = 50 };
 
 int simulate_sensor_check(simulate_options *o);
 int simulate_resample(const simulate_options *o, palp_path *path);
+palp_status simulate_samples(const simulate_options *o, const palp_path *path, size_t *n, double **time_s);
 int simulate_sense(const simulate_options *o, simulation *s);
 double simulate_air_rate(const simulate_options *o); /* mm/s */
-double simulate_normal(size_t seed, size_t k);       /* sample k of white Gaussian noise, sd 1 */
 
 /* The one warning about a network that buckled between two depths. */
 void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,

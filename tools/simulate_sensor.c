@@ -1,4 +1,5 @@
 /* simulate_sensor.c: what a tester makes of palpate simulate's run: even samples, free air, noise, faults. */
+#include "noise.h"
 #include "simulate.h"
 
 #include <math.h>
@@ -79,6 +80,15 @@ int simulate_resample(const simulate_options *o, palp_path *path) {
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
+palp_status simulate_samples(const simulate_options *o, const palp_path *path, size_t *n, double **time_s) {
+    *n = sample_count(o, path);
+    *time_s = malloc(*n * sizeof **time_s);
+    for (size_t k = 0; *time_s && k < *n; k++) {
+        (*time_s)[k] = (double)k / o->sample_Hz;
+    }
+    return *time_s ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
 /* Keeps the samples of the run, at their own times, after those in the air. */
 static palp_status pick(const simulate_options *o, const palp_path *path, record *curve) {
     record all = *curve;
@@ -101,25 +111,6 @@ static palp_status pick(const simulate_options *o, const palp_path *path, record
 }
 
 /* ---- what the sensor adds ---- */
-
-/* Steele, Lea and Flood's SplitMix64, by counter: sample k of a seed is the same whatever else is drawn. */
-static uint64_t mix(uint64_t x) {
-    x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    x = (x ^ (x >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return x ^ (x >> 31);
-}
-
-static double uniform(uint64_t seed, uint64_t k) /* in (0, 1) */
-{
-    const uint64_t golden = UINT64_C(0x9e3779b97f4a7c15);
-    return ((double)(mix(mix(seed + golden) + (k + 1) * golden) >> 12) + 0.5) * 0x1p-52;
-}
-
-double simulate_normal(size_t seed, size_t k) {
-    uint64_t pair = 2 * ((uint64_t)k / 2);
-    double radius = sqrt(-2 * log(uniform(seed, pair))), angle = 2 * PI * uniform(seed, pair + 1);
-    return radius * (k % 2 ? sin(angle) : cos(angle));
-}
 
 static void add_spikes(const cli_list *spikes, record *c) {
     for (size_t j = 0; j + 1 < spikes->n; j += 2) {
@@ -158,7 +149,7 @@ static void disturb(const simulate_options *o, record *c) {
             c->force_N[i] += o->hum_N * sin(2 * PI * SIMULATE_HUM_HZ * c->time_s[i]);
         }
         if (o->noise_N > 0) {
-            c->force_N[i] = round_nano(c->force_N[i] + o->noise_N * simulate_normal(o->seed, i));
+            c->force_N[i] = round_nano(c->force_N[i] + o->noise_N * noise_normal(o->seed, i));
         }
     }
     add_spikes(&o->spikes, c);
@@ -169,7 +160,8 @@ static void disturb(const simulate_options *o, record *c) {
 }
 
 int simulate_sense(const simulate_options *o, simulation *s) {
-    palp_status status = o->sample_Hz > 0 ? pick(o, &s->path, &s->curve) : PALP_OK;
+    bool picked = o->sample_Hz <= 0 || s->model.n_effects > 0;
+    palp_status status = !picked ? pick(o, &s->path, &s->curve) : PALP_OK;
     if (status) {
         return cli_status(NAME, status, NULL);
     }

@@ -2,6 +2,7 @@
 #ifndef PALPATE_MODEL_H
 #define PALPATE_MODEL_H
 
+#include <palpate/effect.h>
 #include <palpate/material.h>
 #include <palpate/mesh.h>
 
@@ -35,12 +36,14 @@ typedef struct palp_model {
     palp_material material;
     palp_mesh_spec mesh;       /* network only */
     double density_kg_m3;      /* network only, 0 = massless */
+    size_t n_effects;          /* what is added to the plain model; run by palp_forward_* */
+    palp_effect effects[PALP_EFFECTS_MAX];
 } palp_model;
 
 /* Reads and checks a model. ERR_INPUT with "file:line: ..." (Jansson's line for syntax; for a wrong
  * value the line where its key stands, as nearly as can be told) for malformed JSON, a missing or
  * unknown key, a wrong unit in a key ("height_m"), a non-physical number, K(a) <= 0 for a in [0, 0.4].
- * ERR_UNSUPPORTED for an effect this build does not know. */
+ * ERR_UNSUPPORTED for an effect that this build does not know, or that a model of its kind cannot carry. */
 PALP_API palp_status palp_model_read(const char *path, palp_model *model, palp_error *error);
 
 /* Writes to a temporary name, then renames. A mesh file's relative path is rewritten so that it

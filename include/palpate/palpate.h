@@ -5,7 +5,9 @@
 #include <palpate/calibrate.h>
 #include <palpate/characterize.h>
 #include <palpate/closed_form.h>
+#include <palpate/effect.h>
 #include <palpate/experiment.h>
+#include <palpate/forward.h>
 #include <palpate/law.h>
 #include <palpate/material.h>
 #include <palpate/mesh.h>
@@ -16,5 +18,6 @@
 #include <palpate/status.h>
 #include <palpate/version.h>
 #include <palpate/vtu.h>
+#include <palpate/wire.h>
 
 #endif

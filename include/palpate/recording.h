@@ -41,9 +41,10 @@ typedef struct palp_recording {
     double height_m, radius_m;   /* radius 0 = not given */
     size_t n;
     double *time_s, *depth_m, *force_N;
-    unsigned char *use;          /* [n] 0 = masked: a spike, clipped */
+    unsigned char *use;          /* [n] 0 = masked: a spike, clipped, withdrawal */
     double deepest_m;            /* largest depth */
     double ramp_start_s, ramp_end_s; /* first motion into the specimen: its start and its end */
+    double end_s;                    /* of the press: static and ramp and hold are masked from their withdrawal on */
     bool settled;                    /* the file says that its depth and force are already relative to contact */
     palp_contact_rule contact_rule;
     double contact_m, contact_sd_m;  /* recorded depth at contact */

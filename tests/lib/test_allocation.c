@@ -6,6 +6,7 @@
 
 #include <palpate/calibrate.h>
 #include <palpate/experiment.h>
+#include <palpate/forward.h>
 #include <palpate/path.h>
 #include <palpate/vtu.h>
 
@@ -326,6 +327,44 @@ START_TEST(networks) {
 }
 END_TEST
 
+/* ---- the forward model ---- */
+
+static palp_status forward(bool network, palp_error *error) {
+    static const double time_s[4] = {0, 0.5, 1, 1.5}, depth_m[4] = {-1e-4, 1e-3, 5e-4, -1e-4};
+    static double force[4], gradient[4 * 32];
+    const palp_effect_id ids[] = {PALP_EFFECT_FRAME_COMPLIANCE, PALP_EFFECT_DAMAGE_SOFTENING,
+                                  PALP_EFFECT_SENSOR_LAG,
+                                  network ? PALP_EFFECT_PLATE_SLIP : PALP_EFFECT_POWER_LAW_RELAXATION};
+    const palp_forward_run run = {.n = 4, .time_s = time_s, .depth_m = depth_m};
+    palp_network_settings settings = palp_network_settings_default();
+    palp_model model = lumped_model();
+    model.n_effects = 4;
+    for (size_t i = 0; i < 4; i++)
+        model.effects[i] = (palp_effect){ids[i], {1e-3, 0.5, 0}};
+    if (!network)
+        return palp_forward_force(&model, &run, force, gradient, error);
+    settings.solver = PALP_SOLVER_BAND;
+    model.kind = PALP_MODEL_NETWORK;
+    model.mesh = (palp_mesh_spec){.nodes = {3, 3, 3}, .neighbourhood = PALP_NEIGHBOURS_26};
+    for (size_t k = 0; k < 3; k++)
+        model.mesh.size_m[k] = CUBE_HEIGHT_M;
+    return palp_forward_network(&model, &settings, &run, force, error);
+}
+
+static palp_status forward_lumped(palp_error *error) {
+    return forward(false, error);
+}
+
+static palp_status forward_network(palp_error *error) {
+    return forward(true, error);
+}
+
+START_TEST(forward_models) {
+    each_fails(forward_lumped, 3, NULL);
+    each_fails(forward_network, 50, NULL);
+}
+END_TEST
+
 /* CHOLMOD's allocations fail too: its memory is counted by SuiteSparse's own wrappers. */
 static size_t cholmod_live;
 
@@ -542,6 +581,7 @@ int main(void) {
     tcase_add_test(failing, meshes);
     tcase_add_test(failing, path_makers);
     tcase_add_test(failing, networks);
+    tcase_add_test(failing, forward_models);
     tcase_add_test(failing, networks_with_cholmod);
     tcase_add_test(failing, vtu_series);
     tcase_add_test(failing, calibrations);

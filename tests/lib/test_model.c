@@ -318,7 +318,7 @@ END_TEST
 START_TEST(every_law_comes_back) {
     static const double knots[] = {0, 0.1, 0.4}, c[] = {3000, 1.3, 20, 2.1, 10};
     static const size_t count[] = {0, 0, 1, 2, 5, 3, 4};
-    palp_model model = {PALP_MODEL_LUMPED, 0.024, 0.012, "", {.n_arms = 0}, {.kind = PALP_MESH_LATTICE}, 0};
+    palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = 0.024, .radius_m = 0.012};
     ck_assert_int_eq(palp_law_spline(3, knots, c, &model.material.law), PALP_OK);
     comes_back(&model);
     for (int kind = PALP_LAW_NEO_HOOKEAN; kind <= PALP_LAW_OGDEN; kind++) {

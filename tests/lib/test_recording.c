@@ -295,6 +295,32 @@ START_TEST(uneven_times_and_a_fault_are_told) {
 }
 END_TEST
 
+/* The plate goes back to 1 mm in the air within half a second, and the specimen does not follow. */
+START_TEST(a_withdrawal_after_the_hold_is_left_out) {
+    take t = {two_arms(8.0, 2.4, 3.6, 0.7, 25.0), 5.0, 1.0, 60.0, 1.0, 200.0, 0.004, "ramp_hold", 5};
+    palp_experiment *e = record(&t);
+    size_t n = palp_experiment_rows(e), away = n - 800;
+    double *depth = palp_experiment_column(e, "depth_mm"), *force = palp_experiment_column(e, "force_N");
+    uint64_t state = 9;
+    for (size_t i = away; i < n; i++) {
+        depth[i] = fmax(5.0 - 12.0 * (double)(i - away + 1) / 200.0, -1.0);
+        force[i] = 0.004 * normal(&state);
+    }
+    palp_recording r = prepare(e);
+    ck_assert_double_eq_tol(r.end_s, 58.0, 0.02);
+    for (size_t i = away; i < n; i++)
+        ck_assert_uint_eq(r.use[i], 0);
+    ck_assert_uint_eq(r.use[away - 20], 1);
+    palp_fit_settings settings = palp_fit_settings_default();
+    settings.n_arms = 2;
+    palp_lumped_fit f = fit(1, &r, settings);
+    ck_assert_double_eq_tol(f.spring_N[0], 8.0, 0.05);
+    ck_assert_double_eq_tol(f.material.arms[0].stiffness_N, 2.4, 0.1);
+    palp_lumped_fit_free(&f);
+    palp_recording_free(&r);
+}
+END_TEST
+
 START_TEST(contact_is_that_of_the_first_press) {
     take t = clean();
     t.hold_s = 0.0;
@@ -388,6 +414,7 @@ int main(void) {
     tcase_add_test(tc, a_clipped_top_is_masked);
     tcase_add_test(tc, counts_of_a_coarse_converter_are_no_findings);
     tcase_add_test(tc, uneven_times_and_a_fault_are_told);
+    tcase_add_test(tc, a_withdrawal_after_the_hold_is_left_out);
     tcase_add_test(tc, contact_is_that_of_the_first_press);
     tcase_add_test(tc, what_cannot_be_used_is_refused_in_one_line);
     suite_add_tcase(suite, tc);

@@ -1,6 +1,6 @@
 /* test_import.c: fields and numbers of imported files, and the noise of simulated recordings. */
 #include "import.h"
-#include "simulate.h"
+#include "noise.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -65,11 +65,11 @@ static void test_normal(void **state) {
     double mean = 0, square = 0, product = 0, tail = 0;
     (void)state;
     for (size_t k = 0; k < N; k++) {
-        double x = simulate_normal(1, k);
-        assert_true(isfinite(x) && x == simulate_normal(1, k));
+        double x = noise_normal(1, k);
+        assert_true(isfinite(x) && x == noise_normal(1, k));
         mean += x / N;
         square += x * x / N;
-        product += x * simulate_normal(2, k + 1) / N;
+        product += x * noise_normal(2, k + 1) / N;
         tail += fabs(x) > 1.959964 ? 1.0 / N : 0;
     }
     assert_true(fabs(mean) < 4 / sqrt(N));

@@ -1,0 +1,39 @@
+/* hal.h: what a board gives the firmware. One implementation a board folder; no call waits without a bound,
+ * except hal_tick_wait for the next tick. */
+#ifndef HAL_H
+#define HAL_H
+
+#include "app.h"
+#include "ring.h"
+
+/* Why the processor started. */
+enum { HAL_RESET_POWER = 0, HAL_RESET_WATCHDOG = 1, HAL_RESET_STACK = 2 };
+
+/* Clocks, pins, drivers; the motor stays off. A clock or sensor that does not come up leaves its bit here,
+ * and the firmware goes on to say so. */
+enum { HAL_CLOCK_FAILED = 1, HAL_SENSOR_FAILED = 2, HAL_ENCODER_FAILED = 4 };
+uint8_t hal_init(void);
+uint8_t hal_reset_cause(void);
+const char *hal_board_name(void); /* at most PALP_WIRE_NAME bytes */
+uint32_t hal_serial_number(void);
+bool hal_is_simulated(void);
+
+/* Sleeps until the next control tick; ticks since the last call: 1 = on time, more = some were missed. */
+uint32_t hal_tick_wait(void);
+
+void hal_sense(app_inputs *inputs);
+/* The output holds until the next tick: if it is not renewed by then, the tick interrupt turns it off. */
+void hal_drive(const app_outputs *outputs);
+
+/* Serial port: the rings are filled and drained by interrupt. */
+bool hal_receive(uint8_t *byte);   /* false = nothing there */
+void hal_transmit(ring *transmit); /* starts sending what is in the ring; the ring must stay */
+
+void hal_watchdog_kick(void);
+bool hal_stack_intact(void); /* false once after each time that the stack overran its guard */
+/* For the host to know. 0 where simulated, so that what is sent does not depend on what compiled it; there
+ * the plant is told (plant_link.h). */
+uint32_t hal_cost(void);       /* a free-running count of processor cycles */
+uint32_t hal_stack_free(void); /* bytes of the stack never used so far */
+
+#endif

@@ -1,0 +1,69 @@
+/* plant_link.c: the lockstep records, byte for byte. */
+#include "plant_link.h"
+
+/* Each takes the next place in the record and returns the one behind it. */
+static uint8_t *put16(uint8_t *byte, uint32_t value) {
+    byte[0] = (uint8_t)value;
+    byte[1] = (uint8_t)(value >> 8);
+    return byte + 2;
+}
+
+static uint8_t *put32(uint8_t *byte, uint32_t value) {
+    return put16(put16(byte, value), value >> 16);
+}
+
+static uint16_t get16(const uint8_t **byte) {
+    const uint8_t *b = *byte;
+    *byte += 2;
+    return (uint16_t)(b[0] | b[1] << 8);
+}
+
+static uint32_t get32(const uint8_t **byte) {
+    const uint32_t low = get16(byte);
+    return low | (uint32_t)get16(byte) << 16;
+}
+
+void plant_link_put_in(const plant_in *in, uint8_t byte[PLANT_LINK_IN]) {
+    byte = put32(put32(byte, in->tick), (uint32_t)in->position);
+    for (int i = 0; i < 6; i++)
+        byte = put16(byte, (uint16_t)in->adc[i]);
+    byte = put16(byte, in->thermistor);
+    *byte++ = in->switches;
+    *byte++ = in->events;
+    *byte++ = in->reset_cause;
+    *byte++ = in->rx_count;
+    for (int i = 0; i < PLANT_LINK_RX; i++)
+        *byte++ = in->rx[i];
+    put16(byte, 0);
+}
+
+void plant_link_get_in(const uint8_t byte[PLANT_LINK_IN], plant_in *in) {
+    in->tick = get32(&byte);
+    in->position = (int32_t)get32(&byte);
+    for (int i = 0; i < 6; i++)
+        in->adc[i] = (int16_t)get16(&byte);
+    in->thermistor = get16(&byte);
+    in->switches = *byte++;
+    in->events = *byte++;
+    in->reset_cause = *byte++;
+    in->rx_count = *byte++;
+    for (int i = 0; i < PLANT_LINK_RX; i++)
+        in->rx[i] = *byte++;
+}
+
+void plant_link_put_out(const plant_out *out, uint8_t byte[PLANT_LINK_OUT]) {
+    byte = put16(put32(byte, out->tick), (uint16_t)out->duty);
+    *byte++ = out->motor_on;
+    *byte++ = out->boot;
+    put16(put16(put32(byte, out->cost), out->version), out->stack_free);
+}
+
+void plant_link_get_out(const uint8_t byte[PLANT_LINK_OUT], plant_out *out) {
+    out->tick = get32(&byte);
+    out->duty = (int16_t)get16(&byte);
+    out->motor_on = *byte++;
+    out->boot = *byte++;
+    out->cost = get32(&byte);
+    out->version = get16(&byte);
+    out->stack_free = get16(&byte);
+}

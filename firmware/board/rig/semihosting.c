@@ -1,0 +1,74 @@
+/* semihosting.c: calls by the instruction that a debugger or QEMU takes. */
+#include "semihosting.h"
+
+enum { SYS_OPEN = 1, SYS_WRITE0 = 4, SYS_WRITE = 5, SYS_READ = 6, SYS_GET_CMDLINE = 0x15, SYS_EXIT = 0x18 };
+enum { OPEN_READ = 1, OPEN_WRITE = 5, COMMAND_LINE = 512, EXIT_GOOD = 0x20026, EXIT_BAD = 0x20023 };
+
+/* Handles. */
+static struct {
+    uint32_t in;
+    uint32_t out;
+} fifo;
+
+static int32_t call(uint32_t operation, uintptr_t argument) {
+    register uint32_t r0 __asm("r0") = operation;
+    register uintptr_t r1 __asm("r1") = argument;
+    __asm volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
+    return (int32_t)r0;
+}
+
+static int32_t call3(uint32_t operation, uintptr_t a, uintptr_t b, uintptr_t c) {
+    const uintptr_t block[3] = {a, b, c};
+    return call(operation, (uintptr_t)block);
+}
+
+/* Ends the word at its first space; where the next one begins, or its end. */
+static char *cut_word(char *word) {
+    while (*word != ' ' && *word != '\0')
+        word++;
+    if (*word == ' ')
+        *word++ = '\0';
+    return word;
+}
+
+static bool open_file(const char *path, uint32_t mode, uint32_t *handle) {
+    uint32_t n = 0;
+    while (path[n] != '\0')
+        n++;
+    *handle = (uint32_t)call3(SYS_OPEN, (uintptr_t)path, mode, n);
+    return n > 0 && *handle != UINT32_MAX;
+}
+
+bool semihosting_open(void) {
+    static char line[COMMAND_LINE];
+    uintptr_t block[2] = {(uintptr_t)line, COMMAND_LINE};
+    if (call(SYS_GET_CMDLINE, (uintptr_t)block) != 0)
+        return false;
+    char *second = cut_word(line);
+    cut_word(second);
+    return open_file(line, OPEN_READ, &fifo.in) && open_file(second, OPEN_WRITE, &fifo.out);
+}
+
+/* SYS_READ and SYS_WRITE return how much is left to do. */
+bool semihosting_read(uint8_t *byte, uint32_t n) {
+    while (n > 0) {
+        const uint32_t left = (uint32_t)call3(SYS_READ, fifo.in, (uintptr_t)byte, n);
+        if (left >= n)
+            return false;
+        byte += n - left;
+        n = left;
+    }
+    return true;
+}
+
+bool semihosting_write(const uint8_t *byte, uint32_t n) {
+    return call3(SYS_WRITE, fifo.out, (uintptr_t)byte, n) == 0;
+}
+
+void semihosting_say(const char *text) {
+    call(SYS_WRITE0, (uintptr_t)text);
+}
+
+void semihosting_exit(bool good) {
+    call(SYS_EXIT, good ? EXIT_GOOD : EXIT_BAD);
+}

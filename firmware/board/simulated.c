@@ -1,0 +1,99 @@
+/* simulated.c: the firmware's view of a board in the simulated plant. */
+#include "simulated.h"
+
+#include "serial.h"
+
+static struct {
+    plant_in in;
+    plant_out out;
+    bool late;
+    ring *transmit;
+} simulated;
+
+static void do_events(uint8_t events) {
+    if ((events & PLANT_EVENT_QUIT) != 0)
+        simulated_quit(simulated.transmit);
+    if ((events & PLANT_EVENT_HANG) != 0)
+        simulated_restart();
+    if ((events & PLANT_EVENT_SMASH) != 0)
+        simulated_smash();
+    if ((events & PLANT_EVENT_LATE) != 0)
+        simulated.late = true;
+}
+
+static void exchange(void) {
+    uint8_t out[PLANT_LINK_OUT], in[PLANT_LINK_IN];
+    simulated.out.tick = simulated.in.tick;
+    simulated.out.version = PLANT_LINK_VERSION;
+    plant_link_put_out(&simulated.out, out);
+    simulated_swap(out, in);
+    plant_link_get_in(in, &simulated.in);
+    for (int i = 0; i < simulated.in.rx_count && i < PLANT_LINK_RX; i++)
+        serial_take(simulated.in.rx[i]);
+    do_events(simulated.in.events);
+}
+
+uint8_t simulated_boot(void) {
+    simulated.out.boot = 1;
+    exchange();
+    simulated.out.boot = 0;
+    return simulated.in.reset_cause;
+}
+
+void simulated_tick(uint32_t last_cost, uint16_t stack_free) {
+    simulated.out.cost = last_cost;
+    simulated.out.stack_free = stack_free;
+    exchange();
+}
+
+void simulated_drive(const app_outputs *outputs) {
+    simulated.out.duty = outputs->motor_on ? outputs->duty : 0;
+    simulated.out.motor_on = outputs->motor_on;
+}
+
+bool simulated_late(void) {
+    const bool late = simulated.late;
+    simulated.late = false;
+    return late;
+}
+
+uint32_t hal_cost(void) {
+    return 0;
+}
+
+uint32_t hal_stack_free(void) {
+    return 0;
+}
+
+bool hal_is_simulated(void) {
+    return true;
+}
+
+uint32_t hal_serial_number(void) {
+    return 1;
+}
+
+void hal_sense(app_inputs *inputs) {
+    const plant_in *in = &simulated.in;
+    inputs->position = in->position;
+    for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
+        inputs->adc[i] = in->adc[i];
+    inputs->thermistor = in->thermistor;
+    inputs->sensor_silent = (in->switches & PLANT_SENSOR_SILENT) != 0;
+    inputs->home_switch = (in->switches & PLANT_SWITCH_HOME) != 0;
+    inputs->emergency_stop = (in->switches & PLANT_SWITCH_EMERGENCY) != 0;
+}
+
+bool hal_receive(uint8_t *byte) {
+    if ((simulated.in.events & PLANT_EVENT_DEAF) == 0)
+        return serial_receive(byte);
+    while (serial_receive(byte))
+        ;
+    return false;
+}
+
+void hal_transmit(ring *transmit) {
+    simulated.transmit = transmit;
+    if ((simulated.in.events & PLANT_EVENT_STALL_TX) == 0)
+        serial_send(transmit);
+}

@@ -1,0 +1,21 @@
+/* simulated.h: a board whose sensors and motor are the simulated plant. simulated.c is the same for the image
+ * under QEMU (rig) and for the process (host), so that both do the same; below is what they differ in. */
+#ifndef SIMULATED_H
+#define SIMULATED_H
+
+#include "hal.h"
+#include "plant_link.h"
+
+uint8_t simulated_boot(void); /* the first record, before the first tick; HAL_RESET_* by the plant */
+/* At every tick: the last output to the plant, the next input from it. The figures are the plant's to see. */
+void simulated_tick(uint32_t last_cost, uint16_t stack_free);
+void simulated_drive(const app_outputs *outputs);
+bool simulated_late(void); /* once after PLANT_EVENT_LATE */
+
+/* The board's own: one record each way, restart, end, overwritten guard of the stack. */
+void simulated_swap(const uint8_t out[PLANT_LINK_OUT], uint8_t in[PLANT_LINK_IN]);
+void simulated_restart(void);
+void simulated_quit(ring *transmit); /* sends what is in the ring first, if there is one */
+void simulated_smash(void);
+
+#endif

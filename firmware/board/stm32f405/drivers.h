@@ -1,0 +1,79 @@
+/* drivers.h: the drivers of the STM32F405, one .c file each. None waits without a bound. */
+#ifndef DRIVERS_H
+#define DRIVERS_H
+
+#include "app.h"
+#include "hal.h"
+#include "pins.h"
+#include "registers.h"
+#include "serial.h"
+
+/* clock.c */
+enum { CLOCK_HSI_HZ = 16000000, CLOCK_FULL_HZ = 168000000 };
+/* 168 MHz from the crystal; else from the internal oscillator (1 % off), else that one as it is. */
+typedef struct clock_state {
+    uint32_t hz;     /* of the processor and of TIM1 */
+    uint32_t bus_hz; /* of USART1 and SPI1 */
+    bool crystal;
+} clock_state;
+clock_state clock_start(void);
+
+/* gpio.c */
+typedef enum pin_pull { PULL_NONE, PULL_UP, PULL_DOWN } pin_pull;
+void gpio_start(void);
+void gpio_input(uint8_t pin, pin_pull pull);
+void gpio_analog(uint8_t pin);
+void gpio_output(uint8_t pin, bool level);
+void gpio_alternate(uint8_t pin, uint8_t function, pin_pull pull);
+void gpio_write(uint8_t pin, bool level);
+bool gpio_read(uint8_t pin);
+
+/* tick.c: SysTick at CONTROL_HZ. The board's board_tick() runs in its interrupt, first. */
+void tick_start(uint32_t clock_hz);
+uint32_t tick_now(void);   /* ticks since tick_start */
+void tick_renew(void);     /* the motor's output is good until the tick after next */
+uint32_t tick_spent(void); /* cycles between the last wake and the sleep after it */
+void tick_interrupt(void);
+void board_tick(void);
+uint32_t board_cycles(void); /* a free-running count; instructions where simulated */
+
+/* uart.c: USART1 at 921600 baud, serial.h */
+void uart_start(uint32_t bus_hz);
+void uart_interrupt(void);
+
+/* sensor_ad7606.c */
+bool ad7606_start(void);                           /* false: it does not come out of its reset */
+void ad7606_convert(void);                         /* all channels, at once */
+bool ad7606_read(int16_t adc[PALP_WIRE_CHANNELS]); /* false: no answer; adc is then 0 */
+
+/* encoder.c */
+bool encoder_start(void);   /* false: its alarm is on */
+int32_t encoder_read(void); /* counts since encoder_start; to be called within 32767 of them */
+
+/* motor.c */
+void motor_start(uint32_t clock_hz);
+void motor_set(int16_t duty); /* 32767 = full */
+void motor_off(void);
+
+/* thermistor.c */
+void thermistor_start(void);
+uint16_t thermistor_read(void); /* 12 bits, as of the last call; 0 if the conversion has not ended */
+
+/* switches.c */
+void switches_start(void);
+bool switches_home(void);
+bool switches_emergency(void);
+
+/* watchdog.c */
+void watchdog_start(void);
+
+/* reset.c */
+uint8_t reset_cause(void); /* HAL_RESET_*; clears it for the next start */
+void reset_because(uint8_t cause);
+
+/* stack.c */
+void stack_paint(void); /* at the very start */
+bool stack_overran(uintptr_t pointer);
+uint32_t stack_free(void);
+
+#endif

@@ -1,0 +1,104 @@
+/* app.c: a control tick, from what was sensed to what the motor gets. */
+#include "app_internal.h"
+
+#include "hal.h"
+#include "real.h"
+
+#include <string.h>
+
+#define DUTY_FULL 32767.0f
+
+int32_t app_round(float x) {
+    x = real_clamp(x, -2147483520.0f, 2147483520.0f); /* the last that a float and an int32_t both hold */
+    return x == x ? (int32_t)(x < 0.0f ? x - 0.5f : x + 0.5f) : 0;
+}
+
+void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed) {
+    memset(a, 0, sizeof *a);
+    a->machine = m;
+    a->identity = *who;
+    /* With a clock that is 1 % wrong every time constant would be, unseen. A sensor that failed is silent. */
+    a->unfit = (failed & (HAL_CLOCK_FAILED | HAL_ENCODER_FAILED)) != 0;
+    a->limits = (app_limits){m->force_N, m->travel_m,        m->following_m,
+                             m->fault_C, m->host_timeout_ms, m->overflow_samples};
+    a->softness = GAINS_MIDDLE;
+    a->softness_auto = true;
+    stream_init(&a->stream, a->transmit, APP_TRANSMIT);
+    force_init(&a->force);
+    if (reset_cause == HAL_RESET_WATCHDOG)
+        (void)supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_WATCHDOG_RESET, 0);
+    if (reset_cause == HAL_RESET_STACK)
+        (void)supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_STACK_GUARD, 0);
+}
+
+bool app_listens(const app *a) {
+    return !a->command_taken && !a->stream.due;
+}
+
+void app_receive(app *a, uint8_t byte) {
+    palp_wire_message command;
+    if (!palp_wire_decode(&a->decoder, byte, &command) || command.type >= PALP_WIRE_TYPE_ACK)
+        return;
+    a->host_ticks = 0;
+    command_take(a, &command);
+}
+
+static void sense_position(app *a, const app_inputs *in) {
+    const int32_t before = a->sensed ? a->in.position : in->position;
+    a->velocity_m_s = (float)(in->position - before) * a->machine->count_m / (TICK_S * (float)a->elapsed);
+    a->position_m = (float)(in->position - a->home) * a->machine->count_m;
+}
+
+/* A sensor that is not connected answers with the same level on its line all the time. */
+static bool all_channels(const int16_t adc[PALP_WIRE_CHANNELS], int16_t value) {
+    for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
+        if (adc[i] != value)
+            return false;
+    return true;
+}
+
+static void sense_force(app *a, const app_inputs *in) {
+    a->answering = !in->sensor_silent && !all_channels(in->adc, 0) && !all_channels(in->adc, -1);
+    a->saturated = a->answering && force_saturated(in->adc);
+    if (!a->answering)
+        return;
+    force_tare_add(&a->force, in->adc);
+    a->force_N = force_axis(&a->force, in->adc, FORCE_Z);
+}
+
+static void sense(app *a, const app_inputs *in) {
+    a->elapsed = 1 + (a->sensed ? in->missed : 0); /* before the first tick there was none to miss */
+    a->tick += a->elapsed;
+    a->missed_ticks += a->elapsed - 1;
+    if (in->cost > a->cost_most)
+        a->cost_most = in->cost;
+    sense_position(a, in);
+    sense_force(a, in);
+    thermal_step(&a->thermal, a->machine, a->duty, a->velocity_m_s, in->thermistor);
+    a->in = *in;
+    a->sensed = true;
+}
+
+/* The motor's force for this tick's reference, as a share of its full. */
+static float drive(app *a) {
+    const machine *m = a->machine;
+    const float depth_m = a->contact_known ? a->reference.position_m - a->contact_m : 0.0f;
+    const float limit_N = thermal_derating(&a->thermal, m) * m->current_A * m->force_constant_N_A;
+    return pid_step(&a->pid, &gains_table[a->softness], &a->reference, a->position_m, depth_m, m->moving_kg,
+                    m->motor_drag_Ns_m, m->friction_N, limit_N) /
+           m->motor_N;
+}
+
+void app_tick(app *a, const app_inputs *in, app_outputs *out) {
+    sense(a, in);
+    if (!a->unfit)
+        (void)supervisor_take(&a->supervisor, SUPERVISOR_STARTED);
+    watch_inputs(a);
+    if (app_moving(a) && a->force.tare_left == 0) /* a tare is waited for */
+        motion_step(a);
+    watch_reference(a);
+    a->duty = app_moving(a) ? drive(a) : 0.0f;
+    out->motor_on = app_moving(a);
+    out->duty = (int16_t)app_round(a->duty * DUTY_FULL);
+    report_tick(a, out->duty);
+}

@@ -1,0 +1,103 @@
+/* app.h: the whole firmware without registers: inputs of a tick to outputs of a tick. */
+#ifndef APP_H
+#define APP_H
+
+#include "contact.h"
+#include "force.h"
+#include "machine.h"
+#include "pid.h"
+#include "stream.h"
+#include "supervisor.h"
+#include "thermal.h"
+
+enum { FIRMWARE_MAJOR = 0, FIRMWARE_MINOR = 1, FIRMWARE_PATCH = 0 };
+
+typedef struct app_inputs {
+    int32_t position; /* encoder counts since power-on, positive towards the specimen */
+    int16_t adc[PALP_WIRE_CHANNELS];
+    uint16_t thermistor; /* 12-bit counts */
+    bool sensor_silent, home_switch, emergency_stop;
+    bool stack_intact;
+    uint32_t missed; /* ticks missed before this one */
+    uint32_t cost;   /* of the last tick */
+    uint16_t stack_free;
+} app_inputs;
+
+typedef struct app_outputs {
+    int16_t duty; /* 32767 = full force towards the specimen */
+    bool motor_on;
+} app_outputs;
+
+/* Who we are, for INFO. */
+typedef struct app_identity {
+    const char *board;
+    uint32_t serial;
+    bool simulated;
+} app_identity;
+
+enum { APP_TRANSMIT = 16384 }; /* bytes that wait for the host: 0.6 s of samples */
+
+/* At most the machine's own. */
+typedef struct app_limits {
+    float force_N, travel_m, following_m, winding_C;
+    uint16_t host_timeout_ms;
+    uint16_t overflow_samples; /* lost in a run */
+} app_limits;
+
+typedef struct app {
+    const machine *machine;
+    app_identity identity;
+    bool unfit; /* the board did not come up: stays in BOOT */
+    app_limits limits;
+    /* parts */
+    supervisor supervisor;
+    palp_wire_decoder decoder;
+    stream stream;
+    force_sensor force;
+    thermal thermal;
+    trajectory trajectory;
+    pid pid;
+    contact contact;
+    /* what this tick sensed */
+    app_inputs in;
+    uint32_t tick, elapsed; /* now; ticks since the last that was not missed */
+    float position_m, velocity_m_s, force_N;
+    bool answering, saturated; /* the force sensor, in this tick */
+    /* where it is */
+    int32_t home;       /* counts */
+    bool sensed, homed; /* sensed: there has been a tick */
+    bool contact_known;
+    float contact_m, stiffness_N_m;
+    uint8_t softness; /* class of gains in use */
+    bool softness_auto;
+    /* the motion in progress */
+    uint8_t phase;
+    uint32_t phase_ticks;
+    float from_m, back_m; /* where it began, where it withdraws to */
+    float rate_m_s;
+    uint32_t air_ticks, after_ticks;
+    uint32_t segments_set; /* one bit each */
+    reference reference;
+    float duty;
+    /* watches */
+    uint16_t causes; /* one bit a fault: what is the case now */
+    uint32_t silent_ticks, saturated_ticks, following_ticks, host_ticks, lost_at_start;
+    uint32_t missed_ticks, cost_most;
+    /* the host */
+    bool command_seen, command_taken; /* ever; in this tick */
+    uint16_t command_sequence;
+    uint8_t command_type, command_result; /* a repeated command gets the same answer */
+    uint8_t told_state;                   /* by the last status */
+    uint32_t status_tick;                 /* of the last status */
+    uint8_t transmit[APP_TRANSMIT];
+} app;
+
+/* reset_cause and failed: from the board (hal.h). A watchdog or stack reset starts in FAULT; a board that did
+ * not come up stays in BOOT. */
+void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed);
+/* False: what has come from the host is to wait for the next tick, which bounds the cost of one. */
+bool app_listens(const app *a);
+void app_receive(app *a, uint8_t byte);
+void app_tick(app *a, const app_inputs *in, app_outputs *out);
+
+#endif

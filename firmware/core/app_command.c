@@ -1,0 +1,265 @@
+/* app_command.c: what the host asks for: whether it may, and doing it. */
+#include "app_internal.h"
+
+#define SEARCH_RATE_M_S 5e-4f /* where the host leaves it open */
+#define SEARCH_FORCE_N 0.01f
+#define SEARCH_RATE_MOST_M_S 0.01f
+
+enum { LEAST_TIMEOUT_MS = 100, MOST_TIMEOUT_MS = 60000 };
+
+/* ---- may it? ---- */
+
+#define IN(state) (1U << PALP_WIRE_STATE_##state)
+#define ALWAYS 0xffU
+#define STILL (IN(IDLE) | IN(READY))
+
+static const struct permission {
+    uint8_t command, states;
+} permissions[] = {
+    {PALP_WIRE_TYPE_HELLO, ALWAYS},
+    {PALP_WIRE_TYPE_ALIVE, ALWAYS},
+    {PALP_WIRE_TYPE_STREAM, ALWAYS},
+    {PALP_WIRE_TYPE_CLEAR_FAULT, IN(FAULT)},
+    {PALP_WIRE_TYPE_HOME, STILL},
+    {PALP_WIRE_TYPE_TARE, STILL},
+    {PALP_WIRE_TYPE_SET_CALIBRATION, STILL},
+    {PALP_WIRE_TYPE_GET_CALIBRATION, ALWAYS},
+    {PALP_WIRE_TYPE_LIMITS, ALWAYS},
+    {PALP_WIRE_TYPE_SELECT_GAINS, STILL},
+    {PALP_WIRE_TYPE_GET_GAINS, ALWAYS},
+    {PALP_WIRE_TYPE_FIND_CONTACT, IN(READY)},
+    {PALP_WIRE_TYPE_SEGMENT, ALWAYS & ~IN(BOOT) & ~IN(RUN) & ~IN(FAULT)},
+    {PALP_WIRE_TYPE_START, IN(READY)},
+    {PALP_WIRE_TYPE_STOP, ALWAYS & ~IN(BOOT) & ~IN(FAULT)},
+    {PALP_WIRE_TYPE_GET_STATUS, ALWAYS},
+};
+
+static uint8_t permitted(const app *a, uint8_t command) {
+    const uint8_t here = (uint8_t)(1U << a->supervisor.state);
+    for (size_t i = 0; i < sizeof permissions / sizeof permissions[0]; i++) {
+        const uint8_t states = permissions[i].states;
+        if (permissions[i].command != command)
+            continue;
+        if ((states & here) != 0)
+            return PALP_WIRE_RESULT_DONE;
+        if (here == IN(FAULT))
+            return PALP_WIRE_RESULT_FAULTED;
+        return here == IN(IDLE) && states == IN(READY) ? PALP_WIRE_RESULT_NOT_HOMED : PALP_WIRE_RESULT_STATE;
+    }
+    return PALP_WIRE_RESULT_UNKNOWN;
+}
+
+/* ---- doing it ---- */
+
+static uint8_t done_if(bool good) {
+    return good ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE;
+}
+
+/* A new host has asked for nothing yet. */
+static uint8_t hello(app *a, const palp_wire_hello *asked) {
+    if (asked->protocol != PALP_WIRE_VERSION)
+        return PALP_WIRE_RESULT_VERSION;
+    stream_end_block(&a->stream);
+    a->stream.on = false;
+    return PALP_WIRE_RESULT_DONE;
+}
+
+static uint8_t set_stream(app *a, const palp_wire_stream *asked) {
+    stream_end_block(&a->stream);
+    a->stream.on = asked->on != 0;
+    return PALP_WIRE_RESULT_DONE;
+}
+
+static uint8_t clear_fault(app *a) {
+    if (watch_persists(a))
+        return PALP_WIRE_RESULT_PERSISTS;
+    (void)supervisor_take(&a->supervisor, SUPERVISOR_CLEAR);
+    if (a->homed)
+        (void)supervisor_take(&a->supervisor, SUPERVISOR_HOMED);
+    return PALP_WIRE_RESULT_DONE;
+}
+
+static uint8_t begin(app *a, supervisor_event event) {
+    motion_begin(a);
+    (void)supervisor_take(&a->supervisor, event);
+    return PALP_WIRE_RESULT_DONE;
+}
+
+static uint8_t home(app *a) {
+    a->homed = a->contact_known = false;
+    return begin(a, SUPERVISOR_HOME);
+}
+
+static uint8_t tare(app *a, const palp_wire_tare *asked) {
+    if (asked->samples < 1 || asked->samples > FORCE_TARE_MOST)
+        return PALP_WIRE_RESULT_RANGE;
+    force_tare_begin(&a->force, asked->samples);
+    return PALP_WIRE_RESULT_DONE;
+}
+
+/* 0 leaves it as it is. */
+static bool limit(float *value, int32_t asked, float unit, float most) {
+    if (asked < 0 || asked > app_round(most / unit))
+        return false;
+    if (asked > 0)
+        *value = (float)asked * unit;
+    return true;
+}
+
+static uint8_t set_limits(app *a, const palp_wire_limits *asked) {
+    const machine *m = a->machine;
+    const uint16_t timeout_ms = asked->host_timeout_ms;
+    app_limits next = a->limits;
+    if (!limit(&next.force_N, asked->force_uN, 1e-6f, m->force_N) ||
+        !limit(&next.travel_m, asked->travel_nm, 1e-9f, m->travel_m) ||
+        !limit(&next.following_m, asked->following_nm, 1e-9f, m->following_m) ||
+        !limit(&next.winding_C, asked->temperature_cC, 0.01f, m->fault_C) ||
+        (timeout_ms != 0 && (timeout_ms < LEAST_TIMEOUT_MS || timeout_ms > MOST_TIMEOUT_MS)))
+        return PALP_WIRE_RESULT_RANGE;
+    if (timeout_ms != 0)
+        next.host_timeout_ms = timeout_ms;
+    if (asked->overflow_samples != 0)
+        next.overflow_samples = asked->overflow_samples;
+    a->limits = next;
+    return PALP_WIRE_RESULT_DONE;
+}
+
+static uint8_t select_gains(app *a, const palp_wire_select_gains *asked) {
+    const bool automatic = asked->softness == PALP_WIRE_GAINS_AUTO;
+    if (!automatic && asked->softness >= GAINS_CLASSES)
+        return PALP_WIRE_RESULT_RANGE;
+    a->softness_auto = automatic;
+    if (!automatic)
+        a->softness = asked->softness;
+    else
+        a->softness = a->contact_known ? gains_class(a->stiffness_N_m) : (uint8_t)GAINS_MIDDLE;
+    return PALP_WIRE_RESULT_DONE;
+}
+
+/* What is 0 is left to us. */
+static uint8_t find_contact(app *a, const palp_wire_find_contact *asked) {
+    const float rate = asked->rate_nm_s > 0 ? (float)asked->rate_nm_s * 1e-9f : SEARCH_RATE_M_S;
+    const float threshold = asked->force_uN != 0 ? (float)asked->force_uN * 1e-6f : SEARCH_FORCE_N;
+    const float way = asked->travel_nm != 0 ? (float)asked->travel_nm * 1e-9f : a->limits.travel_m;
+    const float end = a->position_m + way;
+    if (rate > SEARCH_RATE_MOST_M_S || threshold <= 0.0f || threshold > a->limits.force_N || way <= 0.0f)
+        return PALP_WIRE_RESULT_RANGE;
+    a->contact_known = false;
+    a->rate_m_s = rate;
+    contact_begin(&a->contact, threshold, end < a->limits.travel_m ? end : a->limits.travel_m);
+    return begin(a, SUPERVISOR_FIND_CONTACT);
+}
+
+static uint8_t set_segment(app *a, const palp_wire_segment *asked) {
+    if (asked->index >= PALP_WIRE_SEGMENTS)
+        return PALP_WIRE_RESULT_RANGE;
+    const uint8_t result = trajectory_check(asked, a->machine->speed_m_s);
+    if (result == PALP_WIRE_RESULT_DONE) {
+        trajectory_set(&a->trajectory, asked->index, asked);
+        a->segments_set |= 1U << asked->index;
+    }
+    return result;
+}
+
+static bool segments_are_set(const app *a, uint8_t count) {
+    const uint32_t wanted =
+        count > 0 && count <= PALP_WIRE_SEGMENTS ? UINT32_MAX >> (PALP_WIRE_SEGMENTS - count) : 0;
+    return wanted != 0 && (a->segments_set & wanted) == wanted;
+}
+
+static float first_rate(const trajectory *t) {
+    const segment *s = &t->list[0];
+    const bool has_rate = s->kind == PALP_WIRE_SEGMENT_MOVE || s->kind == PALP_WIRE_SEGMENT_CYCLE;
+    return has_rate && s->rate_m_s > MOTION_RATE_M_S ? s->rate_m_s : MOTION_RATE_M_S;
+}
+
+static uint8_t start(app *a, const palp_wire_start *asked) {
+    const float depth = (float)asked->start_nm * 1e-9f, place = a->contact_m + depth;
+    if (!a->contact_known)
+        return PALP_WIRE_RESULT_NO_CONTACT;
+    if (!segments_are_set(a, asked->segments) || place < 0.0f || place > a->limits.travel_m)
+        return PALP_WIRE_RESULT_RANGE;
+    trajectory_begin(&a->trajectory, asked->segments, depth);
+    a->air_ticks = asked->air_ms * (CONTROL_HZ / 1000);
+    a->after_ticks = asked->after_ms * (CONTROL_HZ / 1000);
+    a->rate_m_s = first_rate(&a->trajectory);
+    a->lost_at_start = a->stream.lost;
+    (void)begin(a, SUPERVISOR_START);
+    motion_withdraw(a, place);
+    return PALP_WIRE_RESULT_DONE;
+}
+
+static uint8_t execute(app *a, const palp_wire_message *c) {
+    switch (c->type) {
+    case PALP_WIRE_TYPE_HELLO:
+        return hello(a, &c->as.hello);
+    case PALP_WIRE_TYPE_STREAM:
+        return set_stream(a, &c->as.stream);
+    case PALP_WIRE_TYPE_CLEAR_FAULT:
+        return clear_fault(a);
+    case PALP_WIRE_TYPE_HOME:
+        return home(a);
+    case PALP_WIRE_TYPE_TARE:
+        return tare(a, &c->as.tare);
+    case PALP_WIRE_TYPE_SET_CALIBRATION:
+        return done_if(force_set_row(&a->force, c->as.set_calibration.axis, c->as.set_calibration.row));
+    case PALP_WIRE_TYPE_GET_CALIBRATION:
+        return done_if(c->as.get_calibration.axis < FORCE_AXES);
+    case PALP_WIRE_TYPE_LIMITS:
+        return set_limits(a, &c->as.limits);
+    case PALP_WIRE_TYPE_SELECT_GAINS:
+        return select_gains(a, &c->as.select_gains);
+    case PALP_WIRE_TYPE_GET_GAINS:
+        return done_if(c->as.get_gains.softness < GAINS_CLASSES);
+    case PALP_WIRE_TYPE_FIND_CONTACT:
+        return find_contact(a, &c->as.find_contact);
+    case PALP_WIRE_TYPE_SEGMENT:
+        return set_segment(a, &c->as.segment);
+    case PALP_WIRE_TYPE_START:
+        return start(a, &c->as.start);
+    case PALP_WIRE_TYPE_STOP: /* back_m says where to */
+        (void)supervisor_take(&a->supervisor, SUPERVISOR_STOP);
+        return PALP_WIRE_RESULT_DONE;
+    default: /* ALIVE, GET_STATUS */
+        return PALP_WIRE_RESULT_DONE;
+    }
+}
+
+/* ---- answering ---- */
+
+static void answer(app *a, const palp_wire_message *c) {
+    switch (c->type) {
+    case PALP_WIRE_TYPE_GET_CALIBRATION:
+        report_calibration(a, c->as.get_calibration.axis);
+        break;
+    case PALP_WIRE_TYPE_GET_GAINS:
+        report_gains(a, c->as.get_gains.softness);
+        break;
+    case PALP_WIRE_TYPE_GET_STATUS:
+        report_status(a);
+        break;
+    default:
+        break;
+    }
+}
+
+/* The host repeats a command whose answer it missed: the answer is repeated, not the deed. Only a HELLO is
+ * always new: another host may begin with the same number. */
+void command_take(app *a, const palp_wire_message *c) {
+    const bool again = a->command_seen && c->sequence == a->command_sequence && c->type == a->command_type &&
+                       c->type != PALP_WIRE_TYPE_HELLO;
+    uint8_t result = a->command_result;
+    if (!again) {
+        result = permitted(a, c->type);
+        result = result == PALP_WIRE_RESULT_DONE ? execute(a, c) : result;
+    }
+    a->command_taken = a->command_seen = true;
+    a->command_sequence = c->sequence;
+    a->command_type = c->type;
+    a->command_result = result;
+    report_ack(a, c->sequence, c->type, result);
+    if (result == PALP_WIRE_RESULT_DONE)
+        answer(a, c);
+    if (c->type == PALP_WIRE_TYPE_HELLO) /* also to one of another version, which must learn of ours */
+        report_info(a);
+}

@@ -1,0 +1,42 @@
+/* app_internal.h: what the parts of the app share. */
+#ifndef APP_INTERNAL_H
+#define APP_INTERNAL_H
+
+#include "app.h"
+
+#define MOTION_RATE_M_S 0.005f /* to the start of a run and back, at least */
+#define MOTION_AIR_M 1e-3f     /* a search for contact ends so far above it */
+
+/* ---- app_command.c ---- */
+void command_take(app *a, const palp_wire_message *command);
+
+/* ---- app_watch.c ---- */
+void watch_inputs(app *a);    /* what is wrong with what was sensed */
+void watch_reference(app *a); /* and with where the motion is to go */
+bool watch_persists(const app *a);
+
+/* ---- app_motion.c ---- */
+void motion_begin(app *a);                /* from rest, where the plate is */
+void motion_withdraw(app *a, float to_m); /* where RETRACT goes */
+void motion_step(app *a);                 /* the reference of this tick */
+bool motion_records(const app *a);
+bool motion_follows(const app *a);
+/* Where the plate may be, metres from home; in HOMING, from where it began. */
+void motion_bounds(const app *a, float *low_m, float *high_m);
+
+/* ---- app_report.c ---- */
+void report_tick(app *a, int16_t duty); /* the sample; a status where one is due */
+void report_ack(app *a, uint16_t sequence, uint8_t command, uint8_t result);
+void report_status(app *a);
+void report_info(app *a);
+void report_calibration(app *a, uint8_t axis);
+void report_gains(app *a, uint8_t softness);
+
+/* Nearest whole number, held at the ends of int32_t; 0 for what is no number. */
+int32_t app_round(float x);
+
+static inline bool app_moving(const app *a) {
+    return supervisor_moving(a->supervisor.state);
+}
+
+#endif

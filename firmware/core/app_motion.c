@@ -1,0 +1,182 @@
+/* app_motion.c: the motions: homing, the search for contact, a run, withdrawing. */
+#include "app_internal.h"
+
+#include "real.h"
+
+#define ACCELERATION_M_S2 5.0f
+#define HOME_RATE_M_S 0.01f
+#define HOME_REST_M 1e-3f     /* where homing ends */
+#define HOME_OFF_M 5e-4f      /* at least so far off the switch, */
+#define HOME_OFF_MOST_M 3e-3f /* which has to open within this */
+#define BEYOND_M 3e-4f        /* the plate may be so far out of its travel; the hard stops are at 1 mm */
+
+enum { HOME_LEAVE, HOME_SEEK, HOME_BACK_OFF };
+enum { RUN_TO_START, RUN_AIR, RUN_FOLLOW, RUN_WITHDRAW, RUN_AFTER };
+
+void motion_begin(app *a) {
+    a->phase = 0;
+    a->phase_ticks = 0;
+    a->from_m = a->back_m = a->position_m;
+    a->reference = (reference){.position_m = a->position_m};
+    pid_reset(&a->pid);
+}
+
+static void next_phase(app *a) {
+    a->phase++;
+    a->phase_ticks = 0;
+}
+
+/* A tick towards a place, from any velocity, to rest there; true once there. The root is the speed from
+ * which it can still stop in time: v dt + v^2 / (2 a) = way. */
+static bool move_toward(reference *r, float to_m, float rate_m_s) {
+    const float step = ACCELERATION_M_S2 * TICK_S, way = to_m - r->position_m;
+    const float most = __builtin_sqrtf(step * step + 2.0f * ACCELERATION_M_S2 * real_abs(way)) - step;
+    const float speed = most < rate_m_s ? most : rate_m_s;
+    const float change = real_clamp((way < 0.0f ? -speed : speed) - r->velocity_m_s, -step, step);
+    if (real_abs(way) < 1e-8f && real_abs(r->velocity_m_s) <= step) {
+        *r = (reference){.position_m = to_m};
+        return true;
+    }
+    r->acceleration_m_s2 = change / TICK_S;
+    r->velocity_m_s += change;
+    r->position_m += r->velocity_m_s * TICK_S;
+    return false;
+}
+
+static bool rest(app *a, uint32_t ticks) {
+    return ++a->phase_ticks >= ticks;
+}
+
+/* ---- homing ---- */
+
+/* Goes on until it is off the switch by HOME_OFF_M. */
+static bool leave_switch(app *a) {
+    const float off_m = a->reference.position_m + HOME_OFF_M;
+    if (a->in.home_switch && a->back_m < off_m)
+        a->back_m = off_m;
+    return move_toward(&a->reference, a->back_m, HOME_RATE_M_S);
+}
+
+/* From here on positions count from here. */
+static void set_home(app *a) {
+    a->home = a->in.position;
+    a->reference.position_m -= a->position_m;
+    a->position_m = 0.0f;
+    a->back_m = HOME_REST_M;
+}
+
+static bool seek_switch(app *a) {
+    if (a->in.home_switch)
+        set_home(a);
+    else
+        (void)move_toward(&a->reference, a->from_m - 2.0f * a->machine->travel_m, HOME_RATE_M_S);
+    return a->in.home_switch;
+}
+
+static void home_step(app *a) {
+    if (!(a->phase == HOME_SEEK ? seek_switch(a) : leave_switch(a)))
+        return;
+    if (a->phase == HOME_BACK_OFF)
+        a->homed = supervisor_take(&a->supervisor, SUPERVISOR_HOMED);
+    else
+        next_phase(a);
+}
+
+void motion_bounds(const app *a, float *low_m, float *high_m) {
+    if (a->supervisor.state != PALP_WIRE_STATE_HOMING) { /* anywhere while nobody knows where that is */
+        *low_m = a->homed ? -BEYOND_M : -1.0f;
+        *high_m = a->homed ? a->limits.travel_m + BEYOND_M : 1.0f;
+    } else if (a->phase == HOME_BACK_OFF) {
+        *low_m = -BEYOND_M;
+        *high_m = HOME_OFF_MOST_M;
+    } else {
+        *low_m = a->from_m - a->machine->travel_m - BEYOND_M;
+        *high_m = a->from_m + HOME_OFF_MOST_M;
+    }
+}
+
+/* ---- the search for contact ---- */
+
+void motion_withdraw(app *a, float to_m) {
+    a->back_m = real_clamp(to_m, 0.0f, a->limits.travel_m);
+}
+
+static void contact_is_known(app *a) {
+    a->contact_known = true;
+    a->contact_m = a->contact.position_m;
+    motion_withdraw(a, a->contact_m - MOTION_AIR_M);
+    a->stiffness_N_m = a->contact.stiffness_N_m;
+    if (a->softness_auto)
+        a->softness = gains_class(a->stiffness_N_m);
+}
+
+/* Not by a reading that is none: one at its rail would pass for something hard. */
+static void approach_step(app *a) {
+    const bool at_end = move_toward(&a->reference, a->contact.end_m, a->rate_m_s);
+    if (a->answering && !a->saturated)
+        (void)contact_step(&a->contact, a->position_m, a->force_N);
+    if (a->contact.phase == CONTACT_FOUND)
+        contact_is_known(a);
+    if (a->contact.phase == CONTACT_FOUND || a->contact.phase == CONTACT_MISSED || at_end)
+        (void)supervisor_take(&a->supervisor, SUPERVISOR_DONE);
+}
+
+static void retract_step(app *a) {
+    if (move_toward(&a->reference, a->back_m, MOTION_RATE_M_S))
+        (void)supervisor_take(&a->supervisor, SUPERVISOR_DONE);
+}
+
+/* ---- a run ---- */
+
+static bool follow(app *a) {
+    const bool going = trajectory_step(&a->trajectory, &a->reference);
+    a->reference.position_m += a->contact_m;
+    return !going;
+}
+
+static bool run_phase(app *a) {
+    switch (a->phase) {
+    case RUN_AIR:
+        return rest(a, a->air_ticks);
+    case RUN_FOLLOW:
+        return follow(a);
+    case RUN_AFTER:
+        return rest(a, a->after_ticks);
+    default:
+        return move_toward(&a->reference, a->back_m, a->rate_m_s);
+    }
+}
+
+static void run_step(app *a) {
+    if (!run_phase(a))
+        return;
+    if (a->phase == RUN_AFTER)
+        (void)supervisor_take(&a->supervisor, SUPERVISOR_DONE);
+    else
+        next_phase(a);
+}
+
+bool motion_records(const app *a) {
+    return a->supervisor.state == PALP_WIRE_STATE_RUN && a->phase >= RUN_AIR;
+}
+
+bool motion_follows(const app *a) {
+    return a->supervisor.state == PALP_WIRE_STATE_RUN && a->phase == RUN_FOLLOW;
+}
+
+void motion_step(app *a) {
+    switch (a->supervisor.state) {
+    case PALP_WIRE_STATE_HOMING:
+        home_step(a);
+        break;
+    case PALP_WIRE_STATE_APPROACH:
+        approach_step(a);
+        break;
+    case PALP_WIRE_STATE_RUN:
+        run_step(a);
+        break;
+    default:
+        retract_step(a);
+        break;
+    }
+}

@@ -1,0 +1,95 @@
+/* app_watch.c: what is wrong, and which of it stops. */
+#include "app_internal.h"
+
+#include "real.h"
+
+enum { BAD_READINGS = 2 /* ticks */ };
+
+/* Which is the reason where several are the case in one tick: first what makes the others untrustworthy. */
+static const uint8_t order[] = {
+    PALP_WIRE_FAULT_STACK_GUARD,   PALP_WIRE_FAULT_EMERGENCY_STOP,   PALP_WIRE_FAULT_ENCODER_JUMP,
+    PALP_WIRE_FAULT_SENSOR_SILENT, PALP_WIRE_FAULT_OVER_FORCE,       PALP_WIRE_FAULT_SENSOR_SATURATED,
+    PALP_WIRE_FAULT_OVER_TRAVEL,   PALP_WIRE_FAULT_OVER_TEMPERATURE, PALP_WIRE_FAULT_FOLLOWING_ERROR,
+    PALP_WIRE_FAULT_HOST_TIMEOUT,  PALP_WIRE_FAULT_STREAM_OVERFLOW,  PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE,
+};
+
+static void note(app *a, uint8_t fault, bool is_the_case) {
+    if (is_the_case)
+        a->causes |= (uint16_t)(1U << fault);
+}
+
+static bool noted(const app *a, uint8_t fault) {
+    return (a->causes & 1U << fault) != 0;
+}
+
+/* Ticks in a row in which something was seen to be the case. */
+static uint32_t lasting(uint32_t ticks, bool is_the_case) {
+    return is_the_case ? ticks + 1 : 0;
+}
+
+static void stop_for(app *a) {
+    for (size_t i = 0; i < sizeof order; i++)
+        if (noted(a, order[i]) && supervisor_fault(&a->supervisor, order[i], a->tick))
+            return;
+}
+
+static void watch_sensor(app *a) {
+    a->silent_ticks = lasting(a->silent_ticks, !a->answering);
+    a->saturated_ticks = lasting(a->saturated_ticks, a->saturated);
+    note(a, PALP_WIRE_FAULT_SENSOR_SILENT, a->silent_ticks >= BAD_READINGS);
+    note(a, PALP_WIRE_FAULT_SENSOR_SATURATED, a->saturated_ticks >= BAD_READINGS);
+    note(a, PALP_WIRE_FAULT_OVER_FORCE, a->answering && real_abs(a->force_N) > a->limits.force_N);
+}
+
+/* A position that has jumped is lost in every state, also where that is not a fault. */
+static void watch_position(app *a) {
+    float low_m, high_m;
+    const bool jumped = real_abs(a->velocity_m_s) > a->machine->speed_m_s;
+    if (jumped)
+        a->homed = a->contact_known = false;
+    motion_bounds(a, &low_m, &high_m);
+    note(a, PALP_WIRE_FAULT_ENCODER_JUMP, jumped);
+    note(a, PALP_WIRE_FAULT_OVER_TRAVEL, a->position_m < low_m || a->position_m > high_m);
+}
+
+/* Counted while the motor is on only: then nobody but the host can know that something goes wrong. */
+static void watch_motion(app *a) {
+    const bool moving = app_moving(a);
+    const float error_m = real_abs(a->reference.position_m - a->position_m);
+    a->following_ticks = lasting(a->following_ticks, moving && error_m > a->limits.following_m);
+    a->host_ticks = moving ? a->host_ticks + a->elapsed : 0;
+    /* A motor that is held back for its heat falls behind before it is too hot. */
+    note(a,
+         thermal_derating(&a->thermal, a->machine) < 1.0f ? PALP_WIRE_FAULT_OVER_TEMPERATURE
+                                                          : PALP_WIRE_FAULT_FOLLOWING_ERROR,
+         a->following_ticks >= a->machine->following_ticks);
+    note(a, PALP_WIRE_FAULT_HOST_TIMEOUT,
+         a->host_ticks > (uint32_t)a->limits.host_timeout_ms * CONTROL_HZ / 1000);
+    note(a, PALP_WIRE_FAULT_STREAM_OVERFLOW,
+         moving && a->stream.lost - a->lost_at_start > a->limits.overflow_samples);
+}
+
+void watch_inputs(app *a) {
+    a->causes = 0;
+    watch_sensor(a);
+    watch_position(a);
+    watch_motion(a);
+    note(a, PALP_WIRE_FAULT_OVER_TEMPERATURE,
+         a->thermal.broken || thermal_winding_C(&a->thermal) > a->limits.winding_C);
+    note(a, PALP_WIRE_FAULT_STACK_GUARD, !a->in.stack_intact);
+    note(a, PALP_WIRE_FAULT_EMERGENCY_STOP, a->in.emergency_stop);
+    stop_for(a);
+}
+
+/* It may begin a little outside, where the plate was pushed by hand. */
+void watch_reference(app *a) {
+    const float x = a->reference.position_m, from = a->from_m, most = a->limits.travel_m;
+    const bool within =
+        x >= (from < 0.0f ? from : 0.0f) && x <= (from > most ? from : most); /* not so a NaN */
+    note(a, PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE, app_moving(a) && !within);
+    stop_for(a);
+}
+
+bool watch_persists(const app *a) {
+    return noted(a, a->supervisor.fault);
+}

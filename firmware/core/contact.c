@@ -1,0 +1,60 @@
+/* contact.c: finds the specimen: advances until the force rises, measures its first tenth of a millimetre. */
+#include "contact.h"
+
+void contact_begin(contact *c, float threshold_N, float end_m) {
+    *c = (contact){.phase = CONTACT_SEEKING, .threshold_N = threshold_N, .end_m = end_m};
+}
+
+static contact_phase found(contact *c, float position_m, float stiffness_N_m) {
+    c->position_m = position_m;
+    c->stiffness_N_m = stiffness_N_m < CONTACT_RIGID_N_M ? stiffness_N_m : CONTACT_RIGID_N_M;
+    return CONTACT_FOUND;
+}
+
+/* The line through what was measured, unless noise might have made it. Its slope's variance is
+ * rest / ((n - 2) xx). Positions count from touched_m, so that nothing cancels. */
+static contact_phase fit(contact *c, bool hard) {
+    float mean_x = c->sum_x / c->n, mean_f = c->sum_f / c->n;
+    float xx = c->sum_xx - mean_x * c->sum_x, xf = c->sum_xf - mean_x * c->sum_f;
+    float ff = c->sum_ff - mean_f * c->sum_f;
+    if (c->n > 3.0f && xx > 1e-12f && xf > 0.0f) {
+        float slope = xf / xx, rest = ff - slope * xf;
+        if (slope * xf * (c->n - 2.0f) > 25.0f * rest)
+            return found(c, c->touched_m + mean_x - mean_f / slope, slope);
+    }
+    return hard ? found(c, c->touched_m, CONTACT_RIGID_N_M) : CONTACT_MISSED;
+}
+
+static contact_phase measure(contact *c, float position_m, float force_N) {
+    float x = position_m - c->touched_m, f = force_N - c->zero_N;
+    bool hard = f > c->threshold_N + CONTACT_FORCE_N;
+    c->n += 1.0f;
+    c->sum_x += x;
+    c->sum_f += f;
+    c->sum_xx += x * x;
+    c->sum_xf += x * f;
+    c->sum_ff += f * f;
+    return hard || x >= CONTACT_DEPTH_M || position_m >= c->end_m ? fit(c, hard) : CONTACT_MEASURING;
+}
+
+static contact_phase seek(contact *c, float position_m, float force_N) {
+    if (c->ticks++ == 0)
+        c->begun_m = position_m;
+    if (c->ticks <= CONTACT_AIR_TICKS)
+        c->zero_N += (force_N - c->zero_N) / (float)c->ticks;
+    c->force_N += (force_N - c->zero_N - c->force_N) / (float)CONTACT_FILTER_TICKS;
+    if (c->force_N < c->threshold_N)
+        return position_m < c->end_m ? CONTACT_SEEKING : CONTACT_MISSED;
+    if (c->ticks <= CONTACT_AIR_TICKS || position_m < c->begun_m + CONTACT_AIR_M)
+        return CONTACT_MISSED;
+    c->touched_m = position_m;
+    return measure(c, position_m, force_N);
+}
+
+contact_phase contact_step(contact *c, float position_m, float force_N) {
+    if (c->phase == CONTACT_SEEKING)
+        c->phase = seek(c, position_m, force_N);
+    else if (c->phase == CONTACT_MEASURING)
+        c->phase = measure(c, position_m, force_N);
+    return c->phase;
+}

@@ -1,0 +1,32 @@
+/* machine.h: the figures of the indenter that the firmware is built for. SI units. */
+#ifndef MACHINE_H
+#define MACHINE_H
+
+#include <stdint.h>
+
+enum { CONTROL_HZ = 1000 };
+#define TICK_S 0.001f
+
+/* Positions count from the home switch, positive towards the specimen. */
+typedef struct machine {
+    float count_m;         /* metres an encoder count */
+    float travel_m;        /* from home to the lower end */
+    float speed_m_s;       /* most that the drive can reach: beyond it the encoder has jumped */
+    float force_N;         /* of the sensor, and so of any limit */
+    float motor_N;         /* force at full duty and standstill */
+    float motor_drag_Ns_m; /* what back-EMF and friction take from it at speed */
+    float moving_kg;
+    float friction_N;
+    float supply_V, resistance_ohm, force_constant_N_A; /* of the motor, for its heat */
+    float current_A;                                    /* most that its driver gives */
+    float winding_K_W, winding_s; /* rise of the winding over the case, and its time constant */
+    float derate_C, fault_C;      /* of the winding: force is held back from, stopped at */
+    float following_m;            /* error that is a fault after following_ticks */
+    uint16_t following_ticks;
+    uint16_t host_timeout_ms;
+    uint16_t overflow_samples; /* lost in a run before it is a fault */
+} machine;
+
+extern const machine machine_indenter; /* the one of doc/indenter.md */
+
+#endif

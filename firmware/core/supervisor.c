@@ -1,0 +1,76 @@
+/* supervisor.c: the tables of states, events and faults. */
+#include "supervisor.h"
+
+/* What is not listed means nothing in that state. BOOT is never returned to, so its 0 can say so. */
+#define TO(state) PALP_WIRE_STATE_##state
+static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] = {
+    [TO(BOOT)] = {[SUPERVISOR_STARTED] = TO(IDLE), [SUPERVISOR_FAULT] = TO(FAULT)},
+    [TO(IDLE)] = {[SUPERVISOR_HOME] = TO(HOMING),
+                  [SUPERVISOR_HOMED] = TO(READY), /* after a fault that left the position known */
+                  [SUPERVISOR_STOP] = TO(IDLE),
+                  [SUPERVISOR_FAULT] = TO(FAULT)},
+    [TO(HOMING)] =
+        {[SUPERVISOR_HOMED] = TO(READY), [SUPERVISOR_STOP] = TO(IDLE), [SUPERVISOR_FAULT] = TO(FAULT)},
+    [TO(READY)] = {[SUPERVISOR_HOME] = TO(HOMING),
+                   [SUPERVISOR_FIND_CONTACT] = TO(APPROACH),
+                   [SUPERVISOR_START] = TO(RUN),
+                   [SUPERVISOR_STOP] = TO(READY),
+                   [SUPERVISOR_FAULT] = TO(FAULT)},
+    [TO(APPROACH)] =
+        {[SUPERVISOR_DONE] = TO(RETRACT), [SUPERVISOR_STOP] = TO(RETRACT), [SUPERVISOR_FAULT] = TO(FAULT)},
+    [TO(RUN)] =
+        {[SUPERVISOR_DONE] = TO(READY), [SUPERVISOR_STOP] = TO(RETRACT), [SUPERVISOR_FAULT] = TO(FAULT)},
+    [TO(RETRACT)] =
+        {[SUPERVISOR_DONE] = TO(READY), [SUPERVISOR_STOP] = TO(RETRACT), [SUPERVISOR_FAULT] = TO(FAULT)},
+    [TO(FAULT)] = {[SUPERVISOR_CLEAR] = TO(IDLE)},
+};
+#undef TO
+
+/* Which states watch for a fault. The motor is on in MOVING only.
+ * READY promises that a motion may begin: it also watches all that is sensed while nothing moves.
+ * IDLE promises nothing (the sensor may just be being mounted, the carriage be pushed by hand): what is
+ * wrong then stops the HOME that would begin, in its first tick, before the motor is on.
+ * The reference is not bounded while HOMING: where the ends are is not known yet. */
+#define IN(state) (1U << PALP_WIRE_STATE_##state)
+#define MOVING (IN(HOMING) | IN(APPROACH) | IN(RUN) | IN(RETRACT))
+static const uint8_t watching[PALP_WIRE_FAULT_COUNT] = {
+    [PALP_WIRE_FAULT_OVER_FORCE] = IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_OVER_TRAVEL] = IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_OVER_TEMPERATURE] = IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_FOLLOWING_ERROR] = MOVING,
+    [PALP_WIRE_FAULT_SENSOR_SILENT] = IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_SENSOR_SATURATED] = IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_ENCODER_JUMP] = IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_HOST_TIMEOUT] = MOVING,
+    [PALP_WIRE_FAULT_STREAM_OVERFLOW] = IN(RUN),
+    [PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE] = MOVING & ~IN(HOMING),
+    [PALP_WIRE_FAULT_WATCHDOG_RESET] = IN(BOOT),
+    [PALP_WIRE_FAULT_STACK_GUARD] = IN(BOOT) | IN(IDLE) | IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_EMERGENCY_STOP] = IN(IDLE) | IN(READY) | MOVING,
+};
+
+bool supervisor_take(supervisor *s, supervisor_event event) {
+    const uint8_t next = next_state[s->state][event];
+    if (next == PALP_WIRE_STATE_BOOT)
+        return false;
+    s->state = next;
+    if (event == SUPERVISOR_CLEAR)
+        s->fault = PALP_WIRE_FAULT_NONE;
+    return true;
+}
+
+bool supervisor_fault(supervisor *s, uint8_t fault, uint32_t tick) {
+    if (!supervisor_watches(s->state, fault) || !supervisor_take(s, SUPERVISOR_FAULT))
+        return false;
+    s->fault = fault;
+    s->fault_tick = tick;
+    return true;
+}
+
+bool supervisor_watches(uint8_t state, uint8_t fault) {
+    return fault < PALP_WIRE_FAULT_COUNT && (watching[fault] >> state & 1U) != 0;
+}
+
+bool supervisor_moving(uint8_t state) {
+    return (MOVING >> state & 1U) != 0;
+}

@@ -1,0 +1,230 @@
+/* trajectory.c: the depth that the plate is to follow, tick by tick, from a list of segments. */
+#include "trajectory.h"
+
+#include "machine.h"
+#include "real.h"
+
+enum { PERIOD = 1000000000, MOST_CYCLES = 65535 };
+
+/* ---- stroke ---- */
+
+/* To the next whole number, held where it no longer fits. */
+static uint32_t round_up(float x) {
+    if (x >= 4e9f)
+        return 4000000000u;
+    uint32_t whole = (uint32_t)x;
+    return (float)whole < x ? whole + 1 : whole;
+}
+
+void stroke_begin(stroke *s, float start_m, float end_m, float rate_m_s, float acceleration_m_s2) {
+    float way = end_m - start_m, length = real_abs(way), rate = rate_m_s;
+    if (length * acceleration_m_s2 < rate * rate)
+        rate = __builtin_sqrtf(length * acceleration_m_s2);
+    *s = (stroke){.start_m = start_m, .end_m = end_m, .ticks = 1};
+    if (rate <= 0.0f)
+        return;
+    s->rate_m_s = way < 0.0f ? -rate : rate;
+    s->acceleration_m_s2 = way < 0.0f ? -acceleration_m_s2 : acceleration_m_s2;
+    s->ramp_s = rate / acceleration_m_s2;
+    float ticks = (length / rate + s->ramp_s) * (float)CONTROL_HZ;
+    s->ticks = round_up(ticks);
+    s->rest_s = ((float)s->ticks - ticks) / (float)CONTROL_HZ;
+}
+
+bool stroke_step(stroke *s, reference *next) {
+    bool going = s->tick < s->ticks;
+    *next = (reference){.position_m = s->end_m};
+    if (!going || ++s->tick == s->ticks)
+        return going;
+    float time = (float)s->tick / (float)CONTROL_HZ, a = s->acceleration_m_s2;
+    float left = (float)(s->ticks - s->tick) / (float)CONTROL_HZ - s->rest_s;
+    if (time < s->ramp_s && time < left)
+        *next = (reference){s->start_m + 0.5f * a * time * time, a * time, a};
+    else if (left > s->ramp_s)
+        *next = (reference){s->start_m + s->rate_m_s * (time - 0.5f * s->ramp_s), s->rate_m_s, 0.0f};
+    else if (left > 0.0f)
+        *next = (reference){s->end_m - 0.5f * a * left * left, a * left, -a};
+    return true;
+}
+
+/* ---- waves ---- */
+
+/* Periods of a SWEEP: start * duration * (2^octaves - 1) / ln 2^octaves, and a little more: a last period
+ * short by so much ends so close to rest that nobody can tell. */
+static float sweep_cycles(float start_Hz, float octaves, float duration_s) {
+    float x = octaves * REAL_LN2;
+    float mean = real_abs(x) < 1e-3f ? 1.0f + 0.5f * x : (real_exp2(octaves) - 1.0f) / x;
+    return start_Hz * duration_s * mean + 0.002f;
+}
+
+static float sweep_octaves(const palp_wire_segment *wire) {
+    return real_log2((float)wire->frequency_end_mHz / (float)wire->frequency_mHz);
+}
+
+static uint32_t wave_frequency(const trajectory *t, const segment *s) {
+    if (s->kind == PALP_WIRE_SEGMENT_SINE)
+        return s->frequency_uHz;
+    float octaves = s->octaves * ((float)t->tick / (float)s->ticks);
+    return (uint32_t)((float)s->frequency_uHz * real_exp2(octaves) + 0.5f);
+}
+
+static void wave_reference(trajectory *t, const segment *s) {
+    float sine, cosine;
+    real_sine((float)t->phase * 1e-9f, &sine, &cosine);
+    float shape = sine, slope = cosine, bend = -sine;
+    bool late = t->phase >= PERIOD / 2;
+    if (late ? t->cycle + 1 == s->cycles : t->cycle == 0) { /* times (1 - cosine) / 2 */
+        shape = 0.5f * sine * (1.0f - cosine);
+        slope = 0.5f * (1.0f + cosine - 2.0f * cosine * cosine);
+        bend = sine * (2.0f * cosine - 0.5f);
+    }
+    float omega = 2.0f * REAL_PI * 1e-6f * (float)t->frequency_uHz;
+    float rising = s->octaves * REAL_LN2 * (float)CONTROL_HZ / (float)s->ticks; /* omega' / omega */
+    t->now.position_m = t->start_m + s->target_m * shape;
+    t->now.velocity_m_s = s->target_m * omega * slope;
+    t->now.acceleration_m_s2 = s->target_m * omega * (omega * bend + rising * slope);
+}
+
+static bool wave_step(trajectory *t, const segment *s) {
+    if (t->tick == s->ticks)
+        return false;
+    t->tick++;
+    uint32_t before = t->frequency_uHz;
+    t->frequency_uHz = wave_frequency(t, s);
+    t->phase += (before + t->frequency_uHz) / 2;
+    if (t->phase >= PERIOD) {
+        t->phase -= PERIOD;
+        t->cycle++;
+    }
+    t->now = (reference){.position_m = t->start_m};
+    if (t->cycle < s->cycles && t->tick < s->ticks)
+        wave_reference(t, s);
+    return true;
+}
+
+/* ---- segments ---- */
+
+static bool within(uint32_t x, uint32_t most) {
+    return x > 0 && x <= most;
+}
+
+static bool stroke_possible(const palp_wire_segment *wire, float speed_m_s) {
+    return wire->rate_nm_s > 0 && (float)wire->rate_nm_s * 1e-9f <= speed_m_s &&
+           wire->acceleration_um_s2 > 0 &&
+           (float)wire->acceleration_um_s2 * 1e-6f <= TRAJECTORY_ACCELERATION_M_S2;
+}
+
+/* Fading and sweeping accelerate by up to 1.6 times what the wave does. */
+static bool wave_possible(const palp_wire_segment *wire, uint32_t frequency_mHz, float speed_m_s) {
+    float amplitude = real_abs((float)wire->target_nm) * 1e-9f;
+    float omega = 2.0f * REAL_PI * 1e-3f * (float)frequency_mHz;
+    return amplitude > 0.0f && within(frequency_mHz, TRAJECTORY_FREQUENCY_MHZ) &&
+           amplitude * omega <= speed_m_s && 1.6f * amplitude * omega * omega <= TRAJECTORY_ACCELERATION_M_S2;
+}
+
+static uint64_t sine_ticks(const palp_wire_segment *wire) {
+    return ((uint64_t)wire->cycles * 1000 * CONTROL_HZ + wire->frequency_mHz - 1) / wire->frequency_mHz;
+}
+
+static bool sweep_possible(const palp_wire_segment *wire, float speed_m_s) {
+    if (wire->duration_ms == 0 || !wave_possible(wire, wire->frequency_mHz, speed_m_s) ||
+        !wave_possible(wire, wire->frequency_end_mHz, speed_m_s))
+        return false;
+    float cycles = sweep_cycles((float)wire->frequency_mHz * 1e-3f, sweep_octaves(wire),
+                                (float)wire->duration_ms * 1e-3f);
+    return cycles >= 1.0f && cycles <= (float)MOST_CYCLES;
+}
+
+static bool possible(const palp_wire_segment *wire, float speed_m_s) {
+    switch (wire->kind) {
+    case PALP_WIRE_SEGMENT_MOVE:
+        return stroke_possible(wire, speed_m_s);
+    case PALP_WIRE_SEGMENT_HOLD:
+        return wire->duration_ms > 0;
+    case PALP_WIRE_SEGMENT_CYCLE:
+        return stroke_possible(wire, speed_m_s) && wire->cycles > 0;
+    case PALP_WIRE_SEGMENT_SINE:
+        return wave_possible(wire, wire->frequency_mHz, speed_m_s) && wire->cycles > 0 &&
+               sine_ticks(wire) <= UINT32_MAX;
+    case PALP_WIRE_SEGMENT_SWEEP:
+        return sweep_possible(wire, speed_m_s);
+    default:
+        return false;
+    }
+}
+
+uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s) {
+    return possible(wire, speed_m_s) ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE;
+}
+
+void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire) {
+    segment *s = &t->list[index];
+    *s = (segment){.kind = wire->kind,
+                   .target_m = (float)wire->target_nm * 1e-9f,
+                   .rate_m_s = (float)wire->rate_nm_s * 1e-9f,
+                   .acceleration_m_s2 = (float)wire->acceleration_um_s2 * 1e-6f,
+                   .ticks = wire->duration_ms * (CONTROL_HZ / 1000),
+                   .frequency_uHz = wire->frequency_mHz * 1000,
+                   .cycles = wire->cycles};
+    if (s->kind == PALP_WIRE_SEGMENT_SINE)
+        s->ticks = (uint32_t)sine_ticks(wire);
+    if (s->kind == PALP_WIRE_SEGMENT_SWEEP) {
+        s->octaves = sweep_octaves(wire);
+        s->cycles = (uint32_t)sweep_cycles((float)wire->frequency_mHz * 1e-3f, s->octaves,
+                                           (float)wire->duration_ms * 1e-3f);
+    }
+}
+
+/* ---- the list ---- */
+
+static void begin_segment(trajectory *t) {
+    const segment *s = &t->list[t->current];
+    t->start_m = t->now.position_m;
+    t->tick = t->cycle = t->phase = 0;
+    t->frequency_uHz = s->frequency_uHz;
+    stroke_begin(&t->stroke, t->start_m, s->target_m, s->rate_m_s, s->acceleration_m_s2);
+}
+
+void trajectory_begin(trajectory *t, uint8_t count, float start_m) {
+    t->count = count;
+    t->current = 0;
+    t->now = (reference){.position_m = start_m};
+    if (count > 0)
+        begin_segment(t);
+}
+
+static bool cycle_step(trajectory *t, const segment *s) {
+    if (stroke_step(&t->stroke, &t->now))
+        return true;
+    if (++t->cycle == 2 * s->cycles)
+        return false;
+    stroke_begin(&t->stroke, t->now.position_m, t->cycle % 2 == 0 ? s->target_m : t->start_m, s->rate_m_s,
+                 s->acceleration_m_s2);
+    return stroke_step(&t->stroke, &t->now);
+}
+
+static bool segment_step(trajectory *t, const segment *s) {
+    switch (s->kind) {
+    case PALP_WIRE_SEGMENT_MOVE:
+        return stroke_step(&t->stroke, &t->now);
+    case PALP_WIRE_SEGMENT_CYCLE:
+        return cycle_step(t, s);
+    case PALP_WIRE_SEGMENT_HOLD:
+        return t->tick++ < s->ticks;
+    default:
+        return wave_step(t, s);
+    }
+}
+
+bool trajectory_step(trajectory *t, reference *next) {
+    bool going = t->current < t->count;
+    if (going && !segment_step(t, &t->list[t->current])) {
+        going = ++t->current < t->count;
+        if (going) {
+            begin_segment(t);
+            going = segment_step(t, &t->list[t->current]); /* every segment takes a tick at least */
+        }
+    }
+    *next = t->now;
+    return going;
+}

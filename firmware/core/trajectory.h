@@ -1,0 +1,69 @@
+/* trajectory.h: the depth that the plate is to follow, tick by tick, from a list of segments. */
+#ifndef TRAJECTORY_H
+#define TRAJECTORY_H
+
+#include <palpate/wire.h>
+
+/* Where the plate should be, how fast, and at what acceleration. */
+typedef struct reference {
+    float position_m, velocity_m_s, acceleration_m_s2;
+} reference;
+
+/* From rest to rest in a straight line: velocity rises at the acceleration, stays at the rate, falls at the
+ * acceleration; a short stroke turns before it reaches the rate. Lasts length / rate + rate /
+ * acceleration, rounded up to whole ticks: what is left of the last tick is rest at the end. */
+typedef struct stroke {
+    float start_m, end_m;
+    float rate_m_s, acceleration_m_s2; /* signed */
+    float ramp_s, rest_s;              /* of the velocity, up or down; of the last tick, at the end */
+    uint32_t tick, ticks;
+} stroke;
+
+void stroke_begin(stroke *s, float start_m, float end_m, float rate_m_s, float acceleration_m_s2);
+/* The next tick's reference; false (and at rest at the end) once it is over. */
+bool stroke_step(stroke *s, reference *next);
+
+/* A segment in SI units and ticks; see PALP_WIRE_SEGMENT_KINDS. */
+typedef struct segment {
+    uint8_t kind;
+    float target_m, rate_m_s, acceleration_m_s2;
+    uint32_t ticks;         /* HOLD, SINE, SWEEP */
+    uint32_t frequency_uHz; /* SINE; SWEEP: where it starts */
+    float octaves;          /* SWEEP: from there to its end */
+    uint32_t cycles; /* whole periods; a SWEEP's fit into its duration, and it rests for what is left */
+} segment;
+
+typedef struct trajectory {
+    segment list[PALP_WIRE_SEGMENTS];
+    uint8_t count, current;
+    uint32_t tick;          /* within the current segment's HOLD, SINE or SWEEP */
+    uint32_t cycle;         /* strokes of a CYCLE, periods of a wave */
+    uint32_t phase;         /* of a wave: billionths of a period */
+    uint32_t frequency_uHz; /* of a wave, now */
+    float start_m;          /* where the current segment began */
+    stroke stroke;
+    reference now;
+} trajectory;
+
+/* Most that a segment may ask for: half of what the motor can do to the carriage; ten ticks a period. */
+#define TRAJECTORY_ACCELERATION_M_S2 50.0f
+enum { TRAJECTORY_FREQUENCY_MHZ = 100000 };
+
+/* PALP_WIRE_RESULT_DONE, or _RANGE for a segment that cannot be followed: an unknown kind, a rate,
+ * acceleration, duration, frequency or amplitude of zero or beyond what the drive can do, no whole period
+ * in a SWEEP, a wave of more than 65535 periods or 49 days. */
+uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s);
+/* One that trajectory_check accepts; index < PALP_WIRE_SEGMENTS. */
+void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire);
+
+/* Starts at rest at start_m with the first count segments. */
+void trajectory_begin(trajectory *t, uint8_t count, float start_m);
+
+/* The next tick's reference; false once the last segment is over, at rest where it ended. Every segment
+ * begins and ends at rest, also between two MOVEs the same way, and takes a tick at least. Velocity never
+ * jumps: MOVE and each way of a CYCLE are strokes; SINE and SWEEP fade in and out by (1 - cos) / 2 over their
+ * first and last half period. Time is kept in whole ticks, the phase of a wave in billionths of a period:
+ * nothing drifts in segments of hours. */
+bool trajectory_step(trajectory *t, reference *next);
+
+#endif

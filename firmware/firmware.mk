@@ -1,0 +1,75 @@
+# firmware.mk: the indenter's firmware, included by the root Makefile, whose variables it uses.
+#   build/firmware/indenter.elf, .bin  for the STM32F405
+#   build/firmware/rig.elf             the same for QEMU, with the plant in the place of sensors and motor
+#   build/firmware/indenter_host       the same as a process of this machine
+
+ARM ?= arm-none-eabi-
+ARM_CFLAGS ?= -O2 -g
+FW := $(BUILD)/firmware
+
+FW_SHARED := firmware/main.c lib/wire.c $(wildcard firmware/core/*.c)
+FW_SIMULATED := firmware/board/simulated.c firmware/board/plant_link.c
+FW_CHIP := $(wildcard firmware/board/stm32f405/*.c)
+# What QEMU does not model: the plant is there instead.
+FW_DEVICES := $(patsubst %,firmware/board/stm32f405/%.c,board sensor_ad7606 encoder motor thermistor switches)
+FW_ELF_SRC := $(FW_SHARED) $(FW_CHIP)
+FW_RIG_SRC := $(FW_SHARED) $(FW_SIMULATED) $(filter-out $(FW_DEVICES),$(FW_CHIP)) \
+    $(wildcard firmware/board/rig/*.c)
+FW_HOST_SRC := $(FW_SHARED) $(FW_SIMULATED) $(wildcard firmware/board/host/*.c)
+fw_arm = $(patsubst %.c,$(FW)/arm/%.o,$(1))
+
+FW_FLAGS := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard -std=c99 -ffreestanding -fno-common \
+    -fno-tree-loop-distribute-patterns -ffunction-sections -fdata-sections $(FLOAT) $(ARM_CFLAGS) \
+    $(WARNINGS) -Wdouble-promotion -Wfloat-conversion -Iinclude $(FIRMWARE_FLAGS) -Ifirmware/board/stm32f405
+FW_LD := firmware/board/stm32f405/stm32f405.ld
+
+.PHONY: firmware firmware-host flash
+# Without the compiler nothing of the rest would say anything useful.
+HAS_ARM := $(shell command -v $(ARM)gcc 2>/dev/null)
+ifeq ($(HAS_ARM),)
+firmware:
+	@echo "there is no $(ARM)gcc: tools/install-deps all installs it, or set ARM=prefix-" >&2; exit 1
+else
+firmware: $(FW)/indenter.bin $(FW)/rig.elf ## the board's firmware and the image for QEMU, under build/firmware/
+	@firmware/budget.sh $(ARM) $(FW)/indenter.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_ELF_SRC)))
+	@firmware/budget.sh $(ARM) $(FW)/rig.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_RIG_SRC)))
+endif
+firmware-host: $(FW)/indenter_host
+
+# Rewritten when the compiler or its flags change, so that everything is rebuilt then.
+$(FW)/flags: FORCE
+	@mkdir -p $(@D)
+	@echo '$(ARM)gcc $(FW_FLAGS)' | cmp -s - $@ || echo '$(ARM)gcc $(FW_FLAGS)' >$@
+
+$(FW)/arm/%.o: %.c $(FW)/flags
+	@mkdir -p $(@D)
+	$(call note,ARM  $@)
+	$(Q)$(ARM)gcc $(FW_FLAGS) -fcallgraph-info=su -MMD -MP -c -o $@ $<
+
+$(FW)/indenter.elf: $(call fw_arm,$(FW_ELF_SRC))
+$(FW)/rig.elf: $(call fw_arm,$(FW_RIG_SRC))
+$(FW)/%.elf: $(FW_LD)
+	$(call note,LD   $@)
+	$(Q)$(ARM)gcc $(FW_FLAGS) -nostdlib -T $(FW_LD) -Wl,--gc-sections -Wl,-Map=$(@:.elf=.map) \
+	    -o $@ $(filter %.o,$^) -lgcc
+$(FW)/%.bin: $(FW)/%.elf
+	$(Q)$(ARM)objcopy -O binary $< $@
+
+# The process has a main of its own, which calls the firmware's.
+$(BUILD)/obj/firmware/main.o: EXTRA = $(FIRMWARE_FLAGS) -Dmain=firmware_main
+$(FW)/indenter_host: $(call obj,$(FW_HOST_SRC))
+	$(call note,LD   $@)
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $^ -lm
+
+flash: ## writes the firmware to a board at an ST-Link, by openocd or st-flash
+	@$(MAKE) --no-print-directory firmware
+	@if command -v openocd >/dev/null; then \
+	    openocd -f interface/stlink.cfg -f target/stm32f4x.cfg -c 'program $(FW)/indenter.elf verify reset exit'; \
+	elif command -v st-flash >/dev/null; then \
+	    st-flash --reset write $(FW)/indenter.bin 0x08000000; \
+	else \
+	    echo "there is neither openocd nor st-flash: install openocd or stlink-tools" >&2; exit 1; \
+	fi
+
+-include $(patsubst %.o,%.d,$(sort $(call fw_arm,$(FW_ELF_SRC) $(FW_RIG_SRC)) $(call obj,$(FW_HOST_SRC))))

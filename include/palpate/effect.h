@@ -1,0 +1,99 @@
+/* effect.h: the catalogue of effects: what can be added to the plain model of a specimen (a nonlinear
+ * spring beside Maxwell arms, pressed by a rigid, frictionless, exact instrument). The equations are in
+ * doc/effects.md. */
+#ifndef PALPATE_EFFECT_H
+#define PALPATE_EFFECT_H
+
+#include <palpate/export.h>
+#include <palpate/status.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* X(NAME, id). The order is the order of the catalogue. */
+#define PALP_EFFECTS(X)                           \
+    X(RELAXATION_ARM, relaxation_arm)             \
+    X(POWER_LAW_RELAXATION, power_law_relaxation) \
+    X(STRAIN_DEPENDENT_ARM, strain_dependent_arm) \
+    X(RATE_STIFFENING, rate_stiffening)           \
+    X(DAMAGE_SOFTENING, damage_softening)         \
+    X(PERMANENT_SET, permanent_set)               \
+    X(POROELASTIC, poroelastic)                   \
+    X(CONTACT_OFFSET, contact_offset)             \
+    X(TOE_REGION, toe_region)                     \
+    X(ADHESION, adhesion)                         \
+    X(PLATE_SLIP, plate_slip)                     \
+    X(SESSION_AGEING, session_ageing)             \
+    X(FRAME_COMPLIANCE, frame_compliance)         \
+    X(PLATE_INERTIA, plate_inertia)               \
+    X(COULOMB_FRICTION, coulomb_friction)         \
+    X(SENSOR_LAG, sensor_lag)                     \
+    X(SENSOR_BIAS, sensor_bias)                   \
+    X(SENSOR_DRIFT, sensor_drift)                 \
+    X(SENSOR_GAIN, sensor_gain)                   \
+    X(FORCE_SATURATION, force_saturation)         \
+    X(MAINS_HUM, mains_hum)                       \
+    X(DRIVE_RIPPLE, drive_ripple)
+
+typedef enum palp_effect_id {
+#define PALP_EFFECT_MEMBER(NAME, id) PALP_EFFECT_##NAME,
+    PALP_EFFECTS(PALP_EFFECT_MEMBER)
+#undef PALP_EFFECT_MEMBER
+        PALP_EFFECT_COUNT
+} palp_effect_id;
+
+typedef enum palp_effect_kind {
+    PALP_EFFECT_MATERIAL,
+    PALP_EFFECT_CONTACT,
+    PALP_EFFECT_INSTRUMENT
+} palp_effect_kind;
+
+enum { PALP_EFFECT_PARAMETERS = 3, PALP_EFFECTS_MAX = 8 };
+
+/* One parameter: its key in the model file (with its unit), and SI units inside (unit = SI per file
+ * unit). */
+typedef struct palp_effect_parameter {
+    const char *key;    /* "compliance_mm_N" */
+    double unit;        /* 1e-3: m/N per mm/N */
+    double low, high;   /* bounds, SI */
+    double typical;     /* where a search starts, SI */
+    bool logarithmic;   /* searched in its logarithm: a time, a length */
+    bool strength;      /* with all strengths at zero the effect is off, whatever the others are */
+} palp_effect_parameter;
+
+/* A row of the catalogue. */
+typedef struct palp_effect_info {
+    const char *id;
+    palp_effect_kind kind;
+    const char *name;          /* "frame compliance" */
+    const char *seen_by;       /* what an experiment must contain to see it */
+    size_t n_parameters;
+    palp_effect_parameter parameter[PALP_EFFECT_PARAMETERS];
+    palp_effect_id alike[4];   /* look-alikes, ended by PALP_EFFECT_COUNT where fewer */
+    bool in_lumped, in_network; /* which models can carry it */
+    bool repeats;              /* a model may have it more than once */
+} palp_effect_info;
+
+/* One effect with its numbers, SI; a plain value. */
+typedef struct palp_effect {
+    palp_effect_id id;
+    double value[PALP_EFFECT_PARAMETERS];
+} palp_effect;
+
+/* NULL for a number outside the catalogue. */
+PALP_API const palp_effect_info *palp_effect_look_up(palp_effect_id id);
+PALP_API palp_status palp_effect_by_name(const char *id, palp_effect_id *found); /* ERR_ARGUMENT */
+
+/* The effect at its typical parameters with strength zero. ERR_ARGUMENT. */
+PALP_API palp_status palp_effect_default(palp_effect_id id, palp_effect *effect);
+
+/* ERR_ARGUMENT with a line that names the parameter that is out of its bounds or not finite. */
+PALP_API palp_status palp_effect_check(const palp_effect *effect, palp_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

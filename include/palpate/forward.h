@@ -1,0 +1,49 @@
+/* forward.h: what an instrument would record: the depth that its encoder reads to the force that its sensor
+ * reads, through the contact, the lumped specimen and every effect of the model, with derivatives. */
+#ifndef PALPATE_FORWARD_H
+#define PALPATE_FORWARD_H
+
+#include <palpate/model.h>
+#include <palpate/network.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What is known of one recording beside its samples. Zero-initialised but for the first three = no session.
+ */
+typedef struct palp_forward_run {
+    size_t n;
+    const double *time_s, *depth_m; /* as the encoder reads them, 0 = nominal contact; caller's */
+    double session_s;               /* when in the session it began (session_ageing) */
+    double hum_phase;               /* of mains_hum at time 0, rad */
+    size_t parts;                   /* steps of the specimen from sample to sample; 0 = 1 */
+} palp_forward_run;
+
+/* Parameters of a model in one vector: law coefficients, then K_j, b_j of each arm, then each effect's own
+ * parameters, all SI and plain (no logarithms). */
+PALP_API size_t palp_forward_parameter_count(const palp_model *model);
+PALP_API palp_status palp_forward_get(const palp_model *model, double *parameter);
+PALP_API palp_status palp_forward_set(palp_model *model,
+                                      const double *parameter); /* ERR_ARGUMENT: makes no model */
+
+/* force_N[n] of a lumped model, and by columns d force / d parameter where gradient[n * n_parameters] is not
+ * NULL. The specimen starts at rest at the first sample. The contact is one-sided: a plate that the specimen
+ * does not stick to cannot pull, and a specimen left behind recovers on its own. Linear in depth between the
+ * samples. With no effects and depths that never leave the specimen: palp_lumped_run to the bit. An effect
+ * whose strengths are 0 changes nothing. Derivatives are exact; at a kink (zero strength, a sample at
+ * contact) one of the two sides. ERR_ARGUMENT: no model, times that do not increase. ERR_NOT_CONVERGED: an
+ * implicit effect has no solution. ERR_UNSUPPORTED: a network, or PALP_SEDEF2008. */
+PALP_API palp_status palp_forward_force(const palp_model *model, const palp_forward_run *run, double *force_N,
+                                        double *gradient, palp_error *error);
+
+/* The same for a network model, without derivatives; settings may be NULL (density is the model's). A
+ * material effect's numbers are those of every element, as the model's law and arms are. Errors of
+ * palp_network_step too. */
+PALP_API palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
+                                          const palp_forward_run *run, double *force_N, palp_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,220 @@
+/* forward.c: the forward model of a recording: parameters in one vector, and the run of the whole chain. */
+#include "file.h"
+#include "forward_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- parameters ---- */
+
+size_t palp_forward_parameter_count(const palp_model *model) {
+    return forward_effect_column(model, model->n_effects);
+}
+
+static palp_status known(const palp_model *model) {
+    bool fits = model->n_effects <= PALP_EFFECTS_MAX && model->material.n_arms <= PALP_ARMS_MAX;
+    for (size_t i = 0; fits && i < model->n_effects; i++)
+        fits = palp_effect_look_up(model->effects[i].id) != NULL;
+    return fits ? PALP_OK : PALP_ERR_ARGUMENT;
+}
+
+palp_status palp_forward_get(const palp_model *model, double *parameter) {
+    const palp_law *law = &model->material.law;
+    if (known(model))
+        return PALP_ERR_ARGUMENT;
+    memcpy(parameter, law->coefficients, law->n * sizeof *parameter);
+    parameter += law->n;
+    for (size_t j = 0; j < model->material.n_arms; j++) {
+        *parameter++ = model->material.arms[j].stiffness_N;
+        *parameter++ = model->material.arms[j].viscosity_Ns;
+    }
+    for (size_t i = 0; i < model->n_effects; i++)
+        for (size_t k = 0; k < palp_effect_look_up(model->effects[i].id)->n_parameters; k++)
+            *parameter++ = model->effects[i].value[k];
+    return PALP_OK;
+}
+
+static palp_status set_law(const palp_law *like, const double *c, palp_law *law) {
+    if (like->kind == PALP_LAW_POLYNOMIAL)
+        return palp_law_polynomial(like->n, c, law);
+    if (like->kind == PALP_LAW_SPLINE)
+        return palp_law_spline(like->n, like->strain, c, law);
+    return palp_law_hyperelastic(like->kind, like->n, c, like->area_m2, law);
+}
+
+palp_status palp_forward_set(palp_model *model, const double *parameter) {
+    palp_material made = model->material;
+    palp_effect effects[PALP_EFFECTS_MAX];
+    palp_status status = known(model);
+    if (!status)
+        status = set_law(&model->material.law, parameter, &made.law);
+    if (status)
+        return PALP_ERR_ARGUMENT;
+    parameter += made.law.n;
+    for (size_t j = 0; j < made.n_arms; j++) {
+        made.arms[j].stiffness_N = *parameter++;
+        made.arms[j].viscosity_Ns = *parameter++;
+    }
+    memcpy(effects, model->effects, sizeof effects);
+    for (size_t i = 0; i < model->n_effects && !status; i++) {
+        for (size_t k = 0; k < palp_effect_look_up(effects[i].id)->n_parameters; k++)
+            effects[i].value[k] = *parameter++;
+        status = palp_effect_check(&effects[i], NULL);
+    }
+    if (status || palp_material_check(&made, NULL))
+        return PALP_ERR_ARGUMENT;
+    model->material = made;
+    memcpy(model->effects, effects, sizeof effects);
+    return PALP_OK;
+}
+
+/* ---- the sensor ---- */
+
+/* What a stage of the sensor remembers. */
+typedef struct memory {
+    double input, output, *input_p, *output_p;
+} memory;
+
+typedef struct sensor {
+    const forward_plan *plan;
+    const palp_forward_run *run;
+    size_t n_columns;
+    memory stage[PALP_EFFECTS_MAX];
+    double *force_p, *block; /* block: the first and all stages' rows */
+} sensor;
+
+static palp_status sensor_create(const forward_plan *plan, const palp_forward_run *run, size_t n_columns,
+                                 sensor *s) {
+    *s = (sensor){.plan = plan, .run = run, .n_columns = n_columns};
+    s->block = calloc((2 * plan->n_sensors + 1) * n_columns + 1, sizeof *s->block);
+    if (!s->block)
+        return PALP_ERR_NO_MEMORY;
+    s->force_p = s->block;
+    for (size_t j = 0; j < plan->n_sensors; j++) {
+        s->stage[j].input_p = s->block + (2 * j + 1) * n_columns;
+        s->stage[j].output_p = s->block + (2 * j + 2) * n_columns;
+    }
+    return PALP_OK;
+}
+
+/* Where the instrument is at sample i: velocity and acceleration of the parabola through it and its
+ * neighbours; at the ends the velocity of the only interval, and none. */
+static effect_moment moment_at(const palp_forward_run *run, size_t i) {
+    const double *t = run->time_s, *d = run->depth_m;
+    effect_moment m = {.time = t[i], .since = t[i] - t[0], .depth = d[i], .hum_phase = run->hum_phase};
+    double before = i ? t[i] - t[i - 1] : 0.0, after = i + 1 < run->n ? t[i + 1] - t[i] : 0.0;
+    double come = before > 0.0 ? (d[i] - d[i - 1]) / before : 0.0,
+           go = after > 0.0 ? (d[i + 1] - d[i]) / after : come;
+    m.step = before;
+    m.velocity = before > 0.0 ? (come * after + go * before) / (before + after) : go;
+    if (before > 0.0 && after > 0.0)
+        m.acceleration = 2.0 * (go - come) / (before + after);
+    return m;
+}
+
+/* Takes force and s->force_p through the stages. */
+static double sense(sensor *s, const effect_moment *at, double force) {
+    for (size_t j = 0; j < s->plan->n_sensors; j++) {
+        const forward_stage *stage = &s->plan->sensor[j];
+        memory *m = &s->stage[j];
+        effect_reading out = {.by_input = 1.0};
+        stage->row->sensor(stage->value, at, force, m->input, m->output, &out);
+        for (size_t k = 0; k < s->n_columns; k++) {
+            double input_p = s->force_p[k];
+            s->force_p[k] = out.by_input * input_p + out.by_input_old * m->input_p[k] +
+                            out.by_output_old * m->output_p[k];
+            m->input_p[k] = input_p;
+        }
+        for (size_t k = 0; s->n_columns && k < stage->row->info.n_parameters; k++)
+            s->force_p[stage->column + k] += out.by_value[k];
+        memcpy(m->output_p, s->force_p, s->n_columns * sizeof *m->output_p);
+        m->input = force;
+        m->output = force = out.force;
+    }
+    return force;
+}
+
+/* ---- the run ---- */
+
+static palp_status check_run(const palp_forward_run *run, palp_error *error) {
+    for (size_t i = 0; i < run->n; i++)
+        if (!isfinite(run->time_s[i]) || !isfinite(run->depth_m[i]) ||
+            (i && !(run->time_s[i] > run->time_s[i - 1])))
+            return palp_error_set(error, PALP_ERR_ARGUMENT,
+                                  "sample %zu: times must increase, depths be finite", i);
+    if (!isfinite(run->session_s) || !isfinite(run->hum_phase))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "session_s or hum_phase is not finite");
+    return PALP_OK;
+}
+
+/* The plate to sample i, in as many parts as the run asks for. */
+static palp_status move_to(forward_plate *plate, const palp_forward_run *run, size_t i, double velocity) {
+    const double *t = run->time_s, *d = run->depth_m, parts = run->parts > 1 ? (double)run->parts : 1.0;
+    palp_status status = i ? PALP_OK : forward_plate_start(plate, t[0], d[0]);
+    for (double k = 1.0; i && k <= parts && !status; k += 1.0) {
+        double share = k / parts, time = share < 1.0 ? t[i - 1] + (t[i] - t[i - 1]) * share : t[i];
+        double depth = share < 1.0 ? d[i - 1] + (d[i] - d[i - 1]) * share : d[i];
+        status = forward_plate_move(plate, time, depth, velocity);
+    }
+    return status;
+}
+
+static palp_status follow(forward_plate *plate, sensor *s, double *force_N, double *gradient,
+                          palp_error *error) {
+    const palp_forward_run *run = s->run;
+    for (size_t i = 0; i < run->n; i++) {
+        effect_moment at = moment_at(run, i);
+        palp_status status = move_to(plate, run, i, at.velocity);
+        if (status)
+            return palp_error_set(error, status, "at %.6g s, depth %.6g mm: %s", run->time_s[i],
+                                  1e3 * run->depth_m[i], palp_status_text(status));
+        memcpy(s->force_p, plate->force_p, s->n_columns * sizeof *s->force_p);
+        force_N[i] = sense(s, &at, plate->force);
+        for (size_t k = 0; k < s->n_columns; k++)
+            gradient[k * run->n + i] = s->force_p[k];
+    }
+    return PALP_OK;
+}
+
+palp_status forward_run(const forward_plan *plan, const forward_specimen *specimen,
+                        const palp_forward_run *run, double *force_N, double *gradient, palp_error *error) {
+    forward_plate plate;
+    sensor s;
+    palp_status status = check_run(run, error);
+    if (status)
+        return status;
+    status = forward_plate_create(plan, specimen, &plate);
+    if (!status) {
+        status = sensor_create(plan, run, specimen->n_columns, &s);
+        if (!status) {
+            status = follow(&plate, &s, force_N, gradient, error);
+            free(s.block);
+        }
+        forward_plate_free(&plate);
+    }
+    return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
+}
+
+palp_status palp_forward_force(const palp_model *model, const palp_forward_run *run, double *force_N,
+                               double *gradient, palp_error *error) {
+    forward_plan plan;
+    forward_lumped *lumped;
+    if (model->kind != PALP_MODEL_LUMPED)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "a network is run by palp_forward_network");
+    if (model->material.formulation != PALP_HISTORY)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "formulation sedef2008 takes no effects; use history");
+    if (!(model->height_m > 0.0))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the specimen has no height");
+    palp_status status = forward_plan_make(model, run->session_s, &plan, error);
+    if (status)
+        return status;
+    status = forward_lumped_create(&plan, gradient ? plan.n_columns : 0, &lumped);
+    if (status)
+        return palp_error_set(error, status, "out of memory");
+    forward_specimen specimen = forward_lumped_specimen(lumped);
+    status = forward_run(&plan, &specimen, run, force_N, gradient, error);
+    forward_lumped_free(lumped);
+    return status;
+}

@@ -1,0 +1,398 @@
+/* forward_contact.c: the plate and the specimen's surface: pressed, let go, left to itself, met again. */
+#include "forward_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A surface left alone is followed in steps of EARLY of the shortest relaxation time, later of LATER of the
+ * time since it was left, rounded down to powers of two so that parameters do not move them; LATER times a
+ * whole number of steps is never such a power. */
+static const double EARLY = 0.1, LATER = 0.047;
+static const double STRAIN_LOW = -0.95, STRAIN_HIGH = 0.999; /* where implicit strains are looked for */
+enum { EVENTS = 8 }; /* most events in one step: more would be rounding's */
+
+/* ---- equations ---- */
+
+/* A Newton step this short leaves an error of about its square. */
+static const double CLOSE = 1e-10, HOPELESS = 4e-15;
+
+palp_status forward_solve(forward_equation *equation, void *user, double low, double high, double *x) {
+    double value, slope, next;
+    for (int i = 0; i < 200; i++, *x = next) {
+        palp_status status = equation(user, *x, &value, &slope);
+        if (status || value == 0.0)
+            return status;
+        *(value < 0.0 ? &low : &high) = *x;
+        next = *x - value / slope;
+        bool close = fabs(next - *x) <= CLOSE * fmax(fabs(*x), 1e-3);
+        if (close) {
+            *x = fmax(low, fmin(high, next));
+            return equation(user, *x, &value, &slope);
+        }
+        if (!(next > low && next < high))
+            next = 0.5 * (low + high);
+        if (!(high - low > HOPELESS))
+            break;
+    }
+    return PALP_ERR_NOT_CONVERGED;
+}
+
+/* ---- from the encoder to the surface ---- */
+
+typedef struct surface {
+    double strain, by_depth, by_force;
+    double by_value[PALP_EFFECTS_MAX][PALP_EFFECT_PARAMETERS]; /* [n_maps], of the depth */
+} surface;
+
+/* Strain of a surface that a plate at this depth holds with this force. */
+static surface held(const forward_plate *p, double depth, double force) {
+    surface s;
+    const double height = p->specimen.height;
+    s.by_depth = 1.0;
+    s.by_force = 0.0;
+    for (size_t i = 0; i < p->plan->n_maps; i++) {
+        const forward_stage *stage = &p->plan->map[i];
+        effect_surface out;
+        stage->row->map(stage->value, depth, force, &out);
+        depth = out.depth;
+        s.by_depth *= out.by_depth;
+        s.by_force = s.by_force * out.by_depth + out.by_force;
+        for (size_t j = 0; j < i; j++)
+            for (size_t k = 0; k < PALP_EFFECT_PARAMETERS; k++)
+                s.by_value[j][k] *= out.by_depth;
+        memcpy(s.by_value[i], out.by_value, sizeof out.by_value);
+    }
+    s.strain = depth / height;
+    s.by_depth /= height;
+    s.by_force /= height;
+    return s;
+}
+
+/* Derivatives of the strain by the maps' own parameters. */
+static void own_slopes(const forward_plate *p, const surface *s, double *row) {
+    memset(row, 0, p->specimen.n_columns * sizeof *row);
+    for (size_t i = 0; p->specimen.n_columns > 0 && i < p->plan->n_maps; i++) {
+        const forward_stage *stage = &p->plan->map[i];
+        for (size_t k = 0; k < stage->row->info.n_parameters; k++)
+            row[stage->column + k] = s->by_value[i][k] / p->specimen.height;
+    }
+}
+
+static double step_time(const forward_plate *p) {
+    return p->time[1] - p->time[0];
+}
+
+static double depth_at(const forward_plate *p, double share) {
+    return share == 1.0 ? p->depth[1] : p->depth[0] + share * (p->depth[1] - p->depth[0]);
+}
+
+/* The specimen's force times its age; rate: of the plate if it holds the surface, or 0. */
+static palp_status ask(const forward_plate *p, double strain, double share, bool moved, double *force,
+                       double *slope) {
+    forward_move move = {strain, (share - p->done) * step_time(p),
+                         moved ? p->velocity / p->specimen.height : 0.0};
+    palp_status status = p->specimen.attempt(p->specimen.self, &move, force, slope);
+    if (status)
+        return status;
+    *force *= p->plan->age;
+    if (slope)
+        *slope *= p->plan->age;
+    return PALP_OK;
+}
+
+/* Derivatives of the force of the last ask, strain and time held, age included; before it is committed. */
+static void hold(const forward_plate *p, double force, double *force_p, double *force_dt) {
+    p->specimen.hold(p->specimen.self, force_p, force_dt);
+    for (size_t k = 0; k < p->specimen.n_columns; k++)
+        force_p[k] *= p->plan->age;
+    *force_dt *= p->plan->age;
+    if (p->plan->value[PALP_EFFECT_SESSION_AGEING])
+        force_p[p->plan->column[PALP_EFFECT_SESSION_AGEING]] += p->plan->session_s * force / p->plan->age;
+}
+
+/* Takes the last ask as the specimen's state at that share of the step: strain_p and share_p are the
+ * derivatives of both (share_p NULL = 0). */
+static void take(forward_plate *p, double strain, double share, double force, const double *strain_p,
+                 const double *share_p) {
+    const size_t n = p->specimen.n_columns;
+    const double *session = p->plan->value[PALP_EFFECT_SESSION_AGEING];
+    double *dt_p = p->work; /* the first row: nothing else is kept there across a take */
+    bool timed = false;
+    for (size_t k = 0; k < n; k++) {
+        dt_p[k] = ((share_p ? share_p[k] : 0.0) - p->done_p[k]) * step_time(p);
+        timed = timed || dt_p[k] != 0.0;
+    }
+    p->specimen.commit(p->specimen.self, n ? strain_p : NULL, timed ? dt_p : NULL, p->force_p);
+    for (size_t k = 0; k < n; k++) {
+        p->force_p[k] *= p->plan->age;
+        p->strain_p[k] = strain_p[k];
+        p->done_p[k] = share_p ? share_p[k] : 0.0;
+    }
+    if (n && session)
+        p->force_p[p->plan->column[PALP_EFFECT_SESSION_AGEING]] += p->plan->session_s * force / p->plan->age;
+    p->strain = strain;
+    p->force = force;
+    p->done = share;
+}
+
+/* ---- pressed ---- */
+
+typedef struct equation {
+    const forward_plate *plate;
+    double share, force, slope; /* of the specimen, at the last strain or share asked */
+    double rest[2], ends[2];    /* meeting: the surface's strain at two shares */
+} equation;
+
+/* A plate on a frame that gives way: strain - held(depth, force(strain)). */
+static palp_status frame(void *user, double strain, double *value, double *slope) {
+    equation *q = user;
+    palp_status status = ask(q->plate, strain, q->share, true, &q->force, &q->slope);
+    if (status)
+        return status;
+    surface s = held(q->plate, depth_at(q->plate, q->share), q->force);
+    *value = strain - s.strain;
+    *slope = 1.0 - s.by_force * q->slope;
+    return PALP_OK;
+}
+
+/* The plate to the end of the step with the surface on it: strain and force there. */
+static palp_status press(forward_plate *p, double *strain, double *force, double *slope) {
+    const double *compliance = p->plan->value[PALP_EFFECT_FRAME_COMPLIANCE];
+    surface s = held(p, p->depth[1], p->force);
+    *strain = s.strain;
+    *slope = 0.0; /* not needed */
+    if (!compliance || *compliance == 0.0)
+        return ask(p, *strain, 1.0, true, force, NULL);
+    equation q = {.plate = p, .share = 1.0};
+    palp_status status = forward_solve(frame, &q, STRAIN_LOW, STRAIN_HIGH, strain);
+    *force = q.force;
+    *slope = q.slope;
+    return status;
+}
+
+static void take_press(forward_plate *p, double strain, double force, double slope) {
+    const size_t n = p->specimen.n_columns;
+    if (n) {
+        double *strain_p = p->work + n, *force_p = p->work + 2 * n, force_dt;
+        surface s = held(p, p->depth[1], force);
+        own_slopes(p, &s, strain_p);
+        if (s.by_force != 0.0) {
+            hold(p, force, force_p, &force_dt);
+            for (size_t k = 0; k < n; k++) {
+                double direct = force_p[k] - force_dt * p->done_p[k] * step_time(p);
+                strain_p[k] = (strain_p[k] + s.by_force * direct) / (1.0 - s.by_force * slope);
+            }
+        }
+    }
+    take(p, strain, 1.0, force, p->work + n, NULL);
+}
+
+/* ---- let go ---- */
+
+/* The surface is still on a plate that pulls with all it can: -(force + adhesion), increasing with the share.
+ */
+static palp_status parting(void *user, double share, double *value, double *slope) {
+    equation *q = user;
+    const forward_plate *p = q->plate;
+    double depth_slope = p->depth[1] - p->depth[0], next, little = 1e-7;
+    surface s = held(p, depth_at(p, share), -p->plan->adhesion);
+    double later =
+        share + little * (1.0 - p->done); /* the slope by time alone: numerically, for Newton only */
+    palp_status status = ask(p, s.strain, later, true, &next, NULL);
+    if (!status)
+        status = ask(p, s.strain, share, true, &q->force, &q->slope);
+    if (status)
+        return status;
+    *value = -(q->force + p->plan->adhesion);
+    *slope = -(q->slope * s.by_depth * depth_slope + (next - q->force) / (later - share));
+    return PALP_OK;
+}
+
+static palp_status part(forward_plate *p) {
+    const size_t n = p->specimen.n_columns;
+    double share = 0.5 * (p->done + 1.0), step = step_time(p), force_dt, *share_p = p->work + n,
+           *strain_p = p->work + 2 * n, *force_p = p->work + 3 * n;
+    equation q = {.plate = p};
+    palp_status status = forward_solve(parting, &q, p->done, 1.0, &share);
+    if (status && status != PALP_ERR_NOT_CONVERGED) /* that: it parts at the very start */
+        return status;
+    surface s = held(p, depth_at(p, share), -p->plan->adhesion);
+    if (n) {
+        const double *adhesion = p->plan->value[PALP_EFFECT_ADHESION];
+        double along = s.by_depth * (p->depth[1] - p->depth[0]);
+        own_slopes(p, &s, strain_p);
+        if (adhesion)
+            strain_p[p->plan->column[PALP_EFFECT_ADHESION]] -= s.by_force;
+        hold(p, q.force, force_p, &force_dt);
+        double turn = q.slope * along + force_dt * step;
+        for (size_t k = 0; k < n; k++) {
+            double direct = force_p[k] + q.slope * strain_p[k] - force_dt * p->done_p[k] * step;
+            if (adhesion && k == p->plan->column[PALP_EFFECT_ADHESION])
+                direct += 1.0;
+            share_p[k] = turn < 0.0 ? -direct / turn : 0.0;
+            strain_p[k] += along * share_p[k];
+        }
+    }
+    take(p, s.strain, share, q.force, strain_p, share_p);
+    p->touching = false;
+    p->released = p->time[0] + share * step;
+    return PALP_OK;
+}
+
+/* ---- left to itself, and met again ---- */
+
+static palp_status free_surface(void *user, double strain, double *value, double *slope) {
+    equation *q = user;
+    palp_status status = ask(q->plate, strain, q->share, false, &q->force, &q->slope);
+    *value = q->force;
+    *slope = q->slope;
+    return status;
+}
+
+/* Plate's strain less the surface's, which goes evenly between the two ends. */
+static palp_status meeting(void *user, double share, double *value, double *slope) {
+    const equation *q = user;
+    const forward_plate *p = q->plate;
+    double rate = (q->rest[1] - q->rest[0]) / (q->ends[1] - q->ends[0]);
+    surface s = held(p, depth_at(p, share), 0.0);
+    *value = s.strain - q->rest[0] - rate * (share - q->ends[0]);
+    *slope = s.by_depth * (p->depth[1] - p->depth[0]) - rate;
+    return PALP_OK;
+}
+
+/* Where the step that follows a surface on its own ends. */
+static double next_share(const forward_plate *p) {
+    double step = step_time(p), now = p->time[0] + p->done * step;
+    if (p->fresh || p->specimen.shortest == 0.0)
+        return 1.0;
+    double wanted = fmax(EARLY * p->specimen.shortest, LATER * (now - p->released));
+    double share = p->done + ldexp(1.0, ilogb(wanted)) / step;
+    return share < 1.0 && share > p->done ? share : 1.0;
+}
+
+/* The plate meets the surface between done and end, where the surface would be at strain rest on its own. */
+static palp_status meet(forward_plate *p, double end, double rest, const double *rest_p,
+                        const double *end_p) {
+    const size_t n = p->specimen.n_columns;
+    double share = p->done, force, whole = end - p->done, *share_p = p->work + n, *strain_p = p->work + 2 * n;
+    equation q = {.plate = p, .rest = {p->strain, rest}, .ends = {p->done, end}};
+    p->touching = true;
+    p->fresh = false;
+    if (held(p, depth_at(p, share), 0.0).strain >= p->strain)
+        return PALP_OK; /* there already */
+    palp_status status = forward_solve(meeting, &q, p->done, end, &share);
+    if (status)
+        return status;
+    surface s = held(p, depth_at(p, share), 0.0);
+    status = ask(p, s.strain, share, false, &force, NULL);
+    double part = (share - p->done) / whole, rate = (rest - p->strain) / whole;
+    double along = s.by_depth * (p->depth[1] - p->depth[0]);
+    own_slopes(p, &s, strain_p);
+    for (size_t k = 0; k < n; k++) {
+        double end_k = end_p ? end_p[k] : 0.0;
+        double surface_p = p->strain_p[k] * (1.0 - part) + part * rest_p[k] -
+                           rate * ((1.0 - part) * p->done_p[k] + part * end_k);
+        share_p[k] = along != rate ? (surface_p - strain_p[k]) / (along - rate) : 0.0;
+        strain_p[k] += along * share_p[k];
+    }
+    if (!status)
+        take(p, s.strain, share, force, strain_p, share_p);
+    return status;
+}
+
+/* Follows the surface on its own for one step, or until the plate is there. */
+static palp_status let_be(forward_plate *p) {
+    const size_t n = p->specimen.n_columns;
+    double end = next_share(p), rest = p->strain, force = 0.0, slope = 0.0, force_dt;
+    double *rest_p = p->work + 3 * n, *end_p = end < 1.0 ? p->done_p : NULL;
+    equation q = {.plate = p, .share = end};
+    memset(rest_p, 0, n * sizeof *rest_p);
+    if (!p->fresh) {
+        palp_status status = forward_solve(free_surface, &q, STRAIN_LOW, STRAIN_HIGH, &rest);
+        if (status)
+            return status;
+        force = q.force;
+        slope = q.slope;
+        if (n) {
+            hold(p, force, rest_p, &force_dt);
+            for (size_t k = 0; k < n; k++) {
+                double dt_p = (end_p ? 0.0 : -p->done_p[k]) * step_time(p);
+                rest_p[k] = slope > 0.0 ? -(rest_p[k] + force_dt * dt_p) / slope : 0.0;
+            }
+        }
+    }
+    if (held(p, depth_at(p, end), 0.0).strain > rest)
+        return meet(p, end, rest, rest_p, end_p);
+    if (p->fresh)
+        p->done = 1.0;
+    else
+        take(p, rest, end, force, rest_p, end_p);
+    p->force = 0.0;
+    memset(p->force_p, 0, n * sizeof *p->force_p);
+    return PALP_OK;
+}
+
+/* ---- the plate's motion ---- */
+
+palp_status forward_plate_start(forward_plate *p, double time, double depth) {
+    p->fresh = true;
+    p->time[0] = p->time[1] = time;
+    p->depth[0] = p->depth[1] = depth;
+    if (!(held(p, depth, 0.0).strain > 0.0))
+        return PALP_OK;
+    double strain, force, slope;
+    p->fresh = false;
+    p->touching = true;
+    palp_status status = press(p, &strain, &force, &slope);
+    if (!status)
+        take_press(p, strain, force, slope);
+    return status;
+}
+
+palp_status forward_plate_move(forward_plate *p, double time, double depth, double velocity) {
+    const size_t n = p->specimen.n_columns;
+    int events = 0;
+    p->time[0] = p->time[1];
+    p->depth[0] = p->depth[1];
+    p->time[1] = time;
+    p->depth[1] = depth;
+    p->velocity = velocity;
+    p->done = 0.0;
+    memset(p->done_p, 0, n * sizeof *p->done_p);
+    while (p->done < 1.0) {
+        double strain, force, slope;
+        palp_status status;
+        if (!p->touching) {
+            status = let_be(p);
+        } else {
+            status = press(p, &strain, &force, &slope);
+            if (!status && force < -p->plan->adhesion && events++ < EVENTS)
+                status = part(p);
+            else if (!status)
+                take_press(p, strain, force, slope);
+        }
+        if (status)
+            return status;
+    }
+    return PALP_OK;
+}
+
+palp_status forward_plate_create(const forward_plan *plan, const forward_specimen *specimen,
+                                 forward_plate *plate) {
+    const size_t n = specimen->n_columns;
+    *plate = (forward_plate){.plan = plan, .specimen = *specimen};
+    double *block = calloc((3 + FORWARD_WORK) * n + 1, sizeof *block);
+    if (!block)
+        return PALP_ERR_NO_MEMORY;
+    plate->force_p = block;
+    plate->strain_p = block + n;
+    plate->done_p = block + 2 * n;
+    plate->work = block + 3 * n;
+    return PALP_OK;
+}
+
+void forward_plate_free(forward_plate *plate) {
+    free(plate->force_p);
+    *plate = (forward_plate){0};
+}

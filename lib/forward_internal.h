@@ -1,0 +1,114 @@
+/* forward_internal.h: the inside of the forward model: a plan of the effects, a specimen behind one
+ * interface, and the plate that meets it. */
+#ifndef FORWARD_INTERNAL_H
+#define FORWARD_INTERNAL_H
+
+#include <palpate/forward.h>
+
+#include "effect_internal.h"
+#include "element.h"
+
+/* A map or a sensor of the chain, with its parameters and the column of the first. */
+typedef struct forward_stage {
+    const effect_row *row;
+    const double *value;
+    size_t column;
+} forward_stage;
+
+/* What the model's effects come to. Points into the model. */
+typedef struct forward_plan {
+    const palp_model *model;
+    size_t n_columns;                 /* all parameters */
+    size_t column[PALP_EFFECT_COUNT]; /* of the effect's first parameter; of what repeats: of the last */
+    const double *value[PALP_EFFECT_COUNT]; /* NULL: the model has no such effect */
+    palp_material material;                 /* with what the effects make of its arms */
+    size_t arm_column[PALP_ARMS_MAX];       /* of K_j; the next is b_j, or for an effect's arm its time */
+    bool arm_timed[PALP_ARMS_MAX];          /* the latter */
+    size_t n_maps, n_sensors;
+    forward_stage map[PALP_EFFECTS_MAX], sensor[PALP_EFFECTS_MAX]; /* in the order in which they act */
+    bool worn; /* the spring is worn by loading, as wear tells */
+    element_wear wear;
+    double session_s, age; /* when the run began; factor of the specimen's force there */
+    double adhesion;       /* pull at which the plate lets go, N */
+} forward_plan;
+
+/* Checks the model and lays the plan for a run that began at session_s. */
+palp_status forward_plan_make(const palp_model *model, double session_s, forward_plan *plan,
+                              palp_error *error);
+
+/* Factor of the spring's force by the strain rate of the plate; *decades: its derivative by the parameter. */
+double forward_boost(const forward_plan *plan, double rate, double *decades);
+
+/* Shortest relaxation time of the plan's arms that are not off; INFINITY: it has none. */
+double forward_shortest_arm(const forward_plan *plan);
+
+/* Where the parameters of the model's arms and effects start. */
+size_t forward_arm_column(const palp_model *model, size_t arm);
+size_t forward_effect_column(const palp_model *model, size_t effect);
+
+/* ---- a specimen: lumped, or a network ---- */
+
+/* How a specimen is asked to move: from its state to a surface strain (positive = compression) in dt. */
+typedef struct forward_move {
+    double strain, dt;
+    double rate; /* strain rate of the plate that moves it, 1/s; 0 where it is left alone */
+} forward_move;
+
+/* attempt leaves a trial that commit makes the state; force is the specimen's, N, slope (if not NULL) its
+ * derivative by strain. The rest is for derivatives by the model's parameters and may be NULL without
+ * columns: hold gives force_p[n_columns], the derivatives with strain and dt of the trial held, and
+ * *force_dt. commit takes those of strain and dt (NULL = all 0) and gives those of the force. */
+typedef struct forward_specimen {
+    void *self;
+    palp_status (*attempt)(void *self, const forward_move *move, double *force, double *slope);
+    void (*hold)(void *self, double *force_p, double *force_dt);
+    void (*commit)(void *self, const double *strain_p, const double *dt_p, double *force_p);
+    double height;
+    double shortest; /* relaxation time, s; 0 = it has none */
+    size_t n_columns;
+} forward_specimen;
+
+typedef struct forward_lumped forward_lumped;
+palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, forward_lumped **lumped);
+void forward_lumped_free(forward_lumped *lumped);
+forward_specimen forward_lumped_specimen(forward_lumped *lumped);
+
+/* ---- the plate (forward_contact.c) ---- */
+
+typedef struct forward_plate {
+    const forward_plan *plan;
+    forward_specimen specimen;
+    bool touching, fresh;     /* fresh: the specimen has not been touched yet */
+    double force, *force_p;   /* on the plate */
+    double strain, *strain_p; /* of the surface */
+    double released;          /* when the plate last left it, s */
+    /* the step at hand: from depth[0] at time[0] to depth[1] at time[1], where the plate has velocity; done:
+     * the share that is committed */
+    double time[2], depth[2], velocity, done, *done_p;
+    double *work; /* [FORWARD_WORK n_columns] scratch, after the four above in one block */
+} forward_plate;
+
+enum { FORWARD_WORK = 4 };
+
+palp_status forward_plate_create(const forward_plan *plan, const forward_specimen *specimen,
+                                 forward_plate *plate);
+void forward_plate_free(forward_plate *plate);
+
+/* Puts the plate at its first depth, at once. Then moves it on to a depth at a time, linearly. */
+palp_status forward_plate_start(forward_plate *plate, double time, double depth);
+palp_status forward_plate_move(forward_plate *plate, double time, double depth, double velocity);
+
+/* The whole chain of one recording; gradient is NULL or takes the specimen's columns (forward.c). */
+palp_status forward_run(const forward_plan *plan, const forward_specimen *specimen,
+                        const palp_forward_run *run, double *force_N, double *gradient, palp_error *error);
+
+/* ---- equations ---- */
+
+/* value and d value / dx of an increasing function. */
+typedef palp_status forward_equation(void *user, double x, double *value, double *slope);
+
+/* Its zero in [low, high], by Newton kept in the bracket; *x comes as the first guess, and is the last place
+ * that was asked. ERR_NOT_CONVERGED: no zero there, or none found. */
+palp_status forward_solve(forward_equation *equation, void *user, double low, double high, double *x);
+
+#endif

@@ -1,0 +1,412 @@
+/* forward_lumped.c: the lumped specimen of the forward model with its derivatives by all parameters. */
+#include "forward_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MODES = 2 * EFFECT_MODES_MAX };
+
+/* Unit responses u beside the spring, du/dt + rate u = de/dt, that add weight u to the force. */
+typedef struct modes {
+    size_t n;
+    double weight[MODES], rate[MODES];
+    double decay[MODES], mean[MODES]; /* of the step: exp(-x) and (1 - exp(-x)) / x, x = rate dt */
+    double weight_by[PALP_EFFECT_PARAMETERS][MODES], rate_by[PALP_EFFECT_PARAMETERS][MODES];
+    bool timed[MODES]; /* a parameter changes the rate */
+    double dt;         /* of decay and mean, to ten digits: recorded times are even but for rounding */
+} modes;
+
+/* Those of one effect: [first, end). */
+typedef struct mode_group {
+    size_t first, end, column, n_values;
+} mode_group;
+
+typedef struct state {
+    double strain, elastic, peak;
+    double arm[PALP_ARMS_MAX], unit[MODES];
+} state;
+
+/* Rows of derivatives, each [n_columns]. */
+typedef struct slopes {
+    double *strain, *peak, *arm, *unit; /* arm[n_arms n_columns], unit[modes.n n_columns] */
+    double *row, *zero;
+} slopes;
+
+struct forward_lumped {
+    const forward_plan *plan;
+    size_t n_columns;
+    modes modes;
+    size_t n_groups;
+    mode_group group[2];
+    element_step step;
+    bool prepared;
+    state now, next;
+    slopes d;
+    bool still; /* no parameter has moved the surface so far: modes that are not timed have no slopes */
+    element_worn spring; /* of the trial, where derivatives are asked for */
+    double decades;      /* of the trial's rate */
+};
+
+/* ---- values ---- */
+
+static void prepare(forward_lumped *l, double dt) {
+    modes *m = &l->modes;
+    if (!l->prepared || dt != l->step.dt)
+        element_step_prepare(&l->plan->material, dt, &l->step);
+    bool same = l->prepared && fabs(dt - m->dt) <= 1e-10 * dt;
+    l->prepared = true;
+    if (same)
+        return;
+    m->dt = dt;
+    for (size_t i = 0; i < m->n; i++)
+        element_decay(m->rate[i] * dt, &m->decay[i], &m->mean[i]);
+}
+
+/* Force of the modes after the trial, and its derivative by strain. */
+static double advance_modes(forward_lumped *l, double rise, double *slope) {
+    const modes *m = &l->modes;
+    const double *old = l->now.unit;
+    double *unit = l->next.unit, force = 0.0;
+    for (size_t i = 0; i < m->n; i++) {
+        unit[i] = m->decay[i] * old[i] + m->mean[i] * rise;
+        force += m->weight[i] * unit[i];
+        *slope += m->weight[i] * m->mean[i];
+    }
+    return force;
+}
+
+static palp_status attempt(void *self, const forward_move *move, double *force, double *slope) {
+    forward_lumped *l = self;
+    const palp_material *m = &l->plan->material;
+    double by_strain, rise = move->strain - l->now.strain;
+    if (!isfinite(move->strain) || !(move->dt >= 0.0) || (move->dt == 0.0 && m->dashpot_Ns > 0.0))
+        return PALP_ERR_ARGUMENT;
+    prepare(l, move->dt);
+    element_history old = {&l->now.strain, &l->now.elastic, l->now.arm, &l->now.peak};
+    element_history new = {&l->next.strain, &l->next.elastic, l->next.arm, &l->next.peak};
+    l->step.boost = forward_boost(l->plan, move->rate, &l->decades);
+    l->step.wear = l->plan->worn ? &l->plan->wear : NULL;
+    element_trial(m, &l->step, 1, &move->strain, &old, &new, force, &by_strain);
+    if (l->modes.n)
+        *force += advance_modes(l, rise, &by_strain);
+    if (slope)
+        *slope = by_strain;
+    return PALP_OK;
+}
+
+/* ---- derivatives ---- */
+
+/* Integral of the law's gradient from 0 to e: d energy / d coefficients. Gauss-Legendre, exact for splines,
+ * whose panels are their intervals. */
+static void energy_gradient(const palp_law *law, double e, double *out) {
+    static const double at[4] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674,
+                                 0.96028985649753623};
+    static const double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
+                                     0.10122853629037626};
+    double row[PALP_LAW_MAX], a = fabs(e), power = 0.5 * a * a;
+    if (law->kind == PALP_LAW_POLYNOMIAL) {
+        for (size_t k = 0; k < law->n; k++, power *= a)
+            out[k] = 2.0 * power / (double)(k + 2);
+        return;
+    }
+    bool spline = law->kind == PALP_LAW_SPLINE;
+    size_t panels = spline ? law->n : 4;
+    memset(out, 0, law->n * sizeof *out);
+    for (size_t i = 0; i < panels; i++) {
+        double from = spline ? law->strain[i] : a * (double)i / 4.0;
+        double to = !spline ? a * (double)(i + 1) / 4.0 : i + 1 < panels ? fmin(a, law->strain[i + 1]) : a;
+        for (size_t j = 0; j < 8 && to > from; j++) {
+            double x = 0.5 * (from + to) + 0.5 * (to - from) * (j < 4 ? at[j] : -at[j - 4]);
+            palp_law_gradient(law, x, row);
+            for (size_t k = 0; k < law->n; k++)
+                out[k] += 0.5 * (to - from) * weight[j % 4] * row[k];
+        }
+    }
+}
+
+static void find_spring(forward_lumped *l) {
+    const palp_law *law = &l->plan->material.law;
+    double e = l->next.strain;
+    if (l->plan->worn) {
+        element_worn_force(law, &l->plan->wear, e, l->now.peak, &l->spring);
+        return;
+    }
+    l->spring = (element_worn){.inner = e, .factor = 1.0};
+    palp_law_force(law, 1, &e, &l->spring.force, &l->spring.by_strain, NULL);
+}
+
+/* What the spring's own parameters change, strain and peak held. */
+static void spring_own(const forward_lumped *l, double *force_p) {
+    const palp_law *law = &l->plan->material.law;
+    const size_t *column = l->plan->column;
+    const element_worn *s = &l->spring;
+    double row[PALP_LAW_MAX], inner[PALP_LAW_MAX], peak[PALP_LAW_MAX], force = s->force / s->factor;
+    palp_law_gradient(law, s->inner, row);
+    for (size_t k = 0; k < law->n; k++)
+        force_p[k] += l->step.boost * s->factor * row[k];
+    if (s->factor_by_energy != 0.0) {
+        energy_gradient(law, s->inner, inner);
+        energy_gradient(law, l->now.peak, peak);
+        for (size_t k = 0; k < law->n; k++)
+            force_p[k] +=
+                l->step.boost * force * (s->factor_by_energy * inner[k] + s->factor_by_peak_energy * peak[k]);
+    }
+    if (l->plan->value[PALP_EFFECT_RATE_STIFFENING])
+        force_p[column[PALP_EFFECT_RATE_STIFFENING]] += l->decades * s->force;
+    if (l->plan->value[PALP_EFFECT_PERMANENT_SET])
+        force_p[column[PALP_EFFECT_PERMANENT_SET]] += l->step.boost * s->by_set;
+    if (l->plan->value[PALP_EFFECT_DAMAGE_SOFTENING]) {
+        force_p[column[PALP_EFFECT_DAMAGE_SOFTENING]] += l->step.boost * s->by_softening;
+        force_p[column[PALP_EFFECT_DAMAGE_SOFTENING] + 1] += l->step.boost * s->by_sharpness;
+    }
+}
+
+/* An arm without strain dependence, from what the step has at hand; element_arm_partials for the others. */
+static element_partials arm_partials(const forward_lumped *l, size_t j) {
+    const palp_material *m = &l->plan->material;
+    const palp_arm *arm = &m->arms[j];
+    if (m->quasi_linear || l->plan->value[PALP_EFFECT_STRAIN_DEPENDENT_ARM] || arm->beta != 0.0 ||
+        arm->gamma != 0.0)
+        return element_arm_partials(m, &l->step, j, l->next.strain, l->now.strain, l->now.arm[j]);
+    double x = l->step.dt * arm->stiffness_N / arm->viscosity_Ns, rise = l->next.strain - l->now.strain;
+    double decay = l->step.decay[j], gain = l->step.gain[j];
+    double turn = x < 1e-4 ? arm->stiffness_N * (-0.5 + x / 3.0) : (arm->stiffness_N * decay - gain) / x;
+    return (element_partials){.strain = gain,
+                              .strain_old = -gain,
+                              .arm_old = decay,
+                              .drive = gain,
+                              .log_stiffness = gain * rise,
+                              .log_time = x * (decay * l->now.arm[j] - turn * rise)};
+}
+
+/* The law's coefficients move the drive of a quasi-linear arm, K(e) e / K(0). */
+static void quasi_linear_own(const forward_lumped *l, double drive, double *row) {
+    const palp_law *law = &l->plan->material.law;
+    double start, elastic[2], by[2][PALP_LAW_MAX], by_start[PALP_LAW_MAX], small = 1e-9;
+    double e[2] = {l->now.strain, l->next.strain};
+    palp_law_stiffness(law, 0.0, &start, NULL);
+    palp_law_force(law, 2, e, elastic, NULL, NULL);
+    palp_law_gradient(law, e[0], by[0]);
+    palp_law_gradient(law, e[1], by[1]);
+    palp_law_gradient(law, small, by_start);
+    for (size_t k = 0; k < law->n; k++)
+        row[k] +=
+            drive / start * (by[1][k] - by[0][k] - (elastic[1] - elastic[0]) / start * by_start[k] / small);
+}
+
+/* Slopes of arm j's force at the end of the trial, into the row. */
+static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p, const double *dt_p) {
+    const forward_plan *plan = l->plan;
+    const palp_arm *arm = &plan->material.arms[j];
+    const element_partials p = arm_partials(l, j);
+    const double *old = l->d.arm + j * l->n_columns, *strain_old = l->d.strain;
+    double *row = l->d.row, *own = row + plan->arm_column[j];
+    for (size_t k = 0; k < l->n_columns; k++)
+        row[k] = p.arm_old * old[k] + p.strain * strain_p[k] + p.strain_old * strain_old[k];
+    if (plan->arm_timed[j]) { /* K, tau; else K, b */
+        own[0] += p.log_stiffness / arm->stiffness_N;
+        own[1] += p.log_time * arm->stiffness_N / arm->viscosity_Ns;
+    } else {
+        own[0] += (p.log_stiffness - p.log_time) / arm->stiffness_N;
+        own[1] += p.log_time / arm->viscosity_Ns;
+    }
+    if (plan->value[PALP_EFFECT_STRAIN_DEPENDENT_ARM]) {
+        row[plan->column[PALP_EFFECT_STRAIN_DEPENDENT_ARM]] += p.beta;
+        row[plan->column[PALP_EFFECT_STRAIN_DEPENDENT_ARM] + 1] += p.gamma;
+    }
+    if (plan->material.quasi_linear)
+        quasi_linear_own(l, p.drive, row);
+    for (size_t k = 0; dt_p && k < l->n_columns; k++)
+        row[k] -= p.log_time / l->step.dt * dt_p[k];
+}
+
+/* d unit / d (rate dt) of the trial. */
+static double mode_turn(const forward_lumped *l, size_t i) {
+    const modes *m = &l->modes;
+    double x = m->rate[i] * l->step.dt, turn = x < 1e-4 ? -0.5 + x / 3.0 : (m->decay[i] - m->mean[i]) / x;
+    return turn * (l->next.strain - l->now.strain) - m->decay[i] * l->now.unit[i];
+}
+
+static void mode_slopes(const forward_lumped *l, const mode_group *g, size_t i, const double *strain_p,
+                        const double *dt_p) {
+    const modes *m = &l->modes;
+    const double *old = l->d.unit + i * l->n_columns, *strain_old = l->d.strain;
+    double *row = l->d.row, decay = m->decay[i], mean = m->mean[i];
+    for (size_t k = 0; k < l->n_columns; k++)
+        row[k] = decay * old[k] + mean * (strain_p[k] - strain_old[k]);
+    if (!m->timed[i] && !dt_p)
+        return;
+    double by_x = mode_turn(l, i);
+    for (size_t k = 0; m->timed[i] && k < g->n_values; k++)
+        row[g->column + k] += by_x * l->step.dt * m->rate_by[k][i];
+    for (size_t k = 0; dt_p && k < l->n_columns; k++)
+        row[k] += by_x * m->rate[i] * dt_p[k];
+}
+
+static bool all_zero(size_t n, const double *values) {
+    for (size_t k = 0; k < n; k++)
+        if (values[k] != 0.0)
+            return false;
+    return true;
+}
+
+static void add_row(const forward_lumped *l, double factor, double *force_p) {
+    for (size_t k = 0; k < l->n_columns; k++)
+        force_p[k] += factor * l->d.row[k];
+}
+
+static void keep_row(const forward_lumped *l, bool keep, double *to) {
+    if (keep)
+        memcpy(to, l->d.row, l->n_columns * sizeof *to);
+}
+
+static void group_slopes(forward_lumped *l, const mode_group *g, const double *strain_p, const double *dt_p,
+                         double *force_p, bool keep) {
+    const modes *m = &l->modes;
+    for (size_t k = 0; k < g->n_values; k++)
+        for (size_t i = g->first; i < g->end; i++)
+            force_p[g->column + k] += m->weight_by[k][i] * l->next.unit[i];
+    for (size_t i = g->first; i < g->end; i++) {
+        if (l->still && !m->timed[i])
+            continue;
+        mode_slopes(l, g, i, strain_p, dt_p);
+        add_row(l, m->weight[i], force_p);
+        keep_row(l, keep, l->d.unit + i * l->n_columns);
+    }
+}
+
+/* Slopes of the trial's force; with keep those of the state become the trial's. */
+static void propagate(forward_lumped *l, const double *strain_p, const double *dt_p, double *force_p,
+                      bool keep) {
+    const size_t n = l->n_columns;
+    const slopes *d = &l->d;
+    find_spring(l);
+    double by_strain = l->step.boost * l->spring.by_strain, by_peak = l->step.boost * l->spring.by_peak;
+    double dashpot = l->step.dashpot, rise = l->next.strain - l->now.strain;
+    l->still = l->still && !dt_p && all_zero(n, strain_p);
+    for (size_t k = 0; k < n; k++)
+        force_p[k] = by_strain * strain_p[k] + by_peak * d->peak[k] + dashpot * (strain_p[k] - d->strain[k]);
+    for (size_t k = 0; k < n && dashpot > 0.0 && dt_p; k++)
+        force_p[k] -= dashpot * rise / l->step.dt * dt_p[k];
+    spring_own(l, force_p);
+    for (size_t j = 0; j < l->plan->material.n_arms; j++) {
+        arm_slopes(l, j, strain_p, dt_p);
+        add_row(l, 1.0, force_p);
+        keep_row(l, keep, d->arm + j * n);
+    }
+    for (size_t g = 0; g < l->n_groups; g++)
+        group_slopes(l, &l->group[g], strain_p, dt_p, force_p, keep);
+}
+
+static void hold(void *self, double *force_p, double *force_dt) {
+    forward_lumped *l = self;
+    bool still = l->still;
+    propagate(l, l->d.zero, NULL, force_p, false);
+    l->still = still;
+    *force_dt = 0.0;
+    if (l->step.dt == 0.0)
+        return;
+    double rise = l->next.strain - l->now.strain;
+    *force_dt = -l->step.dashpot * rise / l->step.dt;
+    for (size_t j = 0; j < l->plan->material.n_arms; j++)
+        *force_dt -= arm_partials(l, j).log_time / l->step.dt;
+    for (size_t i = 0; i < l->modes.n; i++)
+        *force_dt += l->modes.weight[i] * l->modes.rate[i] * mode_turn(l, i);
+}
+
+static void commit(void *self, const double *strain_p, const double *dt_p, double *force_p) {
+    forward_lumped *l = self;
+    if (l->n_columns > 0) {
+        const double *to = strain_p ? strain_p : l->d.zero;
+        propagate(l, to, dt_p, force_p, true);
+        bool deeper = l->plan->worn && fabs(l->next.strain) >= l->now.peak;
+        for (size_t k = 0; deeper && k < l->n_columns; k++)
+            l->d.peak[k] = copysign(1.0, l->next.strain) * to[k];
+        memcpy(l->d.strain, to, l->n_columns * sizeof *to);
+    }
+    l->now = l->next;
+}
+
+/* ---- making one ---- */
+
+static void add_modes(forward_lumped *l, palp_effect_id id) {
+    const effect_row *row = effect_row_of(id);
+    const double *value = l->plan->value[id];
+    effect_mode list[EFFECT_MODES_MAX];
+    modes *m = &l->modes;
+    const effect_range range = EFFECT_RANGE_WHOLE;
+    const size_t n = range.n;
+    if (!value)
+        return;
+    row->spectrum(value, &range, list);
+    l->group[l->n_groups++] = (mode_group){m->n, m->n + n, l->plan->column[id], row->info.n_parameters};
+    for (size_t i = 0; i < n; i++, m->n++) {
+        m->weight[m->n] = list[i].weight;
+        m->rate[m->n] = list[i].rate;
+        m->timed[m->n] = !all_zero(PALP_EFFECT_PARAMETERS, list[i].rate_by);
+        for (size_t k = 0; k < PALP_EFFECT_PARAMETERS; k++) {
+            m->weight_by[k][m->n] = list[i].weight_by[k];
+            m->rate_by[k][m->n] = list[i].rate_by[k];
+        }
+    }
+}
+
+static bool make_slopes(forward_lumped *l) {
+    const size_t n = l->n_columns, n_arms = l->plan->material.n_arms;
+    if (n == 0)
+        return true;
+    double *block = calloc((4 + n_arms + l->modes.n) * n, sizeof *block);
+    l->d = (slopes){block, block, block, block, block, block};
+    if (!block)
+        return false;
+    l->d.peak += n;
+    l->d.row += 2 * n;
+    l->d.zero += 3 * n;
+    l->d.arm += 4 * n;
+    l->d.unit += (4 + n_arms) * n;
+    return true;
+}
+
+palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, forward_lumped **lumped) {
+    forward_lumped *l = calloc(1, sizeof *l);
+    if (!l)
+        return PALP_ERR_NO_MEMORY;
+    l->plan = plan;
+    l->n_columns = n_columns;
+    l->still = true;
+    add_modes(l, PALP_EFFECT_POWER_LAW_RELAXATION);
+    add_modes(l, PALP_EFFECT_POROELASTIC);
+    if (!make_slopes(l)) {
+        free(l);
+        return PALP_ERR_NO_MEMORY;
+    }
+    *lumped = l;
+    return PALP_OK;
+}
+
+void forward_lumped_free(forward_lumped *l) {
+    if (!l)
+        return;
+    free(l->d.strain);
+    free(l);
+}
+
+/* Of the arms and modes that are there; those that are off change nothing, not even a step. */
+static double shortest_time(const forward_lumped *l) {
+    double shortest = forward_shortest_arm(l->plan);
+    for (size_t i = 0; i < l->modes.n; i++)
+        if (l->modes.weight[i] > 0.0)
+            shortest = fmin(shortest, 1.0 / l->modes.rate[i]);
+    return isinf(shortest) ? 0.0 : shortest;
+}
+
+forward_specimen forward_lumped_specimen(forward_lumped *l) {
+    return (forward_specimen){.self = l,
+                              .attempt = attempt,
+                              .hold = hold,
+                              .commit = commit,
+                              .height = l->plan->model->height_m,
+                              .shortest = shortest_time(l),
+                              .n_columns = l->n_columns};
+}

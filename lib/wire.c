@@ -1,0 +1,229 @@
+/* wire.c: frames of the indenter's protocol: bytes of the messages, COBS, check characters. Freestanding. */
+#include <palpate/wire.h>
+
+#include <string.h>
+
+enum { HEADER = 7, CHECK = 3 };
+
+/* ---- where the fields are, made of the list of messages ---- */
+
+typedef struct field {
+    uint8_t size, count; /* bytes of an element, elements */
+    uint8_t offset;      /* in the message's structure */
+} field;
+
+typedef struct layout {
+    uint8_t size; /* of the payload */
+    uint8_t n;
+    const field *fields;
+} layout;
+
+#define BYTES(type, name) +sizeof(palp_wire_##type)
+#define ARRAY_BYTES(type, name, count) +(count) * sizeof(palp_wire_##type)
+#define FIELD(type, name) {sizeof(palp_wire_##type), 1, offsetof(self, name)},
+#define ARRAY(type, name, count) {sizeof(palp_wire_##type), count, offsetof(self, name)},
+#define LAYOUT(NAME, number, member, list)                                                                   \
+    case number: {                                                                                           \
+        typedef palp_wire_##member self;                                                                     \
+        enum {                                                                                               \
+            FITS = 1 / (HEADER list(BYTES, ARRAY_BYTES) <= PALP_WIRE_PAYLOAD_MAX && sizeof(self) < 256)      \
+        };                                                                                                   \
+        static const field fields[] = {list(FIELD, ARRAY)};                                                  \
+        static const layout it = {HEADER list(BYTES, ARRAY_BYTES), sizeof fields / sizeof fields[0],         \
+                                  fields};                                                                   \
+        return &it;                                                                                          \
+    }
+
+static const layout *layout_of(uint8_t type) {
+    switch (type) {
+        PALP_WIRE_MESSAGES(LAYOUT)
+    default:
+        return NULL;
+    }
+}
+
+size_t palp_wire_payload_size(uint8_t type) {
+    const layout *it = layout_of(type);
+    return it ? it->size : 0;
+}
+
+/* ---- fields to bytes and back, little-endian whatever the processor is ---- */
+
+static void put16(uint8_t *to, uint16_t value) {
+    to[0] = (uint8_t)value;
+    to[1] = (uint8_t)(value >> 8);
+}
+
+static void put32(uint8_t *to, uint32_t value) {
+    put16(to, (uint16_t)value);
+    put16(to + 2, (uint16_t)(value >> 16));
+}
+
+static uint16_t get16(const uint8_t *from) {
+    return (uint16_t)(from[0] | from[1] << 8);
+}
+
+static uint32_t get32(const uint8_t *from) {
+    return get16(from) | (uint32_t)get16(from + 2) << 16;
+}
+
+/* A loop for each size: the firmware does this within a control tick. Return where the bytes end. */
+static uint8_t *put_field(uint8_t *to, const void *from, const field *f) {
+    if (f->size == 1) {
+        for (const uint8_t *p = from, *end = p + f->count; p < end; p++) {
+            *to++ = *p;
+        }
+    } else if (f->size == 2) {
+        for (const uint16_t *p = from, *end = p + f->count; p < end; p++, to += 2) {
+            put16(to, *p);
+        }
+    } else {
+        for (const uint32_t *p = from, *end = p + f->count; p < end; p++, to += 4) {
+            put32(to, *p);
+        }
+    }
+    return to;
+}
+
+static const uint8_t *get_field(const uint8_t *from, void *to, const field *f) {
+    if (f->size == 1) {
+        for (uint8_t *p = to, *end = p + f->count; p < end; p++) {
+            *p = *from++;
+        }
+    } else if (f->size == 2) {
+        for (uint16_t *p = to, *end = p + f->count; p < end; p++, from += 2) {
+            *p = get16(from);
+        }
+    } else {
+        for (uint32_t *p = to, *end = p + f->count; p < end; p++, from += 4) {
+            *p = get32(from);
+        }
+    }
+    return from;
+}
+
+static void put_payload(uint8_t *to, const palp_wire_message *message, const layout *it) {
+    const uint8_t *from = (const uint8_t *)&message->as;
+    to[0] = message->type;
+    put16(to + 1, message->sequence);
+    put32(to + 3, message->lost);
+    to += HEADER;
+    for (uint8_t i = 0; i < it->n; i++) {
+        const field *f = &it->fields[i];
+        to = put_field(to, from + f->offset, f);
+    }
+}
+
+static void get_payload(const uint8_t *from, palp_wire_message *message, const layout *it) {
+    uint8_t *to = (uint8_t *)&message->as;
+    message->type = from[0];
+    message->sequence = get16(from + 1);
+    message->lost = get32(from + 3);
+    from += HEADER;
+    for (uint8_t i = 0; i < it->n; i++) {
+        const field *f = &it->fields[i];
+        from = get_field(from, to + f->offset, f);
+    }
+}
+
+/* ---- consistent overhead byte stuffing (Cheshire and Baker 1999), in place: byte[0] is the first code and
+ * byte[1..n-1] the payload; of up to 253 bytes, so that no code is ever 255 ---- */
+
+/* From the end: each zero becomes the distance to the next one, or to the end. */
+/* From the end: each zero becomes the distance to the next one, or to the end. */
+static void cobs_encode(uint8_t *byte, size_t n) {
+    unsigned distance = 1;
+    for (uint8_t *p = byte + n - 1; p > byte; p--, distance++) {
+        if (*p == 0) {
+            *p = (uint8_t)distance;
+            distance = 0;
+        }
+    }
+    *byte = (uint8_t)distance;
+}
+
+/* False unless the codes lead from one to the next and just to the end. No byte is zero. */
+static bool cobs_decode(uint8_t *byte, size_t n) {
+    size_t next = 0;
+    while (next < n) {
+        size_t code = byte[next];
+        byte[next] = 0;
+        next += code;
+    }
+    return next == n;
+}
+
+/* ---- check characters ---- */
+
+/* The remainders of 0..255, each the sum of those of its bits. */
+#define R(i)                                                                                                 \
+    (((i)&1 ? 0x1021 : 0) ^ ((i)&2 ? 0x2042 : 0) ^ ((i)&4 ? 0x4084 : 0) ^ ((i)&8 ? 0x8108 : 0) ^             \
+     ((i)&16 ? 0x1231 : 0) ^ ((i)&32 ? 0x2462 : 0) ^ ((i)&64 ? 0x48c4 : 0) ^ ((i)&128 ? 0x9188 : 0))
+#define R4(i) R(i), R((i) + 1), R((i) + 2), R((i) + 3)
+#define R16(i) R4(i), R4((i) + 4), R4((i) + 8), R4((i) + 12)
+#define R64(i) R16(i), R16((i) + 16), R16((i) + 32), R16((i) + 48)
+static const uint16_t remainder_of[256] = {R64(0), R64(64), R64(128), R64(192)};
+
+uint16_t palp_wire_crc(const uint8_t *byte, size_t n) {
+    uint32_t crc = 0xffff; /* its lower 16 bits */
+    for (size_t i = 0; i < n; i++) {
+        crc = crc << 8 ^ remainder_of[(crc >> 8 ^ byte[i]) & 0xff];
+    }
+    return (uint16_t)crc;
+}
+
+static void put_check(uint8_t to[CHECK], uint16_t crc) {
+    to[0] = (uint8_t)(0x80 | crc >> 10);
+    to[1] = (uint8_t)(0x80 | (crc >> 4 & 0x3f));
+    to[2] = (uint8_t)(0x80 | (crc & 0xf));
+}
+
+/* ---- frames ---- */
+
+size_t palp_wire_encode(const palp_wire_message *message, uint8_t *frame) {
+    const layout *it = layout_of(message->type);
+    if (!it) {
+        return 0;
+    }
+    size_t n = (size_t)it->size + 1;
+    put_payload(frame + 1, message, it);
+    cobs_encode(frame, n);
+    put_check(frame + n, palp_wire_crc(frame, n));
+    frame[n + CHECK] = 0;
+    return n + CHECK + 1;
+}
+
+/* The n bytes before a zero; n > 0. */
+static bool decode_frame(uint8_t *byte, size_t n, palp_wire_message *message) {
+    uint8_t check[CHECK];
+    if (n < 1 + HEADER + CHECK) {
+        return false;
+    }
+    n -= CHECK;
+    put_check(check, palp_wire_crc(byte, n));
+    if (memcmp(check, byte + n, CHECK) != 0 || !cobs_decode(byte, n)) {
+        return false;
+    }
+    const layout *it = layout_of(byte[1]);
+    if (!it || n != (size_t)it->size + 1) {
+        return false;
+    }
+    get_payload(byte + 1, message, it);
+    return true;
+}
+
+/* A frame that is too long fills the buffer, which no frame does without its zero: its length refuses it. */
+bool palp_wire_decode(palp_wire_decoder *decoder, uint8_t byte, palp_wire_message *message) {
+    size_t n = decoder->n;
+    if (byte) {
+        if (n < sizeof decoder->byte) {
+            decoder->byte[decoder->n++] = byte;
+        }
+        return false;
+    }
+    bool good = n > 0 && decode_frame(decoder->byte, n, message);
+    decoder->frames += good;
+    decoder->bad += !good && n > 0;
+    decoder->n = 0;
+    return good;
+}

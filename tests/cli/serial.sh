@@ -1,0 +1,48 @@
+#!/bin/sh
+# serial.sh: palpate acquire through libserialport itself, on a PTY that a shim of ours passes off as a serial port.
+. tests/cli/common
+
+shim=$(dirname "$PALPATE")/tests/tools/serial_shim.so
+[ -e "$shim" ] || { echo "there is no $shim"; exit 77; }
+TMPDIR=$PWD/tmp
+export TMPDIR
+mkdir -p tmp
+trap 'kill $rig 2>/dev/null' EXIT
+"$PALPATE" rig --firmware host --until-s 0.001 >out 2>err || { tail -n 1 err; exit 77; }
+
+start_rig() { # options: the PTY goes to $port
+    : >port
+    "$PALPATE" rig --firmware host --port pty "$@" >port 2>rig_err &
+    rig=$!
+    for _ in 1 2 3 4 5 6 7 8 9 10; do
+        port=$(sed -n '1s/^pty://p' port)
+        [ -z "$port" ] || return
+        sleep 1
+    done
+    fail "the rig gave no port: $(cat rig_err)"
+    done_testing
+}
+acquire() { LD_PRELOAD=$shim "$PALPATE" acquire --port "$port" --specimen-height-mm 24 "$@" >out 2>err; }
+
+start_rig
+expect 1 acquire --port "$port" --specimen-height-mm 24 --ramp-hold 3 --out bare # not without the shim
+acquire --ramp-hold 3 --hold-s 20 --rest-s 5 --raw --out runs || fail "acquire: exit code $?: $(cat err)"
+grep -q '^# end.fault: null' runs/ramp_hold_3mm.csv || fail "the run ended by $(grep end.fault runs/*.csv)"
+grep -q '^# end.lost_samples: 0 ' runs/ramp_hold_3mm.csv || fail "$(grep end.lost runs/*.csv)"
+
+# Unplugged in the middle: what came is there, and says so.
+acquire --ramp-hold 4 --hold-s 3000 --keep-contact --out torn &
+host=$!
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    sleep 1
+    rows=$(grep -c '^[-0-9]' torn/ramp_hold_4mm.csv 2>/dev/null)
+    [ "${rows:-0}" -lt 2000 ] || break
+done
+kill -9 $rig
+wait $host
+code=$?
+[ $code -eq 1 ] || fail "unplugged: exit code $code: $(cat err)"
+[ "$(wc -l <err)" -le 2 ] || fail "unplugged: $(cat err)"
+grep -q '^# end.fault: "disconnected"' torn/ramp_hold_4mm.csv || fail "torn: $(grep end.fault torn/*.csv)"
+"$PALPATE" characterize torn/ramp_hold_4mm.csv --arms 1 --out torn.json >/dev/null 2>err || fail "torn: $(cat err)"
+done_testing

@@ -1,0 +1,483 @@
+/* test_drivers.c: the drivers of the STM32F405 on fake registers, also where the hardware does not answer. */
+#include "fake_registers.h"
+
+#include "../../firmware/board/stm32f405/board.c"
+#include "../../firmware/board/stm32f405/clock.c"
+#include "../../firmware/board/stm32f405/encoder.c"
+#include "../../firmware/board/stm32f405/gpio.c"
+#include "../../firmware/board/stm32f405/motor.c"
+#include "../../firmware/board/stm32f405/sensor_ad7606.c"
+#include "../../firmware/board/stm32f405/switches.c"
+#include "../../firmware/board/stm32f405/thermistor.c"
+#include "../../firmware/board/stm32f405/tick.c"
+#include "../../firmware/board/stm32f405/uart.c"
+#include "../../firmware/board/stm32f405/watchdog.c"
+
+volatile uint32_t reset_note;
+#include "../../firmware/board/stm32f405/reset.c"
+
+static uint32_t stack_words[1024];
+#define STACK_BOTTOM stack_words
+#define STACK_TOP (stack_words + 1024)
+#define STACK_NOW (stack_words + 1000)
+#include "../../firmware/board/stm32f405/stack.c"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+
+static int setup(void **state) {
+    (void)state;
+    fake_start();
+    return 0;
+}
+
+/* Some 100 ms. */
+static void assert_bounded(void) {
+    assert_true(hardware.polls < 200000);
+}
+
+/* ---- clock ---- */
+
+static void test_clock(void **state) {
+    (void)state;
+    const clock_state c = clock_start();
+    assert_true(c.crystal);
+    assert_int_equal(c.hz, 168000000);
+    assert_int_equal(c.bus_hz, 84000000);
+    assert_int_equal(RCC->PLLCFGR, 0x07402a04); /* 8 MHz / 4 * 168 / 2 */
+    assert_int_equal(hardware.switched_waits, 5);
+    assert_int_equal(RCC->CFGR, 5u << 10 | 4u << 13 | 2u << 2 | 2u); /* APB1 by 4, APB2 by 2, PLL */
+    assert_true((RCC->CR & RCC_CR_CSSON) != 0);
+}
+
+static void test_clock_without_crystal(void **state) {
+    (void)state;
+    hardware.crystal = false;
+    const clock_state c = clock_start();
+    assert_false(c.crystal);
+    assert_int_equal(c.hz, 168000000);
+    assert_int_equal(RCC->PLLCFGR, 0x07002a08); /* 16 MHz / 8 * 168 / 2, of the internal one */
+    assert_int_equal(RCC->CR & (RCC_CR_HSEON | RCC_CR_CSSON), 0);
+    assert_bounded();
+}
+
+static void test_clock_without_pll(void **state) {
+    bool *const broken[] = {&hardware.pll, &hardware.flash, &hardware.pll_switch};
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        fake_start();
+        *broken[i] = false;
+        const clock_state c = clock_start();
+        assert_false(c.crystal);
+        assert_int_equal(c.hz, 16000000);
+        assert_int_equal(c.bus_hz, 16000000);
+        assert_int_equal(RCC->CFGR, 0);
+        assert_bounded();
+    }
+}
+
+/* A boot loader left the PLL as the clock: the processor leaves it before it is changed. */
+static void test_clock_after_boot_loader(void **state) {
+    (void)state;
+    RCC->CR = RCC_CR_PLLON | RCC_CR_PLLRDY;
+    RCC->CFGR = RCC_CFGR_SW_PLL | RCC_CFGR_SWS_PLL;
+    assert_true(clock_start().crystal);
+}
+
+/* ---- pins ---- */
+
+static void test_gpio(void **state) {
+    gpio_registers *a = GPIO(PORT_A);
+    (void)state;
+    a->MODER = 0xa8000000; /* after a reset: the debugger's pins */
+    gpio_alternate(PIN(PORT_A, 9), 7, PULL_UP);
+    gpio_output(PIN(PORT_A, 4), true);
+    assert_int_equal(a->MODER, 0xa8000000 | 2u << 18 | 1u << 8);
+    assert_int_equal(a->AFR[1], 7u << 4);
+    assert_int_equal(a->PUPDR, 1u << 18);
+    assert_true(fake_pin(PIN(PORT_A, 4)));
+    gpio_write(PIN(PORT_A, 4), false);
+    assert_false(fake_pin(PIN(PORT_A, 4)));
+    gpio_input(PIN(PORT_A, 9), PULL_DOWN);
+    assert_int_equal(a->MODER, 0xa8000000 | 1u << 8);
+    assert_int_equal(a->PUPDR, 2u << 18);
+    fake_set_pin(PIN(PORT_C, 2), true);
+    assert_true(gpio_read(PIN(PORT_C, 2)));
+    assert_false(gpio_read(PIN(PORT_C, 3)));
+}
+
+static void test_open_wire_is_a_pressed_switch(void **state) {
+    (void)state;
+    switches_start();
+    motor_start(168000000);
+    assert_int_equal(GPIO(PORT_C)->PUPDR >> 2 & 3, PULL_DOWN);  /* home, PC1 */
+    assert_int_equal(GPIO(PORT_B)->PUPDR >> 24 & 3, PULL_DOWN); /* emergency stop, PB12 */
+    assert_true(switches_home());
+    assert_true(switches_emergency());
+    fake_set_pin(PIN_HOME, true);
+    fake_set_pin(PIN_EMERGENCY, true);
+    assert_false(switches_home());
+    assert_false(switches_emergency());
+}
+
+/* ---- force sensor ---- */
+
+static void test_sensor_reads_in_order(void **state) {
+    int16_t adc[PALP_WIRE_CHANNELS];
+    (void)state;
+    assert_true(ad7606_start());
+    for (int i = 0; i < 3; i++) {
+        ad7606_convert();
+        assert_true(ad7606_read(adc));
+        assert_memory_equal(adc, hardware.channel, sizeof adc);
+        assert_true(hardware.cs);
+    }
+    assert_int_equal(hardware.words, 18);
+    /* 16 bits, master, by 8, read at falling edges of a clock that rests high */
+    assert_int_equal(hardware.spi_cr1, 1u << 11 | 1u << 9 | 1u << 8 | 1u << 6 | 2u << 3 | 1u << 2 | 1u << 1);
+}
+
+/* However it fails to answer: the counts are 0, the wait is short, and it is read again once it answers. */
+static void test_sensor_silent(void **state) {
+    bool *const broken[] = {&hardware.converter_starts, &hardware.converter_ends, &hardware.spi_answers};
+    int16_t adc[PALP_WIRE_CHANNELS];
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        fake_start();
+        assert_true(ad7606_start());
+        *broken[i] = false;
+        for (int j = 0; j < 3; j++) {
+            hardware.polls = 0;
+            ad7606_convert();
+            adc[0] = adc[5] = 7;
+            assert_false(ad7606_read(adc));
+            assert_int_equal(adc[0], 0);
+            assert_int_equal(adc[5], 0);
+            assert_true(hardware.cs);
+            assert_true(hardware.polls < 2000); /* a tenth of a tick */
+        }
+        *broken[i] = true;
+        (void)ad7606_read(adc); /* which resets it */
+        ad7606_convert();
+        assert_true(ad7606_read(adc));
+        assert_memory_equal(adc, hardware.channel, sizeof adc);
+    }
+}
+
+static void test_sensor_absent(void **state) {
+    (void)state;
+    hardware.busy = 1; /* the pull-up of an open wire */
+    hardware.stuck = true;
+    hardware.converter_ends = false;
+    assert_false(ad7606_start());
+    assert_bounded();
+}
+
+/* ---- encoder ---- */
+
+static void test_encoder_wraps(void **state) {
+    (void)state;
+    fake_set_pin(PIN_ENCODER_GOOD, true);
+    TIM3->CNT = 65000;
+    assert_true(encoder_start());
+    assert_int_equal(TIM3->SMCR, 3);
+    assert_int_equal(TIM3->ARR, 65535);
+    assert_int_equal(encoder_read(), 0);
+    TIM3->CNT = 200;
+    assert_int_equal(encoder_read(), 736);
+    for (int i = 1; i <= 10; i++) {
+        TIM3->CNT = (uint16_t)(200 + 30000 * i);
+        assert_int_equal(encoder_read(), 736 + 30000 * i);
+    }
+    for (int i = 1; i <= 20; i++) {
+        TIM3->CNT = (uint16_t)(200 + 300000 - 32000 * i);
+        assert_int_equal(encoder_read(), 736 + 300000 - 32000 * i);
+    }
+}
+
+static void test_encoder_alarm(void **state) {
+    (void)state;
+    assert_false(encoder_start());
+    assert_int_equal(GPIO(PORT_C)->PUPDR >> 4 & 3, PULL_DOWN);
+}
+
+/* ---- motor ---- */
+
+static void test_motor(void **state) {
+    (void)state;
+    motor_start(168000000);
+    assert_int_equal(TIM1->ARR, 8399);                          /* 20 kHz */
+    assert_int_equal(TIM1->BDTR, TIM_BDTR_BKE | TIM_BDTR_OSSI); /* off; break at low */
+    assert_false(fake_pin(PIN_MOTOR_ENABLE));
+    motor_set(32767);
+    assert_int_equal(TIM1->CCR[0], 8400); /* high all the time */
+    assert_true(fake_pin(PIN_MOTOR_DIRECTION));
+    assert_true(fake_pin(PIN_MOTOR_ENABLE));
+    assert_true((TIM1->BDTR & TIM_BDTR_MOE) != 0);
+    motor_set(-16384);
+    assert_int_equal(TIM1->CCR[0], 4200);
+    assert_false(fake_pin(PIN_MOTOR_DIRECTION));
+    motor_set(INT16_MIN);
+    assert_int_equal(TIM1->CCR[0], 8400);
+    motor_off();
+    assert_int_equal(TIM1->CCR[0], 0);
+    assert_int_equal(TIM1->BDTR & TIM_BDTR_MOE, 0);
+    assert_false(fake_pin(PIN_MOTOR_ENABLE));
+}
+
+static void test_motor_output_expires(void **state) {
+    const app_outputs on = {1000, true}, off = {1000, false};
+    (void)state;
+    (void)hal_init();
+    for (int i = 0; i < 3; i++) {
+        hal_drive(&on);
+        assert_true(fake_pin(PIN_MOTOR_ENABLE));
+        tick_interrupt();
+        assert_true(fake_pin(PIN_MOTOR_ENABLE));
+    }
+    tick_interrupt(); /* a tick went by without a new output */
+    assert_false(fake_pin(PIN_MOTOR_ENABLE));
+    assert_int_equal(TIM1->CCR[0], 0);
+    hal_drive(&on);
+    hal_drive(&off);
+    assert_false(fake_pin(PIN_MOTOR_ENABLE));
+}
+
+/* ---- tick ---- */
+
+static void test_tick_wait(void **state) {
+    (void)state;
+    (void)hal_init();
+    if (tick_now() != tick.seen)
+        (void)hal_tick_wait(); /* those of other tests */
+    assert_int_equal(SYSTICK->LOAD, 167999);
+    assert_int_equal(SYSTICK->CTRL, 7);
+    hardware.sleep = tick_interrupt;
+    assert_int_equal(hal_tick_wait(), 1);
+    assert_int_equal(hal_tick_wait(), 1);
+    hardware.sleep = NULL; /* there is no sleep where ticks have passed */
+    tick_interrupt();
+    tick_interrupt();
+    tick_interrupt();
+    assert_int_equal(hal_tick_wait(), 3);
+}
+
+/* ---- UART ---- */
+
+static void receive(uint32_t flags, uint8_t byte) {
+    const uint32_t before = USART1->DR;
+    USART1->DR = byte;
+    USART1->SR |= flags;
+    uart_interrupt();
+    assert_int_equal(USART1->SR & flags, 0); /* else it would interrupt for ever */
+    USART1->DR = before;
+}
+
+static void test_uart_receives(void **state) {
+    uint8_t byte;
+    (void)state;
+    uart_start(84000000);
+    assert_int_equal(USART1->BRR, 91); /* 0.2 % off */
+    assert_int_equal(NVIC->ISER[1], 1u << 5);
+    assert_false(serial_receive(&byte));
+    receive(USART_SR_RXNE, 0x55);
+    receive(USART_SR_RXNE | USART_SR_ORE, 0xaa); /* the byte is good, the one after it was lost */
+    receive(USART_SR_ORE, 0x11);                 /* nothing there but the flag */
+    assert_true(serial_receive(&byte) && byte == 0x55);
+    assert_true(serial_receive(&byte) && byte == 0xaa);
+    assert_false(serial_receive(&byte));
+    for (int i = 0; i < SERIAL_RECEIVE + 100; i++)
+        receive(USART_SR_RXNE, (uint8_t)i);
+    for (int i = 0; i < SERIAL_RECEIVE - 1; i++)
+        assert_true(serial_receive(&byte) && byte == (uint8_t)i);
+    assert_false(serial_receive(&byte));
+}
+
+static void test_uart_sends_byte_by_byte(void **state) {
+    uint8_t buffer[16];
+    ring r;
+    (void)state;
+    uart_start(84000000);
+    hardware.chip_uart = true;
+    ring_init(&r, buffer, sizeof buffer);
+    serial_send(&r);
+    assert_int_equal(USART1->CR1 & USART_CR1_TXEIE, 0); /* nothing to send */
+    assert_true(ring_put_all(&r, (const uint8_t *)"palp", 4));
+    serial_send(&r);
+    assert_true((USART1->CR1 & USART_CR1_TXEIE) != 0);
+    assert_int_equal(NVIC->ISPR[1], 1u << 5);
+    for (uint32_t left = 4; left > 0; left--) {
+        assert_int_equal(ring_used(&r), left);
+        USART1->SR |= USART_SR_TXE;
+        uart_interrupt();
+        fake_polled(&USART1->SR);
+        uart_interrupt(); /* its register is full: nothing happens */
+    }
+    assert_int_equal(hardware.n_sent, 4);
+    assert_memory_equal(hardware.sent, "palp", 4);
+    assert_int_equal(USART1->CR1 & USART_CR1_TXEIE, 0);
+}
+
+/* Under QEMU the data register is never full: a tick's worth is sent at once, not all there is. */
+static void test_uart_sends_a_burst(void **state) {
+    uint8_t buffer[256];
+    ring r;
+    (void)state;
+    uart_start(84000000);
+    ring_init(&r, buffer, sizeof buffer);
+    for (int i = 0; i < 200; i++)
+        assert_true(ring_put(&r, (uint8_t)(i * 7)));
+    for (uint32_t sent = 92; sent < 200 + 92; sent += 92) {
+        serial_send(&r);
+        uart_interrupt();
+        fake_polled(&USART1->SR);
+        assert_int_equal(ring_used(&r), sent < 200 ? 200 - sent : 0);
+    }
+    assert_int_equal(hardware.n_sent, 200);
+    for (int i = 0; i < 200; i++)
+        assert_int_equal(hardware.sent[i], (uint8_t)(i * 7));
+    assert_int_equal(USART1->CR1 & USART_CR1_TXEIE, 0);
+}
+
+/* ---- thermistor ---- */
+
+static void test_thermistor(void **state) {
+    (void)state;
+    thermistor_start();
+    assert_int_equal(ADC1->SQR3, 10);
+    assert_int_equal(ADC1->SMPR1, 7);
+    assert_int_equal(GPIO(PORT_C)->MODER & 3, 3);
+    assert_int_equal(ADC1->CR2, ADC_CR2_ADON | ADC_CR2_SWSTART);
+    ADC1->SR = ADC_SR_EOC;
+    ADC1->DR = 0xf000 | 2047;
+    ADC1->CR2 = ADC_CR2_ADON;
+    assert_int_equal(thermistor_read(), 2047);
+    assert_int_equal(ADC1->SR, 0);
+    assert_int_equal(ADC1->CR2, ADC_CR2_ADON | ADC_CR2_SWSTART); /* the next one */
+    assert_int_equal(thermistor_read(), 0);                      /* which never ends */
+    assert_bounded();
+}
+
+/* ---- watchdog and resets ---- */
+
+static void test_watchdog(void **state) {
+    (void)state;
+    IWDG->SR = 3; /* never takes over */
+    watchdog_start();
+    assert_bounded();
+    assert_int_equal(IWDG->PR, 0);
+    assert_int_equal(IWDG->RLR, 160); /* 20 ms of 32 kHz by 4 */
+    IWDG->KR = 0;
+    hal_watchdog_kick();
+    assert_int_equal(IWDG->KR, 0xaaaa);
+}
+
+static void test_reset_cause(void **state) {
+    (void)state;
+    reset_because(HAL_RESET_STACK);
+    assert_int_equal(SCB->AIRCR, 0x05fa0004);
+    assert_int_equal(reset_cause(), HAL_RESET_STACK);
+    assert_true((RCC->CSR & RCC_CSR_RMVF) != 0);
+    assert_int_equal(reset_cause(), HAL_RESET_POWER); /* said once */
+    RCC->CSR = RCC_CSR_IWDGRSTF;
+    assert_int_equal(reset_cause(), HAL_RESET_WATCHDOG);
+    reset_because(HAL_RESET_STACK);
+    RCC->CSR = RCC_CSR_PORRSTF; /* after power-on the memory may hold anything */
+    assert_int_equal(reset_cause(), HAL_RESET_POWER);
+    RCC->CSR = 0;
+    reset_note = 0x12345601;
+    assert_int_equal(reset_cause(), HAL_RESET_POWER);
+}
+
+/* ---- stack ---- */
+
+static uint32_t settled_free(void) {
+    for (int i = 0; i < 300; i++)
+        (void)stack_free();
+    return stack_free();
+}
+
+static void test_stack(void **state) {
+    (void)state;
+    stack_paint();
+    stack_words[1010] = 0;
+    assert_int_equal(settled_free(), 4000);
+    stack_words[700] = 0; /* a deeper call with a gap in what it wrote */
+    assert_int_equal(settled_free(), 2800);
+    assert_true(hal_stack_intact());
+    stack_words[8] = 0;
+    assert_true(hal_stack_intact());
+    stack_words[7] = 0;
+    assert_false(hal_stack_intact());
+    assert_true(hal_stack_intact()); /* said once, then watched anew */
+    assert_true(stack_overran((uintptr_t)stack_words - 4));
+    assert_false(stack_overran((uintptr_t)(stack_words + 8)));
+}
+
+/* ---- the board ---- */
+
+static void test_board(void **state) {
+    app_inputs in;
+    (void)state;
+    fake_set_pin(PIN_ENCODER_GOOD, true);
+    fake_set_pin(PIN_HOME, true);
+    assert_int_equal(hal_init(), 0);
+    assert_false(hal_is_simulated());
+    ADC1->SR = ADC_SR_EOC;
+    ADC1->DR = 1000;
+    TIM3->CNT = 0xfff0;
+    tick_interrupt();
+    TIM3->CNT = 0xffe0; /* after the tick: not this one's */
+    hal_sense(&in);
+    assert_int_equal(in.position, -16);
+    assert_memory_equal(in.adc, hardware.channel, sizeof in.adc);
+    assert_int_equal(in.thermistor, 1000);
+    assert_false(in.sensor_silent);
+    assert_false(in.home_switch);
+    assert_true(in.emergency_stop);
+}
+
+static void test_board_says_what_failed(void **state) {
+    app_inputs in;
+    (void)state;
+    hardware.crystal = false;
+    hardware.busy = 1;
+    hardware.stuck = true;
+    hardware.converter_ends = false;
+    assert_int_equal(hal_init(), HAL_CLOCK_FAILED | HAL_SENSOR_FAILED | HAL_ENCODER_FAILED);
+    tick_interrupt();
+    hal_sense(&in);
+    assert_true(in.sensor_silent);
+    assert_bounded();
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(test_clock, setup),
+        cmocka_unit_test_setup(test_clock_without_crystal, setup),
+        cmocka_unit_test_setup(test_clock_without_pll, setup),
+        cmocka_unit_test_setup(test_clock_after_boot_loader, setup),
+        cmocka_unit_test_setup(test_gpio, setup),
+        cmocka_unit_test_setup(test_open_wire_is_a_pressed_switch, setup),
+        cmocka_unit_test_setup(test_sensor_reads_in_order, setup),
+        cmocka_unit_test_setup(test_sensor_silent, setup),
+        cmocka_unit_test_setup(test_sensor_absent, setup),
+        cmocka_unit_test_setup(test_encoder_wraps, setup),
+        cmocka_unit_test_setup(test_encoder_alarm, setup),
+        cmocka_unit_test_setup(test_motor, setup),
+        cmocka_unit_test_setup(test_motor_output_expires, setup),
+        cmocka_unit_test_setup(test_tick_wait, setup),
+        cmocka_unit_test_setup(test_uart_receives, setup),
+        cmocka_unit_test_setup(test_uart_sends_byte_by_byte, setup),
+        cmocka_unit_test_setup(test_uart_sends_a_burst, setup),
+        cmocka_unit_test_setup(test_thermistor, setup),
+        cmocka_unit_test_setup(test_watchdog, setup),
+        cmocka_unit_test_setup(test_reset_cause, setup),
+        cmocka_unit_test_setup(test_stack, setup),
+        cmocka_unit_test_setup(test_board, setup),
+        cmocka_unit_test_setup(test_board_says_what_failed, setup),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,290 @@
+/* cases.c: draws a case: material, session, effects, noise. */
+#include "hidden.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double mm = 1e-3, pi = 3.14159265358979323846;
+
+enum { MATERIALS = 6, DRAWS = 200 };             /* tried for a single effect, and for what must be found */
+static const double COARSE = 0.02, FINE = 0.006; /* steps, s: to judge, to write */
+
+/* Stiffness grows 1 to 3 times up to a strain of 0.35. */
+static void draw_law(world *w, dice *rng) {
+    double share[LAW], sum = 0, growth = dice_uniform(rng, 0, 2);
+    w->law[0] = dice_log(rng, 2, 30);
+    for (int i = 1; i < LAW; i++)
+        sum += share[i] = -log(dice_uniform(rng, 0, 1));
+    for (int i = 1; i < LAW; i++)
+        w->law[i] = w->law[0] * growth * share[i] / sum / pow(0.35, i);
+}
+
+/* simple: one arm, so that there is room for an effect that relaxes. */
+static void draw_world(world *w, bool simple, dice *rng) {
+    memset(w, 0, sizeof *w);
+    w->height = dice_uniform(rng, 15, 30) * mm;
+    w->radius = w->height * dice_uniform(rng, 0.4, 0.8);
+    draw_law(w, rng);
+    w->n_arms = simple ? 1 : 1 + dice_index(rng, 2);
+    for (size_t i = 0; i < w->n_arms; i++)
+        w->arms[i].stiffness = w->law[0] * dice_uniform(rng, 0.15, 0.6);
+    w->arms[0].time = w->n_arms == 1 ? dice_log(rng, 0.3, 60) : dice_log(rng, 0.3, 3);
+    w->arms[1].time = dice_log(rng, 15, 60);
+}
+
+static bool near_an_arm(const world *w, double time) {
+    for (size_t i = 0; i < w->n_arms; i++)
+        if (fabs(log(time / w->arms[i].time)) < log(4))
+            return true;
+    return false;
+}
+
+static void draw_shape(const world *w, int id, dice *rng, double shape[VALUES]) {
+    const effect_kind *kind = &effect_kinds[id];
+    shape[0] = kind->either_sign ? dice_sign(rng) : 1;
+    for (size_t k = 1; k < kind->n; k++) {
+        double low = kind->low[k], high = kind->high[k];
+        do
+            shape[k] = kind->logarithmic[k] ? dice_log(rng, low, high) : dice_uniform(rng, low, high);
+        while (id == RELAXATION_ARM && near_an_arm(w, shape[k]));
+    }
+    if (id == MAINS_HUM && dice_sign(rng) > 0)
+        shape[1] += 10;
+}
+
+static void draw_foreign(world *w, enum foreign_id id, const session *s, dice *rng) {
+    const run *last = &s->run[s->n_runs - 1];
+    w->foreign = id;
+    w->foreign_seed = (uint64_t)(dice_uniform(rng, 0, 1) * 1e15);
+    w->foreign_shape[1] = dice_uniform(rng, 0, 2 * pi);
+    switch (w->foreign) {
+    case THERMAL_CYCLE:
+    case STIFFNESS_CYCLE:
+        w->foreign_shape[0] = dice_log(rng, 15, 120);
+        break;
+    case GAIN_MAP:
+        w->foreign_shape[0] = dice_log(rng, 1.5, 5) * mm;
+        break;
+    case SIDE_WALL:
+        w->foreign_shape[0] = dice_uniform(rng, 0.5, 0.85) * s->deepest;
+        break;
+    case MISPLACED:
+        w->foreign_shape[0] = dice_uniform(rng, 0.2, 0.4) * last->session;
+        w->foreign_shape[1] = dice_uniform(rng, 0.6, 0.8) * last->session;
+        break;
+    case CELL_HYSTERESIS:
+        w->foreign_shape[0] = dice_uniform(rng, 0.05, 0.3) * w->law[0] * 0.3;
+        break;
+    default:
+        break;
+    }
+}
+
+/* Repeatability, and what of the noise follows from the forces of this specimen. */
+static void draw_noise(hidden_case *c, const judge *j, double *moved, dice *rng) {
+    double scatter = 3e-3 * mm, repeat = dice_uniform(rng, 2e-3, 4e-3);
+    session shifted = c->session;
+    for (size_t i = 0; i < shifted.n_runs; i++) {
+        c->session.run[i].shift = scatter * dice_normal(rng);
+        c->session.run[i].gain = repeat * dice_normal(rng);
+        shifted.run[i].shift = scatter;
+        shifted.run[i].gain = 0;
+    }
+    world_session(j->plain, &shifted, j->h, true, NULL, moved);
+    for (size_t i = 0; i < j->n; i++)
+        moved[i] -= j->force[i];
+    c->peak = j->peak;
+    c->white = j->peak * dice_uniform(rng, 4e-4, 12e-4);
+    c->coloured = c->white * dice_uniform(rng, 0.3, 0.7);
+    c->colour_time = dice_log(rng, 0.2, 3);
+    c->floor = sqrt(c->white * c->white + c->coloured * c->coloured +
+                    pow(repeat * judge_rms(j, j->force), 2) + pow(judge_rms(j, moved), 2));
+}
+
+static size_t class_size(const double cosine[EFFECTS]) {
+    size_t n = 0;
+    for (int i = 0; i < EFFECTS; i++)
+        n += cosine[i] > 0.9;
+    return n;
+}
+
+static double target_of(const plan *p, dice *rng) {
+    static const double floors[] = {3, 10, 30};
+    if (p->group == SINGLE)
+        return floors[p->strength];
+    if (p->group == SEED)
+        return dice_log(rng, 4, 12);
+    return dice_log(rng, 5, 20);
+}
+
+/* Adds the effect at target floors; false where that is out of reach. */
+static bool add_effect(hidden_case *c, const judge *j, int id, double target, bool raw, dice *rng) {
+    hidden_effect *e = &c->effect[c->n_effects++];
+    double shape[VALUES];
+    world alone = *j->plain;
+    draw_shape(j->plain, id, rng, shape);
+    e->id = id;
+    e->strength = target;
+    e->seen = judge_strengthen(j, &alone, id, shape, target * c->floor, raw);
+    memcpy(c->world.value[id], alone.value[id], sizeof alone.value[id]);
+    return (raw ? e->seen.raw : e->seen.left) > 0.99 * target * c->floor;
+}
+
+/* What the effect alone leaves of itself, in y; false where that is nothing. */
+static bool leaves(const hidden_case *c, const judge *j, int id, double *y) {
+    world alone = *j->plain;
+    memcpy(alone.value[id], c->world.value[id], sizeof alone.value[id]);
+    visible seen = judge_visible(j, &alone, y);
+    judge_project(j, y);
+    return seen.left > 1e-3 * seen.raw;
+}
+
+/* Which effects are alike to each of the case's, beside the plain model and the case's other effect. */
+static bool find_classes(hidden_case *c, const judge *j) {
+    double *y = malloc(2 * j->n * sizeof *y), *also = y ? y + j->n : NULL;
+    if (!y)
+        return false;
+    for (size_t i = 0; i < c->n_effects; i++) {
+        hidden_effect *e = &c->effect[i];
+        size_t n_also = c->n_effects == 2 && leaves(c, j, c->effect[1 - i].id, also);
+        double length = n_also ? sqrt(judge_dot(j, also, also)) : 1;
+        for (size_t k = 0; n_also && k < j->n; k++)
+            also[k] /= length;
+        if (leaves(c, j, e->id, y))
+            judge_alike(j, y, n_also, also, e->cosine);
+        e->cosine[e->id] = 1;
+    }
+    free(y);
+    return true;
+}
+
+static bool add_foreign(hidden_case *c, const judge *j, double target, dice *rng) {
+    static const double shape[VALUES] = {1, 0, 0};
+    double highest = 0, *y = malloc(j->n * sizeof *y);
+    if (!y)
+        return false;
+    enum foreign_id id = (enum foreign_id)(1 + (c->plan.effect + c->tries / 6) % (FOREIGNERS - 1));
+    draw_foreign(&c->world, id, &c->session, rng);
+    c->foreign = judge_strengthen(j, &c->world, EFFECTS, shape, target * c->floor, false);
+    judge_visible(j, &c->world, y);
+    judge_alike(j, y, 0, NULL, c->foreign_cosine);
+    for (int i = 0; i < EFFECTS; i++)
+        highest = fmax(highest, c->foreign_cosine[i]);
+    free(y);
+    return highest < 0.7 && c->foreign.left > 4 * c->floor;
+}
+
+static const int seed_effects[] = {
+    RELAXATION_ARM, POWER_LAW_RELAXATION, POROELASTIC, SENSOR_BIAS,
+    CONTACT_OFFSET, STRAIN_DEPENDENT_ARM, TOE_REGION,
+};
+
+static int seed_effect(int i) {
+    return seed_effects[(size_t)i % (sizeof seed_effects / sizeof *seed_effects)];
+}
+
+/* Two that are there to be told apart. */
+static bool add_two(hidden_case *c, const judge *j, bool raw, dice *rng) {
+    int first = (int)dice_index(rng, EFFECTS), second = (int)dice_index(rng, EFFECTS);
+    bool arms = (first == RELAXATION_ARM && second == STRAIN_DEPENDENT_ARM) ||
+                (first == STRAIN_DEPENDENT_ARM && second == RELAXATION_ARM); /* of which arm? */
+    if (first == second || first == SENSOR_GAIN || second == SENSOR_GAIN || arms)
+        return false;
+    bool reached = add_effect(c, j, first, target_of(&c->plan, rng), raw, rng) &&
+                   add_effect(c, j, second, target_of(&c->plan, rng), raw, rng);
+    return reached && find_classes(c, j) && c->effect[0].cosine[second] < 0.8 &&
+           c->effect[1].cosine[first] < 0.8;
+}
+
+/* Some materials hide an effect from the experiment; one that all do is measured as it is. */
+static bool add_single(hidden_case *c, const judge *j, bool raw, dice *rng) {
+    bool hidden =
+        c->plan.effect == SENSOR_GAIN || c->plan.effect == FRAME_COMPLIANCE || c->tries == MATERIALS;
+    return add_effect(c, j, c->plan.effect, target_of(&c->plan, rng), raw || hidden, rng) &&
+           find_classes(c, j);
+}
+
+static bool add_seed(hidden_case *c, const judge *j, bool raw, dice *rng) {
+    int id = seed_effect(c->plan.effect + c->tries / 12);
+    bool reached = add_effect(c, j, id, target_of(&c->plan, rng), raw, rng);
+    return (reached || c->effect[0].seen.left > 3 * c->floor) && find_classes(c, j) &&
+           class_size(c->effect[0].cosine) > 1;
+}
+
+static bool add_effects(hidden_case *c, const judge *j, bool raw, dice *rng) {
+    c->n_effects = 0;
+    c->tries++;
+    c->world = *j->plain;
+    switch (c->plan.group) {
+    case SINGLE:
+        return add_single(c, j, raw, rng);
+    case SEED:
+        return add_seed(c, j, raw, rng);
+    case TWO:
+        return add_two(c, j, raw, rng);
+    case OUTSIDE:
+        return add_foreign(c, j, target_of(&c->plan, rng), rng);
+    default:
+        return true;
+    }
+}
+
+static void make_noise(const hidden_case *c, dice *rng, double *noise) {
+    for (size_t i = 0; i < c->session.n_runs; i++) {
+        const run *r = &c->session.run[i];
+        double keep = exp(-1 / (r->Hz * c->colour_time)), colour = c->coloured * dice_normal(rng);
+        for (size_t k = r->first; k < r->first + r->n; k++) {
+            noise[k] = colour + c->white * dice_normal(rng);
+            colour = keep * colour + sqrt(1 - keep * keep) * c->coloured * dice_normal(rng);
+        }
+    }
+}
+
+/* One material and session, in which the planned effects may turn out to be too weak. */
+static bool attempt(hidden_case *c, bool raw, dice *rng, bool *found) {
+    judge j;
+    world plain;
+    bool relaxes = c->plan.effect == RELAXATION_ARM || c->plan.effect == POWER_LAW_RELAXATION ||
+                   c->plan.effect == POROELASTIC;
+    draw_world(&plain, c->plan.group == SINGLE && relaxes && c->tries < MATERIALS - 2, rng);
+    if (c->plan.group == SEED)
+        session_seed(&c->session, rng, plain.height);
+    else
+        session_rich(&c->session, rng, plain.height, c->plan.fineness);
+    if (!judge_make(&j, &plain, &c->session, COARSE))
+        return false;
+    double *scratch = malloc(j.n * sizeof *scratch);
+    if (!scratch)
+        return false;
+    draw_noise(c, &j, scratch, rng);
+    free(scratch);
+    *found = add_effects(c, &j, raw, rng);
+    judge_free(&j);
+    return true;
+}
+
+bool case_make(hidden_case *c, uint64_t seed, size_t number, plan p, bool raw) {
+    dice rng = dice_make(seed, number);
+    bool found = false;
+    memset(c, 0, sizeof *c);
+    c->plan = p;
+    for (int i = 0; i < (p.group == SINGLE ? MATERIALS : DRAWS) && !found; i++)
+        if (!attempt(c, raw, &rng, &found))
+            return false;
+    if (!found && p.group != SINGLE)
+        return false;
+    double *noise = malloc(c->session.n * sizeof *noise);
+    c->force = malloc(c->session.n * sizeof *c->force);
+    if (noise && c->force) {
+        make_noise(c, &rng, noise);
+        world_session(&c->world, &c->session, FINE, true, noise, c->force);
+    }
+    c->left_over = rng;
+    free(noise);
+    return noise && c->force;
+}
+
+void case_free(hidden_case *c) {
+    free(c->force);
+}

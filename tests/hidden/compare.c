@@ -1,0 +1,135 @@
+/* compare.c: the generator's physics beside the library's, effect by effect, on the generator's sessions.
+ * Prints the largest rms difference over a few materials, in floors; exit code 1 above the limit. Alone here
+ * in linking the library. */
+#include "hidden.h"
+
+#include <math.h>
+#include <palpate/forward.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MATERIALS = 3 };
+static const double FLOOR = 2e-3, STRONG = 10; /* of the peak; floors */
+
+/* In floors. What jumps where the plate comes to rest cannot be had exactly from depths at the samples. */
+static double limit(int id) {
+    return id == COULOMB_FRICTION || id == RATE_STIFFENING || id == PLATE_INERTIA ? 0.6 : 0.05;
+}
+
+static bool library_effect(const world *w, int id, palp_effect *effect) {
+    palp_effect_id found;
+    if (palp_effect_by_name(effect_kinds[id].id, &found) || palp_effect_default(found, effect))
+        return false;
+    for (size_t k = 0; k < effect_kinds[id].n; k++)
+        effect->value[k] = w->value[id][k];
+    return true;
+}
+
+static bool library_model(const world *w, palp_model *m) {
+    memset(m, 0, sizeof *m);
+    m->height_m = w->height;
+    if (palp_law_polynomial(LAW, w->law, &m->material.law))
+        return false;
+    for (size_t i = 0; i < w->n_arms; i++) {
+        palp_arm *a = &m->material.arms[m->material.n_arms++];
+        a->stiffness_N = w->arms[i].stiffness;
+        a->viscosity_Ns = w->arms[i].stiffness * w->arms[i].time;
+    }
+    for (int id = 0; id < EFFECTS; id++)
+        if (w->value[id][0] != 0 && !library_effect(w, id, &m->effects[m->n_effects++]))
+            return false;
+    return true;
+}
+
+static bool library_run(const palp_model *m, const run *r, double *force) {
+    double *t = malloc(2 * r->n * sizeof *t), *d = t ? t + r->n : NULL, v, a;
+    palp_error error;
+    if (!t)
+        return false;
+    for (size_t k = 0, hint = 0; k < r->n; k++) {
+        t[k] = (double)k / r->Hz;
+        path_at(r, t[k], &hint, &d[k], &v, &a);
+    }
+    palp_forward_run given = {
+        .n = r->n, .time_s = t, .depth_m = d, .session_s = r->session, .hum_phase = r->hum_phase};
+    bool good = palp_forward_force(m, &given, force, NULL, &error) == PALP_OK;
+    free(t);
+    return good;
+}
+
+typedef struct difference {
+    double rms, most;
+    const char *where;
+} difference;
+
+/* In floors; the longest difference names its run. */
+static bool differ(const world *w, const session *s, double floor, difference *out) {
+    palp_model m;
+    double *ours = malloc(2 * s->n * sizeof *ours), *theirs = ours ? ours + s->n : NULL, sum = 0;
+    bool good = ours && library_model(w, &m);
+    if (good)
+        world_session(w, s, 0.002, false, NULL, ours);
+    for (size_t i = 0; i < s->n_runs && good; i++) {
+        const run *r = &s->run[i];
+        good = library_run(&m, r, theirs + r->first);
+        for (size_t k = r->first; k < r->first + r->n && good; k++) {
+            double off = fabs(ours[k] - theirs[k]) / floor;
+            sum += off * off;
+            if (off > out->most) {
+                out->most = off;
+                out->where = r->kind;
+            }
+        }
+    }
+    out->rms = fmax(out->rms, sqrt(sum / (double)s->n));
+    free(ours);
+    return good;
+}
+
+/* The effect in the middle of its shapes, STRONG in the records. */
+static void hide(const judge *j, int id, uint64_t i, world *w) {
+    const effect_kind *kind = &effect_kinds[id];
+    double shape[VALUES] = {kind->either_sign && i % 2 == 0 ? -1 : 1, 0, 0};
+    for (size_t k = 1; k < kind->n; k++)
+        shape[k] = kind->low[k] + (kind->high[k] - kind->low[k]) * 0.2 * (1 + (double)i);
+    judge_strengthen(j, w, id, shape, STRONG * FLOOR * j->peak, true);
+}
+
+/* id -1: the plain model. */
+static bool look(int id, uint64_t i, difference *out) {
+    dice rng = dice_make(77, i);
+    world plain = {.height = 0.02, .law = {6, 2, 30, 10, 40}, .n_arms = 2, .arms = {{2, 0.4}, {1.5, 30}}};
+    session s;
+    judge j;
+    plain.arms[0].time *= pow(2, (double)i);
+    if (i < 2)
+        session_rich(&s, &rng, plain.height, 1);
+    else
+        session_seed(&s, &rng, plain.height);
+    if (!judge_make(&j, &plain, &s, 0.02))
+        return false;
+    world w = plain;
+    if (id >= 0)
+        hide(&j, id, i, &w);
+    bool good = differ(&w, &s, FLOOR * j.peak, out);
+    judge_free(&j);
+    return good;
+}
+
+int main(void) {
+    int failed = 0;
+    printf("Difference from the library, in floors of %g of the peak force; effects at %g floors\n", FLOOR,
+           STRONG);
+    printf("%-22s %8s %8s %8s  largest in\n", "effect", "rms", "largest", "limit");
+    for (int id = -1; id < EFFECTS; id++) {
+        difference d = {0, 0, ""};
+        bool close = true;
+        for (uint64_t i = 0; i < MATERIALS; i++)
+            close = look(id, i, &d) && close;
+        close = close && d.rms < limit(id);
+        printf("%-22s %8.4f %8.3f %8.2f  %s%s\n", id < 0 ? "none" : effect_kinds[id].id, d.rms, d.most,
+               limit(id), d.where, close ? "" : "  TOO FAR");
+        failed += !close;
+    }
+    return failed > 0;
+}

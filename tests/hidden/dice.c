@@ -1,0 +1,55 @@
+/* dice.c: random numbers: xoshiro256**, seeded by splitmix64; the same on every machine. */
+#include "hidden.h"
+
+#include <math.h>
+
+static uint64_t mix(uint64_t *x) {
+    uint64_t z = (*x += UINT64_C(0x9e3779b97f4a7c15));
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return z ^ (z >> 31);
+}
+
+dice dice_make(uint64_t seed, uint64_t stream) {
+    uint64_t x = seed * UINT64_C(0xd1342543de82ef95) + stream;
+    dice r;
+    for (int i = 0; i < 4; i++)
+        r.s[i] = mix(&x);
+    return r;
+}
+
+static uint64_t rotate(uint64_t x, int k) {
+    return (x << k) | (x >> (64 - k));
+}
+
+static uint64_t next(dice *r) {
+    uint64_t *s = r->s, result = rotate(s[1] * 5, 7) * 9, t = s[1] << 17;
+    s[2] ^= s[0];
+    s[3] ^= s[1];
+    s[1] ^= s[2];
+    s[0] ^= s[3];
+    s[2] ^= t;
+    s[3] = rotate(s[3], 45);
+    return result;
+}
+
+double dice_uniform(dice *r, double low, double high) {
+    return low + (high - low) * ((double)(next(r) >> 11) + 0.5) * 0x1p-53;
+}
+
+double dice_log(dice *r, double low, double high) {
+    return low * exp(dice_uniform(r, 0, log(high / low)));
+}
+
+double dice_normal(dice *r) {
+    double u = dice_uniform(r, 0, 1), v = dice_uniform(r, 0, 6.283185307179586);
+    return sqrt(-2 * log(u)) * cos(v);
+}
+
+size_t dice_index(dice *r, size_t n) {
+    return (size_t)(next(r) % n);
+}
+
+double dice_sign(dice *r) {
+    return next(r) >> 63 ? 1 : -1;
+}

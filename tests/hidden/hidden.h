@@ -1,0 +1,225 @@
+/* hidden.h: what the parts of the generator share: the truth of a case, its session, its random numbers. SI
+ * units. Nothing here comes from the library: a benchmark that shares its physics would only test its
+ * arithmetic. */
+#ifndef HIDDEN_H
+#define HIDDEN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+enum { LAW = 5, ARMS = 2, BASE = LAW + 2 * ARMS, VALUES = 3, KNOTS = 160, RUNS = 16 };
+
+/* ---- random numbers (dice.c) ---- */
+typedef struct dice {
+    uint64_t s[4];
+} dice;
+dice dice_make(uint64_t seed, uint64_t stream);
+double dice_uniform(dice *r, double low, double high);
+double dice_log(dice *r, double low, double high); /* uniform in the logarithm */
+double dice_normal(dice *r);
+size_t dice_index(dice *r, size_t n);
+double dice_sign(dice *r);
+
+/* ---- what is pressed and what with ---- */
+enum effect_id {
+    RELAXATION_ARM,
+    POWER_LAW_RELAXATION,
+    STRAIN_DEPENDENT_ARM,
+    RATE_STIFFENING,
+    DAMAGE_SOFTENING,
+    PERMANENT_SET,
+    POROELASTIC,
+    CONTACT_OFFSET,
+    TOE_REGION,
+    ADHESION,
+    SESSION_AGEING,
+    FRAME_COMPLIANCE,
+    PLATE_INERTIA,
+    COULOMB_FRICTION,
+    SENSOR_LAG,
+    SENSOR_BIAS,
+    SENSOR_DRIFT,
+    SENSOR_GAIN,
+    FORCE_SATURATION,
+    MAINS_HUM,
+    DRIVE_RIPPLE,
+    EFFECTS
+};
+
+/* What no row of the catalogue describes (foreign.c). */
+enum foreign_id {
+    NOTHING_FOREIGN,
+    STICK_SLIP,      /* teeth of irregular length in position */
+    THERMAL_CYCLE,   /* the zero follows the room's air conditioning */
+    STIFFNESS_CYCLE, /* the specimen's stiffness does */
+    COARSE_ADC,      /* few steps over the range */
+    GAIN_MAP,        /* off-centre load: the gain depends on the position */
+    SIDE_WALL,       /* a second contact below a depth */
+    POWER_DAMPER,    /* a damper of the 0.4th power of speed, in contact */
+    MISPLACED,       /* the specimen lies beside the centre in some runs, and is softer there */
+    BACKLASH,        /* play between encoder and plate */
+    CELL_HYSTERESIS, /* the load cell lags behind in force, not in time */
+    WANDER,          /* the zero wanders, 1/f */
+    TELEGRAPH,       /* the zero flips between two values */
+    FOREIGNERS
+};
+
+typedef struct arm {
+    double stiffness, time;
+} arm;
+
+/* Everything that is true of a case. An effect of strength 0 is off. */
+typedef struct world {
+    double height, radius;
+    double law[LAW]; /* K(e), ascending powers */
+    size_t n_arms;
+    arm arms[ARMS];
+    double value[EFFECTS][VALUES]; /* each effect's parameters, as the model file has them but in SI */
+    enum foreign_id foreign;
+    double foreign_size, foreign_shape[2];
+    uint64_t foreign_seed;
+} world;
+
+/* ---- a session of runs (path.c, session.c) ---- */
+typedef struct run {
+    const char *kind;               /* of the file's key protocol.kind */
+    double depth, rate, ramp, hold; /* as asked for; 0 = not told */
+    int cycles, repeat, order;
+    double session;                              /* when it began */
+    size_t knots;                                /* the path: straight between these, corners rounded */
+    double knot_t[KNOTS], knot_d[KNOTS], corner; /* corner: its longest duration */
+    double Hz;
+    size_t n, first;               /* samples, and where they start in the session's rows */
+    double hum_phase, shift, gain; /* of this run alone; shift and gain: repeatability */
+} run;
+
+typedef struct session {
+    size_t n_runs, n;
+    double deepest;
+    run run[RUNS];
+} session;
+
+void path_start(run *r, double depth);
+void path_wait(run *r, double seconds);
+void path_to(run *r, double depth, double speed);
+/* Depth, speed and acceleration at t, for t that grow from call to call; hint: 0 at first. */
+void path_at(const run *r, double t, size_t *hint, double *d, double *v, double *a);
+
+/* What a careful experimenter runs: nine experiments. fineness scales the number of rows. */
+void session_rich(session *s, dice *r, double height, double fineness);
+/* The seed's: ramps and holds at 12 depths and a static loading, without air or withdrawal. */
+void session_seed(session *s, dice *r, double height);
+
+/* ---- the physics (world.c, foreign.c) ---- */
+/* Recorded force of every sample; steps of at most h. noise (may be NULL) is added before the converter
+ * clips. real: with the run's own shift and gain. */
+void world_run(const world *w, const run *r, double h, bool real, const double *noise, double *force);
+void world_session(const world *w, const session *s, double h, bool real, const double *noise, double *force);
+
+/* What the foreign effects remember within a run, and their dice. */
+typedef struct foreign_state {
+    double play, cell, force, table[200];
+} foreign_state;
+void foreign_begin(const world *w, const run *r, foreign_state *state);
+double foreign_depth(const world *w, double d, foreign_state *state); /* of the plate */
+double foreign_factor(const world *w, double session_time);           /* of the specimen's force */
+double foreign_contact(const world *w, double x, double v);           /* added in contact */
+double foreign_record(const world *w, double session_time, double d, double v, double force,
+                      foreign_state *state);
+double foreign_convert(const world *w, double force); /* by the converter */
+const char *foreign_name(enum foreign_id id);
+
+/* ---- the catalogue as the generator has it (kinds.c) ---- */
+typedef struct effect_kind {
+    const char *id;
+    size_t n;                         /* parameters; the first is the strength */
+    const char *key[VALUES];          /* in the model file */
+    double unit[VALUES];              /* SI per file unit */
+    double low[VALUES], high[VALUES]; /* SI; [0]: unused and the largest strength in units of its scale */
+    bool logarithmic[VALUES];
+    enum { PLAIN, OF_STIFFNESS, OF_FORCE, OF_COMPLIANCE } scale;
+    bool either_sign, linear, coupled; /* coupled: the other parameters are given per strength */
+    bool plane;                        /* its directions are free to mix: a phase, two coefficients */
+} effect_kind;
+extern const effect_kind effect_kinds[EFFECTS];
+
+/* ---- what can be seen of an effect (judge.c, alike.c) ---- */
+/* The plain model's sensitivities at some of its numbers: basis * triangle, basis [n_base][n] orthonormal. */
+typedef struct slopes {
+    double *basis, triangle[BASE][BASE];
+} slopes;
+
+typedef struct judge {
+    const world *plain;
+    const session *session;
+    double h, peak;
+    size_t n, n_base;
+    double *force; /* of the plain world */
+    slopes at;     /* there */
+} judge;
+bool judge_make(judge *j, const world *plain, const session *s, double h);
+void judge_free(judge *j);
+double judge_dot(const judge *j, const double *a, const double *b);
+double judge_rms(const judge *j, const double *v);
+void judge_project(const judge *j, double *v); /* takes off what the plain model's numbers can do */
+
+/* rms of world - plain: raw, and what is left after the plain model's numbers are refitted to the world.
+ * residual (NULL or [n]) is what is left. */
+typedef struct visible {
+    double raw, left;
+} visible;
+visible judge_visible(const judge *j, const world *w, double *residual);
+
+/* Puts the effect in at strength s (in its own scale; the largest is 1). shape[0]: its sign. id EFFECTS: the
+ * foreign one of w. */
+void judge_put(const judge *j, world *w, int id, const double shape[VALUES], double s);
+/* The same at the strength at which what is left (raw: what is there) is target, or the largest there is. */
+visible judge_strengthen(const judge *j, world *w, int id, const double shape[VALUES], double target,
+                         bool raw);
+
+/* For every effect, the largest cosine between y and what the effect can do beside the plain model and beside
+ * also ([n_also][n] orthonormal); takes off y what those two can do. */
+void judge_alike(const judge *j, double *y, size_t n_also, const double *also, double cosine[EFFECTS]);
+
+/* ---- cases (cases.c, write.c) ---- */
+enum group { SINGLE, NONE, TWO, OUTSIDE, SEED, GROUPS };
+typedef struct plan {
+    enum group group;
+    int effect;      /* SINGLE: which; OUTSIDE, SEED: which of those that are used there */
+    int strength;    /* 0, 1, 2 */
+    double fineness; /* of the rows */
+} plan;
+
+typedef struct hidden_effect {
+    int id;
+    double strength; /* what was aimed at, in floors */
+    visible seen;    /* in newtons */
+    double cosine[EFFECTS];
+} hidden_effect;
+
+typedef struct hidden_case {
+    char name[32];
+    plan plan;
+    int tries;
+    world world;
+    session session;
+    double white, coloured, colour_time, floor, peak;
+    size_t n_effects;
+    hidden_effect effect[2];
+    visible foreign; /* and its likeness to the catalogue */
+    double foreign_cosine[EFFECTS];
+    double *force;  /* recorded */
+    dice left_over; /* for the given model's numbers */
+} hidden_case;
+
+/* Draws the case; false without memory. raw: strengths are measured before the plain model is refitted. */
+bool case_make(hidden_case *c, uint64_t seed, size_t number, plan p, bool raw);
+void case_free(hidden_case *c);
+bool case_write(const hidden_case *c, const char *folder);
+void truth_write(FILE *f, const hidden_case *c);
+
+int self_test(void); /* number of failures, each printed */
+
+#endif

@@ -1,0 +1,141 @@
+/* write.c: a case as the command gets it (model JSON, experiment CSV), and its truth for the scorer. */
+#include "hidden.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { PATH = 1024 };
+
+static FILE *open_in(const char *folder, const char *name, const char *file) {
+    char path[PATH];
+    int length = snprintf(path, sizeof path, "%s/%s/%s", folder, name, file);
+    return length > 0 && length < PATH ? fopen(path, "w") : NULL;
+}
+
+static bool closed(FILE *f) {
+    bool good = f && !ferror(f);
+    return f && fclose(f) == 0 && good;
+}
+
+static void key_number(FILE *f, const char *key, double value) {
+    if (value != 0)
+        fprintf(f, "# %s: %.9g\n", key, value);
+}
+
+static bool run_write(const hidden_case *c, size_t i, const char *folder) {
+    const run *r = &c->session.run[i];
+    char name[32];
+    snprintf(name, sizeof name, "run_%02zu.csv", i + 1);
+    FILE *f = open_in(folder, c->name, name);
+    if (!f)
+        return false;
+    fprintf(f, "# palpate.experiment: 1\n# specimen.height_mm: %.9g\n# specimen.radius_mm: %.9g\n",
+            1e3 * c->world.height, 1e3 * c->world.radius);
+    fprintf(f, "# specimen.kind: \"cylinder\"\n# protocol.kind: \"%s\"\n", r->kind);
+    key_number(f, "protocol.depth_mm", 1e3 * r->depth);
+    key_number(f, "protocol.rate_mm_s", 1e3 * r->rate);
+    key_number(f, "protocol.ramp_s", r->ramp);
+    key_number(f, "protocol.hold_s", r->hold);
+    key_number(f, "protocol.cycles", r->cycles);
+    key_number(f, "protocol.order", r->order);
+    key_number(f, "protocol.repeat", r->repeat);
+    fprintf(f, "# session.start_s: %.9g\ntime_s,depth_mm,force_N\n", r->session);
+    for (size_t k = 0, hint = 0; k < r->n; k++) {
+        double t = (double)k / r->Hz, d, v, a;
+        path_at(r, t, &hint, &d, &v, &a);
+        fprintf(f, "%.6f,%.6f,%.6f\n", t, 1e3 * d, c->force[r->first + k]);
+    }
+    return closed(f);
+}
+
+/* 10 to 30 per cent off. */
+static double off(dice *rng, double x) {
+    return x * (1 + dice_sign(rng) * dice_uniform(rng, 0.1, 0.3));
+}
+
+static bool model_write(const hidden_case *c, const char *folder, dice *rng) {
+    const world *w = &c->world;
+    FILE *f = open_in(folder, c->name, "model.json");
+    if (!f)
+        return false;
+    fprintf(f, "{\n    \"palpate\": {\"model\": 1},\n    \"kind\": \"lumped\",\n");
+    fprintf(f, "    \"specimen\": {\"kind\": \"cylinder\", \"height_mm\": %.9g, \"radius_mm\": %.9g},\n",
+            1e3 * w->height, 1e3 * w->radius);
+    fprintf(f, "    \"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [");
+    for (int i = 0; i < LAW; i++)
+        fprintf(f, "%s%.5g", i ? ", " : "", off(rng, w->law[i]));
+    fprintf(f, "]},\n    \"arms\": [");
+    for (size_t i = 0; i < w->n_arms; i++) {
+        double stiffness = off(rng, w->arms[i].stiffness);
+        fprintf(f, "%s{\"stiffness_N\": %.5g, \"viscosity_Ns\": %.5g}", i ? ", " : "", stiffness,
+                stiffness * off(rng, w->arms[i].time));
+    }
+    fprintf(f, "],\n    \"formulation\": \"history\"\n}\n");
+    return closed(f);
+}
+
+bool case_write(const hidden_case *c, const char *folder) {
+    dice rng = c->left_over;
+    for (size_t i = 0; i < c->session.n_runs; i++)
+        if (!run_write(c, i, folder))
+            return false;
+    return model_write(c, folder, &rng);
+}
+
+/* ---- truth ---- */
+
+static void cosines_write(FILE *f, const double cosine[EFFECTS]) {
+    fprintf(f, "{");
+    for (int i = 0, n = 0; i < EFFECTS; i++)
+        if (fabs(cosine[i]) >= 0.3)
+            fprintf(f, "%s\"%s\": %.3f", n++ ? ", " : "", effect_kinds[i].id, cosine[i]);
+    fprintf(f, "}");
+}
+
+static void class_write(FILE *f, const hidden_effect *e) {
+    fprintf(f, "[\"%s\"", effect_kinds[e->id].id);
+    for (int i = 0; i < EFFECTS; i++)
+        if (i != e->id && e->cosine[i] > 0.9)
+            fprintf(f, ", \"%s\"", effect_kinds[i].id);
+    fprintf(f, "]");
+}
+
+static void effect_write(FILE *f, const hidden_case *c, const hidden_effect *e) {
+    const effect_kind *kind = &effect_kinds[e->id];
+    fprintf(f, "{\"id\": \"%s\", \"parameters\": {", kind->id);
+    for (size_t k = 0; k < kind->n; k++)
+        fprintf(f, "%s\"%s\": %.9g", k ? ", " : "", kind->key[k], c->world.value[e->id][k] / kind->unit[k]);
+    fprintf(f, "}, \"floors_aimed_at\": %g, \"floors_raw\": %.4g, \"floors_left\": %.4g, \"class\": ",
+            e->strength, e->seen.raw / c->floor, e->seen.left / c->floor);
+    class_write(f, e);
+    fprintf(f, ", \"cosine\": ");
+    cosines_write(f, e->cosine);
+    fprintf(f, "}");
+}
+
+static void outside_write(FILE *f, const hidden_case *c) {
+    const world *w = &c->world;
+    fprintf(f,
+            ", \"outside\": {\"name\": \"%s\", \"size\": %.6g, \"floors_raw\": %.4g, \"floors_left\": %.4g, "
+            "\"cosine\": ",
+            foreign_name(w->foreign), w->foreign_size, c->foreign.raw / c->floor, c->foreign.left / c->floor);
+    cosines_write(f, c->foreign_cosine);
+    fprintf(f, "}");
+}
+
+void truth_write(FILE *f, const hidden_case *c) {
+    static const char *const names[GROUPS] = {"single", "null", "two", "outside", "seed_protocol"};
+    fprintf(
+        f,
+        "{\"case\": \"%s\", \"group\": \"%s\", \"floor_N\": %.6g, \"white_N\": %.6g, \"coloured_N\": %.6g, "
+        "\"peak_N\": %.6g, \"rows\": %zu, \"effects\": [",
+        c->name, names[c->plan.group], c->floor, c->white, c->coloured, c->peak, c->session.n);
+    for (size_t i = 0; i < c->n_effects; i++) {
+        fprintf(f, "%s", i ? ", " : "");
+        effect_write(f, c, &c->effect[i]);
+    }
+    fprintf(f, "]");
+    if (c->plan.group == OUTSIDE)
+        outside_write(f, c);
+    fprintf(f, "}");
+}

@@ -1,0 +1,105 @@
+/* forward_make.h: lumped models and paths that the tests of the forward model press. */
+#ifndef FORWARD_MAKE_H
+#define FORWARD_MAKE_H
+
+#include <palpate/forward.h>
+
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define HEIGHT 0.024 /* m */
+
+enum { SAMPLES_MAX = 4096, COLUMNS_MAX = 96 };
+
+typedef struct samples {
+    size_t n;
+    double time_s[SAMPLES_MAX], depth_m[SAMPLES_MAX], force_N[SAMPLES_MAX];
+} samples;
+
+/* The seed's K(e) of Eq. 4.3 beside n_arms arms, no effects. */
+static inline palp_model lumped_model(size_t n_arms) {
+    static const double law[] = {8.18, -0.70, 47.47, -131.36, 146.89}; /* N */
+    static const palp_arm arms[] = {{1.3, 17.9, 0, 0}, {0.8, 0.4, 0, 0}, {0.5, 60, 0, 0}};
+    palp_model m;
+    memset(&m, 0, sizeof m);
+    m.height_m = HEIGHT;
+    m.radius_m = 0.012;
+    m.material.n_arms = n_arms;
+    ck_assert_int_eq(palp_law_polynomial(5, law, &m.material.law), PALP_OK);
+    memcpy(m.material.arms, arms, n_arms * sizeof *arms);
+    return m;
+}
+
+static inline palp_model linear_model(double stiffness_N) {
+    palp_model m = lumped_model(0);
+    ck_assert_int_eq(palp_law_polynomial(1, &stiffness_N, &m.material.law), PALP_OK);
+    return m;
+}
+
+/* The effect with its strengths at share of the typical ones. Returns it. */
+static inline palp_effect *add_effect(palp_model *m, palp_effect_id id, double share) {
+    const palp_effect_info *info = palp_effect_look_up(id);
+    palp_effect *effect = &m->effects[m->n_effects++];
+    ck_assert_int_eq(palp_effect_default(id, effect), PALP_OK);
+    for (size_t k = 0; k < info->n_parameters; k++)
+        if (info->parameter[k].strength)
+            effect->value[k] = share * info->parameter[k].typical;
+    return effect;
+}
+
+/* Goes on to depth_mm at time in n even steps, or with growing steps where the plate stands. */
+static inline void go(samples *s, double time, double depth_mm, size_t n) {
+    const double first = 1e-3;
+    double t0 = s->time_s[s->n - 1], d0 = s->depth_m[s->n - 1], d1 = 1e-3 * depth_mm;
+    for (size_t i = 1; i <= n; i++) {
+        double share = (double)i / (double)n;
+        double u = d0 == d1 ? first * (pow(1 + 1 / first, share) - 1) : share;
+        ck_assert_uint_lt(s->n, SAMPLES_MAX);
+        s->time_s[s->n] = i < n ? t0 + u * (time - t0) : time;
+        s->depth_m[s->n++] = i < n ? d0 + u * (d1 - d0) : d1;
+    }
+}
+
+static inline void start(samples *s, double time, double depth_mm) {
+    s->n = 1;
+    s->time_s[0] = time;
+    s->depth_m[0] = 1e-3 * depth_mm;
+}
+
+/* Air, a press and hold, a withdrawal, air, a deeper press and hold, a withdrawal. */
+static inline void all_phases(samples *s, size_t n) {
+    start(s, 0, -2.03);
+    go(s, 0.9, -0.51, n);
+    go(s, 3, 4.02, n);
+    go(s, 8.1, 4.02, n);
+    go(s, 10, -1.07, n);
+    go(s, 13, -1.07, n);
+    go(s, 15, 5.03, n);
+    go(s, 18, 5.03, n);
+    go(s, 20.2, -2.01, n);
+}
+
+static inline palp_forward_run run_of(const samples *s) {
+    return (palp_forward_run){
+        .n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .session_s = 5000.0, .hum_phase = 0.3};
+}
+
+/* Runs into s->force_N. */
+static inline void press_model(const palp_model *m, samples *s) {
+    palp_forward_run run = run_of(s);
+    palp_error error = {PALP_OK, ""};
+    palp_status status = palp_forward_force(m, &run, s->force_N, NULL, &error);
+    ck_assert_msg(status == PALP_OK, "%s", error.text);
+}
+
+static inline int run_suite(Suite *suite) {
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
+#endif

@@ -1,0 +1,168 @@
+/* test_forward_gradient.c: derivatives of the forward model by every parameter against finite differences. */
+#include "forward_make.h"
+
+#include <stdio.h>
+
+/* d force[i] / d parameter k by central differences with their error of second order taken out, or one-sided
+ * where the parameter ends at its bound. */
+static void difference(const palp_model *model, const samples *s, size_t k, double h, double *slope) {
+    static const double central[4][2] = {{1, 8}, {-1, -8}, {2, -1}, {-2, 1}},
+                        forward[5][2] = {{0, -25}, {1, 48}, {2, -36}, {3, 16}, {4, -3}};
+    double at[COLUMNS_MAX];
+    static double force[SAMPLES_MAX];
+    palp_forward_run run = run_of(s);
+    palp_model moved = *model;
+    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
+    double here = at[k];
+    at[k] = here - 2 * h;
+    bool inside = palp_forward_set(&moved, at) == PALP_OK;
+    memset(slope, 0, s->n * sizeof *slope);
+    for (size_t j = 0; j < (inside ? 4u : 5u); j++) {
+        const double *term = inside ? central[j] : forward[j];
+        at[k] = here + term[0] * h;
+        ck_assert_int_eq(palp_forward_set(&moved, at), PALP_OK);
+        ck_assert_int_eq(palp_forward_force(&moved, &run, force, NULL, NULL), PALP_OK);
+        for (size_t i = 0; i < s->n; i++)
+            slope[i] += term[1] * force[i] / (12 * h);
+    }
+}
+
+/* What a parameter is measured by where it is zero. */
+static double scale_of(const palp_model *model, size_t k, double value) {
+    size_t column = model->material.law.n + 2 * model->material.n_arms;
+    if (value != 0 || k < column)
+        return fmax(fabs(value), 1e-3);
+    for (size_t i = 0; i < model->n_effects; i++) {
+        const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
+        if (k < column + info->n_parameters)
+            return fmax(fabs(info->parameter[k - column].typical), 1e-6);
+        column += info->n_parameters;
+    }
+    return 1;
+}
+
+/* share: step of the differences over the parameter's size; tolerance: of the largest slope of the column. */
+static void check_gradient(const char *what, const palp_model *model, const samples *s, double share,
+                           double tolerance) {
+    static double gradient[COLUMNS_MAX * SAMPLES_MAX], wanted[SAMPLES_MAX], force[SAMPLES_MAX];
+    double at[COLUMNS_MAX];
+    palp_forward_run run = run_of(s);
+    palp_error error = {PALP_OK, ""};
+    size_t n = palp_forward_parameter_count(model);
+    ck_assert_uint_le(n, COLUMNS_MAX);
+    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
+    ck_assert_msg(!palp_forward_force(model, &run, force, gradient, &error), "%s: %s", what, error.text);
+    for (size_t k = 0; k < n; k++) {
+        double scale = scale_of(model, k, at[k]), largest = 1e-3 / scale;
+        difference(model, s, k, share * scale, wanted);
+        for (size_t i = 0; i < s->n; i++)
+            largest = fmax(largest, fabs(wanted[i]));
+        for (size_t i = 0; i < s->n; i++)
+            ck_assert_msg(fabs(gradient[k * s->n + i] - wanted[i]) <= tolerance * largest,
+                          "%s, parameter %zu, at %g s, %g mm: %.9g, not %.9g", what, k, s->time_s[i],
+                          1e3 * s->depth_m[i], gradient[k * s->n + i], wanted[i]);
+    }
+}
+
+/* A strength that tells on the test's force and keeps away from kinks. */
+static palp_effect *add_telling(palp_model *m, palp_effect_id id) {
+    palp_effect *effect = add_effect(m, id, 1.07);
+    if (id == PALP_EFFECT_FRAME_COMPLIANCE)
+        effect->value[0] = 8e-4;
+    if (id == PALP_EFFECT_FORCE_SATURATION)
+        effect->value[0] = 1.03;
+    if (id == PALP_EFFECT_SENSOR_LAG)
+        effect->value[0] = 0.11;
+    return effect;
+}
+
+START_TEST(plain_materials) {
+    static samples s;
+    double strain[4] = {0, 0.07, 0.16, 0.3}, stiffness[4] = {8, 8.4, 9.6, 11}, yeoh[2] = {4000, 2500},
+           ogden[4] = {3000, 2.5, 900, -3};
+    palp_model m[5] = {lumped_model(3), lumped_model(2), lumped_model(2), lumped_model(1), lumped_model(2)};
+    all_phases(&s, 12);
+    ck_assert_int_eq(palp_law_spline(4, strain, stiffness, &m[1].material.law), PALP_OK);
+    ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_YEOH, 2, yeoh, 4.5e-4, &m[2].material.law), PALP_OK);
+    m[2].material.dashpot_Ns = 0.3;
+    ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_OGDEN, 4, ogden, 4.5e-4, &m[3].material.law), PALP_OK);
+    m[3].material.arms[0].beta = 2;
+    m[3].material.arms[0].gamma = -0.5;
+    m[4].material.quasi_linear = true;
+    for (int i = 0; i < 5; i++) {
+        char what[32];
+        snprintf(what, sizeof what, "plain material %d", i);
+        check_gradient(what, &m[i], &s, 1e-4, 1e-6);
+    }
+}
+END_TEST
+
+/* Where a strength at zero ends the model, there is no derivative. */
+static bool has_slope_at_zero(int id) {
+    return id != PALP_EFFECT_FORCE_SATURATION;
+}
+
+START_TEST(every_effect_alone) {
+    static samples s;
+    const palp_effect_info *info = palp_effect_look_up((palp_effect_id)_i);
+    palp_model on = lumped_model(2), off = on;
+    if (!info->in_lumped)
+        return;
+    all_phases(&s, 12);
+    add_telling(&on, (palp_effect_id)_i);
+    bool wave = _i == PALP_EFFECT_MAINS_HUM || _i == PALP_EFFECT_DRIVE_RIPPLE;
+    check_gradient(info->id, &on, &s, wave ? 1e-6 : 1e-4, 2e-6);
+    add_effect(&off, (palp_effect_id)_i, 0);
+    /* modes that come to be refine the steps of recovery */
+    bool modes = _i == PALP_EFFECT_POWER_LAW_RELAXATION || _i == PALP_EFFECT_POROELASTIC;
+    if (has_slope_at_zero(_i))
+        check_gradient(info->id, &off, &s, wave ? 1e-6 : modes ? 1e-2 : 1e-4, modes ? 2e-4 : 2e-6);
+}
+END_TEST
+
+START_TEST(effects_together) {
+    static const palp_effect_id sets[][5] = {
+        {PALP_EFFECT_FRAME_COMPLIANCE, PALP_EFFECT_POWER_LAW_RELAXATION, PALP_EFFECT_SENSOR_LAG,
+         PALP_EFFECT_TOE_REGION, PALP_EFFECT_SESSION_AGEING},
+        {PALP_EFFECT_FRAME_COMPLIANCE, PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_PERMANENT_SET,
+         PALP_EFFECT_ADHESION, PALP_EFFECT_SENSOR_GAIN},
+        {PALP_EFFECT_CONTACT_OFFSET, PALP_EFFECT_POROELASTIC, PALP_EFFECT_STRAIN_DEPENDENT_ARM,
+         PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_RELAXATION_ARM},
+        {PALP_EFFECT_FRAME_COMPLIANCE, PALP_EFFECT_RATE_STIFFENING, PALP_EFFECT_POROELASTIC,
+         PALP_EFFECT_COULOMB_FRICTION, PALP_EFFECT_POWER_LAW_RELAXATION}};
+    static samples s;
+    char what[16];
+    palp_model m = lumped_model(2);
+    all_phases(&s, 12);
+    for (size_t k = 0; k < 5; k++)
+        add_telling(&m, sets[_i][k]);
+    snprintf(what, sizeof what, "set %d", _i);
+    check_gradient(what, &m, &s, 1e-4, 5e-6);
+}
+END_TEST
+
+/* Damage needs the energy's derivative by the coefficients of each kind of law. */
+START_TEST(damage_of_other_laws) {
+    static samples s;
+    double strain[4] = {0, 0.07, 0.16, 0.3}, stiffness[4] = {8, 8.4, 9.6, 11},
+           ogden[4] = {3000, 2.5, 900, -3};
+    palp_model m = lumped_model(1);
+    all_phases(&s, 12);
+    add_telling(&m, PALP_EFFECT_DAMAGE_SOFTENING);
+    ck_assert_int_eq(palp_law_spline(4, strain, stiffness, &m.material.law), PALP_OK);
+    check_gradient("damage of a spline", &m, &s, 1e-4, 2e-6);
+    ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_OGDEN, 4, ogden, 4.5e-4, &m.material.law), PALP_OK);
+    check_gradient("damage of Ogden's", &m, &s, 1e-4, 2e-6);
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("forward_gradient");
+    TCase *tc = tcase_create("forward_gradient");
+    tcase_add_test(tc, plain_materials);
+    tcase_add_loop_test(tc, every_effect_alone, 0, PALP_EFFECT_COUNT);
+    tcase_add_loop_test(tc, effects_together, 0, 4);
+    tcase_add_test(tc, damage_of_other_laws);
+    suite_add_tcase(suite, tc);
+    return run_suite(suite);
+}

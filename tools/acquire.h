@@ -1,0 +1,215 @@
+/* acquire.h: the parts of palpate acquire: what is to be run, the recording on disk, the session. */
+#ifndef PALPATE_ACQUIRE_H
+#define PALPATE_ACQUIRE_H
+
+#include "cli.h"
+#include "device.h"
+
+#include <jansson.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+enum { ACQUIRE_RUNS = 128, ACQUIRE_NAME = 96, ACQUIRE_TEXT = 512 };
+
+/* ---- what the plate does (acquire_protocol.c, acquire_segments.c) ---- */
+
+typedef enum acquire_kind {
+    ACQUIRE_STATIC,
+    ACQUIRE_RAMP_HOLD,
+    ACQUIRE_CYCLIC,
+    ACQUIRE_SINE,
+    ACQUIRE_SWEEP,
+    ACQUIRE_SEGMENTS,
+    ACQUIRE_FREE, /* in the air */
+    ACQUIRE_KINDS
+} acquire_kind;
+
+/* The figures of a motion; NAN = not given. */
+typedef struct acquire_motion {
+    double depth_mm, rate_mm_s, ramp_s, hold_s, cycles;
+    double amplitude_mm, frequency_Hz, frequency_end_Hz, duration_s; /* waves about the depth */
+    double acceleration_mm_s2, air_mm, air_s, after_s, rest_s;
+} acquire_motion;
+
+/* X(name, kinds that have it, whether it may be 0, largest). The name is that in files. */
+#define ACQUIRE_PRESSES (1 << ACQUIRE_STATIC | 1 << ACQUIRE_RAMP_HOLD | 1 << ACQUIRE_CYCLIC)
+#define ACQUIRE_WAVES (1 << ACQUIRE_SINE | 1 << ACQUIRE_SWEEP)
+#define ACQUIRE_ALL ((1 << ACQUIRE_KINDS) - 1)
+#define ACQUIRE_FIGURES(X)                                                                                   \
+    X(depth_mm, ACQUIRE_ALL & ~(1 << ACQUIRE_SEGMENTS), true, 1000)                                          \
+    X(rate_mm_s, ACQUIRE_PRESSES | ACQUIRE_WAVES | 1 << ACQUIRE_FREE, false, 1000)                           \
+    X(ramp_s, 1 << ACQUIRE_RAMP_HOLD | 1 << ACQUIRE_FREE, false, 1e6)                                        \
+    X(hold_s, 1 << ACQUIRE_RAMP_HOLD | ACQUIRE_WAVES | 1 << ACQUIRE_FREE, true, 1e6)                         \
+    X(cycles, 1 << ACQUIRE_CYCLIC | 1 << ACQUIRE_SINE, false, 65535)                                         \
+    X(amplitude_mm, ACQUIRE_WAVES, false, 1000)                                                              \
+    X(frequency_Hz, ACQUIRE_WAVES, false, 1000)                                                              \
+    X(frequency_end_Hz, 1 << ACQUIRE_SWEEP, false, 1000)                                                     \
+    X(duration_s, 1 << ACQUIRE_SWEEP, false, 1e6)                                                            \
+    X(acceleration_mm_s2, ACQUIRE_ALL, false, 1e6)                                                           \
+    X(air_mm, ACQUIRE_ALL, true, 1000)                                                                       \
+    X(air_s, ACQUIRE_ALL, true, 1e6)                                                                         \
+    X(after_s, ACQUIRE_ALL, true, 1e6)                                                                       \
+    X(rest_s, ACQUIRE_ALL & ~(1 << ACQUIRE_FREE), true, 1e6)
+
+/* One experiment. Depths count from contact. */
+typedef struct acquire_run {
+    acquire_kind kind;
+    acquire_motion motion;                   /* as it will be done; what the kind does not have is NAN */
+    char name[ACQUIRE_NAME];                 /* of the file, without .csv */
+    bool repeat;                             /* of the first */
+    double start_mm, highest_mm, deepest_mm; /* where the plate waits, and comes to */
+    double at_mm, press_s;                   /* where the segments end, and how long they take */
+    size_t n_segments;
+    palp_wire_segment segment[PALP_WIRE_SEGMENTS];
+} acquire_run;
+
+typedef struct acquire_plan {
+    size_t n;
+    acquire_run run[ACQUIRE_RUNS];
+    int random, repeat_first; /* of the presses; -1 = not said */
+    double seed;              /* of the order; NAN = not said */
+} acquire_plan;
+
+acquire_motion acquire_motion_none(void);
+
+/* Takes what is not given from the next source; of rate and ramp time only where neither is given. */
+void acquire_motion_inherit(acquire_kind kind, acquire_motion *motion, const acquire_motion *from);
+const char *acquire_kind_name(acquire_kind kind); /* "ramp_hold" */
+
+/* Appends a run with its segments, what is not given filled in; the caller adds those of ACQUIRE_SEGMENTS.
+ * name: of the file, NULL = made of kind and depth. NULL: nothing is added, why says what is wrong. */
+acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acquire_motion *motion,
+                              const char *name, char why[ACQUIRE_TEXT]);
+
+/* The 13 experiments of the seed, and a recording of air before and after; defaults: hold_s and the like. */
+bool acquire_plan_seed(acquire_plan *plan, const acquire_motion *defaults, char why[ACQUIRE_TEXT]);
+
+/* Reads a protocol file; options come before what it says for all its runs. An exit code. (acquire_read.c) */
+int acquire_plan_read(acquire_plan *plan, const char *file, const acquire_motion *options);
+
+/* Shuffles the presses by the plan's seed (air keeps its place), repeats the first of them after the last,
+ * makes the names different and fills in the rests. False: no room for the repeated one. */
+bool acquire_plan_arrange(acquire_plan *plan);
+
+/* Appends a segment from where the last one ended (acquire_segments.c); false: there is no room. target:
+ * depth, or the amplitude of waves; what else the kind of segment needs is in motion. */
+bool acquire_segment_add(acquire_run *run, uint8_t kind, double target_mm, const acquire_motion *motion);
+
+/* Start and segments from kind and motion; of ACQUIRE_SEGMENTS only the start. */
+void acquire_segments_make(acquire_run *run);
+double acquire_run_length_s(const acquire_run *run); /* of the recording, the way back included */
+
+/* ---- JSON with lines in its errors (acquire_json.c) ---- */
+
+typedef struct acquire_json {
+    const char *file;
+    char *text;
+    json_t *root;
+} acquire_json;
+
+/* Reads a file with {"palpate": {what: 1}}; an exit code. */
+int acquire_json_open(const char *file, const char *what, acquire_json *json);
+void acquire_json_close(acquire_json *json);
+/* One line with file, line and name of a value such as "runs[2].hold_s"; returns the exit code. */
+int acquire_json_fail(const acquire_json *json, const char *where, const char *format, ...);
+/* The matrix rows of a sensor's calibration file: row[axis][channel] in nN (nNm) a count; given[axis]. */
+int acquire_calibration_read(const char *file, int32_t row[PALP_WIRE_CHANNELS][PALP_WIRE_CHANNELS],
+                             bool given[PALP_WIRE_CHANNELS]);
+
+/* ---- the recording on disk (acquire_file.c) ---- */
+
+/* From counts to seconds, millimetres and newtons. */
+typedef struct acquire_scale {
+    double tick_s, count_mm;
+    int32_t contact; /* counts at depth 0 */
+    double row_N[PALP_WIRE_CHANNELS], tare[PALP_WIRE_CHANNELS];
+    double contact_N; /* this much over the force in the air is contact */
+} acquire_scale;
+
+typedef struct acquire_sample {
+    double time_s, depth_mm, force_N, error_mm;
+} acquire_sample;
+
+/* What a recording shows of itself. */
+typedef struct acquire_figures {
+    size_t samples, lost, bad; /* bad: the sensor gave no reading; left out as the lost ones are */
+    double peak_N, deepest_mm, duration_s;
+    double error_square, error_most_mm; /* reference minus position, on the way */
+    size_t errors;
+    double contact_mm; /* where the force rose; NAN = it did not */
+    /* of the search for it */
+    double air_sum_N, mean_N, mean_mm;
+    size_t air;
+} acquire_figures;
+
+enum { ACQUIRE_BUFFER = 65536 };
+
+typedef struct acquire_file {
+    int fd; /* -1 = none */
+    char path[CLI_PATH_MAX];
+    bool raw, started;
+    acquire_scale scale;
+    acquire_figures figures;
+    uint32_t first_tick, last_tick;
+    acquire_sample last; /* the newest sample */
+    off_t at;            /* bytes written */
+    int error;           /* errno of what could not be written; nothing is written from then on */
+    double written_s;    /* wall clock */
+    size_t n;
+    char text[ACQUIRE_BUFFER];
+} acquire_file;
+
+/* Creates the file with its header (keys and values of an object), marked as interrupted until it is closed.
+ * An exit code: a file of that name stays unless force. */
+int acquire_file_open(acquire_file *file, const char *path, bool force, bool raw, const acquire_scale *scale,
+                      json_t *header);
+/* Takes the samples that are part of the recording; returns how many. */
+size_t acquire_file_add(acquire_file *file, const palp_wire_samples *block);
+void acquire_file_keep(acquire_file *file); /* writes what has waited for half a second */
+/* fault: why it ended before its time, or NULL; winding_C: NAN = not known. An exit code. */
+int acquire_file_close(acquire_file *file, const char *fault, double winding_C);
+void acquire_file_remove(acquire_file *file); /* instead of close: nothing came */
+
+/* ---- what is shown meanwhile (acquire_live.c) ---- */
+
+enum { ACQUIRE_POINTS = 4096 };
+
+typedef struct acquire_live {
+    bool terminal, curve, by_depth;
+    bool shown;
+    int rows; /* lines of the curve on the screen */
+    double drawn_s;
+    size_t n, stride, skipped;
+    float x[ACQUIRE_POINTS], force_N[ACQUIRE_POINTS];
+} acquire_live;
+
+void acquire_live_start(acquire_live *live, bool curve);
+void acquire_live_begin(acquire_live *live, bool by_depth); /* of a run */
+void acquire_live_add(acquire_live *live, const acquire_sample *sample);
+/* The line, and the curve below it, at most ten times a second; only where stderr is a terminal. */
+void acquire_live_show(acquire_live *live, const char *line);
+/* Clears the line; the curve, if any, stays. */
+void acquire_live_end(acquire_live *live);
+/* The curve as text, rows lines of columns characters without the axis. */
+void acquire_live_draw(const acquire_live *live, int rows, int columns, FILE *to);
+
+/* ---- the session (acquire_run.c) ---- */
+
+typedef struct acquire_options {
+    const char *port, *where, *out; /* as given; what link_open takes */
+    int baud;
+    const char *specimen, *specimen_kind;               /* name and kind, or NULL */
+    double height_mm, radius_mm;                        /* 0 = not given */
+    const char *protocol;                               /* its file's name, or NULL */
+    double contact_N, limit_N, limit_C, host_timeout_s; /* limits: 0 = the device's own */
+    int gains;                                          /* class, or PALP_WIRE_GAINS_AUTO */
+    bool keep_contact, force, raw, live;
+    bool calibration[PALP_WIRE_CHANNELS]; /* rows that are given */
+    int32_t row[PALP_WIRE_CHANNELS][PALP_WIRE_CHANNELS];
+} acquire_options;
+
+/* Runs the plan; an exit code, after one line on stderr if it is not 0. *summary (may be NULL): what was
+ * done, the caller's. */
+int acquire_session(const acquire_options *options, const acquire_plan *plan, json_t **summary);
+
+#endif

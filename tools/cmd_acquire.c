@@ -1,0 +1,355 @@
+/* cmd_acquire.c: palpate acquire: runs a protocol on an indenter and writes the recordings. */
+#define _POSIX_C_SOURCE 200809L
+#include "acquire.h"
+#include "commands.h"
+#include "json_out.h"
+#include "plot.h"
+#include "rig_options.h"
+
+#include <math.h>
+#include <palpate/model.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char NAME[] = "acquire";
+
+/* What the command line says beyond what the session takes. */
+typedef struct choice {
+    acquire_options session;
+    acquire_motion motion;
+    rig_options rig;
+    bool is_static, sweep, seed_protocol, list, json, repeat_first;
+    cli_list ramp_hold;
+    size_t cycles, baud, order_seed;
+    int order, gains;
+    const char *protocol, *calibration;
+    char kind[PALP_SPECIMEN_KIND_MAX]; /* of the rig's specimen */
+} choice;
+
+enum { OWN_OPTIONS = 64 };
+
+static size_t own_options(choice *c, cli_option list[OWN_OPTIONS]) {
+    acquire_options *o = &c->session;
+    acquire_motion *m = &c->motion;
+    const cli_option all[] = {
+        cli_heading("Device"),
+        cli_text("port", "PORT", &o->port,
+                 "/dev/ttyACM0, pty:PATH, tcp:HOST:PORT, or rig[:MODEL.json]: the\n"
+                 "virtual indenter, on a model or the seed's phantom"),
+        cli_flag("list", &c->list, "list the serial ports instead"),
+        cli_count("baud", "N", 1200, 4e6, &c->baud, "of a serial port (default 921600)"),
+        cli_choice("gains", "auto|0|1|2|3|4|5", &c->gains,
+                   "class of softness, 0 the softest (default auto: by the stiffness\n"
+                   "that finding contact measures)"),
+        cli_positive("contact-N", "F", 10, &o->contact_N,
+                     "force over that in the air that is contact (default 0.01)"),
+        cli_flag("keep-contact", &o->keep_contact, "keep the contact and home that the device knows"),
+        cli_positive("limit-force-N", "F", 1000, &o->limit_N,
+                     "stop at this force (default: the device's limit)"),
+        cli_positive("limit-winding-C", "T", 300, &o->limit_C,
+                     "stop at this temperature of the motor (likewise)"),
+        cli_number("host-timeout-s", "S", 0.1, 60, &o->host_timeout_s,
+                   "stop when nothing is heard from here for so long (default 5; the\n"
+                   "virtual indenter, which may be faster than our clock, 60)"),
+        cli_text("calibration", "FILE", &c->calibration, "rows of the force sensor's matrix, JSON"),
+        cli_heading("What the plate does"),
+        cli_flag("static", &c->is_static, "press to --depth-mm at --rate-mm-s (0.1)"),
+        cli_numbers("ramp-hold", "MM,MM,...", 1000, &c->ramp_hold, "ramp to each depth, hold it, withdraw"),
+        cli_count("cycles", "N", 1, 65535, &c->cycles,
+                  "from contact to --depth-mm and back at --rate-mm-s (1)"),
+        cli_flag("sweep", &c->sweep, "a sine of rising frequency about --depth-mm, after --hold-s (10)"),
+        cli_text("protocol", "FILE.json", &c->protocol, "the runs of a protocol file"),
+        cli_flag("seed-protocol", &c->seed_protocol,
+                 "ramps of 1.5 to 7 mm and a static press to 9.7 mm in random order,\n"
+                 "the first again at the end, air before and after"),
+        cli_positive("depth-mm", "MM", 1000, &m->depth_mm, "depth, from contact"),
+        cli_positive("rate-mm-s", "R", 1000, &m->rate_mm_s,
+                     "speed of the plate (--ramp-hold: instead of --ramp-s)"),
+        cli_positive("ramp-s", "S", 1e6, &m->ramp_s, "time from contact to depth (default 1)"),
+        cli_number("hold-s", "S", 0, 1e6, &m->hold_s, "time held (default 200)"),
+        cli_positive("amplitude-mm", "MM", 1000, &m->amplitude_mm,
+                     "of the sweep (default a tenth of the depth)"),
+        cli_positive("from-Hz", "F", 1000, &m->frequency_Hz, "where the sweep begins (default 0.1)"),
+        cli_positive("to-Hz", "F", 1000, &m->frequency_end_Hz, "and ends (default 10)"),
+        cli_positive("sweep-s", "S", 1e6, &m->duration_s, "time of the sweep (default 60)"),
+        cli_positive("acceleration-mm-s2", "A", 1e6, &m->acceleration_mm_s2,
+                     "rounds the corners (default 500)"),
+        cli_number("air-mm", "MM", 0, 1000, &m->air_mm, "begin so far above contact (default 1)"),
+        cli_number("air-s", "S", 0, 1e6, &m->air_s, "and rest there for so long before (default 1)"),
+        cli_number("after-s", "S", 0, 1e6, &m->after_s, "and after the run (default 1)"),
+        cli_heading("Session"),
+        cli_choice("order", "given|random", &c->order, "of the presses (default given)"),
+        cli_count("order-seed", "N", 0, 9e15, &c->order_seed, "which random order (default 1)"),
+        cli_flag("repeat-first", &c->repeat_first, "the first press again after the last"),
+        cli_number("rest-s", "S", 0, 1e6, &m->rest_s,
+                   "the specimen rests between presses (default: as long as the last one\n"
+                   "took, at least 200)"),
+        cli_heading("Specimen"),
+        cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm,
+                     "height (default: the rig's model says it)"),
+        cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius"),
+        cli_text("specimen-kind", "KIND", &o->specimen_kind, "cylinder, rigid or another word"),
+        cli_text("specimen-name", "NAME", &o->specimen, "name"),
+        cli_heading("Output"),
+        cli_text("out", "DIR", &o->out, "folder of the recordings; made if need be"),
+        cli_flag("force", &o->force, "overwrite recordings that are there"),
+        cli_flag("raw", &o->raw, "more columns: error, position and ADC counts, duty, flags"),
+        cli_flag("live", &o->live, "draw the force in the terminal"),
+        cli_flag("json", &c->json, "a summary as JSON on standard output"),
+    };
+    memcpy(list, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
+static int parse(int argc, char **argv, choice *c) {
+    cli_option options[OWN_OPTIONS + RIG_OPTIONS];
+    size_t n = own_options(c, options), words;
+    rig_options_list(&c->rig, options + n);
+    const cli_command command = {
+        NAME,
+        "--port PORT (--static | --ramp-hold MM,... | --cycles N | --sweep |\n"
+        "                       --protocol FILE | --seed-protocol) --out DIR [options]",
+        "Runs a protocol on an indenter and writes each run as an experiment, as it goes: whatever ends\n"
+        "it early, what arrived is kept and says why. Homes the plate, tares the sensor in the air and\n"
+        "finds contact once, before the first run. Exit code 4: the device stopped by a fault.",
+        "  palpate acquire --port /dev/ttyACM0 --ramp-hold 1.5,3,5 --specimen-height-mm 24 --out runs\n"
+        "  palpate acquire --port rig:data/sedef2008/lumped_n2.json --ramp-hold 2,4 --hold-s 20 --out runs\n"
+        "  palpate acquire --port rig --seed-protocol --out runs --json\n",
+        options,
+        n + RIG_OPTIONS};
+    return cli_parse(&command, argc, argv, NULL, 0, &words);
+}
+
+/* ---- which options go together ---- */
+
+enum { STATIC = 1, RAMP_HOLD = 2, CYCLES = 4, SWEEP = 8, PROTOCOL = 16, SEED = 32 };
+
+static int modes(const choice *c) {
+    return (c->is_static ? STATIC : 0) | (c->ramp_hold.n ? RAMP_HOLD : 0) | (c->cycles ? CYCLES : 0) |
+           (c->sweep ? SWEEP : 0) | (c->protocol ? PROTOCOL : 0) | (c->seed_protocol ? SEED : 0);
+}
+
+static const char *mode_name(int mode) {
+    static const char *const names[] = {"static", "ramp-hold", "cycles",
+                                        "sweep",  "protocol",  "seed-protocol"};
+    size_t i = 0;
+    while (mode >> (i + 1)) {
+        i++;
+    }
+    return names[i];
+}
+
+static int check_motion(const choice *c, int mode) {
+    const acquire_motion *m = &c->motion;
+    const struct {
+        const char *option;
+        double value;
+        int goes_with;
+    } uses[] = {{"depth-mm", m->depth_mm, STATIC | CYCLES | SWEEP | PROTOCOL},
+                {"ramp-s", m->ramp_s, RAMP_HOLD | PROTOCOL | SEED},
+                {"hold-s", m->hold_s, RAMP_HOLD | SWEEP | PROTOCOL | SEED},
+                {"amplitude-mm", m->amplitude_mm, SWEEP | PROTOCOL},
+                {"from-Hz", m->frequency_Hz, SWEEP | PROTOCOL},
+                {"to-Hz", m->frequency_end_Hz, SWEEP | PROTOCOL},
+                {"sweep-s", m->duration_s, SWEEP | PROTOCOL}};
+    for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
+        if (!isnan(uses[i].value) && !(uses[i].goes_with & mode)) {
+            return cli_usage_error(NAME, "--%s does not go with --%s", uses[i].option, mode_name(mode));
+        }
+    }
+    if (!isnan(m->rate_mm_s) && !isnan(m->ramp_s)) {
+        return cli_usage_error(NAME, "--rate-mm-s and --ramp-s say the same thing; leave one out");
+    }
+    if (isnan(m->depth_mm) && (mode & (STATIC | CYCLES | SWEEP))) {
+        return cli_usage_error(NAME, "--%s needs --depth-mm", mode_name(mode));
+    }
+    return CLI_OK;
+}
+
+static bool is_rig(const choice *c) {
+    return strcmp(c->session.port, "rig") == 0 || strncmp(c->session.port, "rig:", 4) == 0;
+}
+
+static int check_options(const choice *c) {
+    int mode = modes(c);
+    if (!c->session.port) {
+        return cli_usage_error(NAME, "name the device with --port; --list shows the serial ports");
+    }
+    if (mode == 0 || (mode & (mode - 1))) {
+        return cli_usage_error(NAME,
+                               "say what the plate does by one of --static, --ramp-hold, --cycles, --sweep, "
+                               "--protocol, --seed-protocol");
+    }
+    if (!c->session.out) {
+        return cli_usage_error(NAME, "name a folder by --out DIR");
+    }
+    if (!is_rig(c) && rig_options_given(&c->rig)) {
+        return cli_usage_error(NAME, "--%s needs --port rig", rig_options_given(&c->rig));
+    }
+    return check_motion(c, mode);
+}
+
+/* ---- the plan ---- */
+
+static bool add(const choice *c, acquire_kind kind, double depth_mm, acquire_plan *plan,
+                char why[ACQUIRE_TEXT]) {
+    acquire_motion m = c->motion;
+    m.depth_mm = depth_mm;
+    m.cycles = c->cycles ? (double)c->cycles : NAN;
+    return acquire_plan_add(plan, kind, &m, NULL, why) != NULL;
+}
+
+static int make_plan(const choice *c, acquire_plan *plan) {
+    char why[ACQUIRE_TEXT] = "has too many runs";
+    bool good = true;
+    *plan = (acquire_plan){.random = c->order, .repeat_first = c->repeat_first ? 1 : -1};
+    plan->seed = c->order_seed == SIZE_MAX ? NAN : (double)c->order_seed;
+    if (c->protocol) {
+        int code = acquire_plan_read(plan, c->protocol, &c->motion);
+        if (code) {
+            return code;
+        }
+    } else if (c->seed_protocol) {
+        good = acquire_plan_seed(plan, &c->motion, why);
+    } else if (c->ramp_hold.n == 0) {
+        acquire_kind kind = c->is_static ? ACQUIRE_STATIC : c->cycles ? ACQUIRE_CYCLIC : ACQUIRE_SWEEP;
+        good = add(c, kind, c->motion.depth_mm, plan, why);
+    }
+    for (size_t i = 0; good && i < c->ramp_hold.n; i++) {
+        good = add(c, ACQUIRE_RAMP_HOLD, c->ramp_hold.value[i], plan, why);
+    }
+    good = good && acquire_plan_arrange(plan);
+    return good ? CLI_OK : cli_usage_error(NAME, "--%s %s", mode_name(modes(c)), why);
+}
+
+/* ---- the specimen ---- */
+
+/* path NULL: the seed's phantom. */
+static int specimen_of_model(const char *path, choice *c) {
+    acquire_options *o = &c->session;
+    palp_error error = {PALP_OK, ""};
+    palp_model *model = calloc(1, sizeof *model);
+    palp_status status = model ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (model && path) {
+        status = palp_model_read(path, model, &error);
+    } else if (model) {
+        model->height_m = 24e-3;
+        model->radius_m = 12e-3;
+        strcpy(model->specimen_kind, "cylinder");
+    }
+    if (status == PALP_OK) {
+        o->height_mm = o->height_mm > 0 ? o->height_mm : 1e3 * model->height_m;
+        o->radius_mm = o->radius_mm > 0 ? o->radius_mm : 1e3 * model->radius_m;
+        memcpy(c->kind, model->specimen_kind, sizeof c->kind);
+        o->specimen_kind = o->specimen_kind || !*c->kind ? o->specimen_kind : c->kind;
+    }
+    free(model);
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
+}
+
+static int check_specimen(const choice *c, const acquire_plan *plan) {
+    const acquire_options *o = &c->session;
+    for (size_t i = 0; i < plan->n; i++) {
+        const acquire_run *r = &plan->run[i];
+        if (r->kind == ACQUIRE_FREE) {
+            continue;
+        }
+        if (o->height_mm <= 0) {
+            return cli_usage_error(NAME, "how high is the specimen? Give --specimen-height-mm");
+        }
+        if (r->deepest_mm >= o->height_mm) {
+            return cli_usage_error(NAME, "%s: %g mm does not fit a specimen of %g mm", r->name, r->deepest_mm,
+                                   o->height_mm);
+        }
+    }
+    return CLI_OK;
+}
+
+/* ---- all of it ---- */
+
+/* Before anything moves. */
+static int check_files(const acquire_options *o, const acquire_plan *plan) {
+    char path[CLI_PATH_MAX];
+    if (!plot_folder(o->out)) {
+        return cli_failure(NAME, "%s: cannot make this folder", o->out);
+    }
+    for (size_t i = 0; i < plan->n && !o->force; i++) {
+        int n = snprintf(path, sizeof path, "%s/%s.csv", o->out, plan->run[i].name);
+        if (n < 0 || (size_t)n >= sizeof path) {
+            return cli_failure(NAME, "%s: the name is too long", o->out);
+        }
+        if (access(path, F_OK) == 0) {
+            return cli_failure(NAME, "%s is there already: name another --out, or give --force", path);
+        }
+    }
+    return CLI_OK;
+}
+
+static int run_session(choice *c, const acquire_plan *plan) {
+    json_t *summary = NULL;
+    int code = acquire_session(&c->session, plan, c->json ? &summary : NULL);
+    if (summary) {
+        int printed = json_print(NAME, summary);
+        code = code ? code : printed;
+    }
+    return code;
+}
+
+static int with_rig(choice *c, const acquire_plan *plan) {
+    const char *model = c->session.port[3] ? c->session.port + 4 : NULL;
+    rig_settings settings;
+    rig r;
+    int code = rig_options_settings(NAME, &c->rig, model, &settings);
+    if (code == CLI_OK && settings.plant.specimen == PLANT_MODEL) {
+        code = specimen_of_model(settings.plant.model, c);
+    } else if (code == CLI_OK && !c->session.specimen_kind) {
+        c->session.specimen_kind = settings.plant.specimen == PLANT_RIGID ? "rigid" : "none";
+    }
+    code = code ? code : check_specimen(c, plan);
+    code = code ? code : check_files(&c->session, plan);
+    code = code ? code : rig_open(NAME, &settings, &r);
+    if (code) {
+        return code;
+    }
+    c->session.where = r.port;
+    code = run_session(c, plan);
+    int closed = rig_close(&r);
+    return code ? code : closed;
+}
+
+static int with_device(choice *c, const acquire_plan *plan) {
+    int code = check_specimen(c, plan);
+    code = code ? code : check_files(&c->session, plan);
+    c->session.where = c->session.port;
+    return code ? code : run_session(c, plan);
+}
+
+int cmd_acquire(int argc, char **argv) {
+    choice c = {.order = -1, .gains = 0, .baud = LINK_BAUD, .order_seed = SIZE_MAX};
+    c.motion = acquire_motion_none();
+    c.rig = rig_options_default();
+    c.session.contact_N = 0.01;
+    int code = parse(argc, argv, &c);
+    if (code) {
+        return code == CLI_HELP ? CLI_OK : code;
+    }
+    if (c.list) {
+        return link_list() < 0 ? CLI_FAILURE : CLI_OK;
+    }
+    c.session.baud = (int)c.baud;
+    c.session.gains = c.gains == 0 ? PALP_WIRE_GAINS_AUTO : c.gains - 1;
+    c.session.protocol = c.protocol;
+    code = check_options(&c);
+    if (code == CLI_OK && c.calibration) {
+        code = acquire_calibration_read(c.calibration, c.session.row, c.session.calibration);
+    }
+    acquire_plan *plan = code ? NULL : malloc(sizeof *plan);
+    if (code || !plan) {
+        return code ? code : cli_failure(NAME, "out of memory");
+    }
+    code = make_plan(&c, plan);
+    code = code ? code : is_rig(&c) ? with_rig(&c, plan) : with_device(&c, plan);
+    free(plan);
+    return code;
+}

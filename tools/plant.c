@@ -1,0 +1,170 @@
+/* plant.c: the simulated indenter as a whole: what the firmware's output of a tick does to it. */
+#include "plant_internal.h"
+#include "plant_specimen.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SUBSTEPS = 20, JUMP_COUNTS = 5000 };
+static const double TICK = 1e-3, HOT_C = 120, DUTY_FULL = 32767;
+static const double OBSTACLE = 0.98; /* of what the sensor can tell: over every limit, short of the rails */
+
+struct plant {
+    plant_settings settings;
+    drive drive;
+    sensor sensor;
+    specimen specimen;
+    double plate_m;        /* of the plate from the home switch, the frame being stiff */
+    double zero_m;         /* where the encoder counts from */
+    int32_t jumped;        /* counts */
+    uint32_t tick, faults; /* bits 1 << plant_fault */
+};
+
+palp_status plant_fail(palp_error *error, palp_status status, const char *format, ...) {
+    va_list arguments;
+    if (error) {
+        error->status = status;
+        va_start(arguments, format);
+        vsnprintf(error->text, sizeof error->text, format, arguments);
+        va_end(arguments);
+    }
+    return status;
+}
+
+/* ---- made and freed ---- */
+
+plant_settings plant_settings_default(void) {
+    return (plant_settings){.actuator = plant_actuator_default(),
+                            .sensor = {.noise_N = 2e-3, .gain = 1, .seed = 1},
+                            .specimen = PLANT_MODEL,
+                            .scale = 1,
+                            .contact_m = 0.012,
+                            .rigid_N_m = 1e6};
+}
+
+palp_status plant_create(const plant_settings *settings, plant **made, palp_error *error) {
+    *made = NULL;
+    plant *p = calloc(1, sizeof *p);
+    if (!p) {
+        return plant_fail(error, PALP_ERR_NO_MEMORY, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    }
+    p->settings = *settings;
+    p->drive = drive_start(&settings->actuator);
+    p->plate_m = p->zero_m = settings->actuator.start_m;
+    palp_error why = {PALP_OK, ""};
+    palp_status status = specimen_create(settings, &p->specimen, &why);
+    if (status == PALP_OK && !sensor_start(&settings->sensor, &p->sensor)) {
+        status = plant_fail(&why, PALP_ERR_SINGULAR, "the sensor's matrix has no inverse");
+    }
+    if (status) {
+        plant_free(p);
+        return plant_fail(error, status, "%s", why.text[0] ? why.text : palp_status_text(status));
+    }
+    *made = p;
+    return PALP_OK;
+}
+
+void plant_free(plant *p) {
+    if (p) {
+        specimen_free(&p->specimen);
+        free(p);
+    }
+}
+
+/* ---- faults ---- */
+
+static bool has(const plant *p, plant_fault fault) {
+    return (p->faults & (1u << fault)) != 0;
+}
+
+/* What holds the carriage, if anything. */
+static void hold(plant *p) {
+    p->drive.hold = has(p, PLANT_PUSHED) ? DRIVE_DRAGGED : has(p, PLANT_JAMMED) ? DRIVE_JAMMED : DRIVE_FREE;
+}
+
+void plant_inject(plant *p, plant_fault fault) {
+    p->faults |= 1u << fault;
+    if (fault == PLANT_HOT) {
+        p->drive.winding_C = p->drive.case_C = HOT_C;
+    }
+    if (fault == PLANT_JUMP) {
+        p->jumped += JUMP_COUNTS;
+    }
+    hold(p);
+}
+
+void plant_lift(plant *p, plant_fault fault) {
+    p->faults &= ~(1u << fault);
+    hold(p);
+}
+
+/* ---- a tick ---- */
+
+static double reach(const plant *p) {
+    return p->plate_m - p->settings.contact_m;
+}
+
+/* The plate within its play below the carriage: friction holds it, a larger force pushes it against the
+ * carriage. */
+static void follow(plant *p) {
+    const plant_actuator *a = &p->settings.actuator;
+    double low = p->drive.carriage_m, high = low - a->backlash_m;
+    p->plate_m = p->specimen.force_N > a->coulomb_N ? high : fmin(fmax(p->plate_m, high), low);
+}
+
+static void sense(const plant *p, plant_in *in) {
+    const plant_actuator *a = &p->settings.actuator;
+    memset(in, 0, sizeof *in);
+    in->tick = p->tick;
+    in->position = (int32_t)floor((p->drive.carriage_m - p->zero_m) / a->count_m) + p->jumped;
+    in->thermistor = sensor_thermistor(p->drive.case_C);
+    in->switches = (uint8_t)((p->drive.carriage_m <= 0 ? PLANT_SWITCH_HOME : 0) |
+                             (has(p, PLANT_EMERGENCY) ? PLANT_SWITCH_EMERGENCY : 0) |
+                             (has(p, PLANT_SILENT) ? PLANT_SENSOR_SILENT : 0));
+    if (!has(p, PLANT_SILENT)) {
+        double met_N = has(p, PLANT_OBSTACLE) ? OBSTACLE * sensor_range(&p->sensor) : 0;
+        sensor_convert(&p->sensor, fmax(p->specimen.force_N, met_N), p->tick, in->adc);
+    }
+    if (has(p, PLANT_SATURATED)) {
+        in->adc[0] = INT16_MAX;
+    }
+}
+
+void plant_first(plant *p, plant_in *in) {
+    p->zero_m = p->drive.carriage_m;
+    p->jumped = 0;
+    sense(p, in);
+}
+
+palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error *error) {
+    const plant_actuator *a = &p->settings.actuator;
+    const double dt = TICK / SUBSTEPS, volt = a->supply_V * fmax(out->duty, -DUTY_FULL) / DUTY_FULL;
+    const bool slow = specimen_is_slow(&p->specimen);
+    palp_status status = PALP_OK;
+    for (int i = 1; i <= SUBSTEPS && status == PALP_OK; i++) {
+        drive_advance(a, &p->drive, out->motor_on != 0, volt, p->specimen.force_N, dt);
+        follow(p);
+        if (!slow || i == SUBSTEPS) {
+            status = specimen_advance(&p->specimen, reach(p), slow ? TICK : dt);
+        }
+    }
+    p->tick++;
+    sense(p, in);
+    return status ? plant_fail(error, status, "%s: %s at %.4g mm (%.4g s)", p->specimen.path,
+                               palp_status_text(status), 1e3 * reach(p), TICK * p->tick)
+                  : PALP_OK;
+}
+
+plant_truth plant_look(const plant *p) {
+    return (plant_truth){.time_s = TICK * p->tick,
+                         .carriage_m = p->drive.carriage_m,
+                         .velocity_m_s = p->drive.velocity_m_s,
+                         .depth_m = reach(p) - p->specimen.compliance_m_N * p->specimen.force_N,
+                         .force_N = p->specimen.force_N,
+                         .winding_C = p->drive.winding_C,
+                         .case_C = p->drive.case_C,
+                         .current_A = p->drive.current_A};
+}

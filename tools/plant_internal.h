@@ -1,0 +1,47 @@
+/* plant_internal.h: the parts of the plant: drive and sensor; the specimen has a header of its own. */
+#ifndef PALPATE_PLANT_INTERNAL_H
+#define PALPATE_PLANT_INTERNAL_H
+
+#include "force.h"
+#include "plant.h"
+
+/* Fills error with a formatted line; returns status. plant.c */
+palp_status plant_fail(palp_error *error, palp_status status, const char *format, ...);
+
+/* ---- motor and carriage: plant_actuator.c ---- */
+
+typedef enum drive_hold { DRIVE_FREE, DRIVE_JAMMED, DRIVE_DRAGGED } drive_hold;
+
+typedef struct drive {
+    double carriage_m, velocity_m_s; /* velocity half a substep earlier: the leapfrog's */
+    double current_A, winding_C, case_C;
+    drive_hold hold;
+} drive;
+
+drive drive_start(const plant_actuator *a);
+
+/* dt_s under a voltage (motor off: no current, so no braking either) against the specimen's force. */
+void drive_advance(const plant_actuator *a, drive *d, bool on, double volt, double load_N, double dt_s);
+
+/* ---- sensor, thermistor: plant_sensor.c ---- */
+
+typedef struct sensor {
+    plant_sensor settings;
+    double counts_N[PALP_WIRE_CHANNELS]; /* of a pure z force, each channel: a column of the inverse matrix */
+    double rest[PALP_WIRE_CHANNELS];     /* counts without any: the mounting strains it sideways */
+    double noise_counts;                 /* sd of each channel */
+} sensor;
+
+/* For the matrix that the firmware starts with; false where it has no inverse. */
+bool sensor_start(const plant_sensor *settings, sensor *s);
+
+/* The z force that brings the first channel to its rail. */
+double sensor_range(const sensor *s);
+
+/* Converts the force at tick number tick, other forces and torques being zero. */
+void sensor_convert(const sensor *s, double force_N, uint32_t tick, int16_t adc[PALP_WIRE_CHANNELS]);
+
+/* 12-bit counts of the divider with a 10 kOhm NTC (B 3950 K) below 10 kOhm. */
+uint16_t sensor_thermistor(double celsius);
+
+#endif

@@ -1,0 +1,101 @@
+/* plant_sensor.c: the simulated force sensor and thermistor: from newtons and degrees to counts. */
+#include "noise.h"
+#include "plant_internal.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+static const double HUM_HZ = 50, TICK = 1e-3;
+static const double SIDE_N = 0.1; /* Fx at rest: as on a real sensor, no force is not all counts 0 */
+
+enum { N = PALP_WIRE_CHANNELS };
+
+/* Solves a x = b by elimination with row pivots; b becomes x. */
+static bool solve(double a[N][N], double b[N]) {
+    for (int k = 0; k < N; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < N; i++) {
+            pivot = fabs(a[i][k]) > fabs(a[pivot][k]) ? i : pivot;
+        }
+        if (a[pivot][k] == 0) {
+            return false;
+        }
+        for (int j = 0; j < N; j++) {
+            double held = a[k][j];
+            a[k][j] = a[pivot][j];
+            a[pivot][j] = held;
+        }
+        double held = b[k];
+        b[k] = b[pivot];
+        b[pivot] = held;
+        for (int i = k + 1; i < N; i++) {
+            double factor = a[i][k] / a[k][k];
+            for (int j = k; j < N; j++) {
+                a[i][j] -= factor * a[k][j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for (int k = N - 1; k >= 0; k--) {
+        for (int j = k + 1; j < N; j++) {
+            b[k] -= a[k][j] * b[j];
+        }
+        b[k] /= a[k][k];
+    }
+    return true;
+}
+
+/* The counts that read as value on an axis and 0 on the others. */
+static bool counts_of(const force_sensor *f, int axis, double value, double counts[N]) {
+    double matrix[N][N];
+    for (int i = 0; i < N; i++) {
+        counts[i] = i == axis ? value : 0;
+        for (int j = 0; j < N; j++) {
+            matrix[i][j] = (double)f->matrix[i][j];
+        }
+    }
+    return solve(matrix, counts);
+}
+
+bool sensor_start(const plant_sensor *settings, sensor *s) {
+    force_sensor f;
+    double square = 0;
+    force_init(&f);
+    for (int i = 0; i < N; i++) {
+        square += (double)f.matrix[FORCE_Z][i] * (double)f.matrix[FORCE_Z][i];
+    }
+    s->settings = *settings;
+    s->noise_counts = settings->noise_N / sqrt(square);
+    return counts_of(&f, FORCE_Z, 1, s->counts_N) && counts_of(&f, 0, SIDE_N, s->rest);
+}
+
+double sensor_range(const sensor *s) {
+    double largest = 0;
+    for (int i = 0; i < N; i++) {
+        largest = fmax(largest, fabs(s->counts_N[i]));
+    }
+    return INT16_MAX / (s->settings.gain * largest);
+}
+
+/* What the amplifier makes of the force on the plate. */
+static double amplified(const plant_sensor *s, double force_N, double time_s) {
+    double z = s->gain * force_N + s->bias_N + s->drift_N_s * time_s;
+    z += s->hum_N > 0 ? s->hum_N * sin(2 * PI * HUM_HZ * time_s) : 0;
+    return s->range_N > 0 ? fmin(fmax(z, -s->range_N), s->range_N) : z;
+}
+
+void sensor_convert(const sensor *s, double force_N, uint32_t tick, int16_t adc[N]) {
+    double z = amplified(&s->settings, force_N, TICK * tick);
+    for (uint32_t i = 0; i < N; i++) {
+        double counts = s->rest[i] + s->counts_N[i] * z;
+        if (s->noise_counts > 0) {
+            counts += s->noise_counts * noise_normal(s->settings.seed, (uint64_t)tick * N + i);
+        }
+        adc[i] = (int16_t)fmin(fmax(rint(counts), INT16_MIN), INT16_MAX);
+    }
+}
+
+uint16_t sensor_thermistor(double celsius) {
+    const double ratio = exp(3950 * (1 / (celsius + 273.15) - 1 / 298.15)); /* of its resistance to 10 kOhm */
+    return (uint16_t)rint(4095 * ratio / (ratio + 1));
+}

@@ -1,0 +1,63 @@
+/* rig.h: the virtual indenter: the firmware (under QEMU or as a process) and the plant in lockstep. */
+#ifndef PALPATE_RIG_H
+#define PALPATE_RIG_H
+
+#include "plant.h"
+
+#include <sys/types.h>
+
+/* Auto: QEMU where it and the image are. */
+typedef enum rig_firmware { RIG_AUTO, RIG_QEMU, RIG_HOST } rig_firmware;
+
+enum { RIG_INJECTIONS = 16, RIG_PATH = 4096, RIG_NOTE = 256 };
+
+typedef struct rig_injection {
+    int fault;              /* palp_wire_fault */
+    double time_s, until_s; /* since the rig started; until: lifted then, 0 = never */
+} rig_injection;
+
+typedef struct rig_settings {
+    plant_settings plant;
+    rig_firmware firmware;
+    size_t n_injections;
+    rig_injection injection[RIG_INJECTIONS];
+    bool paced;           /* at real time; else as fast as it goes */
+    const char *port;     /* "pty"; "tcp:PORT" to listen on; "unix:PATH", absolute, to connect to */
+    const char *script;   /* a file of "TICK HEXBYTES" lines to feed in place of a host, or NULL */
+    const char *log;      /* CSV of the plant's truth every tick, or NULL */
+    double until_s;       /* stop after this device time; 0 = until closed */
+    double patience_s;    /* for an answer of the firmware; 15, as a full port may hold it up for 10 */
+    char image[RIG_PATH]; /* the firmware's file, from rig_find */
+} rig_settings;
+
+rig_settings rig_settings_default(void);
+
+/* Decides on RIG_AUTO and finds the image: in $PALPATE_FIRMWARE, in firmware/ beside this program, or in
+ * ../lib/palpate/ from there. note: which firmware will run, in words, such as "the STM32F405 image under
+ * QEMU 7.2.22" or "the host process". False (and why, in note) where there is none. */
+bool rig_find(rig_settings *settings, char note[RIG_NOTE]);
+
+/* How a run went. */
+typedef struct rig_figures {
+    uint32_t ticks, restarts;
+    uint32_t cost;    /* most processor instructions of a tick; 0 = not known */
+    uint32_t late;    /* paced: ticks that came more than one late */
+    double worst_s;   /* paced: the latest */
+    double elapsed_s; /* wall clock */
+} rig_figures;
+
+/* Runs what rig_find finds, or found, and the plant until until_s or *stop turns non-zero; on_port (may be
+ * NULL) is told what to connect to, e.g. "pty:/dev/pts/5" or "tcp:127.0.0.1:4000", once it is there; figures
+ * may be NULL. An exit code; errors to stderr under name, also when the firmware dies or does not answer. */
+int rig_run(const char *name, const rig_settings *settings, const volatile int *stop,
+            void (*on_port)(const char *port, void *context), void *context, rig_figures *figures);
+
+/* The same in a child process, for palpate acquire: one that hears no Ctrl-C, and ends with this process. */
+typedef struct rig {
+    pid_t child;
+    char port[32]; /* what link_open() takes */
+} rig;
+int rig_open(const char *name, const rig_settings *settings, rig *r);
+int rig_close(rig *r); /* ends it; its exit code */
+
+#endif

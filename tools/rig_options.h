@@ -1,0 +1,35 @@
+/* rig_options.h: the options that describe the virtual indenter, for palpate rig and acquire --port rig. */
+#ifndef PALPATE_RIG_OPTIONS_H
+#define PALPATE_RIG_OPTIONS_H
+
+#include "cli.h"
+#include "rig.h"
+
+enum { RIG_OPTIONS = 18 }; /* a heading and the options */
+
+/* What the options say, as cli_parse leaves it; rig_options_settings makes settings of it. */
+typedef struct rig_options {
+    const char *actuator, *inject, *log;
+    int specimen, firmware; /* index of the choice; -1 = not given */
+    bool paced;
+    double scale, contact_mm, compliance_mm_N, backlash_mm;
+    double noise_N, hum_N, bias_N, drift_N_s, gain, range_N;
+    size_t seed;
+} rig_options;
+
+/* The defaults are those of rig_settings_default(); NAN or -1 = not given. */
+rig_options rig_options_default(void);
+
+/* Writes the options into list, to stand behind a command's own; *o must outlive the parsing. */
+void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]);
+
+/* The first option that was given, without the dashes, or NULL: for a command that has no rig to give it to.
+ */
+const char *rig_options_given(const rig_options *o);
+
+/* Settings from the options: reads the actuator, checks that the model is there, takes the faults apart.
+ * model may be NULL: the seed's phantom. The settings point at the options' texts. An exit code, after one
+ * line on stderr under name. */
+int rig_options_settings(const char *name, const rig_options *o, const char *model, rig_settings *settings);
+
+#endif
