@@ -1,32 +1,32 @@
 #!/bin/sh
-# demo.sh: what `make demo` runs: recordings become a lumped model with intervals, then a network, then a report.
-# The recordings are made from the seed's Table 4.3 (ramp and hold) and Eq. 4.2 (static), with noise and free air.
+# demo.sh: what `make demo` runs: the indenter's firmware presses a phantom; its recordings become a lumped model with
+# intervals, then a network, then a report. FULL=1: all thirteen experiments of the seed, 200 s each, instead of four.
+# The phantom, motor and force sensor are simulated (palpate rig), with the material of Sedef 2008, Eq. 4.2 and Table 4.5.
 set -eu
 cd "$(dirname "$0")/.."
 palpate=${PALPATE:-build/palpate}
+phantom=data/sedef2008/lumped_n2.json
 out=build/demo
 runs=$out/recordings
 rm -rf "$out"
 mkdir -p "$runs"
 
-sensor="--sample-Hz 1000 --air-s 1 --noise-N 0.004"
-echo "Recording a phantom (simulated: Sedef 2008, Tables 4.3 and 4.5)"
-grep '^[0-9]' data/sedef2008/table_4_3.csv | while IFS=, read -r depth strain k_inf k1 b1 k2 b2; do
-    printf '{"palpate": {"model": 1}, "kind": "lumped", "specimen": {"kind": "cylinder", "height_mm": 24, "radius_mm": 12},
- "stiffness": {"kind": "polynomial", "coefficients_N": [%s]}, "formulation": "history",
- "arms": [{"stiffness_N": %s, "viscosity_Ns": %s}, {"stiffness_N": %s, "viscosity_Ns": %s}]}' \
-        "$k_inf" "$k1" "$b1" "$k2" "$b2" >"$runs/tissue"
-    # shellcheck disable=SC2086
-    "$palpate" simulate "$runs/tissue" --protocol ramp_hold --depth-mm "$depth" --ramp-s 1 --hold-s 100 $sensor \
-        --seed "${depth%.*}${depth#*.}" --out "$runs/ramp_hold_${depth}mm.csv"
-done
-rm "$runs/tissue"
+if "$palpate" rig --firmware qemu --until-s 0.001 >/dev/null 2>"$out/rig.txt"; then firmware=qemu; else firmware=host; fi
+if [ -n "${FULL-}" ]; then
+    firmware=host # as the board's image this would take an hour
+    protocol=--seed-protocol
+else
+    protocol="--protocol data/protocols/demo.json"
+fi
+"$palpate" rig --firmware $firmware --until-s 0.001 2>"$out/rig.txt" >/dev/null
+echo "Acquiring from the indenter: its firmware as $(sed -n 's/^running //p' "$out/rig.txt")"
 # shellcheck disable=SC2086
-"$palpate" simulate data/sedef2008/lumped_n2.json --protocol static --depth-mm 9.7 --rate-mm-s 0.1 $sensor --seed 1 \
-    --out "$runs/static.csv"
+"$palpate" acquire --port rig:$phantom --firmware $firmware $protocol --out "$runs" 2>"$out/acquire.txt" ||
+    { cat "$out/acquire.txt" >&2; exit 1; }
+sed 's/^palpate acquire: /  /' "$out/acquire.txt"
 
 echo "Characterizing"
-"$palpate" characterize "$runs"/*.csv --degree 3 --out "$out/lumped.json" --plot "$out" >"$out/characterize.txt" \
+"$palpate" characterize "$runs"/*.csv --degree 4 --out "$out/lumped.json" --plot "$out" >"$out/characterize.txt" \
     2>"$out/findings.txt" || { cat "$out/findings.txt" >&2; exit 1; }
 echo "Calibrating a network of 27 nodes"
 "$palpate" calibrate "$out/lumped.json" --nodes 3 --law spline --strain-dependent --out "$out/network.json" --plot "$out" \
@@ -35,11 +35,22 @@ for depth in 2 4 6; do
     "$palpate" simulate "$out/network.json" --protocol ramp_hold --depth-mm $depth --ramp-s 1 --hold-s 100 \
         --out "$out/simulated_${depth}mm.csv"
 done
-"$palpate" report "$runs" "$out" --title "Silicone phantom of Sedef (2008), simulated recordings" --out "$out/report.html"
+"$palpate" report "$runs" "$out" --title "Silicone phantom of Sedef (2008), pressed by the virtual indenter" --out "$out/report.html"
 
 key() { sed -n "s/^ *\"$1\": *\([-+.0-9eE]*\),\{0,1\}\$/\1/p" "$2"; }
 echo
-sed -n '/^Model/,$p' "$out/characterize.txt" | sed -n 's/^  arm \([0-9]*\):/  arm \1 of the phantom:/p'
+list() { sed -n "s/.*\"$1\": *\[\([^]]*\)\].*/\1/p" "$2"; }
+arms() { tr -d '\n ' <"$1" | grep -o '"stiffness_N":[^}]*' | sed 's/[^:]*:\([^,]*\),[^:]*:\(.*\)/\1 \2/'; }
+list coefficients_N $phantom >"$out/true_law"
+list coefficients_N "$out/lumped.json" >"$out/law"
+awk -F, 'FNR == 1 { file++ } { for (i = 1; i <= NF; i++) c[file, i - 1] = $i; n[file] = NF }
+    function k(f, e,   i, y) { for (i = n[f] - 1; i >= 0; i--) y = y * e + c[f, i]; return y }
+    END { for (e = 0.05; e < 0.301; e += 0.01) { d = 100 * (k(2, e) / k(1, e) - 1); d = d < 0 ? -d : d; if (d > most) most = d }
+          printf "  K_inf of the phantom, strain 0.05 to 0.3: within %.2f %%\n", most }' "$out/true_law" "$out/law"
+arms $phantom >"$out/true_arms"
+arms "$out/lumped.json" | paste -d ' ' - "$out/true_arms" | awk '{
+    printf "  arm %d of the phantom: %.4g N (%+.1f %%), %.4g N s (%+.1f %%)\n", NR, $1, 100 * ($1 / $3 - 1), $2, 100 * ($2 / $4 - 1) }'
+rm "$out/true_law" "$out/law" "$out/true_arms"
 awk -v a="$(key gap_before_percent "$out/characterize.json")" -v b="$(key gap_after_percent "$out/characterize.json")" \
     'BEGIN { printf "  K_inf, static against ramp and hold: %.1f %% apart as recorded, %.1f %% after the joint fit\n", a, b }'
 key max_error_percent "$out/calibrate.json" | sort -g | tail -n 1 |

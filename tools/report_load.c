@@ -85,6 +85,10 @@ static void load_run(report_file *file) {
     bool simulated = palp_experiment_get_string(file->experiment, "model.file", &text) == PALP_OK &&
                      palp_experiment_get_number(file->experiment, "sensor.noise_N", &number) != PALP_OK;
     file->kind = simulated ? REPORT_SIMULATION : REPORT_RECORDING;
+    if (palp_experiment_get_string(file->experiment, "specimen.kind", &text) == PALP_OK &&
+        (strcmp(text, "none") == 0 || strcmp(text, "rigid") == 0)) {
+        return; /* nothing to prepare: the air, or the frame */
+    }
     if (palp_recording_prepare(file->experiment, file->path, &settings, &file->recording, &error)) {
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
         memset(&file->recording, 0, sizeof file->recording);

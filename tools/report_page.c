@@ -167,7 +167,7 @@ static void measured_row(FILE *to, const report_file *f) {
     const palp_recording *r = &f->recording;
     char text[256];
     if (r->n == 0) {
-        html_row(to, "%s|~could not be used: %s", report_base(f->path), f->note);
+        html_row(to, f->note[0] ? "%s|~could not be used: %s" : "%s|~no specimen%s", report_base(f->path), f->note);
         return;
     }
     findings(r, text, sizeof text);
