@@ -24,11 +24,11 @@ FW_FLAGS := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard -std=c99 
 FW_LD := firmware/board/stm32f405/stm32f405.ld
 
 .PHONY: firmware firmware-host flash
-# Without the compiler nothing of the rest would say anything useful.
-HAS_ARM := $(shell command -v $(ARM)gcc 2>/dev/null)
+# Without the compiler nothing of the rest would say anything useful. The headers are newlib's, a package of its own.
+HAS_ARM := $(shell printf '\043include <string.h>\n' | $(ARM)gcc -E - >/dev/null 2>&1 && echo yes)
 ifeq ($(HAS_ARM),)
 firmware:
-	@echo "there is no $(ARM)gcc: tools/install-deps all installs it, or set ARM=prefix-" >&2; exit 1
+	@echo "there is no $(ARM)gcc with newlib: tools/install-deps all installs it, or set ARM=prefix-" >&2; exit 1
 else
 firmware: $(FW)/indenter.bin $(FW)/rig.elf ## the board's firmware and the image for QEMU, under build/firmware/
 	@firmware/budget.sh $(ARM) $(FW)/indenter.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_ELF_SRC)))

@@ -97,8 +97,11 @@ first=$(grep -l '^# protocol.order: 2$' seed/*.csv)
 grep -l "end.fault: null" seed/*.csv | wc -l | grep -qx 16 || fail "seed: a fault"
 
 # ---- faults: exit code 4, one line of why and where, and the file up to there ----
-for f in over_force over_temperature sensor_silent encoder_jump watchdog_reset emergency_stop; do
-    expect 4 acquire $H $short --ramp-hold 2 --hold-s 80 --inject $f@60 --out $f
+for f in over_force over_travel over_temperature following_error sensor_silent sensor_saturated encoder_jump \
+    host_timeout stream_overflow command_out_of_range watchdog_reset stack_guard emergency_stop; do
+    until=
+    [ $f != stream_overflow ] || until=-62 # or else it could not say so
+    expect 4 acquire $H $short --ramp-hold 2 --hold-s 80 --host-timeout-s 5 --inject $f@60$until --out $f
     [ "$(grep -c "the device stopped: $f " err)" -eq 1 ] && [ "$(wc -l <err)" -eq 2 ] || { fail "$f:"; cat err; }
     grep -q "$f/ramp_hold_2mm.csv holds what came before" err || fail "$f: the file is not named"
     [ "$(fault $f/ramp_hold_2mm.csv)" = "\"$f\"" ] || fail "$f: end.fault $(fault $f/ramp_hold_2mm.csv)"
