@@ -71,22 +71,8 @@ palp_status palp_forward_set(palp_model *model, const double *parameter) {
 
 /* ---- the sensor ---- */
 
-/* What a stage of the sensor remembers. */
-typedef struct memory {
-    double input, output, *input_p, *output_p;
-} memory;
-
-typedef struct sensor {
-    const forward_plan *plan;
-    const palp_forward_run *run;
-    size_t n_columns;
-    memory stage[PALP_EFFECTS_MAX];
-    double *force_p, *block; /* block: the first and all stages' rows */
-} sensor;
-
-static palp_status sensor_create(const forward_plan *plan, const palp_forward_run *run, size_t n_columns,
-                                 sensor *s) {
-    *s = (sensor){.plan = plan, .run = run, .n_columns = n_columns};
+palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, forward_sensor *s) {
+    *s = (forward_sensor){.plan = plan, .n_columns = n_columns};
     s->block = calloc((2 * plan->n_sensors + 1) * n_columns + 1, sizeof *s->block);
     if (!s->block)
         return PALP_ERR_NO_MEMORY;
@@ -98,26 +84,15 @@ static palp_status sensor_create(const forward_plan *plan, const palp_forward_ru
     return PALP_OK;
 }
 
-/* Where the instrument is at sample i: velocity and acceleration of the parabola through it and its
- * neighbours; at the ends the velocity of the only interval, and none. */
-static effect_moment moment_at(const palp_forward_run *run, size_t i) {
-    const double *t = run->time_s, *d = run->depth_m;
-    effect_moment m = {.time = t[i], .since = t[i] - t[0], .depth = d[i], .hum_phase = run->hum_phase};
-    double before = i ? t[i] - t[i - 1] : 0.0, after = i + 1 < run->n ? t[i + 1] - t[i] : 0.0;
-    double come = before > 0.0 ? (d[i] - d[i - 1]) / before : 0.0,
-           go = after > 0.0 ? (d[i + 1] - d[i]) / after : come;
-    m.step = before;
-    m.velocity = before > 0.0 ? (come * after + go * before) / (before + after) : go;
-    if (before > 0.0 && after > 0.0)
-        m.acceleration = 2.0 * (go - come) / (before + after);
-    return m;
+void forward_sensor_free(forward_sensor *s) {
+    free(s->block);
+    *s = (forward_sensor){0};
 }
 
-/* Takes force and s->force_p through the stages. */
-static double sense(sensor *s, const effect_moment *at, double force) {
+double forward_sensor_read(forward_sensor *s, const effect_moment *at, double force) {
     for (size_t j = 0; j < s->plan->n_sensors; j++) {
         const forward_stage *stage = &s->plan->sensor[j];
-        memory *m = &s->stage[j];
+        forward_memory *m = &s->stage[j];
         effect_reading out = {.by_input = 1.0};
         stage->row->sensor(stage->value, at, force, m->input, m->output, &out);
         for (size_t k = 0; k < s->n_columns; k++) {
@@ -136,6 +111,21 @@ static double sense(sensor *s, const effect_moment *at, double force) {
 }
 
 /* ---- the run ---- */
+
+/* Where the instrument is at sample i: velocity and acceleration of the parabola through it and its
+ * neighbours; at the ends the velocity of the only interval, and none. */
+static effect_moment moment_at(const palp_forward_run *run, size_t i) {
+    const double *t = run->time_s, *d = run->depth_m;
+    effect_moment m = {.time = t[i], .since = t[i] - t[0], .depth = d[i], .hum_phase = run->hum_phase};
+    double before = i ? t[i] - t[i - 1] : 0.0, after = i + 1 < run->n ? t[i + 1] - t[i] : 0.0;
+    double come = before > 0.0 ? (d[i] - d[i - 1]) / before : 0.0,
+           go = after > 0.0 ? (d[i + 1] - d[i]) / after : come;
+    m.step = before;
+    m.velocity = before > 0.0 ? (come * after + go * before) / (before + after) : go;
+    if (before > 0.0 && after > 0.0)
+        m.acceleration = 2.0 * (go - come) / (before + after);
+    return m;
+}
 
 static palp_status check_run(const palp_forward_run *run, palp_error *error) {
     for (size_t i = 0; i < run->n; i++)
@@ -160,9 +150,8 @@ static palp_status move_to(forward_plate *plate, const palp_forward_run *run, si
     return status;
 }
 
-static palp_status follow(forward_plate *plate, sensor *s, double *force_N, double *gradient,
-                          palp_error *error) {
-    const palp_forward_run *run = s->run;
+static palp_status follow(forward_plate *plate, forward_sensor *s, const palp_forward_run *run,
+                          double *force_N, double *gradient, palp_error *error) {
     for (size_t i = 0; i < run->n; i++) {
         effect_moment at = moment_at(run, i);
         palp_status status = move_to(plate, run, i, at.velocity);
@@ -170,7 +159,7 @@ static palp_status follow(forward_plate *plate, sensor *s, double *force_N, doub
             return palp_error_set(error, status, "at %.6g s, depth %.6g mm: %s", run->time_s[i],
                                   1e3 * run->depth_m[i], palp_status_text(status));
         memcpy(s->force_p, plate->force_p, s->n_columns * sizeof *s->force_p);
-        force_N[i] = sense(s, &at, plate->force);
+        force_N[i] = forward_sensor_read(s, &at, plate->force);
         for (size_t k = 0; k < s->n_columns; k++)
             gradient[k * run->n + i] = s->force_p[k];
     }
@@ -180,16 +169,16 @@ static palp_status follow(forward_plate *plate, sensor *s, double *force_N, doub
 palp_status forward_run(const forward_plan *plan, const forward_specimen *specimen,
                         const palp_forward_run *run, double *force_N, double *gradient, palp_error *error) {
     forward_plate plate;
-    sensor s;
+    forward_sensor s;
     palp_status status = check_run(run, error);
     if (status)
         return status;
     status = forward_plate_create(plan, specimen, &plate);
     if (!status) {
-        status = sensor_create(plan, run, specimen->n_columns, &s);
+        status = forward_sensor_create(plan, specimen->n_columns, &s);
         if (!status) {
-            status = follow(&plate, &s, force_N, gradient, error);
-            free(s.block);
+            status = follow(&plate, &s, run, force_N, gradient, error);
+            forward_sensor_free(&s);
         }
         forward_plate_free(&plate);
     }
@@ -202,11 +191,6 @@ palp_status palp_forward_force(const palp_model *model, const palp_forward_run *
     forward_lumped *lumped;
     if (model->kind != PALP_MODEL_LUMPED)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED, "a network is run by palp_forward_network");
-    if (model->material.formulation != PALP_HISTORY)
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "formulation sedef2008 takes no effects; use history");
-    if (!(model->height_m > 0.0))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "the specimen has no height");
     palp_status status = forward_plan_make(model, run->session_s, &plan, error);
     if (status)
         return status;

@@ -378,6 +378,12 @@ palp_status forward_plate_move(forward_plate *p, double time, double depth, doub
     return PALP_OK;
 }
 
+palp_status forward_plate_step(forward_plate *p, double dt, double depth, double velocity) {
+    p->released -= p->time[1];
+    p->time[1] = 0.0;
+    return forward_plate_move(p, dt, depth, velocity);
+}
+
 palp_status forward_plate_create(const forward_plan *plan, const forward_specimen *specimen,
                                  forward_plate *plate) {
     const size_t n = specimen->n_columns;

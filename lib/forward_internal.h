@@ -39,6 +39,9 @@ palp_status forward_plan_make(const palp_model *model, double session_s, forward
 /* Factor of the spring's force by the strain rate of the plate; *decades: its derivative by the parameter. */
 double forward_boost(const forward_plan *plan, double rate, double *decades);
 
+/* The plan as of another time of the session. ERR_ARGUMENT: nothing is left of the specimen's force. */
+palp_status forward_plan_age(forward_plan *plan, double session_s);
+
 /* Shortest relaxation time of the plan's arms that are not off; INFINITY: it has none. */
 double forward_shortest_arm(const forward_plan *plan);
 
@@ -73,6 +76,14 @@ palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, fo
 void forward_lumped_free(forward_lumped *lumped);
 forward_specimen forward_lumped_specimen(forward_lumped *lumped);
 
+/* settings may be NULL. A spectrum becomes arms of the plan that hold for steps from shortest, in all whole
+ * seconds (0: none). */
+typedef struct forward_network forward_network;
+palp_status forward_network_create(forward_plan *plan, const palp_network_settings *settings, double shortest,
+                                   double whole, forward_network **network, palp_error *error);
+void forward_network_free(forward_network *network);
+forward_specimen forward_network_specimen(forward_network *network);
+
 /* ---- the plate (forward_contact.c) ---- */
 
 typedef struct forward_plate {
@@ -97,6 +108,29 @@ void forward_plate_free(forward_plate *plate);
 /* Puts the plate at its first depth, at once. Then moves it on to a depth at a time, linearly. */
 palp_status forward_plate_start(forward_plate *plate, double time, double depth);
 palp_status forward_plate_move(forward_plate *plate, double time, double depth, double velocity);
+
+/* The same by a step of dt to the bit, whatever the time: the plate's clock starts anew. */
+palp_status forward_plate_step(forward_plate *plate, double dt, double depth, double velocity);
+
+/* ---- the sensor: from the force on the plate to the recorded one (forward.c) ---- */
+
+/* What a stage of it remembers of the sample before. */
+typedef struct forward_memory {
+    double input, output, *input_p, *output_p;
+} forward_memory;
+
+typedef struct forward_sensor {
+    const forward_plan *plan;
+    size_t n_columns;
+    forward_memory stage[PALP_EFFECTS_MAX];
+    double *force_p, *block; /* block: the first and all stages' rows */
+} forward_sensor;
+
+palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, forward_sensor *sensor);
+void forward_sensor_free(forward_sensor *sensor);
+
+/* Takes a force and sensor->force_p through the stages. */
+double forward_sensor_read(forward_sensor *sensor, const effect_moment *at, double force);
 
 /* The whole chain of one recording; gradient is NULL or takes the specimen's columns (forward.c). */
 palp_status forward_run(const forward_plan *plan, const forward_specimen *specimen,

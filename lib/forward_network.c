@@ -7,14 +7,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-typedef struct pressed {
+struct forward_network {
     const forward_plan *plan;
     palp_network *net;
+    element_wear wear;
     double *weight; /* [n_elements] scratch */
-} pressed;
+};
 
 static palp_status attempt(void *self, const forward_move *move, double *force, double *slope) {
-    pressed *p = self;
+    forward_network *p = self;
     palp_step_info info = {0};
     double decades, height = p->net->height;
     p->net->boost = forward_boost(p->plan, move->rate, &decades);
@@ -28,26 +29,23 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
 }
 
 static void commit(void *self, const double *strain_p, const double *dt_p, double *force_p) {
-    pressed *p = self;
+    forward_network *p = self;
     (void)strain_p, (void)dt_p, (void)force_p;
     palp_network_commit(p->net);
 }
 
 /* The relaxation modulus of an effect as arms of the elements, as many as there is room for, over the times
- * that the run can tell. */
-static palp_status add_spectrum(forward_plan *plan, palp_effect_id id, size_t room,
-                                const palp_forward_run *run, palp_error *error) {
+ * that the steps can tell. */
+static palp_status add_spectrum(forward_plan *plan, palp_effect_id id, size_t room, double shortest,
+                                double whole, palp_error *error) {
     const double *value = plan->value[id];
     effect_mode mode[EFFECT_MODES_MAX];
-    double shortest = INFINITY, whole = run->n ? run->time_s[run->n - 1] - run->time_s[0] : 0.0;
-    if (!value || value[0] == 0.0 || run->n < 2)
+    if (!value || value[0] == 0.0 || whole == 0.0)
         return PALP_OK;
     if (room < EFFECT_MODES_MIN)
         return palp_error_set(error, PALP_ERR_LIMIT,
                               "%s: the network's arms leave no room for it (%d in all)",
                               palp_effect_look_up(id)->id, PALP_ARMS_MAX);
-    for (size_t i = 1; i < run->n; i++)
-        shortest = fmin(shortest, run->time_s[i] - run->time_s[i - 1]);
     const effect_range range = {room, 0.1 / whole, 5.0 / shortest};
     effect_row_of(id)->spectrum(value, &range, mode);
     for (size_t i = 0; i < room; i++)
@@ -56,12 +54,12 @@ static palp_status add_spectrum(forward_plan *plan, palp_effect_id id, size_t ro
     return PALP_OK;
 }
 
-static palp_status add_spectra(forward_plan *plan, const palp_forward_run *run, palp_error *error) {
+static palp_status add_spectra(forward_plan *plan, double shortest, double whole, palp_error *error) {
     const palp_effect_id first = PALP_EFFECT_POWER_LAW_RELAXATION, second = PALP_EFFECT_POROELASTIC;
     size_t room = PALP_ARMS_MAX - plan->material.n_arms;
     bool both = plan->value[first] && plan->value[second];
-    palp_status status = add_spectrum(plan, first, both ? room / 2 : room, run, error);
-    return status ? status : add_spectrum(plan, second, both ? room / 2 : room, run, error);
+    palp_status status = add_spectrum(plan, first, both ? room / 2 : room, shortest, whole, error);
+    return status ? status : add_spectrum(plan, second, both ? room / 2 : room, shortest, whole, error);
 }
 
 /* A network's plates hold its nodes; with slip they are held by springs instead, slip 1 by next to none. */
@@ -92,42 +90,68 @@ static palp_status make_network(const forward_plan *plan, const palp_network_set
     return status;
 }
 
-static palp_status run_network(const forward_plan *plan, palp_network *net, const palp_forward_run *run,
-                               double *force_N, palp_error *error) {
-    double shortest = forward_shortest_arm(plan);
-    element_wear wear = plan->wear;
-    pressed p = {plan, net, malloc((palp_mesh_element_count(net->mesh) + 1) * sizeof *p.weight)};
-    palp_status status = p.weight ? set_slip(plan, net) : PALP_ERR_NO_MEMORY;
-    wear.slack = 1e-3;
+static palp_status equip(forward_network *f, palp_error *error) {
+    const forward_plan *plan = f->plan;
+    f->weight = malloc((palp_mesh_element_count(f->net->mesh) + 1) * sizeof *f->weight);
+    palp_status status = f->weight ? set_slip(plan, f->net) : PALP_ERR_NO_MEMORY;
+    f->wear = plan->wear;
+    f->wear.slack = 1e-3;
     if (!status && plan->worn)
-        status = network_set_wear(net, &wear);
-    if (status)
-        palp_error_set(error, status, "%s", palp_status_text(status));
-    forward_specimen specimen = {.self = &p,
-                                 .attempt = attempt,
-                                 .commit = commit,
-                                 .height = net->height,
-                                 .shortest = isinf(shortest) ? 0.0 : shortest};
+        status = network_set_wear(f->net, &f->wear);
+    return status ? palp_error_set(error, status, "%s", palp_status_text(status)) : PALP_OK;
+}
+
+palp_status forward_network_create(forward_plan *plan, const palp_network_settings *settings, double shortest,
+                                   double whole, forward_network **network, palp_error *error) {
+    forward_network *f = calloc(1, sizeof *f);
+    if (!f)
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
+    f->plan = plan;
+    palp_status status = add_spectra(plan, shortest, whole, error);
     if (!status)
-        status = forward_run(plan, &specimen, run, force_N, NULL, error);
-    free(p.weight);
+        status = make_network(plan, settings, &f->net, error);
+    if (!status)
+        status = equip(f, error);
+    if (status)
+        forward_network_free(f);
+    else
+        *network = f;
     return status;
+}
+
+void forward_network_free(forward_network *f) {
+    if (!f)
+        return;
+    palp_network_free(f->net);
+    free(f->weight);
+    free(f);
+}
+
+forward_specimen forward_network_specimen(forward_network *f) {
+    double shortest = forward_shortest_arm(f->plan);
+    return (forward_specimen){.self = f,
+                              .attempt = attempt,
+                              .commit = commit,
+                              .height = f->net->height,
+                              .shortest = isinf(shortest) ? 0.0 : shortest};
 }
 
 palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
                                  const palp_forward_run *run, double *force_N, palp_error *error) {
     forward_plan plan;
-    palp_network *net;
+    forward_network *network;
     if (model->kind != PALP_MODEL_NETWORK)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model is run by palp_forward_force");
+    double shortest = INFINITY, whole = run->n ? run->time_s[run->n - 1] - run->time_s[0] : 0.0;
+    for (size_t i = 1; i < run->n; i++)
+        shortest = fmin(shortest, run->time_s[i] - run->time_s[i - 1]);
     palp_status status = forward_plan_make(model, run->session_s, &plan, error);
     if (!status)
-        status = add_spectra(&plan, run, error);
-    if (!status)
-        status = make_network(&plan, settings, &net, error);
+        status = forward_network_create(&plan, settings, shortest, whole, &network, error);
     if (status)
         return status;
-    status = run_network(&plan, net, run, force_N, error);
-    palp_network_free(net);
+    forward_specimen specimen = forward_network_specimen(network);
+    status = forward_run(&plan, &specimen, run, force_N, NULL, error);
+    forward_network_free(network);
     return status;
 }

@@ -82,14 +82,30 @@ static void find_wear(forward_plan *plan) {
     }
 }
 
+palp_status forward_plan_age(forward_plan *plan, double session_s) {
+    const double *ageing = plan->value[PALP_EFFECT_SESSION_AGEING];
+    plan->session_s = session_s;
+    plan->age = ageing ? 1.0 + ageing[0] * session_s : 1.0;
+    return plan->age > 0.0 && isfinite(plan->age) ? PALP_OK : PALP_ERR_ARGUMENT;
+}
+
+static palp_status check_lumped(const palp_model *model, palp_error *error) {
+    if (model->material.formulation != PALP_HISTORY)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "formulation sedef2008 takes no effects; use history");
+    if (!(model->height_m > 0.0))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the specimen has no height");
+    return PALP_OK;
+}
+
 palp_status forward_plan_make(const palp_model *model, double session_s, forward_plan *plan,
                               palp_error *error) {
-    palp_status status = effect_list_check(model, error);
+    palp_status status = model->kind == PALP_MODEL_LUMPED ? check_lumped(model, error) : PALP_OK;
+    if (!status)
+        status = effect_list_check(model, error);
     memset(plan, 0, sizeof *plan);
     plan->model = model;
     plan->material = model->material;
-    plan->session_s = session_s;
-    plan->age = 1.0;
     for (size_t j = 0; j < model->material.n_arms && j < PALP_ARMS_MAX; j++)
         plan->arm_column[j] = forward_arm_column(model, j);
     for (size_t i = 0; i < model->n_effects && !status; i++)
@@ -105,9 +121,7 @@ palp_status forward_plan_make(const palp_model *model, double session_s, forward
     }
     if (plan->value[PALP_EFFECT_ADHESION])
         plan->adhesion = plan->value[PALP_EFFECT_ADHESION][0];
-    if (plan->value[PALP_EFFECT_SESSION_AGEING])
-        plan->age = 1.0 + plan->value[PALP_EFFECT_SESSION_AGEING][0] * session_s;
-    if (!(plan->age > 0.0) || !isfinite(plan->age))
+    if (forward_plan_age(plan, session_s))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
                               "session_ageing: nothing is left of the specimen's force");
     return palp_material_check(&plan->material, error);

@@ -18,6 +18,7 @@ struct plant {
     sensor sensor;
     specimen specimen;
     double plate_m;        /* of the plate from the home switch, the frame being stiff */
+    double push_m_s2;      /* acceleration of the carriage, mean of the last tick: within it, it jumps */
     double zero_m;         /* where the encoder counts from */
     int32_t jumped;        /* counts */
     uint32_t tick, faults; /* bits 1 << plant_fault */
@@ -115,8 +116,17 @@ static void follow(plant *p) {
     p->plate_m = p->specimen.force_N > a->coulomb_N ? high : fmin(fmax(p->plate_m, high), low);
 }
 
+/* What the model's sensor makes of the force, or the amplifier of what is harder. */
+static double read_force(const plant *p) {
+    const palp_specimen_motion motion = {TICK * p->tick, p->drive.carriage_m - p->settings.contact_m,
+                                         p->drive.velocity_m_s, p->push_m_s2};
+    double read_N = specimen_sense(&p->specimen, &motion);
+    return has(p, PLANT_OBSTACLE) ? fmax(read_N, OBSTACLE * sensor_range(&p->sensor)) : read_N;
+}
+
 static void sense(const plant *p, plant_in *in) {
     const plant_actuator *a = &p->settings.actuator;
+    double read_N = read_force(p);
     memset(in, 0, sizeof *in);
     in->tick = p->tick;
     in->position = (int32_t)floor((p->drive.carriage_m - p->zero_m) / a->count_m) + p->jumped;
@@ -125,8 +135,7 @@ static void sense(const plant *p, plant_in *in) {
                              (has(p, PLANT_EMERGENCY) ? PLANT_SWITCH_EMERGENCY : 0) |
                              (has(p, PLANT_SILENT) ? PLANT_SENSOR_SILENT : 0));
     if (!has(p, PLANT_SILENT)) {
-        double met_N = has(p, PLANT_OBSTACLE) ? OBSTACLE * sensor_range(&p->sensor) : 0;
-        sensor_convert(&p->sensor, fmax(p->specimen.force_N, met_N), p->tick, in->adc);
+        sensor_convert(&p->sensor, read_N, p->tick, in->adc);
     }
     if (has(p, PLANT_SATURATED)) {
         in->adc[0] = INT16_MAX;
@@ -142,7 +151,8 @@ void plant_first(plant *p, plant_in *in) {
 palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error *error) {
     const plant_actuator *a = &p->settings.actuator;
     const double dt = TICK / SUBSTEPS, volt = a->supply_V * fmax(out->duty, -DUTY_FULL) / DUTY_FULL;
-    const bool slow = specimen_is_slow(&p->specimen);
+    const double before_m_s = p->drive.velocity_m_s;
+    const bool slow = p->specimen.slow;
     palp_status status = PALP_OK;
     for (int i = 1; i <= SUBSTEPS && status == PALP_OK; i++) {
         drive_advance(a, &p->drive, out->motor_on != 0, volt, p->specimen.force_N, dt);
@@ -151,6 +161,7 @@ palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error 
             status = specimen_advance(&p->specimen, reach(p), slow ? TICK : dt);
         }
     }
+    p->push_m_s2 = (p->drive.velocity_m_s - before_m_s) / TICK;
     p->tick++;
     sense(p, in);
     return status ? plant_fail(error, status, "%s: %s at %.4g mm (%.4g s)", p->specimen.path,
