@@ -189,6 +189,11 @@ bench-run: $(call prog,$(BENCHES)) $(TOOL)
 	@set -e; for b in $(call prog,$(BENCHES)); do \
 	    echo "== $$(basename $$b)"; PALPATE=$(TOOL) OMP_THREAD_LIMIT=1 OPENBLAS_NUM_THREADS=1 $$b; done
 
+.PHONY: hidden
+SEED ?= 1
+hidden: $(TOOL) ## the cases with a hidden effect: generated, explained and scored (SEED=1, about half an hour)
+	@PALPATE=$(TOOL) CC='$(CC)' tests/hidden/run.sh --seed $(SEED) --set all --out $(BUILD)/hidden
+
 # ---- installing ----------------------------------------------------------------------------------
 .PHONY: install uninstall man
 D = $(DESTDIR)

@@ -7,6 +7,7 @@
 #include <palpate/closed_form.h>
 #include <palpate/effect.h>
 #include <palpate/experiment.h>
+#include <palpate/explain.h>
 #include <palpate/forward.h>
 #include <palpate/law.h>
 #include <palpate/material.h>
@@ -15,6 +16,7 @@
 #include <palpate/network.h>
 #include <palpate/path.h>
 #include <palpate/recording.h>
+#include <palpate/specimen.h>
 #include <palpate/status.h>
 #include <palpate/version.h>
 #include <palpate/vtu.h>

@@ -1,0 +1,142 @@
+/* explain.h: find what a model misses in measured runs, name it from the catalogue of effects, and add it.
+ * doc/explain.md says how, and what it can and cannot tell. */
+#ifndef PALPATE_EXPLAIN_H
+#define PALPATE_EXPLAIN_H
+
+#include <palpate/experiment.h>
+#include <palpate/forward.h>
+#include <palpate/recording.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { PALP_EXPLAIN_EFFECTS = 6, PALP_EXPLAIN_WHERE = 64, PALP_EXPLAIN_REASON = 160 };
+
+/* Runs task(work, i) for all i < n, in any order and at once if it likes; returns after the last. */
+typedef void palp_explain_loop(void *user, size_t n, void (*task)(void *work, size_t i), void *work);
+
+typedef struct palp_explain_settings {
+    size_t max_effects;                    /* 4; at most PALP_EXPLAIN_EFFECTS */
+    double false_alarm;                    /* 0.05: chance that any effect at all is named where nothing is missing */
+    double practical_share;                /* 0.5: an effect must explain so much of the floor (rms) */
+    double repeatability;                  /* 0.003: expected scatter of a run's gain; the data correct it ... */
+    double contact_scatter_m;              /* 3e-6: ... and of a run's contact */
+    unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a suspect; all of them */
+    size_t n_held;                         /* runs kept out of the fit; 0 = each in turn */
+    const size_t *held;                    /* [n_held] indices, caller's */
+    unsigned long long seed;               /* of the simulated null cases */
+    palp_explain_loop *loop;               /* NULL = one after the other; the result is the same */
+    void *loop_user;
+} palp_explain_settings;
+
+PALP_API palp_explain_settings palp_explain_settings_default(void);
+
+/* What a run comes with; the experiment is only read. */
+typedef struct palp_explain_input {
+    const palp_experiment *experiment;
+    const char *name; /* the file's, for messages */
+} palp_explain_input;
+
+typedef enum palp_explain_verdict {
+    PALP_EXPLAIN_AGREES,      /* nothing is missing that these runs could show */
+    PALP_EXPLAIN_EXPLAINED,   /* with the effects, what remains is at the floor */
+    PALP_EXPLAIN_AMBIGUOUS,   /* likewise, but another effect would do as well */
+    PALP_EXPLAIN_UNEXPLAINED  /* something remains that no effect of the catalogue accounts for */
+} palp_explain_verdict;
+
+typedef enum palp_explain_phase {
+    PALP_PHASE_AIR, PALP_PHASE_RAMP, PALP_PHASE_CORNER, PALP_PHASE_EARLY_HOLD, PALP_PHASE_LATE_HOLD,
+    PALP_PHASE_UNLOAD, PALP_PHASE_RECOVERY, PALP_PHASE_RELOAD, PALP_PHASE_COUNT
+} palp_explain_phase;
+
+PALP_API const char *palp_explain_verdict_name(palp_explain_verdict verdict); /* "agrees", ... */
+PALP_API const char *palp_explain_phase_name(palp_explain_phase phase);       /* "air", "early_hold", ... */
+
+/* An accepted effect. Intervals are 95 %. */
+typedef struct palp_explain_effect {
+    palp_effect effect;
+    double low[PALP_EFFECT_PARAMETERS], high[PALP_EFFECT_PARAMETERS];
+    size_t n_class;                          /* effects that would do as well, itself first */
+    palp_effect_id alike[PALP_EFFECT_COUNT];
+    double evidence;                         /* gain in held-out log score, nats */
+    double evidence_se;                      /* its paired standard error over the experiments */
+    double gap_closed;                       /* share of the squared gap above the floor */
+} palp_explain_effect;
+
+typedef struct palp_explain_gap { /* N, rms over the samples */
+    double floor_N, before_N, after_N, heldout_before_N, heldout_after_N, closed;
+} palp_explain_gap;
+
+typedef struct palp_explain_where {
+    size_t run;
+    palp_explain_phase phase;
+    double share; /* of the squared gap, before */
+} palp_explain_where;
+
+typedef struct palp_explain_event {
+    size_t run, samples;
+    double from_s, to_s, size_N;
+    const char *kind; /* "spike", "release" */
+} palp_explain_event;
+
+/* What was tried and how it fared. */
+typedef struct palp_explain_suspect {
+    palp_effect_id id;
+    bool identifiable; /* these runs can see it beside the plain model */
+    bool accepted;
+    double score;      /* log likelihood gained when it alone is added, nats */
+    double explained_N; /* rms that it alone would explain */
+    char reason[PALP_EXPLAIN_REASON]; /* why it was rejected */
+} palp_explain_suspect;
+
+/* One run as it was used, for figures. */
+typedef struct palp_explain_run {
+    char name[PALP_NAME_MAX];
+    size_t n;
+    double *time_s, *depth_m, *force_N; /* [n] as recorded */
+    double *before_N, *after_N;         /* [n] recorded minus the refitted model: as given, with the effects */
+} palp_explain_run;
+
+/* The run that would tell a class apart best, of those the indenter can do. */
+typedef struct palp_explain_next {
+    bool wanted;
+    const char *kind; /* as in a protocol file: "cyclic", ... */
+    double depth_mm, rate_mm_s, ramp_s, hold_s;
+    size_t cycles;
+    palp_effect_id between[2];
+    double separation_N; /* expected rms difference */
+    const char *note;    /* NULL, or what the indenter alone cannot do */
+} palp_explain_next;
+
+/* The result; palp_explanation_free. */
+typedef struct palp_explanation {
+    palp_explain_verdict verdict;
+    palp_model base, model; /* refitted as given, and with the effects */
+    size_t n_effects;
+    palp_explain_effect effect[PALP_EXPLAIN_EFFECTS];
+    palp_explain_gap gap;
+    double white_N, coloured_N, colour_s, repeatability, contact_scatter_m; /* the floor's parts */
+    bool replicates;          /* the runs have some */
+    double threshold;         /* score above which a suspect is no false alarm, nats */
+    double unexplained_N;     /* rms of the structure that remains above the floor */
+    size_t n_where, n_events, n_suspects, n_runs;
+    palp_explain_where where[PALP_EXPLAIN_WHERE];
+    palp_explain_event *event;
+    palp_explain_suspect suspect[PALP_EFFECT_COUNT];
+    palp_explain_next next;
+    palp_explain_run *run; /* [n_runs] */
+} palp_explanation;
+
+PALP_API void palp_explanation_free(palp_explanation *explanation); /* NULL is fine */
+
+/* ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network, or a model that is not
+ * PALP_HISTORY; ERR_LIMIT: more effects in the model than can be added to. */
+PALP_API palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
+                                  const palp_explain_settings *settings, palp_explanation *explanation,
+                                  palp_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,261 @@
+/* explain_data.c: experiments into the runs that are explained: masks, phases, twins. */
+#include "explain_internal.h"
+#include "file.h"
+#include "recording_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double SPIKE_SIGMA = 8.0;
+
+static double number_of(const palp_experiment *e, const char *key, double otherwise) {
+    double value;
+    return palp_experiment_get_number(e, key, &value) ? otherwise : value;
+}
+
+static const char *text_of(const palp_experiment *e, const char *key) {
+    const char *text;
+    return palp_experiment_get_string(e, key, &text) ? "" : text;
+}
+
+palp_forward_run explain_forward_run(const explain_run *run) {
+    return (palp_forward_run){.n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session};
+}
+
+palp_status explain_event_add(explain_data *data, const palp_explain_event *event) {
+    palp_explain_event *grown = realloc(data->event, (data->n_events + 1) * sizeof *grown);
+    if (!grown)
+        return PALP_ERR_NO_MEMORY;
+    data->event = grown;
+    grown[data->n_events++] = *event;
+    return PALP_OK;
+}
+
+/* ---- phases ---- */
+
+/* When the plate moves: a hundredth of the run's typical speed does not count. */
+static double still_speed(const explain_run *run) {
+    double way = 0.0, fastest = 0.0;
+    for (size_t i = 1; i < run->n; i++) {
+        double step = fabs(run->depth[i] - run->depth[i - 1]);
+        way += step;
+        fastest = fmax(fastest, step / (run->time[i] - run->time[i - 1]));
+    }
+    return fmin(1e-2 * fastest, 0.2 * way / (run->time[run->n - 1] - run->time[0]));
+}
+
+static palp_explain_phase phase_of(const explain_run *run, size_t i, double speed, double still, double corner,
+                                   bool touched, bool unloaded) {
+    double since = run->time[i] - corner;
+    if (run->depth[i] <= 0.0)
+        return touched ? PALP_PHASE_RECOVERY : PALP_PHASE_AIR;
+    if (fabs(speed) <= still && since > 0.2)
+        return since < 5.0 ? PALP_PHASE_EARLY_HOLD : PALP_PHASE_LATE_HOLD;
+    if (since < 0.2)
+        return PALP_PHASE_CORNER;
+    if (speed < 0.0)
+        return PALP_PHASE_UNLOAD;
+    return unloaded ? PALP_PHASE_RELOAD : PALP_PHASE_RAMP;
+}
+
+static void find_phases(explain_run *run) {
+    double still = still_speed(run), corner = run->time[0];
+    int was = 0;
+    bool touched = false, unloaded = false;
+    for (size_t i = 0; i < run->n; i++) {
+        size_t a = i ? i - 1 : 0, b = i ? i : 1;
+        double speed = (run->depth[b] - run->depth[a]) / (run->time[b] - run->time[a]);
+        int now = fabs(speed) <= still ? 0 : speed > 0.0 ? 1 : -1;
+        if (now != was)
+            corner = run->time[i];
+        was = now;
+        touched = touched || run->depth[i] > 0.0;
+        unloaded = unloaded || (touched && now < 0);
+        run->phase[i] = (unsigned char)phase_of(run, i, speed, still, corner, touched, unloaded);
+    }
+}
+
+/* ---- samples ---- */
+
+static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *error) {
+    const double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
+                 *force = palp_experiment_column(e, "force_N");
+    run->n = palp_experiment_rows(e);
+    if (!time || !depth || !force || run->n < 16)
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: fewer than 16 samples of time_s, depth_mm, force_N", run->name);
+    double *block = malloc(6 * run->n * sizeof *block);
+    run->time = block;
+    run->use = malloc(2 * run->n);
+    if (!block || !run->use)
+        return PALP_ERR_NO_MEMORY;
+    run->depth = block + run->n;
+    run->force = block + 2 * run->n;
+    run->keep = block + 3 * run->n;
+    run->take = block + 4 * run->n;
+    run->weight = block + 5 * run->n;
+    run->phase = run->use + run->n;
+    memset(run->use, 1, run->n);
+    double deepest = -HUGE_VAL;
+    for (size_t i = 0; i < run->n; i++) {
+        run->time[i] = time[i];
+        run->depth[i] = 1e-3 * depth[i];
+        run->force[i] = force[i];
+        deepest = fmax(deepest, run->depth[i]);
+        if (!isfinite(time[i]) || !isfinite(depth[i]) || !isfinite(force[i]) || (i && !(time[i] > time[i - 1])))
+            return palp_error_set(error, PALP_ERR_INPUT, "%s: row %zu: not finite, or time_s does not increase",
+                                  run->name, i + 1);
+    }
+    if (strcmp(text_of(e, "specimen.kind"), "none") == 0 && deepest > -1e-3)
+        for (size_t i = 0; i < run->n; i++)
+            run->depth[i] -= deepest + 1e-3; /* nothing is there to be pressed */
+    return PALP_OK;
+}
+
+/* Lone samples far from both neighbours are events. */
+static palp_status mask_spikes(explain_data *data, size_t r) {
+    explain_run *run = &data->run[r];
+    palp_recording rec = {.n = run->n, .time_s = run->time, .depth_m = run->depth, .force_N = run->force, .use = run->use};
+    palp_status status =
+        recording_find_noise(&rec, (run->time[run->n - 1] - run->time[0]) / (double)(run->n - 1));
+    run->white = rec.noise_N;
+    if (!status)
+        recording_mask_spikes(&rec, SPIKE_SIGMA);
+    for (size_t i = 1; i + 1 < run->n && !status; i++)
+        if (!run->use[i])
+            status = explain_event_add(
+                data, &(palp_explain_event){.run = r, .samples = 1, .from_s = run->time[i], .to_s = run->time[i],
+                                            .size_N = run->force[i] - 0.5 * (run->force[i - 1] + run->force[i + 1]),
+                                            .kind = "spike"});
+    return status;
+}
+
+/* Where a plate that sticks lets go, the force jumps; when it does is no matter of a sample, so the surroundings of
+ * the jump do not count: a part of the pull before it, and as much after. */
+static palp_status mask_releases(explain_data *data, size_t r) {
+    explain_run *run = &data->run[r];
+    palp_status status = PALP_OK;
+    for (size_t i = 1; i + 1 < run->n && !status; i++) {
+        double jump = run->force[i + 1] - run->force[i], pull = -run->force[i];
+        if (!(pull > 12.0 * run->white && jump > 0.5 * pull && run->depth[i + 1] <= run->depth[i]))
+            continue;
+        size_t start = i, reach, end = i + 1;
+        while (start > 0 && run->force[start] < 0.0)
+            start--;
+        reach = (i - start) / 5 + 3;
+        for (size_t k = i > reach ? i - reach : 0; k <= i + reach && k < run->n; end = ++k)
+            run->use[k] = 0;
+        data->pull = fmax(data->pull, pull);
+        data->n_releases++;
+        status = explain_event_add(data, &(palp_explain_event){.run = r, .samples = end - start, .from_s = run->time[i],
+                                                               .to_s = run->time[i + 1], .size_N = jump,
+                                                               .kind = "release"});
+        i = end;
+    }
+    return status;
+}
+
+/* Whether two runs asked for the same. */
+static bool same_protocol(const palp_experiment *a, const palp_experiment *b) {
+    static const char *const keys[] = {"protocol.depth_mm", "protocol.rate_mm_s", "protocol.ramp_s",
+                                       "protocol.hold_s", "protocol.cycles"};
+    const char *kind = text_of(a, "protocol.kind");
+    if (!*kind || strcmp(kind, text_of(b, "protocol.kind")) != 0)
+        return false;
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (number_of(a, keys[k], 0.0) != number_of(b, keys[k], 0.0))
+            return false;
+    return true;
+}
+
+/* By how much the force of two runs of one protocol differs, as a share of it. */
+static double gain_between(const explain_run *a, const explain_run *b) {
+    size_t n = a->n < b->n ? a->n : b->n;
+    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, count = (double)n;
+    for (size_t i = 0; i < n; i++) {
+        double mean = 0.5 * (a->force[i] + b->force[i]), difference = a->force[i] - b->force[i];
+        x += mean;
+        y += difference;
+        xx += mean * mean;
+        xy += mean * difference;
+    }
+    double spread = xx - x * x / count;
+    return spread > 0.0 ? (xy - x * y / count) / spread : 0.0;
+}
+
+/* Both must have been sampled alike. */
+static void compare_twins(explain_data *data) {
+    double sum = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        const explain_run *a = &data->run[r], *b = a->twin >= 0 ? &data->run[a->twin] : NULL;
+        size_t n = b && b->n < a->n ? b->n : a->n;
+        if (!b || a->n + 2 < b->n || b->n + 2 < a->n)
+            continue;
+        if (fabs((a->time[n - 1] - a->time[0]) - (b->time[n - 1] - b->time[0])) > 0.01)
+            continue;
+        double gain = gain_between(a, b);
+        sum += 0.5 * gain * gain;
+        data->n_twins++;
+    }
+    data->twin_gain = data->n_twins ? sqrt(sum / (double)data->n_twins) : 0.0;
+}
+
+static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *inputs, palp_error *error) {
+    const palp_experiment *e = inputs[r].experiment;
+    explain_run *run = &data->run[r];
+    snprintf(run->name, sizeof run->name, "%s", inputs[r].name ? inputs[r].name : "run");
+    palp_status status = copy(e, run, error);
+    if (status)
+        return status;
+    if (strcmp(text_of(e, "specimen.kind"), "rigid") == 0)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "%s: a rigid block is no run of the specimen", run->name);
+    double height = number_of(e, "specimen.height_mm", 1e3 * data->height);
+    if (fabs(1e-3 * height - data->height) > 1e-3 * data->height)
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
+                              height, 1e3 * data->height);
+    run->session = number_of(e, "session.start_s", 0.0);
+    run->twin = -1;
+    for (size_t s = 0; s < r && run->twin < 0; s++)
+        if (same_protocol(e, inputs[s].experiment))
+            run->twin = (int)s;
+    find_phases(run);
+    palp_status masked = mask_spikes(data, r);
+    return masked ? masked : mask_releases(data, r);
+}
+
+palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
+                                const palp_model *model, explain_data *data, palp_error *error) {
+    *data = (explain_data){.given = model, .n_runs = n, .height = model->height_m, .colour_time = 1.0};
+    data->run = calloc(n, sizeof *data->run);
+    palp_status status = data->run ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t r = 0; r < n && !status; r++) {
+        explain_run *run = &data->run[r];
+        status = take_run(data, r, inputs, error);
+        data->n += run->n;
+        data->longest = run->n > data->longest ? run->n : data->longest;
+        for (size_t i = 0; i < run->n && !status; i++) {
+            data->peak = fmax(data->peak, run->force[i]);
+            data->deepest = fmax(data->deepest, run->depth[i]);
+        }
+        if (!status)
+            data->duration = fmax(data->duration, run->time[run->n - 1] - run->time[0]);
+    }
+    if (!status)
+        compare_twins(data);
+    for (size_t k = 0; k < settings->n_held && !status; k++)
+        if (settings->held[k] < n)
+            data->run[settings->held[k]].held = true;
+    if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))
+        status = palp_error_set(error, PALP_ERR_INPUT, "%s: no run presses the specimen", data->run[0].name);
+    return status;
+}
+
+void explain_data_free(explain_data *data) {
+    for (size_t r = 0; data->run && r < data->n_runs; r++) {
+        free(data->run[r].time);
+        free(data->run[r].use);
+    }
+    free(data->run);
+    free(data->event);
+    *data = (explain_data){0};
+}

@@ -1,0 +1,477 @@
+/* explain_fit.c: a model in search coordinates, its sums over the runs, and the steps to its best parameters. */
+#include "explain_internal.h"
+#include "lapack.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double TURN = 6.28318530717958647692;
+
+/* ---- coordinates ---- */
+
+static void set_coordinate(explain_fit *fit, size_t k, double low, double high, double unit, bool logarithmic) {
+    fit->logarithmic[k] = logarithmic;
+    fit->low[k] = logarithmic ? log(low) : low;
+    fit->high[k] = logarithmic ? log(high) : high;
+    fit->unit[k] = unit;
+}
+
+/* Within what these runs can mean. */
+static void set_effect(explain_fit *fit, size_t k, const palp_effect_info *info, size_t p, const explain_data *data) {
+    const palp_effect_parameter *q = &info->parameter[p];
+    double low = q->low, high = q->high, unit = q->typical != 0.0 ? 300.0 * fabs(q->typical) : 10.0;
+    bool time = strcmp(q->key, "time_s") == 0, newton = strstr(q->key, "_N") && q->unit == 1.0 && q->strength;
+    if (time && q->logarithmic) {
+        low = fmax(low, 1e-3);
+        high = fmin(high, 20.0 * data->duration);
+    }
+    if (info->id && (strcmp(q->key, "offset_mm") == 0 || strcmp(q->key, "length_mm") == 0)) {
+        low = fmax(low, -0.5 * data->deepest);
+        high = fmin(high, 0.5 * data->deepest);
+    }
+    if (newton)
+        unit = 30.0 * data->peak;
+    set_coordinate(fit, k, low, high, q->logarithmic ? 5.0 : unit, q->logarithmic);
+}
+
+palp_status explain_fit_create(const palp_model *model, const explain_data *data, explain_fit *fit) {
+    memset(fit, 0, sizeof *fit);
+    fit->model = *model;
+    fit->n_columns = palp_forward_parameter_count(model);
+    fit->m = fit->n_columns + EXPLAIN_NUISANCES + 1;
+    fit->product = calloc(data->n_runs * fit->m * fit->m, sizeof *fit->product);
+    if (!fit->product)
+        return PALP_ERR_NO_MEMORY;
+    double stiffness = data->peak * data->height / data->deepest, strain = data->deepest / data->height;
+    size_t k = 0;
+    for (; k < model->material.law.n; k++) {
+        bool plain = model->material.law.kind == PALP_LAW_POLYNOMIAL;
+        double unit = plain ? 100.0 * stiffness / pow(strain, (double)k) : 100.0 * fabs(model->material.law.coefficients[k]);
+        set_coordinate(fit, k, -HUGE_VAL, HUGE_VAL, unit + 1e-12, false);
+    }
+    for (size_t j = 0; j < model->material.n_arms; j++) {
+        set_coordinate(fit, k++, 1e-4 * stiffness, 1e3 * stiffness, 5.0, true);
+        set_coordinate(fit, k++, 1e-4, 1e3 * data->duration, 5.0, true);
+    }
+    for (size_t i = 0; i < model->n_effects; i++) {
+        const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
+        for (size_t p = 0; p < info->n_parameters; p++)
+            set_effect(fit, k++, info, p, data);
+    }
+    double value[EXPLAIN_COLUMNS];
+    palp_forward_get(model, value);
+    for (size_t j = 0; j < model->material.n_arms; j++) /* viscosity to time */
+        value[model->material.law.n + 2 * j + 1] /= value[model->material.law.n + 2 * j];
+    for (k = 0; k < fit->n_columns; k++) {
+        fit->x[k] = fit->logarithmic[k] ? log(value[k]) : value[k];
+        fit->x[k] = fmin(fit->high[k], fmax(fit->low[k], fit->x[k]));
+    }
+    return PALP_OK;
+}
+
+void explain_fit_free(explain_fit *fit) {
+    free(fit->product);
+    memset(fit, 0, sizeof *fit);
+}
+
+palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to) {
+    size_t bytes = n_runs * from->m * from->m * sizeof *to->product;
+    *to = *from;
+    to->product = malloc(bytes);
+    if (!to->product)
+        return PALP_ERR_NO_MEMORY;
+    memcpy(to->product, from->product, bytes);
+    return PALP_OK;
+}
+
+static palp_status to_model(explain_fit *fit) {
+    double value[EXPLAIN_COLUMNS];
+    for (size_t k = 0; k < fit->n_columns; k++)
+        value[k] = fit->logarithmic[k] ? exp(fit->x[k]) : fit->x[k];
+    for (size_t j = 0; j < fit->model.material.n_arms; j++)
+        value[fit->model.material.law.n + 2 * j + 1] *= value[fit->model.material.law.n + 2 * j];
+    return palp_forward_set(&fit->model, value);
+}
+
+/* ---- sums ---- */
+
+/* The model with a contact offset and a gain, if need be at zero: a run's own contact and gain are theirs. */
+static palp_status augment(const palp_model *model, palp_model *full, size_t *offset, size_t *gain) {
+    static const palp_effect_id own[2] = {PALP_EFFECT_CONTACT_OFFSET, PALP_EFFECT_SENSOR_GAIN};
+    size_t found[2];
+    *full = *model;
+    for (int k = 0; k < 2; k++) {
+        size_t i = 0;
+        while (i < full->n_effects && full->effects[i].id != own[k])
+            i++;
+        if (i == PALP_EFFECTS_MAX)
+            return PALP_ERR_LIMIT;
+        if (i == full->n_effects)
+            palp_effect_default(own[k], &full->effects[full->n_effects++]);
+        found[k] = full->material.law.n + 2 * full->material.n_arms;
+        for (size_t j = 0; j < i; j++)
+            found[k] += palp_effect_look_up(full->effects[j].id)->n_parameters;
+    }
+    *offset = found[0];
+    *gain = found[1];
+    return PALP_OK;
+}
+
+static void chain(const explain_fit *fit, size_t n, double *gradient) {
+    const palp_material *m = &fit->model.material;
+    for (size_t j = 0; j < m->n_arms; j++) {
+        double *k = gradient + (m->law.n + 2 * j) * n, *b = k + n;
+        for (size_t i = 0; i < n; i++) {
+            b[i] *= m->arms[j].viscosity_Ns;
+            k[i] = k[i] * m->arms[j].stiffness_N + b[i];
+        }
+    }
+    for (size_t k = m->law.n + 2 * m->n_arms; k < fit->n_columns; k++)
+        if (fit->logarithmic[k])
+            for (size_t i = 0; i < n; i++)
+                gradient[k * n + i] *= exp(fit->x[k]);
+}
+
+static void hum_columns(const explain_fit *fit, const explain_run *run, double *sine, double *cosine) {
+    for (size_t i = 0; i < run->n; i++) {
+        double turn = TURN * fit->hum_Hz * run->time[i];
+        sine[i] = fit->hum_Hz > 0.0 ? sin(turn) : 0.0;
+        cosine[i] = fit->hum_Hz > 0.0 ? cos(turn) : 0.0;
+    }
+}
+
+/* work: [(n_columns + 3 parameters and more) n] */
+static palp_status run_products(explain_fit *fit, const explain_run *run, const palp_model *full, size_t offset,
+                                size_t gain, double *force, double *gradient, double *column, double *product) {
+    size_t n = run->n, k = fit->n_columns, m = fit->m;
+    palp_forward_run path = explain_forward_run(run);
+    palp_status status = palp_forward_force(full, &path, force, gradient, NULL);
+    if (status)
+        return status;
+    double *own = column + k * n;
+    memcpy(own + n, gradient + offset * n, n * sizeof *own);
+    memcpy(own + 2 * n, gradient + gain * n, n * sizeof *own);
+    chain(fit, n, gradient);
+    memcpy(column, gradient, k * n * sizeof *column);
+    for (size_t i = 0; i < n; i++)
+        own[i] = 1.0;
+    hum_columns(fit, run, own + 3 * n, own + 4 * n);
+    double *y = own + EXPLAIN_NUISANCES * n;
+    for (size_t i = 0; i < n; i++)
+        y[i] = run->force[i] - force[i];
+    for (size_t j = 0; j < m; j++)
+        explain_whiten(run, column + j * n);
+    int in = (int)n, im = (int)m;
+    double one = 1.0, zero = 0.0;
+    dgemm_("T", "N", &im, &im, &in, &one, column, &in, column, &in, &zero, product, &im);
+    return PALP_OK;
+}
+
+static double fit_score(const explain_fit *fit, const explain_data *data) {
+    double sum = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        double chi2, logdet;
+        if (data->run[r].held)
+            continue;
+        explain_normal_of(fit, r, NULL, NULL, &chi2, &logdet);
+        sum -= 0.5 * (chi2 + logdet);
+    }
+    return sum;
+}
+
+palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force) {
+    palp_model *full = malloc(sizeof *full);
+    size_t offset, gain;
+    palp_status status = full ? augment(&fit->model, full, &offset, &gain) : PALP_ERR_NO_MEMORY;
+    if (status) {
+        free(full);
+        return status;
+    }
+    size_t columns = palp_forward_parameter_count(full), n = data->longest;
+    double *work = malloc((1 + columns + fit->m) * n * sizeof *work);
+    status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
+        status = run_products(fit, &data->run[r], full, offset, gain, work, work + n, work + (1 + columns) * n,
+                              fit->product + r * fit->m * fit->m);
+        if (force && !status) {
+            memcpy(force, work, data->run[r].n * sizeof *force);
+            force += data->run[r].n;
+        }
+    }
+    free(work);
+    free(full);
+    if (!status)
+        fit->score = fit_score(fit, data);
+    return status;
+}
+
+/* ---- a run's own numbers, eliminated ---- */
+
+static void own_sd(const explain_fit *fit, double sd[EXPLAIN_NUISANCES]) {
+    double all[EXPLAIN_NUISANCES] = {fit->scatter.zero, fit->scatter.contact, fit->scatter.gain, fit->hum_N, fit->hum_N};
+    memcpy(sd, all, sizeof all);
+}
+
+/* Factor of 1 + S N'N S. */
+static void own_factor(const explain_fit *fit, size_t r, const double *sd, double *factor) {
+    const double *g = fit->product + r * fit->m * fit->m;
+    size_t k = fit->n_columns;
+    for (size_t i = 0; i < EXPLAIN_NUISANCES; i++)
+        for (size_t j = 0; j < EXPLAIN_NUISANCES; j++)
+            factor[i * EXPLAIN_NUISANCES + j] = (i == j) + sd[i] * g[(k + i) * fit->m + k + j] * sd[j];
+    explain_cholesky(factor, EXPLAIN_NUISANCES);
+}
+
+void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, double *chi2, double *logdet) {
+    enum { Q = EXPLAIN_NUISANCES };
+    const double *product = fit->product + r * fit->m * fit->m;
+    size_t k = fit->n_columns, m = fit->m, first = h ? 0 : k;
+    double sd[Q], factor[Q * Q], z[EXPLAIN_COLUMNS + 1][Q];
+    own_sd(fit, sd);
+    own_factor(fit, r, sd, factor);
+    *logdet = 0.0;
+    for (size_t i = 0; i < Q; i++)
+        *logdet += 2.0 * log(factor[i * Q + i]);
+    for (size_t c = first; c <= k; c++) { /* factor^-1 S N' of each column, the last: y */
+        size_t at = c < k ? c : m - 1;
+        for (size_t i = 0; i < Q; i++) {
+            double sum = sd[i] * product[at * m + k + i];
+            for (size_t j = 0; j < i; j++)
+                sum -= factor[i * Q + j] * z[c][j];
+            z[c][i] = sum / factor[i * Q + i];
+        }
+    }
+    *chi2 = product[(m - 1) * m + m - 1];
+    for (size_t i = 0; i < Q; i++)
+        *chi2 -= z[k][i] * z[k][i];
+    for (size_t a = 0; h && a < k; a++) {
+        g[a] = product[a * m + m - 1];
+        for (size_t i = 0; i < Q; i++)
+            g[a] -= z[a][i] * z[k][i];
+        for (size_t b = 0; b <= a; b++) {
+            double sum = product[a * m + b];
+            for (size_t i = 0; i < Q; i++)
+                sum -= z[a][i] * z[b][i];
+            h[a * k + b] = h[b * k + a] = sum;
+        }
+    }
+}
+
+void explain_own(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES], double sd_out[EXPLAIN_NUISANCES]) {
+    enum { Q = EXPLAIN_NUISANCES };
+    double sd[Q], factor[Q * Q];
+    const double *product = fit->product + r * fit->m * fit->m;
+    own_sd(fit, sd);
+    own_factor(fit, r, sd, factor);
+    for (size_t i = 0; i < Q; i++)
+        own[i] = sd[i] * product[(fit->m - 1) * fit->m + fit->n_columns + i];
+    explain_solve(factor, Q, own);
+    for (size_t i = 0; i < Q; i++) {
+        double unit[Q] = {0};
+        unit[i] = 1.0;
+        explain_solve(factor, Q, unit);
+        own[i] *= sd[i];
+        sd_out[i] = sd[i] * sqrt(unit[i]);
+    }
+}
+
+/* Never far beyond the expectation, or of gain what replicates show: a model's own faults are not scatter. */
+void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
+    enum { TRUST = 6, ROUNDS = 20 }; /* the expectation counts as so many runs */
+    double white = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++)
+        white += data->run[r].white / (double)data->n_runs;
+    double expected[3] = {0.3 * white, settings->contact_scatter_m, settings->repeatability};
+    double most[3] = {2.0 * expected[0], 2.0 * expected[1], fmax(2.0 * expected[2], 1.5 * data->twin_gain)};
+    double *scatter[3] = {&fit->scatter.zero, &fit->scatter.contact, &fit->scatter.gain};
+    for (int i = 0; i < 3; i++)
+        *scatter[i] = *scatter[i] > 0.0 ? *scatter[i] : expected[i];
+    for (int round = 0; round < ROUNDS; round++) {
+        double sum[3], count = TRUST;
+        for (int i = 0; i < 3; i++)
+            sum[i] = TRUST * expected[i] * expected[i];
+        for (size_t r = 0; r < data->n_runs; r++) {
+            double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
+            if (data->run[r].held)
+                continue;
+            explain_own(fit, r, own, sd);
+            count += 1.0;
+            for (int i = 0; i < 3; i++)
+                sum[i] += own[i] * own[i] + sd[i] * sd[i];
+        }
+        for (int i = 0; i < 3; i++)
+            *scatter[i] = fmin(sqrt(sum[i] / count), most[i]);
+    }
+    fit->score = fit_score(fit, data);
+    for (int i = 0; i < 3; i++) { /* what scatter beyond the expected costs */
+        double ratio = expected[i] / *scatter[i];
+        fit->score -= 0.5 * TRUST * (ratio * ratio - 1.0 - 2.0 * log(ratio));
+    }
+}
+
+/* ---- towards the best parameters ---- */
+
+void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
+                       double *work) {
+    size_t k = fit->n_columns;
+    memset(h, 0, k * k * sizeof *h);
+    memset(g, 0, k * sizeof *g);
+    *chi2 = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        double own, logdet;
+        if (data->run[r].held)
+            continue;
+        explain_normal_of(fit, r, work, work + k * k, &own, &logdet);
+        for (size_t i = 0; i < k * k; i++)
+            h[i] += work[i];
+        for (size_t i = 0; i < k; i++)
+            g[i] += work[k * k + i];
+        *chi2 += own;
+    }
+    for (size_t i = 0; i < k; i++)
+        h[i * k + i] += 1.0 / (fit->unit[i] * fit->unit[i]);
+}
+
+/* (H + damping diag H) step = g without the coordinates that lie on a bound and are pushed out. work: [k k]. */
+static void step_of(const explain_fit *fit, const double *h, const double *g, double damping, double *work,
+                    double *step) {
+    size_t k = fit->n_columns;
+    memcpy(work, h, k * k * sizeof *work);
+    for (size_t i = 0; i < k; i++) {
+        bool stuck = (fit->x[i] <= fit->low[i] && g[i] <= 0.0) || (fit->x[i] >= fit->high[i] && g[i] >= 0.0);
+        step[i] = stuck ? 0.0 : g[i];
+        work[i * k + i] *= 1.0 + damping;
+        for (size_t j = 0; j < k && stuck; j++)
+            work[i * k + j] = work[j * k + i] = 0.0;
+        if (stuck || !(work[i * k + i] > 0.0))
+            work[i * k + i] = 1.0;
+    }
+    if (explain_cholesky(work, k))
+        explain_solve(work, k, step);
+    else
+        memset(step, 0, k * sizeof *step);
+}
+
+palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2) {
+    size_t k = fit->n_columns;
+    double *h = malloc((2 * k * k + 3 * k) * sizeof *h);
+    if (!h)
+        return PALP_ERR_NO_MEMORY;
+    double *work = h + k * k, *g = work + k * k + k, *step = g + k;
+    explain_fit_total(fit, data, h, g, chi2, work);
+    step_of(fit, h, g, 1e-9, work, step);
+    for (size_t i = 0; i < k; i++)
+        *chi2 -= step[i] * g[i];
+    free(h);
+    return PALP_OK;
+}
+
+palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds) {
+    size_t k = fit->n_columns, bytes = data->n_runs * fit->m * fit->m * sizeof *fit->product;
+    double *h = malloc((4 * k * k + 4 * k) * sizeof *h), *product = malloc(bytes), damping = 1e-6, chi2 = 0.0;
+    palp_model *kept = malloc(sizeof *kept);
+    palp_status status = h && product && kept ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        double *g = h + k * k, *step = g + k, *x = step + k, *work = x + k;
+        explain_fit_total(fit, data, h, g, &chi2, work);
+        for (size_t round = 0; round < rounds && !status; round++) {
+            double next;
+            step_of(fit, h, g, damping, work, step);
+            memcpy(x, fit->x, k * sizeof *x);
+            memcpy(product, fit->product, bytes);
+            *kept = fit->model;
+            for (size_t i = 0; i < k; i++) {
+                double most = fit->logarithmic[i] ? 1.0 : HUGE_VAL;
+                fit->x[i] = fmin(fit->high[i], fmax(fit->low[i], x[i] + fmax(-most, fmin(most, step[i]))));
+            }
+            palp_status tried = to_model(fit);
+            tried = tried ? tried : explain_fit_products(fit, data, NULL);
+            if (tried == PALP_ERR_NO_MEMORY)
+                status = tried;
+            if (!tried)
+                explain_fit_total(fit, data, h, g, &next, work);
+            if (!tried && next < chi2) {
+                double gain = chi2 - next;
+                chi2 = next;
+                damping = fmax(1e-9, 0.1 * damping);
+                if (gain < 0.02 + 1e-7 * chi2)
+                    break;
+                continue;
+            }
+            memcpy(fit->x, x, k * sizeof *x);
+            memcpy(fit->product, product, bytes);
+            fit->model = *kept;
+            explain_fit_total(fit, data, h, g, &chi2, work);
+            damping = fmax(1e-3, 10.0 * damping);
+            if (damping > 1e4 || (!tried && next - chi2 < 1e-3))
+                break;
+        }
+        fit->score = fit_score(fit, data);
+    }
+    free(h);
+    free(product);
+    free(kept);
+    return status;
+}
+
+/* ---- leaving a run out ---- */
+
+static double logdet_of(const double *factor, size_t k) {
+    double sum = 0.0;
+    for (size_t i = 0; i < k; i++)
+        sum += 2.0 * log(factor[i * k + i]);
+    return sum;
+}
+
+palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score, double *step) {
+    size_t k = fit->n_columns;
+    double *h = malloc((4 * k * k + 5 * k) * sizeof *h);
+    if (!h)
+        return PALP_ERR_NO_MEMORY;
+    double *rest = h + k * k, *own = rest + k * k, *work = own + k * k, *g = work + k * k + k, *own_g = g + k,
+           *move = own_g + k, *b = move + k, chi2;
+    explain_fit_total(fit, data, h, g, &chi2, own);
+    for (size_t r = 0; r < data->n_runs; r++) {
+        double own_chi2, logdet, out = data->run[r].held ? 0.0 : 1.0;
+        explain_normal_of(fit, r, own, own_g, &own_chi2, &logdet);
+        for (size_t i = 0; i < k * k; i++)
+            rest[i] = h[i] - out * own[i];
+        for (size_t i = 0; i < k; i++) { /* a coordinate on its bound stays there */
+            bool stuck = fit->x[i] <= fit->low[i] || fit->x[i] >= fit->high[i];
+            move[i] = stuck ? 0.0 : g[i] - out * own_g[i];
+            rest[i * k + i] += 1e-9 * h[i * k + i];
+            for (size_t j = 0; j < k && stuck; j++)
+                rest[i * k + j] = rest[j * k + i] = 0.0;
+            if (stuck)
+                rest[i * k + i] = 1e30;
+        }
+        memcpy(work, rest, k * k * sizeof *work);
+        score[r] = -HUGE_VAL;
+        if (!explain_cholesky(work, k))
+            continue;
+        explain_solve(work, k, move);
+        double before = logdet_of(work, k), chi2_at = own_chi2;
+        for (size_t i = 0; i < k; i++) {
+            b[i] = own_g[i];
+            for (size_t j = 0; j < k; j++)
+                b[i] -= own[i * k + j] * move[j];
+            chi2_at -= move[i] * (own_g[i] + b[i]);
+        }
+        memcpy(work, rest, k * k * sizeof *work);
+        for (size_t i = 0; i < k * k; i++)
+            work[i] += own[i];
+        if (step)
+            memcpy(step + r * k, move, k * sizeof *move);
+        if (!explain_cholesky(work, k))
+            continue;
+        double after = logdet_of(work, k);
+        memcpy(move, b, k * sizeof *move);
+        explain_solve(work, k, move);
+        for (size_t i = 0; i < k; i++)
+            chi2_at -= b[i] * move[i];
+        score[r] = -0.5 * (chi2_at + logdet + after - before);
+    }
+    free(h);
+    return PALP_OK;
+}

@@ -1,0 +1,183 @@
+/* explain_internal.h: the parts of palp_explain: runs, the noise, a fit as its sums, suspects. Internal. */
+#ifndef EXPLAIN_INTERNAL_H
+#define EXPLAIN_INTERNAL_H
+
+#include <palpate/explain.h>
+
+enum {
+    EXPLAIN_NUISANCES = 5,                        /* of a run: zero, contact, gain, hum's sine and cosine */
+    EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS,
+    EXPLAIN_STARTS = 16                           /* of a suspect, at most */
+};
+
+/* ---- runs (explain_data.c) ---- */
+typedef struct explain_run {
+    char name[PALP_NAME_MAX];
+    size_t n;
+    double *time, *depth, *force;  /* depth: nothing is pressed where the specimen is "none" */
+    unsigned char *use;            /* [n] 0 = an event, or not to be fitted */
+    unsigned char *phase;          /* [n] palp_explain_phase */
+    double session, white;         /* when it began; sd of a sample's white noise */
+    double *keep, *take, *weight;  /* [n] the filter that makes its noise white (explain_noise.c) */
+    int twin;                      /* earlier run of the same protocol, -1 = none */
+    bool held;                     /* kept out of the fit */
+} explain_run;
+
+typedef struct explain_data {
+    size_t n_runs, n, longest;
+    explain_run *run;
+    const palp_model *given;                /* the model to be explained */
+    double peak, deepest, duration, height; /* largest force, depth; longest run, s */
+    double coloured, colour_time;           /* of the noise */
+    double twin_gain;                       /* scatter of gain between runs of one protocol; 0 = there are none */
+    size_t n_twins;
+    double pull;                            /* the strongest at which a plate let go, and how often it did */
+    size_t n_releases;
+    size_t n_events;
+    palp_explain_event *event;
+} explain_data;
+
+palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
+                                const palp_model *model, explain_data *data, palp_error *error);
+void explain_data_free(explain_data *data);
+palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
+palp_forward_run explain_forward_run(const explain_run *run);
+
+/* ---- noise (explain_noise.c) ---- */
+
+/* From what a fit leaves, residual[n] of all runs one after the other: white noise of each run, coloured noise
+ * (exponential correlation) of all, and the filters. */
+palp_status explain_noise_find(explain_data *data, const double *residual);
+
+/* In place: x[n] with the noise's correlation taken out and in units of its sd; masked samples become 0. */
+void explain_whiten(const explain_run *run, double *x);
+
+/* ---- a model and its search coordinates (explain_fit.c) ---- */
+
+/* Scatter of the runs' own numbers: prior sds. */
+typedef struct explain_scatter {
+    double zero, contact, gain;
+} explain_scatter;
+
+typedef struct explain_fit {
+    palp_model model;
+    double hum_Hz, hum_N; /* 0 = none; prior sd of its amplitude */
+    size_t n_columns, m;
+    double low[EXPLAIN_COLUMNS], high[EXPLAIN_COLUMNS], x[EXPLAIN_COLUMNS]; /* search coordinates */
+    double unit[EXPLAIN_COLUMNS];  /* prior sd of a coordinate: very wide */
+    bool logarithmic[EXPLAIN_COLUMNS];
+    explain_scatter scatter;
+    double *product;      /* [n_runs m m]: of the whitened columns of parameters, own numbers and residual */
+    double score;         /* log likelihood (less constants), nuisances integrated out; held runs not counted */
+} explain_fit;
+
+palp_status explain_fit_create(const palp_model *model, const explain_data *data, explain_fit *fit);
+void explain_fit_free(explain_fit *fit);
+palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to);
+
+/* Products at fit->model. force (NULL or [n]): what the model gives, hum and a run's own numbers left out. */
+palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force);
+
+/* Moves to the best parameters near by. */
+palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds);
+
+/* Re-estimates the scatter from the runs' own numbers. */
+void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
+
+/* chi2 after one more step, as the sums predict it. */
+palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2);
+
+/* Normal matrix h[k k] (NULL: not wanted, nor g), gradient g[k] and chi2 of run r with its own numbers eliminated;
+ * logdet: by how much they narrow. */
+void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, double *chi2, double *logdet);
+
+/* The run's own numbers at the fit. */
+void explain_own(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES], double own_sd[EXPLAIN_NUISANCES]);
+
+/* Of all runs that are not held, with the priors. work: [k k + k]. */
+void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
+                       double *work);
+
+/* Held-out log score of each run, predicted by the others: score[n_runs]; step (NULL or [n_runs k]): the
+ * parameters' moves when that run is left out. */
+palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score, double *step);
+
+/* ---- suspects (explain_suspect.c, explain_lines.c) ---- */
+
+/* fit with one more effect, refitted from its best starts, if chi2 promises to fall by worth. ERR_UNSUPPORTED: these runs cannot have it (reason). */
+palp_status explain_suspect_fit(const explain_fit *fit, const explain_data *data, const double *residual,
+                                const palp_explain_settings *settings, palp_effect_id id, double worth,
+                                explain_fit *added, const char **reason);
+
+/* Strongest line of residual[n] over time, 40 to 70 Hz (ERR_UNSUPPORTED: none stands out), and over depth. */
+palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency, double *amplitude);
+palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
+                                  double *phase);
+
+/* ---- the search (explain_search.c, explain_gap.c) ---- */
+
+/* One suspect beside a fit. */
+typedef struct explain_trial {
+    bool tried;
+    explain_fit fit;          /* product NULL: could not be had, reason says why */
+    const char *reason;
+    double raw_gain, gain;    /* log likelihood gained; less what its parameters cost */
+    double held_gain, held_se; /* in held-out log score; paired standard error over the runs */
+    double held_rest;         /* of that, without the run that gains most */
+    double *force;            /* [n] of the model */
+    double explained;         /* rms difference of the forces */
+} explain_trial;
+
+typedef struct explain_search {
+    explain_data data;
+    const palp_explain_settings *settings;
+    double opened;            /* rms that the model as given leaves, N */
+    double worth;             /* chi2 that a suspect must promise to be tried */
+    explain_fit fit;          /* at hand */
+    double *force, *residual; /* [n] of it; hum is taken out of the residual */
+    explain_trial trial[PALP_EFFECT_COUNT];
+} explain_search;
+
+/* fit->model refitted with noise and scatter; force and residual at it. */
+palp_status explain_settle(explain_search *s);
+/* Tries all suspects beside s->fit. */
+palp_status explain_try_all(explain_search *s);
+void explain_trials_free(explain_search *s);
+/* From fit and its force to the residual without a hum. */
+void explain_residual(const explain_data *data, const explain_fit *fit, const double *force, double *residual);
+
+double explain_rms(size_t n, const double *a, const double *b); /* of a - b */
+double explain_fitted_rms(const explain_data *data, const double *x); /* [n], of the samples that are fitted */
+/* The floor with the fit's scatter. */
+palp_status explain_floor(const explain_data *data, const explain_fit *fit, const double *force, double *floor_N);
+/* rms of what a fit without each run leaves of that run; held runs as they are. */
+palp_status explain_held_out(const explain_data *data, const explain_fit *fit, double *rms_N);
+size_t explain_samples(const explain_data *data); /* of the runs that are not held */
+/* chi2 per sample of these. */
+double explain_chi2(const explain_data *data, const explain_fit *fit);
+
+/* Effects at which the search starts, as directions beside s->fit: the derivative by the strength. */
+typedef struct explain_directions {
+    size_t n;
+    palp_effect effect[PALP_EFFECT_COUNT * EXPLAIN_STARTS];
+} explain_directions;
+palp_status explain_directions_find(const explain_search *s, explain_directions *d);
+/* Whitened columns of run r: own zero, contact, gain; the model's parameters; the directions. */
+palp_status explain_directions_columns(const explain_search *s, const explain_directions *d, size_t r, double *column);
+
+/* Gain in log likelihood that chance alone reaches over all suspects with probability false_alarm; seen: those of
+ * which these runs show anything beside the model. */
+palp_status explain_threshold(const explain_search *s, double *threshold, bool seen[PALP_EFFECT_COUNT]);
+
+/* What would do as well as out->effect: rest is the search at the fit without it, its trials done. */
+palp_status explain_class_find(const explain_search *full, const explain_search *rest, palp_explain_effect *out);
+
+/* The run that tells out->effect from one of its class best; stays as it is if none does better. */
+palp_status explain_next_find(const explain_search *full, const explain_search *rest, const palp_explain_effect *out,
+                              palp_explain_next *next);
+
+/* Dense symmetric positive: factor a[n n] in place (lower); false if it is not. */
+bool explain_cholesky(double *a, size_t n);
+void explain_solve(const double *factor, size_t n, double *b);
+
+#endif

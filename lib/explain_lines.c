@@ -1,0 +1,142 @@
+/* explain_lines.c: periodic residuals: over time (the mains) and over depth (the drive). */
+#include "explain_internal.h"
+#include "recording_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double TURN = 6.28318530717958647692;
+
+typedef struct line {
+    double x, power, cosine, sine;
+} line;
+
+/* ---- over time ---- */
+
+/* Power of whitened y at a frequency in stretches of some seconds, each with a phase of its own. */
+static double power_at(const explain_data *data, const double *y, double frequency, double stretch) {
+    double power = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        const explain_run *run = &data->run[r];
+        double re = 0.0, im = 0.0, c = 1.0, s = 0.0, step = 0.0, cs = 1.0, sn = 0.0, start = run->time[0];
+        size_t count = 0;
+        for (size_t i = 0; i < run->n; i++) {
+            double dt = i ? run->time[i] - run->time[i - 1] : 0.0;
+            if (fabs(dt - step) > 1e-9) {
+                step = dt;
+                cs = cos(TURN * frequency * dt);
+                sn = sin(TURN * frequency * dt);
+            }
+            double turned = c * cs - s * sn;
+            s = s * cs + c * sn;
+            c = turned;
+            if (run->time[i] - start > stretch) {
+                power += (re * re + im * im) / (double)(count + 1);
+                start = run->time[i];
+                re = im = 0.0;
+                count = 0;
+            }
+            re += c * y[i];
+            im += s * y[i];
+            count++;
+        }
+        power += (re * re + im * im) / (double)(count + 1);
+        y += run->n;
+    }
+    return power;
+}
+
+enum { GRID = 601, OUTSTANDING = 3 };
+
+palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency,
+                                 double *amplitude) {
+    double *y = malloc(data->n * sizeof *y), best = 0.0, white = 0.0;
+    if (!y)
+        return PALP_ERR_NO_MEMORY;
+    memcpy(y, residual, data->n * sizeof *y);
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
+        explain_whiten(&data->run[r], y + at);
+        white += data->run[r].white / (double)data->n_runs;
+    }
+    double power[GRID], typical, centre = 50.0;
+    for (int k = 0; k < GRID; k++) { /* stretches of 10 s are 0.1 Hz wide */
+        power[k] = power_at(data, y, 40.0 + 0.05 * k, 10.0);
+        if (power[k] > best) {
+            best = power[k];
+            centre = 40.0 + 0.05 * k;
+        }
+    }
+    typical = recording_kth(power, GRID, GRID / 2);
+    bool stands_out = best > OUTSTANDING * typical;
+    best = 0.0;
+    for (int k = -40; k <= 40; k++) {
+        double f = centre + 0.0015 * k, there = power_at(data, y, f, 1e9);
+        if (there > best) {
+            best = there;
+            *frequency = f;
+        }
+    }
+    *amplitude = 2.0 * white * sqrt(best / (double)data->n);
+    free(y);
+    return stands_out ? PALP_OK : PALP_ERR_UNSUPPORTED;
+}
+
+/* ---- over depth ---- */
+
+/* Least squares of cosine and sine; power: by how much the squares shrink. */
+static line fit_line(size_t n, const double *depth, const double *y, double x) {
+    double cc = 0.0, ss = 0.0, cs = 0.0, yc = 0.0, ys = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double c = cos(TURN * x * depth[i]), s = sin(TURN * x * depth[i]);
+        cc += c * c;
+        ss += s * s;
+        cs += c * s;
+        yc += c * y[i];
+        ys += s * y[i];
+    }
+    double det = cc * ss - cs * cs;
+    if (!(det > 1e-6 * cc * ss))
+        return (line){.x = x};
+    line l = {.x = x, .cosine = (yc * ss - ys * cs) / det, .sine = (ys * cc - yc * cs) / det};
+    l.power = l.cosine * yc + l.sine * ys;
+    return l;
+}
+
+palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
+                                  double *phase) {
+    enum { MOST = 6000 };
+    size_t stride = data->n / MOST + 1, n = 0;
+    double *depth = malloc(2 * (data->n / stride + 1) * sizeof *depth), low = HUGE_VAL, high = -HUGE_VAL;
+    if (!depth)
+        return PALP_ERR_NO_MEMORY;
+    double *y = depth + data->n / stride + 1;
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
+        for (size_t i = 0; i < data->run[r].n; i++)
+            if ((at + i) % stride == 0) {
+                depth[n] = data->run[r].depth[i];
+                low = fmin(low, depth[n]);
+                high = fmax(high, depth[n]);
+                y[n++] = residual[at + i];
+            }
+    line best = {.x = 0.0};
+    double shortest = fmax(1e-4, (high - low) / 120.0), step = 0.2 / (high - low);
+    for (double x = 1.5 / (high - low); x < 1.0 / shortest; x += step) {
+        line l = fit_line(n, depth, y, x);
+        if (l.power > best.power)
+            best = l;
+    }
+    for (int round = 0; round < 4; round++) {
+        step *= 0.4;
+        for (int k = -1; k <= 1; k += 2) {
+            line l = fit_line(n, depth, y, best.x + k * step);
+            if (l.power > best.power)
+                best = l;
+        }
+    }
+    *period = best.x > 0.0 ? 1.0 / best.x : 1e-3;
+    *amplitude = hypot(best.cosine, best.sine);
+    *phase = atan2(best.cosine, best.sine);
+    free(depth);
+    return PALP_OK;
+}

@@ -1,0 +1,196 @@
+/* explain_noise.c: the noise of the runs: white from sample to sample, coloured in stretches that stand still. */
+#include "explain_internal.h"
+#include "recording_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The filter of white + exponentially correlated noise (a scalar Kalman filter): its innovations are white. */
+static double make_filter(const explain_run *run, double white, double coloured, double colour_time, size_t from,
+                          size_t to, double *keep, double *take, double *weight) {
+    double variance = coloured * coloured, p = variance, noise = white * white, logdet = 0.0;
+    for (size_t i = from; i < to; i++) {
+        double fade = i > from ? exp(-(run->time[i] - run->time[i - 1]) / colour_time) : 0.0;
+        p = i > from ? fade * fade * p + variance * (1.0 - fade * fade) : variance;
+        keep[i] = fade;
+        take[i] = 0.0;
+        weight[i] = 0.0;
+        if (!run->use[i])
+            continue;
+        double s = p + noise;
+        take[i] = p / s;
+        weight[i] = 1.0 / sqrt(s);
+        p *= noise / s;
+        logdet += log(s);
+    }
+    return logdet;
+}
+
+static void filter(size_t from, size_t to, const double *keep, const double *take, const double *weight, double *x) {
+    double state = 0.0;
+    for (size_t i = from; i < to; i++) {
+        state *= keep[i];
+        double innovation = x[i] - state;
+        state += take[i] * innovation;
+        x[i] = innovation * weight[i];
+    }
+}
+
+void explain_whiten(const explain_run *run, double *x) {
+    filter(0, run->n, run->keep, run->take, run->weight, x);
+}
+
+/* ---- coloured noise ---- */
+
+enum { TREND = 3, PIECES_MAX = 4096 };
+
+typedef struct piece {
+    size_t run, from, to;
+} piece;
+
+/* Stretches of 2 to 20 s without motion, a while after it ended. */
+static size_t find_pieces(const explain_data *data, piece *list) {
+    size_t count = 0;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        const explain_run *run = &data->run[r];
+        double still = 1e-4 * data->deepest;
+        for (size_t i = 0; i < run->n;) {
+            size_t end = i + 1;
+            while (end < run->n && fabs(run->depth[end] - run->depth[i]) < 1e-7 + 1e-3 * still)
+                end++;
+            double start = run->time[i];
+            size_t from = i;
+            while (from < end && run->time[from] < start + 0.5 && i)
+                from++;
+            while (from < end) {
+                size_t to = from;
+                double length = fmin(20.0, fmax(2.0, 2.0 * (run->time[from] - start)));
+                while (to < end && run->time[to] < run->time[from] + length)
+                    to++;
+                if (to - from >= 30 && run->time[to - 1] - run->time[from] > 0.9 && count < PIECES_MAX)
+                    list[count++] = (piece){r, from, to};
+                from = to;
+            }
+            i = end;
+        }
+    }
+    return count;
+}
+
+/* Log likelihood of a piece of the residual, its smooth trend left open. work: [7 longest]. */
+static double piece_score(const explain_run *run, const double *residual, const piece *p, double coloured,
+                          double colour_time, double *work, size_t longest) {
+    double *keep = work, *take = work + longest, *weight = work + 2 * longest, *column[TREND + 1];
+    double middle = 0.5 * (run->time[p->from] + run->time[p->to - 1]), half = run->time[p->to - 1] - middle;
+    double logdet = make_filter(run, run->white, coloured, colour_time, p->from, p->to, keep, take, weight);
+    for (size_t k = 0; k <= TREND; k++)
+        column[k] = work + (3 + k) * longest;
+    for (size_t i = p->from; i < p->to; i++) {
+        double u = (run->time[i] - middle) / half;
+        column[0][i] = 1.0;
+        column[1][i] = u;
+        column[2][i] = u * u;
+        column[3][i] = residual[i];
+    }
+    double a[TREND * TREND] = {0}, b[TREND] = {0}, chi2 = 0.0;
+    for (size_t k = 0; k <= TREND; k++)
+        filter(p->from, p->to, keep, take, weight, column[k]);
+    for (size_t i = p->from; i < p->to; i++) {
+        for (size_t k = 0; k < TREND; k++) {
+            b[k] += column[k][i] * column[TREND][i];
+            for (size_t l = 0; l <= k; l++)
+                a[k * TREND + l] += column[k][i] * column[l][i];
+        }
+        chi2 += column[TREND][i] * column[TREND][i];
+    }
+    double x[TREND];
+    for (size_t k = 0; k < TREND; k++) {
+        x[k] = b[k];
+        for (size_t l = k + 1; l < TREND; l++)
+            a[k * TREND + l] = a[l * TREND + k];
+    }
+    if (!explain_cholesky(a, TREND))
+        return 0.0;
+    explain_solve(a, TREND, x);
+    for (size_t k = 0; k < TREND; k++) {
+        chi2 -= b[k] * x[k];
+        logdet += 2.0 * log(a[k * TREND + k]);
+    }
+    return -0.5 * (chi2 + logdet);
+}
+
+static double colour_score(const explain_data *data, const double *residual, const piece *list, size_t count,
+                           double share, double colour_time, double *work) {
+    double sum = 0.0;
+    for (size_t k = 0; k < count; k++) {
+        const explain_run *run = &data->run[list[k].run];
+        const double *own = residual;
+        for (size_t r = 0; r < list[k].run; r++)
+            own += data->run[r].n;
+        sum += piece_score(run, own, &list[k], share * run->white, colour_time, work, data->longest);
+    }
+    return sum;
+}
+
+/* Most likely share of the white noise and time: on a grid, then closer by. */
+static void find_colour(explain_data *data, const double *residual, const piece *list, size_t count, double *work,
+                        double *share_out) {
+    double best = colour_score(data, residual, list, count, 0.0, 1.0, work), share = 0.0, tau = 1.0;
+    double span = 2.0;
+    for (int pass = 0; pass < 3; pass++, span = pass == 1 ? sqrt(2.0) : pow(2.0, 0.25)) {
+        double at_share = share > 0.0 ? share : 0.5, at_tau = tau;
+        int reach = pass ? 1 : 3;
+        for (int i = -reach; i <= reach; i++)
+            for (int j = -reach; j <= reach; j++) {
+                double s = at_share * pow(span, i), t = at_tau * pow(span, j);
+                double score = colour_score(data, residual, list, count, s, t, work);
+                if (score > best + (share == 0.0 ? 3.0 : 0.0)) {
+                    best = score;
+                    share = s;
+                    tau = t;
+                }
+            }
+    }
+    *share_out = share;
+    data->colour_time = tau;
+}
+
+/* ---- white noise ---- */
+
+static palp_status find_white(explain_data *data, const double *residual) {
+    double typical = 0.0, least = 1e-7 * data->peak;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        explain_run *run = &data->run[r];
+        palp_recording rec = {.n = run->n, .time_s = run->time, .force_N = (double *)(uintptr_t)residual};
+        palp_status status =
+            recording_find_noise(&rec, (run->time[run->n - 1] - run->time[0]) / (double)(run->n - 1));
+        if (status)
+            return status;
+        run->white = rec.noise_N;
+        residual += run->n;
+        typical += run->white * run->white / (double)data->n_runs;
+    }
+    for (size_t r = 0; r < data->n_runs; r++)
+        data->run[r].white = fmax(data->run[r].white, fmax(least, 0.5 * sqrt(typical)));
+    return PALP_OK;
+}
+
+palp_status explain_noise_find(explain_data *data, const double *residual) {
+    piece *list = malloc(PIECES_MAX * sizeof *list);
+    double *work = malloc(7 * data->longest * sizeof *work), share = 0.0, white = 0.0;
+    palp_status status = list && work ? find_white(data, residual) : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        find_colour(data, residual, list, find_pieces(data, list), work, &share);
+        for (size_t r = 0; r < data->n_runs; r++) {
+            explain_run *run = &data->run[r];
+            white += run->white * run->white * (double)run->n / (double)data->n;
+            make_filter(run, run->white, share * run->white, data->colour_time, 0, run->n, run->keep, run->take,
+                        run->weight);
+        }
+        data->coloured = share * sqrt(white);
+    }
+    free(list);
+    free(work);
+    return status;
+}

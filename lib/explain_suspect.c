@@ -1,0 +1,318 @@
+/* explain_suspect.c: one effect of the catalogue added to a fit: from where its search starts, and the refit. */
+#include "effect_internal.h"
+#include "explain_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double POOR = 1.5; /* chi2 per sample of a fit that may have gone astray */
+
+typedef struct starts {
+    size_t n;
+    palp_effect effect[EXPLAIN_STARTS];
+} starts;
+
+static void add(starts *s, palp_effect_id id, double a, double b, double c) {
+    if (s->n < EXPLAIN_STARTS)
+        s->effect[s->n++] = (palp_effect){.id = id, .value = {a, b, c}};
+}
+
+static void add_times(starts *s, palp_effect_id id, const explain_data *data, double low, size_t n) {
+    double high = 2.0 * data->duration;
+    for (size_t k = 0; k < n; k++)
+        add(s, id, 0.0, low * pow(high / low, (double)k / (double)(n - 1)), 0.0);
+}
+
+/* A sensor at its end gives the same number again and again. */
+static bool clipped(const explain_data *data, double *limit) {
+    size_t hits = 0;
+    *limit = data->peak;
+    for (size_t r = 0; r < data->n_runs; r++)
+        for (size_t i = 0; i < data->run[r].n; i++)
+            hits += data->run[r].force[i] == data->peak;
+    return hits >= 8;
+}
+
+static palp_status find_starts(palp_effect_id id, const explain_data *data, const double *residual, starts *s,
+                               const char **reason) {
+    static const double parts[] = {0.01, 0.04, 0.15}; /* of the deepest; for a lag: seconds */
+    double limit, period, amplitude, phase;
+    palp_status status = PALP_OK;
+    switch (id) {
+    case PALP_EFFECT_RELAXATION_ARM:
+        add_times(s, id, data, 0.03, 10);
+        break;
+    case PALP_EFFECT_POROELASTIC:
+        add_times(s, id, data, 0.1, 8);
+        break;
+    case PALP_EFFECT_POWER_LAW_RELAXATION:
+        for (int k = 0; k < 5; k++)
+            add(s, id, 0.0, 0.06 + 0.13 * k, 0.0);
+        break;
+    case PALP_EFFECT_DAMAGE_SOFTENING:
+        add(s, id, 0.05, 0.2, 0.0);
+        add(s, id, 0.05, 0.5, 0.0);
+        add(s, id, 0.2, 1.5, 0.0);
+        break;
+    case PALP_EFFECT_PERMANENT_SET:
+        add(s, id, 0.01, 0.0, 0.0);
+        add(s, id, 0.1, 0.0, 0.0);
+        break;
+    case PALP_EFFECT_TOE_REGION:
+        for (int k = 0; k < 3; k++)
+            add(s, id, parts[k] * data->deepest, 0.0, 0.0);
+        break;
+    case PALP_EFFECT_ADHESION:
+        if (data->n_releases == 0) {
+            *reason = "no plate lets go with a jump";
+            return PALP_ERR_UNSUPPORTED;
+        }
+        add(s, id, data->pull, 0.0, 0.0);
+        break;
+    case PALP_EFFECT_SENSOR_LAG:
+        for (int k = 0; k < 3; k++)
+            add(s, id, parts[k], 0.0, 0.0);
+        break;
+    case PALP_EFFECT_FORCE_SATURATION:
+        if (!clipped(data, &limit)) {
+            *reason = "no sample stands at a limit";
+            return PALP_ERR_UNSUPPORTED;
+        }
+        add(s, id, limit, 0.0, 0.0);
+        break;
+    case PALP_EFFECT_DRIVE_RIPPLE:
+        status = explain_line_in_depth(data, residual, &period, &amplitude, &phase);
+        add(s, id, amplitude, period, phase);
+        break;
+    default:
+        add(s, id, 0.0, 0.0, 0.0);
+    }
+    return status;
+}
+
+/* base with the effect at a start. */
+static palp_status added_at(const explain_fit *base, const explain_data *data, const palp_effect *effect,
+                            explain_fit *fit) {
+    palp_model *model = malloc(sizeof *model);
+    if (!model)
+        return PALP_ERR_NO_MEMORY;
+    *model = base->model;
+    model->effects[model->n_effects++] = *effect;
+    palp_status status = explain_fit_create(model, data, fit);
+    free(model);
+    if (status)
+        return status;
+    fit->scatter = base->scatter;
+    fit->hum_Hz = base->hum_Hz;
+    fit->hum_N = base->hum_N;
+    status = explain_fit_products(fit, data, NULL);
+    if (status)
+        explain_fit_free(fit);
+    return status;
+}
+
+static palp_status hum_fit(const explain_fit *base, const explain_data *data, const double *residual,
+                           const palp_explain_settings *settings, explain_fit *added, const char **reason) {
+    if (base->hum_Hz > 0.0) {
+        *reason = "is in the model already";
+        return PALP_ERR_UNSUPPORTED;
+    }
+    palp_status status = explain_fit_copy(base, data->n_runs, added);
+    if (!status)
+        status = explain_line_in_time(data, residual, &added->hum_Hz, &added->hum_N);
+    if (status == PALP_ERR_UNSUPPORTED) {
+        *reason = "no line stands out between 40 and 70 Hz";
+        explain_fit_free(added);
+    }
+    if (!status)
+        status = explain_fit_products(added, data, NULL);
+    if (!status)
+        explain_fit_scatter(added, data, settings);
+    return status;
+}
+
+static bool has(const explain_fit *fit, palp_effect_id id) {
+    for (size_t i = 0; i < fit->model.n_effects; i++)
+        if (fit->model.effects[i].id == id)
+            return true;
+    return false;
+}
+
+/* When the plate lets go jumps from sample to sample, which no derivative shows: tries values near by. */
+static palp_status nudge_adhesion(explain_fit *fit, const explain_data *data) {
+    size_t k = fit->n_columns - 1; /* its only parameter is the last */
+    palp_status status = PALP_OK;
+    for (double reach = 0.04; reach > 2e-3 && !status; reach *= 0.5)
+        for (int side = -1; side <= 1 && !status; side += 2) {
+            explain_fit next;
+            status = explain_fit_copy(fit, data->n_runs, &next);
+            if (status)
+                return status;
+            next.x[k] *= 1.0 + side * reach;
+            next.model.effects[next.model.n_effects - 1].value[0] = next.x[k];
+            palp_status tried = explain_fit_products(&next, data, NULL);
+            bool better = !tried && next.score > fit->score;
+            explain_fit_free(better ? fit : &next);
+            if (better)
+                *fit = next;
+            status = tried == PALP_ERR_NO_MEMORY ? tried : PALP_OK;
+        }
+    return status;
+}
+
+/* A strong effect may have led the plain model's own parameters astray: those as given. */
+static palp_status go_back(explain_fit *fit, const explain_data *data) {
+    explain_fit given;
+    palp_status status = explain_fit_create(data->given, data, &given);
+    if (status)
+        return status;
+    size_t k = data->given->material.law.n + 2 * data->given->material.n_arms;
+    memcpy(fit->x, given.x, k * sizeof *fit->x);
+    fit->model.material = data->given->material;
+    explain_fit_free(&given);
+    return explain_fit_products(fit, data, NULL);
+}
+
+/* Polishes from a start; the better one stays in *best. */
+static palp_status polish(const explain_fit *base, const explain_data *data, const palp_explain_settings *settings,
+                          const palp_effect *start, bool back, explain_fit *best) {
+    explain_fit fit;
+    palp_status status = added_at(base, data, start, &fit);
+    if (!status && back) {
+        status = go_back(&fit, data);
+        if (status)
+            explain_fit_free(&fit);
+    }
+    if (status)
+        return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    status = explain_fit_improve(&fit, data, 10);
+    if (!status && start->id == PALP_EFFECT_ADHESION)
+        status = nudge_adhesion(&fit, data);
+    if (!status)
+        explain_fit_scatter(&fit, data, settings);
+    if (!status)
+        status = explain_fit_improve(&fit, data, 3);
+    if (!status)
+        explain_fit_scatter(&fit, data, settings);
+    if (!status && (!best->product || fit.score > best->score)) {
+        explain_fit_free(best);
+        *best = fit;
+    } else {
+        explain_fit_free(&fit);
+    }
+    return status;
+}
+
+palp_status explain_suspect_fit(const explain_fit *base, const explain_data *data, const double *residual,
+                                const palp_explain_settings *settings, palp_effect_id id, double worth,
+                                explain_fit *added, const char **reason) {
+    enum { POLISHED = 2 };
+    const palp_effect_info *info = palp_effect_look_up(id);
+    memset(added, 0, sizeof *added);
+    if (!info->in_lumped || (has(base, id) && !info->repeats)) {
+        *reason = info->in_lumped ? "is in the model already" : "a lumped model cannot have it";
+        return PALP_ERR_UNSUPPORTED;
+    }
+    if (id == PALP_EFFECT_MAINS_HUM)
+        return hum_fit(base, data, residual, settings, added, reason);
+    starts s = {0};
+    double promise[EXPLAIN_STARTS];
+    palp_status status = find_starts(id, data, residual, &s, reason);
+    worth = explain_chi2(data, base) * (double)explain_samples(data) - worth;
+    for (size_t k = 0; k < s.n && !status; k++) {
+        explain_fit fit;
+        promise[k] = HUGE_VAL;
+        if (added_at(base, data, &s.effect[k], &fit))
+            continue;
+        status = explain_fit_predict(&fit, data, &promise[k]);
+        explain_fit_free(&fit);
+    }
+    for (size_t round = 0; round < POLISHED && round < s.n && !status; round++) {
+        size_t best = 0;
+        for (size_t k = 1; k < s.n; k++)
+            if (promise[k] < promise[best])
+                best = k;
+        bool promising = promise[best] < worth;
+        if (promising)
+            status = polish(base, data, settings, &s.effect[best], false, added);
+        if (!status && round == 0 && explain_chi2(data, added->product ? added : base) > POOR)
+            status = polish(base, data, settings, &s.effect[best], true, added);
+        if (!promising)
+            break;
+        promise[best] = HUGE_VAL;
+    }
+    if (!status && !added->product) {
+        *reason = "gains no more than chance does";
+        status = PALP_ERR_UNSUPPORTED;
+    }
+    if (status)
+        explain_fit_free(added);
+    return status;
+}
+
+/* ---- directions ---- */
+
+palp_status explain_directions_find(const explain_search *s, explain_directions *d) {
+    palp_status status = PALP_OK;
+    d->n = 0;
+    for (int id = 0; id < PALP_EFFECT_COUNT && !status; id++) {
+        starts list = {0};
+        const char *reason = NULL;
+        const palp_effect_info *info = palp_effect_look_up((palp_effect_id)id);
+        bool there = has(&s->fit, (palp_effect_id)id) && !info->repeats;
+        if (!s->settings->candidate[id] || !info->in_lumped || there || id == PALP_EFFECT_MAINS_HUM)
+            continue;
+        status = find_starts((palp_effect_id)id, &s->data, s->residual, &list, &reason);
+        if (status == PALP_ERR_UNSUPPORTED) {
+            status = PALP_OK;
+            continue;
+        }
+        for (size_t k = 0; k < list.n; k++)
+            d->effect[d->n++] = list.effect[k];
+    }
+    return status;
+}
+
+/* work: room for (n_columns + 2 + PALP_EFFECT_PARAMETERS + 1) n. */
+static palp_status strength_column(const palp_model *model, const palp_effect *effect, const explain_run *run,
+                                   double *work, double *column) {
+    palp_model *more = malloc(sizeof *more);
+    if (!more)
+        return PALP_ERR_NO_MEMORY;
+    *more = *model;
+    size_t k = palp_forward_parameter_count(model);
+    more->effects[more->n_effects++] = *effect;
+    palp_forward_run path = explain_forward_run(run);
+    palp_status status = palp_forward_force(more, &path, work, work + run->n, NULL);
+    if (status)
+        memset(column, 0, run->n * sizeof *column);
+    else
+        memcpy(column, work + (1 + k) * run->n, run->n * sizeof *column);
+    free(more);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+palp_status explain_directions_columns(const explain_search *s, const explain_directions *d, size_t r, double *column) {
+    const explain_run *run = &s->data.run[r];
+    const palp_model *model = &s->fit.model;
+    static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
+    size_t n = run->n, k = s->fit.n_columns;
+    double *work = malloc((k + PALP_EFFECT_PARAMETERS + 1) * n * sizeof *work);
+    palp_forward_run path = explain_forward_run(run);
+    palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n && work; i++)
+        column[i] = 1.0;
+    if (!status)
+        status = strength_column(model, &offset, run, work, column + n);
+    if (!status)
+        status = strength_column(model, &gain, run, work, column + 2 * n);
+    if (!status)
+        status = palp_forward_force(model, &path, work, column + 3 * n, NULL);
+    for (size_t i = 0; i < d->n && !status; i++)
+        status = strength_column(model, &d->effect[i], run, work, column + (3 + k + i) * n);
+    for (size_t i = 0; i < 3 + k + d->n && !status; i++)
+        explain_whiten(run, column + i * n);
+    free(work);
+    return status;
+}

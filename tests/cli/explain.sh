@@ -1,0 +1,58 @@
+#!/bin/sh
+# explain.sh: a bias that is hidden in simulated runs is named, added, and written; nothing hidden, nothing named.
+. tests/cli/common
+
+# model EFFECTS >FILE
+model() {
+    cat <<J
+{"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 24},
+ "stiffness": {"kind": "polynomial", "coefficients_N": [8.2, 3.1]},
+ "arms": [{"stiffness_N": $1, "viscosity_Ns": 12}], $2 "formulation": "history"}
+J
+}
+
+# runs NAME: three presses of a specimen, the first again at the end, with what the model NAME.json does
+runs() {
+    n=0
+    for press in "4 1" "6 2" "7 0.5" "4 1"; do
+        set -- "$1" $press
+        n=$((n + 1))
+        expect 0 simulate true.json --protocol ramp_hold --depth-mm $2 --ramp-s $3 --hold-s 20 --sample-Hz 40 \
+            --air-s 3 --noise-N 0.004 --seed $n --out $1$n.csv
+    done
+}
+
+model 2.1 "" >true.json
+model 2.4 "" >guess.json
+runs plain
+expect 0 explain --model guess.json plain?.csv --json plain.out
+grep -q '"verdict": "agrees"' plain.out || fail "nothing hidden: $(cat out)"
+grep -q '"effects": \[\]' plain.out || fail "an effect where none is"
+
+# The bias by hand: every force 0.06 N up.
+for n in 1 2 3 4; do
+    awk -F, '/^[-0-9]/ { printf "%s,%s,%.9g\n", $1, $2, $3 + 0.06; next } { print }' plain$n.csv >bias$n.csv
+done
+expect 0 explain --model guess.json bias?.csv --out explained.json --json bias.out --report page.html
+for key in palpate verdict effects gap where events not_identifiable next_experiment rejected; do
+    grep -q "^  \"$key\":" bias.out || fail "the result lacks $key"
+done
+grep -q '"id": "sensor_bias"' bias.out || fail "the bias: $(cat out)"
+force=$(awk '/"parameters"/ { on = 1 } on && /"force_N"/ { gsub(/[ ,]/, ""); sub(/.*:/, ""); print; exit }' bias.out)
+near "the bias" "$force" 0.06 0.1
+grep -q sensor_bias explained.json || fail "the model lacks the bias"
+grep -q '<svg' page.html || fail "the page has no figure"
+
+cp bias.out once
+expect 0 explain --model guess.json bias?.csv --jobs 3 --json bias.out
+grep -v '"command"' once >a
+grep -v '"command"' bias.out >b
+cmp a b || fail "the number of jobs changes the answer"
+
+expect 2 explain --model guess.json
+says "needs --model MODEL.json and runs"
+expect 2 explain --model guess.json bias1.csv --candidates gremlins
+says 'no effect is called "gremlins"'
+expect 2 explain --model guess.json bias1.csv --hold-out other.csv
+says "other.csv is not among the runs"
+done_testing

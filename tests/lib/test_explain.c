@@ -1,0 +1,217 @@
+/* test_explain.c: runs made by the forward model with a known effect, and what is made of them. */
+#include "forward_make.h"
+
+#include <palpate/explain.h>
+
+#include <stdint.h>
+#include <stdio.h>
+
+enum { RUNS = 5 };
+
+/* ---- runs ---- */
+
+static uint64_t state;
+
+static double noise(void) { /* sum of 12 uniform numbers: sd 1 */
+    double sum = -6;
+    for (int i = 0; i < 12; i++) {
+        state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+        sum += (double)(state >> 11) * 0x1p-53;
+    }
+    return sum;
+}
+
+static palp_experiment *record(const palp_model *m, double depth_mm, double rate_mm_s, double hold_s, double session_s) {
+    static samples s;
+    palp_experiment *e;
+    double ramp_s = (depth_mm + 1) / rate_mm_s;
+    start(&s, -1, 0);
+    go(&s, 1, -1, 40);
+    go(&s, 1 + ramp_s, depth_mm, 300);
+    go(&s, 1 + ramp_s + hold_s, depth_mm, 600);
+    go(&s, 1 + 2 * ramp_s + hold_s, -1, 300);
+    go(&s, 6 + 2 * ramp_s + hold_s, -1, 100);
+    palp_forward_run run = {.n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = session_s};
+    ck_assert_int_eq(palp_forward_force(m, &run, s.force_N, NULL, NULL), PALP_OK);
+    ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
+    for (size_t i = 0; i < s.n; i++) {
+        palp_experiment_column(e, "time_s")[i] = s.time_s[i];
+        palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
+        palp_experiment_column(e, "force_N")[i] = s.force_N[i] + 2e-3 * noise();
+    }
+    palp_experiment_set_string(e, "protocol.kind", "ramp_hold");
+    palp_experiment_set_number(e, "protocol.depth_mm", depth_mm);
+    palp_experiment_set_number(e, "protocol.rate_mm_s", rate_mm_s);
+    palp_experiment_set_number(e, "session.start_s", session_s);
+    return e;
+}
+
+static palp_explain_input input[RUNS];
+
+static void session(const palp_model *m) {
+    static const double plan[RUNS][3] = {{3, 1, 20}, {5, 5, 20}, {7, 2, 30}, {6, 0.3, 5}, {3, 1, 20}};
+    state = 7;
+    for (size_t r = 0; r < RUNS; r++)
+        input[r] = (palp_explain_input){record(m, plan[r][0], plan[r][1], plan[r][2], 300 * (double)r), "run.csv"};
+}
+
+static void session_end(void) {
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+static palp_model with(palp_effect_id id, double strength) {
+    palp_model m = lumped_model(1);
+    if (strength != 0) {
+        ck_assert_int_eq(palp_effect_default(id, &m.effects[0]), PALP_OK);
+        m.effects[0].value[0] = strength;
+        m.n_effects = 1;
+    }
+    return m;
+}
+
+static palp_model guess(void) { /* ten per cent off */
+    palp_model m = lumped_model(1);
+    ck_assert_int_eq(palp_law_scale(&m.material.law, 1.1, &m.material.law), PALP_OK);
+    m.material.arms[0].viscosity_Ns *= 1.1;
+    return m;
+}
+
+static palp_status explain(const palp_explain_settings *s, palp_explanation *e) {
+    palp_model m = guess();
+    palp_error error = {.text = ""};
+    palp_status status = palp_explain(&m, RUNS, input, s, e, &error);
+    ck_assert_msg(status == PALP_OK, "%s", error.text);
+    return status;
+}
+
+/* ---- tests ---- */
+
+START_TEST(nothing_hidden_nothing_named) {
+    palp_model truth = with(PALP_EFFECT_SENSOR_BIAS, 0);
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    session(&truth);
+    explain(&s, &e);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_AGREES);
+    ck_assert_uint_eq(e.n_effects, 0);
+    ck_assert_double_eq_tol(e.white_N, 2e-3, 2e-4);
+    ck_assert(e.replicates);
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
+START_TEST(a_hidden_effect_is_named) {
+    static const struct {
+        palp_effect_id id;
+        double strength;
+    } hidden[] = {{PALP_EFFECT_SENSOR_BIAS, 0.05}, {PALP_EFFECT_COULOMB_FRICTION, 0.06}, {PALP_EFFECT_SENSOR_LAG, 0.05}};
+    palp_model truth = with(hidden[_i].id, hidden[_i].strength);
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    session(&truth);
+    explain(&s, &e);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, hidden[_i].id);
+    ck_assert_double_eq_tol(e.effect[0].effect.value[0], hidden[_i].strength, 0.1 * hidden[_i].strength);
+    ck_assert(e.effect[0].low[0] <= hidden[_i].strength && hidden[_i].strength <= e.effect[0].high[0]);
+    ck_assert(e.gap.closed > 0.9);
+    ck_assert_int_eq(e.model.effects[0].id, hidden[_i].id);
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
+/* From the last task to the first. */
+static void backwards(void *user, size_t n, void (*task)(void *work, size_t i), void *work) {
+    (void)user;
+    while (n-- > 0)
+        task(work, n);
+}
+
+START_TEST(the_order_of_the_tasks_changes_no_bit) {
+    palp_model truth = with(PALP_EFFECT_COULOMB_FRICTION, 0.06);
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation a, b;
+    session(&truth);
+    explain(&s, &a);
+    s.loop = backwards;
+    explain(&s, &b);
+    ck_assert_uint_eq(a.n_effects, b.n_effects);
+    ck_assert_mem_eq(a.effect[0].effect.value, b.effect[0].effect.value, sizeof a.effect[0].effect.value);
+    ck_assert_mem_eq(&a.gap, &b.gap, sizeof a.gap);
+    palp_explanation_free(&a);
+    palp_explanation_free(&b);
+    session_end();
+}
+END_TEST
+
+START_TEST(a_run_held_out_is_not_fitted) {
+    size_t held[] = {2};
+    palp_model truth = with(PALP_EFFECT_SENSOR_BIAS, 0.05);
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    session(&truth);
+    for (size_t i = 0; i < palp_experiment_rows(input[2].experiment); i++)
+        palp_experiment_column((palp_experiment *)(uintptr_t)input[2].experiment, "force_N")[i] += 1.0; /* nonsense */
+    s.held = held;
+    s.n_held = 1;
+    explain(&s, &e);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_SENSOR_BIAS);
+    ck_assert_double_eq_tol(e.effect[0].effect.value[0], 0.05, 0.005);
+    ck_assert(e.gap.heldout_after_N > 0.9);
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
+START_TEST(what_it_cannot_take_is_refused) {
+    palp_model m = guess();
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    palp_error error;
+    ck_assert_int_eq(palp_explain(&m, 0, NULL, &s, &e, &error), PALP_ERR_ARGUMENT);
+    session(&m);
+    m.kind = PALP_MODEL_NETWORK;
+    ck_assert_int_eq(palp_explain(&m, RUNS, input, &s, &e, &error), PALP_ERR_UNSUPPORTED);
+    session_end();
+}
+END_TEST
+
+START_TEST(one_run_is_enough_and_air_alone_is_not) {
+    palp_model m = guess();
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    palp_error error;
+    session(&m);
+    ck_assert_int_eq(palp_explain(&m, 1, input, &s, &e, &error), PALP_OK);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_AGREES);
+    palp_explanation_free(&e);
+    double *depth = palp_experiment_column((palp_experiment *)(uintptr_t)input[0].experiment, "depth_mm");
+    for (size_t i = 0; i < palp_experiment_rows(input[0].experiment); i++)
+        depth[i] -= 100.0;
+    ck_assert_int_eq(palp_explain(&m, 1, input, &s, &e, &error), PALP_ERR_INPUT);
+    ck_assert_uint_eq(e.n_runs, 0);
+    session_end();
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("explain");
+    TCase *t = tcase_create("explain");
+    tcase_set_timeout(t, 120);
+    tcase_add_test(t, nothing_hidden_nothing_named);
+    tcase_add_loop_test(t, a_hidden_effect_is_named, 0, 3);
+    tcase_add_test(t, the_order_of_the_tasks_changes_no_bit);
+    tcase_add_test(t, a_run_held_out_is_not_fitted);
+    tcase_add_test(t, what_it_cannot_take_is_refused);
+    tcase_add_test(t, one_run_is_enough_and_air_alone_is_not);
+    suite_add_tcase(suite, t);
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}

@@ -1,0 +1,209 @@
+/* cmd_explain.c: palpate explain: what a model misses in measured runs, named, added, and what is left then. */
+#include "commands.h"
+#include "explain.h"
+#include "json_out.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char NAME[] = "explain";
+
+static int parse(int argc, char **argv, explain_options *o) {
+    const cli_option options[] = {
+        cli_heading("What is explained"),
+        cli_text("model", "MODEL.json", &o->model, "the lumped model that misses something (needed)"),
+        cli_text("hold-out", "auto|FILES", &o->hold_out,
+                 "runs kept out of the fit, between commas (default auto: each in turn)"),
+        cli_text("candidates", "IDS", &o->candidates, "effects to suspect, between commas (default: all)"),
+        cli_count("every", "N", 1, 1e6, &o->every,
+                  "take one sample in N of each run (default: so many that 50000 remain\n"
+                  "in all; the time it takes grows with them)"),
+        cli_heading("When it believes"),
+        cli_count("max-effects", "N", 0, PALP_EXPLAIN_EFFECTS, &o->max_effects, "most effects to add (default 4)"),
+        cli_number("false-alarm", "P", 1e-4, 0.5, &o->false_alarm,
+                   "chance that an effect is named where none is (default 0.05)"),
+        cli_number("practical-share", "X", 0, 100, &o->share,
+                   "an effect must explain so much of the floor (default 0.5)"),
+        cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
+        cli_heading("Output"),
+        cli_text("out", "EXPLAINED.json", &o->out, "the model with the effects"),
+        cli_text("json", "RESULT.json", &o->json, "everything that was found"),
+        cli_text("report", "PAGE.html", &o->report, "the story on one page"),
+        cli_text("next", "PROTOCOL.json", &o->next, "the next experiment, for palpate acquire"),
+    };
+    const cli_command command = {
+        NAME, "--model MODEL.json RUN.csv ... [options]",
+        "Refits a model to runs, finds where they disagree, names the missing effect from the catalogue, adds it and\n"
+        "shows the gap shrink. It may also say that nothing is missing, that two effects cannot be told apart and\n"
+        "which experiment would, or that something is missing which it does not know.",
+        "  palpate explain --model lumped.json runs/*.csv --out explained.json --report page.html\n",
+        options, sizeof options / sizeof options[0]};
+    int code = cli_parse(&command, argc, argv, o->words, EXPLAIN_RUNS_MAX, &o->n_words);
+    if (code == CLI_OK && (!o->model || o->n_words == 0)) {
+        return cli_usage_error(NAME, "needs --model MODEL.json and runs; see palpate explain --help");
+    }
+    return code;
+}
+
+/* The next name of a list between commas; false at its end. */
+static bool next_name(const char **list, char name[CLI_PATH_MAX]) {
+    size_t n = strcspn(*list, ",");
+    if (n == 0 || n >= CLI_PATH_MAX) {
+        return false;
+    }
+    memcpy(name, *list, n);
+    name[n] = '\0';
+    *list += n + ((*list)[n] == ',');
+    return true;
+}
+
+static int choose_candidates(const explain_options *o, palp_explain_settings *s) {
+    char name[CLI_PATH_MAX];
+    palp_effect_id id;
+    if (!o->candidates) {
+        return CLI_OK;
+    }
+    memset(s->candidate, 0, sizeof s->candidate);
+    for (const char *at = o->candidates; next_name(&at, name);) {
+        if (palp_effect_by_name(name, &id)) {
+            return cli_usage_error(NAME, "--candidates: no effect is called \"%s\"", name);
+        }
+        s->candidate[id] = 1;
+    }
+    return CLI_OK;
+}
+
+static int choose_held(const explain_options *o, palp_explain_settings *s, size_t held[EXPLAIN_RUNS_MAX]) {
+    char name[CLI_PATH_MAX];
+    if (!o->hold_out || strcmp(o->hold_out, "auto") == 0) {
+        return CLI_OK;
+    }
+    for (const char *at = o->hold_out; next_name(&at, name);) {
+        size_t r = 0;
+        while (r < o->n_words && strcmp(o->words[r], name) != 0) {
+            r++;
+        }
+        if (r == o->n_words) {
+            return cli_usage_error(NAME, "--hold-out: %s is not among the runs", name);
+        }
+        if (s->n_held < EXPLAIN_RUNS_MAX) {
+            held[s->n_held++] = r;
+        }
+    }
+    s->held = held;
+    return s->n_held < o->n_words ? CLI_OK : cli_usage_error(NAME, "--hold-out leaves no run to fit");
+}
+
+static int save(const char *path, json_t *value) {
+    cli_file to;
+    int code = value ? cli_file_open(NAME, path, &to) : cli_failure(NAME, "out of memory");
+    if (code == CLI_OK) {
+        if (json_dumpf(value, to.stream, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15)) != 0 ||
+            putc('\n', to.stream) == EOF) {
+            cli_file_drop(&to);
+            code = cli_failure(NAME, "%s: write error", path);
+        } else {
+            code = cli_file_close(NAME, &to);
+        }
+    }
+    json_decref(value);
+    return code;
+}
+
+static int write_out(const explain_options *o, const palp_explanation *e) {
+    palp_error error;
+    int code = CLI_OK;
+    if (o->out && palp_model_write(&e->model, o->out, &error)) {
+        code = cli_status(NAME, error.status, &error);
+    }
+    if (code == CLI_OK && o->json) {
+        code = save(o->json, explain_json(o, e));
+    }
+    if (code == CLI_OK && o->next && e->next.wanted && e->next.kind) {
+        code = save(o->next, explain_protocol(e));
+    }
+    if (code == CLI_OK && o->report) {
+        code = explain_page(o, e);
+    }
+    return code;
+}
+
+static int read_runs(const explain_options *o, palp_explain_input *input, palp_experiment **run) {
+    palp_error error = {PALP_OK, ""};
+    size_t rows = 0;
+    for (size_t r = 0; r < o->n_words; r++) {
+        if (palp_experiment_read(o->words[r], &run[r], &error)) {
+            return cli_status(NAME, error.status, &error);
+        }
+        rows += palp_experiment_rows(run[r]);
+    }
+    size_t every = o->every ? o->every : 1 + rows / EXPLAIN_ROWS;
+    for (size_t r = 0; r < o->n_words; r++) {
+        palp_status status = every > 1 ? explain_thin(&run[r], every) : PALP_OK;
+        if (status) {
+            return cli_status(NAME, status, NULL);
+        }
+        input[r] = (palp_explain_input){run[r], o->words[r]};
+    }
+    if (every > 1 && !o->every) {
+        fprintf(stderr, "palpate %s: one sample in %zu of each run (--every)\n", NAME, every);
+    }
+    return CLI_OK;
+}
+
+static int explain(explain_options *o, palp_model *model, palp_explain_input *input, palp_experiment **run,
+                   size_t *held) {
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    palp_error error = {PALP_OK, ""};
+    s.max_effects = o->max_effects;
+    s.false_alarm = o->false_alarm;
+    s.practical_share = o->share;
+    s.loop = o->jobs > 1 ? explain_jobs : NULL;
+    s.loop_user = &o->jobs;
+    int code = choose_candidates(o, &s);
+    code = code ? code : choose_held(o, &s, held);
+    if (code == CLI_OK && palp_model_read(o->model, model, &error)) {
+        code = cli_status(NAME, error.status, &error);
+    }
+    code = code ? code : read_runs(o, input, run);
+    if (code == CLI_OK) {
+        palp_status status = palp_explain(model, o->n_words, input, &s, &e, &error);
+        code = status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;
+    }
+    if (code == CLI_OK) {
+        explain_say(&e);
+        code = write_out(o, &e);
+        palp_explanation_free(&e);
+    }
+    return code;
+}
+
+int cmd_explain(int argc, char **argv) {
+    explain_options *o = calloc(1, sizeof *o);
+    palp_model *model = calloc(1, sizeof *model);
+    palp_explain_input *input = calloc(EXPLAIN_RUNS_MAX, sizeof *input);
+    palp_experiment **run = calloc(EXPLAIN_RUNS_MAX, sizeof *run);
+    size_t *held = calloc(EXPLAIN_RUNS_MAX, sizeof *held);
+    int code = o && model && input && run && held ? CLI_OK : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    if (code == CLI_OK) {
+        o->max_effects = 4;
+        o->false_alarm = 0.05;
+        o->share = 0.5;
+        o->jobs = 1;
+        cli_keep_command(argc, argv, o->command);
+        code = parse(argc, argv, o);
+    }
+    if (code == CLI_OK) {
+        code = explain(o, model, input, run, held);
+    }
+    for (size_t r = 0; run && r < EXPLAIN_RUNS_MAX; r++) {
+        palp_experiment_free(run[r]);
+    }
+    free(o);
+    free(model);
+    free(input);
+    free(run);
+    free(held);
+    return code == CLI_HELP ? CLI_OK : code;
+}

@@ -1,0 +1,38 @@
+/* explain.h: the parts of palpate explain. */
+#ifndef PALPATE_TOOL_EXPLAIN_H
+#define PALPATE_TOOL_EXPLAIN_H
+
+#include "cli.h"
+
+#include <jansson.h>
+#include <palpate/palpate.h>
+#include <palpate/explain.h>
+
+enum { EXPLAIN_RUNS_MAX = 512, EXPLAIN_ROWS = 50000 };
+
+typedef struct explain_options {
+    const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *json, *report, *next;
+    size_t n_words, max_effects, jobs, every; /* every: 0 = so many that EXPLAIN_ROWS remain */
+    double false_alarm, share;
+    char command[CLI_COMMAND_MAX];
+} explain_options;
+
+/* As the file of the result has it; NULL = out of memory. (explain_json.c) */
+json_t *explain_json(const explain_options *o, const palp_explanation *e);
+
+/* The next experiment as a protocol file. */
+json_t *explain_protocol(const palp_explanation *e);
+
+/* The page; an exit code. (explain_page.c) */
+int explain_page(const explain_options *o, const palp_explanation *e);
+
+/* One line for each thing found, on stdout. (explain_page.c) */
+void explain_say(const palp_explanation *e);
+
+/* Keeps one sample in every of a run, which is replaced. (explain_thin.c) */
+palp_status explain_thin(palp_experiment **run, size_t every);
+
+/* Runs tasks on *(size_t *)user threads. (explain_jobs.c) */
+palp_explain_loop explain_jobs;
+
+#endif

@@ -1,0 +1,176 @@
+/* explain_json.c: the result as JSON, and the next experiment as a protocol file. */
+#include "explain.h"
+
+#include "json_out.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *id_of(palp_effect_id id) {
+    return palp_effect_look_up(id)->id;
+}
+
+static void put(json_t *object, const char *key, double value) {
+    json_object_set_new(object, key, json_number_or_null(value));
+}
+
+static json_t *effect_json(const palp_explain_effect *f) {
+    const palp_effect_info *info = palp_effect_look_up(f->effect.id);
+    json_t *value = json_object(), *intervals = json_object(), *alike = json_array(), *object = json_object();
+    for (size_t k = 0; k < info->n_parameters; k++) {
+        const palp_effect_parameter *p = &info->parameter[k];
+        double interval[2] = {f->low[k] / p->unit, f->high[k] / p->unit};
+        put(value, p->key, f->effect.value[k] / p->unit);
+        json_object_set_new(intervals, p->key, json_numbers(2, interval));
+    }
+    for (size_t k = 0; k < f->n_class; k++) {
+        json_array_append_new(alike, json_string(id_of(f->alike[k])));
+    }
+    json_object_set_new(object, "id", json_string(info->id));
+    json_object_set_new(object, "parameters", value);
+    json_object_set_new(object, "intervals", intervals);
+    json_object_set_new(object, "class", alike);
+    put(object, "evidence", f->evidence);
+    put(object, "evidence_standard_error", f->evidence_se);
+    put(object, "gap_closed", f->gap_closed);
+    return object;
+}
+
+static json_t *gap_json(const palp_explanation *e) {
+    json_t *gap = json_object();
+    put(gap, "floor_N", e->gap.floor_N);
+    put(gap, "before_N", e->gap.before_N);
+    put(gap, "after_N", e->gap.after_N);
+    put(gap, "heldout_before_N", e->gap.heldout_before_N);
+    put(gap, "heldout_after_N", e->gap.heldout_after_N);
+    put(gap, "closed", e->gap.closed);
+    put(gap, "unexplained_N", e->unexplained_N);
+    return gap;
+}
+
+static json_t *floor_json(const palp_explanation *e) {
+    json_t *parts = json_object();
+    put(parts, "white_N", e->white_N);
+    put(parts, "coloured_N", e->coloured_N);
+    put(parts, "colour_s", e->colour_s);
+    put(parts, "gain_scatter", e->repeatability);
+    put(parts, "contact_scatter_mm", 1e3 * e->contact_scatter_m);
+    json_object_set_new(parts, "replicates", json_boolean(e->replicates));
+    return parts;
+}
+
+static json_t *where_json(const palp_explanation *e) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < e->n_where; i++) {
+        json_t *object = json_object();
+        json_object_set_new(object, "experiment", json_string(e->run[e->where[i].run].name));
+        json_object_set_new(object, "phase", json_string(palp_explain_phase_name(e->where[i].phase)));
+        put(object, "share", e->where[i].share);
+        json_array_append_new(list, object);
+    }
+    return list;
+}
+
+static json_t *events_json(const palp_explanation *e) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < e->n_events; i++) {
+        json_t *object = json_object();
+        json_object_set_new(object, "experiment", json_string(e->run[e->event[i].run].name));
+        json_object_set_new(object, "kind", json_string(e->event[i].kind));
+        put(object, "from_s", e->event[i].from_s);
+        put(object, "to_s", e->event[i].to_s);
+        put(object, "size_N", e->event[i].size_N);
+        json_array_append_new(list, object);
+    }
+    return list;
+}
+
+/* Those rejected, or those that these runs cannot see. */
+static json_t *suspects_json(const palp_explanation *e, bool blind) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < e->n_suspects; i++) {
+        const palp_explain_suspect *s = &e->suspect[i];
+        if (s->accepted || s->identifiable == blind) {
+            continue;
+        }
+        if (blind) {
+            json_array_append_new(list, json_string(id_of(s->id)));
+            continue;
+        }
+        json_t *object = json_object();
+        json_object_set_new(object, "id", json_string(id_of(s->id)));
+        json_object_set_new(object, "reason", json_string(s->reason));
+        put(object, "score", s->score);
+        put(object, "explained_N", s->explained_N);
+        json_array_append_new(list, object);
+    }
+    return list;
+}
+
+static json_t *run_json(const palp_explain_next *next) {
+    json_t *run = json_object();
+    json_object_set_new(run, "kind", json_string(next->kind));
+    put(run, "depth_mm", next->depth_mm);
+    if (next->rate_mm_s > 0) {
+        put(run, "rate_mm_s", next->rate_mm_s);
+    }
+    if (next->ramp_s > 0) {
+        put(run, "ramp_s", next->ramp_s);
+    }
+    if (next->hold_s > 0) {
+        put(run, "hold_s", next->hold_s);
+    }
+    if (next->cycles > 0) {
+        json_object_set_new(run, "cycles", json_integer((json_int_t)next->cycles));
+    }
+    return run;
+}
+
+static json_t *next_json(const palp_explanation *e) {
+    const palp_explain_next *next = &e->next;
+    if (!next->wanted) {
+        return json_null();
+    }
+    json_t *object = json_object(), *between = json_array();
+    for (int i = 0; i < 2; i++) {
+        json_array_append_new(between, json_string(id_of(next->between[i])));
+    }
+    json_object_set_new(object, "run", next->kind ? run_json(next) : json_null());
+    json_object_set_new(object, "between", between);
+    put(object, "separation_N", next->separation_N);
+    if (next->note) {
+        json_object_set_new(object, "note", json_string(next->note));
+    }
+    return object;
+}
+
+json_t *explain_json(const explain_options *o, const palp_explanation *e) {
+    json_t *root = json_object(), *effects = json_array();
+    for (size_t i = 0; i < e->n_effects; i++) {
+        json_array_append_new(effects, effect_json(&e->effect[i]));
+    }
+    json_object_set_new(root, "palpate", json_pack("{s:i}", "explain", 1));
+    json_object_set_new(root, "command", json_string(o->command));
+    json_object_set_new(root, "verdict", json_string(palp_explain_verdict_name(e->verdict)));
+    json_object_set_new(root, "effects", effects);
+    json_object_set_new(root, "gap", gap_json(e));
+    json_object_set_new(root, "floor", floor_json(e));
+    put(root, "threshold", e->threshold);
+    json_object_set_new(root, "where", where_json(e));
+    json_object_set_new(root, "events", events_json(e));
+    json_object_set_new(root, "not_identifiable", suspects_json(e, true));
+    json_object_set_new(root, "next_experiment", next_json(e));
+    json_object_set_new(root, "rejected", suspects_json(e, false));
+    return root;
+}
+
+json_t *explain_protocol(const palp_explanation *e) {
+    json_t *root = json_object(), *runs = json_array();
+    char about[160];
+    snprintf(about, sizeof about, "tells %s from %s", id_of(e->next.between[0]), id_of(e->next.between[1]));
+    json_array_append_new(runs, run_json(&e->next));
+    json_object_set_new(root, "palpate", json_pack("{s:i}", "protocol", 1));
+    json_object_set_new(root, "about", json_string(about));
+    json_object_set_new(root, "runs", runs);
+    return root;
+}
