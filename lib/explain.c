@@ -259,7 +259,7 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
     status = explain_fit_create(model, &s->data, &s->fit);
     for (size_t r = 0, at = 0; r < n && !status; at += s->data.run[r++].n) {
         palp_forward_run path = explain_forward_run(&s->data.run[r]);
-        status = palp_forward_force(model, &path, s->force + at, NULL, error);
+        status = explain_predict(model, &path, s->force + at, NULL, error);
     }
     for (size_t r = 0, at = 0; r < n && !status; at += s->data.run[r++].n)
         for (size_t i = 0; i < s->data.run[r].n; i++)

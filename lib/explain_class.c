@@ -30,7 +30,7 @@ static palp_status make_basis(const explain_fit *fit, const explain_data *data, 
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         size_t own = data->run[r].n;
         palp_forward_run path = explain_forward_run(&data->run[r]);
-        status = palp_forward_force(&fit->model, &path, gradient + k * own, gradient, NULL);
+        status = explain_predict(&fit->model, &path, gradient + k * own, gradient, NULL);
         for (size_t j = 0; j < k && !status; j++)
             memcpy(basis + j * n + at, gradient + j * own, own * sizeof *basis);
     }

@@ -146,7 +146,7 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
                                 size_t gain, double *force, double *gradient, double *column, double *product) {
     size_t n = run->n, k = fit->n_columns, m = fit->m;
     palp_forward_run path = explain_forward_run(run);
-    palp_status status = palp_forward_force(full, &path, force, gradient, NULL);
+    palp_status status = explain_predict(full, &path, force, gradient, NULL);
     if (status)
         return status;
     double *own = column + k * n;

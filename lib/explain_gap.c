@@ -20,7 +20,7 @@ palp_status explain_floor(const explain_data *data, const explain_fit *fit, cons
         palp_forward_run path = explain_forward_run(run);
         path.depth_m = depth;
         if (!status)
-            status = palp_forward_force(moved, &path, other, NULL, NULL);
+            status = explain_predict(moved, &path, other, NULL, NULL);
         bool known = status != PALP_ERR_NOT_CONVERGED; /* no solution a micrometre on: the slope of the others */
         status = known ? status : PALP_OK;
         for (size_t i = 0; i < run->n && known && !status; i++) {
@@ -84,8 +84,8 @@ palp_status explain_held_out(const explain_data *data, const explain_fit *fit, d
         status = explain_fit_leave_out(fit, data, step + n * k, step);
     for (size_t r = 0, at = 0; r < n && !status; at += data->run[r++].n) {
         palp_forward_run path = explain_forward_run(&data->run[r]);
-        if (held_model(fit, step + r * k, model) || palp_forward_force(model, &path, force + at, NULL, NULL))
-            status = palp_forward_force(&fit->model, &path, force + at, NULL, NULL);
+        if (held_model(fit, step + r * k, model) || explain_predict(model, &path, force + at, NULL, NULL))
+            status = explain_predict(&fit->model, &path, force + at, NULL, NULL);
         some = some || data->run[r].held;
     }
     if (!status)

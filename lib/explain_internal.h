@@ -43,6 +43,10 @@ void explain_data_free(explain_data *data);
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
 palp_forward_run explain_forward_run(const explain_run *run);
 
+/* ---- what a model gives (explain_predict.c): as palp_forward_force ---- */
+palp_status explain_predict(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
+                            palp_error *error);
+
 /* ---- noise (explain_noise.c) ---- */
 
 /* From what a fit leaves, residual[n] of all runs one after the other: white noise of each run, coloured noise

@@ -86,8 +86,8 @@ palp_status explain_next_find(const explain_search *full, const explain_search *
             const protocol *q = &protocols[k];
             walk(q, full->data.deepest, p);
             palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
-            if (palp_forward_force(&full->fit.model, &run, force, NULL, NULL) ||
-                palp_forward_force(&t->fit.model, &run, force + SAMPLES, NULL, NULL))
+            if (explain_predict(&full->fit.model, &run, force, NULL, NULL) ||
+                explain_predict(&t->fit.model, &run, force + SAMPLES, NULL, NULL))
                 continue;
             double apart = separation(p, force, force + SAMPLES);
             if (!(apart > next->separation_N))

@@ -284,7 +284,7 @@ static palp_status strength_column(const palp_model *model, const palp_effect *e
     size_t k = palp_forward_parameter_count(model);
     more->effects[more->n_effects++] = *effect;
     palp_forward_run path = explain_forward_run(run);
-    palp_status status = palp_forward_force(more, &path, work, work + run->n, NULL);
+    palp_status status = explain_predict(more, &path, work, work + run->n, NULL);
     if (status)
         memset(column, 0, run->n * sizeof *column);
     else
@@ -308,7 +308,7 @@ palp_status explain_directions_columns(const explain_search *s, const explain_di
     if (!status)
         status = strength_column(model, &gain, run, work, column + 2 * n);
     if (!status)
-        status = palp_forward_force(model, &path, work, column + 3 * n, NULL);
+        status = explain_predict(model, &path, work, column + 3 * n, NULL);
     for (size_t i = 0; i < d->n && !status; i++)
         status = strength_column(model, &d->effect[i], run, work, column + (3 + k + i) * n);
     for (size_t i = 0; i < 3 + k + d->n && !status; i++)
