@@ -34,9 +34,12 @@ SUITESPARSE_LIBS   ?= -lcholmod -lamd -lcolamd -lsuitesparseconfig
 # serial variant behind that name: no threads of its own, so a result does not depend on their number.
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --libs lapack blas 2>/dev/null || echo -llapack -lblas)
 DEP_CFLAGS := $(SUITESPARSE_CFLAGS) $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags nlopt jansson 2>/dev/null))
-LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs nlopt jansson 2>/dev/null || echo -lnlopt -ljansson) $(BLAS_LIBS) -lm
+LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs nlopt jansson 2>/dev/null || echo -lnlopt -ljansson) $(BLAS_LIBS) -lpthread -lm
 SERIAL_CFLAGS := $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags libserialport 2>/dev/null))
 SERIAL_LIBS  = $(shell $(PKG_CONFIG) --libs libserialport 2>/dev/null || echo -lserialport)
+HAS_GLFW    := $(shell $(PKG_CONFIG) --exists glfw3 gl 2>/dev/null && echo yes)
+GLFW_CFLAGS  = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags glfw3 gl 2>/dev/null))
+GLFW_LIBS    = $(shell $(PKG_CONFIG) --libs glfw3 gl 2>/dev/null || echo -lglfw -lGL)
 CHECK_LIBS  = $(shell $(PKG_CONFIG) --libs check 2>/dev/null || echo -lcheck)
 CMOCKA_LIBS = $(shell $(PKG_CONFIG) --libs cmocka 2>/dev/null || echo -lcmocka)
 
@@ -63,6 +66,7 @@ CORE_SRC   := $(wildcard firmware/core/*.c) firmware/board/plant_link.c
 CORE_TESTS := $(wildcard tests/firmware/test_*.c)
 BENCHES    := $(wildcard bench/bench_*.c)
 EXAMPLES   := $(wildcard examples/*.c)
+POKE_SRC   := $(wildcard examples/poke/*.c)
 # Other .c files beside tests and benches are helpers, linked into each of them.
 LIB_TEST_HELP  := $(filter-out $(LIB_TESTS),$(wildcard tests/lib/*.c))
 TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS) tests/tools/serial_shim.c,$(wildcard tests/tools/*.c))
@@ -78,6 +82,7 @@ CORE   := $(BUILD)/libindenter.a
 SONAME := libpalpate.so.$(SOVERSION)
 SHARED := $(BUILD)/libpalpate.so.$(VERSION)
 TOOL   := $(BUILD)/palpate
+POKE   := $(BUILD)/examples/poke/poke
 TEST_PROGRAMS := $(call prog,$(LIB_TESTS) $(TOOL_TESTS) $(CORE_TESTS))
 ifneq ($(V),1)
 Q := @
@@ -85,12 +90,13 @@ note = @echo "  $(1)"
 endif
 
 # ---- building ------------------------------------------------------------------------------------
-.PHONY: all static shared programs tests FORCE
+.PHONY: all static shared programs tests examples poke poke-build FORCE
 all: static shared $(TOOL) firmware-host ## the static and shared library and the palpate command, under build/
 static: $(STATIC)
 shared: $(SHARED)
 tests: $(TEST_PROGRAMS) $(TOOL) firmware-host
-programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES))
+examples: $(call prog,$(EXAMPLES)) ## build/examples/*: what a simulator author starts from (doc/simulator.md)
+programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_GLFW),$(POKE))
 
 # Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
 FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS)
@@ -106,6 +112,7 @@ $(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/
 # The firmware's own code as this machine runs it; the images for the board are firmware.mk's.
 $(BUILD)/obj/firmware/%.o: EXTRA := $(FIRMWARE_FLAGS)
 $(BUILD)/obj/tests/lib/%.o $(BUILD)/obj/bench/%.o: EXTRA := -Ilib
+$(BUILD)/obj/examples/poke/%.o: EXTRA := $(GLFW_CFLAGS)
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call note,CC   $@)
@@ -159,7 +166,11 @@ $(call prog,$(EXAMPLES)): $(BUILD)/%: $(BUILD)/obj/%.o $(STATIC)
 	$(call note,LD   $@)
 	$(call link)
 
-ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/lib/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES)
+$(POKE): $(call obj,$(POKE_SRC)) $(STATIC)
+	$(call note,LD   $@)
+	$(call link,$(GLFW_LIBS))
+
+ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/lib/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
 -include $(patsubst %.o,%.d,$(call obj,$(ALL_SRC)))
 
 -include firmware/firmware.mk
@@ -175,6 +186,10 @@ demo: ## calibrates a network on the seed's phantom and plots how it converged
 	$(again) demo-run
 demo-run: $(TOOL) firmware-host $(if $(HAS_ARM),firmware)
 	@PALPATE=$(TOOL) tools/demo.sh
+poke: ## build/examples/poke/poke: a window that presses, drags and cuts the phantom
+	@tools/install-deps poke
+	$(again) poke-build
+poke-build: $(POKE)
 check: ## every test, with gcc, clang and the sanitizers; ends with "N passed, N failed"
 	@tools/install-deps check
 	+@BUILD='$(BUILD)' MAKE='$(MAKE)' tests/run.sh check

@@ -5,6 +5,7 @@
 #include <palpate/palpate.h>
 
 double bench_seconds(void);
+double bench_cpu_seconds(void); /* of this thread: what others on the machine take is not in it */
 
 /* Sorts x. */
 double bench_median(double *x, size_t n);

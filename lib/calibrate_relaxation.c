@@ -172,7 +172,7 @@ static void displace(relaxation *s) {
     memset(u, 0, 3 * net->n_nodes * sizeof *u);
     for (size_t i = 0; i < net->n_elements; i++)
         for (size_t c = 0; c < 3; c++) {
-            double f = s->partial[i] * net->direction[3 * i + c];
+            double f = (net->scale ? net->scale[i] : 1.0) * s->partial[i] * net->direction[3 * i + c];
             u[3 * (size_t)net->pair[2 * i] + c] += f;
             u[3 * (size_t)net->pair[2 * i + 1] + c] -= f;
         }

@@ -74,6 +74,18 @@ palp_status linsys_factor(linsys *ls, int *negative) {
     return ls->made.ops->factor(ls->made.self, negative);
 }
 
+void linsys_begin(linsys *ls) {
+    if (ls->made.ops->begin)
+        ls->made.ops->begin(ls->made.self);
+}
+
+palp_status linsys_advance(linsys *ls, double flops, int *negative, bool *done) {
+    if (ls->made.ops->advance)
+        return ls->made.ops->advance(ls->made.self, flops, negative, done);
+    *done = true;
+    return ls->made.ops->factor(ls->made.self, negative);
+}
+
 void linsys_solve(linsys *ls, double *b) {
     ls->made.ops->solve(ls->made.self, b);
 }

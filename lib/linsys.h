@@ -11,6 +11,8 @@ typedef struct linsys linsys;
 /* What a solver gives: one table a solver, one linsys.c that picks. */
 typedef struct linsys_ops {
     palp_status (*factor)(void *self, int *negative);
+    void (*begin)(void *self);                                                   /* or NULL, */
+    palp_status (*advance)(void *self, double flops, int *negative, bool *done); /* like this */
     void (*solve)(void *self, double *b);
     size_t (*slot)(const void *self, size_t row, size_t column); /* row >= column */
     void (*destroy)(void *self);
@@ -29,6 +31,11 @@ double linsys_flops(const linsys *ls);       /* of one factorization, estimated 
  * ERR_SINGULAR: a pivot that is not finite, or so small beside the largest that it is rounding. */
 palp_status linsys_factor(linsys *ls, int *negative);
 void linsys_solve(linsys *ls, double *b); /* b[n] in, solution out */
+
+/* A factor in parts: begin, then advance by at least so many flops (a solver that cannot stop does it all) until
+ * *done; status and *negative then as linsys_factor. */
+void linsys_begin(linsys *ls);
+palp_status linsys_advance(linsys *ls, double flops, int *negative, bool *done);
 
 /* Makers, one a solver; *values has *count + 1 entries and belongs to self. */
 typedef struct linsys_made {

@@ -20,6 +20,8 @@ typedef struct band {
     double *inverse;   /* [n] 1 / D */
     int32_t *position; /* [n] of each unknown, if another numbering gives a narrower band; or NULL */
     double *work;      /* [n] right-hand side in that numbering */
+    size_t at;         /* columns of a factor that is made in parts */
+    int negative;      /* pivots among them */
 } band;
 
 static size_t band_width(size_t n, const size_t *column, const int32_t *row, const int32_t *position) {
@@ -141,25 +143,50 @@ static palp_status judge_pivots(const band *b) {
     return linsys_judge(smallest, largest);
 }
 
-static palp_status band_factor(void *self, int *negative) {
-    band *b = self;
-    *negative = 0;
-    if (b->width <= SMALL_BAND)
-        return factor_plain(b->value, b->stride, b->n, b->width, b->inverse, negative) ? judge_pivots(b)
-                                                                                       : PALP_ERR_SINGULAR;
-    for (size_t j = 0; j < b->n; j += BLOCK) {
-        size_t w = b->n - j < BLOCK ? b->n - j : BLOCK, below = b->n - j - w;
+/* Block columns from b->at on, until so many flops are spent. */
+static palp_status factor_blocks(band *b, double flops, bool *done) {
+    while (b->at < b->n && flops > 0.0) {
+        size_t j = b->at, w = b->n - j < BLOCK ? b->n - j : BLOCK, below = b->n - j - w;
         double *d = b->value + j + j * b->stride;
         if (below > b->width)
             below = b->width;
-        if (!factor_diagonal(d, b->stride, w, b->inverse + j, b->panel, negative))
+        if (!factor_diagonal(d, b->stride, w, b->inverse + j, b->panel, &b->negative))
             return PALP_ERR_SINGULAR;
         if (below) {
             solve_panel(d + w, b->stride, w, below, d, b->inverse + j, b->panel);
             update_trailing(d + w, b->stride, b->panel, below, w, below, d + w + w * b->stride);
         }
+        b->at += w;
+        flops -= (double)w * (double)(below + w) * (double)(below + 1);
     }
-    return judge_pivots(b);
+    *done = b->at == b->n;
+    return *done ? judge_pivots(b) : PALP_OK;
+}
+
+static void band_begin(void *self) {
+    band *b = self;
+    b->at = 0;
+    b->negative = 0;
+}
+
+static palp_status band_advance(void *self, double flops, int *negative, bool *done) {
+    band *b = self;
+    palp_status status = PALP_OK;
+    *done = b->width <= SMALL_BAND;
+    if (!*done)
+        status = factor_blocks(b, flops, done);
+    else if (!factor_plain(b->value, b->stride, b->n, b->width, b->inverse, &b->negative))
+        status = PALP_ERR_SINGULAR;
+    else
+        status = judge_pivots(b);
+    *negative = b->negative;
+    return status;
+}
+
+static palp_status band_factor(void *self, int *negative) {
+    bool done;
+    band_begin(self);
+    return band_advance(self, INFINITY, negative, &done);
 }
 
 static void solve_ordered(const band *b, double *x) {
@@ -200,7 +227,7 @@ static void band_destroy(void *self) {
     free(b);
 }
 
-static const linsys_ops BAND_OPS = {band_factor, band_solve, band_slot, band_destroy};
+static const linsys_ops BAND_OPS = {band_factor, band_begin, band_advance, band_solve, band_slot, band_destroy};
 
 palp_status linsys_band_make(size_t n, const size_t *column, const int32_t *row, linsys_made *made) {
     band *b = calloc(1, sizeof *b);

@@ -137,7 +137,7 @@ static void solver_solve(void *self, double *b) {
         b[i] = s->work[s->position[i]];
 }
 
-static const linsys_ops SOLVER_OPS = {solver_factor, solver_solve, solver_slot, solver_destroy};
+static const linsys_ops SOLVER_OPS = {solver_factor, NULL, NULL, solver_solve, solver_slot, solver_destroy};
 
 /* Builds s->matrix: the permuted pattern, every column's rows ascending. */
 static palp_status build_matrix(solver *s, const size_t *column, const int32_t *row) {

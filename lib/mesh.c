@@ -34,7 +34,27 @@ void palp_mesh_free(palp_mesh *mesh) {
     free(mesh->sets);
     free(mesh->x_m);
     free(mesh->pairs);
+    free(mesh->tetrahedra);
+    free(mesh->triangles);
+    free(mesh->scale);
     free(mesh);
+}
+
+/* n values; NULL if there are none or no memory. */
+static int32_t *copy_indices(size_t n, const int32_t *from) {
+    int32_t *to = n > 0 ? malloc(n * sizeof *to) : NULL;
+    if (to)
+        memcpy(to, from, n * sizeof *to);
+    return to;
+}
+
+static palp_status copy_cells(const palp_mesh *from, palp_mesh *to) {
+    to->tetrahedra = copy_indices(4 * from->n_tetrahedra, from->tetrahedra);
+    to->triangles = copy_indices(3 * from->n_triangles, from->triangles);
+    to->n_tetrahedra = from->n_tetrahedra;
+    to->n_triangles = from->n_triangles;
+    to->split = from->split;
+    return from->n_tetrahedra > 0 && (!to->tetrahedra || !to->triangles) ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
 palp_status palp_mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
@@ -44,6 +64,13 @@ palp_status palp_mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
         return status;
     memcpy(m->x_m, mesh->x_m, 3 * mesh->n_nodes * sizeof *m->x_m);
     memcpy(m->pairs, mesh->pairs, 2 * mesh->n_elements * sizeof *m->pairs);
+    status = copy_cells(mesh, m);
+    if (!status && mesh->scale) {
+        m->scale = malloc(mesh->n_elements * sizeof *m->scale);
+        status = m->scale ? PALP_OK : PALP_ERR_NO_MEMORY;
+    }
+    if (!status && mesh->scale)
+        memcpy(m->scale, mesh->scale, mesh->n_elements * sizeof *m->scale);
     for (size_t i = 0; i < mesh->n_sets && !status; i++)
         status = palp_mesh_add_set(m, mesh->sets[i].name, mesh->sets[i].n, mesh->sets[i].nodes);
     if (status) {
@@ -111,11 +138,14 @@ static int32_t find_root(int32_t *root, int32_t i) {
     return i;
 }
 
-size_t palp_mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, int32_t *root) {
+size_t palp_mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,
+                       int32_t *root) {
     size_t n_parts = n_nodes;
     for (size_t i = 0; i < n_nodes; i++)
         root[i] = (int32_t)i;
     for (size_t e = 0; e < n_elements; e++) {
+        if (alive && !alive[e])
+            continue;
         int32_t a = find_root(root, pairs[2 * e]), b = find_root(root, pairs[2 * e + 1]);
         if (a == b)
             continue;
@@ -170,7 +200,7 @@ static palp_status check_connected(const palp_mesh *mesh, palp_error *error) {
     int32_t *root = malloc(mesh->n_nodes * sizeof *root);
     if (!root)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
-    size_t parts = palp_mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, root), other = 0;
+    size_t parts = palp_mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root), other = 0;
     while (other < mesh->n_nodes && root[other] == 0)
         other++;
     free(root);
@@ -312,6 +342,34 @@ const double *palp_mesh_positions(const palp_mesh *mesh) {
 
 const int32_t *palp_mesh_pairs(const palp_mesh *mesh) {
     return mesh->pairs;
+}
+
+/* R R' = 1 and not mirrored. */
+static bool is_rotation(const double r[9]) {
+    double volume = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
+                    r[2] * (r[3] * r[7] - r[4] * r[6]);
+    for (int i = 0; i < 9; i++) {
+        const double *a = r + 3 * (i / 3), *b = r + 3 * (i % 3);
+        double product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        if (!(fabs(product - (i / 3 == i % 3)) <= 1e-9))
+            return false;
+    }
+    return volume > 0.0;
+}
+
+palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9], const double translation_m[3]) {
+    if (!mesh || !rotation || !translation_m || !is_rotation(rotation) || !isfinite(translation_m[0]) ||
+        !isfinite(translation_m[1]) || !isfinite(translation_m[2]))
+        return PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < mesh->n_nodes; i++) {
+        double *x = mesh->x_m + 3 * i;
+        const double old[3] = {x[0], x[1], x[2]};
+        for (int k = 0; k < 3; k++) {
+            const double *r = rotation + 3 * k;
+            x[k] = r[0] * old[0] + r[1] * old[1] + r[2] * old[2] + translation_m[k];
+        }
+    }
+    return PALP_OK;
 }
 
 void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]) {

@@ -82,6 +82,24 @@ static palp_status fill_pairs(const gmsh_file *r, bool diagonals, palp_mesh *mes
     return PALP_OK;
 }
 
+static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
+    const gmsh_cell *cells = r->cells.items;
+    const gmsh_node *nodes = r->nodes.items;
+    size_t n = 0;
+    for (size_t c = 0; c < r->cells.n; c++)
+        n += cells[c].n == 4 ? 1 : 6;
+    mesh->tetrahedra = malloc(4 * n * sizeof *mesh->tetrahedra);
+    if (!mesh->tetrahedra)
+        return palp_gmsh_no_memory(r);
+    for (size_t c = 0; c < r->cells.n; c++) {
+        int32_t node[GMSH_CELL_NODES];
+        for (int i = 0; i < cells[c].n; i++)
+            node[i] = nodes[cells[c].node[i]].index;
+        palp_mesh_split_cell(mesh, cells[c].n, node);
+    }
+    return palp_mesh_add_surface(mesh) ? palp_gmsh_no_memory(r) : PALP_OK;
+}
+
 static const gmsh_node *node_of_index(const gmsh_file *r, size_t index) {
     const gmsh_node *node = r->nodes.items;
     while (node->index < 0 || (size_t)node->index != index)
@@ -93,7 +111,7 @@ static palp_status check_connected(const gmsh_file *r, const palp_mesh *mesh) {
     int32_t *root = malloc(mesh->n_nodes * sizeof *root);
     if (!root)
         return palp_gmsh_no_memory(r);
-    size_t parts = palp_mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, root), other = 0;
+    size_t parts = palp_mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root), other = 0;
     while (other < mesh->n_nodes && root[other] == 0)
         other++;
     free(root);
@@ -173,6 +191,8 @@ static palp_status build(gmsh_file *r, bool diagonals, palp_mesh **mesh) {
     palp_status status = fill_pairs(r, diagonals, m);
     if (!status)
         status = check_connected(r, m);
+    if (!status)
+        status = fill_tetrahedra(r, m);
     if (!status)
         status = add_sets(r, m);
     if (status)

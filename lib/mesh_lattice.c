@@ -60,6 +60,25 @@ static void fill(palp_mesh *mesh, const size_t nodes[3], const double size_m[3],
     }
 }
 
+/* Six tetrahedra a box. */
+static palp_status add_tetrahedra(palp_mesh *mesh, const size_t nodes[3]) {
+    size_t boxes = (nodes[0] - 1) * (nodes[1] - 1) * (nodes[2] - 1), sx = nodes[1] * nodes[2], sy = nodes[2];
+    mesh->tetrahedra = malloc(boxes * 24 * sizeof *mesh->tetrahedra);
+    if (!mesh->tetrahedra)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i + 1 < nodes[0]; i++)
+        for (size_t j = 0; j + 1 < nodes[1]; j++)
+            for (size_t k = 0; k + 1 < nodes[2]; k++) {
+                size_t o = i * sx + j * sy + k;
+                const size_t at[8] = {o, o + sx, o + sx + sy, o + sy, o + 1, o + sx + 1, o + sx + sy + 1, o + sy + 1};
+                int32_t node[8];
+                for (size_t c = 0; c < 8; c++)
+                    node[c] = (int32_t)at[c];
+                palp_mesh_split_cell(mesh, 8, node);
+            }
+    return palp_mesh_add_surface(mesh);
+}
+
 static palp_status add_faces(palp_mesh *mesh, const double size_m[3]) {
     static const char *const names[3][2] = {{"left", "right"}, {"bottom", "top"}, {"back", "front"}};
     palp_status status = PALP_OK;
@@ -98,6 +117,8 @@ palp_status palp_mesh_lattice(const size_t nodes[3], const double size_m[3], pal
         return status;
     fill(m, nodes, size_m, n_offsets, offset);
     status = add_faces(m, size_m);
+    if (!status)
+        status = add_tetrahedra(m, nodes);
     if (status)
         palp_mesh_free(m);
     else

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+const char *const palp_model_scalings[] = {"none", "volume", "continuum"};
+
 double palp_model_area(double radius_m) {
     return 3.14159265358979323846 * radius_m * radius_m;
 }
@@ -48,5 +50,12 @@ palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_erro
     status = palp_model_join(spec->folder, spec->path, path);
     if (status)
         return palp_error_set(error, status, "the path of the mesh is too long");
-    return palp_mesh_read_gmsh(path, spec->scale_m, spec->hex_diagonals, mesh, error);
+    palp_error why = {PALP_OK, ""};
+    status = palp_mesh_read_gmsh(path, spec->scale_m, spec->hex_diagonals, mesh, error);
+    if (!status && palp_mesh_scale(*mesh, spec->scaling, spec->area_m2, &why)) {
+        palp_mesh_free(*mesh);
+        *mesh = NULL;
+        status = palp_error_set(error, why.status, "%s: %s", path, why.text);
+    }
+    return status;
 }

@@ -9,6 +9,9 @@
 /* K must be positive up to here, in a model that is read or written. */
 #define PALP_MODEL_STRAIN 0.4
 
+/* Names of the scalings of a mesh. */
+extern const char *const palp_model_scalings[PALP_SCALING_CONTINUUM + 1];
+
 /* Cross-section of a cylinder, m^2. */
 double palp_model_area(double radius_m);
 
@@ -17,6 +20,9 @@ bool palp_model_kind_valid(const char *kind);
 
 /* The list "effects" of a model whose kind is known; absent = none. */
 palp_status palp_model_effects_read(const palp_json *root, palp_model *model);
+
+/* What palp_model_read does with the value of a file; *model comes zeroed. */
+palp_status palp_model_from_json(const palp_json *root, palp_model *model);
 
 /* The folder part of path ("" if it has none) into folder; ERR_LIMIT if it does not fit. */
 palp_status palp_model_folder(const char *path, char folder[PALP_PATH_MAX]);

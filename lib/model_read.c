@@ -319,8 +319,30 @@ static palp_status lattice_read(const palp_json *at, palp_mesh_spec *spec) {
     return status;
 }
 
+static palp_status scaling_read(const palp_json *at, palp_mesh_spec *spec) {
+    palp_json value;
+    const char *name = "";
+    if (!palp_json_member(at, "scaling", &value))
+        return palp_json_member(at, "area_mm2", &value)
+                   ? palp_json_fail(&value, PALP_ERR_INPUT, "goes with \"scaling\"")
+                   : PALP_OK;
+    palp_status status = palp_json_string(&value, &name);
+    int kind = PALP_SCALING_NONE;
+    while (kind <= PALP_SCALING_CONTINUUM && strcmp(name, palp_model_scalings[kind]) != 0)
+        kind++;
+    if (!status && kind > PALP_SCALING_CONTINUUM)
+        status = palp_json_fail(&value, PALP_ERR_INPUT, "must be \"none\", \"volume\" or \"continuum\", not \"%s\"", name);
+    if (!status)
+        spec->scaling = (palp_mesh_scaling)kind;
+    if (!status && palp_json_member(at, "area_mm2", &value)) {
+        status = palp_json_positive(&value, &spec->area_m2);
+        spec->area_m2 *= 1e-6;
+    }
+    return status;
+}
+
 static palp_status mesh_file_read(const palp_json *at, palp_mesh_spec *spec) {
-    static const char *const keys[] = {"kind", "path", "scale_mm", "hex_diagonals"};
+    static const char *const keys[] = {"kind", "path", "scale_mm", "hex_diagonals", "scaling", "area_mm2"};
     palp_json value;
     const char *path = "";
     spec->kind = PALP_MESH_FILE;
@@ -338,6 +360,8 @@ static palp_status mesh_file_read(const palp_json *at, palp_mesh_spec *spec) {
         status = length_read(&value, &spec->scale_m);
     if (!status && palp_json_member(at, "hex_diagonals", &value))
         status = palp_json_bool(&value, &spec->hex_diagonals);
+    if (!status)
+        status = scaling_read(at, spec);
     if (!status && palp_model_folder(at->file->path, spec->folder))
         status = palp_json_fail(&value, PALP_ERR_LIMIT, "starts from too long a folder");
     return status;
@@ -376,7 +400,7 @@ static palp_status network_read(const palp_json *root, palp_model *model) {
     return status;
 }
 
-static palp_status root_read(const palp_json *root, palp_model *model) {
+palp_status palp_model_from_json(const palp_json *root, palp_model *model) {
     /* the last two are a network's only */
     static const char *const keys[] = {"palpate", "kind",       "specimen",     "stiffness",
                                        "arms",    "dashpot_Ns", "quasi_linear", "formulation",
@@ -407,7 +431,7 @@ palp_status palp_model_read(const char *path, palp_model *model, palp_error *err
     palp_status status = palp_json_open(path, &file, &root, error);
     if (status)
         return status;
-    status = root_read(&root, &made);
+    status = palp_model_from_json(&root, &made);
     palp_json_close(&file);
     if (!status)
         *model = made;

@@ -43,6 +43,8 @@ static bool shape_valid(const palp_model *model) {
         return false;
     if (mesh->kind == PALP_MESH_LATTICE)
         return lattice_valid(mesh);
+    if ((unsigned)mesh->scaling > PALP_SCALING_CONTINUUM || !(mesh->area_m2 >= 0) || !isfinite(mesh->area_m2))
+        return false;
     return mesh->path[0] && palp_text_is_utf8(mesh->path) && mesh->scale_m > 0 && isfinite(mesh->scale_m);
 }
 
@@ -210,7 +212,12 @@ static palp_status mesh_file_print(const writer *w, const palp_mesh_spec *mesh, 
         return PALP_ERR_NO_MEMORY;
     fprintf(w->stream, "%s\"mesh\": {\"kind\": \"file\", \"path\": %s, ", w->between, quoted);
     length_print(w, "\"scale_mm\": ", mesh->scale_m);
-    fprintf(w->stream, "%s}", mesh->hex_diagonals ? ", \"hex_diagonals\": true" : "");
+    fputs(mesh->hex_diagonals ? ", \"hex_diagonals\": true" : "", w->stream);
+    if (mesh->scaling != PALP_SCALING_NONE)
+        fprintf(w->stream, ", \"scaling\": \"%s\"", palp_model_scalings[mesh->scaling]);
+    if (mesh->scaling != PALP_SCALING_NONE && mesh->area_m2 > 0)
+        quantity_print(w, ", \"area_mm2\": ", mesh->area_m2, 1e-6);
+    fputc('}', w->stream);
     free(quoted);
     return PALP_OK;
 }

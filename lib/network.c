@@ -35,6 +35,7 @@ static void state_free(network_state *s) {
     free(s->history.arm);
     free(s->history.peak);
     free(s->vector);
+    free(s->load);
 }
 
 void palp_network_free(palp_network *net) {
@@ -48,8 +49,11 @@ void palp_network_free(palp_network *net) {
     free(net->way[0]);
     free(net->way[1]);
     linsys_free(net->ls);
+    network_load_free(net->load);
+    network_cut_free(net->cut);
+    network_realtime_free(net->realtime);
     palp_mesh_free(net->mesh);
-    double *arrays[] = {net->inverse_rest, net->motion, net->mass, net->grip, net->node_block, net->direction,
+    double *arrays[] = {net->inverse_rest, net->scale, net->motion, net->mass, net->grip, net->node_block, net->direction,
                         net->inverse_length, net->strain, net->force, net->tangent, net->fint,
                         net->inertia_rhs, net->rhs, net->dx, net->start, net->scratch};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
@@ -84,7 +88,8 @@ static bool state_allocate(palp_network *net, network_state *s) {
         s->history.peak = doubles(m, &ok);
     if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
         s->vector = doubles(3 * m, &ok);
-    return ok;
+    s->load = net->load ? calloc(1, net->load_size) : NULL;
+    return ok && (s->load || !net->load);
 }
 
 /* The states are as large as the material asks for; called again when the material changes. */
@@ -158,25 +163,38 @@ static palp_status number_unknowns(palp_network *net, size_t n, const palp_suppo
         if (status)
             return status;
     }
-    bool driven = false;
     for (size_t i = 0; i < 3 * net->n_nodes; i++) {
-        driven = driven || net->motion[i] != 0.0;
+        net->driven = net->driven || net->motion[i] != 0.0;
         if (net->dof[i] >= 0)
             net->dof[i] = (int32_t)net->n_free++;
     }
-    if (!driven)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "no axis of any node set is driven");
     return PALP_OK;
 }
 
-/* Rest lengths, and the mesh's mass shared among the nodes by the rest length of their elements. */
-static void measure_rest(palp_network *net) {
-    double low[3], high[3], volume = 1.0, total = 0.0;
-    palp_mesh_bounds(net->mesh, low, high);
-    for (size_t k = 0; k < 3; k++) {
-        net->extent = fmax(net->extent, high[k] - low[k]);
-        volume *= high[k] - low[k];
+/* Each tetrahedron's mass to its corners, a quarter each. Hexahedra, whose tetrahedra favour some corners, and
+ * meshes without cells, as large as their box: by the rest length of a node's elements. */
+static void share_mass(palp_network *net) {
+    double low[3], high[3], total = 0.0, volume = palp_mesh_volume(net->mesh, net->mass);
+    if (volume > 0.0 && !net->mesh->split) {
+        for (size_t i = 0; i < net->n_nodes; i++)
+            net->mass[i] *= net->settings.density_kg_m3;
+        return;
     }
+    palp_mesh_bounds(net->mesh, low, high);
+    if (!(volume > 0.0))
+        volume = (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]);
+    memset(net->mass, 0, net->n_nodes * sizeof *net->mass);
+    for (size_t i = 0; i < net->n_elements; i++)
+        total += 2.0 / net->inverse_rest[i];
+    for (size_t i = 0; i < 2 * net->n_elements; i++)
+        net->mass[net->pair[i]] += net->settings.density_kg_m3 * volume / net->inverse_rest[i / 2] / total;
+}
+
+static void measure_rest(palp_network *net) {
+    double low[3], high[3];
+    palp_mesh_bounds(net->mesh, low, high);
+    for (size_t k = 0; k < 3; k++)
+        net->extent = fmax(net->extent, high[k] - low[k]);
     double motion[3] = {0.0};
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         motion[i % 3] = fmax(motion[i % 3], fabs(net->motion[i]));
@@ -188,11 +206,9 @@ static void measure_rest(palp_network *net) {
         double length = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) +
                              (b[2] - a[2]) * (b[2] - a[2]));
         net->inverse_rest[i] = 1.0 / length;
-        total += 2.0 * length;
     }
     if (net->mass)
-        for (size_t i = 0; i < 2 * net->n_elements; i++)
-            net->mass[net->pair[i]] += net->settings.density_kg_m3 * volume / net->inverse_rest[i / 2] / total;
+        share_mass(net);
 }
 
 /* Neighbours of each node with a higher or the same number, ascending: [first[a], first[a + 1]). */
@@ -306,7 +322,16 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     net->n_elements = palp_mesh_element_count(net->mesh);
     net->rest = palp_mesh_positions(net->mesh);
     net->pair = palp_mesh_pairs(net->mesh);
+    net->surface = palp_mesh_triangles(net->mesh);
+    net->n_surface = palp_mesh_triangle_count(net->mesh);
     status = allocate(net);
+    const double *scale = palp_mesh_element_scale(net->mesh);
+    if (!status && scale) {
+        net->scale = malloc(net->n_elements * sizeof *net->scale);
+        status = net->scale ? PALP_OK : PALP_ERR_NO_MEMORY;
+    }
+    if (!status && scale)
+        memcpy(net->scale, scale, net->n_elements * sizeof *scale);
     if (!status)
         status = number_unknowns(net, n_supports, supports, error);
     if (status)
@@ -372,6 +397,8 @@ void network_state_copy(const palp_network *net, network_state *to, const networ
         memcpy(to->history.peak, from->history.peak, m);
     if (to->vector)
         memcpy(to->vector, from->vector, 3 * m);
+    if (to->load)
+        memcpy(to->load, from->load, net->load_size);
     to->depth = from->depth;
     to->time = from->time;
     to->force = from->force;
@@ -384,7 +411,7 @@ void network_mark(palp_network *net) {
 void network_revert(palp_network *net) {
     network_state_copy(net, &net->now, &net->mark);
     net->n_past = 0;
-    net->trial = false;
+    net->trial = net->can_undo = false;
 }
 
 void palp_network_reset(palp_network *net) {
@@ -404,10 +431,16 @@ void palp_network_reset(palp_network *net) {
         memset(s->history.peak, 0, m);
     if (s->vector)
         memset(s->vector, 0, 3 * m);
+    if (s->load)
+        memset(s->load, 0, net->load_size);
     s->depth = s->time = s->force = 0.0;
     net->n_past = 0;
-    net->trial = net->factored = net->buckled = false;
+    net->trial = net->factored = net->buckled = net->can_undo = false;
     net->checked_depth = net->unstable_depth = 0.0;
+    if (net->realtime)
+        network_realtime_reset(net);
+    if (net->cut)
+        network_cut_reset(net);
 }
 
 palp_status palp_network_set_material(palp_network *net, const palp_material *material) {
@@ -434,6 +467,17 @@ palp_status network_set_wear(palp_network *net, const element_wear *wear) {
     return status;
 }
 
+palp_status network_set_load(palp_network *net, network_load *load, size_t size) {
+    net->load = load;
+    net->load_size = size;
+    palp_status status = allocate_states(net);
+    if (status)
+        net->load = NULL;
+    else
+        palp_network_reset(net);
+    return status;
+}
+
 palp_status network_set_grip(palp_network *net, const char *set, double share) {
     const int32_t *nodes;
     size_t n;
@@ -453,7 +497,8 @@ palp_status network_set_grip(palp_network *net, const char *set, double share) {
     palp_law_stiffness(&net->material.law, 0.0, &start, NULL);
     for (size_t j = 0; j < 2 * net->n_elements; j++)
         for (size_t k = 0; k < 3 && held[net->pair[j]]; k++)
-            net->grip[3 * (size_t)net->pair[j] + k] += share * start * net->inverse_rest[j / 2];
+            net->grip[3 * (size_t)net->pair[j] + k] +=
+                share * start * net->inverse_rest[j / 2] * (net->scale ? net->scale[j / 2] : 1.0);
     free(held);
     return PALP_OK;
 }

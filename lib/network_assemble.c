@@ -20,7 +20,7 @@ static bool measure(palp_network *net) {
         net->direction[3 * i + 2] = d2 * inverse;
         sound = sound && net->strain[i] > COLLAPSED;
     }
-    return sound;
+    return net->cut && net->cut->n_cut > 0 ? network_cut_measure(net, COLLAPSED) : sound;
 }
 
 /* Sums the forces of the elements on their nodes. Elements come grouped by their first node, whose share is
@@ -54,7 +54,13 @@ bool network_evaluate(palp_network *net) {
         return false;
     element_trial(&net->material, &net->step, net->n_elements, net->strain, &net->now.history,
                   &net->next.history, net->force, net->tangent);
+    for (size_t i = 0; i < net->n_elements && net->scale; i++) {
+        net->force[i] *= net->scale[i];
+        net->tangent[i] *= net->scale[i];
+    }
     sum_forces(net);
+    if (net->load)
+        network_load_evaluate(net);
     double sum = 0.0;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         sum += net->fint[i];
@@ -72,9 +78,16 @@ double network_residual(palp_network *net, double *scale) {
             r -= pull - net->inertia_rhs[i];
             heavy += pull * pull;
         }
+        if (net->load)
+            r += network_load_force(net->load)[i];
         if (net->grip) {
             r -= net->grip[i] * (net->next.x[i] - net->rest[i]);
             heavy += net->grip[i] * net->next.x[i] * net->grip[i] * net->next.x[i];
+        }
+        if (net->cut && net->cut->n_loose > 0) {
+            double spring = network_cut_spring(net->cut, i / 3);
+            r -= spring * (net->next.x[i] - net->now.x[i]);
+            heavy += spring * net->next.x[i] * spring * net->next.x[i];
         }
         net->rhs[net->dof[i]] = r;
         residual += r * r;
@@ -85,6 +98,8 @@ double network_residual(palp_network *net, double *scale) {
     }
     /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and the
      * mass terms and those of a firm grip to that times theirs, which may be large */
+    if (net->load)
+        heavy += network_load_size(net->load);
     *scale = net->settings.tolerance * sqrt(force) + 2e-15 * sqrt(noise) + 1e-15 * sqrt(heavy);
     return sqrt(residual);
 }
@@ -101,6 +116,29 @@ static inline void element_block(const palp_network *net, size_t i, double k[6])
     k[3] = p0 * n[2];
     k[4] = p1 * n[2];
     k[5] = along * n[2] * n[2] + across;
+}
+
+/* Diagonal of the tangent that is no element's. */
+static inline void own_terms(const palp_network *net, size_t i, double shift, double own[3]) {
+    double add = shift;
+    if (net->inertia > 0.0)
+        add += net->mass[i] * net->inertia;
+    if (net->cut)
+        add += net->cut->diagonal[i];
+    for (size_t k = 0; k < 3; k++)
+        own[k] = add + (net->grip ? net->grip[3 * i + k] : 0.0);
+}
+
+size_t network_node_blocks(const palp_network *net, double *block, size_t max, load_coupling *coupling) {
+    memset(block, 0, 6 * net->n_nodes * sizeof *block);
+    for (size_t i = 0; i < net->n_nodes; i++) {
+        double own[3];
+        own_terms(net, i, 0.0, own);
+        block[6 * i] = own[0];
+        block[6 * i + 2] = own[1];
+        block[6 * i + 5] = own[2];
+    }
+    return net->load ? network_load_blocks(net, block, max, coupling) : 0;
 }
 
 void network_assemble(palp_network *net, double shift) {
@@ -130,16 +168,16 @@ void network_assemble(palp_network *net, double shift) {
     }
     for (size_t i = 0; i < net->n_nodes; i++) {
         const uint32_t *s = net->slot_node + 6 * i;
-        double *b = block + 6 * i, add = shift;
-        if (net->inertia > 0.0)
-            add += net->mass[i] * net->inertia;
-        const double *grip = net->grip ? net->grip + 3 * i : (double[3]){0.0};
-        b[0] += add + grip[0];
-        b[2] += add + grip[1];
-        b[5] += add + grip[2];
+        double *b = block + 6 * i, own[3];
+        own_terms(net, i, shift, own);
+        b[0] += own[0];
+        b[2] += own[1];
+        b[5] += own[2];
         for (size_t j = 0; j < 6; j++)
             value[s[j]] = b[j];
     }
+    if (net->load)
+        network_load_assemble(net);
 }
 
 palp_status network_factor(palp_network *net, double shift, int *negative) {
@@ -156,6 +194,35 @@ static void block_times(const palp_network *net, size_t i, const double *va, con
     out[2] = k[3] * d[0] + k[4] * d[1] + k[5] * d[2];
 }
 
+void network_tangent_times(const palp_network *net, const double *u, double *out) {
+    for (size_t i = 0; i < net->n_nodes; i++) {
+        double own[3];
+        own_terms(net, i, 0.0, own);
+        for (size_t k = 0; k < 3; k++)
+            out[3 * i + k] = own[k] * u[3 * i + k];
+    }
+    for (size_t i = 0; i < net->n_elements;) {
+        const int32_t first = net->pair[2 * i];
+        const double *a = u + 3 * first;
+        double sum[3] = {0.0};
+        for (; i < net->n_elements && net->pair[2 * i] == first; i++) {
+            const double *n = net->direction + 3 * i, *b = u + 3 * net->pair[2 * i + 1];
+            double *o = out + 3 * net->pair[2 * i + 1], d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+            double across = net->force[i] * net->inverse_length[i];
+            double along = (net->tangent[i] * net->inverse_rest[i] - across) * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
+            for (size_t k = 0; k < 3; k++) {
+                double f = along * n[k] + across * d[k];
+                sum[k] += f;
+                o[k] += f;
+            }
+        }
+        for (size_t k = 0; k < 3; k++)
+            out[3 * first + (int32_t)k] -= sum[k];
+    }
+    if (net->load)
+        network_load_times(net, u, out);
+}
+
 void network_drive_column(palp_network *net, double *column) {
     memset(column, 0, net->n_free * sizeof *column);
     for (size_t i = 0; i < net->n_elements; i++) {
@@ -169,6 +236,8 @@ void network_drive_column(palp_network *net, double *column) {
                 column[net->dof[b + k]] -= f[k];
         }
     }
+    if (net->load)
+        network_load_drive(net, column);
 }
 
 bool network_energy(palp_network *net, double *energy) {
@@ -177,12 +246,18 @@ bool network_energy(palp_network *net, double *energy) {
                         psi + net->n_elements))
         return false;
     for (size_t i = 0; i < net->n_elements; i++)
-        sum += psi[i] / net->inverse_rest[i];
+        sum += (net->scale ? net->scale[i] : 1.0) * psi[i] / net->inverse_rest[i];
     for (size_t i = 0; i < 3 * net->n_nodes && net->grip; i++)
         if (net->dof[i] >= 0) {
             double moved = net->next.x[i] - net->rest[i];
             sum += 0.5 * net->grip[i] * moved * moved;
         }
+    for (size_t i = 0; i < 3 * net->n_nodes && net->cut && net->cut->n_loose > 0; i++) {
+        double moved = net->next.x[i] - net->now.x[i];
+        sum += 0.5 * network_cut_spring(net->cut, i / 3) * moved * moved;
+    }
+    if (net->load && !network_load_energy(net, &sum))
+        return false;
     if (net->inertia > 0.0)
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             if (net->dof[i] >= 0) {
@@ -197,6 +272,8 @@ double network_drive_force(const palp_network *net) {
     double force = 0.0;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         force -= net->motion[i] * net->fint[i];
+    for (size_t i = 0; i < 3 * net->n_nodes && net->load; i++)
+        force -= net->motion[i] * network_load_force(net->load)[i];
     return force;
 }
 
@@ -225,6 +302,8 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
     for (size_t i = 0; i < 3 * net->n_nodes && net->grip; i++)
         if (net->dof[i] >= 0)
             *stiffness += net->grip[i] * u[i] * u[i];
+    if (net->load)
+        *stiffness += network_load_curvature(net, u);
     for (size_t i = 0; i < net->n_elements; i++) {
         const double *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
         double f[3];
@@ -234,6 +313,8 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
             weight[i] += net->direction[3 * i + k] * (b[k] - a[k]);
             *stiffness += f[k] * (b[k] - a[k]);
         }
+        if (net->scale)
+            weight[i] *= net->scale[i];
     }
     return PALP_OK;
 }

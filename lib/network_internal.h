@@ -4,6 +4,9 @@
 
 #include "element.h"
 #include "linsys.h"
+#include "network_cut.h"
+#include "network_load.h"
+#include "network_realtime.h"
 
 /* One state of the whole network. */
 typedef struct network_state {
@@ -14,6 +17,7 @@ typedef struct network_state {
     double *element;        /* [n_elements] element force, tension positive, N */
     element_history history;
     double *vector;         /* [3 n_elements] force on the first node, PALP_SEDEF2008 only */
+    void *load;             /* [load_size] bytes: friction, held nodes, where tools were; or NULL */
     double depth, time, force;
 } network_state;
 
@@ -27,7 +31,16 @@ struct palp_network {
     const double *rest;   /* mesh's */
     const int32_t *pair;  /* mesh's */
     double *inverse_rest; /* [n_elements] 1 / rest length */
+    double *scale;        /* [n_elements] factor of each element's force, 0 = cut; or NULL = all 1 */
+    network_load *load;   /* what acts on the nodes from outside, or NULL */
+    size_t load_size;     /* bytes of each state's load */
+    const int32_t *surface; /* [3 n_surface] triangles of the surface as it now is, outward */
+    size_t n_surface;
+    size_t surface_changes; /* counts what replaced the surface */
+    network_cut *cut;     /* what is cut and torn, or NULL */
+    network_realtime *realtime; /* for palp_network_step_within, or NULL */
     double *motion;       /* [3 n_nodes] displacement per depth, 0 unless driven */
+    bool driven;          /* some axis is */
     int32_t *dof;         /* [3 n_nodes] unknown, or -1 */
     double *mass;         /* [n_nodes] kg, or NULL */
     double *grip;         /* [3 n_nodes] N/m, springs from a node to its place at rest, or NULL */
@@ -59,6 +72,9 @@ struct palp_network {
     double *past[NETWORK_PAST];
     double past_depth[NETWORK_PAST], past_time[NETWORK_PAST];
     size_t n_past;
+    bool can_undo;        /* next and next.x still hold what the last commit replaced, */
+    size_t undo_n_past;   /* these the rest */
+    double undo_depth, undo_time;
     bool no_approach;     /* the caller makes its own smaller steps */
     bool exact;           /* the factor is that of the solved step at hand */
     bool left_branch;     /* STABLE: the step met an indefinite tangent */
@@ -93,6 +109,22 @@ double network_drive_force(const palp_network *net);
 /* Sets next.x of held and driven axes for a depth. */
 void network_place(palp_network *net, double depth);
 
+/* What opens a time step (arguments, constants of the step, inertia, load) and what closes a solved one: what next
+ * holds beside positions and history. */
+palp_status network_begin(palp_network *net, double depth_m, double dt_s);
+void network_finish(palp_network *net);
+
+/* Extrapolates next.x along the path (depth, or time in a hold) through the last two states, curved: three; and
+ * evaluates. False if they do not lead there. */
+bool network_extrapolate(palp_network *net, double depth, double time, bool curved);
+
+/* out = tangent of the last evaluation times u, [3 n_nodes] both, held axes included. */
+void network_tangent_times(const palp_network *net, const double *u, double *out);
+
+/* The part of the tangent that is no element's: of each node on itself, block[6 n_nodes], lower triangle by rows, and
+ * as network_load_blocks the couplings by the load, of which it returns the number. */
+size_t network_node_blocks(const palp_network *net, double *block, size_t max, load_coupling *coupling);
+
 /* From next.x to equilibrium, along the branch that the settings ask for (network_newton.c). */
 palp_status network_newton(palp_network *net, palp_step_info *info);
 
@@ -113,5 +145,8 @@ void network_mark(palp_network *net);
 void network_revert(palp_network *net);
 
 void network_state_copy(const palp_network *net, network_state *to, const network_state *from);
+
+/* Gives the network a load, which it then owns, and states with size bytes for it; resets the network. */
+palp_status network_set_load(palp_network *net, network_load *load, size_t size);
 
 #endif

@@ -1,6 +1,8 @@
 /* network_step.c: one time step: predictor, Newton, inertia of the tangent, commit and rollback. */
 #include "network_internal.h"
 
+#include <palpate/realtime.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -56,8 +58,8 @@ static void finish_inertia(palp_network *net, double dt) {
     }
 }
 
-/* Extrapolates the unknowns along s (depth, or time in a hold) through the last two or three states. */
-static bool extrapolate(palp_network *net, double depth, double time) {
+/* Along s: depth, or time in a hold. */
+bool network_extrapolate(palp_network *net, double depth, double time, bool curved) {
     if (net->n_past == 0)
         return false;
     bool hold = depth == net->now.depth;
@@ -68,7 +70,7 @@ static bool extrapolate(palp_network *net, double depth, double time) {
         (hold && net->past_depth[0] != depth))
         return false;
     double c0 = 1.0 + step / last, c1 = -step / last, c2 = 0.0;
-    if (net->n_past > 1 && !(hold && net->past_depth[1] != depth)) {
+    if (curved && net->n_past > 1 && !(hold && net->past_depth[1] != depth)) {
         double s2 = hold ? net->past_time[1] : net->past_depth[1];
         if ((s1 - s2) * step > 0.0) {
             c0 = (s - s1) * (s - s2) / ((s0 - s1) * (s0 - s2));
@@ -115,20 +117,31 @@ static palp_status predict_linear(palp_network *net, double depth) {
     return network_evaluate(net) ? PALP_OK : PALP_ERR_COLLAPSED;
 }
 
-/* Goes to the depth in parts, each started from the secant through the last two: history and time stay
- * those of the whole step, so this only finds a better place to start Newton from. */
+/* Newton; where the solution moved the points at which tools touch, again from there. */
+static palp_status equilibrium(palp_network *net, palp_step_info *info) {
+    enum { ROUNDS = 5 };
+    palp_status status = network_newton(net, info);
+    for (int i = 0; i < ROUNDS && !status && net->load && network_load_refresh(net); i++)
+        status = network_evaluate(net) ? network_newton(net, info) : PALP_ERR_COLLAPSED;
+    return status;
+}
+
+/* Goes to the depth and to where tools go in parts, each started from the secant through the last two: history and
+ * time stay those of the whole step, so this only finds a better place to start Newton from. */
 static palp_status approach(palp_network *net, double depth, palp_step_info *info) {
     size_t size = 3 * net->n_nodes * sizeof(double);
-    double reached = net->now.depth, before = reached, whole = depth - reached, part = whole / 4.0;
+    double reached = 0.0, before = 0.0, part = 0.25;
     memcpy(net->way[0], net->now.x, size);
     palp_status status = PALP_ERR_NOT_CONVERGED;
-    while (fabs(part) >= fabs(whole) / 2048.0 && reached != depth) {
-        double target = fabs(depth - reached) <= 1.0001 * fabs(part) ? depth : reached + part;
+    while (part >= 1.0 / 2048.0 && reached != 1.0) {
+        double target = 1.0 - reached <= 1.0001 * part ? 1.0 : reached + part;
         double ahead = reached != before ? (target - reached) / (reached - before) : 0.0;
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->way[0][i] + (ahead > 0.0 ? ahead * (net->way[0][i] - net->way[1][i]) : 0.0);
-        network_place(net, target);
-        status = network_evaluate(net) ? network_newton(net, info) : PALP_ERR_COLLAPSED;
+        network_place(net, target == 1.0 ? depth : net->now.depth + target * (depth - net->now.depth));
+        if (net->load)
+            network_load_place(net, target);
+        status = network_evaluate(net) ? equilibrium(net, info) : PALP_ERR_COLLAPSED;
         if (status) {
             part *= 0.25;
             continue;
@@ -142,19 +155,40 @@ static palp_status approach(palp_network *net, double depth, palp_step_info *inf
     return status;
 }
 
+static palp_status from_linear(palp_network *net, double depth, bool moves, palp_step_info *info) {
+    palp_status status = predict_linear(net, depth);
+    if (!status)
+        status = equilibrium(net, info);
+    if (status && status != PALP_ERR_NO_MEMORY && status != PALP_ERR_SINGULAR && moves && !net->no_approach)
+        status = approach(net, depth, info);
+    return status;
+}
+
+/* Tissue that slides off a tool snaps: where its branch ends, down to a stable one. */
+static palp_status snap(palp_network *net, double depth, bool moves, palp_step_info *info) {
+    palp_branch own = net->settings.branch;
+    net->settings.branch = PALP_BRANCH_STABLE;
+    network_load_begin(net);
+    palp_status status = from_linear(net, depth, moves, info);
+    net->settings.branch = own;
+    net->left_branch = true;
+    return status;
+}
+
 static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
     palp_status status = PALP_ERR_NOT_CONVERGED;
-    bool extrapolated = extrapolate(net, depth, time);
+    bool extrapolated = network_extrapolate(net, depth, time, true);
+    bool moves = depth != net->now.depth || (net->load && network_load_moved(net));
     if (extrapolated)
-        status = network_newton(net, info);
+        status = equilibrium(net, info);
     if (status && status != PALP_ERR_NO_MEMORY && !(extrapolated && net->no_approach)) {
-        status = predict_linear(net, depth);
-        if (!status)
-            status = network_newton(net, info);
+        if (extrapolated && net->load)
+            network_load_begin(net);
+        status = from_linear(net, depth, moves, info);
     }
-    if (status && status != PALP_ERR_NO_MEMORY && status != PALP_ERR_SINGULAR && depth != net->now.depth &&
-        !net->no_approach)
-        status = approach(net, depth, info);
+    bool ended = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+    if (ended && net->load && !net->no_approach && net->settings.branch == PALP_BRANCH_CONTINUE)
+        status = snap(net, depth, moves, info);
     return status;
 }
 
@@ -178,9 +212,8 @@ static palp_status check_step(const palp_network *net, double depth, double dt) 
     return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
 }
 
-palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
-    palp_step_info local = {.negative_pivots = -1};
-    net->trial = net->exact = net->left_branch = false;
+palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
+    net->trial = net->exact = net->left_branch = net->can_undo = false;
     palp_status status = check_step(net, depth_m, dt_s);
     if (status)
         return status;
@@ -188,18 +221,37 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
     net->step.boost = net->boost;
     net->step.wear = net->wear;
     prepare_inertia(net, dt_s);
+    if (net->load)
+        network_load_begin(net);
     net->next.depth = depth_m;
     net->next.time = net->now.time + (isinf(dt_s) ? 0.0 : dt_s);
+    return PALP_OK;
+}
+
+void network_finish(palp_network *net) {
+    net->next.force = network_drive_force(net);
+    memcpy(net->next.inner, net->fint, 3 * net->n_nodes * sizeof *net->fint);
+    for (size_t i = 0; i < 3 * net->n_nodes && net->load; i++)
+        net->next.inner[i] += network_load_force(net->load)[i];
+    memcpy(net->next.element, net->force, net->n_elements * sizeof *net->force);
+    if (net->step.carry > 0.0)
+        for (size_t i = 0; i < net->n_elements; i++)
+            for (size_t k = 0; k < 3; k++)
+                net->next.element[i] += net->step.carry * net->now.vector[3 * i + k] * net->direction[3 * i + k];
+    finish_inertia(net, net->step.dt);
+    if (net->load)
+        network_load_finish(net);
+}
+
+palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
+    palp_step_info local = {.negative_pivots = -1};
+    palp_status status = network_begin(net, depth_m, dt_s);
+    if (status)
+        return status;
     status = solve(net, depth_m, net->next.time, &local);
     if (!status) {
-        net->next.force = local.force_N = network_drive_force(net);
-        memcpy(net->next.inner, net->fint, 3 * net->n_nodes * sizeof *net->fint);
-        memcpy(net->next.element, net->force, net->n_elements * sizeof *net->force);
-        if (net->step.carry > 0.0)
-            for (size_t i = 0; i < net->n_elements; i++)
-                for (size_t k = 0; k < 3; k++)
-                    net->next.element[i] += net->step.carry * net->now.vector[3 * i + k] * net->direction[3 * i + k];
-        finish_inertia(net, dt_s);
+        network_finish(net);
+        local.force_N = net->next.force;
         look_at_stability(net, &local);
         net->trial = true;
     } else {
@@ -214,6 +266,10 @@ void palp_network_commit(palp_network *net) {
     if (!net->trial)
         return;
     double *spare = net->past[1];
+    net->can_undo = true;
+    net->undo_n_past = net->n_past;
+    net->undo_depth = net->past_depth[1];
+    net->undo_time = net->past_time[1];
     net->past[1] = net->past[0];
     net->past_depth[1] = net->past_depth[0];
     net->past_time[1] = net->past_time[0];
@@ -232,6 +288,26 @@ void palp_network_commit(palp_network *net) {
     }
 }
 
+palp_status palp_network_undo(palp_network *net) {
+    if (!net->can_undo || net->trial)
+        return PALP_ERR_ARGUMENT;
+    double *solved = net->now.x;
+    network_state old = net->next;
+    net->next = net->now;
+    net->now = old;
+    net->now.x = net->past[0];
+    net->past[0] = net->past[1];
+    net->past_depth[0] = net->past_depth[1];
+    net->past_time[0] = net->past_time[1];
+    net->past[1] = old.x;
+    net->past_depth[1] = net->undo_depth;
+    net->past_time[1] = net->undo_time;
+    net->next.x = solved;
+    net->n_past = net->undo_n_past;
+    net->can_undo = net->factored = false;
+    return PALP_OK;
+}
+
 void palp_network_rollback(palp_network *net) {
     net->trial = false;
 }
@@ -247,7 +323,7 @@ palp_status palp_network_step_force(palp_network *net, double force_N, double dt
     enum { ROUNDS = 40 };
     palp_step_info local = {0}, total = {0};
     double depth = net->now.depth, stiffness = 0.0;
-    if (!isfinite(force_N))
+    if (!isfinite(force_N) || !net->driven)
         return PALP_ERR_ARGUMENT;
     for (int i = 0; i < ROUNDS; i++) {
         palp_status status = palp_network_try(net, depth, dt_s, &local);

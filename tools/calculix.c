@@ -6,9 +6,9 @@
 
 enum { HALF_MAX = (CALCULIX_POINTS_MAX + 1) / 2, GAUSS = 5 };
 
-/* Elements in the order of their rest lengths. */
+/* Elements in the order of their rest lengths and factors. */
 typedef struct spring {
-    double length_m;
+    double length_m, factor;
     int32_t a, b;
 } spring;
 
@@ -62,18 +62,21 @@ static int by_length(const void *left, const void *right) {
     if (p->length_m != q->length_m) {
         return p->length_m < q->length_m ? -1 : 1;
     }
+    if (p->factor != q->factor) {
+        return p->factor < q->factor ? -1 : 1;
+    }
     return p->a != q->a ? (p->a > q->a) - (p->a < q->a) : (p->b > q->b) - (p->b < q->b);
 }
 
 static spring *springs(const palp_mesh *mesh, size_t n) {
-    const double *x = palp_mesh_positions(mesh);
+    const double *x = palp_mesh_positions(mesh), *factor = palp_mesh_element_scale(mesh);
     const int32_t *pairs = palp_mesh_pairs(mesh);
     spring *list = malloc(n * sizeof *list);
     for (size_t i = 0; list && i < n; i++) {
         const double *p = &x[3 * (size_t)pairs[2 * i]], *q = &x[3 * (size_t)pairs[2 * i + 1]];
         double length = sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
                              (p[2] - q[2]) * (p[2] - q[2]));
-        list[i] = (spring){length, pairs[2 * i], pairs[2 * i + 1]};
+        list[i] = (spring){length, factor ? factor[i] : 1, pairs[2 * i], pairs[2 * i + 1]};
     }
     return list;
 }
@@ -88,16 +91,17 @@ static void write_nodes(const palp_mesh *mesh, FILE *to) {
 }
 
 static void write_table(const calculix_deck *deck, const double *strain, const double *force_N,
-                        double length_m, FILE *to) {
+                        const spring *element, FILE *to) {
     size_t half = deck->table_points / 2;
     for (size_t i = 0; i < deck->table_points; i++) {
         size_t k = i < half ? half - i : i - half;
         double sign = i < half ? -1 : 1;
-        fprintf(to, "%.12e,%.12e,0.\n", sign * force_N[k], sign * 1e3 * strain[k] * length_m);
+        fprintf(to, "%.12e,%.12e,0.\n", sign * element->factor * force_N[k],
+                sign * 1e3 * strain[k] * element->length_m);
     }
 }
 
-/* A set of elements and a table for each rest length, within rounding. */
+/* A set of elements and a table for each rest length and factor, within rounding. */
 static palp_status write_springs(const calculix_deck *deck, FILE *to) {
     double strain[HALF_MAX], force_N[HALF_MAX];
     size_t half = deck->table_points / 2, n = palp_mesh_element_count(deck->mesh), group = 0;
@@ -112,11 +116,13 @@ static palp_status write_springs(const calculix_deck *deck, FILE *to) {
     qsort(list, n, sizeof *list, by_length);
     for (size_t first = 0, i; first < n; first = i) {
         fprintf(to, "*ELEMENT,TYPE=SPRINGA,ELSET=LENGTH%zu\n", ++group);
-        for (i = first; i < n && list[i].length_m <= list[first].length_m * (1 + 1e-9); i++) {
+        for (i = first; i < n && list[i].length_m <= list[first].length_m * (1 + 1e-9) &&
+                        list[i].factor == list[first].factor;
+             i++) {
             fprintf(to, "%zu,%d,%d\n", i + 1, list[i].a + 1, list[i].b + 1);
         }
         fprintf(to, "*SPRING,ELSET=LENGTH%zu,NONLINEAR\n", group);
-        write_table(deck, strain, force_N, list[first].length_m, to);
+        write_table(deck, strain, force_N, &list[first], to);
     }
     free(list);
     return PALP_OK;

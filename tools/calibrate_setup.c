@@ -5,6 +5,36 @@
 #include <string.h>
 
 static const char NAME[] = "calibrate";
+static const double PI = 3.14159265358979323846;
+
+/* What stands around the specimen stands around the network too; the numbers of a material effect are the lumped
+ * specimen's, not an element's. The plain models are compared. */
+static void sort_effects(const calibrate_options *o, calibrate_state *s) {
+    bool recorded = o->n_words > 1;
+    size_t kept = 0;
+    for (size_t i = 0; i < s->lumped.n_effects; i++) {
+        const palp_effect_info *info = palp_effect_look_up(s->lumped.effects[i].id);
+        if (!recorded && !o->start && info->kind != PALP_EFFECT_MATERIAL) {
+            s->model.effects[kept++] = s->lumped.effects[i];
+            continue;
+        }
+        cli_warning(NAME, "%s: its effect %s is left out: %s", o->lumped, info->id,
+                    recorded   ? "the runs are met by a plain network"
+                    : o->start ? "the network keeps those of --start"
+                               : "only the stiffness law and the arms become the network's; palpate explain finds the "
+                                 "network's own");
+    }
+    if (!o->start) {
+        s->model.n_effects = kept;
+    }
+    for (size_t i = 0; o->start && i < s->model.n_effects; i++) {
+        const palp_effect_info *info = palp_effect_look_up(s->model.effects[i].id);
+        if (info->kind == PALP_EFFECT_MATERIAL) {
+            cli_warning(NAME, "%s: the network is calibrated without its effect %s, which stays in the model", o->start,
+                        info->id);
+        }
+    }
+}
 
 static int read_models(const calibrate_options *o, calibrate_state *s) {
     palp_error error = {PALP_OK, ""};
@@ -28,11 +58,15 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
     s->model = s->lumped;
     s->model.kind = PALP_MODEL_NETWORK;
     if (!o->start) {
+        sort_effects(o, s);
         return CLI_OK;
     }
     status = palp_model_read(o->start, &s->model, &error);
     if (status) {
         return cli_status(NAME, status, &error);
+    }
+    if (s->model.kind == PALP_MODEL_NETWORK) {
+        sort_effects(o, s);
     }
     return s->model.kind == PALP_MODEL_NETWORK
                ? CLI_OK
@@ -69,6 +103,8 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
         mesh->neighbourhood = PALP_NEIGHBOURS_26;
         mesh->scale_m = 1e-3 * o->scale_mm;
         mesh->hex_diagonals = o->hex_diagonals;
+        mesh->scaling = o->scaling < 0 ? PALP_SCALING_CONTINUUM : (palp_mesh_scaling)o->scaling;
+        mesh->area_m2 = o->area_mm2 > 0 ? 1e-6 * o->area_mm2 : PI * s->lumped.radius_m * s->lumped.radius_m;
         strncpy(mesh->path, o->mesh, sizeof mesh->path - 1);
     }
     return CLI_OK; /* else that of --start */
@@ -87,6 +123,10 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
         return code;
     }
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
+    if (status == PALP_ERR_UNSUPPORTED && o->mesh && o->scaling < 0) { /* hexahedra: as they are */
+        s->model.mesh.scaling = PALP_SCALING_NONE;
+        status = palp_model_mesh(&s->model, &s->mesh, &error);
+    }
     if (status == PALP_OK) {
         palp_mesh_bounds(s->mesh, low, high);
         s->height_m = high[1] - low[1];

@@ -9,7 +9,7 @@
 
 static const char NAME[] = "calibrate";
 
-enum { GUESS_STEPS = 20 };
+enum { GUESS_STEPS = 20, LARGE = 16 };
 
 /* ---- shared ---- */
 
@@ -43,31 +43,47 @@ static int stage_failed(const calibrate_options *o, const char *stage, palp_stat
 
 /* ---- static ---- */
 
+/* Nodes of a lattice's longest side; 0 for a mesh of a file. */
+static size_t finest_side(const palp_mesh_spec *spec) {
+    size_t finest = 0;
+    for (size_t k = 0; k < 3 && spec->kind == PALP_MESH_LATTICE; k++) {
+        finest = spec->nodes[k] > finest ? spec->nodes[k] : finest;
+    }
+    return finest;
+}
+
+/* A lattice of the same box with at most so many nodes a side. */
+static palp_status coarse_network(const calibrate_options *o, const calibrate_state *s, size_t most,
+                                  const palp_material *material, palp_network **network) {
+    const palp_mesh_spec *spec = &s->model.mesh;
+    palp_mesh *mesh = NULL;
+    palp_support supports[2];
+    palp_network_settings settings = palp_network_settings_default();
+    size_t nodes[3];
+    for (size_t k = 0; k < 3; k++) {
+        nodes[k] = spec->nodes[k] < most ? spec->nodes[k] : most;
+    }
+    palp_supports_default(supports);
+    settings.branch = (palp_branch)o->branch;
+    palp_status status = palp_mesh_lattice(nodes, spec->size_m, spec->neighbourhood, &mesh);
+    if (!status) {
+        status = palp_network_create(mesh, material, 2, supports, &settings, network, NULL);
+    }
+    palp_mesh_free(mesh);
+    return status;
+}
+
 /* A fine lattice starts from the law that a coarse one of the same box takes: a second instead of many
  * evaluations of a dear curve. The library scales it. */
 static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, palp_material *start) {
     enum { COARSE = 5, FINE = 8 };
-    const palp_mesh_spec *spec = &s->model.mesh;
-    size_t nodes[3], finest = 0;
-    for (size_t k = 0; k < 3; k++) {
-        finest = spec->nodes[k] > finest ? spec->nodes[k] : finest;
-        nodes[k] = spec->nodes[k] < COARSE ? spec->nodes[k] : COARSE;
-    }
-    if (spec->kind != PALP_MESH_LATTICE || finest < FINE) {
-        return PALP_OK;
-    }
-    palp_mesh *mesh = NULL;
     palp_network *network = NULL;
-    palp_support supports[2];
-    palp_network_settings network_settings = palp_network_settings_default();
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result = {0};
-    palp_supports_default(supports);
-    network_settings.branch = (palp_branch)o->branch;
-    palp_status status = palp_mesh_lattice(nodes, spec->size_m, spec->neighbourhood, &mesh);
-    if (!status) {
-        status = palp_network_create(mesh, start, 2, supports, &network_settings, &network, NULL);
+    if (finest_side(&s->model.mesh) < FINE) {
+        return PALP_OK;
     }
+    palp_status status = coarse_network(o, s, COARSE, start, &network);
     if (!status) {
         status = palp_calibrate_static(network, start, s->n_static, s->depth_m, s->force_N, &settings, &result);
     }
@@ -76,7 +92,20 @@ static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, 
     }
     palp_calibration_free(&result);
     palp_network_free(network);
-    palp_mesh_free(mesh);
+    return status;
+}
+
+/* Of a lattice so large that it is not traced again and again: a coarse one takes the law. */
+static palp_status carried_static(const calibrate_options *o, calibrate_state *s, const palp_material *start,
+                                  const palp_static_settings *settings) {
+    enum { COARSE = 7 };
+    palp_network *coarse = NULL;
+    palp_status status = coarse_network(o, s, COARSE, start, &coarse);
+    if (!status) {
+        status = palp_calibrate_carried(s->network, coarse, start, s->n_static, s->depth_m, s->force_N, settings,
+                                        &s->static_result);
+    }
+    palp_network_free(coarse);
     return status;
 }
 
@@ -107,8 +136,12 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     settings.every_step = o->every_step;
     settings.progress = show_progress;
     settings.user = &bar;
-    status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
-                                   &s->static_result);
+    if (finest_side(&s->model.mesh) >= LARGE && s->static_method == PALP_CALIBRATE_NLOPT && !o->every_step) {
+        status = carried_static(o, s, &start, &settings);
+    } else {
+        status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
+                                       &s->static_result);
+    }
     progress_finish(&bar);
     if (status) {
         return stage_failed(o, "static", status);
@@ -178,6 +211,12 @@ static palp_status run_relaxation(const calibrate_options *o, calibrate_state *s
 int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     palp_target targets[PRESSES_MAX];
     palp_material start;
+    if (finest_side(&s->model.mesh) >= LARGE) {
+        cli_warning(NAME,
+                    "the relaxation stage of so large a lattice may take hours; calibrate the arms of one of %d nodes "
+                    "a side and scale them by the ratio of both laws (doc/meshes.md)",
+                    LARGE / 2 - 1);
+    }
     relaxation_start(o, s, &start);
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *press = &s->press[i];

@@ -18,6 +18,13 @@ static int parse(int argc, char **argv, calibrate_options *o) {
         cli_flag("hex-diagonals", &o->hex_diagonals,
                  "elements along the diagonals of the file's hexahedra too, without\n"
                  "which they shear like a box without a back"),
+        cli_choice("scaling", "none|volume|continuum", &o->scaling,
+                   "how the elements of a file of tetrahedra share in the material's\n"
+                   "stiffness: alike; by volume; fitted to a solid, with elements across\n"
+                   "the faces too (default for tetrahedra)"),
+        cli_positive("area-mm2", "MM2", 1e8, &o->area_mm2,
+                     "area that the scaled elements' N refer to, mm2 (default: the\n"
+                     "specimen's cross-section, or the mesh's volume over its height)"),
         cli_choice("branch", "continue|stable", &o->branch,
                    "which equilibrium to follow where the network buckles: the one\n"
                    "Newton's method follows (default), or descend to a stable one"),
@@ -91,6 +98,12 @@ static int check_mesh(const calibrate_options *o) {
     }
     if ((o->scale_mm > 0 || o->hex_diagonals) && !o->mesh) {
         return cli_usage_error(NAME, "--scale-mm and --hex-diagonals go with --mesh");
+    }
+    if ((o->scaling >= 0 || o->area_mm2 > 0) && !o->mesh) {
+        return cli_usage_error(NAME, "--scaling and --area-mm2 go with --mesh");
+    }
+    if (o->scaling == PALP_SCALING_NONE && o->area_mm2 > 0) {
+        return cli_usage_error(NAME, "--area-mm2 goes with --scaling volume or continuum");
     }
     return CLI_OK;
 }
@@ -201,7 +214,7 @@ static void state_free(calibrate_state *s) {
 
 int cmd_calibrate(int argc, char **argv) {
     calibrate_options o = {
-        .stage = STAGE_ALL, .degree = 4, .knots = 8, .steps = 97000, .ramp_s = 1, .hold_s = 200};
+        .scaling = -1, .stage = STAGE_ALL, .degree = 4, .knots = 8, .steps = 97000, .ramp_s = 1, .hold_s = 200};
     cli_keep_command(argc, argv, o.command);
     int code = parse(argc, argv, &o);
     if (code == CLI_OK) {

@@ -214,7 +214,9 @@ static int run_lumped(const simulate_options *o, simulation *s) {
 
 static int simulate(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
-    palp_status status = palp_model_read(o->model, &s->model, &error);
+    palp_status status = simulate_is_reduced(o->model)
+                             ? palp_reduced_read(o->model, &s->model, &s->reduced, &error)
+                             : palp_model_read(o->model, &s->model, &error);
     if (status == PALP_OK && o->like) {
         status = palp_experiment_read(o->like, &s->like, &error);
     }
@@ -226,8 +228,14 @@ static int simulate(const simulate_options *o, simulation *s) {
         code = make_path(o, s->like, s->model.n_effects > 0, &s->path);
     }
     code = code ? code : simulate_resample(o, &s->path);
-    bool network = s->model.kind == PALP_MODEL_NETWORK;
-    s->height_m = s->model.height_m;
+    bool network = s->model.kind == PALP_MODEL_NETWORK && !s->reduced;
+    s->height_m = s->reduced ? palp_reduced_describe(s->reduced).height_m : s->model.height_m;
+    if (code == CLI_OK && s->reduced) {
+        code = s->height_m > 0 ? check_path(o, &s->path, s->height_m) : CLI_OK;
+        code = code ? code : simulate_reduced(o, s);
+        code = code ? code : simulate_sense(o, s);
+        return code ? code : simulate_report(o, s);
+    }
     if (code == CLI_OK && network) {
         code = simulate_mesh(o, s);
     }
@@ -259,6 +267,7 @@ int cmd_simulate(int argc, char **argv) {
     memset(&s, 0, sizeof s);
     code = simulate(&o, &s);
     palp_network_free(s.network);
+    palp_reduced_free(s.reduced);
     palp_mesh_free(s.mesh);
     palp_experiment_free(s.like);
     palp_path_free(&s.path);

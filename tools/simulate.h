@@ -26,6 +26,7 @@ typedef struct simulation {
     palp_path path;
     palp_mesh *mesh; /* network only, as is network */
     palp_network *network;
+    palp_reduced *reduced; /* instead of both */
     double height_m; /* of what is pressed */
     record curve;
     palp_run_info info;
@@ -37,6 +38,8 @@ typedef struct simulation {
 int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
 int simulate_network(const simulate_options *o, simulation *s);
 int simulate_effects(const simulate_options *o, simulation *s); /* instead: a model that has some */
+int simulate_reduced(const simulate_options *o, simulation *s); /* instead: a reduced model */
+bool simulate_is_reduced(const char *path);
 int simulate_report(const simulate_options *o, const simulation *s);
 
 /* The tester: even samples, free air, a sensor that is not perfect. check reads its options; resample

@@ -66,16 +66,12 @@ static palp_status press_with_bar(const simulate_options *o, simulation *s, fram
 }
 
 int simulate_network(const simulate_options *o, simulation *s) {
-    palp_support supports[2];
     palp_network_settings settings = palp_network_settings_default();
     frames f = {.every = o->vtu_every};
     palp_error error = {PALP_OK, ""};
-    palp_supports_default(supports);
     settings.branch = (palp_branch)o->branch;
     settings.solver = (palp_solver)o->solver;
-    settings.density_kg_m3 = s->model.density_kg_m3;
-    palp_status status =
-        palp_network_create(s->mesh, &s->model.material, 2, supports, &settings, &s->network, &error);
+    palp_status status = palp_model_network(&s->model, s->mesh, 0, NULL, &settings, &s->network, &error);
     if (status == PALP_OK && o->vtu) {
         f.network = s->network;
         status = palp_vtu_open(o->vtu, "network", &f.series, &error);

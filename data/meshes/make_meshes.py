@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""make_meshes.py: writes cylinder_tetra.msh and box_hexa.msh, Gmsh MSH 4.1 ASCII, lengths in mm.
+"""make_meshes.py: writes cylinder_tetra.msh, box_hexa.msh and box_tetra.msh, Gmsh MSH 4.1 ASCII, lengths in mm.
 
 Standard library only:  python3 data/meshes/make_meshes.py [FOLDER]
 """
@@ -108,7 +108,23 @@ def box(size, n):
     return points, bottom, top, 3, faces, 5, cells
 
 
+def split(points, bottom, top, face_type, faces, cell_type, cells):
+    """Each hexahedron cut into six tetrahedra around the diagonal from its lowest to its highest corner
+    (Kuhn), each square into two triangles along the diagonal that they leave in it."""
+    tetrahedra, triangles = [], ([], [])
+    for a, b, c, d, e, f, g, h in cells: # a b c d: one side, e f g h: opposite; a lowest, g highest
+        tetrahedra += [positive(points, (a, g, *pair))
+                       for pair in ((b, c), (c, d), (d, h), (h, e), (e, f), (f, b))]
+    for squares, out in zip(faces, triangles):
+        for square in squares:
+            at = square.index(min(square))
+            turn = square[at:] + square[:at]
+            out += [(turn[0], turn[1], turn[2]), (turn[0], turn[2], turn[3])]
+    return points, bottom, top, 2, triangles, 4, tetrahedra
+
+
 if __name__ == "__main__":
     folder = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
     write(os.path.join(folder, "cylinder_tetra.msh"), *cylinder(12.0, 24.0, 3, 6))
     write(os.path.join(folder, "box_hexa.msh"), *box(24.0, 4))
+    write(os.path.join(folder, "box_tetra.msh"), *split(*box(24.0, 4)))

@@ -64,6 +64,16 @@ PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_mat
                                            const double *depth_m, const double *target_N,
                                            const palp_static_settings *settings, palp_calibration *result);
 
+/* The same for a network of many thousand nodes (100,000 unknowns take a minute): coarse, a network of the same body
+ * and supports of some hundred nodes, takes the law; the large one is pressed with it at 24 depths, and what its force
+ * differs by, a ratio that hardly depends on the law, corrects the target for the next round, until the target is met
+ * to 1e-4 of its peak or rounds bring no more. NLOPT only. Gives the large network palp_network_enable_realtime unless
+ * it has it, and both the law. A large network soon buckles between its many nodes: where a press is not solved at
+ * once its branch ends (reached_m, buckled). */
+PALP_API palp_status palp_calibrate_carried(palp_network *network, palp_network *coarse, const palp_material *start,
+                                            size_t n, const double *depth_m, const double *target_N,
+                                            const palp_static_settings *settings, palp_calibration *result);
+
 /* A force record to meet: n samples along a path. */
 typedef struct palp_target {
     palp_path path;         /* corners of the plate's motion, starting at depth 0; caller's */

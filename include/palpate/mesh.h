@@ -55,6 +55,34 @@ PALP_API size_t palp_mesh_element_count(const palp_mesh *mesh);
 PALP_API const double *palp_mesh_positions(const palp_mesh *mesh); /* [3 n_nodes], m, rest; mesh's */
 PALP_API const int32_t *palp_mesh_pairs(const palp_mesh *mesh);    /* [2 n_elements]; mesh's */
 
+/* Tetrahedra that fill the mesh, four nodes each, positive volume; mesh's. A lattice's boxes are six each, with
+ * edges between Moore neighbours; a Gmsh file's hexahedra likewise. 0 for a mesh from arrays. */
+PALP_API size_t palp_mesh_tetrahedron_count(const palp_mesh *mesh);
+PALP_API const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh);
+
+/* Triangles of the surface, three nodes each, outward; mesh's. 0 where there are no tetrahedra. */
+PALP_API size_t palp_mesh_triangle_count(const palp_mesh *mesh);
+PALP_API const int32_t *palp_mesh_triangles(const palp_mesh *mesh);
+
+/* How the elements of a mesh of tetrahedra share in a solid's stiffness. An element's force is its factor times what the
+ * material says, F = s (K(|e|) e + sum q), so K / area is the modulus of the solid (Poisson's ratio 1/4) at small
+ * strain, whatever the mesh. */
+typedef enum palp_mesh_scaling {
+    PALP_SCALING_NONE,     /* all factors 1: what K means depends on the mesh */
+    PALP_SCALING_VOLUME,   /* s = V / (L area), V the volume of the tetrahedra around the edge (Van Gelder 1998) */
+    PALP_SCALING_CONTINUUM /* elements across the faces too, between the corners opposite a face that two tetrahedra
+                              share, and factors fitted to the nodal forces of the evenly strained solid, by least
+                              squares, none below a fifth of its part by volume (doc/meshes.md) */
+} palp_mesh_scaling;
+
+/* Scales the elements, once. area_m2 = 0: the mesh's volume over its height (y). ERR_UNSUPPORTED if an edge of a
+ * tetrahedron is no element, or for hexahedra; ERR_INPUT for an element with nothing but flat tetrahedra around
+ * it; ERR_ARGUMENT if scaled before. After ERR_INPUT or ERR_NO_MEMORY the mesh is good for palp_mesh_free only. */
+PALP_API palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2, palp_error *error);
+
+/* [n_elements], or NULL = all 1; mesh's. */
+PALP_API const double *palp_mesh_element_scale(const palp_mesh *mesh);
+
 /* Adds (or replaces) the node set called name; it is kept in ascending order, each node once.
  * ERR_ARGUMENT: an index out of range, no name. */
 PALP_API palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const int32_t *nodes);
@@ -66,6 +94,10 @@ PALP_API palp_status palp_mesh_add_plane_set(palp_mesh *mesh, const char *name, 
 
 /* The nodes of a set; *nodes is the mesh's. ERR_INPUT if there is no such set. */
 PALP_API palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, const int32_t **nodes);
+
+/* Places the mesh: x = rotation x + translation_m, rotation[9] by rows. ERR_ARGUMENT: a number that is not finite, a
+ * matrix that is no rotation within 1e-9. */
+PALP_API palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9], const double translation_m[3]);
 
 /* Lowest and highest rest coordinate, m. */
 PALP_API void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]);

@@ -42,8 +42,9 @@ typedef struct palp_network_settings {
     int max_iterations;     /* Newton iterations a step */
     palp_branch branch;
     palp_solver solver;
-    double density_kg_m3;   /* 0 = massless (quasi-static); mass = density times the bounding box, shared
-                               among the nodes by the rest length of their elements */
+    double density_kg_m3;   /* 0 = massless (quasi-static); a quarter of each tetrahedron's mass to its corners.
+                               Hexahedra (lattices): their mass, and for meshes from arrays that of the bounding
+                               box, shared by the rest length of a node's elements */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
     double check_strain;    /* the tangent's inertia is looked at at least every so much depth / height */
@@ -85,7 +86,8 @@ PALP_API void palp_network_commit(palp_network *network);
 PALP_API void palp_network_rollback(palp_network *network);
 PALP_API palp_status palp_network_step(palp_network *network, double depth_m, double dt_s, palp_step_info *info);
 
-/* The same with the force on the driven nodes given; the depth follows (creep). */
+/* The same with the force on the driven nodes given; the depth follows (creep). ERR_ARGUMENT too where
+ * nothing is driven. */
 PALP_API palp_status palp_network_step_force(palp_network *network, double force_N, double dt_s,
                                              palp_step_info *info);
 
@@ -128,7 +130,8 @@ typedef struct palp_run_info {
 } palp_run_info;
 
 /* Follows a path from where the network is; the path's first corner is reached by an instantaneous
- * step if the network is elsewhere. Error control is by step doubling of the reaction force. */
+ * step if the network is elsewhere. Error control is by step doubling of the reaction force, of
+ * order 1 where a part of the solution is (backward Euler with mass, a dashpot, PALP_SEDEF2008), else 2. */
 PALP_API palp_status palp_network_run(palp_network *network, const palp_path *path,
                                       const palp_run_settings *settings, palp_run_info *info);
 

@@ -5,6 +5,7 @@
 #include <palpate/calibrate.h>
 #include <palpate/characterize.h>
 #include <palpate/closed_form.h>
+#include <palpate/cut.h>
 #include <palpate/effect.h>
 #include <palpate/experiment.h>
 #include <palpate/explain.h>
@@ -15,10 +16,13 @@
 #include <palpate/model.h>
 #include <palpate/network.h>
 #include <palpate/path.h>
+#include <palpate/realtime.h>
 #include <palpate/recording.h>
+#include <palpate/reduce.h>
 #include <palpate/specimen.h>
 #include <palpate/status.h>
 #include <palpate/version.h>
+#include <palpate/tool.h>
 #include <palpate/vtu.h>
 #include <palpate/wire.h>
 

@@ -54,6 +54,34 @@ gcc -std=c99 -Wall -Wextra -Wpedantic -Werror "$work/press.c" $flags $shared -o 
 (cd "$work" && LD_LIBRARY_PATH=$lib ./press) >"$work/pressed" || fail "the README's program failed"
 [ "$(wc -l <"$work/pressed")" = 6 ] || fail "the README's program printed: $(cat "$work/pressed")"
 
+# The examples, in C and as C++; they press that model too.
+example() { # name, compiler and language flags...
+    name=$1; shift
+    for source in examples/*.c; do
+        more=$(sed -n 's,^/\* link: \(.*\) \*/$,\1,p' "$source") program=$work/${source##*/}
+        # shellcheck disable=SC2086
+        "$@" -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror $flags -o "${program%.c}" "$source" -x none $shared $more -lm ||
+            fail "$name: $source does not build"
+    done
+    lines=$(LD_LIBRARY_PATH=$lib "$work/minimal" "$work/network.json" | grep -c '^ *[0-9.]* ms *[0-9.]* N$') || fail "$name: minimal failed"
+    [ "$lines" = 10 ] || fail "$name: minimal printed $lines lines"
+    LD_LIBRARY_PATH=$lib "$work/haptic_loop" "$work/network.json" 0.3 | grep -q '^[1-9][0-9]* ticks, ' || fail "$name: haptic_loop failed"
+    LD_LIBRARY_PATH=$lib "$work/cut" "$work/network.json" | tail -n 1 | grep -q '^1.000,-*0.0000,49,0,' || fail "$name: cut failed"
+    if LD_LIBRARY_PATH=$lib "$work/minimal" "$work/none.json" 2>"$work/said"; then fail "$name: minimal needs no model"; fi
+    grep -q '^minimal: .*none.json: ' "$work/said" || fail "$name: minimal said: $(cat "$work/said")"
+    echo "$name: the examples work"
+}
+example gcc gcc -std=c99 -x c
+if command -v clang >/dev/null; then example clang clang -std=c99 -x c; fi
+if command -v g++ >/dev/null; then example g++ g++ -std=c++11 -x c++; fi
+
+# What doc/simulator.md shows stands in an example, to the letter.
+sed -n '/^```c$/,/^```$/p' doc/simulator.md | grep -v '^```' >"$work/shown"
+[ -s "$work/shown" ] || fail "doc/simulator.md shows no code"
+while IFS= read -r line; do
+    grep -qxF -e "$line" examples/*.c || fail "doc/simulator.md shows what no example has: $line"
+done <"$work/shown"
+
 unset PKG_CONFIG_SYSROOT_DIR PKG_CONFIG_PATH
 $MAKE --no-print-directory uninstall BUILD="$BUILD" DESTDIR="$stage" PREFIX=/usr/local
 left=$(find "$stage" ! -type d)

@@ -6,6 +6,7 @@
 #include <palpate/closed_form.h>
 #include <palpate/path.h>
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { TARGETS = 12, RAMP_SAMPLES = 10, SAMPLES = 36, MOST_COLUMNS = 1 + 4 * PALP_ARMS_MAX };
@@ -111,8 +112,8 @@ static void check_column(comparison *c, size_t column, change what, size_t first
 }
 
 /* Central differences with 1e-4: 1e-8 of truncation, 1e-12 / 1e-4 of rounding. */
-static void check_derivatives(const palp_material *material, bool beta, bool gamma, bool shared,
-                              double dt_s) {
+static void check_derivatives_on(palp_network *network, const palp_material *material, bool beta, bool gamma,
+                                 bool shared, double dt_s) {
     static comparison c;
     records r;
     records_make(&r, 1.0);
@@ -128,7 +129,7 @@ static void check_derivatives(const palp_material *material, bool beta, bool gam
     double residual[2 * SAMPLES];
     size_t n, column = 0, arms = material->n_arms;
     memset(r.force_N, 0, sizeof r.force_N);
-    c = (comparison){.network = network_of(material),
+    c = (comparison){.network = network,
                      .material = material,
                      .targets = targets,
                      .settings = &settings,
@@ -152,6 +153,21 @@ static void check_derivatives(const palp_material *material, bool beta, bool gam
     palp_network_free(c.network);
     records_free(&r);
 }
+
+static void check_derivatives(const palp_material *material, bool beta, bool gamma, bool shared, double dt_s) {
+    check_derivatives_on(network_of(material), material, beta, gamma, shared, dt_s);
+}
+
+START_TEST(derivatives_of_scaled_elements) {
+    palp_material material = network_n2();
+    palp_network *network = network_of(&material);
+    network->scale = malloc(network->n_elements * sizeof *network->scale);
+    ck_assert_ptr_nonnull(network->scale);
+    for (size_t i = 0; i < network->n_elements; i++)
+        network->scale[i] = 0.5 + (double)(i * 7 % 11) / 11.0;
+    check_derivatives_on(network, &material, false, false, true, 0.0);
+}
+END_TEST
 
 START_TEST(derivatives_of_constant_arms) {
     palp_material material = network_n2();
@@ -540,6 +556,7 @@ int main(void) {
     TCase *tests = tcase_create("least squares");
     tcase_set_timeout(tests, 0);
     tcase_add_test(tests, derivatives_of_constant_arms);
+    tcase_add_test(tests, derivatives_of_scaled_elements);
     tcase_add_test(tests, derivatives_by_strain_dependence);
     tcase_add_test(tests, derivatives_of_quasi_linear_arms);
     tcase_add_test(tests, derivatives_with_a_dashpot);

@@ -55,6 +55,10 @@ static const struct {
     {"other", 1, PALP_ERR_INPUT, "no model of palpate: it lacks \"palpate\": {\"model\": 1}"},
     {"overflow", 8, PALP_ERR_INPUT, "malformed JSON: real number overflow near '1e999'"},
     {"path", 13, PALP_ERR_INPUT, "mesh.path must be the path of a Gmsh file"},
+    {"area", 14, PALP_ERR_INPUT, "mesh.area_mm2 must be greater than 0, not 0"},
+    {"area_alone", 13, PALP_ERR_INPUT, "mesh.area_mm2 goes with \"scaling\""},
+    {"scaling", 13, PALP_ERR_INPUT,
+     "mesh.scaling must be \"none\", \"volume\" or \"continuum\", not \"length\""},
     {"scale", 13, PALP_ERR_INPUT, "mesh.scale_mm must be greater than 0, not 0"},
     {"sedef_arms", 12, PALP_ERR_UNSUPPORTED,
      "formulation make no material: formulation sedef2008 takes one arm at most, no dashpot, no "
@@ -199,6 +203,7 @@ START_TEST(what_may_be_left_out_has_defaults) {
                       "\"mesh\": {\"kind\": \"file\", \"path\": \"a.msh\"}}");
     ck_assert_double_eq(model.mesh.scale_m, 0.001);
     ck_assert(!model.mesh.hex_diagonals);
+    ck_assert_int_eq(model.mesh.scaling, PALP_SCALING_NONE);
     ck_assert_str_eq(model.mesh.path, "a.msh");
     ck_assert_str_eq(model.mesh.folder, scratch_folder);
 }
@@ -287,7 +292,27 @@ static void comes_back(const palp_model *model) {
     ck_assert_mem_eq(back.mesh.nodes, model->mesh.nodes, sizeof back.mesh.nodes);
     ck_assert_mem_eq(back.mesh.size_m, model->mesh.size_m, sizeof back.mesh.size_m);
     ck_assert_int_eq(back.mesh.neighbourhood, model->mesh.neighbourhood);
+    ck_assert_int_eq(back.mesh.scaling, model->mesh.scaling);
+    ck_assert_double_eq(back.mesh.area_m2, model->mesh.area_m2);
 }
+
+START_TEST(scaling_comes_back) {
+    palp_model model = read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
+                                 "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"file\", "
+                                 "\"path\": \"a.msh\", \"scaling\": \"continuum\", \"area_mm2\": 452.5}}");
+    ck_assert_int_eq(model.mesh.scaling, PALP_SCALING_CONTINUUM);
+    ck_assert_double_eq(model.mesh.area_m2, 452.5e-6);
+    comes_back(&model);
+    model.mesh.scaling = PALP_SCALING_VOLUME;
+    model.mesh.area_m2 = 0.0;
+    comes_back(&model);
+    model.mesh.scaling = (palp_mesh_scaling)3;
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
+    model.mesh.scaling = PALP_SCALING_VOLUME;
+    model.mesh.area_m2 = -1.0;
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
+}
+END_TEST
 
 START_TEST(network_comes_back) {
     palp_model model = read_text(sample);
@@ -486,6 +511,7 @@ static Suite *model_suite(void) {
     tcase_add_test(tc, truncations_are_read_or_named);
     tcase_add_test(tc, changed_bytes_are_survived);
     tcase_add_test(tc, network_comes_back);
+    tcase_add_test(tc, scaling_comes_back);
     tcase_add_test(tc, lengths_in_millimetres_come_back);
     tcase_add_test(tc, every_law_comes_back);
     tcase_add_test(tc, model_is_one_line_when_formatted);

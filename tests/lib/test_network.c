@@ -527,16 +527,31 @@ START_TEST(supports_that_make_no_sense) {
     ck_assert_int_eq(create_status(NULL, s, &error), PALP_ERR_INPUT);
     ck_assert_ptr_nonnull(strstr(error.text, "no such set"));
     palp_supports_default(s);
-    s[1].axis[1] = PALP_FIXED; /* nothing moves */
-    ck_assert_int_eq(create_status(NULL, s, &error), PALP_ERR_ARGUMENT);
-    palp_supports_default(s);
-    s[1].motion[1] = 0.0; /* driven nowhere */
-    ck_assert_int_eq(create_status(NULL, s, &error), PALP_ERR_ARGUMENT);
-    palp_supports_default(s);
     s[1].motion[1] = NAN;
     ck_assert_int_eq(create_status(NULL, s, &error), PALP_ERR_ARGUMENT);
     s[1].motion[1] = INFINITY;
     ck_assert_int_eq(create_status(NULL, s, &error), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
+START_TEST(nothing_need_be_driven) {
+    palp_material m = quartic(1);
+    palp_mesh *mesh = NULL;
+    palp_network *net = NULL;
+    palp_support s[2];
+    palp_step_info info;
+    palp_supports_default(s);
+    s[1].axis[1] = PALP_FIXED;
+    palp_network_settings settings = palp_network_settings_default();
+    ck_assert_int_eq(palp_mesh_lattice((size_t[]){3, 3, 3}, (double[]){0.024, 0.024, 0.024}, PALP_NEIGHBOURS_26, &mesh),
+                     PALP_OK);
+    ck_assert_int_eq(palp_network_create(mesh, &m, 2, s, &settings, &net, NULL), PALP_OK);
+    ck_assert_int_eq(palp_network_step(net, 0.001, 0.1, &info), PALP_OK);
+    ck_assert_double_eq(info.force_N, 0.0);
+    ck_assert_mem_eq(palp_network_positions(net), palp_mesh_positions(mesh), 81 * sizeof(double));
+    ck_assert_int_eq(palp_network_step_force(net, 0.1, 0.1, NULL), PALP_ERR_ARGUMENT);
+    palp_network_free(net);
+    palp_mesh_free(mesh);
 }
 END_TEST
 
@@ -599,6 +614,7 @@ static Suite *network_suite(void) {
     tcase_add_test(tc, mechanisms_are_singular);
     tcase_add_test(tc, settings_out_of_range);
     tcase_add_test(tc, supports_that_make_no_sense);
+    tcase_add_test(tc, nothing_need_be_driven);
     tcase_add_test(tc, steps_that_make_no_sense);
     tcase_add_test(tc, jumps_where_there_is_a_rate);
     suite_add_tcase(suite, tc);

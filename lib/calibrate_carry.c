@@ -1,0 +1,153 @@
+/* calibrate_carry.c: the static stage for a network too large to trace many times: a coarse one of the same body takes
+ * the law, the large one only tells by how much it differs. */
+#include "calibrate_internal.h"
+#include "realtime_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PRESSES = 24, ROUNDS = 5 };
+static const double PRECISE = 1e-6; /* force of the large network */
+static const double ENOUGH = 1e-4;  /* largest miss of the target, of its peak */
+
+typedef struct carry {
+    palp_network *fine, *coarse;
+    const palp_static_settings *settings;
+    size_t n;
+    const double *depth, *target;
+    double *wanted, *ratio;     /* [n] of the coarse network; fine force over coarse */
+    size_t n_presses, n_reached; /* of the large network, at samples (i + 1) n / n_presses - 1 */
+    palp_calibration *result;
+} carry;
+
+static size_t sample_of(const carry *c, size_t press) {
+    return (press + 1) * c->n / c->n_presses - 1;
+}
+
+/* Presses the large network down its branch, as far as each step is solved at once: where it is not, the network has
+ * begun to buckle. force[n_presses]. */
+static palp_status press_fine(carry *c, const palp_material *material, double *force) {
+    palp_tick_info info;
+    const palp_budget budget = {.force_error = PRECISE};
+    palp_status status = palp_network_set_material(c->fine, material);
+    if (!status)
+        status = realtime_begin(c->fine);
+    for (c->n_reached = 0; c->n_reached < c->n_presses && !status; c->n_reached++) {
+        status = palp_network_step_within(c->fine, c->depth[sample_of(c, c->n_reached)], INFINITY, &budget, &info);
+        if (calibration_lost(status) || (!status && !info.converged)) {
+            status = PALP_OK;
+            break;
+        }
+        force[c->n_reached] = info.force_N;
+    }
+    return status || c->n_reached > 0 ? status : PALP_ERR_NOT_CONVERGED;
+}
+
+/* Straight lines between the presses; level before the first and behind the last. */
+static void spread_ratio(carry *c, const double *fine, const double *coarse) {
+    size_t last = sample_of(c, c->n_reached - 1);
+    for (size_t i = 0, p = 0; i < c->n; i++) {
+        while (p + 1 < c->n_reached && i > sample_of(c, p))
+            p++;
+        size_t right = sample_of(c, p), left = p > 0 ? sample_of(c, p - 1) : right;
+        double at_right = fine[p] / coarse[right], at_left = p > 0 ? fine[p - 1] / coarse[left] : at_right;
+        double share = right > left ? (c->depth[i] - c->depth[left]) / (c->depth[right] - c->depth[left]) : 1.0;
+        c->ratio[i] = i > last ? at_right : at_left + share * (at_right - at_left);
+    }
+}
+
+/* *miss: largest difference from the target as far as was reached, of the target's peak. */
+static palp_status report(carry *c, const palp_calibration *coarse, double *miss) {
+    palp_calibration *r = c->result;
+    palp_calibrate_iteration it = {.material = coarse->material};
+    size_t last = sample_of(c, c->n_reached - 1);
+    double sum = 0.0;
+    *miss = 0.0;
+    for (size_t i = 0; i < c->n; i++) {
+        double force = c->ratio[i] * coarse->force_N[i <= last ? i : last], off = force - c->target[i];
+        r->force_N[i] = force;
+        sum += off * off;
+        *miss = i <= last ? fmax(*miss, fabs(off) / c->target[c->n - 1]) : *miss;
+    }
+    it.residual_N = r->residual_N = sqrt(sum);
+    r->material = it.material;
+    r->reached_m = c->depth[last];
+    r->buckled = c->n_reached < c->n_presses;
+    if (r->buckled) {
+        r->stable_m = r->reached_m;
+        r->unstable_m = c->depth[sample_of(c, c->n_reached)];
+    }
+    palp_status status = calibration_add(r, &it);
+    double done = (double)r->n_iterations / ROUNDS;
+    bool stop = !status && c->settings->progress && c->settings->progress(c->settings->user, done, &it);
+    return stop ? PALP_ERR_STOPPED : status;
+}
+
+/* One round: the coarse network's law for the wanted force, and what the large one makes of it. */
+static palp_status improve(carry *c, const palp_material *start, double *miss) {
+    double fine[PRESSES];
+    palp_static_settings settings = *c->settings;
+    palp_calibration coarse;
+    settings.progress = NULL;
+    palp_status status = palp_calibrate_static(c->coarse, start, c->n, c->depth, c->wanted, &settings, &coarse);
+    if (status)
+        return status;
+    status = press_fine(c, &coarse.material, fine);
+    if (!status) {
+        spread_ratio(c, fine, coarse.force_N);
+        status = report(c, &coarse, miss);
+    }
+    for (size_t i = 0; i < c->n && !status; i++)
+        c->wanted[i] = c->target[i] / c->ratio[i];
+    palp_calibration_free(&coarse);
+    return status;
+}
+
+static palp_status allocate(carry *c) {
+    palp_calibration *r = c->result;
+    size_t size = c->n * sizeof(double);
+    c->wanted = malloc(size);
+    c->ratio = malloc(size);
+    r->n_samples = c->n;
+    r->depth_m = malloc(size);
+    r->target_N = malloc(size);
+    r->force_N = calloc(c->n, sizeof(double));
+    if (!c->wanted || !c->ratio || !r->depth_m || !r->target_N || !r->force_N)
+        return PALP_ERR_NO_MEMORY;
+    memcpy(c->wanted, c->target, size);
+    memcpy(r->depth_m, c->depth, size);
+    memcpy(r->target_N, c->target, size);
+    return PALP_OK;
+}
+
+palp_status palp_calibrate_carried(palp_network *network, palp_network *coarse, const palp_material *start, size_t n,
+                                   const double *depth_m, const double *target_N,
+                                   const palp_static_settings *settings, palp_calibration *result) {
+    carry c = {.fine = network, .coarse = coarse, .settings = settings, .n = n, .depth = depth_m, .target = target_N,
+               .n_presses = n < PRESSES ? n : PRESSES, .result = result};
+    palp_realtime_settings realtime = palp_realtime_settings_default();
+    palp_material material = *start;
+    double miss = HUGE_VAL, before = HUGE_VAL;
+    memset(result, 0, sizeof *result);
+    if (settings->method != PALP_CALIBRATE_NLOPT)
+        return PALP_ERR_UNSUPPORTED;
+    palp_status status = n > 0 ? allocate(&c) : PALP_ERR_ARGUMENT;
+    if (!status && !network->realtime)
+        status = palp_network_enable_realtime(network, &realtime);
+    for (int i = 0; i < ROUNDS && !status && miss > ENOUGH && (i < 2 || miss < 0.5 * before); i++) {
+        before = miss;
+        status = improve(&c, &material, &miss);
+        material.law = result->material.law;
+    }
+    result->converged = miss <= ENOUGH || (before < HUGE_VAL && miss >= 0.5 * before);
+    if (!status)
+        status = palp_network_set_material(network, &result->material);
+    if (!status)
+        status = realtime_begin(network);
+    free(c.wanted);
+    free(c.ratio);
+    if (status)
+        palp_calibration_free(result);
+    return status;
+}

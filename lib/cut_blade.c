@@ -1,0 +1,85 @@
+/* cut_blade.c: which elements cross a triangle.
+ *
+ * Ties are broken as if the tissue were shifted by an infinitesimal step along one fixed direction (simulation of
+ * simplicity, Edelsbrunner and Muecke 1990): a node exactly on the blade is on one side of it, the same for every
+ * element that meets in it and for both triangles of a sweep, whatever the order of corners and ends. */
+#include "network_internal.h"
+
+#include <math.h>
+
+/* 1, 1/p and 1/p^2 with p^3 = p + 1: no lattice direction is at right angles to it. */
+static const double SHIFT[3] = {1.0, 0.7548776662466927, 0.5698402909980532};
+static const double ROUNDING = 1e-14; /* of the sum of the terms' sizes: below it a determinant is taken for 0 */
+
+static void subtract(const double *a, const double *b, double out[3]) {
+    for (size_t k = 0; k < 3; k++)
+        out[k] = a[k] - b[k];
+}
+
+/* a . (b x c), and the sum of the sizes of its terms. */
+static double determinant(const double a[3], const double b[3], const double c[3], double *size) {
+    double sum = 0.0;
+    *size = 0.0;
+    for (size_t i = 0; i < 3; i++) {
+        size_t j = (i + 1) % 3, k = (i + 2) % 3;
+        double p = a[i] * b[j] * c[k], q = a[i] * b[k] * c[j];
+        sum += p - q;
+        *size += fabs(p) + fabs(q);
+    }
+    return sum;
+}
+
+static int sign(double value) {
+    return (value > 0.0) - (value < 0.0);
+}
+
+/* Side of node x of the plane through a, with edges u and v: +1 or -1; 0 if the triangle is none. */
+static int side_of(const double *x, const double *a, const double u[3], const double v[3]) {
+    double w[3], size;
+    subtract(x, a, w);
+    double d = determinant(w, u, v, &size);
+    if (fabs(d) > ROUNDING * size)
+        return sign(d);
+    d = determinant(SHIFT, u, v, &size);
+    return fabs(d) > ROUNDING * size ? sign(d) : 0;
+}
+
+/* Does the line p -> q pass the edge a -> b on its left (+1) or right (-1)? */
+static int passes(const double *p, const double *q, const double *a, const double *b) {
+    double along[3], to_a[3], to_b[3], size, size_b;
+    subtract(q, p, along);
+    subtract(a, p, to_a);
+    subtract(b, p, to_b);
+    double d = determinant(along, to_a, to_b, &size);
+    if (fabs(d) > ROUNDING * size)
+        return sign(d);
+    d = determinant(along, to_a, SHIFT, &size) + determinant(along, SHIFT, to_b, &size_b);
+    return fabs(d) > ROUNDING * (size + size_b) ? -sign(d) : 0;
+}
+
+/* The same for the edge between corners i and j, the edge always taken the same way round, so that the two triangles
+ * of a sweep see the very same number. */
+static int passes_edge(const double *p, const double *q, const double *corners, size_t i, size_t j) {
+    const double *a = corners + 3 * i, *b = corners + 3 * j;
+    bool swap = a[0] != b[0] ? a[0] > b[0] : a[1] != b[1] ? a[1] > b[1] : a[2] > b[2];
+    return swap ? -passes(p, q, b, a) : passes(p, q, a, b);
+}
+
+static bool crosses(const double *p, const double *q, const double *corners) {
+    int first = passes_edge(p, q, corners, 0, 1);
+    return first != 0 && passes_edge(p, q, corners, 1, 2) == first && passes_edge(p, q, corners, 2, 0) == first;
+}
+
+void network_cut_blade(palp_network *net, const double corners[9]) {
+    network_cut *cut = net->cut;
+    double u[3], v[3];
+    subtract(corners + 3, corners, u);
+    subtract(corners + 6, corners, v);
+    for (size_t i = 0; i < net->n_nodes; i++)
+        cut->side[i] = (signed char)side_of(net->now.x + 3 * i, corners, u, v);
+    for (size_t i = 0; i < net->n_elements; i++) {
+        int32_t a = net->pair[2 * i], b = net->pair[2 * i + 1];
+        if (cut->side[a] * cut->side[b] < 0 && crosses(net->now.x + 3 * a, net->now.x + 3 * b, corners))
+            network_cut_mark(cut, i);
+    }
+}

@@ -1,0 +1,438 @@
+/* multigrid.c: symbolic part: which nodes are coarse, how the others follow them, patterns, memory. */
+#include "multigrid_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FOLLOWED_MAX = 32 }; /* coarse nodes that a node follows at most */
+
+static void level_free(mg_level *l) {
+    void *arrays[] = {l->first, l->middle, l->column, l->axes, l->block[0], l->block[1], l->inverse[0], l->inverse[1],
+                      l->own[0], l->own[1], l->x, l->r, l->up_first, l->up, l->weight};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(arrays[i]);
+}
+
+void multigrid_free(multigrid *mg) {
+    if (!mg)
+        return;
+    for (size_t i = 0; i < MULTIGRID_LEVELS; i++)
+        level_free(&mg->level[i]);
+    linsys_free(mg->factor[0]);
+    linsys_free(mg->factor[1]);
+    void *arrays[] = {mg->place, mg->after, mg->high, mg->element[0], mg->element[1], mg->through, mg->node[0],
+                      mg->node[1], mg->coupling[0], mg->coupling[1], mg->coupled, mg->touched, mg->touching,
+                      mg->first_touching, mg->rest, mg->dof, mg->rhs, mg->row, mg->row_column, mg->mark};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(arrays[i]);
+    free(mg);
+}
+
+static int ascending(const void *a, const void *b) {
+    int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Numbers of a level whose pattern is known. */
+static palp_status level_allocate(mg_level *l, bool blocks) {
+    size_t entries = blocks ? l->first[l->n] : 0;
+    l->middle = calloc(l->n + 1, sizeof *l->middle);
+    l->x = calloc(4 * l->n + 1, sizeof *l->x);
+    l->r = calloc(4 * l->n + 1, sizeof *l->r);
+    bool ok = l->middle && l->x && l->r;
+    for (size_t k = 0; k < 2; k++) {
+        l->block[k] = calloc(BLOCK_FLOATS * entries + 1, sizeof *l->block[k]);
+        l->inverse[k] = calloc(BLOCK_FLOATS * l->n + 1, sizeof *l->inverse[k]);
+        l->own[k] = calloc(BLOCK_FLOATS * l->n + 1, sizeof *l->own[k]);
+        ok = ok && l->block[k] && l->inverse[k] && l->own[k];
+    }
+    if (!ok)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < l->n; i++) {
+        uint32_t k = l->first[i];
+        while (k < l->first[i + 1] && l->column[k] < (int32_t)i)
+            k++;
+        l->middle[i] = k;
+    }
+    return PALP_OK;
+}
+
+/* The elements by lower node; within one node in the caller's order. */
+static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
+    uint32_t *after = mg->after = calloc(mg->n_nodes + 2, sizeof *after);
+    mg->place = malloc((mg->n_elements + 1) * sizeof *mg->place);
+    mg->high = malloc((mg->n_elements + 1) * sizeof *mg->high);
+    if (!after || !mg->place || !mg->high)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < mg->n_elements; i++)
+        after[(pair[2 * i] < pair[2 * i + 1] ? pair[2 * i] : pair[2 * i + 1]) + 2]++;
+    for (size_t i = 2; i < mg->n_nodes + 2; i++)
+        after[i] += after[i - 1];
+    for (size_t i = 0; i < mg->n_elements; i++) {
+        int32_t a = pair[2 * i], b = pair[2 * i + 1];
+        mg->place[i] = after[(a < b ? a : b) + 1]++;
+        mg->high[mg->place[i]] = a < b ? b : a;
+    }
+    return PALP_OK;
+}
+
+/* The finest level: a row has its node's elements. */
+static palp_status make_finest(multigrid *mg, const int32_t *dof) {
+    mg_level *l = &mg->level[0];
+    l->n = mg->n_nodes;
+    l->first = calloc(l->n + 2, sizeof *l->first);
+    l->column = malloc((2 * mg->n_elements + 1) * sizeof *l->column);
+    l->axes = calloc(l->n + 1, 1);
+    mg->through = malloc((2 * mg->n_elements + 1) * sizeof *mg->through);
+    if (!l->first || !l->column || !l->axes || !mg->through)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < 3 * l->n; i++)
+        if (dof[i] >= 0)
+            l->axes[i / 3] = (unsigned char)(l->axes[i / 3] | 1U << i % 3);
+    for (size_t i = 0; i < l->n; i++)
+        for (uint32_t e = mg->after[i]; e < mg->after[i + 1]; e++) {
+            l->first[i + 2]++;
+            l->first[mg->high[e] + 2]++;
+        }
+    for (size_t i = 2; i < l->n + 2; i++)
+        l->first[i] += l->first[i - 1];
+    for (size_t i = 0; i < l->n; i++)
+        for (uint32_t e = mg->after[i]; e < mg->after[i + 1]; e++) {
+            l->column[l->first[i + 1]++] = mg->high[e];
+            l->column[l->first[mg->high[e] + 1]++] = (int32_t)i;
+        }
+    for (size_t i = 0; i < l->n; i++)
+        qsort(l->column + l->first[i], l->first[i + 1] - l->first[i], sizeof *l->column, ascending);
+    for (size_t i = 0; i < l->n; i++)
+        for (uint32_t e = mg->after[i]; e < mg->after[i + 1]; e++)
+            mg->through[multigrid_entry(l, (int32_t)i, mg->high[e])] =
+                mg->through[multigrid_entry(l, mg->high[e], (int32_t)i)] = e;
+    return level_allocate(l, false);
+}
+
+uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column) {
+    uint32_t low = l->first[row], high = l->first[row + 1];
+    while (high - low > 1) {
+        uint32_t half = low + (high - low) / 2;
+        *(l->column[half] <= column ? &low : &high) = half;
+    }
+    return low;
+}
+
+/* Coarse nodes: no two of them neighbours, every other node beside one. number[n]: theirs, or -1. On a lattice every
+ * second one along each axis. */
+static size_t choose_coarse(const mg_level *l, int32_t *number) {
+    size_t n = 0;
+    for (size_t i = 0; i < l->n; i++)
+        number[i] = 0;
+    for (size_t i = 0; i < l->n; i++) {
+        if (number[i] < 0)
+            continue;
+        number[i] = (int32_t)n++;
+        for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
+            number[l->column[k]] = -1;
+    }
+    return n;
+}
+
+/* w' (D D' + 0.05 |d|^2) w least with sum w = 1: the node's place as a mean of those it follows, d away. */
+static void mean_weights(size_t n, double (*d)[3], double *w) {
+    double a[FOLLOWED_MAX][FOLLOWED_MAX], sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j <= i; j++)
+            a[i][j] = d[i][0] * d[j][0] + d[i][1] * d[j][1] + d[i][2] * d[j][2];
+        a[i][i] *= 1.05;
+        w[i] = 1.0;
+    }
+    for (size_t j = 0; j < n; j++) { /* Cholesky, then both solves */
+        for (size_t k = 0; k < j; k++)
+            a[j][j] -= a[j][k] * a[j][k];
+        a[j][j] = sqrt(a[j][j]);
+        for (size_t i = j + 1; i < n; i++) {
+            for (size_t k = 0; k < j; k++)
+                a[i][j] -= a[i][k] * a[j][k];
+            a[i][j] /= a[j][j];
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < i; k++)
+            w[i] -= a[i][k] * w[k];
+        w[i] /= a[i][i];
+    }
+    for (size_t i = n; i-- > 0;) {
+        for (size_t k = i + 1; k < n; k++)
+            w[i] -= a[k][i] * w[k];
+        w[i] /= a[i][i];
+    }
+    for (size_t i = 0; i < n; i++)
+        sum += w[i];
+    for (size_t i = 0; i < n; i++)
+        w[i] /= sum;
+}
+
+/* Whom each node follows, and by which weights; x[3 n]: places of this level's nodes. */
+static palp_status make_weights(mg_level *l, const int32_t *number, const double *x) {
+    l->up_first = calloc(l->n + 1, sizeof *l->up_first);
+    l->up = malloc((l->first[l->n] + l->n + 1) * sizeof *l->up);
+    l->weight = malloc((l->first[l->n] + l->n + 1) * sizeof *l->weight);
+    if (!l->up_first || !l->up || !l->weight)
+        return PALP_ERR_NO_MEMORY;
+    uint32_t at = 0;
+    for (size_t i = 0; i < l->n; i++) {
+        double d[FOLLOWED_MAX][3], w[FOLLOWED_MAX] = {1.0};
+        size_t n = 0;
+        if (number[i] >= 0)
+            l->up[at + n++] = number[i];
+        for (uint32_t k = l->first[i]; number[i] < 0 && k < l->first[i + 1] && n < FOLLOWED_MAX; k++) {
+            int32_t j = l->column[k];
+            if (number[j] < 0)
+                continue;
+            for (size_t c = 0; c < 3; c++)
+                d[n][c] = x[3 * (size_t)j + c] - x[3 * i + c];
+            l->up[at + n++] = number[j];
+        }
+        if (n > 1)
+            mean_weights(n, d, w);
+        for (size_t k = 0; k < n; k++)
+            l->weight[at++] = (float)w[k];
+        l->up_first[i + 1] = at;
+    }
+    return PALP_OK;
+}
+
+/* Followers of each coarse node: list[first[i]] to list[first[i + 1]]. */
+static palp_status followers(const mg_level *l, size_t n_coarse, uint32_t **first, int32_t **list) {
+    uint32_t *f = calloc(n_coarse + 2, sizeof *f);
+    int32_t *out = malloc((l->up_first[l->n] + 1) * sizeof *out);
+    *first = f;
+    *list = out;
+    if (!f || !out)
+        return PALP_ERR_NO_MEMORY;
+    for (uint32_t k = 0; k < l->up_first[l->n]; k++)
+        f[l->up[k] + 2]++;
+    for (size_t i = 2; i < n_coarse + 2; i++)
+        f[i] += f[i - 1];
+    for (size_t i = 0; i < l->n; i++)
+        for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
+            out[f[l->up[k] + 1]++] = (int32_t)i;
+    return PALP_OK;
+}
+
+/* Adds to a row's columns whom node j follows, each once. */
+static uint32_t add_followed(const mg_level *fine, int32_t j, int32_t self, int32_t *mark, int32_t *column,
+                             uint32_t at) {
+    for (uint32_t k = fine->up_first[j]; k < fine->up_first[j + 1]; k++) {
+        int32_t c = fine->up[k];
+        if (mark[c] == self)
+            continue;
+        mark[c] = self;
+        if (column)
+            column[at] = c;
+        at++;
+    }
+    return at;
+}
+
+/* Pattern of P' A P; with column NULL it is only counted. */
+static void coarse_pattern(const mg_level *fine, mg_level *l, const uint32_t *first, const int32_t *list,
+                           int32_t *mark) {
+    for (size_t i = 0; i < l->n; i++)
+        mark[i] = -1;
+    uint32_t at = 0;
+    for (size_t i = 0; i < l->n; i++) {
+        int32_t self = (int32_t)i;
+        l->first[i] = at;
+        mark[i] = self;
+        for (uint32_t f = first[i]; f < first[i + 1]; f++) {
+            int32_t row = list[f];
+            at = add_followed(fine, row, self, mark, l->column, at);
+            for (uint32_t k = fine->first[row]; k < fine->first[row + 1]; k++)
+                at = add_followed(fine, fine->column[k], self, mark, l->column, at);
+        }
+        if (l->column)
+            qsort(l->column + l->first[i], at - l->first[i], sizeof *l->column, ascending);
+    }
+    l->first[l->n] = at;
+}
+
+static palp_status make_coarse(mg_level *fine, mg_level *l, const int32_t *number, size_t n_coarse) {
+    uint32_t *first = NULL;
+    int32_t *list = NULL, *mark = malloc((n_coarse + 1) * sizeof *mark);
+    l->n = n_coarse;
+    l->first = calloc(n_coarse + 1, sizeof *l->first);
+    l->axes = calloc(n_coarse + 1, 1);
+    palp_status status = mark && l->first && l->axes ? followers(fine, n_coarse, &first, &list) : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        coarse_pattern(fine, l, first, list, mark);
+        l->column = malloc((l->first[l->n] + 1) * sizeof *l->column);
+        status = l->column ? PALP_OK : PALP_ERR_NO_MEMORY;
+    }
+    if (!status) {
+        coarse_pattern(fine, l, first, list, mark);
+        for (size_t i = 0; i < fine->n; i++)
+            if (number[i] >= 0)
+                l->axes[number[i]] = fine->axes[i];
+        status = level_allocate(l, true);
+    }
+    free(first);
+    free(list);
+    free(mark);
+    return status;
+}
+
+static size_t unknowns(const mg_level *l) {
+    size_t n = 0;
+    for (size_t i = 0; i < 3 * l->n; i++)
+        n += l->axes[i / 3] >> i % 3 & 1U;
+    return n;
+}
+
+/* Coarser levels until the factor is cheap or nothing is won. x[3 n_nodes] is overwritten. */
+static palp_status make_levels(multigrid *mg, size_t direct, double *x, int32_t *number) {
+    mg->n_levels = 1;
+    while (mg->n_levels < MULTIGRID_LEVELS && unknowns(&mg->level[mg->n_levels - 1]) > direct) {
+        mg_level *fine = &mg->level[mg->n_levels - 1];
+        size_t n = choose_coarse(fine, number);
+        if (n > fine->n * 3 / 4)
+            break;
+        palp_status status = make_weights(fine, number, x);
+        if (!status)
+            status = make_coarse(fine, fine + 1, number, n);
+        if (status)
+            return status;
+        for (size_t i = 0; i < fine->n; i++)
+            if (number[i] >= 0)
+                memmove(x + 3 * (size_t)number[i], x + 3 * i, 3 * sizeof *x);
+        mg->n_levels++;
+    }
+    return PALP_OK;
+}
+
+/* Lower triangle of the coarsest level by columns. With row NULL only counts. */
+static void direct_pattern(const multigrid *mg, const mg_level *l, size_t *column, int32_t *row) {
+    size_t nz = 0;
+    for (size_t c = 0; c < 3 * l->n; c++) {
+        if (mg->dof[c] < 0)
+            continue;
+        column[mg->dof[c]] = nz;
+        for (uint32_t k = l->middle[c / 3]; k <= l->first[c / 3 + 1]; k++) {
+            size_t j = k == l->middle[c / 3] ? c / 3 : (size_t)l->column[k - 1];
+            for (size_t d = 3 * j; d < 3 * j + 3; d++) {
+                if (mg->dof[d] < mg->dof[c])
+                    continue;
+                if (row)
+                    row[nz] = mg->dof[d];
+                nz++;
+            }
+        }
+    }
+    column[mg->n_direct] = nz;
+}
+
+static palp_status make_direct(multigrid *mg) {
+    const mg_level *l = &mg->level[mg->n_levels - 1];
+    mg->dof = malloc((3 * l->n + 1) * sizeof *mg->dof);
+    size_t *column = malloc((3 * l->n + 1) * sizeof *column);
+    int32_t *row = NULL;
+    palp_status status = mg->dof && column ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < 3 * l->n && !status; i++)
+        mg->dof[i] = l->axes[i / 3] >> i % 3 & 1U ? (int32_t)mg->n_direct++ : -1;
+    if (!status) {
+        direct_pattern(mg, l, column, NULL);
+        row = malloc((column[mg->n_direct] + 1) * sizeof *row);
+        mg->rhs = malloc((mg->n_direct + 1) * sizeof *mg->rhs);
+        status = row && mg->rhs ? PALP_OK : PALP_ERR_NO_MEMORY;
+    }
+    if (!status) {
+        direct_pattern(mg, l, column, row);
+        for (size_t k = 0; k < 2 && !status; k++)
+            status = linsys_create(PALP_SOLVER_BAND, mg->n_direct, column, row, &mg->factor[k]);
+    }
+    free(column);
+    free(row);
+    return status;
+}
+
+/* Room for one row of A P: all nodes that the neighbours of a node follow. */
+static palp_status make_work(multigrid *mg) {
+    size_t most = 1, second = mg->n_levels > 1 ? mg->level[1].n : 1;
+    for (size_t k = 0; k + 1 < mg->n_levels; k++) {
+        const mg_level *l = &mg->level[k];
+        for (size_t i = 0; i < l->n; i++) {
+            size_t n = l->up_first[i + 1] - l->up_first[i];
+            for (uint32_t e = l->first[i]; e < l->first[i + 1]; e++)
+                n += l->up_first[l->column[e] + 1] - l->up_first[l->column[e]];
+            most = n > most ? n : most;
+        }
+    }
+    mg->row = malloc(BLOCK_FLOATS * most * sizeof *mg->row);
+    mg->row_column = malloc(most * sizeof *mg->row_column);
+    mg->mark = malloc(second * sizeof *mg->mark);
+    mg->element[0] = calloc(5 * mg->n_elements + 1, sizeof *mg->element[0]);
+    mg->element[1] = calloc(5 * mg->n_elements + 1, sizeof *mg->element[1]);
+    bool ok = true;
+    for (size_t k = 0; k < 2; k++) {
+        mg->node[k] = calloc(6 * mg->n_nodes + 1, sizeof *mg->node[k]);
+        mg->coupling[k] = calloc(MULTIGRID_COUPLINGS, sizeof *mg->coupling[k]);
+        ok = ok && mg->node[k] && mg->coupling[k];
+    }
+    mg->coupled = calloc(mg->n_nodes + 1, sizeof *mg->coupled);
+    mg->touched = calloc(6 * mg->n_nodes + 1, sizeof *mg->touched);
+    mg->touching = calloc(MULTIGRID_COUPLINGS, sizeof *mg->touching);
+    mg->first_touching = malloc((mg->n_nodes + 1) * sizeof *mg->first_touching);
+    ok = ok && mg->coupled && mg->touched && mg->touching && mg->first_touching;
+    for (size_t i = 0; i < mg->n_nodes && ok; i++)
+        mg->first_touching[i] = -1;
+    mg->rest = calloc(4 * mg->n_nodes + 1, sizeof *mg->rest);
+    if (!mg->row || !mg->row_column || !mg->mark || !mg->element[0] || !mg->element[1] || !mg->rest || !ok)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < second; i++)
+        mg->mark[i] = -1;
+    return PALP_OK;
+}
+
+palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *dof, size_t n_elements,
+                             const int32_t *pair, size_t direct, multigrid **out) {
+    multigrid *mg = calloc(1, sizeof *mg);
+    double *x = malloc((3 * n_nodes + 1) * sizeof *x);
+    int32_t *number = malloc((n_nodes + 1) * sizeof *number);
+    palp_status status = mg && x && number ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        mg->n_nodes = n_nodes;
+        mg->n_elements = n_elements;
+        memcpy(x, rest, 3 * n_nodes * sizeof *x);
+        status = sort_elements(mg, pair);
+    }
+    if (!status)
+        status = make_finest(mg, dof);
+    if (!status)
+        status = make_levels(mg, direct, x, number);
+    if (!status)
+        status = make_direct(mg);
+    if (!status)
+        status = make_work(mg);
+    free(x);
+    free(number);
+    if (status)
+        multigrid_free(mg);
+    else
+        *out = mg;
+    return status;
+}
+
+static multigrid_source source_of(multigrid *mg, int set) {
+    return (multigrid_source){mg->element[set], mg->place, mg->node[set], mg->coupling[set], &mg->n_couplings[set]};
+}
+
+multigrid_source multigrid_input(multigrid *mg) {
+    return source_of(mg, 1 - mg->used);
+}
+
+multigrid_source multigrid_used(multigrid *mg) {
+    return source_of(mg, mg->used);
+}
+
+size_t multigrid_levels(const multigrid *mg) {
+    return mg->n_levels;
+}

@@ -1,0 +1,56 @@
+/* multigrid.h: a preconditioner for the tangent of a network: symmetric Gauss-Seidel on blocks of 3 by 3, Galerkin
+ * products on ever coarser node sets, a direct factor of the coarsest. Of a small network that is all there is.
+ * Single precision, double on the coarsest. Two sets of numbers: one serves, the next is made meanwhile in pieces of known
+ * work. Internal. */
+#ifndef MULTIGRID_H
+#define MULTIGRID_H
+
+#include "linsys.h"
+
+typedef struct multigrid multigrid;
+
+/* Symbolic part and all memory. dof[3 n_nodes] < 0: held. Networks of at most direct unknowns have one level. */
+palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *dof, size_t n_elements,
+                             const int32_t *pair, size_t direct, multigrid **out);
+void multigrid_free(multigrid *mg); /* NULL is fine */
+
+/* What the next numbers are made of: element i is along n n' + across 1 between its nodes, N/m. To be filled by the
+ * caller before multigrid_begin and left alone until the making is done. */
+enum { MULTIGRID_COUPLINGS = 600 };
+
+/* Another block between two nodes that an element joins (others are passed over), rows of low, columns of high. */
+typedef struct multigrid_coupling {
+    int32_t low, high, next; /* next: set by begin */
+    float block[9];
+} multigrid_coupling;
+
+typedef struct multigrid_source {
+    float *element;        /* [5 n_elements] n, along, across; of element i at 5 place[i] */
+    const uint32_t *place; /* [n_elements] */
+    float *node;           /* [6 n_nodes] added to a node's own block, lower triangle by rows */
+    multigrid_coupling *coupling; /* [MULTIGRID_COUPLINGS] */
+    int32_t *n_couplings;
+} multigrid_source;
+multigrid_source multigrid_input(multigrid *mg);
+multigrid_source multigrid_used(multigrid *mg); /* what those that serve were made of */
+
+/* Starts making the next numbers from the input; definite: without what makes an element's block indefinite. */
+void multigrid_begin(multigrid *mg, bool definite);
+
+/* Works on them for about so many units (multigrid_cycle_work is what one cycle costs); *done: they are
+ * finished and multigrid_swap may bring them into use. ERR_SINGULAR: not positive definite, given up. */
+palp_status multigrid_advance(multigrid *mg, double work, bool *done);
+void multigrid_swap(multigrid *mg);
+
+double multigrid_cycle_work(const multigrid *mg); /* units of one multigrid_apply */
+
+/* Brings the own blocks (node[6 n_nodes]) and couplings of the set in use up to date on its finest level; nothing where
+ * that is the only one. */
+void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigrid_coupling *coupling);
+
+/* z = M^-1 r, [3 n_nodes] both, 0 at held axes. */
+void multigrid_apply(multigrid *mg, const double *r, double *z);
+
+size_t multigrid_levels(const multigrid *mg);
+
+#endif

@@ -1,0 +1,71 @@
+/* multigrid_internal.h: levels of a multigrid, shared by its own files. */
+#ifndef MULTIGRID_INTERNAL_H
+#define MULTIGRID_INTERNAL_H
+
+#include "multigrid.h"
+
+enum { MULTIGRID_LEVELS = 12, BLOCK_FLOATS = 12 };
+
+/* A row is a node. Blocks are three columns of four floats, vectors four floats a node, the fourth 0. The finest level
+ * has elements in place of blocks. */
+typedef struct mg_level {
+    size_t n;
+    uint32_t *first;       /* [n + 1] entries of each row, its own block apart, columns ascending */
+    uint32_t *middle;      /* [n] first entry behind the diagonal */
+    int32_t *column;       /* [first[n]] */
+    unsigned char *axes;   /* [n] bits of the free axes */
+    float *block[2];       /* [12 first[n]]; not on the finest */
+    float *inverse[2];     /* [12 n] of the own blocks */
+    float *own[2];         /* [12 n] own blocks */
+    float *x, *r;          /* [4 n] */
+    uint32_t *up_first;    /* [n + 1] to the next coarser level */
+    int32_t *up;           /* [up_first[n]] nodes there */
+    float *weight;         /* [up_first[n]] */
+} mg_level;
+
+typedef enum mg_stage {
+    MG_IDLE, MG_CLEAR, MG_ELEMENTS, MG_NODES, MG_INVERT, MG_COARSEN, MG_FILL, MG_FACTOR, MG_DONE
+} mg_stage;
+
+struct multigrid {
+    size_t n_nodes, n_elements, n_levels;
+    uint32_t *place;       /* [n_elements] of each element among these, sorted by their lower node: */
+    uint32_t *after;       /* [n_nodes + 1] elements from a node to higher ones: after[i] to after[i + 1] */
+    int32_t *high;         /* [n_elements] the higher node */
+    float *element[2];     /* [5 n_elements] */
+    uint32_t *through;     /* [first[n_nodes]] element of each entry of the finest level */
+    float *node[2];        /* [6 n_nodes] */
+    multigrid_coupling *coupling[2]; /* [MULTIGRID_COUPLINGS] */
+    int32_t n_couplings[2];
+    int32_t *coupled;      /* [n_nodes] a node's first coupling to a higher one in the set being made, or -1 */
+    float *touched;        /* [6 n_nodes] own blocks and couplings of the set in use, as last touched */
+    multigrid_coupling *touching;
+    int32_t n_touching, *first_touching; /* [n_nodes] */
+    float *rest;           /* [4 n_nodes] right-hand side less what is known already */
+    mg_level level[MULTIGRID_LEVELS];
+    int32_t *dof;          /* [3 n of the coarsest level] unknown of the factor, or -1 */
+    size_t n_direct;
+    linsys *factor[2];
+    double *rhs;           /* [n_direct] */
+    int used;              /* set of numbers that serves */
+    bool definite;         /* the set being made */
+    mg_stage stage;        /* of the making: level and row next */
+    size_t at_level, at;
+    float *row;            /* [12 row_max] one row of A P */
+    int32_t *row_column;   /* [row_max] */
+    int32_t *mark;         /* [n of the second level] */
+};
+
+/* Inverse of the free part of own block b of row i; false, and nothing done: not positive definite. */
+bool multigrid_invert(mg_level *l, int set, size_t i, const float *b);
+
+/* b (three columns of four) += factor times the symmetric s (lower triangle by rows), free axes only. */
+void multigrid_add_block(float *b, const float s[6], float factor, unsigned row_axes, unsigned column_axes);
+
+/* Replaces the couplings of the set in use. */
+void multigrid_set_touching(multigrid *mg, size_t n, const multigrid_coupling *coupling);
+
+/* Entry (row, column) of a level's pattern. */
+uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column);
+
+#endif

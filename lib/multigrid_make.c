@@ -1,0 +1,281 @@
+/* multigrid_make.c: the numbers: blocks of the finest level from the elements, Galerkin products, the factor. All
+ * of it in pieces, so that a tick may do a part. */
+#include "multigrid_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Work units, some nanoseconds each: */
+static const double ROW_WORK = 10.0;    /* an own block inverted, a block cleared */
+static const double ELEMENT_WORK = 8.0; /* both blocks of an element */
+static const double ENTRY_WORK = 20.0;  /* an entry of a row of P' A P */
+static const double FLOP_WORK = 0.004;  /* of a factor */
+
+static int made(const multigrid *mg) {
+    return 1 - mg->used;
+}
+
+/* Is there an entry for it? */
+static bool joined(const multigrid *mg, const multigrid_coupling *c) {
+    const mg_level *l = &mg->level[0];
+    return l->first[c->low] < l->first[c->low + 1] && l->column[multigrid_entry(l, c->low, c->high)] == c->high;
+}
+
+void multigrid_begin(multigrid *mg, bool definite) {
+    const int set = made(mg);
+    mg->definite = definite;
+    mg->stage = MG_CLEAR;
+    mg->at_level = mg->at = 0;
+    for (size_t i = 0; i < mg->n_nodes; i++)
+        mg->coupled[i] = -1;
+    for (int32_t k = 0; k < mg->n_couplings[set]; k++) {
+        multigrid_coupling *c = &mg->coupling[set][k];
+        if (!joined(mg, c))
+            continue;
+        c->next = mg->coupled[c->low];
+        mg->coupled[c->low] = k;
+    }
+}
+
+void multigrid_add_block(float *b, const float s[6], float factor, unsigned row, unsigned column) {
+    static const int at[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+    for (unsigned c = 0; c < 3; c++)
+        for (unsigned r = 0; r < 3; r++)
+            if (row >> r & 1U && column >> c & 1U)
+                b[4 * c + r] += factor * s[at[r][c]];
+}
+
+static void clear(multigrid *mg, size_t level, size_t i) {
+    mg_level *l = &mg->level[level];
+    memset(l->own[made(mg)] + BLOCK_FLOATS * i, 0, BLOCK_FLOATS * sizeof(float));
+    if (level > 0)
+        memset(l->block[made(mg)] + BLOCK_FLOATS * l->first[i], 0,
+               BLOCK_FLOATS * (l->first[i + 1] - l->first[i]) * sizeof(float));
+}
+
+/* Lower triangle by rows of along n n' + across 1. */
+static void element_block(const float *e, float s[6]) {
+    float p0 = e[3] * e[0], p1 = e[3] * e[1];
+    s[0] = p0 * e[0] + e[4];
+    s[1] = p0 * e[1];
+    s[2] = p1 * e[1] + e[4];
+    s[3] = p0 * e[2];
+    s[4] = p1 * e[2];
+    s[5] = e[3] * e[2] * e[2] + e[4];
+}
+
+/* Adds the elements from node i to higher ones to the own blocks of both ends. */
+static void add_elements(multigrid *mg, size_t i) {
+    mg_level *l = &mg->level[0];
+    for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
+        float *e = mg->element[made(mg)] + 5 * (size_t)k, s[6];
+        const int32_t j = mg->high[k];
+        if (mg->definite) { /* no compression, and along it nothing negative */
+            e[4] = e[4] > 0.0F ? e[4] : 0.0F;
+            e[3] = e[3] + e[4] > 0.0F ? e[3] : -e[4];
+        }
+        element_block(e, s);
+        multigrid_add_block(l->own[made(mg)] + BLOCK_FLOATS * i, s, 1.0F, l->axes[i], l->axes[i]);
+        multigrid_add_block(l->own[made(mg)] + BLOCK_FLOATS * j, s, 1.0F, l->axes[j], l->axes[j]);
+    }
+}
+
+static void add_node(multigrid *mg, size_t i) {
+    mg_level *l = &mg->level[0];
+    multigrid_add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->node[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
+}
+
+/* Takes the held axes out of row i of a coarse level. */
+static void mask(multigrid *mg, mg_level *l, size_t i) {
+    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++) {
+        unsigned row = l->axes[i], column = l->axes[l->column[k]];
+        float *b = l->block[made(mg)] + (size_t)BLOCK_FLOATS * k;
+        for (unsigned c = 0; c < 3 && (row & column) != 7U; c++)
+            for (unsigned r = 0; r < 3; r++)
+                b[4 * c + r] = row >> r & column >> c & 1U ? b[4 * c + r] : 0.0F;
+    }
+}
+
+bool multigrid_invert(mg_level *l, int set, size_t i, const float *b) {
+    float *inverse = l->inverse[set] + BLOCK_FLOATS * i;
+    double a[3][3];
+    for (unsigned r = 0; r < 3; r++)
+        for (unsigned c = 0; c < 3; c++)
+            a[r][c] = l->axes[i] >> r & l->axes[i] >> c & 1U ? (double)b[4 * c + r] : r == c ? 1.0 : 0.0;
+    double c00 = a[1][1] * a[2][2] - a[1][2] * a[1][2], c01 = a[0][2] * a[1][2] - a[0][1] * a[2][2];
+    double c02 = a[0][1] * a[1][2] - a[0][2] * a[1][1], determinant = a[0][0] * c00 + a[0][1] * c01 + a[0][2] * c02;
+    double minor = a[0][0] * a[1][1] - a[0][1] * a[0][1];
+    if (!(a[0][0] > 0.0) || !(minor > 0.0) || !(determinant > 0.0) || isinf(determinant))
+        return false;
+    double inv[3][3] = {{c00, c01, c02},
+                        {c01, a[0][0] * a[2][2] - a[0][2] * a[0][2], a[0][1] * a[0][2] - a[0][0] * a[1][2]},
+                        {c02, a[0][1] * a[0][2] - a[0][0] * a[1][2], minor}};
+    for (unsigned r = 0; r < 3; r++)
+        for (unsigned c = 0; c < 3; c++)
+            inverse[4 * c + r] =
+                l->axes[i] >> r & l->axes[i] >> c & 1U ? (float)(inv[r][c] / determinant) : 0.0F;
+    return true;
+}
+
+/* b += the couplings of nodes i and j, free axes only. */
+static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
+    const mg_level *l = &mg->level[0];
+    const multigrid_coupling *list = mg->coupling[made(mg)];
+    for (int32_t k = mg->coupled[i < j ? i : j]; k >= 0; k = list[k].next)
+        for (unsigned r = 0; r < 3 && list[k].high == (int32_t)(i < j ? j : i); r++)
+            for (unsigned c = 0; c < 3; c++)
+                if (l->axes[i] >> r & l->axes[j] >> c & 1U)
+                    b[4 * c + r] += i < j ? list[k].block[3 * r + c] : list[k].block[3 * c + r];
+}
+
+static bool invert(multigrid *mg, mg_level *l, size_t i) {
+    if (l != mg->level)
+        mask(mg, l, i);
+    return multigrid_invert(l, made(mg), i, l->own[made(mg)] + BLOCK_FLOATS * i);
+}
+
+/* Entry k of row i: a level's block, or made from the element into room[12]. */
+static const float *entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room) {
+    if (l != mg->level)
+        return l->block[made(mg)] + (size_t)BLOCK_FLOATS * k;
+    float s[6];
+    element_block(mg->element[made(mg)] + 5 * (size_t)mg->through[k], s);
+    memset(room, 0, BLOCK_FLOATS * sizeof *room);
+    multigrid_add_block(room, s, -1.0F, l->axes[i], l->axes[l->column[k]]);
+    add_couplings(mg, i, (size_t)l->column[k], room);
+    return room;
+}
+
+/* row of A P += block times the weights of node j. */
+static void spread(multigrid *mg, const mg_level *l, int32_t j, const float *block, int32_t *n) {
+    for (uint32_t k = l->up_first[j]; k < l->up_first[j + 1]; k++) {
+        int32_t c = l->up[k];
+        if (mg->mark[c] < 0) {
+            mg->mark[c] = *n;
+            mg->row_column[*n] = c;
+            memset(mg->row + BLOCK_FLOATS * *n, 0, BLOCK_FLOATS * sizeof(float));
+            ++*n;
+        }
+        float *to = mg->row + BLOCK_FLOATS * mg->mark[c];
+        for (size_t m = 0; m < BLOCK_FLOATS; m++)
+            to[m] += l->weight[k] * block[m];
+    }
+}
+
+/* Adds what row i of A contributes to P' A P; the entries it touched. */
+static int32_t coarsen(multigrid *mg, size_t level, size_t i) {
+    mg_level *l = &mg->level[level], *coarse = l + 1;
+    float room[BLOCK_FLOATS];
+    int32_t n = 0;
+    spread(mg, l, (int32_t)i, l->own[made(mg)] + BLOCK_FLOATS * i, &n);
+    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
+        spread(mg, l, l->column[k], entry_block(mg, l, i, k, room), &n);
+    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++) {
+        int32_t row = l->up[k];
+        for (int32_t j = 0; j < n; j++) {
+            int32_t column = mg->row_column[j];
+            const float *from = mg->row + BLOCK_FLOATS * j;
+            float *to = row == column ? coarse->own[made(mg)] + BLOCK_FLOATS * row
+                                      : coarse->block[made(mg)] +
+                                              (size_t)BLOCK_FLOATS * multigrid_entry(coarse, row, column);
+            for (size_t m = 0; m < BLOCK_FLOATS; m++)
+                to[m] += l->weight[k] * from[m];
+        }
+    }
+    for (int32_t j = 0; j < n; j++)
+        mg->mark[mg->row_column[j]] = -1;
+    return n;
+}
+
+/* Row i of the coarsest level into the factor's values, its lower triangle by columns. */
+static void fill(multigrid *mg, size_t i) {
+    const mg_level *l = &mg->level[mg->n_levels - 1];
+    linsys *ls = mg->factor[made(mg)];
+    double *value = linsys_values(ls);
+    float room[BLOCK_FLOATS];
+    if (i == 0) {
+        memset(value, 0, linsys_value_count(ls) * sizeof *value);
+        linsys_begin(ls);
+    }
+    for (uint32_t k = l->middle[i]; k <= l->first[i + 1]; k++) {
+        bool own = k == l->middle[i];
+        size_t j = own ? i : (size_t)l->column[k - 1];
+        const float *b = own ? l->own[made(mg)] + BLOCK_FLOATS * i : entry_block(mg, l, i, k - 1, room);
+        for (size_t r = 0; r < 3; r++)
+            for (size_t c = 0; c < 3; c++) {
+                int32_t p = mg->dof[3 * i + r], q = mg->dof[3 * j + c];
+                if (p >= 0 && q >= p)
+                    value[linsys_slot(ls, (size_t)q, (size_t)p)] = (double)b[4 * c + r];
+            }
+    }
+}
+
+static palp_status factor(multigrid *mg, double work, bool *done) {
+    int negative;
+    palp_status status = linsys_advance(mg->factor[made(mg)], work / FLOP_WORK, &negative, done);
+    return !status && *done && negative > 0 ? PALP_ERR_SINGULAR : status;
+}
+
+/* The next stage, or the same one on the next level. */
+static void go_on(multigrid *mg) {
+    size_t last = mg->n_levels - 1;
+    mg->at = 0;
+    if (mg->stage == MG_CLEAR && mg->at_level < last)
+        mg->at_level++;
+    else if (mg->stage == MG_COARSEN && ++mg->at_level < last)
+        mg->stage = MG_INVERT;
+    else if (mg->stage == MG_NODES && last == 0)
+        mg->stage = MG_FILL;
+    else {
+        mg->at_level = mg->stage == MG_COARSEN ? last : mg->stage == MG_CLEAR ? 0 : mg->at_level;
+        mg->stage++;
+    }
+}
+
+/* One item of the present stage; its units, or 0: the stage is over, or < 0: not positive definite. */
+static double item(multigrid *mg) {
+    size_t i = mg->at++;
+    mg_level *l = &mg->level[mg->at_level];
+    switch (mg->stage) {
+    case MG_CLEAR:
+        return i < l->n ? (clear(mg, mg->at_level, i), ROW_WORK) : 0.0;
+    case MG_ELEMENTS:
+        return i < l->n ? (add_elements(mg, i), ELEMENT_WORK * (1.0 + mg->after[i + 1] - mg->after[i])) : 0.0;
+    case MG_NODES:
+        return i < mg->n_nodes ? (add_node(mg, i), ROW_WORK) : 0.0;
+    case MG_INVERT:
+        return i < l->n ? (invert(mg, l, i) ? ROW_WORK : -1.0) : 0.0;
+    case MG_COARSEN:
+        return i < l->n ? ENTRY_WORK * (double)coarsen(mg, mg->at_level, i) : 0.0;
+    default:
+        return i < l->n ? (fill(mg, i), ROW_WORK) : 0.0;
+    }
+}
+
+palp_status multigrid_advance(multigrid *mg, double work, bool *done) {
+    palp_status status = PALP_OK;
+    *done = mg->stage == MG_DONE;
+    while (work > 0.0 && !status && mg->stage != MG_DONE && mg->stage != MG_IDLE) {
+        if (mg->stage == MG_FACTOR) {
+            status = factor(mg, work, done);
+            mg->stage = *done ? MG_DONE : MG_FACTOR;
+            break;
+        }
+        double spent = item(mg);
+        if (spent < 0.0)
+            status = PALP_ERR_SINGULAR;
+        else if (spent == 0.0)
+            go_on(mg);
+        work -= spent;
+    }
+    if (status)
+        mg->stage = MG_IDLE;
+    return status;
+}
+
+void multigrid_swap(multigrid *mg) {
+    mg->used = made(mg);
+    mg->stage = MG_IDLE;
+    memcpy(mg->touched, mg->node[mg->used], 6 * mg->n_nodes * sizeof *mg->touched);
+    multigrid_set_touching(mg, (size_t)mg->n_couplings[mg->used], mg->coupling[mg->used]);
+}

@@ -1,0 +1,259 @@
+/* nnls.c: see nnls.h; the columns in use are kept as Q R. */
+#include "nnls.h"
+
+#include "lapack.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double DEPENDENT = 1e-10; /* a column this near the span of those in use adds nothing */
+static const double STALE = 0.5;       /* of the best gradient at the last look at all columns */
+enum { SHORT = 256 };                  /* columns that are looked at in between */
+
+typedef struct nnls {
+    int rows, n, most, used;
+    const double *a, *b;
+    double *q;        /* [rows most] orthonormal */
+    double *r;        /* [most most] upper triangle by columns */
+    double *projected; /* [most] q' b */
+    double *s;        /* [most] least squares of the columns in use */
+    double *x;        /* [most] theirs */
+    int *column;      /* [most] which they are */
+    double *rest;     /* [rows] b - a x */
+    double *gradient; /* [n] a' rest */
+    unsigned char *barred; /* [n] in use, or tried in vain */
+    int *shortlist, listed; /* [listed] columns of the largest gradients at the last look at all */
+    double floor;          /* their gradients are to be above it, else all are looked at again */
+} nnls;
+
+static const int ONE = 1;
+
+static double dot(size_t n, const double *a, const double *b) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+static void find_rest(nnls *p) {
+    const double minus = -1.0, one = 1.0;
+    memcpy(p->rest, p->b, (size_t)p->rows * sizeof *p->rest);
+    if (p->used > 0)
+        dgemv_("N", &p->rows, &p->used, &minus, p->q, &p->rows, p->projected, &ONE, &one, p->rest, &ONE);
+}
+
+/* The best SHORT of the columns by gradient, in a heap whose root is the least of them. */
+static void list_column(nnls *p, int j) {
+    int *heap = p->shortlist, at;
+    const double *g = p->gradient;
+    if (p->listed < SHORT) {
+        for (at = p->listed++; at > 0 && g[heap[(at - 1) / 2]] > g[j]; at = (at - 1) / 2)
+            heap[at] = heap[(at - 1) / 2];
+        heap[at] = j;
+        return;
+    }
+    if (g[j] <= g[heap[0]])
+        return;
+    for (at = 0; 2 * at + 1 < SHORT;) {
+        int child = 2 * at + 1;
+        if (child + 1 < SHORT && g[heap[child + 1]] < g[heap[child]])
+            child++;
+        if (g[heap[child]] >= g[j])
+            break;
+        heap[at] = heap[child];
+        at = child;
+    }
+    heap[at] = j;
+}
+
+/* The most promising of the short list; -1: none above the floor. */
+static int best_listed(nnls *p) {
+    int best = -1;
+    double most = p->floor;
+    for (int i = 0; i < p->listed; i++) {
+        int j = p->shortlist[i];
+        if (p->barred[j])
+            continue;
+        double gradient = dot((size_t)p->rows, p->a + (size_t)j * (size_t)p->rows, p->rest);
+        if (gradient > most) {
+            most = gradient;
+            best = j;
+        }
+    }
+    return best;
+}
+
+/* The unused column that promises most, near enough; -1: none promises anything. All columns are looked at only
+ * where the short list is used up. */
+static int best_column(nnls *p) {
+    const double one = 1.0, zero = 0.0;
+    int j = best_listed(p);
+    if (j >= 0)
+        return j;
+    dgemv_("T", &p->rows, &p->n, &one, p->a, &p->rows, p->rest, &ONE, &zero, p->gradient, &ONE);
+    p->listed = 0;
+    p->floor = 0.0;
+    for (j = 0; j < p->n; j++)
+        if (!p->barred[j] && p->gradient[j] > 0.0) {
+            list_column(p, j);
+            p->floor = fmax(p->floor, STALE * p->gradient[j]);
+        }
+    return best_listed(p);
+}
+
+/* Appends column j to Q R, orthogonalized twice. False: it depends on those in use. */
+static bool append(nnls *p, int j) {
+    const double minus = -1.0, one = 1.0, zero = 0.0;
+    size_t rows = (size_t)p->rows, k = (size_t)p->used;
+    double *v = p->q + k * rows, *h = p->r + k * (size_t)p->most, *again = p->s;
+    memcpy(v, p->a + (size_t)j * rows, rows * sizeof *v);
+    double size = sqrt(dot(rows, v, v));
+    for (int round = 0; round < 2 && k > 0; round++) {
+        double *out = round ? again : h;
+        dgemv_("T", &p->rows, &p->used, &one, p->q, &p->rows, v, &ONE, &zero, out, &ONE);
+        dgemv_("N", &p->rows, &p->used, &minus, p->q, &p->rows, out, &ONE, &one, v, &ONE);
+        for (size_t i = 0; round && i < k; i++)
+            h[i] += again[i];
+    }
+    double left = sqrt(dot(rows, v, v));
+    if (!(left > DEPENDENT * size))
+        return false;
+    for (size_t i = 0; i < rows; i++)
+        v[i] /= left;
+    h[k] = left;
+    p->projected[k] = dot(rows, v, p->b);
+    p->column[k] = j;
+    p->x[k] = 0.0;
+    p->barred[j] = 1;
+    p->used++;
+    return true;
+}
+
+/* Rotates rows i and i + 1 of R (and columns of Q) so that R[i + 1][column i] vanishes. */
+static void rotate(nnls *p, size_t i) {
+    size_t most = (size_t)p->most, rows = (size_t)p->rows;
+    double a = p->r[i * most + i], b = p->r[i * most + i + 1], length = hypot(a, b);
+    if (length == 0.0)
+        return;
+    double c = a / length, s = b / length;
+    for (size_t j = i; j < (size_t)p->used; j++) {
+        double *r = p->r + j * most + i, top = r[0];
+        r[0] = c * top + s * r[1];
+        r[1] = c * r[1] - s * top;
+    }
+    double *q = p->q + i * rows;
+    for (size_t k = 0; k < rows; k++) {
+        double left = q[k];
+        q[k] = c * left + s * q[rows + k];
+        q[rows + k] = c * q[rows + k] - s * left;
+    }
+    double left = p->projected[i];
+    p->projected[i] = c * left + s * p->projected[i + 1];
+    p->projected[i + 1] = c * p->projected[i + 1] - s * left;
+}
+
+static void drop(nnls *p, size_t k) {
+    size_t most = (size_t)p->most;
+    p->barred[p->column[k]] = 0;
+    p->used--;
+    for (size_t j = k; j < (size_t)p->used; j++) {
+        memcpy(p->r + j * most, p->r + (j + 1) * most, (j + 2) * sizeof *p->r);
+        p->column[j] = p->column[j + 1];
+        p->x[j] = p->x[j + 1];
+    }
+    for (size_t i = k; i < (size_t)p->used; i++)
+        rotate(p, i);
+}
+
+/* s = R^-1 q' b */
+static void least_squares(nnls *p) {
+    size_t most = (size_t)p->most;
+    memcpy(p->s, p->projected, (size_t)p->used * sizeof *p->s);
+    for (size_t j = (size_t)p->used; j-- > 0;) {
+        p->s[j] /= p->r[j * most + j];
+        for (size_t i = 0; i < j; i++)
+            p->s[i] -= p->r[j * most + i] * p->s[j];
+    }
+}
+
+/* Moves x towards s as far as it stays positive and drops what became 0, until x = s. */
+static void settle(nnls *p) {
+    for (;;) {
+        double reach = 1.0;
+        least_squares(p);
+        for (int i = 0; i < p->used; i++)
+            if (p->s[i] <= 0.0)
+                reach = fmin(reach, p->x[i] / (p->x[i] - p->s[i]));
+        bool blocked = false;
+        for (size_t i = (size_t)p->used; i-- > 0;) {
+            bool ends = p->s[i] <= 0.0 && p->x[i] / (p->x[i] - p->s[i]) <= reach;
+            p->x[i] += reach * (p->s[i] - p->x[i]);
+            blocked = blocked || ends;
+            if (ends)
+                p->x[i] = 0.0;
+        }
+        if (!blocked)
+            return;
+        for (size_t i = (size_t)p->used; i-- > 0;)
+            if (p->x[i] <= 0.0)
+                drop(p, i);
+    }
+}
+
+static void iterate(nnls *p, double stop, double *residual) {
+    for (int round = 0; round < 3 * p->most + 100; round++) {
+        find_rest(p);
+        *residual = sqrt(dot((size_t)p->rows, p->rest, p->rest));
+        if (*residual <= stop || p->used == p->most)
+            return;
+        int j = best_column(p);
+        if (j < 0)
+            return;
+        if (!append(p, j)) {
+            p->barred[j] = 1;
+            continue;
+        }
+        least_squares(p);
+        if (p->s[p->used - 1] <= 0.0) { /* rounding: it cannot grow */
+            drop(p, (size_t)p->used - 1);
+            p->barred[j] = 1;
+            continue;
+        }
+        settle(p);
+    }
+}
+
+palp_status nnls_solve(size_t rows, size_t n, const double *a, const double *b, double tolerance, size_t most,
+                       double *x, double *residual) {
+    most = most < rows ? most : rows;
+    most = most < n ? most : n;
+    nnls p = {.rows = (int)rows, .n = (int)n, .most = (int)most, .a = a, .b = b};
+    size_t room = most + 1;
+    double *work = calloc(rows * room + room * room + 3 * room + rows + n + 1, sizeof *work);
+    p.column = calloc(room, sizeof *p.column);
+    p.barred = calloc(n + 1, 1);
+    p.shortlist = calloc(SHORT, sizeof *p.shortlist);
+    palp_status status = work && p.column && p.barred && p.shortlist ? PALP_OK : PALP_ERR_NO_MEMORY;
+    memset(x, 0, n * sizeof *x);
+    if (!status && most > 0) {
+        p.q = work;
+        p.r = p.q + rows * room;
+        p.projected = p.r + room * room;
+        p.s = p.projected + room;
+        p.x = p.s + room;
+        p.rest = p.x + room;
+        p.gradient = p.rest + rows;
+        double size = sqrt(dot(rows, b, b));
+        iterate(&p, tolerance * size, residual);
+        *residual = size > 0.0 ? *residual / size : 0.0;
+        for (int i = 0; i < p.used; i++)
+            x[p.column[i]] = p.x[i];
+    }
+    free(work);
+    free(p.column);
+    free(p.barred);
+    free(p.shortlist);
+    return status;
+}

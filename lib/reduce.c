@@ -1,0 +1,363 @@
+/* reduce.c: building a reduced model, its error on held-out paths, and what can be asked of it. */
+#include "reduce_internal.h"
+
+#include "file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The bound is the worst error seen, on held-out and learnt paths, times 1 + CAUTION / held-out paths: of n paths like
+ * it a new one exceeds the worst with probability 1 / (n + 1). */
+static const double CAUTION = 2.0;
+
+palp_reduce_settings palp_reduce_settings_default(void) {
+    return (palp_reduce_settings){
+        .modes = 80, .tolerance = 1e-3, .elements = 1200, .element_tolerance = 3e-3, .static_modes = 0};
+}
+
+static void state_free(reduced_state *s) {
+    free(s->q);
+    free(s->history.strain);
+    free(s->history.elastic);
+    free(s->history.arm);
+}
+
+void palp_reduced_free(palp_reduced *r) {
+    if (!r)
+        return;
+    reduced_skin_free(r->skin);
+    state_free(&r->now);
+    state_free(&r->next);
+    double *arrays[] = {r->rest, r->lift, r->basis, r->weight, r->low, r->high, r->unit, r->gap_rest, r->gap_lift,
+                        r->gap, r->inverse_rest, r->reach, r->strain, r->force, r->tangent, r->inverse_length,
+                        r->direction, r->vector, r->rhs, r->dq, r->start, r->stiffness, r->factor, r->scaled, r->work,
+                        r->coming, r->past};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(arrays[i]);
+    free(r->held);
+    free(r->triangles);
+    free(r->pair);
+    free(r->pivot);
+    free(r);
+}
+
+static double *doubles(size_t n, bool *ok) {
+    double *p = calloc(n + 1, sizeof *p);
+    *ok = *ok && p;
+    return p;
+}
+
+static void state_allocate(const palp_reduced *r, reduced_state *s, bool *ok) {
+    s->q = doubles(r->modes, ok);
+    s->history.strain = doubles(r->n_elements, ok);
+    s->history.elastic = doubles(r->n_elements, ok);
+    s->history.arm = doubles(r->n_elements * r->material.n_arms, ok);
+}
+
+palp_status reduced_allocate(palp_reduced *r) {
+    size_t n3 = 3 * r->n_nodes, m = r->n_elements, k = r->modes;
+    bool ok = true;
+    double **arrays[] = {&r->rest, &r->lift, &r->unit, &r->weight, &r->inverse_rest, &r->reach, &r->strain,
+                         &r->force, &r->tangent, &r->inverse_length};
+    size_t sizes[] = {n3, n3, r->n_nodes, m, m, m, m, m, m, m};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        *arrays[i] = doubles(sizes[i], &ok);
+    double **by_element[] = {&r->gap_rest, &r->gap_lift, &r->direction, &r->vector};
+    for (size_t i = 0; i < sizeof by_element / sizeof *by_element; i++)
+        *by_element[i] = doubles(3 * m, &ok);
+    double **by_mode[] = {&r->rhs, &r->dq, &r->start, &r->past};
+    for (size_t i = 0; i < sizeof by_mode / sizeof *by_mode; i++)
+        *by_mode[i] = doubles(k, &ok);
+    double **squares[] = {&r->stiffness, &r->factor, &r->coming};
+    for (size_t i = 0; i < sizeof squares / sizeof *squares; i++)
+        *squares[i] = doubles(k * k, &ok);
+    r->basis = doubles(n3 * k, &ok);
+    r->low = doubles(k + 1, &ok);
+    r->high = doubles(k + 1, &ok);
+    r->gap = doubles(k * 3 * m, &ok);
+    r->scaled = doubles(k * 3 * REDUCED_BLOCK, &ok);
+    r->work = doubles(64 * k, &ok);
+    r->held = calloc(n3 + 1, 1);
+    r->triangles = calloc(3 * r->n_triangles + 1, sizeof *r->triangles);
+    r->pair = calloc(2 * m + 1, sizeof *r->pair);
+    r->pivot = calloc(k + 1, sizeof *r->pivot);
+    state_allocate(r, &r->now, &ok);
+    state_allocate(r, &r->next, &ok);
+    return ok && r->held && r->triangles && r->pair && r->pivot ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+palp_status reduced_prepare(palp_reduced *r) {
+    for (size_t i = 0; i < r->n_elements; i++) {
+        size_t a = 3 * (size_t)r->pair[2 * i], b = 3 * (size_t)r->pair[2 * i + 1];
+        double length = 0.0, size = 0.0;
+        for (size_t k = 0; k < 3; k++) {
+            double d = r->rest[b + k] - r->rest[a + k];
+            double *gap = r->gap + (3 * i + k) * r->modes;
+            r->gap_rest[3 * i + k] = d;
+            r->gap_lift[3 * i + k] = r->lift[b + k] - r->lift[a + k];
+            length += d * d;
+            for (size_t j = 0; j < r->modes; j++) {
+                gap[j] = r->basis[(b + k) * r->modes + j] - r->basis[(a + k) * r->modes + j];
+                size += gap[j] * gap[j];
+            }
+        }
+        r->inverse_rest[i] = 1.0 / sqrt(length);
+        r->reach[i] = r->weight[i] * sqrt(size);
+    }
+    r->tolerance = 1e-6;
+    r->max_iterations = 20;
+    palp_status status = r->max_tools > 0 ? reduced_skin_make(r) : PALP_OK;
+    if (!status)
+        palp_reduced_reset(r);
+    return status;
+}
+
+palp_status reduced_make(const palp_network *net, const network_load *load, size_t modes, const double *basis,
+                         const double *lift, size_t n, const int32_t *element, const double *weight, palp_reduced **out) {
+    palp_reduced *r = calloc(1, sizeof *r);
+    if (!r)
+        return PALP_ERR_NO_MEMORY;
+    r->material = net->material;
+    r->n_nodes = net->n_nodes;
+    r->modes = modes;
+    r->n_elements = n;
+    r->n_triangles = palp_mesh_triangle_count(net->mesh);
+    palp_status status = reduced_allocate(r);
+    if (status) {
+        palp_reduced_free(r);
+        return status;
+    }
+    memcpy(r->rest, net->rest, 3 * r->n_nodes * sizeof *r->rest);
+    memcpy(r->lift, lift, 3 * r->n_nodes * sizeof *r->lift);
+    memcpy(r->basis, basis, 3 * r->n_nodes * modes * sizeof *r->basis);
+    if (r->n_triangles > 0)
+        memcpy(r->triangles, palp_mesh_triangles(net->mesh), 3 * r->n_triangles * sizeof *r->triangles);
+    for (size_t i = 0; i < 3 * r->n_nodes; i++)
+        r->held[i] = net->dof[i] < 0;
+    for (size_t i = 0; i < n; i++) {
+        memcpy(r->pair + 2 * i, net->pair + 2 * element[i], 2 * sizeof *r->pair);
+        r->weight[i] = weight[i] * (net->scale ? net->scale[element[i]] : 1.0);
+    }
+    r->summary = (palp_reduced_summary){.modes = modes,
+                                        .elements = n,
+                                        .unknowns = net->n_free,
+                                        .network_elements = net->n_elements,
+                                        .bound = INFINITY};
+    for (size_t i = 0; i < 3 * r->n_nodes; i++)
+        if (net->motion[i] != 0.0)
+            r->summary.height_m = net->height;
+    if (load) {
+        r->max_tools = load->max_tools;
+        r->contact_settings = load->settings;
+        memcpy(r->unit, load->unit, r->n_nodes * sizeof *r->unit);
+    }
+    status = reduced_prepare(r);
+    if (status)
+        palp_reduced_free(r);
+    else
+        *out = r;
+    return status;
+}
+
+void palp_reduced_reset(palp_reduced *r) {
+    size_t m = r->n_elements * sizeof(double);
+    memset(r->now.q, 0, r->modes * sizeof *r->now.q);
+    memset(r->past, 0, r->modes * sizeof *r->past);
+    memset(r->now.history.strain, 0, m);
+    memset(r->now.history.elastic, 0, m);
+    memset(r->now.history.arm, 0, m * r->material.n_arms);
+    r->now.depth = r->now.time = r->now.force = r->past_step = r->peak = 0.0;
+    r->stiff = false;
+    r->refreshed = 0;
+    if (r->skin)
+        reduced_skin_reset(r);
+}
+
+static void find_range(palp_reduced *r, size_t n_training, palp_training *const *training,
+                       const reduced_samples *samples) {
+    for (size_t i = 0; i < samples->n; i++)
+        for (size_t j = 0; j < r->modes; j++) {
+            r->low[j] = fmin(r->low[j], samples->q[i * r->modes + j]);
+            r->high[j] = fmax(r->high[j], samples->q[i * r->modes + j]);
+        }
+    for (size_t t = 0; t < n_training; t++)
+        for (size_t i = 0; i < training[t]->n; i++) {
+            r->low[r->modes] = fmin(r->low[r->modes], training[t]->depth[i]);
+            r->high[r->modes] = fmax(r->high[r->modes], training[t]->depth[i]);
+        }
+}
+
+/* Length of the difference of the plate's and the tools' forces at sample i, and of the full network's own. */
+static double force_difference(const palp_training *t, size_t i, double force, const palp_tool_force *tools,
+                               double *size) {
+    double plate = force - t->force[i], difference = plate * plate, own = t->force[i] * t->force[i];
+    for (size_t j = 0; j < t->n_tools; j++)
+        for (size_t k = 0; k < 3; k++) {
+            double full = t->tool_force[3 * (i * t->n_tools + j) + k], d = tools[j].force_N[k] - full;
+            difference += d * d;
+            own += full * full;
+        }
+    *size = sqrt(own);
+    return sqrt(difference);
+}
+
+palp_status palp_reduced_compare(palp_reduced *r, const palp_training *t, palp_reduce_error *result) {
+    palp_tool_force *tools = calloc(t->n_tools + 1, sizeof *tools);
+    palp_status status = tools ? PALP_OK : PALP_ERR_NO_MEMORY;
+    double squares = 0.0;
+    *result = (palp_reduce_error){0.0, 0.0, 0.0};
+    palp_reduced_reset(r);
+    for (size_t i = 0; !status && i < t->n; i++) {
+        palp_reduced_info info = {.force_N = 0.0};
+        double since = i ? t->time[i - 1] : 0.0, size;
+        if (t->time[i] > since || t->depth[i] != 0.0 || t->n_tools > 0)
+            status = palp_reduced_step(r, t->depth[i], t->n_tools, t->tools + i * t->n_tools, t->time[i] - since,
+                                       tools, &info);
+        double difference = force_difference(t, i, info.force_N, tools, &size);
+        squares += difference * difference;
+        result->worst_N = fmax(result->worst_N, difference);
+        result->peak_N = fmax(result->peak_N, size);
+    }
+    result->rms_N = sqrt(squares / (double)t->n);
+    free(tools);
+    palp_reduced_reset(r);
+    return status;
+}
+
+static palp_status measure_error(palp_reduced *r, size_t n_training, palp_training *const *training, size_t n_held,
+                                 palp_training *const *held, palp_reduce_error *error_held) {
+    palp_reduced_summary *s = &r->summary;
+    for (size_t t = 0; t < n_training && n_held > 0; t++) {
+        palp_reduce_error e;
+        palp_status status = palp_reduced_compare(r, training[t], &e);
+        if (status)
+            return status;
+        s->trained_worst = fmax(s->trained_worst, e.peak_N > 0.0 ? e.worst_N / e.peak_N : 0.0);
+    }
+    for (size_t t = 0; t < n_held; t++) {
+        palp_reduce_error e;
+        palp_status status = palp_reduced_compare(r, held[t], &e);
+        if (status)
+            return status;
+        if (error_held)
+            error_held[t] = e;
+        double peak = e.peak_N > 0.0 ? e.peak_N : 1.0;
+        s->held_worst = fmax(s->held_worst, e.worst_N / peak);
+        s->held_rms = fmax(s->held_rms, e.rms_N / peak);
+        s->held_peak_N = t == 0 ? e.peak_N : fmin(s->held_peak_N, e.peak_N);
+    }
+    s->held_paths = n_held;
+    s->bound = n_held > 0 ? (1.0 + CAUTION / (double)n_held) * fmax(s->held_worst, s->trained_worst) : INFINITY;
+    return PALP_OK;
+}
+
+static bool settings_in_range(const palp_reduce_settings *s) {
+    return s->modes > 0 && s->elements > 0 && s->static_modes <= s->modes && s->tolerance >= 0.0 && s->tolerance < 1.0 &&
+           s->element_tolerance >= 0.0 && s->element_tolerance < 1.0;
+}
+
+static palp_status check_create(const palp_network *net, size_t n_training, palp_training *const *training,
+                                size_t n_held, palp_training *const *held, const palp_reduce_settings *settings,
+                                palp_error *error) {
+    bool sound = n_training > 0 && settings_in_range(settings);
+    for (size_t i = 0; i < n_training; i++)
+        sound = sound && training[i]->n_nodes == net->n_nodes;
+    for (size_t i = 0; i < n_held; i++)
+        sound = sound && held[i]->n_nodes == net->n_nodes;
+    if (!sound)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a setting is out of range, or a path is of another network");
+    bool vectors = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
+    if (net->mass || net->wear || net->grip || vectors)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "a network with mass, wear or the formulation sedef2008 cannot be reduced");
+    return PALP_OK;
+}
+
+static palp_status reduce(palp_network *net, size_t n_training, palp_training *const *training,
+                          const palp_reduce_settings *settings, const network_load *load, palp_reduced **out) {
+    size_t modes = 0, n = 0;
+    double *basis = NULL, *lift = NULL, *weight = NULL, residual = 0.0;
+    int32_t *element = NULL;
+    reduced_samples samples = {0, NULL};
+    palp_status status = reduced_basis(net, n_training, training, settings, &modes, &basis, &lift, &samples);
+    if (!status && modes == 0)
+        status = PALP_ERR_ARGUMENT; /* nothing moves on these paths */
+    if (!status)
+        status = reduced_elements(net, n_training, training, settings, modes, basis, lift, &samples, &n, &element,
+                                  &weight, &residual);
+    if (!status)
+        status = reduced_make(net, load, modes, basis, lift, n, element, weight, out);
+    if (!status) {
+        (*out)->summary.training_paths = n_training;
+        (*out)->summary.element_residual = residual;
+        find_range(*out, n_training, training, &samples);
+    }
+    free(basis);
+    free(lift);
+    free(weight);
+    free(element);
+    free(samples.q);
+    return status;
+}
+
+palp_status palp_reduced_create(palp_network *net, size_t n_training, palp_training *const *training, size_t n_held,
+                                palp_training *const *held, const palp_reduce_settings *settings,
+                                palp_reduced **reduced, palp_reduce_error *error_held, palp_error *error) {
+    palp_status status = check_create(net, n_training, training, n_held, held, settings, error);
+    if (status)
+        return status;
+    palp_reduced *made = NULL;
+    network_load *load = net->load; /* tools are no part of the shapes' stiffness */
+    net->load = NULL;
+    status = reduce(net, n_training, training, settings, load, &made);
+    net->load = load;
+    palp_network_reset(net);
+    if (!status)
+        status = measure_error(made, n_training, training, n_held, held, error_held);
+    if (status) {
+        palp_reduced_free(made);
+        return palp_error_set(error, status, "%s",
+                              status == PALP_ERR_ARGUMENT ? "the training paths do not move the network"
+                                                          : palp_status_text(status));
+    }
+    *reduced = made;
+    return PALP_OK;
+}
+
+palp_reduced_summary palp_reduced_describe(const palp_reduced *r) {
+    return r->summary;
+}
+
+palp_status palp_reduced_set_limits(palp_reduced *r, double tolerance, int max_iterations) {
+    if (!(tolerance > 0.0) || !(tolerance < 1.0) || max_iterations < 1)
+        return PALP_ERR_ARGUMENT;
+    r->tolerance = tolerance;
+    r->max_iterations = max_iterations;
+    return PALP_OK;
+}
+
+palp_status palp_reduced_positions(const palp_reduced *r, size_t n, const int32_t *nodes, double *x_m) {
+    if (!nodes && n > r->n_nodes)
+        return PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < n; i++) {
+        size_t node = nodes ? (size_t)nodes[i] : i;
+        if (node >= r->n_nodes)
+            return PALP_ERR_ARGUMENT;
+        for (size_t k = 0; k < 3; k++)
+            x_m[3 * i + k] = reduced_coordinate(r, r->now.q, r->now.depth, 3 * node + k);
+    }
+    return PALP_OK;
+}
+
+size_t palp_reduced_node_count(const palp_reduced *r) {
+    return r->n_nodes;
+}
+
+size_t palp_reduced_triangle_count(const palp_reduced *r) {
+    return r->n_triangles;
+}
+
+const int32_t *palp_reduced_triangles(const palp_reduced *r) {
+    return r->triangles;
+}

@@ -1,0 +1,264 @@
+/* reduce_elements.c: which elements stand for all, and with what weight: energy-conserving sampling and weighting
+ * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), trained on forces and on tangents, since in
+ * equilibrium most of the reduced forces vanish. */
+#include "lapack.h"
+#include "nnls.h"
+#include "reduce_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    DIRECTIONS = 4,      /* random ones a sample, for the forces; as many pairs for the tangents */
+    LINES = 2 * DIRECTIONS + 1,
+    CANDIDATES_MAX = 200000,
+    SPARE = 3            /* equations an element at most kept, halves of it */
+};
+
+typedef struct sampling {
+    palp_network *net;
+    size_t modes, n_candidates, rows, row;
+    const double *basis, *lift;
+    int32_t *candidate;  /* [n_candidates] elements */
+    double *a;           /* [rows n_candidates] by columns */
+    double *b;           /* [rows] */
+    double *spread;      /* [modes] root mean square of the samples' coordinates */
+    double *x, *fields;  /* [3 n_nodes], [3 n_nodes 3 DIRECTIONS] */
+    double *drive;       /* [3 n_nodes] the lift, scaled to unit energy at rest as the basis is */
+    double *mix;         /* [modes 3 DIRECTIONS] coordinates of the fields */
+    double *work;        /* [n_elements] what each element adds to a row */
+    uint64_t seed;
+} sampling;
+
+/* Uniform in (0, 1): splitmix64 (Steele, Lea, Flood 2014). */
+static double uniform(uint64_t *seed) {
+    uint64_t z = (*seed += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return ((double)((z ^ (z >> 31)) >> 11) + 0.5) * 0x1p-53;
+}
+
+static double gauss(uint64_t *seed) {
+    double radius = sqrt(-2.0 * log(uniform(seed)));
+    return radius * cos(6.283185307179586 * uniform(seed));
+}
+
+/* out[3 n_nodes] = basis q */
+static void expand(const sampling *s, const double *q, double *out) {
+    const int r = (int)s->modes, n3 = (int)(3 * s->net->n_nodes), unit = 1;
+    const double one = 1.0, zero = 0.0;
+    if (r > 0)
+        dgemv_("T", &r, &n3, &one, s->basis, &r, q, &unit, &zero, out, &unit);
+    else
+        memset(out, 0, (size_t)n3 * sizeof *out);
+}
+
+/* The network at a sample's reduced state, with the history of the one before; then that history is its own. */
+static bool place_sample(sampling *s, const double *q, double depth, double dt) {
+    palp_network *net = s->net;
+    expand(s, q, s->x);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        net->next.x[i] = net->rest[i] + depth * s->lift[i] + s->x[i];
+    element_step_prepare(&net->material, dt, &net->step);
+    bool sound = network_evaluate(net);
+    element_history old = net->now.history;
+    net->now.history = net->next.history;
+    net->next.history = old;
+    return sound;
+}
+
+/* Fields of random directions: of plain Gaussian coordinates, and of such as large as the samples'. */
+static void make_fields(sampling *s) {
+    size_t n3 = 3 * s->net->n_nodes;
+    for (size_t k = 0; k < 3 * DIRECTIONS; k++) {
+        double *mix = s->mix + k * s->modes;
+        for (size_t i = 0; i < s->modes; i++)
+            mix[i] = gauss(&s->seed) * (k < 2 * DIRECTIONS ? 1.0 : s->spread[i]);
+        expand(s, mix, s->fields + k * n3);
+    }
+}
+
+/* Moves what each element adds into the next row, and the sum over all. */
+static void keep_row(sampling *s) {
+    double sum = 0.0;
+    for (size_t i = 0; i < s->net->n_elements; i++)
+        sum += s->work[i];
+    for (size_t j = 0; j < s->n_candidates; j++)
+        s->a[j * s->rows + s->row] = s->work[s->candidate[j]];
+    s->b[s->row++] = sum;
+}
+
+static double stretch(const palp_network *net, size_t i, const double *u) {
+    const double *n = net->direction + 3 * i, *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
+    return n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2]);
+}
+
+static void force_row(sampling *s, const double *field) {
+    for (size_t i = 0; i < s->net->n_elements; i++)
+        s->work[i] = s->net->force[i] * stretch(s->net, i, field);
+    keep_row(s);
+}
+
+static void tangent_row(sampling *s, const double *u, const double *v) {
+    const palp_network *net = s->net;
+    for (size_t i = 0; i < net->n_elements; i++) {
+        size_t a = 3 * (size_t)net->pair[2 * i], b = 3 * (size_t)net->pair[2 * i + 1];
+        double across = net->force[i] * net->inverse_length[i], both = 0.0;
+        for (size_t k = 0; k < 3; k++)
+            both += (u[b + k] - u[a + k]) * (v[b + k] - v[a + k]);
+        s->work[i] = (net->tangent[i] * net->inverse_rest[i] - across) * stretch(net, i, u) * stretch(net, i, v) +
+                     across * both;
+    }
+    keep_row(s);
+}
+
+/* The rows of one sample: the plate's force, forces and tangents along random directions. */
+static void add_rows(sampling *s) {
+    size_t n3 = 3 * s->net->n_nodes;
+    make_fields(s);
+    force_row(s, s->drive);
+    for (size_t k = 0; k < DIRECTIONS; k++) {
+        force_row(s, s->fields + k * n3);
+        tangent_row(s, s->fields + (DIRECTIONS + k) * n3, s->fields + (2 * DIRECTIONS + k) * n3);
+    }
+}
+
+/* Every step of every training, for the history's sake; rows from evenly spread samples. */
+static palp_status walk(sampling *s, size_t n_training, palp_training *const *training,
+                        const reduced_samples *samples) {
+    size_t wanted = s->rows / LINES, at = 0, taken = 0;
+    for (size_t t = 0; t < n_training; t++) {
+        palp_network_reset(s->net);
+        for (size_t i = 0; i < training[t]->n; i++, at++) {
+            double dt = training[t]->time[i] - (i ? training[t]->time[i - 1] : 0.0);
+            if (!place_sample(s, samples->q + at * s->modes, training[t]->depth[i], dt))
+                return PALP_ERR_COLLAPSED;
+            if ((at + 1) * wanted / samples->n > taken && taken < wanted) {
+                add_rows(s);
+                taken++;
+            }
+        }
+    }
+    return PALP_OK;
+}
+
+/* All elements, or so many drawn at random. */
+static void choose_candidates(sampling *s) {
+    size_t n = s->net->n_elements, left = s->n_candidates, k = 0;
+    for (size_t i = 0; i < n && left > 0; i++)
+        if (uniform(&s->seed) * (double)(n - i) < (double)left) {
+            s->candidate[k++] = (int32_t)i;
+            left--;
+        }
+}
+
+static void find_spread(sampling *s, const reduced_samples *samples) {
+    for (size_t j = 0; j < s->modes; j++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < samples->n; i++)
+            sum += samples->q[i * s->modes + j] * samples->q[i * s->modes + j];
+        s->spread[j] = sqrt(sum / (double)samples->n);
+    }
+}
+
+static void scale_drive(sampling *s) {
+    double energy = 0.0;
+    reduced_at_rest(s->net);
+    for (size_t i = 0; i < s->net->n_elements; i++) {
+        double e = stretch(s->net, i, s->lift);
+        energy += s->net->tangent[i] * s->net->inverse_rest[i] * e * e;
+    }
+    for (size_t i = 0; i < 3 * s->net->n_nodes && energy > 0.0; i++)
+        s->drive[i] = s->lift[i] / sqrt(energy);
+}
+
+static void sampling_free(sampling *s) {
+    free(s->candidate);
+    free(s->a);
+    free(s->b);
+    free(s->spread);
+    free(s->x);
+    free(s->drive);
+    free(s->fields);
+    free(s->mix);
+    free(s->work);
+}
+
+static palp_status sampling_make(sampling *s, const palp_reduce_settings *settings, const reduced_samples *samples) {
+    size_t n = s->net->n_elements, n3 = 3 * s->net->n_nodes, wanted = SPARE * settings->elements / (2 * LINES) + 1;
+    s->rows = LINES * (wanted < samples->n ? wanted : samples->n);
+    s->n_candidates = n < CANDIDATES_MAX ? n : CANDIDATES_MAX;
+    s->candidate = calloc(s->n_candidates + 1, sizeof *s->candidate);
+    s->a = malloc((s->rows * s->n_candidates + 1) * sizeof *s->a);
+    s->b = calloc(s->rows + 1, sizeof *s->b);
+    s->spread = calloc(s->modes + 1, sizeof *s->spread);
+    s->x = calloc(n3 + 1, sizeof *s->x);
+    s->drive = calloc(n3 + 1, sizeof *s->drive);
+    s->fields = calloc(3 * DIRECTIONS * n3 + 1, sizeof *s->fields);
+    s->mix = calloc(3 * DIRECTIONS * s->modes + 1, sizeof *s->mix);
+    s->work = calloc(n + 1, sizeof *s->work);
+    if (!s->candidate || !s->a || !s->b || !s->spread || !s->x || !s->drive || !s->fields || !s->mix || !s->work)
+        return PALP_ERR_NO_MEMORY;
+    find_spread(s, samples);
+    scale_drive(s);
+    choose_candidates(s);
+    return PALP_OK;
+}
+
+/* The elements of weight above 0. */
+static palp_status keep_weighted(const sampling *s, const double *x, size_t *n, int32_t **element, double **weight) {
+    size_t count = 0;
+    for (size_t j = 0; j < s->n_candidates; j++)
+        count += x[j] > 0.0;
+    *element = malloc((count + 1) * sizeof **element);
+    *weight = malloc((count + 1) * sizeof **weight);
+    if (!*element || !*weight)
+        return PALP_ERR_NO_MEMORY;
+    *n = 0;
+    for (size_t j = 0; j < s->n_candidates; j++)
+        if (x[j] > 0.0) {
+            (*element)[*n] = s->candidate[j];
+            (*weight)[(*n)++] = x[j];
+        }
+    return PALP_OK;
+}
+
+static palp_status keep_all(size_t n, int32_t **element, double **weight) {
+    *element = malloc((n + 1) * sizeof **element);
+    *weight = malloc((n + 1) * sizeof **weight);
+    if (!*element || !*weight)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n; i++) {
+        (*element)[i] = (int32_t)i;
+        (*weight)[i] = 1.0;
+    }
+    return PALP_OK;
+}
+
+palp_status reduced_elements(palp_network *net, size_t n_training, palp_training *const *training,
+                             const palp_reduce_settings *settings, size_t modes, const double *basis,
+                             const double *lift, const reduced_samples *samples, size_t *n, int32_t **element,
+                             double **weight, double *residual) {
+    *element = NULL;
+    *weight = NULL;
+    *residual = 0.0;
+    *n = net->n_elements;
+    if (settings->elements >= net->n_elements)
+        return keep_all(net->n_elements, element, weight);
+    sampling s = {.net = net, .modes = modes, .basis = basis, .lift = lift, .seed = 1};
+    palp_status status = sampling_make(&s, settings, samples);
+    double *x = malloc((s.n_candidates + 1) * sizeof *x);
+    if (!x)
+        status = PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = walk(&s, n_training, training, samples);
+    if (!status)
+        status = nnls_solve(s.row, s.n_candidates, s.a, s.b, settings->element_tolerance, settings->elements, x,
+                            residual);
+    if (!status)
+        status = keep_weighted(&s, x, n, element, weight);
+    free(x);
+    sampling_free(&s);
+    return status;
+}

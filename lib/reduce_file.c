@@ -1,0 +1,413 @@
+/* reduce_file.c: a reduced model as JSON, and its arrays in a binary file beside it.
+ * The binary file: "PALPRED1", the number 0x01020304 twice as it stands in this machine's memory (4 bytes each), the
+ * sizes (8 bytes each: nodes, modes, elements, triangles), then the arrays of `arrays` below, one after the other. */
+#include "reduce_internal.h"
+
+#include "json.h"
+#include "model_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char MAGIC[8] = {'P', 'A', 'L', 'P', 'R', 'E', 'D', '1'};
+enum { ORDER = 0x01020304, HEAD = 48, ARRAYS = 10 };
+
+typedef struct array {
+    void *data;
+    size_t bytes;
+} array;
+
+static void arrays(palp_reduced *r, array list[ARRAYS]) {
+    size_t n3 = 3 * r->n_nodes, f = sizeof(double), i = sizeof(int32_t);
+    const array all[ARRAYS] = {{r->rest, n3 * f},
+                               {r->lift, n3 * f},
+                               {r->basis, n3 * r->modes * f},
+                               {r->weight, r->n_elements * f},
+                               {r->low, (r->modes + 1) * f},
+                               {r->high, (r->modes + 1) * f},
+                               {r->unit, r->n_nodes * f},
+                               {r->pair, 2 * r->n_elements * i},
+                               {r->triangles, 3 * r->n_triangles * i},
+                               {r->held, n3}};
+    memcpy(list, all, sizeof all);
+}
+
+/* FNV-1a, 64 bits. */
+static uint64_t checksum(uint64_t sum, const void *data, size_t n) {
+    const unsigned char *byte = data;
+    for (size_t i = 0; i < n; i++)
+        sum = (sum ^ byte[i]) * 0x100000001b3u;
+    return sum;
+}
+
+static const uint64_t CHECKSUM_START = 0xcbf29ce484222325u;
+
+static void head_make(const palp_reduced *r, unsigned char head[HEAD]) {
+    const uint32_t order[2] = {ORDER, ORDER};
+    const uint64_t size[4] = {r->n_nodes, r->modes, r->n_elements, r->n_triangles};
+    memcpy(head, MAGIC, 8);
+    memcpy(head + 8, order, 8);
+    memcpy(head + 16, size, 32);
+}
+
+/* path with .bin in place of .json. */
+static palp_status arrays_path(const char *path, char out[PALP_PATH_MAX]) {
+    size_t n = strlen(path);
+    if (n >= 5 && strcmp(path + n - 5, ".json") == 0)
+        n -= 5;
+    if (n + 5 > PALP_PATH_MAX)
+        return PALP_ERR_LIMIT;
+    memcpy(out, path, n);
+    memcpy(out + n, ".bin", 5);
+    return PALP_OK;
+}
+
+/* ---- writing ------------------------------------------------------------------------------------- */
+
+typedef struct sums {
+    size_t bytes;
+    uint64_t checksum;
+} sums;
+
+static palp_status arrays_write(const palp_reduced *r, const char *path, sums *out, palp_error *error) {
+    unsigned char head[HEAD];
+    array list[ARRAYS];
+    palp_file file;
+    palp_reduced copy = *r; /* its arrays are only read */
+    palp_status status = palp_file_begin(&file, path, error);
+    if (status)
+        return status;
+    head_make(r, head);
+    arrays(&copy, list);
+    *out = (sums){HEAD, checksum(CHECKSUM_START, head, HEAD)};
+    fwrite(head, 1, HEAD, file.stream);
+    for (size_t i = 0; i < ARRAYS; i++) {
+        if (list[i].bytes > 0)
+            fwrite(list[i].data, 1, list[i].bytes, file.stream);
+        out->bytes += list[i].bytes;
+        out->checksum = checksum(out->checksum, list[i].data, list[i].bytes);
+    }
+    return palp_file_commit(&file, true, error);
+}
+
+static json_t *number_or_null(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *error_json(const palp_reduced_summary *s) {
+    return json_pack("{s:f, s:f, s:o, s:o, s:f, s:o}", "element_residual", s->element_residual, "trained_worst",
+                     s->trained_worst, "held_worst",
+                     number_or_null(s->held_paths ? s->held_worst : INFINITY), "held_rms",
+                     number_or_null(s->held_paths ? s->held_rms : INFINITY), "held_peak_N", s->held_peak_N, "bound",
+                     number_or_null(s->bound));
+}
+
+static json_t *tools_json(const palp_reduced *r) {
+    const palp_contact_settings *c = &r->contact_settings;
+    return r->max_tools == 0 ? json_null()
+                             : json_pack("{s:I, s:f, s:f, s:f, s:I}", "at_once", (json_int_t)r->max_tools, "stiffness",
+                                         c->stiffness, "hold_stiffness", c->hold_stiffness, "smoothing",
+                                         c->smoothing, "max_contacts", (json_int_t)c->max_contacts);
+}
+
+static json_t *root_json(const palp_reduced *r, json_t *network, const char *file, sums check) {
+    const palp_reduced_summary *s = &r->summary;
+    char sum[24];
+    snprintf(sum, sizeof sum, "%016llx", (unsigned long long)check.checksum);
+    return json_pack("{s:{s:i}, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o, s:o, s:{s:s, s:I, s:s}}",
+                     "palpate", "reduced", 1, "network", network, "nodes", (json_int_t)r->n_nodes, "unknowns",
+                     (json_int_t)s->unknowns, "network_elements", (json_int_t)s->network_elements, "modes",
+                     (json_int_t)r->modes, "elements", (json_int_t)r->n_elements, "triangles",
+                     (json_int_t)r->n_triangles, "training_paths", (json_int_t)s->training_paths, "held_paths",
+                     (json_int_t)s->held_paths, "height_mm", 1e3 * s->height_m, "error", error_json(s), "tools",
+                     tools_json(r), "arrays", "file", file, "bytes", (json_int_t)check.bytes, "checksum", sum);
+}
+
+static palp_status text_write(json_t *root, const char *path, palp_error *error) {
+    palp_file file;
+    if (!root)
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
+    palp_status status = palp_file_begin(&file, path, error);
+    if (!status && (json_dumpf(root, file.stream, JSON_INDENT(2)) || fputc('\n', file.stream) == EOF)) {
+        palp_file_abandon(&file);
+        status = palp_error_set(error, PALP_ERR_FILE, "%s: cannot write", path);
+    } else if (!status) {
+        status = palp_file_commit(&file, true, error);
+    }
+    return status;
+}
+
+palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, const char *path, palp_error *error) {
+    char beside[PALP_PATH_MAX], *text = NULL;
+    sums check;
+    palp_status status = arrays_path(path, beside);
+    if (!status)
+        status = palp_model_format(model, &text);
+    if (status)
+        return palp_error_set(error, status, "%s: %s", path, palp_status_text(status));
+    status = arrays_write(r, beside, &check, error);
+    if (!status) {
+        const char *slash = strrchr(beside, '/');
+        json_t *network = json_loads(text, 0, NULL);
+        json_t *root = network ? root_json(r, network, slash ? slash + 1 : beside, check) : NULL;
+        status = text_write(root, path, error);
+        json_decref(root);
+    }
+    free(text);
+    return status;
+}
+
+/* ---- reading ------------------------------------------------------------------------------------- */
+
+static palp_status count_read(const palp_json *at, const char *key, size_t *value) {
+    palp_json member;
+    palp_status status = palp_json_require(at, key, &member);
+    if (status)
+        return status;
+    if (!json_is_integer(member.value) || json_integer_value(member.value) < 0 ||
+        json_integer_value(member.value) > INT32_MAX)
+        return palp_json_fail(&member, PALP_ERR_INPUT, "must be a whole number from 0 on");
+    *value = (size_t)json_integer_value(member.value);
+    return PALP_OK;
+}
+
+/* A number that is not negative; null = absent where that is allowed. */
+static palp_status number_read(const palp_json *at, const char *key, double absent, double *value) {
+    palp_json member;
+    palp_status status = palp_json_require(at, key, &member);
+    *value = absent;
+    if (status || (json_is_null(member.value) && !isnan(absent)))
+        return status;
+    status = palp_json_number(&member, value);
+    return !status && *value < 0.0 ? palp_json_fail(&member, PALP_ERR_INPUT, "must not be negative") : status;
+}
+
+static palp_status version_read(const palp_json *root) {
+    palp_json palpate, version;
+    if (!json_is_object(root->value) || !palp_json_member(root, "palpate", &palpate) ||
+        !json_is_object(palpate.value) || !palp_json_member(&palpate, "reduced", &version))
+        return palp_json_fail(root, PALP_ERR_INPUT, "no reduced model: it lacks \"palpate\": {\"reduced\": 1}");
+    if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
+        return palp_json_fail(&version, PALP_ERR_INPUT, "is not 1, the version that this build reads");
+    return PALP_OK;
+}
+
+static palp_status network_read(const palp_json *root, palp_model *model) {
+    palp_json network;
+    memset(model, 0, sizeof *model);
+    palp_status status = palp_json_require(root, "network", &network);
+    if (!status)
+        status = palp_model_from_json(&network, model);
+    if (!status && model->kind != PALP_MODEL_NETWORK)
+        status = palp_json_fail(&network, PALP_ERR_INPUT, "is not a model of kind \"network\"");
+    return status;
+}
+
+static palp_status sizes_read(const palp_json *root, palp_reduced *r) {
+    const struct {
+        const char *key;
+        size_t *to;
+    } counts[] = {{"nodes", &r->n_nodes}, {"modes", &r->modes}, {"elements", &r->n_elements},
+                  {"triangles", &r->n_triangles}, {"unknowns", &r->summary.unknowns},
+                  {"network_elements", &r->summary.network_elements}, {"training_paths", &r->summary.training_paths},
+                  {"held_paths", &r->summary.held_paths}};
+    palp_status status = PALP_OK;
+    for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
+        status = count_read(root, counts[i].key, counts[i].to);
+    r->summary.modes = r->modes;
+    r->summary.elements = r->n_elements;
+    if (!status)
+        status = number_read(root, "height_mm", NAN, &r->summary.height_m);
+    r->summary.height_m *= 1e-3;
+    return status;
+}
+
+static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
+    static const char *const keys[] = {"element_residual", "held_worst", "held_rms", "held_peak_N", "bound", "trained_worst"};
+    palp_json at;
+    palp_status status = palp_json_require(root, "error", &at);
+    if (!status)
+        status = palp_json_keys(&at, 6, keys);
+    if (!status)
+        status = number_read(&at, keys[0], NAN, &s->element_residual);
+    if (!status)
+        status = number_read(&at, keys[5], NAN, &s->trained_worst);
+    if (!status)
+        status = number_read(&at, keys[1], 0.0, &s->held_worst);
+    if (!status)
+        status = number_read(&at, keys[2], 0.0, &s->held_rms);
+    if (!status)
+        status = number_read(&at, keys[3], NAN, &s->held_peak_N);
+    return status ? status : number_read(&at, keys[4], INFINITY, &s->bound);
+}
+
+static palp_status tools_read(const palp_json *root, palp_reduced *r) {
+    static const char *const keys[] = {"at_once", "stiffness", "hold_stiffness", "smoothing", "max_contacts"};
+    palp_json at;
+    palp_contact_settings *c = &r->contact_settings;
+    palp_status status = palp_json_require(root, "tools", &at);
+    if (status || json_is_null(at.value))
+        return status;
+    status = palp_json_keys(&at, 5, keys);
+    if (!status)
+        status = count_read(&at, keys[0], &r->max_tools);
+    if (!status)
+        status = number_read(&at, keys[1], NAN, &c->stiffness);
+    if (!status)
+        status = number_read(&at, keys[2], NAN, &c->hold_stiffness);
+    if (!status)
+        status = number_read(&at, keys[3], NAN, &c->smoothing);
+    if (!status)
+        status = count_read(&at, keys[4], &c->max_contacts);
+    bool sound = c->stiffness > 0.0 && c->hold_stiffness > 0.0 && c->smoothing > 0.0 && r->max_tools <= 1000;
+    if (!status && !sound)
+        status = palp_json_fail(&at, PALP_ERR_INPUT, "has a number out of range");
+    return status;
+}
+
+/* What does not fit the header: a sentence, or NULL. */
+static const char *bytes_wrong(const palp_reduced *r, const char *bytes, size_t size, size_t want, const char *sum) {
+    unsigned char head[HEAD];
+    char is[24];
+    head_make(r, head);
+    if (size < HEAD || memcmp(bytes, MAGIC, sizeof MAGIC) != 0)
+        return "are not the arrays of a reduced model";
+    if (memcmp(bytes + 8, head + 8, 8) != 0)
+        return "were written on a machine with another order of bytes";
+    if (memcmp(bytes + 16, head + 16, HEAD - 16) != 0)
+        return "have other sizes than the model says";
+    if (size != want)
+        return "are of another length";
+    snprintf(is, sizeof is, "%016llx", (unsigned long long)checksum(CHECKSUM_START, bytes, size));
+    return strcmp(is, sum) != 0 ? "have another checksum: damaged, or of another model" : NULL;
+}
+
+static bool finite_all(const double *x, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += x[i] * 0.0;
+    return sum == 0.0;
+}
+
+static bool nodes_sound(const int32_t *node, size_t n, size_t n_nodes) {
+    for (size_t i = 0; i < n; i++)
+        if (node[i] < 0 || (size_t)node[i] >= n_nodes)
+            return false;
+    return true;
+}
+
+static bool arrays_sound(const palp_reduced *r) {
+    size_t n3 = 3 * r->n_nodes;
+    bool sound = finite_all(r->rest, n3) && finite_all(r->lift, n3) && finite_all(r->basis, n3 * r->modes) &&
+                 finite_all(r->weight, r->n_elements) && finite_all(r->low, r->modes + 1) &&
+                 finite_all(r->high, r->modes + 1) && finite_all(r->unit, r->n_nodes) &&
+                 nodes_sound(r->pair, 2 * r->n_elements, r->n_nodes) &&
+                 nodes_sound(r->triangles, 3 * r->n_triangles, r->n_nodes);
+    for (size_t i = 0; i < r->n_elements && sound; i++)
+        sound = r->weight[i] >= 0.0 && memcmp(r->rest + 3 * r->pair[2 * i], r->rest + 3 * r->pair[2 * i + 1],
+                                              3 * sizeof *r->rest) != 0;
+    return sound;
+}
+
+/* So many bytes do the arrays take; 0 where that is beyond reason. */
+static size_t bytes_wanted(palp_reduced *r) {
+    array list[ARRAYS];
+    size_t sum = HEAD;
+    if (r->n_nodes == 0 || r->modes > 10000 || (double)r->n_nodes * (double)(r->modes + 10) > 1e11)
+        return 0;
+    arrays(r, list);
+    for (size_t i = 0; i < ARRAYS; i++)
+        sum += list[i].bytes;
+    return sum;
+}
+
+static palp_status arrays_fill(const palp_json *at, palp_reduced *r, const char *bytes) {
+    array list[ARRAYS];
+    palp_status status = reduced_allocate(r);
+    if (status)
+        return palp_json_fail(at, status, ": out of memory");
+    arrays(r, list);
+    for (size_t i = 0, from = HEAD; i < ARRAYS; from += list[i++].bytes)
+        if (list[i].bytes > 0)
+            memcpy(list[i].data, bytes + from, list[i].bytes);
+    if (!arrays_sound(r))
+        return palp_json_fail(at, PALP_ERR_INPUT, "holds a number that makes no model");
+    return reduced_prepare(r);
+}
+
+static palp_status arrays_read(const palp_json *root, palp_reduced *r, palp_error *error) {
+    static const char *const keys[] = {"file", "bytes", "checksum"};
+    palp_json at, file, sum;
+    const char *name = "", *check = "";
+    char folder[PALP_PATH_MAX], path[PALP_PATH_MAX], *bytes = NULL;
+    size_t size = 0, want = bytes_wanted(r), said = 0;
+    palp_status status = palp_json_require(root, "arrays", &at);
+    if (!status)
+        status = palp_json_keys(&at, 3, keys);
+    if (!status)
+        status = palp_json_require(&at, "file", &file);
+    if (!status)
+        status = palp_json_string(&file, &name);
+    if (!status)
+        status = palp_json_require(&at, "checksum", &sum);
+    if (!status)
+        status = palp_json_string(&sum, &check);
+    if (!status)
+        status = count_read(&at, "bytes", &said);
+    if (status)
+        return status;
+    if (want == 0 || said != want)
+        return palp_json_fail(&at, PALP_ERR_INPUT, "and the sizes above do not fit");
+    if (palp_model_folder(root->file->path, folder) || palp_model_join(folder, name, path))
+        return palp_json_fail(&file, PALP_ERR_LIMIT, "is too long a path");
+    status = palp_file_read(path, &bytes, &size, error);
+    const char *wrong = status ? NULL : bytes_wrong(r, bytes, size, want, check);
+    if (wrong)
+        status = palp_json_fail(&file, PALP_ERR_INPUT, ": the bytes of %s %s", name, wrong);
+    if (!status)
+        status = arrays_fill(&file, r, bytes);
+    free(bytes);
+    return status;
+}
+
+static palp_status reduced_from_json(const palp_json *root, palp_model *model, palp_reduced *r, palp_error *error) {
+    static const char *const keys[] = {"palpate", "network", "nodes", "unknowns", "network_elements",
+                                       "modes", "elements", "triangles", "training_paths", "held_paths",
+                                       "height_mm", "error", "tools", "arrays"};
+    palp_status status = version_read(root);
+    if (!status)
+        status = palp_json_keys(root, sizeof keys / sizeof *keys, keys);
+    if (!status)
+        status = network_read(root, model);
+    r->material = model->material;
+    if (!status)
+        status = sizes_read(root, r);
+    if (!status)
+        status = error_read(root, &r->summary);
+    if (!status)
+        status = tools_read(root, r);
+    return status ? status : arrays_read(root, r, error);
+}
+
+palp_status palp_reduced_read(const char *path, palp_model *model, palp_reduced **reduced, palp_error *error) {
+    palp_json_file file;
+    palp_json root;
+    palp_model made;
+    palp_reduced *r = calloc(1, sizeof *r);
+    if (!r)
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
+    palp_status status = palp_json_open(path, &file, &root, error);
+    if (!status) {
+        status = reduced_from_json(&root, &made, r, error);
+        palp_json_close(&file);
+    }
+    if (status) {
+        palp_reduced_free(r);
+        return status;
+    }
+    if (model)
+        *model = made;
+    *reduced = r;
+    return PALP_OK;
+}

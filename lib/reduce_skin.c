@@ -1,0 +1,265 @@
+/* reduce_skin.c: the surface of a reduced model as a network of its own without elements, on which tools act as they
+ * do on any network. Its places are worked out only near the tools. */
+#include "lapack.h"
+#include "mesh_internal.h"
+#include "reduce_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double SLACK = 2.0; /* edges; so far places may be out of date away from the tools */
+
+static double dot(size_t n, const double *a, const double *b) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+/* Nodes of the triangles, each once, ascending; triangles with their numbers among them. */
+static void number_nodes(const palp_reduced *r, reduced_skin *skin, int32_t *number) {
+    for (size_t i = 0; i < r->n_nodes; i++)
+        number[i] = -1;
+    for (size_t i = 0; i < 3 * r->n_triangles; i++)
+        number[r->triangles[i]] = 0;
+    for (size_t i = 0; i < r->n_nodes; i++)
+        if (number[i] == 0) {
+            number[i] = (int32_t)skin->n;
+            skin->node[skin->n++] = (int32_t)i;
+        }
+    for (size_t i = 0; i < 3 * r->n_triangles; i++)
+        skin->triangle[i] = number[r->triangles[i]];
+}
+
+/* How fast a node can move per coordinate and per depth. */
+static void find_speed(const palp_reduced *r, reduced_skin *skin) {
+    for (size_t i = 0; i < skin->n; i++) {
+        size_t row = 3 * (size_t)skin->node[i];
+        const double *rows = r->basis + row * r->modes;
+        skin->speed = fmax(skin->speed, sqrt(dot(3 * r->modes, rows, rows)));
+        skin->lift = fmax(skin->lift, sqrt(dot(3, r->lift + row, r->lift + row)));
+    }
+}
+
+void reduced_skin_free(reduced_skin *skin) {
+    if (!skin)
+        return;
+    palp_network_free(skin->net);
+    free(skin->node);
+    free(skin->triangle);
+    free(skin->near);
+    free(skin->row);
+    free(skin);
+}
+
+static palp_status skin_allocate(const palp_reduced *r, reduced_skin **out) {
+    reduced_skin *skin = *out = calloc(1, sizeof *skin);
+    if (!skin)
+        return PALP_ERR_NO_MEMORY;
+    skin->net = calloc(1, sizeof *skin->net);
+    skin->node = calloc(r->n_nodes + 1, sizeof *skin->node);
+    skin->near = calloc(r->n_nodes + 1, sizeof *skin->near);
+    skin->triangle = calloc(3 * r->n_triangles + 1, sizeof *skin->triangle);
+    skin->row = calloc(3 * REDUCED_BLOCK * r->modes + 1, sizeof *skin->row);
+    return skin->net && skin->node && skin->near && skin->triangle && skin->row ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+static palp_status enable(const palp_reduced *r, reduced_skin *skin) {
+    palp_network *net = skin->net;
+    palp_status status = palp_mesh_new(skin->n, 1, &net->mesh);
+    if (status)
+        return status;
+    net->mesh->n_elements = 0; /* room for one, since malloc(0) may be NULL */
+    for (size_t i = 0; i < 3 * skin->n; i++)
+        net->mesh->x_m[i] = r->rest[3 * (size_t)skin->node[i / 3] + i % 3];
+    net->n_nodes = skin->n;
+    net->rest = net->mesh->x_m;
+    net->surface = skin->triangle;
+    net->n_surface = r->n_triangles;
+    net->material = r->material;
+    net->boost = 1.0;
+    status = palp_network_enable_tools(net, r->max_tools, 0, &r->contact_settings);
+    for (size_t i = 0; !status && i < skin->n; i++)
+        net->load->unit[i] = r->unit[skin->node[i]];
+    return status;
+}
+
+palp_status reduced_skin_make(palp_reduced *r) {
+    int32_t *number = malloc((r->n_nodes + 1) * sizeof *number);
+    palp_status status = number ? skin_allocate(r, &r->skin) : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        reduced_skin *skin = r->skin;
+        number_nodes(r, skin, number);
+        find_speed(r, skin);
+        status = enable(r, skin);
+    }
+    free(number);
+    return status;
+}
+
+/* Place of surface node i at (q, depth) into x. */
+static void place_node(const palp_reduced *r, size_t i, const double *q, double depth, double *x) {
+    for (size_t k = 0; k < 3; k++)
+        x[3 * i + k] = reduced_coordinate(r, q, depth, 3 * (size_t)r->skin->node[i] + k);
+}
+
+void reduced_skin_reset(palp_reduced *r) {
+    palp_network_reset(r->skin->net);
+    r->skin->drift = 0.0;
+}
+
+/* The box around a tool; a plane's is everything. */
+static void tool_box(const palp_tool *tool, double margin, double low[3], double high[3]) {
+    for (size_t k = 0; k < 3; k++) {
+        double start = tool->position_m[k];
+        double end = start + (tool->shape == PALP_TOOL_CAPSULE ? tool->length_m * tool->axis[k] : 0.0);
+        double around = tool->shape == PALP_TOOL_PLANE ? INFINITY : tool->radius_m + margin;
+        low[k] = fmin(start, end) - around;
+        high[k] = fmax(start, end) + around;
+    }
+}
+
+/* The nodes that could touch in this step: those whose last known place is in the box of a tool, wide enough for
+ * its travel and for what the places may be out of date. */
+static void find_near(palp_reduced *r, double margin) {
+    reduced_skin *skin = r->skin;
+    const network_load *load = skin->net->load;
+    skin->n_near = 0;
+    for (size_t i = 0; i < skin->n; i++) {
+        const double *x = skin->net->now.x + 3 * i;
+        bool near = false;
+        for (size_t t = 0; t < load->n_tools && !near; t++) {
+            double low[3], high[3];
+            tool_box(&load->tool[t], margin, low, high);
+            near = true;
+            for (size_t k = 0; k < 3; k++)
+                near = near && x[k] > low[k] && x[k] < high[k];
+        }
+        if (near)
+            skin->near[skin->n_near++] = (int32_t)i;
+    }
+}
+
+/* Farthest that a tool goes in this step. */
+static double travel(const palp_network *net) {
+    const load_memory *memory = load_memory_of(&net->now);
+    double most = 0.0;
+    for (size_t i = 0; i < net->load->n_tools && i < memory->n_tools; i++) {
+        const palp_tool *was = &load_tools(&net->now)[i].pose, *is = &net->load->tool[i];
+        double moved[3];
+        along3(is->position_m, -1.0, was->position_m, moved);
+        most = fmax(most, sqrt(dot3(moved, moved)) + 2.0 * is->length_m);
+    }
+    return most;
+}
+
+palp_status reduced_skin_begin(palp_reduced *r, size_t n_tools, const palp_tool *tools) {
+    reduced_skin *skin = r->skin;
+    palp_network *net = skin->net;
+    palp_status status = palp_network_set_tools(net, n_tools, tools);
+    if (status)
+        return status;
+    double slack = SLACK * net->load->edge;
+    bool all = skin->drift > slack;
+    for (size_t i = 0; all && i < skin->n; i++)
+        place_node(r, i, r->now.q, r->now.depth, net->now.x);
+    skin->drift = all ? 0.0 : skin->drift;
+    find_near(r, 2.0 * slack + travel(net));
+    for (size_t i = 0; i < skin->n_near && !all; i++)
+        place_node(r, (size_t)skin->near[i], r->now.q, r->now.depth, net->now.x);
+    memcpy(net->next.x, net->now.x, 3 * skin->n * sizeof *net->now.x);
+    network_load_begin(net);
+    return PALP_OK;
+}
+
+void reduced_skin_evaluate(palp_reduced *r, double *drive) {
+    reduced_skin *skin = r->skin;
+    palp_network *net = skin->net;
+    const network_load *load = net->load;
+    for (size_t i = 0; i < load->n_contacts; i++)
+        for (int32_t j = 0; j < load->contact[i].corners; j++)
+            place_node(r, (size_t)load->contact[i].node[j], r->next.q, r->next.depth, net->next.x);
+    network_load_evaluate(net);
+    const double *force = network_load_force(load);
+    for (size_t i = 0; i < 3 * skin->n_near; i++) {
+        double f = force[3 * skin->near[i / 3] + (int32_t)(i % 3)];
+        size_t row = 3 * (size_t)skin->node[skin->near[i / 3]] + i % 3;
+        if (f == 0.0 || r->held[row])
+            continue;
+        *drive -= f * r->lift[row];
+        for (size_t j = 0; j < r->modes; j++)
+            r->rhs[j] += f * r->basis[row * r->modes + j];
+    }
+}
+
+/* The basis' rows of a contact's corners, rows[modes 9], and its tangent times them. */
+static void contact_rows(const palp_reduced *r, const contact *c, double *rows, double *scaled) {
+    size_t n = r->modes;
+    memset(scaled, 0, 9 * n * sizeof *scaled);
+    for (int32_t b = 0; b < 3; b++) {
+        size_t node = b < c->corners ? (size_t)r->skin->node[c->node[b]] : 0;
+        for (size_t j = 0; j < 3 * n; j++)
+            rows[3 * (size_t)b * n + j] = b < c->corners ? r->basis[3 * node * n + j] : 0.0;
+    }
+    for (int32_t a = 0; a < c->corners; a++)
+        for (int32_t b = 0; b < c->corners; b++) {
+            double k[9];
+            contact_block(c, a, b, k);
+            for (size_t i = 0; i < 9; i++) {
+                double *out = scaled + (3 * (size_t)a + i / 3) * n;
+                const double *row = rows + (3 * (size_t)b + i % 3) * n;
+                for (size_t j = 0; j < n; j++)
+                    out[j] += k[i] * row[j];
+            }
+        }
+}
+
+void reduced_skin_stiffness(const palp_reduced *r, double *stiffness) {
+    enum { CORNERS = 9, AT_ONCE = 3 * REDUCED_BLOCK / CORNERS };
+    const network_load *load = r->skin->net->load;
+    const int n = (int)r->modes;
+    const double one = 1.0;
+    double *rows = r->skin->row, *scaled = r->scaled;
+    for (size_t i = 0, k = 0; i <= load->n_contacts; i++) {
+        bool touches = i < load->n_contacts && load->contact[i].depth > 0.0;
+        if (touches) {
+            contact_rows(r, &load->contact[i], rows + CORNERS * k * r->modes, scaled + CORNERS * k * r->modes);
+            k++;
+        }
+        if (k > 0 && (k == AT_ONCE || i == load->n_contacts)) {
+            const int count = (int)(CORNERS * k);
+            dgemm_("N", "T", &n, &n, &count, &one, scaled, &n, rows, &n, &one, stiffness, &n);
+            k = 0;
+        }
+    }
+}
+
+bool reduced_skin_refresh(palp_reduced *r) {
+    palp_network *net = r->skin->net;
+    for (size_t i = 0; i < r->skin->n_near; i++)
+        place_node(r, (size_t)r->skin->near[i], r->next.q, r->next.depth, net->next.x);
+    return network_load_refresh(net);
+}
+
+size_t reduced_skin_commit(palp_reduced *r, palp_tool_force *force, double *squares) {
+    reduced_skin *skin = r->skin;
+    palp_network *net = skin->net;
+    double moved = 0.0;
+    size_t contacts = 0;
+    network_load_finish(net);
+    network_state old = net->now;
+    net->now = net->next;
+    net->next = old;
+    for (size_t j = 0; j < r->modes; j++)
+        moved += (r->next.q[j] - r->now.q[j]) * (r->next.q[j] - r->now.q[j]);
+    skin->drift += skin->speed * sqrt(moved) + skin->lift * fabs(r->next.depth - r->now.depth);
+    for (size_t i = 0; i < net->load->n_tools; i++) {
+        const palp_tool_force *felt = &load_tools(&net->now)[i].felt;
+        *squares += dot3(felt->force_N, felt->force_N);
+        contacts += felt->contacts;
+        if (force)
+            force[i] = *felt;
+    }
+    return contacts;
+}

@@ -1,0 +1,294 @@
+/* reduce_step.c: one time step of a reduced model: Newton with a tangent that is renewed bit by bit. */
+#include "lapack.h"
+#include "reduce_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
+static const double SLOW = 0.3;              /* a kept tangent that contracts less is renewed at once */
+static const double SHORTEST = 0.02;         /* line search */
+enum { TICKS = 24 };                         /* in so many steps the tangent is renewed, a share in each */
+static const int ONE = 1;
+
+static double dot(size_t n, const double *a, const double *b) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+double reduced_coordinate(const palp_reduced *r, const double *q, double depth, size_t i) {
+    return r->rest[i] + depth * r->lift[i] + dot(r->modes, r->basis + i * r->modes, q);
+}
+
+/* y = a' x or y = a x of the elements' gaps, a[modes 3 n_elements]. */
+static void gap_times(const palp_reduced *r, const char *transpose, const double *x, double beta, double *y) {
+    const int k = (int)r->modes, m = (int)(3 * r->n_elements);
+    const double one = 1.0;
+    if (k > 0 && m > 0)
+        dgemv_(transpose, &k, &m, &one, r->gap, &k, x, &ONE, &beta, y, &ONE);
+}
+
+static bool measure(palp_reduced *r) {
+    bool sound = true;
+    double *d = r->direction;
+    for (size_t i = 0; i < 3 * r->n_elements; i++)
+        d[i] = r->gap_rest[i] + r->next.depth * r->gap_lift[i];
+    gap_times(r, "T", r->next.q, 1.0, d);
+    for (size_t i = 0; i < r->n_elements; i++, d += 3) {
+        double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), inverse = 1.0 / length;
+        r->strain[i] = length * r->inverse_rest[i] - 1.0;
+        r->inverse_length[i] = inverse;
+        d[0] *= inverse;
+        d[1] *= inverse;
+        d[2] *= inverse;
+        sound = sound && r->strain[i] > COLLAPSED;
+    }
+    return sound;
+}
+
+bool reduced_evaluate(palp_reduced *r, double *drive) {
+    if (!measure(r))
+        return false;
+    element_trial(&r->material, &r->step, r->n_elements, r->strain, &r->now.history, &r->next.history, r->force,
+                  r->tangent);
+    *drive = 0.0;
+    memset(r->rhs, 0, r->modes * sizeof *r->rhs);
+    for (size_t i = 0; i < 3 * r->n_elements; i++) {
+        r->vector[i] = -r->weight[i / 3] * r->force[i / 3] * r->direction[i];
+        *drive -= r->vector[i] * r->gap_lift[i];
+    }
+    gap_times(r, "N", r->vector, 0.0, r->rhs);
+    return isfinite(*drive) && isfinite(dot(r->modes, r->rhs, r->rhs));
+}
+
+/* scaled = (tangent / L0 n n' + force / L (1 - n n')) gap of one element, times its weight. */
+static void scale_gap(const palp_reduced *r, size_t i, double *scaled) {
+    const double *n = r->direction + 3 * i, *gap = r->gap + 3 * i * r->modes;
+    double across = r->weight[i] * r->force[i] * r->inverse_length[i];
+    double along = r->weight[i] * r->tangent[i] * r->inverse_rest[i] - across;
+    for (size_t j = 0; j < r->modes; j++) {
+        const double g[3] = {gap[j], gap[r->modes + j], gap[2 * r->modes + j]};
+        double stretch = along * (n[0] * g[0] + n[1] * g[1] + n[2] * g[2]);
+        for (size_t k = 0; k < 3; k++)
+            scaled[k * r->modes + j] = stretch * n[k] + across * g[k];
+    }
+}
+
+void reduced_stiffness(palp_reduced *r, size_t from, size_t to, double *stiffness) {
+    const int modes = (int)r->modes;
+    const double one = 1.0;
+    for (size_t first = from; first < to && modes > 0; first += REDUCED_BLOCK) {
+        size_t last = first + REDUCED_BLOCK < to ? first + REDUCED_BLOCK : to;
+        const int rows = (int)(3 * (last - first));
+        for (size_t i = first; i < last; i++)
+            scale_gap(r, i, r->scaled + 3 * (i - first) * r->modes);
+        dgemm_("N", "T", &modes, &modes, &rows, &one, r->scaled, &modes, r->gap + 3 * first * r->modes, &modes, &one,
+               stiffness, &modes);
+    }
+}
+
+static void renew_stiffness(palp_reduced *r) {
+    memset(r->stiffness, 0, r->modes * r->modes * sizeof *r->stiffness);
+    reduced_stiffness(r, 0, r->n_elements, r->stiffness);
+    r->stiff = true;
+    r->refreshed = 0;
+}
+
+/* A share of the next tangent, from the state just reached; it takes over when all of it is there. */
+static void refresh_share(palp_reduced *r) {
+    size_t share = (r->n_elements + TICKS - 1) / TICKS, to = r->refreshed + share;
+    if (r->refreshed == 0)
+        memset(r->coming, 0, r->modes * r->modes * sizeof *r->coming);
+    to = to < r->n_elements ? to : r->n_elements;
+    reduced_stiffness(r, r->refreshed, to, r->coming);
+    r->refreshed = to;
+    if (to == r->n_elements) {
+        double *old = r->stiffness;
+        r->stiffness = r->coming;
+        r->coming = old;
+        r->refreshed = 0;
+    }
+}
+
+/* Elements and tools at next; the residual, and below what it is converged. */
+static bool evaluate(palp_reduced *r, double *drive, double *residual, double *scale) {
+    if (!reduced_evaluate(r, drive))
+        return false;
+    if (r->skin)
+        reduced_skin_evaluate(r, drive);
+    double force = 0.0, noise = 0.0;
+    for (size_t i = 0; i < r->n_elements; i++) {
+        double f = r->reach[i] * r->force[i], t = r->reach[i] * r->tangent[i];
+        force += f * f;
+        noise += t * t;
+    }
+    *residual = sqrt(dot(r->modes, r->rhs, r->rhs));
+    *scale = r->tolerance * sqrt(force) + 2e-15 * sqrt(noise);
+    return true;
+}
+
+/* The kept tangent with the tools' own into factor. */
+static void tangent(palp_reduced *r) {
+    memcpy(r->factor, r->stiffness, r->modes * r->modes * sizeof *r->factor);
+    if (r->skin)
+        reduced_skin_stiffness(r, r->factor);
+}
+
+/* Factors it; L D L' where it is not positive definite. */
+static palp_status factor(palp_reduced *r) {
+    const int n = (int)r->modes, room = 64 * n;
+    int info = 0;
+    tangent(r);
+    dpotrf_("L", &n, r->factor, &n, &info);
+    r->definite = info == 0;
+    if (info > 0) {
+        tangent(r);
+        dsytrf_("L", &n, r->factor, &n, r->pivot, r->work, &room, &info);
+    }
+    return info ? PALP_ERR_SINGULAR : PALP_OK;
+}
+
+static void solve_direction(palp_reduced *r) {
+    const int n = (int)r->modes;
+    int info;
+    memcpy(r->dq, r->rhs, r->modes * sizeof *r->dq);
+    memcpy(r->start, r->next.q, r->modes * sizeof *r->start);
+    if (r->definite)
+        dpotrs_("L", &n, &ONE, r->factor, &n, r->dq, &n, &info);
+    else
+        dsytrs_("L", &n, &ONE, r->factor, &n, r->pivot, r->dq, &n, &info);
+}
+
+typedef struct progress {
+    double drive, residual, scale;
+    int iterations;
+} progress;
+
+/* Along dq; a kept tangent gets the full step only. */
+static bool advance(palp_reduced *r, bool kept, progress *p) {
+    double before = p->residual;
+    for (double alpha = 1.0; alpha >= SHORTEST; alpha *= 0.5) {
+        for (size_t i = 0; i < r->modes; i++)
+            r->next.q[i] = r->start[i] + alpha * r->dq[i];
+        if (evaluate(r, &p->drive, &p->residual, &p->scale) &&
+            (p->residual <= (1.0 - 1e-4 * alpha) * before || p->residual <= p->scale))
+            return true;
+        if (kept)
+            break;
+    }
+    return false;
+}
+
+static palp_status newton(palp_reduced *r, progress *p) {
+    bool kept = r->stiff;
+    while (p->residual > p->scale) {
+        if (p->iterations++ == r->max_iterations)
+            return PALP_ERR_NOT_CONVERGED;
+        if (!kept)
+            renew_stiffness(r);
+        double before = p->residual;
+        palp_status status = factor(r);
+        if (status)
+            return status;
+        solve_direction(r);
+        if (advance(r, kept, p)) {
+            kept = p->residual <= SLOW * before;
+            continue;
+        }
+        memcpy(r->next.q, r->start, r->modes * sizeof *r->start);
+        if (!kept || !evaluate(r, &p->drive, &p->residual, &p->scale))
+            return PALP_ERR_NOT_CONVERGED;
+        kept = false;
+    }
+    return PALP_OK;
+}
+
+/* From the last state, extrapolated if asked, to equilibrium. */
+static palp_status solve(palp_reduced *r, double share, progress *p) {
+    enum { ROUNDS = 5 };
+    palp_status status = PALP_OK;
+    for (size_t i = 0; i < r->modes; i++)
+        r->next.q[i] = r->now.q[i] + share * (r->now.q[i] - r->past[i]);
+    for (int i = 0; i < ROUNDS && !status; i++) {
+        status = evaluate(r, &p->drive, &p->residual, &p->scale) ? newton(r, p) : PALP_ERR_COLLAPSED;
+        if (!status && !(r->skin && reduced_skin_refresh(r)))
+            return PALP_OK;
+    }
+    return status ? status : evaluate(r, &p->drive, &p->residual, &p->scale) ? newton(r, p) : PALP_ERR_COLLAPSED;
+}
+
+/* How far beyond the trained range a coordinate is, in widths of it; the large coordinates count. */
+static double outside(const palp_reduced *r) {
+    double beyond = 0.0, width = 0.0;
+    for (size_t i = 0; i < r->modes; i++)
+        width = fmax(width, r->high[i] - r->low[i]);
+    for (size_t i = 0; i < r->modes && width > 0.0; i++)
+        beyond = fmax(beyond, fmax(r->low[i] - r->next.q[i], r->next.q[i] - r->high[i]) / width);
+    double travel = r->high[r->modes] - r->low[r->modes], depth = r->next.depth;
+    double by = fmax(r->low[r->modes] - depth, depth - r->high[r->modes]);
+    return by > 0.0 ? fmax(beyond, travel > 0.0 ? by / travel : INFINITY) : beyond;
+}
+
+/* What the bound says, of the largest force so far, or of what is usual on such paths. */
+static double expected_error(const palp_reduced *r, double beyond) {
+    const palp_reduced_summary *s = &r->summary;
+    return isinf(s->bound) ? INFINITY : s->bound * (1.0 + beyond) * fmax(r->peak, s->held_peak_N);
+}
+
+static void commit(palp_reduced *r, double dt) {
+    double *old = r->past;
+    r->past = r->now.q;
+    r->now.q = old;
+    reduced_state state = r->now;
+    r->now = r->next;
+    r->next = state;
+    r->past_step = dt;
+}
+
+static palp_status check_step(const palp_reduced *r, double depth, double dt) {
+    bool rate = r->material.dashpot_Ns > 0.0;
+    return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
+}
+
+palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, const palp_tool *tools, double dt_s,
+                              palp_tool_force *force, palp_reduced_info *info) {
+    progress p = {.iterations = 0};
+    palp_status status = check_step(r, depth_m, dt_s);
+    if (!status && n_tools > r->max_tools)
+        status = PALP_ERR_ARGUMENT;
+    if (!status && r->skin)
+        status = reduced_skin_begin(r, n_tools, tools);
+    if (status)
+        return status;
+    element_step_prepare(&r->material, dt_s, &r->step);
+    r->next.depth = depth_m;
+    r->next.time = r->now.time + (isinf(dt_s) ? 0.0 : dt_s);
+    double share = r->past_step > 0.0 && isfinite(dt_s) ? fmin(dt_s / r->past_step, 2.0) : 0.0;
+    status = solve(r, share, &p);
+    if (status && share > 0.0) {
+        if (r->skin)
+            reduced_skin_begin(r, n_tools, tools);
+        status = solve(r, 0.0, &p);
+    }
+    if (status)
+        return status;
+    double squares = p.drive * p.drive;
+    size_t contacts = r->skin ? reduced_skin_commit(r, force, &squares) : 0;
+    r->next.force = p.drive;
+    r->peak = fmax(r->peak, sqrt(squares));
+    refresh_share(r);
+    if (info) {
+        double beyond = outside(r);
+        *info = (palp_reduced_info){.iterations = p.iterations,
+                                    .converged = true,
+                                    .residual = p.scale > 0.0 ? r->tolerance * p.residual / p.scale : 0.0,
+                                    .force_N = p.drive,
+                                    .force_error_N = expected_error(r, beyond),
+                                    .outside = beyond,
+                                    .contacts = contacts};
+    }
+    commit(r, isfinite(dt_s) ? dt_s : 0.0);
+    return PALP_OK;
+}

@@ -1,0 +1,115 @@
+/* reduce_training.c: what the full network does on a path. */
+#include "file.h"
+#include "reduce_internal.h"
+
+#include <palpate/realtime.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CORRECTIONS = 200 };
+
+void palp_training_free(palp_training *t) {
+    if (!t)
+        return;
+    free(t->time);
+    free(t->depth);
+    free(t->force);
+    free(t->x);
+    free(t->tools);
+    free(t->tool_force);
+    free(t);
+}
+
+static palp_training *training_new(const palp_network *net, const palp_tool_path *path) {
+    palp_training *t = calloc(1, sizeof *t);
+    if (!t)
+        return NULL;
+    t->n = path->n;
+    t->n_nodes = net->n_nodes;
+    t->n_tools = path->n_tools;
+    t->time = calloc(t->n + 1, sizeof *t->time);
+    t->depth = calloc(t->n + 1, sizeof *t->depth);
+    t->force = calloc(t->n + 1, sizeof *t->force);
+    t->x = calloc(3 * t->n_nodes * t->n + 1, sizeof *t->x);
+    t->tools = calloc(t->n * t->n_tools + 1, sizeof *t->tools);
+    t->tool_force = calloc(3 * t->n * t->n_tools + 1, sizeof *t->tool_force);
+    if (t->time && t->depth && t->force && t->x && t->tools && t->tool_force)
+        return t;
+    palp_training_free(t);
+    return NULL;
+}
+
+static bool path_sound(const palp_tool_path *path) {
+    double before = -1.0;
+    for (size_t i = 0; i < path->n; i++) {
+        double time = path->time_s[i], depth = path->depth_m ? path->depth_m[i] : 0.0;
+        if (!isfinite(time) || !isfinite(depth) || time < 0.0 || !(time > before))
+            return false;
+        before = time;
+    }
+    return path->n > 0;
+}
+
+/* To equilibrium; with the kept factor where the network is ready for that (palp_network_enable_realtime), which is
+ * much faster for large ones. What does not converge so is left to Newton. */
+static palp_status step(palp_network *net, double depth, double dt) {
+    const palp_budget budget = {.corrections = CORRECTIONS};
+    palp_tick_info info;
+    if (!net->realtime)
+        return palp_network_step(net, depth, dt, NULL);
+    palp_status status = palp_network_step_within(net, depth, dt, &budget, &info);
+    if (!status && info.converged)
+        return PALP_OK;
+    if (!status)
+        status = palp_network_undo(net);
+    return status ? status : palp_network_step(net, depth, dt, NULL);
+}
+
+/* One sample: the tools' poses, a step, what came of it. */
+static palp_status record_sample(palp_network *net, palp_training *t, size_t i, palp_tool_force *force) {
+    double since = i ? t->time[i - 1] : 0.0;
+    palp_status status = PALP_OK;
+    if (t->n_tools > 0)
+        status = palp_network_set_tools(net, t->n_tools, t->tools + i * t->n_tools);
+    if (!status && (t->time[i] > since || t->depth[i] != 0.0 || t->n_tools > 0))
+        status = step(net, t->depth[i], t->time[i] - since);
+    if (!status && t->n_tools > 0)
+        status = palp_network_tool_force(net, force);
+    if (status)
+        return status;
+    t->force[i] = palp_network_force(net);
+    memcpy(t->x + 3 * t->n_nodes * i, palp_network_positions(net), 3 * t->n_nodes * sizeof *t->x);
+    for (size_t j = 0; j < t->n_tools; j++)
+        memcpy(t->tool_force + 3 * (i * t->n_tools + j), force[j].force_N, 3 * sizeof *t->tool_force);
+    return PALP_OK;
+}
+
+palp_status palp_training_record(palp_network *net, const palp_tool_path *path, palp_network_observer observer,
+                                 void *user, palp_training **training, palp_error *error) {
+    if (!path_sound(path))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a path needs finite numbers at increasing times from 0 s on");
+    palp_training *t = training_new(net, path);
+    palp_tool_force *force = calloc(path->n_tools + 1, sizeof *force);
+    palp_status status = t && force ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_network_reset(net);
+    for (size_t i = 0; !status && i < t->n; i++) {
+        t->time[i] = path->time_s[i];
+        t->depth[i] = path->depth_m ? path->depth_m[i] : 0.0;
+        if (t->n_tools > 0)
+            memcpy(t->tools + i * t->n_tools, path->tools + i * t->n_tools, t->n_tools * sizeof *t->tools);
+        status = record_sample(net, t, i, force);
+        if (status)
+            palp_error_set(error, status, "%s at %g s", palp_status_text(status), t->time[i]);
+        else if (observer && observer(user, t->time[i], t->depth[i], t->force[i]))
+            status = palp_error_set(error, PALP_ERR_STOPPED, "%s", palp_status_text(PALP_ERR_STOPPED));
+    }
+    free(force);
+    if (status) {
+        palp_training_free(t);
+        return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
+    }
+    *training = t;
+    return PALP_OK;
+}

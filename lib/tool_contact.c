@@ -1,0 +1,233 @@
+/* tool_contact.c: one contact: how deep it is, its pressure, Coulomb friction by return mapping, its tangent. */
+#include "tool_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+void contact_point(const contact *c, const double share[3], const double *x, double point[3]) {
+    point[0] = point[1] = point[2] = 0.0;
+    for (int i = 0; i < c->corners; i++)
+        along3(point, share[i], x + 3 * c->node[i], point);
+}
+
+/* ---- where --------------------------------------------------------------------------------------- */
+
+/* Ericson 2005, 5.1.5. */
+void contact_nearest(const double *const corner[3], const double p[3], double share[3]) {
+    const double *a = corner[0], *b = corner[1], *c = corner[2];
+    double ab[3], ac[3], q[3];
+    along3(b, -1.0, a, ab);
+    along3(c, -1.0, a, ac);
+    along3(p, -1.0, a, q);
+    double d1 = dot3(ab, q), d2 = dot3(ac, q);
+    along3(p, -1.0, b, q);
+    double d3 = dot3(ab, q), d4 = dot3(ac, q);
+    along3(p, -1.0, c, q);
+    double d5 = dot3(ab, q), d6 = dot3(ac, q);
+    double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2, sum = va + vb + vc;
+    double found[3] = {va / sum, vb / sum, vc / sum};
+    if (d1 <= 0.0 && d2 <= 0.0)
+        memcpy(found, (double[]){1.0, 0.0, 0.0}, sizeof found);
+    else if (d3 >= 0.0 && d4 <= d3)
+        memcpy(found, (double[]){0.0, 1.0, 0.0}, sizeof found);
+    else if (d6 >= 0.0 && d5 <= d6)
+        memcpy(found, (double[]){0.0, 0.0, 1.0}, sizeof found);
+    else if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0)
+        memcpy(found, (double[]){-d3 / (d1 - d3), d1 / (d1 - d3), 0.0}, sizeof found);
+    else if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0)
+        memcpy(found, (double[]){-d6 / (d2 - d6), 0.0, d2 / (d2 - d6)}, sizeof found);
+    else if (va <= 0.0 && d4 >= d3 && d5 >= d6)
+        memcpy(found, (double[]){0.0, (d5 - d6) / (d4 - d3 + d5 - d6), (d4 - d3) / (d4 - d3 + d5 - d6)}, sizeof found);
+    memcpy(share, found, sizeof found);
+}
+
+/* The nearest point is inside the triangle: distance along its normal. */
+static void measure_face(const double *const corner[3], const double centre[3], contact *c) {
+    double ab[3], ac[3], normal[3], to[3];
+    along3(corner[1], -1.0, corner[0], ab);
+    along3(corner[2], -1.0, corner[0], ac);
+    cross3(ab, ac, normal);
+    double area = sqrt(dot3(normal, normal));
+    for (int k = 0; k < 3; k++)
+        c->push[k] = -normal[k] / area;
+    along3(centre, -1.0, c->point, to);
+    c->distance = -dot3(to, c->push);
+    for (int i = 0; i < 3; i++) {
+        double opposite[3];
+        along3(corner[(i + 2) % 3], -1.0, corner[(i + 1) % 3], opposite);
+        cross3(opposite, c->push, c->gradient[i]);
+        for (int k = 0; k < 3; k++)
+            c->gradient[i][k] /= area;
+    }
+}
+
+/* It is on an edge or in a corner. */
+static void measure_rim(const double *const corner[3], const double centre[3], contact *c) {
+    double to[3];
+    along3(centre, -1.0, c->point, to);
+    c->distance = sqrt(dot3(to, to));
+    memset(c->gradient, 0, sizeof c->gradient);
+    for (int k = 0; k < 3; k++)
+        c->push[k] = c->distance > 0.0 ? -to[k] / c->distance : 0.0;
+    for (int i = 0; i < 3; i++) {
+        int next = (i + 1) % 3;
+        if (c->share[i] == 0.0 || c->share[next] == 0.0)
+            continue;
+        double edge[3];
+        along3(corner[next], -1.0, corner[i], edge);
+        double square = dot3(edge, edge);
+        for (int k = 0; k < 3; k++) {
+            c->gradient[next][k] = edge[k] / square;
+            c->gradient[i][k] = -edge[k] / square;
+        }
+    }
+}
+
+static bool inside(const contact *c) {
+    return c->share[0] > 0.0 && c->share[1] > 0.0 && c->share[2] > 0.0;
+}
+
+void contact_measure(const palp_tool *tool, contact *c, const double *x) {
+    double centre[3];
+    along3(tool->position_m, c->along, tool->axis, centre);
+    if (c->corners == 1) {
+        memcpy(c->share, (double[]){1.0, 0.0, 0.0}, sizeof c->share);
+        memcpy(c->point, x + 3 * c->node[0], sizeof c->point);
+        memcpy(c->push, tool->axis, sizeof c->push);
+        c->depth = dot3(centre, tool->axis) - dot3(c->point, tool->axis);
+        return;
+    }
+    const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
+    contact_nearest(corner, centre, c->share);
+    contact_point(c, c->share, x, c->point);
+    if (inside(c))
+        measure_face(corner, centre, c);
+    else
+        measure_rim(corner, centre, c);
+    c->depth = tool->radius_m - c->distance;
+}
+
+/* ---- forces -------------------------------------------------------------------------------------- */
+
+/* Adds s (1 - a a') to a lower triangle. */
+static void add_across(double s, const double *a, double k[6]) {
+    for (int r = 0, i = 0; r < 3; r++)
+        for (int c = 0; c <= r; c++, i++)
+            k[i] += s * ((r == c) - a[r] * a[c]);
+}
+
+static void add_along(double s, const double *a, double k[6]) {
+    for (int r = 0, i = 0; r < 3; r++)
+        for (int c = 0; c <= r; c++, i++)
+            k[i] += s * a[r] * a[c];
+}
+
+/* Force of the penalty and its slope: quadratic up to the smoothing depth, then linear. */
+static double penalty(const network_load *load, const contact *c, double *slope) {
+    double smooth = load->settings.smoothing * load->edge, d = c->depth;
+    *slope = d < smooth ? c->stiffness * d / smooth : c->stiffness;
+    return d < smooth ? 0.5 * d * *slope : c->stiffness * (d - 0.5 * smooth);
+}
+
+double contact_energy(const network_load *load, const contact *c) {
+    double smooth = load->settings.smoothing * load->edge, d = c->depth;
+    if (d < smooth)
+        return c->stiffness * d * d * d / (6.0 * smooth);
+    return c->stiffness * (0.5 * d * (d - smooth) + smooth * smooth / 6.0);
+}
+
+/* Tangent of the pressure along the push, and across it where the point cannot give way on its triangle: all round in a
+ * corner, across an edge on one. A capsule is straight along its axis. */
+static void press(const network_load *load, const palp_tool *tool, contact *c) {
+    double slope, edge[3] = {0.0}, length = 0.0;
+    c->pressure = penalty(load, c, &slope);
+    memset(c->normal, 0, sizeof c->normal);
+    add_along(slope, c->push, c->normal);
+    if (c->corners == 1 || inside(c) || !(c->distance > 0.0))
+        return;
+    double bend = c->pressure / c->distance;
+    add_across(-bend, c->push, c->normal);
+    for (int i = 0; i < 3 && length == 0.0; i++) {
+        length = sqrt(dot3(c->gradient[i], c->gradient[i]));
+        for (int k = 0; k < 3 && length > 0.0; k++)
+            edge[k] = c->gradient[i][k] / length;
+    }
+    if (length > 0.0)
+        add_along(bend, edge, c->normal);
+    else if (tool->shape == PALP_TOOL_CAPSULE && c->along > 0.0 && c->along < tool->length_m)
+        add_along(bend, tool->axis, c->normal);
+}
+
+/* A spring as stiff as the penalty from the anchor to the point, along the surface; where it pulls harder than
+ * friction holds, it slips (return mapping). The part of the tangent by which slip follows the pressure has no mirror
+ * image and is left out: the solver's matrix is symmetric. */
+static void rub(contact *c, double friction, const double *x) {
+    double u[3], stiffness = c->entry * c->stiffness, turn[3];
+    contact_point(c, c->grip, x, u);
+    along3(u, -1.0, c->anchor, u);
+    along3(u, -dot3(u, c->push), c->push, u);
+    double pull = stiffness * sqrt(dot3(u, u)), hold = friction * c->pressure;
+    bool slips = pull > hold;
+    double share = slips ? hold / pull : 1.0;
+    for (int k = 0; k < 3; k++) {
+        c->stretch[k] = share * c->entry * u[k];
+        c->rub[k] = -share * stiffness * u[k];
+        turn[k] = slips ? u[k] * stiffness / pull : 0.0;
+    }
+    memset(c->across, 0, sizeof c->across);
+    add_across(share * stiffness, c->push, c->across);
+    add_along(-share * stiffness, turn, c->across);
+}
+
+void contact_evaluate(const palp_network *net, contact *c) {
+    const palp_tool *tool = &net->load->pose[c->tool];
+    contact_measure(tool, c, net->next.x);
+    if (c->corners == 3 && c->distance < -0.5 * net->load->edge)
+        c->depth = 0.0; /* a tool that far through the surface has lost it */
+    if (!(c->depth > 0.0))
+        return;
+    press(net->load, tool, c);
+    if (tool->friction > 0.0)
+        rub(c, tool->friction, net->next.x);
+    along3(c->rub, c->pressure, c->push, c->force);
+    for (int i = 0; i < 6; i++)
+        c->tangent[i] = c->normal[i] + c->across[i];
+}
+
+static void symmetric_times(const double k[6], const double *p, double out[3]) {
+    out[0] = k[0] * p[0] + k[1] * p[1] + k[3] * p[2];
+    out[1] = k[1] * p[0] + k[2] * p[1] + k[4] * p[2];
+    out[2] = k[3] * p[0] + k[4] * p[1] + k[5] * p[2];
+}
+
+/* Second derivative of the distance d of a centre to a triangle:
+ * d_ij = s_i s_j Q / d + n g_i' s_j + s_i g_j n' - d (g_i g_j) n n'
+ * with n = -push, the shares s, their gradients g, and Q = 1 - n n' without the directions of g. */
+void contact_times(const contact *c, const double *u, double *out) {
+    double at_point[3], at_grip[3], along[3], slide[3] = {0.0}, across[3], turn[3];
+    contact_point(c, c->share, u, at_point);
+    contact_point(c, c->grip, u, at_grip);
+    symmetric_times(c->normal, at_point, along);
+    symmetric_times(c->across, at_grip, across);
+    for (int j = 0; j < c->corners; j++)
+        along3(slide, dot3(c->push, u + 3 * c->node[j]), c->gradient[j], slide);
+    along3(along, c->pressure, slide, along);
+    along3(at_point, c->distance, slide, turn);
+    for (int i = 0; i < c->corners; i++) {
+        double *o = out + 3 * c->node[i];
+        along3(o, c->share[i], along, o);
+        along3(o, c->pressure * dot3(c->gradient[i], turn), c->push, o);
+        along3(o, c->grip[i], across, o);
+    }
+}
+
+void contact_block(const contact *c, int a, int b, double k[9]) {
+    static const unsigned char full[9] = {0, 1, 3, 1, 2, 4, 3, 4, 5};
+    const double *ga = c->gradient[a], *gb = c->gradient[b], *n = c->push;
+    double both = c->distance * dot3(ga, gb);
+    for (int i = 0; i < 9; i++) {
+        int row = i / 3, col = i % 3;
+        k[i] = c->share[a] * c->share[b] * c->normal[full[i]] + c->grip[a] * c->grip[b] * c->across[full[i]] +
+               c->pressure * (n[row] * ga[col] * c->share[b] + c->share[a] * gb[row] * n[col] + both * n[row] * n[col]);
+    }
+}

@@ -1,0 +1,251 @@
+/* tool_find.c: which nodes and triangles of the surface are near a tool, and where it is nearest to them. */
+#include "tool_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double REACH = 0.5;   /* of an edge: so near, a point may come to touch in a step */
+static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that the nearest point is one also where a
+                                      capsule lies flat on it */
+static const double STEEP = 0.5;   /* cosine between tool and triangle below which a contact fades, to 0 at 90 deg */
+
+/* From a point to the nearest of a sphere's centre or a capsule's axis. */
+static double to_axis(const palp_tool *tool, const double point[3]) {
+    double d[3];
+    along3(point, -1.0, tool->position_m, d);
+    if (tool->shape == PALP_TOOL_CAPSULE)
+        along3(d, -fmin(fmax(dot3(d, tool->axis), 0.0), tool->length_m), tool->axis, d);
+    return sqrt(dot3(d, d));
+}
+
+/* May a triangle be within a distance of a tool's axis? Judged by the sphere around its middle. */
+static bool near(const palp_tool *tool, double distance, const double *const corner[3]) {
+    double middle[3], radius = 0.0;
+    for (int k = 0; k < 3; k++)
+        middle[k] = (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0;
+    for (int i = 0; i < 3; i++) {
+        double d[3];
+        along3(corner[i], -1.0, middle, d);
+        radius = fmax(radius, dot3(d, d));
+    }
+    return to_axis(tool, middle) <= distance + sqrt(radius);
+}
+
+/* How fast the distance of a triangle to the point at t of a capsule's axis grows with t. */
+static double slope_at(const palp_tool *tool, double t, const double *const corner[3]) {
+    double centre[3], pulled[3], share[3];
+    along3(tool->position_m, t, tool->axis, centre);
+    for (int k = 0; k < 3; k++)
+        pulled[k] = (centre[k] + MIDDLE * (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0) / (1.0 + MIDDLE);
+    contact_nearest(corner, pulled, share);
+    for (int i = 0; i < 3; i++)
+        along3(centre, -share[i], corner[i], centre);
+    return dot3(centre, tool->axis);
+}
+
+/* The place of a capsule's axis nearest to a triangle. The distance is convex: regula falsi (Illinois) on its slope. */
+static double nearest_along(const palp_tool *tool, const double *const corner[3]) {
+    enum { ROUNDS = 12 };
+    double low = 0.0, high = tool->length_m, t = 0.0;
+    if (tool->shape != PALP_TOOL_CAPSULE || high == 0.0)
+        return 0.0;
+    double at_low = slope_at(tool, low, corner), at_high = slope_at(tool, high, corner);
+    if (at_low >= 0.0 || at_high <= 0.0)
+        return at_low >= 0.0 ? low : high;
+    for (int i = 0, side = 0; i < ROUNDS && high - low > 1e-3 * tool->length_m; i++) {
+        t = (low * at_high - high * at_low) / (at_high - at_low);
+        double at = slope_at(tool, t, corner);
+        if (at == 0.0)
+            break;
+        if (at < 0.0) {
+            low = t;
+            at_low = at;
+            at_high *= side == -1 ? 0.5 : 1.0;
+            side = -1;
+        } else {
+            high = t;
+            at_high = at;
+            at_low *= side == 1 ? 0.5 : 1.0;
+            side = 1;
+        }
+    }
+    return t;
+}
+
+double contact_slid(const palp_network *net, const contact *c) {
+    const double *x = net->next.x;
+    if (c->corners == 1)
+        return 0.0;
+    const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
+    return fabs(nearest_along(&net->load->pose[c->tool], corner) - c->along);
+}
+
+/* The factor of a contact's stiffness: 1 where the tool meets the triangle from above, less where it comes
+ * from the side, 0 where it is behind. */
+static double facing(const palp_tool *tool, const double *const corner[3], double edge, const contact *c) {
+    double ab[3], ac[3], normal[3], to[3];
+    along3(corner[1], -1.0, corner[0], ab);
+    along3(corner[2], -1.0, corner[0], ac);
+    cross3(ab, ac, normal);
+    double area = sqrt(dot3(normal, normal));
+    if (!(area > 1e-9 * edge * edge))
+        return 0.0;
+    if (fmin(c->share[0], fmin(c->share[1], c->share[2])) > 0.0)
+        return c->distance > -0.5 * edge ? 1.0 : 0.0;
+    along3(tool->position_m, c->along, tool->axis, to);
+    along3(to, -1.0, c->point, to);
+    double cosine = c->distance > 0.0 ? dot3(to, normal) / (area * c->distance * STEEP) : 0.0;
+    return cosine >= 1.0 ? 1.0 : cosine > 0.0 ? cosine * cosine * (3.0 - 2.0 * cosine) : 0.0;
+}
+
+/* What the last committed state remembers of a contact, or NULL. They are in order mostly. */
+static const load_touch *find_touch(const palp_network *net, const contact *c, size_t *cursor) {
+    const load_touch *touch = load_touches(net->load, &net->now);
+    size_t n = load_memory_of(&net->now)->n_touches;
+    for (size_t i = 0; i < n; i++) {
+        size_t at = *cursor + i < n ? *cursor + i : *cursor + i - n;
+        if (touch[at].tool == c->tool && memcmp(touch[at].node, c->node, sizeof c->node) == 0) {
+            *cursor = at + 1 < n ? at + 1 : 0;
+            return &touch[at];
+        }
+    }
+    return NULL;
+}
+
+/* How a point of the tool that was at place has moved since the last committed state: with its position, and with its
+ * axis by the smallest turn. */
+static void tool_moved(const palp_tool *was, const palp_tool *is, const double place[3], double moved[3]) {
+    double arm[3], turn[3], once[3], twice[3];
+    along3(is->position_m, -1.0, was->position_m, moved);
+    if (is->shape == PALP_TOOL_SPHERE)
+        return;
+    along3(place, -1.0, was->position_m, arm);
+    cross3(was->axis, is->axis, turn);
+    double cosine = dot3(was->axis, is->axis);
+    if (cosine < -0.99)
+        return;
+    cross3(turn, arm, once);
+    cross3(turn, once, twice);
+    for (int k = 0; k < 3; k++)
+        moved[k] += once[k] + twice[k] / (1.0 + cosine);
+}
+
+/* Where friction's spring starts from, and the share of the step it has been touching for. False for a tool that came
+ * from below the surface. */
+static bool anchor(const palp_network *net, contact *c, size_t *cursor) {
+    const network_load *load = net->load;
+    const palp_tool *pose = &load->pose[c->tool], *was = &load_tools(&net->now)[c->tool].pose;
+    bool known = (size_t)c->tool < load_memory_of(&net->now)->n_tools && was->shape == pose->shape;
+    const load_touch *touch = known ? find_touch(net, c, cursor) : NULL;
+    double place[3], moved[3] = {0.0};
+    memcpy(c->grip, c->share, sizeof c->grip);
+    contact_point(c, c->grip, net->now.x, place);
+    if (known)
+        tool_moved(was, pose, place, moved);
+    along3(place, 1.0, moved, c->anchor);
+    c->entry = 1.0;
+    if (touch) {
+        along3(c->anchor, -1.0, touch->stretch, c->anchor);
+        return true;
+    }
+    if (!known) {
+        c->stiffness *= load->share;
+        return !(c->distance < 0.0);
+    }
+    contact before = *c, after = *c;
+    contact_measure(was, &before, net->now.x);
+    contact_measure(pose, &after, net->now.x);
+    if (before.depth < 0.0)
+        c->entry = after.depth > 0.0 ? after.depth / (after.depth - before.depth) : 0.0;
+    return !(before.distance < 0.0);
+}
+
+static void add(palp_network *net, contact *c, size_t *cursor) {
+    network_load *load = net->load;
+    if (load->n_contacts < load->max_contacts && anchor(net, c, cursor))
+        load->contact[load->n_contacts++] = *c;
+}
+
+static void find_nodes(palp_network *net, int32_t tool, const double *x, double reach, size_t *cursor) {
+    const network_load *load = net->load;
+    const palp_tool *pose = &load->pose[tool];
+    double plane = dot3(pose->position_m, pose->axis) + reach;
+    for (size_t i = 0; i < net->n_nodes; i++) {
+        if (load->triangles[i] == 0 || !(dot3(x + 3 * i, pose->axis) < plane))
+            continue;
+        contact c = {.tool = tool, .node = {(int32_t)i, -1, -1}, .corners = 1};
+        contact_measure(pose, &c, x);
+        c.stiffness = load->settings.stiffness * load->modulus * load->unit[i];
+        add(net, &c, cursor);
+    }
+}
+
+/* A triangle's share of the stiffness of its nodes. */
+static double triangle_stiffness(const network_load *load, const int32_t *node) {
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++)
+        sum += load->unit[node[i]] / load->triangles[node[i]];
+    return load->settings.stiffness * load->modulus * sum;
+}
+
+/* low, high: the box around a tool, larger by slack. */
+static void box(const palp_tool *tool, double slack, double low[3], double high[3]) {
+    for (int k = 0; k < 3; k++) {
+        double start = tool->position_m[k];
+        double end = start + (tool->shape == PALP_TOOL_CAPSULE ? tool->length_m * tool->axis[k] : 0.0);
+        low[k] = fmin(start, end) - slack;
+        high[k] = fmax(start, end) + slack;
+    }
+}
+
+static bool overlap(const double low[3], const double high[3], const double *const corner[3]) {
+    const double *a = corner[0], *b = corner[1], *c = corner[2];
+    for (int k = 0; k < 3; k++)
+        if ((a[k] < low[k] && b[k] < low[k] && c[k] < low[k]) || (a[k] > high[k] && b[k] > high[k] && c[k] > high[k]))
+            return false;
+    return true;
+}
+
+static void find_triangles(palp_network *net, int32_t tool, const double *x, double reach, size_t *cursor) {
+    const network_load *load = net->load;
+    const palp_tool *pose = &load->pose[tool];
+    double low[3], high[3], around = reach + pose->radius_m;
+    box(pose, around, low, high);
+    for (size_t i = 0; i < net->n_surface; i++) {
+        const int32_t *node = net->surface + 3 * i;
+        const double *corner[3] = {x + 3 * node[0], x + 3 * node[1], x + 3 * node[2]};
+        if (!overlap(low, high, corner) || !near(pose, around, corner))
+            continue;
+        contact c = {.tool = tool, .node = {node[0], node[1], node[2]}, .corners = 3};
+        c.along = nearest_along(pose, corner);
+        contact_measure(pose, &c, x);
+        c.stiffness = facing(pose, corner, load->edge, &c) * triangle_stiffness(load, node);
+        if (c.depth > -reach && c.stiffness > 0.0)
+            add(net, &c, cursor);
+    }
+}
+
+/* How far a tool goes in this step. */
+static double travel(const palp_network *net, size_t tool) {
+    const palp_tool *pose = &net->load->pose[tool], *was = &load_tools(&net->now)[tool].pose;
+    double moved[3], turned[3];
+    if (tool >= load_memory_of(&net->now)->n_tools)
+        return 0.0;
+    along3(pose->position_m, -1.0, was->position_m, moved);
+    along3(pose->axis, -1.0, was->axis, turned);
+    double reach = pose->shape == PALP_TOOL_CAPSULE ? pose->length_m : 0.0;
+    return sqrt(dot3(moved, moved)) + reach * sqrt(dot3(turned, turned));
+}
+
+void contact_find(palp_network *net, const double *x) {
+    network_load *load = net->load;
+    size_t cursor = 0;
+    load->n_contacts = 0;
+    for (size_t i = 0; i < load->n_tools; i++) {
+        double reach = REACH * load->edge + travel(net, i);
+        if (load->pose[i].shape == PALP_TOOL_PLANE)
+            find_nodes(net, (int32_t)i, x, reach, &cursor);
+        else
+            find_triangles(net, (int32_t)i, x, reach, &cursor);
+    }
+}

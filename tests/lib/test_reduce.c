@@ -1,0 +1,519 @@
+/* test_reduce.c: reduced models against the full network, on paths that they were not trained on. */
+/* link: -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc */
+#define _POSIX_C_SOURCE 200809L
+#include "network_make.h"
+#include "reduce_internal.h"
+#include "scratch.h"
+
+/* ---- allocations, counted where the library asks for them ---- */
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t n, size_t size);
+void *__real_realloc(void *old, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t n, size_t size);
+void *__wrap_realloc(void *old, size_t size);
+
+static size_t allocations;
+
+void *__wrap_malloc(size_t size) {
+    allocations++;
+    return __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t n, size_t size) {
+    allocations++;
+    return __real_calloc(n, size);
+}
+
+void *__wrap_realloc(void *old, size_t size) {
+    allocations++;
+    return __real_realloc(old, size);
+}
+
+/* ---- networks and paths ---- */
+
+static const double RADIUS = 0.008; /* m, of the ball */
+
+/* A block on its bottom, its top free, that a ball may touch. */
+static palp_network *block(size_t n, const palp_material *m) {
+    palp_network_settings settings = palp_network_settings_default();
+    palp_contact_settings touch = palp_contact_settings_default();
+    palp_support supports[2];
+    palp_mesh *mesh = cube(n, PALP_NEIGHBOURS_26);
+    palp_network *net = NULL;
+    settings.tolerance = 1e-8;
+    palp_supports_default(supports);
+    ck_assert_int_eq(palp_network_create(mesh, m, 1, supports, &settings, &net, NULL), PALP_OK);
+    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &touch), PALP_OK);
+    palp_mesh_free(mesh);
+    return net;
+}
+
+/* A ball over (x, z) whose lowest point is at this depth below the top at rest. */
+static palp_tool ball(double x, double z, double depth) {
+    return (palp_tool){.shape = PALP_TOOL_SPHERE, .position_m = {x, HEIGHT + RADIUS - depth, z}, .radius_m = RADIUS};
+}
+
+static palp_training *record(palp_network *net, const palp_tool_path *path) {
+    palp_training *training = NULL;
+    palp_error error = {PALP_OK, ""};
+    palp_status status = palp_training_record(net, path, NULL, NULL, &training, &error);
+    ck_assert_msg(!status, "%s", error.text);
+    return training;
+}
+
+/* The plate: down to depth at rate, held, up. */
+static palp_training *press(palp_network *net, double depth, double rate, double hold) {
+    enum { N = 12 };
+    double time[3 * N], travel[3 * N], t = 0.0;
+    for (size_t i = 0; i < 3 * N; i++) {
+        t += i / N == 1 ? hold / N : depth / rate / N;
+        time[i] = t;
+        travel[i] = i / N == 0 ? depth * (double)(i + 1) / N : i / N == 1 ? depth : depth * (double)(3 * N - 1 - i) / N;
+    }
+    return record(net, &(palp_tool_path){.n = 3 * N, .time_s = time, .depth_m = travel});
+}
+
+/* The ball: down at (x0, z0), across to (x1, z1). */
+static palp_training *slide(palp_network *net, double x0, double z0, double x1, double z1, double depth) {
+    enum { DOWN = 6, N = 16 };
+    double time[N];
+    palp_tool tools[N];
+    for (size_t i = 0; i < N; i++) {
+        double down = fmin((double)(i + 1) / DOWN, 1.0), over = i < DOWN ? 0.0 : (double)(i + 1 - DOWN) / (N - DOWN);
+        time[i] = 0.05 * (double)(i + 1);
+        tools[i] = ball(x0 + over * (x1 - x0), z0 + over * (z1 - z0), depth * down);
+    }
+    return record(net, &(palp_tool_path){.n = N, .time_s = time, .n_tools = 1, .tools = tools});
+}
+
+static palp_reduced *reduce(palp_network *net, size_t n, palp_training *const *training, size_t n_held,
+                            palp_training *const *held, const palp_reduce_settings *settings) {
+    palp_reduced *reduced = NULL;
+    palp_error error = {PALP_OK, ""};
+    palp_status status = palp_reduced_create(net, n, training, n_held, held, settings, &reduced, NULL, &error);
+    ck_assert_msg(!status, "%s", error.text);
+    return reduced;
+}
+
+static void free_all(size_t n, palp_training **training) {
+    for (size_t i = 0; i < n; i++)
+        palp_training_free(training[i]);
+}
+
+/* All coordinates of the network, mixed by reflections so that none is a node's own, and all its elements. */
+static palp_reduced *whole(palp_network *net) {
+    size_t n = net->n_free, n3 = 3 * net->n_nodes;
+    double *basis = calloc(n3 * n, sizeof *basis), *weight = malloc(net->n_elements * sizeof *weight);
+    double *lift = calloc(n3, sizeof *lift);
+    int32_t *element = malloc(net->n_elements * sizeof *element);
+    palp_reduced *reduced = NULL;
+    for (size_t i = 0; i < n3; i++) {
+        lift[i] = net->dof[i] < 0 ? net->motion[i] : net->motion[i] + 0.3 * sin((double)i);
+        for (size_t j = 0; j < n && net->dof[i] >= 0; j++) {
+            double a = sin(1.0 + 3.0 * net->dof[i]), b = sin(1.0 + 3.0 * (double)j);
+            basis[i * n + j] = ((size_t)net->dof[i] == j) - 4.0 * a * b / (double)n;
+        }
+    }
+    for (size_t i = 0; i < net->n_elements; i++) {
+        element[i] = (int32_t)i;
+        weight[i] = 1.0;
+    }
+    ck_assert_int_eq(reduced_make(net, net->load, n, basis, lift, net->n_elements, element, weight, &reduced), PALP_OK);
+    ck_assert_int_eq(palp_reduced_set_limits(reduced, 1e-11, 50), PALP_OK);
+    free(basis);
+    free(weight);
+    free(lift);
+    free(element);
+    return reduced;
+}
+
+static void check_places(const palp_network *net, const palp_reduced *reduced, double tolerance) {
+    size_t n = node_count(net);
+    double *x = malloc(3 * n * sizeof *x);
+    const double *full = palp_network_positions(net);
+    ck_assert_int_eq(palp_reduced_positions(reduced, n, NULL, x), PALP_OK);
+    for (size_t i = 0; i < 3 * n; i++)
+        ck_assert_double_eq_tol(x[i], full[i], tolerance * HEIGHT);
+    free(x);
+}
+
+/* ---- tests ---- */
+
+/* With all coordinates and all elements nothing is left out. */
+START_TEST(nothing_reduced) {
+    for (int kind = 0; kind < KINDS; kind++) {
+        palp_material m = material_of(kind);
+        if (m.formulation == PALP_SEDEF2008)
+            continue;
+        palp_network *net = cube_network(4, &m, NULL);
+        palp_reduced *reduced = whole(net);
+        for (int i = 1; i <= 12; i++) {
+            double depth = 0.02 * HEIGHT * (i < 8 ? i : 8), dt = i == 12 ? INFINITY : 0.03 * i;
+            palp_reduced_info info;
+            ck_assert_int_eq(palp_network_step(net, depth, dt, NULL), PALP_OK);
+            ck_assert_int_eq(palp_reduced_step(reduced, depth, 0, NULL, dt, NULL, &info), PALP_OK);
+            ck_assert_double_eq_tol(info.force_N, palp_network_force(net), 1e-8 * palp_network_force(net));
+            check_places(net, reduced, 1e-8);
+        }
+        palp_reduced_free(reduced);
+        palp_network_free(net);
+    }
+}
+END_TEST
+
+START_TEST(nothing_reduced_under_a_tool) {
+    palp_material m = quartic(2);
+    palp_network *net = block(5, &m);
+    net->settings.tolerance = 1e-11;
+    palp_reduced *reduced = whole(net);
+    for (int i = 0; i < 14; i++) {
+        palp_tool tool = ball(0.010 + 0.0003 * i, 0.011, i < 5 ? 0.0002 * i - 0.0001 : 0.0008);
+        palp_tool_force full, small;
+        palp_reduced_info info;
+        tool.friction = 0.2;
+        ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+        ck_assert_int_eq(palp_network_step(net, 0.0, 0.02, NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_tool_force(net, &full), PALP_OK);
+        ck_assert_int_eq(palp_reduced_step(reduced, 0.0, 1, &tool, 0.02, &small, &info), PALP_OK);
+        ck_assert_uint_eq(small.contacts, full.contacts);
+        ck_assert_uint_eq(info.contacts, full.contacts);
+        double size = fabs(full.force_N[1]);
+        ck_assert_msg(i < 2 || size > 0.05, "the ball does not press: %g N", size);
+        for (size_t k = 0; k < 3; k++)
+            ck_assert_double_eq_tol(small.force_N[k], full.force_N[k], 1e-7 * size + 1e-12);
+        check_places(net, reduced, 1e-8);
+    }
+    palp_reduced_free(reduced);
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(rest_is_rest) {
+    palp_material m = quartic(2);
+    palp_network *net = cube_network(4, &m, NULL);
+    palp_training *training[] = {press(net, 0.003, 0.02, 0.5)};
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    palp_reduced *reduced = reduce(net, 1, training, 0, NULL, &settings);
+    for (int i = 0; i < 3; i++) {
+        palp_reduced_info info;
+        ck_assert_int_eq(palp_reduced_step(reduced, 0.0, 0, NULL, 0.01, NULL, &info), PALP_OK);
+        ck_assert_double_eq_tol(info.force_N, 0.0, 1e-12);
+        ck_assert_int_eq(info.iterations, 0);
+        ck_assert(isinf(palp_reduced_describe(reduced).bound)); /* no path was held out */
+    }
+    palp_network_reset(net);
+    check_places(net, reduced, 1e-15);
+    palp_reduced_free(reduced);
+    free_all(1, training);
+    palp_network_free(net);
+}
+END_TEST
+
+/* Energy of the kept elements at (q, depth), J. */
+static double energy_at(palp_reduced *r, const double *q, double depth, double *drive) {
+    double sum = 0.0, *work = malloc(2 * r->n_elements * sizeof *work);
+    memcpy(r->next.q, q, r->modes * sizeof *q);
+    r->next.depth = depth;
+    ck_assert(reduced_evaluate(r, drive));
+    ck_assert(element_energy(&r->material, &r->step, r->n_elements, r->strain, &r->now.history, work,
+                             work + r->n_elements));
+    for (size_t i = 0; i < r->n_elements; i++)
+        sum += r->weight[i] * work[i] / r->inverse_rest[i];
+    free(work);
+    return sum;
+}
+
+/* Forces are the derivatives of an energy, the tangent that of the forces and symmetric: by finite differences, in a state
+ * with a history and out of equilibrium. */
+START_TEST(energy_consistent) {
+    palp_material m = material_of(QLV_DASHPOT);
+    palp_network *net = cube_network(5, &m, NULL);
+    palp_training *training[] = {press(net, 0.004, 0.02, 0.5), press(net, 0.003, 0.005, 1.0)};
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    settings.modes = 6;
+    settings.tolerance = 1e-6;
+    settings.elements = 200;
+    palp_reduced *r = reduce(net, 2, training, 0, NULL, &settings);
+    size_t n = r->modes;
+    ck_assert_uint_ge(n, 4);
+    ck_assert_uint_lt(palp_reduced_describe(r).elements, palp_reduced_describe(r).network_elements);
+    ck_assert_int_eq(palp_reduced_step(r, 0.002, 0, NULL, 0.1, NULL, NULL), PALP_OK);
+    element_step_prepare(&r->material, 0.05, &r->step);
+    double q[8], gradient[8], drive, other, *k = calloc(n * n, sizeof *k), depth = 0.0026;
+    for (size_t i = 0; i < n; i++)
+        q[i] = r->now.q[i] * (1.1 + 0.05 * (double)i);
+    energy_at(r, q, depth, &drive);
+    memcpy(gradient, r->rhs, n * sizeof *gradient);
+    reduced_stiffness(r, 0, r->n_elements, k);
+    double size = 0.0, force = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        size = fmax(size, k[i * n + i]);
+        force = fmax(force, fabs(gradient[i]));
+    }
+    for (size_t j = 0; j < n; j++) {
+        double h = 1e-5, high[8], was = q[j];
+        q[j] = was + h;
+        double up = energy_at(r, q, depth, &other);
+        memcpy(high, r->rhs, n * sizeof *high);
+        q[j] = was - h;
+        double down = energy_at(r, q, depth, &other);
+        ck_assert_double_eq_tol(-gradient[j], (up - down) / (2.0 * h), 1e-5 * force);
+        for (size_t i = 0; i < n; i++) {
+            ck_assert_double_eq_tol(k[j * n + i], -(high[i] - r->rhs[i]) / (2.0 * h), 1e-5 * size);
+            ck_assert_double_eq_tol(k[j * n + i], k[i * n + j], 1e-12 * size);
+        }
+        q[j] = was;
+    }
+    double up = energy_at(r, q, depth + 1e-7, &other), down = energy_at(r, q, depth - 1e-7, &other);
+    ck_assert_double_eq_tol(drive, (up - down) / 2e-7, 1e-5 * fabs(drive));
+    free(k);
+    palp_reduced_free(r);
+    free_all(2, training);
+    palp_network_free(net);
+}
+END_TEST
+
+/* A model of paths, its bound from held-out ones, and its error on one that it has never seen. */
+static void check_unseen(palp_reduced *reduced, const palp_training *unseen, double most) {
+    palp_reduced_summary s = palp_reduced_describe(reduced);
+    palp_reduce_error error;
+    ck_assert_uint_lt(10 * s.modes, s.unknowns);
+    ck_assert_uint_lt(3 * s.elements, s.network_elements);
+    ck_assert_double_gt(s.bound, 0.0);
+    ck_assert_double_lt(s.bound, 2.5 * most);
+    ck_assert_int_eq(palp_reduced_compare(reduced, unseen, &error), PALP_OK);
+    ck_assert_double_gt(error.peak_N, 0.1);
+    ck_assert_double_lt(error.worst_N, s.bound * error.peak_N);
+    ck_assert_double_lt(error.worst_N, most * error.peak_N);
+    ck_assert_double_lt(error.rms_N, error.worst_N);
+}
+
+START_TEST(plate_on_paths_not_trained) {
+    palp_material m = quartic(2);
+    palp_network *net = cube_network(6, &m, NULL);
+    palp_training *paths[] = {press(net, 0.0048, 0.024, 1.0), press(net, 0.003, 0.006, 2.0), press(net, 0.0055, 0.05, 0.5),
+                              press(net, 0.004, 0.012, 1.0), press(net, 0.0052, 0.04, 0.7), press(net, 0.0045, 0.02, 0.4)};
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    palp_reduced *reduced = reduce(net, 3, paths, 2, paths + 3, &settings);
+    check_unseen(reduced, paths[5], 0.005);
+    palp_reduced_free(reduced);
+    free_all(6, paths);
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(tool_on_paths_not_trained) {
+    const double near = 0.009, mid = 0.012, far = 0.015, depth = 0.001;
+    palp_material m = quartic(1);
+    palp_network *net = block(7, &m);
+    palp_training *paths[] = {slide(net, near, near, far, near, depth), slide(net, far, mid, near, mid, 0.9 * depth),
+                              slide(net, near, far, far, far, depth), slide(net, near, far, near, near, depth),
+                              slide(net, mid, near, mid, far, 0.8 * depth), slide(net, far, far, far, near, depth),
+                              slide(net, near, near, far, far, 0.9 * depth), slide(net, far, near, near, far, 0.95 * depth),
+                              slide(net, 0.010, near, 0.014, 0.014, 0.85 * depth)};
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    settings.elements = 400;
+    settings.element_tolerance = 1e-2;
+    palp_reduced *reduced = reduce(net, 6, paths, 2, paths + 6, &settings);
+    check_unseen(reduced, paths[8], 0.01);
+    palp_reduced_free(reduced);
+    free_all(9, paths);
+    palp_network_free(net);
+}
+END_TEST
+
+/* Outside of what was trained a model says so, and expects more error. */
+START_TEST(knows_its_range) {
+    palp_material m = quartic(1);
+    palp_network *net = cube_network(5, &m, NULL);
+    palp_training *paths[] = {press(net, 0.002, 0.01, 0.5), press(net, 0.0015, 0.02, 0.5)};
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    settings.elements = 400;
+    palp_reduced *reduced = reduce(net, 1, paths, 1, paths + 1, &settings);
+    palp_reduced_info in, out;
+    ck_assert_int_eq(palp_reduced_step(reduced, 0.001, 0, NULL, 0.1, NULL, &in), PALP_OK);
+    ck_assert_int_eq(palp_reduced_step(reduced, 0.004, 0, NULL, 0.3, NULL, &out), PALP_OK);
+    ck_assert_double_lt(in.outside, 0.1);
+    ck_assert_double_ge(out.outside, 1.0); /* as far again as the trained 2 mm */
+    double floor_N = palp_reduced_describe(reduced).held_peak_N, bound = palp_reduced_describe(reduced).bound;
+    ck_assert_double_gt(floor_N, 0.1);
+    ck_assert_double_ge(in.force_error_N, bound * floor_N); /* also at a force below that of the held-out path */
+    ck_assert_double_gt(out.force_error_N, 1.9 * bound * out.force_N);
+    palp_reduced_free(reduced);
+    free_all(2, paths);
+    palp_network_free(net);
+}
+END_TEST
+
+/* One tick of a plate and a ball for the tests below. */
+static palp_status tick(palp_reduced *reduced, int i, palp_tool_force *force, palp_reduced_info *info) {
+    palp_tool tool = ball(0.010 + 0.00002 * i, 0.011, 0.00004 * i - 0.0001);
+    return palp_reduced_step(reduced, 0.0, 1, &tool, 0.001, force, info);
+}
+
+static palp_reduced *under_a_ball(palp_network **net) {
+    palp_material m = quartic(2);
+    *net = block(5, &m);
+    palp_training *paths[] = {slide(*net, 0.009, 0.009, 0.015, 0.012, 0.001), slide(*net, 0.009, 0.014, 0.014, 0.01, 0.001)};
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    settings.modes = 12;
+    settings.static_modes = 3;
+    settings.elements = 150;
+    palp_reduced *reduced = reduce(*net, 1, paths, 1, paths + 1, &settings);
+    ck_assert_uint_ge(palp_reduced_describe(reduced).modes, 8);
+    free_all(2, paths);
+    return reduced;
+}
+
+START_TEST(same_bits_no_allocation_no_trace) {
+    palp_network *net;
+    palp_reduced *reduced = under_a_ball(&net);
+    palp_tool_force force, again[30];
+    palp_reduced_info info;
+    for (int i = 0; i < 30; i++)
+        ck_assert_int_eq(tick(reduced, i, &again[i], NULL), PALP_OK);
+    ck_assert_double_gt(again[29].force_N[1], 0.01);
+    palp_reduced_reset(reduced);
+    size_t taken = 0;
+    for (int i = 0; i < 30; i++) {
+        palp_tool wrong = ball(0.012, 0.012, 0.0);
+        wrong.radius_m = -1.0;
+        ck_assert_int_eq(palp_reduced_step(reduced, NAN, 0, NULL, 0.001, NULL, NULL), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_reduced_step(reduced, 0.0, 0, NULL, -1.0, NULL, NULL), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_reduced_step(reduced, 0.0, 2, &wrong, 0.001, NULL, NULL), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_reduced_step(reduced, 0.0, 1, &wrong, 0.001, NULL, NULL), PALP_ERR_ARGUMENT);
+        size_t before = allocations;
+        palp_status status = tick(reduced, i, &force, &info);
+        taken += allocations - before;
+        ck_assert_int_eq(status, PALP_OK);
+        ck_assert(info.converged);
+        ck_assert(memcmp(force.force_N, again[i].force_N, sizeof force.force_N) == 0);
+    }
+    ck_assert_uint_eq(taken, 0);
+    palp_reduced_free(reduced);
+    palp_network_free(net);
+}
+END_TEST
+
+START_TEST(settings_are_checked) {
+    palp_material m = quartic(1), sedef = sedef2008();
+    palp_network *net = cube_network(3, &m, NULL), *other = cube_network(4, &m, NULL), *old = cube_network(3, &sedef, NULL);
+    palp_training *path = press(net, 0.002, 0.01, 0.5);
+    palp_reduce_settings good = palp_reduce_settings_default(), bad[4] = {good, good, good, good};
+    palp_reduced *reduced = NULL;
+    palp_error error = {PALP_OK, ""};
+    bad[0].modes = 0;
+    bad[1].elements = 0;
+    bad[2].element_tolerance = NAN;
+    bad[3].static_modes = good.modes + 1;
+    for (size_t i = 0; i < 4; i++)
+        ck_assert_int_eq(palp_reduced_create(net, 1, &path, 0, NULL, &bad[i], &reduced, NULL, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_reduced_create(net, 0, NULL, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_reduced_create(other, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_reduced_create(old, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_UNSUPPORTED);
+    ck_assert_ptr_null(reduced);
+    palp_training *none = NULL;
+    const double back[] = {0.1, 0.1}, depth[] = {0.0, 0.0};
+    palp_tool_path wrong = {.n = 2, .time_s = back, .depth_m = depth};
+    ck_assert_int_eq(palp_training_record(net, &wrong, NULL, NULL, &none, &error), PALP_ERR_ARGUMENT);
+    ck_assert_ptr_null(none);
+    palp_training_free(path);
+    palp_network_free(net);
+    palp_network_free(other);
+    palp_network_free(old);
+}
+END_TEST
+
+/* ---- files ---- */
+
+static palp_model model_of(size_t n, const palp_material *m) {
+    return (palp_model){.kind = PALP_MODEL_NETWORK,
+                        .height_m = HEIGHT,
+                        .material = *m,
+                        .mesh = {.kind = PALP_MESH_LATTICE, .nodes = {n, n, n}, .size_m = {HEIGHT, HEIGHT, HEIGHT},
+                                 .neighbourhood = PALP_NEIGHBOURS_26}};
+}
+
+static void spoil(const char *path, long at, int by) {
+    FILE *file = fopen(path, "r+b");
+    ck_assert_ptr_nonnull(file);
+    fseek(file, at, at < 0 ? SEEK_END : SEEK_SET);
+    int byte = fgetc(file);
+    fseek(file, -1, SEEK_CUR);
+    fputc(byte ^ by, file);
+    ck_assert_int_eq(fclose(file), 0);
+}
+
+static void check_refused(const char *text) {
+    palp_reduced *none = NULL;
+    palp_error error = {PALP_OK, ""};
+    ck_assert_int_eq(palp_reduced_read(scratch_path("r.json"), NULL, &none, &error), PALP_ERR_INPUT);
+    ck_assert_ptr_null(none);
+    ck_assert_msg(strstr(error.text, text) != NULL, "\"%s\" lacks \"%s\"", error.text, text);
+    ck_assert_msg(strstr(error.text, "r.json:") != NULL, "%s", error.text);
+}
+
+START_TEST(files) {
+    palp_network *net;
+    palp_material m = quartic(2);
+    palp_model model = model_of(5, &m), back;
+    palp_reduced *reduced = under_a_ball(&net), *copy = NULL;
+    palp_error error = {PALP_OK, ""};
+    scratch_setup();
+    ck_assert_int_eq(palp_reduced_write(reduced, &model, scratch_path("r.json"), &error), PALP_OK);
+    ck_assert_int_eq(scratch_entries(scratch_folder, 0), 2);
+    ck_assert_msg(!palp_reduced_read(scratch_path("r.json"), &back, &copy, &error), "%s", error.text);
+    ck_assert_uint_eq(back.mesh.nodes[1], 5);
+    palp_reduced_summary a = palp_reduced_describe(reduced), b = palp_reduced_describe(copy);
+    ck_assert_double_eq(a.bound, b.bound);
+    ck_assert_uint_eq(a.elements, b.elements);
+    ck_assert_uint_eq(palp_reduced_triangle_count(copy), 12 * 16);
+    for (int i = 0; i < 30; i++) {
+        palp_tool_force one, two;
+        palp_reduced_info info, other;
+        ck_assert_int_eq(tick(reduced, i, &one, &info), PALP_OK);
+        ck_assert_int_eq(tick(copy, i, &two, &other), PALP_OK);
+        ck_assert(memcmp(&one, &two, sizeof one) == 0);
+        ck_assert_double_eq(info.force_error_N, other.force_error_N);
+    }
+    palp_reduced_free(copy);
+    spoil(scratch_path("r.bin"), 5000, 1);
+    check_refused("another checksum");
+    spoil(scratch_path("r.bin"), 5000, 1);
+    spoil(scratch_path("r.bin"), 16, 1);
+    check_refused("other sizes");
+    spoil(scratch_path("r.bin"), 16, 1);
+    spoil(scratch_path("r.bin"), 9, 1);
+    check_refused("order of bytes");
+    spoil(scratch_path("r.bin"), 9, 1);
+    ck_assert_int_eq(truncate(scratch_path("r.bin"), 1000), 0);
+    check_refused("another length");
+    ck_assert_int_eq(truncate(scratch_path("r.bin"), 4), 0);
+    check_refused("are not the arrays");
+    ck_assert_int_eq(remove(scratch_path("r.bin")), 0);
+    ck_assert_int_eq(palp_reduced_read(scratch_path("r.json"), NULL, &copy, &error), PALP_ERR_FILE);
+    scratch_teardown();
+    palp_reduced_free(reduced);
+    palp_network_free(net);
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("reduce");
+    TCase *tests = tcase_create("reduce");
+    tcase_set_timeout(tests, 600);
+    tcase_add_test(tests, nothing_reduced);
+    tcase_add_test(tests, nothing_reduced_under_a_tool);
+    tcase_add_test(tests, rest_is_rest);
+    tcase_add_test(tests, energy_consistent);
+    tcase_add_test(tests, plate_on_paths_not_trained);
+    tcase_add_test(tests, tool_on_paths_not_trained);
+    tcase_add_test(tests, knows_its_range);
+    tcase_add_test(tests, same_bits_no_allocation_no_trace);
+    tcase_add_test(tests, settings_are_checked);
+    tcase_add_test(tests, files);
+    suite_add_tcase(suite, tests);
+    return scratch_run(suite);
+}

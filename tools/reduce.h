@@ -1,0 +1,37 @@
+/* reduce.h: the parts of palpate reduce. */
+#ifndef PALPATE_TOOLS_REDUCE_H
+#define PALPATE_TOOLS_REDUCE_H
+
+#include "cli.h"
+
+#include <palpate/palpate.h>
+#include <palpate/reduce.h>
+
+enum { REDUCE_RUNS_MAX = 256 };
+
+typedef struct reduce_options {
+    const char *model, *runs, *out;
+    const char *words[1 + REDUCE_RUNS_MAX];
+    size_t n_words, samples, jobs;
+    int supports; /* index of auto, plate, bottom */
+    double hold_out;
+    palp_reduce_settings settings;
+    bool json;
+} reduce_options;
+
+/* A run: what the plate, or a ball, did. */
+typedef struct reduce_run {
+    const char *file;
+    size_t n;
+    double *time_s, *depth_m; /* [n] */
+    palp_tool *tool;          /* [n], or NULL: the plate alone */
+    bool held;                /* not trained on */
+    palp_training *training;
+    palp_reduce_error error;  /* held only */
+} reduce_run;
+
+/* Reads a run, at most samples of its rows, evenly chosen; an exit code. */
+int reduce_run_read(const char *file, size_t samples, reduce_run *run);
+void reduce_run_free(reduce_run *run);
+
+#endif
