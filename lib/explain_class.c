@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double COSINE = 0.9; /* above it effects are alike */
+static const double COSINE = 0.9; /* above it effects are alike, unless the runs clearly prefer one */
+static const double LIKELY = 3.0; /* nats */
 
 static double dot(size_t n, const double *a, const double *b) {
     double sum = 0.0;
@@ -27,9 +28,10 @@ static palp_status make_basis(const explain_fit *fit, const explain_data *data, 
     size_t n = data->n, k = fit->n_columns;
     double *gradient = malloc((k + 1) * data->longest * sizeof *gradient);
     palp_status status = gradient ? PALP_OK : PALP_ERR_NO_MEMORY;
+    explain_wear wear = {.wear.peak = 0.0};
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         size_t own = data->run[r].n;
-        palp_forward_run path = explain_forward_run(&data->run[r]);
+        palp_forward_run path = explain_forward_run(&data->run[r], &wear);
         status = explain_predict(&fit->model, &path, gradient + k * own, gradient, NULL);
         for (size_t j = 0; j < k && !status; j++)
             memcpy(basis + j * n + at, gradient + j * own, own * sizeof *basis);
@@ -72,7 +74,11 @@ palp_status explain_class_find(const explain_search *full, const explain_search 
         for (size_t i = 0; i < n; i++)
             u[i] = t->force[i] - rest->force[i];
         take_off(n, k, basis, u);
-        if (cosine(n, y, u) > COSINE || (own->fit.product && own->gain - t->gain < 3.0))
+        explain_pair pair = {.gain = 0.0};
+        if (own->fit.product)
+            status = explain_paired(&rest->data, &t->fit, &own->fit, &pair);
+        bool as_likely = own->fit.product && own->gain - t->gain < LIKELY;
+        if (as_likely || (cosine(n, y, u) > COSINE && pair.gain <= fmax(pair.se, LIKELY)))
             out->alike[out->n_class++] = (palp_effect_id)c;
     }
     free(basis);

@@ -9,18 +9,12 @@
 
 static const double SPIKE_SIGMA = 8.0;
 
-static double number_of(const palp_experiment *e, const char *key, double otherwise) {
-    double value;
-    return palp_experiment_get_number(e, key, &value) ? otherwise : value;
-}
-
-static const char *text_of(const palp_experiment *e, const char *key) {
-    const char *text;
-    return palp_experiment_get_string(e, key, &text) ? "" : text;
-}
-
-palp_forward_run explain_forward_run(const explain_run *run) {
-    return (palp_forward_run){.n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session};
+palp_forward_run explain_forward_run(const explain_run *run, explain_wear *wear) {
+    if (run->fresh)
+        *wear = (explain_wear){.wear.peak = 0.0};
+    wear->wear.peak_p = wear->slope;
+    return (palp_forward_run){
+        .n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session, .wear = &wear->wear};
 }
 
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event) {
@@ -106,7 +100,7 @@ static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *
             return palp_error_set(error, PALP_ERR_INPUT, "%s: row %zu: not finite, or time_s does not increase",
                                   run->name, i + 1);
     }
-    if (strcmp(text_of(e, "specimen.kind"), "none") == 0 && deepest > -1e-3)
+    if (strcmp(explain_text_of(e, "specimen.kind"), "none") == 0 && deepest > -1e-3)
         for (size_t i = 0; i < run->n; i++)
             run->depth[i] -= deepest + 1e-3; /* nothing is there to be pressed */
     return PALP_OK;
@@ -159,11 +153,11 @@ static palp_status mask_releases(explain_data *data, size_t r) {
 static bool same_protocol(const palp_experiment *a, const palp_experiment *b) {
     static const char *const keys[] = {"protocol.depth_mm", "protocol.rate_mm_s", "protocol.ramp_s",
                                        "protocol.hold_s", "protocol.cycles"};
-    const char *kind = text_of(a, "protocol.kind");
-    if (!*kind || strcmp(kind, text_of(b, "protocol.kind")) != 0)
+    const char *kind = explain_text_of(a, "protocol.kind");
+    if (!*kind || strcmp(kind, explain_text_of(b, "protocol.kind")) != 0)
         return false;
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
-        if (number_of(a, keys[k], 0.0) != number_of(b, keys[k], 0.0))
+        if (explain_number_of(a, keys[k], 0.0) != explain_number_of(b, keys[k], 0.0))
             return false;
     return true;
 }
@@ -207,13 +201,13 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     palp_status status = copy(e, run, error);
     if (status)
         return status;
-    if (strcmp(text_of(e, "specimen.kind"), "rigid") == 0)
+    if (strcmp(explain_text_of(e, "specimen.kind"), "rigid") == 0)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED, "%s: a rigid block is no run of the specimen", run->name);
-    double height = number_of(e, "specimen.height_mm", 1e3 * data->height);
+    double height = explain_number_of(e, "specimen.height_mm", 1e3 * data->height);
     if (fabs(1e-3 * height - data->height) > 1e-3 * data->height)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
                               height, 1e3 * data->height);
-    run->session = number_of(e, "session.start_s", 0.0);
+    run->session = explain_number_of(e, "session.start_s", 0.0);
     run->twin = -1;
     for (size_t s = 0; s < r && run->twin < 0; s++)
         if (same_protocol(e, inputs[s].experiment))
@@ -223,14 +217,49 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     return masked ? masked : mask_releases(data, r);
 }
 
+/* The largest strain that earlier runs have pressed each specimen to. */
+static void find_worn(explain_data *data) {
+    double worn = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        explain_run *run = &data->run[r];
+        run->worn = worn = run->fresh ? 0.0 : worn;
+        for (size_t i = 0; i < run->n; i++)
+            worn = fmax(worn, run->depth[i] / data->height);
+    }
+}
+
+/* In the order in which they were made. */
+static palp_status take_runs(explain_data *data, const palp_explain_input *inputs, const palp_explain_settings *settings,
+                             palp_error *error) {
+    size_t n = data->n_runs, *order = malloc(n * sizeof *order);
+    palp_explain_input *sorted = malloc(n * sizeof *sorted);
+    bool *fresh = malloc(n * sizeof *fresh);
+    palp_status status = order && sorted && fresh ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status)
+        explain_order_find(n, inputs, order, fresh);
+    for (size_t r = 0; r < n && !status; r++)
+        sorted[r] = inputs[order[r]];
+    for (size_t r = 0; r < n && !status; r++) {
+        data->run[r].fresh = fresh[r];
+        status = take_run(data, r, sorted, error);
+        for (size_t k = 0; k < settings->n_held; k++)
+            data->run[r].held = data->run[r].held || settings->held[k] == order[r];
+    }
+    free(order);
+    free(sorted);
+    free(fresh);
+    return status;
+}
+
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
                                 const palp_model *model, explain_data *data, palp_error *error) {
-    *data = (explain_data){.given = model, .n_runs = n, .height = model->height_m, .colour_time = 1.0};
+    *data = (explain_data){.given = model, .n_runs = n, .colour_time = 1.0};
     data->run = calloc(n, sizeof *data->run);
-    palp_status status = data->run ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_status status = data->run ? explain_height(model, &data->height, error) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = take_runs(data, inputs, settings, error);
     for (size_t r = 0; r < n && !status; r++) {
         explain_run *run = &data->run[r];
-        status = take_run(data, r, inputs, error);
         data->n += run->n;
         data->longest = run->n > data->longest ? run->n : data->longest;
         for (size_t i = 0; i < run->n && !status; i++) {
@@ -240,11 +269,10 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
         if (!status)
             data->duration = fmax(data->duration, run->time[run->n - 1] - run->time[0]);
     }
-    if (!status)
+    if (!status) {
         compare_twins(data);
-    for (size_t k = 0; k < settings->n_held && !status; k++)
-        if (settings->held[k] < n)
-            data->run[settings->held[k]].held = true;
+        find_worn(data);
+    }
     if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))
         status = palp_error_set(error, PALP_ERR_INPUT, "%s: no run presses the specimen", data->run[0].name);
     return status;

@@ -1,4 +1,4 @@
-/* explain_fit.c: a model in search coordinates, its sums over the runs, and the steps to its best parameters. */
+/* explain_fit.c: a model in search coordinates, and its sums over the runs. */
 #include "explain_internal.h"
 #include "lapack.h"
 
@@ -85,7 +85,7 @@ palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit
     return PALP_OK;
 }
 
-static palp_status to_model(explain_fit *fit) {
+palp_status explain_fit_to_model(explain_fit *fit) {
     double value[EXPLAIN_COLUMNS];
     for (size_t k = 0; k < fit->n_columns; k++)
         value[k] = fit->logarithmic[k] ? exp(fit->x[k]) : fit->x[k];
@@ -142,11 +142,11 @@ static void hum_columns(const explain_fit *fit, const explain_run *run, double *
 }
 
 /* work: [(n_columns + 3 parameters and more) n] */
-static palp_status run_products(explain_fit *fit, const explain_run *run, const palp_model *full, size_t offset,
-                                size_t gain, double *force, double *gradient, double *column, double *product) {
+static palp_status run_products(explain_fit *fit, const explain_run *run, const palp_forward_run *path,
+                                const palp_model *full, size_t offset, size_t gain, double *force, double *gradient,
+                                double *column, double *product) {
     size_t n = run->n, k = fit->n_columns, m = fit->m;
-    palp_forward_run path = explain_forward_run(run);
-    palp_status status = explain_predict(full, &path, force, gradient, NULL);
+    palp_status status = explain_predict(full, path, force, gradient, NULL);
     if (status)
         return status;
     double *own = column + k * n;
@@ -168,7 +168,7 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
     return PALP_OK;
 }
 
-static double fit_score(const explain_fit *fit, const explain_data *data) {
+double explain_fit_score(const explain_fit *fit, const explain_data *data) {
     double sum = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {
         double chi2, logdet;
@@ -191,8 +191,10 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
     size_t columns = palp_forward_parameter_count(full), n = data->longest;
     double *work = malloc((1 + columns + fit->m) * n * sizeof *work);
     status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    explain_wear wear = {.wear.peak = 0.0};
     for (size_t r = 0; r < data->n_runs && !status; r++) {
-        status = run_products(fit, &data->run[r], full, offset, gain, work, work + n, work + (1 + columns) * n,
+        palp_forward_run path = explain_forward_run(&data->run[r], &wear);
+        status = run_products(fit, &data->run[r], &path, full, offset, gain, work, work + n, work + (1 + columns) * n,
                               fit->product + r * fit->m * fit->m);
         if (force && !status) {
             memcpy(force, work, data->run[r].n * sizeof *force);
@@ -202,7 +204,7 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
     free(work);
     free(full);
     if (!status)
-        fit->score = fit_score(fit, data);
+        fit->score = explain_fit_score(fit, data);
     return status;
 }
 
@@ -303,175 +305,9 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
         for (int i = 0; i < 3; i++)
             *scatter[i] = fmin(sqrt(sum[i] / count), most[i]);
     }
-    fit->score = fit_score(fit, data);
+    fit->score = explain_fit_score(fit, data);
     for (int i = 0; i < 3; i++) { /* what scatter beyond the expected costs */
         double ratio = expected[i] / *scatter[i];
         fit->score -= 0.5 * TRUST * (ratio * ratio - 1.0 - 2.0 * log(ratio));
     }
-}
-
-/* ---- towards the best parameters ---- */
-
-void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
-                       double *work) {
-    size_t k = fit->n_columns;
-    memset(h, 0, k * k * sizeof *h);
-    memset(g, 0, k * sizeof *g);
-    *chi2 = 0.0;
-    for (size_t r = 0; r < data->n_runs; r++) {
-        double own, logdet;
-        if (data->run[r].held)
-            continue;
-        explain_normal_of(fit, r, work, work + k * k, &own, &logdet);
-        for (size_t i = 0; i < k * k; i++)
-            h[i] += work[i];
-        for (size_t i = 0; i < k; i++)
-            g[i] += work[k * k + i];
-        *chi2 += own;
-    }
-    for (size_t i = 0; i < k; i++)
-        h[i * k + i] += 1.0 / (fit->unit[i] * fit->unit[i]);
-}
-
-/* (H + damping diag H) step = g without the coordinates that lie on a bound and are pushed out. work: [k k]. */
-static void step_of(const explain_fit *fit, const double *h, const double *g, double damping, double *work,
-                    double *step) {
-    size_t k = fit->n_columns;
-    memcpy(work, h, k * k * sizeof *work);
-    for (size_t i = 0; i < k; i++) {
-        bool stuck = (fit->x[i] <= fit->low[i] && g[i] <= 0.0) || (fit->x[i] >= fit->high[i] && g[i] >= 0.0);
-        step[i] = stuck ? 0.0 : g[i];
-        work[i * k + i] *= 1.0 + damping;
-        for (size_t j = 0; j < k && stuck; j++)
-            work[i * k + j] = work[j * k + i] = 0.0;
-        if (stuck || !(work[i * k + i] > 0.0))
-            work[i * k + i] = 1.0;
-    }
-    if (explain_cholesky(work, k))
-        explain_solve(work, k, step);
-    else
-        memset(step, 0, k * sizeof *step);
-}
-
-palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2) {
-    size_t k = fit->n_columns;
-    double *h = malloc((2 * k * k + 3 * k) * sizeof *h);
-    if (!h)
-        return PALP_ERR_NO_MEMORY;
-    double *work = h + k * k, *g = work + k * k + k, *step = g + k;
-    explain_fit_total(fit, data, h, g, chi2, work);
-    step_of(fit, h, g, 1e-9, work, step);
-    for (size_t i = 0; i < k; i++)
-        *chi2 -= step[i] * g[i];
-    free(h);
-    return PALP_OK;
-}
-
-palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds) {
-    size_t k = fit->n_columns, bytes = data->n_runs * fit->m * fit->m * sizeof *fit->product;
-    double *h = malloc((4 * k * k + 4 * k) * sizeof *h), *product = malloc(bytes), damping = 1e-6, chi2 = 0.0;
-    palp_model *kept = malloc(sizeof *kept);
-    palp_status status = h && product && kept ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (!status) {
-        double *g = h + k * k, *step = g + k, *x = step + k, *work = x + k;
-        explain_fit_total(fit, data, h, g, &chi2, work);
-        for (size_t round = 0; round < rounds && !status; round++) {
-            double next;
-            step_of(fit, h, g, damping, work, step);
-            memcpy(x, fit->x, k * sizeof *x);
-            memcpy(product, fit->product, bytes);
-            *kept = fit->model;
-            for (size_t i = 0; i < k; i++) {
-                double most = fit->logarithmic[i] ? 1.0 : HUGE_VAL;
-                fit->x[i] = fmin(fit->high[i], fmax(fit->low[i], x[i] + fmax(-most, fmin(most, step[i]))));
-            }
-            palp_status tried = to_model(fit);
-            tried = tried ? tried : explain_fit_products(fit, data, NULL);
-            if (tried == PALP_ERR_NO_MEMORY)
-                status = tried;
-            if (!tried)
-                explain_fit_total(fit, data, h, g, &next, work);
-            if (!tried && next < chi2) {
-                double gain = chi2 - next;
-                chi2 = next;
-                damping = fmax(1e-9, 0.1 * damping);
-                if (gain < 0.02 + 1e-7 * chi2)
-                    break;
-                continue;
-            }
-            memcpy(fit->x, x, k * sizeof *x);
-            memcpy(fit->product, product, bytes);
-            fit->model = *kept;
-            explain_fit_total(fit, data, h, g, &chi2, work);
-            damping = fmax(1e-3, 10.0 * damping);
-            if (damping > 1e4 || (!tried && next - chi2 < 1e-3))
-                break;
-        }
-        fit->score = fit_score(fit, data);
-    }
-    free(h);
-    free(product);
-    free(kept);
-    return status;
-}
-
-/* ---- leaving a run out ---- */
-
-static double logdet_of(const double *factor, size_t k) {
-    double sum = 0.0;
-    for (size_t i = 0; i < k; i++)
-        sum += 2.0 * log(factor[i * k + i]);
-    return sum;
-}
-
-palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score, double *step) {
-    size_t k = fit->n_columns;
-    double *h = malloc((4 * k * k + 5 * k) * sizeof *h);
-    if (!h)
-        return PALP_ERR_NO_MEMORY;
-    double *rest = h + k * k, *own = rest + k * k, *work = own + k * k, *g = work + k * k + k, *own_g = g + k,
-           *move = own_g + k, *b = move + k, chi2;
-    explain_fit_total(fit, data, h, g, &chi2, own);
-    for (size_t r = 0; r < data->n_runs; r++) {
-        double own_chi2, logdet, out = data->run[r].held ? 0.0 : 1.0;
-        explain_normal_of(fit, r, own, own_g, &own_chi2, &logdet);
-        for (size_t i = 0; i < k * k; i++)
-            rest[i] = h[i] - out * own[i];
-        for (size_t i = 0; i < k; i++) { /* a coordinate on its bound stays there */
-            bool stuck = fit->x[i] <= fit->low[i] || fit->x[i] >= fit->high[i];
-            move[i] = stuck ? 0.0 : g[i] - out * own_g[i];
-            rest[i * k + i] += 1e-9 * h[i * k + i];
-            for (size_t j = 0; j < k && stuck; j++)
-                rest[i * k + j] = rest[j * k + i] = 0.0;
-            if (stuck)
-                rest[i * k + i] = 1e30;
-        }
-        memcpy(work, rest, k * k * sizeof *work);
-        score[r] = -HUGE_VAL;
-        if (!explain_cholesky(work, k))
-            continue;
-        explain_solve(work, k, move);
-        double before = logdet_of(work, k), chi2_at = own_chi2;
-        for (size_t i = 0; i < k; i++) {
-            b[i] = own_g[i];
-            for (size_t j = 0; j < k; j++)
-                b[i] -= own[i * k + j] * move[j];
-            chi2_at -= move[i] * (own_g[i] + b[i]);
-        }
-        memcpy(work, rest, k * k * sizeof *work);
-        for (size_t i = 0; i < k * k; i++)
-            work[i] += own[i];
-        if (step)
-            memcpy(step + r * k, move, k * sizeof *move);
-        if (!explain_cholesky(work, k))
-            continue;
-        double after = logdet_of(work, k);
-        memcpy(move, b, k * sizeof *move);
-        explain_solve(work, k, move);
-        for (size_t i = 0; i < k; i++)
-            chi2_at -= b[i] * move[i];
-        score[r] = -0.5 * (chi2_at + logdet + after - before);
-    }
-    free(h);
-    return PALP_OK;
 }

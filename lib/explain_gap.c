@@ -9,6 +9,7 @@ palp_status explain_floor(const explain_data *data, const explain_fit *fit, cons
     palp_model *moved = malloc(sizeof *moved);
     double *other = malloc(data->longest * sizeof *other), slope = 0.0, load = 0.0, white = 0.0, step = 1e-6;
     palp_status status = moved && other ? PALP_OK : PALP_ERR_NO_MEMORY;
+    explain_wear wear = {.wear.peak = 0.0};
     if (!status)
         *moved = fit->model;
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
@@ -17,7 +18,7 @@ palp_status explain_floor(const explain_data *data, const explain_fit *fit, cons
         status = depth ? PALP_OK : PALP_ERR_NO_MEMORY;
         for (size_t i = 0; i < run->n && depth; i++)
             depth[i] = run->depth[i] + step;
-        palp_forward_run path = explain_forward_run(run);
+        palp_forward_run path = explain_forward_run(run, &wear);
         path.depth_m = depth;
         if (!status)
             status = explain_predict(moved, &path, other, NULL, NULL);
@@ -60,46 +61,89 @@ double explain_chi2(const explain_data *data, const explain_fit *fit) {
 
 /* ---- held out ---- */
 
-static palp_status held_model(const explain_fit *fit, const double *step, palp_model *model) {
-    double value[EXPLAIN_COLUMNS];
-    size_t law = fit->model.material.law.n;
-    for (size_t k = 0; k < fit->n_columns; k++) {
-        double x = fmin(fit->high[k], fmax(fit->low[k], fit->x[k] + step[k]));
-        value[k] = fit->logarithmic[k] ? exp(x) : x;
-    }
-    for (size_t j = 0; j < fit->model.material.n_arms; j++)
-        value[law + 2 * j + 1] *= value[law + 2 * j];
-    *model = fit->model;
-    return palp_forward_set(model, value);
+enum { REFIT = 4, REFIT_NETWORK = 1 }; /* rounds; a network's are dear */
+
+typedef struct left_out {
+    const explain_search *search;
+    bool some;              /* runs are held: the fit as it is tells of them */
+    double *square, *count; /* [n_runs] of the residual of each run */
+    palp_status *status;    /* [n_runs] */
+} left_out;
+
+/* The deepest of the runs other than r: deeper the fit without r would be extrapolated. */
+static double deepest_without(const explain_data *data, size_t r) {
+    double deepest = -HUGE_VAL;
+    for (size_t k = 0; k < data->n_runs; k++)
+        for (size_t i = 0; i < data->run[k].n && k != r && !data->run[k].held; i++)
+            deepest = fmax(deepest, data->run[k].depth[i]);
+    return deepest;
 }
 
-palp_status explain_held_out(const explain_data *data, const explain_fit *fit, double *rms_N) {
-    size_t k = fit->n_columns, n = data->n_runs, count = 0;
-    double *step = calloc(n * k + n, sizeof *step), *force = malloc(data->n * sizeof *force), sum = 0.0;
-    double *residual = malloc(data->n * sizeof *residual);
-    palp_model *model = malloc(sizeof *model);
-    bool some = false;
-    palp_status status = step && force && residual && model ? PALP_OK : PALP_ERR_NO_MEMORY;
+/* *fit refitted without run r. */
+static palp_status refit_without(const explain_data *data, size_t r, explain_fit *fit) {
+    explain_data less = *data;
+    less.run = malloc(data->n_runs * sizeof *less.run);
+    if (!less.run)
+        return PALP_ERR_NO_MEMORY;
+    memcpy(less.run, data->run, data->n_runs * sizeof *less.run);
+    less.run[r].held = true;
+    bool network = fit->model.kind == PALP_MODEL_NETWORK;
+    palp_status status = explain_fit_improve(fit, &less, network ? REFIT_NETWORK : REFIT);
+    free(less.run);
+    return status;
+}
+
+static palp_status leave_out(const left_out *l, size_t r) {
+    const explain_data *data = &l->search->data;
+    explain_fit fit = {.n_columns = 0};
+    double *force = malloc(2 * data->n * sizeof *force), limit = l->some ? HUGE_VAL : 1.01 * deepest_without(data, r);
+    palp_status status = force ? explain_fit_copy(&l->search->fit, data->n_runs, &fit) : PALP_ERR_NO_MEMORY;
+    if (!status && !l->some && data->n_runs > 1)
+        status = refit_without(data, r, &fit);
     if (!status)
-        status = explain_fit_leave_out(fit, data, step + n * k, step);
-    for (size_t r = 0, at = 0; r < n && !status; at += data->run[r++].n) {
-        palp_forward_run path = explain_forward_run(&data->run[r]);
-        if (held_model(fit, step + r * k, model) || explain_predict(model, &path, force + at, NULL, NULL))
-            status = explain_predict(&fit->model, &path, force + at, NULL, NULL);
-        some = some || data->run[r].held;
-    }
-    if (!status)
-        explain_residual(data, fit, force, residual);
-    for (size_t r = 0, at = 0; r < n && !status; at += data->run[r++].n)
+        status = explain_fit_products(&fit, data, force);
+    if (!status) {
+        double *residual = force + data->n;
+        size_t at = 0;
+        explain_residual(data, &fit, force, residual);
+        for (size_t k = 0; k < r; k++)
+            at += data->run[k].n;
         for (size_t i = 0; i < data->run[r].n; i++)
-            if ((!some || data->run[r].held) && data->run[r].use[i]) {
-                sum += residual[at + i] * residual[at + i];
-                count++;
+            if (data->run[r].use[i] && (data->n_runs == 1 || data->run[r].depth[i] <= limit)) {
+                l->square[r] += residual[at + i] * residual[at + i];
+                l->count[r] += 1.0;
             }
-    *rms_N = count ? sqrt(sum / (double)count) : 0.0;
-    free(step);
+    }
+    explain_fit_free(&fit);
     free(force);
-    free(residual);
-    free(model);
+    return status;
+}
+
+static void leave_out_task(void *user, size_t r) {
+    left_out *l = user;
+    if (!l->some || l->search->data.run[r].held)
+        l->status[r] = leave_out(l, r);
+}
+
+palp_status explain_held_out(const explain_search *s, double *rms_N) {
+    size_t n = s->data.n_runs;
+    left_out l = {.search = s, .square = calloc(2 * n, sizeof(double)), .status = calloc(n, sizeof *l.status)};
+    palp_status status = l.square && l.status ? PALP_OK : PALP_ERR_NO_MEMORY;
+    double square = 0.0, count = 0.0;
+    for (size_t r = 0; r < n; r++)
+        l.some = l.some || s->data.run[r].held;
+    l.count = l.square ? l.square + n : NULL;
+    if (!status && s->settings->loop)
+        s->settings->loop(s->settings->loop_user, n, leave_out_task, &l);
+    for (size_t r = 0; r < n && !status && !s->settings->loop; r++)
+        leave_out_task(&l, r);
+    for (size_t r = 0; r < n && !status; r++) {
+        status = l.status[r];
+        square += l.square[r];
+        count += l.count[r];
+    }
+    *rms_N = count > 0.0 ? sqrt(square / count) : 0.0;
+    free(l.square);
+    free(l.status);
     return status;
 }

@@ -7,7 +7,8 @@
 enum {
     EXPLAIN_NUISANCES = 5,                        /* of a run: zero, contact, gain, hum's sine and cosine */
     EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS,
-    EXPLAIN_STARTS = 16                           /* of a suspect, at most */
+    EXPLAIN_STARTS = 16,                          /* of a suspect, at most */
+    EXPLAIN_FREQUENCIES = 601                     /* at which the mains' line is looked for */
 };
 
 /* ---- runs (explain_data.c) ---- */
@@ -18,6 +19,8 @@ typedef struct explain_run {
     unsigned char *use;            /* [n] 0 = an event, or not to be fitted */
     unsigned char *phase;          /* [n] palp_explain_phase */
     double session, white;         /* when it began; sd of a sample's white noise */
+    bool fresh;                    /* on a specimen that no run before it pressed */
+    double worn;                   /* largest strain of the earlier runs on its specimen, by depth */
     double *keep, *take, *weight;  /* [n] the filter that makes its noise white (explain_noise.c) */
     int twin;                      /* earlier run of the same protocol, -1 = none */
     bool held;                     /* kept out of the fit */
@@ -41,9 +44,28 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
                                 const palp_model *model, explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
-palp_forward_run explain_forward_run(const explain_run *run);
 
-/* ---- what a model gives (explain_predict.c): as palp_forward_force ---- */
+/* What a specimen keeps from run to run; zero-initialised before the first. */
+typedef struct explain_wear {
+    palp_forward_wear wear;
+    double slope[EXPLAIN_COLUMNS];
+} explain_wear;
+
+/* For the runs one after the other, in their order, all with one model. */
+palp_forward_run explain_forward_run(const explain_run *run, explain_wear *wear);
+
+/* ---- the session (explain_order.c) ---- */
+
+/* Order of the inputs: by specimen, then by the time at which they began; fresh[n] in that order. */
+void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *order, bool *fresh);
+
+/* Text or number of a file's key, or what is to stand for it. */
+const char *explain_text_of(const palp_experiment *e, const char *key);
+double explain_number_of(const palp_experiment *e, const char *key, double otherwise);
+
+/* ---- what a model gives (explain_predict.c): as palp_forward_force, for a network by forward_network_force ---- */
+bool explain_carries(const palp_model *model, const palp_effect_info *info);
+palp_status explain_height(const palp_model *model, double *height, palp_error *error); /* m, of a network its mesh's */
 palp_status explain_predict(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
                             palp_error *error);
 
@@ -82,6 +104,10 @@ palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit
 /* Products at fit->model. force (NULL or [n]): what the model gives, hum and a run's own numbers left out. */
 palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force);
 
+/* fit->x into fit->model. ERR_ARGUMENT: makes no model. Log likelihood from the products. */
+palp_status explain_fit_to_model(explain_fit *fit);
+double explain_fit_score(const explain_fit *fit, const explain_data *data);
+
 /* Moves to the best parameters near by. */
 palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds);
 
@@ -108,21 +134,42 @@ palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *da
 
 /* ---- suspects (explain_suspect.c, explain_lines.c) ---- */
 
-/* fit with one more effect, refitted from its best starts, if chi2 promises to fall by worth. ERR_UNSUPPORTED: these runs cannot have it (reason). */
-palp_status explain_suspect_fit(const explain_fit *fit, const explain_data *data, const double *residual,
-                                const palp_explain_settings *settings, palp_effect_id id, double worth,
-                                explain_fit *added, const char **reason);
+/* Fits with one more effect, from several starts: a race. */
+typedef struct explain_racer {
+    explain_fit fit;
+    double chi2; /* that one more step promises */
+} explain_racer;
+
+typedef struct explain_race {
+    size_t n; /* best first */
+    explain_racer racer[2 * EXPLAIN_STARTS];
+} explain_race;
+
+void explain_race_free(explain_race *race);
+
+/* The race to its last few, if chi2 promises to fall by worth. ERR_UNSUPPORTED: these runs cannot have it (reason). */
+palp_status explain_suspect_race(const explain_fit *fit, const explain_data *data, const double *residual,
+                                 const palp_explain_settings *settings, palp_effect_id id, double worth,
+                                 explain_race *race, const char **reason);
+
+/* Refits the last few and moves the best one to *added; not all: the first as it is. */
+palp_status explain_suspect_finish(explain_race *race, const explain_data *data, const palp_explain_settings *settings,
+                                   palp_effect_id id, bool all, explain_fit *added);
 
 /* Strongest line of residual[n] over time, 40 to 70 Hz (ERR_UNSUPPORTED: none stands out), and over depth. */
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency, double *amplitude);
 palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
                                   double *phase);
+/* The strongest lines of what is left, at any frequency, and over depth. */
+palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak);
+palp_status explain_peak_in_depth(const explain_data *data, const double *residual, palp_explain_peak *peak);
 
 /* ---- the search (explain_search.c, explain_gap.c) ---- */
 
 /* One suspect beside a fit. */
 typedef struct explain_trial {
     bool tried;
+    explain_race *race;       /* while it runs */
     explain_fit fit;          /* product NULL: could not be had, reason says why */
     const char *reason;
     double raw_gain, gain;    /* log likelihood gained; less what its parameters cost */
@@ -130,13 +177,28 @@ typedef struct explain_trial {
     double held_rest;         /* of that, without the run that gains most */
     double *force;            /* [n] of the model */
     double explained;         /* rms difference of the forces */
+    double shrinks;           /* root of by how much the squared residual shrinks, rms */
 } explain_trial;
+
+/* What was found when each effect was added: models whose last effect is the suspect. */
+typedef struct explain_step {
+    bool has[PALP_EFFECT_COUNT];
+    palp_model model[PALP_EFFECT_COUNT];
+} explain_step;
+
+typedef struct explain_memory {
+    size_t n;
+    explain_step step[PALP_EXPLAIN_EFFECTS];
+} explain_memory;
 
 typedef struct explain_search {
     explain_data data;
     const palp_explain_settings *settings;
+    explain_memory *memory;
+    size_t n_given;           /* effects of the given model */
     double opened;            /* rms that the model as given leaves, N */
     double worth;             /* chi2 that a suspect must promise to be tried */
+    double taken_gain;        /* raw_gain of the trial taken last */
     explain_fit fit;          /* at hand */
     double *force, *residual; /* [n] of it; hum is taken out of the residual */
     explain_trial trial[PALP_EFFECT_COUNT];
@@ -147,6 +209,47 @@ palp_status explain_settle(explain_search *s);
 /* Tries all suspects beside s->fit. */
 palp_status explain_try_all(explain_search *s);
 void explain_trials_free(explain_search *s);
+/* What has come of a suspect's fit (t->fit) beside s->fit. */
+palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t);
+
+/* Held-out log score of b less that of a; its standard error, paired over the runs; less the run that gains most. */
+typedef struct explain_pair {
+    double gain, se, rest;
+} explain_pair;
+palp_status explain_paired(const explain_data *data, const explain_fit *a, const explain_fit *b, explain_pair *pair);
+
+/* ---- a step (explain_step.c) ---- */
+
+/* Why a trial may not be accepted; NULL: it may. */
+const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double floor_N);
+/* The one that gains most of those that may; PALP_EFFECT_COUNT: none. */
+size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status);
+palp_status explain_take(explain_search *s, size_t i);
+/* Takes out an effect that would not be added again beside the others; PALP_EFFECT_COUNT: there is none. */
+palp_status explain_drop(explain_search *s, double threshold, palp_effect_id *dropped);
+
+/* ---- what was accepted (explain_describe.c, explain_interval.c, explain_result.c) ---- */
+
+size_t explain_added_count(const explain_search *s);
+palp_effect explain_added(const explain_search *s, size_t i); /* the hum is the last */
+/* The search at the fit without added effect i, explain_search_free (of both that shares data); full's own fit as the
+ * trial of id there. */
+palp_status explain_search_without(const explain_search *full, size_t i, explain_search *rest);
+palp_status explain_trial_again(const explain_search *full, explain_search *rest, palp_effect_id id);
+void explain_search_free(explain_search *s);
+palp_status explain_describe(explain_search *s, palp_explanation *e);
+palp_status explain_intervals(const explain_fit *fit, const explain_data *data, size_t n_given, double inflation,
+                              palp_explanation *e);
+/* The hum is the model's last effect; its amplitude is the mean of the runs' own. */
+void explain_add_hum(const explain_search *s, palp_explanation *e);
+
+palp_status explain_copy_runs(const explain_search *s, palp_explanation *e);
+void explain_keep_residual(const explain_search *s, palp_explanation *e, bool before);
+void explain_where(const explain_data *data, palp_explanation *e, double floor_N);
+size_t explain_list_suspects(const explain_search *s, double threshold, double floor_N, const bool *seen,
+                             palp_explain_suspect *list);
+/* What is left of e->run's forces (explain_left.c); slips become events. */
+palp_status explain_left_find(explain_data *data, const double *residual, palp_explanation *e);
 /* From fit and its force to the residual without a hum. */
 void explain_residual(const explain_data *data, const explain_fit *fit, const double *force, double *residual);
 
@@ -154,8 +257,9 @@ double explain_rms(size_t n, const double *a, const double *b); /* of a - b */
 double explain_fitted_rms(const explain_data *data, const double *x); /* [n], of the samples that are fitted */
 /* The floor with the fit's scatter. */
 palp_status explain_floor(const explain_data *data, const explain_fit *fit, const double *force, double *floor_N);
-/* rms of what a fit without each run leaves of that run; held runs as they are. */
-palp_status explain_held_out(const explain_data *data, const explain_fit *fit, double *rms_N);
+/* rms of what the fit, refitted without each run, leaves of that run where no other run is less deep; with held
+ * runs, what the fit leaves of them. */
+palp_status explain_held_out(const explain_search *s, double *rms_N);
 size_t explain_samples(const explain_data *data); /* of the runs that are not held */
 /* chi2 per sample of these. */
 double explain_chi2(const explain_data *data, const explain_fit *fit);

@@ -47,7 +47,7 @@ static double power_at(const explain_data *data, const double *y, double frequen
     return power;
 }
 
-enum { GRID = 601, OUTSTANDING = 3 };
+enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3 };
 
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency,
                                  double *amplitude) {
@@ -103,33 +103,48 @@ static line fit_line(size_t n, const double *depth, const double *y, double x) {
     return l;
 }
 
-palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
-                                  double *phase) {
+/* [data->n] each: every so-many-th sample. */
+typedef struct thinned {
+    size_t n;
+    double *depth, *y, low, high;
+} thinned;
+
+static palp_status thin(const explain_data *data, const double *residual, thinned *t) {
     enum { MOST = 6000 };
-    size_t stride = data->n / MOST + 1, n = 0;
-    double *depth = malloc(2 * (data->n / stride + 1) * sizeof *depth), low = HUGE_VAL, high = -HUGE_VAL;
-    if (!depth)
+    size_t stride = data->n / MOST + 1;
+    *t = (thinned){.low = HUGE_VAL, .high = -HUGE_VAL};
+    t->depth = malloc(2 * (data->n / stride + 1) * sizeof *t->depth);
+    if (!t->depth)
         return PALP_ERR_NO_MEMORY;
-    double *y = depth + data->n / stride + 1;
+    t->y = t->depth + data->n / stride + 1;
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
         for (size_t i = 0; i < data->run[r].n; i++)
             if ((at + i) % stride == 0) {
-                depth[n] = data->run[r].depth[i];
-                low = fmin(low, depth[n]);
-                high = fmax(high, depth[n]);
-                y[n++] = residual[at + i];
+                t->depth[t->n] = data->run[r].depth[i];
+                t->low = fmin(t->low, t->depth[t->n]);
+                t->high = fmax(t->high, t->depth[t->n]);
+                t->y[t->n++] = residual[at + i];
             }
+    return PALP_OK;
+}
+
+palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
+                                  double *phase) {
+    thinned t;
+    palp_status status = thin(data, residual, &t);
+    if (status)
+        return status;
     line best = {.x = 0.0};
-    double shortest = fmax(1e-4, (high - low) / 120.0), step = 0.2 / (high - low);
-    for (double x = 1.5 / (high - low); x < 1.0 / shortest; x += step) {
-        line l = fit_line(n, depth, y, x);
+    double shortest = fmax(1e-4, (t.high - t.low) / 120.0), step = 0.2 / (t.high - t.low);
+    for (double x = 1.5 / (t.high - t.low); x < 1.0 / shortest; x += step) {
+        line l = fit_line(t.n, t.depth, t.y, x);
         if (l.power > best.power)
             best = l;
     }
     for (int round = 0; round < 4; round++) {
         step *= 0.4;
         for (int k = -1; k <= 1; k += 2) {
-            line l = fit_line(n, depth, y, best.x + k * step);
+            line l = fit_line(t.n, t.depth, t.y, best.x + k * step);
             if (l.power > best.power)
                 best = l;
         }
@@ -137,6 +152,57 @@ palp_status explain_line_in_depth(const explain_data *data, const double *residu
     *period = best.x > 0.0 ? 1.0 / best.x : 1e-3;
     *amplitude = hypot(best.cosine, best.sine);
     *phase = atan2(best.cosine, best.sine);
-    free(depth);
+    free(t.depth);
+    return PALP_OK;
+}
+
+/* ---- what is left ---- */
+
+palp_status explain_peak_in_depth(const explain_data *data, const double *residual, palp_explain_peak *peak) {
+    enum { LOOKED = 600 };
+    double power[LOOKED];
+    thinned t;
+    palp_status status = thin(data, residual, &t);
+    line best = {.x = 0.0};
+    if (status)
+        return status;
+    for (int k = 0; k < LOOKED; k++) {
+        line l = fit_line(t.n, t.depth, t.y, (1.5 + 0.2 * k) / (t.high - t.low));
+        power[k] = l.power;
+        if (l.power > best.power)
+            best = l;
+    }
+    double typical = recording_kth(power, LOOKED, LOOKED / 2);
+    *peak = (palp_explain_peak){.at = best.x > 0.0 ? 1.0 / best.x : 0.0,
+                                .amplitude_N = hypot(best.cosine, best.sine),
+                                .prominence = typical > 0.0 ? best.power / typical : 0.0};
+    free(t.depth);
+    return PALP_OK;
+}
+
+palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak) {
+    enum { LOOKED = 200 };
+    double power[LOOKED], best = 0.0, fastest = HUGE_VAL, slowest = 0.1;
+    double *y = malloc(data->n * sizeof *y);
+    *peak = (palp_explain_peak){.at = 0.0};
+    if (!y)
+        return PALP_ERR_NO_MEMORY;
+    memcpy(y, residual, data->n * sizeof *y);
+    for (size_t r = 0; r < data->n_runs; r++) { /* no faster than half of the slowest rate */
+        const explain_run *run = &data->run[r];
+        fastest = fmin(fastest, 0.45 * (double)(run->n - 1) / (run->time[run->n - 1] - run->time[0]));
+    }
+    for (int k = 0; k < LOOKED && fastest > slowest; k++) {
+        double f = slowest * pow(fastest / slowest, (double)k / (LOOKED - 1));
+        power[k] = power_at(data, y, f, 10.0);
+        if (power[k] > best) {
+            best = power[k];
+            peak->at = f;
+        }
+    }
+    double typical = fastest > slowest ? recording_kth(power, LOOKED, LOOKED / 2) : 0.0;
+    peak->amplitude_N = 2.0 * sqrt(best / (double)data->n);
+    peak->prominence = typical > 0.0 ? best / typical : 0.0;
+    free(y);
     return PALP_OK;
 }

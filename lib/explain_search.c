@@ -6,6 +6,7 @@
 #include <string.h>
 
 static const double TURN = 6.28318530717958647692;
+static const double CONTENDER = 0.3; /* of what the best suspect promises: with less the fit is not finished */
 
 double explain_rms(size_t n, const double *a, const double *b) {
     double sum = 0.0;
@@ -61,41 +62,35 @@ palp_status explain_settle(explain_search *s) {
 
 /* ---- suspects ---- */
 
-static palp_status compare(const explain_search *s, explain_trial *t) {
-    size_t n = s->data.n_runs, counted = 0;
+palp_status explain_paired(const explain_data *data, const explain_fit *a, const explain_fit *b, explain_pair *pair) {
+    size_t n = data->n_runs, counted = 0;
     double *score = malloc(2 * n * sizeof *score), squares = 0.0, most = -HUGE_VAL;
     if (!score)
         return PALP_ERR_NO_MEMORY;
-    palp_status status = explain_fit_leave_out(&s->fit, &s->data, score, NULL);
+    palp_status status = explain_fit_leave_out(a, data, score, NULL);
     if (!status)
-        status = explain_fit_leave_out(&t->fit, &s->data, score + n, NULL);
-    t->held_gain = 0.0;
+        status = explain_fit_leave_out(b, data, score + n, NULL);
+    *pair = (explain_pair){.gain = 0.0};
     for (size_t r = 0; r < n; r++) {
-        if (s->data.run[r].held) {
-            score[r] = 0.0;
+        if (data->run[r].held)
             continue;
-        }
         score[r] = fmax(score[n + r], -1e12) - fmax(score[r], -1e12);
-        t->held_gain += score[r];
+        pair->gain += score[r];
         most = fmax(most, score[r]);
         counted++;
     }
     for (size_t r = 0; r < n; r++)
-        squares += s->data.run[r].held ? 0.0 : pow(score[r] - t->held_gain / (double)counted, 2);
-    t->held_rest = t->held_gain - most;
-    t->held_se = counted > 1 ? sqrt(squares * (double)counted / (double)(counted - 1)) : 0.0;
+        squares += data->run[r].held ? 0.0 : pow(score[r] - pair->gain / (double)counted, 2);
+    pair->rest = pair->gain - most;
+    pair->se = counted > 1 ? sqrt(squares * (double)counted / (double)(counted - 1)) : 0.0;
     free(score);
     return status;
 }
 
-static palp_status try_one(const explain_search *s, palp_effect_id id, explain_trial *t) {
+palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t) {
     size_t n = s->data.n;
-    palp_status status = explain_suspect_fit(&s->fit, &s->data, s->residual, s->settings, id, s->worth, &t->fit, &t->reason);
-    if (status == PALP_ERR_UNSUPPORTED)
-        return PALP_OK;
-    t->force = status ? NULL : malloc(n * sizeof *t->force);
-    if (!status)
-        status = t->force ? explain_fit_products(&t->fit, &s->data, t->force) : PALP_ERR_NO_MEMORY;
+    t->force = malloc(n * sizeof *t->force);
+    palp_status status = t->force ? explain_fit_products(&t->fit, &s->data, t->force) : PALP_ERR_NO_MEMORY;
     if (status && status != PALP_ERR_NO_MEMORY) {
         explain_fit_free(&t->fit);
         free(t->force);
@@ -108,46 +103,99 @@ static palp_status try_one(const explain_search *s, palp_effect_id id, explain_t
     explain_fit_scatter(&t->fit, &s->data, s->settings);
     double cost = id == PALP_EFFECT_MAINS_HUM ? 0.5 : 0.5 * (double)(t->fit.n_columns - s->fit.n_columns);
     t->raw_gain = t->fit.score - s->fit.score;
-    t->gain = t->raw_gain - cost * log((double)n);
+    t->gain = t->raw_gain - cost * log((double)n) - (id == PALP_EFFECT_MAINS_HUM ? log(EXPLAIN_FREQUENCIES) : 0.0);
     double hum = t->fit.hum_Hz > 0.0 && !(s->fit.hum_Hz > 0.0) ? t->fit.hum_N / sqrt(2.0) : 0.0;
     t->explained = hypot(explain_rms(n, t->force, s->force), hum);
-    return compare(s, t);
+    double before = explain_fitted_rms(&s->data, s->residual), after;
+    double *residual = malloc(n * sizeof *residual);
+    explain_pair pair = {.gain = 0.0};
+    status = residual ? explain_paired(&s->data, &s->fit, &t->fit, &pair) : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        explain_residual(&s->data, &t->fit, t->force, residual);
+        after = explain_fitted_rms(&s->data, residual);
+        t->shrinks = sqrt(fmax(0.0, before * before - after * after));
+        t->held_gain = pair.gain;
+        t->held_se = pair.se;
+        t->held_rest = pair.rest;
+    }
+    free(residual);
+    return status;
 }
 
 typedef struct work {
     explain_search *search;
+    double behind; /* chi2 above which a suspect has lost the race */
     palp_status status[PALP_EFFECT_COUNT];
 } work;
 
-static void task(void *user, size_t i) {
+static void race_task(void *user, size_t i) {
     work *w = user;
+    const explain_search *s = w->search;
     explain_trial *t = &w->search->trial[i];
-    if (!w->search->settings->candidate[i])
+    if (!s->settings->candidate[i])
         return;
     t->tried = true;
-    w->status[i] = try_one(w->search, (palp_effect_id)i, t);
+    t->race = calloc(1, sizeof *t->race);
+    w->status[i] = t->race ? explain_suspect_race(&s->fit, &s->data, s->residual, s->settings, (palp_effect_id)i, s->worth,
+                                                  t->race, &t->reason)
+                           : PALP_ERR_NO_MEMORY;
+    if (w->status[i] == PALP_ERR_UNSUPPORTED) {
+        explain_race_free(t->race);
+        w->status[i] = PALP_OK;
+    }
+}
+
+static void finish_task(void *user, size_t i) {
+    work *w = user;
+    const explain_search *s = w->search;
+    explain_trial *t = &w->search->trial[i];
+    if (!t->race || t->race->n == 0)
+        return;
+    bool all = t->race->racer[0].chi2 <= w->behind;
+    w->status[i] = explain_suspect_finish(t->race, &s->data, s->settings, (palp_effect_id)i, all, &t->fit);
+    if (!w->status[i])
+        w->status[i] = explain_trial_examine(s, (palp_effect_id)i, t);
+}
+
+static palp_status all_tasks(const explain_search *s, void (*task)(void *, size_t), work *w) {
+    if (s->settings->loop)
+        s->settings->loop(s->settings->loop_user, PALP_EFFECT_COUNT, task, w);
+    else
+        for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
+            task(w, i);
+    for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
+        if (w->status[i])
+            return w->status[i];
+    return PALP_OK;
 }
 
 palp_status explain_try_all(explain_search *s) {
     work w = {.search = s};
-    const palp_explain_settings *set = s->settings;
-    double excess = (explain_chi2(&s->data, &s->fit) - 1.0) * (double)explain_samples(&s->data);
-    s->worth = fmax(s->worth, 0.02 * excess);
+    double samples = (double)explain_samples(&s->data), start = explain_chi2(&s->data, &s->fit) * samples, best = start;
+    s->worth = fmax(s->worth, 0.02 * (start - samples));
     explain_trials_free(s);
-    if (set->loop)
-        set->loop(set->loop_user, PALP_EFFECT_COUNT, task, &w);
-    else
-        for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
-            task(&w, i);
-    for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
-        if (w.status[i])
-            return w.status[i];
-    return PALP_OK;
+    palp_status status = all_tasks(s, race_task, &w);
+    for (size_t i = 0; i < PALP_EFFECT_COUNT && !status; i++)
+        if (s->trial[i].race && s->trial[i].race->n > 0)
+            best = fmin(best, s->trial[i].race->racer[0].chi2);
+    w.behind = start - CONTENDER * (start - best);
+    if (!status)
+        status = all_tasks(s, finish_task, &w);
+    for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
+        if (s->trial[i].race)
+            explain_race_free(s->trial[i].race);
+        free(s->trial[i].race);
+        s->trial[i].race = NULL;
+    }
+    return status;
 }
 
 void explain_trials_free(explain_search *s) {
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
         explain_fit_free(&s->trial[i].fit);
+        if (s->trial[i].race)
+            explain_race_free(s->trial[i].race);
+        free(s->trial[i].race);
         free(s->trial[i].force);
         s->trial[i] = (explain_trial){0};
     }

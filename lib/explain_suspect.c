@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double POOR = 1.5; /* chi2 per sample of a fit that may have gone astray */
+static const double POOR = 1.2; /* chi2 per sample of a fit that may have gone astray */
 
 typedef struct starts {
     size_t n;
@@ -36,7 +36,7 @@ static bool clipped(const explain_data *data, double *limit) {
 
 static palp_status find_starts(palp_effect_id id, const explain_data *data, const double *residual, starts *s,
                                const char **reason) {
-    static const double parts[] = {0.01, 0.04, 0.15}; /* of the deepest; for a lag: seconds */
+    static const double parts[] = {0.01, 0.04, 0.15, 0.6}; /* of the deepest; for a lag: seconds */
     double limit, period, amplitude, phase;
     palp_status status = PALP_OK;
     switch (id) {
@@ -59,6 +59,10 @@ static palp_status find_starts(palp_effect_id id, const explain_data *data, cons
         add(s, id, 0.01, 0.0, 0.0);
         add(s, id, 0.1, 0.0, 0.0);
         break;
+    case PALP_EFFECT_PLATE_SLIP: /* from a firm hold its force hardly changes */
+        add(s, id, 0.05, 0.0, 0.0);
+        add(s, id, 0.4, 0.0, 0.0);
+        break;
     case PALP_EFFECT_TOE_REGION:
         for (int k = 0; k < 3; k++)
             add(s, id, parts[k] * data->deepest, 0.0, 0.0);
@@ -68,10 +72,11 @@ static palp_status find_starts(palp_effect_id id, const explain_data *data, cons
             *reason = "no plate lets go with a jump";
             return PALP_ERR_UNSUPPORTED;
         }
-        add(s, id, data->pull, 0.0, 0.0);
+        for (int k = 0; k < 3; k++) /* a plate that lets go too early is better than one that never does */
+            add(s, id, data->pull * (1.0 - 0.07 * k), 0.0, 0.0);
         break;
     case PALP_EFFECT_SENSOR_LAG:
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 4; k++)
             add(s, id, parts[k], 0.0, 0.0);
         break;
     case PALP_EFFECT_FORCE_SATURATION:
@@ -112,24 +117,25 @@ static palp_status added_at(const explain_fit *base, const explain_data *data, c
     return status;
 }
 
-static palp_status hum_fit(const explain_fit *base, const explain_data *data, const double *residual,
-                           const palp_explain_settings *settings, explain_fit *added, const char **reason) {
+static palp_status hum_race(const explain_fit *base, const explain_data *data, const double *residual,
+                            const palp_explain_settings *settings, explain_race *race, const char **reason) {
+    explain_fit *added = &race->racer[0].fit;
     if (base->hum_Hz > 0.0) {
         *reason = "is in the model already";
         return PALP_ERR_UNSUPPORTED;
     }
     palp_status status = explain_fit_copy(base, data->n_runs, added);
-    if (!status)
-        status = explain_line_in_time(data, residual, &added->hum_Hz, &added->hum_N);
-    if (status == PALP_ERR_UNSUPPORTED) {
+    if (status)
+        return status;
+    race->n = 1;
+    status = explain_line_in_time(data, residual, &added->hum_Hz, &added->hum_N);
+    if (status == PALP_ERR_UNSUPPORTED)
         *reason = "no line stands out between 40 and 70 Hz";
-        explain_fit_free(added);
-    }
     if (!status)
         status = explain_fit_products(added, data, NULL);
     if (!status)
         explain_fit_scatter(added, data, settings);
-    return status;
+    return status ? status : explain_fit_predict(added, data, &race->racer[0].chi2);
 }
 
 static bool has(const explain_fit *fit, palp_effect_id id) {
@@ -139,25 +145,33 @@ static bool has(const explain_fit *fit, palp_effect_id id) {
     return false;
 }
 
-/* When the plate lets go jumps from sample to sample, which no derivative shows: tries values near by. */
+/* fit's copy with the pull (its last parameter) elsewhere, refitted; the better one stays in fit. */
+static palp_status try_pull(explain_fit *fit, const explain_data *data, double pull) {
+    explain_fit next;
+    size_t k = fit->n_columns - 1;
+    palp_status status = explain_fit_copy(fit, data->n_runs, &next);
+    if (status)
+        return status;
+    next.x[k] = pull;
+    next.model.effects[next.model.n_effects - 1].value[0] = pull;
+    status = explain_fit_products(&next, data, NULL);
+    if (!status)
+        status = explain_fit_improve(&next, data, 2);
+    bool better = !status && next.score > fit->score;
+    explain_fit_free(better ? fit : &next);
+    if (better)
+        *fit = next;
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* When the plate lets go jumps from sample to sample, which no derivative shows: tries the pull that was recorded, and
+ * values near by. */
 static palp_status nudge_adhesion(explain_fit *fit, const explain_data *data) {
-    size_t k = fit->n_columns - 1; /* its only parameter is the last */
-    palp_status status = PALP_OK;
+    const double *at = &fit->x[fit->n_columns - 1];
+    palp_status status = try_pull(fit, data, data->pull);
     for (double reach = 0.04; reach > 2e-3 && !status; reach *= 0.5)
-        for (int side = -1; side <= 1 && !status; side += 2) {
-            explain_fit next;
-            status = explain_fit_copy(fit, data->n_runs, &next);
-            if (status)
-                return status;
-            next.x[k] *= 1.0 + side * reach;
-            next.model.effects[next.model.n_effects - 1].value[0] = next.x[k];
-            palp_status tried = explain_fit_products(&next, data, NULL);
-            bool better = !tried && next.score > fit->score;
-            explain_fit_free(better ? fit : &next);
-            if (better)
-                *fit = next;
-            status = tried == PALP_ERR_NO_MEMORY ? tried : PALP_OK;
-        }
+        for (int side = -1; side <= 1 && !status; side += 2)
+            status = try_pull(fit, data, *at * (1.0 + side * reach));
     return status;
 }
 
@@ -174,77 +188,136 @@ static palp_status go_back(explain_fit *fit, const explain_data *data) {
     return explain_fit_products(fit, data, NULL);
 }
 
-/* Polishes from a start; the better one stays in *best. */
-static palp_status polish(const explain_fit *base, const explain_data *data, const palp_explain_settings *settings,
-                          const palp_effect *start, bool back, explain_fit *best) {
-    explain_fit fit;
-    palp_status status = added_at(base, data, start, &fit);
-    if (!status && back) {
-        status = go_back(&fit, data);
-        if (status)
-            explain_fit_free(&fit);
-    }
+/* ---- a race from many starts ---- */
+
+void explain_race_free(explain_race *race) {
+    for (size_t i = 0; i < race->n; i++)
+        explain_fit_free(&race->racer[i].fit);
+    race->n = 0;
+}
+
+/* Best first; equal ones as they came. */
+static void race_sort(explain_race *r) {
+    for (size_t i = 1; i < r->n; i++)
+        for (size_t k = i; k > 0 && r->racer[k].chi2 < r->racer[k - 1].chi2; k--) {
+            explain_racer other = r->racer[k];
+            r->racer[k] = r->racer[k - 1];
+            r->racer[k - 1] = other;
+        }
+}
+
+static void race_keep(explain_race *r, size_t n) {
+    race_sort(r);
+    while (r->n > n)
+        explain_fit_free(&r->racer[--r->n].fit);
+}
+
+/* One from a start, from the base's parameters (what one more step promises), or from those as given (after rounds
+ * of improvement). A start without a solution does not take part. */
+static palp_status race_enter(explain_race *r, const explain_fit *base, const explain_data *data, const palp_effect *start,
+                              size_t rounds_back) {
+    explain_racer *new = &r->racer[r->n];
+    palp_status status = added_at(base, data, start, &new->fit);
     if (status)
         return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-    status = explain_fit_improve(&fit, data, 10);
-    if (!status && start->id == PALP_EFFECT_ADHESION)
-        status = nudge_adhesion(&fit, data);
+    status = rounds_back ? go_back(&new->fit, data) : PALP_OK;
     if (!status)
-        explain_fit_scatter(&fit, data, settings);
+        status = rounds_back ? explain_fit_improve(&new->fit, data, rounds_back) : PALP_OK;
     if (!status)
-        status = explain_fit_improve(&fit, data, 3);
-    if (!status)
-        explain_fit_scatter(&fit, data, settings);
-    if (!status && (!best->product || fit.score > best->score)) {
-        explain_fit_free(best);
-        *best = fit;
-    } else {
-        explain_fit_free(&fit);
+        status = explain_fit_predict(&new->fit, data, &new->chi2);
+    if (status) {
+        explain_fit_free(&new->fit);
+        return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    }
+    r->n++;
+    return PALP_OK;
+}
+
+static palp_status race_run(explain_race *r, const explain_data *data, size_t rounds) {
+    palp_status status = PALP_OK;
+    for (size_t i = 0; i < r->n && !status; i++) {
+        status = explain_fit_improve(&r->racer[i].fit, data, rounds);
+        if (!status)
+            status = explain_fit_predict(&r->racer[i].fit, data, &r->racer[i].chi2);
     }
     return status;
 }
 
-palp_status explain_suspect_fit(const explain_fit *base, const explain_data *data, const double *residual,
-                                const palp_explain_settings *settings, palp_effect_id id, double worth,
-                                explain_fit *added, const char **reason) {
-    enum { POLISHED = 2 };
+static palp_status finish(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings,
+                          palp_effect_id id) {
+    palp_status status = explain_fit_improve(fit, data, 15);
+    if (!status && id == PALP_EFFECT_ADHESION)
+        status = nudge_adhesion(fit, data);
+    if (!status)
+        explain_fit_scatter(fit, data, settings);
+    if (!status)
+        status = explain_fit_improve(fit, data, 3);
+    if (!status)
+        explain_fit_scatter(fit, data, settings);
+    return status;
+}
+
+/* The starts that promise most, from the base's parameters and, where it fits badly, from those as given. */
+static palp_status race_fill(explain_race *r, const explain_fit *base, const explain_data *data, const starts *s, double worth) {
+    enum { AHEAD = 3, BACK = 2 };
+    palp_status status = PALP_OK;
+    for (size_t k = 0; k < s->n && !status; k++)
+        status = race_enter(r, base, data, &s->effect[k], 0);
+    race_keep(r, AHEAD);
+    while (r->n > 0 && !(r->racer[r->n - 1].chi2 < worth))
+        explain_fit_free(&r->racer[--r->n].fit);
+    bool back = explain_chi2(data, base) > POOR && base->model.kind != PALP_MODEL_NETWORK; /* whose fits are dear */
+    for (size_t k = 0; k < s->n && !status && back; k++)
+        status = race_enter(r, base, data, &s->effect[k], BACK);
+    return status;
+}
+
+palp_status explain_suspect_race(const explain_fit *base, const explain_data *data, const double *residual,
+                                 const palp_explain_settings *settings, palp_effect_id id, double worth,
+                                 explain_race *race, const char **reason) {
+    enum { RUNNERS = 4, FINALISTS = 2 };
     const palp_effect_info *info = palp_effect_look_up(id);
-    memset(added, 0, sizeof *added);
-    if (!info->in_lumped || (has(base, id) && !info->repeats)) {
-        *reason = info->in_lumped ? "is in the model already" : "a lumped model cannot have it";
+    race->n = 0;
+    if (!explain_carries(&base->model, info) || (has(base, id) && !info->repeats)) {
+        *reason = explain_carries(&base->model, info) ? "is in the model already" : "a model of this kind cannot have it";
         return PALP_ERR_UNSUPPORTED;
     }
     if (id == PALP_EFFECT_MAINS_HUM)
-        return hum_fit(base, data, residual, settings, added, reason);
+        return hum_race(base, data, residual, settings, race, reason);
     starts s = {0};
-    double promise[EXPLAIN_STARTS];
     palp_status status = find_starts(id, data, residual, &s, reason);
     worth = explain_chi2(data, base) * (double)explain_samples(data) - worth;
-    for (size_t k = 0; k < s.n && !status; k++) {
-        explain_fit fit;
-        promise[k] = HUGE_VAL;
-        if (added_at(base, data, &s.effect[k], &fit))
-            continue;
-        status = explain_fit_predict(&fit, data, &promise[k]);
-        explain_fit_free(&fit);
+    if (id == PALP_EFFECT_SESSION_AGEING) /* the scatter of gains may hide it: that shrinks later */
+        worth = HUGE_VAL;
+    if (!status)
+        status = race_fill(race, base, data, &s, worth);
+    if (!status) {
+        race_keep(race, RUNNERS);
+        status = race_run(race, data, 4);
+        race_keep(race, FINALISTS);
     }
-    for (size_t round = 0; round < POLISHED && round < s.n && !status; round++) {
-        size_t best = 0;
-        for (size_t k = 1; k < s.n; k++)
-            if (promise[k] < promise[best])
-                best = k;
-        bool promising = promise[best] < worth;
-        if (promising)
-            status = polish(base, data, settings, &s.effect[best], false, added);
-        if (!status && round == 0 && explain_chi2(data, added->product ? added : base) > POOR)
-            status = polish(base, data, settings, &s.effect[best], true, added);
-        if (!promising)
-            break;
-        promise[best] = HUGE_VAL;
-    }
-    if (!status && !added->product) {
+    if (!status && race->n == 0) {
         *reason = "gains no more than chance does";
         status = PALP_ERR_UNSUPPORTED;
+    }
+    return status;
+}
+
+palp_status explain_suspect_finish(explain_race *race, const explain_data *data, const palp_explain_settings *settings,
+                                   palp_effect_id id, bool all, explain_fit *added) {
+    palp_status status = PALP_OK;
+    memset(added, 0, sizeof *added);
+    for (size_t i = 0; !status && i < (all ? race->n : 1); i++) {
+        explain_fit *fit = &race->racer[i].fit;
+        if (all && id != PALP_EFFECT_MAINS_HUM)
+            status = finish(fit, data, settings, id);
+        else
+            explain_fit_scatter(fit, data, settings);
+        if (!status && (!added->product || fit->score > added->score)) {
+            explain_fit_free(added);
+            *added = *fit;
+            memset(fit, 0, sizeof *fit);
+        }
     }
     if (status)
         explain_fit_free(added);
@@ -261,7 +334,7 @@ palp_status explain_directions_find(const explain_search *s, explain_directions 
         const char *reason = NULL;
         const palp_effect_info *info = palp_effect_look_up((palp_effect_id)id);
         bool there = has(&s->fit, (palp_effect_id)id) && !info->repeats;
-        if (!s->settings->candidate[id] || !info->in_lumped || there || id == PALP_EFFECT_MAINS_HUM)
+        if (!s->settings->candidate[id] || !explain_carries(&s->fit.model, info) || there || id == PALP_EFFECT_MAINS_HUM)
             continue;
         status = find_starts((palp_effect_id)id, &s->data, s->residual, &list, &reason);
         if (status == PALP_ERR_UNSUPPORTED) {
@@ -283,7 +356,8 @@ static palp_status strength_column(const palp_model *model, const palp_effect *e
     *more = *model;
     size_t k = palp_forward_parameter_count(model);
     more->effects[more->n_effects++] = *effect;
-    palp_forward_run path = explain_forward_run(run);
+    explain_wear wear = {.wear.peak = run->worn};
+    palp_forward_run path = explain_forward_run(run, &wear);
     palp_status status = explain_predict(more, &path, work, work + run->n, NULL);
     if (status)
         memset(column, 0, run->n * sizeof *column);
@@ -299,7 +373,8 @@ palp_status explain_directions_columns(const explain_search *s, const explain_di
     static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
     size_t n = run->n, k = s->fit.n_columns;
     double *work = malloc((k + PALP_EFFECT_PARAMETERS + 1) * n * sizeof *work);
-    palp_forward_run path = explain_forward_run(run);
+    explain_wear wear = {.wear.peak = run->worn};
+    palp_forward_run path = explain_forward_run(run, &wear);
     palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n && work; i++)
         column[i] = 1.0;

@@ -114,7 +114,7 @@ double forward_sensor_read(forward_sensor *s, const effect_moment *at, double fo
 
 /* Where the instrument is at sample i: velocity and acceleration of the parabola through it and its
  * neighbours; at the ends the velocity of the only interval, and none. */
-static effect_moment moment_at(const palp_forward_run *run, size_t i) {
+effect_moment forward_moment(const palp_forward_run *run, size_t i) {
     const double *t = run->time_s, *d = run->depth_m;
     effect_moment m = {.time = t[i], .since = t[i] - t[0], .depth = d[i], .hum_phase = run->hum_phase};
     double before = i ? t[i] - t[i - 1] : 0.0, after = i + 1 < run->n ? t[i + 1] - t[i] : 0.0;
@@ -127,7 +127,7 @@ static effect_moment moment_at(const palp_forward_run *run, size_t i) {
     return m;
 }
 
-static palp_status check_run(const palp_forward_run *run, palp_error *error) {
+palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
     for (size_t i = 0; i < run->n; i++)
         if (!isfinite(run->time_s[i]) || !isfinite(run->depth_m[i]) ||
             (i && !(run->time_s[i] > run->time_s[i - 1])))
@@ -153,7 +153,7 @@ static palp_status move_to(forward_plate *plate, const palp_forward_run *run, si
 static palp_status follow(forward_plate *plate, forward_sensor *s, const palp_forward_run *run,
                           double *force_N, double *gradient, palp_error *error) {
     for (size_t i = 0; i < run->n; i++) {
-        effect_moment at = moment_at(run, i);
+        effect_moment at = forward_moment(run, i);
         palp_status status = move_to(plate, run, i, at.velocity);
         if (status)
             return palp_error_set(error, status, "at %.6g s, depth %.6g mm: %s", run->time_s[i],
@@ -170,7 +170,7 @@ palp_status forward_run(const forward_plan *plan, const forward_specimen *specim
                         const palp_forward_run *run, double *force_N, double *gradient, palp_error *error) {
     forward_plate plate;
     forward_sensor s;
-    palp_status status = check_run(run, error);
+    palp_status status = forward_check_run(run, error);
     if (status)
         return status;
     status = forward_plate_create(plan, specimen, &plate);
@@ -197,8 +197,12 @@ palp_status palp_forward_force(const palp_model *model, const palp_forward_run *
     status = forward_lumped_create(&plan, gradient ? plan.n_columns : 0, &lumped);
     if (status)
         return palp_error_set(error, status, "out of memory");
+    if (run->wear)
+        forward_lumped_wear(lumped, run->wear);
     forward_specimen specimen = forward_lumped_specimen(lumped);
     status = forward_run(&plan, &specimen, run, force_N, gradient, error);
+    if (run->wear && !status)
+        forward_lumped_worn(lumped, run->wear);
     forward_lumped_free(lumped);
     return status;
 }

@@ -307,7 +307,7 @@ static palp_status let_be(forward_plate *p) {
     double end = next_share(p), rest = p->strain, force = 0.0, slope = 0.0, force_dt;
     double *rest_p = p->work + 3 * n, *end_p = end < 1.0 ? p->done_p : NULL;
     equation q = {.plate = p, .share = end};
-    memset(rest_p, 0, n * sizeof *rest_p);
+    memcpy(rest_p, p->strain_p, n * sizeof *rest_p);
     if (!p->fresh) {
         palp_status status = forward_solve(free_surface, &q, STRAIN_LOW, STRAIN_HIGH, &rest);
         if (status)
@@ -339,7 +339,10 @@ palp_status forward_plate_start(forward_plate *p, double time, double depth) {
     p->fresh = true;
     p->time[0] = p->time[1] = time;
     p->depth[0] = p->depth[1] = depth;
-    if (!(held(p, depth, 0.0).strain > 0.0))
+    p->strain = p->specimen.rest;
+    if (p->specimen.rest_p)
+        memcpy(p->strain_p, p->specimen.rest_p, p->specimen.n_columns * sizeof *p->strain_p);
+    if (!(held(p, depth, 0.0).strain > p->strain))
         return PALP_OK;
     double strain, force, slope;
     p->fresh = false;
@@ -363,6 +366,11 @@ palp_status forward_plate_move(forward_plate *p, double time, double depth, doub
     while (p->done < 1.0) {
         double strain, force, slope;
         palp_status status;
+        if (!p->touching && p->abandons) {
+            p->force = 0.0;
+            memset(p->force_p, 0, n * sizeof *p->force_p);
+            return PALP_OK;
+        }
         if (!p->touching) {
             status = let_be(p);
         } else {
@@ -376,6 +384,17 @@ palp_status forward_plate_move(forward_plate *p, double time, double depth, doub
             return status;
     }
     return PALP_OK;
+}
+
+double forward_plate_stiffness(const forward_plate *p, double slope) {
+    if (!p->touching)
+        return 0.0;
+    surface s = held(p, p->depth[1], p->force);
+    return p->plan->age * slope * s.by_depth / (1.0 - s.by_force * p->plan->age * slope);
+}
+
+bool forward_plate_clear(const forward_plate *p, double depth) {
+    return !(held(p, depth, 0.0).strain > 0.0);
 }
 
 palp_status forward_plate_step(forward_plate *p, double dt, double depth, double velocity) {

@@ -8,6 +8,9 @@
 #include "effect_internal.h"
 #include "element.h"
 
+/* Of an arm that is off, N: it adds nothing to any force, and still has derivatives. */
+#define FORWARD_NO_STIFFNESS 1e-200
+
 /* A map or a sensor of the chain, with its parameters and the column of the first. */
 typedef struct forward_stage {
     const effect_row *row;
@@ -69,12 +72,26 @@ typedef struct forward_specimen {
     double height;
     double shortest; /* relaxation time, s; 0 = it has none */
     size_t n_columns;
+    double rest;          /* strain of the surface before it is touched, */
+    const double *rest_p; /* [n_columns] and its derivatives; NULL = all 0 */
 } forward_specimen;
 
 typedef struct forward_lumped forward_lumped;
 palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, forward_lumped **lumped);
 void forward_lumped_free(forward_lumped *lumped);
 forward_specimen forward_lumped_specimen(forward_lumped *lumped);
+
+/* Takes the wear over before the first step; tells it after the last. */
+void forward_lumped_wear(forward_lumped *lumped, const palp_forward_wear *wear);
+void forward_lumped_worn(const forward_lumped *lumped, palp_forward_wear *wear);
+
+/* Of one element: adds to force_p what the spring's own parameters change, strain and peak held; decades: of the
+ * rate. */
+void forward_spring_own(const forward_plan *plan, const element_worn *spring, double peak, double boost,
+                        double decades, double *force_p);
+
+/* The law's coefficients move the drive of a quasi-linear arm, K(e) e / K(0), from strain e[0] to e[1]. */
+void forward_quasi_linear_own(const palp_law *law, const double e[2], double drive, double *row);
 
 /* settings may be NULL. A spectrum becomes arms of the plan that hold for steps from shortest, in all whole
  * seconds (0: none). */
@@ -83,6 +100,37 @@ palp_status forward_network_create(forward_plan *plan, const palp_network_settin
                                    double whole, forward_network **network, palp_error *error);
 void forward_network_free(forward_network *network);
 forward_specimen forward_network_specimen(forward_network *network);
+
+/* palp_forward_network with derivatives (gradient may be NULL). The network is solved at chosen samples, its force
+ * on the plate interpolated between them; where the plate meets or leaves it, at every one (forward_knots.c).
+ * ERR_UNSUPPORTED: mass, or PALP_SEDEF2008. */
+palp_status forward_network_force(const palp_model *model, const palp_forward_run *run, double *force_N,
+                                  double *gradient, palp_error *error);
+
+/* The state of the last commit kept, and gone back to; d force / d surface strain of the last commit. */
+void forward_network_keep(forward_network *network);
+void forward_network_back(forward_network *network);
+double forward_network_slope(const forward_network *network);
+
+/* Derivatives of a network's force, carried through its steps (forward_slopes.c). A spectrum's arms are those from
+ * first on; mode[n]. */
+typedef struct forward_spectrum {
+    size_t first, n, column, n_values;
+    effect_mode mode[PALP_ARMS_MAX];
+} forward_spectrum;
+
+typedef struct forward_slopes forward_slopes;
+#define FORWARD_SLIP 1e-6 /* of plate_slip at either end, where one or the other would be a limit */
+palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, size_t n_spectra,
+                                  const forward_spectrum *spectrum, forward_slopes **slopes);
+void forward_slopes_free(forward_slopes *slopes);
+void forward_slopes_keep(forward_slopes *slopes, bool back);
+
+/* Of the trial at hand, whose network_weights are weight[n_elements], stiffness and net->fint; then as
+ * forward_specimen. advance makes them those of the state, before the network's commit. */
+void forward_slopes_find(forward_slopes *slopes, const double *weight, double stiffness, double decades);
+void forward_slopes_hold(forward_slopes *slopes, double *force_p, double *force_dt);
+void forward_slopes_advance(forward_slopes *slopes, const double *strain_p, const double *dt_p, double *force_p);
 
 /* ---- the plate (forward_contact.c) ---- */
 
@@ -93,6 +141,7 @@ typedef struct forward_plate {
     double force, *force_p;   /* on the plate */
     double strain, *strain_p; /* of the surface */
     double released;          /* when the plate last left it, s */
+    bool abandons;            /* a surface let go is not followed: the plate does not come back */
     /* the step at hand: from depth[0] at time[0] to depth[1] at time[1], where the plate has velocity; done:
      * the share that is committed */
     double time[2], depth[2], velocity, done, *done_p;
@@ -108,6 +157,11 @@ void forward_plate_free(forward_plate *plate);
 /* Puts the plate at its first depth, at once. Then moves it on to a depth at a time, linearly. */
 palp_status forward_plate_start(forward_plate *plate, double time, double depth);
 palp_status forward_plate_move(forward_plate *plate, double time, double depth, double velocity);
+
+/* d force / d depth of the last move, the specimen's own by strain given; and whether the plate is clear of a
+ * specimen at rest at that depth. */
+double forward_plate_stiffness(const forward_plate *plate, double slope);
+bool forward_plate_clear(const forward_plate *plate, double depth);
 
 /* The same by a step of dt to the bit, whatever the time: the plate's clock starts anew. */
 palp_status forward_plate_step(forward_plate *plate, double dt, double depth, double velocity);
@@ -131,6 +185,16 @@ void forward_sensor_free(forward_sensor *sensor);
 
 /* Takes a force and sensor->force_p through the stages. */
 double forward_sensor_read(forward_sensor *sensor, const effect_moment *at, double force);
+
+/* Where the instrument is at sample i. */
+effect_moment forward_moment(const palp_forward_run *run, size_t i);
+
+/* ERR_ARGUMENT: times that do not increase, numbers that are not finite. */
+palp_status forward_check_run(const palp_forward_run *run, palp_error *error);
+
+/* The same for a network, solved at chosen samples (forward_knots.c). */
+palp_status forward_run_knots(const forward_plan *plan, forward_network *network, const palp_forward_run *run,
+                              double *force_N, double *gradient, palp_error *error);
 
 /* The whole chain of one recording; gradient is NULL or takes the specimen's columns (forward.c). */
 palp_status forward_run(const forward_plan *plan, const forward_specimen *specimen,

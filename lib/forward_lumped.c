@@ -136,29 +136,28 @@ static void find_spring(forward_lumped *l) {
     palp_law_force(law, 1, &e, &l->spring.force, &l->spring.by_strain, NULL);
 }
 
-/* What the spring's own parameters change, strain and peak held. */
-static void spring_own(const forward_lumped *l, double *force_p) {
-    const palp_law *law = &l->plan->material.law;
-    const size_t *column = l->plan->column;
-    const element_worn *s = &l->spring;
+void forward_spring_own(const forward_plan *plan, const element_worn *s, double peak_strain, double boost,
+                        double decades, double *force_p) {
+    const palp_law *law = &plan->material.law;
+    const size_t *column = plan->column;
     double row[PALP_LAW_MAX], inner[PALP_LAW_MAX], peak[PALP_LAW_MAX], force = s->force / s->factor;
     palp_law_gradient(law, s->inner, row);
     for (size_t k = 0; k < law->n; k++)
-        force_p[k] += l->step.boost * s->factor * row[k];
+        force_p[k] += boost * s->factor * row[k];
     if (s->factor_by_energy != 0.0) {
         energy_gradient(law, s->inner, inner);
-        energy_gradient(law, l->now.peak, peak);
+        energy_gradient(law, peak_strain, peak);
         for (size_t k = 0; k < law->n; k++)
             force_p[k] +=
-                l->step.boost * force * (s->factor_by_energy * inner[k] + s->factor_by_peak_energy * peak[k]);
+                boost * force * (s->factor_by_energy * inner[k] + s->factor_by_peak_energy * peak[k]);
     }
-    if (l->plan->value[PALP_EFFECT_RATE_STIFFENING])
-        force_p[column[PALP_EFFECT_RATE_STIFFENING]] += l->decades * s->force;
-    if (l->plan->value[PALP_EFFECT_PERMANENT_SET])
-        force_p[column[PALP_EFFECT_PERMANENT_SET]] += l->step.boost * s->by_set;
-    if (l->plan->value[PALP_EFFECT_DAMAGE_SOFTENING]) {
-        force_p[column[PALP_EFFECT_DAMAGE_SOFTENING]] += l->step.boost * s->by_softening;
-        force_p[column[PALP_EFFECT_DAMAGE_SOFTENING] + 1] += l->step.boost * s->by_sharpness;
+    if (plan->value[PALP_EFFECT_RATE_STIFFENING])
+        force_p[column[PALP_EFFECT_RATE_STIFFENING]] += decades * s->force;
+    if (plan->value[PALP_EFFECT_PERMANENT_SET])
+        force_p[column[PALP_EFFECT_PERMANENT_SET]] += boost * s->by_set;
+    if (plan->value[PALP_EFFECT_DAMAGE_SOFTENING]) {
+        force_p[column[PALP_EFFECT_DAMAGE_SOFTENING]] += boost * s->by_softening;
+        force_p[column[PALP_EFFECT_DAMAGE_SOFTENING] + 1] += boost * s->by_sharpness;
     }
 }
 
@@ -180,11 +179,8 @@ static element_partials arm_partials(const forward_lumped *l, size_t j) {
                               .log_time = x * (decay * l->now.arm[j] - turn * rise)};
 }
 
-/* The law's coefficients move the drive of a quasi-linear arm, K(e) e / K(0). */
-static void quasi_linear_own(const forward_lumped *l, double drive, double *row) {
-    const palp_law *law = &l->plan->material.law;
+void forward_quasi_linear_own(const palp_law *law, const double e[2], double drive, double *row) {
     double start, elastic[2], by[2][PALP_LAW_MAX], by_start[PALP_LAW_MAX], small = 1e-9;
-    double e[2] = {l->now.strain, l->next.strain};
     palp_law_stiffness(law, 0.0, &start, NULL);
     palp_law_force(law, 2, e, elastic, NULL, NULL);
     palp_law_gradient(law, e[0], by[0]);
@@ -216,7 +212,7 @@ static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p
         row[plan->column[PALP_EFFECT_STRAIN_DEPENDENT_ARM] + 1] += p.gamma;
     }
     if (plan->material.quasi_linear)
-        quasi_linear_own(l, p.drive, row);
+        forward_quasi_linear_own(&plan->material.law, (double[2]){l->now.strain, l->next.strain}, p.drive, row);
     for (size_t k = 0; dt_p && k < l->n_columns; k++)
         row[k] -= p.log_time / l->step.dt * dt_p[k];
 }
@@ -289,7 +285,7 @@ static void propagate(forward_lumped *l, const double *strain_p, const double *d
         force_p[k] = by_strain * strain_p[k] + by_peak * d->peak[k] + dashpot * (strain_p[k] - d->strain[k]);
     for (size_t k = 0; k < n && dashpot > 0.0 && dt_p; k++)
         force_p[k] -= dashpot * rise / l->step.dt * dt_p[k];
-    spring_own(l, force_p);
+    forward_spring_own(l->plan, &l->spring, l->now.peak, l->step.boost, l->decades, force_p);
     for (size_t j = 0; j < l->plan->material.n_arms; j++) {
         arm_slopes(l, j, strain_p, dt_p);
         add_row(l, 1.0, force_p);
@@ -408,5 +404,32 @@ forward_specimen forward_lumped_specimen(forward_lumped *l) {
                               .commit = commit,
                               .height = l->plan->model->height_m,
                               .shortest = shortest_time(l),
-                              .n_columns = l->n_columns};
+                              .n_columns = l->n_columns,
+                              .rest = l->now.strain,
+                              .rest_p = l->n_columns ? l->d.strain : NULL};
+}
+
+/* ---- wear ---- */
+
+void forward_lumped_wear(forward_lumped *l, const palp_forward_wear *wear) {
+    const double set = l->plan->wear.set;
+    if (!l->plan->worn || !(wear->peak > 0.0))
+        return;
+    l->now.peak = wear->peak;
+    l->now.strain = set * wear->peak;
+    palp_law_force(&l->plan->material.law, 1, &l->now.strain, &l->now.elastic, NULL, NULL);
+    for (size_t k = 0; k < l->n_columns && wear->peak_p; k++) {
+        l->d.peak[k] = wear->peak_p[k];
+        l->d.strain[k] = set * wear->peak_p[k];
+    }
+    if (l->n_columns && l->plan->value[PALP_EFFECT_PERMANENT_SET]) {
+        l->d.strain[l->plan->column[PALP_EFFECT_PERMANENT_SET]] += wear->peak;
+        l->still = false;
+    }
+}
+
+void forward_lumped_worn(const forward_lumped *l, palp_forward_wear *wear) {
+    wear->peak = l->now.peak;
+    if (l->n_columns && wear->peak_p)
+        memcpy(wear->peak_p, l->d.peak, l->n_columns * sizeof *wear->peak_p);
 }

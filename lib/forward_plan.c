@@ -5,9 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Of an arm that is off: it adds nothing to any force, and still has derivatives. */
-static const double NO_STIFFNESS = 1e-200;
-
 size_t forward_arm_column(const palp_model *model, size_t arm) {
     return model->material.law.n + 2 * arm;
 }
@@ -24,7 +21,7 @@ static palp_status add_arm(forward_plan *plan, const double *value, size_t colum
     if (m->n_arms == PALP_ARMS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "relaxation_arm: the model has %d arms already",
                               PALP_ARMS_MAX);
-    double stiffness = fmax(value[0], NO_STIFFNESS);
+    double stiffness = fmax(value[0], FORWARD_NO_STIFFNESS);
     plan->arm_column[m->n_arms] = column;
     plan->arm_timed[m->n_arms] = true;
     m->arms[m->n_arms++] = (palp_arm){.stiffness_N = stiffness, .viscosity_Ns = stiffness * value[1]};
@@ -63,7 +60,7 @@ double forward_shortest_arm(const forward_plan *plan) {
     double shortest = INFINITY;
     for (size_t j = 0; j < plan->material.n_arms; j++) {
         const palp_arm *arm = &plan->material.arms[j];
-        if (arm->stiffness_N > NO_STIFFNESS)
+        if (arm->stiffness_N > FORWARD_NO_STIFFNESS)
             shortest = fmin(shortest, arm->viscosity_Ns / arm->stiffness_N);
     }
     return shortest;

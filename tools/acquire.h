@@ -151,7 +151,10 @@ typedef struct acquire_file {
     acquire_scale scale;
     acquire_figures figures;
     uint32_t first_tick, last_tick;
-    acquire_sample last; /* the newest sample */
+    bool in_session;       /* there was a recording before, and its first sample at session_tick */
+    uint32_t session_tick;
+    double start_s;        /* of this recording since then */
+    acquire_sample last;   /* the newest sample */
     off_t at;            /* bytes written */
     int error;           /* errno of what could not be written; nothing is written from then on */
     double written_s;    /* wall clock */
@@ -160,9 +163,10 @@ typedef struct acquire_file {
 } acquire_file;
 
 /* Creates the file with its header (keys and values of an object), marked as interrupted until it is closed.
- * An exit code: a file of that name stays unless force. */
+ * *file is zero before the first recording of a session. now_tick: on the device. An exit code: a file of that
+ * name stays unless force. */
 int acquire_file_open(acquire_file *file, const char *path, bool force, bool raw, const acquire_scale *scale,
-                      json_t *header);
+                      uint32_t now_tick, json_t *header);
 /* Takes the samples that are part of the recording; returns how many. */
 size_t acquire_file_add(acquire_file *file, const palp_wire_samples *block);
 void acquire_file_keep(acquire_file *file); /* writes what has waited for half a second */

@@ -9,9 +9,10 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The end of the run stands second in the file, in lines of one width that are written over when it is known:
- * a host that dies leaves "interrupted" there. No row crosses the end of a page, where a write that is cut
- * short may stop; blanks before the line's end fill what is left. */
+/* The end of the run and its start in the session stand second in the file, in lines of one width that are
+ * written over when they are known: a host that dies leaves "interrupted" there, and the start as it was
+ * expected. No row crosses the end of a page, where a write that is cut short may stop; blanks before the
+ * line's end fill what is left. */
 enum { PAGE = 4096, ROW_MAX = 160, END_WIDTH = 48 };
 
 static const char NAME[] = "acquire";
@@ -69,10 +70,10 @@ static void put_row(acquire_file *f, char row[ROW_MAX + PAGE], int length) {
 
 /* ---- the header ---- */
 
-/* One "# end.key: value", padded. */
+/* One "# key: value", padded. */
 static size_t end_line(char *to, const char *key, const char *value) {
     char line[2 * END_WIDTH];
-    int n = snprintf(line, sizeof line, "# end.%s: %.24s", key, value);
+    int n = snprintf(line, sizeof line, "# %s: %.24s", key, value);
     memset(to, ' ', END_WIDTH);
     memcpy(to, line, (size_t)n);
     to[END_WIDTH - 1] = '\n';
@@ -85,22 +86,23 @@ static size_t end_number(char *to, const char *key, int digits, double value) {
     return end_line(to, key, n > 0 ? text : "null");
 }
 
-enum { END_LINES = 9 };
+enum { END_LINES = 10 };
 
 /* fault: as JSON. */
 static size_t end_text(const acquire_file *f, const char *fault, double winding_C,
                        char text[END_LINES * END_WIDTH]) {
     const acquire_figures *g = &f->figures;
     bool known = strcmp(fault, "\"interrupted\"") != 0;
-    size_t n = end_line(text, "fault", fault);
-    n += end_number(text + n, "samples", 0, known ? (double)g->samples : NAN);
-    n += end_number(text + n, "lost_samples", 0, known ? (double)g->lost : NAN);
-    n += end_number(text + n, "bad_samples", 0, known ? (double)g->bad : NAN);
-    n += end_number(text + n, "peak_N", 4, g->samples ? g->peak_N : NAN);
-    n += end_number(text + n, "contact_mm", 4, known ? g->contact_mm : NAN);
-    n += end_number(text + n, "error_rms_mm", 5, g->errors ? sqrt(g->error_square / (double)g->errors) : NAN);
-    n += end_number(text + n, "error_most_mm", 5, g->errors ? g->error_most_mm : NAN);
-    n += end_number(text + n, "winding_C", 1, winding_C);
+    size_t n = end_line(text, "end.fault", fault);
+    n += end_number(text + n, "end.samples", 0, known ? (double)g->samples : NAN);
+    n += end_number(text + n, "end.lost_samples", 0, known ? (double)g->lost : NAN);
+    n += end_number(text + n, "end.bad_samples", 0, known ? (double)g->bad : NAN);
+    n += end_number(text + n, "end.peak_N", 4, g->samples ? g->peak_N : NAN);
+    n += end_number(text + n, "end.contact_mm", 4, known ? g->contact_mm : NAN);
+    n += end_number(text + n, "end.error_rms_mm", 5, g->errors ? sqrt(g->error_square / (double)g->errors) : NAN);
+    n += end_number(text + n, "end.error_most_mm", 5, g->errors ? g->error_most_mm : NAN);
+    n += end_number(text + n, "end.winding_C", 1, winding_C);
+    n += end_number(text + n, "session.start_s", 3, f->start_s);
     return n;
 }
 
@@ -127,10 +129,11 @@ static void put_header(acquire_file *f, json_t *header) {
 }
 
 int acquire_file_open(acquire_file *f, const char *path, bool force, bool raw, const acquire_scale *scale,
-                      json_t *header) {
+                      uint32_t now_tick, json_t *header) {
     f->raw = raw;
     f->started = false;
     f->scale = *scale;
+    f->start_s = f->in_session ? scale->tick_s * (now_tick - f->session_tick) : 0;
     f->figures = (acquire_figures){.contact_mm = NAN};
     f->at = 0;
     f->error = 0;
@@ -214,15 +217,24 @@ static void put_sample(acquire_file *f, const acquire_sample *x, const palp_wire
     put_row(f, row, n < ROW_MAX ? n : ROW_MAX - 1);
 }
 
+/* The clock of the session starts at the first sample of its first recording. */
+static void start_clock(acquire_file *f, uint32_t tick) {
+    f->session_tick = f->in_session ? f->session_tick : tick;
+    f->in_session = f->started = true;
+    f->first_tick = tick;
+    f->start_s = f->scale.tick_s * (tick - f->session_tick);
+}
+
 /* Takes sample i of a block; false: it is none of the recording's. */
 static bool take(acquire_file *f, const palp_wire_samples *b, size_t i) {
     uint32_t tick = b->tick + (uint32_t)i, step = tick - f->last_tick;
     if (!(b->flags[i] & PALP_WIRE_FLAG_RECORD) || (f->started && (step == 0 || step > INT32_MAX))) {
         return false;
     }
-    f->first_tick = f->started ? f->first_tick : tick;
     f->figures.lost += f->started ? step - 1 : 0;
-    f->started = true;
+    if (!f->started) {
+        start_clock(f, tick);
+    }
     f->last_tick = tick;
     if (b->flags[i] & PALP_WIRE_FLAG_SENSOR_BAD) {
         f->figures.bad++;

@@ -199,7 +199,8 @@ static outcome one_run(session *s, size_t i) {
     snprintf(path, sizeof path, "%.*s/%s.csv", (int)sizeof path - ACQUIRE_NAME - 8, s->options->out,
              s->run->name);
     json_t *header = session_header(s);
-    int code = acquire_file_open(&s->file, path, s->options->force, s->options->raw, &s->scale, header);
+    int code =
+        acquire_file_open(&s->file, path, s->options->force, s->options->raw, &s->scale, s->tick, header);
     json_decref(header);
     if (code) {
         return FAILED_SAID;

@@ -77,12 +77,17 @@ static void device_keys(const session *s, json_t *to) {
     json_decref(is);
 }
 
+static void clock_time(json_t *to, const char *key, time_t clock) {
+    char text[32];
+    struct tm utc;
+    if (gmtime_r(&clock, &utc) && strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc) > 0) {
+        string(to, key, text);
+    }
+}
+
 json_t *session_header(const session *s) {
     const palp_wire_status *now = &s->device.status;
     json_t *to = json_object();
-    char text[32] = "";
-    time_t clock = time(NULL);
-    struct tm utc;
     specimen(s, to);
     protocol(s, to);
     device_keys(s, to);
@@ -97,9 +102,8 @@ json_t *session_header(const session *s) {
     list(to, "device.force_tare", s->scale.tare);
     number(to, "device.case_C", 1e-2 * now->case_cC);
     number(to, "device.winding_C", 1e-2 * now->winding_cC);
-    if (gmtime_r(&clock, &utc) && strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc) > 0) {
-        string(to, "acquire.time", text);
-    }
+    clock_time(to, "session.time", s->began);
+    clock_time(to, "acquire.time", time(NULL));
     string(to, "palpate.version", palp_version());
     return to;
 }

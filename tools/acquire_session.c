@@ -225,6 +225,7 @@ session *session_open(const acquire_options *options, const acquire_plan *plan) 
     }
     s->options = options;
     s->plan = plan;
+    s->began = time(NULL);
     s->file.fd = -1;
     s->faulted_s = -1;
     snprintf(s->doing, sizeof s->doing, "starting");

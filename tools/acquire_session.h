@@ -4,6 +4,8 @@
 
 #include "acquire.h"
 
+#include <time.h>
+
 /* Why a step did not go on. FAILED_SAID: its line is on stderr already. */
 typedef enum outcome { GOES_ON, STOPPED, GONE, FAULTED, FAILED, FAILED_SAID } outcome;
 
@@ -15,6 +17,7 @@ typedef struct session {
     acquire_file file; /* of the run in progress */
     acquire_live live;
     const acquire_run *run;
+    time_t began;
     size_t number;  /* of the run, from 1 */
     char doing[64]; /* "run 2 of 4" */
     /* as heard last */

@@ -248,7 +248,7 @@ static json_t *whole(const characterize_options *o, const characterize_state *s)
 int characterize_json(const characterize_options *o, const characterize_state *s) {
     int code = CLI_OK;
     if (o->plot) {
-        code = json_save(NAME, whole(o, s), o->plot, "characterize.json");
+        code = json_save_in(NAME, whole(o, s), o->plot, "characterize.json");
     }
     return code == CLI_OK && o->json ? json_print(NAME, whole(o, s)) : code;
 }

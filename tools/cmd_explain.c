@@ -11,7 +11,7 @@ static const char NAME[] = "explain";
 static int parse(int argc, char **argv, explain_options *o) {
     const cli_option options[] = {
         cli_heading("What is explained"),
-        cli_text("model", "MODEL.json", &o->model, "the lumped model that misses something (needed)"),
+        cli_text("model", "MODEL.json", &o->model, "the model, lumped or a network, that misses something (needed)"),
         cli_text("hold-out", "auto|FILES", &o->hold_out,
                  "runs kept out of the fit, between commas (default auto: each in turn)"),
         cli_text("candidates", "IDS", &o->candidates, "effects to suspect, between commas (default: all)"),
@@ -29,6 +29,7 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_text("out", "EXPLAINED.json", &o->out, "the model with the effects"),
         cli_text("json", "RESULT.json", &o->json, "everything that was found"),
         cli_text("report", "PAGE.html", &o->report, "the story on one page"),
+        cli_text("plot", "DIR", &o->plot, "result and figure into a folder, for palpate report"),
         cli_text("next", "PROTOCOL.json", &o->next, "the next experiment, for palpate acquire"),
     };
     const cli_command command = {
@@ -94,22 +95,6 @@ static int choose_held(const explain_options *o, palp_explain_settings *s, size_
     return s->n_held < o->n_words ? CLI_OK : cli_usage_error(NAME, "--hold-out leaves no run to fit");
 }
 
-static int save(const char *path, json_t *value) {
-    cli_file to;
-    int code = value ? cli_file_open(NAME, path, &to) : cli_failure(NAME, "out of memory");
-    if (code == CLI_OK) {
-        if (json_dumpf(value, to.stream, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15)) != 0 ||
-            putc('\n', to.stream) == EOF) {
-            cli_file_drop(&to);
-            code = cli_failure(NAME, "%s: write error", path);
-        } else {
-            code = cli_file_close(NAME, &to);
-        }
-    }
-    json_decref(value);
-    return code;
-}
-
 static int write_out(const explain_options *o, const palp_explanation *e) {
     palp_error error;
     int code = CLI_OK;
@@ -117,10 +102,13 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
         code = cli_status(NAME, error.status, &error);
     }
     if (code == CLI_OK && o->json) {
-        code = save(o->json, explain_json(o, e));
+        code = json_save(NAME, explain_json(o, e), o->json);
     }
     if (code == CLI_OK && o->next && e->next.wanted && e->next.kind) {
-        code = save(o->next, explain_protocol(e));
+        code = json_save(NAME, explain_protocol(e), o->next);
+    }
+    if (code == CLI_OK && o->plot) {
+        code = explain_plot(o, e);
     }
     if (code == CLI_OK && o->report) {
         code = explain_page(o, e);

@@ -21,12 +21,13 @@ static int parse(int argc, char **argv, report_options *o) {
     const cli_command command = {
         NAME,
         "DIR|FILES ... --out REPORT.html",
-        "Puts recordings, their fits, parameters with intervals, the stiffness law, a network's "
-        "calibration,\n"
-        "simulations beside recordings, and the checksums of all files on one page that needs nothing else.\n"
-        "Of a folder it takes all *.csv, *.json and *.svg; characterize and calibrate leave theirs by "
+        "Puts recordings, their fits, parameters with intervals, the stiffness law, what explain found, a\n"
+        "network's calibration, simulations beside recordings, and the checksums of all files on one page that\n"
+        "needs nothing else.\n"
+        "Of a folder it takes all *.csv, *.json and *.svg; characterize, explain and calibrate leave theirs by\n"
         "--plot.",
         "  palpate characterize runs/*.csv --out work/lumped.json --plot work\n"
+        "  palpate explain --model work/lumped.json runs/*.csv --plot work\n"
         "  palpate report runs work --out report.html\n",
         options,
         sizeof options / sizeof options[0]};

@@ -11,7 +11,7 @@
 enum { EXPLAIN_RUNS_MAX = 512, EXPLAIN_ROWS = 50000 };
 
 typedef struct explain_options {
-    const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *json, *report, *next;
+    const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *json, *report, *plot, *next;
     size_t n_words, max_effects, jobs, every; /* every: 0 = so many that EXPLAIN_ROWS remain */
     double false_alarm, share;
     char command[CLI_COMMAND_MAX];
@@ -25,6 +25,12 @@ json_t *explain_protocol(const palp_explanation *e);
 
 /* The page; an exit code. (explain_page.c) */
 int explain_page(const explain_options *o, const palp_explanation *e);
+
+/* Recorded minus model, run by run: an SVG. (explain_figure.c) */
+void explain_figure(FILE *to, const palp_explanation *e);
+
+/* explain.json and explain_residuals.svg into the folder of --plot, for palpate report; an exit code. (explain_page.c) */
+int explain_plot(const explain_options *o, const palp_explanation *e);
 
 /* One line for each thing found, on stdout. (explain_page.c) */
 void explain_say(const palp_explanation *e);

@@ -66,6 +66,8 @@ static json_t *where_json(const palp_explanation *e) {
         json_object_set_new(object, "experiment", json_string(e->run[e->where[i].run].name));
         json_object_set_new(object, "phase", json_string(palp_explain_phase_name(e->where[i].phase)));
         put(object, "share", e->where[i].share);
+        put(object, "left_lag1", e->where[i].lag1);
+        put(object, "left_runs_z", e->where[i].runs_z);
         json_array_append_new(list, object);
     }
     return list;
@@ -85,6 +87,26 @@ static json_t *events_json(const palp_explanation *e) {
     return list;
 }
 
+static json_t *peak_json(const palp_explain_peak *peak, const char *key, double unit) {
+    json_t *object = json_object();
+    put(object, key, peak->at / unit);
+    put(object, "amplitude_N", peak->amplitude_N);
+    put(object, "prominence", peak->prominence);
+    return object;
+}
+
+/* What is left: its strongest lines, and what free curves could still take off. */
+static json_t *left_json(const palp_explanation *e) {
+    json_t *left = json_object(), *curves = json_object();
+    put(curves, "depth_N", e->left.by_depth_N);
+    put(curves, "time_N", e->left.by_time_N);
+    put(curves, "rate_N", e->left.by_rate_N);
+    json_object_set_new(left, "line_in_time", peak_json(&e->left.in_time, "frequency_Hz", 1));
+    json_object_set_new(left, "line_in_depth", peak_json(&e->left.in_depth, "period_mm", 1e-3));
+    json_object_set_new(left, "free_curves", curves);
+    return left;
+}
+
 /* Those rejected, or those that these runs cannot see. */
 static json_t *suspects_json(const palp_explanation *e, bool blind) {
     json_t *list = json_array();
@@ -102,6 +124,29 @@ static json_t *suspects_json(const palp_explanation *e, bool blind) {
         json_object_set_new(object, "reason", json_string(s->reason));
         put(object, "score", s->score);
         put(object, "explained_N", s->explained_N);
+        json_array_append_new(list, object);
+    }
+    return list;
+}
+
+static json_t *steps_json(const palp_explanation *e) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < e->n_steps; i++) {
+        const palp_explain_step *step = &e->step[i];
+        json_t *object = json_object(), *rejected = json_array();
+        for (size_t k = 0; k < step->n_suspects; k++) {
+            const palp_explain_suspect *s = &step->suspect[k];
+            if (!s->accepted) {
+                json_t *one = json_object();
+                json_object_set_new(one, "id", json_string(id_of(s->id)));
+                json_object_set_new(one, "reason", json_string(s->reason));
+                put(one, "score", s->score);
+                json_array_append_new(rejected, one);
+            }
+        }
+        json_object_set_new(object, "taken",
+                            step->taken == PALP_EFFECT_COUNT ? json_null() : json_string(id_of(step->taken)));
+        json_object_set_new(object, "rejected", rejected);
         json_array_append_new(list, object);
     }
     return list;
@@ -161,6 +206,8 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "not_identifiable", suspects_json(e, true));
     json_object_set_new(root, "next_experiment", next_json(e));
     json_object_set_new(root, "rejected", suspects_json(e, false));
+    json_object_set_new(root, "steps", steps_json(e));
+    json_object_set_new(root, "left", left_json(e));
     return root;
 }
 

@@ -18,18 +18,9 @@ int json_print(const char *name, json_t *value) {
                                                    : CLI_OK;
 }
 
-int json_save(const char *name, json_t *value, const char *folder, const char *file) {
-    char path[CLI_PATH_MAX];
+int json_save(const char *name, json_t *value, const char *path) {
     cli_file to;
-    int n = snprintf(path, sizeof path, "%s/%s", folder, file), code = CLI_OK;
-    if (!value) {
-        return cli_failure(name, "out of memory");
-    }
-    if (n < 0 || (size_t)n >= sizeof path) {
-        json_decref(value);
-        return cli_failure(name, "%s: the name is too long", folder);
-    }
-    code = cli_file_open(name, path, &to);
+    int code = value ? cli_file_open(name, path, &to) : cli_failure(name, "out of memory");
     if (code == CLI_OK) {
         bool bad = json_dumpf(value, to.stream, LOOK) != 0 || putc('\n', to.stream) == EOF;
         if (bad) {
@@ -41,6 +32,16 @@ int json_save(const char *name, json_t *value, const char *folder, const char *f
     }
     json_decref(value);
     return code;
+}
+
+int json_save_in(const char *name, json_t *value, const char *folder, const char *file) {
+    char path[CLI_PATH_MAX];
+    int n = snprintf(path, sizeof path, "%s/%s", folder, file);
+    if (n < 0 || (size_t)n >= sizeof path) {
+        json_decref(value);
+        return cli_failure(name, "%s: the name is too long", folder);
+    }
+    return json_save(name, value, path);
 }
 
 json_t *json_number_or_null(double value) {

@@ -8,8 +8,9 @@
 /* Prints a value with two spaces of indent and frees it; an exit code. NULL = out of memory. */
 int json_print(const char *name, json_t *value);
 
-/* Writes it to folder/file, under a temporary name first, and frees it; an exit code. */
-int json_save(const char *name, json_t *value, const char *folder, const char *file);
+/* Writes it to a file, under a temporary name first, and frees it; an exit code. NULL = out of memory. */
+int json_save(const char *name, json_t *value, const char *path);
+int json_save_in(const char *name, json_t *value, const char *folder, const char *file);
 
 json_t *json_numbers(size_t n, const double *value);
 

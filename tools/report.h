@@ -20,6 +20,7 @@ typedef enum report_kind {
     REPORT_MODEL,        /* a model JSON */
     REPORT_CHARACTERIZE, /* what palpate characterize --json wrote */
     REPORT_CALIBRATE,    /* what palpate calibrate --json wrote */
+    REPORT_EXPLAIN,      /* what palpate explain --json wrote */
     REPORT_FIGURE        /* an SVG */
 } report_kind;
 
@@ -33,7 +34,7 @@ typedef struct report_file {
     palp_experiment *experiment; /* recording, simulation */
     palp_recording recording;    /* likewise; n = 0: could not be prepared */
     palp_model model;            /* model */
-    json_t *json;                /* characterize, calibrate */
+    json_t *json;                /* characterize, calibrate, explain */
     char *svg;                   /* figure: from "<svg" on */
     bool shown;                  /* figure: placed on the page */
     bool drawn;                  /* figure: by the report itself */
@@ -75,12 +76,21 @@ void html_row(FILE *to, const char *format, ...); /* cells separated by '|': fir
 void html_table(FILE *to, const char *caption, const char *heads); /* heads separated by '|' */
 void html_table_end(FILE *to);
 void html_card(FILE *to, const char *label, const char *format, ...);
+double report_number(const json_t *object, const char *key);   /* NAN if it has none */
+const char *report_text(const json_t *object, const char *key); /* "-" likewise */
 void html_number(char text[32], const json_t *value, int digits); /* "-" if it is no number */
 /* The figure of a name ("fit_log") in its frame, once; false if there is none. ids get a prefix. */
 bool html_figure(FILE *to, report *r, const char *name, const char *caption);
 
-/* ---- report_page.c, report_results.c: the sections ---- */
+/* ---- report_page.c, report_results.c, report_explain.c: the sections ---- */
+#define REPORT_EXPLAIN_CAPTION                                                                                \
+    "Recorded minus model: orange as given, blue with the effects (lines: means, tint: lowest and "           \
+    "highest), grey the floor. At most the twelve runs with the largest gap."
 int report_page(report *r, const char *path);
+void report_explained(FILE *to, const json_t *result); /* of palpate explain, without a heading */
+const char *report_verdict(const char *name);          /* as a sentence */
+const char *report_effect(const char *id);             /* its name in words */
+void report_explanations(FILE *to, report *r);
 void report_fits(FILE *to, report *r);
 void report_parameters(FILE *to, report *r);
 void report_law(FILE *to, report *r);

@@ -110,17 +110,14 @@ static size_t collect(const report *r, bool is_static, run_curve *curve) {
     return n;
 }
 
-/* The lumped model's answer to the recorded depth. */
+/* The lumped model's answer to the recorded depth, its effects with it. */
 static double *lumped_force(const palp_model *m, const palp_recording *r) {
-    double *depth = malloc(r->n * sizeof *depth), *force = malloc(r->n * sizeof *force);
-    for (size_t i = 0; depth && i < r->n; i++) {
-        depth[i] = fmax(r->depth_m[i], 0);
-    }
-    if (!depth || !force || palp_lumped_run(&m->material, r->height_m, r->n, r->time_s, depth, force)) {
+    double *force = malloc(r->n * sizeof *force);
+    palp_forward_run run = {.n = r->n, .time_s = r->time_s, .depth_m = r->depth_m};
+    if (!force || palp_forward_force(m, &run, force, NULL, NULL)) {
         free(force);
         force = NULL;
     }
-    free(depth);
     return force;
 }
 

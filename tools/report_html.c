@@ -1,6 +1,7 @@
 /* report_html.c: the pieces of a page: escaped text, tables, cards, figures. */
 #include "report.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,7 +42,7 @@ static const char STYLE[] =
     ".scroll{overflow-x:auto;margin:1em 0}table{border-collapse:collapse;font-size:.87rem;"
     "font-variant-numeric:tabular-nums}\n"
     "caption{text-align:left;font-weight:600;padding:.3em 0;white-space:nowrap}\n"
-    "th,td{text-align:right;padding:.28em .7em;border-bottom:1px solid "
+    "th,td{text-align:right;padding:.28em .6em;border-bottom:1px solid "
     "#e6eaed;vertical-align:top;white-space:nowrap}\n"
     "th{border-bottom:2px solid #c3ccd3;font-weight:600;vertical-align:bottom}\n"
     "th:first-child,td:first-child,.t{text-align:left}td:first-child{padding-left:0}th:first-child{padding-"
@@ -56,6 +57,7 @@ static const char STYLE[] =
     "ul{margin:.2em 0}\n"
     "code{font:.9em/1.5 ui-monospace,'DejaVu Sans Mono',monospace;background:#f3f5f7;padding:.1em .3em;"
     "border-radius:3px;overflow-wrap:anywhere}\n"
+    "details{margin:1em 0}summary{cursor:pointer;color:#0060a0}\n"
     "@media print{html,main{background:#fff}main{padding:0}figure{break-inside:avoid}}\n"
     "@media(max-width:700px){main{padding:16px}.figures{grid-template-columns:1fr}}\n";
 
@@ -136,6 +138,16 @@ void html_card(FILE *to, const char *label, const char *format, ...) {
     fputs("</span><b>", to);
     html_text(to, text);
     fputs("</b></div>\n", to);
+}
+
+double report_number(const json_t *object, const char *key) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+const char *report_text(const json_t *object, const char *key) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_string(value) ? json_string_value(value) : "-";
 }
 
 void html_number(char text[32], const json_t *value, int digits) {

@@ -104,6 +104,8 @@ static void load_json(report_file *file) {
         file->kind = REPORT_CHARACTERIZE;
     } else if (json_is_integer(json_object_get(about, "calibrate"))) {
         file->kind = REPORT_CALIBRATE;
+    } else if (json_is_integer(json_object_get(about, "explain"))) {
+        file->kind = REPORT_EXPLAIN;
     } else if (json_is_integer(json_object_get(about, "model"))) {
         if (palp_model_read(file->path, &file->model, &error) == PALP_OK) {
             file->kind = REPORT_MODEL;
@@ -114,7 +116,7 @@ static void load_json(report_file *file) {
     } else {
         snprintf(file->note, sizeof file->note, "line %d: %s", where.line, where.text);
     }
-    if (file->kind == REPORT_CHARACTERIZE || file->kind == REPORT_CALIBRATE) {
+    if (file->kind == REPORT_CHARACTERIZE || file->kind == REPORT_CALIBRATE || file->kind == REPORT_EXPLAIN) {
         file->json = all;
     } else {
         json_decref(all);

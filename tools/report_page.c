@@ -99,6 +99,19 @@ static void card_model(FILE *to, const report *r) {
     }
 }
 
+static void card_explain(FILE *to, const report *r) {
+    const report_file *f = report_find(r, REPORT_EXPLAIN, 0);
+    char text[256] = "nothing";
+    const json_t *list = f ? json_object_get(f->json, "effects") : NULL, *effect;
+    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
+        size_t n = i ? strlen(text) : 0;
+        snprintf(text + n, sizeof text - n, "%s%s", i ? ", " : "", report_effect(report_text(effect, "id")));
+    }
+    if (f) {
+        html_card(to, "Missing in the lumped model", "%s", text);
+    }
+}
+
 static void card_calibrate(FILE *to, const report *r) {
     const report_file *f = report_find(r, REPORT_CALIBRATE, 0);
     const json_t *depths = f ? json_object_get(f->json, "depths") : NULL, *depth;
@@ -118,6 +131,7 @@ static void summary(FILE *to, const report *r) {
     card_recordings(to, r);
     card_model(to, r);
     cards_characterize(to, r);
+    card_explain(to, r);
     card_calibrate(to, r);
     for (size_t i = 0; i < r->n_pairs; i++) {
         worst = fmax(worst, r->pair[i].worst_percent);
@@ -167,7 +181,7 @@ static void measured_row(FILE *to, const report_file *f) {
     const palp_recording *r = &f->recording;
     char text[256];
     if (r->n == 0) {
-        html_row(to, f->note[0] ? "%s|~could not be used: %s" : "%s|~no specimen%s", report_base(f->path), f->note);
+        html_row(to, f->note[0] ? "%s|~could not be used: %s" : "%s|~no specimen%s||||||||||", report_base(f->path), f->note);
         return;
     }
     findings(r, text, sizeof text);
@@ -237,7 +251,7 @@ static void curves(FILE *to, report *r) {
 
 static const char *kind_name(report_kind kind) {
     static const char *const names[] = {"not used",     "recording", "simulation", "model",
-                                        "characterize", "calibrate", "figure"};
+                                        "characterize", "calibrate", "explain", "figure"};
     return names[kind];
 }
 
@@ -311,7 +325,8 @@ static void contents(FILE *to, const report *r) {
                  {runs, "curves", "Recorded curves"},
                  {r->has_fits, "fits", "Fits and residuals"},
                  {fit, "parameters", "Parameters"},
-                 {r->has_law, "law", "Stiffness law"},
+                 {r->has_law, "law", "Stiffness law and arms"},
+                 {report_count(r, REPORT_EXPLAIN) > 0, "explain", "What the model misses"},
                  {r->has_calibration, "calibration", "Network calibration"},
                  {r->n_pairs > 0, "simulation", "Simulation against recordings"},
                  {true, "provenance", "Provenance"}};
@@ -342,6 +357,7 @@ int report_page(report *r, const char *path) {
     report_fits(to, r);
     report_parameters(to, r);
     report_law(to, r);
+    report_explanations(to, r);
     report_calibrations(to, r);
     report_simulations(to, r);
     others(to, r);

@@ -5,18 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-static double number(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
-static const char *text(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return json_is_string(value) ? json_string_value(value) : "-";
-}
-
 static const char *base_of(const json_t *object) {
-    return report_base(text(object, "file"));
+    return report_base(report_text(object, "file"));
 }
 
 /* ---- fits and residuals ---- */
@@ -28,8 +18,8 @@ static void table_spread(FILE *to, const json_t *all) {
     }
     html_table(to, "Spread of the static presses", "strain|mean force (N)|sd (%)|lowest (N)|highest (N)");
     for (size_t i = 0; (at = json_array_get(list, i)) != NULL; i++) {
-        html_row(to, "%.3f|%#.4g|%.2f|%#.4g|%#.4g", number(at, "strain"), number(at, "mean_N"),
-                 100 * number(at, "sd_N") / number(at, "mean_N"), number(at, "low_N"), number(at, "high_N"));
+        html_row(to, "%.3f|%#.4g|%.2f|%#.4g|%#.4g", report_number(at, "strain"), report_number(at, "mean_N"),
+                 100 * report_number(at, "sd_N") / report_number(at, "mean_N"), report_number(at, "low_N"), report_number(at, "high_N"));
     }
     html_table_end(to);
 }
@@ -38,9 +28,9 @@ static void table_runs(FILE *to, const json_t *all) {
     const json_t *runs = json_object_get(all, "runs"), *run;
     html_table(to, "Residuals of the model", "recording|rms (mN)|rms over noise|largest (% of peak)|sum (N)");
     for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++) {
-        html_row(to, "%s|%#.4g|%#.3g|%.2f|%#.5g", base_of(run), 1e3 * number(run, "rms_N"),
-                 number(run, "rms_noise"), number(run, "largest_residual_percent"),
-                 number(run, "absolute_N"));
+        html_row(to, "%s|%#.4g|%#.3g|%.2f|%#.5g", base_of(run), 1e3 * report_number(run, "rms_N"),
+                 report_number(run, "rms_noise"), report_number(run, "largest_residual_percent"),
+                 report_number(run, "absolute_N"));
     }
     html_table_end(to);
 }
@@ -64,7 +54,7 @@ static void table_static(FILE *to, const json_t *all) {
         const json_t *list = json_object_get(one, "polynomials");
         for (size_t k = 0; (polynomial = json_array_get(list, k)) != NULL; k++) {
             coefficients(json_object_get(polynomial, "coefficients_N"), line, sizeof line);
-            html_row(to, "%.0f|%.4g|~%s", number(polynomial, "degree"), number(polynomial, "norm_N"), line);
+            html_row(to, "%.0f|%.4g|~%s", report_number(polynomial, "degree"), report_number(polynomial, "norm_N"), line);
         }
         html_table_end(to);
     }
@@ -81,8 +71,8 @@ static void table_scores(FILE *to, const json_t *list, const char *key, const ch
     for (size_t i = 0; (row = json_array_get(list, i)) != NULL; i++) {
         char ratio[32];
         html_number(ratio, json_object_get(row, "rms_noise"), 4);
-        html_row(to, "%.0f|%.5g|%.3g|%s|~%s", number(row, key), number(row, "held_out"),
-                 number(row, "excess_sd"), ratio, json_is_true(json_object_get(row, "taken")) ? "taken" : "");
+        html_row(to, "%.0f|%.5g|%.3g|%s|~%s", report_number(row, key), report_number(row, "held_out"),
+                 report_number(row, "excess_sd"), ratio, json_is_true(json_object_get(row, "taken")) ? "taken" : "");
     }
     html_table_end(to);
 }
@@ -120,13 +110,13 @@ void report_fits(FILE *to, report *r) {
 /* ---- parameters ---- */
 
 static void estimate_row(FILE *to, const json_t *e) {
-    double low = number(e, "low"), high = number(e, "high");
+    double low = report_number(e, "low"), high = report_number(e, "high");
     int d = digits_after_point(0.5 * (high - low));
     if (json_is_true(json_object_get(e, "determined"))) {
-        html_row(to, "%s|%.*f|%.*f to %.*f|~%s", text(e, "name"), d, number(e, "value"), d, low, d, high,
-                 text(e, "unit"));
+        html_row(to, "%s|%.*f|%.*f to %.*f|~%s", report_text(e, "name"), d, report_number(e, "value"), d, low, d, high,
+                 report_text(e, "unit"));
     } else {
-        html_row(to, "%s|not determined|%.1g to %.1g|~%s", text(e, "name"), low, high, text(e, "unit"));
+        html_row(to, "%s|not determined|%.1g to %.1g|~%s", report_text(e, "name"), low, high, report_text(e, "unit"));
     }
 }
 
@@ -155,9 +145,9 @@ static void list_pairs(FILE *to, const json_t *all) {
                         : "<p class=\"about\">Correlated above 0.95, so that only their combination is known "
                           "well: ",
                     to);
-                html_text(to, text(json_array_get(names, i), "name"));
+                html_text(to, report_text(json_array_get(names, i), "name"));
                 fputs(" and ", to);
-                html_text(to, text(json_array_get(names, j), "name"));
+                html_text(to, report_text(json_array_get(names, j), "name"));
                 fprintf(to, " (%.3f)", c);
             }
         }
@@ -171,12 +161,12 @@ static void cell(const json_t *list, const char *name, char line[64]) {
     strcpy(line, "-");
     for (size_t i = 0; (e = json_array_get(list, i)) != NULL; i++) {
         size_t n = strlen(name);
-        if (strncmp(text(e, "name"), name, n) == 0 &&
-            (text(e, "name")[n] == '\0' || text(e, "name")[n] == ' ')) {
-            double half = 0.5 * (number(e, "high") - number(e, "low"));
+        if (strncmp(report_text(e, "name"), name, n) == 0 &&
+            (report_text(e, "name")[n] == '\0' || report_text(e, "name")[n] == ' ')) {
+            double half = 0.5 * (report_number(e, "high") - report_number(e, "low"));
             int d = digits_after_point(half);
             if (json_is_true(json_object_get(e, "determined"))) {
-                snprintf(line, 64, "%.*f \u00b1 %.*f", d, number(e, "value"), d, half);
+                snprintf(line, 64, "%.*f \u00b1 %.*f", d, report_number(e, "value"), d, half);
             } else {
                 strcpy(line, "not determined");
             }
@@ -215,8 +205,8 @@ static void table_depths(FILE *to, const json_t *all) {
     for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++) {
         const json_t *estimates = json_object_get(one, "estimates");
         cell(estimates, "K_inf", value);
-        n = (size_t)snprintf(line, sizeof line, "%.4g|%.4f|%s", number(one, "depth_mm"),
-                             number(one, "strain"), value);
+        n = (size_t)snprintf(line, sizeof line, "%.4g|%.4f|%s", report_number(one, "depth_mm"),
+                             report_number(one, "strain"), value);
         for (size_t j = 1; j <= arms; j++) {
             for (int k = 0; k < 2; k++) {
                 snprintf(name, sizeof name, "%c_%zu", k ? 'b' : 'K', j);
@@ -224,7 +214,7 @@ static void table_depths(FILE *to, const json_t *all) {
                 n += (size_t)snprintf(line + n, sizeof line - n, "|%s", value);
             }
         }
-        snprintf(line + n, sizeof line - n, "|%.3g", number(one, "rms_noise"));
+        snprintf(line + n, sizeof line - n, "|%.3g", report_number(one, "rms_noise"));
         html_row(to, "%s", line);
     }
     html_table_end(to);
@@ -286,10 +276,22 @@ static void table_gap(FILE *to, const json_t *all) {
                "strain|ramp and hold (N)|static polynomial (N)|model (N)");
     for (size_t i = 0; (g = json_array_get(list, i)) != NULL; i++) {
         html_number(plain, json_object_get(g, "static_plain_N"), 4);
-        html_row(to, "%.4f|%#.4g|%s|%#.4g", number(g, "strain"), number(g, "ramp_hold_N"), plain,
-                 number(g, "joint_N"));
+        html_row(to, "%.4f|%#.4g|%s|%#.4g", report_number(g, "strain"), report_number(g, "ramp_hold_N"), plain,
+                 report_number(g, "joint_N"));
     }
     html_table_end(to);
+}
+
+static void table_arms(FILE *to, const char *caption, const report_file *f) {
+    if (f->model.material.n_arms > 0) {
+        html_table(to, caption, "arm|stiffness (N)|viscosity (N s)|time (s)|beta");
+        for (size_t j = 0; j < f->model.material.n_arms; j++) {
+            const palp_arm *a = &f->model.material.arms[j];
+            html_row(to, "%zu|%#.4g|%#.4g|%#.4g|%#.4g", j + 1, a->stiffness_N, a->viscosity_Ns,
+                     a->viscosity_Ns / a->stiffness_N, a->beta);
+        }
+        html_table_end(to);
+    }
 }
 
 void report_law(FILE *to, report *r) {
@@ -297,13 +299,14 @@ void report_law(FILE *to, report *r) {
     if (!r->has_law) {
         return;
     }
-    html_section(to, "law", "Stiffness law");
+    html_section(to, "law", "Stiffness law and arms");
     for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++) {
         if (f->model.kind == PALP_MODEL_LUMPED) {
             fputs("<h3>", to);
             html_text(to, report_base(f->path));
             fputs("</h3>\n", to);
             formula(to, &f->model.material.law);
+            table_arms(to, NULL, f);
         }
     }
     fputs("<div class=\"figures\">\n", to);
@@ -337,26 +340,14 @@ static void network(FILE *to, const report_file *f) {
     formula(to, &f->model.material.law);
 }
 
-static void network_arms(FILE *to, const report_file *f) {
-    if (f->model.material.n_arms > 0) {
-        html_table(to, "Arms of an element", "arm|stiffness (N)|viscosity (N s)|time (s)|beta");
-        for (size_t j = 0; j < f->model.material.n_arms; j++) {
-            const palp_arm *a = &f->model.material.arms[j];
-            html_row(to, "%zu|%#.4g|%#.4g|%#.4g|%#.4g", j + 1, a->stiffness_N, a->viscosity_Ns,
-                     a->viscosity_Ns / a->stiffness_N, a->beta);
-        }
-        html_table_end(to);
-    }
-}
-
 static void calibrated_depths(FILE *to, const json_t *all) {
     const json_t *depths = json_object_get(all, "depths"), *depth;
     if (json_array_size(depths) > 0) {
         html_table(to, "Network against its target, ramp and hold",
                    "depth (mm)|peak (N)|largest error (% of the peak)");
         for (size_t i = 0; (depth = json_array_get(depths, i)) != NULL; i++) {
-            html_row(to, "%.4g|%#.4g|%.3f", number(depth, "depth_mm"), number(depth, "peak_N"),
-                     number(depth, "max_error_percent"));
+            html_row(to, "%.4g|%#.4g|%.3f", report_number(depth, "depth_mm"), report_number(depth, "peak_N"),
+                     report_number(depth, "max_error_percent"));
         }
         html_table_end(to);
     }
@@ -364,7 +355,7 @@ static void calibrated_depths(FILE *to, const json_t *all) {
 
 static void calibrated(FILE *to, const json_t *all) {
     fputs("<p>Method ", to);
-    html_text(to, text(all, "method"));
+    html_text(to, report_text(all, "method"));
     fprintf(to, ", %s.</p>\n",
             json_is_false(json_object_get(all, "converged")) ? "<b>not converged</b>" : "converged");
 }
@@ -389,7 +380,7 @@ void report_calibrations(FILE *to, report *r) {
     }
     for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++) {
         if (f->model.kind == PALP_MODEL_NETWORK) {
-            network_arms(to, f);
+            table_arms(to, "Arms of an element", f);
         }
     }
     fputs("</div>\n<div class=\"figures\">\n", to);

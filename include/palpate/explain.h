@@ -72,12 +72,28 @@ typedef struct palp_explain_where {
     size_t run;
     palp_explain_phase phase;
     double share; /* of the squared gap, before */
+    /* of what is left, white noise has 0 and 0 to +-2: correlation from sample to sample; too few (-) or too many runs
+     * of one sign, in standard deviations */
+    double lag1, runs_z;
 } palp_explain_where;
+
+/* A line in the spectrum of what is left. */
+typedef struct palp_explain_peak {
+    double at, amplitude_N; /* Hz, or m of depth from crest to crest; 0 = none */
+    double prominence;      /* its power over the median of all looked at */
+} palp_explain_peak;
+
+/* What is left when all is done: its strongest lines, and what free smooth curves would take off it, rms: the most that
+ * an unknown effect of depth, of time within a run or of speed could explain. */
+typedef struct palp_explain_left {
+    palp_explain_peak in_time, in_depth;
+    double by_depth_N, by_time_N, by_rate_N;
+} palp_explain_left;
 
 typedef struct palp_explain_event {
     size_t run, samples;
     double from_s, to_s, size_N;
-    const char *kind; /* "spike", "release" */
+    const char *kind; /* "spike", "release", "slip" (the force left over steps and stays) */
 } palp_explain_event;
 
 /* What was tried and how it fared. */
@@ -89,6 +105,13 @@ typedef struct palp_explain_suspect {
     double explained_N; /* rms that it alone would explain */
     char reason[PALP_EXPLAIN_REASON]; /* why it was rejected */
 } palp_explain_suspect;
+
+/* A step of the search: every suspect beside what was accepted before, and which of them was taken. */
+typedef struct palp_explain_step {
+    palp_effect_id taken; /* PALP_EFFECT_COUNT: none */
+    size_t n_suspects;
+    palp_explain_suspect suspect[PALP_EFFECT_COUNT];
+} palp_explain_step;
 
 /* One run as it was used, for figures. */
 typedef struct palp_explain_run {
@@ -123,15 +146,18 @@ typedef struct palp_explanation {
     size_t n_where, n_events, n_suspects, n_runs;
     palp_explain_where where[PALP_EXPLAIN_WHERE];
     palp_explain_event *event;
-    palp_explain_suspect suspect[PALP_EFFECT_COUNT];
+    palp_explain_suspect suspect[PALP_EFFECT_COUNT]; /* beside the model as given */
+    size_t n_steps;
+    palp_explain_step *step; /* [n_steps] */
+    palp_explain_left left;
     palp_explain_next next;
     palp_explain_run *run; /* [n_runs] */
 } palp_explanation;
 
 PALP_API void palp_explanation_free(palp_explanation *explanation); /* NULL is fine */
 
-/* ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network, or a model that is not
- * PALP_HISTORY; ERR_LIMIT: more effects in the model than can be added to. */
+/* ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network with mass, or a model
+ * that is not PALP_HISTORY; ERR_LIMIT: more effects in the model than can be added to. */
 PALP_API palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
                                   const palp_explain_settings *settings, palp_explanation *explanation,
                                   palp_error *error);

@@ -10,6 +10,13 @@
 extern "C" {
 #endif
 
+/* What earlier presses left in a lumped specimen, of which damage and permanent set depend. Zero-initialised = a
+ * fresh one. */
+typedef struct palp_forward_wear {
+    double peak;    /* largest strain so far */
+    double *peak_p; /* [n_parameters] its derivatives, caller's; NULL with no gradient */
+} palp_forward_wear;
+
 /* What is known of one recording beside its samples. Zero-initialised but for the first three = no session.
  */
 typedef struct palp_forward_run {
@@ -18,6 +25,7 @@ typedef struct palp_forward_run {
     double session_s;               /* when in the session it began (session_ageing) */
     double hum_phase;               /* of mains_hum at time 0, rad */
     size_t parts;                   /* steps of the specimen from sample to sample; 0 = 1 */
+    palp_forward_wear *wear;        /* NULL, or how the run finds the specimen, and then how it leaves it */
 } palp_forward_run;
 
 /* Parameters of a model in one vector: law coefficients, then K_j, b_j of each arm, then each effect's own
@@ -28,7 +36,8 @@ PALP_API palp_status palp_forward_set(palp_model *model,
                                       const double *parameter); /* ERR_ARGUMENT: makes no model */
 
 /* force_N[n] of a lumped model, and by columns d force / d parameter where gradient[n * n_parameters] is not
- * NULL. The specimen starts at rest at the first sample. The contact is one-sided: a plate that the specimen
+ * NULL. The specimen starts at rest at the first sample, worn as run->wear says (its surface then lies where the
+ * permanent set left it). The contact is one-sided: a plate that the specimen
  * does not stick to cannot pull, and a specimen left behind recovers on its own. Linear in depth between the
  * samples. With no effects and depths that never leave the specimen: palp_lumped_run to the bit. An effect
  * whose strengths are 0 changes nothing. Derivatives are exact; at a kink (zero strength, a sample at

@@ -64,6 +64,10 @@ near "stiffness" "$(value out stiffness_N_m)" 470 0.05
 grep -q '"fault": null$' out || fail "the summary tells of a fault"
 [ "$(header runs/ramp_hold_2mm_repeat.csv protocol.order)" = 3 ] || fail "protocol.order"
 [ "$(header runs/ramp_hold_2mm_repeat.csv protocol.repeat)" = 1 ] || fail "protocol.repeat"
+# of the session: run 2 began when run 1 (7.8 s), the way out and the 5 s of rest were over
+near "session.start_s" "$(header runs/ramp_hold_2mm.csv session.start_s)" 0 0
+near "session.start_s" "$(header runs/ramp_hold_4mm.csv session.start_s)" 13.9 0 0.5
+near "session.start_s" "$(header runs/ramp_hold_2mm_repeat.csv session.start_s)" 28.2 0 1
 # a ramp of 1 s from contact to 4 mm, held: depths at 0.5 s of air + 0.25 + half the ramp, and in the hold
 awk -F, '$1 == "1.250" { ramp = $2 } $1 == "5.000" { hold = $2; force = $3 } END { print ramp, hold, force }' \
     runs/ramp_hold_4mm.csv >at
@@ -95,6 +99,19 @@ first=$(grep -l '^# protocol.order: 2$' seed/*.csv)
 [ "$(header "${first%.csv}_repeat.csv" protocol.order)" = 15 ] || fail "seed: the first is not repeated last"
 [ "$(header seed/static_9.7mm.csv protocol.kind)" = '"static"' ] || fail "seed: static"
 grep -l "end.fault: null" seed/*.csv | wc -l | grep -qx 16 || fail "seed: a fault"
+
+# ---- what is no specimen's is recorded, and left out of its model ----
+expect 0 acquire --port rig --specimen rigid --firmware host $short --static --depth-mm 0.05 --rate-mm-s 0.1 --specimen-height-mm 24 --out block
+[ "$(header block/static_0.05mm.csv specimen.kind)" = '"rigid"' ] || fail "specimen.kind of a block"
+expect 0 characterize runs/ramp_hold_4mm.csv --arms 1 --degree 2 --out alone.json
+expect 0 characterize runs/ramp_hold_4mm.csv block/static_0.05mm.csv seed/air_before.csv --arms 1 --degree 2 --out beside.json
+cmp alone.json beside.json || fail "characterize: what is no specimen's counts"
+grep -qF 'block/static_0.05mm.csv: no specimen in it ("rigid"); left out' err || fail "characterize, a block: $(cat err)"
+grep -qF 'seed/air_before.csv: no specimen in it ("none"); left out' err || fail "characterize, air: $(cat err)"
+expect 1 characterize block/static_0.05mm.csv seed/air_before.csv
+grep -q "no recording of a specimen among the 2 given" err || fail "characterize of nothing: $(cat err)"
+expect 0 report runs/ramp_hold_4mm.csv seed/air_before.csv --out page.html
+grep -q '<td>air_before.csv</td><td class="t">no specimen</td>' page.html || fail "report of air"
 
 # ---- faults: exit code 4, one line of why and where, and the file up to there ----
 for f in over_force over_travel over_temperature following_error sensor_silent sensor_saturated encoder_jump \

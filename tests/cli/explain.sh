@@ -34,7 +34,7 @@ for n in 1 2 3 4; do
     awk -F, '/^[-0-9]/ { printf "%s,%s,%.9g\n", $1, $2, $3 + 0.06; next } { print }' plain$n.csv >bias$n.csv
 done
 expect 0 explain --model guess.json bias?.csv --out explained.json --json bias.out --report page.html
-for key in palpate verdict effects gap where events not_identifiable next_experiment rejected; do
+for key in palpate verdict effects gap where events not_identifiable next_experiment rejected steps left; do
     grep -q "^  \"$key\":" bias.out || fail "the result lacks $key"
 done
 grep -q '"id": "sensor_bias"' bias.out || fail "the bias: $(cat out)"
@@ -48,6 +48,28 @@ expect 0 explain --model guess.json bias?.csv --jobs 3 --json bias.out
 grep -v '"command"' once >a
 grep -v '"command"' bias.out >b
 cmp a b || fail "the number of jobs changes the answer"
+
+# One sample in three by the option is one in three by hand.
+mkdir thin
+for n in 1 2 3 4; do
+    awk '/^[-0-9]/ && i++ % 3 { next } { print }' bias$n.csv >thin/bias$n.csv
+done
+expect 0 explain --model guess.json bias?.csv --every 3 --json every.out
+cd thin || exit 1
+expect 0 explain --model ../guess.json bias?.csv --json ../thin.out
+cd ..
+grep -v '"command"' every.out >a
+grep -v '"command"' thin.out >b
+cmp a b || fail "--every 3 is not one sample in three"
+
+# For palpate report.
+expect 0 explain --model guess.json bias?.csv --every 3 --plot work
+cmp work/explain.json every.out >/dev/null || [ "$(diff work/explain.json every.out | grep -c '^<')" -eq 1 ] || # the command
+    fail "--plot leaves another result"
+expect 0 report work --out page.html
+for text in 'id="explain"' 'What the model misses' 'bias of the sensor' 'Recorded minus model' 'bias2.csv'; do
+    grep -qF "$text" page.html || fail "the report lacks \"$text\""
+done
 
 expect 2 explain --model guess.json
 says "needs --model MODEL.json and runs"

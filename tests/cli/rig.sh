@@ -6,23 +6,10 @@ TMPDIR=$PWD/tmp
 export TMPDIR
 mkdir -p tmp
 
-# HELLO, STREAM, TARE, HOME, FIND_CONTACT at 5 mm/s, segments MOVE to 5 mm at 5 mm/s and HOLD 1 s, START: as
-# palp_wire_encode writes them (doc/protocol.md).
-cat >session <<'END'
-10 03010101010101020101a4858200
-15 030350010101010201b3be8200
-20 0306020101010102c80191948000
-300 0305030101010101018a868f00
-1500 030c040101010104404b4c010101010101010101a9b68c00
-5000 030d0501010101010104404b4c04404b4c0420a107010101010101010101010101010101b2bc8700
-5001 030d0601010101030101010101010101010101010103e803010101010101010101010101aa8d8500
-5010 030e07010101010702c0bdf0ff640101026401010197ab8500
-END
-
-# session FIRMWARE LOG arguments...: 9 s of it.
+# session FIRMWARE LOG arguments...: 9 s of data/rig/session.script.
 session() {
     firmware=$1 log=$2; shift 2
-    expect 0 rig --firmware "$firmware" --script session --until-s 9 --log "$log" "$@"
+    expect 0 rig --firmware "$firmware" --script "$ROOT/data/rig/session.script" --until-s 9 --log "$log" "$@"
 }
 column() { awk -F, -v t="$2" -v n="$3" '$1 == t { print $n }' "$1"; }
 

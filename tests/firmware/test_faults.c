@@ -399,6 +399,27 @@ static void test_broken_thermistor(void **state) {
     bench_close(&b);
 }
 
+/* A plate that lags: for the heat, where that holds the motor back; nothing of it lasts. */
+static void test_falls_behind(void **state) {
+    static const double ambient_C[] = {85, 95};
+    static const uint8_t wanted[] = {PALP_WIRE_FAULT_FOLLOWING_ERROR, PALP_WIRE_FAULT_OVER_TEMPERATURE};
+    (void)state;
+    for (int hot_motor = 0; hot_motor < 2; hot_motor++) {
+        plant_settings s = plant_settings_default();
+        bench b;
+        s.actuator.ambient_C = ambient_C[hot_motor];
+        bench_open(&b, &s);
+        to_run(&b);
+        make_jammed(&b);
+        bench_until(&b, PALP_WIRE_STATE_FAULT, 2200);
+        assert_int_equal(b.app.supervisor.fault, wanted[hot_motor]);
+        assert_true(thermal_winding_C(&b.app.thermal) < b.app.limits.winding_C - 10.0f);
+        bench_tick(&b);
+        assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_CLEAR_FAULT), PALP_WIRE_RESULT_DONE);
+        bench_close(&b);
+    }
+}
+
 /* Several at once: the reason is what makes the others untrustworthy. */
 static void test_reason_of_several(void **state) {
     bench b;
@@ -487,9 +508,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_fault_in_every_state), cmocka_unit_test(test_glitches),
         cmocka_unit_test(test_unplugged_sensor),           cmocka_unit_test(test_broken_thermistor),
-        cmocka_unit_test(test_reason_of_several),          cmocka_unit_test(test_segment_leaves_the_travel),
-        cmocka_unit_test(test_reference_is_no_number),     cmocka_unit_test(test_jump_in_a_fault),
-        cmocka_unit_test(test_missed_ticks_are_no_jump),
+        cmocka_unit_test(test_falls_behind),               cmocka_unit_test(test_reason_of_several),
+        cmocka_unit_test(test_segment_leaves_the_travel),  cmocka_unit_test(test_reference_is_no_number),
+        cmocka_unit_test(test_jump_in_a_fault),            cmocka_unit_test(test_missed_ticks_are_no_jump),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -252,6 +252,7 @@ static bool attempt(hidden_case *c, bool raw, dice *rng, bool *found) {
         session_seed(&c->session, rng, plain.height);
     else
         session_rich(&c->session, rng, plain.height, c->plan.fineness);
+    c->session.lasting = c->plan.lasting;
     if (!judge_make(&j, &plain, &c->session, COARSE))
         return false;
     double *scratch = malloc(j.n * sizeof *scratch);

@@ -41,7 +41,7 @@ static bool library_model(const world *w, palp_model *m) {
     return true;
 }
 
-static bool library_run(const palp_model *m, const run *r, double *force) {
+static bool library_run(const palp_model *m, const run *r, palp_forward_wear *wear, double *force) {
     double *t = malloc(2 * r->n * sizeof *t), *d = t ? t + r->n : NULL, v, a;
     palp_error error;
     if (!t)
@@ -51,7 +51,7 @@ static bool library_run(const palp_model *m, const run *r, double *force) {
         path_at(r, t[k], &hint, &d[k], &v, &a);
     }
     palp_forward_run given = {
-        .n = r->n, .time_s = t, .depth_m = d, .session_s = r->session, .hum_phase = r->hum_phase};
+        .n = r->n, .time_s = t, .depth_m = d, .session_s = r->session, .hum_phase = r->hum_phase, .wear = wear};
     bool good = palp_forward_force(m, &given, force, NULL, &error) == PALP_OK;
     free(t);
     return good;
@@ -69,9 +69,10 @@ static bool differ(const world *w, const session *s, double floor, difference *o
     bool good = ours && library_model(w, &m);
     if (good)
         world_session(w, s, 0.002, false, NULL, ours);
+    palp_forward_wear kept = {0, NULL};
     for (size_t i = 0; i < s->n_runs && good; i++) {
         const run *r = &s->run[i];
-        good = library_run(&m, r, theirs + r->first);
+        good = library_run(&m, r, s->lasting ? &kept : NULL, theirs + r->first);
         for (size_t k = r->first; k < r->first + r->n && good; k++) {
             double off = fabs(ours[k] - theirs[k]) / floor;
             sum += off * off;
@@ -106,6 +107,7 @@ static bool look(int id, uint64_t i, difference *out) {
         session_rich(&s, &rng, plain.height, 1);
     else
         session_seed(&s, &rng, plain.height);
+    s.lasting = i % 2 == 1;
     if (!judge_make(&j, &plain, &s, 0.02))
         return false;
     world w = plain;

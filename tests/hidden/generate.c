@@ -25,7 +25,8 @@ typedef struct plans {
 } plans;
 
 static void add(plans *p, enum group group, int effect, int strength, double fineness) {
-    p->list[p->n++] = (plan){group, effect, strength, fineness};
+    bool lasting = p->n % 2 == 1;
+    p->list[p->n++] = (plan){group, effect, strength, fineness, lasting};
 }
 
 /* 21 effects at three strengths, the two weaker ones twice where anything can be seen of the effect. */

@@ -98,6 +98,7 @@ typedef struct run {
 typedef struct session {
     size_t n_runs, n;
     double deepest;
+    bool lasting; /* one specimen all the time: it keeps its damage and set from run to run; else a new one each */
     run run[RUNS];
 } session;
 
@@ -113,9 +114,13 @@ void session_rich(session *s, dice *r, double height, double fineness);
 void session_seed(session *s, dice *r, double height);
 
 /* ---- the physics (world.c, foreign.c) ---- */
-/* Recorded force of every sample; steps of at most h. noise (may be NULL) is added before the converter
+/* What a specimen keeps: its largest strain and energy. */
+typedef struct wear {
+    double most, energy;
+} wear;
+/* Recorded force of every sample; steps of at most h. kept: NULL (a new specimen), or before and after the run. noise (may be NULL) is added before the converter
  * clips. real: with the run's own shift and gain. */
-void world_run(const world *w, const run *r, double h, bool real, const double *noise, double *force);
+void world_run(const world *w, const run *r, double h, bool real, const double *noise, wear *kept, double *force);
 void world_session(const world *w, const session *s, double h, bool real, const double *noise, double *force);
 
 /* What the foreign effects remember within a run, and their dice. */
@@ -190,6 +195,7 @@ typedef struct plan {
     int effect;      /* SINGLE: which; OUTSIDE, SEED: which of those that are used there */
     int strength;    /* 0, 1, 2 */
     double fineness; /* of the rows */
+    bool lasting;    /* of the session */
 } plan;
 
 typedef struct hidden_effect {

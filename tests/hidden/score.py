@@ -223,7 +223,10 @@ def bar_closed(clear):
     pairs = [(c.closed(c.result), c.closed(c.oracle)) for c in clear]
     pairs = [(a if a is not None else 0.0, b) for a, b in pairs if b is not None]
     if not pairs:
-        print("    %-42s not looked at: there are no oracle.json" % "gap closed beside the oracle's")
+        alone = [c.closed(c.result) or 0.0 for c in clear]
+        print("    %-42s not looked at: there are no oracle.json%s" % (
+            "gap closed beside the oracle's",
+            "; median closed %.3f (%d cases)" % (statistics.median(alone), len(alone)) if alone else ""))
         return True
     ours, oracle = (statistics.median(p[k] for p in pairs) for k in (0, 1))
     good = ours >= 0.95 * oracle

@@ -39,7 +39,7 @@ static double force_at(const world *w, const run *r, double t) {
     double *force = malloc(r->n * sizeof *force);
     if (!force)
         abort();
-    world_run(w, r, STEP, false, NULL, force);
+    world_run(w, r, STEP, false, NULL, NULL, force);
     double f = force[(size_t)floor(t * r->Hz + 0.5)];
     free(force);
     return f;

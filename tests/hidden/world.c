@@ -375,10 +375,19 @@ static void sample_step(sim *s, chain *c, size_t i, double shift) {
         memory_add(&s->memory, s->strain, s->dt);
 }
 
-void world_run(const world *w, const run *r, double h, bool real, const double *noise, double *force) {
+/* A specimen that has set lies lower, at rest. */
+static void put_on(sim *s, const wear *kept) {
+    s->most = kept->most;
+    s->energy = kept->energy;
+    s->strain = s->w->value[PERMANENT_SET][0] * kept->most;
+}
+
+void world_run(const world *w, const run *r, double h, bool real, const double *noise, wear *kept, double *force) {
     sim *s = malloc(sizeof *s);
     if (!s || !begin(s, w, r, h, real))
         abort();
+    if (kept)
+        put_on(s, kept);
     double d, v, a, shift = real ? r->shift : 0;
     chain c;
     path_at(r, 0, &s->knot, &d, &v, &a);
@@ -391,14 +400,17 @@ void world_run(const world *w, const run *r, double h, bool real, const double *
         sample_step(s, &c, i, shift);
         force[i] = recorded(s, &c, (double)i * s->dt, noise ? noise[i] : 0);
     }
+    if (kept)
+        *kept = (wear){s->most, s->energy};
     memory_end(&s->memory);
     free(s);
 }
 
 void world_session(const world *w, const session *s, double h, bool real, const double *noise,
                    double *force) {
+    wear kept = {0, 0};
     for (size_t i = 0; i < s->n_runs; i++) {
         const run *r = &s->run[i];
-        world_run(w, r, h, real, noise ? noise + r->first : NULL, force + r->first);
+        world_run(w, r, h, real, noise ? noise + r->first : NULL, s->lasting ? &kept : NULL, force + r->first);
     }
 }

@@ -31,6 +31,8 @@ static bool run_write(const hidden_case *c, size_t i, const char *folder) {
         return false;
     fprintf(f, "# palpate.experiment: 1\n# specimen.height_mm: %.9g\n# specimen.radius_mm: %.9g\n",
             1e3 * c->world.height, 1e3 * c->world.radius);
+    if (!c->session.lasting)
+        fprintf(f, "# specimen.name: \"%zu\"\n", i + 1);
     fprintf(f, "# specimen.kind: \"cylinder\"\n# protocol.kind: \"%s\"\n", r->kind);
     key_number(f, "protocol.depth_mm", 1e3 * r->depth);
     key_number(f, "protocol.rate_mm_s", 1e3 * r->rate);

@@ -1,13 +1,17 @@
 /* test_allocation.c: makes each allocation of the library fail in turn, and counts those of a time step. */
 /* link: -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free */
 #define _POSIX_C_SOURCE 200809L
+#include "explain_internal.h"
 #include "cube.h"
 #include "scratch.h"
 
 #include <palpate/calibrate.h>
+#include <palpate/cut.h>
 #include <palpate/experiment.h>
 #include <palpate/forward.h>
 #include <palpate/path.h>
+#include <palpate/realtime.h>
+#include <palpate/tool.h>
 #include <palpate/vtu.h>
 
 #include <SuiteSparse_config.h>
@@ -219,6 +223,23 @@ static palp_status gmsh(palp_error *error) {
     return status;
 }
 
+static palp_status scaled_mesh(palp_error *error) {
+    palp_mesh *mesh = NULL;
+    palp_network *network = NULL;
+    palp_material material = {.law = {.kind = PALP_LAW_POLYNOMIAL, .n = 1, .coefficients = {2.0}}};
+    palp_network_settings settings = palp_network_settings_default();
+    palp_support supports[2];
+    palp_supports_default(supports);
+    palp_status status = palp_mesh_read_gmsh("tests/data/mesh/good_tetra.msh", 1e-3, false, &mesh, error);
+    if (!status)
+        status = palp_mesh_scale(mesh, PALP_SCALING_CONTINUUM, 0.0, error);
+    if (!status)
+        status = palp_network_create(mesh, &material, 2, supports, &settings, &network, error);
+    palp_network_free(network);
+    palp_mesh_free(mesh);
+    return status;
+}
+
 static palp_status mesh_of_model(palp_error *error) {
     palp_mesh *mesh = NULL;
     palp_model model = {
@@ -233,6 +254,7 @@ START_TEST(meshes) {
     each_fails(lattice, 10, NULL);
     each_fails(triangle, 3, NULL);
     each_fails(gmsh, 10, NULL);
+    each_fails(scaled_mesh, 20, NULL);
     each_fails(mesh_of_model, 5, NULL);
 }
 END_TEST
@@ -265,7 +287,7 @@ static palp_material with_arms(size_t n) {
     return material;
 }
 
-static palp_status make_network(palp_solver solver, double density, palp_network **network,
+static palp_status make_lattice(size_t n, palp_solver solver, double density, palp_network **network,
                                 palp_error *error) {
     palp_mesh *mesh = NULL;
     palp_support supports[2];
@@ -276,7 +298,7 @@ static palp_status make_network(palp_solver solver, double density, palp_network
     *network = NULL;
     palp_supports_default(supports);
     palp_status status =
-        palp_mesh_lattice((size_t[3]){3, 3, 3}, (double[3]){CUBE_HEIGHT_M, CUBE_HEIGHT_M, CUBE_HEIGHT_M},
+        palp_mesh_lattice((size_t[3]){n, n, n}, (double[3]){CUBE_HEIGHT_M, CUBE_HEIGHT_M, CUBE_HEIGHT_M},
                           PALP_NEIGHBOURS_26, &mesh);
     if (!status)
         status = palp_network_create(mesh, &material, 2, supports, &settings, network, error);
@@ -303,6 +325,11 @@ static palp_status use_network(palp_network *network) {
     return status;
 }
 
+static palp_status make_network(palp_solver solver, double density, palp_network **network,
+                                palp_error *error) {
+    return make_lattice(3, solver, density, network, error);
+}
+
 static palp_status network_banded(palp_error *error) {
     palp_network *network;
     palp_status status = make_network(PALP_SOLVER_BAND, 1000.0, &network, error);
@@ -321,9 +348,79 @@ static palp_status network_simplicial(palp_error *error) {
     return status;
 }
 
+/* A tool presses, a node is held; then steps that must not allocate. */
+static palp_status network_with_tools(palp_error *error) {
+    palp_network *network;
+    const palp_contact_settings contact = palp_contact_settings_default();
+    palp_tool tool = {PALP_TOOL_SPHERE, {0.012, 0.012, -0.0035}, {0, 0, 0}, 0, 0.004, 0.3};
+    palp_status status = make_network(PALP_SOLVER_BAND, 0.0, &network, error);
+    if (!status)
+        status = palp_network_enable_tools(network, 2, 1, &contact);
+    if (!status)
+        status = palp_network_hold(network, 1, (const int32_t[]){13}, (const double[]){0.0121, 0.012, 0.012});
+    size_t calls = heap.calls;
+    for (int i = 0; i < 3 && !status; i++) {
+        tool.position_m[2] += 1e-4;
+        status = palp_network_set_tools(network, 1, &tool);
+        if (!status)
+            status = palp_network_step(network, 0.0, 0.1, NULL);
+    }
+    if (heap.calls != calls)
+        abort();
+    palp_network_free(network);
+    return status;
+}
+
+/* With levels, and with a thread that makes the next factor. */
+static palp_status network_realtime(palp_error *error) {
+    palp_network *network;
+    palp_realtime_settings settings = palp_realtime_settings_default();
+    const palp_budget budget = {.corrections = 1};
+    settings.background = true;
+    palp_status status = make_lattice(8, PALP_SOLVER_BAND, 0.0, &network, error);
+    if (!status)
+        status = palp_network_enable_realtime(network, &settings);
+    if (!status)
+        status = palp_network_step_within(network, 1e-4, 1e-3, &budget, NULL);
+    palp_network_free(network);
+    return status;
+}
+
+/* Cuts and tears, and steps between them, that must not allocate. */
+static palp_status network_cut_up(palp_error *error) {
+    static const double blade[9] = {-1, 0.017, -1, 0.01, 0.017, 1, 1, 0.017, -1};
+    palp_network *network;
+    size_t n = 0;
+    palp_status status = make_network(PALP_SOLVER_BAND, 0.0, &network, error);
+    if (!status)
+        status = palp_network_enable_cutting(network);
+    size_t calls = heap.calls;
+    if (!status)
+        status = palp_network_step(network, 1e-3, 0.1, NULL);
+    if (!status)
+        status = palp_network_cut(network, blade, &n);
+    if (!status && n == 0)
+        abort();
+    if (!status)
+        status = palp_network_set_tearing(network, 0.01, 0.0);
+    if (!status)
+        status = palp_network_tear(network, &n);
+    if (!status && n == 0)
+        abort();
+    if (!status)
+        status = palp_network_step(network, 1e-3, 0.1, NULL);
+    if (heap.calls != calls)
+        abort();
+    palp_network_free(network);
+    return status;
+}
+
 START_TEST(networks) {
     each_fails(network_banded, 40, NULL);
     each_fails(network_simplicial, 40, NULL);
+    each_fails(network_with_tools, 50, NULL);
+    each_fails(network_cut_up, 50, NULL);
+    each_fails(network_realtime, 100, NULL);
 }
 END_TEST
 
@@ -348,7 +445,8 @@ static palp_status forward(bool network, palp_error *error) {
     model.mesh = (palp_mesh_spec){.nodes = {3, 3, 3}, .neighbourhood = PALP_NEIGHBOURS_26};
     for (size_t k = 0; k < 3; k++)
         model.mesh.size_m[k] = CUBE_HEIGHT_M;
-    return palp_forward_network(&model, &settings, &run, force, error);
+    palp_status status = palp_forward_network(&model, &settings, &run, force, error);
+    return status ? status : explain_predict(&model, &run, force, gradient, error);
 }
 
 static palp_status forward_lumped(palp_error *error) {
@@ -483,6 +581,29 @@ static palp_status calibrate_static(palp_error *error) {
     return status;
 }
 
+static palp_status calibrate_carried(palp_error *error) {
+    palp_network *network = NULL, *coarse = NULL;
+    palp_static_settings settings = palp_static_settings_default();
+    palp_material start = with_arms(1);
+    palp_calibration result;
+    double depth[12], target[12];
+    for (size_t i = 0; i < 12; i++) {
+        depth[i] = 0.0002 * (double)(i + 1);
+        target[i] = 300.0 * depth[i];
+    }
+    settings.curve_tolerance = 1e-2;
+    palp_status status = make_network(PALP_SOLVER_BAND, 0.0, &network, error);
+    if (!status)
+        status = make_network(PALP_SOLVER_BAND, 0.0, &coarse, error);
+    if (!status) {
+        status = palp_calibrate_carried(network, coarse, &start, 12, depth, target, &settings, &result);
+        check_failed(status, &result);
+    }
+    palp_network_free(network);
+    palp_network_free(coarse);
+    return status;
+}
+
 static palp_status calibrate_relaxation(palp_error *error) {
     const double time_s[4] = {0.5, 1.0, 2.0, 3.0}, force_N[4] = {1.0, 2.0, 1.8, 1.7};
     palp_target target = {.n = 4, .time_s = time_s, .force_N = force_N};
@@ -510,6 +631,7 @@ static palp_status calibrate_relaxation(palp_error *error) {
 
 START_TEST(calibrations) {
     each_fails(calibrate_static, 80, NULL);
+    each_fails(calibrate_carried, 80, NULL);
     each_fails(calibrate_relaxation, 80, NULL);
 }
 END_TEST
@@ -562,6 +684,52 @@ static void count_steps(palp_solver solver, palp_branch branch) {
     wrap_cholmod(false);
 }
 
+/* Ticks through several factors, saved, taken back and restored: nothing is allocated. */
+static palp_status ticks(palp_network *network, void *buffer, size_t size) {
+    palp_status status = PALP_OK;
+    palp_tick_info info;
+    size_t refreshed = 0;
+    for (int i = 1; i <= 150 && !status; i++) {
+        palp_budget budget = {.corrections = (size_t)(i % 3), .force_error = 1e-6, .seconds = i % 2 ? 1.0 : 0.0};
+        status = palp_network_step_within(network, 2e-5 * i, 1e-3, &budget, &info);
+        refreshed += info.refreshed;
+    }
+    if (!status)
+        status = palp_network_undo(network);
+    if (!status)
+        status = palp_network_save(network, buffer, size);
+    if (!status)
+        status = palp_network_restore(network, buffer, size);
+    return !status && refreshed < 2 ? PALP_ERR_ARGUMENT : status;
+}
+
+static void count_ticks(size_t n, bool background) {
+    static unsigned char buffer[4000000];
+    palp_realtime_settings settings = palp_realtime_settings_default();
+    palp_network *network = NULL;
+    settings.background = background;
+    arm(0);
+    palp_status first = make_lattice(n, PALP_SOLVER_BAND, 0.0, &network, NULL);
+    if (!first)
+        first = palp_network_enable_realtime(network, &settings);
+    size_t before = heap.calls, size = palp_network_state_size(network);
+    palp_status status = size <= sizeof buffer ? ticks(network, buffer, size) : PALP_ERR_LIMIT;
+    size_t after = heap.calls;
+    palp_network_free(network);
+    heap.armed = false;
+    ck_assert_int_eq(first, PALP_OK);
+    ck_assert_int_eq(status, PALP_OK);
+    ck_assert_uint_eq(after, before);
+    ck_assert_uint_eq(heap.live, 0);
+}
+
+START_TEST(none_in_a_tick) {
+    count_ticks(4, false);
+    count_ticks(8, false);
+    count_ticks(8, true);
+}
+END_TEST
+
 START_TEST(none_in_a_step) {
     count_steps(PALP_SOLVER_BAND, PALP_BRANCH_CONTINUE);
     count_steps(PALP_SOLVER_BAND, PALP_BRANCH_STABLE);
@@ -586,6 +754,7 @@ int main(void) {
     tcase_add_test(failing, vtu_series);
     tcase_add_test(failing, calibrations);
     tcase_add_test(counting, none_in_a_step);
+    tcase_add_test(counting, none_in_a_tick);
     suite_add_tcase(suite, failing);
     suite_add_tcase(suite, counting);
     return scratch_run(suite);

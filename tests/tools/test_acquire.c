@@ -250,11 +250,15 @@ static palp_wire_samples block_at(uint32_t tick) {
     return b;
 }
 
-static acquire_file *new_file(const char *name, bool raw) {
-    acquire_file *f = malloc(sizeof *f);
+static void open_file(acquire_file *f, const char *name, bool raw, uint32_t tick) {
     json_t *header = json_pack("{sf ss}", "specimen.height_mm", 24.0, "protocol.kind", "static");
-    assert_int_equal(acquire_file_open(f, in_folder(name), true, raw, &scale, header), CLI_OK);
+    assert_int_equal(acquire_file_open(f, in_folder(name), true, raw, &scale, tick, header), CLI_OK);
     json_decref(header);
+}
+
+static acquire_file *new_file(const char *name, bool raw) {
+    acquire_file *f = calloc(1, sizeof *f);
+    open_file(f, name, raw, 0);
     return f;
 }
 
@@ -314,6 +318,33 @@ static void test_file(void **state) {
     free(f);
 }
 
+static double start_of(const char *name) {
+    palp_experiment *e = read_file(name);
+    double value = NAN;
+    palp_experiment_get_number(e, "session.start_s", &value);
+    palp_experiment_free(e);
+    return value;
+}
+
+/* From first sample to first sample, over the end of the counter; until one comes, as it was expected. */
+static void test_session_start(void **state) {
+    static const uint32_t tick[] = {UINT32_MAX - 999, 4000, 250000};
+    acquire_file *f = new_file("one.csv", false);
+    (void)state;
+    for (int run = 0; run < 3; run++) {
+        if (run > 0) {
+            open_file(f, "one.csv", false, tick[run] - 1500);
+            near(start_of("one.csv"), 1e-3 * (tick[run] - 1500 - (tick[0] + 1)), 1e-9);
+        }
+        palp_wire_samples b = block_at(tick[run]);
+        b.flags[0] = 0; /* not yet of the recording */
+        assert_int_equal(acquire_file_add(f, &b), 9);
+        assert_int_equal(acquire_file_close(f, NULL, NAN), CLI_OK);
+        near(start_of("one.csv"), 1e-3 * (tick[run] - tick[0]), 1e-9);
+    }
+    free(f);
+}
+
 /* Cut anywhere between pages, which is where a write ends that is cut short, it reads, and is marked. */
 static void test_file_cut(void **state) {
     struct stat now;
@@ -368,8 +399,8 @@ static void test_file_stays(void **state) {
     json_t *header = json_object();
     (void)state;
     assert_int_equal(acquire_file_close(f, NULL, NAN), CLI_OK);
-    assert_int_equal(acquire_file_open(f, in_folder("there.csv"), false, false, &scale, header), CLI_FAILURE);
-    assert_int_equal(acquire_file_open(f, in_folder("no/there.csv"), false, false, &scale, header),
+    assert_int_equal(acquire_file_open(f, in_folder("there.csv"), false, false, &scale, 0, header), CLI_FAILURE);
+    assert_int_equal(acquire_file_open(f, in_folder("no/there.csv"), false, false, &scale, 0, header),
                      CLI_FAILURE);
     json_decref(header);
     free(f);
@@ -656,13 +687,13 @@ int main(void) {
         cmocka_unit_test(test_ramp_hold),     cmocka_unit_test(test_kinds),
         cmocka_unit_test(test_seed_protocol), cmocka_unit_test(test_protocol_file),
         cmocka_unit_test(test_examples),      cmocka_unit_test(test_file),
-        cmocka_unit_test(test_file_cut),      cmocka_unit_test(test_file_killed),
-        cmocka_unit_test(test_file_stays),    cmocka_unit_test(test_file_full),
-        cmocka_unit_test(test_session),       cmocka_unit_test(test_fault),
-        cmocka_unit_test(test_latched),       cmocka_unit_test(test_unplugged),
-        cmocka_unit_test(test_restarted),     cmocka_unit_test(test_stopped),
-        cmocka_unit_test(test_lost),          cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_curve),
+        cmocka_unit_test(test_session_start), cmocka_unit_test(test_file_cut),
+        cmocka_unit_test(test_file_killed),   cmocka_unit_test(test_file_stays),
+        cmocka_unit_test(test_file_full),     cmocka_unit_test(test_session),
+        cmocka_unit_test(test_fault),         cmocka_unit_test(test_latched),
+        cmocka_unit_test(test_unplugged),     cmocka_unit_test(test_restarted),
+        cmocka_unit_test(test_stopped),       cmocka_unit_test(test_lost),
+        cmocka_unit_test(test_refused),       cmocka_unit_test(test_curve),
     };
     const char *scratch = getenv("SCRATCH");
     snprintf(folder, sizeof folder, "%s", scratch ? scratch : "/tmp");

@@ -1,0 +1,81 @@
+/* explain_result.c: what the search found, as the caller gets it: the runs with their residuals, where they are large,
+ * the suspects. */
+#include "explain_internal.h"
+#include "file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+palp_status explain_copy_runs(const explain_search *s, palp_explanation *e) {
+    const explain_data *data = &s->data;
+    e->n_runs = data->n_runs;
+    e->run = calloc(data->n_runs, sizeof *e->run);
+    if (!e->run)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        const explain_run *from = &data->run[r];
+        palp_explain_run *to = &e->run[r];
+        size_t bytes = from->n * sizeof *to->time_s;
+        memcpy(to->name, from->name, sizeof to->name);
+        to->n = from->n;
+        to->time_s = malloc(5 * bytes);
+        if (!to->time_s)
+            return PALP_ERR_NO_MEMORY;
+        to->depth_m = to->time_s + to->n;
+        to->force_N = to->time_s + 2 * to->n;
+        to->before_N = to->time_s + 3 * to->n;
+        to->after_N = to->time_s + 4 * to->n;
+        memcpy(to->time_s, from->time, bytes);
+        memcpy(to->depth_m, from->depth, bytes);
+        memcpy(to->force_N, from->force, bytes);
+    }
+    return PALP_OK;
+}
+
+void explain_keep_residual(const explain_search *s, palp_explanation *e, bool before) {
+    const double *from = s->residual;
+    for (size_t r = 0; r < e->n_runs; from += e->run[r++].n)
+        memcpy(before ? e->run[r].before_N : e->run[r].after_N, from, e->run[r].n * sizeof *from);
+}
+
+/* Shares of the squared gap by run and phase, the largest first. */
+void explain_where(const explain_data *data, palp_explanation *e, double floor_N) {
+    double total = 0.0;
+    for (size_t r = 0; r < e->n_runs; r++) {
+        double sum[PALP_PHASE_COUNT] = {0};
+        for (size_t i = 0; i < e->run[r].n; i++) {
+            double x = e->run[r].before_N[i];
+            sum[data->run[r].phase[i]] += x * x - floor_N * floor_N;
+        }
+        for (int p = 0; p < PALP_PHASE_COUNT; p++) {
+            if (!(sum[p] > 0.0))
+                continue;
+            total += sum[p];
+            size_t i = e->n_where < PALP_EXPLAIN_WHERE ? e->n_where++ : PALP_EXPLAIN_WHERE - 1;
+            for (; i > 0 && e->where[i - 1].share < sum[p]; i--)
+                e->where[i] = e->where[i - 1];
+            e->where[i] = (palp_explain_where){.run = r, .phase = (palp_explain_phase)p, .share = sum[p]};
+        }
+    }
+    for (size_t i = 0; i < e->n_where; i++)
+        e->where[i].share /= total;
+}
+
+size_t explain_list_suspects(const explain_search *s, double threshold, double floor_N, const bool *seen,
+                             palp_explain_suspect *list) {
+    size_t n = 0;
+    for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
+        const explain_trial *t = &s->trial[i];
+        if (!t->tried)
+            continue;
+        palp_explain_suspect *out = &list[n++];
+        const char *why = explain_judged(s, t, threshold, floor_N);
+        out->id = (palp_effect_id)i;
+        out->identifiable = seen[i] || i == PALP_EFFECT_MAINS_HUM;
+        out->score = t->fit.product ? t->gain : 0.0;
+        out->explained_N = t->explained;
+        snprintf(out->reason, sizeof out->reason, "%s", why ? why : "another effect explains more");
+    }
+    return n;
+}

@@ -1,0 +1,101 @@
+/* explain_step.c: a greedy step: which trial is taken, and what it makes superfluous. */
+#include "explain_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double SHADOW = 0.06; /* of the first gap: what an effect's equations are good for */
+static const double SHRINKS = 0.4; /* of the practical share: by which the residual must shrink, rms */
+
+const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double floor_N) {
+    if (!t->fit.product)
+        return t->reason;
+    if (!(t->gain > 0.0 && t->raw_gain > threshold))
+        return "gains no more than chance does";
+    if (!(t->explained > s->settings->practical_share * floor_N))
+        return "explains less than the practical share of the floor";
+    if (!(t->shrinks > SHRINKS * s->settings->practical_share * floor_N))
+        return "leaves the residual as large as it was";
+    if (!(t->held_gain > t->held_se))
+        return "does not help to predict an experiment left out by more than its standard error";
+    if (!(t->held_rest > 0.0))
+        return "helps in one experiment only";
+    if (!(t->explained > SHADOW * s->opened))
+        return "is within what an effect's equations are good for";
+    return NULL;
+}
+
+size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status) {
+    size_t best = PALP_EFFECT_COUNT;
+    for (size_t i = 0; i < PALP_EFFECT_COUNT && !*status; i++) {
+        const explain_trial *t = &s->trial[i];
+        double floor_N = 0.0;
+        bool hidden = i == PALP_EFFECT_SENSOR_GAIN && !seen[i]; /* the law takes all of it */
+        if (!t->tried || !t->fit.product || hidden)
+            continue;
+        *status = explain_floor(&s->data, &t->fit, t->force, &floor_N);
+        if (!*status && !explain_judged(s, t, threshold, floor_N) &&
+            (best == PALP_EFFECT_COUNT || t->gain > s->trial[best].gain))
+            best = i;
+    }
+    return best;
+}
+
+static void remember(explain_search *s) {
+    explain_step *step = &s->memory->step[s->memory->n++];
+    for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
+        step->has[i] = s->trial[i].fit.product && i != PALP_EFFECT_MAINS_HUM;
+        if (step->has[i])
+            step->model[i] = s->trial[i].fit.model;
+    }
+}
+
+static void forget(explain_memory *memory, size_t i) {
+    memmove(memory->step + i, memory->step + i + 1, (memory->n - i - 1) * sizeof *memory->step);
+    memory->n--;
+}
+
+palp_status explain_take(explain_search *s, size_t i) {
+    if (i != PALP_EFFECT_MAINS_HUM)
+        remember(s);
+    s->taken_gain = s->trial[i].raw_gain;
+    explain_fit_free(&s->fit);
+    s->fit = s->trial[i].fit;
+    s->trial[i].fit.product = NULL;
+    return explain_settle(s);
+}
+
+/* Whether added effect i would not be added again, now that there are others, and gains less than the one taken
+ * last; if so takes it out. */
+static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_effect_id *dropped) {
+    explain_search rest;
+    double floor_N = 0.0;
+    palp_effect_id id = explain_added(s, i).id;
+    palp_status status = explain_search_without(s, i, &rest);
+    if (!status)
+        status = explain_trial_again(s, &rest, id);
+    if (!status)
+        status = explain_floor(&s->data, &s->fit, s->force, &floor_N);
+    const explain_trial *again = &rest.trial[id];
+    bool weaker = !again->fit.product || again->raw_gain < s->taken_gain;
+    if (!status && weaker && explain_judged(&rest, again, threshold, floor_N)) {
+        *dropped = id;
+        explain_fit_free(&s->fit);
+        s->fit = rest.fit;
+        rest.fit.product = NULL;
+        if (id != PALP_EFFECT_MAINS_HUM)
+            forget(s->memory, i);
+        status = explain_settle(s);
+    }
+    explain_search_free(&rest);
+    return status == PALP_ERR_NOT_CONVERGED ? PALP_OK : status;
+}
+
+palp_status explain_drop(explain_search *s, double threshold, palp_effect_id *dropped) {
+    palp_status status = PALP_OK;
+    *dropped = PALP_EFFECT_COUNT;
+    for (size_t i = 0; i + 1 < explain_added_count(s) && !status && *dropped == PALP_EFFECT_COUNT; i++)
+        status = drop_one(s, i, threshold, dropped);
+    return status;
+}

@@ -1,0 +1,276 @@
+/* forward_knots.c: a run of a network solved at chosen samples. Between them the force on the plate is a cubic in
+ * time, set right by the tangent for what the recorded depth differs from its own cubic; the sensor reads every
+ * sample. Where the plate meets or leaves the specimen every sample is solved. */
+#include "file.h"
+#include "forward_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double GROWTH = 0.22;    /* step over the time since the last corner or contact */
+static const double REACH = 0.08;     /* step of depth over the deepest; */
+static const double REACH_WORN = 0.02; /* of springs that wear: they bend the force at their old peaks */
+static const double STRAIGHT = 5e-4, ROUGH = 3e-3; /* of the deepest: a path within one, with noise the other, is straight */
+
+typedef struct knots {
+    const palp_forward_run *run;
+    forward_network *network;
+    forward_plate plate, kept;
+    size_t n_columns, block;    /* block: doubles of the plate's rows */
+    size_t n, *at;              /* [run->n] samples solved */
+    unsigned char *end, *corner; /* [run->n] knots over which nothing is interpolated; samples */
+    double *force, *slope, *row; /* [run->n], [run->n], [run->n n_columns] of the knots, on the plate */
+    size_t gone;                 /* a plate that lets go from this sample on does not come back */
+    double *plate_rows;          /* [block] kept */
+    double reach, stride;       /* deepest; longest step of depth */
+} knots;
+
+/* ---- corners ---- */
+
+/* The sample between a and b farthest from the straight line, and how far. */
+static size_t farthest(const palp_forward_run *run, size_t a, size_t b, double *off) {
+    const double *t = run->time_s, *d = run->depth_m, rate = (d[b] - d[a]) / (t[b] - t[a]);
+    size_t worst = a + 1;
+    *off = 0.0;
+    for (size_t i = a + 1; i < b; i++) {
+        double miss = fabs(d[i] - d[a] - rate * (t[i] - t[a]));
+        if (miss > *off) {
+            *off = miss;
+            worst = i;
+        }
+    }
+    return worst;
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* How far a straight path may be off: some sds of the encoder's noise, by the median second difference. */
+static double straightness(const knots *k) {
+    const double *d = k->run->depth_m;
+    double *bend = k->force, low = STRAIGHT * k->reach; /* not needed yet */
+    size_t n = 0;
+    for (size_t i = 1; i + 1 < k->run->n; i++)
+        bend[n++] = fabs(d[i - 1] - 2.0 * d[i] + d[i + 1]);
+    if (n == 0)
+        return low;
+    qsort(bend, n, sizeof *bend, ascending);
+    return fmin(fmax(low, 3.0 * bend[n / 2]), ROUGH * k->reach);
+}
+
+/* Grows a straight piece from each corner while a line through its first sample passes all others closely; the
+ * next corner is the sample farthest from the chord. */
+static void find_corners(knots *k) {
+    const palp_forward_run *run = k->run;
+    const double *t = run->time_s, *d = run->depth_m, close = straightness(k);
+    for (size_t a = 0; a + 1 < run->n;) {
+        double low = -HUGE_VAL, high = HUGE_VAL, off;
+        size_t b = a + 1;
+        for (; b < run->n && low <= high; b++) {
+            low = fmax(low, (d[b] - close - d[a]) / (t[b] - t[a]));
+            high = fmin(high, (d[b] + close - d[a]) / (t[b] - t[a]));
+        }
+        if (low <= high)
+            return;
+        a = b - 1 > a + 1 ? farthest(run, a, b - 1, &off) : a + 1;
+        k->corner[a] = 1;
+    }
+}
+
+/* ---- solving ---- */
+
+/* The next sample to solve after i; grade: where the steps began to grow. */
+static size_t next_knot(const knots *k, size_t i, size_t grade) {
+    const double *t = k->run->time_s, *d = k->run->depth_m;
+    size_t j = i + 1;
+    if (k->corner[i])
+        return j;
+    while (j + 1 < k->run->n && !k->corner[j] && !k->corner[j + 1] && t[j + 1] - t[i] <= GROWTH * (t[i] - t[grade]) &&
+           fabs(d[j + 1] - d[i]) <= k->stride)
+        j++;
+    return j;
+}
+
+static void add_knot(knots *k, size_t i, bool end) {
+    const bool first = i == 0, beside = (!first && k->corner[i - 1]) || (i + 1 < k->run->n && k->corner[i + 1]);
+    k->at[k->n] = i;
+    k->end[k->n] = end || first || k->corner[i] || beside;
+    k->force[k->n] = k->plate.force;
+    k->slope[k->n] = forward_plate_stiffness(&k->plate, forward_network_slope(k->network));
+    memcpy(k->row + k->n * k->n_columns, k->plate.force_p, k->n_columns * sizeof *k->row);
+    k->n++;
+}
+
+static palp_status move_to(knots *k, size_t i) {
+    k->plate.abandons = i > k->gone;
+    return forward_plate_move(&k->plate, k->run->time_s[i], k->run->depth_m[i], forward_moment(k->run, i).velocity);
+}
+
+static void keep(knots *k) {
+    k->kept = k->plate;
+    memcpy(k->plate_rows, k->plate.force_p, k->block * sizeof *k->plate_rows);
+    forward_network_keep(k->network);
+}
+
+static void go_back(knots *k) {
+    k->plate = k->kept;
+    memcpy(k->plate.force_p, k->plate_rows, k->block * sizeof *k->plate_rows);
+    forward_network_back(k->network);
+}
+
+/* Samples from i + 1 to j, each solved. */
+static palp_status every_sample(knots *k, size_t i, size_t j) {
+    palp_status status = PALP_OK;
+    k->end[k->n - 1] = 1;
+    while (i < j && !status) {
+        status = move_to(k, ++i);
+        if (!status)
+            add_knot(k, i, true);
+    }
+    return status;
+}
+
+/* The last straight piece into the air, in which all the rest of the run is: the plate is ahead of the surface, which
+ * comes ever more slowly. */
+static size_t find_gone(const knots *k) {
+    size_t i = k->run->n;
+    while (i > 0 && forward_plate_clear(&k->plate, k->run->depth_m[i - 1]))
+        i--;
+    if (i == k->run->n)
+        return i;
+    while (i > 0 && !k->corner[i])
+        i--;
+    return i;
+}
+
+static palp_status solve(knots *k, palp_error *error) {
+    const palp_forward_run *run = k->run;
+    size_t i = 0, grade = 0;
+    k->gone = find_gone(k);
+    palp_status status = forward_plate_start(&k->plate, run->time_s[0], run->depth_m[0]);
+    if (!status)
+        add_knot(k, 0, true);
+    while (!status && i + 1 < run->n && (k->plate.touching || i < k->gone)) {
+        size_t j = next_knot(k, i, grade);
+        bool touching = k->plate.touching;
+        if (j > i + 1)
+            keep(k);
+        status = move_to(k, j);
+        if (j > i + 1 && (status || k->plate.touching != touching)) {
+            go_back(k);
+            status = every_sample(k, i, j);
+            grade = j;
+        } else if (!status) {
+            if (k->plate.touching != touching)
+                k->end[k->n - 1] = 1;
+            add_knot(k, j, k->plate.touching != touching);
+            grade = k->corner[j] || k->plate.touching != touching ? j : grade;
+        }
+        i = j;
+    }
+    if (status)
+        return palp_error_set(error, status, "at about %.6g s, depth %.6g mm: %s", run->time_s[i],
+                              1e3 * run->depth_m[i], palp_status_text(status));
+    return PALP_OK;
+}
+
+/* ---- reading ---- */
+
+/* The knots around the interval from q on that are interpolated, and their weights at sample i. */
+static size_t stencil(const knots *k, size_t q, size_t i, size_t *first, double weight[4]) {
+    const double *t = k->run->time_s;
+    size_t a = k->end[q] ? q : q - 1, b = k->end[q + 1] || q + 2 == k->n ? q + 1 : q + 2;
+    for (size_t u = a; u <= b; u++) {
+        double w = 1.0;
+        for (size_t v = a; v <= b; v++)
+            if (v != u)
+                w *= (t[i] - t[k->at[v]]) / (t[k->at[u]] - t[k->at[v]]);
+        weight[u - a] = w;
+    }
+    *first = a;
+    return b - a + 1;
+}
+
+/* Force on the plate at sample i, which knot q precedes or is, and its derivatives. */
+static double plate_force(const knots *k, size_t q, size_t i, double *force_p) {
+    double weight[4], force = 0.0, depth = 0.0;
+    size_t first, n = k->n_columns;
+    memset(force_p, 0, n * sizeof *force_p);
+    if (k->at[q] == i)
+        memcpy(force_p, k->row + q * n, n * sizeof *force_p);
+    if (k->at[q] == i || q + 1 == k->n) /* the last: left for good */
+        return k->at[q] == i ? k->force[q] : 0.0;
+    size_t count = stencil(k, q, i, &first, weight);
+    for (size_t u = 0; u < count; u++) {
+        const double *row = k->row + (first + u) * n;
+        force += weight[u] * k->force[first + u];
+        depth += weight[u] * k->run->depth_m[k->at[first + u]];
+        for (size_t c = 0; c < n; c++)
+            force_p[c] += weight[u] * row[c];
+    }
+    return force + k->slope[q + 1] * (k->run->depth_m[i] - depth);
+}
+
+static palp_status read_all(const knots *k, const forward_plan *plan, double *force_N, double *gradient) {
+    forward_sensor s;
+    palp_status status = forward_sensor_create(plan, k->n_columns, &s);
+    if (status)
+        return status;
+    for (size_t i = 0, q = 0; i < k->run->n; i++) {
+        effect_moment at = forward_moment(k->run, i);
+        while (q + 1 < k->n && k->at[q + 1] <= i)
+            q++;
+        double force = plate_force(k, q, i, s.force_p);
+        force_N[i] = forward_sensor_read(&s, &at, force);
+        for (size_t c = 0; c < k->n_columns; c++)
+            gradient[c * k->run->n + i] = s.force_p[c];
+    }
+    forward_sensor_free(&s);
+    return PALP_OK;
+}
+
+/* ---- the run ---- */
+
+static palp_status allocate(knots *k) {
+    const size_t n = k->run->n;
+    k->at = malloc((n + 1) * sizeof *k->at);
+    k->end = calloc(2 * n + 1, 1);
+    k->force = malloc(((2 + k->n_columns) * n + k->block + 1) * sizeof *k->force);
+    if (!k->at || !k->end || !k->force)
+        return PALP_ERR_NO_MEMORY;
+    k->corner = k->end + n;
+    k->slope = k->force + n;
+    k->row = k->slope + n;
+    k->plate_rows = k->row + k->n_columns * n;
+    for (size_t i = 0; i < n; i++)
+        k->reach = fmax(k->reach, fabs(k->run->depth_m[i]));
+    return PALP_OK;
+}
+
+palp_status forward_run_knots(const forward_plan *plan, forward_network *network, const palp_forward_run *run,
+                              double *force_N, double *gradient, palp_error *error) {
+    forward_specimen specimen = forward_network_specimen(network);
+    knots k = {.run = run, .network = network, .n_columns = specimen.n_columns,
+               .block = (3 + FORWARD_WORK) * specimen.n_columns};
+    palp_status status = forward_check_run(run, error);
+    if (status || run->n == 0)
+        return status;
+    status = forward_plate_create(plan, &specimen, &k.plate);
+    if (!status)
+        status = allocate(&k);
+    if (!status) {
+        k.stride = (plan->worn ? REACH_WORN : REACH) * k.reach;
+        find_corners(&k);
+        status = solve(&k, error);
+    }
+    if (!status)
+        status = read_all(&k, plan, force_N, gradient);
+    free(k.at);
+    free(k.end);
+    free(k.force);
+    forward_plate_free(&k.plate);
+    return status;
+}

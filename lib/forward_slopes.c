@@ -1,0 +1,376 @@
+/* forward_slopes.c: derivatives of a network's force by all parameters of the model, carried through its steps:
+ * at fixed positions from the elements' histories, then at equilibrium by the tangent of the step. */
+#include "forward_internal.h"
+#include "network_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Partial derivatives of an arm's force of the trial, as element_partials, [n_arms n_elements] each. */
+typedef struct arm_rows {
+    double *arm_old, *strain_old, *strain, *log_stiffness, *log_time, *beta, *gamma, *drive;
+} arm_rows;
+enum { ARM_ROWS = 8 };
+
+/* By columns and elements: [n m], arms [n n_arms m]. */
+struct forward_slopes {
+    const forward_plan *plan;
+    palp_network *net;
+    size_t n_spectra;
+    const forward_spectrum *spectrum;
+    size_t n, m, n_arms, n_state;
+    unsigned char *alive; /* [n] the column has moved an element, or may do so itself */
+    double *strain, *peak, *arm; /* of the state, one after the other; peak NULL: the springs do not wear */
+    double *kept;                /* [n_state] a copy of them */
+    double *partial, *fixed;     /* of the trial: element force and arms with the nodes held */
+    arm_rows by;
+    double *by_peak, *by_time;   /* [m] of the element force */
+    double *drive;               /* [3 n_nodes] displacement per depth */
+    double *row;                 /* [n] scratch */
+    const double *weight;        /* caller's */
+    double stiffness;
+};
+
+/* ---- what a parameter changes itself ---- */
+
+static bool may_move(const forward_slopes *s, palp_effect_id id) {
+    return id == PALP_EFFECT_RELAXATION_ARM || id == PALP_EFFECT_STRAIN_DEPENDENT_ARM ||
+           id == PALP_EFFECT_RATE_STIFFENING || id == PALP_EFFECT_DAMAGE_SOFTENING ||
+           id == PALP_EFFECT_PERMANENT_SET || (id == PALP_EFFECT_PLATE_SLIP && s->net->grip) ||
+           effect_row_of(id)->spectrum;
+}
+
+static void find_alive(forward_slopes *s) {
+    const palp_model *model = s->plan->model;
+    size_t column = forward_effect_column(model, 0);
+    memset(s->alive, 1, column);
+    for (size_t i = 0; i < model->n_effects; i++) {
+        size_t end = forward_effect_column(model, i + 1);
+        memset(s->alive + column, may_move(s, model->effects[i].id), end - column);
+        column = end;
+    }
+}
+
+/* Arm j of element i. */
+static void arm_partials(forward_slopes *s, size_t j) {
+    const palp_network *net = s->net;
+    const palp_arm *arm = &net->material.arms[j];
+    const double *e = net->strain, *e_old = net->now.history.strain, *q_old = net->now.history.arm + j * s->m;
+    const size_t at = j * s->m;
+    const double decay = net->step.decay[j], gain = net->step.gain[j];
+    double x = net->step.dt * arm->stiffness_N / arm->viscosity_Ns;
+    double turn = x < 1e-4 ? arm->stiffness_N * (-0.5 + x / 3.0) : (arm->stiffness_N * decay - gain) / x;
+    bool changes = net->material.quasi_linear || arm->gamma != 0.0;
+    for (size_t i = 0; i < s->m && !changes; i++) {
+        double a = arm->beta * fabs(e[i]), a_old = arm->beta * fabs(e_old[i]);
+        double rise = e[i] * (1.0 + 0.5 * a) - e_old[i] * (1.0 + 0.5 * a_old);
+        double half = 0.5 * (fabs(e[i]) + fabs(e_old[i]));
+        s->by.arm_old[at + i] = decay;
+        s->by.strain[at + i] = gain * (1.0 + a);
+        s->by.strain_old[at + i] = -gain * (1.0 + a_old);
+        s->by.log_stiffness[at + i] = gain * rise;
+        s->by.log_time[at + i] = x * (decay * q_old[i] - turn * rise);
+        s->by.beta[at + i] = 0.5 * gain * (e[i] * fabs(e[i]) - e_old[i] * fabs(e_old[i]));
+        s->by.gamma[at + i] = s->by.log_time[at + i] * half;
+    }
+    for (size_t i = 0; i < s->m && changes; i++) {
+        element_partials p = element_arm_partials(&net->material, &net->step, j, e[i], e_old[i], q_old[i]);
+        s->by.arm_old[at + i] = p.arm_old;
+        s->by.strain[at + i] = p.strain;
+        s->by.strain_old[at + i] = p.strain_old;
+        s->by.log_stiffness[at + i] = p.log_stiffness;
+        s->by.log_time[at + i] = p.log_time;
+        s->by.beta[at + i] = p.beta;
+        s->by.gamma[at + i] = p.gamma;
+        s->by.drive[at + i] = p.drive;
+    }
+}
+
+/* partial = the springs' own, nodes and histories held. */
+static void spring_partials(forward_slopes *s, double decades) {
+    const palp_network *net = s->net;
+    const bool worn = net->wear != NULL;
+    memset(s->partial, 0, s->n * s->m * sizeof *s->partial);
+    for (size_t i = 0; i < s->m; i++) {
+        double peak = worn ? net->now.history.peak[i] : 0.0;
+        element_worn spring = {.inner = net->strain[i], .factor = 1.0, .force = net->next.history.elastic[i]};
+        if (worn)
+            element_worn_force(&net->material.law, net->wear, net->strain[i], peak, &spring);
+        memset(s->row, 0, s->n * sizeof *s->row);
+        forward_spring_own(s->plan, &spring, peak, net->step.boost, decades, s->row);
+        for (size_t k = 0; k < s->n; k++)
+            s->partial[k * s->m + i] = s->row[k];
+        s->by_peak[i] = net->step.boost * spring.by_peak;
+    }
+}
+
+/* Adds a times one of the arm's rows and b times another to column k. */
+static void add_own(forward_slopes *s, size_t k, size_t j, double a, const double *one, double b,
+                    const double *other) {
+    double *partial = s->partial + k * s->m, *fixed = s->fixed + (k * s->n_arms + j) * s->m;
+    one += j * s->m;
+    other += j * s->m;
+    for (size_t i = 0; i < s->m; i++) {
+        double own = a * one[i] + b * other[i];
+        fixed[i] += own;
+        partial[i] += own;
+    }
+}
+
+static void add_times(forward_slopes *s, size_t k, size_t j, double a, double b) {
+    add_own(s, k, j, a, s->by.log_stiffness, b, s->by.log_time);
+}
+
+static void arm_own(forward_slopes *s, size_t j) {
+    const forward_plan *plan = s->plan;
+    const palp_arm *arm = &s->net->material.arms[j];
+    const size_t k = plan->arm_column[j];
+    if (plan->arm_timed[j]) { /* K, tau; else K, b */
+        add_times(s, k, j, 1.0 / arm->stiffness_N, 0.0);
+        add_times(s, k + 1, j, 0.0, arm->stiffness_N / arm->viscosity_Ns);
+    } else {
+        add_times(s, k, j, 1.0 / arm->stiffness_N, -1.0 / arm->stiffness_N);
+        add_times(s, k + 1, j, 0.0, 1.0 / arm->viscosity_Ns);
+    }
+    if (plan->value[PALP_EFFECT_STRAIN_DEPENDENT_ARM]) {
+        size_t b = plan->column[PALP_EFFECT_STRAIN_DEPENDENT_ARM];
+        add_own(s, b, j, 1.0, s->by.beta, 0.0, s->by.beta);
+        add_own(s, b + 1, j, 1.0, s->by.gamma, 0.0, s->by.gamma);
+    }
+}
+
+static void quasi_linear_own(forward_slopes *s, size_t j) {
+    const palp_network *net = s->net;
+    const palp_law *law = &net->material.law;
+    for (size_t i = 0; i < s->m; i++) {
+        const double e[2] = {net->now.history.strain[i], net->strain[i]};
+        memset(s->row, 0, law->n * sizeof *s->row);
+        forward_quasi_linear_own(law, e, s->by.drive[j * s->m + i], s->row);
+        for (size_t k = 0; k < law->n; k++) {
+            s->partial[k * s->m + i] += s->row[k];
+            s->fixed[(k * s->n_arms + j) * s->m + i] += s->row[k];
+        }
+    }
+}
+
+static void spectrum_own(forward_slopes *s, const forward_spectrum *g) {
+    for (size_t i = 0; i < g->n; i++)
+        for (size_t v = 0; v < g->n_values; v++) {
+            double weight = g->mode[i].weight_by[v] / s->net->material.arms[g->first + i].stiffness_N;
+            add_times(s, g->column + v, g->first + i, weight, -g->mode[i].rate_by[v] / g->mode[i].rate);
+        }
+}
+
+/* ---- what the histories carry ---- */
+
+static void carry(forward_slopes *s, size_t k) {
+    const palp_network *net = s->net;
+    double *partial = s->partial + k * s->m;
+    const double *strain = s->strain + k * s->m;
+    for (size_t i = 0; i < s->m && s->peak; i++)
+        partial[i] += s->by_peak[i] * s->peak[k * s->m + i];
+    for (size_t i = 0; i < s->m && net->step.dashpot > 0.0; i++)
+        partial[i] -= net->step.dashpot * strain[i];
+    for (size_t j = 0; j < s->n_arms; j++) {
+        const double *arm_old = s->by.arm_old + j * s->m, *strain_old = s->by.strain_old + j * s->m;
+        const double *arm = s->arm + (k * s->n_arms + j) * s->m;
+        double *fixed = s->fixed + (k * s->n_arms + j) * s->m;
+        for (size_t i = 0; i < s->m; i++) {
+            fixed[i] = arm_old[i] * arm[i] + strain_old[i] * strain[i];
+            partial[i] += fixed[i];
+        }
+    }
+}
+
+static void time_partials(forward_slopes *s) {
+    const palp_network *net = s->net;
+    const double dt = net->step.dt;
+    for (size_t i = 0; i < s->m; i++) {
+        s->by_time[i] = -net->step.dashpot * (net->strain[i] - net->now.history.strain[i]);
+        for (size_t j = 0; j < s->n_arms; j++)
+            s->by_time[i] -= s->by.log_time[j * s->m + i];
+        s->by_time[i] = dt > 0.0 ? s->by_time[i] / dt : 0.0;
+    }
+}
+
+void forward_slopes_find(forward_slopes *s, const double *weight, double stiffness, double decades) {
+    const palp_network *net = s->net;
+    s->weight = weight;
+    s->stiffness = stiffness;
+    memcpy(s->drive, net->fint, 3 * net->n_nodes * sizeof *s->drive);
+    for (size_t j = 0; j < s->n_arms; j++)
+        arm_partials(s, j);
+    spring_partials(s, decades);
+    for (size_t k = 0; k < s->n; k++)
+        if (s->alive[k])
+            carry(s, k);
+    size_t plain = s->n_spectra ? s->spectrum[0].first : s->n_arms;
+    for (size_t j = 0; j < plain; j++)
+        arm_own(s, j);
+    for (size_t j = 0; j < s->n_arms && net->material.quasi_linear; j++)
+        quasi_linear_own(s, j);
+    for (size_t g = 0; g < s->n_spectra; g++)
+        spectrum_own(s, &s->spectrum[g]);
+    time_partials(s);
+}
+
+/* ---- at equilibrium ---- */
+
+/* d log grip / d parameter k. */
+static double grip_slope(const forward_slopes *s, size_t k) {
+    const palp_law *law = &s->net->material.law;
+    const double *slip = s->plan->value[PALP_EFFECT_PLATE_SLIP], small = 1e-9;
+    double start, row[PALP_LAW_MAX];
+    if (!s->net->grip)
+        return 0.0;
+    if (k == s->plan->column[PALP_EFFECT_PLATE_SLIP]) {
+        double at = fmax(slip[0], FORWARD_SLIP);
+        return -1.0 / (at * fmax(1.0 - at, FORWARD_SLIP));
+    }
+    if (k >= law->n)
+        return 0.0;
+    palp_law_stiffness(law, 0.0, &start, NULL);
+    palp_law_gradient(law, small, row);
+    return row[k] / (small * start);
+}
+
+static double force_slope(const forward_slopes *s, size_t k) {
+    const palp_network *net = s->net;
+    const double *partial = s->partial + k * s->m, grip = grip_slope(s, k);
+    double sum = 0.0;
+    for (size_t i = 0; i < s->m; i++)
+        sum += s->weight[i] * partial[i];
+    for (size_t i = 0; i < 3 * net->n_nodes && grip != 0.0; i++)
+        if (net->dof[i] >= 0)
+            sum += grip * net->grip[i] * (net->next.x[i] - net->rest[i]) * s->drive[i];
+    return sum;
+}
+
+void forward_slopes_hold(forward_slopes *s, double *force_p, double *force_dt) {
+    for (size_t k = 0; k < s->n; k++)
+        force_p[k] = s->alive[k] ? force_slope(s, k) : 0.0;
+    *force_dt = 0.0;
+    for (size_t i = 0; i < s->m; i++)
+        *force_dt += s->weight[i] * s->by_time[i];
+}
+
+/* Displacement of every node by parameter k, the plate's own included, into net->fint. */
+static void displace(forward_slopes *s, size_t k, double depth_p) {
+    palp_network *net = s->net;
+    const double *partial = s->partial + k * s->m, grip = grip_slope(s, k);
+    double *u = net->fint;
+    memset(u, 0, 3 * net->n_nodes * sizeof *u);
+    for (size_t i = 0; i < s->m; i++)
+        for (size_t c = 0; c < 3; c++) {
+            double f = partial[i] * net->direction[3 * i + c] * (net->scale ? net->scale[i] : 1.0);
+            u[3 * (size_t)net->pair[2 * i] + c] += f;
+            u[3 * (size_t)net->pair[2 * i + 1] + c] -= f;
+        }
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            net->dx[net->dof[i]] = u[i] - (grip != 0.0 ? grip * net->grip[i] * (net->next.x[i] - net->rest[i]) : 0.0);
+    linsys_solve(net->ls, net->dx);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        u[i] = depth_p * s->drive[i] + (net->dof[i] >= 0 ? net->dx[net->dof[i]] : 0.0);
+}
+
+/* The state's derivatives by parameter k become the trial's. */
+static void equilibrate(forward_slopes *s, size_t k, double depth_p) {
+    palp_network *net = s->net;
+    double *strain = s->strain + k * s->m;
+    displace(s, k, depth_p);
+    for (size_t i = 0; i < s->m; i++) {
+        const double *n = net->direction + 3 * i, *a = net->fint + 3 * net->pair[2 * i],
+                     *b = net->fint + 3 * net->pair[2 * i + 1];
+        strain[i] = (n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])) * net->inverse_rest[i];
+    }
+    for (size_t j = 0; j < s->n_arms; j++) {
+        const double *by = s->by.strain + j * s->m, *fixed = s->fixed + (k * s->n_arms + j) * s->m;
+        double *arm = s->arm + (k * s->n_arms + j) * s->m;
+        for (size_t i = 0; i < s->m; i++)
+            arm[i] = fixed[i] + by[i] * strain[i];
+    }
+    for (size_t i = 0; i < s->m && s->peak; i++)
+        if (fabs(net->strain[i]) >= net->now.history.peak[i])
+            s->peak[k * s->m + i] = copysign(strain[i], strain[i] * net->strain[i]);
+}
+
+static void add_time(forward_slopes *s, size_t k, double dt_p) {
+    for (size_t i = 0; i < s->m; i++)
+        s->partial[k * s->m + i] += dt_p * s->by_time[i];
+    for (size_t j = 0; j < s->n_arms && s->net->step.dt > 0.0; j++)
+        for (size_t i = 0; i < s->m; i++)
+            s->fixed[(k * s->n_arms + j) * s->m + i] -= dt_p / s->net->step.dt * s->by.log_time[j * s->m + i];
+}
+
+void forward_slopes_advance(forward_slopes *s, const double *strain_p, const double *dt_p, double *force_p) {
+    for (size_t k = 0; k < s->n; k++) {
+        double depth_p = strain_p ? strain_p[k] * s->net->height : 0.0;
+        force_p[k] = 0.0;
+        if (!s->alive[k] && depth_p == 0.0 && (!dt_p || dt_p[k] == 0.0))
+            continue;
+        s->alive[k] = 1;
+        if (dt_p && dt_p[k] != 0.0)
+            add_time(s, k, dt_p[k]);
+        force_p[k] = force_slope(s, k) + s->stiffness * depth_p;
+        equilibrate(s, k, depth_p);
+    }
+}
+
+/* ---- making them ---- */
+
+static void carve(forward_slopes *s, double *block) {
+    const size_t rows = s->n * s->m, arms = s->n_arms * s->m;
+    double **by[ARM_ROWS] = {&s->by.arm_old, &s->by.strain_old, &s->by.strain, &s->by.log_stiffness,
+                             &s->by.log_time, &s->by.beta, &s->by.gamma, &s->by.drive};
+    s->strain = block;
+    s->arm = s->strain + rows;
+    s->peak = s->net->wear ? s->arm + s->n * arms : NULL;
+    s->kept = block + s->n_state;
+    s->partial = s->kept + s->n_state;
+    s->fixed = s->partial + rows;
+    block = s->fixed + s->n * arms;
+    for (size_t i = 0; i < ARM_ROWS; i++, block += arms)
+        *by[i] = block;
+    s->by_peak = block;
+    s->by_time = s->by_peak + s->m;
+    s->drive = s->by_time + s->m;
+    s->row = s->drive + 3 * s->net->n_nodes;
+}
+
+palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, size_t n_spectra,
+                                  const forward_spectrum *spectrum, forward_slopes **slopes) {
+    forward_slopes *s = calloc(1, sizeof *s);
+    if (!s)
+        return PALP_ERR_NO_MEMORY;
+    *s = (forward_slopes){.plan = plan, .net = net, .n_spectra = n_spectra, .spectrum = spectrum,
+                          .n = plan->n_columns, .m = net->n_elements, .n_arms = net->material.n_arms};
+    size_t rows = s->n * s->m, arms = s->n_arms * s->m;
+    s->n_state = rows + s->n * arms + (net->wear ? rows : 0);
+    double *block = calloc(2 * s->n_state + rows + s->n * arms + ARM_ROWS * arms + 2 * s->m + 3 * net->n_nodes + s->n + 1,
+                           sizeof *block);
+    s->alive = malloc(s->n + 1);
+    if (!block || !s->alive) {
+        free(block);
+        free(s->alive);
+        free(s);
+        return PALP_ERR_NO_MEMORY;
+    }
+    carve(s, block);
+    find_alive(s);
+    *slopes = s;
+    return PALP_OK;
+}
+
+void forward_slopes_free(forward_slopes *s) {
+    if (!s)
+        return;
+    free(s->strain);
+    free(s->alive);
+    free(s);
+}
+
+void forward_slopes_keep(forward_slopes *s, bool back) {
+    memcpy(back ? s->strain : s->kept, back ? s->kept : s->strain, s->n_state * sizeof *s->kept);
+}

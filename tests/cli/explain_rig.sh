@@ -1,0 +1,77 @@
+#!/bin/sh
+# explain_rig.sh: the virtual indenter with an effect switched on, recorded through its firmware, a plain model fitted to
+# that, and explained: the effect is named and its parameters are the rig's; where another would do as well, the
+# experiments that are asked for next are run on the same rig and tell them apart.
+. tests/cli/common
+
+"$PALPATE" rig --until-s 0.1 --firmware host >/dev/null 2>err || { cat err; echo "there is no host firmware"; exit 77; }
+
+# A phantom that has recovered soon, so that rests are short.
+model() { # EFFECT PARAMETERS
+    cat <<J
+{"palpate": {"model": 1}, "kind": "lumped", "specimen": {"kind": "cylinder", "height_mm": 24, "radius_mm": 12},
+ "stiffness": {"kind": "polynomial", "coefficients_N": [8, 2, 30]},
+ "arms": [{"stiffness_N": 2.5, "viscosity_Ns": 1}],
+ "effects": [{"id": "$1", "parameters": {$2}}]}
+J
+}
+
+cat >protocol.json <<'J'
+{"palpate": {"protocol": 1}, "order": "given", "hold_s": 3, "air_s": 0.5, "after_s": 2, "rest_s": 40,
+ "runs": [
+    {"kind": "free", "name": "air", "depth_mm": 4, "rate_mm_s": 8, "hold_s": 1},
+    {"kind": "static", "depth_mm": 6, "rate_mm_s": 1},
+    {"kind": "ramp_hold", "depth_mm": 3, "rate_mm_s": 10},
+    {"kind": "ramp_hold", "depth_mm": 6, "rate_mm_s": 3},
+    {"kind": "cyclic", "depth_mm": 5, "rate_mm_s": 4, "cycles": 3},
+    {"kind": "ramp_hold", "depth_mm": 3, "rate_mm_s": 10, "name": "again"}]}
+J
+
+# found EFFECT KEY: the value that the explained model has; nothing where it lacks the effect.
+found() { sed -n "s/.*\"$1\", \"parameters\": {.*\"$2\": *\([-+.0-9eE]*\).*/\1/p" explained.json; }
+
+explain() { # RUNS...
+    expect 0 explain --model plain.json "$@" --every 8 --out explained.json --json result.json --next next.json
+    cp out "said_$name"
+}
+
+verdict() { sed -n 's/^ *"verdict": "\([a-z]*\)".*/\1/p' result.json; }
+
+# session NAME EFFECT PARAMETERS: recorded, characterized with the one arm that the phantom has, explained.
+session() {
+    name=$1
+    model "$2" "$3" >rig.json
+    rm -f next.json
+    expect 0 acquire --port rig:rig.json --firmware host --protocol protocol.json --out "$1"
+    expect 0 characterize "$1"/*.csv --arms 1 --degree 3 --out plain.json
+    explain "$1"/*.csv
+}
+
+# ---- an instrument, and a material ----
+session lag sensor_lag '"time_s": 0.02'
+near "time of the lag" "$(found sensor_lag time_s)" 0.02 0.1
+[ "$(verdict)" = explained ] || fail "lag: $(cat said_lag)"
+
+session beta strain_dependent_arm '"stiffness_per_strain": 3, "time_per_strain": 1'
+near "growth of the arm" "$(found strain_dependent_arm stiffness_per_strain)" 3 0.1
+near "growth of its time" "$(found strain_dependent_arm time_per_strain)" 1 0.1
+[ "$(verdict)" = explained ] || fail "beta: $(cat said_beta)"
+
+# ---- an arm of 6 s, of which holds of 3 s show too little ----
+session arm relaxation_arm '"stiffness_N": 0.5, "time_s": 6'
+[ "$(verdict)" = ambiguous ] || fail "arm: $(cat said_arm)"
+grep relaxation_arm said_arm | grep -q 'poroelastic' || fail "not a class of the arm and pores: $(cat said_arm)"
+[ -s next.json ] || fail "no next experiment"
+for next in 1 2 3; do
+    [ "$(verdict)" = ambiguous ] || break
+    expect 0 acquire --port rig:rig.json --firmware host --protocol next.json --out next$next
+    explain arm/*.csv next?/*.csv
+done
+[ "$(verdict)" = explained ] || fail "the next experiments have not told the class apart: $(cat said_arm)"
+near "stiffness of the arm" "$(found relaxation_arm stiffness_N)" 0.5 0.1
+near "time of the arm" "$(found relaxation_arm time_s)" 6 0.1
+
+# ---- the rig as it is: nothing to explain ----
+expect 0 explain --model rig.json arm/*.csv --every 8 --json result.json
+[ "$(verdict)" = agrees ] || fail "the rig's own model: $(cat out)"
+done_testing

@@ -1,0 +1,324 @@
+/* test_explain_network.c: what explain asks of a network: its force at chosen samples against every sample, its
+ * derivatives against finite differences, and hidden effects named. */
+#include "forward_internal.h"
+#include "forward_make.h"
+
+#include <palpate/explain.h>
+
+#include <stdint.h>
+#include <stdio.h>
+
+static palp_model network_model(size_t n_arms, size_t nodes) {
+    static const double law[] = {0.49, 0.3, 2.4, -3.1, 4.2}; /* N */
+    static const palp_arm arms[] = {{0.08, 1.1, 0, 0}, {0.05, 0.02, 0, 0}};
+    palp_model m = lumped_model(0);
+    m.kind = PALP_MODEL_NETWORK;
+    m.mesh.kind = PALP_MESH_LATTICE;
+    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
+    for (size_t k = 0; k < 3; k++) {
+        m.mesh.nodes[k] = nodes;
+        m.mesh.size_m[k] = HEIGHT;
+    }
+    ck_assert_int_eq(palp_law_polynomial(5, law, &m.material.law), PALP_OK);
+    m.material.n_arms = n_arms;
+    memcpy(m.material.arms, arms, n_arms * sizeof *arms);
+    return m;
+}
+
+/* A strength that tells on the test's force and keeps away from kinks. */
+static palp_effect *add_telling(palp_model *m, palp_effect_id id) {
+    palp_effect *effect = add_effect(m, id, 1.07);
+    if (id == PALP_EFFECT_RELAXATION_ARM || id == PALP_EFFECT_POWER_LAW_RELAXATION || id == PALP_EFFECT_POROELASTIC)
+        effect->value[0] = 0.04;
+    if (id == PALP_EFFECT_FRAME_COMPLIANCE)
+        effect->value[0] = 8e-4;
+    if (id == PALP_EFFECT_FORCE_SATURATION)
+        effect->value[0] = 1.03;
+    if (id == PALP_EFFECT_SENSOR_LAG)
+        effect->value[0] = 0.11;
+    if (id == PALP_EFFECT_PLATE_SLIP)
+        effect->value[0] = 0.3;
+    return effect;
+}
+
+/* ---- derivatives ---- */
+
+static double scale_of(const palp_model *model, size_t k, double value) {
+    size_t column = model->material.law.n + 2 * model->material.n_arms;
+    if (value != 0 || k < column)
+        return fmax(fabs(value), 1e-3);
+    for (size_t i = 0; i < model->n_effects; i++) {
+        const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
+        if (k < column + info->n_parameters)
+            return fmax(fabs(info->parameter[k - column].typical), 1e-6);
+        column += info->n_parameters;
+    }
+    return 1;
+}
+
+/* Central differences of palp_forward_network, which solves every sample; one-sided at a bound. */
+static void difference(const palp_model *model, const samples *s, size_t k, double h, double *slope) {
+    static const double central[4][2] = {{1, 8}, {-1, -8}, {2, -1}, {-2, 1}},
+                        forward[5][2] = {{0, -25}, {1, 48}, {2, -36}, {3, 16}, {4, -3}};
+    double at[COLUMNS_MAX];
+    static double force[SAMPLES_MAX];
+    palp_forward_run run = run_of(s);
+    palp_model moved = *model;
+    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
+    double here = at[k];
+    at[k] = here - 2 * h;
+    bool inside = palp_forward_set(&moved, at) == PALP_OK;
+    memset(slope, 0, s->n * sizeof *slope);
+    for (size_t j = 0; j < (inside ? 4u : 5u); j++) {
+        const double *term = inside ? central[j] : forward[j];
+        at[k] = here + term[0] * h;
+        ck_assert_int_eq(palp_forward_set(&moved, at), PALP_OK);
+        ck_assert_int_eq(palp_forward_network(&moved, NULL, &run, force, NULL), PALP_OK);
+        for (size_t i = 0; i < s->n; i++)
+            slope[i] += term[1] * force[i] / (12 * h);
+    }
+}
+
+static void check_gradient(const char *what, const palp_model *model, const samples *s, double share,
+                           double tolerance) {
+    static double gradient[COLUMNS_MAX * SAMPLES_MAX], wanted[SAMPLES_MAX], force[SAMPLES_MAX];
+    double at[COLUMNS_MAX];
+    palp_forward_run run = run_of(s);
+    palp_error error = {PALP_OK, ""};
+    size_t n = palp_forward_parameter_count(model);
+    ck_assert_uint_le(n, COLUMNS_MAX);
+    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
+    ck_assert_msg(!forward_network_force(model, &run, force, gradient, &error), "%s: %s", what, error.text);
+    for (size_t k = 0; k < n; k++) {
+        double scale = scale_of(model, k, at[k]), largest = 1e-3 / scale;
+        difference(model, s, k, share * scale, wanted);
+        for (size_t i = 0; i < s->n; i++)
+            largest = fmax(largest, fabs(wanted[i]));
+        for (size_t i = 0; i < s->n; i++)
+            ck_assert_msg(fabs(gradient[k * s->n + i] - wanted[i]) <= tolerance * largest,
+                          "%s, parameter %zu, at %g s, %g mm: %.9g, not %.9g (largest %g)", what, k, s->time_s[i],
+                          1e3 * s->depth_m[i], gradient[k * s->n + i], wanted[i], largest);
+    }
+}
+
+START_TEST(every_effect_has_derivatives) {
+    static samples s;
+    const palp_effect_id id = (palp_effect_id)_i;
+    const palp_effect_info *info = palp_effect_look_up(id);
+    palp_model on = network_model(2, 3), off = on;
+    if (!info->in_network)
+        return;
+    all_phases(&s, 8);
+    add_telling(&on, id);
+    bool wave = id == PALP_EFFECT_MAINS_HUM || id == PALP_EFFECT_DRIVE_RIPPLE;
+    check_gradient(info->id, &on, &s, wave ? 1e-6 : 1e-4, 2e-4);
+    add_effect(&off, id, 0);
+    bool modes = info->id && (id == PALP_EFFECT_POWER_LAW_RELAXATION || id == PALP_EFFECT_POROELASTIC);
+    if (id != PALP_EFFECT_FORCE_SATURATION && id != PALP_EFFECT_PLATE_SLIP)
+        check_gradient(info->id, &off, &s, wave ? 1e-6 : modes ? 1e-2 : 1e-4, modes ? 3e-3 : 2e-4);
+}
+END_TEST
+
+/* ---- chosen samples ---- */
+
+/* Two presses with a hold, a withdrawal after which the plate comes back, and one after which it does not. */
+static void two_presses(samples *s, double noise_m) {
+    uint64_t state = 3;
+    start(s, 0, -0.5);
+    go(s, 1, -0.5, 20);
+    go(s, 3.5, 5, 120);
+    for (int i = 1; i <= 400; i++) /* evenly: go would grade a hold */
+        s->time_s[s->n] = 3.5 + 0.05 * i, s->depth_m[s->n++] = 5e-3;
+    go(s, 26, 0, 120);
+    go(s, 28.5, 6, 120);
+    go(s, 31.5, -1, 140);
+    go(s, 33, -1, 30);
+    for (size_t i = 0; i < s->n; i++) {
+        state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+        s->depth_m[i] += noise_m * sqrt(12) * ((double)(state >> 11) * 0x1p-53 - 0.5);
+    }
+}
+
+START_TEST(chosen_samples_give_the_force_of_all) {
+    static samples s;
+    static double chosen[SAMPLES_MAX];
+    const palp_effect_info *info = palp_effect_look_up((palp_effect_id)_i);
+    palp_model m = network_model(2, 3);
+    if (!info->in_network)
+        return;
+    add_telling(&m, (palp_effect_id)_i);
+    two_presses(&s, 0);
+    palp_forward_run run = run_of(&s);
+    bool worn = _i == PALP_EFFECT_DAMAGE_SOFTENING || _i == PALP_EFFECT_PERMANENT_SET; /* bends at the old peaks */
+    double peak = 0;
+    ck_assert_int_eq(palp_forward_network(&m, NULL, &run, s.force_N, NULL), PALP_OK);
+    ck_assert_int_eq(forward_network_force(&m, &run, chosen, NULL, NULL), PALP_OK);
+    for (size_t i = 0; i < s.n; i++)
+        peak = fmax(peak, s.force_N[i]);
+    for (size_t i = 0; i < s.n; i++)
+        ck_assert_msg(fabs(chosen[i] - s.force_N[i]) <= (worn ? 1e-3 : 3e-4) * peak, "%s at %g s, %g mm: %.9g, not %.9g", info->id,
+                      s.time_s[i], 1e3 * s.depth_m[i], chosen[i], s.force_N[i]);
+}
+END_TEST
+
+/* An encoder's noise of a micrometre: the tangent takes it into the force. */
+START_TEST(an_encoder_may_be_noisy) {
+    static samples s;
+    static double chosen[SAMPLES_MAX], straight[SAMPLES_MAX];
+    palp_model m = network_model(2, 3);
+    double off = 0, moved = 0, peak = 0;
+    two_presses(&s, 0);
+    palp_forward_run run = run_of(&s);
+    ck_assert_int_eq(palp_forward_network(&m, NULL, &run, straight, NULL), PALP_OK);
+    two_presses(&s, 1e-6);
+    ck_assert_int_eq(palp_forward_network(&m, NULL, &run, s.force_N, NULL), PALP_OK);
+    ck_assert_int_eq(forward_network_force(&m, &run, chosen, NULL, NULL), PALP_OK);
+    for (size_t i = 0; i < s.n; i++) {
+        off += pow(chosen[i] - s.force_N[i], 2);
+        moved += pow(straight[i] - s.force_N[i], 2);
+        peak = fmax(peak, s.force_N[i]);
+    }
+    ck_assert_msg(off < 0.01 * moved, "rms %g of %g N", sqrt(off / (double)s.n), sqrt(moved / (double)s.n));
+}
+END_TEST
+
+START_TEST(force_is_the_same_with_derivatives) {
+    static samples s;
+    static double plain[SAMPLES_MAX], with[SAMPLES_MAX], gradient[COLUMNS_MAX * SAMPLES_MAX];
+    palp_model m = network_model(2, 3);
+    add_telling(&m, PALP_EFFECT_POWER_LAW_RELAXATION);
+    add_telling(&m, PALP_EFFECT_FRAME_COMPLIANCE);
+    add_telling(&m, PALP_EFFECT_PLATE_SLIP);
+    two_presses(&s, 1e-6);
+    palp_forward_run run = run_of(&s);
+    ck_assert_int_eq(forward_network_force(&m, &run, plain, NULL, NULL), PALP_OK);
+    ck_assert_int_eq(forward_network_force(&m, &run, with, gradient, NULL), PALP_OK);
+    ck_assert_mem_eq(plain, with, s.n * sizeof *plain);
+}
+END_TEST
+
+START_TEST(what_has_no_derivatives_is_told) {
+    static samples s;
+    palp_model m = network_model(1, 3);
+    palp_error error;
+    all_phases(&s, 12);
+    palp_forward_run run = run_of(&s);
+    m.density_kg_m3 = 1000;
+    ck_assert_int_eq(forward_network_force(&m, &run, s.force_N, NULL, &error), PALP_ERR_UNSUPPORTED);
+    m.density_kg_m3 = 0;
+    m.material.formulation = PALP_SEDEF2008;
+    ck_assert_int_eq(forward_network_force(&m, &run, s.force_N, NULL, &error), PALP_ERR_UNSUPPORTED);
+    m = lumped_model(1);
+    ck_assert_int_eq(forward_network_force(&m, &run, s.force_N, NULL, &error), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
+/* ---- hidden effects ---- */
+
+enum { RUNS = 4 };
+static palp_explain_input input[RUNS];
+
+/* Presses of the model with white noise, the first again at the end. */
+static void session(const palp_model *m) {
+    static const double plan[RUNS][2] = {{4, 1}, {6, 2}, {8, 0.5}, {4, 1}};
+    static samples s;
+    uint64_t state = 7;
+    for (size_t r = 0; r < RUNS; r++) {
+        palp_experiment *e;
+        start(&s, 0, -0.5);
+        go(&s, 0.5, -0.5, 10);
+        go(&s, 0.5 + plan[r][1], plan[r][0], 100);
+        go(&s, 15, plan[r][0], 150);
+        go(&s, 15 + plan[r][1], -0.5, 100);
+        palp_forward_run run = {.n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = 200 * (double)r};
+        ck_assert_int_eq(palp_forward_network(m, NULL, &run, s.force_N, NULL), PALP_OK);
+        ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
+        for (size_t i = 0; i < s.n; i++) {
+            double noise = -6;
+            for (int k = 0; k < 12; k++) {
+                state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+                noise += (double)(state >> 11) * 0x1p-53;
+            }
+            palp_experiment_column(e, "time_s")[i] = s.time_s[i];
+            palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
+            palp_experiment_column(e, "force_N")[i] = s.force_N[i] + 2e-3 * noise;
+        }
+        palp_experiment_set_string(e, "protocol.kind", "ramp_hold");
+        palp_experiment_set_number(e, "protocol.depth_mm", plan[r][0]);
+        palp_experiment_set_number(e, "protocol.ramp_s", plan[r][1]);
+        palp_experiment_set_number(e, "session.start_s", 200 * (double)r);
+        input[r] = (palp_explain_input){e, "run.csv"};
+    }
+}
+
+/* What is made of runs of truth by a network that is ten per cent off. The suspects are some of each stage. */
+static void explain(const palp_model *truth, palp_explanation *e) {
+    static const palp_effect_id suspects[] = {PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_STRAIN_DEPENDENT_ARM,
+                                              PALP_EFFECT_RATE_STIFFENING, PALP_EFFECT_FRAME_COMPLIANCE,
+                                              PALP_EFFECT_SENSOR_LAG,      PALP_EFFECT_SENSOR_BIAS,
+                                              PALP_EFFECT_PLATE_SLIP};
+    palp_explain_settings settings = palp_explain_settings_default();
+    palp_model guess = network_model(1, 3);
+    palp_error error = {.text = ""};
+    ck_assert_int_eq(palp_law_scale(&guess.material.law, 1.1, &guess.material.law), PALP_OK);
+    guess.material.arms[0].viscosity_Ns *= 1.1;
+    memset(settings.candidate, 0, sizeof settings.candidate);
+    for (size_t i = 0; i < sizeof suspects / sizeof *suspects; i++)
+        settings.candidate[suspects[i]] = 1;
+    session(truth);
+    palp_status status = palp_explain(&guess, RUNS, input, &settings, e, &error);
+    ck_assert_msg(status == PALP_OK, "%s", error.text);
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+START_TEST(a_network_misses_nothing) {
+    palp_model truth = network_model(1, 3);
+    palp_explanation e;
+    explain(&truth, &e);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_AGREES);
+    ck_assert_uint_eq(e.n_effects, 0);
+    ck_assert_double_eq_tol(e.white_N, 2e-3, 3e-4);
+    palp_explanation_free(&e);
+}
+END_TEST
+
+/* Its own id must be named; the strength must be in the interval where the effect has no look-alike. */
+START_TEST(an_effect_hidden_in_a_network_is_named) {
+    static const struct {
+        palp_effect_id id;
+        double value[2];
+    } hidden[] = {{PALP_EFFECT_SENSOR_LAG, {0.06, 0}},
+                  {PALP_EFFECT_RELAXATION_ARM, {0.08, 0.15}},
+                  {PALP_EFFECT_STRAIN_DEPENDENT_ARM, {2.5, 0}}};
+    palp_model truth = network_model(1, 3);
+    palp_explanation e;
+    truth.effects[truth.n_effects++] =
+        (palp_effect){.id = hidden[_i].id, .value = {hidden[_i].value[0], hidden[_i].value[1]}};
+    explain(&truth, &e);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, hidden[_i].id);
+    for (size_t k = 0; k < palp_effect_look_up(hidden[_i].id)->n_parameters; k++)
+        ck_assert_msg(e.effect[0].low[k] <= hidden[_i].value[k] && hidden[_i].value[k] <= e.effect[0].high[k],
+                      "parameter %zu: %g to %g", k, e.effect[0].low[k], e.effect[0].high[k]);
+    ck_assert_int_ne(e.verdict, PALP_EXPLAIN_UNEXPLAINED);
+    ck_assert(e.gap.closed > 0.9);
+    ck_assert_int_eq(e.model.kind, PALP_MODEL_NETWORK);
+    palp_explanation_free(&e);
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("explain_network");
+    TCase *tc = tcase_create("explain_network");
+    tcase_set_timeout(tc, 120);
+    tcase_add_loop_test(tc, every_effect_has_derivatives, 0, PALP_EFFECT_COUNT);
+    tcase_add_loop_test(tc, chosen_samples_give_the_force_of_all, 0, PALP_EFFECT_COUNT);
+    tcase_add_test(tc, an_encoder_may_be_noisy);
+    tcase_add_test(tc, force_is_the_same_with_derivatives);
+    tcase_add_test(tc, what_has_no_derivatives_is_told);
+    tcase_add_test(tc, a_network_misses_nothing);
+    tcase_add_loop_test(tc, an_effect_hidden_in_a_network_is_named, 0, 3);
+    suite_add_tcase(suite, tc);
+    return run_suite(suite);
+}
