@@ -181,7 +181,7 @@ ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/lib/*.c tests/too
 JOBS = $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 again = +@$(MAKE) --no-print-directory $(JOBS)
 
-demo: ## calibrates a network on the seed's phantom and plots how it converged
+demo: ## the virtual indenter presses a phantom; models, what they miss, and a report
 	@tools/install-deps demo
 	$(again) demo-run
 demo-run: $(TOOL) firmware-host $(if $(HAS_ARM),firmware)
