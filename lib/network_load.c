@@ -6,6 +6,11 @@
 #include <string.h>
 
 static const double SLID = 0.1; /* of an edge: a contact point that the solution moved so far is looked for again */
+static const double LEAP = 0.1; /* of an edge: a tool that goes further in a step is not followed */
+
+static double square(double x) {
+    return x * x;
+}
 
 void network_load_free(network_load *load) {
     if (!load)
@@ -19,6 +24,7 @@ void network_load_free(network_load *load) {
     free(load->first);
     free(load->element);
     free(load->force);
+    free(load->weight);
     free(load);
 }
 
@@ -116,6 +122,39 @@ void network_load_place(palp_network *net, double share) {
     place(net, share, net->next.x);
 }
 
+/* Least move of its corners by which a contact's point comes to where the tool took it, along the push. */
+static void follow(palp_network *net, contact *c) {
+    network_load *load = net->load;
+    double point[3], squares = 0.0;
+    contact_measure(&load->pose[c->tool], c, net->next.x);
+    if (c->depth > 0.0)
+        return;
+    contact_point(c, c->grip, net->next.x, point);
+    along3(c->anchor, -1.0, point, point);
+    for (int j = 0; j < c->corners; j++)
+        squares += square(c->grip[j]);
+    double size = dot3(c->push, point) / squares;
+    if (fabs(size) > LEAP * load->edge)
+        return;
+    for (int j = 0; j < c->corners; j++) {
+        double weight = c->grip[j] * c->stiffness, *move = load->force + 3 * c->node[j];
+        along3(move, weight * c->grip[j] * size, c->push, move);
+        load->weight[c->node[j]] += weight;
+    }
+}
+
+void network_load_follow(palp_network *net) {
+    network_load *load = net->load;
+    memset(load->force, 0, 3 * net->n_nodes * sizeof *load->force);
+    memset(load->weight, 0, net->n_nodes * sizeof *load->weight);
+    for (size_t i = 0; i < load->n_contacts; i++)
+        if (load->contact[i].touched)
+            follow(net, &load->contact[i]);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0 && load->weight[i / 3] > 0.0)
+            net->next.x[i] += load->force[i] / load->weight[i / 3];
+}
+
 bool network_load_refresh(palp_network *net) {
     const network_load *load = net->load;
     bool slid = false;
@@ -130,10 +169,6 @@ bool network_load_refresh(palp_network *net) {
 
 double load_hold_stiffness(const network_load *load, int32_t node) {
     return load->settings.hold_stiffness * load->modulus * load->unit[node];
-}
-
-static double square(double x) {
-    return x * x;
 }
 
 static void add_contacts(palp_network *net) {
@@ -343,6 +378,49 @@ bool network_load_energy(const palp_network *net, double *energy) {
     return true;
 }
 
+/* ---- a residual that is left --------------------------------------------------------------------- */
+
+/* weight[node] of what is touched or held: stiffness of all that acts on it, N/m. */
+static void weigh(const palp_network *net) {
+    const network_load *load = net->load;
+    const load_hold *hold = load_holds(load, &net->now);
+    for (size_t i = 0; i < load->n_contacts; i++)
+        for (int j = 0; j < load->contact[i].corners; j++)
+            load->weight[load->contact[i].node[j]] = 0.0;
+    for (size_t i = 0; i < load_memory_of(&net->now)->n_holds; i++)
+        load->weight[hold[i].node] = load_hold_stiffness(load, hold[i].node);
+    for (size_t i = 0; i < load->n_contacts; i++) {
+        const contact *c = &load->contact[i];
+        for (int j = 0; j < c->corners && c->depth > 0.0; j++)
+            load->weight[c->node[j]] += c->share[j] * c->stiffness;
+    }
+}
+
+/* Share of a node's residual that a corner of a contact takes. */
+static double corner_part(const network_load *load, const contact *c, int corner) {
+    double weight = load->weight[c->node[corner]];
+    return weight > 0.0 ? c->share[corner] * c->stiffness / weight : 0.0;
+}
+
+static double hold_part(const network_load *load, int32_t node) {
+    return load_hold_stiffness(load, node) / load->weight[node];
+}
+
+double network_load_own_stiffness(const palp_network *net) {
+    const network_load *load = net->load;
+    const load_hold *hold = load_holds(load, &net->now);
+    double sum = 0.0;
+    weigh(net);
+    for (size_t i = 0; i < load_memory_of(&net->now)->n_holds; i++)
+        sum += hold_part(load, hold[i].node) * load->unit[hold[i].node];
+    for (size_t i = 0; i < load->n_contacts; i++) {
+        const contact *c = &load->contact[i];
+        for (int j = 0; j < c->corners && c->depth > 0.0; j++)
+            sum += corner_part(load, c, j) * load->unit[c->node[j]];
+    }
+    return 3.0 * load->modulus * sum;
+}
+
 /* ---- the end of a step --------------------------------------------------------------------------- */
 
 /* Force on the tissue at a point of it, as the tool feels it. */
@@ -394,6 +472,22 @@ void network_load_finish(palp_network *net) {
         along3(net->next.x + 3 * hold[i].node, -1.0, hold[i].was, away);
         along3(none, load_hold_stiffness(load, hold[i].node), away, hold[i].force);
     }
+}
+
+void network_load_settle(palp_network *net, const double *residual) {
+    const network_load *load = net->load;
+    load_tool *tool = load_tools(&net->next);
+    load_hold *hold = load_holds(load, &net->next);
+    weigh(net);
+    for (size_t i = 0; i < load->n_contacts; i++) {
+        const contact *c = &load->contact[i];
+        for (int j = 0; j < c->corners && c->depth > 0.0; j++) {
+            size_t at = 3 * (size_t)c->node[j];
+            feel(&load->pose[c->tool], net->next.x + at, -corner_part(load, c, j), residual + at, &tool[c->tool].felt);
+        }
+    }
+    for (size_t i = 0; i < load_memory_of(&net->now)->n_holds; i++)
+        along3(hold[i].force, hold_part(load, hold[i].node), residual + 3 * hold[i].node, hold[i].force);
 }
 
 void network_load_recall(palp_network *net) {

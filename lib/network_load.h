@@ -19,6 +19,10 @@ bool network_load_moved(const palp_network *net);
 /* Tools and hands go a share (0..1) of their way from the last committed state; contacts are looked for at next.x. */
 void network_load_place(palp_network *net, double share);
 
+/* A guess next.x that lets go of a tool which touched in the committed state: the nodes there go with it, along its push.
+ * A tool that withdraws all of a sudden would otherwise have lost the tissue for some ticks. */
+void network_load_follow(palp_network *net);
+
 /* If the solution moved a contact's point so far that it is not the nearest to the tool any more: looks for contacts
  * again at next.x and says true; it is to be evaluated and solved again. */
 bool network_load_refresh(palp_network *net);
@@ -58,6 +62,13 @@ double network_load_curvature(const palp_network *net, const double *u);
 
 /* Adds the potential of the last evaluation, J. False where there is none: friction. */
 bool network_load_energy(const palp_network *net, double *energy);
+
+/* After finish, where a residual[3 n_nodes] is left in next.x: forces on tools and hands become what the tissue pushes
+ * them back with, not what the stiff springs between would press it with; off by less. */
+void network_load_settle(palp_network *net, const double *residual);
+
+/* Stiffness that the tissue's own elements give the nodes that are touched or held, summed over nodes and axes, N/m. */
+double network_load_own_stiffness(const palp_network *net);
 
 /* The committed state was restored: tools are set as they were. */
 void network_load_recall(palp_network *net);

@@ -83,7 +83,7 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
         if (net->dof[i] >= 0)
             net->next.x[i] = c0 * x0[i] + c1 * x1[i] + (c2 != 0.0 ? c2 * x2[i] : 0.0);
     network_place(net, depth);
-    return network_evaluate(net);
+    return true;
 }
 
 /* The linear answer of the last state to the plate's motion. A state whose tangent is singular, as that of
@@ -177,7 +177,7 @@ static palp_status snap(palp_network *net, double depth, bool moves, palp_step_i
 
 static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
     palp_status status = PALP_ERR_NOT_CONVERGED;
-    bool extrapolated = network_extrapolate(net, depth, time, true);
+    bool extrapolated = network_extrapolate(net, depth, time, true) && network_evaluate(net);
     bool moves = depth != net->now.depth || (net->load && network_load_moved(net));
     if (extrapolated)
         status = equilibrium(net, info);

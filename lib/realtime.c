@@ -134,31 +134,28 @@ typedef struct tick {
     double fresh_error;   /* of the force, by this tick's positions, N */
 } tick;
 
+/* Evaluates next.x, once it has not lost what touched. */
+static bool follow_tools(palp_network *net) {
+    if (net->load)
+        network_load_follow(net);
+    return network_evaluate(net);
+}
+
 static bool predict(palp_network *net) {
     const network_realtime *rt = net->realtime;
     double depth = net->next.depth, move = depth - net->now.depth;
-    if (rt->contraction < STRAIGHT && network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED))
+    bool extrapolated =
+        rt->contraction < STRAIGHT && network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
+    if (extrapolated && follow_tools(net))
         return true;
     for (int straight = 1; straight >= 0; straight--) {
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->now.x[i] + (straight && rt->driven ? move * rt->adjoint[i] : 0.0);
         network_place(net, depth);
-        if (network_evaluate(net))
+        if (follow_tools(net))
             return true;
     }
     return false;
-}
-
-/* Stiffness of what the load holds, against a push of the whole network, summed over the axes. */
-static double load_stiffness(palp_network *net) {
-    network_realtime *rt = net->realtime;
-    double sum = 0.0;
-    for (size_t k = 0; k < 3; k++) {
-        for (size_t i = 0; i < 3 * net->n_nodes; i++)
-            rt->p[i] = i % 3 == k ? 1.0 : 0.0;
-        sum += network_load_curvature(net, rt->p);
-    }
-    return sum;
 }
 
 /* Resultant of the load, N. */
@@ -171,8 +168,8 @@ static double load_force(const palp_network *net) {
 }
 
 /* Residual, force and their judgement at next.x. Force by virtual work: exact but for the product of two errors, that
- * of the positions and that of the adjoint, both known in the norm of the tangent. What a load of stiffness k feels is
- * off by no more than sqrt(k) times the first of them. */
+ * of the positions and that of the adjoint, both known in the norm of the tangent. What tools and hands feel is the tissue's
+ * own force on nodes of stiffness k: off by no more than sqrt(k) times the first of them. */
 static void look(palp_network *net, tick *t) {
     network_realtime *rt = net->realtime;
     t->norm = network_residual(net, &t->scale);
@@ -185,7 +182,7 @@ static void look(palp_network *net, tick *t) {
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = rt->driven ? error * rt->adjoint_error : 0.0;
     if (net->load) {
-        t->fresh_error += error * sqrt(fmax(0.0, load_stiffness(net)));
+        t->fresh_error += error * sqrt(network_load_own_stiffness(net));
         loaded = load_force(net);
     }
     t->info.force_error_N = t->fresh_error + rt->remembered;
@@ -325,6 +322,8 @@ palp_status palp_network_step_within(palp_network *net, double depth_m, double d
     correct(net, &t);
     double rest = realtime_clock();
     network_finish(net);
+    if (net->load)
+        network_load_settle(net, rt->r);
     net->next.force = t.info.force_N;
     net->trial = true;
     net->trial_checked = false;

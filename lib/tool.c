@@ -66,8 +66,9 @@ static palp_status make(const palp_network *net, size_t max_tools, size_t max_he
     load->first = calloc(net->n_nodes + 1, sizeof *load->first);
     load->element = calloc(2 * net->n_elements, sizeof *load->element);
     load->force = calloc(3 * net->n_nodes, sizeof *load->force);
+    load->weight = calloc(net->n_nodes, sizeof *load->weight);
     if (!load->tool || !load->pose || !load->target || !load->contact || !load->unit || !load->triangles ||
-        !load->first || !load->element || !load->force) {
+        !load->first || !load->element || !load->force || !load->weight) {
         network_load_free(load);
         return PALP_ERR_NO_MEMORY;
     }

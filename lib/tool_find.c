@@ -144,6 +144,7 @@ static bool anchor(const palp_network *net, contact *c, size_t *cursor) {
         tool_moved(was, pose, place, moved);
     along3(place, 1.0, moved, c->anchor);
     c->entry = 1.0;
+    c->touched = touch != NULL;
     if (touch) {
         along3(c->anchor, -1.0, touch->stretch, c->anchor);
         return true;

@@ -15,6 +15,7 @@ typedef struct contact {
     double stiffness;      /* N/m */
     double grip[3];        /* barycentric coordinates of the point that friction holds, for a step */
     double anchor[3];      /* friction's spring starts here and goes with the tool */
+    bool touched;          /* in the committed state */
     double entry;          /* share of the step that it has been touching for */
     /* of the last evaluation */
     double depth, pressure; /* m, N */
@@ -72,6 +73,7 @@ struct network_load {
     size_t *first;           /* [n_nodes + 1] */
     int32_t *element;        /* [2 n_elements] of node i: from first[i] to first[i + 1] */
     double *force;           /* [3 n_nodes] */
+    double *weight;          /* [n_nodes] scratch */
     double size;
 };
 
