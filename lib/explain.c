@@ -55,6 +55,7 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
         palp_forward_run path = explain_forward_run(&s->data.run[r], &wear);
         status = explain_predict(model, &path, s->force + at, NULL, error);
     }
+    palp_forward_wear_free(&wear.wear);
     for (size_t r = 0, at = 0; r < n && !status; at += s->data.run[r++].n)
         for (size_t i = 0; i < s->data.run[r].n; i++)
             s->residual[at + i] = s->data.run[r].force[i] - s->force[at + i];
@@ -109,6 +110,8 @@ static void disown(palp_explanation *e) {
     e->gap.after_N = e->gap.before_N;
     e->gap.heldout_after_N = e->gap.heldout_before_N;
     e->gap.closed = 0.0;
+    for (size_t i = 0; i < e->n_where; i++)
+        e->where[i].left = e->where[i].share;
     for (size_t r = 0; r < e->n_runs; r++)
         memcpy(e->run[r].after_N, e->run[r].before_N, e->run[r].n * sizeof *e->run[r].after_N);
 }
@@ -155,8 +158,8 @@ static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {
         }
 }
 
-static palp_status keep_step(const explain_search *s, palp_explanation *e, double floor_N, const bool *seen,
-                             palp_effect_id taken) {
+static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold, double floor_N,
+                             const bool *seen, palp_effect_id taken) {
     palp_explain_step *grown = realloc(e->step, (e->n_steps + 1) * sizeof *grown);
     if (!grown)
         return PALP_ERR_NO_MEMORY;
@@ -164,7 +167,7 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
     palp_explain_step *step = &grown[e->n_steps++];
     memset(step, 0, sizeof *step);
     step->taken = explain_added_count(s) < s->settings->max_effects ? taken : PALP_EFFECT_COUNT;
-    step->n_suspects = explain_list_suspects(s, e->threshold, floor_N, seen, step->suspect);
+    step->n_suspects = explain_list_suspects(s, threshold, floor_N, seen, step->suspect);
     for (size_t k = 0; k < step->n_suspects; k++)
         if (step->suspect[k].id == step->taken) {
             step->suspect[k].accepted = true;
@@ -177,27 +180,31 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
 static palp_status search(explain_search *s, palp_explanation *e, const bool *seen) {
     palp_status status = PALP_OK;
     bool out[PALP_EFFECT_COUNT] = {false}; /* was dropped once */
+    double threshold = e->threshold;
     for (size_t step = 0; explain_added_count(s) <= s->settings->max_effects && !status; step++) {
         palp_effect_id dropped;
         double floor_N;
-        status = explain_try_all(s);
+        if (step > 0)
+            status = explain_threshold(s, &threshold, NULL);
+        if (!status)
+            status = explain_try_all(s);
         for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
             if (out[i])
                 explain_fit_free(&s->trial[i].fit);
-        size_t best = status ? PALP_EFFECT_COUNT : explain_best_trial(s, e->threshold, seen, &status);
+        size_t best = status ? PALP_EFFECT_COUNT : explain_best_trial(s, threshold, seen, &status);
         if (!status)
             status = explain_floor(&s->data, &s->fit, s->force, &floor_N);
         if (!status)
-            status = keep_step(s, e, floor_N, seen, (palp_effect_id)best);
+            status = keep_step(s, e, threshold, floor_N, seen, (palp_effect_id)best);
         if (!status && step == 0)
-            e->n_suspects = explain_list_suspects(s, e->threshold, floor_N, seen, e->suspect);
+            e->n_suspects = explain_list_suspects(s, threshold, floor_N, seen, e->suspect);
         if (status || best == PALP_EFFECT_COUNT || explain_added_count(s) == s->settings->max_effects)
             break;
         mark(e, (palp_effect_id)best, NULL);
         s->worth = 4.0;
         status = explain_take(s, best);
         if (!status)
-            status = explain_drop(s, e->threshold, &dropped);
+            status = explain_drop(s, threshold, &dropped);
         if (!status && dropped != PALP_EFFECT_COUNT) {
             out[dropped] = true;
             mark(e, dropped, "is superfluous beside what was added later");
@@ -222,7 +229,8 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
         status = search(s, e, seen);
     if (!status)
         status = explain_describe(s, e);
-    if (!status)
+    e->gap.heldout_after_N = e->gap.heldout_before_N;
+    if (!status && s->taken_gain != 0.0) /* else the fit is the same */
         status = explain_held_out(s, &e->gap.heldout_after_N);
     if (!status)
         status = explain_floor(&s->data, &s->fit, s->force, &floor_N);

@@ -35,36 +35,56 @@ static void eliminate(double *g, size_t m, size_t first) {
     }
 }
 
-/* Products of what is left of the suspects' directions, by elimination run by run (own numbers) and then of the
- * model's parameters. */
-static palp_status directions(const explain_search *s, const explain_directions *d, double *left) {
-    enum { Q = 3 };
-    const explain_fit *fit = &s->fit;
-    size_t k = fit->n_columns, m = Q + k + d->n, longest = s->data.longest;
-    double *column = malloc((m * longest + m * m) * sizeof *column), *sum = calloc(m * m, sizeof *sum);
-    double sd[Q] = {fit->scatter.zero, fit->scatter.contact, fit->scatter.gain};
-    palp_status status = column && sum ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (size_t r = 0; r < s->data.n_runs && !status; r++) {
-        double *g = column + m * longest, one = 1.0, zero = 0.0;
-        int in = (int)s->data.run[r].n, im = (int)m;
-        if (s->data.run[r].held)
-            continue;
-        status = explain_directions_columns(s, d, r, column);
-        if (status)
-            break;
-        dgemm_("T", "N", &im, &im, &in, &one, column, &in, column, &in, &zero, g, &im);
-        for (size_t q = 0; q < Q; q++)
-            g[q * m + q] += 1.0 / (sd[q] * sd[q]);
-        eliminate(g, m, Q);
-        for (size_t i = 0; i < m * m; i++)
-            sum[i] += g[i];
+enum { OWN = 3 }; /* a run's zero, contact and gain */
+
+typedef struct sums {
+    const explain_search *search;
+    const explain_directions *directions;
+    size_t m;
+    double *product;     /* [n_runs m m] */
+    palp_status *status; /* [n_runs] */
+} sums;
+
+/* Products of run r's columns with its own numbers eliminated. */
+static void sum_task(void *user, size_t r) {
+    sums *w = user;
+    const explain_search *s = w->search;
+    const explain_scatter *scatter = &s->fit.scatter;
+    double sd[OWN] = {scatter->zero, scatter->contact, scatter->gain}, one = 1.0, zero = 0.0;
+    double *g = w->product + r * w->m * w->m;
+    int n = (int)s->data.run[r].n, m = (int)w->m;
+    if (s->data.run[r].held)
+        return;
+    double *column = malloc(w->m * s->data.run[r].n * sizeof *column);
+    w->status[r] = column ? explain_directions_columns(s, w->directions, r, column) : PALP_ERR_NO_MEMORY;
+    if (!w->status[r]) {
+        dgemm_("T", "N", &m, &m, &n, &one, column, &n, column, &n, &zero, g, &m);
+        for (size_t q = 0; q < OWN; q++)
+            g[q * w->m + q] += 1.0 / (sd[q] * sd[q]);
+        eliminate(g, w->m, OWN);
     }
-    if (!status) {
-        size_t rest = k + d->n;
-        double *g = column;
+    free(column);
+}
+
+/* Products of what is left of the suspects' directions, by elimination run by run (own numbers) and then of the
+ * model's parameters. left: [d->n d->n], and then what they were before the latter. */
+static palp_status directions(const explain_search *s, const explain_directions *d, double *left) {
+    size_t k = s->fit.n_columns, rest = k + d->n, m = OWN + rest, n = s->data.n_runs;
+    sums w = {.search = s, .directions = d, .m = m, .product = calloc(n * m * m, sizeof *w.product),
+              .status = calloc(n, sizeof *w.status)};
+    double *g = calloc(rest * rest, sizeof *g);
+    palp_status status = w.product && w.status && g ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status && s->settings->loop)
+        s->settings->loop(s->settings->loop_user, n, sum_task, &w);
+    for (size_t r = 0; r < n && !status && !s->settings->loop; r++)
+        sum_task(&w, r);
+    for (size_t r = 0; r < n && !status; r++) {
+        status = w.status[r];
         for (size_t i = 0; i < rest; i++)
             for (size_t j = 0; j < rest; j++)
-                g[i * rest + j] = sum[(Q + i) * m + Q + j];
+                g[i * rest + j] += w.product[(r * m + OWN + i) * m + OWN + j];
+    }
+    if (!status) {
         for (size_t i = 0; i < d->n; i++)
             left[d->n * d->n + i] = g[(k + i) * rest + k + i];
         eliminate(g, rest, k);
@@ -72,8 +92,9 @@ static palp_status directions(const explain_search *s, const explain_directions 
             for (size_t j = 0; j < d->n; j++)
                 left[i * d->n + j] = g[(k + i) * rest + k + j];
     }
-    free(column);
-    free(sum);
+    free(w.product);
+    free(w.status);
+    free(g);
     return status;
 }
 
@@ -117,16 +138,16 @@ static palp_status simulate(const explain_search *s, const explain_directions *d
     return PALP_OK;
 }
 
-palp_status explain_threshold(const explain_search *s, double *threshold, bool seen[PALP_EFFECT_COUNT]) {
+palp_status explain_threshold(const explain_search *s, double *threshold, bool *seen) {
     enum { BLIND = 3600 }; /* of the squared effect less than one part in so many is left: not to be seen */
     explain_directions *d = malloc(sizeof *d);
     palp_status status = d ? explain_directions_find(s, d) : PALP_ERR_NO_MEMORY;
-    double *left = status ? NULL : malloc((d->n + 1) * d->n * sizeof *left);
+    double *left = status ? NULL : malloc((d->n + 1) * (d->n + 1) * sizeof *left); /* d->n may be 0 */
     if (!status && !left)
         status = PALP_ERR_NO_MEMORY;
     if (!status)
         status = directions(s, d, left);
-    for (size_t i = 0; !status && i < d->n; i++)
+    for (size_t i = 0; seen && !status && i < d->n; i++)
         if (left[i * d->n + i] * BLIND > left[d->n * d->n + i] && left[d->n * d->n + i] > 0.0)
             seen[d->effect[i].id] = true;
     if (!status)

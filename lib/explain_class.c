@@ -36,6 +36,7 @@ static palp_status make_basis(const explain_fit *fit, const explain_data *data, 
         for (size_t j = 0; j < k && !status; j++)
             memcpy(basis + j * n + at, gradient + j * own, own * sizeof *basis);
     }
+    palp_forward_wear_free(&wear.wear);
     for (size_t j = 0; j < k && !status; j++) {
         double *column = basis + j * n, whole = sqrt(dot(n, column, column));
         take_off(n, j, basis, column);

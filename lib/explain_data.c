@@ -11,7 +11,7 @@ static const double SPIKE_SIGMA = 8.0;
 
 palp_forward_run explain_forward_run(const explain_run *run, explain_wear *wear) {
     if (run->fresh)
-        *wear = (explain_wear){.wear.peak = 0.0};
+        palp_forward_wear_free(&wear->wear);
     wear->wear.peak_p = wear->slope;
     return (palp_forward_run){
         .n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session, .wear = &wear->wear};

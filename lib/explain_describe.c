@@ -85,6 +85,16 @@ typedef struct place {
     palp_status status[PALP_EFFECT_COUNT];
 } place;
 
+/* Whether a candidate that promises so little of what the effect gains cannot be alike. */
+static palp_status falls_behind(const place *p, const explain_fit *fit, bool *behind) {
+    double samples = (double)explain_samples(&p->full->data), promised;
+    double with = samples * explain_chi2(&p->full->data, &p->full->fit),
+           without_it = samples * explain_chi2(&p->rest->data, &p->rest->fit);
+    palp_status status = explain_fit_predict(fit, &p->full->data, &promised);
+    *behind = !status && promised > without_it - EXPLAIN_CONTENDER * (without_it - with);
+    return status;
+}
+
 /* What the search found for candidate c when effect i was added, beside the effects that came later. */
 static palp_status stand_in(const place *p, size_t c, explain_fit *fit) {
     const explain_search *full = p->full;
@@ -105,7 +115,13 @@ static palp_status stand_in(const place *p, size_t c, explain_fit *fit) {
     fit->hum_Hz = full->fit.hum_Hz;
     fit->hum_N = full->fit.hum_N;
     status = explain_fit_products(fit, &full->data, NULL);
-    for (size_t rounds = 20; rounds > 2 && !status; rounds /= 4) {
+    if (!status)
+        status = explain_fit_improve(fit, &full->data, 4);
+    bool hopeless = false;
+    if (!status)
+        status = falls_behind(p, fit, &hopeless);
+    explain_fit_scatter(fit, &full->data, full->settings);
+    for (size_t rounds = 20; rounds > 2 && !status && !hopeless; rounds /= 4) {
         status = explain_fit_improve(fit, &full->data, rounds);
         explain_fit_scatter(fit, &full->data, full->settings);
     }

@@ -201,6 +201,7 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
             force += data->run[r].n;
         }
     }
+    palp_forward_wear_free(&wear.wear);
     free(work);
     free(full);
     if (!status)

@@ -33,6 +33,7 @@ palp_status explain_floor(const explain_data *data, const explain_fit *fit, cons
         white += run->white * run->white * (double)run->n;
         free(depth);
     }
+    palp_forward_wear_free(&wear.wear);
     double n = (double)data->n;
     *floor_N = sqrt(white / n + data->coloured * data->coloured + pow(fit->scatter.gain, 2) * load / n +
                     pow(fit->scatter.contact, 2) * slope / n);

@@ -11,6 +11,9 @@ enum {
     EXPLAIN_FREQUENCIES = 601                     /* at which the mains' line is looked for */
 };
 
+/* Of what the best suspect promises: the fit of one that promises less is not finished. */
+#define EXPLAIN_CONTENDER 0.3
+
 /* ---- runs (explain_data.c) ---- */
 typedef struct explain_run {
     char name[PALP_NAME_MAX];
@@ -45,7 +48,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
 void explain_data_free(explain_data *data);
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
 
-/* What a specimen keeps from run to run; zero-initialised before the first. */
+/* What a specimen keeps from run to run; zero-initialised before the first, palp_forward_wear_free after the last. */
 typedef struct explain_wear {
     palp_forward_wear wear;
     double slope[EXPLAIN_COLUMNS];
@@ -273,9 +276,9 @@ palp_status explain_directions_find(const explain_search *s, explain_directions 
 /* Whitened columns of run r: own zero, contact, gain; the model's parameters; the directions. */
 palp_status explain_directions_columns(const explain_search *s, const explain_directions *d, size_t r, double *column);
 
-/* Gain in log likelihood that chance alone reaches over all suspects with probability false_alarm; seen: those of
- * which these runs show anything beside the model. */
-palp_status explain_threshold(const explain_search *s, double *threshold, bool seen[PALP_EFFECT_COUNT]);
+/* Gain in log likelihood that chance alone reaches beside s->fit, over all suspects, with probability false_alarm.
+ * seen: NULL, or [PALP_EFFECT_COUNT], set for those of which these runs show anything beside the model. */
+palp_status explain_threshold(const explain_search *s, double *threshold, bool *seen);
 
 /* What would do as well as out->effect: rest is the search at the fit without it, its trials done. */
 palp_status explain_class_find(const explain_search *full, const explain_search *rest, palp_explain_effect *out);

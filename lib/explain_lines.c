@@ -180,6 +180,18 @@ palp_status explain_peak_in_depth(const explain_data *data, const double *residu
     return PALP_OK;
 }
 
+/* Takes the mean off every stretch that power_at looks at, which would leak into slow waves. */
+static void take_off_means(const explain_run *run, double *y, double stretch) {
+    for (size_t from = 0, i = 0; from < run->n; from = i) {
+        double mean = 0.0;
+        for (i = from; i < run->n && run->time[i] - run->time[from] <= stretch; i++)
+            mean += y[i];
+        mean /= (double)(i - from);
+        for (size_t k = from; k < i; k++)
+            y[k] -= mean;
+    }
+}
+
 palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak) {
     enum { LOOKED = 200 };
     double power[LOOKED], best = 0.0, fastest = HUGE_VAL, slowest = 0.1;
@@ -188,8 +200,9 @@ palp_status explain_peak_in_time(const explain_data *data, const double *residua
     if (!y)
         return PALP_ERR_NO_MEMORY;
     memcpy(y, residual, data->n * sizeof *y);
-    for (size_t r = 0; r < data->n_runs; r++) { /* no faster than half of the slowest rate */
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) { /* no faster than half of the slowest rate */
         const explain_run *run = &data->run[r];
+        take_off_means(run, y + at, 10.0);
         fastest = fmin(fastest, 0.45 * (double)(run->n - 1) / (run->time[run->n - 1] - run->time[0]));
     }
     for (int k = 0; k < LOOKED && fastest > slowest; k++) {

@@ -39,14 +39,15 @@ void explain_keep_residual(const explain_search *s, palp_explanation *e, bool be
         memcpy(before ? e->run[r].before_N : e->run[r].after_N, from, e->run[r].n * sizeof *from);
 }
 
-/* Shares of the squared gap by run and phase, the largest first. */
+/* Shares of the squared gap by run and phase, the largest first; and what is left of it there. */
 void explain_where(const explain_data *data, palp_explanation *e, double floor_N) {
     double total = 0.0;
     for (size_t r = 0; r < e->n_runs; r++) {
-        double sum[PALP_PHASE_COUNT] = {0};
+        double sum[PALP_PHASE_COUNT] = {0}, left[PALP_PHASE_COUNT] = {0};
         for (size_t i = 0; i < e->run[r].n; i++) {
-            double x = e->run[r].before_N[i];
+            double x = e->run[r].before_N[i], y = e->run[r].after_N[i];
             sum[data->run[r].phase[i]] += x * x - floor_N * floor_N;
+            left[data->run[r].phase[i]] += y * y - floor_N * floor_N;
         }
         for (int p = 0; p < PALP_PHASE_COUNT; p++) {
             if (!(sum[p] > 0.0))
@@ -55,11 +56,14 @@ void explain_where(const explain_data *data, palp_explanation *e, double floor_N
             size_t i = e->n_where < PALP_EXPLAIN_WHERE ? e->n_where++ : PALP_EXPLAIN_WHERE - 1;
             for (; i > 0 && e->where[i - 1].share < sum[p]; i--)
                 e->where[i] = e->where[i - 1];
-            e->where[i] = (palp_explain_where){.run = r, .phase = (palp_explain_phase)p, .share = sum[p]};
+            e->where[i] = (palp_explain_where){.run = r, .phase = (palp_explain_phase)p, .share = sum[p],
+                                               .left = fmax(0.0, left[p])};
         }
     }
-    for (size_t i = 0; i < e->n_where; i++)
+    for (size_t i = 0; i < e->n_where; i++) {
         e->where[i].share /= total;
+        e->where[i].left /= total;
+    }
 }
 
 size_t explain_list_suspects(const explain_search *s, double threshold, double floor_N, const bool *seen,

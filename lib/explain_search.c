@@ -6,7 +6,6 @@
 #include <string.h>
 
 static const double TURN = 6.28318530717958647692;
-static const double CONTENDER = 0.3; /* of what the best suspect promises: with less the fit is not finished */
 
 double explain_rms(size_t n, const double *a, const double *b) {
     double sum = 0.0;
@@ -178,7 +177,7 @@ palp_status explain_try_all(explain_search *s) {
     for (size_t i = 0; i < PALP_EFFECT_COUNT && !status; i++)
         if (s->trial[i].race && s->trial[i].race->n > 0)
             best = fmin(best, s->trial[i].race->racer[0].chi2);
-    w.behind = start - CONTENDER * (start - best);
+    w.behind = start - EXPLAIN_CONTENDER * (start - best);
     if (!status)
         status = all_tasks(s, finish_task, &w);
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {

@@ -96,8 +96,21 @@ static palp_status find_starts(palp_effect_id id, const explain_data *data, cons
     return status;
 }
 
-/* base with the effect at a start. */
-static palp_status added_at(const explain_fit *base, const explain_data *data, const palp_effect *effect,
+/* A strong effect may have led the plain model's own parameters astray: those as given. */
+static palp_status go_back(explain_fit *fit, const explain_data *data) {
+    explain_fit given;
+    palp_status status = explain_fit_create(data->given, data, &given);
+    if (status)
+        return status;
+    size_t k = data->given->material.law.n + 2 * data->given->material.n_arms;
+    memcpy(fit->x, given.x, k * sizeof *fit->x);
+    fit->model.material = data->given->material;
+    explain_fit_free(&given);
+    return PALP_OK;
+}
+
+/* base, or back at the parameters as given, with the effect at a start. */
+static palp_status added_at(const explain_fit *base, const explain_data *data, const palp_effect *effect, bool back,
                             explain_fit *fit) {
     palp_model *model = malloc(sizeof *model);
     if (!model)
@@ -111,7 +124,10 @@ static palp_status added_at(const explain_fit *base, const explain_data *data, c
     fit->scatter = base->scatter;
     fit->hum_Hz = base->hum_Hz;
     fit->hum_N = base->hum_N;
-    status = explain_fit_products(fit, data, NULL);
+    if (back)
+        status = go_back(fit, data);
+    if (!status)
+        status = explain_fit_products(fit, data, NULL);
     if (status)
         explain_fit_free(fit);
     return status;
@@ -175,19 +191,6 @@ static palp_status nudge_adhesion(explain_fit *fit, const explain_data *data) {
     return status;
 }
 
-/* A strong effect may have led the plain model's own parameters astray: those as given. */
-static palp_status go_back(explain_fit *fit, const explain_data *data) {
-    explain_fit given;
-    palp_status status = explain_fit_create(data->given, data, &given);
-    if (status)
-        return status;
-    size_t k = data->given->material.law.n + 2 * data->given->material.n_arms;
-    memcpy(fit->x, given.x, k * sizeof *fit->x);
-    fit->model.material = data->given->material;
-    explain_fit_free(&given);
-    return explain_fit_products(fit, data, NULL);
-}
-
 /* ---- a race from many starts ---- */
 
 void explain_race_free(explain_race *race) {
@@ -217,12 +220,11 @@ static void race_keep(explain_race *r, size_t n) {
 static palp_status race_enter(explain_race *r, const explain_fit *base, const explain_data *data, const palp_effect *start,
                               size_t rounds_back) {
     explain_racer *new = &r->racer[r->n];
-    palp_status status = added_at(base, data, start, &new->fit);
+    palp_status status = added_at(base, data, start, rounds_back > 0, &new->fit);
     if (status)
         return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-    status = rounds_back ? go_back(&new->fit, data) : PALP_OK;
-    if (!status)
-        status = rounds_back ? explain_fit_improve(&new->fit, data, rounds_back) : PALP_OK;
+    if (rounds_back)
+        status = explain_fit_improve(&new->fit, data, rounds_back);
     if (!status)
         status = explain_fit_predict(&new->fit, data, &new->chi2);
     if (status) {
@@ -363,6 +365,7 @@ static palp_status strength_column(const palp_model *model, const palp_effect *e
         memset(column, 0, run->n * sizeof *column);
     else
         memcpy(column, work + (1 + k) * run->n, run->n * sizeof *column);
+    palp_forward_wear_free(&wear.wear);
     free(more);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
@@ -388,6 +391,7 @@ palp_status explain_directions_columns(const explain_search *s, const explain_di
         status = strength_column(model, &d->effect[i], run, work, column + (3 + k + i) * n);
     for (size_t i = 0; i < 3 + k + d->n && !status; i++)
         explain_whiten(run, column + i * n);
+    palp_forward_wear_free(&wear.wear);
     free(work);
     return status;
 }

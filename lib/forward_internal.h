@@ -126,6 +126,10 @@ palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, s
 void forward_slopes_free(forward_slopes *slopes);
 void forward_slopes_keep(forward_slopes *slopes, bool back);
 
+/* Derivatives of the elements' peaks before the first step, and now: [n_columns n_elements]. */
+void forward_slopes_wear(forward_slopes *slopes, const double *peak_p);
+const double *forward_slopes_worn(const forward_slopes *slopes);
+
 /* Of the trial at hand, whose network_weights are weight[n_elements], stiffness and net->fint; then as
  * forward_specimen. advance makes them those of the state, before the network's commit. */
 void forward_slopes_find(forward_slopes *slopes, const double *weight, double stiffness, double decades);

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct forward_network {
     const forward_plan *plan;
@@ -17,6 +18,9 @@ struct forward_network {
     bool found;     /* slopes of the trial */
     double decades; /* of its rate */
     double slope, committed; /* of the trial, of the state: d force / d surface strain */
+    double strain, peak[2];  /* surface strain of the trial; its largest so far, and that kept */
+    double *peak_p[2];       /* [n_columns] derivatives of peak */
+    double rest, *rest_p;    /* surface strain before it is touched */
     double *weight; /* [n_elements] of the trial */
     forward_slopes *slopes; /* NULL: no derivatives */
 };
@@ -26,6 +30,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     palp_step_info info = {0};
     double decades, height = p->net->height;
     p->net->boost = forward_boost(p->plan, move->rate, &decades);
+    p->strain = move->strain;
     palp_status status = palp_network_try(p->net, move->strain * height, move->dt, &info);
     *force = info.force_N;
     if (status || (!slope && !p->sloped))
@@ -59,17 +64,30 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
         forward_slopes_advance(p->slopes, strain_p, dt_p, force_p);
     }
     p->committed = p->slope;
+    if (fabs(p->strain) >= p->peak[0]) {
+        p->peak[0] = fabs(p->strain);
+        for (size_t k = 0; p->slopes && k < p->plan->n_columns; k++)
+            p->peak_p[0][k] = strain_p ? copysign(1.0, p->strain) * strain_p[k] : 0.0;
+    }
     palp_network_commit(p->net);
+}
+
+static void copy_peak(forward_network *p, size_t from, size_t to) {
+    p->peak[to] = p->peak[from];
+    if (p->slopes)
+        memcpy(p->peak_p[to], p->peak_p[from], p->plan->n_columns * sizeof *p->peak_p[to]);
 }
 
 void forward_network_keep(forward_network *p) {
     network_mark(p->net);
+    copy_peak(p, 0, 1);
     if (p->slopes)
         forward_slopes_keep(p->slopes, false);
 }
 
 void forward_network_back(forward_network *p) {
     network_revert(p->net);
+    copy_peak(p, 1, 0);
     if (p->slopes)
         forward_slopes_keep(p->slopes, true);
 }
@@ -141,11 +159,17 @@ static palp_status make_network(const forward_network *f, const palp_network_set
 
 static palp_status equip(forward_network *f, palp_error *error) {
     const forward_plan *plan = f->plan;
-    f->weight = malloc((palp_mesh_element_count(f->net->mesh) + 1) * sizeof *f->weight);
+    const size_t n = plan->n_columns, m = palp_mesh_element_count(f->net->mesh);
+    f->weight = calloc(m + 3 * n + 1, sizeof *f->weight);
     palp_status status = f->weight ? set_slip(f) : PALP_ERR_NO_MEMORY;
+    if (status)
+        return palp_error_set(error, status, "%s", palp_status_text(status));
+    f->peak_p[0] = f->weight + m;
+    f->peak_p[1] = f->peak_p[0] + n;
+    f->rest_p = f->peak_p[1] + n;
     f->wear = plan->wear;
     f->wear.slack = 1e-3;
-    if (!status && plan->worn)
+    if (plan->worn)
         status = network_set_wear(f->net, &f->wear);
     return status ? palp_error_set(error, status, "%s", palp_status_text(status)) : PALP_OK;
 }
@@ -191,8 +215,106 @@ forward_specimen forward_network_specimen(forward_network *f) {
                               .commit = commit,
                               .height = f->net->height,
                               .shortest = isinf(shortest) ? 0.0 : shortest,
-                              .n_columns = f->slopes ? f->plan->n_columns : 0};
+                              .n_columns = f->slopes ? f->plan->n_columns : 0,
+                              .rest = f->rest,
+                              .rest_p = f->slopes ? f->rest_p : NULL};
 }
+
+/* ---- wear ---- */
+
+struct palp_forward_elements {
+    size_t n, n_columns;
+    double peak[]; /* [n] largest |e|, then its derivatives [n_columns n] */
+};
+
+void palp_forward_wear_free(palp_forward_wear *wear) {
+    free(wear->elements);
+    wear->elements = NULL;
+    wear->peak = 0.0;
+}
+
+static const double LONG = 1e9; /* s, after which arms have forgotten */
+
+static palp_status move_to(forward_network *f, double strain, double dt, const double *strain_p) {
+    double force, *force_p = f->peak_p[1]; /* nothing is kept yet */
+    const forward_move move = {strain, dt, 0.0};
+    palp_status status = attempt(f, &move, &force, NULL);
+    if (!status)
+        commit(f, strain_p, NULL, force_p);
+    return status;
+}
+
+/* Largest strains of the elements of one that was pressed slowly; what it was pressed to has no derivatives here. */
+static palp_status press_before(forward_network *f, double strain) {
+    enum { STEPS = 16 };
+    const size_t size = f->net->n_elements * sizeof *f->weight;
+    palp_status status = PALP_OK;
+    palp_step_info info;
+    for (int i = 1; i <= STEPS && !status; i++) {
+        status = palp_network_try(f->net, strain * f->net->height * i / STEPS, LONG, &info);
+        if (!status)
+            palp_network_commit(f->net);
+    }
+    if (!status)
+        memcpy(f->weight, f->net->now.history.peak, size);
+    palp_network_reset(f->net);
+    if (!status)
+        memcpy(f->net->now.history.peak, f->weight, size);
+    return status;
+}
+
+/* The specimen lies where the permanent set left its surface, and its arms have forgotten. */
+static palp_status lie_down(forward_network *f) {
+    const double set = f->plan->wear.set;
+    f->rest = set * f->peak[0];
+    for (size_t k = 0; f->slopes && k < f->plan->n_columns; k++)
+        f->rest_p[k] = set * f->peak_p[0][k];
+    if (f->slopes)
+        f->rest_p[f->plan->column[PALP_EFFECT_PERMANENT_SET]] += f->peak[0];
+    palp_status status = move_to(f, f->rest, LONG, f->slopes ? f->rest_p : NULL);
+    f->net->now.time = 0.0;
+    f->net->n_past = 0;
+    return status;
+}
+
+static palp_status take_wear(forward_network *f, const palp_forward_wear *wear) {
+    const struct palp_forward_elements *e = wear ? wear->elements : NULL;
+    const size_t n = f->plan->n_columns, m = f->net->n_elements;
+    if (!wear || !f->plan->worn || !(wear->peak > 0.0))
+        return PALP_OK;
+    if (e && (e->n != m || (f->slopes && e->n_columns && e->n_columns != n)))
+        return PALP_ERR_ARGUMENT;
+    palp_status status = e ? PALP_OK : press_before(f, wear->peak);
+    if (e)
+        memcpy(f->net->now.history.peak, e->peak, m * sizeof *e->peak);
+    if (e && f->slopes && e->n_columns)
+        forward_slopes_wear(f->slopes, e->peak + m);
+    f->peak[0] = wear->peak;
+    if (f->slopes && wear->peak_p)
+        memcpy(f->peak_p[0], wear->peak_p, n * sizeof *wear->peak_p);
+    return status || !f->plan->value[PALP_EFFECT_PERMANENT_SET] ? status : lie_down(f);
+}
+
+static palp_status leave_wear(const forward_network *f, palp_forward_wear *wear) {
+    const size_t n = f->slopes ? f->plan->n_columns : 0, m = f->net->n_elements;
+    if (!wear || !f->plan->worn)
+        return PALP_OK;
+    struct palp_forward_elements *e = realloc(wear->elements, sizeof *e + (1 + n) * m * sizeof *e->peak);
+    if (!e)
+        return PALP_ERR_NO_MEMORY;
+    e->n = m;
+    e->n_columns = n;
+    memcpy(e->peak, f->net->now.history.peak, m * sizeof *e->peak);
+    if (n)
+        memcpy(e->peak + m, forward_slopes_worn(f->slopes), n * m * sizeof *e->peak);
+    wear->elements = e;
+    wear->peak = f->peak[0];
+    if (n && wear->peak_p)
+        memcpy(wear->peak_p, f->peak_p[0], n * sizeof *wear->peak_p);
+    return PALP_OK;
+}
+
+/* ---- runs ---- */
 
 static void times_of(const palp_forward_run *run, double *shortest, double *whole) {
     *shortest = INFINITY;
@@ -214,8 +336,14 @@ palp_status palp_forward_network(const palp_model *model, const palp_network_set
         status = forward_network_create(&plan, settings, shortest, whole, &network, error);
     if (status)
         return status;
+    status = take_wear(network, run->wear);
+    if (status)
+        palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
     forward_specimen specimen = forward_network_specimen(network);
-    status = forward_run(&plan, &specimen, run, force_N, NULL, error);
+    if (!status)
+        status = forward_run(&plan, &specimen, run, force_N, NULL, error);
+    if (!status)
+        status = leave_wear(network, run->wear);
     forward_network_free(network);
     return status;
 }
@@ -238,8 +366,15 @@ palp_status forward_network_force(const palp_model *model, const palp_forward_ru
         return status;
     if (gradient)
         status = forward_slopes_create(&plan, network->net, network->n_spectra, network->spectrum, &network->slopes);
+    if (!status) {
+        status = take_wear(network, run->wear);
+        if (status)
+            palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
+    }
     if (!status)
         status = forward_run_knots(&plan, network, run, force_N, gradient, error);
+    if (!status)
+        status = leave_wear(network, run->wear);
     forward_network_free(network);
     return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
 }

@@ -374,3 +374,14 @@ void forward_slopes_free(forward_slopes *s) {
 void forward_slopes_keep(forward_slopes *s, bool back) {
     memcpy(back ? s->strain : s->kept, back ? s->kept : s->strain, s->n_state * sizeof *s->kept);
 }
+
+void forward_slopes_wear(forward_slopes *s, const double *peak_p) {
+    memcpy(s->peak, peak_p, s->n * s->m * sizeof *s->peak);
+    for (size_t k = 0; k < s->n; k++)
+        for (size_t i = 0; i < s->m && !s->alive[k]; i++)
+            s->alive[k] = peak_p[k * s->m + i] != 0.0;
+}
+
+const double *forward_slopes_worn(const forward_slopes *s) {
+    return s->peak;
+}

@@ -20,6 +20,12 @@ typedef struct explain_options {
 /* As the file of the result has it; NULL = out of memory. (explain_json.c) */
 json_t *explain_json(const explain_options *o, const palp_explanation *e);
 
+/* rms of recorded minus model by run, depth and speed, as given and with the effects. (explain_profile.c) */
+json_t *explain_profile(const palp_explanation *e);
+
+/* Amplitudes of waves in it over time and over depth. (explain_spectrum.c) */
+json_t *explain_spectrum(const palp_explanation *e);
+
 /* The next experiment as a protocol file. */
 json_t *explain_protocol(const palp_explanation *e);
 

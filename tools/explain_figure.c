@@ -2,21 +2,13 @@
  * panels of one scale. */
 #include "explain.h"
 #include "report.h"
+#include "report_svg.h"
 
 #include <math.h>
-
-static const char GIVEN[] = "#d55e00", EXPLAINED[] = "#0072b2";
 
 enum { PANELS = 12, COLUMNS = 2, WIDTH = 600, HEIGHT = 190, LEFT = 58, TOP = 26, ACROSS = 526, DOWN = 118, BINS = 263 };
 
 /* ---- scales ---- */
-
-/* 1, 2 or 5 times a power of ten, so that about n of them make the range. */
-static double tick_step(double range, double n) {
-    double step = pow(10, floor(log10(range / n)));
-    double times = range / n / step;
-    return step * (times > 5 ? 10 : times > 2 ? 5 : times > 1 ? 2 : 1);
-}
 
 static double height_of(double force_N, double most) {
     return TOP + 0.5 * DOWN * (1 - fmax(-1, fmin(1, force_N / most)));
@@ -87,37 +79,18 @@ static void curve(FILE *to, const palp_explain_run *run, const double *y, double
 /* ---- a panel ---- */
 
 static void axes(FILE *to, double length_s, double most, double floor_N) {
-    double step = tick_step(2 * most, 4), y = height_of(floor_N, most);
-    fprintf(to, "<rect x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\" fill=\"#e3e8ec\"/>\n", LEFT, y, ACROSS,
-            height_of(-floor_N, most) - y);
-    for (double v = -step * floor(most / step); v < most + 0.5 * step; v += step) {
-        if (v <= most) {
-            y = height_of(v, most);
-            fprintf(to, "<path d=\"M%d %.1fh%d\" stroke=\"#d5dbe0\" stroke-width=\"0.7\"/>", LEFT, y, ACROSS);
-            fprintf(to, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%.4g</text>\n", LEFT - 6, y + 4,
-                    fabs(v) < 0.01 * step ? 0.0 : 1e3 * v);
-        }
-    }
-    step = tick_step(length_s, 6);
-    for (double t = 0; t <= length_s * 1.0001; t += step) {
-        double x = LEFT + ACROSS * t / length_s;
-        bool last = t + step > length_s * 1.0001;
-        fprintf(to, "<path d=\"M%.1f %dv4\" stroke=\"#8a959e\"/>", x, TOP + DOWN);
-        fprintf(to, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%.4g%s</text>\n", x, TOP + DOWN + 17, t,
-                last ? " s" : "");
-    }
-    fprintf(to, "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"none\" stroke=\"#8a959e\"/>\n", LEFT, TOP,
-            ACROSS, DOWN);
-    fprintf(to, "<text x=\"12\" y=\"%d\" text-anchor=\"middle\" transform=\"rotate(-90 12 %d)\">mN</text>\n",
-            TOP + DOWN / 2, TOP + DOWN / 2);
+    svg_axis x = {0, length_s, LEFT, LEFT + ACROSS, false}, y = {-1e3 * most, 1e3 * most, TOP + DOWN, TOP, false};
+    double top = svg_at(&y, 1e3 * floor_N);
+    svg_bar(to, LEFT, top, ACROSS, svg_at(&y, -1e3 * floor_N) - top, "#e3e8ec");
+    svg_frame(to, &x, &y, " s", "mN");
 }
 
 static void panel(FILE *to, const palp_explanation *e, const palp_explain_run *run, size_t place, double most) {
     fprintf(to, "<g transform=\"translate(%zu %zu)\">\n", place % COLUMNS * WIDTH, place / COLUMNS * HEIGHT);
     axes(to, run->time_s[run->n - 1] - run->time_s[0], most, e->gap.floor_N);
-    curve(to, run, run->before_N, most, GIVEN);
+    curve(to, run, run->before_N, most, SVG_BEFORE);
     if (e->n_effects > 0) {
-        curve(to, run, run->after_N, most, EXPLAINED);
+        curve(to, run, run->after_N, most, SVG_AFTER);
     }
     fprintf(to, "<text x=\"%d\" y=\"17\" font-weight=\"bold\">", LEFT);
     html_text(to, report_base(run->name));
@@ -156,12 +129,9 @@ void explain_figure(FILE *to, const palp_explanation *e) {
         double peak = largest(run, run->before_N); /* but for spikes */
         most = fmax(most, fmin(1.05 * peak, 6 * sqrt(square_of(run, run->before_N))));
     }
-    fprintf(to,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %zu\" role=\"img\" font-size=\"12\" "
-            "font-family=\"system-ui,'DejaVu Sans',Arial,sans-serif\" fill=\"#1c2329\">\n",
-            COLUMNS * WIDTH, rows * HEIGHT);
+    svg_open(to, COLUMNS * WIDTH, (double)(rows * HEIGHT), "recorded minus model over time");
     for (size_t k = 0; k < n; k++) {
         panel(to, e, &e->run[shown[k]], k, most);
     }
-    fputs("</svg>\n", to);
+    svg_close(to);
 }

@@ -66,6 +66,7 @@ static json_t *where_json(const palp_explanation *e) {
         json_object_set_new(object, "experiment", json_string(e->run[e->where[i].run].name));
         json_object_set_new(object, "phase", json_string(palp_explain_phase_name(e->where[i].phase)));
         put(object, "share", e->where[i].share);
+        put(object, "left", e->where[i].left);
         put(object, "left_lag1", e->where[i].lag1);
         put(object, "left_runs_z", e->where[i].runs_z);
         json_array_append_new(list, object);
@@ -107,6 +108,15 @@ static json_t *left_json(const palp_explanation *e) {
     return left;
 }
 
+static json_t *suspect_json(const palp_explain_suspect *s) {
+    json_t *object = json_object();
+    json_object_set_new(object, "id", json_string(id_of(s->id)));
+    json_object_set_new(object, "reason", json_string(s->reason));
+    put(object, "score", s->score);
+    put(object, "explained_N", s->explained_N);
+    return object;
+}
+
 /* Those rejected, or those that these runs cannot see. */
 static json_t *suspects_json(const palp_explanation *e, bool blind) {
     json_t *list = json_array();
@@ -115,16 +125,7 @@ static json_t *suspects_json(const palp_explanation *e, bool blind) {
         if (s->accepted || s->identifiable == blind) {
             continue;
         }
-        if (blind) {
-            json_array_append_new(list, json_string(id_of(s->id)));
-            continue;
-        }
-        json_t *object = json_object();
-        json_object_set_new(object, "id", json_string(id_of(s->id)));
-        json_object_set_new(object, "reason", json_string(s->reason));
-        put(object, "score", s->score);
-        put(object, "explained_N", s->explained_N);
-        json_array_append_new(list, object);
+        json_array_append_new(list, blind ? json_string(id_of(s->id)) : suspect_json(s));
     }
     return list;
 }
@@ -134,18 +135,17 @@ static json_t *steps_json(const palp_explanation *e) {
     for (size_t i = 0; i < e->n_steps; i++) {
         const palp_explain_step *step = &e->step[i];
         json_t *object = json_object(), *rejected = json_array();
-        for (size_t k = 0; k < step->n_suspects; k++) {
-            const palp_explain_suspect *s = &step->suspect[k];
-            if (!s->accepted) {
-                json_t *one = json_object();
-                json_object_set_new(one, "id", json_string(id_of(s->id)));
-                json_object_set_new(one, "reason", json_string(s->reason));
-                put(one, "score", s->score);
-                json_array_append_new(rejected, one);
-            }
-        }
         json_object_set_new(object, "taken",
                             step->taken == PALP_EFFECT_COUNT ? json_null() : json_string(id_of(step->taken)));
+        for (size_t k = 0; k < step->n_suspects; k++) {
+            const palp_explain_suspect *s = &step->suspect[k];
+            if (s->accepted) {
+                put(object, "score", s->score);
+                put(object, "explained_N", s->explained_N);
+                continue;
+            }
+            json_array_append_new(rejected, suspect_json(s));
+        }
         json_object_set_new(object, "rejected", rejected);
         json_array_append_new(list, object);
     }
@@ -202,6 +202,8 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "floor", floor_json(e));
     put(root, "threshold", e->threshold);
     json_object_set_new(root, "where", where_json(e));
+    json_object_set_new(root, "profile", explain_profile(e));
+    json_object_set_new(root, "spectrum", explain_spectrum(e));
     json_object_set_new(root, "events", events_json(e));
     json_object_set_new(root, "not_identifiable", suspects_json(e, true));
     json_object_set_new(root, "next_experiment", next_json(e));

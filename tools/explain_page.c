@@ -43,10 +43,12 @@ void explain_say(const palp_explanation *e) {
 
 static void page(FILE *to, const json_t *result, const palp_explanation *e) {
     html_open(to, "What the model misses");
-    report_explained(to, result);
+    report_found(to, result);
     fputs("<figure>", to);
     explain_figure(to, e);
-    fprintf(to, "<figcaption>%s</figcaption></figure>\n<p class=\"about\"><code>", REPORT_EXPLAIN_CAPTION);
+    fprintf(to, "<figcaption>%s</figcaption></figure>\n", REPORT_EXPLAIN_CAPTION);
+    report_how(to, result);
+    fputs("<p class=\"about\"><code>", to);
     html_text(to, json_string_value(json_object_get(result, "command")));
     fputs("</code></p>\n", to);
     html_close(to);

@@ -87,7 +87,8 @@ bool html_figure(FILE *to, report *r, const char *name, const char *caption);
     "Recorded minus model: orange as given, blue with the effects (lines: means, tint: lowest and "           \
     "highest), grey the floor. At most the twelve runs with the largest gap."
 int report_page(report *r, const char *path);
-void report_explained(FILE *to, const json_t *result); /* of palpate explain, without a heading */
+void report_found(FILE *to, const json_t *result); /* of palpate explain: the verdict, what is missing, where */
+void report_how(FILE *to, const json_t *result);   /* likewise: the suspects, what is left, what to measure next */
 const char *report_verdict(const char *name);          /* as a sentence */
 const char *report_effect(const char *id);             /* its name in words */
 void report_explanations(FILE *to, report *r);

@@ -101,7 +101,9 @@ static void card_model(FILE *to, const report *r) {
 
 static void card_explain(FILE *to, const report *r) {
     const report_file *f = report_find(r, REPORT_EXPLAIN, 0);
-    char text[256] = "nothing";
+    bool unknown = f && strcmp(report_text(f->json, "verdict"), "unexplained") == 0;
+    char text[256];
+    snprintf(text, sizeof text, "%s", unknown ? "something that no effect accounts for" : "nothing");
     const json_t *list = f ? json_object_get(f->json, "effects") : NULL, *effect;
     for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
         size_t n = i ? strlen(text) : 0;

@@ -72,6 +72,7 @@ typedef struct palp_explain_where {
     size_t run;
     palp_explain_phase phase;
     double share; /* of the squared gap, before */
+    double left;  /* likewise of what remains there with the effects, over that same gap */
     /* of what is left, white noise has 0 and 0 to +-2: correlation from sample to sample; too few (-) or too many runs
      * of one sign, in standard deviations */
     double lag1, runs_z;

@@ -10,12 +10,16 @@
 extern "C" {
 #endif
 
-/* What earlier presses left in a lumped specimen, of which damage and permanent set depend. Zero-initialised = a
- * fresh one. */
+/* What earlier presses left in a specimen, of which damage and permanent set depend. Zero-initialised = a fresh one.
+ * Of a network the elements keep their own largest strains: palp_forward_wear_free. With peak alone it is one that was
+ * slowly pressed to there. */
 typedef struct palp_forward_wear {
-    double peak;    /* largest strain so far */
+    double peak;    /* largest strain so far, of a network's surface */
     double *peak_p; /* [n_parameters] its derivatives, caller's; NULL with no gradient */
+    struct palp_forward_elements *elements;
 } palp_forward_wear;
+
+PALP_API void palp_forward_wear_free(palp_forward_wear *wear); /* as fresh then; peak_p stays as it is */
 
 /* What is known of one recording beside its samples. Zero-initialised but for the first three = no session.
  */
@@ -48,7 +52,7 @@ PALP_API palp_status palp_forward_force(const palp_model *model, const palp_forw
 
 /* The same for a network model, without derivatives; settings may be NULL (density is the model's). A
  * material effect's numbers are those of every element, as the model's law and arms are. Errors of
- * palp_network_step too. */
+ * palp_network_step too; ERR_ARGUMENT: the wear is that of another mesh. */
 PALP_API palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
                                           const palp_forward_run *run, double *force_N, palp_error *error);
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# explain_hidden.sh: ten cases of tests/hidden, in which effects are hidden by other physics. check: once
+# explain_hidden.sh: eleven cases of tests/hidden, in which effects are hidden by other physics. check: once
 . tests/cli/common
 command -v python3 >/dev/null || { echo "there is no python3, which scores the answers"; exit 77; }
 
@@ -9,4 +9,16 @@ PALPATE=$PALPATE sh "$ROOT/tests/hidden/run.sh" --seed 3 --set quick --slack 1 -
     cat out
 }
 grep -q "^Bars" out || fail "no bars were looked at"
+
+# Interrupted, the run goes on where it was: one answer is missing, and only that one is asked for again.
+rm hidden/cases/case_002/result.json
+touch marker
+sleep 1
+PALPATE=$PALPATE sh "$ROOT/tests/hidden/run.sh" --seed 3 --set quick --slack 1 --out hidden --print-table >table 2>&1 ||
+    fail "the run did not go on: $(cat table)"
+again=$(find hidden/cases -newer marker -name result.json)
+[ "$again" = hidden/cases/case_002/result.json ] || fail "asked again: $again"
+grep "^    nulls not accused" out | tr -s ' ' | cut -d ' ' -f 5-7 >wanted
+[ -s wanted ] || fail "no bar for the nulls"
+grep "^| nulls not accused" table | cut -d ' ' -f 6-8 | cmp -s - wanted || fail "the table is another: $(cat table)"
 done_testing

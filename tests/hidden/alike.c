@@ -111,3 +111,19 @@ void judge_alike(const judge *j, double *y, size_t n_also, const double *also, d
         cosine[id] = id == MAINS_HUM ? 0 : best(&l, id);
     free(space);
 }
+
+double judge_frame(const judge *j, const world *w, double left) {
+    static const double shape[VALUES] = {1, 0, 0};
+    double least = left;
+    world nearest = *j->plain;
+    for (double s = 0.1; s < 1; s *= 1.5) { /* each from the last one's numbers */
+        judge beside;
+        world plain = nearest;
+        judge_put(j, &plain, FRAME_COMPLIANCE, shape, s);
+        if (!judge_make(&beside, &plain, j->session, j->h))
+            abort();
+        least = fmin(least, judge_fit(&beside, w, &nearest));
+        judge_free(&beside);
+    }
+    return sqrt(1 - least * least / (left * left));
+}

@@ -197,6 +197,83 @@ static bool add_two(hidden_case *c, const judge *j, bool raw, dice *rng) {
            c->effect[1].cosine[first] < 0.8;
 }
 
+/* ---- particles for a lumped model ---- */
+
+/* So that the springs alone are as stiff at rest as the lumped ones. */
+static void cube_make(world *w) {
+    world unit = {.cube = true, .law = {1}};
+    cube rest = {.bulge = {0, 0}}, end;
+    double small = 1e-6, as_many = cube_press(&unit, &rest, 0, small, &end) / small;
+    for (int i = 0; i < LAW; i++)
+        w->law[i] /= as_many;
+    for (size_t i = 0; i < w->n_arms; i++)
+        w->arms[i].stiffness /= as_many;
+    w->cube = true;
+}
+
+/* To a strain that models are read up to. */
+static bool law_positive(const world *w) {
+    for (double e = 0; e < 0.41; e += 0.01)
+        if (w->law[0] + e * (w->law[1] + e * (w->law[2] + e * (w->law[3] + e * w->law[4]))) <= 0)
+            return false;
+    return true;
+}
+
+/* A cube of such a material, and the lumped model that comes nearest to it; false if that is none, or not
+ * found. */
+static bool draw_cube(world *network, world *plain, const session *s, enum network_kind kind, dice *rng) {
+    for (size_t i = 0; i < plain->n_arms && kind == BENT; i++)
+        plain->arms[i].stiffness *= dice_uniform(rng, 2, 5);
+    *network = *plain;
+    cube_make(network);
+    double before = INFINITY;
+    for (int i = 0; i < 8; i++) {
+        judge j;
+        world near = *plain;
+        if (!judge_make(&j, &near, s, COARSE))
+            return false;
+        double left = judge_fit(&j, network, plain);
+        judge_free(&j);
+        if (left > 0.99 * before)
+            return law_positive(plain);
+        before = left;
+    }
+    return false;
+}
+
+/* What the geometry leaves, and which effects are like it. Above a strain of 0.32 some cubes buckle, which
+ * their symmetry would hide. */
+static bool find_geometry(hidden_case *c, const judge *j, enum network_kind kind) {
+    double highest = 0, *y = malloc(j->n * sizeof *y);
+    if (!y)
+        return false;
+    c->foreign = judge_visible(j, &c->world, y);
+    bool wanted = (kind == BENT ? c->foreign.left > 3 * c->floor : c->foreign.left < c->floor) &&
+                  c->session.deepest < 0.32 * c->world.height;
+    if (wanted)
+        judge_alike(j, y, 0, NULL, c->foreign_cosine);
+    for (int i = 0; i < EFFECTS && wanted; i++)
+        highest = fmax(highest, c->foreign_cosine[i]);
+    free(y);
+    wanted = wanted && (kind != BENT || highest > 0.9);
+    if (wanted)
+        c->foreign_cosine[FRAME_COMPLIANCE] = judge_frame(j, &c->world, c->foreign.left);
+    return wanted;
+}
+
+/* c->world is the cube. The effect is measured beside the lumped model, and acts on the cube. */
+static bool add_network(hidden_case *c, const judge *j, bool raw, dice *rng) {
+    static const int ids[] = {CONTACT_OFFSET,   TOE_REGION, ADHESION,    SESSION_AGEING, PLATE_INERTIA,
+                              COULOMB_FRICTION, SENSOR_LAG, SENSOR_BIAS, SENSOR_DRIFT,   FORCE_SATURATION,
+                              MAINS_HUM,        DRIVE_RIPPLE};
+    enum network_kind kind = (enum network_kind)c->plan.effect;
+    if (!find_geometry(c, j, kind))
+        return false;
+    return kind != FAULTY || (add_effect(c, j, ids[dice_index(rng, sizeof ids / sizeof *ids)],
+                                         target_of(&c->plan, rng), raw, rng) &&
+                              find_classes(c, j));
+}
+
 /* Some materials hide an effect from the experiment; one that all do is measured as it is. */
 static bool add_single(hidden_case *c, const judge *j, bool raw, dice *rng) {
     bool hidden =
@@ -213,9 +290,6 @@ static bool add_seed(hidden_case *c, const judge *j, bool raw, dice *rng) {
 }
 
 static bool add_effects(hidden_case *c, const judge *j, bool raw, dice *rng) {
-    c->n_effects = 0;
-    c->tries++;
-    c->world = *j->plain;
     switch (c->plan.group) {
     case SINGLE:
         return add_single(c, j, raw, rng);
@@ -225,6 +299,8 @@ static bool add_effects(hidden_case *c, const judge *j, bool raw, dice *rng) {
         return add_two(c, j, raw, rng);
     case OUTSIDE:
         return add_foreign(c, j, target_of(&c->plan, rng), rng);
+    case NETWORK:
+        return add_network(c, j, raw, rng);
     default:
         return true;
     }
@@ -244,16 +320,22 @@ static void make_noise(const hidden_case *c, dice *rng, double *noise) {
 /* One material and session, in which the planned effects may turn out to be too weak. */
 static bool attempt(hidden_case *c, bool raw, dice *rng, bool *found) {
     judge j;
-    world plain;
     bool relaxes = c->plan.effect == RELAXATION_ARM || c->plan.effect == POWER_LAW_RELAXATION ||
                    c->plan.effect == POROELASTIC;
-    draw_world(&plain, c->plan.group == SINGLE && relaxes && c->tries < MATERIALS - 2, rng);
+    draw_world(&c->plain, c->plan.group == SINGLE && relaxes && c->tries < MATERIALS - 2, rng);
     if (c->plan.group == SEED)
-        session_seed(&c->session, rng, plain.height);
+        session_seed(&c->session, rng, c->plain.height);
     else
-        session_rich(&c->session, rng, plain.height, c->plan.fineness);
+        session_rich(&c->session, rng, c->plain.height, c->plan.fineness);
     c->session.lasting = c->plan.lasting;
-    if (!judge_make(&j, &plain, &c->session, COARSE))
+    c->n_effects = 0;
+    c->tries++;
+    c->world = c->plain;
+    *found = c->plan.group != NETWORK ||
+             draw_cube(&c->world, &c->plain, &c->session, (enum network_kind)c->plan.effect, rng);
+    if (!*found)
+        return true;
+    if (!judge_make(&j, &c->plain, &c->session, COARSE))
         return false;
     double *scratch = malloc(j.n * sizeof *scratch);
     if (!scratch)

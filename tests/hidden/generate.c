@@ -55,6 +55,14 @@ static void plan_quick(plans *p) {
     add(p, OUTSIDE, 0, 0, 0.3);
 }
 
+/* After the shuffle, so that the other cases of a seed are what they are without these. */
+static void plan_network(plans *p, bool quick) {
+    if (quick)
+        add(p, NETWORK, FAULTY, 0, 0.3);
+    for (int i = 0; i < 12 && !quick; i++)
+        add(p, NETWORK, i % NETWORK_KINDS, 0, 1);
+}
+
 /* So that a case's number says nothing. */
 static void plan_shuffle(plans *p, uint64_t seed) {
     dice rng = dice_make(seed, UINT64_MAX);
@@ -130,6 +138,7 @@ static int generate(const options *o) {
     else
         plan_all(&p);
     plan_shuffle(&p, o->seed);
+    plan_network(&p, o->quick);
     if (!folder_make(o->out)) {
         fprintf(stderr, "generate: %s: %s\n", o->out, strerror(errno));
         return 1;

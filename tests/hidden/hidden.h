@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-enum { LAW = 5, ARMS = 2, BASE = LAW + 2 * ARMS, VALUES = 3, KNOTS = 160, RUNS = 16 };
+enum { LAW = 5, ARMS = 2, BASE = LAW + 2 * ARMS, VALUES = 3, KNOTS = 160, RUNS = 16, CUBE = 14 };
 
 /* ---- random numbers (dice.c) ---- */
 typedef struct dice {
@@ -66,6 +66,14 @@ enum foreign_id {
     FOREIGNERS
 };
 
+/* What is hidden where particles are given to a lumped model. */
+enum network_kind {
+    MILD,   /* nothing but a geometry that leaves less than a floor */
+    BENT,   /* nothing but a geometry that leaves 3 floors and more */
+    FAULTY, /* a mild one, and an effect of the contact or the instrument */
+    NETWORK_KINDS
+};
+
 typedef struct arm {
     double stiffness, time;
 } arm;
@@ -73,6 +81,7 @@ typedef struct arm {
 /* Everything that is true of a case. An effect of strength 0 is off. */
 typedef struct world {
     double height, radius;
+    bool cube;       /* of particles: law and arms are each element's */
     double law[LAW]; /* K(e), ascending powers */
     size_t n_arms;
     arm arms[ARMS];
@@ -122,6 +131,14 @@ typedef struct wear {
  * clips. real: with the run's own shift and gain. */
 void world_run(const world *w, const run *r, double h, bool real, const double *noise, wear *kept, double *force);
 void world_session(const world *w, const session *s, double h, bool real, const double *noise, double *force);
+
+/* ---- a specimen of particles (cube.c) ---- */
+/* How far the middle layer bulges, in spacings of the nodes; strain and arms of each kind of element. */
+typedef struct cube {
+    double bulge[2], strain[CUBE], arm_force[CUBE][ARMS];
+} cube;
+/* Force on the plates at strain e after a step (0 = an instant); end: the cube then. */
+double cube_press(const world *w, const cube *c, double step, double e, cube *end);
 
 /* What the foreign effects remember within a run, and their dice. */
 typedef struct foreign_state {
@@ -176,6 +193,8 @@ typedef struct visible {
     double raw, left;
 } visible;
 visible judge_visible(const judge *j, const world *w, double *residual);
+/* The plain world that comes nearest to w; rms of what is left. */
+double judge_fit(const judge *j, const world *w, world *nearest);
 
 /* Puts the effect in at strength s (in its own scale; the largest is 1). shape[0]: its sign. id EFFECTS: the
  * foreign one of w. */
@@ -188,11 +207,15 @@ visible judge_strengthen(const judge *j, world *w, int id, const double shape[VA
  * also ([n_also][n] orthonormal); takes off y what those two can do. */
 void judge_alike(const judge *j, double *y, size_t n_also, const double *also, double cosine[EFFECTS]);
 
+/* The same of a frame for what w leaves, by refits beside frames of several strengths: a stiff one hides in
+ * the law, a soft one may look like an arm that depends on strain, so that small steps say little. */
+double judge_frame(const judge *j, const world *w, double left);
+
 /* ---- cases (cases.c, write.c) ---- */
-enum group { SINGLE, NONE, TWO, OUTSIDE, SEED, GROUPS };
+enum group { SINGLE, NONE, TWO, OUTSIDE, SEED, NETWORK, GROUPS };
 typedef struct plan {
     enum group group;
-    int effect;      /* SINGLE: which; OUTSIDE, SEED: which of those that are used there */
+    int effect;      /* SINGLE: which; OUTSIDE, SEED: which of those that are used there; NETWORK: its kind */
     int strength;    /* 0, 1, 2 */
     double fineness; /* of the rows */
     bool lasting;    /* of the session */
@@ -209,12 +232,12 @@ typedef struct hidden_case {
     char name[32];
     plan plan;
     int tries;
-    world world;
+    world world, plain; /* plain: what the given model is near */
     session session;
     double white, coloured, colour_time, floor, peak;
     size_t n_effects;
     hidden_effect effect[2];
-    visible foreign; /* and its likeness to the catalogue */
+    visible foreign; /* or the network's geometry; and its likeness to the catalogue */
     double foreign_cosine[EFFECTS];
     double *force;  /* recorded */
     dice left_over; /* for the given model's numbers */

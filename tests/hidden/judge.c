@@ -213,6 +213,14 @@ visible judge_visible(const judge *j, const world *w, double *residual) {
     return seen;
 }
 
+double judge_fit(const judge *j, const world *w, world *nearest) {
+    refit f = refit_make(j);
+    double left = refit_world(&f, w).left;
+    *nearest = f.plain;
+    free(f.there);
+    return left;
+}
+
 /* ---- strength ---- */
 
 static double strongest(const judge *j, const world *w, int id) {

@@ -1,21 +1,31 @@
 #!/bin/sh
 # run.sh: hides effects in cases, has palpate explain find them, scores the answers. See README.md.
-#   run.sh [--seed N] [--set all|quick] [--jobs N] [--out DIR] [--oracle] [--report-only] [--slack N]
+#   run.sh [--seed N] [--set all|quick] [--jobs N] [--out DIR] [--oracle] [--slack N] [--report-only]
+#          [--print-table]
 # From any folder; PALPATE is the command (default: build/palpate of this tree), CC compiles the generator.
+# A run that was interrupted goes on in its --out: cases and answers that are there are kept while the seed,
+# the set, the generator and the command are the same.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 PALPATE=${PALPATE:-$here/../../build/palpate}
 
 if [ "${1-}" = one ]; then # from xargs: folder answer [ids]: one run of the command, in the case's own folder
     cd "$2" || exit 1
-    start=$(date +%s.%N)
+    [ ! -s "$3" ] || exit 0
+    start=$(date +%s.%N) name=${3%.json}
     # shellcheck disable=SC2086
-    "$PALPATE" explain --model model.json run_*.csv --jobs 1 ${4:+--candidates $4} --json "$3" \
-        --out "${3%.json}_model.json" --report "${3%.json}.html" >"${3%.json}.log" 2>&1 </dev/null ||
-        echo "$(basename "$2"): exit code $?: $(tail -n 1 "${3%.json}.log")" >&2
+    "$PALPATE" explain --model model.json run_*.csv --jobs 1 ${4:+--candidates $4} --json "$3.part" \
+        --out "${name}_model.json" --report "$name.html" >"$name.log" 2>&1 </dev/null || {
+        echo "$(basename "$2"): exit code $?: $(tail -n 1 "$name.log")" >&2
+        exit 0
+    }
     [ "$3" = oracle.json ] || date +%s.%N | awk -v a="$start" '{ printf "%.2f\n", $1 - a }' >seconds
+    mv "$3.part" "$3"
     exit 0
 fi
+
+# same FILE TEXT: whether FILE says TEXT
+same() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; }
 
 seed=1 set=all jobs=$(nproc) out='' oracle='' score=''
 while [ $# -gt 0 ]; do
@@ -26,8 +36,8 @@ while [ $# -gt 0 ]; do
     --out) out=$2; shift ;;
     --slack) score="$score --slack $2"; shift ;;
     --oracle) oracle=1 ;;
-    --report-only) score="$score --report-only" ;;
-    *) sed -n '2,4s/^# //p' "$0"; exit 2 ;;
+    --report-only | --print-table) score="$score $1" ;;
+    *) sed -n '2,7s/^# //p' "$0"; exit 2 ;;
     esac
     shift
 done
@@ -45,10 +55,17 @@ for source in "$here"/*.c; do
     [ "$source" = "$here/compare.c" ] || set -- "$@" "$source"
 done
 ${CC:-cc} -std=c99 -O2 -ffp-contract=off "$@" -lm -o "$out/generate" || exit 1
-"$out/generate" --self-test >"$out/self_test.log" || { cat "$out/self_test.log"; exit 1; }
-rm -rf "$out/cases"
-"$out/generate" --seed "$seed" --set "$set" --jobs "$jobs" --out "$out/cases" --truth "$out/truth.json" ||
-    exit 1
+cases="$seed $set $(cat "$@" "$here/hidden.h" | cksum)"
+if ! same "$out/made" "$cases"; then
+    "$out/generate" --self-test >"$out/self_test.log" || { cat "$out/self_test.log"; exit 1; }
+    rm -rf "$out/made" "$out/cases"
+    "$out/generate" --seed "$seed" --set "$set" --jobs "$jobs" --out "$out/cases" --truth "$out/truth.json" ||
+        exit 1
+    echo "$cases" >"$out/made"
+fi
+tool=$(cksum <"$PALPATE")
+same "$out/asked" "$tool" || rm -f "$out"/cases/case_*/result.json "$out"/cases/case_*/oracle.json
+echo "$tool" >"$out/asked"
 
 for folder in "$out"/cases/case_*; do
     echo "$folder result.json"

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds the answers of `palpate explain` against the truth of the hidden cases.
 
-    score.py --cases DIR --truth FILE.json [--report-only] [--slack N]
+    score.py --cases DIR --truth FILE.json [--report-only] [--slack N] [--print-table]
     score.py --truth FILE.json --list-oracle      "case ids" of every case with effects, for the oracle's runs
 
 DIR/case_NNN/result.json is an answer, oracle.json beside it (if there) the answer where only the true effects
@@ -18,6 +18,8 @@ import sys
 
 SEEN = 3.0      # floors
 SAME = 0.8      # cosine from which an answer within a class is not called wrong
+GEOMETRY = "network_geometry"   # what is missing where particles are given to a lumped model
+GROUPS = ("single", "two", "seed_protocol", "network", "null", "outside")
 VERDICTS = ("agrees", "explained", "ambiguous", "unexplained")
 IDS = ("relaxation_arm", "power_law_relaxation", "strain_dependent_arm", "rate_stiffening",
        "damage_softening", "permanent_set", "poroelastic", "contact_offset", "toe_region", "adhesion",
@@ -63,7 +65,9 @@ class Case:
         self.truth = truth
         self.name = truth["case"]
         self.group = truth["group"]
-        self.effects = truth["effects"]
+        self.effects = list(truth["effects"])
+        if self.group == "network":
+            self.effects.append(dict(truth["network"], id=GEOMETRY, parameters={}))
         where = os.path.join(folder, self.name)
         self.result = load(os.path.join(where, "result.json"))
         self.oracle = load(os.path.join(where, "oracle.json"))
@@ -73,13 +77,15 @@ class Case:
         self.match()
 
     def match(self):
-        """Which named effect answers which true one: by its name first, then by its class."""
+        """Which named effect answers which true one: by its name first, then by its class. A network's
+        geometry has no name in the catalogue, only what is alike to it."""
         self.answer, free = {}, list(self.named)
         for by_name in (True, False):
             for i, true in enumerate(self.effects):
                 for given in free if i not in self.answer else []:
                     like = true["cosine"].get(given.id, 0) >= SAME or given.id in true["class"]
-                    if given.id == true["id"] if by_name else true["id"] in given.alike and like:
+                    alike = like and (true["id"] in given.alike or true["id"] == GEOMETRY)
+                    if given.id == true["id"] if by_name else alike:
                         self.answer[i] = given
                         free.remove(given)
                         break
@@ -88,8 +94,29 @@ class Case:
     def seen(self, i):
         return self.effects[i]["floors_left"] >= SEEN
 
-    def counts(self):
-        return bool(self.effects) and all(self.seen(i) for i in range(len(self.effects)))
+    def unknown(self, i):
+        """Says that something is missing that it does not know, of a geometry of which even the effect most
+        alike leaves more than a floor."""
+        e = self.effects[i]
+        cosine = max(e["cosine"].values(), default=0)
+        rest = e["floors_left"] * math.sqrt(max(0, 1 - cosine ** 2))
+        return e["id"] == GEOMETRY and rest > 1 and self.verdict == "unexplained" and not self.named
+
+    def right(self, i):
+        return i in self.answer or self.unknown(i)
+
+    def clear(self):
+        """All that is missing can be seen; of a network's geometry there may also be too little."""
+        missing = [i for i, e in enumerate(self.effects) if e["id"] != GEOMETRY or self.seen(i)]
+        return bool(missing) and all(self.seen(i) for i in missing)
+
+    def null(self):
+        """Nothing is missing, or no more than a little of a network's geometry."""
+        return self.group != "outside" and not any(
+            self.seen(i) or e["id"] != GEOMETRY for i, e in enumerate(self.effects))
+
+    def accused(self):
+        return bool(self.extra) or self.verdict == "none"
 
     def closed(self, which):
         gap = (which or {}).get("gap") or {}
@@ -110,6 +137,8 @@ def table_of_confusion(cases):
         rows["%2d %s, seed's" % (i + 1, name)] = of_effect(cases, "seed_protocol", name)
     for group in ("two", "null", "outside"):
         rows["   " + group] = [c for c in cases if c.group == group]
+    for kind in ("mild", "bent", "faulty"):
+        rows["   network, " + kind] = [c for c in cases if c.truth.get("network", {}).get("kind") == kind]
     for label, list_ in rows.items():
         if list_:
             named = collections.Counter(e.id for c in list_ for e in c.named)
@@ -119,33 +148,42 @@ def table_of_confusion(cases):
     print()
 
 
-def table_of_power(cases):
-    print("Right effect or its class, by what is left of the effect in the records, in floors")
-    print("%-24s %10s %10s %10s %10s" % ("", "below 3", "3 to 6", "6 to 20", "above 20"))
+def show(title, header, rows, markdown):
+    """header and rows: texts; the first column is to the left."""
+    print(title + ("\n" if markdown else ""))
+    if markdown:
+        for cells in (header, ["---"] * len(header), *rows):
+            print("| %s |" % " | ".join(cells))
+    else:
+        wide = [max(len(r[k]) for r in (header, *rows)) for k in range(len(header))]
+        for cells in (header, *rows):
+            rest = "".join("  %*s" % (w, c) for w, c in zip(wide[1:], cells[1:]))
+            print("    %-*s%s" % (wide[0], cells[0], rest))
+    print()
+
+
+def table_of_power(cases, markdown):
     edges = (0, SEEN, 6, 20, math.inf)
     tally = collections.defaultdict(lambda: [[0, 0] for _ in edges[1:]])
     for c in cases:
         for i, e in enumerate(c.effects):
             b = next(k for k in range(4) if edges[k] <= e["floors_left"] < edges[k + 1])
             for key in (e["id"], "all of them"):
-                tally[key][b][0] += i in c.answer
+                tally[key][b][0] += c.right(i)
                 tally[key][b][1] += 1
-    for key in (*IDS, "all of them"):
-        if key in tally:
-            cells = ("%d/%d" % tuple(t) if t[1] else "." for t in tally[key])
-            print("%-24s %s" % (key, " ".join("%10s" % cell for cell in cells)))
-    print()
+    rows = [[key, *("%d/%d" % tuple(t) if t[1] else "." for t in tally[key])]
+            for key in (*IDS, GEOMETRY, "all of them") if key in tally]
+    show("Right effect or its class, by what is left of the effect in the records, in floors",
+         ["effect", "below 3", "3 to 6", "6 to 20", "above 20"], rows, markdown)
 
 
-def table_of_verdicts(cases):
-    print("Verdicts by group")
-    print("%-16s %6s %s" % ("", "cases", " ".join("%12s" % v for v in (*VERDICTS, "no answer"))))
-    for group in ("single", "two", "seed_protocol", "null", "outside"):
+def table_of_verdicts(cases, markdown):
+    rows = []
+    for group in GROUPS:
         of = [c for c in cases if c.group == group]
         verdict = collections.Counter(c.verdict for c in of)
-        counts = ("%12d" % verdict[v] for v in (*VERDICTS, "none"))
-        print("%-16s %6d %s" % (group, len(of), " ".join(counts)))
-    print()
+        rows.append([group, str(len(of)), *(str(verdict[v]) for v in (*VERDICTS, "none"))])
+    show("Verdicts by group", ["group", "cases", *VERDICTS, "no answer"], rows, markdown)
 
 
 def inside(key, true, interval):
@@ -190,7 +228,7 @@ def in_words(case):
 def table_of_wrong(cases):
     print("Wrong or missing")
     for c in cases:
-        missed = any(i not in c.answer and c.seen(i) for i in range(len(c.effects)))
+        missed = any(c.seen(i) and not c.right(i) for i in range(len(c.effects)))
         if missed or c.extra or c.verdict == "none":
             print("    %s %-13s true: %-50s named: %s [%s]" % (
                 c.name, c.group, in_words(c), ", ".join(n.id for n in c.named) or "nothing", c.verdict))
@@ -198,54 +236,55 @@ def table_of_wrong(cases):
 
 
 def bars(cases, slack):
-    """Each bar: what, wrong ones, of how many, share allowed."""
-    clear = [c for c in cases if c.counts()]
-    missed = sum(1 for c in cases for i in range(len(c.effects)) if c.seen(i) and i not in c.answer)
+    """Each bar: what, in words what came of it, what is wanted, whether it is met (None: not judged)."""
+    clear = [c for c in cases if c.clear()]
+    missed = sum(1 for c in cases for i in range(len(c.effects)) if c.seen(i) and not c.right(i))
     effects = sum(1 for c in cases for i in range(len(c.effects)) if c.seen(i))
-    nulls = [c for c in cases if c.group == "null"]
+    nulls = [c for c in cases if c.null()]
     outside = [c for c in cases if c.group == "outside"]
-    extra, accused, misnamed = (sum(map(bool, of)) for of in (
-        [c.extra for c in clear], [c.named for c in nulls], [c.named for c in outside]))
+    extra, accused, misnamed = (sum(c.accused() for c in of) for of in (clear, nulls, outside))
     list_ = [("right effect or its class", missed, effects, 0.05),
              ("no extra effect", extra, len(clear), 0.05),
              ("nulls not accused", accused, len(nulls), 0.05),
              ("outside the catalogue not named as of it", misnamed, len(outside), 0.10)]
-    met = True
-    print("Bars")
-    for what, wrong, n, allowed in list_:
-        good = wrong <= allowed * n + slack and n > 0
-        met = met and good
-        print("    %-42s %s%s" % (what, share(n - wrong, n), "" if good else "   NOT MET"))
-    return bar_closed(clear) and met
+    rows = [(what, share(n - wrong, n), "%g %%" % (100 - 100 * allowed),
+             n > 0 and wrong <= allowed * n + slack) for what, wrong, n, allowed in list_]
+    return rows + [bar_closed(clear)]
 
 
 def bar_closed(clear):
+    what, wanted = "gap closed beside the oracle's", "ratio 0.95"
     pairs = [(c.closed(c.result), c.closed(c.oracle)) for c in clear]
     pairs = [(a if a is not None else 0.0, b) for a, b in pairs if b is not None]
     if not pairs:
-        alone = [c.closed(c.result) or 0.0 for c in clear]
-        print("    %-42s not looked at: there are no oracle.json%s" % (
-            "gap closed beside the oracle's",
-            "; median closed %.3f (%d cases)" % (statistics.median(alone), len(alone)) if alone else ""))
-        return True
+        alone = [c.closed(c.result) or 0.0 for c in clear] or [0.0]
+        words = "median %.3f (%d cases), no oracle's" % (statistics.median(alone), len(alone))
+        return what, words, wanted, None
     ours, oracle = (statistics.median(p[k] for p in pairs) for k in (0, 1))
-    good = ours >= 0.95 * oracle
-    print("    %-42s median %.3f, oracle %.3f, ratio %.3f (%d cases)%s" % (
-        "gap closed beside the oracle's", ours, oracle, ours / oracle if oracle else 0, len(pairs),
-        "" if good else "   NOT MET"))
-    return good
+    words = "median %.3f, oracle %.3f, ratio %.3f (%d cases)" % (
+        ours, oracle, ours / oracle if oracle else 0, len(pairs))
+    return what, words, wanted, ours >= 0.95 * oracle
+
+
+def table_of_bars(list_, markdown):
+    words = {True: "met", False: "NOT MET", None: "not judged"}
+    show("Bars", ["bar", "result", "wanted", ""], [[*texts, words[met]] for *texts, met in list_], markdown)
 
 
 def others(cases):
-    nulls = [c for c in cases if c.group == "null"]
+    nulls = [c for c in cases if c.null()]
     outside = [c for c in cases if c.group == "outside"]
     hidden = [c for c in cases if c.group == "single" and not c.seen(0)]
-    print("False alarms: nulls accused: %s" % share(sum(bool(c.named) for c in nulls), len(nulls)))
+    for what, of in (("all nulls", nulls), ("without the networks", [c for c in nulls if c.group == "null"])):
+        print("False alarms, %s: %s accused" % (what, share(sum(c.accused() for c in of), len(of))))
     print("Outside the catalogue: unexplained: %s; with a name, and not unexplained: %d" % (
         share(sum(c.verdict == "unexplained" for c in outside), len(outside)),
         sum(bool(c.named) and c.verdict in ("explained", "ambiguous") for c in outside)))
     print("Single effects of which less than %g floors are left: %d; named, or their class: %d; another: %d"
           % (SEEN, len(hidden), sum(0 in c.answer for c in hidden), sum(bool(c.extra) for c in hidden)))
+    bent = [(c, i) for c in cases for i, e in enumerate(c.effects) if e["id"] == GEOMETRY and c.seen(i)]
+    print("Networks whose geometry leaves %g floors: %d; named as what is alike: %d; unexplained, no name: %d"
+          % (SEEN, len(bent), sum(i in c.answer for c, i in bent), sum(c.unknown(i) for c, i in bent)))
     sizes = [len(n.alike) for c in cases for n in c.named]
     if sizes:
         by_name = [g.id == c.effects[i]["id"] for c in cases for i, g in c.answer.items()]
@@ -263,6 +302,7 @@ def main():
     p.add_argument("--truth", metavar="FILE", required=True)
     p.add_argument("--list-oracle", action="store_true")
     p.add_argument("--report-only", action="store_true")
+    p.add_argument("--print-table", action="store_true")
     p.add_argument("--slack", type=int, default=0, metavar="N")
     o = p.parse_args()
     truth = load(o.truth)
@@ -270,19 +310,25 @@ def main():
         sys.exit("score.py: needs --cases, and a truth to read: %s" % o.truth)
     if o.list_oracle:
         for t in truth["cases"]:
-            if t["effects"]:
-                print(t["case"], ",".join(e["id"] for e in t["effects"]))
+            ids = [e["id"] for e in t["effects"]]
+            bent = t.get("network", {"floors_left": 0})
+            if bent["floors_left"] >= SEEN:
+                ids.append(max(bent["cosine"], key=bent["cosine"].get))
+            if ids:
+                print(t["case"], ",".join(ids))
         return
     cases = [Case(t, o.cases) for t in truth["cases"]]
     print("%d cases of seed %s, set %s\n" % (len(cases), truth["seed"], truth["set"]))
-    table_of_confusion(cases)
-    table_of_power(cases)
-    table_of_verdicts(cases)
-    table_of_coverage(cases)
-    table_of_wrong(cases)
-    others(cases)
-    met = bars(cases, o.slack)
-    sys.exit(0 if met or o.report_only else 1)
+    judged = bars(cases, o.slack)
+    if not o.print_table:
+        table_of_confusion(cases)
+        table_of_coverage(cases)
+        table_of_wrong(cases)
+        others(cases)
+    table_of_power(cases, o.print_table)
+    table_of_verdicts(cases, o.print_table)
+    table_of_bars(judged, o.print_table)
+    sys.exit(0 if all(met is not False for *_, met in judged) or o.report_only else 1)
 
 
 if __name__ == "__main__":

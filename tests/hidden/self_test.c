@@ -218,12 +218,94 @@ static void test_instrument(void) {
     check("plate_inertia", force_at(&w, &r, 0.9), K * d / H + 2 * a, 1e-9);
 }
 
-/* Every effect on a whole session with steps as judged, as written and finer ones. */
-static void test_steps(const judge *j, const session *s) {
+/* ---- the cube against all of its particles, without its symmetry ---- */
+
+enum { NODES = 27 };
+
+/* In newtons times spacings. */
+static double energy_of_all(const world *w, double x[NODES][3]) {
+    double sum = 0;
+    for (int a = 0; a < NODES; a++)
+        for (int b = 0; b < a; b++) {
+            int apart[3] = {a / 9 - b / 9, a / 3 % 3 - b / 3 % 3, a % 3 - b % 3};
+            if (abs(apart[0]) > 1 || abs(apart[1]) > 1 || abs(apart[2]) > 1)
+                continue;
+            double rest = sqrt(apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]);
+            double d[3] = {x[a][0] - x[b][0], x[a][1] - x[b][1], x[a][2] - x[b][2]};
+            double e = fabs(sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / rest - 1);
+            for (int i = 0; i < LAW; i++)
+                sum += rest * w->law[i] * pow(e, i + 2) / (i + 2);
+        }
+    return sum;
+}
+
+static void place_all(const cube *c, double e, double x[NODES][3]) {
+    for (int a = 0; a < NODES; a++) {
+        int i = a / 9 - 1, k = a % 3 - 1;
+        double bulge = a / 3 % 3 != 1 ? 0 : i && k ? c->bulge[1] : c->bulge[0];
+        x[a][0] = i * (1 + bulge);
+        x[a][1] = (a / 3 % 3) * (1 - e);
+        x[a][2] = k * (1 + bulge);
+    }
+}
+
+/* -d energy / d position of one node, or of all the upper plate's (node -1). */
+static double push_on(const world *w, double x[NODES][3], int node, int axis) {
+    double energy[2], h = 1e-5;
+    for (int side = 0; side < 2; side++) {
+        double moved[NODES][3];
+        memcpy(moved, x, sizeof moved);
+        for (int a = 0; a < NODES; a++)
+            if (a == node || (node < 0 && a / 3 % 3 == 2))
+                moved[a][axis] += side ? h : -h;
+        energy[side] = energy_of_all(w, moved);
+    }
+    return (energy[0] - energy[1]) / (2 * h);
+}
+
+static void test_cube(void) {
+    world w = {.height = H, .cube = true, .law = {0.4, 0.3, 2, 1, 5}};
+    cube rest = {.bulge = {0, 0}}, end;
+    for (double e = 0.1; e < 0.35; e += 0.1) {
+        double x[NODES][3], worst = 0, force = cube_press(&w, &rest, 0, e, &end);
+        place_all(&end, e, x);
+        for (int a = 3; a < NODES; a++)
+            for (int axis = 0; axis < 3 && a / 3 % 3 == 1; axis++)
+                worst = fmax(worst, fabs(push_on(&w, x, a, axis)));
+        check("cube: the largest force on a free particle", worst, 0, 1e-7);
+        check("cube: the force on the plate, from all the energy", force, push_on(&w, x, -1, 1), 1e-7);
+    }
+    w = maxwell();
+    w.cube = true;
+    run r = press(4e-3, 4); /* springs and arms in proportion: the shape stays while it relaxes */
+    path_wait(&r, 2.5);
+    double after = force_at(&w, &r, 1);
+    w.n_arms = 0;
+    double spring_alone = force_at(&w, &r, 1);
+    check("cube: relaxed for 1 s", after / spring_alone, 1 + 3 / K * exp(-0.9995 / 0.7), 2e-5);
+    path_to(&r, 0, 4e-3);
+    check("cube: springs alone unload as they load", force_at(&w, &r, 3),
+          cube_press(&w, &rest, 0, 0.1002, &end), 1e-9);
+}
+
+/* With steps as written and finer ones, rms of the peak. */
+static double step_error(const judge *j, const session *s, const world *w) {
     double *as_written = malloc(2 * s->n * sizeof *as_written),
-           *finer = as_written ? as_written + s->n : NULL, shape[VALUES];
+           *finer = as_written ? as_written + s->n : NULL;
     if (!as_written)
         abort();
+    world_session(w, s, 0.006, false, NULL, as_written);
+    world_session(w, s, 0.002, false, NULL, finer);
+    for (size_t i = 0; i < s->n; i++)
+        finer[i] -= as_written[i];
+    double rms = judge_rms(j, finer) / j->peak;
+    free(as_written);
+    return rms;
+}
+
+/* Every effect on a whole session, and the cube. */
+static void test_steps(const judge *j, const session *s) {
+    double shape[VALUES];
     for (int id = 0; id < EFFECTS; id++) {
         char name[96];
         world w = *j->plain;
@@ -231,14 +313,12 @@ static void test_steps(const judge *j, const session *s) {
         for (size_t k = 0; k < VALUES; k++)
             shape[k] = k == 0 ? 1 : 0.5 * (kind->low[k] + kind->high[k]);
         judge_put(j, &w, id, shape, 0.1);
-        world_session(&w, s, 0.006, false, NULL, as_written);
-        world_session(&w, s, 0.002, false, NULL, finer);
-        for (size_t i = 0; i < s->n; i++)
-            finer[i] -= as_written[i];
         snprintf(name, sizeof name, "%s: rms of a third of the step, of the peak", kind->id);
-        check(name, judge_rms(j, finer) / j->peak, 0, id == RATE_STIFFENING ? 5e-4 : 1e-4);
+        check(name, step_error(j, s, &w), 0, id == RATE_STIFFENING ? 5e-4 : 1e-4);
     }
-    free(as_written);
+    world w = *j->plain;
+    w.cube = true;
+    check("cube: rms of a third of the step, of the peak", step_error(j, s, &w), 0, 1e-4);
 }
 
 static void test_judge(void) {
@@ -257,6 +337,9 @@ static void test_judge(void) {
     w.arms[0].time *= 1.4;
     visible seen = judge_visible(&j, &w, NULL);
     check("judge: other numbers leave nothing", seen.left / seen.raw, 0, 0.01);
+    world nearest;
+    judge_fit(&j, &w, &nearest);
+    check("judge: and are found", nearest.arms[0].time, w.arms[0].time, 0.01 * w.arms[0].time);
     w = plain;
     judge_put(&j, &w, SENSOR_GAIN, shape, 0.2);
     seen = judge_visible(&j, &w, NULL);
@@ -267,6 +350,10 @@ static void test_judge(void) {
     judge_visible(&j, &w, y);
     judge_alike(&j, y, 0, NULL, cosine);
     check("judge: an effect is like itself", cosine[SENSOR_BIAS], 1, 5e-3);
+    w = plain;
+    judge_put(&j, &w, FRAME_COMPLIANCE, shape, 0.4);
+    seen = judge_visible(&j, &w, NULL);
+    check("judge: a frame is like itself", judge_frame(&j, &w, seen.left), 1, 0.02);
     free(y);
     judge_free(&j);
 }
@@ -282,6 +369,7 @@ int self_test(void) {
     test_contact();
     test_recovery();
     test_instrument();
+    test_cube();
     test_judge();
     printf("%d wrong\n", failures);
     return failures;

@@ -44,6 +44,7 @@ typedef struct sim {
     pores pores;
     memory memory;
     foreign_state foreign;
+    cube cube;
 } sim;
 
 /* ---- pores ---- */
@@ -222,6 +223,9 @@ static double pore_force(const sim *s, double e) {
 
 /* Force of the specimen if its surface were at strain e at the end of the step. */
 static double specimen(const sim *s, double e) {
+    cube end;
+    if (s->w->cube)
+        return s->factor * cube_press(s->w, &s->cube, s->step, e, &end);
     double force = elastic(s, e);
     for (size_t j = 0; j < s->n_arms; j++)
         force += arm_force(s, j, e);
@@ -233,6 +237,10 @@ static void settle(sim *s, double e, double force) {
     double rise = e - s->strain;
     double q[ARMS + 1];
     s->force = force;
+    if (s->w->cube) {
+        cube start = s->cube;
+        cube_press(s->w, &start, s->step, e, &s->cube);
+    }
     for (size_t j = 0; j < s->n_arms; j++)
         q[j] = arm_force(s, j, e);
     memcpy(s->arm_force, q, sizeof q);

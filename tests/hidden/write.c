@@ -55,8 +55,18 @@ static double off(dice *rng, double x) {
     return x * (1 + dice_sign(rng) * dice_uniform(rng, 0.1, 0.3));
 }
 
+/* A law that was fitted to a network has terms that cancel: they are off by one factor. */
+static void law_write(FILE *f, const hidden_case *c, dice *rng) {
+    bool fitted = c->plan.group == NETWORK;
+    double factor = fitted ? off(rng, 1) : 1;
+    for (int i = 0; i < LAW; i++) {
+        double true_value = c->plain.law[i];
+        fprintf(f, "%s%.5g", i ? ", " : "", fitted ? factor * true_value : off(rng, true_value));
+    }
+}
+
 static bool model_write(const hidden_case *c, const char *folder, dice *rng) {
-    const world *w = &c->world;
+    const world *w = &c->plain;
     FILE *f = open_in(folder, c->name, "model.json");
     if (!f)
         return false;
@@ -64,8 +74,7 @@ static bool model_write(const hidden_case *c, const char *folder, dice *rng) {
     fprintf(f, "    \"specimen\": {\"kind\": \"cylinder\", \"height_mm\": %.9g, \"radius_mm\": %.9g},\n",
             1e3 * w->height, 1e3 * w->radius);
     fprintf(f, "    \"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [");
-    for (int i = 0; i < LAW; i++)
-        fprintf(f, "%s%.5g", i ? ", " : "", off(rng, w->law[i]));
+    law_write(f, c, rng);
     fprintf(f, "]},\n    \"arms\": [");
     for (size_t i = 0; i < w->n_arms; i++) {
         double stiffness = off(rng, w->arms[i].stiffness);
@@ -125,8 +134,21 @@ static void outside_write(FILE *f, const hidden_case *c) {
     fprintf(f, "}");
 }
 
+/* Its geometry: what is true of it whatever else is. */
+static void network_write(FILE *f, const hidden_case *c) {
+    static const char *const kinds[NETWORK_KINDS] = {"mild", "bent", "faulty"};
+    fprintf(f, ", \"network\": {\"kind\": \"%s\", \"floors_raw\": %.4g, \"floors_left\": %.4g, \"class\": [",
+            kinds[c->plan.effect], c->foreign.raw / c->floor, c->foreign.left / c->floor);
+    for (int i = 0, n = 0; i < EFFECTS; i++)
+        if (c->foreign_cosine[i] > 0.9)
+            fprintf(f, "%s\"%s\"", n++ ? ", " : "", effect_kinds[i].id);
+    fprintf(f, "], \"cosine\": ");
+    cosines_write(f, c->foreign_cosine);
+    fprintf(f, "}");
+}
+
 void truth_write(FILE *f, const hidden_case *c) {
-    static const char *const names[GROUPS] = {"single", "null", "two", "outside", "seed_protocol"};
+    static const char *const names[GROUPS] = {"single", "null", "two", "outside", "seed_protocol", "network"};
     fprintf(
         f,
         "{\"case\": \"%s\", \"group\": \"%s\", \"floor_N\": %.6g, \"white_N\": %.6g, \"coloured_N\": %.6g, "
@@ -139,5 +161,7 @@ void truth_write(FILE *f, const hidden_case *c) {
     fprintf(f, "]");
     if (c->plan.group == OUTSIDE)
         outside_write(f, c);
+    if (c->plan.group == NETWORK)
+        network_write(f, c);
     fprintf(f, "}");
 }

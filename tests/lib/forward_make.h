@@ -6,6 +6,7 @@
 
 #include <check.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -92,6 +93,85 @@ static inline void press_model(const palp_model *m, samples *s) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_forward_force(m, &run, s->force_N, NULL, &error);
     ck_assert_msg(status == PALP_OK, "%s", error.text);
+}
+
+/* ---- derivatives against finite differences ---- */
+
+/* As palp_forward_force. */
+typedef palp_status force_function(const palp_model *model, const palp_forward_run *run, double *force_N,
+                                   double *gradient, palp_error *error);
+
+/* d force[i] / d parameter k by central differences with their error of second order taken out, or one-sided
+ * where the parameter ends at its bound. */
+static inline void difference(force_function *press, const palp_model *model, const samples *s, size_t k, double h,
+                              double *slope) {
+    static const double central[4][2] = {{1, 8}, {-1, -8}, {2, -1}, {-2, 1}},
+                        forward[5][2] = {{0, -25}, {1, 48}, {2, -36}, {3, 16}, {4, -3}};
+    double at[COLUMNS_MAX];
+    static double force[SAMPLES_MAX];
+    palp_forward_run run = run_of(s);
+    palp_model moved = *model;
+    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
+    double here = at[k];
+    at[k] = here - 2 * h;
+    bool inside = palp_forward_set(&moved, at) == PALP_OK;
+    memset(slope, 0, s->n * sizeof *slope);
+    for (size_t j = 0; j < (inside ? 4u : 5u); j++) {
+        const double *term = inside ? central[j] : forward[j];
+        at[k] = here + term[0] * h;
+        ck_assert_int_eq(palp_forward_set(&moved, at), PALP_OK);
+        ck_assert_int_eq(press(&moved, &run, force, NULL, NULL), PALP_OK);
+        for (size_t i = 0; i < s->n; i++)
+            slope[i] += term[1] * force[i] / (12 * h);
+    }
+}
+
+/* What a parameter is measured by where it is zero. */
+static inline double scale_of(const palp_model *model, size_t k, double value) {
+    size_t column = model->material.law.n + 2 * model->material.n_arms;
+    if (value != 0 || k < column)
+        return fmax(fabs(value), 1e-3);
+    for (size_t i = 0; i < model->n_effects; i++) {
+        const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
+        if (k < column + info->n_parameters)
+            return fmax(fabs(info->parameter[k - column].typical), 1e-6);
+        column += info->n_parameters;
+    }
+    return 1;
+}
+
+/* exact's gradient against differences of press. share: step of the differences over the parameter's size;
+ * tolerance: of the largest slope of the column. */
+static inline void check_slopes(const char *what, force_function *exact, force_function *press, const palp_model *model,
+                                const samples *s, double share, double tolerance) {
+    static double gradient[COLUMNS_MAX * SAMPLES_MAX], wanted[SAMPLES_MAX], force[SAMPLES_MAX];
+    double at[COLUMNS_MAX];
+    palp_forward_run run = run_of(s);
+    palp_error error = {PALP_OK, ""};
+    size_t n = palp_forward_parameter_count(model);
+    ck_assert_uint_le(n, COLUMNS_MAX);
+    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
+    ck_assert_msg(!exact(model, &run, force, gradient, &error), "%s: %s", what, error.text);
+    for (size_t k = 0; k < n; k++) {
+        double scale = scale_of(model, k, at[k]), largest = 1e-3 / scale;
+        difference(press, model, s, k, share * scale, wanted);
+        for (size_t i = 0; i < s->n; i++)
+            largest = fmax(largest, fabs(wanted[i]));
+        for (size_t i = 0; i < s->n; i++)
+            ck_assert_msg(fabs(gradient[k * s->n + i] - wanted[i]) <= tolerance * largest,
+                          "%s, parameter %zu, at %g s, %g mm: %.9g, not %.9g (largest %g)", what, k, s->time_s[i],
+                          1e3 * s->depth_m[i], gradient[k * s->n + i], wanted[i], largest);
+    }
+}
+
+/* Sum of 12 uniform numbers: sd 1. */
+static inline double white_noise(uint64_t *state) {
+    double sum = -6;
+    for (int i = 0; i < 12; i++) {
+        *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+        sum += (double)(*state >> 11) * 0x1p-53;
+    }
+    return sum;
 }
 
 static inline int run_suite(Suite *suite) {

@@ -12,15 +12,6 @@ enum { RUNS = 5 };
 
 static uint64_t state;
 
-static double noise(void) { /* sum of 12 uniform numbers: sd 1 */
-    double sum = -6;
-    for (int i = 0; i < 12; i++) {
-        state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-        sum += (double)(state >> 11) * 0x1p-53;
-    }
-    return sum;
-}
-
 /* Air, ramp, hold, withdrawal, air. */
 static void ramp_hold(samples *s, double depth_mm, double rate_mm_s, double hold_s) {
     double ramp_s = (depth_mm + 1) / rate_mm_s;
@@ -45,7 +36,7 @@ static palp_experiment *record(const palp_model *m, double depth_mm, double rate
     for (size_t i = 0; i < s.n; i++) {
         palp_experiment_column(e, "time_s")[i] = s.time_s[i];
         palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-        palp_experiment_column(e, "force_N")[i] = s.force_N[i] + 2e-3 * noise();
+        palp_experiment_column(e, "force_N")[i] = s.force_N[i] + 2e-3 * white_noise(&state);
     }
     palp_experiment_set_string(e, "protocol.kind", "ramp_hold");
     palp_experiment_set_number(e, "protocol.depth_mm", depth_mm);

@@ -43,62 +43,16 @@ static palp_effect *add_telling(palp_model *m, palp_effect_id id) {
 
 /* ---- derivatives ---- */
 
-static double scale_of(const palp_model *model, size_t k, double value) {
-    size_t column = model->material.law.n + 2 * model->material.n_arms;
-    if (value != 0 || k < column)
-        return fmax(fabs(value), 1e-3);
-    for (size_t i = 0; i < model->n_effects; i++) {
-        const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
-        if (k < column + info->n_parameters)
-            return fmax(fabs(info->parameter[k - column].typical), 1e-6);
-        column += info->n_parameters;
-    }
-    return 1;
-}
-
-/* Central differences of palp_forward_network, which solves every sample; one-sided at a bound. */
-static void difference(const palp_model *model, const samples *s, size_t k, double h, double *slope) {
-    static const double central[4][2] = {{1, 8}, {-1, -8}, {2, -1}, {-2, 1}},
-                        forward[5][2] = {{0, -25}, {1, 48}, {2, -36}, {3, 16}, {4, -3}};
-    double at[COLUMNS_MAX];
-    static double force[SAMPLES_MAX];
-    palp_forward_run run = run_of(s);
-    palp_model moved = *model;
-    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
-    double here = at[k];
-    at[k] = here - 2 * h;
-    bool inside = palp_forward_set(&moved, at) == PALP_OK;
-    memset(slope, 0, s->n * sizeof *slope);
-    for (size_t j = 0; j < (inside ? 4u : 5u); j++) {
-        const double *term = inside ? central[j] : forward[j];
-        at[k] = here + term[0] * h;
-        ck_assert_int_eq(palp_forward_set(&moved, at), PALP_OK);
-        ck_assert_int_eq(palp_forward_network(&moved, NULL, &run, force, NULL), PALP_OK);
-        for (size_t i = 0; i < s->n; i++)
-            slope[i] += term[1] * force[i] / (12 * h);
-    }
+/* Solves every sample. */
+static palp_status force_at_all(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
+                                palp_error *error) {
+    (void)gradient;
+    return palp_forward_network(model, NULL, run, force, error);
 }
 
 static void check_gradient(const char *what, const palp_model *model, const samples *s, double share,
                            double tolerance) {
-    static double gradient[COLUMNS_MAX * SAMPLES_MAX], wanted[SAMPLES_MAX], force[SAMPLES_MAX];
-    double at[COLUMNS_MAX];
-    palp_forward_run run = run_of(s);
-    palp_error error = {PALP_OK, ""};
-    size_t n = palp_forward_parameter_count(model);
-    ck_assert_uint_le(n, COLUMNS_MAX);
-    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
-    ck_assert_msg(!forward_network_force(model, &run, force, gradient, &error), "%s: %s", what, error.text);
-    for (size_t k = 0; k < n; k++) {
-        double scale = scale_of(model, k, at[k]), largest = 1e-3 / scale;
-        difference(model, s, k, share * scale, wanted);
-        for (size_t i = 0; i < s->n; i++)
-            largest = fmax(largest, fabs(wanted[i]));
-        for (size_t i = 0; i < s->n; i++)
-            ck_assert_msg(fabs(gradient[k * s->n + i] - wanted[i]) <= tolerance * largest,
-                          "%s, parameter %zu, at %g s, %g mm: %.9g, not %.9g (largest %g)", what, k, s->time_s[i],
-                          1e3 * s->depth_m[i], gradient[k * s->n + i], wanted[i], largest);
-    }
+    check_slopes(what, forward_network_force, force_at_all, model, s, share, tolerance);
 }
 
 START_TEST(every_effect_has_derivatives) {
@@ -234,14 +188,9 @@ static void session(const palp_model *m) {
         ck_assert_int_eq(palp_forward_network(m, NULL, &run, s.force_N, NULL), PALP_OK);
         ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
         for (size_t i = 0; i < s.n; i++) {
-            double noise = -6;
-            for (int k = 0; k < 12; k++) {
-                state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-                noise += (double)(state >> 11) * 0x1p-53;
-            }
             palp_experiment_column(e, "time_s")[i] = s.time_s[i];
             palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-            palp_experiment_column(e, "force_N")[i] = s.force_N[i] + 2e-3 * noise;
+            palp_experiment_column(e, "force_N")[i] = s.force_N[i] + 2e-3 * white_noise(&state);
         }
         palp_experiment_set_string(e, "protocol.kind", "ramp_hold");
         palp_experiment_set_number(e, "protocol.depth_mm", plan[r][0]);

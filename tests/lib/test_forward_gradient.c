@@ -3,65 +3,9 @@
 
 #include <stdio.h>
 
-/* d force[i] / d parameter k by central differences with their error of second order taken out, or one-sided
- * where the parameter ends at its bound. */
-static void difference(const palp_model *model, const samples *s, size_t k, double h, double *slope) {
-    static const double central[4][2] = {{1, 8}, {-1, -8}, {2, -1}, {-2, 1}},
-                        forward[5][2] = {{0, -25}, {1, 48}, {2, -36}, {3, 16}, {4, -3}};
-    double at[COLUMNS_MAX];
-    static double force[SAMPLES_MAX];
-    palp_forward_run run = run_of(s);
-    palp_model moved = *model;
-    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
-    double here = at[k];
-    at[k] = here - 2 * h;
-    bool inside = palp_forward_set(&moved, at) == PALP_OK;
-    memset(slope, 0, s->n * sizeof *slope);
-    for (size_t j = 0; j < (inside ? 4u : 5u); j++) {
-        const double *term = inside ? central[j] : forward[j];
-        at[k] = here + term[0] * h;
-        ck_assert_int_eq(palp_forward_set(&moved, at), PALP_OK);
-        ck_assert_int_eq(palp_forward_force(&moved, &run, force, NULL, NULL), PALP_OK);
-        for (size_t i = 0; i < s->n; i++)
-            slope[i] += term[1] * force[i] / (12 * h);
-    }
-}
-
-/* What a parameter is measured by where it is zero. */
-static double scale_of(const palp_model *model, size_t k, double value) {
-    size_t column = model->material.law.n + 2 * model->material.n_arms;
-    if (value != 0 || k < column)
-        return fmax(fabs(value), 1e-3);
-    for (size_t i = 0; i < model->n_effects; i++) {
-        const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
-        if (k < column + info->n_parameters)
-            return fmax(fabs(info->parameter[k - column].typical), 1e-6);
-        column += info->n_parameters;
-    }
-    return 1;
-}
-
-/* share: step of the differences over the parameter's size; tolerance: of the largest slope of the column. */
 static void check_gradient(const char *what, const palp_model *model, const samples *s, double share,
                            double tolerance) {
-    static double gradient[COLUMNS_MAX * SAMPLES_MAX], wanted[SAMPLES_MAX], force[SAMPLES_MAX];
-    double at[COLUMNS_MAX];
-    palp_forward_run run = run_of(s);
-    palp_error error = {PALP_OK, ""};
-    size_t n = palp_forward_parameter_count(model);
-    ck_assert_uint_le(n, COLUMNS_MAX);
-    ck_assert_int_eq(palp_forward_get(model, at), PALP_OK);
-    ck_assert_msg(!palp_forward_force(model, &run, force, gradient, &error), "%s: %s", what, error.text);
-    for (size_t k = 0; k < n; k++) {
-        double scale = scale_of(model, k, at[k]), largest = 1e-3 / scale;
-        difference(model, s, k, share * scale, wanted);
-        for (size_t i = 0; i < s->n; i++)
-            largest = fmax(largest, fabs(wanted[i]));
-        for (size_t i = 0; i < s->n; i++)
-            ck_assert_msg(fabs(gradient[k * s->n + i] - wanted[i]) <= tolerance * largest,
-                          "%s, parameter %zu, at %g s, %g mm: %.9g, not %.9g", what, k, s->time_s[i],
-                          1e3 * s->depth_m[i], gradient[k * s->n + i], wanted[i]);
-    }
+    check_slopes(what, palp_forward_force, palp_forward_force, model, s, share, tolerance);
 }
 
 /* A strength that tells on the test's force and keeps away from kinks. */

@@ -152,6 +152,30 @@ START_TEST(effects_together_in_small_steps) {
 }
 END_TEST
 
+/* A plate that goes to and fro about the surface meets it anywhere in a step, and then presses no harder than the
+ * step is long. */
+START_TEST(meets_anywhere_in_a_step) {
+    const double dt = 5e-5, fast = 5e-7, pace = 3e-9; /* m a step */
+    palp_model m = lumped_model(2);
+    add_effect(&m, PALP_EFFECT_PERMANENT_SET, 1);
+    palp_specimen *specimen = make(&m, NULL);
+    double depth = 0, force = 0;
+    while (depth < 0.2 * HEIGHT)
+        force = step(specimen, depth += fast, dt);
+    while (force > 0)
+        force = step(specimen, depth -= fast, dt);
+    for (int meets = 0; meets < 300; meets++) {
+        double taken = pace * (1 + fmod(0.618034 * meets, 1));
+        while (force == 0)
+            force = step(specimen, depth += taken, dt);
+        ck_assert_double_lt(force, 100 / HEIGHT * taken);
+        while (force > 0)
+            force = step(specimen, depth -= taken, dt);
+    }
+    palp_specimen_free(specimen);
+}
+END_TEST
+
 /* ---- what else it can be told ---- */
 
 START_TEST(scale_and_table) {
@@ -263,6 +287,7 @@ int main(void) {
     tcase_add_loop_test(tc, steps_are_the_run, 0, PALP_EFFECT_COUNT + 1);
     tcase_add_loop_test(tc, steps_are_the_run_of_a_network, 0, 6);
     tcase_add_test(tc, effects_together_in_small_steps);
+    tcase_add_test(tc, meets_anywhere_in_a_step);
     tcase_add_test(tc, scale_and_table);
     tcase_add_test(tc, starts_pressed);
     tcase_add_test(tc, reads_once_a_moment);

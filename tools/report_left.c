@@ -1,0 +1,160 @@
+/* report_left.c: what is left when all is done: waves over time and depth, free curves, order from sample to sample,
+ * events. */
+#include "report_explain.h"
+#include "report_svg.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { POINTS = 256, WIDTH = 580, HEIGHT = 250, LEFT = 70, RIGHT = 560, TOP = 14, BOTTOM = 206, EVENTS = 30 };
+
+/* ---- waves ---- */
+
+static size_t numbers(const json_t *list, double scale, double to[POINTS]) {
+    size_t n = json_array_size(list) < POINTS ? json_array_size(list) : POINTS;
+    for (size_t i = 0; i < n; i++) {
+        const json_t *value = json_array_get(list, i);
+        to[i] = json_is_number(value) ? scale * json_number_value(value) : NAN;
+    }
+    return n;
+}
+
+static void widen(size_t n, const double *value, double *low, double *high) {
+    for (size_t i = 0; i < n; i++) {
+        if (value[i] > 0) {
+            *low = fmin(*low, value[i]);
+            *high = fmax(*high, value[i]);
+        }
+    }
+}
+
+static void spectrum(FILE *to, const json_t *waves, const char *key, const char *unit, bool two, const char *caption) {
+    double x[POINTS], before[POINTS], after[POINTS], low = HUGE_VAL, high = 0;
+    size_t n = numbers(json_object_get(waves, key), 1, x);
+    if (n < 2 || numbers(json_object_get(waves, "before_N"), 1e3, before) != n ||
+        numbers(json_object_get(waves, "after_N"), 1e3, after) != n) {
+        return;
+    }
+    widen(n, before, &low, &high);
+    if (two) {
+        widen(n, after, &low, &high);
+    }
+    if (!(high > 0)) {
+        return;
+    }
+    svg_axis along = {fmin(x[0], x[n - 1]), fmax(x[0], x[n - 1]), LEFT, RIGHT, true},
+             up = {fmin(0.9 * low, pow(10, floor(log10(high)))), 1.1 * high, BOTTOM, TOP, true};
+    fputs("<figure>", to);
+    svg_open(to, WIDTH, HEIGHT - 16, caption);
+    svg_frame(to, &along, &up, unit, "amplitude (mN)");
+    svg_line(to, &along, &up, n, x, before, SVG_BEFORE);
+    if (two) {
+        svg_line(to, &along, &up, n, x, after, SVG_AFTER);
+    }
+    svg_close(to);
+    fputs("<figcaption>", to);
+    html_text(to, caption);
+    fputs("</figcaption></figure>\n", to);
+}
+
+static void line_text(const json_t *line, const char *key, const char *what, char text[REPORT_LINE]) {
+    char force[32];
+    double prominence = report_number(line, "prominence");
+    if (!(report_number(line, key) > 0)) {
+        snprintf(text, REPORT_LINE, "No wave over %s could be looked for.", strcmp(what, "Hz") == 0 ? "time" : "depth");
+        return;
+    }
+    snprintf(text, REPORT_LINE, "Strongest wave left: %.4g %s, %s, %.2g times the usual power there.",
+             report_number(line, key), what, report_force(report_number(line, "amplitude_N"), force), prominence);
+}
+
+static void waves(FILE *to, const json_t *all, bool two) {
+    const json_t *spectra = json_object_get(all, "spectrum"), *left = json_object_get(all, "left");
+    char text[REPORT_LINE], caption[2 * REPORT_LINE];
+    fputs("<div class=\"figures\">\n", to);
+    line_text(json_object_get(left, "line_in_time"), "frequency_Hz", "Hz", text);
+    snprintf(caption, sizeof caption, "Waves over time: amplitude against frequency. %s", text);
+    spectrum(to, json_object_get(spectra, "time"), "frequency_Hz", " Hz", two, caption);
+    line_text(json_object_get(left, "line_in_depth"), "period_mm", "mm from crest to crest", text);
+    snprintf(caption, sizeof caption, "Waves over depth, while the plate moves: amplitude against period. %s", text);
+    spectrum(to, json_object_get(spectra, "depth"), "period_mm", " mm", two, caption);
+    fputs("</div>\n", to);
+}
+
+/* ---- free curves ---- */
+
+static void free_curves(FILE *to, const json_t *all, bool two) {
+    static const char *const labels[] = {"all that is left", "above the floor", "a curve of depth takes off",
+                                         "a curve of time takes off", "a curve of speed takes off"};
+    const json_t *curves = json_object_get(json_object_get(all, "left"), "free_curves"), *gap = json_object_get(all, "gap");
+    const double size[] = {report_number(gap, "after_N"), report_number(gap, "unexplained_N"),
+                           report_number(curves, "depth_N"), report_number(curves, "time_N"),
+                           report_number(curves, "rate_N")};
+    report_bar bar[5];
+    for (size_t i = 0; i < 5; i++) {
+        bar[i] = (report_bar){.before = two ? NAN : size[i], .after = two ? size[i] : NAN};
+        strcpy(bar[i].label, labels[i]);
+    }
+    report_bars(to,
+                "The most that an effect nobody has thought of could still explain, rms: free curves of depth, of time "
+                "within a run, of the plate's speed.",
+                5, bar, report_number(gap, "floor_N"));
+}
+
+/* ---- tables ---- */
+
+static void order(FILE *to, const json_t *all) {
+    const json_t *list = json_object_get(all, "where"), *place;
+    char phase[32];
+    if (json_array_size(list) == 0) {
+        return;
+    }
+    fputs("<details><summary>From sample to sample: correlation and runs test, place by place</summary>\n", to);
+    report_paragraph(to, "White noise has a correlation of 0 from sample to sample and a runs test within 2 standard "
+                         "deviations; coloured noise, a part of the floor, has not.");
+    html_table(to, NULL, "experiment|~phase|share of the first gap (%)|correlation|runs test (standard deviations)");
+    for (size_t i = 0; (place = json_array_get(list, i)) != NULL; i++) {
+        report_phase(report_text(place, "phase"), phase);
+        html_row(to, "%s|~%s|%.2f|%.2f|%.1f", report_base(report_text(place, "experiment")), phase,
+                 100 * report_number(place, "share"), report_number(place, "left_lag1"),
+                 report_number(place, "left_runs_z"));
+    }
+    html_table_end(to);
+    fputs("</details>\n", to);
+}
+
+static void events(FILE *to, const json_t *all) {
+    const json_t *list = json_object_get(all, "events"), *event;
+    size_t n = json_array_size(list);
+    char force[32];
+    if (n == 0) {
+        report_paragraph(to, "No events: no lone spikes, no plate letting go, no slips.");
+        return;
+    }
+    html_table(to, "Events: not held against the model", "experiment|~what|from (s)|to (s)|size");
+    for (size_t i = 0; i < n && i < EVENTS; i++) {
+        event = json_array_get(list, i);
+        html_row(to, "%s|~%s|%.3f|%.3f|%s", report_base(report_text(event, "experiment")), report_text(event, "kind"),
+                 report_number(event, "from_s"), report_number(event, "to_s"),
+                 report_force(report_number(event, "size_N"), force));
+    }
+    html_table_end(to);
+    if (n > EVENTS) {
+        report_paragraph(to, "And %zu more.", n - EVENTS);
+    }
+    fputs("<p class=\"about\">spike: a lone sample far from its neighbours; release: the plate lets go of the specimen; slip: "
+          "the force left over steps and stays.</p>\n",
+          to);
+}
+
+void report_left(FILE *to, const json_t *all) {
+    bool two = json_array_size(json_object_get(all, "effects")) > 0;
+    fputs("<h3>What is left</h3>\n", to);
+    waves(to, all, two);
+    fputs("<div class=\"figures\">\n", to);
+    free_curves(to, all, two);
+    fputs("<div>\n", to);
+    events(to, all);
+    fputs("</div></div>\n", to);
+    order(to, all);
+}

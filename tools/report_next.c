@@ -1,0 +1,129 @@
+/* report_next.c: what to measure next: the run that tells look-alikes apart, drawn. */
+#include "report_explain.h"
+#include "report_svg.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { POINTS = 128, WIDTH = 630, LEFT = 70, RIGHT = 560, TOP = 14, BOTTOM = 186, HEIGHT = 216 };
+
+static const double AIR = 2; /* mm: where the indenter waits */
+
+typedef struct path {
+    size_t n;
+    double time[POINTS], depth[POINTS];
+} path;
+
+static void go(path *p, double depth, double seconds) {
+    if (p->n < POINTS) {
+        p->time[p->n] = p->time[p->n - 1] + seconds;
+        p->depth[p->n++] = depth;
+    }
+}
+
+/* As palpate acquire runs it; false if the run has no speed. */
+static bool walk(const json_t *run, path *p) {
+    const char *kind = report_text(run, "kind");
+    double depth = report_number(run, "depth_mm"), rate = report_number(run, "rate_mm_s"),
+           hold = report_number(run, "hold_s"), cycles = report_number(run, "cycles");
+    double top = strcmp(kind, "free") == 0 ? -AIR - depth : depth, way = fabs(top + AIR);
+    *p = (path){.n = 1, .depth = {-AIR}};
+    if (!(rate > 0)) {
+        return false;
+    }
+    go(p, -AIR, 1);
+    for (int c = 0; c < (cycles > 1 ? (int)cycles : 1); c++) {
+        if (c > 0) {
+            go(p, 0, top / rate);
+        }
+        go(p, top, (c ? top : way) / rate);
+        go(p, top, hold > 0 ? hold : 0);
+    }
+    go(p, -AIR, way / rate);
+    go(p, -AIR, fmax(1, 0.02 * p->time[p->n - 1]));
+    return true;
+}
+
+static void draw(FILE *to, const json_t *run) {
+    path p;
+    double low = 0, high = 0;
+    if (!walk(run, &p)) {
+        return;
+    }
+    for (size_t i = 0; i < p.n; i++) {
+        low = fmin(low, p.depth[i]);
+        high = fmax(high, p.depth[i]);
+    }
+    double room = 0.06 * (high - low);
+    svg_axis x = {0, p.time[p.n - 1], LEFT, RIGHT, false}, y = {low - room, high + room, BOTTOM, TOP, false};
+    fputs("<div class=\"figures\"><figure>", to);
+    svg_open(to, WIDTH, HEIGHT, "depth over time of the next experiment");
+    svg_frame(to, &x, &y, " s", "depth (mm)");
+    fprintf(to, "<path d=\"M%d %.1fH%d\" stroke=\"#1c2329\" stroke-dasharray=\"4 3\"/>\n", LEFT, svg_at(&y, 0), RIGHT);
+    svg_text(to, RIGHT + 6, svg_at(&y, 0) + 4, SVG_START, "contact");
+    svg_line(to, &x, &y, p.n, p.time, p.depth, SVG_AFTER);
+    svg_close(to);
+    fputs("<figcaption>The next experiment: depth of the plate over time. The protocol file is written by "
+          "<code>--next</code>, and run by <code>palpate acquire --protocol</code>.</figcaption></figure></div>\n",
+          to);
+}
+
+static void kind_words(const json_t *run, char text[REPORT_LINE]) {
+    const char *kind = report_text(run, "kind");
+    double depth = report_number(run, "depth_mm"), rate = report_number(run, "rate_mm_s"),
+           hold = report_number(run, "hold_s"), cycles = report_number(run, "cycles");
+    if (strcmp(kind, "ramp_hold") == 0) {
+        snprintf(text, REPORT_LINE, "a ramp to %.3g mm at %.3g mm/s, held for %.3g s", depth, rate, hold);
+    } else if (strcmp(kind, "static") == 0) {
+        snprintf(text, REPORT_LINE, "a slow press to %.3g mm at %.3g mm/s and back", depth, rate);
+    } else if (strcmp(kind, "cyclic") == 0) {
+        snprintf(text, REPORT_LINE, "%.0f cycles to %.3g mm at %.3g mm/s", cycles, depth, rate);
+    } else if (strcmp(kind, "free") == 0) {
+        snprintf(text, REPORT_LINE, "a stroke of %.3g mm in the air at %.3g mm/s", depth, rate);
+    } else {
+        snprintf(text, REPORT_LINE, "%.100s to %.3g mm", kind, depth);
+    }
+}
+
+/* Where most is left. */
+static void repeat(FILE *to, const json_t *all) {
+    const json_t *runs = json_object_get(json_object_get(all, "profile"), "experiments"), *run, *worst = NULL;
+    char force[32];
+    for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++) {
+        if (!worst || report_number(run, "after_N") > report_number(worst, "after_N")) {
+            worst = run;
+        }
+    }
+    if (worst) {
+        report_paragraph(to,
+                         "For what has no name no experiment can be computed. Repeat %s, where most is left (%s rms): what "
+                         "comes back is no accident.",
+                         report_base(report_text(worst, "experiment")), report_force(report_number(worst, "after_N"), force));
+    }
+}
+
+void report_next(FILE *to, const json_t *all) {
+    const json_t *next = json_object_get(all, "next_experiment"), *run = json_object_get(next, "run"),
+                 *between = json_object_get(next, "between"), *note = json_object_get(next, "note");
+    char text[REPORT_LINE], both[REPORT_LINE], apart[32], floor[32];
+    fputs("<h3>What to measure next</h3>\n", to);
+    report_names(between, 0, " and ", both);
+    if (json_is_object(run)) {
+        kind_words(run, text);
+        report_paragraph(to,
+                         "Measure %s. Both %s fit the runs there are; in this run the forces they foretell are %s apart, rms, "
+                         "after a zero and a gain of the run's own (the floor is %s).",
+                         text, both, report_force(report_number(next, "separation_N"), apart),
+                         report_force(report_number(json_object_get(all, "gap"), "floor_N"), floor));
+        draw(to, run);
+    } else if (json_is_object(next)) {
+        report_paragraph(to, "No run that the indenter can do tells %s apart.", both);
+    } else if (strcmp(report_text(all, "verdict"), "unexplained") == 0) {
+        repeat(to, all);
+    } else {
+        report_paragraph(to, "Nothing is left to be told apart. What these runs cannot show is listed above.");
+    }
+    if (json_is_string(note)) {
+        report_paragraph(to, "%s", json_string_value(note));
+    }
+}

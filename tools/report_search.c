@@ -1,0 +1,154 @@
+/* report_search.c: the suspects, their scores and what became of them, step by step. */
+#include "report_explain.h"
+#include "report_svg.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TOP = 7, SUSPECTS = PALP_EFFECT_COUNT + 1, BAR = 260 };
+
+typedef struct suspect {
+    const char *id, *reason; /* reason NULL: taken */
+    double score, explained;
+} suspect;
+
+static int by_score(const void *a, const void *b) {
+    const suspect *p = a, *q = b;
+    return p->score < q->score ? 1 : p->score > q->score ? -1 : strcmp(p->id, q->id);
+}
+
+/* The one taken first, then by score. */
+static size_t collect(const json_t *step, suspect list[SUSPECTS]) {
+    const json_t *rejected = json_object_get(step, "rejected"), *s, *taken = json_object_get(step, "taken");
+    size_t n = 0, first;
+    if (json_is_string(taken)) {
+        list[n++] = (suspect){json_string_value(taken), NULL, report_number(step, "score"),
+                              report_number(step, "explained_N")};
+    }
+    first = n;
+    for (size_t i = 0; (s = json_array_get(rejected, i)) != NULL && n < SUSPECTS; i++) {
+        list[n++] = (suspect){report_text(s, "id"), report_text(s, "reason"), report_number(s, "score"),
+                              report_number(s, "explained_N")};
+    }
+    qsort(list + first, n - first, sizeof *list, by_score);
+    return n;
+}
+
+static double best_of_all(const json_t *steps) {
+    suspect list[SUSPECTS];
+    const json_t *step;
+    double best = 100;
+    for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
+        for (size_t k = collect(step, list); k-- > 0;) {
+            best = fmax(best, list[k].score);
+        }
+    }
+    return best;
+}
+
+static void suspect_row(FILE *to, const suspect *s, double best, double threshold) {
+    svg_axis x = {1, best, 0, BAR, true};
+    char force[32];
+    fprintf(to, "<tr%s><td>", s->reason ? "" : " class=\"taken\"");
+    html_text(to, report_effect(s->id));
+    fprintf(to, "</td><td class=\"t\"><svg width=\"%d\" height=\"14\">", BAR);
+    if (s->score > 1) {
+        svg_bar(to, 0, 1, fmax(2, svg_at(&x, s->score)), 12, s->reason ? "#9aa7b1" : SVG_AFTER);
+    }
+    fprintf(to, "<path d=\"M%.1f 0v14\" stroke=\"#1c2329\" stroke-dasharray=\"3 2\"/></svg></td><td>%.*f</td><td>%s</td>"
+                "<td class=\"t\">",
+            svg_at(&x, threshold), fabs(s->score) < 9.95 ? 1 : 0, s->score,
+            s->explained > 0 ? report_force(s->explained, force) : "-");
+    html_text(to, s->reason ? s->reason : "added");
+    fputs("</td></tr>\n", to);
+}
+
+static void rows(FILE *to, const suspect *list, size_t n, double best, double threshold) {
+    html_table(to, NULL, "suspect|~score, logarithmic|nats|would explain, rms|~what became of it");
+    for (size_t i = 0; i < n; i++) {
+        suspect_row(to, &list[i], best, threshold);
+    }
+    html_table_end(to);
+}
+
+/* Those that score first; the others behind a fold. */
+static void step_section(FILE *to, const json_t *step, size_t number, const char *beside, double best, double threshold) {
+    suspect list[SUSPECTS];
+    size_t n = collect(step, list), shown = 0;
+    while (shown < n && shown < TOP && (list[shown].score > 0 || !list[shown].reason)) {
+        shown++;
+    }
+    fprintf(to, "<h4>Step %zu: beside ", number);
+    html_text(to, beside);
+    fputs("</h4>\n", to);
+    if (!json_is_string(json_object_get(step, "taken"))) {
+        report_paragraph(to, "No suspect was accepted: the search ends here.");
+    }
+    if (shown > 0) {
+        rows(to, list, shown, best, threshold);
+    }
+    if (n > shown) {
+        fprintf(to, "<details><summary>%s %zu</summary>\n", shown ? "The other" : "All", n - shown);
+        rows(to, list + shown, n - shown, best, threshold);
+        fputs("</details>\n", to);
+    }
+}
+
+static bool is_effect(const json_t *all, const char *id) {
+    const json_t *list = json_object_get(all, "effects"), *effect;
+    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
+        if (strcmp(id, report_text(effect, "id")) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Those added in a step and not kept: why. */
+static void taken_back(FILE *to, const json_t *all) {
+    const json_t *steps = json_object_get(all, "steps"), *rejected = json_object_get(all, "rejected"), *step, *s;
+    for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
+        const char *id = report_text(step, "taken");
+        for (size_t k = 0; !is_effect(all, id) && (s = json_array_get(rejected, k)) != NULL; k++) {
+            if (strcmp(id, report_text(s, "id")) == 0) {
+                report_paragraph(to, "Taken out again: %s. It %s.", report_effect(id), report_text(s, "reason"));
+            }
+        }
+    }
+}
+
+static void blind(FILE *to, const json_t *all) {
+    const json_t *list = json_object_get(all, "not_identifiable");
+    if (json_array_size(list) == 0) {
+        return;
+    }
+    html_table(to, "What these runs cannot show, whether it is there or not", "effect|~what an experiment needs to show it");
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const char *id = json_string_value(json_array_get(list, i));
+        html_row(to, "%s|~%s", report_effect(id ? id : "-"), report_effect_seen_by(id ? id : "-"));
+    }
+    html_table_end(to);
+}
+
+void report_search(FILE *to, const json_t *all) {
+    const json_t *steps = json_object_get(all, "steps"), *step;
+    double best = best_of_all(steps), threshold = report_number(all, "threshold");
+    char beside[REPORT_LINE] = "the model as given";
+    fputs("<h3>The suspects and their scores</h3>\n<div class=\"suspects\">\n", to);
+    report_paragraph(to,
+                     "Each effect of the catalogue was added to the model and refitted with everything else over all "
+                     "experiments at once. The score is the log likelihood it gains, less a price for its parameters; the "
+                     "dashed line is what the best of all suspects gains by chance (%.2g nats). The best one that also "
+                     "predicts experiments left out of the fit and changes the forces by enough is added, and the others "
+                     "are tried again beside it.",
+                     threshold);
+    for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
+        step_section(to, step, i + 1, beside, best, threshold);
+        size_t n = strlen(beside);
+        snprintf(beside + n, sizeof beside - n, "%s%s", i ? ", " : " with ", report_effect(report_text(step, "taken")));
+    }
+    fputs("</div>\n", to);
+    taken_back(to, all);
+    blind(to, all);
+}

@@ -1,0 +1,214 @@
+/* report_where.c: where model and runs disagree: by run and phase, by depth, by speed. */
+#include "report_explain.h"
+#include "report_svg.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PHASES = PALP_PHASE_COUNT, ROWS = 30, CELL = 92, HIGH = 26, LEFT = 200, TOP = 24 };
+
+/* Share in % of the first gap of every run and phase; NAN = the gap has none there. */
+typedef struct grid {
+    size_t n;
+    const json_t *run[REPORT_FILES_MAX];
+    double before[REPORT_FILES_MAX][PHASES], after[REPORT_FILES_MAX][PHASES], total[REPORT_FILES_MAX], by_phase[PHASES];
+} grid;
+
+static int phase_of(const char *name) {
+    int p = 0;
+    while (p < PHASES && strcmp(name, palp_explain_phase_name((palp_explain_phase)p)) != 0) {
+        p++;
+    }
+    return p;
+}
+
+static size_t run_of(const grid *g, const char *name) {
+    size_t r = 0;
+    while (r < g->n && strcmp(name, report_text(g->run[r], "experiment")) != 0) {
+        r++;
+    }
+    return r;
+}
+
+static void fill(const json_t *all, grid *g) {
+    const json_t *runs = json_object_get(json_object_get(all, "profile"), "experiments"),
+                 *places = json_object_get(all, "where"), *place;
+    g->n = json_array_size(runs) < REPORT_FILES_MAX ? json_array_size(runs) : REPORT_FILES_MAX;
+    for (size_t r = 0; r < g->n; r++) {
+        g->run[r] = json_array_get(runs, r);
+        for (int p = 0; p < PHASES; p++) {
+            g->before[r][p] = g->after[r][p] = NAN;
+        }
+    }
+    for (size_t i = 0; (place = json_array_get(places, i)) != NULL; i++) {
+        size_t r = run_of(g, report_text(place, "experiment"));
+        int p = phase_of(report_text(place, "phase"));
+        if (r < g->n && p < PHASES) {
+            g->before[r][p] = 100 * report_number(place, "share");
+            g->after[r][p] = 100 * report_number(place, "left");
+            g->total[r] += g->before[r][p];
+            g->by_phase[p] += g->before[r][p];
+        }
+    }
+}
+
+static size_t largest(const double *value, size_t n) {
+    size_t best = 0;
+    for (size_t i = 1; i < n; i++) {
+        best = value[i] > value[best] ? i : best;
+    }
+    return best;
+}
+
+/* A colour towards white the smaller the part is. */
+static void half_cell(FILE *to, double x, double y, double width, double share, double most, const int rgb[3]) {
+    char colour[8], text[16];
+    double part = sqrt(fmin(1, share / most));
+    if (!isfinite(share)) {
+        return;
+    }
+    snprintf(colour, sizeof colour, "#%02x%02x%02x", (unsigned)(250 - part * (250 - rgb[0])),
+             (unsigned)(250 - part * (250 - rgb[1])), (unsigned)(250 - part * (250 - rgb[2])));
+    svg_bar(to, x, y, width, HIGH - 2, colour);
+    snprintf(text, sizeof text, share >= 9.95 ? "%.0f" : "%.1f", share);
+    if (share >= 0.05) {
+        fprintf(to, "<g fill=\"%s\">", part > 0.75 ? "#fff" : "#1c2329");
+        svg_text(to, x + 0.5 * width, y + 17, SVG_MIDDLE, text);
+        fputs("</g>", to);
+    }
+}
+
+static void grid_row(FILE *to, const grid *g, size_t r, double y, double most, bool two) {
+    static const int orange[3] = {213, 94, 0}, blue[3] = {0, 114, 178};
+    char before[32], after[32], text[96];
+    snprintf(text, sizeof text, "%.28s", report_base(report_text(g->run[r], "experiment")));
+    svg_text(to, LEFT - 10, y + 17, SVG_END, text);
+    for (int p = 0; p < PHASES; p++) {
+        double x = LEFT + CELL * p;
+        bool has_after = two && isfinite(g->after[r][p]);
+        half_cell(to, x, y, has_after ? 0.5 * CELL - 1 : CELL - 2, g->before[r][p], most, orange);
+        if (has_after) {
+            half_cell(to, x + 0.5 * CELL - 1, y, 0.5 * CELL - 1, g->after[r][p], most, blue);
+        }
+    }
+    snprintf(text, sizeof text, "%s%s%s", report_force(report_number(g->run[r], "before_N"), before),
+             two ? " \u2192 " : "", two ? report_force(report_number(g->run[r], "after_N"), after) : "");
+    svg_text(to, LEFT + CELL * PHASES + 10, y + 17, SVG_START, text);
+}
+
+/* Whether run r is among the rows: at most ROWS, those with the largest shares. */
+static bool is_shown(const grid *g, size_t r) {
+    size_t larger = 0;
+    for (size_t k = 0; k < g->n; k++) {
+        larger += g->total[k] > g->total[r] || (g->total[k] >= g->total[r] && k < r);
+    }
+    return larger < ROWS;
+}
+
+static void draw_grid(FILE *to, const grid *g, bool two) {
+    double most = 1e-9, y = TOP;
+    char text[32];
+    bool blue = false;
+    for (size_t r = 0; r < g->n; r++) {
+        for (int p = 0; p < PHASES; p++) {
+            blue = blue || (two && isfinite(g->after[r][p]));
+            most = fmax(most, fmax(g->before[r][p], g->after[r][p]));
+        }
+    }
+    fputs("<figure>", to);
+    svg_open(to, LEFT + CELL * PHASES + 180, (double)(TOP + HIGH * (g->n < ROWS ? g->n : ROWS)),
+             "share of the gap by experiment and phase");
+    for (int p = 0; p < PHASES; p++) {
+        report_phase(palp_explain_phase_name((palp_explain_phase)p), text);
+        svg_text(to, LEFT + CELL * (p + 0.5), 15, SVG_MIDDLE, text);
+    }
+    svg_text(to, LEFT + CELL * PHASES + 10, 15, SVG_START, "whole run, rms");
+    for (size_t r = 0; r < g->n; r++) {
+        if (is_shown(g, r)) {
+            grid_row(to, g, r, y, most, two);
+            y += HIGH;
+        }
+    }
+    svg_close(to);
+    fprintf(to,
+            "<figcaption>Share of the first gap in %%, squared and above the floor, by experiment and phase: orange as "
+            "given%s. Empty: the experiment has no such phase, or nothing above the floor in it. A corner is the first "
+            "0.2 s after the motion changes; recovery is the time back at or above contact.</figcaption></figure>\n",
+            blue ? ", blue what is left of it with the effects" : "");
+}
+
+static void in_words(FILE *to, const json_t *all, const grid *g) {
+    const json_t *place = json_array_get(json_object_get(all, "where"), 0);
+    size_t phase = largest(g->by_phase, PHASES), run = largest(g->total, g->n);
+    char worst[32], common[32];
+    if (!place) {
+        report_paragraph(to, "Nowhere is the gap above the floor.");
+        return;
+    }
+    report_phase(report_text(place, "phase"), worst);
+    report_phase(palp_explain_phase_name((palp_explain_phase)phase), common);
+    report_paragraph(to,
+                     "Of all that is above the floor %.0f %% is in the phase \u201c%s\u201d of the experiments, and %.0f %% in "
+                     "one experiment, %s. The largest single place is %s, \u201c%s\u201d: %.0f %%.",
+                     g->by_phase[phase], common, g->total[run], report_base(report_text(g->run[run], "experiment")),
+                     report_base(report_text(place, "experiment")), worst, 100 * report_number(place, "share"));
+}
+
+/* ---- by depth and speed ---- */
+
+static void depth_label(const json_t *bin, char text[64]) {
+    double from = report_number(bin, "from"), end = report_number(bin, "to");
+    if (isfinite(from)) {
+        snprintf(text, 64, "%.3g to %.3g mm", from, end);
+    } else {
+        strcpy(text, "in air");
+    }
+}
+
+static void speed_label(const json_t *bin, char text[64]) {
+    double from = report_number(bin, "from"), end = report_number(bin, "to");
+    double slow = fmin(fabs(from), fabs(end)), fast = fmax(fabs(from), fabs(end));
+    const char *way = isfinite(from) && from >= 0 ? "in" : "out";
+    if (from < 0 && end > 0) {
+        strcpy(text, "standing still");
+    } else if (isfinite(from) && isfinite(end)) {
+        snprintf(text, 64, "%s, %g to %g mm/s", way, slow, fast);
+    } else {
+        snprintf(text, 64, "%s, above %g mm/s", way, slow);
+    }
+}
+
+static void profile(FILE *to, const json_t *all, const char *key, bool two, void label(const json_t *, char *),
+                    const char *caption) {
+    const json_t *bins = json_object_get(json_object_get(all, "profile"), key), *bin;
+    report_bar bar[16];
+    size_t n = 0;
+    for (size_t i = 0; (bin = json_array_get(bins, i)) != NULL && n < 16; i++, n++) {
+        label(bin, bar[n].label);
+        bar[n].before = report_number(bin, "before_N");
+        bar[n].after = two ? report_number(bin, "after_N") : NAN;
+    }
+    if (n > 0) {
+        report_bars(to, caption, n, bar, report_number(json_object_get(all, "gap"), "floor_N"));
+    }
+}
+
+void report_where(FILE *to, const json_t *all) {
+    grid *g = calloc(1, sizeof *g);
+    bool two = json_array_size(json_object_get(all, "effects")) > 0;
+    if (!g) {
+        return;
+    }
+    fill(all, g);
+    fputs("<h3>Where they disagree</h3>\n", to);
+    if (g->n > 0) {
+        in_words(to, all, g);
+        draw_grid(to, g, two);
+        fputs("<div class=\"figures\">\n", to);
+        profile(to, all, "depth_mm", two, depth_label, "Recorded minus model by depth, rms.");
+        profile(to, all, "speed_mm_s", two, speed_label, "The same by speed and direction of the plate.");
+        fputs("</div>\n", to);
+    }
+    free(g);
+}
