@@ -139,6 +139,8 @@ static palp_status mask_releases(explain_data *data, size_t r) {
         reach = (i - start) / 5 + 3;
         for (size_t k = i > reach ? i - reach : 0; k <= i + reach && k < run->n; end = ++k)
             run->use[k] = 0;
+        double next = pull + fmax(0.0, run->force[i - 1] - run->force[i]); /* it let go before the next sample */
+        data->pull_most = data->n_releases ? fmin(data->pull_most, next) : next;
         data->pull = fmax(data->pull, pull);
         data->n_releases++;
         status = explain_event_add(data, &(palp_explain_event){.run = r, .samples = end - start, .from_s = run->time[i],
@@ -147,6 +149,10 @@ static palp_status mask_releases(explain_data *data, size_t r) {
         i = end;
     }
     return status;
+}
+
+double explain_pull(const explain_data *data) {
+    return 0.5 * (data->pull + fmax(data->pull, data->pull_most));
 }
 
 /* Whether two runs asked for the same. */
@@ -217,6 +223,28 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     return masked ? masked : mask_releases(data, r);
 }
 
+/* Mean force in the air before the plate moves. */
+static bool rest_force(const explain_run *run, double *mean) {
+    size_t n = 0;
+    double sum = 0.0;
+    for (; n < run->n && run->phase[n] == PALP_PHASE_AIR && fabs(run->depth[n] - run->depth[0]) < 2e-6; n++)
+        sum += run->force[n];
+    *mean = n ? sum / (double)n : 0.0;
+    return n >= 16;
+}
+
+/* By how much the runs' zeros differ, as their air shows. */
+static void compare_zeros(explain_data *data) {
+    double sum = 0.0, square = 0.0, count = 0.0, zero;
+    for (size_t r = 0; r < data->n_runs; r++)
+        if (rest_force(&data->run[r], &zero)) {
+            sum += zero;
+            square += zero * zero;
+            count += 1.0;
+        }
+    data->zero_scatter = count > 1.0 ? sqrt(fmax(0.0, square - sum * sum / count) / (count - 1.0)) : 0.0;
+}
+
 /* The largest strain that earlier runs have pressed each specimen to. */
 static void find_worn(explain_data *data) {
     double worn = 0.0;
@@ -271,6 +299,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
     }
     if (!status) {
         compare_twins(data);
+        compare_zeros(data);
         find_worn(data);
     }
     if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))

@@ -35,9 +35,10 @@ typedef struct explain_data {
     const palp_model *given;                /* the model to be explained */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double coloured, colour_time;           /* of the noise */
+    double zero_scatter;                    /* of the force before the plate first moves, between runs; 0 = unknown */
     double twin_gain;                       /* scatter of gain between runs of one protocol; 0 = there are none */
     size_t n_twins;
-    double pull;                            /* the strongest at which a plate let go, and how often it did */
+    double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
     size_t n_releases;
     size_t n_events;
     palp_explain_event *event;
@@ -46,6 +47,7 @@ typedef struct explain_data {
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
                                 const palp_model *model, explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
+double explain_pull(const explain_data *data); /* between the two */
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
 
 /* What a specimen keeps from run to run; zero-initialised before the first, palp_forward_wear_free after the last. */
@@ -161,6 +163,8 @@ palp_status explain_suspect_finish(explain_race *race, const explain_data *data,
 
 /* Strongest line of residual[n] over time, 40 to 70 Hz (ERR_UNSUPPORTED: none stands out), and over depth. */
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency, double *amplitude);
+/* Takes a line of that frequency off each run's residual. */
+void explain_line_take(const explain_data *data, double frequency, double *residual);
 palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
                                   double *phase);
 /* The strongest lines of what is left, at any frequency, and over depth. */

@@ -56,14 +56,15 @@ palp_status explain_intervals(const explain_fit *fit, const explain_data *data, 
         for (size_t i = 0; i < fit->model.n_effects; i++)
             for (size_t p = 0; p < palp_effect_look_up(fit->model.effects[i].id)->n_parameters; p++, at++) {
                 double reach = sqrt(square_reach(fit, data, h, gradient, at, inflation, unit));
-                if (fit->model.effects[i].id == PALP_EFFECT_ADHESION) /* read at the release, not fitted */
-                    reach = 3.0 * data->run[0].white + 0.01 * fit->x[at];
                 reach = hypot(reach, EQUATIONS * (fit->logarithmic[at] ? 1.0 : fabs(fit->x[at])));
                 double low = fit->x[at] - reach, high = fit->x[at] + reach;
                 if (i < n_given)
                     continue;
-                if (fit->model.effects[i].id == PALP_EFFECT_ADHESION) /* no less was seen */
-                    high = fmax(high, data->pull + reach);
+                if (fit->model.effects[i].id == PALP_EFFECT_ADHESION) { /* read at the releases, not fitted */
+                    reach = 3.0 * data->run[0].white + EQUATIONS * fit->x[at];
+                    low = fmin(data->pull, fit->x[at]) - reach;
+                    high = fmax(data->pull_most, fit->x[at]) + reach;
+                }
                 e->effect[i - n_given].low[p] = fit->logarithmic[at] ? exp(low) : low;
                 e->effect[i - n_given].high[p] = fit->logarithmic[at] ? exp(high) : high;
             }

@@ -12,6 +12,25 @@ typedef struct line {
     double x, power, cosine, sine;
 } line;
 
+/* Least squares of cosine and sine; power: by how much the squares shrink. */
+static line fit_line(size_t n, const double *at, const double *y, double x) {
+    double cc = 0.0, ss = 0.0, cs = 0.0, yc = 0.0, ys = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double c = cos(TURN * x * at[i]), s = sin(TURN * x * at[i]);
+        cc += c * c;
+        ss += s * s;
+        cs += c * s;
+        yc += c * y[i];
+        ys += s * y[i];
+    }
+    double det = cc * ss - cs * cs;
+    if (!(det > 1e-6 * cc * ss))
+        return (line){.x = x};
+    line l = {.x = x, .cosine = (yc * ss - ys * cs) / det, .sine = (ys * cc - yc * cs) / det};
+    l.power = l.cosine * yc + l.sine * ys;
+    return l;
+}
+
 /* ---- over time ---- */
 
 /* Power of whitened y at a frequency in stretches of some seconds, each with a phase of its own. */
@@ -82,26 +101,18 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
     return stands_out ? PALP_OK : PALP_ERR_UNSUPPORTED;
 }
 
-/* ---- over depth ---- */
-
-/* Least squares of cosine and sine; power: by how much the squares shrink. */
-static line fit_line(size_t n, const double *depth, const double *y, double x) {
-    double cc = 0.0, ss = 0.0, cs = 0.0, yc = 0.0, ys = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        double c = cos(TURN * x * depth[i]), s = sin(TURN * x * depth[i]);
-        cc += c * c;
-        ss += s * s;
-        cs += c * s;
-        yc += c * y[i];
-        ys += s * y[i];
+void explain_line_take(const explain_data *data, double frequency, double *residual) {
+    for (size_t r = 0; r < data->n_runs; residual += data->run[r++].n) {
+        const explain_run *run = &data->run[r];
+        line l = fit_line(run->n, run->time, residual, frequency);
+        for (size_t i = 0; i < run->n; i++) {
+            double turn = TURN * frequency * run->time[i];
+            residual[i] -= l.cosine * cos(turn) + l.sine * sin(turn);
+        }
     }
-    double det = cc * ss - cs * cs;
-    if (!(det > 1e-6 * cc * ss))
-        return (line){.x = x};
-    line l = {.x = x, .cosine = (yc * ss - ys * cs) / det, .sine = (ys * cc - yc * cs) / det};
-    l.power = l.cosine * yc + l.sine * ys;
-    return l;
 }
+
+/* ---- over depth ---- */
 
 /* [data->n] each: every so-many-th sample. */
 typedef struct thinned {

@@ -35,9 +35,25 @@ void explain_residual(const explain_data *data, const explain_fit *fit, const do
             double hum = 0.0, turn = TURN * fit->hum_Hz * run->time[i];
             if (fit->hum_Hz > 0.0)
                 hum = own[3] * sin(turn) + own[4] * cos(turn);
-            residual[at + i] = run->use[i] ? run->force[i] - force[at + i] - hum : 0.0;
+            residual[at + i] = run->use[i] ? run->force[i] - force[at + i] - own[0] - hum : 0.0;
         }
     }
+}
+
+/* A line that stands out is no noise, whether the model has it yet or not. */
+static palp_status find_noise(explain_search *s) {
+    double *rest = malloc(s->data.n * sizeof *rest), frequency, amplitude;
+    palp_status status = rest ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        memcpy(rest, s->residual, s->data.n * sizeof *rest);
+        status = explain_line_in_time(&s->data, rest, &frequency, &amplitude);
+    }
+    if (!status)
+        explain_line_take(&s->data, frequency, rest);
+    if (!status || status == PALP_ERR_UNSUPPORTED)
+        status = explain_noise_find(&s->data, rest);
+    free(rest);
+    return status;
 }
 
 palp_status explain_settle(explain_search *s) {
@@ -45,7 +61,7 @@ palp_status explain_settle(explain_search *s) {
     palp_status status = explain_fit_products(&s->fit, &s->data, s->force);
     for (int round = 0; round < ROUNDS && !status; round++) {
         explain_residual(&s->data, &s->fit, s->force, s->residual);
-        status = explain_noise_find(&s->data, s->residual);
+        status = find_noise(s);
         if (!status)
             status = explain_fit_products(&s->fit, &s->data, NULL);
         explain_fit_scatter(&s->fit, &s->data, s->settings);

@@ -24,20 +24,10 @@ static void add_times(starts *s, palp_effect_id id, const explain_data *data, do
         add(s, id, 0.0, low * pow(high / low, (double)k / (double)(n - 1)), 0.0);
 }
 
-/* A sensor at its end gives the same number again and again. */
-static bool clipped(const explain_data *data, double *limit) {
-    size_t hits = 0;
-    *limit = data->peak;
-    for (size_t r = 0; r < data->n_runs; r++)
-        for (size_t i = 0; i < data->run[r].n; i++)
-            hits += data->run[r].force[i] == data->peak;
-    return hits >= 8;
-}
-
 static palp_status find_starts(palp_effect_id id, const explain_data *data, const double *residual, starts *s,
                                const char **reason) {
     static const double parts[] = {0.01, 0.04, 0.15, 0.6}; /* of the deepest; for a lag: seconds */
-    double limit, period, amplitude, phase;
+    double period, amplitude, phase;
     palp_status status = PALP_OK;
     switch (id) {
     case PALP_EFFECT_RELAXATION_ARM:
@@ -72,19 +62,14 @@ static palp_status find_starts(palp_effect_id id, const explain_data *data, cons
             *reason = "no plate lets go with a jump";
             return PALP_ERR_UNSUPPORTED;
         }
-        for (int k = 0; k < 3; k++) /* a plate that lets go too early is better than one that never does */
-            add(s, id, data->pull * (1.0 - 0.07 * k), 0.0, 0.0);
+        add(s, id, explain_pull(data), 0.0, 0.0);
         break;
     case PALP_EFFECT_SENSOR_LAG:
         for (int k = 0; k < 4; k++)
             add(s, id, parts[k], 0.0, 0.0);
         break;
     case PALP_EFFECT_FORCE_SATURATION:
-        if (!clipped(data, &limit)) {
-            *reason = "no sample stands at a limit";
-            return PALP_ERR_UNSUPPORTED;
-        }
-        add(s, id, limit, 0.0, 0.0);
+        add(s, id, data->peak - 3.0 * data->run[0].white, 0.0, 0.0); /* below noise that came after it */
         break;
     case PALP_EFFECT_DRIVE_RIPPLE:
         status = explain_line_in_depth(data, residual, &period, &amplitude, &phase);
@@ -161,36 +146,6 @@ static bool has(const explain_fit *fit, palp_effect_id id) {
     return false;
 }
 
-/* fit's copy with the pull (its last parameter) elsewhere, refitted; the better one stays in fit. */
-static palp_status try_pull(explain_fit *fit, const explain_data *data, double pull) {
-    explain_fit next;
-    size_t k = fit->n_columns - 1;
-    palp_status status = explain_fit_copy(fit, data->n_runs, &next);
-    if (status)
-        return status;
-    next.x[k] = pull;
-    next.model.effects[next.model.n_effects - 1].value[0] = pull;
-    status = explain_fit_products(&next, data, NULL);
-    if (!status)
-        status = explain_fit_improve(&next, data, 2);
-    bool better = !status && next.score > fit->score;
-    explain_fit_free(better ? fit : &next);
-    if (better)
-        *fit = next;
-    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-}
-
-/* When the plate lets go jumps from sample to sample, which no derivative shows: tries the pull that was recorded, and
- * values near by. */
-static palp_status nudge_adhesion(explain_fit *fit, const explain_data *data) {
-    const double *at = &fit->x[fit->n_columns - 1];
-    palp_status status = try_pull(fit, data, data->pull);
-    for (double reach = 0.04; reach > 2e-3 && !status; reach *= 0.5)
-        for (int side = -1; side <= 1 && !status; side += 2)
-            status = try_pull(fit, data, *at * (1.0 + side * reach));
-    return status;
-}
-
 /* ---- a race from many starts ---- */
 
 void explain_race_free(explain_race *race) {
@@ -245,11 +200,8 @@ static palp_status race_run(explain_race *r, const explain_data *data, size_t ro
     return status;
 }
 
-static palp_status finish(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings,
-                          palp_effect_id id) {
+static palp_status finish(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
     palp_status status = explain_fit_improve(fit, data, 15);
-    if (!status && id == PALP_EFFECT_ADHESION)
-        status = nudge_adhesion(fit, data);
     if (!status)
         explain_fit_scatter(fit, data, settings);
     if (!status)
@@ -312,7 +264,7 @@ palp_status explain_suspect_finish(explain_race *race, const explain_data *data,
     for (size_t i = 0; !status && i < (all ? race->n : 1); i++) {
         explain_fit *fit = &race->racer[i].fit;
         if (all && id != PALP_EFFECT_MAINS_HUM)
-            status = finish(fit, data, settings, id);
+            status = finish(fit, data, settings);
         else
             explain_fit_scatter(fit, data, settings);
         if (!status && (!added->product || fit->score > added->score)) {
