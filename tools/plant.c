@@ -57,7 +57,11 @@ palp_status plant_create(const plant_settings *settings, plant **made, palp_erro
     p->plate_m = p->zero_m = settings->actuator.start_m;
     palp_error why = {PALP_OK, ""};
     palp_status status = specimen_create(settings, &p->specimen, &why);
-    if (status == PALP_OK && !sensor_start(&settings->sensor, &p->sensor)) {
+    plant_sensor amplifier = settings->sensor;
+    if (p->specimen.range_N > 0 && !(amplifier.range_N > 0 && amplifier.range_N < p->specimen.range_N)) {
+        amplifier.range_N = p->specimen.range_N;
+    }
+    if (status == PALP_OK && !sensor_start(&amplifier, &p->sensor)) {
         status = plant_fail(&why, PALP_ERR_SINGULAR, "the sensor's matrix has no inverse");
     }
     if (status) {

@@ -28,7 +28,7 @@ typedef struct plant_sensor {
     double noise_N; /* sd on z of white noise on every channel */
     double hum_N;   /* 50 Hz amplitude on z */
     double bias_N, drift_N_s;
-    double range_N; /* the amplifier clips z here, short of the converter's rails; 0 = it does not */
+    double range_N; /* the amplifier clips z and noise here, short of the converter's rails; 0 = it does not */
     double gain;    /* 1 */
     uint64_t seed;
 } plant_sensor;

@@ -28,6 +28,7 @@ void drive_advance(const plant_actuator *a, drive *d, bool on, double volt, doub
 typedef struct sensor {
     plant_sensor settings;
     double counts_N[PALP_WIRE_CHANNELS]; /* of a pure z force, each channel: a column of the inverse matrix */
+    double z_counts[PALP_WIRE_CHANNELS]; /* N a count: how they are read */
     double rest[PALP_WIRE_CHANNELS];     /* counts without any: the mounting strains it sideways */
     double noise_counts;                 /* sd of each channel */
 } sensor;

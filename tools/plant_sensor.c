@@ -62,7 +62,8 @@ bool sensor_start(const plant_sensor *settings, sensor *s) {
     double square = 0;
     force_init(&f);
     for (int i = 0; i < N; i++) {
-        square += (double)f.matrix[FORCE_Z][i] * (double)f.matrix[FORCE_Z][i];
+        s->z_counts[i] = (double)f.matrix[FORCE_Z][i];
+        square += s->z_counts[i] * s->z_counts[i];
     }
     s->settings = *settings;
     s->noise_counts = settings->noise_N / sqrt(square);
@@ -77,20 +78,27 @@ double sensor_range(const sensor *s) {
     return INT16_MAX / (s->settings.gain * largest);
 }
 
-/* What the amplifier makes of the force on the plate. */
-static double amplified(const plant_sensor *s, double force_N, double time_s) {
+/* What the bridge gives of the force on the plate, before any noise. */
+static double bridge(const plant_sensor *s, double force_N, double time_s) {
     double z = s->gain * force_N + s->bias_N + s->drift_N_s * time_s;
-    z += s->hum_N > 0 ? s->hum_N * sin(2 * PI * HUM_HZ * time_s) : 0;
-    return s->range_N > 0 ? fmin(fmax(z, -s->range_N), s->range_N) : z;
+    return z + (s->hum_N > 0 ? s->hum_N * sin(2 * PI * HUM_HZ * time_s) : 0);
 }
 
+/* The amplifier clips the z of bridge and noise together. */
 void sensor_convert(const sensor *s, double force_N, uint32_t tick, int16_t adc[N]) {
-    double z = amplified(&s->settings, force_N, TICK * tick);
-    for (uint32_t i = 0; i < N; i++) {
-        double counts = s->rest[i] + s->counts_N[i] * z;
-        if (s->noise_counts > 0) {
-            counts += s->noise_counts * noise_normal(s->settings.seed, (uint64_t)tick * N + i);
+    double z = bridge(&s->settings, force_N, TICK * tick), noise[N] = {0}, most = s->settings.range_N;
+    for (uint32_t i = 0; i < N && s->noise_counts > 0; i++) {
+        noise[i] = s->noise_counts * noise_normal(s->settings.seed, (uint64_t)tick * N + i);
+    }
+    if (most > 0) {
+        double seen = z;
+        for (int i = 0; i < N; i++) {
+            seen += s->z_counts[i] * noise[i];
         }
+        z -= seen - fmin(fmax(seen, -most), most);
+    }
+    for (int i = 0; i < N; i++) {
+        double counts = s->rest[i] + s->counts_N[i] * z + noise[i];
         adc[i] = (int16_t)fmin(fmax(rint(counts), INT16_MIN), INT16_MAX);
     }
 }

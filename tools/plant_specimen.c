@@ -44,6 +44,16 @@ static palp_status add_compliance(palp_model *model, double compliance_m_N, spec
     return PALP_OK;
 }
 
+/* The amplifier does it, behind its noise. */
+static void move_saturation(palp_model *model, specimen *s) {
+    for (size_t i = 0; i < model->n_effects; i++) {
+        if (model->effects[i].id == PALP_EFFECT_FORCE_SATURATION) {
+            s->range_N = model->effects[i].value[0];
+            model->effects[i].value[0] = 0;
+        }
+    }
+}
+
 palp_status specimen_create(const plant_settings *settings, specimen *s, palp_error *error) {
     const bool rigid = settings->specimen == PLANT_RIGID, own = !rigid && !settings->model;
     palp_specimen_settings to = palp_specimen_settings_default();
@@ -64,6 +74,7 @@ palp_status specimen_create(const plant_settings *settings, specimen *s, palp_er
     if (status) {
         return status;
     }
+    move_saturation(&model, s);
     to.start_m =
         fmin(settings->actuator.start_m - settings->contact_m, 0); /* pressed from the first step on */
     to.scale = rigid ? 1 : settings->scale;

@@ -11,6 +11,7 @@ typedef struct specimen {
     const char *path;       /* of its model, for errors */
     bool slow;              /* a network takes one step a control tick, everything else one a substep */
     double compliance_m_N;  /* of the frame in series, the model's own with the actuator's */
+    double range_N;         /* force_saturation of its model, left to the amplifier; 0 = none */
     double force_N;         /* on the plate; negative where it sticks */
 } specimen;
 

@@ -567,6 +567,25 @@ static void test_range_and_rails(void **state) {
     plant_free(p);
 }
 
+/* No reading is beyond the range by more than rounding, however noisy; half of them stand at it. */
+static void test_range_clips_noise(void **state) {
+    enum { N = 1000 };
+    plant_settings s = in_air();
+    int at_end = 0;
+    (void)state;
+    s.sensor = (plant_sensor){.noise_N = 0.05, .bias_N = 4, .range_N = 4, .gain = 1, .seed = 5};
+    plant *p = make(&s);
+    for (int i = 0; i < N; i++) {
+        plant_in in;
+        step(p, 0, false, &in);
+        double z = z_of(&in);
+        assert_true(z <= 4 + half_count_N());
+        at_end += z >= 4 - half_count_N();
+    }
+    assert_in_range(at_end, N / 2 - 60, N / 2 + 60);
+    plant_free(p);
+}
+
 /* 10 kOhm at 25 C is the middle of the divider; 25/85: R falls by exp(B (1/T0 - 1/T)). */
 static void test_thermistor(void **state) {
     static const double celsius[] = {-20, 0, 25, 50, 85, 110};
@@ -739,6 +758,7 @@ int main(void) {
         cmocka_unit_test(test_sensor_inverse),
         cmocka_unit_test(test_noise_drift_hum),
         cmocka_unit_test(test_range_and_rails),
+        cmocka_unit_test(test_range_clips_noise),
         cmocka_unit_test(test_thermistor),
         cmocka_unit_test(test_faults),
         cmocka_unit_test(test_repeats),
