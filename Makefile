@@ -207,7 +207,7 @@ bench-run: $(call prog,$(BENCHES)) $(TOOL)
 .PHONY: hidden
 SEED ?= 1
 hidden: $(TOOL) ## the cases with a hidden effect: generated, explained and scored (SEED=1, about half an hour)
-	@PALPATE=$(TOOL) CC='$(CC)' tests/hidden/run.sh --seed $(SEED) --set all --out $(BUILD)/hidden
+	@PALPATE=$(TOOL) CC='$(CC)' tests/hidden/run.sh --seed $(SEED) --set all --oracle --out $(BUILD)/hidden
 
 # ---- installing ----------------------------------------------------------------------------------
 .PHONY: install uninstall man

@@ -3,13 +3,13 @@
 # check: once
 . tests/cli/common
 
-# model EFFECTS STIFFNESS >FILE
+# model EFFECTS STIFFNESS [NODES] >FILE
 model() {
     cat <<J
 {"palpate": {"model": 1}, "kind": "network", "specimen": {"height_mm": 24},
  "stiffness": {"kind": "polynomial", "coefficients_N": [$2, 0.3, 2.4]},
  "arms": [{"stiffness_N": 0.08, "viscosity_Ns": 0.2}], "effects": [$1],
- "mesh": {"kind": "lattice", "nodes": [3, 3, 3], "size_mm": [24, 24, 24]}, "formulation": "history"}
+ "mesh": {"kind": "lattice", "nodes": [${3-3}, ${3-3}, ${3-3}], "size_mm": [24, 24, 24]}, "formulation": "history"}
 J
 }
 
@@ -23,7 +23,7 @@ runs() {
             --air-s 1 --noise-N 0.002 --seed $n --out "$1$n.csv"
     done
 }
-some="--candidates sensor_lag,sensor_bias,relaxation_arm,frame_compliance,plate_slip --jobs 2"
+some="--candidates sensor_lag,sensor_bias,relaxation_arm,frame_compliance,plate_slip"
 
 model '{"id": "sensor_lag", "parameters": {"time_s": 0.08}}' 0.49 >lag.json
 model '{"id": "plate_slip", "parameters": {"slip": 0.9}}' 0.49 >slip.json
@@ -53,6 +53,22 @@ runs slip
 expect 0 explain --model guess.json slip?.csv $some --practical-share 0.1 --json slip.out --out slip_explained.json
 slip=$(sed -n 's/.*"slip": *\([0-9.]*\).*/\1/p' slip_explained.json)
 near "the slip" "${slip:-none}" 0.9 0.1
+
+# 125 nodes: an effect of the instrument and one of the material, each beside the other.
+for hidden in '{"id": "sensor_lag", "parameters": {"time_s": 0.08}}' \
+    '{"id": "strain_dependent_arm", "parameters": {"stiffness_per_strain": 3, "time_per_strain": 0}}'; do
+    model "$hidden" 0.49 5 >fine.json
+    model '' 0.53 5 >fine_guess.json
+    runs fine
+    expect 0 explain --model fine_guess.json fine?.csv --candidates sensor_lag,strain_dependent_arm \
+        --json fine.out --out fine_explained.json
+    grep -q '"verdict": "explained"' fine.out || fail "$hidden in 125 nodes: $(cat out)"
+    grep -q '"nodes": \[5, 5, 5\]' fine_explained.json || fail "what comes out has not 125 nodes"
+    case $hidden in
+    *lag*) near "the lag in 125 nodes" "$(sed -n 's/.*"time_s": *\([0-9.]*\).*/\1/p' fine_explained.json)" 0.08 0.03 ;;
+    *) near "beta in 125 nodes" "$(sed -n 's/.*"stiffness_per_strain": *\([0-9.]*\).*/\1/p' fine_explained.json)" 3 0.1 ;;
+    esac
+done
 
 # A network with mass has no derivatives.
 sed 's/"formulation"/"density_kg_m3": 1000, "formulation"/' guess.json >heavy.json

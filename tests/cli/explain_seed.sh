@@ -31,7 +31,7 @@ gap static.out | awk '{ exit !($2 > 2 * $3 && $2 < 0.06) }' || fail "the gap of 
 
 # A network with constant arms against one lumped material from 2 mm to 9 mm: its arms depend on strain.
 make network network
-expect 0 explain --model network/model.json network/run_*.csv --every 2 --jobs 2 \
+expect 0 explain --model network/model.json network/run_*.csv --every 2 \
     --candidates strain_dependent_arm,relaxation_arm,rate_stiffening,sensor_lag,contact_offset,frame_compliance \
     --json network.out --out network.json
 grep -q '"id": "strain_dependent_arm"' network.json || fail "constant arms: $(cat out)"
