@@ -31,7 +31,7 @@ SUITESPARSE_CFLAGS ?= -isystem /usr/include/suitesparse
 SUITESPARSE_LIBS   ?= -lcholmod -lamd -lcolamd -lsuitesparseconfig
 # -lblas, not -lopenblas: CHOLMOD calls libblas.so.3, which the system's alternatives point at one BLAS.
 # Naming OpenBLAS itself would put a second copy into the process. tools/install-deps installs OpenBLAS'
-# serial variant behind that name: no threads of its own, so a result does not depend on their number.
+# pthread variant behind that name: the serial one has no locks, and two threads that call it spoil each other's results.
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --libs lapack blas 2>/dev/null || echo -llapack -lblas)
 DEP_CFLAGS := $(SUITESPARSE_CFLAGS) $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags nlopt jansson 2>/dev/null))
 LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs nlopt jansson 2>/dev/null || echo -lnlopt -ljansson) $(BLAS_LIBS) -lpthread -lm

@@ -26,16 +26,32 @@ double explain_fitted_rms(const explain_data *data, const double *x) {
     return count > 0.0 ? sqrt(sum / count) : 0.0;
 }
 
+/* Mean of the zeros of the runs that are fitted. */
+static double common_zero(const explain_data *data, const explain_fit *fit) {
+    double sum = 0.0, count = 0.0, own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
+    for (size_t r = 0; r < data->n_runs; r++) {
+        if (data->run[r].held)
+            continue;
+        explain_own(fit, r, own, sd);
+        sum += own[0];
+        count += 1.0;
+    }
+    return count > 0.0 ? sum / count : 0.0;
+}
+
+/* A run's zero is its own, but what all have in common is a bias. */
 void explain_residual(const explain_data *data, const explain_fit *fit, const double *force, double *residual) {
+    const double common = common_zero(data, fit);
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
         const explain_run *run = &data->run[r];
         double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
         explain_own(fit, r, own, sd);
+        const double zero = run->held ? 0.0 : own[0] - common;
         for (size_t i = 0; i < run->n; i++) {
             double hum = 0.0, turn = TURN * fit->hum_Hz * run->time[i];
             if (fit->hum_Hz > 0.0)
                 hum = own[3] * sin(turn) + own[4] * cos(turn);
-            residual[at + i] = run->use[i] ? run->force[i] - force[at + i] - own[0] - hum : 0.0;
+            residual[at + i] = run->use[i] ? run->force[i] - force[at + i] - zero - hum : 0.0;
         }
     }
 }

@@ -1,4 +1,5 @@
 /* palpate.c: the command: picks the subcommand. */
+#include "blas.h"
 #include "cli.h"
 #include "commands.h"
 
@@ -55,6 +56,7 @@ static void help(FILE *to) {
 }
 
 int main(int argc, char **argv) {
+    blas_one_thread();
     if (argc < 2) {
         help(stderr);
         return CLI_USAGE;
