@@ -66,10 +66,23 @@ static double power_at(const explain_data *data, const double *y, double frequen
     return power;
 }
 
+/* Samples a second of the slowest run. */
+static double slowest_rate(const explain_data *data) {
+    double rate = HUGE_VAL;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        const explain_run *run = &data->run[r];
+        rate = fmin(rate, (double)(run->n - 1) / (run->time[run->n - 1] - run->time[0]));
+    }
+    return rate;
+}
+
 enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3 };
+static const double SLOW = 10.0; /* samples a second: with fewer any slow misfit has an alias among the mains' lines */
 
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency,
                                  double *amplitude) {
+    if (!(slowest_rate(data) >= SLOW))
+        return PALP_ERR_UNSUPPORTED;
     double *y = malloc(data->n * sizeof *y), best = 0.0, white = 0.0;
     if (!y)
         return PALP_ERR_NO_MEMORY;
@@ -205,17 +218,14 @@ static void take_off_means(const explain_run *run, double *y, double stretch) {
 
 palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak) {
     enum { LOOKED = 200 };
-    double power[LOOKED], best = 0.0, fastest = HUGE_VAL, slowest = 0.1;
+    double power[LOOKED], best = 0.0, fastest = 0.45 * slowest_rate(data), slowest = 0.1;
     double *y = malloc(data->n * sizeof *y);
     *peak = (palp_explain_peak){.at = 0.0};
     if (!y)
         return PALP_ERR_NO_MEMORY;
     memcpy(y, residual, data->n * sizeof *y);
-    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) { /* no faster than half of the slowest rate */
-        const explain_run *run = &data->run[r];
-        take_off_means(run, y + at, 10.0);
-        fastest = fmin(fastest, 0.45 * (double)(run->n - 1) / (run->time[run->n - 1] - run->time[0]));
-    }
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
+        take_off_means(&data->run[r], y + at, 10.0);
     for (int k = 0; k < LOOKED && fastest > slowest; k++) {
         double f = slowest * pow(fastest / slowest, (double)k / (LOOKED - 1));
         power[k] = power_at(data, y, f, 10.0);
