@@ -288,7 +288,8 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
     for (size_t r = 0; r < data->n_runs; r++)
         white += data->run[r].white / (double)data->n_runs;
     double expected[3] = {0.3 * white, settings->contact_scatter_m, settings->repeatability};
-    double most[3] = {fmax(2.0 * expected[0], 1.5 * data->zero_scatter), 2.0 * expected[1], fmax(2.0 * expected[2], 1.5 * data->twin_gain)};
+    double most[3] = {fmax(2.0 * expected[0], 1.5 * data->zero_scatter), 2.0 * expected[1],
+                      fmax(2.0 * expected[2], 1.5 * data->twin_gain)};
     double *scatter[3] = {&fit->scatter.zero, &fit->scatter.contact, &fit->scatter.gain};
     for (int i = 0; i < 3; i++)
         *scatter[i] = *scatter[i] > 0.0 ? *scatter[i] : expected[i];

@@ -165,6 +165,21 @@ static inline void check_slopes(const char *what, force_function *exact, force_f
 }
 
 /* Sum of 12 uniform numbers: sd 1. */
+/* 27 nodes and a stiffness law; no arms. */
+static inline palp_model cube_model(void) {
+    static const double law[] = {0.49, 0.3, 2.4}; /* N */
+    palp_model m = lumped_model(0);
+    m.kind = PALP_MODEL_NETWORK;
+    m.mesh.kind = PALP_MESH_LATTICE;
+    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
+    for (size_t k = 0; k < 3; k++) {
+        m.mesh.nodes[k] = 3;
+        m.mesh.size_m[k] = HEIGHT;
+    }
+    ck_assert_int_eq(palp_law_polynomial(3, law, &m.material.law), PALP_OK);
+    return m;
+}
+
 static inline double white_noise(uint64_t *state) {
     double sum = -6;
     for (int i = 0; i < 12; i++) {

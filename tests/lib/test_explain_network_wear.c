@@ -10,27 +10,9 @@ enum { RUNS = 4 };
 static palp_explain_input input[RUNS];
 
 static palp_model network_model(void) {
-    static const double law[] = {0.49, 0.3, 2.4}; /* N */
-    palp_model m = lumped_model(0);
-    m.kind = PALP_MODEL_NETWORK;
-    m.mesh.kind = PALP_MESH_LATTICE;
-    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
-    for (size_t k = 0; k < 3; k++) {
-        m.mesh.nodes[k] = 3;
-        m.mesh.size_m[k] = HEIGHT;
-    }
-    ck_assert_int_eq(palp_law_polynomial(3, law, &m.material.law), PALP_OK);
+    palp_model m = cube_model();
     m.material.arms[m.material.n_arms++] = (palp_arm){.stiffness_N = 0.08, .viscosity_Ns = 0.2};
     return m;
-}
-
-static double noise(uint64_t *state) {
-    double sum = -6;
-    for (int k = 0; k < 12; k++) {
-        *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-        sum += (double)(*state >> 11) * 0x1p-53;
-    }
-    return sum;
 }
 
 /* Presses and returns of one specimen, the deepest second: what comes after finds it worn. */
@@ -52,7 +34,7 @@ static void session(const palp_model *truth) {
         for (size_t i = 0; i < s.n; i++) {
             palp_experiment_column(e, "time_s")[i] = s.time_s[i];
             palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-            palp_experiment_column(e, "force_N")[i] = s.force_N[i] + 2e-3 * noise(&state);
+            palp_experiment_column(e, "force_N")[i] = s.force_N[i] + 2e-3 * white_noise(&state);
         }
         palp_experiment_set_string(e, "protocol.kind", "ramp_hold");
         palp_experiment_set_number(e, "protocol.depth_mm", depth[r]);

@@ -4,17 +4,8 @@
 #include "forward_make.h"
 
 static palp_model network_model(size_t n_arms) {
-    static const double law[] = {0.49, 0.3, 2.4}; /* N */
     static const palp_arm arms[] = {{0.08, 0.1, 0, 0}, {0.05, 0.02, 0, 0}};
-    palp_model m = lumped_model(0);
-    m.kind = PALP_MODEL_NETWORK;
-    m.mesh.kind = PALP_MESH_LATTICE;
-    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
-    for (size_t k = 0; k < 3; k++) {
-        m.mesh.nodes[k] = 3;
-        m.mesh.size_m[k] = HEIGHT;
-    }
-    ck_assert_int_eq(palp_law_polynomial(3, law, &m.material.law), PALP_OK);
+    palp_model m = cube_model();
     m.material.n_arms = n_arms;
     memcpy(m.material.arms, arms, n_arms * sizeof *arms);
     return m;
