@@ -74,15 +74,15 @@ static void find_programs(char self[PATH_MAX], char shim[PATH_MAX]) {
 }
 
 static pid_t start_host(const char *port, bool shimmed) {
-    char self[PATH_MAX], shim[PATH_MAX];
+    char self[PATH_MAX], shim[PATH_MAX], preload[PATH_MAX + 16];
     find_programs(self, shim);
+    snprintf(preload, sizeof preload, "LD_PRELOAD=%s", shim);
     pid_t child = fork();
-    if (child == 0) {
-        if (shimmed) {
-            setenv("LD_PRELOAD", shim, 1);
-            setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
-        }
-        execl(self, self, "host", port, (char *)NULL);
+    if (child == 0) { /* no setenv: the device's thread may have been in malloc */
+        if (shimmed)
+            execlp("env", "env", preload, "ASAN_OPTIONS=verify_asan_link_order=0", self, "host", port, (char *)NULL);
+        else
+            execl(self, self, "host", port, (char *)NULL);
         _exit(127);
     }
     assert_true(child > 0);
