@@ -94,7 +94,7 @@ static palp_explain_verdict judge(const explain_search *s, double floor_N, const
     return e->n_effects ? PALP_EXPLAIN_EXPLAINED : PALP_EXPLAIN_AGREES;
 }
 
-/* Takes the names back. */
+/* Takes the names back: the model is what it was before the first. */
 static void disown(palp_explanation *e) {
     for (size_t i = 0; i < e->n_effects; i++)
         for (size_t k = 0; k < e->n_suspects; k++)
@@ -122,7 +122,7 @@ static palp_status conclude(explain_search *s, double floor_N, palp_explanation 
     gap->after_N = explain_fitted_rms(&s->data, s->residual);
     double open = gap->heldout_before_N - floor_N;
     gap->closed = e->n_effects && open > 0.0 ? (gap->heldout_before_N - gap->heldout_after_N) / open : 0.0;
-    palp_status status = explain_intervals(&s->fit, &s->data, s->n_given, fmax(1.0, explain_chi2(&s->data, &s->fit)), e);
+    palp_status status = explain_intervals(s, e);
     if (status)
         return status;
     explain_keep_residual(s, e, false);
@@ -136,18 +136,19 @@ static palp_status conclude(explain_search *s, double floor_N, palp_explanation 
     e->model = s->fit.model;
     explain_add_hum(s, e);
     explain_where(&s->data, e, floor_N);
+    e->verdict = judge(s, floor_N, e);
+    bool mimics = mimicked(e, floor_N);
+    if (mimics || e->n_effects == 0)
+        disown(e);
+    if (mimics)
+        e->unexplained_N = sqrt(fmax(0.0, pow(gap->before_N, 2) - floor_N * floor_N));
+    for (size_t r = 0, at = 0; r < e->n_runs; at += e->run[r++].n)
+        memcpy(s->residual + at, e->run[r].after_N, e->run[r].n * sizeof *s->residual);
     status = explain_left_find(&s->data, s->residual, e);
-    if (status)
-        return status;
     e->event = s->data.event;
     e->n_events = s->data.n_events;
     s->data.event = NULL;
-    e->verdict = judge(s, floor_N, e);
-    if (e->verdict == PALP_EXPLAIN_UNEXPLAINED && mimicked(e, floor_N)) {
-        disown(e);
-        e->unexplained_N = sqrt(fmax(0.0, pow(e->gap.before_N, 2) - floor_N * floor_N));
-    }
-    return PALP_OK;
+    return status;
 }
 
 static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {

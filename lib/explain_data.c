@@ -189,7 +189,7 @@ static void compare_twins(explain_data *data) {
     for (size_t r = 0; r < data->n_runs; r++) {
         const explain_run *a = &data->run[r], *b = a->twin >= 0 ? &data->run[a->twin] : NULL;
         size_t n = b && b->n < a->n ? b->n : a->n;
-        if (!b || a->n + 2 < b->n || b->n + 2 < a->n)
+        if (!b || a->held || b->held || a->n + 2 < b->n || b->n + 2 < a->n)
             continue;
         if (fabs((a->time[n - 1] - a->time[0]) - (b->time[n - 1] - b->time[0])) > 0.01)
             continue;
@@ -237,7 +237,7 @@ static bool rest_force(const explain_run *run, double *mean) {
 static void compare_zeros(explain_data *data) {
     double sum = 0.0, square = 0.0, count = 0.0, zero;
     for (size_t r = 0; r < data->n_runs; r++)
-        if (rest_force(&data->run[r], &zero)) {
+        if (!data->run[r].held && rest_force(&data->run[r], &zero)) {
             sum += zero;
             square += zero * zero;
             count += 1.0;

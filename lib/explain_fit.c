@@ -214,7 +214,9 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
 /* ---- a run's own numbers, eliminated ---- */
 
 static void own_sd(const explain_fit *fit, double sd[EXPLAIN_NUISANCES]) {
-    double all[EXPLAIN_NUISANCES] = {fit->scatter.zero, fit->scatter.contact, fit->scatter.gain, fit->hum_N, fit->hum_N};
+    const explain_scatter *s = &fit->scatter;
+    double share = 1.0 / fmax(1.0, s->misfit);
+    double all[EXPLAIN_NUISANCES] = {share * s->zero, share * s->contact, share * s->gain, fit->hum_N, fit->hum_N};
     memcpy(sd, all, sizeof all);
 }
 
@@ -308,6 +310,7 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
         }
         for (int i = 0; i < 3; i++)
             *scatter[i] = fmin(sqrt(sum[i] / count), most[i]);
+        fit->scatter.misfit = sqrt(fmax(1.0, explain_chi2(data, fit)));
     }
     fit->score = explain_fit_score(fit, data);
     for (int i = 0; i < 3; i++) { /* what scatter beyond the expected costs */

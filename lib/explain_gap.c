@@ -8,6 +8,7 @@
 palp_status explain_floor(const explain_data *data, const explain_fit *fit, const double *force, double *floor_N) {
     palp_model *moved = malloc(sizeof *moved);
     double *other = malloc(data->longest * sizeof *other), slope = 0.0, load = 0.0, white = 0.0, step = 1e-6;
+    double jump = 100.0 * step * data->peak / data->deepest; /* a plate that lets go a sample earlier has no slope */
     palp_status status = moved && other ? PALP_OK : PALP_ERR_NO_MEMORY;
     explain_wear wear = {.wear.peak = 0.0};
     if (!status)
@@ -27,7 +28,8 @@ palp_status explain_floor(const explain_data *data, const explain_fit *fit, cons
         for (size_t i = 0; i < run->n && known && !status; i++) {
             if (!run->use[i])
                 continue;
-            slope += pow((other[i] - force[at + i]) / step, 2);
+            double change = other[i] - force[at + i];
+            slope += fabs(change) < jump ? pow(change / step, 2) : 0.0;
             load += force[at + i] * force[at + i];
         }
         white += run->white * run->white * (double)run->n;

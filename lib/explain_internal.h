@@ -85,9 +85,10 @@ void explain_whiten(const explain_run *run, double *x);
 
 /* ---- a model and its search coordinates (explain_fit.c) ---- */
 
-/* Scatter of the runs' own numbers: prior sds. */
+/* Scatter of the runs' own numbers. Their prior sds are that, divided by misfit: the root of chi2 per sample, from 1; so
+ * that a model's own faults, which count as many times too much, do not drive them beyond it. */
 typedef struct explain_scatter {
-    double zero, contact, gain;
+    double zero, contact, gain, misfit;
 } explain_scatter;
 
 typedef struct explain_fit {
@@ -245,8 +246,7 @@ palp_status explain_search_without(const explain_search *full, size_t i, explain
 palp_status explain_trial_again(const explain_search *full, explain_search *rest, palp_effect_id id);
 void explain_search_free(explain_search *s);
 palp_status explain_describe(explain_search *s, palp_explanation *e);
-palp_status explain_intervals(const explain_fit *fit, const explain_data *data, size_t n_given, double inflation,
-                              palp_explanation *e);
+palp_status explain_intervals(const explain_search *s, palp_explanation *e);
 /* The hum is the model's last effect; its amplitude is the mean of the runs' own. */
 void explain_add_hum(const explain_search *s, palp_explanation *e);
 

@@ -41,36 +41,161 @@ static double square_reach(const explain_fit *fit, const explain_data *data, con
     return fmax(noise, pow(student(counted - 1), 2) * between * n / (n - 1.0));
 }
 
-palp_status explain_intervals(const explain_fit *fit, const explain_data *data, size_t n_given, double inflation,
-                                  palp_explanation *e) {
+/* Half widths of all parameters' intervals for a quadratic likelihood, reach[n_columns], in search coordinates, and by
+ * how much chi2 may rise within them, rise[n_columns]; HUGE_VAL where the runs leave some open. */
+static palp_status find_reaches(const explain_fit *fit, const explain_data *data, double *reach, double *rise) {
     size_t k = fit->n_columns;
     double *h = malloc((2 * k + 2 + data->n_runs) * k * sizeof *h), chi2, logdet;
     if (!h)
         return PALP_ERR_NO_MEMORY;
     double *work = h + k * k, *unit = work + k * k + k, *gradient = unit + k;
+    double inflation = fmax(1.0, explain_chi2(data, fit));
     explain_fit_total(fit, data, h, unit, &chi2, work);
     for (size_t r = 0; r < data->n_runs; r++)
         explain_normal_of(fit, r, work, gradient + r * k, &chi2, &logdet);
-    if (explain_cholesky(h, k)) {
-        size_t at = fit->model.material.law.n + 2 * fit->model.material.n_arms;
-        for (size_t i = 0; i < fit->model.n_effects; i++)
-            for (size_t p = 0; p < palp_effect_look_up(fit->model.effects[i].id)->n_parameters; p++, at++) {
-                double reach = sqrt(square_reach(fit, data, h, gradient, at, inflation, unit));
-                reach = hypot(reach, EQUATIONS * (fit->logarithmic[at] ? 1.0 : fabs(fit->x[at])));
-                double low = fit->x[at] - reach, high = fit->x[at] + reach;
-                if (i < n_given)
-                    continue;
-                if (fit->model.effects[i].id == PALP_EFFECT_ADHESION) { /* read at the releases, not fitted */
-                    reach = 3.0 * data->run[0].white + EQUATIONS * fit->x[at];
-                    low = fmin(data->pull, fit->x[at]) - reach;
-                    high = fmax(data->pull_most, fit->x[at]) + reach;
-                }
-                e->effect[i - n_given].low[p] = fit->logarithmic[at] ? exp(low) : low;
-                e->effect[i - n_given].high[p] = fit->logarithmic[at] ? exp(high) : high;
-            }
+    bool known = explain_cholesky(h, k);
+    for (size_t i = 0; i < k; i++) {
+        double square = known ? square_reach(fit, data, h, gradient, i, inflation, unit) : HUGE_VAL;
+        reach[i] = sqrt(square);
+        rise[i] = known ? square / unit[i] : HUGE_VAL;
     }
     free(h);
     return PALP_OK;
+}
+
+/* ---- profile likelihood ---- */
+
+/* Index of the first parameter of effect i. */
+static size_t first_column(const palp_model *model, size_t i) {
+    size_t at = model->material.law.n + 2 * model->material.n_arms;
+    for (size_t j = 0; j < i; j++)
+        at += palp_effect_look_up(model->effects[j].id)->n_parameters;
+    return at;
+}
+
+static const double WIDE = 0.3; /* of a parameter: half widths beyond which the likelihood is followed */
+
+/* One end of a parameter's interval: where the best chi2 of all fits with that parameter held rises by so much. */
+typedef struct interval_end {
+    size_t at;
+    double sign, reach, rise; /* reach: first that of a quadratic likelihood */
+    palp_status status;
+} interval_end;
+
+typedef struct interval_work {
+    const explain_search *search;
+    double chi2; /* of the best fit */
+    interval_end end[2 * PALP_EXPLAIN_EFFECTS * PALP_EFFECT_PARAMETERS];
+} interval_work;
+
+/* chi2 of the best fit near *fit whose parameter at is x, HUGE_VAL if there is none. */
+static palp_status held_chi2(explain_fit *fit, const explain_data *data, size_t at, double x, double *chi2) {
+    fit->low[at] = fit->high[at] = fit->x[at] = x;
+    palp_status status = explain_fit_to_model(fit);
+    if (!status)
+        status = explain_fit_products(fit, data, NULL);
+    if (!status)
+        status = explain_fit_improve(fit, data, 8);
+    *chi2 = status ? HUGE_VAL : explain_chi2(data, fit) * (double)explain_samples(data);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* The root of the rise grows about as the distance: secants on it, from the last fit that was found. */
+static palp_status find_end(const interval_work *w, interval_end *end, explain_fit *fit) {
+    const explain_data *data = &w->search->data;
+    double centre = fit->x[end->at], wanted = sqrt(end->rise), d = end->reach, chi2;
+    double bound = end->sign < 0.0 ? centre - fit->low[end->at] : fit->high[end->at] - centre;
+    double low = 0.0, low_root = 0.0, high = HUGE_VAL, high_root = HUGE_VAL;
+    for (int step = 0; step < 8; step++) {
+        d = fmin(d, bound);
+        palp_status status = held_chi2(fit, data, end->at, centre + end->sign * d, &chi2);
+        if (status)
+            return status;
+        double root = fmin(4.0 * wanted, sqrt(fmax(0.0, chi2 - w->chi2)));
+        end->reach = d;
+        if (fabs(root - wanted) < 0.03 * wanted || (root < wanted && d >= bound))
+            return PALP_OK;
+        if (root < wanted) {
+            low = d;
+            low_root = root;
+        } else {
+            high = d;
+            high_root = root;
+        }
+        double share = (wanted - low_root) / (high_root - low_root);
+        d = high < HUGE_VAL ? low + fmin(0.9, fmax(0.1, share)) * (high - low)
+                            : d * fmin(3.0, fmax(1.1, wanted / fmax(root, 1e-9 * wanted)));
+    }
+    end->reach = d;
+    return PALP_OK;
+}
+
+static void end_task(void *user, size_t i) {
+    interval_work *w = user;
+    explain_fit fit;
+    w->end[i].status = explain_fit_copy(&w->search->fit, w->search->data.n_runs, &fit);
+    if (!w->end[i].status)
+        w->end[i].status = find_end(w, &w->end[i], &fit);
+    explain_fit_free(&fit);
+}
+
+/* Narrows or widens below[n_columns] and above[n_columns] of the added effects' parameters where they are wide. A
+ * network's fits are too dear. */
+static palp_status follow_likelihood(const explain_search *s, const double *rise, double *below, double *above) {
+    const explain_fit *fit = &s->fit;
+    size_t n = 0, columns = fit->n_columns;
+    interval_work *w = calloc(1, sizeof *w);
+    palp_status status = w ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t k = first_column(&fit->model, s->n_given); k < columns && !status; k++) {
+        double size = fit->logarithmic[k] ? 1.0 : fabs(fit->x[k]);
+        bool free_to_move = fit->low[k] < fit->high[k] && isfinite(rise[k]);
+        if (fit->model.kind == PALP_MODEL_NETWORK || !free_to_move || !(below[k] > WIDE * size))
+            continue;
+        w->end[n++] = (interval_end){.at = k, .sign = -1.0, .reach = below[k], .rise = rise[k]};
+        w->end[n++] = (interval_end){.at = k, .sign = 1.0, .reach = above[k], .rise = rise[k]};
+    }
+    if (n > 0) {
+        w->search = s;
+        w->chi2 = explain_chi2(&s->data, fit) * (double)explain_samples(&s->data);
+        if (s->settings->loop)
+            s->settings->loop(s->settings->loop_user, n, end_task, w);
+        for (size_t i = 0; i < n && !s->settings->loop; i++)
+            end_task(w, i);
+    }
+    for (size_t i = 0; i < n && !status; i++) {
+        status = w->end[i].status;
+        *(w->end[i].sign < 0.0 ? &below[w->end[i].at] : &above[w->end[i].at]) = w->end[i].reach;
+    }
+    free(w);
+    return status;
+}
+
+palp_status explain_intervals(const explain_search *s, palp_explanation *e) {
+    const explain_fit *fit = &s->fit;
+    const explain_data *data = &s->data;
+    double below[EXPLAIN_COLUMNS], above[EXPLAIN_COLUMNS], rise[EXPLAIN_COLUMNS];
+    palp_status status = find_reaches(fit, data, below, rise);
+    if (status)
+        return status;
+    memcpy(above, below, fit->n_columns * sizeof *above);
+    status = follow_likelihood(s, rise, below, above);
+    size_t at = first_column(&fit->model, s->n_given);
+    for (size_t i = s->n_given; i < fit->model.n_effects && !status; i++) {
+        palp_effect_id id = fit->model.effects[i].id;
+        for (size_t p = 0; p < palp_effect_look_up(id)->n_parameters; p++, at++) {
+            double least = EQUATIONS * (fit->logarithmic[at] ? 1.0 : fabs(fit->x[at]));
+            double low = fmax(fit->low[at], fit->x[at] - hypot(below[at], least));
+            double high = fmin(fit->high[at], fit->x[at] + hypot(above[at], least));
+            if (id == PALP_EFFECT_ADHESION) { /* read at the releases, not fitted */
+                double read = 3.0 * data->run[0].white + EQUATIONS * fit->x[at];
+                low = fmin(data->pull, fit->x[at]) - read;
+                high = fmax(data->pull_most, fit->x[at]) + read;
+            }
+            e->effect[i - s->n_given].low[p] = fit->logarithmic[at] ? exp(low) : low;
+            e->effect[i - s->n_given].high[p] = fit->logarithmic[at] ? exp(high) : high;
+        }
+    }
+    return status;
 }
 
 /* The hum is the model's last effect; its amplitude is the mean of the runs' own. */

@@ -55,7 +55,7 @@ static size_t find_pieces(const explain_data *data, piece *list) {
     for (size_t r = 0; r < data->n_runs; r++) {
         const explain_run *run = &data->run[r];
         double still = 1e-4 * data->deepest;
-        for (size_t i = 0; i < run->n;) {
+        for (size_t i = 0; i < run->n && !run->held;) {
             size_t end = i + 1;
             while (end < run->n && fabs(run->depth[end] - run->depth[i]) < 1e-7 + 1e-3 * still)
                 end++;

@@ -53,6 +53,8 @@ void explain_where(const explain_data *data, palp_explanation *e, double floor_N
             if (!(sum[p] > 0.0))
                 continue;
             total += sum[p];
+            if (e->n_where == PALP_EXPLAIN_WHERE && e->where[PALP_EXPLAIN_WHERE - 1].share >= sum[p])
+                continue;
             size_t i = e->n_where < PALP_EXPLAIN_WHERE ? e->n_where++ : PALP_EXPLAIN_WHERE - 1;
             for (; i > 0 && e->where[i - 1].share < sum[p]; i--)
                 e->where[i] = e->where[i - 1];

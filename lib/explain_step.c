@@ -73,6 +73,7 @@ static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_
     double floor_N = 0.0;
     palp_effect_id id = explain_added(s, i).id;
     palp_status status = explain_search_without(s, i, &rest);
+    bool runs = status != PALP_ERR_NOT_CONVERGED; /* the model without it */
     if (!status)
         status = explain_trial_again(s, &rest, id);
     if (!status)
@@ -89,7 +90,7 @@ static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_
         status = explain_settle(s);
     }
     explain_search_free(&rest);
-    return status == PALP_ERR_NOT_CONVERGED ? PALP_OK : status;
+    return runs ? status : PALP_OK;
 }
 
 palp_status explain_drop(explain_search *s, double threshold, palp_effect_id *dropped) {

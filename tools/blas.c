@@ -1,9 +1,9 @@
 /* blas.c: see blas.h. */
 #define _POSIX_C_SOURCE 200809L
 #include "blas.h"
+#include "cli.h"
 
 #include <dlfcn.h>
-#include <stddef.h>
 
 typedef void (*any_function)(void);
 
@@ -27,7 +27,11 @@ void blas_one_thread(void) {
     }
 }
 
-bool blas_has_locks(void) {
+size_t blas_jobs(const char *name, size_t wanted) {
     int (*parallel)(void) = (int (*)(void))find("openblas_get_parallel");
-    return !parallel || parallel() != 0;
+    if (wanted < 2 || !parallel || parallel() != 0) {
+        return wanted;
+    }
+    cli_warning(name, "one job at a time: this OpenBLAS has no locks (install libopenblas0-pthread)");
+    return 1;
 }

@@ -2,13 +2,14 @@
 #ifndef BLAS_H
 #define BLAS_H
 
-#include <stdbool.h>
+#include <stddef.h>
 
 /* OpenBLAS starts no threads of its own from here on: a result does not depend on their number. */
 void blas_one_thread(void);
 
-/* Whether several threads may call it. OpenBLAS without threads of its own is built without locks too (Debian's serial
- * variant, 0.3.21): threads that call it at once spoil each other's scratch memory. */
-bool blas_has_locks(void);
+/* How many threads of a command (its name) may call it: wanted, or 1 with a warning where BLAS has no locks. OpenBLAS
+ * without threads of its own is built without them (Debian's serial variant, 0.3.21): threads that call it at once spoil
+ * each other's scratch memory. */
+size_t blas_jobs(const char *name, size_t wanted);
 
 #endif

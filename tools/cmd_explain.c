@@ -1,4 +1,5 @@
 /* cmd_explain.c: palpate explain: what a model misses in measured runs, named, added, and what is left then. */
+#include "blas.h"
 #include "commands.h"
 #include "explain.h"
 #include "json_out.h"
@@ -144,6 +145,7 @@ static int explain(explain_options *o, palp_model *model, palp_explain_input *in
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
     palp_error error = {PALP_OK, ""};
+    o->jobs = blas_jobs(NAME, o->jobs);
     s.max_effects = o->max_effects;
     s.false_alarm = o->false_alarm;
     s.practical_share = o->share;

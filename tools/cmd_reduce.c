@@ -1,5 +1,6 @@
 /* cmd_reduce.c: palpate reduce: a model of few coordinates and few elements that follows a large network. */
 #define _POSIX_C_SOURCE 200809L
+#include "blas.h"
 #include "commands.h"
 #include "explain.h"
 #include "json_out.h"
@@ -333,6 +334,7 @@ int cmd_reduce(int argc, char **argv) {
     if (code) {
         return code == CLI_HELP ? CLI_OK : code;
     }
+    o.jobs = blas_jobs(NAME, o.jobs);
     reduction *r = calloc(1, sizeof *r);
     if (!r) {
         return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));

@@ -1,6 +1,5 @@
 /* explain_jobs.c: tasks on several threads; which thread runs a task makes no difference to its result. */
 #define _POSIX_C_SOURCE 200809L
-#include "blas.h"
 #include "explain.h"
 
 #include <pthread.h>
@@ -28,7 +27,7 @@ static void *worker(void *user) {
 }
 
 void explain_jobs(void *user, size_t n, void (*task)(void *work, size_t i), void *work) {
-    size_t jobs = blas_has_locks() ? *(const size_t *)user : 1, started = 0;
+    size_t jobs = *(const size_t *)user, started = 0;
     pthread_t thread[THREADS_MAX];
     queue q = {.n = n, .task = task, .work = work};
     pthread_mutex_init(&q.lock, NULL);

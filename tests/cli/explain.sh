@@ -49,6 +49,21 @@ grep -v '"command"' once >a
 grep -v '"command"' bias.out >b
 cmp a b || fail "the number of jobs changes the answer"
 
+# With a BLAS without locks (Debian's serial one, where it is installed) it is one job, and said so.
+serial=$(echo /usr/lib/*/openblas-serial)
+if [ -d "$serial" ] && LD_LIBRARY_PATH=$serial ldd "$PALPATE" | grep -q "$serial"; then
+    LD_LIBRARY_PATH=$serial
+    export LD_LIBRARY_PATH
+    expect 0 explain --model guess.json bias?.csv --candidates sensor_bias,toe_region --jobs 2 --json two.out
+    grep -q "one job at a time" err || fail "two threads call a BLAS without locks: $(cat err)"
+    expect 0 explain --model guess.json bias?.csv --candidates sensor_bias,toe_region --json one.out
+    grep -q "one job" err && fail "a word about locks for one job"
+    unset LD_LIBRARY_PATH
+    grep -v '"command"' one.out >a
+    grep -v '"command"' two.out >b
+    cmp a b || fail "the number of jobs changes the answer of the serial BLAS"
+fi
+
 # One sample in three by the option is one in three by hand.
 mkdir thin
 for n in 1 2 3 4; do

@@ -123,6 +123,26 @@ START_TEST(a_hidden_effect_is_named) {
 }
 END_TEST
 
+/* Beside the given arm one of 6 s is a banana: a parabola's interval would hold zero, the likelihood's does not. */
+START_TEST(an_interval_follows_the_likelihood) {
+    palp_model truth = with(PALP_EFFECT_RELAXATION_ARM, 0.13);
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    s.practical_share = 0.02;
+    truth.effects[0].value[1] = 6;
+    session(&truth);
+    explain(&s, &e);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_RELAXATION_ARM);
+    const double *value = e.effect[0].effect.value, *low = e.effect[0].low, *high = e.effect[0].high;
+    ck_assert_double_gt(low[0], 0.3 * value[0]);
+    ck_assert_double_gt(high[0] - value[0], 1.5 * (value[0] - low[0]));
+    ck_assert(low[0] < 0.13 && 0.13 < high[0] && low[1] < 6 && 6 < high[1]);
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
 /* One specimen keeps its damage from run to run; the files tell by their times, whatever their order. */
 START_TEST(damage_lasts_for_the_session) {
     palp_model truth = with(PALP_EFFECT_DAMAGE_SOFTENING, 0.3);
@@ -317,6 +337,7 @@ int main(void) {
     tcase_set_timeout(t, 120);
     tcase_add_test(t, nothing_hidden_nothing_named);
     tcase_add_loop_test(t, a_hidden_effect_is_named, 0, 3);
+    tcase_add_test(t, an_interval_follows_the_likelihood);
     tcase_add_test(t, the_order_of_the_tasks_changes_no_bit);
     tcase_add_test(t, a_run_held_out_is_not_fitted);
     tcase_add_test(t, damage_lasts_for_the_session);
