@@ -229,6 +229,8 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
     if (!status)
         status = search(s, e, seen);
     if (!status)
+        status = explain_keep_given_arms(s);
+    if (!status)
         status = explain_describe(s, e);
     e->gap.heldout_after_N = e->gap.heldout_before_N;
     if (!status && s->taken_gain != 0.0) /* else the fit is the same */

@@ -235,6 +235,8 @@ size_t explain_best_trial(const explain_search *s, double threshold, const bool 
 palp_status explain_take(explain_search *s, size_t i);
 /* Takes out an effect that would not be added again beside the others; PALP_EFFECT_COUNT: there is none. */
 palp_status explain_drop(explain_search *s, double threshold, palp_effect_id *dropped);
+/* Of two arms either may have been added; the one nearer to a given arm takes that one's place. */
+palp_status explain_keep_given_arms(explain_search *s);
 
 /* ---- what was accepted (explain_describe.c, explain_interval.c, explain_result.c) ---- */
 

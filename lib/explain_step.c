@@ -100,3 +100,68 @@ palp_status explain_drop(explain_search *s, double threshold, palp_effect_id *dr
         status = drop_one(s, i, threshold, dropped);
     return status;
 }
+
+/* ---- which arm is the added one ---- */
+
+static double strangeness(double time, double given_time) { return fabs(log(time / given_time)); }
+
+/* A given arm and added effect i that should change places: the given one then is nearer to what it was given. */
+static size_t arm_to_swap(const explain_search *s, const palp_effect *added) {
+    const palp_material *now = &s->fit.model.material, *given = &s->data.given->material;
+    size_t best = PALP_ARMS_MAX;
+    double most = 0.0;
+    for (size_t j = 0; j < now->n_arms && j < given->n_arms; j++) {
+        double was = given->arms[j].viscosity_Ns / given->arms[j].stiffness_N,
+               is = now->arms[j].viscosity_Ns / now->arms[j].stiffness_N;
+        double nearer = strangeness(is, was) - strangeness(added->value[1], was);
+        if (nearer > most) {
+            most = nearer;
+            best = j;
+        }
+    }
+    return best;
+}
+
+/* Exchanges them if the forces stay the same: no effect acts on one of them alone. */
+static palp_status swap_arm(explain_search *s, size_t i, size_t j, bool *done) {
+    explain_fit swapped;
+    palp_model *model = malloc(sizeof *model);
+    *done = false;
+    if (!model)
+        return PALP_ERR_NO_MEMORY;
+    *model = s->fit.model;
+    palp_arm *arm = &model->material.arms[j];
+    double *added = model->effects[i].value, stiffness = added[0], viscosity = added[0] * added[1];
+    added[0] = arm->stiffness_N;
+    added[1] = arm->viscosity_Ns / arm->stiffness_N;
+    arm->stiffness_N = stiffness;
+    arm->viscosity_Ns = viscosity;
+    palp_status status = explain_fit_create(model, &s->data, &swapped);
+    free(model);
+    swapped.scatter = s->fit.scatter;
+    swapped.hum_Hz = s->fit.hum_Hz;
+    swapped.hum_N = s->fit.hum_N;
+    if (!status)
+        status = explain_fit_products(&swapped, &s->data, NULL);
+    *done = !status && swapped.score > explain_fit_score(&s->fit, &s->data) - 1.0;
+    explain_fit_free(*done ? &s->fit : &swapped);
+    if (*done) {
+        s->fit = swapped;
+        return explain_settle(s);
+    }
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+palp_status explain_keep_given_arms(explain_search *s) {
+    palp_status status = PALP_OK;
+    for (size_t i = s->n_given; i < s->fit.model.n_effects && !status; i++) {
+        bool done = s->fit.model.effects[i].id == PALP_EFFECT_RELAXATION_ARM && s->fit.model.effects[i].value[0] > 0.0;
+        for (size_t k = 0; k < s->fit.model.material.n_arms && done && !status; k++) {
+            size_t j = arm_to_swap(s, &s->fit.model.effects[i]);
+            done = j < PALP_ARMS_MAX;
+            if (done)
+                status = swap_arm(s, i, j, &done);
+        }
+    }
+    return status;
+}

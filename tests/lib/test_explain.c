@@ -143,6 +143,26 @@ START_TEST(an_interval_follows_the_likelihood) {
 }
 END_TEST
 
+/* The plain fit's arm goes to the hidden one, which is stronger; what is called added is the hidden one all the same. */
+START_TEST(the_added_arm_is_the_hidden_one) {
+    palp_model truth = with(PALP_EFFECT_RELAXATION_ARM, 4);
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    truth.effects[0].value[1] = 1.5;
+    session(&truth);
+    explain(&s, &e);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_RELAXATION_ARM);
+    ck_assert_double_eq_tol(e.effect[0].effect.value[0], 4, 0.04);
+    ck_assert_double_eq_tol(e.effect[0].effect.value[1], 1.5, 0.02);
+    const palp_arm *arm = &e.model.material.arms[0], *was = &truth.material.arms[0];
+    ck_assert_double_eq_tol(arm->stiffness_N, was->stiffness_N, 0.02 * was->stiffness_N);
+    ck_assert_double_eq_tol(arm->viscosity_Ns, was->viscosity_Ns, 0.02 * was->viscosity_Ns);
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
 /* One specimen keeps its damage from run to run; the files tell by their times, whatever their order. */
 START_TEST(damage_lasts_for_the_session) {
     palp_model truth = with(PALP_EFFECT_DAMAGE_SOFTENING, 0.3);
@@ -337,6 +357,7 @@ int main(void) {
     tcase_set_timeout(t, 120);
     tcase_add_test(t, nothing_hidden_nothing_named);
     tcase_add_loop_test(t, a_hidden_effect_is_named, 0, 3);
+    tcase_add_test(t, the_added_arm_is_the_hidden_one);
     tcase_add_test(t, an_interval_follows_the_likelihood);
     tcase_add_test(t, the_order_of_the_tasks_changes_no_bit);
     tcase_add_test(t, a_run_held_out_is_not_fitted);
