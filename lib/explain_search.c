@@ -26,7 +26,7 @@ double explain_fitted_rms(const explain_data *data, const double *x) {
     return count > 0.0 ? sqrt(sum / count) : 0.0;
 }
 
-/* Mean of the zeros of the runs that are fitted. */
+/* Mean of the zeros of the runs that are fitted; none where the air shows that they wander as far. */
 static double common_zero(const explain_data *data, const explain_fit *fit) {
     double sum = 0.0, count = 0.0, own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
     for (size_t r = 0; r < data->n_runs; r++) {
@@ -36,7 +36,8 @@ static double common_zero(const explain_data *data, const explain_fit *fit) {
         sum += own[0];
         count += 1.0;
     }
-    return count > 0.0 ? sum / count : 0.0;
+    double mean = count > 0.0 ? sum / count : 0.0;
+    return fabs(mean) > 3.0 * data->zero_scatter ? mean : 0.0;
 }
 
 /* A run's zero is its own, but what all have in common is a bias. */
