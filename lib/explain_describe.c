@@ -28,11 +28,10 @@ static palp_status without(const explain_fit *fit, const explain_data *data, siz
     for (size_t i = n_given + skip; !hum && i + 1 < model->n_effects; i++)
         model->effects[i] = model->effects[i + 1];
     model->n_effects -= !hum;
-    palp_status status = explain_fit_create(model, data, less);
+    palp_status status = explain_fit_beside(fit, model, data, less);
     free(model);
-    less->scatter = fit->scatter;
-    less->hum_Hz = hum ? 0.0 : fit->hum_Hz;
-    less->hum_N = hum ? 0.0 : fit->hum_N;
+    if (hum)
+        less->hum_Hz = less->hum_N = 0.0;
     return status;
 }
 
@@ -107,13 +106,10 @@ static palp_status stand_in(const place *p, size_t c, explain_fit *fit) {
     if (at + 1 == model->n_effects)
         model->material = found->material;
     model->effects[at] = found->effects[found->n_effects - 1];
-    palp_status status = explain_fit_create(model, &full->data, fit);
+    palp_status status = explain_fit_beside(&full->fit, model, &full->data, fit);
     free(model);
     if (status)
         return status;
-    fit->scatter = full->fit.scatter;
-    fit->hum_Hz = full->fit.hum_Hz;
-    fit->hum_N = full->fit.hum_N;
     status = explain_fit_products(fit, &full->data, NULL);
     if (!status)
         status = explain_fit_improve(fit, &full->data, 4);

@@ -72,6 +72,22 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     return PALP_OK;
 }
 
+palp_status explain_fit_beside(const explain_fit *base, const palp_model *model, const explain_data *data,
+                               explain_fit *fit) {
+    palp_status status = explain_fit_create(model, data, fit);
+    fit->scatter = base->scatter;
+    fit->hum_Hz = base->hum_Hz;
+    fit->hum_N = base->hum_N;
+    return status;
+}
+
+size_t explain_first_column(const palp_model *model, size_t i) {
+    size_t at = model->material.law.n + 2 * model->material.n_arms;
+    for (size_t j = 0; j < i; j++)
+        at += palp_effect_look_up(model->effects[j].id)->n_parameters;
+    return at;
+}
+
 void explain_fit_free(explain_fit *fit) {
     free(fit->product);
     memset(fit, 0, sizeof *fit);
@@ -111,9 +127,7 @@ static palp_status augment(const palp_model *model, palp_model *full, size_t *of
             return PALP_ERR_LIMIT;
         if (i == full->n_effects)
             palp_effect_default(own[k], &full->effects[full->n_effects++]);
-        found[k] = full->material.law.n + 2 * full->material.n_arms;
-        for (size_t j = 0; j < i; j++)
-            found[k] += palp_effect_look_up(full->effects[j].id)->n_parameters;
+        found[k] = explain_first_column(full, i);
     }
     *offset = found[0];
     *gain = found[1];

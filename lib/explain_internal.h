@@ -104,6 +104,10 @@ typedef struct explain_fit {
 } explain_fit;
 
 palp_status explain_fit_create(const palp_model *model, const explain_data *data, explain_fit *fit);
+/* The same for another model, with base's scatter and hum. */
+palp_status explain_fit_beside(const explain_fit *base, const palp_model *model, const explain_data *data,
+                               explain_fit *fit);
+size_t explain_first_column(const palp_model *model, size_t i); /* index of the first parameter of effect i */
 void explain_fit_free(explain_fit *fit);
 palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to);
 

@@ -65,14 +65,6 @@ static palp_status find_reaches(const explain_fit *fit, const explain_data *data
 
 /* ---- profile likelihood ---- */
 
-/* Index of the first parameter of effect i. */
-static size_t first_column(const palp_model *model, size_t i) {
-    size_t at = model->material.law.n + 2 * model->material.n_arms;
-    for (size_t j = 0; j < i; j++)
-        at += palp_effect_look_up(model->effects[j].id)->n_parameters;
-    return at;
-}
-
 static const double WIDE = 0.3; /* of a parameter: half widths beyond which the likelihood is followed */
 
 /* One end of a parameter's interval: where the best chi2 of all fits with that parameter held rises by so much. */
@@ -146,7 +138,7 @@ static palp_status follow_likelihood(const explain_search *s, const double *rise
     size_t n = 0, columns = fit->n_columns;
     interval_work *w = calloc(1, sizeof *w);
     palp_status status = w ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (size_t k = first_column(&fit->model, s->n_given); k < columns && !status; k++) {
+    for (size_t k = explain_first_column(&fit->model, s->n_given); k < columns && !status; k++) {
         double size = fit->logarithmic[k] ? 1.0 : fabs(fit->x[k]);
         bool free_to_move = fit->low[k] < fit->high[k] && isfinite(rise[k]);
         if (fit->model.kind == PALP_MODEL_NETWORK || !free_to_move || !(below[k] > WIDE * size))
@@ -179,7 +171,7 @@ palp_status explain_intervals(const explain_search *s, palp_explanation *e) {
         return status;
     memcpy(above, below, fit->n_columns * sizeof *above);
     status = follow_likelihood(s, rise, below, above);
-    size_t at = first_column(&fit->model, s->n_given);
+    size_t at = explain_first_column(&fit->model, s->n_given);
     for (size_t i = s->n_given; i < fit->model.n_effects && !status; i++) {
         palp_effect_id id = fit->model.effects[i].id;
         for (size_t p = 0; p < palp_effect_look_up(id)->n_parameters; p++, at++) {

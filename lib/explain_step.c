@@ -136,11 +136,8 @@ static palp_status swap_arm(explain_search *s, size_t i, size_t j, bool *done) {
     added[1] = arm->viscosity_Ns / arm->stiffness_N;
     arm->stiffness_N = stiffness;
     arm->viscosity_Ns = viscosity;
-    palp_status status = explain_fit_create(model, &s->data, &swapped);
+    palp_status status = explain_fit_beside(&s->fit, model, &s->data, &swapped);
     free(model);
-    swapped.scatter = s->fit.scatter;
-    swapped.hum_Hz = s->fit.hum_Hz;
-    swapped.hum_N = s->fit.hum_N;
     if (!status)
         status = explain_fit_products(&swapped, &s->data, NULL);
     *done = !status && swapped.score > explain_fit_score(&s->fit, &s->data) - 1.0;

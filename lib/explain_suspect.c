@@ -102,13 +102,10 @@ static palp_status added_at(const explain_fit *base, const explain_data *data, c
         return PALP_ERR_NO_MEMORY;
     *model = base->model;
     model->effects[model->n_effects++] = *effect;
-    palp_status status = explain_fit_create(model, data, fit);
+    palp_status status = explain_fit_beside(base, model, data, fit);
     free(model);
     if (status)
         return status;
-    fit->scatter = base->scatter;
-    fit->hum_Hz = base->hum_Hz;
-    fit->hum_N = base->hum_N;
     if (back)
         status = go_back(fit, data);
     if (!status)

@@ -1,6 +1,7 @@
 #!/bin/sh
 # explain_measured.sh: two specimens of a rubber as others measured them: a model's own faults are not taken for what
-# differs from run to run, so the refit leaves no more than the fit of palpate characterize; nothing is named. check: once
+# differs from run to run, so the refit leaves little more than the fit of palpate characterize, which weighs all
+# samples alike; nothing is named. check: once
 . tests/cli/common
 
 expect 0 import "$ROOT"/data/measured/ecoflex/*.csv --out ecoflex

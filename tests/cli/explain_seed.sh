@@ -13,7 +13,7 @@ gap() { echo "$(value "$1" heldout_after_N) $(value "$1" heldout_before_N) $(val
 # parameter MODEL KEY: of its first effect
 parameter() { sed -n "s/.*\"$2\": *\([-0-9.e]*\).*/\1/p" "$1" | tail -n 1; }
 
-# N = 1 against the curves of Table 4.3: a second relaxation time, that of the table's second arm.
+# N = 1 against the curves of Table 4.3: a second relaxation time, that of the table's second arm; then the noise, 4 mN.
 make second second-arm --depth-mm 6
 expect 0 explain --model second/model.json second/run_*.csv --candidates relaxation_arm,sensor_drift,sensor_lag,rate_stiffening \
     --json second.out --out second.json
@@ -21,7 +21,7 @@ grep -q '"id": "relaxation_arm"' second.json || fail "no second relaxation time:
 set -- $(grep '^6,' "$DATA/table_4_3.csv" | tr , ' ')
 near "its time" "$(parameter second.json time_s)" "$(awk "BEGIN { print $5 / $4 }")" 0.03
 near "its stiffness" "$(sed -n 's/.*"parameters": {"stiffness_N": *\([0-9.]*\).*/\1/p' second.json)" "$4" 0.03
-gap second.out | awk '{ exit !($1 < $3 && $2 > 3 * $3) }' || fail "the gap of N = 1: $(gap second.out)"
+gap second.out | awk '{ exit !($1 < 0.0042 && $2 > 3 * $3) }' || fail "the gap of N = 1: $(gap second.out)"
 
 # Static loading and holds by one law: something is left that no effect of the catalogue accounts for.
 make static static

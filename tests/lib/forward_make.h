@@ -164,7 +164,6 @@ static inline void check_slopes(const char *what, force_function *exact, force_f
     }
 }
 
-/* Sum of 12 uniform numbers: sd 1. */
 /* 27 nodes and a stiffness law; no arms. */
 static inline palp_model cube_model(void) {
     static const double law[] = {0.49, 0.3, 2.4}; /* N */
@@ -180,6 +179,7 @@ static inline palp_model cube_model(void) {
     return m;
 }
 
+/* Sum of 12 uniform numbers: sd 1. */
 static inline double white_noise(uint64_t *state) {
     double sum = -6;
     for (int i = 0; i < 12; i++) {

@@ -70,6 +70,12 @@ static palp_model with(palp_effect_id id, double strength) {
     return m;
 }
 
+static palp_model shaped(palp_effect_id id, double strength, double shape) {
+    palp_model m = with(id, strength);
+    m.effects[0].value[1] = shape;
+    return m;
+}
+
 static palp_model guess(void) { /* ten per cent off */
     palp_model m = lumped_model(1);
     ck_assert_int_eq(palp_law_scale(&m.material.law, 1.1, &m.material.law), PALP_OK);
@@ -125,11 +131,10 @@ END_TEST
 
 /* Beside the given arm one of 6 s is a banana: a parabola's interval would hold zero, the likelihood's does not. */
 START_TEST(an_interval_follows_the_likelihood) {
-    palp_model truth = with(PALP_EFFECT_RELAXATION_ARM, 0.13);
+    palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.13, 6);
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
     s.practical_share = 0.02;
-    truth.effects[0].value[1] = 6;
     session(&truth);
     explain(&s, &e);
     ck_assert_uint_eq(e.n_effects, 1);
@@ -145,10 +150,9 @@ END_TEST
 
 /* The plain fit's arm goes to the hidden one, which is stronger; what is called added is the hidden one all the same. */
 START_TEST(the_added_arm_is_the_hidden_one) {
-    palp_model truth = with(PALP_EFFECT_RELAXATION_ARM, 4);
+    palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 4, 1.5);
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
-    truth.effects[0].value[1] = 1.5;
     session(&truth);
     explain(&s, &e);
     ck_assert_uint_eq(e.n_effects, 1);
@@ -165,10 +169,9 @@ END_TEST
 
 /* One specimen keeps its damage from run to run; the files tell by their times, whatever their order. */
 START_TEST(damage_lasts_for_the_session) {
-    palp_model truth = with(PALP_EFFECT_DAMAGE_SOFTENING, 0.3);
+    palp_model truth = shaped(PALP_EFFECT_DAMAGE_SOFTENING, 0.3, 0.5);
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
-    truth.effects[0].value[1] = 0.5;
     session(&truth);
     palp_explain_input last = input[RUNS - 1];
     input[RUNS - 1] = input[1];
@@ -213,12 +216,11 @@ static double apart(const palp_model *a, const palp_model *b, const samples *pat
 
 START_TEST(the_next_run_tells_more_than_those_at_hand) {
     static samples path;
-    palp_model truth = with(PALP_EFFECT_RELAXATION_ARM, 0.065), m = guess(); /* so weak that others do as well */
+    palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.065, 6), m = guess(); /* so weak that others do as well */
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e, other;
     palp_error error;
     s.practical_share = 0.02;
-    truth.effects[0].value[1] = 6;
     session(&truth);
     ck_assert_int_eq(palp_explain(&m, 3, input, &s, &e, &error), PALP_OK);
     ck_assert_int_eq(e.verdict, PALP_EXPLAIN_AMBIGUOUS);
