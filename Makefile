@@ -58,9 +58,9 @@ ALL_CFLAGS   := -std=c99 -fPIC -fvisibility=hidden $(FLOAT) $(WARNINGS) $(CFLAGS
 ALL_LDFLAGS  := -Wl,--as-needed $(SAN) $(LDFLAGS)
 
 # ---- files ---------------------------------------------------------------------------------------
-LIB_SRC    := $(wildcard lib/*.c)
-TOOL_SRC   := $(wildcard tools/*.c)
-LIB_TESTS  := $(wildcard tests/lib/test_*.c)
+LIB_SRC    := $(wildcard lib/*.c lib/*/*.c)
+TOOL_SRC   := $(wildcard tools/*.c tools/*/*.c)
+LIB_TESTS  := $(wildcard tests/lib/test_*.c tests/lib/*/test_*.c)
 TOOL_TESTS := $(wildcard tests/tools/test_*.c)
 CORE_SRC   := $(wildcard firmware/core/*.c) firmware/board/plant_link.c
 CORE_TESTS := $(wildcard tests/firmware/test_*.c)
@@ -111,7 +111,8 @@ FIRMWARE_FLAGS := -Ifirmware/core -Ifirmware/board
 $(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS)
 # The firmware's own code as this machine runs it; the images for the board are firmware.mk's.
 $(BUILD)/obj/firmware/%.o: EXTRA := $(FIRMWARE_FLAGS)
-$(BUILD)/obj/tests/lib/%.o $(BUILD)/obj/bench/%.o: EXTRA := -Ilib
+$(BUILD)/obj/tests/lib/%.o: EXTRA := -Ilib -Itests/lib
+$(BUILD)/obj/bench/%.o: EXTRA := -Ilib
 $(BUILD)/obj/examples/poke/%.o: EXTRA := $(GLFW_CFLAGS)
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -170,7 +171,7 @@ $(POKE): $(call obj,$(POKE_SRC)) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(GLFW_LIBS))
 
-ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/lib/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
+ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/lib/*.c tests/lib/*/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
 -include $(patsubst %.o,%.d,$(call obj,$(ALL_SRC)))
 
 -include firmware/firmware.mk

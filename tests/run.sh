@@ -62,7 +62,7 @@ build() { # label variables and targets...
 add() { printf '%s\t%s\n' "$1" "$2" >>"$logs/list"; }
 tagged() { head -n 10 "$1" | grep -q "check: $2"; }
 programs() { # label folder: its test programs
-    for t in tests/lib/test_*.c tests/tools/test_*.c tests/firmware/test_*.c; do
+    for t in tests/lib/test_*.c tests/lib/*/test_*.c tests/tools/test_*.c tests/firmware/test_*.c; do
         [ -e "$t" ] || continue
         if [ "$1" != gcc ] && tagged "$t" once; then continue; fi
         add "$1 ${t%.c}" "$2/${t%.c}"
@@ -98,7 +98,7 @@ if [ "$mode" = check ]; then
     fi
     memcheck="valgrind -q --error-exitcode=99 --leak-check=full"
     command -v valgrind >/dev/null || memcheck="echo there is no valgrind; exit 77;"
-    for t in tests/lib/test_*.c tests/tools/test_*.c tests/firmware/test_*.c; do
+    for t in tests/lib/test_*.c tests/lib/*/test_*.c tests/tools/test_*.c tests/firmware/test_*.c; do
         if [ -e "$t" ] && tagged "$t" valgrind; then
             # A processor type that valgrind knows, whatever the real one is.
             add "valgrind ${t%.c}" "OPENBLAS_CORETYPE=Haswell $memcheck $BUILD/${t%.c}"
