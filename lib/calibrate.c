@@ -1,6 +1,6 @@
 /* calibrate.c: results of a calibration, and least squares by NLopt. */
 #include "calibrate_internal.h"
-#include "lapack.h"
+#include "base/lapack.h"
 
 #include <math.h>
 #include <nlopt.h>

@@ -1,6 +1,6 @@
 /* calibrate_static.c: the element's stiffness law from a static force curve (Section 5.3.1). */
 #include "calibrate_internal.h"
-#include "lapack.h"
+#include "base/lapack.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* characterize.c: the fit's result: estimates with intervals, merged arms, residuals of each recording. */
-#include "file.h"
+#include "base/file.h"
 #include "fit_internal.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* effect.c: the catalogue of effects: one table, and what can be asked of it. */
 #include "effect_internal.h"
-#include "file.h"
+#include "base/file.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* experiment.c: an experiment in memory: header values and columns of numbers. */
 #include "experiment_internal.h"
-#include "json.h"
+#include "base/json.h"
 
 #include <math.h>
 #include <stdint.h>

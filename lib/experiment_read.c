@@ -1,8 +1,8 @@
 /* experiment_read.c: reads the experiment CSV. */
 #define _POSIX_C_SOURCE 200809L /* locale_t */
 #include "experiment_internal.h"
-#include "json.h"
-#include "number.h"
+#include "base/json.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdlib.h>

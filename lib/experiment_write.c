@@ -1,8 +1,8 @@
 /* experiment_write.c: writes the experiment CSV. */
 #define _POSIX_C_SOURCE 200809L /* locale_t */
 #include "experiment_internal.h"
-#include "file.h"
-#include "number.h"
+#include "base/file.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* explain.c: the whole procedure: refit, suspects, steps, classes, verdict. */
 #include "explain_internal.h"
-#include "file.h"
+#include "base/file.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* explain_alarm.c: how much chance alone gains: simulated null cases, linear beside the fit at hand. */
 #include "explain_internal.h"
-#include "lapack.h"
+#include "base/lapack.h"
 
 #include <math.h>
 #include <stdint.h>

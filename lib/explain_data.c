@@ -1,6 +1,6 @@
 /* explain_data.c: experiments into the runs that are explained: masks, phases, twins. */
 #include "explain_internal.h"
-#include "file.h"
+#include "base/file.h"
 #include "recording_internal.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* explain_fit.c: a model in search coordinates, and its sums over the runs. */
 #include "explain_internal.h"
-#include "lapack.h"
+#include "base/lapack.h"
 
 #include <math.h>
 #include <stdlib.h>

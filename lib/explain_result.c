@@ -1,7 +1,7 @@
 /* explain_result.c: what the search found, as the caller gets it: the runs with their residuals, where they are large,
  * the suspects. */
 #include "explain_internal.h"
-#include "file.h"
+#include "base/file.h"
 
 #include <math.h>
 #include <stdlib.h>

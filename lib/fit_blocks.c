@@ -1,5 +1,5 @@
 /* fit_blocks.c: recordings into blocks. */
-#include "file.h"
+#include "base/file.h"
 #include "fit_internal.h"
 #include "recording_internal.h"
 

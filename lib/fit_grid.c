@@ -1,8 +1,8 @@
 /* fit_grid.c: the seed's own procedures, for comparison: polynomials of Table 4.1 and the grid of
  * Section 4.3.3. */
-#include "file.h"
+#include "base/file.h"
 #include "fit_internal.h"
-#include "lapack.h"
+#include "base/lapack.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* fit_select.c: how many arms, or which degree, by error on blocks that were held out. */
-#include "file.h"
+#include "base/file.h"
 #include "fit_internal.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* forward.c: the forward model of a recording: parameters in one vector, and the run of the whole chain. */
-#include "file.h"
+#include "base/file.h"
 #include "forward_internal.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* forward_knots.c: a run of a network solved at chosen samples. Between them the force on the plate is a cubic in
  * time, set right by the tangent for what the recorded depth differs from its own cubic; the sensor reads every
  * sample. Where the plate meets or leaves the specimen every sample is solved. */
-#include "file.h"
+#include "base/file.h"
 #include "forward_internal.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* forward_network.c: the forward model of a network: its specimen, and what the effects make of its elements.
  */
-#include "file.h"
+#include "base/file.h"
 #include "forward_internal.h"
 #include "network_internal.h"
 

@@ -1,5 +1,5 @@
 /* forward_plan.c: sorts a model's effects into what the forward model has to do. */
-#include "file.h"
+#include "base/file.h"
 #include "forward_internal.h"
 
 #include <math.h>

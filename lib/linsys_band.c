@@ -1,6 +1,6 @@
 /* linsys_band.c: band L D L' without pivoting, blocked on BLAS. Indefinite matrices are factored the
  * same way, so the inertia comes with every factor. */
-#include "lapack.h"
+#include "base/lapack.h"
 #include "linsys.h"
 
 #include <math.h>

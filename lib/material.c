@@ -1,6 +1,6 @@
 /* material.c: the public view of one element: checks, one step, a lumped specimen's force curve. */
 #include "element.h"
-#include "file.h"
+#include "base/file.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* mesh.c: particles, the elements between them, and named sets of particles. */
 #include "mesh_internal.h"
-#include "file.h"
+#include "base/file.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L /* locale_t */
 #include "mesh_gmsh.h"
 #include "mesh_internal.h"
-#include "number.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef PALP_MESH_GMSH_H
 #define PALP_MESH_GMSH_H
 
-#include "file.h"
+#include "base/file.h"
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* mesh_gmsh_line.c: lines and tokens of a Gmsh file, and errors that say where. */
 #define _POSIX_C_SOURCE 200809L /* locale_t */
 #include "mesh_gmsh.h"
-#include "number.h"
+#include "base/number.h"
 
 #include <errno.h>
 #include <math.h>

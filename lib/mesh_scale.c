@@ -1,5 +1,5 @@
 /* mesh_scale.c: element factors with which springs along a mesh of tetrahedra stand for an isotropic solid. */
-#include "file.h"
+#include "base/file.h"
 #include "mesh_internal.h"
 
 #include <math.h>

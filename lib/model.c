@@ -1,5 +1,5 @@
 /* model.c: paths of a model and its mesh. */
-#include "file.h"
+#include "base/file.h"
 #include "model_internal.h"
 
 #include <stdio.h>

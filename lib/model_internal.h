@@ -4,7 +4,7 @@
 
 #include <palpate/model.h>
 
-#include "json.h"
+#include "base/json.h"
 
 /* K must be positive up to here, in a model that is read or written. */
 #define PALP_MODEL_STRAIN 0.4

@@ -1,5 +1,5 @@
 /* model_network.c: from a model to a network that is ready to step. */
-#include "file.h"
+#include "base/file.h"
 
 #include <palpate/model.h>
 

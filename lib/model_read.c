@@ -1,5 +1,5 @@
 /* model_read.c: reads and checks the model JSON. */
-#include "json.h"
+#include "base/json.h"
 #include "model_internal.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 /* model_write.c: writes the model JSON. */
 #define _XOPEN_SOURCE 700 /* locale_t, open_memstream, realpath */
 #include "effect_internal.h"
-#include "json.h"
+#include "base/json.h"
 #include "model_internal.h"
-#include "number.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* network.c: building a network, its state, and what can be asked of it. */
 #include "network_internal.h"
 
-#include "file.h"
+#include "base/file.h"
 #include "mesh_internal.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* nnls.c: see nnls.h; the columns in use are kept as Q R. */
 #include "nnls.h"
 
-#include "lapack.h"
+#include "base/lapack.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* recording.c: what a raw recording tells about itself before any fit. */
 #include <palpate/recording.h>
 
-#include "file.h"
+#include "base/file.h"
 #include "recording_internal.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* reduce.c: building a reduced model, its error on held-out paths, and what can be asked of it. */
 #include "reduce_internal.h"
 
-#include "file.h"
+#include "base/file.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* reduce_basis.c: the shapes of a reduced model, orthonormal in the network's stiffness at rest K.
  * Snapshots: Sirovich 1987, Quart. Appl. Math. 45. */
-#include "lapack.h"
+#include "base/lapack.h"
 #include "reduce_internal.h"
 
 #include <math.h>

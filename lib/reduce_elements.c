@@ -1,7 +1,7 @@
 /* reduce_elements.c: which elements stand for all, and with what weight: energy-conserving sampling and weighting
  * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), trained on forces and on tangents, since in
  * equilibrium most of the reduced forces vanish. */
-#include "lapack.h"
+#include "base/lapack.h"
 #include "nnls.h"
 #include "reduce_internal.h"
 

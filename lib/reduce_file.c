@@ -3,7 +3,7 @@
  * sizes (8 bytes each: nodes, modes, elements, triangles), then the arrays of `arrays` below, one after the other. */
 #include "reduce_internal.h"
 
-#include "json.h"
+#include "base/json.h"
 #include "model_internal.h"
 
 #include <math.h>

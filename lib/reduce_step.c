@@ -1,5 +1,5 @@
 /* reduce_step.c: one time step of a reduced model: Newton with a tangent that is renewed bit by bit. */
-#include "lapack.h"
+#include "base/lapack.h"
 #include "reduce_internal.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* reduce_training.c: what the full network does on a path. */
-#include "file.h"
+#include "base/file.h"
 #include "reduce_internal.h"
 
 #include <palpate/realtime.h>

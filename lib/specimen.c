@@ -1,7 +1,7 @@
 /* specimen.c: a model pressed step by step: the plate, the specimen and the sensor of the forward model. */
 #include <palpate/specimen.h>
 
-#include "file.h"
+#include "base/file.h"
 #include "forward_internal.h"
 
 #include <math.h>

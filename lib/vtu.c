@@ -2,8 +2,8 @@
 #define _XOPEN_SOURCE 700 /* locale_t, mkdir */
 #include <palpate/vtu.h>
 
-#include "file.h"
-#include "number.h"
+#include "base/file.h"
+#include "base/number.h"
 
 #include <errno.h>
 #include <stdlib.h>

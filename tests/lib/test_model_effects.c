@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include <palpate/model.h>
 
-#include "file.h"
+#include "base/file.h"
 #include "scratch.h"
 
 #include <math.h>
