@@ -7,7 +7,7 @@ ARM ?= arm-none-eabi-
 ARM_CFLAGS ?= -O2 -g
 FW := $(BUILD)/firmware
 
-FW_SHARED := firmware/main.c lib/wire.c $(wildcard firmware/core/*.c)
+FW_SHARED := firmware/main.c lib/wire/wire.c $(wildcard firmware/core/*.c)
 FW_SIMULATED := firmware/board/simulated.c firmware/board/plant_link.c
 FW_CHIP := $(wildcard firmware/board/stm32f405/*.c)
 # What QEMU does not model: the plant is there instead.

@@ -18,7 +18,7 @@ grep -v -e '^#' -e = tests/data/wire/golden.txt | while read -r frame; do
     printf %b "$octal" >"$work/seeds/$(echo "$frame" | cut -c 4-5)"
 done
 clang -std=c99 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude -o "$work/fuzz_wire" \
-    tests/fuzz/fuzz_wire.c tests/lib/wire_make.c lib/wire.c
+    tests/fuzz/fuzz_wire.c tests/lib/wire_make.c lib/wire/wire.c
 if ! "$work/fuzz_wire" -runs="$runs" -seed=1 -max_len=600 -artifact_prefix="$work/" "$work/found" "$work/seeds" \
     >"$work/log" 2>&1; then
     cat "$work/log"
