@@ -3,7 +3,7 @@
 #define NETWORK_INTERNAL_H
 
 #include "element.h"
-#include "linsys.h"
+#include "solve/linsys.h"
 #include "network_cut.h"
 #include "network_load.h"
 #include "network_realtime.h"

@@ -2,7 +2,7 @@
 #ifndef REALTIME_INTERNAL_H
 #define REALTIME_INTERNAL_H
 
-#include "multigrid.h"
+#include "solve/multigrid.h"
 #include "network_internal.h"
 
 #include <palpate/realtime.h>

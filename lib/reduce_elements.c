@@ -2,7 +2,7 @@
  * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), trained on forces and on tangents, since in
  * equilibrium most of the reduced forces vanish. */
 #include "base/lapack.h"
-#include "nnls.h"
+#include "solve/nnls.h"
 #include "reduce_internal.h"
 
 #include <math.h>

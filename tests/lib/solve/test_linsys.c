@@ -1,5 +1,5 @@
 /* test_linsys.c: the solvers against Gaussian elimination written here and matrices of known inertia. */
-#include "linsys.h"
+#include "solve/linsys.h"
 
 #include <check.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* test_nnls.c: least squares with unknowns that are not negative, judged by the conditions of Kuhn and Tucker. */
-#include "nnls.h"
+#include "solve/nnls.h"
 
 #include <check.h>
 #include <math.h>
