@@ -1,6 +1,6 @@
 /* effect_stages.c: what the effects of the contact and of the instrument do to depth and force. */
 #include "effect_internal.h"
-#include "element.h"
+#include "material/element.h"
 
 #include <math.h>
 

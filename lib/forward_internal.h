@@ -6,7 +6,7 @@
 #include <palpate/forward.h>
 
 #include "effect_internal.h"
-#include "element.h"
+#include "material/element.h"
 
 /* Of an arm that is off, N: it adds nothing to any force, and still has derivatives. */
 #define FORWARD_NO_STIFFNESS 1e-200

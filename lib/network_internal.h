@@ -2,7 +2,7 @@
 #ifndef NETWORK_INTERNAL_H
 #define NETWORK_INTERNAL_H
 
-#include "element.h"
+#include "material/element.h"
 #include "solve/linsys.h"
 #include "network_cut.h"
 #include "network_load.h"

@@ -1,6 +1,6 @@
 /* test_element.c: one element's force, tangent, energy and history against closed forms, finite
  * differences and equations integrated here. */
-#include "element.h"
+#include "material/element.h"
 
 #include <palpate/closed_form.h>
 
