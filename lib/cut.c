@@ -1,5 +1,5 @@
 /* cut.c: which elements are whole, what hangs loose, and what that adds to the network's equations. */
-#include "mesh_internal.h"
+#include "mesh/mesh_internal.h"
 #include "tool_internal.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* cut_surface.c: the surface of what a cut leaves, for drawing and for contact. */
-#include "mesh_internal.h"
+#include "mesh/mesh_internal.h"
 #include "network_internal.h"
 
 #include <stdlib.h>

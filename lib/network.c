@@ -2,7 +2,7 @@
 #include "network_internal.h"
 
 #include "base/file.h"
-#include "mesh_internal.h"
+#include "mesh/mesh_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

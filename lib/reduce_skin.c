@@ -1,7 +1,7 @@
 /* reduce_skin.c: the surface of a reduced model as a network of its own without elements, on which tools act as they
  * do on any network. Its places are worked out only near the tools. */
 #include "base/lapack.h"
-#include "mesh_internal.h"
+#include "mesh/mesh_internal.h"
 #include "reduce_internal.h"
 
 #include <math.h>

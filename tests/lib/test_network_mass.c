@@ -1,5 +1,5 @@
 /* test_network_mass.c: the mass of tetrahedra and hexahedra; ramps that stop, and swinging, with real density. */
-#include "mesh_internal.h"
+#include "mesh/mesh_internal.h"
 #include "network_internal.h"
 #include "network_make.h"
 

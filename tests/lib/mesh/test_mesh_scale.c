@@ -1,5 +1,5 @@
 /* test_mesh_scale.c: factors of the elements of meshes of tetrahedra, against the solid that they stand for. */
-#include "mesh_internal.h"
+#include "mesh/mesh_internal.h"
 #include "network_make.h"
 
 #include <stdio.h>

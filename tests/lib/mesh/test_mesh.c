@@ -1,5 +1,5 @@
 /* test_mesh.c: lattices, meshes from arrays and from Gmsh files, sets, and what is refused. */
-#include "mesh_internal.h"
+#include "mesh/mesh_internal.h"
 
 #include <check.h>
 #include <math.h>

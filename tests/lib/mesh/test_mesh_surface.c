@@ -1,5 +1,5 @@
 /* test_mesh_surface.c: tetrahedra that fill a mesh and the triangles around them. */
-#include "mesh_internal.h"
+#include "mesh/mesh_internal.h"
 
 #include <check.h>
 #include <math.h>
