@@ -1,7 +1,7 @@
 /* explain_data.c: experiments into the runs that are explained: masks, phases, twins. */
 #include "explain_internal.h"
 #include "base/file.h"
-#include "recording_internal.h"
+#include "data/recording_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

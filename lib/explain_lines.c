@@ -1,6 +1,6 @@
 /* explain_lines.c: periodic residuals: over time (the mains) and over depth (the drive). */
 #include "explain_internal.h"
-#include "recording_internal.h"
+#include "data/recording_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

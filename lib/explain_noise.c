@@ -1,6 +1,6 @@
 /* explain_noise.c: the noise of the runs: white from sample to sample, coloured in stretches that stand still. */
 #include "explain_internal.h"
-#include "recording_internal.h"
+#include "data/recording_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

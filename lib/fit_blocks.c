@@ -1,7 +1,7 @@
 /* fit_blocks.c: recordings into blocks. */
 #include "base/file.h"
 #include "fit_internal.h"
-#include "recording_internal.h"
+#include "data/recording_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
