@@ -1,5 +1,5 @@
 /* explain_suspect.c: one effect of the catalogue added to a fit: from where its search starts, and the refit. */
-#include "effect_internal.h"
+#include "effect/effect_internal.h"
 #include "explain_internal.h"
 
 #include <math.h>

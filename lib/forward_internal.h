@@ -5,7 +5,7 @@
 
 #include <palpate/forward.h>
 
-#include "effect_internal.h"
+#include "effect/effect_internal.h"
 #include "material/element.h"
 
 /* Of an arm that is off, N: it adds nothing to any force, and still has derivatives. */

@@ -1,6 +1,6 @@
 /* model_write.c: writes the model JSON. */
 #define _XOPEN_SOURCE 700 /* locale_t, open_memstream, realpath */
-#include "effect_internal.h"
+#include "effect/effect_internal.h"
 #include "base/json.h"
 #include "model_internal.h"
 #include "base/number.h"

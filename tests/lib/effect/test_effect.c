@@ -1,5 +1,5 @@
 /* test_effect.c: the catalogue's table, and its relaxation moduli against their closed forms. */
-#include "effect_internal.h"
+#include "effect/effect_internal.h"
 #include "forward_make.h"
 
 static const double PI = 3.14159265358979323846;
