@@ -1,6 +1,6 @@
 /* explain_improve.c: the steps to a fit's best parameters, and what they would be without a run. */
 #include "explain_internal.h"
-#include "model_internal.h"
+#include "model/model_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "reduce_internal.h"
 
 #include "base/json.h"
-#include "model_internal.h"
+#include "model/model_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
