@@ -2,7 +2,7 @@
  * cut and of the ticks after it, balance of forces, and the force at the end against a network built afresh with the same
  * elements. Quartic law and two arms, the top plate moving up and down. Times are the thread's own. */
 #include "bench.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <math.h>
 #include <stdio.h>

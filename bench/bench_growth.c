@@ -2,7 +2,7 @@
  * number of nodes a side (default 21; 33 takes minutes and 3 GB). Each size runs in a process of its own. */
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <math.h>
 #include <stdio.h>

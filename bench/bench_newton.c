@@ -1,7 +1,7 @@
 /* bench_newton.c: what a Newton iteration costs beside its best possible parts: assembly, the fastest of
  * four factorizations, the fastest solve. All of it interleaved in one run, medians. */
 #include "bench.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <cholmod.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 
 #include <palpate/calibrate.h>
 
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 /* Appends a copy of *iteration. */
 palp_status calibration_add(palp_calibration *c, const palp_calibrate_iteration *iteration);

@@ -3,7 +3,7 @@
  * Ties are broken as if the tissue were shifted by an infinitesimal step along one fixed direction (simulation of
  * simplicity, Edelsbrunner and Muecke 1990): a node exactly on the blade is on one side of it, the same for every
  * element that meets in it and for both triangles of a sweep, whatever the order of corners and ends. */
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* cut_surface.c: the surface of what a cut leaves, for drawing and for contact. */
 #include "mesh/mesh_internal.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <stdlib.h>
 

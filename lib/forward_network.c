@@ -2,7 +2,7 @@
  */
 #include "base/file.h"
 #include "forward_internal.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* forward_slopes.c: derivatives of a network's force by all parameters of the model, carried through its steps:
  * at fixed positions from the elements' histories, then at equilibrium by the tangent of the step. */
 #include "forward_internal.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

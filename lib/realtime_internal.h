@@ -3,7 +3,7 @@
 #define REALTIME_INTERNAL_H
 
 #include "solve/multigrid.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <palpate/realtime.h>
 

@@ -2,7 +2,7 @@
 #ifndef TOOL_INTERNAL_H
 #define TOOL_INTERNAL_H
 
-#include "network_internal.h"
+#include "network/network_internal.h"
 
 #include <palpate/tool.h>
 

@@ -1,6 +1,6 @@
 /* test_cut.c: blades, tearing, loose parts and mechanisms, against fresh networks and closed forms. */
 #include "network_cut.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 #include "network_make.h"
 
 #include <palpate/cut.h>

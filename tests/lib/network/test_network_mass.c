@@ -1,6 +1,6 @@
 /* test_network_mass.c: the mass of tetrahedra and hexahedra; ramps that stop, and swinging, with real density. */
 #include "mesh/mesh_internal.h"
-#include "network_internal.h"
+#include "network/network_internal.h"
 #include "network_make.h"
 
 static const double DENSITY = 1000.0;

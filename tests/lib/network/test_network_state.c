@@ -1,6 +1,6 @@
 /* test_network_state.c: what is promised about a network's state: steps that fail or are rolled back leave no
  * trace, the same input gives the same bits, another material starts at rest. */
-#include "network_internal.h"
+#include "network/network_internal.h"
 #include "network_make.h"
 
 /* What is done between two steps of one of two like networks, and must not show afterwards. */

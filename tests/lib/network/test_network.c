@@ -1,5 +1,5 @@
 /* test_network.c: networks against other solvers' figures, finite differences and laws of conservation. */
-#include "network_internal.h"
+#include "network/network_internal.h"
 #include "network_make.h"
 
 #include <stdio.h>

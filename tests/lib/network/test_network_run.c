@@ -1,5 +1,5 @@
 /* test_network_run.c: networks that follow a path: steps of both kinds, creep, cycles, and with mass. */
-#include "network_internal.h"
+#include "network/network_internal.h"
 #include "network_make.h"
 
 #include <palpate/closed_form.h>
