@@ -1,6 +1,6 @@
 /* cut.c: which elements are whole, what hangs loose, and what that adds to the network's equations. */
 #include "mesh/mesh_internal.h"
-#include "tool_internal.h"
+#include "contact/tool_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #ifndef REDUCE_INTERNAL_H
 #define REDUCE_INTERNAL_H
 
-#include "tool_internal.h"
+#include "contact/tool_internal.h"
 
 #include <palpate/reduce.h>
 

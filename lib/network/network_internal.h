@@ -5,7 +5,7 @@
 #include "material/element.h"
 #include "solve/linsys.h"
 #include "network_cut.h"
-#include "network_load.h"
+#include "contact/network_load.h"
 #include "network_realtime.h"
 
 /* One state of the whole network. */

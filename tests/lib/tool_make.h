@@ -3,7 +3,7 @@
 #define TOOL_MAKE_H
 
 #include "network_make.h"
-#include "tool_internal.h"
+#include "contact/tool_internal.h"
 
 /* A cube of n nodes a side on its bottom, its top free, ready for three tools and all its nodes held. */
 static inline palp_network *block(size_t n, const palp_material *m, double density,
