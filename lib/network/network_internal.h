@@ -4,7 +4,7 @@
 
 #include "material/element.h"
 #include "solve/linsys.h"
-#include "network_cut.h"
+#include "cut/network_cut.h"
 #include "contact/network_load.h"
 #include "network_realtime.h"
 

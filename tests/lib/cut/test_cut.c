@@ -1,5 +1,5 @@
 /* test_cut.c: blades, tearing, loose parts and mechanisms, against fresh networks and closed forms. */
-#include "network_cut.h"
+#include "cut/network_cut.h"
 #include "network/network_internal.h"
 #include "network_make.h"
 
