@@ -1,7 +1,7 @@
 /* calibrate_carry.c: the static stage for a network too large to trace many times: a coarse one of the same body takes
  * the law, the large one only tells by how much it differs. */
 #include "calibrate_internal.h"
-#include "realtime_internal.h"
+#include "realtime/realtime_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "solve/linsys.h"
 #include "cut/network_cut.h"
 #include "contact/network_load.h"
-#include "network_realtime.h"
+#include "realtime/network_realtime.h"
 
 /* One state of the whole network. */
 typedef struct network_state {
