@@ -2,7 +2,7 @@
 /* link: -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc */
 #define _POSIX_C_SOURCE 200809L
 #include "network_make.h"
-#include "reduce_internal.h"
+#include "reduce/reduce_internal.h"
 #include "scratch.h"
 
 /* ---- allocations, counted where the library asks for them ---- */
