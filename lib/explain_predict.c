@@ -1,6 +1,6 @@
 /* explain_predict.c: the one door through which explain asks a model for its forces. */
 #include "explain_internal.h"
-#include "forward_internal.h"
+#include "response/forward_internal.h"
 
 bool explain_carries(const palp_model *model, const palp_effect_info *info) {
     return model->kind == PALP_MODEL_NETWORK ? info->in_network : info->in_lumped;

@@ -1,6 +1,6 @@
 /* test_explain_network.c: what explain asks of a network: its force at chosen samples against every sample, its
  * derivatives against finite differences, and hidden effects named. check: once */
-#include "forward_internal.h"
+#include "response/forward_internal.h"
 #include "forward_make.h"
 
 #include <palpate/explain.h>

@@ -1,6 +1,6 @@
 /* test_forward_network_wear.c: damage and permanent set of a network's elements from run to run: two presses in one
  * recording, or in two; their derivatives. */
-#include "forward_internal.h"
+#include "response/forward_internal.h"
 #include "forward_make.h"
 
 static palp_model network_model(size_t n_arms) {
