@@ -1,6 +1,6 @@
 /* calibrate_three_phase.c: the seed's loops of Figure 5.21 for one arm: peak force by K1 and b1, time to
  * the steady state by b1, force there by the law's scale. */
-#include "calibrate_internal.h"
+#include "fit/calibrate_internal.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* fit_grid.c: the seed's own procedures, for comparison: polynomials of Table 4.1 and the grid of
  * Section 4.3.3. */
 #include "base/file.h"
-#include "fit_internal.h"
+#include "fit/fit_internal.h"
 #include "base/lapack.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* test_calibrate_relaxation.c: the relaxation stage by least squares: its derivatives, materials known
  * beforehand, and the seed's open problem of one material for all depths (Section 6.2). */
-#include "calibrate_internal.h"
+#include "fit/calibrate_internal.h"
 #include "cube.h"
 
 #include <palpate/closed_form.h>

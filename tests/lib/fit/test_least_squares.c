@@ -1,5 +1,5 @@
 /* test_least_squares.c: the least squares behind calibration on problems with known answers. */
-#include "calibrate_internal.h"
+#include "fit/calibrate_internal.h"
 #include "cube.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /* test_fit.c: laws, arms, intervals and derivatives of a fit. */
-#include "fit_internal.h"
+#include "fit/fit_internal.h"
 #include "recordings.h"
 
 /* 4 mm in a second, held. */

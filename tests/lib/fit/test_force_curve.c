@@ -1,5 +1,5 @@
 /* test_force_curve.c: the static force curve and its gradient against equilibria solved one by one. */
-#include "calibrate_internal.h"
+#include "fit/calibrate_internal.h"
 #include "cube.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /* test_calibrate_carry.c: the static stage of large networks through a coarse one of the same body. check: once */
-#include "calibrate_internal.h"
+#include "fit/calibrate_internal.h"
 #include "network_make.h"
 
 enum { SAMPLES = 240 };
