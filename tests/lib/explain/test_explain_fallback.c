@@ -1,5 +1,5 @@
 /* test_explain_fallback.c: what explain does where a model has no solution. */
-#include "explain_internal.h"
+#include "explain/explain_internal.h"
 #include "forward_make.h"
 
 enum { RUNS = 2 };
