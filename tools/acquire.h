@@ -2,7 +2,7 @@
 #ifndef PALPATE_ACQUIRE_H
 #define PALPATE_ACQUIRE_H
 
-#include "cli.h"
+#include "shared/cli.h"
 #include "device.h"
 
 #include <jansson.h>

@@ -1,7 +1,7 @@
 /* acquire_say.c: what is said of a session: a recording's header, the summary, the line on the terminal. */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_session.h"
-#include "json_out.h"
+#include "shared/json_out.h"
 
 #include <math.h>
 #include <palpate/version.h>

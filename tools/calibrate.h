@@ -2,8 +2,8 @@
 #ifndef PALPATE_TOOL_CALIBRATE_H
 #define PALPATE_TOOL_CALIBRATE_H
 
-#include "cli.h"
-#include "record.h"
+#include "shared/cli.h"
+#include "shared/record.h"
 
 #include <palpate/palpate.h>
 

@@ -1,6 +1,6 @@
 /* calibrate_plot.c: the figures of palpate calibrate. */
 #include "calibrate.h"
-#include "plot.h"
+#include "shared/plot.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* calibrate_report.c: what palpate calibrate found, as JSON or as text. */
 #include "calibrate.h"
-#include "json_out.h"
-#include "plot.h"
+#include "shared/json_out.h"
+#include "shared/plot.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* calibrate_stages.c: the two stages of palpate calibrate, and how well the result does. */
 #include "calibrate.h"
-#include "press.h"
+#include "shared/press.h"
 #include "simulate.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* calibrate_targets.c: the curves to meet, from the lumped model or from measured runs. */
 #include "calibrate.h"
-#include "press.h"
+#include "shared/press.h"
 
 #include <math.h>
 #include <stdlib.h>

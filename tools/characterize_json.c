@@ -1,6 +1,6 @@
 /* characterize_json.c: what palpate characterize found, as JSON. */
 #include "characterize.h"
-#include "json_out.h"
+#include "shared/json_out.h"
 
 #include <math.h>
 

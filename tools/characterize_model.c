@@ -1,6 +1,6 @@
 /* characterize_model.c: the fits of palpate characterize, one after the other. */
 #include "characterize.h"
-#include "progress.h"
+#include "shared/progress.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* characterize_print.c: what palpate characterize found, as text. */
 #include "characterize.h"
-#include "digits.h"
+#include "shared/digits.h"
 
 #include <math.h>
 #include <string.h>

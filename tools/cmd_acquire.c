@@ -1,9 +1,9 @@
 /* cmd_acquire.c: palpate acquire: runs a protocol on an indenter and writes the recordings. */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire.h"
-#include "commands.h"
-#include "json_out.h"
-#include "plot.h"
+#include "shared/commands.h"
+#include "shared/json_out.h"
+#include "shared/plot.h"
 #include "rig_options.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* cmd_calibrate.c: palpate calibrate: the element material with which a network meets wanted curves. */
 #include "calibrate.h"
-#include "commands.h"
+#include "shared/commands.h"
 
 #include <stdlib.h>
 #include <string.h>

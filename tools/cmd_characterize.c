@@ -1,6 +1,6 @@
 /* cmd_characterize.c: palpate characterize: a lumped model with intervals from raw recordings. */
 #include "characterize.h"
-#include "commands.h"
+#include "shared/commands.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -1,8 +1,8 @@
 /* cmd_explain.c: palpate explain: what a model misses in measured runs, named, added, and what is left then. */
-#include "blas.h"
-#include "commands.h"
+#include "shared/blas.h"
+#include "shared/commands.h"
 #include "explain.h"
-#include "json_out.h"
+#include "shared/json_out.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* cmd_export.c: palpate export: a network for another solver. */
 #include "calculix.h"
-#include "cli.h"
-#include "commands.h"
+#include "shared/cli.h"
+#include "shared/commands.h"
 
 #include <math.h>
 #include <palpate/model.h>

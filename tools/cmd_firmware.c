@@ -1,9 +1,9 @@
 /* cmd_firmware.c: palpate firmware: asks an indenter on the bench who and how it is; tares, homes, clears a
  * fault. */
-#include "cli.h"
-#include "commands.h"
+#include "shared/cli.h"
+#include "shared/commands.h"
 #include "device.h"
-#include "json_out.h"
+#include "shared/json_out.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,8 +1,8 @@
 /* cmd_import.c: palpate import: other testers' files as experiments. */
 #define _POSIX_C_SOURCE 200809L
-#include "commands.h"
+#include "shared/commands.h"
 #include "import.h"
-#include "plot.h"
+#include "shared/plot.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,10 +1,10 @@
 /* cmd_reduce.c: palpate reduce: a model of few coordinates and few elements that follows a large network. */
 #define _POSIX_C_SOURCE 200809L
-#include "blas.h"
-#include "commands.h"
+#include "shared/blas.h"
+#include "shared/commands.h"
 #include "explain.h"
-#include "json_out.h"
-#include "progress.h"
+#include "shared/json_out.h"
+#include "shared/progress.h"
 #include "reduce.h"
 
 #include <math.h>

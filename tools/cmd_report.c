@@ -1,5 +1,5 @@
 /* cmd_report.c: palpate report: recordings, models and results on one HTML page. */
-#include "commands.h"
+#include "shared/commands.h"
 #include "report.h"
 
 #include <stdlib.h>

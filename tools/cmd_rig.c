@@ -1,7 +1,7 @@
 /* cmd_rig.c: palpate rig: the virtual indenter at a port, for palpate acquire or any other program. */
 #define _POSIX_C_SOURCE 200809L
-#include "cli.h"
-#include "commands.h"
+#include "shared/cli.h"
+#include "shared/commands.h"
 #include "rig_options.h"
 
 #include <palpate/wire.h>

@@ -1,6 +1,6 @@
 /* cmd_simulate.c: palpate simulate: presses a model and writes the run. */
-#include "cli.h"
-#include "commands.h"
+#include "shared/cli.h"
+#include "shared/commands.h"
 #include "simulate.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef PALPATE_TOOL_EXPLAIN_H
 #define PALPATE_TOOL_EXPLAIN_H
 
-#include "cli.h"
+#include "shared/cli.h"
 
 #include <jansson.h>
 #include <palpate/palpate.h>

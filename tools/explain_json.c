@@ -1,7 +1,7 @@
 /* explain_json.c: the result as JSON, and the next experiment as a protocol file. */
 #include "explain.h"
 
-#include "json_out.h"
+#include "shared/json_out.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* explain_page.c: what was found, in lines, as a page, and as files for palpate report. */
 #include "explain.h"
-#include "json_out.h"
-#include "plot.h"
+#include "shared/json_out.h"
+#include "shared/plot.h"
 #include "report.h"
 
 static const char NAME[] = "explain";

@@ -1,6 +1,6 @@
 /* explain_profile.c: the gap by run, by depth and by speed, as given and with the effects. */
 #include "explain.h"
-#include "json_out.h"
+#include "shared/json_out.h"
 
 #include <math.h>
 #include <stdlib.h>

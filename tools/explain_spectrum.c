@@ -1,7 +1,7 @@
 /* explain_spectrum.c: how large the waves in recorded minus model are, over time and over depth. A wave is looked for in
  * stretches of so many of its periods, each with a mean and a phase of its own. */
 #include "explain.h"
-#include "json_out.h"
+#include "shared/json_out.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #ifndef PALPATE_IMPORT_H
 #define PALPATE_IMPORT_H
 
-#include "cli.h"
+#include "shared/cli.h"
 
 #include <palpate/experiment.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* palpate.c: the command: picks the subcommand. */
-#include "blas.h"
-#include "cli.h"
-#include "commands.h"
+#include "shared/blas.h"
+#include "shared/cli.h"
+#include "shared/commands.h"
 
 #include <palpate/version.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* plant_sensor.c: the simulated force sensor and thermistor: from newtons and degrees to counts. */
-#include "noise.h"
+#include "shared/noise.h"
 #include "plant_internal.h"
 
 #include <math.h>

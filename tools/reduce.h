@@ -2,7 +2,7 @@
 #ifndef PALPATE_TOOLS_REDUCE_H
 #define PALPATE_TOOLS_REDUCE_H
 
-#include "cli.h"
+#include "shared/cli.h"
 
 #include <palpate/palpate.h>
 #include <palpate/reduce.h>

@@ -2,8 +2,8 @@
 #ifndef PALPATE_TOOL_REPORT_H
 #define PALPATE_TOOL_REPORT_H
 
-#include "cli.h"
-#include "plot_runs.h"
+#include "shared/cli.h"
+#include "shared/plot_runs.h"
 
 #include <jansson.h>
 #include <palpate/palpate.h>

@@ -1,5 +1,5 @@
 /* report_explain.c: what palpate explain found, from its result as JSON: on its own page and in a report. */
-#include "digits.h"
+#include "shared/digits.h"
 #include "report_explain.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* report_results.c: the sections of a report on fits, parameters, the law, the network, simulations. */
-#include "digits.h"
+#include "shared/digits.h"
 #include "report.h"
 
 #include <math.h>

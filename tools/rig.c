@@ -1,7 +1,7 @@
 /* rig.c: the virtual indenter: the firmware and the plant in lockstep, record by record. */
 #define _POSIX_C_SOURCE 200809L
 #include "rig.h"
-#include "cli.h"
+#include "shared/cli.h"
 #include "rig_internal.h"
 
 #include "hal.h"

@@ -1,6 +1,6 @@
 /* rig_child.c: the virtual indenter in a child process, for palpate acquire. */
 #define _GNU_SOURCE
-#include "cli.h"
+#include "shared/cli.h"
 #include "rig_internal.h"
 
 #include <errno.h>

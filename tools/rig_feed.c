@@ -1,6 +1,6 @@
 /* rig_feed.c: what the virtual indenter is fed besides the plant: faults at their time, a script of bytes. */
 #define _POSIX_C_SOURCE 200809L
-#include "cli.h"
+#include "shared/cli.h"
 #include "rig_internal.h"
 
 #include <ctype.h>

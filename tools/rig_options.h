@@ -2,7 +2,7 @@
 #ifndef PALPATE_RIG_OPTIONS_H
 #define PALPATE_RIG_OPTIONS_H
 
-#include "cli.h"
+#include "shared/cli.h"
 #include "rig.h"
 
 enum { RIG_OPTIONS = 18 }; /* a heading and the options */

@@ -1,7 +1,7 @@
 /* rig_process.c: the firmware as a child process, under QEMU or by itself: found, started, listened to,
  * ended. */
 #define _GNU_SOURCE
-#include "cli.h"
+#include "shared/cli.h"
 #include "rig_internal.h"
 
 #include <errno.h>

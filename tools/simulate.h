@@ -2,8 +2,8 @@
 #ifndef PALPATE_SIMULATE_H
 #define PALPATE_SIMULATE_H
 
-#include "cli.h"
-#include "press.h"
+#include "shared/cli.h"
+#include "shared/press.h"
 
 #include <palpate/palpate.h>
 

@@ -1,5 +1,5 @@
 /* simulate_reduced.c: palpate simulate's run of a reduced model under its plate. */
-#include "json_out.h"
+#include "shared/json_out.h"
 #include "simulate.h"
 
 #include <math.h>

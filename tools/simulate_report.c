@@ -1,6 +1,6 @@
 /* simulate_report.c: palpate simulate's run as an experiment, and its summary. */
 #define _POSIX_C_SOURCE 200809L
-#include "json_out.h"
+#include "shared/json_out.h"
 #include "simulate.h"
 
 #include <stdlib.h>

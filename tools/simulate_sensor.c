@@ -1,5 +1,5 @@
 /* simulate_sensor.c: what a tester makes of palpate simulate's run: even samples, free air, noise, faults. */
-#include "noise.h"
+#include "shared/noise.h"
 #include "simulate.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "calculix.h"
 #include "calibrate.h"
-#include "cli.h"
-#include "press.h"
+#include "shared/cli.h"
+#include "shared/press.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
 /* test_firmware.c: palpate firmware against a peer: what it prints, and its exit codes. */
 /* link: -pthread */
 #define _POSIX_C_SOURCE 200809L
-#include "cli.h"
-#include "commands.h"
+#include "shared/cli.h"
+#include "shared/commands.h"
 #include "device_peer.h"
 
 #include <jansson.h>

@@ -1,6 +1,6 @@
 /* test_import.c: fields and numbers of imported files, and the noise of simulated recordings. */
 #include "import.h"
-#include "noise.h"
+#include "shared/noise.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* test_rig.c: the virtual indenter's loop, feed and process, with this program as the firmware. */
 #define _GNU_SOURCE
-#include "cli.h"
+#include "shared/cli.h"
 #include "hal.h"
 #include "rig_internal.h"
 #include "rig_options.h"
