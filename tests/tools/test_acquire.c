@@ -1,7 +1,7 @@
 /* test_acquire.c: protocols, recordings that are whole at every moment, sessions with a device that fails. */
 /* link: -pthread */
 #define _POSIX_C_SOURCE 200809L
-#include "acquire.h"
+#include "acquire/acquire.h"
 #include "acquire_fake.h"
 
 #include <errno.h>
