@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "shared/blas.h"
 #include "shared/commands.h"
-#include "explain.h"
+#include "explain/explain.h"
 #include "shared/json_out.h"
 #include "shared/progress.h"
 #include "reduce.h"
