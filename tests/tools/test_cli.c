@@ -1,6 +1,6 @@
 /* test_cli.c: options, lists, output files, first guesses, tables and lumped presses of the command. */
 #define _POSIX_C_SOURCE 200809L
-#include "calculix.h"
+#include "export/calculix.h"
 #include "calibrate/calibrate.h"
 #include "shared/cli.h"
 #include "shared/press.h"
