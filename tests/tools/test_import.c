@@ -1,5 +1,5 @@
 /* test_import.c: fields and numbers of imported files, and the noise of simulated recordings. */
-#include "import.h"
+#include "import/import.h"
 #include "shared/noise.h"
 
 #include <math.h>
