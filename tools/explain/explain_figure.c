@@ -1,8 +1,8 @@
 /* explain_figure.c: recorded minus model over time, run by run, as given and with the effects: one SVG of small
  * panels of one scale. */
 #include "explain.h"
-#include "report.h"
-#include "report_svg.h"
+#include "report/report.h"
+#include "report/report_svg.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #include "explain.h"
 #include "shared/json_out.h"
 #include "shared/plot.h"
-#include "report.h"
+#include "report/report.h"
 
 static const char NAME[] = "explain";
 
