@@ -3,7 +3,7 @@
 #define APP_BENCH_H
 
 #include "app.h"
-#include "plant.h"
+#include "rig/plant.h"
 
 enum { BENCH_SAMPLES = 200000 };
 

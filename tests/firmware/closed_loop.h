@@ -6,7 +6,7 @@
 #include "force.h"
 #include "machine.h"
 #include "pid.h"
-#include "plant.h"
+#include "rig/plant.h"
 
 /* Positions count from where the plate begins, LOOP_AIR_M above the specimen. */
 #define LOOP_AIR_M 1e-3f

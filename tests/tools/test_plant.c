@@ -1,7 +1,7 @@
 /* test_plant.c: the simulated indenter against closed forms. */
 /* check: valgrind */
 #include "force.h"
-#include "plant.h"
+#include "rig/plant.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -2,8 +2,8 @@
 #define _GNU_SOURCE
 #include "shared/cli.h"
 #include "hal.h"
-#include "rig_internal.h"
-#include "rig_options.h"
+#include "rig/rig_internal.h"
+#include "rig/rig_options.h"
 
 #include <dirent.h>
 #include <errno.h>

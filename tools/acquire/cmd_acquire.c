@@ -4,7 +4,7 @@
 #include "shared/commands.h"
 #include "shared/json_out.h"
 #include "shared/plot.h"
-#include "rig_options.h"
+#include "rig/rig_options.h"
 
 #include <math.h>
 #include <palpate/model.h>

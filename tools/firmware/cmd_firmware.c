@@ -2,7 +2,7 @@
  * fault. */
 #include "shared/cli.h"
 #include "shared/commands.h"
-#include "device.h"
+#include "rig/device.h"
 #include "shared/json_out.h"
 
 #include <math.h>
