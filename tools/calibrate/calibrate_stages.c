@@ -1,7 +1,7 @@
 /* calibrate_stages.c: the two stages of palpate calibrate, and how well the result does. */
 #include "calibrate.h"
 #include "shared/press.h"
-#include "simulate.h"
+#include "simulate/simulate.h"
 
 #include <math.h>
 #include <stdlib.h>
