@@ -1,6 +1,6 @@
 /* test_number.c: decimal numbers against strtod and printf of the C library. */
 #define _POSIX_C_SOURCE 200809L
-#include "../../lib/number.h"
+#include "base/number.h"
 
 #include <check.h>
 #include <float.h>

@@ -3,7 +3,7 @@
 #include <palpate/status.h>
 #include <palpate/version.h>
 
-#include "../../lib/file.h"
+#include "base/file.h"
 #include "scratch.h"
 
 START_TEST(every_status_has_a_text_and_a_name) {
