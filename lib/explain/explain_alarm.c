@@ -1,6 +1,6 @@
 /* explain_alarm.c: how much chance alone gains: simulated null cases, linear beside the fit at hand. */
 #include "explain_internal.h"
-#include "base/lapack.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -50,15 +50,14 @@ static void sum_task(void *user, size_t r) {
     sums *w = user;
     const explain_search *s = w->search;
     const explain_scatter *scatter = &s->fit.scatter;
-    double sd[OWN] = {scatter->zero, scatter->contact, scatter->gain}, one = 1.0, zero = 0.0;
+    double sd[OWN] = {scatter->zero, scatter->contact, scatter->gain};
     double *g = w->product + r * w->m * w->m;
-    int n = (int)s->data.run[r].n, m = (int)w->m;
     if (s->data.run[r].held)
         return;
     double *column = malloc(w->m * s->data.run[r].n * sizeof *column);
     w->status[r] = column ? explain_directions_columns(s, w->directions, r, column) : PALP_ERR_NO_MEMORY;
     if (!w->status[r]) {
-        dgemm_("T", "N", &m, &m, &n, &one, column, &n, column, &n, &zero, g, &m);
+        dense_transposed_product(w->m, w->m, s->data.run[r].n, column, column, g);
         for (size_t q = 0; q < OWN; q++)
             g[q * w->m + q] += 1.0 / (sd[q] * sd[q]);
         eliminate(g, w->m, OWN);
@@ -116,7 +115,7 @@ static palp_status simulate(const explain_search *s, const explain_directions *d
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
             left[i * n + j] = i == j ? 1.0 + 1e-6 : left[i * n + j] * scale[i] * scale[j];
-    if (!explain_cholesky(left, n)) { /* rounding: as if they were independent */
+    if (!dense_cholesky(n, left)) { /* rounding: as if they were independent */
         memset(left, 0, n * n * sizeof *left);
         for (size_t i = 0; i < n; i++)
             left[i * n + i] = 1.0;

@@ -1,6 +1,6 @@
 /* explain_fit.c: a model in search coordinates, and its sums over the runs. */
 #include "explain_internal.h"
-#include "base/lapack.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -178,9 +178,7 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
         y[i] = run->force[i] - force[i];
     for (size_t j = 0; j < m; j++)
         explain_whiten(run, column + j * n);
-    int in = (int)n, im = (int)m;
-    double one = 1.0, zero = 0.0;
-    dgemm_("T", "N", &im, &im, &in, &one, column, &in, column, &in, &zero, product, &im);
+    dense_transposed_product(m, m, n, column, column, product);
     return PALP_OK;
 }
 
@@ -241,7 +239,7 @@ static void own_factor(const explain_fit *fit, size_t r, const double *sd, doubl
     for (size_t i = 0; i < EXPLAIN_NUISANCES; i++)
         for (size_t j = 0; j < EXPLAIN_NUISANCES; j++)
             factor[i * EXPLAIN_NUISANCES + j] = (i == j) + sd[i] * g[(k + i) * fit->m + k + j] * sd[j];
-    explain_cholesky(factor, EXPLAIN_NUISANCES);
+    dense_cholesky(EXPLAIN_NUISANCES, factor);
 }
 
 void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, double *chi2, double *logdet) {
@@ -251,18 +249,13 @@ void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, d
     double sd[Q], factor[Q * Q], z[EXPLAIN_COLUMNS + 1][Q];
     own_sd(fit, sd);
     own_factor(fit, r, sd, factor);
-    *logdet = 0.0;
-    for (size_t i = 0; i < Q; i++)
-        *logdet += 2.0 * log(factor[i * Q + i]);
+    *logdet = dense_log_determinant(Q, factor);
     for (size_t c = first; c <= k; c++) { /* factor^-1 S N' of each column, the last: y */
         size_t at = c < k ? c : m - 1;
-        for (size_t i = 0; i < Q; i++) {
-            double sum = sd[i] * product[at * m + k + i];
-            for (size_t j = 0; j < i; j++)
-                sum -= factor[i * Q + j] * z[c][j];
-            z[c][i] = sum / factor[i * Q + i];
-        }
+        for (size_t i = 0; i < Q; i++)
+            z[c][i] = sd[i] * product[at * m + k + i];
     }
+    dense_forward(Q, factor, k + 1 - first, z[first]);
     *chi2 = product[(m - 1) * m + m - 1];
     for (size_t i = 0; i < Q; i++)
         *chi2 -= z[k][i] * z[k][i];
@@ -287,11 +280,11 @@ void explain_own(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES]
     own_factor(fit, r, sd, factor);
     for (size_t i = 0; i < Q; i++)
         own[i] = sd[i] * product[(fit->m - 1) * fit->m + fit->n_columns + i];
-    explain_solve(factor, Q, own);
+    dense_cholesky_solve(Q, factor, 1, own);
     for (size_t i = 0; i < Q; i++) {
         double unit[Q] = {0};
         unit[i] = 1.0;
-        explain_solve(factor, Q, unit);
+        dense_cholesky_solve(Q, factor, 1, unit);
         own[i] *= sd[i];
         sd_out[i] = sd[i] * sqrt(unit[i]);
     }

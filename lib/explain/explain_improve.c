@@ -1,5 +1,6 @@
 /* explain_improve.c: the steps to a fit's best parameters, and what they would be without a run. */
 #include "explain_internal.h"
+#include "base/dense.h"
 #include "model/model_internal.h"
 
 #include <math.h>
@@ -66,8 +67,8 @@ static void step_of(const explain_fit *fit, const double *h, const double *g, do
         if (stuck || !(work[i * k + i] > 0.0))
             work[i * k + i] = 1.0;
     }
-    if (explain_cholesky(work, k))
-        explain_solve(work, k, step);
+    if (dense_cholesky(k, work))
+        dense_cholesky_solve(k, work, 1, step);
     else
         memset(step, 0, k * sizeof *step);
 }
@@ -136,13 +137,6 @@ palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size
 
 /* ---- leaving a run out ---- */
 
-static double logdet_of(const double *factor, size_t k) {
-    double sum = 0.0;
-    for (size_t i = 0; i < k; i++)
-        sum += 2.0 * log(factor[i * k + i]);
-    return sum;
-}
-
 palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score, double *step) {
     size_t k = fit->n_columns;
     double *h = malloc((4 * k * k + 5 * k) * sizeof *h);
@@ -167,10 +161,10 @@ palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *da
         }
         memcpy(work, rest, k * k * sizeof *work);
         score[r] = -HUGE_VAL;
-        if (!explain_cholesky(work, k))
+        if (!dense_cholesky(k, work))
             continue;
-        explain_solve(work, k, move);
-        double before = logdet_of(work, k), chi2_at = own_chi2;
+        dense_cholesky_solve(k, work, 1, move);
+        double before = dense_log_determinant(k, work), chi2_at = own_chi2;
         for (size_t i = 0; i < k; i++) {
             b[i] = own_g[i];
             for (size_t j = 0; j < k; j++)
@@ -182,11 +176,11 @@ palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *da
             work[i] += own[i];
         if (step)
             memcpy(step + r * k, move, k * sizeof *move);
-        if (!explain_cholesky(work, k))
+        if (!dense_cholesky(k, work))
             continue;
-        double after = logdet_of(work, k);
+        double after = dense_log_determinant(k, work);
         memcpy(move, b, k * sizeof *move);
-        explain_solve(work, k, move);
+        dense_cholesky_solve(k, work, 1, move);
         for (size_t i = 0; i < k; i++)
             chi2_at -= b[i] * move[i];
         score[r] = -0.5 * (chi2_at + logdet + after - before);

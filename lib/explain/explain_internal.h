@@ -297,8 +297,4 @@ palp_status explain_class_find(const explain_search *full, const explain_search 
 palp_status explain_next_find(const explain_search *full, const explain_search *rest, const palp_explain_effect *out,
                               palp_explain_next *next);
 
-/* Dense symmetric positive: factor a[n n] in place (lower); false if it is not. */
-bool explain_cholesky(double *a, size_t n);
-void explain_solve(const double *factor, size_t n, double *b);
-
 #endif

@@ -1,5 +1,6 @@
 /* explain_interval.c: intervals of the accepted effects' parameters. */
 #include "explain_internal.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +25,7 @@ static double square_reach(const explain_fit *fit, const explain_data *data, con
     double between = 0.0;
     memset(unit, 0, k * sizeof *unit);
     unit[at] = 1.0;
-    explain_solve(factor, k, unit);
+    dense_cholesky_solve(k, factor, 1, unit);
     for (size_t r = 0; r < data->n_runs; r++) {
         double pull = 0.0;
         if (data->run[r].held)
@@ -53,7 +54,7 @@ static palp_status find_reaches(const explain_fit *fit, const explain_data *data
     explain_fit_total(fit, data, h, unit, &chi2, work);
     for (size_t r = 0; r < data->n_runs; r++)
         explain_normal_of(fit, r, work, gradient + r * k, &chi2, &logdet);
-    bool known = explain_cholesky(h, k);
+    bool known = dense_cholesky(k, h);
     for (size_t i = 0; i < k; i++) {
         double square = known ? square_reach(fit, data, h, gradient, i, inflation, unit) : HUGE_VAL;
         reach[i] = sqrt(square);

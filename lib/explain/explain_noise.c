@@ -1,5 +1,6 @@
 /* explain_noise.c: the noise of the runs: white from sample to sample, coloured in stretches that stand still. */
 #include "explain_internal.h"
+#include "base/dense.h"
 #include "data/recording_internal.h"
 
 #include <math.h>
@@ -105,19 +106,12 @@ static double piece_score(const explain_run *run, const double *residual, const 
         chi2 += column[TREND][i] * column[TREND][i];
     }
     double x[TREND];
-    for (size_t k = 0; k < TREND; k++) {
-        x[k] = b[k];
-        for (size_t l = k + 1; l < TREND; l++)
-            a[k * TREND + l] = a[l * TREND + k];
-    }
-    if (!explain_cholesky(a, TREND))
+    memcpy(x, b, sizeof x);
+    if (!dense_cholesky(TREND, a))
         return 0.0;
-    explain_solve(a, TREND, x);
-    for (size_t k = 0; k < TREND; k++) {
-        chi2 -= b[k] * x[k];
-        logdet += 2.0 * log(a[k * TREND + k]);
-    }
-    return -0.5 * (chi2 + logdet);
+    dense_cholesky_solve(TREND, a, 1, x);
+    chi2 -= dense_dot(TREND, b, x);
+    return -0.5 * (chi2 + logdet + dense_log_determinant(TREND, a));
 }
 
 static double colour_score(const explain_data *data, const double *residual, const piece *list, size_t count,

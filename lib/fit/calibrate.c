@@ -1,6 +1,6 @@
 /* calibrate.c: results of a calibration, and least squares by NLopt. */
 #include "calibrate_internal.h"
-#include "base/lapack.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <nlopt.h>
@@ -37,9 +37,8 @@ typedef struct descent {
     double *origin, *best, *p; /* [n_parameters] */
     double *r, *best_r;        /* [n_residuals] */
     double *jacobian;          /* [n_residuals n_parameters] */
-    double *triangle;          /* [n_parameters n_parameters], upper, by columns */
+    double *triangle;          /* [n_parameters n_parameters] R' = L, in rows */
     double *best_jacobian, *stacked, *tau, *work;
-    int n_work;
     double best_value, best_excess, damping;
     double nothing;            /* a value that is rounding beside that of the first guess */
     bool overshot;             /* in the round at hand */
@@ -49,24 +48,14 @@ typedef struct descent {
     nlopt_opt optimizer;
 } descent;
 
-/* Solves R x = b (or R' x = b) in place. */
-static void solve_triangle(const descent *d, bool transposed, double *b) {
-    int n = (int)d->problem->n_parameters, one = 1;
-    double unit = 1.0;
-    dtrsm_("L", "U", transposed ? "T" : "N", "N", &n, &one, &unit, d->triangle, &n, b, &n);
-}
-
 static double norm2(const double *v, size_t n) {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++)
-        sum += v[i] * v[i];
-    return sum;
+    return dense_dot(n, v, v);
 }
 
 static void to_parameters(const descent *d, const double *y, double *p) {
     size_t n = d->problem->n_parameters;
     memcpy(p, y, n * sizeof *p);
-    solve_triangle(d, false, p);
+    dense_backward(n, d->triangle, 1, p);
     for (size_t k = 0; k < n; k++)
         p[k] += d->origin[k];
 }
@@ -136,7 +125,7 @@ static double objective(unsigned n, const double *y, double *gradient, void *use
             for (size_t i = 0; i < m; i++)
                 gradient[k] += jacobian[k * m + i] * r[i];
         }
-        solve_triangle(d, true, gradient);
+        dense_forward(n, d->triangle, 1, gradient);
     }
     return value;
 }
@@ -154,7 +143,7 @@ static void constraints(unsigned rows, double *result, unsigned n, const double 
         if (gradient) {
             for (unsigned k = 0; k < n; k++)
                 gradient[(size_t)i * n + k] = -row[k];
-            solve_triangle(d, true, gradient + (size_t)i * n);
+            dense_forward(n, d->triangle, 1, gradient + (size_t)i * n);
         }
     }
 }
@@ -176,14 +165,9 @@ static palp_status whiten(descent *d) {
         memset(column + m, 0, n * sizeof *column);
         column[m + k] = d->damping * fmax(size, 1e-3 * largest);
     }
-    int rows_i = (int)rows, n_i = (int)n, info = 0;
-    dgeqrf_(&rows_i, &n_i, d->stacked, &rows_i, d->tau, d->work, &d->n_work, &info);
-    memset(d->triangle, 0, n * n * sizeof *d->triangle);
-    for (size_t k = 0; k < n; k++)
-        for (size_t i = 0; i <= k; i++)
-            d->triangle[k * n + i] = d->stacked[k * rows + i];
+    dense_triangle_of(rows, n, d->stacked, d->tau, d->work, d->triangle);
     memcpy(d->origin, d->best, n * sizeof *d->origin);
-    return info ? PALP_ERR_SINGULAR : PALP_OK;
+    return PALP_OK;
 }
 
 /* Bounds on p become constraints on y, which is a mixture of parameters. */
@@ -208,14 +192,13 @@ static nlopt_result descend(descent *d, double *y) {
 
 static palp_status allocate(descent *d) {
     size_t n = d->problem->n_parameters, m = d->problem->n_residuals;
-    d->n_work = (int)(64 * n);
     d->origin = calloc(4 * n, sizeof(double));
     d->r = calloc(2 * m, sizeof(double));
     d->jacobian = calloc(n * m, sizeof(double));
     d->best_jacobian = calloc(n * m, sizeof(double));
     d->stacked = calloc(n * (m + n), sizeof(double));
     d->triangle = calloc(n * n, sizeof(double));
-    d->work = calloc((size_t)d->n_work, sizeof(double));
+    d->work = calloc(DENSE_WORK * n, sizeof(double));
     if (!d->origin || !d->r || !d->jacobian || !d->best_jacobian || !d->stacked || !d->triangle || !d->work)
         return PALP_ERR_NO_MEMORY;
     d->best_r = d->r + m;

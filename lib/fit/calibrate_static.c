@@ -1,6 +1,6 @@
 /* calibrate_static.c: the element's stiffness law from a static force curve (Section 5.3.1). */
 #include "calibrate_internal.h"
-#include "base/lapack.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -68,36 +68,10 @@ static palp_status run_curve(stage *s, const palp_material *material, double *gr
     return PALP_OK;
 }
 
-/* MATLAB's polyfit(x, y, degree): coefficients ascending, constant included. */
-static palp_status polynomial_fit(size_t n, const double *x, const double *y, size_t degree, double *coefficients) {
-    size_t columns = degree + 1;
-    int m = (int)n, k = (int)columns, one = 1, info = 0, n_work = (int)(64 * columns);
-    double *a = malloc(n * columns * sizeof *a), *b = malloc(n * sizeof *b);
-    double *work = malloc((size_t)n_work * sizeof *work);
-    palp_status status = a && b && work && n > degree ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (!status) {
-        for (size_t i = 0; i < n; i++) {
-            double t = x[i] / x[n - 1], power = 1.0;
-            for (size_t j = 0; j < columns; j++, power *= t)
-                a[j * n + i] = power;
-            b[i] = y[i];
-        }
-        dgels_("N", &m, &k, &one, a, &m, b, &m, work, &n_work, &info);
-        status = info ? PALP_ERR_SINGULAR : PALP_OK;
-        double scale = 1.0;
-        for (size_t j = 0; j < columns; j++, scale /= x[n - 1])
-            coefficients[j] = b[j] * scale;
-    }
-    free(a);
-    free(b);
-    free(work);
-    return status;
-}
-
 /* Figure 5.6. The fit has a constant term, which is dropped: that is what reproduces Table 5.1. */
 static palp_status fixed_point(stage *s) {
     palp_material material = *s->start;
-    double fit[PALP_LAW_MAX + 1], *strain = malloc(2 * s->n * sizeof *strain);
+    double fit[PALP_LAW_MAX + 1], norm, *strain = malloc(2 * s->n * sizeof *strain);
     if (!strain)
         return PALP_ERR_NO_MEMORY;
     double *guess = strain + s->n;
@@ -121,7 +95,7 @@ static palp_status fixed_point(stage *s) {
         least = residual;
         for (size_t i = 0; i < s->n; i++)
             guess[i] *= s->target[i] / s->force[i];
-        status = polynomial_fit(s->n, strain, guess, material.law.n, fit);
+        status = dense_polynomial(s->n, strain, guess, 0, material.law.n, fit, &norm);
         if (!status)
             status = palp_law_polynomial(material.law.n, fit + 1, &material.law);
     }

@@ -1,4 +1,5 @@
 /* characterize.c: the fit's result: estimates with intervals, merged arms, residuals of each recording. */
+#include "base/dense.h"
 #include "base/file.h"
 #include "fit_internal.h"
 
@@ -37,47 +38,27 @@ static void sort_arms(const fit_problem *p, double *v) {
             }
 }
 
-/* Inverse of J'J, scaled to a unit diagonal first, by Gauss-Jordan with a ridge of rounding size. */
+/* Inverse of J'J, scaled to a unit diagonal first, with a ridge of rounding size. */
 static palp_status invert(size_t n, double *a, double *inverse) {
-    double *scale = malloc(n * sizeof *scale);
-    if (!scale)
-        return PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < n; i++)
+    double *scale = malloc((1 + DENSE_WORK) * n * sizeof *scale), *work = scale + n;
+    int *pivot = malloc(n * sizeof *pivot);
+    palp_status status = scale && pivot ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n && !status; i++)
         scale[i] = a[i * n + i] > 0.0 ? 1.0 / sqrt(a[i * n + i]) : 1.0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n && !status; i++)
         for (size_t j = 0; j < n; j++) {
-            a[i * n + j] *= scale[i] * scale[j];
-            inverse[i * n + j] = i == j;
+            a[i * n + j] = a[i * n + j] * scale[i] * scale[j] + (i == j ? 1e-14 : 0.0);
+            inverse[i * n + j] = i == j ? scale[i] : 0.0;
         }
-    for (size_t i = 0; i < n; i++)
-        a[i * n + i] += 1e-14;
-    for (size_t i = 0; i < n; i++) {
-        size_t best = i;
-        for (size_t k = i + 1; k < n; k++)
-            best = fabs(a[k * n + i]) > fabs(a[best * n + i]) ? k : best;
-        double pivot = a[best * n + i];
-        for (size_t j = 0; j < n; j++) {
-            double t = a[i * n + j], u = inverse[i * n + j];
-            a[i * n + j] = a[best * n + j] / pivot;
-            inverse[i * n + j] = inverse[best * n + j] / pivot;
-            if (best != i) {
-                a[best * n + j] = t;
-                inverse[best * n + j] = u;
-            }
-        }
-        for (size_t k = 0; k < n; k++) {
-            double factor = a[k * n + i];
-            for (size_t j = 0; k != i && factor != 0.0 && j < n; j++) {
-                a[k * n + j] -= factor * a[i * n + j];
-                inverse[k * n + j] -= factor * inverse[i * n + j];
-            }
-        }
-    }
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++)
-            inverse[i * n + j] *= scale[i] * scale[j];
+    if (!status && !dense_ldl(n, a, pivot, work))
+        status = PALP_ERR_SINGULAR;
+    if (!status)
+        dense_ldl_solve(n, a, pivot, n, inverse);
+    for (size_t i = 0; i < n * n && !status; i++)
+        inverse[i] *= scale[i % n];
     free(scale);
-    return PALP_OK;
+    free(pivot);
+    return status;
 }
 
 /* Covariance of the parameters at v, and the residual's weighted square and its lag-1 correlation. */
@@ -167,17 +148,6 @@ static void sum_residual(const fit_problem *p, const double *residual, curvature
     c->freedom = used > n ? used - n : 1;
 }
 
-/* The lower triangle's column sums run over the blocks, once for a pair. */
-static void square_of(const double *jacobian, size_t m, size_t n, double *square) {
-    for (size_t a = 0; a < n; a++)
-        for (size_t b = 0; b <= a; b++) {
-            double sum = 0.0;
-            for (size_t i = 0; i < m; i++)
-                sum += jacobian[a * m + i] * jacobian[b * m + i];
-            square[a * n + b] = square[b * n + a] = sum;
-        }
-}
-
 static palp_status find_curvature(const fit_problem *p, const double *v, curvature *c) {
     size_t n = fit_parameter_count(p), m = p->n_blocks;
     double *r = malloc((m + m * n + n * n) * sizeof *r), *jacobian = r + m, *square = jacobian + m * n;
@@ -186,7 +156,7 @@ static palp_status find_curvature(const fit_problem *p, const double *v, curvatu
     palp_status status = fit_evaluate(p, v, r, jacobian);
     if (!status) {
         sum_residual(p, r, c);
-        square_of(jacobian, m, n, square);
+        dense_transposed_product(n, n, m, jacobian, jacobian, square);
         status = invert(n, square, c->covariance);
     }
     if (!status)

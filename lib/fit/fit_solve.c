@@ -1,4 +1,5 @@
 /* fit_solve.c: first guesses by a scan over relaxation times, polished by NLopt. */
+#include "base/dense.h"
 #include "fit_internal.h"
 
 #include <math.h>
@@ -71,7 +72,7 @@ static palp_status sum_up(scan *s) {
     return PALP_OK;
 }
 
-/* Least squares on the springs and the chosen arms: Cholesky in place. *chi2 of it; false if singular. */
+/* Least squares on the springs and the chosen arms: *chi2 of it; false if singular. */
 static bool solve_choice(const scan *s, const size_t *arm, size_t n_arms, double *solution, double *work,
                          double *chi2) {
     size_t n = s->n_springs + n_arms;
@@ -83,26 +84,11 @@ static bool solve_choice(const scan *s, const size_t *arm, size_t n_arms, double
             work[a * n + b] = s->gram[ga * s->columns + gb] * (a == b ? 1.0 + 1e-12 : 1.0);
         }
     }
-    *chi2 = s->total;
-    for (size_t a = 0; a < n; a++) {
-        for (size_t b = 0; b <= a; b++) {
-            double sum = work[a * n + b];
-            for (size_t k = 0; k < b; k++)
-                sum -= work[a * n + k] * work[b * n + k];
-            if (a == b && !(sum > 0.0))
-                return false;
-            work[a * n + b] = a == b ? sqrt(sum) : sum / work[b * n + b];
-        }
-        for (size_t k = 0; k < a; k++)
-            solution[a] -= work[a * n + k] * solution[k];
-        solution[a] /= work[a * n + a];
-        *chi2 -= solution[a] * solution[a];
-    }
-    for (size_t a = n; a-- > 0;) {
-        for (size_t k = a + 1; k < n; k++)
-            solution[a] -= work[k * n + a] * solution[k];
-        solution[a] /= work[a * n + a];
-    }
+    if (!dense_cholesky(n, work))
+        return false;
+    dense_forward(n, work, 1, solution);
+    *chi2 = s->total - dense_dot(n, solution, solution);
+    dense_backward(n, work, 1, solution);
     return true;
 }
 

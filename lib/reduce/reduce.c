@@ -1,6 +1,7 @@
 /* reduce.c: building a reduced model, its error on held-out paths, and what can be asked of it. */
 #include "reduce_internal.h"
 
+#include "base/dense.h"
 #include "base/file.h"
 
 #include <math.h>
@@ -77,7 +78,7 @@ palp_status reduced_allocate(palp_reduced *r) {
     r->high = doubles(k + 1, &ok);
     r->gap = doubles(k * 3 * m, &ok);
     r->scaled = doubles(k * 3 * REDUCED_BLOCK, &ok);
-    r->work = doubles(64 * k, &ok);
+    r->work = doubles(DENSE_WORK * k, &ok);
     r->held = calloc(n3 + 1, 1);
     r->triangles = calloc(3 * r->n_triangles + 1, sizeof *r->triangles);
     r->pair = calloc(2 * m + 1, sizeof *r->pair);

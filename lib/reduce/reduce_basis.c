@@ -1,6 +1,6 @@
 /* reduce_basis.c: the shapes of a reduced model, orthonormal in the network's stiffness at rest K.
  * Snapshots: Sirovich 1987, Quart. Appl. Math. 45. */
-#include "base/lapack.h"
+#include "base/dense.h"
 #include "reduce_internal.h"
 
 #include <math.h>
@@ -57,25 +57,6 @@ static void snapshots(const palp_network *net, size_t n_training, palp_training 
                                        : training[t]->x[n3 * i + k] - net->rest[k] - training[t]->depth[i] * lift[k];
 }
 
-/* c[n m] = a[rows n]' b[rows m] */
-static void transposed_product(size_t rows, size_t n, const double *a, size_t m, const double *b, double *c) {
-    const int k = (int)rows, p = (int)n, q = (int)m;
-    const double one = 1.0, zero = 0.0;
-    dgemm_("T", "N", &p, &q, &k, &one, a, &k, b, &k, &zero, c, &p);
-}
-
-/* Eigenvalues ascending into w[n], vectors over c. */
-static palp_status eigen(size_t n, double *c, double *w) {
-    const int order = (int)n, room = (int)(34 * n + 1);
-    int info = 0;
-    double *work = malloc((size_t)room * sizeof *work);
-    if (!work)
-        return PALP_ERR_NO_MEMORY;
-    dsyev_("V", "L", &order, c, &order, w, work, &room, &info);
-    free(work);
-    return info ? PALP_ERR_NOT_CONVERGED : PALP_OK;
-}
-
 /* Of the eigenvalues w[n], ascending, how many of the largest hold all but tolerance^2 of the sum. */
 static size_t worth_keeping(size_t n, const double *w, double tolerance, size_t most) {
     double sum = 0.0, left = 0.0;
@@ -89,8 +70,6 @@ static size_t worth_keeping(size_t n, const double *w, double tolerance, size_t 
 
 /* columns[rows count] = u z / sqrt(w) of the count largest. */
 static void combine(size_t rows, size_t n, const double *u, double *z, const double *w, size_t count, double *columns) {
-    const int m = (int)rows, k = (int)n, c = (int)count;
-    const double one = 1.0, zero = 0.0;
     for (size_t j = n - count; j < n; j++)
         for (size_t i = 0; i < n; i++)
             z[j * n + i] /= sqrt(w[j]);
@@ -101,20 +80,13 @@ static void combine(size_t rows, size_t n, const double *u, double *z, const dou
             z[(n - 1 - j) * n + i] = z[(n - count + j) * n + i];
             z[(n - count + j) * n + i] = swap;
         }
-    dgemm_("N", "N", &m, &c, &k, &one, u, &m, z + (n - count) * n, &k, &zero, columns, &m);
+    dense_product(rows, count, n, u, z + (n - count) * n, columns);
 }
 
 /* v += scale u */
 static void add(size_t n, double scale, const double *u, double *v) {
     for (size_t k = 0; k < n; k++)
         v[k] += scale * u[k];
-}
-
-static double dot(size_t n, const double *a, const double *b) {
-    double sum = 0.0;
-    for (size_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
 }
 
 /* Gram and Schmidt once more in K, against rounding; stiff[3 n_nodes] is scratch. */
@@ -124,9 +96,9 @@ static void orthonormalize(const palp_network *net, size_t count, double *column
         double *v = columns + j * n3;
         rest_times(net, v, stiff);
         for (size_t i = 0; i < j; i++)
-            add(n3, -dot(n3, columns + i * n3, stiff), columns + i * n3, v);
+            add(n3, -dense_dot(n3, columns + i * n3, stiff), columns + i * n3, v);
         rest_times(net, v, stiff);
-        add(n3, 1.0 / sqrt(dot(n3, v, stiff)) - 1.0, v, v);
+        add(n3, 1.0 / sqrt(dense_dot(n3, v, stiff)) - 1.0, v, v);
     }
 }
 
@@ -139,8 +111,8 @@ static palp_status proper_modes(const palp_network *net, size_t n, const double 
     if (!status) {
         for (size_t i = 0; i < n; i++)
             rest_times(net, u + i * n3, stiff + i * n3);
-        transposed_product(n3, n, u, n, stiff, c);
-        status = eigen(n, c, c + n * n);
+        dense_transposed_product(n, n, n3, u, stiff, c);
+        status = dense_eigen(n, c, c + n * n);
     }
     if (!status) {
         *count = worth_keeping(n, c + n * n, tolerance, most);
@@ -207,7 +179,7 @@ static palp_status static_modes(palp_network *net, size_t n, const size_t *list,
     for (size_t i = 0; !status && i < n; i++)
         for (size_t j = 0; j < n; j++)
             c[i * n + j] = 0.5 * (answer[i * n3 + list[j]] + answer[j * n3 + list[i]]);
-    status = status ? status : eigen(n, c, c + n * n);
+    status = status ? status : dense_eigen(n, c, c + n * n);
     if (!status) {
         size_t more = worth_keeping(n, c + n * n, 1e-4, most);
         combine(n3, n, answer, c, c + n * n, more, columns + *count * n3);
@@ -266,7 +238,7 @@ palp_status reduced_basis(palp_network *net, size_t n_training, palp_training *c
         by_rows(n3, count, columns, rows);
         for (size_t i = 0; i < n; i++) {
             rest_times(net, u + i * n3, stiff);
-            transposed_product(n3, count, columns, 1, stiff, q + i * count);
+            dense_transposed_product(count, 1, n3, columns, stiff, q + i * count);
         }
         *modes = count;
         *samples = (reduced_samples){n, q};

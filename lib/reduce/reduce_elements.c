@@ -1,7 +1,7 @@
 /* reduce_elements.c: which elements stand for all, and with what weight: energy-conserving sampling and weighting
  * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), trained on forces and on tangents, since in
  * equilibrium most of the reduced forces vanish. */
-#include "base/lapack.h"
+#include "base/dense.h"
 #include "solve/nnls.h"
 #include "reduce_internal.h"
 
@@ -46,12 +46,7 @@ static double gauss(uint64_t *seed) {
 
 /* out[3 n_nodes] = basis q */
 static void expand(const sampling *s, const double *q, double *out) {
-    const int r = (int)s->modes, n3 = (int)(3 * s->net->n_nodes), unit = 1;
-    const double one = 1.0, zero = 0.0;
-    if (r > 0)
-        dgemv_("T", &r, &n3, &one, s->basis, &r, q, &unit, &zero, out, &unit);
-    else
-        memset(out, 0, (size_t)n3 * sizeof *out);
+    dense_transposed_times(s->modes, 3 * s->net->n_nodes, 1.0, s->basis, q, 0.0, out);
 }
 
 /* The network at a sample's reduced state, with the history of the one before; then that history is its own. */

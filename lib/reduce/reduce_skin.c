@@ -1,6 +1,6 @@
 /* reduce_skin.c: the surface of a reduced model as a network of its own without elements, on which tools act as they
  * do on any network. Its places are worked out only near the tools. */
-#include "base/lapack.h"
+#include "base/dense.h"
 #include "mesh/mesh_internal.h"
 #include "reduce_internal.h"
 
@@ -218,8 +218,7 @@ static void contact_rows(const palp_reduced *r, const contact *c, double *rows, 
 void reduced_skin_stiffness(const palp_reduced *r, double *stiffness) {
     enum { CORNERS = 9, AT_ONCE = 3 * REDUCED_BLOCK / CORNERS };
     const network_load *load = r->skin->net->load;
-    const int n = (int)r->modes;
-    const double one = 1.0;
+    const size_t n = r->modes;
     double *rows = r->skin->row, *scaled = r->scaled;
     for (size_t i = 0, k = 0; i <= load->n_contacts; i++) {
         bool touches = i < load->n_contacts && load->contact[i].depth > 0.0;
@@ -228,8 +227,7 @@ void reduced_skin_stiffness(const palp_reduced *r, double *stiffness) {
             k++;
         }
         if (k > 0 && (k == AT_ONCE || i == load->n_contacts)) {
-            const int count = (int)(CORNERS * k);
-            dgemm_("N", "T", &n, &n, &count, &one, scaled, &n, rows, &n, &one, stiffness, &n);
+            dense_add_outer(n, n, CORNERS * k, 1.0, scaled, n, rows, n, stiffness, n);
             k = 0;
         }
     }

@@ -1,5 +1,5 @@
 /* reduce_step.c: one time step of a reduced model: Newton with a tangent that is renewed bit by bit. */
-#include "base/lapack.h"
+#include "base/dense.h"
 #include "reduce_internal.h"
 
 #include <math.h>
@@ -9,25 +9,9 @@ static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without len
 static const double SLOW = 0.3;              /* a kept tangent that contracts less is renewed at once */
 static const double SHORTEST = 0.02;         /* line search */
 enum { TICKS = 24 };                         /* in so many steps the tangent is renewed, a share in each */
-static const int ONE = 1;
-
-static double dot(size_t n, const double *a, const double *b) {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
 
 double reduced_coordinate(const palp_reduced *r, const double *q, double depth, size_t i) {
-    return r->rest[i] + depth * r->lift[i] + dot(r->modes, r->basis + i * r->modes, q);
-}
-
-/* y = a' x or y = a x of the elements' gaps, a[modes 3 n_elements]. */
-static void gap_times(const palp_reduced *r, const char *transpose, const double *x, double beta, double *y) {
-    const int k = (int)r->modes, m = (int)(3 * r->n_elements);
-    const double one = 1.0;
-    if (k > 0 && m > 0)
-        dgemv_(transpose, &k, &m, &one, r->gap, &k, x, &ONE, &beta, y, &ONE);
+    return r->rest[i] + depth * r->lift[i] + dense_dot(r->modes, r->basis + i * r->modes, q);
 }
 
 static bool measure(palp_reduced *r) {
@@ -35,7 +19,7 @@ static bool measure(palp_reduced *r) {
     double *d = r->direction;
     for (size_t i = 0; i < 3 * r->n_elements; i++)
         d[i] = r->gap_rest[i] + r->next.depth * r->gap_lift[i];
-    gap_times(r, "T", r->next.q, 1.0, d);
+    dense_transposed_times(r->modes, 3 * r->n_elements, 1.0, r->gap, r->next.q, 1.0, d);
     for (size_t i = 0; i < r->n_elements; i++, d += 3) {
         double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), inverse = 1.0 / length;
         r->strain[i] = length * r->inverse_rest[i] - 1.0;
@@ -59,8 +43,8 @@ bool reduced_evaluate(palp_reduced *r, double *drive) {
         r->vector[i] = -r->weight[i / 3] * r->force[i / 3] * r->direction[i];
         *drive -= r->vector[i] * r->gap_lift[i];
     }
-    gap_times(r, "N", r->vector, 0.0, r->rhs);
-    return isfinite(*drive) && isfinite(dot(r->modes, r->rhs, r->rhs));
+    dense_times(r->modes, 3 * r->n_elements, 1.0, r->gap, r->vector, 0.0, r->rhs);
+    return isfinite(*drive) && isfinite(dense_dot(r->modes, r->rhs, r->rhs));
 }
 
 /* scaled = (tangent / L0 n n' + force / L (1 - n n')) gap of one element, times its weight. */
@@ -77,15 +61,12 @@ static void scale_gap(const palp_reduced *r, size_t i, double *scaled) {
 }
 
 void reduced_stiffness(palp_reduced *r, size_t from, size_t to, double *stiffness) {
-    const int modes = (int)r->modes;
-    const double one = 1.0;
-    for (size_t first = from; first < to && modes > 0; first += REDUCED_BLOCK) {
+    for (size_t first = from; first < to && r->modes > 0; first += REDUCED_BLOCK) {
         size_t last = first + REDUCED_BLOCK < to ? first + REDUCED_BLOCK : to;
-        const int rows = (int)(3 * (last - first));
+        size_t rows = 3 * (last - first), modes = r->modes;
         for (size_t i = first; i < last; i++)
             scale_gap(r, i, r->scaled + 3 * (i - first) * r->modes);
-        dgemm_("N", "T", &modes, &modes, &rows, &one, r->scaled, &modes, r->gap + 3 * first * r->modes, &modes, &one,
-               stiffness, &modes);
+        dense_add_outer(modes, modes, rows, 1.0, r->scaled, modes, r->gap + 3 * first * modes, modes, stiffness, modes);
     }
 }
 
@@ -124,7 +105,7 @@ static bool evaluate(palp_reduced *r, double *drive, double *residual, double *s
         force += f * f;
         noise += t * t;
     }
-    *residual = sqrt(dot(r->modes, r->rhs, r->rhs));
+    *residual = sqrt(dense_dot(r->modes, r->rhs, r->rhs));
     *scale = r->tolerance * sqrt(force) + 2e-15 * sqrt(noise);
     return true;
 }
@@ -138,27 +119,21 @@ static void tangent(palp_reduced *r) {
 
 /* Factors it; L D L' where it is not positive definite. */
 static palp_status factor(palp_reduced *r) {
-    const int n = (int)r->modes, room = 64 * n;
-    int info = 0;
     tangent(r);
-    dpotrf_("L", &n, r->factor, &n, &info);
-    r->definite = info == 0;
-    if (info > 0) {
-        tangent(r);
-        dsytrf_("L", &n, r->factor, &n, r->pivot, r->work, &room, &info);
-    }
-    return info ? PALP_ERR_SINGULAR : PALP_OK;
+    r->definite = dense_cholesky(r->modes, r->factor);
+    if (r->definite)
+        return PALP_OK;
+    tangent(r);
+    return dense_ldl(r->modes, r->factor, r->pivot, r->work) ? PALP_OK : PALP_ERR_SINGULAR;
 }
 
 static void solve_direction(palp_reduced *r) {
-    const int n = (int)r->modes;
-    int info;
     memcpy(r->dq, r->rhs, r->modes * sizeof *r->dq);
     memcpy(r->start, r->next.q, r->modes * sizeof *r->start);
     if (r->definite)
-        dpotrs_("L", &n, &ONE, r->factor, &n, r->dq, &n, &info);
+        dense_cholesky_solve(r->modes, r->factor, 1, r->dq);
     else
-        dsytrs_("L", &n, &ONE, r->factor, &n, r->pivot, r->dq, &n, &info);
+        dense_ldl_solve(r->modes, r->factor, r->pivot, 1, r->dq);
 }
 
 typedef struct progress {

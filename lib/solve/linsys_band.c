@@ -1,6 +1,6 @@
 /* linsys_band.c: band L D L' without pivoting, blocked on BLAS. Indefinite matrices are factored the
  * same way, so the inertia comes with every factor. */
-#include "base/lapack.h"
+#include "base/dense.h"
 #include "linsys.h"
 
 #include <math.h>
@@ -92,9 +92,7 @@ static bool factor_plain(double *a, size_t ld, size_t n, size_t width, double *i
 /* The rows below a factored diagonal block of n columns: panel keeps L D, a gets L. */
 static void solve_panel(double *a, size_t ld, size_t n, size_t rows, const double *diagonal,
                         const double *inverse, double *panel) {
-    int m = (int)rows, k = (int)n, lda = (int)ld;
-    double one = 1.0;
-    dtrsm_("R", "L", "T", "U", &m, &k, &one, diagonal, &lda, a, &lda);
+    dense_unit_solve_right(rows, n, diagonal, ld, a, ld);
     for (size_t j = 0; j < n; j++) {
         memcpy(panel + j * rows, a + j * ld, rows * sizeof *panel);
         for (size_t i = 0; i < rows; i++)
@@ -108,9 +106,7 @@ static void update_trailing(const double *lower, size_t ld, const double *panel,
                             double *target) {
     bool small = rows <= BLOCK;
     size_t half = small ? rows : (rows / 2 + 7) / 8 * 8, skip = small ? 0 : half;
-    int m = (int)(rows - skip), w = (int)half, k = (int)n, lda = (int)ld, ldb = (int)ldp;
-    double minus = -1.0, one = 1.0;
-    dgemm_("N", "T", &m, &w, &k, &minus, lower + skip, &lda, panel, &ldb, &one, target + skip, &lda);
+    dense_add_outer(rows - skip, half, n, -1.0, lower + skip, ld, panel, ldp, target + skip, ld);
     if (small)
         return;
     update_trailing(lower, ld, panel, ldp, n, half, target);
@@ -190,11 +186,10 @@ static palp_status band_factor(void *self, int *negative) {
 }
 
 static void solve_ordered(const band *b, double *x) {
-    int n = (int)b->n, k = (int)b->width, ld = (int)b->stride + 1, one = 1;
-    dtbsv_("L", "N", "U", &n, &k, b->value, &ld, x, &one);
+    dense_band_forward(b->n, b->width, b->value, b->stride + 1, x);
     for (size_t i = 0; i < b->n; i++)
         x[i] *= b->inverse[i];
-    dtbsv_("L", "T", "U", &n, &k, b->value, &ld, x, &one);
+    dense_band_backward(b->n, b->width, b->value, b->stride + 1, x);
 }
 
 static void band_solve(void *self, double *x) {

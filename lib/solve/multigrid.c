@@ -1,4 +1,5 @@
 /* multigrid.c: symbolic part: which nodes are coarse, how the others follow them, patterns, memory. */
+#include "base/dense.h"
 #include "multigrid_internal.h"
 
 #include <math.h>
@@ -138,33 +139,15 @@ static size_t choose_coarse(const mg_level *l, int32_t *number) {
 
 /* w' (D D' + 0.05 |d|^2) w least with sum w = 1: the node's place as a mean of those it follows, d away. */
 static void mean_weights(size_t n, double (*d)[3], double *w) {
-    double a[FOLLOWED_MAX][FOLLOWED_MAX], sum = 0.0;
+    double a[FOLLOWED_MAX * FOLLOWED_MAX], sum = 0.0;
     for (size_t i = 0; i < n; i++) {
         for (size_t j = 0; j <= i; j++)
-            a[i][j] = d[i][0] * d[j][0] + d[i][1] * d[j][1] + d[i][2] * d[j][2];
-        a[i][i] *= 1.05;
+            a[i * n + j] = dense_dot(3, d[i], d[j]);
+        a[i * n + i] *= 1.05;
         w[i] = 1.0;
     }
-    for (size_t j = 0; j < n; j++) { /* Cholesky, then both solves */
-        for (size_t k = 0; k < j; k++)
-            a[j][j] -= a[j][k] * a[j][k];
-        a[j][j] = sqrt(a[j][j]);
-        for (size_t i = j + 1; i < n; i++) {
-            for (size_t k = 0; k < j; k++)
-                a[i][j] -= a[i][k] * a[j][k];
-            a[i][j] /= a[j][j];
-        }
-    }
-    for (size_t i = 0; i < n; i++) {
-        for (size_t k = 0; k < i; k++)
-            w[i] -= a[i][k] * w[k];
-        w[i] /= a[i][i];
-    }
-    for (size_t i = n; i-- > 0;) {
-        for (size_t k = i + 1; k < n; k++)
-            w[i] -= a[k][i] * w[k];
-        w[i] /= a[i][i];
-    }
+    if (dense_cholesky(n, a))
+        dense_cholesky_solve(n, a, 1, w);
     for (size_t i = 0; i < n; i++)
         sum += w[i];
     for (size_t i = 0; i < n; i++)

@@ -1,7 +1,7 @@
 /* nnls.c: see nnls.h; the columns in use are kept as Q R. */
 #include "nnls.h"
 
-#include "base/lapack.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -13,7 +13,8 @@ static const double STALE = 0.5;       /* of the best gradient at the last look 
 enum { SHORT = 256 };                  /* columns that are looked at in between */
 
 typedef struct nnls {
-    int rows, n, most, used;
+    size_t rows, most, used;
+    int n;
     const double *a, *b;
     double *q;        /* [rows most] orthonormal */
     double *r;        /* [most most] upper triangle by columns */
@@ -28,20 +29,9 @@ typedef struct nnls {
     double floor;          /* their gradients are to be above it, else all are looked at again */
 } nnls;
 
-static const int ONE = 1;
-
-static double dot(size_t n, const double *a, const double *b) {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
-
 static void find_rest(nnls *p) {
-    const double minus = -1.0, one = 1.0;
-    memcpy(p->rest, p->b, (size_t)p->rows * sizeof *p->rest);
-    if (p->used > 0)
-        dgemv_("N", &p->rows, &p->used, &minus, p->q, &p->rows, p->projected, &ONE, &one, p->rest, &ONE);
+    memcpy(p->rest, p->b, p->rows * sizeof *p->rest);
+    dense_times(p->rows, p->used, -1.0, p->q, p->projected, 1.0, p->rest);
 }
 
 /* The best SHORT of the columns by gradient, in a heap whose root is the least of them. */
@@ -76,7 +66,7 @@ static int best_listed(nnls *p) {
         int j = p->shortlist[i];
         if (p->barred[j])
             continue;
-        double gradient = dot((size_t)p->rows, p->a + (size_t)j * (size_t)p->rows, p->rest);
+        double gradient = dense_dot(p->rows, p->a + (size_t)j * p->rows, p->rest);
         if (gradient > most) {
             most = gradient;
             best = j;
@@ -88,11 +78,10 @@ static int best_listed(nnls *p) {
 /* The unused column that promises most, near enough; -1: none promises anything. All columns are looked at only
  * where the short list is used up. */
 static int best_column(nnls *p) {
-    const double one = 1.0, zero = 0.0;
     int j = best_listed(p);
     if (j >= 0)
         return j;
-    dgemv_("T", &p->rows, &p->n, &one, p->a, &p->rows, p->rest, &ONE, &zero, p->gradient, &ONE);
+    dense_transposed_times(p->rows, (size_t)p->n, 1.0, p->a, p->rest, 0.0, p->gradient);
     p->listed = 0;
     p->floor = 0.0;
     for (j = 0; j < p->n; j++)
@@ -105,25 +94,24 @@ static int best_column(nnls *p) {
 
 /* Appends column j to Q R, orthogonalized twice. False: it depends on those in use. */
 static bool append(nnls *p, int j) {
-    const double minus = -1.0, one = 1.0, zero = 0.0;
-    size_t rows = (size_t)p->rows, k = (size_t)p->used;
-    double *v = p->q + k * rows, *h = p->r + k * (size_t)p->most, *again = p->s;
+    size_t rows = p->rows, k = p->used;
+    double *v = p->q + k * rows, *h = p->r + k * p->most, *again = p->s;
     memcpy(v, p->a + (size_t)j * rows, rows * sizeof *v);
-    double size = sqrt(dot(rows, v, v));
+    double size = sqrt(dense_dot(rows, v, v));
     for (int round = 0; round < 2 && k > 0; round++) {
         double *out = round ? again : h;
-        dgemv_("T", &p->rows, &p->used, &one, p->q, &p->rows, v, &ONE, &zero, out, &ONE);
-        dgemv_("N", &p->rows, &p->used, &minus, p->q, &p->rows, out, &ONE, &one, v, &ONE);
+        dense_transposed_times(rows, k, 1.0, p->q, v, 0.0, out);
+        dense_times(rows, k, -1.0, p->q, out, 1.0, v);
         for (size_t i = 0; round && i < k; i++)
             h[i] += again[i];
     }
-    double left = sqrt(dot(rows, v, v));
+    double left = sqrt(dense_dot(rows, v, v));
     if (!(left > DEPENDENT * size))
         return false;
     for (size_t i = 0; i < rows; i++)
         v[i] /= left;
     h[k] = left;
-    p->projected[k] = dot(rows, v, p->b);
+    p->projected[k] = dense_dot(rows, v, p->b);
     p->column[k] = j;
     p->x[k] = 0.0;
     p->barred[j] = 1;
@@ -133,12 +121,12 @@ static bool append(nnls *p, int j) {
 
 /* Rotates rows i and i + 1 of R (and columns of Q) so that R[i + 1][column i] vanishes. */
 static void rotate(nnls *p, size_t i) {
-    size_t most = (size_t)p->most, rows = (size_t)p->rows;
+    size_t most = p->most, rows = p->rows;
     double a = p->r[i * most + i], b = p->r[i * most + i + 1], length = hypot(a, b);
     if (length == 0.0)
         return;
     double c = a / length, s = b / length;
-    for (size_t j = i; j < (size_t)p->used; j++) {
+    for (size_t j = i; j < p->used; j++) {
         double *r = p->r + j * most + i, top = r[0];
         r[0] = c * top + s * r[1];
         r[1] = c * r[1] - s * top;
@@ -155,23 +143,23 @@ static void rotate(nnls *p, size_t i) {
 }
 
 static void drop(nnls *p, size_t k) {
-    size_t most = (size_t)p->most;
+    size_t most = p->most;
     p->barred[p->column[k]] = 0;
     p->used--;
-    for (size_t j = k; j < (size_t)p->used; j++) {
+    for (size_t j = k; j < p->used; j++) {
         memcpy(p->r + j * most, p->r + (j + 1) * most, (j + 2) * sizeof *p->r);
         p->column[j] = p->column[j + 1];
         p->x[j] = p->x[j + 1];
     }
-    for (size_t i = k; i < (size_t)p->used; i++)
+    for (size_t i = k; i < p->used; i++)
         rotate(p, i);
 }
 
 /* s = R^-1 q' b */
 static void least_squares(nnls *p) {
-    size_t most = (size_t)p->most;
-    memcpy(p->s, p->projected, (size_t)p->used * sizeof *p->s);
-    for (size_t j = (size_t)p->used; j-- > 0;) {
+    size_t most = p->most;
+    memcpy(p->s, p->projected, p->used * sizeof *p->s);
+    for (size_t j = p->used; j-- > 0;) {
         p->s[j] /= p->r[j * most + j];
         for (size_t i = 0; i < j; i++)
             p->s[i] -= p->r[j * most + i] * p->s[j];
@@ -183,11 +171,11 @@ static void settle(nnls *p) {
     for (;;) {
         double reach = 1.0;
         least_squares(p);
-        for (int i = 0; i < p->used; i++)
+        for (size_t i = 0; i < p->used; i++)
             if (p->s[i] <= 0.0)
                 reach = fmin(reach, p->x[i] / (p->x[i] - p->s[i]));
         bool blocked = false;
-        for (size_t i = (size_t)p->used; i-- > 0;) {
+        for (size_t i = p->used; i-- > 0;) {
             bool ends = p->s[i] <= 0.0 && p->x[i] / (p->x[i] - p->s[i]) <= reach;
             p->x[i] += reach * (p->s[i] - p->x[i]);
             blocked = blocked || ends;
@@ -196,16 +184,16 @@ static void settle(nnls *p) {
         }
         if (!blocked)
             return;
-        for (size_t i = (size_t)p->used; i-- > 0;)
+        for (size_t i = p->used; i-- > 0;)
             if (p->x[i] <= 0.0)
                 drop(p, i);
     }
 }
 
 static void iterate(nnls *p, double stop, double *residual) {
-    for (int round = 0; round < 3 * p->most + 100; round++) {
+    for (size_t round = 0; round < 3 * p->most + 100; round++) {
         find_rest(p);
-        *residual = sqrt(dot((size_t)p->rows, p->rest, p->rest));
+        *residual = sqrt(dense_dot(p->rows, p->rest, p->rest));
         if (*residual <= stop || p->used == p->most)
             return;
         int j = best_column(p);
@@ -217,7 +205,7 @@ static void iterate(nnls *p, double stop, double *residual) {
         }
         least_squares(p);
         if (p->s[p->used - 1] <= 0.0) { /* rounding: it cannot grow */
-            drop(p, (size_t)p->used - 1);
+            drop(p, p->used - 1);
             p->barred[j] = 1;
             continue;
         }
@@ -229,7 +217,7 @@ palp_status nnls_solve(size_t rows, size_t n, const double *a, const double *b, 
                        double *x, double *residual) {
     most = most < rows ? most : rows;
     most = most < n ? most : n;
-    nnls p = {.rows = (int)rows, .n = (int)n, .most = (int)most, .a = a, .b = b};
+    nnls p = {.rows = rows, .n = (int)n, .most = most, .a = a, .b = b};
     size_t room = most + 1;
     double *work = calloc(rows * room + room * room + 3 * room + rows + n + 1, sizeof *work);
     p.column = calloc(room, sizeof *p.column);
@@ -245,10 +233,10 @@ palp_status nnls_solve(size_t rows, size_t n, const double *a, const double *b, 
         p.x = p.s + room;
         p.rest = p.x + room;
         p.gradient = p.rest + rows;
-        double size = sqrt(dot(rows, b, b));
+        double size = sqrt(dense_dot(rows, b, b));
         iterate(&p, tolerance * size, residual);
         *residual = size > 0.0 ? *residual / size : 0.0;
-        for (int i = 0; i < p.used; i++)
+        for (size_t i = 0; i < p.used; i++)
             x[p.column[i]] = p.x[i];
     }
     free(work);

@@ -1,8 +1,8 @@
 /* fit_grid.c: the seed's own procedures, for comparison: polynomials of Table 4.1 and the grid of
  * Section 4.3.3. */
+#include "base/dense.h"
 #include "base/file.h"
 #include "fit/fit_internal.h"
-#include "base/lapack.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,40 +10,22 @@
 
 palp_status palp_fit_polynomial(const palp_recording *rec, size_t degree, palp_law *law, double *norm) {
     size_t n = 0;
+    double c[PALP_LAW_MAX];
     if (degree < 1 || degree > PALP_LAW_MAX)
         return PALP_ERR_ARGUMENT;
-    int columns = (int)degree, one = 1, info = 0, n_work = (int)(64 * degree);
-    double *a = malloc(rec->n * degree * sizeof *a), *b = malloc(rec->n * sizeof *b);
-    double *work = malloc((size_t)n_work * sizeof *work), top = rec->deepest_m / rec->height_m,
-           c[PALP_LAW_MAX];
-    palp_status status = a && b && work ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < rec->n && !status; i++)
-        if (rec->use[i] && rec->depth_m[i] > 0.0)
-            b[n++] = rec->force_N[i];
-    if (!status && n <= degree)
-        status = PALP_ERR_INPUT;
-    for (size_t i = 0, row = 0; i < rec->n && !status; i++) {
-        double t = rec->depth_m[i] / rec->height_m / top, power = t;
-        if (!rec->use[i] || rec->depth_m[i] <= 0.0)
-            continue;
-        for (size_t k = 0; k < degree; k++, power *= t)
-            a[k * n + row] = power;
-        row++;
-    }
-    int rows = (int)n;
-    if (!status) {
-        dgels_("N", &rows, &columns, &one, a, &rows, b, &rows, work, &n_work, &info);
-        *norm = 0.0;
-        for (size_t i = degree; i < n; i++)
-            *norm = hypot(*norm, b[i]);
-        for (size_t k = 0; k < degree; k++)
-            c[k] = b[k] / pow(top, (double)k + 1.0);
-        status = info ? PALP_ERR_SINGULAR : palp_law_polynomial(degree, c, law);
-    }
-    free(a);
-    free(b);
-    free(work);
-    return status;
+    double *strain = malloc(2 * rec->n * sizeof *strain), *force = strain + rec->n;
+    if (!strain)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < rec->n; i++)
+        if (rec->use[i] && rec->depth_m[i] > 0.0) {
+            strain[n] = rec->depth_m[i] / rec->height_m;
+            force[n++] = rec->force_N[i];
+        }
+    palp_status status = PALP_ERR_INPUT;
+    if (n > degree)
+        status = dense_polynomial(n, strain, force, 1, degree, c, norm);
+    free(strain);
+    return status ? status : palp_law_polynomial(degree, c, law);
 }
 
 enum { STEPS = 21 }; /* 20 intervals */
