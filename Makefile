@@ -120,15 +120,12 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	$(Q)$(CC) $(ALL_CPPFLAGS) $(EXTRA) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 
 $(STATIC): $(call obj,$(LIB_SRC))
-	$(call note,AR   $@)
-	@rm -f $@
-	$(Q)$(AR) rcs $@ $^
-
 # The part of the firmware that knows no registers: the plant shares its sensor, the tests run it.
 $(CORE): $(call obj,$(CORE_SRC))
+%.a:
 	$(call note,AR   $@)
-	@rm -f $@
-	$(Q)$(AR) rcs $@ $^
+	@mkdir -p $(@D) && rm -f $@
+	$(Q)$(AR) qcs $@ $^
 
 $(SHARED): $(call obj,$(LIB_SRC)) lib/palpate.map
 	$(call note,LD   $@)
@@ -139,20 +136,22 @@ $(SHARED): $(call obj,$(LIB_SRC)) lib/palpate.map
 
 # Programs. A line "/* link: FLAGS */" in a program's source adds linker flags, e.g. -Wl,--wrap=malloc.
 own_flags = $(shell sed -n 's,^/\* link: \(.*\) \*/$$,\1,p' $*.c 2>/dev/null)
-link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o $@ $(filter %.o,$^) $(filter $(CORE),$^) $(STATIC) $(1) $(LIBS)
+link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o $@ $(filter %.o %.a,$^) $(1) $(LIBS)
 
 $(TOOL): $(call obj,$(TOOL_SRC)) $(CORE) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(SERIAL_LIBS))
-$(filter $(BUILD)/tests/lib/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(LIB_TEST_HELP)) $(STATIC)
+# A test is linked with what its folder shares, the main function too, where it has none of its own.
+$(BUILD)/tests/lib.a: $(call obj,$(LIB_TEST_HELP) tests/main_check.c)
+$(BUILD)/tests/tools.a: $(call obj,$(TOOL_TEST_HELP) tests/main_cmocka.c $(filter-out tools/palpate.c,$(TOOL_SRC)))
+$(BUILD)/tests/firmware.a: $(call obj,$(CORE_TEST_HELP))
+$(filter $(BUILD)/tests/lib/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/lib.a $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(CHECK_LIBS))
-$(filter $(BUILD)/tests/tools/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(TOOL_TEST_HELP)) \
-    $(call obj,$(filter-out tools/palpate.c,$(TOOL_SRC))) $(CORE) $(STATIC)
+$(filter $(BUILD)/tests/tools/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/tools.a $(CORE) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS))
-$(filter $(BUILD)/tests/firmware/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(CORE_TEST_HELP)) \
-    $(call obj,$(filter-out tools/palpate.c,$(TOOL_SRC))) $(CORE) $(STATIC)
+$(filter $(BUILD)/tests/firmware/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/firmware.a $(BUILD)/tests/tools.a $(CORE) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS))
 # Lets libserialport, which opens no PTY, open one.
@@ -171,7 +170,7 @@ $(POKE): $(call obj,$(POKE_SRC)) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(GLFW_LIBS))
 
-ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/lib/*.c tests/lib/*/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
+ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c tests/lib/*/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
 -include $(patsubst %.o,%.d,$(call obj,$(ALL_SRC)))
 
 -include firmware/firmware.mk

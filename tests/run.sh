@@ -52,8 +52,7 @@ mkdir -p "$logs"
 jobs=$(nproc)
 case ${MAKEFLAGS-} in *-j*) j= ;; *) j=-j$jobs ;; esac
 
-# Check: in one process, so that a leak is seen at its end and no clock stops a slow machine.
-export OPENBLAS_NUM_THREADS=1 CK_FORK=no ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1
+export OPENBLAS_NUM_THREADS=1 ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1
 
 build() { # label variables and targets...
     label=$1; shift

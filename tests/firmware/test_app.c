@@ -405,24 +405,22 @@ static void test_derates(void **state) {
     bench_close(&b);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_starts),
-        cmocka_unit_test(test_unfit_board),
-        cmocka_unit_test(test_homes),
-        cmocka_unit_test(test_stops_homing),
-        cmocka_unit_test(test_finds_contact),
-        cmocka_unit_test(test_classes_of_softness),
-        cmocka_unit_test(test_finds_nothing),
-        cmocka_unit_test(test_rigid_block),
-        cmocka_unit_test(test_ramp_and_hold),
-        cmocka_unit_test(test_cycles),
-        cmocka_unit_test(test_every_segment),
-        cmocka_unit_test(test_stop_in_the_middle),
-        cmocka_unit_test(test_stops_the_search),
-        cmocka_unit_test(test_starts_pressed),
-        cmocka_unit_test(test_starts_outside),
-        cmocka_unit_test(test_derates),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_starts),
+    cmocka_unit_test(test_unfit_board),
+    cmocka_unit_test(test_homes),
+    cmocka_unit_test(test_stops_homing),
+    cmocka_unit_test(test_finds_contact),
+    cmocka_unit_test(test_classes_of_softness),
+    cmocka_unit_test(test_finds_nothing),
+    cmocka_unit_test(test_rigid_block),
+    cmocka_unit_test(test_ramp_and_hold),
+    cmocka_unit_test(test_cycles),
+    cmocka_unit_test(test_every_segment),
+    cmocka_unit_test(test_stop_in_the_middle),
+    cmocka_unit_test(test_stops_the_search),
+    cmocka_unit_test(test_starts_pressed),
+    cmocka_unit_test(test_starts_outside),
+    cmocka_unit_test(test_derates),
+    {0},
+};

@@ -388,20 +388,18 @@ static void test_noise_on_the_line(void **state) {
     bench_close(&b);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_other_version),
-        cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_every_command_in_every_state),
-        cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_answers),
-        cmocka_unit_test(test_repeated_command),
-        cmocka_unit_test(test_new_host_stops_the_stream),
-        cmocka_unit_test(test_tare),
-        cmocka_unit_test(test_missed_ticks),
-        cmocka_unit_test(test_stalled_host),
-        cmocka_unit_test(test_status_on_every_change),
-        cmocka_unit_test(test_noise_on_the_line),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_other_version),
+    cmocka_unit_test(test_limits),
+    cmocka_unit_test(test_every_command_in_every_state),
+    cmocka_unit_test(test_ranges),
+    cmocka_unit_test(test_answers),
+    cmocka_unit_test(test_repeated_command),
+    cmocka_unit_test(test_new_host_stops_the_stream),
+    cmocka_unit_test(test_tare),
+    cmocka_unit_test(test_missed_ticks),
+    cmocka_unit_test(test_stalled_host),
+    cmocka_unit_test(test_status_on_every_change),
+    cmocka_unit_test(test_noise_on_the_line),
+    {0},
+};

@@ -188,10 +188,15 @@ static void test_nothing_there(void **state) {
     loop_close(&l);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_line),    cmocka_unit_test(test_stops),  cmocka_unit_test(test_wall),
-        cmocka_unit_test(test_air),     cmocka_unit_test(test_no_air), cmocka_unit_test(test_no_slope),
-        cmocka_unit_test(test_classes), cmocka_unit_test(test_rigid),  cmocka_unit_test(test_nothing_there)};
-    return cmocka_run_group_tests_name("contact", tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_line),
+    cmocka_unit_test(test_stops),
+    cmocka_unit_test(test_wall),
+    cmocka_unit_test(test_air),
+    cmocka_unit_test(test_no_air),
+    cmocka_unit_test(test_no_slope),
+    cmocka_unit_test(test_classes),
+    cmocka_unit_test(test_rigid),
+    cmocka_unit_test(test_nothing_there),
+    {0},
+};

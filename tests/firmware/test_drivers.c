@@ -453,31 +453,29 @@ static void test_board_says_what_failed(void **state) {
     assert_bounded();
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_clock, setup),
-        cmocka_unit_test_setup(test_clock_without_crystal, setup),
-        cmocka_unit_test_setup(test_clock_without_pll, setup),
-        cmocka_unit_test_setup(test_clock_after_boot_loader, setup),
-        cmocka_unit_test_setup(test_gpio, setup),
-        cmocka_unit_test_setup(test_open_wire_is_a_pressed_switch, setup),
-        cmocka_unit_test_setup(test_sensor_reads_in_order, setup),
-        cmocka_unit_test_setup(test_sensor_silent, setup),
-        cmocka_unit_test_setup(test_sensor_absent, setup),
-        cmocka_unit_test_setup(test_encoder_wraps, setup),
-        cmocka_unit_test_setup(test_encoder_alarm, setup),
-        cmocka_unit_test_setup(test_motor, setup),
-        cmocka_unit_test_setup(test_motor_output_expires, setup),
-        cmocka_unit_test_setup(test_tick_wait, setup),
-        cmocka_unit_test_setup(test_uart_receives, setup),
-        cmocka_unit_test_setup(test_uart_sends_byte_by_byte, setup),
-        cmocka_unit_test_setup(test_uart_sends_a_burst, setup),
-        cmocka_unit_test_setup(test_thermistor, setup),
-        cmocka_unit_test_setup(test_watchdog, setup),
-        cmocka_unit_test_setup(test_reset_cause, setup),
-        cmocka_unit_test_setup(test_stack, setup),
-        cmocka_unit_test_setup(test_board, setup),
-        cmocka_unit_test_setup(test_board_says_what_failed, setup),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test_setup(test_clock, setup),
+    cmocka_unit_test_setup(test_clock_without_crystal, setup),
+    cmocka_unit_test_setup(test_clock_without_pll, setup),
+    cmocka_unit_test_setup(test_clock_after_boot_loader, setup),
+    cmocka_unit_test_setup(test_gpio, setup),
+    cmocka_unit_test_setup(test_open_wire_is_a_pressed_switch, setup),
+    cmocka_unit_test_setup(test_sensor_reads_in_order, setup),
+    cmocka_unit_test_setup(test_sensor_silent, setup),
+    cmocka_unit_test_setup(test_sensor_absent, setup),
+    cmocka_unit_test_setup(test_encoder_wraps, setup),
+    cmocka_unit_test_setup(test_encoder_alarm, setup),
+    cmocka_unit_test_setup(test_motor, setup),
+    cmocka_unit_test_setup(test_motor_output_expires, setup),
+    cmocka_unit_test_setup(test_tick_wait, setup),
+    cmocka_unit_test_setup(test_uart_receives, setup),
+    cmocka_unit_test_setup(test_uart_sends_byte_by_byte, setup),
+    cmocka_unit_test_setup(test_uart_sends_a_burst, setup),
+    cmocka_unit_test_setup(test_thermistor, setup),
+    cmocka_unit_test_setup(test_watchdog, setup),
+    cmocka_unit_test_setup(test_reset_cause, setup),
+    cmocka_unit_test_setup(test_stack, setup),
+    cmocka_unit_test_setup(test_board, setup),
+    cmocka_unit_test_setup(test_board_says_what_failed, setup),
+    {0},
+};

@@ -197,10 +197,13 @@ static void test_saturated(void **state) {
         }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_product),  cmocka_unit_test(test_range),
-                                       cmocka_unit_test(test_rows),     cmocka_unit_test(test_tare),
-                                       cmocka_unit_test(test_tared),    cmocka_unit_test(test_tare_samples),
-                                       cmocka_unit_test(test_saturated)};
-    return cmocka_run_group_tests_name("force", tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_product),
+    cmocka_unit_test(test_range),
+    cmocka_unit_test(test_rows),
+    cmocka_unit_test(test_tare),
+    cmocka_unit_test(test_tared),
+    cmocka_unit_test(test_tare_samples),
+    cmocka_unit_test(test_saturated),
+    {0},
+};

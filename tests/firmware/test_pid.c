@@ -177,12 +177,17 @@ static void test_table(void **state) {
     assert_int_equal(gains_class(1e9f), GAINS_CLASSES - 1);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_feed_forward), cmocka_unit_test(test_friction),
-                                       cmocka_unit_test(test_proportional), cmocka_unit_test(test_integral),
-                                       cmocka_unit_test(test_derivative),   cmocka_unit_test(test_no_kick),
-                                       cmocka_unit_test(test_limit),        cmocka_unit_test(test_windup),
-                                       cmocka_unit_test(test_windup_feed),  cmocka_unit_test(test_recovers),
-                                       cmocka_unit_test(test_table)};
-    return cmocka_run_group_tests_name("pid", tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_feed_forward),
+    cmocka_unit_test(test_friction),
+    cmocka_unit_test(test_proportional),
+    cmocka_unit_test(test_integral),
+    cmocka_unit_test(test_derivative),
+    cmocka_unit_test(test_no_kick),
+    cmocka_unit_test(test_limit),
+    cmocka_unit_test(test_windup),
+    cmocka_unit_test(test_windup_feed),
+    cmocka_unit_test(test_recovers),
+    cmocka_unit_test(test_table),
+    {0},
+};

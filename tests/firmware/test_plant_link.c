@@ -42,7 +42,8 @@ static void test_out(void **state) {
     assert_memory_equal(&back, &out, sizeof out);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_in), cmocka_unit_test(test_out)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_in),
+    cmocka_unit_test(test_out),
+    {0},
+};

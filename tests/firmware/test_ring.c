@@ -87,11 +87,9 @@ static void test_two_threads(void **state) {
     assert_int_equal(pthread_join(writer, NULL), 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fills_and_empties),
-        cmocka_unit_test(test_all_or_nothing),
-        cmocka_unit_test(test_two_threads),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_fills_and_empties),
+    cmocka_unit_test(test_all_or_nothing),
+    cmocka_unit_test(test_two_threads),
+    {0},
+};

@@ -98,12 +98,10 @@ static void test_the_motor_is_watched(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_event),
-        cmocka_unit_test(test_every_fault),
-        cmocka_unit_test(test_first_fault_wins),
-        cmocka_unit_test(test_the_motor_is_watched),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_every_event),
+    cmocka_unit_test(test_every_fault),
+    cmocka_unit_test(test_first_fault_wins),
+    cmocka_unit_test(test_the_motor_is_watched),
+    {0},
+};

@@ -472,18 +472,18 @@ static void test_bits(void **state) {
     assert_int_equal(sum, 0xb4b158edu);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_real),
-                                       cmocka_unit_test(test_stroke),
-                                       cmocka_unit_test(test_plateau),
-                                       cmocka_unit_test(test_sine),
-                                       cmocka_unit_test(test_wave_derivatives),
-                                       cmocka_unit_test(test_sweep),
-                                       cmocka_unit_test(test_lists),
-                                       cmocka_unit_test(test_empty),
-                                       cmocka_unit_test(test_cycles),
-                                       cmocka_unit_test(test_refused_strokes),
-                                       cmocka_unit_test(test_refused_waves),
-                                       cmocka_unit_test(test_bits)};
-    return cmocka_run_group_tests_name("trajectory", tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_real),
+    cmocka_unit_test(test_stroke),
+    cmocka_unit_test(test_plateau),
+    cmocka_unit_test(test_sine),
+    cmocka_unit_test(test_wave_derivatives),
+    cmocka_unit_test(test_sweep),
+    cmocka_unit_test(test_lists),
+    cmocka_unit_test(test_empty),
+    cmocka_unit_test(test_cycles),
+    cmocka_unit_test(test_refused_strokes),
+    cmocka_unit_test(test_refused_waves),
+    cmocka_unit_test(test_bits),
+    {0},
+};

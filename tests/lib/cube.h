@@ -56,12 +56,4 @@ static inline void cube_depths(size_t n, double depth_m, double *depth) {
         depth[i] = depth_m * (double)(i + 1) / (double)n;
 }
 
-static inline int cube_run(Suite *suite) {
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
-
 #endif

@@ -80,13 +80,4 @@ static inline char *scratch_read(const char *path) {
     return text;
 }
 
-/* Runs a suite and gives main its exit status. */
-static inline int scratch_run(Suite *suite) {
-    SRunner *sr = srunner_create(suite);
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
-
 #endif

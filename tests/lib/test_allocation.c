@@ -738,24 +738,17 @@ START_TEST(none_in_a_step) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("allocation");
-    TCase *failing = tcase_create("each fails in turn"), *counting = tcase_create("none in a step");
-    tcase_set_timeout(failing, 0);
-    tcase_set_timeout(counting, 0);
-    tcase_add_checked_fixture(failing, scratch_setup, scratch_teardown);
-    tcase_add_test(failing, models);
-    tcase_add_test(failing, experiments);
-    tcase_add_test(failing, meshes);
-    tcase_add_test(failing, path_makers);
-    tcase_add_test(failing, networks);
-    tcase_add_test(failing, forward_models);
-    tcase_add_test(failing, networks_with_cholmod);
-    tcase_add_test(failing, vtu_series);
-    tcase_add_test(failing, calibrations);
-    tcase_add_test(counting, none_in_a_step);
-    tcase_add_test(counting, none_in_a_tick);
-    suite_add_tcase(suite, failing);
-    suite_add_tcase(suite, counting);
-    return scratch_run(suite);
+void tests(TCase *tc) {
+    tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
+    tcase_add_test(tc, models);
+    tcase_add_test(tc, experiments);
+    tcase_add_test(tc, meshes);
+    tcase_add_test(tc, path_makers);
+    tcase_add_test(tc, networks);
+    tcase_add_test(tc, forward_models);
+    tcase_add_test(tc, networks_with_cholmod);
+    tcase_add_test(tc, vtu_series);
+    tcase_add_test(tc, calibrations);
+    tcase_add_test(tc, none_in_a_step);
+    tcase_add_test(tc, none_in_a_tick);
 }

@@ -82,20 +82,4 @@ static inline void balance(const palp_network *net, size_t n_tools, const palp_t
     }
 }
 
-/* Each test in a case of its own, so that CK_RUN_CASE runs one. */
-static inline int tool_run(const char *name, size_t n, const TTest *const *tests) {
-    Suite *suite = suite_create(name);
-    for (size_t i = 0; i < n; i++) {
-        TCase *one = tcase_create(tests[i]->name);
-        tcase_set_timeout(one, 600);
-        tcase_add_test(one, tests[i]);
-        suite_add_tcase(suite, one);
-    }
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
-
 #endif

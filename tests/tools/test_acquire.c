@@ -19,13 +19,12 @@
 
 #include <cmocka.h>
 
-static char folder[512];
-
 static const char *in_folder(const char *name) {
     static char path[4][640];
     static int next;
     char *to = path[next++ % 4];
-    snprintf(to, 640, "%s/%s", folder, name);
+    const char *scratch = getenv("SCRATCH");
+    snprintf(to, 640, "%s/%s", scratch ? scratch : "/tmp", name);
     return to;
 }
 
@@ -682,20 +681,26 @@ static void test_curve(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ramp_hold),     cmocka_unit_test(test_kinds),
-        cmocka_unit_test(test_seed_protocol), cmocka_unit_test(test_protocol_file),
-        cmocka_unit_test(test_examples),      cmocka_unit_test(test_file),
-        cmocka_unit_test(test_session_start), cmocka_unit_test(test_file_cut),
-        cmocka_unit_test(test_file_killed),   cmocka_unit_test(test_file_stays),
-        cmocka_unit_test(test_file_full),     cmocka_unit_test(test_session),
-        cmocka_unit_test(test_fault),         cmocka_unit_test(test_latched),
-        cmocka_unit_test(test_unplugged),     cmocka_unit_test(test_restarted),
-        cmocka_unit_test(test_stopped),       cmocka_unit_test(test_lost),
-        cmocka_unit_test(test_refused),       cmocka_unit_test(test_curve),
-    };
-    const char *scratch = getenv("SCRATCH");
-    snprintf(folder, sizeof folder, "%s", scratch ? scratch : "/tmp");
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_ramp_hold),
+    cmocka_unit_test(test_kinds),
+    cmocka_unit_test(test_seed_protocol),
+    cmocka_unit_test(test_protocol_file),
+    cmocka_unit_test(test_examples),
+    cmocka_unit_test(test_file),
+    cmocka_unit_test(test_session_start),
+    cmocka_unit_test(test_file_cut),
+    cmocka_unit_test(test_file_killed),
+    cmocka_unit_test(test_file_stays),
+    cmocka_unit_test(test_file_full),
+    cmocka_unit_test(test_session),
+    cmocka_unit_test(test_fault),
+    cmocka_unit_test(test_latched),
+    cmocka_unit_test(test_unplugged),
+    cmocka_unit_test(test_restarted),
+    cmocka_unit_test(test_stopped),
+    cmocka_unit_test(test_lost),
+    cmocka_unit_test(test_refused),
+    cmocka_unit_test(test_curve),
+    {0},
+};

@@ -375,15 +375,20 @@ static void test_creep_is_the_inverse(void **state) {
     palp_path_free(&depth);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_number),       cmocka_unit_test(test_list),
-        cmocka_unit_test(test_spread),       cmocka_unit_test(test_parse_good),
-        cmocka_unit_test(test_parse_bad),    cmocka_unit_test(test_help_lists_every_option),
-        cmocka_unit_test(test_status_codes), cmocka_unit_test(test_file),
-        cmocka_unit_test(test_table),        cmocka_unit_test(test_guess_polynomial),
-        cmocka_unit_test(test_guess_arms),   cmocka_unit_test(test_record),
-        cmocka_unit_test(test_press_times),  cmocka_unit_test(test_creep_is_the_inverse),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_number),
+    cmocka_unit_test(test_list),
+    cmocka_unit_test(test_spread),
+    cmocka_unit_test(test_parse_good),
+    cmocka_unit_test(test_parse_bad),
+    cmocka_unit_test(test_help_lists_every_option),
+    cmocka_unit_test(test_status_codes),
+    cmocka_unit_test(test_file),
+    cmocka_unit_test(test_table),
+    cmocka_unit_test(test_guess_polynomial),
+    cmocka_unit_test(test_guess_arms),
+    cmocka_unit_test(test_record),
+    cmocka_unit_test(test_press_times),
+    cmocka_unit_test(test_creep_is_the_inverse),
+    {0},
+};

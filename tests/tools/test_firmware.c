@@ -171,11 +171,13 @@ static void test_failures(void **state) {
     says(err, "no such action: dance");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_info),     cmocka_unit_test(test_status), cmocka_unit_test(test_gains),
-        cmocka_unit_test(test_home),     cmocka_unit_test(test_tare),   cmocka_unit_test(test_clear),
-        cmocka_unit_test(test_failures),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_info),
+    cmocka_unit_test(test_status),
+    cmocka_unit_test(test_gains),
+    cmocka_unit_test(test_home),
+    cmocka_unit_test(test_tare),
+    cmocka_unit_test(test_clear),
+    cmocka_unit_test(test_failures),
+    {0},
+};

@@ -78,12 +78,10 @@ static void test_normal(void **state) {
     assert_true(fabs(tail - 0.05) < 4 * sqrt(0.05 * 0.95 / N));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_split),
-        cmocka_unit_test(test_split_wide),
-        cmocka_unit_test(test_number),
-        cmocka_unit_test(test_normal),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_split),
+    cmocka_unit_test(test_split_wide),
+    cmocka_unit_test(test_number),
+    cmocka_unit_test(test_normal),
+    {0},
+};

@@ -358,19 +358,17 @@ static void test_unix(void **state) {
     fails(longer, 0, "too long");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_serial_missing, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_serial_refused, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_serial_locked, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_serial_settings, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_list, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_serial_reads, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_descriptor_reads, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_descriptor_wrong, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_pty, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_tcp, reset, no_port_is_left),
-        cmocka_unit_test_setup_teardown(test_unix, reset, no_port_is_left),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test_setup_teardown(test_serial_missing, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_serial_refused, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_serial_locked, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_serial_settings, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_list, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_serial_reads, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_descriptor_reads, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_descriptor_wrong, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_pty, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_tcp, reset, no_port_is_left),
+    cmocka_unit_test_setup_teardown(test_unix, reset, no_port_is_left),
+    {0},
+};

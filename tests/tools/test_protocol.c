@@ -85,7 +85,8 @@ static void test_faults(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_commands), cmocka_unit_test(test_faults)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_commands),
+    cmocka_unit_test(test_faults),
+    {0},
+};

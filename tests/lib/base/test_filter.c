@@ -97,18 +97,10 @@ START_TEST(short_recordings_and_bad_arguments) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("filter");
-    TCase *tc = tcase_create("filter");
+void tests(TCase *tc) {
     tcase_add_test(tc, gain_is_butterworth_squared);
     tcase_add_test(tc, cutoff_is_6_dB_and_the_slope_that_of_twice_the_order);
     tcase_add_test(tc, a_pulse_stays_symmetric_and_keeps_its_area);
     tcase_add_test(tc, constants_and_ramps_pass_up_to_the_ends);
     tcase_add_test(tc, short_recordings_and_bad_arguments);
-    suite_add_tcase(suite, tc);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? 1 : 0;
 }

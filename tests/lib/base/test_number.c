@@ -195,24 +195,11 @@ START_TEST(comma_locale_changes_nothing) {
 }
 END_TEST
 
-static Suite *number_suite(void) {
-    Suite *suite = suite_create("number");
-    TCase *tc = tcase_create("number");
-    tcase_set_timeout(tc, 120);
+void tests(TCase *tc) {
     tcase_add_test(tc, million_doubles_read_as_strtod_reads_them);
     tcase_add_test(tc, random_decimals_read_as_strtod_reads_them);
     tcase_add_test(tc, edges_read_as_strtod_reads_them);
     tcase_add_test(tc, what_is_no_plain_decimal_is_refused);
     tcase_add_test(tc, format_is_the_shortest_that_reads_back);
     tcase_add_test(tc, comma_locale_changes_nothing);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(number_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

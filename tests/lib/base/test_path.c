@@ -122,23 +122,11 @@ START_TEST(numbers_that_make_no_path_are_refused) {
 }
 END_TEST
 
-static Suite *path_suite(void) {
-    Suite *suite = suite_create("path");
-    TCase *tc = tcase_create("path");
+void tests(TCase *tc) {
     tcase_add_test(tc, static_path_is_one_ramp);
     tcase_add_test(tc, ramp_hold_with_and_without_its_parts);
     tcase_add_test(tc, cyclic_path_goes_to_and_fro);
     tcase_add_test(tc, creep_path_holds_force);
     tcase_add_test(tc, between_corners_it_is_linear_and_outside_constant);
     tcase_add_test(tc, numbers_that_make_no_path_are_refused);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(path_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -139,9 +139,7 @@ START_TEST(pipe_is_read_to_its_end) {
 }
 END_TEST
 
-static Suite *status_suite(void) {
-    Suite *suite = suite_create("status");
-    TCase *tc = tcase_create("status");
+void tests(TCase *tc) {
     tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
     tcase_add_test(tc, every_status_has_a_text_and_a_name);
     tcase_add_test(tc, other_values_are_unknown);
@@ -153,10 +151,4 @@ static Suite *status_suite(void) {
     tcase_add_test(tc, device_is_written_in_place);
     tcase_add_test(tc, unreadable_files_are_file_errors);
     tcase_add_test(tc, pipe_is_read_to_its_end);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    return scratch_run(status_suite());
 }

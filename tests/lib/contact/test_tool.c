@@ -338,16 +338,15 @@ START_TEST(refuses_what_makes_no_sense) {
 }
 END_TEST
 
-int main(void) {
-    const TTest *const tests[] = {all_forces_and_moments_balance,
-                                  weight_rests_on_the_support,
-                                  tangent_is_the_derivative,
-                                  tangent_of_slip,
-                                  assembled_tangent_is_that_of_the_products,
-                                  one_sided,
-                                  smaller_than_the_mesh,
-                                  force_is_smooth_across_triangles,
-                                  on_tetrahedra,
-                                  refuses_what_makes_no_sense};
-    return tool_run("tool", sizeof tests / sizeof *tests, tests);
+void tests(TCase *tc) {
+    tcase_add_test(tc, all_forces_and_moments_balance);
+    tcase_add_test(tc, weight_rests_on_the_support);
+    tcase_add_test(tc, tangent_is_the_derivative);
+    tcase_add_test(tc, tangent_of_slip);
+    tcase_add_test(tc, assembled_tangent_is_that_of_the_products);
+    tcase_add_test(tc, one_sided);
+    tcase_add_test(tc, smaller_than_the_mesh);
+    tcase_add_test(tc, force_is_smooth_across_triangles);
+    tcase_add_test(tc, on_tetrahedra);
+    tcase_add_test(tc, refuses_what_makes_no_sense);
 }

@@ -232,14 +232,13 @@ START_TEST(sphere_force_grows_as_hertz_says) {
 }
 END_TEST
 
-int main(void) {
-    const TTest *const tests[] = {smooth_contact_does_no_work_on_a_closed_path,
-                                  friction_takes_work_on_a_closed_path,
-                                  coulomb_stick_and_slip,
-                                  friction_holds_a_sphere_back,
-                                  snaps_off_a_small_tool,
-                                  rough_plane_is_the_driven_plate,
-                                  rough_plane_tilts_with_what_it_holds,
-                                  sphere_force_grows_as_hertz_says};
-    return tool_run("tool_physics", sizeof tests / sizeof *tests, tests);
+void tests(TCase *tc) {
+    tcase_add_test(tc, smooth_contact_does_no_work_on_a_closed_path);
+    tcase_add_test(tc, friction_takes_work_on_a_closed_path);
+    tcase_add_test(tc, coulomb_stick_and_slip);
+    tcase_add_test(tc, friction_holds_a_sphere_back);
+    tcase_add_test(tc, snaps_off_a_small_tool);
+    tcase_add_test(tc, rough_plane_is_the_driven_plate);
+    tcase_add_test(tc, rough_plane_tilts_with_what_it_holds);
+    tcase_add_test(tc, sphere_force_grows_as_hertz_says);
 }

@@ -251,13 +251,12 @@ START_TEST(models_make_networks) {
 }
 END_TEST
 
-int main(void) {
-    const TTest *const tests[] = {held_nodes_follow_their_targets,
-                                  held_set_is_a_moving_support,
-                                  rollback_and_revert_keep_friction_and_holds,
-                                  save_and_restore_keep_friction_and_holds,
-                                  contact_follows_the_surface_of_a_cut,
-                                  placed_elsewhere_it_feels_the_same,
-                                  models_make_networks};
-    return tool_run("tool_state", sizeof tests / sizeof *tests, tests);
+void tests(TCase *tc) {
+    tcase_add_test(tc, held_nodes_follow_their_targets);
+    tcase_add_test(tc, held_set_is_a_moving_support);
+    tcase_add_test(tc, rollback_and_revert_keep_friction_and_holds);
+    tcase_add_test(tc, save_and_restore_keep_friction_and_holds);
+    tcase_add_test(tc, contact_follows_the_surface_of_a_cut);
+    tcase_add_test(tc, placed_elsewhere_it_feels_the_same);
+    tcase_add_test(tc, models_make_networks);
 }

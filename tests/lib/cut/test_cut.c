@@ -836,38 +836,29 @@ START_TEST(nothing_left) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("cut");
-    TCase *all = tcase_create("cut");
-    tcase_set_timeout(all, 120);
-    tcase_add_test(all, a_level_cut_takes_the_layer_between);
-    tcase_add_loop_test(all, a_blade_through_nodes_cuts_one_side, 0, 5);
-    tcase_add_loop_test(all, the_order_of_corners_plays_no_part, 0, 40);
-    tcase_add_loop_test(all, the_seam_of_a_sweep_lets_nothing_through, 0, 4);
-    tcase_add_loop_test(all, random_blades_cut_what_they_cross, 0, 10);
-    tcase_add_loop_test(all, a_blade_without_area_cuts_nothing, 0, 3);
-    tcase_add_loop_test(all, cut_through_bears_no_force, 0, KINDS);
-    tcase_add_loop_test(all, half_through_is_as_built_without, 0, 2);
-    tcase_add_loop_test(all, cut_elements_are_as_if_never_there, 0, KINDS);
-    tcase_add_test(all, a_loose_part_stays_where_it_was);
-    tcase_add_loop_test(all, mechanisms_bear_nothing, 0, 3);
-    tcase_add_loop_test(all, a_bundle_tears_one_by_one, 0, 2);
-    tcase_add_test(all, a_chain_tears_in_tension_only);
-    tcase_add_test(all, a_cut_drops_the_trial_and_keeps_the_state);
-    tcase_add_test(all, reset_makes_whole);
-    tcase_add_loop_test(all, random_cuts_and_tears_twice_the_same, 0, 6);
-    tcase_add_loop_test(all, a_walk_ends_where_a_fresh_network_is, 0, 3);
-    tcase_add_test(all, restore_brings_the_cuts_back);
-    tcase_add_test(all, a_held_part_is_not_loose);
-    tcase_add_test(all, a_tool_moves_a_loose_part);
-    tcase_add_test(all, cuts_within_a_budget);
-    tcase_add_loop_test(all, the_surface_follows_the_cuts, 0, 5);
-    tcase_add_test(all, misuse_is_refused);
-    tcase_add_test(all, nothing_left);
-    suite_add_tcase(suite, all);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+void tests(TCase *tc) {
+    tcase_add_test(tc, a_level_cut_takes_the_layer_between);
+    tcase_add_loop_test(tc, a_blade_through_nodes_cuts_one_side, 0, 5);
+    tcase_add_loop_test(tc, the_order_of_corners_plays_no_part, 0, 40);
+    tcase_add_loop_test(tc, the_seam_of_a_sweep_lets_nothing_through, 0, 4);
+    tcase_add_loop_test(tc, random_blades_cut_what_they_cross, 0, 10);
+    tcase_add_loop_test(tc, a_blade_without_area_cuts_nothing, 0, 3);
+    tcase_add_loop_test(tc, cut_through_bears_no_force, 0, KINDS);
+    tcase_add_loop_test(tc, half_through_is_as_built_without, 0, 2);
+    tcase_add_loop_test(tc, cut_elements_are_as_if_never_there, 0, KINDS);
+    tcase_add_test(tc, a_loose_part_stays_where_it_was);
+    tcase_add_loop_test(tc, mechanisms_bear_nothing, 0, 3);
+    tcase_add_loop_test(tc, a_bundle_tears_one_by_one, 0, 2);
+    tcase_add_test(tc, a_chain_tears_in_tension_only);
+    tcase_add_test(tc, a_cut_drops_the_trial_and_keeps_the_state);
+    tcase_add_test(tc, reset_makes_whole);
+    tcase_add_loop_test(tc, random_cuts_and_tears_twice_the_same, 0, 6);
+    tcase_add_loop_test(tc, a_walk_ends_where_a_fresh_network_is, 0, 3);
+    tcase_add_test(tc, restore_brings_the_cuts_back);
+    tcase_add_test(tc, a_held_part_is_not_loose);
+    tcase_add_test(tc, a_tool_moves_a_loose_part);
+    tcase_add_test(tc, cuts_within_a_budget);
+    tcase_add_loop_test(tc, the_surface_follows_the_cuts, 0, 5);
+    tcase_add_test(tc, misuse_is_refused);
+    tcase_add_test(tc, nothing_left);
 }

@@ -335,11 +335,8 @@ START_TEST(failed_write_leaves_nothing) {
 }
 END_TEST
 
-static Suite *experiment_suite(void) {
-    Suite *suite = suite_create("experiment");
-    TCase *tc = tcase_create("experiment");
+void tests(TCase *tc) {
     tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
-    tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, bad_file_gives_its_line, 0, sizeof bad / sizeof bad[0]);
     tcase_add_test(tc, missing_file_is_a_file_error);
     tcase_add_test(tc, sample_is_read);
@@ -352,10 +349,4 @@ static Suite *experiment_suite(void) {
     tcase_add_test(tc, created_experiment_is_written_as_designed);
     tcase_add_test(tc, bad_arguments_are_refused);
     tcase_add_test(tc, failed_write_leaves_nothing);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    return scratch_run(experiment_suite());
 }

@@ -397,10 +397,7 @@ START_TEST(what_cannot_be_used_is_refused_in_one_line) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("recording");
-    TCase *tc = tcase_create("recording");
-    tcase_set_timeout(tc, 60);
+void tests(TCase *tc) {
     tcase_add_test(tc, a_clean_recording_has_no_findings);
     tcase_add_test(tc, a_recording_without_noise_has_no_findings);
     tcase_add_test(tc, contact_is_found_where_the_nominal_one_is_off);
@@ -417,10 +414,4 @@ int main(void) {
     tcase_add_test(tc, a_withdrawal_after_the_hold_is_left_out);
     tcase_add_test(tc, contact_is_that_of_the_first_press);
     tcase_add_test(tc, what_cannot_be_used_is_refused_in_one_line);
-    suite_add_tcase(suite, tc);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? 1 : 0;
 }

@@ -136,9 +136,7 @@ START_TEST(spectra_have_their_derivatives) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("effect");
-    TCase *tc = tcase_create("effect");
+void tests(TCase *tc) {
     tcase_add_test(tc, catalogue_is_whole);
     tcase_add_test(tc, default_is_off_and_sound);
     tcase_add_test(tc, check_names_the_parameter_in_the_files_unit);
@@ -146,6 +144,4 @@ int main(void) {
     tcase_add_test(tc, consolidation_is_its_series);
     tcase_add_test(tc, few_modes_are_near);
     tcase_add_test(tc, spectra_have_their_derivatives);
-    suite_add_tcase(suite, tc);
-    return run_suite(suite);
 }

@@ -353,25 +353,16 @@ START_TEST(one_run_is_enough_and_air_alone_is_not) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("explain");
-    TCase *t = tcase_create("explain");
-    tcase_set_timeout(t, 120);
-    tcase_add_test(t, nothing_hidden_nothing_named);
-    tcase_add_loop_test(t, a_hidden_effect_is_named, 0, 3);
-    tcase_add_test(t, the_added_arm_is_the_hidden_one);
-    tcase_add_test(t, an_interval_follows_the_likelihood);
-    tcase_add_test(t, the_order_of_the_tasks_changes_no_bit);
-    tcase_add_test(t, a_run_held_out_is_not_fitted);
-    tcase_add_test(t, damage_lasts_for_the_session);
-    tcase_add_test(t, the_next_run_tells_more_than_those_at_hand);
-    tcase_add_test(t, what_is_found_is_a_model);
-    tcase_add_test(t, what_it_cannot_take_is_refused);
-    tcase_add_test(t, one_run_is_enough_and_air_alone_is_not);
-    suite_add_tcase(suite, t);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_NORMAL);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+void tests(TCase *tc) {
+    tcase_add_test(tc, nothing_hidden_nothing_named);
+    tcase_add_loop_test(tc, a_hidden_effect_is_named, 0, 3);
+    tcase_add_test(tc, the_added_arm_is_the_hidden_one);
+    tcase_add_test(tc, an_interval_follows_the_likelihood);
+    tcase_add_test(tc, the_order_of_the_tasks_changes_no_bit);
+    tcase_add_test(tc, a_run_held_out_is_not_fitted);
+    tcase_add_test(tc, damage_lasts_for_the_session);
+    tcase_add_test(tc, the_next_run_tells_more_than_those_at_hand);
+    tcase_add_test(tc, what_is_found_is_a_model);
+    tcase_add_test(tc, what_it_cannot_take_is_refused);
+    tcase_add_test(tc, one_run_is_enough_and_air_alone_is_not);
 }

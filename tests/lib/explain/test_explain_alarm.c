@@ -92,11 +92,6 @@ START_TEST(chance_passes_the_threshold_as_often_as_asked) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("explain_alarm");
-    TCase *tc = tcase_create("explain_alarm");
-    tcase_set_timeout(tc, 300);
+void tests(TCase *tc) {
     tcase_add_test(tc, chance_passes_the_threshold_as_often_as_asked);
-    suite_add_tcase(suite, tc);
-    return run_suite(suite);
 }

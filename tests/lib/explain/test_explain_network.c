@@ -257,10 +257,7 @@ START_TEST(an_effect_hidden_in_a_network_is_named) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("explain_network");
-    TCase *tc = tcase_create("explain_network");
-    tcase_set_timeout(tc, 120);
+void tests(TCase *tc) {
     tcase_add_loop_test(tc, every_effect_has_derivatives, 0, PALP_EFFECT_COUNT);
     tcase_add_loop_test(tc, chosen_samples_give_the_force_of_all, 0, PALP_EFFECT_COUNT);
     tcase_add_test(tc, an_encoder_may_be_noisy);
@@ -268,6 +265,4 @@ int main(void) {
     tcase_add_test(tc, what_has_no_derivatives_is_told);
     tcase_add_test(tc, a_network_misses_nothing);
     tcase_add_loop_test(tc, an_effect_hidden_in_a_network_is_named, 0, 3);
-    suite_add_tcase(suite, tc);
-    return run_suite(suite);
 }

@@ -72,11 +72,6 @@ START_TEST(damage_stays_from_run_to_run) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("explain_network_wear");
-    TCase *tc = tcase_create("explain_network_wear");
-    tcase_set_timeout(tc, 300);
+void tests(TCase *tc) {
     tcase_add_test(tc, damage_stays_from_run_to_run);
-    suite_add_tcase(suite, tc);
-    return run_suite(suite);
 }

@@ -88,21 +88,8 @@ START_TEST(carrying_refuses) {
 }
 END_TEST
 
-static Suite *calibrate_carry_suite(void) {
-    Suite *suite = suite_create("calibrate: carried");
-    TCase *tc = tcase_create("calibrate: carried");
-    tcase_set_timeout(tc, 600);
+void tests(TCase *tc) {
     tcase_add_test(tc, carried_law_meets_the_target);
     tcase_add_test(tc, the_branchs_end_is_told);
     tcase_add_test(tc, carrying_refuses);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(calibrate_carry_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

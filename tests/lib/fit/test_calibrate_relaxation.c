@@ -551,21 +551,16 @@ START_TEST(press_beyond_the_reach) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("calibrate: relaxation");
-    TCase *tests = tcase_create("least squares");
-    tcase_set_timeout(tests, 0);
-    tcase_add_test(tests, derivatives_of_constant_arms);
-    tcase_add_test(tests, derivatives_of_scaled_elements);
-    tcase_add_test(tests, derivatives_by_strain_dependence);
-    tcase_add_test(tests, derivatives_of_quasi_linear_arms);
-    tcase_add_test(tests, derivatives_with_a_dashpot);
-    tcase_add_test(tests, known_arms_come_back);
-    tcase_add_test(tests, one_material_for_twelve_depths);
-    tcase_add_test(tests, graded_steps_keep_the_tolerance);
-    tcase_add_test(tests, graded_steps_scale_with_time);
-    tcase_add_test(tests, bad_input);
-    tcase_add_test(tests, press_beyond_the_reach);
-    suite_add_tcase(suite, tests);
-    return cube_run(suite);
+void tests(TCase *tc) {
+    tcase_add_test(tc, derivatives_of_constant_arms);
+    tcase_add_test(tc, derivatives_of_scaled_elements);
+    tcase_add_test(tc, derivatives_by_strain_dependence);
+    tcase_add_test(tc, derivatives_of_quasi_linear_arms);
+    tcase_add_test(tc, derivatives_with_a_dashpot);
+    tcase_add_test(tc, known_arms_come_back);
+    tcase_add_test(tc, one_material_for_twelve_depths);
+    tcase_add_test(tc, graded_steps_keep_the_tolerance);
+    tcase_add_test(tc, graded_steps_scale_with_time);
+    tcase_add_test(tc, bad_input);
+    tcase_add_test(tc, press_beyond_the_reach);
 }

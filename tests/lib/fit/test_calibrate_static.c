@@ -356,20 +356,15 @@ START_TEST(target_beyond_the_reach) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("calibrate: static");
-    TCase *stage = tcase_create("stage");
-    tcase_set_timeout(stage, 0);
-    tcase_add_test(stage, table_5_1);
-    tcase_add_test(stage, fixed_point_with_125_nodes);
-    tcase_add_test(stage, quartic_by_least_squares);
-    tcase_add_test(stage, spline_by_least_squares);
-    tcase_add_test(stage, known_law_comes_back);
-    tcase_add_test(stage, every_step_and_continuation_agree);
-    tcase_add_test(stage, stable_branch);
-    tcase_add_test(stage, progress_and_stop);
-    tcase_add_test(stage, bad_input);
-    tcase_add_test(stage, target_beyond_the_reach);
-    suite_add_tcase(suite, stage);
-    return cube_run(suite);
+void tests(TCase *tc) {
+    tcase_add_test(tc, table_5_1);
+    tcase_add_test(tc, fixed_point_with_125_nodes);
+    tcase_add_test(tc, quartic_by_least_squares);
+    tcase_add_test(tc, spline_by_least_squares);
+    tcase_add_test(tc, known_law_comes_back);
+    tcase_add_test(tc, every_step_and_continuation_agree);
+    tcase_add_test(tc, stable_branch);
+    tcase_add_test(tc, progress_and_stop);
+    tcase_add_test(tc, bad_input);
+    tcase_add_test(tc, target_beyond_the_reach);
 }

@@ -149,18 +149,9 @@ START_TEST(static_curve_and_holds_together_close_the_gap) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("characterize");
-    TCase *tc = tcase_create("characterize");
-    tcase_set_timeout(tc, 120);
+void tests(TCase *tc) {
     tcase_add_test(tc, table_4_3_comes_back);
     tcase_add_test(tc, table_4_2_comes_back);
     tcase_add_test(tc, shared_arms_leave_no_more_than_the_grid);
     tcase_add_test(tc, static_curve_and_holds_together_close_the_gap);
-    suite_add_tcase(suite, tc);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? 1 : 0;
 }

@@ -330,10 +330,7 @@ START_TEST(bad_requests_are_refused) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("fit");
-    TCase *tc = tcase_create("fit");
-    tcase_set_timeout(tc, 120);
+void tests(TCase *tc) {
     tcase_add_test(tc, laws_come_back);
     tcase_add_test(tc, laws_that_are_not_linear_come_back);
     tcase_add_test(tc, hyperelastic_law_and_arms_at_once);
@@ -346,10 +343,4 @@ int main(void) {
     tcase_add_test(tc, derivatives_agree_with_differences);
     tcase_add_test(tc, blocks_cost_no_accuracy);
     tcase_add_test(tc, bad_requests_are_refused);
-    suite_add_tcase(suite, tc);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? 1 : 0;
 }

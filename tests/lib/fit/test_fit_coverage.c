@@ -67,17 +67,8 @@ START_TEST(two_arms_shared_by_three_runs) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("fit_coverage");
-    TCase *tc = tcase_create("fit_coverage");
-    tcase_set_timeout(tc, 300);
+void tests(TCase *tc) {
     tcase_add_test(tc, one_arm);
     tcase_add_test(tc, two_arms_of_one_run);
     tcase_add_test(tc, two_arms_shared_by_three_runs);
-    suite_add_tcase(suite, tc);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? 1 : 0;
 }

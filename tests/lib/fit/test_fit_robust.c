@@ -221,10 +221,7 @@ START_TEST(coloured_noise) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("fit_robust");
-    TCase *tc = tcase_create("fit_robust");
-    tcase_set_timeout(tc, 60);
+void tests(TCase *tc) {
     tcase_add_test(tc, clean);
     tcase_add_test(tc, mains_hum);
     tcase_add_test(tc, a_lost_second);
@@ -237,10 +234,4 @@ int main(void) {
     tcase_add_test(tc, a_coarse_converter);
     tcase_add_test(tc, no_noise);
     tcase_add_test(tc, coloured_noise);
-    suite_add_tcase(suite, tc);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? 1 : 0;
 }

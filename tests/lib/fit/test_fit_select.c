@@ -102,19 +102,10 @@ START_TEST(bad_requests_are_refused) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("fit_select");
-    TCase *tc = tcase_create("fit_select");
-    tcase_set_timeout(tc, 60);
+void tests(TCase *tc) {
     tcase_add_test(tc, as_many_arms_as_there_are);
     tcase_add_test(tc, arms_of_several_runs);
     tcase_add_test(tc, degree_of_a_polynomial);
     tcase_add_test(tc, degree_with_a_run_left_out);
     tcase_add_test(tc, bad_requests_are_refused);
-    suite_add_tcase(suite, tc);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? 1 : 0;
 }

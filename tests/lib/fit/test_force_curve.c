@@ -126,13 +126,8 @@ START_TEST(sampling_beyond_the_reach) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("force curve");
-    TCase *tests = tcase_create("force curve");
-    tcase_set_timeout(tests, 0);
-    tcase_add_test(tests, gradient_against_differences);
-    tcase_add_test(tests, traced_curve_within_tolerance);
-    tcase_add_test(tests, sampling_beyond_the_reach);
-    suite_add_tcase(suite, tests);
-    return cube_run(suite);
+void tests(TCase *tc) {
+    tcase_add_test(tc, gradient_against_differences);
+    tcase_add_test(tc, traced_curve_within_tolerance);
+    tcase_add_test(tc, sampling_beyond_the_reach);
 }

@@ -227,18 +227,14 @@ START_TEST(error_is_passed_on) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("least squares");
-    TCase *tests = tcase_create("known answers");
-    tcase_add_test(tests, rosenbrock_valley);
-    tcase_add_test(tests, steps_that_go_too_far);
-    tcase_add_test(tests, ill_conditioned_linear);
-    tcase_add_test(tests, active_constraints);
-    tcase_add_test(tests, first_guess_outside);
-    tcase_add_test(tests, parameter_without_influence);
-    tcase_add_test(tests, nothing_has_influence);
-    tcase_add_test(tests, evaluation_limit);
-    tcase_add_test(tests, error_is_passed_on);
-    suite_add_tcase(suite, tests);
-    return cube_run(suite);
+void tests(TCase *tc) {
+    tcase_add_test(tc, rosenbrock_valley);
+    tcase_add_test(tc, steps_that_go_too_far);
+    tcase_add_test(tc, ill_conditioned_linear);
+    tcase_add_test(tc, active_constraints);
+    tcase_add_test(tc, first_guess_outside);
+    tcase_add_test(tc, parameter_without_influence);
+    tcase_add_test(tc, nothing_has_influence);
+    tcase_add_test(tc, evaluation_limit);
+    tcase_add_test(tc, error_is_passed_on);
 }

@@ -458,10 +458,7 @@ START_TEST(strain_dependent_arms_converge_in_second_order) {
 }
 END_TEST
 
-static Suite *closed_form_suite(void) {
-    Suite *suite = suite_create("closed_form");
-    TCase *tc = tcase_create("closed_form");
-    tcase_set_timeout(tc, 60);
+void tests(TCase *tc) {
     tcase_add_loop_test(tc, maxwell_meets_its_equation, 0, TIMES);
     tcase_add_loop_test(tc, voigt_meets_its_equation, 0, TIMES);
     tcase_add_test(tc, voigt_impulse_is_that_of_a_short_ramp);
@@ -482,14 +479,4 @@ static Suite *closed_form_suite(void) {
     tcase_add_test(tc, lumped_refuses_what_has_no_closed_form);
     tcase_add_loop_test(tc, lumped_run_meets_the_closed_form, 0, 4);
     tcase_add_test(tc, strain_dependent_arms_converge_in_second_order);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(closed_form_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

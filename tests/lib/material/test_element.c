@@ -554,9 +554,7 @@ START_TEST(lumped_runs_that_make_no_sense) {
 }
 END_TEST
 
-static Suite *element_suite(void) {
-    Suite *suite = suite_create("element");
-    TCase *tc = tcase_create("element");
+void tests(TCase *tc) {
     tcase_add_test(tc, tangent_is_the_derivative_of_the_force);
     tcase_add_test(tc, tangent_at_no_strain);
     tcase_add_test(tc, energy_is_the_integral_of_the_force);
@@ -573,14 +571,4 @@ static Suite *element_suite(void) {
     tcase_add_test(tc, steps_that_make_no_sense);
     tcase_add_test(tc, materials_that_make_no_sense);
     tcase_add_test(tc, lumped_runs_that_make_no_sense);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(element_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -443,9 +443,7 @@ START_TEST(kind_names_go_both_ways) {
 }
 END_TEST
 
-static Suite *law_suite(void) {
-    Suite *suite = suite_create("law");
-    TCase *tc = tcase_create("law");
+void tests(TCase *tc) {
     tcase_add_loop_test(tc, law_derivatives_meet_finite_differences, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, coefficient_gradient_meets_finite_differences, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, force_is_odd_and_its_tangent_at_zero_is_the_stiffness, 0, SAMPLE_LAWS);
@@ -465,14 +463,4 @@ static Suite *law_suite(void) {
     tcase_add_test(tc, bad_polynomials_and_splines_are_refused);
     tcase_add_test(tc, bad_hyperelastic_laws_are_refused);
     tcase_add_test(tc, kind_names_go_both_ways);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(law_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

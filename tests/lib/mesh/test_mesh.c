@@ -528,50 +528,25 @@ END_TEST
 
 /* ---- suite --------------------------------------------------------------------------------------- */
 
-static TCase *lattice_case(void) {
-    TCase *tests = tcase_create("lattice");
-    tcase_add_loop_test(tests, lattice_has_the_seeds_element_counts, 0, 4);
-    tcase_add_loop_test(tests, lattice_counts_follow_the_closed_form, 0, 3);
-    tcase_add_loop_test(tests, lattice_pairs_are_neighbours_in_order, 0, 3);
-    tcase_add_test(tests, lattice_fills_its_box);
-    tcase_add_loop_test(tests, lattice_has_a_set_for_each_face, 0, 6);
-    tcase_add_test(tests, lattice_refuses_bad_arguments);
-    return tests;
-}
-
-static TCase *mesh_case(void) {
-    TCase *tests = tcase_create("mesh");
-    tcase_add_test(tests, create_copies_its_arrays);
-    tcase_add_test(tests, create_refuses_bad_meshes);
-    tcase_add_test(tests, sets_are_sorted_replaced_and_checked);
-    tcase_add_test(tests, plane_sets_hold_the_nodes_of_a_plane);
-    tcase_add_test(tests, a_copy_is_equal_and_its_own);
-    return tests;
-}
-
-static TCase *gmsh_case(void) {
-    TCase *tests = tcase_create("gmsh");
-    tcase_set_timeout(tests, 60);
-    tcase_add_test(tests, gmsh_tetrahedra_with_everything);
-    tcase_add_test(tests, gmsh_scale_and_default_sets);
-    tcase_add_test(tests, gmsh_cylinder_has_eulers_edges);
-    tcase_add_test(tests, gmsh_hexahedra_are_the_lattice);
-    tcase_add_loop_test(tests, gmsh_bad_files_say_where, 0, (int)(sizeof bad_files / sizeof *bad_files));
-    tcase_add_test(tests, gmsh_refuses_bad_arguments);
-    tcase_add_test(tests, gmsh_every_truncation_is_an_error_or_a_mesh);
-    tcase_add_loop_test(tests, gmsh_every_overwritten_byte_is_an_error_or_a_mesh, 0, 8);
-    tcase_add_test(tests, gmsh_windows_line_ends_are_read);
-    return tests;
-}
-
-int main(void) {
-    Suite *suite = suite_create("mesh");
-    suite_add_tcase(suite, lattice_case());
-    suite_add_tcase(suite, mesh_case());
-    suite_add_tcase(suite, gmsh_case());
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed > 0;
+void tests(TCase *tc) {
+    tcase_add_loop_test(tc, lattice_has_the_seeds_element_counts, 0, 4);
+    tcase_add_loop_test(tc, lattice_counts_follow_the_closed_form, 0, 3);
+    tcase_add_loop_test(tc, lattice_pairs_are_neighbours_in_order, 0, 3);
+    tcase_add_test(tc, lattice_fills_its_box);
+    tcase_add_loop_test(tc, lattice_has_a_set_for_each_face, 0, 6);
+    tcase_add_test(tc, lattice_refuses_bad_arguments);
+    tcase_add_test(tc, create_copies_its_arrays);
+    tcase_add_test(tc, create_refuses_bad_meshes);
+    tcase_add_test(tc, sets_are_sorted_replaced_and_checked);
+    tcase_add_test(tc, plane_sets_hold_the_nodes_of_a_plane);
+    tcase_add_test(tc, a_copy_is_equal_and_its_own);
+    tcase_add_test(tc, gmsh_tetrahedra_with_everything);
+    tcase_add_test(tc, gmsh_scale_and_default_sets);
+    tcase_add_test(tc, gmsh_cylinder_has_eulers_edges);
+    tcase_add_test(tc, gmsh_hexahedra_are_the_lattice);
+    tcase_add_loop_test(tc, gmsh_bad_files_say_where, 0, (int)(sizeof bad_files / sizeof *bad_files));
+    tcase_add_test(tc, gmsh_refuses_bad_arguments);
+    tcase_add_test(tc, gmsh_every_truncation_is_an_error_or_a_mesh);
+    tcase_add_loop_test(tc, gmsh_every_overwritten_byte_is_an_error_or_a_mesh, 0, 8);
+    tcase_add_test(tc, gmsh_windows_line_ends_are_read);
 }

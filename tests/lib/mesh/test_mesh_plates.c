@@ -54,19 +54,6 @@ START_TEST(spheres_press_as_hertz_says) {
 }
 END_TEST
 
-static Suite *mesh_plates_suite(void) {
-    Suite *suite = suite_create("mesh_plates");
-    TCase *tc = tcase_create("mesh_plates");
-    tcase_set_timeout(tc, 300);
+void tests(TCase *tc) {
     tcase_add_loop_test(tc, spheres_press_as_hertz_says, 0, 3);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(mesh_plates_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

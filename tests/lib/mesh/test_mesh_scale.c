@@ -185,10 +185,7 @@ START_TEST(area_and_copies) {
 }
 END_TEST
 
-static Suite *mesh_scale_suite(void) {
-    Suite *suite = suite_create("mesh_scale");
-    TCase *tc = tcase_create("mesh_scale");
-    tcase_set_timeout(tc, 600);
+void tests(TCase *tc) {
     tcase_add_loop_test(tc, networks_are_as_stiff_as_the_solid, 0, N_BODIES);
     tcase_add_loop_test(tc, even_strain_has_the_solids_energy, 0, N_BODIES);
     tcase_add_test(tc, volume_alone_feels_the_mesh);
@@ -196,14 +193,4 @@ static Suite *mesh_scale_suite(void) {
     tcase_add_test(tc, scaling_refuses);
     tcase_add_test(tc, flat_tetrahedra_are_refused);
     tcase_add_test(tc, area_and_copies);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(mesh_scale_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -192,21 +192,13 @@ START_TEST(a_file_wound_the_other_way_is_turned) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("mesh surface");
-    TCase *all = tcase_create("surface");
-    tcase_add_loop_test(all, tetrahedra_fill_the_mesh, 0, MESHES);
-    tcase_add_loop_test(all, surface_encloses_the_volume, 0, MESHES);
-    tcase_add_loop_test(all, triangles_face_outward, 0, MESHES);
-    tcase_add_loop_test(all, surface_is_closed, 0, MESHES);
-    tcase_add_test(all, lattice_edges_are_elements);
-    tcase_add_test(all, a_copy_has_them_too);
-    tcase_add_test(all, arrays_have_none);
-    tcase_add_test(all, a_file_wound_the_other_way_is_turned);
-    suite_add_tcase(suite, all);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+void tests(TCase *tc) {
+    tcase_add_loop_test(tc, tetrahedra_fill_the_mesh, 0, MESHES);
+    tcase_add_loop_test(tc, surface_encloses_the_volume, 0, MESHES);
+    tcase_add_loop_test(tc, triangles_face_outward, 0, MESHES);
+    tcase_add_loop_test(tc, surface_is_closed, 0, MESHES);
+    tcase_add_test(tc, lattice_edges_are_elements);
+    tcase_add_test(tc, a_copy_has_them_too);
+    tcase_add_test(tc, arrays_have_none);
+    tcase_add_test(tc, a_file_wound_the_other_way_is_turned);
 }

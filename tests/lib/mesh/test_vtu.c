@@ -186,19 +186,10 @@ START_TEST(lost_folder_is_a_file_error) {
 }
 END_TEST
 
-static Suite *vtu_suite(void) {
-    Suite *suite = suite_create("vtu");
-    TCase *tc = tcase_create("vtu");
+void tests(TCase *tc) {
     tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
-    tcase_set_timeout(tc, 60);
     tcase_add_test(tc, frames_show_the_network);
     tcase_add_test(tc, long_series_is_numbered_through);
     tcase_add_test(tc, what_cannot_be_written_is_named);
     tcase_add_test(tc, lost_folder_is_a_file_error);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    return scratch_run(vtu_suite());
 }

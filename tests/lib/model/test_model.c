@@ -497,11 +497,8 @@ START_TEST(mesh_file_is_found_from_any_folder) {
 }
 END_TEST
 
-static Suite *model_suite(void) {
-    Suite *suite = suite_create("model");
-    TCase *tc = tcase_create("model");
+void tests(TCase *tc) {
     tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
-    tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, bad_file_gives_its_line, 0, sizeof bad / sizeof bad[0]);
     tcase_add_test(tc, missing_file_is_a_file_error);
     tcase_add_test(tc, line_is_found_in_any_layout);
@@ -518,10 +515,4 @@ static Suite *model_suite(void) {
     tcase_add_test(tc, failed_write_leaves_nothing);
     tcase_add_test(tc, lattice_is_made);
     tcase_add_test(tc, mesh_file_is_found_from_any_folder);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    return scratch_run(model_suite());
 }

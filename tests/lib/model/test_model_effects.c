@@ -171,9 +171,7 @@ START_TEST(format_has_them_on_its_line) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("model_effects");
-    TCase *tc = tcase_create("model_effects");
+void tests(TCase *tc) {
     tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
     tcase_add_test(tc, written_again_is_the_same_file);
     tcase_add_test(tc, every_effect_comes_back);
@@ -181,6 +179,4 @@ int main(void) {
     tcase_add_test(tc, sedef_takes_none);
     tcase_add_test(tc, what_could_not_be_read_is_not_written);
     tcase_add_test(tc, format_has_them_on_its_line);
-    suite_add_tcase(suite, tc);
-    return scratch_run(suite);
 }

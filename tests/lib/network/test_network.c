@@ -594,9 +594,7 @@ START_TEST(jumps_where_there_is_a_rate) {
 }
 END_TEST
 
-static Suite *network_suite(void) {
-    Suite *suite = suite_create("network");
-    TCase *tc = tcase_create("network");
+void tests(TCase *tc) {
     tcase_add_test(tc, figures_of_other_solvers);
     tcase_add_test(tc, one_long_step_finds_the_same_equilibrium);
     tcase_add_test(tc, buckling_is_found_where_it_is);
@@ -617,14 +615,4 @@ static Suite *network_suite(void) {
     tcase_add_test(tc, nothing_need_be_driven);
     tcase_add_test(tc, steps_that_make_no_sense);
     tcase_add_test(tc, jumps_where_there_is_a_rate);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(network_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

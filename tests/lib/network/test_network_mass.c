@@ -208,23 +208,10 @@ START_TEST(error_control_knows_the_order) {
 }
 END_TEST
 
-static Suite *network_mass_suite(void) {
-    Suite *suite = suite_create("network_mass");
-    TCase *tc = tcase_create("network_mass");
-    tcase_set_timeout(tc, 600);
+void tests(TCase *tc) {
     tcase_add_test(tc, mass_is_that_of_the_body);
     tcase_add_test(tc, boxes_stay_symmetric);
     tcase_add_loop_test(tc, ramps_do_not_ring, 0, 4);
     tcase_add_loop_test(tc, swinging_gains_no_energy, 0, 4);
     tcase_add_loop_test(tc, error_control_knows_the_order, 0, 2);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(network_mass_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

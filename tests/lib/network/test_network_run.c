@@ -555,9 +555,7 @@ START_TEST(controlled_steps_with_mass) {
 }
 END_TEST
 
-static Suite *network_run_suite(void) {
-    Suite *suite = suite_create("network_run");
-    TCase *tc = tcase_create("network_run");
+void tests(TCase *tc) {
     tcase_add_test(tc, fixed_steps_visit_every_corner);
     tcase_add_test(tc, controlled_steps_agree_with_small_fixed_ones);
     tcase_add_test(tc, second_order_in_dt);
@@ -579,14 +577,4 @@ static Suite *network_run_suite(void) {
     tcase_add_test(tc, orders_of_the_integrators);
     tcase_add_test(tc, short_steps_with_mass);
     tcase_add_test(tc, controlled_steps_with_mass);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(network_run_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

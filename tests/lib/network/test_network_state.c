@@ -178,23 +178,11 @@ START_TEST(depths_beyond_collapse_give_a_status) {
 }
 END_TEST
 
-static Suite *network_state_suite(void) {
-    Suite *suite = suite_create("network_state");
-    TCase *tc = tcase_create("network_state");
+void tests(TCase *tc) {
     tcase_add_test(tc, failed_steps_leave_no_trace);
     tcase_add_test(tc, steps_rolled_back_leave_no_trace);
     tcase_add_test(tc, failed_steps_of_a_network_with_dear_factors);
     tcase_add_test(tc, same_input_gives_the_same_bits);
     tcase_add_test(tc, another_material_and_back);
     tcase_add_test(tc, depths_beyond_collapse_give_a_status);
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(network_state_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -572,38 +572,26 @@ START_TEST(refused) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("realtime");
-    TCase *accuracy = tcase_create("accuracy"), *bits = tcase_create("to the bit"), *hard = tcase_create("hard cases");
-    TCase *cases[] = {accuracy, bits, hard};
-    for (size_t i = 0; i < 3; i++) {
-        tcase_set_timeout(cases[i], 0);
-        suite_add_tcase(suite, cases[i]);
-    }
-    tcase_add_loop_test(accuracy, converged_is_a_step, 0, KINDS);
-    tcase_add_test(accuracy, converged_is_a_step_with_levels);
-    tcase_add_test(accuracy, energy_is_the_work);
-    tcase_add_test(accuracy, estimate_brackets_the_error);
-    tcase_add_test(accuracy, error_budget_is_kept);
-    tcase_add_test(bits, same_bits_whoever_runs);
-    tcase_add_test(bits, restored_goes_on_the_same);
-    tcase_add_test(bits, restored_with_tool);
-    tcase_add_test(bits, reset_is_new);
-    tcase_add_test(bits, undone);
-    tcase_add_test(bits, undone_plain);
-    tcase_add_test(bits, background_factor);
-    tcase_add_test(hard, mass_settles);
-    tcase_add_test(hard, past_buckling);
-    tcase_add_test(hard, jump);
-    tcase_add_test(hard, tool_is_felt);
-    tcase_add_test(hard, rough_tool_within_a_tick);
-    tcase_add_test(hard, sudden_withdrawal);
-    tcase_add_test(hard, taken_away);
-    tcase_add_test(hard, unordered_mesh);
-    tcase_add_test(hard, refused);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+void tests(TCase *tc) {
+    tcase_add_loop_test(tc, converged_is_a_step, 0, KINDS);
+    tcase_add_test(tc, converged_is_a_step_with_levels);
+    tcase_add_test(tc, energy_is_the_work);
+    tcase_add_test(tc, estimate_brackets_the_error);
+    tcase_add_test(tc, error_budget_is_kept);
+    tcase_add_test(tc, same_bits_whoever_runs);
+    tcase_add_test(tc, restored_goes_on_the_same);
+    tcase_add_test(tc, restored_with_tool);
+    tcase_add_test(tc, reset_is_new);
+    tcase_add_test(tc, undone);
+    tcase_add_test(tc, undone_plain);
+    tcase_add_test(tc, background_factor);
+    tcase_add_test(tc, mass_settles);
+    tcase_add_test(tc, past_buckling);
+    tcase_add_test(tc, jump);
+    tcase_add_test(tc, tool_is_felt);
+    tcase_add_test(tc, rough_tool_within_a_tick);
+    tcase_add_test(tc, sudden_withdrawal);
+    tcase_add_test(tc, taken_away);
+    tcase_add_test(tc, unordered_mesh);
+    tcase_add_test(tc, refused);
 }

@@ -500,20 +500,15 @@ START_TEST(files) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("reduce");
-    TCase *tests = tcase_create("reduce");
-    tcase_set_timeout(tests, 600);
-    tcase_add_test(tests, nothing_reduced);
-    tcase_add_test(tests, nothing_reduced_under_a_tool);
-    tcase_add_test(tests, rest_is_rest);
-    tcase_add_test(tests, energy_consistent);
-    tcase_add_test(tests, plate_on_paths_not_trained);
-    tcase_add_test(tests, tool_on_paths_not_trained);
-    tcase_add_test(tests, knows_its_range);
-    tcase_add_test(tests, same_bits_no_allocation_no_trace);
-    tcase_add_test(tests, settings_are_checked);
-    tcase_add_test(tests, files);
-    suite_add_tcase(suite, tests);
-    return scratch_run(suite);
+void tests(TCase *tc) {
+    tcase_add_test(tc, nothing_reduced);
+    tcase_add_test(tc, nothing_reduced_under_a_tool);
+    tcase_add_test(tc, rest_is_rest);
+    tcase_add_test(tc, energy_consistent);
+    tcase_add_test(tc, plate_on_paths_not_trained);
+    tcase_add_test(tc, tool_on_paths_not_trained);
+    tcase_add_test(tc, knows_its_range);
+    tcase_add_test(tc, same_bits_no_allocation_no_trace);
+    tcase_add_test(tc, settings_are_checked);
+    tcase_add_test(tc, files);
 }

@@ -445,9 +445,7 @@ START_TEST(what_cannot_be_run_is_told) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("forward");
-    TCase *tc = tcase_create("forward");
+void tests(TCase *tc) {
     tcase_add_loop_test(tc, without_effects_it_is_the_lumped_run_to_the_bit, 0, 5);
     tcase_add_loop_test(tc, effects_at_zero_strength_change_no_bit, 0, PALP_EFFECT_COUNT);
     tcase_add_test(tc, arms_of_effects_are_arms);
@@ -467,6 +465,4 @@ int main(void) {
     tcase_add_loop_test(tc, coarse_grids_tell_the_same, 0, PALP_EFFECT_COUNT);
     tcase_add_test(tc, parameters_go_round);
     tcase_add_test(tc, what_cannot_be_run_is_told);
-    suite_add_tcase(suite, tc);
-    return run_suite(suite);
 }

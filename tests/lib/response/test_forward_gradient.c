@@ -100,13 +100,9 @@ START_TEST(damage_of_other_laws) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("forward_gradient");
-    TCase *tc = tcase_create("forward_gradient");
+void tests(TCase *tc) {
     tcase_add_test(tc, plain_materials);
     tcase_add_loop_test(tc, every_effect_alone, 0, PALP_EFFECT_COUNT);
     tcase_add_loop_test(tc, effects_together, 0, 4);
     tcase_add_test(tc, damage_of_other_laws);
-    suite_add_tcase(suite, tc);
-    return run_suite(suite);
 }

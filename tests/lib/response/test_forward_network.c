@@ -203,9 +203,7 @@ START_TEST(what_cannot_be_run_is_told) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("forward_network");
-    TCase *tc = tcase_create("forward_network");
+void tests(TCase *tc) {
     tcase_add_loop_test(tc, column_is_four_lumped_models, 0, PALP_EFFECT_COUNT);
     tcase_add_test(tc, frame_gives_way_to_a_network);
     tcase_add_loop_test(tc, wear_shows_on_the_way_back, 0, 2);
@@ -213,6 +211,4 @@ int main(void) {
     tcase_add_test(tc, network_recovers);
     tcase_add_test(tc, slip_softens);
     tcase_add_test(tc, what_cannot_be_run_is_told);
-    suite_add_tcase(suite, tc);
-    return run_suite(suite);
 }

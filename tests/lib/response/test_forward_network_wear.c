@@ -170,15 +170,10 @@ START_TEST(another_mesh_is_told) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("forward_network_wear");
-    TCase *t = tcase_create("forward_network_wear");
-    tcase_set_timeout(t, 120);
-    tcase_add_loop_test(t, two_recordings_are_as_one, 0, 4);
-    tcase_add_test(t, depth_alone_tells_most);
-    tcase_add_loop_test(t, chosen_samples_wear_alike, 0, 2);
-    tcase_add_test(t, the_gradient_goes_from_run_to_run);
-    tcase_add_test(t, another_mesh_is_told);
-    suite_add_tcase(suite, t);
-    return run_suite(suite);
+void tests(TCase *tc) {
+    tcase_add_loop_test(tc, two_recordings_are_as_one, 0, 4);
+    tcase_add_test(tc, depth_alone_tells_most);
+    tcase_add_loop_test(tc, chosen_samples_wear_alike, 0, 2);
+    tcase_add_test(tc, the_gradient_goes_from_run_to_run);
+    tcase_add_test(tc, another_mesh_is_told);
 }

@@ -93,11 +93,7 @@ START_TEST(the_gradient_goes_from_run_to_run) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("forward_wear");
-    TCase *t = tcase_create("forward_wear");
-    tcase_add_loop_test(t, two_recordings_are_as_one, 0, 2);
-    tcase_add_test(t, the_gradient_goes_from_run_to_run);
-    suite_add_tcase(suite, t);
-    return run_suite(suite);
+void tests(TCase *tc) {
+    tcase_add_loop_test(tc, two_recordings_are_as_one, 0, 2);
+    tcase_add_test(tc, the_gradient_goes_from_run_to_run);
 }

@@ -280,10 +280,7 @@ START_TEST(each_allocation_fails) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("specimen");
-    TCase *tc = tcase_create("specimen");
-    tcase_set_timeout(tc, 60);
+void tests(TCase *tc) {
     tcase_add_loop_test(tc, steps_are_the_run, 0, PALP_EFFECT_COUNT + 1);
     tcase_add_loop_test(tc, steps_are_the_run_of_a_network, 0, 6);
     tcase_add_test(tc, effects_together_in_small_steps);
@@ -294,6 +291,4 @@ int main(void) {
     tcase_add_test(tc, ages_from_contact_to_contact);
     tcase_add_test(tc, what_cannot_be_is_told);
     tcase_add_loop_test(tc, each_allocation_fails, 0, 2);
-    suite_add_tcase(suite, tc);
-    return run_suite(suite);
 }

@@ -392,9 +392,7 @@ START_TEST(supernodal_needs_the_gpl_build) {
 END_TEST
 #endif
 
-static Suite *linsys_suite(void) {
-    Suite *suite = suite_create("linsys");
-    TCase *tc = tcase_create("linsys");
+void tests(TCase *tc) {
     tcase_add_test(tc, bands_of_every_width);
     tcase_add_test(tc, matrices_of_every_size);
     tcase_add_test(tc, scattered_patterns);
@@ -407,14 +405,4 @@ static Suite *linsys_suite(void) {
 #ifndef PALP_GPL
     tcase_add_test(tc, supernodal_needs_the_gpl_build);
 #endif
-    suite_add_tcase(suite, tc);
-    return suite;
-}
-
-int main(void) {
-    SRunner *sr = srunner_create(linsys_suite());
-    srunner_run_all(sr, CK_ENV);
-    int failed = srunner_ntests_failed(sr);
-    srunner_free(sr);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -117,17 +117,9 @@ START_TEST(dependent_columns) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("nnls");
-    TCase *tests = tcase_create("nnls");
-    tcase_add_test(tests, closed_form);
-    tcase_add_test(tests, kuhn_and_tucker);
-    tcase_add_test(tests, sparse);
-    tcase_add_test(tests, dependent_columns);
-    suite_add_tcase(suite, tests);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+void tests(TCase *tc) {
+    tcase_add_test(tc, closed_form);
+    tcase_add_test(tc, kuhn_and_tucker);
+    tcase_add_test(tc, sparse);
+    tcase_add_test(tc, dependent_columns);
 }

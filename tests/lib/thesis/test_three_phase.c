@@ -260,15 +260,10 @@ START_TEST(bad_input) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("calibrate: three phases");
-    TCase *tests = tcase_create("three phases");
-    tcase_set_timeout(tests, 0);
-    tcase_add_test(tests, table_5_2);
-    tcase_add_test(tests, growth_of_the_arm);
-    tcase_add_test(tests, converged_means_within_the_bound);
-    tcase_add_test(tests, phases_and_their_limit);
-    tcase_add_test(tests, bad_input);
-    suite_add_tcase(suite, tests);
-    return cube_run(suite);
+void tests(TCase *tc) {
+    tcase_add_test(tc, table_5_2);
+    tcase_add_test(tc, growth_of_the_arm);
+    tcase_add_test(tc, converged_means_within_the_bound);
+    tcase_add_test(tc, phases_and_their_limit);
+    tcase_add_test(tc, bad_input);
 }

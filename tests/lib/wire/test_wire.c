@@ -275,23 +275,15 @@ START_TEST(page_has_the_numbers_of_the_code) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("wire");
-    TCase *one = tcase_create("all");
-    tcase_add_checked_fixture(one, read_golden, NULL);
-    tcase_add_test(one, crc_is_the_division);
-    tcase_add_test(one, types_outside_the_list_have_no_size_and_no_frame);
-    tcase_add_test(one, names);
-    tcase_add_test(one, golden_frames);
-    tcase_add_test(one, random_messages_come_back);
-    tcase_add_test(one, a_right_check_does_not_save_a_wrong_structure);
-    tcase_add_test(one, check_characters_are_all_checked);
-    tcase_add_test(one, empty_and_endless_frames);
-    tcase_add_test(one, page_has_the_numbers_of_the_code);
-    suite_add_tcase(suite, one);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+void tests(TCase *tc) {
+    tcase_add_checked_fixture(tc, read_golden, NULL);
+    tcase_add_test(tc, crc_is_the_division);
+    tcase_add_test(tc, types_outside_the_list_have_no_size_and_no_frame);
+    tcase_add_test(tc, names);
+    tcase_add_test(tc, golden_frames);
+    tcase_add_test(tc, random_messages_come_back);
+    tcase_add_test(tc, a_right_check_does_not_save_a_wrong_structure);
+    tcase_add_test(tc, check_characters_are_all_checked);
+    tcase_add_test(tc, empty_and_endless_frames);
+    tcase_add_test(tc, page_has_the_numbers_of_the_code);
 }

@@ -231,17 +231,8 @@ START_TEST(mutated_frames_are_refused) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("wire errors");
-    TCase *one = tcase_create("all");
-    tcase_set_timeout(one, 600);
-    tcase_add_test(one, no_frame_with_one_or_two_flipped_bits_is_delivered);
-    tcase_add_test(one, random_bytes_are_no_frames);
-    tcase_add_test(one, mutated_frames_are_refused);
-    suite_add_tcase(suite, one);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+void tests(TCase *tc) {
+    tcase_add_test(tc, no_frame_with_one_or_two_flipped_bits_is_delivered);
+    tcase_add_test(tc, random_bytes_are_no_frames);
+    tcase_add_test(tc, mutated_frames_are_refused);
 }
