@@ -6,6 +6,7 @@
 #include <palpate/experiment.h>
 #include <palpate/forward.h>
 #include <palpate/recording.h>
+#include <palpate/segments.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -45,13 +46,7 @@ typedef enum palp_explain_verdict {
     PALP_EXPLAIN_UNEXPLAINED  /* something remains that no effect of the catalogue accounts for */
 } palp_explain_verdict;
 
-typedef enum palp_explain_phase {
-    PALP_PHASE_AIR, PALP_PHASE_RAMP, PALP_PHASE_CORNER, PALP_PHASE_EARLY_HOLD, PALP_PHASE_LATE_HOLD,
-    PALP_PHASE_UNLOAD, PALP_PHASE_RECOVERY, PALP_PHASE_RELOAD, PALP_PHASE_COUNT
-} palp_explain_phase;
-
 PALP_API const char *palp_explain_verdict_name(palp_explain_verdict verdict); /* "agrees", ... */
-PALP_API const char *palp_explain_phase_name(palp_explain_phase phase);       /* "air", "early_hold", ... */
 
 /* An accepted effect. Intervals are 95 %. */
 typedef struct palp_explain_effect {
@@ -70,7 +65,7 @@ typedef struct palp_explain_gap { /* N, rms over the samples */
 
 typedef struct palp_explain_where {
     size_t run;
-    palp_explain_phase phase;
+    palp_phase phase;
     double share; /* of the squared gap, before */
     double left;  /* likewise of what remains there with the effects, over that same gap */
     /* of what is left, white noise has 0 and 0 to +-2: correlation from sample to sample; too few (-) or too many runs

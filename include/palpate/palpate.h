@@ -18,6 +18,7 @@
 #include <palpate/path.h>
 #include <palpate/realtime.h>
 #include <palpate/recording.h>
+#include <palpate/segments.h>
 #include <palpate/reduce.h>
 #include <palpate/specimen.h>
 #include <palpate/status.h>

@@ -2,7 +2,9 @@
 #include <palpate/recording.h>
 
 #include "base/file.h"
+#include "base/statistics.h"
 #include "recording_internal.h"
+#include "segments_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -75,7 +77,7 @@ static palp_status look_at_times(palp_recording *r, double *step) {
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < steps; i++)
         dt[i] = r->time_s[i + 1] - r->time_s[i];
-    *step = recording_kth(dt, steps, steps / 2);
+    *step = statistics_kth(dt, steps, steps / 2);
     for (size_t i = 0; i < steps; i++) {
         bool gap = dt[i] > 3.0 * *step;
         r->n_gaps += gap;
@@ -124,7 +126,7 @@ static palp_status check_signs(const palp_recording *r, palp_error *error) {
     return PALP_OK;
 }
 
-/* Depth and force from contact; where the motion starts and ends. */
+/* Depth and force from contact. */
 static void shift(palp_recording *r) {
     r->deepest_m = -HUGE_VAL;
     for (size_t i = 0; i < r->n; i++) {
@@ -132,31 +134,20 @@ static void shift(palp_recording *r) {
         r->force_N[i] -= r->zero_N;
         r->deepest_m = fmax(r->deepest_m, r->depth_m[i]);
     }
-    double start = fmax(r->depth_m[0], 0.0);
-    size_t i = 0;
-    while (i + 1 < r->n && r->depth_m[i] < start + 2e-3 * (r->deepest_m - start))
-        i++;
-    r->ramp_start_s = r->time_s[i];
-    while (i + 1 < r->n && r->depth_m[i] < 0.998 * r->deepest_m)
-        i++;
-    r->ramp_end_s = r->time_s[i];
-    r->end_s = r->time_s[r->n - 1];
 }
 
-/* A press that ends by taking the plate back: what follows says how the plate leaves, which no law of pressing
- * tells. Left out from where the depth was last within a five-hundredth of the deepest. */
-static void leave_withdrawal_out(palp_recording *r) {
-    size_t last = 0, i;
-    if (r->kind == PALP_RECORDING_OTHER)
-        return;
-    for (i = 0; i < r->n && !(r->time_s[i] > r->ramp_end_s && r->depth_m[i] < 0.95 * r->deepest_m); i++) {
-        if (r->depth_m[i] >= 0.998 * r->deepest_m)
-            last = i;
-    }
-    if (i == r->n)
-        return;
-    r->end_s = r->time_s[last];
-    memset(r->use + last + 1, 0, r->n - last - 1);
+/* Where the motion starts and ends. What follows a press that ends by taking the plate back is left out: it says how
+ * the plate leaves, which no law of pressing tells. */
+static void find_motion(palp_recording *r) {
+    size_t start, end, last = r->n;
+    segments_ramp(r->n, r->depth_m, r->deepest_m, &start, &end);
+    if (r->kind != PALP_RECORDING_OTHER)
+        last = segments_press_end(r->n, r->depth_m, r->deepest_m, end);
+    r->ramp_start_s = r->time_s[start];
+    r->ramp_end_s = r->time_s[end];
+    r->end_s = r->time_s[last < r->n ? last : r->n - 1];
+    for (size_t i = last + 1; i < r->n; i++)
+        r->use[i] = 0;
 }
 
 static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
@@ -173,10 +164,10 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
     if (!status)
         status = look_at_times(r, &step);
     if (!status)
-        status = recording_find_noise(r, step);
+        status = palp_segments_noise(r->n, r->time_s, step, r->force_N, PALP_NOISE_MEDIAN, &r->noise_N);
     if (status)
         return status;
-    recording_mask_spikes(r, settings->spike_sigma);
+    r->n_spikes = segments_mask_spikes(r->n, r->force_N, r->noise_N, settings->spike_sigma, r->use);
     recording_mask_clipped(r, settings->clip_share);
     status = check_signs(r, error);
     if (status)
@@ -188,7 +179,7 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
                               "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
                               1e3 * r->deepest_m, 1e3 * r->height_m);
     status = recording_look_at_noise(r, step);
-    leave_withdrawal_out(r);
+    find_motion(r);
     return status;
 }
 

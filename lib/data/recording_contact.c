@@ -1,4 +1,5 @@
 /* recording_contact.c: where contact is and which force is zero. */
+#include "base/statistics.h"
 #include "recording_internal.h"
 
 #include <math.h>
@@ -55,23 +56,11 @@ static size_t departure(const palp_recording *r, double zero) {
 
 /* Where a straight line through samples first to end - 1 crosses zero force, and its sd. */
 static double crossing(const palp_recording *r, size_t first, size_t end, double zero, double *sd) {
-    double n = 0.0, mx = 0.0, mf = 0.0, sxx = 0.0, sxf = 0.0;
-    for (size_t i = first; i < end; i++)
-        if (r->use[i]) {
-            n += 1.0;
-            mx += r->depth_m[i];
-            mf += r->force_N[i] - zero;
-        }
-    mx /= n;
-    mf /= n;
-    for (size_t i = first; i < end; i++)
-        if (r->use[i]) {
-            sxx += (r->depth_m[i] - mx) * (r->depth_m[i] - mx);
-            sxf += (r->depth_m[i] - mx) * (r->force_N[i] - zero - mf);
-        }
-    double slope = sxf / sxx, at = mx - mf / slope;
-    *sd = hypot(r->noise_N * sqrt(1.0 / n + (at - mx) * (at - mx) / sxx), r->zero_sd_N) / fabs(slope);
-    return at;
+    statistics_line line =
+        statistics_line_fit(end - first, r->depth_m + first, r->force_N + first, r->use + first);
+    double way = (line.mean_y - zero) / line.slope; /* from there to the middle of the samples */
+    *sd = hypot(r->noise_N * sqrt(1.0 / line.n + way * way / line.sxx), r->zero_sd_N) / fabs(line.slope);
+    return line.mean_x - way;
 }
 
 static size_t stretch_end(const palp_recording *r, size_t first, double length) {

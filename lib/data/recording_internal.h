@@ -7,12 +7,7 @@
 /* Mean of the n samples from first on that are in use; 0 if none is. *used: how many, may be NULL. */
 double recording_mean(const palp_recording *r, size_t first, size_t n, size_t *used);
 
-/* The k-th smallest, from 0, of n > k numbers, which change places. */
-double recording_kth(double *x, size_t n, size_t k);
-
-/* White noise of a sample; step_s: the median time step. */
-palp_status recording_find_noise(palp_recording *r, double step_s);
-void recording_mask_spikes(palp_recording *r, double sigma);
+/* Stretches at exactly the largest force, at least this share of the samples. */
 void recording_mask_clipped(palp_recording *r, double share);
 
 /* Contact and zero force, not yet subtracted; r->contact_sd_m in: of the nominal contact, 0 = not known. */

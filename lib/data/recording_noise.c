@@ -1,84 +1,11 @@
-/* recording_noise.c: the noise of a recording: how much, spikes, clipping, correlation, mains hum. */
+/* recording_noise.c: what is wrong with a recording's force: clipping, correlation, mains hum. */
+#include "base/statistics.h"
 #include "recording_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 static const double PI = 3.14159265358979323846;
-
-/* Hoare's quickselect; the middle as pivot, so that sorted and constant data are no worse than others. */
-double recording_kth(double *x, size_t n, size_t k) {
-    ptrdiff_t low = 0, high = (ptrdiff_t)n - 1, wanted = (ptrdiff_t)k;
-    while (low < high) {
-        double pivot = x[low + (high - low) / 2];
-        ptrdiff_t i = low, j = high;
-        while (i <= j) {
-            while (x[i] < pivot)
-                i++;
-            while (pivot < x[j])
-                j--;
-            if (i <= j) {
-                double t = x[i];
-                x[i++] = x[j];
-                x[j--] = t;
-            }
-        }
-        if (j < wanted)
-            low = i;
-        if (wanted < i)
-            high = j;
-    }
-    return x[k];
-}
-
-static double quantile(double *x, size_t n, double share) {
-    return recording_kth(x, n, (size_t)(share * (double)(n - 1)));
-}
-
-/* Root mean square of those up to a limit. */
-static double trimmed_rms(const double *x, size_t n, double limit) {
-    double sum = 0.0, kept = 0.0;
-    for (size_t i = 0; i < n; i++)
-        if (x[i] <= limit) {
-            sum += x[i] * x[i];
-            kept += 1.0;
-        }
-    return sqrt(sum / kept);
-}
-
-/* From second differences d, sd sqrt(6) times that of a sample, by their median: corners and spikes do not
- * count. The few counts of a coarse converter show in quantiles that a Gaussian (0.32, 0.67, 1.64 sd) does
- * not have; then the mean square of all but the largest. */
-palp_status recording_find_noise(palp_recording *r, double step) {
-    double *d = malloc(r->n * sizeof *d);
-    size_t m = 0;
-    if (!d)
-        return PALP_ERR_NO_MEMORY;
-    for (size_t i = 1; i + 1 < r->n; i++)
-        if (r->time_s[i + 1] - r->time_s[i - 1] < 3.0 * step)
-            d[m++] = fabs(r->force_N[i - 1] - 2.0 * r->force_N[i] + r->force_N[i + 1]);
-    if (m > 0) {
-        double middle = quantile(d, m, 0.5), quarter = quantile(d, m, 0.25), most = quantile(d, m, 0.9);
-        bool coarse = quarter >= 0.9 * middle || most > 5.0 * middle;
-        double sd = coarse ? trimmed_rms(d, m, quantile(d, m, 0.99)) : 1.4826 * middle;
-        r->noise_N = sd / sqrt(6.0);
-    }
-    free(d);
-    return PALP_OK;
-}
-
-/* A lone sample far from both its neighbours, and by more than the curve moves there. */
-void recording_mask_spikes(palp_recording *r, double sigma) {
-    const double *f = r->force_N;
-    for (size_t i = 2; i + 2 < r->n && r->noise_N > 0.0; i++) {
-        double up = f[i] - f[i - 1], down = f[i] - f[i + 1];
-        double around = fmax(fabs(f[i - 1] - f[i - 2]), fabs(f[i + 2] - f[i + 1]));
-        if (up * down > 0.0 && fmin(fabs(up), fabs(down)) > sigma * r->noise_N + 3.0 * around) {
-            r->use[i] = 0;
-            r->n_spikes++;
-        }
-    }
-}
 
 /* The largest force in use and the next below it. */
 static double largest(const palp_recording *r, double *next) {
@@ -145,14 +72,9 @@ static size_t still_tail(const palp_recording *r, bool *still) {
 }
 
 static void detrend(const double *f, size_t n, double *x) {
-    double middle = 0.5 * ((double)n - 1.0), level = 0.0, sxx = 0.0, sxf = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        level += f[i] / (double)n;
-        sxx += ((double)i - middle) * ((double)i - middle);
-        sxf += ((double)i - middle) * f[i];
-    }
+    statistics_line line = statistics_line_fit(n, NULL, f, NULL);
     for (size_t i = 0; i < n; i++)
-        x[i] = f[i] - level - (sxx > 0.0 ? sxf / sxx : 0.0) * ((double)i - middle);
+        x[i] = f[i] - line.mean_y - line.slope * ((double)i - line.mean_x);
 }
 
 /* The tail without a straight line through each of some pieces; masked samples become 0. */

@@ -22,11 +22,6 @@ const char *palp_explain_verdict_name(palp_explain_verdict verdict) {
     return (unsigned)verdict < 4 ? names[verdict] : "unknown";
 }
 
-const char *palp_explain_phase_name(palp_explain_phase phase) {
-    static const char *const names[] = {"air", "ramp", "corner", "early_hold", "late_hold", "unload", "recovery", "reload"};
-    return (unsigned)phase < PALP_PHASE_COUNT ? names[phase] : "unknown";
-}
-
 void palp_explanation_free(palp_explanation *e) {
     if (!e)
         return;

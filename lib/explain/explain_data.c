@@ -1,7 +1,7 @@
 /* explain_data.c: experiments into the runs that are explained: masks, phases, twins. */
 #include "explain_internal.h"
 #include "base/file.h"
-#include "data/recording_internal.h"
+#include "data/segments_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,50 +24,6 @@ palp_status explain_event_add(explain_data *data, const palp_explain_event *even
     data->event = grown;
     grown[data->n_events++] = *event;
     return PALP_OK;
-}
-
-/* ---- phases ---- */
-
-/* When the plate moves: a hundredth of the run's typical speed does not count. */
-static double still_speed(const explain_run *run) {
-    double way = 0.0, fastest = 0.0;
-    for (size_t i = 1; i < run->n; i++) {
-        double step = fabs(run->depth[i] - run->depth[i - 1]);
-        way += step;
-        fastest = fmax(fastest, step / (run->time[i] - run->time[i - 1]));
-    }
-    return fmin(1e-2 * fastest, 0.2 * way / (run->time[run->n - 1] - run->time[0]));
-}
-
-static palp_explain_phase phase_of(const explain_run *run, size_t i, double speed, double still, double corner,
-                                   bool touched, bool unloaded) {
-    double since = run->time[i] - corner;
-    if (run->depth[i] <= 0.0)
-        return touched ? PALP_PHASE_RECOVERY : PALP_PHASE_AIR;
-    if (fabs(speed) <= still && since > 0.2)
-        return since < 5.0 ? PALP_PHASE_EARLY_HOLD : PALP_PHASE_LATE_HOLD;
-    if (since < 0.2)
-        return PALP_PHASE_CORNER;
-    if (speed < 0.0)
-        return PALP_PHASE_UNLOAD;
-    return unloaded ? PALP_PHASE_RELOAD : PALP_PHASE_RAMP;
-}
-
-static void find_phases(explain_run *run) {
-    double still = still_speed(run), corner = run->time[0];
-    int was = 0;
-    bool touched = false, unloaded = false;
-    for (size_t i = 0; i < run->n; i++) {
-        size_t a = i ? i - 1 : 0, b = i ? i : 1;
-        double speed = (run->depth[b] - run->depth[a]) / (run->time[b] - run->time[a]);
-        int now = fabs(speed) <= still ? 0 : speed > 0.0 ? 1 : -1;
-        if (now != was)
-            corner = run->time[i];
-        was = now;
-        touched = touched || run->depth[i] > 0.0;
-        unloaded = unloaded || (touched && now < 0);
-        run->phase[i] = (unsigned char)phase_of(run, i, speed, still, corner, touched, unloaded);
-    }
 }
 
 /* ---- samples ---- */
@@ -109,12 +65,9 @@ static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *
 /* Lone samples far from both neighbours are events. */
 static palp_status mask_spikes(explain_data *data, size_t r) {
     explain_run *run = &data->run[r];
-    palp_recording rec = {.n = run->n, .time_s = run->time, .depth_m = run->depth, .force_N = run->force, .use = run->use};
-    palp_status status =
-        recording_find_noise(&rec, (run->time[run->n - 1] - run->time[0]) / (double)(run->n - 1));
-    run->white = rec.noise_N;
+    palp_status status = explain_white_noise(run, run->force);
     if (!status)
-        recording_mask_spikes(&rec, SPIKE_SIGMA);
+        segments_mask_spikes(run->n, run->force, run->white, SPIKE_SIGMA, run->use);
     for (size_t i = 1; i + 1 < run->n && !status; i++)
         if (!run->use[i])
             status = explain_event_add(
@@ -218,16 +171,16 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     for (size_t s = 0; s < r && run->twin < 0; s++)
         if (same_protocol(e, inputs[s].experiment))
             run->twin = (int)s;
-    find_phases(run);
+    palp_segments_phases(run->n, run->time, run->depth, run->phase);
     palp_status masked = mask_spikes(data, r);
     return masked ? masked : mask_releases(data, r);
 }
 
 /* Mean force in the air before the plate moves. */
 static bool rest_force(const explain_run *run, double *mean) {
-    size_t n = 0;
+    size_t n = 0, still = segments_still_end(run->n, run->depth, 0, 2e-6);
     double sum = 0.0;
-    for (; n < run->n && run->phase[n] == PALP_PHASE_AIR && fabs(run->depth[n] - run->depth[0]) < 2e-6; n++)
+    for (; n < still && run->phase[n] == PALP_PHASE_AIR; n++)
         sum += run->force[n];
     *mean = n ? sum / (double)n : 0.0;
     return n >= 16;

@@ -20,7 +20,7 @@ typedef struct explain_run {
     size_t n;
     double *time, *depth, *force;  /* depth: nothing is pressed where the specimen is "none" */
     unsigned char *use;            /* [n] 0 = an event, or not to be fitted */
-    unsigned char *phase;          /* [n] palp_explain_phase */
+    unsigned char *phase;          /* [n] palp_phase */
     double session, white;         /* when it began; sd of a sample's white noise */
     bool fresh;                    /* on a specimen that no run before it pressed */
     double worn;                   /* largest strain of the earlier runs on its specimen, by depth */
@@ -78,6 +78,8 @@ palp_status explain_predict(const palp_model *model, const palp_forward_run *run
 
 /* From what a fit leaves, residual[n] of all runs one after the other: white noise of each run, coloured noise
  * (exponential correlation) of all, and the filters. */
+/* run->white from x[n], its force or its residual. */
+palp_status explain_white_noise(explain_run *run, const double *x);
 palp_status explain_noise_find(explain_data *data, const double *residual);
 
 /* In place: x[n] with the noise's correlation taken out and in units of its sd; masked samples become 0. */

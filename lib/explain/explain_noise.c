@@ -1,7 +1,7 @@
 /* explain_noise.c: the noise of the runs: white from sample to sample, coloured in stretches that stand still. */
 #include "explain_internal.h"
 #include "base/dense.h"
-#include "data/recording_internal.h"
+#include "data/segments_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,9 +57,7 @@ static size_t find_pieces(const explain_data *data, piece *list) {
         const explain_run *run = &data->run[r];
         double still = 1e-4 * data->deepest;
         for (size_t i = 0; i < run->n && !run->held;) {
-            size_t end = i + 1;
-            while (end < run->n && fabs(run->depth[end] - run->depth[i]) < 1e-7 + 1e-3 * still)
-                end++;
+            size_t end = segments_still_end(run->n, run->depth, i, 1e-7 + 1e-3 * still);
             double start = run->time[i];
             size_t from = i;
             while (from < end && run->time[from] < start + 0.5 && i)
@@ -152,16 +150,18 @@ static void find_colour(explain_data *data, const double *residual, const piece 
 
 /* ---- white noise ---- */
 
+palp_status explain_white_noise(explain_run *run, const double *x) {
+    double step = (run->time[run->n - 1] - run->time[0]) / (double)(run->n - 1);
+    return palp_segments_noise(run->n, run->time, step, x, PALP_NOISE_MEDIAN, &run->white);
+}
+
 static palp_status find_white(explain_data *data, const double *residual) {
     double typical = 0.0, least = 1e-7 * data->peak;
     for (size_t r = 0; r < data->n_runs; r++) {
         explain_run *run = &data->run[r];
-        palp_recording rec = {.n = run->n, .time_s = run->time, .force_N = (double *)(uintptr_t)residual};
-        palp_status status =
-            recording_find_noise(&rec, (run->time[run->n - 1] - run->time[0]) / (double)(run->n - 1));
+        palp_status status = explain_white_noise(run, residual);
         if (status)
             return status;
-        run->white = rec.noise_N;
         residual += run->n;
         typical += run->white * run->white / (double)data->n_runs;
     }

@@ -58,7 +58,7 @@ void explain_where(const explain_data *data, palp_explanation *e, double floor_N
             size_t i = e->n_where < PALP_EXPLAIN_WHERE ? e->n_where++ : PALP_EXPLAIN_WHERE - 1;
             for (; i > 0 && e->where[i - 1].share < sum[p]; i--)
                 e->where[i] = e->where[i - 1];
-            e->where[i] = (palp_explain_where){.run = r, .phase = (palp_explain_phase)p, .share = sum[p],
+            e->where[i] = (palp_explain_where){.run = r, .phase = (palp_phase)p, .share = sum[p],
                                                .left = fmax(0.0, left[p])};
         }
     }

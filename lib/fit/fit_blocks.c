@@ -1,7 +1,8 @@
 /* fit_blocks.c: recordings into blocks. */
 #include "base/file.h"
+#include "base/statistics.h"
+#include "data/segments_internal.h"
 #include "fit_internal.h"
-#include "data/recording_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,10 +24,11 @@ static double strain_of(const palp_recording *rec, size_t i) {
 }
 
 /* The path of the plate in straight pieces: from sample `from` on every depth is within a tolerance of one
- * straight line, the slope of which is between low and high. */
+ * straight line. */
 typedef struct straight {
     size_t from;
-    double low, high, tolerance;
+    segments_cone cone;
+    double tolerance;
 } straight;
 
 /* A two-thousandth of the way, or more for an encoder whose counts or jitter are coarser: the typical second
@@ -36,12 +38,11 @@ static palp_status path_tolerance(const palp_recording *rec, double *tolerance) 
     size_t m = 0;
     if (!bend)
         return PALP_ERR_NO_MEMORY;
-    for (size_t i = 1; i + 1 < rec->n; i++) {
-        double d = fabs(rec->depth_m[i - 1] - 2.0 * rec->depth_m[i] + rec->depth_m[i + 1]);
-        if (d > 1e-9 * rec->deepest_m)
-            bend[m++] = d;
-    }
-    double typical = m > rec->n / 500 + 4 ? recording_kth(bend, m, m / 2) : 0.0;
+    segments_bends(rec->n, rec->depth_m, bend);
+    for (size_t i = 0; i + 2 < rec->n; i++)
+        if (bend[i] > 1e-9 * rec->deepest_m)
+            bend[m++] = bend[i];
+    double typical = m > rec->n / 500 + 4 ? statistics_kth(bend, m, m / 2) : 0.0;
     *tolerance = fmin(fmax(1.5 * typical, least), 10.0 * least);
     free(bend);
     return PALP_OK;
@@ -51,11 +52,10 @@ static palp_status path_tolerance(const palp_recording *rec, double *tolerance) 
 static bool goes_straight(straight *s, const palp_recording *rec, size_t i) {
     for (int fresh = 0; fresh < 2; fresh++) {
         double t = rec->time_s[i] - rec->time_s[s->from], way = rec->depth_m[i] - rec->depth_m[s->from];
-        s->low = fmax(s->low, (way - s->tolerance) / t);
-        s->high = fmin(s->high, (way + s->tolerance) / t);
-        if (s->low <= s->high)
+        if (segments_cone_take(&s->cone, t, way, s->tolerance))
             return fresh == 0;
-        *s = (straight){.from = i - 1, .low = -HUGE_VAL, .high = HUGE_VAL, .tolerance = s->tolerance};
+        s->from = i - 1;
+        s->cone = segments_cone_open();
     }
     return false;
 }
@@ -95,7 +95,7 @@ bool fit_counts(const palp_recording *rec, const palp_fit_settings *settings, si
 /* Blocks of one recording. One that does not count, or that ends at a corner, leaves its last sample for the
  * history: the strain is linear between what is there. */
 static palp_status cut(fit_run *run, const palp_recording *rec, const palp_fit_settings *settings) {
-    straight path = {.from = 0, .low = -HUGE_VAL, .high = HUGE_VAL};
+    straight path = {.from = 0, .cone = segments_cone_open()};
     palp_status status = path_tolerance(rec, &path.tolerance);
     if (status)
         return status;

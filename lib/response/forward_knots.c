@@ -2,6 +2,8 @@
  * time, set right by the tangent for what the recorded depth differs from its own cubic; the sensor reads every
  * sample. Where the plate meets or leaves the specimen every sample is solved. */
 #include "base/file.h"
+#include "base/statistics.h"
+#include "data/segments_internal.h"
 #include "forward_internal.h"
 
 #include <math.h>
@@ -43,22 +45,14 @@ static size_t farthest(const palp_forward_run *run, size_t a, size_t b, double *
     return worst;
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* How far a straight path may be off: some sds of the encoder's noise, by the median second difference. */
 static double straightness(const knots *k) {
-    const double *d = k->run->depth_m;
     double *bend = k->force, low = STRAIGHT * k->reach; /* not needed yet */
-    size_t n = 0;
-    for (size_t i = 1; i + 1 < k->run->n; i++)
-        bend[n++] = fabs(d[i - 1] - 2.0 * d[i] + d[i + 1]);
-    if (n == 0)
+    size_t n = k->run->n;
+    if (n < 3)
         return low;
-    qsort(bend, n, sizeof *bend, ascending);
-    return fmin(fmax(low, 3.0 * bend[n / 2]), ROUGH * k->reach);
+    segments_bends(n, k->run->depth_m, bend);
+    return fmin(fmax(low, 3.0 * statistics_kth(bend, n - 2, (n - 2) / 2)), ROUGH * k->reach);
 }
 
 /* Grows a straight piece from each corner while a line through its first sample passes all others closely; the
@@ -67,13 +61,13 @@ static void find_corners(knots *k) {
     const palp_forward_run *run = k->run;
     const double *t = run->time_s, *d = run->depth_m, close = straightness(k);
     for (size_t a = 0; a + 1 < run->n;) {
-        double low = -HUGE_VAL, high = HUGE_VAL, off;
+        segments_cone cone = segments_cone_open();
+        bool straight = true;
+        double off;
         size_t b = a + 1;
-        for (; b < run->n && low <= high; b++) {
-            low = fmax(low, (d[b] - close - d[a]) / (t[b] - t[a]));
-            high = fmin(high, (d[b] + close - d[a]) / (t[b] - t[a]));
-        }
-        if (low <= high)
+        for (; b < run->n && straight; b++)
+            straight = segments_cone_take(&cone, t[b] - t[a], d[b] - d[a], close);
+        if (straight)
             return;
         a = b - 1 > a + 1 ? farthest(run, a, b - 1, &off) : a + 1;
         k->corner[a] = 1;

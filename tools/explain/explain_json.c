@@ -64,7 +64,7 @@ static json_t *where_json(const palp_explanation *e) {
     for (size_t i = 0; i < e->n_where; i++) {
         json_t *object = json_object();
         json_object_set_new(object, "experiment", json_string(e->run[e->where[i].run].name));
-        json_object_set_new(object, "phase", json_string(palp_explain_phase_name(e->where[i].phase)));
+        json_object_set_new(object, "phase", json_string(palp_phase_name(e->where[i].phase)));
         put(object, "share", e->where[i].share);
         put(object, "left", e->where[i].left);
         put(object, "left_lag1", e->where[i].lag1);

@@ -58,7 +58,7 @@ typedef struct import_source {
     size_t used[QUANTITIES]; /* which column is time, depth, force */
     char unit[QUANTITIES][8];
     const char *skip; /* why a Mach-1 block holds nothing to import; else NULL */
-    /* the recording: [rows] each; signs and zero applied by import_settle */
+    /* the recording: [rows] each; signs and zero applied by import_contact */
     double *time_s, *depth_mm, *force_N;
     double height_mm, radius_mm;
     double depth_sign, force_sign;        /* -1 = reversed */

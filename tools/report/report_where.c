@@ -17,7 +17,7 @@ typedef struct grid {
 
 static int phase_of(const char *name) {
     int p = 0;
-    while (p < PHASES && strcmp(name, palp_explain_phase_name((palp_explain_phase)p)) != 0) {
+    while (p < PHASES && strcmp(name, palp_phase_name((palp_phase)p)) != 0) {
         p++;
     }
     return p;
@@ -120,7 +120,7 @@ static void draw_grid(FILE *to, const grid *g, bool two) {
     svg_open(to, LEFT + CELL * PHASES + 180, (double)(TOP + HIGH * (g->n < ROWS ? g->n : ROWS)),
              "share of the gap by experiment and phase");
     for (int p = 0; p < PHASES; p++) {
-        report_phase(palp_explain_phase_name((palp_explain_phase)p), text);
+        report_phase(palp_phase_name((palp_phase)p), text);
         svg_text(to, LEFT + CELL * (p + 0.5), 15, SVG_MIDDLE, text);
     }
     svg_text(to, LEFT + CELL * PHASES + 10, 15, SVG_START, "whole run, rms");
@@ -147,7 +147,7 @@ static void in_words(FILE *to, const json_t *all, const grid *g) {
         return;
     }
     report_phase(report_text(place, "phase"), worst);
-    report_phase(palp_explain_phase_name((palp_explain_phase)phase), common);
+    report_phase(palp_phase_name((palp_phase)phase), common);
     report_paragraph(to,
                      "Of all that is above the floor %.0f %% is in the phase \u201c%s\u201d of the experiments, and %.0f %% in "
                      "one experiment, %s. The largest single place is %s, \u201c%s\u201d: %.0f %%.",

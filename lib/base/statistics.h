@@ -1,0 +1,19 @@
+/* statistics.h: order statistics and straight lines. Internal. */
+#ifndef PALP_STATISTICS_H
+#define PALP_STATISTICS_H
+
+#include <stddef.h>
+
+/* The k-th smallest, from 0, of n > k numbers. They change places: x[0..k] are then the k + 1 smallest. */
+double statistics_kth(double *x, size_t n, size_t k);
+
+/* The least-squares line y = mean_y + slope (x - mean_x) through points. */
+typedef struct statistics_line {
+    double n, mean_x, mean_y, slope; /* slope 0 where all x are the same */
+    double sxx;                      /* sum of (x - mean_x)^2 */
+} statistics_line;
+
+/* Through n points; x NULL = 0, 1, 2 ...; only those with use[i], unless use is NULL. */
+statistics_line statistics_line_fit(size_t n, const double *x, const double *y, const unsigned char *use);
+
+#endif

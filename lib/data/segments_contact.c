@@ -1,0 +1,152 @@
+/* segments_contact.c: the air and the contact of a press about which nothing is known: where zero is, which way is
+ * down, whether the load cell drifts. recording_contact.c answers another question: of a recording whose depth 0 is
+ * said to be contact, whether that is so. */
+#include "base/statistics.h"
+#include "segments_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WINDOW = 11, ROUNDS = 5, AIR_LEAST = 20 };
+
+static const double BEYOND = 4.0;       /* sds that a running mean leaves the air by */
+static const double DOUBTFUL = 2.0;     /* sds from which on it may have left: how exact the contact is */
+static const double APPROACH_AIR = 0.8; /* part of an approach that is surely air */
+static const double RESTING = 1e-3;     /* of the travel: not moving yet */
+static const double FIRST_PART = 0.05;  /* of the travel, by whose slope a force is a travel */
+
+static size_t smaller(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+static void average_running(palp_press *p) {
+    size_t half = smaller(p->n / 20, WINDOW / 2);
+    p->window = 2 * half + 1;
+    for (size_t i = 0; i < p->n; i++) {
+        size_t from = i > half ? i - half : 0, to = smaller(i + half, p->n - 1);
+        p->mean_N[i] = 0.0;
+        for (size_t k = from; k <= to; k++)
+            p->mean_N[i] += p->force_N[k] / (double)(to - from + 1);
+    }
+}
+
+palp_status palp_press_create(size_t n, const double *time_s, const double *depth, const double *force_N,
+                              palp_press *press) {
+    *press = (palp_press){.n = n, .time_s = time_s, .depth = depth, .force_N = force_N};
+    press->mean_N = malloc(n * sizeof *press->mean_N);
+    palp_status status =
+        press->mean_N ? palp_segments_noise(n, NULL, 0.0, force_N, PALP_NOISE_TRIMMED, &press->noise_N)
+                      : PALP_ERR_NO_MEMORY;
+    if (status) {
+        palp_press_free(press);
+        return status;
+    }
+    average_running(press);
+    for (size_t i = 1; i < n; i++)
+        if (fabs(press->mean_N[i] - press->mean_N[0]) > fabs(press->mean_N[press->peak] - press->mean_N[0]))
+            press->peak = i;
+    return PALP_OK;
+}
+
+void palp_press_free(palp_press *press) {
+    if (!press)
+        return;
+    free(press->mean_N);
+    memset(press, 0, sizeof *press);
+}
+
+/* ---- air ---- */
+
+double palp_air_force(const palp_air *air, double time_s) {
+    return air->level_N + air->drift_N_s * time_s;
+}
+
+/* Level (and drift, with drifting) of the first n samples. */
+static void fit_air(const palp_press *p, size_t n, bool drifting, double least_sd, palp_air *air) {
+    statistics_line line = statistics_line_fit(n, p->time_s, p->force_N, NULL);
+    double squares = 0.0;
+    air->drift_N_s = drifting ? line.slope : 0.0;
+    air->level_N = line.mean_y - air->drift_N_s * line.mean_x;
+    for (size_t i = 0; i < n; i++) {
+        double off = p->mean_N[i] - palp_air_force(air, p->time_s[i]);
+        squares += off * off;
+    }
+    air->sd_N = fmax(sqrt(squares / (double)n), least_sd);
+}
+
+/* After the last sample before the peak whose running mean is within so many sds of the air. */
+static size_t leaves(const palp_press *p, const palp_air *air, double sds) {
+    size_t i = p->peak;
+    while (i > 0 && fabs(p->mean_N[i] - palp_air_force(air, p->time_s[i])) > sds * air->sd_N)
+        i--;
+    return i == p->peak ? p->peak : i + 1;
+}
+
+/* From where it may have left the air; and the running mean sees contact up to half its window early. */
+static double exactness(const palp_press *p, const palp_air *air) {
+    size_t early = smaller(leaves(p, air, DOUBTFUL), air->contact);
+    size_t late = smaller(air->contact + p->window / 2, p->n - 1);
+    return fmax(fabs(p->depth[air->contact] - p->depth[early]), fabs(p->depth[late] - p->depth[air->contact]));
+}
+
+/* What is found to be air then says what air is. */
+palp_air palp_press_air(const palp_press *p, bool approach) {
+    palp_air air = {0};
+    double least_sd = fmax(p->noise_N / sqrt((double)p->window), 1e-6 * fabs(p->mean_N[p->peak] - p->mean_N[0]));
+    size_t n = smaller(approach ? (size_t)(APPROACH_AIR * (double)p->peak) : 5 * p->window, p->peak);
+    fit_air(p, n > 2 ? n : 2, approach, least_sd, &air);
+    air.contact = leaves(p, &air, BEYOND);
+    for (int round = 0; !approach && round < ROUNDS; round++) {
+        if (air.contact <= 3 * p->window || air.contact >= p->peak)
+            break;
+        fit_air(p, air.contact - p->window, false, least_sd, &air);
+        air.contact = leaves(p, &air, BEYOND);
+    }
+    air.contact_sd = exactness(p, &air);
+    return air;
+}
+
+static double mean_of(const double *x, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += x[i];
+    return sum / (double)n;
+}
+
+/* The trend is seen in the means of the outer thirds. */
+bool palp_press_starts_in_air(const palp_press *p) {
+    size_t n = smaller(5 * p->window, p->n), third = n / 3;
+    double squares = 0.0, level = mean_of(p->force_N, n);
+    if (n < AIR_LEAST)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        squares += (p->force_N[i] - level) * (p->force_N[i] - level);
+    double trend = mean_of(p->force_N + n - third, third) - mean_of(p->force_N, third);
+    return fabs(trend) <= BEYOND * sqrt(squares / (double)n / (double)third);
+}
+
+/* ---- no air ---- */
+
+/* First sample that has moved so far from the start. */
+static size_t moved(const palp_press *p, double by) {
+    size_t i = 0;
+    while (i + 1 < p->n && fabs(p->depth[i] - p->depth[0]) <= by)
+        i++;
+    return i;
+}
+
+size_t palp_press_rest(const palp_press *p) {
+    return moved(p, RESTING * fabs(p->depth[p->peak] - p->depth[0]));
+}
+
+double palp_press_travel(const palp_press *p, double force_N) {
+    double travel = p->depth[p->peak] - p->depth[0];
+    size_t from = palp_press_rest(p), to = moved(p, FIRST_PART * fabs(travel));
+    double rise_N = p->mean_N[to] - p->mean_N[from], way = p->depth[to] - p->depth[from];
+    if (rise_N * way <= 0.0) {
+        rise_N = p->mean_N[p->peak] - p->mean_N[0];
+        way = travel;
+    }
+    return rise_N == 0.0 ? 0.0 : fabs(force_N * way / rise_N);
+}

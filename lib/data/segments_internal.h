@@ -1,0 +1,32 @@
+/* segments_internal.h: the parts of a path that the library tells apart. Internal. */
+#ifndef SEGMENTS_INTERNAL_H
+#define SEGMENTS_INTERNAL_H
+
+#include <palpate/segments.h>
+
+/* Masks (use[i] = 0) lone samples further from both neighbours than sigma noise sds and three times what the curve moves
+ * there; how many. */
+size_t segments_mask_spikes(size_t n, const double *force, double noise, double sigma, unsigned char *use);
+
+/* Lines through the first sample of a piece of a path: the slopes with which all samples so far are within a tolerance. */
+typedef struct segments_cone {
+    double low, high;
+} segments_cone;
+
+segments_cone segments_cone_open(void);
+/* Narrows it by a sample so much later and deeper than the first; false: no line is left. */
+bool segments_cone_take(segments_cone *cone, double time, double way, double tolerance);
+
+/* bend[n - 2]: sizes of the path's second differences, in the order of the samples. */
+void segments_bends(size_t n, const double *depth, double *bend);
+
+/* The first sample after i whose depth is not within a distance of that at i; n if there is none. */
+size_t segments_still_end(size_t n, const double *depth, size_t i, double within);
+
+/* First motion into the specimen, from the larger of the start and 0 to the deepest: its first and last sample. */
+void segments_ramp(size_t n, const double *depth, double deepest, size_t *start, size_t *end);
+
+/* The last sample at the deepest before the plate is taken back; n if it stays. ramp_end: the ramp's last sample. */
+size_t segments_press_end(size_t n, const double *depth, double deepest, size_t ramp_end);
+
+#endif

@@ -1,0 +1,67 @@
+/* segments_noise.c: the white noise of a sample, and samples that are spikes. */
+#include "base/statistics.h"
+#include "segments_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A Gaussian's sd over its median size, and its variance without the outer 5 %. */
+static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76;
+
+static double quantile(double *x, size_t n, double share) {
+    return statistics_kth(x, n, (size_t)(share * (double)(n - 1)));
+}
+
+/* Root mean square of those up to a limit. */
+static double trimmed_rms(const double *x, size_t n, double limit) {
+    double sum = 0.0, kept = 0.0;
+    for (size_t i = 0; i < n; i++)
+        if (x[i] <= limit) {
+            sum += x[i] * x[i];
+            kept += 1.0;
+        }
+    return sqrt(sum / kept);
+}
+
+/* Corners and spikes do not count in a median. The few counts of a coarse converter show in quantiles that a
+ * Gaussian (0.32, 0.67, 1.64 sd) does not have; then the mean square of all but the largest. */
+static double by_median(double *bend, size_t n) {
+    double middle = quantile(bend, n, 0.5), quarter = quantile(bend, n, 0.25), most = quantile(bend, n, 0.9);
+    bool coarse = quarter >= 0.9 * middle || most > 5.0 * middle;
+    return coarse ? trimmed_rms(bend, n, quantile(bend, n, 0.99)) : SD_OF_MEDIAN * middle;
+}
+
+static double by_most(double *bend, size_t n) {
+    size_t used = n - n / 20;
+    double limit = statistics_kth(bend, n, used - 1);
+    return trimmed_rms(bend, used, limit) / sqrt(KEPT_VARIANCE);
+}
+
+palp_status palp_segments_noise(size_t n, const double *time_s, double step_s, const double *force_N,
+                                palp_noise_rule rule, double *sd) {
+    double *bend = malloc((n + 1) * sizeof *bend);
+    size_t m = 0;
+    *sd = 0.0;
+    if (!bend)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 1; i + 1 < n; i++)
+        if (!time_s || time_s[i + 1] - time_s[i - 1] < 3.0 * step_s)
+            bend[m++] = fabs(force_N[i - 1] - 2.0 * force_N[i] + force_N[i + 1]);
+    if (m > 0) /* a second difference has sqrt(6) times the sd of a sample */
+        *sd = (rule == PALP_NOISE_MEDIAN ? by_median(bend, m) : by_most(bend, m)) / sqrt(6.0);
+    free(bend);
+    return PALP_OK;
+}
+
+size_t segments_mask_spikes(size_t n, const double *f, double noise, double sigma, unsigned char *use) {
+    size_t count = 0;
+    for (size_t i = 2; i + 2 < n && noise > 0.0; i++) {
+        double up = f[i] - f[i - 1], down = f[i] - f[i + 1];
+        double around = fmax(fabs(f[i - 1] - f[i - 2]), fabs(f[i + 2] - f[i + 1]));
+        if (up * down > 0.0 && fmin(fabs(up), fabs(down)) > sigma * noise + 3.0 * around) {
+            use[i] = 0;
+            count++;
+        }
+    }
+    return count;
+}

@@ -1,0 +1,197 @@
+/* import_contact.c: signs, contact and zero force of an imported recording. */
+#include "import.h"
+
+#include <palpate/segments.h>
+
+#include <math.h>
+#include <string.h>
+
+static const char NAME[] = "import";
+
+enum { REST_LEAST = 5, LAST = 11 };
+
+static const double unmistakable = 8; /* noise sds that the force must rise by to tell a sign */
+static const double least_travel = 3; /* in air, in sds of the contact, to be called a stretch of air */
+static const double same_place_mm = 2e-3;
+
+static double average(const double *x, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; i++) {
+        sum += x[i];
+    }
+    return sum / (double)n;
+}
+
+static int look(const import_source *s, palp_press *press) {
+    if (palp_press_create(s->rows, s->time_s, s->depth_mm, s->force_N, press)) {
+        return cli_failure(NAME, "%s: out of memory", s->file);
+    }
+    return CLI_OK;
+}
+
+/* ---- signs ---- */
+
+static bool listed(const char *list, const char *word) {
+    const char *at = list ? strstr(list, word) : NULL;
+    return at && (at == list || at[-1] == ',') && (!at[strlen(word)] || at[strlen(word)] == ',');
+}
+
+static void apply_signs(import_source *s) {
+    for (size_t i = 0; i < s->rows; i++) {
+        s->depth_mm[i] *= s->depth_sign;
+        s->force_N[i] *= s->force_sign;
+    }
+    s->first_mm = s->depth_mm[0];
+    s->last_mm = s->depth_mm[s->rows - 1];
+}
+
+/* Pressing is the motion along which the force's size grows: both are positive there. */
+int import_signs(const import_options *o, import_source *s) {
+    palp_press press;
+    if (look(s, &press)) {
+        return CLI_FAILURE;
+    }
+    size_t peak = press.peak;
+    double rise_N = press.mean_N[peak] - press.mean_N[0], travel_mm = s->depth_mm[peak] - s->depth_mm[0];
+    bool clear = fabs(rise_N) > unmistakable * press.noise_N;
+    palp_press_free(&press);
+    s->depth_sign = listed(o->negate, "depth") ? -1 : 1;
+    s->force_sign = listed(o->negate, "force") ? -1 : 1;
+    s->sign_rule = o->negate ? "as asked for" : "as recorded: the force never leaves its noise";
+    if (o->negate && clear && s->depth_sign * travel_mm * s->force_sign * rise_N < 0) {
+        cli_warning(NAME, "%s: with --negate %s the force falls as the depth grows", s->file, o->negate);
+    }
+    if (!o->negate && clear) {
+        if (travel_mm == 0) {
+            return cli_failure(NAME,
+                               "%s:%zu: the position is the same at the start and at the largest force: "
+                               "nothing was pressed, or --map names the wrong column",
+                               s->file, s->line[peak]);
+        }
+        s->depth_sign = travel_mm < 0 ? -1 : 1;
+        s->force_sign = rise_N < 0 ? -1 : 1;
+        s->sign_rule = s->depth_sign < 0 && s->force_sign < 0 ? "depth and force reversed: the force's size "
+                                                                "grows as the position falls"
+                       : s->depth_sign < 0 ? "depth reversed: the force grows as the position falls"
+                       : s->force_sign < 0 ? "force reversed: its size grows with depth"
+                                           : "as recorded: the force grows with depth";
+    }
+    apply_signs(s);
+    return CLI_OK;
+}
+
+/* ---- contact and zero force ---- */
+
+static void use_air(const palp_air *air, import_source *s) {
+    s->contact_mm = s->depth_mm[air->contact];
+    s->contact_sd_mm = air->contact_sd;
+    s->zero_N = palp_air_force(air, s->time_s[air->contact]);
+    s->contact_rule = import_is_approach(s) ? "find_contact" : "free_air";
+}
+
+/* An approach that gave up before the force it looks for has touched nothing. */
+static bool touched(const import_source *s) {
+    double wanted_N = 9.80665e-3 * import_setting_number(s, "Contact Criteria, gf"),
+           largest_N = s->force_N[0];
+    for (size_t i = 0; i < s->rows; i++) {
+        largest_N = fmax(largest_N, s->force_N[i]);
+    }
+    return largest_N >= wanted_N;
+}
+
+static void not_reached(import_source *s, const palp_air *air) {
+    s->contact_rule = "not_reached";
+    s->contact_mm = s->depth_mm[0];
+    for (size_t i = 0; i < s->rows; i++) {
+        s->contact_mm = fmax(s->contact_mm, s->depth_mm[i]);
+    }
+    s->zero_N = palp_air_force(air, s->time_s[s->rows - 1]);
+}
+
+/* The plate rests on the specimen before it moves: there are depth 0 and force 0. */
+static void use_start(const palp_press *press, import_source *s) {
+    size_t rest = (size_t)(0.8 * (double)palp_press_rest(press));
+    s->contact_rule = "ramp_start";
+    s->contact_mm = rest < REST_LEAST ? s->depth_mm[0] : average(s->depth_mm, rest);
+    s->zero_N = rest < REST_LEAST ? 0 : average(s->force_N, rest);
+    s->contact_sd_mm = palp_press_travel(press, fmax(press->noise_N, fabs(s->zero_N)));
+}
+
+static void use_recorded(const palp_press *press, import_source *s) {
+    s->contact_rule = "as_recorded";
+    s->contact_sd_mm = palp_press_travel(press, press->noise_N);
+}
+
+/* The approach that ended where s starts, with the same signs. */
+static const import_source *approach_before(const import_sources *all, const import_source *s) {
+    const import_source *best = NULL;
+    double nearest = same_place_mm;
+    for (size_t i = 0; i < all->n; i++) {
+        const import_source *a = all->source[i];
+        if (!a->skip && a->contact_rule && strcmp(a->contact_rule, "find_contact") == 0 &&
+            a->depth_sign == s->depth_sign && fabs(a->last_mm - s->first_mm) <= nearest) {
+            nearest = fabs(a->last_mm - s->first_mm);
+            best = a;
+        }
+    }
+    return best;
+}
+
+/* The load cell was set to zero under the force that the approach ended at. */
+static void use_approach(const import_source *a, import_source *s) {
+    s->contact_rule = "find_contact";
+    s->contact_from = a->name;
+    s->contact_mm = a->contact_mm;
+    s->contact_sd_mm = a->contact_sd_mm;
+    s->zero_N -= a->preload_N;
+}
+
+/* ---- which rule ---- */
+
+static import_contact automatic(const import_source *s, const palp_press *press, const palp_air *air) {
+    double before_mm = fabs(s->depth_mm[air->contact] - s->depth_mm[0]);
+    bool seen = air->contact < press->peak && before_mm > least_travel * air->contact_sd;
+    if (s->format == IMPORT_INSTRON) {
+        return CONTACT_RECORDED;
+    }
+    if (s->format == IMPORT_MACH1) {
+        return import_is_approach(s) ? CONTACT_AIR : CONTACT_START;
+    }
+    return seen && palp_press_starts_in_air(press) ? CONTACT_AIR : CONTACT_START;
+}
+
+static void choose(const import_options *o, const import_sources *all, const palp_press *press,
+                   import_source *s) {
+    size_t last = s->rows < LAST ? s->rows : LAST;
+    palp_air air = palp_press_air(press, import_is_approach(s));
+    import_contact rule = o->contact ? (import_contact)o->contact : automatic(s, press, &air);
+    if (rule == CONTACT_RECORDED) {
+        use_recorded(press, s);
+    } else if (rule == CONTACT_START) {
+        use_start(press, s);
+    } else if (air.contact < press->peak && touched(s)) {
+        use_air(&air, s);
+    } else {
+        not_reached(s, &air);
+    }
+    const import_source *before =
+        o->contact == CONTACT_AUTO && rule == CONTACT_START ? approach_before(all, s) : NULL;
+    if (before) {
+        use_approach(before, s);
+    }
+    s->preload_N = average(s->force_N + s->rows - last, last) - s->zero_N;
+}
+
+int import_contact_find(const import_options *o, const import_sources *all, import_source *s) {
+    palp_press press;
+    if (look(s, &press)) {
+        return CLI_FAILURE;
+    }
+    choose(o, all, &press, s);
+    palp_press_free(&press);
+    for (size_t i = 0; i < s->rows; i++) {
+        s->depth_mm[i] -= s->contact_mm;
+        s->force_N[i] -= s->zero_N;
+    }
+    return CLI_OK;
+}
