@@ -1,7 +1,7 @@
 #!/bin/sh
 # measured.sh DIR [ROW]: imports, characterizes and explains the measured data of others (data/measured), one row of
 # doc/explain-cases.md after the other, or those whose name has ROW in it: name, verdict, rms before and after, the same
-# of runs left out, floor; then the suspects that come first. Results stay in DIR.
+# of runs left out, noise level; then the candidates that come first. Results stay in DIR.
 #     data/explain/measured.sh measured hayes_02
 set -eu
 here=$(cd "$(dirname "$0")/../measured" && pwd)
@@ -22,8 +22,8 @@ explain() {
 import json, sys
 e = json.load(open(sys.argv[2]))
 g = e["gap"]
-print("%-15s %-11s %.2g %.2g, left out %.2g %.2g, floor %.2g;" % (sys.argv[1], e["verdict"], *(g[k] for k in (
-    "before_N", "after_N", "heldout_before_N", "heldout_after_N", "floor_N"))),
+print("%-15s %-11s %.2g %.2g, left out %.2g %.2g, noise level %.2g;" % (sys.argv[1], e["verdict"], *(g[k] for k in (
+    "before_N", "after_N", "heldout_before_N", "heldout_after_N", "noise_level_N"))),
     ", ".join("%s %s" % (f["id"], f["parameters"]) for f in e["effects"]) or "nothing", "|",
     ", ".join(s["id"] for s in sorted(e["rejected"], key=lambda s: -s["score"])[:4]))
 P

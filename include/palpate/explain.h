@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-enum { PALP_EXPLAIN_EFFECTS = 6, PALP_EXPLAIN_WHERE = 64, PALP_EXPLAIN_REASON = 160 };
+enum { PALP_EXPLAIN_EFFECTS = 6, PALP_EXPLAIN_PHASE_SHARES = 64, PALP_EXPLAIN_REASON = 160 };
 
 /* Runs task(work, i) for all i < n, in any order and at once if it likes; returns after the last. */
 typedef void palp_explain_loop(void *user, size_t n, void (*task)(void *work, size_t i), void *work);
@@ -20,12 +20,12 @@ typedef void palp_explain_loop(void *user, size_t n, void (*task)(void *work, si
 typedef struct palp_explain_settings {
     size_t max_effects;                    /* 4; at most PALP_EXPLAIN_EFFECTS */
     double false_alarm;                    /* 0.05: chance that any effect at all is named where nothing is missing */
-    double practical_share;                /* 0.5: an effect must explain so much of the floor (rms) */
+    double practical_share;                /* 0.5: the practical limit, of the noise level; an effect explains more, rms */
     double repeatability;                  /* 0.003: expected scatter of a run's gain; the data correct it ... */
     double contact_scatter_m;              /* 3e-6: ... and of a run's contact */
-    unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a suspect; all of them */
-    size_t n_held;                         /* runs kept out of the fit; 0 = each in turn */
-    const size_t *held;                    /* [n_held] indices, caller's */
+    unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a candidate; all of them */
+    size_t n_held_out;                     /* runs kept out of the fit; 0 = each in turn */
+    const size_t *held_out;                /* [n_held_out] indices, caller's */
     unsigned long long seed;               /* of the simulated null cases */
     palp_explain_loop *loop;               /* NULL = one after the other; the result is the same */
     void *loop_user;
@@ -41,7 +41,7 @@ typedef struct palp_explain_input {
 
 typedef enum palp_explain_verdict {
     PALP_EXPLAIN_AGREES,      /* nothing is missing that these runs could show */
-    PALP_EXPLAIN_EXPLAINED,   /* with the effects, what remains is at the floor */
+    PALP_EXPLAIN_EXPLAINED,   /* with the effects, what remains is at the noise level */
     PALP_EXPLAIN_AMBIGUOUS,   /* likewise, but another effect would do as well */
     PALP_EXPLAIN_UNEXPLAINED  /* something remains that no effect of the catalogue accounts for */
 } palp_explain_verdict;
@@ -56,35 +56,35 @@ typedef struct palp_explain_effect {
     palp_effect_id alike[PALP_EFFECT_COUNT];
     double evidence;                         /* gain in held-out log score, nats */
     double evidence_se;                      /* its paired standard error over the experiments */
-    double gap_closed;                       /* share of the squared gap above the floor */
+    double gap_closed;                       /* share of the squared gap above the noise level */
 } palp_explain_effect;
 
 typedef struct palp_explain_gap { /* N, rms over the samples */
-    double floor_N, before_N, after_N, heldout_before_N, heldout_after_N, closed;
+    double noise_level_N, before_N, after_N, heldout_before_N, heldout_after_N, closed;
 } palp_explain_gap;
 
-typedef struct palp_explain_where {
+typedef struct palp_explain_phase_share {
     size_t run;
     palp_phase phase;
-    double share; /* of the squared gap, before */
-    double left;  /* likewise of what remains there with the effects, over that same gap */
-    /* of what is left, white noise has 0 and 0 to +-2: correlation from sample to sample; too few (-) or too many runs
-     * of one sign, in standard deviations */
+    double share;     /* of the squared gap, before */
+    double remaining; /* likewise of what remains there with the effects, over that same gap */
+    /* of the residual there, for white noise 0 and within +-2: correlation from sample to sample; too few (-) or too many
+     * runs of one sign, in standard deviations */
     double lag1, runs_z;
-} palp_explain_where;
+} palp_explain_phase_share;
 
-/* A line in the spectrum of what is left. */
+/* A line in the spectrum of the residual. */
 typedef struct palp_explain_peak {
     double at, amplitude_N; /* Hz, or m of depth from crest to crest; 0 = none */
-    double prominence;      /* its power over the median of all looked at */
+    double prominence;      /* its power over the median over all that were tried */
 } palp_explain_peak;
 
-/* What is left when all is done: its strongest lines, and what free smooth curves would take off it, rms: the most that
- * an unknown effect of depth, of time within a run or of speed could explain. */
-typedef struct palp_explain_left {
+/* Diagnostics of the residual with the effects: its strongest lines, and what free smooth curves would take off it, rms:
+ * the most that an unknown effect of depth, of time within a run or of speed could explain. */
+typedef struct palp_explain_diagnostics {
     palp_explain_peak in_time, in_depth;
     double by_depth_N, by_time_N, by_rate_N;
-} palp_explain_left;
+} palp_explain_diagnostics;
 
 typedef struct palp_explain_event {
     size_t run, samples;
@@ -93,20 +93,20 @@ typedef struct palp_explain_event {
 } palp_explain_event;
 
 /* What was tried and how it fared. */
-typedef struct palp_explain_suspect {
+typedef struct palp_explain_candidate {
     palp_effect_id id;
     bool identifiable; /* these runs can see it beside the plain model */
     bool accepted;
     double score;      /* log likelihood gained when it alone is added, nats */
     double explained_N; /* rms that it alone would explain */
     char reason[PALP_EXPLAIN_REASON]; /* why it was rejected */
-} palp_explain_suspect;
+} palp_explain_candidate;
 
-/* A step of the search: every suspect beside what was accepted before, and which of them was taken. */
+/* A step of the search: every candidate beside what was accepted before, and which of them was taken. */
 typedef struct palp_explain_step {
     palp_effect_id taken; /* PALP_EFFECT_COUNT: none */
-    size_t n_suspects;
-    palp_explain_suspect suspect[PALP_EFFECT_COUNT];
+    size_t n_candidates;
+    palp_explain_candidate candidate[PALP_EFFECT_COUNT];
 } palp_explain_step;
 
 /* One run as it was used, for figures. */
@@ -135,17 +135,17 @@ typedef struct palp_explanation {
     size_t n_effects;
     palp_explain_effect effect[PALP_EXPLAIN_EFFECTS];
     palp_explain_gap gap;
-    double white_N, coloured_N, colour_s, repeatability, contact_scatter_m; /* the floor's parts */
+    double white_N, correlated_N, correlation_s, repeatability, contact_scatter_m; /* the noise level's parts */
     bool replicates;          /* the runs have some */
-    double threshold;         /* score above which a suspect is no false alarm, nats */
-    double unexplained_N;     /* rms of the structure that remains above the floor */
-    size_t n_where, n_events, n_suspects, n_runs;
-    palp_explain_where where[PALP_EXPLAIN_WHERE];
+    double null_threshold;    /* score above which a candidate is more than chance, nats */
+    double unexplained_N;     /* rms of the structure that remains above the noise level */
+    size_t n_phase_shares, n_events, n_candidates, n_runs;
+    palp_explain_phase_share phase_share[PALP_EXPLAIN_PHASE_SHARES];
     palp_explain_event *event;
-    palp_explain_suspect suspect[PALP_EFFECT_COUNT]; /* beside the model as given */
+    palp_explain_candidate candidate[PALP_EFFECT_COUNT]; /* beside the model as given */
     size_t n_steps;
     palp_explain_step *step; /* [n_steps] */
-    palp_explain_left left;
+    palp_explain_diagnostics diagnostics;
     palp_explain_next next;
     palp_explain_run *run; /* [n_runs] */
 } palp_explanation;

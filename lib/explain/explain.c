@@ -1,4 +1,4 @@
-/* explain.c: the whole procedure: refit, suspects, steps, classes, verdict. */
+/* explain.c: the whole procedure: refit, candidates, steps, classes, verdict. */
 #include "explain_internal.h"
 #include "base/file.h"
 
@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const double MOST_LEFT = 0.2;   /* of the gap: if more is left, the effects do not account for it */
-static const double REMAINS = 1.0;     /* floors of structure that are more than the floor */
+static const double REMAINS = 1.0;     /* noise levels of structure that are more than noise */
 static const double UNREPEATABLE = 4.0; /* times the expected scatter between runs of one protocol */
 
 palp_explain_settings palp_explain_settings_default(void) {
@@ -56,32 +56,32 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
             s->residual[at + i] = s->data.run[r].force[i] - s->force[at + i];
     if (!status)
         status = explain_noise_find(&s->data, s->residual);
-    return status ? status : explain_settle(s);
+    return status ? status : explain_refit(s);
 }
 
 /* ---- the verdict ---- */
 
 /* What is left that is neither noise nor scatter, rms. */
-static double structure(const explain_search *s, double floor_N) {
+static double structure(const explain_search *s, double noise_level_N) {
     double after = explain_fitted_rms(&s->data, s->residual), noise = 0.0;
     for (size_t r = 0; r < s->data.n_runs; r++)
         noise += pow(s->data.run[r].white, 2) * (double)s->data.run[r].n / (double)s->data.n;
-    noise += pow(s->data.coloured, 2);
+    noise += pow(s->data.correlated, 2);
     double by_chi2 = sqrt(fmax(0.0, explain_chi2(&s->data, &s->fit) - 1.05) * noise);
-    return fmax(by_chi2, sqrt(fmax(0.0, after * after - 2.0 * floor_N * floor_N)));
+    return fmax(by_chi2, sqrt(fmax(0.0, after * after - 2.0 * noise_level_N * noise_level_N)));
 }
 
 /* Effects that leave much of the gap's structure only mimic something else. */
-static bool mimicked(const palp_explanation *e, double floor_N) {
-    double gap = sqrt(fmax(0.0, pow(e->gap.before_N, 2) - floor_N * floor_N));
+static bool mimicked(const palp_explanation *e, double noise_level_N) {
+    double gap = sqrt(fmax(0.0, pow(e->gap.before_N, 2) - noise_level_N * noise_level_N));
     return e->n_effects > 0 && e->unexplained_N > MOST_LEFT * gap;
 }
 
-static palp_explain_verdict judge(const explain_search *s, double floor_N, const palp_explanation *e) {
-    bool scattered = s->data.twin_gain > UNREPEATABLE * s->settings->repeatability;
+static palp_explain_verdict judge(const explain_search *s, double noise_level_N, const palp_explanation *e) {
+    bool scattered = s->data.replicate_gain > UNREPEATABLE * s->settings->repeatability;
     for (size_t i = 0; i < e->n_effects; i++)
         scattered = scattered && e->effect[i].effect.id != PALP_EFFECT_SESSION_AGEING;
-    if (e->unexplained_N > REMAINS * floor_N || mimicked(e, floor_N) || scattered)
+    if (e->unexplained_N > REMAINS * noise_level_N || mimicked(e, noise_level_N) || scattered)
         return PALP_EXPLAIN_UNEXPLAINED;
     for (size_t i = 0; i < e->n_effects; i++)
         if (e->effect[i].n_class > 1)
@@ -92,10 +92,10 @@ static palp_explain_verdict judge(const explain_search *s, double floor_N, const
 /* Takes the names back: the model is what it was before the first. */
 static void disown(palp_explanation *e) {
     for (size_t i = 0; i < e->n_effects; i++)
-        for (size_t k = 0; k < e->n_suspects; k++)
-            if (e->suspect[k].id == e->effect[i].effect.id && e->suspect[k].accepted) {
-                e->suspect[k].accepted = false;
-                snprintf(e->suspect[k].reason, sizeof e->suspect[k].reason,
+        for (size_t k = 0; k < e->n_candidates; k++)
+            if (e->candidate[k].id == e->effect[i].effect.id && e->candidate[k].accepted) {
+                e->candidate[k].accepted = false;
+                snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
                          "the best there is, but leaves %.2g of the gap open: it mimics something else",
                          1.0 - e->gap.closed);
             }
@@ -105,41 +105,41 @@ static void disown(palp_explanation *e) {
     e->gap.after_N = e->gap.before_N;
     e->gap.heldout_after_N = e->gap.heldout_before_N;
     e->gap.closed = 0.0;
-    for (size_t i = 0; i < e->n_where; i++)
-        e->where[i].left = e->where[i].share;
+    for (size_t i = 0; i < e->n_phase_shares; i++)
+        e->phase_share[i].remaining = e->phase_share[i].share;
     for (size_t r = 0; r < e->n_runs; r++)
         memcpy(e->run[r].after_N, e->run[r].before_N, e->run[r].n * sizeof *e->run[r].after_N);
 }
 
-static palp_status conclude(explain_search *s, double floor_N, palp_explanation *e) {
+static palp_status conclude(explain_search *s, double noise_level_N, palp_explanation *e) {
     palp_explain_gap *gap = &e->gap;
-    gap->floor_N = floor_N;
+    gap->noise_level_N = noise_level_N;
     gap->after_N = explain_fitted_rms(&s->data, s->residual);
-    double open = gap->heldout_before_N - floor_N;
+    double open = gap->heldout_before_N - noise_level_N;
     gap->closed = e->n_effects && open > 0.0 ? (gap->heldout_before_N - gap->heldout_after_N) / open : 0.0;
     palp_status status = explain_intervals(s, e);
     if (status)
         return status;
     explain_keep_residual(s, e, false);
     e->white_N = s->data.run[0].white;
-    e->coloured_N = s->data.coloured;
-    e->colour_s = s->data.colour_time;
+    e->correlated_N = s->data.correlated;
+    e->correlation_s = s->data.correlation_time;
     e->repeatability = s->fit.scatter.gain;
     e->contact_scatter_m = s->fit.scatter.contact;
-    e->replicates = s->data.n_twins > 0;
-    e->unexplained_N = structure(s, floor_N);
+    e->replicates = s->data.n_replicates > 0;
+    e->unexplained_N = structure(s, noise_level_N);
     e->model = s->fit.model;
     explain_add_hum(s, e);
-    explain_where(&s->data, e, floor_N);
-    e->verdict = judge(s, floor_N, e);
-    bool mimics = mimicked(e, floor_N);
+    explain_phase_shares(&s->data, e, noise_level_N);
+    e->verdict = judge(s, noise_level_N, e);
+    bool mimics = mimicked(e, noise_level_N);
     if (mimics || e->n_effects == 0)
         disown(e);
     if (mimics)
-        e->unexplained_N = sqrt(fmax(0.0, pow(gap->before_N, 2) - floor_N * floor_N));
+        e->unexplained_N = sqrt(fmax(0.0, pow(gap->before_N, 2) - noise_level_N * noise_level_N));
     for (size_t r = 0, at = 0; r < e->n_runs; at += e->run[r++].n)
         memcpy(s->residual + at, e->run[r].after_N, e->run[r].n * sizeof *s->residual);
-    status = explain_left_find(&s->data, s->residual, e);
+    status = explain_diagnostics_find(&s->data, s->residual, e);
     e->event = s->data.event;
     e->n_events = s->data.n_events;
     s->data.event = NULL;
@@ -147,14 +147,14 @@ static palp_status conclude(explain_search *s, double floor_N, palp_explanation 
 }
 
 static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {
-    for (size_t k = 0; k < e->n_suspects; k++)
-        if (e->suspect[k].id == id) {
-            e->suspect[k].accepted = reason == NULL;
-            snprintf(e->suspect[k].reason, sizeof e->suspect[k].reason, "%s", reason ? reason : "");
+    for (size_t k = 0; k < e->n_candidates; k++)
+        if (e->candidate[k].id == id) {
+            e->candidate[k].accepted = reason == NULL;
+            snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason, "%s", reason ? reason : "");
         }
 }
 
-static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold, double floor_N,
+static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold, double noise_level_N,
                              const bool *seen, palp_effect_id taken) {
     palp_explain_step *grown = realloc(e->step, (e->n_steps + 1) * sizeof *grown);
     if (!grown)
@@ -163,11 +163,11 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
     palp_explain_step *step = &grown[e->n_steps++];
     memset(step, 0, sizeof *step);
     step->taken = explain_added_count(s) < s->settings->max_effects ? taken : PALP_EFFECT_COUNT;
-    step->n_suspects = explain_list_suspects(s, threshold, floor_N, seen, step->suspect);
-    for (size_t k = 0; k < step->n_suspects; k++)
-        if (step->suspect[k].id == step->taken) {
-            step->suspect[k].accepted = true;
-            step->suspect[k].reason[0] = '\0';
+    step->n_candidates = explain_list_candidates(s, threshold, noise_level_N, seen, step->candidate);
+    for (size_t k = 0; k < step->n_candidates; k++)
+        if (step->candidate[k].id == step->taken) {
+            step->candidate[k].accepted = true;
+            step->candidate[k].reason[0] = '\0';
         }
     return PALP_OK;
 }
@@ -176,12 +176,12 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
 static palp_status search(explain_search *s, palp_explanation *e, const bool *seen) {
     palp_status status = PALP_OK;
     bool out[PALP_EFFECT_COUNT] = {false}; /* was dropped once */
-    double threshold = e->threshold;
+    double threshold = e->null_threshold;
     for (size_t step = 0; explain_added_count(s) <= s->settings->max_effects && !status; step++) {
         palp_effect_id dropped;
-        double floor_N;
+        double noise_level_N;
         if (step > 0)
-            status = explain_threshold(s, &threshold, NULL);
+            status = explain_null_threshold(s, &threshold, NULL);
         if (!status)
             status = explain_try_all(s);
         for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
@@ -189,11 +189,11 @@ static palp_status search(explain_search *s, palp_explanation *e, const bool *se
                 explain_fit_free(&s->trial[i].fit);
         size_t best = status ? PALP_EFFECT_COUNT : explain_best_trial(s, threshold, seen, &status);
         if (!status)
-            status = explain_floor(&s->data, &s->fit, s->force, &floor_N);
+            status = explain_noise_level(&s->data, &s->fit, s->force, &noise_level_N);
         if (!status)
-            status = keep_step(s, e, threshold, floor_N, seen, (palp_effect_id)best);
+            status = keep_step(s, e, threshold, noise_level_N, seen, (palp_effect_id)best);
         if (!status && step == 0)
-            e->n_suspects = explain_list_suspects(s, threshold, floor_N, seen, e->suspect);
+            e->n_candidates = explain_list_candidates(s, threshold, noise_level_N, seen, e->candidate);
         if (status || best == PALP_EFFECT_COUNT || explain_added_count(s) == s->settings->max_effects)
             break;
         mark(e, (palp_effect_id)best, NULL);
@@ -210,7 +210,7 @@ static palp_status search(explain_search *s, palp_explanation *e, const bool *se
 }
 
 static palp_status explain(explain_search *s, palp_explanation *e) {
-    double floor_N = 0.0;
+    double noise_level_N = 0.0;
     bool seen[PALP_EFFECT_COUNT] = {false};
     palp_status status = explain_copy_runs(s, e);
     if (status)
@@ -220,7 +220,7 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
     e->gap.before_N = s->opened = explain_fitted_rms(&s->data, s->residual);
     status = explain_held_out(s, &e->gap.heldout_before_N);
     if (!status)
-        status = explain_threshold(s, &e->threshold, seen);
+        status = explain_null_threshold(s, &e->null_threshold, seen);
     if (!status)
         status = search(s, e, seen);
     if (!status)
@@ -231,8 +231,8 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
     if (!status && s->taken_gain != 0.0) /* else the fit is the same */
         status = explain_held_out(s, &e->gap.heldout_after_N);
     if (!status)
-        status = explain_floor(&s->data, &s->fit, s->force, &floor_N);
-    return status ? status : conclude(s, floor_N, e);
+        status = explain_noise_level(&s->data, &s->fit, s->force, &noise_level_N);
+    return status ? status : conclude(s, noise_level_N, e);
 }
 
 palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,

@@ -1,4 +1,4 @@
-/* explain_data.c: experiments into the runs that are explained: masks, phases, twins. */
+/* explain_data.c: experiments into the runs that are explained: masks, phases, replicates. */
 #include "explain_internal.h"
 #include "base/file.h"
 #include "data/segments_internal.h"
@@ -137,20 +137,20 @@ static double gain_between(const explain_run *a, const explain_run *b) {
 }
 
 /* Both must have been sampled alike. */
-static void compare_twins(explain_data *data) {
+static void compare_replicates(explain_data *data) {
     double sum = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {
-        const explain_run *a = &data->run[r], *b = a->twin >= 0 ? &data->run[a->twin] : NULL;
+        const explain_run *a = &data->run[r], *b = a->replicate >= 0 ? &data->run[a->replicate] : NULL;
         size_t n = b && b->n < a->n ? b->n : a->n;
-        if (!b || a->held || b->held || a->n + 2 < b->n || b->n + 2 < a->n)
+        if (!b || a->held_out || b->held_out || a->n + 2 < b->n || b->n + 2 < a->n)
             continue;
         if (fabs((a->time[n - 1] - a->time[0]) - (b->time[n - 1] - b->time[0])) > 0.01)
             continue;
         double gain = gain_between(a, b);
         sum += 0.5 * gain * gain;
-        data->n_twins++;
+        data->n_replicates++;
     }
-    data->twin_gain = data->n_twins ? sqrt(sum / (double)data->n_twins) : 0.0;
+    data->replicate_gain = data->n_replicates ? sqrt(sum / (double)data->n_replicates) : 0.0;
 }
 
 static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *inputs, palp_error *error) {
@@ -167,10 +167,10 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
         return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
                               height, 1e3 * data->height);
     run->session = explain_number_of(e, "session.start_s", 0.0);
-    run->twin = -1;
-    for (size_t s = 0; s < r && run->twin < 0; s++)
+    run->replicate = -1;
+    for (size_t s = 0; s < r && run->replicate < 0; s++)
         if (same_protocol(e, inputs[s].experiment))
-            run->twin = (int)s;
+            run->replicate = (int)s;
     palp_segments_phases(run->n, run->time, run->depth, run->phase);
     palp_status masked = mask_spikes(data, r);
     return masked ? masked : mask_releases(data, r);
@@ -190,7 +190,7 @@ static bool rest_force(const explain_run *run, double *mean) {
 static void compare_zeros(explain_data *data) {
     double sum = 0.0, square = 0.0, count = 0.0, zero;
     for (size_t r = 0; r < data->n_runs; r++)
-        if (!data->run[r].held && rest_force(&data->run[r], &zero)) {
+        if (!data->run[r].held_out && rest_force(&data->run[r], &zero)) {
             sum += zero;
             square += zero * zero;
             count += 1.0;
@@ -223,8 +223,8 @@ static palp_status take_runs(explain_data *data, const palp_explain_input *input
     for (size_t r = 0; r < n && !status; r++) {
         data->run[r].fresh = fresh[r];
         status = take_run(data, r, sorted, error);
-        for (size_t k = 0; k < settings->n_held; k++)
-            data->run[r].held = data->run[r].held || settings->held[k] == order[r];
+        for (size_t k = 0; k < settings->n_held_out; k++)
+            data->run[r].held_out = data->run[r].held_out || settings->held_out[k] == order[r];
     }
     free(order);
     free(sorted);
@@ -234,7 +234,7 @@ static palp_status take_runs(explain_data *data, const palp_explain_input *input
 
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
                                 const palp_model *model, explain_data *data, palp_error *error) {
-    *data = (explain_data){.given = model, .n_runs = n, .colour_time = 1.0};
+    *data = (explain_data){.given = model, .n_runs = n, .correlation_time = 1.0};
     data->run = calloc(n, sizeof *data->run);
     palp_status status = data->run ? explain_height(model, &data->height, error) : PALP_ERR_NO_MEMORY;
     if (!status)
@@ -251,7 +251,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
             data->duration = fmax(data->duration, run->time[run->n - 1] - run->time[0]);
     }
     if (!status) {
-        compare_twins(data);
+        compare_replicates(data);
         compare_zeros(data);
         find_worn(data);
     }

@@ -1,4 +1,4 @@
-/* explain_describe.c: each accepted effect held against the fit without it, and against those that could stand in its
+/* explain_describe.c: each accepted effect compared with the fit without it, and against those that could stand in its
  * place. */
 #include "explain_internal.h"
 
@@ -169,9 +169,9 @@ static palp_status try_places(const explain_search *full, explain_search *rest, 
 
 /* Share of the squared gap that opens when the effect is taken out again. */
 static palp_status closed_by(const explain_search *s, const explain_search *rest, palp_explain_effect *out) {
-    double floor_N, with = explain_fitted_rms(&s->data, s->residual), less = explain_fitted_rms(&s->data, rest->residual);
-    palp_status status = explain_floor(&s->data, &s->fit, s->force, &floor_N);
-    double open = less * less - floor_N * floor_N;
+    double noise_level_N, with = explain_fitted_rms(&s->data, s->residual), less = explain_fitted_rms(&s->data, rest->residual);
+    palp_status status = explain_noise_level(&s->data, &s->fit, s->force, &noise_level_N);
+    double open = less * less - noise_level_N * noise_level_N;
     out->gap_closed = !status && open > 0.0 ? fmin(1.0, fmax(0.0, (less * less - with * with) / open)) : 0.0;
     return status;
 }
@@ -198,8 +198,8 @@ palp_status explain_describe(explain_search *s, palp_explanation *e) {
         const explain_trial *own = &rest.trial[out->effect.id];
         if (!status)
             status = explain_next_find(s, &rest, out, &e->next);
-        out->evidence = own->held_gain;
-        out->evidence_se = own->held_se;
+        out->evidence = own->held_out_gain;
+        out->evidence_se = own->held_out_se;
         if (!status)
             status = closed_by(s, &rest, out);
         explain_search_free(&rest);

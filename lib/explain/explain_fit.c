@@ -186,7 +186,7 @@ double explain_fit_score(const explain_fit *fit, const explain_data *data) {
     double sum = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {
         double chi2, logdet;
-        if (data->run[r].held)
+        if (data->run[r].held_out)
             continue;
         explain_normal_of(fit, r, NULL, NULL, &chi2, &logdet);
         sum -= 0.5 * (chi2 + logdet);
@@ -223,9 +223,9 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
     return status;
 }
 
-/* ---- a run's own numbers, eliminated ---- */
+/* ---- a run's nuisance parameters, eliminated ---- */
 
-static void own_sd(const explain_fit *fit, double sd[EXPLAIN_NUISANCES]) {
+static void nuisance_sd(const explain_fit *fit, double sd[EXPLAIN_NUISANCES]) {
     const explain_scatter *s = &fit->scatter;
     double share = 1.0 / fmax(1.0, s->misfit);
     double all[EXPLAIN_NUISANCES] = {share * s->zero, share * s->contact, share * s->gain, fit->hum_N, fit->hum_N};
@@ -233,7 +233,7 @@ static void own_sd(const explain_fit *fit, double sd[EXPLAIN_NUISANCES]) {
 }
 
 /* Factor of 1 + S N'N S. */
-static void own_factor(const explain_fit *fit, size_t r, const double *sd, double *factor) {
+static void nuisance_factor(const explain_fit *fit, size_t r, const double *sd, double *factor) {
     const double *g = fit->product + r * fit->m * fit->m;
     size_t k = fit->n_columns;
     for (size_t i = 0; i < EXPLAIN_NUISANCES; i++)
@@ -247,8 +247,8 @@ void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, d
     const double *product = fit->product + r * fit->m * fit->m;
     size_t k = fit->n_columns, m = fit->m, first = h ? 0 : k;
     double sd[Q], factor[Q * Q], z[EXPLAIN_COLUMNS + 1][Q];
-    own_sd(fit, sd);
-    own_factor(fit, r, sd, factor);
+    nuisance_sd(fit, sd);
+    nuisance_factor(fit, r, sd, factor);
     *logdet = dense_log_determinant(Q, factor);
     for (size_t c = first; c <= k; c++) { /* factor^-1 S N' of each column, the last: y */
         size_t at = c < k ? c : m - 1;
@@ -272,12 +272,12 @@ void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, d
     }
 }
 
-void explain_own(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES], double sd_out[EXPLAIN_NUISANCES]) {
+void explain_nuisances(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES], double sd_out[EXPLAIN_NUISANCES]) {
     enum { Q = EXPLAIN_NUISANCES };
     double sd[Q], factor[Q * Q];
     const double *product = fit->product + r * fit->m * fit->m;
-    own_sd(fit, sd);
-    own_factor(fit, r, sd, factor);
+    nuisance_sd(fit, sd);
+    nuisance_factor(fit, r, sd, factor);
     for (size_t i = 0; i < Q; i++)
         own[i] = sd[i] * product[(fit->m - 1) * fit->m + fit->n_columns + i];
     dense_cholesky_solve(Q, factor, 1, own);
@@ -298,7 +298,7 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
         white += data->run[r].white / (double)data->n_runs;
     double expected[3] = {0.3 * white, settings->contact_scatter_m, settings->repeatability};
     double most[3] = {fmax(2.0 * expected[0], 1.5 * data->zero_scatter), 2.0 * expected[1],
-                      fmax(2.0 * expected[2], 1.5 * data->twin_gain)};
+                      fmax(2.0 * expected[2], 1.5 * data->replicate_gain)};
     double *scatter[3] = {&fit->scatter.zero, &fit->scatter.contact, &fit->scatter.gain};
     for (int i = 0; i < 3; i++)
         *scatter[i] = *scatter[i] > 0.0 ? *scatter[i] : expected[i];
@@ -308,9 +308,9 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
             sum[i] = TRUST * expected[i] * expected[i];
         for (size_t r = 0; r < data->n_runs; r++) {
             double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
-            if (data->run[r].held)
+            if (data->run[r].held_out)
                 continue;
-            explain_own(fit, r, own, sd);
+            explain_nuisances(fit, r, own, sd);
             count += 1.0;
             for (int i = 0; i < 3; i++)
                 sum[i] += own[i] * own[i] + sd[i] * sd[i];

@@ -1,11 +1,11 @@
-/* explain_gap.c: the floor, what is left of runs that a fit has not seen, and the threshold of chance. */
+/* explain_gap.c: the noise level, what is left of runs that a fit has not seen, and the threshold of chance. */
 #include "explain_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-palp_status explain_floor(const explain_data *data, const explain_fit *fit, const double *force, double *floor_N) {
+palp_status explain_noise_level(const explain_data *data, const explain_fit *fit, const double *force, double *noise_level_N) {
     palp_model *moved = malloc(sizeof *moved);
     double *other = malloc(data->longest * sizeof *other), slope = 0.0, load = 0.0, white = 0.0, step = 1e-6;
     double jump = 100.0 * step * data->peak / data->deepest; /* a plate that lets go a sample earlier has no slope */
@@ -37,7 +37,7 @@ palp_status explain_floor(const explain_data *data, const explain_fit *fit, cons
     }
     palp_forward_wear_free(&wear.wear);
     double n = (double)data->n;
-    *floor_N = sqrt(white / n + data->coloured * data->coloured + pow(fit->scatter.gain, 2) * load / n +
+    *noise_level_N = sqrt(white / n + data->correlated * data->correlated + pow(fit->scatter.gain, 2) * load / n +
                     pow(fit->scatter.contact, 2) * slope / n);
     free(moved);
     free(other);
@@ -47,14 +47,14 @@ palp_status explain_floor(const explain_data *data, const explain_fit *fit, cons
 size_t explain_samples(const explain_data *data) {
     size_t n = 0;
     for (size_t r = 0; r < data->n_runs; r++)
-        n += data->run[r].held ? 0 : data->run[r].n;
+        n += data->run[r].held_out ? 0 : data->run[r].n;
     return n;
 }
 
 double explain_chi2(const explain_data *data, const explain_fit *fit) {
     double sum = 0.0, chi2, logdet;
     for (size_t r = 0; r < data->n_runs; r++) {
-        if (data->run[r].held)
+        if (data->run[r].held_out)
             continue;
         explain_normal_of(fit, r, NULL, NULL, &chi2, &logdet);
         sum += chi2;
@@ -68,7 +68,7 @@ enum { REFIT = 4, REFIT_NETWORK = 1 }; /* rounds; a network's are dear */
 
 typedef struct left_out {
     const explain_search *search;
-    bool some;              /* runs are held: the fit as it is tells of them */
+    bool some;              /* runs are held out: the fit as it is tells of them */
     double *square, *count; /* [n_runs] of the residual of each run */
     palp_status *status;    /* [n_runs] */
 } left_out;
@@ -77,7 +77,7 @@ typedef struct left_out {
 static double deepest_without(const explain_data *data, size_t r) {
     double deepest = -HUGE_VAL;
     for (size_t k = 0; k < data->n_runs; k++)
-        for (size_t i = 0; i < data->run[k].n && k != r && !data->run[k].held; i++)
+        for (size_t i = 0; i < data->run[k].n && k != r && !data->run[k].held_out; i++)
             deepest = fmax(deepest, data->run[k].depth[i]);
     return deepest;
 }
@@ -89,7 +89,7 @@ static palp_status refit_without(const explain_data *data, size_t r, explain_fit
     if (!less.run)
         return PALP_ERR_NO_MEMORY;
     memcpy(less.run, data->run, data->n_runs * sizeof *less.run);
-    less.run[r].held = true;
+    less.run[r].held_out = true;
     bool network = fit->model.kind == PALP_MODEL_NETWORK;
     palp_status status = explain_fit_improve(fit, &less, network ? REFIT_NETWORK : REFIT);
     free(less.run);
@@ -124,7 +124,7 @@ static palp_status leave_out(const left_out *l, size_t r) {
 
 static void leave_out_task(void *user, size_t r) {
     left_out *l = user;
-    if (!l->some || l->search->data.run[r].held)
+    if (!l->some || l->search->data.run[r].held_out)
         l->status[r] = leave_out(l, r);
 }
 
@@ -134,7 +134,7 @@ palp_status explain_held_out(const explain_search *s, double *rms_N) {
     palp_status status = l.square && l.status ? PALP_OK : PALP_ERR_NO_MEMORY;
     double square = 0.0, count = 0.0;
     for (size_t r = 0; r < n; r++)
-        l.some = l.some || s->data.run[r].held;
+        l.some = l.some || s->data.run[r].held_out;
     l.count = l.square ? l.square + n : NULL;
     if (!status && s->settings->loop)
         s->settings->loop(s->settings->loop_user, n, leave_out_task, &l);

@@ -39,7 +39,7 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
     *chi2 = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {
         double own, logdet;
-        if (data->run[r].held)
+        if (data->run[r].held_out)
             continue;
         explain_normal_of(fit, r, work, work + k * k, &own, &logdet);
         for (size_t i = 0; i < k * k; i++)
@@ -146,7 +146,7 @@ palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *da
            *move = own_g + k, *b = move + k, chi2;
     explain_fit_total(fit, data, h, g, &chi2, own);
     for (size_t r = 0; r < data->n_runs; r++) {
-        double own_chi2, logdet, out = data->run[r].held ? 0.0 : 1.0;
+        double own_chi2, logdet, out = data->run[r].held_out ? 0.0 : 1.0;
         explain_normal_of(fit, r, own, own_g, &own_chi2, &logdet);
         for (size_t i = 0; i < k * k; i++)
             rest[i] = h[i] - out * own[i];

@@ -1,4 +1,4 @@
-/* explain_internal.h: the parts of palp_explain: runs, the noise, a fit as its sums, suspects. Internal. */
+/* explain_internal.h: the parts of palp_explain: runs, the noise, a fit as its sums, candidates. Internal. */
 #ifndef EXPLAIN_INTERNAL_H
 #define EXPLAIN_INTERNAL_H
 
@@ -7,11 +7,11 @@
 enum {
     EXPLAIN_NUISANCES = 5,                        /* of a run: zero, contact, gain, hum's sine and cosine */
     EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS,
-    EXPLAIN_STARTS = 16,                          /* of a suspect, at most */
+    EXPLAIN_STARTS = 16,                          /* of a candidate, at most */
     EXPLAIN_FREQUENCIES = 601                     /* at which the mains' line is looked for */
 };
 
-/* Of what the best suspect promises: the fit of one that promises less is not finished. */
+/* Of what the best candidate promises: the fit of one that promises less is not finished. */
 #define EXPLAIN_CONTENDER 0.3
 
 /* ---- runs (explain_data.c) ---- */
@@ -25,8 +25,8 @@ typedef struct explain_run {
     bool fresh;                    /* on a specimen that no run before it pressed */
     double worn;                   /* largest strain of the earlier runs on its specimen, by depth */
     double *keep, *take, *weight;  /* [n] the filter that makes its noise white (explain_noise.c) */
-    int twin;                      /* earlier run of the same protocol, -1 = none */
-    bool held;                     /* kept out of the fit */
+    int replicate;                      /* earlier run of the same protocol, -1 = none */
+    bool held_out;                   /* kept out of the fit */
 } explain_run;
 
 typedef struct explain_data {
@@ -34,10 +34,10 @@ typedef struct explain_data {
     explain_run *run;
     const palp_model *given;                /* the model to be explained */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
-    double coloured, colour_time;           /* of the noise */
+    double correlated, correlation_time;           /* of the noise */
     double zero_scatter;                    /* of the force before the plate first moves, between runs; 0 = unknown */
-    double twin_gain;                       /* scatter of gain between runs of one protocol; 0 = there are none */
-    size_t n_twins;
+    double replicate_gain;                       /* scatter of gain between runs of one protocol; 0 = there are none */
+    size_t n_replicates;
     double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
     size_t n_releases;
     size_t n_events;
@@ -76,7 +76,7 @@ palp_status explain_predict(const palp_model *model, const palp_forward_run *run
 
 /* ---- noise (explain_noise.c) ---- */
 
-/* From what a fit leaves, residual[n] of all runs one after the other: white noise of each run, coloured noise
+/* From what a fit leaves, residual[n] of all runs one after the other: white noise of each run, correlated noise
  * (exponential correlation) of all, and the filters. */
 /* run->white from x[n], its force or its residual. */
 palp_status explain_white_noise(explain_run *run, const double *x);
@@ -87,7 +87,7 @@ void explain_whiten(const explain_run *run, double *x);
 
 /* ---- a model and its search coordinates (explain_fit.c) ---- */
 
-/* Scatter of the runs' own numbers. Their prior sds are that, divided by misfit: the root of chi2 per sample, from 1; so
+/* Scatter of the runs' nuisance parameters. Their prior sds are that, divided by misfit: the root of chi2 per sample, from 1; so
  * that a model's own faults, which count as many times too much, do not drive them beyond it. */
 typedef struct explain_scatter {
     double zero, contact, gain, misfit;
@@ -101,8 +101,8 @@ typedef struct explain_fit {
     double unit[EXPLAIN_COLUMNS];  /* prior sd of a coordinate: very wide */
     bool logarithmic[EXPLAIN_COLUMNS];
     explain_scatter scatter;
-    double *product;      /* [n_runs m m]: of the whitened columns of parameters, own numbers and residual */
-    double score;         /* log likelihood (less constants), nuisances integrated out; held runs not counted */
+    double *product;      /* [n_runs m m]: of the whitened columns of parameters, (nuisance parameters) and residual */
+    double score;         /* log likelihood (less constants), nuisances integrated out; runs held out not counted */
 } explain_fit;
 
 palp_status explain_fit_create(const palp_model *model, const explain_data *data, explain_fit *fit);
@@ -113,7 +113,7 @@ size_t explain_first_column(const palp_model *model, size_t i); /* index of the 
 void explain_fit_free(explain_fit *fit);
 palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to);
 
-/* Products at fit->model. force (NULL or [n]): what the model gives, hum and a run's own numbers left out. */
+/* Products at fit->model. force (NULL or [n]): what the model gives, hum and a run's nuisance parameters left out. */
 palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force);
 
 /* fit->x into fit->model. ERR_ARGUMENT: makes no model. Log likelihood from the products. */
@@ -123,20 +123,20 @@ double explain_fit_score(const explain_fit *fit, const explain_data *data);
 /* Moves to the best parameters near by. */
 palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds);
 
-/* Re-estimates the scatter from the runs' own numbers. */
+/* Re-estimates the scatter from the runs' nuisance parameters. */
 void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
 
 /* chi2 after one more step, as the sums predict it. */
 palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2);
 
-/* Normal matrix h[k k] (NULL: not wanted, nor g), gradient g[k] and chi2 of run r with its own numbers eliminated;
+/* Normal matrix h[k k] (NULL: not wanted, nor g), gradient g[k] and chi2 of run r with its nuisance parameters eliminated;
  * logdet: by how much they narrow. */
 void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, double *chi2, double *logdet);
 
-/* The run's own numbers at the fit. */
-void explain_own(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES], double own_sd[EXPLAIN_NUISANCES]);
+/* The run's nuisance parameters at the fit. */
+void explain_nuisances(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES], double nuisance_sd[EXPLAIN_NUISANCES]);
 
-/* Of all runs that are not held, with the priors. work: [k k + k]. */
+/* Of all runs that are not held out, with the priors. work: [k k + k]. */
 void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
                        double *work);
 
@@ -144,29 +144,30 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
  * parameters' moves when that run is left out. */
 palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score, double *step);
 
-/* ---- suspects (explain_suspect.c, explain_lines.c) ---- */
+/* ---- candidates (explain_candidate.c, explain_lines.c) ---- */
 
-/* Fits with one more effect, from several starts: a race. */
-typedef struct explain_racer {
+/* Fits with one more effect, from several starts. */
+typedef struct explain_start {
     explain_fit fit;
     double chi2; /* that one more step promises */
-} explain_racer;
+} explain_start;
 
-typedef struct explain_race {
+typedef struct explain_multistart {
     size_t n; /* best first */
-    explain_racer racer[2 * EXPLAIN_STARTS];
-} explain_race;
+    explain_start start[2 * EXPLAIN_STARTS];
+} explain_multistart;
 
-void explain_race_free(explain_race *race);
+void explain_multistart_free(explain_multistart *m);
 
-/* The race to its last few, if chi2 promises to fall by worth. ERR_UNSUPPORTED: these runs cannot have it (reason). */
-palp_status explain_suspect_race(const explain_fit *fit, const explain_data *data, const double *residual,
-                                 const palp_explain_settings *settings, palp_effect_id id, double worth,
-                                 explain_race *race, const char **reason);
+/* Refines the few best starts, if chi2 promises to fall by worth. ERR_UNSUPPORTED: these runs cannot have it (reason). */
+palp_status explain_candidate_multistart(const explain_fit *fit, const explain_data *data, const double *residual,
+                                         const palp_explain_settings *settings, palp_effect_id id, double worth,
+                                         explain_multistart *m, const char **reason);
 
 /* Refits the last few and moves the best one to *added; not all: the first as it is. */
-palp_status explain_suspect_finish(explain_race *race, const explain_data *data, const palp_explain_settings *settings,
-                                   palp_effect_id id, bool all, explain_fit *added);
+palp_status explain_candidate_finish(explain_multistart *m, const explain_data *data,
+                                     const palp_explain_settings *settings, palp_effect_id id, bool all,
+                                     explain_fit *added);
 
 /* Strongest line of residual[n] over time, 40 to 70 Hz (ERR_UNSUPPORTED: none stands out), and over depth. */
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency, double *amplitude);
@@ -174,27 +175,27 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
 void explain_line_take(const explain_data *data, double frequency, double *residual);
 palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
                                   double *phase);
-/* The strongest lines of what is left, at any frequency, and over depth. */
+/* The strongest lines of residual, at any frequency, and over depth. */
 palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak);
 palp_status explain_peak_in_depth(const explain_data *data, const double *residual, palp_explain_peak *peak);
 
 /* ---- the search (explain_search.c, explain_gap.c) ---- */
 
-/* One suspect beside a fit. */
+/* One candidate beside a fit. */
 typedef struct explain_trial {
     bool tried;
-    explain_race *race;       /* while it runs */
+    explain_multistart *multistart; /* while it runs */
     explain_fit fit;          /* product NULL: could not be had, reason says why */
     const char *reason;
     double raw_gain, gain;    /* log likelihood gained; less what its parameters cost */
-    double held_gain, held_se; /* in held-out log score; paired standard error over the runs */
-    double held_rest;         /* of that, without the run that gains most */
+    double held_out_gain, held_out_se; /* in held-out log score; paired standard error over the runs */
+    double held_out_rest;     /* of that, without the run that gains most */
     double *force;            /* [n] of the model */
     double explained;         /* rms difference of the forces */
     double shrinks;           /* root of by how much the squared residual shrinks, rms */
 } explain_trial;
 
-/* What was found when each effect was added: models whose last effect is the suspect. */
+/* What was found when each effect was added: models whose last effect is the candidate. */
 typedef struct explain_step {
     bool has[PALP_EFFECT_COUNT];
     palp_model model[PALP_EFFECT_COUNT];
@@ -211,7 +212,7 @@ typedef struct explain_search {
     explain_memory *memory;
     size_t n_given;           /* effects of the given model */
     double opened;            /* rms that the model as given leaves, N */
-    double worth;             /* chi2 that a suspect must promise to be tried */
+    double worth;             /* chi2 that a candidate must promise to be tried */
     double taken_gain;        /* raw_gain of the trial taken last */
     explain_fit fit;          /* at hand */
     double *force, *residual; /* [n] of it; hum is taken out of the residual */
@@ -219,11 +220,11 @@ typedef struct explain_search {
 } explain_search;
 
 /* fit->model refitted with noise and scatter; force and residual at it. */
-palp_status explain_settle(explain_search *s);
-/* Tries all suspects beside s->fit. */
+palp_status explain_refit(explain_search *s);
+/* Tries all candidates beside s->fit. */
 palp_status explain_try_all(explain_search *s);
 void explain_trials_free(explain_search *s);
-/* What has come of a suspect's fit (t->fit) beside s->fit. */
+/* What has come of a candidate's fit (t->fit) beside s->fit. */
 palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t);
 
 /* Held-out log score of b less that of a; its standard error, paired over the runs; less the run that gains most. */
@@ -235,7 +236,7 @@ palp_status explain_paired(const explain_data *data, const explain_fit *a, const
 /* ---- a step (explain_step.c) ---- */
 
 /* Why a trial may not be accepted; NULL: it may. */
-const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double floor_N);
+const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double noise_level_N);
 /* The one that gains most of those that may; PALP_EFFECT_COUNT: none. */
 size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status);
 palp_status explain_take(explain_search *s, size_t i);
@@ -260,22 +261,23 @@ void explain_add_hum(const explain_search *s, palp_explanation *e);
 
 palp_status explain_copy_runs(const explain_search *s, palp_explanation *e);
 void explain_keep_residual(const explain_search *s, palp_explanation *e, bool before);
-void explain_where(const explain_data *data, palp_explanation *e, double floor_N);
-size_t explain_list_suspects(const explain_search *s, double threshold, double floor_N, const bool *seen,
-                             palp_explain_suspect *list);
-/* What is left of e->run's forces (explain_left.c); slips become events. */
-palp_status explain_left_find(explain_data *data, const double *residual, palp_explanation *e);
+void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N);
+size_t explain_list_candidates(const explain_search *s, double threshold, double noise_level_N, const bool *seen,
+                             palp_explain_candidate *list);
+/* Diagnostics of the residual (explain_diagnostics.c); slips become events. */
+palp_status explain_diagnostics_find(explain_data *data, const double *residual, palp_explanation *e);
 /* From fit and its force to the residual without a hum. */
 void explain_residual(const explain_data *data, const explain_fit *fit, const double *force, double *residual);
 
 double explain_rms(size_t n, const double *a, const double *b); /* of a - b */
 double explain_fitted_rms(const explain_data *data, const double *x); /* [n], of the samples that are fitted */
-/* The floor with the fit's scatter. */
-palp_status explain_floor(const explain_data *data, const explain_fit *fit, const double *force, double *floor_N);
-/* rms of what the fit, refitted without each run, leaves of that run where no other run is less deep; with held
- * runs, what the fit leaves of them. */
+/* The noise level with the fit's scatter. */
+palp_status explain_noise_level(const explain_data *data, const explain_fit *fit, const double *force,
+                                double *noise_level_N);
+/* rms of what the fit, refitted without each run, leaves of that run where no other run is less deep; with runs
+ * held out, what the fit leaves of them. */
 palp_status explain_held_out(const explain_search *s, double *rms_N);
-size_t explain_samples(const explain_data *data); /* of the runs that are not held */
+size_t explain_samples(const explain_data *data); /* of the runs that are not held out */
 /* chi2 per sample of these. */
 double explain_chi2(const explain_data *data, const explain_fit *fit);
 
@@ -288,9 +290,9 @@ palp_status explain_directions_find(const explain_search *s, explain_directions 
 /* Whitened columns of run r: own zero, contact, gain; the model's parameters; the directions. */
 palp_status explain_directions_columns(const explain_search *s, const explain_directions *d, size_t r, double *column);
 
-/* Gain in log likelihood that chance alone reaches beside s->fit, over all suspects, with probability false_alarm.
+/* Gain in log likelihood that chance alone reaches beside s->fit, over all candidates, with probability false_alarm.
  * seen: NULL, or [PALP_EFFECT_COUNT], set for those of which these runs show anything beside the model. */
-palp_status explain_threshold(const explain_search *s, double *threshold, bool *seen);
+palp_status explain_null_threshold(const explain_search *s, double *threshold, bool *seen);
 
 /* What would do as well as out->effect: rest is the search at the fit without it, its trials done. */
 palp_status explain_class_find(const explain_search *full, const explain_search *rest, palp_explain_effect *out);

@@ -28,7 +28,7 @@ static double square_reach(const explain_fit *fit, const explain_data *data, con
     dense_cholesky_solve(k, factor, 1, unit);
     for (size_t r = 0; r < data->n_runs; r++) {
         double pull = 0.0;
-        if (data->run[r].held)
+        if (data->run[r].held_out)
             continue;
         for (size_t i = 0; i < k; i++)
             pull += unit[i] * gradient[r * k + i];
@@ -68,7 +68,7 @@ static palp_status find_reaches(const explain_fit *fit, const explain_data *data
 
 static const double WIDE = 0.3; /* of a parameter: half widths beyond which the likelihood is followed */
 
-/* One end of a parameter's interval: where the best chi2 of all fits with that parameter held rises by so much. */
+/* One end of a parameter's interval: where the best chi2 of all fits with that parameter fixed rises by so much. */
 typedef struct interval_end {
     size_t at;
     double sign, reach, rise; /* reach: first that of a quadratic likelihood */
@@ -82,7 +82,7 @@ typedef struct interval_work {
 } interval_work;
 
 /* chi2 of the best fit near *fit whose parameter at is x, HUGE_VAL if there is none. */
-static palp_status held_chi2(explain_fit *fit, const explain_data *data, size_t at, double x, double *chi2) {
+static palp_status fixed_chi2(explain_fit *fit, const explain_data *data, size_t at, double x, double *chi2) {
     fit->low[at] = fit->high[at] = fit->x[at] = x;
     palp_status status = explain_fit_to_model(fit);
     if (!status)
@@ -101,7 +101,7 @@ static palp_status find_end(const interval_work *w, interval_end *end, explain_f
     double low = 0.0, low_root = 0.0, high = HUGE_VAL, high_root = HUGE_VAL;
     for (int step = 0; step < 8; step++) {
         d = fmin(d, bound);
-        palp_status status = held_chi2(fit, data, end->at, centre + end->sign * d, &chi2);
+        palp_status status = fixed_chi2(fit, data, end->at, centre + end->sign * d, &chi2);
         if (status)
             return status;
         double root = fmin(4.0 * wanted, sqrt(fmax(0.0, chi2 - w->chi2)));
@@ -198,7 +198,7 @@ void explain_add_hum(const explain_search *s, palp_explanation *e) {
         return;
     for (size_t r = 0; r < s->data.n_runs; r++) {
         double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
-        explain_own(&s->fit, r, own, sd);
+        explain_nuisances(&s->fit, r, own, sd);
         square += (own[3] * own[3] + own[4] * own[4]) / (double)s->data.n_runs;
     }
     palp_effect hum = {.id = PALP_EFFECT_MAINS_HUM, .value = {sqrt(square), s->fit.hum_Hz}};

@@ -1,4 +1,4 @@
-/* explain_noise.c: the noise of the runs: white from sample to sample, coloured in stretches that stand still. */
+/* explain_noise.c: the noise of the runs: white from sample to sample, correlated in stretches that stand still. */
 #include "explain_internal.h"
 #include "base/dense.h"
 #include "data/segments_internal.h"
@@ -8,11 +8,11 @@
 #include <string.h>
 
 /* The filter of white + exponentially correlated noise (a scalar Kalman filter): its innovations are white. */
-static double make_filter(const explain_run *run, double white, double coloured, double colour_time, size_t from,
+static double make_filter(const explain_run *run, double white, double correlated, double correlation_time, size_t from,
                           size_t to, double *keep, double *take, double *weight) {
-    double variance = coloured * coloured, p = variance, noise = white * white, logdet = 0.0;
+    double variance = correlated * correlated, p = variance, noise = white * white, logdet = 0.0;
     for (size_t i = from; i < to; i++) {
-        double fade = i > from ? exp(-(run->time[i] - run->time[i - 1]) / colour_time) : 0.0;
+        double fade = i > from ? exp(-(run->time[i] - run->time[i - 1]) / correlation_time) : 0.0;
         p = i > from ? fade * fade * p + variance * (1.0 - fade * fade) : variance;
         keep[i] = fade;
         take[i] = 0.0;
@@ -42,7 +42,7 @@ void explain_whiten(const explain_run *run, double *x) {
     filter(0, run->n, run->keep, run->take, run->weight, x);
 }
 
-/* ---- coloured noise ---- */
+/* ---- correlated noise ---- */
 
 enum { TREND = 3, PIECES_MAX = 4096 };
 
@@ -56,7 +56,7 @@ static size_t find_pieces(const explain_data *data, piece *list) {
     for (size_t r = 0; r < data->n_runs; r++) {
         const explain_run *run = &data->run[r];
         double still = 1e-4 * data->deepest;
-        for (size_t i = 0; i < run->n && !run->held;) {
+        for (size_t i = 0; i < run->n && !run->held_out;) {
             size_t end = segments_still_end(run->n, run->depth, i, 1e-7 + 1e-3 * still);
             double start = run->time[i];
             size_t from = i;
@@ -78,11 +78,11 @@ static size_t find_pieces(const explain_data *data, piece *list) {
 }
 
 /* Log likelihood of a piece of the residual, its smooth trend left open. work: [7 longest]. */
-static double piece_score(const explain_run *run, const double *residual, const piece *p, double coloured,
-                          double colour_time, double *work, size_t longest) {
+static double piece_score(const explain_run *run, const double *residual, const piece *p, double correlated,
+                          double correlation_time, double *work, size_t longest) {
     double *keep = work, *take = work + longest, *weight = work + 2 * longest, *column[TREND + 1];
     double middle = 0.5 * (run->time[p->from] + run->time[p->to - 1]), half = run->time[p->to - 1] - middle;
-    double logdet = make_filter(run, run->white, coloured, colour_time, p->from, p->to, keep, take, weight);
+    double logdet = make_filter(run, run->white, correlated, correlation_time, p->from, p->to, keep, take, weight);
     for (size_t k = 0; k <= TREND; k++)
         column[k] = work + (3 + k) * longest;
     for (size_t i = p->from; i < p->to; i++) {
@@ -112,23 +112,23 @@ static double piece_score(const explain_run *run, const double *residual, const 
     return -0.5 * (chi2 + logdet + dense_log_determinant(TREND, a));
 }
 
-static double colour_score(const explain_data *data, const double *residual, const piece *list, size_t count,
-                           double share, double colour_time, double *work) {
+static double correlated_score(const explain_data *data, const double *residual, const piece *list, size_t count,
+                           double share, double correlation_time, double *work) {
     double sum = 0.0;
     for (size_t k = 0; k < count; k++) {
         const explain_run *run = &data->run[list[k].run];
         const double *own = residual;
         for (size_t r = 0; r < list[k].run; r++)
             own += data->run[r].n;
-        sum += piece_score(run, own, &list[k], share * run->white, colour_time, work, data->longest);
+        sum += piece_score(run, own, &list[k], share * run->white, correlation_time, work, data->longest);
     }
     return sum;
 }
 
 /* Most likely share of the white noise and time: on a grid, then closer by. */
-static void find_colour(explain_data *data, const double *residual, const piece *list, size_t count, double *work,
+static void find_correlated(explain_data *data, const double *residual, const piece *list, size_t count, double *work,
                         double *share_out) {
-    double best = colour_score(data, residual, list, count, 0.0, 1.0, work), share = 0.0, tau = 1.0;
+    double best = correlated_score(data, residual, list, count, 0.0, 1.0, work), share = 0.0, tau = 1.0;
     double span = 2.0;
     for (int pass = 0; pass < 3; pass++, span = pass == 1 ? sqrt(2.0) : pow(2.0, 0.25)) {
         double at_share = share > 0.0 ? share : 0.5, at_tau = tau;
@@ -136,7 +136,7 @@ static void find_colour(explain_data *data, const double *residual, const piece 
         for (int i = -reach; i <= reach; i++)
             for (int j = -reach; j <= reach; j++) {
                 double s = at_share * pow(span, i), t = at_tau * pow(span, j);
-                double score = colour_score(data, residual, list, count, s, t, work);
+                double score = correlated_score(data, residual, list, count, s, t, work);
                 if (score > best + (share == 0.0 ? 3.0 : 0.0)) {
                     best = score;
                     share = s;
@@ -145,7 +145,7 @@ static void find_colour(explain_data *data, const double *residual, const piece 
             }
     }
     *share_out = share;
-    data->colour_time = tau;
+    data->correlation_time = tau;
 }
 
 /* ---- white noise ---- */
@@ -175,14 +175,14 @@ palp_status explain_noise_find(explain_data *data, const double *residual) {
     double *work = malloc(7 * data->longest * sizeof *work), share = 0.0, white = 0.0;
     palp_status status = list && work ? find_white(data, residual) : PALP_ERR_NO_MEMORY;
     if (!status) {
-        find_colour(data, residual, list, find_pieces(data, list), work, &share);
+        find_correlated(data, residual, list, find_pieces(data, list), work, &share);
         for (size_t r = 0; r < data->n_runs; r++) {
             explain_run *run = &data->run[r];
             white += run->white * run->white * (double)run->n / (double)data->n;
-            make_filter(run, run->white, share * run->white, data->colour_time, 0, run->n, run->keep, run->take,
+            make_filter(run, run->white, share * run->white, data->correlation_time, 0, run->n, run->keep, run->take,
                         run->weight);
         }
-        data->coloured = share * sqrt(white);
+        data->correlated = share * sqrt(white);
     }
     free(list);
     free(work);

@@ -1,5 +1,5 @@
 /* explain_result.c: what the search found, as the caller gets it: the runs with their residuals, where they are large,
- * the suspects. */
+ * the candidates. */
 #include "explain_internal.h"
 #include "base/file.h"
 
@@ -40,43 +40,44 @@ void explain_keep_residual(const explain_search *s, palp_explanation *e, bool be
 }
 
 /* Shares of the squared gap by run and phase, the largest first; and what is left of it there. */
-void explain_where(const explain_data *data, palp_explanation *e, double floor_N) {
+void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N) {
     double total = 0.0;
     for (size_t r = 0; r < e->n_runs; r++) {
         double sum[PALP_PHASE_COUNT] = {0}, left[PALP_PHASE_COUNT] = {0};
         for (size_t i = 0; i < e->run[r].n; i++) {
             double x = e->run[r].before_N[i], y = e->run[r].after_N[i];
-            sum[data->run[r].phase[i]] += x * x - floor_N * floor_N;
-            left[data->run[r].phase[i]] += y * y - floor_N * floor_N;
+            sum[data->run[r].phase[i]] += x * x - noise_level_N * noise_level_N;
+            left[data->run[r].phase[i]] += y * y - noise_level_N * noise_level_N;
         }
         for (int p = 0; p < PALP_PHASE_COUNT; p++) {
             if (!(sum[p] > 0.0))
                 continue;
             total += sum[p];
-            if (e->n_where == PALP_EXPLAIN_WHERE && e->where[PALP_EXPLAIN_WHERE - 1].share >= sum[p])
+            bool full = e->n_phase_shares == PALP_EXPLAIN_PHASE_SHARES;
+            if (full && e->phase_share[e->n_phase_shares - 1].share >= sum[p])
                 continue;
-            size_t i = e->n_where < PALP_EXPLAIN_WHERE ? e->n_where++ : PALP_EXPLAIN_WHERE - 1;
-            for (; i > 0 && e->where[i - 1].share < sum[p]; i--)
-                e->where[i] = e->where[i - 1];
-            e->where[i] = (palp_explain_where){.run = r, .phase = (palp_phase)p, .share = sum[p],
-                                               .left = fmax(0.0, left[p])};
+            size_t i = full ? e->n_phase_shares - 1 : e->n_phase_shares++;
+            for (; i > 0 && e->phase_share[i - 1].share < sum[p]; i--)
+                e->phase_share[i] = e->phase_share[i - 1];
+            e->phase_share[i] = (palp_explain_phase_share){.run = r, .phase = (palp_phase)p, .share = sum[p],
+                                                            .remaining = fmax(0.0, left[p])};
         }
     }
-    for (size_t i = 0; i < e->n_where; i++) {
-        e->where[i].share /= total;
-        e->where[i].left /= total;
+    for (size_t i = 0; i < e->n_phase_shares; i++) {
+        e->phase_share[i].share /= total;
+        e->phase_share[i].remaining /= total;
     }
 }
 
-size_t explain_list_suspects(const explain_search *s, double threshold, double floor_N, const bool *seen,
-                             palp_explain_suspect *list) {
+size_t explain_list_candidates(const explain_search *s, double threshold, double noise_level_N, const bool *seen,
+                             palp_explain_candidate *list) {
     size_t n = 0;
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
         const explain_trial *t = &s->trial[i];
         if (!t->tried)
             continue;
-        palp_explain_suspect *out = &list[n++];
-        const char *why = explain_judged(s, t, threshold, floor_N);
+        palp_explain_candidate *out = &list[n++];
+        const char *why = explain_judged(s, t, threshold, noise_level_N);
         out->id = (palp_effect_id)i;
         out->identifiable = seen[i] || i == PALP_EFFECT_MAINS_HUM;
         out->score = t->fit.product ? t->gain : 0.0;

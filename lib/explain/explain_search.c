@@ -1,4 +1,4 @@
-/* explain_search.c: settles a fit with its noise, and tries every suspect beside it. */
+/* explain_search.c: refits a model with its noise, and tries every candidate beside it. */
 #include "explain_internal.h"
 
 #include <math.h>
@@ -18,7 +18,7 @@ double explain_rms(size_t n, const double *a, const double *b) {
 double explain_fitted_rms(const explain_data *data, const double *x) {
     double sum = 0.0, count = 0.0;
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
-        for (size_t i = 0; i < data->run[r].n && !data->run[r].held; i++)
+        for (size_t i = 0; i < data->run[r].n && !data->run[r].held_out; i++)
             if (data->run[r].use[i]) {
                 sum += x[at + i] * x[at + i];
                 count += 1.0;
@@ -30,9 +30,9 @@ double explain_fitted_rms(const explain_data *data, const double *x) {
 static double common_zero(const explain_data *data, const explain_fit *fit) {
     double sum = 0.0, count = 0.0, own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
     for (size_t r = 0; r < data->n_runs; r++) {
-        if (data->run[r].held)
+        if (data->run[r].held_out)
             continue;
-        explain_own(fit, r, own, sd);
+        explain_nuisances(fit, r, own, sd);
         sum += own[0];
         count += 1.0;
     }
@@ -46,8 +46,8 @@ void explain_residual(const explain_data *data, const explain_fit *fit, const do
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
         const explain_run *run = &data->run[r];
         double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
-        explain_own(fit, r, own, sd);
-        const double zero = run->held ? 0.0 : own[0] - common;
+        explain_nuisances(fit, r, own, sd);
+        const double zero = run->held_out ? 0.0 : own[0] - common;
         for (size_t i = 0; i < run->n; i++) {
             double hum = 0.0, turn = TURN * fit->hum_Hz * run->time[i];
             if (fit->hum_Hz > 0.0)
@@ -73,7 +73,7 @@ static palp_status find_noise(explain_search *s) {
     return status;
 }
 
-palp_status explain_settle(explain_search *s) {
+palp_status explain_refit(explain_search *s) {
     enum { ROUNDS = 3 };
     palp_status status = explain_fit_products(&s->fit, &s->data, s->force);
     for (int round = 0; round < ROUNDS && !status; round++) {
@@ -92,7 +92,7 @@ palp_status explain_settle(explain_search *s) {
     return status;
 }
 
-/* ---- suspects ---- */
+/* ---- candidates ---- */
 
 palp_status explain_paired(const explain_data *data, const explain_fit *a, const explain_fit *b, explain_pair *pair) {
     size_t n = data->n_runs, counted = 0;
@@ -104,7 +104,7 @@ palp_status explain_paired(const explain_data *data, const explain_fit *a, const
         status = explain_fit_leave_out(b, data, score + n, NULL);
     *pair = (explain_pair){.gain = 0.0};
     for (size_t r = 0; r < n; r++) {
-        if (data->run[r].held)
+        if (data->run[r].held_out)
             continue;
         score[r] = fmax(score[n + r], -1e12) - fmax(score[r], -1e12);
         pair->gain += score[r];
@@ -112,7 +112,7 @@ palp_status explain_paired(const explain_data *data, const explain_fit *a, const
         counted++;
     }
     for (size_t r = 0; r < n; r++)
-        squares += data->run[r].held ? 0.0 : pow(score[r] - pair->gain / (double)counted, 2);
+        squares += data->run[r].held_out ? 0.0 : pow(score[r] - pair->gain / (double)counted, 2);
     pair->rest = pair->gain - most;
     pair->se = counted > 1 ? sqrt(squares * (double)counted / (double)(counted - 1)) : 0.0;
     free(score);
@@ -146,9 +146,9 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
         explain_residual(&s->data, &t->fit, t->force, residual);
         after = explain_fitted_rms(&s->data, residual);
         t->shrinks = sqrt(fmax(0.0, before * before - after * after));
-        t->held_gain = pair.gain;
-        t->held_se = pair.se;
-        t->held_rest = pair.rest;
+        t->held_out_gain = pair.gain;
+        t->held_out_se = pair.se;
+        t->held_out_rest = pair.rest;
     }
     free(residual);
     return status;
@@ -156,23 +156,24 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
 
 typedef struct work {
     explain_search *search;
-    double behind; /* chi2 above which a suspect has lost the race */
+    double behind; /* chi2 above which a candidate is not refitted */
     palp_status status[PALP_EFFECT_COUNT];
 } work;
 
-static void race_task(void *user, size_t i) {
+static void multistart_task(void *user, size_t i) {
     work *w = user;
     const explain_search *s = w->search;
     explain_trial *t = &w->search->trial[i];
     if (!s->settings->candidate[i])
         return;
     t->tried = true;
-    t->race = calloc(1, sizeof *t->race);
-    w->status[i] = t->race ? explain_suspect_race(&s->fit, &s->data, s->residual, s->settings, (palp_effect_id)i, s->worth,
-                                                  t->race, &t->reason)
-                           : PALP_ERR_NO_MEMORY;
+    t->multistart = calloc(1, sizeof *t->multistart);
+    w->status[i] = PALP_ERR_NO_MEMORY;
+    if (t->multistart)
+        w->status[i] = explain_candidate_multistart(&s->fit, &s->data, s->residual, s->settings, (palp_effect_id)i,
+                                                    s->worth, t->multistart, &t->reason);
     if (w->status[i] == PALP_ERR_UNSUPPORTED) {
-        explain_race_free(t->race);
+        explain_multistart_free(t->multistart);
         w->status[i] = PALP_OK;
     }
 }
@@ -181,10 +182,10 @@ static void finish_task(void *user, size_t i) {
     work *w = user;
     const explain_search *s = w->search;
     explain_trial *t = &w->search->trial[i];
-    if (!t->race || t->race->n == 0)
+    if (!t->multistart || t->multistart->n == 0)
         return;
-    bool all = t->race->racer[0].chi2 <= w->behind;
-    w->status[i] = explain_suspect_finish(t->race, &s->data, s->settings, (palp_effect_id)i, all, &t->fit);
+    bool all = t->multistart->start[0].chi2 <= w->behind;
+    w->status[i] = explain_candidate_finish(t->multistart, &s->data, s->settings, (palp_effect_id)i, all, &t->fit);
     if (!w->status[i])
         w->status[i] = explain_trial_examine(s, (palp_effect_id)i, t);
 }
@@ -206,18 +207,18 @@ palp_status explain_try_all(explain_search *s) {
     double samples = (double)explain_samples(&s->data), start = explain_chi2(&s->data, &s->fit) * samples, best = start;
     s->worth = fmax(s->worth, 0.02 * (start - samples));
     explain_trials_free(s);
-    palp_status status = all_tasks(s, race_task, &w);
+    palp_status status = all_tasks(s, multistart_task, &w);
     for (size_t i = 0; i < PALP_EFFECT_COUNT && !status; i++)
-        if (s->trial[i].race && s->trial[i].race->n > 0)
-            best = fmin(best, s->trial[i].race->racer[0].chi2);
+        if (s->trial[i].multistart && s->trial[i].multistart->n > 0)
+            best = fmin(best, s->trial[i].multistart->start[0].chi2);
     w.behind = start - EXPLAIN_CONTENDER * (start - best);
     if (!status)
         status = all_tasks(s, finish_task, &w);
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
-        if (s->trial[i].race)
-            explain_race_free(s->trial[i].race);
-        free(s->trial[i].race);
-        s->trial[i].race = NULL;
+        if (s->trial[i].multistart)
+            explain_multistart_free(s->trial[i].multistart);
+        free(s->trial[i].multistart);
+        s->trial[i].multistart = NULL;
     }
     return status;
 }
@@ -225,9 +226,9 @@ palp_status explain_try_all(explain_search *s) {
 void explain_trials_free(explain_search *s) {
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
         explain_fit_free(&s->trial[i].fit);
-        if (s->trial[i].race)
-            explain_race_free(s->trial[i].race);
-        free(s->trial[i].race);
+        if (s->trial[i].multistart)
+            explain_multistart_free(s->trial[i].multistart);
+        free(s->trial[i].multistart);
         free(s->trial[i].force);
         s->trial[i] = (explain_trial){0};
     }

@@ -8,18 +8,18 @@
 static const double SHADOW = 0.06; /* of the first gap: what an effect's equations are good for */
 static const double SHRINKS = 0.4; /* of the practical share: by which the residual must shrink, rms */
 
-const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double floor_N) {
+const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double noise_level_N) {
     if (!t->fit.product)
         return t->reason;
     if (!(t->gain > 0.0 && t->raw_gain > threshold))
         return "gains no more than chance does";
-    if (!(t->explained > s->settings->practical_share * floor_N))
-        return "explains less than the practical share of the floor";
-    if (!(t->shrinks > SHRINKS * s->settings->practical_share * floor_N))
+    if (!(t->explained > s->settings->practical_share * noise_level_N))
+        return "explains less than the practical limit";
+    if (!(t->shrinks > SHRINKS * s->settings->practical_share * noise_level_N))
         return "leaves the residual as large as it was";
-    if (!(t->held_gain > t->held_se))
+    if (!(t->held_out_gain > t->held_out_se))
         return "does not help to predict an experiment left out by more than its standard error";
-    if (!(t->held_rest > 0.0))
+    if (!(t->held_out_rest > 0.0))
         return "helps in one experiment only";
     if (!(t->explained > SHADOW * s->opened))
         return "is within what an effect's equations are good for";
@@ -30,12 +30,12 @@ size_t explain_best_trial(const explain_search *s, double threshold, const bool 
     size_t best = PALP_EFFECT_COUNT;
     for (size_t i = 0; i < PALP_EFFECT_COUNT && !*status; i++) {
         const explain_trial *t = &s->trial[i];
-        double floor_N = 0.0;
+        double noise_level_N = 0.0;
         bool hidden = i == PALP_EFFECT_SENSOR_GAIN && !seen[i]; /* the law takes all of it */
         if (!t->tried || !t->fit.product || hidden)
             continue;
-        *status = explain_floor(&s->data, &t->fit, t->force, &floor_N);
-        if (!*status && !explain_judged(s, t, threshold, floor_N) &&
+        *status = explain_noise_level(&s->data, &t->fit, t->force, &noise_level_N);
+        if (!*status && !explain_judged(s, t, threshold, noise_level_N) &&
             (best == PALP_EFFECT_COUNT || t->gain > s->trial[best].gain))
             best = i;
     }
@@ -63,31 +63,31 @@ palp_status explain_take(explain_search *s, size_t i) {
     explain_fit_free(&s->fit);
     s->fit = s->trial[i].fit;
     s->trial[i].fit.product = NULL;
-    return explain_settle(s);
+    return explain_refit(s);
 }
 
 /* Whether added effect i would not be added again, now that there are others, and gains less than the one taken
  * last; if so takes it out. */
 static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_effect_id *dropped) {
     explain_search rest;
-    double floor_N = 0.0;
+    double noise_level_N = 0.0;
     palp_effect_id id = explain_added(s, i).id;
     palp_status status = explain_search_without(s, i, &rest);
     bool runs = status != PALP_ERR_NOT_CONVERGED; /* the model without it */
     if (!status)
         status = explain_trial_again(s, &rest, id);
     if (!status)
-        status = explain_floor(&s->data, &s->fit, s->force, &floor_N);
+        status = explain_noise_level(&s->data, &s->fit, s->force, &noise_level_N);
     const explain_trial *again = &rest.trial[id];
     bool weaker = !again->fit.product || again->raw_gain < s->taken_gain;
-    if (!status && weaker && explain_judged(&rest, again, threshold, floor_N)) {
+    if (!status && weaker && explain_judged(&rest, again, threshold, noise_level_N)) {
         *dropped = id;
         explain_fit_free(&s->fit);
         s->fit = rest.fit;
         rest.fit.product = NULL;
         if (id != PALP_EFFECT_MAINS_HUM)
             forget(s->memory, i);
-        status = explain_settle(s);
+        status = explain_refit(s);
     }
     explain_search_free(&rest);
     return runs ? status : PALP_OK;
@@ -144,7 +144,7 @@ static palp_status swap_arm(explain_search *s, size_t i, size_t j, bool *done) {
     explain_fit_free(*done ? &s->fit : &swapped);
     if (*done) {
         s->fit = swapped;
-        return explain_settle(s);
+        return explain_refit(s);
     }
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }

@@ -34,7 +34,7 @@ for n in 1 2 3 4; do
     awk -F, '/^[-0-9]/ { printf "%s,%s,%.9g\n", $1, $2, $3 + 0.06; next } { print }' plain$n.csv >bias$n.csv
 done
 expect 0 explain --model guess.json bias?.csv --out explained.json --json bias.out --report page.html
-for key in palpate verdict effects gap where events not_identifiable next_experiment rejected steps left; do
+for key in palpate verdict effects gap phase_shares events not_identifiable next_experiment rejected steps residual_diagnostics; do
     grep -q "^  \"$key\":" bias.out || fail "the result lacks $key"
 done
 grep -q '"id": "sensor_bias"' bias.out || fail "the bias: $(cat out)"

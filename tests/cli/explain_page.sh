@@ -54,25 +54,25 @@ page() {
     grep -q '<script\|@import\|<link\|<img' "$1" && fail "$1 is not self-contained"
     grep -Eiq '(^|[^a-z])(nan|inf|null)([^a-z]|$)' "$1" && fail "$1: a number is none"
     grep -q "<div class=\"verdict $3\">" "$1" || fail "$1 does not say $3"
-    for text in 'The gap before and after' 'Where they disagree' 'The suspects and their scores' 'What is left' \
-        'What to measure next' 'What the floor is made of' 'Share of the first gap' 'The same by speed' 'Waves over time' \
+    for text in 'The gap before and after' 'Where they disagree' 'The candidates and their scores' 'Residual diagnostics' \
+        'What to measure next' 'What the noise level is made of' 'Share of the first gap' 'The same by speed' 'Waves over time' \
         'Waves over depth' 'The most that an effect' 'Recorded minus model:'; do
         [ "$(count "<\(h3\|caption\|figcaption\)>$text" "$1")" -eq 1 ] || fail "$1: not one \"$text\""
     done
-    for key in heldout_before_N floor_N unexplained_N; do
+    for key in heldout_before_N noise_level_N unexplained_N; do
         grep -qF "$(force "$(value "$2" $key)")" "$1" || fail "$1: $key is not $(force "$(value "$2" $key)")"
     done
-    # a bar for every suspect of every step, a row for every place and event
-    [ "$(count 'stroke-dasharray="3 2"' "$1")" -eq "$(part "$2" steps | grep -c '"score"')" ] || fail "$1: suspects are missing"
+    # a bar for every candidate of every step, a row for every place and event
+    [ "$(count 'stroke-dasharray="3 2"' "$1")" -eq "$(part "$2" steps | grep -c '"score"')" ] || fail "$1: candidates are missing"
     [ "$(count '</h4>' "$1")" -eq "$(($(part "$2" steps | grep -c '"taken"') + $(part "$2" effects | grep -c '"evidence"')))" ] ||
         fail "$1: steps or effects are missing"
     part "$2" steps | sed -n 's/.*"reason": "\(.*\)",*/\1/p' | sort -u | while read -r reason; do
         grep -qF "$reason" "$1" || echo "$reason"
     done | grep . && fail "$1: reasons are missing"
     sed '/runs test, place by place/,$!d' "$1" | sed '/<\/table>/q' >places
-    [ "$(count '<tr><td>' places)" -eq "$(part "$2" where | grep -c '"phase"')" ] || fail "$1: places are missing"
-    share=$(part "$2" where | sed -n 's/.*"share": *\([^,]*\).*/\1/p' | head -n 1)
-    said="Nowhere is the gap above the floor"
+    [ "$(count '<tr><td>' places)" -eq "$(part "$2" phase_shares | grep -c '"phase"')" ] || fail "$1: places are missing"
+    share=$(part "$2" phase_shares | sed -n 's/.*"share": *\([^,]*\).*/\1/p' | head -n 1)
+    said="Nowhere is the gap above the noise level"
     [ -z "$share" ] || said=$(awk -v s="$share" 'BEGIN { printf ": %.0f %%.</p>", 100 * s }')
     grep -qF "$said" "$1" || fail "$1: the largest place is not $said"
     # every experiment and bin of the profile
@@ -105,14 +105,14 @@ low=$(part lag.out effects | sed -n '/"intervals"/,/]/p' | sed -n '/time_s/,/]/p
 sed -n 's/.*<tr><td>time<\/td><td>[0-9.]*<\/td><td>\([0-9.]*\) to .*<td class="t">s<\/td>.*/\1/p' lag.html >shown
 near "the interval's lower end" "$(cat shown)" "$low" 0.01
 grep -qF "$(force "$(value lag.out heldout_after_N)")" lag.html || fail "the gap after is not on the page"
-grep -q 'class="taken"' lag.html || fail "no suspect is marked as taken"
+grep -q 'class="taken"' lag.html || fail "no candidate is marked as taken"
 grep -q '<td>lag2.csv</td><td class="t">spike</td>' lag.html || fail "the spike is not among the events"
 [ "$(count '<polyline' lag.html)" -eq 12 ] || fail "not two curves in each of four panels and two spectra"
 
 # The report has the same.
 expect 0 report work --out report.html
 well_formed report.html
-for text in 'The suspects and their scores' 'What to measure next' 'The force sensor is late' 'Recorded minus model:'; do
+for text in 'The candidates and their scores' 'What to measure next' 'The force sensor is late' 'Recorded minus model:'; do
     grep -qF "$text" report.html || fail "the report lacks \"$text\""
 done
 

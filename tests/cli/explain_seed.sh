@@ -8,7 +8,7 @@ command -v python3 >/dev/null || { echo "no python3"; exit 77; }
 make() { "$DATA/disagreements.py" "$@" >made 2>err || { fail "disagreements.py $*:"; sed 's/^/    /' err; }; }
 
 # ratio FILE: gap of left-out experiments after over before
-gap() { echo "$(value "$1" heldout_after_N) $(value "$1" heldout_before_N) $(value "$1" floor_N)"; }
+gap() { echo "$(value "$1" heldout_after_N) $(value "$1" heldout_before_N) $(value "$1" noise_level_N)"; }
 
 # parameter MODEL KEY: of its first effect
 parameter() { sed -n "s/.*\"$2\": *\([-0-9.e]*\).*/\1/p" "$1" | tail -n 1; }

@@ -1,4 +1,4 @@
-/* cmd_explain.c: palpate explain: what a model misses in measured runs, named, added, and what is left then. */
+/* cmd_explain.c: palpate explain: what a model misses in measured runs, named and added. */
 #include "shared/blas.h"
 #include "shared/commands.h"
 #include "explain.h"
@@ -15,7 +15,7 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_text("model", "MODEL.json", &o->model, "the model, lumped or a network, that misses something (needed)"),
         cli_text("hold-out", "auto|FILES", &o->hold_out,
                  "runs kept out of the fit, between commas (default auto: each in turn)"),
-        cli_text("candidates", "IDS", &o->candidates, "effects to suspect, between commas (default: all)"),
+        cli_text("candidates", "IDS", &o->candidates, "effects to try, between commas (default: all)"),
         cli_count("every", "N", 1, 1e6, &o->every,
                   "take one sample in N of each run (default: so many that 50000 remain\n"
                   "in all; the time it takes grows with them)"),
@@ -24,7 +24,7 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_number("false-alarm", "P", 1e-4, 0.5, &o->false_alarm,
                    "chance that an effect is named where none is (default 0.05)"),
         cli_number("practical-share", "X", 0, 100, &o->share,
-                   "an effect must explain so much of the floor (default 0.5)"),
+                   "practical limit: an effect must explain so much of the noise level (default 0.5)"),
         cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
         cli_heading("Output"),
         cli_text("out", "EXPLAINED.json", &o->out, "the model with the effects"),
@@ -75,7 +75,7 @@ static int choose_candidates(const explain_options *o, palp_explain_settings *s)
     return CLI_OK;
 }
 
-static int choose_held(const explain_options *o, palp_explain_settings *s, size_t held[EXPLAIN_RUNS_MAX]) {
+static int choose_held_out(const explain_options *o, palp_explain_settings *s, size_t held_out[EXPLAIN_RUNS_MAX]) {
     char name[CLI_PATH_MAX];
     if (!o->hold_out || strcmp(o->hold_out, "auto") == 0) {
         return CLI_OK;
@@ -88,12 +88,12 @@ static int choose_held(const explain_options *o, palp_explain_settings *s, size_
         if (r == o->n_words) {
             return cli_usage_error(NAME, "--hold-out: %s is not among the runs", name);
         }
-        if (s->n_held < EXPLAIN_RUNS_MAX) {
-            held[s->n_held++] = r;
+        if (s->n_held_out < EXPLAIN_RUNS_MAX) {
+            held_out[s->n_held_out++] = r;
         }
     }
-    s->held = held;
-    return s->n_held < o->n_words ? CLI_OK : cli_usage_error(NAME, "--hold-out leaves no run to fit");
+    s->held_out = held_out;
+    return s->n_held_out < o->n_words ? CLI_OK : cli_usage_error(NAME, "--hold-out leaves no run to fit");
 }
 
 static int write_out(const explain_options *o, const palp_explanation *e) {
@@ -141,7 +141,7 @@ static int read_runs(const explain_options *o, palp_explain_input *input, palp_e
 }
 
 static int explain(explain_options *o, palp_model *model, palp_explain_input *input, palp_experiment **run,
-                   size_t *held) {
+                   size_t *held_out) {
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
     palp_error error = {PALP_OK, ""};
@@ -152,7 +152,7 @@ static int explain(explain_options *o, palp_model *model, palp_explain_input *in
     s.loop = o->jobs > 1 ? explain_jobs : NULL;
     s.loop_user = &o->jobs;
     int code = choose_candidates(o, &s);
-    code = code ? code : choose_held(o, &s, held);
+    code = code ? code : choose_held_out(o, &s, held_out);
     if (code == CLI_OK && palp_model_read(o->model, model, &error)) {
         code = cli_status(NAME, error.status, &error);
     }
@@ -174,8 +174,8 @@ int cmd_explain(int argc, char **argv) {
     palp_model *model = calloc(1, sizeof *model);
     palp_explain_input *input = calloc(EXPLAIN_RUNS_MAX, sizeof *input);
     palp_experiment **run = calloc(EXPLAIN_RUNS_MAX, sizeof *run);
-    size_t *held = calloc(EXPLAIN_RUNS_MAX, sizeof *held);
-    int code = o && model && input && run && held ? CLI_OK : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    size_t *held_out = calloc(EXPLAIN_RUNS_MAX, sizeof *held_out);
+    int code = o && model && input && run && held_out ? CLI_OK : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
     if (code == CLI_OK) {
         o->max_effects = 4;
         o->false_alarm = 0.05;
@@ -185,7 +185,7 @@ int cmd_explain(int argc, char **argv) {
         code = parse(argc, argv, o);
     }
     if (code == CLI_OK) {
-        code = explain(o, model, input, run, held);
+        code = explain(o, model, input, run, held_out);
     }
     for (size_t r = 0; run && r < EXPLAIN_RUNS_MAX; r++) {
         palp_experiment_free(run[r]);
@@ -194,6 +194,6 @@ int cmd_explain(int argc, char **argv) {
     free(model);
     free(input);
     free(run);
-    free(held);
+    free(held_out);
     return code == CLI_HELP ? CLI_OK : code;
 }

@@ -78,16 +78,16 @@ static void curve(FILE *to, const palp_explain_run *run, const double *y, double
 
 /* ---- a panel ---- */
 
-static void axes(FILE *to, double length_s, double most, double floor_N) {
+static void axes(FILE *to, double length_s, double most, double noise_level_N) {
     svg_axis x = {0, length_s, LEFT, LEFT + ACROSS, false}, y = {-1e3 * most, 1e3 * most, TOP + DOWN, TOP, false};
-    double top = svg_at(&y, 1e3 * floor_N);
-    svg_bar(to, LEFT, top, ACROSS, svg_at(&y, -1e3 * floor_N) - top, "#e3e8ec");
+    double top = svg_at(&y, 1e3 * noise_level_N);
+    svg_bar(to, LEFT, top, ACROSS, svg_at(&y, -1e3 * noise_level_N) - top, "#e3e8ec");
     svg_frame(to, &x, &y, " s", "mN");
 }
 
 static void panel(FILE *to, const palp_explanation *e, const palp_explain_run *run, size_t place, double most) {
     fprintf(to, "<g transform=\"translate(%zu %zu)\">\n", place % COLUMNS * WIDTH, place / COLUMNS * HEIGHT);
-    axes(to, run->time_s[run->n - 1] - run->time_s[0], most, e->gap.floor_N);
+    axes(to, run->time_s[run->n - 1] - run->time_s[0], most, e->gap.noise_level_N);
     curve(to, run, run->before_N, most, SVG_BEFORE);
     if (e->n_effects > 0) {
         curve(to, run, run->after_N, most, SVG_AFTER);
@@ -123,7 +123,7 @@ static size_t choose(const palp_explanation *e, size_t shown[PANELS]) {
 
 void explain_figure(FILE *to, const palp_explanation *e) {
     size_t shown[PANELS], n = choose(e, shown), rows = (n + COLUMNS - 1) / COLUMNS;
-    double most = 2 * e->gap.floor_N;
+    double most = 2 * e->gap.noise_level_N;
     for (size_t k = 0; k < n; k++) {
         const palp_explain_run *run = &e->run[shown[k]];
         double peak = largest(run, run->before_N); /* but for spikes */

@@ -38,7 +38,7 @@ static json_t *effect_json(const palp_explain_effect *f) {
 
 static json_t *gap_json(const palp_explanation *e) {
     json_t *gap = json_object();
-    put(gap, "floor_N", e->gap.floor_N);
+    put(gap, "noise_level_N", e->gap.noise_level_N);
     put(gap, "before_N", e->gap.before_N);
     put(gap, "after_N", e->gap.after_N);
     put(gap, "heldout_before_N", e->gap.heldout_before_N);
@@ -48,27 +48,27 @@ static json_t *gap_json(const palp_explanation *e) {
     return gap;
 }
 
-static json_t *floor_json(const palp_explanation *e) {
+static json_t *noise_level_json(const palp_explanation *e) {
     json_t *parts = json_object();
     put(parts, "white_N", e->white_N);
-    put(parts, "coloured_N", e->coloured_N);
-    put(parts, "colour_s", e->colour_s);
+    put(parts, "correlated_N", e->correlated_N);
+    put(parts, "correlation_s", e->correlation_s);
     put(parts, "gain_scatter", e->repeatability);
     put(parts, "contact_scatter_mm", 1e3 * e->contact_scatter_m);
     json_object_set_new(parts, "replicates", json_boolean(e->replicates));
     return parts;
 }
 
-static json_t *where_json(const palp_explanation *e) {
+static json_t *phase_shares_json(const palp_explanation *e) {
     json_t *list = json_array();
-    for (size_t i = 0; i < e->n_where; i++) {
+    for (size_t i = 0; i < e->n_phase_shares; i++) {
         json_t *object = json_object();
-        json_object_set_new(object, "experiment", json_string(e->run[e->where[i].run].name));
-        json_object_set_new(object, "phase", json_string(palp_phase_name(e->where[i].phase)));
-        put(object, "share", e->where[i].share);
-        put(object, "left", e->where[i].left);
-        put(object, "left_lag1", e->where[i].lag1);
-        put(object, "left_runs_z", e->where[i].runs_z);
+        json_object_set_new(object, "experiment", json_string(e->run[e->phase_share[i].run].name));
+        json_object_set_new(object, "phase", json_string(palp_phase_name(e->phase_share[i].phase)));
+        put(object, "share", e->phase_share[i].share);
+        put(object, "remaining", e->phase_share[i].remaining);
+        put(object, "residual_lag1", e->phase_share[i].lag1);
+        put(object, "residual_runs_z", e->phase_share[i].runs_z);
         json_array_append_new(list, object);
     }
     return list;
@@ -96,19 +96,19 @@ static json_t *peak_json(const palp_explain_peak *peak, const char *key, double 
     return object;
 }
 
-/* What is left: its strongest lines, and what free curves could still take off. */
-static json_t *left_json(const palp_explanation *e) {
-    json_t *left = json_object(), *curves = json_object();
-    put(curves, "depth_N", e->left.by_depth_N);
-    put(curves, "time_N", e->left.by_time_N);
-    put(curves, "rate_N", e->left.by_rate_N);
-    json_object_set_new(left, "line_in_time", peak_json(&e->left.in_time, "frequency_Hz", 1));
-    json_object_set_new(left, "line_in_depth", peak_json(&e->left.in_depth, "period_mm", 1e-3));
-    json_object_set_new(left, "free_curves", curves);
-    return left;
+/* The strongest lines of the residual, and what free curves could still take off it. */
+static json_t *diagnostics_json(const palp_explanation *e) {
+    json_t *diagnostics = json_object(), *curves = json_object();
+    put(curves, "depth_N", e->diagnostics.by_depth_N);
+    put(curves, "time_N", e->diagnostics.by_time_N);
+    put(curves, "rate_N", e->diagnostics.by_rate_N);
+    json_object_set_new(diagnostics, "line_in_time", peak_json(&e->diagnostics.in_time, "frequency_Hz", 1));
+    json_object_set_new(diagnostics, "line_in_depth", peak_json(&e->diagnostics.in_depth, "period_mm", 1e-3));
+    json_object_set_new(diagnostics, "free_curves", curves);
+    return diagnostics;
 }
 
-static json_t *suspect_json(const palp_explain_suspect *s) {
+static json_t *candidate_json(const palp_explain_candidate *s) {
     json_t *object = json_object();
     json_object_set_new(object, "id", json_string(id_of(s->id)));
     json_object_set_new(object, "reason", json_string(s->reason));
@@ -118,14 +118,14 @@ static json_t *suspect_json(const palp_explain_suspect *s) {
 }
 
 /* Those rejected, or those that these runs cannot see. */
-static json_t *suspects_json(const palp_explanation *e, bool blind) {
+static json_t *candidates_json(const palp_explanation *e, bool blind) {
     json_t *list = json_array();
-    for (size_t i = 0; i < e->n_suspects; i++) {
-        const palp_explain_suspect *s = &e->suspect[i];
+    for (size_t i = 0; i < e->n_candidates; i++) {
+        const palp_explain_candidate *s = &e->candidate[i];
         if (s->accepted || s->identifiable == blind) {
             continue;
         }
-        json_array_append_new(list, blind ? json_string(id_of(s->id)) : suspect_json(s));
+        json_array_append_new(list, blind ? json_string(id_of(s->id)) : candidate_json(s));
     }
     return list;
 }
@@ -137,14 +137,14 @@ static json_t *steps_json(const palp_explanation *e) {
         json_t *object = json_object(), *rejected = json_array();
         json_object_set_new(object, "taken",
                             step->taken == PALP_EFFECT_COUNT ? json_null() : json_string(id_of(step->taken)));
-        for (size_t k = 0; k < step->n_suspects; k++) {
-            const palp_explain_suspect *s = &step->suspect[k];
+        for (size_t k = 0; k < step->n_candidates; k++) {
+            const palp_explain_candidate *s = &step->candidate[k];
             if (s->accepted) {
                 put(object, "score", s->score);
                 put(object, "explained_N", s->explained_N);
                 continue;
             }
-            json_array_append_new(rejected, suspect_json(s));
+            json_array_append_new(rejected, candidate_json(s));
         }
         json_object_set_new(object, "rejected", rejected);
         json_array_append_new(list, object);
@@ -199,17 +199,17 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "verdict", json_string(palp_explain_verdict_name(e->verdict)));
     json_object_set_new(root, "effects", effects);
     json_object_set_new(root, "gap", gap_json(e));
-    json_object_set_new(root, "floor", floor_json(e));
-    put(root, "threshold", e->threshold);
-    json_object_set_new(root, "where", where_json(e));
+    json_object_set_new(root, "noise_level", noise_level_json(e));
+    put(root, "null_threshold", e->null_threshold);
+    json_object_set_new(root, "phase_shares", phase_shares_json(e));
     json_object_set_new(root, "profile", explain_profile(e));
     json_object_set_new(root, "spectrum", explain_spectrum(e));
     json_object_set_new(root, "events", events_json(e));
-    json_object_set_new(root, "not_identifiable", suspects_json(e, true));
+    json_object_set_new(root, "not_identifiable", candidates_json(e, true));
     json_object_set_new(root, "next_experiment", next_json(e));
-    json_object_set_new(root, "rejected", suspects_json(e, false));
+    json_object_set_new(root, "rejected", candidates_json(e, false));
     json_object_set_new(root, "steps", steps_json(e));
-    json_object_set_new(root, "left", left_json(e));
+    json_object_set_new(root, "residual_diagnostics", diagnostics_json(e));
     return root;
 }
 

@@ -31,8 +31,8 @@ void explain_say(const palp_explanation *e) {
         effect_text(&e->effect[i], text);
         printf("  %s\n", text);
     }
-    printf("gap of experiments left out: %.4g N before, %.4g N after, floor %.4g N\n", e->gap.heldout_before_N,
-           e->gap.heldout_after_N, e->gap.floor_N);
+    printf("gap of experiments left out: %.4g N before, %.4g N after, noise level %.4g N\n", e->gap.heldout_before_N,
+           e->gap.heldout_after_N, e->gap.noise_level_N);
     if (e->next.wanted && e->next.kind) {
         printf("next: %s to %.3g mm tells %s from %s\n", e->next.kind, e->next.depth_mm,
                palp_effect_look_up(e->next.between[0])->id, palp_effect_look_up(e->next.between[1])->id);

@@ -85,10 +85,10 @@ bool html_figure(FILE *to, report *r, const char *name, const char *caption);
 /* ---- report_page.c, report_results.c, report_explain.c: the sections ---- */
 #define REPORT_EXPLAIN_CAPTION                                                                                \
     "Recorded minus model: orange as given, blue with the effects (lines: means, tint: lowest and "           \
-    "highest), grey the floor. At most the twelve runs with the largest gap."
+    "highest), grey the noise level. At most the twelve runs with the largest gap."
 int report_page(report *r, const char *path);
-void report_found(FILE *to, const json_t *result); /* of palpate explain: the verdict, what is missing, where */
-void report_how(FILE *to, const json_t *result);   /* likewise: the suspects, what is left, what to measure next */
+void report_found(FILE *to, const json_t *result); /* of palpate explain: the verdict, what is missing, in which phases */
+void report_how(FILE *to, const json_t *result);   /* likewise: the candidates, the residual, what to measure next */
 const char *report_verdict(const char *name);          /* as a sentence */
 const char *report_effect(const char *id);             /* its name in words */
 void report_explanations(FILE *to, report *r);

@@ -1,4 +1,4 @@
-/* report_bars.c: forces as bars: orange as given, blue with the effects, a line at the floor. */
+/* report_bars.c: forces as bars: orange as given, blue with the effects, a line at the noise level. */
 #include "report_explain.h"
 #include "report_svg.h"
 
@@ -22,19 +22,19 @@ static void row(FILE *to, const report_bar *bar, double y, const svg_axis *x) {
     svg_text(to, LEFT + ACROSS + 10, y + 17, SVG_START, text);
 }
 
-void report_bars(FILE *to, const char *caption, size_t n, const report_bar *bar, double floor_N) {
-    svg_axis x = {0, floor_N, LEFT, LEFT + ACROSS, false};
+void report_bars(FILE *to, const char *caption, size_t n, const report_bar *bar, double noise_level_N) {
+    svg_axis x = {0, noise_level_N, LEFT, LEFT + ACROSS, false};
     char text[48], force[32];
     for (size_t i = 0; i < n; i++) {
         x.high = fmax(x.high, fmax(bar[i].before, bar[i].after)); /* fmax passes over NAN */
     }
-    double height = (double)(TOP + ROW * n), at = svg_at(&x, floor_N);
+    double height = (double)(TOP + ROW * n), at = svg_at(&x, noise_level_N);
     fputs("<figure>", to);
     svg_open(to, WIDTH, height + 4, caption);
     for (size_t i = 0; i < n; i++) {
         row(to, &bar[i], (double)(TOP + ROW * i), &x);
     }
-    snprintf(text, sizeof text, "floor %s", report_force(floor_N, force));
+    snprintf(text, sizeof text, "noise level %s", report_force(noise_level_N, force));
     fprintf(to, "<path d=\"M%.1f %dV%.1f\" stroke=\"#1c2329\" stroke-dasharray=\"4 3\"/>", at, TOP - 4, height);
     svg_text(to, at, TOP - 8, at > LEFT + 0.7 * ACROSS ? SVG_END : SVG_START, text);
     svg_close(to);

@@ -33,11 +33,11 @@ static void verdict(FILE *to, const json_t *all) {
     const json_t *gap = json_object_get(all, "gap");
     const char *name = report_text(all, "verdict");
     bool some = json_array_size(json_object_get(all, "effects")) > 0, left = strcmp(name, "unexplained") == 0;
-    char names[REPORT_LINE], before[32], after[32], floor[32], rest[32];
+    char names[REPORT_LINE], before[32], after[32], noise[32], rest[32];
     effect_names(all, names);
     report_force(report_number(gap, "heldout_before_N"), before);
     report_force(report_number(gap, "heldout_after_N"), after);
-    report_force(report_number(gap, "floor_N"), floor);
+    report_force(report_number(gap, "noise_level_N"), noise);
     report_force(report_number(gap, "unexplained_N"), rest);
     fputs("<div class=\"verdict ", to);
     html_text(to, name);
@@ -48,12 +48,12 @@ static void verdict(FILE *to, const json_t *all) {
         report_paragraph(to,
                          "The model as given lacks: %s. Once that is added, recorded minus model in experiments left out of "
                          "the fit falls from %s, rms, to %s. Noise and the scatter between runs alone make %s.",
-                         names, before, after, floor);
+                         names, before, after, noise);
     } else {
         report_paragraph(to,
                          "With its numbers refitted, recorded minus model is %s, rms, in experiments left out of the fit. "
                          "Noise and the scatter between runs alone make %s.",
-                         before, floor);
+                         before, noise);
     }
     if (left) {
         report_paragraph(to,
@@ -62,7 +62,7 @@ static void verdict(FILE *to, const json_t *all) {
                               : "No effect is named: none closes enough of the gap to be more than a mimic.");
     }
     if (strcmp(name, "agrees") == 0 && report_number(gap, "unexplained_N") > 0) {
-        report_paragraph(to, "What is above that, %s, is less than the floor, and no effect of the catalogue explains it.",
+        report_paragraph(to, "What is above that, %s, is less than the noise level, and no effect of the catalogue explains it.",
                          rest);
     }
     classes(to, all);
@@ -86,16 +86,16 @@ static void gap_bars(FILE *to, const json_t *all) {
     snprintf(caption, sizeof caption,
              "The gap, rms: orange the model as given, refitted%s. Below: experiments that the fit did not see.%s",
              some ? ", blue with the effects" : "", closed);
-    report_bars(to, caption, sizeof bar / sizeof bar[0], bar, report_number(gap, "floor_N"));
+    report_bars(to, caption, sizeof bar / sizeof bar[0], bar, report_number(gap, "noise_level_N"));
 }
 
-static void floor_table(FILE *to, const json_t *all) {
-    const json_t *parts = json_object_get(all, "floor");
-    char white[32], coloured[32];
-    html_table(to, "What the floor is made of", "part|~size");
+static void noise_level_table(FILE *to, const json_t *all) {
+    const json_t *parts = json_object_get(all, "noise_level");
+    char white[32], correlated[32];
+    html_table(to, "What the noise level is made of", "part|~size");
     html_row(to, "white noise of a sample|~%s", report_force(report_number(parts, "white_N"), white));
-    html_row(to, "coloured noise|~%s over %.2g s", report_force(report_number(parts, "coloured_N"), coloured),
-             report_number(parts, "colour_s"));
+    html_row(to, "correlated noise|~%s over %.2g s", report_force(report_number(parts, "correlated_N"), correlated),
+             report_number(parts, "correlation_s"));
     html_row(to, "gain from run to run|~%.2g %%", 100 * report_number(parts, "gain_scatter"));
     html_row(to, "contact from run to run|~%.2g \u00b5m", 1e3 * report_number(parts, "contact_scatter_mm"));
     html_row(to, "runs of one protocol|~%s",
@@ -109,7 +109,7 @@ static void gap_section(FILE *to, const json_t *all) {
     fputs("<h3>The gap before and after</h3>\n<div class=\"figures\">\n", to);
     gap_bars(to, all);
     fputs("<div>\n", to);
-    floor_table(to, all);
+    noise_level_table(to, all);
     fputs("</div></div>\n", to);
 }
 
@@ -140,7 +140,7 @@ static void effect_card(FILE *to, const json_t *effect) {
     parameter_rows(to, effect);
     html_table_end(to);
     report_paragraph(to,
-                     "It closes %.0f %% of the squared gap above the floor that is open without it; experiments left out are "
+                     "It closes %.0f %% of the squared gap above the noise level that is open without it; experiments left out are "
                      "predicted better by %.0f \u00b1 %.0f nats.",
                      100 * report_number(effect, "gap_closed"), report_number(effect, "evidence"),
                      report_number(effect, "evidence_standard_error"));
@@ -166,12 +166,12 @@ void report_found(FILE *to, const json_t *all) {
     verdict(to, all);
     effects_section(to, all);
     gap_section(to, all);
-    report_where(to, all);
+    report_phases(to, all);
 }
 
 void report_how(FILE *to, const json_t *all) {
     report_search(to, all);
-    report_left(to, all);
+    report_diagnostics(to, all);
     report_next(to, all);
 }
 

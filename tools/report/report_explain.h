@@ -21,12 +21,12 @@ typedef struct report_bar {
     double before, after; /* N; NAN = none */
 } report_bar;
 
-/* A figure with one or two bars a row, and a line at the floor. */
-void report_bars(FILE *to, const char *caption, size_t n, const report_bar *bar, double floor_N);
+/* A figure with one or two bars a row, and a line at the noise level. */
+void report_bars(FILE *to, const char *caption, size_t n, const report_bar *bar, double noise_level_N);
 
-/* ---- report_where.c, report_left.c, report_search.c, report_next.c: the sections ---- */
-void report_where(FILE *to, const json_t *all);
-void report_left(FILE *to, const json_t *all);
+/* ---- report_phases.c, report_diagnostics.c, report_search.c, report_next.c: the sections ---- */
+void report_phases(FILE *to, const json_t *all);
+void report_diagnostics(FILE *to, const json_t *all);
 void report_search(FILE *to, const json_t *all);
 void report_next(FILE *to, const json_t *all);
 

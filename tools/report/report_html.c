@@ -59,7 +59,7 @@ static const char STYLE[] =
     "b{font-size:1.2rem}.agrees,.explained{border-color:#009e73;background:#edf8f4}.unexplained{border-color:#d55e00;"
     "background:#fdf3ec}\n"
     "h4{font-size:.98rem;margin:1em 0 .2em}.effect{border:1px solid #dfe4e8;border-radius:6px;padding:2px 16px 8px}"
-    ".taken td{font-weight:600}.suspects th:first-child{min-width:210px}.suspects th:nth-child(3){min-width:60px}"
+    ".taken td{font-weight:600}.candidates th:first-child{min-width:210px}.candidates th:nth-child(3){min-width:60px}"
     ".figures{align-items:start;margin:14px 0}\n"
     "code{font:.9em/1.5 ui-monospace,'DejaVu Sans Mono',monospace;background:#f3f5f7;padding:.1em .3em;"
     "border-radius:3px;overflow-wrap:anywhere}\n"

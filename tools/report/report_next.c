@@ -105,16 +105,16 @@ static void repeat(FILE *to, const json_t *all) {
 void report_next(FILE *to, const json_t *all) {
     const json_t *next = json_object_get(all, "next_experiment"), *run = json_object_get(next, "run"),
                  *between = json_object_get(next, "between"), *note = json_object_get(next, "note");
-    char text[REPORT_LINE], both[REPORT_LINE], apart[32], floor[32];
+    char text[REPORT_LINE], both[REPORT_LINE], apart[32], noise[32];
     fputs("<h3>What to measure next</h3>\n", to);
     report_names(between, 0, " and ", both);
     if (json_is_object(run)) {
         kind_words(run, text);
         report_paragraph(to,
-                         "Measure %s. Both %s fit the runs there are; in this run the forces they foretell are %s apart, rms, "
-                         "after a zero and a gain of the run's own (the floor is %s).",
+                         "Measure %s. Both %s fit the runs there are; in this run the forces they predict are %s apart, rms, "
+                         "after a zero and a gain of the run's own (the noise level is %s).",
                          text, both, report_force(report_number(next, "separation_N"), apart),
-                         report_force(report_number(json_object_get(all, "gap"), "floor_N"), floor));
+                         report_force(report_number(json_object_get(all, "gap"), "noise_level_N"), noise));
         draw(to, run);
     } else if (json_is_object(next)) {
         report_paragraph(to, "No run that the indenter can do tells %s apart.", both);

@@ -1,4 +1,4 @@
-/* report_search.c: the suspects, their scores and what became of them, step by step. */
+/* report_search.c: the candidates, their scores and what became of them, step by step. */
 #include "report_explain.h"
 #include "report_svg.h"
 
@@ -6,29 +6,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TOP = 7, SUSPECTS = PALP_EFFECT_COUNT + 1, BAR = 260 };
+enum { TOP = 7, CANDIDATES = PALP_EFFECT_COUNT + 1, BAR = 260 };
 
-typedef struct suspect {
+typedef struct candidate {
     const char *id, *reason; /* reason NULL: taken */
     double score, explained;
-} suspect;
+} candidate;
 
 static int by_score(const void *a, const void *b) {
-    const suspect *p = a, *q = b;
+    const candidate *p = a, *q = b;
     return p->score < q->score ? 1 : p->score > q->score ? -1 : strcmp(p->id, q->id);
 }
 
 /* The one taken first, then by score. */
-static size_t collect(const json_t *step, suspect list[SUSPECTS]) {
+static size_t collect(const json_t *step, candidate list[CANDIDATES]) {
     const json_t *rejected = json_object_get(step, "rejected"), *s, *taken = json_object_get(step, "taken");
     size_t n = 0, first;
     if (json_is_string(taken)) {
-        list[n++] = (suspect){json_string_value(taken), NULL, report_number(step, "score"),
+        list[n++] = (candidate){json_string_value(taken), NULL, report_number(step, "score"),
                               report_number(step, "explained_N")};
     }
     first = n;
-    for (size_t i = 0; (s = json_array_get(rejected, i)) != NULL && n < SUSPECTS; i++) {
-        list[n++] = (suspect){report_text(s, "id"), report_text(s, "reason"), report_number(s, "score"),
+    for (size_t i = 0; (s = json_array_get(rejected, i)) != NULL && n < CANDIDATES; i++) {
+        list[n++] = (candidate){report_text(s, "id"), report_text(s, "reason"), report_number(s, "score"),
                               report_number(s, "explained_N")};
     }
     qsort(list + first, n - first, sizeof *list, by_score);
@@ -36,7 +36,7 @@ static size_t collect(const json_t *step, suspect list[SUSPECTS]) {
 }
 
 static double best_of_all(const json_t *steps) {
-    suspect list[SUSPECTS];
+    candidate list[CANDIDATES];
     const json_t *step;
     double best = 100;
     for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
@@ -47,7 +47,7 @@ static double best_of_all(const json_t *steps) {
     return best;
 }
 
-static void suspect_row(FILE *to, const suspect *s, double best, double threshold) {
+static void candidate_row(FILE *to, const candidate *s, double best, double threshold) {
     svg_axis x = {1, best, 0, BAR, true};
     char force[32];
     fprintf(to, "<tr%s><td>", s->reason ? "" : " class=\"taken\"");
@@ -64,17 +64,17 @@ static void suspect_row(FILE *to, const suspect *s, double best, double threshol
     fputs("</td></tr>\n", to);
 }
 
-static void rows(FILE *to, const suspect *list, size_t n, double best, double threshold) {
-    html_table(to, NULL, "suspect|~score, logarithmic|nats|would explain, rms|~what became of it");
+static void rows(FILE *to, const candidate *list, size_t n, double best, double threshold) {
+    html_table(to, NULL, "candidate|~score, logarithmic|nats|would explain, rms|~what became of it");
     for (size_t i = 0; i < n; i++) {
-        suspect_row(to, &list[i], best, threshold);
+        candidate_row(to, &list[i], best, threshold);
     }
     html_table_end(to);
 }
 
 /* Those that score first; the others behind a fold. */
 static void step_section(FILE *to, const json_t *step, size_t number, const char *beside, double best, double threshold) {
-    suspect list[SUSPECTS];
+    candidate list[CANDIDATES];
     size_t n = collect(step, list), shown = 0;
     while (shown < n && shown < TOP && (list[shown].score > 0 || !list[shown].reason)) {
         shown++;
@@ -83,7 +83,7 @@ static void step_section(FILE *to, const json_t *step, size_t number, const char
     html_text(to, beside);
     fputs("</h4>\n", to);
     if (!json_is_string(json_object_get(step, "taken"))) {
-        report_paragraph(to, "No suspect was accepted: the search ends here.");
+        report_paragraph(to, "No candidate was accepted: the search ends here.");
     }
     if (shown > 0) {
         rows(to, list, shown, best, threshold);
@@ -133,13 +133,13 @@ static void blind(FILE *to, const json_t *all) {
 
 void report_search(FILE *to, const json_t *all) {
     const json_t *steps = json_object_get(all, "steps"), *step;
-    double best = best_of_all(steps), threshold = report_number(all, "threshold");
+    double best = best_of_all(steps), threshold = report_number(all, "null_threshold");
     char beside[REPORT_LINE] = "the model as given";
-    fputs("<h3>The suspects and their scores</h3>\n<div class=\"suspects\">\n", to);
+    fputs("<h3>The candidates and their scores</h3>\n<div class=\"candidates\">\n", to);
     report_paragraph(to,
                      "Each effect of the catalogue was added to the model and refitted with everything else over all "
                      "experiments at once. The score is the log likelihood it gains, less a price for its parameters; the "
-                     "dashed line is what the best of all suspects gains by chance (%.2g nats). The best one that also "
+                     "dashed line is what the best of all candidates gains by chance (%.2g nats). The best one that also "
                      "predicts experiments left out of the fit and changes the forces by enough is added, and the others "
                      "are tried again beside it.",
                      threshold);

@@ -49,7 +49,7 @@ const char *report_effect_seen_by(const char *id) {
 const char *report_verdict(const char *verdict) {
     static const char *const text[][2] = {
         {"agrees", "Nothing is missing that these runs could show."},
-        {"explained", "With the effects below, what remains is at the floor."},
+        {"explained", "With the effects below, what remains is at the noise level."},
         {"ambiguous", "The effects below close the gap, but others would do as well: see the class."},
         {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
     };

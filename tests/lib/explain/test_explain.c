@@ -180,7 +180,7 @@ START_TEST(damage_lasts_for_the_session) {
     ck_assert_uint_ge(e.n_effects, 1);
     ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_DAMAGE_SOFTENING);
     ck_assert_double_eq_tol(e.effect[0].effect.value[0], 0.3, 0.03);
-    ck_assert_double_lt(e.gap.after_N, 1.3 * e.gap.floor_N);
+    ck_assert_double_lt(e.gap.after_N, 1.3 * e.gap.noise_level_N);
     double lasting_N = e.gap.after_N;
     palp_explanation_free(&e);
     for (size_t r = 0; r < RUNS; r++) { /* five specimens: not what happened */
@@ -296,15 +296,15 @@ START_TEST(the_order_of_the_tasks_changes_no_bit) {
 END_TEST
 
 START_TEST(a_run_held_out_is_not_fitted) {
-    size_t held[] = {2};
+    size_t held_out[] = {2};
     palp_model truth = with(PALP_EFFECT_SENSOR_BIAS, 0.05);
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
     session(&truth);
     for (size_t i = 0; i < palp_experiment_rows(input[2].experiment); i++)
         palp_experiment_column((palp_experiment *)(uintptr_t)input[2].experiment, "force_N")[i] += 1.0; /* nonsense */
-    s.held = held;
-    s.n_held = 1;
+    s.held_out = held_out;
+    s.n_held_out = 1;
     explain(&s, &e);
     ck_assert_uint_eq(e.n_effects, 1);
     ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_SENSOR_BIAS);

@@ -85,27 +85,27 @@ static double squared_slope(const palp_model *m, size_t r, const double *at) {
     return sum;
 }
 
-/* A run whose next micrometre has no solution adds no slope to the floor; the others do. */
-START_TEST(the_floor_does_without_a_slope) {
+/* A run whose next micrometre has no solution adds no slope to the noise level; the others do. */
+START_TEST(the_noise_level_does_without_a_slope) {
     palp_model m = on_a_frame();
-    double floor_N, slope, load = 0, white = 0;
+    double noise_level_N, slope, load = 0, white = 0;
     begin(&m);
     double n = (double)data.n;
-    ck_assert_int_eq(explain_floor(&data, &fit, force, &floor_N), PALP_OK);
+    ck_assert_int_eq(explain_noise_level(&data, &fit, force, &noise_level_N), PALP_OK);
     slope = squared_slope(&m, 0, force);
     for (size_t r = 0, at = 0; r < RUNS; at += data.run[r++].n) {
         white += pow(data.run[r].white, 2) * (double)data.run[r].n;
         for (size_t i = 0; i < data.run[r].n && r == 0; i++)
             load += data.run[r].use[i] ? pow(force[at + i], 2) : 0;
     }
-    double wanted = sqrt(white / n + pow(data.coloured, 2) + 9e-6 * load / n + 9e-12 * slope / n);
-    ck_assert_double_eq_tol(floor_N, wanted, 1e-9 * wanted);
+    double wanted = sqrt(white / n + pow(data.correlated, 2) + 9e-6 * load / n + 9e-12 * slope / n);
+    ck_assert_double_eq_tol(noise_level_N, wanted, 1e-9 * wanted);
     end();
 }
 END_TEST
 
-/* A suspect with which the model has no solution is told so, and is no failure of the search. */
-START_TEST(a_suspect_without_a_solution_is_rejected) {
+/* A candidate with which the model has no solution is told so, and is no failure of the search. */
+START_TEST(a_candidate_without_a_solution_is_rejected) {
     palp_model m = on_a_frame();
     explain_search *s = calloc(1, sizeof *s);
     palp_explain_settings settings = palp_explain_settings_default();
@@ -128,6 +128,6 @@ START_TEST(a_suspect_without_a_solution_is_rejected) {
 END_TEST
 
 void tests(TCase *tc) {
-    tcase_add_test(tc, the_floor_does_without_a_slope);
-    tcase_add_test(tc, a_suspect_without_a_solution_is_rejected);
+    tcase_add_test(tc, the_noise_level_does_without_a_slope);
+    tcase_add_test(tc, a_candidate_without_a_solution_is_rejected);
 }

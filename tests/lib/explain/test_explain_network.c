@@ -200,9 +200,9 @@ static void session(const palp_model *m) {
     }
 }
 
-/* What is made of runs of truth by a network that is ten per cent off. The suspects are some of each stage. */
+/* What is made of runs of truth by a network that is ten per cent off. The candidates are some of each stage. */
 static void explain(const palp_model *truth, palp_explanation *e) {
-    static const palp_effect_id suspects[] = {PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_STRAIN_DEPENDENT_ARM,
+    static const palp_effect_id candidates[] = {PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_STRAIN_DEPENDENT_ARM,
                                               PALP_EFFECT_RATE_STIFFENING, PALP_EFFECT_FRAME_COMPLIANCE,
                                               PALP_EFFECT_SENSOR_LAG,      PALP_EFFECT_SENSOR_BIAS,
                                               PALP_EFFECT_PLATE_SLIP};
@@ -212,8 +212,8 @@ static void explain(const palp_model *truth, palp_explanation *e) {
     ck_assert_int_eq(palp_law_scale(&guess.material.law, 1.1, &guess.material.law), PALP_OK);
     guess.material.arms[0].viscosity_Ns *= 1.1;
     memset(settings.candidate, 0, sizeof settings.candidate);
-    for (size_t i = 0; i < sizeof suspects / sizeof *suspects; i++)
-        settings.candidate[suspects[i]] = 1;
+    for (size_t i = 0; i < sizeof candidates / sizeof *candidates; i++)
+        settings.candidate[candidates[i]] = 1;
     session(truth);
     palp_status status = palp_explain(&guess, RUNS, input, &settings, e, &error);
     ck_assert_msg(status == PALP_OK, "%s", error.text);

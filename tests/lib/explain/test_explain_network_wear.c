@@ -45,7 +45,7 @@ static void session(const palp_model *truth) {
 }
 
 START_TEST(damage_stays_from_run_to_run) {
-    static const palp_effect_id suspects[] = {PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_PERMANENT_SET,
+    static const palp_effect_id candidates[] = {PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_PERMANENT_SET,
                                               PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_COULOMB_FRICTION};
     palp_explain_settings settings = palp_explain_settings_default();
     palp_model truth = network_model(), guess = truth;
@@ -54,8 +54,8 @@ START_TEST(damage_stays_from_run_to_run) {
     truth.effects[truth.n_effects++] = (palp_effect){.id = PALP_EFFECT_DAMAGE_SOFTENING, .value = {0.3, 0.5}};
     ck_assert_int_eq(palp_law_scale(&guess.material.law, 1.1, &guess.material.law), PALP_OK);
     memset(settings.candidate, 0, sizeof settings.candidate);
-    for (size_t i = 0; i < sizeof suspects / sizeof *suspects; i++)
-        settings.candidate[suspects[i]] = 1;
+    for (size_t i = 0; i < sizeof candidates / sizeof *candidates; i++)
+        settings.candidate[candidates[i]] = 1;
     session(&truth);
     palp_status status = palp_explain(&guess, RUNS, input, &settings, &e, &error);
     ck_assert_msg(status == PALP_OK, "%s", error.text);

@@ -1,4 +1,4 @@
-/* test_explain_alarm.c: how often chance alone makes a suspect, in simulated runs in which nothing is missing.
+/* test_explain_null.c: how often chance alone makes a candidate, in simulated runs in which nothing is missing.
  * check: once */
 #include "forward_make.h"
 
@@ -40,11 +40,11 @@ static palp_experiment *record(const palp_model *m, double depth_mm, double ramp
 
 /* More log likelihood than the threshold: the score is less by half a logarithm of the samples for each parameter, and
  * for the mains' line one parameter and the frequencies looked at. */
-static bool beyond_chance(const palp_explain_suspect *suspect, double threshold, double rows) {
-    bool hum = suspect->id == PALP_EFFECT_MAINS_HUM;
-    double parameters = hum ? 1 : (double)palp_effect_look_up(suspect->id)->n_parameters;
-    double gain = suspect->score + 0.5 * parameters * log(rows) + (hum ? log(601) : 0);
-    return suspect->score != 0 && !hum && gain > threshold;
+static bool beyond_chance(const palp_explain_candidate *candidate, double threshold, double rows) {
+    bool hum = candidate->id == PALP_EFFECT_MAINS_HUM;
+    double parameters = hum ? 1 : (double)palp_effect_look_up(candidate->id)->n_parameters;
+    double gain = candidate->score + 0.5 * parameters * log(rows) + (hum ? log(601) : 0);
+    return candidate->score != 0 && !hum && gain > threshold;
 }
 
 /* Wilson's 99 % interval of hits in n. */
@@ -77,8 +77,8 @@ START_TEST(chance_passes_the_threshold_as_often_as_asked) {
             rows += (double)palp_experiment_rows(input[r].experiment);
         }
         ck_assert_int_eq(palp_explain(&guess, RUNS, input, &s, &e, NULL), PALP_OK);
-        for (size_t i = 0; i < e.n_suspects; i++)
-            any = any || beyond_chance(&e.suspect[i], e.threshold, rows);
+        for (size_t i = 0; i < e.n_candidates; i++)
+            any = any || beyond_chance(&e.candidate[i], e.null_threshold, rows);
         beyond += any;
         named += e.n_effects > 0;
         palp_explanation_free(&e);

@@ -1,5 +1,5 @@
-/* explain_left.c: what is left when all is done: its order from sample to sample, lines, steps, and how much of it any
- * smooth curve could still take off. */
+/* explain_diagnostics.c: diagnostics of the residual with the effects: its order from sample to sample, lines, steps, and
+ * how much of it any smooth curve could still take off. */
 #include "explain_internal.h"
 
 #include <math.h>
@@ -29,16 +29,16 @@ static double runs_z(const order *o) {
 }
 
 static void find_order(const explain_data *data, palp_explanation *e) {
-    for (size_t w = 0; w < e->n_where; w++) {
-        const explain_run *run = &data->run[e->where[w].run];
+    for (size_t w = 0; w < e->n_phase_shares; w++) {
+        const explain_run *run = &data->run[e->phase_share[w].run];
         order o = {.last = 0.0};
         for (size_t i = 0; i < run->n; i++)
-            if (run->phase[i] == e->where[w].phase && run->use[i])
-                order_add(&o, e->run[e->where[w].run].after_N[i]);
+            if (run->phase[i] == e->phase_share[w].phase && run->use[i])
+                order_add(&o, e->run[e->phase_share[w].run].after_N[i]);
             else
                 o.last = 0.0;
-        e->where[w].lag1 = o.square > 0.0 ? o.product / o.square : 0.0;
-        e->where[w].runs_z = runs_z(&o);
+        e->phase_share[w].lag1 = o.square > 0.0 ? o.product / o.square : 0.0;
+        e->phase_share[w].runs_z = runs_z(&o);
     }
 }
 
@@ -88,9 +88,9 @@ static void find_curves(const explain_data *data, palp_explanation *e) {
             curve_add(&rate, copysign(2.0 * log10(1.0 + fabs(speed) / 1e-6), speed), y);
         }
     }
-    e->left.by_depth_N = curve_rms(&depth);
-    e->left.by_time_N = curve_rms(&time);
-    e->left.by_rate_N = curve_rms(&rate);
+    e->diagnostics.by_depth_N = curve_rms(&depth);
+    e->diagnostics.by_time_N = curve_rms(&time);
+    e->diagnostics.by_rate_N = curve_rms(&rate);
 }
 
 /* ---- steps that stay ---- */
@@ -106,7 +106,7 @@ static double mean(const double *x, size_t n) {
 static palp_status find_slips(explain_data *data, size_t r, const double *y) {
     enum { HALF = 12 };
     const explain_run *run = &data->run[r];
-    double least = 8.0 * hypot(run->white, data->coloured);
+    double least = 8.0 * hypot(run->white, data->correlated);
     palp_status status = PALP_OK;
     for (size_t i = 2 * HALF; i + 2 * HALF < run->n && !status; i++) {
         double a = mean(y + i - 2 * HALF, HALF), b = mean(y + i - HALF, HALF), c = mean(y + i + 1, HALF),
@@ -121,13 +121,13 @@ static palp_status find_slips(explain_data *data, size_t r, const double *y) {
     return status;
 }
 
-palp_status explain_left_find(explain_data *data, const double *residual, palp_explanation *e) {
+palp_status explain_diagnostics_find(explain_data *data, const double *residual, palp_explanation *e) {
     palp_status status = PALP_OK;
     find_order(data, e);
     find_curves(data, e);
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n)
         status = find_slips(data, r, residual + at);
     if (!status)
-        status = explain_peak_in_time(data, residual, &e->left.in_time);
-    return status ? status : explain_peak_in_depth(data, residual, &e->left.in_depth);
+        status = explain_peak_in_time(data, residual, &e->diagnostics.in_time);
+    return status ? status : explain_peak_in_depth(data, residual, &e->diagnostics.in_depth);
 }

@@ -1,4 +1,4 @@
-/* explain_suspect.c: one effect of the catalogue added to a fit: from where its search starts, and the refit. */
+/* explain_candidate.c: one effect of the catalogue added to a fit: from where its search starts, and the refit. */
 #include "effect/effect_internal.h"
 #include "explain_internal.h"
 
@@ -115,9 +115,9 @@ static palp_status added_at(const explain_fit *base, const explain_data *data, c
     return status;
 }
 
-static palp_status hum_race(const explain_fit *base, const explain_data *data, const double *residual,
-                            const palp_explain_settings *settings, explain_race *race, const char **reason) {
-    explain_fit *added = &race->racer[0].fit;
+static palp_status hum_multistart(const explain_fit *base, const explain_data *data, const double *residual,
+                                  const palp_explain_settings *settings, explain_multistart *m, const char **reason) {
+    explain_fit *added = &m->start[0].fit;
     if (base->hum_Hz > 0.0) {
         *reason = "is in the model already";
         return PALP_ERR_UNSUPPORTED;
@@ -125,7 +125,7 @@ static palp_status hum_race(const explain_fit *base, const explain_data *data, c
     palp_status status = explain_fit_copy(base, data->n_runs, added);
     if (status)
         return status;
-    race->n = 1;
+    m->n = 1;
     status = explain_line_in_time(data, residual, &added->hum_Hz, &added->hum_N);
     if (status == PALP_ERR_UNSUPPORTED)
         *reason = "no line stands out between 40 and 70 Hz";
@@ -133,7 +133,7 @@ static palp_status hum_race(const explain_fit *base, const explain_data *data, c
         status = explain_fit_products(added, data, NULL);
     if (!status)
         explain_fit_scatter(added, data, settings);
-    return status ? status : explain_fit_predict(added, data, &race->racer[0].chi2);
+    return status ? status : explain_fit_predict(added, data, &m->start[0].chi2);
 }
 
 static bool has(const explain_fit *fit, palp_effect_id id) {
@@ -143,35 +143,35 @@ static bool has(const explain_fit *fit, palp_effect_id id) {
     return false;
 }
 
-/* ---- a race from many starts ---- */
+/* ---- many starts ---- */
 
-void explain_race_free(explain_race *race) {
-    for (size_t i = 0; i < race->n; i++)
-        explain_fit_free(&race->racer[i].fit);
-    race->n = 0;
+void explain_multistart_free(explain_multistart *m) {
+    for (size_t i = 0; i < m->n; i++)
+        explain_fit_free(&m->start[i].fit);
+    m->n = 0;
 }
 
 /* Best first; equal ones as they came. */
-static void race_sort(explain_race *r) {
+static void multistart_sort(explain_multistart *r) {
     for (size_t i = 1; i < r->n; i++)
-        for (size_t k = i; k > 0 && r->racer[k].chi2 < r->racer[k - 1].chi2; k--) {
-            explain_racer other = r->racer[k];
-            r->racer[k] = r->racer[k - 1];
-            r->racer[k - 1] = other;
+        for (size_t k = i; k > 0 && r->start[k].chi2 < r->start[k - 1].chi2; k--) {
+            explain_start other = r->start[k];
+            r->start[k] = r->start[k - 1];
+            r->start[k - 1] = other;
         }
 }
 
-static void race_keep(explain_race *r, size_t n) {
-    race_sort(r);
+static void multistart_keep(explain_multistart *r, size_t n) {
+    multistart_sort(r);
     while (r->n > n)
-        explain_fit_free(&r->racer[--r->n].fit);
+        explain_fit_free(&r->start[--r->n].fit);
 }
 
 /* One from a start, from the base's parameters (what one more step promises), or from those as given (after rounds
  * of improvement). A start without a solution does not take part. */
-static palp_status race_enter(explain_race *r, const explain_fit *base, const explain_data *data, const palp_effect *start,
-                              size_t rounds_back) {
-    explain_racer *new = &r->racer[r->n];
+static palp_status multistart_enter(explain_multistart *r, const explain_fit *base, const explain_data *data,
+                                    const palp_effect *start, size_t rounds_back) {
+    explain_start *new = &r->start[r->n];
     palp_status status = added_at(base, data, start, rounds_back > 0, &new->fit);
     if (status)
         return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
@@ -187,12 +187,12 @@ static palp_status race_enter(explain_race *r, const explain_fit *base, const ex
     return PALP_OK;
 }
 
-static palp_status race_run(explain_race *r, const explain_data *data, size_t rounds) {
+static palp_status multistart_run(explain_multistart *r, const explain_data *data, size_t rounds) {
     palp_status status = PALP_OK;
     for (size_t i = 0; i < r->n && !status; i++) {
-        status = explain_fit_improve(&r->racer[i].fit, data, rounds);
+        status = explain_fit_improve(&r->start[i].fit, data, rounds);
         if (!status)
-            status = explain_fit_predict(&r->racer[i].fit, data, &r->racer[i].chi2);
+            status = explain_fit_predict(&r->start[i].fit, data, &r->start[i].chi2);
     }
     return status;
 }
@@ -209,57 +209,59 @@ static palp_status finish(explain_fit *fit, const explain_data *data, const palp
 }
 
 /* The starts that promise most, from the base's parameters and, where it fits badly, from those as given. */
-static palp_status race_fill(explain_race *r, const explain_fit *base, const explain_data *data, const starts *s, double worth) {
+static palp_status multistart_fill(explain_multistart *r, const explain_fit *base, const explain_data *data, const starts *s,
+                                   double worth) {
     enum { AHEAD = 3, BACK = 2 };
     palp_status status = PALP_OK;
     for (size_t k = 0; k < s->n && !status; k++)
-        status = race_enter(r, base, data, &s->effect[k], 0);
-    race_keep(r, AHEAD);
-    while (r->n > 0 && !(r->racer[r->n - 1].chi2 < worth))
-        explain_fit_free(&r->racer[--r->n].fit);
+        status = multistart_enter(r, base, data, &s->effect[k], 0);
+    multistart_keep(r, AHEAD);
+    while (r->n > 0 && !(r->start[r->n - 1].chi2 < worth))
+        explain_fit_free(&r->start[--r->n].fit);
     bool back = explain_chi2(data, base) > POOR && base->model.kind != PALP_MODEL_NETWORK; /* whose fits are dear */
     for (size_t k = 0; k < s->n && !status && back; k++)
-        status = race_enter(r, base, data, &s->effect[k], BACK);
+        status = multistart_enter(r, base, data, &s->effect[k], BACK);
     return status;
 }
 
-palp_status explain_suspect_race(const explain_fit *base, const explain_data *data, const double *residual,
-                                 const palp_explain_settings *settings, palp_effect_id id, double worth,
-                                 explain_race *race, const char **reason) {
-    enum { RUNNERS = 4, FINALISTS = 2 };
+palp_status explain_candidate_multistart(const explain_fit *base, const explain_data *data, const double *residual,
+                                         const palp_explain_settings *settings, palp_effect_id id, double worth,
+                                         explain_multistart *m, const char **reason) {
+    enum { REFINED = 4, FINALISTS = 2 };
     const palp_effect_info *info = palp_effect_look_up(id);
-    race->n = 0;
+    m->n = 0;
     if (!explain_carries(&base->model, info) || (has(base, id) && !info->repeats)) {
         *reason = explain_carries(&base->model, info) ? "is in the model already" : "a model of this kind cannot have it";
         return PALP_ERR_UNSUPPORTED;
     }
     if (id == PALP_EFFECT_MAINS_HUM)
-        return hum_race(base, data, residual, settings, race, reason);
+        return hum_multistart(base, data, residual, settings, m, reason);
     starts s = {0};
     palp_status status = find_starts(id, data, residual, &s, reason);
     worth = explain_chi2(data, base) * (double)explain_samples(data) - worth;
     if (id == PALP_EFFECT_SESSION_AGEING) /* the scatter of gains may hide it: that shrinks later */
         worth = HUGE_VAL;
     if (!status)
-        status = race_fill(race, base, data, &s, worth);
+        status = multistart_fill(m, base, data, &s, worth);
     if (!status) {
-        race_keep(race, RUNNERS);
-        status = race_run(race, data, 4);
-        race_keep(race, FINALISTS);
+        multistart_keep(m, REFINED);
+        status = multistart_run(m, data, 4);
+        multistart_keep(m, FINALISTS);
     }
-    if (!status && race->n == 0) {
+    if (!status && m->n == 0) {
         *reason = "gains no more than chance does";
         status = PALP_ERR_UNSUPPORTED;
     }
     return status;
 }
 
-palp_status explain_suspect_finish(explain_race *race, const explain_data *data, const palp_explain_settings *settings,
-                                   palp_effect_id id, bool all, explain_fit *added) {
+palp_status explain_candidate_finish(explain_multistart *m, const explain_data *data,
+                                     const palp_explain_settings *settings, palp_effect_id id, bool all,
+                                     explain_fit *added) {
     palp_status status = PALP_OK;
     memset(added, 0, sizeof *added);
-    for (size_t i = 0; !status && i < (all ? race->n : 1); i++) {
-        explain_fit *fit = &race->racer[i].fit;
+    for (size_t i = 0; !status && i < (all ? m->n : 1); i++) {
+        explain_fit *fit = &m->start[i].fit;
         if (all && id != PALP_EFFECT_MAINS_HUM)
             status = finish(fit, data, settings);
         else

@@ -1,4 +1,4 @@
-/* explain_alarm.c: how much chance alone gains: simulated null cases, linear beside the fit at hand. */
+/* explain_null.c: how much chance alone gains: simulated null cases, linear beside the fit at hand. */
 #include "explain_internal.h"
 #include "base/dense.h"
 
@@ -45,14 +45,14 @@ typedef struct sums {
     palp_status *status; /* [n_runs] */
 } sums;
 
-/* Products of run r's columns with its own numbers eliminated. */
+/* Products of run r's columns with its nuisance parameters eliminated. */
 static void sum_task(void *user, size_t r) {
     sums *w = user;
     const explain_search *s = w->search;
     const explain_scatter *scatter = &s->fit.scatter;
     double sd[OWN] = {scatter->zero, scatter->contact, scatter->gain};
     double *g = w->product + r * w->m * w->m;
-    if (s->data.run[r].held)
+    if (s->data.run[r].held_out)
         return;
     double *column = malloc(w->m * s->data.run[r].n * sizeof *column);
     w->status[r] = column ? explain_directions_columns(s, w->directions, r, column) : PALP_ERR_NO_MEMORY;
@@ -65,7 +65,7 @@ static void sum_task(void *user, size_t r) {
     free(column);
 }
 
-/* Products of what is left of the suspects' directions, by elimination run by run (own numbers) and then of the
+/* Products of what is left of the candidates' directions, by elimination run by run ((nuisance parameters)) and then of the
  * model's parameters. left: [d->n d->n], and then what they were before the latter. */
 static palp_status directions(const explain_search *s, const explain_directions *d, double *left) {
     size_t k = s->fit.n_columns, rest = k + d->n, m = OWN + rest, n = s->data.n_runs;
@@ -137,7 +137,7 @@ static palp_status simulate(const explain_search *s, const explain_directions *d
     return PALP_OK;
 }
 
-palp_status explain_threshold(const explain_search *s, double *threshold, bool *seen) {
+palp_status explain_null_threshold(const explain_search *s, double *threshold, bool *seen) {
     enum { BLIND = 3600 }; /* of the squared effect less than one part in so many is left: not to be seen */
     explain_directions *d = malloc(sizeof *d);
     palp_status status = d ? explain_directions_find(s, d) : PALP_ERR_NO_MEMORY;

@@ -1,4 +1,4 @@
-/* report_where.c: where model and runs disagree: by run and phase, by depth, by speed. */
+/* report_phases.c: shares of the gap by run and phase; the residual by depth and by speed. */
 #include "report_explain.h"
 #include "report_svg.h"
 
@@ -33,7 +33,7 @@ static size_t run_of(const grid *g, const char *name) {
 
 static void fill(const json_t *all, grid *g) {
     const json_t *runs = json_object_get(json_object_get(all, "profile"), "experiments"),
-                 *places = json_object_get(all, "where"), *place;
+                 *places = json_object_get(all, "phase_shares"), *place;
     g->n = json_array_size(runs) < REPORT_FILES_MAX ? json_array_size(runs) : REPORT_FILES_MAX;
     for (size_t r = 0; r < g->n; r++) {
         g->run[r] = json_array_get(runs, r);
@@ -46,7 +46,7 @@ static void fill(const json_t *all, grid *g) {
         int p = phase_of(report_text(place, "phase"));
         if (r < g->n && p < PHASES) {
             g->before[r][p] = 100 * report_number(place, "share");
-            g->after[r][p] = 100 * report_number(place, "left");
+            g->after[r][p] = 100 * report_number(place, "remaining");
             g->total[r] += g->before[r][p];
             g->by_phase[p] += g->before[r][p];
         }
@@ -132,24 +132,24 @@ static void draw_grid(FILE *to, const grid *g, bool two) {
     }
     svg_close(to);
     fprintf(to,
-            "<figcaption>Share of the first gap in %%, squared and above the floor, by experiment and phase: orange as "
-            "given%s. Empty: the experiment has no such phase, or nothing above the floor in it. A corner is the first "
+            "<figcaption>Share of the first gap in %%, squared and above the noise level, by experiment and phase: orange as "
+            "given%s. Empty: the experiment has no such phase, or nothing above the noise level in it. A corner is the first "
             "0.2 s after the motion changes; recovery is the time back at or above contact.</figcaption></figure>\n",
-            blue ? ", blue what is left of it with the effects" : "");
+            blue ? ", blue what remains of it with the effects" : "");
 }
 
 static void in_words(FILE *to, const json_t *all, const grid *g) {
-    const json_t *place = json_array_get(json_object_get(all, "where"), 0);
+    const json_t *place = json_array_get(json_object_get(all, "phase_shares"), 0);
     size_t phase = largest(g->by_phase, PHASES), run = largest(g->total, g->n);
     char worst[32], common[32];
     if (!place) {
-        report_paragraph(to, "Nowhere is the gap above the floor.");
+        report_paragraph(to, "Nowhere is the gap above the noise level.");
         return;
     }
     report_phase(report_text(place, "phase"), worst);
     report_phase(palp_phase_name((palp_phase)phase), common);
     report_paragraph(to,
-                     "Of all that is above the floor %.0f %% is in the phase \u201c%s\u201d of the experiments, and %.0f %% in "
+                     "Of all that is above the noise level %.0f %% is in the phase \u201c%s\u201d of the experiments, and %.0f %% in "
                      "one experiment, %s. The largest single place is %s, \u201c%s\u201d: %.0f %%.",
                      g->by_phase[phase], common, g->total[run], report_base(report_text(g->run[run], "experiment")),
                      report_base(report_text(place, "experiment")), worst, 100 * report_number(place, "share"));
@@ -190,11 +190,11 @@ static void profile(FILE *to, const json_t *all, const char *key, bool two, void
         bar[n].after = two ? report_number(bin, "after_N") : NAN;
     }
     if (n > 0) {
-        report_bars(to, caption, n, bar, report_number(json_object_get(all, "gap"), "floor_N"));
+        report_bars(to, caption, n, bar, report_number(json_object_get(all, "gap"), "noise_level_N"));
     }
 }
 
-void report_where(FILE *to, const json_t *all) {
+void report_phases(FILE *to, const json_t *all) {
     grid *g = calloc(1, sizeof *g);
     bool two = json_array_size(json_object_get(all, "effects")) > 0;
     if (!g) {

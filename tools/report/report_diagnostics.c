@@ -1,4 +1,4 @@
-/* report_left.c: what is left when all is done: waves over time and depth, free curves, order from sample to sample,
+/* report_diagnostics.c: diagnostics of the residual: waves over time and depth, free curves, order from sample to sample,
  * events. */
 #include "report_explain.h"
 #include "report_svg.h"
@@ -64,18 +64,18 @@ static void line_text(const json_t *line, const char *key, const char *what, cha
         snprintf(text, REPORT_LINE, "No wave over %s could be looked for.", strcmp(what, "Hz") == 0 ? "time" : "depth");
         return;
     }
-    snprintf(text, REPORT_LINE, "Strongest wave left: %.4g %s, %s, %.2g times the usual power there.",
+    snprintf(text, REPORT_LINE, "Strongest wave of the residual: %.4g %s, %s, %.2g times the usual power there.",
              report_number(line, key), what, report_force(report_number(line, "amplitude_N"), force), prominence);
 }
 
 static void waves(FILE *to, const json_t *all, bool two) {
-    const json_t *spectra = json_object_get(all, "spectrum"), *left = json_object_get(all, "left");
+    const json_t *spectra = json_object_get(all, "spectrum"), *diagnostics = json_object_get(all, "residual_diagnostics");
     char text[REPORT_LINE], caption[2 * REPORT_LINE];
     fputs("<div class=\"figures\">\n", to);
-    line_text(json_object_get(left, "line_in_time"), "frequency_Hz", "Hz", text);
+    line_text(json_object_get(diagnostics, "line_in_time"), "frequency_Hz", "Hz", text);
     snprintf(caption, sizeof caption, "Waves over time: amplitude against frequency. %s", text);
     spectrum(to, json_object_get(spectra, "time"), "frequency_Hz", " Hz", two, caption);
-    line_text(json_object_get(left, "line_in_depth"), "period_mm", "mm from crest to crest", text);
+    line_text(json_object_get(diagnostics, "line_in_depth"), "period_mm", "mm from crest to crest", text);
     snprintf(caption, sizeof caption, "Waves over depth, while the plate moves: amplitude against period. %s", text);
     spectrum(to, json_object_get(spectra, "depth"), "period_mm", " mm", two, caption);
     fputs("</div>\n", to);
@@ -84,9 +84,9 @@ static void waves(FILE *to, const json_t *all, bool two) {
 /* ---- free curves ---- */
 
 static void free_curves(FILE *to, const json_t *all, bool two) {
-    static const char *const labels[] = {"all that is left", "above the floor", "a curve of depth takes off",
+    static const char *const labels[] = {"the whole residual", "above the noise level", "a curve of depth takes off",
                                          "a curve of time takes off", "a curve of speed takes off"};
-    const json_t *curves = json_object_get(json_object_get(all, "left"), "free_curves"), *gap = json_object_get(all, "gap");
+    const json_t *curves = json_object_get(json_object_get(all, "residual_diagnostics"), "free_curves"), *gap = json_object_get(all, "gap");
     const double size[] = {report_number(gap, "after_N"), report_number(gap, "unexplained_N"),
                            report_number(curves, "depth_N"), report_number(curves, "time_N"),
                            report_number(curves, "rate_N")};
@@ -98,26 +98,26 @@ static void free_curves(FILE *to, const json_t *all, bool two) {
     report_bars(to,
                 "The most that an effect nobody has thought of could still explain, rms: free curves of depth, of time "
                 "within a run, of the plate's speed.",
-                5, bar, report_number(gap, "floor_N"));
+                5, bar, report_number(gap, "noise_level_N"));
 }
 
 /* ---- tables ---- */
 
 static void order(FILE *to, const json_t *all) {
-    const json_t *list = json_object_get(all, "where"), *place;
+    const json_t *list = json_object_get(all, "phase_shares"), *place;
     char phase[32];
     if (json_array_size(list) == 0) {
         return;
     }
     fputs("<details><summary>From sample to sample: correlation and runs test, place by place</summary>\n", to);
     report_paragraph(to, "White noise has a correlation of 0 from sample to sample and a runs test within 2 standard "
-                         "deviations; coloured noise, a part of the floor, has not.");
+                         "deviations; correlated noise, a part of the noise level, has not.");
     html_table(to, NULL, "experiment|~phase|share of the first gap (%)|correlation|runs test (standard deviations)");
     for (size_t i = 0; (place = json_array_get(list, i)) != NULL; i++) {
         report_phase(report_text(place, "phase"), phase);
         html_row(to, "%s|~%s|%.2f|%.2f|%.1f", report_base(report_text(place, "experiment")), phase,
-                 100 * report_number(place, "share"), report_number(place, "left_lag1"),
-                 report_number(place, "left_runs_z"));
+                 100 * report_number(place, "share"), report_number(place, "residual_lag1"),
+                 report_number(place, "residual_runs_z"));
     }
     html_table_end(to);
     fputs("</details>\n", to);
@@ -131,7 +131,7 @@ static void events(FILE *to, const json_t *all) {
         report_paragraph(to, "No events: no lone spikes, no plate letting go, no slips.");
         return;
     }
-    html_table(to, "Events: not held against the model", "experiment|~what|from (s)|to (s)|size");
+    html_table(to, "Events: they do not count against the model", "experiment|~what|from (s)|to (s)|size");
     for (size_t i = 0; i < n && i < EVENTS; i++) {
         event = json_array_get(list, i);
         html_row(to, "%s|~%s|%.3f|%.3f|%s", report_base(report_text(event, "experiment")), report_text(event, "kind"),
@@ -143,13 +143,13 @@ static void events(FILE *to, const json_t *all) {
         report_paragraph(to, "And %zu more.", n - EVENTS);
     }
     fputs("<p class=\"about\">spike: a lone sample far from its neighbours; release: the plate lets go of the specimen; slip: "
-          "the force left over steps and stays.</p>\n",
+          "the residual steps and stays.</p>\n",
           to);
 }
 
-void report_left(FILE *to, const json_t *all) {
+void report_diagnostics(FILE *to, const json_t *all) {
     bool two = json_array_size(json_object_get(all, "effects")) > 0;
-    fputs("<h3>What is left</h3>\n", to);
+    fputs("<h3>Residual diagnostics</h3>\n", to);
     waves(to, all, two);
     fputs("<div class=\"figures\">\n", to);
     free_curves(to, all, two);
