@@ -177,7 +177,7 @@ ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c
 
 # ---- running -------------------------------------------------------------------------------------
 # These install what is missing first; make then starts anew, since pkg-config may only now be there.
-.PHONY: demo demo-run check check-run asan bench bench-run
+.PHONY: demo demo-run check check-run asan bench bench-run pictures pictures-run
 JOBS = $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 again = +@$(MAKE) --no-print-directory $(JOBS)
 
@@ -196,6 +196,11 @@ check: ## every test, with gcc, clang and the sanitizers; ends with "N passed, N
 asan: ## the tests under AddressSanitizer and UBSan only
 	@tools/install-deps check
 	+@BUILD='$(BUILD)' MAKE='$(MAKE)' tests/run.sh asan
+pictures: ## every picture of doc/pictures/ from the product itself (installs a browser)
+	@tools/install-deps pictures
+	$(again) pictures-run
+pictures-run: $(TOOL) $(POKE) firmware-host
+	@PALPATE=$(TOOL) tools/pictures.sh
 bench: ## builds and runs every bench/bench_*.c
 	@tools/install-deps build
 	$(again) bench-run

@@ -16,7 +16,7 @@ extern "C" {
  * Everything is 0 for t < 0. Where the response jumps at t = 0, t = 0 gives the value just after; at
  * t = ramp_s a dashpot still gives its force (the peak). The linear models know no area: with N for Pa
  * and N s for Pa s throughout, stress is force (Eq. 4.6). Moduli and viscosities are > 0 unless it is
- * said that they may be 0; nothing is checked. Where the thesis errs, see doc/seed-errata.md. */
+ * said that they may be 0; nothing is checked. Where the thesis errs, see doc/thesis-errata.md. */
 
 /* A spring and a dashpot, in series (Maxwell model, or one arm of a solid) or parallel (Voigt). */
 typedef struct palp_spring_dashpot {

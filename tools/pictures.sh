@@ -1,0 +1,47 @@
+#!/bin/sh
+# pictures.sh: what `make pictures` runs: makes every picture of doc/pictures/ from the product itself.
+#   press.png, cut.png          the window of examples/poke, moved by press.poke and cut.poke
+#   explain.png                 the page that palpate explain writes in `make demo`
+#   static.svg, relaxation.svg  palpate calibrate on the thesis' phantom
+#   pipeline.svg, layers.svg    drawn by Graphviz from the .dot file of the same name
+# Needs build/palpate and build/examples/poke/poke; tools/install-deps pictures installs the other tools.
+set -eu
+cd "$(dirname "$0")/.."
+palpate=${PALPATE:-build/palpate}
+poke=$(dirname "$palpate")/examples/poke/poke
+out=doc/pictures
+work=$(mktemp -d)
+server=
+trap '[ -z "$server" ] || kill "$server"; rm -rf "$work"' EXIT
+
+for figure in pipeline layers; do
+    dot -Tsvg "$out/$figure.dot" -o "$out/$figure.svg"
+done
+
+"$palpate" calibrate data/sedef2008/lumped_n2.json --nodes 3 --strain-dependent --law spline --out "$work/network.json" \
+    --plot "$work" >/dev/null
+cp "$work/static_fit.svg" "$out/static.svg"
+cp "$work/relaxation_log.svg" "$out/relaxation.svg"
+
+# A palette of 256 colours makes a picture of the window four to twenty times smaller.
+compress() { pngquant --force --strip --output "$2" 256 "$1"; }
+
+Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp >/dev/null 2>&1 3>"$work/display" &
+server=$!
+for second in 1 2 3 4 5 6 7 8 9 10; do [ -s "$work/display" ] && break; sleep 1; done
+DISPLAY=:$(cat "$work/display") LIBGL_ALWAYS_SOFTWARE=1
+export DISPLAY LIBGL_ALWAYS_SOFTWARE
+window() { # NAME FRAMES: how many frames NAME.poke lasts
+    "$poke" --script "$out/$1.poke" --frames "$2" --size 1200x750 --screenshot "$work/$1.png" >/dev/null
+    compress "$work/$1.png" "$out/$1.png"
+}
+window press 277
+window cut 122
+
+[ -s build/demo/explain.html ] || PALPATE=$palpate tools/demo.sh >/dev/null
+chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1060,1150 --screenshot="$work/explain.png" \
+    "file://$PWD/build/demo/explain.html" >/dev/null 2>&1
+compress "$work/explain.png" "$out/explain.png"
+
+find "$out" -name '*.png' -size +300k -o -name '*.svg' -size +300k | sed 's/$/: larger than 300 KB/'
+ls -l "$out"/*.png "$out"/*.svg
