@@ -269,3 +269,10 @@ void explain_data_free(explain_data *data) {
     free(data->event);
     *data = (explain_data){0};
 }
+
+size_t explain_samples(const explain_data *data) {
+    size_t n = 0;
+    for (size_t r = 0; r < data->n_runs; r++)
+        n += data->run[r].held_out ? 0 : data->run[r].n;
+    return n;
+}

@@ -290,6 +290,17 @@ void explain_nuisances(const explain_fit *fit, size_t r, double own[EXPLAIN_NUIS
     }
 }
 
+double explain_chi2(const explain_data *data, const explain_fit *fit) {
+    double sum = 0.0, chi2, logdet;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        if (data->run[r].held_out)
+            continue;
+        explain_normal_of(fit, r, NULL, NULL, &chi2, &logdet);
+        sum += chi2;
+    }
+    return sum / (double)explain_samples(data);
+}
+
 /* Never far beyond the expectation, or of gain what replicates show: a model's own faults are not scatter. */
 void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
     enum { TRUST = 6, ROUNDS = 20 }; /* the expectation counts as so many runs */

@@ -179,7 +179,7 @@ palp_status explain_line_in_depth(const explain_data *data, const double *residu
 palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak);
 palp_status explain_peak_in_depth(const explain_data *data, const double *residual, palp_explain_peak *peak);
 
-/* ---- the search (explain_search.c, explain_gap.c) ---- */
+/* ---- the search (explain_search.c, explain_held_out.c) ---- */
 
 /* One candidate beside a fit. */
 typedef struct explain_trial {

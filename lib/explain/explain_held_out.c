@@ -1,68 +1,9 @@
-/* explain_gap.c: the noise level, what is left of runs that a fit has not seen, and the threshold of chance. */
+/* explain_held_out.c: what a fit leaves of runs that it has not seen. */
 #include "explain_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-palp_status explain_noise_level(const explain_data *data, const explain_fit *fit, const double *force, double *noise_level_N) {
-    palp_model *moved = malloc(sizeof *moved);
-    double *other = malloc(data->longest * sizeof *other), slope = 0.0, load = 0.0, white = 0.0, step = 1e-6;
-    double jump = 100.0 * step * data->peak / data->deepest; /* a plate that lets go a sample earlier has no slope */
-    palp_status status = moved && other ? PALP_OK : PALP_ERR_NO_MEMORY;
-    explain_wear wear = {.wear.peak = 0.0};
-    if (!status)
-        *moved = fit->model;
-    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
-        const explain_run *run = &data->run[r];
-        double *depth = malloc(run->n * sizeof *depth);
-        status = depth ? PALP_OK : PALP_ERR_NO_MEMORY;
-        for (size_t i = 0; i < run->n && depth; i++)
-            depth[i] = run->depth[i] + step;
-        palp_forward_run path = explain_forward_run(run, &wear);
-        path.depth_m = depth;
-        if (!status)
-            status = explain_predict(moved, &path, other, NULL, NULL);
-        bool known = status != PALP_ERR_NOT_CONVERGED; /* no solution a micrometre on: the slope of the others */
-        status = known ? status : PALP_OK;
-        for (size_t i = 0; i < run->n && known && !status; i++) {
-            if (!run->use[i])
-                continue;
-            double change = other[i] - force[at + i];
-            slope += fabs(change) < jump ? pow(change / step, 2) : 0.0;
-            load += force[at + i] * force[at + i];
-        }
-        white += run->white * run->white * (double)run->n;
-        free(depth);
-    }
-    palp_forward_wear_free(&wear.wear);
-    double n = (double)data->n;
-    *noise_level_N = sqrt(white / n + data->correlated * data->correlated + pow(fit->scatter.gain, 2) * load / n +
-                    pow(fit->scatter.contact, 2) * slope / n);
-    free(moved);
-    free(other);
-    return status;
-}
-
-size_t explain_samples(const explain_data *data) {
-    size_t n = 0;
-    for (size_t r = 0; r < data->n_runs; r++)
-        n += data->run[r].held_out ? 0 : data->run[r].n;
-    return n;
-}
-
-double explain_chi2(const explain_data *data, const explain_fit *fit) {
-    double sum = 0.0, chi2, logdet;
-    for (size_t r = 0; r < data->n_runs; r++) {
-        if (data->run[r].held_out)
-            continue;
-        explain_normal_of(fit, r, NULL, NULL, &chi2, &logdet);
-        sum += chi2;
-    }
-    return sum / (double)explain_samples(data);
-}
-
-/* ---- held out ---- */
 
 enum { REFIT = 4, REFIT_NETWORK = 1 }; /* rounds; a network's are dear */
 
