@@ -1,6 +1,7 @@
 #!/bin/sh
 # explain_page.sh: the page of palpate explain for each verdict: well formed, whole, and of one mind with its result.
 . tests/cli/common
+command -v gnuplot >/dev/null || { echo "gnuplot is not installed"; exit 77; }
 
 # model EFFECTS STIFFNESS >FILE
 model() {
@@ -63,7 +64,8 @@ page() {
         grep -qF "$(force "$(value "$2" $key)")" "$1" || fail "$1: $key is not $(force "$(value "$2" $key)")"
     done
     # a bar for every candidate of every step, a row for every place and event
-    [ "$(count 'stroke-dasharray="3 2"' "$1")" -eq "$(part "$2" steps | grep -c '"score"')" ] || fail "$1: candidates are missing"
+    sed '/class="candidates"/,/<h3>Residual diagnostics/!d' "$1" >candidates
+    [ "$(count '<td class="bar">' candidates)" -eq "$(part "$2" steps | grep -c '"score"')" ] || fail "$1: candidates are missing"
     [ "$(count '</h4>' "$1")" -eq "$(($(part "$2" steps | grep -c '"taken"') + $(part "$2" effects | grep -c '"evidence"')))" ] ||
         fail "$1: steps or effects are missing"
     part "$2" steps | sed -n 's/.*"reason": "\(.*\)",*/\1/p' | sort -u | while read -r reason; do
@@ -77,7 +79,7 @@ page() {
     grep -qF "$said" "$1" || fail "$1: the largest place is not $said"
     # every experiment and bin of the profile
     for n in 1 2 3 4; do
-        grep -q "<text [^>]*>[a-z]*$n.csv</text>" "$1" || fail "$1: run $n is not in the picture"
+        grep -q "<text[^>]*>[a-z]*$n.csv *rms [^<]* mN</text>" "$1" || fail "$1: run $n is not in the picture"
     done
     part "$2" profile | sed -n 's/.*"before_N": *\([^,]*\).*/\1/p' | while read -r n; do
         grep -qF ">$(force "$n")" "$1" || echo "$n"
@@ -107,7 +109,9 @@ near "the interval's lower end" "$(cat shown)" "$low" 0.01
 grep -qF "$(force "$(value lag.out heldout_after_N)")" lag.html || fail "the gap after is not on the page"
 grep -q 'class="taken"' lag.html || fail "no candidate is marked as taken"
 grep -q '<td>lag2.csv</td><td class="t">spike</td>' lag.html || fail "the spike is not among the events"
-[ "$(count '<polyline' lag.html)" -eq 12 ] || fail "not two curves in each of four panels and two spectra"
+[ "$(count ' id="[^"]*gnuplot_plot_[^"]*"' lag.html)" -eq 24 ] ||
+    fail "not the floor and two curves with their tints in each of four panels, and two curves in two spectra"
+grep -o ' id="[^"]*"' lag.html | sort | uniq -d | grep -q . && fail "lag.html: an id is there twice"
 
 # The report has the same.
 expect 0 report work --out report.html

@@ -3,7 +3,6 @@
 #include "acquire.h"
 #include "shared/commands.h"
 #include "shared/json_out.h"
-#include "shared/plot.h"
 #include "rig/rig_options.h"
 
 #include <math.h>
@@ -271,8 +270,8 @@ static int check_specimen(const choice *c, const acquire_plan *plan) {
 /* Before anything moves. */
 static int check_files(const acquire_options *o, const acquire_plan *plan) {
     char path[CLI_PATH_MAX];
-    if (!plot_folder(o->out)) {
-        return cli_failure(NAME, "%s: cannot make this folder", o->out);
+    if (cli_folder(NAME, o->out)) {
+        return CLI_FAILURE;
     }
     for (size_t i = 0; i < plan->n && !o->force; i++) {
         int n = snprintf(path, sizeof path, "%s/%s.csv", o->out, plan->run[i].name);

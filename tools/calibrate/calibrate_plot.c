@@ -9,17 +9,6 @@ static const char NAME[] = "calibrate";
 
 enum { CURVE_POINTS = 400, MARKS = 60, LAW_POINTS = 200, SHOWN_MAX = 7 };
 
-/* What every figure needs: where, and what became of those before. */
-typedef struct figures {
-    const char *folder;
-    plot_result result;
-} figures;
-
-static void draw(figures *f, const char *name, const plot_figure *figure) {
-    plot_result result = f->result == PLOT_NO_GNUPLOT ? PLOT_NO_GNUPLOT : plot_write(f->folder, name, figure);
-    f->result = result != PLOT_OK ? result : f->result;
-}
-
 static double largest(size_t n, const double *value) {
     double most = 0;
     for (size_t i = 0; i < n; i++) {
@@ -30,11 +19,11 @@ static double largest(size_t n, const double *value) {
 
 /* ---- convergence ---- */
 
-static void plot_residual(figures *f, const palp_calibration *c, bool relaxation, const char *name,
+static void plot_residual(plot_book *book, const palp_calibration *c, bool relaxation, const char *name,
                           const char *title) {
     double *work = malloc(2 * (c->n_iterations + 1) * sizeof *work);
     if (!work) {
-        f->result = PLOT_FAILED;
+        book->result = PLOT_FAILED;
         return;
     }
     double *x = work, *y = work + c->n_iterations + 1;
@@ -44,22 +33,21 @@ static void plot_residual(figures *f, const palp_calibration *c, bool relaxation
         y[i] = value > 0 ? value : NAN;
     }
     const plot_series series = {NULL, PLOT_LINE_POINTS, 0, c->n_iterations, x, y};
-    const plot_figure figure = {
-        title,
-        1,
-        {{"evaluation of the curve", relaxation ? "rms error (% of the peak)" : "residual, 2-norm (N)", false, true, 1,
-          &series}}};
+    const plot_figure figure = {.title = title, .n_panels = 1,
+                                .panel = {{.x_label = "evaluation of the curve",
+                                           .y_label = relaxation ? "rms error (% of the peak)" : "residual, 2-norm (N)",
+                                           .y_scale = PLOT_LOG, .n_series = 1, .series = &series}}};
     if (largest(c->n_iterations, y) > 0) {
-        draw(f, name, &figure);
+        plot_draw(book, name, &figure);
     }
     free(work);
 }
 
-static void plot_phases(figures *f, const palp_calibration *c) {
+static void plot_phases(plot_book *book, const palp_calibration *c) {
     size_t n = c->n_iterations + 1;
     double *work = malloc(4 * n * sizeof *work);
     if (!work) {
-        f->result = PLOT_FAILED;
+        book->result = PLOT_FAILED;
         return;
     }
     for (size_t i = 0; i < c->n_iterations; i++) {
@@ -74,15 +62,16 @@ static void plot_phases(figures *f, const palp_calibration *c) {
     const plot_series series[] = {{"peak force", PLOT_LINE_POINTS, 0, c->n_iterations, work, work + n},
                                   {"steady time", PLOT_LINE_POINTS, 1, c->n_iterations, work, work + 2 * n},
                                   {"steady force", PLOT_LINE_POINTS, 2, c->n_iterations, work, work + 3 * n}};
-    const plot_figure figure = {
-        "Convergence of the three phases", 1, {{"iteration", "error (%)", false, true, 3, series}}};
-    draw(f, "relaxation_convergence", &figure);
+    const plot_figure figure = {.title = "Convergence of the three phases", .n_panels = 1,
+                                .panel = {{.x_label = "iteration", .y_label = "error (%)", .y_scale = PLOT_LOG,
+                                           .n_series = 3, .series = series}}};
+    plot_draw(book, "relaxation_convergence", &figure);
     free(work);
 }
 
 /* ---- static ---- */
 
-static void plot_fit(figures *f, const calibrate_state *s) {
+static void plot_fit(plot_book *book, const calibrate_state *s) {
     const palp_calibration *c = &s->static_result;
     double depth[CURVE_POINTS], force[CURVE_POINTS], miss[CURVE_POINTS], mark[MARKS], wanted[MARKS];
     if (c->n_samples == 0) {
@@ -102,14 +91,14 @@ static void plot_fit(figures *f, const calibrate_state *s) {
     const plot_series curve[] = {{"wanted", PLOT_POINTS, 0, MARKS, mark, wanted},
                                  {"network", PLOT_LINE, 1, CURVE_POINTS, depth, force}};
     const plot_series residual = {NULL, PLOT_LINE, 1, CURVE_POINTS, depth, miss};
-    const plot_figure figure = {"Static press: the wanted curve and the calibrated network",
-                                2,
-                                {{"", "force (N)", false, false, 2, curve},
-                                 {"depth (mm)", "network - wanted (mN)", false, false, 1, &residual}}};
-    draw(f, "static_fit", &figure);
+    const plot_figure figure = {.title = "Static press: the wanted curve and the calibrated network", .n_panels = 2,
+                                .panel = {{.x_label = "", .y_label = "force (N)", .n_series = 2, .series = curve},
+                                          {.x_label = "depth (mm)", .y_label = "network - wanted (mN)",
+                                           .n_series = 1, .series = &residual}}};
+    plot_draw(book, "static_fit", &figure);
 }
 
-static void plot_law(figures *f, const calibrate_state *s) {
+static void plot_law(plot_book *book, const calibrate_state *s) {
     double strain[LAW_POINTS], lumped[LAW_POINTS], element[LAW_POINTS];
     double strain_max = s->n_static ? s->depth_m[s->n_static - 1] / s->height_m : 0;
     for (size_t i = 0; i < s->n_presses; i++) {
@@ -122,10 +111,10 @@ static void plot_law(figures *f, const calibrate_state *s) {
     }
     const plot_series series[] = {{"lumped model", PLOT_LINE, 0, LAW_POINTS, strain, lumped},
                                   {"element", PLOT_LINE, 1, LAW_POINTS, strain, element}};
-    const plot_figure figure = {"Stiffness law K(e) of the lumped model and of an element",
-                                1,
-                                {{"strain e", "stiffness K (N)", false, true, 2, series}}};
-    draw(f, "stiffness", &figure);
+    const plot_figure figure = {.title = "Stiffness law K(e) of the lumped model and of an element", .n_panels = 1,
+                                .panel = {{.x_label = "strain e", .y_label = "stiffness K (N)", .y_scale = PLOT_LOG,
+                                           .n_series = 2, .series = series}}};
+    plot_draw(book, "stiffness", &figure);
 }
 
 /* ---- relaxation ---- */
@@ -144,7 +133,7 @@ static size_t marks(const record *run, const double *wanted, double *time_s, dou
     return n;
 }
 
-static void plot_relaxation(figures *f, const calibrate_state *s, bool log_time) {
+static void plot_relaxation(plot_book *book, const calibrate_state *s, bool log_time) {
     double mark_s[SHOWN_MAX][MARKS], mark_N[SHOWN_MAX][MARKS];
     char title[SHOWN_MAX][32];
     plot_series series[2 * SHOWN_MAX];
@@ -163,34 +152,30 @@ static void plot_relaxation(figures *f, const calibrate_state *s, bool log_time)
                                           p->network.time_s + first,
                                           p->network.force_N + first};
     }
-    const plot_figure figure = {"Ramp and hold: wanted (circles) and the calibrated network (lines)",
-                                1,
-                                {{"time (s)", "force (N)", log_time, false, 2 * shown, series}}};
-    draw(f, log_time ? "relaxation_log" : "relaxation_linear", &figure);
+    const plot_figure figure = {.title = "Ramp and hold: wanted (circles) and the calibrated network (lines)",
+                                .n_panels = 1,
+                                .panel = {{.x_label = "time (s)", .y_label = "force (N)",
+                                           .x_scale = log_time ? PLOT_LOG : PLOT_LINEAR,
+                                           .n_series = 2 * shown, .series = series}}};
+    plot_draw(book, log_time ? "relaxation_log" : "relaxation_linear", &figure);
 }
 
 int calibrate_plot(const calibrate_options *o, const calibrate_state *s) {
-    figures f = {o->plot, PLOT_OK};
-    if (!plot_folder(o->plot)) {
-        return cli_failure(NAME, "%s: is no folder and cannot be made", o->plot);
-    }
-    plot_law(&f, s);
+    plot_book book = {.command = NAME, .folder = o->plot};
+    plot_law(&book, s);
     if (s->does_static) {
-        plot_residual(&f, &s->static_result, false, "static_convergence", "Convergence of the static stage");
-        plot_fit(&f, s);
+        plot_residual(&book, &s->static_result, false, "static_convergence", "Convergence of the static stage");
+        plot_fit(&book, s);
     }
     if (s->does_relaxation) {
         if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
-            plot_phases(&f, &s->relaxation_result);
+            plot_phases(&book, &s->relaxation_result);
         } else {
-            plot_residual(&f, &s->relaxation_result, true, "relaxation_convergence",
+            plot_residual(&book, &s->relaxation_result, true, "relaxation_convergence",
                           "Convergence of the relaxation stage");
         }
-        plot_relaxation(&f, s, false);
-        plot_relaxation(&f, s, true);
+        plot_relaxation(&book, s, false);
+        plot_relaxation(&book, s, true);
     }
-    if (f.result == PLOT_NO_GNUPLOT) {
-        cli_warning(NAME, "gnuplot is not installed: no figures, only the script %s/stiffness.gp", o->plot);
-    }
-    return f.result == PLOT_FAILED ? cli_failure(NAME, "%s: a figure could not be written", o->plot) : CLI_OK;
+    return plot_close(&book);
 }

@@ -218,7 +218,7 @@ static void print_relaxation(const calibrate_state *s) {
 }
 
 int calibrate_report(const calibrate_options *o, const calibrate_state *s) {
-    if (o->plot && plot_folder(o->plot)) { /* calibrate_plot says if there is no folder */
+    if (o->plot) {
         int code = json_save_in(NAME, whole_json(o, s), o->plot, "calibrate.json");
         if (code) {
             return code;

@@ -64,11 +64,12 @@ static void plot_static(plot_book *book, const characterize_state *s) {
         force[k + 1] = (plot_series){titles[k], PLOT_LINE, (int)k, CURVE_POINTS, curve_e, curve[k]};
         residual[k] = (plot_series){NULL, PLOT_LINE, (int)k, m, miss_e[k], miss[k]};
     }
-    const plot_figure figure = {"Static press: polynomials F(e) of degree 2 to 5",
-                                2,
-                                {{"", "force (N)", false, false, SHOWN + 1, force},
-                                 {"strain e", "fit - measured (mN)", false, false, SHOWN, residual}}};
-    plot_book_draw(book, "static_polynomials", &figure);
+    const plot_figure figure = {.title = "Static press: polynomials F(e) of degree 2 to 5", .n_panels = 2,
+                                .panel = {{.x_label = "", .y_label = "force (N)", .n_series = SHOWN + 1,
+                                           .series = force},
+                                          {.x_label = "strain e", .y_label = "fit - measured (mN)",
+                                           .n_series = SHOWN, .series = residual}}};
+    plot_draw(book, "static_polynomials", &figure);
 }
 
 /* ---- K_inf, Figure 4.26 ---- */
@@ -105,11 +106,13 @@ static void plot_scores(plot_book *book, const char *name, const char *title, co
     const plot_series score[] = {{"held out", PLOT_LINE_POINTS, 0, c->n, x, c->score},
                                  {"taken", PLOT_LINE_POINTS, 1, 1, x + best, c->score + best}};
     const plot_series ratio = {NULL, PLOT_LINE_POINTS, 2, c->n, x, c->rms_noise};
-    const plot_figure figure = {title,
-                                rms ? 2 : 1,
-                                {{rms ? "" : label, "held-out error / noise variance", false, true, 2, score},
-                                 {label, "rms / noise", false, true, 1, &ratio}}};
-    plot_book_draw(book, name, &figure);
+    plot_figure figure = {.title = title, .n_panels = rms ? 2 : 1,
+                          .panel = {{.x_label = rms ? "" : label, .y_label = "held-out error / noise variance",
+                                     .y_scale = PLOT_LOG, .n_series = 2, .series = score},
+                                    {.x_label = label, .y_label = "rms / noise", .y_scale = PLOT_LOG, .n_series = 1,
+                                     .series = &ratio}}};
+    figure.panel[0].x_counts = figure.panel[1].x_counts = true;
+    plot_draw(book, name, &figure);
 }
 
 /* ---- recordings and fits ---- */
@@ -167,10 +170,10 @@ static void plot_all(plot_book *book, const characterize_state *s, const run_cur
 }
 
 int characterize_plot(const characterize_options *o, const characterize_state *s) {
-    plot_book book = {o->plot, PLOT_OK};
+    plot_book book = {.command = NAME, .folder = o->plot};
     run_curve curve[CHARACTERIZE_RUNS_MAX] = {{NULL, NULL, NULL}};
-    if (!plot_folder(o->plot)) {
-        return cli_failure(NAME, "%s: is no folder and cannot be made", o->plot);
+    if (cli_folder(NAME, o->plot)) {
+        return CLI_FAILURE;
     }
     int code = make_curves(s, curve);
     if (code == CLI_OK) {
@@ -179,11 +182,5 @@ int characterize_plot(const characterize_options *o, const characterize_state *s
     for (size_t i = 0; i < s->n; i++) {
         free(curve[i].fit_N);
     }
-    if (book.result == PLOT_NO_GNUPLOT) {
-        cli_warning(NAME, "gnuplot is not installed: no figures, only the script of the first in %s",
-                    o->plot);
-    }
-    return code == CLI_OK && book.result == PLOT_FAILED
-               ? cli_failure(NAME, "%s: a figure could not be written", o->plot)
-               : code;
+    return code == CLI_OK ? plot_close(&book) : code;
 }

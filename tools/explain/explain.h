@@ -3,6 +3,7 @@
 #define PALPATE_TOOL_EXPLAIN_H
 
 #include "shared/cli.h"
+#include "shared/plot.h"
 
 #include <jansson.h>
 #include <palpate/palpate.h>
@@ -32,8 +33,8 @@ json_t *explain_protocol(const palp_explanation *e);
 /* The page; an exit code. (explain_page.c) */
 int explain_page(const explain_options *o, const palp_explanation *e);
 
-/* Recorded minus model, run by run: an SVG. (explain_figure.c) */
-void explain_figure(FILE *to, const palp_explanation *e);
+/* Recorded minus model, run by run, as explain_residuals. (explain_figure.c) */
+void explain_figure(plot_book *book, const palp_explanation *e);
 
 /* explain.json and explain_residuals.svg into the folder of --plot, for palpate report; an exit code. (explain_page.c) */
 int explain_plot(const explain_options *o, const palp_explanation *e);

@@ -1,8 +1,9 @@
 /* explain_page.c: what was found, in lines, as a page, and as files for palpate report. */
 #include "explain.h"
 #include "shared/json_out.h"
-#include "shared/plot.h"
 #include "report/report.h"
+
+#include <stdlib.h>
 
 static const char NAME[] = "explain";
 
@@ -41,17 +42,23 @@ void explain_say(const palp_explanation *e) {
 
 /* ---- the page ---- */
 
-static void page(FILE *to, const json_t *result, const palp_explanation *e) {
+static void into_page(void *user, const char *name, char *svg) {
+    (void)name;
+    html_svg(user, svg, REPORT_EXPLAIN_CAPTION);
+    free(svg);
+}
+
+static int page(FILE *to, const json_t *result, const palp_explanation *e) {
+    plot_book book = {.command = NAME, .take = into_page, .user = to};
     html_open(to, "What the model misses");
     report_found(to, result);
-    fputs("<figure>", to);
-    explain_figure(to, e);
-    fprintf(to, "<figcaption>%s</figcaption></figure>\n", REPORT_EXPLAIN_CAPTION);
+    explain_figure(&book, e);
     report_how(to, result);
     fputs("<p class=\"about\"><code>", to);
     html_text(to, json_string_value(json_object_get(result, "command")));
     fputs("</code></p>\n", to);
     html_close(to);
+    return plot_close(&book);
 }
 
 int explain_page(const explain_options *o, const palp_explanation *e) {
@@ -59,26 +66,19 @@ int explain_page(const explain_options *o, const palp_explanation *e) {
     cli_file to;
     int code = result ? cli_file_open(NAME, o->report, &to) : cli_failure(NAME, "out of memory");
     if (code == CLI_OK) {
-        page(to.stream, result, e);
-        code = cli_file_close(NAME, &to);
+        code = page(to.stream, result, e);
+        int closed = cli_file_close(NAME, &to);
+        code = code ? code : closed;
     }
     json_decref(result);
     return code;
 }
 
 int explain_plot(const explain_options *o, const palp_explanation *e) {
-    char path[CLI_PATH_MAX];
-    cli_file to;
-    int n = snprintf(path, sizeof path, "%s/explain_residuals.svg", o->plot);
-    if (!plot_folder(o->plot)) {
-        return cli_failure(NAME, "%s: cannot make this folder", o->plot);
-    }
-    int code = n > 0 && (size_t)n < sizeof path ? json_save_in(NAME, explain_json(o, e), o->plot, "explain.json")
-                                                : cli_failure(NAME, "%s: the name is too long", o->plot);
-    code = code ? code : cli_file_open(NAME, path, &to);
+    plot_book book = {.command = NAME, .folder = o->plot};
+    int code = json_save_in(NAME, explain_json(o, e), o->plot, "explain.json");
     if (code == CLI_OK) {
-        explain_figure(to.stream, e);
-        code = cli_file_close(NAME, &to);
+        explain_figure(&book, e);
     }
-    return code;
+    return code ? code : plot_close(&book);
 }

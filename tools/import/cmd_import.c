@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "shared/commands.h"
 #include "import.h"
-#include "shared/plot.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -160,8 +159,8 @@ static int settle(const import_options *o, import_sources *all) {
 static int write_all(const import_options *o, const import_sources *all) {
     int code = CLI_OK;
     size_t written = 0;
-    if (!plot_folder(o->out)) {
-        return cli_failure(NAME, "%s: cannot make this folder", o->out);
+    if (cli_folder(NAME, o->out)) {
+        return CLI_FAILURE;
     }
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
         const import_source *s = all->source[i];

@@ -3,6 +3,7 @@
 #define PALPATE_TOOL_REPORT_H
 
 #include "shared/cli.h"
+#include "shared/html.h"
 #include "shared/plot_runs.h"
 
 #include <jansson.h>
@@ -53,7 +54,7 @@ typedef struct report {
     report_file *file; /* [REPORT_FILES_MAX], in the order of the page */
     size_t n_pairs;
     report_pair pair[REPORT_CURVES_MAX];
-    bool no_gnuplot, has_fits, has_law, has_calibration;
+    bool has_fits, has_law, has_calibration;
 } report;
 
 /* ---- report_load.c; exit codes, after one line on stderr if not 0 ---- */
@@ -67,20 +68,12 @@ size_t report_count(const report *r, report_kind kind);
 int report_pairs(report *r);   /* simulations beside recordings */
 int report_figures(report *r); /* draws what was not among the files; adds them as figures */
 
-/* ---- report_html.c ---- */
-void html_text(FILE *to, const char *text); /* escaped */
-void html_open(FILE *to, const char *title);
-void html_close(FILE *to);
-void html_section(FILE *to, const char *id, const char *title);
-void html_row(FILE *to, const char *format, ...); /* cells separated by '|': first text, others numbers */
-void html_table(FILE *to, const char *caption, const char *heads); /* heads separated by '|' */
-void html_table_end(FILE *to);
-void html_card(FILE *to, const char *label, const char *format, ...);
 double report_number(const json_t *object, const char *key);   /* NAN if it has none */
 const char *report_text(const json_t *object, const char *key); /* "-" likewise */
-void html_number(char text[32], const json_t *value, int digits); /* "-" if it is no number */
-/* The figure of a name ("fit_log") in its frame, once; false if there is none. ids get a prefix. */
-bool html_figure(FILE *to, report *r, const char *name, const char *caption);
+
+/* The figure of a name ("fit_log") among the files that is not on the page yet; report_figure puts it there. */
+report_file *report_find_figure(const report *r, const char *name); /* NULL = none */
+void report_figure(FILE *to, report *r, const char *name, const char *caption);
 
 /* ---- report_page.c, report_results.c, report_explain.c: the sections ---- */
 #define REPORT_EXPLAIN_CAPTION                                                                                \

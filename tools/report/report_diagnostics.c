@@ -1,12 +1,11 @@
 /* report_diagnostics.c: diagnostics of the residual: waves over time and depth, free curves, order from sample to sample,
  * events. */
 #include "report_explain.h"
-#include "report_svg.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { POINTS = 256, WIDTH = 580, HEIGHT = 250, LEFT = 70, RIGHT = 560, TOP = 14, BOTTOM = 206, EVENTS = 30 };
+enum { POINTS = 256, EVENTS = 30 };
 
 /* ---- waves ---- */
 
@@ -19,42 +18,20 @@ static size_t numbers(const json_t *list, double scale, double to[POINTS]) {
     return n;
 }
 
-static void widen(size_t n, const double *value, double *low, double *high) {
-    for (size_t i = 0; i < n; i++) {
-        if (value[i] > 0) {
-            *low = fmin(*low, value[i]);
-            *high = fmax(*high, value[i]);
-        }
-    }
-}
-
-static void spectrum(FILE *to, const json_t *waves, const char *key, const char *unit, bool two, const char *caption) {
-    double x[POINTS], before[POINTS], after[POINTS], low = HUGE_VAL, high = 0;
+static void spectrum(FILE *to, const json_t *waves, const char *key, const char *label, bool two, const char *caption) {
+    double x[POINTS], before[POINTS], after[POINTS];
     size_t n = numbers(json_object_get(waves, key), 1, x);
     if (n < 2 || numbers(json_object_get(waves, "before_N"), 1e3, before) != n ||
         numbers(json_object_get(waves, "after_N"), 1e3, after) != n) {
         return;
     }
-    widen(n, before, &low, &high);
-    if (two) {
-        widen(n, after, &low, &high);
-    }
-    if (!(high > 0)) {
-        return;
-    }
-    svg_axis along = {fmin(x[0], x[n - 1]), fmax(x[0], x[n - 1]), LEFT, RIGHT, true},
-             up = {fmin(0.9 * low, pow(10, floor(log10(high)))), 1.1 * high, BOTTOM, TOP, true};
-    fputs("<figure>", to);
-    svg_open(to, WIDTH, HEIGHT - 16, caption);
-    svg_frame(to, &along, &up, unit, "amplitude (mN)");
-    svg_line(to, &along, &up, n, x, before, SVG_BEFORE);
-    if (two) {
-        svg_line(to, &along, &up, n, x, after, SVG_AFTER);
-    }
-    svg_close(to);
-    fputs("<figcaption>", to);
-    html_text(to, caption);
-    fputs("</figcaption></figure>\n", to);
+    const plot_series series[] = {{NULL, PLOT_LINE, PLOT_ORANGE, n, x, before},
+                                  {NULL, PLOT_LINE, PLOT_BLUE, n, x, after}};
+    const plot_figure figure = {.n_panels = 1,
+                                .panel = {{.x_label = label, .y_label = "amplitude (mN)", .x_scale = PLOT_LOG_FINE,
+                                           .y_scale = PLOT_LOG_FINE, .n_series = two ? 2 : 1, .series = series}},
+                                .width = 580, .height = 260};
+    html_draw(to, &figure, caption);
 }
 
 static void line_text(const json_t *line, const char *key, const char *what, char text[REPORT_LINE]) {
@@ -74,10 +51,10 @@ static void waves(FILE *to, const json_t *all, bool two) {
     fputs("<div class=\"figures\">\n", to);
     line_text(json_object_get(diagnostics, "line_in_time"), "frequency_Hz", "Hz", text);
     snprintf(caption, sizeof caption, "Waves over time: amplitude against frequency. %s", text);
-    spectrum(to, json_object_get(spectra, "time"), "frequency_Hz", " Hz", two, caption);
+    spectrum(to, json_object_get(spectra, "time"), "frequency_Hz", "frequency (Hz)", two, caption);
     line_text(json_object_get(diagnostics, "line_in_depth"), "period_mm", "mm from crest to crest", text);
     snprintf(caption, sizeof caption, "Waves over depth, while the plate moves: amplitude against period. %s", text);
-    spectrum(to, json_object_get(spectra, "depth"), "period_mm", " mm", two, caption);
+    spectrum(to, json_object_get(spectra, "depth"), "period_mm", "period (mm)", two, caption);
     fputs("</div>\n", to);
 }
 

@@ -183,7 +183,7 @@ void report_explanations(FILE *to, report *r) {
     html_section(to, "explain", "What the model misses");
     for (size_t i = 0; (f = report_find(r, REPORT_EXPLAIN, i)) != NULL; i++) {
         report_found(to, f->json);
-        html_figure(to, r, "explain_residuals", REPORT_EXPLAIN_CAPTION);
+        report_figure(to, r, "explain_residuals", REPORT_EXPLAIN_CAPTION);
         report_how(to, f->json);
     }
 }

@@ -1,11 +1,9 @@
 /* report_figures.c: the figures that were not among the files, drawn for the page. */
-#define _POSIX_C_SOURCE 200809L
 #include "report.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char NAME[] = "report";
 
@@ -131,15 +129,7 @@ static const palp_model *lumped_model(const report *r) {
 }
 
 static bool has(const report *r, const char *name) {
-    size_t n = strlen(name);
-    for (size_t i = 0; i < r->n; i++) {
-        const char *base = report_base(r->file[i].path);
-        if (r->file[i].kind == REPORT_FIGURE && strncmp(base, name, n) == 0 &&
-            strcmp(base + n, ".svg") == 0) {
-            return true;
-        }
-    }
-    return false;
+    return report_find_figure(r, name) != NULL;
 }
 
 static void fill(const report *r, size_t n, run_curve *curve, bool filter, bool fit) {
@@ -238,44 +228,23 @@ static void draw_law(report *r, plot_book *book) {
 /* ---- into the report ---- */
 
 /* Takes a drawn figure over as if it had been among the files, without a line in the list of files. */
-static void adopt(report *r, const char *folder, const char *name) {
-    char path[CLI_PATH_MAX];
-    int n = snprintf(path, sizeof path, "%s/%s.svg", folder, name);
-    if (n > 0 && (size_t)n < sizeof path && access(path, R_OK) == 0 && r->n < REPORT_FILES_MAX &&
-        report_add(r, path, false) == CLI_OK) {
-        r->file[r->n - 1].drawn = true;
+static void adopt(void *user, const char *name, char *svg) {
+    report *r = user;
+    char *path = malloc(strlen(name) + sizeof ".svg");
+    if (!path || r->n == REPORT_FILES_MAX) {
+        free(path);
+        free(svg);
+        return;
     }
-    remove(path);
-    n = snprintf(path, sizeof path, "%s/%s.gp", folder, name);
-    if (n > 0 && (size_t)n < sizeof path) {
-        remove(path);
-    }
+    sprintf(path, "%s.svg", name);
+    r->file[r->n++] = (report_file){.path = path, .kind = REPORT_FIGURE, .svg = svg, .drawn = true};
 }
 
 int report_figures(report *r) {
-    static const char *const names[] = {"recordings_linear", "recordings_log", "recordings_first",
-                                        "fit_linear",        "fit_log",        "residuals",
-                                        "recordings_static", "fit_static",     "stiffness_law",
-                                        "simulated_linear",  "simulated_log",  "simulated_static"};
-    const char *temporary = getenv("TMPDIR");
-    char folder[CLI_PATH_MAX];
-    int n =
-        snprintf(folder, sizeof folder, "%s/palpate.XXXXXX", temporary && *temporary ? temporary : "/tmp");
-    if (n < 0 || (size_t)n >= sizeof folder || !mkdtemp(folder)) {
-        return cli_failure(NAME, "cannot make a folder for figures in %s", temporary ? temporary : "/tmp");
-    }
-    plot_book book = {folder, PLOT_OK};
+    plot_book book = {.command = NAME, .take = adopt, .user = r};
     draw_timed(r, &book);
     draw_static(r, &book);
     draw_pairs(r, &book);
     draw_law(r, &book);
-    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
-        adopt(r, folder, names[k]);
-    }
-    rmdir(folder);
-    r->no_gnuplot = book.result == PLOT_NO_GNUPLOT;
-    if (r->no_gnuplot) {
-        cli_warning(NAME, "gnuplot is not installed: only the figures among the files are on the page");
-    }
-    return book.result == PLOT_FAILED ? cli_failure(NAME, "a figure could not be drawn") : CLI_OK;
+    return plot_close(&book);
 }

@@ -4,6 +4,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -35,6 +36,36 @@ size_t report_count(const report *r, report_kind kind) {
         count += r->file[i].kind == kind;
     }
     return count;
+}
+
+double report_number(const json_t *object, const char *key) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+const char *report_text(const json_t *object, const char *key) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_string(value) ? json_string_value(value) : "-";
+}
+
+report_file *report_find_figure(const report *r, const char *name) {
+    size_t n = strlen(name);
+    for (size_t i = 0; i < r->n; i++) {
+        const char *base = report_base(r->file[i].path);
+        if (r->file[i].kind == REPORT_FIGURE && !r->file[i].shown && strncmp(base, name, n) == 0 &&
+            strcmp(base + n, ".svg") == 0) {
+            return &r->file[i];
+        }
+    }
+    return NULL;
+}
+
+void report_figure(FILE *to, report *r, const char *name, const char *caption) {
+    report_file *f = report_find_figure(r, name);
+    if (f) {
+        html_svg(to, f->svg, caption);
+        f->shown = true;
+    }
 }
 
 /* ---- checksum: CRC-32 of ISO 3309, as zip and cksum -a crc32b give it ---- */

@@ -1,11 +1,10 @@
 /* report_next.c: what to measure next: the run that tells look-alikes apart, drawn. */
 #include "report_explain.h"
-#include "report_svg.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { POINTS = 128, WIDTH = 630, LEFT = 70, RIGHT = 560, TOP = 14, BOTTOM = 186, HEIGHT = 216 };
+enum { POINTS = 128 };
 
 static const double AIR = 2; /* mm: where the indenter waits */
 
@@ -46,26 +45,21 @@ static bool walk(const json_t *run, path *p) {
 
 static void draw(FILE *to, const json_t *run) {
     path p;
-    double low = 0, high = 0;
     if (!walk(run, &p)) {
         return;
     }
-    for (size_t i = 0; i < p.n; i++) {
-        low = fmin(low, p.depth[i]);
-        high = fmax(high, p.depth[i]);
-    }
-    double room = 0.06 * (high - low);
-    svg_axis x = {0, p.time[p.n - 1], LEFT, RIGHT, false}, y = {low - room, high + room, BOTTOM, TOP, false};
-    fputs("<div class=\"figures\"><figure>", to);
-    svg_open(to, WIDTH, HEIGHT, "depth over time of the next experiment");
-    svg_frame(to, &x, &y, " s", "depth (mm)");
-    fprintf(to, "<path d=\"M%d %.1fH%d\" stroke=\"#1c2329\" stroke-dasharray=\"4 3\"/>\n", LEFT, svg_at(&y, 0), RIGHT);
-    svg_text(to, RIGHT + 6, svg_at(&y, 0) + 4, SVG_START, "contact");
-    svg_line(to, &x, &y, p.n, p.time, p.depth, SVG_AFTER);
-    svg_close(to);
-    fputs("<figcaption>The next experiment: depth of the plate over time. The protocol file is written by "
-          "<code>--next</code>, and run by <code>palpate acquire --protocol</code>.</figcaption></figure></div>\n",
-          to);
+    const double ends[2] = {0, p.time[p.n - 1]}, contact[2] = {0, 0};
+    const plot_series series[] = {{NULL, PLOT_LINE, PLOT_BLUE, p.n, p.time, p.depth},
+                                  {"contact", PLOT_DASHED, PLOT_BLACK, 2, ends, contact}};
+    const plot_figure figure = {.n_panels = 1,
+                                .panel = {{.x_label = "time (s)", .y_label = "depth (mm)", .n_series = 2,
+                                           .series = series}},
+                                .width = 630, .height = 240};
+    fputs("<div class=\"figures\">", to);
+    html_draw(to, &figure,
+              "The next experiment: depth of the plate over time. The protocol file is written by --next, and run by "
+              "palpate acquire --protocol.");
+    fputs("</div>\n", to);
 }
 
 static void kind_words(const json_t *run, char text[REPORT_LINE]) {

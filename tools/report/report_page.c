@@ -237,11 +237,11 @@ static void curves(FILE *to, report *r) {
     }
     html_section(to, "curves", "Recorded curves");
     fputs("<div class=\"figures\">\n", to);
-    html_figure(to, r, "recordings_linear", "Force over time.");
-    html_figure(to, r, "recordings_log",
+    report_figure(to, r, "recordings_linear", "Force over time.");
+    report_figure(to, r, "recordings_log",
                 "The same over the logarithm of time, where each arm takes its decade.");
-    html_figure(to, r, "recordings_first", "The first ten seconds.");
-    html_figure(to, r, "recordings_static", "Force over depth in the slow press.");
+    report_figure(to, r, "recordings_first", "The first ten seconds.");
+    report_figure(to, r, "recordings_static", "Force over depth in the slow press.");
     fputs("</div>\n<p class=\"about\">Light: raw samples, thinned to the lowest and highest of each stretch. "
           "Dark: "
           "filtered forward and backward, without a shift in time; fits use the raw samples unless said "
@@ -258,19 +258,17 @@ static const char *kind_name(report_kind kind) {
 }
 
 static void others(FILE *to, report *r) {
-    char name[256];
     bool any = false;
     for (size_t i = 0; i < r->n; i++) {
-        const char *base = report_base(r->file[i].path);
-        if (r->file[i].kind == REPORT_FIGURE && !r->file[i].shown && strlen(base) < sizeof name) {
+        report_file *f = &r->file[i];
+        if (f->kind == REPORT_FIGURE && !f->shown) {
             if (!any) {
                 html_section(to, "others", "Other figures");
                 fputs("<div class=\"figures\">\n", to);
                 any = true;
             }
-            memcpy(name, base, strlen(base) - 4);
-            name[strlen(base) - 4] = '\0';
-            html_figure(to, r, name, base);
+            html_svg(to, f->svg, report_base(f->path));
+            f->shown = true;
         }
     }
     fputs(any ? "</div>\n" : "", to);

@@ -1,12 +1,11 @@
 /* report_phases.c: shares of the gap by run and phase; the residual by depth and by speed. */
 #include "report_explain.h"
-#include "report_svg.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PHASES = PALP_PHASE_COUNT, ROWS = 30, CELL = 92, HIGH = 26, LEFT = 200, TOP = 24 };
+enum { PHASES = PALP_PHASE_COUNT, ROWS = 30 };
 
 /* Share in % of the first gap of every run and phase; NAN = the gap has none there. */
 typedef struct grid {
@@ -61,40 +60,30 @@ static size_t largest(const double *value, size_t n) {
     return best;
 }
 
-/* A colour towards white the smaller the part is. */
-static void half_cell(FILE *to, double x, double y, double width, double share, double most, const int rgb[3]) {
-    char colour[8], text[16];
+/* A share, the fainter behind the smaller it is. */
+static void half_cell(FILE *to, double share, double most, const char *rgb) {
     double part = sqrt(fmin(1, share / most));
-    if (!isfinite(share)) {
-        return;
-    }
-    snprintf(colour, sizeof colour, "#%02x%02x%02x", (unsigned)(250 - part * (250 - rgb[0])),
-             (unsigned)(250 - part * (250 - rgb[1])), (unsigned)(250 - part * (250 - rgb[2])));
-    svg_bar(to, x, y, width, HIGH - 2, colour);
-    snprintf(text, sizeof text, share >= 9.95 ? "%.0f" : "%.1f", share);
     if (share >= 0.05) {
-        fprintf(to, "<g fill=\"%s\">", part > 0.75 ? "#fff" : "#1c2329");
-        svg_text(to, x + 0.5 * width, y + 17, SVG_MIDDLE, text);
-        fputs("</g>", to);
+        fprintf(to, "<b style=\"background:rgba(%s,%.2f)%s\">%.*f</b>", rgb, part, part > 0.75 ? ";color:#fff" : "",
+                share >= 9.95 ? 0 : 1, share);
     }
 }
 
-static void grid_row(FILE *to, const grid *g, size_t r, double y, double most, bool two) {
-    static const int orange[3] = {213, 94, 0}, blue[3] = {0, 114, 178};
-    char before[32], after[32], text[96];
-    snprintf(text, sizeof text, "%.28s", report_base(report_text(g->run[r], "experiment")));
-    svg_text(to, LEFT - 10, y + 17, SVG_END, text);
+static void grid_row(FILE *to, const grid *g, size_t r, double most, bool two) {
+    char before[32], after[32];
+    fputs("<tr><td>", to);
+    html_text(to, report_base(report_text(g->run[r], "experiment")));
+    fputs("</td>", to);
     for (int p = 0; p < PHASES; p++) {
-        double x = LEFT + CELL * p;
-        bool has_after = two && isfinite(g->after[r][p]);
-        half_cell(to, x, y, has_after ? 0.5 * CELL - 1 : CELL - 2, g->before[r][p], most, orange);
-        if (has_after) {
-            half_cell(to, x + 0.5 * CELL - 1, y, 0.5 * CELL - 1, g->after[r][p], most, blue);
+        fputs("<td class=\"cell\">", to);
+        half_cell(to, g->before[r][p], most, "213,94,0");
+        if (two) {
+            half_cell(to, g->after[r][p], most, "0,114,178");
         }
+        fputs("</td>", to);
     }
-    snprintf(text, sizeof text, "%s%s%s", report_force(report_number(g->run[r], "before_N"), before),
-             two ? " \u2192 " : "", two ? report_force(report_number(g->run[r], "after_N"), after) : "");
-    svg_text(to, LEFT + CELL * PHASES + 10, y + 17, SVG_START, text);
+    fprintf(to, "<td>%s%s%s</td></tr>\n", report_force(report_number(g->run[r], "before_N"), before),
+            two ? " \u2192 " : "", two ? report_force(report_number(g->run[r], "after_N"), after) : "");
 }
 
 /* Whether run r is among the rows: at most ROWS, those with the largest shares. */
@@ -107,8 +96,8 @@ static bool is_shown(const grid *g, size_t r) {
 }
 
 static void draw_grid(FILE *to, const grid *g, bool two) {
-    double most = 1e-9, y = TOP;
-    char text[32];
+    double most = 1e-9;
+    char heads[512] = "experiment", text[32];
     bool blue = false;
     for (size_t r = 0; r < g->n; r++) {
         for (int p = 0; p < PHASES; p++) {
@@ -116,21 +105,20 @@ static void draw_grid(FILE *to, const grid *g, bool two) {
             most = fmax(most, fmax(g->before[r][p], g->after[r][p]));
         }
     }
-    fputs("<figure>", to);
-    svg_open(to, LEFT + CELL * PHASES + 180, (double)(TOP + HIGH * (g->n < ROWS ? g->n : ROWS)),
-             "share of the gap by experiment and phase");
     for (int p = 0; p < PHASES; p++) {
         report_phase(palp_phase_name((palp_phase)p), text);
-        svg_text(to, LEFT + CELL * (p + 0.5), 15, SVG_MIDDLE, text);
+        size_t n = strlen(heads);
+        snprintf(heads + n, sizeof heads - n, "|~%s", text);
     }
-    svg_text(to, LEFT + CELL * PHASES + 10, 15, SVG_START, "whole run, rms");
+    strcat(heads, "|whole run, rms");
+    fputs("<figure>", to);
+    html_table(to, NULL, heads);
     for (size_t r = 0; r < g->n; r++) {
         if (is_shown(g, r)) {
-            grid_row(to, g, r, y, most, two);
-            y += HIGH;
+            grid_row(to, g, r, most, two);
         }
     }
-    svg_close(to);
+    html_table_end(to);
     fprintf(to,
             "<figcaption>Share of the first gap in %%, squared and above the noise level, by experiment and phase: orange as "
             "given%s. Empty: the experiment has no such phase, or nothing above the noise level in it. A corner is the first "

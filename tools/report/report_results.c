@@ -84,17 +84,17 @@ void report_fits(FILE *to, report *r) {
     }
     html_section(to, "fits", "Fits and residuals");
     fputs("<div class=\"figures\">\n", to);
-    html_figure(to, r, "fit_linear", "The model (dark) over the raw samples (light).");
-    html_figure(to, r, "fit_log", "The same over the logarithm of time.");
-    html_figure(to, r, "fit_first", "The first ten seconds, with the ramp.");
-    html_figure(to, r, "residuals",
+    report_figure(to, r, "fit_linear", "The model (dark) over the raw samples (light).");
+    report_figure(to, r, "fit_log", "The same over the logarithm of time.");
+    report_figure(to, r, "fit_first", "The first ten seconds, with the ramp.");
+    report_figure(to, r, "residuals",
                 "Model minus measured in units of the noise of a sample; means of short stretches.");
-    html_figure(to, r, "fit_static", "The slow press: the model with its arms at work.");
-    html_figure(to, r, "static_polynomials",
+    report_figure(to, r, "fit_static", "The slow press: the model with its arms at work.");
+    report_figure(to, r, "static_polynomials",
                 "Plain polynomials through the slow press, as if it were at rest.");
-    html_figure(to, r, "arms_score",
+    report_figure(to, r, "arms_score",
                 "More arms always fit better; these errors are of samples that the fit did not see.");
-    html_figure(to, r, "degree_score", "Which degree of the force polynomial.");
+    report_figure(to, r, "degree_score", "Which degree of the force polynomial.");
     fputs("</div>\n", to);
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++) {
         fputs("<div class=\"tables\">\n", to);
@@ -310,7 +310,7 @@ void report_law(FILE *to, report *r) {
         }
     }
     fputs("<div class=\"figures\">\n", to);
-    html_figure(to, r, "stiffness_law",
+    report_figure(to, r, "stiffness_law",
                 "F = K(e) e at rest. A static press that is not slow enough has the arms' force in it.");
     fputs("<div>", to);
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++) {
@@ -384,12 +384,12 @@ void report_calibrations(FILE *to, report *r) {
         }
     }
     fputs("</div>\n<div class=\"figures\">\n", to);
-    html_figure(to, r, "static_fit", "The static curve: what was wanted and what the network gives.");
-    html_figure(to, r, "stiffness", "Stiffness law of the lumped model and of an element.");
-    html_figure(to, r, "relaxation_linear", "Ramp and hold: wanted and network.");
-    html_figure(to, r, "relaxation_log", "The same over the logarithm of time.");
-    html_figure(to, r, "static_convergence", "How the static stage converged.");
-    html_figure(to, r, "relaxation_convergence", "How the relaxation stage converged.");
+    report_figure(to, r, "static_fit", "The static curve: what was wanted and what the network gives.");
+    report_figure(to, r, "stiffness", "Stiffness law of the lumped model and of an element.");
+    report_figure(to, r, "relaxation_linear", "Ramp and hold: wanted and network.");
+    report_figure(to, r, "relaxation_log", "The same over the logarithm of time.");
+    report_figure(to, r, "static_convergence", "How the static stage converged.");
+    report_figure(to, r, "relaxation_convergence", "How the relaxation stage converged.");
     fputs("</div>\n", to);
 }
 
@@ -411,8 +411,8 @@ void report_simulations(FILE *to, report *r) {
     }
     html_table_end(to);
     fputs("<div class=\"figures\">\n", to);
-    html_figure(to, r, "simulated_linear", "Simulated (dark) over recorded (light).");
-    html_figure(to, r, "simulated_log", "The same over the logarithm of time.");
-    html_figure(to, r, "simulated_static", "The slow press.");
+    report_figure(to, r, "simulated_linear", "Simulated (dark) over recorded (light).");
+    report_figure(to, r, "simulated_log", "The same over the logarithm of time.");
+    report_figure(to, r, "simulated_static", "The slow press.");
     fputs("</div>\n", to);
 }

@@ -1,12 +1,11 @@
 /* report_search.c: the candidates, their scores and what became of them, step by step. */
 #include "report_explain.h"
-#include "report_svg.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { TOP = 7, CANDIDATES = PALP_EFFECT_COUNT + 1, BAR = 260 };
+enum { TOP = 7, CANDIDATES = PALP_EFFECT_COUNT + 1 };
 
 typedef struct candidate {
     const char *id, *reason; /* reason NULL: taken */
@@ -48,17 +47,13 @@ static double best_of_all(const json_t *steps) {
 }
 
 static void candidate_row(FILE *to, const candidate *s, double best, double threshold) {
-    svg_axis x = {1, best, 0, BAR, true};
     char force[32];
     fprintf(to, "<tr%s><td>", s->reason ? "" : " class=\"taken\"");
     html_text(to, report_effect(s->id));
-    fprintf(to, "</td><td class=\"t\"><svg width=\"%d\" height=\"14\">", BAR);
-    if (s->score > 1) {
-        svg_bar(to, 0, 1, fmax(2, svg_at(&x, s->score)), 12, s->reason ? "#9aa7b1" : SVG_AFTER);
-    }
-    fprintf(to, "<path d=\"M%.1f 0v14\" stroke=\"#1c2329\" stroke-dasharray=\"3 2\"/></svg></td><td>%.*f</td><td>%s</td>"
-                "<td class=\"t\">",
-            svg_at(&x, threshold), fabs(s->score) < 9.95 ? 1 : 0, s->score,
+    fputs("</td>", to);
+    html_bars(to, s->score > 1 ? fmin(1, log(s->score) / log(best)) : NAN, NAN,
+              fmax(0, fmin(1, log(threshold) / log(best))));
+    fprintf(to, "<td>%.*f</td><td>%s</td><td class=\"t\">", fabs(s->score) < 9.95 ? 1 : 0, s->score,
             s->explained > 0 ? report_force(s->explained, force) : "-");
     html_text(to, s->reason ? s->reason : "added");
     fputs("</td></tr>\n", to);

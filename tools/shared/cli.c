@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { OPTIONS_MAX = 96, FIRST_CODE = 256, HELP_COLUMN = 26 };
@@ -363,4 +364,12 @@ void cli_file_drop(cli_file *file) {
         fclose(file->stream);
         remove(file->temporary);
     }
+}
+
+int cli_folder(const char *name, const char *folder) {
+    struct stat entry;
+    if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &entry) == 0 && S_ISDIR(entry.st_mode))) {
+        return CLI_OK;
+    }
+    return cli_failure(name, "%s: is no folder and cannot be made", folder);
 }

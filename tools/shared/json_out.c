@@ -41,6 +41,10 @@ int json_save_in(const char *name, json_t *value, const char *folder, const char
         json_decref(value);
         return cli_failure(name, "%s: the name is too long", folder);
     }
+    if (cli_folder(name, folder)) {
+        json_decref(value);
+        return CLI_FAILURE;
+    }
     return json_save(name, value, path);
 }
 

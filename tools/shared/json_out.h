@@ -10,6 +10,7 @@ int json_print(const char *name, json_t *value);
 
 /* Writes it to a file, under a temporary name first, and frees it; an exit code. NULL = out of memory. */
 int json_save(const char *name, json_t *value, const char *path);
+/* Makes the folder if need be. */
 int json_save_in(const char *name, json_t *value, const char *folder, const char *file);
 
 json_t *json_numbers(size_t n, const double *value);

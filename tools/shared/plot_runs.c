@@ -11,12 +11,6 @@ enum { POINTS = 12000, LEAST_BINS = 100, MOST_BINS = 900, KEY_MAX = 14, LINES_MA
 
 static const double FIRST_S = 10, LOG_FROM_S = 0.01;
 
-void plot_book_draw(plot_book *book, const char *name, const plot_figure *figure) {
-    plot_result result =
-        book->result == PLOT_NO_GNUPLOT ? PLOT_NO_GNUPLOT : plot_write(book->folder, name, figure);
-    book->result = result != PLOT_OK ? result : book->result;
-}
-
 /* ---- thinning ---- */
 
 typedef struct axis {
@@ -141,11 +135,11 @@ static void draw_curves(plot_book *book, const char *name, const char *title, si
                 add_curve(&c, &run[k], k, &a, over, PLOT_LINE, true);
             }
         }
-        const plot_figure figure = {title,
-                                    1,
-                                    {{a.depth ? "depth (mm)" : "time from the start of the ramp (s)",
-                                      "force (N)", a.log, false, c.used, c.series}}};
-        plot_book_draw(book, name, &figure);
+        const plot_figure figure = {.title = title, .n_panels = 1,
+                                    .panel = {{.x_label = a.depth ? "depth (mm)" : "time from the start of the ramp (s)",
+                                               .y_label = "force (N)", .x_scale = a.log ? PLOT_LOG : PLOT_LINEAR,
+                                               .n_series = c.used, .series = c.series}}};
+        plot_draw(book, name, &figure);
     } else {
         book->result = PLOT_FAILED;
     }
@@ -223,13 +217,12 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
                 (plot_series){named(k, n) ? c.title[k] : NULL, PLOT_LINE, colour_of(k, n), points, x, y};
         }
     }
-    const plot_figure figure = {
-        title,
-        1,
-        {{"time from the start of the ramp (s)", "mean of (fit - measured) / noise of a sample", true, false,
-          c.used, c.series}}};
+    const plot_figure figure = {.title = title, .n_panels = 1,
+                                .panel = {{.x_label = "time from the start of the ramp (s)",
+                                           .y_label = "mean of (fit - measured) / noise of a sample",
+                                           .x_scale = PLOT_LOG, .n_series = c.used, .series = c.series}}};
     if (c.used > 0) {
-        plot_book_draw(book, name, &figure);
+        plot_draw(book, name, &figure);
     }
     curves_free(&c);
 }
@@ -255,9 +248,10 @@ void plot_runs_stiffness(plot_book *book, const char *name, const char *title, d
     if (points) {
         series[n++] = *points;
     }
-    const plot_figure figure = {
-        title, 1, {{"strain e", "stiffness K (N per unit strain)", false, false, n, series}}};
-    plot_book_draw(book, name, &figure);
+    const plot_figure figure = {.title = title, .n_panels = 1,
+                                .panel = {{.x_label = "strain e", .y_label = "stiffness K (N per unit strain)",
+                                           .n_series = n, .series = series}}};
+    plot_draw(book, name, &figure);
 }
 
 /* ---- the filter ---- */

@@ -16,15 +16,7 @@ typedef struct run_curve {
     double *filtered_N, *fit_N; /* [recording->n]; NULL = none */
 } run_curve;
 
-/* Where figures go, and what became of those before. */
-typedef struct plot_book {
-    const char *folder;
-    plot_result result;
-} plot_book;
-
 typedef enum plot_time { PLOT_TIME_LINEAR, PLOT_TIME_LOG, PLOT_TIME_FIRST } plot_time;
-
-void plot_book_draw(plot_book *book, const char *name, const plot_figure *figure);
 
 /* Force against time from the start of the ramp: raw in a light tint, and over it the fit if fit, else
  * the filtered curve. PLOT_TIME_FIRST: the first 10 s. */

@@ -1,5 +1,5 @@
-/* report_html.c: the pieces of a page: escaped text, tables, cards, figures. */
-#include "report.h"
+/* html.c: the pieces of a page: escaped text, tables, cards, bars, figures. */
+#include "html.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -59,7 +59,11 @@ static const char STYLE[] =
     "b{font-size:1.2rem}.agrees,.explained{border-color:#009e73;background:#edf8f4}.unexplained{border-color:#d55e00;"
     "background:#fdf3ec}\n"
     "h4{font-size:.98rem;margin:1em 0 .2em}.effect{border:1px solid #dfe4e8;border-radius:6px;padding:2px 16px 8px}"
-    ".taken td{font-weight:600}.candidates th:first-child{min-width:210px}.candidates th:nth-child(3){min-width:60px}"
+    ".taken td{font-weight:600}.candidates th:first-child{min-width:210px}.candidates th:nth-child(3){min-width:60px}\n"
+    "td.bar{position:relative;min-width:260px;padding:.2em 0}.bar i{display:block;height:9px;margin:2px 0;min-width:1px;"
+    "background:#d55e00}.bar i.after{background:#0072b2}.candidates .bar i{background:#9aa7b1}.candidates .taken .bar i{"
+    "background:#0072b2}.bar u{position:absolute;top:0;bottom:0;border-left:1px dashed #1c2329}\n"
+    "td.cell{padding:2px;text-align:center}.cell b{display:inline-block;width:2.9em;font-weight:400}\n"
     ".figures{align-items:start;margin:14px 0}\n"
     "code{font:.9em/1.5 ui-monospace,'DejaVu Sans Mono',monospace;background:#f3f5f7;padding:.1em .3em;"
     "border-radius:3px;overflow-wrap:anywhere}\n"
@@ -146,16 +150,6 @@ void html_card(FILE *to, const char *label, const char *format, ...) {
     fputs("</b></div>\n", to);
 }
 
-double report_number(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
-const char *report_text(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return json_is_string(value) ? json_string_value(value) : "-";
-}
-
 void html_number(char text[32], const json_t *value, int digits) {
     if (json_is_number(value)) {
         snprintf(text, 32, "%#.*g", digits, json_number_value(value));
@@ -164,23 +158,36 @@ void html_number(char text[32], const json_t *value, int digits) {
     }
 }
 
-/* ---- figures ---- */
+/* ---- bars and figures ---- */
+
+void html_bars(FILE *to, double before, double after, double mark) {
+    fputs("<td class=\"bar\">", to);
+    if (isfinite(before)) {
+        fprintf(to, "<i style=\"width:%.1f%%\"></i>", 100 * before);
+    }
+    if (isfinite(after)) {
+        fprintf(to, "<i class=\"after\" style=\"width:%.1f%%\"></i>", 100 * after);
+    }
+    fprintf(to, "<u style=\"left:%.1f%%\"></u></td>", 100 * mark);
+}
 
 static bool starts(const char *at, const char *with) {
     return strncmp(at, with, strlen(with)) == 0;
 }
 
 /* An SVG in a page shares its names with all others: ids and what refers to them get a prefix. */
-static void inline_svg(FILE *to, const char *svg, size_t number) {
+static void inline_svg(FILE *to, const char *svg) {
     static const char *const names[] = {" id=\"", " id='", "href=\"#", "href='#", "url(#"};
+    static unsigned number;
     const char *end = strstr(svg, "</svg>");
+    number++;
     for (const char *at = svg; *at && (!end || at < end + 6);) {
         size_t k = 0;
         while (k < sizeof names / sizeof names[0] && !starts(at, names[k])) {
             k++;
         }
         if (k < sizeof names / sizeof names[0]) {
-            fprintf(to, "%sf%zu_", names[k], number);
+            fprintf(to, "%sf%u_", names[k], number);
             at += strlen(names[k]);
         } else {
             fputc(*at++, to);
@@ -188,20 +195,22 @@ static void inline_svg(FILE *to, const char *svg, size_t number) {
     }
 }
 
-bool html_figure(FILE *to, report *r, const char *name, const char *caption) {
-    char file[128];
-    snprintf(file, sizeof file, "%s.svg", name);
-    for (size_t i = 0; i < r->n; i++) {
-        report_file *f = &r->file[i];
-        if (f->kind == REPORT_FIGURE && !f->shown && strcmp(report_base(f->path), file) == 0) {
-            fputs("<figure>", to);
-            inline_svg(to, f->svg, i);
-            fputs("<figcaption>", to);
-            html_text(to, caption);
-            fputs("</figcaption></figure>\n", to);
-            f->shown = true;
-            return true;
-        }
+void html_svg(FILE *to, const char *svg, const char *caption) {
+    fputs("<figure>", to);
+    inline_svg(to, svg);
+    fputs("<figcaption>", to);
+    html_text(to, caption);
+    fputs("</figcaption></figure>\n", to);
+}
+
+void html_draw(FILE *to, const plot_figure *figure, const char *caption) {
+    char *svg;
+    plot_result result = plot_svg(figure, &svg);
+    if (result == PLOT_OK) {
+        html_svg(to, svg, caption);
+    } else {
+        fprintf(to, "<p class=\"about\">A figure is missing here: %s.</p>\n",
+                result == PLOT_NO_GNUPLOT ? "gnuplot is not installed" : "gnuplot failed");
     }
-    return false;
+    free(svg);
 }
