@@ -10,7 +10,7 @@ BUILD=${BUILD:-build}
 # layer: what it may use, beside itself and what those use | the public headers of its concepts
 layers() {
     cat <<'TABLE'
-base: | export version status path
+base: | export version status path random
 wire: base | wire
 solve: base |
 material: base | law material closed_form

@@ -16,6 +16,7 @@
 #include <palpate/model.h>
 #include <palpate/network.h>
 #include <palpate/path.h>
+#include <palpate/random.h>
 #include <palpate/realtime.h>
 #include <palpate/recording.h>
 #include <palpate/segments.h>

@@ -1,5 +1,12 @@
-/* statistics.c: quickselect and the straight line of least squares. */
+/* statistics.c: see statistics.h. */
 #include "statistics.h"
+
+double statistics_mean(const double *x, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += x[i];
+    return sum / (double)n;
+}
 
 /* Hoare's quickselect; the middle as pivot, so that sorted and constant data are no worse than others. */
 double statistics_kth(double *x, size_t n, size_t k) {
@@ -24,6 +31,14 @@ double statistics_kth(double *x, size_t n, size_t k) {
             high = j;
     }
     return x[k];
+}
+
+double statistics_quantile(double *x, size_t n, double share) {
+    return statistics_kth(x, n, (size_t)(share * (double)(n - 1)));
+}
+
+double statistics_median(double *x, size_t n) {
+    return statistics_kth(x, n, n / 2);
 }
 
 statistics_line statistics_line_fit(size_t n, const double *x, const double *y, const unsigned char *use) {

@@ -1,11 +1,17 @@
-/* statistics.h: order statistics and straight lines. Internal. */
+/* statistics.h: means, order statistics and straight lines. Internal. */
 #ifndef PALP_STATISTICS_H
 #define PALP_STATISTICS_H
 
 #include <stddef.h>
 
+double statistics_mean(const double *x, size_t n); /* n > 0 */
+
 /* The k-th smallest, from 0, of n > k numbers. They change places: x[0..k] are then the k + 1 smallest. */
 double statistics_kth(double *x, size_t n, size_t k);
+
+/* The one below which a share of n > 0 numbers lies, and the upper median. They change places. */
+double statistics_quantile(double *x, size_t n, double share);
+double statistics_median(double *x, size_t n);
 
 /* The least-squares line y = mean_y + slope (x - mean_x) through points. */
 typedef struct statistics_line {

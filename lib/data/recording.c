@@ -77,7 +77,7 @@ static palp_status look_at_times(palp_recording *r, double *step) {
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < steps; i++)
         dt[i] = r->time_s[i + 1] - r->time_s[i];
-    *step = statistics_kth(dt, steps, steps / 2);
+    *step = statistics_median(dt, steps);
     for (size_t i = 0; i < steps; i++) {
         bool gap = dt[i] > 3.0 * *step;
         r->n_gaps += gap;

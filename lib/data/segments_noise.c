@@ -8,10 +8,6 @@
 /* A Gaussian's sd over its median size, and its variance without the outer 5 %. */
 static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76;
 
-static double quantile(double *x, size_t n, double share) {
-    return statistics_kth(x, n, (size_t)(share * (double)(n - 1)));
-}
-
 /* Root mean square of those up to a limit. */
 static double trimmed_rms(const double *x, size_t n, double limit) {
     double sum = 0.0, kept = 0.0;
@@ -26,9 +22,9 @@ static double trimmed_rms(const double *x, size_t n, double limit) {
 /* Corners and spikes do not count in a median. The few counts of a coarse converter show in quantiles that a
  * Gaussian (0.32, 0.67, 1.64 sd) does not have; then the mean square of all but the largest. */
 static double by_median(double *bend, size_t n) {
-    double middle = quantile(bend, n, 0.5), quarter = quantile(bend, n, 0.25), most = quantile(bend, n, 0.9);
+    double middle = statistics_quantile(bend, n, 0.5), quarter = statistics_quantile(bend, n, 0.25), most = statistics_quantile(bend, n, 0.9);
     bool coarse = quarter >= 0.9 * middle || most > 5.0 * middle;
-    return coarse ? trimmed_rms(bend, n, quantile(bend, n, 0.99)) : SD_OF_MEDIAN * middle;
+    return coarse ? trimmed_rms(bend, n, statistics_quantile(bend, n, 0.99)) : SD_OF_MEDIAN * middle;
 }
 
 static double by_most(double *bend, size_t n) {

@@ -1,5 +1,6 @@
 /* explain_diagnostics.c: diagnostics of the residual with the effects: its order from sample to sample, lines, steps, and
  * how much of it any smooth curve could still take off. */
+#include "base/statistics.h"
 #include "explain_internal.h"
 
 #include <math.h>
@@ -95,13 +96,6 @@ static void find_curves(const explain_data *data, palp_explanation *e) {
 
 /* ---- steps that stay ---- */
 
-static double mean(const double *x, size_t n) {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++)
-        sum += x[i];
-    return sum / (double)n;
-}
-
 /* The means of two stretches before and two after a sample: a step lies between, and none within either side. */
 static palp_status find_slips(explain_data *data, size_t r, const double *y) {
     enum { HALF = 12 };
@@ -109,8 +103,8 @@ static palp_status find_slips(explain_data *data, size_t r, const double *y) {
     double least = 8.0 * hypot(run->white, data->correlated);
     palp_status status = PALP_OK;
     for (size_t i = 2 * HALF; i + 2 * HALF < run->n && !status; i++) {
-        double a = mean(y + i - 2 * HALF, HALF), b = mean(y + i - HALF, HALF), c = mean(y + i + 1, HALF),
-               d = mean(y + i + 1 + HALF, HALF), step = c - b;
+        double a = statistics_mean(y + i - 2 * HALF, HALF), b = statistics_mean(y + i - HALF, HALF);
+        double c = statistics_mean(y + i + 1, HALF), d = statistics_mean(y + i + 1 + HALF, HALF), step = c - b;
         bool sudden = fabs(y[i + 1] - y[i - 1]) > 0.7 * fabs(step);
         if (!(fabs(step) > least && sudden && fabs(b - a) < 0.25 * fabs(step) && fabs(d - c) < 0.25 * fabs(step)))
             continue;

@@ -99,7 +99,7 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
             centre = 40.0 + 0.05 * k;
         }
     }
-    typical = statistics_kth(power, GRID, GRID / 2);
+    typical = statistics_median(power, GRID);
     bool stands_out = best > OUTSTANDING * typical;
     best = 0.0;
     for (int k = -40; k <= 40; k++) {
@@ -196,7 +196,7 @@ palp_status explain_peak_in_depth(const explain_data *data, const double *residu
         if (l.power > best.power)
             best = l;
     }
-    double typical = statistics_kth(power, LOOKED, LOOKED / 2);
+    double typical = statistics_median(power, LOOKED);
     *peak = (palp_explain_peak){.at = best.x > 0.0 ? 1.0 / best.x : 0.0,
                                 .amplitude_N = hypot(best.cosine, best.sine),
                                 .prominence = typical > 0.0 ? best.power / typical : 0.0};
@@ -234,7 +234,7 @@ palp_status explain_peak_in_time(const explain_data *data, const double *residua
             peak->at = f;
         }
     }
-    double typical = fastest > slowest ? statistics_kth(power, LOOKED, LOOKED / 2) : 0.0;
+    double typical = fastest > slowest ? statistics_median(power, LOOKED) : 0.0;
     peak->amplitude_N = 2.0 * sqrt(best / (double)data->n);
     peak->prominence = typical > 0.0 ? best / typical : 0.0;
     free(y);

@@ -1,25 +1,14 @@
 /* explain_null.c: how much chance alone gains: simulated null cases, linear beside the fit at hand. */
 #include "explain_internal.h"
 #include "base/dense.h"
+#include "base/statistics.h"
 
 #include <math.h>
-#include <stdint.h>
+#include <palpate/random.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { NULLS = 4000 };
-
-/* splitmix64, then Box and Muller. */
-static double normal(uint64_t *state) {
-    double u[2];
-    for (int i = 0; i < 2; i++) {
-        uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
-        z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-        z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-        u[i] = ((double)((z ^ (z >> 31)) >> 11) + 0.5) * 0x1p-53;
-    }
-    return sqrt(-2.0 * log(u[0])) * cos(6.28318530717958647692 * u[1]);
-}
 
 /* Takes what `first` columns can do off the rest of g[m m], whose products they are. */
 static void eliminate(double *g, size_t m, size_t first) {
@@ -97,11 +86,6 @@ static palp_status directions(const explain_search *s, const explain_directions 
     return status;
 }
 
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The quantile of the largest of the scores that normal numbers with these products have. */
 static palp_status simulate(const explain_search *s, const explain_directions *d, double *left, double *threshold) {
     size_t n = d->n;
@@ -123,7 +107,7 @@ static palp_status simulate(const explain_search *s, const explain_directions *d
     for (size_t k = 0; k < NULLS; k++) {
         score[k] = 0.0;
         for (size_t i = 0; i < n; i++)
-            z[i] = normal(&state);
+            z[i] = palp_random_normal(&state);
         for (size_t i = 0; i < n; i++) {
             double x = 0.0;
             for (size_t j = 0; j <= i; j++)
@@ -131,8 +115,7 @@ static palp_status simulate(const explain_search *s, const explain_directions *d
             score[k] = fmax(score[k], scale[i] > 0.0 ? 0.5 * x * x : 0.0);
         }
     }
-    qsort(score, NULLS, sizeof *score, ascending);
-    *threshold = score[(size_t)fmin(NULLS - 1, (1.0 - s->settings->false_alarm) * NULLS)];
+    *threshold = statistics_kth(score, NULLS, (size_t)fmin(NULLS - 1, (1.0 - s->settings->false_alarm) * NULLS));
     free(score);
     return PALP_OK;
 }

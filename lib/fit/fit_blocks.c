@@ -42,7 +42,7 @@ static palp_status path_tolerance(const palp_recording *rec, double *tolerance) 
     for (size_t i = 0; i + 2 < rec->n; i++)
         if (bend[i] > 1e-9 * rec->deepest_m)
             bend[m++] = bend[i];
-    double typical = m > rec->n / 500 + 4 ? statistics_kth(bend, m, m / 2) : 0.0;
+    double typical = m > rec->n / 500 + 4 ? statistics_median(bend, m) : 0.0;
     *tolerance = fmin(fmax(1.5 * typical, least), 10.0 * least);
     free(bend);
     return PALP_OK;

@@ -6,6 +6,7 @@
 #include "reduce_internal.h"
 
 #include <math.h>
+#include <palpate/random.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,19 +31,6 @@ typedef struct sampling {
     double *work;        /* [n_elements] what each element adds to a row */
     uint64_t seed;
 } sampling;
-
-/* Uniform in (0, 1): splitmix64 (Steele, Lea, Flood 2014). */
-static double uniform(uint64_t *seed) {
-    uint64_t z = (*seed += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return ((double)((z ^ (z >> 31)) >> 11) + 0.5) * 0x1p-53;
-}
-
-static double gauss(uint64_t *seed) {
-    double radius = sqrt(-2.0 * log(uniform(seed)));
-    return radius * cos(6.283185307179586 * uniform(seed));
-}
 
 /* out[3 n_nodes] = basis q */
 static void expand(const sampling *s, const double *q, double *out) {
@@ -69,7 +57,7 @@ static void make_fields(sampling *s) {
     for (size_t k = 0; k < 3 * DIRECTIONS; k++) {
         double *mix = s->mix + k * s->modes;
         for (size_t i = 0; i < s->modes; i++)
-            mix[i] = gauss(&s->seed) * (k < 2 * DIRECTIONS ? 1.0 : s->spread[i]);
+            mix[i] = palp_random_normal(&s->seed) * (k < 2 * DIRECTIONS ? 1.0 : s->spread[i]);
         expand(s, mix, s->fields + k * n3);
     }
 }
@@ -142,7 +130,7 @@ static palp_status walk(sampling *s, size_t n_training, palp_training *const *tr
 static void choose_candidates(sampling *s) {
     size_t n = s->net->n_elements, left = s->n_candidates, k = 0;
     for (size_t i = 0; i < n && left > 0; i++)
-        if (uniform(&s->seed) * (double)(n - i) < (double)left) {
+        if (palp_random_uniform(&s->seed) * (double)(n - i) < (double)left) {
             s->candidate[k++] = (int32_t)i;
             left--;
         }

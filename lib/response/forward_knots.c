@@ -52,7 +52,7 @@ static double straightness(const knots *k) {
     if (n < 3)
         return low;
     segments_bends(n, k->run->depth_m, bend);
-    return fmin(fmax(low, 3.0 * statistics_kth(bend, n - 2, (n - 2) / 2)), ROUGH * k->reach);
+    return fmin(fmax(low, 3.0 * statistics_median(bend, n - 2)), ROUGH * k->reach);
 }
 
 /* Grows a straight piece from each corner while a line through its first sample passes all others closely; the

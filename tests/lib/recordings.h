@@ -10,19 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* splitmix64 and Box-Muller: the same numbers everywhere. */
-static inline double uniform(uint64_t *state) {
-    uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    return ((double)((z ^ (z >> 31)) >> 11) + 0.5) / 9007199254740992.0;
-}
-
-static inline double normal(uint64_t *state) {
-    double u = uniform(state), v = uniform(state);
-    return sqrt(-2.0 * log(u)) * cos(6.283185307179586 * v);
-}
-
 typedef struct take {
     palp_material material;
     double depth_mm, ramp_s, hold_s, air_s, rate_Hz, noise_N; /* ramp_s: time from contact to depth_mm */
@@ -47,7 +34,7 @@ static inline palp_experiment *record(const take *t) {
         double strain = fmax(depth[i], 0.0) / 24.0;
         bad +=
             palp_element_advance(&t->material, &s, strain, i ? 1.0 / t->rate_Hz : 0.0, &s, NULL) != PALP_OK;
-        force[i] = s.force_N + (t->noise_N > 0.0 ? t->noise_N * normal(&state) : 0.0);
+        force[i] = s.force_N + (t->noise_N > 0.0 ? t->noise_N * palp_random_normal(&state) : 0.0);
     }
     ck_assert_int_eq(bad, 0);
     palp_experiment_set_number(e, "specimen.height_mm", 24.0);

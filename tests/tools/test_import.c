@@ -1,6 +1,5 @@
-/* test_import.c: fields and numbers of imported files, and the noise of simulated recordings. */
+/* test_import.c: fields and numbers of imported files. */
 #include "import/import.h"
-#include "shared/noise.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -58,30 +57,11 @@ static void test_number(void **state) {
     assert_true(import_number("+2.25E2", ',', &x) && x == 225);
 }
 
-/* The mean of many is 0, their square 1, one in twenty is outside 1.96, and a seed's neighbour is not the
- * same stream moved by one. */
-static void test_normal(void **state) {
-    enum { N = 100000 };
-    double mean = 0, square = 0, product = 0, tail = 0;
-    (void)state;
-    for (size_t k = 0; k < N; k++) {
-        double x = noise_normal(1, k);
-        assert_true(isfinite(x) && x == noise_normal(1, k));
-        mean += x / N;
-        square += x * x / N;
-        product += x * noise_normal(2, k + 1) / N;
-        tail += fabs(x) > 1.959964 ? 1.0 / N : 0;
-    }
-    assert_true(fabs(mean) < 4 / sqrt(N));
-    assert_true(fabs(square - 1) < 4 * sqrt(2.0 / N));
-    assert_true(fabs(product) < 4 / sqrt(N));
-    assert_true(fabs(tail - 0.05) < 4 * sqrt(0.05 * 0.95 / N));
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_split),
+        cmocka_unit_test(test_split_wide),
+        cmocka_unit_test(test_number),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }
-
-const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_split),
-    cmocka_unit_test(test_split_wide),
-    cmocka_unit_test(test_number),
-    cmocka_unit_test(test_normal),
-    {0},
-};

@@ -2,6 +2,7 @@
 #include "acquire.h"
 
 #include <math.h>
+#include <palpate/random.h>
 #include <string.h>
 
 static const char *const kinds[ACQUIRE_KINDS] = {"static", "ramp_hold", "cyclic", "sine",
@@ -127,18 +128,10 @@ bool acquire_plan_seed(acquire_plan *plan, const acquire_motion *defaults, char 
 
 /* ---- order ---- */
 
-/* SplitMix64 (Steele, Lea, Flood 2014). */
-static uint64_t next_random(uint64_t *state) {
-    uint64_t z = *state += 0x9E3779B97F4A7C15u;
-    z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ z >> 27) * 0x94D049BB133111EBu;
-    return z ^ z >> 31;
-}
-
 static void shuffle(acquire_plan *plan, const size_t *press, size_t n) {
     uint64_t state = (uint64_t)plan->seed;
     for (size_t i = n; i > 1; i--) {
-        acquire_run *a = &plan->run[press[i - 1]], *b = &plan->run[press[next_random(&state) % i]];
+        acquire_run *a = &plan->run[press[i - 1]], *b = &plan->run[press[palp_random_next(&state) % i]];
         acquire_run moved = *a;
         *a = *b;
         *b = moved;

@@ -1,8 +1,8 @@
 /* plant_sensor.c: the simulated force sensor and thermistor: from newtons and degrees to counts. */
-#include "shared/noise.h"
 #include "plant_internal.h"
 
 #include <math.h>
+#include <palpate/random.h>
 
 static const double PI = 3.14159265358979323846;
 static const double HUM_HZ = 50, TICK = 1e-3;
@@ -88,7 +88,7 @@ static double bridge(const plant_sensor *s, double force_N, double time_s) {
 void sensor_convert(const sensor *s, double force_N, uint32_t tick, int16_t adc[N]) {
     double z = bridge(&s->settings, force_N, TICK * tick), noise[N] = {0}, most = s->settings.range_N;
     for (uint32_t i = 0; i < N && s->noise_counts > 0; i++) {
-        noise[i] = s->noise_counts * noise_normal(s->settings.seed, (uint64_t)tick * N + i);
+        noise[i] = s->noise_counts * palp_random_normal_at(s->settings.seed, (uint64_t)tick * N + i);
     }
     if (most > 0) {
         double seen = z;

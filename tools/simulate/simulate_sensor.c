@@ -1,8 +1,8 @@
 /* simulate_sensor.c: what a tester makes of palpate simulate's run: even samples, free air, noise, faults. */
-#include "shared/noise.h"
 #include "simulate.h"
 
 #include <math.h>
+#include <palpate/random.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -149,7 +149,7 @@ static void disturb(const simulate_options *o, record *c) {
             c->force_N[i] += o->hum_N * sin(2 * PI * SIMULATE_HUM_HZ * c->time_s[i]);
         }
         if (o->noise_N > 0) {
-            c->force_N[i] = round_nano(c->force_N[i] + o->noise_N * noise_normal(o->seed, i));
+            c->force_N[i] = round_nano(c->force_N[i] + o->noise_N * palp_random_normal_at(o->seed, i));
         }
     }
     add_spikes(&o->spikes, c);

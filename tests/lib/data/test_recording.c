@@ -124,7 +124,7 @@ START_TEST(rest_on_the_specimen_is_zero_force_but_rest_within_it_is_not) {
     uint64_t state = 5;
     for (size_t i = n; i-- > 0;) { /* half a second later, on a cell that shows 0.1 N */
         depth[i] = i >= rest ? depth[i - rest] : 0.0;
-        force[i] = 0.1 + (i >= rest ? force[i - rest] : 0.004 * normal(&state));
+        force[i] = 0.1 + (i >= rest ? force[i - rest] : 0.004 * palp_random_normal(&state));
     }
     palp_recording r = prepare(e);
     ck_assert_double_eq_tol(r.zero_N, 0.1, 4.0 * 0.004 / sqrt(500.0));
@@ -279,7 +279,7 @@ START_TEST(uneven_times_and_a_fault_are_told) {
     double *time = palp_experiment_column(e, "time_s");
     uint64_t state = 3;
     for (size_t i = 0; i < palp_experiment_rows(e); i++)
-        time[i] += 3e-4 * uniform(&state);
+        time[i] += 3e-4 * palp_random_uniform(&state);
     palp_experiment_set_string(e, "end.fault", "over_temperature");
     palp_recording r = prepare(e);
     ck_assert(r.uneven && r.faulted);
@@ -304,7 +304,7 @@ START_TEST(a_withdrawal_after_the_hold_is_left_out) {
     uint64_t state = 9;
     for (size_t i = away; i < n; i++) {
         depth[i] = fmax(5.0 - 12.0 * (double)(i - away + 1) / 200.0, -1.0);
-        force[i] = 0.004 * normal(&state);
+        force[i] = 0.004 * palp_random_normal(&state);
     }
     palp_recording r = prepare(e);
     ck_assert_double_eq_tol(r.end_s, 58.0, 0.02);

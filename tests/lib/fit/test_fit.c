@@ -113,7 +113,7 @@ START_TEST(stiffness_is_kept_positive) {
         double strain = fmax(depth[i], 0.0) / 24.0, f = 0.0;
         for (size_t k = 5; k-- > 0;)
             f = (f + c[k]) * strain;
-        force[i] = f + 0.001 * normal(&state);
+        force[i] = f + 0.001 * palp_random_normal(&state);
     }
     palp_experiment_set_string(e, "contact.rule",
                                "find_contact"); /* do not look for it where the force rises */

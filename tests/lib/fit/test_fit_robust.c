@@ -134,7 +134,7 @@ START_TEST(uneven_sampling) {
     unsigned char *keep = malloc(n);
     uint64_t state = 77;
     for (size_t i = 0; i < n; i++)
-        keep[i] = uniform(&state) < 0.6;
+        keep[i] = palp_random_uniform(&state) < 0.6;
     palp_recording r = prepare(only(e, keep));
     ck_assert(r.uneven);
     answer_is(&r, 0.001, 0.015);
@@ -208,7 +208,7 @@ START_TEST(coloured_noise) {
     double *force = palp_experiment_column(e, "force_N"), x = 0.0;
     uint64_t state = 12;
     for (size_t i = 0; i < palp_experiment_rows(e); i++) {
-        x = 0.9 * x + 0.002 * normal(&state);
+        x = 0.9 * x + 0.002 * palp_random_normal(&state);
         force[i] += x;
     }
     palp_recording r = prepare(e);

@@ -1,0 +1,62 @@
+/* test_statistics.c: order statistics against sorted numbers. */
+#include "base/statistics.h"
+
+#include <check.h>
+#include <palpate/random.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N = 101 };
+
+static int ascending(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Numbers of every kind: any, many of them equal, sorted either way, all the same. */
+static void fill(int kind, double x[N]) {
+    uint64_t state = 5;
+    for (size_t i = 0; i < N; i++) {
+        double u = palp_random_uniform(&state), place = (double)i;
+        const double kinds[] = {u, (double)(int)(4.0 * u), place, -place, 3.0};
+        x[i] = kinds[kind];
+    }
+}
+
+START_TEST(every_order_statistic) {
+    double x[N], sorted[N], work[N];
+    for (int kind = 0; kind < 5; kind++) {
+        fill(kind, x);
+        memcpy(sorted, x, sizeof x);
+        qsort(sorted, N, sizeof *sorted, ascending);
+        for (size_t k = 0; k < N; k++) {
+            memcpy(work, x, sizeof x);
+            ck_assert(statistics_kth(work, N, k) == sorted[k]);
+        }
+        ck_assert(statistics_median(work, N) == sorted[50]);
+        ck_assert(statistics_median(memcpy(work, sorted, sizeof sorted), N - 1) == sorted[50]);
+        ck_assert(statistics_quantile(work, N, 0.25) == sorted[25]);
+        ck_assert(statistics_quantile(work, N, 1.0) == sorted[100]);
+    }
+}
+END_TEST
+
+START_TEST(a_mean) {
+    double x[] = {1.0, 2.0, 6.0};
+    ck_assert_double_eq(statistics_mean(x, 3), 3.0);
+    ck_assert_double_eq(statistics_median(x, 1), 1.0);
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("statistics");
+    TCase *tests = tcase_create("statistics");
+    tcase_add_test(tests, every_order_statistic);
+    tcase_add_test(tests, a_mean);
+    suite_add_tcase(suite, tests);
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
