@@ -55,6 +55,10 @@ PALP_API palp_status palp_law_spline(size_t n, const double *strain, const doubl
 PALP_API palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *coefficients_Pa,
                                            double area_m2, palp_law *law);
 
+/* Gives *law other coefficients c[law->n], as its maker takes them; knots and area stay. Errors as of the makers; *law is
+ * then untouched. */
+PALP_API palp_status palp_law_set_coefficients(palp_law *law, const double *c);
+
 /* The same law with every coefficient times factor (Ogden's alpha untouched); *scaled may be *law.
  * ERR_ARGUMENT: the result is no law (factor not finite, or <= 0 for a spline). */
 PALP_API palp_status palp_law_scale(const palp_law *law, double factor, palp_law *scaled);

@@ -103,16 +103,10 @@ static palp_status fixed_point(stage *s) {
     return status;
 }
 
-static palp_status law_from(const palp_law *like, const double *c, palp_law *law) {
-    if (like->kind == PALP_LAW_SPLINE)
-        return palp_law_spline(like->n, like->strain, c, law);
-    return palp_law_polynomial(like->n, c, law);
-}
-
 static palp_status residuals(void *user, const double *p, double *r, double *jacobian) {
     stage *s = user;
     palp_material material = *s->start;
-    palp_status status = law_from(&s->start->law, p, &material.law);
+    palp_status status = palp_law_set_coefficients(&material.law, p);
     if (!status)
         status = run_curve(s, &material, jacobian);
     if (!status)

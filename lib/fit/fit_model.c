@@ -26,18 +26,14 @@ void fit_arm_response(const fit_run *run, double tau, double *response, double *
 }
 
 palp_status fit_law(const fit_problem *p, const double *v, palp_law *law) {
-    const palp_law *like = &p->law;
     if (p->settings->spring == PALP_SPRING_PER_RUN) {
         double sum = 0.0;
         for (size_t r = 0; r < p->n_runs; r++)
             sum += v[r] / (double)p->n_runs;
         return palp_law_polynomial(1, &sum, law);
     }
-    if (like->kind == PALP_LAW_POLYNOMIAL)
-        return palp_law_polynomial(like->n, v, law);
-    if (like->kind == PALP_LAW_SPLINE)
-        return palp_law_spline(like->n, like->strain, v, law);
-    return palp_law_hyperelastic(like->kind, like->n, v, like->area_m2, law);
+    *law = p->law;
+    return palp_law_set_coefficients(law, v);
 }
 
 palp_status fit_material(const fit_problem *p, const double *v, palp_material *material) {

@@ -92,22 +92,26 @@ palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *co
     return PALP_OK;
 }
 
+palp_status palp_law_set_coefficients(palp_law *law, const double *c) {
+    palp_law like = *law;
+    if (like.kind == PALP_LAW_POLYNOMIAL)
+        return palp_law_polynomial(like.n, c, law);
+    if (like.kind == PALP_LAW_SPLINE)
+        return palp_law_spline(like.n, like.strain, c, law);
+    return palp_law_hyperelastic(like.kind, like.n, c, like.area_m2, law);
+}
+
 palp_status palp_law_scale(const palp_law *law, double factor, palp_law *scaled) {
     double c[PALP_LAW_MAX];
     for (size_t i = 0; i < law->n; i++) {
         bool exponent = law->kind == PALP_LAW_OGDEN && i % 2 == 1;
         c[i] = exponent ? law->coefficients[i] : law->coefficients[i] * factor;
     }
-    switch (law->kind) {
-    case PALP_LAW_POLYNOMIAL:
-        return palp_law_polynomial(law->n, c, scaled);
-    case PALP_LAW_SPLINE: {
-        palp_law knots = *law; /* scaled may be law */
-        return palp_law_spline(law->n, knots.strain, c, scaled);
-    }
-    default:
-        return palp_law_hyperelastic(law->kind, law->n, c, law->area_m2, scaled);
-    }
+    palp_law made = *law;
+    palp_status status = palp_law_set_coefficients(&made, c);
+    if (!status)
+        *scaled = made;
+    return status;
 }
 
 /* The polynomial loops are inlined with a constant m into polynomial_force, which unrolls the inner

@@ -35,20 +35,12 @@ palp_status palp_forward_get(const palp_model *model, double *parameter) {
     return PALP_OK;
 }
 
-static palp_status set_law(const palp_law *like, const double *c, palp_law *law) {
-    if (like->kind == PALP_LAW_POLYNOMIAL)
-        return palp_law_polynomial(like->n, c, law);
-    if (like->kind == PALP_LAW_SPLINE)
-        return palp_law_spline(like->n, like->strain, c, law);
-    return palp_law_hyperelastic(like->kind, like->n, c, like->area_m2, law);
-}
-
 palp_status palp_forward_set(palp_model *model, const double *parameter) {
     palp_material made = model->material;
     palp_effect effects[PALP_EFFECTS_MAX];
     palp_status status = known(model);
     if (!status)
-        status = set_law(&model->material.law, parameter, &made.law);
+        status = palp_law_set_coefficients(&made.law, parameter);
     if (status)
         return PALP_ERR_ARGUMENT;
     parameter += made.law.n;

@@ -9,10 +9,7 @@ static palp_material with_coefficient(const palp_material *like, size_t k, doubl
     double c[PALP_LAW_MAX];
     memcpy(c, like->law.coefficients, sizeof c);
     c[k] += change;
-    if (like->law.kind == PALP_LAW_SPLINE)
-        ck_assert_int_eq(palp_law_spline(like->law.n, like->law.strain, c, &material.law), PALP_OK);
-    else
-        ck_assert_int_eq(palp_law_polynomial(like->law.n, c, &material.law), PALP_OK);
+    ck_assert_int_eq(palp_law_set_coefficients(&material.law, c), PALP_OK);
     return material;
 }
 
