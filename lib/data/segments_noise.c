@@ -22,7 +22,8 @@ static double trimmed_rms(const double *x, size_t n, double limit) {
 /* Corners and spikes do not count in a median. The few counts of a coarse converter show in quantiles that a
  * Gaussian (0.32, 0.67, 1.64 sd) does not have; then the mean square of all but the largest. */
 static double by_median(double *bend, size_t n) {
-    double middle = statistics_quantile(bend, n, 0.5), quarter = statistics_quantile(bend, n, 0.25), most = statistics_quantile(bend, n, 0.9);
+    double middle = statistics_quantile(bend, n, 0.5), quarter = statistics_quantile(bend, n, 0.25);
+    double most = statistics_quantile(bend, n, 0.9);
     bool coarse = quarter >= 0.9 * middle || most > 5.0 * middle;
     return coarse ? trimmed_rms(bend, n, statistics_quantile(bend, n, 0.99)) : SD_OF_MEDIAN * middle;
 }

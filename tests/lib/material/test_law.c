@@ -187,6 +187,17 @@ START_TEST(scaled_law_scales_the_force) {
 }
 END_TEST
 
+START_TEST(other_coefficients_make_the_same_kind_of_law) {
+    palp_law law = sample_law(_i), other = sample_law(_i), scaled;
+    double c[PALP_LAW_MAX] = {NAN};
+    ck_assert_int_eq(palp_law_scale(&law, 1.7, &scaled), PALP_OK);
+    ck_assert_int_eq(palp_law_set_coefficients(&other, scaled.coefficients), PALP_OK);
+    ck_assert_mem_eq(&other, &scaled, sizeof other);
+    ck_assert_int_eq(palp_law_set_coefficients(&other, c), PALP_ERR_ARGUMENT);
+    ck_assert_mem_eq(&other, &scaled, sizeof other);
+}
+END_TEST
+
 /* K(0.25) = 146.89/256 - 131.36/64 + 47.47/16 - 0.70/4 + 8.18, likewise at 0.1, by hand. */
 START_TEST(polynomial_is_eq43) {
     palp_law law = polynomial43();
@@ -449,6 +460,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, force_is_odd_and_its_tangent_at_zero_is_the_stiffness, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, array_and_single_calls_agree, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, scaled_law_scales_the_force, 0, SAMPLE_LAWS);
+    tcase_add_loop_test(tc, other_coefficients_make_the_same_kind_of_law, 0, SAMPLE_LAWS);
     tcase_add_test(tc, polynomial_is_eq43);
     tcase_add_test(tc, spline_slopes_are_fritsch_butland);
     tcase_add_test(tc, spline_of_two_knots_is_a_line);
