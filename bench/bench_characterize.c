@@ -82,11 +82,11 @@ int main(void) {
         palp_experiment_free(e);
     }
     unlink(path);
-    palp_fit_settings fit = palp_fit_settings_default();
+    palp_characterize_settings fit = palp_characterize_settings_default();
     palp_lumped_fit result;
     fit.n_arms = 2;
     double t0 = bench_seconds();
-    bench_check(palp_fit_lumped(RUNS, runs, &fit, &result, NULL), "fit");
+    bench_check(palp_characterize_fit(RUNS, runs, &fit, &result, NULL), "fit");
     double spent = bench_seconds() - t0;
     printf("characterize, %d runs of 200 s at 1 kHz, two shared arms\n", RUNS);
     printf("  read %.2f s (%.0f MB/s, at least 100; plain fscanf %.0f MB/s, ratio %.1f), prepare %.2f s, fit %.2f s\n", read,

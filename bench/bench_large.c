@@ -1,4 +1,4 @@
-/* bench_large.c: calibrating large lattices by palp_calibrate_carried: rounds, time, memory, and how deep each
+/* bench_large.c: calibrating large lattices by palp_calibrate_two_level: rounds, time, memory, and how deep each
  * lattice's branch goes. An argument or BENCH_NODES sets the largest number of nodes a side (default 21; 33 takes
  * half a minute). Each size runs in a process of its own. */
 #define _POSIX_C_SOURCE 200809L
@@ -29,7 +29,7 @@ static void calibrate_here(size_t n, double depth) {
     double before = bench_peak_MB(), start = bench_seconds();
     palp_network *net = bench_network(n, NULL, &material, PALP_SOLVER_AUTO),
                  *coarse = bench_network(COARSE, NULL, &material, PALP_SOLVER_AUTO);
-    bench_check(palp_calibrate_carried(net, coarse, &material, SAMPLES, depths, forces, &settings, &result),
+    bench_check(palp_calibrate_two_level(net, coarse, &material, SAMPLES, depths, forces, &settings, &result),
                 "calibrate");
     for (int i = 0; i < SAMPLES && depths[i] <= result.reached_m; i++)
         worst = fmax(worst, fabs(result.force_N[i] - forces[i]) / forces[SAMPLES - 1]);

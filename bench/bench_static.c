@@ -37,11 +37,10 @@ static double fixed_point(const palp_model *lumped, const press *p, bool every_s
     palp_material start = lumped->material;
     start.n_arms = 0;
     palp_network *net = bench_network(3, NULL, &start, PALP_SOLVER_AUTO);
-    settings.method = PALP_CALIBRATE_FIXED_POINT;
     settings.max_evaluations = iterations;
     settings.every_step = every_step;
     double begin = bench_seconds();
-    bench_check(palp_calibrate_static(net, &start, STEPS, p->depth, p->force, &settings, result), "fixed point");
+    bench_check(palp_thesis_fixed_point(net, &start, STEPS, p->depth, p->force, &settings, result), "fixed point");
     double seconds = bench_seconds() - begin;
     palp_network_free(net);
     return seconds;
@@ -49,7 +48,7 @@ static double fixed_point(const palp_model *lumped, const press *p, bool every_s
 
 /* The three phases of a 6 mm press in 1 s, 1 ms steps, on the law of the static stage. */
 static double three_phase(const palp_model *lumped, const palp_law *law, palp_calibration *result) {
-    palp_relaxation_settings settings = palp_relaxation_settings_default();
+    palp_three_phase_settings settings = palp_three_phase_settings_default();
     palp_material start = lumped->material;
     palp_path path;
     press p = press_make(HOLD_STEPS + 1);
@@ -63,10 +62,8 @@ static double three_phase(const palp_model *lumped, const palp_law *law, palp_ca
     start.law = *law;
     start.formulation = PALP_SEDEF2008;
     palp_network *net = bench_network(3, NULL, &start, PALP_SOLVER_AUTO);
-    settings.method = PALP_CALIBRATE_THREE_PHASE;
-    settings.dt_s = 1e-3;
     double begin = bench_seconds();
-    bench_check(palp_calibrate_relaxation(net, &start, 1, &target, &settings, result), "three phases");
+    bench_check(palp_thesis_three_phase(net, &start, &target, &settings, result), "three phases");
     double seconds = bench_seconds() - begin;
     palp_network_free(net);
     palp_path_free(&path);

@@ -15,7 +15,7 @@ wire: base | wire
 solve: base |
 material: base | law material closed_form
 mesh: base | mesh vtu
-data: base | experiment recording
+data: base | experiment recording segments
 effect: wire solve material mesh data | effect
 model: effect | model
 network: model | network
@@ -26,7 +26,7 @@ reduce: contact cut | reduce
 response: network | forward specimen
 fit: data response realtime | characterize calibrate
 explain: response fit data | explain
-thesis: fit |
+thesis: fit | thesis
 palpate.h: thesis explain fit response reduce realtime | palpate
 firmware/core: wire |
 firmware/board: firmware/core |

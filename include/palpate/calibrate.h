@@ -8,20 +8,14 @@
 extern "C" {
 #endif
 
-typedef enum palp_calibrate_method {
-    PALP_CALIBRATE_NLOPT,       /* least squares by NLopt with analytic gradients (default) */
-    PALP_CALIBRATE_FIXED_POINT, /* static: Figure 5.6 */
-    PALP_CALIBRATE_THREE_PHASE  /* relaxation: Figure 5.21; PALP_SEDEF2008 or PALP_HISTORY, one arm */
-} palp_calibrate_method;
-
-/* One evaluation of the curve (or one iteration of the seed's loops). */
+/* One evaluation of the curve (or one iteration of the thesis' loops, palpate/thesis.h). */
 typedef struct palp_calibrate_iteration {
-    int phase;                        /* three_phase: 1, 2, 3; else 0 */
+    int phase;                        /* palp_thesis_three_phase: 1, 2, 3; else 0 */
     double residual_N;                /* 2-norm over the samples */
-    double relative_rms;              /* relaxation by NLOPT, what it minimises: rms over the targets of
+    double relative_rms;              /* relaxation, what it minimises: rms over the targets of
                                          each one's rms force error over its peak (with default weights) */
     palp_material material;           /* that gave it */
-    /* three_phase, absolute; NaN where that phase does not measure it */
+    /* palp_thesis_three_phase, absolute; NaN where that phase does not measure it */
     double peak_error_percent, steady_time_error_percent, steady_force_error_percent;
 } palp_calibrate_iteration;
 
@@ -44,12 +38,11 @@ PALP_API void palp_calibration_free(palp_calibration *calibration); /* frees arr
 typedef int (*palp_calibrate_progress)(void *user, double fraction, const palp_calibrate_iteration *last);
 
 typedef struct palp_static_settings {
-    palp_calibrate_method method;   /* NLOPT or FIXED_POINT */
     size_t max_evaluations;         /* of the curve */
     bool every_step;                /* solve every sample instead of error-controlled continuation */
     double curve_tolerance;         /* continuation: estimated interpolation error relative to the peak force;
                                        0 = 1e-6, or 1e-4 for networks whose factors are dear */
-    double stop_relative;           /* nlopt: stop when the residual changes less than this */
+    double stop_relative;           /* stop when the residual changes less than this */
     palp_calibrate_progress progress; /* may be NULL; non-zero stops with ERR_STOPPED */
     void *user;
 } palp_static_settings;
@@ -67,10 +60,10 @@ PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_mat
 /* The same for a network of many thousand nodes (100,000 unknowns take a minute): coarse, a network of the same body
  * and supports of some hundred nodes, takes the law; the large one is pressed with it at 24 depths, and what its force
  * differs by, a ratio that hardly depends on the law, corrects the target for the next round, until the target is met
- * to 1e-4 of its peak or rounds bring no more. NLOPT only. Gives the large network palp_network_enable_realtime unless
+ * to 1e-4 of its peak or rounds bring no more. Gives the large network palp_network_enable_realtime unless
  * it has it, and both the law. A large network soon buckles between its many nodes: where a press is not solved at
  * once its branch ends (reached_m, buckled). */
-PALP_API palp_status palp_calibrate_carried(palp_network *network, palp_network *coarse, const palp_material *start,
+PALP_API palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start,
                                             size_t n, const double *depth_m, const double *target_N,
                                             const palp_static_settings *settings, palp_calibration *result);
 
@@ -84,16 +77,13 @@ typedef struct palp_target {
 } palp_target;
 
 typedef struct palp_relaxation_settings {
-    palp_calibrate_method method;  /* NLOPT or THREE_PHASE */
     size_t max_evaluations;
-    double dt_s;                   /* fixed step; NLOPT: 0 = steps graded by tolerance */
-    double tolerance;              /* NLOPT: of the graded steps, relative force */
-    double stop_relative;          /* NLOPT: stop when the residual changes less than this */
+    double dt_s;                   /* fixed step; 0 = steps graded by tolerance */
+    double tolerance;              /* of the graded steps, relative force */
+    double stop_relative;          /* stop when the residual changes less than this */
     bool fit_beta, fit_gamma;      /* strain dependence of the arms */
     bool one_beta;                 /* one beta (and gamma) for all arms */
     bool fit_scale;                /* the stiffness law's scale */
-    double error_bound;            /* THREE_PHASE: 0.01 */
-    double steady_slope_N_s;       /* THREE_PHASE: 1e-3 */
     palp_calibrate_progress progress;
     void *user;
 } palp_relaxation_settings;
@@ -101,8 +91,8 @@ typedef struct palp_relaxation_settings {
 PALP_API palp_relaxation_settings palp_relaxation_settings_default(void);
 
 /* Relaxation stage (Section 5.3.2): fits the arms (and optionally the law's scale and the strain
- * dependence) of *start so that the network's force meets all targets at once. THREE_PHASE takes one
- * ramp-and-hold target and follows Figure 5.21. */
+ * dependence) of *start so that the network's force meets all targets at once. ERR_UNSUPPORTED: another formulation
+ * than PALP_HISTORY, a network with mass, beta of quasi-linear arms. */
 PALP_API palp_status palp_calibrate_relaxation(palp_network *network, const palp_material *start,
                                                size_t n_targets, const palp_target *targets,
                                                const palp_relaxation_settings *settings,

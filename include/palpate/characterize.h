@@ -15,20 +15,18 @@ typedef enum palp_spring_form {
     PALP_SPRING_PER_RUN   /* one K_inf for each recording (Tables 4.2, 4.3) */
 } palp_spring_form;
 
-typedef enum palp_characterize_method { PALP_CHARACTERIZE_NLOPT, PALP_CHARACTERIZE_GRID } palp_characterize_method;
-
-typedef struct palp_fit_settings {
+typedef struct palp_characterize_settings {
     palp_spring_form spring;
     palp_law law;           /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
     size_t n_arms;          /* 0 = elastic */
-    bool hold_only;         /* ramp and hold: leave the ramp out of the residual */
+    bool dwell_only;         /* ramp and hold: leave the ramp out of the residual */
     double tau_min_s, tau_max_s; /* bounds of relaxation times; 0 = from the data */
     size_t starts;          /* multi-start: how many first guesses are polished */
     size_t max_evaluations; /* of one polish */
-} palp_fit_settings;
+} palp_characterize_settings;
 
 /* A per-recording constant spring, no arms, whole curve, 4 starts, 300 evaluations. */
-PALP_API palp_fit_settings palp_fit_settings_default(void);
+PALP_API palp_characterize_settings palp_characterize_settings_default(void);
 
 /* One fitted parameter. Intervals are 95 %, from the curvature at the optimum, the noise model, and the sd of
  * zero force and of contact; those of arms are symmetric in the logarithm. */
@@ -45,7 +43,7 @@ typedef struct palp_lumped_fit {
     size_t n_runs;
     double *spring_N;           /* [n_runs] K_inf, PALP_SPRING_PER_RUN */
     double *rms_N;              /* [n_runs] residual rms of the samples */
-    double *absolute_N;         /* [n_runs] sum of |residual| over the samples (the seed's total residual) */
+    double *absolute_N;         /* [n_runs] sum of |residual| over the samples (the thesis' total residual) */
     size_t n_estimates;
     palp_estimate *estimate;    /* springs, then K_j, b_j, tau_j by arm */
     double *correlation;        /* [n_estimates^2] */
@@ -61,22 +59,17 @@ PALP_API void palp_lumped_fit_free(palp_lumped_fit *fit); /* frees arrays, zeroe
 /* Fits n recordings at once: weighted least squares on the raw samples (in blocks short against what
  * changes), by NLopt in log K and log tau. Arms are shared by all recordings. ERR_ARGUMENT, ERR_INPUT
  * with a line: recordings of different heights, fewer samples than parameters. */
-PALP_API palp_status palp_fit_lumped(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+PALP_API palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                      palp_lumped_fit *fit, palp_error *error);
-
-/* The seed's procedure of Section 4.3.3 for one or two shared arms: per-recording fits give ranges of K
- * and b, each cut into 20; all combinations are tried, K_inf as fitted, least sum of |residual|. */
-PALP_API palp_status palp_fit_grid(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
-                                   palp_lumped_fit *fit, palp_error *error);
 
 /* Held-out error for 0..max_arms arms (or polynomials K of degree 0..max_degree; max + 1 scores): folds of
  * log-time (or depth) blocks of each recording, or whole recordings where there are three and more.
  * score[i]: mean squared held-out residual over the noise variance; sd[i]: standard error of its
  * difference to the best. *best: the first whose losses are typically (in the mean of their logarithms, fold
  * group by fold group) within two standard errors, or a fifth, of the best one's. */
-PALP_API palp_status palp_select_arms(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+PALP_API palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                       size_t max_arms, double *score, double *sd, size_t *best, palp_error *error);
-PALP_API palp_status palp_select_degree(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+PALP_API palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                         size_t max_degree, double *score, double *sd, size_t *best,
                                         palp_error *error);
 
@@ -84,10 +77,6 @@ PALP_API palp_status palp_select_degree(size_t n, const palp_recording *recordin
  * recording's index in the fit (for its K_inf). */
 PALP_API palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *recording,
                                            double *force_N);
-
-/* Figure-4.26 and Table-4.1 helper: unweighted polynomial F = sum c_k e^(k+1), no constant, to a static
- * recording's samples with depth > 0; *norm: 2-norm of the residual, as in Table 4.1. */
-PALP_API palp_status palp_fit_polynomial(const palp_recording *recording, size_t degree, palp_law *law, double *norm);
 
 #ifdef __cplusplus
 }

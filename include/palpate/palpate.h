@@ -23,6 +23,7 @@
 #include <palpate/reduce.h>
 #include <palpate/specimen.h>
 #include <palpate/status.h>
+#include <palpate/thesis.h>
 #include <palpate/version.h>
 #include <palpate/tool.h>
 #include <palpate/vtu.h>

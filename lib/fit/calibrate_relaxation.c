@@ -1,5 +1,5 @@
 /* calibrate_relaxation.c: arms and scale of the element material from force records of several depths at
- * once (the seed's open problem of Section 6.2), by least squares with forward sensitivities. */
+ * once (the thesis' open problem of Section 6.2), by least squares with forward sensitivities. */
 #include "calibrate_internal.h"
 
 #include <math.h>
@@ -7,17 +7,14 @@
 #include <string.h>
 
 palp_relaxation_settings palp_relaxation_settings_default(void) {
-    return (palp_relaxation_settings){.method = PALP_CALIBRATE_NLOPT,
-                                      .max_evaluations = 80,
+    return (palp_relaxation_settings){.max_evaluations = 80,
                                       .dt_s = 0.0,
                                       .tolerance = 1e-4,
                                       .stop_relative = 1e-4,
                                       .fit_beta = false,
                                       .fit_gamma = false,
                                       .one_beta = true,
-                                      .fit_scale = true,
-                                      .error_bound = 0.01,
-                                      .steady_slope_N_s = 1e-3};
+                                      .fit_scale = true};
 }
 
 /* What a parameter changes: the arms from first to last, or the law's scale. */
@@ -405,7 +402,7 @@ static bool target_sound(const palp_target *target) {
 /* The sensitivities leave out mass; a quasi-linear arm has no beta (palp_material_check). */
 static palp_status check(const relaxation *s) {
     const palp_relaxation_settings *settings = s->settings;
-    if (settings->method != PALP_CALIBRATE_NLOPT || s->start->formulation != PALP_HISTORY || s->net->mass ||
+    if (s->start->formulation != PALP_HISTORY || s->net->mass ||
         (settings->fit_beta && s->start->quasi_linear))
         return PALP_ERR_UNSUPPORTED;
     if (s->start->n_arms == 0 || s->n_targets == 0 || settings->max_evaluations < 1 ||
@@ -467,12 +464,7 @@ palp_status palp_calibrate_relaxation(palp_network *network, const palp_material
     relaxation s = {.net = network, .start = start, .settings = settings, .n_targets = n_targets,
                     .target = targets, .result = result};
     memset(result, 0, sizeof *result);
-    palp_status status;
-    if (settings->method == PALP_CALIBRATE_THREE_PHASE) {
-        status = calibrate_three_phase(network, start, n_targets, targets, settings, result);
-    } else {
-        status = prepare(&s, fit);
-    }
+    palp_status status = prepare(&s, fit);
     if (!status)
         status = palp_network_set_material(network, &result->material);
     if (status)

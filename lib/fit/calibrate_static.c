@@ -1,32 +1,16 @@
 /* calibrate_static.c: the element's stiffness law from a static force curve (Section 5.3.1). */
 #include "calibrate_internal.h"
-#include "base/dense.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 palp_static_settings palp_static_settings_default(void) {
-    return (palp_static_settings){.method = PALP_CALIBRATE_NLOPT,
-                                  .max_evaluations = 60,
-                                  .every_step = false,
-                                  .curve_tolerance = 0.0,
-                                  .stop_relative = 1e-4};
+    return (palp_static_settings){
+        .max_evaluations = 60, .every_step = false, .curve_tolerance = 0.0, .stop_relative = 1e-4};
 }
 
-typedef struct stage {
-    palp_network *net;
-    const palp_material *start;
-    const palp_static_settings *settings;
-    size_t n;
-    const double *depth, *target;
-    double tolerance; /* of the curve */
-    force_curve curve;
-    double *force; /* [n] */
-    palp_calibration *result;
-} stage;
-
-static palp_status report(stage *s, const palp_material *material) {
+static palp_status report(static_stage *s, const palp_material *material) {
     double sum = 0.0;
     for (size_t i = 0; i < s->n; i++)
         sum += (s->force[i] - s->target[i]) * (s->force[i] - s->target[i]);
@@ -47,9 +31,8 @@ static palp_status report(stage *s, const palp_material *material) {
     return PALP_OK;
 }
 
-/* Force of the network at the samples; a curve that ends early keeps its last force, which the fit
- * then sees as a large residual. */
-static palp_status run_curve(stage *s, const palp_material *material, double *gradient) {
+/* Force of the network at the samples. */
+static palp_status run_curve(static_stage *s, const palp_material *material, double *gradient) {
     palp_status status = palp_network_set_material(s->net, material);
     if (status)
         return status;
@@ -68,49 +51,17 @@ static palp_status run_curve(stage *s, const palp_material *material, double *gr
     return PALP_OK;
 }
 
-/* Figure 5.6. The fit has a constant term, which is dropped: that is what reproduces Table 5.1. */
-static palp_status fixed_point(stage *s) {
-    palp_material material = *s->start;
-    double fit[PALP_LAW_MAX + 1], norm, *strain = malloc(2 * s->n * sizeof *strain);
-    if (!strain)
-        return PALP_ERR_NO_MEMORY;
-    double *guess = strain + s->n;
-    for (size_t i = 0; i < s->n; i++) {
-        strain[i] = s->depth[i] / s->net->height;
-        guess[i] = s->target[i];
-    }
-    palp_status status = PALP_OK;
-    double least = HUGE_VAL;
-    while (!status && s->result->n_iterations < s->settings->max_evaluations) {
-        status = run_curve(s, &material, NULL);
-        if (!status)
-            status = report(s, &material);
-        if (status)
-            break;
-        double residual = s->result->iterations[s->result->n_iterations - 1].residual_N;
-        if (!(residual < least)) {
-            s->result->converged = true;
-            break;
-        }
-        least = residual;
-        for (size_t i = 0; i < s->n; i++)
-            guess[i] *= s->target[i] / s->force[i];
-        status = dense_polynomial(s->n, strain, guess, 0, material.law.n, fit, &norm);
-        if (!status)
-            status = palp_law_polynomial(material.law.n, fit + 1, &material.law);
-    }
-    free(strain);
-    return status;
+palp_status static_stage_run(static_stage *s, const palp_material *material, double *gradient) {
+    palp_status status = run_curve(s, material, gradient);
+    return status ? status : report(s, material);
 }
 
 static palp_status residuals(void *user, const double *p, double *r, double *jacobian) {
-    stage *s = user;
+    static_stage *s = user;
     palp_material material = *s->start;
     palp_status status = palp_law_set_coefficients(&material.law, p);
     if (!status)
-        status = run_curve(s, &material, jacobian);
-    if (!status)
-        status = report(s, &material);
+        status = static_stage_run(s, &material, jacobian);
     for (size_t i = 0; i < s->n && !status; i++)
         r[i] = s->force[i] - s->target[i];
     return status;
@@ -119,7 +70,7 @@ static palp_status residuals(void *user, const double *p, double *r, double *jac
 enum { GRID = 48 };
 
 /* K(a) >= floor on a grid up to a little beyond the network's nominal strain; a spline's knots. */
-static size_t positive_rows(const stage *s, double *row, double *floor) {
+static size_t positive_rows(const static_stage *s, double *row, double *floor) {
     const palp_law *law = &s->start->law;
     bool spline = law->kind == PALP_LAW_SPLINE;
     size_t rows = spline ? law->n : GRID, n = law->n;
@@ -139,11 +90,9 @@ static size_t positive_rows(const stage *s, double *row, double *floor) {
 
 /* A relaxed network's force is proportional to its law, so the best scale of the first guess costs one
  * evaluation. */
-static palp_status scale_start(stage *s, double *p) {
+static palp_status scale_start(static_stage *s, double *p) {
     double product = 0.0, square = 0.0;
-    palp_status status = run_curve(s, s->start, NULL);
-    if (!status)
-        status = report(s, s->start);
+    palp_status status = static_stage_run(s, s->start, NULL);
     for (size_t i = 0; i < s->n && !status; i++) {
         product += s->force[i] * s->target[i];
         square += s->force[i] * s->force[i];
@@ -155,7 +104,7 @@ static palp_status scale_start(stage *s, double *p) {
     return status;
 }
 
-static palp_status least_squares_fit(stage *s) {
+static palp_status least_squares_fit(static_stage *s) {
     size_t n = s->start->law.n;
     double p[PALP_LAW_MAX], norm, floor[GRID + PALP_LAW_MAX];
     double *row = malloc((GRID + PALP_LAW_MAX) * n * sizeof *row);
@@ -178,12 +127,9 @@ static palp_status least_squares_fit(stage *s) {
     return status;
 }
 
-static palp_status check(const stage *s) {
+static palp_status check(const static_stage *s) {
     const palp_law *law = &s->start->law;
-    bool fixed = s->settings->method == PALP_CALIBRATE_FIXED_POINT;
-    if (law->kind != PALP_LAW_POLYNOMIAL && (fixed || law->kind != PALP_LAW_SPLINE))
-        return PALP_ERR_UNSUPPORTED;
-    if (s->settings->method == PALP_CALIBRATE_THREE_PHASE)
+    if (law->kind != PALP_LAW_POLYNOMIAL && law->kind != PALP_LAW_SPLINE)
         return PALP_ERR_UNSUPPORTED;
     if (s->n <= law->n + 1 || s->settings->max_evaluations < 2 || !(s->tolerance > 0.0))
         return PALP_ERR_ARGUMENT;
@@ -196,35 +142,36 @@ static palp_status check(const stage *s) {
     return palp_material_check(s->start, NULL);
 }
 
+static palp_status solve_checked(static_stage *s, palp_status (*solve)(static_stage *)) {
+    s->force = calloc(s->n, sizeof *s->force);
+    palp_status status =
+        s->force ? calibration_set_target(s->result, s->n, s->depth, s->target) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = solve(s);
+    if (!status)
+        status = palp_network_set_material(s->net, &s->result->material);
+    free(s->force);
+    force_curve_free(&s->curve);
+    return status;
+}
+
+palp_status static_stage_solve(static_stage *s, palp_status (*solve)(static_stage *)) {
+    memset(s->result, 0, sizeof *s->result);
+    s->tolerance = s->settings->curve_tolerance;
+    if (s->tolerance == 0.0)
+        s->tolerance = s->net->chord ? 1e-4 : 1e-6;
+    palp_status status = check(s);
+    if (!status)
+        status = solve_checked(s, solve);
+    if (status)
+        palp_calibration_free(s->result);
+    return status;
+}
+
 palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
                                   const double *target_N, const palp_static_settings *settings,
                                   palp_calibration *result) {
-    stage s = {.net = network, .start = start, .settings = settings, .n = n,
-               .depth = depth_m, .target = target_N, .result = result};
-    memset(result, 0, sizeof *result);
-    s.tolerance = settings->curve_tolerance;
-    if (s.tolerance == 0.0)
-        s.tolerance = network->chord ? 1e-4 : 1e-6;
-    palp_status status = check(&s);
-    if (status)
-        return status;
-    s.force = calloc(n, sizeof *s.force);
-    result->n_samples = n;
-    result->depth_m = malloc(n * sizeof *result->depth_m);
-    result->target_N = malloc(n * sizeof *result->target_N);
-    result->force_N = calloc(n, sizeof *result->force_N);
-    if (s.force && result->depth_m && result->target_N && result->force_N) {
-        memcpy(result->depth_m, depth_m, n * sizeof *depth_m);
-        memcpy(result->target_N, target_N, n * sizeof *target_N);
-        status = settings->method == PALP_CALIBRATE_FIXED_POINT ? fixed_point(&s) : least_squares_fit(&s);
-    } else {
-        status = PALP_ERR_NO_MEMORY;
-    }
-    if (!status)
-        status = palp_network_set_material(network, &result->material);
-    free(s.force);
-    force_curve_free(&s.curve);
-    if (status)
-        palp_calibration_free(result);
-    return status;
+    static_stage s = {.net = network, .start = start, .settings = settings, .n = n,
+                      .depth = depth_m, .target = target_N, .result = result};
+    return static_stage_solve(&s, least_squares_fit);
 }

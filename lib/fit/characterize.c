@@ -10,9 +10,9 @@
 
 static const double Z95 = 1.959963984540054;
 
-palp_fit_settings palp_fit_settings_default(void) {
-    return (palp_fit_settings){
-        .spring = PALP_SPRING_PER_RUN, .n_arms = 0, .hold_only = false, .starts = 4, .max_evaluations = 300};
+palp_characterize_settings palp_characterize_settings_default(void) {
+    return (palp_characterize_settings){
+        .spring = PALP_SPRING_PER_RUN, .n_arms = 0, .dwell_only = false, .starts = 4, .max_evaluations = 300};
 }
 
 void palp_lumped_fit_free(palp_lumped_fit *fit) {
@@ -293,7 +293,7 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
     return status;
 }
 
-palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                palp_lumped_fit *fit) {
     palp_status status = PALP_OK;
     for (size_t r = 0; r < n && !status; r++) {
@@ -331,7 +331,7 @@ static palp_status solve_and_merge(fit_problem *p, double *v, curvature *c, palp
 }
 
 static palp_status finish(fit_problem *p, const double *v, const curvature *c, size_t n,
-                          const palp_recording *recordings, const palp_fit_settings *settings,
+                          const palp_recording *recordings, const palp_characterize_settings *settings,
                           palp_lumped_fit *fit) {
     fit->n_runs = n;
     fit->constrained = p->positive;
@@ -349,7 +349,7 @@ static palp_status finish(fit_problem *p, const double *v, const curvature *c, s
     return status ? status : fit_fill_residuals(n, recordings, settings, fit);
 }
 
-palp_status palp_fit_lumped(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                             palp_lumped_fit *fit, palp_error *error) {
     fit_problem p;
     memset(fit, 0, sizeof *fit);

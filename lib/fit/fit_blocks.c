@@ -85,16 +85,16 @@ static void add_block(fit_run *run, const palp_recording *rec, size_t first, siz
     run->n++;
 }
 
-bool fit_counts(const palp_recording *rec, const palp_fit_settings *settings, size_t i) {
+bool fit_counts(const palp_recording *rec, const palp_characterize_settings *settings, size_t i) {
     if (!rec->use[i] || rec->depth_m[i] <= 0.0)
         return false;
-    return !(settings->hold_only && rec->kind == PALP_RECORDING_RAMP_HOLD &&
+    return !(settings->dwell_only && rec->kind == PALP_RECORDING_RAMP_HOLD &&
              rec->time_s[i] < rec->ramp_end_s);
 }
 
 /* Blocks of one recording. One that does not count, or that ends at a corner, leaves its last sample for the
  * history: the strain is linear between what is there. */
-static palp_status cut(fit_run *run, const palp_recording *rec, const palp_fit_settings *settings) {
+static palp_status cut(fit_run *run, const palp_recording *rec, const palp_characterize_settings *settings) {
     straight path = {.from = 0, .cone = segments_cone_open()};
     palp_status status = path_tolerance(rec, &path.tolerance);
     if (status)
@@ -115,7 +115,7 @@ static palp_status cut(fit_run *run, const palp_recording *rec, const palp_fit_s
     return PALP_OK;
 }
 
-static palp_status make_run(fit_run *run, const palp_recording *rec, const palp_fit_settings *settings) {
+static palp_status make_run(fit_run *run, const palp_recording *rec, const palp_characterize_settings *settings) {
     size_t bytes = (rec->n + 1) * sizeof(double);
     double peak = 0.0;
     run->time = malloc(bytes);
@@ -152,7 +152,7 @@ static void bound_times(fit_problem *p, const palp_recording *recordings) {
 }
 
 static palp_status choose_spring(fit_problem *p, palp_error *error) {
-    const palp_fit_settings *s = p->settings;
+    const palp_characterize_settings *s = p->settings;
     double one = 1.0;
     palp_status status = PALP_OK;
     if (s->spring == PALP_SPRING_PER_RUN)
@@ -168,7 +168,7 @@ static palp_status choose_spring(fit_problem *p, palp_error *error) {
 }
 
 palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *recordings,
-                               const palp_fit_settings *settings, palp_error *error) {
+                               const palp_characterize_settings *settings, palp_error *error) {
     memset(p, 0, sizeof *p);
     if (n == 0)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no recordings to fit");

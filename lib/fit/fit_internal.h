@@ -4,7 +4,8 @@
 
 #include <palpate/characterize.h>
 
-#include "calibrate_internal.h"
+#include "material/element.h"
+#include "solve/least_squares.h"
 
 /* A recording in blocks of samples, short against what changes in them: every block carries its mean
  * time, strain and force, and how many samples speak for it. */
@@ -22,7 +23,7 @@ typedef struct fit_run {
 typedef struct fit_problem {
     size_t n_runs, n_blocks; /* blocks of all runs */
     fit_run *run;
-    const palp_fit_settings *settings;
+    const palp_characterize_settings *settings;
     double height_m, strain_max;
     double stiffness;        /* largest force by depth of all runs, N: what is large and small */
     double tau_min, tau_max;
@@ -36,11 +37,11 @@ typedef struct fit_problem {
 enum { FIT_PARAMETERS_MAX = 512 };
 
 palp_status fit_problem_create(fit_problem *problem, size_t n, const palp_recording *recordings,
-                               const palp_fit_settings *settings, palp_error *error);
+                               const palp_characterize_settings *settings, palp_error *error);
 void fit_problem_free(fit_problem *problem);
 
-/* Whether sample i speaks for the parameters: not masked, not in the air, nor on the ramp with hold_only. */
-bool fit_counts(const palp_recording *recording, const palp_fit_settings *settings, size_t i);
+/* Whether sample i speaks for the parameters: not masked, not in the air, nor on the ramp with dwell_only. */
+bool fit_counts(const palp_recording *recording, const palp_characterize_settings *settings, size_t i);
 
 size_t fit_parameter_count(const fit_problem *problem);
 
@@ -66,7 +67,7 @@ palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);
 
 /* rms_N and absolute_N, which are 0 so far, of the fit's material over the samples that count. */
-palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                palp_lumped_fit *fit);
 
 #endif

@@ -137,13 +137,13 @@ static size_t choose(const folds *f, size_t candidates, double *score, double *s
     return chosen;
 }
 
-static palp_status select_best(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+static palp_status select_best(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                bool arms, size_t candidates, double *score, double *sd, size_t *chosen,
                                palp_error *error) {
     folds f = {0};
     palp_status status = PALP_OK;
     for (size_t c = 0; c < candidates && !status; c++) {
-        palp_fit_settings trial = *settings;
+        palp_characterize_settings trial = *settings;
         double one[PALP_LAW_MAX] = {1.0};
         fit_problem p;
         if (arms)
@@ -166,14 +166,14 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
     return status;
 }
 
-palp_status palp_select_arms(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                              size_t max_arms, double *score, double *sd, size_t *best, palp_error *error) {
     if (max_arms > PALP_ARMS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "%zu arms, at most %d", max_arms, PALP_ARMS_MAX);
     return select_best(n, recordings, settings, true, max_arms + 1, score, sd, best, error);
 }
 
-palp_status palp_select_degree(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                size_t max_degree, double *score, double *sd, size_t *best,
                                palp_error *error) {
     if (max_degree + 1 > PALP_LAW_MAX)

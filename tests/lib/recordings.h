@@ -58,22 +58,22 @@ static inline palp_material two_arms(double k_inf, double k1, double b1, double 
     return m;
 }
 
-static inline palp_lumped_fit fit(size_t n, const palp_recording *r, palp_fit_settings settings) {
+static inline palp_lumped_fit fit(size_t n, const palp_recording *r, palp_characterize_settings settings) {
     palp_lumped_fit f;
     palp_error error = {PALP_OK, ""};
-    palp_status status = palp_fit_lumped(n, r, &settings, &f, &error);
+    palp_status status = palp_characterize_fit(n, r, &settings, &f, &error);
     ck_assert_msg(status == PALP_OK, "%s", error.text);
     return f;
 }
 
-static inline palp_fit_settings with_arms(size_t n_arms) {
-    palp_fit_settings s = palp_fit_settings_default();
+static inline palp_characterize_settings with_arms(size_t n_arms) {
+    palp_characterize_settings s = palp_characterize_settings_default();
     s.n_arms = n_arms;
     return s;
 }
 
-static inline palp_fit_settings with_law(palp_law law, size_t n_arms) {
-    palp_fit_settings s = with_arms(n_arms);
+static inline palp_characterize_settings with_law(palp_law law, size_t n_arms) {
+    palp_characterize_settings s = with_arms(n_arms);
     s.spring = PALP_SPRING_LAW;
     s.law = law;
     return s;

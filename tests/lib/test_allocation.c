@@ -5,7 +5,7 @@
 #include "cube.h"
 #include "scratch.h"
 
-#include <palpate/calibrate.h>
+#include <palpate/thesis.h>
 #include <palpate/cut.h>
 #include <palpate/experiment.h>
 #include <palpate/forward.h>
@@ -572,16 +572,18 @@ static palp_status calibrate_static(palp_error *error) {
     settings.curve_tolerance = 1e-2;
     for (int k = 0; k < 3 && !status; k++) {
         palp_calibration result;
-        settings.method = k == 1 ? PALP_CALIBRATE_FIXED_POINT : PALP_CALIBRATE_NLOPT;
         settings.every_step = k == 2;
-        status = palp_calibrate_static(network, &start, 12, depth, target, &settings, &result);
+        if (k == 1)
+            status = palp_thesis_fixed_point(network, &start, 12, depth, target, &settings, &result);
+        else
+            status = palp_calibrate_static(network, &start, 12, depth, target, &settings, &result);
         check_failed(status, &result);
     }
     palp_network_free(network);
     return status;
 }
 
-static palp_status calibrate_carried(palp_error *error) {
+static palp_status calibrate_two_level(palp_error *error) {
     palp_network *network = NULL, *coarse = NULL;
     palp_static_settings settings = palp_static_settings_default();
     palp_material start = with_arms(1);
@@ -596,7 +598,7 @@ static palp_status calibrate_carried(palp_error *error) {
     if (!status)
         status = make_network(PALP_SOLVER_BAND, 0.0, &coarse, error);
     if (!status) {
-        status = palp_calibrate_carried(network, coarse, &start, 12, depth, target, &settings, &result);
+        status = palp_calibrate_two_level(network, coarse, &start, 12, depth, target, &settings, &result);
         check_failed(status, &result);
     }
     palp_network_free(network);
@@ -608,6 +610,7 @@ static palp_status calibrate_relaxation(palp_error *error) {
     const double time_s[4] = {0.5, 1.0, 2.0, 3.0}, force_N[4] = {1.0, 2.0, 1.8, 1.7};
     palp_target target = {.n = 4, .time_s = time_s, .force_N = force_N};
     palp_relaxation_settings settings = palp_relaxation_settings_default();
+    palp_three_phase_settings phases = {.max_evaluations = 4, .dt_s = 0.5, .error_bound = 0.01, .steady_slope_N_s = 1e-3};
     palp_material start = with_arms(2);
     palp_network *network = NULL;
     palp_status status = palp_path_ramp_hold(0.005, 1.0, 10.0, &target.path);
@@ -618,10 +621,11 @@ static palp_status calibrate_relaxation(palp_error *error) {
     settings.fit_beta = true;
     for (int k = 0; k < 2 && !status; k++) {
         palp_calibration result;
-        settings.method = k ? PALP_CALIBRATE_THREE_PHASE : PALP_CALIBRATE_NLOPT;
-        settings.dt_s = k ? 0.5 : 0.0;
         start.n_arms = k ? 1 : 2;
-        status = palp_calibrate_relaxation(network, &start, 1, &target, &settings, &result);
+        if (k)
+            status = palp_thesis_three_phase(network, &start, &target, &phases, &result);
+        else
+            status = palp_calibrate_relaxation(network, &start, 1, &target, &settings, &result);
         check_failed(status, &result);
     }
     palp_network_free(network);
@@ -631,7 +635,7 @@ static palp_status calibrate_relaxation(palp_error *error) {
 
 START_TEST(calibrations) {
     each_fails(calibrate_static, 80, NULL);
-    each_fails(calibrate_carried, 80, NULL);
+    each_fails(calibrate_two_level, 80, NULL);
     each_fails(calibrate_relaxation, 80, NULL);
 }
 END_TEST

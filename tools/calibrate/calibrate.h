@@ -10,6 +10,7 @@
 enum { RUNS_MAX = 64, PRESSES_MAX = 64 };
 
 typedef enum calibrate_stage { STAGE_STATIC, STAGE_RELAXATION, STAGE_ALL } calibrate_stage;
+typedef enum calibrate_method { METHOD_NLOPT, METHOD_FIXED_POINT, METHOD_THREE_PHASE } calibrate_method;
 typedef enum calibrate_law { LAW_POLYNOMIAL, LAW_SPLINE } calibrate_law;
 
 typedef struct calibrate_options {
@@ -18,7 +19,7 @@ typedef struct calibrate_options {
     size_t n_words;
     cli_list nodes, size_mm, depth_mm;
     double scale_mm, area_mm2, ramp_s, hold_s, dt_ms;
-    int stage, method, formulation, law, branch; /* method: palp_calibrate_method or -1 */
+    int stage, method, formulation, law, branch; /* indices of the choices */
     int scaling;                                 /* palp_mesh_scaling, or -1 = not given */
     size_t arms, degree, knots, steps;
     bool hex_diagonals, strain_dependent, every_step, json;
@@ -40,7 +41,7 @@ typedef struct calibrate_state {
     palp_mesh *mesh;
     palp_network *network;
     double height_m; /* of the mesh */
-    palp_calibrate_method static_method, relaxation_method;
+    calibrate_method static_method, relaxation_method;
     bool does_static, does_relaxation;
     size_t n_static; /* the static target */
     double *depth_m, *force_N;

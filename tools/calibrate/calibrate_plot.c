@@ -168,7 +168,7 @@ int calibrate_plot(const calibrate_options *o, const calibrate_state *s) {
         plot_fit(&book, s);
     }
     if (s->does_relaxation) {
-        if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
+        if (s->relaxation_method == METHOD_THREE_PHASE) {
             plot_phases(&book, &s->relaxation_result);
         } else {
             plot_residual(&book, &s->relaxation_result, true, "relaxation_convergence",

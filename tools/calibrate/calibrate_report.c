@@ -7,7 +7,7 @@
 
 static const char NAME[] = "calibrate";
 
-static const char *method_name(palp_calibrate_method method) {
+static const char *method_name(calibrate_method method) {
     static const char *const names[] = {"nlopt", "fixed_point", "three_phase"};
     return names[method];
 }
@@ -43,10 +43,10 @@ static json_t *arms_json(const palp_material *material) {
     return list;
 }
 
-static json_t *iteration_json(palp_calibrate_method method, bool relaxation,
+static json_t *iteration_json(calibrate_method method, bool relaxation,
                               const palp_calibrate_iteration *it) {
     json_t *entry = json_object();
-    if (method == PALP_CALIBRATE_THREE_PHASE) {
+    if (method == METHOD_THREE_PHASE) {
         json_object_set_new(entry, "phase", json_integer(it->phase));
         json_object_set_new(entry, "stiffness_N", json_number_or_null(it->material.arms[0].stiffness_N));
         json_object_set_new(entry, "viscosity_Ns", json_number_or_null(it->material.arms[0].viscosity_Ns));
@@ -81,7 +81,7 @@ static json_t *depths_json(const calibrate_state *s) {
 
 static void add_stage(json_t *to, const calibrate_state *s, bool relaxation) {
     const palp_calibration *c = relaxation ? &s->relaxation_result : &s->static_result;
-    palp_calibrate_method method = relaxation ? s->relaxation_method : s->static_method;
+    calibrate_method method = relaxation ? s->relaxation_method : s->static_method;
     json_t *iterations = json_array();
     json_object_set_new(to, "method", json_string(method_name(method)));
     json_object_set_new(to, "residual", json_number_or_null(c->residual_N));
@@ -175,8 +175,8 @@ static void print_percent(double value) {
     }
 }
 
-static void print_iterations(const palp_calibration *c, palp_calibrate_method method, bool relaxation) {
-    bool phases = method == PALP_CALIBRATE_THREE_PHASE;
+static void print_iterations(const palp_calibration *c, calibrate_method method, bool relaxation) {
+    bool phases = method == METHOD_THREE_PHASE;
     printf(phases       ? "  phase         K1 (N)     b1 (N s)   peak err %%   time err %%  force err %%\n"
            : relaxation ? "  evaluation   rms error (%% of the peak)\n"
                         : "  evaluation   residual (N)\n");

@@ -50,7 +50,7 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
     if (s->does_relaxation && s->lumped.material.n_arms == 0) {
         return cli_failure(NAME, "%s: has no arms to relax; use --stage static", o->lumped);
     }
-    if (s->does_relaxation && s->relaxation_method == PALP_CALIBRATE_THREE_PHASE &&
+    if (s->does_relaxation && s->relaxation_method == METHOD_THREE_PHASE &&
         s->lumped.material.n_arms > 1) {
         return cli_failure(NAME, "%s: has %zu arms, --method three_phase handles one; use --method nlopt",
                            o->lumped, s->lumped.material.n_arms);

@@ -96,13 +96,13 @@ static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, 
 }
 
 /* Of a lattice so large that it is not traced again and again: a coarse one takes the law. */
-static palp_status carried_static(const calibrate_options *o, calibrate_state *s, const palp_material *start,
+static palp_status two_level_static(const calibrate_options *o, calibrate_state *s, const palp_material *start,
                                   const palp_static_settings *settings) {
     enum { COARSE = 7 };
     palp_network *coarse = NULL;
     palp_status status = coarse_network(o, s, COARSE, start, &coarse);
     if (!status) {
-        status = palp_calibrate_carried(s->network, coarse, start, s->n_static, s->depth_m, s->force_N, settings,
+        status = palp_calibrate_two_level(s->network, coarse, start, s->n_static, s->depth_m, s->force_N, settings,
                                         &s->static_result);
     }
     palp_network_free(coarse);
@@ -117,7 +117,7 @@ static palp_status static_start(const calibrate_options *o, calibrate_state *s, 
     start->formulation = (palp_formulation)o->formulation;
     palp_status status = o->law == LAW_SPLINE ? guess_spline(law, o->knots, strain_max, &start->law)
                                               : guess_polynomial(law, o->degree, strain_max, &start->law);
-    if (status == PALP_OK && s->static_method == PALP_CALIBRATE_NLOPT && !o->start) {
+    if (status == PALP_OK && s->static_method == METHOD_NLOPT && !o->start) {
         status = coarse_start(o, s, start);
     }
     return status;
@@ -132,12 +132,14 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
         return cli_status(NAME, status, NULL);
     }
     progress_start(&bar, "static stage");
-    settings.method = s->static_method;
     settings.every_step = o->every_step;
     settings.progress = show_progress;
     settings.user = &bar;
-    if (finest_side(&s->model.mesh) >= LARGE && s->static_method == PALP_CALIBRATE_NLOPT && !o->every_step) {
-        status = carried_static(o, s, &start, &settings);
+    if (s->static_method == METHOD_FIXED_POINT) {
+        status = palp_thesis_fixed_point(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
+                                         &s->static_result);
+    } else if (finest_side(&s->model.mesh) >= LARGE && !o->every_step) {
+        status = two_level_static(o, s, &start, &settings);
     } else {
         status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
                                        &s->static_result);
@@ -181,7 +183,7 @@ static void relaxation_start(const calibrate_options *o, const calibrate_state *
         deepest = fmax(deepest, s->press[i].depth_m);
     }
     double ratio = stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest / s->height_m);
-    bool seed = s->relaxation_method == PALP_CALIBRATE_THREE_PHASE;
+    bool seed = s->relaxation_method == METHOD_THREE_PHASE;
     bool arms_given = o->start && s->model.material.n_arms == n && n > 0 && !seed;
     *start = s->model.material;
     start->formulation = (palp_formulation)o->formulation;
@@ -190,27 +192,32 @@ static void relaxation_start(const calibrate_options *o, const calibrate_state *
     }
 }
 
-static palp_status run_relaxation(const calibrate_options *o, calibrate_state *s, const palp_material *start,
-                                  const palp_target *targets) {
-    palp_relaxation_settings settings = palp_relaxation_settings_default();
-    progress bar;
-    progress_start(&bar, "relaxation stage");
-    settings.method = s->relaxation_method;
-    settings.fit_beta = o->strain_dependent;
+static palp_status three_phases(const calibrate_options *o, calibrate_state *s, const palp_material *start,
+                                const palp_target *target, progress *bar) {
+    palp_three_phase_settings settings = palp_three_phase_settings_default();
+    settings.dt_s = 1e-3 * o->dt_ms;
     settings.progress = show_progress;
-    settings.user = &bar;
-    if (o->dt_ms > 0) {
-        settings.dt_s = 1e-3 * o->dt_ms;
-    }
-    palp_status status =
-        palp_calibrate_relaxation(s->network, start, s->n_presses, targets, &settings, &s->relaxation_result);
-    progress_finish(&bar);
-    return status;
+    settings.user = bar;
+    return palp_thesis_three_phase(s->network, start, target, &settings, &s->relaxation_result);
+}
+
+static palp_status fit_arms(const calibrate_options *o, calibrate_state *s, const palp_material *start,
+                            const palp_target *targets, progress *bar) {
+    palp_relaxation_settings settings = palp_relaxation_settings_default();
+    settings.fit_beta = o->strain_dependent;
+    settings.dt_s = 1e-3 * o->dt_ms;
+    settings.progress = show_progress;
+    settings.user = bar;
+    return palp_calibrate_relaxation(s->network, start, s->n_presses, targets, &settings, &s->relaxation_result);
 }
 
 int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     palp_target targets[PRESSES_MAX];
     palp_material start;
+    progress bar;
+    if (s->relaxation_method == METHOD_THREE_PHASE && s->n_presses > 1) {
+        return cli_usage_error(NAME, "--method three_phase takes one run; start it once for each");
+    }
     if (finest_side(&s->model.mesh) >= LARGE) {
         cli_warning(NAME,
                     "the relaxation stage of so large a lattice may take hours; calibrate the arms of one of %d nodes "
@@ -225,7 +232,10 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
                                    .time_s = press->target.time_s,
                                    .force_N = press->target.force_N};
     }
-    palp_status status = run_relaxation(o, s, &start, targets);
+    progress_start(&bar, "relaxation stage");
+    palp_status status = s->relaxation_method == METHOD_THREE_PHASE ? three_phases(o, s, &start, targets, &bar)
+                                                                    : fit_arms(o, s, &start, targets, &bar);
+    progress_finish(&bar);
     if (status) {
         return stage_failed(o, "relaxation", status);
     }

@@ -32,7 +32,7 @@ static int static_from_lumped(const calibrate_options *o, calibrate_state *s, do
  * the curve turns flat), else even on the ramp and growing in the hold. */
 static palp_status sample_times(const calibrate_options *o, const calibrate_state *s, const palp_path *path,
                                 size_t *n, double **time_s) {
-    if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
+    if (s->relaxation_method == METHOD_THREE_PHASE) {
         const press_settings every = {.dt_s = 1e-3 * o->dt_ms};
         return press_times(path, &every, n, time_s);
     }
@@ -234,7 +234,7 @@ static int read_run(const char *file, calibrate_state *s) {
 
 /* The seed's depths, Section 5.3 and Chapter 4, as parts of the height. */
 static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MAX]) {
-    if (s->relaxation_method == PALP_CALIBRATE_THREE_PHASE) {
+    if (s->relaxation_method == METHOD_THREE_PHASE) {
         depth_m[0] = 0.25 * s->lumped.height_m;
         return 1;
     }

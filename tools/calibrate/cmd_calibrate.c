@@ -109,13 +109,13 @@ static int check_mesh(const calibrate_options *o) {
 }
 
 static int check_method(const calibrate_options *o) {
-    if (o->stage == STAGE_STATIC && o->method == PALP_CALIBRATE_THREE_PHASE) {
+    if (o->stage == STAGE_STATIC && o->method == METHOD_THREE_PHASE) {
         return cli_usage_error(NAME, "--method three_phase is for --stage relaxation or all");
     }
-    if (o->stage == STAGE_RELAXATION && o->method == PALP_CALIBRATE_FIXED_POINT) {
+    if (o->stage == STAGE_RELAXATION && o->method == METHOD_FIXED_POINT) {
         return cli_usage_error(NAME, "--method fixed_point is for --stage static or all");
     }
-    bool loops = o->method != PALP_CALIBRATE_NLOPT, seed = o->formulation == PALP_SEDEF2008;
+    bool loops = o->method != METHOD_NLOPT, seed = o->formulation == PALP_SEDEF2008;
     if (o->stage != STAGE_STATIC && (loops || seed) && o->arms > 1) {
         return cli_usage_error(NAME, "%s has one arm; leave out --arms %zu",
                                loops ? "--method three_phase" : "--formulation sedef2008", o->arms);
@@ -144,11 +144,11 @@ static int check_options(const calibrate_options *o) {
 }
 
 static void plan(calibrate_options *o, calibrate_state *s) {
-    bool loops = o->method != PALP_CALIBRATE_NLOPT;
+    bool loops = o->method != METHOD_NLOPT;
     s->does_relaxation = o->stage != STAGE_STATIC;
     s->does_static = o->stage != STAGE_RELAXATION || !o->start;
-    s->static_method = loops ? PALP_CALIBRATE_FIXED_POINT : PALP_CALIBRATE_NLOPT;
-    s->relaxation_method = loops ? PALP_CALIBRATE_THREE_PHASE : PALP_CALIBRATE_NLOPT;
+    s->static_method = loops ? METHOD_FIXED_POINT : METHOD_NLOPT;
+    s->relaxation_method = loops ? METHOD_THREE_PHASE : METHOD_NLOPT;
     o->scale_mm = o->scale_mm > 0 ? o->scale_mm : 1;
     if (s->does_relaxation && loops) {
         o->arms = 1;

@@ -17,14 +17,16 @@ enum {
     CHARACTERIZE_SPREAD_MAX = 20
 };
 
+typedef enum characterize_method { METHOD_NLOPT, METHOD_GRID } characterize_method;
+
 typedef struct characterize_options {
     const char *words[CHARACTERIZE_RUNS_MAX]; /* RUN.csv ... */
     size_t n_words;
     const char *arms_text, *degree_text, *out, *plot;
-    int law, method; /* palp_law_kind, palp_characterize_method */
+    int law, method; /* palp_law_kind, characterize_method */
     size_t arms, degree, knots;
     bool arms_auto, degree_auto, degree_given;
-    bool shared_arms, per_depth, hold_only, fit_filtered, json;
+    bool shared_arms, per_depth, dwell_only, fit_filtered, json;
     double filter_Hz, height_mm, contact_mm; /* 0, 0, NaN = not given */
     char command[CLI_COMMAND_MAX];
 } characterize_options;

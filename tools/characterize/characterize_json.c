@@ -222,8 +222,8 @@ static json_t *whole(const characterize_options *o, const characterize_state *s)
     json_object_set_new(all, "palpate",
                         json_pack("{s:i, s:s}", "characterize", 1, "version", palp_version()));
     set_text(all, "command", o->command);
-    set_text(all, "method", o->method == PALP_CHARACTERIZE_GRID ? "grid" : "nlopt");
-    json_object_set_new(all, "hold_only", json_boolean(o->hold_only));
+    set_text(all, "method", o->method == METHOD_GRID ? "grid" : "nlopt");
+    json_object_set_new(all, "hold_only", json_boolean(o->dwell_only));
     json_object_set_new(all, "law", law_json(&s->material.law));
     json_object_set_new(all, "arms", arms_json(&s->material));
     json_object_set_new(all, "estimates", estimates_json(f));

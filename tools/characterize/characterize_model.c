@@ -42,11 +42,11 @@ static const palp_recording *timed(const characterize_state *s, size_t *n) {
 
 /* A spring for each run is constant, which K(e) is not on the ramp: such fits see the hold only, as in
  * Section 4.3.3; the ramp is for the joint law. */
-static palp_fit_settings settings_of(const characterize_options *o, palp_spring_form spring, size_t n_arms) {
-    palp_fit_settings settings = palp_fit_settings_default();
+static palp_characterize_settings settings_of(const characterize_options *o, palp_spring_form spring, size_t n_arms) {
+    palp_characterize_settings settings = palp_characterize_settings_default();
     settings.spring = spring;
     settings.n_arms = n_arms;
-    settings.hold_only = o->hold_only || spring == PALP_SPRING_PER_RUN;
+    settings.dwell_only = o->dwell_only || spring == PALP_SPRING_PER_RUN;
     return settings;
 }
 
@@ -58,7 +58,7 @@ static int fit_plain(const characterize_options *o, characterize_state *s) {
             if (d > 5 && d != o->degree && !o->degree_auto) {
                 continue;
             }
-            palp_status status = palp_fit_polynomial(&s->run[i], d, &s->plain[i][d], &s->norm_N[i][d]);
+            palp_status status = palp_thesis_polynomial(&s->run[i], d, &s->plain[i][d], &s->norm_N[i][d]);
             if (status) {
                 return cli_failure(NAME, "%s: no polynomial of degree %zu: %s", s->run[i].name, d,
                                    palp_status_text(status));
@@ -91,10 +91,10 @@ static int choose_degree(const characterize_options *o, characterize_state *s) {
         s->degree = o->degree <= depths || o->degree_given ? o->degree : depths;
         return CLI_OK;
     }
-    palp_fit_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_static ? 0 : 2);
+    palp_characterize_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_static ? 0 : 2);
     const double one = 1;
     palp_law_polynomial(1, &one, &settings.law);
-    palp_status status = palp_select_degree(s->n_static ? s->n_static : s->n, s->run, &settings,
+    palp_status status = palp_characterize_select_degree(s->n_static ? s->n_static : s->n, s->run, &settings,
                                             DEGREE_MAX - 1, s->degrees.score, s->degrees.sd, &best, &error);
     s->degrees.first = 1;
     s->degrees.n = status ? 0 : DEGREE_MAX;
@@ -116,7 +116,7 @@ static double whole_ratio(const palp_lumped_fit *fit, const palp_recording *run)
 }
 
 /* Fits each number of arms to tell its residual, and how many arms the one chosen really tells apart. */
-static palp_status try_arms(characterize_state *s, palp_fit_settings settings, size_t most, progress *bar) {
+static palp_status try_arms(characterize_state *s, palp_characterize_settings settings, size_t most, progress *bar) {
     palp_error error = {PALP_OK, ""};
     palp_status status = PALP_OK;
     size_t n = 0;
@@ -125,7 +125,7 @@ static palp_status try_arms(characterize_state *s, palp_fit_settings settings, s
         palp_lumped_fit fit;
         progress_update(bar, 0.2 + 0.05 * (double)k);
         settings.n_arms = k;
-        status = palp_fit_lumped(n, run, &settings, &fit, &error);
+        status = palp_characterize_fit(n, run, &settings, &fit, &error);
         s->arms.rms_noise[k] = status ? NAN : whole_ratio(&fit, run);
         if (status == PALP_OK) {
             s->n_arms = k == s->arms.best ? fit.material.n_arms : s->n_arms;
@@ -146,10 +146,10 @@ static int choose_arms(const characterize_options *o, characterize_state *s, pro
     if (!o->arms_auto || n == 0) {
         return CLI_OK;
     }
-    palp_fit_settings settings = settings_of(o, s->n_hold == n ? PALP_SPRING_PER_RUN : PALP_SPRING_LAW, 0);
+    palp_characterize_settings settings = settings_of(o, s->n_hold == n ? PALP_SPRING_PER_RUN : PALP_SPRING_LAW, 0);
     palp_status status = characterize_guess(o, s, &settings.law);
     for (bool again = status == PALP_OK; again; again = status == PALP_ERR_SINGULAR && most-- > 1) {
-        status = palp_select_arms(n, run, &settings, most, s->arms.score, s->arms.sd, &s->arms.best, &error);
+        status = palp_characterize_select_arms(n, run, &settings, most, s->arms.score, s->arms.sd, &s->arms.best, &error);
     }
     status = status ? status : try_arms(s, settings, most, bar);
     s->arms.n = status ? 0 : most + 1;
@@ -163,9 +163,9 @@ static int choose_arms(const characterize_options *o, characterize_state *s, pro
 
 static int fit_single(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
-    palp_fit_settings settings = settings_of(o, PALP_SPRING_PER_RUN, s->n_arms);
+    palp_characterize_settings settings = settings_of(o, PALP_SPRING_PER_RUN, s->n_arms);
     for (size_t i = 0; i < s->n_hold && !o->shared_arms; i++) {
-        palp_status status = palp_fit_lumped(1, &s->run[s->n_static + i], &settings, &s->single[i], &error);
+        palp_status status = palp_characterize_fit(1, &s->run[s->n_static + i], &settings, &s->single[i], &error);
         if (status) {
             return cli_status(NAME, status, &error);
         }
@@ -180,14 +180,14 @@ static int fit_single(const characterize_options *o, characterize_state *s) {
 
 static int fit_shared(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
-    palp_fit_settings settings = settings_of(o, PALP_SPRING_PER_RUN, s->n_arms);
+    palp_characterize_settings settings = settings_of(o, PALP_SPRING_PER_RUN, s->n_arms);
     if (s->n_hold == 0 || o->per_depth) {
         return CLI_OK;
     }
     palp_status status =
-        o->method == PALP_CHARACTERIZE_GRID
-            ? palp_fit_grid(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error)
-            : palp_fit_lumped(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error);
+        o->method == METHOD_GRID
+            ? palp_thesis_grid(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error)
+            : palp_characterize_fit(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error);
     s->has_shared = status == PALP_OK;
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
@@ -212,7 +212,7 @@ static palp_status law_of_depths(const characterize_state *s, size_t degree, pal
         }
     }
     degree = degree < s->n_hold ? degree : s->n_hold - (s->n_hold > 1);
-    return degree ? palp_fit_polynomial(&points, degree, law, &norm) : PALP_ERR_INPUT;
+    return degree ? palp_thesis_polynomial(&points, degree, law, &norm) : PALP_ERR_INPUT;
 }
 
 /* Force over strain at the deepest point of a run: a stiffness to start from. */
@@ -289,14 +289,14 @@ palp_status characterize_guess(const characterize_options *o, const characterize
 
 static int fit_joint(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
-    palp_fit_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_arms);
+    palp_characterize_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_arms);
     palp_status status = characterize_guess(o, s, &settings.law);
     if (status == PALP_ERR_INPUT) {
         return cli_failure(NAME,
                            "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
                            s->run[0].name, palp_law_kind_name((palp_law_kind)o->law));
     }
-    status = status ? status : palp_fit_lumped(s->n, s->run, &settings, &s->final, &error);
+    status = status ? status : palp_characterize_fit(s->n, s->run, &settings, &s->final, &error);
     if (status) {
         return cli_status(NAME, status, &error);
     }
@@ -356,7 +356,7 @@ static void judge(characterize_state *s) {
 
 int characterize_model(const characterize_options *o, characterize_state *s) {
     progress bar;
-    bool grid = o->method == PALP_CHARACTERIZE_GRID;
+    bool grid = o->method == METHOD_GRID;
     if (grid && s->n_hold == 0) {
         return cli_failure(NAME, "--method grid needs ramp-and-hold runs (protocol.kind: \"ramp_hold\")");
     }

@@ -168,7 +168,7 @@ static void print_shared(const characterize_options *o, const characterize_state
         return;
     }
     printf("Arms shared by the holds of all depths (as Tables 4.4 and 4.5; %s)\n",
-           o->method == PALP_CHARACTERIZE_GRID ? "grid of Section 4.3.3" : "nlopt");
+           o->method == METHOD_GRID ? "grid of Section 4.3.3" : "nlopt");
     if (s->shared.n_estimates) {
         print_estimates(&s->shared);
     } else {

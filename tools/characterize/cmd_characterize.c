@@ -30,7 +30,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_choice("method", "nlopt|grid", &o->method,
                    "nlopt: weighted least squares from several starts (default); grid:\n"
                    "the procedure of Sedef 2008, Section 4.3.3, with one or two arms"),
-        cli_flag("hold-only", &o->hold_only,
+        cli_flag("hold-only", &o->dwell_only,
                  "leave the ramp out of the fit of the model too (fits with a K_inf for\n"
                  "each depth see the hold only: on the ramp K(e) is not constant)"),
         cli_flag("fit-filtered", &o->fit_filtered,
@@ -97,10 +97,10 @@ static int check_options(characterize_options *o) {
     if (o->shared_arms && o->per_depth) {
         return cli_usage_error(NAME, "give either --shared-arms or --per-depth (default: both tables)");
     }
-    if (o->method == PALP_CHARACTERIZE_GRID && (o->arms_auto || o->arms < 1 || o->arms > 2)) {
+    if (o->method == METHOD_GRID && (o->arms_auto || o->arms < 1 || o->arms > 2)) {
         return cli_usage_error(NAME, "--method grid needs --arms 1 or --arms 2");
     }
-    if (o->method == PALP_CHARACTERIZE_GRID && (o->law != PALP_LAW_POLYNOMIAL || o->per_depth)) {
+    if (o->method == METHOD_GRID && (o->law != PALP_LAW_POLYNOMIAL || o->per_depth)) {
         return cli_usage_error(NAME, "--method grid has shared arms and a polynomial; leave out %s",
                                o->per_depth ? "--per-depth" : "--law");
     }

@@ -311,7 +311,7 @@ START_TEST(a_withdrawal_after_the_hold_is_left_out) {
     for (size_t i = away; i < n; i++)
         ck_assert_uint_eq(r.use[i], 0);
     ck_assert_uint_eq(r.use[away - 20], 1);
-    palp_fit_settings settings = palp_fit_settings_default();
+    palp_characterize_settings settings = palp_characterize_settings_default();
     settings.n_arms = 2;
     palp_lumped_fit f = fit(1, &r, settings);
     ck_assert_double_eq_tol(f.spring_N[0], 8.0, 0.05);

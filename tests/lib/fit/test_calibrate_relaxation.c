@@ -464,7 +464,6 @@ START_TEST(bad_input) {
         STATUS(&start, 1, &target, &changed, wanted);                                                        \
     } while (0)
     target = r.target[0];
-    SETTING(method, PALP_CALIBRATE_FIXED_POINT, PALP_ERR_UNSUPPORTED);
     SETTING(tolerance, 0.0, PALP_ERR_ARGUMENT);
     SETTING(tolerance, NAN, PALP_ERR_ARGUMENT);
     SETTING(dt_s, -0.1, PALP_ERR_ARGUMENT);

@@ -2,12 +2,17 @@
  */
 #include "cube.h"
 
-#include <palpate/calibrate.h>
+#include <palpate/thesis.h>
 
 #include <string.h>
 
-/* The seed's F_REFERENCE: Eq. 4.3 at n strains. */
-static double *seed_target(size_t n, const double *depth) {
+/* Both ways of the static stage. */
+typedef palp_status static_method(palp_network *, const palp_material *, size_t, const double *, const double *,
+                                  const palp_static_settings *, palp_calibration *);
+static static_method *const METHODS[2] = {palp_calibrate_static, palp_thesis_fixed_point};
+
+/* The thesis' F_REFERENCE: Eq. 4.3 at n strains. */
+static double *thesis_target(size_t n, const double *depth) {
     double *force = malloc(n * sizeof *force), *strain = malloc(n * sizeof *strain);
     palp_material lumped = cube_polynomial(5, LUMPED_LAW);
     ck_assert(force && strain);
@@ -18,16 +23,16 @@ static double *seed_target(size_t n, const double *depth) {
     return force;
 }
 
-/* Calibrates a cube on the seed's curve in n samples. */
-static void calibrate_seed(size_t nodes, size_t n, const palp_material *start,
+/* Calibrates a cube on the thesis' curve in n samples. */
+static void calibrate_cube(static_method *method, size_t nodes, size_t n, const palp_material *start,
                            const palp_static_settings *settings, palp_calibration *result) {
     palp_network_settings network_settings = palp_network_settings_default();
     double *depth = malloc(n * sizeof *depth);
     ck_assert_ptr_nonnull(depth);
     cube_depths(n, CUBE_PRESS_M, depth);
-    double *target = seed_target(n, depth);
+    double *target = thesis_target(n, depth);
     palp_network *network = cube_network(nodes, start, &network_settings);
-    ck_assert_int_eq(palp_calibrate_static(network, start, n, depth, target, settings, result), PALP_OK);
+    ck_assert_int_eq(method(network, start, n, depth, target, settings, result), PALP_OK);
     palp_network_free(network);
     free(depth);
     free(target);
@@ -39,9 +44,8 @@ START_TEST(table_5_1) {
     palp_material start = cube_polynomial(5, LUMPED_LAW);
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result;
-    settings.method = PALP_CALIBRATE_FIXED_POINT;
     settings.max_evaluations = 10;
-    calibrate_seed(3, 97000, &start, &settings, &result);
+    calibrate_cube(palp_thesis_fixed_point, 3, 97000, &start, &settings, &result);
     ck_assert_uint_eq(result.n_iterations, 10);
     ck_assert_double_le(result.residual_N, 3.92);
     for (size_t i = 0; i < 6; i++)
@@ -54,8 +58,8 @@ START_TEST(table_5_1) {
 }
 END_TEST
 
-/* 2-norms of n samples stand for those of the seed's 97000. */
-static double seed_norm(const palp_calibration *result) {
+/* 2-norms of n samples stand for those of the thesis' 97000. */
+static double thesis_norm(const palp_calibration *result) {
     return result->residual_N * sqrt(97000.0 / (double)result->n_samples);
 }
 
@@ -63,10 +67,9 @@ START_TEST(fixed_point_with_125_nodes) {
     palp_material start = cube_polynomial(5, LUMPED_LAW);
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result;
-    settings.method = PALP_CALIBRATE_FIXED_POINT;
     settings.max_evaluations = 10;
-    calibrate_seed(5, 9700, &start, &settings, &result);
-    ck_assert_double_le(seed_norm(&result), 4.76);
+    calibrate_cube(palp_thesis_fixed_point, 5, 9700, &start, &settings, &result);
+    ck_assert_double_le(thesis_norm(&result), 4.76);
     palp_calibration_free(&result);
 }
 END_TEST
@@ -79,8 +82,8 @@ START_TEST(quartic_by_least_squares) {
     settings.max_evaluations = 30;
     for (size_t i = 0; i < 2; i++) {
         palp_calibration result;
-        calibrate_seed(nodes[i], 970, &start, &settings, &result);
-        ck_assert_double_le(seed_norm(&result), most[i]);
+        calibrate_cube(palp_calibrate_static, nodes[i], 970, &start, &settings, &result);
+        ck_assert_double_le(thesis_norm(&result), most[i]);
         ck_assert(result.converged);
         ck_assert_uint_le(result.n_iterations, 30);
         ck_assert_double_eq(result.reached_m, CUBE_PRESS_M);
@@ -95,8 +98,8 @@ START_TEST(spline_by_least_squares) {
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result;
     ck_assert_int_eq(palp_law_scale(&start.law, 10.0, &start.law), PALP_OK);
-    calibrate_seed(3, 970, &start, &settings, &result);
-    ck_assert_double_le(seed_norm(&result), 0.15);
+    calibrate_cube(palp_calibrate_static, 3, 970, &start, &settings, &result);
+    ck_assert_double_le(thesis_norm(&result), 0.15);
     ck_assert(result.converged);
     palp_calibration_free(&result);
 }
@@ -173,11 +176,10 @@ START_TEST(every_step_and_continuation_agree) {
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration every, traced;
     for (size_t i = 0; i < 2; i++) {
-        settings.method = i ? PALP_CALIBRATE_NLOPT : PALP_CALIBRATE_FIXED_POINT;
         settings.every_step = true;
-        calibrate_seed(3, 100, &start, &settings, &every);
+        calibrate_cube(METHODS[i], 3, 100, &start, &settings, &every);
         settings.every_step = false;
-        calibrate_seed(3, 100, &start, &settings, &traced);
+        calibrate_cube(METHODS[i], 3, 100, &start, &settings, &traced);
         /* the samples' forces agree to some 1e-6 of the peak, 13 N at first, 4 N later */
         ck_assert_double_eq_tol(every.iterations[0].residual_N, traced.iterations[0].residual_N, 1e-3);
         ck_assert_double_eq_tol(every.residual_N, traced.residual_N, 1e-3);
@@ -204,7 +206,7 @@ START_TEST(stable_branch) {
     network_settings.branch = PALP_BRANCH_STABLE;
     palp_network *network = cube_network(3, &start, &network_settings);
     cube_depths(N, CUBE_PRESS_M, depth);
-    double *target = seed_target(N, depth);
+    double *target = thesis_target(N, depth);
     settings.max_evaluations = 20;
     ck_assert_int_eq(palp_calibrate_static(network, &start, N, depth, target, &settings, &result), PALP_OK);
     ck_assert_double_le(result.residual_N, 0.01 * sqrt((double)N) * target[N - 1]);
@@ -239,15 +241,14 @@ START_TEST(progress_and_stop) {
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result;
     cube_depths(N, CUBE_PRESS_M, depth);
-    double *target = seed_target(N, depth);
+    double *target = thesis_target(N, depth);
     settings.progress = watch_progress;
     settings.user = &w;
     for (int method = 0; method < 2; method++) {
-        settings.method = method ? PALP_CALIBRATE_FIXED_POINT : PALP_CALIBRATE_NLOPT;
         for (size_t most = 2; most < 7; most++) {
             w = (watch){0};
             settings.max_evaluations = most;
-            ck_assert_int_eq(palp_calibrate_static(network, &start, N, depth, target, &settings, &result),
+            ck_assert_int_eq(METHODS[method](network, &start, N, depth, target, &settings, &result),
                              PALP_OK);
             ck_assert_uint_eq(result.n_iterations, most); /* both need more */
             ck_assert_int_eq(w.calls, (int)most);
@@ -256,7 +257,7 @@ START_TEST(progress_and_stop) {
             palp_calibration_free(&result);
         }
         w = (watch){.stop_at = 3};
-        ck_assert_int_eq(palp_calibrate_static(network, &start, N, depth, target, &settings, &result),
+        ck_assert_int_eq(METHODS[method](network, &start, N, depth, target, &settings, &result),
                          PALP_ERR_STOPPED);
         ck_assert_int_eq(w.calls, 3);
         ck_assert_ptr_null(result.iterations);
@@ -278,7 +279,7 @@ START_TEST(bad_input) {
     palp_static_settings settings = palp_static_settings_default(), other = settings;
     palp_calibration result;
     cube_depths(N, CUBE_PRESS_M, depth);
-    double *target = seed_target(N, depth);
+    double *target = thesis_target(N, depth);
     ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_NEO_HOOKEAN, 1, &(double){1e4}, 1e-4, &rubber.law),
                      PALP_OK);
 #define STATUS(start, n, depths, targets, how, wanted)                                                       \
@@ -291,11 +292,9 @@ START_TEST(bad_input) {
     STATUS(&rubber, N, depth, target, &settings, PALP_ERR_UNSUPPORTED);
     STATUS(&bad, N, depth, target, &settings, PALP_ERR_ARGUMENT); /* K falls below 0 on the way */
     STATUS(&soft, N, depth, target, &settings, PALP_ERR_ARGUMENT);
-    other.method = PALP_CALIBRATE_FIXED_POINT;
-    STATUS(&spline, N, depth, target, &other, PALP_ERR_UNSUPPORTED);
-    other.method = PALP_CALIBRATE_THREE_PHASE;
-    STATUS(&quartic, N, depth, target, &other, PALP_ERR_UNSUPPORTED);
-    other = settings;
+    ck_assert_int_eq(palp_thesis_fixed_point(network, &spline, N, depth, target, &settings, &result),
+                     PALP_ERR_UNSUPPORTED);
+    ck_assert_ptr_null(result.iterations);
     other.max_evaluations = 1;
     STATUS(&quartic, N, depth, target, &other, PALP_ERR_ARGUMENT);
     other = settings;

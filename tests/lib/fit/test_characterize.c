@@ -67,8 +67,8 @@ END_TEST
 START_TEST(table_4_2_comes_back) {
     for (size_t q = 0; q < DEPTHS; q++) {
         palp_recording r = table_run(q, q + 1 == DEPTHS ? 150.0 : 200.0);
-        palp_fit_settings s = with_arms(1);
-        s.hold_only = true;
+        palp_characterize_settings s = with_arms(1);
+        s.dwell_only = true;
         palp_lumped_fit f = fit(1, &r, s);
         ck_assert_double_eq_tol(f.spring_N[0], TABLE[q][6], 0.004 * TABLE[q][6]);
         ck_assert_double_eq_tol(f.material.arms[0].stiffness_N, TABLE[q][7], 0.1 * TABLE[q][7]);
@@ -84,11 +84,11 @@ START_TEST(shared_arms_leave_no_more_than_the_grid) {
     palp_recording r[DEPTHS];
     for (size_t q = 0; q < DEPTHS; q++)
         r[q] = table_run(q, 200.0);
-    palp_fit_settings s = with_arms(2);
+    palp_characterize_settings s = with_arms(2);
     for (size_t n = 3; n <= DEPTHS; n += 9) { /* of three the holds only */
-        s.hold_only = n == 3;
+        s.dwell_only = n == 3;
         palp_lumped_fit ours = fit(n, r, s), grid;
-        ck_assert_int_eq(palp_fit_grid(n, r, &s, &grid, NULL), PALP_OK);
+        ck_assert_int_eq(palp_thesis_grid(n, r, &s, &grid, NULL), PALP_OK);
         ck_assert_double_le(total(&ours), total(&grid));
         ck_assert_double_gt(total(&ours), 0.5 * total(&grid));
         ck_assert_uint_eq(grid.material.n_arms, 2);
@@ -124,7 +124,7 @@ START_TEST(static_curve_and_holds_together_close_the_gap) {
     }
     palp_law plain;
     double norm, before = 0.0, after = 0.0;
-    ck_assert_int_eq(palp_fit_polynomial(&r[0], 5, &plain, &norm), PALP_OK);
+    ck_assert_int_eq(palp_thesis_polynomial(&r[0], 5, &plain, &norm), PALP_OK);
     palp_lumped_fit joint = fit(RUNS, r, with_law(polynomial(5, (double[5]){1.0}), 2));
     ck_assert_double_lt(worst_off(&joint.material.law), 0.01);
     ck_assert_double_gt(worst_off(&plain), 0.03);
@@ -132,8 +132,8 @@ START_TEST(static_curve_and_holds_together_close_the_gap) {
     ck_assert_double_eq_tol(joint.material.arms[0].stiffness_N, 2.5847711, 0.01 * 2.5847711);
     ck_assert_double_eq_tol(joint.material.arms[1].viscosity_Ns, 23.964533, 0.01 * 23.964533);
     for (size_t q = 1; q < RUNS; q++) {
-        palp_fit_settings s = with_arms(2);
-        s.hold_only = true;
+        palp_characterize_settings s = with_arms(2);
+        s.dwell_only = true;
         palp_lumped_fit alone = fit(1, &r[q], s);
         double k, e = r[q].deepest_m / r[q].height_m;
         palp_law_stiffness(&plain, e, &k, NULL);

@@ -132,7 +132,7 @@ START_TEST(polynomial_of_table_4_1_has_the_norm_of_its_residual) {
     for (size_t degree = 2; degree <= 7; degree++) {
         palp_law law;
         double norm, sum = 0.0;
-        ck_assert_int_eq(palp_fit_polynomial(&r, degree, &law, &norm), PALP_OK);
+        ck_assert_int_eq(palp_thesis_polynomial(&r, degree, &law, &norm), PALP_OK);
         ck_assert_uint_eq(law.n, degree);
         for (size_t i = 0; i < r.n; i++) {
             double e = r.depth_m[i] / r.height_m, f;
@@ -147,8 +147,8 @@ START_TEST(polynomial_of_table_4_1_has_the_norm_of_its_residual) {
     }
     palp_law law;
     double norm;
-    ck_assert_int_eq(palp_fit_polynomial(&r, 0, &law, &norm), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_fit_polynomial(&r, PALP_LAW_MAX + 1, &law, &norm), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_thesis_polynomial(&r, 0, &law, &norm), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_thesis_polynomial(&r, PALP_LAW_MAX + 1, &law, &norm), PALP_ERR_ARGUMENT);
     palp_recording_free(&r);
 }
 END_TEST
@@ -233,7 +233,7 @@ START_TEST(force_is_that_of_the_material) {
 END_TEST
 
 /* The residuals' derivatives against central differences, for a law and for a spring a run. */
-static void jacobian_is_right(size_t n, const palp_recording *r, palp_fit_settings s, const double *v) {
+static void jacobian_is_right(size_t n, const palp_recording *r, palp_characterize_settings s, const double *v) {
     fit_problem p;
     ck_assert_int_eq(fit_problem_create(&p, n, r, &s, NULL), PALP_OK);
     size_t parameters = fit_parameter_count(&p), m = p.n_blocks;
@@ -286,7 +286,7 @@ START_TEST(blocks_cost_no_accuracy) {
         take t = {m, 7.0, ramp[k], 100.0, 3.0, 500.0, 0.0, "ramp_hold", 1};
         palp_recording r = prepare(record(&t));
         r.noise_N = 1.0; /* residuals in N by the root of the count */
-        palp_fit_settings s = with_law(m.law, 2);
+        palp_characterize_settings s = with_law(m.law, 2);
         fit_problem p;
         ck_assert_int_eq(fit_problem_create(&p, 1, &r, &s, NULL), PALP_OK);
         double v[9], *residual = malloc(p.n_blocks * sizeof *residual), samples = 0.0;
@@ -314,17 +314,17 @@ START_TEST(bad_requests_are_refused) {
     palp_recording r[2] = {one_press(5.0, 3), one_press(5.0, 4)};
     palp_lumped_fit f;
     palp_error error = {PALP_OK, ""};
-    palp_fit_settings s = with_arms(1);
-    ck_assert_int_eq(palp_fit_lumped(0, r, &s, &f, &error), PALP_ERR_ARGUMENT);
+    palp_characterize_settings s = with_arms(1);
+    ck_assert_int_eq(palp_characterize_fit(0, r, &s, &f, &error), PALP_ERR_ARGUMENT);
     r[1].height_m = 0.025;
-    ck_assert_int_eq(palp_fit_lumped(2, r, &s, &f, &error), PALP_ERR_INPUT);
+    ck_assert_int_eq(palp_characterize_fit(2, r, &s, &f, &error), PALP_ERR_INPUT);
     ck_assert_ptr_nonnull(strstr(error.text, "specimen of 25 mm among specimens of 24 mm"));
     s = with_law((palp_law){.kind = PALP_LAW_POLYNOMIAL}, 1);
-    ck_assert_int_eq(palp_fit_lumped(1, r, &s, &f, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_characterize_fit(1, r, &s, &f, &error), PALP_ERR_ARGUMENT);
     s = with_arms(PALP_ARMS_MAX + 1);
-    ck_assert_int_eq(palp_fit_lumped(1, r, &s, &f, &error), PALP_ERR_LIMIT);
+    ck_assert_int_eq(palp_characterize_fit(1, r, &s, &f, &error), PALP_ERR_LIMIT);
     s = with_arms(3);
-    ck_assert_int_eq(palp_fit_grid(1, r, &s, &f, &error), PALP_ERR_UNSUPPORTED);
+    ck_assert_int_eq(palp_thesis_grid(1, r, &s, &f, &error), PALP_ERR_UNSUPPORTED);
     free_all(2, r);
     palp_lumped_fit_free(NULL);
 }

@@ -1,9 +1,9 @@
-/* test_three_phase.c: the seed's loops of Figure 5.21 against Tables 5.2 and 5.7. */
+/* test_three_phase.c: the thesis' loops of Figure 5.21 against Tables 5.2 and 5.7. */
 #include "cube.h"
 
-#include <palpate/calibrate.h>
 #include <palpate/closed_form.h>
 #include <palpate/path.h>
+#include <palpate/thesis.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -46,27 +46,26 @@ static void record_free(record *r) {
 }
 
 /* The law of Table 5.1 with the lumped arm: where the seed starts. */
-static palp_material seed_start(palp_formulation formulation) {
+static palp_material thesis_start(palp_formulation formulation) {
     palp_material material = lumped_n1();
     material.law = cube_polynomial(5, NETWORK_LAW).law;
     material.formulation = formulation;
     return material;
 }
 
-static palp_relaxation_settings seed_settings(double dt_s) {
-    palp_relaxation_settings settings = palp_relaxation_settings_default();
-    settings.method = PALP_CALIBRATE_THREE_PHASE;
+static palp_three_phase_settings thesis_settings(double dt_s) {
+    palp_three_phase_settings settings = palp_three_phase_settings_default();
     settings.max_evaluations = 200;
     settings.dt_s = dt_s;
     return settings;
 }
 
 static palp_calibration calibrate(const palp_material *start, const record *r,
-                                  const palp_relaxation_settings *settings) {
+                                  const palp_three_phase_settings *settings) {
     palp_network_settings network_settings = palp_network_settings_default();
     palp_network *network = cube_network(3, start, &network_settings);
     palp_calibration result;
-    ck_assert_int_eq(palp_calibrate_relaxation(network, start, 1, &r->target, settings, &result), PALP_OK);
+    ck_assert_int_eq(palp_thesis_three_phase(network, start, &r->target, settings, &result), PALP_OK);
     palp_network_free(network);
     return result;
 }
@@ -80,8 +79,8 @@ START_TEST(table_5_2) {
         {0.154766, 2.133873, 2.98},    {0.150274, 2.071937, 2.35},  {0.146816, 2.024260, 1.86},
         {0.144124, 1.987154, 1.48},    {0.142012, 1.958029, 1.18},  {0.140343, 1.935015, 0.95}};
     record r = record_make(0.006, 1.0, 1e-3);
-    palp_material start = seed_start(PALP_SEDEF2008);
-    palp_relaxation_settings settings = seed_settings(1e-3);
+    palp_material start = thesis_start(PALP_SEDEF2008);
+    palp_three_phase_settings settings = thesis_settings(1e-3);
     settings.max_evaluations = 15;
     palp_calibration result = calibrate(&start, &r, &settings);
     ck_assert_uint_eq(result.n_iterations, 15);
@@ -102,8 +101,8 @@ END_TEST
 
 static double stiffness_at(double depth_m, palp_formulation formulation) {
     record r = record_make(depth_m, 50.0, 0.02);
-    palp_material start = seed_start(formulation);
-    palp_relaxation_settings settings = seed_settings(0.02);
+    palp_material start = thesis_start(formulation);
+    palp_three_phase_settings settings = thesis_settings(0.02);
     palp_calibration result = calibrate(&start, &r, &settings);
     double stiffness = result.material.arms[0].stiffness_N;
     ck_assert_uint_lt(result.n_iterations, 40);
@@ -127,9 +126,9 @@ START_TEST(converged_means_within_the_bound) {
     const double dt = 0.02, ramp = 1.0, slope = 1e-3;
     record r = record_make(0.006, 50.0, dt);
     for (int k = 0; k < 2; k++) {
-        palp_material start = seed_start(k ? PALP_SEDEF2008 : PALP_HISTORY);
+        palp_material start = thesis_start(k ? PALP_SEDEF2008 : PALP_HISTORY);
         palp_network_settings network_settings = palp_network_settings_default();
-        palp_relaxation_settings settings = seed_settings(dt);
+        palp_three_phase_settings settings = thesis_settings(dt);
         settings.error_bound = 0.005;
         settings.steady_slope_N_s = slope;
         palp_calibration result = calibrate(&start, &r, &settings);
@@ -166,8 +165,8 @@ END_TEST
 /* The errors listed are within the bound in the order of the phases, and as many as asked for. */
 START_TEST(phases_and_their_limit) {
     record r = record_make(0.006, 50.0, 0.05);
-    palp_material start = seed_start(PALP_HISTORY);
-    palp_relaxation_settings settings = seed_settings(0.05);
+    palp_material start = thesis_start(PALP_HISTORY);
+    palp_three_phase_settings settings = thesis_settings(0.05);
     for (size_t most = 1; most < 30; most++) {
         settings.max_evaluations = most;
         palp_calibration result = calibrate(&start, &r, &settings);
@@ -198,61 +197,59 @@ static int stop_at_once(void *user, double fraction, const palp_calibrate_iterat
 
 START_TEST(bad_input) {
     record r = record_make(0.006, 10.0, 0.1);
-    palp_material start = seed_start(PALP_SEDEF2008), other = start;
+    palp_material start = thesis_start(PALP_SEDEF2008), other = start;
     palp_network_settings network_settings = palp_network_settings_default();
     palp_network *network = cube_network(3, &start, &network_settings);
-    const palp_relaxation_settings settings = seed_settings(0.1);
-    palp_relaxation_settings changed;
-    palp_target targets[2] = {r.target, r.target}, target;
+    const palp_three_phase_settings settings = thesis_settings(0.1);
+    palp_three_phase_settings changed;
+    palp_target target;
     palp_calibration result;
-#define STATUS(material, n, targets, how, wanted)                                                            \
+#define STATUS(material, target, how, wanted)                                                                \
     do {                                                                                                     \
-        ck_assert_int_eq(palp_calibrate_relaxation(network, material, n, targets, how, &result), wanted);    \
+        ck_assert_int_eq(palp_thesis_three_phase(network, material, target, how, &result), wanted);           \
         ck_assert_ptr_null(result.iterations);                                                               \
     } while (0)
 #define SETTING(member, value, wanted)                                                                       \
     do {                                                                                                     \
         changed = settings;                                                                                  \
         changed.member = value;                                                                              \
-        STATUS(&start, 1, targets, &changed, wanted);                                                        \
+        STATUS(&start, &r.target, &changed, wanted);                                                        \
     } while (0)
     SETTING(dt_s, 0.0, PALP_ERR_ARGUMENT);
     SETTING(dt_s, NAN, PALP_ERR_ARGUMENT);
     SETTING(max_evaluations, 0, PALP_ERR_ARGUMENT);
     SETTING(error_bound, 0.0, PALP_ERR_ARGUMENT);
     SETTING(progress, stop_at_once, PALP_ERR_STOPPED);
-    STATUS(&start, 2, targets, &settings, PALP_ERR_ARGUMENT);
-    STATUS(&start, 0, targets, &settings, PALP_ERR_ARGUMENT);
     other.n_arms = 0;
-    STATUS(&other, 1, targets, &settings, PALP_ERR_UNSUPPORTED);
+    STATUS(&other, &r.target, &settings, PALP_ERR_UNSUPPORTED);
     other = start;
     other.formulation = PALP_HISTORY;
     other.n_arms = 2;
     other.arms[1] = other.arms[0];
-    STATUS(&other, 1, targets, &settings, PALP_ERR_UNSUPPORTED);
+    STATUS(&other, &r.target, &settings, PALP_ERR_UNSUPPORTED);
     other = start;
     other.arms[0].stiffness_N = -1.0;
-    STATUS(&other, 1, targets, &settings, PALP_ERR_ARGUMENT);
+    STATUS(&other, &r.target, &settings, PALP_ERR_ARGUMENT);
     target = r.target;
     target.n = 10; /* ends with the ramp */
-    STATUS(&start, 1, &target, &settings, PALP_ERR_ARGUMENT);
+    STATUS(&start, &target, &settings, PALP_ERR_ARGUMENT);
     target.n = 2;
-    STATUS(&start, 1, &target, &settings, PALP_ERR_ARGUMENT);
+    STATUS(&start, &target, &settings, PALP_ERR_ARGUMENT);
     target = r.target;
     ck_assert_int_eq(palp_path_cyclic(0.006, 0.001, 1, &target.path), PALP_OK);
-    STATUS(&start, 1, &target, &settings, PALP_ERR_ARGUMENT);
+    STATUS(&start, &target, &settings, PALP_ERR_ARGUMENT);
     palp_path_free(&target.path);
     ck_assert_int_eq(palp_path_creep(1.0, 1.0, 10.0, &target.path), PALP_OK);
-    STATUS(&start, 1, &target, &settings, PALP_ERR_ARGUMENT);
+    STATUS(&start, &target, &settings, PALP_ERR_ARGUMENT);
     palp_path_free(&target.path);
     double time = r.time_s[20];
     r.time_s[20] = r.time_s[19];
-    STATUS(&start, 1, targets, &settings, PALP_ERR_ARGUMENT);
+    STATUS(&start, &r.target, &settings, PALP_ERR_ARGUMENT);
     r.time_s[20] = time;
     memset(r.force_N, 0, r.target.n * sizeof *r.force_N);
-    STATUS(&start, 1, targets, &settings, PALP_ERR_ARGUMENT);
+    STATUS(&start, &r.target, &settings, PALP_ERR_ARGUMENT);
     r.force_N[9] = NAN;
-    STATUS(&start, 1, targets, &settings, PALP_ERR_ARGUMENT);
+    STATUS(&start, &r.target, &settings, PALP_ERR_ARGUMENT);
 #undef SETTING
 #undef STATUS
     palp_network_free(network);

@@ -1,5 +1,7 @@
-/* calibrate_three_phase.c: the seed's loops of Figure 5.21 for one arm: peak force by K1 and b1, time to
+/* three_phase.c: the thesis' loops of Figure 5.21 for one arm: peak force by K1 and b1, time to
  * the steady state by b1, force there by the law's scale. */
+#include <palpate/thesis.h>
+
 #include "fit/calibrate_internal.h"
 
 #include <math.h>
@@ -13,7 +15,7 @@ typedef struct marks {
 typedef struct three_phase {
     palp_network *net;
     const palp_target *target;
-    const palp_relaxation_settings *settings;
+    const palp_three_phase_settings *settings;
     palp_calibration *result;
     palp_material material;
     marks wanted, reached;
@@ -152,12 +154,12 @@ static bool within(const three_phase *s) {
 }
 
 /* From rest along a ramp and a hold. */
-static palp_status check(const palp_material *start, size_t n_targets, const palp_target *target,
-                         const palp_relaxation_settings *settings) {
+static palp_status check(const palp_material *start, const palp_target *target,
+                         const palp_three_phase_settings *settings) {
     if (start->n_arms != 1)
         return PALP_ERR_UNSUPPORTED;
     const palp_path *p = &target->path;
-    if (n_targets != 1 || target->n < 3 || p->n != 3 || !p->depth_m || p->depth_m[0] != 0.0 || p->time_s[0] != 0.0 ||
+    if (target->n < 3 || p->n != 3 || !p->depth_m || p->depth_m[0] != 0.0 || p->time_s[0] != 0.0 ||
         p->depth_m[1] != p->depth_m[2] || !(settings->dt_s > 0.0) || settings->max_evaluations < 1 ||
         !(settings->error_bound > 0.0))
         return PALP_ERR_ARGUMENT;
@@ -167,29 +169,47 @@ static palp_status check(const palp_material *start, size_t n_targets, const pal
     return palp_material_check(start, NULL);
 }
 
-palp_status calibrate_three_phase(palp_network *network, const palp_material *start, size_t n_targets,
-                                  const palp_target *targets, const palp_relaxation_settings *settings,
-                                  palp_calibration *result) {
-    palp_status status = check(start, n_targets, targets, settings);
-    if (status)
-        return status;
-    three_phase s = {.net = network, .target = targets, .settings = settings, .result = result, .material = *start};
-    s.wanted = marks_of_record(targets, settings->steady_slope_N_s);
-    if (!(s.wanted.peak > 0.0) || !(s.wanted.steady_time > 0.0) || !(s.wanted.steady_force > 0.0))
-        return PALP_ERR_ARGUMENT; /* no force, or a record that ends with the ramp */
+/* One global iteration: the three phases, and what the material they leave reaches. */
+static palp_status iterate(three_phase *s) {
+    palp_status status = match(s, 1);
+    if (!status)
+        status = match(s, 2);
+    if (!status)
+        status = match_steady_force(s);
+    return status ? status : run(s, true);
+}
+
+static palp_status solve(three_phase *s) {
+    palp_calibration *result = s->result;
     palp_material before;
+    s->wanted = marks_of_record(s->target, s->settings->steady_slope_N_s);
+    if (!(s->wanted.peak > 0.0) || !(s->wanted.steady_time > 0.0) || !(s->wanted.steady_force > 0.0))
+        return PALP_ERR_ARGUMENT; /* no force, or a record that ends with the ramp */
     do {
-        before = s.material;
-        status = match(&s, 1);
-        if (!status)
-            status = match(&s, 2);
-        if (!status)
-            status = match_steady_force(&s);
-        if (!status)
-            status = run(&s, true);
-        result->converged = !status && within(&s);
-    } while (!status && !result->converged && !exhausted(&s) && !same(&before, &s.material));
-    result->material = s.material;
-    result->residual_N = fabs(s.reached.peak - s.wanted.peak);
+        before = s->material;
+        palp_status status = iterate(s);
+        if (status)
+            return status;
+        result->converged = within(s);
+    } while (!result->converged && !exhausted(s) && !same(&before, &s->material));
+    result->material = s->material;
+    result->residual_N = fabs(s->reached.peak - s->wanted.peak);
+    return palp_network_set_material(s->net, &result->material);
+}
+
+palp_three_phase_settings palp_three_phase_settings_default(void) {
+    return (palp_three_phase_settings){
+        .max_evaluations = 80, .dt_s = 1e-3, .error_bound = 0.01, .steady_slope_N_s = 1e-3};
+}
+
+palp_status palp_thesis_three_phase(palp_network *network, const palp_material *start, const palp_target *target,
+                                    const palp_three_phase_settings *settings, palp_calibration *result) {
+    three_phase s = {.net = network, .target = target, .settings = settings, .result = result, .material = *start};
+    memset(result, 0, sizeof *result);
+    palp_status status = check(start, target, settings);
+    if (!status)
+        status = solve(&s);
+    if (status)
+        palp_calibration_free(result);
     return status;
 }

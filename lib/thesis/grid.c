@@ -1,32 +1,12 @@
-/* fit_grid.c: the seed's own procedures, for comparison: polynomials of Table 4.1 and the grid of
- * Section 4.3.3. */
-#include "base/dense.h"
+/* grid.c: shared arms by the grid of Section 4.3.3. */
+#include <palpate/thesis.h>
+
 #include "base/file.h"
 #include "fit/fit_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-palp_status palp_fit_polynomial(const palp_recording *rec, size_t degree, palp_law *law, double *norm) {
-    size_t n = 0;
-    double c[PALP_LAW_MAX];
-    if (degree < 1 || degree > PALP_LAW_MAX)
-        return PALP_ERR_ARGUMENT;
-    double *strain = malloc(2 * rec->n * sizeof *strain), *force = strain + rec->n;
-    if (!strain)
-        return PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < rec->n; i++)
-        if (rec->use[i] && rec->depth_m[i] > 0.0) {
-            strain[n] = rec->depth_m[i] / rec->height_m;
-            force[n++] = rec->force_N[i];
-        }
-    palp_status status = PALP_ERR_INPUT;
-    if (n > degree)
-        status = dense_polynomial(n, strain, force, 1, degree, c, norm);
-    free(strain);
-    return status ? status : palp_law_polynomial(degree, c, law);
-}
 
 enum { STEPS = 21 }; /* 20 intervals */
 
@@ -108,11 +88,11 @@ static palp_status search(fit_problem *p, const palp_lumped_fit *fits, palp_lump
 }
 
 /* A fit of every recording on its own gives the ranges and K_inf. */
-static palp_status fit_each(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+static palp_status fit_each(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                             palp_lumped_fit *fits, palp_error *error) {
     palp_status status = PALP_OK;
     for (size_t r = 0; r < n && !status; r++) {
-        status = palp_fit_lumped(1, &recordings[r], settings, &fits[r], error);
+        status = palp_characterize_fit(1, &recordings[r], settings, &fits[r], error);
         if (!status && fits[r].material.n_arms != settings->n_arms)
             status = palp_error_set(error, PALP_ERR_INPUT, "%s: does not tell %zu arms apart",
                                     recordings[r].name, settings->n_arms);
@@ -120,7 +100,7 @@ static palp_status fit_each(size_t n, const palp_recording *recordings, const pa
     return status;
 }
 
-static palp_status grid_result(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+static palp_status grid_result(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                const palp_lumped_fit *fits, palp_lumped_fit *fit) {
     double middle = 0.0;
     fit->n_runs = n;
@@ -138,12 +118,12 @@ static palp_status grid_result(size_t n, const palp_recording *recordings, const
     return status ? status : fit_fill_residuals(n, recordings, settings, fit);
 }
 
-palp_status palp_fit_grid(size_t n, const palp_recording *recordings, const palp_fit_settings *settings,
+palp_status palp_thesis_grid(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                           palp_lumped_fit *fit, palp_error *error) {
     memset(fit, 0, sizeof *fit);
     if (settings->n_arms < 1 || settings->n_arms > 2)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED, "the grid takes one or two arms");
-    palp_fit_settings each = *settings;
+    palp_characterize_settings each = *settings;
     each.spring = PALP_SPRING_PER_RUN;
     fit_problem p;
     palp_status status = fit_problem_create(&p, n, recordings, &each, error);

@@ -1,4 +1,4 @@
-/* calibrate_carry.c: the static stage for a network too large to trace many times: a coarse one of the same body takes
+/* calibrate_two_level.c: the static stage for a network too large to trace many times: a coarse one of the same body takes
  * the law, the large one only tells by how much it differs. */
 #include "calibrate_internal.h"
 #include "realtime/realtime_internal.h"
@@ -11,7 +11,7 @@ enum { PRESSES = 24, ROUNDS = 5 };
 static const double PRECISE = 1e-6; /* force of the large network */
 static const double ENOUGH = 1e-4;  /* largest miss of the target, of its peak */
 
-typedef struct carry {
+typedef struct two_level {
     palp_network *fine, *coarse;
     const palp_static_settings *settings;
     size_t n;
@@ -19,15 +19,15 @@ typedef struct carry {
     double *wanted, *ratio;     /* [n] of the coarse network; fine force over coarse */
     size_t n_presses, n_reached; /* of the large network, at samples (i + 1) n / n_presses - 1 */
     palp_calibration *result;
-} carry;
+} two_level;
 
-static size_t sample_of(const carry *c, size_t press) {
+static size_t sample_of(const two_level *c, size_t press) {
     return (press + 1) * c->n / c->n_presses - 1;
 }
 
 /* Presses the large network down its branch, as far as each step is solved at once: where it is not, the network has
  * begun to buckle. force[n_presses]. */
-static palp_status press_fine(carry *c, const palp_material *material, double *force) {
+static palp_status press_fine(two_level *c, const palp_material *material, double *force) {
     palp_tick_info info;
     const palp_budget budget = {.force_error = PRECISE};
     palp_status status = palp_network_set_material(c->fine, material);
@@ -45,7 +45,7 @@ static palp_status press_fine(carry *c, const palp_material *material, double *f
 }
 
 /* Straight lines between the presses; level before the first and behind the last. */
-static void spread_ratio(carry *c, const double *fine, const double *coarse) {
+static void spread_ratio(two_level *c, const double *fine, const double *coarse) {
     size_t last = sample_of(c, c->n_reached - 1);
     for (size_t i = 0, p = 0; i < c->n; i++) {
         while (p + 1 < c->n_reached && i > sample_of(c, p))
@@ -58,7 +58,7 @@ static void spread_ratio(carry *c, const double *fine, const double *coarse) {
 }
 
 /* *miss: largest difference from the target as far as was reached, of the target's peak. */
-static palp_status report(carry *c, const palp_calibration *coarse, double *miss) {
+static palp_status report(two_level *c, const palp_calibration *coarse, double *miss) {
     palp_calibration *r = c->result;
     palp_calibrate_iteration it = {.material = coarse->material};
     size_t last = sample_of(c, c->n_reached - 1);
@@ -85,7 +85,7 @@ static palp_status report(carry *c, const palp_calibration *coarse, double *miss
 }
 
 /* One round: the coarse network's law for the wanted force, and what the large one makes of it. */
-static palp_status improve(carry *c, const palp_material *start, double *miss) {
+static palp_status improve(two_level *c, const palp_material *start, double *miss) {
     double fine[PRESSES];
     palp_static_settings settings = *c->settings;
     palp_calibration coarse;
@@ -104,34 +104,24 @@ static palp_status improve(carry *c, const palp_material *start, double *miss) {
     return status;
 }
 
-static palp_status allocate(carry *c) {
-    palp_calibration *r = c->result;
-    size_t size = c->n * sizeof(double);
-    c->wanted = malloc(size);
-    c->ratio = malloc(size);
-    r->n_samples = c->n;
-    r->depth_m = malloc(size);
-    r->target_N = malloc(size);
-    r->force_N = calloc(c->n, sizeof(double));
-    if (!c->wanted || !c->ratio || !r->depth_m || !r->target_N || !r->force_N)
+static palp_status allocate(two_level *c) {
+    c->wanted = malloc(c->n * sizeof *c->wanted);
+    c->ratio = malloc(c->n * sizeof *c->ratio);
+    if (!c->wanted || !c->ratio)
         return PALP_ERR_NO_MEMORY;
-    memcpy(c->wanted, c->target, size);
-    memcpy(r->depth_m, c->depth, size);
-    memcpy(r->target_N, c->target, size);
-    return PALP_OK;
+    memcpy(c->wanted, c->target, c->n * sizeof *c->wanted);
+    return calibration_set_target(c->result, c->n, c->depth, c->target);
 }
 
-palp_status palp_calibrate_carried(palp_network *network, palp_network *coarse, const palp_material *start, size_t n,
+palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start, size_t n,
                                    const double *depth_m, const double *target_N,
                                    const palp_static_settings *settings, palp_calibration *result) {
-    carry c = {.fine = network, .coarse = coarse, .settings = settings, .n = n, .depth = depth_m, .target = target_N,
+    two_level c = {.fine = network, .coarse = coarse, .settings = settings, .n = n, .depth = depth_m, .target = target_N,
                .n_presses = n < PRESSES ? n : PRESSES, .result = result};
     palp_realtime_settings realtime = palp_realtime_settings_default();
     palp_material material = *start;
     double miss = HUGE_VAL, before = HUGE_VAL;
     memset(result, 0, sizeof *result);
-    if (settings->method != PALP_CALIBRATE_NLOPT)
-        return PALP_ERR_UNSUPPORTED;
     palp_status status = n > 0 ? allocate(&c) : PALP_ERR_ARGUMENT;
     if (!status && !network->realtime)
         status = palp_network_enable_realtime(network, &realtime);

@@ -1,4 +1,4 @@
-/* test_calibrate_carry.c: the static stage of large networks through a coarse one of the same body. check: once */
+/* test_calibrate_two_level.c: the static stage of large networks through a coarse one of the same body. check: once */
 #include "fit/calibrate_internal.h"
 #include "network_make.h"
 
@@ -26,14 +26,14 @@ static palp_status carry(size_t fine, size_t coarse, const curve *c, palp_calibr
     palp_network *large = cube_network(fine, &start, NULL), *small = cube_network(coarse, &start, NULL);
     palp_static_settings settings = palp_static_settings_default();
     palp_status status =
-        palp_calibrate_carried(large, small, &start, SAMPLES, c->depth, c->force, &settings, result);
+        palp_calibrate_two_level(large, small, &start, SAMPLES, c->depth, c->force, &settings, result);
     palp_network_free(large);
     palp_network_free(small);
     return status;
 }
 
 /* Another network with the law that was found, stepped by its factor, meets the target. */
-START_TEST(carried_law_meets_the_target) {
+START_TEST(the_coarse_law_meets_the_target) {
     const curve c = lumped_curve(0.007);
     palp_calibration result;
     ck_assert_int_eq(carry(9, 5, &c, &result), PALP_OK);
@@ -69,19 +69,15 @@ START_TEST(the_branchs_end_is_told) {
 }
 END_TEST
 
-START_TEST(carrying_refuses) {
+START_TEST(two_levels_refuse) {
     const curve c = lumped_curve(0.005);
     palp_material start = quartic(0);
     palp_network *net = cube_network(3, &start, NULL);
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result;
-    settings.method = PALP_CALIBRATE_FIXED_POINT;
-    ck_assert_int_eq(palp_calibrate_carried(net, net, &start, SAMPLES, c.depth, c.force, &settings, &result),
-                     PALP_ERR_UNSUPPORTED);
-    settings.method = PALP_CALIBRATE_NLOPT;
-    ck_assert_int_eq(palp_calibrate_carried(net, net, &start, 0, c.depth, c.force, &settings, &result),
+    ck_assert_int_eq(palp_calibrate_two_level(net, net, &start, 0, c.depth, c.force, &settings, &result),
                      PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_calibrate_carried(net, net, &start, SAMPLES, c.force, c.depth, &settings, &result),
+    ck_assert_int_eq(palp_calibrate_two_level(net, net, &start, SAMPLES, c.force, c.depth, &settings, &result),
                      PALP_ERR_ARGUMENT);
     ck_assert_ptr_null(result.force_N);
     palp_network_free(net);
@@ -89,7 +85,7 @@ START_TEST(carrying_refuses) {
 END_TEST
 
 void tests(TCase *tc) {
-    tcase_add_test(tc, carried_law_meets_the_target);
+    tcase_add_test(tc, the_coarse_law_meets_the_target);
     tcase_add_test(tc, the_branchs_end_is_told);
-    tcase_add_test(tc, carrying_refuses);
+    tcase_add_test(tc, two_levels_refuse);
 }

@@ -1,5 +1,5 @@
 /* test_least_squares.c: the least squares behind calibration on problems with known answers. */
-#include "fit/calibrate_internal.h"
+#include "solve/least_squares.h"
 #include "cube.h"
 
 #include <string.h>

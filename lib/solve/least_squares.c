@@ -1,0 +1,251 @@
+/* least_squares.c: nonlinear least squares by NLopt. */
+#include "least_squares.h"
+#include "base/dense.h"
+
+#include <math.h>
+#include <nlopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One descent in coordinates y, p = origin + R^-1 y, in which the Hessian of Levenberg and Marquardt is the
+ * identity: the quasi-Newton method then starts with their step. */
+typedef struct descent {
+    const least_squares *problem;
+    double *origin, *best, *p; /* [n_parameters] */
+    double *r, *best_r;        /* [n_residuals] */
+    double *jacobian;          /* [n_residuals n_parameters] */
+    double *triangle;          /* [n_parameters n_parameters] R' = L, in rows */
+    double *best_jacobian, *stacked, *tau, *work;
+    double best_value, best_excess, damping;
+    double nothing;            /* a value that is rounding beside that of the first guess */
+    bool overshot;             /* in the round at hand */
+    size_t evaluations, limit; /* of the round at hand */
+    size_t stalled;            /* evaluations since the best got better by stop_relative */
+    palp_status status;
+    nlopt_opt optimizer;
+} descent;
+
+static double norm2(const double *v, size_t n) {
+    return dense_dot(n, v, v);
+}
+
+static void to_parameters(const descent *d, const double *y, double *p) {
+    size_t n = d->problem->n_parameters;
+    memcpy(p, y, n * sizeof *p);
+    dense_backward(n, d->triangle, 1, p);
+    for (size_t k = 0; k < n; k++)
+        p[k] += d->origin[k];
+}
+
+/* By how much p misses its constraints at most, rounding aside: y mixes all parameters. */
+static double excess(const least_squares *problem, const double *p) {
+    size_t n = problem->n_parameters;
+    double most = 0.0, largest = 0.0;
+    for (size_t k = 0; k < n; k++)
+        largest = fmax(largest, fabs(p[k]));
+    for (size_t i = 0; i < problem->n_constraints; i++) {
+        double miss = problem->floor[i], size = fabs(problem->floor[i]);
+        for (size_t k = 0; k < n; k++) {
+            miss -= problem->constraint[i * n + k] * p[k];
+            size += fabs(problem->constraint[i * n + k]) * largest;
+        }
+        if (miss > 1e-9 * size)
+            most = fmax(most, miss);
+    }
+    return most;
+}
+
+/* The point at hand is the best so far. */
+static void keep(descent *d, double value, double miss) {
+    size_t n = d->problem->n_parameters, m = d->problem->n_residuals;
+    d->best_value = value;
+    d->best_excess = miss;
+    memcpy(d->best, d->p, n * sizeof *d->best);
+    memcpy(d->best_r, d->r, m * sizeof *d->best_r);
+    memcpy(d->best_jacobian, d->jacobian, n * m * sizeof *d->best_jacobian);
+}
+
+/* |r|^2 / 2 at d->p, kept if it is the best, for which meeting the constraints comes first; a round ends
+ * when two evaluations bring nothing. */
+static double evaluate(descent *d) {
+    const least_squares *problem = d->problem;
+    d->status = problem->evaluate(problem->user, d->p, d->r, d->jacobian);
+    d->evaluations++;
+    if (d->status) {
+        if (d->optimizer)
+            nlopt_force_stop(d->optimizer);
+        return HUGE_VAL;
+    }
+    double value = 0.5 * norm2(d->r, problem->n_residuals), miss = excess(problem, d->p);
+    bool nearer = miss < d->best_excess;
+    bool better = isfinite(value) && (nearer || (miss == d->best_excess && value < d->best_value));
+    bool much = nearer || value < d->best_value * (1.0 - 2.0 * problem->stop_relative);
+    d->stalled = better && much ? 0 : d->stalled + 1;
+    d->overshot = d->overshot || !(value <= d->best_value * (1.0 + 2.0 * problem->stop_relative));
+    if (better)
+        keep(d, value, miss);
+    if (d->optimizer && (d->stalled >= 2 || d->evaluations == d->limit || d->best_value <= d->nothing))
+        nlopt_force_stop(d->optimizer);
+    return value;
+}
+
+static double objective(unsigned n, const double *y, double *gradient, void *user) {
+    descent *d = user;
+    size_t m = d->problem->n_residuals;
+    to_parameters(d, y, d->p);
+    bool known = memcmp(d->p, d->best, n * sizeof *d->p) == 0; /* the origin of a round */
+    double value = known ? d->best_value : evaluate(d);
+    const double *r = known ? d->best_r : d->r, *jacobian = known ? d->best_jacobian : d->jacobian;
+    if (gradient && !d->status) {
+        for (unsigned k = 0; k < n; k++) {
+            gradient[k] = 0.0;
+            for (size_t i = 0; i < m; i++)
+                gradient[k] += jacobian[k * m + i] * r[i];
+        }
+        dense_forward(n, d->triangle, 1, gradient);
+    }
+    return value;
+}
+
+/* floor - row . p <= 0 */
+static void constraints(unsigned rows, double *result, unsigned n, const double *y, double *gradient, void *user) {
+    descent *d = user;
+    const least_squares *problem = d->problem;
+    to_parameters(d, y, d->p);
+    for (unsigned i = 0; i < rows; i++) {
+        const double *row = problem->constraint + (size_t)i * n;
+        result[i] = problem->floor[i];
+        for (unsigned k = 0; k < n; k++)
+            result[i] -= row[k] * d->p[k];
+        if (gradient) {
+            for (unsigned k = 0; k < n; k++)
+                gradient[(size_t)i * n + k] = -row[k];
+            dense_forward(n, d->triangle, 1, gradient + (size_t)i * n);
+        }
+    }
+}
+
+static const double LEAST_DAMPING = 1e-6, FELT_DAMPING = 1e-2, MOST_DAMPING = 1e2;
+
+/* R of the best Jacobian, with damping times each column's own size below it, which also leaves R regular
+ * where a parameter has no influence. */
+static palp_status whiten(descent *d) {
+    size_t n = d->problem->n_parameters, m = d->problem->n_residuals, rows = m + n;
+    double largest = 0.0;
+    for (size_t k = 0; k < n; k++)
+        largest = fmax(largest, sqrt(norm2(d->best_jacobian + k * m, m)));
+    if (!(largest > 0.0) || !isfinite(largest))
+        return PALP_ERR_SINGULAR;
+    for (size_t k = 0; k < n; k++) {
+        double *column = d->stacked + k * rows, size = sqrt(norm2(d->best_jacobian + k * m, m));
+        memcpy(column, d->best_jacobian + k * m, m * sizeof *column);
+        memset(column + m, 0, n * sizeof *column);
+        column[m + k] = d->damping * fmax(size, 1e-3 * largest);
+    }
+    dense_triangle_of(rows, n, d->stacked, d->tau, d->work, d->triangle);
+    memcpy(d->origin, d->best, n * sizeof *d->origin);
+    return PALP_OK;
+}
+
+/* Bounds on p become constraints on y, which is a mixture of parameters. */
+static nlopt_result descend(descent *d, double *y) {
+    const least_squares *problem = d->problem;
+    double value;
+    memset(y, 0, problem->n_parameters * sizeof *y);
+    nlopt_opt o = nlopt_create(NLOPT_LD_SLSQP, (unsigned)problem->n_parameters);
+    if (!o)
+        return NLOPT_OUT_OF_MEMORY;
+    nlopt_result result = nlopt_set_min_objective(o, objective, d);
+    nlopt_set_ftol_rel(o, problem->stop_relative);
+    if (problem->n_constraints && result > 0)
+        result = nlopt_add_inequality_mconstraint(o, (unsigned)problem->n_constraints, constraints, d, NULL);
+    d->optimizer = o;
+    if (result > 0)
+        result = nlopt_optimize(o, y, &value);
+    d->optimizer = NULL;
+    nlopt_destroy(o);
+    return result;
+}
+
+static palp_status allocate(descent *d) {
+    size_t n = d->problem->n_parameters, m = d->problem->n_residuals;
+    d->origin = calloc(4 * n, sizeof(double));
+    d->r = calloc(2 * m, sizeof(double));
+    d->jacobian = calloc(n * m, sizeof(double));
+    d->best_jacobian = calloc(n * m, sizeof(double));
+    d->stacked = calloc(n * (m + n), sizeof(double));
+    d->triangle = calloc(n * n, sizeof(double));
+    d->work = calloc(DENSE_WORK * n, sizeof(double));
+    if (!d->origin || !d->r || !d->jacobian || !d->best_jacobian || !d->stacked || !d->triangle || !d->work)
+        return PALP_ERR_NO_MEMORY;
+    d->best_r = d->r + m;
+    d->best = d->origin + n;
+    d->p = d->origin + 2 * n;
+    d->tau = d->origin + 3 * n;
+    return PALP_OK;
+}
+
+static void release(descent *d) {
+    free(d->origin);
+    free(d->r);
+    free(d->jacobian);
+    free(d->best_jacobian);
+    free(d->stacked);
+    free(d->triangle);
+    free(d->work);
+}
+
+static bool down_to_rounding(const descent *d) {
+    return d->best_value <= d->nothing && d->best_excess == 0.0;
+}
+
+/* Descents of a few evaluations, each in fresh coordinates, until one brings nothing. One that only went
+ * too far is followed by a shorter one. */
+static palp_status descend_in_rounds(descent *d, double *y, bool *converged) {
+    enum { ROUND = 2 }; /* the step, and a second one along its way or from its end */
+    const least_squares *problem = d->problem;
+    while (!*converged && d->evaluations < problem->max_evaluations) {
+        size_t left = problem->max_evaluations - d->evaluations;
+        double before = d->best_value, missed = d->best_excess;
+        d->stalled = 0;
+        d->overshot = false;
+        d->limit = d->evaluations + (left < ROUND ? left : ROUND);
+        palp_status status = whiten(d);
+        if (status)
+            return status;
+        nlopt_result result = descend(d, y);
+        if (d->status)
+            return d->status;
+        if (result == NLOPT_OUT_OF_MEMORY)
+            return PALP_ERR_NO_MEMORY;
+        bool better = d->best_excess < missed || before - d->best_value > 2.0 * problem->stop_relative * before;
+        bool too_far = d->overshot && d->damping < MOST_DAMPING;
+        *converged = down_to_rounding(d) || (!better && !too_far);
+        if (d->overshot != better)
+            d->damping = better ? fmax(LEAST_DAMPING, 0.1 * d->damping) : fmax(FELT_DAMPING, 100.0 * d->damping);
+    }
+    return PALP_OK;
+}
+
+palp_status least_squares_solve(const least_squares *problem, double *p, double *norm, bool *converged) {
+    descent d = {.problem = problem, .best_value = HUGE_VAL, .best_excess = HUGE_VAL, .damping = LEAST_DAMPING};
+    size_t n = problem->n_parameters;
+    double *y = calloc(n, sizeof *y);
+    palp_status status = y ? allocate(&d) : PALP_ERR_NO_MEMORY;
+    *converged = false;
+    if (!status) {
+        memcpy(d.p, p, n * sizeof *p);
+        evaluate(&d);
+        status = d.status;
+        d.nothing = 1e-24 * d.best_value;
+        if (!status)
+            status = descend_in_rounds(&d, y, converged);
+        if (d.best_value < HUGE_VAL) {
+            memcpy(p, d.best, n * sizeof *p);
+            *norm = sqrt(2.0 * d.best_value);
+        }
+    }
+    release(&d);
+    free(y);
+    return status;
+}

@@ -1,0 +1,59 @@
+/* fixed_point.c: the stiffness law by the loop of Figure 5.6, which multiplies the law's curve by target over force. */
+#include <palpate/thesis.h>
+
+#include "base/dense.h"
+#include "fit/calibrate_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A law through the guessed curve. The fit has a constant term, which is dropped: that is what reproduces Table 5.1. */
+static palp_status law_of(size_t n, const double *strain, const double *guess, palp_law *law) {
+    double fit[PALP_LAW_MAX + 1], norm;
+    palp_status status = dense_polynomial(n, strain, guess, 0, law->n, fit, &norm);
+    return status ? status : palp_law_polynomial(law->n, fit + 1, law);
+}
+
+static palp_status iterate(static_stage *s, const double *strain, double *guess) {
+    palp_material material = *s->start;
+    palp_calibration *result = s->result;
+    double least = HUGE_VAL;
+    while (result->n_iterations < s->settings->max_evaluations) {
+        palp_status status = static_stage_run(s, &material, NULL);
+        if (status)
+            return status;
+        double residual = result->iterations[result->n_iterations - 1].residual_N;
+        result->converged = !(residual < least);
+        if (result->converged)
+            return PALP_OK;
+        least = residual;
+        for (size_t i = 0; i < s->n; i++)
+            guess[i] *= s->target[i] / s->force[i];
+        status = law_of(s->n, strain, guess, &material.law);
+        if (status)
+            return status;
+    }
+    return PALP_OK;
+}
+
+static palp_status solve(static_stage *s) {
+    double *strain = malloc(2 * s->n * sizeof *strain);
+    if (!strain)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < s->n; i++) {
+        strain[i] = s->depth[i] / s->net->height;
+        strain[s->n + i] = s->target[i];
+    }
+    palp_status status = iterate(s, strain, strain + s->n);
+    free(strain);
+    return status;
+}
+
+palp_status palp_thesis_fixed_point(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
+                                    const double *target_N, const palp_static_settings *settings,
+                                    palp_calibration *result) {
+    static_stage s = {.net = network, .start = start, .settings = settings, .n = n,
+                      .depth = depth_m, .target = target_N, .result = result};
+    *result = (palp_calibration){0};
+    return start->law.kind == PALP_LAW_POLYNOMIAL ? static_stage_solve(&s, solve) : PALP_ERR_UNSUPPORTED;
+}
