@@ -2,6 +2,7 @@
 #include "explain_internal.h"
 #include "base/dense.h"
 #include "model/model_internal.h"
+#include "solve/levenberg.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,26 +54,6 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
     add_wall(fit, data, h, g, chi2);
 }
 
-/* (H + damping diag H) step = g without the coordinates that lie on a bound and are pushed out. work: [k k]. */
-static void step_of(const explain_fit *fit, const double *h, const double *g, double damping, double *work,
-                    double *step) {
-    size_t k = fit->n_columns;
-    memcpy(work, h, k * k * sizeof *work);
-    for (size_t i = 0; i < k; i++) {
-        bool stuck = (fit->x[i] <= fit->low[i] && g[i] <= 0.0) || (fit->x[i] >= fit->high[i] && g[i] >= 0.0);
-        step[i] = stuck ? 0.0 : g[i];
-        work[i * k + i] *= 1.0 + damping;
-        for (size_t j = 0; j < k && stuck; j++)
-            work[i * k + j] = work[j * k + i] = 0.0;
-        if (stuck || !(work[i * k + i] > 0.0))
-            work[i * k + i] = 1.0;
-    }
-    if (dense_cholesky(k, work))
-        dense_cholesky_solve(k, work, 1, step);
-    else
-        memset(step, 0, k * sizeof *step);
-}
-
 palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2) {
     size_t k = fit->n_columns;
     double *h = malloc((2 * k * k + 3 * k) * sizeof *h);
@@ -80,111 +61,114 @@ palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data
         return PALP_ERR_NO_MEMORY;
     double *work = h + k * k, *g = work + k * k + k, *step = g + k;
     explain_fit_total(fit, data, h, g, chi2, work);
-    step_of(fit, h, g, 1e-9, work, step);
-    for (size_t i = 0; i < k; i++)
-        *chi2 -= step[i] * g[i];
+    levenberg_step(k, fit->x, fit->low, fit->high, h, g, 1e-9, work, step);
+    *chi2 -= dense_dot(k, step, g);
     free(h);
     return PALP_OK;
 }
 
+/* The fit that moves, and the model and products of its best parameters so far. */
+typedef struct improvement {
+    explain_fit *fit;
+    const explain_data *data;
+    palp_model model;
+    double *product;
+    double *work; /* [k k + k] */
+} improvement;
+
+static palp_status evaluate(void *user, const double *x, double *h, double *g, double *chi2) {
+    improvement *i = user;
+    memcpy(i->fit->x, x, i->fit->n_columns * sizeof *x);
+    palp_status status = explain_fit_to_model(i->fit);
+    if (!status)
+        status = explain_fit_products(i->fit, i->data, NULL);
+    if (!status)
+        explain_fit_total(i->fit, i->data, h, g, chi2, i->work);
+    return status;
+}
+
+static void keep(void *user) {
+    improvement *i = user;
+    i->model = i->fit->model;
+    memcpy(i->product, i->fit->product, i->data->n_runs * i->fit->m * i->fit->m * sizeof *i->product);
+}
+
 palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds) {
-    size_t k = fit->n_columns, bytes = data->n_runs * fit->m * fit->m * sizeof *fit->product;
-    double *h = malloc((4 * k * k + 4 * k) * sizeof *h), *product = malloc(bytes), damping = 1e-6, chi2 = 0.0;
-    palp_model *kept = malloc(sizeof *kept);
-    palp_status status = h && product && kept ? PALP_OK : PALP_ERR_NO_MEMORY;
+    size_t k = fit->n_columns, room = data->n_runs * fit->m * fit->m;
+    double *h = malloc((2 * k * k + 3 * k + room) * sizeof *h), reach[EXPLAIN_COLUMNS], chi2;
+    improvement *i = malloc(sizeof *i);
+    palp_status status = h && i ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status) {
-        double *g = h + k * k, *step = g + k, *x = step + k, *work = x + k;
-        explain_fit_total(fit, data, h, g, &chi2, work);
-        for (size_t round = 0; round < rounds && !status; round++) {
-            double next;
-            step_of(fit, h, g, damping, work, step);
-            memcpy(x, fit->x, k * sizeof *x);
-            memcpy(product, fit->product, bytes);
-            *kept = fit->model;
-            for (size_t i = 0; i < k; i++) {
-                double most = fit->logarithmic[i] ? 1.0 : HUGE_VAL;
-                fit->x[i] = fmin(fit->high[i], fmax(fit->low[i], x[i] + fmax(-most, fmin(most, step[i]))));
-            }
-            palp_status tried = explain_fit_to_model(fit);
-            tried = tried ? tried : explain_fit_products(fit, data, NULL);
-            if (tried == PALP_ERR_NO_MEMORY)
-                status = tried;
-            if (!tried)
-                explain_fit_total(fit, data, h, g, &next, work);
-            if (!tried && next < chi2) {
-                double gain = chi2 - next;
-                chi2 = next;
-                damping = fmax(1e-9, 0.1 * damping);
-                if (gain < 0.02 + 1e-7 * chi2)
-                    break;
-                continue;
-            }
-            memcpy(fit->x, x, k * sizeof *x);
-            memcpy(fit->product, product, bytes);
-            fit->model = *kept;
-            explain_fit_total(fit, data, h, g, &chi2, work);
-            damping = fmax(1e-3, 10.0 * damping);
-            if (damping > 1e4 || (!tried && next - chi2 < 1e-3))
-                break;
-        }
+        double *g = h + k * k, *x = g + k;
+        *i = (improvement){.fit = fit, .data = data, .work = x + k, .product = x + k + k * k + k};
+        keep(i);
+        memcpy(x, fit->x, k * sizeof *x);
+        for (size_t a = 0; a < k; a++)
+            reach[a] = fit->logarithmic[a] ? 1.0 : HUGE_VAL;
+        explain_fit_total(fit, data, h, g, &chi2, i->work);
+        const levenberg problem = {.n = k, .evaluations = rounds, .low = fit->low, .high = fit->high, .reach = reach,
+                                   .stop_absolute = 0.02, .stop_relative = 1e-7, .stop_rise = 1e-3,
+                                   .evaluate = evaluate, .keep = keep, .user = i};
+        status = levenberg_solve(&problem, x, h, g, &chi2);
+        memcpy(fit->x, x, k * sizeof *x);
+        memcpy(fit->product, i->product, room * sizeof *i->product);
+        fit->model = i->model;
         fit->score = explain_fit_score(fit, data);
     }
     free(h);
-    free(product);
-    free(kept);
+    free(i);
     return status;
 }
 
 /* ---- leaving a run out ---- */
 
-palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score, double *step) {
+/* Log score of run r, whose sums are among h and g if counted, predicted by a fit to the others. work: [3 k k + 3 k]. */
+static double predicted_score(const explain_fit *fit, size_t r, bool counted, const double *h, const double *g,
+                              double *work) {
     size_t k = fit->n_columns;
-    double *h = malloc((4 * k * k + 5 * k) * sizeof *h);
+    double *own = work, *rest = own + k * k, *factor = rest + k * k, *own_g = factor + k * k, *move = own_g + k,
+           *after = move + k, chi2, logdet, share = counted ? 1.0 : 0.0;
+    explain_normal_of(fit, r, own, own_g, &chi2, &logdet);
+    for (size_t i = 0; i < k * k; i++)
+        rest[i] = h[i] - share * own[i];
+    for (size_t i = 0; i < k; i++) { /* a coordinate on its bound stays there */
+        bool stuck = fit->x[i] <= fit->low[i] || fit->x[i] >= fit->high[i];
+        move[i] = stuck ? 0.0 : g[i] - share * own_g[i];
+        rest[i * k + i] += 1e-9 * h[i * k + i];
+        for (size_t j = 0; j < k && stuck; j++)
+            rest[i * k + j] = rest[j * k + i] = 0.0;
+        if (stuck)
+            rest[i * k + i] = 1e30;
+    }
+    memcpy(factor, rest, k * k * sizeof *factor);
+    if (!dense_cholesky(k, factor))
+        return -HUGE_VAL;
+    dense_cholesky_solve(k, factor, 1, move);
+    logdet -= dense_log_determinant(k, factor);
+    for (size_t i = 0; i < k; i++) {
+        after[i] = own_g[i];
+        for (size_t j = 0; j < k; j++)
+            after[i] -= own[i * k + j] * move[j];
+        chi2 -= move[i] * (own_g[i] + after[i]);
+    }
+    for (size_t i = 0; i < k * k; i++)
+        factor[i] = rest[i] + own[i];
+    if (!dense_cholesky(k, factor))
+        return -HUGE_VAL;
+    logdet += dense_log_determinant(k, factor);
+    dense_forward(k, factor, 1, after);
+    return -0.5 * (chi2 - dense_dot(k, after, after) + logdet);
+}
+
+palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score) {
+    size_t k = fit->n_columns;
+    double *h = malloc((4 * k * k + 5 * k) * sizeof *h), chi2;
     if (!h)
         return PALP_ERR_NO_MEMORY;
-    double *rest = h + k * k, *own = rest + k * k, *work = own + k * k, *g = work + k * k + k, *own_g = g + k,
-           *move = own_g + k, *b = move + k, chi2;
-    explain_fit_total(fit, data, h, g, &chi2, own);
-    for (size_t r = 0; r < data->n_runs; r++) {
-        double own_chi2, logdet, out = data->run[r].held_out ? 0.0 : 1.0;
-        explain_normal_of(fit, r, own, own_g, &own_chi2, &logdet);
-        for (size_t i = 0; i < k * k; i++)
-            rest[i] = h[i] - out * own[i];
-        for (size_t i = 0; i < k; i++) { /* a coordinate on its bound stays there */
-            bool stuck = fit->x[i] <= fit->low[i] || fit->x[i] >= fit->high[i];
-            move[i] = stuck ? 0.0 : g[i] - out * own_g[i];
-            rest[i * k + i] += 1e-9 * h[i * k + i];
-            for (size_t j = 0; j < k && stuck; j++)
-                rest[i * k + j] = rest[j * k + i] = 0.0;
-            if (stuck)
-                rest[i * k + i] = 1e30;
-        }
-        memcpy(work, rest, k * k * sizeof *work);
-        score[r] = -HUGE_VAL;
-        if (!dense_cholesky(k, work))
-            continue;
-        dense_cholesky_solve(k, work, 1, move);
-        double before = dense_log_determinant(k, work), chi2_at = own_chi2;
-        for (size_t i = 0; i < k; i++) {
-            b[i] = own_g[i];
-            for (size_t j = 0; j < k; j++)
-                b[i] -= own[i * k + j] * move[j];
-            chi2_at -= move[i] * (own_g[i] + b[i]);
-        }
-        memcpy(work, rest, k * k * sizeof *work);
-        for (size_t i = 0; i < k * k; i++)
-            work[i] += own[i];
-        if (step)
-            memcpy(step + r * k, move, k * sizeof *move);
-        if (!dense_cholesky(k, work))
-            continue;
-        double after = dense_log_determinant(k, work);
-        memcpy(move, b, k * sizeof *move);
-        dense_cholesky_solve(k, work, 1, move);
-        for (size_t i = 0; i < k; i++)
-            chi2_at -= b[i] * move[i];
-        score[r] = -0.5 * (chi2_at + logdet + after - before);
-    }
+    double *g = h + k * k, *work = g + k;
+    explain_fit_total(fit, data, h, g, &chi2, work);
+    for (size_t r = 0; r < data->n_runs; r++)
+        score[r] = predicted_score(fit, r, !data->run[r].held_out, h, g, work);
     free(h);
     return PALP_OK;
 }

@@ -140,9 +140,8 @@ void explain_nuisances(const explain_fit *fit, size_t r, double own[EXPLAIN_NUIS
 void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
                        double *work);
 
-/* Held-out log score of each run, predicted by the others: score[n_runs]; step (NULL or [n_runs k]): the
- * parameters' moves when that run is left out. */
-palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score, double *step);
+/* Held-out log score of each run, predicted by the others: score[n_runs]. */
+palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score);
 
 /* ---- candidates (explain_candidate.c, explain_lines.c) ---- */
 

@@ -47,9 +47,9 @@ palp_status explain_paired(const explain_data *data, const explain_fit *a, const
     double *score = malloc(2 * n * sizeof *score), squares = 0.0, most = -HUGE_VAL;
     if (!score)
         return PALP_ERR_NO_MEMORY;
-    palp_status status = explain_fit_leave_out(a, data, score, NULL);
+    palp_status status = explain_fit_leave_out(a, data, score);
     if (!status)
-        status = explain_fit_leave_out(b, data, score + n, NULL);
+        status = explain_fit_leave_out(b, data, score + n);
     *pair = (explain_pair){.gain = 0.0};
     for (size_t r = 0; r < n; r++) {
         if (data->run[r].held_out)
