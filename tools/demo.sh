@@ -1,9 +1,9 @@
 #!/bin/sh
 # demo.sh: what `make demo` runs: the indenter's firmware presses a phantom; its recordings become a lumped model with
-# intervals; what that model misses is found; the model without it becomes a network, and everything a report.
-# FULL=1: all thirteen experiments of the seed, 200 s each, instead of four.
-# Phantom, motor and force sensor are simulated (palpate rig): the material of Sedef 2008, Eq. 4.2 and Table 4.5, behind a
-# force sensor that is slow, which nothing but data/rig/phantom_lag.json tells.
+# intervals; what that model misses is found; the model with it becomes a network, and everything a report.
+# FULL=1: all thirteen experiments of the thesis, 200 s each, instead of four.
+# Motor, phantom and force sensor are simulated (palpate rig). The phantom has the material of Sedef 2008, Eq. 4.2 and
+# Table 4.5; its force sensor is slow, which only data/rig/phantom_lag.json says.
 set -eu
 cd "$(dirname "$0")/.."
 palpate=${PALPATE:-build/palpate}
@@ -11,8 +11,22 @@ phantom=data/rig/phantom_lag.json
 out=build/demo
 runs=$out/recordings
 rm -rf "$out"
-mkdir -p "$runs"
+mkdir -p "$runs" "$out/first"
 
+begin=$(date +%s)
+say() { printf '%4d s  %s\n' $(($(date +%s) - begin)) "$1"; }
+# into LOG COMMAND...: what it prints goes to $out/LOG, and is shown only if it fails.
+into() {
+    log=$out/$1; shift
+    "$@" >"$log" 2>&1 || { tail -n 20 "$log" >&2; echo "demo.sh: failed: $*" >&2; exit 1; }
+}
+
+# ---- one short press, for something to look at at once
+into first.txt "$palpate" acquire --port rig:$phantom --firmware host --ramp-hold 6 --hold-s 10 --out "$out/first"
+into first.txt "$palpate" report "$out/first" --title "A first press: 6 mm deep within 1 s, held for 10 s" --out "$out/first.html"
+say "A first press. Look at $out/first.html in a browser: force over time, while the demo goes on."
+
+# ---- the recordings
 if "$palpate" rig --firmware qemu --until-s 0.001 >/dev/null 2>"$out/rig.txt"; then firmware=qemu; else firmware=host; fi
 if [ -n "${FULL-}" ]; then
     firmware=host # as the board's image this would take an hour
@@ -20,57 +34,72 @@ if [ -n "${FULL-}" ]; then
 else
     protocol="--protocol data/protocols/demo.json"
 fi
-"$palpate" rig --firmware $firmware --until-s 0.001 2>"$out/rig.txt" >/dev/null
-echo "Acquiring from the indenter: its firmware as $(sed -n 's/^running //p' "$out/rig.txt")"
+"$palpate" rig --firmware $firmware --until-s 0.001 >/dev/null 2>"$out/rig.txt"
+say "Recording four presses; the indenter's firmware runs as $(sed -n 's/^running //p' "$out/rig.txt")."
 # shellcheck disable=SC2086
-"$palpate" acquire --port rig:$phantom --firmware $firmware $protocol --out "$runs" 2>"$out/acquire.txt" ||
-    { cat "$out/acquire.txt" >&2; exit 1; }
-sed 's/^palpate acquire: /  /' "$out/acquire.txt"
+{ "$palpate" acquire --port rig:$phantom --firmware $firmware $protocol --out "$runs" 2>&1 && echo done; } |
+    tee "$out/acquire.txt" |
+    while IFS= read -r line; do
+        case $line in
+        */air_*.csv:*) say "  the air above the phantom, for the sensor's zero" ;;
+        *.csv:*) line=${line##*/} && say "  ${line%%,*}, $(echo "$line" | sed 's/[^,]*, \(.*\) mm, \(.*\) N, .*/\1 mm deep, \2 N at most/')" ;;
+        esac
+    done
+[ "$(tail -n 1 "$out/acquire.txt")" = done ] || { cat "$out/acquire.txt" >&2; exit 1; }
 
-echo "Characterizing"
-"$palpate" characterize "$runs"/*.csv --degree 4 --out "$out/lumped.json" --plot "$out" >"$out/characterize.txt" \
-    2>"$out/findings.txt" || { cat "$out/findings.txt" >&2; exit 1; }
-echo "Explaining what the lumped model misses"
-"$palpate" explain --model "$out/lumped.json" "$runs"/*.csv --every 25 --jobs 2 --out "$out/lumped_explained.json" \
-    --plot "$out" --report "$out/explain.html" >"$out/explain.txt"
-sed 's/^/  /' "$out/explain.txt"
-echo "Calibrating a network of 27 nodes on the material"
-"$palpate" calibrate "$out/lumped_explained.json" --nodes 3 --law spline --strain-dependent --out "$out/network.json" \
-    --plot "$out" >"$out/calibrate.txt"
-# The network has the effects too: it foretells what this indenter records.
-for depth in 2 4.5 7; do
-    "$palpate" simulate "$out/network.json" --like "$runs/ramp_hold_${depth}mm.csv" --out "$out/simulated_${depth}mm.csv"
+# ---- the models
+say "Fitting a lumped model: a spring beside arms (springs with dashpots) whose force fades with time."
+into characterize.txt "$palpate" characterize "$runs"/*.csv --degree 4 --out "$out/lumped.json" --plot "$out"
+say "Looking for what that model misses."
+into explain.txt "$palpate" explain --model "$out/lumped.json" "$runs"/*.csv --every 25 --jobs 2 \
+    --out "$out/lumped_explained.json" --plot "$out" --report "$out/explain.html"
+say "Finding the material of a network of 27 particles that behaves as that model."
+into calibrate.txt "$palpate" calibrate "$out/lumped_explained.json" --nodes 3 --law spline --strain-dependent \
+    --out "$out/network.json" --plot "$out"
+say "Pressing the network as the phantom was pressed, and writing the report."
+for depth in 2 4.5 7; do # the network has the effects too: it predicts what this indenter records
+    into simulate.txt "$palpate" simulate "$out/network.json" --like "$runs/ramp_hold_${depth}mm.csv" --out "$out/simulated_${depth}mm.csv"
 done
-"$palpate" report "$runs" "$out" --title "Silicone phantom of Sedef (2008), pressed by the virtual indenter" --out "$out/report.html"
+into report.txt "$palpate" report "$runs" "$out" --title "Silicone phantom of Sedef (2008), pressed by the virtual indenter" \
+    --out "$out/report.html"
 
+# ---- what came out
 key() { sed -n "s/^ *\"$1\": *\([-+.0-9eE]*\),\{0,1\}\$/\1/p" "$2"; }
 list() { sed -n "s/.*\"$1\": *\[\([^]]*\)\].*/\1/p" "$2"; }
 arms() { sed '/"effects"/,$d' "$1" | tr -d '\n ' | grep -o '"stiffness_N":[^}]*' | sed 's/[^:]*:\([^,]*\),[^:]*:\(.*\)/\1 \2/'; }
 lag() { sed -n 's/.*"sensor_lag".*"time_s": *\([-+.0-9eE]*\).*/\1/p' "$1"; }
-
-# against WHAT MODEL: how far a model's material is from the phantom's.
-against() {
-    list coefficients_N $phantom >"$out/true_law"
-    list coefficients_N "$2" >"$out/law"
-    awk -F, -v what="$1" 'FNR == 1 { file++ } { for (i = 1; i <= NF; i++) c[file, i - 1] = $i; n[file] = NF }
-        function k(f, e,   i, y) { for (i = n[f] - 1; i >= 0; i--) y = y * e + c[f, i]; return y }
+# law MODEL: the largest difference of its spring from the phantom's, in %, for strains of 0.05 to 0.3
+law() {
+    { list coefficients_N $phantom; list coefficients_N "$1"; } | awk -F, '
+        { for (i = 1; i <= NF; i++) c[NR, i] = $i; n[NR] = NF }
+        function k(model, e,   i, sum) { for (i = n[model]; i > 0; i--) sum = sum * e + c[model, i]; return sum }
         END { for (e = 0.05; e < 0.301; e += 0.01) { d = 100 * (k(2, e) / k(1, e) - 1); d = d < 0 ? -d : d; if (d > most) most = d }
-              printf "  %-17s K_inf of the phantom, strain 0.05 to 0.3: within %.2f %%\n", what, most }' "$out/true_law" "$out/law"
-    arms $phantom >"$out/true_arms"
-    arms "$2" | paste -d ' ' - "$out/true_arms" | awk -v what="$1" '{
-        printf "  %-17s arm %d: %.4g N (%+.1f %%), %.4g N s (%+.1f %%)\n", what, NR, $1, 100 * ($1 / $3 - 1), $2, 100 * ($2 / $4 - 1) }'
-    rm "$out/true_law" "$out/law" "$out/true_arms"
+              printf "%.1f\n", most }'
 }
+found=$(lag "$out/lumped_explained.json")
+say "Done."
 echo
-against "As characterized:" "$out/lumped.json"
-against "With the effect:" "$out/lumped_explained.json"
-awk -v found="$(lag "$out/lumped_explained.json")" -v hidden="$(lag $phantom)" 'BEGIN {
-    if (found == "") print "  hidden in the rig: a lag of the sensor of", hidden, "s: not found"
-    else printf "  hidden in the rig: a lag of the sensor of %g s; explained: %.4g s (%+.1f %%)\n", hidden, found, 100 * (found / hidden - 1) }'
-awk -v a="$(key gap_before_percent "$out/characterize.json")" -v b="$(key gap_after_percent "$out/characterize.json")" \
-    'BEGIN { printf "  K_inf, static against ramp and hold: %.1f %% apart as recorded, %.1f %% after the joint fit\n", a, b }'
+echo "The simulated force sensor answers $(lag $phantom) s late. palpate was not told. What it made of the recordings:"
+echo
+printf '  %-24s %12s   %-22s %s\n' "" "the truth" "fitted as recorded" "after palpate explain"
+printf '  %-24s %12s   %-22s %s\n' "delay of the sensor" "$(lag $phantom) s" "not known of" \
+    "$(awk -v t="$found" 'BEGIN { if (t == "") print "not found"; else printf "%.4g s", t }')"
+{ arms $phantom; arms "$out/lumped.json"; arms "$out/lumped_explained.json"; } | awk '
+    { k[NR] = $1; b[NR] = $2 }
+    function of(x, truth, unit) { return sprintf("%.4g %s (%+.1f %%)", x, unit, 100 * (x / truth - 1)) }
+    END {
+        n = NR / 3; split("fast slow", name, " ")
+        for (i = 1; i <= n; i++) {
+            printf "  %-24s %12s   %-22s %s\n", name[i] " arm, spring", sprintf("%.4g N", k[i]), of(k[n + i], k[i], "N"), of(k[2 * n + i], k[i], "N")
+            printf "  %-24s %12s   %-22s %s\n", name[i] " arm, dashpot", sprintf("%.4g N s", b[i]), of(b[n + i], b[i], "N s"), of(b[2 * n + i], b[i], "N s")
+        }
+    }'
+printf '  %-24s %12s   %-22s %s\n' "lasting spring, K(e)" "" "within $(law "$out/lumped.json") %" "within $(law "$out/lumped_explained.json") %"
+echo
 key max_error_percent "$out/calibrate.json" | sort -g | tail -n 1 |
-    awk '{ printf "  network against the lumped model: at most %.2f %% of the peak force\n", $1 }'
+    awk '{ printf "The network gives the force of the explained model within %.2f %% of its peak, at all depths and times.\n", $1 }'
 echo
-echo "The report:  $out/report.html"
-echo "The network: $out/network.json"
+echo "Look at"
+echo "  $out/report.html    recordings, fits, what was missing, network: everything on one page"
+echo "  $out/explain.html   only what was missing, and how it was found"
+echo "  $out/network.json   the network: press it with  $palpate simulate --help"
