@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/* X(NAME, id). The order is the order of the catalogue. */
+/* The registry of effects, X(NAME, id), in the order of the catalogue; the row of each is in its own file lib/effect/id.c. */
 #define PALP_EFFECTS(X)                           \
     X(RELAXATION_ARM, relaxation_arm)             \
     X(POWER_LAW_RELAXATION, power_law_relaxation) \
@@ -45,36 +45,48 @@ typedef enum palp_effect_id {
         PALP_EFFECT_COUNT
 } palp_effect_id;
 
-typedef enum palp_effect_kind {
-    PALP_EFFECT_MATERIAL,
-    PALP_EFFECT_CONTACT,
-    PALP_EFFECT_INSTRUMENT
-} palp_effect_kind;
+/* Where an effect acts. */
+typedef enum palp_effect_place {
+    PALP_EFFECT_SPECIMEN, /* the material: in a network every element has it */
+    PALP_EFFECT_CONTACT,  /* between the specimen and the plates */
+    PALP_EFFECT_FRAME,    /* the instrument's drive and frame */
+    PALP_EFFECT_SENSOR    /* the instrument's force sensor */
+} palp_effect_place;
+
+/* What of a recording the size of a parameter goes with. */
+typedef enum palp_effect_scale {
+    PALP_SCALE_NONE,
+    PALP_SCALE_TIME,   /* its duration */
+    PALP_SCALE_LENGTH, /* its depth */
+    PALP_SCALE_FORCE   /* its force */
+} palp_effect_scale;
 
 enum { PALP_EFFECT_PARAMETERS = 3, PALP_EFFECTS_MAX = 8 };
 
-/* One parameter: its key in the model file (with its unit), and SI units inside (unit = SI per file
- * unit). */
+/* One parameter: its key in the model file (with its unit), and SI units inside. */
 typedef struct palp_effect_parameter {
-    const char *key;    /* "compliance_mm_N" */
-    double unit;        /* 1e-3: m/N per mm/N */
-    double low, high;   /* bounds, SI */
-    double typical;     /* where a search starts, SI */
-    bool logarithmic;   /* searched in its logarithm: a time, a length */
-    bool strength;      /* with all strengths at zero the effect is off, whatever the others are */
+    const char *key;  /* "compliance_mm_N" */
+    double unit;      /* SI per file unit: 1e-3 m/N per mm/N */
+    double low, high; /* bounds, SI */
+    double typical;   /* where a search starts, SI */
+    palp_effect_scale scale;
+    bool logarithmic; /* searched in its logarithm: a time, a length */
+    bool strength;    /* with all strengths at zero the effect is off, whatever the others are */
 } palp_effect_parameter;
 
-/* A row of the catalogue. */
+/* What the catalogue tells of an effect. */
 typedef struct palp_effect_info {
     const char *id;
-    palp_effect_kind kind;
-    const char *name;          /* "frame compliance" */
-    const char *seen_by;       /* what an experiment must contain to see it */
+    palp_effect_place place;
+    const char *name;    /* "frame compliance" */
+    const char *means;   /* what it does, a sentence */
+    const char *seen_by; /* what an experiment must contain to see it */
     size_t n_parameters;
     palp_effect_parameter parameter[PALP_EFFECT_PARAMETERS];
-    palp_effect_id alike[4];   /* look-alikes, ended by PALP_EFFECT_COUNT where fewer */
+    size_t n_alike;
+    palp_effect_id alike[4];    /* [n_alike] its look-alikes */
     bool in_lumped, in_network; /* which models can carry it */
-    bool repeats;              /* a model may have it more than once */
+    bool repeats;               /* a model may have it more than once */
 } palp_effect_info;
 
 /* One effect with its numbers, SI; a plain value. */

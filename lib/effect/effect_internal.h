@@ -1,8 +1,11 @@
-/* effect_internal.h: a row of the catalogue with what the effect does, by the stage that it acts in. */
+/* effect_internal.h: a row of the catalogue: what an effect is and does. Each row is in its effect's own file; the rest
+ * of the library runs, fits and names effects by their rows only. */
 #ifndef EFFECT_INTERNAL_H
 #define EFFECT_INTERNAL_H
 
-#include <palpate/model.h>
+#include <palpate/effect.h>
+
+#include "material/element.h"
 
 /* ---- between the encoder and the specimen's surface: the depth that goes on ---- */
 typedef struct effect_surface {
@@ -51,27 +54,91 @@ typedef struct effect_mode {
 /* Fills mode[range->n]. */
 typedef void effect_spectrum(const double *value, const effect_range *range, effect_mode *mode);
 
-/* A row. The other stages (arms, spring, contact, supports) know their effects by id. */
+/* ---- the specimen's arms and spring ---- */
+
+/* How far a parameter moves an arm: log K with tau held, log tau with K held, beta, gamma. */
+typedef struct effect_arm {
+    double log_stiffness, log_time, beta, gamma;
+} effect_arm;
+
+/* Changes an arm of the model, or of another effect; by_value comes zeroed. */
+typedef void effect_arms(const double *value, palp_arm *arm, effect_arm by_value[PALP_EFFECT_PARAMETERS]);
+
+/* Changes how loading wears the spring; by_value comes zeroed. */
+typedef void effect_history(const double *value, element_wear *wear, element_wear by_value[PALP_EFFECT_PARAMETERS]);
+
+/* ---- a number: a factor, a force, a stiffness ---- */
+typedef struct effect_number {
+    double value, by_value[PALP_EFFECT_PARAMETERS];
+} effect_number;
+typedef void effect_quantity(const double *value, double at, effect_number *out);
+
+/* ---- the search for an effect in measured runs ---- */
+
+/* What runs tell: longest run, largest depth and force, sd of a sample's white noise. */
+typedef struct effect_data {
+    double duration, deepest, peak, white;
+    size_t n_releases; /* at which a plate let go with a jump, */
+    double pull[2];    /* and the pull there: the strongest recorded, and what would be too strong */
+    /* Period, amplitude and phase of the strongest wave that the residual has over depth. */
+    palp_status (*wave_in_depth)(const struct effect_data *data, double wave[3]);
+} effect_data;
+
+enum { EFFECT_STARTS = 16 };
+
+typedef struct effect_starts {
+    palp_effect_id id;
+    size_t n;
+    palp_effect effect[EFFECT_STARTS];
+} effect_starts;
+
+void effect_start_at(effect_starts *starts, double a, double b, double c);
+/* n of the second parameter, a time: from low to twice the longest run, evenly in its logarithm. */
+void effect_start_times(effect_starts *starts, const effect_data *data, double low, size_t n);
+
+/* What the data lack to show the effect, NULL: nothing. */
+typedef const char *effect_condition(const effect_data *data);
+
+/* A parameter that is read off the data and not fitted, with its interval. */
+typedef struct effect_read {
+    double value, low, high;
+} effect_read;
+
+/* ---- a row ---- */
 typedef struct effect_row {
     palp_effect_info info;
-    int stage; /* maps and sensors act in ascending order */
+    int stage;                 /* maps, sensors and spectra act in ascending order */
     effect_map *map;
+    bool gives_way;            /* the map's depth depends on the force */
     effect_sensor *sensor;
     effect_spectrum *spectrum;
+    bool arm;                  /* it is one more arm: its parameters are K and tau */
+    effect_arms *arms;
+    effect_history *history;
+    effect_quantity *spring;   /* factor of the spring's force at a strain rate of the plate, 1/s */
+    effect_quantity *specimen; /* factor of all the specimen's force at a time of the session, s */
+    effect_quantity *pull;     /* force that the plate lets go at, N; at = 0 */
+    effect_quantity *grip;     /* stiffness that holds a network's nodes sideways at the plates over that of the elements
+                                  there, at = 0; by_value: of its logarithm. Held fast where the effect is off */
+    effect_condition *missing; /* NULL: any runs will do */
+    palp_status (*starts)(const effect_data *data, effect_starts *out); /* NULL: one, with all values 0 */
+    void (*read)(const effect_data *data, effect_read *out);            /* NULL, or of its only parameter; with a condition */
+    bool line;                 /* a line of the spectrum whose phase is each run's own; at most one effect is */
+    bool in_law;               /* the stiffness law may take all of it */
+    bool as_scatter;           /* may first look like scatter of the runs' gains */
 } effect_row;
+
+#define EFFECT_ALIKE(...)                                                        \
+    .n_alike = sizeof((palp_effect_id[]){__VA_ARGS__}) / sizeof(palp_effect_id), \
+    .alike = {__VA_ARGS__}
+
+#define EFFECT_ROW(NAME, id) extern const effect_row effect_##id;
+PALP_EFFECTS(EFFECT_ROW)
+#undef EFFECT_ROW
 
 const effect_row *effect_row_of(palp_effect_id id); /* NULL outside the catalogue */
 
-effect_map effect_contact_offset, effect_frame_compliance, effect_toe_region;
-effect_sensor effect_sensor_gain, effect_coulomb_friction, effect_plate_inertia, effect_drive_ripple,
-    effect_sensor_lag, effect_sensor_bias, effect_sensor_drift, effect_mains_hum, effect_force_saturation;
-effect_spectrum effect_power_law, effect_consolidation;
-
-/* Strain rate at which rate_stiffening counts its first decade, 1/s. */
-#define EFFECT_RATE 0.01
-
-/* Whether a model's effects are all within their bounds, carried by its kind, and there once. */
-palp_status effect_list_check(const palp_model *model, palp_error *error);
+palp_effect_id effect_line(void); /* the effect that is a line of the spectrum; PALP_EFFECT_COUNT: there is none */
 
 /* Whether all strengths are zero. */
 bool effect_is_off(const palp_effect *effect);

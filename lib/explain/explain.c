@@ -80,7 +80,7 @@ static bool mimicked(const palp_explanation *e, double noise_level_N) {
 static palp_explain_verdict judge(const explain_search *s, double noise_level_N, const palp_explanation *e) {
     bool scattered = s->data.replicate_gain > UNREPEATABLE * s->settings->repeatability;
     for (size_t i = 0; i < e->n_effects; i++)
-        scattered = scattered && e->effect[i].effect.id != PALP_EFFECT_SESSION_AGEING;
+        scattered = scattered && !effect_row_of(e->effect[i].effect.id)->as_scatter;
     if (e->unexplained_N > REMAINS * noise_level_N || mimicked(e, noise_level_N) || scattered)
         return PALP_EXPLAIN_UNEXPLAINED;
     for (size_t i = 0; i < e->n_effects; i++)

@@ -1,5 +1,4 @@
 /* explain_candidate.c: one effect of the catalogue added to a fit: from where its search starts, and the refit. */
-#include "effect/effect_internal.h"
 #include "explain_internal.h"
 
 #include <math.h>
@@ -8,77 +7,37 @@
 
 static const double POOR = 1.2; /* chi2 per sample of a fit that may have gone astray */
 
-typedef struct starts {
-    size_t n;
-    palp_effect effect[EXPLAIN_STARTS];
-} starts;
+/* What an effect's row may ask: of the data, and of what a fit leaves of them. */
+typedef struct source {
+    effect_data facts; /* the first: a row knows no more */
+    const explain_data *data;
+    const double *residual;
+} source;
 
-static void add(starts *s, palp_effect_id id, double a, double b, double c) {
-    if (s->n < EXPLAIN_STARTS)
-        s->effect[s->n++] = (palp_effect){.id = id, .value = {a, b, c}};
+static palp_status wave_in_depth(const effect_data *facts, double wave[3]) {
+    const source *from = (const source *)facts;
+    return explain_line_in_depth(from->data, from->residual, &wave[0], &wave[1], &wave[2]);
 }
 
-static void add_times(starts *s, palp_effect_id id, const explain_data *data, double low, size_t n) {
-    double high = 2.0 * data->duration;
-    for (size_t k = 0; k < n; k++)
-        add(s, id, 0.0, low * pow(high / low, (double)k / (double)(n - 1)), 0.0);
+effect_data explain_facts(const explain_data *data) {
+    return (effect_data){.duration = data->duration, .deepest = data->deepest, .peak = data->peak,
+                         .white = data->run[0].white, .n_releases = data->n_releases,
+                         .pull = {data->pull, data->pull_most}};
 }
 
-static palp_status find_starts(palp_effect_id id, const explain_data *data, const double *residual, starts *s,
+static palp_status find_starts(palp_effect_id id, const explain_data *data, const double *residual, effect_starts *s,
                                const char **reason) {
-    static const double parts[] = {0.01, 0.04, 0.15, 0.6}; /* of the deepest; for a lag: seconds */
-    double period, amplitude, phase;
-    palp_status status = PALP_OK;
-    switch (id) {
-    case PALP_EFFECT_RELAXATION_ARM:
-        add_times(s, id, data, 0.03, 10);
-        break;
-    case PALP_EFFECT_POROELASTIC:
-        add_times(s, id, data, 0.1, 8);
-        break;
-    case PALP_EFFECT_POWER_LAW_RELAXATION:
-        for (int k = 0; k < 5; k++)
-            add(s, id, 0.0, 0.06 + 0.13 * k, 0.0);
-        break;
-    case PALP_EFFECT_DAMAGE_SOFTENING:
-        add(s, id, 0.05, 0.2, 0.0);
-        add(s, id, 0.05, 0.5, 0.0);
-        add(s, id, 0.2, 1.5, 0.0);
-        break;
-    case PALP_EFFECT_PERMANENT_SET:
-        add(s, id, 0.01, 0.0, 0.0);
-        add(s, id, 0.1, 0.0, 0.0);
-        break;
-    case PALP_EFFECT_PLATE_SLIP: /* from a firm hold its force hardly changes */
-        add(s, id, 0.05, 0.0, 0.0);
-        add(s, id, 0.4, 0.0, 0.0);
-        break;
-    case PALP_EFFECT_TOE_REGION:
-        for (int k = 0; k < 3; k++)
-            add(s, id, parts[k] * data->deepest, 0.0, 0.0);
-        break;
-    case PALP_EFFECT_ADHESION:
-        if (data->n_releases == 0) {
-            *reason = "no plate lets go with a jump";
-            return PALP_ERR_UNSUPPORTED;
-        }
-        add(s, id, explain_pull(data), 0.0, 0.0);
-        break;
-    case PALP_EFFECT_SENSOR_LAG:
-        for (int k = 0; k < 4; k++)
-            add(s, id, parts[k], 0.0, 0.0);
-        break;
-    case PALP_EFFECT_FORCE_SATURATION:
-        add(s, id, data->peak - 3.0 * data->run[0].white, 0.0, 0.0); /* below noise that came after it */
-        break;
-    case PALP_EFFECT_DRIVE_RIPPLE:
-        status = explain_line_in_depth(data, residual, &period, &amplitude, &phase);
-        add(s, id, amplitude, period, phase);
-        break;
-    default:
-        add(s, id, 0.0, 0.0, 0.0);
-    }
-    return status;
+    const effect_row *row = effect_row_of(id);
+    source from = {explain_facts(data), data, residual};
+    from.facts.wave_in_depth = wave_in_depth;
+    *s = (effect_starts){.id = id};
+    *reason = row->missing ? row->missing(&from.facts) : NULL;
+    if (*reason)
+        return PALP_ERR_UNSUPPORTED;
+    if (row->starts)
+        return row->starts(&from.facts, s);
+    effect_start_at(s, 0.0, 0.0, 0.0);
+    return PALP_OK;
 }
 
 /* A strong effect may have led the plain model's own parameters astray: those as given. */
@@ -209,7 +168,7 @@ static palp_status finish(explain_fit *fit, const explain_data *data, const palp
 }
 
 /* The starts that promise most, from the base's parameters and, where it fits badly, from those as given. */
-static palp_status multistart_fill(explain_multistart *r, const explain_fit *base, const explain_data *data, const starts *s,
+static palp_status multistart_fill(explain_multistart *r, const explain_fit *base, const explain_data *data, const effect_starts *s,
                                    double worth) {
     enum { AHEAD = 3, BACK = 2 };
     palp_status status = PALP_OK;
@@ -234,12 +193,12 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
         *reason = explain_carries(&base->model, info) ? "is in the model already" : "a model of this kind cannot have it";
         return PALP_ERR_UNSUPPORTED;
     }
-    if (id == PALP_EFFECT_MAINS_HUM)
+    if (effect_row_of(id)->line)
         return hum_multistart(base, data, residual, settings, m, reason);
-    starts s = {0};
+    effect_starts s;
     palp_status status = find_starts(id, data, residual, &s, reason);
     worth = explain_chi2(data, base) * (double)explain_samples(data) - worth;
-    if (id == PALP_EFFECT_SESSION_AGEING) /* the scatter of gains may hide it: that shrinks later */
+    if (effect_row_of(id)->as_scatter) /* the scatter of gains may hide it: that shrinks later */
         worth = HUGE_VAL;
     if (!status)
         status = multistart_fill(m, base, data, &s, worth);
@@ -262,7 +221,7 @@ palp_status explain_candidate_finish(explain_multistart *m, const explain_data *
     memset(added, 0, sizeof *added);
     for (size_t i = 0; !status && i < (all ? m->n : 1); i++) {
         explain_fit *fit = &m->start[i].fit;
-        if (all && id != PALP_EFFECT_MAINS_HUM)
+        if (all && !effect_row_of(id)->line)
             status = finish(fit, data, settings);
         else
             explain_fit_scatter(fit, data, settings);
@@ -283,11 +242,11 @@ palp_status explain_directions_find(const explain_search *s, explain_directions 
     palp_status status = PALP_OK;
     d->n = 0;
     for (int id = 0; id < PALP_EFFECT_COUNT && !status; id++) {
-        starts list = {0};
+        effect_starts list;
         const char *reason = NULL;
         const palp_effect_info *info = palp_effect_look_up((palp_effect_id)id);
         bool there = has(&s->fit, (palp_effect_id)id) && !info->repeats;
-        if (!s->settings->candidate[id] || !explain_carries(&s->fit.model, info) || there || id == PALP_EFFECT_MAINS_HUM)
+        if (!s->settings->candidate[id] || !explain_carries(&s->fit.model, info) || there || effect_row_of((palp_effect_id)id)->line)
             continue;
         status = find_starts((palp_effect_id)id, &s->data, s->residual, &list, &reason);
         if (status == PALP_ERR_UNSUPPORTED) {

@@ -60,7 +60,7 @@ palp_status explain_class_find(const explain_search *full, const explain_search 
     const explain_trial *own = &rest->trial[self];
     out->n_class = 1;
     out->alike[0] = self;
-    if (self == PALP_EFFECT_MAINS_HUM)
+    if (effect_row_of(self)->line)
         return PALP_OK;
     double *basis = malloc((k + 2) * n * sizeof *basis), *y = basis ? basis + k * n : NULL, *u = basis ? y + n : NULL;
     palp_status status = basis ? make_basis(&rest->fit, &rest->data, basis) : PALP_ERR_NO_MEMORY;
@@ -70,7 +70,7 @@ palp_status explain_class_find(const explain_search *full, const explain_search 
         take_off(n, k, basis, y);
     for (size_t c = 0; c < PALP_EFFECT_COUNT && !status; c++) {
         const explain_trial *t = &rest->trial[c];
-        if (c == (size_t)self || c == PALP_EFFECT_MAINS_HUM || !t->force)
+        if (c == (size_t)self || effect_row_of((palp_effect_id)c)->line || !t->force)
             continue;
         for (size_t i = 0; i < n; i++)
             u[i] = t->force[i] - rest->force[i];

@@ -104,10 +104,6 @@ static palp_status mask_releases(explain_data *data, size_t r) {
     return status;
 }
 
-double explain_pull(const explain_data *data) {
-    return 0.5 * (data->pull + fmax(data->pull, data->pull_most));
-}
-
 /* Whether two runs asked for the same. */
 static bool same_protocol(const palp_experiment *a, const palp_experiment *b) {
     static const char *const keys[] = {"protocol.depth_mm", "protocol.rate_mm_s", "protocol.ramp_s",

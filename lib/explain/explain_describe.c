@@ -15,7 +15,7 @@ size_t explain_added_count(const explain_search *s) {
 palp_effect explain_added(const explain_search *s, size_t i) {
     if (s->n_given + i < s->fit.model.n_effects)
         return s->fit.model.effects[s->n_given + i];
-    return (palp_effect){.id = PALP_EFFECT_MAINS_HUM, .value = {0.0, s->fit.hum_Hz}};
+    return (palp_effect){.id = effect_line(), .value = {0.0, s->fit.hum_Hz}};
 }
 
 static palp_status without(const explain_fit *fit, const explain_data *data, size_t n_given, size_t skip,
@@ -140,7 +140,7 @@ static void place_task(void *user, size_t c) {
         return;
     }
     bool there = stands(&p->full->fit.model, c) && !palp_effect_look_up((palp_effect_id)c)->repeats;
-    if (self == PALP_EFFECT_MAINS_HUM || there || p->i >= p->full->memory->n || !p->full->memory->step[p->i].has[c])
+    if (effect_row_of(self)->line || there || p->i >= p->full->memory->n || !p->full->memory->step[p->i].has[c])
         return;
     t->tried = true;
     palp_status status = stand_in(p, c, &t->fit);

@@ -18,21 +18,24 @@ static void set_coordinate(explain_fit *fit, size_t k, double low, double high, 
 }
 
 /* Within what these runs can mean. */
-static void set_effect(explain_fit *fit, size_t k, const palp_effect_info *info, size_t p, const explain_data *data) {
-    const palp_effect_parameter *q = &info->parameter[p];
+static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t p, const explain_data *data) {
+    const palp_effect_parameter *q = &row->info.parameter[p];
+    const effect_data facts = explain_facts(data);
     double low = q->low, high = q->high, unit = q->typical != 0.0 ? 300.0 * fabs(q->typical) : 10.0;
-    bool time = strcmp(q->key, "time_s") == 0, newton = strstr(q->key, "_N") && q->unit == 1.0 && q->strength;
-    if (time && q->logarithmic) {
+    if (q->scale == PALP_SCALE_TIME) {
         low = fmax(low, 1e-3);
         high = fmin(high, 20.0 * data->duration);
     }
-    if (info->id && (strcmp(q->key, "offset_mm") == 0 || strcmp(q->key, "length_mm") == 0)) {
+    if (q->scale == PALP_SCALE_LENGTH) {
         low = fmax(low, -0.5 * data->deepest);
         high = fmin(high, 0.5 * data->deepest);
     }
-    if (info == palp_effect_look_up(PALP_EFFECT_ADHESION) && data->n_releases > 0)
-        low = high = explain_pull(data); /* read at the releases, not fitted: which sample that is has no derivative */
-    if (newton)
+    if (row->read && !row->missing(&facts)) {
+        effect_read read;
+        row->read(&facts, &read);
+        low = high = read.value;
+    }
+    if (q->scale == PALP_SCALE_FORCE)
         unit = 30.0 * data->peak;
     set_coordinate(fit, k, low, high, q->logarithmic ? 5.0 : unit, q->logarithmic);
 }
@@ -57,9 +60,9 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
         set_coordinate(fit, k++, 1e-4, 1e3 * data->duration, 5.0, true);
     }
     for (size_t i = 0; i < model->n_effects; i++) {
-        const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
-        for (size_t p = 0; p < info->n_parameters; p++)
-            set_effect(fit, k++, info, p, data);
+        const effect_row *row = effect_row_of(model->effects[i].id);
+        for (size_t p = 0; p < row->info.n_parameters; p++)
+            set_effect(fit, k++, row, p, data);
     }
     double value[EXPLAIN_COLUMNS];
     palp_forward_get(model, value);

@@ -4,10 +4,11 @@
 
 #include <palpate/explain.h>
 
+#include "effect/effect_internal.h"
+
 enum {
     EXPLAIN_NUISANCES = 5,                        /* of a run: zero, contact, gain, hum's sine and cosine */
     EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS,
-    EXPLAIN_STARTS = 16,                          /* of a candidate, at most */
     EXPLAIN_FREQUENCIES = 601                     /* at which the mains' line is looked for */
 };
 
@@ -47,7 +48,7 @@ typedef struct explain_data {
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
                                 const palp_model *model, explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
-double explain_pull(const explain_data *data); /* between the two */
+effect_data explain_facts(const explain_data *data); /* without what a fit leaves of them */
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
 
 /* What a specimen keeps from run to run; zero-initialised before the first, palp_forward_wear_free after the last. */
@@ -153,7 +154,7 @@ typedef struct explain_start {
 
 typedef struct explain_multistart {
     size_t n; /* best first */
-    explain_start start[2 * EXPLAIN_STARTS];
+    explain_start start[2 * EFFECT_STARTS];
 } explain_multistart;
 
 void explain_multistart_free(explain_multistart *m);
@@ -283,7 +284,7 @@ double explain_chi2(const explain_data *data, const explain_fit *fit);
 /* Effects at which the search starts, as directions beside s->fit: the derivative by the strength. */
 typedef struct explain_directions {
     size_t n;
-    palp_effect effect[PALP_EFFECT_COUNT * EXPLAIN_STARTS];
+    palp_effect effect[PALP_EFFECT_COUNT * EFFECT_STARTS];
 } explain_directions;
 palp_status explain_directions_find(const explain_search *s, explain_directions *d);
 /* Whitened columns of run r: own zero, contact, gain; the model's parameters; the directions. */

@@ -179,10 +179,13 @@ palp_status explain_intervals(const explain_search *s, palp_explanation *e) {
             double least = EQUATIONS * (fit->logarithmic[at] ? 1.0 : fabs(fit->x[at]));
             double low = fmax(fit->low[at], fit->x[at] - hypot(below[at], least));
             double high = fmin(fit->high[at], fit->x[at] + hypot(above[at], least));
-            if (id == PALP_EFFECT_ADHESION) { /* read at the releases, not fitted */
-                double read = 3.0 * data->run[0].white + EQUATIONS * fit->x[at];
-                low = fmin(data->pull, fit->x[at]) - read;
-                high = fmax(data->pull_most, fit->x[at]) + read;
+            if (effect_row_of(id)->read) { /* off the data, not fitted */
+                const effect_data facts = explain_facts(data);
+                double reach = 3.0 * data->run[0].white + EQUATIONS * fit->x[at];
+                effect_read read;
+                effect_row_of(id)->read(&facts, &read);
+                low = fmin(read.low, fit->x[at]) - reach;
+                high = fmax(read.high, fit->x[at]) + reach;
             }
             e->effect[i - s->n_given].low[p] = fit->logarithmic[at] ? exp(low) : low;
             e->effect[i - s->n_given].high[p] = fit->logarithmic[at] ? exp(high) : high;
@@ -201,7 +204,7 @@ void explain_add_hum(const explain_search *s, palp_explanation *e) {
         explain_nuisances(&s->fit, r, own, sd);
         square += (own[3] * own[3] + own[4] * own[4]) / (double)s->data.n_runs;
     }
-    palp_effect hum = {.id = PALP_EFFECT_MAINS_HUM, .value = {sqrt(square), s->fit.hum_Hz}};
+    palp_effect hum = {.id = effect_line(), .value = {sqrt(square), s->fit.hum_Hz}};
     palp_explain_effect *out = &e->effect[e->n_effects - 1];
     double sd = s->data.run[0].white * sqrt(2.0 / (double)s->data.n), width = 0.2 / s->data.duration;
     e->model.effects[e->model.n_effects++] = out->effect = hum;

@@ -79,7 +79,7 @@ size_t explain_list_candidates(const explain_search *s, double threshold, double
         palp_explain_candidate *out = &list[n++];
         const char *why = explain_judged(s, t, threshold, noise_level_N);
         out->id = (palp_effect_id)i;
-        out->identifiable = seen[i] || i == PALP_EFFECT_MAINS_HUM;
+        out->identifiable = seen[i] || effect_row_of((palp_effect_id)i)->line;
         out->score = t->fit.product ? t->gain : 0.0;
         out->explained_N = t->explained;
         snprintf(out->reason, sizeof out->reason, "%s", why ? why : "another effect explains more");

@@ -81,9 +81,10 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     if (status)
         return status;
     explain_fit_scatter(&t->fit, &s->data, s->settings);
-    double cost = id == PALP_EFFECT_MAINS_HUM ? 0.5 : 0.5 * (double)(t->fit.n_columns - s->fit.n_columns);
+    const bool line = effect_row_of(id)->line;
+    double cost = line ? 0.5 : 0.5 * (double)(t->fit.n_columns - s->fit.n_columns);
     t->raw_gain = t->fit.score - s->fit.score;
-    t->gain = t->raw_gain - cost * log((double)n) - (id == PALP_EFFECT_MAINS_HUM ? log(EXPLAIN_FREQUENCIES) : 0.0);
+    t->gain = t->raw_gain - cost * log((double)n) - (line ? log(EXPLAIN_FREQUENCIES) : 0.0);
     double hum = t->fit.hum_Hz > 0.0 && !(s->fit.hum_Hz > 0.0) ? t->fit.hum_N / sqrt(2.0) : 0.0;
     t->explained = hypot(explain_rms(n, t->force, s->force), hum);
     double before = explain_fitted_rms(&s->data, s->residual), after;

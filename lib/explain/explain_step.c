@@ -31,7 +31,7 @@ size_t explain_best_trial(const explain_search *s, double threshold, const bool 
     for (size_t i = 0; i < PALP_EFFECT_COUNT && !*status; i++) {
         const explain_trial *t = &s->trial[i];
         double noise_level_N = 0.0;
-        bool hidden = i == PALP_EFFECT_SENSOR_GAIN && !seen[i]; /* the law takes all of it */
+        bool hidden = effect_row_of((palp_effect_id)i)->in_law && !seen[i]; /* the law takes all of it */
         if (!t->tried || !t->fit.product || hidden)
             continue;
         *status = explain_noise_level(&s->data, &t->fit, t->force, &noise_level_N);
@@ -45,7 +45,7 @@ size_t explain_best_trial(const explain_search *s, double threshold, const bool 
 static void remember(explain_search *s) {
     explain_step *step = &s->memory->step[s->memory->n++];
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
-        step->has[i] = s->trial[i].fit.product && i != PALP_EFFECT_MAINS_HUM;
+        step->has[i] = s->trial[i].fit.product && !effect_row_of((palp_effect_id)i)->line;
         if (step->has[i])
             step->model[i] = s->trial[i].fit.model;
     }
@@ -57,7 +57,7 @@ static void forget(explain_memory *memory, size_t i) {
 }
 
 palp_status explain_take(explain_search *s, size_t i) {
-    if (i != PALP_EFFECT_MAINS_HUM)
+    if (!effect_row_of((palp_effect_id)i)->line)
         remember(s);
     s->taken_gain = s->trial[i].raw_gain;
     explain_fit_free(&s->fit);
@@ -85,7 +85,7 @@ static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_
         explain_fit_free(&s->fit);
         s->fit = rest.fit;
         rest.fit.product = NULL;
-        if (id != PALP_EFFECT_MAINS_HUM)
+        if (!effect_row_of(id)->line)
             forget(s->memory, i);
         status = explain_refit(s);
     }
@@ -152,9 +152,10 @@ static palp_status swap_arm(explain_search *s, size_t i, size_t j, bool *done) {
 palp_status explain_keep_given_arms(explain_search *s) {
     palp_status status = PALP_OK;
     for (size_t i = s->n_given; i < s->fit.model.n_effects && !status; i++) {
-        bool done = s->fit.model.effects[i].id == PALP_EFFECT_RELAXATION_ARM && s->fit.model.effects[i].value[0] > 0.0;
+        const palp_effect *added = &s->fit.model.effects[i];
+        bool done = effect_row_of(added->id)->arm && added->value[0] > 0.0;
         for (size_t k = 0; k < s->fit.model.material.n_arms && done && !status; k++) {
-            size_t j = arm_to_swap(s, &s->fit.model.effects[i]);
+            size_t j = arm_to_swap(s, added);
             done = j < PALP_ARMS_MAX;
             if (done)
                 status = swap_arm(s, i, j, &done);

@@ -38,7 +38,7 @@ typedef struct relaxation {
     parameter parameter[PARAMETERS_MAX];
     /* sensitivities by parameter: [n n_elements], [n n_arms n_elements]; weight and partial [n_elements] */
     double *strain, *arm, *weight, *partial, *force;
-    element_partials *arm_partials; /* [n_arms n_elements] of the step at hand */
+    double *arm_partials; /* [n_arms ELEMENT_PARTIALS n_elements] of the step at hand */
     double best; /* weighted sum of squares */
     double *residual, *jacobian; /* where linearize puts them, else NULL */
 } relaxation;
@@ -117,19 +117,24 @@ static palp_status material_from(const relaxation *s, const double *p, palp_mate
     return status ? status : palp_material_check(material, NULL);
 }
 
-/* Direct effect of parameter k on arm j's force beside what the history carries. */
-static double direct(const relaxation *s, const parameter *p, size_t j, const element_partials *d) {
-    if (p->role == SCALE || j < p->first || j > p->last)
-        return 0.0;
+/* The partials of arm j by one of element_partial. */
+static const double *by_of(const relaxation *s, size_t j, element_partial by) {
+    return s->arm_partials + (j * ELEMENT_PARTIALS + by) * s->net->n_elements;
+}
+
+/* Direct effect of a parameter on arm j's force beside what the history carries: *factor times one of the partials. */
+static element_partial direct(const relaxation *s, const parameter *p, size_t j, double *factor) {
+    *factor = p->role == SCALE || j < p->first || j > p->last ? 0.0 : 1.0;
     switch (p->role) {
     case STIFFNESS:
-        return d->log_stiffness / s->net->material.arms[j].stiffness_N;
-    case LOG_TIME:
-        return d->log_time;
+        *factor /= s->net->material.arms[j].stiffness_N;
+        return ELEMENT_LOG_STIFFNESS;
     case BETA:
-        return d->beta;
+        return ELEMENT_BETA;
+    case GAMMA:
+        return ELEMENT_GAMMA;
     default:
-        return d->gamma;
+        return ELEMENT_LOG_TIME;
     }
 }
 
@@ -137,10 +142,8 @@ static void find_arm_partials(relaxation *s) {
     const palp_network *net = s->net;
     size_t m = net->n_elements;
     for (size_t j = 0; j < net->material.n_arms; j++)
-        for (size_t i = 0; i < m; i++)
-            s->arm_partials[j * m + i] = element_arm_partials(&net->material, &net->step, j, net->strain[i],
-                                                              net->now.history.strain[i],
-                                                              net->now.history.arm[j * m + i]);
+        element_arm_partials(&net->material, &net->step, j, m, net->strain, net->now.history.strain,
+                             net->now.history.arm + j * m, s->arm_partials + j * ELEMENT_PARTIALS * m);
 }
 
 /* Element forces' change with parameter k at fixed positions; arm sensitivities become those at fixed
@@ -154,9 +157,11 @@ static void partial_forces(relaxation *s, size_t k, double scale) {
                         net->step.dashpot * strain[i];
     for (size_t j = 0; j < arms; j++) {
         double *arm = s->arm + (k * arms + j) * m;
-        const element_partials *d = s->arm_partials + j * m;
+        const double *arm_old = by_of(s, j, ELEMENT_ARM_OLD), *strain_old = by_of(s, j, ELEMENT_STRAIN_OLD);
+        double factor;
+        const double *own = by_of(s, j, direct(s, &s->parameter[k], j, &factor));
         for (size_t i = 0; i < m; i++) {
-            arm[i] = d[i].arm_old * arm[i] + d[i].strain_old * strain[i] + direct(s, &s->parameter[k], j, &d[i]);
+            arm[i] = arm_old[i] * arm[i] + strain_old[i] * strain[i] + factor * own[i];
             s->partial[i] += arm[i];
         }
     }
@@ -194,7 +199,7 @@ static void equilibrate(relaxation *s, size_t k) {
     }
     for (size_t j = 0; j < arms; j++)
         for (size_t i = 0; i < m; i++)
-            s->arm[(k * arms + j) * m + i] += s->arm_partials[j * m + i].strain * strain[i];
+            s->arm[(k * arms + j) * m + i] += by_of(s, j, ELEMENT_STRAIN)[i] * strain[i];
 }
 
 /* After a trial step: dforce/dparameter into gradient[n], sensitivities advanced. */
@@ -428,7 +433,7 @@ static palp_status prepare(relaxation *s, palp_status (*work)(relaxation *)) {
     s->weight = malloc((m + 1) * sizeof(double));
     s->partial = malloc((m + 1) * sizeof(double));
     s->force = calloc(s->n_samples + 1, sizeof(double));
-    s->arm_partials = malloc((s->start->n_arms * m + 1) * sizeof *s->arm_partials);
+    s->arm_partials = malloc((s->start->n_arms * ELEMENT_PARTIALS * m + 1) * sizeof *s->arm_partials);
     bool ok = s->strain && s->arm && s->weight && s->partial && s->force && s->arm_partials;
     status = ok ? work(s) : PALP_ERR_NO_MEMORY;
     free(s->strain);

@@ -11,6 +11,10 @@ void element_decay(double x, double *decay, double *mean) {
         *mean = isinf(x) ? 0.0 : -expm1(-x) / x;
 }
 
+double element_mean_slope(double x, double decay, double mean) {
+    return x < 1e-4 ? -0.5 + x / 3.0 : (decay - mean) / x; /* the series, where the difference is rounding's */
+}
+
 void element_step_prepare(const palp_material *material, double dt, element_step *step) {
     step->dt = dt;
     step->dashpot = material->dashpot_Ns > 0.0 ? material->dashpot_Ns / dt : 0.0;
@@ -92,8 +96,7 @@ static void nonlinear_arm(const palp_material *material, const element_step *ste
             gain = arm->stiffness_N * mean;
             /* d/de of decay and gain through x: dx/de = -x gamma sign(e) / (2 stretch) */
             double dx = -0.5 * x * (e[i] < 0.0 ? -arm->gamma : arm->gamma) / stretch;
-            double dmean = x < 1e-4 ? -0.5 + x / 3.0 : (decay - mean) / x;
-            turn = isinf(x) ? 0.0 : dx * (-decay * q_old[i] + arm->stiffness_N * dmean * ds);
+            turn = isinf(x) ? 0.0 : dx * (-decay * q_old[i] + arm->stiffness_N * element_mean_slope(x, decay, mean) * ds);
         }
         q[i] = decay * q_old[i] + gain * ds;
         force[i] += q[i];
@@ -165,28 +168,54 @@ bool element_energy(const palp_material *material, const element_step *step, siz
     return true;
 }
 
-element_partials element_arm_partials(const palp_material *material, const element_step *step, size_t j, double e,
-                                      double e_old, double q_old) {
-    const palp_arm *arm = &material->arms[j];
-    double elastic, tangent, elastic_old, tangent_old, decay, mean;
+/* Arms of constant time, driven by e (1 + beta |e| / 2): what the step has at hand is theirs. */
+static void constant_partials(const palp_arm *arm, double dt, double decay, double gain, size_t n, const double *e,
+                              const double *e_old, const double *q_old, double *p) {
+    const double x = dt * arm->stiffness_N / arm->viscosity_Ns, mean = gain / arm->stiffness_N, weight = isinf(x) ? 0.0 : x;
+    const double turn = arm->stiffness_N * element_mean_slope(x, decay, mean);
+    for (size_t i = 0; i < n; i++) {
+        double a = arm->beta * fabs(e[i]), a_old = arm->beta * fabs(e_old[i]);
+        double rise = e[i] * (1.0 + 0.5 * a) - e_old[i] * (1.0 + 0.5 * a_old);
+        double log_time = weight * (decay * q_old[i] - turn * rise);
+        p[ELEMENT_STRAIN * n + i] = gain * (1.0 + a);
+        p[ELEMENT_STRAIN_OLD * n + i] = -gain * (1.0 + a_old);
+        p[ELEMENT_ARM_OLD * n + i] = decay;
+        p[ELEMENT_DRIVE * n + i] = gain;
+        p[ELEMENT_LOG_STIFFNESS * n + i] = gain * rise;
+        p[ELEMENT_LOG_TIME * n + i] = log_time;
+        p[ELEMENT_BETA * n + i] = 0.5 * gain * (e[i] * fabs(e[i]) - e_old[i] * fabs(e_old[i]));
+        p[ELEMENT_GAMMA * n + i] = log_time * 0.5 * (fabs(e[i]) + fabs(e_old[i]));
+    }
+}
+
+static element_drive drive_at(const palp_material *material, size_t j, double e) {
+    double elastic, tangent;
     palp_law_force(&material->law, 1, &e, &elastic, &tangent, NULL);
-    palp_law_force(&material->law, 1, &e_old, &elastic_old, &tangent_old, NULL);
-    element_drive s = element_arm_drive(material, j, e, elastic, tangent, 0.0);
-    element_drive s_old = element_arm_drive(material, j, e_old, elastic_old, tangent_old, 0.0);
-    double stretch = 1.0 + 0.5 * arm->gamma * (fabs(e) + fabs(e_old));
-    double x = step->dt * arm->stiffness_N / (arm->viscosity_Ns * stretch), ds = s.value - s_old.value;
-    element_decay(x, &decay, &mean);
-    double dmean = x < 1e-4 ? -0.5 + x / 3.0 : (decay - mean) / x;
-    double by_x = isinf(x) ? 0.0 : x * (-decay * q_old + arm->stiffness_N * dmean * ds); /* x dq/dx */
-    double gain = arm->stiffness_N * mean, turn = 0.5 * arm->gamma / stretch;
-    element_partials p = {
-        .strain = gain * s.slope - by_x * (e < 0.0 ? -turn : turn),
-        .strain_old = -gain * s_old.slope - by_x * (e_old < 0.0 ? -turn : turn),
-        .arm_old = decay,
-        .drive = gain,
-        .log_stiffness = gain * ds,
-        .log_time = -by_x,
-        .beta = 0.5 * gain * (e * fabs(e) - e_old * fabs(e_old)),
-        .gamma = -by_x * 0.5 * (fabs(e) + fabs(e_old)) / stretch};
-    return p;
+    return element_arm_drive(material, j, e, elastic, tangent, 0.0);
+}
+
+void element_arm_partials(const palp_material *material, const element_step *step, size_t j, size_t n, const double *e,
+                          const double *e_old, const double *q_old, double *p) {
+    const palp_arm *arm = &material->arms[j];
+    if (!material->quasi_linear && arm->gamma == 0.0) {
+        constant_partials(arm, step->dt, step->decay[j], step->gain[j], n, e, e_old, q_old, p);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        double decay, mean, stretch = 1.0 + 0.5 * arm->gamma * (fabs(e[i]) + fabs(e_old[i]));
+        double x = step->dt * arm->stiffness_N / (arm->viscosity_Ns * stretch);
+        element_drive s = drive_at(material, j, e[i]), s_old = drive_at(material, j, e_old[i]);
+        double ds = s.value - s_old.value, turn = 0.5 * arm->gamma / stretch;
+        element_decay(x, &decay, &mean);
+        double slope = element_mean_slope(x, decay, mean), gain = arm->stiffness_N * mean;
+        double by_x = isinf(x) ? 0.0 : x * (-decay * q_old[i] + arm->stiffness_N * slope * ds); /* x dq/dx */
+        p[ELEMENT_STRAIN * n + i] = gain * s.slope - by_x * (e[i] < 0.0 ? -turn : turn);
+        p[ELEMENT_STRAIN_OLD * n + i] = -gain * s_old.slope - by_x * (e_old[i] < 0.0 ? -turn : turn);
+        p[ELEMENT_ARM_OLD * n + i] = decay;
+        p[ELEMENT_DRIVE * n + i] = gain;
+        p[ELEMENT_LOG_STIFFNESS * n + i] = gain * ds;
+        p[ELEMENT_LOG_TIME * n + i] = -by_x;
+        p[ELEMENT_BETA * n + i] = 0.5 * gain * (e[i] * fabs(e[i]) - e_old[i] * fabs(e_old[i]));
+        p[ELEMENT_GAMMA * n + i] = -by_x * 0.5 * (fabs(e[i]) + fabs(e_old[i])) / stretch;
+    }
 }

@@ -53,13 +53,19 @@ typedef struct element_drive {
 element_drive element_arm_drive(const palp_material *material, size_t arm, double e, double elastic,
                                 double tangent, double energy);
 
-/* Partial derivatives of an arm's force q at the end of a step, PALP_HISTORY. */
-typedef struct element_partials {
-    double strain, strain_old, arm_old, drive;        /* dq/de, dq/de_old, dq/dq_old, dq/ds */
-    double log_stiffness, log_time, beta, gamma;      /* tau held while K varies, and the other way round */
-} element_partials;
-element_partials element_arm_partials(const palp_material *material, const element_step *step, size_t arm, double e,
-                                      double e_old, double q_old);
+/* Partial derivatives of an arm's force q at the end of a step, PALP_HISTORY: by the strain, the strain and force before
+ * it, the drive, log K with tau held, log tau with K held, beta and gamma. */
+typedef enum element_partial {
+    ELEMENT_STRAIN, ELEMENT_STRAIN_OLD, ELEMENT_ARM_OLD, ELEMENT_DRIVE,
+    ELEMENT_LOG_STIFFNESS, ELEMENT_LOG_TIME, ELEMENT_BETA, ELEMENT_GAMMA, ELEMENT_PARTIALS
+} element_partial;
+
+/* Of n elements, partial[ELEMENT_PARTIALS n]. */
+void element_arm_partials(const palp_material *material, const element_step *step, size_t arm, size_t n, const double *e,
+                          const double *e_old, const double *q_old, double *partial);
+
+/* d/dx of (1 - exp(-x)) / x, both functions of it given by element_decay. */
+double element_mean_slope(double x, double decay, double mean);
 
 /* Force of a worn spring and its derivatives; factor: what softening makes of it. */
 typedef struct element_worn {

@@ -1,4 +1,5 @@
-/* model_effects.c: reads the effects of a model: "effects": [{"id": , "parameters": {...}}]. */
+/* model_effects.c: the effects of a model: checked as a list, and read: "effects": [{"id": , "parameters": {...}}]. */
+#include "base/file.h"
 #include "model_internal.h"
 
 #include <string.h>
@@ -76,5 +77,34 @@ palp_status palp_model_effects_read(const palp_json *root, palp_model *model) {
         if (!status)
             model->effects[model->n_effects++] = effect;
     }
+    return status;
+}
+
+static palp_status check_one(const palp_model *model, size_t i, palp_error *error) {
+    const palp_effect *effect = &model->effects[i];
+    palp_status status = palp_effect_check(effect, error);
+    if (status)
+        return status;
+    const palp_effect_info *info = palp_effect_look_up(effect->id);
+    bool network = model->kind == PALP_MODEL_NETWORK;
+    if (!(network ? info->in_network : info->in_lumped))
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "%s is no effect of a %s", info->id,
+                              network ? "network" : "lumped model");
+    for (size_t j = 0; j < i && !info->repeats; j++)
+        if (model->effects[j].id == effect->id)
+            return palp_error_set(error, PALP_ERR_ARGUMENT, "%s is there twice", info->id);
+    return PALP_OK;
+}
+
+palp_status palp_model_effects_check(const palp_model *model, palp_error *error) {
+    palp_status status = PALP_OK;
+    if (model->n_effects > PALP_EFFECTS_MAX)
+        return palp_error_set(error, PALP_ERR_LIMIT, "%zu effects, at most %d", model->n_effects,
+                              PALP_EFFECTS_MAX);
+    if (model->n_effects > 0 && model->material.formulation != PALP_HISTORY)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "formulation sedef2008 takes no effects; use history");
+    for (size_t i = 0; i < model->n_effects && !status; i++)
+        status = check_one(model, i, error);
     return status;
 }

@@ -21,6 +21,9 @@ bool palp_model_kind_valid(const char *kind);
 /* The list "effects" of a model whose kind is known; absent = none. */
 palp_status palp_model_effects_read(const palp_json *root, palp_model *model);
 
+/* Whether a model's effects are all within their bounds, carried by its kind, and there once. */
+palp_status palp_model_effects_check(const palp_model *model, palp_error *error);
+
 /* What palp_model_read does with the value of a file; *model comes zeroed. */
 palp_status palp_model_from_json(const palp_json *root, palp_model *model);
 

@@ -1,6 +1,5 @@
 /* model_write.c: writes the model JSON. */
 #define _XOPEN_SOURCE 700 /* locale_t, open_memstream, realpath */
-#include "effect/effect_internal.h"
 #include "base/json.h"
 #include "model_internal.h"
 #include "base/number.h"
@@ -55,7 +54,7 @@ static palp_status model_check(const palp_model *model, palp_error *error) {
     palp_status status = palp_material_check(&model->material, error);
     if (!status)
         status = law_check(model, error);
-    return status ? status : effect_list_check(model, error);
+    return status ? status : palp_model_effects_check(model, error);
 }
 
 /* ---- text ---- */

@@ -7,7 +7,7 @@
 static palp_status check_effects(const palp_model *model, palp_error *error) {
     for (size_t i = 0; i < model->n_effects; i++) {
         const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
-        if (!info || info->kind != PALP_EFFECT_INSTRUMENT)
+        if (!info || (info->place != PALP_EFFECT_FRAME && info->place != PALP_EFFECT_SENSOR))
             return palp_error_set(error, PALP_ERR_UNSUPPORTED, "the effect %s needs palp_forward_network",
                                   info ? info->id : "of unknown number");
     }

@@ -65,11 +65,11 @@ palp_status palp_forward_set(palp_model *model, const double *parameter) {
 
 palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, forward_sensor *s) {
     *s = (forward_sensor){.plan = plan, .n_columns = n_columns};
-    s->block = calloc((2 * plan->n_sensors + 1) * n_columns + 1, sizeof *s->block);
+    s->block = calloc((2 * plan->n_effects + 1) * n_columns + 1, sizeof *s->block);
     if (!s->block)
         return PALP_ERR_NO_MEMORY;
     s->force_p = s->block;
-    for (size_t j = 0; j < plan->n_sensors; j++) {
+    for (size_t j = 0; j < plan->n_effects; j++) {
         s->stage[j].input_p = s->block + (2 * j + 1) * n_columns;
         s->stage[j].output_p = s->block + (2 * j + 2) * n_columns;
     }
@@ -82,19 +82,21 @@ void forward_sensor_free(forward_sensor *s) {
 }
 
 double forward_sensor_read(forward_sensor *s, const effect_moment *at, double force) {
-    for (size_t j = 0; j < s->plan->n_sensors; j++) {
-        const forward_stage *stage = &s->plan->sensor[j];
+    for (size_t j = 0; j < s->plan->n_effects; j++) {
+        const forward_effect *f = &s->plan->effect[j];
         forward_memory *m = &s->stage[j];
         effect_reading out = {.by_input = 1.0};
-        stage->row->sensor(stage->value, at, force, m->input, m->output, &out);
+        if (!f->row->sensor)
+            continue;
+        f->row->sensor(f->effect->value, at, force, m->input, m->output, &out);
         for (size_t k = 0; k < s->n_columns; k++) {
             double input_p = s->force_p[k];
             s->force_p[k] = out.by_input * input_p + out.by_input_old * m->input_p[k] +
                             out.by_output_old * m->output_p[k];
             m->input_p[k] = input_p;
         }
-        for (size_t k = 0; s->n_columns && k < stage->row->info.n_parameters; k++)
-            s->force_p[stage->column + k] += out.by_value[k];
+        for (size_t k = 0; s->n_columns && k < f->row->info.n_parameters; k++)
+            s->force_p[f->column + k] += out.by_value[k];
         memcpy(m->output_p, s->force_p, s->n_columns * sizeof *m->output_p);
         m->input = force;
         m->output = force = out.force;

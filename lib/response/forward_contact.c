@@ -44,7 +44,7 @@ palp_status forward_solve(forward_equation *equation, void *user, double low, do
 
 typedef struct surface {
     double strain, by_depth, by_force;
-    double by_value[PALP_EFFECTS_MAX][PALP_EFFECT_PARAMETERS]; /* [n_maps], of the depth */
+    double by_value[PALP_EFFECTS_MAX][PALP_EFFECT_PARAMETERS]; /* [n_effects], of the depth */
 } surface;
 
 /* Strain of a surface that a plate at this depth holds with this force. */
@@ -53,10 +53,11 @@ static surface held(const forward_plate *p, double depth, double force) {
     const double height = p->specimen.height;
     s.by_depth = 1.0;
     s.by_force = 0.0;
-    for (size_t i = 0; i < p->plan->n_maps; i++) {
-        const forward_stage *stage = &p->plan->map[i];
-        effect_surface out;
-        stage->row->map(stage->value, depth, force, &out);
+    for (size_t i = 0; i < p->plan->n_effects; i++) {
+        const forward_effect *f = &p->plan->effect[i];
+        effect_surface out = {.depth = depth, .by_depth = 1.0};
+        if (f->row->map)
+            f->row->map(f->effect->value, depth, force, &out);
         depth = out.depth;
         s.by_depth *= out.by_depth;
         s.by_force = s.by_force * out.by_depth + out.by_force;
@@ -74,10 +75,10 @@ static surface held(const forward_plate *p, double depth, double force) {
 /* Derivatives of the strain by the maps' own parameters. */
 static void own_slopes(const forward_plate *p, const surface *s, double *row) {
     memset(row, 0, p->specimen.n_columns * sizeof *row);
-    for (size_t i = 0; p->specimen.n_columns > 0 && i < p->plan->n_maps; i++) {
-        const forward_stage *stage = &p->plan->map[i];
-        for (size_t k = 0; k < stage->row->info.n_parameters; k++)
-            row[stage->column + k] = s->by_value[i][k] / p->specimen.height;
+    for (size_t i = 0; p->specimen.n_columns > 0 && i < p->plan->n_effects; i++) {
+        const forward_effect *f = &p->plan->effect[i];
+        for (size_t k = 0; f->row->map && k < f->row->info.n_parameters; k++)
+            row[f->column + k] = s->by_value[i][k] / p->specimen.height;
     }
 }
 
@@ -103,14 +104,22 @@ static palp_status ask(const forward_plate *p, double strain, double share, bool
     return PALP_OK;
 }
 
+/* Adds what the effects that age the specimen change of a force themselves. */
+static void add_ageing(const forward_plate *p, double force, double *force_p) {
+    for (size_t i = 0; i < p->plan->n_effects; i++) {
+        const forward_effect *f = &p->plan->effect[i];
+        for (size_t k = 0; f->row->specimen && k < f->row->info.n_parameters; k++)
+            force_p[f->column + k] += f->age.by_value[k] * force / f->age.value;
+    }
+}
+
 /* Derivatives of the force of the last ask, strain and time held, age included; before it is committed. */
 static void hold(const forward_plate *p, double force, double *force_p, double *force_dt) {
     p->specimen.hold(p->specimen.self, force_p, force_dt);
     for (size_t k = 0; k < p->specimen.n_columns; k++)
         force_p[k] *= p->plan->age;
     *force_dt *= p->plan->age;
-    if (p->plan->value[PALP_EFFECT_SESSION_AGEING])
-        force_p[p->plan->column[PALP_EFFECT_SESSION_AGEING]] += p->plan->session_s * force / p->plan->age;
+    add_ageing(p, force, force_p);
 }
 
 /* Takes the last ask as the specimen's state at that share of the step: strain_p and share_p are the
@@ -118,7 +127,6 @@ static void hold(const forward_plate *p, double force, double *force_p, double *
 static void take(forward_plate *p, double strain, double share, double force, const double *strain_p,
                  const double *share_p) {
     const size_t n = p->specimen.n_columns;
-    const double *session = p->plan->value[PALP_EFFECT_SESSION_AGEING];
     double *dt_p = p->work; /* the first row: nothing else is kept there across a take */
     bool timed = false;
     for (size_t k = 0; k < n; k++) {
@@ -131,8 +139,8 @@ static void take(forward_plate *p, double strain, double share, double force, co
         p->strain_p[k] = strain_p[k];
         p->done_p[k] = share_p ? share_p[k] : 0.0;
     }
-    if (n && session)
-        p->force_p[p->plan->column[PALP_EFFECT_SESSION_AGEING]] += p->plan->session_s * force / p->plan->age;
+    if (n)
+        add_ageing(p, force, p->force_p);
     p->strain = strain;
     p->force = force;
     p->done = share;
@@ -160,11 +168,10 @@ static palp_status frame(void *user, double strain, double *value, double *slope
 
 /* The plate to the end of the step with the surface on it: strain and force there. */
 static palp_status press(forward_plate *p, double *strain, double *force, double *slope) {
-    const double *compliance = p->plan->value[PALP_EFFECT_FRAME_COMPLIANCE];
     surface s = held(p, p->depth[1], p->force);
     *strain = s.strain;
     *slope = 0.0; /* not needed */
-    if (!compliance || *compliance == 0.0)
+    if (!p->plan->gives_way)
         return ask(p, *strain, 1.0, true, force, NULL);
     equation q = {.plate = p, .share = 1.0};
     palp_status status = forward_solve(frame, &q, STRAIN_LOW, STRAIN_HIGH, strain);
@@ -211,6 +218,18 @@ static palp_status parting(void *user, double share, double *value, double *slop
     return PALP_OK;
 }
 
+/* The plate lets go at minus the adhesion, which effects change themselves: adds to the derivatives of the strain there
+ * and of the force beyond it. */
+static void add_pull(const forward_plate *p, const surface *s, double *strain_p, double *force_p) {
+    for (size_t i = 0; i < p->plan->n_effects; i++) {
+        const forward_effect *f = &p->plan->effect[i];
+        for (size_t k = 0; f->row->pull && k < f->row->info.n_parameters; k++) {
+            strain_p[f->column + k] -= s->by_force * f->pull.by_value[k];
+            force_p[f->column + k] += f->pull.by_value[k];
+        }
+    }
+}
+
 static palp_status part(forward_plate *p) {
     const size_t n = p->specimen.n_columns;
     double share = 0.5 * (p->done + 1.0), step = step_time(p), force_dt, *share_p = p->work + n,
@@ -221,17 +240,13 @@ static palp_status part(forward_plate *p) {
         return status;
     surface s = held(p, depth_at(p, share), -p->plan->adhesion);
     if (n) {
-        const double *adhesion = p->plan->value[PALP_EFFECT_ADHESION];
         double along = s.by_depth * (p->depth[1] - p->depth[0]);
         own_slopes(p, &s, strain_p);
-        if (adhesion)
-            strain_p[p->plan->column[PALP_EFFECT_ADHESION]] -= s.by_force;
         hold(p, q.force, force_p, &force_dt);
+        add_pull(p, &s, strain_p, force_p);
         double turn = q.slope * along + force_dt * step;
         for (size_t k = 0; k < n; k++) {
             double direct = force_p[k] + q.slope * strain_p[k] - force_dt * p->done_p[k] * step;
-            if (adhesion && k == p->plan->column[PALP_EFFECT_ADHESION])
-                direct += 1.0;
             share_p[k] = turn < 0.0 ? -direct / turn : 0.0;
             strain_p[k] += along * share_p[k];
         }

@@ -11,36 +11,58 @@
 /* Of an arm that is off, N: it adds nothing to any force, and still has derivatives. */
 #define FORWARD_NO_STIFFNESS 1e-200
 
-/* A map or a sensor of the chain, with its parameters and the column of the first. */
-typedef struct forward_stage {
+/* An effect of the model, with its parameters and the column of the first; its pull, and its factor of the specimen's
+ * force at the time of the session. */
+typedef struct forward_effect {
     const effect_row *row;
-    const double *value;
+    const palp_effect *effect;
     size_t column;
-} forward_stage;
+    effect_number pull, age;
+} forward_effect;
+
+/* By how much the strength or shape of an effect, in a column, changes how the spring wears. */
+typedef struct forward_wear_slope {
+    size_t column;
+    element_wear by;
+} forward_wear_slope;
+
+/* Likewise an arm. */
+typedef struct forward_arm_slope {
+    size_t column;
+    effect_arm by;
+} forward_arm_slope;
+
+enum { FORWARD_SPECTRA = 2 }; /* of one model, at most */
+enum { FORWARD_ARM_SLOPES = 2 + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS };
 
 /* What the model's effects come to. Points into the model. */
 typedef struct forward_plan {
     const palp_model *model;
-    size_t n_columns;                 /* all parameters */
-    size_t column[PALP_EFFECT_COUNT]; /* of the effect's first parameter; of what repeats: of the last */
-    const double *value[PALP_EFFECT_COUNT]; /* NULL: the model has no such effect */
-    palp_material material;                 /* with what the effects make of its arms */
-    size_t arm_column[PALP_ARMS_MAX];       /* of K_j; the next is b_j, or for an effect's arm its time */
-    bool arm_timed[PALP_ARMS_MAX];          /* the latter */
-    size_t n_maps, n_sensors;
-    forward_stage map[PALP_EFFECTS_MAX], sensor[PALP_EFFECTS_MAX]; /* in the order in which they act */
-    bool worn; /* the spring is worn by loading, as wear tells */
+    size_t n_columns; /* all parameters */
+    size_t n_effects, n_spectra;
+    forward_effect effect[PALP_EFFECTS_MAX]; /* in the order in which they act */
+    palp_material material;                  /* with what the effects make of its arms */
+    size_t arm_column[PALP_ARMS_MAX];        /* of K_j; the next is b_j, or for an effect's arm its time */
+    bool arm_timed[PALP_ARMS_MAX];           /* the latter */
+    bool gives_way; /* the surface's depth depends on the force */
+    bool worn;      /* the spring is worn by loading, as wear tells */
+    bool sets;      /* and does not come back to its length */
     element_wear wear;
-    double session_s, age; /* when the run began; factor of the specimen's force there */
-    double adhesion;       /* pull at which the plate lets go, N */
+    size_t n_wear_slopes;
+    forward_wear_slope wear_slope[PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS];
+    double age;      /* factor of the specimen's force at the time of the session */
+    double adhesion; /* pull at which the plate lets go, N */
 } forward_plan;
 
 /* Checks the model and lays the plan for a run that began at session_s. */
 palp_status forward_plan_make(const palp_model *model, double session_s, forward_plan *plan,
                               palp_error *error);
 
-/* Factor of the spring's force by the strain rate of the plate; *decades: its derivative by the parameter. */
-double forward_boost(const forward_plan *plan, double rate, double *decades);
+/* Factor of the spring's force by the strain rate of the plate; of_effect[n_effects]: its parts. */
+double forward_boost(const forward_plan *plan, double rate, effect_number *of_effect);
+
+/* The columns that move arm j itself: slope[FORWARD_ARM_SLOPES]. Returns how many there are. */
+size_t forward_arm_slopes(const forward_plan *plan, size_t j, forward_arm_slope *slope);
 
 /* The plan as of another time of the session. ERR_ARGUMENT: nothing is left of the specimen's force. */
 palp_status forward_plan_age(forward_plan *plan, double session_s);
@@ -85,10 +107,10 @@ forward_specimen forward_lumped_specimen(forward_lumped *lumped);
 void forward_lumped_wear(forward_lumped *lumped, const palp_forward_wear *wear);
 void forward_lumped_worn(const forward_lumped *lumped, palp_forward_wear *wear);
 
-/* Of one element: adds to force_p what the spring's own parameters change, strain and peak held; decades: of the
- * rate. */
+/* Of one element: adds to force_p what the spring's own parameters change, strain and peak held; boost and of_effect:
+ * of the rate, by forward_boost. */
 void forward_spring_own(const forward_plan *plan, const element_worn *spring, double peak, double boost,
-                        double decades, double *force_p);
+                        const effect_number *of_effect, double *force_p);
 
 /* The law's coefficients move the drive of a quasi-linear arm, K(e) e / K(0), from strain e[0] to e[1]. */
 void forward_quasi_linear_own(const palp_law *law, const double e[2], double drive, double *row);
@@ -120,7 +142,6 @@ typedef struct forward_spectrum {
 } forward_spectrum;
 
 typedef struct forward_slopes forward_slopes;
-#define FORWARD_SLIP 1e-6 /* of plate_slip at either end, where one or the other would be a limit */
 palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, size_t n_spectra,
                                   const forward_spectrum *spectrum, forward_slopes **slopes);
 void forward_slopes_free(forward_slopes *slopes);
@@ -132,7 +153,7 @@ const double *forward_slopes_worn(const forward_slopes *slopes);
 
 /* Of the trial at hand, whose network_weights are weight[n_elements], stiffness and net->fint; then as
  * forward_specimen. advance makes them those of the state, before the network's commit. */
-void forward_slopes_find(forward_slopes *slopes, const double *weight, double stiffness, double decades);
+void forward_slopes_find(forward_slopes *slopes, const double *weight, double stiffness, const effect_number *of_effect);
 void forward_slopes_hold(forward_slopes *slopes, double *force_p, double *force_dt);
 void forward_slopes_advance(forward_slopes *slopes, const double *strain_p, const double *dt_p, double *force_p);
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MODES = 2 * EFFECT_MODES_MAX };
+enum { MODES = FORWARD_SPECTRA * EFFECT_MODES_MAX };
 
 /* Unit responses u beside the spring, du/dt + rate u = de/dt, that add weight u to the force. */
 typedef struct modes {
@@ -38,14 +38,14 @@ struct forward_lumped {
     size_t n_columns;
     modes modes;
     size_t n_groups;
-    mode_group group[2];
+    mode_group group[FORWARD_SPECTRA];
     element_step step;
     bool prepared;
     state now, next;
     slopes d;
     bool still; /* no parameter has moved the surface so far: modes that are not timed have no slopes */
     element_worn spring; /* of the trial, where derivatives are asked for */
-    double decades;      /* of the trial's rate */
+    effect_number of_effect[PALP_EFFECTS_MAX]; /* of the trial's rate */
 };
 
 /* ---- values ---- */
@@ -85,7 +85,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     prepare(l, move->dt);
     element_history old = {&l->now.strain, &l->now.elastic, l->now.arm, &l->now.peak};
     element_history new = {&l->next.strain, &l->next.elastic, l->next.arm, &l->next.peak};
-    l->step.boost = forward_boost(l->plan, move->rate, &l->decades);
+    l->step.boost = forward_boost(l->plan, move->rate, l->of_effect);
     l->step.wear = l->plan->worn ? &l->plan->wear : NULL;
     element_trial(m, &l->step, 1, &move->strain, &old, &new, force, &by_strain);
     if (l->modes.n)
@@ -137,9 +137,8 @@ static void find_spring(forward_lumped *l) {
 }
 
 void forward_spring_own(const forward_plan *plan, const element_worn *s, double peak_strain, double boost,
-                        double decades, double *force_p) {
+                        const effect_number *of_effect, double *force_p) {
     const palp_law *law = &plan->material.law;
-    const size_t *column = plan->column;
     double row[PALP_LAW_MAX], inner[PALP_LAW_MAX], peak[PALP_LAW_MAX], force = s->force / s->factor;
     palp_law_gradient(law, s->inner, row);
     for (size_t k = 0; k < law->n; k++)
@@ -151,32 +150,20 @@ void forward_spring_own(const forward_plan *plan, const element_worn *s, double 
             force_p[k] +=
                 boost * force * (s->factor_by_energy * inner[k] + s->factor_by_peak_energy * peak[k]);
     }
-    if (plan->value[PALP_EFFECT_RATE_STIFFENING])
-        force_p[column[PALP_EFFECT_RATE_STIFFENING]] += decades * s->force;
-    if (plan->value[PALP_EFFECT_PERMANENT_SET])
-        force_p[column[PALP_EFFECT_PERMANENT_SET]] += boost * s->by_set;
-    if (plan->value[PALP_EFFECT_DAMAGE_SOFTENING]) {
-        force_p[column[PALP_EFFECT_DAMAGE_SOFTENING]] += boost * s->by_softening;
-        force_p[column[PALP_EFFECT_DAMAGE_SOFTENING] + 1] += boost * s->by_sharpness;
+    for (size_t i = 0; i < plan->n_effects; i++) {
+        const forward_effect *f = &plan->effect[i];
+        for (size_t k = 0; f->row->spring && k < f->row->info.n_parameters; k++)
+            force_p[f->column + k] += of_effect[i].by_value[k] * boost / of_effect[i].value * s->force;
+    }
+    for (size_t i = 0; i < plan->n_wear_slopes; i++) {
+        const element_wear *by = &plan->wear_slope[i].by;
+        force_p[plan->wear_slope[i].column] +=
+            boost * (by->set * s->by_set + by->softening * s->by_softening + by->sharpness * s->by_sharpness);
     }
 }
 
-/* An arm without strain dependence, from what the step has at hand; element_arm_partials for the others. */
-static element_partials arm_partials(const forward_lumped *l, size_t j) {
-    const palp_material *m = &l->plan->material;
-    const palp_arm *arm = &m->arms[j];
-    if (m->quasi_linear || l->plan->value[PALP_EFFECT_STRAIN_DEPENDENT_ARM] || arm->beta != 0.0 ||
-        arm->gamma != 0.0)
-        return element_arm_partials(m, &l->step, j, l->next.strain, l->now.strain, l->now.arm[j]);
-    double x = l->step.dt * arm->stiffness_N / arm->viscosity_Ns, rise = l->next.strain - l->now.strain;
-    double decay = l->step.decay[j], gain = l->step.gain[j];
-    double turn = x < 1e-4 ? arm->stiffness_N * (-0.5 + x / 3.0) : (arm->stiffness_N * decay - gain) / x;
-    return (element_partials){.strain = gain,
-                              .strain_old = -gain,
-                              .arm_old = decay,
-                              .drive = gain,
-                              .log_stiffness = gain * rise,
-                              .log_time = x * (decay * l->now.arm[j] - turn * rise)};
+static void arm_partials(const forward_lumped *l, size_t j, double partial[ELEMENT_PARTIALS]) {
+    element_arm_partials(&l->plan->material, &l->step, j, 1, &l->next.strain, &l->now.strain, &l->now.arm[j], partial);
 }
 
 void forward_quasi_linear_own(const palp_law *law, const double e[2], double drive, double *row) {
@@ -193,34 +180,29 @@ void forward_quasi_linear_own(const palp_law *law, const double e[2], double dri
 
 /* Slopes of arm j's force at the end of the trial, into the row. */
 static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p, const double *dt_p) {
-    const forward_plan *plan = l->plan;
-    const palp_arm *arm = &plan->material.arms[j];
-    const element_partials p = arm_partials(l, j);
     const double *old = l->d.arm + j * l->n_columns, *strain_old = l->d.strain;
-    double *row = l->d.row, *own = row + plan->arm_column[j];
+    double *row = l->d.row, p[ELEMENT_PARTIALS];
+    forward_arm_slope own[FORWARD_ARM_SLOPES];
+    arm_partials(l, j, p);
     for (size_t k = 0; k < l->n_columns; k++)
-        row[k] = p.arm_old * old[k] + p.strain * strain_p[k] + p.strain_old * strain_old[k];
-    if (plan->arm_timed[j]) { /* K, tau; else K, b */
-        own[0] += p.log_stiffness / arm->stiffness_N;
-        own[1] += p.log_time * arm->stiffness_N / arm->viscosity_Ns;
-    } else {
-        own[0] += (p.log_stiffness - p.log_time) / arm->stiffness_N;
-        own[1] += p.log_time / arm->viscosity_Ns;
+        row[k] = p[ELEMENT_ARM_OLD] * old[k] + p[ELEMENT_STRAIN] * strain_p[k] + p[ELEMENT_STRAIN_OLD] * strain_old[k];
+    const size_t n = forward_arm_slopes(l->plan, j, own);
+    for (size_t i = 0; i < n; i++) {
+        const effect_arm *by = &own[i].by;
+        row[own[i].column] += by->log_stiffness * p[ELEMENT_LOG_STIFFNESS] + by->log_time * p[ELEMENT_LOG_TIME] +
+                              by->beta * p[ELEMENT_BETA] + by->gamma * p[ELEMENT_GAMMA];
     }
-    if (plan->value[PALP_EFFECT_STRAIN_DEPENDENT_ARM]) {
-        row[plan->column[PALP_EFFECT_STRAIN_DEPENDENT_ARM]] += p.beta;
-        row[plan->column[PALP_EFFECT_STRAIN_DEPENDENT_ARM] + 1] += p.gamma;
-    }
-    if (plan->material.quasi_linear)
-        forward_quasi_linear_own(&plan->material.law, (double[2]){l->now.strain, l->next.strain}, p.drive, row);
+    if (l->plan->material.quasi_linear)
+        forward_quasi_linear_own(&l->plan->material.law, (double[2]){l->now.strain, l->next.strain}, p[ELEMENT_DRIVE],
+                                 row);
     for (size_t k = 0; dt_p && k < l->n_columns; k++)
-        row[k] -= p.log_time / l->step.dt * dt_p[k];
+        row[k] -= p[ELEMENT_LOG_TIME] / l->step.dt * dt_p[k];
 }
 
 /* d unit / d (rate dt) of the trial. */
 static double mode_turn(const forward_lumped *l, size_t i) {
     const modes *m = &l->modes;
-    double x = m->rate[i] * l->step.dt, turn = x < 1e-4 ? -0.5 + x / 3.0 : (m->decay[i] - m->mean[i]) / x;
+    double turn = element_mean_slope(m->rate[i] * l->step.dt, m->decay[i], m->mean[i]);
     return turn * (l->next.strain - l->now.strain) - m->decay[i] * l->now.unit[i];
 }
 
@@ -285,7 +267,7 @@ static void propagate(forward_lumped *l, const double *strain_p, const double *d
         force_p[k] = by_strain * strain_p[k] + by_peak * d->peak[k] + dashpot * (strain_p[k] - d->strain[k]);
     for (size_t k = 0; k < n && dashpot > 0.0 && dt_p; k++)
         force_p[k] -= dashpot * rise / l->step.dt * dt_p[k];
-    forward_spring_own(l->plan, &l->spring, l->now.peak, l->step.boost, l->decades, force_p);
+    forward_spring_own(l->plan, &l->spring, l->now.peak, l->step.boost, l->of_effect, force_p);
     for (size_t j = 0; j < l->plan->material.n_arms; j++) {
         arm_slopes(l, j, strain_p, dt_p);
         add_row(l, 1.0, force_p);
@@ -305,8 +287,11 @@ static void hold(void *self, double *force_p, double *force_dt) {
         return;
     double rise = l->next.strain - l->now.strain;
     *force_dt = -l->step.dashpot * rise / l->step.dt;
-    for (size_t j = 0; j < l->plan->material.n_arms; j++)
-        *force_dt -= arm_partials(l, j).log_time / l->step.dt;
+    for (size_t j = 0; j < l->plan->material.n_arms; j++) {
+        double p[ELEMENT_PARTIALS];
+        arm_partials(l, j, p);
+        *force_dt -= p[ELEMENT_LOG_TIME] / l->step.dt;
+    }
     for (size_t i = 0; i < l->modes.n; i++)
         *force_dt += l->modes.weight[i] * l->modes.rate[i] * mode_turn(l, i);
 }
@@ -326,17 +311,13 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
 
 /* ---- making one ---- */
 
-static void add_modes(forward_lumped *l, palp_effect_id id) {
-    const effect_row *row = effect_row_of(id);
-    const double *value = l->plan->value[id];
+static void add_modes(forward_lumped *l, const forward_effect *f) {
     effect_mode list[EFFECT_MODES_MAX];
     modes *m = &l->modes;
     const effect_range range = EFFECT_RANGE_WHOLE;
     const size_t n = range.n;
-    if (!value)
-        return;
-    row->spectrum(value, &range, list);
-    l->group[l->n_groups++] = (mode_group){m->n, m->n + n, l->plan->column[id], row->info.n_parameters};
+    f->row->spectrum(f->effect->value, &range, list);
+    l->group[l->n_groups++] = (mode_group){m->n, m->n + n, f->column, f->row->info.n_parameters};
     for (size_t i = 0; i < n; i++, m->n++) {
         m->weight[m->n] = list[i].weight;
         m->rate[m->n] = list[i].rate;
@@ -371,8 +352,9 @@ palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, fo
     l->plan = plan;
     l->n_columns = n_columns;
     l->still = true;
-    add_modes(l, PALP_EFFECT_POWER_LAW_RELAXATION);
-    add_modes(l, PALP_EFFECT_POROELASTIC);
+    for (size_t i = 0; i < plan->n_effects; i++)
+        if (plan->effect[i].row->spectrum)
+            add_modes(l, &plan->effect[i]);
     if (!make_slopes(l)) {
         free(l);
         return PALP_ERR_NO_MEMORY;
@@ -422,10 +404,9 @@ void forward_lumped_wear(forward_lumped *l, const palp_forward_wear *wear) {
         l->d.peak[k] = wear->peak_p[k];
         l->d.strain[k] = set * wear->peak_p[k];
     }
-    if (l->n_columns && l->plan->value[PALP_EFFECT_PERMANENT_SET]) {
-        l->d.strain[l->plan->column[PALP_EFFECT_PERMANENT_SET]] += wear->peak;
-        l->still = false;
-    }
+    for (size_t i = 0; l->n_columns && i < l->plan->n_wear_slopes; i++)
+        l->d.strain[l->plan->wear_slope[i].column] += l->plan->wear_slope[i].by.set * wear->peak;
+    l->still = l->still && !l->plan->sets;
 }
 
 void forward_lumped_worn(const forward_lumped *l, palp_forward_wear *wear) {

@@ -13,10 +13,10 @@ struct forward_network {
     palp_network *net;
     element_wear wear;
     size_t n_spectra;
-    forward_spectrum spectrum[2];
+    forward_spectrum spectrum[FORWARD_SPECTRA];
     bool sloped;    /* every trial's slope is asked for */
     bool found;     /* slopes of the trial */
-    double decades; /* of its rate */
+    effect_number of_effect[PALP_EFFECTS_MAX]; /* of its rate */
     double slope, committed; /* of the trial, of the state: d force / d surface strain */
     double strain, peak[2];  /* surface strain of the trial; its largest so far, and that kept */
     double *peak_p[2];       /* [n_columns] derivatives of peak */
@@ -28,8 +28,8 @@ struct forward_network {
 static palp_status attempt(void *self, const forward_move *move, double *force, double *slope) {
     forward_network *p = self;
     palp_step_info info = {0};
-    double decades, height = p->net->height;
-    p->net->boost = forward_boost(p->plan, move->rate, &decades);
+    const double height = p->net->height;
+    p->net->boost = forward_boost(p->plan, move->rate, p->of_effect);
     p->strain = move->strain;
     palp_status status = palp_network_try(p->net, move->strain * height, move->dt, &info);
     *force = info.force_N;
@@ -38,7 +38,6 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     status = network_weights(p->net, p->weight, &p->slope);
     p->slope *= height;
     p->found = false;
-    p->decades = decades;
     if (slope)
         *slope = p->slope;
     return status;
@@ -47,7 +46,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
 /* Once a trial: most are asked for their force only. */
 static void find_slopes(forward_network *p) {
     if (!p->found)
-        forward_slopes_find(p->slopes, p->weight, p->slope / p->net->height, p->decades);
+        forward_slopes_find(p->slopes, p->weight, p->slope / p->net->height, p->of_effect);
     p->found = true;
 }
 
@@ -98,20 +97,19 @@ double forward_network_slope(const forward_network *p) {
 
 /* The relaxation modulus of an effect as arms of the elements, as many as there is room for, over the times
  * that the steps can tell. */
-static palp_status add_spectrum(forward_network *f, forward_plan *plan, palp_effect_id id, size_t room,
+static palp_status add_spectrum(forward_network *f, forward_plan *plan, const forward_effect *from, size_t room,
                                 double shortest, double whole, palp_error *error) {
-    const double *value = plan->value[id];
-    if (!value || (value[0] == 0.0 && !f->sloped) || whole == 0.0)
+    if ((effect_is_off(from->effect) && !f->sloped) || whole == 0.0)
         return PALP_OK;
     if (room < EFFECT_MODES_MIN)
         return palp_error_set(error, PALP_ERR_LIMIT,
                               "%s: the network's arms leave no room for it (%d in all)",
-                              palp_effect_look_up(id)->id, PALP_ARMS_MAX);
+                              from->row->info.id, PALP_ARMS_MAX);
     const effect_range range = {room, 0.1 / whole, 5.0 / shortest};
     forward_spectrum *g = &f->spectrum[f->n_spectra++];
-    *g = (forward_spectrum){.first = plan->material.n_arms, .n = room, .column = plan->column[id],
-                            .n_values = effect_row_of(id)->info.n_parameters};
-    effect_row_of(id)->spectrum(value, &range, g->mode);
+    *g = (forward_spectrum){.first = plan->material.n_arms, .n = room, .column = from->column,
+                            .n_values = from->row->info.n_parameters};
+    from->row->spectrum(from->effect->value, &range, g->mode);
     for (size_t i = 0; i < room; i++) {
         double weight = fmax(g->mode[i].weight, FORWARD_NO_STIFFNESS);
         plan->material.arms[plan->material.n_arms++] =
@@ -122,27 +120,31 @@ static palp_status add_spectrum(forward_network *f, forward_plan *plan, palp_eff
 
 static palp_status add_spectra(forward_network *f, forward_plan *plan, double shortest, double whole,
                                palp_error *error) {
-    const palp_effect_id first = PALP_EFFECT_POWER_LAW_RELAXATION, second = PALP_EFFECT_POROELASTIC;
-    size_t room = PALP_ARMS_MAX - plan->material.n_arms;
-    bool both = plan->value[first] && plan->value[second];
-    palp_status status = add_spectrum(f, plan, first, both ? room / 2 : room, shortest, whole, error);
-    return status ? status : add_spectrum(f, plan, second, both ? room / 2 : room, shortest, whole, error);
+    const size_t room = PALP_ARMS_MAX - plan->material.n_arms;
+    palp_status status = PALP_OK;
+    for (size_t i = 0; i < plan->n_effects && !status; i++)
+        if (plan->effect[i].row->spectrum)
+            status = add_spectrum(f, plan, &plan->effect[i], room / plan->n_spectra, shortest, whole, error);
+    return status;
 }
 
-/* A slip of 0 has derivatives only as a limit. */
-static bool slips(const forward_network *f) {
-    const double *slip = f->plan->value[PALP_EFFECT_PLATE_SLIP];
-    return slip && (slip[0] > 0.0 || f->sloped);
+/* The effect that lets the nodes at the plates slide, NULL: they are held fast. A grip that is fast has derivatives only
+ * as a limit. */
+static const forward_effect *slip_of(const forward_network *f) {
+    for (size_t i = 0; i < f->plan->n_effects; i++)
+        if (f->plan->effect[i].row->grip && (f->sloped || !effect_is_off(f->plan->effect[i].effect)))
+            return &f->plan->effect[i];
+    return NULL;
 }
 
-/* A network's plates hold its nodes; with slip they are held by springs instead, slip 1 by next to none. */
-static palp_status set_slip(const forward_network *f) {
-    const double *slip = f->plan->value[PALP_EFFECT_PLATE_SLIP];
-    if (!slips(f))
+static palp_status set_grip(const forward_network *f) {
+    const forward_effect *slip = slip_of(f);
+    effect_number grip = {.value = 0.0};
+    if (!slip)
         return PALP_OK;
-    double at = fmax(slip[0], FORWARD_SLIP), share = fmax((1.0 - at) / at, FORWARD_SLIP);
-    palp_status status = network_set_grip(f->net, "bottom", share);
-    return status ? status : network_set_grip(f->net, "top", share);
+    slip->row->grip(slip->effect->value, 0.0, &grip);
+    palp_status status = network_set_grip(f->net, "bottom", grip.value);
+    return status ? status : network_set_grip(f->net, "top", grip.value);
 }
 
 static palp_status make_network(const forward_network *f, const palp_network_settings *settings,
@@ -152,7 +154,7 @@ static palp_status make_network(const forward_network *f, const palp_network_set
     model.material = f->plan->material;
     model.n_effects = 0; /* they are in the plan */
     palp_supports_default(supports);
-    for (size_t i = 0; i < 2 && slips(f); i++)
+    for (size_t i = 0; i < 2 && slip_of(f); i++)
         supports[i].axis[0] = supports[i].axis[2] = PALP_FREE;
     return palp_model_network(&model, NULL, 2, supports, settings, net, error);
 }
@@ -161,7 +163,7 @@ static palp_status equip(forward_network *f, palp_error *error) {
     const forward_plan *plan = f->plan;
     const size_t n = plan->n_columns, m = palp_mesh_element_count(f->net->mesh);
     f->weight = calloc(m + 3 * n + 1, sizeof *f->weight);
-    palp_status status = f->weight ? set_slip(f) : PALP_ERR_NO_MEMORY;
+    palp_status status = f->weight ? set_grip(f) : PALP_ERR_NO_MEMORY;
     if (status)
         return palp_error_set(error, status, "%s", palp_status_text(status));
     f->peak_p[0] = f->weight + m;
@@ -269,8 +271,8 @@ static palp_status lie_down(forward_network *f) {
     f->rest = set * f->peak[0];
     for (size_t k = 0; f->slopes && k < f->plan->n_columns; k++)
         f->rest_p[k] = set * f->peak_p[0][k];
-    if (f->slopes)
-        f->rest_p[f->plan->column[PALP_EFFECT_PERMANENT_SET]] += f->peak[0];
+    for (size_t i = 0; f->slopes && i < f->plan->n_wear_slopes; i++)
+        f->rest_p[f->plan->wear_slope[i].column] += f->plan->wear_slope[i].by.set * f->peak[0];
     palp_status status = move_to(f, f->rest, LONG, f->slopes ? f->rest_p : NULL);
     f->net->now.time = 0.0;
     f->net->n_past = 0;
@@ -292,7 +294,7 @@ static palp_status take_wear(forward_network *f, const palp_forward_wear *wear) 
     f->peak[0] = wear->peak;
     if (f->slopes && wear->peak_p)
         memcpy(f->peak_p[0], wear->peak_p, n * sizeof *wear->peak_p);
-    return status || !f->plan->value[PALP_EFFECT_PERMANENT_SET] ? status : lie_down(f);
+    return status || !f->plan->sets ? status : lie_down(f);
 }
 
 static palp_status leave_wear(const forward_network *f, palp_forward_wear *wear) {

@@ -1,6 +1,7 @@
 /* forward_plan.c: sorts a model's effects into what the forward model has to do. */
 #include "base/file.h"
 #include "forward_internal.h"
+#include "model/model_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,32 +29,32 @@ static palp_status add_arm(forward_plan *plan, const double *value, size_t colum
     return PALP_OK;
 }
 
-static void add_stage(forward_stage *list, size_t *n, forward_stage stage) {
-    size_t i = (*n)++;
-    for (; i > 0 && list[i - 1].row->stage > stage.row->stage; i--)
-        list[i] = list[i - 1];
-    list[i] = stage;
-}
-
+/* Into its place by stage. */
 static palp_status add_effect(forward_plan *plan, size_t i, palp_error *error) {
     const palp_effect *effect = &plan->model->effects[i];
     const effect_row *row = effect_row_of(effect->id);
-    size_t column = forward_effect_column(plan->model, i);
-    plan->value[effect->id] = effect->value;
-    plan->column[effect->id] = column;
-    if (effect->id == PALP_EFFECT_RELAXATION_ARM)
-        return add_arm(plan, effect->value, column, error);
-    if (row->map)
-        add_stage(plan->map, &plan->n_maps, (forward_stage){row, effect->value, column});
-    if (row->sensor)
-        add_stage(plan->sensor, &plan->n_sensors, (forward_stage){row, effect->value, column});
-    return PALP_OK;
+    const size_t column = forward_effect_column(plan->model, i);
+    size_t at = plan->n_effects++;
+    for (; at > 0 && plan->effect[at - 1].row->stage > row->stage; at--)
+        plan->effect[at] = plan->effect[at - 1];
+    plan->effect[at] = (forward_effect){.row = row, .effect = effect, .column = column};
+    plan->n_spectra += row->spectrum != NULL;
+    if (plan->n_spectra > FORWARD_SPECTRA)
+        return palp_error_set(error, PALP_ERR_LIMIT, "%s: the model has %d such effects already", row->info.id,
+                              FORWARD_SPECTRA);
+    return row->arm ? add_arm(plan, effect->value, column, error) : PALP_OK;
 }
 
-double forward_boost(const forward_plan *plan, double rate, double *decades) {
-    const double *stiffening = plan->value[PALP_EFFECT_RATE_STIFFENING];
-    *decades = stiffening ? log10(1.0 + fabs(rate) / EFFECT_RATE) : 0.0;
-    return stiffening ? 1.0 + stiffening[0] * *decades : 1.0;
+double forward_boost(const forward_plan *plan, double rate, effect_number *of_effect) {
+    double boost = 1.0;
+    for (size_t i = 0; i < plan->n_effects; i++) {
+        const forward_effect *f = &plan->effect[i];
+        if (!f->row->spring)
+            continue;
+        f->row->spring(f->effect->value, rate, &of_effect[i]);
+        boost *= of_effect[i].value;
+    }
+    return boost;
 }
 
 double forward_shortest_arm(const forward_plan *plan) {
@@ -66,23 +67,72 @@ double forward_shortest_arm(const forward_plan *plan) {
     return shortest;
 }
 
-static void find_wear(forward_plan *plan) {
-    const double *softening = plan->value[PALP_EFFECT_DAMAGE_SOFTENING],
-                 *set = plan->value[PALP_EFFECT_PERMANENT_SET];
-    plan->worn = softening || set;
+size_t forward_arm_slopes(const forward_plan *plan, size_t j, forward_arm_slope *slope) {
+    const palp_arm *arm = &plan->material.arms[j];
+    const size_t column = plan->arm_column[j];
+    const double by_stiffness = 1.0 / arm->stiffness_N, by_viscosity = 1.0 / arm->viscosity_Ns;
+    const double by_time = arm->stiffness_N / arm->viscosity_Ns;
+    slope[0] = (forward_arm_slope){column, {.log_stiffness = by_stiffness, .log_time = -by_stiffness}};
+    slope[1] = (forward_arm_slope){column + 1, {.log_time = by_viscosity}};
+    if (plan->arm_timed[j]) {
+        slope[0].by.log_time = 0.0;
+        slope[1].by.log_time = by_time;
+    }
+    size_t n = 2;
+    for (size_t i = 0; i < plan->n_effects; i++) {
+        const forward_effect *f = &plan->effect[i];
+        effect_arm by[PALP_EFFECT_PARAMETERS] = {{.beta = 0.0}};
+        palp_arm changed = *arm;
+        if (!f->row->arms)
+            continue;
+        f->row->arms(f->effect->value, &changed, by);
+        for (size_t k = 0; k < f->row->info.n_parameters; k++)
+            slope[n++] = (forward_arm_slope){f->column + k, by[k]};
+    }
+    return n;
+}
+
+/* What the effects make of the material. */
+static void change_material(forward_plan *plan) {
     plan->wear.sharpness = 1.0;
-    if (set)
-        plan->wear.set = set[0];
-    if (softening) {
-        plan->wear.softening = softening[0];
-        plan->wear.sharpness = softening[1];
+    for (size_t i = 0; i < plan->n_effects; i++) {
+        const forward_effect *f = &plan->effect[i];
+        const double *value = f->effect->value;
+        effect_arm arm_by[PALP_EFFECT_PARAMETERS] = {{.beta = 0.0}};
+        element_wear wear_by[PALP_EFFECT_PARAMETERS] = {{.set = 0.0}};
+        for (size_t j = 0; f->row->arms && j < plan->material.n_arms; j++)
+            f->row->arms(value, &plan->material.arms[j], arm_by);
+        if (!f->row->history)
+            continue;
+        f->row->history(value, &plan->wear, wear_by);
+        plan->worn = true;
+        for (size_t k = 0; k < f->row->info.n_parameters; k++) {
+            plan->sets = plan->sets || wear_by[k].set != 0.0;
+            plan->wear_slope[plan->n_wear_slopes++] = (forward_wear_slope){f->column + k, wear_by[k]};
+        }
+    }
+}
+
+static void find_contact(forward_plan *plan) {
+    for (size_t i = 0; i < plan->n_effects; i++) {
+        forward_effect *f = &plan->effect[i];
+        plan->gives_way = plan->gives_way || (f->row->gives_way && !effect_is_off(f->effect));
+        if (!f->row->pull)
+            continue;
+        f->row->pull(f->effect->value, 0.0, &f->pull);
+        plan->adhesion += f->pull.value;
     }
 }
 
 palp_status forward_plan_age(forward_plan *plan, double session_s) {
-    const double *ageing = plan->value[PALP_EFFECT_SESSION_AGEING];
-    plan->session_s = session_s;
-    plan->age = ageing ? 1.0 + ageing[0] * session_s : 1.0;
+    plan->age = 1.0;
+    for (size_t i = 0; i < plan->n_effects; i++) {
+        forward_effect *f = &plan->effect[i];
+        if (!f->row->specimen)
+            continue;
+        f->row->specimen(f->effect->value, session_s, &f->age);
+        plan->age *= f->age.value;
+    }
     return plan->age > 0.0 && isfinite(plan->age) ? PALP_OK : PALP_ERR_ARGUMENT;
 }
 
@@ -99,7 +149,7 @@ palp_status forward_plan_make(const palp_model *model, double session_s, forward
                               palp_error *error) {
     palp_status status = model->kind == PALP_MODEL_LUMPED ? check_lumped(model, error) : PALP_OK;
     if (!status)
-        status = effect_list_check(model, error);
+        status = palp_model_effects_check(model, error);
     memset(plan, 0, sizeof *plan);
     plan->model = model;
     plan->material = model->material;
@@ -110,16 +160,10 @@ palp_status forward_plan_make(const palp_model *model, double session_s, forward
     if (status)
         return status;
     plan->n_columns = forward_effect_column(model, model->n_effects);
-    find_wear(plan);
-    const double *dependent = plan->value[PALP_EFFECT_STRAIN_DEPENDENT_ARM];
-    for (size_t j = 0; dependent && j < plan->material.n_arms; j++) {
-        plan->material.arms[j].beta += dependent[0];
-        plan->material.arms[j].gamma += dependent[1];
-    }
-    if (plan->value[PALP_EFFECT_ADHESION])
-        plan->adhesion = plan->value[PALP_EFFECT_ADHESION][0];
+    change_material(plan);
+    find_contact(plan);
     if (forward_plan_age(plan, session_s))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
-                              "session_ageing: nothing is left of the specimen's force");
+                              "at %.6g s of the session nothing is left of the specimen's force", session_s);
     return palp_material_check(&plan->material, error);
 }

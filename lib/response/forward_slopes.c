@@ -7,12 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Partial derivatives of an arm's force of the trial, as element_partials, [n_arms n_elements] each. */
-typedef struct arm_rows {
-    double *arm_old, *strain_old, *strain, *log_stiffness, *log_time, *beta, *gamma, *drive;
-} arm_rows;
-enum { ARM_ROWS = 8 };
-
 /* By columns and elements: [n m], arms [n n_arms m]. */
 struct forward_slopes {
     const forward_plan *plan;
@@ -24,7 +18,7 @@ struct forward_slopes {
     double *strain, *peak, *arm; /* of the state, one after the other; peak NULL: the springs do not wear */
     double *kept;                /* [n_state] a copy of them */
     double *partial, *fixed;     /* of the trial: element force and arms with the nodes held */
-    arm_rows by;
+    double *by;                  /* [n_arms ELEMENT_PARTIALS m] of the arms, by element_arm_partials */
     double *by_peak, *by_time;   /* [m] of the element force */
     double *drive;               /* [3 n_nodes] displacement per depth */
     double *row;                 /* [n] scratch */
@@ -34,11 +28,9 @@ struct forward_slopes {
 
 /* ---- what a parameter changes itself ---- */
 
-static bool may_move(const forward_slopes *s, palp_effect_id id) {
-    return id == PALP_EFFECT_RELAXATION_ARM || id == PALP_EFFECT_STRAIN_DEPENDENT_ARM ||
-           id == PALP_EFFECT_RATE_STIFFENING || id == PALP_EFFECT_DAMAGE_SOFTENING ||
-           id == PALP_EFFECT_PERMANENT_SET || (id == PALP_EFFECT_PLATE_SLIP && s->net->grip) ||
-           effect_row_of(id)->spectrum;
+/* Whether it changes an element or what holds the nodes, and not what stands around the specimen. */
+static bool may_move(const forward_slopes *s, const effect_row *row) {
+    return row->arm || row->arms || row->spring || row->history || row->spectrum || (row->grip && s->net->grip);
 }
 
 static void find_alive(forward_slopes *s) {
@@ -47,48 +39,18 @@ static void find_alive(forward_slopes *s) {
     memset(s->alive, 1, column);
     for (size_t i = 0; i < model->n_effects; i++) {
         size_t end = forward_effect_column(model, i + 1);
-        memset(s->alive + column, may_move(s, model->effects[i].id), end - column);
+        memset(s->alive + column, may_move(s, effect_row_of(model->effects[i].id)), end - column);
         column = end;
     }
 }
 
-/* Arm j of element i. */
-static void arm_partials(forward_slopes *s, size_t j) {
-    const palp_network *net = s->net;
-    const palp_arm *arm = &net->material.arms[j];
-    const double *e = net->strain, *e_old = net->now.history.strain, *q_old = net->now.history.arm + j * s->m;
-    const size_t at = j * s->m;
-    const double decay = net->step.decay[j], gain = net->step.gain[j];
-    double x = net->step.dt * arm->stiffness_N / arm->viscosity_Ns;
-    double turn = x < 1e-4 ? arm->stiffness_N * (-0.5 + x / 3.0) : (arm->stiffness_N * decay - gain) / x;
-    bool changes = net->material.quasi_linear || arm->gamma != 0.0;
-    for (size_t i = 0; i < s->m && !changes; i++) {
-        double a = arm->beta * fabs(e[i]), a_old = arm->beta * fabs(e_old[i]);
-        double rise = e[i] * (1.0 + 0.5 * a) - e_old[i] * (1.0 + 0.5 * a_old);
-        double half = 0.5 * (fabs(e[i]) + fabs(e_old[i]));
-        s->by.arm_old[at + i] = decay;
-        s->by.strain[at + i] = gain * (1.0 + a);
-        s->by.strain_old[at + i] = -gain * (1.0 + a_old);
-        s->by.log_stiffness[at + i] = gain * rise;
-        s->by.log_time[at + i] = x * (decay * q_old[i] - turn * rise);
-        s->by.beta[at + i] = 0.5 * gain * (e[i] * fabs(e[i]) - e_old[i] * fabs(e_old[i]));
-        s->by.gamma[at + i] = s->by.log_time[at + i] * half;
-    }
-    for (size_t i = 0; i < s->m && changes; i++) {
-        element_partials p = element_arm_partials(&net->material, &net->step, j, e[i], e_old[i], q_old[i]);
-        s->by.arm_old[at + i] = p.arm_old;
-        s->by.strain[at + i] = p.strain;
-        s->by.strain_old[at + i] = p.strain_old;
-        s->by.log_stiffness[at + i] = p.log_stiffness;
-        s->by.log_time[at + i] = p.log_time;
-        s->by.beta[at + i] = p.beta;
-        s->by.gamma[at + i] = p.gamma;
-        s->by.drive[at + i] = p.drive;
-    }
+/* The elements' partials of arm j by one of element_partial. */
+static const double *by_of(const forward_slopes *s, size_t j, element_partial by) {
+    return s->by + (j * ELEMENT_PARTIALS + by) * s->m;
 }
 
 /* partial = the springs' own, nodes and histories held. */
-static void spring_partials(forward_slopes *s, double decades) {
+static void spring_partials(forward_slopes *s, const effect_number *of_effect) {
     const palp_network *net = s->net;
     const bool worn = net->wear != NULL;
     memset(s->partial, 0, s->n * s->m * sizeof *s->partial);
@@ -98,46 +60,30 @@ static void spring_partials(forward_slopes *s, double decades) {
         if (worn)
             element_worn_force(&net->material.law, net->wear, net->strain[i], peak, &spring);
         memset(s->row, 0, s->n * sizeof *s->row);
-        forward_spring_own(s->plan, &spring, peak, net->step.boost, decades, s->row);
+        forward_spring_own(s->plan, &spring, peak, net->step.boost, of_effect, s->row);
         for (size_t k = 0; k < s->n; k++)
             s->partial[k * s->m + i] = s->row[k];
         s->by_peak[i] = net->step.boost * spring.by_peak;
     }
 }
 
-/* Adds a times one of the arm's rows and b times another to column k. */
-static void add_own(forward_slopes *s, size_t k, size_t j, double a, const double *one, double b,
-                    const double *other) {
+/* Adds what column k changes of arm j itself. */
+static void add_own(forward_slopes *s, size_t k, size_t j, const effect_arm *by) {
     double *partial = s->partial + k * s->m, *fixed = s->fixed + (k * s->n_arms + j) * s->m;
-    one += j * s->m;
-    other += j * s->m;
+    const double *stiffness = by_of(s, j, ELEMENT_LOG_STIFFNESS), *time = by_of(s, j, ELEMENT_LOG_TIME),
+                 *beta = by_of(s, j, ELEMENT_BETA), *gamma = by_of(s, j, ELEMENT_GAMMA);
     for (size_t i = 0; i < s->m; i++) {
-        double own = a * one[i] + b * other[i];
+        double own = by->log_stiffness * stiffness[i] + by->log_time * time[i] + by->beta * beta[i] + by->gamma * gamma[i];
         fixed[i] += own;
         partial[i] += own;
     }
 }
 
-static void add_times(forward_slopes *s, size_t k, size_t j, double a, double b) {
-    add_own(s, k, j, a, s->by.log_stiffness, b, s->by.log_time);
-}
-
 static void arm_own(forward_slopes *s, size_t j) {
-    const forward_plan *plan = s->plan;
-    const palp_arm *arm = &s->net->material.arms[j];
-    const size_t k = plan->arm_column[j];
-    if (plan->arm_timed[j]) { /* K, tau; else K, b */
-        add_times(s, k, j, 1.0 / arm->stiffness_N, 0.0);
-        add_times(s, k + 1, j, 0.0, arm->stiffness_N / arm->viscosity_Ns);
-    } else {
-        add_times(s, k, j, 1.0 / arm->stiffness_N, -1.0 / arm->stiffness_N);
-        add_times(s, k + 1, j, 0.0, 1.0 / arm->viscosity_Ns);
-    }
-    if (plan->value[PALP_EFFECT_STRAIN_DEPENDENT_ARM]) {
-        size_t b = plan->column[PALP_EFFECT_STRAIN_DEPENDENT_ARM];
-        add_own(s, b, j, 1.0, s->by.beta, 0.0, s->by.beta);
-        add_own(s, b + 1, j, 1.0, s->by.gamma, 0.0, s->by.gamma);
-    }
+    forward_arm_slope own[FORWARD_ARM_SLOPES];
+    const size_t n = forward_arm_slopes(s->plan, j, own);
+    for (size_t i = 0; i < n; i++)
+        add_own(s, own[i].column, j, &own[i].by);
 }
 
 static void quasi_linear_own(forward_slopes *s, size_t j) {
@@ -146,7 +92,7 @@ static void quasi_linear_own(forward_slopes *s, size_t j) {
     for (size_t i = 0; i < s->m; i++) {
         const double e[2] = {net->now.history.strain[i], net->strain[i]};
         memset(s->row, 0, law->n * sizeof *s->row);
-        forward_quasi_linear_own(law, e, s->by.drive[j * s->m + i], s->row);
+        forward_quasi_linear_own(law, e, by_of(s, j, ELEMENT_DRIVE)[i], s->row);
         for (size_t k = 0; k < law->n; k++) {
             s->partial[k * s->m + i] += s->row[k];
             s->fixed[(k * s->n_arms + j) * s->m + i] += s->row[k];
@@ -157,8 +103,10 @@ static void quasi_linear_own(forward_slopes *s, size_t j) {
 static void spectrum_own(forward_slopes *s, const forward_spectrum *g) {
     for (size_t i = 0; i < g->n; i++)
         for (size_t v = 0; v < g->n_values; v++) {
-            double weight = g->mode[i].weight_by[v] / s->net->material.arms[g->first + i].stiffness_N;
-            add_times(s, g->column + v, g->first + i, weight, -g->mode[i].rate_by[v] / g->mode[i].rate);
+            const effect_arm by = {
+                .log_stiffness = g->mode[i].weight_by[v] / s->net->material.arms[g->first + i].stiffness_N,
+                .log_time = -g->mode[i].rate_by[v] / g->mode[i].rate};
+            add_own(s, g->column + v, g->first + i, &by);
         }
 }
 
@@ -173,7 +121,7 @@ static void carry(forward_slopes *s, size_t k) {
     for (size_t i = 0; i < s->m && net->step.dashpot > 0.0; i++)
         partial[i] -= net->step.dashpot * strain[i];
     for (size_t j = 0; j < s->n_arms; j++) {
-        const double *arm_old = s->by.arm_old + j * s->m, *strain_old = s->by.strain_old + j * s->m;
+        const double *arm_old = by_of(s, j, ELEMENT_ARM_OLD), *strain_old = by_of(s, j, ELEMENT_STRAIN_OLD);
         const double *arm = s->arm + (k * s->n_arms + j) * s->m;
         double *fixed = s->fixed + (k * s->n_arms + j) * s->m;
         for (size_t i = 0; i < s->m; i++) {
@@ -189,19 +137,21 @@ static void time_partials(forward_slopes *s) {
     for (size_t i = 0; i < s->m; i++) {
         s->by_time[i] = -net->step.dashpot * (net->strain[i] - net->now.history.strain[i]);
         for (size_t j = 0; j < s->n_arms; j++)
-            s->by_time[i] -= s->by.log_time[j * s->m + i];
+            s->by_time[i] -= by_of(s, j, ELEMENT_LOG_TIME)[i];
         s->by_time[i] = dt > 0.0 ? s->by_time[i] / dt : 0.0;
     }
 }
 
-void forward_slopes_find(forward_slopes *s, const double *weight, double stiffness, double decades) {
+void forward_slopes_find(forward_slopes *s, const double *weight, double stiffness,
+                         const effect_number *of_effect) {
     const palp_network *net = s->net;
     s->weight = weight;
     s->stiffness = stiffness;
     memcpy(s->drive, net->fint, 3 * net->n_nodes * sizeof *s->drive);
     for (size_t j = 0; j < s->n_arms; j++)
-        arm_partials(s, j);
-    spring_partials(s, decades);
+        element_arm_partials(&net->material, &net->step, j, s->m, net->strain, net->now.history.strain,
+                             net->now.history.arm + j * s->m, s->by + j * ELEMENT_PARTIALS * s->m);
+    spring_partials(s, of_effect);
     for (size_t k = 0; k < s->n; k++)
         if (s->alive[k])
             carry(s, k);
@@ -220,19 +170,24 @@ void forward_slopes_find(forward_slopes *s, const double *weight, double stiffne
 /* d log grip / d parameter k. */
 static double grip_slope(const forward_slopes *s, size_t k) {
     const palp_law *law = &s->net->material.law;
-    const double *slip = s->plan->value[PALP_EFFECT_PLATE_SLIP], small = 1e-9;
+    const double small = 1e-9;
     double start, row[PALP_LAW_MAX];
     if (!s->net->grip)
         return 0.0;
-    if (k == s->plan->column[PALP_EFFECT_PLATE_SLIP]) {
-        double at = fmax(slip[0], FORWARD_SLIP);
-        return -1.0 / (at * fmax(1.0 - at, FORWARD_SLIP));
+    if (k < law->n) {
+        palp_law_stiffness(law, 0.0, &start, NULL);
+        palp_law_gradient(law, small, row);
+        return row[k] / (small * start);
     }
-    if (k >= law->n)
-        return 0.0;
-    palp_law_stiffness(law, 0.0, &start, NULL);
-    palp_law_gradient(law, small, row);
-    return row[k] / (small * start);
+    for (size_t i = 0; i < s->plan->n_effects; i++) {
+        const forward_effect *f = &s->plan->effect[i];
+        effect_number grip = {.value = 0.0};
+        if (!f->row->grip || k < f->column || k >= f->column + f->row->info.n_parameters)
+            continue;
+        f->row->grip(f->effect->value, 0.0, &grip);
+        return grip.by_value[k - f->column];
+    }
+    return 0.0;
 }
 
 static double force_slope(const forward_slopes *s, size_t k) {
@@ -286,7 +241,7 @@ static void equilibrate(forward_slopes *s, size_t k, double depth_p) {
         strain[i] = (n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])) * net->inverse_rest[i];
     }
     for (size_t j = 0; j < s->n_arms; j++) {
-        const double *by = s->by.strain + j * s->m, *fixed = s->fixed + (k * s->n_arms + j) * s->m;
+        const double *by = by_of(s, j, ELEMENT_STRAIN), *fixed = s->fixed + (k * s->n_arms + j) * s->m;
         double *arm = s->arm + (k * s->n_arms + j) * s->m;
         for (size_t i = 0; i < s->m; i++)
             arm[i] = fixed[i] + by[i] * strain[i];
@@ -301,7 +256,7 @@ static void add_time(forward_slopes *s, size_t k, double dt_p) {
         s->partial[k * s->m + i] += dt_p * s->by_time[i];
     for (size_t j = 0; j < s->n_arms && s->net->step.dt > 0.0; j++)
         for (size_t i = 0; i < s->m; i++)
-            s->fixed[(k * s->n_arms + j) * s->m + i] -= dt_p / s->net->step.dt * s->by.log_time[j * s->m + i];
+            s->fixed[(k * s->n_arms + j) * s->m + i] -= dt_p / s->net->step.dt * by_of(s, j, ELEMENT_LOG_TIME)[i];
 }
 
 void forward_slopes_advance(forward_slopes *s, const double *strain_p, const double *dt_p, double *force_p) {
@@ -322,18 +277,14 @@ void forward_slopes_advance(forward_slopes *s, const double *strain_p, const dou
 
 static void carve(forward_slopes *s, double *block) {
     const size_t rows = s->n * s->m, arms = s->n_arms * s->m;
-    double **by[ARM_ROWS] = {&s->by.arm_old, &s->by.strain_old, &s->by.strain, &s->by.log_stiffness,
-                             &s->by.log_time, &s->by.beta, &s->by.gamma, &s->by.drive};
     s->strain = block;
     s->arm = s->strain + rows;
     s->peak = s->net->wear ? s->arm + s->n * arms : NULL;
     s->kept = block + s->n_state;
     s->partial = s->kept + s->n_state;
     s->fixed = s->partial + rows;
-    block = s->fixed + s->n * arms;
-    for (size_t i = 0; i < ARM_ROWS; i++, block += arms)
-        *by[i] = block;
-    s->by_peak = block;
+    s->by = s->fixed + s->n * arms;
+    s->by_peak = s->by + ELEMENT_PARTIALS * arms;
     s->by_time = s->by_peak + s->m;
     s->drive = s->by_time + s->m;
     s->row = s->drive + 3 * s->net->n_nodes;
@@ -348,7 +299,7 @@ palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, s
                           .n = plan->n_columns, .m = net->n_elements, .n_arms = net->material.n_arms};
     size_t rows = s->n * s->m, arms = s->n_arms * s->m;
     s->n_state = rows + s->n * arms + (net->wear ? rows : 0);
-    double *block = calloc(2 * s->n_state + rows + s->n * arms + ARM_ROWS * arms + 2 * s->m + 3 * net->n_nodes + s->n + 1,
+    double *block = calloc(2 * s->n_state + rows + s->n * arms + ELEMENT_PARTIALS * arms + 2 * s->m + 3 * net->n_nodes + s->n + 1,
                            sizeof *block);
     s->alive = malloc(s->n + 1);
     if (!block || !s->alive) {

@@ -14,7 +14,7 @@ static void sort_effects(const calibrate_options *o, calibrate_state *s) {
     size_t kept = 0;
     for (size_t i = 0; i < s->lumped.n_effects; i++) {
         const palp_effect_info *info = palp_effect_look_up(s->lumped.effects[i].id);
-        if (!recorded && !o->start && info->kind != PALP_EFFECT_MATERIAL) {
+        if (!recorded && !o->start && info->place != PALP_EFFECT_SPECIMEN) {
             s->model.effects[kept++] = s->lumped.effects[i];
             continue;
         }
@@ -29,7 +29,7 @@ static void sort_effects(const calibrate_options *o, calibrate_state *s) {
     }
     for (size_t i = 0; o->start && i < s->model.n_effects; i++) {
         const palp_effect_info *info = palp_effect_look_up(s->model.effects[i].id);
-        if (info->kind == PALP_EFFECT_MATERIAL) {
+        if (info->place == PALP_EFFECT_SPECIMEN) {
             cli_warning(NAME, "%s: the network is calibrated without its effect %s, which stays in the model", o->start,
                         info->id);
         }

@@ -5,32 +5,6 @@
 #include <stdarg.h>
 #include <string.h>
 
-/* What an effect does, in the order of the catalogue. */
-static const char *const effects[PALP_EFFECT_COUNT] = {
-    "The specimen relaxes with one more relaxation time.",
-    "The specimen relaxes over many decades of time, as a power of it.",
-    "How stiff the arms are, or how fast they relax, depends on strain.",
-    "The specimen's spring is stiffer the faster the plate moves.",
-    "Once pressed, the specimen is softer on the way back and the next time, up to the depth it has seen.",
-    "Once pressed, the specimen does not come back to its full height.",
-    "Liquid is pressed out of pores; the force falls as it drains.",
-    "The surface is not where depth 0 was said to be.",
-    "The surface is uneven: the force begins more softly than the law says.",
-    "The specimen sticks to the plate, which pulls it on withdrawal until it lets go.",
-    "The specimen slides sideways at the plates.",
-    "The specimen grows stiffer or softer during the session.",
-    "The frame gives way under load: the specimen is pressed less deep than the encoder says.",
-    "The plate's own mass adds a force wherever it speeds up or slows down.",
-    "Something rubs: a constant force against the motion, in air too.",
-    "The force sensor is late, as behind a low-pass filter of this time.",
-    "The force sensor has a zero that is off by the same in all runs.",
-    "The zero of the force sensor moves at a constant rate during a run.",
-    "The force sensor reads too much or too little by a factor.",
-    "The force sensor's range ends: it does not read beyond this force.",
-    "The mains are heard in the force.",
-    "The force has a wave that repeats with position, as from a screw or gear, in air too.",
-};
-
 const char *report_effect(const char *id) {
     palp_effect_id found;
     return palp_effect_by_name(id, &found) ? id : palp_effect_look_up(found)->name;
@@ -38,7 +12,7 @@ const char *report_effect(const char *id) {
 
 const char *report_effect_means(const char *id) {
     palp_effect_id found;
-    return palp_effect_by_name(id, &found) ? "" : effects[found];
+    return palp_effect_by_name(id, &found) ? "" : palp_effect_look_up(found)->means;
 }
 
 const char *report_effect_seen_by(const char *id) {

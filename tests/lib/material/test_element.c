@@ -209,9 +209,11 @@ static void judge_partials(const palp_material *m, const palp_element_state *fro
     element_step_prepare(m, dt, &step);
     for (size_t j = 0; j < m->n_arms; j++)
         for (size_t i = 0; i < N_STRAINS; i++) {
-            element_partials p = element_arm_partials(m, &step, j, STRAINS[i], from->strain, from->arm_N[j]);
-            const double got[PARTIALS] = {p.strain,   p.strain_old, p.arm_old, p.log_stiffness,
-                                          p.log_time, p.beta,       p.gamma};
+            double p[ELEMENT_PARTIALS];
+            element_arm_partials(m, &step, j, 1, &STRAINS[i], &from->strain, &from->arm_N[j], p);
+            const double got[PARTIALS] = {p[ELEMENT_STRAIN],        p[ELEMENT_STRAIN_OLD], p[ELEMENT_ARM_OLD],
+                                          p[ELEMENT_LOG_STIFFNESS], p[ELEMENT_LOG_TIME],   p[ELEMENT_BETA],
+                                          p[ELEMENT_GAMMA]};
             for (int what = 0; what < PARTIALS; what++) {
                 if (m->quasi_linear && what == OF_BETA)
                     continue; /* not a parameter of it */

@@ -36,7 +36,8 @@ START_TEST(column_is_four_lumped_models) {
     static samples lumped;
     const palp_effect_id id = (palp_effect_id)_i;
     const palp_effect_info *info = palp_effect_look_up(id);
-    const bool added = info->kind == PALP_EFFECT_INSTRUMENT && id != PALP_EFFECT_FRAME_COMPLIANCE &&
+    const bool added = (info->place == PALP_EFFECT_FRAME || info->place == PALP_EFFECT_SENSOR) &&
+                       id != PALP_EFFECT_FRAME_COMPLIANCE &&
                        id != PALP_EFFECT_SENSOR_LAG && id != PALP_EFFECT_SENSOR_GAIN &&
                        id != PALP_EFFECT_FORCE_SATURATION;
     if (!info->in_lumped || !info->in_network)

@@ -1,5 +1,4 @@
-/* effect_spectrum.c: the relaxation moduli of power-law and poroelastic relaxation as sums of exponentials.
- */
+/* power_law_relaxation.c: a springpot beside the spring: its relaxation modulus as a sum of exponentials. */
 #include "effect_internal.h"
 
 #include <math.h>
@@ -16,7 +15,7 @@ static double geometric(double p, double u, double h, double *slope) {
 /* value: c, a. t^-a / Gamma(1-a) = sin(pi a) / pi * integral of exp(a u - e^u t) du by the trapezoidal rule,
  * which converges exponentially in 1 / h. What lies beyond its ends is one mode each of the same first two
  * moments: of the slow ones what they add after long times, of the fast ones their viscosity. */
-void effect_power_law(const double *value, const effect_range *range, effect_mode *mode) {
+static void spectrum(const double *value, const effect_range *range, effect_mode *mode) {
     const size_t inner = range->n - 2;
     const double c = value[0], a = value[1], turn = PI / tan(PI * a);
     double start = log(range->slow), h = (log(range->fast) - start) / (double)(inner - 1);
@@ -41,36 +40,20 @@ void effect_power_law(const double *value, const effect_range *range, effect_mod
                                     .rate_by = {0.0, first / second * (of_first - of_second)}};
 }
 
-/* Terms 1 / n^2 of the odd n in [n, end) as one mode: its weight, and the viscosity that gives its rate. */
-static effect_mode group(int n, int end, double *weight, double *viscosity) {
-    double w = 0.0, v = 0.0;
-    for (; n < end; n += 2) {
-        w += 1.0 / ((double)n * n);
-        v += 1.0 / ((double)n * n * n * n);
-    }
-    *weight -= w;
-    *viscosity -= v;
-    return (effect_mode){.weight = w, .rate = w / v};
+static palp_status starts(const effect_data *data, effect_starts *out) {
+    (void)data;
+    for (int k = 0; k < 5; k++)
+        effect_start_at(out, 0.0, 0.06 + 0.13 * k, 0.0);
+    return PALP_OK;
 }
 
-/* value: stiffness, time. 8 / pi^2 sum over odd n of exp(-n^2 t / time) / n^2: the first terms as they are,
- * then groups that become wider, then all that is left. */
-void effect_consolidation(const double *value, const effect_range *range, effect_mode *mode) {
-    enum { LAST = 1001 };
-    const double whole = PI * PI / 8.0; /* sum of 1 / n^2 */
-    const size_t alone = range->n / 3, groups = range->n - 1 - alone;
-    double weight = whole, viscosity = PI * PI * PI * PI / 96.0; /* what is left of both sums */
-    int n = 1;
-    for (size_t i = 0; i + 1 < range->n; i++) {
-        double wider = pow((double)LAST / n, 1.0 / (double)(alone + groups - i));
-        int end = i < alone ? n + 2 : (int)fmax(n + 2, wider * n) | 1;
-        mode[i] = group(n, end, &weight, &viscosity);
-        n = end;
-    }
-    mode[range->n - 1] = (effect_mode){.weight = weight, .rate = weight / viscosity};
-    for (size_t i = 0; i < range->n; i++) {
-        double unit = mode[i].weight / whole, rate = mode[i].rate / value[1];
-        mode[i] = (effect_mode){
-            .weight = value[0] * unit, .rate = rate, .weight_by = {unit}, .rate_by = {0.0, -rate / value[1]}};
-    }
-}
+const effect_row effect_power_law_relaxation = {
+    .info = {.id = "power_law_relaxation", .name = "power-law relaxation (springpot)", .place = PALP_EFFECT_SPECIMEN,
+             .means = "The specimen relaxes over many decades of time, as a power of it.",
+             .seen_by = "holds and ramps over several decades of time",
+             .n_parameters = 2,
+             .parameter = {{"stiffness_N", 1, 0, 1e5, 1, .scale = PALP_SCALE_FORCE, .strength = true},
+                           {"exponent", 1, 0.02, 0.9, 0.2, .strength = false}},
+             EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POROELASTIC),
+             .in_lumped = true, .in_network = true},
+    .stage = 1, .spectrum = spectrum, .starts = starts};

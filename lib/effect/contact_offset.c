@@ -1,0 +1,17 @@
+/* contact_offset.c: a surface that is not where depth 0 was said to be. */
+#include "effect_internal.h"
+
+static void map(const double *value, double depth, double force, effect_surface *out) {
+    (void)force;
+    *out = (effect_surface){.depth = depth - value[0], .by_depth = 1.0, .by_value = {-1.0}};
+}
+
+const effect_row effect_contact_offset = {
+    .info = {.id = "contact_offset", .name = "contact offset", .place = PALP_EFFECT_CONTACT,
+             .means = "The surface is not where depth 0 was said to be.",
+             .seen_by = "free air before contact",
+             .n_parameters = 1,
+             .parameter = {{"offset_mm", 1e-3, -0.02, 0.02, 1e-4, .scale = PALP_SCALE_LENGTH, .strength = true}},
+             EFFECT_ALIKE(PALP_EFFECT_SENSOR_BIAS, PALP_EFFECT_TOE_REGION),
+             .in_lumped = true, .in_network = true},
+    .stage = 1, .map = map};

@@ -1,0 +1,31 @@
+/* force_saturation.c: the end of the sensor's range. */
+#include "effect_internal.h"
+
+#include <math.h>
+
+static void sensor(const double *value, const effect_moment *at, double input, double input_old, double output_old,
+                   effect_reading *out) {
+    (void)at, (void)input_old, (void)output_old;
+    out->force = input;
+    if (!(value[0] > 0.0) || fabs(input) <= value[0])
+        return;
+    out->force = copysign(value[0], input);
+    out->by_input = 0.0;
+    out->by_value[0] = copysign(1.0, input);
+}
+
+/* Below noise that came after it. */
+static palp_status starts(const effect_data *data, effect_starts *out) {
+    effect_start_at(out, data->peak - 3.0 * data->white, 0.0, 0.0);
+    return PALP_OK;
+}
+
+const effect_row effect_force_saturation = {
+    .info = {.id = "force_saturation", .name = "saturation of the sensor", .place = PALP_EFFECT_SENSOR,
+             .means = "The force sensor's range ends: it does not read beyond this force.",
+             .seen_by = "forces up to the sensor's end",
+             .n_parameters = 1,
+             .parameter = {{"force_N", 1, 0, 1e6, 10, .scale = PALP_SCALE_FORCE, .strength = true}},
+             EFFECT_ALIKE(PALP_EFFECT_FRAME_COMPLIANCE),
+             .in_lumped = true, .in_network = true},
+    .stage = 9, .sensor = sensor, .starts = starts};

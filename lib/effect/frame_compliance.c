@@ -1,0 +1,17 @@
+/* frame_compliance.c: a frame that gives way under load. */
+#include "effect_internal.h"
+
+static void map(const double *value, double depth, double force, effect_surface *out) {
+    *out = (effect_surface){
+        .depth = depth - value[0] * force, .by_depth = 1.0, .by_force = -value[0], .by_value = {-force}};
+}
+
+const effect_row effect_frame_compliance = {
+    .info = {.id = "frame_compliance", .name = "frame compliance", .place = PALP_EFFECT_FRAME,
+             .means = "The frame gives way under load: the specimen is pressed less deep than the encoder says.",
+             .seen_by = "a rigid block, or specimens of two heights",
+             .n_parameters = 1,
+             .parameter = {{"compliance_mm_N", 1e-3, 0, 0.01, 1e-5, .strength = true}},
+             EFFECT_ALIKE(PALP_EFFECT_STRAIN_DEPENDENT_ARM, PALP_EFFECT_SENSOR_GAIN),
+             .in_lumped = true, .in_network = true},
+    .stage = 2, .map = map, .gives_way = true};

@@ -1,0 +1,39 @@
+/* sensor_lag.c: a sensor that is late, as behind a low-pass filter. */
+#include "effect_internal.h"
+
+#include <math.h>
+
+/* T dy/dt + y = x, exact for x linear between the samples. */
+static void sensor(const double *value, const effect_moment *at, double input, double input_old, double output_old,
+                   effect_reading *out) {
+    double decay, mean, late = output_old - input_old, rise = input - input_old;
+    out->force = input;
+    if (at->step == 0.0)
+        return;
+    element_decay(value[0] > 0.0 ? at->step / value[0] : INFINITY, &decay, &mean);
+    out->force = input + late * decay - rise * mean;
+    out->by_input = 1.0 - mean;
+    out->by_input_old = mean - decay;
+    out->by_output_old = decay;
+    out->by_value[0] = value[0] > 0.0
+                           ? (late * decay * at->step / value[0] - rise * (mean - decay)) / value[0]
+                           : -rise / at->step;
+}
+
+static palp_status starts(const effect_data *data, effect_starts *out) {
+    static const double seconds[] = {0.01, 0.04, 0.15, 0.6};
+    (void)data;
+    for (size_t k = 0; k < sizeof seconds / sizeof *seconds; k++)
+        effect_start_at(out, seconds[k], 0.0, 0.0);
+    return PALP_OK;
+}
+
+const effect_row effect_sensor_lag = {
+    .info = {.id = "sensor_lag", .name = "lag of the sensor", .place = PALP_EFFECT_SENSOR,
+             .means = "The force sensor is late, as behind a low-pass filter of this time.",
+             .seen_by = "fast ramps in both directions, and their ends",
+             .n_parameters = 1,
+             .parameter = {{"time_s", 1, 0, 100, 0.01, .strength = true}},
+             EFFECT_ALIKE(PALP_EFFECT_PLATE_INERTIA, PALP_EFFECT_RELAXATION_ARM),
+             .in_lumped = true, .in_network = true},
+    .stage = 5, .sensor = sensor, .starts = starts};
