@@ -1,5 +1,6 @@
 /* calibrate_setup.c: the models, mesh and network of palpate calibrate. */
 #include "calibrate.h"
+#include "shared/opening.h"
 
 #include <math.h>
 #include <string.h>
@@ -37,15 +38,11 @@ static void sort_effects(const calibrate_options *o, calibrate_state *s) {
 }
 
 static int read_models(const calibrate_options *o, calibrate_state *s) {
-    palp_error error = {PALP_OK, ""};
-    palp_status status = palp_model_read(o->lumped, &s->lumped, &error);
-    if (status) {
-        return cli_status(NAME, status, &error);
-    }
-    if (s->lumped.kind != PALP_MODEL_LUMPED) {
-        return cli_failure(
-            NAME, "%s: is a network; name the lumped model to meet (a network to start from goes to --start)",
-            o->lumped);
+    int code = open_model_of(NAME, o->lumped, PALP_MODEL_LUMPED,
+                             "is a network; name the lumped model to meet (a network to start from goes to --start)",
+                             &s->lumped);
+    if (code) {
+        return code;
     }
     if (s->does_relaxation && s->lumped.material.n_arms == 0) {
         return cli_failure(NAME, "%s: has no arms to relax; use --stage static", o->lumped);
@@ -57,20 +54,13 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
     }
     s->model = s->lumped;
     s->model.kind = PALP_MODEL_NETWORK;
-    if (!o->start) {
-        sort_effects(o, s);
-        return CLI_OK;
+    if (o->start) {
+        code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK, "--start wants a network model", &s->model);
     }
-    status = palp_model_read(o->start, &s->model, &error);
-    if (status) {
-        return cli_status(NAME, status, &error);
-    }
-    if (s->model.kind == PALP_MODEL_NETWORK) {
+    if (code == CLI_OK) {
         sort_effects(o, s);
     }
-    return s->model.kind == PALP_MODEL_NETWORK
-               ? CLI_OK
-               : cli_failure(NAME, "%s: --start wants a network model", o->start);
+    return code;
 }
 
 static int choose_lattice(const calibrate_options *o, const calibrate_state *s, palp_mesh_spec *mesh) {

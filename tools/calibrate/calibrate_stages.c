@@ -1,7 +1,6 @@
 /* calibrate_stages.c: the two stages of palpate calibrate, and how well the result does. */
 #include "calibrate.h"
 #include "shared/press.h"
-#include "simulate/simulate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -292,7 +291,7 @@ int calibrate_compare(const calibrate_options *o, calibrate_state *s) {
         return stage_failed(o, "relaxation", status);
     }
     if (s->buckled) {
-        simulate_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, (palp_branch)o->branch);
+        press_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, (palp_branch)o->branch);
     }
     return CLI_OK;
 }

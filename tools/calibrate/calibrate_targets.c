@@ -1,5 +1,6 @@
 /* calibrate_targets.c: the curves to meet, from the lumped model or from measured runs. */
 #include "calibrate.h"
+#include "shared/opening.h"
 #include "shared/press.h"
 
 #include <math.h>
@@ -206,13 +207,11 @@ static int press_from_run(const char *file, const palp_experiment *run, press_ta
 
 static int read_run(const char *file, calibrate_state *s) {
     palp_experiment *run = NULL;
-    palp_error error = {PALP_OK, ""};
     const char *kind = "";
-    palp_status status = palp_experiment_read(file, &run, &error);
-    if (status) {
-        return cli_status(NAME, status, &error);
+    int code = open_run(NAME, file, &run);
+    if (code) {
+        return code;
     }
-    int code = CLI_OK;
     if (palp_experiment_get_string(run, "protocol.kind", &kind)) {
         code = cli_failure(
             NAME, "%s: has no key protocol.kind; add the line # protocol.kind: \"static\" or \"ramp_hold\"",

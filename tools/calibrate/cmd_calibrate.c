@@ -7,7 +7,9 @@
 
 static const char NAME[] = "calibrate";
 
-static int parse(int argc, char **argv, calibrate_options *o) {
+/* ---- the command line; each group of options returns how many it put to ---- */
+
+static size_t network_options(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
         cli_heading("Network"),
         cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes, "nodes along x, y (the press), z of a lattice"),
@@ -28,6 +30,13 @@ static int parse(int argc, char **argv, calibrate_options *o) {
         cli_choice("branch", "continue|stable", &o->branch,
                    "which equilibrium to follow where the network buckles: the one\n"
                    "Newton's method follows (default), or descend to a stable one"),
+    };
+    memcpy(to, options, sizeof options);
+    return sizeof options / sizeof options[0];
+}
+
+static size_t fit_options(calibrate_options *o, cli_option *to) {
+    const cli_option options[] = {
         cli_heading("Fit"),
         cli_choice("stage", "static|relaxation|all", &o->stage,
                    "the stiffness law, the arms, or both (default all)"),
@@ -49,6 +58,13 @@ static int parse(int argc, char **argv, calibrate_options *o) {
         cli_text("start", "NETWORK.json", &o->start,
                  "first guess; --stage relaxation takes its law (default: a static\n"
                  "stage runs first), and its mesh unless --nodes or --mesh is given"),
+    };
+    memcpy(to, options, sizeof options);
+    return sizeof options / sizeof options[0];
+}
+
+static size_t curve_options(calibrate_options *o, cli_option *to) {
+    const cli_option options[] = {
         cli_heading("Curves to meet (of the lumped model, unless runs of the wanted kind are given)"),
         cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm,
                     "static: deepest (default 9.7 of 24 mm); relaxation and all: depths of\n"
@@ -62,6 +78,13 @@ static int parse(int argc, char **argv, calibrate_options *o) {
                      "time step, ms (three_phase: default 1; nlopt: graded steps)"),
         cli_flag("every-step", &o->every_step,
                  "solve every sample of the static curve, not only as many as it takes"),
+    };
+    memcpy(to, options, sizeof options);
+    return sizeof options / sizeof options[0];
+}
+
+static size_t output_options(calibrate_options *o, cli_option *to) {
+    const cli_option options[] = {
         cli_heading("Output"),
         cli_text("out", "NETWORK.json", &o->out, "the calibrated network"),
         cli_text("plot", "DIR", &o->plot,
@@ -69,6 +92,16 @@ static int parse(int argc, char **argv, calibrate_options *o) {
                  "and the result as calibrate.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };
+    memcpy(to, options, sizeof options);
+    return sizeof options / sizeof options[0];
+}
+
+static int parse(int argc, char **argv, calibrate_options *o) {
+    cli_option options[48];
+    size_t n = network_options(o, options);
+    n += fit_options(o, options + n);
+    n += curve_options(o, options + n);
+    n += output_options(o, options + n);
     const cli_command command = {
         NAME,
         "LUMPED.json [RUN.csv ...] --nodes N [options]",
@@ -78,7 +111,7 @@ static int parse(int argc, char **argv, calibrate_options *o) {
         "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage static --method fixed_point "
         "--json\n",
         options,
-        sizeof options / sizeof options[0]};
+        n};
     int code = cli_parse(&command, argc, argv, o->words, 1 + RUNS_MAX, &o->n_words);
     o->lumped = o->words[0];
     return code == CLI_OK && o->n_words == 0

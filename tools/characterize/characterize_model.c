@@ -8,32 +8,6 @@
 
 static const char NAME[] = "characterize";
 
-/* ---- what is asked of a state ---- */
-
-const palp_lumped_fit *characterize_fit_of(const characterize_state *s) {
-    return s->has_final ? &s->final : &s->shared;
-}
-
-double characterize_strain_max(const characterize_state *s) {
-    double most = 0;
-    for (size_t i = 0; i < s->n; i++) {
-        most = fmax(most, s->run[i].deepest_m / s->run[i].height_m);
-    }
-    return most;
-}
-
-double characterize_total(const palp_lumped_fit *fit) {
-    double sum = 0;
-    for (size_t i = 0; i < fit->n_runs; i++) {
-        sum += fit->absolute_N[i];
-    }
-    return sum;
-}
-
-double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const palp_recording *r) {
-    return r->noise_N > 0 ? fit->rms_N[run] / r->noise_N : NAN;
-}
-
 /* The runs in which time matters: all but the static ones. */
 static const palp_recording *timed(const characterize_state *s, size_t *n) {
     *n = s->n - s->n_static;

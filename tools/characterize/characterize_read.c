@@ -1,20 +1,11 @@
 /* characterize_read.c: the runs of palpate characterize and what is found in each. */
 #include "characterize.h"
+#include "shared/opening.h"
 
 #include <math.h>
 #include <string.h>
 
 static const char NAME[] = "characterize";
-
-const char *characterize_kind(const palp_recording *r) {
-    static const char *const kinds[] = {"static", "ramp_hold", "other"};
-    return kinds[r->kind];
-}
-
-const char *characterize_rule(const palp_recording *r) {
-    static const char *const rules[] = {"given", "free air", "nominal"};
-    return rules[r->contact_rule];
-}
 
 /* ---- findings ---- */
 
@@ -65,17 +56,6 @@ static void tell(const palp_recording *r) {
 
 /* ---- reading ---- */
 
-/* A recording of air or of a rigid block, as palpate acquire makes them beside those of the specimen. */
-static bool has_no_specimen(const palp_experiment *experiment, const char *file) {
-    const char *kind;
-    if (palp_experiment_get_string(experiment, "specimen.kind", &kind) ||
-        (strcmp(kind, "none") != 0 && strcmp(kind, "rigid") != 0)) {
-        return false;
-    }
-    fprintf(stderr, "palpate %s: %s: no specimen in it (\"%s\"); left out\n", NAME, file, kind);
-    return true;
-}
-
 /* Adds the run to the state, unless there is no specimen in it. */
 static int read_one(const characterize_options *o, const char *file, characterize_state *s) {
     palp_experiment *experiment = NULL;
@@ -84,14 +64,19 @@ static int read_one(const characterize_options *o, const char *file, characteriz
     settings.height_m = 1e-3 * o->height_mm;
     settings.contact_given = !isnan(o->contact_mm);
     settings.contact_m = settings.contact_given ? 1e-3 * o->contact_mm : 0;
-    palp_status status = palp_experiment_read(file, &experiment, &error);
-    if (status || !has_no_specimen(experiment, file)) {
-        palp_recording *r = &s->run[s->n];
-        status = status ? status : palp_recording_prepare(experiment, file, &settings, r, &error);
-        if (!status) {
-            s->n++;
-            tell(r);
-        }
+    int code = open_run(NAME, file, &experiment);
+    if (code) {
+        return code;
+    }
+    const char *none = open_no_specimen(experiment);
+    palp_status status = PALP_OK;
+    if (none) {
+        fprintf(stderr, "palpate %s: %s: no specimen in it (\"%s\"); left out\n", NAME, file, none);
+    } else {
+        status = palp_recording_prepare(experiment, file, &settings, &s->run[s->n], &error);
+    }
+    if (!none && status == PALP_OK) {
+        tell(&s->run[s->n++]);
     }
     palp_experiment_free(experiment);
     return status ? cli_status(NAME, status, &error) : CLI_OK;

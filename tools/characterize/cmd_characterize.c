@@ -3,7 +3,6 @@
 #include "shared/commands.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -106,18 +105,6 @@ static int check_options(characterize_options *o) {
     }
     o->knots = o->knots ? o->knots : 5;
     return CLI_OK;
-}
-
-void characterize_warn(characterize_state *s, const char *format, ...) {
-    char text[256];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    cli_warning(NAME, "%s", text);
-    if (s->n_warnings < CHARACTERIZE_WARNINGS_MAX) {
-        memcpy(s->warning[s->n_warnings++], text, sizeof text);
-    }
 }
 
 /* ---- the model ---- */

@@ -3,6 +3,7 @@
 #include "shared/commands.h"
 #include "explain.h"
 #include "shared/json_out.h"
+#include "shared/opening.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -118,11 +119,11 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
 }
 
 static int read_runs(const explain_options *o, palp_explain_input *input, palp_experiment **run) {
-    palp_error error = {PALP_OK, ""};
     size_t rows = 0;
     for (size_t r = 0; r < o->n_words; r++) {
-        if (palp_experiment_read(o->words[r], &run[r], &error)) {
-            return cli_status(NAME, error.status, &error);
+        int code = open_run(NAME, o->words[r], &run[r]);
+        if (code) {
+            return code;
         }
         rows += palp_experiment_rows(run[r]);
     }
@@ -153,9 +154,7 @@ static int explain(explain_options *o, palp_model *model, palp_explain_input *in
     s.loop_user = &o->jobs;
     int code = choose_candidates(o, &s);
     code = code ? code : choose_held_out(o, &s, held_out);
-    if (code == CLI_OK && palp_model_read(o->model, model, &error)) {
-        code = cli_status(NAME, error.status, &error);
-    }
+    code = code ? code : open_model(NAME, o->model, model);
     code = code ? code : read_runs(o, input, run);
     if (code == CLI_OK) {
         palp_status status = palp_explain(model, o->n_words, input, &s, &e, &error);

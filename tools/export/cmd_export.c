@@ -2,6 +2,7 @@
 #include "calculix.h"
 #include "shared/cli.h"
 #include "shared/commands.h"
+#include "shared/opening.h"
 
 #include <math.h>
 #include <palpate/model.h>
@@ -113,14 +114,12 @@ int cmd_export(int argc, char **argv) {
     if (code) {
         return code == CLI_HELP ? CLI_OK : code;
     }
-    palp_status status = palp_model_read(path, &model, &error);
-    if (status == PALP_OK && model.kind != PALP_MODEL_NETWORK) {
-        return cli_failure("export",
-                           "%s: a lumped model has no mesh; make a network of it by palpate calibrate", path);
+    code = open_model_of("export", path, PALP_MODEL_NETWORK,
+                         "a lumped model has no mesh; make a network of it by palpate calibrate", &model);
+    if (code) {
+        return code;
     }
-    if (status == PALP_OK) {
-        status = palp_model_mesh(&model, &mesh, &error);
-    }
+    palp_status status = palp_model_mesh(&model, &mesh, &error);
     if (status) {
         return cli_status("export", status, &error);
     }

@@ -122,6 +122,15 @@ static int check_names(const import_options *o, const import_sources *all) {
     return CLI_OK;
 }
 
+static int read_file(const import_options *o, const char *file, import_sources *all) {
+    size_t first = all->n;
+    int code = import_read(o, file, all);
+    for (size_t i = first; code == CLI_OK && i < all->n; i++) {
+        code = import_columns(o, all->source[i]);
+    }
+    return code;
+}
+
 /* A block in which the stage stands still is a wait or a setting to zero. */
 static bool moves(const import_source *s) {
     for (size_t i = 1; i < s->rows; i++) {
@@ -132,8 +141,8 @@ static bool moves(const import_source *s) {
     return false;
 }
 
-/* Everything is settled before the first file is written. */
-static int settle(const import_options *o, import_sources *all) {
+/* Signs, contact and protocol of all, before the first file is written. */
+static int find_contacts(const import_options *o, import_sources *all) {
     int code = CLI_OK;
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
         import_source *s = all->source[i];
@@ -186,10 +195,10 @@ int cmd_import(int argc, char **argv) {
     bool helped = code == CLI_HELP;
     code = code ? code : check_options(&o);
     for (size_t i = 0; code == CLI_OK && i < n; i++) {
-        code = import_read(&o, files[i], &all);
+        code = read_file(&o, files[i], &all);
     }
     code = code ? code : check_names(&o, &all);
-    code = code ? code : settle(&o, &all);
+    code = code ? code : find_contacts(&o, &all);
     code = code ? code : write_all(&o, &all);
     import_free(&all);
     free(files);

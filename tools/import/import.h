@@ -76,15 +76,14 @@ typedef struct import_sources {
     import_source **source;
 } import_sources;
 
-/* Reads a file's tables, one or more, and appends them; finds which columns are time, depth and force, and
- * their units. An exit code, after one line on stderr if it is not 0. */
+/* Reads a file's tables, one or more, and appends them. An exit code, after one line on stderr if it is not 0. */
 int import_read(const import_options *o, const char *file, import_sources *all);
 void import_free(import_sources *all);
 const char *import_setting(const import_source *s, const char *key);   /* its value; NULL = not there */
 double import_setting_number(const import_source *s, const char *key); /* "50mm" is 50; 0 = not there */
 
-int import_columns(const import_options *o,
-                   import_source *s); /* used, unit, and the recording in SI and mm */
+/* Finds which columns are time, depth and force, and their units; then the recording in SI and mm. */
+int import_columns(const import_options *o, import_source *s);
 
 bool import_is_approach(const import_source *s); /* a Mach-1's search for the contact */
 

@@ -356,14 +356,10 @@ static int read_text(const import_options *o, import_text *text, import_sources 
 
 int import_read(const import_options *o, const char *file, import_sources *all) {
     import_text text;
-    size_t first = all->n;
     int code = import_text_read(file, &text);
     code = code       ? code
            : *text.at ? read_text(o, &text, all)
                       : cli_failure(NAME, "%s: the file is empty", file);
     import_text_free(&text);
-    for (size_t i = first; code == CLI_OK && i < all->n; i++) {
-        code = import_columns(o, all->source[i]);
-    }
     return code;
 }

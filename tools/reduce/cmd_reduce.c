@@ -6,6 +6,7 @@
 #include "shared/json_out.h"
 #include "shared/progress.h"
 #include "reduce.h"
+#include "shared/opening.h"
 
 #include <math.h>
 #include <palpate/realtime.h>
@@ -307,20 +308,18 @@ static int answer(const reduction *r) {
 static int run(const reduce_options *o, reduction *r) {
     palp_error error = {PALP_OK, ""};
     r->options = o;
-    palp_status status = palp_model_read(o->model, &r->model, &error);
-    if (status) {
-        return cli_status(NAME, status, &error);
-    }
-    if (r->model.kind != PALP_MODEL_NETWORK) {
-        return cli_failure(NAME, "%s: a lumped model is as small as can be; give a network", o->model);
+    int code = open_model_of(NAME, o->model, PALP_MODEL_NETWORK,
+                             "a lumped model is as small as can be; give a network", &r->model);
+    if (code) {
+        return code;
     }
     if (r->model.n_effects > 0) {
         return cli_failure(NAME, "%s: a model with effects cannot be reduced", o->model);
     }
-    int code = read_runs(r);
+    code = read_runs(r);
     code = code ? code : hold_out(r);
     if (code == CLI_OK) {
-        status = palp_model_mesh(&r->model, &r->mesh, &error);
+        palp_status status = palp_model_mesh(&r->model, &r->mesh, &error);
         code = status ? cli_status(NAME, status, &error) : check_depths(r);
     }
     code = code ? code : train_all(r);

@@ -1,5 +1,6 @@
 /* reduce_runs.c: what a run of palpate reduce tells: the plate's depth, and the path of a ball. */
 #include "reduce.h"
+#include "shared/opening.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -66,16 +67,15 @@ static int fill(const palp_experiment *from, size_t samples, const palp_tool *to
 
 int reduce_run_read(const char *file, size_t samples, reduce_run *run) {
     palp_experiment *from = NULL;
-    palp_error error = {PALP_OK, ""};
     palp_tool tool = {PALP_TOOL_SPHERE, {0}, {0}, 0, 0, 0};
     const double *column[3];
     run->file = file;
-    palp_status status = palp_experiment_read(file, &from, &error);
-    if (status) {
-        return cli_status(NAME, status, &error);
+    int code = open_run(NAME, file, &from);
+    if (code) {
+        return code;
     }
-    int code = palp_experiment_rows(from) < 2 ? cli_failure(NAME, "%s: needs at least two samples to follow", file)
-                                              : tool_read(file, from, &tool, column);
+    code = palp_experiment_rows(from) < 2 ? cli_failure(NAME, "%s: needs at least two samples to follow", file)
+                                          : tool_read(file, from, &tool, column);
     if (code == CLI_OK) {
         code = fill(from, samples, &tool, column, run);
     }

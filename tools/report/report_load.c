@@ -1,6 +1,7 @@
 /* report_load.c: the files of a report, and what each of them is. */
 #define _POSIX_C_SOURCE 200809L
 #include "report.h"
+#include "shared/opening.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -116,8 +117,7 @@ static void load_run(report_file *file) {
     bool simulated = palp_experiment_get_string(file->experiment, "model.file", &text) == PALP_OK &&
                      palp_experiment_get_number(file->experiment, "sensor.noise_N", &number) != PALP_OK;
     file->kind = simulated ? REPORT_SIMULATION : REPORT_RECORDING;
-    if (palp_experiment_get_string(file->experiment, "specimen.kind", &text) == PALP_OK &&
-        (strcmp(text, "none") == 0 || strcmp(text, "rigid") == 0)) {
+    if (open_no_specimen(file->experiment)) {
         return; /* nothing to prepare: the air, or the frame */
     }
     if (palp_recording_prepare(file->experiment, file->path, &settings, &file->recording, &error)) {

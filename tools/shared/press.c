@@ -1,5 +1,6 @@
 /* press.c: runs a lumped model or a network along a path and records the force. */
 #include "press.h"
+#include "cli.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -247,4 +248,14 @@ palp_status press_network(palp_network *network, const palp_path *path, const pr
     }
     palp_status status = o.status ? o.status : palp_network_run(network, path, &run, info);
     return o.status ? o.status : status;
+}
+
+void press_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,
+                           palp_branch branch) {
+    cli_warning(name, "the network buckles between %.4g and %.4g mm (strain %.4g..%.4g); %s", 1e3 * stable_m,
+                1e3 * unstable_m, stable_m / height_m, unstable_m / height_m,
+                branch == PALP_BRANCH_STABLE
+                    ? "descended to a stable branch; --branch continue follows Newton's method"
+                    : "following the branch of Newton's method; --branch stable descends to "
+                      "the stable one");
 }

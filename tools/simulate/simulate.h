@@ -53,8 +53,4 @@ palp_status simulate_samples(const simulate_options *o, const palp_path *path, s
 int simulate_sense(const simulate_options *o, simulation *s);
 double simulate_air_rate(const simulate_options *o); /* mm/s */
 
-/* The one warning about a network that buckled between two depths. */
-void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,
-                           palp_branch branch);
-
 #endif

@@ -32,16 +32,6 @@ int simulate_mesh(const simulate_options *o, simulation *s) {
     return CLI_OK;
 }
 
-void simulate_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,
-                           palp_branch branch) {
-    cli_warning(name, "the network buckles between %.4g and %.4g mm (strain %.4g..%.4g); %s", 1e3 * stable_m,
-                1e3 * unstable_m, stable_m / height_m, unstable_m / height_m,
-                branch == PALP_BRANCH_STABLE
-                    ? "descended to a stable branch; --branch continue follows Newton's method"
-                    : "following the branch of Newton's method; --branch stable descends to "
-                      "the stable one");
-}
-
 static int run_failed(const simulate_options *o, const simulation *s, palp_status status) {
     double at_mm = 1e3 * palp_network_depth(s->network), at_s = palp_network_time(s->network);
     const char *advice = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED
@@ -86,7 +76,7 @@ int simulate_network(const simulate_options *o, simulation *s) {
     }
     s->buckled = palp_network_buckled(s->network, &s->stable_m, &s->unstable_m);
     if (s->buckled) {
-        simulate_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, settings.branch);
+        press_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, settings.branch);
     }
     return status ? run_failed(o, s, status) : CLI_OK;
 }

@@ -1,0 +1,31 @@
+/* opening.c: models and runs as every command opens them. */
+#include "opening.h"
+#include "cli.h"
+
+#include <string.h>
+
+int open_model(const char *command, const char *file, palp_model *model) {
+    palp_error error = {PALP_OK, ""};
+    palp_status status = palp_model_read(file, model, &error);
+    return status ? cli_status(command, status, &error) : CLI_OK;
+}
+
+int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise,
+                  palp_model *model) {
+    int code = open_model(command, file, model);
+    return code == CLI_OK && model->kind != kind ? cli_failure(command, "%s: %s", file, otherwise) : code;
+}
+
+int open_run(const char *command, const char *file, palp_experiment **run) {
+    palp_error error = {PALP_OK, ""};
+    palp_status status = palp_experiment_read(file, run, &error);
+    return status ? cli_status(command, status, &error) : CLI_OK;
+}
+
+const char *open_no_specimen(const palp_experiment *run) {
+    const char *kind;
+    if (palp_experiment_get_string(run, "specimen.kind", &kind)) {
+        return NULL;
+    }
+    return strcmp(kind, "none") == 0 || strcmp(kind, "rigid") == 0 ? kind : NULL;
+}

@@ -1,0 +1,20 @@
+/* opening.h: models and runs as every command opens them: one line on stderr where one cannot be used. */
+#ifndef PALPATE_OPENING_H
+#define PALPATE_OPENING_H
+
+#include <palpate/experiment.h>
+#include <palpate/model.h>
+#include <stdbool.h>
+
+/* Each returns an exit code; command is its name for the line. The caller frees *run. */
+int open_model(const char *command, const char *file, palp_model *model);
+int open_run(const char *command, const char *file, palp_experiment **run);
+
+/* A model of one kind; the line of another is "file: otherwise". */
+int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise, palp_model *model);
+
+/* The run's specimen.kind where that is none ("none": air, "rigid": a block to see the frame), as palpate acquire
+ * records them beside those of the specimen; else NULL. */
+const char *open_no_specimen(const palp_experiment *run);
+
+#endif
