@@ -12,7 +12,7 @@ layers() {
     cat <<'TABLE'
 base: | export version status path random
 wire: base | wire
-solve: base |
+solve: base | solver
 material: base | law material closed_form
 mesh: base | mesh vtu
 data: base | experiment recording segments

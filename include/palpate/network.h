@@ -4,6 +4,7 @@
 
 #include <palpate/material.h>
 #include <palpate/mesh.h>
+#include <palpate/solver.h>
 #include <palpate/path.h>
 
 #ifdef __cplusplus
@@ -24,13 +25,6 @@ typedef struct palp_support {
 /* Which equilibrium to follow where the network can buckle. CONTINUE: the branch Newton follows
  * from the last step, stable or not. STABLE: descend in energy to a stable one. */
 typedef enum palp_branch { PALP_BRANCH_CONTINUE, PALP_BRANCH_STABLE } palp_branch;
-
-typedef enum palp_solver {
-    PALP_SOLVER_AUTO,       /* the cheapest by estimated flops */
-    PALP_SOLVER_BAND,       /* block band L D L' with BLAS */
-    PALP_SOLVER_SIMPLICIAL, /* CHOLMOD simplicial L D L' (LGPL) */
-    PALP_SOLVER_SUPERNODAL  /* CHOLMOD supernodal; built with GPL=1 only */
-} palp_solver;
 
 typedef enum palp_integrator {
     PALP_BACKWARD_EULER,

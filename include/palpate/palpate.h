@@ -21,6 +21,7 @@
 #include <palpate/recording.h>
 #include <palpate/segments.h>
 #include <palpate/reduce.h>
+#include <palpate/solver.h>
 #include <palpate/specimen.h>
 #include <palpate/status.h>
 #include <palpate/thesis.h>

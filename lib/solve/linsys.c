@@ -1,6 +1,8 @@
 /* linsys.c: picks a solver and passes calls on. */
 #include "linsys.h"
 
+#include "linsys_solver.h"
+
 #include <stdlib.h>
 
 struct linsys {
@@ -66,12 +68,18 @@ double linsys_flops(const linsys *ls) {
     return ls->made.flops;
 }
 
-palp_status linsys_judge(double smallest, double largest) {
-    return smallest >= ROUNDING * largest ? PALP_OK : PALP_ERR_SINGULAR;
+/* A pivot that is rounding beside the largest one is none. */
+static palp_status judge(palp_status status, const linsys_pivots *pivots, int *negative) {
+    *negative = pivots->negative;
+    if (!status && !(pivots->least >= ROUNDING * pivots->largest))
+        return PALP_ERR_SINGULAR;
+    return status;
 }
 
 palp_status linsys_factor(linsys *ls, int *negative) {
-    return ls->made.ops->factor(ls->made.self, negative);
+    linsys_pivots pivots = {0};
+    palp_status status = ls->made.ops->factor(ls->made.self, &pivots);
+    return judge(status, &pivots, negative);
 }
 
 void linsys_begin(linsys *ls) {
@@ -80,10 +88,12 @@ void linsys_begin(linsys *ls) {
 }
 
 palp_status linsys_advance(linsys *ls, double flops, int *negative, bool *done) {
-    if (ls->made.ops->advance)
-        return ls->made.ops->advance(ls->made.self, flops, negative, done);
-    *done = true;
-    return ls->made.ops->factor(ls->made.self, negative);
+    linsys_pivots pivots = {0};
+    *done = !ls->made.ops->advance;
+    if (*done)
+        return linsys_factor(ls, negative);
+    palp_status status = ls->made.ops->advance(ls->made.self, flops, &pivots, done);
+    return judge(status, &pivots, negative);
 }
 
 void linsys_solve(linsys *ls, double *b) {

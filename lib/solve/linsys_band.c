@@ -1,7 +1,7 @@
 /* linsys_band.c: band L D L' without pivoting, blocked on BLAS. Indefinite matrices are factored the
  * same way, so the inertia comes with every factor. */
 #include "base/dense.h"
-#include "linsys.h"
+#include "linsys_solver.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -128,15 +128,13 @@ static bool factor_diagonal(double *a, size_t ld, size_t n, double *inverse, dou
     return true;
 }
 
-/* All pivots were found; are they more than rounding? */
-static palp_status judge_pivots(const band *b) {
-    double smallest = INFINITY, largest = 0.0;
+static void find_pivots(const band *b, linsys_pivots *pivots) {
+    *pivots = (linsys_pivots){b->negative, INFINITY, 0.0};
     for (size_t j = 0; j < b->n; j++) {
         double inverse = fabs(b->inverse[j]);
-        smallest = inverse < smallest ? inverse : smallest;
-        largest = inverse > largest ? inverse : largest;
+        pivots->least = inverse < pivots->least ? inverse : pivots->least;
+        pivots->largest = inverse > pivots->largest ? inverse : pivots->largest;
     }
-    return linsys_judge(smallest, largest);
 }
 
 /* Block columns from b->at on, until so many flops are spent. */
@@ -156,7 +154,7 @@ static palp_status factor_blocks(band *b, double flops, bool *done) {
         flops -= (double)w * (double)(below + w) * (double)(below + 1);
     }
     *done = b->at == b->n;
-    return *done ? judge_pivots(b) : PALP_OK;
+    return PALP_OK;
 }
 
 static void band_begin(void *self) {
@@ -165,7 +163,7 @@ static void band_begin(void *self) {
     b->negative = 0;
 }
 
-static palp_status band_advance(void *self, double flops, int *negative, bool *done) {
+static palp_status band_advance(void *self, double flops, linsys_pivots *pivots, bool *done) {
     band *b = self;
     palp_status status = PALP_OK;
     *done = b->width <= SMALL_BAND;
@@ -173,16 +171,15 @@ static palp_status band_advance(void *self, double flops, int *negative, bool *d
         status = factor_blocks(b, flops, done);
     else if (!factor_plain(b->value, b->stride, b->n, b->width, b->inverse, &b->negative))
         status = PALP_ERR_SINGULAR;
-    else
-        status = judge_pivots(b);
-    *negative = b->negative;
+    if (!status && *done)
+        find_pivots(b, pivots);
     return status;
 }
 
-static palp_status band_factor(void *self, int *negative) {
+static palp_status band_factor(void *self, linsys_pivots *pivots) {
     bool done;
     band_begin(self);
-    return band_advance(self, INFINITY, negative, &done);
+    return band_advance(self, INFINITY, pivots, &done);
 }
 
 static void solve_ordered(const band *b, double *x) {

@@ -1,7 +1,7 @@
 /* linsys_cholmod.c: CHOLMOD behind the linsys door: simplicial L D L' (LGPL), and with PALP_GPL the
  * supernodal L L' with the simplicial one as its answer to an indefinite matrix. The fill-reducing
  * permutation is applied here, once, so that CHOLMOD factors without copying the matrix. */
-#include "linsys.h"
+#include "linsys_solver.h"
 
 #include <cholmod.h>
 #include <limits.h>
@@ -60,41 +60,41 @@ static void solver_destroy(void *self) {
     free(s);
 }
 
-static palp_status count_negative(const cholmod_factor *factor, int *negative) {
+static palp_status find_pivots(const cholmod_factor *factor, linsys_pivots *pivots) {
     const int *p = factor->p;
     const double *x = factor->x;
-    double smallest = INFINITY, largest = 0.0;
+    *pivots = (linsys_pivots){0, INFINITY, 0.0};
     for (size_t j = 0; j < factor->n; j++) {
         double pivot = x[p[j]];
         if (!isfinite(pivot) || pivot == 0.0)
             return PALP_ERR_SINGULAR;
-        *negative += pivot < 0.0;
-        smallest = fmin(smallest, fabs(pivot));
-        largest = fmax(largest, fabs(pivot));
+        pivots->negative += pivot < 0.0;
+        pivots->least = fmin(pivots->least, fabs(pivot));
+        pivots->largest = fmax(pivots->largest, fabs(pivot));
     }
-    return factor->minor == factor->n ? linsys_judge(smallest, largest) : PALP_ERR_SINGULAR;
+    return factor->minor == factor->n ? PALP_OK : PALP_ERR_SINGULAR;
 }
 
-static palp_status factor_simplicial(solver *s, int *negative) {
+static palp_status factor_simplicial(solver *s, linsys_pivots *pivots) {
     if (!cholmod_factorize(s->matrix, s->simplicial, &s->common) && s->common.status < CHOLMOD_OK)
         return s->common.status == CHOLMOD_OUT_OF_MEMORY ? PALP_ERR_NO_MEMORY : PALP_ERR_SINGULAR;
-    return count_negative(s->simplicial, negative);
+    return find_pivots(s->simplicial, pivots);
 }
 
-static palp_status solver_factor(void *self, int *negative) {
+static palp_status solver_factor(void *self, linsys_pivots *pivots) {
     solver *s = self;
-    *negative = 0;
     s->is_super = false;
     if (s->supernodal) {
         cholmod_factorize(s->matrix, s->super, &s->common);
         if (s->common.status == CHOLMOD_OK) {
             s->is_super = true;
-            return linsys_judge(cholmod_rcond(s->super, &s->common), 1.0);
+            *pivots = (linsys_pivots){0, cholmod_rcond(s->super, &s->common), 1.0};
+            return PALP_OK;
         }
         if (s->common.status == CHOLMOD_OUT_OF_MEMORY)
             return PALP_ERR_NO_MEMORY;
     }
-    return factor_simplicial(s, negative);
+    return factor_simplicial(s, pivots);
 }
 
 static void solve_simplicial(const cholmod_factor *factor, double *x) {

@@ -1,5 +1,5 @@
 /* linsys_order.c: reverse Cuthill-McKee, the numbering that makes the band of an unordered mesh narrow. */
-#include "linsys.h"
+#include "linsys_solver.h"
 
 #include <stdlib.h>
 

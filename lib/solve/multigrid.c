@@ -116,7 +116,10 @@ uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column) {
     uint32_t low = l->first[row], high = l->first[row + 1];
     while (high - low > 1) {
         uint32_t half = low + (high - low) / 2;
-        *(l->column[half] <= column ? &low : &high) = half;
+        if (l->column[half] <= column)
+            low = half;
+        else
+            high = half;
     }
     return low;
 }

@@ -149,38 +149,6 @@ void multigrid_apply(multigrid *mg, const double *r, double *z) {
             z[3 * i + k] = (double)l->x[4 * i + k];
 }
 
-void multigrid_set_touching(multigrid *mg, size_t n, const multigrid_coupling *coupling) {
-    for (int32_t k = 0; k < mg->n_touching; k++)
-        mg->first_touching[mg->touching[k].low] = -1;
-    memcpy(mg->touching, coupling, n * sizeof *coupling);
-    mg->n_touching = (int32_t)n;
-    for (int32_t k = 0; k < mg->n_touching; k++) {
-        mg->touching[k].next = mg->first_touching[mg->touching[k].low];
-        mg->first_touching[mg->touching[k].low] = k;
-    }
-}
-
-void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigrid_coupling *coupling) {
-    mg_level *l = &mg->level[0];
-    if (mg->n_levels == 1)
-        return;
-    multigrid_set_touching(mg, n, coupling);
-    for (size_t i = 0; i < l->n; i++) {
-        float *now = mg->touched + 6 * i, change[6], b[BLOCK_FLOATS];
-        bool changed = false;
-        for (size_t k = 0; k < 6; k++) {
-            changed = changed || now[k] != (float)node[6 * i + k];
-            now[k] = (float)node[6 * i + k];
-            change[k] = now[k] - mg->node[mg->used][6 * i + k];
-        }
-        if (!changed)
-            continue;
-        memcpy(b, l->own[mg->used] + BLOCK_FLOATS * i, sizeof b);
-        multigrid_add_block(b, change, 1.0F, l->axes[i], l->axes[i]);
-        multigrid_invert(l, mg->used, i, b);
-    }
-}
-
 double multigrid_cycle_work(const multigrid *mg) {
     double work = 0.04 * (double)linsys_value_count(mg->factor[0]);
     for (size_t k = 0; k + 1 < mg->n_levels; k++)

@@ -56,15 +56,6 @@ struct multigrid {
     int32_t *mark;         /* [n of the second level] */
 };
 
-/* Inverse of the free part of own block b of row i; false, and nothing done: not positive definite. */
-bool multigrid_invert(mg_level *l, int set, size_t i, const float *b);
-
-/* b (three columns of four) += factor times the symmetric s (lower triangle by rows), free axes only. */
-void multigrid_add_block(float *b, const float s[6], float factor, unsigned row_axes, unsigned column_axes);
-
-/* Replaces the couplings of the set in use. */
-void multigrid_set_touching(multigrid *mg, size_t n, const multigrid_coupling *coupling);
-
 /* Entry (row, column) of a level's pattern. */
 uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column);
 

@@ -1,5 +1,5 @@
 /* multigrid_make.c: the numbers: blocks of the finest level from the elements, Galerkin products, the factor. All
- * of it in pieces, so that a tick may do a part. */
+ * of it in pieces, so that a tick may do a part; and what contacts change of those in use. */
 #include "multigrid_internal.h"
 
 #include <math.h>
@@ -37,7 +37,8 @@ void multigrid_begin(multigrid *mg, bool definite) {
     }
 }
 
-void multigrid_add_block(float *b, const float s[6], float factor, unsigned row, unsigned column) {
+/* b (three columns of four) += factor times the symmetric s (lower triangle by rows), free axes only. */
+static void add_block(float *b, const float s[6], float factor, unsigned row, unsigned column) {
     static const int at[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
     for (unsigned c = 0; c < 3; c++)
         for (unsigned r = 0; r < 3; r++)
@@ -75,14 +76,14 @@ static void add_elements(multigrid *mg, size_t i) {
             e[3] = e[3] + e[4] > 0.0F ? e[3] : -e[4];
         }
         element_block(e, s);
-        multigrid_add_block(l->own[made(mg)] + BLOCK_FLOATS * i, s, 1.0F, l->axes[i], l->axes[i]);
-        multigrid_add_block(l->own[made(mg)] + BLOCK_FLOATS * j, s, 1.0F, l->axes[j], l->axes[j]);
+        add_block(l->own[made(mg)] + BLOCK_FLOATS * i, s, 1.0F, l->axes[i], l->axes[i]);
+        add_block(l->own[made(mg)] + BLOCK_FLOATS * j, s, 1.0F, l->axes[j], l->axes[j]);
     }
 }
 
 static void add_node(multigrid *mg, size_t i) {
     mg_level *l = &mg->level[0];
-    multigrid_add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->node[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
+    add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->node[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
 }
 
 /* Takes the held axes out of row i of a coarse level. */
@@ -96,7 +97,8 @@ static void mask(multigrid *mg, mg_level *l, size_t i) {
     }
 }
 
-bool multigrid_invert(mg_level *l, int set, size_t i, const float *b) {
+/* Inverse of the free part of own block b of row i; false, and nothing done: not positive definite. */
+static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
     float *inverse = l->inverse[set] + BLOCK_FLOATS * i;
     double a[3][3];
     for (unsigned r = 0; r < 3; r++)
@@ -131,7 +133,7 @@ static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
 static bool invert(multigrid *mg, mg_level *l, size_t i) {
     if (l != mg->level)
         mask(mg, l, i);
-    return multigrid_invert(l, made(mg), i, l->own[made(mg)] + BLOCK_FLOATS * i);
+    return invert_block(l, made(mg), i, l->own[made(mg)] + BLOCK_FLOATS * i);
 }
 
 /* Entry k of row i: a level's block, or made from the element into room[12]. */
@@ -141,7 +143,7 @@ static const float *entry_block(const multigrid *mg, const mg_level *l, size_t i
     float s[6];
     element_block(mg->element[made(mg)] + 5 * (size_t)mg->through[k], s);
     memset(room, 0, BLOCK_FLOATS * sizeof *room);
-    multigrid_add_block(room, s, -1.0F, l->axes[i], l->axes[l->column[k]]);
+    add_block(room, s, -1.0F, l->axes[i], l->axes[l->column[k]]);
     add_couplings(mg, i, (size_t)l->column[k], room);
     return room;
 }
@@ -273,9 +275,42 @@ palp_status multigrid_advance(multigrid *mg, double work, bool *done) {
     return status;
 }
 
+/* Replaces the couplings of the set in use. */
+static void set_touching(multigrid *mg, size_t n, const multigrid_coupling *coupling) {
+    for (int32_t k = 0; k < mg->n_touching; k++)
+        mg->first_touching[mg->touching[k].low] = -1;
+    memcpy(mg->touching, coupling, n * sizeof *coupling);
+    mg->n_touching = (int32_t)n;
+    for (int32_t k = 0; k < mg->n_touching; k++) {
+        mg->touching[k].next = mg->first_touching[mg->touching[k].low];
+        mg->first_touching[mg->touching[k].low] = k;
+    }
+}
+
+void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigrid_coupling *coupling) {
+    mg_level *l = &mg->level[0];
+    if (mg->n_levels == 1)
+        return;
+    set_touching(mg, n, coupling);
+    for (size_t i = 0; i < l->n; i++) {
+        float *now = mg->touched + 6 * i, change[6], b[BLOCK_FLOATS];
+        bool changed = false;
+        for (size_t k = 0; k < 6; k++) {
+            changed = changed || now[k] != (float)node[6 * i + k];
+            now[k] = (float)node[6 * i + k];
+            change[k] = now[k] - mg->node[mg->used][6 * i + k];
+        }
+        if (!changed)
+            continue;
+        memcpy(b, l->own[mg->used] + BLOCK_FLOATS * i, sizeof b);
+        add_block(b, change, 1.0F, l->axes[i], l->axes[i]);
+        invert_block(l, mg->used, i, b);
+    }
+}
+
 void multigrid_swap(multigrid *mg) {
     mg->used = made(mg);
     mg->stage = MG_IDLE;
     memcpy(mg->touched, mg->node[mg->used], 6 * mg->n_nodes * sizeof *mg->touched);
-    multigrid_set_touching(mg, (size_t)mg->n_couplings[mg->used], mg->coupling[mg->used]);
+    set_touching(mg, (size_t)mg->n_couplings[mg->used], mg->coupling[mg->used]);
 }

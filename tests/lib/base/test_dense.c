@@ -195,21 +195,13 @@ START_TEST(a_polynomial_comes_back_and_a_misfit_is_measured) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("dense");
-    TCase *tests = tcase_create("dense");
-    tcase_add_test(tests, cholesky_gives_back_the_matrix_and_its_solution);
-    tcase_add_test(tests, the_two_halves_of_a_solution);
-    tcase_add_test(tests, an_indefinite_matrix_has_no_cholesky_but_an_ldl);
-    tcase_add_test(tests, the_triangle_of_a_squares_to_its_gram_matrix);
-    tcase_add_test(tests, products_against_sums);
-    tcase_add_test(tests, a_sum_of_nothing);
-    tcase_add_test(tests, eigenvectors_of_a_symmetric_matrix);
-    tcase_add_test(tests, a_polynomial_comes_back_and_a_misfit_is_measured);
-    suite_add_tcase(suite, tests);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_NORMAL);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+void tests(TCase *tc) {
+    tcase_add_test(tc, cholesky_gives_back_the_matrix_and_its_solution);
+    tcase_add_test(tc, the_two_halves_of_a_solution);
+    tcase_add_test(tc, an_indefinite_matrix_has_no_cholesky_but_an_ldl);
+    tcase_add_test(tc, the_triangle_of_a_squares_to_its_gram_matrix);
+    tcase_add_test(tc, products_against_sums);
+    tcase_add_test(tc, a_sum_of_nothing);
+    tcase_add_test(tc, eigenvectors_of_a_symmetric_matrix);
+    tcase_add_test(tc, a_polynomial_comes_back_and_a_misfit_is_measured);
 }

@@ -58,16 +58,8 @@ START_TEST(normal_numbers_by_place) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("random");
-    TCase *tests = tcase_create("random");
-    tcase_add_test(tests, splitmix64_gives_its_published_numbers);
-    tcase_add_test(tests, normal_numbers_are_normal);
-    tcase_add_test(tests, normal_numbers_by_place);
-    suite_add_tcase(suite, tests);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_NORMAL);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+void tests(TCase *tc) {
+    tcase_add_test(tc, splitmix64_gives_its_published_numbers);
+    tcase_add_test(tc, normal_numbers_are_normal);
+    tcase_add_test(tc, normal_numbers_by_place);
 }

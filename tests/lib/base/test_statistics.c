@@ -48,15 +48,7 @@ START_TEST(a_mean) {
 }
 END_TEST
 
-int main(void) {
-    Suite *suite = suite_create("statistics");
-    TCase *tests = tcase_create("statistics");
-    tcase_add_test(tests, every_order_statistic);
-    tcase_add_test(tests, a_mean);
-    suite_add_tcase(suite, tests);
-    SRunner *runner = srunner_create(suite);
-    srunner_run_all(runner, CK_NORMAL);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+void tests(TCase *tc) {
+    tcase_add_test(tc, every_order_statistic);
+    tcase_add_test(tc, a_mean);
 }
