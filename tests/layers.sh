@@ -14,11 +14,11 @@ base: | export version status path random
 wire: base | wire
 solve: base | solver
 material: base | law material closed_form
-mesh: base | mesh vtu
+mesh: base | mesh
 data: base | experiment recording segments
 effect: wire solve material mesh data | effect
 model: effect | model
-network: model | network
+network: model | network vtu
 contact: network | tool
 cut: network | cut
 realtime: contact cut | realtime

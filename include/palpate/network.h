@@ -4,8 +4,8 @@
 
 #include <palpate/material.h>
 #include <palpate/mesh.h>
-#include <palpate/solver.h>
 #include <palpate/path.h>
+#include <palpate/solver.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -2,6 +2,7 @@
 #include "shared/blas.h"
 #include "shared/commands.h"
 #include "explain.h"
+#include "shared/jobs.h"
 #include "shared/json_out.h"
 #include "shared/opening.h"
 
@@ -150,7 +151,7 @@ static int explain(explain_options *o, palp_model *model, palp_explain_input *in
     s.max_effects = o->max_effects;
     s.false_alarm = o->false_alarm;
     s.practical_share = o->share;
-    s.loop = o->jobs > 1 ? explain_jobs : NULL;
+    s.loop = o->jobs > 1 ? jobs_run : NULL;
     s.loop_user = &o->jobs;
     int code = choose_candidates(o, &s);
     code = code ? code : choose_held_out(o, &s, held_out);

@@ -45,7 +45,4 @@ void explain_say(const palp_explanation *e);
 /* Keeps one sample in every of a run, which is replaced. (explain_thin.c) */
 palp_status explain_thin(palp_experiment **run, size_t every);
 
-/* Runs tasks on *(size_t *)user threads. (explain_jobs.c) */
-palp_explain_loop explain_jobs;
-
 #endif

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "shared/blas.h"
 #include "shared/commands.h"
-#include "explain/explain.h"
+#include "shared/jobs.h"
 #include "shared/json_out.h"
 #include "shared/progress.h"
 #include "reduce.h"
@@ -203,7 +203,7 @@ static void train(void *work, size_t i) {
 
 static int train_all(reduction *r) {
     progress_start(&r->bar, "reduce: the network's runs");
-    explain_jobs((void *)&r->options->jobs, r->n, train, r);
+    jobs_run((void *)&r->options->jobs, r->n, train, r);
     progress_finish(&r->bar);
     if (r->status) {
         palp_error error = {r->status, ""};

@@ -1,6 +1,6 @@
-/* explain_jobs.c: tasks on several threads; which thread runs a task makes no difference to its result. */
+/* jobs.c: tasks on several threads; which thread runs a task makes no difference to its result. */
 #define _POSIX_C_SOURCE 200809L
-#include "explain.h"
+#include "jobs.h"
 
 #include <pthread.h>
 
@@ -26,7 +26,7 @@ static void *worker(void *user) {
     }
 }
 
-void explain_jobs(void *user, size_t n, void (*task)(void *work, size_t i), void *work) {
+void jobs_run(void *user, size_t n, void (*task)(void *work, size_t i), void *work) {
     size_t jobs = *(const size_t *)user, started = 0;
     pthread_t thread[THREADS_MAX];
     queue q = {.n = n, .task = task, .work = work};
