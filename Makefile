@@ -37,9 +37,9 @@ DEP_CFLAGS := $(SUITESPARSE_CFLAGS) $(patsubst -I%,-isystem%,$(shell $(PKG_CONFI
 LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs nlopt jansson 2>/dev/null || echo -lnlopt -ljansson) $(BLAS_LIBS) -lpthread -lm
 SERIAL_CFLAGS := $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags libserialport 2>/dev/null))
 SERIAL_LIBS  = $(shell $(PKG_CONFIG) --libs libserialport 2>/dev/null || echo -lserialport)
-HAS_GLFW    := $(shell $(PKG_CONFIG) --exists glfw3 gl 2>/dev/null && echo yes)
-GLFW_CFLAGS  = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags glfw3 gl 2>/dev/null))
-GLFW_LIBS    = $(shell $(PKG_CONFIG) --libs glfw3 gl 2>/dev/null || echo -lglfw -lGL)
+HAS_POKE    := $(shell $(PKG_CONFIG) --exists glfw3 gl stb 2>/dev/null && echo yes)
+POKE_CFLAGS  = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags glfw3 gl stb 2>/dev/null))
+POKE_LIBS    = $(shell $(PKG_CONFIG) --libs glfw3 gl stb 2>/dev/null || echo -lglfw -lGL -lstb)
 CHECK_LIBS  = $(shell $(PKG_CONFIG) --libs check 2>/dev/null || echo -lcheck)
 CMOCKA_LIBS = $(shell $(PKG_CONFIG) --libs cmocka 2>/dev/null || echo -lcmocka)
 
@@ -96,7 +96,7 @@ static: $(STATIC)
 shared: $(SHARED)
 tests: $(TEST_PROGRAMS) $(TOOL) firmware-host
 examples: $(call prog,$(EXAMPLES)) ## build/examples/*: what a simulator author starts from (doc/simulator.md)
-programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_GLFW),$(POKE))
+programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_POKE),$(POKE))
 
 # Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
 FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS)
@@ -113,7 +113,7 @@ $(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/
 $(BUILD)/obj/firmware/%.o: EXTRA := $(FIRMWARE_FLAGS)
 $(BUILD)/obj/tests/lib/%.o: EXTRA := -Ilib -Itests/lib
 $(BUILD)/obj/bench/%.o: EXTRA := -Ilib
-$(BUILD)/obj/examples/poke/%.o: EXTRA := $(GLFW_CFLAGS)
+$(BUILD)/obj/examples/poke/%.o: EXTRA := $(POKE_CFLAGS)
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call note,CC   $@)
@@ -168,7 +168,7 @@ $(call prog,$(EXAMPLES)): $(BUILD)/%: $(BUILD)/obj/%.o $(STATIC)
 
 $(POKE): $(call obj,$(POKE_SRC)) $(STATIC)
 	$(call note,LD   $@)
-	$(call link,$(GLFW_LIBS))
+	$(call link,$(POKE_LIBS))
 
 ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c tests/lib/*/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
 -include $(patsubst %.o,%.d,$(call obj,$(ALL_SRC)))

@@ -3,6 +3,7 @@
 
 #include <GLFW/glfw3.h>
 #include <math.h>
+#include <stb_easy_font.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,25 +20,26 @@ static void rectangle(double x, double y, double width, double height) {
     glEnd();
 }
 
-/* Text whose upper left corner is at x, y; pixels of a size. */
-static void text(double x, double y, double size, const char *format, ...) {
+enum { LEFT, RIGHT };
+static const double SMALL = 1.6, LARGE = 3.2; /* sizes of text: 7 of these pixels are the height of a capital */
+
+/* Text of a size whose upper left, or right, corner is at x, y. */
+static void text(double x, double y, double size, int side, const char *format, ...) {
+    static float corners[TEXT_MAX * 80]; /* stb: some 270 bytes a character */
     char line[TEXT_MAX];
     va_list list;
     va_start(list, format);
     vsnprintf(line, sizeof line, format, list);
     va_end(list);
-    glBegin(GL_QUADS);
-    for (const char *c = line; *c; c++, x += size * POKE_FONT_WIDTH)
-        for (int r = 0; r < POKE_FONT_HEIGHT && *c > ' ' && *c <= '~'; r++)
-            for (int k = 0; k < POKE_FONT_WIDTH; k++)
-                if (poke_font[*c - ' '][r] >> (POKE_FONT_WIDTH - 1 - k) & 1) {
-                    double left = x + size * k, top = y + size * r;
-                    glVertex2d(left, top);
-                    glVertex2d(left + size, top);
-                    glVertex2d(left + size, top + size);
-                    glVertex2d(left, top + size);
-                }
-    glEnd();
+    int quads = stb_easy_font_print(0.0f, 0.0f, line, NULL, corners, sizeof corners);
+    glPushMatrix();
+    glTranslated(side == RIGHT ? x - size * stb_easy_font_width(line) : x, y, 0.0);
+    glScaled(size, size, 1.0);
+    glEnableClientState(GL_VERTEX_ARRAY);
+    glVertexPointer(2, GL_FLOAT, 16, corners);
+    glDrawArrays(GL_QUADS, 0, 4 * quads);
+    glDisableClientState(GL_VERTEX_ARRAY);
+    glPopMatrix();
 }
 
 static void card(double x, double y, double width, double height) {
@@ -50,7 +52,7 @@ static void bright(void) {
 }
 
 static void dim(void) {
-    glColor4d(0.66, 0.71, 0.77, 1.0);
+    glColor4d(0.76, 0.80, 0.85, 1.0);
 }
 
 /* ---- force --------------------------------------------------------------------------------------- */
@@ -77,17 +79,17 @@ static void draw_axes(double x, double y, double top) {
         rectangle(x, at, CURVE_WIDTH, 1.0);
         dim();
         if (i % 2 == 0)
-            text(x - 46, at - 6, 1.0, "%5.3g", top * i / 4.0);
+            text(x - 6, at - 6, SMALL, RIGHT, "%.3g", top * i / 4.0);
     }
     for (int i = 0; i <= 5; i++) {
         double at = x + CURVE_WIDTH * i / 5.0;
         glColor4d(1.0, 1.0, 1.0, i == 0 ? 0.45 : 0.13);
         rectangle(at, y, 1.0, CURVE_HEIGHT);
         dim();
-        text(at - 12, y + CURVE_HEIGHT + 5, 1.0, "%3.0f", seconds * (i / 5.0 - 1.0));
+        text(at + 8, y + CURVE_HEIGHT + 9, SMALL, RIGHT, "%.0f", seconds * (i / 5.0 - 1.0));
     }
-    text(x - 46, y - 24, 1.0, "force, N");
-    text(x + CURVE_WIDTH - 48, y + CURVE_HEIGHT + 20, 1.0, "time, s");
+    text(x - 46, y - 24, SMALL, LEFT, "force, N");
+    text(x + CURVE_WIDTH + 8, y + CURVE_HEIGHT + 26, SMALL, RIGHT, "time, s");
 }
 
 static void draw_curve(const body *b, double x, double y, double top) {
@@ -114,25 +116,28 @@ static void draw_force(const body *b, const view *v) {
     draw_axes(x, y, top);
     draw_curve(b, x, y, top);
     glColor4d(0.99, 0.72, 0.30, 1.0);
-    text(x + CURVE_WIDTH - 10 * 16, y - 36, 2.0, "%8.3f N", now);
+    text(x + CURVE_WIDTH, y - 36, LARGE, RIGHT, "%.3f N", now);
 }
 
 /* ---- what it is, and the keys -------------------------------------------------------------------- */
 
 static void draw_state(const body *b, poke_mode mode, const char *name) {
     static const char *const modes[] = {"press", "grasp", "cut"};
-    const double y = MARGIN;
+    static const char *const labels[] = {"model", "network", "whole", "loose", "force", "tick"};
+    const double y = MARGIN, left = MARGIN + 14, at = left + 90;
     size_t n = palp_mesh_element_count(b->mesh), lost = b->n_cut + b->n_torn;
     card(MARGIN, y, 392, 8 * LINE + 22);
     bright();
-    text(MARGIN + 14, y + 10, 2.0, "%s", modes[mode]);
+    text(left, y + 10, LARGE, LEFT, "%s", modes[mode]);
     dim();
-    text(MARGIN + 14, y + 2.6 * LINE, 1.0, "model     %.36s", name);
-    text(MARGIN + 14, y + 3.6 * LINE, 1.0, "network   %zu nodes, %zu elements", palp_mesh_node_count(b->mesh), n);
-    text(MARGIN + 14, y + 4.6 * LINE, 1.0, "whole     %zu, cut %zu, torn %zu", n - lost, b->n_cut, b->n_torn);
-    text(MARGIN + 14, y + 5.6 * LINE, 1.0, "loose     %zu nodes", palp_network_loose(b->net, NULL));
-    text(MARGIN + 14, y + 6.6 * LINE, 1.0, "force     (%6.3f, %6.3f, %6.3f) N", b->force_N[0], b->force_N[1], b->force_N[2]);
-    text(MARGIN + 14, y + 7.6 * LINE, 1.0, "tick      %.2f ms, residual %.0e", 1e3 * b->tick_seconds, b->tick.residual);
+    for (int i = 0; i < 6; i++)
+        text(left, y + (2.6 + i) * LINE, SMALL, LEFT, "%s", labels[i]);
+    text(at, y + 2.6 * LINE, SMALL, LEFT, "%.36s", name);
+    text(at, y + 3.6 * LINE, SMALL, LEFT, "%zu nodes, %zu elements", palp_mesh_node_count(b->mesh), n);
+    text(at, y + 4.6 * LINE, SMALL, LEFT, "%zu, cut %zu, torn %zu", n - lost, b->n_cut, b->n_torn);
+    text(at, y + 5.6 * LINE, SMALL, LEFT, "%zu nodes", palp_network_loose(b->net, NULL));
+    text(at, y + 6.6 * LINE, SMALL, LEFT, "(%.3f, %.3f, %.3f) N", b->force_N[0], b->force_N[1], b->force_N[2]);
+    text(at, y + 7.6 * LINE, SMALL, LEFT, "%.2f ms, residual %.0e", 1e3 * b->tick_seconds, b->tick.residual);
 }
 
 static void draw_keys(const body *b, const view *v) {
@@ -141,10 +146,10 @@ static void draw_keys(const body *b, const view *v) {
                                  "right button: turn    R: whole again",
                                  b->tearing ? "T: tearing is on      Esc: quit" : "T: tearing is off     Esc: quit"};
     const double y = v->height - MARGIN - 4 * LINE - 12;
-    card(MARGIN, y, 412, 4 * LINE + 12);
+    card(MARGIN, y, 466, 4 * LINE + 12);
     dim();
     for (int i = 0; i < 4; i++)
-        text(MARGIN + 14, y + 8 + i * LINE, 1.0, "%s", lines[i]);
+        text(MARGIN + 14, y + 8 + i * LINE, SMALL, LEFT, "%s", lines[i]);
 }
 
 static void draw_scale(const view *v) {
@@ -153,7 +158,7 @@ static void draw_scale(const view *v) {
     double rgb[3], full = scene_colour(0.0, rgb);
     card(x - 14, MARGIN, width + 30, 84);
     dim();
-    text(x, MARGIN + 10, 1.0, "mean strain of elements, %%");
+    text(x, MARGIN + 10, SMALL, LEFT, "mean strain of elements, %%");
     for (int i = 0; i < STEPS; i++) {
         scene_colour(full * (i + 0.5) / STEPS, rgb);
         glColor3dv(rgb);
@@ -161,7 +166,7 @@ static void draw_scale(const view *v) {
     }
     dim();
     for (int i = 0; i <= 2; i++)
-        text(x + 0.5 * width * i - (i == 0 ? 0 : i == 1 ? 8 : 16), y + 22, 1.0, "%.0f", 50.0 * full * i);
+        text(x + 0.5 * width * i + (i == 0 ? 8 : 0), y + 22, SMALL, RIGHT, "%.0f", 50.0 * full * i);
 }
 
 void panel_draw(const body *b, const view *v, poke_mode mode, const char *name) {

@@ -4,9 +4,7 @@
 
 #include <palpate/palpate.h>
 
-enum { POKE_FONT_WIDTH = 8, POKE_FONT_HEIGHT = 13, POKE_CURVE = 600, POKE_HELD = 64 };
-
-extern const unsigned char poke_font[95][POKE_FONT_HEIGHT];
+enum { POKE_CURVE = 600, POKE_HELD = 64 };
 
 typedef enum poke_mode { POKE_PRESS, POKE_GRASP, POKE_CUT } poke_mode;
 
@@ -88,7 +86,7 @@ void script_frame(script *s, body *b, view *v, poke_mode *mode);
 
 /* ---- image.c ---- */
 
-/* Writes rows from the bottom, 3 bytes a pixel, as PNG or PPM by the name's end; false: a line was printed. */
+/* Writes rows from the bottom, 3 bytes a pixel, as PNG or BMP by the name's end; false: a line was printed. */
 bool image_write(const char *path, int width, int height, const unsigned char *rgb);
 
 #endif

@@ -3,7 +3,7 @@
 . tests/cli/common
 
 POKE=$(dirname "$PALPATE")/examples/poke/poke
-pkg-config --exists glfw3 gl 2>/dev/null || { echo "GLFW or OpenGL is not installed"; exit 77; }
+pkg-config --exists glfw3 gl stb 2>/dev/null || { echo "GLFW, OpenGL or stb is not installed"; exit 77; }
 command -v Xvfb >/dev/null || { echo "Xvfb is not installed"; exit 77; }
 [ -x "$POKE" ] || { echo "no $POKE; run make poke"; exit 1; }
 MODEL=$DATA/network_27.json
@@ -61,11 +61,12 @@ press 12 32 12 1
 press 12 25 12 20   # a sphere of 3.36 mm: 2.36 mm deep
 wait 10
 END
-poke 0 "$MODEL" --script press.poke --frames 31 --size 640x480 --screenshot press.ppm
-[ "$(head -c 11 press.ppm | tr '\n' ' ')" = "P6 640 480 " ] || fail "press.ppm is no picture of 640 x 480"
-[ "$(wc -c <press.ppm)" -eq $((15 + 640 * 480 * 3)) ] || fail "press.ppm has the wrong size"
+poke 0 "$MODEL" --script press.poke --frames 31 --size 640x480 --screenshot press.bmp
+[ "$(od -An -tx1 -N 26 press.bmp | tr -d ' \n' | cut -c 1-4,37-52)" = 424d80020000e0010000 ] ||
+    fail "press.bmp is no picture of 640 x 480"
+[ "$(wc -c <press.bmp)" -eq $((54 + 640 * 480 * 3)) ] || fail "press.bmp has the wrong size"
 # An image of one colour, or black, is no picture of a phantom.
-[ "$(tail -c +16 press.ppm | od -An -v -tx1 -w3 | sort -u | wc -l)" -gt 500 ] || fail "press.ppm shows nothing"
+[ "$(tail -c +55 press.bmp | od -An -v -tx1 -w3 | sort -u | wc -l)" -gt 500 ] || fail "press.bmp shows nothing"
 force=$(sed -n 's/.* force \([-.0-9]*\) \([-.0-9]*\) \([-.0-9]*\) N.*/\2/p' out)
 cp out press.out
 awk -v f="$force" 'BEGIN { exit !(f > 0.05 && f < 5) }' || fail "the press is felt with $force N"
@@ -83,10 +84,10 @@ grasp 12 24 12 5
 drag 0 6 0 20
 wait 5
 END
-poke 0 "$MODEL" --script cut.poke --frames 36 --size 640x480 --screenshot cut.ppm
+poke 0 "$MODEL" --script cut.poke --frames 36 --size 640x480 --screenshot cut.bmp
 grep -q ' 49 cut, 0 torn' out || fail "a sweep between two layers of 3 x 3 nodes cuts 49: $(cat out)"
 force=$(sed -n 's/.* force \([-.0-9]*\) \([-.0-9]*\) \([-.0-9]*\) N.*/\2/p' out)
 near "the force on what was cut off and lifted" "$force" 0 0 0.01
-cmp -s press.ppm cut.ppm && fail "the pictures of a press and a cut are the same"
+cmp -s press.bmp cut.bmp && fail "the pictures of a press and a cut are the same"
 ls | grep -q part && fail "a temporary file was left behind"
 done_testing
