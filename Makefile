@@ -177,7 +177,7 @@ ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c
 
 # ---- running -------------------------------------------------------------------------------------
 # These install what is missing first; make then starts anew, since pkg-config may only now be there.
-.PHONY: demo demo-run check check-run asan bench bench-run pictures pictures-run
+.PHONY: demo demo-run check check-all asan bench bench-run pictures pictures-run
 JOBS = $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 again = +@$(MAKE) --no-print-directory $(JOBS)
 
@@ -190,11 +190,14 @@ poke: ## build/examples/poke/poke: a window that presses, drags and cuts the pha
 	@tools/install-deps poke
 	$(again) poke-build
 poke-build: $(POKE)
-check: ## every test, with gcc, clang and the sanitizers; ends with "N passed, N failed"
+check: ## the tests, built with gcc, in minutes; ends with "N passed, N failed"
 	@tools/install-deps check
 	+@BUILD='$(BUILD)' MAKE='$(MAKE)' tests/run.sh check
+check-all: check ## make check, and clang, the sanitizers, valgrind, a fuzzer and the long tests
+	@tools/install-deps check-all
+	+@BUILD='$(BUILD)' MAKE='$(MAKE)' tests/run.sh rest
 asan: ## the tests under AddressSanitizer and UBSan only
-	@tools/install-deps check
+	@tools/install-deps check-all
 	+@BUILD='$(BUILD)' MAKE='$(MAKE)' tests/run.sh asan
 pictures: ## every picture of doc/pictures/ from the product itself (installs a browser)
 	@tools/install-deps pictures
@@ -263,5 +266,5 @@ symbols: ## rewrites lib/palpate.map, the list of exported functions, from the p
 clean: ## removes build/
 	rm -rf '$(BUILD)'
 help: ## this list
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 12
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
 	@echo "Variables: CC CFLAGS LDFLAGS PREFIX DESTDIR BUILD GPL=1 WERROR=1 SANITIZE=1 V=1"

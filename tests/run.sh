@@ -1,9 +1,13 @@
 #!/bin/sh
-# run.sh: builds and runs all tests, one line each, the sum last. Called by make with BUILD and MAKE set.
-#   tests/run.sh check|asan
-# A comment in a test's first ten lines says where else it runs:
-#   "check: once"      a slow one: the optimized gcc build only, neither clang nor the sanitizers
-#   "check: valgrind"  (C) under valgrind too
+# run.sh: builds and runs tests, one line each, the sum last. Called by make with BUILD and MAKE set.
+#   tests/run.sh check|rest|asan
+# check: the gcc build and each of its tests once, in minutes. rest: what check-all adds to a check just done: clang, the
+# sanitizers, valgrind, a fuzzer, the long tests. asan: the sanitizers alone.
+# A comment in a test's first ten lines says where it runs:
+#   nothing            in check; under clang and, for programs, under the sanitizers in rest
+#   "check: once"      a slow one: in check only, neither under clang nor the sanitizers
+#   "check: all"       a long one, of statistics mostly: in rest, as gcc optimizes it
+#   "check: valgrind"  (programs) under valgrind too
 #   "check: asan"      (tests/cli) with the sanitized command too
 # Tests run from the root with SCRATCH, an empty folder of their own; tests/cli/*.sh get PALPATE, the command.
 # Exit code 77 means skipped: said, not counted, and a failure where CI=true.
@@ -45,9 +49,12 @@ if [ "${1-}" = one ]; then # one line of the list, from xargs: label, tab, comma
 fi
 
 mode=${1:-check}
-rm -rf "$logs"
-mkdir -p "$logs"
-: >"$logs/results"
+if [ "$mode" != rest ] || [ ! -e "$logs/results" ]; then # the rest is added to the sum of a check
+    rm -rf "$logs"
+    mkdir -p "$logs"
+    : >"$logs/results"
+    : >"$logs/planned"
+fi
 : >"$logs/list"
 jobs=$(nproc)
 case ${MAKEFLAGS-} in *-j*) j= ;; *) j=-j$jobs ;; esac
@@ -56,66 +63,90 @@ export OPENBLAS_NUM_THREADS=1 ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_st
 
 build() { # label variables and targets...
     label=$1; shift
+    echo "build $label" >>"$logs/planned"
     run "build $label" $MAKE --no-print-directory -k $j "$@"
 }
 add() { printf '%s\t%s\n' "$1" "$2" >>"$logs/list"; }
 tagged() { head -n 10 "$1" | grep -q "check: $2"; }
-programs() { # label folder: its test programs
-    for t in tests/lib/test_*.c tests/lib/*/test_*.c tests/tools/test_*.c tests/firmware/test_*.c; do
-        [ -e "$t" ] || continue
-        if [ "$1" != gcc ] && tagged "$t" once; then continue; fi
+sources() { ls tests/lib/test_*.c tests/lib/*/test_*.c tests/tools/test_*.c tests/firmware/test_*.c 2>/dev/null; }
+programs() { # label folder: the test programs
+    for t in $(sources); do
+        if tagged "$t" all || { [ "$1" != gcc ] && tagged "$t" once; }; then continue; fi
         add "$1 ${t%.c}" "$2/${t%.c}"
     done
 }
 scripts() { # label folder: the runs of its command
     for t in tests/cli/*.sh; do
-        [ -e "$t" ] || continue
-        if [ "$1" != gcc ] && ! tagged "$t" "$1"; then continue; fi
+        if tagged "$t" all || { [ "$1" != gcc ] && ! tagged "$t" "$1"; }; then continue; fi
         add "$1 ${t%.sh}" "PALPATE=$2/palpate sh $t"
     done
 }
-
-build asan BUILD="$BUILD/asan" SANITIZE=1 tests
-programs asan "$BUILD/asan"
-scripts asan "$BUILD/asan"
-if [ "$mode" = check ]; then
+long() { # the long ones, first, since they take longest
+    for t in $(sources); do
+        if tagged "$t" all; then add "long ${t%.c}" "$BUILD/${t%.c}"; fi
+    done
+    for t in tests/cli/*.sh; do
+        if tagged "$t" all; then add "long ${t%.sh}" "PALPATE=$BUILD/palpate sh $t"; fi
+    done
+}
+missing() { run "$1" sh -c "echo there is no $2; exit 77"; echo "$1" >>"$logs/planned"; }
+sanitized() {
+    build asan BUILD="$BUILD/asan" SANITIZE=1 tests
+    programs asan "$BUILD/asan"
+    scripts asan "$BUILD/asan"
+}
+optimized() {
     man=$(command -v scdoc >/dev/null && echo man)
     # shellcheck disable=SC2086
     build gcc BUILD="$BUILD" all programs $man
     if command -v arm-none-eabi-gcc >/dev/null; then
         build firmware BUILD="$BUILD" firmware
     else
-        run "build firmware" sh -c "echo there is no arm-none-eabi-gcc; exit 77"
+        missing "build firmware" arm-none-eabi-gcc
     fi
+}
+
+case $mode in
+check)
+    optimized
     scripts gcc "$BUILD"
     programs gcc "$BUILD"
-    if command -v clang >/dev/null; then
-        build clang BUILD="$BUILD/clang" CC=clang WERROR=1 all programs
-        programs clang "$BUILD/clang"
-    else
-        run "build clang" sh -c "echo there is no clang; exit 77"
-    fi
-    memcheck="valgrind -q --error-exitcode=99 --leak-check=full"
-    command -v valgrind >/dev/null || memcheck="echo there is no valgrind; exit 77;"
-    for t in tests/lib/test_*.c tests/lib/*/test_*.c tests/tools/test_*.c tests/firmware/test_*.c; do
-        if [ -e "$t" ] && tagged "$t" valgrind; then
-            # A processor type that valgrind knows, whatever the real one is.
-            add "valgrind ${t%.c}" "OPENBLAS_CORETYPE=Haswell $memcheck $BUILD/${t%.c}"
-        fi
-    done
-    add "fuzzed wire" "sh tests/fuzz/run.sh"
     add "installed library" "sh tests/install/run.sh"
     add "exported symbols" "sh tests/install/symbols.sh"
     add "public headers" "sh tests/install/headers.sh"
     add "manual pages" "sh tests/install/manual.sh"
-fi
+    add "layers are told apart" "sh tests/layers.sh --self-test"
+    ;;
+rest)
+    long
+    sanitized
+    if command -v clang >/dev/null; then
+        build clang BUILD="$BUILD/clang" CC=clang WERROR=1 all programs
+        programs clang "$BUILD/clang"
+        add "installed library, with clang" "sh tests/install/run.sh"
+        add "public headers, with clang" "sh tests/install/headers.sh"
+    else
+        missing "build clang" clang
+    fi
+    memcheck="valgrind -q --error-exitcode=99 --leak-check=full"
+    command -v valgrind >/dev/null || memcheck="echo there is no valgrind; exit 77;"
+    for t in $(sources); do
+        # A processor type that valgrind knows, whatever the real one is.
+        if tagged "$t" valgrind; then add "valgrind ${t%.c}" "OPENBLAS_CORETYPE=Haswell $memcheck $BUILD/${t%.c}"; fi
+    done
+    add "fuzzed wire" "sh tests/fuzz/run.sh"
+    ;;
+asan)
+    sanitized
+    ;;
+esac
+cut -f 1 "$logs/list" >>"$logs/planned"
 
 xargs -d '\n' -n 1 -P "$jobs" sh tests/run.sh one <"$logs/list"
 
-builds=$(grep -c ' build ' "$logs/results")
 skipped=$(grep -c '^skip' "$logs/results")
 passed=$(grep -c '^ok' "$logs/results")
-failed=$(($(wc -l <"$logs/list") + builds - skipped - passed)) # what vanished has failed
+failed=$(($(wc -l <"$logs/planned") - skipped - passed)) # what vanished has failed
 if [ "$failed" -gt 0 ]; then grep '^FAIL' "$logs/results"; fi
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

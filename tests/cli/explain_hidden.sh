@@ -1,5 +1,5 @@
 #!/bin/sh
-# explain_hidden.sh: eleven cases of tests/hidden, in which effects are hidden by other physics. check: once
+# explain_hidden.sh: eleven cases of tests/hidden, in which effects are hidden by other physics. check: all
 . tests/cli/common
 command -v python3 >/dev/null || { echo "there is no python3, which scores the answers"; exit 77; }
 

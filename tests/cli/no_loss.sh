@@ -1,6 +1,6 @@
 #!/bin/sh
 # no_loss.sh: long recordings over a PTY, also by a host that stalls: every tick arrives, once and undamaged.
-# check: once
+# check: all
 . tests/cli/common
 
 TMPDIR=$PWD/tmp

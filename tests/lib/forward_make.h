@@ -189,4 +189,22 @@ static inline double white_noise(uint64_t *state) {
     return sum;
 }
 
+/* A lattice of so many nodes a side, by the first arms of two. */
+static inline palp_model cube_model(size_t n_arms, size_t nodes) {
+    static const double law[] = {0.49, 0.3, 2.4, -3.1, 4.2}; /* N */
+    static const palp_arm arms[] = {{0.08, 1.1, 0, 0}, {0.05, 0.02, 0, 0}};
+    palp_model m = lumped_model(0);
+    m.kind = PALP_MODEL_NETWORK;
+    m.mesh.kind = PALP_MESH_LATTICE;
+    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
+    for (size_t k = 0; k < 3; k++) {
+        m.mesh.nodes[k] = nodes;
+        m.mesh.size_m[k] = HEIGHT;
+    }
+    ck_assert_int_eq(palp_law_polynomial(5, law, &m.material.law), PALP_OK);
+    m.material.n_arms = n_arms;
+    memcpy(m.material.arms, arms, n_arms * sizeof *arms);
+    return m;
+}
+
 #endif

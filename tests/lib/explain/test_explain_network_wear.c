@@ -1,5 +1,5 @@
 /* test_explain_network_wear.c: damage hidden in a session of a network: its elements stay worn from run to run, and
- * explain finds it so. check: once */
+ * explain finds it so. check: all */
 #include "forward_make.h"
 
 #include <palpate/explain.h>

@@ -1,5 +1,5 @@
 /* test_explain_null.c: how often chance alone makes a candidate, in simulated runs in which nothing is missing.
- * check: once */
+ * check: all */
 #include "forward_make.h"
 
 #include <palpate/explain.h>

@@ -1,5 +1,5 @@
 /* test_fit_coverage.c: the 95 % intervals cover the truth in 90 to 98 of 100 simulated recordings.
- * check: once */
+ * check: all */
 #include "recordings.h"
 
 #include <stdio.h>
