@@ -190,7 +190,7 @@ static inline double white_noise(uint64_t *state) {
 }
 
 /* A lattice of so many nodes a side, by the first arms of two. */
-static inline palp_model cube_model(size_t n_arms, size_t nodes) {
+static inline palp_model lattice_model(size_t n_arms, size_t nodes) {
     static const double law[] = {0.49, 0.3, 2.4, -3.1, 4.2}; /* N */
     static const palp_arm arms[] = {{0.08, 1.1, 0, 0}, {0.05, 0.02, 0, 0}};
     palp_model m = lumped_model(0);

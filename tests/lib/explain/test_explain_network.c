@@ -44,7 +44,7 @@ static void explain(const palp_model *truth, palp_explanation *e) {
                                               PALP_EFFECT_SENSOR_LAG,      PALP_EFFECT_SENSOR_BIAS,
                                               PALP_EFFECT_PLATE_SLIP};
     palp_explain_settings settings = palp_explain_settings_default();
-    palp_model guess = cube_model(1, 3);
+    palp_model guess = lattice_model(1, 3);
     palp_error error = {.text = ""};
     ck_assert_int_eq(palp_law_scale(&guess.material.law, 1.1, &guess.material.law), PALP_OK);
     guess.material.arms[0].viscosity_Ns *= 1.1;
@@ -59,7 +59,7 @@ static void explain(const palp_model *truth, palp_explanation *e) {
 }
 
 START_TEST(a_network_misses_nothing) {
-    palp_model truth = cube_model(1, 3);
+    palp_model truth = lattice_model(1, 3);
     palp_explanation e;
     explain(&truth, &e);
     ck_assert_int_eq(e.verdict, PALP_EXPLAIN_AGREES);
@@ -77,7 +77,7 @@ START_TEST(an_effect_hidden_in_a_network_is_named) {
     } hidden[] = {{PALP_EFFECT_SENSOR_LAG, {0.06, 0}},
                   {PALP_EFFECT_RELAXATION_ARM, {0.08, 0.15}},
                   {PALP_EFFECT_STRAIN_DEPENDENT_ARM, {2.5, 0}}};
-    palp_model truth = cube_model(1, 3);
+    palp_model truth = lattice_model(1, 3);
     palp_explanation e;
     truth.effects[truth.n_effects++] =
         (palp_effect){.id = hidden[_i].id, .value = {hidden[_i].value[0], hidden[_i].value[1]}};

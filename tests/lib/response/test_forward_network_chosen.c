@@ -40,7 +40,7 @@ START_TEST(every_effect_has_derivatives) {
     static samples s;
     const palp_effect_id id = (palp_effect_id)_i;
     const palp_effect_info *info = palp_effect_look_up(id);
-    palp_model on = cube_model(2, 3), off = on;
+    palp_model on = lattice_model(2, 3), off = on;
     if (!info->in_network)
         return;
     all_phases(&s, 8);
@@ -78,7 +78,7 @@ START_TEST(chosen_samples_give_the_force_of_all) {
     static samples s;
     static double chosen[SAMPLES_MAX];
     const palp_effect_info *info = palp_effect_look_up((palp_effect_id)_i);
-    palp_model m = cube_model(2, 3);
+    palp_model m = lattice_model(2, 3);
     if (!info->in_network)
         return;
     add_telling(&m, (palp_effect_id)_i);
@@ -100,7 +100,7 @@ END_TEST
 START_TEST(an_encoder_may_be_noisy) {
     static samples s;
     static double chosen[SAMPLES_MAX], straight[SAMPLES_MAX];
-    palp_model m = cube_model(2, 3);
+    palp_model m = lattice_model(2, 3);
     double off = 0, moved = 0, peak = 0;
     two_presses(&s, 0);
     palp_forward_run run = run_of(&s);
@@ -120,7 +120,7 @@ END_TEST
 START_TEST(force_is_the_same_with_derivatives) {
     static samples s;
     static double plain[SAMPLES_MAX], with[SAMPLES_MAX], gradient[COLUMNS_MAX * SAMPLES_MAX];
-    palp_model m = cube_model(2, 3);
+    palp_model m = lattice_model(2, 3);
     add_telling(&m, PALP_EFFECT_POWER_LAW_RELAXATION);
     add_telling(&m, PALP_EFFECT_FRAME_COMPLIANCE);
     add_telling(&m, PALP_EFFECT_PLATE_SLIP);
@@ -134,7 +134,7 @@ END_TEST
 
 START_TEST(what_has_no_derivatives_is_told) {
     static samples s;
-    palp_model m = cube_model(1, 3);
+    palp_model m = lattice_model(1, 3);
     palp_error error;
     all_phases(&s, 12);
     palp_forward_run run = run_of(&s);
