@@ -1,6 +1,6 @@
 #!/bin/sh
 # explain_network.sh: a network model is explained as a lumped one is, and what comes out is a network that runs.
-# check: once
+# check: all
 . tests/cli/common
 
 # model EFFECTS STIFFNESS [NODES] >FILE
