@@ -1,5 +1,6 @@
 /* explain.c: the whole procedure: refit, candidates, steps, classes, verdict. */
-#include "explain_internal.h"
+#include "explain_result.h"
+#include "explain_noise.h"
 #include "base/file.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 /* explain_candidate.c: one effect of the catalogue added to a fit: from where its search starts, and the refit. */
-#include "explain_internal.h"
+#include "explain_search.h"
+#include "explain_noise.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,14 +20,8 @@ static palp_status wave_in_depth(const effect_data *facts, double wave[3]) {
     return explain_line_in_depth(from->data, from->residual, &wave[0], &wave[1], &wave[2]);
 }
 
-effect_data explain_facts(const explain_data *data) {
-    return (effect_data){.duration = data->duration, .deepest = data->deepest, .peak = data->peak,
-                         .white = data->run[0].white, .n_releases = data->n_releases,
-                         .pull = {data->pull, data->pull_most}};
-}
-
-static palp_status find_starts(palp_effect_id id, const explain_data *data, const double *residual, effect_starts *s,
-                               const char **reason) {
+palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual, effect_starts *s,
+                                const char **reason) {
     const effect_row *row = effect_row_of(id);
     source from = {explain_facts(data), data, residual};
     from.facts.wave_in_depth = wave_in_depth;
@@ -95,7 +90,7 @@ static palp_status hum_multistart(const explain_fit *base, const explain_data *d
     return status ? status : explain_fit_predict(added, data, &m->start[0].chi2);
 }
 
-static bool has(const explain_fit *fit, palp_effect_id id) {
+bool explain_has(const explain_fit *fit, palp_effect_id id) {
     for (size_t i = 0; i < fit->model.n_effects; i++)
         if (fit->model.effects[i].id == id)
             return true;
@@ -189,14 +184,14 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
     enum { REFINED = 4, FINALISTS = 2 };
     const palp_effect_info *info = palp_effect_look_up(id);
     m->n = 0;
-    if (!explain_carries(&base->model, info) || (has(base, id) && !info->repeats)) {
+    if (!explain_carries(&base->model, info) || (explain_has(base, id) && !info->repeats)) {
         *reason = explain_carries(&base->model, info) ? "is in the model already" : "a model of this kind cannot have it";
         return PALP_ERR_UNSUPPORTED;
     }
     if (effect_row_of(id)->line)
         return hum_multistart(base, data, residual, settings, m, reason);
     effect_starts s;
-    palp_status status = find_starts(id, data, residual, &s, reason);
+    palp_status status = explain_starts_find(id, data, residual, &s, reason);
     worth = explain_chi2(data, base) * (double)explain_samples(data) - worth;
     if (effect_row_of(id)->as_scatter) /* the scatter of gains may hide it: that shrinks later */
         worth = HUGE_VAL;
@@ -233,75 +228,5 @@ palp_status explain_candidate_finish(explain_multistart *m, const explain_data *
     }
     if (status)
         explain_fit_free(added);
-    return status;
-}
-
-/* ---- directions ---- */
-
-palp_status explain_directions_find(const explain_search *s, explain_directions *d) {
-    palp_status status = PALP_OK;
-    d->n = 0;
-    for (int id = 0; id < PALP_EFFECT_COUNT && !status; id++) {
-        effect_starts list;
-        const char *reason = NULL;
-        const palp_effect_info *info = palp_effect_look_up((palp_effect_id)id);
-        bool there = has(&s->fit, (palp_effect_id)id) && !info->repeats;
-        if (!s->settings->candidate[id] || !explain_carries(&s->fit.model, info) || there || effect_row_of((palp_effect_id)id)->line)
-            continue;
-        status = find_starts((palp_effect_id)id, &s->data, s->residual, &list, &reason);
-        if (status == PALP_ERR_UNSUPPORTED) {
-            status = PALP_OK;
-            continue;
-        }
-        for (size_t k = 0; k < list.n; k++)
-            d->effect[d->n++] = list.effect[k];
-    }
-    return status;
-}
-
-/* work: room for (n_columns + 2 + PALP_EFFECT_PARAMETERS + 1) n. */
-static palp_status strength_column(const palp_model *model, const palp_effect *effect, const explain_run *run,
-                                   double *work, double *column) {
-    palp_model *more = malloc(sizeof *more);
-    if (!more)
-        return PALP_ERR_NO_MEMORY;
-    *more = *model;
-    size_t k = palp_forward_parameter_count(model);
-    more->effects[more->n_effects++] = *effect;
-    explain_wear wear = {.wear.peak = run->worn};
-    palp_forward_run path = explain_forward_run(run, &wear);
-    palp_status status = explain_predict(more, &path, work, work + run->n, NULL);
-    if (status)
-        memset(column, 0, run->n * sizeof *column);
-    else
-        memcpy(column, work + (1 + k) * run->n, run->n * sizeof *column);
-    palp_forward_wear_free(&wear.wear);
-    free(more);
-    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-}
-
-palp_status explain_directions_columns(const explain_search *s, const explain_directions *d, size_t r, double *column) {
-    const explain_run *run = &s->data.run[r];
-    const palp_model *model = &s->fit.model;
-    static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
-    size_t n = run->n, k = s->fit.n_columns;
-    double *work = malloc((k + PALP_EFFECT_PARAMETERS + 1) * n * sizeof *work);
-    explain_wear wear = {.wear.peak = run->worn};
-    palp_forward_run path = explain_forward_run(run, &wear);
-    palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < n && work; i++)
-        column[i] = 1.0;
-    if (!status)
-        status = strength_column(model, &offset, run, work, column + n);
-    if (!status)
-        status = strength_column(model, &gain, run, work, column + 2 * n);
-    if (!status)
-        status = explain_predict(model, &path, work, column + 3 * n, NULL);
-    for (size_t i = 0; i < d->n && !status; i++)
-        status = strength_column(model, &d->effect[i], run, work, column + (3 + k + i) * n);
-    for (size_t i = 0; i < 3 + k + d->n && !status; i++)
-        explain_whiten(run, column + i * n);
-    palp_forward_wear_free(&wear.wear);
-    free(work);
     return status;
 }

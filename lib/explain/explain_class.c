@@ -1,5 +1,5 @@
 /* explain_class.c: which effects are alike here: cosines of what is left of them beside the plain model. */
-#include "explain_internal.h"
+#include "explain_result.h"
 
 #include <math.h>
 #include <stdlib.h>

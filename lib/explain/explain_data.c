@@ -1,5 +1,5 @@
 /* explain_data.c: experiments into the runs that are explained: masks, phases, replicates. */
-#include "explain_internal.h"
+#include "explain_data.h"
 #include "base/file.h"
 #include "data/segments_internal.h"
 
@@ -60,6 +60,11 @@ static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *
         for (size_t i = 0; i < run->n; i++)
             run->depth[i] -= deepest + 1e-3; /* nothing is there to be pressed */
     return PALP_OK;
+}
+
+palp_status explain_white_noise(explain_run *run, const double *x) {
+    double step = (run->time[run->n - 1] - run->time[0]) / (double)(run->n - 1);
+    return palp_segments_noise(run->n, run->time, step, x, PALP_NOISE_MEDIAN, &run->white);
 }
 
 /* Lone samples far from both neighbours are events. */
@@ -271,4 +276,22 @@ size_t explain_samples(const explain_data *data) {
     for (size_t r = 0; r < data->n_runs; r++)
         n += data->run[r].held_out ? 0 : data->run[r].n;
     return n;
+}
+
+effect_data explain_facts(const explain_data *data) {
+    return (effect_data){.duration = data->duration, .deepest = data->deepest, .peak = data->peak,
+                         .white = data->run[0].white, .n_releases = data->n_releases,
+                         .pull = {data->pull, data->pull_most}};
+}
+
+palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i), void *work,
+                         const palp_status *status) {
+    if (settings->loop)
+        settings->loop(settings->loop_user, n, task, work);
+    for (size_t i = 0; i < n && !settings->loop; i++)
+        task(work, i);
+    for (size_t i = 0; i < n; i++)
+        if (status[i])
+            return status[i];
+    return PALP_OK;
 }

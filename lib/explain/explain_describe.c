@@ -1,81 +1,12 @@
 /* explain_describe.c: each accepted effect compared with the fit without it, and against those that could stand in its
  * place. */
-#include "explain_internal.h"
+#include "explain_result.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- without one ---- */
-
-size_t explain_added_count(const explain_search *s) {
-    return s->fit.model.n_effects - s->n_given + (s->fit.hum_Hz > 0.0);
-}
-
-palp_effect explain_added(const explain_search *s, size_t i) {
-    if (s->n_given + i < s->fit.model.n_effects)
-        return s->fit.model.effects[s->n_given + i];
-    return (palp_effect){.id = effect_line(), .value = {0.0, s->fit.hum_Hz}};
-}
-
-static palp_status without(const explain_fit *fit, const explain_data *data, size_t n_given, size_t skip,
-                           explain_fit *less) {
-    palp_model *model = malloc(sizeof *model);
-    if (!model)
-        return PALP_ERR_NO_MEMORY;
-    bool hum = n_given + skip >= fit->model.n_effects;
-    *model = fit->model;
-    for (size_t i = n_given + skip; !hum && i + 1 < model->n_effects; i++)
-        model->effects[i] = model->effects[i + 1];
-    model->n_effects -= !hum;
-    palp_status status = explain_fit_beside(fit, model, data, less);
-    free(model);
-    if (hum)
-        less->hum_Hz = less->hum_N = 0.0;
-    return status;
-}
-
-/* A second search on the same data at the fit without added effect i. */
-palp_status explain_search_without(const explain_search *full, size_t i, explain_search *rest) {
-    size_t bytes = full->data.n * sizeof *rest->force;
-    memset(rest, 0, sizeof *rest);
-    rest->data = full->data;
-    rest->settings = full->settings;
-    rest->n_given = full->n_given;
-    rest->opened = full->opened;
-    rest->force = malloc(bytes);
-    rest->residual = malloc(bytes);
-    palp_status status = rest->force && rest->residual ? without(&full->fit, &full->data, full->n_given, i, &rest->fit)
-                                                       : PALP_ERR_NO_MEMORY;
-    if (!status)
-        status = explain_fit_products(&rest->fit, &rest->data, NULL);
-    for (int round = 0; round < 2 && !status; round++) {
-        status = explain_fit_improve(&rest->fit, &rest->data, 20);
-        explain_fit_scatter(&rest->fit, &rest->data, rest->settings);
-    }
-    if (!status)
-        status = explain_fit_products(&rest->fit, &rest->data, rest->force);
-    explain_fit_scatter(&rest->fit, &rest->data, rest->settings);
-    if (!status)
-        explain_residual(&rest->data, &rest->fit, rest->force, rest->residual);
-    return status;
-}
-
-void explain_search_free(explain_search *s) {
-    explain_trials_free(s);
-    explain_fit_free(&s->fit);
-    free(s->force);
-    free(s->residual);
-}
-
 /* ---- in its place ---- */
-
-palp_status explain_trial_again(const explain_search *full, explain_search *rest, palp_effect_id id) {
-    explain_trial *t = &rest->trial[id];
-    t->tried = true;
-    palp_status status = explain_fit_copy(&full->fit, full->data.n_runs, &t->fit);
-    return status ? status : explain_trial_examine(rest, id, t);
-}
 
 typedef struct place {
     const explain_search *full;
@@ -154,15 +85,7 @@ static void place_task(void *user, size_t c) {
 
 static palp_status try_places(const explain_search *full, explain_search *rest, size_t i) {
     place p = {.full = full, .rest = rest, .i = i};
-    if (full->settings->loop)
-        full->settings->loop(full->settings->loop_user, PALP_EFFECT_COUNT, place_task, &p);
-    else
-        for (size_t c = 0; c < PALP_EFFECT_COUNT; c++)
-            place_task(&p, c);
-    for (size_t c = 0; c < PALP_EFFECT_COUNT; c++)
-        if (p.status[c])
-            return p.status[c];
-    return PALP_OK;
+    return explain_each(full->settings, PALP_EFFECT_COUNT, place_task, &p, p.status);
 }
 
 /* ---- the accepted ones ---- */

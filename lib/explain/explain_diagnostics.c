@@ -1,7 +1,8 @@
 /* explain_diagnostics.c: diagnostics of the residual with the effects: its order from sample to sample, lines, steps, and
  * how much of it any smooth curve could still take off. */
 #include "base/statistics.h"
-#include "explain_internal.h"
+#include "explain_result.h"
+#include "explain_noise.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +16,10 @@ typedef struct order {
 } order;
 
 static void order_add(order *o, double x) {
-    *(x > 0.0 ? &o->plus : &o->minus) += 1.0;
+    if (x > 0.0)
+        o->plus += 1.0;
+    else
+        o->minus += 1.0;
     o->runs += o->last == 0.0 || (x > 0.0) != (o->last > 0.0);
     o->square += x * x;
     o->product += x * o->last;

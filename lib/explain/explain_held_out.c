@@ -1,5 +1,5 @@
 /* explain_held_out.c: what a fit leaves of runs that it has not seen. */
-#include "explain_internal.h"
+#include "explain_search.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -77,12 +77,9 @@ palp_status explain_held_out(const explain_search *s, double *rms_N) {
     for (size_t r = 0; r < n; r++)
         l.some = l.some || s->data.run[r].held_out;
     l.count = l.square ? l.square + n : NULL;
-    if (!status && s->settings->loop)
-        s->settings->loop(s->settings->loop_user, n, leave_out_task, &l);
-    for (size_t r = 0; r < n && !status && !s->settings->loop; r++)
-        leave_out_task(&l, r);
+    if (!status)
+        status = explain_each(s->settings, n, leave_out_task, &l, l.status);
     for (size_t r = 0; r < n && !status; r++) {
-        status = l.status[r];
         square += l.square[r];
         count += l.count[r];
     }

@@ -1,5 +1,5 @@
 /* explain_interval.c: intervals of the accepted effects' parameters. */
-#include "explain_internal.h"
+#include "explain_result.h"
 #include "base/dense.h"
 
 #include <math.h>
@@ -72,13 +72,15 @@ static const double WIDE = 0.3; /* of a parameter: half widths beyond which the 
 typedef struct interval_end {
     size_t at;
     double sign, reach, rise; /* reach: first that of a quadratic likelihood */
-    palp_status status;
 } interval_end;
+
+enum { ENDS = 2 * PALP_EXPLAIN_EFFECTS * PALP_EFFECT_PARAMETERS };
 
 typedef struct interval_work {
     const explain_search *search;
     double chi2; /* of the best fit */
-    interval_end end[2 * PALP_EXPLAIN_EFFECTS * PALP_EFFECT_PARAMETERS];
+    interval_end end[ENDS];
+    palp_status status[ENDS];
 } interval_work;
 
 /* chi2 of the best fit near *fit whose parameter at is x, HUGE_VAL if there is none. */
@@ -126,9 +128,9 @@ static palp_status find_end(const interval_work *w, interval_end *end, explain_f
 static void end_task(void *user, size_t i) {
     interval_work *w = user;
     explain_fit fit;
-    w->end[i].status = explain_fit_copy(&w->search->fit, w->search->data.n_runs, &fit);
-    if (!w->end[i].status)
-        w->end[i].status = find_end(w, &w->end[i], &fit);
+    w->status[i] = explain_fit_copy(&w->search->fit, w->search->data.n_runs, &fit);
+    if (!w->status[i])
+        w->status[i] = find_end(w, &w->end[i], &fit);
     explain_fit_free(&fit);
 }
 
@@ -150,14 +152,11 @@ static palp_status follow_likelihood(const explain_search *s, const double *rise
     if (n > 0) {
         w->search = s;
         w->chi2 = explain_chi2(&s->data, fit) * (double)explain_samples(&s->data);
-        if (s->settings->loop)
-            s->settings->loop(s->settings->loop_user, n, end_task, w);
-        for (size_t i = 0; i < n && !s->settings->loop; i++)
-            end_task(w, i);
+        status = explain_each(s->settings, n, end_task, w, w->status);
     }
     for (size_t i = 0; i < n && !status; i++) {
-        status = w->end[i].status;
-        *(w->end[i].sign < 0.0 ? &below[w->end[i].at] : &above[w->end[i].at]) = w->end[i].reach;
+        double *reach = w->end[i].sign < 0.0 ? below : above;
+        reach[w->end[i].at] = w->end[i].reach;
     }
     free(w);
     return status;

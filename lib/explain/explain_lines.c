@@ -1,5 +1,5 @@
 /* explain_lines.c: periodic residuals: over time (the mains) and over depth (the drive). */
-#include "explain_internal.h"
+#include "explain_noise.h"
 #include "base/statistics.h"
 
 #include <math.h>

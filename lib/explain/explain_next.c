@@ -1,5 +1,5 @@
 /* explain_next.c: the run that would tell two look-alikes apart best, of those the indenter can do. */
-#include "explain_internal.h"
+#include "explain_result.h"
 
 #include <math.h>
 #include <stdlib.h>

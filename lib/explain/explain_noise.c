@@ -1,5 +1,5 @@
 /* explain_noise.c: the noise of the runs: white from sample to sample, correlated in stretches that stand still. */
-#include "explain_internal.h"
+#include "explain_noise.h"
 #include "base/dense.h"
 #include "data/segments_internal.h"
 
@@ -149,11 +149,6 @@ static void find_correlated(explain_data *data, const double *residual, const pi
 }
 
 /* ---- white noise ---- */
-
-palp_status explain_white_noise(explain_run *run, const double *x) {
-    double step = (run->time[run->n - 1] - run->time[0]) / (double)(run->n - 1);
-    return palp_segments_noise(run->n, run->time, step, x, PALP_NOISE_MEDIAN, &run->white);
-}
 
 static palp_status find_white(explain_data *data, const double *residual) {
     double typical = 0.0, least = 1e-7 * data->peak;

@@ -1,5 +1,6 @@
 /* explain_null.c: how much chance alone gains: simulated null cases, linear beside the fit at hand. */
-#include "explain_internal.h"
+#include "explain_search.h"
+#include "explain_noise.h"
 #include "base/dense.h"
 #include "base/statistics.h"
 
@@ -9,6 +10,81 @@
 #include <string.h>
 
 enum { NULLS = 4000 };
+
+/* Effects at which the search starts, as directions beside s->fit: the derivative by the strength. */
+typedef struct directions {
+    size_t n;
+    palp_effect effect[PALP_EFFECT_COUNT * EFFECT_STARTS];
+} directions;
+
+static palp_status find_directions(const explain_search *s, directions *d) {
+    palp_status status = PALP_OK;
+    d->n = 0;
+    for (int id = 0; id < PALP_EFFECT_COUNT && !status; id++) {
+        effect_starts list;
+        const char *reason = NULL;
+        const palp_effect_info *info = palp_effect_look_up((palp_effect_id)id);
+        bool there = explain_has(&s->fit, (palp_effect_id)id) && !info->repeats;
+        if (!s->settings->candidate[id] || !explain_carries(&s->fit.model, info) || there || effect_row_of((palp_effect_id)id)->line)
+            continue;
+        status = explain_starts_find((palp_effect_id)id, &s->data, s->residual, &list, &reason);
+        if (status == PALP_ERR_UNSUPPORTED) {
+            status = PALP_OK;
+            continue;
+        }
+        for (size_t k = 0; k < list.n; k++)
+            d->effect[d->n++] = list.effect[k];
+    }
+    return status;
+}
+
+/* work: room for (n_columns + 2 + PALP_EFFECT_PARAMETERS + 1) n. */
+static palp_status strength_column(const palp_model *model, const palp_effect *effect, const explain_run *run,
+                                   double *work, double *column) {
+    palp_model *more = malloc(sizeof *more);
+    if (!more)
+        return PALP_ERR_NO_MEMORY;
+    *more = *model;
+    size_t k = palp_forward_parameter_count(model);
+    more->effects[more->n_effects++] = *effect;
+    explain_wear wear = {.wear.peak = run->worn};
+    palp_forward_run path = explain_forward_run(run, &wear);
+    palp_status status = explain_predict(more, &path, work, work + run->n, NULL);
+    if (status)
+        memset(column, 0, run->n * sizeof *column);
+    else
+        memcpy(column, work + (1 + k) * run->n, run->n * sizeof *column);
+    palp_forward_wear_free(&wear.wear);
+    free(more);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* Whitened columns of run r: its zero, contact, gain; the model's parameters; the directions. */
+static palp_status make_columns(const explain_search *s, const directions *d, size_t r, double *column) {
+    const explain_run *run = &s->data.run[r];
+    const palp_model *model = &s->fit.model;
+    static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
+    size_t n = run->n, k = s->fit.n_columns;
+    double *work = malloc((k + PALP_EFFECT_PARAMETERS + 1) * n * sizeof *work);
+    explain_wear wear = {.wear.peak = run->worn};
+    palp_forward_run path = explain_forward_run(run, &wear);
+    palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n && work; i++)
+        column[i] = 1.0;
+    if (!status)
+        status = strength_column(model, &offset, run, work, column + n);
+    if (!status)
+        status = strength_column(model, &gain, run, work, column + 2 * n);
+    if (!status)
+        status = explain_predict(model, &path, work, column + 3 * n, NULL);
+    for (size_t i = 0; i < d->n && !status; i++)
+        status = strength_column(model, &d->effect[i], run, work, column + (3 + k + i) * n);
+    for (size_t i = 0; i < 3 + k + d->n && !status; i++)
+        explain_whiten(run, column + i * n);
+    palp_forward_wear_free(&wear.wear);
+    free(work);
+    return status;
+}
 
 /* Takes what `first` columns can do off the rest of g[m m], whose products they are. */
 static void eliminate(double *g, size_t m, size_t first) {
@@ -28,7 +104,7 @@ enum { OWN = 3 }; /* a run's zero, contact and gain */
 
 typedef struct sums {
     const explain_search *search;
-    const explain_directions *directions;
+    const directions *directions;
     size_t m;
     double *product;     /* [n_runs m m] */
     palp_status *status; /* [n_runs] */
@@ -44,7 +120,7 @@ static void sum_task(void *user, size_t r) {
     if (s->data.run[r].held_out)
         return;
     double *column = malloc(w->m * s->data.run[r].n * sizeof *column);
-    w->status[r] = column ? explain_directions_columns(s, w->directions, r, column) : PALP_ERR_NO_MEMORY;
+    w->status[r] = column ? make_columns(s, w->directions, r, column) : PALP_ERR_NO_MEMORY;
     if (!w->status[r]) {
         dense_transposed_product(w->m, w->m, s->data.run[r].n, column, column, g);
         for (size_t q = 0; q < OWN; q++)
@@ -54,24 +130,20 @@ static void sum_task(void *user, size_t r) {
     free(column);
 }
 
-/* Products of what is left of the candidates' directions, by elimination run by run ((nuisance parameters)) and then of the
+/* Products of what is left of the candidates' directions, by elimination run by run (nuisance parameters) and then of the
  * model's parameters. left: [d->n d->n], and then what they were before the latter. */
-static palp_status directions(const explain_search *s, const explain_directions *d, double *left) {
+static palp_status find_products(const explain_search *s, const directions *d, double *left) {
     size_t k = s->fit.n_columns, rest = k + d->n, m = OWN + rest, n = s->data.n_runs;
     sums w = {.search = s, .directions = d, .m = m, .product = calloc(n * m * m, sizeof *w.product),
               .status = calloc(n, sizeof *w.status)};
     double *g = calloc(rest * rest, sizeof *g);
     palp_status status = w.product && w.status && g ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (!status && s->settings->loop)
-        s->settings->loop(s->settings->loop_user, n, sum_task, &w);
-    for (size_t r = 0; r < n && !status && !s->settings->loop; r++)
-        sum_task(&w, r);
-    for (size_t r = 0; r < n && !status; r++) {
-        status = w.status[r];
+    if (!status)
+        status = explain_each(s->settings, n, sum_task, &w, w.status);
+    for (size_t r = 0; r < n && !status; r++)
         for (size_t i = 0; i < rest; i++)
             for (size_t j = 0; j < rest; j++)
                 g[i * rest + j] += w.product[(r * m + OWN + i) * m + OWN + j];
-    }
     if (!status) {
         for (size_t i = 0; i < d->n; i++)
             left[d->n * d->n + i] = g[(k + i) * rest + k + i];
@@ -87,7 +159,7 @@ static palp_status directions(const explain_search *s, const explain_directions 
 }
 
 /* The quantile of the largest of the scores that normal numbers with these products have. */
-static palp_status simulate(const explain_search *s, const explain_directions *d, double *left, double *threshold) {
+static palp_status simulate(const explain_search *s, const directions *d, double *left, double *threshold) {
     size_t n = d->n;
     double *score = malloc((NULLS + n) * sizeof *score), *z = score + NULLS;
     uint64_t state = s->settings->seed;
@@ -122,13 +194,13 @@ static palp_status simulate(const explain_search *s, const explain_directions *d
 
 palp_status explain_null_threshold(const explain_search *s, double *threshold, bool *seen) {
     enum { BLIND = 3600 }; /* of the squared effect less than one part in so many is left: not to be seen */
-    explain_directions *d = malloc(sizeof *d);
-    palp_status status = d ? explain_directions_find(s, d) : PALP_ERR_NO_MEMORY;
+    directions *d = malloc(sizeof *d);
+    palp_status status = d ? find_directions(s, d) : PALP_ERR_NO_MEMORY;
     double *left = status ? NULL : malloc((d->n + 1) * (d->n + 1) * sizeof *left); /* d->n may be 0 */
     if (!status && !left)
         status = PALP_ERR_NO_MEMORY;
     if (!status)
-        status = directions(s, d, left);
+        status = find_products(s, d, left);
     for (size_t i = 0; seen && !status && i < d->n; i++)
         if (left[i * d->n + i] * BLIND > left[d->n * d->n + i] && left[d->n * d->n + i] > 0.0)
             seen[d->effect[i].id] = true;

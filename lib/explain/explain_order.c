@@ -1,5 +1,5 @@
 /* explain_order.c: the runs in the order in which they were made, and which of them found a specimen as new. */
-#include "explain_internal.h"
+#include "explain_data.h"
 
 #include <math.h>
 #include <string.h>

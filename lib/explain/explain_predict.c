@@ -1,5 +1,5 @@
 /* explain_predict.c: the one door through which explain asks a model for its forces. */
-#include "explain_internal.h"
+#include "explain_data.h"
 #include "response/forward_internal.h"
 
 bool explain_carries(const palp_model *model, const palp_effect_info *info) {

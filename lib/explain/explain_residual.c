@@ -1,5 +1,5 @@
 /* explain_residual.c: what a fit leaves of the forces, and the noise level beside it. */
-#include "explain_internal.h"
+#include "explain_fit.h"
 
 #include <math.h>
 #include <stdlib.h>

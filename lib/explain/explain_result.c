@@ -1,6 +1,6 @@
 /* explain_result.c: what the search found, as the caller gets it: the runs with their residuals, where they are large,
  * the candidates. */
-#include "explain_internal.h"
+#include "explain_result.h"
 #include "base/file.h"
 
 #include <math.h>

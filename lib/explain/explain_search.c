@@ -1,5 +1,6 @@
 /* explain_search.c: refits a model with its noise, and tries every candidate beside it. */
-#include "explain_internal.h"
+#include "explain_search.h"
+#include "explain_noise.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -41,31 +42,6 @@ palp_status explain_refit(explain_search *s) {
 }
 
 /* ---- candidates ---- */
-
-palp_status explain_paired(const explain_data *data, const explain_fit *a, const explain_fit *b, explain_pair *pair) {
-    size_t n = data->n_runs, counted = 0;
-    double *score = malloc(2 * n * sizeof *score), squares = 0.0, most = -HUGE_VAL;
-    if (!score)
-        return PALP_ERR_NO_MEMORY;
-    palp_status status = explain_fit_leave_out(a, data, score);
-    if (!status)
-        status = explain_fit_leave_out(b, data, score + n);
-    *pair = (explain_pair){.gain = 0.0};
-    for (size_t r = 0; r < n; r++) {
-        if (data->run[r].held_out)
-            continue;
-        score[r] = fmax(score[n + r], -1e12) - fmax(score[r], -1e12);
-        pair->gain += score[r];
-        most = fmax(most, score[r]);
-        counted++;
-    }
-    for (size_t r = 0; r < n; r++)
-        squares += data->run[r].held_out ? 0.0 : pow(score[r] - pair->gain / (double)counted, 2);
-    pair->rest = pair->gain - most;
-    pair->se = counted > 1 ? sqrt(squares * (double)counted / (double)(counted - 1)) : 0.0;
-    free(score);
-    return status;
-}
 
 palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t) {
     size_t n = s->data.n;
@@ -139,30 +115,18 @@ static void finish_task(void *user, size_t i) {
         w->status[i] = explain_trial_examine(s, (palp_effect_id)i, t);
 }
 
-static palp_status all_tasks(const explain_search *s, void (*task)(void *, size_t), work *w) {
-    if (s->settings->loop)
-        s->settings->loop(s->settings->loop_user, PALP_EFFECT_COUNT, task, w);
-    else
-        for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
-            task(w, i);
-    for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
-        if (w->status[i])
-            return w->status[i];
-    return PALP_OK;
-}
-
 palp_status explain_try_all(explain_search *s) {
     work w = {.search = s};
     double samples = (double)explain_samples(&s->data), start = explain_chi2(&s->data, &s->fit) * samples, best = start;
     s->worth = fmax(s->worth, 0.02 * (start - samples));
     explain_trials_free(s);
-    palp_status status = all_tasks(s, multistart_task, &w);
+    palp_status status = explain_each(s->settings, PALP_EFFECT_COUNT, multistart_task, &w, w.status);
     for (size_t i = 0; i < PALP_EFFECT_COUNT && !status; i++)
         if (s->trial[i].multistart && s->trial[i].multistart->n > 0)
             best = fmin(best, s->trial[i].multistart->start[0].chi2);
     w.behind = start - EXPLAIN_CONTENDER * (start - best);
     if (!status)
-        status = all_tasks(s, finish_task, &w);
+        status = explain_each(s->settings, PALP_EFFECT_COUNT, finish_task, &w, w.status);
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
         if (s->trial[i].multistart)
             explain_multistart_free(s->trial[i].multistart);

@@ -1,5 +1,5 @@
 /* explain_step.c: a greedy step: which trial is taken, and what it makes superfluous. */
-#include "explain_internal.h"
+#include "explain_search.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* test_allocation.c: makes each allocation of the library fail in turn, and counts those of a time step. */
 /* link: -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free */
 #define _POSIX_C_SOURCE 200809L
-#include "explain/explain_internal.h"
+#include "explain/explain_search.h"
 #include "cube.h"
 #include "scratch.h"
 

@@ -1,6 +1,6 @@
 /* test_explain_fit.c: the sums of a fit against the covariances they stand for, with runs that are random numbers. */
 #include "base/dense.h"
-#include "explain/explain_internal.h"
+#include "explain/explain_result.h"
 
 #include <check.h>
 #include <math.h>

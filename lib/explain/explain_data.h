@@ -1,0 +1,79 @@
+/* explain_data.h: the runs that are explained, and what a model gives for them. Internal. */
+#ifndef EXPLAIN_DATA_H
+#define EXPLAIN_DATA_H
+
+#include <palpate/explain.h>
+
+#include "effect/effect_internal.h"
+
+enum { EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS };
+
+typedef struct explain_run {
+    char name[PALP_NAME_MAX];
+    size_t n;
+    double *time, *depth, *force; /* depth: nothing is pressed where the specimen is "none" */
+    unsigned char *use;           /* [n] 0 = an event, or not to be fitted */
+    unsigned char *phase;         /* [n] palp_phase */
+    double session, white;        /* when it began; sd of a sample's white noise */
+    bool fresh;                   /* on a specimen that no run before it pressed */
+    double worn;                  /* largest strain of the earlier runs on its specimen, by depth */
+    double *keep, *take, *weight; /* [n] the filter that makes its noise white (explain_noise.h) */
+    int replicate;                /* earlier run of the same protocol, -1 = none */
+    bool held_out;                /* kept out of the fit */
+} explain_run;
+
+typedef struct explain_data {
+    size_t n_runs, n, longest;
+    explain_run *run;
+    const palp_model *given;                /* the model to be explained */
+    double peak, deepest, duration, height; /* largest force, depth; longest run, s */
+    double correlated, correlation_time;    /* of the noise */
+    double zero_scatter;                    /* of the force before the plate first moves, between runs; 0 = unknown */
+    double replicate_gain;                  /* scatter of gain between runs of one protocol; 0 = there are none */
+    size_t n_replicates;
+    double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
+    size_t n_releases;
+    size_t n_events;
+    palp_explain_event *event;
+} explain_data;
+
+palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
+                                const palp_model *model, explain_data *data, palp_error *error);
+void explain_data_free(explain_data *data);
+size_t explain_samples(const explain_data *data);    /* of the runs that are not held out */
+effect_data explain_facts(const explain_data *data); /* without what a fit leaves of them */
+palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
+
+/* task(work, i) for all i < n by the caller's loop, or one after the other; each sets status[i], the first error counts. */
+palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i), void *work,
+                         const palp_status *status);
+
+/* run->white from x[n], its force or its residual. */
+palp_status explain_white_noise(explain_run *run, const double *x);
+
+/* What a specimen keeps from run to run; zero-initialised before the first, palp_forward_wear_free after the last. */
+typedef struct explain_wear {
+    palp_forward_wear wear;
+    double slope[EXPLAIN_COLUMNS];
+} explain_wear;
+
+/* For the runs one after the other, in their order, all with one model. */
+palp_forward_run explain_forward_run(const explain_run *run, explain_wear *wear);
+
+/* ---- the session (explain_order.c) ---- */
+
+/* Order of the inputs: by specimen, then by the time at which they began; fresh[n] in that order. */
+void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *order, bool *fresh);
+
+/* Text or number of a file's key, or what is to stand for it. */
+const char *explain_text_of(const palp_experiment *e, const char *key);
+double explain_number_of(const palp_experiment *e, const char *key, double otherwise);
+
+/* ---- what a model gives (explain_predict.c): as palp_forward_force, for a network by forward_network_force ---- */
+
+bool explain_carries(const palp_model *model, const palp_effect_info *info);
+palp_status explain_height(const palp_model *model, double *height, palp_error *error); /* m, of a network its mesh's */
+palp_status explain_predict(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
+                            palp_error *error);
+
+#endif

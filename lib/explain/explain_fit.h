@@ -1,0 +1,93 @@
+/* explain_fit.h: a model in search coordinates, its sums over the runs, and its best parameters. Internal. */
+#ifndef EXPLAIN_FIT_H
+#define EXPLAIN_FIT_H
+
+#include "explain_data.h"
+
+enum { EXPLAIN_NUISANCES = 5 }; /* of a run: zero, contact, gain, hum's sine and cosine */
+
+/* Scatter of the runs' nuisance parameters. Their prior sds are that, divided by misfit: the root of chi2 per sample,
+ * from 1; so that a model's own faults, which count as many times too much, do not drive them beyond it. */
+typedef struct explain_scatter {
+    double zero, contact, gain, misfit;
+} explain_scatter;
+
+typedef struct explain_fit {
+    palp_model model;
+    double hum_Hz, hum_N;         /* 0 = none; prior sd of its amplitude */
+    size_t n_columns, m;
+    double low[EXPLAIN_COLUMNS], high[EXPLAIN_COLUMNS], x[EXPLAIN_COLUMNS]; /* search coordinates */
+    double unit[EXPLAIN_COLUMNS]; /* prior sd of a coordinate: very wide */
+    bool logarithmic[EXPLAIN_COLUMNS];
+    explain_scatter scatter;
+    double *product;              /* [n_runs m m]: of the whitened columns of parameters, nuisances and residual */
+    double score;                 /* log likelihood (less constants) of the runs not held out, nuisances integrated out */
+} explain_fit;
+
+/* ---- coordinates and products (explain_fit.c) ---- */
+
+palp_status explain_fit_create(const palp_model *model, const explain_data *data, explain_fit *fit);
+/* The same for another model, with base's scatter and hum. */
+palp_status explain_fit_beside(const explain_fit *base, const palp_model *model, const explain_data *data,
+                               explain_fit *fit);
+palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to);
+void explain_fit_free(explain_fit *fit);
+size_t explain_first_column(const palp_model *model, size_t i); /* index of the first parameter of effect i */
+
+/* fit->x into fit->model. ERR_ARGUMENT: makes no model. */
+palp_status explain_fit_to_model(explain_fit *fit);
+
+/* Products and score at fit->model. force (NULL or [n]): what the model gives, hum and nuisances left out. */
+palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force);
+
+/* ---- from the products (explain_normal.c) ---- */
+
+/* Normal matrix h[k k] (NULL: not wanted, nor g), gradient g[k] and chi2 of run r with its nuisances eliminated; logdet:
+ * by how much they narrow. */
+void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, double *chi2, double *logdet);
+
+/* The same of all runs that are not held out, with the priors. work: [k k + k]. */
+void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
+                       double *work);
+
+double explain_fit_score(const explain_fit *fit, const explain_data *data);
+double explain_chi2(const explain_data *data, const explain_fit *fit); /* per sample of the runs not held out */
+
+/* The run's nuisance parameters at the fit, and their sds. */
+void explain_nuisances(const explain_fit *fit, size_t r, double value[EXPLAIN_NUISANCES], double sd[EXPLAIN_NUISANCES]);
+
+/* Re-estimates the scatter from the runs' nuisance parameters. */
+void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
+
+/* ---- better parameters (explain_improve.c) ---- */
+
+/* chi2 after one more step, as the products predict it. */
+palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2);
+
+/* Moves to the best parameters near by. */
+palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds);
+
+/* ---- each run predicted by the others (explain_cross.c) ---- */
+
+palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *data, double *score); /* [n_runs], log */
+
+/* Score of b less that of a; its standard error, paired over the runs; less the run that gains most. */
+typedef struct explain_pair {
+    double gain, se, rest;
+} explain_pair;
+
+palp_status explain_paired(const explain_data *data, const explain_fit *a, const explain_fit *b, explain_pair *pair);
+
+/* ---- what it leaves (explain_residual.c) ---- */
+
+/* From fit and its force to the residual without zeros and hum. */
+void explain_residual(const explain_data *data, const explain_fit *fit, const double *force, double *residual);
+
+double explain_rms(size_t n, const double *a, const double *b);       /* of a - b */
+double explain_fitted_rms(const explain_data *data, const double *x); /* [n], of the samples that are fitted */
+
+/* rms of noise and of the fit's scatter. */
+palp_status explain_noise_level(const explain_data *data, const explain_fit *fit, const double *force,
+                                double *noise_level_N);
+
+#endif

@@ -1,0 +1,32 @@
+/* explain_noise.h: the noise of the runs and the lines in it. residual[data->n] holds all runs one after the other.
+ * Internal. */
+#ifndef EXPLAIN_NOISE_H
+#define EXPLAIN_NOISE_H
+
+#include "explain_data.h"
+
+enum { EXPLAIN_FREQUENCIES = 601 }; /* at which the mains' line is looked for */
+
+/* ---- explain_noise.c ---- */
+
+/* From a residual: white noise of each run, correlated noise (exponential correlation) of all, and the filters. */
+palp_status explain_noise_find(explain_data *data, const double *residual);
+
+/* In place: x[n] with the noise's correlation taken out and in units of its sd; masked samples become 0. */
+void explain_whiten(const explain_run *run, double *x);
+
+/* ---- explain_lines.c ---- */
+
+/* Strongest line of a residual over time, 40 to 70 Hz (ERR_UNSUPPORTED: none stands out), and over depth. */
+palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency, double *amplitude);
+palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
+                                  double *phase);
+
+/* Takes a line of that frequency off each run's residual. */
+void explain_line_take(const explain_data *data, double frequency, double *residual);
+
+/* The strongest lines at any frequency, and over depth. */
+palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak);
+palp_status explain_peak_in_depth(const explain_data *data, const double *residual, palp_explain_peak *peak);
+
+#endif

@@ -1,0 +1,36 @@
+/* explain_result.h: what the search found, as the caller gets it. Internal. */
+#ifndef EXPLAIN_RESULT_H
+#define EXPLAIN_RESULT_H
+
+#include "explain_search.h"
+
+/* ---- runs, shares, candidates (explain_result.c) ---- */
+
+palp_status explain_copy_runs(const explain_search *s, palp_explanation *e);
+void explain_keep_residual(const explain_search *s, palp_explanation *e, bool before);
+void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N);
+size_t explain_list_candidates(const explain_search *s, double threshold, double noise_level_N, const bool *seen,
+                               palp_explain_candidate *list);
+
+/* ---- the accepted effects ---- */
+
+/* What would do as well as out->effect: rest is the search at the fit without it, its trials done. (explain_class.c) */
+palp_status explain_class_find(const explain_search *full, const explain_search *rest, palp_explain_effect *out);
+
+/* The run that tells out->effect from one of its class best; stays as it is if none does better. (explain_next.c) */
+palp_status explain_next_find(const explain_search *full, const explain_search *rest, const palp_explain_effect *out,
+                              palp_explain_next *next);
+
+/* Each with its evidence and its class. (explain_describe.c) */
+palp_status explain_describe(explain_search *s, palp_explanation *e);
+
+/* (explain_interval.c) The hum is the model's last effect; its amplitude is the mean of the runs' own. */
+palp_status explain_intervals(const explain_search *s, palp_explanation *e);
+void explain_add_hum(const explain_search *s, palp_explanation *e);
+
+/* ---- diagnostics (explain_diagnostics.c) ---- */
+
+/* Of the residual; slips become events. */
+palp_status explain_diagnostics_find(explain_data *data, const double *residual, palp_explanation *e);
+
+#endif

@@ -1,0 +1,127 @@
+/* explain_search.h: candidates beside a fit, and the steps that add them. Internal. */
+#ifndef EXPLAIN_SEARCH_H
+#define EXPLAIN_SEARCH_H
+
+#include "explain_fit.h"
+
+/* Of what the best candidate promises: the fit of one that promises less is not finished. */
+#define EXPLAIN_CONTENDER 0.3
+
+/* ---- one candidate (explain_candidate.c) ---- */
+
+/* Fits with one more effect, from several starts. */
+typedef struct explain_start {
+    explain_fit fit;
+    double chi2; /* that one more step promises */
+} explain_start;
+
+typedef struct explain_multistart {
+    size_t n; /* best first */
+    explain_start start[2 * EFFECT_STARTS];
+} explain_multistart;
+
+void explain_multistart_free(explain_multistart *m);
+
+bool explain_has(const explain_fit *fit, palp_effect_id id);
+
+/* Where an effect's search starts. ERR_UNSUPPORTED: these runs cannot have it (reason). */
+palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual, effect_starts *s,
+                                const char **reason);
+
+/* Refines the few best starts, if chi2 promises to fall by worth. ERR_UNSUPPORTED: these runs cannot have it (reason). */
+palp_status explain_candidate_multistart(const explain_fit *base, const explain_data *data, const double *residual,
+                                         const palp_explain_settings *settings, palp_effect_id id, double worth,
+                                         explain_multistart *m, const char **reason);
+
+/* Refits the last few and moves the best one to *added; not all: the first as it is. */
+palp_status explain_candidate_finish(explain_multistart *m, const explain_data *data,
+                                     const palp_explain_settings *settings, palp_effect_id id, bool all,
+                                     explain_fit *added);
+
+/* ---- all of them beside a fit (explain_search.c) ---- */
+
+typedef struct explain_trial {
+    bool tried;
+    explain_multistart *multistart;    /* while it runs */
+    explain_fit fit;                   /* product NULL: could not be had, reason says why */
+    const char *reason;
+    double raw_gain, gain;             /* log likelihood gained; less what its parameters cost */
+    double held_out_gain, held_out_se; /* in held-out log score; paired standard error over the runs */
+    double held_out_rest;              /* of that, without the run that gains most */
+    double *force;                     /* [n] of the model */
+    double explained;                  /* rms difference of the forces */
+    double shrinks;                    /* root of by how much the squared residual shrinks, rms */
+} explain_trial;
+
+/* What was found when each effect was added: models whose last effect is the candidate. */
+typedef struct explain_step {
+    bool has[PALP_EFFECT_COUNT];
+    palp_model model[PALP_EFFECT_COUNT];
+} explain_step;
+
+typedef struct explain_memory {
+    size_t n;
+    explain_step step[PALP_EXPLAIN_EFFECTS];
+} explain_memory;
+
+typedef struct explain_search {
+    explain_data data;
+    const palp_explain_settings *settings;
+    explain_memory *memory;
+    size_t n_given;           /* effects of the given model */
+    double opened;            /* rms that the model as given leaves, N */
+    double worth;             /* chi2 that a candidate must promise to be tried */
+    double taken_gain;        /* raw_gain of the trial taken last */
+    explain_fit fit;          /* at hand */
+    double *force, *residual; /* [n] of it; hum is taken out of the residual */
+    explain_trial trial[PALP_EFFECT_COUNT];
+} explain_search;
+
+/* fit->model refitted with noise and scatter; force and residual at it. */
+palp_status explain_refit(explain_search *s);
+palp_status explain_try_all(explain_search *s);
+void explain_trials_free(explain_search *s);
+void explain_search_free(explain_search *s); /* but for its data */
+
+/* What has come of a candidate's fit (t->fit) beside s->fit. */
+palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t);
+
+/* ---- explain_held_out.c ---- */
+
+/* rms of what the fit, refitted without each run, leaves of that run where no other run is less deep; with runs
+ * held out, what the fit leaves of them. */
+palp_status explain_held_out(const explain_search *s, double *rms_N);
+
+/* ---- explain_null.c ---- */
+
+/* Gain in log likelihood that chance alone reaches beside s->fit, over all candidates, with probability false_alarm.
+ * seen: NULL, or [PALP_EFFECT_COUNT], set for those of which these runs show anything beside the model. */
+palp_status explain_null_threshold(const explain_search *s, double *threshold, bool *seen);
+
+/* ---- without one of the added effects (explain_without.c) ---- */
+
+size_t explain_added_count(const explain_search *s);
+palp_effect explain_added(const explain_search *s, size_t i); /* the hum is the last */
+
+/* The search at the fit without added effect i, which shares the data; explain_search_free of both. */
+palp_status explain_search_without(const explain_search *full, size_t i, explain_search *rest);
+
+/* full's own fit as the trial of id there. */
+palp_status explain_trial_again(const explain_search *full, explain_search *rest, palp_effect_id id);
+
+/* ---- a step (explain_step.c) ---- */
+
+/* Why a trial may not be accepted; NULL: it may. */
+const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double noise_level_N);
+
+/* The one that gains most of those that may; PALP_EFFECT_COUNT: none. */
+size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status);
+palp_status explain_take(explain_search *s, size_t i);
+
+/* Takes out an effect that would not be added again beside the others; PALP_EFFECT_COUNT: there is none. */
+palp_status explain_drop(explain_search *s, double threshold, palp_effect_id *dropped);
+
+/* Of two arms either may have been added; the one nearer to a given arm takes that one's place. */
+palp_status explain_keep_given_arms(explain_search *s);
+
+#endif
