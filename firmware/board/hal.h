@@ -6,14 +6,9 @@
 #include "app.h"
 #include "ring.h"
 
-/* Why the processor started. */
-enum { HAL_RESET_POWER = 0, HAL_RESET_WATCHDOG = 1, HAL_RESET_STACK = 2 };
-
-/* Clocks, pins, drivers; the motor stays off. A clock or sensor that does not come up leaves its bit here,
- * and the firmware goes on to say so. */
-enum { HAL_CLOCK_FAILED = 1, HAL_SENSOR_FAILED = 2, HAL_ENCODER_FAILED = 4 };
+/* Clocks, pins, drivers; the motor stays off. APP_*_FAILED, a bit each: the firmware goes on to say so. */
 uint8_t hal_init(void);
-uint8_t hal_reset_cause(void);
+uint8_t hal_reset_cause(void); /* APP_RESET_* */
 const char *hal_board_name(void); /* at most PALP_WIRE_NAME bytes */
 uint32_t hal_serial_number(void);
 bool hal_is_simulated(void);

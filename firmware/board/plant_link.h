@@ -28,7 +28,7 @@ typedef struct plant_in {
     uint16_t thermistor; /* 12-bit counts of the divider */
     uint8_t switches;    /* PLANT_SWITCH_*, PLANT_SENSOR_SILENT */
     uint8_t events;      /* PLANT_EVENT_* */
-    uint8_t reset_cause; /* of the first record: HAL_RESET_* in hal.h */
+    uint8_t reset_cause; /* of the first record: APP_RESET_* in app.h */
     uint8_t rx_count;    /* bytes of a scripted host in rx */
     uint8_t rx[PLANT_LINK_RX];
 } plant_in;

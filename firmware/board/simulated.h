@@ -6,7 +6,7 @@
 #include "hal.h"
 #include "plant_link.h"
 
-uint8_t simulated_boot(void); /* the first record, before the first tick; HAL_RESET_* by the plant */
+uint8_t simulated_boot(void); /* the first record, before the first tick; APP_RESET_* by the plant */
 /* At every tick: the last output to the plant, the next input from it. The figures are the plant's to see. */
 void simulated_tick(uint32_t last_cost, uint16_t stack_free);
 void simulated_drive(const app_outputs *outputs);

@@ -1,33 +1,27 @@
 /* app.c: a control tick, from what was sensed to what the motor gets. */
 #include "app_internal.h"
 
-#include "hal.h"
 #include "real.h"
 
 #include <string.h>
 
 #define DUTY_FULL 32767.0f
 
-int32_t app_round(float x) {
-    x = real_clamp(x, -2147483520.0f, 2147483520.0f); /* the last that a float and an int32_t both hold */
-    return x == x ? (int32_t)(x < 0.0f ? x - 0.5f : x + 0.5f) : 0;
-}
-
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed) {
     memset(a, 0, sizeof *a);
     a->machine = m;
     a->identity = *who;
     /* With a clock that is 1 % wrong every time constant would be, unseen. A sensor that failed is silent. */
-    a->unfit = (failed & (HAL_CLOCK_FAILED | HAL_ENCODER_FAILED)) != 0;
+    a->unfit = (failed & (APP_CLOCK_FAILED | APP_ENCODER_FAILED)) != 0;
     a->limits = (app_limits){m->force_N, m->travel_m,        m->following_m,
                              m->fault_C, m->host_timeout_ms, m->overflow_samples};
     a->softness = GAINS_MIDDLE;
     a->softness_auto = true;
     stream_init(&a->stream, a->transmit, APP_TRANSMIT);
     force_init(&a->force);
-    if (reset_cause == HAL_RESET_WATCHDOG)
+    if (reset_cause == APP_RESET_WATCHDOG)
         (void)supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_WATCHDOG_RESET, 0);
-    if (reset_cause == HAL_RESET_STACK)
+    if (reset_cause == APP_RESET_STACK)
         (void)supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_STACK_GUARD, 0);
 }
 
@@ -99,6 +93,6 @@ void app_tick(app *a, const app_inputs *in, app_outputs *out) {
     watch_reference(a);
     a->duty = app_moving(a) ? drive(a) : 0.0f;
     out->motor_on = app_moving(a);
-    out->duty = (int16_t)app_round(a->duty * DUTY_FULL);
+    out->duty = (int16_t)real_round(a->duty * DUTY_FULL);
     report_tick(a, out->duty);
 }

@@ -28,6 +28,10 @@ typedef struct app_outputs {
     bool motor_on;
 } app_outputs;
 
+/* Why the processor started; what did not come up, a bit each. */
+enum { APP_RESET_POWER = 0, APP_RESET_WATCHDOG = 1, APP_RESET_STACK = 2 };
+enum { APP_CLOCK_FAILED = 1, APP_SENSOR_FAILED = 2, APP_ENCODER_FAILED = 4 };
+
 /* Who we are, for INFO. */
 typedef struct app_identity {
     const char *board;
@@ -92,7 +96,7 @@ typedef struct app {
     uint8_t transmit[APP_TRANSMIT];
 } app;
 
-/* reset_cause and failed: from the board (hal.h). A watchdog or stack reset starts in FAULT; a board that did
+/* reset_cause: APP_RESET_*; failed: APP_*_FAILED. A watchdog or stack reset starts in FAULT; a board that did
  * not come up stays in BOOT. */
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed);
 /* False: what has come from the host is to wait for the next tick, which bounds the cost of one. */

@@ -1,6 +1,8 @@
 /* app_command.c: what the host asks for: whether it may, and doing it. */
 #include "app_internal.h"
 
+#include "real.h"
+
 #define SEARCH_RATE_M_S 5e-4f /* where the host leaves it open */
 #define SEARCH_FORCE_N 0.01f
 #define SEARCH_RATE_MOST_M_S 0.01f
@@ -99,7 +101,7 @@ static uint8_t tare(app *a, const palp_wire_tare *asked) {
 
 /* 0 leaves it as it is. */
 static bool limit(float *value, int32_t asked, float unit, float most) {
-    if (asked < 0 || asked > app_round(most / unit))
+    if (asked < 0 || asked > real_round(most / unit))
         return false;
     if (asked > 0)
         *value = (float)asked * unit;

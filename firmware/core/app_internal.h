@@ -32,9 +32,6 @@ void report_info(app *a);
 void report_calibration(app *a, uint8_t axis);
 void report_gains(app *a, uint8_t softness);
 
-/* Nearest whole number, held at the ends of int32_t; 0 for what is no number. */
-int32_t app_round(float x);
-
 static inline bool app_moving(const app *a) {
     return supervisor_moving(a->supervisor.state);
 }

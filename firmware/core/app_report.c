@@ -1,6 +1,8 @@
 /* app_report.c: what the host is told. */
 #include "app_internal.h"
 
+#include "real.h"
+
 enum { STATUS_TICKS = CONTROL_HZ / 10 };
 
 void report_ack(app *a, uint16_t sequence, uint8_t command, uint8_t result) {
@@ -18,9 +20,9 @@ void report_info(app *a) {
                              .patch = FIRMWARE_PATCH,
                              .simulated = a->identity.simulated,
                              .tick_Hz = CONTROL_HZ,
-                             .count_pm = (uint32_t)app_round(a->machine->count_m * 1e12f),
-                             .travel_nm = app_round(a->machine->travel_m * 1e9f),
-                             .force_uN = app_round(a->machine->force_N * 1e6f),
+                             .count_pm = (uint32_t)real_round(a->machine->count_m * 1e12f),
+                             .travel_nm = real_round(a->machine->travel_m * 1e9f),
+                             .force_uN = real_round(a->machine->force_N * 1e6f),
                              .serial = a->identity.serial};
     for (int i = 0; i < PALP_WIRE_NAME && a->identity.board[i] != '\0'; i++)
         info->board[i] = (uint8_t)a->identity.board[i];
@@ -37,7 +39,7 @@ void report_calibration(app *a, uint8_t axis) {
 }
 
 static uint32_t scaled(float x, float scale) {
-    return (uint32_t)app_round(x * scale);
+    return (uint32_t)real_round(x * scale);
 }
 
 void report_gains(app *a, uint8_t softness) {
@@ -54,7 +56,7 @@ void report_gains(app *a, uint8_t softness) {
 }
 
 static int16_t short_of(float x) {
-    const int32_t whole = app_round(x);
+    const int32_t whole = real_round(x);
     return (int16_t)(whole > INT16_MAX ? INT16_MAX : whole < INT16_MIN ? INT16_MIN : whole);
 }
 
@@ -76,12 +78,12 @@ static palp_wire_status status(const app *a) {
         .contact_known = a->contact_known,
         .softness = a->softness,
         .position = position(a),
-        .contact = a->contact_known ? app_round(a->contact_m / a->machine->count_m) : 0,
+        .contact = a->contact_known ? real_round(a->contact_m / a->machine->count_m) : 0,
         .stiffness_mN_m = a->contact_known ? scaled(a->stiffness_N_m, 1e3f) : 0,
-        .force_uN = app_round(a->force_N * 1e6f),
+        .force_uN = real_round(a->force_N * 1e6f),
         .case_cC = case_cC(a),
         .winding_cC = short_of(thermal_winding_C(&a->thermal) * 100.0f),
-        .derating_permille = (uint16_t)app_round(thermal_derating(&a->thermal, a->machine) * 1000.0f),
+        .derating_permille = (uint16_t)real_round(thermal_derating(&a->thermal, a->machine) * 1000.0f),
         .missed_ticks = a->missed_ticks,
         .bad_frames = a->decoder.bad,
         .tick_cost = a->cost_most,

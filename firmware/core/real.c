@@ -2,7 +2,6 @@
 #include "real.h"
 
 #include <stdbool.h>
-#include <stdint.h>
 
 typedef union bits {
     float value;
@@ -40,4 +39,9 @@ float real_exp2(float x) {
         sum = 1.0f + y * sum / (float)i;
     bits b = {.word = (uint32_t)(whole + 127) << 23};
     return sum * b.value;
+}
+
+int32_t real_round(float x) {
+    x = real_clamp(x, -2147483520.0f, 2147483520.0f); /* the last that a float and an int32_t both hold */
+    return x == x ? (int32_t)(x < 0.0f ? x - 0.5f : x + 0.5f) : 0;
 }

@@ -2,6 +2,8 @@
 #ifndef REAL_H
 #define REAL_H
 
+#include <stdint.h>
+
 #define REAL_PI 3.14159265f
 #define REAL_LN2 0.693147181f
 
@@ -12,6 +14,9 @@ static inline float real_abs(float x) {
 static inline float real_clamp(float x, float low, float high) {
     return x < low ? low : x > high ? high : x;
 }
+
+/* Nearest whole number, held at the ends of int32_t; 0 for what is no number. */
+int32_t real_round(float x);
 
 /* Sine and cosine of 2 pi turn, 0 <= turn <= 1; to 2e-7. */
 void real_sine(float turn, float *sine, float *cosine);

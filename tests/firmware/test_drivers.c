@@ -376,19 +376,19 @@ static void test_watchdog(void **state) {
 
 static void test_reset_cause(void **state) {
     (void)state;
-    reset_because(HAL_RESET_STACK);
+    reset_because(APP_RESET_STACK);
     assert_int_equal(SCB->AIRCR, 0x05fa0004);
-    assert_int_equal(reset_cause(), HAL_RESET_STACK);
+    assert_int_equal(reset_cause(), APP_RESET_STACK);
     assert_true((RCC->CSR & RCC_CSR_RMVF) != 0);
-    assert_int_equal(reset_cause(), HAL_RESET_POWER); /* said once */
+    assert_int_equal(reset_cause(), APP_RESET_POWER); /* said once */
     RCC->CSR = RCC_CSR_IWDGRSTF;
-    assert_int_equal(reset_cause(), HAL_RESET_WATCHDOG);
-    reset_because(HAL_RESET_STACK);
+    assert_int_equal(reset_cause(), APP_RESET_WATCHDOG);
+    reset_because(APP_RESET_STACK);
     RCC->CSR = RCC_CSR_PORRSTF; /* after power-on the memory may hold anything */
-    assert_int_equal(reset_cause(), HAL_RESET_POWER);
+    assert_int_equal(reset_cause(), APP_RESET_POWER);
     RCC->CSR = 0;
     reset_note = 0x12345601;
-    assert_int_equal(reset_cause(), HAL_RESET_POWER);
+    assert_int_equal(reset_cause(), APP_RESET_POWER);
 }
 
 /* ---- stack ---- */
@@ -446,7 +446,7 @@ static void test_board_says_what_failed(void **state) {
     hardware.busy = 1;
     hardware.stuck = true;
     hardware.converter_ends = false;
-    assert_int_equal(hal_init(), HAL_CLOCK_FAILED | HAL_SENSOR_FAILED | HAL_ENCODER_FAILED);
+    assert_int_equal(hal_init(), APP_CLOCK_FAILED | APP_SENSOR_FAILED | APP_ENCODER_FAILED);
     tick_interrupt();
     hal_sense(&in);
     assert_true(in.sensor_silent);

@@ -153,11 +153,11 @@ static void make_smash(bench *b) {
 }
 
 static void make_watchdog(bench *b) {
-    bench_restart(b, HAL_RESET_WATCHDOG, 0);
+    bench_restart(b, APP_RESET_WATCHDOG, 0);
 }
 
 static void make_stack_reset(bench *b) {
-    bench_restart(b, HAL_RESET_STACK, 0);
+    bench_restart(b, APP_RESET_STACK, 0);
 }
 
 static const cause obstacle = {make_obstacle, lift_obstacle, 2, 2, false};

@@ -1,7 +1,7 @@
 /* test_rig.c: the virtual indenter's loop, feed and process, with this program as the firmware. */
 #define _GNU_SOURCE
 #include "shared/cli.h"
-#include "hal.h"
+#include "app.h"
 #include "rig/rig_internal.h"
 #include "rig/rig_options.h"
 
@@ -293,7 +293,7 @@ static void test_commands_and_restarts(void **state) {
                                         : i == 30 ? PLANT_EVENT_HANG
                                         : i == 51 ? PLANT_EVENT_QUIT
                                                   : 0);
-        assert_int_equal(fed[i].reset_cause, i == 31 ? HAL_RESET_WATCHDOG : HAL_RESET_POWER);
+        assert_int_equal(fed[i].reset_cause, i == 31 ? APP_RESET_WATCHDOG : APP_RESET_POWER);
         assert_int_equal(fed[i].rx_count > 0, i == 10);
     }
     has_limits(&fed[10], s.plant.actuator.start_m + 1e-6 * fed[10].position);

@@ -1,7 +1,6 @@
 /* explain_figure.c: recorded minus model over time, run by run, as given and with the effects: small panels of one
  * scale. */
 #include "explain.h"
-#include "report/report.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -66,7 +65,7 @@ static double largest(const palp_explain_run *run, const double *y) {
 static plot_panel make_panel(panel *p, const palp_explain_run *run, const palp_explanation *e, double most_mN) {
     const double level = 1e3 * e->gap.noise_level_N;
     bool two = e->n_effects > 0;
-    int n = snprintf(p->title, sizeof p->title, "%.40s   rms %.3g", report_base(run->name),
+    int n = snprintf(p->title, sizeof p->title, "%.40s   rms %.3g", cli_base(run->name),
                      1e3 * sqrt(mean_square(run, run->before_N)));
     snprintf(p->title + n, sizeof p->title - (size_t)n, two ? " \u2192 %.3g mN" : " mN",
              1e3 * sqrt(mean_square(run, run->after_N)));

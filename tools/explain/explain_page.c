@@ -1,7 +1,7 @@
 /* explain_page.c: what was found, in lines, as a page, and as files for palpate report. */
 #include "explain.h"
 #include "shared/json_out.h"
-#include "report/report.h"
+#include "page.h"
 
 #include <stdlib.h>
 
@@ -27,7 +27,7 @@ static void effect_text(const palp_explain_effect *f, char text[ROW]) {
 void explain_say(const palp_explanation *e) {
     char text[ROW];
     const char *verdict = palp_explain_verdict_name(e->verdict);
-    printf("%s: %s\n", verdict, report_verdict(verdict));
+    printf("%s: %s\n", verdict, page_verdict(verdict));
     for (size_t i = 0; i < e->n_effects; i++) {
         effect_text(&e->effect[i], text);
         printf("  %s\n", text);
@@ -44,16 +44,16 @@ void explain_say(const palp_explanation *e) {
 
 static void into_page(void *user, const char *name, char *svg) {
     (void)name;
-    html_svg(user, svg, REPORT_EXPLAIN_CAPTION);
+    html_svg(user, svg, PAGE_RESIDUALS);
     free(svg);
 }
 
 static int page(FILE *to, const json_t *result, const palp_explanation *e) {
     plot_book book = {.command = NAME, .take = into_page, .user = to};
     html_open(to, "What the model misses");
-    report_found(to, result);
+    page_found(to, result);
     explain_figure(&book, e);
-    report_how(to, result);
+    page_how(to, result);
     fputs("<p class=\"about\"><code>", to);
     html_text(to, json_string_value(json_object_get(result, "command")));
     fputs("</code></p>\n", to);

@@ -3,6 +3,7 @@
 #define PALPATE_TOOL_REPORT_H
 
 #include "shared/cli.h"
+#include "explain/page.h"
 #include "shared/html.h"
 #include "shared/plot_runs.h"
 
@@ -60,7 +61,6 @@ typedef struct report {
 /* ---- report_load.c; exit codes, after one line on stderr if not 0 ---- */
 int report_add(report *r, const char *path, bool must_read); /* a file, or all of a folder */
 void report_free(report *r);
-const char *report_base(const char *path);
 const report_file *report_find(const report *r, report_kind kind, size_t which); /* NULL = no more */
 size_t report_count(const report *r, report_kind kind);
 
@@ -68,23 +68,12 @@ size_t report_count(const report *r, report_kind kind);
 int report_pairs(report *r);   /* simulations beside recordings */
 int report_figures(report *r); /* draws what was not among the files; adds them as figures */
 
-double report_number(const json_t *object, const char *key);   /* NAN if it has none */
-const char *report_text(const json_t *object, const char *key); /* "-" likewise */
-
 /* The figure of a name ("fit_log") among the files that is not on the page yet; report_figure puts it there. */
 report_file *report_find_figure(const report *r, const char *name); /* NULL = none */
 void report_figure(FILE *to, report *r, const char *name, const char *caption);
 
-/* ---- report_page.c, report_results.c, report_explain.c: the sections ---- */
-#define REPORT_EXPLAIN_CAPTION                                                                                \
-    "Recorded minus model: orange as given, blue with the effects (lines: means, tint: lowest and "           \
-    "highest), grey the noise level. At most the twelve runs with the largest gap."
+/* ---- report_page.c, report_results.c: the sections ---- */
 int report_page(report *r, const char *path);
-void report_found(FILE *to, const json_t *result); /* of palpate explain: the verdict, what is missing, in which phases */
-void report_how(FILE *to, const json_t *result);   /* likewise: the candidates, the residual, what to measure next */
-const char *report_verdict(const char *name);          /* as a sentence */
-const char *report_effect(const char *id);             /* its name in words */
-void report_explanations(FILE *to, report *r);
 void report_fits(FILE *to, report *r);
 void report_parameters(FILE *to, report *r);
 void report_law(FILE *to, report *r);

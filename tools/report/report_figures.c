@@ -19,7 +19,7 @@ static const report_file *partner(const report *r, const report_file *simulation
         if (f->kind != REPORT_RECORDING || f->recording.n == 0) {
             continue;
         }
-        bool same = named ? strcmp(report_base(f->path), report_base(like)) == 0
+        bool same = named ? strcmp(cli_base(f->path), cli_base(like)) == 0
                           : f->recording.kind == s->kind && s->kind != PALP_RECORDING_OTHER &&
                                 fabs(f->recording.deepest_m - s->deepest_m) < 0.01 * s->deepest_m &&
                                 fabs(f->recording.ramp_end_s - f->recording.ramp_start_s - s->ramp_end_s +

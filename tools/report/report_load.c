@@ -12,11 +12,6 @@
 
 static const char NAME[] = "report";
 
-const char *report_base(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static bool ends(const char *path, const char *ending) {
     size_t n = strlen(path), m = strlen(ending);
     return n > m && strcmp(path + n - m, ending) == 0;
@@ -39,20 +34,10 @@ size_t report_count(const report *r, report_kind kind) {
     return count;
 }
 
-double report_number(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
-const char *report_text(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return json_is_string(value) ? json_string_value(value) : "-";
-}
-
 report_file *report_find_figure(const report *r, const char *name) {
     size_t n = strlen(name);
     for (size_t i = 0; i < r->n; i++) {
-        const char *base = report_base(r->file[i].path);
+        const char *base = cli_base(r->file[i].path);
         if (r->file[i].kind == REPORT_FIGURE && !r->file[i].shown && strncmp(base, name, n) == 0 &&
             strcmp(base + n, ".svg") == 0) {
             return &r->file[i];

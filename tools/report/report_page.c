@@ -101,13 +101,13 @@ static void card_model(FILE *to, const report *r) {
 
 static void card_explain(FILE *to, const report *r) {
     const report_file *f = report_find(r, REPORT_EXPLAIN, 0);
-    bool unknown = f && strcmp(report_text(f->json, "verdict"), "unexplained") == 0;
+    bool unknown = f && strcmp(json_text_at(f->json, "verdict"), "unexplained") == 0;
     char text[256];
     snprintf(text, sizeof text, "%s", unknown ? "something that no effect accounts for" : "nothing");
     const json_t *list = f ? json_object_get(f->json, "effects") : NULL, *effect;
     for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
         size_t n = i ? strlen(text) : 0;
-        snprintf(text + n, sizeof text - n, "%s%s", i ? ", " : "", report_effect(report_text(effect, "id")));
+        snprintf(text + n, sizeof text - n, "%s%s", i ? ", " : "", page_effect(json_text_at(effect, "id")));
     }
     if (f) {
         html_card(to, "Missing in the lumped model", "%s", text);
@@ -183,11 +183,11 @@ static void measured_row(FILE *to, const report_file *f) {
     const palp_recording *r = &f->recording;
     char text[256];
     if (r->n == 0) {
-        html_row(to, f->note[0] ? "%s|~could not be used: %s" : "%s|~no specimen%s||||||||||", report_base(f->path), f->note);
+        html_row(to, f->note[0] ? "%s|~could not be used: %s" : "%s|~no specimen%s||||||||||", cli_base(f->path), f->note);
         return;
     }
     findings(r, text, sizeof text);
-    html_row(to, "%s|~%s|%.4g|%.3g|%.4g|%zu|%.4g|%.3g \u00b1 %.2g|~%s|%.3f|%#.3g|~%s", report_base(f->path),
+    html_row(to, "%s|~%s|%.4g|%.3g|%.4g|%zu|%.4g|%.3g \u00b1 %.2g|~%s|%.3f|%#.3g|~%s", cli_base(f->path),
              kinds[r->kind], 1e3 * r->deepest_m, r->ramp_end_s - r->ramp_start_s,
              r->time_s[r->n - 1] - r->time_s[0], r->n, run_rate_Hz(r), 1e3 * r->contact_m,
              1.96e3 * r->contact_sd_m, rules[r->contact_rule], 1e3 * r->zero_N, 1e3 * r->noise_N, text);
@@ -249,6 +249,21 @@ static void curves(FILE *to, report *r) {
           to);
 }
 
+/* ---- what palpate explain found ---- */
+
+static void explanations(FILE *to, report *r) {
+    const report_file *f;
+    if (report_count(r, REPORT_EXPLAIN) == 0) {
+        return;
+    }
+    html_section(to, "explain", "What the model misses");
+    for (size_t i = 0; (f = report_find(r, REPORT_EXPLAIN, i)) != NULL; i++) {
+        page_found(to, f->json);
+        report_figure(to, r, "explain_residuals", PAGE_RESIDUALS);
+        page_how(to, f->json);
+    }
+}
+
 /* ---- provenance ---- */
 
 static const char *kind_name(report_kind kind) {
@@ -267,7 +282,7 @@ static void others(FILE *to, report *r) {
                 fputs("<div class=\"figures\">\n", to);
                 any = true;
             }
-            html_svg(to, f->svg, report_base(f->path));
+            html_svg(to, f->svg, cli_base(f->path));
             f->shown = true;
         }
     }
@@ -281,7 +296,7 @@ static void commands(FILE *to, const report *r) {
         const json_t *version = about ? json_object_get(about, "version") : NULL;
         if (json_is_string(command)) {
             fputs("<p>", to);
-            html_text(to, report_base(r->file[i].path));
+            html_text(to, cli_base(r->file[i].path));
             fprintf(to, ", palpate ");
             html_text(to, json_is_string(version) ? json_string_value(version) : "?");
             fputs(": <code>", to);
@@ -308,7 +323,7 @@ static void provenance(FILE *to, const report *r) {
         if (!gmtime_r(&f->modified, &when) || strftime(date, sizeof date, "%Y-%m-%d %H:%M:%S", &when) == 0) {
             strcpy(date, "-");
         }
-        html_row(to, "%s|~%s|%lld|%08lx|~%s|~%s", report_base(f->path), kind_name(f->kind), f->size,
+        html_row(to, "%s|~%s|%lld|%08lx|~%s|~%s", cli_base(f->path), kind_name(f->kind), f->size,
                  (unsigned long)f->crc, date, f->note);
     }
     html_table_end(to);
@@ -357,7 +372,7 @@ int report_page(report *r, const char *path) {
     report_fits(to, r);
     report_parameters(to, r);
     report_law(to, r);
-    report_explanations(to, r);
+    explanations(to, r);
     report_calibrations(to, r);
     report_simulations(to, r);
     others(to, r);

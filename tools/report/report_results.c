@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const char *base_of(const json_t *object) {
-    return report_base(report_text(object, "file"));
+    return cli_base(json_text_at(object, "file"));
 }
 
 /* ---- fits and residuals ---- */
@@ -18,8 +18,8 @@ static void table_spread(FILE *to, const json_t *all) {
     }
     html_table(to, "Spread of the static presses", "strain|mean force (N)|sd (%)|lowest (N)|highest (N)");
     for (size_t i = 0; (at = json_array_get(list, i)) != NULL; i++) {
-        html_row(to, "%.3f|%#.4g|%.2f|%#.4g|%#.4g", report_number(at, "strain"), report_number(at, "mean_N"),
-                 100 * report_number(at, "sd_N") / report_number(at, "mean_N"), report_number(at, "low_N"), report_number(at, "high_N"));
+        html_row(to, "%.3f|%#.4g|%.2f|%#.4g|%#.4g", json_number_at(at, "strain"), json_number_at(at, "mean_N"),
+                 100 * json_number_at(at, "sd_N") / json_number_at(at, "mean_N"), json_number_at(at, "low_N"), json_number_at(at, "high_N"));
     }
     html_table_end(to);
 }
@@ -28,9 +28,9 @@ static void table_runs(FILE *to, const json_t *all) {
     const json_t *runs = json_object_get(all, "runs"), *run;
     html_table(to, "Residuals of the model", "recording|rms (mN)|rms over noise|largest (% of peak)|sum (N)");
     for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++) {
-        html_row(to, "%s|%#.4g|%#.3g|%.2f|%#.5g", base_of(run), 1e3 * report_number(run, "rms_N"),
-                 report_number(run, "rms_noise"), report_number(run, "largest_residual_percent"),
-                 report_number(run, "absolute_N"));
+        html_row(to, "%s|%#.4g|%#.3g|%.2f|%#.5g", base_of(run), 1e3 * json_number_at(run, "rms_N"),
+                 json_number_at(run, "rms_noise"), json_number_at(run, "largest_residual_percent"),
+                 json_number_at(run, "absolute_N"));
     }
     html_table_end(to);
 }
@@ -54,7 +54,7 @@ static void table_static(FILE *to, const json_t *all) {
         const json_t *list = json_object_get(one, "polynomials");
         for (size_t k = 0; (polynomial = json_array_get(list, k)) != NULL; k++) {
             coefficients(json_object_get(polynomial, "coefficients_N"), line, sizeof line);
-            html_row(to, "%.0f|%.4g|~%s", report_number(polynomial, "degree"), report_number(polynomial, "norm_N"), line);
+            html_row(to, "%.0f|%.4g|~%s", json_number_at(polynomial, "degree"), json_number_at(polynomial, "norm_N"), line);
         }
         html_table_end(to);
     }
@@ -71,8 +71,8 @@ static void table_scores(FILE *to, const json_t *list, const char *key, const ch
     for (size_t i = 0; (row = json_array_get(list, i)) != NULL; i++) {
         char ratio[32];
         html_number(ratio, json_object_get(row, "rms_noise"), 4);
-        html_row(to, "%.0f|%.5g|%.3g|%s|~%s", report_number(row, key), report_number(row, "held_out"),
-                 report_number(row, "excess_sd"), ratio, json_is_true(json_object_get(row, "taken")) ? "taken" : "");
+        html_row(to, "%.0f|%.5g|%.3g|%s|~%s", json_number_at(row, key), json_number_at(row, "held_out"),
+                 json_number_at(row, "excess_sd"), ratio, json_is_true(json_object_get(row, "taken")) ? "taken" : "");
     }
     html_table_end(to);
 }
@@ -110,13 +110,13 @@ void report_fits(FILE *to, report *r) {
 /* ---- parameters ---- */
 
 static void estimate_row(FILE *to, const json_t *e) {
-    double low = report_number(e, "low"), high = report_number(e, "high");
+    double low = json_number_at(e, "low"), high = json_number_at(e, "high");
     int d = digits_after_point(0.5 * (high - low));
     if (json_is_true(json_object_get(e, "determined"))) {
-        html_row(to, "%s|%.*f|%.*f to %.*f|~%s", report_text(e, "name"), d, report_number(e, "value"), d, low, d, high,
-                 report_text(e, "unit"));
+        html_row(to, "%s|%.*f|%.*f to %.*f|~%s", json_text_at(e, "name"), d, json_number_at(e, "value"), d, low, d, high,
+                 json_text_at(e, "unit"));
     } else {
-        html_row(to, "%s|not determined|%.1g to %.1g|~%s", report_text(e, "name"), low, high, report_text(e, "unit"));
+        html_row(to, "%s|not determined|%.1g to %.1g|~%s", json_text_at(e, "name"), low, high, json_text_at(e, "unit"));
     }
 }
 
@@ -145,9 +145,9 @@ static void list_pairs(FILE *to, const json_t *all) {
                         : "<p class=\"about\">Correlated above 0.95, so that only their combination is known "
                           "well: ",
                     to);
-                html_text(to, report_text(json_array_get(names, i), "name"));
+                html_text(to, json_text_at(json_array_get(names, i), "name"));
                 fputs(" and ", to);
-                html_text(to, report_text(json_array_get(names, j), "name"));
+                html_text(to, json_text_at(json_array_get(names, j), "name"));
                 fprintf(to, " (%.3f)", c);
             }
         }
@@ -161,12 +161,12 @@ static void cell(const json_t *list, const char *name, char line[64]) {
     strcpy(line, "-");
     for (size_t i = 0; (e = json_array_get(list, i)) != NULL; i++) {
         size_t n = strlen(name);
-        if (strncmp(report_text(e, "name"), name, n) == 0 &&
-            (report_text(e, "name")[n] == '\0' || report_text(e, "name")[n] == ' ')) {
-            double half = 0.5 * (report_number(e, "high") - report_number(e, "low"));
+        if (strncmp(json_text_at(e, "name"), name, n) == 0 &&
+            (json_text_at(e, "name")[n] == '\0' || json_text_at(e, "name")[n] == ' ')) {
+            double half = 0.5 * (json_number_at(e, "high") - json_number_at(e, "low"));
             int d = digits_after_point(half);
             if (json_is_true(json_object_get(e, "determined"))) {
-                snprintf(line, 64, "%.*f \u00b1 %.*f", d, report_number(e, "value"), d, half);
+                snprintf(line, 64, "%.*f \u00b1 %.*f", d, json_number_at(e, "value"), d, half);
             } else {
                 strcpy(line, "not determined");
             }
@@ -205,8 +205,8 @@ static void table_depths(FILE *to, const json_t *all) {
     for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++) {
         const json_t *estimates = json_object_get(one, "estimates");
         cell(estimates, "K_inf", value);
-        n = (size_t)snprintf(line, sizeof line, "%.4g|%.4f|%s", report_number(one, "depth_mm"),
-                             report_number(one, "strain"), value);
+        n = (size_t)snprintf(line, sizeof line, "%.4g|%.4f|%s", json_number_at(one, "depth_mm"),
+                             json_number_at(one, "strain"), value);
         for (size_t j = 1; j <= arms; j++) {
             for (int k = 0; k < 2; k++) {
                 snprintf(name, sizeof name, "%c_%zu", k ? 'b' : 'K', j);
@@ -214,7 +214,7 @@ static void table_depths(FILE *to, const json_t *all) {
                 n += (size_t)snprintf(line + n, sizeof line - n, "|%s", value);
             }
         }
-        snprintf(line + n, sizeof line - n, "|%.3g", report_number(one, "rms_noise"));
+        snprintf(line + n, sizeof line - n, "|%.3g", json_number_at(one, "rms_noise"));
         html_row(to, "%s", line);
     }
     html_table_end(to);
@@ -276,8 +276,8 @@ static void table_gap(FILE *to, const json_t *all) {
                "strain|ramp and hold (N)|static polynomial (N)|model (N)");
     for (size_t i = 0; (g = json_array_get(list, i)) != NULL; i++) {
         html_number(plain, json_object_get(g, "static_plain_N"), 4);
-        html_row(to, "%.4f|%#.4g|%s|%#.4g", report_number(g, "strain"), report_number(g, "ramp_hold_N"), plain,
-                 report_number(g, "joint_N"));
+        html_row(to, "%.4f|%#.4g|%s|%#.4g", json_number_at(g, "strain"), json_number_at(g, "ramp_hold_N"), plain,
+                 json_number_at(g, "joint_N"));
     }
     html_table_end(to);
 }
@@ -303,7 +303,7 @@ void report_law(FILE *to, report *r) {
     for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++) {
         if (f->model.kind == PALP_MODEL_LUMPED) {
             fputs("<h3>", to);
-            html_text(to, report_base(f->path));
+            html_text(to, cli_base(f->path));
             fputs("</h3>\n", to);
             formula(to, &f->model.material.law);
             table_arms(to, NULL, f);
@@ -324,7 +324,7 @@ void report_law(FILE *to, report *r) {
 static void network(FILE *to, const report_file *f) {
     const palp_mesh_spec *mesh = &f->model.mesh;
     fputs("<h3>", to);
-    html_text(to, report_base(f->path));
+    html_text(to, cli_base(f->path));
     fputs("</h3>\n<p>", to);
     if (mesh->kind == PALP_MESH_LATTICE) {
         fprintf(to,
@@ -334,7 +334,7 @@ static void network(FILE *to, const report_file *f) {
                 1e3 * mesh->size_m[2]);
     } else {
         fputs("The mesh of ", to);
-        html_text(to, report_base(mesh->path));
+        html_text(to, cli_base(mesh->path));
         fputs(". Element law:</p>\n", to);
     }
     formula(to, &f->model.material.law);
@@ -346,8 +346,8 @@ static void calibrated_depths(FILE *to, const json_t *all) {
         html_table(to, "Network against its target, ramp and hold",
                    "depth (mm)|peak (N)|largest error (% of the peak)");
         for (size_t i = 0; (depth = json_array_get(depths, i)) != NULL; i++) {
-            html_row(to, "%.4g|%#.4g|%.3f", report_number(depth, "depth_mm"), report_number(depth, "peak_N"),
-                     report_number(depth, "max_error_percent"));
+            html_row(to, "%.4g|%#.4g|%.3f", json_number_at(depth, "depth_mm"), json_number_at(depth, "peak_N"),
+                     json_number_at(depth, "max_error_percent"));
         }
         html_table_end(to);
     }
@@ -355,7 +355,7 @@ static void calibrated_depths(FILE *to, const json_t *all) {
 
 static void calibrated(FILE *to, const json_t *all) {
     fputs("<p>Method ", to);
-    html_text(to, report_text(all, "method"));
+    html_text(to, json_text_at(all, "method"));
     fprintf(to, ", %s.</p>\n",
             json_is_false(json_object_get(all, "converged")) ? "<b>not converged</b>" : "converged");
 }
@@ -406,8 +406,8 @@ void report_simulations(FILE *to, report *r) {
         const report_pair *p = &r->pair[i];
         const char *model = "-";
         palp_experiment_get_string(p->simulation->experiment, "model.file", &model);
-        html_row(to, "%s|~%s|~%s|%#.4g|%#.3g|%#.3g", report_base(p->simulation->path), report_base(model),
-                 report_base(p->recording->path), p->peak_N, 1e3 * p->rms_N, p->worst_percent);
+        html_row(to, "%s|~%s|~%s|%#.4g|%#.3g|%#.3g", cli_base(p->simulation->path), cli_base(model),
+                 cli_base(p->recording->path), p->peak_N, 1e3 * p->rms_N, p->worst_percent);
     }
     html_table_end(to);
     fputs("<div class=\"figures\">\n", to);

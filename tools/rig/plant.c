@@ -3,7 +3,6 @@
 #include "plant_specimen.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,17 +22,6 @@ struct plant {
     int32_t jumped;        /* counts */
     uint32_t tick, faults; /* bits 1 << plant_fault */
 };
-
-palp_status plant_fail(palp_error *error, palp_status status, const char *format, ...) {
-    va_list arguments;
-    if (error) {
-        error->status = status;
-        va_start(arguments, format);
-        vsnprintf(error->text, sizeof error->text, format, arguments);
-        va_end(arguments);
-    }
-    return status;
-}
 
 /* ---- made and freed ---- */
 

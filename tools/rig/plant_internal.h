@@ -5,7 +5,7 @@
 #include "force.h"
 #include "plant.h"
 
-/* Fills error with a formatted line; returns status. plant.c */
+/* Fills error with a formatted line; returns status. plant_fail.c */
 palp_status plant_fail(palp_error *error, palp_status status, const char *format, ...);
 
 /* ---- motor and carriage: plant_actuator.c ---- */

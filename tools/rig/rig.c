@@ -4,7 +4,7 @@
 #include "shared/cli.h"
 #include "rig_internal.h"
 
-#include "hal.h"
+#include "app.h"
 
 #include <errno.h>
 #include <math.h>
@@ -148,7 +148,7 @@ static void boot(loop *l) {
         rig_feed_plant(&l->feed, 0, l->plant);
     }
     plant_first(l->plant, &l->in);
-    l->in.reset_cause = hung ? HAL_RESET_WATCHDOG : HAL_RESET_POWER;
+    l->in.reset_cause = hung ? APP_RESET_WATCHDOG : APP_RESET_POWER;
     l->figures.restarts += l->booted;
     l->booted = true;
 }

@@ -373,3 +373,8 @@ int cli_folder(const char *name, const char *folder) {
     }
     return cli_failure(name, "%s: is no folder and cannot be made", folder);
 }
+
+const char *cli_base(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}

@@ -59,3 +59,13 @@ json_t *json_numbers(size_t n, const double *value) {
     }
     return list;
 }
+
+double json_number_at(const json_t *object, const char *key) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+const char *json_text_at(const json_t *object, const char *key) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_string(value) ? json_string_value(value) : "-";
+}

@@ -15,6 +15,10 @@ int json_save_in(const char *name, json_t *value, const char *folder, const char
 
 json_t *json_numbers(size_t n, const double *value);
 
+/* The member of a key; NAN or "-" if there is none of this type. */
+double json_number_at(const json_t *object, const char *key);
+const char *json_text_at(const json_t *object, const char *key);
+
 /* A number, or null where it is not finite. */
 json_t *json_number_or_null(double value);
 

@@ -1,6 +1,8 @@
 /* plot_runs.c: the figures of recordings, and of fits to them. */
 #include "plot_runs.h"
 
+#include "cli.h"
+
 #include <math.h>
 #include <palpate/law.h>
 #include <stdio.h>
@@ -97,16 +99,11 @@ static bool named(size_t k, size_t n) {
     return every <= 1 || k % every == 0;
 }
 
-static const char *base(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static void name_curve(const run_curve *run, char title[32]) {
     if (run->recording->kind == PALP_RECORDING_RAMP_HOLD) {
         snprintf(title, 32, "%.3g mm", 1e3 * run->recording->deepest_m);
     } else {
-        snprintf(title, 32, "%.18s", base(run->recording->name));
+        snprintf(title, 32, "%.18s", cli_base(run->recording->name));
     }
 }
 

@@ -32,7 +32,7 @@ uint8_t hal_init(void) {
     if (!semihosting_open())
         give_up("rig.elf: cannot open the two FIFOs that -semihosting-config arg=...,arg=... should name\n");
     const uint8_t cause = simulated_boot();
-    if (cause != HAL_RESET_POWER)
+    if (cause != APP_RESET_POWER)
         rig.cause = cause;
     watchdog_start();
     tick_start(CLOCK_FULL_HZ);
@@ -83,7 +83,7 @@ void simulated_swap(const uint8_t out[PLANT_LINK_OUT], uint8_t in[PLANT_LINK_IN]
 }
 
 void simulated_restart(void) {
-    reset_because(HAL_RESET_WATCHDOG);
+    reset_because(APP_RESET_WATCHDOG);
 }
 
 void simulated_quit(ring *transmit) {

@@ -19,11 +19,11 @@ uint8_t hal_init(void) {
     switches_start();
     board.cause = reset_cause();
     if (!clock.crystal)
-        failed |= HAL_CLOCK_FAILED;
+        failed |= APP_CLOCK_FAILED;
     if (!ad7606_start())
-        failed |= HAL_SENSOR_FAILED;
+        failed |= APP_SENSOR_FAILED;
     if (!encoder_start())
-        failed |= HAL_ENCODER_FAILED;
+        failed |= APP_ENCODER_FAILED;
     thermistor_start();
     uart_start(clock.bus_hz);
     cycle_counter_start();

@@ -68,7 +68,7 @@ bool switches_emergency(void);
 void watchdog_start(void);
 
 /* reset.c */
-uint8_t reset_cause(void); /* HAL_RESET_*; clears it for the next start */
+uint8_t reset_cause(void); /* APP_RESET_*; clears it for the next start */
 void reset_because(uint8_t cause);
 
 /* stack.c */

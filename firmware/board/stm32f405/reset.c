@@ -10,10 +10,10 @@ uint8_t reset_cause(void) {
     RCC->CSR |= RCC_CSR_RMVF;
     reset_note = 0;
     if ((flags & RCC_CSR_PORRSTF) != 0) /* what the memory holds then is chance */
-        return HAL_RESET_POWER;
+        return APP_RESET_POWER;
     if ((flags & RCC_CSR_IWDGRSTF) != 0)
-        return HAL_RESET_WATCHDOG;
-    return (note & 0xffffff00u) == NOTE ? (uint8_t)note : HAL_RESET_POWER;
+        return APP_RESET_WATCHDOG;
+    return (note & 0xffffff00u) == NOTE ? (uint8_t)note : APP_RESET_POWER;
 }
 
 void reset_because(uint8_t cause) {

@@ -17,7 +17,7 @@ __attribute__((naked)) static void fault_entry(void) {
 
 __attribute__((noreturn, used)) void fault_restart(uintptr_t pointer) {
     motor_off();
-    reset_because(stack_overran(pointer) ? HAL_RESET_STACK : HAL_RESET_WATCHDOG);
+    reset_because(stack_overran(pointer) ? APP_RESET_STACK : APP_RESET_WATCHDOG);
     for (;;) /* the watchdog, should that fail */
         ;
 }

@@ -1,68 +1,68 @@
-/* report_explain.c: what palpate explain found, from its result as JSON: on its own page and in a report. */
+/* page_found.c: what palpate explain found, from its result as JSON: on its own page and in a report. */
 #include "shared/digits.h"
-#include "report_explain.h"
+#include "page.h"
 
 #include <math.h>
 #include <string.h>
 
 /* ---- the verdict ---- */
 
-static void effect_names(const json_t *all, char line[REPORT_LINE]) {
+static void effect_names(const json_t *all, char line[PAGE_LINE]) {
     const json_t *list = json_object_get(all, "effects"), *effect;
     size_t n = 0;
     line[0] = '\0';
-    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL && n < REPORT_LINE; i++) {
-        n += (size_t)snprintf(line + n, REPORT_LINE - n, "%s%s", i ? ", " : "", report_effect(report_text(effect, "id")));
+    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL && n < PAGE_LINE; i++) {
+        n += (size_t)snprintf(line + n, PAGE_LINE - n, "%s%s", i ? ", " : "", page_effect(json_text_at(effect, "id")));
     }
 }
 
 /* "a could as well be b, c" of each effect that is not alone in its class. */
 static void classes(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "effects"), *effect;
-    char alike[REPORT_LINE];
+    char alike[PAGE_LINE];
     for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
-        report_names(json_object_get(effect, "class"), 1, " or ", alike);
+        page_names(json_object_get(effect, "class"), 1, " or ", alike);
         if (alike[0]) {
-            report_paragraph(to, "What is called %s here could as well be %s: these runs cannot tell.",
-                             report_effect(report_text(effect, "id")), alike);
+            page_paragraph(to, "What is called %s here could as well be %s: these runs cannot tell.",
+                             page_effect(json_text_at(effect, "id")), alike);
         }
     }
 }
 
 static void verdict(FILE *to, const json_t *all) {
     const json_t *gap = json_object_get(all, "gap");
-    const char *name = report_text(all, "verdict");
+    const char *name = json_text_at(all, "verdict");
     bool some = json_array_size(json_object_get(all, "effects")) > 0, left = strcmp(name, "unexplained") == 0;
-    char names[REPORT_LINE], before[32], after[32], noise[32], rest[32];
+    char names[PAGE_LINE], before[32], after[32], noise[32], rest[32];
     effect_names(all, names);
-    report_force(report_number(gap, "heldout_before_N"), before);
-    report_force(report_number(gap, "heldout_after_N"), after);
-    report_force(report_number(gap, "noise_level_N"), noise);
-    report_force(report_number(gap, "unexplained_N"), rest);
+    page_force(json_number_at(gap, "heldout_before_N"), before);
+    page_force(json_number_at(gap, "heldout_after_N"), after);
+    page_force(json_number_at(gap, "noise_level_N"), noise);
+    page_force(json_number_at(gap, "unexplained_N"), rest);
     fputs("<div class=\"verdict ", to);
     html_text(to, name);
     fputs("\"><b>", to);
-    html_text(to, report_verdict(name));
+    html_text(to, page_verdict(name));
     fputs("</b>\n", to);
     if (some) {
-        report_paragraph(to,
+        page_paragraph(to,
                          "The model as given lacks: %s. Once that is added, recorded minus model in experiments left out of "
                          "the fit falls from %s, rms, to %s. Noise and the scatter between runs alone make %s.",
                          names, before, after, noise);
     } else {
-        report_paragraph(to,
+        page_paragraph(to,
                          "With its numbers refitted, recorded minus model is %s, rms, in experiments left out of the fit. "
                          "Noise and the scatter between runs alone make %s.",
                          before, noise);
     }
     if (left) {
-        report_paragraph(to,
+        page_paragraph(to,
                          "Beyond noise and scatter %s, rms, of structure remain. %s", rest,
                          some ? "The effects named are there, but they are not all."
                               : "No effect is named: none closes enough of the gap to be more than a mimic.");
     }
-    if (strcmp(name, "agrees") == 0 && report_number(gap, "unexplained_N") > 0) {
-        report_paragraph(to, "What is above that, %s, is less than the noise level, and no effect of the catalogue explains it.",
+    if (strcmp(name, "agrees") == 0 && json_number_at(gap, "unexplained_N") > 0) {
+        page_paragraph(to, "What is above that, %s, is less than the noise level, and no effect of the catalogue explains it.",
                          rest);
     }
     classes(to, all);
@@ -74,30 +74,30 @@ static void verdict(FILE *to, const json_t *all) {
 static void gap_bars(FILE *to, const json_t *all) {
     const json_t *gap = json_object_get(all, "gap");
     bool some = json_array_size(json_object_get(all, "effects")) > 0;
-    const report_bar bar[] = {
-        {"all experiments", report_number(gap, "before_N"), some ? report_number(gap, "after_N") : NAN},
-        {"experiments left out", report_number(gap, "heldout_before_N"),
-         some ? report_number(gap, "heldout_after_N") : NAN},
+    const page_bar bar[] = {
+        {"all experiments", json_number_at(gap, "before_N"), some ? json_number_at(gap, "after_N") : NAN},
+        {"experiments left out", json_number_at(gap, "heldout_before_N"),
+         some ? json_number_at(gap, "heldout_after_N") : NAN},
     };
-    char caption[REPORT_LINE], closed[64] = "";
+    char caption[PAGE_LINE], closed[64] = "";
     if (some) {
-        snprintf(closed, sizeof closed, " Of what can be closed %.0f %% is.", 100 * fmin(1, report_number(gap, "closed")));
+        snprintf(closed, sizeof closed, " Of what can be closed %.0f %% is.", 100 * fmin(1, json_number_at(gap, "closed")));
     }
     snprintf(caption, sizeof caption,
              "The gap, rms: orange the model as given, refitted%s. Below: experiments that the fit did not see.%s",
              some ? ", blue with the effects" : "", closed);
-    report_bars(to, caption, sizeof bar / sizeof bar[0], bar, report_number(gap, "noise_level_N"));
+    page_bars(to, caption, sizeof bar / sizeof bar[0], bar, json_number_at(gap, "noise_level_N"));
 }
 
 static void noise_level_table(FILE *to, const json_t *all) {
     const json_t *parts = json_object_get(all, "noise_level");
     char white[32], correlated[32];
     html_table(to, "What the noise level is made of", "part|~size");
-    html_row(to, "white noise of a sample|~%s", report_force(report_number(parts, "white_N"), white));
-    html_row(to, "correlated noise|~%s over %.2g s", report_force(report_number(parts, "correlated_N"), correlated),
-             report_number(parts, "correlation_s"));
-    html_row(to, "gain from run to run|~%.2g %%", 100 * report_number(parts, "gain_scatter"));
-    html_row(to, "contact from run to run|~%.2g \u00b5m", 1e3 * report_number(parts, "contact_scatter_mm"));
+    html_row(to, "white noise of a sample|~%s", page_force(json_number_at(parts, "white_N"), white));
+    html_row(to, "correlated noise|~%s over %.2g s", page_force(json_number_at(parts, "correlated_N"), correlated),
+             json_number_at(parts, "correlation_s"));
+    html_row(to, "gain from run to run|~%.2g %%", 100 * json_number_at(parts, "gain_scatter"));
+    html_row(to, "contact from run to run|~%.2g \u00b5m", 1e3 * json_number_at(parts, "contact_scatter_mm"));
     html_row(to, "runs of one protocol|~%s",
              json_is_true(json_object_get(parts, "replicates"))
                  ? "there are some: the scatter is measured"
@@ -123,28 +123,28 @@ static void parameter_rows(FILE *to, const json_t *effect) {
         const json_t *pair = json_object_get(json_object_get(effect, "intervals"), key);
         double low = json_number_value(json_array_get(pair, 0)), high = json_number_value(json_array_get(pair, 1));
         int d = digits_after_point(0.5 * (high - low));
-        report_parameter(key, name, unit);
+        page_parameter(key, name, unit);
         html_row(to, "%s|%.*f|%.*f to %.*f|~%s|~%s", name, d, json_number_value(value), d, low, d, high, unit, key);
     }
 }
 
 static void effect_card(FILE *to, const json_t *effect) {
-    const char *id = report_text(effect, "id");
-    char alike[REPORT_LINE];
-    report_names(json_object_get(effect, "class"), 1, ", ", alike);
+    const char *id = json_text_at(effect, "id");
+    char alike[PAGE_LINE];
+    page_names(json_object_get(effect, "class"), 1, ", ", alike);
     fputs("<div class=\"effect\"><h4>", to);
-    html_text(to, report_effect(id));
+    html_text(to, page_effect(id));
     fputs("</h4>\n", to);
-    report_paragraph(to, "%s", report_effect_means(id));
+    page_paragraph(to, "%s", page_effect_means(id));
     html_table(to, NULL, "parameter|value|95 % interval|~unit|~in the model file");
     parameter_rows(to, effect);
     html_table_end(to);
-    report_paragraph(to,
+    page_paragraph(to,
                      "It closes %.0f %% of the squared gap above the noise level that is open without it; experiments left out are "
                      "predicted better by %.0f \u00b1 %.0f nats.",
-                     100 * report_number(effect, "gap_closed"), report_number(effect, "evidence"),
-                     report_number(effect, "evidence_standard_error"));
-    report_paragraph(to, "Would do as well: %s.", alike[0] ? alike : "no other effect of the catalogue");
+                     100 * json_number_at(effect, "gap_closed"), json_number_at(effect, "evidence"),
+                     json_number_at(effect, "evidence_standard_error"));
+    page_paragraph(to, "Would do as well: %s.", alike[0] ? alike : "no other effect of the catalogue");
     fputs("</div>\n", to);
 }
 
@@ -162,28 +162,15 @@ static void effects_section(FILE *to, const json_t *all) {
 
 /* ---- all of it ---- */
 
-void report_found(FILE *to, const json_t *all) {
+void page_found(FILE *to, const json_t *all) {
     verdict(to, all);
     effects_section(to, all);
     gap_section(to, all);
-    report_phases(to, all);
+    page_phases(to, all);
 }
 
-void report_how(FILE *to, const json_t *all) {
-    report_search(to, all);
-    report_diagnostics(to, all);
-    report_next(to, all);
-}
-
-void report_explanations(FILE *to, report *r) {
-    const report_file *f;
-    if (report_count(r, REPORT_EXPLAIN) == 0) {
-        return;
-    }
-    html_section(to, "explain", "What the model misses");
-    for (size_t i = 0; (f = report_find(r, REPORT_EXPLAIN, i)) != NULL; i++) {
-        report_found(to, f->json);
-        report_figure(to, r, "explain_residuals", REPORT_EXPLAIN_CAPTION);
-        report_how(to, f->json);
-    }
+void page_how(FILE *to, const json_t *all) {
+    page_search(to, all);
+    page_diagnostics(to, all);
+    page_next(to, all);
 }

@@ -1,6 +1,6 @@
-/* report_diagnostics.c: diagnostics of the residual: waves over time and depth, free curves, order from sample to sample,
+/* page_diagnostics.c: diagnostics of the residual: waves over time and depth, free curves, order from sample to sample,
  * events. */
-#include "report_explain.h"
+#include "page.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,20 +34,20 @@ static void spectrum(FILE *to, const json_t *waves, const char *key, const char 
     html_draw(to, &figure, caption);
 }
 
-static void line_text(const json_t *line, const char *key, const char *what, char text[REPORT_LINE]) {
+static void line_text(const json_t *line, const char *key, const char *what, char text[PAGE_LINE]) {
     char force[32];
-    double prominence = report_number(line, "prominence");
-    if (!(report_number(line, key) > 0)) {
-        snprintf(text, REPORT_LINE, "No wave over %s could be looked for.", strcmp(what, "Hz") == 0 ? "time" : "depth");
+    double prominence = json_number_at(line, "prominence");
+    if (!(json_number_at(line, key) > 0)) {
+        snprintf(text, PAGE_LINE, "No wave over %s could be looked for.", strcmp(what, "Hz") == 0 ? "time" : "depth");
         return;
     }
-    snprintf(text, REPORT_LINE, "Strongest wave of the residual: %.4g %s, %s, %.2g times the usual power there.",
-             report_number(line, key), what, report_force(report_number(line, "amplitude_N"), force), prominence);
+    snprintf(text, PAGE_LINE, "Strongest wave of the residual: %.4g %s, %s, %.2g times the usual power there.",
+             json_number_at(line, key), what, page_force(json_number_at(line, "amplitude_N"), force), prominence);
 }
 
 static void waves(FILE *to, const json_t *all, bool two) {
     const json_t *spectra = json_object_get(all, "spectrum"), *diagnostics = json_object_get(all, "residual_diagnostics");
-    char text[REPORT_LINE], caption[2 * REPORT_LINE];
+    char text[PAGE_LINE], caption[2 * PAGE_LINE];
     fputs("<div class=\"figures\">\n", to);
     line_text(json_object_get(diagnostics, "line_in_time"), "frequency_Hz", "Hz", text);
     snprintf(caption, sizeof caption, "Waves over time: amplitude against frequency. %s", text);
@@ -64,18 +64,18 @@ static void free_curves(FILE *to, const json_t *all, bool two) {
     static const char *const labels[] = {"the whole residual", "above the noise level", "a curve of depth takes off",
                                          "a curve of time takes off", "a curve of speed takes off"};
     const json_t *curves = json_object_get(json_object_get(all, "residual_diagnostics"), "free_curves"), *gap = json_object_get(all, "gap");
-    const double size[] = {report_number(gap, "after_N"), report_number(gap, "unexplained_N"),
-                           report_number(curves, "depth_N"), report_number(curves, "time_N"),
-                           report_number(curves, "rate_N")};
-    report_bar bar[5];
+    const double size[] = {json_number_at(gap, "after_N"), json_number_at(gap, "unexplained_N"),
+                           json_number_at(curves, "depth_N"), json_number_at(curves, "time_N"),
+                           json_number_at(curves, "rate_N")};
+    page_bar bar[5];
     for (size_t i = 0; i < 5; i++) {
-        bar[i] = (report_bar){.before = two ? NAN : size[i], .after = two ? size[i] : NAN};
+        bar[i] = (page_bar){.before = two ? NAN : size[i], .after = two ? size[i] : NAN};
         strcpy(bar[i].label, labels[i]);
     }
-    report_bars(to,
+    page_bars(to,
                 "The most that an effect nobody has thought of could still explain, rms: free curves of depth, of time "
                 "within a run, of the plate's speed.",
-                5, bar, report_number(gap, "noise_level_N"));
+                5, bar, json_number_at(gap, "noise_level_N"));
 }
 
 /* ---- tables ---- */
@@ -87,14 +87,14 @@ static void order(FILE *to, const json_t *all) {
         return;
     }
     fputs("<details><summary>From sample to sample: correlation and runs test, place by place</summary>\n", to);
-    report_paragraph(to, "White noise has a correlation of 0 from sample to sample and a runs test within 2 standard "
+    page_paragraph(to, "White noise has a correlation of 0 from sample to sample and a runs test within 2 standard "
                          "deviations; correlated noise, a part of the noise level, has not.");
     html_table(to, NULL, "experiment|~phase|share of the first gap (%)|correlation|runs test (standard deviations)");
     for (size_t i = 0; (place = json_array_get(list, i)) != NULL; i++) {
-        report_phase(report_text(place, "phase"), phase);
-        html_row(to, "%s|~%s|%.2f|%.2f|%.1f", report_base(report_text(place, "experiment")), phase,
-                 100 * report_number(place, "share"), report_number(place, "residual_lag1"),
-                 report_number(place, "residual_runs_z"));
+        page_phase(json_text_at(place, "phase"), phase);
+        html_row(to, "%s|~%s|%.2f|%.2f|%.1f", cli_base(json_text_at(place, "experiment")), phase,
+                 100 * json_number_at(place, "share"), json_number_at(place, "residual_lag1"),
+                 json_number_at(place, "residual_runs_z"));
     }
     html_table_end(to);
     fputs("</details>\n", to);
@@ -105,26 +105,26 @@ static void events(FILE *to, const json_t *all) {
     size_t n = json_array_size(list);
     char force[32];
     if (n == 0) {
-        report_paragraph(to, "No events: no lone spikes, no plate letting go, no slips.");
+        page_paragraph(to, "No events: no lone spikes, no plate letting go, no slips.");
         return;
     }
     html_table(to, "Events: they do not count against the model", "experiment|~what|from (s)|to (s)|size");
     for (size_t i = 0; i < n && i < EVENTS; i++) {
         event = json_array_get(list, i);
-        html_row(to, "%s|~%s|%.3f|%.3f|%s", report_base(report_text(event, "experiment")), report_text(event, "kind"),
-                 report_number(event, "from_s"), report_number(event, "to_s"),
-                 report_force(report_number(event, "size_N"), force));
+        html_row(to, "%s|~%s|%.3f|%.3f|%s", cli_base(json_text_at(event, "experiment")), json_text_at(event, "kind"),
+                 json_number_at(event, "from_s"), json_number_at(event, "to_s"),
+                 page_force(json_number_at(event, "size_N"), force));
     }
     html_table_end(to);
     if (n > EVENTS) {
-        report_paragraph(to, "And %zu more.", n - EVENTS);
+        page_paragraph(to, "And %zu more.", n - EVENTS);
     }
     fputs("<p class=\"about\">spike: a lone sample far from its neighbours; release: the plate lets go of the specimen; slip: "
           "the residual steps and stays.</p>\n",
           to);
 }
 
-void report_diagnostics(FILE *to, const json_t *all) {
+void page_diagnostics(FILE *to, const json_t *all) {
     bool two = json_array_size(json_object_get(all, "effects")) > 0;
     fputs("<h3>Residual diagnostics</h3>\n", to);
     waves(to, all, two);

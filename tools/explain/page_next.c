@@ -1,5 +1,5 @@
-/* report_next.c: what to measure next: the run that tells look-alikes apart, drawn. */
-#include "report_explain.h"
+/* page_next.c: what to measure next: the run that tells look-alikes apart, drawn. */
+#include "page.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,9 +22,9 @@ static void go(path *p, double depth, double seconds) {
 
 /* As palpate acquire runs it; false if the run has no speed. */
 static bool walk(const json_t *run, path *p) {
-    const char *kind = report_text(run, "kind");
-    double depth = report_number(run, "depth_mm"), rate = report_number(run, "rate_mm_s"),
-           hold = report_number(run, "hold_s"), cycles = report_number(run, "cycles");
+    const char *kind = json_text_at(run, "kind");
+    double depth = json_number_at(run, "depth_mm"), rate = json_number_at(run, "rate_mm_s"),
+           hold = json_number_at(run, "hold_s"), cycles = json_number_at(run, "cycles");
     double top = strcmp(kind, "free") == 0 ? -AIR - depth : depth, way = fabs(top + AIR);
     *p = (path){.n = 1, .depth = {-AIR}};
     if (!(rate > 0)) {
@@ -62,20 +62,20 @@ static void draw(FILE *to, const json_t *run) {
     fputs("</div>\n", to);
 }
 
-static void kind_words(const json_t *run, char text[REPORT_LINE]) {
-    const char *kind = report_text(run, "kind");
-    double depth = report_number(run, "depth_mm"), rate = report_number(run, "rate_mm_s"),
-           hold = report_number(run, "hold_s"), cycles = report_number(run, "cycles");
+static void kind_words(const json_t *run, char text[PAGE_LINE]) {
+    const char *kind = json_text_at(run, "kind");
+    double depth = json_number_at(run, "depth_mm"), rate = json_number_at(run, "rate_mm_s"),
+           hold = json_number_at(run, "hold_s"), cycles = json_number_at(run, "cycles");
     if (strcmp(kind, "ramp_hold") == 0) {
-        snprintf(text, REPORT_LINE, "a ramp to %.3g mm at %.3g mm/s, held for %.3g s", depth, rate, hold);
+        snprintf(text, PAGE_LINE, "a ramp to %.3g mm at %.3g mm/s, held for %.3g s", depth, rate, hold);
     } else if (strcmp(kind, "static") == 0) {
-        snprintf(text, REPORT_LINE, "a slow press to %.3g mm at %.3g mm/s and back", depth, rate);
+        snprintf(text, PAGE_LINE, "a slow press to %.3g mm at %.3g mm/s and back", depth, rate);
     } else if (strcmp(kind, "cyclic") == 0) {
-        snprintf(text, REPORT_LINE, "%.0f cycles to %.3g mm at %.3g mm/s", cycles, depth, rate);
+        snprintf(text, PAGE_LINE, "%.0f cycles to %.3g mm at %.3g mm/s", cycles, depth, rate);
     } else if (strcmp(kind, "free") == 0) {
-        snprintf(text, REPORT_LINE, "a stroke of %.3g mm in the air at %.3g mm/s", depth, rate);
+        snprintf(text, PAGE_LINE, "a stroke of %.3g mm in the air at %.3g mm/s", depth, rate);
     } else {
-        snprintf(text, REPORT_LINE, "%.100s to %.3g mm", kind, depth);
+        snprintf(text, PAGE_LINE, "%.100s to %.3g mm", kind, depth);
     }
 }
 
@@ -84,40 +84,40 @@ static void repeat(FILE *to, const json_t *all) {
     const json_t *runs = json_object_get(json_object_get(all, "profile"), "experiments"), *run, *worst = NULL;
     char force[32];
     for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++) {
-        if (!worst || report_number(run, "after_N") > report_number(worst, "after_N")) {
+        if (!worst || json_number_at(run, "after_N") > json_number_at(worst, "after_N")) {
             worst = run;
         }
     }
     if (worst) {
-        report_paragraph(to,
+        page_paragraph(to,
                          "For what has no name no experiment can be computed. Repeat %s, where most is left (%s rms): what "
                          "comes back is no accident.",
-                         report_base(report_text(worst, "experiment")), report_force(report_number(worst, "after_N"), force));
+                         cli_base(json_text_at(worst, "experiment")), page_force(json_number_at(worst, "after_N"), force));
     }
 }
 
-void report_next(FILE *to, const json_t *all) {
+void page_next(FILE *to, const json_t *all) {
     const json_t *next = json_object_get(all, "next_experiment"), *run = json_object_get(next, "run"),
                  *between = json_object_get(next, "between"), *note = json_object_get(next, "note");
-    char text[REPORT_LINE], both[REPORT_LINE], apart[32], noise[32];
+    char text[PAGE_LINE], both[PAGE_LINE], apart[32], noise[32];
     fputs("<h3>What to measure next</h3>\n", to);
-    report_names(between, 0, " and ", both);
+    page_names(between, 0, " and ", both);
     if (json_is_object(run)) {
         kind_words(run, text);
-        report_paragraph(to,
+        page_paragraph(to,
                          "Measure %s. Both %s fit the runs there are; in this run the forces they predict are %s apart, rms, "
                          "after a zero and a gain of the run's own (the noise level is %s).",
-                         text, both, report_force(report_number(next, "separation_N"), apart),
-                         report_force(report_number(json_object_get(all, "gap"), "noise_level_N"), noise));
+                         text, both, page_force(json_number_at(next, "separation_N"), apart),
+                         page_force(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
         draw(to, run);
     } else if (json_is_object(next)) {
-        report_paragraph(to, "No run that the indenter can do tells %s apart.", both);
-    } else if (strcmp(report_text(all, "verdict"), "unexplained") == 0) {
+        page_paragraph(to, "No run that the indenter can do tells %s apart.", both);
+    } else if (strcmp(json_text_at(all, "verdict"), "unexplained") == 0) {
         repeat(to, all);
     } else {
-        report_paragraph(to, "Nothing is left to be told apart. What these runs cannot show is listed above.");
+        page_paragraph(to, "Nothing is left to be told apart. What these runs cannot show is listed above.");
     }
     if (json_is_string(note)) {
-        report_paragraph(to, "%s", json_string_value(note));
+        page_paragraph(to, "%s", json_string_value(note));
     }
 }

@@ -1,5 +1,6 @@
-/* report_phases.c: shares of the gap by run and phase; the residual by depth and by speed. */
-#include "report_explain.h"
+/* page_phases.c: shares of the gap by run and phase; the residual by depth and by speed. */
+#include "explain.h"
+#include "page.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,8 +11,8 @@ enum { PHASES = PALP_PHASE_COUNT, ROWS = 30 };
 /* Share in % of the first gap of every run and phase; NAN = the gap has none there. */
 typedef struct grid {
     size_t n;
-    const json_t *run[REPORT_FILES_MAX];
-    double before[REPORT_FILES_MAX][PHASES], after[REPORT_FILES_MAX][PHASES], total[REPORT_FILES_MAX], by_phase[PHASES];
+    const json_t *run[EXPLAIN_RUNS_MAX];
+    double before[EXPLAIN_RUNS_MAX][PHASES], after[EXPLAIN_RUNS_MAX][PHASES], total[EXPLAIN_RUNS_MAX], by_phase[PHASES];
 } grid;
 
 static int phase_of(const char *name) {
@@ -24,7 +25,7 @@ static int phase_of(const char *name) {
 
 static size_t run_of(const grid *g, const char *name) {
     size_t r = 0;
-    while (r < g->n && strcmp(name, report_text(g->run[r], "experiment")) != 0) {
+    while (r < g->n && strcmp(name, json_text_at(g->run[r], "experiment")) != 0) {
         r++;
     }
     return r;
@@ -33,7 +34,7 @@ static size_t run_of(const grid *g, const char *name) {
 static void fill(const json_t *all, grid *g) {
     const json_t *runs = json_object_get(json_object_get(all, "profile"), "experiments"),
                  *places = json_object_get(all, "phase_shares"), *place;
-    g->n = json_array_size(runs) < REPORT_FILES_MAX ? json_array_size(runs) : REPORT_FILES_MAX;
+    g->n = json_array_size(runs) < EXPLAIN_RUNS_MAX ? json_array_size(runs) : EXPLAIN_RUNS_MAX;
     for (size_t r = 0; r < g->n; r++) {
         g->run[r] = json_array_get(runs, r);
         for (int p = 0; p < PHASES; p++) {
@@ -41,11 +42,11 @@ static void fill(const json_t *all, grid *g) {
         }
     }
     for (size_t i = 0; (place = json_array_get(places, i)) != NULL; i++) {
-        size_t r = run_of(g, report_text(place, "experiment"));
-        int p = phase_of(report_text(place, "phase"));
+        size_t r = run_of(g, json_text_at(place, "experiment"));
+        int p = phase_of(json_text_at(place, "phase"));
         if (r < g->n && p < PHASES) {
-            g->before[r][p] = 100 * report_number(place, "share");
-            g->after[r][p] = 100 * report_number(place, "remaining");
+            g->before[r][p] = 100 * json_number_at(place, "share");
+            g->after[r][p] = 100 * json_number_at(place, "remaining");
             g->total[r] += g->before[r][p];
             g->by_phase[p] += g->before[r][p];
         }
@@ -72,7 +73,7 @@ static void half_cell(FILE *to, double share, double most, const char *rgb) {
 static void grid_row(FILE *to, const grid *g, size_t r, double most, bool two) {
     char before[32], after[32];
     fputs("<tr><td>", to);
-    html_text(to, report_base(report_text(g->run[r], "experiment")));
+    html_text(to, cli_base(json_text_at(g->run[r], "experiment")));
     fputs("</td>", to);
     for (int p = 0; p < PHASES; p++) {
         fputs("<td class=\"cell\">", to);
@@ -82,8 +83,8 @@ static void grid_row(FILE *to, const grid *g, size_t r, double most, bool two) {
         }
         fputs("</td>", to);
     }
-    fprintf(to, "<td>%s%s%s</td></tr>\n", report_force(report_number(g->run[r], "before_N"), before),
-            two ? " \u2192 " : "", two ? report_force(report_number(g->run[r], "after_N"), after) : "");
+    fprintf(to, "<td>%s%s%s</td></tr>\n", page_force(json_number_at(g->run[r], "before_N"), before),
+            two ? " \u2192 " : "", two ? page_force(json_number_at(g->run[r], "after_N"), after) : "");
 }
 
 /* Whether run r is among the rows: at most ROWS, those with the largest shares. */
@@ -106,7 +107,7 @@ static void draw_grid(FILE *to, const grid *g, bool two) {
         }
     }
     for (int p = 0; p < PHASES; p++) {
-        report_phase(palp_phase_name((palp_phase)p), text);
+        page_phase(palp_phase_name((palp_phase)p), text);
         size_t n = strlen(heads);
         snprintf(heads + n, sizeof heads - n, "|~%s", text);
     }
@@ -131,22 +132,22 @@ static void in_words(FILE *to, const json_t *all, const grid *g) {
     size_t phase = largest(g->by_phase, PHASES), run = largest(g->total, g->n);
     char worst[32], common[32];
     if (!place) {
-        report_paragraph(to, "Nowhere is the gap above the noise level.");
+        page_paragraph(to, "Nowhere is the gap above the noise level.");
         return;
     }
-    report_phase(report_text(place, "phase"), worst);
-    report_phase(palp_phase_name((palp_phase)phase), common);
-    report_paragraph(to,
+    page_phase(json_text_at(place, "phase"), worst);
+    page_phase(palp_phase_name((palp_phase)phase), common);
+    page_paragraph(to,
                      "Of all that is above the noise level %.0f %% is in the phase \u201c%s\u201d of the experiments, and %.0f %% in "
                      "one experiment, %s. The largest single place is %s, \u201c%s\u201d: %.0f %%.",
-                     g->by_phase[phase], common, g->total[run], report_base(report_text(g->run[run], "experiment")),
-                     report_base(report_text(place, "experiment")), worst, 100 * report_number(place, "share"));
+                     g->by_phase[phase], common, g->total[run], cli_base(json_text_at(g->run[run], "experiment")),
+                     cli_base(json_text_at(place, "experiment")), worst, 100 * json_number_at(place, "share"));
 }
 
 /* ---- by depth and speed ---- */
 
 static void depth_label(const json_t *bin, char text[64]) {
-    double from = report_number(bin, "from"), end = report_number(bin, "to");
+    double from = json_number_at(bin, "from"), end = json_number_at(bin, "to");
     if (isfinite(from)) {
         snprintf(text, 64, "%.3g to %.3g mm", from, end);
     } else {
@@ -155,7 +156,7 @@ static void depth_label(const json_t *bin, char text[64]) {
 }
 
 static void speed_label(const json_t *bin, char text[64]) {
-    double from = report_number(bin, "from"), end = report_number(bin, "to");
+    double from = json_number_at(bin, "from"), end = json_number_at(bin, "to");
     double slow = fmin(fabs(from), fabs(end)), fast = fmax(fabs(from), fabs(end));
     const char *way = isfinite(from) && from >= 0 ? "in" : "out";
     if (from < 0 && end > 0) {
@@ -170,19 +171,19 @@ static void speed_label(const json_t *bin, char text[64]) {
 static void profile(FILE *to, const json_t *all, const char *key, bool two, void label(const json_t *, char *),
                     const char *caption) {
     const json_t *bins = json_object_get(json_object_get(all, "profile"), key), *bin;
-    report_bar bar[16];
+    page_bar bar[16];
     size_t n = 0;
     for (size_t i = 0; (bin = json_array_get(bins, i)) != NULL && n < 16; i++, n++) {
         label(bin, bar[n].label);
-        bar[n].before = report_number(bin, "before_N");
-        bar[n].after = two ? report_number(bin, "after_N") : NAN;
+        bar[n].before = json_number_at(bin, "before_N");
+        bar[n].after = two ? json_number_at(bin, "after_N") : NAN;
     }
     if (n > 0) {
-        report_bars(to, caption, n, bar, report_number(json_object_get(all, "gap"), "noise_level_N"));
+        page_bars(to, caption, n, bar, json_number_at(json_object_get(all, "gap"), "noise_level_N"));
     }
 }
 
-void report_phases(FILE *to, const json_t *all) {
+void page_phases(FILE *to, const json_t *all) {
     grid *g = calloc(1, sizeof *g);
     bool two = json_array_size(json_object_get(all, "effects")) > 0;
     if (!g) {

@@ -1,26 +1,26 @@
-/* report_words.c: what palpate explain found, in words: effects, their parameters, phases, forces. */
-#include "report_explain.h"
+/* page_words.c: what palpate explain found, in words: effects, their parameters, phases, forces. */
+#include "page.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
-const char *report_effect(const char *id) {
+const char *page_effect(const char *id) {
     palp_effect_id found;
     return palp_effect_by_name(id, &found) ? id : palp_effect_look_up(found)->name;
 }
 
-const char *report_effect_means(const char *id) {
+const char *page_effect_means(const char *id) {
     palp_effect_id found;
     return palp_effect_by_name(id, &found) ? "" : palp_effect_look_up(found)->means;
 }
 
-const char *report_effect_seen_by(const char *id) {
+const char *page_effect_seen_by(const char *id) {
     palp_effect_id found;
     return palp_effect_by_name(id, &found) ? "-" : palp_effect_look_up(found)->seen_by;
 }
 
-const char *report_verdict(const char *verdict) {
+const char *page_verdict(const char *verdict) {
     static const char *const text[][2] = {
         {"agrees", "Nothing is missing that these runs could show."},
         {"explained", "With the effects below, what remains is at the noise level."},
@@ -42,7 +42,7 @@ static void spaces(char *text) {
 }
 
 /* "force_N_s": "force", "N/s". */
-void report_parameter(const char *key, char name[48], char unit[16]) {
+void page_parameter(const char *key, char name[48], char unit[16]) {
     static const char *const units[][2] = {{"_mm_N", "mm/N"}, {"_N_s", "N/s"}, {"_mm", "mm"}, {"_Hz", "Hz"},
                                            {"_kg", "kg"},     {"_rad", "rad"}, {"_N", "N"},   {"_s", "s"}};
     size_t length = strlen(key);
@@ -58,13 +58,13 @@ void report_parameter(const char *key, char name[48], char unit[16]) {
     spaces(name);
 }
 
-void report_phase(const char *id, char text[32]) {
+void page_phase(const char *id, char text[32]) {
     bool early = strcmp(id, "early_hold") == 0, late = strcmp(id, "late_hold") == 0;
     snprintf(text, 32, "%s", early ? "hold, first 5 s" : late ? "hold, later" : id);
     spaces(text);
 }
 
-const char *report_force(double force_N, char text[32]) {
+const char *page_force(double force_N, char text[32]) {
     double size = fabs(force_N);
     bool newtons = size >= 0.9995, milli = newtons || size >= 9.995e-4 || size == 0;
     if (isfinite(force_N)) {
@@ -76,17 +76,17 @@ const char *report_force(double force_N, char text[32]) {
     return text;
 }
 
-void report_names(const json_t *ids, size_t from, const char *between, char line[REPORT_LINE]) {
+void page_names(const json_t *ids, size_t from, const char *between, char line[PAGE_LINE]) {
     size_t n = 0;
     line[0] = '\0';
-    for (size_t i = from; i < json_array_size(ids) && n < REPORT_LINE; i++) {
+    for (size_t i = from; i < json_array_size(ids) && n < PAGE_LINE; i++) {
         const char *id = json_string_value(json_array_get(ids, i));
-        n += (size_t)snprintf(line + n, REPORT_LINE - n, "%s%s", i > from ? between : "", id ? report_effect(id) : "-");
+        n += (size_t)snprintf(line + n, PAGE_LINE - n, "%s%s", i > from ? between : "", id ? page_effect(id) : "-");
     }
 }
 
-void report_paragraph(FILE *to, const char *format, ...) {
-    char text[4 * REPORT_LINE];
+void page_paragraph(FILE *to, const char *format, ...) {
+    char text[4 * PAGE_LINE];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);

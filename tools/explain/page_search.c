@@ -1,5 +1,5 @@
-/* report_search.c: the candidates, their scores and what became of them, step by step. */
-#include "report_explain.h"
+/* page_search.c: the candidates, their scores and what became of them, step by step. */
+#include "page.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,13 +22,13 @@ static size_t collect(const json_t *step, candidate list[CANDIDATES]) {
     const json_t *rejected = json_object_get(step, "rejected"), *s, *taken = json_object_get(step, "taken");
     size_t n = 0, first;
     if (json_is_string(taken)) {
-        list[n++] = (candidate){json_string_value(taken), NULL, report_number(step, "score"),
-                              report_number(step, "explained_N")};
+        list[n++] = (candidate){json_string_value(taken), NULL, json_number_at(step, "score"),
+                              json_number_at(step, "explained_N")};
     }
     first = n;
     for (size_t i = 0; (s = json_array_get(rejected, i)) != NULL && n < CANDIDATES; i++) {
-        list[n++] = (candidate){report_text(s, "id"), report_text(s, "reason"), report_number(s, "score"),
-                              report_number(s, "explained_N")};
+        list[n++] = (candidate){json_text_at(s, "id"), json_text_at(s, "reason"), json_number_at(s, "score"),
+                              json_number_at(s, "explained_N")};
     }
     qsort(list + first, n - first, sizeof *list, by_score);
     return n;
@@ -49,12 +49,12 @@ static double best_of_all(const json_t *steps) {
 static void candidate_row(FILE *to, const candidate *s, double best, double threshold) {
     char force[32];
     fprintf(to, "<tr%s><td>", s->reason ? "" : " class=\"taken\"");
-    html_text(to, report_effect(s->id));
+    html_text(to, page_effect(s->id));
     fputs("</td>", to);
     html_bars(to, s->score > 1 ? fmin(1, log(s->score) / log(best)) : NAN, NAN,
               fmax(0, fmin(1, log(threshold) / log(best))));
     fprintf(to, "<td>%.*f</td><td>%s</td><td class=\"t\">", fabs(s->score) < 9.95 ? 1 : 0, s->score,
-            s->explained > 0 ? report_force(s->explained, force) : "-");
+            s->explained > 0 ? page_force(s->explained, force) : "-");
     html_text(to, s->reason ? s->reason : "added");
     fputs("</td></tr>\n", to);
 }
@@ -78,7 +78,7 @@ static void step_section(FILE *to, const json_t *step, size_t number, const char
     html_text(to, beside);
     fputs("</h4>\n", to);
     if (!json_is_string(json_object_get(step, "taken"))) {
-        report_paragraph(to, "No candidate was accepted: the search ends here.");
+        page_paragraph(to, "No candidate was accepted: the search ends here.");
     }
     if (shown > 0) {
         rows(to, list, shown, best, threshold);
@@ -93,7 +93,7 @@ static void step_section(FILE *to, const json_t *step, size_t number, const char
 static bool is_effect(const json_t *all, const char *id) {
     const json_t *list = json_object_get(all, "effects"), *effect;
     for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
-        if (strcmp(id, report_text(effect, "id")) == 0) {
+        if (strcmp(id, json_text_at(effect, "id")) == 0) {
             return true;
         }
     }
@@ -104,10 +104,10 @@ static bool is_effect(const json_t *all, const char *id) {
 static void taken_back(FILE *to, const json_t *all) {
     const json_t *steps = json_object_get(all, "steps"), *rejected = json_object_get(all, "rejected"), *step, *s;
     for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
-        const char *id = report_text(step, "taken");
+        const char *id = json_text_at(step, "taken");
         for (size_t k = 0; !is_effect(all, id) && (s = json_array_get(rejected, k)) != NULL; k++) {
-            if (strcmp(id, report_text(s, "id")) == 0) {
-                report_paragraph(to, "Taken out again: %s. It %s.", report_effect(id), report_text(s, "reason"));
+            if (strcmp(id, json_text_at(s, "id")) == 0) {
+                page_paragraph(to, "Taken out again: %s. It %s.", page_effect(id), json_text_at(s, "reason"));
             }
         }
     }
@@ -121,17 +121,17 @@ static void blind(FILE *to, const json_t *all) {
     html_table(to, "What these runs cannot show, whether it is there or not", "effect|~what an experiment needs to show it");
     for (size_t i = 0; i < json_array_size(list); i++) {
         const char *id = json_string_value(json_array_get(list, i));
-        html_row(to, "%s|~%s", report_effect(id ? id : "-"), report_effect_seen_by(id ? id : "-"));
+        html_row(to, "%s|~%s", page_effect(id ? id : "-"), page_effect_seen_by(id ? id : "-"));
     }
     html_table_end(to);
 }
 
-void report_search(FILE *to, const json_t *all) {
+void page_search(FILE *to, const json_t *all) {
     const json_t *steps = json_object_get(all, "steps"), *step;
-    double best = best_of_all(steps), threshold = report_number(all, "null_threshold");
-    char beside[REPORT_LINE] = "the model as given";
+    double best = best_of_all(steps), threshold = json_number_at(all, "null_threshold");
+    char beside[PAGE_LINE] = "the model as given";
     fputs("<h3>The candidates and their scores</h3>\n<div class=\"candidates\">\n", to);
-    report_paragraph(to,
+    page_paragraph(to,
                      "Each effect of the catalogue was added to the model and refitted with everything else over all "
                      "experiments at once. The score is the log likelihood it gains, less a price for its parameters; the "
                      "dashed line is what the best of all candidates gains by chance (%.2g nats). The best one that also "
@@ -141,7 +141,7 @@ void report_search(FILE *to, const json_t *all) {
     for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
         step_section(to, step, i + 1, beside, best, threshold);
         size_t n = strlen(beside);
-        snprintf(beside + n, sizeof beside - n, "%s%s", i ? ", " : " with ", report_effect(report_text(step, "taken")));
+        snprintf(beside + n, sizeof beside - n, "%s%s", i ? ", " : " with ", page_effect(json_text_at(step, "taken")));
     }
     fputs("</div>\n", to);
     taken_back(to, all);

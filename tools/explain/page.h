@@ -1,0 +1,47 @@
+/* page.h: the parts of what palpate explain found, each drawn from its result as JSON. */
+#ifndef PALPATE_TOOL_PAGE_H
+#define PALPATE_TOOL_PAGE_H
+
+#include "shared/cli.h"
+#include "shared/html.h"
+#include "shared/json_out.h"
+
+#include <palpate/palpate.h>
+#include <palpate/explain.h>
+
+enum { PAGE_LINE = 512 };
+
+/* ---- page_found.c ---- */
+#define PAGE_RESIDUALS                                                                                \
+    "Recorded minus model: orange as given, blue with the effects (lines: means, tint: lowest and "           \
+    "highest), grey the noise level. At most the twelve runs with the largest gap."
+void page_found(FILE *to, const json_t *result); /* of palpate explain: the verdict, what is missing, in which phases */
+void page_how(FILE *to, const json_t *result);   /* likewise: the candidates, the residual, what to measure next */
+
+/* ---- page_words.c ---- */
+const char *page_verdict(const char *name);          /* as a sentence */
+const char *page_effect(const char *id);             /* its name in words */
+const char *page_effect_means(const char *id);   /* what it does, a sentence */
+const char *page_effect_seen_by(const char *id); /* what an experiment must contain */
+void page_parameter(const char *key, char name[48], char unit[16]);
+void page_phase(const char *id, char text[32]);
+const char *page_force(double force_N, char text[32]); /* in N, mN or uN; returns text */
+void page_names(const json_t *ids, size_t from, const char *between, char line[PAGE_LINE]); /* those from one on */
+void page_paragraph(FILE *to, const char *format, ...);
+
+/* ---- page_bars.c ---- */
+typedef struct page_bar {
+    char label[64];
+    double before, after; /* N; NAN = none */
+} page_bar;
+
+/* A figure with one or two bars a row, and a line at the noise level. */
+void page_bars(FILE *to, const char *caption, size_t n, const page_bar *bar, double noise_level_N);
+
+/* ---- page_phases.c, page_diagnostics.c, page_search.c, page_next.c: the sections ---- */
+void page_phases(FILE *to, const json_t *all);
+void page_diagnostics(FILE *to, const json_t *all);
+void page_search(FILE *to, const json_t *all);
+void page_next(FILE *to, const json_t *all);
+
+#endif
