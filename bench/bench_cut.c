@@ -75,11 +75,11 @@ static void check_state(const palp_network *net, run *r) {
         r->imbalance = fmax(r->imbalance, fabs(sum[k]) / size);
 }
 
-static void tick(palp_network *net, size_t i, const palp_budget *budget, run *r) {
+static void tick(palp_realtime *rt, size_t i, const palp_budget *budget, run *r) {
     palp_tick_info info = {.residual = 0.0};
     double depth = r->depth * BENCH_SIZE * sin(2.0 * 3.14159265358979 * DT * (double)i / PERIOD_S);
     double start = bench_cpu_seconds();
-    r->failed += palp_network_step_within(net, depth, DT, budget, &info) != PALP_OK;
+    r->failed += palp_realtime_step(rt, depth, DT, budget, &info) != PALP_OK;
     double ms = 1e3 * (bench_cpu_seconds() - start);
     size_t after = i % GAP;
     if (after < AFTER)
@@ -88,7 +88,7 @@ static void tick(palp_network *net, size_t i, const palp_budget *budget, run *r)
         r->ordinary_ms[r->ordinary++] = ms;
     r->late += after < AFTER && ms > TICK_MS;
     r->residual += info.residual / TICKS;
-    check_state(net, r);
+    check_state(palp_realtime_network(rt), r);
 }
 
 /* To a depth in parts, fully relaxed. */
@@ -137,7 +137,6 @@ static void compare(palp_network *net, const run *r) {
     if (!status) {
         uint64_t dice = 1;
         print_force("built afresh, led from rest    ", lead(fresh, depth), fresh, net);
-        palp_network_rollback(fresh);
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             fresh->now.x[i] = net->now.x[i] + (net->dof[i] >= 0 ? near * (roll(&dice) - 0.5) : 0.0);
         fresh->n_past = 0;
@@ -177,18 +176,20 @@ static void walk(double depth, double blade, size_t corrections) {
     static run r;
     const palp_budget budget = {.corrections = corrections};
     palp_material material = bench_material(2);
-    palp_realtime_settings realtime = palp_realtime_settings_default();
+    palp_realtime_settings settings = palp_realtime_settings_default();
+    palp_realtime *rt = NULL;
     palp_network *net = bench_network(NODES, NULL, &material, PALP_SOLVER_AUTO);
     uint64_t dice = 20081;
     r = (run){.depth = depth, .blade = blade, .corrections = corrections};
     bench_check(palp_network_enable_cutting(net), "cutting");
-    bench_check(palp_network_enable_realtime(net, &realtime), "realtime");
+    bench_check(palp_realtime_create(net, &settings, &rt), "realtime");
     for (size_t i = 0; i < TICKS; i++) {
         if (i % GAP == 0)
             event(net, &dice, i / GAP, &r);
-        tick(net, i, &budget, &r);
+        tick(rt, i, &budget, &r);
     }
     print(&r, net);
+    palp_realtime_free(rt);
     compare(net, &r);
     palp_network_free(net);
 }

@@ -47,13 +47,14 @@ static void at_time(const recorded *p, double t, double out[3]) {
     }
 }
 
-static palp_network *tissue(size_t n, double tolerance) {
+static palp_realtime *tissue(size_t n, double tolerance) {
     const size_t nodes[3] = {n, n, n};
     const double size[3] = {BENCH_SIZE, BENCH_SIZE, BENCH_SIZE};
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0}};
     palp_network_settings settings = palp_network_settings_default();
     palp_contact_settings contact = palp_contact_settings_default();
     palp_realtime_settings realtime = palp_realtime_settings_default();
+    palp_realtime *rt;
     palp_material material = bench_material(2);
     palp_mesh *mesh;
     palp_network *net;
@@ -62,8 +63,8 @@ static palp_network *tissue(size_t n, double tolerance) {
     bench_check(palp_network_create(mesh, &material, 1, &bottom, &settings, &net, NULL), "network");
     palp_mesh_free(mesh);
     bench_check(palp_network_enable_tools(net, 1, 1, &contact), "tools");
-    bench_check(palp_network_enable_realtime(net, &realtime), "realtime");
-    return net;
+    bench_check(palp_realtime_create(net, &realtime, &rt), "realtime");
+    return rt;
 }
 
 typedef struct run {
@@ -74,7 +75,8 @@ typedef struct run {
 
 static void follow(size_t n, double friction, double tolerance, const recorded *path, const palp_budget *budget,
                    run *r) {
-    palp_network *net = tissue(n, tolerance);
+    palp_realtime *rt = tissue(n, tolerance);
+    palp_network *net = palp_realtime_network(rt);
     palp_tick_info info;
     palp_tool_force felt;
     r->converged = r->corrections = r->touching = 0;
@@ -83,7 +85,7 @@ static void follow(size_t n, double friction, double tolerance, const recorded *
         at_time(path, DT * (double)(i + 1), tool.position_m);
         double wall = bench_seconds(), cpu = bench_cpu_seconds();
         bench_check(palp_network_set_tools(net, 1, &tool), "tool");
-        bench_check(palp_network_step_within(net, 0.0, DT, budget, &info), "step");
+        bench_check(palp_realtime_step(rt, 0.0, DT, budget, &info), "step");
         bench_check(palp_network_tool_force(net, &felt), "force");
         r->cpu[i] = 1e3 * (bench_cpu_seconds() - cpu);
         r->wall[i] = 1e3 * (bench_seconds() - wall);
@@ -92,6 +94,7 @@ static void follow(size_t n, double friction, double tolerance, const recorded *
         r->corrections += info.corrections;
         r->touching += felt.contacts > 0;
     }
+    palp_realtime_free(rt);
     palp_network_free(net);
 }
 

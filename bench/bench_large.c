@@ -33,7 +33,7 @@ static void calibrate_here(size_t n, double depth) {
                 "calibrate");
     for (int i = 0; i < SAMPLES && depths[i] <= result.reached_m; i++)
         worst = fmax(worst, fabs(result.force_N[i] - forces[i]) / forces[SAMPLES - 1]);
-    printf("%8zu %9zu %8.1f %10.2f %7zu %12.4f %9.2f %10.1f\n", n, palp_network_unknowns(net), 1e3 * depth,
+    printf("%8zu %9zu %8.1f %10.2f %7zu %12.4f %9.2f %10.1f\n", n, palp_network_unknown_count(net), 1e3 * depth,
            1e3 * result.reached_m, result.n_iterations, 100.0 * worst, bench_seconds() - start,
            bench_peak_MB() - before);
     palp_calibration_free(&result);

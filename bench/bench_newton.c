@@ -167,7 +167,7 @@ static double distance(const double *a, const double *b, size_t n) {
 static void time_iteration(palp_network *net, double *iteration, double *step) {
     palp_step_info info = {.negative_pivots = -1};
     double depth = 0.11 * BENCH_SIZE, dt = 0.1;
-    net->chord = false;
+    net->reuse_factor = false;
     net->n_past = 0;
     element_step_prepare(&net->material, dt, &net->step);
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
@@ -179,7 +179,6 @@ static void time_iteration(palp_network *net, double *iteration, double *step) {
     start = bench_seconds();
     bench_check(palp_network_try(net, depth, dt, &info), "step");
     *step = (bench_seconds() - start) / (info.iterations + 1); /* one more in the predictor */
-    palp_network_rollback(net);
 }
 
 static double clock_cost(void) {

@@ -34,25 +34,31 @@ static palp_material linear(void) {
     return m;
 }
 
-static palp_network *network(size_t n, const palp_material *material) {
+static palp_realtime *realtime(size_t n, const palp_material *material) {
     palp_realtime_settings settings = palp_realtime_settings_default();
-    palp_network *net = bench_network(n, NULL, material, PALP_SOLVER_AUTO);
-    bench_check(palp_network_enable_realtime(net, &settings), "realtime");
-    return net;
+    palp_realtime *rt = NULL;
+    bench_check(palp_realtime_create(bench_network(n, NULL, material, PALP_SOLVER_AUTO), &settings, &rt), "realtime");
+    return rt;
+}
+
+static void drop(palp_realtime *rt) {
+    palp_network *net = palp_realtime_network(rt);
+    palp_realtime_free(rt);
+    palp_network_free(net);
 }
 
 /* The ramp's forces, converged at each tick. */
 static void converged(size_t n, const palp_material *material, double *force) {
-    palp_network *net = network(n, material);
+    palp_realtime *rt = realtime(n, material);
     const palp_budget all = {0};
     palp_tick_info info;
     for (size_t i = 0; i < TICKS; i++) {
-        bench_check(palp_network_step_within(net, STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, DT, &all, &info), "step");
+        bench_check(palp_realtime_step(rt, STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, DT, &all, &info), "step");
         if (!info.converged)
             printf("      (%zu nodes a side, tick %zu: residual %.1e)\n", n, i, info.residual);
         force[i] = info.force_N;
     }
-    palp_network_free(net);
+    drop(rt);
 }
 
 typedef struct outcome {
@@ -68,10 +74,10 @@ static outcome ramp(size_t n, const palp_material *material, const palp_budget *
     palp_tick_info info;
     double peak = fabs(truth[TICKS - 1]);
     for (size_t r = 0; r < REPEATS; r++) {
-        palp_network *net = network(n, material);
+        palp_realtime *rt = realtime(n, material);
         for (size_t i = 0; i < TICKS; i++) {
             double depth = STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, start = bench_cpu_seconds();
-            bench_check(palp_network_step_within(net, depth, DT, budget, &info), "step");
+            bench_check(palp_realtime_step(rt, depth, DT, budget, &info), "step");
             ms[r * TICKS + i] = 1e3 * (bench_cpu_seconds() - start);
             double error = fabs(info.force_N - truth[i]);
             o.most = fmax(o.most, error / peak);
@@ -79,7 +85,7 @@ static outcome ramp(size_t n, const palp_material *material, const palp_budget *
             o.corrections += (double)info.corrections / (REPEATS * TICKS);
             o.estimate += info.force_error_N / fmax(error, 1e-13 * peak) / (REPEATS * TICKS);
         }
-        palp_network_free(net);
+        drop(rt);
     }
     o.median_ms = bench_median(ms, REPEATS * TICKS);
     o.least_ms = ms[0];
@@ -100,22 +106,22 @@ static void large(size_t n) {
     palp_material material = bench_material(2);
     palp_tick_info info, last;
     double start = bench_cpu_seconds(), before = bench_peak_MB();
-    palp_network *net = network(n, &material);
+    palp_realtime *rt = realtime(n, &material);
     double made = bench_cpu_seconds() - start;
     for (size_t i = 0; i < FEW; i++) {
         start = bench_cpu_seconds();
-        bench_check(palp_network_step_within(net, STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, DT, &one, &info), "step");
+        bench_check(palp_realtime_step(rt, STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, DT, &one, &info), "step");
         ms[i] = 1e3 * (bench_cpu_seconds() - start);
     }
     double median = bench_median(ms, FEW);
     start = bench_cpu_seconds();
-    bench_check(palp_network_step_within(net, STRAIN * BENCH_SIZE * (FEW + 1.0) / TICKS, DT, &all, &last), "step");
+    bench_check(palp_realtime_step(rt, STRAIN * BENCH_SIZE * (FEW + 1.0) / TICKS, DT, &all, &last), "step");
     printf("%zu nodes a side, %zu unknowns, quartic law and two arms: made in %.0f ms, one correction %.1f ms a tick (median "
            "of %d, worst %.1f), estimated error %.1e of %.3f N; converged tick: %zu corrections, %.0f ms, residual %.1e; "
            "%.0f MB\n",
-           n, palp_network_unknowns(net), 1e3 * made, median, FEW, ms[FEW - 1], info.force_error_N / info.force_N,
+           n, palp_network_unknown_count(palp_realtime_network(rt)), 1e3 * made, median, FEW, ms[FEW - 1], info.force_error_N / info.force_N,
            info.force_N, last.corrections, 1e3 * (bench_cpu_seconds() - start), last.residual, bench_peak_MB() - before);
-    palp_network_free(net);
+    drop(rt);
 }
 
 static void chart(size_t n, const palp_material *material, double static_force) {

@@ -101,7 +101,6 @@ static palp_network *make(size_t n, bool tool) {
     palp_material m = bench_material(2);
     palp_network_settings settings = palp_network_settings_default();
     palp_contact_settings contact = palp_contact_settings_default();
-    palp_realtime_settings realtime = palp_realtime_settings_default();
     palp_support supports[2];
     palp_mesh *mesh = NULL;
     palp_network *net = NULL;
@@ -111,17 +110,16 @@ static palp_network *make(size_t n, bool tool) {
     bench_check(palp_network_create(mesh, &m, tool ? 1 : 2, supports, &settings, &net, NULL), "network");
     if (tool)
         bench_check(palp_network_enable_tools(net, 1, 0, &contact), "tools");
-    bench_check(palp_network_enable_realtime(net, &realtime), "real time");
     palp_mesh_free(mesh);
     return net;
 }
 
-static palp_training *record(palp_network *net, const path *p, bool tool, double *seconds) {
+static palp_training *record(palp_network *net, palp_realtime *realtime, const path *p, bool tool, double *seconds) {
     palp_training *training = NULL;
     palp_error error = {PALP_OK, ""};
     palp_tool_path along = {p->n, p->time, p->depth, tool ? 1 : 0, p->tool};
     double start = bench_seconds();
-    bench_check(palp_training_record(net, &along, NULL, NULL, &training, &error), error.text);
+    bench_check(palp_training_record(net, realtime, &along, NULL, NULL, &training, &error), error.text);
     *seconds += bench_seconds() - start;
     return training;
 }
@@ -167,10 +165,14 @@ static void measure(size_t n, bool tool, path *p) {
     size_t held, paths = tool ? ball_paths(p, &held) : plate_paths(p, &held), samples = 0, trained = paths - held;
     double full = 0.0;
     palp_network *net = make(n, tool);
+    palp_realtime_settings quick = palp_realtime_settings_default();
+    palp_realtime *realtime = NULL;
+    bench_check(palp_realtime_create(net, &quick, &realtime), "real time");
     for (size_t i = 0; i < paths; i++) {
-        training[i] = record(net, &p[i], tool, &full);
+        training[i] = record(net, realtime, &p[i], tool, &full);
         samples += p[i].n;
     }
+    palp_realtime_free(realtime);
     double start = bench_seconds();
     bench_check(palp_reduced_create(net, trained, training, held, training + trained, &settings, &reduced, NULL, &error),
                 error.text);

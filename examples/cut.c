@@ -18,7 +18,8 @@ static size_t slice(palp_network *network, double y, const double z[2], double f
 }
 
 /* Pulled by a twelfth of its height, then cut through at 0.46 of it. */
-static palp_status run(palp_network *network) {
+static palp_status run(palp_realtime *realtime) {
+    palp_network *network = palp_realtime_network(realtime);
     const palp_budget budget = {0, 10, 0}; /* ten corrections a tick; or seconds, 1e-3, for a tick that is on time */
     double low[3], high[3];
     size_t cut = 0, triangles;
@@ -31,7 +32,7 @@ static palp_status run(palp_network *network) {
     for (int i = 1; i <= PULL + SLICE; i++) {
         if (i > PULL) /* all the way from the start: what has moved back over it since is cut too */
             cut += slice(network, low[1] + 0.46 * height, z, start, start + width * (i - PULL) / SLICE);
-        palp_status status = palp_network_step_within(network, i < PULL ? depth * i / PULL : depth, DT, &budget, &info);
+        palp_status status = palp_realtime_step(realtime, i < PULL ? depth * i / PULL : depth, DT, &budget, &info);
         if (status)
             return status;
         palp_network_surface(network, &triangles, &surface); /* to be drawn at palp_network_positions */
@@ -43,22 +44,24 @@ static palp_status run(palp_network *network) {
 }
 
 int main(int argc, char **argv) {
-    const palp_realtime_settings realtime = palp_realtime_settings_default();
+    const palp_realtime_settings settings = palp_realtime_settings_default();
     palp_error error = {PALP_OK, "usage: cut NETWORK.json"};
     palp_network *network = NULL;
+    palp_realtime *realtime = NULL;
     palp_model model;
     if (argc != 2 || palp_model_read(argv[1], &model, &error) ||
-        palp_model_network(&model, NULL, 0, NULL, NULL, &network, &error)) {
+        palp_network_from_model(&model, NULL, 0, NULL, NULL, &network, &error)) {
         fprintf(stderr, "cut: %s\n", error.text);
         return 1;
     }
     palp_status status = palp_network_enable_cutting(network);
     if (!status)
-        status = palp_network_enable_realtime(network, &realtime);
+        status = palp_realtime_create(network, &settings, &realtime);
     if (!status)
-        status = run(network);
+        status = run(realtime);
     if (status)
         fprintf(stderr, "cut: %s\n", palp_status_text(status));
+    palp_realtime_free(realtime);
     palp_network_free(network);
     return status != PALP_OK;
 }

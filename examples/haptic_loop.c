@@ -30,6 +30,7 @@ typedef struct triple_buffer {
 
 typedef struct haptics {
     palp_network *network;
+    palp_realtime *realtime;
     palp_tool tool;
     double top_m, height_m;
     long ticks, late;
@@ -93,7 +94,7 @@ static void *haptic_thread(void *user) {
         wait_until(&next, TICK_NS);
         read_device(h, 1e-3 * (double)h->ticks, &tool);
         palp_network_set_tools(h->network, 1, &tool);
-        h->status = palp_network_step_within(h->network, 0, 1e-3, &budget, NULL);
+        h->status = palp_realtime_step(h->realtime, 0, 1e-3, &budget, NULL);
         palp_network_tool_force(h->network, &force);
         render_force(force.force_N);
         f->time_s = palp_network_time(h->network);
@@ -150,14 +151,14 @@ static palp_status load(const char *path, palp_network **network, palp_error *er
     if (!status)
         status = place(mesh);
     if (!status)
-        status = palp_model_network(&model, mesh, 1, &bottom, NULL, network, error);
+        status = palp_network_from_model(&model, mesh, 1, &bottom, NULL, network, error);
     palp_mesh_free(mesh);
     return status;
 }
 
 static palp_status prepare(haptics *h) {
     const palp_contact_settings contact = palp_contact_settings_default();
-    const palp_realtime_settings realtime = palp_realtime_settings_default();
+    const palp_realtime_settings settings = palp_realtime_settings_default();
     const size_t values = 3 * palp_mesh_node_count(palp_network_mesh(h->network));
     double low[3], high[3];
     palp_mesh_bounds(palp_network_mesh(h->network), low, high);
@@ -175,7 +176,7 @@ static palp_status prepare(haptics *h) {
     h->buffer.middle = 1;
     h->buffer.front = 2;
     palp_status status = palp_network_enable_tools(h->network, 1, 0, &contact);
-    return status ? status : palp_network_enable_realtime(h->network, &realtime);
+    return status ? status : palp_realtime_create(h->network, &settings, &h->realtime);
 }
 
 int main(int argc, char **argv) {
@@ -194,6 +195,7 @@ int main(int argc, char **argv) {
         pthread_join(thread, NULL);
         printf("%ld ticks, %ld late\n", h.ticks, h.late);
     }
+    palp_realtime_free(h.realtime);
     palp_network_free(h.network);
     for (int i = 0; i < 3; i++)
         free(h.buffer.frames[i].positions_m);

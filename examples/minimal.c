@@ -12,7 +12,7 @@ int main(int argc, char **argv) {
     palp_model model;
 
     if (argc != 2 || palp_model_read(argv[1], &model, &error) ||
-        palp_model_network(&model, NULL, 1, &bottom, NULL, &network, &error)) {
+        palp_network_from_model(&model, NULL, 1, &bottom, NULL, &network, &error)) {
         fprintf(stderr, "minimal: %s\n", error.text);
         return 1;
     }

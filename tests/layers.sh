@@ -22,7 +22,7 @@ network: model | network vtu
 contact: network | tool
 cut: network | cut
 realtime: contact cut | realtime
-reduce: contact cut | reduce
+reduce: realtime | reduce
 response: network | forward specimen
 fit: data response realtime | characterize calibrate
 explain: response fit data | explain

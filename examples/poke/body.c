@@ -22,14 +22,20 @@ static palp_status open_network(body *b, const palp_model *model, palp_error *er
     const palp_realtime_settings realtime = palp_realtime_settings_default();
     palp_network_settings settings = palp_network_settings_default();
     settings.branch = PALP_BRANCH_STABLE;
-    palp_status status = palp_model_network(model, NULL, 1, &bottom, &settings, &b->net, error);
+    palp_status status = palp_network_from_model(model, NULL, 1, &bottom, &settings, &b->net, error);
     if (status)
         return status;
     size_t n_nodes = palp_mesh_node_count(palp_network_mesh(b->net));
-    status = palp_network_enable_tools(b->net, 1, n_nodes < POKE_HELD ? n_nodes : POKE_HELD, &contact);
+    status = palp_network_enable_tools(b->net, 1, n_nodes < POKE_GRASPED ? n_nodes : POKE_GRASPED, &contact);
     if (!status)
         status = palp_network_enable_cutting(b->net);
-    return status ? status : palp_network_enable_realtime(b->net, &realtime);
+    if (!status)
+        status = palp_realtime_create(b->net, &realtime, &b->realtime);
+    if (status)
+        return status;
+    b->saved_size = palp_network_state_size(b->net);
+    b->saved = malloc(b->saved_size);
+    return b->saved ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
 bool body_open(body *b, const char *path) {
@@ -51,15 +57,19 @@ bool body_open(body *b, const char *path) {
 }
 
 void body_close(body *b) {
+    palp_realtime_free(b->realtime);
     palp_network_free(b->net);
+    free(b->saved);
+    b->realtime = NULL;
     b->net = NULL;
+    b->saved = NULL;
 }
 
 void body_reset(body *b) {
     body_release(b);
     b->sphere_on = b->blade_on = false;
     b->n_cut = b->n_torn = b->failed = 0;
-    palp_network_reset(b->net);
+    palp_realtime_reset(b->realtime);
 }
 
 /* ---- ticks --------------------------------------------------------------------------------------- */
@@ -74,20 +84,20 @@ static void move_sphere(body *b, double dt, int ticks) {
 }
 
 static void move_hand(body *b, double dt, int ticks) {
-    double target[3 * POKE_HELD], away = distance(b->hand_goal, b->hand), step = away / ticks;
+    double target[3 * POKE_GRASPED], away = distance(b->hand_goal, b->hand), step = away / ticks;
     double share = step > SPEED * dt ? SPEED * dt / away : 1.0 / ticks;
     for (int k = 0; k < 3; k++)
         b->hand[k] += share * (b->hand_goal[k] - b->hand[k]);
-    for (size_t i = 0; i < 3 * b->n_held; i++)
-        target[i] = b->held_from[i] + b->hand[i % 3];
-    palp_network_hold(b->net, b->n_held, b->held, target);
+    for (size_t i = 0; i < 3 * b->n_grasped; i++)
+        target[i] = b->grasped_from[i] + b->hand[i % 3];
+    palp_network_grasp(b->net, b->n_grasped, b->grasped, target);
 }
 
 static void feel(body *b) {
     palp_tool_force felt = {{0.0}, {0.0}, 0, 0.0};
     memset(b->force_N, 0, sizeof b->force_N);
-    if (b->n_held > 0) {
-        palp_network_held_force(b->net, b->n_held, b->held, b->force_N);
+    if (b->n_grasped > 0) {
+        palp_network_grasp_force(b->net, b->n_grasped, b->grasped, b->force_N);
     } else if (b->sphere_on) {
         palp_network_tool_force(b->net, &felt);
         memcpy(b->force_N, felt.force_N, sizeof b->force_N);
@@ -97,11 +107,12 @@ static void feel(body *b) {
 /* A tick that comes out badly, as where the phantom snaps through, is taken back and solved to the end; where even that
  * finds nothing, the phantom stays as it was. */
 static void tick(body *b, double dt, const palp_budget *budget) {
-    palp_status status = palp_network_step_within(b->net, 0.0, dt, budget, &b->tick);
+    palp_network_save(b->net, b->saved, b->saved_size);
+    palp_status status = palp_realtime_step(b->realtime, 0.0, dt, budget, &b->tick);
     if (!status && b->tick.residual <= LOST)
         return;
     if (!status)
-        palp_network_undo(b->net);
+        palp_network_restore(b->net, b->saved, b->saved_size);
     b->failed += palp_network_step(b->net, 0.0, dt, NULL) != PALP_OK;
 }
 
@@ -143,10 +154,10 @@ void body_grasp(body *b, const double at[3], double radius) {
         if (distance(x + 3 * triangles[i], at) < distance(x + 3 * nearest, at))
             nearest = (size_t)triangles[i];
     }
-    for (size_t i = 0; i < n_nodes && b->n_held < POKE_HELD; i++)
+    for (size_t i = 0; i < n_nodes && b->n_grasped < POKE_GRASPED; i++)
         if (i == nearest || (surface[i] && distance(x + 3 * i, at) <= radius)) {
-            memcpy(b->held_from + 3 * b->n_held, x + 3 * i, 3 * sizeof *x);
-            b->held[b->n_held++] = (int32_t)i;
+            memcpy(b->grasped_from + 3 * b->n_grasped, x + 3 * i, 3 * sizeof *x);
+            b->grasped[b->n_grasped++] = (int32_t)i;
         }
     memset(b->hand, 0, sizeof b->hand);
     memset(b->hand_goal, 0, sizeof b->hand_goal);
@@ -154,8 +165,8 @@ void body_grasp(body *b, const double at[3], double radius) {
 }
 
 void body_release(body *b) {
-    palp_network_release(b->net, b->n_held, b->held);
-    b->n_held = 0;
+    palp_network_release(b->net, b->n_grasped, b->grasped);
+    b->n_grasped = 0;
 }
 
 void body_slice(body *b, const double edge[6]) {

@@ -4,7 +4,7 @@
 
 #include <palpate/palpate.h>
 
-enum { POKE_CURVE = 600, POKE_HELD = 64 };
+enum { POKE_CURVE = 600, POKE_GRASPED = 64 };
 
 typedef enum poke_mode { POKE_PRESS, POKE_GRASP, POKE_CUT } poke_mode;
 
@@ -12,15 +12,18 @@ typedef enum poke_mode { POKE_PRESS, POKE_GRASP, POKE_CUT } poke_mode;
 
 typedef struct body {
     palp_network *net;
+    palp_realtime *realtime; /* net's */
+    void *saved;            /* [saved_size] bytes: net before a tick */
+    size_t saved_size;
     const palp_mesh *mesh;  /* net's */
     double low[3], high[3]; /* its box at rest */
     palp_tool sphere;
     bool sphere_on;
     double sphere_goal[3];  /* where it is going, at most at SPEED */
-    int32_t held[POKE_HELD];
-    double held_from[3 * POKE_HELD];  /* where the nodes were grasped */
+    int32_t grasped[POKE_GRASPED];
+    double grasped_from[3 * POKE_GRASPED];  /* where the nodes were grasped */
     double hand[3], hand_goal[3];     /* how far the hand has moved, is to move */
-    size_t n_held;
+    size_t n_grasped;
     double blade[6];        /* ends of the blade's edge */
     bool blade_on;
     bool tearing;

@@ -325,10 +325,10 @@ static void draw_hand(const body *b) {
     double middle[3] = {0.0};
     shine(0.6f, 40.0f);
     glColor3d(0.30, 0.55, 0.80);
-    for (size_t i = 0; i < b->n_held; i++) {
-        draw_sphere(x + 3 * b->held[i], 5e-4);
+    for (size_t i = 0; i < b->n_grasped; i++) {
+        draw_sphere(x + 3 * b->grasped[i], 5e-4);
         for (int k = 0; k < 3; k++)
-            middle[k] += (b->held_from[3 * i + (size_t)k] + b->hand[k]) / (double)b->n_held;
+            middle[k] += (b->grasped_from[3 * i + (size_t)k] + b->hand[k]) / (double)b->n_grasped;
     }
     glColor3d(0.70, 0.73, 0.78);
     draw_rod(middle, up, 0.08, 7e-4, 2.2e-3);
@@ -343,7 +343,7 @@ static void draw_tools(const body *b) {
         glColor3d(0.33, 0.36, 0.42);
         draw_rod(b->sphere.position_m, up, 0.12, 0.35 * b->sphere.radius_m, 0.35 * b->sphere.radius_m);
     }
-    if (b->n_held > 0)
+    if (b->n_grasped > 0)
         draw_hand(b);
     if (b->blade_on)
         draw_blade(b);

@@ -60,8 +60,7 @@ PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_mat
 /* The same for a network of many thousand nodes (100,000 unknowns take a minute): coarse, a network of the same body
  * and supports of some hundred nodes, takes the law; the large one is pressed with it at 24 depths, and what its force
  * differs by, a ratio that hardly depends on the law, corrects the target for the next round, until the target is met
- * to 1e-4 of its peak or rounds bring no more. Gives the large network palp_network_enable_realtime unless
- * it has it, and both the law. A large network soon buckles between its many nodes: where a press is not solved at
+ * to 1e-4 of its peak or rounds bring no more. Gives both networks the law. A large network soon buckles between its many nodes: where a press is not solved at
  * once its branch ends (reached_m, buckled). */
 PALP_API palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start,
                                             size_t n, const double *depth_m, const double *target_N,

@@ -39,11 +39,6 @@ PALP_API const unsigned char *palp_network_alive(const palp_network *network);
  * (may be NULL); returns how many. */
 PALP_API size_t palp_network_loose(const palp_network *network, unsigned char *loose);
 
-/* Triangles of the surface as it now is, three nodes each, outward: the faces of tetrahedra without a cut edge that
- * are not shared by two of them. *triangles is the network's, valid until the next cut. Not enabled: the
- * mesh's surface. */
-PALP_API palp_status palp_network_surface(const palp_network *network, size_t *n, const int32_t **triangles);
-
 #ifdef __cplusplus
 }
 #endif

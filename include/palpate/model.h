@@ -5,7 +5,6 @@
 #include <palpate/effect.h>
 #include <palpate/material.h>
 #include <palpate/mesh.h>
-#include <palpate/network.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -60,14 +59,6 @@ PALP_API palp_status palp_model_format(const palp_model *model, char **json);
 
 /* The mesh of a network model, a lattice made or a file read; the caller owns it. */
 PALP_API palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_error *error);
-
-/* A network model's network, ready to step; the caller owns it. mesh: NULL = the model's own, or that one as it
- * was placed (palp_mesh_transform). supports: NULL = palp_supports_default. settings: NULL = the default; the density
- * is the model's. Effects of the instrument are left out; ERR_UNSUPPORTED for one of the material or the contact,
- * which palp_forward_network runs. */
-PALP_API palp_status palp_model_network(const palp_model *model, const palp_mesh *mesh, size_t n_supports,
-                                        const palp_support *supports, const palp_network_settings *settings,
-                                        palp_network **network, palp_error *error);
 
 #ifdef __cplusplus
 }

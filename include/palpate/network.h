@@ -4,6 +4,7 @@
 
 #include <palpate/material.h>
 #include <palpate/mesh.h>
+#include <palpate/model.h>
 #include <palpate/path.h>
 #include <palpate/solver.h>
 
@@ -41,13 +42,13 @@ typedef struct palp_network_settings {
                                box, shared by the rest length of a node's elements */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
-    double check_strain;    /* the tangent's inertia is looked at at least every so much depth / height */
+    double check_strain;    /* the tangent's inertia is assessed at least every so much depth / height */
 } palp_network_settings;
 
 /* tolerance 1e-10, 50 iterations, CONTINUE, AUTO, massless, backward Euler, check every 5e-3. */
 PALP_API palp_network_settings palp_network_settings_default(void);
 
-/* The seed's supports: "bottom" fixed, "top" held in x and z and driven in -y. */
+/* The thesis' supports: "bottom" fixed, "top" fixed in x and z and driven in -y. */
 PALP_API void palp_supports_default(palp_support supports[2]);
 
 /* How a step went. */
@@ -55,7 +56,7 @@ typedef struct palp_step_info {
     int iterations;         /* Newton iterations (factorizations) */
     double residual;        /* relative residual reached */
     double force_N;         /* reaction conjugate to depth, positive = compression */
-    int negative_pivots;    /* of the last factor; -1 = not looked at in this step */
+    int negative_pivots;    /* of the last factor; -1 = not assessed in this step */
 } palp_step_info;
 
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
@@ -66,6 +67,14 @@ PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_mater
                                          palp_error *error);
 PALP_API void palp_network_free(palp_network *network); /* NULL is fine */
 
+/* A network model's network, ready to step; the caller owns it. mesh: NULL = the model's own, or that one as it
+ * was placed (palp_mesh_transform). supports: NULL = palp_supports_default. settings: NULL = the default; the density
+ * is the model's. Effects of the instrument are left out; ERR_UNSUPPORTED for one of the material or the contact,
+ * which palp_forward_network runs. */
+PALP_API palp_status palp_network_from_model(const palp_model *model, const palp_mesh *mesh, size_t n_supports,
+                                             const palp_support *supports, const palp_network_settings *settings,
+                                             palp_network **network, palp_error *error);
+
 /* Back to rest: undeformed, no history, time 0. */
 PALP_API void palp_network_reset(palp_network *network);
 
@@ -73,11 +82,11 @@ PALP_API void palp_network_reset(palp_network *network);
 PALP_API palp_status palp_network_set_material(palp_network *network, const palp_material *material);
 
 /* One step to depth_m after dt_s seconds (INFINITY = fully relaxed). try leaves the result as a
- * trial, to be committed or rolled back; step commits on success and leaves the state as it was on
- * failure. info may be NULL. ERR_NOT_CONVERGED, ERR_BUCKLED, ERR_SINGULAR, ERR_COLLAPSED. */
+ * trial, which commit makes the state and any other call that changes the network drops; step commits on success. On
+ * failure the state stays as it was. info may be NULL. ERR_ARGUMENT: a number out of range; ERR_NOT_CONVERGED;
+ * ERR_BUCKLED: no equilibrium on this branch; ERR_SINGULAR: a mechanism; ERR_COLLAPSED: an element lost its length. */
 PALP_API palp_status palp_network_try(palp_network *network, double depth_m, double dt_s, palp_step_info *info);
-PALP_API void palp_network_commit(palp_network *network);
-PALP_API void palp_network_rollback(palp_network *network);
+PALP_API void palp_network_commit(palp_network *network); /* nothing without a trial */
 PALP_API palp_status palp_network_step(palp_network *network, double depth_m, double dt_s, palp_step_info *info);
 
 /* The same with the force on the driven nodes given; the depth follows (creep). ERR_ARGUMENT too where
@@ -85,19 +94,32 @@ PALP_API palp_status palp_network_step(palp_network *network, double depth_m, do
 PALP_API palp_status palp_network_step_force(palp_network *network, double force_N, double dt_s,
                                              palp_step_info *info);
 
+/* The whole state (positions, history, what the predictor knows, contacts, tools, grasped nodes, cuts) into a buffer of the
+ * caller's, and back into the same network or another one made and enabled alike, which drops a trial. Steps then give the
+ * same as they did, to the network's tolerance, since no factor is kept. ERR_ARGUMENT: a buffer too small, of another network,
+ * none. */
+PALP_API size_t palp_network_state_size(const palp_network *network); /* bytes */
+PALP_API palp_status palp_network_save(const palp_network *network, void *buffer, size_t size);
+PALP_API palp_status palp_network_restore(palp_network *network, const void *buffer, size_t size);
+
 /* State of the last commit. Arrays are the network's, valid until the next call that changes it. */
 PALP_API double palp_network_depth(const palp_network *network);  /* m */
 PALP_API double palp_network_time(const palp_network *network);   /* s */
 PALP_API double palp_network_force(const palp_network *network);  /* N, conjugate to depth */
 PALP_API const double *palp_network_positions(const palp_network *network);      /* [3 n_nodes], m */
 PALP_API const double *palp_network_element_strain(const palp_network *network); /* [n_elements] */
-PALP_API size_t palp_network_unknowns(const palp_network *network);
+PALP_API size_t palp_network_unknown_count(const palp_network *network);
 PALP_API const palp_mesh *palp_network_mesh(const palp_network *network); /* as given to create, copied */
 /* element forces, tension positive, into force_N[n_elements] */
 PALP_API void palp_network_element_force(const palp_network *network, double *force_N);
 
 /* Sum of the element forces that the nodes of a set put on their support, N. */
 PALP_API palp_status palp_network_reaction(const palp_network *network, const char *set, double force_N[3]);
+
+/* Triangles of the surface as it now is, three nodes each, outward, into *triangles[3 *n]: the mesh's; of a network that can be
+ * cut (palpate/cut.h) the faces of tetrahedra without a cut edge that are not shared by two of them. The array is the
+ * network's, valid until the next cut. */
+PALP_API palp_status palp_network_surface(const palp_network *network, size_t *n, const int32_t **triangles);
 
 /* Depth range in which the tangent first lost positive definiteness: stable at *stable_m, not at
  * *unstable_m (with the STABLE branch: where the network fell to another one). false if it never did

@@ -9,7 +9,9 @@
 extern "C" {
 #endif
 
-/* How a network is stepped within a tick. */
+/* Steps a network within ticks: a kept factor of its tangent, and what tells the error of a force. */
+typedef struct palp_realtime palp_realtime; /* opaque; palp_realtime_free */
+
 typedef struct palp_realtime_settings {
     double refresh_share;  /* of a tick's work that goes into the next factor while the present one serves, 0 to 1 */
     bool background;       /* make the next factor in a thread of its own; the results then depend on timing */
@@ -18,10 +20,18 @@ typedef struct palp_realtime_settings {
 /* 0.15, no thread */
 PALP_API palp_realtime_settings palp_realtime_settings_default(void);
 
-/* Makes ready for palp_network_step_within; all memory is allocated and a first factor made here. After
- * palp_network_enable_tools and _enable_cutting where those are wanted; once. ERR_ARGUMENT: a setting out of range, done
- * before; ERR_NO_MEMORY; ERR_SINGULAR: a mechanism. palp_network_reset and _set_material make the factor anew. */
-PALP_API palp_status palp_network_enable_realtime(palp_network *network, const palp_realtime_settings *settings);
+/* Makes one for a network, which stays the caller's and must outlive it; all memory is allocated and a first factor made
+ * here, of the network as it is. One at a time for each network. The caller owns *realtime. ERR_ARGUMENT: a setting
+ * out of range; ERR_NO_MEMORY; ERR_SINGULAR: a mechanism; ERR_COLLAPSED. */
+PALP_API palp_status palp_realtime_create(palp_network *network, const palp_realtime_settings *settings,
+                                          palp_realtime **realtime);
+PALP_API void palp_realtime_free(palp_realtime *realtime); /* NULL is fine */
+PALP_API palp_network *palp_realtime_network(const palp_realtime *realtime);
+
+/* Sets the network back to rest and makes the factor anew, which takes as long as creating. After palp_network_reset or
+ * _set_material, which know nothing of it, the next step does so first. The statuses of create; where it fails the factor in use
+ * still serves. */
+PALP_API palp_status palp_realtime_reset(palp_realtime *realtime);
 
 /* When a tick's work ends; the first of these. 0 = that one does not count; all 0 = at the network's tolerance. */
 typedef struct palp_budget {
@@ -42,23 +52,20 @@ typedef struct palp_tick_info {
     double seconds;       /* that the call took */
 } palp_tick_info;
 
-/* One step to depth_m after dt_s, as palp_network_step, but ended by the budget: the best state reached is
+/* One step to depth_m after dt_s seconds, as palp_network_step, but ended by the budget: the best state reached is
  * committed, what is left of the residual is worked off by the next ticks. Allocates nothing. info may be
- * NULL. On failure (ERR_ARGUMENT, ERR_COLLAPSED, ...) the state stays as it was. */
-PALP_API palp_status palp_network_step_within(palp_network *network, double depth_m, double dt_s,
-                                              const palp_budget *budget, palp_tick_info *info);
+ * NULL. On failure the state stays as it was: ERR_ARGUMENT: a number out of range; ERR_COLLAPSED: no sound place to start
+ * from. */
+PALP_API palp_status palp_realtime_step(palp_realtime *realtime, double depth_m, double dt_s,
+                                        const palp_budget *budget, palp_tick_info *info);
 
-/* Takes back the last committed step, once; a factor that came into use meanwhile and cuts stay. ERR_ARGUMENT: there
- * is none. */
-PALP_API palp_status palp_network_undo(palp_network *network);
-
-/* The whole state (positions, history, contacts, held nodes, cuts, what the predictor knows and which factor serves)
- * into a buffer of the caller's, and back into the same network or another one made and enabled alike. Step_within with a
- * budget of corrections goes on to the same bits; palp_network_step, which keeps no factor then, to the same within its
- * tolerance. Restoring takes as long as enabling. ERR_ARGUMENT: a buffer too small, another network's, none. */
-PALP_API size_t palp_network_state_size(const palp_network *network); /* bytes */
-PALP_API palp_status palp_network_save(const palp_network *network, void *buffer, size_t size);
-PALP_API palp_status palp_network_restore(palp_network *network, const void *buffer, size_t size);
+/* The network's state and its own (which factor serves, how far the next one is) into a buffer of the caller's, and back into
+ * this one or another made alike: palp_realtime_step with a budget of corrections then goes on to the same bits. Restoring
+ * takes as long as creating. To take back steps only, palp_network_save and _restore will do: the factor stays.
+ * ERR_ARGUMENT: a buffer too small or of another kind, none. */
+PALP_API size_t palp_realtime_state_size(const palp_realtime *realtime); /* bytes */
+PALP_API palp_status palp_realtime_save(const palp_realtime *realtime, void *buffer, size_t size);
+PALP_API palp_status palp_realtime_restore(palp_realtime *realtime, const void *buffer, size_t size);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,7 @@
 
 #include <palpate/model.h>
 #include <palpate/network.h>
+#include <palpate/realtime.h>
 #include <palpate/tool.h>
 
 #ifdef __cplusplus
@@ -33,12 +34,13 @@ typedef struct palp_reduce_settings {
 
 PALP_API palp_reduce_settings palp_reduce_settings_default(void);
 
-/* Runs the network (reset first) along a path and keeps what it did. Tools need palp_network_enable_tools. The
- * caller owns *training. ERR_ARGUMENT: times that do not increase, a number that is not finite; the statuses of
+/* Runs the network (reset first) along a path and keeps what it did, with its realtime where that is not NULL, which is
+ * much faster for large networks. Tools need palp_network_enable_tools. The
+ * caller owns *training. ERR_ARGUMENT: times that do not increase, a number that is not finite, another network's realtime; the statuses of
  * palp_network_step, with the time in error. observer (may be NULL): non-zero = ERR_STOPPED. */
-PALP_API palp_status palp_training_record(palp_network *network, const palp_tool_path *path,
-                                          palp_network_observer observer, void *user, palp_training **training,
-                                          palp_error *error);
+PALP_API palp_status palp_training_record(palp_network *network, palp_realtime *realtime,
+                                          const palp_tool_path *path, palp_network_observer observer, void *user,
+                                          palp_training **training, palp_error *error);
 PALP_API void palp_training_free(palp_training *training); /* NULL is fine */
 
 /* Error of a reduced model on one path: length of the difference of the plate's and all tools' forces together. */

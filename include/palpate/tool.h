@@ -1,4 +1,4 @@
-/* tool.h: rigid tools that touch a network, gravity, and nodes that are held. */
+/* tool.h: rigid tools that touch a network, gravity, and nodes that are grasped. */
 #ifndef PALPATE_TOOL_H
 #define PALPATE_TOOL_H
 
@@ -38,7 +38,7 @@ typedef struct palp_tool_force {
 typedef struct palp_contact_settings {
     double stiffness;       /* of the penalty, in units of a surface node's own (its elements' at rest, all arms
                                included); shared among its triangles; 20 */
-    double hold_stiffness;  /* of the spring to a held node's target, in the same units; 100 */
+    double grasp_stiffness; /* of the spring to a grasped node's target, in the same units; 100 */
     double smoothing;       /* depth at which the penalty becomes linear, of the surface's mean edge; 0.01 */
     size_t max_contacts;    /* points near tools at once, further ones are not felt; 0 = all there can be */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */
@@ -46,10 +46,10 @@ typedef struct palp_contact_settings {
 
 PALP_API palp_contact_settings palp_contact_settings_default(void);
 
-/* Makes a network ready for up to max_tools tools and max_held held nodes; all memory is allocated here.
+/* Makes a network ready for up to max_tools tools and max_grasped grasped nodes; all memory is allocated here.
  * Resets the network; once for each. ERR_ARGUMENT: a setting out of range, gravity for a network
  * without mass, done before; ERR_UNSUPPORTED: tools for a mesh without triangles (palp_mesh_triangles). */
-PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max_tools, size_t max_held,
+PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max_tools, size_t max_grasped,
                                                const palp_contact_settings *settings);
 
 /* Places the tools for the next step, copied; they stay so until the next call. Friction knows a tool by its
@@ -61,17 +61,18 @@ PALP_API palp_status palp_network_set_tools(palp_network *network, size_t n, con
 /* Force on each tool at the last committed state, force[n of set_tools]; zeros before the first step of a tool. */
 PALP_API palp_status palp_network_tool_force(const palp_network *network, palp_tool_force *force);
 
-/* Grasps: each of these nodes is held by a stiff spring to target_m[3 n] from the next step on. A node already held
- * gets a new target. Drops a trial step. ERR_LIMIT: more than max_held, nothing done; ERR_ARGUMENT: no such node, a
+/* Grasps: a stiff spring ties each of these nodes to target_m[3 n] from the next step on. A node already grasped
+ * gets a new target. Drops a trial step. ERR_LIMIT: more than max_grasped, nothing done; ERR_ARGUMENT: no such node, a
  * number that is not finite. */
-PALP_API palp_status palp_network_hold(palp_network *network, size_t n, const int32_t *nodes, const double *target_m);
+PALP_API palp_status palp_network_grasp(palp_network *network, size_t n, const int32_t *nodes, const double *target_m);
 
-/* Lets go; nodes that are not held are passed over. */
+/* Lets go; nodes that are not grasped are passed over. ERR_ARGUMENT: no such node. */
 PALP_API palp_status palp_network_release(palp_network *network, size_t n, const int32_t *nodes);
 
-/* Sum of the forces of these held nodes on the hand at the last committed state; one not held adds nothing. */
-PALP_API palp_status palp_network_held_force(const palp_network *network, size_t n, const int32_t *nodes,
-                                             double force_N[3]);
+/* Sum of the forces of these grasped nodes on the hand at the last committed state, N; one not grasped adds nothing.
+ * ERR_ARGUMENT: no such node. */
+PALP_API palp_status palp_network_grasp_force(const palp_network *network, size_t n, const int32_t *nodes,
+                                              double force_N[3]);
 
 #ifdef __cplusplus
 }

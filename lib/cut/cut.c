@@ -1,6 +1,6 @@
 /* cut.c: which elements are whole, what hangs loose, and what that adds to the network's equations. */
+#include "cut_internal.h"
 #include "mesh/mesh_internal.h"
-#include "contact/tool_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,37 +10,34 @@ static const double LOOSE = 1e-3;    /* spring of a loose node, of its stiffness
 static const double MECHANISM = 1e-6; /* diagonal of any other node of a cut network */
 static const double SMALL_STRAIN = 0.1; /* where the stiffness is taken: a law may start from 0 */
 
-void network_cut_free(network_cut *cut) {
-    if (!cut)
-        return;
+static void cut_free(network_term *term) {
+    network_cut *cut = (network_cut *)term;
     free(cut->alive);
+    free(cut->fixed);
     free(cut->loose);
-    free(cut->broken);
     free(cut->cut);
     free(cut->root);
     free(cut->side);
     free(cut->whole);
     free(cut->stiffness);
     free(cut->diagonal);
-    free(cut->first);
-    free(cut->around);
-    free(cut->neighbour);
-    free(cut->triangles);
+    cut_surface_free(&cut->surface);
     free(cut);
 }
 
 /* ---- what is loose ------------------------------------------------------------------------------- */
 
-/* A part is held if one of its nodes has an axis that is no unknown, or is held by a hand. */
-static void find_loose(palp_network *net) {
-    network_cut *cut = net->cut;
+/* A part is fixed if one of its nodes has an axis that is no unknown, or is grasped. */
+static void find_loose(network_term *term, palp_network *net) {
+    network_cut *cut = (network_cut *)term;
     palp_mesh_parts(net->n_nodes, net->n_elements, net->pair, cut->alive, cut->root);
+    for (size_t i = 0; i < net->n_nodes; i++)
+        cut->fixed[i] = net->dof[3 * i] < 0 || net->dof[3 * i + 1] < 0 || net->dof[3 * i + 2] < 0;
+    NETWORK_EACH_TERM(net, grasped, cut->fixed);
     memset(cut->loose, 1, net->n_nodes);
     for (size_t i = 0; i < net->n_nodes; i++)
-        if (net->dof[3 * i] < 0 || net->dof[3 * i + 1] < 0 || net->dof[3 * i + 2] < 0)
+        if (cut->fixed[i])
             cut->loose[cut->root[i]] = 0;
-    for (size_t i = 0; net->load && i < load_memory_of(&net->now)->n_holds; i++)
-        cut->loose[cut->root[load_holds(net->load, &net->now)[i].node]] = 0;
     cut->n_loose = 0;
     for (size_t i = 0; i < net->n_nodes; i++) { /* a root is the lowest node of its part: it is known by now */
         cut->loose[i] = cut->loose[cut->root[i]];
@@ -49,15 +46,12 @@ static void find_loose(palp_network *net) {
     }
 }
 
-void network_cut_held(palp_network *net) {
-    find_loose(net);
-}
-
-double network_cut_spring(const network_cut *cut, size_t i) {
+double cut_spring(const network_cut *cut, size_t i) {
     return cut->loose[i] ? cut->diagonal[i] : 0.0;
 }
 
-void network_cut_mark(network_cut *cut, size_t element) {
+/* Marks an element as cut, if it is whole. */
+static void mark(network_cut *cut, size_t element) {
     if (!cut->alive[element])
         return;
     cut->alive[element] = 0;
@@ -65,8 +59,7 @@ void network_cut_mark(network_cut *cut, size_t element) {
 }
 
 /* What follows from the elements that were marked since the last time. The next step starts from the state as it is. */
-static size_t update(palp_network *net) {
-    network_cut *cut = net->cut;
+static size_t update(palp_network *net, network_cut *cut) {
     size_t news = cut->n_cut - cut->n_known;
     for (size_t k = cut->n_known; k < cut->n_cut; k++) {
         size_t i = (size_t)cut->cut[k];
@@ -74,35 +67,44 @@ static size_t update(palp_network *net) {
         if (net->now.vector)
             memset(net->now.vector + 3 * i, 0, 3 * sizeof *net->now.vector);
     }
-    find_loose(net);
-    network_cut_surface_update(cut);
+    find_loose(&cut->term, net);
+    cut_surface_update(&cut->surface, news, cut->cut + cut->n_known);
     cut->n_known = cut->n_cut;
-    net->surface = cut->triangles;
-    net->n_surface = cut->n_triangles;
+    net->dead = cut->cut;
+    net->n_dead = cut->n_cut;
+    net->surface = cut->surface.triangles;
+    net->n_surface = cut->surface.n_triangles;
     net->surface_changes++;
     net->n_past = 0;
     net->trial = net->exact = false;
     return news;
 }
 
-static void make_whole(palp_network *net) {
-    network_cut *cut = net->cut;
+static void make_whole(palp_network *net, network_cut *cut) {
     cut->n_cut = cut->n_known = 0;
     memset(cut->alive, 1, net->n_elements);
-    memset(cut->broken, 0, cut->n_tetrahedra);
     memcpy(net->scale, cut->whole, net->n_elements * sizeof *net->scale);
+    cut_surface_whole(&cut->surface);
 }
 
-void network_cut_set(palp_network *net, const unsigned char *alive) {
-    make_whole(net);
-    for (size_t i = 0; i < net->n_elements; i++)
-        if (!alive[i])
-            network_cut_mark(net->cut, i);
-    update(net);
+/* ---- the term ------------------------------------------------------------------------------------ */
+
+/* All the rest of a network_cut follows from what is whole. */
+static void cut_pass(network_term *term, palp_network *net, network_cursor *cursor) {
+    network_cut *cut = (network_cut *)term;
+    if (cursor->way == NETWORK_RESTORE && memcmp(cut->alive, cursor->at, net->n_elements) != 0) {
+        make_whole(net, cut);
+        for (size_t i = 0; i < net->n_elements; i++)
+            if (!cursor->at[i])
+                mark(cut, i);
+        update(net, cut);
+    }
+    network_pass(cursor, cut->alive, net->n_elements);
 }
 
-void network_cut_reset(palp_network *net) {
-    network_cut *cut = net->cut;
+/* Everything whole again, for the present material. */
+static void cut_reset(network_term *term, palp_network *net) {
+    network_cut *cut = (network_cut *)term;
     double stiffness;
     palp_law_stiffness(&net->material.law, SMALL_STRAIN, &stiffness, NULL);
     for (size_t j = 0; j < net->material.n_arms; j++)
@@ -110,22 +112,45 @@ void network_cut_reset(palp_network *net) {
     memset(cut->stiffness, 0, net->n_nodes * sizeof *cut->stiffness);
     for (size_t i = 0; i < 2 * net->n_elements; i++)
         cut->stiffness[net->pair[i]] += stiffness * cut->whole[i / 2] * net->inverse_rest[i / 2];
-    make_whole(net);
-    update(net);
+    make_whole(net, cut);
+    update(net, cut);
 }
 
-bool network_cut_measure(palp_network *net, double collapsed) {
-    const network_cut *cut = net->cut;
-    bool sound = true;
-    for (size_t k = 0; k < cut->n_cut; k++) {
-        size_t i = (size_t)cut->cut[k];
-        net->strain[i] = 0.0;
-        net->inverse_length[i] = net->inverse_rest[i];
-        net->direction[3 * i] = net->direction[3 * i + 1] = net->direction[3 * i + 2] = 0.0;
+static void cut_residual(const network_term *term, const palp_network *net, double *r, double *squares) {
+    const network_cut *cut = (const network_cut *)term;
+    for (size_t i = 0; i < 3 * net->n_nodes && cut->n_loose > 0; i++) {
+        if (net->dof[i] < 0)
+            continue;
+        double spring = cut_spring(cut, i / 3);
+        r[i] -= spring * (net->next.x[i] - net->now.x[i]);
+        *squares += spring * net->next.x[i] * spring * net->next.x[i];
     }
-    for (size_t i = 0; i < net->n_elements; i++)
-        sound = sound && net->strain[i] > collapsed;
-    return sound;
+}
+
+static void cut_diagonal(const network_term *term, const palp_network *net, double *d) {
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        d[i] += ((const network_cut *)term)->diagonal[i / 3];
+}
+
+static bool cut_energy(const network_term *term, const palp_network *net, double *energy) {
+    const network_cut *cut = (const network_cut *)term;
+    for (size_t i = 0; i < 3 * net->n_nodes && cut->n_loose > 0; i++) {
+        double moved = net->next.x[i] - net->now.x[i];
+        *energy += 0.5 * cut_spring(cut, i / 3) * moved * moved;
+    }
+    return true;
+}
+
+static const network_term_kind CUT = {.free = cut_free,
+                                      .reset = cut_reset,
+                                      .pass = cut_pass,
+                                      .residual = cut_residual,
+                                      .diagonal = cut_diagonal,
+                                      .energy = cut_energy,
+                                      .grasp_changed = find_loose};
+
+network_cut *cut_of(const palp_network *net) {
+    return (network_cut *)network_find_term(net, &CUT);
 }
 
 /* ---- the public calls ---------------------------------------------------------------------------- */
@@ -135,38 +160,50 @@ static palp_status allocate(const palp_network *net, network_cut *cut) {
     cut->alive = malloc(m);
     cut->cut = malloc(m * sizeof *cut->cut);
     cut->whole = malloc(m * sizeof *cut->whole);
+    cut->fixed = malloc(n);
     cut->loose = malloc(n);
     cut->root = malloc(n * sizeof *cut->root);
     cut->side = malloc(n);
     cut->stiffness = malloc(n * sizeof *cut->stiffness);
     cut->diagonal = malloc(n * sizeof *cut->diagonal);
-    bool ok = cut->alive && cut->cut && cut->whole && cut->loose && cut->root && cut->side && cut->stiffness &&
-              cut->diagonal;
-    return ok ? network_cut_surface_create(net, cut) : PALP_ERR_NO_MEMORY;
+    bool ok = cut->alive && cut->cut && cut->whole && cut->fixed && cut->loose && cut->root && cut->side &&
+              cut->stiffness && cut->diagonal;
+    return ok ? cut_surface_create(net, &cut->surface) : PALP_ERR_NO_MEMORY;
 }
 
-palp_status palp_network_enable_cutting(palp_network *net) {
-    if (!net || net->cut)
-        return PALP_ERR_ARGUMENT;
+static network_cut *cut_new(const palp_network *net) {
     network_cut *cut = calloc(1, sizeof *cut);
-    double *scale = net->scale ? net->scale : malloc(net->n_elements * sizeof *scale);
-    palp_status status = cut && scale ? allocate(net, cut) : PALP_ERR_NO_MEMORY;
-    if (status) {
-        network_cut_free(cut);
-        if (scale != net->scale)
-            free(scale);
-        return status;
+    if (!cut)
+        return NULL;
+    cut->term.kind = &CUT;
+    if (allocate(net, cut)) {
+        cut_free(&cut->term);
+        return NULL;
     }
     for (size_t i = 0; i < net->n_elements; i++)
         cut->whole[i] = net->scale ? net->scale[i] : 1.0;
-    net->scale = scale;
-    net->cut = cut;
-    network_cut_reset(net);
-    return PALP_OK;
+    return cut;
 }
 
-static palp_status finish(palp_network *net, size_t *n) {
-    size_t news = net->cut->n_cut > net->cut->n_known ? update(net) : 0;
+palp_status palp_network_enable_cutting(palp_network *net) {
+    if (!net || cut_of(net))
+        return PALP_ERR_ARGUMENT;
+    network_cut *cut = cut_new(net);
+    if (!cut)
+        return PALP_ERR_NO_MEMORY;
+    if (!net->scale) {
+        net->scale = malloc(net->n_elements * sizeof *net->scale);
+        if (!net->scale) {
+            cut_free(&cut->term);
+            return PALP_ERR_NO_MEMORY;
+        }
+        memcpy(net->scale, cut->whole, net->n_elements * sizeof *net->scale);
+    }
+    return network_add_terms(net, 1, (network_term *[]){&cut->term});
+}
+
+static palp_status finish(palp_network *net, network_cut *cut, size_t *n) {
+    size_t news = cut->n_cut > cut->n_known ? update(net, cut) : 0;
     if (n)
         *n = news;
     return PALP_OK;
@@ -180,50 +217,62 @@ static bool finite9(const double *v) {
 }
 
 palp_status palp_network_cut(palp_network *net, const double corners_m[9], size_t *n_cut) {
-    if (!net || !net->cut || !corners_m || !finite9(corners_m))
+    network_cut *cut = net ? cut_of(net) : NULL;
+    if (!cut || !corners_m || !finite9(corners_m))
         return PALP_ERR_ARGUMENT;
-    network_cut_blade(net, corners_m);
-    return finish(net, n_cut);
+    const double *x = net->now.x;
+    cut_sides(net->n_nodes, x, corners_m, cut->side);
+    for (size_t i = 0; i < net->n_elements; i++) {
+        int32_t a = net->pair[2 * i], b = net->pair[2 * i + 1];
+        if (cut->side[a] * cut->side[b] < 0 && cut_crosses(x + 3 * a, x + 3 * b, corners_m))
+            mark(cut, i);
+    }
+    return finish(net, cut, n_cut);
 }
 
 palp_status palp_network_cut_elements(palp_network *net, size_t n, const int32_t *elements) {
-    if (!net || !net->cut || (n > 0 && !elements))
+    network_cut *cut = net ? cut_of(net) : NULL;
+    if (!cut || (n > 0 && !elements))
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++)
         if (elements[i] < 0 || (size_t)elements[i] >= net->n_elements)
             return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++)
-        network_cut_mark(net->cut, (size_t)elements[i]);
-    return finish(net, NULL);
+        mark(cut, (size_t)elements[i]);
+    return finish(net, cut, NULL);
 }
 
 palp_status palp_network_set_tearing(palp_network *net, double strain, double force_N) {
-    if (!net || !net->cut || !(strain >= 0.0 && isfinite(strain)) || !(force_N >= 0.0 && isfinite(force_N)))
+    network_cut *cut = net ? cut_of(net) : NULL;
+    if (!cut || !(strain >= 0.0 && isfinite(strain)) || !(force_N >= 0.0 && isfinite(force_N)))
         return PALP_ERR_ARGUMENT;
-    net->cut->tear_strain = strain;
-    net->cut->tear_force = force_N;
+    cut->tear_strain = strain;
+    cut->tear_force = force_N;
     return PALP_OK;
 }
 
 palp_status palp_network_tear(palp_network *net, size_t *n_torn) {
-    if (!net || !net->cut)
+    network_cut *cut = net ? cut_of(net) : NULL;
+    if (!cut)
         return PALP_ERR_ARGUMENT;
-    double strain = net->cut->tear_strain > 0.0 ? net->cut->tear_strain : INFINITY;
-    double force = net->cut->tear_force > 0.0 ? net->cut->tear_force : INFINITY;
+    double strain = cut->tear_strain > 0.0 ? cut->tear_strain : INFINITY;
+    double force = cut->tear_force > 0.0 ? cut->tear_force : INFINITY;
     for (size_t i = 0; i < net->n_elements; i++)
         if (net->now.history.strain[i] > strain || net->now.element[i] > force)
-            network_cut_mark(net->cut, i);
-    return finish(net, n_torn);
+            mark(cut, i);
+    return finish(net, cut, n_torn);
 }
 
 const unsigned char *palp_network_alive(const palp_network *net) {
-    return net->cut ? net->cut->alive : NULL;
+    const network_cut *cut = cut_of(net);
+    return cut ? cut->alive : NULL;
 }
 
 size_t palp_network_loose(const palp_network *net, unsigned char *loose) {
-    if (loose && net->cut)
-        memcpy(loose, net->cut->loose, net->n_nodes);
+    const network_cut *cut = cut_of(net);
+    if (loose && cut)
+        memcpy(loose, cut->loose, net->n_nodes);
     else if (loose)
         memset(loose, 0, net->n_nodes);
-    return net->cut ? net->cut->n_loose : 0;
+    return cut ? cut->n_loose : 0;
 }

@@ -3,7 +3,7 @@
  * Ties are broken as if the tissue were shifted by an infinitesimal step along one fixed direction (simulation of
  * simplicity, Edelsbrunner and Muecke 1990): a node exactly on the blade is on one side of it, the same for every
  * element that meets in it and for both triangles of a sweep, whatever the order of corners and ends. */
-#include "network/network_internal.h"
+#include "cut_internal.h"
 
 #include <math.h>
 
@@ -65,21 +65,15 @@ static int passes_edge(const double *p, const double *q, const double *corners, 
     return swap ? -passes(p, q, b, a) : passes(p, q, a, b);
 }
 
-static bool crosses(const double *p, const double *q, const double *corners) {
+bool cut_crosses(const double *p, const double *q, const double *corners) {
     int first = passes_edge(p, q, corners, 0, 1);
     return first != 0 && passes_edge(p, q, corners, 1, 2) == first && passes_edge(p, q, corners, 2, 0) == first;
 }
 
-void network_cut_blade(palp_network *net, const double corners[9]) {
-    network_cut *cut = net->cut;
+void cut_sides(size_t n, const double *x, const double corners[9], signed char *side) {
     double u[3], v[3];
     subtract(corners + 3, corners, u);
     subtract(corners + 6, corners, v);
-    for (size_t i = 0; i < net->n_nodes; i++)
-        cut->side[i] = (signed char)side_of(net->now.x + 3 * i, corners, u, v);
-    for (size_t i = 0; i < net->n_elements; i++) {
-        int32_t a = net->pair[2 * i], b = net->pair[2 * i + 1];
-        if (cut->side[a] * cut->side[b] < 0 && crosses(net->now.x + 3 * a, net->now.x + 3 * b, corners))
-            network_cut_mark(cut, i);
-    }
+    for (size_t i = 0; i < n; i++)
+        side[i] = (signed char)side_of(x + 3 * i, corners, u, v);
 }

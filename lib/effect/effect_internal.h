@@ -118,7 +118,7 @@ typedef struct effect_row {
     effect_quantity *spring;   /* factor of the spring's force at a strain rate of the plate, 1/s */
     effect_quantity *specimen; /* factor of all the specimen's force at a time of the session, s */
     effect_quantity *pull;     /* force that the plate lets go at, N; at = 0 */
-    effect_quantity *grip;     /* stiffness that holds a network's nodes sideways at the plates over that of the elements
+    effect_quantity *foundation; /* stiffness that holds a network's nodes sideways at the plates over that of the elements
                                   there, at = 0; by_value: of its logarithm. Held fast where the effect is off */
     effect_condition *missing; /* NULL: any runs will do */
     palp_status (*starts)(const effect_data *data, effect_starts *out); /* NULL: one, with all values 0 */

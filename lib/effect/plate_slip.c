@@ -3,9 +3,9 @@
 
 #include <math.h>
 
-static const double END = 1e-6; /* of the slip at either end, where the grip or its derivative would be a limit */
+static const double END = 1e-6; /* of the slip at either end, where the foundation or its derivative would be a limit */
 
-static void grip(const double *value, double at, effect_number *out) {
+static void foundation(const double *value, double at, effect_number *out) {
     double slip = fmax(value[0], END);
     (void)at;
     out->value = fmax((1.0 - slip) / slip, END);
@@ -28,4 +28,4 @@ const effect_row effect_plate_slip = {
              .parameter = {{"slip", 1, 0, 1, 0.5, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_GAIN, PALP_EFFECT_FRAME_COMPLIANCE),
              .in_network = true},
-    .grip = grip, .starts = starts};
+    .foundation = foundation, .starts = starts};

@@ -103,7 +103,6 @@ palp_status force_curve_trace(force_curve *c, palp_network *net, double depth_ma
         peak = fmax(peak, fabs(info.force_N));
         double error = c->n > 1 ? interpolation_error(c, target, info.force_N) / (tolerance * peak) : 0.0;
         if (error > 1.0 && step > shortest) {
-            palp_network_rollback(net);
             step *= fmax(0.25, 0.8 * pow(error, -0.25));
             continue;
         }

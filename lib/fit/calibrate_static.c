@@ -159,7 +159,7 @@ palp_status static_stage_solve(static_stage *s, palp_status (*solve)(static_stag
     memset(s->result, 0, sizeof *s->result);
     s->tolerance = s->settings->curve_tolerance;
     if (s->tolerance == 0.0)
-        s->tolerance = s->net->chord ? 1e-4 : 1e-6;
+        s->tolerance = s->net->reuse_factor ? 1e-4 : 1e-6;
     palp_status status = check(s);
     if (!status)
         status = solve_checked(s, solve);

@@ -1,7 +1,8 @@
 /* calibrate_two_level.c: the static stage for a network too large to trace many times: a coarse one of the same body takes
  * the law, the large one only tells by how much it differs. */
 #include "calibrate_internal.h"
-#include "realtime/realtime_internal.h"
+
+#include <palpate/realtime.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@ static const double ENOUGH = 1e-4;  /* largest miss of the target, of its peak *
 
 typedef struct two_level {
     palp_network *fine, *coarse;
+    palp_realtime *realtime; /* of the large one */
     const palp_static_settings *settings;
     size_t n;
     const double *depth, *target;
@@ -32,9 +34,9 @@ static palp_status press_fine(two_level *c, const palp_material *material, doubl
     const palp_budget budget = {.force_error = PRECISE};
     palp_status status = palp_network_set_material(c->fine, material);
     if (!status)
-        status = realtime_begin(c->fine);
+        status = palp_realtime_reset(c->realtime);
     for (c->n_reached = 0; c->n_reached < c->n_presses && !status; c->n_reached++) {
-        status = palp_network_step_within(c->fine, c->depth[sample_of(c, c->n_reached)], INFINITY, &budget, &info);
+        status = palp_realtime_step(c->realtime, c->depth[sample_of(c, c->n_reached)], INFINITY, &budget, &info);
         if (calibration_lost(status) || (!status && !info.converged)) {
             status = PALP_OK;
             break;
@@ -123,8 +125,8 @@ palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse
     double miss = HUGE_VAL, before = HUGE_VAL;
     memset(result, 0, sizeof *result);
     palp_status status = n > 0 ? allocate(&c) : PALP_ERR_ARGUMENT;
-    if (!status && !network->realtime)
-        status = palp_network_enable_realtime(network, &realtime);
+    if (!status)
+        status = palp_realtime_create(network, &realtime, &c.realtime);
     for (int i = 0; i < ROUNDS && !status && miss > ENOUGH && (i < 2 || miss < 0.5 * before); i++) {
         before = miss;
         status = improve(&c, &material, &miss);
@@ -133,8 +135,7 @@ palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse
     result->converged = miss <= ENOUGH || (before < HUGE_VAL && miss >= 0.5 * before);
     if (!status)
         status = palp_network_set_material(network, &result->material);
-    if (!status)
-        status = realtime_begin(network);
+    palp_realtime_free(c.realtime);
     free(c.wanted);
     free(c.ratio);
     if (status)

@@ -19,7 +19,7 @@ typedef struct element_step {
     double gain[PALP_ARMS_MAX];  /* K_j (1 - exp(-dt / tau_j)) tau_j / dt, N */
     double dashpot;              /* b / dt, N */
     double carry;                /* PALP_SEDEF2008: share of the previous force vector, Eq. 5.11 */
-    double boost;                /* factor of the spring's force; prepare gives 1 */
+    double rate_factor;                /* factor of the spring's force; prepare gives 1 */
     const element_wear *wear;    /* prepare gives NULL: the spring does not wear */
 } element_step;
 

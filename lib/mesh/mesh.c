@@ -375,3 +375,18 @@ palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9], const
 void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]) {
     box(mesh->n_nodes, mesh->x_m, low_m, high_m);
 }
+
+size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b) {
+    int32_t low = a < b ? a : b, high = a < b ? b : a;
+    size_t first = 0, last = mesh->n_elements;
+    while (first < last) {
+        size_t middle = (first + last) / 2;
+        const int32_t *pair = mesh->pairs + 2 * middle;
+        if (pair[0] < low || (pair[0] == low && pair[1] < high))
+            first = middle + 1;
+        else
+            last = middle;
+    }
+    const int32_t *pair = mesh->pairs + 2 * first;
+    return first < mesh->n_elements && pair[0] == low && pair[1] == high ? first : mesh->n_elements;
+}

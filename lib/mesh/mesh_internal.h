@@ -56,6 +56,10 @@ bool palp_mesh_length_ok(const double a[3], const double b[3], double size_m);
 /* The diagonal of the box around n_nodes points x_m[3 n_nodes]. */
 double palp_mesh_diagonal(size_t n_nodes, const double *x_m);
 
+/* The element between two nodes of a mesh whose elements are sorted, as those of lattices and files are; n_elements if there
+ * is none. */
+size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b);
+
 /* Number of connected parts; root[n_nodes] is the lowest node of each node's part. Only elements with alive[e] != 0
  * connect; NULL = all. */
 size_t palp_mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,

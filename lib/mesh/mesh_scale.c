@@ -110,29 +110,13 @@ static palp_status join_across(palp_mesh *mesh, const int32_t *neighbour) {
 
 /* ---- volume around an element -------------------------------------------------------------------- */
 
-/* Elements are sorted by their nodes. n_elements if there is none between a and b. */
-static size_t find_element(const palp_mesh *mesh, int32_t a, int32_t b) {
-    int32_t low = a < b ? a : b, high = a < b ? b : a;
-    size_t first = 0, last = mesh->n_elements;
-    while (first < last) {
-        size_t middle = (first + last) / 2;
-        const int32_t *pair = mesh->pairs + 2 * middle;
-        if (pair[0] < low || (pair[0] == low && pair[1] < high))
-            first = middle + 1;
-        else
-            last = middle;
-    }
-    const int32_t *pair = mesh->pairs + 2 * first;
-    return first < mesh->n_elements && pair[0] == low && pair[1] == high ? first : mesh->n_elements;
-}
-
 static const unsigned char edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 /* Is every edge of a tetrahedron an element? */
 static bool has_edges(const palp_mesh *mesh) {
     for (size_t i = 0; i < 6 * mesh->n_tetrahedra; i++) {
         const int32_t *t = mesh->tetrahedra + 4 * (i / 6);
-        if (find_element(mesh, t[edge[i % 6][0]], t[edge[i % 6][1]]) == mesh->n_elements)
+        if (palp_mesh_element_between(mesh, t[edge[i % 6][0]], t[edge[i % 6][1]]) == mesh->n_elements)
             return false;
     }
     return true;
@@ -147,10 +131,10 @@ static void gather_volumes(const palp_mesh *mesh, const int32_t *neighbour, doub
         const int32_t *t = mesh->tetrahedra + 4 * i;
         double volume = measure(mesh, t, area);
         for (size_t k = 0; k < 6; k++)
-            around[find_element(mesh, t[edge[k][0]], t[edge[k][1]])] += volume;
+            around[palp_mesh_element_between(mesh, t[edge[k][0]], t[edge[k][1]])] += volume;
         for (size_t f = 0; f < 4 && neighbour; f++)
             if (across(mesh, neighbour, i, f, pair))
-                around[find_element(mesh, pair[0], pair[1])] +=
+                around[palp_mesh_element_between(mesh, pair[0], pair[1])] +=
                     volume + measure(mesh, mesh->tetrahedra + 4 * (size_t)neighbour[4 * i + f], area);
     }
 }

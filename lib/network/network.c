@@ -1,4 +1,4 @@
-/* network.c: building a network, its state, and what can be asked of it. */
+/* network.c: building a network, and what can be asked of it. */
 #include "network_internal.h"
 
 #include "base/file.h"
@@ -24,38 +24,21 @@ void palp_supports_default(palp_support supports[2]) {
     supports[1] = (palp_support){"top", {PALP_FIXED, PALP_DRIVEN, PALP_FIXED}, {0.0, -1.0, 0.0}};
 }
 
-static void state_free(network_state *s) {
-    free(s->x);
-    free(s->velocity);
-    free(s->acceleration);
-    free(s->inner);
-    free(s->element);
-    free(s->history.strain);
-    free(s->history.elastic);
-    free(s->history.arm);
-    free(s->history.peak);
-    free(s->vector);
-    free(s->load);
-}
-
 void palp_network_free(palp_network *net) {
     if (!net)
         return;
-    state_free(&net->now);
-    state_free(&net->next);
-    state_free(&net->mark);
+    network_free_states(net);
+    for (size_t i = 0; i < net->n_terms; i++)
+        net->terms[i]->kind->free(net->terms[i]);
     for (size_t i = 0; i < NETWORK_PAST; i++)
         free(net->past[i]);
     free(net->way[0]);
     free(net->way[1]);
     linsys_free(net->ls);
-    network_load_free(net->load);
-    network_cut_free(net->cut);
-    network_realtime_free(net->realtime);
     palp_mesh_free(net->mesh);
-    double *arrays[] = {net->inverse_rest, net->scale, net->motion, net->mass, net->grip, net->node_block, net->direction,
-                        net->inverse_length, net->strain, net->force, net->tangent, net->fint,
-                        net->inertia_rhs, net->rhs, net->dx, net->start, net->scratch};
+    double *arrays[] = {net->inverse_rest, net->scale, net->motion, net->mass, net->unit, net->node_block, net->direction,
+                        net->inverse_length, net->strain, net->force, net->tangent, net->fint, net->outer,
+                        net->diagonal, net->unbalanced, net->rhs, net->dx, net->start, net->scratch};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
     free(net->dof);
@@ -71,47 +54,12 @@ static double *doubles(size_t n, bool *ok) {
     return p;
 }
 
-static bool state_allocate(palp_network *net, network_state *s) {
-    size_t n3 = 3 * net->n_nodes, m = net->n_elements;
-    bool ok = true;
-    s->x = doubles(n3, &ok);
-    s->inner = doubles(n3, &ok);
-    s->element = doubles(m, &ok);
-    if (net->mass) {
-        s->velocity = doubles(n3, &ok);
-        s->acceleration = doubles(n3, &ok);
-    }
-    s->history.strain = doubles(m, &ok);
-    s->history.elastic = doubles(m, &ok);
-    s->history.arm = doubles(m * net->material.n_arms, &ok);
-    if (net->wear)
-        s->history.peak = doubles(m, &ok);
-    if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
-        s->vector = doubles(3 * m, &ok);
-    s->load = net->load ? calloc(1, net->load_size) : NULL;
-    return ok && (s->load || !net->load);
-}
-
-/* The states are as large as the material asks for; called again when the material changes. */
-static palp_status allocate_states(palp_network *net) {
-    network_state *states[] = {&net->now, &net->next, &net->mark}, fresh[3] = {{0}};
-    bool ok = true;
-    for (size_t i = 0; i < 3; i++)
-        ok = state_allocate(net, &fresh[i]) && ok;
-    for (size_t i = 0; i < 3; i++) {
-        network_state old = *states[i];
-        if (ok)
-            *states[i] = fresh[i];
-        state_free(ok ? &old : &fresh[i]);
-    }
-    return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
-}
-
 static palp_status allocate(palp_network *net) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
     bool ok = true;
     net->inverse_rest = doubles(m, &ok);
     net->motion = doubles(n3, &ok);
+    net->unit = doubles(net->n_nodes, &ok);
     net->node_block = doubles(6 * net->n_nodes, &ok);
     net->direction = doubles(3 * m, &ok);
     net->inverse_length = doubles(m, &ok);
@@ -119,6 +67,9 @@ static palp_status allocate(palp_network *net) {
     net->force = doubles(m, &ok);
     net->tangent = doubles(m, &ok);
     net->fint = doubles(n3, &ok);
+    net->outer = doubles(n3, &ok);
+    net->diagonal = doubles(n3, &ok);
+    net->unbalanced = doubles(n3, &ok);
     net->rhs = doubles(n3, &ok);
     net->dx = doubles(n3, &ok);
     net->start = doubles(n3, &ok);
@@ -127,14 +78,12 @@ static palp_status allocate(palp_network *net) {
         net->past[i] = doubles(n3, &ok);
     net->way[0] = doubles(n3, &ok);
     net->way[1] = doubles(n3, &ok);
-    if (net->settings.density_kg_m3 > 0.0) {
+    if (net->settings.density_kg_m3 > 0.0)
         net->mass = doubles(net->n_nodes, &ok);
-        net->inertia_rhs = doubles(n3, &ok);
-    }
     net->dof = calloc(n3 + 1, sizeof *net->dof);
     net->slot = malloc((9 * m + 1) * sizeof *net->slot);
     net->slot_node = malloc((6 * net->n_nodes + 1) * sizeof *net->slot_node);
-    return ok && net->dof && net->slot && net->slot_node ? allocate_states(net) : PALP_ERR_NO_MEMORY;
+    return ok && net->dof && net->slot && net->slot_node ? network_allocate_states(net) : PALP_ERR_NO_MEMORY;
 }
 
 static palp_status apply_support(palp_network *net, const palp_support *support, palp_error *error) {
@@ -207,110 +156,10 @@ static void measure_rest(palp_network *net) {
                              (b[2] - a[2]) * (b[2] - a[2]));
         net->inverse_rest[i] = 1.0 / length;
     }
+    for (size_t i = 0; i < 2 * net->n_elements; i++) /* a third of the trace of a node's block of the tangent */
+        net->unit[net->pair[i]] += (net->scale ? net->scale[i / 2] : 1.0) * net->inverse_rest[i / 2] / 3.0;
     if (net->mass)
         share_mass(net);
-}
-
-/* Neighbours of each node with a higher or the same number, ascending: [first[a], first[a + 1]). */
-static palp_status neighbours(const palp_network *net, size_t **first, int32_t **list) {
-    size_t n = net->n_nodes, *count = calloc(n + 2, sizeof *count);
-    int32_t *out = malloc((n + net->n_elements + 1) * sizeof *out);
-    if (!count || !out) {
-        free(count);
-        free(out);
-        return PALP_ERR_NO_MEMORY;
-    }
-    for (size_t i = 0; i < n; i++)
-        count[i + 2] = 1;
-    for (size_t i = 0; i < net->n_elements; i++) {
-        int32_t a = net->pair[2 * i], b = net->pair[2 * i + 1];
-        count[(a < b ? a : b) + 2]++;
-    }
-    for (size_t i = 2; i < n + 2; i++)
-        count[i] += count[i - 1];
-    for (size_t i = 0; i < n; i++)
-        out[count[i + 1]++] = (int32_t)i;
-    for (size_t i = 0; i < net->n_elements; i++) {
-        int32_t a = net->pair[2 * i], b = net->pair[2 * i + 1];
-        out[count[(a < b ? a : b) + 1]++] = a < b ? b : a;
-    }
-    for (size_t i = 0; i < n; i++) /* insertion sort: a node has few neighbours */
-        for (size_t j = count[i] + 1; j < count[i + 1]; j++) {
-            int32_t v = out[j];
-            size_t k = j;
-            for (; k > count[i] && out[k - 1] > v; k--)
-                out[k] = out[k - 1];
-            out[k] = v;
-        }
-    *first = count;
-    *list = out;
-    return PALP_OK;
-}
-
-/* Lower triangle of the tangent by columns. With row NULL only counts. */
-static size_t fill_pattern(const palp_network *net, const size_t *first, const int32_t *list, size_t *column,
-                           int32_t *row) {
-    size_t nz = 0;
-    for (size_t a = 0; a < net->n_nodes; a++)
-        for (size_t k = 0; k < 3; k++) {
-            int32_t c = net->dof[3 * a + k];
-            if (c < 0)
-                continue;
-            column[c] = nz;
-            for (size_t j = first[a]; j < first[a + 1]; j++)
-                for (size_t r = 0; r < 3; r++) {
-                    int32_t d = net->dof[3 * (size_t)list[j] + r];
-                    if (d < c)
-                        continue;
-                    if (row)
-                        row[nz] = d;
-                    nz++;
-                }
-        }
-    column[net->n_free] = nz;
-    return nz;
-}
-
-static palp_status make_linsys(palp_network *net) {
-    size_t *first = NULL, *column = malloc((net->n_free + 1) * sizeof *column);
-    int32_t *list = NULL, *row = NULL;
-    palp_status status = column ? neighbours(net, &first, &list) : PALP_ERR_NO_MEMORY;
-    if (!status) {
-        size_t nz = fill_pattern(net, first, list, column, NULL);
-        row = malloc((nz + 1) * sizeof *row);
-        if (row)
-            fill_pattern(net, first, list, column, row);
-        status = row ? linsys_create(net->settings.solver, net->n_free, column, row, &net->ls) : PALP_ERR_NO_MEMORY;
-    }
-    free(first);
-    free(list);
-    free(column);
-    free(row);
-    return status;
-}
-
-static uint32_t slot_of(const palp_network *net, size_t i, size_t j) {
-    int32_t a = net->dof[i], b = net->dof[j];
-    if (a < 0 || b < 0)
-        return (uint32_t)linsys_value_count(net->ls); /* the bin */
-    return (uint32_t)(a > b ? linsys_slot(net->ls, (size_t)a, (size_t)b) : linsys_slot(net->ls, (size_t)b, (size_t)a));
-}
-
-static palp_status find_slots(palp_network *net) {
-    if (linsys_value_count(net->ls) >= UINT32_MAX)
-        return PALP_ERR_LIMIT;
-    for (size_t i = 0; i < net->n_elements; i++)
-        for (size_t r = 0; r < 3; r++)
-            for (size_t c = 0; c < 3; c++)
-                net->slot[9 * i + 3 * r + c] =
-                    slot_of(net, 3 * (size_t)net->pair[2 * i + 1] + r, 3 * (size_t)net->pair[2 * i] + c);
-    for (size_t i = 0; i < net->n_nodes; i++) {
-        uint32_t *s = net->slot_node + 6 * i;
-        for (size_t r = 0; r < 3; r++)
-            for (size_t c = 0; c <= r; c++)
-                *s++ = slot_of(net, 3 * i + r, 3 * i + c);
-    }
-    return PALP_OK;
 }
 
 static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supports, const palp_support *supports,
@@ -337,17 +186,15 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     if (status)
         return status;
     measure_rest(net);
-    status = make_linsys(net);
-    if (!status)
-        status = find_slots(net);
+    status = network_make_pattern(net);
     if (status == PALP_ERR_UNSUPPORTED)
         return palp_error_set(error, status, "the supernodal solver needs a build with GPL=1");
     if (status)
         return status;
     /* a factor costs more than ten evaluations (some 20 ns an element) at 20 Gflop/s */
-    net->chord = linsys_flops(net->ls) / 20e9 > 10.0 * 20e-9 * (double)net->n_elements;
+    net->reuse_factor = linsys_flops(net->ls) / 20e9 > 10.0 * 20e-9 * (double)net->n_elements;
     palp_network_reset(net);
-    return PALP_OK;
+    return net->mass ? network_add_terms(net, 1, (network_term *[]){network_inertia_new(net)}) : PALP_OK;
 }
 
 static bool settings_in_range(const palp_network_settings *s) {
@@ -370,7 +217,7 @@ palp_status palp_network_create(const palp_mesh *mesh, const palp_material *mate
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     net->settings = *settings;
     net->material = *material;
-    net->boost = 1.0;
+    net->rate_factor = 1.0;
     palp_error why = {PALP_OK, ""};
     status = build(net, mesh, n_supports, supports, &why);
     if (status) {
@@ -381,68 +228,6 @@ palp_status palp_network_create(const palp_mesh *mesh, const palp_material *mate
     return PALP_OK;
 }
 
-void network_state_copy(const palp_network *net, network_state *to, const network_state *from) {
-    size_t n3 = 3 * net->n_nodes * sizeof(double), m = net->n_elements * sizeof(double);
-    memcpy(to->x, from->x, n3);
-    memcpy(to->inner, from->inner, n3);
-    memcpy(to->element, from->element, m);
-    if (net->mass) {
-        memcpy(to->velocity, from->velocity, n3);
-        memcpy(to->acceleration, from->acceleration, n3);
-    }
-    memcpy(to->history.strain, from->history.strain, m);
-    memcpy(to->history.elastic, from->history.elastic, m);
-    memcpy(to->history.arm, from->history.arm, m * net->material.n_arms);
-    if (to->history.peak)
-        memcpy(to->history.peak, from->history.peak, m);
-    if (to->vector)
-        memcpy(to->vector, from->vector, 3 * m);
-    if (to->load)
-        memcpy(to->load, from->load, net->load_size);
-    to->depth = from->depth;
-    to->time = from->time;
-    to->force = from->force;
-}
-
-void network_mark(palp_network *net) {
-    network_state_copy(net, &net->mark, &net->now);
-}
-
-void network_revert(palp_network *net) {
-    network_state_copy(net, &net->now, &net->mark);
-    net->n_past = 0;
-    net->trial = net->can_undo = false;
-}
-
-void palp_network_reset(palp_network *net) {
-    network_state *s = &net->now;
-    size_t n3 = 3 * net->n_nodes * sizeof(double), m = net->n_elements * sizeof(double);
-    memcpy(s->x, net->rest, n3);
-    memset(s->inner, 0, n3);
-    memset(s->element, 0, m);
-    if (net->mass) {
-        memset(s->velocity, 0, n3);
-        memset(s->acceleration, 0, n3);
-    }
-    memset(s->history.strain, 0, m);
-    memset(s->history.elastic, 0, m);
-    memset(s->history.arm, 0, m * net->material.n_arms);
-    if (s->history.peak)
-        memset(s->history.peak, 0, m);
-    if (s->vector)
-        memset(s->vector, 0, 3 * m);
-    if (s->load)
-        memset(s->load, 0, net->load_size);
-    s->depth = s->time = s->force = 0.0;
-    net->n_past = 0;
-    net->trial = net->factored = net->buckled = net->can_undo = false;
-    net->checked_depth = net->unstable_depth = 0.0;
-    if (net->realtime)
-        network_realtime_reset(net);
-    if (net->cut)
-        network_cut_reset(net);
-}
-
 palp_status palp_network_set_material(palp_network *net, const palp_material *material) {
     palp_status status = palp_material_check(material, NULL);
     if (status)
@@ -451,7 +236,7 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
     bool same = material->n_arms == net->material.n_arms && vector == (net->now.vector != NULL);
     palp_material old = net->material;
     net->material = *material;
-    if (!same && allocate_states(net)) {
+    if (!same && network_allocate_states(net)) {
         net->material = old;
         return PALP_ERR_NO_MEMORY;
     }
@@ -461,46 +246,10 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
 
 palp_status network_set_wear(palp_network *net, const element_wear *wear) {
     net->wear = wear;
-    palp_status status = allocate_states(net);
+    palp_status status = network_allocate_states(net);
     if (!status)
         palp_network_reset(net);
     return status;
-}
-
-palp_status network_set_load(palp_network *net, network_load *load, size_t size) {
-    net->load = load;
-    net->load_size = size;
-    palp_status status = allocate_states(net);
-    if (status)
-        net->load = NULL;
-    else
-        palp_network_reset(net);
-    return status;
-}
-
-palp_status network_set_grip(palp_network *net, const char *set, double share) {
-    const int32_t *nodes;
-    size_t n;
-    double start;
-    palp_status status = palp_mesh_set(net->mesh, set, &n, &nodes);
-    if (status)
-        return status;
-    if (!net->grip)
-        net->grip = calloc(3 * net->n_nodes, sizeof *net->grip);
-    if (!net->grip)
-        return PALP_ERR_NO_MEMORY;
-    unsigned char *held = calloc(net->n_nodes, 1);
-    if (!held)
-        return PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < n; i++)
-        held[nodes[i]] = 1;
-    palp_law_stiffness(&net->material.law, 0.0, &start, NULL);
-    for (size_t j = 0; j < 2 * net->n_elements; j++)
-        for (size_t k = 0; k < 3 && held[net->pair[j]]; k++)
-            net->grip[3 * (size_t)net->pair[j] + k] +=
-                share * start * net->inverse_rest[j / 2] * (net->scale ? net->scale[j / 2] : 1.0);
-    free(held);
-    return PALP_OK;
 }
 
 double palp_network_depth(const palp_network *net) {
@@ -523,7 +272,7 @@ const double *palp_network_element_strain(const palp_network *net) {
     return net->now.history.strain;
 }
 
-size_t palp_network_unknowns(const palp_network *net) {
+size_t palp_network_unknown_count(const palp_network *net) {
     return net->n_free;
 }
 
@@ -545,6 +294,14 @@ palp_status palp_network_reaction(const palp_network *net, const char *set, doub
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < 3; k++)
             force_N[k] += net->now.inner[3 * (size_t)nodes[i] + k];
+    return PALP_OK;
+}
+
+palp_status palp_network_surface(const palp_network *net, size_t *n, const int32_t **triangles) {
+    if (!net || !n || !triangles)
+        return PALP_ERR_ARGUMENT;
+    *n = net->n_surface;
+    *triangles = net->surface;
     return PALP_OK;
 }
 

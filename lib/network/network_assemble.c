@@ -1,10 +1,25 @@
 /* network_assemble.c: forces, tangent and their sums over the network. */
+#include "mesh/mesh_internal.h"
 #include "network_internal.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
+
+/* Cut elements get strain 0 and no direction. False if another one has collapsed. */
+static bool measure_living(palp_network *net) {
+    bool sound = true;
+    for (size_t k = 0; k < net->n_dead; k++) {
+        size_t i = (size_t)net->dead[k];
+        net->strain[i] = 0.0;
+        net->inverse_length[i] = net->inverse_rest[i];
+        net->direction[3 * i] = net->direction[3 * i + 1] = net->direction[3 * i + 2] = 0.0;
+    }
+    for (size_t i = 0; i < net->n_elements; i++)
+        sound = sound && net->strain[i] > COLLAPSED;
+    return sound;
+}
 
 static bool measure(palp_network *net) {
     const double *x = net->next.x;
@@ -20,7 +35,7 @@ static bool measure(palp_network *net) {
         net->direction[3 * i + 2] = d2 * inverse;
         sound = sound && net->strain[i] > COLLAPSED;
     }
-    return net->cut && net->cut->n_cut > 0 ? network_cut_measure(net, COLLAPSED) : sound;
+    return net->n_dead > 0 ? measure_living(net) : sound;
 }
 
 /* Sums the forces of the elements on their nodes. Elements come grouped by their first node, whose share is
@@ -59,8 +74,9 @@ bool network_evaluate(palp_network *net) {
         net->tangent[i] *= net->scale[i];
     }
     sum_forces(net);
-    if (net->load)
-        network_load_evaluate(net);
+    memset(net->outer, 0, 3 * net->n_nodes * sizeof *net->outer);
+    net->outer_squares = 0.0;
+    NETWORK_EACH_TERM(net, evaluate, net);
     double sum = 0.0;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         sum += net->fint[i];
@@ -68,39 +84,24 @@ bool network_evaluate(palp_network *net) {
 }
 
 double network_residual(palp_network *net, double *scale) {
-    double residual = 0.0, force = 0.0, noise = 0.0, heavy = 0.0;
+    double residual = 0.0, force = 0.0, noise = 0.0, squares = 0.0, *r = net->unbalanced;
+    memcpy(r, net->fint, 3 * net->n_nodes * sizeof *r);
+    NETWORK_EACH_TERM(net, residual, net, r, &squares);
     for (size_t i = 0; i < 3 * net->n_nodes; i++) {
         if (net->dof[i] < 0)
             continue;
-        double r = net->fint[i];
-        if (net->inertia > 0.0) {
-            double pull = net->mass[i / 3] * net->inertia * net->next.x[i];
-            r -= pull - net->inertia_rhs[i];
-            heavy += pull * pull;
-        }
-        if (net->load)
-            r += network_load_force(net->load)[i];
-        if (net->grip) {
-            r -= net->grip[i] * (net->next.x[i] - net->rest[i]);
-            heavy += net->grip[i] * net->next.x[i] * net->grip[i] * net->next.x[i];
-        }
-        if (net->cut && net->cut->n_loose > 0) {
-            double spring = network_cut_spring(net->cut, i / 3);
-            r -= spring * (net->next.x[i] - net->now.x[i]);
-            heavy += spring * net->next.x[i] * spring * net->next.x[i];
-        }
-        net->rhs[net->dof[i]] = r;
-        residual += r * r;
+        r[i] += net->outer[i];
+        net->rhs[net->dof[i]] = r[i];
+        residual += r[i] * r[i];
     }
     for (size_t i = 0; i < net->n_elements; i++) {
         force += net->force[i] * net->force[i];
         noise += net->tangent[i] * net->tangent[i];
     }
-    /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and the
-     * mass terms and those of a firm grip to that times theirs, which may be large */
-    if (net->load)
-        heavy += network_load_size(net->load);
-    *scale = net->settings.tolerance * sqrt(force) + 2e-15 * sqrt(noise) + 1e-15 * sqrt(heavy);
+    /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and those of terms to
+     * that times their stiffness, which may be large */
+    squares += net->outer_squares;
+    *scale = net->settings.tolerance * sqrt(force) + 2e-15 * sqrt(noise) + 1e-15 * sqrt(squares);
     return sqrt(residual);
 }
 
@@ -118,30 +119,38 @@ static inline void element_block(const palp_network *net, size_t i, double k[6])
     k[5] = along * n[2] * n[2] + across;
 }
 
-/* Diagonal of the tangent that is no element's. */
-static inline void own_terms(const palp_network *net, size_t i, double shift, double own[3]) {
-    double add = shift;
-    if (net->inertia > 0.0)
-        add += net->mass[i] * net->inertia;
-    if (net->cut)
-        add += net->cut->diagonal[i];
-    for (size_t k = 0; k < 3; k++)
-        own[k] = add + (net->grip ? net->grip[3 * i + k] : 0.0);
+void network_set_diagonal(palp_network *net, double shift) {
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        net->diagonal[i] = shift;
+    NETWORK_EACH_TERM(net, diagonal, net, net->diagonal);
 }
 
-size_t network_node_blocks(const palp_network *net, double *block, size_t max, load_coupling *coupling) {
-    memset(block, 0, 6 * net->n_nodes * sizeof *block);
-    for (size_t i = 0; i < net->n_nodes; i++) {
-        double own[3];
-        own_terms(net, i, 0.0, own);
-        block[6 * i] = own[0];
-        block[6 * i + 2] = own[1];
-        block[6 * i + 5] = own[2];
+static void add_own(palp_network *net, int32_t node, const double k[9]) {
+    double *value = linsys_values(net->ls);
+    const uint32_t *slot = net->slot_node + 6 * (size_t)node;
+    for (int row = 0; row < 3; row++)
+        for (int col = 0; col <= row; col++)
+            value[*slot++] += k[3 * row + col];
+}
+
+/* Adds a term's block to the solver's values; that of nodes which no element joins is left out. An element's slots are
+ * of its second node by its first. */
+static void add_block(void *user, int32_t row, int32_t column, const double k[9]) {
+    palp_network *net = user;
+    if (row == column) {
+        add_own(net, row, k);
+        return;
     }
-    return net->load ? network_load_blocks(net, block, max, coupling) : 0;
+    size_t e = palp_mesh_element_between(net->mesh, row, column);
+    if (e == net->n_elements)
+        return;
+    double *value = linsys_values(net->ls);
+    for (int i = 0; i < 9; i++)
+        value[net->slot[9 * e + (size_t)i]] += net->pair[2 * e] == column ? k[i] : k[3 * (i % 3) + i / 3];
 }
 
-void network_assemble(palp_network *net, double shift) {
+/* The elements' blocks between nodes into the values, those on nodes into node_block. */
+static void assemble_elements(palp_network *net) {
     double *restrict value = linsys_values(net->ls), *restrict block = net->node_block;
     memset(value, 0, linsys_value_count(net->ls) * sizeof *value);
     memset(block, 0, 6 * net->n_nodes * sizeof *block);
@@ -166,18 +175,24 @@ void network_assemble(palp_network *net, double shift) {
         for (size_t j = 0; j < 6; j++)
             block[6 * first + (int32_t)j] += sum[j];
     }
+}
+
+void network_assemble(palp_network *net, double shift) {
+    double *value = linsys_values(net->ls);
+    assemble_elements(net);
+    network_set_diagonal(net, shift);
     for (size_t i = 0; i < net->n_nodes; i++) {
         const uint32_t *s = net->slot_node + 6 * i;
-        double *b = block + 6 * i, own[3];
-        own_terms(net, i, shift, own);
-        b[0] += own[0];
-        b[2] += own[1];
-        b[5] += own[2];
+        double *b = net->node_block + 6 * i;
+        b[0] += net->diagonal[3 * i];
+        b[2] += net->diagonal[3 * i + 1];
+        b[5] += net->diagonal[3 * i + 2];
         for (size_t j = 0; j < 6; j++)
             value[s[j]] = b[j];
     }
-    if (net->load)
-        network_load_assemble(net);
+    if (shift != 0.0)
+        network_set_diagonal(net, 0.0);
+    NETWORK_EACH_TERM(net, blocks, net, add_block, net);
 }
 
 palp_status network_factor(palp_network *net, double shift, int *negative) {
@@ -195,12 +210,8 @@ static void block_times(const palp_network *net, size_t i, const double *va, con
 }
 
 void network_tangent_times(const palp_network *net, const double *u, double *out) {
-    for (size_t i = 0; i < net->n_nodes; i++) {
-        double own[3];
-        own_terms(net, i, 0.0, own);
-        for (size_t k = 0; k < 3; k++)
-            out[3 * i + k] = own[k] * u[3 * i + k];
-    }
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        out[i] = net->diagonal[i] * u[i];
     for (size_t i = 0; i < net->n_elements;) {
         const int32_t first = net->pair[2 * i];
         const double *a = u + 3 * first;
@@ -219,8 +230,7 @@ void network_tangent_times(const palp_network *net, const double *u, double *out
         for (size_t k = 0; k < 3; k++)
             out[3 * first + (int32_t)k] -= sum[k];
     }
-    if (net->load)
-        network_load_times(net, u, out);
+    NETWORK_EACH_TERM(net, times, net, u, out);
 }
 
 void network_drive_column(palp_network *net, double *column) {
@@ -236,8 +246,12 @@ void network_drive_column(palp_network *net, double *column) {
                 column[net->dof[b + k]] -= f[k];
         }
     }
-    if (net->load)
-        network_load_drive(net, column);
+    double *pull = net->unbalanced;
+    memset(pull, 0, 3 * net->n_nodes * sizeof *pull);
+    NETWORK_EACH_TERM(net, times, net, net->motion, pull);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            column[net->dof[i]] -= pull[i];
 }
 
 bool network_energy(palp_network *net, double *energy) {
@@ -247,24 +261,10 @@ bool network_energy(palp_network *net, double *energy) {
         return false;
     for (size_t i = 0; i < net->n_elements; i++)
         sum += (net->scale ? net->scale[i] : 1.0) * psi[i] / net->inverse_rest[i];
-    for (size_t i = 0; i < 3 * net->n_nodes && net->grip; i++)
-        if (net->dof[i] >= 0) {
-            double moved = net->next.x[i] - net->rest[i];
-            sum += 0.5 * net->grip[i] * moved * moved;
-        }
-    for (size_t i = 0; i < 3 * net->n_nodes && net->cut && net->cut->n_loose > 0; i++) {
-        double moved = net->next.x[i] - net->now.x[i];
-        sum += 0.5 * network_cut_spring(net->cut, i / 3) * moved * moved;
-    }
-    if (net->load && !network_load_energy(net, &sum))
-        return false;
-    if (net->inertia > 0.0)
-        for (size_t i = 0; i < 3 * net->n_nodes; i++)
-            if (net->dof[i] >= 0) {
-                double x = net->next.x[i];
-                sum += x * (0.5 * net->mass[i / 3] * net->inertia * x - net->inertia_rhs[i]);
-            }
     *energy = sum;
+    for (size_t i = net->n_terms; i-- > 0;)
+        if (net->terms[i]->kind->energy && !net->terms[i]->kind->energy(net->terms[i], net, energy))
+            return false;
     return true;
 }
 
@@ -272,15 +272,23 @@ double network_drive_force(const palp_network *net) {
     double force = 0.0;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         force -= net->motion[i] * net->fint[i];
-    for (size_t i = 0; i < 3 * net->n_nodes && net->load; i++)
-        force -= net->motion[i] * network_load_force(net->load)[i];
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        force -= net->motion[i] * net->outer[i];
     return force;
 }
 
-void network_place(palp_network *net, double depth) {
+/* u times the tangent of the terms times u; of their diagonal on the free axes, as the plate's own reaction is that of
+ * elements and outer forces alone. */
+static double term_curvature(const palp_network *net, const double *u) {
+    double sum = 0.0, *pull = net->unbalanced;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        if (net->dof[i] < 0)
-            net->next.x[i] = net->rest[i] + depth * net->motion[i];
+        if (net->dof[i] >= 0)
+            sum += net->diagonal[i] * u[i] * u[i];
+    memset(pull, 0, 3 * net->n_nodes * sizeof *pull);
+    NETWORK_EACH_TERM(net, times, net, u, pull);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        sum += pull[i] * u[i];
+    return sum;
 }
 
 palp_status network_weights(palp_network *net, double *weight, double *stiffness) {
@@ -294,16 +302,7 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
     double *u = net->fint; /* displacement per depth; fint is not needed any more */
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         u[i] = net->dof[i] < 0 ? net->motion[i] : net->start[net->dof[i]];
-    *stiffness = 0.0;
-    if (net->inertia > 0.0) /* of the free nodes: the plate's own reaction is that of the elements alone */
-        for (size_t i = 0; i < 3 * net->n_nodes; i++)
-            if (net->dof[i] >= 0)
-                *stiffness += net->mass[i / 3] * net->inertia * u[i] * u[i];
-    for (size_t i = 0; i < 3 * net->n_nodes && net->grip; i++)
-        if (net->dof[i] >= 0)
-            *stiffness += net->grip[i] * u[i] * u[i];
-    if (net->load)
-        *stiffness += network_load_curvature(net, u);
+    *stiffness = term_curvature(net, u);
     for (size_t i = 0; i < net->n_elements; i++) {
         const double *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
         double f[3];

@@ -59,7 +59,7 @@ static bool reduce_residual(palp_network *net, bool one_step, double *residual, 
  * as it contracts. */
 static palp_status follow_branch(palp_network *net, palp_step_info *info) {
     double scale, residual = network_residual(net, &scale);
-    bool keep = net->factored && (net->chord || residual <= NEAR * scale);
+    bool keep = net->factored && (net->reuse_factor || residual <= NEAR * scale);
     for (int i = 0, idle = 0; residual > scale; i++) {
         if (i == net->settings.max_iterations || idle == STANDSTILL)
             return PALP_ERR_NOT_CONVERGED;
@@ -73,7 +73,7 @@ static palp_status follow_branch(palp_network *net, palp_step_info *info) {
         solve_direction(net, info);
         if (reduce_residual(net, keep, &residual, &scale)) {
             idle = !keep && residual > 0.8 * before ? idle + 1 : 0;
-            keep = net->chord && residual <= SLOW * before;
+            keep = net->reuse_factor && residual <= SLOW * before;
             continue;
         }
         if (!keep || !move(net, 0.0))

@@ -66,8 +66,7 @@ static palp_status doubled_step(run *r, double t, double h, double *error) {
     if (status)
         return status;
     if (!r->path->depth_m)
-        network_revert(net);
-    palp_network_rollback(net);
+        network_mark_restore(net);
     status = advance(r, t + 0.5 * h, 0.5 * h, true);
     if (!status)
         status = advance(r, t + h, 0.5 * h, true);
@@ -103,17 +102,17 @@ static palp_status adaptive_segment(run *r, double from, double to, double *step
         double checked = r->net->checked_depth;
         if (to - t - h < 0.1 * h)
             h = to - t;
-        network_mark(r->net);
+        network_mark_save(r->net);
         palp_status status = doubled_step(r, t, h, &error);
         if (status && !may_shrink(status)) {
-            network_revert(r->net);
+            network_mark_restore(r->net);
             return status;
         }
         double scale = r->path->depth_m ? fmax(r->info->peak_force_N, fabs(r->net->now.force)) : r->net->height;
         double ratio = status ? 64.0 : error / (r->settings->tolerance * scale + 1e-300);
         bool cut = !status && locates_buckling(r->net, buckled);
         if ((ratio > 1.0 || cut) && h > smallest) {
-            network_revert(r->net);
+            network_mark_restore(r->net);
             r->net->buckled = buckled;
             r->net->checked_depth = checked;
             r->info->rejected++;
@@ -121,7 +120,7 @@ static palp_status adaptive_segment(run *r, double from, double to, double *step
             continue;
         }
         if (status) {
-            network_revert(r->net);
+            network_mark_restore(r->net);
             return status;
         }
         t = to - t - h <= 0.0 ? to : t + h;

@@ -1,77 +1,29 @@
-/* network_step.c: one time step: predictor, Newton, inertia of the tangent, commit and rollback. */
+/* network_step.c: one time step: predictor, Newton, stability of the tangent, commit. */
 #include "network_internal.h"
-
-#include <palpate/realtime.h>
 
 #include <math.h>
 #include <string.h>
 
-/* Chung and Hulbert 1993; backward Euler has its own two lines. */
-typedef struct alpha {
-    double m, f, beta, gamma;
-} alpha;
-
-static alpha alpha_of(double rho) {
-    alpha a = {.m = (2.0 * rho - 1.0) / (rho + 1.0), .f = rho / (rho + 1.0)};
-    a.beta = 0.25 * (1.0 - a.m + a.f) * (1.0 - a.m + a.f);
-    a.gamma = 0.5 - a.m + a.f;
-    return a;
+void network_place(palp_network *net, double depth) {
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] < 0)
+            net->next.x[i] = net->rest[i] + depth * net->motion[i];
 }
 
-/* Mass terms of the residual: mass (inertia x) - inertia_rhs. */
-static void prepare_inertia(palp_network *net, double dt) {
-    net->inertia = 0.0;
-    if (!net->mass || isinf(dt))
-        return;
-    const network_state *s = &net->now;
-    alpha a = alpha_of(net->settings.spectral_radius);
-    bool euler = net->settings.integrator == PALP_BACKWARD_EULER;
-    double share = (1.0 - a.m) / (1.0 - a.f);
-    net->inertia = euler ? 1.0 / (dt * dt) : share / (a.beta * dt * dt);
-    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
-        double m = net->mass[i / 3], moved = m * net->inertia * (s->x[i] + dt * s->velocity[i]);
-        if (!euler)
-            moved += m * (share * (0.5 / a.beta - 1.0) - a.m / (1.0 - a.f)) * s->acceleration[i] +
-                     a.f / (1.0 - a.f) * s->inner[i];
-        net->inertia_rhs[i] = moved;
-    }
-}
-
-static void finish_inertia(palp_network *net, double dt) {
-    if (!net->mass)
-        return;
-    const network_state *s = &net->now;
-    network_state *t = &net->next;
-    alpha a = alpha_of(net->settings.spectral_radius);
-    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
-        if (isinf(dt)) {
-            t->velocity[i] = t->acceleration[i] = 0.0;
-        } else if (net->settings.integrator == PALP_BACKWARD_EULER) {
-            t->velocity[i] = (t->x[i] - s->x[i]) / dt;
-            t->acceleration[i] = (t->velocity[i] - s->velocity[i]) / dt;
-        } else {
-            t->acceleration[i] = (t->x[i] - s->x[i] - dt * s->velocity[i]) / (a.beta * dt * dt) -
-                                 (0.5 / a.beta - 1.0) * s->acceleration[i];
-            t->velocity[i] =
-                s->velocity[i] + dt * ((1.0 - a.gamma) * s->acceleration[i] + a.gamma * t->acceleration[i]);
-        }
-    }
-}
-
-/* Along s: depth, or time in a hold. */
+/* Along s: depth, or time in a dwell. */
 bool network_extrapolate(palp_network *net, double depth, double time, bool curved) {
     if (net->n_past == 0)
         return false;
-    bool hold = depth == net->now.depth;
-    double s0 = hold ? net->now.time : net->now.depth, s = hold ? time : depth;
-    double s1 = hold ? net->past_time[0] : net->past_depth[0];
+    bool dwell = depth == net->now.depth;
+    double s0 = dwell ? net->now.time : net->now.depth, s = dwell ? time : depth;
+    double s1 = dwell ? net->past_time[0] : net->past_depth[0];
     double step = s - s0, last = s0 - s1;
     if (!isfinite(s) || !(last * step > 0.0) || fabs(step) > 2.5 * fabs(last) ||
-        (hold && net->past_depth[0] != depth))
+        (dwell && net->past_depth[0] != depth))
         return false;
     double c0 = 1.0 + step / last, c1 = -step / last, c2 = 0.0;
-    if (curved && net->n_past > 1 && !(hold && net->past_depth[1] != depth)) {
-        double s2 = hold ? net->past_time[1] : net->past_depth[1];
+    if (curved && net->n_past > 1 && !(dwell && net->past_depth[1] != depth)) {
+        double s2 = dwell ? net->past_time[1] : net->past_depth[1];
         if ((s1 - s2) * step > 0.0) {
             c0 = (s - s1) * (s - s2) / ((s0 - s1) * (s0 - s2));
             c1 = (s - s0) * (s - s2) / ((s1 - s0) * (s1 - s2));
@@ -117,16 +69,34 @@ static palp_status predict_linear(palp_network *net, double depth) {
     return network_evaluate(net) ? PALP_OK : PALP_ERR_COLLAPSED;
 }
 
-/* Newton; where the solution moved the points at which tools touch, again from there. */
+bool network_refresh(palp_network *net) {
+    bool any = false;
+    for (size_t i = 0; i < net->n_terms; i++)
+        if (net->terms[i]->kind->refresh)
+            any = net->terms[i]->kind->refresh(net->terms[i], net) || any;
+    return any;
+}
+
+/* Does a term move on a path of its own; and does it in this step? */
+static bool has_paths(const palp_network *net, bool in_step) {
+    for (size_t i = 0; i < net->n_terms; i++) {
+        const network_term_kind *kind = net->terms[i]->kind;
+        if (kind->moved && (!in_step || kind->moved(net->terms[i], net)))
+            return true;
+    }
+    return false;
+}
+
+/* Newton; where terms had to take their points anew, again from there. */
 static palp_status equilibrium(palp_network *net, palp_step_info *info) {
     enum { ROUNDS = 5 };
     palp_status status = network_newton(net, info);
-    for (int i = 0; i < ROUNDS && !status && net->load && network_load_refresh(net); i++)
+    for (int i = 0; i < ROUNDS && !status && network_refresh(net); i++)
         status = network_evaluate(net) ? network_newton(net, info) : PALP_ERR_COLLAPSED;
     return status;
 }
 
-/* Goes to the depth and to where tools go in parts, each started from the secant through the last two: history and
+/* Goes to the depth and to where terms go in parts, each started from the secant through the last two: history and
  * time stay those of the whole step, so this only finds a better place to start Newton from. */
 static palp_status approach(palp_network *net, double depth, palp_step_info *info) {
     size_t size = 3 * net->n_nodes * sizeof(double);
@@ -139,8 +109,7 @@ static palp_status approach(palp_network *net, double depth, palp_step_info *inf
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->way[0][i] + (ahead > 0.0 ? ahead * (net->way[0][i] - net->way[1][i]) : 0.0);
         network_place(net, target == 1.0 ? depth : net->now.depth + target * (depth - net->now.depth));
-        if (net->load)
-            network_load_place(net, target);
+        NETWORK_EACH_TERM(net, place, net, target);
         status = network_evaluate(net) ? equilibrium(net, info) : PALP_ERR_COLLAPSED;
         if (status) {
             part *= 0.25;
@@ -168,7 +137,7 @@ static palp_status from_linear(palp_network *net, double depth, bool moves, palp
 static palp_status snap(palp_network *net, double depth, bool moves, palp_step_info *info) {
     palp_branch own = net->settings.branch;
     net->settings.branch = PALP_BRANCH_STABLE;
-    network_load_begin(net);
+    NETWORK_EACH_TERM(net, begin, net);
     palp_status status = from_linear(net, depth, moves, info);
     net->settings.branch = own;
     net->left_branch = true;
@@ -178,23 +147,23 @@ static palp_status snap(palp_network *net, double depth, bool moves, palp_step_i
 static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
     palp_status status = PALP_ERR_NOT_CONVERGED;
     bool extrapolated = network_extrapolate(net, depth, time, true) && network_evaluate(net);
-    bool moves = depth != net->now.depth || (net->load && network_load_moved(net));
+    bool moves = depth != net->now.depth || has_paths(net, true);
     if (extrapolated)
         status = equilibrium(net, info);
     if (status && status != PALP_ERR_NO_MEMORY && !(extrapolated && net->no_approach)) {
-        if (extrapolated && net->load)
-            network_load_begin(net);
+        if (extrapolated)
+            NETWORK_EACH_TERM(net, begin, net);
         status = from_linear(net, depth, moves, info);
     }
     bool ended = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
-    if (ended && net->load && !net->no_approach && net->settings.branch == PALP_BRANCH_CONTINUE)
+    if (ended && has_paths(net, false) && !net->no_approach && net->settings.branch == PALP_BRANCH_CONTINUE)
         status = snap(net, depth, moves, info);
     return status;
 }
 
-/* Looks at the tangent's inertia at the solution when Newton met a negative pivot for the first time, or
- * when the plate has gone check_strain since the last look. */
-static void look_at_stability(palp_network *net, palp_step_info *info) {
+/* Assesses the tangent's inertia at the solution when Newton met a negative pivot for the first time, or
+ * when the plate has gone check_strain since the last time. */
+static void assess_stability(palp_network *net, palp_step_info *info) {
     bool due = fabs(net->next.depth - net->checked_depth) >= net->settings.check_strain * net->height;
     if (!net->buckled && (info->negative_pivots > 0 || (info->negative_pivots < 0 && due))) {
         int negative;
@@ -213,16 +182,18 @@ static palp_status check_step(const palp_network *net, double depth, double dt) 
 }
 
 palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
-    net->trial = net->exact = net->left_branch = net->can_undo = false;
+    net->trial = net->exact = net->left_branch = false;
     palp_status status = check_step(net, depth_m, dt_s);
     if (status)
         return status;
     element_step_prepare(&net->material, dt_s, &net->step);
-    net->step.boost = net->boost;
+    net->step.rate_factor = net->rate_factor;
     net->step.wear = net->wear;
-    prepare_inertia(net, dt_s);
-    if (net->load)
-        network_load_begin(net);
+    palp_law_stiffness(&net->material.law, 0.0, &net->modulus, NULL);
+    for (size_t j = 0; j < net->material.n_arms; j++)
+        net->modulus += net->material.arms[j].stiffness_N;
+    NETWORK_EACH_TERM(net, begin, net);
+    network_set_diagonal(net, 0.0);
     net->next.depth = depth_m;
     net->next.time = net->now.time + (isinf(dt_s) ? 0.0 : dt_s);
     return PALP_OK;
@@ -230,17 +201,14 @@ palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
 
 void network_finish(palp_network *net) {
     net->next.force = network_drive_force(net);
-    memcpy(net->next.inner, net->fint, 3 * net->n_nodes * sizeof *net->fint);
-    for (size_t i = 0; i < 3 * net->n_nodes && net->load; i++)
-        net->next.inner[i] += network_load_force(net->load)[i];
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        net->next.inner[i] = net->fint[i] + net->outer[i];
     memcpy(net->next.element, net->force, net->n_elements * sizeof *net->force);
     if (net->step.carry > 0.0)
         for (size_t i = 0; i < net->n_elements; i++)
             for (size_t k = 0; k < 3; k++)
                 net->next.element[i] += net->step.carry * net->now.vector[3 * i + k] * net->direction[3 * i + k];
-    finish_inertia(net, net->step.dt);
-    if (net->load)
-        network_load_finish(net);
+    NETWORK_EACH_TERM(net, finish, net);
 }
 
 palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
@@ -252,7 +220,7 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
     if (!status) {
         network_finish(net);
         local.force_N = net->next.force;
-        look_at_stability(net, &local);
+        assess_stability(net, &local);
         net->trial = true;
     } else {
         net->factored = false;
@@ -266,10 +234,6 @@ void palp_network_commit(palp_network *net) {
     if (!net->trial)
         return;
     double *spare = net->past[1];
-    net->can_undo = true;
-    net->undo_n_past = net->n_past;
-    net->undo_depth = net->past_depth[1];
-    net->undo_time = net->past_time[1];
     net->past[1] = net->past[0];
     net->past_depth[1] = net->past_depth[0];
     net->past_time[1] = net->past_time[0];
@@ -281,35 +245,15 @@ void palp_network_commit(palp_network *net) {
     network_state old = net->now;
     net->now = net->next;
     net->next = old;
+    NETWORK_EACH_TERM(net, swap, net);
     net->trial = false;
     if (net->trial_checked && !net->buckled) {
         net->buckled = !net->trial_stable;
-        *(net->trial_stable ? &net->checked_depth : &net->unstable_depth) = net->now.depth;
+        if (net->trial_stable)
+            net->checked_depth = net->now.depth;
+        else
+            net->unstable_depth = net->now.depth;
     }
-}
-
-palp_status palp_network_undo(palp_network *net) {
-    if (!net->can_undo || net->trial)
-        return PALP_ERR_ARGUMENT;
-    double *solved = net->now.x;
-    network_state old = net->next;
-    net->next = net->now;
-    net->now = old;
-    net->now.x = net->past[0];
-    net->past[0] = net->past[1];
-    net->past_depth[0] = net->past_depth[1];
-    net->past_time[0] = net->past_time[1];
-    net->past[1] = old.x;
-    net->past_depth[1] = net->undo_depth;
-    net->past_time[1] = net->undo_time;
-    net->next.x = solved;
-    net->n_past = net->undo_n_past;
-    net->can_undo = net->factored = false;
-    return PALP_OK;
-}
-
-void palp_network_rollback(palp_network *net) {
-    net->trial = false;
 }
 
 palp_status palp_network_step(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {

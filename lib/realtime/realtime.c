@@ -11,38 +11,38 @@ static const double CURVED = 0.1;  /* a tick that left less of its residual may 
 static const double STRAIGHT = 0.5; /* less than this by a line */
 static const double OVERRUN = 0.5; /* of its slope that a move may have against it at its end */
 static const double SAFETY = 3.0;  /* of the error estimate */
-static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first looked at */
+static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
+static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
 enum { HALVINGS = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end */
 
 palp_realtime_settings palp_realtime_settings_default(void) {
     return (palp_realtime_settings){.refresh_share = 0.15, .background = false};
 }
 
-void network_realtime_free(network_realtime *rt) {
+void palp_realtime_free(palp_realtime *rt) {
     if (!rt)
         return;
     refresh_thread_free(rt->thread);
     multigrid_free(rt->mg);
-    double *arrays[] = {rt->r, rt->z, rt->p, rt->q, rt->move, rt->adjoint};
+    double *arrays[] = {rt->r, rt->z, rt->p, rt->q, rt->move, rt->adjoint, rt->weight};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
-    free(rt->coupling);
     free(rt->touching);
     free(rt);
 }
 
 /* ---- making ready -------------------------------------------------------------------------------- */
 
-static palp_status allocate(palp_network *net, network_realtime *rt) {
-    double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint};
+static palp_status allocate(palp_realtime *rt) {
+    const palp_network *net = rt->net;
+    double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint, &rt->weight};
     bool ok = true;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         *arrays[i] = calloc(3 * net->n_nodes + 1, sizeof **arrays[i]);
         ok = ok && *arrays[i];
     }
-    rt->coupling = calloc(MULTIGRID_COUPLINGS, sizeof *rt->coupling);
     rt->touching = calloc(MULTIGRID_COUPLINGS, sizeof *rt->touching);
-    if (!ok || !rt->coupling || !rt->touching)
+    if (!ok || !rt->touching)
         return PALP_ERR_NO_MEMORY;
     palp_status status =
         multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair, DIRECT, &rt->mg);
@@ -51,28 +51,27 @@ static palp_status allocate(palp_network *net, network_realtime *rt) {
     return status;
 }
 
-/* The tangent of the committed state, as far as an instantaneous step from it has one. */
+/* The tangent of the committed state, as that of an instantaneous step from it. */
 static palp_status evaluate_here(palp_network *net) {
-    element_step_prepare(&net->material, 1e-3, &net->step);
-    net->step.boost = net->boost;
-    net->step.wear = net->wear;
-    net->inertia = net->mass ? 1e6 : 0.0;
-    if (net->load)
-        network_load_begin(net);
+    palp_status status = network_begin(net, net->now.depth, INSTANT);
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
-    return network_evaluate(net) ? PALP_OK : PALP_ERR_COLLAPSED;
+    return status ? status : network_evaluate(net) ? PALP_OK : PALP_ERR_COLLAPSED;
 }
 
-palp_status realtime_begin(palp_network *net) {
+/* A factor and an adjoint at once, of the committed state. Where it fails the factor in use still serves. */
+static palp_status begin(palp_realtime *rt) {
     enum { ADJOINT_ROUNDS = 12 };
-    network_realtime *rt = net->realtime;
+    palp_network *net = rt->net;
+    if (rt->thread)
+        refresh_thread_wait(rt->thread);
     palp_status status = evaluate_here(net);
-    net->trial = net->can_undo = net->factored = false;
+    net->factored = false;
+    rt->resets = net->resets;
     if (!status)
-        status = realtime_refresh_now(net);
+        status = realtime_refresh_now(rt);
     memcpy(rt->adjoint, net->motion, 3 * net->n_nodes * sizeof *rt->adjoint);
     for (int i = 0; i < ADJOINT_ROUNDS && rt->driven && !status; i++)
-        realtime_improve_adjoint(net);
+        realtime_improve_adjoint(rt);
     network_tangent_times(net, rt->adjoint, rt->q);
     rt->adjoint_error = DRIFT * sqrt(fabs(realtime_dot(rt->adjoint, rt->q, 3 * net->n_nodes)));
     rt->adjoint_due = 0;
@@ -82,44 +81,45 @@ palp_status realtime_begin(palp_network *net) {
     return status;
 }
 
-void network_realtime_reset(palp_network *net) {
-    if (net->realtime->thread)
-        refresh_thread_wait(net->realtime->thread);
-    realtime_begin(net); /* where it fails the factor in use still serves */
+palp_status palp_realtime_reset(palp_realtime *rt) {
+    palp_network_reset(rt->net);
+    return begin(rt);
 }
 
-static void time_parts(palp_network *net) {
-    network_realtime *rt = net->realtime;
+static void time_parts(palp_realtime *rt) {
     double start = realtime_clock();
-    network_evaluate(net);
+    network_evaluate(rt->net);
     double middle = realtime_clock();
     multigrid_apply(rt->mg, rt->r, rt->z);
-    network_tangent_times(net, rt->z, rt->q);
+    network_tangent_times(rt->net, rt->z, rt->q);
     rt->times = (realtime_times){middle - start, realtime_clock() - middle, middle - start};
 }
 
-palp_status palp_network_enable_realtime(palp_network *net, const palp_realtime_settings *settings) {
-    if (net->realtime || !(settings->refresh_share > 0.0 && settings->refresh_share < 1.0))
+palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings *settings, palp_realtime **realtime) {
+    if (!(settings->refresh_share > 0.0 && settings->refresh_share < 1.0))
         return PALP_ERR_ARGUMENT;
-    network_realtime *rt = calloc(1, sizeof *rt);
+    palp_realtime *rt = calloc(1, sizeof *rt);
     if (!rt)
         return PALP_ERR_NO_MEMORY;
+    rt->net = net;
     rt->settings = *settings;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        rt->driven = rt->driven || net->motion[i] != 0.0;
-    palp_status status = allocate(net, rt);
+    rt->driven = net->driven;
+    palp_status status = allocate(rt);
     if (!status) {
         double tick = 2.0 * (1.5 * (double)net->n_elements + multigrid_cycle_work(rt->mg));
         rt->piece = settings->refresh_share / (1.0 - settings->refresh_share) * tick;
-        net->realtime = rt;
-        status = realtime_begin(net);
-        time_parts(net);
+        status = begin(rt);
+        time_parts(rt);
     }
-    if (status) {
-        net->realtime = NULL;
-        network_realtime_free(rt);
-    }
+    if (status)
+        palp_realtime_free(rt);
+    else
+        *realtime = rt;
     return status;
+}
+
+palp_network *palp_realtime_network(const palp_realtime *rt) {
+    return rt->net;
 }
 
 /* ---- a tick -------------------------------------------------------------------------------------- */
@@ -134,46 +134,58 @@ typedef struct tick {
     double fresh_error;   /* of the force, by this tick's positions, N */
 } tick;
 
-/* Evaluates next.x, once it has not lost what touched. */
-static bool follow_tools(palp_network *net) {
-    if (net->load)
-        network_load_follow(net);
+/* Evaluates next.x, once terms have made it follow them. */
+static bool follow(palp_network *net) {
+    NETWORK_EACH_TERM(net, follow, net);
     return network_evaluate(net);
 }
 
-static bool predict(palp_network *net) {
-    const network_realtime *rt = net->realtime;
+static bool predict(palp_realtime *rt) {
+    palp_network *net = rt->net;
     double depth = net->next.depth, move = depth - net->now.depth;
     bool extrapolated =
         rt->contraction < STRAIGHT && network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
-    if (extrapolated && follow_tools(net))
+    if (extrapolated && follow(net))
         return true;
     for (int straight = 1; straight >= 0; straight--) {
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->now.x[i] + (straight && rt->driven ? move * rt->adjoint[i] : 0.0);
         network_place(net, depth);
-        if (follow_tools(net))
+        if (follow(net))
             return true;
     }
     return false;
 }
 
-/* Resultant of the load, N. */
-static double load_force(const palp_network *net) {
-    const double *f = network_load_force(net->load);
+/* Size of the resultant of the terms' forces, N. */
+static double outer_force(const palp_network *net) {
     double sum[3] = {0.0};
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        sum[i % 3] += f[i];
+        sum[i % 3] += net->outer[i];
     return sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+}
+
+static void weigh(palp_realtime *rt) {
+    memset(rt->weight, 0, rt->net->n_nodes * sizeof *rt->weight);
+    NETWORK_EACH_TERM(rt->net, weigh, rt->net, rt->weight);
+}
+
+/* Stiffness that the tissue's own elements give the nodes that terms press on, summed over nodes and axes, N/m. */
+static double own_stiffness(palp_realtime *rt) {
+    double sum = 0.0;
+    weigh(rt);
+    for (size_t i = 0; i < rt->net->n_nodes; i++)
+        sum += rt->weight[i] > 0.0 ? rt->net->unit[i] : 0.0;
+    return 3.0 * rt->net->modulus * sum;
 }
 
 /* Residual, force and their judgement at next.x. Force by virtual work: exact but for the product of two errors, that
  * of the positions and that of the adjoint, both known in the norm of the tangent. What tools and hands feel is the tissue's
  * own force on nodes of stiffness k: off by no more than sqrt(k) times the first of them. */
-static void look(palp_network *net, tick *t) {
-    network_realtime *rt = net->realtime;
+static void assess(palp_realtime *rt, tick *t) {
+    palp_network *net = rt->net;
     t->norm = network_residual(net, &t->scale);
-    double force = network_drive_force(net), work = 0.0, error = SAFETY * rt->error_ratio * t->norm, loaded = 0.0;
+    double force = network_drive_force(net), work = 0.0, error = SAFETY * rt->error_ratio * t->norm;
     for (size_t i = 0; i < 3 * net->n_nodes; i++) {
         rt->r[i] = net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]];
         work += rt->r[i] * rt->adjoint[i];
@@ -181,19 +193,15 @@ static void look(palp_network *net, tick *t) {
     t->info.residual = t->scale > 0.0 ? net->settings.tolerance * t->norm / t->scale : 0.0;
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = rt->driven ? error * rt->adjoint_error : 0.0;
-    if (net->load) {
-        t->fresh_error += error * sqrt(network_load_own_stiffness(net));
-        loaded = load_force(net);
-    }
+    t->fresh_error += error * sqrt(own_stiffness(rt));
     t->info.force_error_N = t->fresh_error + rt->remembered;
-    double most = t->budget.force_error * (fabs(t->info.force_N) + loaded);
+    double most = t->budget.force_error * (fabs(t->info.force_N) + outer_force(net));
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
 
 /* Corrections that the budget leaves room for. The first is always made: a state that is only extrapolated goes
  * astray. */
-static size_t room(const palp_network *net, const tick *t) {
-    const network_realtime *rt = net->realtime;
+static size_t room(const palp_realtime *rt, const tick *t) {
     size_t most = t->budget.corrections > 0 ? t->budget.corrections : CORRECTIONS;
     size_t left = most > t->info.corrections ? most - t->info.corrections : 0;
     if (!(t->budget.seconds > 0.0))
@@ -210,18 +218,19 @@ static void learn(double *mean, double seconds) {
 }
 
 /* Residual along the move. */
-static double slope(const palp_network *net) {
+static double slope(const palp_realtime *rt) {
+    const palp_network *net = rt->net;
     double sum = 0.0;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        sum += net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]] * net->realtime->move[i];
+        sum += net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]] * rt->move[i];
     return sum;
 }
 
 /* next.x = start + move, or less of it where that is unsound or runs past the least energy along it, as where a contact
  * stiffens. */
-static bool go(palp_network *net, tick *t) {
-    network_realtime *rt = net->realtime;
-    double before = slope(net), alpha = 1.0, start = realtime_clock();
+static bool go(palp_realtime *rt, tick *t) {
+    palp_network *net = rt->net;
+    double before = slope(rt), alpha = 1.0, start = realtime_clock();
     memcpy(rt->q, net->next.x, 3 * net->n_nodes * sizeof *rt->q);
     for (int i = 0; i <= HALVINGS; i++) {
         for (size_t k = 0; k < 3 * net->n_nodes; k++)
@@ -230,44 +239,45 @@ static bool go(palp_network *net, tick *t) {
             alpha *= 0.5;
             continue;
         }
-        look(net, t);
+        assess(rt, t);
         if (i == 0)
             learn(&rt->times.evaluation, realtime_clock() - start);
-        double after = slope(net);
+        double after = slope(rt);
         if (after >= -OVERRUN * before || i == HALVINGS)
             return true;
         alpha *= fmax(0.1, before / (before - after));
     }
     memcpy(net->next.x, rt->q, 3 * net->n_nodes * sizeof *rt->q);
     network_evaluate(net);
-    look(net, t);
+    assess(rt, t);
     return false;
 }
 
-static void correct(palp_network *net, tick *t) {
-    network_realtime *rt = net->realtime;
-    size_t left;
-    for (int i = 0; !t->info.converged && (left = room(net, t)) > 0; i++) {
+static void correct(palp_realtime *rt, tick *t) {
+    for (int i = 0; !t->info.converged; i++) {
+        size_t left = room(rt, t);
+        if (left == 0)
+            return;
         if (i == ROUNDS && t->budget.corrections == 0 && !(t->budget.seconds > 0.0))
             return;
         double start = realtime_clock();
-        size_t done = realtime_solve(net, left, SHARE);
+        size_t done = realtime_solve(rt, left, SHARE);
         if (done == 0)
             return;
         learn(&rt->times.correction, (realtime_clock() - start) / (double)done);
         t->info.corrections += done;
-        if (!go(net, t))
+        if (!go(rt, t))
             return;
-        if (net->load && network_load_refresh(net)) {
-            if (!network_evaluate(net))
+        if (network_refresh(rt->net)) {
+            if (!network_evaluate(rt->net))
                 return;
-            look(net, t);
+            assess(rt, t);
         }
     }
 }
 
 /* Stored in springs and arms, and of motion, at the committed state. */
-double network_stored_energy(palp_network *net) {
+static double stored_energy(palp_network *net) {
     const network_state *s = &net->now;
     const palp_material *m = &net->material;
     double *psi = net->scratch, sum = 0.0;
@@ -285,8 +295,8 @@ double network_stored_energy(palp_network *net) {
 }
 
 /* Of an error in a tick's positions the arms remember what they relax in it. */
-static void remember(palp_network *net, const tick *t) {
-    network_realtime *rt = net->realtime;
+static void remember(palp_realtime *rt, const tick *t) {
+    const palp_network *net = rt->net;
     double slowest = 0.0, leak = 0.0;
     for (size_t j = 0; j < net->material.n_arms; j++) {
         slowest = fmax(slowest, net->step.decay[j]);
@@ -296,43 +306,50 @@ static void remember(palp_network *net, const tick *t) {
 }
 
 /* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. */
-static void look_ahead(palp_network *net, tick *t) {
-    network_realtime *rt = net->realtime;
+static void look_ahead(palp_realtime *rt, tick *t) {
     if (rt->adjoint_due > 0 && rt->driven) {
-        realtime_improve_adjoint(net);
+        realtime_improve_adjoint(rt);
         rt->adjoint_due--;
     } else {
-        t->info.refreshed = realtime_refresh(net);
+        t->info.refreshed = realtime_refresh(rt);
     }
 }
 
-palp_status palp_network_step_within(palp_network *net, double depth_m, double dt_s, const palp_budget *budget,
-                                     palp_tick_info *info) {
-    tick t = {.budget = *budget, .start = realtime_clock()};
-    network_realtime *rt = net->realtime;
-    if (!rt || !(budget->seconds >= 0.0) || !(budget->force_error >= 0.0))
-        return PALP_ERR_ARGUMENT;
-    palp_status status = network_begin(net, depth_m, dt_s);
-    if (status)
-        return status;
-    if (!predict(net))
-        return PALP_ERR_COLLAPSED;
-    look(net, &t);
-    t.first = t.norm;
-    correct(net, &t);
-    double rest = realtime_clock();
+/* Solved as far as the budget went: next becomes the committed state. */
+static void commit(palp_realtime *rt, const tick *t) {
+    palp_network *net = rt->net;
     network_finish(net);
-    if (net->load)
-        network_load_settle(net, rt->r);
-    net->next.force = t.info.force_N;
+    weigh(rt);
+    NETWORK_EACH_TERM(net, settle, net, rt->weight, rt->r);
+    net->next.force = t->info.force_N;
     net->trial = true;
     net->trial_checked = false;
     palp_network_commit(net);
+}
+
+palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, const palp_budget *budget,
+                               palp_tick_info *info) {
+    tick t = {.budget = *budget, .start = realtime_clock()};
+    palp_network *net = rt->net;
+    if (!(budget->seconds >= 0.0) || !(budget->force_error >= 0.0))
+        return PALP_ERR_ARGUMENT;
+    palp_status status = rt->resets != net->resets ? begin(rt) : PALP_OK;
+    if (!status)
+        status = network_begin(net, depth_m, dt_s);
+    if (status)
+        return status;
+    if (!predict(rt))
+        return PALP_ERR_COLLAPSED;
+    assess(rt, &t);
+    t.first = t.norm;
+    correct(rt, &t);
+    double rest = realtime_clock();
+    commit(rt, &t);
     rt->contraction = t.first > 0.0 ? t.norm / t.first : 0.0;
-    remember(net, &t);
-    look_ahead(net, &t);
+    remember(rt, &t);
+    look_ahead(rt, &t);
     if (info) {
-        t.info.energy_J = network_stored_energy(net);
+        t.info.energy_J = stored_energy(net);
         t.info.seconds = realtime_clock() - t.start;
         *info = t.info;
     }

@@ -1,9 +1,9 @@
-/* realtime_internal.h: inside of palp_network_step_within, shared by its own files. */
+/* realtime_internal.h: inside of a palp_realtime, shared by its own files. */
 #ifndef REALTIME_INTERNAL_H
 #define REALTIME_INTERNAL_H
 
-#include "solve/multigrid.h"
 #include "network/network_internal.h"
+#include "solve/multigrid.h"
 
 #include <palpate/realtime.h>
 
@@ -16,20 +16,22 @@ typedef struct realtime_times {
     double evaluation, correction, rest;
 } realtime_times;
 
-struct network_realtime {
+struct palp_realtime {
+    palp_network *net;     /* the caller's */
     palp_realtime_settings settings;
     multigrid *mg;
-    double *r, *z, *p, *q; /* [3 n_nodes] conjugate gradients, 0 at held axes */
+    double *r, *z, *p, *q; /* [3 n_nodes] conjugate gradients, 0 at fixed axes */
     double *move;          /* [3 n_nodes] correction */
-    double *adjoint;       /* [3 n_nodes] dx / d depth, the motion at held axes */
+    double *adjoint;       /* [3 n_nodes] dx / d depth, the motion at fixed axes */
+    double *weight;        /* [n_nodes] stiffness of what presses on each node from outside, N/m */
     bool driven;           /* some axis is: there is an adjoint */
     double adjoint_error;  /* of it, in the norm of the tangent */
     double error_ratio;    /* error in that norm over |residual|, where it was last known */
     double remembered;     /* error of the force that is in the arms' history, N */
     double contraction;    /* what the last tick left of its first residual */
+    size_t resets;         /* of the network, that the factor belongs to */
 
-    load_coupling *coupling; /* [MULTIGRID_COUPLINGS] scratch, */
-    multigrid_coupling *touching; /* likewise */
+    multigrid_coupling *touching; /* [MULTIGRID_COUPLINGS] scratch */
     refresh_stage stage;   /* of the next factor */
     size_t at;             /* elements copied, or pieces made */
     double piece;          /* work on it in a tick */
@@ -41,30 +43,27 @@ struct network_realtime {
     realtime_times times;
 };
 
-/* A factor and an adjoint at once, of the committed state (realtime.c). */
-palp_status realtime_begin(palp_network *net);
-
 /* ---- realtime_solve.c ---- */
 
 /* Preconditioned conjugate gradients on the tangent of the last evaluation from rt->r, at most limit corrections or
  * until the residual falls to share of its norm. The correction is in rt->move; returns how many it took. */
-size_t realtime_solve(palp_network *net, size_t limit, double share);
+size_t realtime_solve(palp_realtime *rt, size_t limit, double share);
 
 /* One correction of the adjoint. */
-void realtime_improve_adjoint(palp_network *net);
+void realtime_improve_adjoint(palp_realtime *rt);
 
 double realtime_dot(const double *a, const double *b, size_t n);
 
 /* ---- realtime_refresh.c ---- */
 
-/* Brings what the load adds to the tangent up to date in the factor in use, as far as can be. */
-void realtime_touch(palp_network *net);
+/* Brings what terms add to the tangent up to date in the factor in use, as far as can be. */
+void realtime_touch(palp_realtime *rt);
 
 /* A factor at once, from the last evaluation. */
-palp_status realtime_refresh_now(palp_network *net);
+palp_status realtime_refresh_now(palp_realtime *rt);
 
 /* A piece of the next factor; true if it came into use. */
-bool realtime_refresh(palp_network *net);
+bool realtime_refresh(palp_realtime *rt);
 
 /* ---- realtime_thread.c ---- */
 

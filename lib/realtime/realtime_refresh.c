@@ -2,6 +2,7 @@
 #include "realtime_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double COPY_WORK = 1.5; /* units an element */
 
@@ -14,18 +15,51 @@ static void copy_element(const palp_network *net, const multigrid_source *source
     e[4] = (float)across;
 }
 
-/* Own blocks and couplings of the last evaluation, the former in net->node_block. */
-static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
-    load_coupling *from = net->realtime->coupling;
-    size_t n = network_node_blocks(net, net->node_block, MULTIGRID_COUPLINGS, from);
-    for (size_t k = 0; k < n; k++, to++) {
-        bool turn = from[k].row > from[k].column;
-        to->low = turn ? from[k].column : from[k].row;
-        to->high = turn ? from[k].row : from[k].column;
-        for (size_t i = 0; i < 9; i++)
-            to->block[i] = (float)from[k].block[turn ? 3 * (i % 3) + i / 3 : i];
+/* Where the blocks of terms go. */
+typedef struct gathering {
+    double *node;           /* [6 n_nodes] own blocks, lower triangle by rows */
+    multigrid_coupling *to; /* [MULTIGRID_COUPLINGS] */
+    size_t n;
+} gathering;
+
+/* Adds k, or its transpose, to a node's own block. */
+static void add_own(double *block, const double k[9], bool turn) {
+    static const int lower[6] = {0, 3, 4, 6, 7, 8}, upper[6] = {0, 1, 4, 2, 5, 8};
+    for (int i = 0; i < 6; i++)
+        block[i] += k[turn ? upper[i] : lower[i]];
+}
+
+/* Couplings for which there is no room are lumped on the own blocks. */
+static void take_block(void *user, int32_t row, int32_t column, const double k[9]) {
+    gathering *g = user;
+    bool full = g->n == MULTIGRID_COUPLINGS, turn = row > column;
+    if (row == column || full)
+        add_own(g->node + 6 * row, k, false);
+    if (row == column)
+        return;
+    if (full) {
+        add_own(g->node + 6 * column, k, true);
+        return;
     }
-    return n;
+    multigrid_coupling *c = &g->to[g->n++];
+    c->low = turn ? column : row;
+    c->high = turn ? row : column;
+    for (size_t i = 0; i < 9; i++)
+        c->block[i] = (float)k[turn ? 3 * (i % 3) + i / 3 : i];
+}
+
+/* What terms add to the tangent of the last evaluation: own blocks into net->node_block, couplings, of which it returns
+ * the number. */
+static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
+    gathering g = {net->node_block, to, 0};
+    memset(g.node, 0, 6 * net->n_nodes * sizeof *g.node);
+    for (size_t i = 0; i < net->n_nodes; i++) {
+        g.node[6 * i] = net->diagonal[3 * i];
+        g.node[6 * i + 2] = net->diagonal[3 * i + 1];
+        g.node[6 * i + 5] = net->diagonal[3 * i + 2];
+    }
+    NETWORK_EACH_TERM(net, blocks, net, take_block, &g);
+    return g.n;
 }
 
 static void copy_nodes(palp_network *net, const multigrid_source *source) {
@@ -34,14 +68,16 @@ static void copy_nodes(palp_network *net, const multigrid_source *source) {
         source->node[i] = (float)net->node_block[i];
 }
 
-void realtime_touch(palp_network *net) {
-    network_realtime *rt = net->realtime;
-    if (net->load)
-        multigrid_touch(rt->mg, net->node_block, gather_blocks(net, rt->touching), rt->touching);
+void realtime_touch(palp_realtime *rt) {
+    bool any = false;
+    for (size_t i = 0; i < rt->net->n_terms; i++)
+        any = any || rt->net->terms[i]->kind->blocks;
+    if (any)
+        multigrid_touch(rt->mg, rt->net->node_block, gather_blocks(rt->net, rt->touching), rt->touching);
 }
 
-palp_status realtime_refresh_now(palp_network *net) {
-    network_realtime *rt = net->realtime;
+palp_status realtime_refresh_now(palp_realtime *rt) {
+    palp_network *net = rt->net;
     multigrid_source source = multigrid_input(rt->mg);
     bool done = false;
     palp_status status = PALP_ERR_SINGULAR;
@@ -63,8 +99,8 @@ palp_status realtime_refresh_now(palp_network *net) {
 }
 
 /* Copies elements, and at their end begins the making. */
-static void copy_some(palp_network *net, double work) {
-    network_realtime *rt = net->realtime;
+static void copy_some(palp_realtime *rt, double work) {
+    palp_network *net = rt->net;
     multigrid_source source = multigrid_input(rt->mg);
     for (; rt->at < net->n_elements && work > 0.0; work -= COPY_WORK)
         copy_element(net, &source, rt->at++);
@@ -79,8 +115,7 @@ static void copy_some(palp_network *net, double work) {
 }
 
 /* Where the tangent was not positive definite, once more with what is left of it that is. */
-static bool finish(palp_network *net, palp_status status) {
-    network_realtime *rt = net->realtime;
+static bool finish(palp_realtime *rt, palp_status status) {
     rt->at = 0;
     if (status && !rt->definite) {
         rt->definite = true;
@@ -100,12 +135,11 @@ static bool finish(palp_network *net, palp_status status) {
     return true;
 }
 
-bool realtime_refresh(palp_network *net) {
-    network_realtime *rt = net->realtime;
+bool realtime_refresh(palp_realtime *rt) {
     palp_status status;
     bool done = false;
     if (rt->stage == REFRESH_COPY) {
-        copy_some(net, rt->piece);
+        copy_some(rt, rt->piece);
         return false;
     }
     if (rt->thread) {
@@ -114,5 +148,5 @@ bool realtime_refresh(palp_network *net) {
         rt->at++;
         status = multigrid_advance(rt->mg, rt->piece, &done);
     }
-    return (done || status) && finish(net, status);
+    return (done || status) && finish(rt, status);
 }

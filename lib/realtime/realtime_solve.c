@@ -18,15 +18,15 @@ double realtime_dot(const double *a, const double *b, size_t n) {
 }
 
 /* q = K p on the free axes */
-static void tangent_times(palp_network *net, const double *p, double *q) {
+static void tangent_times(const palp_network *net, const double *p, double *q) {
     network_tangent_times(net, p, q);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         q[i] = net->dof[i] < 0 ? 0.0 : q[i];
 }
 
 /* Downhill along z, but not far. */
-static void move_a_little(palp_network *net) {
-    network_realtime *rt = net->realtime;
+static void move_a_little(palp_realtime *rt) {
+    const palp_network *net = rt->net;
     double largest = 0.0;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         largest = fmax(largest, fabs(rt->z[i]));
@@ -35,13 +35,13 @@ static void move_a_little(palp_network *net) {
         rt->move[i] = factor * rt->z[i];
 }
 
-size_t realtime_solve(palp_network *net, size_t limit, double share) {
-    network_realtime *rt = net->realtime;
+size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
+    const palp_network *net = rt->net;
     const size_t n = 3 * net->n_nodes;
     double square = realtime_dot(rt->r, rt->r, n), target = share * share * square, before = 0.0;
     size_t done = 0;
     memset(rt->move, 0, n * sizeof *rt->move);
-    realtime_touch(net);
+    realtime_touch(rt);
     while (done < limit && square > target) {
         multigrid_apply(rt->mg, rt->r, rt->z);
         done++;
@@ -56,7 +56,7 @@ size_t realtime_solve(palp_network *net, size_t limit, double share) {
         double curvature = realtime_dot(rt->p, rt->q, n), alpha = rz / curvature;
         if (!(curvature > 0.0)) {
             if (done == 1)
-                move_a_little(net);
+                move_a_little(rt);
             break;
         }
         for (size_t i = 0; i < n; i++) {
@@ -68,10 +68,10 @@ size_t realtime_solve(palp_network *net, size_t limit, double share) {
     return done;
 }
 
-void realtime_improve_adjoint(palp_network *net) {
-    network_realtime *rt = net->realtime;
+void realtime_improve_adjoint(palp_realtime *rt) {
+    const palp_network *net = rt->net;
     const size_t n = 3 * net->n_nodes;
-    realtime_touch(net);
+    realtime_touch(rt);
     tangent_times(net, rt->adjoint, rt->r);
     for (size_t i = 0; i < n; i++)
         rt->r[i] = -rt->r[i];

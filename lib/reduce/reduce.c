@@ -114,7 +114,7 @@ palp_status reduced_prepare(palp_reduced *r) {
     return status;
 }
 
-palp_status reduced_make(const palp_network *net, const network_load *load, size_t modes, const double *basis,
+palp_status reduced_make(const palp_network *net, const contact_set *contacts, size_t modes, const double *basis,
                          const double *lift, size_t n, const int32_t *element, const double *weight, palp_reduced **out) {
     palp_reduced *r = calloc(1, sizeof *r);
     if (!r)
@@ -148,10 +148,10 @@ palp_status reduced_make(const palp_network *net, const network_load *load, size
     for (size_t i = 0; i < 3 * r->n_nodes; i++)
         if (net->motion[i] != 0.0)
             r->summary.height_m = net->height;
-    if (load) {
-        r->max_tools = load->max_tools;
-        r->contact_settings = load->settings;
-        memcpy(r->unit, load->unit, r->n_nodes * sizeof *r->unit);
+    if (contacts) {
+        r->max_tools = contacts->max_tools;
+        r->contact_settings = contacts->settings;
+        memcpy(r->unit, net->unit, r->n_nodes * sizeof *r->unit);
     }
     status = reduced_prepare(r);
     if (status)
@@ -269,14 +269,15 @@ static palp_status check_create(const palp_network *net, size_t n_training, palp
     if (!sound)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a setting is out of range, or a path is of another network");
     bool vectors = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
-    if (net->mass || net->wear || net->grip || vectors)
+    if (net->mass || net->wear || network_foundation(net) || vectors)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "a network with mass, wear or the formulation sedef2008 cannot be reduced");
     return PALP_OK;
 }
 
 static palp_status reduce(palp_network *net, size_t n_training, palp_training *const *training,
-                          const palp_reduce_settings *settings, const network_load *load, palp_reduced **out) {
+                          const palp_reduce_settings *settings, const contact_set *contacts,
+                          palp_reduced **out) {
     size_t modes = 0, n = 0;
     double *basis = NULL, *lift = NULL, *weight = NULL, residual = 0.0;
     int32_t *element = NULL;
@@ -288,7 +289,7 @@ static palp_status reduce(palp_network *net, size_t n_training, palp_training *c
         status = reduced_elements(net, n_training, training, settings, modes, basis, lift, &samples, &n, &element,
                                   &weight, &residual);
     if (!status)
-        status = reduced_make(net, load, modes, basis, lift, n, element, weight, out);
+        status = reduced_make(net, contacts, modes, basis, lift, n, element, weight, out);
     if (!status) {
         (*out)->summary.training_paths = n_training;
         (*out)->summary.element_residual = residual;
@@ -309,10 +310,12 @@ palp_status palp_reduced_create(palp_network *net, size_t n_training, palp_train
     if (status)
         return status;
     palp_reduced *made = NULL;
-    network_load *load = net->load; /* tools are no part of the shapes' stiffness */
-    net->load = NULL;
-    status = reduce(net, n_training, training, settings, load, &made);
-    net->load = load;
+    const contact_set *contacts = contact_of(net);
+    const size_t n_terms = net->n_terms;
+    palp_network_reset(net);
+    net->n_terms = 0; /* tools are no part of the shapes' stiffness, and at rest there are no cuts */
+    status = reduce(net, n_training, training, settings, contacts, &made);
+    net->n_terms = n_terms;
     palp_network_reset(net);
     if (!status)
         status = measure_error(made, n_training, training, n_held, held, error_held);

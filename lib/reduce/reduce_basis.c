@@ -12,7 +12,6 @@ static const double ROUNDING = 1e-13; /* of the largest eigenvalue: what is belo
 void reduced_at_rest(palp_network *net) {
     palp_network_reset(net);
     element_step_prepare(&net->material, INFINITY, &net->step);
-    net->inertia = 0.0;
     memcpy(net->next.x, net->rest, 3 * net->n_nodes * sizeof *net->next.x);
     network_evaluate(net);
 }

@@ -107,7 +107,7 @@ static json_t *tools_json(const palp_reduced *r) {
     const palp_contact_settings *c = &r->contact_settings;
     return r->max_tools == 0 ? json_null()
                              : json_pack("{s:I, s:f, s:f, s:f, s:I}", "at_once", (json_int_t)r->max_tools, "stiffness",
-                                         c->stiffness, "hold_stiffness", c->hold_stiffness, "smoothing",
+                                         c->stiffness, "grasp_stiffness", c->grasp_stiffness, "smoothing",
                                          c->smoothing, "max_contacts", (json_int_t)c->max_contacts);
 }
 
@@ -243,7 +243,7 @@ static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
 }
 
 static palp_status tools_read(const palp_json *root, palp_reduced *r) {
-    static const char *const keys[] = {"at_once", "stiffness", "hold_stiffness", "smoothing", "max_contacts"};
+    static const char *const keys[] = {"at_once", "stiffness", "grasp_stiffness", "smoothing", "max_contacts"};
     palp_json at;
     palp_contact_settings *c = &r->contact_settings;
     palp_status status = palp_json_require(root, "tools", &at);
@@ -255,12 +255,12 @@ static palp_status tools_read(const palp_json *root, palp_reduced *r) {
     if (!status)
         status = number_read(&at, keys[1], NAN, &c->stiffness);
     if (!status)
-        status = number_read(&at, keys[2], NAN, &c->hold_stiffness);
+        status = number_read(&at, keys[2], NAN, &c->grasp_stiffness);
     if (!status)
         status = number_read(&at, keys[3], NAN, &c->smoothing);
     if (!status)
         status = count_read(&at, keys[4], &c->max_contacts);
-    bool sound = c->stiffness > 0.0 && c->hold_stiffness > 0.0 && c->smoothing > 0.0 && r->max_tools <= 1000;
+    bool sound = c->stiffness > 0.0 && c->grasp_stiffness > 0.0 && c->smoothing > 0.0 && r->max_tools <= 1000;
     if (!status && !sound)
         status = palp_json_fail(&at, PALP_ERR_INPUT, "has a number out of range");
     return status;

@@ -3,7 +3,7 @@
 #ifndef REDUCE_INTERNAL_H
 #define REDUCE_INTERNAL_H
 
-#include "contact/tool_internal.h"
+#include "contact/contact_internal.h"
 
 #include <palpate/reduce.h>
 
@@ -26,8 +26,11 @@ typedef struct reduced_state {
 
 /* The surface, on which tools act (reduce_skin.c). */
 typedef struct reduced_skin {
-    palp_network *net;   /* its nodes, its triangles, no elements */
+    contact_set contacts;
     size_t n, n_near;
+    double *x, *next_x, *rest; /* [3 n] places committed, sought, at rest, m */
+    double *force;       /* [3 n] of the tools, N */
+    double *unit;        /* [n] as of the reduced model */
     int32_t *node;       /* [n] nodes of the reduced model */
     int32_t *triangle;   /* [3 n_triangles] */
     int32_t *near;       /* [n_near] of the n, whose places are up to date */
@@ -78,8 +81,8 @@ struct palp_reduced {
 };
 
 /* A reduced model with this basis [3 n_nodes modes] (rows of held coordinates 0) and these elements of the network:
- * element[n] with weight[n]; lift[3 n_nodes]. load: what tools need to touch it, or NULL. Copies. */
-palp_status reduced_make(const palp_network *net, const network_load *load, size_t modes, const double *basis,
+ * element[n] with weight[n]; lift[3 n_nodes]. contacts: the network's tools, or NULL. Copies. */
+palp_status reduced_make(const palp_network *net, const contact_set *contacts, size_t modes, const double *basis,
                          const double *lift, size_t n, const int32_t *element, const double *weight, palp_reduced **out);
 
 /* Allocates for the sizes given; then reduced_prepare from rest, lift, basis, pair and weight. */

@@ -1,5 +1,5 @@
-/* reduce_skin.c: the surface of a reduced model as a network of its own without elements, on which tools act as they
- * do on any network. Its places are worked out only near the tools. */
+/* reduce_skin.c: the surface of a reduced model, on which tools act as they do on a network's. Its places are worked out
+ * only near the tools. */
 #include "base/dense.h"
 #include "mesh/mesh_internal.h"
 #include "reduce_internal.h"
@@ -45,7 +45,12 @@ static void find_speed(const palp_reduced *r, reduced_skin *skin) {
 void reduced_skin_free(reduced_skin *skin) {
     if (!skin)
         return;
-    palp_network_free(skin->net);
+    contact_set_free(&skin->contacts);
+    free(skin->x);
+    free(skin->next_x);
+    free(skin->rest);
+    free(skin->force);
+    free(skin->unit);
     free(skin->node);
     free(skin->triangle);
     free(skin->near);
@@ -57,31 +62,32 @@ static palp_status skin_allocate(const palp_reduced *r, reduced_skin **out) {
     reduced_skin *skin = *out = calloc(1, sizeof *skin);
     if (!skin)
         return PALP_ERR_NO_MEMORY;
-    skin->net = calloc(1, sizeof *skin->net);
+    skin->x = calloc(3 * r->n_nodes + 1, sizeof *skin->x);
+    skin->next_x = calloc(3 * r->n_nodes + 1, sizeof *skin->next_x);
+    skin->rest = calloc(3 * r->n_nodes + 1, sizeof *skin->rest);
+    skin->unit = calloc(r->n_nodes + 1, sizeof *skin->unit);
+    skin->force = calloc(3 * r->n_nodes + 1, sizeof *skin->force);
     skin->node = calloc(r->n_nodes + 1, sizeof *skin->node);
     skin->near = calloc(r->n_nodes + 1, sizeof *skin->near);
     skin->triangle = calloc(3 * r->n_triangles + 1, sizeof *skin->triangle);
     skin->row = calloc(3 * REDUCED_BLOCK * r->modes + 1, sizeof *skin->row);
-    return skin->net && skin->node && skin->near && skin->triangle && skin->row ? PALP_OK : PALP_ERR_NO_MEMORY;
+    return skin->x && skin->next_x && skin->rest && skin->unit && skin->force && skin->node && skin->near &&
+                   skin->triangle && skin->row
+               ? PALP_OK
+               : PALP_ERR_NO_MEMORY;
 }
 
 static palp_status enable(const palp_reduced *r, reduced_skin *skin) {
-    palp_network *net = skin->net;
-    palp_status status = palp_mesh_new(skin->n, 1, &net->mesh);
-    if (status)
-        return status;
-    net->mesh->n_elements = 0; /* room for one, since malloc(0) may be NULL */
     for (size_t i = 0; i < 3 * skin->n; i++)
-        net->mesh->x_m[i] = r->rest[3 * (size_t)skin->node[i / 3] + i % 3];
-    net->n_nodes = skin->n;
-    net->rest = net->mesh->x_m;
-    net->surface = skin->triangle;
-    net->n_surface = r->n_triangles;
-    net->material = r->material;
-    net->boost = 1.0;
-    status = palp_network_enable_tools(net, r->max_tools, 0, &r->contact_settings);
-    for (size_t i = 0; !status && i < skin->n; i++)
-        net->load->unit[i] = r->unit[skin->node[i]];
+        skin->rest[i] = r->rest[3 * (size_t)skin->node[i / 3] + i % 3];
+    for (size_t i = 0; i < skin->n; i++)
+        skin->unit[i] = r->unit[skin->node[i]];
+    contact_set *contacts = &skin->contacts;
+    palp_status status = contact_set_create(contacts, skin->n, skin->rest, r->n_triangles, skin->triangle, skin->unit, 0.0,
+                                            r->max_tools, &r->contact_settings);
+    palp_law_stiffness(&r->material.law, 0.0, &contacts->modulus, NULL);
+    for (size_t j = 0; j < r->material.n_arms; j++)
+        contacts->modulus += r->material.arms[j].stiffness_N;
     return status;
 }
 
@@ -105,8 +111,10 @@ static void place_node(const palp_reduced *r, size_t i, const double *q, double 
 }
 
 void reduced_skin_reset(palp_reduced *r) {
-    palp_network_reset(r->skin->net);
-    r->skin->drift = 0.0;
+    reduced_skin *skin = r->skin;
+    memcpy(skin->x, skin->rest, 3 * skin->n * sizeof *skin->x);
+    contact_set_reset(&skin->contacts);
+    skin->drift = 0.0;
 }
 
 /* The box around a tool; a plane's is everything. */
@@ -124,14 +132,14 @@ static void tool_box(const palp_tool *tool, double margin, double low[3], double
  * its travel and for what the places may be out of date. */
 static void find_near(palp_reduced *r, double margin) {
     reduced_skin *skin = r->skin;
-    const network_load *load = skin->net->load;
+    const contact_set *contacts = &skin->contacts;
     skin->n_near = 0;
     for (size_t i = 0; i < skin->n; i++) {
-        const double *x = skin->net->now.x + 3 * i;
+        const double *x = skin->x + 3 * i;
         bool near = false;
-        for (size_t t = 0; t < load->n_tools && !near; t++) {
+        for (size_t t = 0; t < contacts->n_tools && !near; t++) {
             double low[3], high[3];
-            tool_box(&load->tool[t], margin, low, high);
+            tool_box(&contacts->tool[t], margin, low, high);
             near = true;
             for (size_t k = 0; k < 3; k++)
                 near = near && x[k] > low[k] && x[k] < high[k];
@@ -142,11 +150,10 @@ static void find_near(palp_reduced *r, double margin) {
 }
 
 /* Farthest that a tool goes in this step. */
-static double travel(const palp_network *net) {
-    const load_memory *memory = load_memory_of(&net->now);
+static double travel(const contact_set *contacts) {
     double most = 0.0;
-    for (size_t i = 0; i < net->load->n_tools && i < memory->n_tools; i++) {
-        const palp_tool *was = &load_tools(&net->now)[i].pose, *is = &net->load->tool[i];
+    for (size_t i = 0; i < contacts->n_tools && i < contacts->now.n_tools; i++) {
+        const palp_tool *was = &contacts->now.pose[i], *is = &contacts->tool[i];
         double moved[3];
         along3(is->position_m, -1.0, was->position_m, moved);
         most = fmax(most, sqrt(dot3(moved, moved)) + 2.0 * is->length_m);
@@ -156,34 +163,34 @@ static double travel(const palp_network *net) {
 
 palp_status reduced_skin_begin(palp_reduced *r, size_t n_tools, const palp_tool *tools) {
     reduced_skin *skin = r->skin;
-    palp_network *net = skin->net;
-    palp_status status = palp_network_set_tools(net, n_tools, tools);
+    contact_set *contacts = &skin->contacts;
+    palp_status status = contact_set_tools(contacts, n_tools, tools);
     if (status)
         return status;
-    double slack = SLACK * net->load->edge;
+    double slack = SLACK * contacts->edge;
     bool all = skin->drift > slack;
     for (size_t i = 0; all && i < skin->n; i++)
-        place_node(r, i, r->now.q, r->now.depth, net->now.x);
+        place_node(r, i, r->now.q, r->now.depth, skin->x);
     skin->drift = all ? 0.0 : skin->drift;
-    find_near(r, 2.0 * slack + travel(net));
+    find_near(r, 2.0 * slack + travel(contacts));
     for (size_t i = 0; i < skin->n_near && !all; i++)
-        place_node(r, (size_t)skin->near[i], r->now.q, r->now.depth, net->now.x);
-    memcpy(net->next.x, net->now.x, 3 * skin->n * sizeof *net->now.x);
-    network_load_begin(net);
+        place_node(r, (size_t)skin->near[i], r->now.q, r->now.depth, skin->x);
+    memcpy(skin->next_x, skin->x, 3 * skin->n * sizeof *skin->x);
+    contact_set_place(contacts, 1.0, skin->x, skin->x);
     return PALP_OK;
 }
 
 void reduced_skin_evaluate(palp_reduced *r, double *drive) {
     reduced_skin *skin = r->skin;
-    palp_network *net = skin->net;
-    const network_load *load = net->load;
-    for (size_t i = 0; i < load->n_contacts; i++)
-        for (int32_t j = 0; j < load->contact[i].corners; j++)
-            place_node(r, (size_t)load->contact[i].node[j], r->next.q, r->next.depth, net->next.x);
-    network_load_evaluate(net);
-    const double *force = network_load_force(load);
+    contact_set *contacts = &skin->contacts;
+    double squares = 0.0;
+    for (size_t i = 0; i < contacts->n_contacts; i++)
+        for (int32_t j = 0; j < contacts->contact[i].corners; j++)
+            place_node(r, (size_t)contacts->contact[i].node[j], r->next.q, r->next.depth, skin->next_x);
+    memset(skin->force, 0, 3 * skin->n * sizeof *skin->force);
+    contact_set_evaluate(contacts, skin->next_x, skin->force, &squares);
     for (size_t i = 0; i < 3 * skin->n_near; i++) {
-        double f = force[3 * skin->near[i / 3] + (int32_t)(i % 3)];
+        double f = skin->force[3 * skin->near[i / 3] + (int32_t)(i % 3)];
         size_t row = 3 * (size_t)skin->node[skin->near[i / 3]] + i % 3;
         if (f == 0.0 || r->held[row])
             continue;
@@ -217,16 +224,16 @@ static void contact_rows(const palp_reduced *r, const contact *c, double *rows, 
 
 void reduced_skin_stiffness(const palp_reduced *r, double *stiffness) {
     enum { CORNERS = 9, AT_ONCE = 3 * REDUCED_BLOCK / CORNERS };
-    const network_load *load = r->skin->net->load;
+    const contact_set *contacts = &r->skin->contacts;
     const size_t n = r->modes;
     double *rows = r->skin->row, *scaled = r->scaled;
-    for (size_t i = 0, k = 0; i <= load->n_contacts; i++) {
-        bool touches = i < load->n_contacts && load->contact[i].depth > 0.0;
+    for (size_t i = 0, k = 0; i <= contacts->n_contacts; i++) {
+        bool touches = i < contacts->n_contacts && contacts->contact[i].depth > 0.0;
         if (touches) {
-            contact_rows(r, &load->contact[i], rows + CORNERS * k * r->modes, scaled + CORNERS * k * r->modes);
+            contact_rows(r, &contacts->contact[i], rows + CORNERS * k * r->modes, scaled + CORNERS * k * r->modes);
             k++;
         }
-        if (k > 0 && (k == AT_ONCE || i == load->n_contacts)) {
+        if (k > 0 && (k == AT_ONCE || i == contacts->n_contacts)) {
             dense_add_outer(n, n, CORNERS * k, 1.0, scaled, n, rows, n, stiffness, n);
             k = 0;
         }
@@ -234,30 +241,29 @@ void reduced_skin_stiffness(const palp_reduced *r, double *stiffness) {
 }
 
 bool reduced_skin_refresh(palp_reduced *r) {
-    palp_network *net = r->skin->net;
-    for (size_t i = 0; i < r->skin->n_near; i++)
-        place_node(r, (size_t)r->skin->near[i], r->next.q, r->next.depth, net->next.x);
-    return network_load_refresh(net);
+    reduced_skin *skin = r->skin;
+    for (size_t i = 0; i < skin->n_near; i++)
+        place_node(r, (size_t)skin->near[i], r->next.q, r->next.depth, skin->next_x);
+    return contact_set_refresh(&skin->contacts, skin->x, skin->next_x);
 }
 
 size_t reduced_skin_commit(palp_reduced *r, palp_tool_force *force, double *squares) {
     reduced_skin *skin = r->skin;
-    palp_network *net = skin->net;
-    double moved = 0.0;
-    size_t contacts = 0;
-    network_load_finish(net);
-    network_state old = net->now;
-    net->now = net->next;
-    net->next = old;
+    double moved = 0.0, *x = skin->x;
+    size_t touching = 0;
+    contact_set_finish(&skin->contacts, skin->next_x);
+    contact_set_swap(&skin->contacts);
+    skin->x = skin->next_x;
+    skin->next_x = x;
     for (size_t j = 0; j < r->modes; j++)
         moved += (r->next.q[j] - r->now.q[j]) * (r->next.q[j] - r->now.q[j]);
     skin->drift += skin->speed * sqrt(moved) + skin->lift * fabs(r->next.depth - r->now.depth);
-    for (size_t i = 0; i < net->load->n_tools; i++) {
-        const palp_tool_force *felt = &load_tools(&net->now)[i].felt;
+    for (size_t i = 0; i < skin->contacts.n_tools; i++) {
+        const palp_tool_force *felt = &skin->contacts.now.felt[i];
         *squares += dot3(felt->force_N, felt->force_N);
-        contacts += felt->contacts;
+        touching += felt->contacts;
         if (force)
             force[i] = *felt;
     }
-    return contacts;
+    return touching;
 }

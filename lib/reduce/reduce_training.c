@@ -52,60 +52,86 @@ static bool path_sound(const palp_tool_path *path) {
     return path->n > 0;
 }
 
-/* To equilibrium; with the kept factor where the network is ready for that (palp_network_enable_realtime), which is
- * much faster for large ones. What does not converge so is left to Newton. */
-static palp_status step(palp_network *net, double depth, double dt) {
+/* What a recording works with. */
+typedef struct recorder {
+    palp_network *net;
+    palp_realtime *realtime; /* or NULL */
+    void *saved;             /* [saved_size] bytes: the network before a step; with realtime */
+    size_t saved_size;
+    palp_tool_force *force;  /* [n_tools] */
+} recorder;
+
+/* To equilibrium; with the kept factor where there is one, which is much faster for large networks. What does not
+ * converge so is left to Newton. */
+static palp_status step(const recorder *rec, double depth, double dt) {
     const palp_budget budget = {.corrections = CORRECTIONS};
     palp_tick_info info;
-    if (!net->realtime)
-        return palp_network_step(net, depth, dt, NULL);
-    palp_status status = palp_network_step_within(net, depth, dt, &budget, &info);
+    if (!rec->realtime)
+        return palp_network_step(rec->net, depth, dt, NULL);
+    palp_status status = palp_network_save(rec->net, rec->saved, rec->saved_size);
+    if (!status)
+        status = palp_realtime_step(rec->realtime, depth, dt, &budget, &info);
     if (!status && info.converged)
         return PALP_OK;
     if (!status)
-        status = palp_network_undo(net);
-    return status ? status : palp_network_step(net, depth, dt, NULL);
+        status = palp_network_restore(rec->net, rec->saved, rec->saved_size);
+    return status ? status : palp_network_step(rec->net, depth, dt, NULL);
 }
 
 /* One sample: the tools' poses, a step, what came of it. */
-static palp_status record_sample(palp_network *net, palp_training *t, size_t i, palp_tool_force *force) {
+static palp_status record_sample(const recorder *rec, palp_training *t, size_t i) {
+    palp_network *net = rec->net;
     double since = i ? t->time[i - 1] : 0.0;
     palp_status status = PALP_OK;
     if (t->n_tools > 0)
         status = palp_network_set_tools(net, t->n_tools, t->tools + i * t->n_tools);
     if (!status && (t->time[i] > since || t->depth[i] != 0.0 || t->n_tools > 0))
-        status = step(net, t->depth[i], t->time[i] - since);
+        status = step(rec, t->depth[i], t->time[i] - since);
     if (!status && t->n_tools > 0)
-        status = palp_network_tool_force(net, force);
+        status = palp_network_tool_force(net, rec->force);
     if (status)
         return status;
     t->force[i] = palp_network_force(net);
     memcpy(t->x + 3 * t->n_nodes * i, palp_network_positions(net), 3 * t->n_nodes * sizeof *t->x);
     for (size_t j = 0; j < t->n_tools; j++)
-        memcpy(t->tool_force + 3 * (i * t->n_tools + j), force[j].force_N, 3 * sizeof *t->tool_force);
+        memcpy(t->tool_force + 3 * (i * t->n_tools + j), rec->force[j].force_N, 3 * sizeof *t->tool_force);
     return PALP_OK;
 }
 
-palp_status palp_training_record(palp_network *net, const palp_tool_path *path, palp_network_observer observer,
-                                 void *user, palp_training **training, palp_error *error) {
-    if (!path_sound(path))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a path needs finite numbers at increasing times from 0 s on");
-    palp_training *t = training_new(net, path);
-    palp_tool_force *force = calloc(path->n_tools + 1, sizeof *force);
-    palp_status status = t && force ? PALP_OK : PALP_ERR_NO_MEMORY;
-    palp_network_reset(net);
+static palp_status record(const recorder *rec, const palp_tool_path *path, palp_network_observer observer, void *user,
+                          palp_training *t, palp_error *error) {
+    palp_status status = PALP_OK;
     for (size_t i = 0; !status && i < t->n; i++) {
         t->time[i] = path->time_s[i];
         t->depth[i] = path->depth_m ? path->depth_m[i] : 0.0;
         if (t->n_tools > 0)
             memcpy(t->tools + i * t->n_tools, path->tools + i * t->n_tools, t->n_tools * sizeof *t->tools);
-        status = record_sample(net, t, i, force);
+        status = record_sample(rec, t, i);
         if (status)
             palp_error_set(error, status, "%s at %g s", palp_status_text(status), t->time[i]);
         else if (observer && observer(user, t->time[i], t->depth[i], t->force[i]))
             status = palp_error_set(error, PALP_ERR_STOPPED, "%s", palp_status_text(PALP_ERR_STOPPED));
     }
-    free(force);
+    return status;
+}
+
+palp_status palp_training_record(palp_network *net, palp_realtime *realtime, const palp_tool_path *path,
+                                 palp_network_observer observer, void *user, palp_training **training,
+                                 palp_error *error) {
+    if (!path_sound(path) || (realtime && palp_realtime_network(realtime) != net))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a path needs finite numbers at increasing times from 0 s on");
+    recorder rec = {.net = net, .realtime = realtime, .saved_size = realtime ? palp_network_state_size(net) : 1};
+    palp_training *t = training_new(net, path);
+    rec.force = calloc(path->n_tools + 1, sizeof *rec.force);
+    rec.saved = malloc(rec.saved_size);
+    palp_status status = t && rec.force && rec.saved ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_network_reset(net);
+    if (realtime)
+        palp_realtime_reset(realtime); /* where it fails the factor in use still serves */
+    if (!status)
+        status = record(&rec, path, observer, user, t, error);
+    free(rec.force);
+    free(rec.saved);
     if (status) {
         palp_training_free(t);
         return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;

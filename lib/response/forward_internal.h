@@ -59,7 +59,7 @@ palp_status forward_plan_make(const palp_model *model, double session_s, forward
                               palp_error *error);
 
 /* Factor of the spring's force by the strain rate of the plate; of_effect[n_effects]: its parts. */
-double forward_boost(const forward_plan *plan, double rate, effect_number *of_effect);
+double forward_rate_factor(const forward_plan *plan, double rate, effect_number *of_effect);
 
 /* The columns that move arm j itself: slope[FORWARD_ARM_SLOPES]. Returns how many there are. */
 size_t forward_arm_slopes(const forward_plan *plan, size_t j, forward_arm_slope *slope);
@@ -107,9 +107,9 @@ forward_specimen forward_lumped_specimen(forward_lumped *lumped);
 void forward_lumped_wear(forward_lumped *lumped, const palp_forward_wear *wear);
 void forward_lumped_worn(const forward_lumped *lumped, palp_forward_wear *wear);
 
-/* Of one element: adds to force_p what the spring's own parameters change, strain and peak held; boost and of_effect:
- * of the rate, by forward_boost. */
-void forward_spring_own(const forward_plan *plan, const element_worn *spring, double peak, double boost,
+/* Of one element: adds to force_p what the spring's own parameters change, strain and peak held; rate_factor and of_effect:
+ * of the rate, by forward_rate_factor. */
+void forward_spring_own(const forward_plan *plan, const element_worn *spring, double peak, double rate_factor,
                         const effect_number *of_effect, double *force_p);
 
 /* The law's coefficients move the drive of a quasi-linear arm, K(e) e / K(0), from strain e[0] to e[1]. */

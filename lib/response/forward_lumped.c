@@ -85,7 +85,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     prepare(l, move->dt);
     element_history old = {&l->now.strain, &l->now.elastic, l->now.arm, &l->now.peak};
     element_history new = {&l->next.strain, &l->next.elastic, l->next.arm, &l->next.peak};
-    l->step.boost = forward_boost(l->plan, move->rate, l->of_effect);
+    l->step.rate_factor = forward_rate_factor(l->plan, move->rate, l->of_effect);
     l->step.wear = l->plan->worn ? &l->plan->wear : NULL;
     element_trial(m, &l->step, 1, &move->strain, &old, &new, force, &by_strain);
     if (l->modes.n)
@@ -136,29 +136,29 @@ static void find_spring(forward_lumped *l) {
     palp_law_force(law, 1, &e, &l->spring.force, &l->spring.by_strain, NULL);
 }
 
-void forward_spring_own(const forward_plan *plan, const element_worn *s, double peak_strain, double boost,
+void forward_spring_own(const forward_plan *plan, const element_worn *s, double peak_strain, double rate_factor,
                         const effect_number *of_effect, double *force_p) {
     const palp_law *law = &plan->material.law;
     double row[PALP_LAW_MAX], inner[PALP_LAW_MAX], peak[PALP_LAW_MAX], force = s->force / s->factor;
     palp_law_gradient(law, s->inner, row);
     for (size_t k = 0; k < law->n; k++)
-        force_p[k] += boost * s->factor * row[k];
+        force_p[k] += rate_factor * s->factor * row[k];
     if (s->factor_by_energy != 0.0) {
         energy_gradient(law, s->inner, inner);
         energy_gradient(law, peak_strain, peak);
         for (size_t k = 0; k < law->n; k++)
             force_p[k] +=
-                boost * force * (s->factor_by_energy * inner[k] + s->factor_by_peak_energy * peak[k]);
+                rate_factor * force * (s->factor_by_energy * inner[k] + s->factor_by_peak_energy * peak[k]);
     }
     for (size_t i = 0; i < plan->n_effects; i++) {
         const forward_effect *f = &plan->effect[i];
         for (size_t k = 0; f->row->spring && k < f->row->info.n_parameters; k++)
-            force_p[f->column + k] += of_effect[i].by_value[k] * boost / of_effect[i].value * s->force;
+            force_p[f->column + k] += of_effect[i].by_value[k] * rate_factor / of_effect[i].value * s->force;
     }
     for (size_t i = 0; i < plan->n_wear_slopes; i++) {
         const element_wear *by = &plan->wear_slope[i].by;
         force_p[plan->wear_slope[i].column] +=
-            boost * (by->set * s->by_set + by->softening * s->by_softening + by->sharpness * s->by_sharpness);
+            rate_factor * (by->set * s->by_set + by->softening * s->by_softening + by->sharpness * s->by_sharpness);
     }
 }
 
@@ -260,14 +260,14 @@ static void propagate(forward_lumped *l, const double *strain_p, const double *d
     const size_t n = l->n_columns;
     const slopes *d = &l->d;
     find_spring(l);
-    double by_strain = l->step.boost * l->spring.by_strain, by_peak = l->step.boost * l->spring.by_peak;
+    double by_strain = l->step.rate_factor * l->spring.by_strain, by_peak = l->step.rate_factor * l->spring.by_peak;
     double dashpot = l->step.dashpot, rise = l->next.strain - l->now.strain;
     l->still = l->still && !dt_p && all_zero(n, strain_p);
     for (size_t k = 0; k < n; k++)
         force_p[k] = by_strain * strain_p[k] + by_peak * d->peak[k] + dashpot * (strain_p[k] - d->strain[k]);
     for (size_t k = 0; k < n && dashpot > 0.0 && dt_p; k++)
         force_p[k] -= dashpot * rise / l->step.dt * dt_p[k];
-    forward_spring_own(l->plan, &l->spring, l->now.peak, l->step.boost, l->of_effect, force_p);
+    forward_spring_own(l->plan, &l->spring, l->now.peak, l->step.rate_factor, l->of_effect, force_p);
     for (size_t j = 0; j < l->plan->material.n_arms; j++) {
         arm_slopes(l, j, strain_p, dt_p);
         add_row(l, 1.0, force_p);

@@ -29,7 +29,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     forward_network *p = self;
     palp_step_info info = {0};
     const double height = p->net->height;
-    p->net->boost = forward_boost(p->plan, move->rate, p->of_effect);
+    p->net->rate_factor = forward_rate_factor(p->plan, move->rate, p->of_effect);
     p->strain = move->strain;
     palp_status status = palp_network_try(p->net, move->strain * height, move->dt, &info);
     *force = info.force_N;
@@ -78,14 +78,14 @@ static void copy_peak(forward_network *p, size_t from, size_t to) {
 }
 
 void forward_network_keep(forward_network *p) {
-    network_mark(p->net);
+    network_mark_save(p->net);
     copy_peak(p, 0, 1);
     if (p->slopes)
         forward_slopes_keep(p->slopes, false);
 }
 
 void forward_network_back(forward_network *p) {
-    network_revert(p->net);
+    network_mark_restore(p->net);
     copy_peak(p, 1, 0);
     if (p->slopes)
         forward_slopes_keep(p->slopes, true);
@@ -128,23 +128,23 @@ static palp_status add_spectra(forward_network *f, forward_plan *plan, double sh
     return status;
 }
 
-/* The effect that lets the nodes at the plates slide, NULL: they are held fast. A grip that is fast has derivatives only
+/* The effect that lets the nodes at the plates slide, NULL: they are held fast. A foundation that is fast has derivatives only
  * as a limit. */
 static const forward_effect *slip_of(const forward_network *f) {
     for (size_t i = 0; i < f->plan->n_effects; i++)
-        if (f->plan->effect[i].row->grip && (f->sloped || !effect_is_off(f->plan->effect[i].effect)))
+        if (f->plan->effect[i].row->foundation && (f->sloped || !effect_is_off(f->plan->effect[i].effect)))
             return &f->plan->effect[i];
     return NULL;
 }
 
-static palp_status set_grip(const forward_network *f) {
+static palp_status set_foundation(const forward_network *f) {
     const forward_effect *slip = slip_of(f);
-    effect_number grip = {.value = 0.0};
+    effect_number foundation = {.value = 0.0};
     if (!slip)
         return PALP_OK;
-    slip->row->grip(slip->effect->value, 0.0, &grip);
-    palp_status status = network_set_grip(f->net, "bottom", grip.value);
-    return status ? status : network_set_grip(f->net, "top", grip.value);
+    slip->row->foundation(slip->effect->value, 0.0, &foundation);
+    palp_status status = network_set_foundation(f->net, "bottom", foundation.value);
+    return status ? status : network_set_foundation(f->net, "top", foundation.value);
 }
 
 static palp_status make_network(const forward_network *f, const palp_network_settings *settings,
@@ -156,14 +156,14 @@ static palp_status make_network(const forward_network *f, const palp_network_set
     palp_supports_default(supports);
     for (size_t i = 0; i < 2 && slip_of(f); i++)
         supports[i].axis[0] = supports[i].axis[2] = PALP_FREE;
-    return palp_model_network(&model, NULL, 2, supports, settings, net, error);
+    return palp_network_from_model(&model, NULL, 2, supports, settings, net, error);
 }
 
 static palp_status equip(forward_network *f, palp_error *error) {
     const forward_plan *plan = f->plan;
     const size_t n = plan->n_columns, m = palp_mesh_element_count(f->net->mesh);
     f->weight = calloc(m + 3 * n + 1, sizeof *f->weight);
-    palp_status status = f->weight ? set_grip(f) : PALP_ERR_NO_MEMORY;
+    palp_status status = f->weight ? set_foundation(f) : PALP_ERR_NO_MEMORY;
     if (status)
         return palp_error_set(error, status, "%s", palp_status_text(status));
     f->peak_p[0] = f->weight + m;

@@ -45,16 +45,16 @@ static palp_status add_effect(forward_plan *plan, size_t i, palp_error *error) {
     return row->arm ? add_arm(plan, effect->value, column, error) : PALP_OK;
 }
 
-double forward_boost(const forward_plan *plan, double rate, effect_number *of_effect) {
-    double boost = 1.0;
+double forward_rate_factor(const forward_plan *plan, double rate, effect_number *of_effect) {
+    double rate_factor = 1.0;
     for (size_t i = 0; i < plan->n_effects; i++) {
         const forward_effect *f = &plan->effect[i];
         if (!f->row->spring)
             continue;
         f->row->spring(f->effect->value, rate, &of_effect[i]);
-        boost *= of_effect[i].value;
+        rate_factor *= of_effect[i].value;
     }
-    return boost;
+    return rate_factor;
 }
 
 double forward_shortest_arm(const forward_plan *plan) {

@@ -30,7 +30,7 @@ struct forward_slopes {
 
 /* Whether it changes an element or what holds the nodes, and not what stands around the specimen. */
 static bool may_move(const forward_slopes *s, const effect_row *row) {
-    return row->arm || row->arms || row->spring || row->history || row->spectrum || (row->grip && s->net->grip);
+    return row->arm || row->arms || row->spring || row->history || row->spectrum || (row->foundation && network_foundation(s->net));
 }
 
 static void find_alive(forward_slopes *s) {
@@ -60,10 +60,10 @@ static void spring_partials(forward_slopes *s, const effect_number *of_effect) {
         if (worn)
             element_worn_force(&net->material.law, net->wear, net->strain[i], peak, &spring);
         memset(s->row, 0, s->n * sizeof *s->row);
-        forward_spring_own(s->plan, &spring, peak, net->step.boost, of_effect, s->row);
+        forward_spring_own(s->plan, &spring, peak, net->step.rate_factor, of_effect, s->row);
         for (size_t k = 0; k < s->n; k++)
             s->partial[k * s->m + i] = s->row[k];
-        s->by_peak[i] = net->step.boost * spring.by_peak;
+        s->by_peak[i] = net->step.rate_factor * spring.by_peak;
     }
 }
 
@@ -167,12 +167,12 @@ void forward_slopes_find(forward_slopes *s, const double *weight, double stiffne
 
 /* ---- at equilibrium ---- */
 
-/* d log grip / d parameter k. */
-static double grip_slope(const forward_slopes *s, size_t k) {
+/* d log foundation / d parameter k. */
+static double foundation_slope(const forward_slopes *s, size_t k) {
     const palp_law *law = &s->net->material.law;
     const double small = 1e-9;
     double start, row[PALP_LAW_MAX];
-    if (!s->net->grip)
+    if (!network_foundation(s->net))
         return 0.0;
     if (k < law->n) {
         palp_law_stiffness(law, 0.0, &start, NULL);
@@ -181,24 +181,24 @@ static double grip_slope(const forward_slopes *s, size_t k) {
     }
     for (size_t i = 0; i < s->plan->n_effects; i++) {
         const forward_effect *f = &s->plan->effect[i];
-        effect_number grip = {.value = 0.0};
-        if (!f->row->grip || k < f->column || k >= f->column + f->row->info.n_parameters)
+        effect_number foundation = {.value = 0.0};
+        if (!f->row->foundation || k < f->column || k >= f->column + f->row->info.n_parameters)
             continue;
-        f->row->grip(f->effect->value, 0.0, &grip);
-        return grip.by_value[k - f->column];
+        f->row->foundation(f->effect->value, 0.0, &foundation);
+        return foundation.by_value[k - f->column];
     }
     return 0.0;
 }
 
 static double force_slope(const forward_slopes *s, size_t k) {
     const palp_network *net = s->net;
-    const double *partial = s->partial + k * s->m, grip = grip_slope(s, k);
+    const double *partial = s->partial + k * s->m, stiffer = foundation_slope(s, k), *spring = network_foundation(s->net);
     double sum = 0.0;
     for (size_t i = 0; i < s->m; i++)
         sum += s->weight[i] * partial[i];
-    for (size_t i = 0; i < 3 * net->n_nodes && grip != 0.0; i++)
+    for (size_t i = 0; i < 3 * net->n_nodes && stiffer != 0.0; i++)
         if (net->dof[i] >= 0)
-            sum += grip * net->grip[i] * (net->next.x[i] - net->rest[i]) * s->drive[i];
+            sum += stiffer * spring[i] * (net->next.x[i] - net->rest[i]) * s->drive[i];
     return sum;
 }
 
@@ -213,7 +213,7 @@ void forward_slopes_hold(forward_slopes *s, double *force_p, double *force_dt) {
 /* Displacement of every node by parameter k, the plate's own included, into net->fint. */
 static void displace(forward_slopes *s, size_t k, double depth_p) {
     palp_network *net = s->net;
-    const double *partial = s->partial + k * s->m, grip = grip_slope(s, k);
+    const double *partial = s->partial + k * s->m, stiffer = foundation_slope(s, k), *spring = network_foundation(s->net);
     double *u = net->fint;
     memset(u, 0, 3 * net->n_nodes * sizeof *u);
     for (size_t i = 0; i < s->m; i++)
@@ -224,7 +224,7 @@ static void displace(forward_slopes *s, size_t k, double depth_p) {
         }
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
-            net->dx[net->dof[i]] = u[i] - (grip != 0.0 ? grip * net->grip[i] * (net->next.x[i] - net->rest[i]) : 0.0);
+            net->dx[net->dof[i]] = u[i] - (stiffer != 0.0 ? stiffer * spring[i] * (net->next.x[i] - net->rest[i]) : 0.0);
     linsys_solve(net->ls, net->dx);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         u[i] = depth_p * s->drive[i] + (net->dof[i] >= 0 ? net->dx[net->dof[i]] : 0.0);

@@ -87,7 +87,7 @@ static inline palp_network *column_of(size_t n_nodes, const palp_material *m) {
     palp_supports_default(supports);
     palp_network_settings settings = palp_network_settings_default();
     ck_assert_int_eq(palp_network_create(mesh, m, 3, supports, &settings, &net, NULL), PALP_OK);
-    ck_assert_uint_eq(palp_network_unknowns(net), n_nodes - 2);
+    ck_assert_uint_eq(palp_network_unknown_count(net), n_nodes - 2);
     palp_mesh_free(mesh);
     return net;
 }

@@ -357,7 +357,7 @@ static palp_status network_with_tools(palp_error *error) {
     if (!status)
         status = palp_network_enable_tools(network, 2, 1, &contact);
     if (!status)
-        status = palp_network_hold(network, 1, (const int32_t[]){13}, (const double[]){0.0121, 0.012, 0.012});
+        status = palp_network_grasp(network, 1, (const int32_t[]){13}, (const double[]){0.0121, 0.012, 0.012});
     size_t calls = heap.calls;
     for (int i = 0; i < 3 && !status; i++) {
         tool.position_m[2] += 1e-4;
@@ -374,14 +374,16 @@ static palp_status network_with_tools(palp_error *error) {
 /* With levels, and with a thread that makes the next factor. */
 static palp_status network_realtime(palp_error *error) {
     palp_network *network;
+    palp_realtime *realtime = NULL;
     palp_realtime_settings settings = palp_realtime_settings_default();
     const palp_budget budget = {.corrections = 1};
     settings.background = true;
     palp_status status = make_lattice(8, PALP_SOLVER_BAND, 0.0, &network, error);
     if (!status)
-        status = palp_network_enable_realtime(network, &settings);
+        status = palp_realtime_create(network, &settings, &realtime);
     if (!status)
-        status = palp_network_step_within(network, 1e-4, 1e-3, &budget, NULL);
+        status = palp_realtime_step(realtime, 1e-4, 1e-3, &budget, NULL);
+    palp_realtime_free(realtime);
     palp_network_free(network);
     return status;
 }
@@ -688,22 +690,25 @@ static void count_steps(palp_solver solver, palp_branch branch) {
     wrap_cholmod(false);
 }
 
-/* Ticks through several factors, saved, taken back and restored: nothing is allocated. */
-static palp_status ticks(palp_network *network, void *buffer, size_t size) {
+/* Ticks through several factors, saved and restored with and without the factor: nothing is allocated. */
+static palp_status ticks(palp_realtime *realtime, void *buffer, size_t size) {
+    palp_network *network = palp_realtime_network(realtime);
     palp_status status = PALP_OK;
     palp_tick_info info;
     size_t refreshed = 0;
     for (int i = 1; i <= 150 && !status; i++) {
         palp_budget budget = {.corrections = (size_t)(i % 3), .force_error = 1e-6, .seconds = i % 2 ? 1.0 : 0.0};
-        status = palp_network_step_within(network, 2e-5 * i, 1e-3, &budget, &info);
+        status = palp_realtime_step(realtime, 2e-5 * i, 1e-3, &budget, &info);
         refreshed += info.refreshed;
     }
-    if (!status)
-        status = palp_network_undo(network);
     if (!status)
         status = palp_network_save(network, buffer, size);
     if (!status)
         status = palp_network_restore(network, buffer, size);
+    if (!status)
+        status = palp_realtime_save(realtime, buffer, size);
+    if (!status)
+        status = palp_realtime_restore(realtime, buffer, size);
     return !status && refreshed < 2 ? PALP_ERR_ARGUMENT : status;
 }
 
@@ -711,14 +716,16 @@ static void count_ticks(size_t n, bool background) {
     static unsigned char buffer[4000000];
     palp_realtime_settings settings = palp_realtime_settings_default();
     palp_network *network = NULL;
+    palp_realtime *realtime = NULL;
     settings.background = background;
     arm(0);
     palp_status first = make_lattice(n, PALP_SOLVER_BAND, 0.0, &network, NULL);
     if (!first)
-        first = palp_network_enable_realtime(network, &settings);
-    size_t before = heap.calls, size = palp_network_state_size(network);
-    palp_status status = size <= sizeof buffer ? ticks(network, buffer, size) : PALP_ERR_LIMIT;
+        first = palp_realtime_create(network, &settings, &realtime);
+    size_t before = heap.calls, size = palp_realtime_state_size(realtime);
+    palp_status status = size <= sizeof buffer ? ticks(realtime, buffer, size) : PALP_ERR_LIMIT;
     size_t after = heap.calls;
+    palp_realtime_free(realtime);
     palp_network_free(network);
     heap.armed = false;
     ck_assert_int_eq(first, PALP_OK);

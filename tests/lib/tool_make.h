@@ -3,7 +3,7 @@
 #define TOOL_MAKE_H
 
 #include "network_make.h"
-#include "contact/tool_internal.h"
+#include "contact/contact_internal.h"
 
 /* A cube of n nodes a side on its bottom, its top free, ready for three tools and all its nodes held. */
 static inline palp_network *block(size_t n, const palp_material *m, double density,
@@ -72,10 +72,10 @@ static inline void balance(const palp_network *net, size_t n_tools, const palp_t
     for (size_t i = 0; i < net->n_nodes; i++) {
         int32_t node = (int32_t)i;
         double hand[3], weight[3] = {0.0};
-        ck_assert_int_eq(palp_network_held_force(net, 1, &node, hand), PALP_OK);
+        ck_assert_int_eq(palp_network_grasp_force(net, 1, &node, hand), PALP_OK);
         add_moment(x + 3 * i, -1.0, hand, sum);
         for (int k = 0; k < 3 && net->mass; k++)
-            weight[k] = net->mass[i] * net->load->settings.gravity_m_s2[k];
+            weight[k] = net->mass[i] * contact_of(net)->settings.gravity_m_s2[k];
         add_moment(x + 3 * i, 1.0, weight, sum);
         if (net->dof[3 * i] < 0)
             add_moment(x + 3 * i, -1.0, net->now.inner + 3 * i, sum);

@@ -153,7 +153,6 @@ static int check_depths(const reduction *r) {
 static palp_status make_network(const reduction *r, palp_network **net, palp_error *error) {
     palp_network_settings settings = palp_network_settings_default();
     palp_contact_settings contact = palp_contact_settings_default();
-    palp_realtime_settings realtime = palp_realtime_settings_default();
     palp_support supports[2];
     palp_supports_default(supports);
     settings.tolerance = 1e-7;
@@ -162,9 +161,6 @@ static palp_status make_network(const reduction *r, palp_network **net, palp_err
         palp_network_create(r->mesh, &r->model.material, r->free_top ? 1 : 2, supports, &settings, net, error);
     if (!status && r->tools) {
         status = palp_network_enable_tools(*net, 1, 0, &contact);
-    }
-    if (!status && r->model.material.formulation == PALP_HISTORY) {
-        status = palp_network_enable_realtime(*net, &realtime);
     }
     return status;
 }
@@ -185,12 +181,18 @@ static void train(void *work, size_t i) {
     reduction *r = work;
     reduce_run *run = &r->run[i];
     palp_network *net = NULL;
+    palp_realtime *realtime = NULL;
+    palp_realtime_settings settings = palp_realtime_settings_default();
     palp_error error = {PALP_OK, ""};
     palp_tool_path path = {run->n, run->time_s, run->depth_m, run->tool ? 1 : 0, run->tool};
     palp_status status = make_network(r, &net, &error);
-    if (!status) {
-        status = palp_training_record(net, &path, sample_done, r, &run->training, &error);
+    if (!status && r->model.material.formulation == PALP_HISTORY) {
+        status = palp_realtime_create(net, &settings, &realtime);
     }
+    if (!status) {
+        status = palp_training_record(net, realtime, &path, sample_done, r, &run->training, &error);
+    }
+    palp_realtime_free(realtime);
     palp_network_free(net);
     pthread_mutex_lock(&r->lock);
     if (status && (r->status == PALP_OK || i < r->failed) && status != PALP_ERR_STOPPED) {

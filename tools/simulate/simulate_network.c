@@ -61,7 +61,7 @@ int simulate_network(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     settings.branch = (palp_branch)o->branch;
     settings.solver = (palp_solver)o->solver;
-    palp_status status = palp_model_network(&s->model, s->mesh, 0, NULL, &settings, &s->network, &error);
+    palp_status status = palp_network_from_model(&s->model, s->mesh, 0, NULL, &settings, &s->network, &error);
     if (status == PALP_OK && o->vtu) {
         f.network = s->network;
         status = palp_vtu_open(o->vtu, "network", &f.series, &error);

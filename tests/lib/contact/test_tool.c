@@ -13,7 +13,7 @@ START_TEST(all_forces_and_moments_balance) {
     double target[6], sum[6];
     for (int i = 0; i < 6; i++)
         target[i] = net->rest[3 * held[i / 3] + i % 3] + 0.001 * (i - 2);
-    ck_assert_int_eq(palp_network_hold(net, 2, held, target), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp(net, 2, held, target), PALP_OK);
     for (int i = 0; i < 6; i++) {
         for (size_t k = 0; k < 3; k++) {
             tools[k].position_m[0] += k < 2 ? 1e-4 : 2e-5;
@@ -74,7 +74,7 @@ static palp_network *unsettled(const palp_tool *tools, size_t n) {
     palp_material m = quartic(1);
     palp_network *net = block(5, &m, 0.0, NULL);
     const int32_t held = 124;
-    ck_assert_int_eq(palp_network_hold(net, 1, &held, (double[]){0.024, 0.0245, 0.0235}), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp(net, 1, &held, (double[]){0.024, 0.0245, 0.0235}), PALP_OK);
     ck_assert_int_eq(palp_network_set_tools(net, n, tools), PALP_OK);
     ck_assert_int_eq(palp_network_try(net, 0.0, 0.01, NULL), PALP_OK);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -83,26 +83,35 @@ static palp_network *unsettled(const palp_tool *tools, size_t n) {
     return net;
 }
 
-/* Largest difference of -dF v by central differences and by network_load_times, over the largest of it. */
+static void term_times(const palp_network *net, const double *u, double *out) {
+    NETWORK_EACH_TERM(net, times, net, u, out);
+}
+
+static void evaluate_terms(palp_network *net) {
+    memset(net->outer, 0, 3 * net->n_nodes * sizeof *net->outer);
+    NETWORK_EACH_TERM(net, evaluate, net);
+}
+
+/* Largest difference of -dF v by central differences and by the terms' products, over the largest of it. */
 static double times_error(palp_network *net, const double *v, double h) {
     size_t n = 3 * net->n_nodes;
     double *x = malloc(n * sizeof *x), *f = malloc(n * sizeof *f), *kv = calloc(n, sizeof *kv), worst = 0.0, size = 0.0;
     ck_assert(x && f && kv);
     memcpy(x, net->next.x, n * sizeof *x);
-    network_load_times(net, v, kv);
+    term_times(net, v, kv);
     for (int side = 1; side >= -1; side -= 2) {
         for (size_t i = 0; i < n; i++)
             net->next.x[i] = x[i] + side * h * v[i];
-        network_load_evaluate(net);
+        evaluate_terms(net);
         for (size_t i = 0; i < n; i++)
-            f[i] = side * network_load_force(net->load)[i] + (side < 0 ? f[i] : 0.0);
+            f[i] = side * net->outer[i] + (side < 0 ? f[i] : 0.0);
     }
     for (size_t i = 0; i < n; i++) {
         worst = fmax(worst, fabs(kv[i] + f[i] / (2.0 * h)));
         size = fmax(size, fabs(kv[i]));
     }
     memcpy(net->next.x, x, n * sizeof *x);
-    network_load_evaluate(net);
+    evaluate_terms(net);
     free(x), free(f), free(kv);
     return worst / size;
 }
@@ -142,8 +151,8 @@ START_TEST(tangent_of_slip) {
         v[i] = i % 3 == 1 ? 0.0 : uniform(-1.0, 1.0);
     }
     ck_assert_double_lt(times_error(net, v, 1e-9), 2e-5);
-    network_load_times(net, u, ku);
-    network_load_times(net, v, kv);
+    term_times(net, u, ku);
+    term_times(net, v, kv);
     for (size_t i = 0; i < n; i++) {
         uv += u[i] * kv[i];
         vu += v[i] * ku[i];
@@ -165,7 +174,7 @@ START_TEST(assembled_tangent_is_that_of_the_products) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
             full[i] = v[net->dof[i]] = uniform(-1.0, 1.0);
-    network_load_times(net, full, kv); /* of tools and hands; of the elements by differences */
+    term_times(net, full, kv); /* of tools and hands; of the elements by differences */
     for (int side = 1; side >= -1; side -= 2) {
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = x[i] + side * 1e-8 * full[i];
@@ -173,7 +182,7 @@ START_TEST(assembled_tangent_is_that_of_the_products) {
         network_residual(net, &scale);
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             if (net->dof[i] >= 0)
-                r[net->dof[i]] -= side * (net->rhs[net->dof[i]] - network_load_force(net->load)[i]) / 2e-8;
+                r[net->dof[i]] -= side * (net->rhs[net->dof[i]] - net->outer[i]) / 2e-8;
     }
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
@@ -307,7 +316,7 @@ START_TEST(refuses_what_makes_no_sense) {
     const double target[9] = {0};
     double force[3];
     ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_ERR_ARGUMENT); /* not enabled */
-    ck_assert_int_eq(palp_network_hold(net, 1, nodes, target), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_grasp(net, 1, nodes, target), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_enable_tools(column, 1, 0, &penalty), PALP_ERR_UNSUPPORTED);
     ck_assert_int_eq(palp_network_enable_tools(column, 0, 1, &penalty), PALP_OK);
     penalty.gravity_m_s2[1] = -9.81;
@@ -327,11 +336,11 @@ START_TEST(refuses_what_makes_no_sense) {
                                {PALP_TOOL_PLANE, {0, 0, 0}, {0, 1, 0}, 0, 0, -0.1}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         ck_assert_int_eq(palp_network_set_tools(net, 1, &wrong[i]), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_network_hold(net, 2, nodes, target), PALP_ERR_LIMIT);
-    ck_assert_int_eq(palp_network_hold(net, 1, nodes + 2, target), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_network_hold(net, 1, nodes, (double[]){0, INFINITY, 0}), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_grasp(net, 2, nodes, target), PALP_ERR_LIMIT);
+    ck_assert_int_eq(palp_network_grasp(net, 1, nodes + 2, target), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_grasp(net, 1, nodes, (double[]){0, INFINITY, 0}), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_release(net, 1, nodes), PALP_OK);
-    ck_assert_int_eq(palp_network_held_force(net, 1, nodes, force), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp_force(net, 1, nodes, force), PALP_OK);
     ck_assert_double_eq(force[0], 0.0);
     palp_network_free(net);
     palp_network_free(column);

@@ -175,7 +175,7 @@ START_TEST(rough_plane_tilts_with_what_it_holds) {
     const double pivot[3] = {0.012, HEIGHT, -0.02};
     palp_material m = quartic(0);
     palp_contact_settings penalty = palp_contact_settings_default();
-    penalty.stiffness = penalty.hold_stiffness = 1e4;
+    penalty.stiffness = penalty.grasp_stiffness = 1e4;
     penalty.smoothing = 1e-5;
     palp_network *pressed = block(5, &m, 0.0, &penalty), *held = block(5, &m, 0.0, &penalty);
     palp_tool tool = {PALP_TOOL_PLANE, {0, 0, 0}, {0, -1, 0}, 0, 0, 100.0};
@@ -199,10 +199,10 @@ START_TEST(rough_plane_tilts_with_what_it_holds) {
             target[3 * j + 1] = pivot[1] - down + c * y - s * z;
             target[3 * j + 2] = pivot[2] + s * y + c * z;
         }
-        ck_assert_int_eq(palp_network_hold(held, n, top, target), PALP_OK);
+        ck_assert_int_eq(palp_network_grasp(held, n, top, target), PALP_OK);
         ck_assert_int_eq(palp_network_step(held, 0.0, INFINITY, NULL), PALP_OK);
     }
-    ck_assert_int_eq(palp_network_held_force(held, n, top, hand), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp_force(held, n, top, hand), PALP_OK);
     ck_assert_uint_eq(f.contacts, 25);
     ck_assert_double_gt(fabs(hand[2]), 0.01 * hand[1]);
     for (int k = 0; k < 3; k++)

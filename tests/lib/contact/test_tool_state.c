@@ -1,13 +1,13 @@
-/* test_tool_state.c: held nodes, what a state remembers of contact, cuts, and networks placed elsewhere. */
+/* test_tool_state.c: grasped nodes, what a state remembers of contact, cuts, and networks placed elsewhere. */
 #include "tool_make.h"
 
 #include <palpate/cut.h>
 #include <palpate/model.h>
 #include <palpate/realtime.h>
 
-/* ---- held nodes ---------------------------------------------------------------------------------- */
+/* ---- grasped nodes ---------------------------------------------------------------------------------- */
 
-START_TEST(held_nodes_follow_their_targets) {
+START_TEST(grasped_nodes_follow_their_targets) {
     palp_material m = quartic(0);
     palp_network *net = block(5, &m, 0.0, NULL);
     const int32_t nodes[2] = {2 * 25 + 4 * 5 + 2, 2 * 25 + 4 * 5 + 3};
@@ -15,18 +15,18 @@ START_TEST(held_nodes_follow_their_targets) {
     for (int i = 1; i <= 10; i++) {
         for (int k = 0; k < 6; k++)
             target[k] = net->rest[3 * nodes[k / 3] + k % 3] + (k % 3 == 1 ? 3e-4 * i : 1e-4 * i);
-        ck_assert_int_eq(palp_network_hold(net, 2, nodes, target), PALP_OK);
+        ck_assert_int_eq(palp_network_grasp(net, 2, nodes, target), PALP_OK);
         ck_assert_int_eq(palp_network_step(net, 0.0, INFINITY, NULL), PALP_OK);
     }
     for (int k = 0; k < 6; k++)
         ck_assert_double_eq_tol(palp_network_positions(net)[3 * nodes[k / 3] + k % 3], target[k], 0.02 * 3e-3);
-    ck_assert_int_eq(palp_network_held_force(net, 2, nodes, force), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp_force(net, 2, nodes, force), PALP_OK);
     ck_assert_int_eq(palp_network_reaction(net, "bottom", reaction), PALP_OK);
     ck_assert_double_lt(force[1], -0.1); /* the tissue pulls the hand back down */
     for (int k = 0; k < 3; k++)
         ck_assert_double_eq_tol(force[k], -reaction[k], 1e-8);
     ck_assert_int_eq(palp_network_release(net, 1, nodes), PALP_OK);
-    ck_assert_int_eq(palp_network_held_force(net, 1, nodes, force), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp_force(net, 1, nodes, force), PALP_OK);
     ck_assert_double_eq(force[1], 0.0);
     ck_assert_int_eq(palp_network_release(net, 2, nodes), PALP_OK);
     ck_assert_int_eq(palp_network_step(net, 0.0, INFINITY, NULL), PALP_OK);
@@ -36,11 +36,11 @@ START_TEST(held_nodes_follow_their_targets) {
 }
 END_TEST
 
-/* A support that moves: the top, all of it held and led down as one, has the force of the driven plate. */
-START_TEST(held_set_is_a_moving_support) {
+/* A support that moves: the top, all of it grasped and led down as one, has the force of the driven plate. */
+START_TEST(grasped_set_is_a_moving_support) {
     palp_material m = quartic(1);
     palp_contact_settings penalty = palp_contact_settings_default();
-    penalty.hold_stiffness = 1e5;
+    penalty.grasp_stiffness = 1e5;
     palp_network *net = block(5, &m, 0.0, &penalty), *plate = cube_network(5, &m, NULL);
     const int32_t *top;
     size_t n;
@@ -51,10 +51,10 @@ START_TEST(held_set_is_a_moving_support) {
         double depth = 0.01 * i * HEIGHT;
         for (size_t j = 0; j < 3 * n; j++)
             target[j] = net->rest[3 * (size_t)top[j / 3] + j % 3] - (j % 3 == 1 ? depth : 0.0);
-        ck_assert_int_eq(palp_network_hold(net, n, top, target), PALP_OK);
+        ck_assert_int_eq(palp_network_grasp(net, n, top, target), PALP_OK);
         ck_assert_int_eq(palp_network_step(net, 0.0, 0.05, NULL), PALP_OK);
         ck_assert_int_eq(palp_network_step(plate, depth, 0.05, NULL), PALP_OK);
-        ck_assert_int_eq(palp_network_held_force(net, n, top, force), PALP_OK);
+        ck_assert_int_eq(palp_network_grasp_force(net, n, top, force), PALP_OK);
         ck_assert_double_eq_tol(force[1], palp_network_force(plate), 1e-3 * palp_network_force(plate));
     }
     free(target);
@@ -80,7 +80,7 @@ static palp_tool_force drag(palp_network *net, int from, int to) {
     return f;
 }
 
-START_TEST(rollback_and_revert_keep_friction_and_holds) {
+START_TEST(trials_and_marks_keep_friction_and_grasps) {
     palp_material m = quartic(1);
     palp_network *net = block(5, &m, 0.0, NULL), *other = block(5, &m, 0.0, NULL);
     const int32_t node = 3;
@@ -90,15 +90,16 @@ START_TEST(rollback_and_revert_keep_friction_and_holds) {
     far.position_m[1] -= 5e-4;
     ck_assert_int_eq(palp_network_set_tools(net, 1, &far), PALP_OK);
     ck_assert_int_eq(palp_network_try(net, 0.0, 0.01, NULL), PALP_OK);
-    palp_network_rollback(net);
-    network_mark(net);
-    network_mark(other);
+    network_mark_save(net);
+    network_mark_save(other);
     got = drag(net, 6, 12);
     ck_assert(memcmp(got.force_N, want.force_N, sizeof want.force_N) == 0);
-    ck_assert_int_eq(palp_network_hold(net, 1, &node, (double[]){0.001, 0.002, 0.02}), PALP_OK);
-    network_revert(net);
-    ck_assert_uint_eq(load_memory_of(&net->now)->n_holds, 0);
+    ck_assert_int_eq(palp_network_grasp(net, 1, &node, (double[]){0.001, 0.002, 0.02}), PALP_OK);
+    network_mark_restore(net);
     got = drag(net, 6, 12); /* the predictor starts anew: the same but for the tolerance */
+    double hand[3];
+    ck_assert_int_eq(palp_network_grasp_force(net, 1, &node, hand), PALP_OK);
+    ck_assert(hand[0] == 0.0 && hand[1] == 0.0 && hand[2] == 0.0);
     for (int k = 0; k < 3; k++)
         ck_assert_double_eq_tol(got.force_N[k], want.force_N[k], 1e-7);
     palp_network_reset(net);
@@ -110,11 +111,11 @@ START_TEST(rollback_and_revert_keep_friction_and_holds) {
 END_TEST
 
 /* Saved while it drags, gone on and restored, it drags on as before. */
-START_TEST(save_and_restore_keep_friction_and_holds) {
+START_TEST(save_and_restore_keep_friction_and_grasps) {
     palp_material m = quartic(1);
     palp_network *net = block(5, &m, 0.0, NULL);
     const int32_t node = 124;
-    ck_assert_int_eq(palp_network_hold(net, 1, &node, (double[]){0.024, 0.0245, 0.024}), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp(net, 1, &node, (double[]){0.024, 0.0245, 0.024}), PALP_OK);
     drag(net, 0, 6);
     size_t size = palp_network_state_size(net);
     void *buffer = malloc(size);
@@ -187,7 +188,7 @@ START_TEST(placed_elsewhere_it_feels_the_same) {
         palp_network *net;
         ck_assert_int_eq(palp_model_mesh(&model, &mesh, NULL), PALP_OK);
         ck_assert_int_eq(palp_mesh_transform(mesh, r, t), PALP_OK);
-        ck_assert_int_eq(palp_model_network(&model, mesh, 1, &bottom, NULL, &net, NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_from_model(&model, mesh, 1, &bottom, NULL, &net, NULL), PALP_OK);
         ck_assert_int_eq(palp_network_enable_tools(net, 2, 0, &penalty), PALP_OK);
         for (int i = 0; i < 5; i++) {
             palp_tool there[2];
@@ -224,7 +225,7 @@ START_TEST(models_make_networks) {
     palp_error error = {PALP_OK, ""};
     palp_material m = quartic(0);
     ck_assert_int_eq(palp_model_read("data/sedef2008/network_125.json", &model, NULL), PALP_OK);
-    ck_assert_int_eq(palp_model_network(&model, NULL, 0, NULL, NULL, &net, &error), PALP_OK);
+    ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_OK);
     own = cube_network(5, &m, NULL);
     ck_assert_int_eq(palp_network_step(net, 0.0024, INFINITY, NULL), PALP_OK);
     ck_assert_int_eq(palp_network_step(own, 0.0024, INFINITY, NULL), PALP_OK);
@@ -234,13 +235,13 @@ START_TEST(models_make_networks) {
     net = NULL;
     model.n_effects = 1;
     ck_assert_int_eq(palp_effect_default(PALP_EFFECT_PLATE_SLIP, &model.effects[0]), PALP_OK);
-    ck_assert_int_eq(palp_model_network(&model, NULL, 0, NULL, NULL, &net, &error), PALP_ERR_UNSUPPORTED);
+    ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(error.text, "plate_slip"));
     ck_assert_int_eq(palp_effect_default(PALP_EFFECT_MAINS_HUM, &model.effects[0]), PALP_OK);
-    ck_assert_int_eq(palp_model_network(&model, NULL, 0, NULL, NULL, &net, &error), PALP_OK);
+    ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_OK);
     palp_network_free(net);
     ck_assert_int_eq(palp_model_read("data/sedef2008/lumped_n1.json", &model, NULL), PALP_OK);
-    ck_assert_int_eq(palp_model_network(&model, NULL, 0, NULL, NULL, &net, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_ERR_ARGUMENT);
     mesh = cube(3, PALP_NEIGHBOURS_26);
     const double mirror[9] = {1, 0, 0, 0, 1, 0, 0, 0, -1}, sheared[9] = {1, 0, 0, 0, 1, 0, 0, 1e-3, 1};
     const double one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, here[3] = {0}, nowhere[3] = {0, NAN, 0};
@@ -252,10 +253,10 @@ START_TEST(models_make_networks) {
 END_TEST
 
 void tests(TCase *tc) {
-    tcase_add_test(tc, held_nodes_follow_their_targets);
-    tcase_add_test(tc, held_set_is_a_moving_support);
-    tcase_add_test(tc, rollback_and_revert_keep_friction_and_holds);
-    tcase_add_test(tc, save_and_restore_keep_friction_and_holds);
+    tcase_add_test(tc, grasped_nodes_follow_their_targets);
+    tcase_add_test(tc, grasped_set_is_a_moving_support);
+    tcase_add_test(tc, trials_and_marks_keep_friction_and_grasps);
+    tcase_add_test(tc, save_and_restore_keep_friction_and_grasps);
     tcase_add_test(tc, contact_follows_the_surface_of_a_cut);
     tcase_add_test(tc, placed_elsewhere_it_feels_the_same);
     tcase_add_test(tc, models_make_networks);

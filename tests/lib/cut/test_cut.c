@@ -1,5 +1,5 @@
 /* test_cut.c: blades, tearing, loose parts and mechanisms, against fresh networks and closed forms. */
-#include "cut/network_cut.h"
+#include "cut/cut_internal.h"
 #include "network/network_internal.h"
 #include "network_make.h"
 
@@ -469,7 +469,6 @@ START_TEST(a_cut_drops_the_trial_and_keeps_the_state) {
     palp_network_commit(net); /* there is nothing to commit any more */
     ck_assert(still_at(net, &before));
     ck_assert_int_eq(palp_network_try(net, 0.06 * HEIGHT, 0.1, NULL), PALP_OK);
-    palp_network_rollback(net);
     ck_assert(still_at(net, &before));
     snapshot_free(&before);
     palp_network_free(net);
@@ -498,7 +497,7 @@ static void check_balance(const palp_network *net) {
     for (size_t i = 0; i < net->n_nodes; i++)
         for (size_t k = 0; k < 3; k++) {
             double f = net->now.inner[3 * i + k];
-            double spring = network_cut_spring(net->cut, i) * (net->now.x[3 * i + k] - net->past[0][3 * i + k]);
+            double spring = cut_spring(cut_of(net), i) * (net->now.x[3 * i + k] - net->past[0][3 * i + k]);
             sum[k] += net->dof[3 * i + k] < 0 ? f : spring;
             size += fabs(f);
             ck_assert(isfinite(f) && isfinite(net->now.x[3 * i + k]));
@@ -629,14 +628,14 @@ START_TEST(a_held_part_is_not_loose) {
     ck_assert_int_eq(palp_network_enable_cutting(net), PALP_OK);
     ck_assert_uint_eq(cut_level(net, 0.5 * HEIGHT, 1.0), 100);
     ck_assert_uint_eq(palp_network_loose(net, NULL), 32);
-    ck_assert_int_eq(palp_network_hold(net, 1, &node, target), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp(net, 1, &node, target), PALP_OK);
     ck_assert_uint_eq(palp_network_loose(net, NULL), 0);
     for (int k = 1; k <= 10; k++) {
         target[1] = HEIGHT * (1.0 + 0.02 * k);
-        ck_assert_int_eq(palp_network_hold(net, 1, &node, target), PALP_OK);
+        ck_assert_int_eq(palp_network_grasp(net, 1, &node, target), PALP_OK);
         step_to(net, 0.0, 0.1);
     }
-    ck_assert_int_eq(palp_network_held_force(net, 1, &node, force), PALP_OK);
+    ck_assert_int_eq(palp_network_grasp_force(net, 1, &node, force), PALP_OK);
     for (size_t k = 0; k < 3; k++)
         ck_assert_double_eq_tol(force[k], 0.0, 1e-9);
     ck_assert_double_eq_tol(palp_network_positions(net)[3 * node + 1], 1.2 * HEIGHT, 1e-9);
@@ -691,18 +690,19 @@ END_TEST
 START_TEST(cuts_within_a_budget) {
     palp_material m = quartic(2);
     palp_network *net = cuttable(5, &m), *exact = cuttable(5, &m);
-    palp_realtime_settings realtime = palp_realtime_settings_default();
+    palp_realtime_settings settings = palp_realtime_settings_default();
+    palp_realtime *realtime = NULL;
     const palp_budget budget = {.corrections = 4};
     palp_tick_info info;
     dice d = {31};
-    ck_assert_int_eq(palp_network_enable_realtime(net, &realtime), PALP_OK);
+    ck_assert_int_eq(palp_realtime_create(net, &settings, &realtime), PALP_OK);
     for (int k = 1; k <= 60; k++) {
         if (k % 6 == 0 && k <= 48) {
             double corners[9];
             random_blade(&d, 1.0, corners);
             ck_assert_int_eq(palp_network_cut(net, corners, NULL), PALP_OK);
         }
-        ck_assert_int_eq(palp_network_step_within(net, 0.05 * HEIGHT * fmin(1.0, k / 30.0), 0.002, &budget, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(realtime, 0.05 * HEIGHT * fmin(1.0, k / 30.0), 0.002, &budget, &info), PALP_OK);
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             ck_assert(isfinite(net->now.x[i]) && isfinite(net->now.inner[i]));
     }
@@ -713,8 +713,9 @@ START_TEST(cuts_within_a_budget) {
     for (int k = 1; k <= 5; k++)
         step_to(exact, 0.01 * k * HEIGHT, INFINITY);
     for (int k = 0; k < 20; k++)
-        ck_assert_int_eq(palp_network_step_within(net, 0.05 * HEIGHT, INFINITY, &budget, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(realtime, 0.05 * HEIGHT, INFINITY, &budget, &info), PALP_OK);
     ck_assert_double_eq_tol(info.force_N, palp_network_force(exact), 1e-6 * palp_network_force(exact));
+    palp_realtime_free(realtime);
     palp_network_free(exact);
     palp_network_free(net);
 }

@@ -8,15 +8,30 @@
 
 static const palp_budget ALL = {0};
 
-static palp_network *realtime_cube(size_t n, const palp_material *m, bool background) {
-    palp_network *net = cube_network(n, m, NULL);
+static palp_realtime *realtime_on(palp_network *net, bool background) {
     palp_realtime_settings settings = palp_realtime_settings_default();
+    palp_realtime *rt = NULL;
     settings.background = background;
-    ck_assert_int_eq(palp_network_enable_realtime(net, &settings), PALP_OK);
-    return net;
+    ck_assert_int_eq(palp_realtime_create(net, &settings, &rt), PALP_OK);
+    return rt;
 }
 
-/* Depth of a tick: a ramp, a hold, then to and fro; up to a fifth of the height. */
+static palp_realtime *realtime_cube(size_t n, const palp_material *m, bool background) {
+    return realtime_on(cube_network(n, m, NULL), background);
+}
+
+static palp_network *net_of(const palp_realtime *rt) {
+    return palp_realtime_network(rt);
+}
+
+/* With its network. */
+static void drop(palp_realtime *rt) {
+    palp_network *net = net_of(rt);
+    palp_realtime_free(rt);
+    palp_network_free(net);
+}
+
+/* Depth of a tick: a ramp, a dwell, then to and fro; up to a fifth of the height. */
 static double path_depth(size_t tick) {
     double t = (double)tick;
     if (tick < 60)
@@ -37,21 +52,22 @@ static double largest_difference(const double *a, const double *b, size_t n) {
 }
 
 static void compare_with_step(size_t n, const palp_material *m) {
-    palp_network *net = realtime_cube(n, m, false), *reference = cube_network(n, m, NULL);
-    size_t n3 = 3 * node_count(net);
+    palp_realtime *net = realtime_cube(n, m, false);
+    palp_network *reference = cube_network(n, m, NULL);
+    size_t n3 = 3 * node_count(net_of(net));
     for (size_t i = 1; i < TICKS; i += n > 7 ? 4 : 1) {
         palp_tick_info info;
-        ck_assert_int_eq(palp_network_step_within(net, path_depth(i), DT, &ALL, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, path_depth(i), DT, &ALL, &info), PALP_OK);
         ck_assert_int_eq(palp_network_step(reference, path_depth(i), DT, NULL), PALP_OK);
         ck_assert(info.converged);
         ck_assert_double_le(info.residual, 1e-10);
         double force = palp_network_force(reference);
         ck_assert_double_eq_tol(info.force_N, force, 1e-8 * fabs(force));
-        ck_assert_double_eq(info.force_N, palp_network_force(net));
-        ck_assert_double_le(largest_difference(palp_network_positions(net), palp_network_positions(reference), n3),
+        ck_assert_double_eq(info.force_N, palp_network_force(net_of(net)));
+        ck_assert_double_le(largest_difference(palp_network_positions(net_of(net)), palp_network_positions(reference), n3),
                             1e-9 * HEIGHT);
     }
-    palp_network_free(net);
+    drop(net);
     palp_network_free(reference);
 }
 
@@ -67,32 +83,32 @@ START_TEST(converged_is_a_step_with_levels) {
 }
 END_TEST
 
-/* What the energy is must follow from the work done: elastic, held quasi-static. */
+/* What the energy is must follow from the work done: elastic, quasi-static. */
 START_TEST(energy_is_the_work) {
     palp_material m = quartic(0);
-    palp_network *net = realtime_cube(5, &m, false);
+    palp_realtime *net = realtime_cube(5, &m, false);
     palp_tick_info info;
     double work = 0.0, before = 0.0;
     for (size_t i = 1; i <= 100; i++) {
-        ck_assert_int_eq(palp_network_step_within(net, 0.002 * HEIGHT * (double)i, DT, &ALL, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, 0.002 * HEIGHT * (double)i, DT, &ALL, &info), PALP_OK);
         work += 0.5 * (before + info.force_N) * 0.002 * HEIGHT;
         before = info.force_N;
     }
     ck_assert_double_eq_tol(info.energy_J, work, 1e-4 * work);
-    palp_network_free(net);
+    drop(net);
 }
 END_TEST
 
 /* With few corrections the force stays near the converged one, and the estimate says how near. */
 static void check_estimate(size_t n, size_t corrections, double most) {
     palp_material m = quartic(2);
-    palp_network *net = realtime_cube(n, &m, false), *reference = realtime_cube(n, &m, false);
+    palp_realtime *net = realtime_cube(n, &m, false), *reference = realtime_cube(n, &m, false);
     palp_budget budget = {.corrections = corrections};
     double peak = 0.0, worst = 0.0, errors = 0.0, estimates = 0.0;
     for (size_t i = 1; i < TICKS; i++) {
         palp_tick_info info, truth;
-        ck_assert_int_eq(palp_network_step_within(net, path_depth(i), DT, &budget, &info), PALP_OK);
-        ck_assert_int_eq(palp_network_step_within(reference, path_depth(i), DT, &ALL, &truth), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, path_depth(i), DT, &budget, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(reference, path_depth(i), DT, &ALL, &truth), PALP_OK);
         ck_assert_uint_le(info.corrections, corrections);
         peak = fmax(peak, fabs(truth.force_N));
         double error = fabs(info.force_N - truth.force_N);
@@ -104,8 +120,8 @@ static void check_estimate(size_t n, size_t corrections, double most) {
     }
     ck_assert_double_le(worst, most * peak);
     ck_assert_double_le(estimates, 1000.0 * errors + 1e-9 * peak * TICKS);
-    palp_network_free(net);
-    palp_network_free(reference);
+    drop(net);
+    drop(reference);
 }
 
 START_TEST(estimate_brackets_the_error) {
@@ -118,21 +134,21 @@ END_TEST
 /* A force error asked for is kept. */
 START_TEST(error_budget_is_kept) {
     palp_material m = quartic(2);
-    palp_network *net = realtime_cube(7, &m, false), *reference = realtime_cube(7, &m, false);
+    palp_realtime *net = realtime_cube(7, &m, false), *reference = realtime_cube(7, &m, false);
     palp_budget budget = {.force_error = 1e-3};
     size_t corrections = 0, all = 0;
     for (size_t i = 1; i < TICKS; i++) {
         palp_tick_info info, truth;
-        ck_assert_int_eq(palp_network_step_within(net, path_depth(i), DT, &budget, &info), PALP_OK);
-        ck_assert_int_eq(palp_network_step_within(reference, path_depth(i), DT, &ALL, &truth), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, path_depth(i), DT, &budget, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(reference, path_depth(i), DT, &ALL, &truth), PALP_OK);
         ck_assert(info.converged);
         ck_assert_double_eq_tol(info.force_N, truth.force_N, 2e-3 * fabs(truth.force_N));
         corrections += info.corrections;
         all += truth.corrections;
     }
     ck_assert_uint_lt(corrections, all);
-    palp_network_free(net);
-    palp_network_free(reference);
+    drop(net);
+    drop(reference);
 }
 END_TEST
 
@@ -143,19 +159,19 @@ typedef struct follower {
     snapshot end;
 } follower;
 
-static void follow(palp_network *net, size_t from, size_t to, size_t corrections) {
+static void follow(palp_realtime *rt, size_t from, size_t to, size_t corrections) {
     palp_budget budget = {.corrections = corrections};
     for (size_t i = from; i < to; i++)
-        ck_assert_int_eq(palp_network_step_within(net, path_depth(i), DT, &budget, NULL), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(rt, path_depth(i), DT, &budget, NULL), PALP_OK);
 }
 
 static void *follow_path(void *user) {
     follower *f = user;
     palp_material m = quartic(2);
-    palp_network *net = realtime_cube(f->nodes, &m, false);
+    palp_realtime *net = realtime_cube(f->nodes, &m, false);
     follow(net, 1, TICKS, f->corrections);
-    f->end = snapshot_take(net);
-    palp_network_free(net);
+    f->end = snapshot_take(net_of(net));
+    drop(net);
     return NULL;
 }
 
@@ -182,28 +198,28 @@ END_TEST
 /* Saved at any tick, the same network or another one goes on to the same bits. */
 static void check_restore(size_t n, size_t at) {
     palp_material m = quartic(2);
-    palp_network *net = realtime_cube(n, &m, false), *other = realtime_cube(n, &m, false);
-    size_t size = palp_network_state_size(net);
+    palp_realtime *net = realtime_cube(n, &m, false), *other = realtime_cube(n, &m, false);
+    size_t size = palp_realtime_state_size(net);
     void *saved = malloc(size);
     ck_assert_ptr_nonnull(saved);
     follow(net, 1, at, 1);
-    snapshot then = snapshot_take(net);
-    ck_assert_int_eq(palp_network_save(net, saved, size), PALP_OK);
+    snapshot then = snapshot_take(net_of(net));
+    ck_assert_int_eq(palp_realtime_save(net, saved, size), PALP_OK);
     follow(net, at, TICKS, 1);
-    snapshot end = snapshot_take(net);
+    snapshot end = snapshot_take(net_of(net));
     follow(other, 1, 9, 2); /* elsewhere */
-    palp_network *restored[] = {net, other};
+    palp_realtime *restored[] = {net, other};
     for (size_t i = 0; i < 2; i++) {
-        ck_assert_int_eq(palp_network_restore(restored[i], saved, size), PALP_OK);
-        ck_assert(still_at(restored[i], &then));
+        ck_assert_int_eq(palp_realtime_restore(restored[i], saved, size), PALP_OK);
+        ck_assert(still_at(net_of(restored[i]), &then));
         follow(restored[i], at, TICKS, 1);
-        ck_assert_msg(still_at(restored[i], &end), "%zu nodes a side, saved at %zu", n, at);
+        ck_assert_msg(still_at(net_of(restored[i]), &end), "%zu nodes a side, saved at %zu", n, at);
     }
     snapshot_free(&then);
     snapshot_free(&end);
     free(saved);
-    palp_network_free(net);
-    palp_network_free(other);
+    drop(net);
+    drop(other);
 }
 
 START_TEST(restored_goes_on_the_same) {
@@ -215,41 +231,49 @@ START_TEST(restored_goes_on_the_same) {
 }
 END_TEST
 
-START_TEST(undone) {
+/* A step that went wrong is taken back by what was saved of the network alone: the factor stays. */
+START_TEST(network_restored) {
     palp_material m = quartic(2);
-    palp_network *net = realtime_cube(5, &m, false), *straight = realtime_cube(5, &m, false);
-    follow(net, 1, 40, 1);
-    snapshot before = snapshot_take(net);
-    ck_assert_int_eq(palp_network_step_within(net, 0.3 * HEIGHT, DT, &ALL, NULL), PALP_OK);
-    ck_assert_int_eq(palp_network_undo(net), PALP_OK);
-    ck_assert(still_at(net, &before));
-    ck_assert_int_eq(palp_network_undo(net), PALP_ERR_ARGUMENT);
+    palp_realtime *rt = realtime_cube(5, &m, false), *straight = realtime_cube(5, &m, false);
+    const size_t size = palp_network_state_size(net_of(rt));
+    void *saved = malloc(size);
+    ck_assert_ptr_nonnull(saved);
+    follow(rt, 1, 40, 1);
+    snapshot before = snapshot_take(net_of(rt));
+    ck_assert_int_eq(palp_network_save(net_of(rt), saved, size), PALP_OK);
+    ck_assert_int_eq(palp_realtime_step(rt, 0.3 * HEIGHT, DT, &ALL, NULL), PALP_OK);
+    ck_assert(!still_at(net_of(rt), &before));
+    ck_assert_int_eq(palp_network_restore(net_of(rt), saved, size), PALP_OK);
+    ck_assert(still_at(net_of(rt), &before));
     palp_tick_info a, b;
     follow(straight, 1, 40, 1);
-    ck_assert_int_eq(palp_network_step_within(net, path_depth(40), DT, &ALL, &a), PALP_OK);
-    ck_assert_int_eq(palp_network_step_within(straight, path_depth(40), DT, &ALL, &b), PALP_OK);
+    ck_assert_int_eq(palp_realtime_step(rt, path_depth(40), DT, &ALL, &a), PALP_OK);
+    ck_assert_int_eq(palp_realtime_step(straight, path_depth(40), DT, &ALL, &b), PALP_OK);
     ck_assert_double_eq_tol(a.force_N, b.force_N, 1e-9 * fabs(b.force_N));
     snapshot_free(&before);
-    palp_network_free(net);
-    palp_network_free(straight);
+    free(saved);
+    drop(rt);
+    drop(straight);
 }
 END_TEST
 
-/* A plain step can be taken back too, to the bit and with what the predictor knows. */
-START_TEST(undone_plain) {
+/* A plain step too, with what the predictor knows. */
+START_TEST(plain_step_restored) {
     palp_material m = quartic(1);
     palp_network *net = cube_network(4, &m, NULL), *straight = cube_network(4, &m, NULL);
-    ck_assert_int_eq(palp_network_undo(net), PALP_ERR_ARGUMENT);
+    const size_t size = palp_network_state_size(net);
+    void *saved = malloc(size);
+    ck_assert_ptr_nonnull(saved);
     for (size_t i = 1; i < 6; i++) {
+        ck_assert_int_eq(palp_network_save(net, saved, size), PALP_OK);
         ck_assert_int_eq(palp_network_step(net, path_depth(i) + 1e-4, DT, NULL), PALP_OK);
-        ck_assert_int_eq(palp_network_undo(net), PALP_OK);
+        ck_assert_int_eq(palp_network_restore(net, saved, size), PALP_OK);
         ck_assert_int_eq(palp_network_step(net, path_depth(i), DT, NULL), PALP_OK);
         ck_assert_int_eq(palp_network_step(straight, path_depth(i), DT, NULL), PALP_OK);
     }
-    snapshot s = snapshot_take(straight);
     ck_assert_double_eq_tol(palp_network_force(net), palp_network_force(straight),
                             1e-9 * palp_network_force(straight));
-    snapshot_free(&s);
+    free(saved);
     palp_network_free(net);
     palp_network_free(straight);
 }
@@ -259,19 +283,19 @@ END_TEST
 
 START_TEST(background_factor) {
     palp_material m = quartic(2);
-    palp_network *net = realtime_cube(10, &m, true), *alone = realtime_cube(10, &m, false);
+    palp_realtime *net = realtime_cube(10, &m, true), *alone = realtime_cube(10, &m, false);
     palp_budget budget = {.corrections = 2};
     size_t refreshed = 0;
     for (size_t i = 1; i < TICKS; i++) {
         palp_tick_info a, b;
-        ck_assert_int_eq(palp_network_step_within(net, path_depth(i), DT, &budget, &a), PALP_OK);
-        ck_assert_int_eq(palp_network_step_within(alone, path_depth(i), DT, &budget, &b), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, path_depth(i), DT, &budget, &a), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(alone, path_depth(i), DT, &budget, &b), PALP_OK);
         ck_assert_double_eq_tol(a.force_N, b.force_N, 1e-6 * fabs(b.force_N));
         refreshed += a.refreshed;
     }
     ck_assert_uint_gt(refreshed, 0);
-    palp_network_free(net);
-    palp_network_free(alone);
+    drop(net);
+    drop(alone);
 }
 END_TEST
 
@@ -281,19 +305,18 @@ END_TEST
 START_TEST(mass_settles) {
     palp_material m = quartic(0);
     palp_network_settings settings = palp_network_settings_default();
-    palp_realtime_settings realtime = palp_realtime_settings_default();
     settings.density_kg_m3 = 1070.0;
-    palp_network *net = cube_network(6, &m, &settings), *massless = cube_network(6, &m, NULL);
-    ck_assert_int_eq(palp_network_enable_realtime(net, &realtime), PALP_OK);
+    palp_realtime *net = realtime_on(cube_network(6, &m, &settings), false);
+    palp_network *massless = cube_network(6, &m, NULL);
     palp_tick_info info;
     palp_budget budget = {.corrections = 2};
     for (size_t i = 1; i <= 600; i++) {
         double depth = 0.1 * HEIGHT * fmin(1.0, (double)i / 300.0);
-        ck_assert_int_eq(palp_network_step_within(net, depth, 1e-3, &budget, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, depth, 1e-3, &budget, &info), PALP_OK);
     }
     ck_assert_int_eq(palp_network_step(massless, 0.1 * HEIGHT, 1.0, NULL), PALP_OK);
     ck_assert_double_eq_tol(info.force_N, palp_network_force(massless), 1e-5 * info.force_N);
-    palp_network_free(net);
+    drop(net);
     palp_network_free(massless);
 }
 END_TEST
@@ -301,31 +324,31 @@ END_TEST
 /* Far past where the tangent is definite: every tick ends, nothing blows up, the force stays that of such a press. */
 START_TEST(past_buckling) {
     palp_material m = quartic(2);
-    palp_network *net = realtime_cube(9, &m, false);
+    palp_realtime *net = realtime_cube(9, &m, false);
     palp_budget budget = {.corrections = 2};
     for (size_t i = 1; i <= 400; i++) {
         palp_tick_info info;
-        ck_assert_int_eq(palp_network_step_within(net, 0.45 * HEIGHT * (double)i / 400.0, DT, &budget, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, 0.45 * HEIGHT * (double)i / 400.0, DT, &budget, &info), PALP_OK);
         ck_assert(isfinite(info.force_N) && isfinite(info.energy_J) && isfinite(info.force_error_N));
         ck_assert_double_lt(fabs(info.force_N), 500.0);
     }
-    palp_network_free(net);
+    drop(net);
 }
 END_TEST
 
 /* A jump no predictor foresaw, within one tick and worked off over some. */
 START_TEST(jump) {
     palp_material m = quartic(0);
-    palp_network *net = realtime_cube(10, &m, false), *reference = realtime_cube(10, &m, false);
+    palp_realtime *net = realtime_cube(10, &m, false), *reference = realtime_cube(10, &m, false);
     palp_budget budget = {.corrections = 2};
     palp_tick_info info, truth;
     for (size_t i = 0; i < 12; i++)
-        ck_assert_int_eq(palp_network_step_within(net, 0.1 * HEIGHT, DT, &budget, &info), PALP_OK);
-    ck_assert_int_eq(palp_network_step_within(reference, 0.1 * HEIGHT, DT, &ALL, &truth), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, 0.1 * HEIGHT, DT, &budget, &info), PALP_OK);
+    ck_assert_int_eq(palp_realtime_step(reference, 0.1 * HEIGHT, DT, &ALL, &truth), PALP_OK);
     ck_assert(truth.converged);
     ck_assert_double_eq_tol(info.force_N, truth.force_N, 1e-7 * truth.force_N);
-    palp_network_free(net);
-    palp_network_free(reference);
+    drop(net);
+    drop(reference);
 }
 END_TEST
 
@@ -334,57 +357,54 @@ START_TEST(unordered_mesh) {
     palp_mesh *mesh = NULL;
     palp_material m = quartic(2);
     palp_network_settings settings = palp_network_settings_default();
-    palp_realtime_settings realtime = palp_realtime_settings_default();
     ck_assert_int_eq(palp_mesh_read_gmsh("data/meshes/cylinder_tetra.msh", 1e-3, false, &mesh, NULL), PALP_OK);
-    palp_network *net = network_on(mesh, &m, &settings), *reference = network_on(mesh, &m, &settings);
+    palp_realtime *net = realtime_on(network_on(mesh, &m, &settings), false);
+    palp_network *reference = network_on(mesh, &m, &settings);
     palp_mesh_free(mesh);
-    ck_assert_int_eq(palp_network_enable_realtime(net, &realtime), PALP_OK);
     for (size_t i = 1; i <= 20; i++) {
         palp_tick_info info;
-        ck_assert_int_eq(palp_network_step_within(net, 5e-5 * (double)i, DT, &ALL, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, 5e-5 * (double)i, DT, &ALL, &info), PALP_OK);
         ck_assert_int_eq(palp_network_step(reference, 5e-5 * (double)i, DT, NULL), PALP_OK);
         ck_assert(info.converged);
         ck_assert_double_eq_tol(info.force_N, palp_network_force(reference), 1e-7 * fabs(info.force_N));
     }
-    palp_network_free(net);
+    drop(net);
     palp_network_free(reference);
 }
 END_TEST
 
 /* ---- tools ---- */
 
-static palp_network *cube_on_a_table(size_t n) {
+static palp_realtime *cube_on_a_table(size_t n) {
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
     palp_contact_settings contact = palp_contact_settings_default();
     palp_network_settings settings = palp_network_settings_default();
-    palp_realtime_settings realtime = palp_realtime_settings_default();
     palp_material m = quartic(2);
     palp_mesh *mesh = cube(n, PALP_NEIGHBOURS_26);
     palp_network *net = NULL;
     ck_assert_int_eq(palp_network_create(mesh, &m, 1, &bottom, &settings, &net, NULL), PALP_OK);
     palp_mesh_free(mesh);
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &contact), PALP_OK);
-    ck_assert_int_eq(palp_network_enable_realtime(net, &realtime), PALP_OK);
-    return net;
+    return realtime_on(net, false);
 }
 
 /* A sphere comes down on the middle of the top, slides and stays. */
-static void place_tool(palp_network *net, size_t tick, double friction) {
+static void place_tool(const palp_realtime *rt, size_t tick, double friction) {
     double down = 0.0016 * fmin(1.0, (double)tick / 60.0), aside = tick < 60 ? 0.0 : 2e-5 * (double)(tick - 60);
     palp_tool tool = {.shape = PALP_TOOL_SPHERE,
                       .position_m = {0.5 * HEIGHT + fmin(aside, 8e-4), HEIGHT + 0.0041 - down, 0.51 * HEIGHT},
                       .axis = {0, 1, 0},
                       .radius_m = 0.004,
                       .friction = friction};
-    ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+    ck_assert_int_eq(palp_network_set_tools(net_of(rt), 1, &tool), PALP_OK);
 }
 
-static palp_tool_force tick_with_tool(palp_network *net, size_t tick, const palp_budget *budget,
+static palp_tool_force tick_with_tool(palp_realtime *rt, size_t tick, const palp_budget *budget,
                                       palp_tick_info *info) {
     palp_tool_force felt;
-    place_tool(net, tick, 0.0);
-    ck_assert_int_eq(palp_network_step_within(net, 0.0, DT, budget, info), PALP_OK);
-    ck_assert_int_eq(palp_network_tool_force(net, &felt), PALP_OK);
+    place_tool(rt, tick, 0.0);
+    ck_assert_int_eq(palp_realtime_step(rt, 0.0, DT, budget, info), PALP_OK);
+    ck_assert_int_eq(palp_network_tool_force(net_of(rt), &felt), PALP_OK);
     return felt;
 }
 
@@ -392,8 +412,8 @@ static palp_tool_force tick_with_tool(palp_network *net, size_t tick, const palp
 START_TEST(tool_is_felt) {
     const size_t nodes[] = {5, 8};
     for (size_t k = 0; k < 2; k++) {
-        palp_network *net = cube_on_a_table(nodes[k]), *quick = cube_on_a_table(nodes[k]);
-        palp_network *reference = cube_on_a_table(nodes[k]);
+        palp_realtime *net = cube_on_a_table(nodes[k]), *quick = cube_on_a_table(nodes[k]);
+        palp_realtime *reference = cube_on_a_table(nodes[k]);
         const palp_budget two = {.corrections = 2};
         palp_tool_force a, b, c;
         palp_tick_info info;
@@ -402,8 +422,8 @@ START_TEST(tool_is_felt) {
             a = tick_with_tool(net, i, &ALL, NULL);
             b = tick_with_tool(quick, i, &two, &info);
             place_tool(reference, i, 0.0);
-            ck_assert_int_eq(palp_network_step(reference, 0.0, DT, NULL), PALP_OK);
-            ck_assert_int_eq(palp_network_tool_force(reference, &c), PALP_OK);
+            ck_assert_int_eq(palp_network_step(net_of(reference), 0.0, DT, NULL), PALP_OK);
+            ck_assert_int_eq(palp_network_tool_force(net_of(reference), &c), PALP_OK);
             peak = fmax(peak, fabs(c.force_N[1]));
             for (size_t j = 0; j < 3; j++) {
                 ck_assert_double_eq_tol(a.force_N[j], c.force_N[j], 1e-6 * peak + 1e-12);
@@ -414,9 +434,9 @@ START_TEST(tool_is_felt) {
         }
         ck_assert_double_le(last, 1e-3 * peak);
         ck_assert_double_gt(peak, 0.1);
-        palp_network_free(net);
-        palp_network_free(quick);
-        palp_network_free(reference);
+        drop(net);
+        drop(quick);
+        drop(reference);
     }
 }
 END_TEST
@@ -427,23 +447,23 @@ START_TEST(rough_tool_within_a_tick) {
     const palp_budget few[2] = {{.corrections = 1}, {.corrections = 2}};
     const double most[2] = {0.2, 0.05};
     for (size_t k = 0; k < 2; k++) {
-        palp_network *net = cube_on_a_table(8), *reference = cube_on_a_table(8);
+        palp_realtime *net = cube_on_a_table(8), *reference = cube_on_a_table(8);
         double peak = 0.0, error = 0.0;
         for (size_t i = 1; i < 120; i++) {
             palp_tool_force felt[2];
             place_tool(net, i, 0.3);
             place_tool(reference, i, 0.3);
-            ck_assert_int_eq(palp_network_step_within(net, 0.0, DT, &few[k], NULL), PALP_OK);
-            ck_assert_int_eq(palp_network_step_within(reference, 0.0, DT, &ALL, NULL), PALP_OK);
-            ck_assert_int_eq(palp_network_tool_force(net, &felt[0]), PALP_OK);
-            ck_assert_int_eq(palp_network_tool_force(reference, &felt[1]), PALP_OK);
+            ck_assert_int_eq(palp_realtime_step(net, 0.0, DT, &few[k], NULL), PALP_OK);
+            ck_assert_int_eq(palp_realtime_step(reference, 0.0, DT, &ALL, NULL), PALP_OK);
+            ck_assert_int_eq(palp_network_tool_force(net_of(net), &felt[0]), PALP_OK);
+            ck_assert_int_eq(palp_network_tool_force(net_of(reference), &felt[1]), PALP_OK);
             peak = fmax(peak, fabs(felt[1].force_N[1]));
             for (size_t j = 0; j < 3; j++)
                 error = fmax(error, fabs(felt[0].force_N[j] - felt[1].force_N[j]));
         }
         ck_assert_double_le(error, most[k] * peak);
-        palp_network_free(net);
-        palp_network_free(reference);
+        drop(net);
+        drop(reference);
     }
 }
 END_TEST
@@ -451,124 +471,134 @@ END_TEST
 /* A plane that pressed leaves at once at 50 mm/s: the tissue, which is slow to know, must not have lost it meanwhile. */
 START_TEST(sudden_withdrawal) {
     const palp_budget two = {.corrections = 2};
-    palp_network *net = cube_on_a_table(7), *reference = cube_on_a_table(7);
+    palp_realtime *net = cube_on_a_table(7), *reference = cube_on_a_table(7);
     double peak = 0.0, error = 0.0;
     for (size_t i = 1; i < 180; i++) {
         double down = i < 100 ? 3e-5 * (double)i : 3e-3 - 5e-5 * (double)(i - 100);
         palp_tool tool = {.shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - down, 0}, .axis = {0, -1, 0}};
         palp_tool_force felt[2];
-        ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
-        ck_assert_int_eq(palp_network_set_tools(reference, 1, &tool), PALP_OK);
-        ck_assert_int_eq(palp_network_step_within(net, 0.0, DT, &two, NULL), PALP_OK);
-        ck_assert_int_eq(palp_network_step_within(reference, 0.0, DT, &ALL, NULL), PALP_OK);
-        ck_assert_int_eq(palp_network_tool_force(net, &felt[0]), PALP_OK);
-        ck_assert_int_eq(palp_network_tool_force(reference, &felt[1]), PALP_OK);
+        ck_assert_int_eq(palp_network_set_tools(net_of(net), 1, &tool), PALP_OK);
+        ck_assert_int_eq(palp_network_set_tools(net_of(reference), 1, &tool), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, 0.0, DT, &two, NULL), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(reference, 0.0, DT, &ALL, NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_tool_force(net_of(net), &felt[0]), PALP_OK);
+        ck_assert_int_eq(palp_network_tool_force(net_of(reference), &felt[1]), PALP_OK);
         peak = fmax(peak, felt[1].force_N[1]);
         error = fmax(error, fabs(felt[0].force_N[1] - felt[1].force_N[1]));
     }
     ck_assert_double_gt(peak, 5.0);
     ck_assert_msg(error < 0.1 * peak, "off by %g of %g N", error, peak);
-    palp_network_free(net);
-    palp_network_free(reference);
+    drop(net);
+    drop(reference);
 }
 END_TEST
 
 /* One that is taken away altogether is not followed. */
 START_TEST(taken_away) {
     const palp_budget two = {.corrections = 2};
-    palp_network *net = cube_on_a_table(7);
+    palp_realtime *net = cube_on_a_table(7);
     palp_tool_force felt;
     for (size_t i = 1; i < 70; i++) {
         palp_tool tool = {.shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - 3e-5 * (double)i, 0}, .axis = {0, -1, 0}};
         if (i > 60)
             tool.position_m[1] = 2.0 * HEIGHT;
-        ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
-        ck_assert_int_eq(palp_network_step_within(net, 0.0, DT, &two, NULL), PALP_OK);
-        ck_assert_int_eq(palp_network_tool_force(net, &felt), PALP_OK);
+        ck_assert_int_eq(palp_network_set_tools(net_of(net), 1, &tool), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, 0.0, DT, &two, NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_tool_force(net_of(net), &felt), PALP_OK);
         ck_assert(i <= 60 ? felt.force_N[1] > 0.0 : felt.force_N[1] == 0.0);
     }
-    palp_network_free(net);
+    drop(net);
 }
 END_TEST
 
 START_TEST(restored_with_tool) {
     const palp_budget two = {.corrections = 2};
-    palp_network *net = cube_on_a_table(8), *other = cube_on_a_table(8);
-    size_t size = palp_network_state_size(net);
+    palp_realtime *net = cube_on_a_table(8), *other = cube_on_a_table(8);
+    size_t size = palp_realtime_state_size(net);
     void *saved = malloc(size);
     ck_assert_ptr_nonnull(saved);
     for (size_t i = 1; i < 75; i++)
         tick_with_tool(net, i, &two, NULL);
-    ck_assert_int_eq(palp_network_save(net, saved, size), PALP_OK);
+    ck_assert_int_eq(palp_realtime_save(net, saved, size), PALP_OK);
     for (size_t i = 75; i < 100; i++)
         tick_with_tool(net, i, &two, NULL);
-    snapshot end = snapshot_take(net);
-    ck_assert_int_eq(palp_network_restore(other, saved, size), PALP_OK);
+    snapshot end = snapshot_take(net_of(net));
+    ck_assert_int_eq(palp_realtime_restore(other, saved, size), PALP_OK);
     for (size_t i = 75; i < 100; i++)
         tick_with_tool(other, i, &two, NULL);
-    ck_assert(still_at(other, &end));
+    ck_assert(still_at(net_of(other), &end));
     snapshot_free(&end);
     free(saved);
-    palp_network_free(net);
-    palp_network_free(other);
+    drop(net);
+    drop(other);
 }
 END_TEST
 
-/* Reset is as good as new. */
+/* Reset is as good as new, and so is a network that was reset behind its back. */
 START_TEST(reset_is_new) {
     palp_material m = quartic(2);
-    palp_network *net = realtime_cube(10, &m, false), *fresh = realtime_cube(10, &m, false);
-    follow(net, 1, 50, 1);
-    palp_network_reset(net);
-    follow(net, 1, 60, 1);
+    palp_realtime *fresh = realtime_cube(10, &m, false);
     follow(fresh, 1, 60, 1);
-    snapshot s = snapshot_take(fresh);
-    ck_assert(still_at(net, &s));
+    snapshot s = snapshot_take(net_of(fresh));
+    for (int behind = 0; behind < 2; behind++) {
+        palp_realtime *rt = realtime_cube(10, &m, false);
+        follow(rt, 1, 50, 1);
+        if (behind)
+            palp_network_reset(net_of(rt));
+        else
+            ck_assert_int_eq(palp_realtime_reset(rt), PALP_OK);
+        follow(rt, 1, 60, 1);
+        ck_assert(still_at(net_of(rt), &s));
+        drop(rt);
+    }
     snapshot_free(&s);
-    palp_network_free(net);
-    palp_network_free(fresh);
+    drop(fresh);
 }
 END_TEST
 
 START_TEST(refused) {
     palp_material m = quartic(1);
-    palp_network *net = cube_network(3, &m, NULL), *bigger = realtime_cube(4, &m, false);
+    palp_network *net = cube_network(3, &m, NULL);
+    palp_realtime *rt = NULL, *bigger = realtime_cube(4, &m, false);
     palp_realtime_settings settings = palp_realtime_settings_default();
-    ck_assert_int_eq(palp_network_step_within(net, 1e-4, DT, &ALL, NULL), PALP_ERR_ARGUMENT); /* not enabled */
     const double bad_share[] = {0.0, 1.0, -0.1, NAN};
     for (size_t i = 0; i < 4; i++) {
         settings.refresh_share = bad_share[i];
-        ck_assert_int_eq(palp_network_enable_realtime(net, &settings), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_realtime_create(net, &settings, &rt), PALP_ERR_ARGUMENT);
     }
-    settings = palp_realtime_settings_default();
-    ck_assert_int_eq(palp_network_enable_realtime(net, &settings), PALP_OK);
-    ck_assert_int_eq(palp_network_enable_realtime(net, &settings), PALP_ERR_ARGUMENT); /* twice */
-    follow(net, 1, 5, 1);
-    snapshot s = snapshot_take(net);
+    rt = realtime_on(net, false);
+    follow(rt, 1, 5, 1);
     const double bad[] = {NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < 3; i++) {
         palp_budget budget = {.seconds = i == 2 ? -1.0 : NAN}, other = {.force_error = i == 2 ? -1.0 : NAN};
-        ck_assert_int_eq(palp_network_step_within(net, bad[i], DT, &ALL, NULL), PALP_ERR_ARGUMENT);
-        ck_assert_int_eq(palp_network_step_within(net, 1e-3, i == 1 ? -1e-3 : NAN, &ALL, NULL), PALP_ERR_ARGUMENT);
-        ck_assert_int_eq(palp_network_step_within(net, 1e-3, DT, &budget, NULL), PALP_ERR_ARGUMENT);
-        ck_assert_int_eq(palp_network_step_within(net, 1e-3, DT, &other, NULL), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_realtime_step(rt, bad[i], DT, &ALL, NULL), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_realtime_step(rt, 1e-3, i == 1 ? -1e-3 : NAN, &ALL, NULL), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_realtime_step(rt, 1e-3, DT, &budget, NULL), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_realtime_step(rt, 1e-3, DT, &other, NULL), PALP_ERR_ARGUMENT);
     }
-    ck_assert_int_eq(palp_network_step_within(net, 2.0 * HEIGHT, DT, &ALL, NULL) != PALP_OK ||
-                         isfinite(palp_network_force(net)), 1);
-    size_t size = palp_network_state_size(net);
+    ck_assert_int_eq(palp_realtime_step(rt, 2.0 * HEIGHT, DT, &ALL, NULL) != PALP_OK || isfinite(palp_network_force(net)),
+                     1);
+    size_t size = palp_realtime_state_size(rt), plain = palp_network_state_size(net);
     void *saved = malloc(size);
     ck_assert_ptr_nonnull(saved);
-    ck_assert_int_eq(palp_network_save(net, saved, size - 1), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_network_save(net, NULL, size), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_network_save(net, saved, size), PALP_OK);
-    ck_assert_int_eq(palp_network_restore(bigger, saved, size), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_network_restore(net, saved, size - 1), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_network_restore(net, NULL, size), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_network_restore(net, saved, size), PALP_OK);
-    snapshot_free(&s);
+    ck_assert_int_eq(palp_realtime_save(rt, saved, size - 1), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_realtime_save(rt, NULL, size), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_realtime_save(rt, saved, size), PALP_OK);
+    ck_assert_int_eq(palp_network_restore(net, saved, size), PALP_ERR_ARGUMENT); /* another kind */
+    ck_assert_int_eq(palp_realtime_restore(bigger, saved, size), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_realtime_restore(rt, saved, size - 1), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_realtime_restore(rt, NULL, size), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_realtime_restore(rt, saved, size), PALP_OK);
+    ck_assert_int_eq(palp_network_save(net, saved, plain - 1), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_save(net, NULL, plain), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_save(net, saved, plain), PALP_OK);
+    ck_assert_int_eq(palp_realtime_restore(rt, saved, size), PALP_ERR_ARGUMENT); /* another kind */
+    ck_assert_int_eq(palp_network_restore(net_of(bigger), saved, plain), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_restore(net, saved, plain - 1), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_restore(net, saved, plain), PALP_OK);
     free(saved);
-    palp_network_free(net);
-    palp_network_free(bigger);
+    drop(rt);
+    drop(bigger);
 }
 END_TEST
 
@@ -582,8 +612,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, restored_goes_on_the_same);
     tcase_add_test(tc, restored_with_tool);
     tcase_add_test(tc, reset_is_new);
-    tcase_add_test(tc, undone);
-    tcase_add_test(tc, undone_plain);
+    tcase_add_test(tc, network_restored);
+    tcase_add_test(tc, plain_step_restored);
     tcase_add_test(tc, background_factor);
     tcase_add_test(tc, mass_settles);
     tcase_add_test(tc, past_buckling);

@@ -58,7 +58,7 @@ static palp_tool ball(double x, double z, double depth) {
 static palp_training *record(palp_network *net, const palp_tool_path *path) {
     palp_training *training = NULL;
     palp_error error = {PALP_OK, ""};
-    palp_status status = palp_training_record(net, path, NULL, NULL, &training, &error);
+    palp_status status = palp_training_record(net, NULL, path, NULL, NULL, &training, &error);
     ck_assert_msg(!status, "%s", error.text);
     return training;
 }
@@ -120,7 +120,7 @@ static palp_reduced *whole(palp_network *net) {
         element[i] = (int32_t)i;
         weight[i] = 1.0;
     }
-    ck_assert_int_eq(reduced_make(net, net->load, n, basis, lift, net->n_elements, element, weight, &reduced), PALP_OK);
+    ck_assert_int_eq(reduced_make(net, contact_of(net), n, basis, lift, net->n_elements, element, weight, &reduced), PALP_OK);
     ck_assert_int_eq(palp_reduced_set_limits(reduced, 1e-11, 50), PALP_OK);
     free(basis);
     free(weight);
@@ -417,7 +417,7 @@ START_TEST(settings_are_checked) {
     palp_training *none = NULL;
     const double back[] = {0.1, 0.1}, depth[] = {0.0, 0.0};
     palp_tool_path wrong = {.n = 2, .time_s = back, .depth_m = depth};
-    ck_assert_int_eq(palp_training_record(net, &wrong, NULL, NULL, &none, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_training_record(net, NULL, &wrong, NULL, NULL, &none, &error), PALP_ERR_ARGUMENT);
     ck_assert_ptr_null(none);
     palp_training_free(path);
     palp_network_free(net);

@@ -1,7 +1,6 @@
-/* tool_contact.c: one contact: how deep it is, its pressure, Coulomb friction by return mapping, its tangent. */
-#include "tool_internal.h"
+/* contact_point.c: one contact: how deep it is, its pressure, Coulomb friction by return mapping, its tangent. */
+#include "contact_internal.h"
 
-#include <math.h>
 #include <string.h>
 
 void contact_point(const contact *c, const double share[3], const double *x, double point[3]) {
@@ -49,13 +48,13 @@ static void measure_face(const double *const corner[3], const double centre[3], 
     cross3(ab, ac, normal);
     double area = sqrt(dot3(normal, normal));
     for (int k = 0; k < 3; k++)
-        c->push[k] = -normal[k] / area;
+        c->normal[k] = -normal[k] / area;
     along3(centre, -1.0, c->point, to);
-    c->distance = -dot3(to, c->push);
+    c->distance = -dot3(to, c->normal);
     for (int i = 0; i < 3; i++) {
         double opposite[3];
         along3(corner[(i + 2) % 3], -1.0, corner[(i + 1) % 3], opposite);
-        cross3(opposite, c->push, c->gradient[i]);
+        cross3(opposite, c->normal, c->gradient[i]);
         for (int k = 0; k < 3; k++)
             c->gradient[i][k] /= area;
     }
@@ -68,7 +67,7 @@ static void measure_rim(const double *const corner[3], const double centre[3], c
     c->distance = sqrt(dot3(to, to));
     memset(c->gradient, 0, sizeof c->gradient);
     for (int k = 0; k < 3; k++)
-        c->push[k] = c->distance > 0.0 ? -to[k] / c->distance : 0.0;
+        c->normal[k] = c->distance > 0.0 ? -to[k] / c->distance : 0.0;
     for (int i = 0; i < 3; i++) {
         int next = (i + 1) % 3;
         if (c->share[i] == 0.0 || c->share[next] == 0.0)
@@ -93,7 +92,7 @@ void contact_measure(const palp_tool *tool, contact *c, const double *x) {
     if (c->corners == 1) {
         memcpy(c->share, (double[]){1.0, 0.0, 0.0}, sizeof c->share);
         memcpy(c->point, x + 3 * c->node[0], sizeof c->point);
-        memcpy(c->push, tool->axis, sizeof c->push);
+        memcpy(c->normal, tool->axis, sizeof c->normal);
         c->depth = dot3(centre, tool->axis) - dot3(c->point, tool->axis);
         return;
     }
@@ -123,75 +122,72 @@ static void add_along(double s, const double *a, double k[6]) {
 }
 
 /* Force of the penalty and its slope: quadratic up to the smoothing depth, then linear. */
-static double penalty(const network_load *load, const contact *c, double *slope) {
-    double smooth = load->settings.smoothing * load->edge, d = c->depth;
+static double penalty(const contact_set *set, const contact *c, double *slope) {
+    double smooth = set->settings.smoothing * set->edge, d = c->depth;
     *slope = d < smooth ? c->stiffness * d / smooth : c->stiffness;
     return d < smooth ? 0.5 * d * *slope : c->stiffness * (d - 0.5 * smooth);
 }
 
-double contact_energy(const network_load *load, const contact *c) {
-    double smooth = load->settings.smoothing * load->edge, d = c->depth;
+double contact_energy(const contact_set *set, const contact *c) {
+    double smooth = set->settings.smoothing * set->edge, d = c->depth;
     if (d < smooth)
         return c->stiffness * d * d * d / (6.0 * smooth);
     return c->stiffness * (0.5 * d * (d - smooth) + smooth * smooth / 6.0);
 }
 
-/* Tangent of the pressure along the push, and across it where the point cannot give way on its triangle: all round in a
+/* Tangent of the pressure along the normal, and across it where the point cannot give way on its triangle: all round in a
  * corner, across an edge on one. A capsule is straight along its axis. */
-static void press(const network_load *load, const palp_tool *tool, contact *c) {
+static void normal_force(const contact_set *set, const palp_tool *tool, contact *c) {
     double slope, edge[3] = {0.0}, length = 0.0;
-    c->pressure = penalty(load, c, &slope);
-    memset(c->normal, 0, sizeof c->normal);
-    add_along(slope, c->push, c->normal);
+    c->pressure = penalty(set, c, &slope);
+    memset(c->normal_tangent, 0, sizeof c->normal_tangent);
+    add_along(slope, c->normal, c->normal_tangent);
     if (c->corners == 1 || inside(c) || !(c->distance > 0.0))
         return;
     double bend = c->pressure / c->distance;
-    add_across(-bend, c->push, c->normal);
+    add_across(-bend, c->normal, c->normal_tangent);
     for (int i = 0; i < 3 && length == 0.0; i++) {
         length = sqrt(dot3(c->gradient[i], c->gradient[i]));
         for (int k = 0; k < 3 && length > 0.0; k++)
             edge[k] = c->gradient[i][k] / length;
     }
     if (length > 0.0)
-        add_along(bend, edge, c->normal);
+        add_along(bend, edge, c->normal_tangent);
     else if (tool->shape == PALP_TOOL_CAPSULE && c->along > 0.0 && c->along < tool->length_m)
-        add_along(bend, tool->axis, c->normal);
+        add_along(bend, tool->axis, c->normal_tangent);
 }
 
 /* A spring as stiff as the penalty from the anchor to the point, along the surface; where it pulls harder than
  * friction holds, it slips (return mapping). The part of the tangent by which slip follows the pressure has no mirror
  * image and is left out: the solver's matrix is symmetric. */
-static void rub(contact *c, double friction, const double *x) {
+static void friction_force(contact *c, double coefficient, const double *x) {
     double u[3], stiffness = c->entry * c->stiffness, turn[3];
-    contact_point(c, c->grip, x, u);
+    contact_point(c, c->stick_share, x, u);
     along3(u, -1.0, c->anchor, u);
-    along3(u, -dot3(u, c->push), c->push, u);
-    double pull = stiffness * sqrt(dot3(u, u)), hold = friction * c->pressure;
-    bool slips = pull > hold;
-    double share = slips ? hold / pull : 1.0;
+    along3(u, -dot3(u, c->normal), c->normal, u);
+    double pull = stiffness * sqrt(dot3(u, u)), limit = coefficient * c->pressure;
+    bool slips = pull > limit;
+    double share = slips ? limit / pull : 1.0;
     for (int k = 0; k < 3; k++) {
         c->stretch[k] = share * c->entry * u[k];
-        c->rub[k] = -share * stiffness * u[k];
+        c->friction[k] = -share * stiffness * u[k];
         turn[k] = slips ? u[k] * stiffness / pull : 0.0;
     }
-    memset(c->across, 0, sizeof c->across);
-    add_across(share * stiffness, c->push, c->across);
-    add_along(-share * stiffness, turn, c->across);
+    memset(c->friction_tangent, 0, sizeof c->friction_tangent);
+    add_across(share * stiffness, c->normal, c->friction_tangent);
+    add_along(-share * stiffness, turn, c->friction_tangent);
 }
 
-void contact_evaluate(const palp_network *net, contact *c) {
-    const palp_tool *tool = &net->load->pose[c->tool];
-    contact_measure(tool, c, net->next.x);
-    if (c->corners == 3 && c->distance < -0.5 * net->load->edge)
+void contact_evaluate(const contact_set *set, contact *c, const double *x) {
+    const palp_tool *tool = &set->pose[c->tool];
+    contact_measure(tool, c, x);
+    if (c->corners == 3 && c->distance < -0.5 * set->edge)
         c->depth = 0.0; /* a tool that far through the surface has lost it */
     if (!(c->depth > 0.0))
         return;
-    press(net->load, tool, c);
+    normal_force(set, tool, c);
     if (tool->friction > 0.0)
-        rub(c, tool->friction, net->next.x);
-    along3(c->rub, c->pressure, c->push, c->force);
-    for (int i = 0; i < 6; i++)
-        c->tangent[i] = c->normal[i] + c->across[i];
+        friction_force(c, tool->friction, x);
 }
 
 static void symmetric_times(const double k[6], const double *p, double out[3]) {
@@ -202,32 +198,32 @@ static void symmetric_times(const double k[6], const double *p, double out[3]) {
 
 /* Second derivative of the distance d of a centre to a triangle:
  * d_ij = s_i s_j Q / d + n g_i' s_j + s_i g_j n' - d (g_i g_j) n n'
- * with n = -push, the shares s, their gradients g, and Q = 1 - n n' without the directions of g. */
+ * with n = -normal, the shares s, their gradients g, and Q = 1 - n n' without the directions of g. */
 void contact_times(const contact *c, const double *u, double *out) {
-    double at_point[3], at_grip[3], along[3], slide[3] = {0.0}, across[3], turn[3];
+    double at_point[3], at_stick[3], along[3], slide[3] = {0.0}, across[3], turn[3];
     contact_point(c, c->share, u, at_point);
-    contact_point(c, c->grip, u, at_grip);
-    symmetric_times(c->normal, at_point, along);
-    symmetric_times(c->across, at_grip, across);
+    contact_point(c, c->stick_share, u, at_stick);
+    symmetric_times(c->normal_tangent, at_point, along);
+    symmetric_times(c->friction_tangent, at_stick, across);
     for (int j = 0; j < c->corners; j++)
-        along3(slide, dot3(c->push, u + 3 * c->node[j]), c->gradient[j], slide);
+        along3(slide, dot3(c->normal, u + 3 * c->node[j]), c->gradient[j], slide);
     along3(along, c->pressure, slide, along);
     along3(at_point, c->distance, slide, turn);
     for (int i = 0; i < c->corners; i++) {
         double *o = out + 3 * c->node[i];
         along3(o, c->share[i], along, o);
-        along3(o, c->pressure * dot3(c->gradient[i], turn), c->push, o);
-        along3(o, c->grip[i], across, o);
+        along3(o, c->pressure * dot3(c->gradient[i], turn), c->normal, o);
+        along3(o, c->stick_share[i], across, o);
     }
 }
 
 void contact_block(const contact *c, int a, int b, double k[9]) {
     static const unsigned char full[9] = {0, 1, 3, 1, 2, 4, 3, 4, 5};
-    const double *ga = c->gradient[a], *gb = c->gradient[b], *n = c->push;
+    const double *ga = c->gradient[a], *gb = c->gradient[b], *n = c->normal;
     double both = c->distance * dot3(ga, gb);
     for (int i = 0; i < 9; i++) {
         int row = i / 3, col = i % 3;
-        k[i] = c->share[a] * c->share[b] * c->normal[full[i]] + c->grip[a] * c->grip[b] * c->across[full[i]] +
+        k[i] = c->share[a] * c->share[b] * c->normal_tangent[full[i]] + c->stick_share[a] * c->stick_share[b] * c->friction_tangent[full[i]] +
                c->pressure * (n[row] * ga[col] * c->share[b] + c->share[a] * gb[row] * n[col] + both * n[row] * n[col]);
     }
 }

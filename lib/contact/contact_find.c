@@ -1,7 +1,6 @@
-/* tool_find.c: which nodes and triangles of the surface are near a tool, and where it is nearest to them. */
-#include "tool_internal.h"
+/* contact_find.c: which nodes and triangles of the surface are near a tool, and where it is nearest to them. */
+#include "contact_internal.h"
 
-#include <math.h>
 #include <string.h>
 
 static const double REACH = 0.5;   /* of an edge: so near, a point may come to touch in a step */
@@ -72,12 +71,11 @@ static double nearest_along(const palp_tool *tool, const double *const corner[3]
     return t;
 }
 
-double contact_slid(const palp_network *net, const contact *c) {
-    const double *x = net->next.x;
+double contact_slid(const contact_set *set, const contact *c, const double *x) {
     if (c->corners == 1)
         return 0.0;
     const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
-    return fabs(nearest_along(&net->load->pose[c->tool], corner) - c->along);
+    return fabs(nearest_along(&set->pose[c->tool], corner) - c->along);
 }
 
 /* The factor of a contact's stiffness: 1 where the tool meets the triangle from above, less where it comes
@@ -99,9 +97,9 @@ static double facing(const palp_tool *tool, const double *const corner[3], doubl
 }
 
 /* What the last committed state remembers of a contact, or NULL. They are in order mostly. */
-static const load_touch *find_touch(const palp_network *net, const contact *c, size_t *cursor) {
-    const load_touch *touch = load_touches(net->load, &net->now);
-    size_t n = load_memory_of(&net->now)->n_touches;
+static const contact_touch *find_touch(const contact_set *set, const contact *c, size_t *cursor) {
+    const contact_touch *touch = set->now.touch;
+    size_t n = set->now.n_touches;
     for (size_t i = 0; i < n; i++) {
         size_t at = *cursor + i < n ? *cursor + i : *cursor + i - n;
         if (touch[at].tool == c->tool && memcmp(touch[at].node, c->node, sizeof c->node) == 0) {
@@ -132,14 +130,13 @@ static void tool_moved(const palp_tool *was, const palp_tool *is, const double p
 
 /* Where friction's spring starts from, and the share of the step it has been touching for. False for a tool that came
  * from below the surface. */
-static bool anchor(const palp_network *net, contact *c, size_t *cursor) {
-    const network_load *load = net->load;
-    const palp_tool *pose = &load->pose[c->tool], *was = &load_tools(&net->now)[c->tool].pose;
-    bool known = (size_t)c->tool < load_memory_of(&net->now)->n_tools && was->shape == pose->shape;
-    const load_touch *touch = known ? find_touch(net, c, cursor) : NULL;
+static bool anchor(const contact_set *set, const double *committed, contact *c, size_t *cursor) {
+    const palp_tool *pose = &set->pose[c->tool], *was = &set->now.pose[c->tool];
+    bool known = (size_t)c->tool < set->now.n_tools && was->shape == pose->shape;
+    const contact_touch *touch = known ? find_touch(set, c, cursor) : NULL;
     double place[3], moved[3] = {0.0};
-    memcpy(c->grip, c->share, sizeof c->grip);
-    contact_point(c, c->grip, net->now.x, place);
+    memcpy(c->stick_share, c->share, sizeof c->stick_share);
+    contact_point(c, c->stick_share, committed, place);
     if (known)
         tool_moved(was, pose, place, moved);
     along3(place, 1.0, moved, c->anchor);
@@ -150,43 +147,51 @@ static bool anchor(const palp_network *net, contact *c, size_t *cursor) {
         return true;
     }
     if (!known) {
-        c->stiffness *= load->share;
+        c->stiffness *= set->share;
         return !(c->distance < 0.0);
     }
     contact before = *c, after = *c;
-    contact_measure(was, &before, net->now.x);
-    contact_measure(pose, &after, net->now.x);
+    contact_measure(was, &before, committed);
+    contact_measure(pose, &after, committed);
     if (before.depth < 0.0)
         c->entry = after.depth > 0.0 ? after.depth / (after.depth - before.depth) : 0.0;
     return !(before.distance < 0.0);
 }
 
-static void add(palp_network *net, contact *c, size_t *cursor) {
-    network_load *load = net->load;
-    if (load->n_contacts < load->max_contacts && anchor(net, c, cursor))
-        load->contact[load->n_contacts++] = *c;
+/* A search through the tools' surroundings. */
+typedef struct search {
+    contact_set *set;
+    const double *committed, *x; /* places of the nodes */
+    size_t cursor;               /* in the remembered touches */
+} search;
+
+static void add(search *s, contact *c) {
+    contact_set *set = s->set;
+    if (set->n_contacts < set->max_contacts && anchor(set, s->committed, c, &s->cursor))
+        set->contact[set->n_contacts++] = *c;
 }
 
-static void find_nodes(palp_network *net, int32_t tool, const double *x, double reach, size_t *cursor) {
-    const network_load *load = net->load;
-    const palp_tool *pose = &load->pose[tool];
+static void find_nodes(search *s, int32_t tool, double reach) {
+    const contact_set *set = s->set;
+    const palp_tool *pose = &set->pose[tool];
+    const double *x = s->x;
     double plane = dot3(pose->position_m, pose->axis) + reach;
-    for (size_t i = 0; i < net->n_nodes; i++) {
-        if (load->triangles[i] == 0 || !(dot3(x + 3 * i, pose->axis) < plane))
+    for (size_t i = 0; i < set->n_nodes; i++) {
+        if (set->triangles[i] == 0 || !(dot3(x + 3 * i, pose->axis) < plane))
             continue;
         contact c = {.tool = tool, .node = {(int32_t)i, -1, -1}, .corners = 1};
         contact_measure(pose, &c, x);
-        c.stiffness = load->settings.stiffness * load->modulus * load->unit[i];
-        add(net, &c, cursor);
+        c.stiffness = set->settings.stiffness * set->modulus * set->unit[i];
+        add(s, &c);
     }
 }
 
 /* A triangle's share of the stiffness of its nodes. */
-static double triangle_stiffness(const network_load *load, const int32_t *node) {
+static double triangle_stiffness(const contact_set *set, const int32_t *node) {
     double sum = 0.0;
     for (int i = 0; i < 3; i++)
-        sum += load->unit[node[i]] / load->triangles[node[i]];
-    return load->settings.stiffness * load->modulus * sum;
+        sum += set->unit[node[i]] / set->triangles[node[i]];
+    return set->settings.stiffness * set->modulus * sum;
 }
 
 /* low, high: the box around a tool, larger by slack. */
@@ -207,30 +212,31 @@ static bool overlap(const double low[3], const double high[3], const double *con
     return true;
 }
 
-static void find_triangles(palp_network *net, int32_t tool, const double *x, double reach, size_t *cursor) {
-    const network_load *load = net->load;
-    const palp_tool *pose = &load->pose[tool];
+static void find_triangles(search *s, int32_t tool, double reach) {
+    const contact_set *set = s->set;
+    const palp_tool *pose = &set->pose[tool];
+    const double *x = s->x;
     double low[3], high[3], around = reach + pose->radius_m;
     box(pose, around, low, high);
-    for (size_t i = 0; i < net->n_surface; i++) {
-        const int32_t *node = net->surface + 3 * i;
+    for (size_t i = 0; i < set->n_surface; i++) {
+        const int32_t *node = set->surface + 3 * i;
         const double *corner[3] = {x + 3 * node[0], x + 3 * node[1], x + 3 * node[2]};
         if (!overlap(low, high, corner) || !near(pose, around, corner))
             continue;
         contact c = {.tool = tool, .node = {node[0], node[1], node[2]}, .corners = 3};
         c.along = nearest_along(pose, corner);
         contact_measure(pose, &c, x);
-        c.stiffness = facing(pose, corner, load->edge, &c) * triangle_stiffness(load, node);
+        c.stiffness = facing(pose, corner, set->edge, &c) * triangle_stiffness(set, node);
         if (c.depth > -reach && c.stiffness > 0.0)
-            add(net, &c, cursor);
+            add(s, &c);
     }
 }
 
 /* How far a tool goes in this step. */
-static double travel(const palp_network *net, size_t tool) {
-    const palp_tool *pose = &net->load->pose[tool], *was = &load_tools(&net->now)[tool].pose;
+static double travel(const contact_set *set, size_t tool) {
+    const palp_tool *pose = &set->pose[tool], *was = &set->now.pose[tool];
     double moved[3], turned[3];
-    if (tool >= load_memory_of(&net->now)->n_tools)
+    if (tool >= set->now.n_tools)
         return 0.0;
     along3(pose->position_m, -1.0, was->position_m, moved);
     along3(pose->axis, -1.0, was->axis, turned);
@@ -238,15 +244,14 @@ static double travel(const palp_network *net, size_t tool) {
     return sqrt(dot3(moved, moved)) + reach * sqrt(dot3(turned, turned));
 }
 
-void contact_find(palp_network *net, const double *x) {
-    network_load *load = net->load;
-    size_t cursor = 0;
-    load->n_contacts = 0;
-    for (size_t i = 0; i < load->n_tools; i++) {
-        double reach = REACH * load->edge + travel(net, i);
-        if (load->pose[i].shape == PALP_TOOL_PLANE)
-            find_nodes(net, (int32_t)i, x, reach, &cursor);
+void contact_find(contact_set *set, const double *committed, const double *x) {
+    search s = {set, committed, x, 0};
+    set->n_contacts = 0;
+    for (size_t i = 0; i < set->n_tools; i++) {
+        double reach = REACH * set->edge + travel(set, i);
+        if (set->pose[i].shape == PALP_TOOL_PLANE)
+            find_nodes(&s, (int32_t)i, reach);
         else
-            find_triangles(net, (int32_t)i, x, reach, &cursor);
+            find_triangles(&s, (int32_t)i, reach);
     }
 }

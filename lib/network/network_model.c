@@ -1,7 +1,7 @@
-/* model_network.c: from a model to a network that is ready to step. */
+/* network_model.c: from a model to a network that is ready to step. */
 #include "base/file.h"
 
-#include <palpate/model.h>
+#include <palpate/network.h>
 
 /* What a tester adds is no part of the tissue; what changes elements or plates cannot be left out. */
 static palp_status check_effects(const palp_model *model, palp_error *error) {
@@ -14,9 +14,9 @@ static palp_status check_effects(const palp_model *model, palp_error *error) {
     return PALP_OK;
 }
 
-palp_status palp_model_network(const palp_model *model, const palp_mesh *mesh, size_t n_supports,
-                               const palp_support *supports, const palp_network_settings *settings,
-                               palp_network **network, palp_error *error) {
+palp_status palp_network_from_model(const palp_model *model, const palp_mesh *mesh, size_t n_supports,
+                                    const palp_support *supports, const palp_network_settings *settings,
+                                    palp_network **network, palp_error *error) {
     palp_network_settings own = settings ? *settings : palp_network_settings_default();
     palp_support usual[2];
     palp_mesh *made = NULL;

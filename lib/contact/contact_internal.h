@@ -1,0 +1,166 @@
+/* contact_internal.h: tools on a surface of nodes and triangles, of a network or of anything else that has such. Internal.
+ * Places of nodes are x[3 n_nodes], m. */
+#ifndef CONTACT_INTERNAL_H
+#define CONTACT_INTERNAL_H
+
+#include "network/network_internal.h"
+
+#include <palpate/tool.h>
+
+#include <math.h>
+
+/* A point of the surface near a tool: a node, or the point of a triangle that is nearest to the tool. A capsule
+ * meets a triangle as the sphere at one place of its axis, which stays for a step. */
+typedef struct contact {
+    int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1 */
+    int32_t corners;
+    double along;          /* place of that sphere on the capsule's axis, m */
+    double stiffness;      /* N/m */
+    double stick_share[3]; /* barycentric coordinates of the point that friction acts on, for a step */
+    double anchor[3];      /* friction's spring starts here and goes with the tool */
+    bool touched;          /* in the committed state */
+    double entry;          /* share of the step that it has been touching for */
+    /* of the last evaluation */
+    double depth, pressure; /* m, N */
+    double share[3];       /* barycentric coordinates of the nearest point */
+    double gradient[3][3]; /* of the shares on the triangle, 1/m; on an edge or in a corner those of the edge, none */
+    double distance;       /* from the point to the sphere's centre, negative if that is below the triangle, m */
+    double point[3];
+    double normal[3];      /* unit vector from the tool into the tissue */
+    double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
+    double stretch[3];     /* of friction's spring, m */
+    double friction[3];    /* friction force on the tissue, N */
+    double friction_tangent[6];
+} contact;
+
+/* A contact that touched, with friction's spring. */
+typedef struct contact_touch {
+    int32_t tool, node[3];
+    double stretch[3];
+} contact_touch;
+
+/* What a state remembers. */
+typedef struct contact_state {
+    size_t n_tools, n_touches;
+    palp_tool *pose;          /* [max_tools] */
+    palp_tool_force *felt;    /* [max_tools] */
+    contact_touch *touch;     /* [max_contacts] */
+} contact_state;
+
+typedef struct contact_set {
+    palp_contact_settings settings;
+    size_t n_nodes, max_tools, max_contacts;
+    size_t n_tools;
+    palp_tool *tool;         /* [max_tools] as told */
+    palp_tool *pose;         /* [max_tools] as the present evaluation has them */
+    double share;            /* of their way from the committed state */
+    contact *contact;        /* [max_contacts] */
+    size_t n_contacts;
+    const int32_t *surface;  /* [3 n_surface] triangles, outward; the caller's */
+    size_t n_surface;
+    int32_t *triangles;      /* [n_nodes] of the surface that meet in a node */
+    const double *unit;      /* [n_nodes] a node's own stiffness over that of an element, 1/m; the caller's */
+    double modulus;          /* instantaneous stiffness of an element at rest, N; set by the caller before place */
+    double edge;             /* mean edge of the surface at rest, m */
+    contact_state now, next;
+} contact_set;
+
+/* ---- contact_set.c ---- */
+
+/* rest and surface at rest; edge: taken where there are no triangles. On failure what there is is freed by
+ * contact_set_free. */
+palp_status contact_set_create(contact_set *set, size_t n_nodes, const double *rest, size_t n_surface,
+                               const int32_t *surface, const double *unit, double edge, size_t max_tools,
+                               const palp_contact_settings *settings);
+void contact_set_free(contact_set *set);
+void contact_set_reset(contact_set *set);
+
+/* Another surface on the same nodes. */
+void contact_set_surface(contact_set *set, size_t n, const int32_t *surface);
+
+/* The poses for the next step, copied. ERR_ARGUMENT: see palp_network_set_tools. */
+palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools);
+
+/* Tools at a share of their way from the committed state, where nodes were at committed; contacts as they are at x. */
+void contact_set_place(contact_set *set, double share, const double *committed, const double *x);
+
+/* Has a tool come or moved since the committed state? */
+bool contact_set_moved(const contact_set *set);
+
+/* Forces at x, added to force[3 n_nodes]; *squares as network_term residual. */
+void contact_set_evaluate(contact_set *set, const double *x, double *force, double *squares);
+
+/* If a contact's point moved so far that it is not the nearest to the tool any more: looks for contacts anew at x. */
+bool contact_set_refresh(contact_set *set, const double *committed, const double *x);
+
+/* The step is solved at x: what lasts into set->next. swap: next becomes now. */
+void contact_set_finish(contact_set *set, const double *x);
+void contact_set_swap(contact_set *set);
+
+/* Adds a force on the tissue, size times force, at a point of it to what the tool in this pose feels. */
+void contact_feel(const palp_tool *pose, const double point[3], double size, const double force[3],
+                  palp_tool_force *felt);
+
+/* ---- contact_find.c ---- */
+
+/* Fills set->contact with what is near the tools at x; anchors are set from the committed state. */
+void contact_find(contact_set *set, const double *committed, const double *x);
+
+/* How far along a capsule the place that is nearest to the contact's triangle now is from where it is taken, m. */
+double contact_slid(const contact_set *set, const contact *c, const double *x);
+
+/* ---- contact_point.c ---- */
+
+/* Depth, normal, share, distance, gradient with the tool in this pose and nodes at x. */
+void contact_measure(const palp_tool *tool, contact *c, const double *x);
+
+/* Force and tangent at x. */
+void contact_evaluate(const contact_set *set, contact *c, const double *x);
+
+/* out += -d force / d x times u, both [3 n_nodes]. */
+void contact_times(const contact *c, const double *u, double *out);
+
+/* k[9] = -d force on corner a / d corner b, by rows. */
+void contact_block(const contact *c, int a, int b, double k[9]);
+
+/* Potential of its pressure, J. */
+double contact_energy(const contact_set *set, const contact *c);
+
+/* Barycentric coordinates of the point of a triangle that is nearest to p. */
+void contact_nearest(const double *const corner[3], const double p[3], double share[3]);
+
+/* Sum of share[i] times what its nodes have in x[3 n_nodes]. */
+void contact_point(const contact *c, const double share[3], const double *x, double point[3]);
+
+/* ---- terms of a network ---- */
+
+/* Tools (contact_term.c) and grasped nodes (grasp.c); NULL: out of memory. */
+network_term *contact_term_new(const palp_network *net, size_t max_tools, const palp_contact_settings *settings);
+network_term *grasp_new(size_t max_grasped, double stiffness);
+
+/* The tools of a network, or NULL. */
+contact_set *contact_of(const palp_network *net);
+
+/* ---- vectors ---- */
+
+static inline double dot3(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void cross3(const double *a, const double *b, double out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* a + s b */
+static inline void along3(const double *a, double s, const double *b, double out[3]) {
+    for (int k = 0; k < 3; k++)
+        out[k] = a[k] + s * b[k];
+}
+
+static inline bool finite3(const double v[3]) {
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+#endif

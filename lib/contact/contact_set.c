@@ -1,0 +1,215 @@
+/* contact_set.c: tools on a surface through a step: placed, evaluated, felt, remembered. */
+#include "contact_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double SLID = 0.1; /* of an edge: a contact point that the solution moved so far is looked for again */
+
+/* ---- making -------------------------------------------------------------------------------------- */
+
+static bool state_create(contact_state *s, size_t max_tools, size_t max_contacts) {
+    s->pose = calloc(max_tools + 1, sizeof *s->pose);
+    s->felt = calloc(max_tools + 1, sizeof *s->felt);
+    s->touch = calloc(max_contacts + 1, sizeof *s->touch);
+    return s->pose && s->felt && s->touch;
+}
+
+static void state_free(contact_state *s) {
+    free(s->pose);
+    free(s->felt);
+    free(s->touch);
+}
+
+void contact_set_free(contact_set *set) {
+    free(set->tool);
+    free(set->pose);
+    free(set->contact);
+    free(set->triangles);
+    state_free(&set->now);
+    state_free(&set->next);
+}
+
+static double mean_edge(const double *rest, size_t n_surface, const int32_t *surface) {
+    double length = 0.0;
+    for (size_t i = 0; i < 3 * n_surface; i++) {
+        double d[3];
+        size_t next = i % 3 == 2 ? i - 2 : i + 1;
+        along3(rest + 3 * surface[i], -1.0, rest + 3 * surface[next], d);
+        length += sqrt(dot3(d, d));
+    }
+    return length / (3.0 * (double)n_surface);
+}
+
+palp_status contact_set_create(contact_set *set, size_t n_nodes, const double *rest, size_t n_surface,
+                               const int32_t *surface, const double *unit, double edge, size_t max_tools,
+                               const palp_contact_settings *settings) {
+    size_t all = max_tools * (n_surface > n_nodes ? n_surface : n_nodes), most = settings->max_contacts;
+    set->settings = *settings;
+    set->n_nodes = n_nodes;
+    set->max_tools = max_tools;
+    set->max_contacts = most > 0 && most < all ? most : all;
+    set->unit = unit;
+    set->edge = n_surface > 0 ? mean_edge(rest, n_surface, surface) : edge;
+    set->tool = calloc(max_tools + 1, sizeof *set->tool);
+    set->pose = calloc(max_tools + 1, sizeof *set->pose);
+    set->contact = calloc(set->max_contacts + 1, sizeof *set->contact);
+    set->triangles = calloc(n_nodes + 1, sizeof *set->triangles);
+    bool ok = state_create(&set->now, max_tools, set->max_contacts);
+    ok = state_create(&set->next, max_tools, set->max_contacts) && ok;
+    if (!ok || !set->tool || !set->pose || !set->contact || !set->triangles)
+        return PALP_ERR_NO_MEMORY;
+    contact_set_surface(set, n_surface, surface);
+    return PALP_OK;
+}
+
+void contact_set_surface(contact_set *set, size_t n, const int32_t *surface) {
+    set->surface = surface;
+    set->n_surface = n;
+    memset(set->triangles, 0, set->n_nodes * sizeof *set->triangles);
+    for (size_t i = 0; i < 3 * n; i++)
+        set->triangles[surface[i]]++;
+}
+
+void contact_set_reset(contact_set *set) {
+    set->now.n_tools = set->now.n_touches = 0;
+}
+
+/* ---- tools --------------------------------------------------------------------------------------- */
+
+static bool positive(double v) {
+    return v > 0.0 && isfinite(v);
+}
+
+static bool tool_sound(const palp_tool *t) {
+    if (t->shape > PALP_TOOL_PLANE || !finite3(t->position_m) || !(t->friction >= 0.0) || !isfinite(t->friction))
+        return false;
+    if (t->shape != PALP_TOOL_PLANE && !positive(t->radius_m))
+        return false;
+    if (t->shape == PALP_TOOL_CAPSULE && !(t->length_m >= 0.0 && isfinite(t->length_m)))
+        return false;
+    return t->shape == PALP_TOOL_SPHERE || fabs(sqrt(dot3(t->axis, t->axis)) - 1.0) < 1e-6;
+}
+
+palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools) {
+    if (n > set->max_tools || (n > 0 && !tools))
+        return PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < n; i++)
+        if (!tool_sound(&tools[i]))
+            return PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < n; i++) {
+        palp_tool *t = &set->tool[i];
+        *t = tools[i];
+        if (t->shape == PALP_TOOL_SPHERE)
+            t->axis[0] = t->axis[1] = t->axis[2] = 0.0;
+    }
+    set->n_tools = n;
+    return PALP_OK;
+}
+
+bool contact_set_moved(const contact_set *set) {
+    if (set->n_tools > set->now.n_tools)
+        return true;
+    for (size_t i = 0; i < set->n_tools; i++) {
+        const palp_tool *was = &set->now.pose[i], *is = &set->tool[i];
+        if (memcmp(was->position_m, is->position_m, sizeof was->position_m) != 0 ||
+            memcmp(was->axis, is->axis, sizeof was->axis) != 0)
+            return true;
+    }
+    return false;
+}
+
+/* ---- a step -------------------------------------------------------------------------------------- */
+
+/* A tool part of the way from where it was; a new one is where it is to be. */
+static palp_tool pose_at(const contact_set *set, size_t i, double share) {
+    const palp_tool *was = &set->now.pose[i];
+    palp_tool pose = set->tool[i];
+    if (share == 1.0 || i >= set->now.n_tools || was->shape != pose.shape)
+        return pose;
+    for (int k = 0; k < 3; k++) {
+        pose.position_m[k] = (1.0 - share) * was->position_m[k] + share * pose.position_m[k];
+        pose.axis[k] = (1.0 - share) * was->axis[k] + share * pose.axis[k];
+    }
+    double length = sqrt(dot3(pose.axis, pose.axis));
+    for (int k = 0; k < 3 && pose.shape != PALP_TOOL_SPHERE; k++)
+        pose.axis[k] = length > 1e-3 ? pose.axis[k] / length : set->tool[i].axis[k];
+    return pose;
+}
+
+void contact_set_place(contact_set *set, double share, const double *committed, const double *x) {
+    set->share = share;
+    for (size_t i = 0; i < set->n_tools; i++)
+        set->pose[i] = pose_at(set, i, share);
+    contact_find(set, committed, x);
+}
+
+void contact_set_evaluate(contact_set *set, const double *x, double *force, double *squares) {
+    for (size_t i = 0; i < set->n_contacts; i++) {
+        contact *c = &set->contact[i];
+        contact_evaluate(set, c, x);
+        if (!(c->depth > 0.0))
+            continue;
+        for (int j = 0; j < c->corners; j++) {
+            double *f = force + 3 * c->node[j];
+            along3(f, c->share[j] * c->pressure, c->normal, f);
+            along3(f, c->stick_share[j], c->friction, f);
+        }
+        *squares += c->stiffness * c->stiffness * dot3(c->point, c->point);
+    }
+}
+
+bool contact_set_refresh(contact_set *set, const double *committed, const double *x) {
+    bool slid = false;
+    for (size_t i = 0; i < set->n_contacts && !slid; i++)
+        slid = set->contact[i].depth > 0.0 && contact_slid(set, &set->contact[i], x) > SLID * set->edge;
+    if (slid)
+        contact_find(set, committed, x);
+    return slid;
+}
+
+/* ---- the end of a step --------------------------------------------------------------------------- */
+
+void contact_feel(const palp_tool *pose, const double point[3], double size, const double force[3],
+                  palp_tool_force *felt) {
+    double arm[3], moment[3];
+    along3(point, -1.0, pose->position_m, arm);
+    cross3(arm, force, moment);
+    along3(felt->force_N, -size, force, felt->force_N);
+    along3(felt->moment_Nm, -size, moment, felt->moment_Nm);
+}
+
+static void feel_contact(const palp_tool *pose, const contact *c, const double *x, palp_tool_force *felt) {
+    double stuck[3];
+    contact_point(c, c->stick_share, x, stuck);
+    contact_feel(pose, c->point, c->pressure, c->normal, felt);
+    contact_feel(pose, stuck, 1.0, c->friction, felt);
+    felt->contacts++;
+    felt->depth_m = fmax(felt->depth_m, c->depth);
+}
+
+void contact_set_finish(contact_set *set, const double *x) {
+    contact_state *next = &set->next;
+    next->n_tools = set->n_tools;
+    next->n_touches = 0;
+    for (size_t i = 0; i < set->n_tools; i++) {
+        next->pose[i] = set->pose[i];
+        next->felt[i] = (palp_tool_force){.contacts = 0};
+    }
+    for (size_t i = 0; i < set->n_contacts; i++) {
+        const contact *c = &set->contact[i];
+        if (!(c->depth > 0.0))
+            continue;
+        feel_contact(&set->pose[c->tool], c, x, &next->felt[c->tool]);
+        contact_touch *t = &next->touch[next->n_touches++];
+        t->tool = c->tool;
+        memcpy(t->node, c->node, sizeof t->node);
+        memcpy(t->stretch, c->stretch, sizeof t->stretch);
+    }
+}
+
+void contact_set_swap(contact_set *set) {
+    contact_state old = set->now;
+    set->now = set->next;
+    set->next = old;
+}

@@ -1,0 +1,89 @@
+/* network_foundation.c: springs from nodes to their places at rest. */
+#include "network_internal.h"
+
+#include <stdlib.h>
+
+typedef struct foundation {
+    network_term term;
+    double *stiffness; /* [3 n_nodes] N/m */
+} foundation;
+
+static void foundation_free(network_term *term) {
+    free(((foundation *)term)->stiffness);
+    free(term);
+}
+
+static void foundation_residual(const network_term *term, const palp_network *net, double *r, double *squares) {
+    const double *k = ((const foundation *)term)->stiffness;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0) {
+            r[i] -= k[i] * (net->next.x[i] - net->rest[i]);
+            *squares += k[i] * net->next.x[i] * k[i] * net->next.x[i];
+        }
+}
+
+static void foundation_diagonal(const network_term *term, const palp_network *net, double *d) {
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        d[i] += ((const foundation *)term)->stiffness[i];
+}
+
+static bool foundation_energy(const network_term *term, const palp_network *net, double *energy) {
+    const double *k = ((const foundation *)term)->stiffness;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0) {
+            double moved = net->next.x[i] - net->rest[i];
+            *energy += 0.5 * k[i] * moved * moved;
+        }
+    return true;
+}
+
+static const network_term_kind FOUNDATION = {.free = foundation_free,
+                                             .residual = foundation_residual,
+                                             .diagonal = foundation_diagonal,
+                                             .energy = foundation_energy};
+
+static foundation *find(const palp_network *net) {
+    return (foundation *)network_find_term(net, &FOUNDATION);
+}
+
+const double *network_foundation(const palp_network *net) {
+    const foundation *t = find(net);
+    return t ? t->stiffness : NULL;
+}
+
+static palp_status add(palp_network *net) {
+    foundation *t = calloc(1, sizeof *t);
+    double *stiffness = calloc(3 * net->n_nodes + 1, sizeof *stiffness);
+    if (!t || !stiffness) {
+        free(t);
+        free(stiffness);
+        return PALP_ERR_NO_MEMORY;
+    }
+    t->term.kind = &FOUNDATION;
+    t->stiffness = stiffness;
+    return network_add_terms(net, 1, (network_term *[]){&t->term});
+}
+
+palp_status network_set_foundation(palp_network *net, const char *set, double share) {
+    const int32_t *nodes;
+    size_t n;
+    double start;
+    palp_status status = palp_mesh_set(net->mesh, set, &n, &nodes);
+    if (!status && !find(net))
+        status = add(net);
+    if (status)
+        return status;
+    unsigned char *listed = calloc(net->n_nodes, 1);
+    if (!listed)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n; i++)
+        listed[nodes[i]] = 1;
+    double *stiffness = find(net)->stiffness;
+    palp_law_stiffness(&net->material.law, 0.0, &start, NULL);
+    for (size_t j = 0; j < 2 * net->n_elements; j++)
+        for (size_t k = 0; k < 3 && listed[net->pair[j]]; k++)
+            stiffness[3 * (size_t)net->pair[j] + k] +=
+                share * start * net->inverse_rest[j / 2] * (net->scale ? net->scale[j / 2] : 1.0);
+    free(listed);
+    return PALP_OK;
+}

@@ -1,0 +1,238 @@
+/* network_state.c: the states of a network: made, set back to rest, put aside, saved to a buffer and restored. */
+#include "network_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- memory -------------------------------------------------------------------------------------- */
+
+static void state_free(network_state *s) {
+    free(s->x);
+    free(s->velocity);
+    free(s->acceleration);
+    free(s->inner);
+    free(s->element);
+    free(s->history.strain);
+    free(s->history.elastic);
+    free(s->history.arm);
+    free(s->history.peak);
+    free(s->vector);
+}
+
+/* Allocates zeroed doubles; *ok becomes false if it cannot. */
+static double *doubles(size_t n, bool *ok) {
+    double *p = calloc(n + 1, sizeof *p);
+    *ok = *ok && p;
+    return p;
+}
+
+static bool state_allocate(const palp_network *net, network_state *s) {
+    size_t n3 = 3 * net->n_nodes, m = net->n_elements;
+    bool ok = true;
+    s->x = doubles(n3, &ok);
+    s->inner = doubles(n3, &ok);
+    s->element = doubles(m, &ok);
+    if (net->mass) {
+        s->velocity = doubles(n3, &ok);
+        s->acceleration = doubles(n3, &ok);
+    }
+    s->history.strain = doubles(m, &ok);
+    s->history.elastic = doubles(m, &ok);
+    s->history.arm = doubles(m * net->material.n_arms, &ok);
+    if (net->wear)
+        s->history.peak = doubles(m, &ok);
+    if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
+        s->vector = doubles(3 * m, &ok);
+    return ok;
+}
+
+void network_free_states(palp_network *net) {
+    state_free(&net->now);
+    state_free(&net->next);
+    free(net->mark);
+}
+
+/* ---- walks over a state -------------------------------------------------------------------------- */
+
+void network_pass(network_cursor *c, void *data, size_t bytes) {
+    if (c->way == NETWORK_SAVE)
+        memcpy(c->at, data, bytes);
+    else if (c->way == NETWORK_RESTORE)
+        memcpy(data, c->at, bytes);
+    if (c->at)
+        c->at += bytes;
+    c->bytes += bytes;
+}
+
+/* The committed state, that of the terms included. */
+static void pass_now(palp_network *net, network_cursor *c) {
+    network_state *s = &net->now;
+    const size_t n3 = 3 * net->n_nodes * sizeof(double), m = net->n_elements * sizeof(double);
+    void *arrays[] = {s->x, s->inner, s->velocity, s->acceleration, s->element, s->history.strain, s->history.elastic,
+                      s->history.arm, s->history.peak, s->vector, &s->depth, &s->time, &s->force};
+    const size_t bytes[] = {n3, n3, n3, n3, m, m, m, m * net->material.n_arms, m, 3 * m, sizeof s->depth,
+                            sizeof s->time, sizeof s->force};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        if (arrays[i])
+            network_pass(c, arrays[i], bytes[i]);
+    NETWORK_EACH_TERM(net, pass, net, c);
+    if (c->way == NETWORK_RESTORE)
+        NETWORK_EACH_TERM(net, grasp_changed, net);
+}
+
+/* What the predictor knows of the states before, and of the branch. */
+static void pass_past(palp_network *net, network_cursor *c) {
+    for (size_t i = 0; i < NETWORK_PAST; i++)
+        network_pass(c, net->past[i], 3 * net->n_nodes * sizeof *net->past[i]);
+    network_pass(c, net->past_depth, sizeof net->past_depth);
+    network_pass(c, net->past_time, sizeof net->past_time);
+    network_pass(c, &net->n_past, sizeof net->n_past);
+    network_pass(c, &net->buckled, sizeof net->buckled);
+    network_pass(c, &net->checked_depth, sizeof net->checked_depth);
+    network_pass(c, &net->unstable_depth, sizeof net->unstable_depth);
+}
+
+static bool allocate_mark(palp_network *net) {
+    network_cursor c = {.way = NETWORK_COUNT};
+    pass_now(net, &c);
+    unsigned char *mark = realloc(net->mark, c.bytes);
+    if (mark)
+        net->mark = mark;
+    return mark;
+}
+
+palp_status network_allocate_states(palp_network *net) {
+    network_state old[2] = {net->now, net->next}, fresh[2] = {{0}};
+    bool ok = state_allocate(net, &fresh[0]) && state_allocate(net, &fresh[1]);
+    if (ok) {
+        net->now = fresh[0];
+        net->next = fresh[1];
+        ok = allocate_mark(net);
+    }
+    if (!ok) {
+        net->now = old[0];
+        net->next = old[1];
+    }
+    for (size_t i = 0; i < 2; i++)
+        state_free(ok ? &old[i] : &fresh[i]);
+    return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+/* ---- terms --------------------------------------------------------------------------------------- */
+
+palp_status network_add_terms(palp_network *net, size_t n, network_term *const *terms) {
+    bool ok = net->n_terms + n <= NETWORK_TERMS;
+    for (size_t i = 0; i < n; i++)
+        ok = ok && terms[i];
+    for (size_t i = 0; i < n && ok; i++)
+        net->terms[net->n_terms + i] = terms[i];
+    net->n_terms += ok ? n : 0;
+    if (ok && allocate_mark(net)) {
+        for (size_t i = 0; i < n; i++)
+            if (terms[i]->kind->reset)
+                terms[i]->kind->reset(terms[i], net);
+        return PALP_OK;
+    }
+    net->n_terms -= ok ? n : 0;
+    for (size_t i = 0; i < n; i++)
+        if (terms[i])
+            terms[i]->kind->free(terms[i]);
+    return PALP_ERR_NO_MEMORY;
+}
+
+network_term *network_find_term(const palp_network *net, const network_term_kind *kind) {
+    for (size_t i = 0; i < net->n_terms; i++)
+        if (net->terms[i]->kind == kind)
+            return net->terms[i];
+    return NULL;
+}
+
+/* ---- rest, aside and back ------------------------------------------------------------------------ */
+
+void palp_network_reset(palp_network *net) {
+    network_state *s = &net->now;
+    size_t n3 = 3 * net->n_nodes * sizeof(double), m = net->n_elements * sizeof(double);
+    memcpy(s->x, net->rest, n3);
+    memset(s->inner, 0, n3);
+    memset(s->element, 0, m);
+    if (net->mass) {
+        memset(s->velocity, 0, n3);
+        memset(s->acceleration, 0, n3);
+    }
+    memset(s->history.strain, 0, m);
+    memset(s->history.elastic, 0, m);
+    memset(s->history.arm, 0, m * net->material.n_arms);
+    if (s->history.peak)
+        memset(s->history.peak, 0, m);
+    if (s->vector)
+        memset(s->vector, 0, 3 * m);
+    s->depth = s->time = s->force = 0.0;
+    net->n_past = 0;
+    net->trial = net->factored = net->buckled = false;
+    net->checked_depth = net->unstable_depth = 0.0;
+    net->resets++;
+    NETWORK_EACH_TERM(net, reset, net);
+}
+
+void network_mark_save(palp_network *net) {
+    network_cursor c = {NETWORK_SAVE, net->mark, 0};
+    pass_now(net, &c);
+}
+
+void network_mark_restore(palp_network *net) {
+    network_cursor c = {NETWORK_RESTORE, net->mark, 0};
+    pass_now(net, &c);
+    net->n_past = 0;
+    net->trial = false;
+}
+
+/* ---- a buffer of the caller's -------------------------------------------------------------------- */
+
+/* What must be the same in the network that saves and in the one that restores. */
+typedef struct header {
+    uint64_t magic, n_nodes, n_elements, n_arms, n_free, n_terms, mass, peak, vector, bytes;
+} header;
+
+static header header_of(const palp_network *net) {
+    palp_network *counted = (palp_network *)net; /* counting changes nothing */
+    network_cursor c = {.way = NETWORK_COUNT};
+    pass_now(counted, &c);
+    pass_past(counted, &c);
+    return (header){.magic = UINT64_C(0x70616c7061746532),
+                    .n_nodes = net->n_nodes,
+                    .n_elements = net->n_elements,
+                    .n_arms = net->material.n_arms,
+                    .n_free = net->n_free,
+                    .n_terms = net->n_terms,
+                    .mass = net->mass != NULL,
+                    .peak = net->now.history.peak != NULL,
+                    .vector = net->now.vector != NULL,
+                    .bytes = sizeof(header) + c.bytes};
+}
+
+size_t palp_network_state_size(const palp_network *net) {
+    return (size_t)header_of(net).bytes;
+}
+
+palp_status palp_network_save(const palp_network *net, void *buffer, size_t size) {
+    header h = header_of(net);
+    if (!buffer || size < h.bytes)
+        return PALP_ERR_ARGUMENT;
+    network_cursor c = {NETWORK_SAVE, (unsigned char *)buffer + sizeof h, 0};
+    palp_network *saved = (palp_network *)net; /* saving only reads */
+    memcpy(buffer, &h, sizeof h);
+    pass_now(saved, &c);
+    pass_past(saved, &c);
+    return PALP_OK;
+}
+
+palp_status palp_network_restore(palp_network *net, const void *buffer, size_t size) {
+    header h = header_of(net);
+    if (!buffer || size < h.bytes || memcmp(buffer, &h, sizeof h) != 0)
+        return PALP_ERR_ARGUMENT;
+    network_cursor c = {NETWORK_RESTORE, (unsigned char *)buffer + sizeof h, 0}; /* only read */
+    net->trial = net->factored = net->exact = false;
+    pass_now(net, &c);
+    pass_past(net, &c);
+    return PALP_OK;
+}
