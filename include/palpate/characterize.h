@@ -21,11 +21,11 @@ typedef struct palp_characterize_settings {
     size_t n_arms;          /* 0 = elastic */
     bool dwell_only;         /* ramp and hold: leave the ramp out of the residual */
     double tau_min_s, tau_max_s; /* bounds of relaxation times; 0 = from the data */
-    size_t starts;          /* multi-start: how many first guesses are polished */
-    size_t max_evaluations; /* of one polish */
+    size_t starts;          /* multistart: from how many first guesses the fit is refined */
+    size_t max_evaluations; /* of the residual in one refinement */
 } palp_characterize_settings;
 
-/* A per-recording constant spring, no arms, whole curve, 4 starts, 300 evaluations. */
+/* A constant spring for each recording, no arms, the whole curve, 4 starts, 300 evaluations. */
 PALP_API palp_characterize_settings palp_characterize_settings_default(void);
 
 /* One fitted parameter. Intervals are 95 %, from the curvature at the optimum, the noise model, and the sd of
@@ -48,7 +48,7 @@ typedef struct palp_lumped_fit {
     palp_estimate *estimate;    /* springs, then K_j, b_j, tau_j by arm */
     double *correlation;        /* [n_estimates^2] */
     double reduced_chi2;        /* weighted residual per degree of freedom, 1 = down to the noise */
-    double inflation;           /* factor on the sds for misfit and coloured noise, >= 1 */
+    double inflation;           /* factor on the sds for misfit and correlated noise, >= 1 */
     size_t n_merged;            /* arms merged because the data cannot tell them apart */
     bool constrained;           /* K(e) > 0 had to be enforced */
     bool converged;
@@ -56,25 +56,27 @@ typedef struct palp_lumped_fit {
 
 PALP_API void palp_lumped_fit_free(palp_lumped_fit *fit); /* frees arrays, zeroes; NULL is fine */
 
-/* Fits n recordings at once: weighted least squares on the raw samples (in blocks short against what
- * changes), by NLopt in log K and log tau. Arms are shared by all recordings. ERR_ARGUMENT, ERR_INPUT
- * with a line: recordings of different heights, fewer samples than parameters. */
+/* Fits n recordings at once: weighted least squares on means of short blocks of raw samples, by NLopt in log K and
+ * log tau. Arms are shared by all recordings. The caller frees *fit. ERR_ARGUMENT: no
+ * recording, a law without coefficients; ERR_INPUT with a line in error: recordings of different heights, a recording
+ * without noise, fewer samples than parameters. */
 PALP_API palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                      palp_lumped_fit *fit, palp_error *error);
 
-/* Held-out error for 0..max_arms arms (or polynomials K of degree 0..max_degree; max + 1 scores): folds of
- * log-time (or depth) blocks of each recording, or whole recordings where there are three and more.
- * score[i]: mean squared held-out residual over the noise variance; sd[i]: standard error of its
- * difference to the best. *best: the first whose losses are typically (in the mean of their logarithms, fold
- * group by fold group) within two standard errors, or a fifth, of the best one's. */
+/* Number of arms, or degree of the polynomial K, by cross-validation: parts of the data are held out of the fit in
+ * turn, whole recordings where there are three or more with one law, else blocks of log time (or depth) of each.
+ * score[max + 1]: mean squared residual of what was held out over the noise variance, for 0 to max arms (or degree 0 to
+ * max); sd[max + 1]: standard error of its difference to the best one's. *best: the smallest number whose losses, in the
+ * mean of their logarithms over the groups of blocks, are within two standard errors, or a fifth, of the best one's.
+ * Errors of palp_characterize_fit; select_degree also ERR_ARGUMENT for PALP_SPRING_PER_RUN. */
 PALP_API palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                       size_t max_arms, double *score, double *sd, size_t *best, palp_error *error);
 PALP_API palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                         size_t max_degree, double *score, double *sd, size_t *best,
                                         palp_error *error);
 
-/* The fit's force for a recording, at its samples: force_N[recording->n] is the caller's; run is the
- * recording's index in the fit (for its K_inf). */
+/* The fit's force for a recording, at its samples, into the caller's force_N[recording->n]. run is the recording's
+ * index in the fit, which chooses its K_inf. ERR_ARGUMENT: run out of range. */
 PALP_API palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *recording,
                                            double *force_N);
 

@@ -12,8 +12,8 @@ extern "C" {
 
 typedef struct palp_experiment palp_experiment; /* opaque; palp_experiment_free */
 
-/* An empty experiment with the columns time_s, depth_mm, force_N and n rows of zeros, and the key
- * palpate.experiment = 1. */
+/* An experiment with the columns time_s, depth_mm, force_N and rows rows of zeros, and the key
+ * palpate.experiment = 1. The caller frees it. ERR_NO_MEMORY. */
 PALP_API palp_status palp_experiment_create(size_t rows, palp_experiment **experiment);
 PALP_API void palp_experiment_free(palp_experiment *experiment); /* NULL is fine */
 
@@ -29,7 +29,8 @@ PALP_API palp_status palp_experiment_write(const palp_experiment *experiment, co
 
 PALP_API size_t palp_experiment_rows(const palp_experiment *experiment);
 
-/* Column by name, rows numbers owned by the experiment; NULL if there is none. */
+/* The numbers of a column by its name, [palp_experiment_rows], which may be written to. They are the experiment's.
+ * NULL if there is no such column. */
 PALP_API double *palp_experiment_column(const palp_experiment *experiment, const char *name);
 PALP_API size_t palp_experiment_column_count(const palp_experiment *experiment);
 PALP_API const char *palp_experiment_column_name(const palp_experiment *experiment, size_t i);

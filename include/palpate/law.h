@@ -67,8 +67,8 @@ PALP_API palp_status palp_law_scale(const palp_law *law, double factor, palp_law
 PALP_API void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, double *slope_N);
 
 /* For n strains e[n]: force f = K(|e|) e, tangent df/de, energy = integral of f de from 0 (N, i.e.
- * J per metre of rest length). e positive = tension in an element, or compression of a lumped
- * specimen; the law does not tell. tangent and energy may be NULL; the arrays must not overlap.
+ * J per metre of rest length). A law depends on |e| only: e is positive in tension for an element and in compression for a
+ * lumped specimen. tangent and energy may be NULL; the arrays must not overlap.
  * A hyperelastic law at |e| >= 1 gives infinity. e may be any finite number. */
 PALP_API void palp_law_force(const palp_law *law, size_t n, const double *e, double *force_N,
                              double *tangent_N, double *energy_N);
@@ -78,7 +78,7 @@ PALP_API void palp_law_force(const palp_law *law, size_t n, const double *e, dou
  * stayed 0). */
 PALP_API void palp_law_gradient(const palp_law *law, double e, double *dforce);
 
-/* The lowest K(a) for 0 <= a <= strain_max, searched on a fine grid and a spline's knots; a law with
+/* The lowest K(a), N, for 0 <= a <= strain_max, searched on a fine grid and a spline's knots. A law with
  * a value <= 0 there is not physical. */
 PALP_API double palp_law_minimum(const palp_law *law, double strain_max);
 

@@ -16,7 +16,8 @@ enum { PALP_ARMS_MAX = 16 }; /* most arms a material holds */
  * PALP_HISTORY: F = K(|e|) e + sum q_j, dq_j/dt + q_j / tau_j = K_j ds_j/dt, each q_j advanced
  *   exactly for a drive s_j linear over the step.
  * PALP_SEDEF2008: Eq. 5.4 and 5.10-5.14: backward difference, the previous force a fixed vector;
- *   at most one arm, without strain dependence. Reproduces the seed's tables; see doc/. */
+ *   at most one arm, without strain dependence. It reproduces the tables of the thesis, not the material
+ *   (doc/strain-dependence.md). */
 typedef enum palp_formulation { PALP_HISTORY, PALP_SEDEF2008 } palp_formulation;
 
 /* One Maxwell element. tau = viscosity / stiffness at zero strain. With strain dependence
@@ -39,10 +40,12 @@ typedef struct palp_material {
     palp_formulation formulation;
 } palp_material;
 
-/* ERR_ARGUMENT or ERR_UNSUPPORTED if the numbers make no material; a line in error says which. */
+/* Whether a material can be run; a line in error (may be NULL) says what is wrong. ERR_ARGUMENT: a number out of its
+ * range or not finite; ERR_LIMIT: more than PALP_ARMS_MAX arms; ERR_UNSUPPORTED: what the formulation has no equation
+ * for. */
 PALP_API palp_status palp_material_check(const palp_material *material, palp_error *error);
 
-/* What one element remembers between steps; zero-initialised = undeformed and at rest. */
+/* The state of one element after a step, from which the next one starts; zero-initialised = undeformed and at rest. */
 typedef struct palp_element_state {
     double strain;             /* e */
     double force_N;            /* F */
@@ -59,7 +62,8 @@ PALP_API palp_status palp_element_advance(const palp_material *material, const p
 
 /* Force of a lumped specimen of height height_m that follows depth_m[n] (positive = compression) at
  * the increasing times time_s[n]; at rest before time_s[0], where depth_m[0] is applied at once.
- * Linear depth between the samples. force_N[n] is caller's. */
+ * Linear depth between the samples. force_N[n] is the caller's. Errors of palp_material_check and palp_element_advance;
+ * ERR_ARGUMENT: a height that is not positive, times that do not increase. */
 PALP_API palp_status palp_lumped_run(const palp_material *material, double height_m, size_t n,
                                      const double *time_s, const double *depth_m, double *force_N);
 

@@ -48,12 +48,12 @@ PALP_API palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t 
 PALP_API palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diagonals,
                                          palp_mesh **mesh, palp_error *error);
 
-PALP_API void palp_mesh_free(palp_mesh *mesh); /* NULL is fine */
+PALP_API void palp_mesh_free(palp_mesh *mesh); /* NULL is allowed */
 
 PALP_API size_t palp_mesh_node_count(const palp_mesh *mesh);
 PALP_API size_t palp_mesh_element_count(const palp_mesh *mesh);
-PALP_API const double *palp_mesh_positions(const palp_mesh *mesh); /* [3 n_nodes], m, rest; mesh's */
-PALP_API const int32_t *palp_mesh_pairs(const palp_mesh *mesh);    /* [2 n_elements]; mesh's */
+PALP_API const double *palp_mesh_positions(const palp_mesh *mesh); /* [3 n_nodes], m, at rest; the mesh's */
+PALP_API const int32_t *palp_mesh_pairs(const palp_mesh *mesh);    /* [2 n_elements], the nodes of each; the mesh's */
 
 /* Tetrahedra that fill the mesh, four nodes each, positive volume; mesh's. A lattice's boxes are six each, with
  * edges between Moore neighbours; a Gmsh file's hexahedra likewise. 0 for a mesh from arrays. */

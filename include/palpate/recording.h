@@ -16,22 +16,23 @@ typedef enum palp_recording_kind { PALP_RECORDING_STATIC, PALP_RECORDING_RAMP_HO
 /* How contact (depth 0) and zero force were found. */
 typedef enum palp_contact_rule {
     PALP_CONTACT_GIVEN,     /* by the caller, or by the file's contact.rule (palpate import) */
-    PALP_CONTACT_FREE_AIR,  /* mean force in the air is zero; the recorded contact stands, as exact, unless the
-                               rising force leads back to a place more than 3 sd off: then that is contact */
-    PALP_CONTACT_NOMINAL    /* no air: depth 0 is contact and the rest there zero force, or else the force is as
-                               recorded; sd from the file's contact.sd_mm or the first of the rise */
+    PALP_CONTACT_FREE_AIR,  /* the mean force in the air is zero force; contact is recorded depth 0, unless the rising
+                               force leads back to a depth more than 3 sds from it, which then is contact */
+    PALP_CONTACT_NOMINAL    /* the plate was never in the air: contact is recorded depth 0; zero force is the mean of the
+                               rest there, or 0 without one; the contact's sd is the file's contact.sd_mm or follows
+                               from the beginning of the rise */
 } palp_contact_rule;
 
 typedef struct palp_recording_settings {
     double height_m;      /* 0 = from the file's specimen.height_mm */
     bool contact_given;
     double contact_m;     /* recorded depth at contact, with contact_given */
-    double spike_sigma;   /* a lone sample further than so many noise sd from both its neighbours is masked */
-    double clip_share;    /* this share of samples at exactly the largest force, while the plate moves on,
-                             counts as clipping */
+    double spike_sigma;   /* a single sample further than this many noise sds from both neighbours is masked */
+    double clip_share;    /* the sensor counts as clipped where at least this share of the samples has exactly the
+                             largest force while the plate moves on */
 } palp_recording_settings;
 
-/* contact found, spikes beyond 8 sd masked, clipping from 0.002 of the samples. */
+/* Contact is found, spikes beyond 8 sds are masked, clipping counts from a share of 0.002. */
 PALP_API palp_recording_settings palp_recording_settings_default(void);
 
 /* A prepared recording; owns its arrays; palp_recording_free. Depth and force are relative to contact. */
@@ -68,7 +69,8 @@ PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, z
 
 /* Zero-phase low-pass: a Butterworth filter of an even order 2..8, run forward and backward (so twice
  * the order, -6 dB at cutoff_Hz), for evenly sampled data; ends are extended by odd reflection.
- * ERR_ARGUMENT: cutoff not in (0, 0.5 / dt_s). */
+ * in[n] and out[n] are the caller's. ERR_ARGUMENT: another order, a cutoff not in (0, 0.5 / dt_s), no samples;
+ * ERR_NO_MEMORY. */
 PALP_API palp_status palp_filter_zero_phase(size_t n, const double *in, double dt_s, int order, double cutoff_Hz,
                                             double *out);
 
