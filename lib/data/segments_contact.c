@@ -107,22 +107,15 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
     return air;
 }
 
-static double mean_of(const double *x, size_t n) {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++)
-        sum += x[i];
-    return sum / (double)n;
-}
-
 /* The trend is seen in the means of the outer thirds. */
 bool palp_press_starts_in_air(const palp_press *p) {
     size_t n = smaller(5 * p->window, p->n), third = n / 3;
-    double squares = 0.0, level = mean_of(p->force_N, n);
+    double squares = 0.0, level = statistics_mean(p->force_N, n);
     if (n < AIR_LEAST)
         return false;
     for (size_t i = 0; i < n; i++)
         squares += (p->force_N[i] - level) * (p->force_N[i] - level);
-    double trend = mean_of(p->force_N + n - third, third) - mean_of(p->force_N, third);
+    double trend = statistics_mean(p->force_N + n - third, third) - statistics_mean(p->force_N, third);
     return fabs(trend) <= BEYOND * sqrt(squares / (double)n / (double)third);
 }
 
