@@ -1,6 +1,7 @@
 /* calibrate_relaxation.c: arms and scale of the element material from force records of several depths at
  * once (the thesis' open problem of Section 6.2), by least squares with forward sensitivities. */
 #include "calibrate_internal.h"
+#include "relaxation_parameters.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,16 +18,6 @@ palp_relaxation_settings palp_relaxation_settings_default(void) {
                                       .fit_scale = true};
 }
 
-/* What a parameter changes: the arms from first to last, or the law's scale. */
-typedef enum role { SCALE, STIFFNESS, LOG_TIME, BETA, GAMMA } parameter_role;
-
-typedef struct parameter {
-    parameter_role role;
-    size_t first, last; /* arms, inclusive */
-} parameter;
-
-enum { PARAMETERS_MAX = 1 + 4 * PALP_ARMS_MAX };
-
 typedef struct relaxation {
     palp_network *net;
     const palp_material *start;
@@ -35,7 +26,7 @@ typedef struct relaxation {
     const palp_target *target;
     palp_calibration *result;
     size_t n;
-    parameter parameter[PARAMETERS_MAX];
+    relaxation_parameter parameter[RELAXATION_PARAMETERS_MAX];
     /* sensitivities by parameter: [n n_elements], [n n_arms n_elements]; weight and partial [n_elements] */
     double *strain, *arm, *weight, *partial, *force;
     double *arm_partials; /* [n_arms ELEMENT_PARTIALS n_elements] of the step at hand */
@@ -43,95 +34,21 @@ typedef struct relaxation {
     double *residual, *jacobian; /* where linearize puts them, else NULL */
 } relaxation;
 
-static void add_parameter(relaxation *s, parameter_role role, size_t first, size_t last) {
-    s->parameter[s->n++] = (parameter){role, first, last};
-}
-
-static void list_parameters(relaxation *s) {
-    size_t arms = s->start->n_arms;
-    if (s->settings->fit_scale)
-        add_parameter(s, SCALE, 0, 0);
-    for (size_t j = 0; j < arms; j++) {
-        add_parameter(s, STIFFNESS, j, j);
-        add_parameter(s, LOG_TIME, j, j);
-    }
-    for (size_t j = 0; j < (s->settings->one_beta ? 1 : arms); j++) {
-        size_t last = s->settings->one_beta ? arms - 1 : j;
-        if (s->settings->fit_beta)
-            add_parameter(s, BETA, j, last);
-        if (s->settings->fit_gamma)
-            add_parameter(s, GAMMA, j, last);
-    }
-}
-
-static void first_guess(const relaxation *s, double *p) {
-    for (size_t k = 0; k < s->n; k++) {
-        const palp_arm *arm = &s->start->arms[s->parameter[k].first];
-        switch (s->parameter[k].role) {
-        case SCALE:
-            p[k] = 1.0;
-            break;
-        case STIFFNESS:
-            p[k] = arm->stiffness_N;
-            break;
-        case LOG_TIME:
-            p[k] = log(arm->viscosity_Ns / arm->stiffness_N);
-            break;
-        case BETA:
-            p[k] = arm->beta;
-            break;
-        case GAMMA:
-            p[k] = arm->gamma;
-            break;
-        }
-    }
-}
-
-static palp_status material_from(const relaxation *s, const double *p, palp_material *material) {
-    double time[PALP_ARMS_MAX];
-    palp_status status = PALP_OK;
-    *material = *s->start;
-    for (size_t j = 0; j < material->n_arms; j++)
-        time[j] = material->arms[j].viscosity_Ns / material->arms[j].stiffness_N;
-    for (size_t k = 0; k < s->n && !status; k++)
-        for (size_t j = s->parameter[k].first; j <= s->parameter[k].last; j++)
-            switch (s->parameter[k].role) {
-            case SCALE:
-                status = p[k] > 0.0 ? palp_law_scale(&s->start->law, p[k], &material->law) : PALP_ERR_ARGUMENT;
-                break;
-            case STIFFNESS:
-                material->arms[j].stiffness_N = p[k];
-                break;
-            case LOG_TIME:
-                time[j] = exp(p[k]);
-                break;
-            case BETA:
-                material->arms[j].beta = p[k];
-                break;
-            case GAMMA:
-                material->arms[j].gamma = p[k];
-                break;
-            }
-    for (size_t j = 0; j < material->n_arms; j++)
-        material->arms[j].viscosity_Ns = time[j] * material->arms[j].stiffness_N;
-    return status ? status : palp_material_check(material, NULL);
-}
-
 /* The partials of arm j by one of element_partial. */
 static const double *by_of(const relaxation *s, size_t j, element_partial by) {
     return s->arm_partials + (j * ELEMENT_PARTIALS + by) * s->net->n_elements;
 }
 
 /* Direct effect of a parameter on arm j's force beside what the history carries: *factor times one of the partials. */
-static element_partial direct(const relaxation *s, const parameter *p, size_t j, double *factor) {
-    *factor = p->role == SCALE || j < p->first || j > p->last ? 0.0 : 1.0;
+static element_partial direct(const relaxation *s, const relaxation_parameter *p, size_t j, double *factor) {
+    *factor = p->role == RELAXATION_SCALE || j < p->first || j > p->last ? 0.0 : 1.0;
     switch (p->role) {
-    case STIFFNESS:
+    case RELAXATION_STIFFNESS:
         *factor /= s->net->material.arms[j].stiffness_N;
         return ELEMENT_LOG_STIFFNESS;
-    case BETA:
+    case RELAXATION_BETA:
         return ELEMENT_BETA;
-    case GAMMA:
+    case RELAXATION_GAMMA:
         return ELEMENT_GAMMA;
     default:
         return ELEMENT_LOG_TIME;
@@ -153,7 +70,7 @@ static void partial_forces(relaxation *s, size_t k, double scale) {
     size_t m = net->n_elements, arms = net->material.n_arms;
     const double *strain = s->strain + k * m;
     for (size_t i = 0; i < m; i++)
-        s->partial[i] = (s->parameter[k].role == SCALE ? net->next.history.elastic[i] / scale : 0.0) -
+        s->partial[i] = (s->parameter[k].role == RELAXATION_SCALE ? net->next.history.elastic[i] / scale : 0.0) -
                         net->step.dashpot * strain[i];
     for (size_t j = 0; j < arms; j++) {
         double *arm = s->arm + (k * arms + j) * m;
@@ -243,7 +160,7 @@ static double next_time(const relaxation *s, const palp_target *target, size_t s
 static palp_status run_target(relaxation *s, const palp_target *target, double scale, double *force,
                               double *gradient, size_t total) {
     size_t m = s->net->n_elements, arms = s->net->material.n_arms;
-    double row[PARAMETERS_MAX] = {0}, t = target->path.time_s[0];
+    double row[RELAXATION_PARAMETERS_MAX] = {0}, t = target->path.time_s[0];
     palp_status status = PALP_OK;
     palp_network_reset(s->net);
     memset(s->strain, 0, s->n * m * sizeof *s->strain);
@@ -306,7 +223,7 @@ static palp_status residuals(void *user, const double *p, double *r, double *jac
     palp_material material;
     size_t first = 0;
     double weighted = 0.0, scale = s->settings->fit_scale ? p[0] : 1.0;
-    palp_status status = material_from(s, p, &material);
+    palp_status status = relaxation_material(s->n, s->parameter, s->start, p, &material);
     if (!status)
         status = palp_network_set_material(s->net, &material);
     bool no_material = status != PALP_OK;
@@ -340,52 +257,21 @@ static double longest_path(const relaxation *s) {
     return longest;
 }
 
-/* Bounds as linear constraints. An arm much softer, quicker or slower than the records can tell would never
- * come back from there. */
-static size_t bound_rows(const relaxation *s, double *row, double *floor) {
-    double longest = longest_path(s);
-    size_t rows = 0;
-    memset(row, 0, 2 * s->n * s->n * sizeof *row);
-    for (size_t k = 0; k < s->n; k++) {
-        const palp_arm *arm = &s->start->arms[s->parameter[k].first];
-        double time = arm->viscosity_Ns / arm->stiffness_N;
-        row[rows * s->n + k] = 1.0;
-        switch (s->parameter[k].role) {
-        case SCALE:
-            floor[rows++] = 0.05;
-            break;
-        case STIFFNESS:
-            floor[rows++] = 1e-6 * arm->stiffness_N;
-            break;
-        case LOG_TIME:
-            floor[rows++] = log(fmin(1e-5 * longest, time));
-            row[rows * s->n + k] = -1.0;
-            floor[rows++] = -log(fmax(1e2 * longest, time));
-            break;
-        case BETA:
-        case GAMMA:
-            floor[rows++] = 0.0;
-            break;
-        }
-    }
-    return rows;
-}
-
 static palp_status fit(relaxation *s) {
-    double p[PARAMETERS_MAX], floor[2 * PARAMETERS_MAX], norm; /* two bounds of a time */
+    double p[RELAXATION_PARAMETERS_MAX], floor[2 * RELAXATION_PARAMETERS_MAX], norm; /* two bounds of a time */
     double *row = malloc(2 * s->n * s->n * sizeof *row + 1);
     if (!row)
         return PALP_ERR_NO_MEMORY;
-    first_guess(s, p);
+    relaxation_first_guess(s->n, s->parameter, s->start, p);
     least_squares problem = {.n_parameters = s->n,
                              .n_residuals = s->n_samples,
                              .max_evaluations = s->settings->max_evaluations,
                              .stop_relative = s->settings->stop_relative,
                              .evaluate = residuals,
                              .user = s,
-                             .n_constraints = bound_rows(s, row, floor),
                              .constraint = row,
                              .floor = floor};
+    problem.n_constraints = relaxation_bounds(s->n, s->parameter, s->start, longest_path(s), row, floor);
     palp_status status = least_squares_solve(&problem, p, &norm, &s->result->converged);
     free(row);
     return status;
@@ -425,7 +311,7 @@ static palp_status prepare(relaxation *s, palp_status (*work)(relaxation *)) {
     palp_status status = check(s);
     if (status)
         return status;
-    list_parameters(s);
+    s->n = relaxation_list(s->start, s->settings, s->parameter);
     for (size_t t = 0; t < s->n_targets; t++)
         s->n_samples += s->target[t].n;
     s->strain = malloc((s->n * m + 1) * sizeof(double));
@@ -446,8 +332,8 @@ static palp_status prepare(relaxation *s, palp_status (*work)(relaxation *)) {
 }
 
 static palp_status linearize(relaxation *s) {
-    double p[PARAMETERS_MAX];
-    first_guess(s, p);
+    double p[RELAXATION_PARAMETERS_MAX];
+    relaxation_first_guess(s->n, s->parameter, s->start, p);
     return residuals(s, p, s->residual, s->jacobian);
 }
 

@@ -369,6 +369,23 @@ static palp_experiment *times(double depth_factor, double force_factor) {
     return e;
 }
 
+/* A force of +-0.004 N, whose noise is 0.016 / sqrt(6) N, and a step of so many sds above its first sample. */
+static palp_experiment *a_step_of(double sds) {
+    take t = clean();
+    palp_experiment *e = record(&t);
+    double *depth = palp_experiment_column(e, "depth_mm"), *force = palp_experiment_column(e, "force_N");
+    for (size_t i = 0; i < palp_experiment_rows(e); i++)
+        force[i] = (i % 2 ? 0.004 : -0.004) + (depth[i] > 2.0 ? sds * 0.016 / sqrt(6.0) - 0.008 : 0.0);
+    return e;
+}
+
+START_TEST(a_contact_is_six_sds_of_force) {
+    refused(a_step_of(5.8), "never leaves its noise");
+    palp_recording r = prepare(a_step_of(6.2));
+    palp_recording_free(&r);
+}
+END_TEST
+
 START_TEST(what_cannot_be_used_is_refused_in_one_line) {
     refused(times(-1.0, 1.0), "depth or force has the wrong sign");
     refused(times(1.0, -1.0), "depth or force has the wrong sign");
@@ -413,5 +430,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, uneven_times_and_a_fault_are_told);
     tcase_add_test(tc, a_withdrawal_after_the_hold_is_left_out);
     tcase_add_test(tc, contact_is_that_of_the_first_press);
+    tcase_add_test(tc, a_contact_is_six_sds_of_force);
     tcase_add_test(tc, what_cannot_be_used_is_refused_in_one_line);
 }

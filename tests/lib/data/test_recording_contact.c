@@ -56,10 +56,12 @@ static double crossing(size_t n, const double *x, const double *y, double zero, 
 
 /* The specimen begins at sample `touch`, whose depth is not 0. The window's sum passes 12 sds, 1.2e-3 N, with the second
  * sample of the rise: from there on it is extrapolated. */
-static void contact_at(size_t touch) {
+static void contact_at(size_t touch, double beyond_m) {
     const palp_recording_settings settings = palp_recording_settings_default();
     made *m = press(100, 0.3);
     palp_recording *r = &m->r;
+    for (size_t i = 0; i < r->n; i++)
+        m->depth[i] += beyond_m;
     for (size_t i = touch; i < r->n; i++)
         m->force[i] += SLOPE_N_M * (m->depth[i] - m->depth[touch]);
     recording_find_contact(r, &settings);
@@ -76,9 +78,10 @@ static void contact_at(size_t touch) {
 }
 
 START_TEST(contact_is_the_crossing_of_the_first_of_the_rise) {
-    contact_at(104);
-    contact_at(110);
-    contact_at(120);
+    contact_at(104, 0.0);
+    contact_at(110, 0.0);
+    contact_at(120, 0.0);
+    contact_at(110, 2e-6); /* less than a thousandth of the way from the start, 3.05 mm: not yet past contact */
 }
 END_TEST
 
@@ -218,7 +221,8 @@ static palp_recording tail(double (*noise)(size_t i)) {
 static double alternating(size_t i) { return i % 2 ? 1e-3 : -1e-3; }
 static double pairs(size_t i) { return i % 4 < 2 ? 1e-3 : -1e-3; }
 static double blocks(size_t i) { return i % 8 < 4 ? 1e-3 : -1e-3; }
-static double hum(size_t i) { return 2e-3 * cos(2.0 * 3.14159265358979 * 52.3 * 1e-3 * (double)i + 0.7); }
+static double hum_Hz;
+static double hum(size_t i) { return 2e-3 * cos(2.0 * 3.14159265358979 * hum_Hz * 1e-3 * (double)i + 0.7); }
 
 START_TEST(correlation_from_sample_to_sample) {
     ck_assert_double_eq_tol(tail(alternating).correlation, -1.0, 2e-3);
@@ -229,9 +233,11 @@ START_TEST(correlation_from_sample_to_sample) {
 END_TEST
 
 START_TEST(hum_has_its_amplitude_and_frequency) {
-    palp_recording r = tail(hum);
-    ck_assert_double_eq_tol(r.hum_N, 2e-3, 1e-5);
-    ck_assert_double_eq_tol(r.hum_Hz, 52.3, 0.01);
+    for (hum_Hz = 52.3; hum_Hz < 52.36; hum_Hz += 0.01) { /* a line's width is 0.12 Hz */
+        palp_recording r = tail(hum);
+        ck_assert_double_eq_tol(r.hum_N, 2e-3, 1e-5);
+        ck_assert_double_eq_tol(r.hum_Hz, hum_Hz, 0.004);
+    }
 }
 END_TEST
 

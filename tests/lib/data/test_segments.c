@@ -90,7 +90,9 @@ START_TEST(a_spike_is_beyond_the_noise_and_three_times_the_curve) {
         const double f[][9] = {{0, 0, 0, 0, 8.0 + at, 0, 0, 0, 0},
                                {0, 0, 0, 0, -8.0 - at, 0, 0, 0, 0},
                                {-1, -1, -1, 0, 11.0 + at, 0, 0, 0, 0},
+                               {1, 1, 1, 0, 11.0 + at, 0, 0, 0, 0},
                                {0, 0, 0, 0, 11.0 + at, 0, -1, -1, -1},
+                               {0, 0, 0, 0, 11.0 + at, 0, 1, 1, 1},
                                {0, 0, 0, 0, 10.0 + at, 2, 2, 2, 2},
                                {2, 2, 2, 2, 10.0 + at, 0, 0, 0, 0}};
         for (size_t k = 0; k < sizeof f / sizeof *f; k++) {
@@ -296,6 +298,22 @@ START_TEST(contact_is_where_the_running_mean_leaves_the_air) {
 }
 END_TEST
 
+/* The first 55 samples say what may be air, all of it but the last window what it is: here a step of 1e-3 N in it. */
+START_TEST(the_air_that_is_found_says_what_air_is) {
+    static pressing p;
+    palp_press press = make_press(&p, SAMPLES, 0.0, 1e-3, 1.0);
+    palp_press_free(&press);
+    for (size_t i = 100; i < SAMPLES; i++)
+        p.force[i] += 1e-3;
+    ck_assert_int_eq(palp_press_create(SAMPLES, p.time, p.depth, p.force, &press), PALP_OK);
+    palp_air air = palp_press_air(&press, false);
+    double n = (double)(air.contact - 11), above = n - 100.0;
+    ck_assert_double_eq_tol(air.level_N, 0.5 + 1e-3 * above / n, 2e-5);
+    ck_assert_double_eq_tol(air.sd_N, fmax(press.noise_N / sqrt(11.0), 1e-3 * sqrt(100.0 * above) / n), 2e-5);
+    palp_press_free(&press);
+}
+END_TEST
+
 /* A force that rises as the cube of the way: it has left the air at 2 sds long before 4. */
 START_TEST(a_slow_rise_makes_contact_less_exact) {
     static pressing p;
@@ -409,6 +427,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, what_stands_still);
     tcase_add_test(tc, names_of_phases);
     tcase_add_test(tc, contact_is_where_the_running_mean_leaves_the_air);
+    tcase_add_test(tc, the_air_that_is_found_says_what_air_is);
     tcase_add_test(tc, a_slow_rise_makes_contact_less_exact);
     tcase_add_test(tc, an_approach_drifts);
     tcase_add_test(tc, a_press_without_contact_ends_in_the_air);
