@@ -115,6 +115,7 @@ check)
     add "exported symbols" "sh tests/install/symbols.sh"
     add "public headers" "sh tests/install/headers.sh"
     add "manual pages" "sh tests/install/manual.sh"
+    add "what documents name" "sh tests/install/documents.sh"
     add "layers are told apart" "sh tests/layers.sh --self-test"
     ;;
 rest)
