@@ -269,9 +269,13 @@ bool palp_text_is_utf8(const char *text) {
             high = 0x9F;
         else if (lead == 0xF4)
             high = 0x8F;
-        for (; rest > 0; rest--, p++, low = 0x80, high = 0xBF)
+        for (int i = 0; i < rest; i++) {
             if (*p < low || *p > high)
                 return false;
+            p++;
+            low = 0x80;
+            high = 0xBF;
+        }
     }
     return true;
 }

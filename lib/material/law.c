@@ -234,8 +234,10 @@ void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, doub
 
 static void polynomial_gradient(const palp_law *law, double a, double *dstiffness) {
     double power = 1.0;
-    for (size_t k = 0; k < law->n; k++, power *= a)
+    for (size_t k = 0; k < law->n; k++) {
         dstiffness[k] = power;
+        power *= a;
+    }
 }
 
 void palp_law_gradient(const palp_law *law, double e, double *dforce) {

@@ -69,37 +69,35 @@ static uint32_t get32(const uint8_t *from) {
 
 /* A loop for each size: the firmware does this within a control tick. Return where the bytes end. */
 static uint8_t *put_field(uint8_t *to, const void *from, const field *f) {
-    if (f->size == 1) {
-        for (const uint8_t *p = from, *end = p + f->count; p < end; p++) {
-            *to++ = *p;
-        }
-    } else if (f->size == 2) {
-        for (const uint16_t *p = from, *end = p + f->count; p < end; p++, to += 2) {
-            put16(to, *p);
-        }
-    } else {
-        for (const uint32_t *p = from, *end = p + f->count; p < end; p++, to += 4) {
-            put32(to, *p);
-        }
+    const uint8_t *byte = from;
+    const uint16_t *half = from;
+    const uint32_t *word = from;
+    for (unsigned i = 0; f->size == 1 && i < f->count; i++) {
+        to[i] = byte[i];
     }
-    return to;
+    for (unsigned i = 0; f->size == 2 && i < f->count; i++) {
+        put16(to + 2 * i, half[i]);
+    }
+    for (unsigned i = 0; f->size == 4 && i < f->count; i++) {
+        put32(to + 4 * i, word[i]);
+    }
+    return to + f->size * f->count;
 }
 
 static const uint8_t *get_field(const uint8_t *from, void *to, const field *f) {
-    if (f->size == 1) {
-        for (uint8_t *p = to, *end = p + f->count; p < end; p++) {
-            *p = *from++;
-        }
-    } else if (f->size == 2) {
-        for (uint16_t *p = to, *end = p + f->count; p < end; p++, from += 2) {
-            *p = get16(from);
-        }
-    } else {
-        for (uint32_t *p = to, *end = p + f->count; p < end; p++, from += 4) {
-            *p = get32(from);
-        }
+    uint8_t *byte = to;
+    uint16_t *half = to;
+    uint32_t *word = to;
+    for (unsigned i = 0; f->size == 1 && i < f->count; i++) {
+        byte[i] = from[i];
     }
-    return from;
+    for (unsigned i = 0; f->size == 2 && i < f->count; i++) {
+        half[i] = get16(from + 2 * i);
+    }
+    for (unsigned i = 0; f->size == 4 && i < f->count; i++) {
+        word[i] = get32(from + 4 * i);
+    }
+    return from + f->size * f->count;
 }
 
 static void put_payload(uint8_t *to, const palp_wire_message *message, const layout *it) {
@@ -133,11 +131,12 @@ static void get_payload(const uint8_t *from, palp_wire_message *message, const l
 /* From the end: each zero becomes the distance to the next one, or to the end. */
 static void cobs_encode(uint8_t *byte, size_t n) {
     unsigned distance = 1;
-    for (uint8_t *p = byte + n - 1; p > byte; p--, distance++) {
+    for (uint8_t *p = byte + n - 1; p > byte; p--) {
         if (*p == 0) {
             *p = (uint8_t)distance;
             distance = 0;
         }
+        distance++;
     }
     *byte = (uint8_t)distance;
 }
