@@ -30,7 +30,7 @@ static void cut_free(network_term *term) {
 /* A part is fixed if one of its nodes has an axis that is no unknown, or is grasped. */
 static void find_loose(network_term *term, palp_network *net) {
     network_cut *cut = (network_cut *)term;
-    palp_mesh_parts(net->n_nodes, net->n_elements, net->pair, cut->alive, cut->root);
+    mesh_parts(net->n_nodes, net->n_elements, net->pair, cut->alive, cut->root);
     for (size_t i = 0; i < net->n_nodes; i++)
         cut->fixed[i] = net->dof[3 * i] < 0 || net->dof[3 * i + 1] < 0 || net->dof[3 * i + 2] < 0;
     NETWORK_EACH_TERM(net, grasped, cut->fixed);

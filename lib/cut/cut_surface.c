@@ -32,7 +32,7 @@ palp_status cut_surface_create(const palp_network *net, cut_surface *s) {
     for (size_t i = 0; i < net->n_elements; i++) /* each ends where the next starts; listing walks back */
         s->first[i + 1] += s->first[i];
     visit_edges(net, s, true);
-    return palp_mesh_neighbours(net->mesh, s->neighbour);
+    return mesh_neighbours(net->mesh, s->neighbour);
 }
 
 void cut_surface_free(cut_surface *s) {
@@ -55,6 +55,6 @@ void cut_surface_update(cut_surface *s, size_t n, const int32_t *elements) {
     for (size_t i = 0; i < 4 * s->n_tetrahedra; i++) {
         int32_t other = s->neighbour[i];
         if (!s->broken[i / 4] && (other < 0 || s->broken[other]))
-            palp_mesh_face(s->tetrahedra + i / 4 * 4, i % 4, s->triangles + 3 * s->n_triangles++);
+            mesh_face(s->tetrahedra + i / 4 * 4, i % 4, s->triangles + 3 * s->n_triangles++);
     }
 }

@@ -73,7 +73,7 @@ palp_status palp_law_spline(size_t n, const double *strain, const double *stiffn
     }
     palp_law made = make(PALP_LAW_SPLINE, n, stiffness_N);
     memcpy(made.strain, strain, n * sizeof *strain);
-    palp_law_spline_slopes(&made);
+    law_spline_slopes(&made);
     *law = made;
     return PALP_OK;
 }
@@ -82,7 +82,7 @@ palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *co
                                   palp_law *law) {
     palp_status status = check_coefficients(n, coefficients_Pa);
     if (status == PALP_OK)
-        status = palp_law_hyperelastic_check(kind, n, coefficients_Pa);
+        status = law_hyperelastic_check(kind, n, coefficients_Pa);
     if (status != PALP_OK)
         return status;
     if (!(area_m2 > 0.0) || !isfinite(area_m2))
@@ -207,10 +207,10 @@ void palp_law_force(const palp_law *law, size_t n, const double *e, double *forc
             polynomial_energy(law, n, e, energy_N);
         break;
     case PALP_LAW_SPLINE:
-        palp_law_spline_force(law, n, e, force_N, tangent_N, energy_N);
+        law_spline_force(law, n, e, force_N, tangent_N, energy_N);
         break;
     default:
-        palp_law_hyperelastic_force(law, n, e, force_N, tangent_N, energy_N);
+        law_hyperelastic_force(law, n, e, force_N, tangent_N, energy_N);
     }
 }
 
@@ -221,10 +221,10 @@ void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, doub
         polynomial_stiffness(law, a, &k, &slope);
         break;
     case PALP_LAW_SPLINE:
-        palp_law_spline_stiffness(law, a, &k, &slope);
+        law_spline_stiffness(law, a, &k, &slope);
         break;
     default:
-        palp_law_hyperelastic_stiffness(law, a, &k, &slope);
+        law_hyperelastic_stiffness(law, a, &k, &slope);
     }
     if (stiffness_N)
         *stiffness_N = k;
@@ -247,10 +247,10 @@ void palp_law_gradient(const palp_law *law, double e, double *dforce) {
         polynomial_gradient(law, a, dforce);
         break;
     case PALP_LAW_SPLINE:
-        palp_law_spline_gradient(law, a, dforce);
+        law_spline_gradient(law, a, dforce);
         break;
     default:
-        palp_law_hyperelastic_gradient(law, a, dforce);
+        law_hyperelastic_gradient(law, a, dforce);
     }
     for (size_t k = 0; k < law->n; k++)
         dforce[k] *= e;

@@ -137,7 +137,7 @@ static response respond(const palp_law *law, double a) {
     return sum;
 }
 
-palp_status palp_law_hyperelastic_check(palp_law_kind kind, size_t n, const double *c) {
+palp_status law_hyperelastic_check(palp_law_kind kind, size_t n, const double *c) {
     switch (kind) {
     case PALP_LAW_NEO_HOOKEAN:
         return n == 1 ? PALP_OK : PALP_ERR_ARGUMENT;
@@ -158,8 +158,8 @@ palp_status palp_law_hyperelastic_check(palp_law_kind kind, size_t n, const doub
     }
 }
 
-void palp_law_hyperelastic_force(const palp_law *law, size_t n, const double *e, double *force_N,
-                                 double *tangent_N, double *energy_N) {
+void law_hyperelastic_force(const palp_law *law, size_t n, const double *e, double *force_N,
+                            double *tangent_N, double *energy_N) {
     for (size_t i = 0; i < n; i++) {
         double a = fabs(e[i]);
         response r = respond(law, a);
@@ -171,7 +171,7 @@ void palp_law_hyperelastic_force(const palp_law *law, size_t n, const double *e,
     }
 }
 
-void palp_law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
+void law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
     response r = respond(law, a);
     *stiffness_N = r.stiffness;
     *slope_N = r.slope;
@@ -185,7 +185,7 @@ static void ogden_gradient(const palp_law *law, double a, double *dstiffness) {
     }
 }
 
-void palp_law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness) {
+void law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness) {
     if (a >= 1.0) {
         for (size_t k = 0; k < law->n; k++)
             dstiffness[k] = INFINITY;

@@ -8,17 +8,17 @@
  * gradients are of K(a). */
 
 /* Fills law->slope from the knots. */
-void palp_law_spline_slopes(palp_law *law);
-void palp_law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
-                           double *energy_N);
-void palp_law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
-void palp_law_spline_gradient(const palp_law *law, double a, double *dstiffness);
+void law_spline_slopes(palp_law *law);
+void law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                      double *energy_N);
+void law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
+void law_spline_gradient(const palp_law *law, double a, double *dstiffness);
 
 /* Whether the numbers make a hyperelastic law. */
-palp_status palp_law_hyperelastic_check(palp_law_kind kind, size_t n, const double *c);
-void palp_law_hyperelastic_force(const palp_law *law, size_t n, const double *e, double *force_N,
-                                 double *tangent_N, double *energy_N);
-void palp_law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
-void palp_law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness);
+palp_status law_hyperelastic_check(palp_law_kind kind, size_t n, const double *c);
+void law_hyperelastic_force(const palp_law *law, size_t n, const double *e, double *force_N,
+                            double *tangent_N, double *energy_N);
+void law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
+void law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness);
 
 #endif

@@ -62,7 +62,7 @@ static knot_slope slope_at(const palp_law *law, size_t i) {
     return inner_slope(law, i);
 }
 
-void palp_law_spline_slopes(palp_law *law) {
+void law_spline_slopes(palp_law *law) {
     for (size_t i = 0; i < law->n; i++)
         law->slope[i] = slope_at(law, i).slope;
 }
@@ -107,8 +107,8 @@ static size_t find_interval(const palp_law *law, double a) {
     return low;
 }
 
-void palp_law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
-                           double *energy_N) {
+void law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                      double *energy_N) {
     piece pieces[PALP_LAW_MAX];
     for (size_t i = 0; i < law->n; i++) {
         pieces[i] = make_piece(law, i);
@@ -127,7 +127,7 @@ void palp_law_spline_force(const palp_law *law, size_t n, const double *e, doubl
     }
 }
 
-void palp_law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
+void law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
     piece p = make_piece(law, find_interval(law, a));
     *stiffness_N = piece_stiffness(&p, a - p.x);
     *slope_N = piece_slope(&p, a - p.x);
@@ -158,7 +158,7 @@ static void add_slope(const palp_law *law, size_t i, double weight, double *dsti
     }
 }
 
-void palp_law_spline_gradient(const palp_law *law, double a, double *dstiffness) {
+void law_spline_gradient(const palp_law *law, double a, double *dstiffness) {
     memset(dstiffness, 0, law->n * sizeof *dstiffness);
     size_t i = find_interval(law, a);
     double u = a - law->strain[i];

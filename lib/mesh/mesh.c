@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-palp_status palp_mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh) {
+palp_status mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh) {
     if (n_nodes > SIZE_MAX / (3 * sizeof(double)) || n_elements > SIZE_MAX / (2 * sizeof(int32_t)))
         return PALP_ERR_NO_MEMORY;
     palp_mesh *m = calloc(1, sizeof *m);
@@ -57,9 +57,9 @@ static palp_status copy_cells(const palp_mesh *from, palp_mesh *to) {
     return from->n_tetrahedra > 0 && (!to->tetrahedra || !to->triangles) ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-palp_status palp_mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
+palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
     palp_mesh *m = NULL;
-    palp_status status = palp_mesh_new(mesh->n_nodes, mesh->n_elements, &m);
+    palp_status status = mesh_new(mesh->n_nodes, mesh->n_elements, &m);
     if (status)
         return status;
     memcpy(m->x_m, mesh->x_m, 3 * mesh->n_nodes * sizeof *m->x_m);
@@ -90,7 +90,7 @@ static int compare_pairs(const void *left, const void *right) {
     return (a[1] > b[1]) - (a[1] < b[1]);
 }
 
-size_t palp_mesh_pairs_unique(size_t n_pairs, int32_t *pairs) {
+size_t mesh_pairs_unique(size_t n_pairs, int32_t *pairs) {
     for (size_t e = 0; e < n_pairs; e++) {
         int32_t a = pairs[2 * e], b = pairs[2 * e + 1];
         pairs[2 * e] = a < b ? a : b;
@@ -106,7 +106,7 @@ size_t palp_mesh_pairs_unique(size_t n_pairs, int32_t *pairs) {
     return kept;
 }
 
-bool palp_mesh_length_ok(const double a[3], const double b[3], double size_m) {
+bool mesh_length_ok(const double a[3], const double b[3], double size_m) {
     double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     return length > 1e-12 * size_m && isfinite(length);
@@ -123,7 +123,7 @@ static void box(size_t n_nodes, const double *x_m, double low[3], double high[3]
         }
 }
 
-double palp_mesh_diagonal(size_t n_nodes, const double *x_m) {
+double mesh_diagonal(size_t n_nodes, const double *x_m) {
     double low[3], high[3];
     box(n_nodes, x_m, low, high);
     double d[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
@@ -138,8 +138,8 @@ static int32_t find_root(int32_t *root, int32_t i) {
     return i;
 }
 
-size_t palp_mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,
-                       int32_t *root) {
+size_t mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,
+                  int32_t *root) {
     size_t n_parts = n_nodes;
     for (size_t i = 0; i < n_nodes; i++)
         root[i] = (int32_t)i;
@@ -165,7 +165,7 @@ static palp_status check_positions(size_t n_nodes, const double *x_m, palp_error
 }
 
 static palp_status check_elements(const palp_mesh *mesh, palp_error *error) {
-    double size_m = palp_mesh_diagonal(mesh->n_nodes, mesh->x_m);
+    double size_m = mesh_diagonal(mesh->n_nodes, mesh->x_m);
     for (size_t e = 0; e < mesh->n_elements; e++) {
         const int32_t *pair = mesh->pairs + 2 * e;
         for (int end = 0; end < 2; end++)
@@ -173,7 +173,7 @@ static palp_status check_elements(const palp_mesh *mesh, palp_error *error) {
                 return palp_error_set(error, PALP_ERR_INPUT,
                                       "element %zu: there is no node %ld, the mesh has %zu", e,
                                       (long)pair[end], mesh->n_nodes);
-        if (!palp_mesh_length_ok(mesh->x_m + 3 * (size_t)pair[0], mesh->x_m + 3 * (size_t)pair[1], size_m))
+        if (!mesh_length_ok(mesh->x_m + 3 * (size_t)pair[0], mesh->x_m + 3 * (size_t)pair[1], size_m))
             return palp_error_set(error, PALP_ERR_INPUT,
                                   "element %zu: nodes %ld and %ld are at the same place (or too far apart)",
                                   e, (long)pair[0], (long)pair[1]);
@@ -187,7 +187,7 @@ static palp_status check_repeats(const palp_mesh *mesh, palp_error *error) {
     if (!sorted)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     memcpy(sorted, mesh->pairs, bytes);
-    size_t distinct = palp_mesh_pairs_unique(mesh->n_elements, sorted);
+    size_t distinct = mesh_pairs_unique(mesh->n_elements, sorted);
     free(sorted);
     if (distinct < mesh->n_elements)
         return palp_error_set(error, PALP_ERR_INPUT,
@@ -200,7 +200,7 @@ static palp_status check_connected(const palp_mesh *mesh, palp_error *error) {
     int32_t *root = malloc(mesh->n_nodes * sizeof *root);
     if (!root)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
-    size_t parts = palp_mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root), other = 0;
+    size_t parts = mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root), other = 0;
     while (other < mesh->n_nodes && root[other] == 0)
         other++;
     free(root);
@@ -225,7 +225,7 @@ palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_element
     if (!mesh || !x_m || !pairs || n_nodes < 2 || n_nodes > INT32_MAX || n_elements < 1)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a mesh has at least two nodes and one element");
     palp_mesh *m = NULL;
-    palp_status status = palp_mesh_new(n_nodes, n_elements, &m);
+    palp_status status = mesh_new(n_nodes, n_elements, &m);
     if (status)
         return palp_error_set(error, status, "out of memory");
     memcpy(m->x_m, x_m, 3 * n_nodes * sizeof *x_m);
@@ -245,14 +245,14 @@ static int compare_nodes(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-static palp_node_set *find_set(const palp_mesh *mesh, const char *name) {
+static node_set *find_set(const palp_mesh *mesh, const char *name) {
     for (size_t i = 0; i < mesh->n_sets; i++)
         if (strcmp(mesh->sets[i].name, name) == 0)
             return &mesh->sets[i];
     return NULL;
 }
 
-static palp_status set_fill(palp_node_set *set, const char *name, size_t n, const int32_t *nodes) {
+static palp_status set_fill(node_set *set, const char *name, size_t n, const int32_t *nodes) {
     size_t length = strlen(name) + 1;
     set->n = 0;
     set->name = malloc(length);
@@ -278,7 +278,7 @@ palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const
     for (size_t i = 0; i < n; i++)
         if (nodes[i] < 0 || (size_t)nodes[i] >= mesh->n_nodes)
             return PALP_ERR_ARGUMENT;
-    palp_node_set set, *old = find_set(mesh, name);
+    node_set set, *old = find_set(mesh, name);
     palp_status status = set_fill(&set, name, n, nodes);
     if (status)
         return status;
@@ -288,7 +288,7 @@ palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const
         *old = set;
         return PALP_OK;
     }
-    palp_node_set *sets = realloc(mesh->sets, (mesh->n_sets + 1) * sizeof *sets);
+    node_set *sets = realloc(mesh->sets, (mesh->n_sets + 1) * sizeof *sets);
     if (!sets) {
         free(set.name);
         free(set.nodes);
@@ -318,7 +318,7 @@ palp_status palp_mesh_add_plane_set(palp_mesh *mesh, const char *name, int axis,
 palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, const int32_t **nodes) {
     if (!mesh || !name || !n || !nodes)
         return PALP_ERR_ARGUMENT;
-    const palp_node_set *set = find_set(mesh, name);
+    const node_set *set = find_set(mesh, name);
     if (!set)
         return PALP_ERR_INPUT;
     *n = set->n;

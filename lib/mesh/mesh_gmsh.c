@@ -55,10 +55,10 @@ static palp_status fill_cell(const gmsh_file *r, const gmsh_cell *cell, bool dia
             if (!joined(cell, diagonals, a, b))
                 continue;
             const gmsh_node *from = &nodes[cell->node[a]], *to = &nodes[cell->node[b]];
-            if (!palp_mesh_length_ok(from->x_m, to->x_m, size_m))
-                return palp_gmsh_fail(r, cell->line,
-                                      "an element of zero length: nodes %lld and %lld are at the same place",
-                                      from->tag, to->tag);
+            if (!mesh_length_ok(from->x_m, to->x_m, size_m))
+                return gmsh_fail(r, cell->line,
+                                 "an element of zero length: nodes %lld and %lld are at the same place",
+                                 from->tag, to->tag);
             *(*pair)++ = from->index;
             *(*pair)++ = to->index;
         }
@@ -67,16 +67,16 @@ static palp_status fill_cell(const gmsh_file *r, const gmsh_cell *cell, bool dia
 
 static palp_status fill_pairs(const gmsh_file *r, bool diagonals, palp_mesh *mesh) {
     const gmsh_cell *cells = r->cells.items;
-    double size_m = palp_mesh_diagonal(mesh->n_nodes, mesh->x_m);
+    double size_m = mesh_diagonal(mesh->n_nodes, mesh->x_m);
     int32_t *pair = mesh->pairs;
     if (!isfinite(size_m))
-        return palp_gmsh_fail(r, r->elements_line, "the mesh is too large");
+        return gmsh_fail(r, r->elements_line, "the mesh is too large");
     for (size_t c = 0; c < r->cells.n; c++) {
         palp_status status = fill_cell(r, &cells[c], diagonals, size_m, &pair);
         if (status)
             return status;
     }
-    mesh->n_elements = palp_mesh_pairs_unique(mesh->n_elements, mesh->pairs);
+    mesh->n_elements = mesh_pairs_unique(mesh->n_elements, mesh->pairs);
     pair = realloc(mesh->pairs, 2 * mesh->n_elements * sizeof *pair);
     mesh->pairs = pair ? pair : mesh->pairs;
     return PALP_OK;
@@ -90,14 +90,14 @@ static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
         n += cells[c].n == 4 ? 1 : 6;
     mesh->tetrahedra = malloc(4 * n * sizeof *mesh->tetrahedra);
     if (!mesh->tetrahedra)
-        return palp_gmsh_no_memory(r);
+        return gmsh_no_memory(r);
     for (size_t c = 0; c < r->cells.n; c++) {
         int32_t node[GMSH_CELL_NODES];
         for (int i = 0; i < cells[c].n; i++)
             node[i] = nodes[cells[c].node[i]].index;
-        palp_mesh_split_cell(mesh, cells[c].n, node);
+        mesh_split_cell(mesh, cells[c].n, node);
     }
-    return palp_mesh_add_surface(mesh) ? palp_gmsh_no_memory(r) : PALP_OK;
+    return mesh_add_surface(mesh) ? gmsh_no_memory(r) : PALP_OK;
 }
 
 static const gmsh_node *node_of_index(const gmsh_file *r, size_t index) {
@@ -110,17 +110,17 @@ static const gmsh_node *node_of_index(const gmsh_file *r, size_t index) {
 static palp_status check_connected(const gmsh_file *r, const palp_mesh *mesh) {
     int32_t *root = malloc(mesh->n_nodes * sizeof *root);
     if (!root)
-        return palp_gmsh_no_memory(r);
-    size_t parts = palp_mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root), other = 0;
+        return gmsh_no_memory(r);
+    size_t parts = mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root), other = 0;
     while (other < mesh->n_nodes && root[other] == 0)
         other++;
     free(root);
     if (parts == 1)
         return PALP_OK;
     const gmsh_node *from = node_of_index(r, 0), *to = node_of_index(r, other);
-    return palp_gmsh_fail(r, to->line,
-                          "the mesh falls into %zu parts: no elements lead from node %lld to node %lld",
-                          parts, from->tag, to->tag);
+    return gmsh_fail(r, to->line,
+                     "the mesh falls into %zu parts: no elements lead from node %lld to node %lld",
+                     parts, from->tag, to->tag);
 }
 
 /* ---- sets ---------------------------------------------------------------------------------------- */
@@ -174,7 +174,7 @@ static palp_status add_sets(const gmsh_file *r, palp_mesh *mesh) {
         status = add_end(r, mesh, "bottom", false);
     if (!status)
         status = add_end(r, mesh, "top", true);
-    return status ? palp_gmsh_no_memory(r) : PALP_OK;
+    return status ? gmsh_no_memory(r) : PALP_OK;
 }
 
 /* ---- the mesh ------------------------------------------------------------------------------------ */
@@ -182,11 +182,11 @@ static palp_status add_sets(const gmsh_file *r, palp_mesh *mesh) {
 static palp_status build(gmsh_file *r, bool diagonals, palp_mesh **mesh) {
     palp_mesh *m = NULL;
     if (r->cells.n == 0)
-        return palp_gmsh_fail(r, r->elements_line,
-                              "there are no 4-node tetrahedra (type 4) or 8-node hexahedra (type 5)");
+        return gmsh_fail(r, r->elements_line,
+                         "there are no 4-node tetrahedra (type 4) or 8-node hexahedra (type 5)");
     size_t n_nodes = number_nodes(r);
-    if (palp_mesh_new(n_nodes, count_pairs(r, diagonals), &m))
-        return palp_gmsh_no_memory(r);
+    if (mesh_new(n_nodes, count_pairs(r, diagonals), &m))
+        return gmsh_no_memory(r);
     fill_positions(r, m);
     palp_status status = fill_pairs(r, diagonals, m);
     if (!status)
@@ -209,11 +209,11 @@ palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diago
     gmsh_file r = {.path = path, .error = error, .scale_m = scale_m};
     palp_locale locale;
     if (!palp_locale_enter(&locale))
-        return palp_gmsh_no_memory(&r);
-    palp_status status = palp_gmsh_read(&r);
+        return gmsh_no_memory(&r);
+    palp_status status = gmsh_read(&r);
     if (!status)
         status = build(&r, hex_diagonals, mesh);
-    palp_gmsh_release(&r);
+    gmsh_release(&r);
     palp_locale_leave(&locale);
     return status;
 }

@@ -56,35 +56,35 @@ typedef struct gmsh_file {
 } gmsh_file;
 
 /* ERR_INPUT with "path:line: " and the formatted text. */
-palp_status palp_gmsh_fail(const gmsh_file *r, size_t line, const char *format, ...) PALP_PRINTF(3, 4);
+palp_status gmsh_fail(const gmsh_file *r, size_t line, const char *format, ...) PALP_PRINTF(3, 4);
 
-palp_status palp_gmsh_no_memory(const gmsh_file *r);
+palp_status gmsh_no_memory(const gmsh_file *r);
 
 /* Room for one more item of this size, its address in *item. Counts in the file are not trusted:
  * memory grows with what is read. */
-palp_status palp_gmsh_append(const gmsh_file *r, gmsh_list *l, size_t size, void **item);
+palp_status gmsh_append(const gmsh_file *r, gmsh_list *l, size_t size, void **item);
 
 /* The next line that is not blank, without the space around it: false at the end of the file, or
  * an error there. */
-bool palp_gmsh_next(gmsh_file *r);
-palp_status palp_gmsh_line(gmsh_file *r);
+bool gmsh_next(gmsh_file *r);
+palp_status gmsh_line(gmsh_file *r);
 
 /* The next token of the line as a number; what says in an error what is expected, "a node tag". */
-palp_status palp_gmsh_integer(gmsh_file *r, const char *what, long long low, long long high,
-                              long long *value);
-palp_status palp_gmsh_count(gmsh_file *r, const char *what, size_t *count); /* 0 to INT32_MAX */
-palp_status palp_gmsh_number(gmsh_file *r, const char *what, double *value);
-palp_status palp_gmsh_line_end(gmsh_file *r);
-void palp_gmsh_skip(gmsh_file *r); /* to the next token */
+palp_status gmsh_integer(gmsh_file *r, const char *what, long long low, long long high,
+                         long long *value);
+palp_status gmsh_count(gmsh_file *r, const char *what, size_t *count); /* 0 to INT32_MAX */
+palp_status gmsh_number(gmsh_file *r, const char *what, double *value);
+palp_status gmsh_line_end(gmsh_file *r);
+void gmsh_skip(gmsh_file *r); /* to the next token */
 
 /* The error that something else than the token at r->at is expected. */
-palp_status palp_gmsh_fail_token(const gmsh_file *r, const char *expected);
+palp_status gmsh_fail_token(const gmsh_file *r, const char *expected);
 
 /* Reads the file at r->path into the lists; the rest of *r is zero but for error and scale_m. Nodes
  * are in the order of their tags, each tag once; cells and members refer to nodes that exist. */
-palp_status palp_gmsh_read(gmsh_file *r);
+palp_status gmsh_read(gmsh_file *r);
 
-/* Frees what palp_gmsh_read made, after a failure too. */
-void palp_gmsh_release(gmsh_file *r);
+/* Frees what gmsh_read made, after a failure too. */
+void gmsh_release(gmsh_file *r);
 
 #endif

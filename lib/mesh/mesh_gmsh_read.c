@@ -11,37 +11,37 @@
 static palp_status read_format(gmsh_file *r) {
     double version = 0.0;
     long long binary = 0;
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     if (!status)
-        status = palp_gmsh_number(r, "a format version", &version);
+        status = gmsh_number(r, "a format version", &version);
     if (status)
         return status;
     if (fabs(version - 4.1) > 1e-9)
-        return palp_gmsh_fail(r, r->line, "MSH version %g is not read: save the mesh as version 4.1 ASCII",
-                              version);
-    status = palp_gmsh_integer(r, "a file type (0 = ASCII)", 0, 1, &binary);
+        return gmsh_fail(r, r->line, "MSH version %g is not read: save the mesh as version 4.1 ASCII",
+                         version);
+    status = gmsh_integer(r, "a file type (0 = ASCII)", 0, 1, &binary);
     if (!status && binary)
-        return palp_gmsh_fail(r, r->line, "a binary file is not read: save the mesh as version 4.1 ASCII");
+        return gmsh_fail(r, r->line, "a binary file is not read: save the mesh as version 4.1 ASCII");
     return status;
 }
 
 static palp_status read_group(gmsh_file *r) {
     gmsh_group g = {0, 0, NULL};
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     if (!status)
-        status = palp_gmsh_integer(r, "a dimension", 0, 3, &g.dim);
+        status = gmsh_integer(r, "a dimension", 0, 3, &g.dim);
     if (!status)
-        status = palp_gmsh_integer(r, "a physical tag", INT32_MIN, INT32_MAX, &g.tag);
+        status = gmsh_integer(r, "a physical tag", INT32_MIN, INT32_MAX, &g.tag);
     if (status)
         return status;
-    palp_gmsh_skip(r);
+    gmsh_skip(r);
     char *stop = strrchr(r->at, '"');
     if (*r->at != '"' || stop < r->at + 2 || stop[1])
-        return palp_gmsh_fail_token(r, "a name in quotation marks");
+        return gmsh_fail_token(r, "a name in quotation marks");
     *stop = '\0';
     g.name = r->at + 1;
     void *item;
-    status = palp_gmsh_append(r, &r->groups, sizeof g, &item);
+    status = gmsh_append(r, &r->groups, sizeof g, &item);
     if (!status)
         *(gmsh_group *)item = g;
     return status;
@@ -49,9 +49,9 @@ static palp_status read_group(gmsh_file *r) {
 
 static palp_status read_groups(gmsh_file *r) {
     size_t count = 0;
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     if (!status)
-        status = palp_gmsh_count(r, "a number of names", &count);
+        status = gmsh_count(r, "a number of names", &count);
     for (size_t i = 0; i < count && !status; i++)
         status = read_group(r);
     return status;
@@ -62,18 +62,18 @@ static palp_status read_entity(gmsh_file *r, long long dim) {
     long long tag = 0, physical = 0;
     double box;
     size_t count = 0;
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     if (!status)
-        status = palp_gmsh_integer(r, "an entity tag", INT32_MIN, INT32_MAX, &tag);
+        status = gmsh_integer(r, "an entity tag", INT32_MIN, INT32_MAX, &tag);
     for (int i = 0; i < (dim == 0 ? 3 : 6) && !status; i++)
-        status = palp_gmsh_number(r, "a coordinate", &box);
+        status = gmsh_number(r, "a coordinate", &box);
     if (!status)
-        status = palp_gmsh_count(r, "a number of physical groups", &count);
+        status = gmsh_count(r, "a number of physical groups", &count);
     for (size_t i = 0; i < count && !status; i++) {
         void *item = NULL;
-        status = palp_gmsh_integer(r, "a physical tag", INT32_MIN, INT32_MAX, &physical);
+        status = gmsh_integer(r, "a physical tag", INT32_MIN, INT32_MAX, &physical);
         if (!status)
-            status = palp_gmsh_append(r, &r->entities, sizeof(gmsh_entity), &item);
+            status = gmsh_append(r, &r->entities, sizeof(gmsh_entity), &item);
         if (!status) /* a negative tag means turned round */
             *(gmsh_entity *)item = (gmsh_entity){dim, tag, physical < 0 ? -physical : physical};
     }
@@ -82,9 +82,9 @@ static palp_status read_entity(gmsh_file *r, long long dim) {
 
 static palp_status read_entities(gmsh_file *r) {
     size_t count[4] = {0, 0, 0, 0};
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     for (int dim = 0; dim < 4 && !status; dim++)
-        status = palp_gmsh_count(r, "a number of entities", &count[dim]);
+        status = gmsh_count(r, "a number of entities", &count[dim]);
     for (int dim = 0; dim < 4 && !status; dim++)
         for (size_t i = 0; i < count[dim] && !status; i++)
             status = read_entity(r, dim);
@@ -96,55 +96,55 @@ static palp_status read_entities(gmsh_file *r) {
 /* The line "blocks total lowest-tag highest-tag" of $Nodes and $Elements. */
 static palp_status read_totals(gmsh_file *r, size_t *blocks, size_t *total) {
     long long tag;
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     if (!status)
-        status = palp_gmsh_count(r, "a number of blocks", blocks);
+        status = gmsh_count(r, "a number of blocks", blocks);
     if (!status)
-        status = palp_gmsh_count(r, "a total number", total);
+        status = gmsh_count(r, "a total number", total);
     for (int i = 0; i < 2 && !status; i++)
-        status = palp_gmsh_integer(r, "a lowest or highest tag", 0, LLONG_MAX, &tag);
-    return status ? status : palp_gmsh_line_end(r);
+        status = gmsh_integer(r, "a lowest or highest tag", 0, LLONG_MAX, &tag);
+    return status ? status : gmsh_line_end(r);
 }
 
 /* The line "dimension entity third count" of a block. */
 static palp_status read_block(gmsh_file *r, gmsh_entity *of, const char *what, long long third_max,
                               long long *third, size_t *count) {
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     if (!status)
-        status = palp_gmsh_integer(r, "a dimension", 0, 3, &of->dim);
+        status = gmsh_integer(r, "a dimension", 0, 3, &of->dim);
     if (!status)
-        status = palp_gmsh_integer(r, "an entity tag", INT32_MIN, INT32_MAX, &of->tag);
+        status = gmsh_integer(r, "an entity tag", INT32_MIN, INT32_MAX, &of->tag);
     if (!status)
-        status = palp_gmsh_integer(r, what, 0, third_max, third);
+        status = gmsh_integer(r, what, 0, third_max, third);
     if (!status)
-        status = palp_gmsh_count(r, "a number in the block", count);
-    return status ? status : palp_gmsh_line_end(r);
+        status = gmsh_count(r, "a number in the block", count);
+    return status ? status : gmsh_line_end(r);
 }
 
 static palp_status read_node_tag(gmsh_file *r) {
     long long tag = 0;
     void *item = NULL;
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     if (!status)
-        status = palp_gmsh_integer(r, "a node tag", 1, LLONG_MAX, &tag);
+        status = gmsh_integer(r, "a node tag", 1, LLONG_MAX, &tag);
     if (!status)
-        status = palp_gmsh_line_end(r);
+        status = gmsh_line_end(r);
     if (!status)
-        status = palp_gmsh_append(r, &r->nodes, sizeof(gmsh_node), &item);
+        status = gmsh_append(r, &r->nodes, sizeof(gmsh_node), &item);
     if (!status)
         *(gmsh_node *)item = (gmsh_node){tag, {0.0, 0.0, 0.0}, r->line, -1};
     return status;
 }
 
 static palp_status read_node_place(gmsh_file *r, bool parametric, gmsh_node *n) {
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     for (int axis = 0; axis < 3 && !status; axis++) {
-        status = palp_gmsh_number(r, "a coordinate", &n->x_m[axis]);
+        status = gmsh_number(r, "a coordinate", &n->x_m[axis]);
         n->x_m[axis] *= r->scale_m;
         if (!status && !isfinite(n->x_m[axis]))
-            status = palp_gmsh_fail(r, r->line, "a coordinate is out of range");
+            status = gmsh_fail(r, r->line, "a coordinate is out of range");
     }
-    return status || parametric ? status : palp_gmsh_line_end(r);
+    return status || parametric ? status : gmsh_line_end(r);
 }
 
 static palp_status read_node_block(gmsh_file *r, size_t total) {
@@ -153,7 +153,7 @@ static palp_status read_node_block(gmsh_file *r, size_t total) {
     size_t count = 0, first = r->nodes.n;
     palp_status status = read_block(r, &of, "a parametric flag (0 or 1)", 1, &parametric, &count);
     if (!status && count > total - first)
-        return palp_gmsh_fail(r, r->line, "more nodes than the %zu that $Nodes announces", total);
+        return gmsh_fail(r, r->line, "more nodes than the %zu that $Nodes announces", total);
     for (size_t i = 0; i < count && !status; i++)
         status = read_node_tag(r);
     for (size_t i = 0; i < count && !status; i++)
@@ -177,7 +177,7 @@ static palp_status sort_nodes(gmsh_file *r) {
     for (size_t i = 1; i < r->nodes.n; i++)
         if (nodes[i].tag == nodes[i - 1].tag && (!again || nodes[i].line < again->line))
             again = &nodes[i];
-    return again ? palp_gmsh_fail(r, again->line, "node tag %lld is given a second time", again->tag)
+    return again ? gmsh_fail(r, again->line, "node tag %lld is given a second time", again->tag)
                  : PALP_OK;
 }
 
@@ -187,7 +187,7 @@ static palp_status read_nodes(gmsh_file *r) {
     for (size_t i = 0; i < blocks && !status; i++)
         status = read_node_block(r, total);
     if (!status && r->nodes.n < total)
-        return palp_gmsh_fail(r, r->line, "%zu nodes, but $Nodes announces %zu", r->nodes.n, total);
+        return gmsh_fail(r, r->line, "%zu nodes, but $Nodes announces %zu", r->nodes.n, total);
     return status ? status : sort_nodes(r);
 }
 
@@ -227,7 +227,7 @@ static palp_status find_groups(gmsh_file *r, const gmsh_entity *of) {
             if (entities[e].dim != of->dim || entities[e].tag != of->tag || groups[g].dim != of->dim ||
                 groups[g].tag != entities[e].physical)
                 continue;
-            status = palp_gmsh_append(r, &r->block_groups, sizeof(size_t), &item);
+            status = gmsh_append(r, &r->block_groups, sizeof(size_t), &item);
             if (!status)
                 *(size_t *)item = group_of_name(r, groups[g].name);
         }
@@ -237,7 +237,7 @@ static palp_status find_groups(gmsh_file *r, const gmsh_entity *of) {
 static palp_status read_element_node(gmsh_file *r, int32_t *place) {
     const gmsh_node *nodes = r->nodes.items;
     long long tag = 0;
-    palp_status status = palp_gmsh_integer(r, "a node tag", 1, LLONG_MAX, &tag);
+    palp_status status = gmsh_integer(r, "a node tag", 1, LLONG_MAX, &tag);
     if (status)
         return status;
     size_t low = 0, high = r->nodes.n;
@@ -249,7 +249,7 @@ static palp_status read_element_node(gmsh_file *r, int32_t *place) {
             high = middle;
     }
     if (low == r->nodes.n || nodes[low].tag != tag)
-        return palp_gmsh_fail(r, r->line, "there is no node %lld", tag);
+        return gmsh_fail(r, r->line, "there is no node %lld", tag);
     *place = (int32_t)low;
     return PALP_OK;
 }
@@ -259,7 +259,7 @@ static palp_status check_repeats(const gmsh_file *r, int n, const int32_t *place
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
             if (place[i] == place[j])
-                return palp_gmsh_fail(r, r->line, "an element has node %lld twice", nodes[place[i]].tag);
+                return gmsh_fail(r, r->line, "an element has node %lld twice", nodes[place[i]].tag);
     return PALP_OK;
 }
 
@@ -268,7 +268,7 @@ static palp_status keep_element(gmsh_file *r, bool is_cell, int n, const int32_t
     void *item = NULL;
     palp_status status = PALP_OK;
     if (is_cell)
-        status = palp_gmsh_append(r, &r->cells, sizeof(gmsh_cell), &item);
+        status = gmsh_append(r, &r->cells, sizeof(gmsh_cell), &item);
     if (is_cell && !status) {
         gmsh_cell *cell = item;
         *cell = (gmsh_cell){{0}, n, r->line};
@@ -276,7 +276,7 @@ static palp_status keep_element(gmsh_file *r, bool is_cell, int n, const int32_t
     }
     for (size_t g = 0; g < r->block_groups.n; g++)
         for (int i = 0; i < n && !status; i++) {
-            status = palp_gmsh_append(r, &r->members, sizeof(gmsh_member), &item);
+            status = gmsh_append(r, &r->members, sizeof(gmsh_member), &item);
             if (!status)
                 *(gmsh_member *)item = (gmsh_member){((size_t *)r->block_groups.items)[g], place[i]};
         }
@@ -286,13 +286,13 @@ static palp_status keep_element(gmsh_file *r, bool is_cell, int n, const int32_t
 static palp_status read_element(gmsh_file *r, bool is_cell, int n) {
     long long tag;
     int32_t place[TYPE_NODES_MAX];
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     if (!status)
-        status = palp_gmsh_integer(r, "an element tag", 0, LLONG_MAX, &tag);
+        status = gmsh_integer(r, "an element tag", 0, LLONG_MAX, &tag);
     for (int i = 0; i < n && !status; i++)
         status = read_element_node(r, &place[i]);
     if (!status)
-        status = palp_gmsh_line_end(r);
+        status = gmsh_line_end(r);
     if (!status)
         status = check_repeats(r, n, place);
     return status ? status : keep_element(r, is_cell, n, place);
@@ -307,12 +307,12 @@ static palp_status read_element_block(gmsh_file *r, size_t *left) {
         return status;
     int n = type_nodes(type);
     if (n == 0)
-        return palp_gmsh_fail(r, r->line,
-                              "elements of type %lld are not read: mesh the volume with 4-node tetrahedra "
-                              "(type 4) or 8-node hexahedra (type 5)",
-                              type);
+        return gmsh_fail(r, r->line,
+                         "elements of type %lld are not read: mesh the volume with 4-node tetrahedra "
+                         "(type 4) or 8-node hexahedra (type 5)",
+                         type);
     if (count > *left)
-        return palp_gmsh_fail(r, r->line, "more elements than $Elements announces");
+        return gmsh_fail(r, r->line, "more elements than $Elements announces");
     *left -= count;
     status = find_groups(r, &of);
     for (size_t i = 0; i < count && !status; i++)
@@ -327,14 +327,14 @@ static palp_status read_elements(gmsh_file *r) {
     for (size_t i = 0; i < blocks && !status; i++)
         status = read_element_block(r, &left);
     if (!status && left > 0)
-        return palp_gmsh_fail(r, r->line, "%zu elements fewer than $Elements announces", left);
+        return gmsh_fail(r, r->line, "%zu elements fewer than $Elements announces", left);
     return status;
 }
 
 /* ---- the file ------------------------------------------------------------------------------------ */
 
 static palp_status refuse_partitions(gmsh_file *r) {
-    return palp_gmsh_fail(r, r->line, "a partitioned mesh is not read: save it in one part");
+    return gmsh_fail(r, r->line, "a partitioned mesh is not read: save it in one part");
 }
 
 typedef struct section {
@@ -356,30 +356,30 @@ static bool section_ends(const gmsh_file *r) {
 
 /* The line that ends the section; lines of a section that is not known are passed over. */
 static palp_status read_end(gmsh_file *r, bool known) {
-    palp_status status = palp_gmsh_line(r);
+    palp_status status = gmsh_line(r);
     while (!status && !section_ends(r) && !known)
-        status = palp_gmsh_line(r);
+        status = gmsh_line(r);
     if (!status && !section_ends(r))
-        return palp_gmsh_fail(r, r->line, "$End%s is expected, not '%.40s'", r->section + 1, r->at);
+        return gmsh_fail(r, r->line, "$End%s is expected, not '%.40s'", r->section + 1, r->at);
     return status;
 }
 
 static palp_status check_order(const gmsh_file *r, int i) {
     if (i != FORMAT && !(r->seen & 1u << FORMAT))
-        return palp_gmsh_fail(r, r->line, "$MeshFormat is expected before %s", sections[i].name);
+        return gmsh_fail(r, r->line, "$MeshFormat is expected before %s", sections[i].name);
     if (r->seen & 1u << i)
-        return palp_gmsh_fail(r, r->line, "%s stands a second time", sections[i].name);
+        return gmsh_fail(r, r->line, "%s stands a second time", sections[i].name);
     if (r->seen & 1u << ELEMENTS)
-        return palp_gmsh_fail(r, r->line, "%s is expected before $Elements", sections[i].name);
+        return gmsh_fail(r, r->line, "%s is expected before $Elements", sections[i].name);
     if (i == ELEMENTS && !(r->seen & 1u << NODES))
-        return palp_gmsh_fail(r, r->line, "$Nodes is expected before $Elements");
+        return gmsh_fail(r, r->line, "$Nodes is expected before $Elements");
     return PALP_OK;
 }
 
 static palp_status read_section(gmsh_file *r) {
     int i = 0;
     if (r->at[0] != '$' || strlen(r->at) >= sizeof r->section)
-        return palp_gmsh_fail(r, r->line, "a section such as $Nodes is expected, not '%.40s'", r->at);
+        return gmsh_fail(r, r->line, "a section such as $Nodes is expected, not '%.40s'", r->at);
     strcpy(r->section, r->at);
     while (i < SECTIONS && strcmp(sections[i].name, r->section) != 0)
         i++;
@@ -398,7 +398,7 @@ static void replace_nuls(char *text, size_t size) {
         *nul = '?';
 }
 
-palp_status palp_gmsh_read(gmsh_file *r) {
+palp_status gmsh_read(gmsh_file *r) {
     size_t size = 0;
     palp_status status = palp_file_read(r->path, &r->text, &size, r->error);
     if (status)
@@ -406,15 +406,15 @@ palp_status palp_gmsh_read(gmsh_file *r) {
     replace_nuls(r->text, size);
     r->next = r->text;
     r->end = r->text + size;
-    while (!status && palp_gmsh_next(r))
+    while (!status && gmsh_next(r))
         status = read_section(r);
     for (int i = FORMAT; i < SECTIONS && !status; i++)
         if ((i == FORMAT || i >= NODES) && !(r->seen & 1u << i))
-            status = palp_gmsh_fail(r, r->line, "the file ends without %s", sections[i].name);
+            status = gmsh_fail(r, r->line, "the file ends without %s", sections[i].name);
     return status;
 }
 
-void palp_gmsh_release(gmsh_file *r) {
+void gmsh_release(gmsh_file *r) {
     free(r->text);
     free(r->groups.items);
     free(r->entities.items);

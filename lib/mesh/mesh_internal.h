@@ -4,11 +4,11 @@
 
 #include <palpate/mesh.h>
 
-typedef struct palp_node_set {
+typedef struct node_set {
     char *name;
     size_t n;
     int32_t *nodes; /* [n], ascending, each once */
-} palp_node_set;
+} node_set;
 
 struct palp_mesh {
     size_t n_nodes;
@@ -20,41 +20,41 @@ struct palp_mesh {
     double *scale;                   /* [n_elements] factor of each element's force, or NULL = all 1 */
     bool split;                      /* some tetrahedra are parts of hexahedra, to whose symmetry they do not keep */
     size_t n_sets;
-    palp_node_set *sets; /* [n_sets] */
+    node_set *sets; /* [n_sets] */
 };
 
 /* A mesh with arrays of this size, their contents unset, and no sets. */
-palp_status palp_mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh);
+palp_status mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh);
 
 /* A copy with arrays of its own. */
-palp_status palp_mesh_copy(const palp_mesh *mesh, palp_mesh **copy);
+palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy);
 
 /* Appends the tetrahedra of a tetrahedron or hexahedron of n nodes (Gmsh's order) to mesh->tetrahedra, where
  * the caller made room. */
-void palp_mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node);
+void mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node);
 
 /* Makes the triangles from the tetrahedra. */
-palp_status palp_mesh_add_surface(palp_mesh *mesh);
+palp_status mesh_add_surface(palp_mesh *mesh);
 
 /* neighbour[4 n_tetrahedra]: the tetrahedron across face f (opposite corner f) of each; -1 = surface. */
-palp_status palp_mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour);
+palp_status mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour);
 
 /* Volume of the tetrahedra, m^3; into node_m3[n_nodes], unless NULL, a quarter of each for its corners. */
-double palp_mesh_volume(const palp_mesh *mesh, double *node_m3);
+double mesh_volume(const palp_mesh *mesh, double *node_m3);
 
 /* Nodes of face f of a tetrahedron, outward. */
-void palp_mesh_face(const int32_t tetrahedron[4], size_t f, int32_t triangle[3]);
+void mesh_face(const int32_t tetrahedron[4], size_t f, int32_t triangle[3]);
 
 /* Sorts n_pairs pairs by lower then higher node, lower first in each, and drops repeats; returns
  * how many are left. */
-size_t palp_mesh_pairs_unique(size_t n_pairs, int32_t *pairs);
+size_t mesh_pairs_unique(size_t n_pairs, int32_t *pairs);
 
 /* Is the element between the nodes at a and b long enough in a mesh whose box has the diagonal
  * size_m? Shorter than 1e-12 of it, its direction is noise. False too where a number overflows. */
-bool palp_mesh_length_ok(const double a[3], const double b[3], double size_m);
+bool mesh_length_ok(const double a[3], const double b[3], double size_m);
 
 /* The diagonal of the box around n_nodes points x_m[3 n_nodes]. */
-double palp_mesh_diagonal(size_t n_nodes, const double *x_m);
+double mesh_diagonal(size_t n_nodes, const double *x_m);
 
 /* The element between two nodes of a mesh whose elements are sorted, as those of lattices and files are; n_elements if there
  * is none. */
@@ -62,7 +62,7 @@ size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b);
 
 /* Number of connected parts; root[n_nodes] is the lowest node of each node's part. Only elements with alive[e] != 0
  * connect; NULL = all. */
-size_t palp_mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,
-                       int32_t *root);
+size_t mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,
+                  int32_t *root);
 
 #endif

@@ -74,9 +74,9 @@ static palp_status add_tetrahedra(palp_mesh *mesh, const size_t nodes[3]) {
                 int32_t node[8];
                 for (size_t c = 0; c < 8; c++)
                     node[c] = (int32_t)at[c];
-                palp_mesh_split_cell(mesh, 8, node);
+                mesh_split_cell(mesh, 8, node);
             }
-    return palp_mesh_add_surface(mesh);
+    return mesh_add_surface(mesh);
 }
 
 static palp_status add_faces(palp_mesh *mesh, const double size_m[3]) {
@@ -112,7 +112,7 @@ palp_status palp_mesh_lattice(const size_t nodes[3], const double size_m[3], pal
     for (int k = 0; k < n_offsets; k++)
         n_elements += offset_count(nodes, offset[k]);
     palp_mesh *m = NULL;
-    palp_status status = palp_mesh_new(nodes[0] * nodes[1] * nodes[2], n_elements, &m);
+    palp_status status = mesh_new(nodes[0] * nodes[1] * nodes[2], n_elements, &m);
     if (status)
         return status;
     fill(m, nodes, size_m, n_offsets, offset);

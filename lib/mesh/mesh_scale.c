@@ -53,7 +53,7 @@ static double measure(const palp_mesh *mesh, const int32_t t[4], double area[4][
     return volume;
 }
 
-double palp_mesh_volume(const palp_mesh *mesh, double *node_m3) {
+double mesh_volume(const palp_mesh *mesh, double *node_m3) {
     double total = 0.0, area[4][3];
     for (size_t i = 0; i < mesh->n_nodes && node_m3; i++)
         node_m3[i] = 0.0;
@@ -85,7 +85,7 @@ static bool across(const palp_mesh *mesh, const int32_t *neighbour, size_t i, si
     double n[3], longest = 0.0;
     if (beyond < 0 || (size_t)beyond < i)
         return false;
-    palp_mesh_face(t, f, face);
+    mesh_face(t, f, face);
     for (size_t k = 0; k < 3; k++)
         longest = fmax(longest, direction(mesh, (int32_t[]){face[k], face[(k + 1) % 3]}, n));
     int32_t a = t[f], b = other_corner(t, mesh->tetrahedra + 4 * (size_t)beyond);
@@ -104,7 +104,7 @@ static palp_status join_across(palp_mesh *mesh, const int32_t *neighbour) {
         n += across(mesh, neighbour, i / 4, i % 4, pairs + 2 * n);
     free(mesh->pairs);
     mesh->pairs = pairs;
-    mesh->n_elements = palp_mesh_pairs_unique(n, pairs);
+    mesh->n_elements = mesh_pairs_unique(n, pairs);
     return PALP_OK;
 }
 
@@ -202,7 +202,7 @@ static void match_energy(palp_mesh *mesh, double area_m2) {
     double sum = 0.0, n[3];
     for (size_t i = 0; i < mesh->n_elements; i++)
         sum += mesh->scale[i] * direction(mesh, mesh->pairs + 2 * i, n);
-    double share = 6.0 * palp_mesh_volume(mesh, NULL) / (sum * area_m2);
+    double share = 6.0 * mesh_volume(mesh, NULL) / (sum * area_m2);
     for (size_t i = 0; i < mesh->n_elements; i++)
         mesh->scale[i] *= share;
 }
@@ -220,7 +220,7 @@ static palp_status fit(palp_mesh *mesh, double area_m2) {
         cube_of(n, w);
         add_element(mesh, i, mesh->scale[i], w, unbalance);
     }
-    double total = ok ? palp_mesh_volume(mesh, weight) : 0.0;
+    double total = ok ? mesh_volume(mesh, weight) : 0.0;
     for (size_t i = 0; i < mesh->n_nodes && ok; i++)
         weight[i] = pow(weight[i] / total, -4.0 / 3.0);
     double now = ok ? square_of(mesh->n_nodes, weight, unbalance) : 0.0, before = HUGE_VAL;
@@ -258,7 +258,7 @@ static palp_status scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area
     int32_t *neighbour = continuum ? malloc(4 * mesh->n_tetrahedra * sizeof *neighbour) : NULL;
     palp_status status = continuum && !neighbour ? PALP_ERR_NO_MEMORY : PALP_OK;
     if (!status && continuum)
-        status = palp_mesh_neighbours(mesh, neighbour);
+        status = mesh_neighbours(mesh, neighbour);
     if (!status && continuum)
         status = join_across(mesh, neighbour);
     if (!status)
@@ -280,7 +280,7 @@ static palp_status scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area
 static double mean_section(const palp_mesh *mesh) {
     double low[3], high[3];
     palp_mesh_bounds(mesh, low, high);
-    return palp_mesh_volume(mesh, NULL) / (high[1] - low[1]);
+    return mesh_volume(mesh, NULL) / (high[1] - low[1]);
 }
 
 palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2, palp_error *error) {

@@ -7,7 +7,7 @@
 /* Of a tetrahedron of positive volume: face f is opposite corner f, outward. */
 static const unsigned char face_corner[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
-void palp_mesh_face(const int32_t tetrahedron[4], size_t f, int32_t triangle[3]) {
+void mesh_face(const int32_t tetrahedron[4], size_t f, int32_t triangle[3]) {
     for (size_t i = 0; i < 3; i++)
         triangle[i] = tetrahedron[face_corner[f][i]];
 }
@@ -61,7 +61,7 @@ static void split_hexahedron(const int32_t node[8], int32_t *t) {
     }
 }
 
-void palp_mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node) {
+void mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node) {
     int32_t *t = mesh->tetrahedra + 4 * mesh->n_tetrahedra;
     size_t made = n == 4 ? 1 : 6;
     if (n == 4)
@@ -77,7 +77,7 @@ void palp_mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node) {
 
 /* The nodes of face f, ascending. */
 static void sorted_face(const int32_t *t, size_t f, int32_t node[3]) {
-    palp_mesh_face(t, f, node);
+    mesh_face(t, f, node);
     for (size_t i = 1; i < 3; i++)
         for (size_t j = i; j > 0 && node[j] < node[j - 1]; j--) {
             int32_t swap = node[j];
@@ -96,7 +96,7 @@ static void pair_faces(size_t n, const int32_t *face, const int32_t *key, int32_
             }
 }
 
-palp_status palp_mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour) {
+palp_status mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour) {
     size_t n_faces = 4 * mesh->n_tetrahedra;
     if (n_faces > INT32_MAX)
         return PALP_ERR_LIMIT;
@@ -125,10 +125,10 @@ palp_status palp_mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour) {
     return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-palp_status palp_mesh_add_surface(palp_mesh *mesh) {
+palp_status mesh_add_surface(palp_mesh *mesh) {
     size_t n_faces = 4 * mesh->n_tetrahedra, n = 0;
     int32_t *neighbour = malloc((n_faces + 1) * sizeof *neighbour);
-    palp_status status = neighbour ? palp_mesh_neighbours(mesh, neighbour) : PALP_ERR_NO_MEMORY;
+    palp_status status = neighbour ? mesh_neighbours(mesh, neighbour) : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n_faces && !status; i++)
         n += neighbour[i] < 0;
     if (!status)
@@ -137,7 +137,7 @@ palp_status palp_mesh_add_surface(palp_mesh *mesh) {
         status = PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n_faces && !status; i++)
         if (neighbour[i] < 0)
-            palp_mesh_face(mesh->tetrahedra + i / 4 * 4, i % 4, mesh->triangles + 3 * mesh->n_triangles++);
+            mesh_face(mesh->tetrahedra + i / 4 * 4, i % 4, mesh->triangles + 3 * mesh->n_triangles++);
     free(neighbour);
     return status;
 }

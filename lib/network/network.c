@@ -123,7 +123,7 @@ static palp_status number_unknowns(palp_network *net, size_t n, const palp_suppo
 /* Each tetrahedron's mass to its corners, a quarter each. Hexahedra, whose tetrahedra favour some corners, and
  * meshes without cells, as large as their box: by the rest length of a node's elements. */
 static void share_mass(palp_network *net) {
-    double low[3], high[3], total = 0.0, volume = palp_mesh_volume(net->mesh, net->mass);
+    double low[3], high[3], total = 0.0, volume = mesh_volume(net->mesh, net->mass);
     if (volume > 0.0 && !net->mesh->split) {
         for (size_t i = 0; i < net->n_nodes; i++)
             net->mass[i] *= net->settings.density_kg_m3;
@@ -164,7 +164,7 @@ static void measure_rest(palp_network *net) {
 
 static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supports, const palp_support *supports,
                          palp_error *error) {
-    palp_status status = palp_mesh_copy(mesh, &net->mesh);
+    palp_status status = mesh_copy(mesh, &net->mesh);
     if (status)
         return status;
     net->n_nodes = palp_mesh_node_count(net->mesh);

@@ -219,7 +219,7 @@ START_TEST(a_copy_is_equal_and_its_own) {
     palp_mesh *mesh = lattice(3, 4, 2, PALP_NEIGHBOURS_18), *copy = NULL;
     const int32_t *nodes = NULL, *copied = NULL, other[] = {0};
     size_t n = 0, m = 0;
-    ck_assert_int_eq(palp_mesh_copy(mesh, &copy), PALP_OK);
+    ck_assert_int_eq(mesh_copy(mesh, &copy), PALP_OK);
     ck_assert_int_eq(palp_mesh_set(mesh, "top", &n, &nodes), PALP_OK);
     ck_assert_int_eq(palp_mesh_set(copy, "top", &m, &copied), PALP_OK);
     ck_assert_uint_eq(n, m);

@@ -156,7 +156,7 @@ END_TEST
 
 START_TEST(a_copy_has_them_too) {
     palp_mesh *mesh = mesh_of(TETRA), *copy = NULL;
-    ck_assert_int_eq(palp_mesh_copy(mesh, &copy), PALP_OK);
+    ck_assert_int_eq(mesh_copy(mesh, &copy), PALP_OK);
     ck_assert_uint_eq(palp_mesh_tetrahedron_count(copy), palp_mesh_tetrahedron_count(mesh));
     ck_assert_uint_eq(palp_mesh_triangle_count(copy), palp_mesh_triangle_count(mesh));
     ck_assert(palp_mesh_tetrahedra(copy) != palp_mesh_tetrahedra(mesh));
