@@ -1,6 +1,6 @@
 /* bench_reduce.c: reduced models beside the full network: time of a tick, size, error of the force on paths held out.
  * A plate on the cube, and a ball of 4 mm that presses and slides on its free top; quartic law and two arms.
- *   bench_reduce [nodes a side ...]      7 and 11; 21 takes several minutes to learn */
+ *   bench_reduce [nodes a side ...]      7 and 11; 21 takes several minutes */
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 
@@ -114,14 +114,14 @@ static palp_network *make(size_t n, bool tool) {
     return net;
 }
 
-static palp_training *record(palp_network *net, palp_realtime *realtime, const path *p, bool tool, double *seconds) {
-    palp_training *training = NULL;
+static palp_snapshots *record(palp_network *net, palp_realtime *realtime, const path *p, bool tool, double *seconds) {
+    palp_snapshots *snapshots = NULL;
     palp_error error = {PALP_OK, ""};
     palp_tool_path along = {p->n, p->time, p->depth, tool ? 1 : 0, p->tool};
     double start = bench_seconds();
-    bench_check(palp_training_record(net, realtime, &along, NULL, NULL, &training, &error), error.text);
+    bench_check(palp_snapshots_record(net, realtime, &along, NULL, NULL, &snapshots, &error), error.text);
     *seconds += bench_seconds() - start;
-    return training;
+    return snapshots;
 }
 
 /* Processor time of this thread, s: what a tick takes on a machine that has nothing else to do. */
@@ -158,34 +158,34 @@ static size_t time_ticks(palp_reduced *reduced, const path *p, bool tool, double
 
 static void measure(size_t n, bool tool, path *p) {
     static double ms[TICKS], processor_ms[TICKS];
-    palp_training *training[PATHS];
+    palp_snapshots *snapshots[PATHS];
     palp_reduce_settings settings = palp_reduce_settings_default();
     palp_reduced *reduced = NULL;
     palp_error error = {PALP_OK, ""};
-    size_t held, paths = tool ? ball_paths(p, &held) : plate_paths(p, &held), samples = 0, trained = paths - held;
+    size_t held, paths = tool ? ball_paths(p, &held) : plate_paths(p, &held), samples = 0, n_paths = paths - held;
     double full = 0.0;
     palp_network *net = make(n, tool);
     palp_realtime_settings quick = palp_realtime_settings_default();
     palp_realtime *realtime = NULL;
     bench_check(palp_realtime_create(net, &quick, &realtime), "real time");
     for (size_t i = 0; i < paths; i++) {
-        training[i] = record(net, realtime, &p[i], tool, &full);
+        snapshots[i] = record(net, realtime, &p[i], tool, &full);
         samples += p[i].n;
     }
     palp_realtime_free(realtime);
     double start = bench_seconds();
-    bench_check(palp_reduced_create(net, trained, training, held, training + trained, &settings, &reduced, NULL, &error),
+    bench_check(palp_reduced_create(net, n_paths, snapshots, held, snapshots + n_paths, &settings, &reduced, NULL, &error),
                 error.text);
     double create = bench_seconds() - start;
     palp_reduced_summary s = palp_reduced_describe(reduced);
-    size_t ticks = time_ticks(reduced, &p[trained], tool, ms, processor_ms);
+    size_t ticks = time_ticks(reduced, &p[n_paths], tool, ms, processor_ms);
     printf("%4zu %-6s %8zu %8zu %5zu %6zu %9.1f %8.1f %8.4f %8.4f %8.4f %8.4f %7.3f %7.3f %7.3f\n", n,
            tool ? "ball" : "plate", s.unknowns, s.network_elements, s.modes, s.elements, 1e3 * full / (double)samples,
            create, ms[ticks / 2], ms[ticks * 99 / 100], processor_ms[ticks * 99 / 100], processor_ms[ticks - 1],
-           100.0 * s.held_worst, 100.0 * s.held_rms, 100.0 * s.bound);
+           100.0 * s.held_out_worst, 100.0 * s.held_out_rms, 100.0 * s.bound);
     fflush(stdout);
     for (size_t i = 0; i < paths; i++)
-        palp_training_free(training[i]);
+        palp_snapshots_free(snapshots[i]);
     palp_reduced_free(reduced);
     palp_network_free(net);
 }

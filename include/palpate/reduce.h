@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-typedef struct palp_training palp_training; /* what the full network did on one path; palp_training_free */
+typedef struct palp_snapshots palp_snapshots; /* what the full network did on one path; palp_snapshots_free */
 typedef struct palp_reduced palp_reduced;   /* opaque; palp_reduced_free */
 
 /* What the plate and the tools do, sample by sample: the network is stepped from each to the next, the first from
@@ -28,20 +28,20 @@ typedef struct palp_reduce_settings {
     size_t modes;             /* most coordinates; 80 */
     double tolerance;         /* of the shapes: share of the energy norm that may be left out; 1e-3 */
     size_t elements;          /* most elements kept; at least the network's own number = all; 1200 */
-    double element_tolerance; /* of the sampled forces on the training paths, relative; 3e-3 */
+    double element_tolerance; /* of the sampled forces on the snapshot paths, relative; 3e-3 */
     size_t static_modes;      /* of the modes, this many answer unit loads where tools have touched; 0 */
 } palp_reduce_settings;
 
 PALP_API palp_reduce_settings palp_reduce_settings_default(void);
 
-/* Runs the network (reset first) along a path and keeps what it did, with its realtime where that is not NULL, which is
- * much faster for large networks. Tools need palp_network_enable_tools. The
- * caller owns *training. ERR_ARGUMENT: times that do not increase, a number that is not finite, another network's realtime; the statuses of
+/* Runs the network (reset first) along a path and keeps what it did; with its realtime where that is not NULL, which is
+ * much faster for large networks. Tools need palp_network_enable_tools. The caller owns *snapshots. ERR_ARGUMENT: times
+ * that do not increase, a number that is not finite, another network's realtime; else the statuses of
  * palp_network_step, with the time in error. observer (may be NULL): non-zero = ERR_STOPPED. */
-PALP_API palp_status palp_training_record(palp_network *network, palp_realtime *realtime,
+PALP_API palp_status palp_snapshots_record(palp_network *network, palp_realtime *realtime,
                                           const palp_tool_path *path, palp_network_observer observer, void *user,
-                                          palp_training **training, palp_error *error);
-PALP_API void palp_training_free(palp_training *training); /* NULL is fine */
+                                          palp_snapshots **snapshots, palp_error *error);
+PALP_API void palp_snapshots_free(palp_snapshots *snapshots); /* NULL is fine */
 
 /* Error of a reduced model on one path: length of the difference of the plate's and all tools' forces together. */
 typedef struct palp_reduce_error {
@@ -49,33 +49,33 @@ typedef struct palp_reduce_error {
     double peak_N;         /* largest force of the full network */
 } palp_reduce_error;
 
-/* Makes a reduced model from training paths: shapes by proper orthogonal decomposition in the norm of the
- * stiffness at rest (Sirovich 1987), elements and their weights by energy-conserving sampling and weighting
- * (Farhat, Avery, Chapman, Cortial 2014), its non-negative least squares by Lawson and Hanson 1974. The network
- * (reset) must be the trained one. With n_held > 0 its error is then measured on the held-out paths, error_held[n_held]
- * (may be NULL), and bounds what it says of itself. The caller owns *reduced. ERR_UNSUPPORTED: mass, PALP_SEDEF2008,
- * springs that wear; ERR_SINGULAR: a network that is a mechanism at rest. */
-PALP_API palp_status palp_reduced_create(palp_network *network, size_t n_training, palp_training *const *training,
-                                         size_t n_held, palp_training *const *held,
+/* Makes a reduced model from snapshots: shapes by proper orthogonal decomposition (POD) in the norm of the stiffness at
+ * rest (Sirovich 1987), elements and their weights by energy-conserving sampling and weighting (ECSW; Farhat, Avery,
+ * Chapman, Cortial 2014), its non-negative least squares by Lawson and Hanson 1974. The network (reset) must be the one
+ * of the snapshots. With n_held_out > 0 the error is then measured on paths held out, into error_held_out[n_held_out]
+ * (may be NULL), and bounds what the model says of itself. The caller owns *reduced. ERR_UNSUPPORTED: mass,
+ * PALP_SEDEF2008, springs with a load history; ERR_SINGULAR: a network that is a mechanism at rest. */
+PALP_API palp_status palp_reduced_create(palp_network *network, size_t n_paths, palp_snapshots *const *snapshots,
+                                         size_t n_held_out, palp_snapshots *const *held_out,
                                          const palp_reduce_settings *settings, palp_reduced **reduced,
-                                         palp_reduce_error *error_held, palp_error *error);
+                                         palp_reduce_error *error_held_out, palp_error *error);
 PALP_API void palp_reduced_free(palp_reduced *reduced); /* NULL is fine */
 
-/* Runs the reduced model (reset first) along the path of a training and compares the forces. */
-PALP_API palp_status palp_reduced_compare(palp_reduced *reduced, const palp_training *training,
+/* Runs the reduced model (reset first) along the path of the snapshots and compares the forces. */
+PALP_API palp_status palp_reduced_compare(palp_reduced *reduced, const palp_snapshots *snapshots,
                                           palp_reduce_error *result);
 
 /* What a reduced model is. */
 typedef struct palp_reduced_summary {
     size_t modes, elements;              /* kept */
     size_t unknowns, network_elements;   /* of the network */
-    size_t training_paths, held_paths;
-    double element_residual;             /* relative, of the sampled forces on the training paths */
-    double held_worst, held_rms;         /* relative to each path's peak force; the worst path */
-    double trained_worst;                /* the same of the training paths; 0 without held-out paths */
-    double held_peak_N;                  /* the least of the held-out paths' peak forces */
+    size_t snapshot_paths, held_out_paths;
+    double element_residual;             /* relative, of the sampled forces on the snapshot paths */
+    double held_out_worst, held_out_rms; /* relative to each path's peak force; the worst path */
+    double snapshot_worst;               /* the same of the snapshot paths; 0 without held-out paths */
+    double held_out_peak_N;              /* the least of the held-out paths' peak forces */
     double bound;                        /* of the force error, relative to a path's peak force: the larger of the two
-                                            times 1 + 2 / held_paths; INFINITY without held-out paths */
+                                            times 1 + 2 / held_out_paths; INFINITY without held-out paths */
     double height_m;                     /* along the plate's motion; 0 where there is no plate */
 } palp_reduced_summary;
 
@@ -87,8 +87,9 @@ typedef struct palp_reduced_info {
     bool converged;        /* false: the best state reached within the iterations */
     double residual;       /* relative */
     double force_N;        /* reaction conjugate to depth */
-    double force_error_N;  /* bound times the largest force since the reset (at least held_peak_N), grown by outside */
-    double outside;        /* 0: within what was trained; else by how much of its range a coordinate is beyond it */
+    double force_error_N;  /* bound times the largest force since the reset, at least held_out_peak_N; grown by
+                              outside */
+    double outside;        /* 0: within the snapshots; else by how much of its range a coordinate is beyond it */
     size_t contacts;       /* nodes in touch */
 } palp_reduced_info;
 

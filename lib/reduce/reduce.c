@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bound is the worst error seen, on held-out and learnt paths, times 1 + CAUTION / held-out paths: of n paths like
+/* The bound is the worst error seen, on held-out and snapshot paths, times 1 + CAUTION / held-out paths: of n paths like
  * it a new one exceeds the worst with probability 1 / (n + 1). */
 static const double CAUTION = 2.0;
 
@@ -27,7 +27,7 @@ static void state_free(reduced_state *s) {
 void palp_reduced_free(palp_reduced *r) {
     if (!r)
         return;
-    reduced_skin_free(r->skin);
+    reduced_contact_free(r->surface);
     state_free(&r->now);
     state_free(&r->next);
     double *arrays[] = {r->rest, r->lift, r->basis, r->weight, r->low, r->high, r->unit, r->gap_rest, r->gap_lift,
@@ -36,7 +36,7 @@ void palp_reduced_free(palp_reduced *r) {
                         r->coming, r->past};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
-    free(r->held);
+    free(r->fixed);
     free(r->triangles);
     free(r->pair);
     free(r->pivot);
@@ -79,13 +79,13 @@ palp_status reduced_allocate(palp_reduced *r) {
     r->gap = doubles(k * 3 * m, &ok);
     r->scaled = doubles(k * 3 * REDUCED_BLOCK, &ok);
     r->work = doubles(DENSE_WORK * k, &ok);
-    r->held = calloc(n3 + 1, 1);
+    r->fixed = calloc(n3 + 1, 1);
     r->triangles = calloc(3 * r->n_triangles + 1, sizeof *r->triangles);
     r->pair = calloc(2 * m + 1, sizeof *r->pair);
     r->pivot = calloc(k + 1, sizeof *r->pivot);
     state_allocate(r, &r->now, &ok);
     state_allocate(r, &r->next, &ok);
-    return ok && r->held && r->triangles && r->pair && r->pivot ? PALP_OK : PALP_ERR_NO_MEMORY;
+    return ok && r->fixed && r->triangles && r->pair && r->pivot ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
 palp_status reduced_prepare(palp_reduced *r) {
@@ -108,7 +108,7 @@ palp_status reduced_prepare(palp_reduced *r) {
     }
     r->tolerance = 1e-6;
     r->max_iterations = 20;
-    palp_status status = r->max_tools > 0 ? reduced_skin_make(r) : PALP_OK;
+    palp_status status = r->max_tools > 0 ? reduced_contact_make(r) : PALP_OK;
     if (!status)
         palp_reduced_reset(r);
     return status;
@@ -135,7 +135,7 @@ palp_status reduced_make(const palp_network *net, const contact_set *contacts, s
     if (r->n_triangles > 0)
         memcpy(r->triangles, palp_mesh_triangles(net->mesh), 3 * r->n_triangles * sizeof *r->triangles);
     for (size_t i = 0; i < 3 * r->n_nodes; i++)
-        r->held[i] = net->dof[i] < 0;
+        r->fixed[i] = net->dof[i] < 0;
     for (size_t i = 0; i < n; i++) {
         memcpy(r->pair + 2 * i, net->pair + 2 * element[i], 2 * sizeof *r->pair);
         r->weight[i] = weight[i] * (net->scale ? net->scale[element[i]] : 1.0);
@@ -171,26 +171,26 @@ void palp_reduced_reset(palp_reduced *r) {
     r->now.depth = r->now.time = r->now.force = r->past_step = r->peak = 0.0;
     r->stiff = false;
     r->refreshed = 0;
-    if (r->skin)
-        reduced_skin_reset(r);
+    if (r->surface)
+        reduced_contact_reset(r);
 }
 
-static void find_range(palp_reduced *r, size_t n_training, palp_training *const *training,
+static void find_range(palp_reduced *r, size_t n_paths, palp_snapshots *const *snapshots,
                        const reduced_samples *samples) {
     for (size_t i = 0; i < samples->n; i++)
         for (size_t j = 0; j < r->modes; j++) {
             r->low[j] = fmin(r->low[j], samples->q[i * r->modes + j]);
             r->high[j] = fmax(r->high[j], samples->q[i * r->modes + j]);
         }
-    for (size_t t = 0; t < n_training; t++)
-        for (size_t i = 0; i < training[t]->n; i++) {
-            r->low[r->modes] = fmin(r->low[r->modes], training[t]->depth[i]);
-            r->high[r->modes] = fmax(r->high[r->modes], training[t]->depth[i]);
+    for (size_t t = 0; t < n_paths; t++)
+        for (size_t i = 0; i < snapshots[t]->n; i++) {
+            r->low[r->modes] = fmin(r->low[r->modes], snapshots[t]->depth[i]);
+            r->high[r->modes] = fmax(r->high[r->modes], snapshots[t]->depth[i]);
         }
 }
 
 /* Length of the difference of the plate's and the tools' forces at sample i, and of the full network's own. */
-static double force_difference(const palp_training *t, size_t i, double force, const palp_tool_force *tools,
+static double force_difference(const palp_snapshots *t, size_t i, double force, const palp_tool_force *tools,
                                double *size) {
     double plate = force - t->force[i], difference = plate * plate, own = t->force[i] * t->force[i];
     for (size_t j = 0; j < t->n_tools; j++)
@@ -203,7 +203,7 @@ static double force_difference(const palp_training *t, size_t i, double force, c
     return sqrt(difference);
 }
 
-palp_status palp_reduced_compare(palp_reduced *r, const palp_training *t, palp_reduce_error *result) {
+palp_status palp_reduced_compare(palp_reduced *r, const palp_snapshots *t, palp_reduce_error *result) {
     palp_tool_force *tools = calloc(t->n_tools + 1, sizeof *tools);
     palp_status status = tools ? PALP_OK : PALP_ERR_NO_MEMORY;
     double squares = 0.0;
@@ -226,30 +226,32 @@ palp_status palp_reduced_compare(palp_reduced *r, const palp_training *t, palp_r
     return status;
 }
 
-static palp_status measure_error(palp_reduced *r, size_t n_training, palp_training *const *training, size_t n_held,
-                                 palp_training *const *held, palp_reduce_error *error_held) {
+static palp_status measure_error(palp_reduced *r, size_t n_paths, palp_snapshots *const *snapshots, size_t n_held_out,
+                                 palp_snapshots *const *held_out, palp_reduce_error *error_held_out) {
     palp_reduced_summary *s = &r->summary;
-    for (size_t t = 0; t < n_training && n_held > 0; t++) {
+    for (size_t t = 0; t < n_paths && n_held_out > 0; t++) {
         palp_reduce_error e;
-        palp_status status = palp_reduced_compare(r, training[t], &e);
+        palp_status status = palp_reduced_compare(r, snapshots[t], &e);
         if (status)
             return status;
-        s->trained_worst = fmax(s->trained_worst, e.peak_N > 0.0 ? e.worst_N / e.peak_N : 0.0);
+        s->snapshot_worst = fmax(s->snapshot_worst, e.peak_N > 0.0 ? e.worst_N / e.peak_N : 0.0);
     }
-    for (size_t t = 0; t < n_held; t++) {
+    for (size_t t = 0; t < n_held_out; t++) {
         palp_reduce_error e;
-        palp_status status = palp_reduced_compare(r, held[t], &e);
+        palp_status status = palp_reduced_compare(r, held_out[t], &e);
         if (status)
             return status;
-        if (error_held)
-            error_held[t] = e;
+        if (error_held_out)
+            error_held_out[t] = e;
         double peak = e.peak_N > 0.0 ? e.peak_N : 1.0;
-        s->held_worst = fmax(s->held_worst, e.worst_N / peak);
-        s->held_rms = fmax(s->held_rms, e.rms_N / peak);
-        s->held_peak_N = t == 0 ? e.peak_N : fmin(s->held_peak_N, e.peak_N);
+        s->held_out_worst = fmax(s->held_out_worst, e.worst_N / peak);
+        s->held_out_rms = fmax(s->held_out_rms, e.rms_N / peak);
+        s->held_out_peak_N = t == 0 ? e.peak_N : fmin(s->held_out_peak_N, e.peak_N);
     }
-    s->held_paths = n_held;
-    s->bound = n_held > 0 ? (1.0 + CAUTION / (double)n_held) * fmax(s->held_worst, s->trained_worst) : INFINITY;
+    s->held_out_paths = n_held_out;
+    s->bound = INFINITY;
+    if (n_held_out > 0)
+        s->bound = (1.0 + CAUTION / (double)n_held_out) * fmax(s->held_out_worst, s->snapshot_worst);
     return PALP_OK;
 }
 
@@ -258,14 +260,14 @@ static bool settings_in_range(const palp_reduce_settings *s) {
            s->element_tolerance >= 0.0 && s->element_tolerance < 1.0;
 }
 
-static palp_status check_create(const palp_network *net, size_t n_training, palp_training *const *training,
-                                size_t n_held, palp_training *const *held, const palp_reduce_settings *settings,
+static palp_status check_create(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
+                                size_t n_held_out, palp_snapshots *const *held_out, const palp_reduce_settings *settings,
                                 palp_error *error) {
-    bool sound = n_training > 0 && settings_in_range(settings);
-    for (size_t i = 0; i < n_training; i++)
-        sound = sound && training[i]->n_nodes == net->n_nodes;
-    for (size_t i = 0; i < n_held; i++)
-        sound = sound && held[i]->n_nodes == net->n_nodes;
+    bool sound = n_paths > 0 && settings_in_range(settings);
+    for (size_t i = 0; i < n_paths; i++)
+        sound = sound && snapshots[i]->n_nodes == net->n_nodes;
+    for (size_t i = 0; i < n_held_out; i++)
+        sound = sound && held_out[i]->n_nodes == net->n_nodes;
     if (!sound)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a setting is out of range, or a path is of another network");
     bool vectors = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
@@ -275,25 +277,25 @@ static palp_status check_create(const palp_network *net, size_t n_training, palp
     return PALP_OK;
 }
 
-static palp_status reduce(palp_network *net, size_t n_training, palp_training *const *training,
+static palp_status reduce(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
                           const palp_reduce_settings *settings, const contact_set *contacts,
                           palp_reduced **out) {
     size_t modes = 0, n = 0;
     double *basis = NULL, *lift = NULL, *weight = NULL, residual = 0.0;
     int32_t *element = NULL;
     reduced_samples samples = {0, NULL};
-    palp_status status = reduced_basis(net, n_training, training, settings, &modes, &basis, &lift, &samples);
+    palp_status status = reduced_pod(net, n_paths, snapshots, settings, &modes, &basis, &lift, &samples);
     if (!status && modes == 0)
         status = PALP_ERR_ARGUMENT; /* nothing moves on these paths */
     if (!status)
-        status = reduced_elements(net, n_training, training, settings, modes, basis, lift, &samples, &n, &element,
+        status = reduced_ecsw(net, n_paths, snapshots, settings, modes, basis, lift, &samples, &n, &element,
                                   &weight, &residual);
     if (!status)
         status = reduced_make(net, contacts, modes, basis, lift, n, element, weight, out);
     if (!status) {
-        (*out)->summary.training_paths = n_training;
+        (*out)->summary.snapshot_paths = n_paths;
         (*out)->summary.element_residual = residual;
-        find_range(*out, n_training, training, &samples);
+        find_range(*out, n_paths, snapshots, &samples);
     }
     free(basis);
     free(lift);
@@ -303,10 +305,10 @@ static palp_status reduce(palp_network *net, size_t n_training, palp_training *c
     return status;
 }
 
-palp_status palp_reduced_create(palp_network *net, size_t n_training, palp_training *const *training, size_t n_held,
-                                palp_training *const *held, const palp_reduce_settings *settings,
-                                palp_reduced **reduced, palp_reduce_error *error_held, palp_error *error) {
-    palp_status status = check_create(net, n_training, training, n_held, held, settings, error);
+palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots, size_t n_held_out,
+                                palp_snapshots *const *held_out, const palp_reduce_settings *settings,
+                                palp_reduced **reduced, palp_reduce_error *error_held_out, palp_error *error) {
+    palp_status status = check_create(net, n_paths, snapshots, n_held_out, held_out, settings, error);
     if (status)
         return status;
     palp_reduced *made = NULL;
@@ -314,15 +316,15 @@ palp_status palp_reduced_create(palp_network *net, size_t n_training, palp_train
     const size_t n_terms = net->n_terms;
     palp_network_reset(net);
     net->n_terms = 0; /* tools are no part of the shapes' stiffness, and at rest there are no cuts */
-    status = reduce(net, n_training, training, settings, contacts, &made);
+    status = reduce(net, n_paths, snapshots, settings, contacts, &made);
     net->n_terms = n_terms;
     palp_network_reset(net);
     if (!status)
-        status = measure_error(made, n_training, training, n_held, held, error_held);
+        status = measure_error(made, n_paths, snapshots, n_held_out, held_out, error_held_out);
     if (status) {
         palp_reduced_free(made);
         return palp_error_set(error, status, "%s",
-                              status == PALP_ERR_ARGUMENT ? "the training paths do not move the network"
+                              status == PALP_ERR_ARGUMENT ? "the snapshot paths do not move the network"
                                                           : palp_status_text(status));
     }
     *reduced = made;

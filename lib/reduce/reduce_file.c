@@ -29,7 +29,7 @@ static void arrays(palp_reduced *r, array list[ARRAYS]) {
                                {r->unit, r->n_nodes * f},
                                {r->pair, 2 * r->n_elements * i},
                                {r->triangles, 3 * r->n_triangles * i},
-                               {r->held, n3}};
+                               {r->fixed, n3}};
     memcpy(list, all, sizeof all);
 }
 
@@ -96,11 +96,10 @@ static json_t *number_or_null(double value) {
 }
 
 static json_t *error_json(const palp_reduced_summary *s) {
-    return json_pack("{s:f, s:f, s:o, s:o, s:f, s:o}", "element_residual", s->element_residual, "trained_worst",
-                     s->trained_worst, "held_worst",
-                     number_or_null(s->held_paths ? s->held_worst : INFINITY), "held_rms",
-                     number_or_null(s->held_paths ? s->held_rms : INFINITY), "held_peak_N", s->held_peak_N, "bound",
-                     number_or_null(s->bound));
+    double worst = s->held_out_paths ? s->held_out_worst : INFINITY, rms = s->held_out_paths ? s->held_out_rms : INFINITY;
+    return json_pack("{s:f, s:f, s:o, s:o, s:f, s:o}", "element_residual", s->element_residual, "snapshot_worst",
+                     s->snapshot_worst, "held_out_worst", number_or_null(worst), "held_out_rms", number_or_null(rms),
+                     "held_out_peak_N", s->held_out_peak_N, "bound", number_or_null(s->bound));
 }
 
 static json_t *tools_json(const palp_reduced *r) {
@@ -119,8 +118,8 @@ static json_t *root_json(const palp_reduced *r, json_t *network, const char *fil
                      "palpate", "reduced", 1, "network", network, "nodes", (json_int_t)r->n_nodes, "unknowns",
                      (json_int_t)s->unknowns, "network_elements", (json_int_t)s->network_elements, "modes",
                      (json_int_t)r->modes, "elements", (json_int_t)r->n_elements, "triangles",
-                     (json_int_t)r->n_triangles, "training_paths", (json_int_t)s->training_paths, "held_paths",
-                     (json_int_t)s->held_paths, "height_mm", 1e3 * s->height_m, "error", error_json(s), "tools",
+                     (json_int_t)r->n_triangles, "snapshot_paths", (json_int_t)s->snapshot_paths, "held_out_paths",
+                     (json_int_t)s->held_out_paths, "height_mm", 1e3 * s->height_m, "error", error_json(s), "tools",
                      tools_json(r), "arrays", "file", file, "bytes", (json_int_t)check.bytes, "checksum", sum);
 }
 
@@ -210,8 +209,8 @@ static palp_status sizes_read(const palp_json *root, palp_reduced *r) {
         size_t *to;
     } counts[] = {{"nodes", &r->n_nodes}, {"modes", &r->modes}, {"elements", &r->n_elements},
                   {"triangles", &r->n_triangles}, {"unknowns", &r->summary.unknowns},
-                  {"network_elements", &r->summary.network_elements}, {"training_paths", &r->summary.training_paths},
-                  {"held_paths", &r->summary.held_paths}};
+                  {"network_elements", &r->summary.network_elements}, {"snapshot_paths", &r->summary.snapshot_paths},
+                  {"held_out_paths", &r->summary.held_out_paths}};
     palp_status status = PALP_OK;
     for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
         status = count_read(root, counts[i].key, counts[i].to);
@@ -224,7 +223,8 @@ static palp_status sizes_read(const palp_json *root, palp_reduced *r) {
 }
 
 static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
-    static const char *const keys[] = {"element_residual", "held_worst", "held_rms", "held_peak_N", "bound", "trained_worst"};
+    static const char *const keys[] = {"element_residual", "held_out_worst", "held_out_rms",
+                                       "held_out_peak_N",  "bound",          "snapshot_worst"};
     palp_json at;
     palp_status status = palp_json_require(root, "error", &at);
     if (!status)
@@ -232,13 +232,13 @@ static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
     if (!status)
         status = number_read(&at, keys[0], NAN, &s->element_residual);
     if (!status)
-        status = number_read(&at, keys[5], NAN, &s->trained_worst);
+        status = number_read(&at, keys[5], NAN, &s->snapshot_worst);
     if (!status)
-        status = number_read(&at, keys[1], 0.0, &s->held_worst);
+        status = number_read(&at, keys[1], 0.0, &s->held_out_worst);
     if (!status)
-        status = number_read(&at, keys[2], 0.0, &s->held_rms);
+        status = number_read(&at, keys[2], 0.0, &s->held_out_rms);
     if (!status)
-        status = number_read(&at, keys[3], NAN, &s->held_peak_N);
+        status = number_read(&at, keys[3], NAN, &s->held_out_peak_N);
     return status ? status : number_read(&at, keys[4], INFINITY, &s->bound);
 }
 
@@ -373,7 +373,7 @@ static palp_status arrays_read(const palp_json *root, palp_reduced *r, palp_erro
 
 static palp_status reduced_from_json(const palp_json *root, palp_model *model, palp_reduced *r, palp_error *error) {
     static const char *const keys[] = {"palpate", "network", "nodes", "unknowns", "network_elements",
-                                       "modes", "elements", "triangles", "training_paths", "held_paths",
+                                       "modes", "elements", "triangles", "snapshot_paths", "held_out_paths",
                                        "height_mm", "error", "tools", "arrays"};
     palp_status status = version_read(root);
     if (!status)

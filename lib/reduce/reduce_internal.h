@@ -9,7 +9,8 @@
 
 enum { REDUCED_BLOCK = 64 }; /* elements whose tangents are summed at once */
 
-struct palp_training {
+/* What the full network did on one path. */
+struct palp_snapshots {
     size_t n, n_nodes, n_tools;
     double *time, *depth, *force; /* [n] */
     double *x;                    /* [3 n_nodes n] positions, sample by sample */
@@ -24,8 +25,8 @@ typedef struct reduced_state {
     double depth, time, force;
 } reduced_state;
 
-/* The surface, on which tools act (reduce_skin.c). */
-typedef struct reduced_skin {
+/* The surface, on which tools act (reduce_contact.c). */
+typedef struct reduced_contact {
     contact_set contacts;
     size_t n, n_near;
     double *x, *next_x, *rest; /* [3 n] places committed, sought, at rest, m */
@@ -37,7 +38,7 @@ typedef struct reduced_skin {
     double *row;         /* [modes 3 REDUCED_BLOCK] scratch */
     double speed, lift;  /* farthest that a node moves per unit q and depth */
     double drift;        /* farthest that one can have moved since all places were up to date, m */
-} reduced_skin;
+} reduced_contact;
 
 struct palp_reduced {
     palp_material material;
@@ -45,15 +46,15 @@ struct palp_reduced {
     size_t n_nodes, modes, n_elements, n_triangles;
     double *rest, *lift;   /* [3 n_nodes] m; displacement per depth */
     double *basis;         /* [3 n_nodes modes], a row a coordinate of a node */
-    unsigned char *held;   /* [3 n_nodes] 1 = fixed or driven */
+    unsigned char *fixed;  /* [3 n_nodes] 1 = fixed or driven */
     int32_t *triangles;    /* [3 n_triangles] of the surface */
     int32_t *pair;         /* [2 n_elements] nodes of the kept elements */
     double *weight;        /* [n_elements] */
-    double *low, *high;    /* [modes + 1] range in training; the last is the depth's */
+    double *low, *high;    /* [modes + 1] range in the snapshots; the last is the depth's */
     size_t max_tools;      /* 0 = tools cannot touch it */
     palp_contact_settings contact_settings;
     double *unit;          /* [n_nodes] a node's own stiffness over that of an element, 1/m */
-    reduced_skin *skin;    /* NULL where max_tools is 0 */
+    reduced_contact *surface;    /* NULL where max_tools is 0 */
 
     /* of the kept elements: difference of their ends' rows */
     double *gap_rest, *gap_lift; /* [3 n_elements] */
@@ -80,7 +81,7 @@ struct palp_reduced {
     double past_step, peak;       /* s from past to now; largest force since the reset */
 };
 
-/* A reduced model with this basis [3 n_nodes modes] (rows of held coordinates 0) and these elements of the network:
+/* A reduced model with this basis [3 n_nodes modes] (rows of fixed coordinates 0) and these elements of the network:
  * element[n] with weight[n]; lift[3 n_nodes]. contacts: the network's tools, or NULL. Copies. */
 palp_status reduced_make(const palp_network *net, const contact_set *contacts, size_t modes, const double *basis,
                          const double *lift, size_t n, const int32_t *element, const double *weight, palp_reduced **out);
@@ -102,29 +103,29 @@ void reduced_stiffness(palp_reduced *reduced, size_t from, size_t to, double *k)
 /* Tools on the surface. make: at the end of building, after which all memory is there. begin: poses for the step from
  * now to next. evaluate adds to rhs and *drive, stiffness to a tangent. refresh: contacts had to be looked for again,
  * solve once more. commit gives force[n_tools] (or NULL), adds their squares, returns the contacts. */
-palp_status reduced_skin_make(palp_reduced *reduced);
-void reduced_skin_free(reduced_skin *skin); /* NULL is fine */
-void reduced_skin_reset(palp_reduced *reduced);
-palp_status reduced_skin_begin(palp_reduced *reduced, size_t n_tools, const palp_tool *tools);
-void reduced_skin_evaluate(palp_reduced *reduced, double *drive);
-void reduced_skin_stiffness(const palp_reduced *reduced, double *stiffness);
-bool reduced_skin_refresh(palp_reduced *reduced);
-size_t reduced_skin_commit(palp_reduced *reduced, palp_tool_force *force, double *squares);
+palp_status reduced_contact_make(palp_reduced *reduced);
+void reduced_contact_free(reduced_contact *surface); /* NULL is fine */
+void reduced_contact_reset(palp_reduced *reduced);
+palp_status reduced_contact_begin(palp_reduced *reduced, size_t n_tools, const palp_tool *tools);
+void reduced_contact_evaluate(palp_reduced *reduced, double *drive);
+void reduced_contact_stiffness(const palp_reduced *reduced, double *stiffness);
+bool reduced_contact_refresh(palp_reduced *reduced);
+size_t reduced_contact_commit(palp_reduced *reduced, palp_tool_force *force, double *squares);
 
-/* The samples of several trainings in reduced coordinates. */
+/* The samples of all snapshots in reduced coordinates. */
 typedef struct reduced_samples {
-    size_t n;       /* of all trainings */
+    size_t n;       /* of all paths */
     double *q;      /* [modes n] */
 } reduced_samples;
 
-/* Shapes (reduce_basis.c): at most settings->modes of them into *basis [3 n_nodes *modes], malloc'ed, with the samples'
+/* Shapes (reduce_pod.c): at most settings->modes of them into *basis [3 n_nodes *modes], malloc'ed, with the samples'
  * coordinates and *lift. */
-palp_status reduced_basis(palp_network *net, size_t n_training, palp_training *const *training,
+palp_status reduced_pod(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
                           const palp_reduce_settings *settings, size_t *modes, double **basis, double **lift,
                           reduced_samples *samples);
 
-/* Elements and weights (reduce_elements.c), malloc'ed; *residual as of nnls_solve. */
-palp_status reduced_elements(palp_network *net, size_t n_training, palp_training *const *training,
+/* Elements and weights (reduce_ecsw.c), malloc'ed; *residual as of nnls_solve. */
+palp_status reduced_ecsw(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
                              const palp_reduce_settings *settings, size_t modes, const double *basis,
                              const double *lift, const reduced_samples *samples, size_t *n, int32_t **element,
                              double **weight, double *residual);

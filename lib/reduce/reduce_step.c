@@ -5,70 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
 static const double SLOW = 0.3;              /* a kept tangent that contracts less is renewed at once */
 static const double SHORTEST = 0.02;         /* line search */
 enum { TICKS = 24 };                         /* in so many steps the tangent is renewed, a share in each */
-
-double reduced_coordinate(const palp_reduced *r, const double *q, double depth, size_t i) {
-    return r->rest[i] + depth * r->lift[i] + dense_dot(r->modes, r->basis + i * r->modes, q);
-}
-
-static bool measure(palp_reduced *r) {
-    bool sound = true;
-    double *d = r->direction;
-    for (size_t i = 0; i < 3 * r->n_elements; i++)
-        d[i] = r->gap_rest[i] + r->next.depth * r->gap_lift[i];
-    dense_transposed_times(r->modes, 3 * r->n_elements, 1.0, r->gap, r->next.q, 1.0, d);
-    for (size_t i = 0; i < r->n_elements; i++, d += 3) {
-        double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), inverse = 1.0 / length;
-        r->strain[i] = length * r->inverse_rest[i] - 1.0;
-        r->inverse_length[i] = inverse;
-        d[0] *= inverse;
-        d[1] *= inverse;
-        d[2] *= inverse;
-        sound = sound && r->strain[i] > COLLAPSED;
-    }
-    return sound;
-}
-
-bool reduced_evaluate(palp_reduced *r, double *drive) {
-    if (!measure(r))
-        return false;
-    element_trial(&r->material, &r->step, r->n_elements, r->strain, &r->now.history, &r->next.history, r->force,
-                  r->tangent);
-    *drive = 0.0;
-    memset(r->rhs, 0, r->modes * sizeof *r->rhs);
-    for (size_t i = 0; i < 3 * r->n_elements; i++) {
-        r->vector[i] = -r->weight[i / 3] * r->force[i / 3] * r->direction[i];
-        *drive -= r->vector[i] * r->gap_lift[i];
-    }
-    dense_times(r->modes, 3 * r->n_elements, 1.0, r->gap, r->vector, 0.0, r->rhs);
-    return isfinite(*drive) && isfinite(dense_dot(r->modes, r->rhs, r->rhs));
-}
-
-/* scaled = (tangent / L0 n n' + force / L (1 - n n')) gap of one element, times its weight. */
-static void scale_gap(const palp_reduced *r, size_t i, double *scaled) {
-    const double *n = r->direction + 3 * i, *gap = r->gap + 3 * i * r->modes;
-    double across = r->weight[i] * r->force[i] * r->inverse_length[i];
-    double along = r->weight[i] * r->tangent[i] * r->inverse_rest[i] - across;
-    for (size_t j = 0; j < r->modes; j++) {
-        const double g[3] = {gap[j], gap[r->modes + j], gap[2 * r->modes + j]};
-        double stretch = along * (n[0] * g[0] + n[1] * g[1] + n[2] * g[2]);
-        for (size_t k = 0; k < 3; k++)
-            scaled[k * r->modes + j] = stretch * n[k] + across * g[k];
-    }
-}
-
-void reduced_stiffness(palp_reduced *r, size_t from, size_t to, double *stiffness) {
-    for (size_t first = from; first < to && r->modes > 0; first += REDUCED_BLOCK) {
-        size_t last = first + REDUCED_BLOCK < to ? first + REDUCED_BLOCK : to;
-        size_t rows = 3 * (last - first), modes = r->modes;
-        for (size_t i = first; i < last; i++)
-            scale_gap(r, i, r->scaled + 3 * (i - first) * r->modes);
-        dense_add_outer(modes, modes, rows, 1.0, r->scaled, modes, r->gap + 3 * first * modes, modes, stiffness, modes);
-    }
-}
 
 static void renew_stiffness(palp_reduced *r) {
     memset(r->stiffness, 0, r->modes * r->modes * sizeof *r->stiffness);
@@ -97,8 +36,8 @@ static void refresh_share(palp_reduced *r) {
 static bool evaluate(palp_reduced *r, double *drive, double *residual, double *scale) {
     if (!reduced_evaluate(r, drive))
         return false;
-    if (r->skin)
-        reduced_skin_evaluate(r, drive);
+    if (r->surface)
+        reduced_contact_evaluate(r, drive);
     double force = 0.0, noise = 0.0;
     for (size_t i = 0; i < r->n_elements; i++) {
         double f = r->reach[i] * r->force[i], t = r->reach[i] * r->tangent[i];
@@ -113,8 +52,8 @@ static bool evaluate(palp_reduced *r, double *drive, double *residual, double *s
 /* The kept tangent with the tools' own into factor. */
 static void tangent(palp_reduced *r) {
     memcpy(r->factor, r->stiffness, r->modes * r->modes * sizeof *r->factor);
-    if (r->skin)
-        reduced_skin_stiffness(r, r->factor);
+    if (r->surface)
+        reduced_contact_stiffness(r, r->factor);
 }
 
 /* Factors it; L D L' where it is not positive definite. */
@@ -188,13 +127,13 @@ static palp_status solve(palp_reduced *r, double share, progress *p) {
         r->next.q[i] = r->now.q[i] + share * (r->now.q[i] - r->past[i]);
     for (int i = 0; i < ROUNDS && !status; i++) {
         status = evaluate(r, &p->drive, &p->residual, &p->scale) ? newton(r, p) : PALP_ERR_COLLAPSED;
-        if (!status && !(r->skin && reduced_skin_refresh(r)))
+        if (!status && !(r->surface && reduced_contact_refresh(r)))
             return PALP_OK;
     }
     return status ? status : evaluate(r, &p->drive, &p->residual, &p->scale) ? newton(r, p) : PALP_ERR_COLLAPSED;
 }
 
-/* How far beyond the trained range a coordinate is, in widths of it; the large coordinates count. */
+/* How far beyond its range in the snapshots a coordinate is, in widths of it; the large coordinates count. */
 static double outside(const palp_reduced *r) {
     double beyond = 0.0, width = 0.0;
     for (size_t i = 0; i < r->modes; i++)
@@ -209,7 +148,7 @@ static double outside(const palp_reduced *r) {
 /* What the bound says, of the largest force so far, or of what is usual on such paths. */
 static double expected_error(const palp_reduced *r, double beyond) {
     const palp_reduced_summary *s = &r->summary;
-    return isinf(s->bound) ? INFINITY : s->bound * (1.0 + beyond) * fmax(r->peak, s->held_peak_N);
+    return isinf(s->bound) ? INFINITY : s->bound * (1.0 + beyond) * fmax(r->peak, s->held_out_peak_N);
 }
 
 static void commit(palp_reduced *r, double dt) {
@@ -233,8 +172,8 @@ palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, c
     palp_status status = check_step(r, depth_m, dt_s);
     if (!status && n_tools > r->max_tools)
         status = PALP_ERR_ARGUMENT;
-    if (!status && r->skin)
-        status = reduced_skin_begin(r, n_tools, tools);
+    if (!status && r->surface)
+        status = reduced_contact_begin(r, n_tools, tools);
     if (status)
         return status;
     element_step_prepare(&r->material, dt_s, &r->step);
@@ -243,14 +182,14 @@ palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, c
     double share = r->past_step > 0.0 && isfinite(dt_s) ? fmin(dt_s / r->past_step, 2.0) : 0.0;
     status = solve(r, share, &p);
     if (status && share > 0.0) {
-        if (r->skin)
-            reduced_skin_begin(r, n_tools, tools);
+        if (r->surface)
+            reduced_contact_begin(r, n_tools, tools);
         status = solve(r, 0.0, &p);
     }
     if (status)
         return status;
     double squares = p.drive * p.drive;
-    size_t contacts = r->skin ? reduced_skin_commit(r, force, &squares) : 0;
+    size_t contacts = r->surface ? reduced_contact_commit(r, force, &squares) : 0;
     r->next.force = p.drive;
     r->peak = fmax(r->peak, sqrt(squares));
     refresh_share(r);

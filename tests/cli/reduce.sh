@@ -1,5 +1,5 @@
 #!/bin/sh
-# reduce.sh: reduced models by the command: paths learnt and held out, the file, simulate, bad input. check: asan
+# reduce.sh: reduced models by the command: snapshots and held-out runs, the file, simulate, bad input. check: asan
 . tests/cli/common
 
 sed -e 's/\[3, 3, 3\]/[5, 5, 5]/' -e 's/"arms": \[\]/"arms": [{"stiffness_N": 0.14, "viscosity_Ns": 1.9}]/' \
@@ -12,10 +12,10 @@ press() { # file depth rate hold: down, held
 }
 press p1.csv 4 4 4; press p2.csv 5 20 2; press p3.csv 3 1 3; press p4.csv 4.5 9 3; press p5.csv 3.5 2 2
 
-# Plate: the error on paths not learnt, and the same by simulate.
+# Plate: the error on a run held out, and the same by simulate.
 expect 0 reduce net.json --runs p1.csv,p2.csv p3.csv p4.csv --elements 300 --out reduced.json --json
 [ "$(value out held_out_runs)" = 1 ] || fail "one run of four is held out"
-[ "$(value out training_runs)" = 3 ] || fail "three runs of four are learnt"
+[ "$(value out snapshot_runs)" = 3 ] || fail "snapshots are of three runs of four"
 [ "$(value out unknowns)" = 243 ] || [ "$(value out unknowns)" = 225 ] || fail "unknowns: $(value out unknowns)"
 awk -v m="$(value out modes)" -v e="$(value out elements)" -v all="$(value out network_elements)" \
     'BEGIN { exit !(m >= 2 && m < 40 && e > m && 5 * e < all) }' || fail "its size: $(cat out)"
@@ -60,7 +60,7 @@ bad() { # code text arguments...
     says "$text"
 }
 bad 2 "name a NETWORK.json" reduce
-bad 2 "name runs to learn from" reduce net.json
+bad 2 "name runs to take snapshots of" reduce net.json
 bad 2 "too few to hold out" reduce net.json p1.csv
 bad 2 "raise it" reduce net.json p1.csv p2.csv --modes 4 --static-modes 5
 bad 2 "must be from 1 to" reduce net.json p1.csv --modes 0

@@ -36,13 +36,13 @@ typedef struct reduction {
 
 static int parse(int argc, char **argv, reduce_options *o) {
     const cli_option options[] = {
-        cli_heading("Runs to learn from"),
+        cli_heading("Runs to take snapshots of"),
         cli_text("runs", "RUN.csv[,...]", &o->runs,
                  "what the plate does (time_s, depth_mm), or a ball (tool_x_mm,\n"
                  "tool_y_mm, tool_z_mm of its centre in the mesh, key tool.radius_mm);\n"
                  "further files may follow as plain words"),
         cli_number("hold-out", "SHARE", 0, 0.9, &o->hold_out,
-                   "share of the runs that is not learnt but measures the error\n"
+                   "share of the runs that is held out and measures the error\n"
                    "(default 0.25, at least one; 0 = none, the error is then unknown)"),
         cli_count("samples", "N", 2, 1e5, &o->samples, "take at most N rows of a run, evenly (default 100)"),
         cli_choice("supports", "auto|plate|bottom", &o->supports,
@@ -55,7 +55,7 @@ static int parse(int argc, char **argv, reduce_options *o) {
                      "share of the energy norm that the coordinates may leave out\n(default 1e-3)"),
         cli_count("elements", "N", 1, 1e7, &o->settings.elements, "most elements to keep (default 1200)"),
         cli_positive("element-tolerance", "REL", 0.5, &o->settings.element_tolerance,
-                     "relative error of their forces on the runs learnt (default 3e-3)"),
+                     "relative error of their forces in the snapshots (default 3e-3)"),
         cli_count("static-modes", "N", 0, 2000, &o->settings.static_modes,
                   "of the coordinates, so many answer loads at single nodes where the\ntool touched (default 0)"),
         cli_heading("Output"),
@@ -77,7 +77,7 @@ static int parse(int argc, char **argv, reduce_options *o) {
         return cli_usage_error(NAME, "name a NETWORK.json; see palpate reduce --help");
     }
     if (code == CLI_OK && !o->runs && o->n_words == 1) {
-        return cli_usage_error(NAME, "name runs to learn from: --runs RUN.csv");
+        return cli_usage_error(NAME, "name runs to take snapshots of: --runs RUN.csv");
     }
     if (code == CLI_OK && o->settings.static_modes > o->settings.modes) {
         return cli_usage_error(NAME, "--static-modes are part of --modes; raise it");
@@ -121,7 +121,7 @@ static int hold_out(reduction *r) {
         return cli_usage_error(NAME, "%zu runs are too few to hold out any; add runs, or --hold-out 0", r->n);
     }
     for (size_t i = 0; i < r->n; i++) {
-        r->run[i].held = (i + 1) * held / r->n > i * held / r->n;
+        r->run[i].held_out = (i + 1) * held / r->n > i * held / r->n;
         r->tools = r->tools || r->run[i].tool;
         r->total += r->run[i].n;
     }
@@ -148,7 +148,7 @@ static int check_depths(const reduction *r) {
     return CLI_OK;
 }
 
-/* ---- training ---- */
+/* ---- snapshots of the network ---- */
 
 static palp_status make_network(const reduction *r, palp_network **net, palp_error *error) {
     palp_network_settings settings = palp_network_settings_default();
@@ -177,7 +177,7 @@ static int sample_done(void *user, double time_s, double depth_m, double force_N
     return stop;
 }
 
-static void train(void *work, size_t i) {
+static void take_snapshots(void *work, size_t i) {
     reduction *r = work;
     reduce_run *run = &r->run[i];
     palp_network *net = NULL;
@@ -190,7 +190,7 @@ static void train(void *work, size_t i) {
         status = palp_realtime_create(net, &settings, &realtime);
     }
     if (!status) {
-        status = palp_training_record(net, realtime, &path, sample_done, r, &run->training, &error);
+        status = palp_snapshots_record(net, realtime, &path, sample_done, r, &run->snapshots, &error);
     }
     palp_realtime_free(realtime);
     palp_network_free(net);
@@ -203,9 +203,9 @@ static void train(void *work, size_t i) {
     pthread_mutex_unlock(&r->lock);
 }
 
-static int train_all(reduction *r) {
+static int snapshots_of_all(reduction *r) {
     progress_start(&r->bar, "reduce: the network's runs");
-    jobs_run((void *)&r->options->jobs, r->n, train, r);
+    jobs_run((void *)&r->options->jobs, r->n, take_snapshots, r);
     progress_finish(&r->bar);
     if (r->status) {
         palp_error error = {r->status, ""};
@@ -218,13 +218,13 @@ static int train_all(reduction *r) {
 }
 
 static int reduce(reduction *r) {
-    palp_training *list[2][REDUCE_RUNS_MAX];
+    palp_snapshots *list[2][REDUCE_RUNS_MAX];
     palp_reduce_error held[REDUCE_RUNS_MAX];
     size_t n[2] = {0, 0};
     palp_network *net = NULL;
     palp_error error = {PALP_OK, ""};
     for (size_t i = 0; i < r->n; i++) {
-        list[r->run[i].held][n[r->run[i].held]++] = r->run[i].training;
+        list[r->run[i].held_out][n[r->run[i].held_out]++] = r->run[i].snapshots;
     }
     palp_status status = make_network(r, &net, &error);
     if (!status) {
@@ -236,7 +236,7 @@ static int reduce(reduction *r) {
         return cli_status(NAME, status, &error);
     }
     for (size_t i = 0, k = 0; i < r->n; i++) {
-        if (r->run[i].held) {
+        if (r->run[i].held_out) {
             r->run[i].error = held[k++];
         }
     }
@@ -249,7 +249,7 @@ static json_t *error_json(const reduction *r) {
     json_t *list = json_array();
     for (size_t i = 0; i < r->n; i++) {
         const reduce_run *run = &r->run[i];
-        if (run->held) {
+        if (run->held_out) {
             json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f}", "run", run->file, "worst_N",
                                                   run->error.worst_N, "rms_N", run->error.rms_N, "peak_N",
                                                   run->error.peak_N));
@@ -260,29 +260,29 @@ static json_t *error_json(const reduction *r) {
 
 static int print_json(const reduction *r) {
     palp_reduced_summary s = palp_reduced_describe(r->reduced);
-    bool known = s.held_paths > 0;
+    bool known = s.held_out_paths > 0;
     return json_print(NAME, json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o, s:o, s:o, s:o}", "unknowns",
                                       (json_int_t)s.unknowns, "modes", (json_int_t)s.modes, "network_elements",
                                       (json_int_t)s.network_elements, "elements", (json_int_t)s.elements,
-                                      "training_runs", (json_int_t)s.training_paths, "held_out_runs",
-                                      (json_int_t)s.held_paths, "element_residual", s.element_residual, "held_out_worst",
-                                      json_number_or_null(known ? s.held_worst : INFINITY), "held_out_rms",
-                                      json_number_or_null(known ? s.held_rms : INFINITY), "bound",
+                                      "snapshot_runs", (json_int_t)s.snapshot_paths, "held_out_runs",
+                                      (json_int_t)s.held_out_paths, "element_residual", s.element_residual,
+                                      "held_out_worst", json_number_or_null(known ? s.held_out_worst : INFINITY), "held_out_rms",
+                                      json_number_or_null(known ? s.held_out_rms : INFINITY), "bound",
                                       json_number_or_null(s.bound), "held_out", error_json(r)));
 }
 
 static void print_text(const reduction *r) {
     palp_reduced_summary s = palp_reduced_describe(r->reduced);
-    printf("%zu of %zu coordinates, %zu of %zu elements, learnt from %zu runs\n", s.modes, s.unknowns, s.elements,
-           s.network_elements, s.training_paths);
+    printf("%zu of %zu coordinates, %zu of %zu elements, from snapshots of %zu runs\n", s.modes, s.unknowns, s.elements,
+           s.network_elements, s.snapshot_paths);
     for (size_t i = 0; i < r->n; i++) {
         const reduce_run *run = &r->run[i];
-        if (run->held) {
+        if (run->held_out) {
             printf("held out: %s: largest error %.3g N, rms %.3g N, of a peak force of %.4g N\n", run->file,
                    run->error.worst_N, run->error.rms_N, run->error.peak_N);
         }
     }
-    if (s.held_paths > 0) {
+    if (s.held_out_paths > 0) {
         printf("error bound on paths like these: %.2g %% of the largest force\n", 100 * s.bound);
     }
 }
@@ -295,10 +295,10 @@ static int answer(const reduction *r) {
     if (status) {
         return cli_status(NAME, status, &error);
     }
-    if (s.held_paths > 0 && s.held_worst > POOR) {
+    if (s.held_out_paths > 0 && s.held_out_worst > POOR) {
         cli_warning(NAME,
                     "the error on the runs held out is %.2g %%; add runs near them, or raise --modes or --elements",
-                    100 * s.held_worst);
+                    100 * s.held_out_worst);
     }
     if (o->json) {
         return print_json(r);
@@ -324,7 +324,7 @@ static int run(const reduce_options *o, reduction *r) {
         palp_status status = palp_model_mesh(&r->model, &r->mesh, &error);
         code = status ? cli_status(NAME, status, &error) : check_depths(r);
     }
-    code = code ? code : train_all(r);
+    code = code ? code : snapshots_of_all(r);
     code = code ? code : reduce(r);
     return code ? code : answer(r);
 }

@@ -25,9 +25,9 @@ typedef struct reduce_run {
     size_t n;
     double *time_s, *depth_m; /* [n] */
     palp_tool *tool;          /* [n], or NULL: the plate alone */
-    bool held;                /* not trained on */
-    palp_training *training;
-    palp_reduce_error error;  /* held only */
+    bool held_out;            /* its snapshots measure the error only */
+    palp_snapshots *snapshots;
+    palp_reduce_error error;  /* held_out only */
 } reduce_run;
 
 /* Reads a run, at most samples of its rows, evenly chosen; an exit code. */

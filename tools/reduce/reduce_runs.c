@@ -13,7 +13,7 @@ void reduce_run_free(reduce_run *run) {
     free(run->time_s);
     free(run->depth_m);
     free(run->tool);
-    palp_training_free(run->training);
+    palp_snapshots_free(run->snapshots);
 }
 
 /* The ball's radius and friction; a run with one of the columns must have all. */

@@ -1,4 +1,4 @@
-/* test_reduce.c: reduced models against the full network, on paths that they were not trained on. */
+/* test_reduce.c: reduced models against the full network, on paths of which they have no snapshots. */
 /* link: -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc */
 #define _POSIX_C_SOURCE 200809L
 #include "network_make.h"
@@ -55,16 +55,16 @@ static palp_tool ball(double x, double z, double depth) {
     return (palp_tool){.shape = PALP_TOOL_SPHERE, .position_m = {x, HEIGHT + RADIUS - depth, z}, .radius_m = RADIUS};
 }
 
-static palp_training *record(palp_network *net, const palp_tool_path *path) {
-    palp_training *training = NULL;
+static palp_snapshots *record(palp_network *net, const palp_tool_path *path) {
+    palp_snapshots *snapshots = NULL;
     palp_error error = {PALP_OK, ""};
-    palp_status status = palp_training_record(net, NULL, path, NULL, NULL, &training, &error);
+    palp_status status = palp_snapshots_record(net, NULL, path, NULL, NULL, &snapshots, &error);
     ck_assert_msg(!status, "%s", error.text);
-    return training;
+    return snapshots;
 }
 
 /* The plate: down to depth at rate, held, up. */
-static palp_training *press(palp_network *net, double depth, double rate, double hold) {
+static palp_snapshots *press(palp_network *net, double depth, double rate, double hold) {
     enum { N = 12 };
     double time[3 * N], travel[3 * N], t = 0.0;
     for (size_t i = 0; i < 3 * N; i++) {
@@ -76,7 +76,7 @@ static palp_training *press(palp_network *net, double depth, double rate, double
 }
 
 /* The ball: down at (x0, z0), across to (x1, z1). */
-static palp_training *slide(palp_network *net, double x0, double z0, double x1, double z1, double depth) {
+static palp_snapshots *slide(palp_network *net, double x0, double z0, double x1, double z1, double depth) {
     enum { DOWN = 6, N = 16 };
     double time[N];
     palp_tool tools[N];
@@ -88,18 +88,18 @@ static palp_training *slide(palp_network *net, double x0, double z0, double x1, 
     return record(net, &(palp_tool_path){.n = N, .time_s = time, .n_tools = 1, .tools = tools});
 }
 
-static palp_reduced *reduce(palp_network *net, size_t n, palp_training *const *training, size_t n_held,
-                            palp_training *const *held, const palp_reduce_settings *settings) {
+static palp_reduced *reduce(palp_network *net, size_t n, palp_snapshots *const *snapshots, size_t n_held_out,
+                            palp_snapshots *const *held_out, const palp_reduce_settings *settings) {
     palp_reduced *reduced = NULL;
     palp_error error = {PALP_OK, ""};
-    palp_status status = palp_reduced_create(net, n, training, n_held, held, settings, &reduced, NULL, &error);
+    palp_status status = palp_reduced_create(net, n, snapshots, n_held_out, held_out, settings, &reduced, NULL, &error);
     ck_assert_msg(!status, "%s", error.text);
     return reduced;
 }
 
-static void free_all(size_t n, palp_training **training) {
+static void free_all(size_t n, palp_snapshots **snapshots) {
     for (size_t i = 0; i < n; i++)
-        palp_training_free(training[i]);
+        palp_snapshots_free(snapshots[i]);
 }
 
 /* All coordinates of the network, mixed by reflections so that none is a node's own, and all its elements. */
@@ -193,9 +193,9 @@ END_TEST
 START_TEST(rest_is_rest) {
     palp_material m = quartic(2);
     palp_network *net = cube_network(4, &m, NULL);
-    palp_training *training[] = {press(net, 0.003, 0.02, 0.5)};
+    palp_snapshots *snapshots[] = {press(net, 0.003, 0.02, 0.5)};
     palp_reduce_settings settings = palp_reduce_settings_default();
-    palp_reduced *reduced = reduce(net, 1, training, 0, NULL, &settings);
+    palp_reduced *reduced = reduce(net, 1, snapshots, 0, NULL, &settings);
     for (int i = 0; i < 3; i++) {
         palp_reduced_info info;
         ck_assert_int_eq(palp_reduced_step(reduced, 0.0, 0, NULL, 0.01, NULL, &info), PALP_OK);
@@ -206,7 +206,7 @@ START_TEST(rest_is_rest) {
     palp_network_reset(net);
     check_places(net, reduced, 1e-15);
     palp_reduced_free(reduced);
-    free_all(1, training);
+    free_all(1, snapshots);
     palp_network_free(net);
 }
 END_TEST
@@ -230,12 +230,12 @@ static double energy_at(palp_reduced *r, const double *q, double depth, double *
 START_TEST(energy_consistent) {
     palp_material m = material_of(QLV_DASHPOT);
     palp_network *net = cube_network(5, &m, NULL);
-    palp_training *training[] = {press(net, 0.004, 0.02, 0.5), press(net, 0.003, 0.005, 1.0)};
+    palp_snapshots *snapshots[] = {press(net, 0.004, 0.02, 0.5), press(net, 0.003, 0.005, 1.0)};
     palp_reduce_settings settings = palp_reduce_settings_default();
     settings.modes = 6;
     settings.tolerance = 1e-6;
     settings.elements = 200;
-    palp_reduced *r = reduce(net, 2, training, 0, NULL, &settings);
+    palp_reduced *r = reduce(net, 2, snapshots, 0, NULL, &settings);
     size_t n = r->modes;
     ck_assert_uint_ge(n, 4);
     ck_assert_uint_lt(palp_reduced_describe(r).elements, palp_reduced_describe(r).network_elements);
@@ -270,13 +270,13 @@ START_TEST(energy_consistent) {
     ck_assert_double_eq_tol(drive, (up - down) / 2e-7, 1e-5 * fabs(drive));
     free(k);
     palp_reduced_free(r);
-    free_all(2, training);
+    free_all(2, snapshots);
     palp_network_free(net);
 }
 END_TEST
 
 /* A model of paths, its bound from held-out ones, and its error on one that it has never seen. */
-static void check_unseen(palp_reduced *reduced, const palp_training *unseen, double most) {
+static void check_unseen(palp_reduced *reduced, const palp_snapshots *unseen, double most) {
     palp_reduced_summary s = palp_reduced_describe(reduced);
     palp_reduce_error error;
     ck_assert_uint_lt(10 * s.modes, s.unknowns);
@@ -290,10 +290,10 @@ static void check_unseen(palp_reduced *reduced, const palp_training *unseen, dou
     ck_assert_double_lt(error.rms_N, error.worst_N);
 }
 
-START_TEST(plate_on_paths_not_trained) {
+START_TEST(plate_on_paths_held_out) {
     palp_material m = quartic(2);
     palp_network *net = cube_network(6, &m, NULL);
-    palp_training *paths[] = {press(net, 0.0048, 0.024, 1.0), press(net, 0.003, 0.006, 2.0), press(net, 0.0055, 0.05, 0.5),
+    palp_snapshots *paths[] = {press(net, 0.0048, 0.024, 1.0), press(net, 0.003, 0.006, 2.0), press(net, 0.0055, 0.05, 0.5),
                               press(net, 0.004, 0.012, 1.0), press(net, 0.0052, 0.04, 0.7), press(net, 0.0045, 0.02, 0.4)};
     palp_reduce_settings settings = palp_reduce_settings_default();
     palp_reduced *reduced = reduce(net, 3, paths, 2, paths + 3, &settings);
@@ -304,11 +304,11 @@ START_TEST(plate_on_paths_not_trained) {
 }
 END_TEST
 
-START_TEST(tool_on_paths_not_trained) {
+START_TEST(tool_on_paths_held_out) {
     const double near = 0.009, mid = 0.012, far = 0.015, depth = 0.001;
     palp_material m = quartic(1);
     palp_network *net = block(7, &m);
-    palp_training *paths[] = {slide(net, near, near, far, near, depth), slide(net, far, mid, near, mid, 0.9 * depth),
+    palp_snapshots *paths[] = {slide(net, near, near, far, near, depth), slide(net, far, mid, near, mid, 0.9 * depth),
                               slide(net, near, far, far, far, depth), slide(net, near, far, near, near, depth),
                               slide(net, mid, near, mid, far, 0.8 * depth), slide(net, far, far, far, near, depth),
                               slide(net, near, near, far, far, 0.9 * depth), slide(net, far, near, near, far, 0.95 * depth),
@@ -324,11 +324,11 @@ START_TEST(tool_on_paths_not_trained) {
 }
 END_TEST
 
-/* Outside of what was trained a model says so, and expects more error. */
+/* Outside of its snapshots a model says so, and expects more error. */
 START_TEST(knows_its_range) {
     palp_material m = quartic(1);
     palp_network *net = cube_network(5, &m, NULL);
-    palp_training *paths[] = {press(net, 0.002, 0.01, 0.5), press(net, 0.0015, 0.02, 0.5)};
+    palp_snapshots *paths[] = {press(net, 0.002, 0.01, 0.5), press(net, 0.0015, 0.02, 0.5)};
     palp_reduce_settings settings = palp_reduce_settings_default();
     settings.elements = 400;
     palp_reduced *reduced = reduce(net, 1, paths, 1, paths + 1, &settings);
@@ -336,8 +336,8 @@ START_TEST(knows_its_range) {
     ck_assert_int_eq(palp_reduced_step(reduced, 0.001, 0, NULL, 0.1, NULL, &in), PALP_OK);
     ck_assert_int_eq(palp_reduced_step(reduced, 0.004, 0, NULL, 0.3, NULL, &out), PALP_OK);
     ck_assert_double_lt(in.outside, 0.1);
-    ck_assert_double_ge(out.outside, 1.0); /* as far again as the trained 2 mm */
-    double floor_N = palp_reduced_describe(reduced).held_peak_N, bound = palp_reduced_describe(reduced).bound;
+    ck_assert_double_ge(out.outside, 1.0); /* as far again as the 2 mm of the snapshots */
+    double floor_N = palp_reduced_describe(reduced).held_out_peak_N, bound = palp_reduced_describe(reduced).bound;
     ck_assert_double_gt(floor_N, 0.1);
     ck_assert_double_ge(in.force_error_N, bound * floor_N); /* also at a force below that of the held-out path */
     ck_assert_double_gt(out.force_error_N, 1.9 * bound * out.force_N);
@@ -356,7 +356,7 @@ static palp_status tick(palp_reduced *reduced, int i, palp_tool_force *force, pa
 static palp_reduced *under_a_ball(palp_network **net) {
     palp_material m = quartic(2);
     *net = block(5, &m);
-    palp_training *paths[] = {slide(*net, 0.009, 0.009, 0.015, 0.012, 0.001), slide(*net, 0.009, 0.014, 0.014, 0.01, 0.001)};
+    palp_snapshots *paths[] = {slide(*net, 0.009, 0.009, 0.015, 0.012, 0.001), slide(*net, 0.009, 0.014, 0.014, 0.01, 0.001)};
     palp_reduce_settings settings = palp_reduce_settings_default();
     settings.modes = 12;
     settings.static_modes = 3;
@@ -400,7 +400,7 @@ END_TEST
 START_TEST(settings_are_checked) {
     palp_material m = quartic(1), sedef = sedef2008();
     palp_network *net = cube_network(3, &m, NULL), *other = cube_network(4, &m, NULL), *old = cube_network(3, &sedef, NULL);
-    palp_training *path = press(net, 0.002, 0.01, 0.5);
+    palp_snapshots *path = press(net, 0.002, 0.01, 0.5);
     palp_reduce_settings good = palp_reduce_settings_default(), bad[4] = {good, good, good, good};
     palp_reduced *reduced = NULL;
     palp_error error = {PALP_OK, ""};
@@ -414,12 +414,12 @@ START_TEST(settings_are_checked) {
     ck_assert_int_eq(palp_reduced_create(other, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_reduced_create(old, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_null(reduced);
-    palp_training *none = NULL;
+    palp_snapshots *none = NULL;
     const double back[] = {0.1, 0.1}, depth[] = {0.0, 0.0};
     palp_tool_path wrong = {.n = 2, .time_s = back, .depth_m = depth};
-    ck_assert_int_eq(palp_training_record(net, NULL, &wrong, NULL, NULL, &none, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_snapshots_record(net, NULL, &wrong, NULL, NULL, &none, &error), PALP_ERR_ARGUMENT);
     ck_assert_ptr_null(none);
-    palp_training_free(path);
+    palp_snapshots_free(path);
     palp_network_free(net);
     palp_network_free(other);
     palp_network_free(old);
@@ -505,8 +505,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, nothing_reduced_under_a_tool);
     tcase_add_test(tc, rest_is_rest);
     tcase_add_test(tc, energy_consistent);
-    tcase_add_test(tc, plate_on_paths_not_trained);
-    tcase_add_test(tc, tool_on_paths_not_trained);
+    tcase_add_test(tc, plate_on_paths_held_out);
+    tcase_add_test(tc, tool_on_paths_held_out);
     tcase_add_test(tc, knows_its_range);
     tcase_add_test(tc, same_bits_no_allocation_no_trace);
     tcase_add_test(tc, settings_are_checked);

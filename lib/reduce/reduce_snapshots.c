@@ -1,4 +1,4 @@
-/* reduce_training.c: what the full network does on a path. */
+/* reduce_snapshots.c: what the full network does on a path. */
 #include "base/file.h"
 #include "reduce_internal.h"
 
@@ -10,7 +10,7 @@
 
 enum { CORRECTIONS = 200 };
 
-void palp_training_free(palp_training *t) {
+void palp_snapshots_free(palp_snapshots *t) {
     if (!t)
         return;
     free(t->time);
@@ -22,8 +22,8 @@ void palp_training_free(palp_training *t) {
     free(t);
 }
 
-static palp_training *training_new(const palp_network *net, const palp_tool_path *path) {
-    palp_training *t = calloc(1, sizeof *t);
+static palp_snapshots *snapshots_new(const palp_network *net, const palp_tool_path *path) {
+    palp_snapshots *t = calloc(1, sizeof *t);
     if (!t)
         return NULL;
     t->n = path->n;
@@ -37,7 +37,7 @@ static palp_training *training_new(const palp_network *net, const palp_tool_path
     t->tool_force = calloc(3 * t->n * t->n_tools + 1, sizeof *t->tool_force);
     if (t->time && t->depth && t->force && t->x && t->tools && t->tool_force)
         return t;
-    palp_training_free(t);
+    palp_snapshots_free(t);
     return NULL;
 }
 
@@ -79,7 +79,7 @@ static palp_status step(const recorder *rec, double depth, double dt) {
 }
 
 /* One sample: the tools' poses, a step, what came of it. */
-static palp_status record_sample(const recorder *rec, palp_training *t, size_t i) {
+static palp_status record_sample(const recorder *rec, palp_snapshots *t, size_t i) {
     palp_network *net = rec->net;
     double since = i ? t->time[i - 1] : 0.0;
     palp_status status = PALP_OK;
@@ -99,7 +99,7 @@ static palp_status record_sample(const recorder *rec, palp_training *t, size_t i
 }
 
 static palp_status record(const recorder *rec, const palp_tool_path *path, palp_network_observer observer, void *user,
-                          palp_training *t, palp_error *error) {
+                          palp_snapshots *t, palp_error *error) {
     palp_status status = PALP_OK;
     for (size_t i = 0; !status && i < t->n; i++) {
         t->time[i] = path->time_s[i];
@@ -115,13 +115,13 @@ static palp_status record(const recorder *rec, const palp_tool_path *path, palp_
     return status;
 }
 
-palp_status palp_training_record(palp_network *net, palp_realtime *realtime, const palp_tool_path *path,
-                                 palp_network_observer observer, void *user, palp_training **training,
+palp_status palp_snapshots_record(palp_network *net, palp_realtime *realtime, const palp_tool_path *path,
+                                 palp_network_observer observer, void *user, palp_snapshots **snapshots,
                                  palp_error *error) {
     if (!path_sound(path) || (realtime && palp_realtime_network(realtime) != net))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a path needs finite numbers at increasing times from 0 s on");
     recorder rec = {.net = net, .realtime = realtime, .saved_size = realtime ? palp_network_state_size(net) : 1};
-    palp_training *t = training_new(net, path);
+    palp_snapshots *t = snapshots_new(net, path);
     rec.force = calloc(path->n_tools + 1, sizeof *rec.force);
     rec.saved = malloc(rec.saved_size);
     palp_status status = t && rec.force && rec.saved ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -133,9 +133,9 @@ palp_status palp_training_record(palp_network *net, palp_realtime *realtime, con
     free(rec.force);
     free(rec.saved);
     if (status) {
-        palp_training_free(t);
+        palp_snapshots_free(t);
         return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
     }
-    *training = t;
+    *snapshots = t;
     return PALP_OK;
 }

@@ -1,4 +1,4 @@
-/* reduce_basis.c: the shapes of a reduced model, orthonormal in the network's stiffness at rest K.
+/* reduce_pod.c: the shapes of a reduced model, orthonormal in the network's stiffness at rest K.
  * Snapshots: Sirovich 1987, Quart. Appl. Math. 45. */
 #include "base/dense.h"
 #include "reduce_internal.h"
@@ -46,14 +46,16 @@ static palp_status find_lift(palp_network *net, double *lift) {
 }
 
 /* Displacements beside the lift, u[3 n_nodes samples]. */
-static void snapshots(const palp_network *net, size_t n_training, palp_training *const *training, const double *lift,
-                      double *u) {
+static void find_displacements(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
+                               const double *lift, double *u) {
     size_t n3 = 3 * net->n_nodes;
-    for (size_t t = 0; t < n_training; t++)
-        for (size_t i = 0; i < training[t]->n; i++, u += n3)
+    for (size_t t = 0; t < n_paths; t++)
+        for (size_t i = 0; i < snapshots[t]->n; i++) {
+            const double *x = snapshots[t]->x + n3 * i;
             for (size_t k = 0; k < n3; k++)
-                u[k] = net->dof[k] < 0 ? 0.0
-                                       : training[t]->x[n3 * i + k] - net->rest[k] - training[t]->depth[i] * lift[k];
+                u[k] = net->dof[k] < 0 ? 0.0 : x[k] - net->rest[k] - snapshots[t]->depth[i] * lift[k];
+            u += n3;
+        }
 }
 
 /* Of the eigenvalues w[n], ascending, how many of the largest hold all but tolerance^2 of the sum. */
@@ -134,18 +136,18 @@ static double distance_to_tool(const palp_tool *tool, const double x[3]) {
 }
 
 /* Free coordinates of the surface nodes that a tool came within an element's length of, into list (if not NULL). */
-static size_t touched(const palp_network *net, size_t n_training, palp_training *const *training, size_t *list) {
+static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots, size_t *list) {
     size_t n_triangles = palp_mesh_triangle_count(net->mesh), n = 0;
     const int32_t *triangles = palp_mesh_triangles(net->mesh);
     unsigned char *near = calloc(net->n_nodes + 1, 1);
     double length = 1.0 / net->inverse_rest[0];
     for (size_t c = 0; near && c < 3 * n_triangles; c++) {
         size_t node = (size_t)triangles[c];
-        for (size_t t = 0; !near[node] && t < n_training; t++)
-            for (size_t i = 0; i < training[t]->n && !near[node]; i++)
-                for (size_t k = 0; k < training[t]->n_tools; k++)
-                    if (distance_to_tool(&training[t]->tools[i * training[t]->n_tools + k],
-                                         training[t]->x + 3 * (net->n_nodes * i + node)) < length)
+        for (size_t t = 0; !near[node] && t < n_paths; t++)
+            for (size_t i = 0; i < snapshots[t]->n && !near[node]; i++)
+                for (size_t k = 0; k < snapshots[t]->n_tools; k++)
+                    if (distance_to_tool(&snapshots[t]->tools[i * snapshots[t]->n_tools + k],
+                                         snapshots[t]->x + 3 * (net->n_nodes * i + node)) < length)
                         near[node] = 1;
     }
     for (size_t i = 0; near && i < 3 * net->n_nodes; i++)
@@ -196,7 +198,7 @@ static void by_rows(size_t n3, size_t count, const double *columns, double *rows
             rows[i * count + j] = columns[j * n3 + i];
 }
 
-static palp_status find_columns(palp_network *net, size_t n_training, palp_training *const *training,
+static palp_status find_columns(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
                                 const palp_reduce_settings *settings, size_t n, const double *u, double *columns,
                                 size_t *count) {
     size_t loads = settings->static_modes < settings->modes ? settings->static_modes : settings->modes;
@@ -205,7 +207,7 @@ static palp_status find_columns(palp_network *net, size_t n_training, palp_train
     if (!status && !list)
         status = PALP_ERR_NO_MEMORY;
     if (!status && loads > 0) {
-        size_t n_list = touched(net, n_training, training, list);
+        size_t n_list = touched(net, n_paths, snapshots, list);
         if (n_list > 0)
             status = static_modes(net, n_list, list, loads, columns, count);
     }
@@ -213,19 +215,19 @@ static palp_status find_columns(palp_network *net, size_t n_training, palp_train
     return status;
 }
 
-palp_status reduced_basis(palp_network *net, size_t n_training, palp_training *const *training,
+palp_status reduced_pod(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
                           const palp_reduce_settings *settings, size_t *modes, double **basis, double **lift,
                           reduced_samples *samples) {
     size_t n3 = 3 * net->n_nodes, n = 0, count = 0;
-    for (size_t t = 0; t < n_training; t++)
-        n += training[t]->n;
+    for (size_t t = 0; t < n_paths; t++)
+        n += snapshots[t]->n;
     double *u = malloc((n3 * n + 1) * sizeof *u), *columns = malloc((n3 * settings->modes + 1) * sizeof *columns);
     double *stiff = malloc((n3 + 1) * sizeof *stiff), *rows = NULL, *q = NULL;
     *lift = calloc(n3 + 1, sizeof **lift);
     palp_status status = u && columns && stiff && *lift ? find_lift(net, *lift) : PALP_ERR_NO_MEMORY;
     if (!status) {
-        snapshots(net, n_training, training, *lift, u);
-        status = find_columns(net, n_training, training, settings, n, u, columns, &count);
+        find_displacements(net, n_paths, snapshots, *lift, u);
+        status = find_columns(net, n_paths, snapshots, settings, n, u, columns, &count);
     }
     if (!status) {
         orthonormalize(net, count, columns, stiff);

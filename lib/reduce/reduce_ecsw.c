@@ -1,5 +1,5 @@
-/* reduce_elements.c: which elements stand for all, and with what weight: energy-conserving sampling and weighting
- * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), trained on forces and on tangents, since in
+/* reduce_ecsw.c: which elements stand for all, and with what weight: energy-conserving sampling and weighting
+ * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), fitted to forces and to tangents, since in
  * equilibrium most of the reduced forces vanish. */
 #include "base/dense.h"
 #include "solve/nnls.h"
@@ -107,20 +107,21 @@ static void add_rows(sampling *s) {
     }
 }
 
-/* Every step of every training, for the history's sake; rows from evenly spread samples. */
-static palp_status walk(sampling *s, size_t n_training, palp_training *const *training,
+/* Every step of all snapshots, for the history's sake; rows from evenly spread samples. */
+static palp_status walk(sampling *s, size_t n_paths, palp_snapshots *const *snapshots,
                         const reduced_samples *samples) {
     size_t wanted = s->rows / LINES, at = 0, taken = 0;
-    for (size_t t = 0; t < n_training; t++) {
+    for (size_t t = 0; t < n_paths; t++) {
         palp_network_reset(s->net);
-        for (size_t i = 0; i < training[t]->n; i++, at++) {
-            double dt = training[t]->time[i] - (i ? training[t]->time[i - 1] : 0.0);
-            if (!place_sample(s, samples->q + at * s->modes, training[t]->depth[i], dt))
+        for (size_t i = 0; i < snapshots[t]->n; i++) {
+            double dt = snapshots[t]->time[i] - (i ? snapshots[t]->time[i - 1] : 0.0);
+            if (!place_sample(s, samples->q + at * s->modes, snapshots[t]->depth[i], dt))
                 return PALP_ERR_COLLAPSED;
             if ((at + 1) * wanted / samples->n > taken && taken < wanted) {
                 add_rows(s);
                 taken++;
             }
+            at++;
         }
     }
     return PALP_OK;
@@ -219,7 +220,7 @@ static palp_status keep_all(size_t n, int32_t **element, double **weight) {
     return PALP_OK;
 }
 
-palp_status reduced_elements(palp_network *net, size_t n_training, palp_training *const *training,
+palp_status reduced_ecsw(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
                              const palp_reduce_settings *settings, size_t modes, const double *basis,
                              const double *lift, const reduced_samples *samples, size_t *n, int32_t **element,
                              double **weight, double *residual) {
@@ -235,7 +236,7 @@ palp_status reduced_elements(palp_network *net, size_t n_training, palp_training
     if (!x)
         status = PALP_ERR_NO_MEMORY;
     if (!status)
-        status = walk(&s, n_training, training, samples);
+        status = walk(&s, n_paths, snapshots, samples);
     if (!status)
         status = nnls_solve(s.row, s.n_candidates, s.a, s.b, settings->element_tolerance, settings->elements, x,
                             residual);
