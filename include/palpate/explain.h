@@ -76,7 +76,7 @@ typedef struct palp_explain_phase_share {
 /* A line in the spectrum of the residual. */
 typedef struct palp_explain_peak {
     double at, amplitude_N; /* Hz, or m of depth from crest to crest; 0 = none */
-    double prominence;      /* its power over the median over all that were tried */
+    double prominence;      /* its power over the median of all frequencies */
 } palp_explain_peak;
 
 /* Diagnostics of the residual with the effects: its strongest lines, and what free smooth curves would take off it, rms:

@@ -183,20 +183,20 @@ palp_status explain_line_in_depth(const explain_data *data, const double *residu
 /* ---- what is left ---- */
 
 palp_status explain_peak_in_depth(const explain_data *data, const double *residual, palp_explain_peak *peak) {
-    enum { LOOKED = 600 };
-    double power[LOOKED];
+    enum { FREQUENCIES = 600 };
+    double power[FREQUENCIES];
     thinned t;
     palp_status status = thin(data, residual, &t);
     line best = {.x = 0.0};
     if (status)
         return status;
-    for (int k = 0; k < LOOKED; k++) {
+    for (int k = 0; k < FREQUENCIES; k++) {
         line l = fit_line(t.n, t.depth, t.y, (1.5 + 0.2 * k) / (t.high - t.low));
         power[k] = l.power;
         if (l.power > best.power)
             best = l;
     }
-    double typical = statistics_median(power, LOOKED);
+    double typical = statistics_median(power, FREQUENCIES);
     *peak = (palp_explain_peak){.at = best.x > 0.0 ? 1.0 / best.x : 0.0,
                                 .amplitude_N = hypot(best.cosine, best.sine),
                                 .prominence = typical > 0.0 ? best.power / typical : 0.0};
@@ -204,7 +204,7 @@ palp_status explain_peak_in_depth(const explain_data *data, const double *residu
     return PALP_OK;
 }
 
-/* Takes the mean off every stretch that power_at looks at, which would leak into slow waves. */
+/* Takes the mean off every stretch of power_at, which would leak into slow waves. */
 static void take_off_means(const explain_run *run, double *y, double stretch) {
     for (size_t from = 0, i = 0; from < run->n; from = i) {
         double mean = 0.0;
@@ -217,8 +217,8 @@ static void take_off_means(const explain_run *run, double *y, double stretch) {
 }
 
 palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak) {
-    enum { LOOKED = 200 };
-    double power[LOOKED], best = 0.0, fastest = 0.45 * slowest_rate(data), slowest = 0.1;
+    enum { FREQUENCIES = 200 };
+    double power[FREQUENCIES], best = 0.0, fastest = 0.45 * slowest_rate(data), slowest = 0.1;
     double *y = malloc(data->n * sizeof *y);
     *peak = (palp_explain_peak){.at = 0.0};
     if (!y)
@@ -226,15 +226,15 @@ palp_status explain_peak_in_time(const explain_data *data, const double *residua
     memcpy(y, residual, data->n * sizeof *y);
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
         take_off_means(&data->run[r], y + at, 10.0);
-    for (int k = 0; k < LOOKED && fastest > slowest; k++) {
-        double f = slowest * pow(fastest / slowest, (double)k / (LOOKED - 1));
+    for (int k = 0; k < FREQUENCIES && fastest > slowest; k++) {
+        double f = slowest * pow(fastest / slowest, (double)k / (FREQUENCIES - 1));
         power[k] = power_at(data, y, f, 10.0);
         if (power[k] > best) {
             best = power[k];
             peak->at = f;
         }
     }
-    double typical = fastest > slowest ? statistics_median(power, LOOKED) : 0.0;
+    double typical = fastest > slowest ? statistics_median(power, FREQUENCIES) : 0.0;
     peak->amplitude_N = 2.0 * sqrt(best / (double)data->n);
     peak->prominence = typical > 0.0 ? best / typical : 0.0;
     free(y);

@@ -5,7 +5,7 @@
 
 #include "explain_data.h"
 
-enum { EXPLAIN_FREQUENCIES = 601 }; /* at which the mains' line is looked for */
+enum { EXPLAIN_FREQUENCIES = 601 }; /* tried for the mains' line */
 
 /* ---- explain_noise.c ---- */
 

@@ -96,9 +96,9 @@ static void draw_noise(hidden_case *c, const judge *j, double *moved, dice *rng)
         moved[i] -= j->force[i];
     c->peak = j->peak;
     c->white = j->peak * dice_uniform(rng, 4e-4, 12e-4);
-    c->coloured = c->white * dice_uniform(rng, 0.3, 0.7);
-    c->colour_time = dice_log(rng, 0.2, 3);
-    c->floor = sqrt(c->white * c->white + c->coloured * c->coloured +
+    c->correlated = c->white * dice_uniform(rng, 0.3, 0.7);
+    c->correlation_time = dice_log(rng, 0.2, 3);
+    c->noise_level = sqrt(c->white * c->white + c->correlated * c->correlated +
                     pow(repeat * judge_rms(j, j->force), 2) + pow(judge_rms(j, moved), 2));
 }
 
@@ -110,15 +110,15 @@ static size_t class_size(const double cosine[EFFECTS]) {
 }
 
 static double target_of(const plan *p, dice *rng) {
-    static const double floors[] = {3, 10, 30};
+    static const double levels[] = {3, 10, 30};
     if (p->group == SINGLE)
-        return floors[p->strength];
+        return levels[p->strength];
     if (p->group == SEED)
         return dice_log(rng, 4, 12);
     return dice_log(rng, 5, 20);
 }
 
-/* Adds the effect at target floors; false where that is out of reach. */
+/* Adds the effect at target noise levels; false where that is out of reach. */
 static bool add_effect(hidden_case *c, const judge *j, int id, double target, bool raw, dice *rng) {
     hidden_effect *e = &c->effect[c->n_effects++];
     double shape[VALUES];
@@ -126,9 +126,9 @@ static bool add_effect(hidden_case *c, const judge *j, int id, double target, bo
     draw_shape(j->plain, id, rng, shape);
     e->id = id;
     e->strength = target;
-    e->seen = judge_strengthen(j, &alone, id, shape, target * c->floor, raw);
+    e->seen = judge_strengthen(j, &alone, id, shape, target * c->noise_level, raw);
     memcpy(c->world.value[id], alone.value[id], sizeof alone.value[id]);
-    return (raw ? e->seen.raw : e->seen.left) > 0.99 * target * c->floor;
+    return (raw ? e->seen.raw : e->seen.left) > 0.99 * target * c->noise_level;
 }
 
 /* What the effect alone leaves of itself, in y; false where that is nothing. */
@@ -166,13 +166,13 @@ static bool add_foreign(hidden_case *c, const judge *j, double target, dice *rng
         return false;
     enum foreign_id id = (enum foreign_id)(1 + (c->plan.effect + c->tries / 6) % (FOREIGNERS - 1));
     draw_foreign(&c->world, id, &c->session, rng);
-    c->foreign = judge_strengthen(j, &c->world, EFFECTS, shape, target * c->floor, false);
+    c->foreign = judge_strengthen(j, &c->world, EFFECTS, shape, target * c->noise_level, false);
     judge_visible(j, &c->world, y);
     judge_alike(j, y, 0, NULL, c->foreign_cosine);
     for (int i = 0; i < EFFECTS; i++)
         highest = fmax(highest, c->foreign_cosine[i]);
     free(y);
-    return highest < 0.7 && c->foreign.left > 4 * c->floor;
+    return highest < 0.7 && c->foreign.left > 4 * c->noise_level;
 }
 
 static const int seed_effects[] = {
@@ -248,7 +248,7 @@ static bool find_geometry(hidden_case *c, const judge *j, enum network_kind kind
     if (!y)
         return false;
     c->foreign = judge_visible(j, &c->world, y);
-    bool wanted = (kind == BENT ? c->foreign.left > 3 * c->floor : c->foreign.left < c->floor) &&
+    bool wanted = (kind == BENT ? c->foreign.left > 3 * c->noise_level : c->foreign.left < c->noise_level) &&
                   c->session.deepest < 0.32 * c->world.height;
     if (wanted)
         judge_alike(j, y, 0, NULL, c->foreign_cosine);
@@ -285,7 +285,7 @@ static bool add_single(hidden_case *c, const judge *j, bool raw, dice *rng) {
 static bool add_seed(hidden_case *c, const judge *j, bool raw, dice *rng) {
     int id = seed_effect(c->plan.effect + c->tries / 12);
     bool reached = add_effect(c, j, id, target_of(&c->plan, rng), raw, rng);
-    return (reached || c->effect[0].seen.left > 3 * c->floor) && find_classes(c, j) &&
+    return (reached || c->effect[0].seen.left > 3 * c->noise_level) && find_classes(c, j) &&
            class_size(c->effect[0].cosine) > 1;
 }
 
@@ -309,10 +309,10 @@ static bool add_effects(hidden_case *c, const judge *j, bool raw, dice *rng) {
 static void make_noise(const hidden_case *c, dice *rng, double *noise) {
     for (size_t i = 0; i < c->session.n_runs; i++) {
         const run *r = &c->session.run[i];
-        double keep = exp(-1 / (r->Hz * c->colour_time)), colour = c->coloured * dice_normal(rng);
+        double keep = exp(-1 / (r->Hz * c->correlation_time)), wander = c->correlated * dice_normal(rng);
         for (size_t k = r->first; k < r->first + r->n; k++) {
-            noise[k] = colour + c->white * dice_normal(rng);
-            colour = keep * colour + sqrt(1 - keep * keep) * c->coloured * dice_normal(rng);
+            noise[k] = wander + c->white * dice_normal(rng);
+            wander = keep * wander + sqrt(1 - keep * keep) * c->correlated * dice_normal(rng);
         }
     }
 }

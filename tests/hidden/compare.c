@@ -1,5 +1,5 @@
 /* compare.c: the generator's physics beside the library's, effect by effect, on the generator's sessions.
- * Prints the largest rms difference over a few materials, in floors; exit code 1 above the limit. Alone here
+ * Prints the largest rms difference over a few materials, in noise levels; exit code 1 above the limit. Alone here
  * in linking the library. */
 #include "hidden.h"
 
@@ -9,9 +9,9 @@
 #include <string.h>
 
 enum { MATERIALS = 3, NOTHING = -2, PARTICLES = -1 }; /* ids before the effects' */
-static const double FLOOR = 2e-3, STRONG = 10, AS_MANY = 17.945; /* of the peak; floors; a cube's elements */
+static const double NOISE_LEVEL = 2e-3, STRONG = 10, AS_MANY = 17.945; /* of the peak; noise levels; a cube's elements */
 
-/* In floors. What jumps where the plate comes to rest cannot be had exactly from depths at the samples. */
+/* In noise levels. What jumps where the plate comes to rest cannot be had exactly from depths at the samples. */
 static double limit(int id) {
     return id == COULOMB_FRICTION || id == RATE_STIFFENING || id == PLATE_INERTIA ? 0.6 : 0.05;
 }
@@ -72,8 +72,8 @@ typedef struct difference {
     const char *where;
 } difference;
 
-/* In floors; the longest difference names its run. */
-static bool differ(const world *w, const session *s, double floor, difference *out) {
+/* In noise levels; the longest difference names its run. */
+static bool differ(const world *w, const session *s, double noise_level, difference *out) {
     palp_model m;
     double *ours = malloc(2 * s->n * sizeof *ours), *theirs = ours ? ours + s->n : NULL, sum = 0;
     bool good = ours && library_model(w, &m);
@@ -84,7 +84,7 @@ static bool differ(const world *w, const session *s, double floor, difference *o
         const run *r = &s->run[i];
         good = library_run(&m, r, s->lasting && !w->cube ? &kept : NULL, theirs + r->first);
         for (size_t k = r->first; k < r->first + r->n && good; k++) {
-            double off = fabs(ours[k] - theirs[k]) / floor;
+            double off = fabs(ours[k] - theirs[k]) / noise_level;
             sum += off * off;
             if (off > out->most) {
                 out->most = off;
@@ -103,7 +103,7 @@ static void hide(const judge *j, int id, uint64_t i, world *w) {
     double shape[VALUES] = {kind->either_sign && i % 2 == 0 ? -1 : 1, 0, 0};
     for (size_t k = 1; k < kind->n; k++)
         shape[k] = kind->low[k] + (kind->high[k] - kind->low[k]) * 0.2 * (1 + (double)i);
-    judge_strengthen(j, w, id, shape, STRONG * FLOOR * j->peak, true);
+    judge_strengthen(j, w, id, shape, STRONG * NOISE_LEVEL * j->peak, true);
 }
 
 static bool look(int id, uint64_t i, difference *out) {
@@ -127,14 +127,14 @@ static bool look(int id, uint64_t i, difference *out) {
         w.arms[k].stiffness /= AS_MANY;
     if (id >= 0)
         hide(&j, id, i, &w);
-    bool good = differ(&w, &s, FLOOR * j.peak, out);
+    bool good = differ(&w, &s, NOISE_LEVEL * j.peak, out);
     judge_free(&j);
     return good;
 }
 
 int main(void) {
     int failed = 0;
-    printf("Difference from the library, in floors of %g of the peak force; effects at %g floors\n", FLOOR,
+    printf("Difference from the library, in noise levels of %g of the peak force; effects at %g noise levels\n", NOISE_LEVEL,
            STRONG);
     printf("%-22s %8s %8s %8s  largest in\n", "effect", "rms", "largest", "limit");
     for (int id = NOTHING; id < EFFECTS; id++) {

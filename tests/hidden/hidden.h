@@ -68,8 +68,8 @@ enum foreign_id {
 
 /* What is hidden where particles are given to a lumped model. */
 enum network_kind {
-    MILD,   /* nothing but a geometry that leaves less than a floor */
-    BENT,   /* nothing but a geometry that leaves 3 floors and more */
+    MILD,   /* nothing but a geometry that leaves less than a noise level */
+    BENT,   /* nothing but a geometry that leaves 3 noise levels and more */
     FAULTY, /* a mild one, and an effect of the contact or the instrument */
     NETWORK_KINDS
 };
@@ -223,7 +223,7 @@ typedef struct plan {
 
 typedef struct hidden_effect {
     int id;
-    double strength; /* what was aimed at, in floors */
+    double strength; /* what was aimed at, in noise levels */
     visible seen;    /* in newtons */
     double cosine[EFFECTS];
 } hidden_effect;
@@ -234,7 +234,7 @@ typedef struct hidden_case {
     int tries;
     world world, plain; /* plain: what the given model is near */
     session session;
-    double white, coloured, colour_time, floor, peak;
+    double white, correlated, correlation_time, noise_level, peak;
     size_t n_effects;
     hidden_effect effect[2];
     visible foreign; /* or the network's geometry; and its likeness to the catalogue */

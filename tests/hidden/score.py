@@ -5,7 +5,7 @@
     score.py --truth FILE.json --list-oracle      "case ids" of every case with effects, for the oracle's runs
 
 DIR/case_NNN/result.json is an answer, oracle.json beside it (if there) the answer where only the true effects
-were suspects. An effect counts for the bars where at least 3 floors (rms) of it are left after the plain
+were candidates. An effect counts for the bars where at least 3 noise levels (rms) of it are left after the plain
 model's numbers are refitted. Exit code 0 if every bar is met (--slack N: with N fewer wrong); with
 --report-only always."""
 import argparse
@@ -16,7 +16,7 @@ import os
 import statistics
 import sys
 
-SEEN = 3.0      # floors
+SEEN = 3.0      # noise levels
 SAME = 0.8      # cosine from which an answer within a class is not called wrong
 GEOMETRY = "network_geometry"   # what is missing where particles are given to a lumped model
 GROUPS = ("single", "two", "seed_protocol", "network", "null", "outside")
@@ -92,14 +92,14 @@ class Case:
         self.extra = free
 
     def seen(self, i):
-        return self.effects[i]["floors_left"] >= SEEN
+        return self.effects[i]["noise_levels_left"] >= SEEN
 
     def unknown(self, i):
         """Says that something is missing that it does not know, of a geometry of which even the effect most
-        alike leaves more than a floor."""
+        alike leaves more than a noise level."""
         e = self.effects[i]
         cosine = max(e["cosine"].values(), default=0)
-        rest = e["floors_left"] * math.sqrt(max(0, 1 - cosine ** 2))
+        rest = e["noise_levels_left"] * math.sqrt(max(0, 1 - cosine ** 2))
         return e["id"] == GEOMETRY and rest > 1 and self.verdict == "unexplained" and not self.named
 
     def right(self, i):
@@ -167,13 +167,13 @@ def table_of_power(cases, markdown):
     tally = collections.defaultdict(lambda: [[0, 0] for _ in edges[1:]])
     for c in cases:
         for i, e in enumerate(c.effects):
-            b = next(k for k in range(4) if edges[k] <= e["floors_left"] < edges[k + 1])
+            b = next(k for k in range(4) if edges[k] <= e["noise_levels_left"] < edges[k + 1])
             for key in (e["id"], "all of them"):
                 tally[key][b][0] += c.right(i)
                 tally[key][b][1] += 1
     rows = [[key, *("%d/%d" % tuple(t) if t[1] else "." for t in tally[key])]
             for key in (*IDS, GEOMETRY, "all of them") if key in tally]
-    show("Right effect or its class, by what is left of the effect in the records, in floors",
+    show("Right effect or its class, by what is left of the effect in the records, in noise levels",
          ["effect", "below 3", "3 to 6", "6 to 20", "above 20"], rows, markdown)
 
 
@@ -219,9 +219,9 @@ def in_words(case):
     """What is true of it."""
     outside = case.truth.get("outside")
     if outside:
-        return "outside: %s (%.1f floors)" % (outside["name"], outside["floors_left"])
-    return ", ".join("%s %s (%.1f floors)" % (
-        e["id"], "/".join("%.3g" % v for v in e["parameters"].values()), e["floors_left"])
+        return "outside: %s (%.1f noise levels)" % (outside["name"], outside["noise_levels_left"])
+    return ", ".join("%s %s (%.1f noise levels)" % (
+        e["id"], "/".join("%.3g" % v for v in e["parameters"].values()), e["noise_levels_left"])
         for e in case.effects) or "nothing"
 
 
@@ -280,10 +280,10 @@ def others(cases):
     print("Outside the catalogue: unexplained: %s; with a name, and not unexplained: %d" % (
         share(sum(c.verdict == "unexplained" for c in outside), len(outside)),
         sum(bool(c.named) and c.verdict in ("explained", "ambiguous") for c in outside)))
-    print("Single effects of which less than %g floors are left: %d; named, or their class: %d; another: %d"
+    print("Single effects of which less than %g noise levels are left: %d; named, or their class: %d; another: %d"
           % (SEEN, len(hidden), sum(0 in c.answer for c in hidden), sum(bool(c.extra) for c in hidden)))
     bent = [(c, i) for c in cases for i, e in enumerate(c.effects) if e["id"] == GEOMETRY and c.seen(i)]
-    print("Networks whose geometry leaves %g floors: %d; named as what is alike: %d; unexplained, no name: %d"
+    print("Networks whose geometry leaves %g noise levels: %d; named as what is alike: %d; unexplained, no name: %d"
           % (SEEN, len(bent), sum(i in c.answer for c, i in bent), sum(c.unknown(i) for c, i in bent)))
     sizes = [len(n.alike) for c in cases for n in c.named]
     if sizes:
@@ -311,8 +311,8 @@ def main():
     if o.list_oracle:
         for t in truth["cases"]:
             ids = [e["id"] for e in t["effects"]]
-            bent = t.get("network", {"floors_left": 0})
-            if bent["floors_left"] >= SEEN:
+            bent = t.get("network", {"noise_levels_left": 0})
+            if bent["noise_levels_left"] >= SEEN:
                 ids.append(max(bent["cosine"], key=bent["cosine"].get))
             if ids:
                 print(t["case"], ",".join(ids))

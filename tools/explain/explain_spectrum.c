@@ -1,31 +1,31 @@
-/* explain_spectrum.c: how large the waves in recorded minus model are, over time and over depth. A wave is looked for in
+/* explain_spectrum.c: how large the waves in recorded minus model are, over time and over depth. A wave is fitted in
  * stretches of so many of its periods, each with a mean and a phase of its own. */
 #include "explain.h"
 #include "shared/json_out.h"
 
 #include <math.h>
 
-enum { WAVES_MAX = 256, SAMPLES = 20000 }; /* about so many samples are looked at for each wave */
+enum { WAVES_MAX = 256, SAMPLES = 20000 }; /* about so many samples are used for each wave */
 
 static const double TURN = 6.28318530717958647692;
 
 /* Waves from low to high cycles per second or mm, each ratio times the last, in stretches of so many cycles. */
-typedef struct looked {
+typedef struct band {
     double low, high, ratio, cycles;
     bool over_depth;
-} looked;
+} band;
 
 typedef struct stretch {
     const palp_explain_run *run;
     size_t from, to;
 } stretch;
 
-static double x_of(const palp_explain_run *run, size_t i, const looked *l) {
+static double x_of(const palp_explain_run *run, size_t i, const band *l) {
     return l->over_depth ? 1e3 * run->depth_m[i] : run->time_s[i];
 }
 
 /* From sample s->from one way over a length; false if it turns or ends before that, at s->to. */
-static bool find_end(stretch *s, double length, const looked *l) {
+static bool find_end(stretch *s, double length, const band *l) {
     double start = x_of(s->run, s->from, l), furthest = 0;
     for (s->to = s->from + 1; s->to < s->run->n; s->to++) {
         double way = x_of(s->run, s->to, l) - start;
@@ -41,7 +41,7 @@ static bool find_end(stretch *s, double length, const looked *l) {
 }
 
 /* Adds the squared amplitudes of a wave; a sample counts with its step of x, and less near the ends. */
-static void add_squares(const stretch *s, double cycles_per_x, const looked *l, double square[2]) {
+static void add_squares(const stretch *s, double cycles_per_x, const band *l, double square[2]) {
     const double *y[2] = {s->run->before_N, s->run->after_N};
     double start = x_of(s->run, s->from, l), length = fabs(x_of(s->run, s->to, l) - start);
     double sum = 0, c1 = 0, s1 = 0, mean[2] = {0}, re[2] = {0}, im[2] = {0};
@@ -65,7 +65,7 @@ static void add_squares(const stretch *s, double cycles_per_x, const looked *l, 
 }
 
 /* rms over the stretches of all runs; NAN if there is none. */
-static void amplitudes(const palp_explanation *e, const looked *l, double cycles_per_x, size_t stride,
+static void amplitudes(const palp_explanation *e, const band *l, double cycles_per_x, size_t stride,
                        double amplitude[2]) {
     double square[2] = {0}, length = l->cycles / cycles_per_x;
     size_t n = 0, seen = 0;
@@ -83,7 +83,7 @@ static void amplitudes(const palp_explanation *e, const looked *l, double cycles
     }
 }
 
-static json_t *spectrum(const palp_explanation *e, const looked *l, const char *key) {
+static json_t *spectrum(const palp_explanation *e, const band *l, const char *key) {
     double x[WAVES_MAX], before[WAVES_MAX], after[WAVES_MAX], amplitude[2];
     size_t n = 0, samples = 0;
     for (size_t r = 0; r < e->n_runs; r++) {
@@ -113,7 +113,7 @@ json_t *explain_spectrum(const palp_explanation *e) {
             deep = fmax(deep, 1e3 * run->depth_m[i]);
         }
     }
-    looked in_time = {12 / longest, fastest / 3, 1.06, 12, false},
+    band in_time = {12 / longest, fastest / 3, 1.06, 12, false},
            in_depth = {4 / (deep - shallow), 200 / (deep - shallow), 1.06, 3, true};
     return json_pack("{s:o, s:o}", "time", spectrum(e, &in_time, "frequency_Hz"), "depth",
                      spectrum(e, &in_depth, "period_mm"));
