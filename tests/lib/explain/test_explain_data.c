@@ -1,0 +1,230 @@
+/* test_explain_data.c: what explain reads off the runs, the slope of their chi2, classes and the null threshold. */
+#include "explain/explain_noise.h"
+#include "explain/explain_result.h"
+#include "forward_make.h"
+
+#include <palpate/random.h>
+
+enum { RUNS = 3 };
+
+static explain_data data;
+static palp_explain_settings settings;
+
+/* Air, ramp, dwell, withdrawal; the force times gain beside a zero. Lone spike and letting go where asked. */
+static palp_experiment *record(const palp_model *m, double gain, double zero, bool spike, double pull) {
+    static samples s;
+    static uint64_t state = 11;
+    palp_experiment *e;
+    start(&s, 0, -1);
+    go(&s, 1, -1, 60);
+    go(&s, 3, 4, 200);
+    go(&s, 8, 4, 100);
+    go(&s, 10, -1, 200);
+    press_model(m, &s);
+    ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
+    for (size_t i = 0; i < s.n; i++) {
+        double force = gain * s.force_N[i] + zero + 1e-4 * palp_random_normal(&state);
+        if (pull > 0 && s.time_s[i] > 9.6 && s.time_s[i] < 9.8) /* grows, then lets go */
+            force -= pull * (s.time_s[i] - 9.6) / 0.2;
+        palp_experiment_column(e, "time_s")[i] = s.time_s[i];
+        palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
+        palp_experiment_column(e, "force_N")[i] = force + (spike && i == 150 ? 0.2 : 0);
+    }
+    palp_experiment_set_string(e, "protocol.kind", "ramp_hold");
+    palp_experiment_set_number(e, "protocol.depth_mm", 4);
+    return e;
+}
+
+static void begin(const palp_model *m, const double gain[RUNS], const double zero[RUNS], bool spike, double pull) {
+    palp_explain_input input[RUNS];
+    settings = palp_explain_settings_default();
+    for (size_t r = 0; r < RUNS; r++)
+        input[r] = (palp_explain_input){record(m, gain[r], zero[r], spike && r == 1, r == 2 ? pull : 0), "run.csv"};
+    ck_assert_int_eq(explain_data_create(RUNS, input, &settings, m, &data, NULL), PALP_OK);
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+static const double ones[RUNS] = {1, 1, 1}, none[RUNS] = {0, 0, 0};
+
+/* ---- data ---- */
+
+/* Replicates that read 2 and 4 % more than the first: half the squared differences' mean, as of one run; and the zeros'
+ * standard deviation. */
+START_TEST(replicates_and_zeros) {
+    const double gain[RUNS] = {1, 1.02, 1.04}, zero[RUNS] = {0.01, -0.02, 0.04}, mean = 0.01;
+    palp_model m = lumped_model(1);
+    begin(&m, gain, zero, false, 0);
+    double a = 0.02 / 1.01, b = 0.04 / 1.02, square = 0;
+    ck_assert_uint_eq(data.n_replicates, 2);
+    ck_assert_double_eq_tol(data.replicate_gain, sqrt(0.25 * (a * a + b * b)), 2e-4);
+    for (size_t r = 0; r < RUNS; r++)
+        square += pow(zero[r] - mean, 2);
+    ck_assert_double_eq_tol(data.zero_scatter, sqrt(square / 2), 1e-4);
+    ck_assert_double_eq_tol(data.run[0].white, 1e-4, 1.5e-5);
+    ck_assert_double_eq_tol(data.deepest, 4e-3, 1e-12);
+    ck_assert_double_eq(data.run[1].worn, 0); /* each finds a specimen as new */
+    explain_data_free(&data);
+}
+END_TEST
+
+START_TEST(spikes_and_releases_are_events) {
+    palp_model m = lumped_model(1);
+    begin(&m, ones, none, true, 0.3);
+    ck_assert_uint_eq(data.n_events, 2);
+    ck_assert_str_eq(data.event[0].kind, "spike");
+    ck_assert_uint_eq(data.event[0].run, 1);
+    ck_assert_double_eq_tol(data.event[0].size_N, 0.2, 0.01);
+    ck_assert_uint_eq(data.run[1].use[150], 0);
+    ck_assert_str_eq(data.event[1].kind, "release");
+    ck_assert_uint_eq(data.event[1].run, 2);
+    ck_assert_uint_eq(data.n_releases, 1);
+    ck_assert_double_gt(data.pull, 0.25);
+    ck_assert_double_lt(data.pull, 0.301);
+    ck_assert_double_gt(data.pull_most, data.pull);
+    ck_assert_double_lt(data.pull_most, data.pull + 0.03); /* one more rise */
+    explain_data_free(&data);
+}
+END_TEST
+
+/* ---- chi2's slope ---- */
+
+/* With no nuisance but the zero g is minus half the slope of chi2 by the search coordinates, and h, the residual being
+ * small, half its curvature. */
+START_TEST(the_slope_of_chi2) {
+    enum { LAW = 5, K = LAW + 2 + 1 };
+    palp_model m = lumped_model(1);
+    double *rest, h[K * K], g[K], work[K * K + K], other_g[K], chi2, moved[2];
+    begin(&m, ones, none, false, 0);
+    rest = calloc(data.n, sizeof *rest);
+    ck_assert_ptr_nonnull(rest);
+    for (size_t i = 0; i < data.n; i++)
+        rest[i] = 1e-3 * cos(2.0 * (double)i);
+    ck_assert_int_eq(explain_noise_find(&data, rest), PALP_OK);
+    add_effect(&m, PALP_EFFECT_SENSOR_LAG, 1);
+    explain_fit fit;
+    ck_assert_int_eq(explain_fit_create(&m, &data, &fit), PALP_OK);
+    ck_assert_uint_eq(fit.n_columns, K);
+    fit.scatter = (explain_scatter){1e-2, 0, 0, 1};
+    for (size_t k = 0; k < K; k++)
+        fit.unit[k] = 1e9;
+    for (size_t k = 0; k < K; k++) {
+        double here = fit.x[k], step = 1e-4 * fmax(1e-2, fabs(here));
+        for (int side = 0; side < 2; side++) {
+            fit.x[k] = here + (side ? -step : step);
+            ck_assert_int_eq(explain_fit_to_model(&fit), PALP_OK);
+            ck_assert_int_eq(explain_fit_products(&fit, &data, NULL), PALP_OK);
+            explain_fit_total(&fit, &data, h, other_g, &moved[side], work);
+        }
+        fit.x[k] = here;
+        ck_assert_int_eq(explain_fit_to_model(&fit), PALP_OK);
+        ck_assert_int_eq(explain_fit_products(&fit, &data, NULL), PALP_OK);
+        explain_fit_total(&fit, &data, h, g, &chi2, work);
+        ck_assert_double_eq_tol(-2 * g[k], (moved[0] - moved[1]) / (2 * step), 1e-4 * sqrt(h[k * K + k] * chi2));
+    }
+    explain_fit_free(&fit);
+    explain_data_free(&data);
+    free(rest);
+}
+END_TEST
+
+/* ---- classes ---- */
+
+static void orthogonalise(size_t n, double *v, const double *to) {
+    double vt = 0, tt = 0;
+    for (size_t i = 0; i < n; i++) {
+        vt += v[i] * to[i];
+        tt += to[i] * to[i];
+    }
+    for (size_t i = 0; i < n; i++)
+        v[i] -= vt / tt * to[i];
+}
+
+/* Alike is what changes the forces with a cosine above 0.9 once the fit's own columns are taken off. */
+START_TEST(alike_by_the_cosine) {
+    palp_model m = linear_model(8);
+    explain_search *full = calloc(1, sizeof *full), *rest = calloc(1, sizeof *rest);
+    palp_explain_effect out = {.effect = {.id = PALP_EFFECT_SENSOR_BIAS}};
+    ck_assert(full && rest);
+    begin(&m, ones, none, false, 0);
+    size_t n = data.n;
+    double *v = calloc(6 * n, sizeof *v), *column = v, *a = v + n, *b = v + 2 * n, length[2] = {0, 0};
+    ck_assert_ptr_nonnull(v);
+    *full = *rest = (explain_search){.data = data, .settings = &settings};
+    ck_assert_int_eq(explain_fit_create(&m, &data, &rest->fit), PALP_OK);
+    ck_assert_int_eq(explain_fit_products(&rest->fit, &data, column), PALP_OK); /* linear: the column, times 8 */
+    for (size_t i = 0; i < n; i++) {
+        a[i] = cos(0.03 * (double)i);
+        b[i] = sin(0.05 * (double)i);
+    }
+    orthogonalise(n, a, column);
+    orthogonalise(n, b, column);
+    orthogonalise(n, b, a);
+    for (size_t i = 0; i < n; i++) {
+        length[0] += a[i] * a[i];
+        length[1] += b[i] * b[i];
+    }
+    full->force = v + 3 * n;
+    rest->force = v + 4 * n;
+    rest->trial[PALP_EFFECT_SENSOR_LAG].force = v + 5 * n;
+    for (int alike = 0; alike < 2; alike++) {
+        double angle = acos(alike ? 0.91 : 0.89);
+        for (size_t i = 0; i < n; i++) {
+            rest->force[i] = sin((double)i);
+            full->force[i] = rest->force[i] + a[i] + 3 * column[i];
+            v[5 * n + i] = rest->force[i] + cos(angle) * a[i] / sqrt(length[0]) + sin(angle) * b[i] / sqrt(length[1]) - column[i];
+        }
+        ck_assert_int_eq(explain_class_find(full, rest, &out), PALP_OK);
+        ck_assert_uint_eq(out.n_class, alike ? 2 : 1);
+    }
+    explain_fit_free(&rest->fit);
+    explain_data_free(&data);
+    free(v);
+    free(full);
+    free(rest);
+}
+END_TEST
+
+/* ---- the null threshold ---- */
+
+/* Of one candidate half the square of a normal number, of two the larger of two: quantiles 1.92 and 2.50 at a chance of
+ * 0.05; the simulated ones have a standard error of 0.06 and 0.07. */
+START_TEST(chance_gains_half_a_squared_normal_number) {
+    palp_model m = linear_model(8);
+    explain_search *s = calloc(1, sizeof *s);
+    double threshold, *rest;
+    bool seen[PALP_EFFECT_COUNT] = {false};
+    ck_assert_ptr_nonnull(s);
+    begin(&m, ones, none, false, 0);
+    rest = calloc(2 * data.n, sizeof *rest);
+    ck_assert_ptr_nonnull(rest);
+    for (size_t i = 0; i < data.n; i++)
+        rest[i] = 1e-3 * cos(2.0 * (double)i);
+    ck_assert_int_eq(explain_noise_find(&data, rest), PALP_OK);
+    *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest};
+    ck_assert_int_eq(explain_fit_create(&m, &data, &s->fit), PALP_OK);
+    s->fit.scatter = (explain_scatter){1e-3, 3e-6, 3e-3, 1};
+    ck_assert_int_eq(explain_fit_products(&s->fit, &data, NULL), PALP_OK);
+    memset(settings.candidate, 0, sizeof settings.candidate);
+    settings.candidate[PALP_EFFECT_SENSOR_BIAS] = 1;
+    ck_assert_int_eq(explain_null_threshold(s, &threshold, seen), PALP_OK);
+    ck_assert_double_eq_tol(threshold, 1.92, 0.2);
+    ck_assert(seen[PALP_EFFECT_SENSOR_BIAS] && !seen[PALP_EFFECT_COULOMB_FRICTION]);
+    settings.candidate[PALP_EFFECT_COULOMB_FRICTION] = 1;
+    ck_assert_int_eq(explain_null_threshold(s, &threshold, seen), PALP_OK);
+    ck_assert_double_eq_tol(threshold, 2.50, 0.22);
+    ck_assert(seen[PALP_EFFECT_COULOMB_FRICTION]);
+    explain_fit_free(&s->fit);
+    explain_data_free(&data);
+    free(rest);
+    free(s);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, replicates_and_zeros);
+    tcase_add_test(tc, spikes_and_releases_are_events);
+    tcase_add_test(tc, the_slope_of_chi2);
+    tcase_add_test(tc, alike_by_the_cosine);
+    tcase_add_test(tc, chance_gains_half_a_squared_normal_number);
+}
