@@ -55,7 +55,12 @@ void plant_link_put_out(const plant_out *out, uint8_t byte[PLANT_LINK_OUT]) {
     byte = put16(put32(byte, out->tick), (uint16_t)out->duty);
     *byte++ = out->motor_on;
     *byte++ = out->boot;
-    put16(put16(put32(byte, out->cost), out->version), out->stack_free);
+    byte = put16(put16(put32(byte, out->cost), out->version), out->stack_free);
+    *byte++ = out->tx_count;
+    for (int i = 0; i < PLANT_LINK_TX; i++)
+        *byte++ = out->tx[i];
+    for (int i = 0; i < PLANT_LINK_OUT - 17 - PLANT_LINK_TX; i++)
+        *byte++ = 0;
 }
 
 void plant_link_get_out(const uint8_t byte[PLANT_LINK_OUT], plant_out *out) {
@@ -66,4 +71,8 @@ void plant_link_get_out(const uint8_t byte[PLANT_LINK_OUT], plant_out *out) {
     out->cost = get32(&byte);
     out->version = get16(&byte);
     out->stack_free = get16(&byte);
+    out->tx_count = *byte < PLANT_LINK_TX ? *byte : PLANT_LINK_TX;
+    byte++;
+    for (int i = 0; i < PLANT_LINK_TX; i++)
+        out->tx[i] = *byte++;
 }

@@ -1,12 +1,13 @@
 /* plant_link.h: the lockstep records between the firmware on a simulated board (board/rig under QEMU,
  * board/host as a process) and the simulated plant (palpate rig). One record each way a control tick, over
- * two FIFOs opened in the same order on both sides: plant-to-firmware first. Little-endian, no padding. */
+ * two FIFOs opened in the same order on both sides: plant-to-firmware first. The bytes to and from the host's program
+ * are in them too: the plant has the port. Little-endian, no padding. */
 #ifndef PLANT_LINK_H
 #define PLANT_LINK_H
 
 #include <stdint.h>
 
-enum { PLANT_LINK_VERSION = 1, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 16, PLANT_LINK_RX = 36 };
+enum { PLANT_LINK_VERSION = 2, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 112, PLANT_LINK_RX = 36, PLANT_LINK_TX = 92 };
 
 /* What the plant asks the simulated board to do to itself at this tick. */
 enum {
@@ -29,13 +30,14 @@ typedef struct plant_in {
     uint8_t switches;    /* PLANT_SWITCH_*, PLANT_SENSOR_SILENT */
     uint8_t events;      /* PLANT_EVENT_* */
     uint8_t reset_cause; /* of the first record: APP_RESET_* in app.h */
-    uint8_t rx_count;    /* bytes of a scripted host in rx */
+    uint8_t rx_count;    /* bytes of the host in rx */
     uint8_t rx[PLANT_LINK_RX];
 } plant_in;
 
-/* Firmware to plant, 16 bytes. boot = 1 in the first record after a start or restart: it asks for the
+/* Firmware to plant, 112 bytes. boot = 1 in the first record after a start or restart: it asks for the
  * first plant_in. cost: processor instructions spent on the last tick; stack_free: bytes of the stack never
- * used so far (0 = not known). */
+ * used so far (0 = not known). After PLANT_EVENT_QUIT come records with what still waits for the host, up to one
+ * without bytes. */
 typedef struct plant_out {
     uint32_t tick; /* that of the plant_in before; 0 with boot */
     int16_t duty;  /* 32767 = full */
@@ -44,6 +46,8 @@ typedef struct plant_out {
     uint32_t cost;
     uint16_t version; /* PLANT_LINK_VERSION */
     uint16_t stack_free;
+    uint8_t tx_count; /* bytes for the host in tx: at most what 921600 baud carry in a tick */
+    uint8_t tx[PLANT_LINK_TX];
 } plant_out;
 
 /* Packed by hand, so that both sides agree whatever their compilers do. plant_link.c */

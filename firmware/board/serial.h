@@ -1,4 +1,4 @@
-/* serial.h: the bytes to and from the host, under a board: the chip's UART, or a port of the host process. */
+/* serial.h: the bytes to and from the host, under a board: the chip's UART. */
 #ifndef SERIAL_H
 #define SERIAL_H
 
@@ -8,7 +8,6 @@
 enum { SERIAL_BURST = 92, SERIAL_RECEIVE = 512 };
 
 bool serial_receive(uint8_t *byte);
-void serial_take(uint8_t byte); /* as if it had been received; dropped if the ring is full */
 void serial_send(ring *transmit);
 
 #endif

@@ -47,3 +47,12 @@ bool ring_get(ring *r, uint8_t *byte) {
     publish(&r->tail, (tail + 1) & (r->size - 1));
     return true;
 }
+
+uint32_t ring_take(ring *r, uint8_t *byte, uint32_t most) {
+    const uint32_t tail = r->tail, to_end = r->size - tail, used = ring_used(r);
+    const uint32_t n = used < most ? used : most, first = n < to_end ? n : to_end;
+    memcpy(byte, r->byte + tail, first);
+    memcpy(byte + first, r->byte, n - first);
+    publish(&r->tail, (tail + n) & (r->size - 1));
+    return n;
+}

@@ -20,5 +20,6 @@ uint32_t ring_free(const ring *r);
 bool ring_put(ring *r, uint8_t byte);                      /* false = full */
 bool ring_put_all(ring *r, const uint8_t *byte, size_t n); /* all or nothing */
 bool ring_get(ring *r, uint8_t *byte);                     /* false = empty */
+uint32_t ring_take(ring *r, uint8_t *byte, uint32_t most); /* how many it took */
 
 #endif

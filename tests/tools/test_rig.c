@@ -16,9 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -42,28 +40,14 @@ static bool is(const char *what) {
     return strcmp(getenv("FAKE"), what) == 0;
 }
 
-static int connect_to(const char *path) {
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    int fd = socket(AF_UNIX, SOCK_STREAM, 0);
-    strcpy(address.sun_path, path);
-    return connect(fd, (struct sockaddr *)&address, sizeof address) == 0 ? fd : -1;
-}
-
-/* Sends back what comes, a byte changed, so that the test sees it has gone through here. */
-static void answer_host(int fd) {
-    char byte;
-    if (fd >= 0 && recv(fd, &byte, 1, MSG_DONTWAIT) == 1) {
-        byte = (char)(byte + 1);
-        send(fd, &byte, 1, MSG_NOSIGNAL);
-    }
-}
-
 static int fake(char **argv) {
-    int in = open(argv[2], O_RDONLY), out = open(argv[4], O_WRONLY);
-    int host = strncmp(argv[6], "unix:", 5) == 0 ? connect_to(argv[6] + 5) : -1;
+    int in = open(argv[1], O_RDONLY), out = open(argv[2], O_WRONLY);
     int kept = open(getenv("FAKE_RECORDS"), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     plant_out next = {.boot = 1, .version = (uint16_t)(is("version") ? 9 : PLANT_LINK_VERSION)};
-    dprintf(1, "port /dev/pts/%d\n", (int)getpid());
+    FILE *own = fopen(getenv("FAKE_PID"), "w");
+    fprintf(own, "%d\n", (int)getpid());
+    fclose(own);
+    next.tx_count = 1; /* the first byte of all, as of a firmware that has started */
     for (uint32_t n = 0; !is("mute"); n++) {
         uint8_t record[PLANT_LINK_IN], answer[PLANT_LINK_OUT];
         plant_in now;
@@ -82,9 +66,14 @@ static int fake(char **argv) {
         next.duty = DUTY;
         next.motor_on = !next.boot;
         next.cost = n;
-        answer_host(host);
+        next.tx_count = now.rx_count; /* sends back what comes, changed, so that the test sees it was here */
+        for (int i = 0; i < PLANT_LINK_RX; i++) {
+            next.tx[i] = (uint8_t)(now.rx[i] + 1);
+        }
         if (now.events & PLANT_EVENT_QUIT) {
-            return 0;
+            next.tx_count = 0;
+            plant_link_put_out(&next, answer);
+            return write(out, answer, sizeof answer) < 0;
         }
     }
     pause();
@@ -365,7 +354,7 @@ static void test_firmware_that_fails(void **state) {
     (void)state;
     assert_int_equal(run(&s, NULL, "the firmware has ended: it is broken"), CLI_FAILURE);
     s = start_with("version");
-    assert_int_equal(run(&s, NULL, "has version 9, not 1"), CLI_FAILURE);
+    assert_int_equal(run(&s, NULL, "has version 9, not 2"), CLI_FAILURE);
     s = start_with("mute");
     s.patience_s = 0.2;
     assert_int_equal(run(&s, NULL, "does not answer"), CLI_FAILURE);
@@ -433,6 +422,8 @@ static void test_child(void **state) {
     assert_int_equal(rig_open(NAME, &s, &r), CLI_OK);
     assert_int_equal(strncmp(r.port, "fd:", 3), 0);
     int fd = atoi(r.port + 3);
+    assert_int_equal(read(fd, &byte, 1), 1);
+    byte = 'a';
     assert_int_equal(write(fd, &byte, 1), 1);
     assert_int_equal(read(fd, &byte, 1), 1);
     assert_int_equal(byte, 'b');
@@ -455,7 +446,12 @@ static void test_child_that_fails(void **state) {
 }
 
 static void say_pid(const char *port, void *context) {
-    int number = atoi(port + strlen("pty:/dev/pts/")); /* the fake's own, see there */
+    FILE *own = fopen(getenv("FAKE_PID"), "r");
+    int number = 0;
+    (void)port;
+    assert_non_null(own);
+    assert_int_equal(fscanf(own, "%d", &number), 1);
+    fclose(own);
     assert_int_equal(write(*(int *)context, &number, sizeof number), sizeof number);
 }
 
@@ -575,10 +571,11 @@ static void set_up(void) {
     setenv("TMPDIR", folder, 1);
     setenv("PALPATE_FIRMWARE", folder, 1);
     setenv("FAKE_RECORDS", in_folder("records"), 1);
+    setenv("FAKE_PID", in_folder("pid"), 1);
 }
 
 static void clean_up(void) {
-    static const char *const files[] = {"indenter_host", "records", "err", "log.csv", "script"};
+    static const char *const files[] = {"indenter_host", "records", "pid", "err", "log.csv", "script"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         remove(in_folder(files[i]));
     }
@@ -603,7 +600,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(test_options),
         cmocka_unit_test(test_bad_options),
     };
-    if (argc > 6 && strcmp(argv[1], "--plant-in") == 0) {
+    if (argc == 3 && strcmp(argv[1], "in") == 0) {
         return fake(argv);
     }
     set_up();

@@ -3,6 +3,7 @@
 #include "rig.h"
 #include "shared/cli.h"
 #include "rig_internal.h"
+#include "rig_port.h"
 
 #include "app.h"
 
@@ -26,7 +27,9 @@ typedef struct loop {
     rig_process process;
     rig_feed feed;
     FILE *log;
-    bool port_told, booted;
+    bool booted;
+    rig_port port;
+    char port_name[RIG_NOTE];
     plant_in in; /* the last record fed */
     int64_t start_ns;
     rig_figures figures;
@@ -87,20 +90,6 @@ static int close_log(loop *l, int code) {
 
 /* ---- one record each way ---- */
 
-/* Tells where it answers once it does: a PTY when the firmware has named it, TCP and a file when it runs. */
-static void tell_port(loop *l) {
-    char *port = l->process.port;
-    if (!port[0] && l->booted && strncmp(l->settings->port, "tcp:", 4) == 0) {
-        snprintf(port, RIG_NOTE, "tcp:127.0.0.1:%.5s", l->settings->port + 4);
-    } else if (!port[0] && l->booted && strncmp(l->settings->port, "file:", 5) == 0) {
-        snprintf(port, RIG_NOTE, "%.*s", RIG_NOTE - 1, l->settings->port);
-    }
-    if (l->on_port && !l->port_told && port[0]) {
-        l->on_port(port, l->context);
-        l->port_told = true;
-    }
-}
-
 static int firmware_ended(loop *l) {
     return cli_failure(l->name, "the firmware has ended%s%s", l->process.last[0] ? ": " : "",
                        l->process.last);
@@ -123,10 +112,9 @@ static int receive(loop *l, plant_out *out, bool *got) {
         }
         ssize_t some = ready > 0 && wait[0].revents ? read(l->process.from, byte + n, sizeof byte - n) : 0;
         n += some > 0 ? (size_t)some : 0;
-        if (ready > 0 && wait[1].revents && !rig_process_listen(&l->process)) {
+        if (ready > 0 && wait[1].revents && !rig_process_listen(&l->process) && n < sizeof byte) {
             return firmware_ended(l);
         }
-        tell_port(l);
     }
     *got = n == sizeof byte;
     plant_link_get_out(byte, out);
@@ -150,6 +138,9 @@ static void boot(loop *l) {
     plant_first(l->plant, &l->in);
     l->in.reset_cause = hung ? APP_RESET_WATCHDOG : APP_RESET_POWER;
     l->figures.restarts += l->booted;
+    if (!l->booted && l->on_port) {
+        l->on_port(l->port_name, l->context);
+    }
     l->booted = true;
 }
 
@@ -160,6 +151,7 @@ static int advance(loop *l, const plant_out *out) {
             l->name, "the firmware's link to the plant has version %d, not %d; rebuild it with make firmware",
             out->version, PLANT_LINK_VERSION);
     }
+    bool all = rig_port_write(&l->port, out->tx, out->tx_count);
     if (out->boot || !l->booted) {
         boot(l);
     } else {
@@ -173,10 +165,25 @@ static int advance(loop *l, const plant_out *out) {
     l->figures.cost = out->cost > l->figures.cost ? out->cost : l->figures.cost;
     log_tick(l, out);
     rig_feed_record(&l->feed, l->plant, &l->in);
+    l->in.rx_count += (uint8_t)rig_port_read(&l->port, l->in.rx + l->in.rx_count, PLANT_LINK_RX - l->in.rx_count);
+    l->in.events |= all ? 0 : PLANT_EVENT_STALL_TX;
     return CLI_OK;
 }
 
 /* ---- a run ---- */
+
+/* What still waited in the firmware when it was told to end. */
+static int take_rest(loop *l) {
+    static const volatile int never;
+    plant_out out = {.tx_count = 0};
+    bool got = true;
+    int code = CLI_OK;
+    l->stop = &never;
+    do {
+        code = receive(l, &out, &got);
+    } while (code == CLI_OK && got && rig_port_write(&l->port, out.tx, out.tx_count) && out.tx_count > 0);
+    return code;
+}
 
 static int run(loop *l) {
     bool got = true;
@@ -199,7 +206,7 @@ static int run(loop *l) {
             code = feed(l);
         }
     }
-    return code;
+    return code == CLI_OK ? take_rest(l) : code;
 }
 
 static int run_plant(loop *l) {
@@ -207,6 +214,9 @@ static int run_plant(loop *l) {
     palp_status status = plant_create(&l->settings->plant, &l->plant, &error);
     int code = status ? cli_status(l->name, status, &error) : rig_feed_open(l->name, l->settings, &l->feed);
     code = code ? code : open_log(l);
+    if (code == CLI_OK && !rig_port_open(l->settings->port, &l->port, l->port_name, sizeof l->port_name)) {
+        code = cli_failure(l->name, "%s: %s", l->settings->port, strerror(errno));
+    }
     if (code == CLI_OK) {
         int64_t start_ns = now_ns();
         code = rig_process_start(l->name, l->settings, &l->process);
@@ -215,6 +225,7 @@ static int run_plant(loop *l) {
         l->figures.elapsed_s = 1e-9 * (double)(now_ns() - start_ns);
     }
     code = close_log(l, code);
+    rig_port_close(&l->port);
     rig_feed_free(&l->feed);
     plant_free(l->plant);
     return code;
@@ -228,6 +239,7 @@ int rig_run(const char *name, const rig_settings *settings, const volatile int *
         return cli_failure(name, "%s", note);
     }
     loop l = {.name = name, .settings = &own, .stop = stop, .on_port = on_port, .context = context};
+    l.port = (rig_port){.listener = -1, .connection = -1};
     int code = run_plant(&l);
     if (figures) {
         *figures = l.figures;

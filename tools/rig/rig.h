@@ -22,7 +22,7 @@ typedef struct rig_settings {
     size_t n_injections;
     rig_injection injection[RIG_INJECTIONS];
     bool paced;           /* at real time; else as fast as it goes */
-    const char *port;     /* "pty"; "tcp:PORT" to listen on; "unix:PATH", absolute, to connect to */
+    const char *port;     /* "pty"; "tcp:PORT" to listen on; "file:PATH"; "fd:NUMBER", an open socket */
     const char *script;   /* a file of "TICK HEXBYTES" lines to feed in place of a host, or NULL */
     const char *log;      /* CSV of the plant's truth every tick, or NULL */
     double until_s;       /* stop after this device time; 0 = until closed */

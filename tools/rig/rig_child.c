@@ -10,7 +10,6 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,74 +35,45 @@ static void be_rig(const char *name, const rig_settings *settings, pid_t parent)
     _exit(code);
 }
 
-/* A listening socket in a folder of its own; -1 and errno. */
-static int listen_in(const char *folder, char path[RIG_PATH]) {
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    int n = snprintf(address.sun_path, sizeof address.sun_path, "%s/uart", folder);
-    strcpy(path, address.sun_path);
-    if (fd >= 0 && (n >= (int)sizeof address.sun_path ||
-                    bind(fd, (struct sockaddr *)&address, sizeof address) != 0 || listen(fd, 1) != 0)) {
-        close(fd);
-        fd = -1;
+/* False if the child ends before its first bytes come, or they do not come. */
+static bool wait_for_bytes(int fd, pid_t *child, int *code) {
+    struct pollfd one = {.fd = fd, .events = POLLIN};
+    int status, ready;
+    char byte;
+    while ((ready = poll(&one, 1, START_MS)) < 0 && errno == EINTR) {
     }
-    return fd;
-}
-
-/* The firmware's connection; -1 if the child ends before it comes, or it does not come. */
-static int accept_from(int listener, pid_t *child, int *code) {
-    for (int waited_ms = 0; waited_ms < START_MS; waited_ms += 50) {
-        struct pollfd one = {.fd = listener, .events = POLLIN};
-        int status;
-        if (poll(&one, 1, 50) > 0) {
-            return accept4(listener, NULL, NULL, SOCK_CLOEXEC);
-        }
-        if (waitpid(*child, &status, WNOHANG) == *child) {
-            *child = 0;
-            *code = WIFEXITED(status) && WEXITSTATUS(status) ? WEXITSTATUS(status) : CLI_FAILURE;
-            return -1;
-        }
+    bool came = ready > 0 && recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 1;
+    if (ready > 0 && !came && waitpid(*child, &status, 0) == *child) {
+        *child = 0;
+        *code = WIFEXITED(status) && WEXITSTATUS(status) ? WEXITSTATUS(status) : CLI_FAILURE;
     }
-    return -1;
-}
-
-static int start_child(const char *name, const rig_settings *settings, const char *path, int listener,
-                       rig *r) {
-    char port[RIG_PATH + 8];
-    rig_settings own = *settings;
-    pid_t parent = getpid();
-    int code = CLI_OK;
-    snprintf(port, sizeof port, "unix:%s", path);
-    own.port = port;
-    r->child = fork();
-    if (r->child == 0) {
-        close(listener);
-        be_rig(name, &own, parent);
-    }
-    int fd = r->child > 0 ? accept_from(listener, &r->child, &code) : -1;
-    if (fd < 0) {
-        rig_close(r);
-        return code ? code : cli_failure(name, "the virtual indenter does not start");
-    }
-    snprintf(r->port, sizeof r->port, "fd:%d", fd);
-    return CLI_OK;
+    return came;
 }
 
 int rig_open(const char *name, const rig_settings *settings, rig *r) {
-    char folder[RIG_PATH], path[RIG_PATH] = "";
+    char port[32];
+    rig_settings own = *settings;
+    pid_t parent = getpid();
+    int code = CLI_OK, end[2];
     *r = (rig){.child = 0};
-    if (!rig_folder(folder)) {
-        return cli_failure(name, "a temporary folder: %s", strerror(errno));
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, end) != 0) {
+        return cli_failure(name, "a socket: %s", strerror(errno));
     }
-    int listener = listen_in(folder, path);
-    int code = listener < 0 ? cli_failure(name, "%s: %s", path, strerror(errno))
-                            : start_child(name, settings, path, listener, r);
-    if (listener >= 0) {
-        close(listener);
+    snprintf(port, sizeof port, "fd:%d", end[1]);
+    own.port = port;
+    r->child = fork();
+    if (r->child == 0) {
+        close(end[0]);
+        be_rig(name, &own, parent);
     }
-    unlink(path);
-    rmdir(folder);
-    return code;
+    close(end[1]);
+    if (r->child < 0 || !wait_for_bytes(end[0], &r->child, &code)) {
+        close(end[0]);
+        rig_close(r);
+        return code ? code : cli_failure(name, "the virtual indenter does not start");
+    }
+    snprintf(r->port, sizeof r->port, "fd:%d", end[0]);
+    return CLI_OK;
 }
 
 int rig_close(rig *r) {

@@ -15,7 +15,6 @@ typedef struct rig_process {
     char folder[RIG_PATH];
     char line[RIG_NOTE], last[RIG_NOTE]; /* being collected; the last one */
     size_t n;
-    char port[RIG_NOTE]; /* what it told to connect to, "" so far */
 } rig_process;
 
 /* Starts it in a folder of its own; an exit code. rig_process_end must follow in any case. */
@@ -26,9 +25,6 @@ bool rig_process_listen(rig_process *p);
 
 /* Lets it end within a second, else kills it; removes the folder. */
 void rig_process_end(rig_process *p);
-
-/* A folder for sockets and FIFOs whose name a socket can hold. False: errno. */
-bool rig_folder(char folder[RIG_PATH]);
 
 /* ---- what the firmware is fed besides the plant: rig_feed.c ---- */
 

@@ -89,7 +89,8 @@ bool rig_find(rig_settings *settings, char note[RIG_NOTE]) {
 
 /* ---- started ---- */
 
-bool rig_folder(char folder[RIG_PATH]) {
+/* A folder for the FIFOs. */
+static bool make_folder(char folder[RIG_PATH]) {
     const char *base = getenv("TMPDIR");
     if (!base || *base != '/' || strlen(base) > FOLDER_MOST || strchr(base, ',')) { /* QEMU parts at commas */
         base = "/tmp";
@@ -98,15 +99,6 @@ bool rig_folder(char folder[RIG_PATH]) {
     bool made = mkdtemp(folder) != NULL;
     folder[made ? strlen(folder) : 0] = '\0';
     return made;
-}
-
-/* QEMU's -serial for a port of ours. */
-static void qemu_serial(const char *port, char serial[RIG_PATH]) {
-    if (strncmp(port, "tcp:", 4) == 0) {
-        snprintf(serial, RIG_PATH, "tcp:127.0.0.1:%s,server=on,wait=off", port + 4);
-    } else {
-        snprintf(serial, RIG_PATH, "%s", port);
-    }
 }
 
 /* QEMU's two threads wait for each other all the time: faster on one processor than on two. */
@@ -122,15 +114,12 @@ static void stay_on_one_processor(void) {
 
 /* Becomes the firmware. It runs in the folder with the FIFOs, so that their names need no quoting. */
 static void become(const rig_settings *s, const rig_process *p, pid_t parent) {
-    char serial[RIG_PATH];
-    qemu_serial(s->port, serial);
     /* clang-format off */
     const char *const under_qemu[] = {
         QEMU, "-M", "netduinoplus2", "-kernel", s->image, "-display", "none", "-monitor", "none",
         "-icount", "shift=3,sleep=off", "-semihosting-config", "enable=on,target=native,arg=in,arg=out",
-        "-serial", serial, NULL};
-    const char *const as_process[] = {
-        s->image, "--plant-in", "in", "--plant-out", "out", "--port", s->port, NULL};
+        "-serial", "none", NULL};
+    const char *const as_process[] = {s->image, "in", "out", NULL};
     /* clang-format on */
     const char *const *wanted = s->firmware == RIG_QEMU ? under_qemu : as_process;
     char *list[ARGUMENTS] = {NULL};
@@ -162,7 +151,7 @@ static int start_failed(const char *name, const char *what) {
 int rig_process_start(const char *name, const rig_settings *settings, rig_process *p) {
     int text[2] = {-1, -1};
     *p = (rig_process){.to = -1, .from = -1, .text = -1};
-    if (!rig_folder(p->folder)) {
+    if (!make_folder(p->folder)) {
         return start_failed(name, "a temporary folder");
     }
     p->to = open_fifo(p->folder, "in");
@@ -188,20 +177,11 @@ int rig_process_start(const char *name, const rig_settings *settings, rig_proces
 /* ---- listened to ---- */
 
 static void take_line(rig_process *p) {
-    static const char *const ports[] = {"char device redirected to ", "port "};
     p->line[p->n] = '\0';
-    p->n = 0;
-    for (size_t i = 0; i < 2; i++) {
-        if (strncmp(p->line, ports[i], strlen(ports[i])) == 0) {
-            const char *port = p->line + strlen(ports[i]);
-            snprintf(p->port, sizeof p->port, "%s%.*s", *port == '/' ? "pty:" : "", (int)strcspn(port, " "),
-                     port);
-            return;
-        }
-    }
-    if (p->line[0]) {
+    if (p->n > 0) {
         strcpy(p->last, p->line);
     }
+    p->n = 0;
 }
 
 bool rig_process_listen(rig_process *p) {

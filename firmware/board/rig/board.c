@@ -1,9 +1,9 @@
-/* board.c: the firmware's view of the STM32F405 under QEMU: its tick, UART, startup, watchdog and reset are
- * those of the real board; sensors and motor are the plant at the other end of two FIFOs. To be run as
- *   qemu-system-arm -M netduinoplus2 -kernel rig.elf -display none -monitor none
+/* board.c: the firmware's view of the STM32F405 under QEMU: its tick, startup, watchdog and reset are those of the
+ * real board; sensors, motor and the line to the host are the plant at the other end of two FIFOs (QEMU makes a dozen
+ * system calls of each byte that its UART sends). To be run as
+ *   qemu-system-arm -M netduinoplus2 -kernel rig.elf -display none -monitor none -serial none
  *       -icount shift=3,sleep=off
  *       -semihosting-config enable=on,target=native,arg=PLANT_TO_FIRMWARE,arg=FIRMWARE_TO_PLANT
- *       -serial unix:PATH  (a listening socket; or pty, or tcp:127.0.0.1:PORT,server=on,wait=off)
  * with the FIFOs there before it starts and no space in their names. The plant opens them in the same order.
  * The exit code is 0 after PLANT_EVENT_QUIT, 1 when the plant has gone. Costs are right for shift=3. */
 #include "drivers.h"
@@ -18,19 +18,12 @@ static struct {
     uint64_t ns;
 } rig;
 
-static void give_up(const char *why) {
-    semihosting_say(why);
-    semihosting_exit(false);
-}
-
 uint8_t hal_init(void) {
     gpio_start();
     (void)clock_start(); /* tried for the sake of trying: QEMU has no RCC and always runs at full speed */
     rig.cause = reset_cause();
     TIM2->CR1 = TIM_CR1_CEN;
-    uart_start(CLOCK_FULL_HZ / 2);
-    if (!semihosting_open())
-        give_up("rig.elf: cannot open the two FIFOs that -semihosting-config arg=...,arg=... should name\n");
+    semihosting_open();
     const uint8_t cause = simulated_boot();
     if (cause != APP_RESET_POWER)
         rig.cause = cause;
@@ -75,26 +68,4 @@ uint32_t board_cycles(void) {
     rig.ns += now - rig.last_ns;
     rig.last_ns = now;
     return (uint32_t)(rig.ns / NS_AN_INSTRUCTION);
-}
-
-void simulated_swap(const uint8_t out[PLANT_LINK_OUT], uint8_t in[PLANT_LINK_IN]) {
-    if (!semihosting_write(out, PLANT_LINK_OUT) || !semihosting_read(in, PLANT_LINK_IN))
-        give_up("rig.elf: the plant has gone\n");
-}
-
-void simulated_restart(void) {
-    reset_because(APP_RESET_WATCHDOG);
-}
-
-void simulated_quit(ring *transmit) {
-    while (transmit != NULL && ring_used(transmit) > 0) {
-        serial_send(transmit);
-        uart_interrupt();
-    }
-    semihosting_exit(true);
-}
-
-void simulated_smash(void) {
-    extern uint32_t stack_bottom[];
-    stack_bottom[0] = 0;
 }

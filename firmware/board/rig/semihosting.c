@@ -39,34 +39,37 @@ static bool open_file(const char *path, uint32_t mode, uint32_t *handle) {
     return n > 0 && *handle != UINT32_MAX;
 }
 
-bool semihosting_open(void) {
+static void give_up(const char *why) {
+    call(SYS_WRITE0, (uintptr_t)why);
+    semihosting_exit(false);
+}
+
+void semihosting_open(void) {
     static char line[COMMAND_LINE];
     uintptr_t block[2] = {(uintptr_t)line, COMMAND_LINE};
-    if (call(SYS_GET_CMDLINE, (uintptr_t)block) != 0)
-        return false;
-    char *second = cut_word(line);
-    cut_word(second);
-    return open_file(line, OPEN_READ, &fifo.in) && open_file(second, OPEN_WRITE, &fifo.out);
+    if (call(SYS_GET_CMDLINE, (uintptr_t)block) == 0) {
+        char *second = cut_word(line);
+        cut_word(second);
+        if (open_file(line, OPEN_READ, &fifo.in) && open_file(second, OPEN_WRITE, &fifo.out))
+            return;
+    }
+    give_up("rig.elf: cannot open the two FIFOs that -semihosting-config arg=...,arg=... should name\n");
 }
 
 /* SYS_READ and SYS_WRITE return how much is left to do. */
-bool semihosting_read(uint8_t *byte, uint32_t n) {
+void semihosting_read(uint8_t *byte, uint32_t n) {
     while (n > 0) {
         const uint32_t left = (uint32_t)call3(SYS_READ, fifo.in, (uintptr_t)byte, n);
         if (left >= n)
-            return false;
+            give_up("rig.elf: the plant has gone\n");
         byte += n - left;
         n = left;
     }
-    return true;
 }
 
-bool semihosting_write(const uint8_t *byte, uint32_t n) {
-    return call3(SYS_WRITE, fifo.out, (uintptr_t)byte, n) == 0;
-}
-
-void semihosting_say(const char *text) {
-    call(SYS_WRITE0, (uintptr_t)text);
+void semihosting_write(const uint8_t *byte, uint32_t n) {
+    if (call3(SYS_WRITE, fifo.out, (uintptr_t)byte, n) != 0)
+        give_up("rig.elf: the plant has gone\n");
 }
 
 void semihosting_exit(bool good) {

@@ -5,11 +5,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Opens the two FIFOs that the command line names, plant-to-firmware first; waits for the other side. */
-bool semihosting_open(void);
-bool semihosting_read(uint8_t *byte, uint32_t n); /* all of it, or false: the other side has gone */
-bool semihosting_write(const uint8_t *byte, uint32_t n);
-void semihosting_say(const char *text); /* on the simulator's standard error */
-void semihosting_exit(bool good);       /* ends the simulator: exit code 0 or 1 */
+/* Opens the two FIFOs that the command line names, plant-to-firmware first; waits for the other side. Where one of these fails, it
+ * says so on the simulator's standard error and ends it. */
+void semihosting_open(void);
+void semihosting_read(uint8_t *byte, uint32_t n);
+void semihosting_write(const uint8_t *byte, uint32_t n);
+void semihosting_exit(bool good); /* ends the simulator: exit code 0 or 1 */
 
 #endif

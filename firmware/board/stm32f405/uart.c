@@ -25,10 +25,6 @@ bool serial_receive(uint8_t *byte) {
     return ring_get(&uart.received, byte);
 }
 
-void serial_take(uint8_t byte) {
-    (void)ring_put(&uart.received, byte); /* what does not fit fails its frame's check */
-}
-
 void serial_send(ring *transmit) {
     uart.transmit = transmit;
     if (ring_used(transmit) == 0)
@@ -61,7 +57,7 @@ void uart_interrupt(void) {
         POLLED(&USART1->DR);
         const uint8_t byte = (uint8_t)USART1->DR; /* this read also clears an overrun */
         if ((status & USART_SR_RXNE) != 0)
-            serial_take(byte);
+            (void)ring_put(&uart.received, byte); /* what does not fit fails its frame's check */
     }
     if ((USART1->CR1 & USART_CR1_TXEIE) != 0)
         send_some(uart.transmit);

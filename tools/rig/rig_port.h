@@ -1,0 +1,33 @@
+/* rig_port.h: where the virtual indenter answers: a pseudo-terminal, TCP, a file or an open socket. */
+#ifndef PALPATE_RIG_PORT_H
+#define PALPATE_RIG_PORT_H
+
+#include "plant_link.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum rig_port_kind { RIG_PORT_SOCKET, RIG_PORT_PTY, RIG_PORT_FILE } rig_port_kind;
+
+typedef struct rig_port {
+    rig_port_kind kind;
+    int listener, connection; /* descriptors; -1 = none */
+    int patience_ms; /* how long a full port may hold the indenter up; 0 after it has once been too long */
+    uint8_t held[PLANT_LINK_TX];
+    size_t n_held;
+} rig_port;
+
+/* "pty", "tcp:PORT" (of this machine), "file:PATH" or "fd:NUMBER". name: what to connect to, such as "pty:/dev/pts/5".
+ * False: errno. rig_port_close must follow in any case. */
+bool rig_port_open(const char *wanted, rig_port *port, char *name, size_t size);
+void rig_port_close(rig_port *port);
+
+/* At most so many of the bytes that have come; takes whoever connects. */
+size_t rig_port_read(rig_port *port, uint8_t *byte, size_t most);
+
+/* Writes n bytes, at most PLANT_LINK_TX, after those it holds; false while a full port makes it hold some, and then no
+ * more may be written, but n = 0. Where nobody listens they are dropped, as on a line. */
+bool rig_port_write(rig_port *port, const uint8_t *byte, size_t n);
+
+#endif
