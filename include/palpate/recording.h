@@ -46,7 +46,7 @@ typedef struct palp_recording {
     double deepest_m;            /* largest depth */
     double ramp_start_s, ramp_end_s; /* first motion into the specimen: its start and its end */
     double end_s;                    /* of the press: static and ramp and hold are masked from their withdrawal on */
-    bool settled;                    /* the file says that its depth and force are already relative to contact */
+    bool contact_found;              /* the file says that its depth and force are already relative to contact */
     palp_contact_rule contact_rule;
     double contact_m, contact_sd_m;  /* recorded depth at contact */
     double zero_N, zero_sd_N;        /* recorded force at zero */

@@ -54,7 +54,7 @@ static void read_header(palp_recording *r, const palp_experiment *e,
         r->height_m = 1e-3 * value;
     if (!palp_experiment_get_number(e, "specimen.radius_mm", &value))
         r->radius_m = 1e-3 * value;
-    r->settled = !palp_experiment_get_string(e, "contact.rule", &text) && strcmp(text, "as_recorded") != 0;
+    r->contact_found = !palp_experiment_get_string(e, "contact.rule", &text) && strcmp(text, "as_recorded") != 0;
     if (!palp_experiment_get_number(e, "contact.sd_mm", &value))
         r->contact_sd_m = 1e-3 * fmax(value, 0.0);
     if (settings->height_m > 0.0)

@@ -139,11 +139,11 @@ void recording_find_contact(palp_recording *r, const palp_recording_settings *se
         find_zero_in_air(r, quiet);
     else if (quiet >= FEWEST / 2 && fabs(r->depth_m[0]) <= STARTED * deepest)
         find_zero(r, quiet); /* the plate rests on the specimen */
-    if (settings->contact_given || r->settled) {
+    if (settings->contact_given || r->contact_found) {
         r->contact_rule = PALP_CONTACT_GIVEN;
         r->contact_m = settings->contact_given ? settings->contact_m : 0.0;
         r->contact_sd_m = settings->contact_given ? 0.0 : r->contact_sd_m;
-        r->zero_N = r->settled ? 0.0 : r->zero_N;
+        r->zero_N = r->contact_found ? 0.0 : r->zero_N;
     } else if (air) {
         r->contact_rule = PALP_CONTACT_FREE_AIR;
         check_contact(r, deepest);

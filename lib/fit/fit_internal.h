@@ -66,6 +66,12 @@ palp_status fit_solve(fit_problem *problem, double *p, double *chi2, bool *conve
 palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);
 
+/* The candidate to take by its losses, loss[candidates groups] (0: a group without any): the first
+ * whose losses are typically within two standard errors of the best one's, or within a fifth (a tenth in rms):
+ * less than that is not worth a parameter. score[candidates]: mean losses; sd[candidates]: standard error of the
+ * difference to the best. */
+size_t fit_choose(size_t candidates, size_t groups, const double *loss, double *score, double *sd);
+
 /* rms_N and absolute_N, which are 0 so far, of the fit's material over the samples that count. */
 palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                palp_lumped_fit *fit);

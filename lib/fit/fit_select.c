@@ -91,15 +91,14 @@ static palp_status score_candidate(folds *f, fit_problem *p, double *loss) {
     return status;
 }
 
-/* Mean over the groups of log(loss of a / loss of b), and its standard error: the logarithm keeps a few
- * groups of a large loss, a corner or a first sample, from hiding all others. */
-static double log_ratio(const folds *f, size_t a, size_t b, double *error) {
+/* Mean over the groups of log(loss a / loss b), and its standard error: the logarithm keeps a few groups of a large
+ * loss, a corner or a first sample, from hiding all others. */
+static double log_ratio(size_t groups, const double *a, const double *b, double *error) {
     double sum = 0.0, square = 0.0, used = 0.0;
-    for (size_t g = 0; g < f->n_groups; g++) {
-        double x = f->loss[a * f->n_groups + g], y = f->loss[b * f->n_groups + g];
-        if (!(x > 0.0) || !(y > 0.0))
+    for (size_t g = 0; g < groups; g++) {
+        if (!(a[g] > 0.0) || !(b[g] > 0.0))
             continue;
-        double d = log(x / y);
+        double d = log(a[g] / b[g]);
         sum += d;
         square += d * d;
         used += 1.0;
@@ -109,30 +108,28 @@ static double log_ratio(const folds *f, size_t a, size_t b, double *error) {
     return mean;
 }
 
-/* Mean losses, and the standard error of the difference to the best. Chosen: the first candidate whose
- * losses are typically within two standard errors of the best one's, or within a fifth (a tenth in rms):
- * less than that is not worth a parameter. */
-static size_t choose(const folds *f, size_t candidates, double *score, double *sd) {
+size_t fit_choose(size_t candidates, size_t groups, const double *loss, double *score, double *sd) {
     size_t best = 0, chosen = 0, used = 0;
     double error;
-    for (size_t g = 0; g < f->n_groups; g++)
-        used += f->loss[g] > 0.0;
+    for (size_t g = 0; g < groups; g++)
+        used += loss[g] > 0.0;
     for (size_t c = 0; c < candidates; c++) {
         score[c] = 0.0;
-        for (size_t g = 0; g < f->n_groups; g++)
-            score[c] += f->loss[c * f->n_groups + g] / (double)used;
-        if (log_ratio(f, c, best, &error) < 0.0)
+        for (size_t g = 0; g < groups; g++)
+            score[c] += loss[c * groups + g] / (double)used;
+        if (log_ratio(groups, loss + c * groups, loss + best * groups, &error) < 0.0)
             best = c;
     }
     for (size_t c = 0; c < candidates; c++) {
         double square = 0.0, mean = score[c] - score[best];
-        for (size_t g = 0; g < f->n_groups; g++) {
-            double d = f->loss[c * f->n_groups + g] - f->loss[best * f->n_groups + g] - mean;
-            square += f->loss[g] > 0.0 ? d * d : 0.0;
+        for (size_t g = 0; g < groups; g++) {
+            double d = loss[c * groups + g] - loss[best * groups + g] - mean;
+            square += loss[g] > 0.0 ? d * d : 0.0;
         }
         sd[c] = used > 1 ? sqrt(square / (double)(used - 1) / (double)used) : 0.0;
     }
-    while (chosen < best && log_ratio(f, chosen, best, &error) > fmax(2.0 * error, log(1.2)))
+    while (chosen < best && log_ratio(groups, loss + chosen * groups, loss + best * groups, &error) >
+                                fmax(2.0 * error, log(1.2)))
         chosen++;
     return chosen;
 }
@@ -161,7 +158,7 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
         fit_problem_free(&p);
     }
     if (!status)
-        *chosen = choose(&f, candidates, score, sd);
+        *chosen = fit_choose(candidates, f.n_groups, f.loss, score, sd);
     free_folds(&f);
     return status;
 }

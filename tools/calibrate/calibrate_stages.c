@@ -108,7 +108,7 @@ static palp_status two_level_static(const calibrate_options *o, calibrate_state 
     return status;
 }
 
-/* The first guess: the lumped law in the wanted form, unscaled for the seed's loop; or --start's. */
+/* The first guess: the lumped law in the wanted form, unscaled for the thesis' loop; or --start's. */
 static palp_status static_start(const calibrate_options *o, calibrate_state *s, palp_material *start) {
     double strain_max = s->depth_m[s->n_static - 1] / s->height_m;
     const palp_law *law = o->start ? &s->model.material.law : &s->lumped.material.law;
@@ -182,12 +182,12 @@ static void relaxation_start(const calibrate_options *o, const calibrate_state *
         deepest = fmax(deepest, s->press[i].depth_m);
     }
     double ratio = stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest / s->height_m);
-    bool seed = s->relaxation_method == METHOD_THREE_PHASE;
-    bool arms_given = o->start && s->model.material.n_arms == n && n > 0 && !seed;
+    bool three_phase = s->relaxation_method == METHOD_THREE_PHASE;
+    bool arms_given = o->start && s->model.material.n_arms == n && n > 0 && !three_phase;
     *start = s->model.material;
     start->formulation = (palp_formulation)o->formulation;
     if (!arms_given) {
-        guess_arms(&s->lumped.material, n, seed ? 1 : ratio, start);
+        guess_arms(&s->lumped.material, n, three_phase ? 1 : ratio, start);
     }
 }
 

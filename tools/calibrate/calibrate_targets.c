@@ -29,7 +29,7 @@ static int static_from_lumped(const calibrate_options *o, calibrate_state *s, do
     return CLI_OK;
 }
 
-/* Times at which the library compares: every step for the seed's three phases (they look for the time
+/* Times at which the library compares: every step for the thesis' three phases (they look for the time
  * the curve turns flat), else even on the ramp and growing in the hold. */
 static palp_status sample_times(const calibrate_options *o, const calibrate_state *s, const palp_path *path,
                                 size_t *n, double **time_s) {
@@ -231,7 +231,7 @@ static int read_run(const char *file, calibrate_state *s) {
 
 /* ---- all of them ---- */
 
-/* The seed's depths, Section 5.3 and Chapter 4, as parts of the height. */
+/* The thesis' depths, Section 5.3 and Chapter 4, as parts of the height. */
 static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MAX]) {
     if (s->relaxation_method == METHOD_THREE_PHASE) {
         depth_m[0] = 0.25 * s->lumped.height_m;

@@ -148,12 +148,12 @@ static int check_method(const calibrate_options *o) {
     if (o->stage == STAGE_RELAXATION && o->method == METHOD_FIXED_POINT) {
         return cli_usage_error(NAME, "--method fixed_point is for --stage static or all");
     }
-    bool loops = o->method != METHOD_NLOPT, seed = o->formulation == PALP_SEDEF2008;
-    if (o->stage != STAGE_STATIC && (loops || seed) && o->arms > 1) {
+    bool loops = o->method != METHOD_NLOPT, sedef = o->formulation == PALP_SEDEF2008;
+    if (o->stage != STAGE_STATIC && (loops || sedef) && o->arms > 1) {
         return cli_usage_error(NAME, "%s has one arm; leave out --arms %zu",
                                loops ? "--method three_phase" : "--formulation sedef2008", o->arms);
     }
-    if (o->stage != STAGE_STATIC && (loops || seed) && o->strain_dependent) {
+    if (o->stage != STAGE_STATIC && (loops || sedef) && o->strain_dependent) {
         return cli_usage_error(NAME, "--strain-dependent needs --method nlopt and --formulation history");
     }
     if (o->stage != STAGE_STATIC && loops && o->depth_mm.n > 1) {

@@ -60,7 +60,7 @@ typedef struct characterize_state {
     palp_lumped_fit single[CHARACTERIZE_RUNS_MAX]; /* of each ramp and hold alone */
     bool has_shared;
     palp_lumped_fit shared; /* one set of arms, a K_inf for each run */
-    bool has_final;         /* false: the seed's procedure, model from the static curve and shared */
+    bool has_final;         /* false: the thesis' procedure, model from the static curve and shared */
     palp_lumped_fit final;
     palp_material material; /* of the model */
     size_t n_gap;

@@ -279,7 +279,7 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
     return CLI_OK;
 }
 
-/* The seed's procedure: arms of the grid, the plain static polynomial or a law through the depths' K_inf. */
+/* The thesis' procedure: arms of the grid, the plain static polynomial or a law through the depths' K_inf. */
 static int assemble_grid(characterize_state *s) {
     s->material = s->shared.material;
     palp_status status = s->n_static ? PALP_OK : law_of_depths(s, s->degree, &s->material.law);

@@ -88,7 +88,7 @@ int import_columns(const import_options *o, import_source *s);
 bool import_is_approach(const import_source *s); /* a Mach-1's search for the contact */
 
 /* Signs, then contact and zero force; relaxation files look in all for the approach that ended where they
- * start, settled before them. */
+ * start, whose contact was found before. */
 int import_signs(const import_options *o, import_source *s);
 int import_contact_find(const import_options *o, const import_sources *all, import_source *s);
 

@@ -25,7 +25,7 @@ START_TEST(a_clean_recording_has_no_findings) {
         ck_assert_double_eq_tol(r.zero_sd_N, 0.004 / sqrt(1000.0), 0.1 * 0.004 / sqrt(1000.0));
         ck_assert_double_lt(fabs(r.correlation), 0.05);
         ck_assert_uint_eq(r.n_spikes + r.n_clipped + r.n_gaps, 0);
-        ck_assert(!r.uneven && !r.faulted && !r.settled && r.hum_N == 0.0);
+        ck_assert(!r.uneven && !r.faulted && !r.contact_found && r.hum_N == 0.0);
         ck_assert_double_eq_tol(r.ramp_start_s, 1.0, 0.01);
         ck_assert_double_eq_tol(r.ramp_end_s, 2.0, 0.01);
         ck_assert_double_eq_tol(r.deepest_m, 4e-3, 1e-12);
@@ -161,7 +161,7 @@ START_TEST(a_given_contact_is_taken) {
     palp_experiment_set_string(e, "contact.rule", "find_contact");
     palp_experiment_set_number(e, "contact.sd_mm", 0.01);
     r = prepare(e);
-    ck_assert(r.settled);
+    ck_assert(r.contact_found);
     ck_assert_int_eq(r.contact_rule, PALP_CONTACT_GIVEN);
     ck_assert_double_eq(r.contact_m, 0.0);
     ck_assert_double_eq_tol(r.contact_sd_m, 1e-5, 1e-18);
@@ -170,7 +170,7 @@ START_TEST(a_given_contact_is_taken) {
     e = record(&t);
     palp_experiment_set_string(e, "contact.rule", "as_recorded");
     r = prepare(e);
-    ck_assert(!r.settled);
+    ck_assert(!r.contact_found);
     ck_assert_int_eq(r.contact_rule, PALP_CONTACT_FREE_AIR);
     palp_recording_free(&r);
 }

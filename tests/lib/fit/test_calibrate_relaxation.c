@@ -1,5 +1,5 @@
 /* test_calibrate_relaxation.c: the relaxation stage by least squares: its derivatives, materials known
- * beforehand, and the seed's open problem of one material for all depths (Section 6.2). */
+ * beforehand, and the thesis' open problem of one material for all depths (Section 6.2). */
 #include "fit/calibrate_internal.h"
 #include "cube.h"
 

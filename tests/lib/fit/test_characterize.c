@@ -63,7 +63,7 @@ START_TEST(table_4_3_comes_back) {
 }
 END_TEST
 
-/* One arm on the holds alone, as the seed did. Its run at 7 mm ended after 150 s. */
+/* One arm on the holds alone, as the thesis did. Its run at 7 mm ended after 150 s. */
 START_TEST(table_4_2_comes_back) {
     for (size_t q = 0; q < DEPTHS; q++) {
         palp_recording r = table_run(q, q + 1 == DEPTHS ? 150.0 : 200.0);

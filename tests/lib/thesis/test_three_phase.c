@@ -45,7 +45,7 @@ static void record_free(record *r) {
     free(r->force_N);
 }
 
-/* The law of Table 5.1 with the lumped arm: where the seed starts. */
+/* The law of Table 5.1 with the lumped arm: where the thesis starts. */
 static palp_material thesis_start(palp_formulation formulation) {
     palp_material material = lumped_n1();
     material.law = cube_polynomial(5, NETWORK_LAW).law;
@@ -92,7 +92,7 @@ START_TEST(table_5_2) {
         ck_assert_double_eq_tol(it->material.arms[0].viscosity_Ns, table[i][1], 0.02 * table[i][1]);
         ck_assert(isnan(it->steady_time_error_percent) && isnan(it->steady_force_error_percent));
     }
-    ck_assert_double_lt(result.iterations[14].peak_error_percent, 1.0); /* as the seed, and not before */
+    ck_assert_double_lt(result.iterations[14].peak_error_percent, 1.0); /* as the thesis, and not before */
     ck_assert_double_gt(result.iterations[13].peak_error_percent, 1.0);
     palp_calibration_free(&result);
     record_free(&r);
