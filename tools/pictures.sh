@@ -39,7 +39,7 @@ window press 277
 window cut 122
 
 [ -s build/demo/explain.html ] || PALPATE=$palpate tools/demo.sh >/dev/null
-chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1060,1150 --screenshot="$work/explain.png" \
+chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1060,1105 --screenshot="$work/explain.png" \
     "file://$PWD/build/demo/explain.html" >/dev/null 2>&1
 compress "$work/explain.png" "$out/explain.png"
 

@@ -28,40 +28,45 @@ typedef struct palp_calibration {
     size_t n_samples;                 /* static: of the curve */
     double *depth_m, *target_N, *force_N; /* [n_samples], the wanted and the reached curve */
     double reached_m;                 /* static: depth that the best curve reached before its branch ended */
-    bool buckled;                     /* static: the best network loses stability ... */
-    double stable_m, unstable_m;      /* ... between these depths */
+    bool buckled;                     /* static: the best network loses stability */
+    double stable_m, unstable_m;      /* static: it is stable at the first and unstable at the second depth */
     bool converged;                   /* the method's own criterion was met */
 } palp_calibration;
 
 PALP_API void palp_calibration_free(palp_calibration *calibration); /* frees arrays, zeroes; NULL is fine */
 
+/* Called after each evaluation; fraction is the part of the work that is done, 0 to 1. Non-zero stops with ERR_STOPPED. */
 typedef int (*palp_calibrate_progress)(void *user, double fraction, const palp_calibrate_iteration *last);
 
 typedef struct palp_static_settings {
     size_t max_evaluations;         /* of the curve */
     bool every_step;                /* solve every sample instead of error-controlled continuation */
     double curve_tolerance;         /* continuation: estimated interpolation error relative to the peak force;
-                                       0 = 1e-6, or 1e-4 for networks whose factors are dear */
+                                       0 = 1e-6, or 1e-4 for networks that are costly to factor */
     double stop_relative;           /* stop when the residual changes less than this */
     palp_calibrate_progress progress; /* may be NULL; non-zero stops with ERR_STOPPED */
     void *user;
 } palp_static_settings;
 
+/* 60 evaluations, continuation with tolerance 0, stop at 1e-4. */
 PALP_API palp_static_settings palp_static_settings_default(void);
 
 /* Static stage (Section 5.3.1): fits the law of *start* (a polynomial or spline; its coefficients are
  * the first guess) so that the fully relaxed network's force at depth_m[n] (increasing, > 0) meets
- * target_N[n]. The network's supports, branch and solver are used; its material is replaced by the
- * result. Arms of start are kept as they are. */
+ * target_N[n] (> 0). The network's supports, branch and solver are used; its material is replaced by the
+ * result. Arms of start are kept as they are. The caller frees *result. ERR_UNSUPPORTED: another kind of law;
+ * ERR_ARGUMENT: a depth or target out of range, too few samples for the law; ERR_STOPPED by progress; the statuses of
+ * palp_material_check and, where no curve could be found, of palp_network_step. */
 PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n,
                                            const double *depth_m, const double *target_N,
                                            const palp_static_settings *settings, palp_calibration *result);
 
-/* The same for a network of many thousand nodes (100,000 unknowns take a minute): coarse, a network of the same body
- * and supports of some hundred nodes, takes the law; the large one is pressed with it at 24 depths, and what its force
- * differs by, a ratio that hardly depends on the law, corrects the target for the next round, until the target is met
- * to 1e-4 of its peak or rounds bring no more. Gives both networks the law. A large network soon buckles between its many nodes: where a press is not solved at
- * once its branch ends (reached_m, buckled). */
+/* The same for a network of many thousand nodes (100,000 unknowns take a minute), in rounds on two levels. coarse, a network
+ * of some hundred nodes with the same body and supports, is calibrated; the large one is pressed with its law at 24
+ * depths. The ratio of the two forces hardly depends on the law, and corrects the target of the next round. It ends when
+ * the target is met to 1e-4 of its peak or a round brings no improvement. Both networks are given the law. A large
+ * network buckles at a smaller depth, between its many nodes; its branch ends where a press is not solved at once
+ * (reached_m, buckled). ERR_NOT_CONVERGED too where not even the first depth is reached. */
 PALP_API palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start,
                                             size_t n, const double *depth_m, const double *target_N,
                                             const palp_static_settings *settings, palp_calibration *result);
@@ -87,11 +92,14 @@ typedef struct palp_relaxation_settings {
     void *user;
 } palp_relaxation_settings;
 
+/* 80 evaluations, graded steps of tolerance 1e-4, stop at 1e-4, one beta, the law's scale fitted, no strain dependence. */
 PALP_API palp_relaxation_settings palp_relaxation_settings_default(void);
 
 /* Relaxation stage (Section 5.3.2): fits the arms (and optionally the law's scale and the strain
- * dependence) of *start so that the network's force meets all targets at once. ERR_UNSUPPORTED: another formulation
- * than PALP_HISTORY, a network with mass, beta of quasi-linear arms. */
+ * dependence) of *start so that the network's force meets all targets at once. The network's material is replaced by the
+ * result, which the caller frees. ERR_UNSUPPORTED: another formulation than PALP_HISTORY, a network with mass, beta of
+ * quasi-linear arms; ERR_ARGUMENT: no arm, no target, a target whose path or record cannot be used; ERR_STOPPED by
+ * progress; the statuses of palp_material_check. */
 PALP_API palp_status palp_calibrate_relaxation(palp_network *network, const palp_material *start,
                                                size_t n_targets, const palp_target *targets,
                                                const palp_relaxation_settings *settings,
