@@ -87,6 +87,7 @@ typedef struct palp_effect_info {
     palp_effect_id alike[4];    /* [n_alike] its look-alikes */
     bool in_lumped, in_network; /* which models can carry it */
     bool repeats;               /* a model may have it more than once */
+    const char *column;         /* "temperature_C": column of a recording that it reads; NULL = none */
 } palp_effect_info;
 
 /* One effect with its numbers, SI; a plain value. */

@@ -21,6 +21,12 @@ typedef struct palp_forward_wear {
 
 PALP_API void palp_forward_wear_free(palp_forward_wear *wear); /* as fresh then; peak_p stays as it is */
 
+/* A column of a recording that an effect of the model reads (palp_effect_info.column). */
+typedef struct palp_forward_column {
+    const char *name;
+    const double *value; /* [n] in the unit of the recording; caller's */
+} palp_forward_column;
+
 /* What is known of one recording beside its samples. Zero-initialised but for the first three = no session.
  */
 typedef struct palp_forward_run {
@@ -29,6 +35,8 @@ typedef struct palp_forward_run {
     double session_s;               /* when in the session it began (session_ageing) */
     double hum_phase;               /* of mains_hum at time 0, rad */
     size_t parts;                   /* steps of the specimen from sample to sample; 0 = 1 */
+    size_t n_columns;               /* what it does not have is taken to stay as it was at the first sample */
+    const palp_forward_column *column; /* [n_columns] */
     palp_forward_wear *wear;        /* NULL, or how the run finds the specimen, and then how it leaves it */
 } palp_forward_run;
 

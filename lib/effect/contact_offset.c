@@ -1,9 +1,9 @@
 /* contact_offset.c: a surface that is not where depth 0 was said to be. */
 #include "effect_internal.h"
 
-static void map(const double *value, double depth, double force, effect_surface *out) {
-    (void)force;
-    *out = (effect_surface){.depth = depth - value[0], .by_depth = 1.0, .by_value = {-1.0}};
+static void map(const double *value, const effect_press *at, effect_surface *out) {
+    out->depth = at->depth - value[0];
+    out->by_value[0] = -1.0;
 }
 
 const effect_row effect_contact_offset = {

@@ -8,12 +8,17 @@
 #include "material/element.h"
 
 /* ---- between the encoder and the specimen's surface: the depth that goes on ---- */
+typedef struct effect_press {
+    double depth, force; /* on the plate */
+    double change;       /* of the effect's column since the first sample */
+} effect_press;
+
 typedef struct effect_surface {
-    double depth, by_depth, by_force, by_value[PALP_EFFECT_PARAMETERS];
+    double depth, by_depth, by_force, by_change, by_value[PALP_EFFECT_PARAMETERS];
 } effect_surface;
 
-/* force: on the plate. */
-typedef void effect_map(const double *value, double depth, double force, effect_surface *out);
+/* out comes with the depth of at, by_depth = 1 and the rest 0. */
+typedef void effect_map(const double *value, const effect_press *at, effect_surface *out);
 
 /* ---- between the plate and the recorded force: one sample of the force that goes on ---- */
 typedef struct effect_moment {
@@ -80,8 +85,12 @@ typedef struct effect_data {
     double duration, deepest, peak, white;
     size_t n_releases; /* at which a plate let go with a jump, */
     double pull[2];    /* and the pull there: the strongest recorded, and what would be too strong */
+    const void *runs;       /* of the next two */
+    const double *residual; /* that a fit leaves of them; NULL: not asked for */
     /* Period, amplitude and phase of the strongest wave that the residual has over depth. */
     palp_status (*wave_in_depth)(const struct effect_data *data, double wave[3]);
+    /* By how much a column changes within a run, at most; 0 also where no run has it. */
+    double (*change_of)(const struct effect_data *data, const char *column);
 } effect_data;
 
 enum { EFFECT_STARTS = 16 };

@@ -1,9 +1,10 @@
 /* frame_compliance.c: a frame that gives way under load. */
 #include "effect_internal.h"
 
-static void map(const double *value, double depth, double force, effect_surface *out) {
-    *out = (effect_surface){
-        .depth = depth - value[0] * force, .by_depth = 1.0, .by_force = -value[0], .by_value = {-force}};
+static void map(const double *value, const effect_press *at, effect_surface *out) {
+    out->depth = at->depth - value[0] * at->force;
+    out->by_force = -value[0];
+    out->by_value[0] = -at->force;
 }
 
 const effect_row effect_frame_compliance = {

@@ -4,9 +4,8 @@
 #include <math.h>
 
 /* depth - l (1 - exp(-depth / l)): the share of the surface that touches grows as 1 - exp(-depth / l). */
-static void map(const double *value, double depth, double force, effect_surface *out) {
-    (void)force;
-    *out = (effect_surface){.depth = depth, .by_depth = 1.0};
+static void map(const double *value, const effect_press *at, effect_surface *out) {
+    const double depth = at->depth;
     if (depth <= 0.0)
         return;
     double x = value[0] > 0.0 ? depth / value[0] : INFINITY, missing = -expm1(-x), rest = exp(-x);

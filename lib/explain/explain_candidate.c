@@ -8,29 +8,22 @@
 
 static const double POOR = 1.2; /* chi2 per sample of a fit that may have gone astray */
 
-/* What an effect's row may ask: of the data, and of what a fit leaves of them. */
-typedef struct source {
-    effect_data facts; /* the first: a row knows no more */
-    const explain_data *data;
-    const double *residual;
-} source;
-
 static palp_status wave_in_depth(const effect_data *facts, double wave[3]) {
-    const source *from = (const source *)facts;
-    return explain_line_in_depth(from->data, from->residual, &wave[0], &wave[1], &wave[2]);
+    return explain_line_in_depth(facts->runs, facts->residual, &wave[0], &wave[1], &wave[2]);
 }
 
 palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual, effect_starts *s,
                                 const char **reason) {
     const effect_row *row = effect_row_of(id);
-    source from = {explain_facts(data), data, residual};
-    from.facts.wave_in_depth = wave_in_depth;
+    effect_data facts = explain_facts(data);
+    facts.residual = residual;
+    facts.wave_in_depth = wave_in_depth;
     *s = (effect_starts){.id = id};
-    *reason = row->missing ? row->missing(&from.facts) : NULL;
+    *reason = row->missing ? row->missing(&facts) : NULL;
     if (*reason)
         return PALP_ERR_UNSUPPORTED;
     if (row->starts)
-        return row->starts(&from.facts, s);
+        return row->starts(&facts, s);
     effect_start_at(s, 0.0, 0.0, 0.0);
     return PALP_OK;
 }

@@ -14,7 +14,8 @@ palp_forward_run explain_forward_run(const explain_run *run, explain_wear *wear)
         palp_forward_wear_free(&wear->wear);
     wear->wear.peak_p = wear->slope;
     return (palp_forward_run){
-        .n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session, .wear = &wear->wear};
+        .n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session,
+        .n_columns = run->n_columns, .column = run->column, .wear = &wear->wear};
 }
 
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event) {
@@ -27,6 +28,21 @@ palp_status explain_event_add(explain_data *data, const palp_explain_event *even
 }
 
 /* ---- samples ---- */
+
+/* What effects of the catalogue read beside depth and force; a column with a lost number is none. */
+static void find_columns(const palp_experiment *e, explain_run *run) {
+    for (int id = 0; id < PALP_EFFECT_COUNT; id++) {
+        const char *name = palp_effect_look_up((palp_effect_id)id)->column;
+        const double *value = name ? palp_experiment_column(e, name) : NULL;
+        size_t finite = 0;
+        while (value && finite < run->n && isfinite(value[finite]))
+            finite++;
+        for (size_t c = 0; value && c < run->n_columns; c++)
+            value = strcmp(run->column[c].name, name) == 0 ? NULL : value; /* two effects may read it */
+        if (value && finite == run->n)
+            run->column[run->n_columns++] = (palp_forward_column){name, value};
+    }
+}
 
 static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *error) {
     const double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
@@ -56,6 +72,7 @@ static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *
             return palp_error_set(error, PALP_ERR_INPUT, "%s: row %zu: not finite, or time_s does not increase",
                                   run->name, i + 1);
     }
+    find_columns(e, run);
     if (strcmp(explain_text_of(e, "specimen.kind"), "none") == 0 && deepest > -1e-3)
         for (size_t i = 0; i < run->n; i++)
             run->depth[i] -= deepest + 1e-3; /* nothing is there to be pressed */
@@ -278,10 +295,22 @@ size_t explain_samples(const explain_data *data) {
     return n;
 }
 
+static double change_of(const effect_data *facts, const char *column) {
+    const explain_data *data = facts->runs;
+    double most = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++)
+        for (size_t c = 0; c < data->run[r].n_columns; c++) {
+            const palp_forward_column *of = &data->run[r].column[c];
+            for (size_t i = 0; strcmp(of->name, column) == 0 && i < data->run[r].n; i++)
+                most = fmax(most, fabs(of->value[i] - of->value[0]));
+        }
+    return most;
+}
+
 effect_data explain_facts(const explain_data *data) {
     return (effect_data){.duration = data->duration, .deepest = data->deepest, .peak = data->peak,
                          .white = data->run[0].white, .n_releases = data->n_releases,
-                         .pull = {data->pull, data->pull_most}};
+                         .pull = {data->pull, data->pull_most}, .runs = data, .change_of = change_of};
 }
 
 palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i), void *work,

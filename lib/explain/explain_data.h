@@ -11,6 +11,8 @@ enum { EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * P
 typedef struct explain_run {
     char name[PALP_NAME_MAX];
     size_t n;
+    size_t n_columns;             /* that effects read, the experiment's own: [n_columns] */
+    palp_forward_column column[PALP_EFFECT_COUNT];
     double *time, *depth, *force; /* depth: nothing is pressed where the specimen is "none" */
     unsigned char *use;           /* [n] 0 = an event, or not to be fitted */
     unsigned char *phase;         /* [n] palp_phase */

@@ -121,25 +121,47 @@ effect_moment forward_moment(const palp_forward_run *run, size_t i) {
     return m;
 }
 
+static double change_of(const palp_forward_run *run, const char *column, size_t i, double share) {
+    for (size_t c = 0; column && c < run->n_columns; c++) {
+        const double *v = run->column[c].value;
+        if (strcmp(run->column[c].name, column) == 0)
+            return (share < 1.0 ? v[i - 1] + (v[i] - v[i - 1]) * share : v[i]) - v[0];
+    }
+    return 0.0;
+}
+
+forward_place forward_place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share) {
+    const double *t = run->time_s, *d = run->depth_m;
+    forward_place place = {.time = share < 1.0 ? t[i - 1] + (t[i] - t[i - 1]) * share : t[i],
+                           .depth = share < 1.0 ? d[i - 1] + (d[i] - d[i - 1]) * share : d[i],
+                           .velocity = forward_moment(run, i).velocity};
+    for (size_t j = 0; j < plan->n_effects; j++)
+        place.change[j] = change_of(run, plan->effect[j].row->info.column, i, share);
+    return place;
+}
+
 palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
     for (size_t i = 0; i < run->n; i++)
         if (!isfinite(run->time_s[i]) || !isfinite(run->depth_m[i]) ||
             (i && !(run->time_s[i] > run->time_s[i - 1])))
             return palp_error_set(error, PALP_ERR_ARGUMENT,
                                   "sample %zu: times must increase, depths be finite", i);
+    for (size_t c = 0; c < run->n_columns; c++)
+        for (size_t i = 0; i < run->n; i++)
+            if (!isfinite(run->column[c].value[i]))
+                return palp_error_set(error, PALP_ERR_ARGUMENT, "sample %zu: %s is not finite", i, run->column[c].name);
     if (!isfinite(run->session_s) || !isfinite(run->hum_phase))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "session_s or hum_phase is not finite");
     return PALP_OK;
 }
 
 /* The plate to sample i, in as many parts as the run asks for. */
-static palp_status move_to(forward_plate *plate, const palp_forward_run *run, size_t i, double velocity) {
-    const double *t = run->time_s, *d = run->depth_m, parts = run->parts > 1 ? (double)run->parts : 1.0;
-    palp_status status = i ? PALP_OK : forward_plate_start(plate, t[0], d[0]);
-    for (double k = 1.0; i && k <= parts && !status; k += 1.0) {
-        double share = k / parts, time = share < 1.0 ? t[i - 1] + (t[i] - t[i - 1]) * share : t[i];
-        double depth = share < 1.0 ? d[i - 1] + (d[i] - d[i - 1]) * share : d[i];
-        status = forward_plate_move(plate, time, depth, velocity);
+static palp_status move_to(forward_plate *plate, const palp_forward_run *run, size_t i) {
+    const size_t parts = i && run->parts > 1 ? run->parts : 1;
+    palp_status status = PALP_OK;
+    for (size_t k = 1; k <= parts && !status; k++) {
+        const forward_place place = forward_place_at(plate->plan, run, i, (double)k / (double)parts);
+        status = i ? forward_plate_move(plate, &place) : forward_plate_start(plate, &place);
     }
     return status;
 }
@@ -148,7 +170,7 @@ static palp_status follow(forward_plate *plate, forward_sensor *s, const palp_fo
                           double *force_N, double *gradient, palp_error *error) {
     for (size_t i = 0; i < run->n; i++) {
         effect_moment at = forward_moment(run, i);
-        palp_status status = move_to(plate, run, i, at.velocity);
+        palp_status status = move_to(plate, run, i);
         if (status)
             return palp_error_set(error, status, "at %.6g s, depth %.6g mm: %s", run->time_s[i],
                                   1e3 * run->depth_m[i], palp_status_text(status));

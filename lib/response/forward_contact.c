@@ -44,23 +44,32 @@ palp_status forward_solve(forward_equation *equation, void *user, double low, do
 
 typedef struct surface {
     double strain, by_depth, by_force;
+    double drift; /* change with the share of the step, that of the encoder's depth left out */
     double by_value[PALP_EFFECTS_MAX][PALP_EFFECT_PARAMETERS]; /* [n_effects], of the depth */
 } surface;
 
-/* Strain of a surface that a plate at this depth holds with this force. */
-static surface held(const forward_plate *p, double depth, double force) {
+static double depth_at(const forward_plate *p, double share) {
+    return share == 1.0 ? p->depth[1] : p->depth[0] + share * (p->depth[1] - p->depth[0]);
+}
+
+/* Strain of a surface that the plate holds with this force at a share of the step. */
+static surface held(const forward_plate *p, double share, double force) {
     surface s;
     const double height = p->specimen.height;
+    double depth = depth_at(p, share);
     s.by_depth = 1.0;
-    s.by_force = 0.0;
+    s.by_force = s.drift = 0.0;
     for (size_t i = 0; i < p->plan->n_effects; i++) {
         const forward_effect *f = &p->plan->effect[i];
+        const double rise = p->change[1][i] - p->change[0][i];
+        const effect_press at = {depth, force, share == 1.0 ? p->change[1][i] : p->change[0][i] + share * rise};
         effect_surface out = {.depth = depth, .by_depth = 1.0};
         if (f->row->map)
-            f->row->map(f->effect->value, depth, force, &out);
+            f->row->map(f->effect->value, &at, &out);
         depth = out.depth;
         s.by_depth *= out.by_depth;
         s.by_force = s.by_force * out.by_depth + out.by_force;
+        s.drift = s.drift * out.by_depth + out.by_change * rise;
         for (size_t j = 0; j < i; j++)
             for (size_t k = 0; k < PALP_EFFECT_PARAMETERS; k++)
                 s.by_value[j][k] *= out.by_depth;
@@ -69,7 +78,13 @@ static surface held(const forward_plate *p, double depth, double force) {
     s.strain = depth / height;
     s.by_depth /= height;
     s.by_force /= height;
+    s.drift /= height;
     return s;
+}
+
+/* How the strain changes with the share of the step. */
+static double along_step(const forward_plate *p, const surface *s) {
+    return s->by_depth * (p->depth[1] - p->depth[0]) + s->drift;
 }
 
 /* Derivatives of the strain by the maps' own parameters. */
@@ -84,10 +99,6 @@ static void own_slopes(const forward_plate *p, const surface *s, double *row) {
 
 static double step_time(const forward_plate *p) {
     return p->time[1] - p->time[0];
-}
-
-static double depth_at(const forward_plate *p, double share) {
-    return share == 1.0 ? p->depth[1] : p->depth[0] + share * (p->depth[1] - p->depth[0]);
 }
 
 /* The specimen's force times its age; rate: of the plate if it holds the surface, or 0. */
@@ -160,7 +171,7 @@ static palp_status frame(void *user, double strain, double *value, double *slope
     palp_status status = ask(q->plate, strain, q->share, true, &q->force, &q->slope);
     if (status)
         return status;
-    surface s = held(q->plate, depth_at(q->plate, q->share), q->force);
+    surface s = held(q->plate, q->share, q->force);
     *value = strain - s.strain;
     *slope = 1.0 - s.by_force * q->slope;
     return PALP_OK;
@@ -168,7 +179,7 @@ static palp_status frame(void *user, double strain, double *value, double *slope
 
 /* The plate to the end of the step with the surface on it: strain and force there. */
 static palp_status press(forward_plate *p, double *strain, double *force, double *slope) {
-    surface s = held(p, p->depth[1], p->force);
+    surface s = held(p, 1.0, p->force);
     *strain = s.strain;
     *slope = 0.0; /* not needed */
     if (!p->plan->gives_way)
@@ -184,7 +195,7 @@ static void take_press(forward_plate *p, double strain, double force, double slo
     const size_t n = p->specimen.n_columns;
     if (n) {
         double *strain_p = p->work + n, *force_p = p->work + 2 * n, force_dt;
-        surface s = held(p, p->depth[1], force);
+        surface s = held(p, 1.0, force);
         own_slopes(p, &s, strain_p);
         if (s.by_force != 0.0) {
             hold(p, force, force_p, &force_dt);
@@ -204,8 +215,8 @@ static void take_press(forward_plate *p, double strain, double force, double slo
 static palp_status parting(void *user, double share, double *value, double *slope) {
     equation *q = user;
     const forward_plate *p = q->plate;
-    double depth_slope = p->depth[1] - p->depth[0], next, little = 1e-7;
-    surface s = held(p, depth_at(p, share), -p->plan->adhesion);
+    double next, little = 1e-7;
+    surface s = held(p, share, -p->plan->adhesion);
     double later =
         share + little * (1.0 - p->done); /* the slope by time alone: numerically, for Newton only */
     palp_status status = ask(p, s.strain, later, true, &next, NULL);
@@ -214,7 +225,7 @@ static palp_status parting(void *user, double share, double *value, double *slop
     if (status)
         return status;
     *value = -(q->force + p->plan->adhesion);
-    *slope = -(q->slope * s.by_depth * depth_slope + (next - q->force) / (later - share));
+    *slope = -(q->slope * along_step(p, &s) + (next - q->force) / (later - share));
     return PALP_OK;
 }
 
@@ -238,9 +249,9 @@ static palp_status part(forward_plate *p) {
     palp_status status = forward_solve(parting, &q, p->done, 1.0, &share);
     if (status && status != PALP_ERR_NOT_CONVERGED) /* that: it parts at the very start */
         return status;
-    surface s = held(p, depth_at(p, share), -p->plan->adhesion);
+    surface s = held(p, share, -p->plan->adhesion);
     if (n) {
-        double along = s.by_depth * (p->depth[1] - p->depth[0]);
+        double along = along_step(p, &s);
         own_slopes(p, &s, strain_p);
         hold(p, q.force, force_p, &force_dt);
         add_pull(p, &s, strain_p, force_p);
@@ -272,9 +283,9 @@ static palp_status meeting(void *user, double share, double *value, double *slop
     const equation *q = user;
     const forward_plate *p = q->plate;
     double rate = (q->rest[1] - q->rest[0]) / (q->ends[1] - q->ends[0]);
-    surface s = held(p, depth_at(p, share), 0.0);
+    surface s = held(p, share, 0.0);
     *value = s.strain - q->rest[0] - rate * (share - q->ends[0]);
-    *slope = s.by_depth * (p->depth[1] - p->depth[0]) - rate;
+    *slope = along_step(p, &s) - rate;
     return PALP_OK;
 }
 
@@ -296,15 +307,15 @@ static palp_status meet(forward_plate *p, double end, double rest, const double 
     equation q = {.plate = p, .rest = {p->strain, rest}, .ends = {p->done, end}};
     p->touching = true;
     p->fresh = false;
-    if (held(p, depth_at(p, share), 0.0).strain >= p->strain)
+    if (held(p, share, 0.0).strain >= p->strain)
         return PALP_OK; /* there already */
     palp_status status = forward_solve(meeting, &q, p->done, end, &share);
     if (status)
         return status;
-    surface s = held(p, depth_at(p, share), 0.0);
+    surface s = held(p, share, 0.0);
     status = ask(p, s.strain, share, false, &force, NULL);
     double part = (share - p->done) / whole, rate = (rest - p->strain) / whole;
-    double along = s.by_depth * (p->depth[1] - p->depth[0]);
+    double along = along_step(p, &s);
     own_slopes(p, &s, strain_p);
     for (size_t k = 0; k < n; k++) {
         double end_k = end_p ? end_p[k] : 0.0;
@@ -339,7 +350,7 @@ static palp_status let_be(forward_plate *p) {
             }
         }
     }
-    if (held(p, depth_at(p, end), 0.0).strain > rest)
+    if (held(p, end, 0.0).strain > rest)
         return meet(p, end, rest, rest_p, end_p);
     if (p->fresh)
         p->done = 1.0;
@@ -352,14 +363,24 @@ static palp_status let_be(forward_plate *p) {
 
 /* ---- the plate's motion ---- */
 
-palp_status forward_plate_start(forward_plate *p, double time, double depth) {
+/* The end of the last step is the start of this one. */
+static void next_step(forward_plate *p, const forward_place *to) {
+    p->time[0] = p->time[1];
+    p->depth[0] = p->depth[1];
+    memcpy(p->change[0], p->change[1], sizeof p->change[0]);
+    p->time[1] = to->time;
+    p->depth[1] = to->depth;
+    memcpy(p->change[1], to->change, sizeof p->change[1]);
+}
+
+palp_status forward_plate_start(forward_plate *p, const forward_place *place) {
     p->fresh = true;
-    p->time[0] = p->time[1] = time;
-    p->depth[0] = p->depth[1] = depth;
+    next_step(p, place);
+    next_step(p, place);
     p->strain = p->specimen.rest;
     if (p->specimen.rest_p)
         memcpy(p->strain_p, p->specimen.rest_p, p->specimen.n_columns * sizeof *p->strain_p);
-    if (!(held(p, depth, 0.0).strain > p->strain))
+    if (!(held(p, 1.0, 0.0).strain > p->strain))
         return PALP_OK;
     double strain, force, slope;
     p->fresh = false;
@@ -370,14 +391,11 @@ palp_status forward_plate_start(forward_plate *p, double time, double depth) {
     return status;
 }
 
-palp_status forward_plate_move(forward_plate *p, double time, double depth, double velocity) {
+palp_status forward_plate_move(forward_plate *p, const forward_place *to) {
     const size_t n = p->specimen.n_columns;
     int events = 0;
-    p->time[0] = p->time[1];
-    p->depth[0] = p->depth[1];
-    p->time[1] = time;
-    p->depth[1] = depth;
-    p->velocity = velocity;
+    next_step(p, to);
+    p->velocity = to->velocity;
     p->done = 0.0;
     memset(p->done_p, 0, n * sizeof *p->done_p);
     while (p->done < 1.0) {
@@ -406,18 +424,20 @@ palp_status forward_plate_move(forward_plate *p, double time, double depth, doub
 double forward_plate_stiffness(const forward_plate *p, double slope) {
     if (!p->touching)
         return 0.0;
-    surface s = held(p, p->depth[1], p->force);
+    surface s = held(p, 1.0, p->force);
     return p->plan->age * slope * s.by_depth / (1.0 - s.by_force * p->plan->age * slope);
 }
 
-bool forward_plate_clear(const forward_plate *p, double depth) {
-    return !(held(p, depth, 0.0).strain > 0.0);
+bool forward_plate_clear(const forward_plate *p, const forward_place *place) {
+    forward_plate there = *p;
+    next_step(&there, place);
+    return !(held(&there, 1.0, 0.0).strain > 0.0);
 }
 
 palp_status forward_plate_step(forward_plate *p, double dt, double depth, double velocity) {
     p->released -= p->time[1];
     p->time[1] = 0.0;
-    return forward_plate_move(p, dt, depth, velocity);
+    return forward_plate_move(p, &(forward_place){.time = dt, .depth = depth, .velocity = velocity});
 }
 
 palp_status forward_plate_create(const forward_plan *plan, const forward_specimen *specimen,

@@ -170,6 +170,7 @@ typedef struct forward_plate {
     /* the step at hand: from depth[0] at time[0] to depth[1] at time[1], where the plate has velocity; done:
      * the share that is committed */
     double time[2], depth[2], velocity, done, *done_p;
+    double change[2][PALP_EFFECTS_MAX]; /* of the columns that the plan's effects read, there */
     double *work; /* [FORWARD_WORK n_columns] scratch, after the four above in one block */
 } forward_plate;
 
@@ -179,14 +180,23 @@ palp_status forward_plate_create(const forward_plan *plan, const forward_specime
                                  forward_plate *plate);
 void forward_plate_free(forward_plate *plate);
 
-/* Puts the plate at its first depth, at once. Then moves it on to a depth at a time, linearly. */
-palp_status forward_plate_start(forward_plate *plate, double time, double depth);
-palp_status forward_plate_move(forward_plate *plate, double time, double depth, double velocity);
+/* Where the encoder reads and when; change of each effect's column since the first sample. */
+typedef struct forward_place {
+    double time, depth, velocity;
+    double change[PALP_EFFECTS_MAX];
+} forward_place;
+
+/* At a share of the way from the sample before i to i; share 1 = there. velocity: of sample i. */
+forward_place forward_place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share);
+
+/* Puts the plate at its first place, at once. Then moves it on, linearly. */
+palp_status forward_plate_start(forward_plate *plate, const forward_place *place);
+palp_status forward_plate_move(forward_plate *plate, const forward_place *to);
 
 /* d force / d depth of the last move, the specimen's own by strain given; and whether the plate is clear of a
- * specimen at rest at that depth. */
+ * specimen at rest at that place. */
 double forward_plate_stiffness(const forward_plate *plate, double slope);
-bool forward_plate_clear(const forward_plate *plate, double depth);
+bool forward_plate_clear(const forward_plate *plate, const forward_place *place);
 
 /* The same by a step of dt to the bit, whatever the time: the plate's clock starts anew. */
 palp_status forward_plate_step(forward_plate *plate, double dt, double depth, double velocity);

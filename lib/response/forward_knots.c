@@ -100,7 +100,8 @@ static void add_knot(knots *k, size_t i, bool end) {
 
 static palp_status move_to(knots *k, size_t i) {
     k->plate.abandons = i > k->gone;
-    return forward_plate_move(&k->plate, k->run->time_s[i], k->run->depth_m[i], forward_moment(k->run, i).velocity);
+    const forward_place to = forward_place_at(k->plate.plan, k->run, i, 1.0);
+    return forward_plate_move(&k->plate, &to);
 }
 
 static void keep(knots *k) {
@@ -131,8 +132,11 @@ static palp_status every_sample(knots *k, size_t i, size_t j) {
  * comes ever more slowly. */
 static size_t find_gone(const knots *k) {
     size_t i = k->run->n;
-    while (i > 0 && forward_plate_clear(&k->plate, k->run->depth_m[i - 1]))
-        i--;
+    for (; i > 0; i--) {
+        const forward_place place = forward_place_at(k->plate.plan, k->run, i - 1, 1.0);
+        if (!forward_plate_clear(&k->plate, &place))
+            break;
+    }
     if (i == k->run->n)
         return i;
     while (i > 0 && !k->corner[i])
@@ -144,7 +148,8 @@ static palp_status solve(knots *k, palp_error *error) {
     const palp_forward_run *run = k->run;
     size_t i = 0, grade = 0;
     k->gone = find_gone(k);
-    palp_status status = forward_plate_start(&k->plate, run->time_s[0], run->depth_m[0]);
+    const forward_place first = forward_place_at(k->plate.plan, run, 0, 1.0);
+    palp_status status = forward_plate_start(&k->plate, &first);
     if (!status)
         add_knot(k, 0, true);
     while (!status && i + 1 < run->n && (k->plate.touching || i < k->gone)) {

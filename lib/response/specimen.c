@@ -91,7 +91,7 @@ static palp_status make_plate(palp_specimen *s, palp_error *error) {
     if (!status)
         status = forward_sensor_create(&s->plan, 0, &s->sensor);
     if (!status)
-        status = forward_plate_start(&s->plate, 0.0, s->settings.start_m);
+        status = forward_plate_start(&s->plate, &(forward_place){.depth = s->settings.start_m});
     return status ? palp_error_set(error, status, "%s", palp_status_text(status)) : PALP_OK;
 }
 

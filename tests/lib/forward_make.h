@@ -82,9 +82,18 @@ static inline void all_phases(samples *s, size_t n) {
     go(s, 20.2, -2.01, n);
 }
 
+/* With every column that an effect of the catalogue reads: a slow wave. The columns are good until the next call. */
 static inline palp_forward_run run_of(const samples *s) {
-    return (palp_forward_run){
-        .n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .session_s = 5000.0, .hum_phase = 0.3};
+    static double wave[SAMPLES_MAX];
+    static palp_forward_column column[PALP_EFFECT_COUNT];
+    size_t n = 0;
+    for (size_t i = 0; i < s->n; i++)
+        wave[i] = 21 + 2 * sin(0.4 * s->time_s[i]);
+    for (int id = 0; id < PALP_EFFECT_COUNT; id++)
+        if (palp_effect_look_up((palp_effect_id)id)->column)
+            column[n++] = (palp_forward_column){palp_effect_look_up((palp_effect_id)id)->column, wave};
+    return (palp_forward_run){.n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .session_s = 5000.0,
+                              .hum_phase = 0.3, .n_columns = n, .column = column};
 }
 
 /* Runs into s->force_N. */

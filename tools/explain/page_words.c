@@ -41,20 +41,29 @@ static void spaces(char *text) {
     }
 }
 
-/* "force_N_s": "force", "N/s". */
-void page_parameter(const char *key, char name[48], char unit[16]) {
-    static const char *const units[][2] = {{"_mm_N", "mm/N"}, {"_N_s", "N/s"}, {"_mm", "mm"}, {"_Hz", "Hz"},
-                                           {"_kg", "kg"},     {"_rad", "rad"}, {"_N", "N"},   {"_s", "s"}};
-    size_t length = strlen(key);
-    snprintf(name, 48, "%s", key);
-    unit[0] = '\0';
-    for (size_t i = 0; i < sizeof units / sizeof units[0] && !unit[0]; i++) {
-        size_t n = strlen(units[i][0]);
-        if (length > n && length < 48 && strcmp(key + length - n, units[i][0]) == 0) {
-            name[length - n] = '\0';
-            strcpy(unit, units[i][1]);
+static bool is_unit(const char *word) {
+    static const char *const units[] = {"mm", "um", "N", "s", "Hz", "kg", "rad", "K"};
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        if (strcmp(word, units[i]) == 0) {
+            return true;
         }
     }
+    return false;
+}
+
+/* "force_N_s": "force", "N/s". */
+void page_parameter(const char *key, char name[48], char unit[16]) {
+    char last[2][8] = {"", ""};
+    snprintf(name, 48, "%s", key);
+    for (int i = 0; i < 2; i++) {
+        char *word = strrchr(name, '_');
+        if (!word || !is_unit(word + 1)) {
+            break;
+        }
+        snprintf(last[i], sizeof last[i], "%s", word + 1);
+        *word = '\0';
+    }
+    snprintf(unit, 16, "%s%s%s", last[1], last[1][0] ? "/" : "", last[0]);
     spaces(name);
 }
 

@@ -62,9 +62,44 @@ static palp_status answer_to_tolerance(const simulate_options *o, simulation *s,
     return status;
 }
 
+/* A column of the run that is followed, at the times of this one; NULL: it has none. */
+static palp_status follow_column(const palp_experiment *like, const char *name, const palp_forward_run *run, double **value) {
+    const double *t = palp_experiment_column(like, "time_s"), *v = palp_experiment_column(like, name);
+    const size_t n = palp_experiment_rows(like);
+    *value = t && v && n ? malloc((run->n + 1) * sizeof **value) : NULL;
+    if (!*value) {
+        return t && v && n ? PALP_ERR_NO_MEMORY : PALP_OK;
+    }
+    for (size_t i = 0, k = 0; i < run->n; i++) {
+        while (k + 2 < n && t[k + 1] < run->time_s[i]) {
+            k++;
+        }
+        double share = n > 1 ? (run->time_s[i] - t[k]) / (t[k + 1] - t[k]) : 0;
+        share = fmin(fmax(share, 0), 1);
+        (*value)[i] = n > 1 ? v[k] + share * (v[k + 1] - v[k]) : v[0];
+    }
+    return PALP_OK;
+}
+
+/* Those that the model's effects read; column[i].value is to be freed. */
+static palp_status follow_columns(const simulation *s, palp_forward_run *run, palp_forward_column *column) {
+    palp_status status = PALP_OK;
+    run->column = column;
+    for (size_t i = 0; s->like && i < s->model.n_effects && status == PALP_OK; i++) {
+        const char *name = palp_effect_look_up(s->model.effects[i].id)->column;
+        double *value = NULL;
+        status = name ? follow_column(s->like, name, run, &value) : PALP_OK;
+        if (value) {
+            column[run->n_columns++] = (palp_forward_column){name, value};
+        }
+    }
+    return status;
+}
+
 static palp_status run_forward(const simulate_options *o, simulation *s, palp_error *error) {
     palp_forward_run run = {.parts = 1};
     double *time_s = NULL, *depth_m = NULL, *force_N = NULL;
+    palp_forward_column column[PALP_EFFECTS_MAX];
     palp_status status = encoder(o, &s->path, &run.n, &time_s, &depth_m);
     if (status == PALP_OK) {
         run.time_s = time_s;
@@ -73,12 +108,18 @@ static palp_status run_forward(const simulate_options *o, simulation *s, palp_er
             palp_experiment_get_number(s->like, "session.start_s", &run.session_s); /* where it is told */
         }
         force_N = malloc((run.n + 1) * sizeof *force_N);
-        status = force_N ? answer_to_tolerance(o, s, &run, force_N, error) : PALP_ERR_NO_MEMORY;
+        status = force_N ? follow_columns(s, &run, column) : PALP_ERR_NO_MEMORY;
+    }
+    if (status == PALP_OK) {
+        status = answer_to_tolerance(o, s, &run, force_N, error);
     }
     for (size_t i = 0; status == PALP_OK && i < run.n; i++) {
         status = record_add(&s->curve, time_s[i], depth_m[i], force_N[i]);
     }
     s->info.steps = run.n ? (run.n - 1) * run.parts : 0;
+    for (size_t i = 0; i < run.n_columns; i++) {
+        free((double *)column[i].value);
+    }
     free(time_s);
     free(depth_m);
     free(force_N);

@@ -1,5 +1,6 @@
 /* test_forward_network.c: networks with effects: columns of elements against lumped models, plates against
  * steps. */
+#include "effect/effect_internal.h"
 #include "forward_make.h"
 
 static samples s;
@@ -36,9 +37,7 @@ START_TEST(column_is_four_lumped_models) {
     static samples lumped;
     const palp_effect_id id = (palp_effect_id)_i;
     const palp_effect_info *info = palp_effect_look_up(id);
-    const bool added = (info->place == PALP_EFFECT_FRAME || info->place == PALP_EFFECT_SENSOR) &&
-                       id != PALP_EFFECT_FRAME_COMPLIANCE &&
-                       id != PALP_EFFECT_SENSOR_LAG && id != PALP_EFFECT_SENSOR_GAIN &&
+    const bool added = effect_row_of(id)->sensor && id != PALP_EFFECT_SENSOR_LAG && id != PALP_EFFECT_SENSOR_GAIN &&
                        id != PALP_EFFECT_FORCE_SATURATION;
     if (!info->in_lumped || !info->in_network)
         return;
