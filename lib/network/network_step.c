@@ -24,7 +24,7 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
     double c0 = 1.0 + step / last, c1 = -step / last, c2 = 0.0;
     if (curved && net->n_past > 1 && !(dwell && net->past_depth[1] != depth)) {
         double s2 = dwell ? net->past_time[1] : net->past_depth[1];
-        if ((s1 - s2) * step > 0.0) {
+        if ((s1 - s2) * step > 0.01 * last * step) { /* of a step much shorter, as a trembling plate's, it says nothing */
             c0 = (s - s1) * (s - s2) / ((s0 - s1) * (s0 - s2));
             c1 = (s - s0) * (s - s2) / ((s1 - s0) * (s1 - s2));
             c2 = (s - s0) * (s - s1) / ((s2 - s0) * (s2 - s1));
