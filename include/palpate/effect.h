@@ -36,7 +36,8 @@ extern "C" {
     X(SENSOR_GAIN, sensor_gain)                   \
     X(FORCE_SATURATION, force_saturation)         \
     X(MAINS_HUM, mains_hum)                       \
-    X(DRIVE_RIPPLE, drive_ripple)
+    X(DRIVE_RIPPLE, drive_ripple)                 \
+    X(THERMAL_EXPANSION, thermal_expansion)
 
 typedef enum palp_effect_id {
 #define PALP_EFFECT_MEMBER(NAME, id) PALP_EFFECT_##NAME,

@@ -1,0 +1,25 @@
+/* thermal_expansion.c: a frame that grows with its temperature, which the recording has a column of. */
+#include "effect_internal.h"
+
+static const char COLUMN[] = "temperature_C";
+static const double LEAST = 0.1; /* K, by which the temperature must change within a run */
+
+static void map(const double *value, const effect_press *at, effect_surface *out) {
+    out->depth = at->depth + value[0] * at->change;
+    out->by_change = value[0];
+    out->by_value[0] = at->change;
+}
+
+static const char *missing(const effect_data *data) {
+    return data->change_of(data, COLUMN) < LEAST ? "no run has a temperature_C that changes" : NULL;
+}
+
+const effect_row effect_thermal_expansion = {
+    .info = {.id = "thermal_expansion", .name = "thermal expansion of the frame", .place = PALP_EFFECT_FRAME,
+             .means = "The frame grows with its temperature and moves the plate towards the specimen.",
+             .seen_by = "a column temperature_C that changes within a run, best in a hold",
+             .n_parameters = 1,
+             .parameter = {{"expansion_um_K", 1e-6, -1e-3, 1e-3, 2e-6, .strength = true}},
+             EFFECT_ALIKE(PALP_EFFECT_SENSOR_DRIFT, PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_CONTACT_OFFSET),
+             .in_lumped = true, .in_network = true, .column = COLUMN},
+    .stage = 1, .map = map, .missing = missing};
