@@ -60,7 +60,9 @@ typedef struct palp_step_info {
 } palp_step_info;
 
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
- * mesh and the material. The caller owns *network. error may be NULL. */
+ * mesh and the material. The caller owns *network. error may be NULL. ERR_ARGUMENT: a setting, a motion or the material is
+ * out of range; ERR_INPUT: the mesh has no such node set; ERR_UNSUPPORTED: the supernodal solver in a build without GPL=1;
+ * ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
 PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material,
                                          size_t n_supports, const palp_support *supports,
                                          const palp_network_settings *settings, palp_network **network,
@@ -78,7 +80,8 @@ PALP_API palp_status palp_network_from_model(const palp_model *model, const palp
 /* Back to rest: undeformed, no history, time 0. */
 PALP_API void palp_network_reset(palp_network *network);
 
-/* Gives every element another material and resets the network. */
+/* Gives every element another material and resets the network. ERR_ARGUMENT: see palp_material_check; ERR_NO_MEMORY: the
+ * network stays as it was. */
 PALP_API palp_status palp_network_set_material(palp_network *network, const palp_material *material);
 
 /* One step to depth_m after dt_s seconds (INFINITY = fully relaxed). try leaves the result as a

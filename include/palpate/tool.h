@@ -48,7 +48,7 @@ PALP_API palp_contact_settings palp_contact_settings_default(void);
 
 /* Makes a network ready for up to max_tools tools and max_grasped grasped nodes; all memory is allocated here.
  * Resets the network; once for each. ERR_ARGUMENT: a setting out of range, gravity for a network
- * without mass, done before; ERR_UNSUPPORTED: tools for a mesh without triangles (palp_mesh_triangles). */
+ * without mass, done before; ERR_NO_MEMORY; ERR_UNSUPPORTED: tools for a mesh without triangles (palp_mesh_triangles). */
 PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max_tools, size_t max_grasped,
                                                const palp_contact_settings *settings);
 
@@ -58,7 +58,8 @@ PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max
  * that is not positive, a negative length or friction. */
 PALP_API palp_status palp_network_set_tools(palp_network *network, size_t n, const palp_tool *tools);
 
-/* Force on each tool at the last committed state, force[n of set_tools]; zeros before the first step of a tool. */
+/* Force on each tool at the last committed state, force[n of set_tools]; zeros before the first step of a tool.
+ * ERR_ARGUMENT: not enabled. */
 PALP_API palp_status palp_network_tool_force(const palp_network *network, palp_tool_force *force);
 
 /* Grasps: a stiff spring ties each of these nodes to target_m[3 n] from the next step on. A node already grasped

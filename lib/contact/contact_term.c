@@ -170,7 +170,7 @@ static void term_weigh(const network_term *term, const palp_network *net, double
     }
 }
 
-static void term_settle(network_term *term, palp_network *net, const double *weight, const double *residual) {
+static void term_share_residual(network_term *term, palp_network *net, const double *weight, const double *residual) {
     contact_set *set = set_of(term);
     for (size_t i = 0; i < set->n_contacts; i++) {
         const contact *c = &set->contact[i];
@@ -197,7 +197,7 @@ static const network_term_kind CONTACT = {.free = term_free,
                                           .refresh = term_refresh,
                                           .follow = term_follow,
                                           .weigh = term_weigh,
-                                          .settle = term_settle};
+                                          .share_residual = term_share_residual};
 
 contact_set *contact_of(const palp_network *net) {
     network_term *term = network_find_term(net, &CONTACT);

@@ -133,7 +133,7 @@ static void grasp_weigh(const network_term *term, const palp_network *net, doubl
         weight[t->now[i].node] += spring_of(t, net, t->now[i].node);
 }
 
-static void grasp_settle(network_term *term, palp_network *net, const double *weight, const double *residual) {
+static void grasp_share_residual(network_term *term, palp_network *net, const double *weight, const double *residual) {
     grasp *t = (grasp *)term;
     for (size_t i = 0; i < t->n; i++) {
         grasped *g = &t->next[i];
@@ -160,7 +160,7 @@ static const network_term_kind GRASP = {.free = grasp_free,
                                         .moved = grasp_moved,
                                         .place = grasp_place,
                                         .weigh = grasp_weigh,
-                                        .settle = grasp_settle,
+                                        .share_residual = grasp_share_residual,
                                         .grasped = grasp_grasped};
 
 network_term *grasp_new(size_t max_grasped, double stiffness) {

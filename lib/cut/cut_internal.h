@@ -1,8 +1,8 @@
 /* cut_internal.h: what cutting adds to a network's solution. Internal.
  *
- * Parts that nothing holds are tied to their last committed place by weak springs, and every tangent of a cut
+ * Parts that no support and no grasp holds in place are tied to their last committed place by weak springs, and every tangent of a cut
  * network gets a still weaker diagonal, so that mechanisms are no singular systems. The diagonal is in the
- * tangent only: what is converged to has no spring at a node that a support holds. */
+ * tangent only: what is converged to has no spring at a node that is tied to a support. */
 #ifndef CUT_INTERNAL_H
 #define CUT_INTERNAL_H
 

@@ -79,7 +79,7 @@ struct palp_network {
     bool exact;           /* the factor is that of the solved step at hand */
     bool left_branch;     /* STABLE: the step met an indefinite tangent */
     bool trial;           /* next holds a solved step */
-    bool trial_stable;    /* its tangent is positive definite, as far as was looked */
+    bool trial_stable;    /* its tangent is positive definite, as far as was assessed */
     bool trial_checked;
 
     bool buckled;

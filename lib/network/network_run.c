@@ -85,11 +85,11 @@ static bool locates_buckling(const palp_network *net, bool before) {
 }
 
 /* However exact a longer step would be, the record shall show the curve: 50 samples of a moving plate,
- * some 25 a decade of a hold. */
+ * some 25 a decade of a dwell. */
 static double longest_step(const run *r, double from, double to, double t) {
     double length = to - from;
-    bool hold = palp_path_at(r->path, from) == palp_path_at(r->path, to);
-    return hold ? fmax(0.1 * (t - from), 1e-3 * length) : length / 50.0;
+    bool dwell = palp_path_at(r->path, from) == palp_path_at(r->path, to);
+    return dwell ? fmax(0.1 * (t - from), 1e-3 * length) : length / 50.0;
 }
 
 static palp_status adaptive_segment(run *r, double from, double to, double *step) {

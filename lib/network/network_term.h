@@ -55,7 +55,7 @@ typedef struct network_term_kind {
      * weight[n_nodes], N/m; and, after finish, forces on what is outside become those that the tissue pushes back with:
      * each spring takes its share of the node's residual. */
     void (*weigh)(const network_term *term, const palp_network *net, double *weight);
-    void (*settle)(network_term *term, palp_network *net, const double *weight, const double *residual);
+    void (*share_residual)(network_term *term, palp_network *net, const double *weight, const double *residual);
 
     void (*grasped)(const network_term *term, unsigned char *fixed);     /* fixed[node] = 1 where it grasps one */
     void (*grasp_changed)(network_term *term, palp_network *net);        /* another term grasps other nodes */

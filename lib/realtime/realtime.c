@@ -320,7 +320,7 @@ static void commit(palp_realtime *rt, const tick *t) {
     palp_network *net = rt->net;
     network_finish(net);
     weigh(rt);
-    NETWORK_EACH_TERM(net, settle, net, rt->weight, rt->r);
+    NETWORK_EACH_TERM(net, share_residual, net, rt->weight, rt->r);
     net->next.force = t->info.force_N;
     net->trial = true;
     net->trial_checked = false;

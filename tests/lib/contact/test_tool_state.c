@@ -132,6 +132,52 @@ START_TEST(save_and_restore_keep_friction_and_grasps) {
 }
 END_TEST
 
+/* What a grasp holds is not loose: restored with the grasp, whether it was enabled before the cutting or after. */
+START_TEST(restore_knows_what_a_grasp_holds) {
+    palp_material m = quartic(0);
+    const palp_contact_settings penalty = palp_contact_settings_default();
+    const double level[2][9] = {{-1, 0.015, -1, -1, 0.015, 1, 1, 0.015, 1}, {-1, 0.015, -1, 1, 0.015, 1, 1, 0.015, -1}};
+    const int32_t node = 124;
+    for (int first = 0; first < 2; first++) {
+        palp_network *net, *other;
+        palp_mesh *mesh = cube(5, PALP_NEIGHBOURS_26);
+        palp_support bottom[2];
+        palp_supports_default(bottom);
+        palp_network_settings settings = palp_network_settings_default();
+        ck_assert_int_eq(palp_network_create(mesh, &m, 1, bottom, &settings, &net, NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_create(mesh, &m, 1, bottom, &settings, &other, NULL), PALP_OK);
+        palp_network *both[2] = {net, other};
+        for (int i = 0; i < 2; i++) {
+            if (first)
+                ck_assert_int_eq(palp_network_enable_cutting(both[i]), PALP_OK);
+            ck_assert_int_eq(palp_network_enable_tools(both[i], 0, 1, &penalty), PALP_OK);
+            if (!first)
+                ck_assert_int_eq(palp_network_enable_cutting(both[i]), PALP_OK);
+        }
+        for (int i = 0; i < 2; i++)
+            ck_assert_int_eq(palp_network_cut(net, level[i], NULL), PALP_OK);
+        size_t loose = palp_network_loose(net, NULL), size = palp_network_state_size(net);
+        ck_assert_uint_gt(loose, 24);
+        ck_assert_int_eq(palp_network_grasp(net, 1, &node, (double[]){0.024, 0.024, 0.024}), PALP_OK);
+        ck_assert_uint_eq(palp_network_loose(net, NULL), 0);
+        void *saved = malloc(size);
+        ck_assert_int_eq(palp_network_save(net, saved, size), PALP_OK);
+        ck_assert_int_eq(palp_network_release(net, 1, &node), PALP_OK);
+        ck_assert_uint_eq(palp_network_loose(net, NULL), loose);
+        ck_assert_int_eq(palp_network_restore(net, saved, size), PALP_OK);
+        ck_assert_uint_eq(palp_network_loose(net, NULL), 0);
+        ck_assert_int_eq(palp_network_restore(other, saved, size), PALP_OK);
+        ck_assert_uint_eq(palp_network_loose(other, NULL), 0);
+        ck_assert_int_eq(palp_network_release(other, 1, &node), PALP_OK);
+        ck_assert_uint_eq(palp_network_loose(other, NULL), loose);
+        free(saved);
+        palp_mesh_free(mesh);
+        palp_network_free(net);
+        palp_network_free(other);
+    }
+}
+END_TEST
+
 /* ---- after a cut --------------------------------------------------------------------------------- */
 
 /* A sphere on a slit as deep as half the block: softer than on whole tissue, in balance, and felt on the new faces. */
@@ -257,6 +303,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, grasped_set_is_a_moving_support);
     tcase_add_test(tc, trials_and_marks_keep_friction_and_grasps);
     tcase_add_test(tc, save_and_restore_keep_friction_and_grasps);
+    tcase_add_test(tc, restore_knows_what_a_grasp_holds);
     tcase_add_test(tc, contact_follows_the_surface_of_a_cut);
     tcase_add_test(tc, placed_elsewhere_it_feels_the_same);
     tcase_add_test(tc, models_make_networks);
