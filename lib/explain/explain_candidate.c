@@ -156,8 +156,8 @@ static palp_status finish(explain_fit *fit, const explain_data *data, const palp
 }
 
 /* The starts that promise most, from the base's parameters and, where it fits badly, from those as given. */
-static palp_status multistart_fill(explain_multistart *r, const explain_fit *base, const explain_data *data, const effect_starts *s,
-                                   double worth) {
+static palp_status multistart_fill(explain_multistart *r, const explain_fit *base, const explain_data *data,
+                                   const effect_starts *s, double worth) {
     enum { AHEAD = 3, BACK = 2 };
     palp_status status = PALP_OK;
     for (size_t k = 0; k < s->n && !status; k++)

@@ -23,9 +23,9 @@ static palp_status find_directions(const explain_search *s, directions *d) {
     for (int id = 0; id < PALP_EFFECT_COUNT && !status; id++) {
         effect_starts list;
         const char *reason = NULL;
-        const palp_effect_info *info = palp_effect_look_up((palp_effect_id)id);
-        bool there = explain_has(&s->fit, (palp_effect_id)id) && !info->repeats;
-        if (!s->settings->candidate[id] || !explain_carries(&s->fit.model, info) || there || effect_row_of((palp_effect_id)id)->line)
+        const effect_row *row = effect_row_of((palp_effect_id)id);
+        bool there = explain_has(&s->fit, (palp_effect_id)id) && !row->info.repeats;
+        if (!s->settings->candidate[id] || !explain_carries(&s->fit.model, &row->info) || there || row->line)
             continue;
         status = explain_starts_find((palp_effect_id)id, &s->data, s->residual, &list, &reason);
         if (status == PALP_ERR_UNSUPPORTED) {

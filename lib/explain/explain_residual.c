@@ -56,7 +56,8 @@ void explain_residual(const explain_data *data, const explain_fit *fit, const do
     }
 }
 
-palp_status explain_noise_level(const explain_data *data, const explain_fit *fit, const double *force, double *noise_level_N) {
+palp_status explain_noise_level(const explain_data *data, const explain_fit *fit, const double *force,
+                                double *noise_level_N) {
     palp_model *moved = malloc(sizeof *moved);
     double *other = malloc(data->longest * sizeof *other), slope = 0.0, load = 0.0, white = 0.0, step = 1e-6;
     double jump = 100.0 * step * data->peak / data->deepest; /* a plate that lets go a sample earlier has no slope */

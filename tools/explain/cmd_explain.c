@@ -175,7 +175,8 @@ int cmd_explain(int argc, char **argv) {
     palp_explain_input *input = calloc(EXPLAIN_RUNS_MAX, sizeof *input);
     palp_experiment **run = calloc(EXPLAIN_RUNS_MAX, sizeof *run);
     size_t *held_out = calloc(EXPLAIN_RUNS_MAX, sizeof *held_out);
-    int code = o && model && input && run && held_out ? CLI_OK : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
+    bool room = o && model && input && run && held_out;
+    int code = room ? CLI_OK : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
     if (code == CLI_OK) {
         o->max_effects = 4;
         o->false_alarm = 0.05;

@@ -32,7 +32,7 @@ static void classes(FILE *to, const json_t *all) {
 static void verdict(FILE *to, const json_t *all) {
     const json_t *gap = json_object_get(all, "gap");
     const char *name = json_text_at(all, "verdict");
-    bool some = json_array_size(json_object_get(all, "effects")) > 0, left = strcmp(name, "unexplained") == 0;
+    bool some = json_array_size(json_object_get(all, "effects")) > 0, unexplained = strcmp(name, "unexplained") == 0;
     char names[PAGE_LINE], before[32], after[32], noise[32], rest[32];
     effect_names(all, names);
     page_force(json_number_at(gap, "heldout_before_N"), before);
@@ -55,7 +55,7 @@ static void verdict(FILE *to, const json_t *all) {
                          "Noise and the scatter between runs alone make %s.",
                          before, noise);
     }
-    if (left) {
+    if (unexplained) {
         page_paragraph(to,
                          "Beyond noise and scatter %s, rms, of structure remain. %s", rest,
                          some ? "The effects named are there, but they are not all."
