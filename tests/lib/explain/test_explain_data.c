@@ -128,6 +128,79 @@ START_TEST(the_slope_of_chi2) {
 }
 END_TEST
 
+/* ---- a profile likelihood ---- */
+
+/* Of a linear model and a bias chi2 is a parabola: followed, the interval ends where the normal matrix says. A network's is
+ * not followed. */
+START_TEST(a_likelihood_that_is_followed_ends_where_a_parabola_does) {
+    palp_model m = linear_model(8);
+    explain_search *s = calloc(1, sizeof *s);
+    palp_explanation *e = calloc(2, sizeof *e);
+    double *rest, half[2];
+    ck_assert(s && e);
+    begin(&m, ones, none, false, 0);
+    rest = calloc(data.n, sizeof *rest);
+    ck_assert_ptr_nonnull(rest);
+    for (size_t i = 0; i < data.n; i++)
+        rest[i] = 1e-3 * cos(2.0 * (double)i);
+    ck_assert_int_eq(explain_noise_find(&data, rest), PALP_OK);
+    add_effect(&m, PALP_EFFECT_SENSOR_BIAS, 0);
+    *s = (explain_search){.data = data, .settings = &settings};
+    ck_assert_int_eq(explain_fit_create(&m, &data, &s->fit), PALP_OK);
+    s->fit.scatter = (explain_scatter){1e-3, 0, 0, 1};
+    ck_assert_int_eq(explain_fit_products(&s->fit, &data, NULL), PALP_OK);
+    ck_assert_int_eq(explain_fit_improve(&s->fit, &data, 20), PALP_OK);
+    for (int followed = 0; followed < 2; followed++) {
+        s->fit.model.kind = followed ? PALP_MODEL_LUMPED : PALP_MODEL_NETWORK;
+        ck_assert_int_eq(explain_intervals(s, &e[followed]), PALP_OK);
+        half[followed] = 0.5 * (e[followed].effect[0].high[0] - e[followed].effect[0].low[0]);
+    }
+    ck_assert_double_gt(half[0], fabs(s->fit.x[1]) / 3); /* else it would not be followed */
+    ck_assert_double_eq_tol(half[1], half[0], 0.035 * half[0]);
+    explain_fit_free(&s->fit);
+    explain_data_free(&data);
+    free(rest);
+    free(s);
+    free(e);
+}
+END_TEST
+
+/* ---- the next experiment ---- */
+
+/* A bias and a gain are a run's own: only what is left beside them tells two models apart. */
+START_TEST(a_zero_and_a_gain_separate_nothing) {
+    palp_model m = linear_model(8);
+    explain_search *full = calloc(1, sizeof *full), *rest = calloc(1, sizeof *rest);
+    palp_explain_effect out = {.effect = {.id = PALP_EFFECT_SENSOR_BIAS}, .n_class = 2,
+                               .alike = {PALP_EFFECT_SENSOR_BIAS, PALP_EFFECT_SENSOR_DRIFT}};
+    palp_explain_next next = {.wanted = false};
+    double product = 0, rate = 1e-4;
+    ck_assert(full && rest);
+    begin(&m, ones, none, false, 0);
+    *full = *rest = (explain_search){.data = data, .settings = &settings};
+    full->fit.model = m;
+    explain_trial *t = &rest->trial[PALP_EFFECT_SENSOR_DRIFT];
+    t->fit.product = &product; /* it was tried */
+    t->fit.model = linear_model(8.8);
+    add_effect(&t->fit.model, PALP_EFFECT_SENSOR_BIAS, 0)->value[0] = 0.05;
+    ck_assert_int_eq(explain_next_find(full, rest, &out, &next), PALP_OK);
+    ck_assert(next.wanted);
+    ck_assert_double_lt(next.separation_N, 1e-7);
+    add_effect(&t->fit.model, PALP_EFFECT_SENSOR_DRIFT, 0)->value[0] = rate;
+    ck_assert_int_eq(explain_next_find(full, rest, &out, &next), PALP_OK);
+    ck_assert_str_eq(next.kind, "ramp_hold");
+    ck_assert_double_eq(next.hold_s, 300);
+    /* at most a line's rms about its mean over the 306 s; the force takes off little of it */
+    ck_assert_double_lt(next.separation_N, rate * 308 / sqrt(12));
+    ck_assert_double_gt(next.separation_N, 0.9 * rate * 306 / sqrt(12));
+    ck_assert_int_eq(next.between[0], PALP_EFFECT_SENSOR_BIAS);
+    ck_assert_int_eq(next.between[1], PALP_EFFECT_SENSOR_DRIFT);
+    explain_data_free(&data);
+    free(full);
+    free(rest);
+}
+END_TEST
+
 /* ---- classes ---- */
 
 static void orthogonalise(size_t n, double *v, const double *to) {
@@ -225,6 +298,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, replicates_and_zeros);
     tcase_add_test(tc, spikes_and_releases_are_events);
     tcase_add_test(tc, the_slope_of_chi2);
+    tcase_add_test(tc, a_likelihood_that_is_followed_ends_where_a_parabola_does);
+    tcase_add_test(tc, a_zero_and_a_gain_separate_nothing);
     tcase_add_test(tc, alike_by_the_cosine);
     tcase_add_test(tc, chance_gains_half_a_squared_normal_number);
 }
