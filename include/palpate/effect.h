@@ -99,7 +99,7 @@ typedef struct palp_effect {
 
 /* NULL for a number outside the catalogue. */
 PALP_API const palp_effect_info *palp_effect_look_up(palp_effect_id id);
-PALP_API palp_status palp_effect_by_name(const char *id, palp_effect_id *found); /* ERR_ARGUMENT */
+PALP_API palp_status palp_effect_parse(const char *id, palp_effect_id *found); /* ERR_ARGUMENT */
 
 /* The effect at its typical parameters with strength zero. ERR_ARGUMENT. */
 PALP_API palp_status palp_effect_default(palp_effect_id id, palp_effect *effect);

@@ -18,7 +18,7 @@ const palp_effect_info *palp_effect_look_up(palp_effect_id id) {
     return row ? &row->info : NULL;
 }
 
-palp_status palp_effect_by_name(const char *id, palp_effect_id *found) {
+palp_status palp_effect_parse(const char *id, palp_effect_id *found) {
     for (int i = 0; i < PALP_EFFECT_COUNT; i++)
         if (strcmp(CATALOGUE[i]->info.id, id) == 0) {
             *found = (palp_effect_id)i;

@@ -12,7 +12,7 @@ static palp_status id_read(const palp_json *at, const palp_model *model, palp_ef
         status = palp_json_string(&id, &name);
     if (status)
         return status;
-    if (palp_effect_by_name(name, &effect->id))
+    if (palp_effect_parse(name, &effect->id))
         return palp_json_fail(&id, PALP_ERR_UNSUPPORTED, "\"%s\" is an effect that this build does not know",
                               name);
     const palp_effect_info *info = palp_effect_look_up(effect->id);

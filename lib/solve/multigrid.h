@@ -9,7 +9,7 @@
 
 typedef struct multigrid multigrid;
 
-/* Symbolic part and all memory. dof[3 n_nodes] < 0: held. Networks of at most direct unknowns have one level. */
+/* Symbolic part and all memory. dof[3 n_nodes] < 0: fixed. Networks of at most direct unknowns have one level. */
 palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *dof, size_t n_elements,
                              const int32_t *pair, size_t direct, multigrid **out);
 void multigrid_free(multigrid *mg); /* NULL is fine */
@@ -48,7 +48,7 @@ double multigrid_cycle_work(const multigrid *mg); /* units of one multigrid_appl
  * that is the only one. */
 void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigrid_coupling *coupling);
 
-/* z = M^-1 r, [3 n_nodes] both, 0 at held axes. */
+/* z = M^-1 r, [3 n_nodes] both, 0 at fixed axes. */
 void multigrid_apply(multigrid *mg, const double *r, double *z);
 
 size_t multigrid_levels(const multigrid *mg);

@@ -86,7 +86,7 @@ static void add_node(multigrid *mg, size_t i) {
     add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->node[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
 }
 
-/* Takes the held axes out of row i of a coarse level. */
+/* Takes the fixed axes out of row i of a coarse level. */
 static void mask(multigrid *mg, mg_level *l, size_t i) {
     for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++) {
         unsigned row = l->axes[i], column = l->axes[l->column[k]];

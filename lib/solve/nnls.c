@@ -167,7 +167,7 @@ static void least_squares(nnls *p) {
 }
 
 /* Moves x towards s as far as it stays positive and drops what became 0, until x = s. */
-static void settle(nnls *p) {
+static void keep_positive(nnls *p) {
     for (;;) {
         double reach = 1.0;
         least_squares(p);
@@ -209,7 +209,7 @@ static void iterate(nnls *p, double stop, double *residual) {
             p->barred[j] = 1;
             continue;
         }
-        settle(p);
+        keep_positive(p);
     }
 }
 

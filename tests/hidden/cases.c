@@ -11,26 +11,26 @@ enum { MATERIALS = 6, DRAWS = 200 };             /* tried for a single effect, a
 static const double COARSE = 0.02, FINE = 0.006; /* steps, s: to judge, to write */
 
 /* Stiffness grows 1 to 3 times up to a strain of 0.35. */
-static void draw_law(world *w, dice *rng) {
-    double share[LAW], sum = 0, growth = dice_uniform(rng, 0, 2);
-    w->law[0] = dice_log(rng, 2, 30);
+static void draw_law(world *w, random_state *rng) {
+    double share[LAW], sum = 0, growth = random_uniform(rng, 0, 2);
+    w->law[0] = random_log(rng, 2, 30);
     for (int i = 1; i < LAW; i++)
-        sum += share[i] = -log(dice_uniform(rng, 0, 1));
+        sum += share[i] = -log(random_uniform(rng, 0, 1));
     for (int i = 1; i < LAW; i++)
         w->law[i] = w->law[0] * growth * share[i] / sum / pow(0.35, i);
 }
 
 /* simple: one arm, so that there is room for an effect that relaxes. */
-static void draw_world(world *w, bool simple, dice *rng) {
+static void draw_world(world *w, bool simple, random_state *rng) {
     memset(w, 0, sizeof *w);
-    w->height = dice_uniform(rng, 15, 30) * mm;
-    w->radius = w->height * dice_uniform(rng, 0.4, 0.8);
+    w->height = random_uniform(rng, 15, 30) * mm;
+    w->radius = w->height * random_uniform(rng, 0.4, 0.8);
     draw_law(w, rng);
-    w->n_arms = simple ? 1 : 1 + dice_index(rng, 2);
+    w->n_arms = simple ? 1 : 1 + random_index(rng, 2);
     for (size_t i = 0; i < w->n_arms; i++)
-        w->arms[i].stiffness = w->law[0] * dice_uniform(rng, 0.15, 0.6);
-    w->arms[0].time = w->n_arms == 1 ? dice_log(rng, 0.3, 60) : dice_log(rng, 0.3, 3);
-    w->arms[1].time = dice_log(rng, 15, 60);
+        w->arms[i].stiffness = w->law[0] * random_uniform(rng, 0.15, 0.6);
+    w->arms[0].time = w->n_arms == 1 ? random_log(rng, 0.3, 60) : random_log(rng, 0.3, 3);
+    w->arms[1].time = random_log(rng, 15, 60);
 }
 
 static bool near_an_arm(const world *w, double time) {
@@ -40,41 +40,41 @@ static bool near_an_arm(const world *w, double time) {
     return false;
 }
 
-static void draw_shape(const world *w, int id, dice *rng, double shape[VALUES]) {
+static void draw_shape(const world *w, int id, random_state *rng, double shape[VALUES]) {
     const effect_kind *kind = &effect_kinds[id];
-    shape[0] = kind->either_sign ? dice_sign(rng) : 1;
+    shape[0] = kind->either_sign ? random_sign(rng) : 1;
     for (size_t k = 1; k < kind->n; k++) {
         double low = kind->low[k], high = kind->high[k];
         do
-            shape[k] = kind->logarithmic[k] ? dice_log(rng, low, high) : dice_uniform(rng, low, high);
+            shape[k] = kind->logarithmic[k] ? random_log(rng, low, high) : random_uniform(rng, low, high);
         while (id == RELAXATION_ARM && near_an_arm(w, shape[k]));
     }
-    if (id == MAINS_HUM && dice_sign(rng) > 0)
+    if (id == MAINS_HUM && random_sign(rng) > 0)
         shape[1] += 10;
 }
 
-static void draw_foreign(world *w, enum foreign_id id, const session *s, dice *rng) {
+static void draw_foreign(world *w, enum foreign_id id, const session *s, random_state *rng) {
     const run *last = &s->run[s->n_runs - 1];
     w->foreign = id;
-    w->foreign_seed = (uint64_t)(dice_uniform(rng, 0, 1) * 1e15);
-    w->foreign_shape[1] = dice_uniform(rng, 0, 2 * pi);
+    w->foreign_seed = (uint64_t)(random_uniform(rng, 0, 1) * 1e15);
+    w->foreign_shape[1] = random_uniform(rng, 0, 2 * pi);
     switch (w->foreign) {
     case THERMAL_CYCLE:
     case STIFFNESS_CYCLE:
-        w->foreign_shape[0] = dice_log(rng, 15, 120);
+        w->foreign_shape[0] = random_log(rng, 15, 120);
         break;
     case GAIN_MAP:
-        w->foreign_shape[0] = dice_log(rng, 1.5, 5) * mm;
+        w->foreign_shape[0] = random_log(rng, 1.5, 5) * mm;
         break;
     case SIDE_WALL:
-        w->foreign_shape[0] = dice_uniform(rng, 0.5, 0.85) * s->deepest;
+        w->foreign_shape[0] = random_uniform(rng, 0.5, 0.85) * s->deepest;
         break;
     case MISPLACED:
-        w->foreign_shape[0] = dice_uniform(rng, 0.2, 0.4) * last->session;
-        w->foreign_shape[1] = dice_uniform(rng, 0.6, 0.8) * last->session;
+        w->foreign_shape[0] = random_uniform(rng, 0.2, 0.4) * last->session;
+        w->foreign_shape[1] = random_uniform(rng, 0.6, 0.8) * last->session;
         break;
     case CELL_HYSTERESIS:
-        w->foreign_shape[0] = dice_uniform(rng, 0.05, 0.3) * w->law[0] * 0.3;
+        w->foreign_shape[0] = random_uniform(rng, 0.05, 0.3) * w->law[0] * 0.3;
         break;
     default:
         break;
@@ -82,12 +82,12 @@ static void draw_foreign(world *w, enum foreign_id id, const session *s, dice *r
 }
 
 /* Repeatability, and what of the noise follows from the forces of this specimen. */
-static void draw_noise(hidden_case *c, const judge *j, double *moved, dice *rng) {
-    double scatter = 3e-3 * mm, repeat = dice_uniform(rng, 2e-3, 4e-3);
+static void draw_noise(hidden_case *c, const judge *j, double *moved, random_state *rng) {
+    double scatter = 3e-3 * mm, repeat = random_uniform(rng, 2e-3, 4e-3);
     session shifted = c->session;
     for (size_t i = 0; i < shifted.n_runs; i++) {
-        c->session.run[i].shift = scatter * dice_normal(rng);
-        c->session.run[i].gain = repeat * dice_normal(rng);
+        c->session.run[i].shift = scatter * random_normal(rng);
+        c->session.run[i].gain = repeat * random_normal(rng);
         shifted.run[i].shift = scatter;
         shifted.run[i].gain = 0;
     }
@@ -95,9 +95,9 @@ static void draw_noise(hidden_case *c, const judge *j, double *moved, dice *rng)
     for (size_t i = 0; i < j->n; i++)
         moved[i] -= j->force[i];
     c->peak = j->peak;
-    c->white = j->peak * dice_uniform(rng, 4e-4, 12e-4);
-    c->correlated = c->white * dice_uniform(rng, 0.3, 0.7);
-    c->correlation_time = dice_log(rng, 0.2, 3);
+    c->white = j->peak * random_uniform(rng, 4e-4, 12e-4);
+    c->correlated = c->white * random_uniform(rng, 0.3, 0.7);
+    c->correlation_time = random_log(rng, 0.2, 3);
     c->noise_level = sqrt(c->white * c->white + c->correlated * c->correlated +
                     pow(repeat * judge_rms(j, j->force), 2) + pow(judge_rms(j, moved), 2));
 }
@@ -109,17 +109,17 @@ static size_t class_size(const double cosine[EFFECTS]) {
     return n;
 }
 
-static double target_of(const plan *p, dice *rng) {
+static double target_of(const plan *p, random_state *rng) {
     static const double levels[] = {3, 10, 30};
     if (p->group == SINGLE)
         return levels[p->strength];
     if (p->group == SEED)
-        return dice_log(rng, 4, 12);
-    return dice_log(rng, 5, 20);
+        return random_log(rng, 4, 12);
+    return random_log(rng, 5, 20);
 }
 
 /* Adds the effect at target noise levels; false where that is out of reach. */
-static bool add_effect(hidden_case *c, const judge *j, int id, double target, bool raw, dice *rng) {
+static bool add_effect(hidden_case *c, const judge *j, int id, double target, bool raw, random_state *rng) {
     hidden_effect *e = &c->effect[c->n_effects++];
     double shape[VALUES];
     world alone = *j->plain;
@@ -159,7 +159,7 @@ static bool find_classes(hidden_case *c, const judge *j) {
     return true;
 }
 
-static bool add_foreign(hidden_case *c, const judge *j, double target, dice *rng) {
+static bool add_foreign(hidden_case *c, const judge *j, double target, random_state *rng) {
     static const double shape[VALUES] = {1, 0, 0};
     double highest = 0, *y = malloc(j->n * sizeof *y);
     if (!y)
@@ -185,8 +185,8 @@ static int seed_effect(int i) {
 }
 
 /* Two that are there to be told apart. */
-static bool add_two(hidden_case *c, const judge *j, bool raw, dice *rng) {
-    int first = (int)dice_index(rng, EFFECTS), second = (int)dice_index(rng, EFFECTS);
+static bool add_two(hidden_case *c, const judge *j, bool raw, random_state *rng) {
+    int first = (int)random_index(rng, EFFECTS), second = (int)random_index(rng, EFFECTS);
     bool arms = (first == RELAXATION_ARM && second == STRAIN_DEPENDENT_ARM) ||
                 (first == STRAIN_DEPENDENT_ARM && second == RELAXATION_ARM); /* of which arm? */
     if (first == second || first == SENSOR_GAIN || second == SENSOR_GAIN || arms)
@@ -221,9 +221,9 @@ static bool law_positive(const world *w) {
 
 /* A cube of such a material, and the lumped model that comes nearest to it; false if that is none, or not
  * found. */
-static bool draw_cube(world *network, world *plain, const session *s, enum network_kind kind, dice *rng) {
+static bool draw_cube(world *network, world *plain, const session *s, enum network_kind kind, random_state *rng) {
     for (size_t i = 0; i < plain->n_arms && kind == BENT; i++)
-        plain->arms[i].stiffness *= dice_uniform(rng, 2, 5);
+        plain->arms[i].stiffness *= random_uniform(rng, 2, 5);
     *network = *plain;
     cube_make(network);
     double before = INFINITY;
@@ -262,34 +262,34 @@ static bool find_geometry(hidden_case *c, const judge *j, enum network_kind kind
 }
 
 /* c->world is the cube. The effect is measured beside the lumped model, and acts on the cube. */
-static bool add_network(hidden_case *c, const judge *j, bool raw, dice *rng) {
+static bool add_network(hidden_case *c, const judge *j, bool raw, random_state *rng) {
     static const int ids[] = {CONTACT_OFFSET,   TOE_REGION, ADHESION,    SESSION_AGEING, PLATE_INERTIA,
                               COULOMB_FRICTION, SENSOR_LAG, SENSOR_BIAS, SENSOR_DRIFT,   FORCE_SATURATION,
                               MAINS_HUM,        DRIVE_RIPPLE};
     enum network_kind kind = (enum network_kind)c->plan.effect;
     if (!find_geometry(c, j, kind))
         return false;
-    return kind != FAULTY || (add_effect(c, j, ids[dice_index(rng, sizeof ids / sizeof *ids)],
+    return kind != FAULTY || (add_effect(c, j, ids[random_index(rng, sizeof ids / sizeof *ids)],
                                          target_of(&c->plan, rng), raw, rng) &&
                               find_classes(c, j));
 }
 
 /* Some materials hide an effect from the experiment; one that all do is measured as it is. */
-static bool add_single(hidden_case *c, const judge *j, bool raw, dice *rng) {
+static bool add_single(hidden_case *c, const judge *j, bool raw, random_state *rng) {
     bool hidden =
         c->plan.effect == SENSOR_GAIN || c->plan.effect == FRAME_COMPLIANCE || c->tries == MATERIALS;
     return add_effect(c, j, c->plan.effect, target_of(&c->plan, rng), raw || hidden, rng) &&
            find_classes(c, j);
 }
 
-static bool add_seed(hidden_case *c, const judge *j, bool raw, dice *rng) {
+static bool add_seed(hidden_case *c, const judge *j, bool raw, random_state *rng) {
     int id = seed_effect(c->plan.effect + c->tries / 12);
     bool reached = add_effect(c, j, id, target_of(&c->plan, rng), raw, rng);
     return (reached || c->effect[0].seen.left > 3 * c->noise_level) && find_classes(c, j) &&
            class_size(c->effect[0].cosine) > 1;
 }
 
-static bool add_effects(hidden_case *c, const judge *j, bool raw, dice *rng) {
+static bool add_effects(hidden_case *c, const judge *j, bool raw, random_state *rng) {
     switch (c->plan.group) {
     case SINGLE:
         return add_single(c, j, raw, rng);
@@ -306,19 +306,19 @@ static bool add_effects(hidden_case *c, const judge *j, bool raw, dice *rng) {
     }
 }
 
-static void make_noise(const hidden_case *c, dice *rng, double *noise) {
+static void make_noise(const hidden_case *c, random_state *rng, double *noise) {
     for (size_t i = 0; i < c->session.n_runs; i++) {
         const run *r = &c->session.run[i];
-        double keep = exp(-1 / (r->Hz * c->correlation_time)), wander = c->correlated * dice_normal(rng);
+        double keep = exp(-1 / (r->Hz * c->correlation_time)), wander = c->correlated * random_normal(rng);
         for (size_t k = r->first; k < r->first + r->n; k++) {
-            noise[k] = wander + c->white * dice_normal(rng);
-            wander = keep * wander + sqrt(1 - keep * keep) * c->correlated * dice_normal(rng);
+            noise[k] = wander + c->white * random_normal(rng);
+            wander = keep * wander + sqrt(1 - keep * keep) * c->correlated * random_normal(rng);
         }
     }
 }
 
 /* One material and session, in which the planned effects may turn out to be too weak. */
-static bool attempt(hidden_case *c, bool raw, dice *rng, bool *found) {
+static bool attempt(hidden_case *c, bool raw, random_state *rng, bool *found) {
     judge j;
     bool relaxes = c->plan.effect == RELAXATION_ARM || c->plan.effect == POWER_LAW_RELAXATION ||
                    c->plan.effect == POROELASTIC;
@@ -348,7 +348,7 @@ static bool attempt(hidden_case *c, bool raw, dice *rng, bool *found) {
 }
 
 bool case_make(hidden_case *c, uint64_t seed, size_t number, plan p, bool raw) {
-    dice rng = dice_make(seed, number);
+    random_state rng = random_make(seed, number);
     bool found = false;
     memset(c, 0, sizeof *c);
     c->plan = p;

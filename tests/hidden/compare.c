@@ -107,7 +107,7 @@ static void hide(const judge *j, int id, uint64_t i, world *w) {
 }
 
 static bool look(int id, uint64_t i, difference *out) {
-    dice rng = dice_make(77, i);
+    random_state rng = random_make(77, i);
     world plain = {.height = 0.02, .law = {6, 2, 30, 10, 40}, .n_arms = 2, .arms = {{2, 0.4}, {1.5, 30}}};
     session s;
     judge j;

@@ -27,18 +27,18 @@ const char *foreign_name(enum foreign_id id) {
 enum { TEETH = 200, WAVES = 10, FLIPS = 60 };
 
 void foreign_begin(const world *w, const run *r, foreign_state *state) {
-    dice rng = dice_make(w->foreign_seed, w->foreign == STICK_SLIP ? 0 : (uint64_t)r->order);
+    random_state rng = random_make(w->foreign_seed, w->foreign == STICK_SLIP ? 0 : (uint64_t)r->order);
     double at = w->foreign == STICK_SLIP ? -8e-3 : 0;
     if (w->foreign == STICK_SLIP)
         for (int i = 0; i < TEETH; i++)
-            state->table[i] = at += dice_log(&rng, 0.08e-3, 0.5e-3);
+            state->table[i] = at += random_log(&rng, 0.08e-3, 0.5e-3);
     if (w->foreign == TELEGRAPH)
         for (int i = 0; i < FLIPS; i++)
-            state->table[i] = at += dice_log(&rng, 1, 20);
+            state->table[i] = at += random_log(&rng, 1, 20);
     if (w->foreign == WANDER)
         for (int i = 0; i < WAVES; i++) {
-            state->table[2 * i] = dice_log(&rng, 0.01, 0.5);
-            state->table[2 * i + 1] = dice_uniform(&rng, 0, 2 * pi);
+            state->table[2 * i] = random_log(&rng, 0.01, 0.5);
+            state->table[2 * i + 1] = random_uniform(&rng, 0, 2 * pi);
         }
     state->table[TEETH - 1] = r->session; /* of the others, which use less of the table */
 }

@@ -65,9 +65,9 @@ static void plan_network(plans *p, bool quick) {
 
 /* So that a case's number says nothing. */
 static void plan_shuffle(plans *p, uint64_t seed) {
-    dice rng = dice_make(seed, UINT64_MAX);
+    random_state rng = random_make(seed, UINT64_MAX);
     for (size_t i = p->n; i-- > 1;) {
-        size_t k = dice_index(&rng, i + 1);
+        size_t k = random_index(&rng, i + 1);
         plan other = p->list[i];
         p->list[i] = p->list[k];
         p->list[k] = other;

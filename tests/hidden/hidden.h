@@ -11,16 +11,16 @@
 
 enum { LAW = 5, ARMS = 2, BASE = LAW + 2 * ARMS, VALUES = 3, KNOTS = 160, RUNS = 16, CUBE = 14 };
 
-/* ---- random numbers (dice.c) ---- */
-typedef struct dice {
+/* ---- random numbers (random.c) ---- */
+typedef struct random_state {
     uint64_t s[4];
-} dice;
-dice dice_make(uint64_t seed, uint64_t stream);
-double dice_uniform(dice *r, double low, double high);
-double dice_log(dice *r, double low, double high); /* uniform in the logarithm */
-double dice_normal(dice *r);
-size_t dice_index(dice *r, size_t n);
-double dice_sign(dice *r);
+} random_state;
+random_state random_make(uint64_t seed, uint64_t stream);
+double random_uniform(random_state *r, double low, double high);
+double random_log(random_state *r, double low, double high); /* uniform in the logarithm */
+double random_normal(random_state *r);
+size_t random_index(random_state *r, size_t n);
+double random_sign(random_state *r);
 
 /* ---- what is pressed and what with ---- */
 enum effect_id {
@@ -118,9 +118,9 @@ void path_to(run *r, double depth, double speed);
 void path_at(const run *r, double t, size_t *hint, double *d, double *v, double *a);
 
 /* What a careful experimenter runs: nine experiments. fineness scales the number of rows. */
-void session_rich(session *s, dice *r, double height, double fineness);
+void session_rich(session *s, random_state *r, double height, double fineness);
 /* The seed's: ramps and holds at 12 depths and a static loading, without air or withdrawal. */
-void session_seed(session *s, dice *r, double height);
+void session_seed(session *s, random_state *r, double height);
 
 /* ---- the physics (world.c, foreign.c) ---- */
 /* What a specimen keeps: its largest strain and energy. */
@@ -140,7 +140,7 @@ typedef struct cube {
 /* Force on the plates at strain e after a step (0 = an instant); end: the cube then. */
 double cube_press(const world *w, const cube *c, double step, double e, cube *end);
 
-/* What the foreign effects remember within a run, and their dice. */
+/* What the foreign effects remember within a run, and their random numbers. */
 typedef struct foreign_state {
     double play, cell, force, table[200];
 } foreign_state;
@@ -240,7 +240,7 @@ typedef struct hidden_case {
     visible foreign; /* or the network's geometry; and its likeness to the catalogue */
     double foreign_cosine[EFFECTS];
     double *force;  /* recorded */
-    dice left_over; /* for the given model's numbers */
+    random_state left_over; /* for the given model's numbers */
 } hidden_case;
 
 /* Draws the case; false without memory. raw: strengths are measured before the plain model is refitted. */

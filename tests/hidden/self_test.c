@@ -322,7 +322,7 @@ static void test_steps(const judge *j, const session *s) {
 }
 
 static void test_judge(void) {
-    dice rng = dice_make(3, 4);
+    random_state rng = random_make(3, 4);
     world plain = {.height = H, .law = {6, 2, 30, 10, 40}, .n_arms = 2, .arms = {{2, 0.5}, {1.5, 30}}};
     static const double shape[VALUES] = {1, 0, 0};
     double cosine[EFFECTS], *y;

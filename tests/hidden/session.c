@@ -54,17 +54,17 @@ static void cycles(run *r, int n, double low, double high, double speed) {
 }
 
 /* To the surface and back: unloads and reloads. */
-static void slow_cycles(session *s, dice *rng, double Hz, double depth) {
+static void slow_cycles(session *s, random_state *rng, double Hz, double depth) {
     run *r = add(s, "cyclic", Hz, AIR);
     path_wait(r, 1.5);
     path_to(r, 0, 1 * mm);
-    cycles(r, 4, 0, depth, 2 * depth / dice_uniform(rng, 8, 11));
+    cycles(r, 4, 0, depth, 2 * depth / random_uniform(rng, 8, 11));
     path_to(r, AIR, 1 * mm);
     path_wait(r, 5);
 }
 
-static void fast_cycles(session *s, dice *rng, double Hz, double depth) {
-    double swing = dice_uniform(rng, 0.6, 0.9) * mm, frequency = dice_uniform(rng, 2, 3);
+static void fast_cycles(session *s, random_state *rng, double Hz, double depth) {
+    double swing = random_uniform(rng, 0.6, 0.9) * mm, frequency = random_uniform(rng, 2, 3);
     run *r = add(s, "cyclic", Hz, AIR);
     path_wait(r, 1);
     path_to(r, depth - swing, 5 * mm);
@@ -102,7 +102,7 @@ static void repeat(session *s, size_t which) {
 }
 
 /* Times of day and places of the samples. */
-static void schedule(session *s, dice *rng) {
+static void schedule(session *s, random_state *rng) {
     double now = 0;
     s->n = 0;
     for (size_t i = 0; i < s->n_runs; i++) {
@@ -112,15 +112,15 @@ static void schedule(session *s, dice *rng) {
         r->session = floor(now);
         r->n = (size_t)(length * r->Hz) + 1;
         r->first = s->n;
-        r->hum_phase = dice_uniform(rng, 0, 6.283185307179586);
+        r->hum_phase = random_uniform(rng, 0, 6.283185307179586);
         s->n += r->n;
-        now += length + dice_uniform(rng, 90, 300); /* the specimen recovers */
+        now += length + random_uniform(rng, 90, 300); /* the specimen recovers */
     }
 }
 
-static void shuffle(session *s, dice *rng, size_t from) {
+static void shuffle(session *s, random_state *rng, size_t from) {
     for (size_t i = s->n_runs; i-- > from + 1;) {
-        size_t k = from + dice_index(rng, i - from + 1);
+        size_t k = from + random_index(rng, i - from + 1);
         run other = s->run[i];
         s->run[i] = s->run[k];
         s->run[k] = other;
@@ -135,10 +135,10 @@ static size_t find(const session *s, const char *kind) {
 }
 
 /* Rates that mains hum does not fold to nothing. */
-void session_rich(session *s, dice *rng, double height, double fineness) {
+void session_rich(session *s, random_state *rng, double height, double fineness) {
     static const double rates[] = {1e-3, 3e-3, 10e-3}, share[] = {0.45, 0.7, 1};
-    double depth = dice_uniform(rng, 0.28, 0.33) * height, hold = 55 * fmin(1, 2 * fineness);
-    size_t turn = dice_index(rng, 3);
+    double depth = random_uniform(rng, 0.28, 0.33) * height, hold = 55 * fmin(1, 2 * fineness);
+    size_t turn = random_index(rng, 3);
     memset(s, 0, sizeof *s);
     s->deepest = depth;
     static_run(s, 24 * fineness, depth, 40);
@@ -153,7 +153,7 @@ void session_rich(session *s, dice *rng, double height, double fineness) {
     schedule(s, rng);
 }
 
-void session_seed(session *s, dice *rng, double height) {
+void session_seed(session *s, random_state *rng, double height) {
     memset(s, 0, sizeof *s);
     s->deepest = 9.7 / 30 * height;
     for (int i = 0; i < 12; i++) {

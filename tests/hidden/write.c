@@ -51,12 +51,12 @@ static bool run_write(const hidden_case *c, size_t i, const char *folder) {
 }
 
 /* 10 to 30 per cent off. */
-static double off(dice *rng, double x) {
-    return x * (1 + dice_sign(rng) * dice_uniform(rng, 0.1, 0.3));
+static double off(random_state *rng, double x) {
+    return x * (1 + random_sign(rng) * random_uniform(rng, 0.1, 0.3));
 }
 
 /* A law that was fitted to a network has terms that cancel: they are off by one factor. */
-static void law_write(FILE *f, const hidden_case *c, dice *rng) {
+static void law_write(FILE *f, const hidden_case *c, random_state *rng) {
     bool fitted = c->plan.group == NETWORK;
     double factor = fitted ? off(rng, 1) : 1;
     for (int i = 0; i < LAW; i++) {
@@ -65,7 +65,7 @@ static void law_write(FILE *f, const hidden_case *c, dice *rng) {
     }
 }
 
-static bool model_write(const hidden_case *c, const char *folder, dice *rng) {
+static bool model_write(const hidden_case *c, const char *folder, random_state *rng) {
     const world *w = &c->plain;
     FILE *f = open_in(folder, c->name, "model.json");
     if (!f)
@@ -86,7 +86,7 @@ static bool model_write(const hidden_case *c, const char *folder, dice *rng) {
 }
 
 bool case_write(const hidden_case *c, const char *folder) {
-    dice rng = c->left_over;
+    random_state rng = c->left_over;
     for (size_t i = 0; i < c->session.n_runs; i++)
         if (!run_write(c, i, folder))
             return false;

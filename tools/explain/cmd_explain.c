@@ -69,7 +69,7 @@ static int choose_candidates(const explain_options *o, palp_explain_settings *s)
     }
     memset(s->candidate, 0, sizeof s->candidate);
     for (const char *at = o->candidates; next_name(&at, name);) {
-        if (palp_effect_by_name(name, &id)) {
+        if (palp_effect_parse(name, &id)) {
             return cli_usage_error(NAME, "--candidates: no effect is called \"%s\"", name);
         }
         s->candidate[id] = 1;

@@ -7,17 +7,17 @@
 
 const char *page_effect(const char *id) {
     palp_effect_id found;
-    return palp_effect_by_name(id, &found) ? id : palp_effect_look_up(found)->name;
+    return palp_effect_parse(id, &found) ? id : palp_effect_look_up(found)->name;
 }
 
 const char *page_effect_means(const char *id) {
     palp_effect_id found;
-    return palp_effect_by_name(id, &found) ? "" : palp_effect_look_up(found)->means;
+    return palp_effect_parse(id, &found) ? "" : palp_effect_look_up(found)->means;
 }
 
 const char *page_effect_seen_by(const char *id) {
     palp_effect_id found;
-    return palp_effect_by_name(id, &found) ? "-" : palp_effect_look_up(found)->seen_by;
+    return palp_effect_parse(id, &found) ? "-" : palp_effect_look_up(found)->seen_by;
 }
 
 const char *page_verdict(const char *verdict) {

@@ -10,7 +10,7 @@ START_TEST(catalogue_is_whole) {
         palp_effect_id found;
         bool strong = false;
         ck_assert_ptr_nonnull(info);
-        ck_assert_int_eq(palp_effect_by_name(info->id, &found), PALP_OK);
+        ck_assert_int_eq(palp_effect_parse(info->id, &found), PALP_OK);
         ck_assert_int_eq((int)found, i);
         ck_assert(info->name[0] && info->means[0] && info->seen_by[0] && (info->in_lumped || info->in_network));
         ck_assert_uint_ge(info->n_parameters, 1);
@@ -27,7 +27,7 @@ START_TEST(catalogue_is_whole) {
             ck_assert(palp_effect_look_up(info->alike[k]) && (int)info->alike[k] != i);
     }
     ck_assert_ptr_null(palp_effect_look_up(PALP_EFFECT_COUNT));
-    ck_assert_int_eq(palp_effect_by_name("gremlins", &(palp_effect_id){0}), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_effect_parse("gremlins", &(palp_effect_id){0}), PALP_ERR_ARGUMENT);
 }
 END_TEST
 
