@@ -18,7 +18,7 @@ static double limit(int id) {
 
 static bool library_effect(const world *w, int id, palp_effect *effect) {
     palp_effect_id found;
-    if (palp_effect_by_name(effect_kinds[id].id, &found) || palp_effect_default(found, effect))
+    if (palp_effect_parse(effect_kinds[id].id, &found) || palp_effect_default(found, effect))
         return false;
     for (size_t k = 0; k < effect_kinds[id].n; k++)
         effect->value[k] = w->value[id][k];
