@@ -30,7 +30,7 @@ say "A first press. Look at $out/first.html in a browser: force over time, while
 if "$palpate" rig --firmware qemu --until-s 0.001 >/dev/null 2>"$out/rig.txt"; then firmware=qemu; else firmware=host; fi
 if [ -n "${FULL-}" ]; then
     firmware=host # as the board's image this would take an hour
-    protocol=--seed-protocol
+    protocol=--thesis-protocol
 else
     protocol="--protocol data/protocols/demo.json"
 fi

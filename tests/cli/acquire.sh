@@ -92,7 +92,7 @@ expect 0 acquire $H $short --sweep --depth-mm 3 --hold-s 1 --sweep-s 3 --from-Hz
 near "sweep" "$(header runs/sweep_3mm.csv end.peak_N)" 1.3 0.1
 
 # ---- the seed's protocol: 13 presses in another order, the first again, air before and after ----
-expect 0 acquire $H --seed-protocol --hold-s 0.5 --rest-s 1 --air-s 0.2 --after-s 0.1 --rate-mm-s 5 --out seed
+expect 0 acquire $H --thesis-protocol --hold-s 0.5 --rest-s 1 --air-s 0.2 --after-s 0.1 --rate-mm-s 5 --out seed
 [ "$(ls seed | wc -l)" -eq 16 ] || fail "seed: $(ls seed | wc -l) files"
 [ "$(header seed/air_before.csv protocol.order)" = 1 ] && [ "$(header seed/air_after.csv protocol.order)" = 16 ] ||
     fail "seed: air"

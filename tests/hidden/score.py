@@ -19,7 +19,7 @@ import sys
 SEEN = 3.0      # noise levels
 SAME = 0.8      # cosine from which an answer within a class is not called wrong
 GEOMETRY = "network_geometry"   # what is missing where particles are given to a lumped model
-GROUPS = ("single", "two", "seed_protocol", "network", "null", "outside")
+GROUPS = ("single", "two", "thesis_protocol", "network", "null", "outside")
 VERDICTS = ("agrees", "explained", "ambiguous", "unexplained")
 IDS = ("relaxation_arm", "power_law_relaxation", "strain_dependent_arm", "rate_stiffening",
        "damage_softening", "permanent_set", "poroelastic", "contact_offset", "toe_region", "adhesion",
@@ -134,7 +134,7 @@ def table_of_confusion(cases):
     for i, name in enumerate(IDS):
         rows["%2d %s" % (i + 1, name)] = of_effect(cases, "single", name)
     for i, name in enumerate(IDS):
-        rows["%2d %s, seed's" % (i + 1, name)] = of_effect(cases, "seed_protocol", name)
+        rows["%2d %s, seed's" % (i + 1, name)] = of_effect(cases, "thesis_protocol", name)
     for group in ("two", "null", "outside"):
         rows["   " + group] = [c for c in cases if c.group == group]
     for kind in ("mild", "bent", "faulty"):

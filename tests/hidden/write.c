@@ -148,7 +148,7 @@ static void network_write(FILE *f, const hidden_case *c) {
 }
 
 void truth_write(FILE *f, const hidden_case *c) {
-    static const char *const names[GROUPS] = {"single", "null", "two", "outside", "seed_protocol", "network"};
+    static const char *const names[GROUPS] = {"single", "null", "two", "outside", "thesis_protocol", "network"};
     fprintf(
         f,
         "{\"case\": \"%s\", \"group\": \"%s\", \"noise_level_N\": %.6g, \"white_N\": %.6g, \"correlated_N\": %.6g, "

@@ -111,7 +111,7 @@ static void test_kinds(void **state) {
     free(plan);
 }
 
-static void test_seed_protocol(void **state) {
+static void test_thesis_protocol(void **state) {
     char why[ACQUIRE_TEXT];
     acquire_motion m = acquire_motion_none();
     acquire_plan *plan = empty_plan(), *again = empty_plan();
@@ -684,7 +684,7 @@ static void test_curve(void **state) {
 const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_ramp_hold),
     cmocka_unit_test(test_kinds),
-    cmocka_unit_test(test_seed_protocol),
+    cmocka_unit_test(test_thesis_protocol),
     cmocka_unit_test(test_protocol_file),
     cmocka_unit_test(test_examples),
     cmocka_unit_test(test_file),

@@ -81,7 +81,7 @@ const char *acquire_kind_name(acquire_kind kind); /* "ramp_hold" */
 acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acquire_motion *motion,
                               const char *name, char why[ACQUIRE_TEXT]);
 
-/* The 13 experiments of the seed, and a recording of air before and after; defaults: hold_s and the like. */
+/* The 13 experiments of the thesis, and a recording of air before and after; defaults: hold_s and the like. */
 bool acquire_plan_seed(acquire_plan *plan, const acquire_motion *defaults, char why[ACQUIRE_TEXT]);
 
 /* Reads a protocol file; options come before what it says for all its runs. An exit code. (acquire_read.c) */

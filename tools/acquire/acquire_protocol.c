@@ -1,4 +1,4 @@
-/* acquire_protocol.c: the runs of a session: what is not said of each, the seed's protocol, their order. */
+/* acquire_protocol.c: the runs of a session: what is not said of each, the thesis' protocol, their order. */
 #include "acquire.h"
 
 #include <math.h>
@@ -55,7 +55,7 @@ static acquire_motion built_in(acquire_kind kind, double depth_mm) {
 }
 
 /* Fills in the motion; only what the kind has stays. */
-static void settle(acquire_run *r) {
+static void complete(acquire_run *r) {
     acquire_motion *m = &r->motion, rest = built_in(r->kind, m->depth_mm);
     acquire_motion_inherit(r->kind, m, &rest);
     if (has_ramp(r->kind)) {
@@ -89,13 +89,13 @@ acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acqui
     }
     acquire_run *r = &plan->run[plan->n++];
     *r = (acquire_run){.kind = kind, .motion = *motion};
-    settle(r);
+    complete(r);
     name_run(r, name);
     acquire_segments_make(r);
     return r;
 }
 
-/* ---- the seed's protocol (Section 4.2) ---- */
+/* ---- the thesis' protocol (Section 4.2) ---- */
 
 static bool add_seed(acquire_plan *plan, acquire_kind kind, double depth_mm, const acquire_motion *defaults,
                      char why[ACQUIRE_TEXT]) {
@@ -172,7 +172,7 @@ static void number_names(acquire_plan *plan) {
 }
 
 /* A specimen recovers a little more slowly than it relaxes, after a short press as after a long one: before
- * the next it rests as long as the last took, and at least as long as the seed's phantom needs (to 0.5 %). */
+ * the next it rests as long as the last took, and at least as long as the phantom of the thesis needs (to 0.5 %). */
 static void fill_rests(acquire_plan *plan) {
     const double least_s = 200;
     double needed_s = 0;

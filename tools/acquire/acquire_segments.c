@@ -59,7 +59,7 @@ static void move(acquire_run *r, double to_mm) {
     }
 }
 
-static void hold(acquire_run *r) {
+static void dwell(acquire_run *r) {
     if (r->motion.hold_s > 0) {
         acquire_segment_add(r, PALP_WIRE_SEGMENT_HOLD, r->at_mm, &r->motion);
     }
@@ -75,7 +75,7 @@ void acquire_segments_make(acquire_run *r) {
         break;
     case ACQUIRE_RAMP_HOLD:
         move(r, m->depth_mm);
-        hold(r);
+        dwell(r);
         break;
     case ACQUIRE_CYCLIC: /* from contact to depth and back to contact */
         move(r, 0);
@@ -84,13 +84,13 @@ void acquire_segments_make(acquire_run *r) {
     case ACQUIRE_SINE:
     case ACQUIRE_SWEEP:
         move(r, m->depth_mm);
-        hold(r);
+        dwell(r);
         acquire_segment_add(r, r->kind == ACQUIRE_SINE ? PALP_WIRE_SEGMENT_SINE : PALP_WIRE_SEGMENT_SWEEP,
                             m->amplitude_mm, m);
         break;
     case ACQUIRE_FREE:
         move(r, -m->air_mm);
-        hold(r);
+        dwell(r);
         break;
     case ACQUIRE_SEGMENTS:
     case ACQUIRE_KINDS:

@@ -18,7 +18,7 @@ typedef struct choice {
     acquire_options session;
     acquire_motion motion;
     rig_options rig;
-    bool is_static, sweep, seed_protocol, list, json, repeat_first;
+    bool is_static, sweep, thesis_protocol, list, json, repeat_first;
     cli_list ramp_hold;
     size_t cycles, baud, order_seed;
     int order, gains;
@@ -28,14 +28,13 @@ typedef struct choice {
 
 enum { OWN_OPTIONS = 64 };
 
-static size_t own_options(choice *c, cli_option list[OWN_OPTIONS]) {
+static size_t device_options(choice *c, cli_option *list) {
     acquire_options *o = &c->session;
-    acquire_motion *m = &c->motion;
     const cli_option all[] = {
         cli_heading("Device"),
         cli_text("port", "PORT", &o->port,
                  "/dev/ttyACM0, pty:PATH, tcp:HOST:PORT, or rig[:MODEL.json]: the\n"
-                 "virtual indenter, on a model or the seed's phantom"),
+                 "virtual indenter, on a model or the thesis' phantom"),
         cli_flag("list", &c->list, "list the serial ports instead"),
         cli_count("baud", "N", 1200, 4e6, &c->baud, "of a serial port (default 921600)"),
         cli_choice("gains", "auto|0|1|2|3|4|5", &c->gains,
@@ -52,6 +51,14 @@ static size_t own_options(choice *c, cli_option list[OWN_OPTIONS]) {
                    "stop when nothing is heard from here for so long (default 5; the\n"
                    "virtual indenter, which may be faster than our clock, 60)"),
         cli_text("calibration", "FILE", &c->calibration, "rows of the force sensor's matrix, JSON"),
+    };
+    memcpy(list, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
+static size_t plate_options(choice *c, cli_option *list) {
+    acquire_motion *m = &c->motion;
+    const cli_option all[] = {
         cli_heading("What the plate does"),
         cli_flag("static", &c->is_static, "press to --depth-mm at --rate-mm-s (0.1)"),
         cli_numbers("ramp-hold", "MM,MM,...", 1000, &c->ramp_hold, "ramp to each depth, hold it, withdraw"),
@@ -59,7 +66,7 @@ static size_t own_options(choice *c, cli_option list[OWN_OPTIONS]) {
                   "from contact to --depth-mm and back at --rate-mm-s (1)"),
         cli_flag("sweep", &c->sweep, "a sine of rising frequency about --depth-mm, after --hold-s (10)"),
         cli_text("protocol", "FILE.json", &c->protocol, "the runs of a protocol file"),
-        cli_flag("seed-protocol", &c->seed_protocol,
+        cli_flag("thesis-protocol", &c->thesis_protocol,
                  "ramps of 1.5 to 7 mm and a static press to 9.7 mm in random order,\n"
                  "the first again at the end, air before and after"),
         cli_positive("depth-mm", "MM", 1000, &m->depth_mm, "depth, from contact"),
@@ -77,11 +84,19 @@ static size_t own_options(choice *c, cli_option list[OWN_OPTIONS]) {
         cli_number("air-mm", "MM", 0, 1000, &m->air_mm, "begin so far above contact (default 1)"),
         cli_number("air-s", "S", 0, 1e6, &m->air_s, "and rest there for so long before (default 1)"),
         cli_number("after-s", "S", 0, 1e6, &m->after_s, "and after the run (default 1)"),
+    };
+    memcpy(list, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
+static size_t session_options(choice *c, cli_option *list) {
+    acquire_options *o = &c->session;
+    const cli_option all[] = {
         cli_heading("Session"),
         cli_choice("order", "given|random", &c->order, "of the presses (default given)"),
         cli_count("order-seed", "N", 0, 9e15, &c->order_seed, "which random order (default 1)"),
         cli_flag("repeat-first", &c->repeat_first, "the first press again after the last"),
-        cli_number("rest-s", "S", 0, 1e6, &m->rest_s,
+        cli_number("rest-s", "S", 0, 1e6, &c->motion.rest_s,
                    "the specimen rests between presses (default: as long as the last one\n"
                    "took, at least 200)"),
         cli_heading("Specimen"),
@@ -103,18 +118,20 @@ static size_t own_options(choice *c, cli_option list[OWN_OPTIONS]) {
 
 static int parse(int argc, char **argv, choice *c) {
     cli_option options[OWN_OPTIONS + RIG_OPTIONS];
-    size_t n = own_options(c, options), words;
+    size_t n = device_options(c, options), words;
+    n += plate_options(c, options + n);
+    n += session_options(c, options + n);
     rig_options_list(&c->rig, options + n);
     const cli_command command = {
         NAME,
         "--port PORT (--static | --ramp-hold MM,... | --cycles N | --sweep |\n"
-        "                       --protocol FILE | --seed-protocol) --out DIR [options]",
+        "                       --protocol FILE | --thesis-protocol) --out DIR [options]",
         "Runs a protocol on an indenter and writes each run as an experiment, as it goes: whatever ends\n"
         "it early, what arrived is kept and says why. Homes the plate, tares the sensor in the air and\n"
         "finds contact once, before the first run. Exit code 4: the device stopped by a fault.",
         "  palpate acquire --port /dev/ttyACM0 --ramp-hold 1.5,3,5 --specimen-height-mm 24 --out runs\n"
         "  palpate acquire --port rig:data/sedef2008/lumped_n2.json --ramp-hold 2,4 --hold-s 20 --out runs\n"
-        "  palpate acquire --port rig --seed-protocol --out runs --json\n",
+        "  palpate acquire --port rig --thesis-protocol --out runs --json\n",
         options,
         n + RIG_OPTIONS};
     return cli_parse(&command, argc, argv, NULL, 0, &words);
@@ -122,16 +139,16 @@ static int parse(int argc, char **argv, choice *c) {
 
 /* ---- which options go together ---- */
 
-enum { STATIC = 1, RAMP_HOLD = 2, CYCLES = 4, SWEEP = 8, PROTOCOL = 16, SEED = 32 };
+enum { STATIC = 1, RAMP_HOLD = 2, CYCLES = 4, SWEEP = 8, PROTOCOL = 16, THESIS = 32 };
 
 static int modes(const choice *c) {
     return (c->is_static ? STATIC : 0) | (c->ramp_hold.n ? RAMP_HOLD : 0) | (c->cycles ? CYCLES : 0) |
-           (c->sweep ? SWEEP : 0) | (c->protocol ? PROTOCOL : 0) | (c->seed_protocol ? SEED : 0);
+           (c->sweep ? SWEEP : 0) | (c->protocol ? PROTOCOL : 0) | (c->thesis_protocol ? THESIS : 0);
 }
 
 static const char *mode_name(int mode) {
     static const char *const names[] = {"static", "ramp-hold", "cycles",
-                                        "sweep",  "protocol",  "seed-protocol"};
+                                        "sweep",  "protocol",  "thesis-protocol"};
     size_t i = 0;
     while (mode >> (i + 1)) {
         i++;
@@ -146,8 +163,8 @@ static int check_motion(const choice *c, int mode) {
         double value;
         int goes_with;
     } uses[] = {{"depth-mm", m->depth_mm, STATIC | CYCLES | SWEEP | PROTOCOL},
-                {"ramp-s", m->ramp_s, RAMP_HOLD | PROTOCOL | SEED},
-                {"hold-s", m->hold_s, RAMP_HOLD | SWEEP | PROTOCOL | SEED},
+                {"ramp-s", m->ramp_s, RAMP_HOLD | PROTOCOL | THESIS},
+                {"hold-s", m->hold_s, RAMP_HOLD | SWEEP | PROTOCOL | THESIS},
                 {"amplitude-mm", m->amplitude_mm, SWEEP | PROTOCOL},
                 {"from-Hz", m->frequency_Hz, SWEEP | PROTOCOL},
                 {"to-Hz", m->frequency_end_Hz, SWEEP | PROTOCOL},
@@ -178,7 +195,7 @@ static int check_options(const choice *c) {
     if (mode == 0 || (mode & (mode - 1))) {
         return cli_usage_error(NAME,
                                "say what the plate does by one of --static, --ramp-hold, --cycles, --sweep, "
-                               "--protocol, --seed-protocol");
+                               "--protocol, --thesis-protocol");
     }
     if (!c->session.out) {
         return cli_usage_error(NAME, "name a folder by --out DIR");
@@ -209,7 +226,7 @@ static int make_plan(const choice *c, acquire_plan *plan) {
         if (code) {
             return code;
         }
-    } else if (c->seed_protocol) {
+    } else if (c->thesis_protocol) {
         good = acquire_plan_seed(plan, &c->motion, why);
     } else if (c->ramp_hold.n == 0) {
         acquire_kind kind = c->is_static ? ACQUIRE_STATIC : c->cycles ? ACQUIRE_CYCLIC : ACQUIRE_SWEEP;
@@ -224,7 +241,7 @@ static int make_plan(const choice *c, acquire_plan *plan) {
 
 /* ---- the specimen ---- */
 
-/* path NULL: the seed's phantom. */
+/* path NULL: the phantom of the thesis. */
 static int specimen_of_model(const char *path, choice *c) {
     acquire_options *o = &c->session;
     palp_error error = {PALP_OK, ""};

@@ -39,7 +39,7 @@ typedef struct plant_settings {
     plant_actuator actuator;
     plant_sensor sensor;
     plant_specimen specimen;
-    const char *model; /* path, with PLANT_MODEL; NULL = the seed's phantom, N = 2 */
+    const char *model; /* path, with PLANT_MODEL; NULL = the phantom of the thesis, N = 2 */
     double scale;      /* the specimen's force is multiplied by this; 1 */
     double contact_m;  /* the specimen's top, from the home switch */
     double rigid_N_m;  /* a rigid block's own stiffness, and the table's beneath a specimen */

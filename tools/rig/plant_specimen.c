@@ -60,7 +60,7 @@ palp_status specimen_create(const plant_settings *settings, specimen *s, palp_er
     palp_error why = {PALP_OK, ""};
     palp_status status = PALP_OK;
     memset(s, 0, sizeof *s);
-    s->path = rigid ? "the rigid block" : own ? "the seed's phantom" : settings->model;
+    s->path = rigid ? "the rigid block" : own ? "the phantom of the thesis" : settings->model;
     if (settings->specimen == PLANT_AIR) {
         return PALP_OK;
     }
