@@ -25,11 +25,11 @@ PALP_API palp_status palp_segments_noise(size_t n, const double *time_s, double 
 
 /* What the plate does at a sample. */
 typedef enum palp_phase {
-    PALP_PHASE_AIR, PALP_PHASE_RAMP, PALP_PHASE_CORNER, PALP_PHASE_EARLY_HOLD, PALP_PHASE_LATE_HOLD,
+    PALP_PHASE_AIR, PALP_PHASE_RAMP, PALP_PHASE_CORNER, PALP_PHASE_EARLY_DWELL, PALP_PHASE_LATE_DWELL,
     PALP_PHASE_UNLOAD, PALP_PHASE_RECOVERY, PALP_PHASE_RELOAD, PALP_PHASE_COUNT
 } palp_phase;
 
-PALP_API const char *palp_phase_name(palp_phase phase); /* "air", "early_hold", ...; "unknown" */
+PALP_API const char *palp_phase_name(palp_phase phase); /* "air", "early_dwell", ...; "unknown" */
 
 /* phase[n]: a palp_phase for each sample of a path whose depth 0 is contact, n >= 2. A corner lasts 0.2 s, a dwell is
  * early for its first 5 s, and the air after the first touch is recovery. */

@@ -56,7 +56,7 @@ size_t segments_press_end(size_t n, const double *depth, double deepest, size_t 
 /* ---- phases ---- */
 
 const char *palp_phase_name(palp_phase phase) {
-    static const char *const names[] = {"air",    "ramp",     "corner", "early_hold", "late_hold",
+    static const char *const names[] = {"air",    "ramp",     "corner", "early_dwell", "late_dwell",
                                         "unload", "recovery", "reload"};
     return (unsigned)phase < PALP_PHASE_COUNT ? names[phase] : "unknown";
 }
@@ -83,7 +83,7 @@ static palp_phase phase_of(const past *p, double depth, double since) {
     if (depth <= 0.0)
         return p->touched ? PALP_PHASE_RECOVERY : PALP_PHASE_AIR;
     if (p->moves == 0 && since > CORNER)
-        return since < EARLY ? PALP_PHASE_EARLY_HOLD : PALP_PHASE_LATE_HOLD;
+        return since < EARLY ? PALP_PHASE_EARLY_DWELL : PALP_PHASE_LATE_DWELL;
     if (since < CORNER)
         return PALP_PHASE_CORNER;
     if (p->moves < 0)

@@ -205,7 +205,7 @@ START_TEST(phases_of_a_path) {
         double until;
         palp_phase phase;
     } wanted[] = {{2.0, PALP_PHASE_AIR},       {4.01, PALP_PHASE_RAMP},     {4.21, PALP_PHASE_CORNER},
-                  {9.01, PALP_PHASE_EARLY_HOLD}, {14.01, PALP_PHASE_LATE_HOLD}, {14.21, PALP_PHASE_CORNER},
+                  {9.01, PALP_PHASE_EARLY_DWELL}, {14.01, PALP_PHASE_LATE_DWELL}, {14.21, PALP_PHASE_CORNER},
                   {15.01, PALP_PHASE_UNLOAD},  {15.21, PALP_PHASE_CORNER},  {16.01, PALP_PHASE_RELOAD},
                   {16.21, PALP_PHASE_CORNER},  {18.0, PALP_PHASE_UNLOAD},   {99.0, PALP_PHASE_RECOVERY}};
     double time[MOST], depth[MOST];
@@ -237,12 +237,12 @@ START_TEST(what_stands_still) {
     for (size_t i = 501; i < n; i++)
         depth[i] = depth[500] + 0.1 * (time[i] - time[500]);
     palp_segments_phases(n, time, depth, phase);
-    ck_assert_int_eq(phase[300], PALP_PHASE_EARLY_HOLD);
+    ck_assert_int_eq(phase[300], PALP_PHASE_EARLY_DWELL);
     ck_assert_int_eq(phase[900], PALP_PHASE_RAMP);
     n = path_of(4, slow, 0.01, time, depth);
     palp_segments_phases(n, time, depth, phase);
-    ck_assert_int_eq(phase[600], PALP_PHASE_EARLY_HOLD);
-    ck_assert_int_eq(phase[1000], PALP_PHASE_LATE_HOLD);
+    ck_assert_int_eq(phase[600], PALP_PHASE_EARLY_DWELL);
+    ck_assert_int_eq(phase[1000], PALP_PHASE_LATE_DWELL);
     ck_assert_int_eq(phase[2000], PALP_PHASE_RAMP);
 }
 END_TEST
