@@ -174,20 +174,22 @@ static double inflation(const curvature *c) {
     return sqrt(fmax(1.0, misfit) * (1.0 + rho) / (1.0 - rho));
 }
 
-/* Two arms are one if their times differ by less than two sds, or by less than 15 %, or one is nothing. */
-static size_t weakest_arm(const fit_problem *p, const double *v, const curvature *c, double widen) {
+/* Sd of log tau of arm j + 1 less that of arm j, whose parameter is a. */
+static double sd_apart(size_t n, size_t a, const double *covariance) {
+    size_t b = a + 2;
+    return sqrt(fmax(covariance[a * n + a] + covariance[b * n + b] - 2.0 * covariance[a * n + b], 0.0));
+}
+
+size_t fit_weakest_arm(const fit_problem *p, const double *v, const double *covariance, double widen) {
     size_t n = fit_parameter_count(p);
     for (size_t j = 0; j < p->n_arms; j++) {
         size_t k = p->n_springs + 2 * j;
-        if (sqrt(fmax(c->covariance[k * n + k], 0.0)) * widen > 2.0)
+        if (sqrt(fmax(covariance[k * n + k], 0.0)) * widen > 2.0)
             return j;
         if (j + 1 == p->n_arms)
             break;
-        size_t a = k + 1, b = k + 3;
-        double apart = v[b] - v[a];
-        double sd = sqrt(
-            fmax(c->covariance[a * n + a] + c->covariance[b * n + b] - 2.0 * c->covariance[a * n + b], 0.0));
-        if (apart < 0.14 || apart < 2.0 * sd * widen)
+        double apart = v[k + 3] - v[k + 1];
+        if (apart < 0.14 || apart < 2.0 * sd_apart(n, k + 1, covariance) * widen)
             return j;
     }
     return p->n_arms;
@@ -323,7 +325,7 @@ static palp_status solve_and_merge(fit_problem *p, double *v, curvature *c, palp
             return status;
         sort_arms(p, v);
         status = find_curvature(p, v, c);
-        if (status || !fit->converged || p->n_arms < 2 || weakest_arm(p, v, c, inflation(c)) == p->n_arms)
+        if (status || !fit->converged || p->n_arms < 2 || fit_weakest_arm(p, v, c->covariance, inflation(c)) == p->n_arms)
             return status;
         p->n_arms--;
         fit->n_merged++;

@@ -66,6 +66,11 @@ palp_status fit_solve(fit_problem *problem, double *p, double *chi2, bool *conve
 palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);
 
+/* The first arm that cannot be told from the next, or from none; n_arms if all can. Two arms are one if their times differ
+ * by less than two sds, or by less than 15 %; an arm is nothing if the sd of log K is above 2. covariance[n n] of the
+ * parameters v[n], times in rising order; widen: factor on the sds. */
+size_t fit_weakest_arm(const fit_problem *problem, const double *v, const double *covariance, double widen);
+
 /* The candidate to take by its losses, loss[candidates groups] (0: a group without any): the first
  * whose losses are typically within two standard errors of the best one's, or within a fifth (a tenth in rms):
  * less than that is not worth a parameter. score[candidates]: mean losses; sd[candidates]: standard error of the

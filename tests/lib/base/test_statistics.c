@@ -41,6 +41,22 @@ START_TEST(every_order_statistic) {
 }
 END_TEST
 
+START_TEST(a_line) {
+    const double x[] = {1.0, 2.0, 4.0, 9.0}, y[] = {1.0, 4.0, 5.0, -7.0};
+    const unsigned char use[] = {1, 1, 1, 0};
+    statistics_line l = statistics_line_fit(4, x, y, use); /* means 7/3, 10/3; sxx 14/3, sxy 17/3 */
+    ck_assert_double_eq(l.n, 3.0);
+    ck_assert_double_eq_tol(l.mean_x, 7.0 / 3.0, 1e-15);
+    ck_assert_double_eq_tol(l.mean_y, 10.0 / 3.0, 1e-15);
+    ck_assert_double_eq_tol(l.sxx, 14.0 / 3.0, 1e-14);
+    ck_assert_double_eq_tol(l.slope, 17.0 / 14.0, 1e-14);
+    l = statistics_line_fit(3, NULL, y, NULL); /* at 0, 1, 2 */
+    ck_assert_double_eq_tol(l.mean_x, 1.0, 1e-15);
+    ck_assert_double_eq_tol(l.slope, 2.0, 1e-14);
+    ck_assert_double_eq(statistics_line_fit(1, x, y, NULL).slope, 0.0);
+}
+END_TEST
+
 START_TEST(a_mean) {
     double x[] = {1.0, 2.0, 6.0};
     ck_assert_double_eq(statistics_mean(x, 3), 3.0);
@@ -50,5 +66,6 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_test(tc, every_order_statistic);
+    tcase_add_test(tc, a_line);
     tcase_add_test(tc, a_mean);
 }

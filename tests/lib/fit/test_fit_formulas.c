@@ -342,6 +342,33 @@ START_TEST(no_law_is_far_off) {
 }
 END_TEST
 
+/* Two arms beside one spring: log K, log tau of each. */
+static size_t weakest(double apart, double sd_k, double var_1, double var_2, double cov, double widen) {
+    const fit_problem p = {.n_springs = 1, .n_arms = 2};
+    const double v[5] = {40.0, 1.0, 0.3, 2.0, 0.3 + apart};
+    double c[25] = {0};
+    c[1 * 5 + 1] = 0.01;
+    c[3 * 5 + 3] = sd_k * sd_k;
+    c[2 * 5 + 2] = var_1;
+    c[4 * 5 + 4] = var_2;
+    c[2 * 5 + 4] = c[4 * 5 + 2] = cov;
+    return fit_weakest_arm(&p, v, c, widen);
+}
+
+START_TEST(arms_that_cannot_be_told_apart) {
+    ck_assert_uint_eq(weakest(0.15, 0.1, 1e-6, 1e-6, 0.0, 1.0), 2);
+    ck_assert_uint_eq(weakest(0.13, 0.1, 1e-6, 1e-6, 0.0, 1.0), 0);
+    ck_assert_uint_eq(weakest(0.61, 0.1, 0.04, 0.09, 0.02, 1.0), 2); /* sd 0.3 */
+    ck_assert_uint_eq(weakest(0.59, 0.1, 0.04, 0.09, 0.02, 1.0), 0);
+    ck_assert_uint_eq(weakest(0.71, 0.1, 0.04, 0.09, 0.02, 1.2), 0);
+    ck_assert_uint_eq(weakest(0.73, 0.1, 0.04, 0.09, 0.02, 1.2), 2);
+    ck_assert_uint_eq(weakest(2.0, 1.0, 0.0, 0.0, 0.0, 1.9), 2);
+    ck_assert_uint_eq(weakest(2.0, 1.0, 0.0, 0.0, 0.0, 2.1), 1);
+    ck_assert_uint_eq(weakest(2.0, 3.0, 0.0, 0.0, 0.0, 0.6), 2);
+    ck_assert_uint_eq(weakest(2.0, 3.0, 0.0, 0.0, 0.0, 0.7), 1);
+}
+END_TEST
+
 /* ---- the choice by held-out losses ---- */
 
 /* Losses exp(level +- spread), half of the groups each; group 0 of all was never held out. */
@@ -393,6 +420,7 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_test(tc, no_law_is_far_off);
+    tcase_add_test(tc, arms_that_cannot_be_told_apart);
     tcase_add_test(tc, scores_are_means_and_their_errors);
     tcase_add_test(tc, a_parameter_more_is_worth_two_errors_and_a_fifth);
     tcase_add_test(tc, a_problem_in_numbers);
