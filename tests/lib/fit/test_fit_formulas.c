@@ -276,7 +276,11 @@ START_TEST(times_stay_within_their_bounds) {
         s.tau_min_s = low[k];
         s.tau_max_s = high[k];
         palp_lumped_fit f = fit(1, &m.r, s);
+        const palp_arm *arm = &f.material.arms[0];
         ck_assert_double_eq_tol(f.estimate[3].value, found[k], 2e-3 * found[k]); /* blocks are not samples */
+        ck_assert_double_eq_tol(arm->viscosity_Ns, arm->stiffness_N * f.estimate[3].value, 1e-9);
+        ck_assert_double_eq_tol(arm->stiffness_N, f.estimate[1].value, 1e-9);
+        ck_assert_double_eq_tol(arm->viscosity_Ns, f.estimate[2].value, 1e-9);
         palp_lumped_fit_free(&f);
     }
 }
@@ -299,6 +303,11 @@ START_TEST(a_first_guess_has_no_negative_arm) {
     ck_assert_double_gt(fmin(start[1], start[3]), log(1.01e-3 * p.stiffness));
     double grid = log(p.tau_max / p.tau_min) / 14.0, place = (log(low) - log(p.tau_min)) / grid - 0.5;
     ck_assert_double_eq_tol(place, floor(place + 0.5), 1e-9);
+    fit_problem_free(&p);
+    press(&m, 3001, 100); /* no arm: a thousandth of the stiffness is the least to begin with */
+    p = problem_of(&m, &s);
+    ck_assert_int_eq(fit_scan(&p, 1, start, &found), PALP_OK);
+    ck_assert_double_eq_tol(exp(fmin(start[1], start[3])), 1e-3 * p.stiffness, 1e-9);
     fit_problem_free(&p);
 }
 END_TEST
