@@ -14,18 +14,6 @@ static const char *method_name(calibrate_method method) {
 
 /* ---- JSON ---- */
 
-/* The law's keys: coefficients_N, or strain and stiffness_N of a spline. */
-static void add_law(json_t *to, const palp_law *law) {
-    if (law->kind == PALP_LAW_SPLINE) {
-        json_object_set_new(to, "strain", json_numbers(law->n, law->strain));
-        json_object_set_new(to, "stiffness_N", json_numbers(law->n, law->coefficients));
-    } else if (law->kind == PALP_LAW_POLYNOMIAL) {
-        json_object_set_new(to, "coefficients_N", json_numbers(law->n, law->coefficients));
-    } else {
-        json_object_set_new(to, "coefficients_Pa", json_numbers(law->n, law->coefficients));
-    }
-}
-
 static json_t *arms_json(const palp_material *material) {
     json_t *list = json_array();
     for (size_t j = 0; j < material->n_arms; j++) {
@@ -56,12 +44,12 @@ static json_t *iteration_json(calibrate_method method, bool relaxation,
         json_object_set_new(entry, "steady_force_error_percent",
                             json_number_or_null(it->steady_force_error_percent));
         if (it->phase == 3) {
-            add_law(entry, &it->material.law);
+            json_add_law(entry, &it->material.law);
         }
         return entry;
     }
     json_object_set_new(entry, "residual", json_number_or_null(it->residual_N));
-    add_law(entry, &it->material.law);
+    json_add_law(entry, &it->material.law);
     if (relaxation) {
         json_object_set_new(entry, "relative_rms_percent", json_real(100 * it->relative_rms));
         json_object_set_new(entry, "arms", arms_json(&it->material));
@@ -86,7 +74,7 @@ static void add_stage(json_t *to, const calibrate_state *s, bool relaxation) {
     json_object_set_new(to, "method", json_string(method_name(method)));
     json_object_set_new(to, "residual", json_number_or_null(c->residual_N));
     json_object_set_new(to, "converged", json_boolean(c->converged));
-    add_law(to, &c->material.law);
+    json_add_law(to, &c->material.law);
     json_object_set_new(to, "arms", arms_json(&c->material));
     if (relaxation) {
         json_object_set_new(to, "depths", depths_json(s));

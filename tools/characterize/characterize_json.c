@@ -18,13 +18,7 @@ static void set_text(json_t *to, const char *key, const char *text) {
 static json_t *law_json(const palp_law *law) {
     json_t *to = json_object();
     set_text(to, "kind", palp_law_kind_name(law->kind));
-    if (law->kind == PALP_LAW_SPLINE) {
-        json_object_set_new(to, "strain", json_numbers(law->n, law->strain));
-        json_object_set_new(to, "stiffness_N", json_numbers(law->n, law->coefficients));
-    } else {
-        json_object_set_new(to, law->kind == PALP_LAW_POLYNOMIAL ? "coefficients_N" : "coefficients_Pa",
-                            json_numbers(law->n, law->coefficients));
-    }
+    json_add_law(to, law);
     return to;
 }
 

@@ -1,5 +1,6 @@
 /* import_text.c: a text file for palpate import: lines, fields, numbers. */
 #include "import.h"
+#include "shared/crc32.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,20 +8,6 @@
 #include <string.h>
 
 static const char NAME[] = "import";
-
-static uint32_t crc32(const char *bytes, size_t n) {
-    uint32_t crc = UINT32_C(0xffffffff), table[256];
-    for (uint32_t i = 0; i < 256; i++) {
-        table[i] = i;
-        for (int k = 0; k < 8; k++) {
-            table[i] = table[i] & 1 ? (table[i] >> 1) ^ UINT32_C(0xedb88320) : table[i] >> 1;
-        }
-    }
-    for (size_t i = 0; i < n; i++) {
-        crc = (crc >> 8) ^ table[(crc ^ (unsigned char)bytes[i]) & 0xff];
-    }
-    return ~crc;
-}
 
 /* All of the stream, with a NUL after it. */
 static char *read_all(FILE *stream, size_t *size) {
@@ -59,7 +46,7 @@ int import_text_read(const char *file, import_text *text) {
     if (memchr(text->text, '\0', text->size)) {
         return cli_failure(NAME, "%s: not a text file (or UTF-16: save it as UTF-8)", file);
     }
-    text->crc32 = crc32(text->text, text->size);
+    text->crc32 = crc32_add(0, text->text, text->size);
     text->at = strncmp(text->text, "\xEF\xBB\xBF", 3) == 0 ? text->text + 3 : text->text;
     return CLI_OK;
 }

@@ -1,6 +1,7 @@
 /* report_load.c: the files of a report, and what each of them is. */
 #define _POSIX_C_SOURCE 200809L
 #include "report.h"
+#include "shared/crc32.h"
 #include "shared/opening.h"
 
 #include <dirent.h>
@@ -54,36 +55,19 @@ void report_figure(FILE *to, report *r, const char *name, const char *caption) {
     }
 }
 
-/* ---- checksum: CRC-32 of ISO 3309, as zip and cksum -a crc32b give it ---- */
-
-static void crc_table(uint32_t table[256]) {
-    for (uint32_t i = 0; i < 256; i++) {
-        uint32_t c = i;
-        for (int k = 0; k < 8; k++) {
-            c = c & 1 ? 0xEDB88320u ^ c >> 1 : c >> 1;
-        }
-        table[i] = c;
-    }
-}
-
 static bool checksum(report_file *file) {
     enum { CHUNK = 65536 };
-    uint32_t table[256], crc = 0xFFFFFFFFu;
     unsigned char *chunk = malloc(CHUNK);
     FILE *from = chunk ? fopen(file->path, "rb") : NULL;
-    bool good = from != NULL;
-    crc_table(table);
-    for (size_t n; good && (n = fread(chunk, 1, CHUNK, from)) > 0;) {
-        for (size_t i = 0; i < n; i++) {
-            crc = table[(crc ^ chunk[i]) & 0xFF] ^ crc >> 8;
-        }
+    file->crc = 0;
+    for (size_t n; from && (n = fread(chunk, 1, CHUNK, from)) > 0;) {
+        file->crc = crc32_add(file->crc, chunk, n);
     }
-    good = good && !ferror(from);
+    bool good = from && !ferror(from);
     if (from) {
         fclose(from);
     }
     free(chunk);
-    file->crc = crc ^ 0xFFFFFFFFu;
     return good;
 }
 

@@ -60,6 +60,16 @@ json_t *json_numbers(size_t n, const double *value) {
     return list;
 }
 
+void json_add_law(json_t *to, const palp_law *law) {
+    if (law->kind == PALP_LAW_SPLINE) {
+        json_object_set_new(to, "strain", json_numbers(law->n, law->strain));
+        json_object_set_new(to, "stiffness_N", json_numbers(law->n, law->coefficients));
+        return;
+    }
+    json_object_set_new(to, law->kind == PALP_LAW_POLYNOMIAL ? "coefficients_N" : "coefficients_Pa",
+                        json_numbers(law->n, law->coefficients));
+}
+
 double json_number_at(const json_t *object, const char *key) {
     const json_t *value = json_object_get(object, key);
     return json_is_number(value) ? json_number_value(value) : NAN;

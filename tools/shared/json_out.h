@@ -3,6 +3,7 @@
 #define PALPATE_JSON_OUT_H
 
 #include <jansson.h>
+#include <palpate/law.h>
 #include <stddef.h>
 
 /* Prints a value with two spaces of indent and frees it; an exit code. NULL = out of memory. */
@@ -14,6 +15,9 @@ int json_save(const char *name, json_t *value, const char *path);
 int json_save_in(const char *name, json_t *value, const char *folder, const char *file);
 
 json_t *json_numbers(size_t n, const double *value);
+
+/* A law's numbers: coefficients_N or coefficients_Pa, or strain and stiffness_N of a spline. */
+void json_add_law(json_t *to, const palp_law *law);
 
 /* The member of a key; NAN or "-" if there is none of this type. */
 double json_number_at(const json_t *object, const char *key);
