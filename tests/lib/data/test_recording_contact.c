@@ -172,6 +172,23 @@ START_TEST(zero_force_that_is_not_white) {
 }
 END_TEST
 
+/* Ten samples of rest on the specimen are enough, nine are not. */
+START_TEST(a_short_rest_is_zero_force) {
+    const palp_recording_settings settings = palp_recording_settings_default();
+    for (size_t rest = 9; rest < 11; rest++) {
+        made *m = make(400);
+        for (size_t i = 0; i < m->r.n; i++) {
+            m->depth[i] = i < rest ? 0.0 : STEP_M * (double)(i - rest + 1);
+            m->force[i] = 0.5 + SLOPE_N_M * m->depth[i];
+        }
+        recording_find_contact(&m->r, &settings);
+        ck_assert_double_eq_tol(m->r.zero_N, rest == 10 ? 0.5 : 0.0, 1e-12);
+        ck_assert_double_eq_tol(m->r.zero_sd_N, rest == 10 ? 1e-4 / sqrt(10.0) : 0.0, 1e-15);
+        free(m);
+    }
+}
+END_TEST
+
 /* ---- clipping ---- */
 
 static size_t clipped(size_t flat, double share, double moves) {
@@ -247,6 +264,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_bend_counts_three_times);
     tcase_add_test(tc, a_nominal_contact_is_doubted_by_what_the_rise_says);
     tcase_add_test(tc, zero_force_that_is_not_white);
+    tcase_add_test(tc, a_short_rest_is_zero_force);
     tcase_add_test(tc, clipping_is_a_flat_top_while_the_plate_moves);
     tcase_add_test(tc, correlation_from_sample_to_sample);
     tcase_add_test(tc, hum_has_its_amplitude_and_frequency);
