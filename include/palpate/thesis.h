@@ -32,11 +32,12 @@ typedef struct palp_three_phase_settings {
     double dt_s;                      /* time step */
     double error_bound;               /* relative, of peak force, time to the steady state and force there */
     double steady_slope_N_s;          /* the force is steady where it falls slower than this */
+    bool frozen_dwell;                /* nodes stay where the ramp leaves them, as in the thesis' tables */
     palp_calibrate_progress progress; /* may be NULL; non-zero stops with ERR_STOPPED */
     void *user;
 } palp_three_phase_settings;
 
-/* 80 runs of 1 ms steps, 0.01, 1e-3 N/s. */
+/* 80 runs of 1 ms steps, 0.01, 1e-3 N/s, nodes in equilibrium throughout. */
 PALP_API palp_three_phase_settings palp_three_phase_settings_default(void);
 
 /* Figure 5.21, one arm and one ramp and hold from rest: peak force by K1 and b1, time to the steady state by b1, force

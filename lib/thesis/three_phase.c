@@ -37,6 +37,23 @@ static marks marks_of_record(const palp_target *target, double slope) {
     return m;
 }
 
+/* A step of the dwell: to equilibrium, or of a frozen dwell with every node where it is. */
+static palp_status dwell_step(palp_network *net, bool frozen, double depth_m, double dt_s) {
+    if (!frozen)
+        return palp_network_step(net, depth_m, dt_s, NULL);
+    palp_status status = network_begin(net, depth_m, dt_s);
+    if (status)
+        return status;
+    memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+    if (!network_evaluate(net))
+        return PALP_ERR_COLLAPSED;
+    network_finish(net);
+    net->trial_checked = false;
+    net->trial = true;
+    palp_network_commit(net);
+    return PALP_OK;
+}
+
 /* Runs the ramp, and the hold until it is steady if wanted. */
 static palp_status run(three_phase *s, bool hold) {
     const palp_path *path = &s->target->path;
@@ -48,7 +65,7 @@ static palp_status run(three_phase *s, bool hold) {
     s->reached.peak = s->net->now.force;
     for (double t = ramp + dt; hold && t < end + 0.5 * dt && !status; t += dt) {
         double before = s->net->now.force;
-        status = palp_network_step(s->net, path->depth_m[1], dt, NULL);
+        status = dwell_step(s->net, s->settings->frozen_dwell, path->depth_m[1], dt);
         s->reached.steady_time = t;
         s->reached.steady_force = s->net->now.force;
         if (before - s->net->now.force < s->settings->steady_slope_N_s * dt)

@@ -19,8 +19,8 @@ typedef struct calibrate_options {
     size_t n_words;
     cli_list nodes, size_mm, depth_mm;
     double scale_mm, area_mm2, ramp_s, hold_s, dt_ms;
-    int stage, method, formulation, law, branch; /* indices of the choices */
-    int scaling;                                 /* palp_mesh_scaling, or -1 = not given */
+    int stage, method, formulation, dwell, law, branch; /* indices of the choices */
+    int scaling;                                        /* palp_mesh_scaling, or -1 = not given */
     size_t arms, degree, knots, steps;
     bool hex_diagonals, strain_dependent, every_step, json;
     char command[CLI_COMMAND_MAX];

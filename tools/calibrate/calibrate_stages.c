@@ -183,7 +183,7 @@ static void relaxation_start(const calibrate_options *o, const calibrate_state *
     }
     double ratio = stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest / s->height_m);
     bool three_phase = s->relaxation_method == METHOD_THREE_PHASE;
-    bool arms_given = o->start && s->model.material.n_arms == n && n > 0 && !three_phase;
+    bool arms_given = o->start && s->model.material.n_arms == n && n > 0;
     *start = s->model.material;
     start->formulation = (palp_formulation)o->formulation;
     if (!arms_given) {
@@ -195,6 +195,7 @@ static palp_status three_phases(const calibrate_options *o, calibrate_state *s, 
                                 const palp_target *target, progress *bar) {
     palp_three_phase_settings settings = palp_three_phase_settings_default();
     settings.dt_s = 1e-3 * o->dt_ms;
+    settings.frozen_dwell = o->dwell;
     settings.progress = show_progress;
     settings.user = bar;
     return palp_thesis_three_phase(s->network, start, target, &settings, &s->relaxation_result);

@@ -48,6 +48,9 @@ static size_t fit_options(calibrate_options *o, cli_option *to) {
         cli_choice("formulation", "history|sedef2008", &o->formulation,
                    "how an element advances (default history: exact;\n"
                    "sedef2008: Eq. 5.4, one arm)"),
+        cli_choice("dwell", "equilibrium|frozen", &o->dwell,
+                   "three_phase: in the hold nodes move to equilibrium (default), or\n"
+                   "stay where the ramp leaves them, as in the tables of Sedef 2008"),
         cli_choice("law", "polynomial|spline", &o->law, "form of the stiffness law (default polynomial)"),
         cli_count("degree", "N", 0, 12, &o->degree, "of the polynomial (default 4)"),
         cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 8)"),
@@ -158,6 +161,9 @@ static int check_method(const calibrate_options *o) {
     }
     if (o->stage != STAGE_STATIC && loops && o->depth_mm.n > 1) {
         return cli_usage_error(NAME, "--method three_phase takes one depth; run it once for each");
+    }
+    if (o->dwell && (o->stage == STAGE_STATIC || o->method != METHOD_THREE_PHASE)) {
+        return cli_usage_error(NAME, "--dwell goes with --method three_phase");
     }
     if (o->law == LAW_SPLINE && loops && !(o->stage == STAGE_RELAXATION && o->start)) {
         return cli_usage_error(NAME, "--law spline needs --method nlopt");

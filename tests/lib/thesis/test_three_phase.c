@@ -1,4 +1,4 @@
-/* test_three_phase.c: the thesis' loops of Figure 5.21 against Tables 5.2 and 5.7. */
+/* test_three_phase.c: the thesis' loops of Figure 5.21 against Tables 5.2 to 5.5 and 5.7. */
 #include "cube.h"
 
 #include <palpate/closed_form.h>
@@ -94,6 +94,41 @@ START_TEST(table_5_2) {
     }
     ck_assert_double_lt(result.iterations[14].peak_error_percent, 1.0); /* as the thesis, and not before */
     ck_assert_double_gt(result.iterations[13].peak_error_percent, 1.0);
+    palp_calibration_free(&result);
+    record_free(&r);
+}
+END_TEST
+
+/* Phases 2 and 3 at 6 mm with nodes that stand still in the dwell, phase by phase and after three global iterations. */
+START_TEST(tables_5_3_to_5_5) {
+    static const struct {
+        int phase;
+        double viscosity_Ns, error_percent, thesis_percent;
+    } rows[6] = {{2, 1.935015, 11.24, 12.17}, {2, 2.203140, 4.21, 4.70}, {2, 2.312092, 1.59, 1.83},
+                 {2, 2.355420, 0.60, 0.72},   {3, 2.355420, 5.10, 5.40}, {3, 2.355420, 0.22, 0.20}};
+    record r = record_make(0.006, 60.0, 1e-3);
+    palp_material start = thesis_start(PALP_SEDEF2008);
+    palp_three_phase_settings settings = thesis_settings(1e-3);
+    settings.frozen_dwell = true;
+    palp_calibration result = calibrate(&start, &r, &settings);
+    ck_assert(result.converged);
+    size_t global = 1;
+    for (size_t i = 1; i < result.n_iterations; i++)
+        global += result.iterations[i].phase == 1 && result.iterations[i - 1].phase == 3;
+    ck_assert_uint_eq(global, 3);
+    for (size_t i = 0; i < 6; i++) {
+        const palp_calibrate_iteration *it = &result.iterations[15 + i];
+        double error = it->phase == 2 ? it->steady_time_error_percent : it->steady_force_error_percent;
+        ck_assert_int_eq(it->phase, rows[i].phase);
+        ck_assert_double_eq_tol(error, rows[i].error_percent, 0.02);
+        ck_assert_double_eq_tol(error, rows[i].thesis_percent, 0.95);
+        ck_assert_double_eq_tol(it->material.arms[0].viscosity_Ns, rows[i].viscosity_Ns, 0.02 * rows[i].viscosity_Ns);
+    }
+    ck_assert_double_eq_tol(result.iterations[20].peak_error_percent, 3.3, 0.25);
+    ck_assert_double_eq_tol(result.iterations[20].steady_time_error_percent, 2.2, 0.2);
+    ck_assert_double_eq_tol(result.material.arms[0].stiffness_N, 0.159, 0.001);
+    ck_assert_double_eq_tol(result.material.arms[0].viscosity_Ns, 2.251, 0.009);
+    ck_assert_double_eq_tol(result.material.law.coefficients[4], 167.98, 0.005 * 167.98);
     palp_calibration_free(&result);
     record_free(&r);
 }
@@ -259,6 +294,7 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_test(tc, table_5_2);
+    tcase_add_test(tc, tables_5_3_to_5_5);
     tcase_add_test(tc, growth_of_the_arm);
     tcase_add_test(tc, converged_means_within_the_bound);
     tcase_add_test(tc, phases_and_their_limit);
