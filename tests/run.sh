@@ -116,7 +116,8 @@ check)
     add "public headers" "sh tests/install/headers.sh"
     add "manual pages" "sh tests/install/manual.sh"
     add "what documents name" "sh tests/install/documents.sh"
-    add "layers are told apart" "sh tests/layers.sh --self-test"
+    add "layers" "sh tests/layers.sh"
+    add "layers, what they find" "sh tests/layers.sh --self-test"
     ;;
 rest)
     long

@@ -155,6 +155,30 @@ START_TEST(restore_brings_the_cuts_back) {
 }
 END_TEST
 
+/* A chain cut in two: the far part is not loose where any one axis of its end is held. */
+START_TEST(held_along_one_axis_is_not_loose) {
+    const double x[12] = {0, 0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0};
+    const int32_t pair[6] = {0, 1, 1, 2, 2, 3}, middle = 1;
+    palp_material m = quartic(0);
+    palp_network_settings settings = palp_network_settings_default();
+    palp_support supports[2] = {{"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}},
+                                {"top", {PALP_FREE, PALP_FREE, PALP_FREE}, {0, 0, 0}}};
+    palp_mesh *mesh = NULL;
+    palp_network *net = NULL;
+    if (_i < 3)
+        supports[1].axis[_i] = PALP_FIXED;
+    ck_assert_int_eq(palp_mesh_create(4, x, 3, pair, &mesh, NULL), PALP_OK);
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "bottom", 1, 0.0, 0.1), PALP_OK);
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "top", 1, 3.0, 0.1), PALP_OK);
+    ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, NULL), PALP_OK);
+    palp_mesh_free(mesh);
+    ck_assert_int_eq(palp_network_enable_cutting(net), PALP_OK);
+    ck_assert_int_eq(palp_network_cut_elements(net, 1, &middle), PALP_OK);
+    ck_assert_uint_eq(palp_network_loose(net, NULL), _i < 3 ? 0 : 2);
+    palp_network_free(net);
+}
+END_TEST
+
 /* The part that is cut off goes with the hand without a force, and is loose when let go. */
 START_TEST(a_held_part_is_not_loose) {
     palp_material m = quartic(1);
@@ -336,6 +360,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, random_cuts_and_tears_twice_the_same, 0, 6);
     tcase_add_loop_test(tc, a_walk_ends_where_a_fresh_network_is, 0, 3);
     tcase_add_test(tc, restore_brings_the_cuts_back);
+    tcase_add_loop_test(tc, held_along_one_axis_is_not_loose, 0, 4);
     tcase_add_test(tc, a_held_part_is_not_loose);
     tcase_add_test(tc, a_tool_moves_a_loose_part);
     tcase_add_test(tc, cuts_within_a_budget);

@@ -275,6 +275,47 @@ START_TEST(energy_consistent) {
 }
 END_TEST
 
+/* The kept elements' tangent, where a state was sampled, is that of all: their stretching and their turning under load. */
+START_TEST(kept_elements_have_the_tangent_of_all) {
+    enum { MODES = 3 };
+    palp_material m = quartic(0);
+    palp_network *net = cube_network(5, &m, NULL);
+    palp_snapshots *snapshots = press(net, 0.005, 0.02, 0.5);
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    settings.modes = MODES;
+    settings.tolerance = settings.element_tolerance = 1e-9;
+    settings.elements = 300;
+    palp_reduced *few = reduce(net, 1, &snapshots, 0, NULL, &settings), *all = NULL;
+    double *weight = malloc(net->n_elements * sizeof *weight), k[2][MODES * MODES] = {{0.0}}, drive;
+    int32_t *element = malloc(net->n_elements * sizeof *element);
+    ck_assert_uint_eq(few->modes, MODES);
+    ck_assert_uint_lt(few->n_elements, net->n_elements / 2);
+    for (size_t i = 0; i < net->n_elements; i++) {
+        element[i] = (int32_t)i;
+        weight[i] = 1.0;
+    }
+    ck_assert_int_eq(reduced_make(net, NULL, MODES, few->basis, few->lift, net->n_elements, element, weight, &all), PALP_OK);
+    palp_reduced *both[] = {few, all};
+    ck_assert_int_eq(palp_reduced_step(all, 0.004, 0, NULL, INFINITY, NULL, NULL), PALP_OK);
+    for (size_t i = 0; i < 2; i++) {
+        element_step_prepare(&both[i]->material, INFINITY, &both[i]->step);
+        memcpy(both[i]->next.q, all->now.q, MODES * sizeof *all->now.q);
+        both[i]->next.depth = 0.004;
+        ck_assert(reduced_evaluate(both[i], &drive));
+        reduced_stiffness(both[i], 0, both[i]->n_elements, k[i]);
+    }
+    for (size_t i = 0; i < MODES; i++)
+        for (size_t j = 0; j < MODES; j++)
+            ck_assert_double_eq_tol(k[0][i * MODES + j], k[1][i * MODES + j], 5e-6 * k[1][0]);
+    palp_reduced_free(all);
+    palp_reduced_free(few);
+    palp_snapshots_free(snapshots);
+    palp_network_free(net);
+    free(weight);
+    free(element);
+}
+END_TEST
+
 /* A model of paths, its bound from held-out ones, and its error on one that it has never seen. */
 static void check_unseen(palp_reduced *reduced, const palp_snapshots *unseen, double most) {
     palp_reduced_summary s = palp_reduced_describe(reduced);
@@ -505,6 +546,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, nothing_reduced_under_a_tool);
     tcase_add_test(tc, rest_is_rest);
     tcase_add_test(tc, energy_consistent);
+    tcase_add_test(tc, kept_elements_have_the_tangent_of_all);
     tcase_add_test(tc, plate_on_paths_held_out);
     tcase_add_test(tc, tool_on_paths_held_out);
     tcase_add_test(tc, knows_its_range);
