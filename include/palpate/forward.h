@@ -11,15 +11,15 @@ extern "C" {
 #endif
 
 /* What earlier presses left in a specimen, of which damage and permanent set depend. Zero-initialised = a fresh one.
- * Of a network the elements keep their own largest strains: palp_forward_wear_free. With peak alone it is one that was
+ * Of a network the elements keep their own largest strains: palp_load_history_free. With peak alone it is one that was
  * slowly pressed to there. */
-typedef struct palp_forward_wear {
+typedef struct palp_load_history {
     double peak;    /* largest strain so far, of a network's surface */
     double *peak_p; /* [n_parameters] its derivatives, caller's; NULL with no gradient */
-    struct palp_forward_elements *elements;
-} palp_forward_wear;
+    struct palp_load_history_elements *elements;
+} palp_load_history;
 
-PALP_API void palp_forward_wear_free(palp_forward_wear *wear); /* as fresh then; peak_p stays as it is */
+PALP_API void palp_load_history_free(palp_load_history *history); /* as fresh then; peak_p stays as it is */
 
 /* A column of a recording that an effect of the model reads (palp_effect_info.column). */
 typedef struct palp_forward_column {
@@ -37,7 +37,7 @@ typedef struct palp_forward_run {
     size_t parts;                   /* steps of the specimen from sample to sample; 0 = 1 */
     size_t n_columns;               /* what it does not have is taken to stay as it was at the first sample */
     const palp_forward_column *column; /* [n_columns] */
-    palp_forward_wear *wear;        /* NULL, or how the run finds the specimen, and then how it leaves it */
+    palp_load_history *history;     /* NULL, or how the run finds the specimen, and then how it leaves it */
 } palp_forward_run;
 
 /* Parameters of a model in one vector: law coefficients, then K_j, b_j of each arm, then each effect's own
@@ -48,7 +48,7 @@ PALP_API palp_status palp_forward_set(palp_model *model,
                                       const double *parameter); /* ERR_ARGUMENT: makes no model */
 
 /* force_N[n] of a lumped model, and by columns d force / d parameter where gradient[n * n_parameters] is not
- * NULL. The specimen starts at rest at the first sample, worn as run->wear says (its surface then lies where the
+ * NULL. The specimen starts at rest at the first sample, as run->history says (its surface then lies where the
  * permanent set left it). The contact is one-sided: a plate that the specimen
  * does not stick to cannot pull, and a specimen left behind recovers on its own. Linear in depth between the
  * samples. With no effects and depths that never leave the specimen: palp_lumped_run to the bit. An effect
@@ -60,7 +60,7 @@ PALP_API palp_status palp_forward_force(const palp_model *model, const palp_forw
 
 /* The same for a network model, without derivatives; settings may be NULL (density is the model's). A
  * material effect's numbers are those of every element, as the model's law and arms are. Errors of
- * palp_network_step too; ERR_ARGUMENT: the wear is that of another mesh. */
+ * palp_network_step too; ERR_ARGUMENT: the load history is that of another mesh. */
 PALP_API palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
                                           const palp_forward_run *run, double *force_N, palp_error *error);
 

@@ -1,9 +1,9 @@
 /* damage_softening.c: a spring that is softer below the largest strain so far (Ogden and Roxburgh 1999). */
 #include "effect_internal.h"
 
-static void history(const double *value, element_wear *wear, element_wear by_value[PALP_EFFECT_PARAMETERS]) {
-    wear->softening = value[0];
-    wear->sharpness = value[1];
+static void history(const double *value, element_damage *damage, element_damage by_value[PALP_EFFECT_PARAMETERS]) {
+    damage->softening = value[0];
+    damage->sharpness = value[1];
     by_value[0].softening = 1.0;
     by_value[1].sharpness = 1.0;
 }

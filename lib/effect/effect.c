@@ -2,7 +2,6 @@
 #include "effect_internal.h"
 #include "base/file.h"
 
-#include <math.h>
 #include <string.h>
 
 #define EFFECT_ENTRY(NAME, id) [PALP_EFFECT_##NAME] = &effect_##id,
@@ -64,15 +63,4 @@ bool effect_is_off(const palp_effect *effect) {
         if (row->info.parameter[k].strength && effect->value[k] != 0.0)
             return false;
     return true;
-}
-
-void effect_start_at(effect_starts *starts, double a, double b, double c) {
-    if (starts->n < EFFECT_STARTS)
-        starts->effect[starts->n++] = (palp_effect){.id = starts->id, .value = {a, b, c}};
-}
-
-void effect_start_times(effect_starts *starts, const effect_data *data, double low, size_t n) {
-    double high = 2.0 * data->duration;
-    for (size_t k = 0; k < n; k++)
-        effect_start_at(starts, 0.0, low * pow(high / low, (double)k / (double)(n - 1)), 0.0);
 }

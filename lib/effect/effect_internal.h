@@ -69,8 +69,8 @@ typedef struct effect_arm {
 /* Changes an arm of the model, or of another effect; by_value comes zeroed. */
 typedef void effect_arms(const double *value, palp_arm *arm, effect_arm by_value[PALP_EFFECT_PARAMETERS]);
 
-/* Changes how loading wears the spring; by_value comes zeroed. */
-typedef void effect_history(const double *value, element_wear *wear, element_wear by_value[PALP_EFFECT_PARAMETERS]);
+/* Changes how loading damages the spring; by_value comes zeroed. */
+typedef void effect_history(const double *value, element_damage *damage, element_damage by_value[PALP_EFFECT_PARAMETERS]);
 
 /* ---- a number: a factor, a force, a stiffness ---- */
 typedef struct effect_number {

@@ -1,8 +1,8 @@
 /* permanent_set.c: a spring that does not come back to its full length. */
 #include "effect_internal.h"
 
-static void history(const double *value, element_wear *wear, element_wear by_value[PALP_EFFECT_PARAMETERS]) {
-    wear->set = value[0];
+static void history(const double *value, element_damage *damage, element_damage by_value[PALP_EFFECT_PARAMETERS]) {
+    damage->set = value[0];
     by_value[0].set = 1.0;
 }
 

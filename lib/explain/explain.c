@@ -46,12 +46,12 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
     if (!s->force || !s->residual)
         return PALP_ERR_NO_MEMORY;
     status = explain_fit_create(model, &s->data, &s->fit);
-    explain_wear wear = {.wear.peak = 0.0};
+    explain_history history = {.load.peak = 0.0};
     for (size_t r = 0, at = 0; r < n && !status; at += s->data.run[r++].n) {
-        palp_forward_run path = explain_forward_run(&s->data.run[r], &wear);
+        palp_forward_run path = explain_forward_run(&s->data.run[r], &history);
         status = explain_predict(model, &path, s->force + at, NULL, error);
     }
-    palp_forward_wear_free(&wear.wear);
+    palp_load_history_free(&history.load);
     for (size_t r = 0, at = 0; r < n && !status; at += s->data.run[r++].n)
         for (size_t i = 0; i < s->data.run[r].n; i++)
             s->residual[at + i] = s->data.run[r].force[i] - s->force[at + i];

@@ -28,15 +28,15 @@ static palp_status make_basis(const explain_fit *fit, const explain_data *data, 
     size_t n = data->n, k = fit->n_columns;
     double *gradient = malloc((k + 1) * data->longest * sizeof *gradient);
     palp_status status = gradient ? PALP_OK : PALP_ERR_NO_MEMORY;
-    explain_wear wear = {.wear.peak = 0.0};
+    explain_history history = {.load.peak = 0.0};
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         size_t own = data->run[r].n;
-        palp_forward_run path = explain_forward_run(&data->run[r], &wear);
+        palp_forward_run path = explain_forward_run(&data->run[r], &history);
         status = explain_predict(&fit->model, &path, gradient + k * own, gradient, NULL);
         for (size_t j = 0; j < k && !status; j++)
             memcpy(basis + j * n + at, gradient + j * own, own * sizeof *basis);
     }
-    palp_forward_wear_free(&wear.wear);
+    palp_load_history_free(&history.load);
     for (size_t j = 0; j < k && !status; j++) {
         double *column = basis + j * n, whole = sqrt(dot(n, column, column));
         take_off(n, j, basis, column);

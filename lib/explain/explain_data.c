@@ -9,13 +9,13 @@
 
 static const double SPIKE_SIGMA = 8.0;
 
-palp_forward_run explain_forward_run(const explain_run *run, explain_wear *wear) {
+palp_forward_run explain_forward_run(const explain_run *run, explain_history *history) {
     if (run->fresh)
-        palp_forward_wear_free(&wear->wear);
-    wear->wear.peak_p = wear->slope;
+        palp_load_history_free(&history->load);
+    history->load.peak_p = history->slope;
     return (palp_forward_run){
         .n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session,
-        .n_columns = run->n_columns, .column = run->column, .wear = &wear->wear};
+        .n_columns = run->n_columns, .column = run->column, .history = &history->load};
 }
 
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event) {
@@ -217,13 +217,13 @@ static void compare_zeros(explain_data *data) {
 }
 
 /* The largest strain that earlier runs have pressed each specimen to. */
-static void find_worn(explain_data *data) {
-    double worn = 0.0;
+static void find_largest_strains(explain_data *data) {
+    double largest = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {
         explain_run *run = &data->run[r];
-        run->worn = worn = run->fresh ? 0.0 : worn;
+        run->largest_strain = largest = run->fresh ? 0.0 : largest;
         for (size_t i = 0; i < run->n; i++)
-            worn = fmax(worn, run->depth[i] / data->height);
+            largest = fmax(largest, run->depth[i] / data->height);
     }
 }
 
@@ -271,7 +271,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
     if (!status) {
         compare_replicates(data);
         compare_zeros(data);
-        find_worn(data);
+        find_largest_strains(data);
     }
     if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))
         status = palp_error_set(error, PALP_ERR_INPUT, "%s: no run presses the specimen", data->run[0].name);

@@ -18,7 +18,7 @@ typedef struct explain_run {
     unsigned char *phase;         /* [n] palp_phase */
     double session, white;        /* when it began; sd of a sample's white noise */
     bool fresh;                   /* on a specimen that no run before it pressed */
-    double worn;                  /* largest strain of the earlier runs on its specimen, by depth */
+    double largest_strain;                  /* largest strain of the earlier runs on its specimen, by depth */
     double *keep, *take, *weight; /* [n] the filter that makes its noise white (explain_noise.h) */
     int replicate;                /* earlier run of the same protocol, -1 = none */
     bool held_out;                /* kept out of the fit */
@@ -53,14 +53,14 @@ palp_status explain_each(const palp_explain_settings *settings, size_t n, void (
 /* run->white from x[n], its force or its residual. */
 palp_status explain_white_noise(explain_run *run, const double *x);
 
-/* What a specimen keeps from run to run; zero-initialised before the first, palp_forward_wear_free after the last. */
-typedef struct explain_wear {
-    palp_forward_wear wear;
+/* What a specimen keeps from run to run; zero-initialised before the first, palp_load_history_free after the last. */
+typedef struct explain_history {
+    palp_load_history load;
     double slope[EXPLAIN_COLUMNS];
-} explain_wear;
+} explain_history;
 
 /* For the runs one after the other, in their order, all with one model. */
-palp_forward_run explain_forward_run(const explain_run *run, explain_wear *wear);
+palp_forward_run explain_forward_run(const explain_run *run, explain_history *history);
 
 /* ---- the session (explain_order.c) ---- */
 

@@ -197,9 +197,9 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
     size_t columns = palp_forward_parameter_count(full), n = data->longest;
     double *work = malloc((1 + columns + fit->m) * n * sizeof *work);
     status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
-    explain_wear wear = {.wear.peak = 0.0};
+    explain_history history = {.load.peak = 0.0};
     for (size_t r = 0; r < data->n_runs && !status; r++) {
-        palp_forward_run path = explain_forward_run(&data->run[r], &wear);
+        palp_forward_run path = explain_forward_run(&data->run[r], &history);
         status = run_products(fit, &data->run[r], &path, full, offset, gain, work, work + n, work + (1 + columns) * n,
                               fit->product + r * fit->m * fit->m);
         if (force && !status) {
@@ -207,7 +207,7 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
             force += data->run[r].n;
         }
     }
-    palp_forward_wear_free(&wear.wear);
+    palp_load_history_free(&history.load);
     free(work);
     free(full);
     if (!status)

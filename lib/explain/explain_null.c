@@ -47,14 +47,14 @@ static palp_status strength_column(const palp_model *model, const palp_effect *e
     *more = *model;
     size_t k = palp_forward_parameter_count(model);
     more->effects[more->n_effects++] = *effect;
-    explain_wear wear = {.wear.peak = run->worn};
-    palp_forward_run path = explain_forward_run(run, &wear);
+    explain_history history = {.load.peak = run->largest_strain};
+    palp_forward_run path = explain_forward_run(run, &history);
     palp_status status = explain_predict(more, &path, work, work + run->n, NULL);
     if (status)
         memset(column, 0, run->n * sizeof *column);
     else
         memcpy(column, work + (1 + k) * run->n, run->n * sizeof *column);
-    palp_forward_wear_free(&wear.wear);
+    palp_load_history_free(&history.load);
     free(more);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
@@ -66,8 +66,8 @@ static palp_status make_columns(const explain_search *s, const directions *d, si
     static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
     size_t n = run->n, k = s->fit.n_columns;
     double *work = malloc((k + PALP_EFFECT_PARAMETERS + 1) * n * sizeof *work);
-    explain_wear wear = {.wear.peak = run->worn};
-    palp_forward_run path = explain_forward_run(run, &wear);
+    explain_history history = {.load.peak = run->largest_strain};
+    palp_forward_run path = explain_forward_run(run, &history);
     palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n && work; i++)
         column[i] = 1.0;
@@ -81,7 +81,7 @@ static palp_status make_columns(const explain_search *s, const directions *d, si
         status = strength_column(model, &d->effect[i], run, work, column + (3 + k + i) * n);
     for (size_t i = 0; i < 3 + k + d->n && !status; i++)
         explain_whiten(run, column + i * n);
-    palp_forward_wear_free(&wear.wear);
+    palp_load_history_free(&history.load);
     free(work);
     return status;
 }

@@ -62,7 +62,7 @@ palp_status explain_noise_level(const explain_data *data, const explain_fit *fit
     double *other = malloc(data->longest * sizeof *other), slope = 0.0, load = 0.0, white = 0.0, step = 1e-6;
     double jump = 100.0 * step * data->peak / data->deepest; /* a plate that lets go a sample earlier has no slope */
     palp_status status = moved && other ? PALP_OK : PALP_ERR_NO_MEMORY;
-    explain_wear wear = {.wear.peak = 0.0};
+    explain_history history = {.load.peak = 0.0};
     if (!status)
         *moved = fit->model;
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
@@ -71,7 +71,7 @@ palp_status explain_noise_level(const explain_data *data, const explain_fit *fit
         status = depth ? PALP_OK : PALP_ERR_NO_MEMORY;
         for (size_t i = 0; i < run->n && depth; i++)
             depth[i] = run->depth[i] + step;
-        palp_forward_run path = explain_forward_run(run, &wear);
+        palp_forward_run path = explain_forward_run(run, &history);
         path.depth_m = depth;
         if (!status)
             status = explain_predict(moved, &path, other, NULL, NULL);
@@ -87,7 +87,7 @@ palp_status explain_noise_level(const explain_data *data, const explain_fit *fit
         white += run->white * run->white * (double)run->n;
         free(depth);
     }
-    palp_forward_wear_free(&wear.wear);
+    palp_load_history_free(&history.load);
     double n = (double)data->n;
     *noise_level_N = sqrt(white / n + data->correlated * data->correlated + pow(fit->scatter.gain, 2) * load / n +
                     pow(fit->scatter.contact, 2) * slope / n);

@@ -20,7 +20,7 @@ void element_step_prepare(const palp_material *material, double dt, element_step
     step->dashpot = material->dashpot_Ns > 0.0 ? material->dashpot_Ns / dt : 0.0;
     step->carry = 0.0;
     step->rate_factor = 1.0;
-    step->wear = NULL;
+    step->damage = NULL;
     bool sedef = material->formulation == PALP_SEDEF2008;
     for (size_t j = 0; j < material->n_arms; j++) {
         const palp_arm *arm = &material->arms[j];
@@ -104,13 +104,13 @@ static void nonlinear_arm(const palp_material *material, const element_step *ste
     }
 }
 
-/* The springs as wear and rate_factor make them, in place of the law's. */
+/* The springs as damage and rate_factor make them, in place of the law's. */
 static void change_springs(const palp_material *material, const element_step *step, size_t n, const double *e,
                            const element_history *old, element_history *new, double *force, double *tangent) {
     for (size_t i = 0; i < n; i++) {
-        if (step->wear) {
-            element_worn spring;
-            element_worn_force(&material->law, step->wear, e[i], old->peak[i], &spring);
+        if (step->damage) {
+            element_damaged spring;
+            element_damage_force(&material->law, step->damage, e[i], old->peak[i], &spring);
             new->peak[i] = spring.peak;
             force[i] = spring.force;
             tangent[i] = spring.by_strain;
@@ -127,7 +127,7 @@ void element_trial(const palp_material *material, const element_step *step, size
         new->strain[i] = e[i];
         new->elastic[i] = force[i];
     }
-    if (step->wear || step->rate_factor != 1.0)
+    if (step->damage || step->rate_factor != 1.0)
         change_springs(material, step, n, e, old, new, force, tangent);
     if (material->formulation == PALP_SEDEF2008 && material->n_arms > 0) {
         sedef_trial(material, step, n, e, old, force, tangent);
@@ -152,7 +152,7 @@ bool element_energy(const palp_material *material, const element_step *step, siz
     for (size_t j = 0; j < material->n_arms; j++)
         if (material->arms[j].gamma != 0.0)
             return false;
-    if ((material->formulation == PALP_SEDEF2008 && material->n_arms > 0) || step->wear || step->rate_factor != 1.0)
+    if ((material->formulation == PALP_SEDEF2008 && material->n_arms > 0) || step->damage || step->rate_factor != 1.0)
         return false;
     palp_law_force(&material->law, n, e, work, NULL, energy);
     for (size_t i = 0; i < n; i++) {

@@ -8,9 +8,9 @@
  * (|e| - set peak) / (1 - set), 0 where that is negative, and its force is multiplied by
  * 1 - softening erf((W(peak) - W) / (sharpness W(peak))), W the law's energy there. slack: share of the
  * strain that it sees at least; a network without it would be a mechanism. */
-typedef struct element_wear {
+typedef struct element_damage {
     double set, softening, sharpness, slack;
-} element_wear;
+} element_damage;
 
 /* Constants of a step of dt seconds; arms with strain-dependent times take theirs per element. */
 typedef struct element_step {
@@ -20,7 +20,7 @@ typedef struct element_step {
     double dashpot;              /* b / dt, N */
     double carry;                /* PALP_SEDEF2008: share of the previous force vector, Eq. 5.11 */
     double rate_factor;                /* factor of the spring's force; prepare gives 1 */
-    const element_wear *wear;    /* prepare gives NULL: the spring does not wear */
+    const element_damage *damage;    /* prepare gives NULL: the spring does not damage */
 } element_step;
 
 /* What n elements remember, structure of arrays. */
@@ -28,7 +28,7 @@ typedef struct element_history {
     double *strain;  /* [n] */
     double *elastic; /* [n] K(|e|) e */
     double *arm;     /* [n_arms n], arm j at arm + j n */
-    double *peak;    /* [n] largest |e|, where the spring wears; or NULL */
+    double *peak;    /* [n] largest |e|, where the spring is damaged; or NULL */
 } element_history;
 
 /* exp(-x) and (1 - exp(-x)) / x, their limits at x = 0 and infinity included. */
@@ -67,14 +67,14 @@ void element_arm_partials(const palp_material *material, const element_step *ste
 /* d/dx of (1 - exp(-x)) / x, both functions of it given by element_decay. */
 double element_mean_slope(double x, double decay, double mean);
 
-/* Force of a worn spring and its derivatives; factor: what softening makes of it. */
-typedef struct element_worn {
+/* Force of a damaged spring and its derivatives; factor: what softening makes of it. */
+typedef struct element_damaged {
     double force, peak;                                 /* peak: with e in it */
     double by_strain, by_peak;                          /* peak: the old one, 0 where e is the new one */
     double by_set, by_softening, by_sharpness;
     double inner, factor, factor_by_energy, factor_by_peak_energy; /* inner: the strain that the law sees */
-} element_worn;
-void element_worn_force(const palp_law *law, const element_wear *wear, double e, double peak,
-                        element_worn *out);
+} element_damaged;
+void element_damage_force(const palp_law *law, const element_damage *damage, double e, double peak,
+                        element_damaged *out);
 
 #endif

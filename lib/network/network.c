@@ -244,8 +244,8 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
     return PALP_OK;
 }
 
-palp_status network_set_wear(palp_network *net, const element_wear *wear) {
-    net->wear = wear;
+palp_status network_set_damage(palp_network *net, const element_damage *damage) {
+    net->damage = damage;
     palp_status status = network_allocate_states(net);
     if (!status)
         palp_network_reset(net);

@@ -39,7 +39,7 @@ struct palp_network {
     int32_t *dof;         /* [3 n_nodes] unknown, or -1 */
     double *mass;         /* [n_nodes] kg, or NULL */
     double *unit;         /* [n_nodes] a node's own stiffness over that of an element, mean of directions, 1/m */
-    const element_wear *wear; /* of every element's spring, or NULL; caller's */
+    const element_damage *damage; /* of every element's spring, or NULL; caller's */
     double rate_factor;   /* of every spring's force in the next try */
     double extent;        /* largest rest dimension, m */
     double height;        /* rest dimension along the plate's motion, m */
@@ -93,7 +93,7 @@ palp_status network_make_pattern(palp_network *net);
 
 /* ---- network_state.c ---- */
 
-/* The states, as large as material, wear and terms ask for. On failure the old ones stay. */
+/* The states, as large as material, damage and terms ask for. On failure the old ones stay. */
 palp_status network_allocate_states(palp_network *net);
 void network_free_states(palp_network *net);
 
@@ -158,8 +158,8 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
 
 /* ---- network.c ---- */
 
-/* Lets the springs wear and resets the network. *wear is the caller's and stays. */
-palp_status network_set_wear(palp_network *net, const element_wear *wear);
+/* Lets the springs damage and resets the network. *damage is the caller's and stays. */
+palp_status network_set_damage(palp_network *net, const element_damage *damage);
 
 /* ---- terms of the network's own ---- */
 

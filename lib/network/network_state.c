@@ -39,7 +39,7 @@ static bool state_allocate(const palp_network *net, network_state *s) {
     s->history.strain = doubles(m, &ok);
     s->history.elastic = doubles(m, &ok);
     s->history.arm = doubles(m * net->material.n_arms, &ok);
-    if (net->wear)
+    if (net->damage)
         s->history.peak = doubles(m, &ok);
     if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
         s->vector = doubles(3 * m, &ok);

@@ -188,7 +188,7 @@ palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
         return status;
     element_step_prepare(&net->material, dt_s, &net->step);
     net->step.rate_factor = net->rate_factor;
-    net->step.wear = net->wear;
+    net->step.damage = net->damage;
     palp_law_stiffness(&net->material.law, 0.0, &net->modulus, NULL);
     for (size_t j = 0; j < net->material.n_arms; j++)
         net->modulus += net->material.arms[j].stiffness_N;

@@ -271,9 +271,9 @@ static palp_status check_create(const palp_network *net, size_t n_paths, palp_sn
     if (!sound)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a setting is out of range, or a path is of another network");
     bool vectors = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
-    if (net->mass || net->wear || network_foundation(net) || vectors)
+    if (net->mass || net->damage || network_foundation(net) || vectors)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "a network with mass, wear or the formulation sedef2008 cannot be reduced");
+                              "a network with mass, damage or the formulation sedef2008 cannot be reduced");
     return PALP_OK;
 }
 

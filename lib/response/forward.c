@@ -213,12 +213,12 @@ palp_status palp_forward_force(const palp_model *model, const palp_forward_run *
     status = forward_lumped_create(&plan, gradient ? plan.n_columns : 0, &lumped);
     if (status)
         return palp_error_set(error, status, "out of memory");
-    if (run->wear)
-        forward_lumped_wear(lumped, run->wear);
+    if (run->history)
+        forward_lumped_take_history(lumped, run->history);
     forward_specimen specimen = forward_lumped_specimen(lumped);
     status = forward_run(&plan, &specimen, run, force_N, gradient, error);
-    if (run->wear && !status)
-        forward_lumped_worn(lumped, run->wear);
+    if (run->history && !status)
+        forward_lumped_leave_history(lumped, run->history);
     forward_lumped_free(lumped);
     return status;
 }

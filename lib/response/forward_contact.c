@@ -12,34 +12,6 @@ static const double EARLY = 0.1, LATER = 0.047;
 static const double STRAIN_LOW = -0.95, STRAIN_HIGH = 0.999; /* where implicit strains are looked for */
 enum { EVENTS = 8 }; /* most events in one step: more would be rounding's */
 
-/* ---- equations ---- */
-
-/* A Newton step this short leaves an error of about its square; a bracket this narrow is rounding's. */
-static const double CLOSE = 1e-10, NARROW = 4e-15;
-
-palp_status forward_solve(forward_equation *equation, void *user, double low, double high, double *x) {
-    double value, slope, next;
-    bool below = false, above = false; /* the zero, at low and at high: known once they were asked */
-    for (int i = 0; i < 200; i++, *x = next) {
-        palp_status status = equation(user, *x, &value, &slope);
-        if (status || value == 0.0)
-            return status;
-        *(value < 0.0 ? &low : &high) = *x;
-        *(value < 0.0 ? &below : &above) = true;
-        next = *x - value / slope;
-        bool close = fabs(next - *x) <= CLOSE * fmax(fabs(*x), 1e-3);
-        if (close) {
-            *x = fmax(low, fmin(high, next));
-            return equation(user, *x, &value, &slope);
-        }
-        if (!(next > low && next < high))
-            next = 0.5 * (low + high);
-        if (!(high - low > NARROW))
-            return below && above ? PALP_OK : PALP_ERR_NOT_CONVERGED;
-    }
-    return PALP_ERR_NOT_CONVERGED;
-}
-
 /* ---- from the encoder to the surface ---- */
 
 typedef struct surface {

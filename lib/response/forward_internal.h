@@ -20,11 +20,11 @@ typedef struct forward_effect {
     effect_number pull, age;
 } forward_effect;
 
-/* By how much the strength or shape of an effect, in a column, changes how the spring wears. */
-typedef struct forward_wear_slope {
+/* By how much the strength or shape of an effect, in a column, changes how loading damages the spring. */
+typedef struct forward_damage_slope {
     size_t column;
-    element_wear by;
-} forward_wear_slope;
+    element_damage by;
+} forward_damage_slope;
 
 /* Likewise an arm. */
 typedef struct forward_arm_slope {
@@ -45,11 +45,11 @@ typedef struct forward_plan {
     size_t arm_column[PALP_ARMS_MAX];        /* of K_j; the next is b_j, or for an effect's arm its time */
     bool arm_timed[PALP_ARMS_MAX];           /* the latter */
     bool gives_way; /* the surface's depth depends on the force */
-    bool worn;      /* the spring is worn by loading, as wear tells */
+    bool damaged;      /* loading damages the spring, as damage tells */
     bool sets;      /* and does not come back to its length */
-    element_wear wear;
-    size_t n_wear_slopes;
-    forward_wear_slope wear_slope[PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS];
+    element_damage damage;
+    size_t n_damage_slopes;
+    forward_damage_slope damage_slope[PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS];
     double age;      /* factor of the specimen's force at the time of the session */
     double adhesion; /* pull at which the plate lets go, N */
 } forward_plan;
@@ -103,28 +103,33 @@ palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, fo
 void forward_lumped_free(forward_lumped *lumped);
 forward_specimen forward_lumped_specimen(forward_lumped *lumped);
 
-/* Takes the wear over before the first step; tells it after the last. */
-void forward_lumped_wear(forward_lumped *lumped, const palp_forward_wear *wear);
-void forward_lumped_worn(const forward_lumped *lumped, palp_forward_wear *wear);
+/* Takes the load history over before the first step; tells it after the last. */
+void forward_lumped_take_history(forward_lumped *lumped, const palp_load_history *history);
+void forward_lumped_leave_history(const forward_lumped *lumped, palp_load_history *history);
 
 /* Of one element: adds to force_p what the spring's own parameters change, strain and peak held; rate_factor and of_effect:
  * of the rate, by forward_rate_factor. */
-void forward_spring_own(const forward_plan *plan, const element_worn *spring, double peak, double rate_factor,
+void forward_spring_own(const forward_plan *plan, const element_damaged *spring, double peak, double rate_factor,
                         const effect_number *of_effect, double *force_p);
 
 /* The law's coefficients move the drive of a quasi-linear arm, K(e) e / K(0), from strain e[0] to e[1]. */
 void forward_quasi_linear_own(const palp_law *law, const double e[2], double drive, double *row);
 
 /* settings may be NULL. A spectrum becomes arms of the plan that hold for steps from shortest, in all whole
- * seconds (0: none). */
+ * seconds (0: none); sloped: every trial's slope is asked for. */
 typedef struct forward_network forward_network;
 palp_status forward_network_create(forward_plan *plan, const palp_network_settings *settings, double shortest,
-                                   double whole, forward_network **network, palp_error *error);
+                                   double whole, bool sloped, forward_network **network, palp_error *error);
+palp_status forward_network_add_slopes(forward_network *network); /* of one made sloped: derivatives */
+
+/* How the run finds the specimen, before the first step, and how it leaves it. ERR_ARGUMENT: that of another mesh. */
+palp_status forward_network_take_history(forward_network *network, const palp_load_history *history);
+palp_status forward_network_leave_history(const forward_network *network, palp_load_history *history);
 void forward_network_free(forward_network *network);
 forward_specimen forward_network_specimen(forward_network *network);
 
 /* palp_forward_network with derivatives (gradient may be NULL). The network is solved at chosen samples, its force
- * on the plate interpolated between them; where the plate meets or leaves it, at every one (forward_knots.c).
+ * on the plate interpolated between them; where the plate meets or leaves it, at every one (forward_adaptive.c).
  * ERR_UNSUPPORTED: mass, or PALP_SEDEF2008. */
 palp_status forward_network_force(const palp_model *model, const palp_forward_run *run, double *force_N,
                                   double *gradient, palp_error *error);
@@ -148,8 +153,8 @@ void forward_slopes_free(forward_slopes *slopes);
 void forward_slopes_keep(forward_slopes *slopes, bool back);
 
 /* Derivatives of the elements' peaks before the first step, and now: [n_columns n_elements]. */
-void forward_slopes_wear(forward_slopes *slopes, const double *peak_p);
-const double *forward_slopes_worn(const forward_slopes *slopes);
+void forward_slopes_take_history(forward_slopes *slopes, const double *peak_p);
+const double *forward_slopes_history(const forward_slopes *slopes);
 
 /* Of the trial at hand, whose network_weights are weight[n_elements], stiffness and net->fint; then as
  * forward_specimen. advance makes them those of the state, before the network's commit. */
@@ -227,8 +232,8 @@ effect_moment forward_moment(const palp_forward_run *run, size_t i);
 /* ERR_ARGUMENT: times that do not increase, numbers that are not finite. */
 palp_status forward_check_run(const palp_forward_run *run, palp_error *error);
 
-/* The same for a network, solved at chosen samples (forward_knots.c). */
-palp_status forward_run_knots(const forward_plan *plan, forward_network *network, const palp_forward_run *run,
+/* The same for a network, solved at chosen samples (forward_adaptive.c). */
+palp_status forward_run_adaptive(const forward_plan *plan, forward_network *network, const palp_forward_run *run,
                               double *force_N, double *gradient, palp_error *error);
 
 /* The whole chain of one recording; gradient is NULL or takes the specimen's columns (forward.c). */

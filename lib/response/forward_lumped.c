@@ -44,7 +44,7 @@ struct forward_lumped {
     state now, next;
     slopes d;
     bool still; /* no parameter has moved the surface so far: modes that are not timed have no slopes */
-    element_worn spring; /* of the trial, where derivatives are asked for */
+    element_damaged spring; /* of the trial, where derivatives are asked for */
     effect_number of_effect[PALP_EFFECTS_MAX]; /* of the trial's rate */
 };
 
@@ -86,7 +86,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     element_history old = {&l->now.strain, &l->now.elastic, l->now.arm, &l->now.peak};
     element_history new = {&l->next.strain, &l->next.elastic, l->next.arm, &l->next.peak};
     l->step.rate_factor = forward_rate_factor(l->plan, move->rate, l->of_effect);
-    l->step.wear = l->plan->worn ? &l->plan->wear : NULL;
+    l->step.damage = l->plan->damaged ? &l->plan->damage : NULL;
     element_trial(m, &l->step, 1, &move->strain, &old, &new, force, &by_strain);
     if (l->modes.n)
         *force += advance_modes(l, rise, &by_strain);
@@ -128,15 +128,15 @@ static void energy_gradient(const palp_law *law, double e, double *out) {
 static void find_spring(forward_lumped *l) {
     const palp_law *law = &l->plan->material.law;
     double e = l->next.strain;
-    if (l->plan->worn) {
-        element_worn_force(law, &l->plan->wear, e, l->now.peak, &l->spring);
+    if (l->plan->damaged) {
+        element_damage_force(law, &l->plan->damage, e, l->now.peak, &l->spring);
         return;
     }
-    l->spring = (element_worn){.inner = e, .factor = 1.0};
+    l->spring = (element_damaged){.inner = e, .factor = 1.0};
     palp_law_force(law, 1, &e, &l->spring.force, &l->spring.by_strain, NULL);
 }
 
-void forward_spring_own(const forward_plan *plan, const element_worn *s, double peak_strain, double rate_factor,
+void forward_spring_own(const forward_plan *plan, const element_damaged *s, double peak_strain, double rate_factor,
                         const effect_number *of_effect, double *force_p) {
     const palp_law *law = &plan->material.law;
     double row[PALP_LAW_MAX], inner[PALP_LAW_MAX], peak[PALP_LAW_MAX], force = s->force / s->factor;
@@ -155,9 +155,9 @@ void forward_spring_own(const forward_plan *plan, const element_worn *s, double 
         for (size_t k = 0; f->row->spring && k < f->row->info.n_parameters; k++)
             force_p[f->column + k] += of_effect[i].by_value[k] * rate_factor / of_effect[i].value * s->force;
     }
-    for (size_t i = 0; i < plan->n_wear_slopes; i++) {
-        const element_wear *by = &plan->wear_slope[i].by;
-        force_p[plan->wear_slope[i].column] +=
+    for (size_t i = 0; i < plan->n_damage_slopes; i++) {
+        const element_damage *by = &plan->damage_slope[i].by;
+        force_p[plan->damage_slope[i].column] +=
             rate_factor * (by->set * s->by_set + by->softening * s->by_softening + by->sharpness * s->by_sharpness);
     }
 }
@@ -301,7 +301,7 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
     if (l->n_columns > 0) {
         const double *to = strain_p ? strain_p : l->d.zero;
         propagate(l, to, dt_p, force_p, true);
-        bool deeper = l->plan->worn && fabs(l->next.strain) >= l->now.peak;
+        bool deeper = l->plan->damaged && fabs(l->next.strain) >= l->now.peak;
         for (size_t k = 0; deeper && k < l->n_columns; k++)
             l->d.peak[k] = copysign(1.0, l->next.strain) * to[k];
         memcpy(l->d.strain, to, l->n_columns * sizeof *to);
@@ -391,26 +391,26 @@ forward_specimen forward_lumped_specimen(forward_lumped *l) {
                               .rest_p = l->n_columns ? l->d.strain : NULL};
 }
 
-/* ---- wear ---- */
+/* ---- load history ---- */
 
-void forward_lumped_wear(forward_lumped *l, const palp_forward_wear *wear) {
-    const double set = l->plan->wear.set;
-    if (!l->plan->worn || !(wear->peak > 0.0))
+void forward_lumped_take_history(forward_lumped *l, const palp_load_history *history) {
+    const double set = l->plan->damage.set;
+    if (!l->plan->damaged || !(history->peak > 0.0))
         return;
-    l->now.peak = wear->peak;
-    l->now.strain = set * wear->peak;
+    l->now.peak = history->peak;
+    l->now.strain = set * history->peak;
     palp_law_force(&l->plan->material.law, 1, &l->now.strain, &l->now.elastic, NULL, NULL);
-    for (size_t k = 0; k < l->n_columns && wear->peak_p; k++) {
-        l->d.peak[k] = wear->peak_p[k];
-        l->d.strain[k] = set * wear->peak_p[k];
+    for (size_t k = 0; k < l->n_columns && history->peak_p; k++) {
+        l->d.peak[k] = history->peak_p[k];
+        l->d.strain[k] = set * history->peak_p[k];
     }
-    for (size_t i = 0; l->n_columns && i < l->plan->n_wear_slopes; i++)
-        l->d.strain[l->plan->wear_slope[i].column] += l->plan->wear_slope[i].by.set * wear->peak;
+    for (size_t i = 0; l->n_columns && i < l->plan->n_damage_slopes; i++)
+        l->d.strain[l->plan->damage_slope[i].column] += l->plan->damage_slope[i].by.set * history->peak;
     l->still = l->still && !l->plan->sets;
 }
 
-void forward_lumped_worn(const forward_lumped *l, palp_forward_wear *wear) {
-    wear->peak = l->now.peak;
-    if (l->n_columns && wear->peak_p)
-        memcpy(wear->peak_p, l->d.peak, l->n_columns * sizeof *wear->peak_p);
+void forward_lumped_leave_history(const forward_lumped *l, palp_load_history *history) {
+    history->peak = l->now.peak;
+    if (l->n_columns && history->peak_p)
+        memcpy(history->peak_p, l->d.peak, l->n_columns * sizeof *history->peak_p);
 }

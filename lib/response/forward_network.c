@@ -11,7 +11,7 @@
 struct forward_network {
     const forward_plan *plan;
     palp_network *net;
-    element_wear wear;
+    element_damage damage;
     size_t n_spectra;
     forward_spectrum spectrum[FORWARD_SPECTRA];
     bool sloped;    /* every trial's slope is asked for */
@@ -169,15 +169,15 @@ static palp_status equip(forward_network *f, palp_error *error) {
     f->peak_p[0] = f->weight + m;
     f->peak_p[1] = f->peak_p[0] + n;
     f->rest_p = f->peak_p[1] + n;
-    f->wear = plan->wear;
-    f->wear.slack = 1e-3;
-    if (plan->worn)
-        status = network_set_wear(f->net, &f->wear);
+    f->damage = plan->damage;
+    f->damage.slack = 1e-3;
+    if (plan->damaged)
+        status = network_set_damage(f->net, &f->damage);
     return status ? palp_error_set(error, status, "%s", palp_status_text(status)) : PALP_OK;
 }
 
-static palp_status create(forward_plan *plan, const palp_network_settings *settings, double shortest, double whole,
-                          bool sloped, forward_network **network, palp_error *error) {
+palp_status forward_network_create(forward_plan *plan, const palp_network_settings *settings, double shortest,
+                                   double whole, bool sloped, forward_network **network, palp_error *error) {
     forward_network *f = calloc(1, sizeof *f);
     if (!f)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
@@ -195,9 +195,8 @@ static palp_status create(forward_plan *plan, const palp_network_settings *setti
     return status;
 }
 
-palp_status forward_network_create(forward_plan *plan, const palp_network_settings *settings, double shortest,
-                                   double whole, forward_network **network, palp_error *error) {
-    return create(plan, settings, shortest, whole, false, network, error);
+palp_status forward_network_add_slopes(forward_network *f) {
+    return forward_slopes_create(f->plan, f->net, f->n_spectra, f->spectrum, &f->slopes);
 }
 
 void forward_network_free(forward_network *f) {
@@ -222,17 +221,17 @@ forward_specimen forward_network_specimen(forward_network *f) {
                               .rest_p = f->slopes ? f->rest_p : NULL};
 }
 
-/* ---- wear ---- */
+/* ---- load history ---- */
 
-struct palp_forward_elements {
+struct palp_load_history_elements {
     size_t n, n_columns;
     double peak[]; /* [n] largest |e|, then its derivatives [n_columns n] */
 };
 
-void palp_forward_wear_free(palp_forward_wear *wear) {
-    free(wear->elements);
-    wear->elements = NULL;
-    wear->peak = 0.0;
+void palp_load_history_free(palp_load_history *history) {
+    free(history->elements);
+    history->elements = NULL;
+    history->peak = 0.0;
 }
 
 static const double LONG = 1e9; /* s, after which arms have forgotten */
@@ -267,116 +266,51 @@ static palp_status press_before(forward_network *f, double strain) {
 
 /* The specimen lies where the permanent set left its surface, and its arms have forgotten. */
 static palp_status lie_down(forward_network *f) {
-    const double set = f->plan->wear.set;
+    const double set = f->plan->damage.set;
     f->rest = set * f->peak[0];
     for (size_t k = 0; f->slopes && k < f->plan->n_columns; k++)
         f->rest_p[k] = set * f->peak_p[0][k];
-    for (size_t i = 0; f->slopes && i < f->plan->n_wear_slopes; i++)
-        f->rest_p[f->plan->wear_slope[i].column] += f->plan->wear_slope[i].by.set * f->peak[0];
+    for (size_t i = 0; f->slopes && i < f->plan->n_damage_slopes; i++)
+        f->rest_p[f->plan->damage_slope[i].column] += f->plan->damage_slope[i].by.set * f->peak[0];
     palp_status status = move_to(f, f->rest, LONG, f->slopes ? f->rest_p : NULL);
     f->net->now.time = 0.0;
     f->net->n_past = 0;
     return status;
 }
 
-static palp_status take_wear(forward_network *f, const palp_forward_wear *wear) {
-    const struct palp_forward_elements *e = wear ? wear->elements : NULL;
+palp_status forward_network_take_history(forward_network *f, const palp_load_history *history) {
+    const struct palp_load_history_elements *e = history ? history->elements : NULL;
     const size_t n = f->plan->n_columns, m = f->net->n_elements;
-    if (!wear || !f->plan->worn || !(wear->peak > 0.0))
+    if (!history || !f->plan->damaged || !(history->peak > 0.0))
         return PALP_OK;
     if (e && (e->n != m || (f->slopes && e->n_columns && e->n_columns != n)))
         return PALP_ERR_ARGUMENT;
-    palp_status status = e ? PALP_OK : press_before(f, wear->peak);
+    palp_status status = e ? PALP_OK : press_before(f, history->peak);
     if (e)
         memcpy(f->net->now.history.peak, e->peak, m * sizeof *e->peak);
     if (e && f->slopes && e->n_columns)
-        forward_slopes_wear(f->slopes, e->peak + m);
-    f->peak[0] = wear->peak;
-    if (f->slopes && wear->peak_p)
-        memcpy(f->peak_p[0], wear->peak_p, n * sizeof *wear->peak_p);
+        forward_slopes_take_history(f->slopes, e->peak + m);
+    f->peak[0] = history->peak;
+    if (f->slopes && history->peak_p)
+        memcpy(f->peak_p[0], history->peak_p, n * sizeof *history->peak_p);
     return status || !f->plan->sets ? status : lie_down(f);
 }
 
-static palp_status leave_wear(const forward_network *f, palp_forward_wear *wear) {
+palp_status forward_network_leave_history(const forward_network *f, palp_load_history *history) {
     const size_t n = f->slopes ? f->plan->n_columns : 0, m = f->net->n_elements;
-    if (!wear || !f->plan->worn)
+    if (!history || !f->plan->damaged)
         return PALP_OK;
-    struct palp_forward_elements *e = realloc(wear->elements, sizeof *e + (1 + n) * m * sizeof *e->peak);
+    struct palp_load_history_elements *e = realloc(history->elements, sizeof *e + (1 + n) * m * sizeof *e->peak);
     if (!e)
         return PALP_ERR_NO_MEMORY;
     e->n = m;
     e->n_columns = n;
     memcpy(e->peak, f->net->now.history.peak, m * sizeof *e->peak);
     if (n)
-        memcpy(e->peak + m, forward_slopes_worn(f->slopes), n * m * sizeof *e->peak);
-    wear->elements = e;
-    wear->peak = f->peak[0];
-    if (n && wear->peak_p)
-        memcpy(wear->peak_p, f->peak_p[0], n * sizeof *wear->peak_p);
+        memcpy(e->peak + m, forward_slopes_history(f->slopes), n * m * sizeof *e->peak);
+    history->elements = e;
+    history->peak = f->peak[0];
+    if (n && history->peak_p)
+        memcpy(history->peak_p, f->peak_p[0], n * sizeof *history->peak_p);
     return PALP_OK;
-}
-
-/* ---- runs ---- */
-
-static void times_of(const palp_forward_run *run, double *shortest, double *whole) {
-    *shortest = INFINITY;
-    *whole = run->n ? run->time_s[run->n - 1] - run->time_s[0] : 0.0;
-    for (size_t i = 1; i < run->n; i++)
-        *shortest = fmin(*shortest, run->time_s[i] - run->time_s[i - 1]);
-}
-
-palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
-                                 const palp_forward_run *run, double *force_N, palp_error *error) {
-    forward_plan plan;
-    forward_network *network;
-    double shortest, whole;
-    if (model->kind != PALP_MODEL_NETWORK)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model is run by palp_forward_force");
-    times_of(run, &shortest, &whole);
-    palp_status status = forward_plan_make(model, run->session_s, &plan, error);
-    if (!status)
-        status = forward_network_create(&plan, settings, shortest, whole, &network, error);
-    if (status)
-        return status;
-    status = take_wear(network, run->wear);
-    if (status)
-        palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
-    forward_specimen specimen = forward_network_specimen(network);
-    if (!status)
-        status = forward_run(&plan, &specimen, run, force_N, NULL, error);
-    if (!status)
-        status = leave_wear(network, run->wear);
-    forward_network_free(network);
-    return status;
-}
-
-palp_status forward_network_force(const palp_model *model, const palp_forward_run *run, double *force_N,
-                                  double *gradient, palp_error *error) {
-    forward_plan plan;
-    forward_network *network;
-    double shortest, whole;
-    if (model->kind != PALP_MODEL_NETWORK)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model is run by palp_forward_force");
-    if (model->density_kg_m3 > 0.0 || model->material.formulation != PALP_HISTORY)
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "a network with mass or of formulation sedef2008 has no derivatives");
-    times_of(run, &shortest, &whole);
-    palp_status status = forward_plan_make(model, run->session_s, &plan, error);
-    if (!status)
-        status = create(&plan, NULL, shortest, whole, true, &network, error);
-    if (status)
-        return status;
-    if (gradient)
-        status = forward_slopes_create(&plan, network->net, network->n_spectra, network->spectrum, &network->slopes);
-    if (!status) {
-        status = take_wear(network, run->wear);
-        if (status)
-            palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
-    }
-    if (!status)
-        status = forward_run_knots(&plan, network, run, force_N, gradient, error);
-    if (!status)
-        status = leave_wear(network, run->wear);
-    forward_network_free(network);
-    return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
 }

@@ -94,21 +94,21 @@ size_t forward_arm_slopes(const forward_plan *plan, size_t j, forward_arm_slope 
 
 /* What the effects make of the material. */
 static void change_material(forward_plan *plan) {
-    plan->wear.sharpness = 1.0;
+    plan->damage.sharpness = 1.0;
     for (size_t i = 0; i < plan->n_effects; i++) {
         const forward_effect *f = &plan->effect[i];
         const double *value = f->effect->value;
         effect_arm arm_by[PALP_EFFECT_PARAMETERS] = {{.beta = 0.0}};
-        element_wear wear_by[PALP_EFFECT_PARAMETERS] = {{.set = 0.0}};
+        element_damage damage_by[PALP_EFFECT_PARAMETERS] = {{.set = 0.0}};
         for (size_t j = 0; f->row->arms && j < plan->material.n_arms; j++)
             f->row->arms(value, &plan->material.arms[j], arm_by);
         if (!f->row->history)
             continue;
-        f->row->history(value, &plan->wear, wear_by);
-        plan->worn = true;
+        f->row->history(value, &plan->damage, damage_by);
+        plan->damaged = true;
         for (size_t k = 0; k < f->row->info.n_parameters; k++) {
-            plan->sets = plan->sets || wear_by[k].set != 0.0;
-            plan->wear_slope[plan->n_wear_slopes++] = (forward_wear_slope){f->column + k, wear_by[k]};
+            plan->sets = plan->sets || damage_by[k].set != 0.0;
+            plan->damage_slope[plan->n_damage_slopes++] = (forward_damage_slope){f->column + k, damage_by[k]};
         }
     }
 }

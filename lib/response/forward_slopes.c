@@ -15,7 +15,7 @@ struct forward_slopes {
     const forward_spectrum *spectrum;
     size_t n, m, n_arms, n_state;
     unsigned char *alive; /* [n] the column has moved an element, or may do so itself */
-    double *strain, *peak, *arm; /* of the state, one after the other; peak NULL: the springs do not wear */
+    double *strain, *peak, *arm; /* of the state, one after the other; peak NULL: the springs are not damaged */
     double *kept;                /* [n_state] a copy of them */
     double *partial, *fixed;     /* of the trial: element force and arms with the nodes held */
     double *by;                  /* [n_arms ELEMENT_PARTIALS m] of the arms, by element_arm_partials */
@@ -52,13 +52,13 @@ static const double *by_of(const forward_slopes *s, size_t j, element_partial by
 /* partial = the springs' own, nodes and histories held. */
 static void spring_partials(forward_slopes *s, const effect_number *of_effect) {
     const palp_network *net = s->net;
-    const bool worn = net->wear != NULL;
+    const bool damaged = net->damage != NULL;
     memset(s->partial, 0, s->n * s->m * sizeof *s->partial);
     for (size_t i = 0; i < s->m; i++) {
-        double peak = worn ? net->now.history.peak[i] : 0.0;
-        element_worn spring = {.inner = net->strain[i], .factor = 1.0, .force = net->next.history.elastic[i]};
-        if (worn)
-            element_worn_force(&net->material.law, net->wear, net->strain[i], peak, &spring);
+        double peak = damaged ? net->now.history.peak[i] : 0.0;
+        element_damaged spring = {.inner = net->strain[i], .factor = 1.0, .force = net->next.history.elastic[i]};
+        if (damaged)
+            element_damage_force(&net->material.law, net->damage, net->strain[i], peak, &spring);
         memset(s->row, 0, s->n * sizeof *s->row);
         forward_spring_own(s->plan, &spring, peak, net->step.rate_factor, of_effect, s->row);
         for (size_t k = 0; k < s->n; k++)
@@ -279,7 +279,7 @@ static void carve(forward_slopes *s, double *block) {
     const size_t rows = s->n * s->m, arms = s->n_arms * s->m;
     s->strain = block;
     s->arm = s->strain + rows;
-    s->peak = s->net->wear ? s->arm + s->n * arms : NULL;
+    s->peak = s->net->damage ? s->arm + s->n * arms : NULL;
     s->kept = block + s->n_state;
     s->partial = s->kept + s->n_state;
     s->fixed = s->partial + rows;
@@ -298,7 +298,7 @@ palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, s
     *s = (forward_slopes){.plan = plan, .net = net, .n_spectra = n_spectra, .spectrum = spectrum,
                           .n = plan->n_columns, .m = net->n_elements, .n_arms = net->material.n_arms};
     size_t rows = s->n * s->m, arms = s->n_arms * s->m;
-    s->n_state = rows + s->n * arms + (net->wear ? rows : 0);
+    s->n_state = rows + s->n * arms + (net->damage ? rows : 0);
     double *block = calloc(2 * s->n_state + rows + s->n * arms + ELEMENT_PARTIALS * arms + 2 * s->m + 3 * net->n_nodes + s->n + 1,
                            sizeof *block);
     s->alive = malloc(s->n + 1);
@@ -326,13 +326,13 @@ void forward_slopes_keep(forward_slopes *s, bool back) {
     memcpy(back ? s->strain : s->kept, back ? s->kept : s->strain, s->n_state * sizeof *s->kept);
 }
 
-void forward_slopes_wear(forward_slopes *s, const double *peak_p) {
+void forward_slopes_take_history(forward_slopes *s, const double *peak_p) {
     memcpy(s->peak, peak_p, s->n * s->m * sizeof *s->peak);
     for (size_t k = 0; k < s->n; k++)
         for (size_t i = 0; i < s->m && !s->alive[k]; i++)
             s->alive[k] = peak_p[k * s->m + i] != 0.0;
 }
 
-const double *forward_slopes_worn(const forward_slopes *s) {
+const double *forward_slopes_history(const forward_slopes *s) {
     return s->peak;
 }

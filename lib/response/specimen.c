@@ -69,7 +69,7 @@ static palp_status make_body(palp_specimen *s, palp_error *error) {
     const palp_specimen_settings *to = &s->settings;
     if (s->model.kind == PALP_MODEL_NETWORK) {
         palp_status status =
-            forward_network_create(&s->plan, &to->network, to->step_s, to->span_s, &s->network, error);
+            forward_network_create(&s->plan, &to->network, to->step_s, to->span_s, false, &s->network, error);
         if (!status)
             s->body = forward_network_specimen(s->network);
         return status;

@@ -47,7 +47,7 @@ static bool library_model(const world *w, palp_model *m) {
     return true;
 }
 
-static bool library_run(const palp_model *m, const run *r, palp_forward_wear *worn, double *force) {
+static bool library_run(const palp_model *m, const run *r, palp_load_history *worn, double *force) {
     double *t = malloc(2 * r->n * sizeof *t), *d = t ? t + r->n : NULL, v, a;
     palp_error error;
     if (!t)
@@ -59,7 +59,7 @@ static bool library_run(const palp_model *m, const run *r, palp_forward_wear *wo
     palp_forward_run given = {.n = r->n, .time_s = t, .depth_m = d};
     given.session_s = r->session;
     given.hum_phase = r->hum_phase;
-    given.wear = worn;
+    given.history = worn;
     bool network = m->kind == PALP_MODEL_NETWORK;
     palp_status status = network ? palp_forward_network(m, NULL, &given, force, &error)
                                  : palp_forward_force(m, &given, force, NULL, &error);
@@ -79,7 +79,7 @@ static bool differ(const world *w, const session *s, double noise_level, differe
     bool good = ours && library_model(w, &m);
     if (good)
         world_session(w, s, 0.002, false, NULL, ours);
-    palp_forward_wear kept = {0};
+    palp_load_history kept = {0};
     for (size_t i = 0; i < s->n_runs && good; i++) {
         const run *r = &s->run[i];
         good = library_run(&m, r, s->lasting && !w->cube ? &kept : NULL, theirs + r->first);

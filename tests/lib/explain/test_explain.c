@@ -23,14 +23,14 @@ static void ramp_hold(samples *s, double depth_mm, double rate_mm_s, double hold
     go(s, 6 + 2 * ramp_s + hold_s, -1, 100);
 }
 
-static palp_forward_wear worn; /* of the specimen so far */
+static palp_load_history worn; /* of the specimen so far */
 
 static palp_experiment *record(const palp_model *m, double depth_mm, double rate_mm_s, double hold_s, double session_s) {
     static samples s;
     palp_experiment *e;
     ramp_hold(&s, depth_mm, rate_mm_s, hold_s);
     palp_forward_run run = {
-        .n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = session_s, .wear = &worn};
+        .n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = session_s, .history = &worn};
     ck_assert_int_eq(palp_forward_force(m, &run, s.force_N, NULL, NULL), PALP_OK);
     ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
     for (size_t i = 0; i < s.n; i++) {

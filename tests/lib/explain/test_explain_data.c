@@ -63,7 +63,7 @@ START_TEST(replicates_and_zeros) {
     ck_assert_double_eq_tol(data.zero_scatter, sqrt(square / 2), 1e-4);
     ck_assert_double_eq_tol(data.run[0].white, 1e-4, 1.5e-5);
     ck_assert_double_eq_tol(data.deepest, 4e-3, 1e-12);
-    ck_assert_double_eq(data.run[1].worn, 0); /* each finds a specimen as new */
+    ck_assert_double_eq(data.run[1].largest_strain, 0); /* each finds a specimen as new */
     explain_data_free(&data);
 }
 END_TEST

@@ -20,7 +20,7 @@ static void session(const palp_model *truth) {
     static const double depth[RUNS] = {4, 7, 5, 6};
     static samples s;
     uint64_t state = 11;
-    palp_forward_wear wear = {0};
+    palp_load_history wear = {0};
     for (size_t r = 0; r < RUNS; r++) {
         palp_experiment *e;
         start(&s, 0, -0.5);
@@ -28,7 +28,7 @@ static void session(const palp_model *truth) {
         go(&s, 8, depth[r], 100);
         go(&s, 9.5, -0.5, 75);
         palp_forward_run run = {
-            .n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = 200 * (double)r, .wear = &wear};
+            .n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = 200 * (double)r, .history = &wear};
         ck_assert_int_eq(palp_forward_network(truth, NULL, &run, s.force_N, NULL), PALP_OK);
         ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
         for (size_t i = 0; i < s.n; i++) {
@@ -41,7 +41,7 @@ static void session(const palp_model *truth) {
         palp_experiment_set_number(e, "session.start_s", 200 * (double)r);
         input[r] = (palp_explain_input){e, "run.csv"};
     }
-    palp_forward_wear_free(&wear);
+    palp_load_history_free(&wear);
 }
 
 START_TEST(damage_stays_from_run_to_run) {

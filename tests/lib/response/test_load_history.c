@@ -1,4 +1,4 @@
-/* test_forward_wear.c: damage and permanent set from run to run: two presses in one recording, or in two. */
+/* test_load_history.c: damage and permanent set from run to run: two presses in one recording, or in two. */
 #include "forward_make.h"
 
 /* Time enough that the arm has forgotten everything. */
@@ -38,9 +38,9 @@ START_TEST(two_recordings_are_as_one) {
     size_t from = one.n - 1;
     press(&one, REST, _i ? 7.5 : 4);
     press_model(&m, &one);
-    palp_forward_wear wear = {0};
+    palp_load_history wear = {0};
     palp_forward_run a = run_of(&first), b = run_of(&second);
-    a.wear = b.wear = &wear;
+    a.history = b.history = &wear;
     ck_assert_int_eq(palp_forward_force(&m, &a, first.force_N, NULL, NULL), PALP_OK);
     ck_assert_double_gt(wear.peak, 0.2);
     ck_assert_int_eq(palp_forward_force(&m, &b, second.force_N, NULL, NULL), PALP_OK);
@@ -49,7 +49,7 @@ START_TEST(two_recordings_are_as_one) {
         largest = fmax(largest, fabs(second.force_N[i]));
     for (size_t i = 0; i < second.n; i++)
         ck_assert_double_eq_tol(second.force_N[i], one.force_N[from + i], 1e-4 * largest);
-    b.wear = NULL; /* a fresh one is another matter */
+    b.history = NULL; /* a fresh one is another matter */
     ck_assert_int_eq(palp_forward_force(&m, &b, second.force_N, NULL, NULL), PALP_OK);
     ck_assert_double_gt(fabs(second.force_N[30] - one.force_N[from + 30]), 0.02 * largest);
 }
@@ -59,9 +59,9 @@ END_TEST
 static void both(const palp_model *m, const samples *first, const samples *second, double *force, double *gradient) {
     static double other[SAMPLES_MAX], slopes[COLUMNS_MAX * SAMPLES_MAX];
     double peak_p[COLUMNS_MAX] = {0};
-    palp_forward_wear wear = {.peak_p = peak_p};
+    palp_load_history wear = {.peak_p = peak_p};
     palp_forward_run a = run_of(first), b = run_of(second);
-    a.wear = b.wear = &wear;
+    a.history = b.history = &wear;
     ck_assert_int_eq(palp_forward_force(m, &a, other, gradient ? slopes : NULL, NULL), PALP_OK);
     ck_assert_int_eq(palp_forward_force(m, &b, force, gradient, NULL), PALP_OK);
 }

@@ -1,4 +1,4 @@
-/* forward_knots.c: a run of a network solved at chosen samples. Between them the force on the plate is a cubic in
+/* forward_adaptive.c: a run of a network solved at chosen samples. Between them the force on the plate is a cubic in
  * time, set right by the tangent for what the recorded depth differs from its own cubic; the sensor reads every
  * sample. Where the plate meets or leaves the specimen every sample is solved. */
 #include "base/file.h"
@@ -12,21 +12,21 @@
 
 static const double GROWTH = 0.22;    /* step over the time since the last corner or contact */
 static const double REACH = 0.08;     /* step of depth over the deepest; */
-static const double REACH_WORN = 0.02; /* of springs that wear: they bend the force at their old peaks */
+static const double REACH_DAMAGED = 0.02; /* of springs that are damaged: they bend the force at their old peaks */
 static const double STRAIGHT = 5e-4, ROUGH = 3e-3; /* of the deepest: a path within one, with noise the other, is straight */
 
-typedef struct knots {
+typedef struct adaptive {
     const palp_forward_run *run;
     forward_network *network;
     forward_plate plate, kept;
     size_t n_columns, block;    /* block: doubles of the plate's rows */
     size_t n, *at;              /* [run->n] samples solved */
-    unsigned char *end, *corner; /* [run->n] knots over which nothing is interpolated; samples */
-    double *force, *slope, *row; /* [run->n], [run->n], [run->n n_columns] of the knots, on the plate */
+    unsigned char *end, *corner; /* [run->n] solved samples over which nothing is interpolated; samples */
+    double *force, *slope, *row; /* [run->n], [run->n], [run->n n_columns] of the solved samples, on the plate */
     size_t gone;                 /* a plate that lets go from this sample on does not come back */
     double *plate_rows;          /* [block] kept */
     double reach, stride;       /* deepest; longest step of depth */
-} knots;
+} adaptive;
 
 /* ---- corners ---- */
 
@@ -46,7 +46,7 @@ static size_t farthest(const palp_forward_run *run, size_t a, size_t b, double *
 }
 
 /* How far a straight path may be off: some sds of the encoder's noise, by the median second difference. */
-static double straightness(const knots *k) {
+static double straightness(const adaptive *k) {
     double *bend = k->force, low = STRAIGHT * k->reach; /* not needed yet */
     size_t n = k->run->n;
     if (n < 3)
@@ -57,7 +57,7 @@ static double straightness(const knots *k) {
 
 /* Grows a straight piece from each corner while a line through its first sample passes all others closely; the
  * next corner is the sample farthest from the chord. */
-static void find_corners(knots *k) {
+static void find_corners(adaptive *k) {
     const palp_forward_run *run = k->run;
     const double *t = run->time_s, *d = run->depth_m, close = straightness(k);
     for (size_t a = 0; a + 1 < run->n;) {
@@ -77,7 +77,7 @@ static void find_corners(knots *k) {
 /* ---- solving ---- */
 
 /* The next sample to solve after i; grade: where the steps began to grow. */
-static size_t next_knot(const knots *k, size_t i, size_t grade) {
+static size_t next_sample(const adaptive *k, size_t i, size_t grade) {
     const double *t = k->run->time_s, *d = k->run->depth_m;
     size_t j = i + 1;
     if (k->corner[i])
@@ -88,7 +88,7 @@ static size_t next_knot(const knots *k, size_t i, size_t grade) {
     return j;
 }
 
-static void add_knot(knots *k, size_t i, bool end) {
+static void add_sample(adaptive *k, size_t i, bool end) {
     const bool first = i == 0, beside = (!first && k->corner[i - 1]) || (i + 1 < k->run->n && k->corner[i + 1]);
     k->at[k->n] = i;
     k->end[k->n] = end || first || k->corner[i] || beside;
@@ -98,39 +98,39 @@ static void add_knot(knots *k, size_t i, bool end) {
     k->n++;
 }
 
-static palp_status move_to(knots *k, size_t i) {
+static palp_status move_to(adaptive *k, size_t i) {
     k->plate.abandons = i > k->gone;
     const forward_place to = forward_place_at(k->plate.plan, k->run, i, 1.0);
     return forward_plate_move(&k->plate, &to);
 }
 
-static void keep(knots *k) {
+static void keep(adaptive *k) {
     k->kept = k->plate;
     memcpy(k->plate_rows, k->plate.force_p, k->block * sizeof *k->plate_rows);
     forward_network_keep(k->network);
 }
 
-static void go_back(knots *k) {
+static void go_back(adaptive *k) {
     k->plate = k->kept;
     memcpy(k->plate.force_p, k->plate_rows, k->block * sizeof *k->plate_rows);
     forward_network_back(k->network);
 }
 
 /* Samples from i + 1 to j, each solved. */
-static palp_status every_sample(knots *k, size_t i, size_t j) {
+static palp_status every_sample(adaptive *k, size_t i, size_t j) {
     palp_status status = PALP_OK;
     k->end[k->n - 1] = 1;
     while (i < j && !status) {
         status = move_to(k, ++i);
         if (!status)
-            add_knot(k, i, true);
+            add_sample(k, i, true);
     }
     return status;
 }
 
 /* The last straight piece into the air, in which all the rest of the run is: the plate is ahead of the surface, which
  * comes ever more slowly. */
-static size_t find_gone(const knots *k) {
+static size_t find_gone(const adaptive *k) {
     size_t i = k->run->n;
     for (; i > 0; i--) {
         const forward_place place = forward_place_at(k->plate.plan, k->run, i - 1, 1.0);
@@ -144,16 +144,16 @@ static size_t find_gone(const knots *k) {
     return i;
 }
 
-static palp_status solve(knots *k, palp_error *error) {
+static palp_status solve(adaptive *k, palp_error *error) {
     const palp_forward_run *run = k->run;
     size_t i = 0, grade = 0;
     k->gone = find_gone(k);
     const forward_place first = forward_place_at(k->plate.plan, run, 0, 1.0);
     palp_status status = forward_plate_start(&k->plate, &first);
     if (!status)
-        add_knot(k, 0, true);
+        add_sample(k, 0, true);
     while (!status && i + 1 < run->n && (k->plate.touching || i < k->gone)) {
-        size_t j = next_knot(k, i, grade);
+        size_t j = next_sample(k, i, grade);
         bool touching = k->plate.touching;
         if (j > i + 1)
             keep(k);
@@ -165,7 +165,7 @@ static palp_status solve(knots *k, palp_error *error) {
         } else if (!status) {
             if (k->plate.touching != touching)
                 k->end[k->n - 1] = 1;
-            add_knot(k, j, k->plate.touching != touching);
+            add_sample(k, j, k->plate.touching != touching);
             grade = k->corner[j] || k->plate.touching != touching ? j : grade;
         }
         i = j;
@@ -178,8 +178,8 @@ static palp_status solve(knots *k, palp_error *error) {
 
 /* ---- reading ---- */
 
-/* The knots around the interval from q on that are interpolated, and their weights at sample i. */
-static size_t stencil(const knots *k, size_t q, size_t i, size_t *first, double weight[4]) {
+/* The solved samples around the interval from q on that are interpolated, and their weights at sample i. */
+static size_t stencil(const adaptive *k, size_t q, size_t i, size_t *first, double weight[4]) {
     const double *t = k->run->time_s;
     size_t a = k->end[q] ? q : q - 1, b = k->end[q + 1] || q + 2 == k->n ? q + 1 : q + 2;
     for (size_t u = a; u <= b; u++) {
@@ -193,8 +193,8 @@ static size_t stencil(const knots *k, size_t q, size_t i, size_t *first, double 
     return b - a + 1;
 }
 
-/* Force on the plate at sample i, which knot q precedes or is, and its derivatives. */
-static double plate_force(const knots *k, size_t q, size_t i, double *force_p) {
+/* Force on the plate at sample i, which solved sample q precedes or is, and its derivatives. */
+static double plate_force(const adaptive *k, size_t q, size_t i, double *force_p) {
     double weight[4], force = 0.0, depth = 0.0;
     size_t first, n = k->n_columns;
     memset(force_p, 0, n * sizeof *force_p);
@@ -213,7 +213,7 @@ static double plate_force(const knots *k, size_t q, size_t i, double *force_p) {
     return force + k->slope[q + 1] * (k->run->depth_m[i] - depth);
 }
 
-static palp_status read_all(const knots *k, const forward_plan *plan, double *force_N, double *gradient) {
+static palp_status read_all(const adaptive *k, const forward_plan *plan, double *force_N, double *gradient) {
     forward_sensor s;
     palp_status status = forward_sensor_create(plan, k->n_columns, &s);
     if (status)
@@ -233,7 +233,7 @@ static palp_status read_all(const knots *k, const forward_plan *plan, double *fo
 
 /* ---- the run ---- */
 
-static palp_status allocate(knots *k) {
+static palp_status allocate(adaptive *k) {
     const size_t n = k->run->n;
     k->at = malloc((n + 1) * sizeof *k->at);
     k->end = calloc(2 * n + 1, 1);
@@ -249,10 +249,10 @@ static palp_status allocate(knots *k) {
     return PALP_OK;
 }
 
-palp_status forward_run_knots(const forward_plan *plan, forward_network *network, const palp_forward_run *run,
+palp_status forward_run_adaptive(const forward_plan *plan, forward_network *network, const palp_forward_run *run,
                               double *force_N, double *gradient, palp_error *error) {
     forward_specimen specimen = forward_network_specimen(network);
-    knots k = {.run = run, .network = network, .n_columns = specimen.n_columns,
+    adaptive k = {.run = run, .network = network, .n_columns = specimen.n_columns,
                .block = (3 + FORWARD_WORK) * specimen.n_columns};
     palp_status status = forward_check_run(run, error);
     if (status || run->n == 0)
@@ -261,7 +261,7 @@ palp_status forward_run_knots(const forward_plan *plan, forward_network *network
     if (!status)
         status = allocate(&k);
     if (!status) {
-        k.stride = (plan->worn ? REACH_WORN : REACH) * k.reach;
+        k.stride = (plan->damaged ? REACH_DAMAGED : REACH) * k.reach;
         find_corners(&k);
         status = solve(&k, error);
     }

@@ -1,4 +1,4 @@
-/* test_forward_network_wear.c: damage and permanent set of a network's elements from run to run: two presses in one
+/* test_load_history_network.c: damage and permanent set of a network's elements from run to run: two presses in one
  * recording, or in two; their derivatives. */
 #include "response/forward_internal.h"
 #include "forward_make.h"
@@ -36,14 +36,14 @@ static void two_presses(samples *first, samples *second, double deep_mm) {
 /* Each sample solved; the second run's force. */
 static void in_two(const palp_model *m, const samples *first, samples *second) {
     static double other[SAMPLES_MAX];
-    palp_forward_wear wear = {0};
+    palp_load_history wear = {0};
     palp_forward_run a = run_of(first), b = run_of(second);
-    a.wear = b.wear = &wear;
+    a.history = b.history = &wear;
     ck_assert_int_eq(palp_forward_network(m, NULL, &a, other, NULL), PALP_OK);
     ck_assert_double_gt(wear.peak, 0.17);
     palp_error error = {PALP_OK, ""};
     ck_assert_msg(!palp_forward_network(m, NULL, &b, second->force_N, &error), "%s", error.text);
-    palp_forward_wear_free(&wear);
+    palp_load_history_free(&wear);
     ck_assert_ptr_null(wear.elements);
 }
 
@@ -91,12 +91,12 @@ START_TEST(depth_alone_tells_most) {
     m.effects[2].value[0] = m.effects[3].value[0] = 0;
     two_presses(&first, &second, 4);
     again = second;
-    palp_forward_wear wear = {.peak = 5e-3 / HEIGHT};
+    palp_load_history wear = {.peak = 5e-3 / HEIGHT};
     palp_forward_run run = run_of(&again);
-    run.wear = &wear;
+    run.history = &wear;
     in_two(&m, &first, &second);
     ck_assert_int_eq(palp_forward_network(&m, NULL, &run, again.force_N, NULL), PALP_OK);
-    palp_forward_wear_free(&wear);
+    palp_load_history_free(&wear);
     double peak = largest(second.n, second.force_N);
     for (size_t i = 0; i < second.n; i++)
         ck_assert_double_eq_tol(again.force_N[i], second.force_N[i], 0.01 * peak);
@@ -107,12 +107,12 @@ END_TEST
 static void chosen(const palp_model *m, const samples *first, const samples *second, double *force, double *gradient) {
     static double other[SAMPLES_MAX], slopes[COLUMNS_MAX * SAMPLES_MAX];
     double peak_p[COLUMNS_MAX] = {0};
-    palp_forward_wear wear = {.peak_p = peak_p};
+    palp_load_history wear = {.peak_p = peak_p};
     palp_forward_run a = run_of(first), b = run_of(second);
-    a.wear = b.wear = &wear;
+    a.history = b.history = &wear;
     ck_assert_int_eq(forward_network_force(m, &a, other, gradient ? slopes : NULL, NULL), PALP_OK);
     ck_assert_int_eq(forward_network_force(m, &b, force, gradient, NULL), PALP_OK);
-    palp_forward_wear_free(&wear);
+    palp_load_history_free(&wear);
 }
 
 START_TEST(chosen_samples_wear_alike) {
@@ -158,15 +158,15 @@ END_TEST
 START_TEST(another_mesh_is_told) {
     static samples first, second;
     palp_model m = worn_model(1);
-    palp_forward_wear wear = {0};
+    palp_load_history wear = {0};
     palp_error error;
     two_presses(&first, &second, 4);
     palp_forward_run run = run_of(&first);
-    run.wear = &wear;
+    run.history = &wear;
     ck_assert_int_eq(palp_forward_network(&m, NULL, &run, first.force_N, NULL), PALP_OK);
     m.mesh.nodes[0] = 4;
     ck_assert_int_eq(palp_forward_network(&m, NULL, &run, first.force_N, &error), PALP_ERR_ARGUMENT);
-    palp_forward_wear_free(&wear);
+    palp_load_history_free(&wear);
 }
 END_TEST
 

@@ -1,0 +1,68 @@
+/* forward_network_run.c: recordings of a network: every sample solved, or chosen ones with derivatives. */
+#include "base/file.h"
+#include "forward_internal.h"
+
+#include <math.h>
+
+static void times_of(const palp_forward_run *run, double *shortest, double *whole) {
+    *shortest = INFINITY;
+    *whole = run->n ? run->time_s[run->n - 1] - run->time_s[0] : 0.0;
+    for (size_t i = 1; i < run->n; i++)
+        *shortest = fmin(*shortest, run->time_s[i] - run->time_s[i - 1]);
+}
+
+palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
+                                 const palp_forward_run *run, double *force_N, palp_error *error) {
+    forward_plan plan;
+    forward_network *network;
+    double shortest, whole;
+    if (model->kind != PALP_MODEL_NETWORK)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model is run by palp_forward_force");
+    times_of(run, &shortest, &whole);
+    palp_status status = forward_plan_make(model, run->session_s, &plan, error);
+    if (!status)
+        status = forward_network_create(&plan, settings, shortest, whole, false, &network, error);
+    if (status)
+        return status;
+    status = forward_network_take_history(network, run->history);
+    if (status)
+        palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
+    forward_specimen specimen = forward_network_specimen(network);
+    if (!status)
+        status = forward_run(&plan, &specimen, run, force_N, NULL, error);
+    if (!status)
+        status = forward_network_leave_history(network, run->history);
+    forward_network_free(network);
+    return status;
+}
+
+palp_status forward_network_force(const palp_model *model, const palp_forward_run *run, double *force_N,
+                                  double *gradient, palp_error *error) {
+    forward_plan plan;
+    forward_network *network;
+    double shortest, whole;
+    if (model->kind != PALP_MODEL_NETWORK)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model is run by palp_forward_force");
+    if (model->density_kg_m3 > 0.0 || model->material.formulation != PALP_HISTORY)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "a network with mass or of formulation sedef2008 has no derivatives");
+    times_of(run, &shortest, &whole);
+    palp_status status = forward_plan_make(model, run->session_s, &plan, error);
+    if (!status)
+        status = forward_network_create(&plan, NULL, shortest, whole, true, &network, error);
+    if (status)
+        return status;
+    if (gradient)
+        status = forward_network_add_slopes(network);
+    if (!status) {
+        status = forward_network_take_history(network, run->history);
+        if (status)
+            palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
+    }
+    if (!status)
+        status = forward_run_adaptive(&plan, network, run, force_N, gradient, error);
+    if (!status)
+        status = forward_network_leave_history(network, run->history);
+    forward_network_free(network);
+    return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
+}
