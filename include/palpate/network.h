@@ -99,8 +99,9 @@ PALP_API palp_status palp_network_step_force(palp_network *network, double force
 
 /* The whole state (positions, history, what the predictor knows, contacts, tools, grasped nodes, cuts) into a buffer of the
  * caller's, and back into the same network or another one made and enabled alike, which drops a trial. Steps then give the
- * same as they did, to the network's tolerance, since no factor is kept. ERR_ARGUMENT: a buffer too small, of another network,
- * none. */
+ * same as they did, to the network's tolerance, since no factor is kept. ERR_ARGUMENT: a buffer too small, of a network
+ * with another mesh, other supports, another material, density or terms, none; ERR_INPUT: the state's checksum is not that of
+ * its bytes. What is refused changes nothing. A checksum tells damage, not malice. */
 PALP_API size_t palp_network_state_size(const palp_network *network); /* bytes */
 PALP_API palp_status palp_network_save(const palp_network *network, void *buffer, size_t size);
 PALP_API palp_status palp_network_restore(palp_network *network, const void *buffer, size_t size);

@@ -62,7 +62,8 @@ PALP_API palp_status palp_realtime_step(palp_realtime *realtime, double depth_m,
 /* The network's state and its own (which factor serves, how far the next one is) into a buffer of the caller's, and back into
  * this one or another made alike: palp_realtime_step with a budget of corrections then goes on to the same bits. Restoring
  * takes as long as creating. To take back steps only, palp_network_save and _restore will do: the factor stays.
- * ERR_ARGUMENT: a buffer too small or of another kind, none. */
+ * ERR_ARGUMENT: a buffer too small or of another kind or network, none; ERR_INPUT: a buffer whose checksums are not those
+ * of its bytes. What is refused changes nothing. */
 PALP_API size_t palp_realtime_state_size(const palp_realtime *realtime); /* bytes */
 PALP_API palp_status palp_realtime_save(const palp_realtime *realtime, void *buffer, size_t size);
 PALP_API palp_status palp_realtime_restore(palp_realtime *realtime, const void *buffer, size_t size);

@@ -101,6 +101,10 @@ void network_free_states(palp_network *net);
 void network_mark_save(palp_network *net);
 void network_mark_restore(palp_network *net);
 
+/* Continues a checksum, which starts as NETWORK_SUM, over more bytes. */
+#define NETWORK_SUM UINT64_C(0xcbf29ce484222325)
+uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
+
 /* ---- network_assemble.c ---- */
 
 /* Geometry, element forces, nodal sums and terms at next.x. False: a collapsed element or a non-finite force. */

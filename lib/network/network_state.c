@@ -188,49 +188,88 @@ void network_mark_restore(palp_network *net) {
 
 /* ---- a buffer of the caller's -------------------------------------------------------------------- */
 
-/* What must be the same in the network that saves and in the one that restores. */
+/* Stands before the state. All but the sum of the state's bytes must be the same in what saves and in what restores. */
 typedef struct header {
-    uint64_t magic, n_nodes, n_elements, n_arms, n_free, n_terms, mass, peak, vector, bytes;
+    uint64_t magic, size, like, sum;
 } header;
 
-static header header_of(const palp_network *net) {
+uint64_t network_sum(uint64_t sum, const void *data, size_t bytes) {
+    const unsigned char *at = data;
+    uint64_t word = 0;
+    for (; bytes >= sizeof word; bytes -= sizeof word, at += sizeof word) {
+        memcpy(&word, at, sizeof word);
+        sum = (sum ^ word) * UINT64_C(0x100000001b3);
+        sum ^= sum >> 32;
+    }
+    for (; bytes > 0; bytes--)
+        sum = (sum ^ *at++) * UINT64_C(0x100000001b3);
+    return sum;
+}
+
+/* Tells networks of another mesh, other supports, another material, density or integrator apart. */
+static uint64_t fingerprint(const palp_network *net) {
+    const palp_material *m = &net->material;
+    const size_t n3 = 3 * net->n_nodes;
+    const uint64_t number[] = {net->n_nodes, net->n_elements, net->n_free, net->n_terms, net->now.history.peak != NULL,
+                               m->law.kind, m->law.n, m->n_arms, m->quasi_linear, m->formulation,
+                               net->settings.integrator};
+    const double value[] = {m->law.area_m2, m->dashpot_Ns, net->settings.density_kg_m3, net->settings.spectral_radius};
+    const double *scale = palp_mesh_element_scale(net->mesh);
+    uint64_t sum = network_sum(NETWORK_SUM, number, sizeof number);
+    sum = network_sum(sum, value, sizeof value);
+    sum = network_sum(sum, m->law.coefficients, m->law.n * sizeof *m->law.coefficients);
+    sum = network_sum(sum, m->law.strain, m->law.n * sizeof *m->law.strain);
+    sum = network_sum(sum, m->arms, m->n_arms * sizeof *m->arms);
+    sum = network_sum(sum, net->rest, n3 * sizeof *net->rest);
+    sum = network_sum(sum, net->pair, 2 * net->n_elements * sizeof *net->pair);
+    sum = network_sum(sum, net->motion, n3 * sizeof *net->motion);
+    sum = network_sum(sum, net->dof, n3 * sizeof *net->dof);
+    return scale ? network_sum(sum, scale, net->n_elements * sizeof *scale) : sum;
+}
+
+size_t palp_network_state_size(const palp_network *net) {
     palp_network *counted = (palp_network *)net; /* counting changes nothing */
     network_cursor c = {.way = NETWORK_COUNT};
     pass_now(counted, &c);
     pass_past(counted, &c);
-    return (header){.magic = UINT64_C(0x70616c7061746532),
-                    .n_nodes = net->n_nodes,
-                    .n_elements = net->n_elements,
-                    .n_arms = net->material.n_arms,
-                    .n_free = net->n_free,
-                    .n_terms = net->n_terms,
-                    .mass = net->mass != NULL,
-                    .peak = net->now.history.peak != NULL,
-                    .vector = net->now.vector != NULL,
-                    .bytes = sizeof(header) + c.bytes};
+    return sizeof(header) + c.bytes;
 }
 
-size_t palp_network_state_size(const palp_network *net) {
-    return (size_t)header_of(net).bytes;
+static header header_of(const palp_network *net, const void *buffer) {
+    size_t size = palp_network_state_size(net);
+    const unsigned char *state = (const unsigned char *)buffer + sizeof(header);
+    return (header){UINT64_C(0x70616c7061746533), size, fingerprint(net),
+                    network_sum(NETWORK_SUM, state, size - sizeof(header))};
 }
 
 palp_status palp_network_save(const palp_network *net, void *buffer, size_t size) {
-    header h = header_of(net);
-    if (!buffer || size < h.bytes)
+    if (!buffer || size < palp_network_state_size(net))
         return PALP_ERR_ARGUMENT;
-    network_cursor c = {NETWORK_SAVE, (unsigned char *)buffer + sizeof h, 0};
+    network_cursor c = {NETWORK_SAVE, (unsigned char *)buffer + sizeof(header), 0};
     palp_network *saved = (palp_network *)net; /* saving only reads */
-    memcpy(buffer, &h, sizeof h);
     pass_now(saved, &c);
     pass_past(saved, &c);
+    header h = header_of(net, buffer);
+    memcpy(buffer, &h, sizeof h);
     return PALP_OK;
 }
 
-palp_status palp_network_restore(palp_network *net, const void *buffer, size_t size) {
-    header h = header_of(net);
-    if (!buffer || size < h.bytes || memcmp(buffer, &h, sizeof h) != 0)
+static palp_status check_saved(const palp_network *net, const void *buffer, size_t size) {
+    header found, own;
+    if (!buffer || size < palp_network_state_size(net))
         return PALP_ERR_ARGUMENT;
-    network_cursor c = {NETWORK_RESTORE, (unsigned char *)buffer + sizeof h, 0}; /* only read */
+    memcpy(&found, buffer, sizeof found);
+    own = header_of(net, buffer);
+    if (memcmp(&found, &own, offsetof(header, sum)) != 0)
+        return PALP_ERR_ARGUMENT;
+    return found.sum == own.sum ? PALP_OK : PALP_ERR_INPUT;
+}
+
+palp_status palp_network_restore(palp_network *net, const void *buffer, size_t size) {
+    palp_status status = check_saved(net, buffer, size);
+    if (status)
+        return status;
+    network_cursor c = {NETWORK_RESTORE, (unsigned char *)buffer + sizeof(header), 0}; /* only read */
     net->trial = net->factored = net->exact = false;
     pass_now(net, &c);
     pass_past(net, &c);

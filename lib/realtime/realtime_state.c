@@ -49,42 +49,55 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     }
 }
 
-/* Stands before the rest and must be the same in what saves and what restores. */
+/* Stands before the network's state; what follows that is summed here. All but the sum must be the same in what saves and
+ * in what restores. */
 typedef struct header {
-    uint64_t magic, network, bytes; /* of the network's state; of all */
+    uint64_t magic, network, size, sum;
 } header;
 
+/* Without the sum. */
 static header header_of(const palp_realtime *rt) {
     network_cursor c = {.way = NETWORK_COUNT};
     pass_realtime((palp_realtime *)rt, &c); /* counting changes nothing */
     size_t network = palp_network_state_size(rt->net);
-    return (header){UINT64_C(0x70616c7072743032), network, sizeof(header) + network + c.bytes};
+    return (header){UINT64_C(0x70616c7072743033), network, sizeof(header) + network + c.bytes, 0};
+}
+
+static uint64_t sum_of(const header *h, const unsigned char *buffer) {
+    size_t before = sizeof *h + h->network;
+    return network_sum(NETWORK_SUM, buffer + before, h->size - before);
 }
 
 size_t palp_realtime_state_size(const palp_realtime *rt) {
-    return (size_t)header_of(rt).bytes;
+    return (size_t)header_of(rt).size;
 }
 
 palp_status palp_realtime_save(const palp_realtime *rt, void *buffer, size_t size) {
     header h = header_of(rt);
-    if (!buffer || size < h.bytes)
+    if (!buffer || size < h.size)
         return PALP_ERR_ARGUMENT;
     unsigned char *at = (unsigned char *)buffer + sizeof h;
     network_cursor c = {NETWORK_SAVE, at + h.network, 0};
-    memcpy(buffer, &h, sizeof h);
     pass_realtime((palp_realtime *)rt, &c); /* saving only reads */
+    h.sum = sum_of(&h, buffer);
+    memcpy(buffer, &h, sizeof h);
     return palp_network_save(rt->net, at, h.network);
 }
 
 palp_status palp_realtime_restore(palp_realtime *rt, const void *buffer, size_t size) {
-    header h = header_of(rt);
-    if (!buffer || size < h.bytes || memcmp(buffer, &h, sizeof h) != 0)
+    header own = header_of(rt), found;
+    if (!buffer || size < own.size)
         return PALP_ERR_ARGUMENT;
-    unsigned char *at = (unsigned char *)buffer + sizeof h; /* only read */
-    palp_status status = palp_network_restore(rt->net, at, h.network);
+    memcpy(&found, buffer, sizeof found);
+    if (memcmp(&found, &own, offsetof(header, sum)) != 0)
+        return PALP_ERR_ARGUMENT;
+    if (found.sum != sum_of(&own, buffer))
+        return PALP_ERR_INPUT;
+    unsigned char *at = (unsigned char *)buffer + sizeof own; /* only read */
+    palp_status status = palp_network_restore(rt->net, at, own.network);
     if (status)
         return status;
-    network_cursor c = {NETWORK_RESTORE, at + h.network, 0};
+    network_cursor c = {NETWORK_RESTORE, at + own.network, 0};
     pass_realtime(rt, &c);
     rt->resets = rt->net->resets;
     return PALP_OK;

@@ -175,11 +175,83 @@ START_TEST(depths_beyond_collapse_give_a_status) {
 }
 END_TEST
 
+/* A network of three nodes a side and what is changed of it: the mesh, the supports, the material or a setting. */
+enum { LIKE, WIDER, UNDRIVEN, STIFFER, OTHER_ARM, DENSER, LIKENESSES };
+
+static palp_network *network_like(int change) {
+    palp_material m = quartic(2);
+    palp_network_settings settings = palp_network_settings_default();
+    palp_mesh *mesh = NULL;
+    palp_network *net = NULL;
+    palp_support supports[2];
+    palp_supports_default(supports);
+    const double width = change == WIDER ? 1.1 * HEIGHT : HEIGHT;
+    ck_assert_int_eq(palp_mesh_lattice((size_t[]){3, 3, 3}, (double[]){width, HEIGHT, HEIGHT}, PALP_NEIGHBOURS_26, &mesh),
+                     PALP_OK);
+    if (change == UNDRIVEN)
+        supports[1].motion[1] = -0.5;
+    if (change == STIFFER)
+        m.law.coefficients[0] *= 2.0;
+    if (change == OTHER_ARM)
+        m.arms[1].viscosity_Ns *= 2.0;
+    settings.density_kg_m3 = change == DENSER ? 2000.0 : 1000.0;
+    ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, NULL), PALP_OK);
+    palp_mesh_free(mesh);
+    return net;
+}
+
+START_TEST(a_state_goes_into_a_like_network_only) {
+    palp_network *net = network_like(LIKE);
+    ck_assert_int_eq(palp_network_step(net, 0.1 * HEIGHT, 0.1, NULL), PALP_OK);
+    const size_t size = palp_network_state_size(net);
+    void *saved = malloc(size);
+    ck_assert_ptr_nonnull(saved);
+    ck_assert_int_eq(palp_network_save(net, saved, size), PALP_OK);
+    for (int change = LIKE; change < LIKENESSES; change++) {
+        palp_network *other = network_like(change);
+        snapshot rest = snapshot_take(other);
+        ck_assert_msg(palp_network_restore(other, saved, size) == (change == LIKE ? PALP_OK : PALP_ERR_ARGUMENT),
+                      "change %d", change);
+        ck_assert_int_eq(still_at(other, &rest), change != LIKE);
+        snapshot_free(&rest);
+        palp_network_free(other);
+    }
+    free(saved);
+    palp_network_free(net);
+}
+END_TEST
+
+/* Every byte of a saved state, one bit of it turned over. */
+START_TEST(a_damaged_state_is_refused) {
+    palp_network *net = network_like(LIKE);
+    ck_assert_int_eq(palp_network_step(net, 0.1 * HEIGHT, 0.1, NULL), PALP_OK);
+    const size_t size = palp_network_state_size(net);
+    unsigned char *saved = malloc(size);
+    ck_assert_ptr_nonnull(saved);
+    ck_assert_int_eq(palp_network_save(net, saved, size), PALP_OK);
+    snapshot before = snapshot_take(net);
+    for (size_t i = 0; i < size; i++) {
+        unsigned char bit = (unsigned char)(1u << i % 8);
+        saved[i] ^= bit;
+        palp_status status = palp_network_restore(net, saved, size);
+        ck_assert_msg(status == (i < 24 ? PALP_ERR_ARGUMENT : PALP_ERR_INPUT), "byte %zu: %s", i, palp_status_name(status));
+        saved[i] ^= bit;
+    }
+    ck_assert(still_at(net, &before));
+    ck_assert_int_eq(palp_network_restore(net, saved, size), PALP_OK);
+    snapshot_free(&before);
+    free(saved);
+    palp_network_free(net);
+}
+END_TEST
+
 void tests(TCase *tc) {
     tcase_add_test(tc, failed_steps_leave_no_trace);
     tcase_add_test(tc, steps_rolled_back_leave_no_trace);
     tcase_add_test(tc, failed_steps_of_a_network_with_dear_factors);
     tcase_add_test(tc, same_input_gives_the_same_bits);
     tcase_add_test(tc, another_material_and_back);
+    tcase_add_test(tc, a_state_goes_into_a_like_network_only);
+    tcase_add_test(tc, a_damaged_state_is_refused);
     tcase_add_test(tc, depths_beyond_collapse_give_a_status);
 }

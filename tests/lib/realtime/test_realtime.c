@@ -589,6 +589,15 @@ START_TEST(refused) {
     ck_assert_int_eq(palp_realtime_restore(rt, saved, size - 1), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_realtime_restore(rt, NULL, size), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_realtime_restore(rt, saved, size), PALP_OK);
+    for (size_t i = 0; i < size; i += 1 + i / 8) { /* a bit turned over */
+        ((unsigned char *)saved)[i] ^= 4;
+        ck_assert_int_ne(palp_realtime_restore(rt, saved, size), PALP_OK);
+        ((unsigned char *)saved)[i] ^= 4;
+    }
+    ((unsigned char *)saved)[size - 1] ^= 4;
+    ck_assert_int_eq(palp_realtime_restore(rt, saved, size), PALP_ERR_INPUT);
+    ((unsigned char *)saved)[size - 1] ^= 4;
+    ck_assert_int_eq(palp_realtime_restore(rt, saved, size), PALP_OK);
     ck_assert_int_eq(palp_network_save(net, saved, plain - 1), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_save(net, NULL, plain), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_save(net, saved, plain), PALP_OK);
