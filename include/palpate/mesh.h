@@ -43,7 +43,7 @@ PALP_API palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t 
  * and "top" are the nodes at the lowest and highest y within 1e-6 of the height. Nodes that no
  * tetrahedron or hexahedron uses are left out, the others numbered in the order of their tags; a group
  * of left out nodes only gives no set. ERR_INPUT with "file:line: ..." for anything malformed, a node
- * that is not there, given twice or twice in an element, an element of zero length, more than one
+ * that is not there, given twice or twice in an element, an element given twice or of zero length, more than one
  * connected part, volume elements of other types, a partitioned or binary file, another version. */
 PALP_API palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diagonals,
                                          palp_mesh **mesh, palp_error *error);

@@ -54,7 +54,8 @@ static palp_status copy_cells(const palp_mesh *from, palp_mesh *to) {
     to->n_tetrahedra = from->n_tetrahedra;
     to->n_triangles = from->n_triangles;
     to->split = from->split;
-    return from->n_tetrahedra > 0 && (!to->tetrahedra || !to->triangles) ? PALP_ERR_NO_MEMORY : PALP_OK;
+    return (from->n_tetrahedra > 0 && !to->tetrahedra) || (from->n_triangles > 0 && !to->triangles) ? PALP_ERR_NO_MEMORY
+                                                                                                   : PALP_OK;
 }
 
 palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {

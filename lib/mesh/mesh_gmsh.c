@@ -82,6 +82,40 @@ static palp_status fill_pairs(const gmsh_file *r, bool diagonals, palp_mesh *mes
     return PALP_OK;
 }
 
+static int compare_nodes(const void *left, const void *right) {
+    int32_t a = *(const int32_t *)left, b = *(const int32_t *)right;
+    return (a > b) - (a < b);
+}
+
+/* By their nodes, then by line. */
+static int compare_cells(const void *left, const void *right) {
+    const gmsh_cell *a = left, *b = right;
+    for (int i = 0; i < GMSH_CELL_NODES; i++)
+        if (a->node[i] != b->node[i])
+            return a->node[i] < b->node[i] ? -1 : 1;
+    return (a->line > b->line) - (a->line < b->line);
+}
+
+static palp_status refuse_repeats(const gmsh_file *r) {
+    gmsh_cell *sorted = malloc(r->cells.n * sizeof *sorted);
+    if (!sorted)
+        return gmsh_no_memory(r);
+    memcpy(sorted, r->cells.items, r->cells.n * sizeof *sorted);
+    for (size_t c = 0; c < r->cells.n; c++) {
+        for (int i = sorted[c].n; i < GMSH_CELL_NODES; i++)
+            sorted[c].node[i] = INT32_MAX;
+        qsort(sorted[c].node, GMSH_CELL_NODES, sizeof *sorted[c].node, compare_nodes);
+    }
+    qsort(sorted, r->cells.n, sizeof *sorted, compare_cells);
+    palp_status status = PALP_OK;
+    for (size_t c = 1; c < r->cells.n && !status; c++)
+        if (memcmp(sorted[c].node, sorted[c - 1].node, sizeof sorted[c].node) == 0)
+            status = gmsh_fail(r, sorted[c].line, "an element with the nodes of the one of line %zu",
+                               sorted[c - 1].line);
+    free(sorted);
+    return status;
+}
+
 static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
     const gmsh_cell *cells = r->cells.items;
     const gmsh_node *nodes = r->nodes.items;
@@ -189,6 +223,8 @@ static palp_status build(gmsh_file *r, bool diagonals, palp_mesh **mesh) {
         return gmsh_no_memory(r);
     fill_positions(r, m);
     palp_status status = fill_pairs(r, diagonals, m);
+    if (!status)
+        status = refuse_repeats(r);
     if (!status)
         status = check_connected(r, m);
     if (!status)
