@@ -54,8 +54,8 @@ typedef struct palp_element_state {
 
 /* Advances one element (or a lumped specimen) from *from to strain in dt_s: writes *to (may be
  * from) and, if tangent_N is not NULL, dF/de at the end of the step. dt_s = 0 is an instantaneous
- * step, dt_s = INFINITY a fully relaxed one. ERR_ARGUMENT: dt_s < 0 or NaN, strain not finite, or
- * dt_s = 0 with a parallel dashpot or PALP_SEDEF2008. */
+ * step, dt_s = INFINITY a fully relaxed one. ERR_ARGUMENT: dt_s < 0 or NaN, strain not finite, a law or
+ * arms beyond their arrays (the rest is palp_material_check's, once and not at every step), or dt_s = 0 with a parallel dashpot or PALP_SEDEF2008. */
 PALP_API palp_status palp_element_advance(const palp_material *material, const palp_element_state *from,
                                           double strain, double dt_s, palp_element_state *to,
                                           double *tangent_N);

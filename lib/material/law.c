@@ -101,6 +101,20 @@ palp_status palp_law_set_coefficients(palp_law *law, const double *c) {
     return palp_law_hyperelastic(like.kind, like.n, c, like.area_m2, law);
 }
 
+bool law_bounded(const palp_law *law) {
+    return (size_t)law->kind < KIND_COUNT && law->n > 0 && law->n <= PALP_LAW_MAX;
+}
+
+palp_status law_check(const palp_law *law) {
+    palp_law made = *law;
+    palp_status status = (size_t)law->kind < KIND_COUNT ? palp_law_set_coefficients(&made, law->coefficients)
+                                                        : PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < made.n && !status; i++)
+        if (law->kind == PALP_LAW_SPLINE && !(law->slope[i] == made.slope[i]))
+            status = PALP_ERR_ARGUMENT;
+    return status;
+}
+
 palp_status palp_law_scale(const palp_law *law, double factor, palp_law *scaled) {
     double c[PALP_LAW_MAX];
     for (size_t i = 0; i < law->n; i++) {

@@ -3,6 +3,13 @@
 #define PALPATE_LAW_INTERNAL_H
 
 #include <palpate/law.h>
+#include <stdbool.h>
+
+/* Whether a law's kind and number of coefficients stay within its arrays; what law_check looks at first. */
+bool law_bounded(const palp_law *law);
+
+/* Whether its maker would make this law. ERR_ARGUMENT, ERR_LIMIT. */
+palp_status law_check(const palp_law *law);
 
 /* Arguments as of palp_law_force, palp_law_stiffness (with a = |e|) and palp_law_gradient, but the
  * gradients are of K(a). */

@@ -1,6 +1,7 @@
 /* material.c: the public view of one element: checks, one step, a lumped specimen's force curve. */
 #include "element.h"
 #include "base/file.h"
+#include "law_internal.h"
 
 #include <math.h>
 
@@ -20,15 +21,19 @@ static palp_status check_arm(const palp_material *material, size_t j, palp_error
 }
 
 palp_status palp_material_check(const palp_material *material, palp_error *error) {
+    palp_status status = PALP_OK;
     if (material->n_arms > PALP_ARMS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "%zu arms, at most %d", material->n_arms, PALP_ARMS_MAX);
     for (size_t j = 0; j < material->n_arms; j++) {
-        palp_status status = check_arm(material, j, error);
+        status = check_arm(material, j, error);
         if (status)
             return status;
     }
     if (!(material->dashpot_Ns >= 0.0) || !isfinite(material->dashpot_Ns))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "dashpot_Ns must not be negative");
+    status = law_check(&material->law);
+    if (status)
+        return palp_error_set(error, status, "the stiffness is no law: %s", palp_status_text(status));
     double start;
     palp_law_stiffness(&material->law, 0.0, &start, NULL);
     if (!isfinite(start) || (material->quasi_linear && !(start > 0.0)))
@@ -42,6 +47,8 @@ palp_status palp_material_check(const palp_material *material, palp_error *error
 
 palp_status palp_element_advance(const palp_material *material, const palp_element_state *from, double strain,
                                  double dt_s, palp_element_state *to, double *tangent_N) {
+    if (!material || !from || !to || material->n_arms > PALP_ARMS_MAX || !law_bounded(&material->law))
+        return PALP_ERR_ARGUMENT;
     bool rate = material->dashpot_Ns > 0.0 || (material->formulation == PALP_SEDEF2008 && material->n_arms > 0);
     if (!(dt_s >= 0.0) || !isfinite(strain) || (dt_s == 0.0 && rate))
         return PALP_ERR_ARGUMENT;

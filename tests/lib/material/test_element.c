@@ -538,6 +538,32 @@ START_TEST(materials_that_make_no_sense) {
 }
 END_TEST
 
+START_TEST(laws_that_no_maker_made) {
+    palp_material zero = {0}, m = plain(1);
+    palp_element_state state = {0};
+    palp_error error;
+    ck_assert_int_eq(palp_material_check(&zero, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_element_advance(&zero, &state, 0.1, 1.0, &state, NULL), PALP_ERR_ARGUMENT);
+    m.law.n = PALP_LAW_MAX + 1;
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_LIMIT);
+    ck_assert_int_eq(palp_element_advance(&m, &state, 0.1, 1.0, &state, NULL), PALP_ERR_ARGUMENT);
+    m = plain(1);
+    m.law.kind = (palp_law_kind)99;
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_ARGUMENT);
+    m = plain(1);
+    m.law.coefficients[m.law.n - 1] = NAN;
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_ARGUMENT);
+    m = plain(1);
+    ck_assert_int_eq(palp_law_spline(2, (double[]){0.0, 0.5}, (double[]){1.0, 2.0}, &m.law), PALP_OK);
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_OK);
+    m.law.slope[1] = NAN;
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_NEO_HOOKEAN, 1, (double[]){1e3}, 1e-4, &m.law), PALP_OK);
+    m.law.area_m2 = 0.0;
+    ck_assert_int_eq(palp_material_check(&m, &error), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
 START_TEST(lumped_runs_that_make_no_sense) {
     palp_material m = plain(1);
     double force[3];
@@ -572,5 +598,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, sedef2008_steps_by_hand);
     tcase_add_test(tc, steps_that_make_no_sense);
     tcase_add_test(tc, materials_that_make_no_sense);
+    tcase_add_test(tc, laws_that_no_maker_made);
     tcase_add_test(tc, lumped_runs_that_make_no_sense);
 }
