@@ -3,6 +3,7 @@
 #include "shared/cli.h"
 #include "shared/commands.h"
 
+#include <errno.h>
 #include <palpate/version.h>
 #include <string.h>
 
@@ -44,7 +45,7 @@ static void help(FILE *to) {
         }
         fprintf(to, "  %-14s%s\n", s->name, s->about);
     }
-    fputs("\n  palpate COMMAND --help    options of a command, with units and an example\n"
+    fputs("\n  palpate help COMMAND      options of a command, with units and an example\n"
           "  palpate --version         the version\n"
           "\nExample:\n"
           "  palpate acquire --port rig --ramp-hold 2,4,6 --out runs\n"
@@ -55,24 +56,58 @@ static void help(FILE *to) {
           to);
 }
 
+static const subcommand *find(const char *name) {
+    for (size_t i = 0; i < SUBCOMMANDS; i++) {
+        if (strcmp(name, subcommands[i].name) == 0) {
+            return &subcommands[i];
+        }
+    }
+    return NULL;
+}
+
+static const subcommand *nearest(const char *name) {
+    const char *names[SUBCOMMANDS];
+    for (size_t i = 0; i < SUBCOMMANDS; i++) {
+        names[i] = subcommands[i].name;
+    }
+    const char *near = cli_nearest(name, SUBCOMMANDS, names);
+    return near ? find(near) : NULL;
+}
+
+static int unknown(const char *name) {
+    const subcommand *near = nearest(name);
+    return near ? cli_usage_error(NULL, "no such command: %s; did you mean %s?", name, near->name)
+                : cli_usage_error(NULL, "no such command: %s; see palpate --help", name);
+}
+
+static int run(int argc, char **argv) {
+    const char *word = argv[1];
+    if (strcmp(word, "--version") == 0) {
+        printf("palpate %s\n", palp_version());
+        return CLI_OK;
+    }
+    bool helps = strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0;
+    if (helps && argc == 2) {
+        help(stdout);
+        return CLI_OK;
+    }
+    const subcommand *s = find(helps ? argv[2] : word);
+    if (!s) {
+        return unknown(helps ? argv[2] : word);
+    }
+    char option[] = "--help", *ask[] = {argv[helps ? 2 : 1], option, NULL};
+    return helps ? s->run(2, ask) : s->run(argc - 1, argv + 1);
+}
+
 int main(int argc, char **argv) {
     blas_one_thread();
     if (argc < 2) {
         help(stderr);
         return CLI_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
-        help(stdout);
-        return CLI_OK;
+    int code = run(argc, argv);
+    if (code == CLI_OK && (fflush(stdout) != 0 || ferror(stdout))) {
+        return cli_failure(NULL, "standard output: %s", errno ? strerror(errno) : "write error");
     }
-    if (strcmp(argv[1], "--version") == 0) {
-        printf("palpate %s\n", palp_version());
-        return CLI_OK;
-    }
-    for (size_t i = 0; i < SUBCOMMANDS; i++) {
-        if (strcmp(argv[1], subcommands[i].name) == 0) {
-            return subcommands[i].run(argc - 1, argv + 1);
-        }
-    }
-    return cli_usage_error(NULL, "no such command: %s; see palpate --help", argv[1]);
+    return code;
 }

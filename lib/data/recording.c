@@ -38,9 +38,9 @@ static palp_status copy_columns(palp_recording *r, const palp_experiment *e, pal
         r->depth_m[i] = 1e-3 * d[i];
         r->force_N[i] = f[i];
         r->use[i] = 1;
-        if (!isfinite(t[i]) || !isfinite(d[i]) || !isfinite(f[i]) || (i > 0 && !(t[i] > t[i - 1])))
-            return palp_error_set(error, PALP_ERR_INPUT,
-                                  "%s: sample %zu: not finite, or time_s does not increase", r->name, i + 1);
+        if (!segments_sample_valid(t, d, f, i))
+            return palp_error_set(error, PALP_ERR_INPUT, "%s: sample %zu: not finite, beyond 1e12, or time_s does not increase",
+                                  r->name, i + 1);
     }
     return PALP_OK;
 }

@@ -106,3 +106,8 @@ void palp_segments_phases(size_t n, const double *time, const double *depth, uns
         phase[i] = (unsigned char)phase_of(&p, depth[i], time[i] - p.corner);
     }
 }
+
+bool segments_sample_valid(const double *time, const double *depth, const double *force, size_t i) {
+    static const double most = 1e12;
+    return fabs(time[i]) <= most && fabs(depth[i]) <= most && fabs(force[i]) <= most && (i == 0 || time[i] > time[i - 1]);
+}

@@ -68,8 +68,8 @@ static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *
         run->depth[i] = 1e-3 * depth[i];
         run->force[i] = force[i];
         deepest = fmax(deepest, run->depth[i]);
-        if (!isfinite(time[i]) || !isfinite(depth[i]) || !isfinite(force[i]) || (i && !(time[i] > time[i - 1])))
-            return palp_error_set(error, PALP_ERR_INPUT, "%s: row %zu: not finite, or time_s does not increase",
+        if (!segments_sample_valid(time, depth, force, i))
+            return palp_error_set(error, PALP_ERR_INPUT, "%s: row %zu: not finite, beyond 1e12, or time_s does not increase",
                                   run->name, i + 1);
     }
     find_columns(e, run);

@@ -27,6 +27,8 @@ run nan.csv static '0,0,0\n1,1,nan\n'
 wrong "nan.csv:5" simulate $M --like nan.csv
 run back.csv static '0,0,0\n1,1,1\n1,2,2\n'
 wrong "back.csv:6" simulate $M --like back.csv
+{ sed '1,/^time_s/!d' nan.csv; awk 'BEGIN { for (i = 0; i < 40; i++) printf "%d,%d,%de300\n", i, i / 4, i }'; } >huge.csv
+wrong "huge.csv" explain --model $L huge.csv
 run short.csv static '0,0,0\n'
 wrong "short.csv" simulate $M --like short.csv
 run deep.csv static '0,0,0\n1,30,1\n'

@@ -12,8 +12,8 @@ expect 0 simulate $L --protocol static --depth-mm 9 --sample-Hz 50 --air-s 1 --n
 
 page() { # file: well formed, self-contained
     grep -q '^<!DOCTYPE html>' "$1" && grep -q '</html>' "$1" || fail "$1 is no page"
-    grep -o '\(src\|href\)="[^"#][^"]*"' "$1" | grep -v '^href="#' | grep -q . && fail "$1 refers to another file"
-    grep -q '<script\|@import\|<link\|<img' "$1" && fail "$1 is not self-contained"
+    grep -o '\(src\|href\)="[^"#][^"]*"' "$1" | grep -v -e '^href="#' -e '^src="data:image/svg+xml,' | grep -q . && fail "$1 refers to another file"
+    grep -iq '<script\|@import\|<link\|onload=\|javascript:\|<foreignobject' "$1" && fail "$1 is not self-contained"
     grep -q 'a<b>' "$1" && fail "$1: a name is not escaped"
     grep -o ' id="[^"]*"' "$1" | sort | uniq -d | grep -q . && fail "$1: an id is there twice"
 }
@@ -51,9 +51,11 @@ fi
 # What cannot be read: named outright it fails, in a folder it is warned of and listed.
 echo '{"a": 1}' >work/strange.json
 echo 'no run' >work/broken.csv
-echo '<svg><script>alert(1)</script></svg>' >work/evil.svg
+echo '<svg onload="alert(1)"><SCRIPT>alert(2)</SCRIPT><a href="javascript:alert(3)"/><script>alert(4)</script></svg>' >work/evil.svg
+echo '<svg width="9">' >work/cut.svg
 expect 0 report work --out more.html
 [ "$(grep -c 'warning: work/' err)" -eq 3 ] || fail "not three warnings: $(cat err)"
+grep -q '<figcaption>evil.svg</figcaption>' more.html || fail "a foreign figure is not there as an image"
 grep -q 'strange.json' more.html || fail "a file that was not used is not listed"
 page more.html
 expect 1 report work/broken.csv --out no.html; says "palpate report: work/broken.csv"

@@ -98,6 +98,7 @@ wrong "does not go with a model" --specimen none --model "$DATA/lumped_n2.json"
 wrong "one argument too many" "$DATA/lumped_n2.json"
 expect 1 rig --firmware host --model no_model.json; says "no_model.json"
 expect 1 rig --firmware host --actuator "$DATA/lumped_n2.json"; says "is no actuator"
+expect 1 rig --firmware host --script "$DATA"; says "Is a directory"
 echo "1 zz" >bad
 expect 1 rig --firmware host --script bad; says "bad:1: "
 PALPATE_FIRMWARE=$PWD

@@ -18,6 +18,19 @@ done
 "$PALPATE" >out 2>err
 [ $? -eq 2 ] && [ ! -s out ] && [ -s err ] || fail "without arguments: help on stderr, exit code 2"
 expect 2 press; says "no such command: press"
+expect 2 simualte; says "no such command: simualte; did you mean simulate?"
+expect 2 help simualte; says "did you mean simulate?"
+for command in "help simulate" "--help simulate"; do
+    expect 0 $command
+    head -n 1 out | grep -q '^Usage: palpate simulate' || fail "palpate $command: $(head -n 1 out)"
+done
+if [ -w /dev/full ]; then
+    for command in --help --version "help simulate" "simulate --help"; do
+        "$PALPATE" $command >/dev/full 2>err
+        [ $? -eq 1 ] || fail "palpate $command to a full device: not exit code 1"
+        says "standard output: No space left on device"
+    done
+fi
 
 M=$DATA/network_27.json L=$DATA/lumped_n1.json
 wrong() { # text that the line must hold, arguments...
@@ -29,6 +42,7 @@ wrong() { # text that the line must hold, arguments...
 }
 wrong "name a MODEL.json" simulate
 wrong "no such option: --deepness" simulate $M --deepness 3
+wrong "no such option: --depht-mm=3; did you mean --depth-mm?" simulate $M --depht-mm=3
 wrong "no such option: -x" simulate -x $M
 wrong "wants a value" simulate $M --protocol static --depth-mm
 wrong "takes no value" simulate $M --json=yes

@@ -206,6 +206,20 @@ static void test_protocol_file(void **state) {
     free(plan);
 }
 
+/* A key of the file's own that looks like a place in it: the line is found without leaving the text. */
+static void test_strange_keys(void **state) {
+    static const char *const keys[] = {"x[", "[", "x[0", "x[5][7]", "x]", "..", "[[0]", "runs[0][1].x"};
+    acquire_motion options = acquire_motion_none();
+    int code;
+    (void)state;
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        char text[128];
+        snprintf(text, sizeof text, "{\"palpate\":{\"protocol\":1},\"runs\":[],\"%s\":1}", keys[i]);
+        free(read_protocol(text, &options, &code));
+        assert_int_equal(code, CLI_FAILURE);
+    }
+}
+
 static void test_examples(void **state) {
     static const char *const files[] = {"data/protocols/sedef2008.json", "data/protocols/quick.json",
                                         "data/protocols/dynamic.json"};
@@ -686,7 +700,8 @@ const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_kinds),
     cmocka_unit_test(test_thesis_protocol),
     cmocka_unit_test(test_protocol_file),
-    cmocka_unit_test(test_examples),
+    cmocka_unit_test(test_strange_keys),
+        cmocka_unit_test(test_examples),
     cmocka_unit_test(test_file),
     cmocka_unit_test(test_session_start),
     cmocka_unit_test(test_file_cut),

@@ -77,6 +77,9 @@ static const char *value_end(const char *p) {
 
 /* The key, or the item, of what stands at p; p itself where it is not there. */
 static const char *member(const char *p, const char *key, size_t length) {
+    if (*p != '{') {
+        return p;
+    }
     for (const char *at = skip(p + 1, " \t\r\n"); *at == '"';) {
         const char *end = value_end(at);
         if ((size_t)(end - at) == length + 2 && memcmp(at + 1, key, length) == 0) {
@@ -88,6 +91,9 @@ static const char *member(const char *p, const char *key, size_t length) {
 }
 
 static const char *item(const char *p, unsigned long index) {
+    if (*p != '[') {
+        return p;
+    }
     const char *at = skip(p + 1, " \t\r\n");
     for (; index > 0 && *at && *at != ']'; index--) {
         at = skip(value_end(at), " \t\r\n,");
@@ -95,13 +101,14 @@ static const char *item(const char *p, unsigned long index) {
     return at;
 }
 
+/* where is a path such as runs[2].depth_mm; a key of the file's own may hold any character. */
 static int line_of(const char *text, const char *where) {
     const char *p = skip(text, " \t\r\n"), *at = p;
     for (char *rest; *where; where += *where == '.') {
         p = *at == '"' ? skip(value_end(at), " \t\r\n:") : at; /* from the key to its value */
         if (*where == '[') {
             at = item(p, strtoul(where + 1, &rest, 10));
-            where = rest + 1;
+            where = rest + (*rest == ']');
         } else {
             size_t length = strcspn(where, ".[");
             at = member(p, where, length);

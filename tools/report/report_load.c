@@ -47,11 +47,15 @@ report_file *report_find_figure(const report *r, const char *name) {
     return NULL;
 }
 
+void report_place(FILE *to, report_file *f, const char *caption) {
+    (f->drawn ? html_svg : html_image)(to, f->svg, caption);
+    f->shown = true;
+}
+
 void report_figure(FILE *to, report *r, const char *name, const char *caption) {
     report_file *f = report_find_figure(r, name);
     if (f) {
-        html_svg(to, f->svg, caption);
-        f->shown = true;
+        report_place(to, f, caption);
     }
 }
 
@@ -123,7 +127,7 @@ static void load_json(report_file *file) {
     }
 }
 
-/* The text from "<svg" on; one with a script in it stays out of the page. */
+/* The text from "<svg" on. */
 static void load_svg(report_file *file) {
     FILE *from = fopen(file->path, "rb");
     size_t size = (size_t)file->size;
@@ -137,9 +141,8 @@ static void load_svg(report_file *file) {
     }
     text[n] = '\0';
     char *start = strstr(text, "<svg");
-    if (!start || !strstr(start, "</svg>") || strstr(start, "<script") || strstr(start, "<foreignObject")) {
-        snprintf(file->note, sizeof file->note,
-                 start ? "an SVG with a script in it, or cut short" : "no SVG");
+    if (!start || !strstr(start, "</svg>")) {
+        snprintf(file->note, sizeof file->note, start ? "an SVG that is cut short" : "no SVG");
         free(text);
         return;
     }

@@ -282,8 +282,7 @@ static void others(FILE *to, report *r) {
                 fputs("<div class=\"figures\">\n", to);
                 any = true;
             }
-            html_svg(to, f->svg, cli_base(f->path));
-            f->shown = true;
+            report_place(to, f, cli_base(f->path));
         }
     }
     fputs(any ? "</div>\n" : "", to);

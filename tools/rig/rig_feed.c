@@ -74,6 +74,9 @@ int rig_feed_open(const char *name, const rig_settings *settings, rig_feed *f) {
     while (code == CLI_OK && getline(&text, &size, file) >= 0) {
         code = take_line(name, f, text, &used);
     }
+    if (code == CLI_OK && ferror(file)) {
+        code = cli_failure(name, "%s: %s", settings->script, strerror(errno));
+    }
     free(text);
     fclose(file);
     return code;

@@ -238,7 +238,23 @@ static void long_options(const cli_command *command, struct option *table) {
     table[n] = (struct option){NULL, 0, NULL, 0};
 }
 
-static int bad_option(const char *name, int code, char **argv) {
+static int unknown_option(const cli_command *command, const char *typed) {
+    const char *names[OPTIONS_MAX], *near;
+    char word[64];
+    size_t n = 0;
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(typed + 2, "="), typed + 2);
+    for (size_t i = 0; i < command->n_options && n < OPTIONS_MAX; i++) {
+        if (command->options[i].type != CLI_HEADING) {
+            names[n++] = command->options[i].name;
+        }
+    }
+    near = cli_nearest(word, n, names);
+    return near ? cli_usage_error(command->name, "no such option: %s; did you mean --%s?", typed, near)
+                : cli_usage_error(command->name, "no such option: %s; see palpate %s --help", typed, command->name);
+}
+
+static int bad_option(const cli_command *command, int code, char **argv) {
+    const char *name = command->name;
     if (code == ':') {
         return cli_usage_error(name, "%s wants a value; see palpate %s --help", argv[optind - 1], name);
     }
@@ -248,7 +264,7 @@ static int bad_option(const char *name, int code, char **argv) {
     if (optopt && strncmp(argv[optind - 1], "--", 2) != 0) {
         return cli_usage_error(name, "no such option: -%c; see palpate %s --help", optopt, name);
     }
-    return cli_usage_error(name, "no such option: %s; see palpate %s --help", argv[optind - 1], name);
+    return unknown_option(command, argv[optind - 1]);
 }
 
 static void restart_getopt(void) {
@@ -272,7 +288,7 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
             return CLI_HELP;
         }
         if (code < FIRST_CODE) {
-            return bad_option(command->name, code, argv);
+            return bad_option(command, code, argv);
         }
         int exit_code = take(command->name, &command->options[code - FIRST_CODE], optarg);
         if (exit_code) {
@@ -372,6 +388,45 @@ int cli_folder(const char *name, const char *folder) {
         return CLI_OK;
     }
     return cli_failure(name, "%s: is no folder and cannot be made", folder);
+}
+
+/* How many letters to put in, take out or change (or two neighbours to swap) to make one word the other. */
+static size_t distance(const char *a, const char *b) {
+    enum { MOST = 32 };
+    size_t n = strlen(a), m = strlen(b), row[3][MOST + 1], *two = row[0], *above = row[1], *now = row[2];
+    if (n > MOST || m > MOST) {
+        return MOST;
+    }
+    for (size_t j = 0; j <= m; j++) {
+        above[j] = two[j] = j;
+    }
+    for (size_t i = 1; i <= n; i++) {
+        now[0] = i;
+        for (size_t j = 1; j <= m; j++) {
+            size_t best = above[j - 1] + (a[i - 1] != b[j - 1]), other = above[j] < now[j - 1] ? above[j] : now[j - 1];
+            bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+            best = other + 1 < best ? other + 1 : best;
+            now[j] = swapped && two[j - 2] + 1 < best ? two[j - 2] + 1 : best;
+        }
+        size_t *oldest = two;
+        two = above;
+        above = now;
+        now = oldest;
+    }
+    return above[m];
+}
+
+const char *cli_nearest(const char *word, size_t n, const char *const name[]) {
+    const char *best = NULL;
+    size_t least = strlen(word) < 6 ? 2 : 3; /* as far apart, and nothing is meant */
+    for (size_t i = 0; i < n; i++) {
+        size_t d = distance(word, name[i]);
+        if (d < least || (d == least && !best && strncmp(word, name[i], 3) == 0)) {
+            best = name[i];
+            least = d;
+        }
+    }
+    return best;
 }
 
 const char *cli_base(const char *path) {

@@ -109,6 +109,9 @@ int cli_file_open(const char *name, const char *path, cli_file *file);
 int cli_file_close(const char *name, cli_file *file); /* renames; on failure nothing is left behind */
 void cli_file_drop(cli_file *file);                   /* instead of close: removes what was written */
 
+/* The name that a mistyped word is likely to mean; NULL = none. */
+const char *cli_nearest(const char *word, size_t n, const char *const name[]);
+
 /* What is behind the last slash. */
 const char *cli_base(const char *path);
 

@@ -1,6 +1,7 @@
 /* html.c: the pieces of a page: escaped text, tables, cards, bars, figures. */
 #include "html.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -51,7 +52,7 @@ static const char STYLE[] =
     ".tables{display:flex;flex-wrap:wrap;gap:0 3.5em;align-items:flex-start}\n"
     ".figures{display:grid;grid-template-columns:repeat(auto-fill,minmax(520px,1fr));gap:16px}\n"
     "figure{margin:0;border:1px solid #e6eaed;border-radius:6px;padding:6px 8px;min-width:0}\n"
-    "figure svg{display:block;width:100%;height:auto}figcaption{font-size:.86rem;color:#44505a;padding:2px "
+    "figure svg,figure img{display:block;width:100%;height:auto}figcaption{font-size:.86rem;color:#44505a;padding:2px "
     "6px 6px}\n"
     ".warn{background:#fff6e0;border-left:4px solid #e0a000;padding:.5em 1em;margin:.8em 0}.warn "
     "ul{margin:.2em 0}\n"
@@ -195,12 +196,26 @@ static void inline_svg(FILE *to, const char *svg) {
     }
 }
 
-void html_svg(FILE *to, const char *svg, const char *caption) {
-    fputs("<figure>", to);
-    inline_svg(to, svg);
+static void figure_end(FILE *to, const char *caption) {
     fputs("<figcaption>", to);
     html_text(to, caption);
     fputs("</figcaption></figure>\n", to);
+}
+
+void html_svg(FILE *to, const char *svg, const char *caption) {
+    fputs("<figure>", to);
+    inline_svg(to, svg);
+    figure_end(to, caption);
+}
+
+void html_image(FILE *to, const char *svg, const char *caption) {
+    fputs("<figure><img alt=\"\" src=\"data:image/svg+xml,", to);
+    for (const char *at = svg; *at; at++) {
+        bool plain = isalnum((unsigned char)*at) || strchr(" -_.,/", *at);
+        fprintf(to, plain ? "%c" : "%%%02X", (unsigned char)*at);
+    }
+    fputs("\"/>", to);
+    figure_end(to, caption);
 }
 
 void html_draw(FILE *to, const plot_figure *figure, const char *caption) {

@@ -21,8 +21,10 @@ void html_number(char text[32], const json_t *value, int digits); /* "-" if it i
  * line at mark; 1 is the cell's width. */
 void html_bars(FILE *to, double before, double after, double mark);
 
-/* A figure in its frame, caption below; svg is the text of an SVG from "<svg" on. */
+/* A figure in its frame, caption below; svg is the text of an SVG from "<svg" on. html_svg makes it part of the page and is
+ * for figures drawn now; html_image is for one from a file: an image, in which a browser runs and loads nothing. */
 void html_svg(FILE *to, const char *svg, const char *caption);
+void html_image(FILE *to, const char *svg, const char *caption);
 
 /* The same of a figure that is drawn now; without gnuplot a line says that it is missing. */
 void html_draw(FILE *to, const plot_figure *figure, const char *caption);

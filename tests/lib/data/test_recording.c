@@ -404,6 +404,9 @@ START_TEST(what_cannot_be_used_is_refused_in_one_line) {
     palp_experiment_column(e, "force_N")[50] = (double)NAN;
     refused(e, "not finite");
     e = times(1.0, 1.0);
+    palp_experiment_column(e, "force_N")[50] = 1e300;
+    refused(e, "beyond 1e12");
+    e = times(1.0, 1.0);
     palp_experiment_column(e, "time_s")[50] = 0.049;
     refused(e, "does not increase");
     ck_assert_int_eq(palp_experiment_create(40, &e), PALP_OK);
