@@ -10,7 +10,7 @@ BUILD=${BUILD:-build}
 # layer: what it may use, beside itself and what those use | the public headers of its concepts
 layers() {
     cat <<'TABLE'
-base: | export version status path random
+base: | export version status file path random
 wire: base | wire
 solve: base | solver
 material: base | law material closed_form

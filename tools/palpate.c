@@ -3,7 +3,6 @@
 #include "shared/cli.h"
 #include "shared/commands.h"
 
-#include <errno.h>
 #include <palpate/version.h>
 #include <string.h>
 
@@ -106,8 +105,5 @@ int main(int argc, char **argv) {
         return CLI_USAGE;
     }
     int code = run(argc, argv);
-    if (code == CLI_OK && (fflush(stdout) != 0 || ferror(stdout))) {
-        return cli_failure(NULL, "standard output: %s", errno ? strerror(errno) : "write error");
-    }
-    return code;
+    return code == CLI_OK ? cli_flush(NULL) : code;
 }

@@ -9,6 +9,7 @@
 #include <palpate/effect.h>
 #include <palpate/experiment.h>
 #include <palpate/explain.h>
+#include <palpate/file.h>
 #include <palpate/forward.h>
 #include <palpate/law.h>
 #include <palpate/material.h>

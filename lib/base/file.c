@@ -130,6 +130,8 @@ static int open_temporary(palp_file *file) {
 
 static int open_target(palp_file *file) {
     struct stat info;
+    if (strcmp(file->path, "/dev/stdout") == 0)
+        return fflush(stdout) == 0 ? dup(STDOUT_FILENO) : -1;
     bool direct = stat(file->target, &info) == 0 && !S_ISREG(info.st_mode);
     return direct ? open(file->target, O_WRONLY) : open_temporary(file);
 }
@@ -162,25 +164,57 @@ palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error
     return palp_error_set_file(error, path, "cannot write", number);
 }
 
-palp_status palp_file_commit(palp_file *file, bool durable, palp_error *error) {
-    bool staged = file->temporary[0] != '\0';
+/* Closes; 0, or the system's number of what went wrong since it was opened. A failure that an earlier write met, and
+ * whose number is lost, is met again by one more byte. */
+static int finish(palp_file *file, bool durable) {
+    int fd = fileno(file->stream);
     errno = 0;
-    bool bad = ferror(file->stream) != 0 || fflush(file->stream) != 0;
-    if (!bad && durable && staged)
-        bad = fsync(fileno(file->stream)) != 0;
-    int number = errno;
-    if (fclose(file->stream) != 0 && !bad) {
-        bad = true;
+    bool bad = ferror(file->stream) != 0;
+    bad = fflush(file->stream) != 0 || bad;
+    if (bad && errno == 0 && write(fd, "\n", 1) >= 0)
+        errno = EIO;
+    if (!bad && durable && file->temporary[0])
+        bad = fsync(fd) != 0;
+    int number = bad ? errno : 0;
+    if (fclose(file->stream) != 0 && !bad)
         number = errno;
-    }
-    if (!bad && staged && rename(file->temporary, file->target) != 0) {
-        bad = true;
-        number = errno;
-    }
-    if (bad && staged)
+    file->stream = NULL;
+    return number;
+}
+
+static int replace(const palp_file *file) {
+    return file->temporary[0] && rename(file->temporary, file->target) != 0 ? errno : 0;
+}
+
+/* Removes what is left of it; the status of a number. */
+static palp_status leave(palp_file *file, int number, palp_error *error) {
+    if (number && file->temporary[0])
         unlink(file->temporary);
-    palp_status status = bad ? palp_error_set_file(error, file->path, "cannot write", number) : PALP_OK;
+    palp_status status = number ? palp_error_set_file(error, file->path, "cannot write", number) : PALP_OK;
     file_free(file);
+    return status;
+}
+
+palp_status palp_file_commit(palp_file *file, bool durable, palp_error *error) {
+    int number = finish(file, durable);
+    return leave(file, number ? number : replace(file), error);
+}
+
+palp_status palp_file_commit_pair(palp_file *first, palp_file *second, bool durable, palp_error *error) {
+    int number = finish(first, durable);
+    if (number) {
+        palp_file_abandon(second);
+        return leave(first, number, error);
+    }
+    number = finish(second, durable);
+    if (number) {
+        leave(first, number, NULL);
+        return leave(second, number, error);
+    }
+    palp_status status = leave(first, replace(first), error);
+    if (!status)
+        return leave(second, replace(second), error);
+    leave(second, EIO, NULL);
     return status;
 }
 

@@ -70,25 +70,21 @@ typedef struct sums {
     uint64_t checksum;
 } sums;
 
-static palp_status arrays_write(const palp_reduced *r, const char *path, sums *out, palp_error *error) {
+static sums arrays_write(const palp_reduced *r, FILE *to) {
     unsigned char head[HEAD];
     array list[ARRAYS];
-    palp_file file;
     palp_reduced copy = *r; /* its arrays are only read */
-    palp_status status = palp_file_begin(&file, path, error);
-    if (status)
-        return status;
     head_make(r, head);
     arrays(&copy, list);
-    *out = (sums){HEAD, checksum(CHECKSUM_START, head, HEAD)};
-    fwrite(head, 1, HEAD, file.stream);
+    sums out = {HEAD, checksum(CHECKSUM_START, head, HEAD)};
+    fwrite(head, 1, HEAD, to);
     for (size_t i = 0; i < ARRAYS; i++) {
         if (list[i].bytes > 0)
-            fwrite(list[i].data, 1, list[i].bytes, file.stream);
-        out->bytes += list[i].bytes;
-        out->checksum = checksum(out->checksum, list[i].data, list[i].bytes);
+            fwrite(list[i].data, 1, list[i].bytes, to);
+        out.bytes += list[i].bytes;
+        out.checksum = checksum(out.checksum, list[i].data, list[i].bytes);
     }
-    return palp_file_commit(&file, true, error);
+    return out;
 }
 
 static json_t *number_or_null(double value) {
@@ -123,37 +119,42 @@ static json_t *root_json(const palp_reduced *r, json_t *network, const char *fil
                      tools_json(r), "arrays", "file", file, "bytes", (json_int_t)check.bytes, "checksum", sum);
 }
 
-static palp_status text_write(json_t *root, const char *path, palp_error *error) {
-    palp_file file;
-    if (!root)
-        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
-    palp_status status = palp_file_begin(&file, path, error);
-    if (!status && (json_dumpf(root, file.stream, JSON_INDENT(2)) || fputc('\n', file.stream) == EOF)) {
-        palp_file_abandon(&file);
-        status = palp_error_set(error, PALP_ERR_FILE, "%s: cannot write", path);
-    } else if (!status) {
-        status = palp_file_commit(&file, true, error);
+/* The model with its arrays' name and checksum; the arrays are written. */
+static palp_status pair_write(const palp_reduced *r, const char *model, const char *file, palp_file *text,
+                              palp_file *arrays, palp_error *error) {
+    sums check = arrays_write(r, arrays->stream);
+    json_t *network = json_loads(model, 0, NULL);
+    json_t *root = network ? root_json(r, network, file, check) : NULL;
+    if (root) {
+        json_dumpf(root, text->stream, JSON_INDENT(2)); /* the stream keeps its errors */
+        fputc('\n', text->stream);
+        json_decref(root);
+        return palp_file_commit_pair(arrays, text, true, error);
     }
-    return status;
+    palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", text->path);
+    palp_file_abandon(text);
+    palp_file_abandon(arrays);
+    return PALP_ERR_NO_MEMORY;
 }
 
 palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, const char *path, palp_error *error) {
-    char beside[PALP_PATH_MAX], *text = NULL;
-    sums check;
+    char beside[PALP_PATH_MAX], *network = NULL;
+    palp_file text, arrays_file;
     palp_status status = arrays_path(path, beside);
     if (!status)
-        status = palp_model_format(model, &text);
+        status = palp_model_format(model, &network);
     if (status)
         return palp_error_set(error, status, "%s: %s", path, palp_status_text(status));
-    status = arrays_write(r, beside, &check, error);
+    status = palp_file_begin(&arrays_file, beside, error);
     if (!status) {
         const char *slash = strrchr(beside, '/');
-        json_t *network = json_loads(text, 0, NULL);
-        json_t *root = network ? root_json(r, network, slash ? slash + 1 : beside, check) : NULL;
-        status = text_write(root, path, error);
-        json_decref(root);
+        status = palp_file_begin(&text, path, error);
+        if (status)
+            palp_file_abandon(&arrays_file);
+        else
+            status = pair_write(r, network, slash ? slash + 1 : beside, &text, &arrays_file, error);
     }
-    free(text);
+    free(network);
     return status;
 }
 

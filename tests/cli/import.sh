@@ -118,7 +118,7 @@ expect 0 import air.csv --specimen-height-mm 24 --out air
 [ "$(key air/air.csv contact.rule)" = '"free_air"' ] || fail "air: $(key air/air.csv contact.rule)"
 near "air: contact" "$(key air/air.csv contact.depth_mm)" -30 0 0.1
 near "air: zero" "$(key air/air.csv contact.zero_N)" 0.25 0 6e-4  # 4 sd of the mean of 1000
-expect 0 import air.csv --specimen-kind none --contact start --out air
+expect 0 import air.csv --specimen-kind none --contact start --out air --force
 
 # ---- refused, with the line ----
 refused() { # text, arguments...
@@ -161,6 +161,6 @@ wrong "--units wants" plain.csv --out x --units depth
 wrong "no such unit" plain.csv --out x --units depth=furlong
 mkdir -p sub; cp plain.csv sub
 wrong "would both become plain.csv" plain.csv sub/plain.csv --specimen-height-mm 24 --out x
-wrong "would be overwritten" plain.csv --specimen-height-mm 24 --out .
+expect 1 import plain.csv --specimen-height-mm 24 --out .; says "plain.csv: is an input"
 [ -e x ] && fail "wrong usage made a folder"
 done_testing

@@ -214,7 +214,7 @@ static void test_status_codes(void **state) {
 static void test_file(void **state) {
     char folder[] = "/tmp/palpate-cli-XXXXXX", path[64], text[16] = "";
     struct stat entry;
-    cli_file file;
+    palp_file file;
     (void)state;
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/out", folder);
@@ -224,7 +224,7 @@ static void test_file(void **state) {
     assert_int_equal(cli_file_close("try", &file), CLI_OK);
     assert_int_equal(cli_file_open("try", path, &file), CLI_OK);
     fputs("half", file.stream);
-    cli_file_drop(&file);
+    palp_file_abandon(&file);
     FILE *from = fopen(path, "r");
     assert_non_null(from);
     assert_non_null(fgets(text, sizeof text, from));

@@ -1,7 +1,6 @@
 /* acquire_json.c: JSON files with the line in every error, and the sensor's calibration. */
 #include "acquire.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -11,36 +10,14 @@ static const char NAME[] = "acquire";
 
 /* ---- reading ---- */
 
-static char *read_text(const char *file) {
-    FILE *from = fopen(file, "rb");
-    char *text = NULL, *larger;
-    size_t n = 0, size = 4096, got = 1;
-    while (from && got > 0 && (larger = realloc(text, 2 * size)) != NULL) {
-        text = larger;
-        size *= 2;
-        got = fread(text + n, 1, size - n - 1, from);
-        n += got;
-    }
-    bool bad = !from || !text || ferror(from) || got > 0;
-    if (text) {
-        text[n] = '\0';
-    }
-    if (from) {
-        fclose(from);
-    }
-    if (bad) {
-        free(text);
-        text = NULL;
-    }
-    return text;
-}
-
 int acquire_json_open(const char *file, const char *what, acquire_json *j) {
     json_error_t where;
-    errno = 0;
-    *j = (acquire_json){file, read_text(file), NULL};
-    if (!j->text) {
-        return cli_failure(NAME, "%s: %s", file, errno ? strerror(errno) : "cannot be read");
+    palp_error error;
+    size_t size;
+    *j = (acquire_json){file, NULL, NULL};
+    palp_status status = palp_file_read(file, &j->text, &size, &error);
+    if (status) {
+        return cli_status(NAME, status, &error);
     }
     j->root = json_loads(j->text, JSON_REJECT_DUPLICATES, &where);
     int code = CLI_OK;

@@ -50,7 +50,7 @@ static size_t device_options(choice *c, cli_option *list) {
         cli_number("host-timeout-s", "S", 0.1, 60, &o->host_timeout_s,
                    "stop when nothing is heard from here for so long (default 5; the\n"
                    "virtual indenter, which may be faster than our clock, 60)"),
-        cli_text("calibration", "FILE", &c->calibration, "rows of the force sensor's matrix, JSON"),
+        cli_in("calibration", "FILE", &c->calibration, "rows of the force sensor's matrix, JSON"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -65,7 +65,7 @@ static size_t plate_options(choice *c, cli_option *list) {
         cli_count("cycles", "N", 1, 65535, &c->cycles,
                   "from contact to --depth-mm and back at --rate-mm-s (1)"),
         cli_flag("sweep", &c->sweep, "a sine of rising frequency about --depth-mm, after --hold-s (10)"),
-        cli_text("protocol", "FILE.json", &c->protocol, "the runs of a protocol file"),
+        cli_in("protocol", "FILE.json", &c->protocol, "the runs of a protocol file"),
         cli_flag("thesis-protocol", &c->thesis_protocol,
                  "ramps of 1.5 to 7 mm and a static press to 9.7 mm in random order,\n"
                  "the first again at the end, air before and after"),

@@ -224,5 +224,5 @@ int calibrate_report(const calibrate_options *o, const calibrate_state *s) {
     if (o->out) {
         printf("Written to %s\n", o->out);
     }
-    return fflush(stdout) == 0 ? CLI_OK : cli_failure(NAME, "standard output: write error");
+    return cli_flush(NAME);
 }

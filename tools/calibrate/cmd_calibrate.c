@@ -15,7 +15,7 @@ static size_t network_options(calibrate_options *o, cli_option *to) {
         cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes, "nodes along x, y (the press), z of a lattice"),
         cli_numbers("size-mm", "MM[,MM,MM]", 1e4, &o->size_mm,
                     "size of the lattice, mm (default: the specimen's height)"),
-        cli_text("mesh", "FILE.msh", &o->mesh, "instead: a Gmsh 4.1 file of tetrahedra or hexahedra"),
+        cli_in("mesh", "FILE.msh", &o->mesh, "instead: a Gmsh 4.1 file of tetrahedra or hexahedra"),
         cli_positive("scale-mm", "MM", 1e6, &o->scale_mm, "length of the file's unit, mm (default 1)"),
         cli_flag("hex-diagonals", &o->hex_diagonals,
                  "elements along the diagonals of the file's hexahedra too, without\n"
@@ -58,7 +58,7 @@ static size_t fit_options(calibrate_options *o, cli_option *to) {
                   "Maxwell arms of an element (default: as many as the lumped model)"),
         cli_flag("strain-dependent", &o->strain_dependent,
                  "arms whose stiffness grows with strain, K (1 + beta |e|)"),
-        cli_text("start", "NETWORK.json", &o->start,
+        cli_in("start", "NETWORK.json", &o->start,
                  "first guess; --stage relaxation takes its law (default: a static\n"
                  "stage runs first), and its mesh unless --nodes or --mesh is given"),
     };
@@ -89,7 +89,7 @@ static size_t curve_options(calibrate_options *o, cli_option *to) {
 static size_t output_options(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
         cli_heading("Output"),
-        cli_text("out", "NETWORK.json", &o->out, "the calibrated network"),
+        cli_out("out", "NETWORK.json", &o->out, "the calibrated network"),
         cli_text("plot", "DIR", &o->plot,
                  "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation;\n"
                  "and the result as calibrate.json"),

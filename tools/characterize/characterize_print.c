@@ -257,5 +257,5 @@ int characterize_print(const characterize_options *o, const characterize_state *
     if (o->out) {
         printf("Written to %s\n", o->out);
     }
-    return fflush(stdout) == 0 ? CLI_OK : cli_failure(NAME, "standard output: write error");
+    return cli_flush(NAME);
 }

@@ -43,7 +43,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm,
                    "recorded depth at contact, mm, instead of the one found"),
         cli_heading("Output"),
-        cli_text("out", "LUMPED.json", &o->out, "the lumped model"),
+        cli_out("out", "LUMPED.json", &o->out, "the lumped model"),
         cli_text("plot", "DIR", &o->plot, "SVG figures by gnuplot, and the result as characterize.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };

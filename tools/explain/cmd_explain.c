@@ -14,7 +14,7 @@ static const char NAME[] = "explain";
 static int parse(int argc, char **argv, explain_options *o) {
     const cli_option options[] = {
         cli_heading("What is explained"),
-        cli_text("model", "MODEL.json", &o->model, "the model, lumped or a network, that misses something (needed)"),
+        cli_in("model", "MODEL.json", &o->model, "the model, lumped or a network, that misses something (needed)"),
         cli_text("hold-out", "auto|FILES", &o->hold_out,
                  "runs kept out of the fit, between commas (default auto: each in turn)"),
         cli_text("candidates", "IDS", &o->candidates, "effects to try, between commas (default: all)"),
@@ -29,11 +29,11 @@ static int parse(int argc, char **argv, explain_options *o) {
                    "practical limit: an effect must explain so much of the noise level (default 0.5)"),
         cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
         cli_heading("Output"),
-        cli_text("out", "EXPLAINED.json", &o->out, "the model with the effects"),
-        cli_text("json", "RESULT.json", &o->json, "everything that was found"),
-        cli_text("report", "PAGE.html", &o->report, "the story on one page"),
+        cli_out("out", "EXPLAINED.json", &o->out, "the model with the effects"),
+        cli_out("json", "RESULT.json", &o->json, "everything that was found"),
+        cli_out("report", "PAGE.html", &o->report, "the story on one page"),
         cli_text("plot", "DIR", &o->plot, "result and figure into a folder, for palpate report"),
-        cli_text("next", "PROTOCOL.json", &o->next, "the next experiment, for palpate acquire"),
+        cli_out("next", "PROTOCOL.json", &o->next, "the next experiment, for palpate acquire"),
     };
     const cli_command command = {
         NAME, "--model MODEL.json RUN.csv ... [options]",

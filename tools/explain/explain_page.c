@@ -63,7 +63,7 @@ static int page(FILE *to, const json_t *result, const palp_explanation *e) {
 
 int explain_page(const explain_options *o, const palp_explanation *e) {
     json_t *result = explain_json(o, e);
-    cli_file to;
+    palp_file to;
     int code = result ? cli_file_open(NAME, o->report, &to) : cli_failure(NAME, "out of memory");
     if (code == CLI_OK) {
         code = page(to.stream, result, e);

@@ -31,7 +31,7 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
         cli_positive("step-strain", "E", 1, &o->step_strain,
                      "largest increment, depth / height (default 0.01)"),
         cli_heading("Output"),
-        cli_text("out", "DECK.inp", &o->out, "the deck (default: standard output)"),
+        cli_out("out", "DECK.inp", &o->out, "the deck (default: standard output)"),
     };
     const cli_command command = {
         "export",
@@ -78,7 +78,7 @@ static int presses(const export_options *o, const char *model, calculix_deck *de
 static int write_deck(const export_options *o, const palp_model *model, const char *path, palp_mesh *mesh) {
     palp_support supports[2];
     double low[3], high[3], depth_m[CLI_LIST_MAX];
-    cli_file file;
+    palp_file file;
     palp_supports_default(supports);
     palp_mesh_bounds(mesh, low, high);
     calculix_deck deck = {.mesh = mesh,
@@ -98,7 +98,7 @@ static int write_deck(const export_options *o, const palp_model *model, const ch
     }
     palp_status status = calculix_write(&deck, file.stream);
     if (status) {
-        cli_file_drop(&file);
+        palp_file_abandon(&file);
         return cli_status("export", status, NULL);
     }
     return cli_file_close("export", &file);

@@ -6,13 +6,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const char NAME[] = "import";
 
 static int parse(int argc, char **argv, import_options *o, const char **files, size_t *n) {
     const cli_option options[] = {
         cli_text("out", "DIR", &o->out, "folder of the experiments; made if need be"),
+        cli_flag("force", &o->force, "replace recordings that are there"),
         cli_heading("The file"),
         cli_choice("format", "mach1|instron|csv", &o->format,
                    "what wrote it (default: seen from its first lines)"),
@@ -99,27 +99,23 @@ static int check_options(const import_options *o) {
     return code ? code : check_list("units", o->units);
 }
 
-/* No two experiments under one name, and none in the place of a file that it is made from. */
+/* No two experiments under one name, and none in the place of a file that is read or of a recording. */
 static int check_names(const import_options *o, const import_sources *all) {
-    for (size_t i = 0; i < all->n; i++) {
+    int code = CLI_OK;
+    for (size_t i = 0; i < all->n && code == CLI_OK; i++) {
         char path[CLI_PATH_MAX];
-        struct stat out, in;
         const import_source *s = all->source[i];
-        int n = snprintf(path, sizeof path, "%s/%s.csv", o->out, s->name);
-        bool there = n > 0 && (size_t)n < sizeof path && stat(path, &out) == 0;
-        for (size_t j = 0; j < all->n; j++) {
-            const import_source *other = all->source[j];
-            if (j < i && strcmp(other->name, s->name) == 0) {
+        for (size_t j = 0; j < i; j++) {
+            if (strcmp(all->source[j]->name, s->name) == 0) {
                 return cli_usage_error(NAME,
                                        "%s and %s would both become %s.csv: import them into two folders",
-                                       other->file, s->file, s->name);
-            }
-            if (there && stat(other->file, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino) {
-                return cli_usage_error(NAME, "%s would be overwritten: name another --out", other->file);
+                                       all->source[j]->file, s->file, s->name);
             }
         }
+        snprintf(path, sizeof path, "%s/%s.csv", o->out, s->name); /* cut short, it is refused when it is written */
+        code = cli_output_check(NAME, path, o->force, o->n_files, o->files);
     }
-    return CLI_OK;
+    return code;
 }
 
 static int read_file(const import_options *o, const char *file, import_sources *all) {
@@ -193,6 +189,8 @@ int cmd_import(int argc, char **argv) {
     }
     int code = parse(argc, argv, &o, files, &n);
     bool helped = code == CLI_HELP;
+    o.files = files;
+    o.n_files = n;
     code = code ? code : check_options(&o);
     for (size_t i = 0; code == CLI_OK && i < n; i++) {
         code = read_file(&o, files[i], &all);

@@ -19,6 +19,9 @@ typedef struct import_options {
     const char *map, *units, *negate, *kind, *license, *out;
     double height_mm, radius_mm;
     size_t skip_lines; /* SIZE_MAX = find the names */
+    bool force;        /* replaces recordings */
+    size_t n_files;
+    const char **files; /* that are imported */
 } import_options;
 
 /* A text file in memory, read line by line. Splitting a line changes it. */

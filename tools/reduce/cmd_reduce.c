@@ -37,7 +37,7 @@ typedef struct reduction {
 static int parse(int argc, char **argv, reduce_options *o) {
     const cli_option options[] = {
         cli_heading("Runs to take snapshots of"),
-        cli_text("runs", "RUN.csv[,...]", &o->runs,
+        cli_in("runs", "RUN.csv[,...]", &o->runs,
                  "what the plate does (time_s, depth_mm), or a ball (tool_x_mm,\n"
                  "tool_y_mm, tool_z_mm of its centre in the mesh, key tool.radius_mm);\n"
                  "further files may follow as plain words"),
@@ -59,7 +59,7 @@ static int parse(int argc, char **argv, reduce_options *o) {
         cli_count("static-modes", "N", 0, 2000, &o->settings.static_modes,
                   "of the coordinates, so many answer loads at single nodes where the\ntool touched (default 0)"),
         cli_heading("Output"),
-        cli_text("out", "REDUCED.json", &o->out, "the reduced model; its arrays go beside it, into REDUCED.bin"),
+        cli_out("out", "REDUCED.json", &o->out, "the reduced model; its arrays go beside it, into REDUCED.bin"),
         cli_flag("json", &o->json, "a summary as JSON on standard output"),
     };
     const cli_command command = {

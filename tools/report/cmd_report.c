@@ -15,7 +15,7 @@ typedef struct report_options {
 static int parse(int argc, char **argv, report_options *o) {
     const cli_option options[] = {
         cli_heading("Output"),
-        cli_text("out", "REPORT.html", &o->out, "the page (default: standard output)"),
+        cli_out("out", "REPORT.html", &o->out, "the page (default: standard output)"),
         cli_text("title", "TEXT", &o->title, "heading of the page (default \"Palpation report\")"),
     };
     const cli_command command = {

@@ -129,17 +129,13 @@ static void load_json(report_file *file) {
 
 /* The text from "<svg" on. */
 static void load_svg(report_file *file) {
-    FILE *from = fopen(file->path, "rb");
-    size_t size = (size_t)file->size;
-    char *text = from && size < (size_t)1 << 28 ? malloc(size + 1) : NULL;
-    size_t n = text ? fread(text, 1, size, from) : 0;
-    if (from) {
-        fclose(from);
-    }
-    if (!text) {
+    palp_error error;
+    char *text;
+    size_t size;
+    if (palp_file_read(file->path, &text, &size, &error)) {
+        snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
         return;
     }
-    text[n] = '\0';
     char *start = strstr(text, "<svg");
     if (!start || !strstr(start, "</svg>")) {
         snprintf(file->note, sizeof file->note, start ? "an SVG that is cut short" : "no SVG");

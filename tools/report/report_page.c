@@ -354,7 +354,7 @@ static void contents(FILE *to, const report *r) {
 }
 
 int report_page(report *r, const char *path) {
-    cli_file file;
+    palp_file file;
     int code = cli_file_open(NAME, path, &file);
     if (code) {
         return code;

@@ -29,7 +29,7 @@ static int parse(int argc, char **argv, options *o) {
     enum { OWN = 5 }; /* with the heading */
     cli_option list[OWN + RIG_OPTIONS] = {
         cli_heading("Run"),
-        cli_text("model", "MODEL.json", &o->model,
+        cli_in("model", "MODEL.json", &o->model,
                  "what is pressed, lumped or network (default: the seed's phantom,\n"
                  "lumped, two arms)"),
         cli_text("port", "pty|tcp:PORT|file:PATH", &o->port,
@@ -37,7 +37,7 @@ static int parse(int argc, char **argv, options *o) {
                  "of this machine, or a file that takes what it sends"),
         cli_positive("until-s", "S", 1e6, &o->until_s,
                      "end after S seconds of the device's time (default: Ctrl-C)"),
-        cli_text("script", "FILE", &o->script,
+        cli_in("script", "FILE", &o->script,
                  "bytes to feed it as if a host sent them: lines of a tick and\n"
                  "hexadecimal digits"),
     };

@@ -36,7 +36,7 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
         cli_positive("scale", "X", 1e6, &o->scale, "the model's force times X (default 1)"),
         cli_number("contact-mm", "MM", 0, 1e3, &o->contact_mm,
                    "the specimen's top, from the home switch (default 12)"),
-        cli_text("actuator", "FILE.json", &o->actuator, "motor, carriage and frame (see data/rig/)"),
+        cli_in("actuator", "FILE.json", &o->actuator, "motor, carriage and frame (see data/rig/)"),
         cli_number("compliance-mm-N", "C", 0, 10, &o->compliance_mm_N,
                    "the frame gives way by C millimetres a newton"),
         cli_number("backlash-mm", "MM", 0, 10, &o->backlash_mm, "play of the plate below the encoder"),
@@ -61,6 +61,8 @@ static bool given(const cli_option *o) {
     case CLI_FLAG:
         return *o->to.flag;
     case CLI_TEXT:
+    case CLI_IN:
+    case CLI_OUT:
         return *o->to.text != NULL;
     case CLI_CHOICE:
         return *o->to.choice >= 0;

@@ -1,55 +1,16 @@
-/* cli.c: options and their help, error lines, exit codes, output files. */
+/* cli.c: options, their values and their help. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli.h"
 
 #include <errno.h>
 #include <getopt.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-enum { OPTIONS_MAX = 96, FIRST_CODE = 256, HELP_COLUMN = 26 };
+enum { OPTIONS_MAX = 96, INPUTS_MAX = 1024, FIRST_CODE = 256, HELP_COLUMN = 26 };
 
-/* ---- lines on stderr ---- */
-
-static void line(const char *name, const char *what, const char *format, va_list arguments) {
-    fprintf(stderr, name ? "palpate %s: %s" : "palpate%s: %s", name ? name : "", what);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
-}
-
-int cli_usage_error(const char *name, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    line(name, "", format, arguments);
-    va_end(arguments);
-    return CLI_USAGE;
-}
-
-int cli_failure(const char *name, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    line(name, "", format, arguments);
-    va_end(arguments);
-    return CLI_FAILURE;
-}
-
-void cli_warning(const char *name, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    line(name, "warning: ", format, arguments);
-    va_end(arguments);
-}
-
-int cli_status(const char *name, palp_status status, const palp_error *error) {
-    bool gave_up =
-        status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
-    cli_failure(name, "%s", error && error->text[0] ? error->text : palp_status_text(status));
-    return gave_up ? CLI_NOT_CONVERGED : CLI_FAILURE;
-}
+static const char STDIN[] = "/dev/stdin"; /* what "-" stands for */
 
 /* ---- numbers and lists ---- */
 
@@ -105,6 +66,14 @@ cli_option cli_flag(const char *name, bool *to, const char *help) {
 
 cli_option cli_text(const char *name, const char *value, const char **to, const char *help) {
     return (cli_option){CLI_TEXT, name, value, help, {.text = to}, 0, 0};
+}
+
+cli_option cli_in(const char *name, const char *value, const char **to, const char *help) {
+    return (cli_option){CLI_IN, name, value, help, {.text = to}, 0, 0};
+}
+
+cli_option cli_out(const char *name, const char *value, const char **to, const char *help) {
+    return (cli_option){CLI_OUT, name, value, help, {.text = to}, 0, 0};
 }
 
 cli_option cli_choice(const char *name, const char *choices, int *to, const char *help) {
@@ -202,10 +171,12 @@ static int take(const char *name, const cli_option *o, const char *text) {
         *o->to.flag = true;
         return CLI_OK;
     case CLI_TEXT:
+    case CLI_IN:
+    case CLI_OUT:
         if (!*text || strlen(text) >= CLI_PATH_MAX - 32) {
             return cli_usage_error(name, "--%s wants a name (%s)", o->name, o->value);
         }
-        *o->to.text = text;
+        *o->to.text = o->type == CLI_TEXT || strcmp(text, "-") != 0 ? text : o->type == CLI_IN ? STDIN : "/dev/stdout";
         return CLI_OK;
     case CLI_CHOICE:
         *o->to.choice = choice_index(o->value, text);
@@ -225,9 +196,18 @@ static int take(const char *name, const cli_option *o, const char *text) {
 
 /* ---- the whole command line ---- */
 
+static bool has_outputs(const cli_command *command) {
+    for (size_t i = 0; i < command->n_options; i++) {
+        if (command->options[i].type == CLI_OUT) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void long_options(const cli_command *command, struct option *table) {
     size_t n = 0;
-    for (size_t i = 0; i < command->n_options && n + 2 < OPTIONS_MAX; i++) {
+    for (size_t i = 0; i < command->n_options && n + 3 < OPTIONS_MAX; i++) {
         const cli_option *o = &command->options[i];
         if (o->type != CLI_HEADING) {
             table[n++] = (struct option){o->name, o->type == CLI_FLAG ? no_argument : required_argument, NULL,
@@ -235,6 +215,9 @@ static void long_options(const cli_command *command, struct option *table) {
         }
     }
     table[n++] = (struct option){"help", no_argument, NULL, 'h'};
+    if (has_outputs(command)) {
+        table[n++] = (struct option){"force", no_argument, NULL, 'f'};
+    }
     table[n] = (struct option){NULL, 0, NULL, 0};
 }
 
@@ -276,9 +259,31 @@ static void restart_getopt(void) {
 #endif
 }
 
+/* Two outputs must not be one file, none an input; see cli_output_check. */
+static int check_outputs(const cli_command *command, bool force, const char *const words[], size_t n_words) {
+    const char *input[INPUTS_MAX + OPTIONS_MAX];
+    size_t n = n_words < INPUTS_MAX ? n_words : INPUTS_MAX;
+    int code = CLI_OK;
+    memcpy(input, words, n * sizeof *input);
+    for (size_t i = 0; i < command->n_options; i++) {
+        if (command->options[i].type == CLI_IN && *command->options[i].to.text) {
+            input[n++] = *command->options[i].to.text;
+        }
+    }
+    for (size_t i = 0; i < command->n_options && code == CLI_OK; i++) {
+        const cli_option *o = &command->options[i];
+        if (o->type == CLI_OUT && *o->to.text) {
+            code = cli_output_check(command->name, *o->to.text, force, n, input);
+            input[n++] = *o->to.text; /* another output is not to replace it */
+        }
+    }
+    return code;
+}
+
 int cli_parse(const cli_command *command, int argc, char **argv, const char **words, size_t max_words,
               size_t *n_words) {
     struct option table[OPTIONS_MAX];
+    bool force = false;
     int code;
     long_options(command, table);
     restart_getopt();
@@ -286,6 +291,10 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
         if (code == 'h') {
             cli_help(command, stdout);
             return CLI_HELP;
+        }
+        if (code == 'f') {
+            force = true;
+            continue;
         }
         if (code < FIRST_CODE) {
             return bad_option(command, code, argv);
@@ -299,9 +308,9 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
         if (*n_words == max_words) {
             return cli_usage_error(command->name, "one argument too many: \"%s\"", argv[optind]);
         }
-        words[(*n_words)++] = argv[optind];
+        words[(*n_words)++] = strcmp(argv[optind], "-") == 0 ? STDIN : argv[optind];
     }
-    return CLI_OK;
+    return check_outputs(command, force, words, *n_words);
 }
 
 /* Help lines of several rows are separated by \n in the text. */
@@ -330,6 +339,9 @@ void cli_help(const cli_command *command, FILE *to) {
             help_line(o, to);
         }
     }
+    if (has_outputs(command)) {
+        fprintf(to, "  --force%*slet an output replace a recording\n", HELP_COLUMN - 9, "");
+    }
     fprintf(to, "  --help%*sthis text\n\nExample:\n%s", HELP_COLUMN - 8, "", command->example);
 }
 
@@ -342,52 +354,6 @@ void cli_keep_command(int argc, char **argv, char command[CLI_COMMAND_MAX]) {
     if (at >= CLI_COMMAND_MAX) {
         memcpy(command + CLI_COMMAND_MAX - 5, " ...", 5);
     }
-}
-
-/* ---- output files ---- */
-
-int cli_file_open(const char *name, const char *path, cli_file *file) {
-    *file = (cli_file){.stream = stdout};
-    if (!path) {
-        return CLI_OK;
-    }
-    int n = snprintf(file->temporary, sizeof file->temporary, "%s.%ld.tmp", path, (long)getpid());
-    if (n < 0 || (size_t)n >= sizeof file->temporary) {
-        return cli_failure(name, "%s: the name is too long", path);
-    }
-    strcpy(file->path, path); /* shorter than temporary */
-    file->stream = fopen(file->temporary, "w");
-    return file->stream ? CLI_OK : cli_failure(name, "%s: %s", path, strerror(errno));
-}
-
-int cli_file_close(const char *name, cli_file *file) {
-    if (file->stream == stdout) {
-        return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK
-                                                      : cli_failure(name, "standard output: write error");
-    }
-    bool bad = ferror(file->stream) != 0;
-    bad = fclose(file->stream) != 0 || bad;
-    if (bad || rename(file->temporary, file->path) != 0) {
-        int code = cli_failure(name, "%s: %s", file->path, errno ? strerror(errno) : "write error");
-        remove(file->temporary);
-        return code;
-    }
-    return CLI_OK;
-}
-
-void cli_file_drop(cli_file *file) {
-    if (file->stream != stdout) {
-        fclose(file->stream);
-        remove(file->temporary);
-    }
-}
-
-int cli_folder(const char *name, const char *folder) {
-    struct stat entry;
-    if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &entry) == 0 && S_ISDIR(entry.st_mode))) {
-        return CLI_OK;
-    }
-    return cli_failure(name, "%s: is no folder and cannot be made", folder);
 }
 
 /* How many letters to put in, take out or change (or two neighbours to swap) to make one word the other. */
@@ -427,9 +393,4 @@ const char *cli_nearest(const char *word, size_t n, const char *const name[]) {
         }
     }
     return best;
-}
-
-const char *cli_base(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
 }

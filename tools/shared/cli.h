@@ -2,10 +2,7 @@
 #ifndef PALPATE_CLI_H
 #define PALPATE_CLI_H
 
-#include <palpate/status.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdio.h>
+#include <palpate/file.h>
 
 enum { CLI_OK = 0, CLI_FAILURE = 1, CLI_USAGE = 2, CLI_NOT_CONVERGED = 3, CLI_DEVICE_FAULT = 4 };
 enum { CLI_HELP = -1 };     /* cli_parse printed the help: exit 0 */
@@ -21,6 +18,8 @@ typedef enum cli_type {
     CLI_HEADING,
     CLI_FLAG,
     CLI_TEXT,
+    CLI_IN,
+    CLI_OUT,
     CLI_CHOICE,
     CLI_NUMBER,
     CLI_POSITIVE,
@@ -50,6 +49,11 @@ cli_option cli_heading(const char *text); /* of a group of options, in the help 
 cli_option cli_flag(const char *name, bool *to, const char *help);
 cli_option cli_text(const char *name, const char *value, const char **to, const char *help);
 
+/* The name of a file that is read ("-": standard input; several between commas) or written ("-": standard output). A
+ * command that has an output takes --force, which lets it replace a recording. */
+cli_option cli_in(const char *name, const char *value, const char **to, const char *help);
+cli_option cli_out(const char *name, const char *value, const char **to, const char *help);
+
 /* choices: "first|second|third"; *to is the index. */
 cli_option cli_choice(const char *name, const char *choices, int *to, const char *help);
 
@@ -72,7 +76,7 @@ typedef struct cli_command {
     size_t n_options;
 } cli_command;
 
-/* Reads argv[1] on into the options' targets and the other words into words[max_words]. CLI_OK;
+/* Reads argv[1] on into the options' targets and the other words into words[max_words], "-" as standard input. CLI_OK;
  * CLI_USAGE after one line on stderr; CLI_HELP after the help on stdout. */
 int cli_parse(const cli_command *command, int argc, char **argv, const char **words, size_t max_words,
               size_t *n_words);
@@ -98,16 +102,17 @@ bool cli_read_list(const char *text, cli_list *list);
 /* A list of one or three values spread over the three axes. */
 bool cli_spread(const cli_list *list, double value[3]);
 
-/* A file being written under a temporary name beside path; NULL path = standard output. */
-typedef struct cli_file {
-    FILE *stream;
-    char path[CLI_PATH_MAX];
-    char temporary[CLI_PATH_MAX];
-} cli_file;
+/* A file to be written, by the library's rules (palpate/file.h); NULL path = standard output. It must end in
+ * cli_file_close or palp_file_abandon. */
+int cli_file_open(const char *name, const char *path, palp_file *file);
+int cli_file_close(const char *name, palp_file *file);
 
-int cli_file_open(const char *name, const char *path, cli_file *file);
-int cli_file_close(const char *name, cli_file *file); /* renames; on failure nothing is left behind */
-void cli_file_drop(cli_file *file);                   /* instead of close: removes what was written */
+/* What was printed has reached standard output. */
+int cli_flush(const char *name);
+
+/* Refuses an output that is one of the inputs (a file, or of a folder what palpate report takes), and, unless forced, one
+ * that would replace a recording: an experiment that no simulation wrote. cli_parse does so for CLI_OUT. */
+int cli_output_check(const char *name, const char *path, bool force, size_t n_inputs, const char *const inputs[]);
 
 /* The name that a mistyped word is likely to mean; NULL = none. */
 const char *cli_nearest(const char *word, size_t n, const char *const name[]);

@@ -8,24 +8,18 @@
 static const size_t LOOK = JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15);
 
 int json_print(const char *name, json_t *value) {
-    if (!value) {
-        return cli_failure(name, "out of memory");
-    }
-    int bad = json_dumpf(value, stdout, LOOK);
-    json_decref(value);
-    putchar('\n');
-    return bad || fflush(stdout) || ferror(stdout) ? cli_failure(name, "standard output: write error")
-                                                   : CLI_OK;
+    return json_save(name, value, NULL);
 }
 
 int json_save(const char *name, json_t *value, const char *path) {
-    cli_file to;
+    palp_file to;
     int code = value ? cli_file_open(name, path, &to) : cli_failure(name, "out of memory");
     if (code == CLI_OK) {
-        bool bad = json_dumpf(value, to.stream, LOOK) != 0 || putc('\n', to.stream) == EOF;
+        bool bad = json_dumpf(value, to.stream, LOOK) != 0 && !ferror(to.stream);
+        putc('\n', to.stream);
         if (bad) {
-            cli_file_drop(&to);
-            code = cli_failure(name, "%s: write error", path);
+            palp_file_abandon(&to);
+            code = cli_failure(name, "out of memory");
         } else {
             code = cli_file_close(name, &to);
         }

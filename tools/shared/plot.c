@@ -169,29 +169,29 @@ static plot_result run(FILE *script, FILE *svg) {
     return WIFEXITED(how) && WEXITSTATUS(how) == 0 ? PLOT_OK : PLOT_FAILED;
 }
 
-/* A file from "<svg" on; NULL = there is none, or no memory. */
+/* The whole of a file; NULL = it is empty, or no memory. */
 static char *read_back(FILE *from) {
     long size = fseek(from, 0, SEEK_END) == 0 ? ftell(from) : -1;
     char *text = size > 0 && fseek(from, 0, SEEK_SET) == 0 ? calloc(1, (size_t)size + 1) : NULL;
-    const char *start = text && fread(text, 1, (size_t)size, from) == (size_t)size ? strstr(text, "<svg") : NULL;
-    if (!start) {
-        free(text);
-        return NULL;
+    if (text && fread(text, 1, (size_t)size, from) == (size_t)size) {
+        return text;
     }
-    return memmove(text, start, strlen(start) + 1);
+    free(text);
+    return NULL;
 }
 
-plot_result plot_svg(const plot_figure *figure, char **svg) {
+/* What gnuplot makes of it, whole, with what stands before "<svg". */
+static plot_result draw(const plot_figure *figure, char **text) {
     FILE *script = tmpfile(), *to = tmpfile();
     plot_result result = PLOT_FAILED;
-    *svg = NULL;
+    *text = NULL;
     if (script && to) {
         write_script(script, figure);
         result = run(script, to);
     }
     if (result == PLOT_OK) {
-        *svg = read_back(to);
-        result = *svg ? PLOT_OK : PLOT_FAILED;
+        *text = read_back(to);
+        result = *text && strstr(*text, "</svg>") ? PLOT_OK : PLOT_FAILED;
     }
     if (script) {
         fclose(script);
@@ -202,28 +202,51 @@ plot_result plot_svg(const plot_figure *figure, char **svg) {
     return result;
 }
 
+plot_result plot_svg(const plot_figure *figure, char **svg) {
+    plot_result result = draw(figure, svg);
+    const char *start = result == PLOT_OK ? strstr(*svg, "<svg") : NULL;
+    if (start) {
+        memmove(*svg, start, strlen(start) + 1);
+        return PLOT_OK;
+    }
+    free(*svg);
+    *svg = NULL;
+    return result == PLOT_OK ? PLOT_FAILED : result;
+}
+
 /* ---- figures of a command ---- */
 
-static plot_result write_files(const plot_book *book, const char *name, const plot_figure *figure) {
-    char path[CLI_PATH_MAX];
-    cli_file svg;
-    int n = snprintf(path, sizeof path, "%s/%s.svg", book->folder, name);
-    if (n < 0 || (size_t)n >= sizeof path || cli_file_open(book->command, path, &svg)) {
+/* Script and figure, both or neither. */
+static plot_result save(const plot_book *book, const char *name, const plot_figure *figure, const char *text) {
+    char path[2][CLI_PATH_MAX];
+    palp_file script, svg;
+    palp_error error;
+    int n = snprintf(path[0], sizeof path[0], "%s/%s.svg", book->folder, name);
+    snprintf(path[1], sizeof path[1], "%s/%s.gp", book->folder, name); /* shorter */
+    if (n < 0 || (size_t)n >= sizeof path[0] || cli_file_open(book->command, path[0], &svg)) {
         return PLOT_FAILED;
     }
-    snprintf(path, sizeof path, "%s/%s.gp", book->folder, name); /* shorter */
-    FILE *script = fopen(path, "w+");
-    plot_result result = PLOT_FAILED;
-    if (script) {
-        write_script(script, figure);
-        result = run(script, svg.stream);
-        fclose(script);
+    if (cli_file_open(book->command, path[1], &script)) {
+        palp_file_abandon(&svg);
+        return PLOT_FAILED;
     }
-    if (result != PLOT_OK) {
-        cli_file_drop(&svg);
-        return result;
+    write_script(script.stream, figure);
+    fputs(text, svg.stream);
+    if (palp_file_commit_pair(&script, &svg, false, &error)) {
+        cli_status(book->command, error.status, &error);
+        return PLOT_FAILED;
     }
-    return cli_file_close(book->command, &svg) == CLI_OK ? PLOT_OK : PLOT_FAILED;
+    return PLOT_OK;
+}
+
+static plot_result write_files(const plot_book *book, const char *name, const plot_figure *figure) {
+    char *text;
+    plot_result result = draw(figure, &text);
+    if (result == PLOT_OK) {
+        result = save(book, name, figure, text);
+    }
+    free(text);
+    return result;
 }
 
 void plot_draw(plot_book *book, const char *name, const plot_figure *figure) {

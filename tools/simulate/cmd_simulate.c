@@ -14,7 +14,7 @@ static int parse(int argc, char **argv, simulate_options *o) {
     const cli_option options[] = {
         cli_heading("Protocol"),
         cli_choice("protocol", "static|ramp_hold|cyclic|creep", &o->protocol, "what the plate does"),
-        cli_text("like", "RUN.csv", &o->like, "instead: follow the depth a run recorded, at its samples"),
+        cli_in("like", "RUN.csv", &o->like, "instead: follow the depth a run recorded, at its samples"),
         cli_positive("depth-mm", "MM", 1e4, &o->depth_mm, "depth to press to, mm (not creep)"),
         cli_positive("rate-mm-s", "R", 1e6, &o->rate_mm_s,
                      "speed of the plate, mm/s (static 0.1, cyclic 1; ramp_hold: instead of\n"
@@ -50,7 +50,7 @@ static int parse(int argc, char **argv, simulate_options *o) {
         cli_number("clip-N", "F", 0, 1e6, &o->clip_N, "the sensor ends at F and -F newtons"),
         cli_text("drop", "T0,T1", &o->drop, "samples from T0 to before T1 s are lost; more pairs likewise"),
         cli_heading("Output"),
-        cli_text("out", "RUN.csv", &o->out, "the run (default: standard output)"),
+        cli_out("out", "RUN.csv", &o->out, "the run (default: standard output)"),
         cli_text("vtu", "DIR", &o->vtu, "frames for ParaView into DIR/network.pvd (network)"),
         cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "a frame every N steps only (default 1)"),
         cli_flag("json", &o->json, "a summary as JSON on standard output; the run only to --out"),

@@ -3,8 +3,6 @@
 #include "shared/json_out.h"
 #include "simulate.h"
 
-#include <stdlib.h>
-#include <unistd.h>
 
 static const char NAME[] = "simulate";
 static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "creep"};
@@ -109,33 +107,6 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
     return status;
 }
 
-/* To standard output by way of the library's writer and a temporary file. */
-static int write_out(const palp_experiment *run, palp_error *error) {
-    const char *folder = getenv("TMPDIR");
-    char path[CLI_PATH_MAX];
-    int n = snprintf(path, sizeof path, "%s/palpate.XXXXXX", folder && *folder ? folder : "/tmp");
-    int file = n > 0 && (size_t)n < sizeof path ? mkstemp(path) : -1;
-    if (file < 0) {
-        return cli_failure(NAME, "cannot make a temporary file in %s; name the run by --out",
-                           folder ? folder : "/tmp");
-    }
-    close(file);
-    palp_status status = palp_experiment_write(run, path, error);
-    FILE *from = status ? NULL : fopen(path, "r");
-    int c;
-    while (from && (c = getc(from)) != EOF && putchar(c) != EOF) {
-    }
-    if (from) {
-        fclose(from);
-    }
-    remove(path);
-    if (status) {
-        return cli_status(NAME, status, error);
-    }
-    return fflush(stdout) == 0 && !ferror(stdout) ? CLI_OK
-                                                  : cli_failure(NAME, "standard output: write error");
-}
-
 static json_t *summary(const simulate_options *o, const simulation *s) {
     const record *c = &s->curve;
     json_t *buckling = json_null();
@@ -160,15 +131,13 @@ int simulate_report(const simulate_options *o, const simulation *s) {
     int code = CLI_OK;
     palp_status status = palp_experiment_create(s->curve.n, &run);
     status = status ? status : fill(o, s, run);
-    if (status == PALP_OK && o->out) {
-        status = palp_experiment_write(run, o->out, &error);
+    if (status == PALP_OK && (o->out || !o->json)) {
+        status = palp_experiment_write(run, o->out ? o->out : "/dev/stdout", &error);
     }
     if (status) {
         code = cli_status(NAME, status, &error);
     } else if (o->json) {
         code = json_print(NAME, summary(o, s));
-    } else if (!o->out) {
-        code = write_out(run, &error);
     }
     palp_experiment_free(run);
     return code;

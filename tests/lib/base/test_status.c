@@ -109,6 +109,42 @@ START_TEST(device_is_written_in_place) {
 }
 END_TEST
 
+/* The reason too of a write that failed long before the end. */
+START_TEST(full_device_is_named_late_too) {
+    palp_file file;
+    palp_error error;
+    if (access("/dev/full", W_OK) != 0)
+        return;
+    ck_assert_int_eq(palp_file_begin(&file, "/dev/full", &error), PALP_OK);
+    for (int i = 0; i < 100000; i++)
+        fputs("no room", file.stream);
+    ck_assert_int_eq(palp_file_commit(&file, true, &error), PALP_ERR_FILE);
+    ck_assert_str_eq(error.text, "/dev/full: cannot write: No space left on device");
+}
+END_TEST
+
+/* Neither of a pair is replaced where one cannot be written. */
+START_TEST(pair_is_replaced_as_a_pair) {
+    palp_file file[2];
+    palp_error error;
+    const char *path = scratch_write("a.txt", "old", 3);
+    if (access("/dev/full", W_OK) != 0)
+        return;
+    for (int full = 0; full < 2; full++) {
+        ck_assert_int_eq(palp_file_begin(&file[full], "/dev/full", &error), PALP_OK);
+        ck_assert_int_eq(palp_file_begin(&file[!full], path, &error), PALP_OK);
+        fputs("new", file[0].stream);
+        fputs("new", file[1].stream);
+        ck_assert_int_eq(palp_file_commit_pair(&file[0], &file[1], true, &error), PALP_ERR_FILE);
+        ck_assert_str_eq(error.text, "/dev/full: cannot write: No space left on device");
+        char *text = scratch_read(path);
+        ck_assert_str_eq(text, "old");
+        free(text);
+    }
+    ck_assert_int_eq(scratch_entries(scratch_folder, 0), 1);
+}
+END_TEST
+
 START_TEST(unreadable_files_are_file_errors) {
     palp_error error;
     char *text = NULL;
@@ -149,6 +185,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, committed_file_replaces_and_abandoned_does_not);
     tcase_add_test(tc, symbolic_link_is_followed);
     tcase_add_test(tc, device_is_written_in_place);
+    tcase_add_test(tc, full_device_is_named_late_too);
+    tcase_add_test(tc, pair_is_replaced_as_a_pair);
     tcase_add_test(tc, unreadable_files_are_file_errors);
     tcase_add_test(tc, pipe_is_read_to_its_end);
 }
