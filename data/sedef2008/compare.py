@@ -1,72 +1,199 @@
 #!/usr/bin/env python3
-"""Prints the network tables of Sedef 2008 beside what palpate finds by the same procedure.
+"""Prints the tables of Chapters 4 and 5 of Sedef 2008 beside what palpate finds by the same procedures.
 
-    data/sedef2008/compare.py 5.5|5.7|5.8 [--formulation history] [--depth-mm 2,6,9]
+    data/sedef2008/compare.py [TABLE ...] [--depth-mm 2,6,9] [--formulation history] [--dwell equilibrium]
+
+TABLE is 4.1 to 4.5, 5.1 to 5.8; all of them without one. A row tells the column, ours, the thesis' and the deviation:
+in percent of the thesis' value, of errors that are percentages themselves in percentage points. After each table comes
+the largest deviation of every column, in lines that begin with "worst".
+
+The thesis' recordings are not printed in it. Table 4.1 is fitted to the force of Eq. 4.2 (the table's fifth degree, whose
+residual is taken for the noise that the others have too), Tables 4.2 to 4.5 to the curves of the rows of Table 4.3, both without noise.
 
 Needs the palpate command (build/palpate, or $PALPATE)."""
 import argparse
-import csv
+import functools
+import glob
 import json
+import math
 import os
 import subprocess
 import sys
 import tempfile
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-PALPATE = os.environ.get("PALPATE", os.path.join(HERE, "..", "..", "build", "palpate"))
-TABLES = {  # table: nodes a side, law the thesis starts from (Eq. 5.21, 5.22), ascending powers
-    "5.5": (3, [0.54, -2.34, 33.25, -124.03, 177.63]),
-    "5.7": (3, [0.54, -2.34, 33.25, -124.03, 177.63]),
-    "5.8": (5, [0.19, -1.0, 13.53, -50.59, 68.69]),
-}
+from recordings import HERE, PALPATE
+
+LUMPED = os.path.join(HERE, "lumped_n1.json")
+LAWS = {3: [0.54, -2.34, 33.25, -124.03, 177.63], 5: [0.19, -1.0, 13.53, -50.59, 68.69]}  # Eq. 5.21, 5.22
+LAW = ["c%d_N" % i for i in range(5)]
 
 
 def rows(table):
+    """The table's rows, a column's name to its number; empty fields left out."""
     with open(os.path.join(HERE, "table_%s.csv" % table.replace(".", "_"))) as f:
-        return list(csv.DictReader(line for line in f if not line.startswith("#")))
+        lines = [line.strip().split(",") for line in f if not line.startswith("#")]
+    return [{k: float(v) for k, v in zip(lines[0], line) if v} for line in lines[1:]]
 
 
-def three_phase(nodes, law, depth, formulation):
-    with tempfile.NamedTemporaryFile("w", suffix=".json") as start:
-        json.dump({"palpate": {"model": 1}, "kind": "network",
+def palpate(*words):
+    out = subprocess.run([PALPATE, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if out.returncode not in (0, 3):  # 3: a loop that stopped short of its own criterion
+        sys.exit(out.stderr)
+    return json.loads(out.stdout) if "--json" in words else None
+
+
+def write(path, law, **more):
+    with open(path, "w") as f:
+        json.dump({"palpate": {"model": 1}, "kind": "lumped", "arms": [], "formulation": "history",
                    "specimen": {"kind": "cylinder", "height_mm": 24.0, "radius_mm": 12.0},
-                   "stiffness": {"kind": "polynomial", "coefficients_N": law}, "arms": [],
-                   "mesh": {"kind": "lattice", "nodes": [nodes] * 3, "size_mm": [24.0] * 3},
-                   "formulation": "history"}, start)
-        start.flush()
-        out = subprocess.run([PALPATE, "calibrate", os.path.join(HERE, "lumped_n1.json"), "--stage", "relaxation",
-                              "--method", "three_phase", "--formulation", formulation, "--nodes", str(nodes),
-                              "--depth-mm", str(depth), "--ramp-s", "1", "--hold-s", "60", "--dt-ms", "1",
-                              "--start", start.name, "--json"], stdout=subprocess.PIPE, text=True)
-    if out.returncode not in (0, 3):
-        sys.exit(out.returncode)
-    return json.loads(out.stdout)
+                   "stiffness": {"kind": "polynomial", "coefficients_N": law}, **more}, f)
+
+
+# ---- Chapter 4: fits of a lumped model ----
+
+def table_4_1(_):
+    wanted = rows("4.1")
+    with tempfile.TemporaryDirectory() as folder:
+        model, run = os.path.join(folder, "model.json"), os.path.join(folder, "static.csv")
+        write(model, [wanted[-1]["f%d_N" % i] for i in range(1, 6)])
+        palpate("simulate", model, "--protocol", "static", "--depth-mm", 9.7, "--rate-mm-s", 0.1, "--sample-Hz", 1000,
+                "--air-s", 1, "--out", run)
+        fits = palpate("characterize", run, "--json")["static"][0]["polynomials"]
+    for row in wanted:
+        fit = next(f for f in fits if f["degree"] == row["degree"])
+        ours = {"f%d_N" % (i + 1): c for i, c in enumerate(fit["coefficients_N"])}
+        yield "degree %d" % row["degree"], {**ours, "residual_N": math.hypot(fit["norm_N"], wanted[-1]["residual_N"])}, row
+
+
+@functools.lru_cache(None)
+def relaxation_fits(arms):
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([sys.executable, os.path.join(HERE, "recordings.py"), folder, "--noise-N", "0", "--sample-Hz",
+                        "50"], check=True, stdout=subprocess.DEVNULL)
+        runs = glob.glob(os.path.join(folder, "*.csv"))
+        return palpate("characterize", *runs, "--arms", arms, "--method", "grid", "--json")
+
+
+def each_depth(table, arms):
+    fits = {fit["depth_mm"]: fit["estimates"] for fit in relaxation_fits(arms)["per_depth"]}
+    for row in rows(table):
+        found = {e["name"].split(" ")[0].replace("_", ""): e["value"] for e in fits[row["depth_mm"]]}
+        names = [k for k in row if k not in ("depth_mm", "strain")]
+        yield "%.1f mm" % row["depth_mm"], {k: found[k.split("_")[0]] for k in names}, row
+
+
+def shared(table, arms):
+    ours = {}
+    for j, arm in enumerate(relaxation_fits(arms)["shared"]["arms"], 1):
+        ours.update({"K%d_N" % j: arm["stiffness_N"], "b%d_Ns" % j: arm["viscosity_Ns"]})
+    yield "shared", ours, rows(table)[0]
+
+
+# ---- Chapter 5: loops of a network ----
+
+def table_5_1(_):
+    fit = palpate("calibrate", LUMPED, "--nodes", 3, "--stage", "static", "--method", "fixed_point", "--json")
+    for i, (row, it) in enumerate(zip(rows("5.1"), fit["iterations"]), 1):
+        ours = {"optimum_" + k: c for k, c in zip(LAW, it["coefficients_N"])}
+        yield "iteration %d" % i, {**ours, "residual_N": it["residual"]}, row
+
+
+@functools.lru_cache(None)
+def three_phases(formulation, dwell, depth_mm=6.0, nodes=3, arm=(1.296299, 17.873062), law=None):
+    with tempfile.TemporaryDirectory() as folder:
+        start = os.path.join(folder, "start.json")
+        write(start, law or LAWS[nodes], kind="network", arms=[{"stiffness_N": arm[0], "viscosity_Ns": arm[1]}],
+              mesh={"kind": "lattice", "nodes": [nodes] * 3, "size_mm": [24.0] * 3})
+        return palpate("calibrate", LUMPED, "--stage", "relaxation", "--method", "three_phase", "--formulation",
+                       formulation, "--dwell", dwell, "--start", start, "--depth-mm", depth_mm, "--dt-ms", 1,
+                       "--json")
+
+
+def numbers(it):
+    """Of an iteration, by the names of the tables' columns."""
+    law = it.get("coefficients_N", [])
+    return {"K1_N": it["stiffness_N"], "b1_Ns": it["viscosity_Ns"], **dict(zip(LAW, law)),
+            **{k: it[k] for k in it if k.endswith("_percent")}}
+
+
+def one_phase(table, phase, o):
+    """The phase's iterations in the first round of all three."""
+    found = three_phases(o.formulation, o.dwell)["iterations"]
+    last = [it["phase"] for it in found].index(3) if phase < 3 else len(found)
+    found = [it for it in found[:last] if it["phase"] == phase]
+    for i, (row, it) in enumerate(zip(rows(table), found), 1):
+        yield "iteration %d" % i, {k: v for k, v in numbers(it).items() if k in row}, row
+
+
+def result(o, row, *how):
+    fit = three_phases(o.formulation, o.dwell, *how)
+    errors = numbers(fit["iterations"][-1])
+    arm = fit["arms"][0]
+    ours = {**errors, "K1_N": arm["stiffness_N"], "b1_Ns": arm["viscosity_Ns"], **dict(zip(LAW, fit["coefficients_N"]))}
+    return {k: v for k, v in ours.items() if k in row}
+
+
+def table_5_5(o):
+    row = rows("5.5")[0]
+    yield "result", result(o, row), row
+
+
+def table_5_6(o):
+    for i, row in enumerate(rows("5.6"), 1):
+        arm = row["initial_K1_N"], row["initial_b1_Ns"]
+        yield "start %d" % i, result(o, row, 6.0, 3, arm, tuple(row["initial_" + k] for k in LAW)), row
+
+
+def by_depth(table, nodes, o):
+    for row in rows(table):
+        if not o.depth_mm or row["depth_mm"] in map(float, o.depth_mm.split(",")):
+            yield "%.1f mm" % row["depth_mm"], result(o, row, row["depth_mm"], nodes), row
+
+
+TABLES = {
+    "4.1": table_4_1,
+    "4.2": lambda o: each_depth("4.2", 1),
+    "4.3": lambda o: each_depth("4.3", 2),
+    "4.4": lambda o: shared("4.4", 1),
+    "4.5": lambda o: shared("4.5", 2),
+    "5.1": table_5_1,
+    "5.2": lambda o: one_phase("5.2", 1, o),
+    "5.3": lambda o: one_phase("5.3", 2, o),
+    "5.4": lambda o: one_phase("5.4", 3, o),
+    "5.5": table_5_5,
+    "5.6": table_5_6,
+    "5.7": lambda o: by_depth("5.7", 3, o),
+    "5.8": lambda o: by_depth("5.8", 5, o),
+}
+
+
+def compare(table, o):
+    worst, n = {}, 0
+    print("Table %s: what, column, ours, Sedef 2008, deviation" % table)
+    for label, ours, row in TABLES[table](o):
+        n += 1
+        for name, value in ours.items():
+            points = name.endswith("_percent")
+            off = value - row[name] if points else 100 * (value / row[name] - 1)
+            print("%-14s %-30s %11.5g %11.5g %+9.2f %s" % (label, name, value, row[name], off, "points" if points else "%"),
+                  flush=True)
+            worst[name] = max(worst.get(name, 0), abs(off))
+    for name, off in worst.items():
+        print("worst %s %s %.2f of %d" % (table, name, off, n))
+    print(flush=True)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("table", choices=sorted(TABLES))
-    parser.add_argument("--formulation", default="sedef2008", choices=["sedef2008", "history"])
-    parser.add_argument("--depth-mm", default="", help="only these depths")
-    args = parser.parse_args()
-    nodes, law = TABLES[args.table]
-    wanted = [float(d) for d in args.depth_mm.split(",") if d]
-    print("Table %s, %d nodes a side, formulation %s; ours | Sedef 2008" % (args.table, nodes, args.formulation))
-    print("depth_mm      K1_N            b1_Ns           K(0.25)_N")
-    first = last = None
-    for row in rows(args.table):
-        depth = float(row.get("depth_mm", 6))
-        if wanted and depth not in wanted:
-            continue
-        result = three_phase(nodes, law, depth, args.formulation)
-        arm, c = result["arms"][0], result["coefficients_N"]
-        at = [sum(float(v) * 0.25 ** i for i, v in enumerate(k)) for k in (c, [row["c%d_N" % i] for i in range(5)])]
-        print("%5.1f   %7.4f | %6.4f   %7.4f | %6.4f   %7.4f | %6.4f" % (
-            depth, arm["stiffness_N"], float(row["K1_N"]), arm["viscosity_Ns"], float(row["b1_Ns"]), *at), flush=True)
-        last = (arm["stiffness_N"], float(row["K1_N"]))
-        first = first or last
-    if first != last:
-        print("K1 grows %.2f times | %.2f times" % (last[0] / first[0], last[1] / first[1]))
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("tables", nargs="*", metavar="TABLE", help="4.1 to 4.5, 5.1 to 5.8 (default: all)")
+    p.add_argument("--formulation", default="sedef2008", choices=["sedef2008", "history"])
+    p.add_argument("--dwell", default="frozen", choices=["frozen", "equilibrium"])
+    p.add_argument("--depth-mm", default="", help="of Tables 5.7 and 5.8, only these depths")
+    o = p.parse_args()
+    for table in o.tables or TABLES:
+        if table not in TABLES:
+            p.error("there is no Table %s here" % table)
+        compare(table, o)
 
 
 main()

@@ -40,6 +40,9 @@ wrong "few.csv" calibrate $L few.csv --nodes 3 --stage static
 printf '# palpate.experiment: 1\ntime_s,depth_mm,force_N\n0,0,0\n1,1,1\n' >kindless.csv
 wrong "no key protocol.kind" calibrate $L kindless.csv --nodes 3
 wrong "is a network" calibrate $M --nodes 3
+sed 's/"arms": \[\]/"arms": [{"stiffness_N": 0.2, "viscosity_Ns": 2}], "density_kg_m3": 1000/' $M >heavy.json
+wrong "heavy.json: has density_kg_m3" calibrate $L --start heavy.json --stage relaxation
+wrong "heavy.json: has density_kg_m3" explain few.csv --model heavy.json
 wrong "--start wants a network" calibrate $L --start $L
 wrong "a lumped model has no mesh" export $L --strain 0.1
 wrong "handles one" calibrate $DATA/lumped_n2.json --nodes 3 --method three_phase

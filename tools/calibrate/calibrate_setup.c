@@ -56,6 +56,7 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
     s->model.kind = PALP_MODEL_NETWORK;
     if (o->start) {
         code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK, "--start wants a network model", &s->model);
+        code = code ? code : open_refuse_mass(NAME, o->start, &s->model);
     }
     if (code == CLI_OK) {
         sort_effects(o, s);

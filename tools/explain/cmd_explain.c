@@ -156,6 +156,7 @@ static int explain(explain_options *o, palp_model *model, palp_explain_input *in
     int code = choose_candidates(o, &s);
     code = code ? code : choose_held_out(o, &s, held_out);
     code = code ? code : open_model(NAME, o->model, model);
+    code = code ? code : open_refuse_mass(NAME, o->model, model);
     code = code ? code : read_runs(o, input, run);
     if (code == CLI_OK) {
         palp_status status = palp_explain(model, o->n_words, input, &s, &e, &error);

@@ -16,6 +16,12 @@ int open_model_of(const char *command, const char *file, palp_model_kind kind, c
     return code == CLI_OK && model->kind != kind ? cli_failure(command, "%s: %s", file, otherwise) : code;
 }
 
+int open_refuse_mass(const char *command, const char *file, const palp_model *model) {
+    return model->density_kg_m3 > 0 ? cli_failure(command, "%s: has density_kg_m3, and a network is fitted without mass; "
+                                                           "remove the key", file)
+                                    : CLI_OK;
+}
+
 int open_run(const char *command, const char *file, palp_experiment **run) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_experiment_read(file, run, &error);

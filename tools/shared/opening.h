@@ -10,6 +10,9 @@
 int open_model(const char *command, const char *file, palp_model *model);
 int open_run(const char *command, const char *file, palp_experiment **run);
 
+/* The line of a model that has a density where the command's networks have no mass. */
+int open_refuse_mass(const char *command, const char *file, const palp_model *model);
+
 /* A model of one kind; the line of another is "file: otherwise". */
 int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise, palp_model *model);
 
