@@ -30,4 +30,13 @@ tables 5.7 --depth-mm 6.5,7,7.5,8,8.5,9 <<'LIMITS'
 5.7 c3_N 11 of 6
 5.7 c4_N 11 of 6
 LIMITS
+tables 5.8 <<'LIMITS'
+5.8 K1_N 5.6 of 15
+5.8 b1_Ns 4.3 of 15
+5.8 c0_N 3.2 of 15
+5.8 c1_N 2.2 of 15
+5.8 c2_N 2.6 of 15
+5.8 c3_N 2.6 of 15
+5.8 c4_N 2.6 of 15
+LIMITS
 done_testing
