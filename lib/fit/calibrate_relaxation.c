@@ -2,6 +2,7 @@
  * once (the thesis' open problem of Section 6.2), by least squares with forward sensitivities. */
 #include "calibrate_internal.h"
 #include "relaxation_parameters.h"
+#include "response/step_slopes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,112 +28,55 @@ typedef struct relaxation {
     palp_calibration *result;
     size_t n;
     relaxation_parameter parameter[RELAXATION_PARAMETERS_MAX];
-    /* sensitivities by parameter: [n n_elements], [n n_arms n_elements]; weight and partial [n_elements] */
-    double *strain, *arm, *weight, *partial, *force;
-    double *arm_partials; /* [n_arms ELEMENT_PARTIALS n_elements] of the step at hand */
+    step_slopes slopes;     /* columns: the parameters */
+    double *weight, *force; /* [n_elements], [n_samples] */
     double best; /* weighted sum of squares */
     double *residual, *jacobian; /* where linearize puts them, else NULL */
 } relaxation;
 
-/* The partials of arm j by one of element_partial. */
-static const double *by_of(const relaxation *s, size_t j, element_partial by) {
-    return s->arm_partials + (j * ELEMENT_PARTIALS + by) * s->net->n_elements;
-}
-
-/* Direct effect of a parameter on arm j's force beside what the history carries: *factor times one of the partials. */
-static element_partial direct(const relaxation *s, const relaxation_parameter *p, size_t j, double *factor) {
-    *factor = p->role == RELAXATION_SCALE || j < p->first || j > p->last ? 0.0 : 1.0;
-    switch (p->role) {
+/* What a parameter of an arm changes of arm j itself. */
+static effect_arm own_arm(const relaxation *s, relaxation_role role, size_t j) {
+    switch (role) {
     case RELAXATION_STIFFNESS:
-        *factor /= s->net->material.arms[j].stiffness_N;
-        return ELEMENT_LOG_STIFFNESS;
+        return (effect_arm){.log_stiffness = 1.0 / s->net->material.arms[j].stiffness_N};
     case RELAXATION_BETA:
-        return ELEMENT_BETA;
+        return (effect_arm){.beta = 1.0};
     case RELAXATION_GAMMA:
-        return ELEMENT_GAMMA;
+        return (effect_arm){.gamma = 1.0};
     default:
-        return ELEMENT_LOG_TIME;
+        return (effect_arm){.log_time = 1.0};
     }
 }
 
-static void find_arm_partials(relaxation *s) {
-    const palp_network *net = s->net;
-    size_t m = net->n_elements;
-    for (size_t j = 0; j < net->material.n_arms; j++)
-        element_arm_partials(&net->material, &net->step, j, m, net->strain, net->now.history.strain,
-                             net->now.history.arm + j * m, s->arm_partials + j * ELEMENT_PARTIALS * m);
-}
-
-/* Element forces' change with parameter k at fixed positions; arm sensitivities become those at fixed
- * strain. */
-static void partial_forces(relaxation *s, size_t k, double scale) {
-    const palp_network *net = s->net;
-    size_t m = net->n_elements, arms = net->material.n_arms;
-    const double *strain = s->strain + k * m;
-    for (size_t i = 0; i < m; i++)
-        s->partial[i] = (s->parameter[k].role == RELAXATION_SCALE ? net->next.history.elastic[i] / scale : 0.0) -
-                        net->step.dashpot * strain[i];
-    for (size_t j = 0; j < arms; j++) {
-        double *arm = s->arm + (k * arms + j) * m;
-        const double *arm_old = by_of(s, j, ELEMENT_ARM_OLD), *strain_old = by_of(s, j, ELEMENT_STRAIN_OLD);
-        double factor;
-        const double *own = by_of(s, j, direct(s, &s->parameter[k], j, &factor));
-        for (size_t i = 0; i < m; i++) {
-            arm[i] = arm_old[i] * arm[i] + strain_old[i] * strain[i] + factor * own[i];
-            s->partial[i] += arm[i];
-        }
-    }
-}
-
-/* K^-1 of the partial forces: displacement per parameter at every node, into net->fint. */
-static void displace(relaxation *s) {
-    palp_network *net = s->net;
-    double *u = net->fint;
-    memset(u, 0, 3 * net->n_nodes * sizeof *u);
-    for (size_t i = 0; i < net->n_elements; i++)
-        for (size_t c = 0; c < 3; c++) {
-            double f = (net->scale ? net->scale[i] : 1.0) * s->partial[i] * net->direction[3 * i + c];
-            u[3 * (size_t)net->pair[2 * i] + c] += f;
-            u[3 * (size_t)net->pair[2 * i + 1] + c] -= f;
-        }
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        if (net->dof[i] >= 0)
-            net->dx[net->dof[i]] = u[i];
-    linsys_solve(net->ls, net->dx);
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        u[i] = net->dof[i] >= 0 ? net->dx[net->dof[i]] : 0.0;
-}
-
-/* Strain sensitivities of parameter k at equilibrium, and the arms' share of them. */
-static void equilibrate(relaxation *s, size_t k) {
-    palp_network *net = s->net;
-    size_t m = net->n_elements, arms = net->material.n_arms;
-    double *strain = s->strain + k * m;
-    displace(s);
-    for (size_t i = 0; i < m; i++) {
-        const double *n = net->direction + 3 * i, *a = net->fint + 3 * net->pair[2 * i],
-                     *b = net->fint + 3 * net->pair[2 * i + 1];
-        strain[i] = (n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])) * net->inverse_rest[i];
-    }
-    for (size_t j = 0; j < arms; j++)
+/* Adds what parameter k changes of the elements itself. */
+static void add_own(relaxation *s, size_t k, double scale) {
+    const relaxation_parameter *p = &s->parameter[k];
+    const size_t m = s->net->n_elements;
+    if (p->role == RELAXATION_SCALE) {
         for (size_t i = 0; i < m; i++)
-            s->arm[(k * arms + j) * m + i] += by_of(s, j, ELEMENT_STRAIN)[i] * strain[i];
+            s->slopes.partial[k * m + i] += s->net->next.history.elastic[i] / scale;
+        return;
+    }
+    for (size_t j = p->first; j <= p->last; j++) {
+        const effect_arm own = own_arm(s, p->role, j);
+        step_slopes_add_arm(&s->slopes, k, j, &own);
+    }
 }
 
 /* After a trial step: dforce/dparameter into gradient[n], sensitivities advanced. */
 static palp_status advance_sensitivities(relaxation *s, double scale, double *gradient) {
     double stiffness;
     palp_status status = network_weights(s->net, s->weight, &stiffness);
-    if (!status)
-        find_arm_partials(s);
-    for (size_t k = 0; k < s->n && !status; k++) {
-        partial_forces(s, k, scale);
-        gradient[k] = 0.0;
-        for (size_t i = 0; i < s->net->n_elements; i++)
-            gradient[k] += s->weight[i] * s->partial[i];
-        equilibrate(s, k);
+    if (status)
+        return status;
+    step_slopes_begin(&s->slopes, s->weight);
+    for (size_t k = 0; k < s->n; k++) {
+        step_slopes_carry(&s->slopes, k);
+        add_own(s, k, scale);
+        gradient[k] = step_slopes_force(&s->slopes, k, 0.0);
+        step_slopes_equilibrate(&s->slopes, k, 0.0, 0.0);
     }
-    return status;
+    return PALP_OK;
 }
 
 /* Next time to solve at: graded steps, never past a sample or a corner, even on a ramp; in a hold they grow
@@ -159,12 +103,10 @@ static double next_time(const relaxation *s, const palp_target *target, size_t s
 /* Runs one target from rest: force[n] at its samples and, unless NULL, gradient rows of stride total. */
 static palp_status run_target(relaxation *s, const palp_target *target, double scale, double *force,
                               double *gradient, size_t total) {
-    size_t m = s->net->n_elements, arms = s->net->material.n_arms;
     double row[RELAXATION_PARAMETERS_MAX] = {0}, t = target->path.time_s[0];
     palp_status status = PALP_OK;
     palp_network_reset(s->net);
-    memset(s->strain, 0, s->n * m * sizeof *s->strain);
-    memset(s->arm, 0, s->n * arms * m * sizeof *s->arm);
+    memset(s->slopes.state, 0, s->slopes.n_state * sizeof *s->slopes.state);
     for (size_t i = 0; i < target->n && !status;) {
         if (t >= target->time_s[i]) {
             force[i] = s->net->now.force;
@@ -307,27 +249,20 @@ static palp_status check(const relaxation *s) {
 
 /* Checks, allocates and does the work. */
 static palp_status prepare(relaxation *s, palp_status (*work)(relaxation *)) {
-    size_t m = s->net->n_elements;
     palp_status status = check(s);
     if (status)
         return status;
     s->n = relaxation_list(s->start, s->settings, s->parameter);
     for (size_t t = 0; t < s->n_targets; t++)
         s->n_samples += s->target[t].n;
-    s->strain = malloc((s->n * m + 1) * sizeof(double));
-    s->arm = malloc((s->n * s->start->n_arms * m + 1) * sizeof(double));
-    s->weight = malloc((m + 1) * sizeof(double));
-    s->partial = malloc((m + 1) * sizeof(double));
+    s->weight = malloc((s->net->n_elements + 1) * sizeof(double));
     s->force = calloc(s->n_samples + 1, sizeof(double));
-    s->arm_partials = malloc((s->start->n_arms * ELEMENT_PARTIALS * m + 1) * sizeof *s->arm_partials);
-    bool ok = s->strain && s->arm && s->weight && s->partial && s->force && s->arm_partials;
-    status = ok ? work(s) : PALP_ERR_NO_MEMORY;
-    free(s->strain);
-    free(s->arm);
+    status = step_slopes_create(s->net, s->n, s->start->n_arms, &s->slopes);
+    if (!status)
+        status = s->weight && s->force ? work(s) : PALP_ERR_NO_MEMORY;
+    step_slopes_free(&s->slopes);
     free(s->weight);
-    free(s->partial);
     free(s->force);
-    free(s->arm_partials);
     return status;
 }
 
