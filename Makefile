@@ -17,6 +17,8 @@ BINDIR     ?= $(PREFIX)/bin
 LIBDIR     ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 MANDIR     ?= $(PREFIX)/share/man
+BASHDIR    ?= $(PREFIX)/share/bash-completion/completions
+ZSHDIR     ?= $(PREFIX)/share/zsh/site-functions
 PKG_CONFIG ?= pkg-config
 # GPL=1: also CHOLMOD's supernodal module, which makes the result GPL.
 # WERROR=1 (implied by CI=true): warnings are errors.  SANITIZE=1: AddressSanitizer and UBSan.  V=1: show commands.
@@ -234,6 +236,8 @@ man: $(MAN_PAGES) ## the manual pages (needs scdoc)
 install: all ## into PREFIX (default /usr/local), under DESTDIR if given
 	install -d '$(D)$(BINDIR)' '$(D)$(LIBDIR)/pkgconfig' '$(D)$(INCLUDEDIR)/palpate'
 	install -m 755 $(TOOL) '$(D)$(BINDIR)'
+	install -D -m 644 tools/completion/palpate.bash '$(D)$(BASHDIR)/palpate'
+	install -D -m 644 tools/completion/_palpate '$(D)$(ZSHDIR)/_palpate'
 	install -m 644 $(HEADERS) '$(D)$(INCLUDEDIR)/palpate'
 	install -m 644 $(STATIC) $(SHARED) '$(D)$(LIBDIR)'
 	install -d '$(D)$(LIBDIR)/palpate'
@@ -250,7 +254,7 @@ install: all ## into PREFIX (default /usr/local), under DESTDIR if given
 	@if [ -z '$(D)' ]; then ldconfig 2>/dev/null || echo "run ldconfig as root if $(LIBDIR) is a system folder"; fi
 
 uninstall: ## removes what install put there
-	rm -f '$(D)$(BINDIR)/palpate' '$(D)$(LIBDIR)/pkgconfig/palpate.pc'
+	rm -f '$(D)$(BASHDIR)/palpate' '$(D)$(ZSHDIR)/_palpate' '$(D)$(BINDIR)/palpate' '$(D)$(LIBDIR)/pkgconfig/palpate.pc'
 	rm -f $(foreach f,$(notdir $(STATIC) $(SHARED)) $(SONAME) libpalpate.so,'$(D)$(LIBDIR)/$(f)')
 	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
