@@ -27,7 +27,7 @@ static void press_free(press *p) {
 static palp_model read_lumped(void) {
     palp_model model;
     palp_error error = {PALP_OK, ""};
-    bench_check(palp_model_read("data/sedef2008/lumped_n1.json", &model, &error), error.text);
+    bench_check(palp_model_read("data/sedef2008/lumped_n1.json", &model, NULL, &error), error.text);
     return model;
 }
 

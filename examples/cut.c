@@ -49,7 +49,8 @@ int main(int argc, char **argv) {
     palp_network *network = NULL;
     palp_realtime *realtime = NULL;
     palp_model model;
-    if (argc != 2 || palp_model_read(argv[1], &model, &error) ||
+    palp_mesh_source source;
+    if (argc != 2 || palp_model_read(argv[1], &model, &source, &error) ||
         palp_network_from_model(&model, NULL, 0, NULL, NULL, &network, &error)) {
         fprintf(stderr, "cut: %s\n", error.text);
         return 1;

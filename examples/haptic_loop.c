@@ -145,7 +145,8 @@ static palp_status load(const char *path, palp_network **network, palp_error *er
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
     palp_mesh *mesh = NULL;
     palp_model model;
-    palp_status status = palp_model_read(path, &model, error);
+    palp_mesh_source source;
+    palp_status status = palp_model_read(path, &model, &source, error);
     if (!status)
         status = palp_model_mesh(&model, &mesh, error);
     if (!status)

@@ -10,8 +10,9 @@ int main(int argc, char **argv) {
     palp_error error = {PALP_OK, "usage: minimal NETWORK.json"};
     palp_network *network = NULL;
     palp_model model;
+    palp_mesh_source source;
 
-    if (argc != 2 || palp_model_read(argv[1], &model, &error) ||
+    if (argc != 2 || palp_model_read(argv[1], &model, &source, &error) ||
         palp_network_from_model(&model, NULL, 1, &bottom, NULL, &network, &error)) {
         fprintf(stderr, "minimal: %s\n", error.text);
         return 1;

@@ -40,9 +40,10 @@ static palp_status open_network(body *b, const palp_model *model, palp_error *er
 
 bool body_open(body *b, const char *path) {
     palp_model model;
+    palp_mesh_source source;
     palp_error error = {PALP_OK, ""};
     memset(b, 0, sizeof *b);
-    palp_status status = palp_model_read(path, &model, &error);
+    palp_status status = palp_model_read(path, &model, &source, &error);
     if (!status)
         status = open_network(b, &model, &error);
     if (status) {

@@ -131,7 +131,7 @@ typedef struct palp_explain_next {
 /* The result; palp_explanation_free. */
 typedef struct palp_explanation {
     palp_explain_verdict verdict;
-    palp_model base, model; /* refitted as given, and with the effects */
+    palp_model base, model; /* refitted as given, and with the effects; their mesh is the given model's */
     size_t n_effects;
     palp_explain_effect effect[PALP_EXPLAIN_EFFECTS];
     palp_explain_gap gap;

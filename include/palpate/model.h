@@ -15,8 +15,9 @@ typedef enum palp_mesh_kind { PALP_MESH_LATTICE, PALP_MESH_FILE } palp_mesh_kind
 
 enum { PALP_PATH_MAX = 4096, PALP_SPECIMEN_KIND_MAX = 32 };
 
-/* How a network model's mesh is made. A relative path is taken from the model file's folder. */
-typedef struct palp_mesh_spec {
+/* How a network model's mesh is made: 8 KB, kept once beside the models that point to it. A relative path is taken
+ * from the model file's folder. */
+typedef struct palp_mesh_source {
     palp_mesh_kind kind;
     size_t nodes[3];                  /* lattice */
     double size_m[3];                 /* lattice */
@@ -27,26 +28,29 @@ typedef struct palp_mesh_spec {
     bool hex_diagonals;               /* file */
     palp_mesh_scaling scaling;        /* file: see palp_mesh_scale; default none */
     double area_m2;                   /* of the scaling; 0 = the mesh's volume over its height */
-} palp_mesh_spec;
+} palp_mesh_source;
 
-/* A model; a plain value. Lengths in metres here, in mm in the file. */
+/* A model; a plain value of less than 2 KB. Lengths in metres here, in mm in the file. */
 typedef struct palp_model {
     palp_model_kind kind;
     double height_m, radius_m; /* specimen; radius 0 = not given; a network's height may be 0 = that
                                   of its mesh */
     char specimen_kind[PALP_SPECIMEN_KIND_MAX]; /* "cylinder", ...; "" = not given */
     palp_material material;
-    palp_mesh_spec mesh;       /* network only */
-    double density_kg_m3;      /* network only, 0 = massless */
-    size_t n_effects;          /* what is added to the plain model; run by palp_forward_* */
+    const palp_mesh_source *mesh; /* network only: the caller's, which outlives the model and its copies; NULL =
+                                     none, and there is neither a mesh to make nor a model to write */
+    double density_kg_m3;         /* network only, 0 = massless */
+    size_t n_effects;             /* what is added to the plain model; run by palp_forward_* */
     palp_effect effects[PALP_EFFECTS_MAX];
 } palp_model;
 
-/* Reads and checks a model. ERR_INPUT with "file:line: ..." (Jansson's line for syntax; for a wrong
+/* Reads and checks a model. mesh (may be NULL: nobody needs it) is the caller's; a network's is filled, also where its
+ * reading fails, and the model points to it. ERR_INPUT with "file:line: ..." (Jansson's line for syntax; for a wrong
  * value the line where its key stands, as nearly as can be told) for malformed JSON, a missing or
  * unknown key, a wrong unit in a key ("height_m"), a non-physical number, K(a) <= 0 for a in [0, 0.4].
+ * ERR_LIMIT for a folder that does not fit in the source.
  * ERR_UNSUPPORTED for an effect that this build does not know, or that a model of its kind cannot carry. */
-PALP_API palp_status palp_model_read(const char *path, palp_model *model, palp_error *error);
+PALP_API palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_source *mesh, palp_error *error);
 
 /* Writes to a temporary name, then renames. A mesh file's relative path is rewritten so that it
  * holds from the folder of path. ERR_ARGUMENT for a model that could not be read again: numbers that
@@ -57,7 +61,8 @@ PALP_API palp_status palp_model_write(const palp_model *model, const char *path,
  * given as it stands in the model. */
 PALP_API palp_status palp_model_format(const palp_model *model, char **json);
 
-/* The mesh of a network model, a lattice made or a file read; the caller owns it. */
+/* The mesh of a network model, a lattice made or a file read; the caller owns it. ERR_ARGUMENT: a lumped model, or one
+ * without its source; ERR_LIMIT: folder and path are too long together. */
 PALP_API palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_error *error);
 
 #ifdef __cplusplus

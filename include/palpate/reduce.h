@@ -114,8 +114,9 @@ PALP_API const int32_t *palp_reduced_triangles(const palp_reduced *reduced);
 PALP_API palp_status palp_reduced_write(const palp_reduced *reduced, const palp_model *model, const char *path,
                                         palp_error *error);
 
-/* Reads them back. model (may be NULL) is filled. ERR_INPUT: "file:line: ...", another size or checksum. */
-PALP_API palp_status palp_reduced_read(const char *path, palp_model *model, palp_reduced **reduced, palp_error *error);
+/* Reads them back. model (may be NULL) and mesh are as of palp_model_read. ERR_INPUT: "file:line: ...", another size or checksum. */
+PALP_API palp_status palp_reduced_read(const char *path, palp_model *model, palp_mesh_source *mesh,
+                                       palp_reduced **reduced, palp_error *error);
 
 #ifdef __cplusplus
 }

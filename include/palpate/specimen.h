@@ -25,7 +25,7 @@ typedef struct palp_specimen_settings {
 
 PALP_API palp_specimen_settings palp_specimen_settings_default(void);
 
-/* A specimen at rest, of a copy of the model; settings may be NULL (defaults). The caller frees it with
+/* A specimen at rest, of a copy of the model, whose mesh is not needed any more; settings may be NULL (defaults). The caller frees it with
  * palp_specimen_free. ERR_UNSUPPORTED: a lumped model in PALP_SEDEF2008; the errors of palp_network_create. */
 PALP_API palp_status palp_specimen_create(const palp_model *model, const palp_specimen_settings *settings,
                                           palp_specimen **specimen, palp_error *error);

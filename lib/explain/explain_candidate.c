@@ -3,7 +3,6 @@
 #include "explain_noise.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double POOR = 1.2; /* chi2 per sample of a fit that may have gone astray */
@@ -44,13 +43,9 @@ static palp_status go_back(explain_fit *fit, const explain_data *data) {
 /* base, or back at the parameters as given, with the effect at a start. */
 static palp_status added_at(const explain_fit *base, const explain_data *data, const palp_effect *effect, bool back,
                             explain_fit *fit) {
-    palp_model *model = malloc(sizeof *model);
-    if (!model)
-        return PALP_ERR_NO_MEMORY;
-    *model = base->model;
-    model->effects[model->n_effects++] = *effect;
-    palp_status status = explain_fit_beside(base, model, data, fit);
-    free(model);
+    palp_model model = base->model;
+    model.effects[model.n_effects++] = *effect;
+    palp_status status = explain_fit_beside(base, &model, data, fit);
     if (status)
         return status;
     if (back)

@@ -3,7 +3,6 @@
 #include "explain_result.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- in its place ---- */
@@ -29,16 +28,12 @@ static palp_status falls_behind(const place *p, const explain_fit *fit, bool *be
 static palp_status stand_in(const place *p, size_t c, explain_fit *fit) {
     const explain_search *full = p->full;
     const palp_model *found = &full->memory->step[p->i].model[c];
-    palp_model *model = malloc(sizeof *model);
-    if (!model)
-        return PALP_ERR_NO_MEMORY;
-    *model = full->fit.model;
+    palp_model model = full->fit.model;
     size_t at = full->n_given + p->i;
-    if (at + 1 == model->n_effects)
-        model->material = found->material;
-    model->effects[at] = found->effects[found->n_effects - 1];
-    palp_status status = explain_fit_beside(&full->fit, model, &full->data, fit);
-    free(model);
+    if (at + 1 == model.n_effects)
+        model.material = found->material;
+    model.effects[at] = found->effects[found->n_effects - 1];
+    palp_status status = explain_fit_beside(&full->fit, &model, &full->data, fit);
     if (status)
         return status;
     status = explain_fit_products(fit, &full->data, NULL);

@@ -187,20 +187,18 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
 }
 
 palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force) {
-    palp_model *full = malloc(sizeof *full);
+    palp_model full;
     size_t offset, gain;
-    palp_status status = full ? augment(&fit->model, full, &offset, &gain) : PALP_ERR_NO_MEMORY;
-    if (status) {
-        free(full);
+    palp_status status = augment(&fit->model, &full, &offset, &gain);
+    if (status)
         return status;
-    }
-    size_t columns = palp_forward_parameter_count(full), n = data->longest;
+    size_t columns = palp_forward_parameter_count(&full), n = data->longest;
     double *work = malloc((1 + columns + fit->m) * n * sizeof *work);
     status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
     explain_history history = {.load.peak = 0.0};
     for (size_t r = 0; r < data->n_runs && !status; r++) {
         palp_forward_run path = explain_forward_run(&data->run[r], &history);
-        status = run_products(fit, &data->run[r], &path, full, offset, gain, work, work + n, work + (1 + columns) * n,
+        status = run_products(fit, &data->run[r], &path, &full, offset, gain, work, work + n, work + (1 + columns) * n,
                               fit->product + r * fit->m * fit->m);
         if (force && !status) {
             memcpy(force, work, data->run[r].n * sizeof *force);
@@ -209,7 +207,6 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
     }
     palp_load_history_free(&history.load);
     free(work);
-    free(full);
     if (!status)
         fit->score = explain_fit_score(fit, data);
     return status;

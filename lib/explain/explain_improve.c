@@ -49,26 +49,24 @@ static void keep(void *user) {
 palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds) {
     size_t k = fit->n_columns, room = data->n_runs * fit->m * fit->m;
     double *h = malloc((2 * k * k + 3 * k + room) * sizeof *h), reach[EXPLAIN_COLUMNS], chi2;
-    improvement *i = malloc(sizeof *i);
-    palp_status status = h && i ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_status status = h ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status) {
         double *g = h + k * k, *x = g + k;
-        *i = (improvement){.fit = fit, .data = data, .work = x + k, .product = x + k + k * k + k};
-        keep(i);
+        improvement i = {.fit = fit, .data = data, .work = x + k, .product = x + k + k * k + k};
+        keep(&i);
         memcpy(x, fit->x, k * sizeof *x);
         for (size_t a = 0; a < k; a++)
             reach[a] = fit->logarithmic[a] ? 1.0 : HUGE_VAL;
-        explain_fit_total(fit, data, h, g, &chi2, i->work);
+        explain_fit_total(fit, data, h, g, &chi2, i.work);
         const levenberg problem = {.n = k, .evaluations = rounds, .low = fit->low, .high = fit->high, .reach = reach,
                                    .stop_absolute = 0.02, .stop_relative = 1e-7, .stop_rise = 1e-3,
-                                   .evaluate = evaluate, .keep = keep, .user = i};
+                                   .evaluate = evaluate, .keep = keep, .user = &i};
         status = levenberg_solve(&problem, x, h, g, &chi2);
         memcpy(fit->x, x, k * sizeof *x);
-        memcpy(fit->product, i->product, room * sizeof *i->product);
-        fit->model = i->model;
+        memcpy(fit->product, i.product, room * sizeof *i.product);
+        fit->model = i.model;
         fit->score = explain_fit_score(fit, data);
     }
     free(h);
-    free(i);
     return status;
 }

@@ -41,21 +41,17 @@ static palp_status find_directions(const explain_search *s, directions *d) {
 /* work: room for (n_columns + 2 + PALP_EFFECT_PARAMETERS + 1) n. */
 static palp_status strength_column(const palp_model *model, const palp_effect *effect, const explain_run *run,
                                    double *work, double *column) {
-    palp_model *more = malloc(sizeof *more);
-    if (!more)
-        return PALP_ERR_NO_MEMORY;
-    *more = *model;
+    palp_model more = *model;
     size_t k = palp_forward_parameter_count(model);
-    more->effects[more->n_effects++] = *effect;
+    more.effects[more.n_effects++] = *effect;
     explain_history history = {.load.peak = run->largest_strain};
     palp_forward_run path = explain_forward_run(run, &history);
-    palp_status status = explain_predict(more, &path, work, work + run->n, NULL);
+    palp_status status = explain_predict(&more, &path, work, work + run->n, NULL);
     if (status)
         memset(column, 0, run->n * sizeof *column);
     else
         memcpy(column, work + (1 + k) * run->n, run->n * sizeof *column);
     palp_load_history_free(&history.load);
-    free(more);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 

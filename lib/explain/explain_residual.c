@@ -58,13 +58,10 @@ void explain_residual(const explain_data *data, const explain_fit *fit, const do
 
 palp_status explain_noise_level(const explain_data *data, const explain_fit *fit, const double *force,
                                 double *noise_level_N) {
-    palp_model *moved = malloc(sizeof *moved);
     double *other = malloc(data->longest * sizeof *other), slope = 0.0, load = 0.0, white = 0.0, step = 1e-6;
     double jump = 100.0 * step * data->peak / data->deepest; /* a plate that lets go a sample earlier has no slope */
-    palp_status status = moved && other ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_status status = other ? PALP_OK : PALP_ERR_NO_MEMORY;
     explain_history history = {.load.peak = 0.0};
-    if (!status)
-        *moved = fit->model;
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         const explain_run *run = &data->run[r];
         double *depth = malloc(run->n * sizeof *depth);
@@ -74,7 +71,7 @@ palp_status explain_noise_level(const explain_data *data, const explain_fit *fit
         palp_forward_run path = explain_forward_run(run, &history);
         path.depth_m = depth;
         if (!status)
-            status = explain_predict(moved, &path, other, NULL, NULL);
+            status = explain_predict(&fit->model, &path, other, NULL, NULL);
         bool known = status != PALP_ERR_NOT_CONVERGED; /* no solution a micrometre on: the slope of the others */
         status = known ? status : PALP_OK;
         for (size_t i = 0; i < run->n && known && !status; i++) {
@@ -91,7 +88,6 @@ palp_status explain_noise_level(const explain_data *data, const explain_fit *fit
     double n = (double)data->n;
     *noise_level_N = sqrt(white / n + data->correlated * data->correlated + pow(fit->scatter.gain, 2) * load / n +
                     pow(fit->scatter.contact, 2) * slope / n);
-    free(moved);
     free(other);
     return status;
 }

@@ -2,7 +2,6 @@
 #include "explain_search.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double SHADOW = 0.06; /* of the first gap: what an effect's equations are good for */
@@ -125,19 +124,15 @@ static size_t arm_to_swap(const explain_search *s, const palp_effect *added) {
 /* Exchanges them if the forces stay the same: no effect acts on one of them alone. */
 static palp_status swap_arm(explain_search *s, size_t i, size_t j, bool *done) {
     explain_fit swapped;
-    palp_model *model = malloc(sizeof *model);
+    palp_model model = s->fit.model;
     *done = false;
-    if (!model)
-        return PALP_ERR_NO_MEMORY;
-    *model = s->fit.model;
-    palp_arm *arm = &model->material.arms[j];
-    double *added = model->effects[i].value, stiffness = added[0], viscosity = added[0] * added[1];
+    palp_arm *arm = &model.material.arms[j];
+    double *added = model.effects[i].value, stiffness = added[0], viscosity = added[0] * added[1];
     added[0] = arm->stiffness_N;
     added[1] = arm->viscosity_Ns / arm->stiffness_N;
     arm->stiffness_N = stiffness;
     arm->viscosity_Ns = viscosity;
-    palp_status status = explain_fit_beside(&s->fit, model, &s->data, &swapped);
-    free(model);
+    palp_status status = explain_fit_beside(&s->fit, &model, &s->data, &swapped);
     if (!status)
         status = explain_fit_products(&swapped, &s->data, NULL);
     *done = !status && swapped.score > explain_fit_score(&s->fit, &s->data) - 1.0;

@@ -16,16 +16,12 @@ palp_effect explain_added(const explain_search *s, size_t i) {
 
 static palp_status without(const explain_fit *fit, const explain_data *data, size_t n_given, size_t skip,
                            explain_fit *less) {
-    palp_model *model = malloc(sizeof *model);
-    if (!model)
-        return PALP_ERR_NO_MEMORY;
-    bool hum = n_given + skip >= fit->model.n_effects;
-    *model = fit->model;
-    for (size_t i = n_given + skip; !hum && i + 1 < model->n_effects; i++)
-        model->effects[i] = model->effects[i + 1];
-    model->n_effects -= !hum;
-    palp_status status = explain_fit_beside(fit, model, data, less);
-    free(model);
+    palp_model model = fit->model;
+    bool hum = n_given + skip >= model.n_effects;
+    for (size_t i = n_given + skip; !hum && i + 1 < model.n_effects; i++)
+        model.effects[i] = model.effects[i + 1];
+    model.n_effects -= !hum;
+    palp_status status = explain_fit_beside(fit, &model, data, less);
     if (hum)
         less->hum_Hz = less->hum_N = 0.0;
     return status;

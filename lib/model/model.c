@@ -37,22 +37,24 @@ palp_status palp_model_join(const char *folder, const char *path, char joined[PA
 }
 
 palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_error *error) {
-    const palp_mesh_spec *spec = &model->mesh;
+    const palp_mesh_source *source = model->mesh;
     char path[PALP_PATH_MAX];
     *mesh = NULL;
     if (model->kind != PALP_MODEL_NETWORK)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model has no mesh");
+    if (!source)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the model was read without the source of its mesh");
     palp_status status;
-    if (spec->kind == PALP_MESH_LATTICE) {
-        status = palp_mesh_lattice(spec->nodes, spec->size_m, spec->neighbourhood, mesh);
+    if (source->kind == PALP_MESH_LATTICE) {
+        status = palp_mesh_lattice(source->nodes, source->size_m, source->neighbourhood, mesh);
         return status ? palp_error_set(error, status, "the lattice: %s", palp_status_text(status)) : PALP_OK;
     }
-    status = palp_model_join(spec->folder, spec->path, path);
+    status = palp_model_join(source->folder, source->path, path);
     if (status)
         return palp_error_set(error, status, "the path of the mesh is too long");
     palp_error why = {PALP_OK, ""};
-    status = palp_mesh_read_gmsh(path, spec->scale_m, spec->hex_diagonals, mesh, error);
-    if (!status && palp_mesh_scale(*mesh, spec->scaling, spec->area_m2, &why)) {
+    status = palp_mesh_read_gmsh(path, source->scale_m, source->hex_diagonals, mesh, error);
+    if (!status && palp_mesh_scale(*mesh, source->scaling, source->area_m2, &why)) {
         palp_mesh_free(*mesh);
         *mesh = NULL;
         status = palp_error_set(error, why.status, "%s: %s", path, why.text);

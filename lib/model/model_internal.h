@@ -24,8 +24,8 @@ palp_status palp_model_effects_read(const palp_json *root, palp_model *model);
 /* Whether a model's effects are all within their bounds, carried by its kind, and there once. */
 palp_status palp_model_effects_check(const palp_model *model, palp_error *error);
 
-/* What palp_model_read does with the value of a file; *model comes zeroed. */
-palp_status palp_model_from_json(const palp_json *root, palp_model *model);
+/* What palp_model_read does with the value of a file. */
+palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh);
 
 /* The folder part of path ("" if it has none) into folder; ERR_LIMIT if it does not fit. */
 palp_status palp_model_folder(const char *path, char folder[PALP_PATH_MAX]);

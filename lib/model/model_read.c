@@ -296,7 +296,7 @@ static palp_status size_read(const palp_json *at, double size_m[3]) {
     return status;
 }
 
-static palp_status lattice_read(const palp_json *at, palp_mesh_spec *spec) {
+static palp_status lattice_read(const palp_json *at, palp_mesh_source *source) {
     static const char *const keys[] = {"kind", "nodes", "size_mm", "neighbourhood"};
     palp_json value;
     double reach = 26;
@@ -304,22 +304,22 @@ static palp_status lattice_read(const palp_json *at, palp_mesh_spec *spec) {
     if (!status)
         status = palp_json_require(at, "nodes", &value);
     if (!status)
-        status = nodes_read(&value, spec->nodes);
+        status = nodes_read(&value, source->nodes);
     if (!status)
         status = palp_json_require(at, "size_mm", &value);
     if (!status)
-        status = size_read(&value, spec->size_m);
+        status = size_read(&value, source->size_m);
     if (!status && palp_json_member(at, "neighbourhood", &value)) {
         status = palp_json_number(&value, &reach);
         if (!status && reach != 6 && reach != 18 && reach != 26)
             status = palp_json_fail(&value, PALP_ERR_INPUT, "must be 6, 18 or 26, not %g", reach);
     }
     if (!status)
-        spec->neighbourhood = (palp_neighbourhood)(int)reach;
+        source->neighbourhood = (palp_neighbourhood)(int)reach;
     return status;
 }
 
-static palp_status scaling_read(const palp_json *at, palp_mesh_spec *spec) {
+static palp_status scaling_read(const palp_json *at, palp_mesh_source *source) {
     palp_json value;
     const char *name = "";
     if (!palp_json_member(at, "scaling", &value))
@@ -333,20 +333,20 @@ static palp_status scaling_read(const palp_json *at, palp_mesh_spec *spec) {
     if (!status && kind > PALP_SCALING_CONTINUUM)
         status = palp_json_fail(&value, PALP_ERR_INPUT, "must be \"none\", \"volume\" or \"continuum\", not \"%s\"", name);
     if (!status)
-        spec->scaling = (palp_mesh_scaling)kind;
+        source->scaling = (palp_mesh_scaling)kind;
     if (!status && palp_json_member(at, "area_mm2", &value)) {
-        status = palp_json_positive(&value, &spec->area_m2);
-        spec->area_m2 *= 1e-6;
+        status = palp_json_positive(&value, &source->area_m2);
+        source->area_m2 *= 1e-6;
     }
     return status;
 }
 
-static palp_status mesh_file_read(const palp_json *at, palp_mesh_spec *spec) {
+static palp_status mesh_file_read(const palp_json *at, palp_mesh_source *source) {
     static const char *const keys[] = {"kind", "path", "scale_mm", "hex_diagonals", "scaling", "area_mm2"};
     palp_json value;
     const char *path = "";
-    spec->kind = PALP_MESH_FILE;
-    spec->scale_m = 0.001;
+    source->kind = PALP_MESH_FILE;
+    source->scale_m = 0.001;
     palp_status status = palp_json_keys(at, COUNT(keys), keys);
     if (!status)
         status = palp_json_require(at, "path", &value);
@@ -355,19 +355,19 @@ static palp_status mesh_file_read(const palp_json *at, palp_mesh_spec *spec) {
     if (!status && (!path[0] || strlen(path) >= PALP_PATH_MAX))
         status = palp_json_fail(&value, PALP_ERR_INPUT, "must be the path of a Gmsh file");
     if (!status)
-        strcpy(spec->path, path);
+        strcpy(source->path, path);
     if (!status && palp_json_member(at, "scale_mm", &value))
-        status = length_read(&value, &spec->scale_m);
+        status = length_read(&value, &source->scale_m);
     if (!status && palp_json_member(at, "hex_diagonals", &value))
-        status = palp_json_bool(&value, &spec->hex_diagonals);
+        status = palp_json_bool(&value, &source->hex_diagonals);
     if (!status)
-        status = scaling_read(at, spec);
-    if (!status && palp_model_folder(at->file->path, spec->folder))
+        status = scaling_read(at, source);
+    if (!status && palp_model_folder(at->file->path, source->folder))
         status = palp_json_fail(&value, PALP_ERR_LIMIT, "starts from too long a folder");
     return status;
 }
 
-static palp_status mesh_read(const palp_json *root, palp_model *model) {
+static palp_status mesh_read(const palp_json *root, palp_mesh_source *source) {
     palp_json mesh, kind;
     const char *name = "";
     palp_status status = palp_json_require(root, "mesh", &mesh);
@@ -381,31 +381,34 @@ static palp_status mesh_read(const palp_json *root, palp_model *model) {
     if (status)
         return status;
     if (strcmp(name, "lattice") == 0)
-        return lattice_read(&mesh, &model->mesh);
+        return lattice_read(&mesh, source);
     if (strcmp(name, "file") == 0)
-        return mesh_file_read(&mesh, &model->mesh);
+        return mesh_file_read(&mesh, source);
     return palp_json_fail(&kind, PALP_ERR_INPUT, "must be \"lattice\" or \"file\", not \"%s\"", name);
 }
 
-static palp_status network_read(const palp_json *root, palp_model *model) {
+static palp_status network_read(const palp_json *root, palp_model *model, palp_mesh_source *source) {
     palp_json density;
-    palp_status status = mesh_read(root, model);
+    palp_status status = mesh_read(root, source);
+    model->mesh = source;
     if (!status && palp_json_member(root, "density_kg_m3", &density)) {
         status = palp_json_number(&density, &model->density_kg_m3);
         if (!status && model->density_kg_m3 < 0)
             status = palp_json_fail(&density, PALP_ERR_INPUT, "must not be negative");
     }
-    if (!status && model->height_m == 0 && model->mesh.kind == PALP_MESH_LATTICE)
-        model->height_m = model->mesh.size_m[1];
+    if (!status && model->height_m == 0 && source->kind == PALP_MESH_LATTICE)
+        model->height_m = source->size_m[1];
     return status;
 }
 
-palp_status palp_model_from_json(const palp_json *root, palp_model *model) {
+palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
     /* the last two are a network's only */
     static const char *const keys[] = {"palpate", "kind",       "specimen",     "stiffness",
                                        "arms",    "dashpot_Ns", "quasi_linear", "formulation",
                                        "effects", "mesh",       "density_kg_m3"};
     palp_json mesh;
+    memset(model, 0, sizeof *model);
+    memset(source, 0, sizeof *source);
     palp_status status = version_read(root);
     if (!status)
         status = kind_read(root, model);
@@ -419,21 +422,24 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model) {
     if (!status)
         status = material_read(root, model);
     if (!status && network)
-        status = network_read(root, model);
+        status = network_read(root, model, source);
     return status;
 }
 
-palp_status palp_model_read(const char *path, palp_model *model, palp_error *error) {
+palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_source *mesh, palp_error *error) {
     palp_json_file file;
     palp_json root;
     palp_model made;
-    memset(&made, 0, sizeof made);
+    palp_mesh_source unwanted;
     palp_status status = palp_json_open(path, &file, &root, error);
     if (status)
         return status;
-    status = palp_model_from_json(&root, &made);
+    status = palp_model_from_json(&root, &made, mesh ? mesh : &unwanted);
     palp_json_close(&file);
-    if (!status)
-        *model = made;
-    return status;
+    if (status)
+        return status;
+    if (!mesh)
+        made.mesh = NULL;
+    *model = made;
+    return PALP_OK;
 }

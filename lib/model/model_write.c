@@ -22,7 +22,7 @@ static palp_status law_check(const palp_model *model, palp_error *error) {
     return PALP_OK;
 }
 
-static bool lattice_valid(const palp_mesh_spec *mesh) {
+static bool lattice_valid(const palp_mesh_source *mesh) {
     for (size_t i = 0; i < 3; i++)
         if (mesh->nodes[i] < 2 || !(mesh->size_m[i] > 0) || !isfinite(mesh->size_m[i]))
             return false;
@@ -30,7 +30,7 @@ static bool lattice_valid(const palp_mesh_spec *mesh) {
 }
 
 static bool shape_valid(const palp_model *model) {
-    const palp_mesh_spec *mesh = &model->mesh;
+    const palp_mesh_source *mesh = model->mesh;
     bool network = model->kind == PALP_MODEL_NETWORK;
     if (!(model->height_m >= 0) || !isfinite(model->height_m) || (!network && model->height_m == 0))
         return false;
@@ -38,7 +38,7 @@ static bool shape_valid(const palp_model *model) {
         return false;
     if (!network)
         return true;
-    if (!(model->density_kg_m3 >= 0) || !isfinite(model->density_kg_m3))
+    if (!mesh || !(model->density_kg_m3 >= 0) || !isfinite(model->density_kg_m3))
         return false;
     if (mesh->kind == PALP_MESH_LATTICE)
         return lattice_valid(mesh);
@@ -191,7 +191,7 @@ static void effects_print(const writer *w, const palp_model *model) {
     fputc(']', w->stream);
 }
 
-static void lattice_print(const writer *w, const palp_mesh_spec *mesh) {
+static void lattice_print(const writer *w, const palp_mesh_source *mesh) {
     const size_t *n = mesh->nodes;
     fprintf(w->stream, "%s\"mesh\": {\"kind\": \"lattice\", \"nodes\": [%zu, %zu, %zu], ", w->between, n[0],
             n[1], n[2]);
@@ -203,7 +203,7 @@ static void lattice_print(const writer *w, const palp_mesh_spec *mesh) {
     fputc('}', w->stream);
 }
 
-static palp_status mesh_file_print(const writer *w, const palp_mesh_spec *mesh, const char *path) {
+static palp_status mesh_file_print(const writer *w, const palp_mesh_source *mesh, const char *path) {
     json_t *text = json_string(path);
     char *quoted = text ? json_dumps(text, JSON_ENCODE_ANY) : NULL;
     json_decref(text);
@@ -223,10 +223,10 @@ static palp_status mesh_file_print(const writer *w, const palp_mesh_spec *mesh, 
 
 static palp_status network_print(const writer *w, const palp_model *model, const char *mesh_path) {
     palp_status status = PALP_OK;
-    if (model->mesh.kind == PALP_MESH_LATTICE)
-        lattice_print(w, &model->mesh);
+    if (model->mesh->kind == PALP_MESH_LATTICE)
+        lattice_print(w, model->mesh);
     else
-        status = mesh_file_print(w, &model->mesh, mesh_path);
+        status = mesh_file_print(w, model->mesh, mesh_path);
     if (model->density_kg_m3 > 0) {
         fputs(w->between, w->stream);
         number_print(w, "\"density_kg_m3\": ", model->density_kg_m3);
@@ -276,7 +276,7 @@ static palp_status relative_path(const char *from, const char *to, char path[PAL
 }
 
 /* relative_path after resolving both folders; ERR_FILE if one is not there. */
-static palp_status path_move(const palp_mesh_spec *mesh, const char *target, char path[PALP_PATH_MAX]) {
+static palp_status path_move(const palp_mesh_source *mesh, const char *target, char path[PALP_PATH_MAX]) {
     char old_folder[PALP_PATH_MAX], new_folder[PALP_PATH_MAX], name[PALP_PATH_MAX], joined[PALP_PATH_MAX];
     if (palp_model_folder(target, new_folder) || palp_model_join(mesh->folder, mesh->path, name) ||
         palp_model_folder(name, old_folder))
@@ -297,7 +297,7 @@ static palp_status path_move(const palp_mesh_spec *mesh, const char *target, cha
 /* The mesh's path to be written into a model at target. */
 static palp_status mesh_path(const palp_model *model, const char *target, char path[PALP_PATH_MAX]) {
     char folder[PALP_PATH_MAX];
-    const palp_mesh_spec *mesh = &model->mesh;
+    const palp_mesh_source *mesh = model->mesh;
     bool file = model->kind == PALP_MODEL_NETWORK && mesh->kind == PALP_MESH_FILE;
     strcpy(path, file ? mesh->path : "");
     if (!file || mesh->path[0] == '/')
@@ -319,7 +319,7 @@ palp_status palp_model_write(const palp_model *model, const char *path, palp_err
     if (status)
         return palp_error_set(error, status,
                               "%s: not written: the folder of it or of the mesh \"%s\" is not there", path,
-                              model->mesh.path);
+                              model->mesh->path);
     if (!palp_text_is_utf8(mesh))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "%s: not written: the mesh's path is not UTF-8",
                               path);
@@ -346,7 +346,7 @@ palp_status palp_model_format(const palp_model *model, char **json) {
     w.stream = open_memstream(&text, &size);
     if (!w.stream)
         return PALP_ERR_NO_MEMORY;
-    status = model_print(&w, model, model->mesh.path);
+    status = model_print(&w, model, model->mesh ? model->mesh->path : "");
     bool failed = ferror(w.stream) != 0;
     failed = fclose(w.stream) != 0 || failed;
     if (!status && (failed || !text))

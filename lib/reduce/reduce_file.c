@@ -193,12 +193,11 @@ static palp_status version_read(const palp_json *root) {
     return PALP_OK;
 }
 
-static palp_status network_read(const palp_json *root, palp_model *model) {
+static palp_status network_read(const palp_json *root, palp_model *model, palp_mesh_source *mesh) {
     palp_json network;
-    memset(model, 0, sizeof *model);
     palp_status status = palp_json_require(root, "network", &network);
     if (!status)
-        status = palp_model_from_json(&network, model);
+        status = palp_model_from_json(&network, model, mesh);
     if (!status && model->kind != PALP_MODEL_NETWORK)
         status = palp_json_fail(&network, PALP_ERR_INPUT, "is not a model of kind \"network\"");
     return status;
@@ -372,7 +371,8 @@ static palp_status arrays_read(const palp_json *root, palp_reduced *r, palp_erro
     return status;
 }
 
-static palp_status reduced_from_json(const palp_json *root, palp_model *model, palp_reduced *r, palp_error *error) {
+static palp_status reduced_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh, palp_reduced *r,
+                                     palp_error *error) {
     static const char *const keys[] = {"palpate", "network", "nodes", "unknowns", "network_elements",
                                        "modes", "elements", "triangles", "snapshot_paths", "held_out_paths",
                                        "height_mm", "error", "tools", "arrays"};
@@ -380,10 +380,11 @@ static palp_status reduced_from_json(const palp_json *root, palp_model *model, p
     if (!status)
         status = palp_json_keys(root, sizeof keys / sizeof *keys, keys);
     if (!status)
-        status = network_read(root, model);
-    r->material = model->material;
-    if (!status)
+        status = network_read(root, model, mesh);
+    if (!status) {
+        r->material = model->material;
         status = sizes_read(root, r);
+    }
     if (!status)
         status = error_read(root, &r->summary);
     if (!status)
@@ -391,22 +392,26 @@ static palp_status reduced_from_json(const palp_json *root, palp_model *model, p
     return status ? status : arrays_read(root, r, error);
 }
 
-palp_status palp_reduced_read(const char *path, palp_model *model, palp_reduced **reduced, palp_error *error) {
+palp_status palp_reduced_read(const char *path, palp_model *model, palp_mesh_source *mesh, palp_reduced **reduced,
+                              palp_error *error) {
     palp_json_file file;
     palp_json root;
     palp_model made;
+    palp_mesh_source unwanted;
     palp_reduced *r = calloc(1, sizeof *r);
     if (!r)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
     palp_status status = palp_json_open(path, &file, &root, error);
     if (!status) {
-        status = reduced_from_json(&root, &made, r, error);
+        status = reduced_from_json(&root, &made, mesh ? mesh : &unwanted, r, error);
         palp_json_close(&file);
     }
     if (status) {
         palp_reduced_free(r);
         return status;
     }
+    if (!mesh)
+        made.mesh = NULL;
     if (model)
         *model = made;
     *reduced = r;

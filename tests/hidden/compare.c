@@ -25,15 +25,14 @@ static bool library_effect(const world *w, int id, palp_effect *effect) {
     return true;
 }
 
-static bool library_model(const world *w, palp_model *m) {
+static bool library_model(const world *w, palp_model *m, palp_mesh_source *mesh) {
     memset(m, 0, sizeof *m);
     m->height_m = w->height;
     m->kind = w->cube ? PALP_MODEL_NETWORK : PALP_MODEL_LUMPED;
-    m->mesh.neighbourhood = PALP_NEIGHBOURS_26;
-    for (int i = 0; i < 3; i++) {
-        m->mesh.nodes[i] = 3;
-        m->mesh.size_m[i] = w->height;
-    }
+    m->mesh = mesh;
+    *mesh = (palp_mesh_source){.nodes = {3, 3, 3},
+                               .size_m = {w->height, w->height, w->height},
+                               .neighbourhood = PALP_NEIGHBOURS_26};
     if (palp_law_polynomial(LAW, w->law, &m->material.law))
         return false;
     for (size_t i = 0; i < w->n_arms; i++) {
@@ -75,8 +74,9 @@ typedef struct difference {
 /* In noise levels; the longest difference names its run. */
 static bool differ(const world *w, const session *s, double noise_level, difference *out) {
     palp_model m;
+    palp_mesh_source mesh;
     double *ours = malloc(2 * s->n * sizeof *ours), *theirs = ours ? ours + s->n : NULL, sum = 0;
-    bool good = ours && library_model(w, &m);
+    bool good = ours && library_model(w, &m, &mesh);
     if (good)
         world_session(w, s, 0.002, false, NULL, ours);
     palp_load_history kept = {0};

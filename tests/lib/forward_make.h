@@ -173,17 +173,22 @@ static inline void check_slopes(const char *what, force_function *exact, force_f
     }
 }
 
+/* A cube of so many nodes a side, fewer than eight; there is one of each kind, and no model may change it. */
+static inline const palp_mesh_source *lattice_source(size_t nodes, palp_neighbourhood neighbourhood) {
+    static palp_mesh_source sources[8][3];
+    palp_mesh_source *source = &sources[nodes][neighbourhood / 10];
+    *source = (palp_mesh_source){.nodes = {nodes, nodes, nodes},
+                                 .size_m = {HEIGHT, HEIGHT, HEIGHT},
+                                 .neighbourhood = neighbourhood};
+    return source;
+}
+
 /* 27 nodes and a stiffness law; no arms. */
 static inline palp_model cube_model(void) {
     static const double law[] = {0.49, 0.3, 2.4}; /* N */
     palp_model m = lumped_model(0);
     m.kind = PALP_MODEL_NETWORK;
-    m.mesh.kind = PALP_MESH_LATTICE;
-    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
-    for (size_t k = 0; k < 3; k++) {
-        m.mesh.nodes[k] = 3;
-        m.mesh.size_m[k] = HEIGHT;
-    }
+    m.mesh = lattice_source(3, PALP_NEIGHBOURS_26);
     ck_assert_int_eq(palp_law_polynomial(3, law, &m.material.law), PALP_OK);
     return m;
 }
@@ -204,12 +209,7 @@ static inline palp_model lattice_model(size_t n_arms, size_t nodes) {
     static const palp_arm arms[] = {{0.08, 1.1, 0, 0}, {0.05, 0.02, 0, 0}};
     palp_model m = lumped_model(0);
     m.kind = PALP_MODEL_NETWORK;
-    m.mesh.kind = PALP_MESH_LATTICE;
-    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
-    for (size_t k = 0; k < 3; k++) {
-        m.mesh.nodes[k] = nodes;
-        m.mesh.size_m[k] = HEIGHT;
-    }
+    m.mesh = lattice_source(nodes, PALP_NEIGHBOURS_26);
     ck_assert_int_eq(palp_law_polynomial(5, law, &m.material.law), PALP_OK);
     m.material.n_arms = n_arms;
     memcpy(m.material.arms, arms, n_arms * sizeof *arms);

@@ -120,7 +120,7 @@ static void check_folder(palp_status status) {
 
 static palp_status read_model(palp_error *error) {
     static palp_model model;
-    return palp_model_read("data/sedef2008/lumped_n2.json", &model, error);
+    return palp_model_read("data/sedef2008/lumped_n2.json", &model, NULL, error);
 }
 
 static palp_model lumped_model(void) {
@@ -242,9 +242,9 @@ static palp_status scaled_mesh(palp_error *error) {
 
 static palp_status mesh_of_model(palp_error *error) {
     palp_mesh *mesh = NULL;
-    palp_model model = {
-        .kind = PALP_MODEL_NETWORK,
-        .mesh = {.nodes = {2, 2, 2}, .size_m = {1, 1, 1}, .neighbourhood = PALP_NEIGHBOURS_26}};
+    const palp_mesh_source source = {
+        .nodes = {2, 2, 2}, .size_m = {1, 1, 1}, .neighbourhood = PALP_NEIGHBOURS_26};
+    palp_model model = {.kind = PALP_MODEL_NETWORK, .mesh = &source};
     palp_status status = palp_model_mesh(&model, &mesh, error);
     palp_mesh_free(mesh);
     return status;
@@ -444,9 +444,10 @@ static palp_status forward(bool network, palp_error *error) {
         return palp_forward_force(&model, &run, force, gradient, error);
     settings.solver = PALP_SOLVER_BAND;
     model.kind = PALP_MODEL_NETWORK;
-    model.mesh = (palp_mesh_spec){.nodes = {3, 3, 3}, .neighbourhood = PALP_NEIGHBOURS_26};
-    for (size_t k = 0; k < 3; k++)
-        model.mesh.size_m[k] = CUBE_HEIGHT_M;
+    const palp_mesh_source source = {.nodes = {3, 3, 3},
+                                     .size_m = {CUBE_HEIGHT_M, CUBE_HEIGHT_M, CUBE_HEIGHT_M},
+                                     .neighbourhood = PALP_NEIGHBOURS_26};
+    model.mesh = &source;
     palp_status status = palp_forward_network(&model, &settings, &run, force, error);
     return status ? status : explain_predict(&model, &run, force, gradient, error);
 }

@@ -239,7 +239,7 @@ static void test_lumped_force(void **state) {
     s.actuator.start_m = s.contact_m;
     s.scale = 2;
     p = make(&s);
-    assert_int_equal(palp_model_read(s.model, &model, NULL), PALP_OK);
+    assert_int_equal(palp_model_read(s.model, &model, NULL, NULL), PALP_OK);
     for (int i = 1; i <= N; i++) {
         plant_truth t = step(p, i < N / 2 ? 700 + i : 500, true, NULL);
         time[i] = i * TICK;
@@ -371,6 +371,7 @@ static void reads_as_the_library(const char *file, const effect_case *c) {
     plant_settings s = in_air();
     palp_error error = {PALP_OK, ""};
     palp_model model;
+    palp_mesh_source mesh;
     plant_in in;
     s.specimen = PLANT_MODEL;
     s.model = file;
@@ -390,7 +391,7 @@ static void reads_as_the_library(const char *file, const effect_case *c) {
         step(p, (int)(fmin(fmax(push / 72, -0.5), 0.5) * 32767), true, &in);
     }
     plant_free(p);
-    assert_int_equal(palp_model_read(file, &model, &error), PALP_OK);
+    assert_int_equal(palp_model_read(file, &model, &mesh, &error), PALP_OK);
     palp_status status = model.kind == PALP_MODEL_LUMPED
                              ? palp_forward_force(&model, &run, force, NULL, &error)
                              : palp_forward_network(&model, NULL, &run, force, &error);

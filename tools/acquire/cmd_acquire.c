@@ -245,22 +245,14 @@ static int make_plan(const choice *c, acquire_plan *plan) {
 static int specimen_of_model(const char *path, choice *c) {
     acquire_options *o = &c->session;
     palp_error error = {PALP_OK, ""};
-    palp_model *model = calloc(1, sizeof *model);
-    palp_status status = model ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (model && path) {
-        status = palp_model_read(path, model, &error);
-    } else if (model) {
-        model->height_m = 24e-3;
-        model->radius_m = 12e-3;
-        strcpy(model->specimen_kind, "cylinder");
-    }
+    palp_model model = {.height_m = 24e-3, .radius_m = 12e-3, .specimen_kind = "cylinder"};
+    palp_status status = path ? palp_model_read(path, &model, NULL, &error) : PALP_OK;
     if (status == PALP_OK) {
-        o->height_mm = o->height_mm > 0 ? o->height_mm : 1e3 * model->height_m;
-        o->radius_mm = o->radius_mm > 0 ? o->radius_mm : 1e3 * model->radius_m;
-        memcpy(c->kind, model->specimen_kind, sizeof c->kind);
+        o->height_mm = o->height_mm > 0 ? o->height_mm : 1e3 * model.height_m;
+        o->radius_mm = o->radius_mm > 0 ? o->radius_mm : 1e3 * model.radius_m;
+        memcpy(c->kind, model.specimen_kind, sizeof c->kind);
         o->specimen_kind = o->specimen_kind || !*c->kind ? o->specimen_kind : c->kind;
     }
-    free(model);
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
 

@@ -38,6 +38,7 @@ typedef struct press_target {
 
 typedef struct calibrate_state {
     palp_model lumped, model; /* model: the network, its material the latest found */
+    palp_mesh_source source;  /* of its mesh */
     palp_mesh *mesh;
     palp_network *network;
     double height_m; /* of the mesh */

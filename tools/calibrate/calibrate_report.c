@@ -90,7 +90,7 @@ static void add_stage(json_t *to, const calibrate_state *s, bool relaxation) {
 }
 
 static json_t *nodes_json(const calibrate_state *s) {
-    const palp_mesh_spec *mesh = &s->model.mesh;
+    const palp_mesh_source *mesh = &s->source;
     if (mesh->kind != PALP_MESH_LATTICE) {
         return json_integer((json_int_t)palp_mesh_node_count(s->mesh));
     }

@@ -40,7 +40,7 @@ static void sort_effects(const calibrate_options *o, calibrate_state *s) {
 static int read_models(const calibrate_options *o, calibrate_state *s) {
     int code = open_model_of(NAME, o->lumped, PALP_MODEL_LUMPED,
                              "is a network; name the lumped model to meet (a network to start from goes to --start)",
-                             &s->lumped);
+                             &s->lumped, NULL);
     if (code) {
         return code;
     }
@@ -55,7 +55,7 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
     s->model = s->lumped;
     s->model.kind = PALP_MODEL_NETWORK;
     if (o->start) {
-        code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK, "--start wants a network model", &s->model);
+        code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK, "--start wants a network model", &s->model, &s->source);
         code = code ? code : open_refuse_mass(NAME, o->start, &s->model);
     }
     if (code == CLI_OK) {
@@ -64,7 +64,7 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
     return code;
 }
 
-static int choose_lattice(const calibrate_options *o, const calibrate_state *s, palp_mesh_spec *mesh) {
+static int choose_lattice(const calibrate_options *o, const calibrate_state *s, palp_mesh_source *mesh) {
     double nodes[3],
         size_mm[3] = {1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m};
     if (!cli_spread(&o->nodes, nodes)) {
@@ -84,7 +84,8 @@ static int choose_lattice(const calibrate_options *o, const calibrate_state *s, 
 }
 
 static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
-    palp_mesh_spec *mesh = &s->model.mesh;
+    palp_mesh_source *mesh = &s->source;
+    s->model.mesh = mesh;
     if (o->nodes.n) {
         return choose_lattice(o, s, mesh);
     }
@@ -115,7 +116,7 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     }
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
     if (status == PALP_ERR_UNSUPPORTED && o->mesh && o->scaling < 0) { /* hexahedra: as they are */
-        s->model.mesh.scaling = PALP_SCALING_NONE;
+        s->source.scaling = PALP_SCALING_NONE;
         status = palp_model_mesh(&s->model, &s->mesh, &error);
     }
     if (status == PALP_OK) {

@@ -43,10 +43,10 @@ static int stage_failed(const calibrate_options *o, const char *stage, palp_stat
 /* ---- static ---- */
 
 /* Nodes of a lattice's longest side; 0 for a mesh of a file. */
-static size_t finest_side(const palp_mesh_spec *spec) {
+static size_t finest_side(const palp_mesh_source *source) {
     size_t finest = 0;
-    for (size_t k = 0; k < 3 && spec->kind == PALP_MESH_LATTICE; k++) {
-        finest = spec->nodes[k] > finest ? spec->nodes[k] : finest;
+    for (size_t k = 0; k < 3 && source->kind == PALP_MESH_LATTICE; k++) {
+        finest = source->nodes[k] > finest ? source->nodes[k] : finest;
     }
     return finest;
 }
@@ -54,17 +54,17 @@ static size_t finest_side(const palp_mesh_spec *spec) {
 /* A lattice of the same box with at most so many nodes a side. */
 static palp_status coarse_network(const calibrate_options *o, const calibrate_state *s, size_t most,
                                   const palp_material *material, palp_network **network) {
-    const palp_mesh_spec *spec = &s->model.mesh;
+    const palp_mesh_source *source = &s->source;
     palp_mesh *mesh = NULL;
     palp_support supports[2];
     palp_network_settings settings = palp_network_settings_default();
     size_t nodes[3];
     for (size_t k = 0; k < 3; k++) {
-        nodes[k] = spec->nodes[k] < most ? spec->nodes[k] : most;
+        nodes[k] = source->nodes[k] < most ? source->nodes[k] : most;
     }
     palp_supports_default(supports);
     settings.branch = (palp_branch)o->branch;
-    palp_status status = palp_mesh_lattice(nodes, spec->size_m, spec->neighbourhood, &mesh);
+    palp_status status = palp_mesh_lattice(nodes, source->size_m, source->neighbourhood, &mesh);
     if (!status) {
         status = palp_network_create(mesh, material, 2, supports, &settings, network, NULL);
     }
@@ -79,7 +79,7 @@ static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, 
     palp_network *network = NULL;
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result = {0};
-    if (finest_side(&s->model.mesh) < FINE) {
+    if (finest_side(&s->source) < FINE) {
         return PALP_OK;
     }
     palp_status status = coarse_network(o, s, COARSE, start, &network);
@@ -137,7 +137,7 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     if (s->static_method == METHOD_FIXED_POINT) {
         status = palp_thesis_fixed_point(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
                                          &s->static_result);
-    } else if (finest_side(&s->model.mesh) >= LARGE && !o->every_step) {
+    } else if (finest_side(&s->source) >= LARGE && !o->every_step) {
         status = two_level_static(o, s, &start, &settings);
     } else {
         status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
@@ -218,7 +218,7 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     if (s->relaxation_method == METHOD_THREE_PHASE && s->n_presses > 1) {
         return cli_usage_error(NAME, "--method three_phase takes one run; start it once for each");
     }
-    if (finest_side(&s->model.mesh) >= LARGE) {
+    if (finest_side(&s->source) >= LARGE) {
         cli_warning(NAME,
                     "the relaxation stage of so large a lattice may take hours; calibrate the arms of one of %d nodes "
                     "a side and scale them by the ratio of both laws (doc/meshes.md)",

@@ -142,8 +142,9 @@ static int read_runs(const explain_options *o, palp_explain_input *input, palp_e
     return CLI_OK;
 }
 
-static int explain(explain_options *o, palp_model *model, palp_explain_input *input, palp_experiment **run,
-                   size_t *held_out) {
+static int explain(explain_options *o, palp_explain_input *input, palp_experiment **run, size_t *held_out) {
+    palp_model model;
+    palp_mesh_source mesh;
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
     palp_error error = {PALP_OK, ""};
@@ -155,11 +156,11 @@ static int explain(explain_options *o, palp_model *model, palp_explain_input *in
     s.loop_user = &o->jobs;
     int code = choose_candidates(o, &s);
     code = code ? code : choose_held_out(o, &s, held_out);
-    code = code ? code : open_model(NAME, o->model, model);
-    code = code ? code : open_refuse_mass(NAME, o->model, model);
+    code = code ? code : open_model(NAME, o->model, &model, &mesh);
+    code = code ? code : open_refuse_mass(NAME, o->model, &model);
     code = code ? code : read_runs(o, input, run);
     if (code == CLI_OK) {
-        palp_status status = palp_explain(model, o->n_words, input, &s, &e, &error);
+        palp_status status = palp_explain(&model, o->n_words, input, &s, &e, &error);
         code = status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;
     }
     if (code == CLI_OK) {
@@ -172,11 +173,10 @@ static int explain(explain_options *o, palp_model *model, palp_explain_input *in
 
 int cmd_explain(int argc, char **argv) {
     explain_options *o = calloc(1, sizeof *o);
-    palp_model *model = calloc(1, sizeof *model);
     palp_explain_input *input = calloc(EXPLAIN_RUNS_MAX, sizeof *input);
     palp_experiment **run = calloc(EXPLAIN_RUNS_MAX, sizeof *run);
     size_t *held_out = calloc(EXPLAIN_RUNS_MAX, sizeof *held_out);
-    bool room = o && model && input && run && held_out;
+    bool room = o && input && run && held_out;
     int code = room ? CLI_OK : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
     if (code == CLI_OK) {
         o->max_effects = 4;
@@ -187,13 +187,12 @@ int cmd_explain(int argc, char **argv) {
         code = parse(argc, argv, o);
     }
     if (code == CLI_OK) {
-        code = explain(o, model, input, run, held_out);
+        code = explain(o, input, run, held_out);
     }
     for (size_t r = 0; run && r < EXPLAIN_RUNS_MAX; r++) {
         palp_experiment_free(run[r]);
     }
     free(o);
-    free(model);
     free(input);
     free(run);
     free(held_out);

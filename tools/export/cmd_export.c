@@ -108,6 +108,7 @@ int cmd_export(int argc, char **argv) {
     export_options o = {.points = CALCULIX_POINTS_MAX, .step_strain = 0.01};
     const char *path = NULL;
     palp_model model;
+    palp_mesh_source source;
     palp_mesh *mesh = NULL;
     palp_error error = {PALP_OK, ""};
     int code = parse(argc, argv, &o, &path);
@@ -115,7 +116,7 @@ int cmd_export(int argc, char **argv) {
         return code == CLI_HELP ? CLI_OK : code;
     }
     code = open_model_of("export", path, PALP_MODEL_NETWORK,
-                         "a lumped model has no mesh; make a network of it by palpate calibrate", &model);
+                         "a lumped model has no mesh; make a network of it by palpate calibrate", &model, &source);
     if (code) {
         return code;
     }

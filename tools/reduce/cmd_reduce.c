@@ -20,6 +20,7 @@ static const double POOR = 0.01; /* a held-out error above it is worth a warning
 typedef struct reduction {
     const reduce_options *options;
     palp_model model;
+    palp_mesh_source source;
     palp_mesh *mesh;
     char *list; /* of --runs, cut at its commas */
     reduce_run run[REDUCE_RUNS_MAX];
@@ -311,7 +312,7 @@ static int run(const reduce_options *o, reduction *r) {
     palp_error error = {PALP_OK, ""};
     r->options = o;
     int code = open_model_of(NAME, o->model, PALP_MODEL_NETWORK,
-                             "a lumped model is as small as can be; give a network", &r->model);
+                             "a lumped model is as small as can be; give a network", &r->model, &r->source);
     if (code) {
         return code;
     }

@@ -36,6 +36,7 @@ typedef struct report_file {
     palp_experiment *experiment; /* recording, simulation */
     palp_recording recording;    /* likewise; n = 0: could not be prepared */
     palp_model model;            /* model */
+    palp_mesh_source mesh;       /* of a network */
     json_t *json;                /* characterize, calibrate, explain */
     char *svg;                   /* figure: from "<svg" on */
     bool shown;                  /* figure: placed on the page */

@@ -111,7 +111,7 @@ static void load_json(report_file *file) {
     } else if (json_is_integer(json_object_get(about, "explain"))) {
         file->kind = REPORT_EXPLAIN;
     } else if (json_is_integer(json_object_get(about, "model"))) {
-        if (palp_model_read(file->path, &file->model, &error) == PALP_OK) {
+        if (palp_model_read(file->path, &file->model, &file->mesh, &error) == PALP_OK) {
             file->kind = REPORT_MODEL;
         }
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);

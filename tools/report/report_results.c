@@ -322,7 +322,7 @@ void report_law(FILE *to, report *r) {
 /* ---- the network ---- */
 
 static void network(FILE *to, const report_file *f) {
-    const palp_mesh_spec *mesh = &f->model.mesh;
+    const palp_mesh_source *mesh = &f->mesh;
     fputs("<h3>", to);
     html_text(to, cli_base(f->path));
     fputs("</h3>\n<p>", to);

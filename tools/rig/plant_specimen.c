@@ -58,6 +58,7 @@ palp_status specimen_create(const plant_settings *settings, specimen *s, palp_er
     const bool rigid = settings->specimen == PLANT_RIGID, own = !rigid && !settings->model;
     palp_specimen_settings to = palp_specimen_settings_default();
     palp_error why = {PALP_OK, ""};
+    palp_mesh_source mesh;
     palp_status status = PALP_OK;
     memset(s, 0, sizeof *s);
     s->path = rigid ? "the rigid block" : own ? "the phantom of the thesis" : settings->model;
@@ -66,7 +67,7 @@ palp_status specimen_create(const plant_settings *settings, specimen *s, palp_er
     }
     palp_model model = rigid ? rigid_block(settings->rigid_N_m) : seed_phantom();
     if (!rigid && !own) {
-        status = palp_model_read(settings->model, &model, error);
+        status = palp_model_read(settings->model, &model, &mesh, error);
     }
     if (status == PALP_OK) {
         status = add_compliance(&model, settings->actuator.compliance_m_N, s, error);

@@ -4,15 +4,15 @@
 
 #include <string.h>
 
-int open_model(const char *command, const char *file, palp_model *model) {
+int open_model(const char *command, const char *file, palp_model *model, palp_mesh_source *mesh) {
     palp_error error = {PALP_OK, ""};
-    palp_status status = palp_model_read(file, model, &error);
+    palp_status status = palp_model_read(file, model, mesh, &error);
     return status ? cli_status(command, status, &error) : CLI_OK;
 }
 
 int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise,
-                  palp_model *model) {
-    int code = open_model(command, file, model);
+                  palp_model *model, palp_mesh_source *mesh) {
+    int code = open_model(command, file, model, mesh);
     return code == CLI_OK && model->kind != kind ? cli_failure(command, "%s: %s", file, otherwise) : code;
 }
 

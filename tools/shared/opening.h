@@ -6,15 +6,16 @@
 #include <palpate/model.h>
 #include <stdbool.h>
 
-/* Each returns an exit code; command is its name for the line. The caller frees *run. */
-int open_model(const char *command, const char *file, palp_model *model);
+/* Each returns an exit code; command is its name for the line. mesh is as of palp_model_read. The caller frees *run. */
+int open_model(const char *command, const char *file, palp_model *model, palp_mesh_source *mesh);
 int open_run(const char *command, const char *file, palp_experiment **run);
 
 /* The line of a model that has a density where the command's networks have no mass. */
 int open_refuse_mass(const char *command, const char *file, const palp_model *model);
 
 /* A model of one kind; the line of another is "file: otherwise". */
-int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise, palp_model *model);
+int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise, palp_model *model,
+                  palp_mesh_source *mesh);
 
 /* The run's specimen.kind where that is none ("none": air, "rigid": a block to see the frame), as palpate acquire
  * records them beside those of the specimen; else NULL. */

@@ -180,22 +180,22 @@ static int check_path(const simulate_options *o, const palp_path *path, double h
 
 /* ---- the run ---- */
 
-static int override_nodes(const simulate_options *o, palp_model *model) {
+static int override_nodes(const simulate_options *o, simulation *s) {
     double nodes[3];
-    if (o->vtu && model->kind != PALP_MODEL_NETWORK) {
+    if (o->vtu && s->model.kind != PALP_MODEL_NETWORK) {
         return cli_usage_error(NAME, "--vtu needs a network; %s is a lumped model", o->model);
     }
     if (o->nodes.n == 0) {
         return CLI_OK;
     }
-    if (model->kind != PALP_MODEL_NETWORK || model->mesh.kind != PALP_MESH_LATTICE) {
+    if (s->model.kind != PALP_MODEL_NETWORK || s->source.kind != PALP_MESH_LATTICE) {
         return cli_usage_error(NAME, "--nodes changes a lattice; %s has none", o->model);
     }
     if (!cli_spread(&o->nodes, nodes)) {
         return cli_usage_error(NAME, "--nodes wants one or three numbers, e.g. 5 or 5,7,5");
     }
     for (int i = 0; i < 3; i++) {
-        model->mesh.nodes[i] = (size_t)nodes[i];
+        s->source.nodes[i] = (size_t)nodes[i];
     }
     return CLI_OK;
 }
@@ -215,15 +215,15 @@ static int run_lumped(const simulate_options *o, simulation *s) {
 static int simulate(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     palp_status status = simulate_is_reduced(o->model)
-                             ? palp_reduced_read(o->model, &s->model, &s->reduced, &error)
-                             : palp_model_read(o->model, &s->model, &error);
+                             ? palp_reduced_read(o->model, &s->model, &s->source, &s->reduced, &error)
+                             : palp_model_read(o->model, &s->model, &s->source, &error);
     if (status == PALP_OK && o->like) {
         status = palp_experiment_read(o->like, &s->like, &error);
     }
     if (status) {
         return cli_status(NAME, status, &error);
     }
-    int code = override_nodes(o, &s->model);
+    int code = override_nodes(o, s);
     if (code == CLI_OK) {
         code = make_path(o, s->like, s->model.n_effects > 0, &s->path);
     }

@@ -22,6 +22,7 @@ typedef struct simulate_options {
 
 typedef struct simulation {
     palp_model model;
+    palp_mesh_source source; /* network only */
     palp_experiment *like;
     palp_path path;
     palp_mesh *mesh; /* network only, as is network */

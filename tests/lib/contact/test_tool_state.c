@@ -227,7 +227,8 @@ START_TEST(placed_elsewhere_it_feels_the_same) {
     const palp_tool tools[2] = {sphere(0.008, 0.0236, 0.009, 0.004, 0.3), capsule(0.014, 0.0236, 0.013, 0.002, 0.3)};
     palp_tool_force felt[2][2];
     palp_model model;
-    ck_assert_int_eq(palp_model_read("data/sedef2008/network_125.json", &model, NULL), PALP_OK);
+    palp_mesh_source source;
+    ck_assert_int_eq(palp_model_read("data/sedef2008/network_125.json", &model, &source, NULL), PALP_OK);
     for (int place = 0; place < 2; place++) {
         const double *r = place ? turned : one, *t = place ? moved : at_origin;
         palp_mesh *mesh;
@@ -266,11 +267,12 @@ END_TEST
 
 START_TEST(models_make_networks) {
     palp_model model;
+    palp_mesh_source source;
     palp_network *net = NULL, *own;
     palp_mesh *mesh;
     palp_error error = {PALP_OK, ""};
     palp_material m = quartic(0);
-    ck_assert_int_eq(palp_model_read("data/sedef2008/network_125.json", &model, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read("data/sedef2008/network_125.json", &model, &source, NULL), PALP_OK);
     ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_OK);
     own = cube_network(5, &m, NULL);
     ck_assert_int_eq(palp_network_step(net, 0.0024, INFINITY, NULL), PALP_OK);
@@ -286,7 +288,7 @@ START_TEST(models_make_networks) {
     ck_assert_int_eq(palp_effect_default(PALP_EFFECT_MAINS_HUM, &model.effects[0]), PALP_OK);
     ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_OK);
     palp_network_free(net);
-    ck_assert_int_eq(palp_model_read("data/sedef2008/lumped_n1.json", &model, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read("data/sedef2008/lumped_n1.json", &model, NULL, NULL), PALP_OK);
     ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_ERR_ARGUMENT);
     mesh = cube(3, PALP_NEIGHBOURS_26);
     const double mirror[9] = {1, 0, 0, 0, 1, 0, 0, 0, -1}, sheared[9] = {1, 0, 0, 0, 1, 0, 0, 1e-3, 1};

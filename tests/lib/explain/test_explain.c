@@ -324,11 +324,7 @@ START_TEST(what_it_cannot_take_is_refused) {
     session(&m);
     m.kind = PALP_MODEL_NETWORK;
     m.density_kg_m3 = 1000;
-    for (size_t k = 0; k < 3; k++) {
-        m.mesh.nodes[k] = 3;
-        m.mesh.size_m[k] = HEIGHT;
-    }
-    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
+    m.mesh = lattice_source(3, PALP_NEIGHBOURS_26);
     ck_assert_int_eq(palp_explain(&m, RUNS, input, &s, &e, &error), PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(error.text, "a network with mass"));
     session_end();

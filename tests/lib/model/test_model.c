@@ -90,18 +90,18 @@ START_TEST(bad_file_gives_its_line) {
     snprintf(path, sizeof path, "%s/bad/model_%s.json", PALP_TEST_DATA, bad[_i].name);
     ck_assert_int_lt(snprintf(want, sizeof want, "%s:%d: %s", path, bad[_i].line, bad[_i].text),
                      (int)sizeof want);
-    ck_assert_int_eq(palp_model_read(path, &model, &error), bad[_i].status);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), bad[_i].status);
     ck_assert_int_eq(error.status, bad[_i].status);
     ck_assert_str_eq(error.text, want);
     ck_assert_mem_eq(&model, &before, sizeof model);
-    ck_assert_int_eq(palp_model_read(path, &model, NULL), bad[_i].status);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, NULL), bad[_i].status);
 }
 END_TEST
 
 START_TEST(missing_file_is_a_file_error) {
     palp_error error;
     palp_model model;
-    ck_assert_int_eq(palp_model_read("/nowhere/m.json", &model, &error), PALP_ERR_FILE);
+    ck_assert_int_eq(palp_model_read("/nowhere/m.json", &model, NULL, &error), PALP_ERR_FILE);
     ck_assert_str_eq(error.text, "/nowhere/m.json: cannot open: No such file or directory");
 }
 END_TEST
@@ -119,11 +119,11 @@ START_TEST(line_is_found_in_any_layout) {
     palp_model model;
     char want[PALP_ERROR_TEXT];
     const char *path = scratch_write("m.json", text, sizeof text - 1);
-    ck_assert_int_eq(palp_model_read(path, &model, &error), PALP_ERR_INPUT);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), PALP_ERR_INPUT);
     snprintf(want, sizeof want, "%s:7: arms[1].stiffness_N must be greater than 0, not -1", path);
     ck_assert_str_eq(error.text, want);
     scratch_write("m.json", quoted, sizeof quoted - 1);
-    ck_assert_int_eq(palp_model_read(path, &model, &error), PALP_ERR_INPUT);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), PALP_ERR_INPUT);
     snprintf(want, sizeof want, "%s:1: a \"}] \\ is no known key", path); /* escapes: its object's line */
     ck_assert_int_eq(strncmp(error.text, want, strlen(want)), 0);
 }
@@ -148,11 +148,13 @@ static const char sample[] =
     "  \"density_kg_m3\": 1040\n"
     "}\n";
 
+static palp_mesh_source source; /* of what was read last */
+
 static palp_model read_text(const char *text) {
     palp_error error = {PALP_OK, ""};
     palp_model model;
     const char *path = scratch_write("model.json", text, strlen(text));
-    ck_assert_msg(palp_model_read(path, &model, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_model_read(path, &model, &source, &error) == PALP_OK, "%s", error.text);
     return model;
 }
 
@@ -174,10 +176,10 @@ static void is_sample(const palp_model *model) {
     ck_assert_double_eq(model->material.dashpot_Ns, 0.25);
     ck_assert(!model->material.quasi_linear);
     ck_assert_int_eq(model->material.formulation, PALP_HISTORY);
-    ck_assert_int_eq(model->mesh.kind, PALP_MESH_LATTICE);
-    ck_assert_uint_eq(model->mesh.nodes[0] * 100 + model->mesh.nodes[1] * 10 + model->mesh.nodes[2], 345);
-    ck_assert_double_eq(model->mesh.size_m[1], 23.9 / 1000);
-    ck_assert_int_eq(model->mesh.neighbourhood, PALP_NEIGHBOURS_18);
+    ck_assert_int_eq(model->mesh->kind, PALP_MESH_LATTICE);
+    ck_assert_uint_eq(model->mesh->nodes[0] * 100 + model->mesh->nodes[1] * 10 + model->mesh->nodes[2], 345);
+    ck_assert_double_eq(model->mesh->size_m[1], 23.9 / 1000);
+    ck_assert_int_eq(model->mesh->neighbourhood, PALP_NEIGHBOURS_18);
     ck_assert_double_eq(model->density_kg_m3, 1040);
 }
 
@@ -195,17 +197,17 @@ START_TEST(what_may_be_left_out_has_defaults) {
     ck_assert_double_eq(model.height_m, 0.002);
     ck_assert_double_eq(model.radius_m, 0);
     ck_assert_uint_eq(model.material.n_arms, 0);
-    ck_assert_int_eq(model.mesh.neighbourhood, PALP_NEIGHBOURS_26);
+    ck_assert_int_eq(model.mesh->neighbourhood, PALP_NEIGHBOURS_26);
     ck_assert_double_eq(model.density_kg_m3, 0);
     ck_assert_int_eq(model.material.formulation, PALP_HISTORY);
     model = read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
                       "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, "
                       "\"mesh\": {\"kind\": \"file\", \"path\": \"a.msh\"}}");
-    ck_assert_double_eq(model.mesh.scale_m, 0.001);
-    ck_assert(!model.mesh.hex_diagonals);
-    ck_assert_int_eq(model.mesh.scaling, PALP_SCALING_NONE);
-    ck_assert_str_eq(model.mesh.path, "a.msh");
-    ck_assert_str_eq(model.mesh.folder, scratch_folder);
+    ck_assert_double_eq(source.scale_m, 0.001);
+    ck_assert(!source.hex_diagonals);
+    ck_assert_int_eq(source.scaling, PALP_SCALING_NONE);
+    ck_assert_str_eq(source.path, "a.msh");
+    ck_assert_str_eq(source.folder, scratch_folder);
 }
 END_TEST
 
@@ -228,7 +230,7 @@ START_TEST(truncations_are_read_or_named) {
         palp_error error = {PALP_OK, ""};
         palp_model model;
         scratch_write("cut.json", sample, n);
-        if (palp_model_read(path, &model, &error)) {
+        if (palp_model_read(path, &model, &source, &error)) {
             ck_assert_uint_lt(n, sizeof sample - 2);
             ck_assert_int_eq(error.status, PALP_ERR_INPUT);
             ck_assert_int_eq(strncmp(error.text, path, strlen(path)), 0);
@@ -255,7 +257,7 @@ START_TEST(changed_bytes_are_survived) {
             else
                 memmove(text + i, text + i + 1, n-- - i);
             scratch_write("changed.json", text, n);
-            if (palp_model_read(path, &model, &error))
+            if (palp_model_read(path, &model, &source, &error))
                 ck_assert_int_eq(strncmp(error.text, path, strlen(path)), 0);
             else
                 ck_assert_int_eq(palp_material_check(&model.material, NULL), PALP_OK);
@@ -268,9 +270,10 @@ END_TEST
 static void comes_back(const palp_model *model) {
     palp_error error = {PALP_OK, ""};
     palp_model back;
+    palp_mesh_source mesh;
     const char *path = scratch_path("out.json");
     ck_assert_msg(palp_model_write(model, path, &error) == PALP_OK, "%s", error.text);
-    ck_assert_msg(palp_model_read(path, &back, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_model_read(path, &back, &mesh, &error) == PALP_OK, "%s", error.text);
     ck_assert_int_eq(back.kind, model->kind);
     ck_assert_double_eq(back.height_m, model->height_m);
     ck_assert_double_eq(back.radius_m, model->radius_m);
@@ -288,28 +291,32 @@ static void comes_back(const palp_model *model) {
     ck_assert_int_eq(back.material.quasi_linear, model->material.quasi_linear);
     ck_assert_int_eq(back.material.formulation, model->material.formulation);
     ck_assert_double_eq(back.density_kg_m3, model->density_kg_m3);
-    ck_assert_int_eq(back.mesh.kind, model->mesh.kind);
-    ck_assert_mem_eq(back.mesh.nodes, model->mesh.nodes, sizeof back.mesh.nodes);
-    ck_assert_mem_eq(back.mesh.size_m, model->mesh.size_m, sizeof back.mesh.size_m);
-    ck_assert_int_eq(back.mesh.neighbourhood, model->mesh.neighbourhood);
-    ck_assert_int_eq(back.mesh.scaling, model->mesh.scaling);
-    ck_assert_double_eq(back.mesh.area_m2, model->mesh.area_m2);
+    if (model->kind == PALP_MODEL_LUMPED) {
+        ck_assert_ptr_null(back.mesh);
+        return;
+    }
+    ck_assert_int_eq(mesh.kind, model->mesh->kind);
+    ck_assert_mem_eq(mesh.nodes, model->mesh->nodes, sizeof mesh.nodes);
+    ck_assert_mem_eq(mesh.size_m, model->mesh->size_m, sizeof mesh.size_m);
+    ck_assert_int_eq(mesh.neighbourhood, model->mesh->neighbourhood);
+    ck_assert_int_eq(mesh.scaling, model->mesh->scaling);
+    ck_assert_double_eq(mesh.area_m2, model->mesh->area_m2);
 }
 
 START_TEST(scaling_comes_back) {
     palp_model model = read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
                                  "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"file\", "
                                  "\"path\": \"a.msh\", \"scaling\": \"continuum\", \"area_mm2\": 452.5}}");
-    ck_assert_int_eq(model.mesh.scaling, PALP_SCALING_CONTINUUM);
-    ck_assert_double_eq(model.mesh.area_m2, 452.5e-6);
+    ck_assert_int_eq(source.scaling, PALP_SCALING_CONTINUUM);
+    ck_assert_double_eq(source.area_m2, 452.5e-6);
     comes_back(&model);
-    model.mesh.scaling = PALP_SCALING_VOLUME;
-    model.mesh.area_m2 = 0.0;
+    source.scaling = PALP_SCALING_VOLUME;
+    source.area_m2 = 0.0;
     comes_back(&model);
-    model.mesh.scaling = (palp_mesh_scaling)3;
+    source.scaling = (palp_mesh_scaling)3;
     ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
-    model.mesh.scaling = PALP_SCALING_VOLUME;
-    model.mesh.area_m2 = -1.0;
+    source.scaling = PALP_SCALING_VOLUME;
+    source.area_m2 = -1.0;
     ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
 }
 END_TEST
@@ -319,7 +326,7 @@ START_TEST(network_comes_back) {
     comes_back(&model);
     model.material.law.coefficients[0] = 0.1 + 0.2; /* needs 17 digits */
     model.material.arms[1].viscosity_Ns = 1.0 / 3;
-    model.mesh.neighbourhood = PALP_NEIGHBOURS_26;
+    source.neighbourhood = PALP_NEIGHBOURS_26;
     model.density_kg_m3 = 0;
     comes_back(&model);
 }
@@ -333,7 +340,7 @@ START_TEST(lengths_in_millimetres_come_back) {
         model.height_m = mm / 1000;
         const char *path = scratch_path("out.json");
         ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_OK);
-        ck_assert_int_eq(palp_model_read(path, &back, NULL), PALP_OK);
+        ck_assert_int_eq(palp_model_read(path, &back, NULL, NULL), PALP_OK);
         ck_assert_double_eq(back.height_m, model.height_m);
         i += 1 + i / 20;
     }
@@ -403,16 +410,16 @@ START_TEST(failed_write_leaves_nothing) {
     wrong.height_m = INFINITY;
     write_fails(&wrong, path, PALP_ERR_ARGUMENT);
     wrong = model;
-    wrong.mesh.nodes[1] = 1;
+    palp_mesh_source flat = source, unnamed = {.kind = PALP_MESH_FILE, .path = "\xFF.msh", .scale_m = 0.001};
+    flat.nodes[1] = 1;
+    wrong.mesh = &flat;
     write_fails(&wrong, path, PALP_ERR_ARGUMENT);
     wrong = model;
     strcpy(wrong.specimen_kind, "a\"b");
     write_fails(&wrong, path, PALP_ERR_ARGUMENT);
     wrong = model;
-    wrong.mesh.kind = PALP_MESH_FILE;
-    wrong.mesh.scale_m = 0.001;
-    strcpy(wrong.mesh.path, "\xFF.msh");
-    strcpy(wrong.mesh.folder, scratch_folder);
+    strcpy(unnamed.folder, scratch_folder);
+    wrong.mesh = &unnamed;
     write_fails(&wrong, path, PALP_ERR_ARGUMENT);
     char *text = scratch_read(path);
     ck_assert_str_eq(text, "old");
@@ -439,6 +446,84 @@ START_TEST(lattice_is_made) {
 }
 END_TEST
 
+/* What depends on the material, the specimen or the effects needs no mesh. */
+START_TEST(source_may_be_left_out) {
+    const char *path = scratch_write("model.json", sample, sizeof sample - 1);
+    palp_error error;
+    palp_model model;
+    palp_mesh *mesh;
+    char *json;
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, NULL), PALP_OK);
+    ck_assert_ptr_null(model.mesh);
+    ck_assert_double_eq(model.height_m, 24.0 / 1000);
+    ck_assert_double_eq(model.density_kg_m3, 1040);
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, &error), PALP_ERR_ARGUMENT);
+    ck_assert_str_eq(error.text, "the model was read without the source of its mesh");
+    ck_assert_ptr_null(mesh);
+    write_fails(&model, scratch_path("out.json"), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_model_format(&model, &json), PALP_ERR_ARGUMENT);
+    ck_assert_ptr_null(json);
+    ck_assert_int_eq(palp_model_read(path, &model, &source, NULL), PALP_OK);
+    ck_assert_ptr_eq(model.mesh, &source);
+    model = read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24}, "
+                      "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [2]}}");
+    ck_assert_ptr_null(model.mesh);
+}
+END_TEST
+
+/* A copy has a material and effects of its own and the same mesh. */
+START_TEST(model_is_copied_by_value) {
+    ck_assert_uint_lt(sizeof(palp_model), 2048);
+    palp_model model = read_text(sample), copy = model;
+    palp_mesh *one, *other;
+    model.material.law.coefficients[0] = 1;
+    model.material.arms[0].viscosity_Ns = 1;
+    model.n_effects = 1;
+    strcpy(model.specimen_kind, "other");
+    is_sample(&copy);
+    ck_assert_uint_eq(copy.n_effects, 0);
+    ck_assert_ptr_eq(copy.mesh, model.mesh);
+    comes_back(&copy);
+    source.nodes[0] = 4;
+    ck_assert_int_eq(palp_model_mesh(&model, &one, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_mesh(&copy, &other, NULL), PALP_OK);
+    ck_assert_uint_eq(palp_mesh_node_count(one), 80);
+    ck_assert_uint_eq(palp_mesh_node_count(other), 80);
+    palp_mesh_free(one);
+    palp_mesh_free(other);
+}
+END_TEST
+
+/* The longest path that fits is looked for; one byte more is an error, in the model and beside a folder. */
+START_TEST(too_long_a_path_is_an_error) {
+    static const char before[] = "{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": {\"kind\": "
+                                 "\"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"file\", \"path\": \"";
+    static char text[sizeof before + PALP_PATH_MAX + 8];
+    palp_error error;
+    palp_model model;
+    palp_mesh *mesh;
+    for (size_t n = PALP_PATH_MAX - 1; n <= PALP_PATH_MAX; n++) {
+        memcpy(text, before, sizeof before - 1);
+        memset(text + sizeof before - 1, 'a', n);
+        strcpy(text + sizeof before - 1 + n, "\"}}");
+        const char *path = scratch_write("long.json", text, strlen(text));
+        ck_assert_int_eq(palp_model_read(path, &model, &source, &error), n < PALP_PATH_MAX ? PALP_OK : PALP_ERR_INPUT);
+        if (n == PALP_PATH_MAX)
+            ck_assert_ptr_nonnull(strstr(error.text, "mesh.path must be the path of a Gmsh file"));
+        else
+            ck_assert_uint_eq(strlen(source.path), n);
+    }
+    memset(source.path, 'a', PALP_PATH_MAX - 1);
+    source.path[PALP_PATH_MAX - 1] = '\0';
+    strcpy(source.folder, "b");
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, &error), PALP_ERR_LIMIT);
+    ck_assert_str_eq(error.text, "the path of the mesh is too long");
+    ck_assert_ptr_null(mesh);
+    source.folder[0] = '\0';
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, &error), PALP_ERR_FILE);
+}
+END_TEST
+
 static const char tetrahedron[] =
     "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n"
     "1 0 0 0 1 1 1 0 0\n$EndEntities\n"
@@ -448,8 +533,9 @@ static const char tetrahedron[] =
 static void mesh_is_tetrahedron(const char *path) {
     palp_error error = {PALP_OK, ""};
     palp_model model;
+    palp_mesh_source own;
     palp_mesh *mesh;
-    ck_assert_msg(palp_model_read(path, &model, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_model_read(path, &model, &own, &error) == PALP_OK, "%s", error.text);
     ck_assert_msg(palp_model_mesh(&model, &mesh, &error) == PALP_OK, "%s", error.text);
     ck_assert_uint_eq(palp_mesh_node_count(mesh), 4);
     ck_assert_uint_eq(palp_mesh_element_count(mesh), 6);
@@ -458,8 +544,9 @@ static void mesh_is_tetrahedron(const char *path) {
 
 static void path_in(const char *model_path, const char *want) {
     palp_model model;
-    ck_assert_int_eq(palp_model_read(model_path, &model, NULL), PALP_OK);
-    ck_assert_str_eq(model.mesh.path, want);
+    palp_mesh_source own;
+    ck_assert_int_eq(palp_model_read(model_path, &model, &own, NULL), PALP_OK);
+    ck_assert_str_eq(own.path, want);
     mesh_is_tetrahedron(model_path);
 }
 
@@ -471,27 +558,27 @@ START_TEST(mesh_file_is_found_from_any_folder) {
     ck_assert_int_eq(mkdir(scratch_path("out"), 0777), 0);
     scratch_write("in/t.msh", tetrahedron, sizeof tetrahedron - 1);
     palp_model model = read_text(sample);
-    model.mesh =
-        (palp_mesh_spec){.kind = PALP_MESH_FILE, .path = "in/t.msh", .scale_m = 0.01, .hex_diagonals = true};
-    strcpy(model.mesh.folder, scratch_folder);
+    source =
+        (palp_mesh_source){.kind = PALP_MESH_FILE, .path = "in/t.msh", .scale_m = 0.01, .hex_diagonals = true};
+    strcpy(source.folder, scratch_folder);
     ck_assert_int_eq(palp_model_write(&model, scratch_path("a.json"), NULL), PALP_OK);
     path_in(scratch_path("a.json"), "in/t.msh");
     ck_assert_int_eq(palp_model_write(&model, scratch_path("out/b.json"), NULL), PALP_OK);
     path_in(scratch_path("out/b.json"), "../in/t.msh");
     ck_assert_int_eq(palp_model_write(&model, scratch_path("in/c.json"), NULL), PALP_OK);
     path_in(scratch_path("in/c.json"), "t.msh");
-    ck_assert_int_eq(palp_model_read(scratch_path("out/b.json"), &model, NULL), PALP_OK);
-    ck_assert_double_eq(model.mesh.scale_m, 0.01);
-    ck_assert(model.mesh.hex_diagonals);
+    ck_assert_int_eq(palp_model_read(scratch_path("out/b.json"), &model, &source, NULL), PALP_OK);
+    ck_assert_double_eq(source.scale_m, 0.01);
+    ck_assert(source.hex_diagonals);
     ck_assert_int_eq(palp_model_write(&model, scratch_path("d.json"), NULL), PALP_OK);
     path_in(scratch_path("d.json"), "in/t.msh");
     ck_assert_int_eq(chdir(scratch_path("out")), 0); /* a folder of "" is the working directory */
-    model.mesh.folder[0] = '\0';
+    source.folder[0] = '\0';
     ck_assert_int_eq(palp_model_write(&model, scratch_path("e.json"), NULL), PALP_OK);
     path_in(scratch_path("e.json"), "in/t.msh");
     ck_assert_int_eq(palp_model_write(&model, "f.json", NULL), PALP_OK);
     path_in("f.json", "../in/t.msh");
-    strcpy(model.mesh.path, "none.msh");
+    strcpy(source.path, "none.msh");
     ck_assert_int_eq(palp_model_mesh(&model, &mesh, &error), PALP_ERR_FILE);
     ck_assert_int_eq(chdir("/"), 0);
 }
@@ -514,5 +601,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, model_is_one_line_when_formatted);
     tcase_add_test(tc, failed_write_leaves_nothing);
     tcase_add_test(tc, lattice_is_made);
+    tcase_add_test(tc, source_may_be_left_out);
+    tcase_add_test(tc, model_is_copied_by_value);
+    tcase_add_test(tc, too_long_a_path_is_an_error);
     tcase_add_test(tc, mesh_file_is_found_from_any_folder);
 }

@@ -28,7 +28,7 @@ static void same_file(const char *path, const char *again) {
     size_t n, m;
     palp_model model;
     palp_error error = {PALP_OK, ""};
-    ck_assert_msg(!palp_model_read(path, &model, &error), "%s", error.text);
+    ck_assert_msg(!palp_model_read(path, &model, NULL, &error), "%s", error.text);
     ck_assert_msg(!palp_model_write(&model, again, &error), "%s", error.text);
     ck_assert_int_eq(palp_file_read(path, &text, &n, NULL), PALP_OK);
     ck_assert_int_eq(palp_file_read(again, &back, &m, NULL), PALP_OK);
@@ -49,7 +49,7 @@ START_TEST(written_again_is_the_same_file) {
         "\"phase_rad\": -1.1}}");
     snprintf(again, sizeof again, "%s", scratch_path("again.json"));
     same_file(path, again);
-    ck_assert_int_eq(palp_model_read(again, &model, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read(again, &model, NULL, NULL), PALP_OK);
     ck_assert_uint_eq(model.n_effects, 5);
     ck_assert_int_eq((int)model.effects[0].id, PALP_EFFECT_FRAME_COMPLIANCE);
     ck_assert_double_eq_tol(model.effects[0].value[0], 1e-5, 1e-20);
@@ -64,7 +64,7 @@ START_TEST(every_effect_comes_back) {
     char first[256], again[256];
     snprintf(first, sizeof first, "%s", scratch_path("first.json"));
     snprintf(again, sizeof again, "%s", scratch_path("again.json"));
-    ck_assert_int_eq(palp_model_read(model_of(""), &model, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read(model_of(""), &model, NULL, NULL), PALP_OK);
     ck_assert_uint_eq(model.n_effects, 0);
     for (int i = 0; i < PALP_EFFECT_COUNT; i++) {
         const palp_effect_info *info = palp_effect_look_up((palp_effect_id)i);
@@ -79,7 +79,7 @@ START_TEST(every_effect_comes_back) {
             }
             ck_assert_int_eq(palp_model_write(&model, first, NULL), PALP_OK);
             same_file(first, again);
-            ck_assert_int_eq(palp_model_read(first, &back, NULL), PALP_OK);
+            ck_assert_int_eq(palp_model_read(first, &back, NULL, NULL), PALP_OK);
             for (size_t k = 0; k < info->n_parameters; k++) {
                 double value = model.effects[0].value[k],
                        tolerance = info->parameter[k].unit == 1 ? 0 : 3e-16;
@@ -123,7 +123,7 @@ START_TEST(bad_effects_are_told_with_their_line) {
     palp_error error;
     char wanted[512];
     const char *path = model_of(bad[_i].effects);
-    ck_assert_int_eq(palp_model_read(path, &model, &error), bad[_i].status);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), bad[_i].status);
     snprintf(wanted, sizeof wanted, "%s:%d: %s", path, bad[_i].line, bad[_i].text);
     ck_assert_str_eq(error.text, wanted);
 }
@@ -138,7 +138,7 @@ START_TEST(sedef_takes_none) {
     memmove(at + 11, at + 9, strlen(at + 9) + 1);
     memcpy(at, "\"sedef2008\"", 11);
     const char *path = scratch_write("sedef.json", text, strlen(text));
-    ck_assert_int_eq(palp_model_read(path, &model, &error), PALP_ERR_UNSUPPORTED);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(error.text, "sedef.json:9: effects do not go with formulation sedef2008"));
 }
 END_TEST
@@ -146,7 +146,7 @@ END_TEST
 START_TEST(what_could_not_be_read_is_not_written) {
     palp_model model;
     palp_error error;
-    ck_assert_int_eq(palp_model_read(model_of(""), &model, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read(model_of(""), &model, NULL, NULL), PALP_OK);
     model.n_effects = 1;
     model.effects[0] = (palp_effect){PALP_EFFECT_SENSOR_LAG, {-1}};
     ck_assert_int_eq(palp_model_write(&model, scratch_path("out.json"), &error), PALP_ERR_ARGUMENT);
@@ -162,7 +162,7 @@ START_TEST(format_has_them_on_its_line) {
     char *json;
     const char *path = model_of("{\"id\": \"sensor_lag\", \"parameters\": {\"time_s\": 0.5}}, "
                                 "{\"id\": \"toe_region\", \"parameters\": {\"length_mm\": 0.2}}");
-    ck_assert_int_eq(palp_model_read(path, &model, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, NULL), PALP_OK);
     ck_assert_int_eq(palp_model_format(&model, &json), PALP_OK);
     ck_assert_ptr_nonnull(strstr(json,
                                  "\"effects\": [{\"id\": \"sensor_lag\", \"parameters\": {\"time_s\": 0.5}}, "

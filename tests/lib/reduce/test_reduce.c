@@ -469,14 +469,6 @@ END_TEST
 
 /* ---- files ---- */
 
-static palp_model model_of(size_t n, const palp_material *m) {
-    return (palp_model){.kind = PALP_MODEL_NETWORK,
-                        .height_m = HEIGHT,
-                        .material = *m,
-                        .mesh = {.kind = PALP_MESH_LATTICE, .nodes = {n, n, n}, .size_m = {HEIGHT, HEIGHT, HEIGHT},
-                                 .neighbourhood = PALP_NEIGHBOURS_26}};
-}
-
 static void spoil(const char *path, long at, int by) {
     FILE *file = fopen(path, "r+b");
     ck_assert_ptr_nonnull(file);
@@ -490,7 +482,7 @@ static void spoil(const char *path, long at, int by) {
 static void check_refused(const char *text) {
     palp_reduced *none = NULL;
     palp_error error = {PALP_OK, ""};
-    ck_assert_int_eq(palp_reduced_read(scratch_path("r.json"), NULL, &none, &error), PALP_ERR_INPUT);
+    ck_assert_int_eq(palp_reduced_read(scratch_path("r.json"), NULL, NULL, &none, &error), PALP_ERR_INPUT);
     ck_assert_ptr_null(none);
     ck_assert_msg(strstr(error.text, text) != NULL, "\"%s\" lacks \"%s\"", error.text, text);
     ck_assert_msg(strstr(error.text, "r.json:") != NULL, "%s", error.text);
@@ -499,14 +491,18 @@ static void check_refused(const char *text) {
 START_TEST(files) {
     palp_network *net;
     palp_material m = quartic(2);
-    palp_model model = model_of(5, &m), back;
+    const palp_mesh_source mesh = {.nodes = {5, 5, 5}, .size_m = {HEIGHT, HEIGHT, HEIGHT},
+                                   .neighbourhood = PALP_NEIGHBOURS_26};
+    palp_mesh_source mesh_back;
+    palp_model model = {.kind = PALP_MODEL_NETWORK, .height_m = HEIGHT, .material = m, .mesh = &mesh}, back;
     palp_reduced *reduced = under_a_ball(&net), *copy = NULL;
     palp_error error = {PALP_OK, ""};
     scratch_setup();
     ck_assert_int_eq(palp_reduced_write(reduced, &model, scratch_path("r.json"), &error), PALP_OK);
     ck_assert_int_eq(scratch_entries(scratch_folder, 0), 2);
-    ck_assert_msg(!palp_reduced_read(scratch_path("r.json"), &back, &copy, &error), "%s", error.text);
-    ck_assert_uint_eq(back.mesh.nodes[1], 5);
+    ck_assert_msg(!palp_reduced_read(scratch_path("r.json"), &back, &mesh_back, &copy, &error), "%s", error.text);
+    ck_assert_ptr_eq(back.mesh, &mesh_back);
+    ck_assert_mem_eq(mesh_back.nodes, mesh.nodes, sizeof mesh.nodes);
     palp_reduced_summary a = palp_reduced_describe(reduced), b = palp_reduced_describe(copy);
     ck_assert_double_eq(a.bound, b.bound);
     ck_assert_uint_eq(a.elements, b.elements);
@@ -534,7 +530,7 @@ START_TEST(files) {
     ck_assert_int_eq(truncate(scratch_path("r.bin"), 4), 0);
     check_refused("are not the arrays");
     ck_assert_int_eq(remove(scratch_path("r.bin")), 0);
-    ck_assert_int_eq(palp_reduced_read(scratch_path("r.json"), NULL, &copy, &error), PALP_ERR_FILE);
+    ck_assert_int_eq(palp_reduced_read(scratch_path("r.json"), NULL, NULL, &copy, &error), PALP_ERR_FILE);
     scratch_teardown();
     palp_reduced_free(reduced);
     palp_network_free(net);

@@ -10,12 +10,7 @@ static samples s;
 static palp_model network_model(size_t n_arms, size_t nodes, palp_neighbourhood neighbourhood) {
     palp_model m = lumped_model(n_arms);
     m.kind = PALP_MODEL_NETWORK;
-    m.mesh.kind = PALP_MESH_LATTICE;
-    m.mesh.neighbourhood = neighbourhood;
-    for (size_t k = 0; k < 3; k++) {
-        m.mesh.nodes[k] = nodes;
-        m.mesh.size_m[k] = HEIGHT;
-    }
+    m.mesh = lattice_source(nodes, neighbourhood);
     return m;
 }
 
@@ -198,7 +193,9 @@ START_TEST(what_cannot_be_run_is_told) {
     ck_assert_int_eq(palp_forward_network(&m, NULL, &run, s.force_N, &error), PALP_ERR_LIMIT);
     ck_assert_ptr_nonnull(strstr(error.text, "poroelastic: the network's arms leave no room"));
     m.n_effects = m.material.n_arms = 0;
-    m.mesh.nodes[0] = 1;
+    palp_mesh_source flat = *m.mesh;
+    flat.nodes[0] = 1;
+    m.mesh = &flat;
     ck_assert_int_ne(palp_forward_network(&m, NULL, &run, s.force_N, &error), PALP_OK);
 }
 END_TEST

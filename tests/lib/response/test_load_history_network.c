@@ -164,7 +164,9 @@ START_TEST(another_mesh_is_told) {
     palp_forward_run run = run_of(&first);
     run.history = &wear;
     ck_assert_int_eq(palp_forward_network(&m, NULL, &run, first.force_N, NULL), PALP_OK);
-    m.mesh.nodes[0] = 4;
+    palp_mesh_source wider = *m.mesh;
+    wider.nodes[0] = 4;
+    m.mesh = &wider;
     ck_assert_int_eq(palp_forward_network(&m, NULL, &run, first.force_N, &error), PALP_ERR_ARGUMENT);
     palp_load_history_free(&wear);
 }

@@ -53,12 +53,7 @@ static double step(palp_specimen *specimen, double depth_m, double dt_s) {
 static palp_model network_model(size_t nodes) {
     palp_model m = lumped_model(2);
     m.kind = PALP_MODEL_NETWORK;
-    m.mesh.kind = PALP_MESH_LATTICE;
-    m.mesh.neighbourhood = PALP_NEIGHBOURS_26;
-    for (size_t k = 0; k < 3; k++) {
-        m.mesh.nodes[k] = nodes;
-        m.mesh.size_m[k] = HEIGHT;
-    }
+    m.mesh = lattice_source(nodes, PALP_NEIGHBOURS_26);
     return m;
 }
 

@@ -340,10 +340,10 @@ END_TEST
 
 /* ---- models -------------------------------------------------------------------------------------- */
 
-static palp_model read_model(const char *path) {
+static palp_model read_model(const char *path, palp_mesh_source *mesh) {
     palp_error error = {PALP_OK, ""};
     palp_model model;
-    palp_status status = palp_model_read(path, &model, &error);
+    palp_status status = palp_model_read(path, &model, mesh, &error);
     ck_assert_msg(status == PALP_OK, "%s", error.text);
     ck_assert_double_eq_tol(model.height_m, 0.024, 1e-17);
     ck_assert_double_eq_tol(model.radius_m, 0.012, 1e-17);
@@ -355,7 +355,7 @@ static palp_model read_model(const char *path) {
 
 static void check_lumped(const char *path, const char *number, size_t n_arms) {
     table fits, arms;
-    palp_model model = read_model(path);
+    palp_model model = read_model(path, NULL);
     read_table("4.1", 4, &fits);
     read_table(number, 1, &arms);
     ck_assert_int_eq(model.kind, PALP_MODEL_LUMPED);
@@ -380,16 +380,17 @@ START_TEST(network_models_are_equation_5_21_on_a_lattice) {
         const char *path;
         size_t nodes;
     } models[] = {{DATA "network_27.json", 3}, {DATA "network_125.json", 5}};
-    palp_model model = read_model(models[_i].path);
+    palp_mesh_source mesh;
+    palp_model model = read_model(models[_i].path, &mesh);
     ck_assert_int_eq(model.kind, PALP_MODEL_NETWORK);
-    ck_assert_int_eq(model.mesh.kind, PALP_MESH_LATTICE);
-    ck_assert_int_eq(model.mesh.neighbourhood, PALP_NEIGHBOURS_26);
+    ck_assert_int_eq(mesh.kind, PALP_MESH_LATTICE);
+    ck_assert_int_eq(mesh.neighbourhood, PALP_NEIGHBOURS_26);
     ck_assert_uint_eq(model.material.n_arms, 0);
     for (int i = 0; i < 5; i++)
         ck_assert_double_eq(model.material.law.coefficients[i], law_27[i]);
     for (int axis = 0; axis < 3; axis++) {
-        ck_assert_uint_eq(model.mesh.nodes[axis], models[_i].nodes);
-        ck_assert_double_eq_tol(model.mesh.size_m[axis], 0.024, 1e-17);
+        ck_assert_uint_eq(mesh.nodes[axis], models[_i].nodes);
+        ck_assert_double_eq_tol(mesh.size_m[axis], 0.024, 1e-17);
     }
 }
 END_TEST
