@@ -3,6 +3,7 @@
 #ifndef CONTACT_INTERNAL_H
 #define CONTACT_INTERNAL_H
 
+#include "base/arena.h"
 #include "network/network_internal.h"
 
 #include <palpate/tool.h>
@@ -67,12 +68,10 @@ typedef struct contact_set {
 
 /* ---- contact_set.c ---- */
 
-/* rest and surface at rest; edge: taken where there are no triangles. On failure what there is is freed by
- * contact_set_free. */
-palp_status contact_set_create(contact_set *set, size_t n_nodes, const double *rest, size_t n_surface,
+/* rest and surface at rest; edge: taken where there are no triangles. Its arrays are of the arena. */
+palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest, size_t n_surface,
                                const int32_t *surface, const double *unit, double edge, size_t max_tools,
                                const palp_contact_settings *settings);
-void contact_set_free(contact_set *set);
 void contact_set_reset(contact_set *set);
 
 /* Another surface on the same nodes. */

@@ -1,33 +1,16 @@
 /* contact_set.c: tools on a surface through a step: placed, evaluated, felt, remembered. */
 #include "contact_internal.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const double SLID = 0.1; /* of an edge: a contact point that the solution moved so far is looked for again */
 
 /* ---- making -------------------------------------------------------------------------------------- */
 
-static bool state_create(contact_state *s, size_t max_tools, size_t max_contacts) {
-    s->pose = calloc(max_tools + 1, sizeof *s->pose);
-    s->felt = calloc(max_tools + 1, sizeof *s->felt);
-    s->touch = calloc(max_contacts + 1, sizeof *s->touch);
-    return s->pose && s->felt && s->touch;
-}
-
-static void state_free(contact_state *s) {
-    free(s->pose);
-    free(s->felt);
-    free(s->touch);
-}
-
-void contact_set_free(contact_set *set) {
-    free(set->tool);
-    free(set->pose);
-    free(set->contact);
-    free(set->triangles);
-    state_free(&set->now);
-    state_free(&set->next);
+static void state_create(contact_state *s, arena *memory, size_t max_tools, size_t max_contacts) {
+    s->pose = arena_take(memory, max_tools, sizeof *s->pose);
+    s->felt = arena_take(memory, max_tools, sizeof *s->felt);
+    s->touch = arena_take(memory, max_contacts, sizeof *s->touch);
 }
 
 static double mean_edge(const double *rest, size_t n_surface, const int32_t *surface) {
@@ -41,7 +24,7 @@ static double mean_edge(const double *rest, size_t n_surface, const int32_t *sur
     return length / (3.0 * (double)n_surface);
 }
 
-palp_status contact_set_create(contact_set *set, size_t n_nodes, const double *rest, size_t n_surface,
+palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest, size_t n_surface,
                                const int32_t *surface, const double *unit, double edge, size_t max_tools,
                                const palp_contact_settings *settings) {
     size_t all = max_tools * (n_surface > n_nodes ? n_surface : n_nodes), most = settings->max_contacts;
@@ -51,13 +34,13 @@ palp_status contact_set_create(contact_set *set, size_t n_nodes, const double *r
     set->max_contacts = most > 0 && most < all ? most : all;
     set->unit = unit;
     set->edge = n_surface > 0 ? mean_edge(rest, n_surface, surface) : edge;
-    set->tool = calloc(max_tools + 1, sizeof *set->tool);
-    set->pose = calloc(max_tools + 1, sizeof *set->pose);
-    set->contact = calloc(set->max_contacts + 1, sizeof *set->contact);
-    set->triangles = calloc(n_nodes + 1, sizeof *set->triangles);
-    bool ok = state_create(&set->now, max_tools, set->max_contacts);
-    ok = state_create(&set->next, max_tools, set->max_contacts) && ok;
-    if (!ok || !set->tool || !set->pose || !set->contact || !set->triangles)
+    set->tool = arena_take(memory, max_tools, sizeof *set->tool);
+    set->pose = arena_take(memory, max_tools, sizeof *set->pose);
+    set->contact = arena_take(memory, set->max_contacts, sizeof *set->contact);
+    set->triangles = arena_take(memory, n_nodes, sizeof *set->triangles);
+    state_create(&set->now, memory, max_tools, set->max_contacts);
+    state_create(&set->next, memory, max_tools, set->max_contacts);
+    if (memory->failed)
         return PALP_ERR_NO_MEMORY;
     contact_set_surface(set, n_surface, surface);
     return PALP_OK;

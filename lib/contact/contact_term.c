@@ -8,6 +8,7 @@ static const double LEAP = 0.1; /* of an edge: a tool that goes further in a ste
 
 typedef struct contact_term {
     network_term term;
+    arena memory; /* of its arrays and the set's */
     contact_set set;
     size_t surface_changes; /* of the network's surface that the set has */
     double *weight;         /* [n_nodes] scratch */
@@ -23,8 +24,7 @@ static const contact_set *const_set_of(const network_term *term) {
 
 static void term_free(network_term *term) {
     contact_term *t = (contact_term *)term;
-    contact_set_free(&t->set);
-    free(t->weight);
+    arena_free(&t->memory);
     free(t);
 }
 
@@ -210,12 +210,10 @@ network_term *contact_term_new(const palp_network *net, size_t max_tools, const 
         return NULL;
     t->term.kind = &CONTACT;
     t->surface_changes = net->surface_changes;
-    t->weight = calloc(net->n_nodes + 1, sizeof *t->weight);
-    palp_status status = contact_set_create(&t->set, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit,
-                                            net->extent, max_tools, settings);
-    if (!t->weight || status) {
-        term_free(&t->term);
-        return NULL;
-    }
-    return &t->term;
+    t->weight = arena_take(&t->memory, net->n_nodes, sizeof *t->weight);
+    if (!contact_set_create(&t->set, &t->memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit,
+                            net->extent, max_tools, settings))
+        return &t->term;
+    term_free(&t->term);
+    return NULL;
 }

@@ -12,6 +12,7 @@ typedef struct grasped {
 
 typedef struct grasp {
     network_term term;
+    arena memory;
     double stiffness;  /* of a spring, in units of its node's own */
     size_t max, n;
     grasped *now, *next; /* [n of max] */
@@ -20,9 +21,7 @@ typedef struct grasp {
 
 static void grasp_free(network_term *term) {
     grasp *t = (grasp *)term;
-    free(t->now);
-    free(t->next);
-    free(t->target);
+    arena_free(&t->memory);
     free(t);
 }
 
@@ -170,10 +169,10 @@ network_term *grasp_new(size_t max_grasped, double stiffness) {
     t->term.kind = &GRASP;
     t->stiffness = stiffness;
     t->max = max_grasped;
-    t->now = calloc(max_grasped + 1, sizeof *t->now);
-    t->next = calloc(max_grasped + 1, sizeof *t->next);
-    t->target = calloc(3 * max_grasped + 1, sizeof *t->target);
-    if (t->now && t->next && t->target)
+    t->now = arena_take(&t->memory, max_grasped, sizeof *t->now);
+    t->next = arena_take(&t->memory, max_grasped, sizeof *t->next);
+    t->target = arena_take(&t->memory, 3 * max_grasped, sizeof *t->target);
+    if (!t->memory.failed)
         return &t->term;
     grasp_free(&t->term);
     return NULL;

@@ -12,16 +12,7 @@ static const double SMALL_STRAIN = 0.1; /* where the stiffness is taken: a law m
 
 static void cut_free(network_term *term) {
     network_cut *cut = (network_cut *)term;
-    free(cut->alive);
-    free(cut->fixed);
-    free(cut->loose);
-    free(cut->cut);
-    free(cut->root);
-    free(cut->side);
-    free(cut->whole);
-    free(cut->stiffness);
-    free(cut->diagonal);
-    cut_surface_free(&cut->surface);
+    arena_free(&cut->memory);
     free(cut);
 }
 
@@ -157,18 +148,17 @@ network_cut *cut_of(const palp_network *net) {
 
 static palp_status allocate(const palp_network *net, network_cut *cut) {
     size_t n = net->n_nodes, m = net->n_elements;
-    cut->alive = malloc(m);
-    cut->cut = malloc(m * sizeof *cut->cut);
-    cut->whole = malloc(m * sizeof *cut->whole);
-    cut->fixed = malloc(n);
-    cut->loose = malloc(n);
-    cut->root = malloc(n * sizeof *cut->root);
-    cut->side = malloc(n);
-    cut->stiffness = malloc(n * sizeof *cut->stiffness);
-    cut->diagonal = malloc(n * sizeof *cut->diagonal);
-    bool ok = cut->alive && cut->cut && cut->whole && cut->fixed && cut->loose && cut->root && cut->side &&
-              cut->stiffness && cut->diagonal;
-    return ok ? cut_surface_create(net, &cut->surface) : PALP_ERR_NO_MEMORY;
+    arena *memory = &cut->memory;
+    cut->alive = arena_take(memory, m, sizeof *cut->alive);
+    cut->cut = arena_take(memory, m, sizeof *cut->cut);
+    cut->whole = arena_take(memory, m, sizeof *cut->whole);
+    cut->fixed = arena_take(memory, n, sizeof *cut->fixed);
+    cut->loose = arena_take(memory, n, sizeof *cut->loose);
+    cut->root = arena_take(memory, n, sizeof *cut->root);
+    cut->side = arena_take(memory, n, sizeof *cut->side);
+    cut->stiffness = arena_take(memory, n, sizeof *cut->stiffness);
+    cut->diagonal = arena_take(memory, n, sizeof *cut->diagonal);
+    return cut_surface_create(net, memory, &cut->surface);
 }
 
 static network_cut *cut_new(const palp_network *net) {

@@ -6,6 +6,7 @@
 #ifndef CUT_INTERNAL_H
 #define CUT_INTERNAL_H
 
+#include "base/arena.h"
 #include "network/network_internal.h"
 
 #include <palpate/cut.h>
@@ -21,8 +22,8 @@ typedef struct cut_surface {
     int32_t *triangles;        /* [3 n_triangles], room for 12 n_tetrahedra */
 } cut_surface;
 
-palp_status cut_surface_create(const palp_network *net, cut_surface *surface);
-void cut_surface_free(cut_surface *surface);
+/* Its arrays are of the arena. */
+palp_status cut_surface_create(const palp_network *net, arena *memory, cut_surface *surface);
 void cut_surface_whole(cut_surface *surface);
 
 /* The surface once these elements are cut too. */
@@ -31,6 +32,7 @@ void cut_surface_update(cut_surface *surface, size_t n, const int32_t *elements)
 /* The cuts of a network. */
 typedef struct network_cut {
     network_term term;
+    arena memory;
     unsigned char *alive;      /* [n_elements] */
     unsigned char *fixed;      /* [n_nodes] has a support or is grasped */
     unsigned char *loose;      /* [n_nodes] */

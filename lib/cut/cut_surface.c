@@ -2,7 +2,6 @@
 #include "cut_internal.h"
 #include "mesh/mesh_internal.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Visits the elements along the edges: counts the tetrahedra around each, or (fill) lists them. */
@@ -18,29 +17,21 @@ static void visit_edges(const palp_network *net, cut_surface *s, bool fill) {
     }
 }
 
-palp_status cut_surface_create(const palp_network *net, cut_surface *s) {
+palp_status cut_surface_create(const palp_network *net, arena *memory, cut_surface *s) {
     size_t n = s->n_tetrahedra = palp_mesh_tetrahedron_count(net->mesh);
     s->tetrahedra = palp_mesh_tetrahedra(net->mesh);
-    s->broken = malloc(n + 1);
-    s->first = calloc(net->n_elements + 1, sizeof *s->first);
-    s->around = malloc((6 * n + 1) * sizeof *s->around);
-    s->neighbour = malloc((4 * n + 1) * sizeof *s->neighbour);
-    s->triangles = malloc((12 * n + 1) * sizeof *s->triangles);
-    if (!s->broken || !s->first || !s->around || !s->neighbour || !s->triangles)
+    s->broken = arena_take(memory, n, sizeof *s->broken);
+    s->first = arena_take(memory, net->n_elements + 1, sizeof *s->first);
+    s->around = arena_take(memory, 6 * n, sizeof *s->around);
+    s->neighbour = arena_take(memory, 4 * n, sizeof *s->neighbour);
+    s->triangles = arena_take(memory, 12 * n, sizeof *s->triangles);
+    if (memory->failed)
         return PALP_ERR_NO_MEMORY;
     visit_edges(net, s, false);
     for (size_t i = 0; i < net->n_elements; i++) /* each ends where the next starts; listing walks back */
         s->first[i + 1] += s->first[i];
     visit_edges(net, s, true);
     return mesh_neighbours(net->mesh, s->neighbour);
-}
-
-void cut_surface_free(cut_surface *s) {
-    free(s->broken);
-    free(s->first);
-    free(s->around);
-    free(s->neighbour);
-    free(s->triangles);
 }
 
 void cut_surface_whole(cut_surface *s) {

@@ -1,4 +1,5 @@
 /* fit_select.c: how many arms, or which degree, by error on blocks that were held out. */
+#include "base/arena.h"
 #include "base/file.h"
 #include "fit_internal.h"
 
@@ -11,6 +12,7 @@ enum { FOLDS = 5, GROUPS = 40 };
 /* Blocks in groups (of one recording, neighbours in log time), groups in folds. With three recordings and
  * one law for all, a fold is a recording. */
 typedef struct folds {
+    arena memory;
     size_t n_folds, n_groups;
     size_t *group;           /* [n_blocks] */
     size_t *fold;            /* [n_groups] */
@@ -22,11 +24,11 @@ static palp_status make_folds(folds *f, const fit_problem *p, size_t candidates)
     bool by_run = p->settings->spring == PALP_SPRING_LAW && p->n_runs >= 3;
     f->n_groups = p->n_runs * GROUPS;
     f->n_folds = by_run ? p->n_runs : FOLDS;
-    f->group = calloc(p->n_blocks, sizeof *f->group);
-    f->fold = calloc(f->n_groups, sizeof *f->fold);
-    f->held_out = calloc(p->n_blocks, 1);
-    f->loss = calloc(candidates * f->n_groups, sizeof *f->loss);
-    if (!f->group || !f->fold || !f->held_out || !f->loss)
+    f->group = arena_take(&f->memory, p->n_blocks, sizeof *f->group);
+    f->fold = arena_take(&f->memory, f->n_groups, sizeof *f->fold);
+    f->held_out = arena_take(&f->memory, p->n_blocks, sizeof *f->held_out);
+    f->loss = arena_take(&f->memory, candidates * f->n_groups, sizeof *f->loss);
+    if (f->memory.failed)
         return PALP_ERR_NO_MEMORY;
     for (size_t r = 0, i = 0; r < p->n_runs; r++) {
         size_t used = 0, at = 0;
@@ -40,13 +42,6 @@ static palp_status make_folds(folds *f, const fit_problem *p, size_t candidates)
         }
     }
     return PALP_OK;
-}
-
-static void free_folds(folds *f) {
-    free(f->group);
-    free(f->fold);
-    free(f->held_out);
-    free(f->loss);
 }
 
 /* Adds the squared residuals of the fold that was held out to the losses of its groups. */
@@ -137,7 +132,7 @@ size_t fit_choose(size_t candidates, size_t groups, const double *loss, double *
 static palp_status select_best(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                bool arms, size_t candidates, double *score, double *sd, size_t *chosen,
                                palp_error *error) {
-    folds f = {0};
+    folds f = {.loss = NULL};
     palp_status status = PALP_OK;
     for (size_t c = 0; c < candidates && !status; c++) {
         palp_characterize_settings trial = *settings;
@@ -159,7 +154,7 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
     }
     if (!status)
         *chosen = fit_choose(candidates, f.n_groups, f.loss, score, sd);
-    free_folds(&f);
+    arena_free(&f.memory);
     return status;
 }
 

@@ -24,10 +24,7 @@ void palp_realtime_free(palp_realtime *rt) {
         return;
     refresh_thread_free(rt->thread);
     multigrid_free(rt->mg);
-    double *arrays[] = {rt->r, rt->z, rt->p, rt->q, rt->move, rt->adjoint, rt->weight};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        free(arrays[i]);
-    free(rt->touching);
+    arena_free(&rt->memory);
     free(rt);
 }
 
@@ -36,13 +33,10 @@ void palp_realtime_free(palp_realtime *rt) {
 static palp_status allocate(palp_realtime *rt) {
     const palp_network *net = rt->net;
     double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint, &rt->weight};
-    bool ok = true;
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
-        *arrays[i] = calloc(3 * net->n_nodes + 1, sizeof **arrays[i]);
-        ok = ok && *arrays[i];
-    }
-    rt->touching = calloc(MULTIGRID_COUPLINGS, sizeof *rt->touching);
-    if (!ok || !rt->touching)
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        *arrays[i] = arena_take(&rt->memory, 3 * net->n_nodes, sizeof **arrays[i]);
+    rt->touching = arena_take(&rt->memory, MULTIGRID_COUPLINGS, sizeof *rt->touching);
+    if (rt->memory.failed)
         return PALP_ERR_NO_MEMORY;
     palp_status status =
         multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair, DIRECT, &rt->mg);

@@ -2,6 +2,7 @@
 #ifndef REALTIME_INTERNAL_H
 #define REALTIME_INTERNAL_H
 
+#include "base/arena.h"
 #include "network/network_internal.h"
 #include "solve/multigrid.h"
 
@@ -17,6 +18,7 @@ typedef struct realtime_times {
 } realtime_times;
 
 struct palp_realtime {
+    arena memory;
     palp_network *net;     /* the caller's */
     palp_realtime_settings settings;
     multigrid *mg;

@@ -17,75 +17,56 @@ palp_reduce_settings palp_reduce_settings_default(void) {
         .modes = 80, .tolerance = 1e-3, .elements = 1200, .element_tolerance = 3e-3, .static_modes = 0};
 }
 
-static void state_free(reduced_state *s) {
-    free(s->q);
-    free(s->history.strain);
-    free(s->history.elastic);
-    free(s->history.arm);
-}
-
 void palp_reduced_free(palp_reduced *r) {
     if (!r)
         return;
-    reduced_contact_free(r->surface);
-    state_free(&r->now);
-    state_free(&r->next);
-    double *arrays[] = {r->rest, r->lift, r->basis, r->weight, r->low, r->high, r->unit, r->gap_rest, r->gap_lift,
-                        r->gap, r->inverse_rest, r->reach, r->strain, r->force, r->tangent, r->inverse_length,
-                        r->direction, r->vector, r->rhs, r->dq, r->start, r->stiffness, r->factor, r->scaled, r->work,
-                        r->coming, r->past};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        free(arrays[i]);
-    free(r->fixed);
-    free(r->triangles);
-    free(r->pair);
-    free(r->pivot);
+    arena_free(&r->memory);
+    free(r->surface);
     free(r);
 }
 
-static double *doubles(size_t n, bool *ok) {
-    double *p = calloc(n + 1, sizeof *p);
-    *ok = *ok && p;
-    return p;
+static double *doubles(palp_reduced *r, size_t n) {
+    return arena_take(&r->memory, n, sizeof(double));
 }
 
-static void state_allocate(const palp_reduced *r, reduced_state *s, bool *ok) {
-    s->q = doubles(r->modes, ok);
-    s->history.strain = doubles(r->n_elements, ok);
-    s->history.elastic = doubles(r->n_elements, ok);
-    s->history.arm = doubles(r->n_elements * r->material.n_arms, ok);
+static void state_allocate(palp_reduced *r, reduced_state *s) {
+    s->q = doubles(r, r->modes);
+    s->history.strain = doubles(r, r->n_elements);
+    s->history.elastic = doubles(r, r->n_elements);
+    s->history.arm = doubles(r, r->n_elements * r->material.n_arms);
 }
 
 palp_status reduced_allocate(palp_reduced *r) {
     size_t n3 = 3 * r->n_nodes, m = r->n_elements, k = r->modes;
-    bool ok = true;
-    double **arrays[] = {&r->rest, &r->lift, &r->unit, &r->weight, &r->inverse_rest, &r->reach, &r->strain,
-                         &r->force, &r->tangent, &r->inverse_length};
-    size_t sizes[] = {n3, n3, r->n_nodes, m, m, m, m, m, m, m};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        *arrays[i] = doubles(sizes[i], &ok);
-    double **by_element[] = {&r->gap_rest, &r->gap_lift, &r->direction, &r->vector};
+    r->rest = doubles(r, n3);
+    r->lift = doubles(r, n3);
+    double **by_element[] = {&r->weight, &r->inverse_rest, &r->reach, &r->strain, &r->force, &r->tangent,
+                             &r->inverse_length};
     for (size_t i = 0; i < sizeof by_element / sizeof *by_element; i++)
-        *by_element[i] = doubles(3 * m, &ok);
+        *by_element[i] = doubles(r, m);
+    double **vectors[] = {&r->gap_rest, &r->gap_lift, &r->direction, &r->vector};
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        *vectors[i] = doubles(r, 3 * m);
     double **by_mode[] = {&r->rhs, &r->dq, &r->start, &r->past};
     for (size_t i = 0; i < sizeof by_mode / sizeof *by_mode; i++)
-        *by_mode[i] = doubles(k, &ok);
+        *by_mode[i] = doubles(r, k);
     double **squares[] = {&r->stiffness, &r->factor, &r->coming};
     for (size_t i = 0; i < sizeof squares / sizeof *squares; i++)
-        *squares[i] = doubles(k * k, &ok);
-    r->basis = doubles(n3 * k, &ok);
-    r->low = doubles(k + 1, &ok);
-    r->high = doubles(k + 1, &ok);
-    r->gap = doubles(k * 3 * m, &ok);
-    r->scaled = doubles(k * 3 * REDUCED_BLOCK, &ok);
-    r->work = doubles(DENSE_WORK * k, &ok);
-    r->fixed = calloc(n3 + 1, 1);
-    r->triangles = calloc(3 * r->n_triangles + 1, sizeof *r->triangles);
-    r->pair = calloc(2 * m + 1, sizeof *r->pair);
-    r->pivot = calloc(k + 1, sizeof *r->pivot);
-    state_allocate(r, &r->now, &ok);
-    state_allocate(r, &r->next, &ok);
-    return ok && r->fixed && r->triangles && r->pair && r->pivot ? PALP_OK : PALP_ERR_NO_MEMORY;
+        *squares[i] = doubles(r, k * k);
+    r->unit = doubles(r, r->n_nodes);
+    r->basis = doubles(r, n3 * k);
+    r->low = doubles(r, k + 1);
+    r->high = doubles(r, k + 1);
+    r->gap = doubles(r, k * 3 * m);
+    r->scaled = doubles(r, k * 3 * REDUCED_BLOCK);
+    r->work = doubles(r, DENSE_WORK * k);
+    r->fixed = arena_take(&r->memory, n3, sizeof *r->fixed);
+    r->triangles = arena_take(&r->memory, 3 * r->n_triangles, sizeof *r->triangles);
+    r->pair = arena_take(&r->memory, 2 * m, sizeof *r->pair);
+    r->pivot = arena_take(&r->memory, k, sizeof *r->pivot);
+    state_allocate(r, &r->now);
+    state_allocate(r, &r->next);
+    return r->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
 palp_status reduced_prepare(palp_reduced *r) {

@@ -35,48 +35,31 @@ static void find_speed(const palp_reduced *r, reduced_contact *surface) {
     }
 }
 
-void reduced_contact_free(reduced_contact *surface) {
-    if (!surface)
-        return;
-    contact_set_free(&surface->contacts);
-    free(surface->x);
-    free(surface->next_x);
-    free(surface->rest);
-    free(surface->force);
-    free(surface->unit);
-    free(surface->node);
-    free(surface->triangle);
-    free(surface->near);
-    free(surface->row);
-    free(surface);
-}
-
-static palp_status surface_allocate(const palp_reduced *r, reduced_contact **out) {
-    reduced_contact *surface = *out = calloc(1, sizeof *surface);
+static palp_status surface_allocate(palp_reduced *r) {
+    reduced_contact *surface = r->surface = calloc(1, sizeof *surface);
+    arena *memory = &r->memory;
     if (!surface)
         return PALP_ERR_NO_MEMORY;
-    surface->x = calloc(3 * r->n_nodes + 1, sizeof *surface->x);
-    surface->next_x = calloc(3 * r->n_nodes + 1, sizeof *surface->next_x);
-    surface->rest = calloc(3 * r->n_nodes + 1, sizeof *surface->rest);
-    surface->unit = calloc(r->n_nodes + 1, sizeof *surface->unit);
-    surface->force = calloc(3 * r->n_nodes + 1, sizeof *surface->force);
-    surface->node = calloc(r->n_nodes + 1, sizeof *surface->node);
-    surface->near = calloc(r->n_nodes + 1, sizeof *surface->near);
-    surface->triangle = calloc(3 * r->n_triangles + 1, sizeof *surface->triangle);
-    surface->row = calloc(3 * REDUCED_BLOCK * r->modes + 1, sizeof *surface->row);
-    bool places = surface->x && surface->next_x && surface->rest && surface->unit && surface->force;
-    bool all = places && surface->node && surface->near && surface->triangle && surface->row;
-    return all ? PALP_OK : PALP_ERR_NO_MEMORY;
+    surface->x = arena_take(memory, 3 * r->n_nodes, sizeof *surface->x);
+    surface->next_x = arena_take(memory, 3 * r->n_nodes, sizeof *surface->next_x);
+    surface->rest = arena_take(memory, 3 * r->n_nodes, sizeof *surface->rest);
+    surface->unit = arena_take(memory, r->n_nodes, sizeof *surface->unit);
+    surface->force = arena_take(memory, 3 * r->n_nodes, sizeof *surface->force);
+    surface->node = arena_take(memory, r->n_nodes, sizeof *surface->node);
+    surface->near = arena_take(memory, r->n_nodes, sizeof *surface->near);
+    surface->triangle = arena_take(memory, 3 * r->n_triangles, sizeof *surface->triangle);
+    surface->row = arena_take(memory, 3 * REDUCED_BLOCK * r->modes, sizeof *surface->row);
+    return memory->failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-static palp_status enable(const palp_reduced *r, reduced_contact *surface) {
+static palp_status enable(palp_reduced *r, reduced_contact *surface) {
     for (size_t i = 0; i < 3 * surface->n; i++)
         surface->rest[i] = r->rest[3 * (size_t)surface->node[i / 3] + i % 3];
     for (size_t i = 0; i < surface->n; i++)
         surface->unit[i] = r->unit[surface->node[i]];
     contact_set *contacts = &surface->contacts;
-    palp_status status = contact_set_create(contacts, surface->n, surface->rest, r->n_triangles, surface->triangle,
-                                            surface->unit, 0.0, r->max_tools, &r->contact_settings);
+    palp_status status = contact_set_create(contacts, &r->memory, surface->n, surface->rest, r->n_triangles,
+                                            surface->triangle, surface->unit, 0.0, r->max_tools, &r->contact_settings);
     palp_law_stiffness(&r->material.law, 0.0, &contacts->modulus, NULL);
     for (size_t j = 0; j < r->material.n_arms; j++)
         contacts->modulus += r->material.arms[j].stiffness_N;
@@ -85,7 +68,7 @@ static palp_status enable(const palp_reduced *r, reduced_contact *surface) {
 
 palp_status reduced_contact_make(palp_reduced *r) {
     int32_t *number = malloc((r->n_nodes + 1) * sizeof *number);
-    palp_status status = number ? surface_allocate(r, &r->surface) : PALP_ERR_NO_MEMORY;
+    palp_status status = number ? surface_allocate(r) : PALP_ERR_NO_MEMORY;
     if (!status) {
         reduced_contact *surface = r->surface;
         number_nodes(r, surface, number);

@@ -18,6 +18,7 @@ enum {
 };
 
 typedef struct sampling {
+    arena memory;
     palp_network *net;
     size_t modes, n_candidates, rows, row;
     const double *basis, *lift;
@@ -25,6 +26,7 @@ typedef struct sampling {
     double *a;           /* [rows n_candidates] by columns */
     double *b;           /* [rows] */
     double *spread;      /* [modes] root mean square of the samples' coordinates */
+    double *solution;    /* [n_candidates] weights */
     double *x, *fields;  /* [3 n_nodes], [3 n_nodes 3 DIRECTIONS] */
     double *drive;       /* [3 n_nodes] the lift, scaled to unit energy at rest as the basis is */
     double *mix;         /* [modes 3 DIRECTIONS] coordinates of the fields */
@@ -157,32 +159,21 @@ static void scale_drive(sampling *s) {
         s->drive[i] = s->lift[i] / sqrt(energy);
 }
 
-static void sampling_free(sampling *s) {
-    free(s->candidate);
-    free(s->a);
-    free(s->b);
-    free(s->spread);
-    free(s->x);
-    free(s->drive);
-    free(s->fields);
-    free(s->mix);
-    free(s->work);
-}
-
 static palp_status sampling_make(sampling *s, const palp_reduce_settings *settings, const reduced_samples *samples) {
     size_t n = s->net->n_elements, n3 = 3 * s->net->n_nodes, wanted = SPARE * settings->elements / (2 * LINES) + 1;
     s->rows = LINES * (wanted < samples->n ? wanted : samples->n);
     s->n_candidates = n < CANDIDATES_MAX ? n : CANDIDATES_MAX;
-    s->candidate = calloc(s->n_candidates + 1, sizeof *s->candidate);
-    s->a = malloc((s->rows * s->n_candidates + 1) * sizeof *s->a);
-    s->b = calloc(s->rows + 1, sizeof *s->b);
-    s->spread = calloc(s->modes + 1, sizeof *s->spread);
-    s->x = calloc(n3 + 1, sizeof *s->x);
-    s->drive = calloc(n3 + 1, sizeof *s->drive);
-    s->fields = calloc(3 * DIRECTIONS * n3 + 1, sizeof *s->fields);
-    s->mix = calloc(3 * DIRECTIONS * s->modes + 1, sizeof *s->mix);
-    s->work = calloc(n + 1, sizeof *s->work);
-    if (!s->candidate || !s->a || !s->b || !s->spread || !s->x || !s->drive || !s->fields || !s->mix || !s->work)
+    s->candidate = arena_take(&s->memory, s->n_candidates, sizeof *s->candidate);
+    s->a = arena_take(&s->memory, s->rows * s->n_candidates, sizeof *s->a);
+    s->b = arena_take(&s->memory, s->rows, sizeof *s->b);
+    s->spread = arena_take(&s->memory, s->modes, sizeof *s->spread);
+    s->x = arena_take(&s->memory, n3, sizeof *s->x);
+    s->drive = arena_take(&s->memory, n3, sizeof *s->drive);
+    s->fields = arena_take(&s->memory, 3 * DIRECTIONS * n3, sizeof *s->fields);
+    s->mix = arena_take(&s->memory, 3 * DIRECTIONS * s->modes, sizeof *s->mix);
+    s->work = arena_take(&s->memory, n, sizeof *s->work);
+    s->solution = arena_take(&s->memory, s->n_candidates, sizeof *s->solution);
+    if (s->memory.failed)
         return PALP_ERR_NO_MEMORY;
     find_spread(s, samples);
     scale_drive(s);
@@ -191,7 +182,8 @@ static palp_status sampling_make(sampling *s, const palp_reduce_settings *settin
 }
 
 /* The elements of weight above 0. */
-static palp_status keep_weighted(const sampling *s, const double *x, size_t *n, int32_t **element, double **weight) {
+static palp_status keep_weighted(const sampling *s, size_t *n, int32_t **element, double **weight) {
+    const double *x = s->solution;
     size_t count = 0;
     for (size_t j = 0; j < s->n_candidates; j++)
         count += x[j] > 0.0;
@@ -232,17 +224,13 @@ palp_status reduced_ecsw(palp_network *net, size_t n_paths, palp_snapshots *cons
         return keep_all(net->n_elements, element, weight);
     sampling s = {.net = net, .modes = modes, .basis = basis, .lift = lift, .seed = 1};
     palp_status status = sampling_make(&s, settings, samples);
-    double *x = malloc((s.n_candidates + 1) * sizeof *x);
-    if (!x)
-        status = PALP_ERR_NO_MEMORY;
     if (!status)
         status = walk(&s, n_paths, snapshots, samples);
     if (!status)
-        status = nnls_solve(s.row, s.n_candidates, s.a, s.b, settings->element_tolerance, settings->elements, x,
-                            residual);
+        status = nnls_solve(s.row, s.n_candidates, s.a, s.b, settings->element_tolerance, settings->elements,
+                            s.solution, residual);
     if (!status)
-        status = keep_weighted(&s, x, n, element, weight);
-    free(x);
-    sampling_free(&s);
+        status = keep_weighted(&s, n, element, weight);
+    arena_free(&s.memory);
     return status;
 }

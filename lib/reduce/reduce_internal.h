@@ -3,6 +3,7 @@
 #ifndef REDUCE_INTERNAL_H
 #define REDUCE_INTERNAL_H
 
+#include "base/arena.h"
 #include "contact/contact_internal.h"
 
 #include <palpate/reduce.h>
@@ -11,6 +12,7 @@ enum { REDUCED_BLOCK = 64 }; /* elements whose tangents are summed at once */
 
 /* What the full network did on one path. */
 struct palp_snapshots {
+    arena memory;
     size_t n, n_nodes, n_tools;
     double *time, *depth, *force; /* [n] */
     double *x;                    /* [3 n_nodes n] positions, sample by sample */
@@ -41,6 +43,7 @@ typedef struct reduced_contact {
 } reduced_contact;
 
 struct palp_reduced {
+    arena memory;          /* of all arrays, those of the surface too */
     palp_material material;
     palp_reduced_summary summary;
     size_t n_nodes, modes, n_elements, n_triangles;
@@ -104,7 +107,6 @@ void reduced_stiffness(palp_reduced *reduced, size_t from, size_t to, double *k)
  * now to next. evaluate adds to rhs and *drive, stiffness to a tangent. refresh: contacts had to be looked for again,
  * solve once more. commit gives force[n_tools] (or NULL), adds their squares, returns the contacts. */
 palp_status reduced_contact_make(palp_reduced *reduced);
-void reduced_contact_free(reduced_contact *surface); /* NULL is fine */
 void reduced_contact_reset(palp_reduced *reduced);
 palp_status reduced_contact_begin(palp_reduced *reduced, size_t n_tools, const palp_tool *tools);
 void reduced_contact_evaluate(palp_reduced *reduced, double *drive);

@@ -13,12 +13,7 @@ enum { CORRECTIONS = 200 };
 void palp_snapshots_free(palp_snapshots *t) {
     if (!t)
         return;
-    free(t->time);
-    free(t->depth);
-    free(t->force);
-    free(t->x);
-    free(t->tools);
-    free(t->tool_force);
+    arena_free(&t->memory);
     free(t);
 }
 
@@ -29,13 +24,13 @@ static palp_snapshots *snapshots_new(const palp_network *net, const palp_tool_pa
     t->n = path->n;
     t->n_nodes = net->n_nodes;
     t->n_tools = path->n_tools;
-    t->time = calloc(t->n + 1, sizeof *t->time);
-    t->depth = calloc(t->n + 1, sizeof *t->depth);
-    t->force = calloc(t->n + 1, sizeof *t->force);
-    t->x = calloc(3 * t->n_nodes * t->n + 1, sizeof *t->x);
-    t->tools = calloc(t->n * t->n_tools + 1, sizeof *t->tools);
-    t->tool_force = calloc(3 * t->n * t->n_tools + 1, sizeof *t->tool_force);
-    if (t->time && t->depth && t->force && t->x && t->tools && t->tool_force)
+    t->time = arena_take(&t->memory, t->n, sizeof *t->time);
+    t->depth = arena_take(&t->memory, t->n, sizeof *t->depth);
+    t->force = arena_take(&t->memory, t->n, sizeof *t->force);
+    t->x = arena_take(&t->memory, 3 * t->n_nodes * t->n, sizeof *t->x);
+    t->tools = arena_take(&t->memory, t->n * t->n_tools, sizeof *t->tools);
+    t->tool_force = arena_take(&t->memory, 3 * t->n * t->n_tools, sizeof *t->tool_force);
+    if (!t->memory.failed)
         return t;
     palp_snapshots_free(t);
     return NULL;

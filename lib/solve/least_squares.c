@@ -1,21 +1,22 @@
 /* least_squares.c: nonlinear least squares by NLopt. */
 #include "least_squares.h"
+#include "base/arena.h"
 #include "base/dense.h"
 
 #include <math.h>
 #include <nlopt.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* One descent in coordinates y, p = origin + R^-1 y, in which the Hessian of Levenberg and Marquardt is the
  * identity: the quasi-Newton method then starts with their step. */
 typedef struct descent {
+    arena memory;
     const least_squares *problem;
     double *origin, *best, *p; /* [n_parameters] */
     double *r, *best_r;        /* [n_residuals] */
     double *jacobian;          /* [n_residuals n_parameters] */
     double *triangle;          /* [n_parameters n_parameters] R' = L, in rows */
-    double *best_jacobian, *stacked, *tau, *work;
+    double *best_jacobian, *stacked, *tau, *work, *y;
     double best_value, best_excess, damping;
     double nothing;            /* a value that is rounding beside that of the first guess */
     bool overshot;             /* in the round at hand */
@@ -148,10 +149,10 @@ static palp_status whiten(descent *d) {
 }
 
 /* Bounds on p become constraints on y, which is a mixture of parameters. */
-static nlopt_result descend(descent *d, double *y) {
+static nlopt_result descend(descent *d) {
     const least_squares *problem = d->problem;
     double value;
-    memset(y, 0, problem->n_parameters * sizeof *y);
+    memset(d->y, 0, problem->n_parameters * sizeof *d->y);
     nlopt_opt o = nlopt_create(NLOPT_LD_SLSQP, (unsigned)problem->n_parameters);
     if (!o)
         return NLOPT_OUT_OF_MEMORY;
@@ -161,7 +162,7 @@ static nlopt_result descend(descent *d, double *y) {
         result = nlopt_add_inequality_mconstraint(o, (unsigned)problem->n_constraints, constraints, d, NULL);
     d->optimizer = o;
     if (result > 0)
-        result = nlopt_optimize(o, y, &value);
+        result = nlopt_optimize(o, d->y, &value);
     d->optimizer = NULL;
     nlopt_destroy(o);
     return result;
@@ -169,30 +170,17 @@ static nlopt_result descend(descent *d, double *y) {
 
 static palp_status allocate(descent *d) {
     size_t n = d->problem->n_parameters, m = d->problem->n_residuals;
-    d->origin = calloc(4 * n, sizeof(double));
-    d->r = calloc(2 * m, sizeof(double));
-    d->jacobian = calloc(n * m, sizeof(double));
-    d->best_jacobian = calloc(n * m, sizeof(double));
-    d->stacked = calloc(n * (m + n), sizeof(double));
-    d->triangle = calloc(n * n, sizeof(double));
-    d->work = calloc(DENSE_WORK * n, sizeof(double));
-    if (!d->origin || !d->r || !d->jacobian || !d->best_jacobian || !d->stacked || !d->triangle || !d->work)
-        return PALP_ERR_NO_MEMORY;
-    d->best_r = d->r + m;
-    d->best = d->origin + n;
-    d->p = d->origin + 2 * n;
-    d->tau = d->origin + 3 * n;
-    return PALP_OK;
-}
-
-static void release(descent *d) {
-    free(d->origin);
-    free(d->r);
-    free(d->jacobian);
-    free(d->best_jacobian);
-    free(d->stacked);
-    free(d->triangle);
-    free(d->work);
+    double **by_parameter[] = {&d->origin, &d->best, &d->p, &d->tau, &d->y};
+    for (size_t i = 0; i < sizeof by_parameter / sizeof *by_parameter; i++)
+        *by_parameter[i] = arena_take(&d->memory, n, sizeof(double));
+    d->r = arena_take(&d->memory, m, sizeof(double));
+    d->best_r = arena_take(&d->memory, m, sizeof(double));
+    d->jacobian = arena_take(&d->memory, n * m, sizeof(double));
+    d->best_jacobian = arena_take(&d->memory, n * m, sizeof(double));
+    d->stacked = arena_take(&d->memory, n * (m + n), sizeof(double));
+    d->triangle = arena_take(&d->memory, n * n, sizeof(double));
+    d->work = arena_take(&d->memory, DENSE_WORK * n, sizeof(double));
+    return d->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
 static bool down_to_rounding(const descent *d) {
@@ -201,7 +189,7 @@ static bool down_to_rounding(const descent *d) {
 
 /* Descents of a few evaluations, each in fresh coordinates, until one brings nothing. One that only went
  * too far is followed by a shorter one. */
-static palp_status descend_in_rounds(descent *d, double *y, bool *converged) {
+static palp_status descend_in_rounds(descent *d, bool *converged) {
     enum { ROUND = 2 }; /* the step, and a second one along its way or from its end */
     const least_squares *problem = d->problem;
     while (!*converged && d->evaluations < problem->max_evaluations) {
@@ -213,7 +201,7 @@ static palp_status descend_in_rounds(descent *d, double *y, bool *converged) {
         palp_status status = whiten(d);
         if (status)
             return status;
-        nlopt_result result = descend(d, y);
+        nlopt_result result = descend(d);
         if (d->status)
             return d->status;
         if (result == NLOPT_OUT_OF_MEMORY)
@@ -230,8 +218,7 @@ static palp_status descend_in_rounds(descent *d, double *y, bool *converged) {
 palp_status least_squares_solve(const least_squares *problem, double *p, double *norm, bool *converged) {
     descent d = {.problem = problem, .best_value = HUGE_VAL, .best_excess = HUGE_VAL, .damping = LEAST_DAMPING};
     size_t n = problem->n_parameters;
-    double *y = calloc(n, sizeof *y);
-    palp_status status = y ? allocate(&d) : PALP_ERR_NO_MEMORY;
+    palp_status status = allocate(&d);
     *converged = false;
     if (!status) {
         memcpy(d.p, p, n * sizeof *p);
@@ -239,13 +226,12 @@ palp_status least_squares_solve(const least_squares *problem, double *p, double 
         status = d.status;
         d.nothing = 1e-24 * d.best_value;
         if (!status)
-            status = descend_in_rounds(&d, y, converged);
+            status = descend_in_rounds(&d, converged);
         if (d.best_value < HUGE_VAL) {
             memcpy(p, d.best, n * sizeof *p);
             *norm = sqrt(2.0 * d.best_value);
         }
     }
-    release(&d);
-    free(y);
+    arena_free(&d.memory);
     return status;
 }

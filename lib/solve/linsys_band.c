@@ -1,5 +1,6 @@
 /* linsys_band.c: band L D L' without pivoting, blocked on BLAS. Indefinite matrices are factored the
  * same way, so the inertia comes with every factor. */
+#include "base/arena.h"
 #include "base/dense.h"
 #include "linsys_solver.h"
 
@@ -14,6 +15,7 @@ enum { BLOCK = 24, INNER = 16, SMALL_BAND = 40 };
  * stride = band + 2 BLOCK: whole blocks fit beside the band, and what a block update spills above the
  * diagonal lands behind it. */
 typedef struct band {
+    arena memory;      /* of all but position */
     size_t n, width, stride;
     double *value;
     double *panel;     /* [width BLOCK] */
@@ -211,11 +213,8 @@ static size_t band_slot(const void *self, size_t row, size_t column) {
 
 static void band_destroy(void *self) {
     band *b = self;
-    free(b->value);
-    free(b->panel);
-    free(b->inverse);
+    arena_free(&b->memory);
     free(b->position);
-    free(b->work);
     free(b);
 }
 
@@ -233,11 +232,11 @@ palp_status linsys_band_make(size_t n, const size_t *column, const int32_t *row,
     b->n = n;
     b->stride = b->width <= SMALL_BAND ? b->width : b->width + 2 * BLOCK;
     size_t count = (b->stride + 1) * n + BLOCK;
-    b->value = calloc(count + 1, sizeof *b->value);
-    b->panel = malloc(((b->width > BLOCK ? b->width : BLOCK) * BLOCK + 1) * sizeof *b->panel);
-    b->inverse = malloc((n + 1) * sizeof *b->inverse);
-    b->work = malloc((n + 1) * sizeof *b->work);
-    if (!b->value || !b->panel || !b->inverse || !b->work) {
+    b->value = arena_take(&b->memory, count + 1, sizeof *b->value);
+    b->panel = arena_take(&b->memory, (b->width > BLOCK ? b->width : BLOCK) * BLOCK, sizeof *b->panel);
+    b->inverse = arena_take(&b->memory, n, sizeof *b->inverse);
+    b->work = arena_take(&b->memory, n, sizeof *b->work);
+    if (b->memory.failed) {
         band_destroy(b);
         return PALP_ERR_NO_MEMORY;
     }

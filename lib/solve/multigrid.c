@@ -2,31 +2,17 @@
 #include "base/dense.h"
 #include "multigrid_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { FOLLOWED_MAX = 32 }; /* coarse nodes that a node follows at most */
 
-static void level_free(mg_level *l) {
-    void *arrays[] = {l->first, l->middle, l->column, l->axes, l->block[0], l->block[1], l->inverse[0], l->inverse[1],
-                      l->own[0], l->own[1], l->x, l->r, l->up_first, l->up, l->weight};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        free(arrays[i]);
-}
-
 void multigrid_free(multigrid *mg) {
     if (!mg)
         return;
-    for (size_t i = 0; i < MULTIGRID_LEVELS; i++)
-        level_free(&mg->level[i]);
     linsys_free(mg->factor[0]);
     linsys_free(mg->factor[1]);
-    void *arrays[] = {mg->place, mg->after, mg->high, mg->element[0], mg->element[1], mg->through, mg->node[0],
-                      mg->node[1], mg->coupling[0], mg->coupling[1], mg->coupled, mg->touched, mg->touching,
-                      mg->first_touching, mg->rest, mg->dof, mg->rhs, mg->row, mg->row_column, mg->mark};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        free(arrays[i]);
+    arena_free(&mg->memory);
     free(mg);
 }
 
@@ -36,19 +22,17 @@ static int ascending(const void *a, const void *b) {
 }
 
 /* Numbers of a level whose pattern is known. */
-static palp_status level_allocate(mg_level *l, bool blocks) {
+static palp_status level_allocate(arena *memory, mg_level *l, bool blocks) {
     size_t entries = blocks ? l->first[l->n] : 0;
-    l->middle = calloc(l->n + 1, sizeof *l->middle);
-    l->x = calloc(4 * l->n + 1, sizeof *l->x);
-    l->r = calloc(4 * l->n + 1, sizeof *l->r);
-    bool ok = l->middle && l->x && l->r;
+    l->middle = arena_take(memory, l->n, sizeof *l->middle);
+    l->x = arena_take(memory, 4 * l->n, sizeof *l->x);
+    l->r = arena_take(memory, 4 * l->n, sizeof *l->r);
     for (size_t k = 0; k < 2; k++) {
-        l->block[k] = calloc(BLOCK_FLOATS * entries + 1, sizeof *l->block[k]);
-        l->inverse[k] = calloc(BLOCK_FLOATS * l->n + 1, sizeof *l->inverse[k]);
-        l->own[k] = calloc(BLOCK_FLOATS * l->n + 1, sizeof *l->own[k]);
-        ok = ok && l->block[k] && l->inverse[k] && l->own[k];
+        l->block[k] = arena_take(memory, BLOCK_FLOATS * entries, sizeof *l->block[k]);
+        l->inverse[k] = arena_take(memory, BLOCK_FLOATS * l->n, sizeof *l->inverse[k]);
+        l->own[k] = arena_take(memory, BLOCK_FLOATS * l->n, sizeof *l->own[k]);
     }
-    if (!ok)
+    if (memory->failed)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < l->n; i++) {
         uint32_t k = l->first[i];
@@ -61,10 +45,10 @@ static palp_status level_allocate(mg_level *l, bool blocks) {
 
 /* The elements by lower node; within one node in the caller's order. */
 static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
-    uint32_t *after = mg->after = calloc(mg->n_nodes + 2, sizeof *after);
-    mg->place = malloc((mg->n_elements + 1) * sizeof *mg->place);
-    mg->high = malloc((mg->n_elements + 1) * sizeof *mg->high);
-    if (!after || !mg->place || !mg->high)
+    uint32_t *after = mg->after = arena_take(&mg->memory, mg->n_nodes + 2, sizeof *after);
+    mg->place = arena_take(&mg->memory, mg->n_elements, sizeof *mg->place);
+    mg->high = arena_take(&mg->memory, mg->n_elements, sizeof *mg->high);
+    if (mg->memory.failed)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < mg->n_elements; i++)
         after[(pair[2 * i] < pair[2 * i + 1] ? pair[2 * i] : pair[2 * i + 1]) + 2]++;
@@ -82,11 +66,11 @@ static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
 static palp_status make_finest(multigrid *mg, const int32_t *dof) {
     mg_level *l = &mg->level[0];
     l->n = mg->n_nodes;
-    l->first = calloc(l->n + 2, sizeof *l->first);
-    l->column = malloc((2 * mg->n_elements + 1) * sizeof *l->column);
-    l->axes = calloc(l->n + 1, 1);
-    mg->through = malloc((2 * mg->n_elements + 1) * sizeof *mg->through);
-    if (!l->first || !l->column || !l->axes || !mg->through)
+    l->first = arena_take(&mg->memory, l->n + 2, sizeof *l->first);
+    l->column = arena_take(&mg->memory, 2 * mg->n_elements, sizeof *l->column);
+    l->axes = arena_take(&mg->memory, l->n, sizeof *l->axes);
+    mg->through = arena_take(&mg->memory, 2 * mg->n_elements, sizeof *mg->through);
+    if (mg->memory.failed)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < 3 * l->n; i++)
         if (dof[i] >= 0)
@@ -109,7 +93,7 @@ static palp_status make_finest(multigrid *mg, const int32_t *dof) {
         for (uint32_t e = mg->after[i]; e < mg->after[i + 1]; e++)
             mg->through[multigrid_entry(l, (int32_t)i, mg->high[e])] =
                 mg->through[multigrid_entry(l, mg->high[e], (int32_t)i)] = e;
-    return level_allocate(l, false);
+    return level_allocate(&mg->memory, l, false);
 }
 
 uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column) {
@@ -158,11 +142,11 @@ static void mean_weights(size_t n, double (*d)[3], double *w) {
 }
 
 /* Whom each node follows, and by which weights; x[3 n]: places of this level's nodes. */
-static palp_status make_weights(mg_level *l, const int32_t *number, const double *x) {
-    l->up_first = calloc(l->n + 1, sizeof *l->up_first);
-    l->up = malloc((l->first[l->n] + l->n + 1) * sizeof *l->up);
-    l->weight = malloc((l->first[l->n] + l->n + 1) * sizeof *l->weight);
-    if (!l->up_first || !l->up || !l->weight)
+static palp_status make_weights(arena *memory, mg_level *l, const int32_t *number, const double *x) {
+    l->up_first = arena_take(memory, l->n + 1, sizeof *l->up_first);
+    l->up = arena_take(memory, l->first[l->n] + l->n, sizeof *l->up);
+    l->weight = arena_take(memory, l->first[l->n] + l->n, sizeof *l->weight);
+    if (memory->failed)
         return PALP_ERR_NO_MEMORY;
     uint32_t at = 0;
     for (size_t i = 0; i < l->n; i++) {
@@ -188,12 +172,10 @@ static palp_status make_weights(mg_level *l, const int32_t *number, const double
 }
 
 /* Followers of each coarse node: list[first[i]] to list[first[i + 1]]. */
-static palp_status followers(const mg_level *l, size_t n_coarse, uint32_t **first, int32_t **list) {
-    uint32_t *f = calloc(n_coarse + 2, sizeof *f);
-    int32_t *out = malloc((l->up_first[l->n] + 1) * sizeof *out);
-    *first = f;
-    *list = out;
-    if (!f || !out)
+static palp_status followers(arena *scratch, const mg_level *l, size_t n_coarse, uint32_t **first, int32_t **list) {
+    uint32_t *f = *first = arena_take(scratch, n_coarse + 2, sizeof *f);
+    int32_t *out = *list = arena_take(scratch, l->up_first[l->n], sizeof *out);
+    if (scratch->failed)
         return PALP_ERR_NO_MEMORY;
     for (uint32_t k = 0; k < l->up_first[l->n]; k++)
         f[l->up[k] + 2]++;
@@ -242,28 +224,28 @@ static void coarse_pattern(const mg_level *fine, mg_level *l, const uint32_t *fi
     l->first[l->n] = at;
 }
 
-static palp_status make_coarse(mg_level *fine, mg_level *l, const int32_t *number, size_t n_coarse) {
-    uint32_t *first = NULL;
-    int32_t *list = NULL, *mark = malloc((n_coarse + 1) * sizeof *mark);
+static palp_status make_coarse(arena *memory, mg_level *fine, mg_level *l, const int32_t *number, size_t n_coarse) {
+    arena scratch = {NULL, false};
+    uint32_t *first;
+    int32_t *list, *mark = arena_take(&scratch, n_coarse, sizeof *mark);
     l->n = n_coarse;
-    l->first = calloc(n_coarse + 1, sizeof *l->first);
-    l->axes = calloc(n_coarse + 1, 1);
-    palp_status status = mark && l->first && l->axes ? followers(fine, n_coarse, &first, &list) : PALP_ERR_NO_MEMORY;
-    if (!status) {
+    l->first = arena_take(memory, n_coarse + 1, sizeof *l->first);
+    l->axes = arena_take(memory, n_coarse, sizeof *l->axes);
+    palp_status status = followers(&scratch, fine, n_coarse, &first, &list);
+    if (!status && !memory->failed) {
         coarse_pattern(fine, l, first, list, mark);
-        l->column = malloc((l->first[l->n] + 1) * sizeof *l->column);
-        status = l->column ? PALP_OK : PALP_ERR_NO_MEMORY;
+        l->column = arena_take(memory, l->first[l->n], sizeof *l->column);
     }
+    if (memory->failed)
+        status = PALP_ERR_NO_MEMORY;
     if (!status) {
         coarse_pattern(fine, l, first, list, mark);
         for (size_t i = 0; i < fine->n; i++)
             if (number[i] >= 0)
                 l->axes[number[i]] = fine->axes[i];
-        status = level_allocate(l, true);
+        status = level_allocate(memory, l, true);
     }
-    free(first);
-    free(list);
-    free(mark);
+    arena_free(&scratch);
     return status;
 }
 
@@ -282,9 +264,9 @@ static palp_status make_levels(multigrid *mg, size_t direct, double *x, int32_t 
         size_t n = choose_coarse(fine, number);
         if (n > fine->n * 3 / 4)
             break;
-        palp_status status = make_weights(fine, number, x);
+        palp_status status = make_weights(&mg->memory, fine, number, x);
         if (!status)
-            status = make_coarse(fine, fine + 1, number, n);
+            status = make_coarse(&mg->memory, fine, fine + 1, number, n);
         if (status)
             return status;
         for (size_t i = 0; i < fine->n; i++)
@@ -318,16 +300,17 @@ static void direct_pattern(const multigrid *mg, const mg_level *l, size_t *colum
 
 static palp_status make_direct(multigrid *mg) {
     const mg_level *l = &mg->level[mg->n_levels - 1];
-    mg->dof = malloc((3 * l->n + 1) * sizeof *mg->dof);
-    size_t *column = malloc((3 * l->n + 1) * sizeof *column);
+    arena scratch = {NULL, false};
     int32_t *row = NULL;
+    mg->dof = arena_take(&mg->memory, 3 * l->n, sizeof *mg->dof);
+    size_t *column = arena_take(&scratch, 3 * l->n + 1, sizeof *column);
     palp_status status = mg->dof && column ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < 3 * l->n && !status; i++)
         mg->dof[i] = l->axes[i / 3] >> i % 3 & 1U ? (int32_t)mg->n_direct++ : -1;
     if (!status) {
         direct_pattern(mg, l, column, NULL);
-        row = malloc((column[mg->n_direct] + 1) * sizeof *row);
-        mg->rhs = malloc((mg->n_direct + 1) * sizeof *mg->rhs);
+        row = arena_take(&scratch, column[mg->n_direct], sizeof *row);
+        mg->rhs = arena_take(&mg->memory, mg->n_direct, sizeof *mg->rhs);
         status = row && mg->rhs ? PALP_OK : PALP_ERR_NO_MEMORY;
     }
     if (!status) {
@@ -335,8 +318,7 @@ static palp_status make_direct(multigrid *mg) {
         for (size_t k = 0; k < 2 && !status; k++)
             status = linsys_create(PALP_SOLVER_BAND, mg->n_direct, column, row, &mg->factor[k]);
     }
-    free(column);
-    free(row);
+    arena_free(&scratch);
     return status;
 }
 
@@ -352,27 +334,24 @@ static palp_status make_work(multigrid *mg) {
             most = n > most ? n : most;
         }
     }
-    mg->row = malloc(BLOCK_FLOATS * most * sizeof *mg->row);
-    mg->row_column = malloc(most * sizeof *mg->row_column);
-    mg->mark = malloc(second * sizeof *mg->mark);
-    mg->element[0] = calloc(5 * mg->n_elements + 1, sizeof *mg->element[0]);
-    mg->element[1] = calloc(5 * mg->n_elements + 1, sizeof *mg->element[1]);
-    bool ok = true;
+    arena *memory = &mg->memory;
+    mg->row = arena_take(memory, BLOCK_FLOATS * most, sizeof *mg->row);
+    mg->row_column = arena_take(memory, most, sizeof *mg->row_column);
+    mg->mark = arena_take(memory, second, sizeof *mg->mark);
     for (size_t k = 0; k < 2; k++) {
-        mg->node[k] = calloc(6 * mg->n_nodes + 1, sizeof *mg->node[k]);
-        mg->coupling[k] = calloc(MULTIGRID_COUPLINGS, sizeof *mg->coupling[k]);
-        ok = ok && mg->node[k] && mg->coupling[k];
+        mg->element[k] = arena_take(memory, 5 * mg->n_elements, sizeof *mg->element[k]);
+        mg->node[k] = arena_take(memory, 6 * mg->n_nodes, sizeof *mg->node[k]);
+        mg->coupling[k] = arena_take(memory, MULTIGRID_COUPLINGS, sizeof *mg->coupling[k]);
     }
-    mg->coupled = calloc(mg->n_nodes + 1, sizeof *mg->coupled);
-    mg->touched = calloc(6 * mg->n_nodes + 1, sizeof *mg->touched);
-    mg->touching = calloc(MULTIGRID_COUPLINGS, sizeof *mg->touching);
-    mg->first_touching = malloc((mg->n_nodes + 1) * sizeof *mg->first_touching);
-    ok = ok && mg->coupled && mg->touched && mg->touching && mg->first_touching;
-    for (size_t i = 0; i < mg->n_nodes && ok; i++)
-        mg->first_touching[i] = -1;
-    mg->rest = calloc(4 * mg->n_nodes + 1, sizeof *mg->rest);
-    if (!mg->row || !mg->row_column || !mg->mark || !mg->element[0] || !mg->element[1] || !mg->rest || !ok)
+    mg->coupled = arena_take(memory, mg->n_nodes, sizeof *mg->coupled);
+    mg->touched = arena_take(memory, 6 * mg->n_nodes, sizeof *mg->touched);
+    mg->touching = arena_take(memory, MULTIGRID_COUPLINGS, sizeof *mg->touching);
+    mg->first_touching = arena_take(memory, mg->n_nodes, sizeof *mg->first_touching);
+    mg->rest = arena_take(memory, 4 * mg->n_nodes, sizeof *mg->rest);
+    if (memory->failed)
         return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < mg->n_nodes; i++)
+        mg->first_touching[i] = -1;
     for (size_t i = 0; i < second; i++)
         mg->mark[i] = -1;
     return PALP_OK;

@@ -2,6 +2,7 @@
 #ifndef MULTIGRID_INTERNAL_H
 #define MULTIGRID_INTERNAL_H
 
+#include "base/arena.h"
 #include "multigrid.h"
 
 enum { MULTIGRID_LEVELS = 12, BLOCK_FLOATS = 12 };
@@ -28,6 +29,7 @@ typedef enum mg_stage {
 } mg_stage;
 
 struct multigrid {
+    arena memory;          /* of all arrays, those of the levels too */
     size_t n_nodes, n_elements, n_levels;
     uint32_t *place;       /* [n_elements] of each element among these, sorted by their lower node: */
     uint32_t *after;       /* [n_nodes + 1] elements from a node to higher ones: after[i] to after[i + 1] */
