@@ -5,7 +5,6 @@
 #include <palpate/characterize.h>
 
 #include "material/element.h"
-#include "solve/least_squares.h"
 
 /* A recording in blocks of samples, short against what changes in them: every block carries its mean
  * time, strain and force, and how many samples speak for it. */

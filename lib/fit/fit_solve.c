@@ -1,6 +1,7 @@
 /* fit_solve.c: first guesses by a scan over relaxation times, polished by NLopt. */
 #include "base/dense.h"
 #include "fit_internal.h"
+#include "solve/least_squares.h"
 
 #include <math.h>
 #include <stdlib.h>

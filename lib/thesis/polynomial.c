@@ -3,7 +3,6 @@
 
 #include "base/dense.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 palp_status palp_thesis_polynomial(const palp_recording *rec, size_t degree, palp_law *law, double *norm) {

@@ -2,7 +2,6 @@
 #define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #include "acquire_session.h"
 
-#include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>

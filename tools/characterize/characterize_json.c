@@ -2,7 +2,6 @@
 #include "characterize.h"
 #include "shared/json_out.h"
 
-#include <math.h>
 
 static const char NAME[] = "characterize";
 

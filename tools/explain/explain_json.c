@@ -3,7 +3,6 @@
 
 #include "shared/json_out.h"
 
-#include <math.h>
 #include <string.h>
 
 static const char *id_of(palp_effect_id id) {

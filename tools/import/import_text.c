@@ -3,7 +3,6 @@
 #include "shared/crc32.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

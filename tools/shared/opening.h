@@ -4,7 +4,6 @@
 
 #include <palpate/experiment.h>
 #include <palpate/model.h>
-#include <stdbool.h>
 
 /* Each returns an exit code; command is its name for the line. mesh is as of palp_model_read. The caller frees *run. */
 int open_model(const char *command, const char *file, palp_model *model, palp_mesh_source *mesh);
