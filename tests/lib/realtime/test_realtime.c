@@ -1,34 +1,12 @@
-/* test_realtime.c: stepping within a budget: against palp_network_step, its own error estimate, and to the bit. */
+/* test_realtime.c: stepping within a budget: against palp_network_step, its own error estimate, and to the
+ * bit. */
 #define _POSIX_C_SOURCE 200809L
-#include "network_make.h"
-
-#include <palpate/palpate.h>
+#include "realtime_make.h"
 
 #include <pthread.h>
 
-static const palp_budget ALL = {0};
-
-static palp_realtime *realtime_on(palp_network *net, bool background) {
-    palp_realtime_settings settings = palp_realtime_settings_default();
-    palp_realtime *rt = NULL;
-    settings.background = background;
-    ck_assert_int_eq(palp_realtime_create(net, &settings, &rt), PALP_OK);
-    return rt;
-}
-
 static palp_realtime *realtime_cube(size_t n, const palp_material *m, bool background) {
     return realtime_on(cube_network(n, m, NULL), background);
-}
-
-static palp_network *net_of(const palp_realtime *rt) {
-    return palp_realtime_network(rt);
-}
-
-/* With its network. */
-static void drop(palp_realtime *rt) {
-    palp_network *net = net_of(rt);
-    palp_realtime_free(rt);
-    palp_network_free(net);
 }
 
 /* Depth of a tick: a ramp, a dwell, then to and fro; up to a fifth of the height. */
@@ -40,9 +18,6 @@ static double path_depth(size_t tick) {
         return 0.15 * HEIGHT;
     return (0.15 + 0.03 * sin(0.07 * (t - 80.0)) + 0.02 * sin(0.23 * (t - 80.0))) * HEIGHT;
 }
-
-enum { TICKS = 160 };
-static const double DT = 2e-3;
 
 static double largest_difference(const double *a, const double *b, size_t n) {
     double most = 0.0;
@@ -375,165 +350,6 @@ END_TEST
 
 /* ---- tools ---- */
 
-static palp_realtime *cube_on_a_table(size_t n) {
-    const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
-    palp_contact_settings contact = palp_contact_settings_default();
-    palp_network_settings settings = palp_network_settings_default();
-    palp_material m = quartic(2);
-    palp_mesh *mesh = cube(n, PALP_NEIGHBOURS_26);
-    palp_network *net = NULL;
-    ck_assert_int_eq(palp_network_create(mesh, &m, 1, &bottom, &settings, &net, NULL), PALP_OK);
-    palp_mesh_free(mesh);
-    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &contact), PALP_OK);
-    return realtime_on(net, false);
-}
-
-/* A sphere comes down on the middle of the top, slides and stays. */
-static void place_tool(const palp_realtime *rt, size_t tick, double friction) {
-    double down = 0.0016 * fmin(1.0, (double)tick / 60.0), aside = tick < 60 ? 0.0 : 2e-5 * (double)(tick - 60);
-    palp_tool tool = {.shape = PALP_TOOL_SPHERE,
-                      .position_m = {0.5 * HEIGHT + fmin(aside, 8e-4), HEIGHT + 0.0041 - down, 0.51 * HEIGHT},
-                      .axis = {0, 1, 0},
-                      .radius_m = 0.004,
-                      .friction = friction};
-    ck_assert_int_eq(palp_network_set_tools(net_of(rt), 1, &tool), PALP_OK);
-}
-
-static palp_tool_force tick_with_tool(palp_realtime *rt, size_t tick, const palp_budget *budget,
-                                      palp_tick_info *info) {
-    palp_tool_force felt;
-    place_tool(rt, tick, 0.0);
-    ck_assert_int_eq(palp_realtime_step(rt, 0.0, DT, budget, info), PALP_OK);
-    ck_assert_int_eq(palp_network_tool_force(net_of(rt), &felt), PALP_OK);
-    return felt;
-}
-
-/* Converged as by palp_network_step; with two corrections as near as the estimate says, and soon at rest there. */
-START_TEST(tool_is_felt) {
-    const size_t nodes[] = {5, 8};
-    for (size_t k = 0; k < 2; k++) {
-        palp_realtime *net = cube_on_a_table(nodes[k]), *quick = cube_on_a_table(nodes[k]);
-        palp_realtime *reference = cube_on_a_table(nodes[k]);
-        const palp_budget two = {.corrections = 2};
-        palp_tool_force a, b, c;
-        palp_tick_info info;
-        double peak = 0.0, last = 0.0;
-        for (size_t i = 1; i < 120; i++) {
-            a = tick_with_tool(net, i, &ALL, NULL);
-            b = tick_with_tool(quick, i, &two, &info);
-            place_tool(reference, i, 0.0);
-            ck_assert_int_eq(palp_network_step(net_of(reference), 0.0, DT, NULL), PALP_OK);
-            ck_assert_int_eq(palp_network_tool_force(net_of(reference), &c), PALP_OK);
-            peak = fmax(peak, fabs(c.force_N[1]));
-            for (size_t j = 0; j < 3; j++) {
-                ck_assert_double_eq_tol(a.force_N[j], c.force_N[j], 1e-6 * peak + 1e-12);
-            }
-            last = fabs(b.force_N[1] - c.force_N[1]);
-            ck_assert_msg(last <= info.force_error_N + 1e-6 * peak, "tick %zu: off by %g, estimate %g", i, last,
-                          info.force_error_N);
-        }
-        ck_assert_double_le(last, 1e-3 * peak);
-        ck_assert_double_gt(peak, 0.1);
-        drop(net);
-        drop(quick);
-        drop(reference);
-    }
-}
-END_TEST
-
-/* A rough sphere that sticks and slips. What it feels is the tissue's own force: where a correction is not enough for
- * the stiff springs between them, these are off by many times more. */
-START_TEST(rough_tool_within_a_tick) {
-    const palp_budget few[2] = {{.corrections = 1}, {.corrections = 2}};
-    const double most[2] = {0.2, 0.05};
-    for (size_t k = 0; k < 2; k++) {
-        palp_realtime *net = cube_on_a_table(8), *reference = cube_on_a_table(8);
-        double peak = 0.0, error = 0.0;
-        for (size_t i = 1; i < 120; i++) {
-            palp_tool_force felt[2];
-            place_tool(net, i, 0.3);
-            place_tool(reference, i, 0.3);
-            ck_assert_int_eq(palp_realtime_step(net, 0.0, DT, &few[k], NULL), PALP_OK);
-            ck_assert_int_eq(palp_realtime_step(reference, 0.0, DT, &ALL, NULL), PALP_OK);
-            ck_assert_int_eq(palp_network_tool_force(net_of(net), &felt[0]), PALP_OK);
-            ck_assert_int_eq(palp_network_tool_force(net_of(reference), &felt[1]), PALP_OK);
-            peak = fmax(peak, fabs(felt[1].force_N[1]));
-            for (size_t j = 0; j < 3; j++)
-                error = fmax(error, fabs(felt[0].force_N[j] - felt[1].force_N[j]));
-        }
-        ck_assert_double_le(error, most[k] * peak);
-        drop(net);
-        drop(reference);
-    }
-}
-END_TEST
-
-/* A plane that pressed leaves at once at 50 mm/s: the tissue, which is slow to know, must not have lost it meanwhile. */
-START_TEST(sudden_withdrawal) {
-    const palp_budget two = {.corrections = 2};
-    palp_realtime *net = cube_on_a_table(7), *reference = cube_on_a_table(7);
-    double peak = 0.0, error = 0.0;
-    for (size_t i = 1; i < 180; i++) {
-        double down = i < 100 ? 3e-5 * (double)i : 3e-3 - 5e-5 * (double)(i - 100);
-        palp_tool tool = {.shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - down, 0}, .axis = {0, -1, 0}};
-        palp_tool_force felt[2];
-        ck_assert_int_eq(palp_network_set_tools(net_of(net), 1, &tool), PALP_OK);
-        ck_assert_int_eq(palp_network_set_tools(net_of(reference), 1, &tool), PALP_OK);
-        ck_assert_int_eq(palp_realtime_step(net, 0.0, DT, &two, NULL), PALP_OK);
-        ck_assert_int_eq(palp_realtime_step(reference, 0.0, DT, &ALL, NULL), PALP_OK);
-        ck_assert_int_eq(palp_network_tool_force(net_of(net), &felt[0]), PALP_OK);
-        ck_assert_int_eq(palp_network_tool_force(net_of(reference), &felt[1]), PALP_OK);
-        peak = fmax(peak, felt[1].force_N[1]);
-        error = fmax(error, fabs(felt[0].force_N[1] - felt[1].force_N[1]));
-    }
-    ck_assert_double_gt(peak, 5.0);
-    ck_assert_msg(error < 0.1 * peak, "off by %g of %g N", error, peak);
-    drop(net);
-    drop(reference);
-}
-END_TEST
-
-/* One that is taken away altogether is not followed. */
-START_TEST(taken_away) {
-    const palp_budget two = {.corrections = 2};
-    palp_realtime *net = cube_on_a_table(7);
-    palp_tool_force felt;
-    for (size_t i = 1; i < 70; i++) {
-        palp_tool tool = {.shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - 3e-5 * (double)i, 0}, .axis = {0, -1, 0}};
-        if (i > 60)
-            tool.position_m[1] = 2.0 * HEIGHT;
-        ck_assert_int_eq(palp_network_set_tools(net_of(net), 1, &tool), PALP_OK);
-        ck_assert_int_eq(palp_realtime_step(net, 0.0, DT, &two, NULL), PALP_OK);
-        ck_assert_int_eq(palp_network_tool_force(net_of(net), &felt), PALP_OK);
-        ck_assert(i <= 60 ? felt.force_N[1] > 0.0 : felt.force_N[1] == 0.0);
-    }
-    drop(net);
-}
-END_TEST
-
-START_TEST(restored_with_tool) {
-    const palp_budget two = {.corrections = 2};
-    palp_realtime *net = cube_on_a_table(8), *other = cube_on_a_table(8);
-    size_t size = palp_realtime_state_size(net);
-    void *saved = malloc(size);
-    ck_assert_ptr_nonnull(saved);
-    for (size_t i = 1; i < 75; i++)
-        tick_with_tool(net, i, &two, NULL);
-    ck_assert_int_eq(palp_realtime_save(net, saved, size), PALP_OK);
-    for (size_t i = 75; i < 100; i++)
-        tick_with_tool(net, i, &two, NULL);
-    snapshot end = snapshot_take(net_of(net));
-    ck_assert_int_eq(palp_realtime_restore(other, saved, size), PALP_OK);
-    for (size_t i = 75; i < 100; i++)
-        tick_with_tool(other, i, &two, NULL);
-    ck_assert(still_at(net_of(other), &end));
-    snapshot_free(&end);
-    free(saved);
-    drop(net);
-    drop(other);
-}
-END_TEST
-
 /* Reset is as good as new, and so is a network that was reset behind its back. */
 START_TEST(reset_is_new) {
     palp_material m = quartic(2);
@@ -619,7 +435,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, error_budget_is_kept);
     tcase_add_test(tc, same_bits_whoever_runs);
     tcase_add_test(tc, restored_goes_on_the_same);
-    tcase_add_test(tc, restored_with_tool);
     tcase_add_test(tc, reset_is_new);
     tcase_add_test(tc, network_restored);
     tcase_add_test(tc, plain_step_restored);
@@ -627,10 +442,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, mass_settles);
     tcase_add_test(tc, past_buckling);
     tcase_add_test(tc, jump);
-    tcase_add_test(tc, tool_is_felt);
-    tcase_add_test(tc, rough_tool_within_a_tick);
-    tcase_add_test(tc, sudden_withdrawal);
-    tcase_add_test(tc, taken_away);
     tcase_add_test(tc, unordered_mesh);
     tcase_add_test(tc, refused);
 }

@@ -1,17 +1,5 @@
 /* test_forward.c: the forward model against palp_lumped_run, closed forms and calculations by hand. */
-#include "forward_make.h"
-
-#include <palpate/closed_form.h>
-
-#include <stdio.h>
-
-static const double PI = 3.14159265358979323846;
-static samples s; /* of the test at hand */
-
-static void ramp(double rate_mm_s, double until, size_t n) {
-    start(&s, 0, 0);
-    go(&s, until, rate_mm_s * until, n);
-}
+#include "forward_ramp.h"
 
 static double strain(size_t i) {
     return s.depth_m[i] / HEIGHT;
@@ -22,10 +10,6 @@ static double law_force(const palp_model *m, double e) {
     palp_law_force(&m->material.law, 1, &e, &force, NULL, NULL);
     return force;
 }
-
-#define EXPECT(i, wanted, tolerance)                                                                         \
-    ck_assert_msg(fabs(s.force_N[i] - (wanted)) <= (tolerance), "at %g s, %g mm: %.9g N, not %.9g",          \
-                  s.time_s[i], 1e3 * s.depth_m[i], s.force_N[i], (double)(wanted))
 
 /* ---- the plain model ---- */
 
@@ -263,88 +247,6 @@ START_TEST(surface_recovers_and_is_met_again) {
 }
 END_TEST
 
-/* ---- the instrument ---- */
-
-START_TEST(frame_is_a_spring_in_series) {
-    palp_model m = linear_model(9);
-    add_effect(&m, PALP_EFFECT_FRAME_COMPLIANCE, 1)->value[0] = 1.1e-3;
-    start(&s, 0, -1);
-    go(&s, 2, 5, 30);
-    go(&s, 4, -1, 30);
-    press_model(&m, &s);
-    for (size_t i = 0; i < s.n; i++)
-        EXPECT(i, fmax(0, 9 * s.depth_m[i] / (HEIGHT + 9 * 1.1e-3)), 1e-14);
-}
-END_TEST
-
-START_TEST(frame_loads_the_specimen_less) {
-    static double depth[SAMPLES_MAX], wanted[SAMPLES_MAX];
-    palp_model m = lumped_model(2);
-    add_effect(&m, PALP_EFFECT_FRAME_COMPLIANCE, 1)->value[0] = 4e-4;
-    start(&s, 0, 0);
-    go(&s, 2, 5, 200);
-    go(&s, 30, 5, 200);
-    press_model(&m, &s);
-    for (size_t i = 0; i < s.n; i++)
-        depth[i] = s.depth_m[i] - 4e-4 * s.force_N[i];
-    ck_assert_int_eq(palp_lumped_run(&m.material, HEIGHT, s.n, s.time_s, depth, wanted), PALP_OK);
-    for (size_t i = 0; i < s.n; i++)
-        EXPECT(i, wanted[i], 1e-13);
-}
-END_TEST
-
-START_TEST(lag_of_a_ramp) {
-    palp_model m = linear_model(9);
-    add_effect(&m, PALP_EFFECT_SENSOR_LAG, 1)->value[0] = 0.4;
-    ramp(2, 3, 20);
-    press_model(&m, &s);
-    for (size_t i = 0; i < s.n; i++)
-        EXPECT(i, 9 * 2e-3 / HEIGHT * (s.time_s[i] - 0.4 * -expm1(-s.time_s[i] / 0.4)), 1e-14);
-}
-END_TEST
-
-START_TEST(inertia_and_friction_in_air) {
-    palp_model m = linear_model(9);
-    add_effect(&m, PALP_EFFECT_PLATE_INERTIA, 1)->value[0] = 0.7;
-    add_effect(&m, PALP_EFFECT_COULOMB_FRICTION, 1)->value[0] = 0.2;
-    s.n = 40;
-    for (size_t i = 0; i < s.n; i++) { /* an uneven walk along a parabola */
-        s.time_s[i] = 0.1 * ((double)i + 0.3 * sin((double)i));
-        s.depth_m[i] = -0.1 + 3e-3 * (s.time_s[i] - 2) * (s.time_s[i] - 2);
-    }
-    press_model(&m, &s);
-    for (size_t i = 1; i + 1 < s.n; i++) {
-        double v = 6e-3 * (s.time_s[i] - 2);
-        EXPECT(i, 0.7 * 6e-3 + 0.2 * v / (fabs(v) + 1e-5), 1e-12);
-    }
-}
-END_TEST
-
-START_TEST(sensor_in_its_order) {
-    palp_model m = linear_model(9);
-    add_effect(&m, PALP_EFFECT_FORCE_SATURATION, 1)->value[0] = 1.9;
-    add_effect(&m, PALP_EFFECT_SENSOR_BIAS, 1)->value[0] = -0.3;
-    add_effect(&m, PALP_EFFECT_SENSOR_GAIN, 1)->value[0] = 0.1;
-    add_effect(&m, PALP_EFFECT_SENSOR_DRIFT, 1)->value[0] = 0.02;
-    palp_effect *hum = add_effect(&m, PALP_EFFECT_MAINS_HUM, 1),
-                *ripple = add_effect(&m, PALP_EFFECT_DRIVE_RIPPLE, 1);
-    hum->value[0] = 0.05;
-    hum->value[1] = 50.3;
-    ripple->value[0] = 0.07;
-    ripple->value[1] = 0.8e-3;
-    ripple->value[2] = 0.5;
-    start(&s, 12.5, -1);
-    go(&s, 15, 6, 60);
-    press_model(&m, &s);
-    for (size_t i = 0; i < s.n; i++) {
-        double t = s.time_s[i], d = s.depth_m[i];
-        double wanted = fmax(0, 9 * d / HEIGHT) * 1.1 + 0.07 * sin(2 * PI * d / 0.8e-3 + 0.5) - 0.3 +
-                        0.02 * (t - 12.5) + 0.05 * sin(2 * PI * 50.3 * t + 0.3);
-        EXPECT(i, fmin(1.9, wanted), 1e-12);
-    }
-}
-END_TEST
-
 /* ---- coarse grids ---- */
 
 /* Every effect on a grid of some 200 samples is near what it is on sixteen times as many. */
@@ -457,11 +359,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, offset_toe_and_ageing);
     tcase_add_test(tc, adhesion_pulls_and_lets_go);
     tcase_add_test(tc, surface_recovers_and_is_met_again);
-    tcase_add_test(tc, frame_is_a_spring_in_series);
-    tcase_add_test(tc, frame_loads_the_specimen_less);
-    tcase_add_test(tc, lag_of_a_ramp);
-    tcase_add_test(tc, inertia_and_friction_in_air);
-    tcase_add_test(tc, sensor_in_its_order);
     tcase_add_loop_test(tc, coarse_grids_tell_the_same, 0, PALP_EFFECT_COUNT);
     tcase_add_test(tc, parameters_go_round);
     tcase_add_test(tc, what_cannot_be_run_is_told);

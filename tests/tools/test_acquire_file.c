@@ -1,0 +1,203 @@
+/* test_acquire_file.c: the file that acquire writes: what it holds, and what is left when the writing fails. */
+/* link: -pthread */
+#define _POSIX_C_SOURCE 200809L
+#include "acquire_make.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const acquire_scale scale = {
+    .tick_s = 1e-3, .count_mm = 1e-3, .contact = 12000, .row_N = {0, 0, 1e-3}, .contact_N = 0.01};
+
+/* Ten ticks from tick on, at 1 mm/s from -1 mm, 1 N/mm. */
+static palp_wire_samples block_at(uint32_t tick) {
+    palp_wire_samples b = {.tick = tick, .count = 10, .state = PALP_WIRE_STATE_RUN};
+    for (size_t i = 0; i < 10; i++) {
+        int32_t depth = (int32_t)(tick + i) - 1000;
+        b.position[i] = 12000 + depth;
+        b.adc[i * PALP_WIRE_CHANNELS + 2] = (int16_t)(depth > 0 ? depth : 0);
+        b.flags[i] = PALP_WIRE_FLAG_RECORD | (tick >= 500 ? PALP_WIRE_FLAG_TRAJECTORY : 0);
+        b.error[i] = 3;
+    }
+    return b;
+}
+
+static void open_file(acquire_file *f, const char *name, bool raw, uint32_t tick) {
+    json_t *header = json_pack("{sf ss}", "specimen.height_mm", 24.0, "protocol.kind", "static");
+    assert_int_equal(acquire_file_open(f, in_folder(name), true, raw, &scale, tick, header), CLI_OK);
+    json_decref(header);
+}
+
+static acquire_file *new_file(const char *name, bool raw) {
+    acquire_file *f = calloc(1, sizeof *f);
+    open_file(f, name, raw, 0);
+    return f;
+}
+
+static void test_file(void **state) {
+    acquire_file *f = new_file("file.csv", false);
+    double value;
+    (void)state;
+    for (uint32_t tick = 0; tick < 3000; tick += 10) {
+        palp_wire_samples b = block_at(tick);
+        if (tick == 100 || tick == 110) {
+            continue; /* lost */
+        }
+        if (tick == 200) {
+            b.flags[4] |= PALP_WIRE_FLAG_SENSOR_BAD;
+        }
+        assert_int_equal(acquire_file_add(f, &b), tick == 200 ? 9 : 10);
+        if (tick == 2000) {
+            assert_int_equal(acquire_file_add(f, &b), 0); /* the same again */
+        }
+    }
+    assert_int_equal(acquire_file_close(f, NULL, 31.5), CLI_OK);
+    palp_experiment *e = read_file("file.csv");
+    assert_null(fault_of(e));
+    assert_int_equal(palp_experiment_rows(e), 3000 - 21);
+    const double *t = palp_experiment_column(e, "time_s"), *d = palp_experiment_column(e, "depth_mm"),
+                 *F = palp_experiment_column(e, "force_N");
+    near(t[99], 0.099, 0);
+    near(t[100], 0.12, 0); /* a gap stays one */
+    near(t[2978], 2.999, 0);
+    near(d[2978], 1.999, 0);
+    near(F[2978], 1.999, 1e-12);
+    assert_int_equal(palp_experiment_get_number(e, "end.lost_samples", &value), PALP_OK);
+    near(value, 20, 0);
+    assert_int_equal(palp_experiment_get_number(e, "end.bad_samples", &value), PALP_OK);
+    near(value, 1, 0);
+    assert_int_equal(palp_experiment_get_number(e, "end.error_rms_mm", &value), PALP_OK);
+    near(value, 0.003, 1e-9);
+    assert_int_equal(palp_experiment_get_number(e, "end.contact_mm", &value), PALP_OK);
+    near(value, 0.01, 0.01); /* force and depth lag alike */
+    assert_int_equal(palp_experiment_get_number(e, "end.winding_C", &value), PALP_OK);
+    near(value, 31.5, 0);
+    palp_experiment_free(e);
+    free(f);
+}
+
+static double start_of(const char *name) {
+    palp_experiment *e = read_file(name);
+    double value = NAN;
+    palp_experiment_get_number(e, "session.start_s", &value);
+    palp_experiment_free(e);
+    return value;
+}
+
+/* From first sample to first sample, over the end of the counter; until one comes, as it was expected. */
+static void test_session_start(void **state) {
+    static const uint32_t tick[] = {UINT32_MAX - 999, 4000, 250000};
+    acquire_file *f = new_file("one.csv", false);
+    (void)state;
+    for (int run = 0; run < 3; run++) {
+        if (run > 0) {
+            open_file(f, "one.csv", false, tick[run] - 1500);
+            near(start_of("one.csv"), 1e-3 * (tick[run] - 1500 - (tick[0] + 1)), 1e-9);
+        }
+        palp_wire_samples b = block_at(tick[run]);
+        b.flags[0] = 0; /* not yet of the recording */
+        assert_int_equal(acquire_file_add(f, &b), 9);
+        assert_int_equal(acquire_file_close(f, NULL, NAN), CLI_OK);
+        near(start_of("one.csv"), 1e-3 * (tick[run] - tick[0]), 1e-9);
+    }
+    free(f);
+}
+
+/* Cut anywhere between pages, which is where a write ends that is cut short, it reads, and is marked. */
+static void test_file_cut(void **state) {
+    struct stat now;
+    (void)state;
+    for (int raw = 0; raw < 2; raw++) {
+        acquire_file *f = new_file("cut.csv", raw == 1);
+        for (uint32_t tick = 0; tick < 2000; tick += 10) {
+            palp_wire_samples b = block_at(tick);
+            acquire_file_add(f, &b);
+        }
+        assert_int_equal(acquire_file_close(f, "over_force", NAN), CLI_OK);
+        palp_experiment *e = read_file("cut.csv");
+        assert_string_equal(fault_of(e), "over_force");
+        assert_int_equal(palp_experiment_rows(e), 2000);
+        assert_int_equal(palp_experiment_column_count(e), raw ? 13 : 3);
+        palp_experiment_free(e);
+        assert_int_equal(stat(in_folder("cut.csv"), &now), 0);
+        size_t last = 2000;
+        for (off_t size = now.st_size / 4096 * 4096; size > 0; size -= 4096) {
+            assert_int_equal(truncate(in_folder("cut.csv"), size), 0);
+            e = read_file("cut.csv");
+            assert_true(palp_experiment_rows(e) < last);
+            last = palp_experiment_rows(e);
+            palp_experiment_free(e);
+        }
+        assert_true(last > 0 && last < 200);
+        free(f);
+    }
+}
+
+/* A host that is killed: what was written so far is there, and marked. */
+static void test_file_killed(void **state) {
+    acquire_file *f = new_file("killed.csv", false);
+    (void)state;
+    palp_experiment *e = read_file("killed.csv");
+    assert_string_equal(fault_of(e), "interrupted");
+    assert_int_equal(palp_experiment_rows(e), 0);
+    palp_experiment_free(e);
+    f->written_s = -10; /* as if half a second had gone by */
+    palp_wire_samples b = block_at(0);
+    acquire_file_add(f, &b);
+    e = read_file("killed.csv");
+    assert_string_equal(fault_of(e), "interrupted");
+    assert_int_equal(palp_experiment_rows(e), 10);
+    palp_experiment_free(e);
+    acquire_file_close(f, NULL, NAN);
+    free(f);
+}
+
+static void test_file_stays(void **state) {
+    acquire_file *f = new_file("there.csv", false);
+    json_t *header = json_object();
+    (void)state;
+    assert_int_equal(acquire_file_close(f, NULL, NAN), CLI_OK);
+    assert_int_equal(acquire_file_open(f, in_folder("there.csv"), false, false, &scale, 0, header), CLI_FAILURE);
+    assert_int_equal(acquire_file_open(f, in_folder("no/there.csv"), false, false, &scale, 0, header),
+                     CLI_FAILURE);
+    json_decref(header);
+    free(f);
+}
+
+/* No room: what fits is whole lines, and the failure is told. */
+static void test_file_full(void **state) {
+    struct rlimit before, less;
+    struct sigaction ignore = {.sa_handler = SIG_IGN}, was;
+    (void)state;
+    sigaction(SIGXFSZ, &ignore, &was);
+    getrlimit(RLIMIT_FSIZE, &before);
+    less = before;
+    less.rlim_cur = 20001;
+    setrlimit(RLIMIT_FSIZE, &less);
+    acquire_file *f = new_file("full.csv", false);
+    for (uint32_t tick = 0; tick < 3000; tick += 10) {
+        palp_wire_samples b = block_at(tick);
+        acquire_file_add(f, &b);
+    }
+    assert_int_equal(acquire_file_close(f, NULL, NAN), CLI_FAILURE);
+    setrlimit(RLIMIT_FSIZE, &before);
+    sigaction(SIGXFSZ, &was, NULL);
+    assert_int_equal(f->error, EFBIG);
+    palp_experiment *e = read_file("full.csv");
+    assert_true(palp_experiment_rows(e) > 500 && palp_experiment_rows(e) < 3000);
+    palp_experiment_free(e);
+    free(f);
+}
+
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_file),
+    cmocka_unit_test(test_session_start),
+    cmocka_unit_test(test_file_cut),
+    cmocka_unit_test(test_file_killed),
+    cmocka_unit_test(test_file_stays),
+    cmocka_unit_test(test_file_full),
+    {0},
+};

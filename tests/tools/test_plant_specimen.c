@@ -1,0 +1,315 @@
+/* test_plant_specimen.c: what the simulated indenter feels of its specimen, against closed forms and the
+ * library. */
+/* check: valgrind */
+#include "plant_make.h"
+
+#include <string.h>
+
+/* ---- specimens ---- */
+
+/* Brings the plate to so deep by a controller of the test's own, and holds it there. */
+static plant_truth press(plant *p, double depth_m, int ticks) {
+    plant_truth t = plant_look(p);
+    double integral = 0;
+    for (int tick = 0; tick < ticks; tick++) {
+        double error = depth_m - t.depth_m;
+        integral += 1000 * error * TICK;
+        double force = 2000 * error + integral - 20 * t.velocity_m_s;
+        t = step(p, (int)(fmin(fmax(force / 72, -0.5), 0.5) * 32767), true, NULL);
+    }
+    return t;
+}
+
+static void test_rigid_block_and_compliance(void **state) {
+    plant_settings s = in_air();
+    (void)state;
+    s.specimen = PLANT_RIGID;
+    s.actuator.start_m = s.contact_m;
+    s.actuator.coulomb_N = 0;
+    s.actuator.compliance_m_N = 2e-5;
+    plant *p = make(&s);
+    plant_truth t = {0};
+    for (int tick = 0; tick < 2000; tick++) {
+        t = step(p, 4551, true, NULL); /* 10 N */
+    }
+    near(t.force_N, 72 * 4551 / 32767.0, 1e-6);
+    near(t.depth_m, t.force_N / s.rigid_N_m, 1e-12);
+    near(t.carriage_m - s.contact_m, t.force_N * (1 / s.rigid_N_m + 2e-5), 1e-9);
+    plant_free(p);
+}
+
+/* The frame gives way: as deep as the force leaves it, on a network too. */
+static void test_compliance_of_models(void **state) {
+    static const char *const models[] = {"data/sedef2008/lumped_n2.json", "data/sedef2008/network_27.json"};
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        plant_settings s = in_air();
+        s.specimen = PLANT_MODEL;
+        s.model = models[i];
+        s.actuator.start_m = s.contact_m;
+        s.actuator.compliance_m_N = 1e-4;
+        plant *p = make(&s);
+        plant_truth t = press(p, 2e-3, 400);
+        assert_true(t.force_N > 0.5);
+        near(t.carriage_m - s.contact_m - t.depth_m, 1e-4 * t.force_N, 1e-11);
+        plant_free(p);
+    }
+}
+
+/* The force of a lumped specimen is palp_lumped_run's along the depths that were pressed. */
+static void test_lumped_force(void **state) {
+    enum { N = 3000 };
+    plant_settings s = plant_settings_default();
+    plant *p;
+    palp_model model;
+    static double time[N + 1], depth[N + 1], force[N + 1], plain[N + 1];
+    (void)state;
+    s.model = "data/sedef2008/lumped_n2.json";
+    s.actuator.start_m = s.contact_m;
+    s.scale = 2;
+    p = make(&s);
+    assert_int_equal(palp_model_read(s.model, &model, NULL, NULL), PALP_OK);
+    for (int i = 1; i <= N; i++) {
+        plant_truth t = step(p, i < N / 2 ? 700 + i : 500, true, NULL);
+        time[i] = i * TICK;
+        depth[i] = t.depth_m;
+        force[i] = t.force_N;
+        assert_true(t.depth_m >= 0 && t.force_N >= 0);
+    }
+    assert_int_equal(palp_lumped_run(&model.material, model.height_m, N + 1, time, depth, plain), PALP_OK);
+    for (int i = 1; i <= N; i++) {
+        near(force[i], 2 * plain[i], 2e-5 * force[N]); /* depth is not straight within a tick */
+    }
+    plant_free(p);
+}
+
+/* Without a model it is the seed's phantom. */
+static void test_phantom_is_the_file(void **state) {
+    plant_settings s = plant_settings_default(), file = s;
+    file.model = "data/sedef2008/lumped_n2.json";
+    s.actuator.start_m = file.actuator.start_m = s.contact_m;
+    plant *p = make(&s), *q = make(&file);
+    (void)state;
+    for (int i = 0; i < 2000; i++) {
+        plant_truth a = step(p, 900, true, NULL), b = step(q, 900, true, NULL);
+        assert_memory_equal(&a, &b, sizeof a);
+    }
+    plant_free(p);
+    plant_free(q);
+}
+
+/* Left behind by the plate, a Maxwell solid has q = -K e and so recovers by e' = -e / (tau (1 + K1 / K)):
+ * when the plate is brought back it is met where the closed form says. */
+static void recovers(const char *model, double tau, double ratio, double tolerance_m) {
+    plant_settings s = in_air();
+    s.specimen = PLANT_MODEL;
+    s.model = model;
+    s.actuator.start_m = s.contact_m;
+    s.actuator.coulomb_N = 0;
+    plant *p = make(&s);
+    press(p, 2e-3, 3000);
+    plant_truth t, last = plant_look(p);
+    do { /* away: how deep the specimen is when the force ends */
+        t = last;
+        last = step(p, -2000, true, NULL);
+        assert_true(last.force_N >= 0);
+    } while (last.force_N > 0);
+    double left_m = 0.5 * (t.depth_m + last.depth_m), left_s = last.time_s - 0.5 * TICK;
+    assert_true(left_m > 1e-3 && left_m < 2e-3);
+    for (int i = 0; i < 50; i++) { /* 2 mm away, and back against it slowly */
+        last = step(p, -1500, true, NULL);
+        near(last.force_N, 0, 0);
+    }
+    assert_true(last.depth_m < 0.2e-3);
+    while (last.force_N <= 0) {
+        t = last;
+        last = step(p, 400, true, NULL);
+        assert_true(last.time_s < 10);
+    }
+    double met_m = 0.5 * (t.depth_m + last.depth_m), time = last.time_s - 0.5 * TICK - left_s;
+    near(met_m, left_m * exp(-time / (tau * (1 + ratio))), 0.6 * (last.depth_m - t.depth_m) + tolerance_m);
+    assert_true(met_m > 0.2e-3);
+    plant_free(p);
+}
+
+static void test_recovery(void **state) {
+    (void)state;
+    recovers(model_file("lumped", "", 10, 20, 10), 0.5, 2, 5e-6);
+}
+
+/* All elements of a network being alike it recovers likewise, but for its large turns. */
+static void test_recovery_of_network(void **state) {
+    (void)state;
+    const char *mesh = "\"mesh\": {\"kind\": \"lattice\", \"nodes\": [3, 3, 3], \"size_mm\": [20, 20, 20]},";
+    recovers(model_file("network", mesh, 1, 2, 1), 0.5, 2, 2e-5);
+}
+
+/* ---- effects ---- */
+
+enum { PRESSED = 3600 };
+
+static double smooth(double x) {
+    x = fmin(fmax(x, 0), 1);
+    return x * x * x * (10 + x * (6 * x - 15));
+}
+
+/* Ramp, hold and withdrawal, twice and the second time deeper: between 1 mm above contact and so deep. */
+static double path_m(double time_s) {
+    double first = smooth(time_s / 0.6) - smooth((time_s - 1) / 0.6);
+    double second = smooth((time_s - 1.7) / 0.6) - smooth((time_s - 2.8) / 0.6);
+    return -1e-3 + 4e-3 * first + 5e-3 * second;
+}
+
+typedef struct effect_case {
+    const char *effect;          /* its id, and its parameters in JSON */
+    double slack_N, slowest_m_s; /* what else it may be off by; not compared where it moves slower */
+} effect_case;
+
+/* What the sensor of a plant on a model reads along that path, read by an encoder of a nanometre, is what the
+ * library gives for the depths of the encoder. */
+static void reads_as_the_library(const char *file, const effect_case *c) {
+    static double time[PRESSED + 1], depth[PRESSED + 1], read[PRESSED + 1], force[PRESSED + 1];
+    const palp_forward_run run = {.n = PRESSED + 1, .time_s = time, .depth_m = depth};
+    plant_settings s = in_air();
+    palp_error error = {PALP_OK, ""};
+    palp_model model;
+    palp_mesh_source mesh;
+    plant_in in;
+    s.specimen = PLANT_MODEL;
+    s.model = file;
+    s.actuator.count_m = 1e-9;
+    s.actuator.start_m = s.contact_m - 1e-3;
+    plant *p = make(&s);
+    plant_first(p, &in);
+    double integral = 0;
+    for (int i = 0; i <= PRESSED; i++) {
+        plant_truth t = plant_look(p);
+        time[i] = i * TICK;
+        depth[i] = 1e-9 * in.position - 1e-3;
+        read[i] = z_of(&in);
+        double miss = path_m(time[i] + TICK) - (t.carriage_m - s.contact_m);
+        integral += 4e5 * miss * TICK;
+        double push = 20000 * miss + integral - 100 * t.velocity_m_s;
+        step(p, (int)(fmin(fmax(push / 72, -0.5), 0.5) * 32767), true, &in);
+    }
+    plant_free(p);
+    assert_int_equal(palp_model_read(file, &model, &mesh, &error), PALP_OK);
+    palp_status status = model.kind == PALP_MODEL_LUMPED
+                             ? palp_forward_force(&model, &run, force, NULL, &error)
+                             : palp_forward_network(&model, NULL, &run, force, &error);
+    assert_int_equal(status, PALP_OK);
+    for (int i = 1; i <= PRESSED; i++) {
+        bool slow = fabs(depth[i] - depth[i - 1]) < c->slowest_m_s * TICK;
+        if (!slow && !(fabs(read[i] - force[i]) <= half_count_N() + c->slack_N)) {
+            fail_msg("%s: at %g s, %g mm it reads %g N, not %g", c->effect, time[i], 1e3 * depth[i], read[i],
+                     force[i]);
+        }
+    }
+}
+
+static const char *with_effect(const char *kind, const char *mesh, const char *effect, double k, double b) {
+    char more[1024], id[64];
+    size_t length = strcspn(effect, " ");
+    snprintf(id, sizeof id, "%.*s", (int)length, effect);
+    snprintf(more, sizeof more, "%s \"effects\": [{\"id\": \"%s\", \"parameters\": {%s}}],", mesh, id,
+             effect + length);
+    return model_file(kind, more, k, k, b);
+}
+
+/* But for session_ageing, which takes hours. */
+static void test_effects_of_lumped(void **state) {
+    static const effect_case effects[] = {
+        {"relaxation_arm \"stiffness_N\": 4, \"time_s\": 0.2", 0, 0},
+        {"power_law_relaxation \"stiffness_N\": 2, \"exponent\": 0.3", 0, 0},
+        {"strain_dependent_arm \"stiffness_per_strain\": 2, \"time_per_strain\": 1", 0, 0},
+        {"rate_stiffening \"per_decade\": 0.02", 0, 1e-3},
+        {"damage_softening \"softening\": 0.4, \"sharpness\": 0.5", 0, 0},
+        {"permanent_set \"fraction\": 0.3", 0, 0},
+        {"poroelastic \"stiffness_N\": 3, \"time_s\": 2", 0, 0},
+        {"contact_offset \"offset_mm\": 0.3", 0, 0},
+        {"toe_region \"length_mm\": 0.5", 0, 0},
+        {"adhesion \"force_N\": 0.2", 0, 0},
+        {"frame_compliance \"compliance_mm_N\": 0.1", 0, 0},
+        {"plate_inertia \"mass_kg\": 0.05", 6e-4, 1e-3},
+        {"coulomb_friction \"force_N\": 0.1", 0, 1e-3},
+        {"sensor_lag \"time_s\": 0.05", 0, 0},
+        {"sensor_bias \"force_N\": 0.3", 0, 0},
+        {"sensor_drift \"force_N_s\": 0.05", 0, 0},
+        {"sensor_gain \"gain\": 0.1", 0, 0},
+        {"force_saturation \"force_N\": 1.2", 0, 0},
+        {"mains_hum \"amplitude_N\": 0.1, \"frequency_Hz\": 48", 0, 0},
+        {"drive_ripple \"amplitude_N\": 0.05, \"period_mm\": 0.7, \"phase_rad\": 1", 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof effects / sizeof effects[0]; i++) {
+        reads_as_the_library(with_effect("lumped", "", effects[i].effect, 10, 5), &effects[i]);
+    }
+}
+
+static void test_effects_of_network(void **state) {
+    static const char mesh[] =
+        "\"mesh\": {\"kind\": \"lattice\", \"nodes\": [3, 3, 3], \"size_mm\": [20, 20, 20]},";
+    static const effect_case effects[] = {{"damage_softening \"softening\": 0.4, \"sharpness\": 0.5", 0, 0},
+                                          {"adhesion \"force_N\": 0.2", 0, 0},
+                                          {"plate_slip \"slip\": 0.8", 0, 0},
+                                          {"frame_compliance \"compliance_mm_N\": 0.1", 0, 0},
+                                          {"coulomb_friction \"force_N\": 0.1", 0, 1e-3}};
+    (void)state;
+    for (size_t i = 0; i < sizeof effects / sizeof effects[0]; i++) {
+        reads_as_the_library(with_effect("network", mesh, effects[i].effect, 0.3, 0.15), &effects[i]);
+    }
+}
+
+/* Below the specimen there is a table. */
+static void test_table(void **state) {
+    plant_settings s = in_air();
+    s.specimen = PLANT_MODEL;
+    s.model = model_file("lumped", "", 0.1, 0.1, 0.1);
+    s.actuator.start_m = s.contact_m = 5e-3;
+    plant *p = make(&s);
+    plant_truth t = {0};
+    (void)state;
+    for (int i = 0; i < 2000; i++) {
+        t = step(p, 4551, true, NULL);
+    }
+    near(t.depth_m, 0.95 * 0.02, 2e-5);
+    near(t.force_N, 10, 0.2);
+    plant_free(p);
+}
+
+/* Pressed by more than the friction the plate is at the end of its play; after that friction keeps it while
+ * the carriage goes back by the play. */
+static void test_backlash(void **state) {
+    plant_settings s = in_air();
+    s.specimen = PLANT_RIGID;
+    s.actuator.start_m = s.contact_m;
+    s.actuator.backlash_m = 5e-5;
+    plant *p = make(&s);
+    plant_truth t = {0};
+    (void)state;
+    for (int i = 0; i < 1000; i++) {
+        t = step(p, 2276, true, NULL); /* 5 N */
+    }
+    near(t.carriage_m - t.depth_m - s.contact_m, 5e-5, 1e-12);
+    double deepest = t.depth_m;
+    for (int i = 0; i < 20; i++) {
+        t = step(p, -2000, true, NULL);
+    }
+    assert_true(t.depth_m < 0 && deepest > 0);
+    near(t.carriage_m - t.depth_m - s.contact_m, 0, 1e-12);
+    plant_free(p);
+}
+
+const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_rigid_block_and_compliance),
+    cmocka_unit_test(test_compliance_of_models),
+    cmocka_unit_test(test_lumped_force),
+    cmocka_unit_test(test_phantom_is_the_file),
+    cmocka_unit_test(test_recovery),
+    cmocka_unit_test(test_recovery_of_network),
+    cmocka_unit_test(test_effects_of_lumped),
+    cmocka_unit_test(test_effects_of_network),
+    cmocka_unit_test(test_table),
+    cmocka_unit_test(test_backlash),
+    {0},
+};
