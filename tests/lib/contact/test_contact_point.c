@@ -1,0 +1,180 @@
+/* test_contact_point.c: one contact alone: the nearest point, and force and tangent as derivatives of its energy. */
+#include "contact/contact_internal.h"
+
+#include <check.h>
+#include <string.h>
+
+static uint64_t seed;
+
+static double uniform(double low, double high) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+}
+
+/* The triangle of the nodes 0, 1, 2, its sides about 1 m, with a corner anywhere near. */
+static void random_triangle(double x[9]) {
+    static const double equal[9] = {0, 0, 0, 1, 0, 0, 0.5, 0, 0.8};
+    for (int i = 0; i < 9; i++)
+        x[i] = equal[i] + uniform(-0.2, 0.2);
+}
+
+/* Of a convex set the nearest point q to p is the one where (p - q) . (c - q) <= 0 for each corner c. */
+START_TEST(nearest_point_of_a_triangle) {
+    int regions[8] = {0};
+    seed = 3;
+    for (int trial = 0; trial < 2000; trial++) {
+        double x[9], p[3], share[3], q[3], away[3], to[3];
+        const double *corner[3] = {x, x + 3, x + 6};
+        random_triangle(x);
+        for (int k = 0; k < 3; k++)
+            p[k] = uniform(-1.5, 2.5);
+        contact_nearest(corner, p, share);
+        ck_assert_double_eq_tol(share[0] + share[1] + share[2], 1.0, 1e-12);
+        for (int i = 0; i < 3; i++)
+            ck_assert_double_ge(share[i], 0.0);
+        for (int k = 0; k < 3; k++) {
+            q[k] = share[0] * x[k] + share[1] * x[3 + k] + share[2] * x[6 + k];
+            away[k] = p[k] - q[k];
+        }
+        for (int i = 0; i < 3; i++) {
+            along3(corner[i], -1.0, q, to);
+            ck_assert_double_le(dot3(away, to), 1e-12);
+        }
+        regions[(share[0] > 0.0) + 2 * (share[1] > 0.0) + 4 * (share[2] > 0.0)]++;
+    }
+    for (int i = 1; i < 8; i++) /* inside, each edge and each corner have been met */
+        ck_assert_int_gt(regions[i], 20);
+}
+END_TEST
+
+/* A sphere on the triangle: what contact_evaluate needs, no more. */
+typedef struct setting {
+    palp_tool tool;
+    contact_set set;
+    contact c;
+} setting;
+
+static void place(setting *s, const double position[3], double radius, double friction) {
+    memset(s, 0, sizeof *s);
+    s->tool = (palp_tool){.shape = PALP_TOOL_SPHERE, .radius_m = radius, .friction = friction};
+    memcpy(s->tool.position_m, position, sizeof s->tool.position_m);
+    s->set.pose = &s->tool;
+    s->set.settings.smoothing = 0.05;
+    s->set.edge = 2.0;
+    s->c = (contact){.node = {0, 1, 2}, .corners = 3, .stiffness = 7.0, .entry = 1.0, .stick_share = {0.2, 0.5, 0.3}};
+}
+
+static double energy_at(setting *s, const double *x) {
+    contact_evaluate(&s->set, &s->c, x);
+    return contact_energy(&s->set, &s->c);
+}
+
+/* Pressure alone, on the nodes. */
+static void force_at(setting *s, const double *x, double force[9]) {
+    contact_evaluate(&s->set, &s->c, x);
+    for (int i = 0; i < 9; i++)
+        force[i] = s->c.share[i / 3] * s->c.pressure * s->c.normal[i % 3];
+}
+
+/* A central difference over h is off by its square; on a kink (two parts of the triangle, the smoothing's end) by more. */
+static void check_derivatives(setting *s, double *x) {
+    const double h = 1e-5;
+    double force[9], low[9], high[9], block[9], unit[9], product[9];
+    force_at(s, x, force);
+    contact here = s->c;
+    for (int j = 0; j < 9; j++) {
+        double kept = x[j];
+        x[j] = kept + h;
+        double above = energy_at(s, x);
+        force_at(s, x, high);
+        x[j] = kept - h;
+        double below = energy_at(s, x);
+        force_at(s, x, low);
+        x[j] = kept;
+        ck_assert_double_eq_tol(force[j], -(above - below) / (2.0 * h), 1e-6);
+        memset(unit, 0, sizeof unit);
+        memset(product, 0, sizeof product);
+        unit[j] = 1.0;
+        contact_times(&here, unit, product);
+        for (int i = 0; i < 9; i++) {
+            contact_block(&here, i / 3, j / 3, block);
+            ck_assert_double_eq_tol(block[3 * (i % 3) + j % 3], -(high[i] - low[i]) / (2.0 * h), 1e-5);
+            ck_assert_double_eq_tol(block[3 * (i % 3) + j % 3], product[i], 1e-12);
+        }
+    }
+}
+
+/* _i: over the face, an edge and a corner; shallow, where the penalty is quadratic, and deep. */
+START_TEST(pressure_is_the_slope_of_the_energy) {
+    static const double over[3][3] = {{0.45, 0.3, 0.25}, {0.5, 0.25, -0.3}, {-0.35, 0.2, -0.3}};
+    static const int corners[3] = {3, 2, 1};
+    static const double depth[2] = {0.06, 0.16}; /* smoothing ends at 0.1 */
+    seed = 11 + (uint64_t)_i;
+    for (int trial = 0; trial < 5; trial++) {
+        double x[9] = {0, 0, 0, 1, 0, 0, 0.5, 0, 0.8}; /* its normal is -y: the tool is below */
+        for (int i = 0; i < 9; i++)
+            x[i] += uniform(-0.03, 0.03);
+        double position[3] = {over[_i % 3][0], -over[_i % 3][1], over[_i % 3][2]};
+        setting s;
+        place(&s, position, 1.0, 0.0);
+        contact_measure(&s.tool, &s.c, x);
+        place(&s, position, s.c.distance + depth[_i / 3], 0.0);
+        contact_evaluate(&s.set, &s.c, x);
+        int n = 0;
+        for (int k = 0; k < 3; k++)
+            n += s.c.share[k] > 0.0;
+        ck_assert_int_eq(n, corners[_i % 3]);
+        ck_assert_double_eq_tol(s.c.depth, depth[_i / 3], 1e-12);
+        check_derivatives(&s, x);
+    }
+}
+END_TEST
+
+/* Friction's spring is along the surface and as stiff as the penalty for the share of the step that it touched;
+ * beyond the coefficient times the pressure it slips. */
+START_TEST(friction_sticks_and_slips) {
+    const double x[9] = {0, 0, 0, 1, 0, 0, 0.5, 0, 0.8}, position[3] = {0.5, -0.4, 0.3};
+    const double pull = 7.0 * 0.75 * 0.05, pressure = 7.0 * (0.2 - 0.05);
+    for (int slips = 0; slips < 2; slips++) {
+        setting s;
+        double coefficient = slips ? 0.4 * pull / pressure : 2.0 * pull / pressure, share = slips ? 0.4 : 1.0;
+        place(&s, position, 0.6, coefficient);
+        s.c.entry = 0.75;
+        contact_point(&s.c, s.c.stick_share, x, s.c.anchor);
+        s.c.anchor[0] -= 0.03;
+        s.c.anchor[2] -= 0.04;
+        s.c.anchor[1] -= 0.5; /* along the normal: has no effect */
+        contact_evaluate(&s.set, &s.c, x);
+        ck_assert_double_eq_tol(s.c.pressure, pressure, 1e-12);
+        static const double along[3] = {0.6, 0.0, 0.8};
+        for (int k = 0, i = 0; k < 3; k++) {
+            ck_assert_double_eq_tol(s.c.friction[k], -share * pull * along[k], 1e-12);
+            ck_assert_double_eq_tol(s.c.stretch[k], share * 0.75 * 0.05 * along[k], 1e-12);
+            for (int l = 0; l <= k; l++, i++) {
+                double surface = k == l && k != 1, turn = slips ? along[k] * along[l] : 0.0;
+                ck_assert_double_eq_tol(s.c.friction_tangent[i], share * 7.0 * 0.75 * (surface - turn), 1e-12);
+            }
+        }
+    }
+}
+END_TEST
+
+/* Beyond half an edge below the surface a tool has lost it. */
+START_TEST(a_tool_far_through_is_lost) {
+    const double x[9] = {0, 0, 0, 1, 0, 0, 0.5, 0, 0.8};
+    for (int lost = 0; lost < 2; lost++) {
+        setting s;
+        place(&s, (double[3]){0.5, lost ? 1.02 : 0.98, 0.3}, 0.5, 0.0);
+        contact_evaluate(&s.set, &s.c, x);
+        ck_assert_double_eq_tol(s.c.distance, lost ? -1.02 : -0.98, 1e-12);
+        ck_assert_double_eq_tol(s.c.depth, lost ? 0.0 : 1.48, 1e-12);
+    }
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, nearest_point_of_a_triangle);
+    tcase_add_loop_test(tc, pressure_is_the_slope_of_the_energy, 0, 6);
+    tcase_add_test(tc, friction_sticks_and_slips);
+    tcase_add_test(tc, a_tool_far_through_is_lost);
+}
