@@ -262,7 +262,9 @@ uninstall: ## removes what install put there
 	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(LIBDIR)/palpate'
 
 # ---- the rest ------------------------------------------------------------------------------------
-.PHONY: dist symbols clean help
+.PHONY: dist symbols libs clean help
+libs: # what a program of the command's parts is linked with
+	@echo "$(LIBS) $(SERIAL_LIBS)"
 dist: ## palpate-VERSION.tar.gz of the last commit
 	git archive --format=tar.gz --prefix=palpate-$(VERSION)/ -o palpate-$(VERSION).tar.gz HEAD
 symbols: ## rewrites lib/palpate.map, the list of exported functions, from the public headers

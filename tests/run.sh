@@ -136,7 +136,7 @@ rest)
         # A processor type that valgrind knows, whatever the real one is.
         if tagged "$t" valgrind; then add "valgrind ${t%.c}" "OPENBLAS_CORETYPE=Haswell $memcheck $BUILD/${t%.c}"; fi
     done
-    add "fuzzed wire" "sh tests/fuzz/run.sh"
+    add "fuzzed readers" "sh tests/fuzz/run.sh"
     ;;
 asan)
     sanitized

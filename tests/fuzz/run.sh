@@ -1,9 +1,12 @@
 #!/bin/sh
-# run.sh: a bounded run of libFuzzer on the decoder of the indenter's protocol, from the golden frames; the same each time.
-#   tests/fuzz/run.sh [RUNS]     default 400000; for long hunts e.g. 100000000
+# run.sh: bounded runs of libFuzzer on every reader, from the files of the tests and seeds/; the same each time.
+#   tests/fuzz/run.sh [RUNS [READER ...]]     default 10000 of each; for long hunts e.g. 10000000 mesh
 set -eu
 cd "$(dirname "$0")/../.."
-runs=${1:-400000}
+runs=${1:-10000}
+[ $# -eq 0 ] || shift
+BUILD=${BUILD:-build}/fuzz
+export BUILD
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 command -v clang >/dev/null || { echo "there is no clang"; exit 77; }
@@ -11,18 +14,48 @@ echo 'int LLVMFuzzerTestOneInput(const char *d, long n); int LLVMFuzzerTestOneIn
 clang -fsanitize=fuzzer,address,undefined -o "$work/none" "$work/none.c" 2>/dev/null ||
     { echo "clang has no libFuzzer"; exit 77; }
 
-mkdir "$work/seeds" "$work/found"
-grep -v -e '^#' -e = tests/data/wire/golden.txt | while read -r frame; do
-    octal=
-    for byte in $frame; do octal="$octal\\0$(printf %03o "0x$byte")"; done
-    printf %b "$octal" >"$work/seeds/$(echo "$frame" | cut -c 4-5)"
+san=address,undefined
+${MAKE:-make} --no-print-directory BUILD="$BUILD" SANITIZE= CFLAGS="-g -O1 -fsanitize=fuzzer-no-link,$san -fno-sanitize-recover=all" \
+    LDFLAGS="-fsanitize=$san" CC="${FUZZ_CC:-clang}" "$BUILD/palpate" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+rm -f "$BUILD/tools.a"
+find "$BUILD/obj/tools" -name '*.o' ! -name palpate.o -exec ar qcs "$BUILD/tools.a" {} +
+
+# seeds_of READER: the folder or files that it starts from
+seeds_of() {
+    ls -d tests/fuzz/seeds/"$1"/* 2>/dev/null
+    case $1 in
+    experiment) ls tests/data/bad/*.csv ;;
+    model) ls tests/data/bad/*.json data/models/*.json data/sedef2008/*.json ;;
+    mesh) ls tests/data/mesh/*.msh ;;
+    wire)
+        grep -v -e '^#' -e = tests/data/wire/golden.txt | while read -r frame; do
+            octal=
+            for byte in $frame; do octal="$octal\\0$(printf %03o "0x$byte")"; done
+            printf %b "$octal" >"$work/$(echo "$frame" | cut -c 4-5).frame"
+        done
+        ls "$work"/*.frame
+        ;;
+    esac
+}
+
+[ $# -gt 0 ] || set -- experiment model mesh import protocol calibration script reduced report wire
+for reader in "$@"; do
+    [ "$reader" != wire ] || runs=$((40 * runs)) # no file is written for it
+    TMPDIR=$work/$reader
+    export TMPDIR
+    mkdir -p "$TMPDIR/found" "$TMPDIR/seeds"
+    seeds_of "$reader" | xargs -I{} cp {} "$TMPDIR/seeds"
+    # shellcheck disable=SC2046
+    clang -std=c99 -g -O1 -fsanitize=fuzzer,$san -fno-sanitize-recover=all -Iinclude -Itools -Ifirmware/core -Ifirmware/board \
+        -o "$TMPDIR/fuzz" "tests/fuzz/fuzz_$reader.c" $([ "$reader" != wire ] || echo tests/lib/wire_make.c) \
+        "$BUILD/tools.a" "$BUILD/libindenter.a" "$BUILD/libpalpate.a" \
+        $(${MAKE:-make} --no-print-directory -s libs)
+    if ! "$TMPDIR/fuzz" -runs="$runs" -seed=1 -max_len=16384 -timeout=20 -rss_limit_mb=4096 -close_fd_mask=3 -artifact_prefix="$TMPDIR/" \
+        "$TMPDIR/found" "$TMPDIR/seeds" >"$TMPDIR/log" 2>&1; then
+        tail -n 60 "$TMPDIR/log"
+        cp "$TMPDIR"/crash-* "$TMPDIR"/timeout-* "$TMPDIR"/oom-* "$TMPDIR"/leak-* "${SCRATCH:-.}" 2>/dev/null
+        echo "$reader: the input is kept in ${SCRATCH:-.}"
+        exit 1
+    fi
+    echo "$reader: $(grep '^Done' "$TMPDIR/log")"
 done
-clang -std=c99 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude -o "$work/fuzz_wire" \
-    tests/fuzz/fuzz_wire.c tests/lib/wire_make.c lib/wire/wire.c
-if ! "$work/fuzz_wire" -runs="$runs" -seed=1 -max_len=600 -artifact_prefix="$work/" "$work/found" "$work/seeds" \
-    >"$work/log" 2>&1; then
-    cat "$work/log"
-    cp "$work"/crash-* "${SCRATCH:-.}" 2>/dev/null && echo "the input is kept in ${SCRATCH:-.}"
-    exit 1
-fi
-grep -e '#.*DONE' -e '^Done' "$work/log"
