@@ -30,6 +30,10 @@ typedef enum palp_status {
         PALP_STATUS_COUNT
 } palp_status;
 
+/* The rule for pointers, of every call: one that the call needs and is NULL gives PALP_ERR_ARGUMENT where a status is returned,
+ * else 0, false, NULL or, of a double, NaN; nothing is changed. What may be NULL is said at the call: palp_error *, info and
+ * user of all of them, what is freed, and arrays of no element. */
+
 /* One English line for a status, "unknown status" for a value outside the list. Never NULL. */
 PALP_API const char *palp_status_text(palp_status status);
 

@@ -19,6 +19,9 @@ palp_status palp_error_set(palp_error *error, palp_status status, const char *fo
 palp_status palp_error_set_line(palp_error *error, palp_status status, const char *path, size_t line,
                                 const char *format, ...) PALP_PRINTF(5, 6);
 
+/* ERR_ARGUMENT: a pointer that the call needs is NULL. */
+palp_status palp_error_null(palp_error *error);
+
 /* ERR_FILE with "path: what: the system's reason for number" (an errno). */
 palp_status palp_error_set_file(palp_error *error, const char *path, const char *what, int number);
 

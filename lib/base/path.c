@@ -34,10 +34,14 @@ static palp_status create(size_t n, const double *time_s, const double *values, 
 }
 
 palp_status palp_path_create(size_t n, const double *time_s, const double *depth_m, palp_path *path) {
+    if (!time_s || !depth_m || !path)
+        return PALP_ERR_ARGUMENT;
     return create(n, time_s, depth_m, false, path);
 }
 
 palp_status palp_path_static(double depth_m, double rate_m_s, palp_path *path) {
+    if (!path)
+        return PALP_ERR_ARGUMENT;
     double time_s[2] = {0, fabs(depth_m) / rate_m_s}, corner_m[2] = {0, depth_m};
     return create(2, time_s, corner_m, false, path);
 }
@@ -53,14 +57,20 @@ static palp_status ramp_hold(double value, double ramp_s, double hold_s, bool fo
 }
 
 palp_status palp_path_ramp_hold(double depth_m, double ramp_s, double hold_s, palp_path *path) {
+    if (!path)
+        return PALP_ERR_ARGUMENT;
     return ramp_hold(depth_m, ramp_s, hold_s, false, path);
 }
 
 palp_status palp_path_creep(double force_N, double ramp_s, double hold_s, palp_path *path) {
+    if (!path)
+        return PALP_ERR_ARGUMENT;
     return ramp_hold(force_N, ramp_s, hold_s, true, path);
 }
 
 palp_status palp_path_cyclic(double depth_m, double rate_m_s, size_t cycles, palp_path *path) {
+    if (!path)
+        return PALP_ERR_ARGUMENT;
     memset(path, 0, sizeof *path);
     double half_s = fabs(depth_m) / rate_m_s;
     if (cycles == 0 || cycles > SIZE_MAX / (4 * sizeof(double)) || !(half_s > 0) || !isfinite(half_s))
@@ -81,6 +91,8 @@ palp_status palp_path_cyclic(double depth_m, double rate_m_s, size_t cycles, pal
 }
 
 double palp_path_at(const palp_path *path, double t) {
+    if (!path)
+        return NAN;
     const double *time_s = path->time_s, *value = path->depth_m ? path->depth_m : path->force_N;
     if (path->n == 0)
         return 0;

@@ -33,11 +33,15 @@ palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_
 }
 
 palp_status palp_network_set_tools(palp_network *net, size_t n, const palp_tool *tools) {
+    if (!net || (n > 0 && !tools))
+        return PALP_ERR_ARGUMENT;
     contact_set *set = contact_of(net);
     return set ? contact_set_tools(set, n, tools) : PALP_ERR_ARGUMENT;
 }
 
 palp_status palp_network_tool_force(const palp_network *net, palp_tool_force *force) {
+    if (!net || !force)
+        return PALP_ERR_ARGUMENT;
     const contact_set *set = contact_of(net);
     if (!set || !force)
         return PALP_ERR_ARGUMENT;

@@ -192,7 +192,7 @@ static grasped *find_node(const grasp *t, int32_t node) {
 }
 
 static bool nodes_sound(const palp_network *net, size_t n, const int32_t *nodes) {
-    if (!find(net) || (n > 0 && !nodes))
+    if (!net || !find(net) || (n > 0 && !nodes))
         return false;
     for (size_t i = 0; i < n; i++)
         if (nodes[i] < 0 || (size_t)nodes[i] >= net->n_nodes)

@@ -254,11 +254,15 @@ palp_status palp_network_tear(palp_network *net, size_t *n_torn) {
 }
 
 const unsigned char *palp_network_alive(const palp_network *net) {
+    if (!net)
+        return NULL;
     const network_cut *cut = cut_of(net);
     return cut ? cut->alive : NULL;
 }
 
 size_t palp_network_loose(const palp_network *net, unsigned char *loose) {
+    if (!net)
+        return 0;
     const network_cut *cut = cut_of(net);
     if (loose && cut)
         memcpy(loose, cut->loose, net->n_nodes);

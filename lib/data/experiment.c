@@ -21,6 +21,8 @@ palp_status palp_experiment_empty(palp_experiment **experiment) {
 }
 
 palp_status palp_experiment_create(size_t rows, palp_experiment **experiment) {
+    if (!experiment)
+        return PALP_ERR_ARGUMENT;
     static const char *const names[] = {"time_s", "depth_mm", "force_N"};
     palp_status status = palp_experiment_empty(experiment);
     if (status)
@@ -110,23 +112,33 @@ palp_status palp_experiment_grow(palp_experiment *e) {
 }
 
 size_t palp_experiment_rows(const palp_experiment *experiment) {
+    if (!experiment)
+        return 0;
     return experiment->rows;
 }
 
 double *palp_experiment_column(const palp_experiment *experiment, const char *name) {
+    if (!experiment || !name)
+        return NULL;
     size_t i = palp_experiment_find(experiment, name, strlen(name));
     return i < experiment->n_columns ? experiment->columns[i].values : NULL;
 }
 
 size_t palp_experiment_column_count(const palp_experiment *experiment) {
+    if (!experiment)
+        return 0;
     return experiment->n_columns;
 }
 
 const char *palp_experiment_column_name(const palp_experiment *experiment, size_t i) {
+    if (!experiment)
+        return NULL;
     return i < experiment->n_columns ? experiment->columns[i].name : NULL;
 }
 
 palp_status palp_experiment_add_column(palp_experiment *experiment, const char *name) {
+    if (!experiment || !name)
+        return PALP_ERR_ARGUMENT;
     size_t length = strlen(name);
     if (!palp_experiment_name_valid(name, length) ||
         palp_experiment_find(experiment, name, length) < experiment->n_columns)
@@ -135,6 +147,8 @@ palp_status palp_experiment_add_column(palp_experiment *experiment, const char *
 }
 
 palp_status palp_experiment_get_number(const palp_experiment *experiment, const char *key, double *value) {
+    if (!experiment || !key || !value)
+        return PALP_ERR_ARGUMENT;
     const json_t *found = json_object_get(experiment->header, key);
     if (!json_is_number(found))
         return PALP_ERR_INPUT;
@@ -144,6 +158,8 @@ palp_status palp_experiment_get_number(const palp_experiment *experiment, const 
 
 palp_status palp_experiment_get_string(const palp_experiment *experiment, const char *key,
                                        const char **value) {
+    if (!experiment || !key || !value)
+        return PALP_ERR_ARGUMENT;
     const json_t *found = json_object_get(experiment->header, key);
     if (!json_is_string(found))
         return PALP_ERR_INPUT;
@@ -152,12 +168,16 @@ palp_status palp_experiment_get_string(const palp_experiment *experiment, const 
 }
 
 palp_status palp_experiment_set_number(palp_experiment *experiment, const char *key, double value) {
+    if (!experiment || !key)
+        return PALP_ERR_ARGUMENT;
     if (!isfinite(value) || !palp_experiment_key_valid(key, strlen(key)))
         return PALP_ERR_ARGUMENT;
     return json_object_set_new(experiment->header, key, json_real(value)) ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
 palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key, const char *value) {
+    if (!experiment || !key || !value)
+        return PALP_ERR_ARGUMENT;
     if (!palp_experiment_key_valid(key, strlen(key)) || !palp_text_is_utf8(value))
         return PALP_ERR_ARGUMENT;
     return json_object_set_new(experiment->header, key, json_string(value)) ? PALP_ERR_NO_MEMORY : PALP_OK;

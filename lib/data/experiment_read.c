@@ -246,6 +246,8 @@ static palp_status text_read(reader *r) {
 }
 
 palp_status palp_experiment_read(const char *path, palp_experiment **experiment, palp_error *error) {
+    if (!path || !experiment)
+        return palp_error_null(error);
     char *text = NULL;
     size_t size = 0;
     palp_locale locale;

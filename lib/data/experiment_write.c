@@ -91,6 +91,8 @@ static palp_status text_write(const palp_experiment *e, FILE *stream) {
 }
 
 palp_status palp_experiment_write(const palp_experiment *experiment, const char *path, palp_error *error) {
+    if (!experiment || !path)
+        return palp_error_null(error);
     palp_file file;
     palp_status status = rows_check(experiment, path, error);
     if (!status)

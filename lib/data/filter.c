@@ -36,6 +36,8 @@ static void reverse(size_t n, double *x) {
 
 palp_status palp_filter_zero_phase(size_t n, const double *in, double dt_s, int order, double cutoff_Hz,
                                    double *out) {
+    if (!in || !out)
+        return PALP_ERR_ARGUMENT;
     if (n == 0 || order < 2 || order > 8 || order % 2 || !(dt_s > 0.0) || !(cutoff_Hz > 0.0) ||
         !(cutoff_Hz * dt_s < 0.5))
         return PALP_ERR_ARGUMENT;

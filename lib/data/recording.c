@@ -186,6 +186,8 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
 palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,
                                    const palp_recording_settings *settings, palp_recording *recording,
                                    palp_error *error) {
+    if (!experiment || !name || !settings || !recording)
+        return palp_error_null(error);
     memset(recording, 0, sizeof *recording);
     strncpy(recording->name, name, PALP_NAME_MAX - 1);
     palp_status status = prepare(recording, experiment, settings, error);

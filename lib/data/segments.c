@@ -92,6 +92,8 @@ static palp_phase phase_of(const past *p, double depth, double since) {
 }
 
 void palp_segments_phases(size_t n, const double *time, const double *depth, unsigned char *phase) {
+    if (!time || !depth || !phase)
+        return;
     double still = still_speed(n, time, depth);
     past p = {.corner = time[0]};
     for (size_t i = 0; i < n; i++) {

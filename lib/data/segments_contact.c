@@ -33,6 +33,8 @@ static void average_running(palp_press *p) {
 
 palp_status palp_press_create(size_t n, const double *time_s, const double *depth, const double *force_N,
                               palp_press *press) {
+    if (!time_s || !depth || !force_N || !press)
+        return PALP_ERR_ARGUMENT;
     *press = (palp_press){.n = n, .time_s = time_s, .depth = depth, .force_N = force_N};
     press->mean_N = malloc(n * sizeof *press->mean_N);
     palp_status status =
@@ -59,6 +61,8 @@ void palp_press_free(palp_press *press) {
 /* ---- air ---- */
 
 double palp_air_force(const palp_air *air, double time_s) {
+    if (!air)
+        return NAN;
     return air->level_N + air->drift_N_s * time_s;
 }
 
@@ -92,6 +96,8 @@ static double exactness(const palp_press *p, const palp_air *air) {
 
 /* What is found to be air then says what air is. */
 palp_air palp_press_air(const palp_press *p, bool approach) {
+    if (!p)
+        return (palp_air){0};
     palp_air air = {0};
     double least_sd = fmax(p->noise_N / sqrt((double)p->window), 1e-6 * fabs(p->mean_N[p->peak] - p->mean_N[0]));
     size_t n = smaller(approach ? (size_t)(APPROACH_AIR * (double)p->peak) : 5 * p->window, p->peak);
@@ -109,6 +115,8 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
 
 /* The trend is seen in the means of the outer thirds. */
 bool palp_press_starts_in_air(const palp_press *p) {
+    if (!p)
+        return false;
     size_t n = smaller(5 * p->window, p->n), third = n / 3;
     double squares = 0.0, level = statistics_mean(p->force_N, n);
     if (n < AIR_LEAST)
@@ -130,10 +138,14 @@ static size_t moved(const palp_press *p, double by) {
 }
 
 size_t palp_press_rest(const palp_press *p) {
+    if (!p)
+        return 0;
     return moved(p, RESTING * fabs(p->depth[p->peak] - p->depth[0]));
 }
 
 double palp_press_travel(const palp_press *p, double force_N) {
+    if (!p)
+        return NAN;
     double travel = p->depth[p->peak] - p->depth[0];
     size_t from = palp_press_rest(p), to = moved(p, FIRST_PART * fabs(travel));
     double rise_N = p->mean_N[to] - p->mean_N[from], way = p->depth[to] - p->depth[from];

@@ -36,6 +36,8 @@ static double by_most(double *bend, size_t n) {
 
 palp_status palp_segments_noise(size_t n, const double *time_s, double step_s, const double *force_N,
                                 palp_noise_rule rule, double *sd) {
+    if (!force_N || !sd)
+        return PALP_ERR_ARGUMENT;
     double *bend = malloc((n + 1) * sizeof *bend);
     size_t m = 0;
     *sd = 0.0;

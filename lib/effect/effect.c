@@ -18,6 +18,8 @@ const palp_effect_info *palp_effect_look_up(palp_effect_id id) {
 }
 
 palp_status palp_effect_parse(const char *id, palp_effect_id *found) {
+    if (!id || !found)
+        return PALP_ERR_ARGUMENT;
     for (int i = 0; i < PALP_EFFECT_COUNT; i++)
         if (strcmp(CATALOGUE[i]->info.id, id) == 0) {
             *found = (palp_effect_id)i;
@@ -27,6 +29,8 @@ palp_status palp_effect_parse(const char *id, palp_effect_id *found) {
 }
 
 palp_status palp_effect_default(palp_effect_id id, palp_effect *effect) {
+    if (!effect)
+        return PALP_ERR_ARGUMENT;
     const effect_row *row = effect_row_of(id);
     if (!row)
         return PALP_ERR_ARGUMENT;
@@ -37,6 +41,8 @@ palp_status palp_effect_default(palp_effect_id id, palp_effect *effect) {
 }
 
 palp_status palp_effect_check(const palp_effect *effect, palp_error *error) {
+    if (!effect)
+        return palp_error_null(error);
     const effect_row *row = effect_row_of(effect->id);
     if (!row)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no effect has the number %d", (int)effect->id);

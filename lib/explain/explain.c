@@ -238,6 +238,8 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
 
 palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
                          const palp_explain_settings *settings, palp_explanation *explanation, palp_error *error) {
+    if (!model || !inputs || !settings || !explanation)
+        return palp_error_null(error);
     memset(explanation, 0, sizeof *explanation);
     if (n == 0)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no runs to explain");

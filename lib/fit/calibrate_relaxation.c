@@ -287,6 +287,8 @@ palp_status relaxation_linearize(palp_network *network, const palp_material *sta
 palp_status palp_calibrate_relaxation(palp_network *network, const palp_material *start, size_t n_targets,
                                       const palp_target *targets, const palp_relaxation_settings *settings,
                                       palp_calibration *result) {
+    if (!network || !start || !targets || !settings || !result)
+        return PALP_ERR_ARGUMENT;
     relaxation s = {.net = network, .start = start, .settings = settings, .n_targets = n_targets,
                     .target = targets, .result = result};
     memset(result, 0, sizeof *result);

@@ -171,6 +171,8 @@ palp_status static_stage_solve(static_stage *s, palp_status (*solve)(static_stag
 palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
                                   const double *target_N, const palp_static_settings *settings,
                                   palp_calibration *result) {
+    if (!network || !start || !depth_m || !target_N || !settings || !result)
+        return PALP_ERR_ARGUMENT;
     static_stage s = {.net = network, .start = start, .settings = settings, .n = n,
                       .depth = depth_m, .target = target_N, .result = result};
     return static_stage_solve(&s, least_squares_fit);

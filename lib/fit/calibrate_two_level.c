@@ -118,6 +118,8 @@ static palp_status allocate(two_level *c) {
 palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start, size_t n,
                                    const double *depth_m, const double *target_N,
                                    const palp_static_settings *settings, palp_calibration *result) {
+    if (!network || !coarse || !start || !depth_m || !target_N || !settings || !result)
+        return PALP_ERR_ARGUMENT;
     two_level c = {.fine = network, .coarse = coarse, .settings = settings, .n = n, .depth = depth_m, .target = target_N,
                .n_presses = n < PRESSES ? n : PRESSES, .result = result};
     palp_realtime_settings realtime = palp_realtime_settings_default();

@@ -278,6 +278,8 @@ static palp_status fill_estimates(const fit_problem *p, const double *v, const c
 
 palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *rec,
                                   double *force_N) {
+    if (!fit || !rec || !force_N)
+        return PALP_ERR_ARGUMENT;
     palp_material material = fit->material;
     palp_status status = PALP_OK;
     if (fit->spring_N) {
@@ -353,6 +355,8 @@ static palp_status finish(fit_problem *p, const double *v, const curvature *c, s
 
 palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                             palp_lumped_fit *fit, palp_error *error) {
+    if (!recordings || !settings || !fit)
+        return palp_error_null(error);
     fit_problem p;
     memset(fit, 0, sizeof *fit);
     palp_status status = fit_problem_create(&p, n, recordings, settings, error);

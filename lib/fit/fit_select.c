@@ -160,6 +160,8 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
 
 palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                              size_t max_arms, double *score, double *sd, size_t *best, palp_error *error) {
+    if (!recordings || !settings || !score || !sd || !best)
+        return palp_error_null(error);
     if (max_arms > PALP_ARMS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "%zu arms, at most %d", max_arms, PALP_ARMS_MAX);
     return select_best(n, recordings, settings, true, max_arms + 1, score, sd, best, error);
@@ -168,6 +170,8 @@ palp_status palp_characterize_select_arms(size_t n, const palp_recording *record
 palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                size_t max_degree, double *score, double *sd, size_t *best,
                                palp_error *error) {
+    if (!recordings || !settings || !score || !sd || !best)
+        return palp_error_null(error);
     if (max_degree + 1 > PALP_LAW_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "degree %zu, at most %d", max_degree, PALP_LAW_MAX - 1);
     if (settings->spring != PALP_SPRING_LAW)

@@ -94,6 +94,8 @@ double palp_maxwell_solid_ramp_hold(double spring_Pa, palp_spring_dashpot arm, d
 
 /* Eq. 3.54 */
 double palp_generalized_maxwell_relaxation(const palp_generalized_maxwell *model, double strain, double t) {
+    if (!model)
+        return NAN;
     if (t < 0.0)
         return 0.0;
     double stress = model->spring_Pa * strain;
@@ -104,12 +106,16 @@ double palp_generalized_maxwell_relaxation(const palp_generalized_maxwell *model
 
 /* Eq. 3.55 */
 double palp_generalized_maxwell_ramp(const palp_generalized_maxwell *model, double rate_1_s, double t) {
+    if (!model)
+        return NAN;
     return palp_generalized_maxwell_ramp_hold(model, rate_1_s, t, t);
 }
 
 /* Eq. 3.56 */
 double palp_generalized_maxwell_ramp_hold(const palp_generalized_maxwell *model, double rate_1_s,
                                           double ramp_s, double t) {
+    if (!model)
+        return NAN;
     if (t < 0.0)
         return 0.0;
     double stress = model->spring_Pa * rate_1_s * fmin(t, ramp_s);
@@ -179,6 +185,8 @@ static void add_retardation(palp_retardation *spectrum, const spectrum_arms *arm
 }
 
 palp_status palp_retardation_spectrum(const palp_generalized_maxwell *model, palp_retardation *spectrum) {
+    if (!model || !spectrum)
+        return PALP_ERR_ARGUMENT;
     palp_status status = check_solid(model);
     if (status != PALP_OK)
         return status;
@@ -204,6 +212,8 @@ palp_status palp_retardation_spectrum(const palp_generalized_maxwell *model, pal
 
 /* The creep of palp_retardation; for one arm Eq. 3.42. */
 double palp_generalized_maxwell_creep(const palp_retardation *spectrum, double stress_Pa, double t) {
+    if (!spectrum)
+        return NAN;
     if (t < 0.0)
         return 0.0;
     double compliance = spectrum->instant_1_Pa + spectrum->fluidity_1_Pa_s * t;
@@ -237,6 +247,8 @@ static double lumped_at(const palp_material *material, double strain, double ram
 
 palp_status palp_lumped_ramp_hold(const palp_material *material, double strain, double ramp_s, size_t n,
                                   const double *time_s, double *force_N) {
+    if (!material || !time_s || !force_N)
+        return PALP_ERR_ARGUMENT;
     palp_status status = palp_material_check(material, NULL);
     if (status != PALP_OK)
         return status;

@@ -23,6 +23,8 @@ const char *palp_law_kind_name(palp_law_kind kind) {
 }
 
 palp_status palp_law_kind_parse(const char *name, palp_law_kind *kind) {
+    if (!name || !kind)
+        return PALP_ERR_ARGUMENT;
     for (size_t i = 0; name && i < KIND_COUNT; i++) {
         if (strcmp(name, kind_names[i]) == 0) {
             *kind = (palp_law_kind)i;
@@ -55,6 +57,8 @@ static palp_law make(palp_law_kind kind, size_t n, const double *c) {
 }
 
 palp_status palp_law_polynomial(size_t n, const double *c_N, palp_law *law) {
+    if (!c_N || !law)
+        return PALP_ERR_ARGUMENT;
     palp_status status = check_coefficients(n, c_N);
     if (status == PALP_OK)
         *law = make(PALP_LAW_POLYNOMIAL, n, c_N);
@@ -62,6 +66,8 @@ palp_status palp_law_polynomial(size_t n, const double *c_N, palp_law *law) {
 }
 
 palp_status palp_law_spline(size_t n, const double *strain, const double *stiffness_N, palp_law *law) {
+    if (!strain || !stiffness_N || !law)
+        return PALP_ERR_ARGUMENT;
     palp_status status = check_coefficients(n, stiffness_N);
     if (status != PALP_OK)
         return status;
@@ -80,6 +86,8 @@ palp_status palp_law_spline(size_t n, const double *strain, const double *stiffn
 
 palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *coefficients_Pa, double area_m2,
                                   palp_law *law) {
+    if (!coefficients_Pa || !law)
+        return PALP_ERR_ARGUMENT;
     palp_status status = check_coefficients(n, coefficients_Pa);
     if (status == PALP_OK)
         status = law_hyperelastic_check(kind, n, coefficients_Pa);
@@ -93,6 +101,8 @@ palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *co
 }
 
 palp_status palp_law_set_coefficients(palp_law *law, const double *c) {
+    if (!law || !c)
+        return PALP_ERR_ARGUMENT;
     palp_law like = *law;
     if (like.kind == PALP_LAW_POLYNOMIAL)
         return palp_law_polynomial(like.n, c, law);
@@ -116,6 +126,8 @@ palp_status law_check(const palp_law *law) {
 }
 
 palp_status palp_law_scale(const palp_law *law, double factor, palp_law *scaled) {
+    if (!law || !scaled)
+        return PALP_ERR_ARGUMENT;
     double c[PALP_LAW_MAX];
     for (size_t i = 0; i < law->n; i++) {
         bool exponent = law->kind == PALP_LAW_OGDEN && i % 2 == 1;
@@ -214,6 +226,8 @@ static void polynomial_stiffness(const palp_law *law, double a, double *stiffnes
 
 void palp_law_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
                     double *energy_N) {
+    if (!law || !e || !force_N)
+        return;
     switch (law->kind) {
     case PALP_LAW_POLYNOMIAL:
         polynomial_force(law, n, e, force_N, tangent_N);
@@ -229,6 +243,8 @@ void palp_law_force(const palp_law *law, size_t n, const double *e, double *forc
 }
 
 void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, double *slope_N) {
+    if (!law)
+        return;
     double a = fabs(e), k, slope;
     switch (law->kind) {
     case PALP_LAW_POLYNOMIAL:
@@ -255,6 +271,8 @@ static void polynomial_gradient(const palp_law *law, double a, double *dstiffnes
 }
 
 void palp_law_gradient(const palp_law *law, double e, double *dforce) {
+    if (!law || !dforce)
+        return;
     double a = fabs(e);
     switch (law->kind) {
     case PALP_LAW_POLYNOMIAL:
@@ -271,6 +289,8 @@ void palp_law_gradient(const palp_law *law, double e, double *dforce) {
 }
 
 double palp_law_minimum(const palp_law *law, double strain_max) {
+    if (!law)
+        return NAN;
     enum { GRID = 2000 };
     double lowest = INFINITY, k;
     for (int i = 0; i <= GRID; i++) {

@@ -21,6 +21,8 @@ static palp_status check_arm(const palp_material *material, size_t j, palp_error
 }
 
 palp_status palp_material_check(const palp_material *material, palp_error *error) {
+    if (!material)
+        return palp_error_null(error);
     palp_status status = PALP_OK;
     if (material->n_arms > PALP_ARMS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "%zu arms, at most %d", material->n_arms, PALP_ARMS_MAX);
@@ -71,6 +73,8 @@ palp_status palp_element_advance(const palp_material *material, const palp_eleme
 
 palp_status palp_lumped_run(const palp_material *material, double height_m, size_t n, const double *time_s,
                             const double *depth_m, double *force_N) {
+    if (!material || !time_s || !depth_m || !force_N)
+        return PALP_ERR_ARGUMENT;
     palp_status status = palp_material_check(material, NULL);
     if (status)
         return status;

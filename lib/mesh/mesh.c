@@ -302,6 +302,8 @@ palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const
 
 palp_status palp_mesh_add_plane_set(palp_mesh *mesh, const char *name, int axis, double value_m,
                                     double tolerance_m) {
+    if (!name)
+        return PALP_ERR_ARGUMENT;
     if (!mesh || axis < 0 || axis > 2 || !isfinite(value_m) || !(tolerance_m >= 0.0))
         return PALP_ERR_ARGUMENT;
     int32_t *nodes = malloc(mesh->n_nodes * sizeof *nodes);
@@ -330,18 +332,26 @@ palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, co
 /* ---- what it holds ------------------------------------------------------------------------------- */
 
 size_t palp_mesh_node_count(const palp_mesh *mesh) {
+    if (!mesh)
+        return 0;
     return mesh->n_nodes;
 }
 
 size_t palp_mesh_element_count(const palp_mesh *mesh) {
+    if (!mesh)
+        return 0;
     return mesh->n_elements;
 }
 
 const double *palp_mesh_positions(const palp_mesh *mesh) {
+    if (!mesh)
+        return NULL;
     return mesh->x_m;
 }
 
 const int32_t *palp_mesh_pairs(const palp_mesh *mesh) {
+    if (!mesh)
+        return NULL;
     return mesh->pairs;
 }
 
@@ -374,6 +384,8 @@ palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9], const
 }
 
 void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]) {
+    if (!mesh || !low_m || !high_m)
+        return;
     box(mesh->n_nodes, mesh->x_m, low_m, high_m);
 }
 

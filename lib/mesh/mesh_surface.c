@@ -145,17 +145,25 @@ palp_status mesh_add_surface(palp_mesh *mesh) {
 /* ---- what it holds ------------------------------------------------------------------------------- */
 
 size_t palp_mesh_tetrahedron_count(const palp_mesh *mesh) {
+    if (!mesh)
+        return 0;
     return mesh->n_tetrahedra;
 }
 
 const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh) {
+    if (!mesh)
+        return NULL;
     return mesh->tetrahedra;
 }
 
 size_t palp_mesh_triangle_count(const palp_mesh *mesh) {
+    if (!mesh)
+        return 0;
     return mesh->n_triangles;
 }
 
 const int32_t *palp_mesh_triangles(const palp_mesh *mesh) {
+    if (!mesh)
+        return NULL;
     return mesh->triangles;
 }

@@ -37,6 +37,8 @@ palp_status palp_model_join(const char *folder, const char *path, char joined[PA
 }
 
 palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_error *error) {
+    if (!model || !mesh)
+        return palp_error_null(error);
     const palp_mesh_source *source = model->mesh;
     char path[PALP_PATH_MAX];
     *mesh = NULL;

@@ -427,6 +427,8 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
 }
 
 palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_source *mesh, palp_error *error) {
+    if (!path || !model)
+        return palp_error_null(error);
     palp_json_file file;
     palp_json root;
     palp_model made;

@@ -309,6 +309,8 @@ static palp_status mesh_path(const palp_model *model, const char *target, char p
 }
 
 palp_status palp_model_write(const palp_model *model, const char *path, palp_error *error) {
+    if (!model || !path)
+        return palp_error_null(error);
     palp_file file;
     palp_error wrong = {PALP_OK, ""};
     char mesh[PALP_PATH_MAX];
@@ -336,6 +338,8 @@ palp_status palp_model_write(const palp_model *model, const char *path, palp_err
 }
 
 palp_status palp_model_format(const palp_model *model, char **json) {
+    if (!model || !json)
+        return PALP_ERR_ARGUMENT;
     char *text = NULL;
     size_t size = 0;
     *json = NULL;

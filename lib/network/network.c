@@ -20,6 +20,8 @@ palp_network_settings palp_network_settings_default(void) {
 }
 
 void palp_supports_default(palp_support supports[2]) {
+    if (!supports)
+        return;
     supports[0] = (palp_support){"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0.0, 0.0, 0.0}};
     supports[1] = (palp_support){"top", {PALP_FIXED, PALP_DRIVEN, PALP_FIXED}, {0.0, -1.0, 0.0}};
 }
@@ -207,6 +209,8 @@ static bool settings_in_range(const palp_network_settings *s) {
 palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material, size_t n_supports,
                                 const palp_support *supports, const palp_network_settings *settings,
                                 palp_network **network, palp_error *error) {
+    if (!mesh || !material || (n_supports > 0 && !supports) || !settings || !network)
+        return palp_error_null(error);
     palp_status status = palp_material_check(material, error);
     if (status)
         return status;
@@ -229,6 +233,8 @@ palp_status palp_network_create(const palp_mesh *mesh, const palp_material *mate
 }
 
 palp_status palp_network_set_material(palp_network *net, const palp_material *material) {
+    if (!net || !material)
+        return PALP_ERR_ARGUMENT;
     palp_status status = palp_material_check(material, NULL);
     if (status)
         return status;
@@ -253,38 +259,56 @@ palp_status network_set_damage(palp_network *net, const element_damage *damage) 
 }
 
 double palp_network_depth(const palp_network *net) {
+    if (!net)
+        return NAN;
     return net->now.depth;
 }
 
 double palp_network_time(const palp_network *net) {
+    if (!net)
+        return NAN;
     return net->now.time;
 }
 
 double palp_network_force(const palp_network *net) {
+    if (!net)
+        return NAN;
     return net->now.force;
 }
 
 const double *palp_network_positions(const palp_network *net) {
+    if (!net)
+        return NULL;
     return net->now.x;
 }
 
 const double *palp_network_element_strain(const palp_network *net) {
+    if (!net)
+        return NULL;
     return net->now.history.strain;
 }
 
 size_t palp_network_unknown_count(const palp_network *net) {
+    if (!net)
+        return 0;
     return net->n_free;
 }
 
 const palp_mesh *palp_network_mesh(const palp_network *net) {
+    if (!net)
+        return NULL;
     return net->mesh;
 }
 
 void palp_network_element_force(const palp_network *net, double *force_N) {
+    if (!net || !force_N)
+        return;
     memcpy(force_N, net->now.element, net->n_elements * sizeof *force_N);
 }
 
 palp_status palp_network_reaction(const palp_network *net, const char *set, double force_N[3]) {
+    if (!net || !set || !force_N)
+        return PALP_ERR_ARGUMENT;
     const int32_t *nodes;
     size_t n;
     palp_status status = palp_mesh_set(net->mesh, set, &n, &nodes);
@@ -306,6 +330,8 @@ palp_status palp_network_surface(const palp_network *net, size_t *n, const int32
 }
 
 bool palp_network_buckled(const palp_network *net, double *stable_m, double *unstable_m) {
+    if (!net || !stable_m || !unstable_m)
+        return false;
     if (net->buckled) {
         *stable_m = net->checked_depth;
         *unstable_m = net->unstable_depth;

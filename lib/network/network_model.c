@@ -17,6 +17,8 @@ static palp_status check_effects(const palp_model *model, palp_error *error) {
 palp_status palp_network_from_model(const palp_model *model, const palp_mesh *mesh, size_t n_supports,
                                     const palp_support *supports, const palp_network_settings *settings,
                                     palp_network **network, palp_error *error) {
+    if (!model || !network)
+        return palp_error_null(error);
     palp_network_settings own = settings ? *settings : palp_network_settings_default();
     palp_support usual[2];
     palp_mesh *made = NULL;

@@ -143,6 +143,8 @@ static palp_status check(const run *r) {
 
 palp_status palp_network_run(palp_network *network, const palp_path *path, const palp_run_settings *settings,
                              palp_run_info *info) {
+    if (!network || !path || !settings)
+        return PALP_ERR_ARGUMENT;
     palp_run_info local = {0};
     run r = {network, path, settings, &local};
     palp_status status = check(&r);

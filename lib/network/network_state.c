@@ -150,6 +150,8 @@ network_term *network_find_term(const palp_network *net, const network_term_kind
 /* ---- rest, aside and back ------------------------------------------------------------------------ */
 
 void palp_network_reset(palp_network *net) {
+    if (!net)
+        return;
     network_state *s = &net->now;
     size_t n3 = 3 * net->n_nodes * sizeof(double), m = net->n_elements * sizeof(double);
     memcpy(s->x, net->rest, n3);
@@ -228,6 +230,8 @@ static uint64_t fingerprint(const palp_network *net) {
 }
 
 size_t palp_network_state_size(const palp_network *net) {
+    if (!net)
+        return 0;
     palp_network *counted = (palp_network *)net; /* counting changes nothing */
     network_cursor c = {.way = NETWORK_COUNT};
     pass_now(counted, &c);
@@ -243,6 +247,8 @@ static header header_of(const palp_network *net, const void *buffer) {
 }
 
 palp_status palp_network_save(const palp_network *net, void *buffer, size_t size) {
+    if (!net)
+        return PALP_ERR_ARGUMENT;
     if (!buffer || size < palp_network_state_size(net))
         return PALP_ERR_ARGUMENT;
     network_cursor c = {NETWORK_SAVE, (unsigned char *)buffer + sizeof(header), 0};
@@ -266,6 +272,8 @@ static palp_status check_saved(const palp_network *net, const void *buffer, size
 }
 
 palp_status palp_network_restore(palp_network *net, const void *buffer, size_t size) {
+    if (!net || !buffer)
+        return PALP_ERR_ARGUMENT;
     palp_status status = check_saved(net, buffer, size);
     if (status)
         return status;

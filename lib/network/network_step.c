@@ -212,6 +212,8 @@ void network_finish(palp_network *net) {
 }
 
 palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
+    if (!net)
+        return PALP_ERR_ARGUMENT;
     palp_step_info local = {.negative_pivots = -1};
     palp_status status = network_begin(net, depth_m, dt_s);
     if (status)
@@ -231,7 +233,7 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
 }
 
 void palp_network_commit(palp_network *net) {
-    if (!net->trial)
+    if (!net || !net->trial)
         return;
     double *spare = net->past[1];
     net->past[1] = net->past[0];
@@ -257,6 +259,8 @@ void palp_network_commit(palp_network *net) {
 }
 
 palp_status palp_network_step(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
+    if (!net)
+        return PALP_ERR_ARGUMENT;
     palp_status status = palp_network_try(net, depth_m, dt_s, info);
     if (!status)
         palp_network_commit(net);
@@ -264,6 +268,8 @@ palp_status palp_network_step(palp_network *net, double depth_m, double dt_s, pa
 }
 
 palp_status palp_network_step_force(palp_network *net, double force_N, double dt_s, palp_step_info *info) {
+    if (!net)
+        return PALP_ERR_ARGUMENT;
     enum { ROUNDS = 40 };
     palp_step_info local = {0}, total = {0};
     double depth = net->now.depth, stiffness = 0.0;

@@ -45,6 +45,8 @@ static palp_status folder_make(const char *folder, palp_error *error) {
 }
 
 palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **series, palp_error *error) {
+    if (!folder || !name || !series)
+        return palp_error_null(error);
     *series = NULL;
     if (!name_valid(name))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
@@ -173,6 +175,8 @@ static bool series_grow(palp_vtu *series) {
 }
 
 palp_status palp_vtu_add(palp_vtu *series, const palp_network *network, palp_error *error) {
+    if (!series || !network)
+        return palp_error_null(error);
     char ending[48];
     snprintf(ending, sizeof ending, "_%04zu.vtu", series->n);
     char *path = file_path(series, ending);

@@ -76,6 +76,8 @@ static palp_status begin(palp_realtime *rt) {
 }
 
 palp_status palp_realtime_reset(palp_realtime *rt) {
+    if (!rt)
+        return PALP_ERR_ARGUMENT;
     palp_network_reset(rt->net);
     return begin(rt);
 }
@@ -90,6 +92,8 @@ static void time_parts(palp_realtime *rt) {
 }
 
 palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings *settings, palp_realtime **realtime) {
+    if (!net || !settings || !realtime)
+        return PALP_ERR_ARGUMENT;
     if (!(settings->refresh_share > 0.0 && settings->refresh_share < 1.0))
         return PALP_ERR_ARGUMENT;
     palp_realtime *rt = calloc(1, sizeof *rt);
@@ -113,6 +117,8 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
 }
 
 palp_network *palp_realtime_network(const palp_realtime *rt) {
+    if (!rt)
+        return NULL;
     return rt->net;
 }
 
@@ -323,6 +329,8 @@ static void commit(palp_realtime *rt, const tick *t) {
 
 palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, const palp_budget *budget,
                                palp_tick_info *info) {
+    if (!rt || !budget)
+        return PALP_ERR_ARGUMENT;
     tick t = {.budget = *budget, .start = realtime_clock()};
     palp_network *net = rt->net;
     if (!(budget->seconds >= 0.0) || !(budget->force_error >= 0.0))

@@ -69,10 +69,14 @@ static uint64_t sum_of(const header *h, const unsigned char *buffer) {
 }
 
 size_t palp_realtime_state_size(const palp_realtime *rt) {
+    if (!rt)
+        return 0;
     return (size_t)header_of(rt).size;
 }
 
 palp_status palp_realtime_save(const palp_realtime *rt, void *buffer, size_t size) {
+    if (!rt || !buffer)
+        return PALP_ERR_ARGUMENT;
     header h = header_of(rt);
     if (!buffer || size < h.size)
         return PALP_ERR_ARGUMENT;
@@ -85,6 +89,8 @@ palp_status palp_realtime_save(const palp_realtime *rt, void *buffer, size_t siz
 }
 
 palp_status palp_realtime_restore(palp_realtime *rt, const void *buffer, size_t size) {
+    if (!rt || !buffer)
+        return PALP_ERR_ARGUMENT;
     header own = header_of(rt), found;
     if (!buffer || size < own.size)
         return PALP_ERR_ARGUMENT;

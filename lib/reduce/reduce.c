@@ -143,6 +143,8 @@ palp_status reduced_make(const palp_network *net, const contact_set *contacts, s
 }
 
 void palp_reduced_reset(palp_reduced *r) {
+    if (!r)
+        return;
     size_t m = r->n_elements * sizeof(double);
     memset(r->now.q, 0, r->modes * sizeof *r->now.q);
     memset(r->past, 0, r->modes * sizeof *r->past);
@@ -185,6 +187,8 @@ static double force_difference(const palp_snapshots *t, size_t i, double force, 
 }
 
 palp_status palp_reduced_compare(palp_reduced *r, const palp_snapshots *t, palp_reduce_error *result) {
+    if (!r || !t || !result)
+        return PALP_ERR_ARGUMENT;
     palp_tool_force *tools = calloc(t->n_tools + 1, sizeof *tools);
     palp_status status = tools ? PALP_OK : PALP_ERR_NO_MEMORY;
     double squares = 0.0;
@@ -289,6 +293,8 @@ static palp_status reduce(palp_network *net, size_t n_paths, palp_snapshots *con
 palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots, size_t n_held_out,
                                 palp_snapshots *const *held_out, const palp_reduce_settings *settings,
                                 palp_reduced **reduced, palp_reduce_error *error_held_out, palp_error *error) {
+    if (!net || !snapshots || (n_held_out > 0 && !held_out) || !settings || !reduced)
+        return palp_error_null(error);
     palp_status status = check_create(net, n_paths, snapshots, n_held_out, held_out, settings, error);
     if (status)
         return status;
@@ -313,10 +319,14 @@ palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshot
 }
 
 palp_reduced_summary palp_reduced_describe(const palp_reduced *r) {
+    if (!r)
+        return (palp_reduced_summary){0};
     return r->summary;
 }
 
 palp_status palp_reduced_set_limits(palp_reduced *r, double tolerance, int max_iterations) {
+    if (!r)
+        return PALP_ERR_ARGUMENT;
     if (!(tolerance > 0.0) || !(tolerance < 1.0) || max_iterations < 1)
         return PALP_ERR_ARGUMENT;
     r->tolerance = tolerance;
@@ -325,6 +335,8 @@ palp_status palp_reduced_set_limits(palp_reduced *r, double tolerance, int max_i
 }
 
 palp_status palp_reduced_positions(const palp_reduced *r, size_t n, const int32_t *nodes, double *x_m) {
+    if (!r || !x_m)
+        return PALP_ERR_ARGUMENT;
     if (!nodes && n > r->n_nodes)
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++) {
@@ -338,13 +350,19 @@ palp_status palp_reduced_positions(const palp_reduced *r, size_t n, const int32_
 }
 
 size_t palp_reduced_node_count(const palp_reduced *r) {
+    if (!r)
+        return 0;
     return r->n_nodes;
 }
 
 size_t palp_reduced_triangle_count(const palp_reduced *r) {
+    if (!r)
+        return 0;
     return r->n_triangles;
 }
 
 const int32_t *palp_reduced_triangles(const palp_reduced *r) {
+    if (!r)
+        return NULL;
     return r->triangles;
 }

@@ -138,6 +138,8 @@ static palp_status pair_write(const palp_reduced *r, const char *model, const ch
 }
 
 palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, const char *path, palp_error *error) {
+    if (!r || !model || !path)
+        return palp_error_null(error);
     char beside[PALP_PATH_MAX], *network = NULL;
     palp_file text, arrays_file;
     palp_status status = arrays_path(path, beside);

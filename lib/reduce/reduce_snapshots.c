@@ -113,6 +113,8 @@ static palp_status record(const recorder *rec, const palp_tool_path *path, palp_
 palp_status palp_snapshots_record(palp_network *net, palp_realtime *realtime, const palp_tool_path *path,
                                  palp_network_observer observer, void *user, palp_snapshots **snapshots,
                                  palp_error *error) {
+    if (!net || !path || !snapshots)
+        return palp_error_null(error);
     if (!path_sound(path) || (realtime && palp_realtime_network(realtime) != net))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a path needs finite numbers at increasing times from 0 s on");
     recorder rec = {.net = net, .realtime = realtime, .saved_size = realtime ? palp_network_state_size(net) : 1};

@@ -168,6 +168,8 @@ static palp_status check_step(const palp_reduced *r, double depth, double dt) {
 
 palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, const palp_tool *tools, double dt_s,
                               palp_tool_force *force, palp_reduced_info *info) {
+    if (!r || (n_tools > 0 && !tools))
+        return PALP_ERR_ARGUMENT;
     progress p = {.iterations = 0};
     palp_status status = check_step(r, depth_m, dt_s);
     if (!status && n_tools > r->max_tools)

@@ -9,6 +9,8 @@
 /* ---- parameters ---- */
 
 size_t palp_forward_parameter_count(const palp_model *model) {
+    if (!model)
+        return 0;
     return forward_effect_column(model, model->n_effects);
 }
 
@@ -20,6 +22,8 @@ static palp_status known(const palp_model *model) {
 }
 
 palp_status palp_forward_get(const palp_model *model, double *parameter) {
+    if (!model || !parameter)
+        return PALP_ERR_ARGUMENT;
     const palp_law *law = &model->material.law;
     if (known(model))
         return PALP_ERR_ARGUMENT;
@@ -36,6 +40,8 @@ palp_status palp_forward_get(const palp_model *model, double *parameter) {
 }
 
 palp_status palp_forward_set(palp_model *model, const double *parameter) {
+    if (!model || !parameter)
+        return PALP_ERR_ARGUMENT;
     palp_material made = model->material;
     palp_effect effects[PALP_EFFECTS_MAX];
     palp_status status = known(model);
@@ -203,6 +209,8 @@ palp_status forward_run(const forward_plan *plan, const forward_specimen *specim
 
 palp_status palp_forward_force(const palp_model *model, const palp_forward_run *run, double *force_N,
                                double *gradient, palp_error *error) {
+    if (!model || !run || !force_N)
+        return palp_error_null(error);
     forward_plan plan;
     forward_lumped *lumped;
     if (model->kind != PALP_MODEL_LUMPED)

@@ -229,6 +229,8 @@ struct palp_load_history_elements {
 };
 
 void palp_load_history_free(palp_load_history *history) {
+    if (!history)
+        return;
     free(history->elements);
     history->elements = NULL;
     history->peak = 0.0;

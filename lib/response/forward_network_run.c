@@ -13,6 +13,8 @@ static void times_of(const palp_forward_run *run, double *shortest, double *whol
 
 palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
                                  const palp_forward_run *run, double *force_N, palp_error *error) {
+    if (!model || !run || !force_N)
+        return palp_error_null(error);
     forward_plan plan;
     forward_network *network;
     double shortest, whole;

@@ -97,6 +97,8 @@ static palp_status make_plate(palp_specimen *s, palp_error *error) {
 
 palp_status palp_specimen_create(const palp_model *model, const palp_specimen_settings *settings,
                                  palp_specimen **specimen, palp_error *error) {
+    if (!model || !specimen)
+        return palp_error_null(error);
     palp_specimen *s = calloc(1, sizeof *s);
     if (!s)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
@@ -135,6 +137,8 @@ static double force_of(const palp_specimen *s) {
 }
 
 palp_status palp_specimen_step(palp_specimen *s, double depth_m, double dt_s, double *force_N) {
+    if (!s || !force_N)
+        return PALP_ERR_ARGUMENT;
     if (!isfinite(depth_m) || !(dt_s > 0.0) || !isfinite(dt_s))
         return PALP_ERR_ARGUMENT;
     palp_status status = s->plate.touching ? PALP_OK : age(s);
@@ -148,6 +152,8 @@ palp_status palp_specimen_step(palp_specimen *s, double depth_m, double dt_s, do
 }
 
 double palp_specimen_sense(palp_specimen *s, const palp_specimen_motion *m) {
+    if (!s || !m)
+        return NAN;
     if (s->sensed && !(m->time_s > s->sensed_s))
         return s->sensed_N;
     effect_moment at = {.time = m->time_s,

@@ -52,6 +52,8 @@ static palp_status solve(static_stage *s) {
 palp_status palp_thesis_fixed_point(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
                                     const double *target_N, const palp_static_settings *settings,
                                     palp_calibration *result) {
+    if (!network || !start || !depth_m || !target_N || !settings || !result)
+        return PALP_ERR_ARGUMENT;
     static_stage s = {.net = network, .start = start, .settings = settings, .n = n,
                       .depth = depth_m, .target = target_N, .result = result};
     *result = (palp_calibration){0};

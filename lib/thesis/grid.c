@@ -120,6 +120,8 @@ static palp_status grid_result(size_t n, const palp_recording *recordings, const
 
 palp_status palp_thesis_grid(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                           palp_lumped_fit *fit, palp_error *error) {
+    if (!recordings || !settings || !fit)
+        return palp_error_null(error);
     memset(fit, 0, sizeof *fit);
     if (settings->n_arms < 1 || settings->n_arms > 2)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED, "the grid takes one or two arms");

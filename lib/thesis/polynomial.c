@@ -6,6 +6,8 @@
 #include <stdlib.h>
 
 palp_status palp_thesis_polynomial(const palp_recording *rec, size_t degree, palp_law *law, double *norm) {
+    if (!rec || !law || !norm)
+        return PALP_ERR_ARGUMENT;
     size_t n = 0;
     double c[PALP_LAW_MAX];
     if (degree < 1 || degree > PALP_LAW_MAX)

@@ -221,6 +221,8 @@ palp_three_phase_settings palp_three_phase_settings_default(void) {
 
 palp_status palp_thesis_three_phase(palp_network *network, const palp_material *start, const palp_target *target,
                                     const palp_three_phase_settings *settings, palp_calibration *result) {
+    if (!network || !start || !target || !settings || !result)
+        return PALP_ERR_ARGUMENT;
     three_phase s = {.net = network, .target = target, .settings = settings, .result = result, .material = *start};
     memset(result, 0, sizeof *result);
     palp_status status = check(start, target, settings);

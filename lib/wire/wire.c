@@ -164,6 +164,9 @@ static bool cobs_decode(uint8_t *byte, size_t n) {
 static const uint16_t remainder_of[256] = {R64(0), R64(64), R64(128), R64(192)};
 
 uint16_t palp_wire_crc(const uint8_t *byte, size_t n) {
+    if (n > 0 && !byte) {
+        return 0;
+    }
     uint32_t crc = 0xffff; /* its lower 16 bits */
     for (size_t i = 0; i < n; i++) {
         crc = crc << 8 ^ remainder_of[(crc >> 8 ^ byte[i]) & 0xff];
@@ -180,6 +183,9 @@ static void put_check(uint8_t to[CHECK], uint16_t crc) {
 /* ---- frames ---- */
 
 size_t palp_wire_encode(const palp_wire_message *message, uint8_t *frame) {
+    if (!message || !frame) {
+        return 0;
+    }
     const layout *it = layout_of(message->type);
     if (!it) {
         return 0;
@@ -213,6 +219,9 @@ static bool decode_frame(uint8_t *byte, size_t n, palp_wire_message *message) {
 
 /* A frame that is too long fills the buffer, which no frame does without its zero: its length refuses it. */
 bool palp_wire_decode(palp_wire_decoder *decoder, uint8_t byte, palp_wire_message *message) {
+    if (!decoder || !message) {
+        return false;
+    }
     size_t n = decoder->n;
     if (byte) {
         if (n < sizeof decoder->byte) {
