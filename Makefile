@@ -19,6 +19,8 @@ INCLUDEDIR ?= $(PREFIX)/include
 MANDIR     ?= $(PREFIX)/share/man
 BASHDIR    ?= $(PREFIX)/share/bash-completion/completions
 ZSHDIR     ?= $(PREFIX)/share/zsh/site-functions
+DOCDIR     ?= $(PREFIX)/share/doc/palpate
+OBJCOPY    ?= objcopy
 PKG_CONFIG ?= pkg-config
 # GPL=1: also CHOLMOD's supernodal module, which makes the result GPL.
 # WERROR=1 (implied by CI=true): warnings are errors.  SANITIZE=1: AddressSanitizer and UBSan.  V=1: show commands.
@@ -75,11 +77,13 @@ TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS) tests/tools/serial_shim.c,$(wildcar
 CORE_TEST_HELP := $(filter-out $(CORE_TESTS),$(wildcard tests/firmware/*.c))
 BENCH_HELP     := $(filter-out $(BENCHES),$(wildcard bench/*.c))
 HEADERS := $(wildcard include/palpate/*.h)
+DOCUMENTS := README.md LICENSE $(wildcard doc/*.md doc/pictures/*) $(EXAMPLES) $(wildcard examples/poke/*)
 MAN_SRC := $(wildcard doc/*.scd)
 
 obj  = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 prog = $(patsubst %.c,$(BUILD)/%,$(1))
 STATIC := $(BUILD)/libpalpate.a
+INTERNAL := $(BUILD)/obj/libpalpate.a
 CORE   := $(BUILD)/libindenter.a
 SONAME := libpalpate.so.$(SOVERSION)
 SHARED := $(BUILD)/libpalpate.so.$(VERSION)
@@ -121,7 +125,12 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	$(call note,CC   $@)
 	$(Q)$(CC) $(ALL_CPPFLAGS) $(EXTRA) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 
-$(STATIC): $(call obj,$(LIB_SRC))
+# What a user links: one object whose global names are those of lib/palpate.map. Tests and benches see the others too.
+$(INTERNAL): $(call obj,$(LIB_SRC))
+$(BUILD)/palpate.o: $(call obj,$(LIB_SRC)) lib/palpate.map
+	@mkdir -p $(@D) && sed -n 's/^ *\(palp_[a-z0-9_]*\);$$/\1/p' lib/palpate.map >$@.names
+	$(Q)$(LD) -r -o $@ $(filter %.o,$^) && $(OBJCOPY) --keep-global-symbols=$@.names $@
+$(STATIC): $(BUILD)/palpate.o
 # The part of the firmware that knows no registers: the plant shares its sensor, the tests run it.
 $(CORE): $(call obj,$(CORE_SRC))
 %.a:
@@ -147,7 +156,7 @@ $(TOOL): $(call obj,$(TOOL_SRC)) $(CORE) $(STATIC)
 $(BUILD)/tests/lib.a: $(call obj,$(LIB_TEST_HELP) tests/main_check.c)
 $(BUILD)/tests/tools.a: $(call obj,$(TOOL_TEST_HELP) tests/main_cmocka.c $(filter-out tools/palpate.c,$(TOOL_SRC)))
 $(BUILD)/tests/firmware.a: $(call obj,$(CORE_TEST_HELP))
-$(filter $(BUILD)/tests/lib/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/lib.a $(STATIC)
+$(filter $(BUILD)/tests/lib/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/lib.a $(INTERNAL)
 	$(call note,LD   $@)
 	$(call link,$(CHECK_LIBS))
 $(filter $(BUILD)/tests/tools/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/tools.a $(CORE) $(STATIC)
@@ -161,7 +170,7 @@ $(BUILD)/tests/tools/serial_shim.so: tests/tools/serial_shim.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(Q)$(CC) -std=c99 $(WARNINGS) -O2 -fPIC -shared -o $@ $< -ldl
 $(BUILD)/tests/tools/test_serial: | $(BUILD)/tests/tools/serial_shim.so
-$(call prog,$(BENCHES)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(BENCH_HELP)) $(STATIC)
+$(call prog,$(BENCHES)): $(BUILD)/%: $(BUILD)/obj/%.o $(call obj,$(BENCH_HELP)) $(INTERNAL)
 	$(call note,LD   $@)
 	$(call link)
 $(call prog,$(EXAMPLES)): $(BUILD)/%: $(BUILD)/obj/%.o $(STATIC)
@@ -242,6 +251,7 @@ install: all ## into PREFIX (default /usr/local), under DESTDIR if given
 	install -m 644 $(STATIC) $(SHARED) '$(D)$(LIBDIR)'
 	install -d '$(D)$(LIBDIR)/palpate'
 	install -m 755 $(FW)/indenter_host '$(D)$(LIBDIR)/palpate'
+	for f in $(DOCUMENTS); do install -D -m 644 $$f "$(D)$(DOCDIR)/$$f" || exit 1; done
 	if [ -e $(FW)/rig.elf ]; then install -m 644 $(FW)/rig.elf $(FW)/indenter.elf '$(D)$(LIBDIR)/palpate'; fi
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/libpalpate.so'
@@ -259,7 +269,8 @@ uninstall: ## removes what install put there
 	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
 	rm -f $(foreach f,indenter_host rig.elf indenter.elf,'$(D)$(LIBDIR)/palpate/$(f)')
-	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(LIBDIR)/palpate'
+	rm -f $(foreach f,$(DOCUMENTS),'$(D)$(DOCDIR)/$(f)')
+	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(LIBDIR)/palpate' $(foreach f,/doc/pictures /doc /examples/poke /examples /,'$(D)$(DOCDIR)$(f)')
 
 # ---- the rest ------------------------------------------------------------------------------------
 .PHONY: dist symbols libs clean help

@@ -33,6 +33,10 @@ try() { # name compiler and language flags...
     echo "$name: shared and static work"
 }
 
+for f in doc/simulator.md doc/pictures examples/minimal.c examples/poke; do
+    [ -e "$stage/usr/local/share/doc/palpate/$f" ] || fail "$f is not installed"
+done
+
 tried_cxx=
 try gcc gcc -std=c99 -x c
 if command -v clang >/dev/null; then try clang clang -std=c99 -x c; fi
