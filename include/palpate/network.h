@@ -57,6 +57,8 @@ typedef struct palp_step_info {
     double residual;        /* relative residual reached */
     double force_N;         /* reaction conjugate to depth, positive = compression */
     int negative_pivots;    /* of the last factor; -1 = not assessed in this step */
+    size_t inverted;        /* tetrahedra of the mesh turned inside out or flat, without those a cut goes through: springs resist
+                               change of length, not this, and what the network says there is no tissue's */
 } palp_step_info;
 
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
@@ -147,6 +149,7 @@ typedef struct palp_run_info {
     size_t steps, rejected, iterations;
     double worst_residual;
     double peak_force_N;
+    size_t inverted;        /* most of them in a step */
 } palp_run_info;
 
 /* Follows a path from where the network is; the path's first corner is reached by an instantaneous

@@ -39,6 +39,9 @@ palp_status mesh_add_surface(palp_mesh *mesh);
 /* neighbour[4 n_tetrahedra]: the tetrahedron across face f (opposite corner f) of each; -1 = surface. */
 palp_status mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour);
 
+/* Six times the volume of a tetrahedron of nodes at x. */
+double mesh_volume6(const double *x, const int32_t tetrahedron[4]);
+
 /* Volume of the tetrahedra, m^3; into node_m3[n_nodes], unless NULL, a quarter of each for its corners. */
 double mesh_volume(const palp_mesh *mesh, double *node_m3);
 

@@ -12,8 +12,7 @@ void mesh_face(const int32_t tetrahedron[4], size_t f, int32_t triangle[3]) {
         triangle[i] = tetrahedron[face_corner[f][i]];
 }
 
-/* Six times the volume. */
-static double volume6(const double *x, const int32_t t[4]) {
+double mesh_volume6(const double *x, const int32_t t[4]) {
     const double *a = x + 3 * t[0];
     double u[3][3];
     for (size_t i = 0; i < 3; i++)
@@ -28,7 +27,7 @@ static double volume6(const double *x, const int32_t t[4]) {
 static void orient(const double *x, size_t n, int32_t *t) {
     double volume = 0.0;
     for (size_t i = 0; i < n; i++)
-        volume += volume6(x, t + 4 * i);
+        volume += mesh_volume6(x, t + 4 * i);
     for (size_t i = 0; i < n && volume < 0.0; i++) {
         int32_t third = t[4 * i + 2];
         t[4 * i + 2] = t[4 * i + 3];

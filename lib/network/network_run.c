@@ -26,6 +26,7 @@ static palp_status advance(run *r, double t, double dt, bool commit) {
     palp_status status = r->path->depth_m ? palp_network_try(r->net, target, length, &step)
                                           : palp_network_step_force(r->net, target, length, &step);
     r->info->iterations += (size_t)step.iterations;
+    r->info->inverted = step.inverted > r->info->inverted ? step.inverted : r->info->inverted;
     r->info->worst_residual = fmax(r->info->worst_residual, step.residual);
     if (!status && commit)
         palp_network_commit(r->net);

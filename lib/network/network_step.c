@@ -1,5 +1,6 @@
 /* network_step.c: one time step: predictor, Newton, stability of the tangent, commit. */
 #include "network_internal.h"
+#include "mesh/mesh_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -181,6 +182,19 @@ static palp_status check_step(const palp_network *net, double depth, double dt) 
     return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
 }
 
+/* At the start, time 0, no step has told the forces on the nodes and what they accelerate. */
+static void start_accelerations(palp_network *net) {
+    network_state *s = &net->now;
+    memcpy(net->next.x, s->x, 3 * net->n_nodes * sizeof *s->x);
+    if (!network_evaluate(net))
+        return;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
+        s->inner[i] = net->fint[i] + net->outer[i];
+        s->acceleration[i] = net->dof[i] >= 0 && net->mass[i / 3] > 0.0 ? s->inner[i] / net->mass[i / 3] : 0.0;
+    }
+    NETWORK_EACH_TERM(net, begin, net);
+}
+
 palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
     net->trial = net->exact = net->left_branch = false;
     palp_status status = check_step(net, depth_m, dt_s);
@@ -193,6 +207,8 @@ palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
     for (size_t j = 0; j < net->material.n_arms; j++)
         net->modulus += net->material.arms[j].stiffness_N;
     NETWORK_EACH_TERM(net, begin, net);
+    if (net->mass && net->settings.integrator == PALP_GENERALIZED_ALPHA && net->now.time == 0.0 && isfinite(dt_s))
+        start_accelerations(net);
     network_set_diagonal(net, 0.0);
     net->next.depth = depth_m;
     net->next.time = net->now.time + (isinf(dt_s) ? 0.0 : dt_s);
@@ -211,6 +227,26 @@ void network_finish(palp_network *net) {
     NETWORK_EACH_TERM(net, finish, net);
 }
 
+/* Whether none of a tetrahedron's edges is cut. */
+static bool is_whole(const palp_network *net, const int32_t *t) {
+    for (int a = 0; a < 4; a++)
+        for (int b = a + 1; b < 4; b++) {
+            size_t e = palp_mesh_element_between(net->mesh, t[a], t[b]);
+            if (net->n_dead > 0 && e < net->n_elements && net->scale[e] == 0.0)
+                return false;
+        }
+    return true;
+}
+
+static size_t count_inverted(const palp_network *net) {
+    const size_t m = palp_mesh_tetrahedron_count(net->mesh);
+    const int32_t *t = palp_mesh_tetrahedra(net->mesh);
+    size_t n = 0;
+    for (size_t i = 0; i < m; i++)
+        n += mesh_volume6(net->next.x, t + 4 * i) <= 0.0 && is_whole(net, t + 4 * i);
+    return n;
+}
+
 palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
     if (!net)
         return PALP_ERR_ARGUMENT;
@@ -222,6 +258,7 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
     if (!status) {
         network_finish(net);
         local.force_N = net->next.force;
+        local.inverted = count_inverted(net);
         assess_stability(net, &local);
         net->trial = true;
     } else {

@@ -268,7 +268,37 @@ START_TEST(eighteen_neighbours) {
 }
 END_TEST
 
+/* A free corner of a lattice pulled through its box: the tetrahedra that it turns inside out are counted, and only they. */
+START_TEST(inverted_tetrahedra_are_counted) {
+    palp_material m = quartic(0);
+    palp_mesh *mesh = cube(3, PALP_NEIGHBOURS_26);
+    palp_step_info info;
+    palp_network *net = NULL;
+    const int32_t corner = 26; /* of one box alone, in one or more of its six tetrahedra */
+    const palp_support supports[] = {{"held", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0.0, 0.0, 0.0}},
+                                     {"corner", {PALP_DRIVEN, PALP_DRIVEN, PALP_DRIVEN}, {-1.0, -1.0, -1.0}}};
+    int32_t held[26];
+    for (int32_t i = 0; i < 26; i++)
+        held[i] = i;
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "held", 26, held), PALP_OK);
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "corner", 1, &corner), PALP_OK);
+    palp_network_settings settings = palp_network_settings_default();
+    ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, NULL), PALP_OK);
+    size_t around = 0;
+    for (size_t i = 0; i < 4 * palp_mesh_tetrahedron_count(mesh); i++)
+        around += palp_mesh_tetrahedra(mesh)[i] == corner;
+    ck_assert_uint_gt(around, 0);
+    ck_assert_int_eq(palp_network_step(net, 0.2 * HEIGHT, INFINITY, &info), PALP_OK);
+    ck_assert_uint_eq(info.inverted, 0);
+    ck_assert_int_eq(palp_network_step(net, 0.6 * HEIGHT, INFINITY, &info), PALP_OK); /* a box is half as wide */
+    ck_assert_uint_eq(info.inverted, around);
+    palp_network_free(net);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, inverted_tetrahedra_are_counted);
     tcase_add_test(tc, figures_of_other_solvers);
     tcase_add_test(tc, one_long_step_finds_the_same_equilibrium);
     tcase_add_test(tc, buckling_is_found_where_it_is);

@@ -3,6 +3,8 @@
 #include "network/network_internal.h"
 #include "network_make.h"
 
+#include <palpate/tool.h>
+
 static const double DENSITY = 1000.0;
 static const palp_integrator INTEGRATORS[] = {PALP_BACKWARD_EULER, PALP_GENERALIZED_ALPHA};
 
@@ -208,7 +210,33 @@ START_TEST(error_control_knows_the_order) {
 }
 END_TEST
 
+/* Nothing holds the body: it falls by g t^2 / 2, which generalized alpha gives exactly from the first step on. */
+START_TEST(free_fall_from_the_first_step) {
+    palp_material m = tissue(1);
+    palp_network_settings settings = palp_network_settings_default();
+    palp_contact_settings contact = palp_contact_settings_default();
+    palp_mesh *mesh = cube(3, PALP_NEIGHBOURS_26);
+    palp_network *net = NULL;
+    const double g = -9.81, dt = 1e-3;
+    settings.density_kg_m3 = DENSITY;
+    settings.integrator = PALP_GENERALIZED_ALPHA;
+    settings.tolerance = 1e-12;
+    contact.gravity_m_s2[1] = g;
+    ck_assert_int_eq(palp_network_create(mesh, &m, 0, NULL, &settings, &net, NULL), PALP_OK);
+    ck_assert_int_eq(palp_network_enable_tools(net, 0, 0, &contact), PALP_OK);
+    for (int i = 1; i <= 10; i++) {
+        ck_assert_int_eq(palp_network_step(net, 0.0, dt, NULL), PALP_OK);
+        for (size_t k = 0; k < 3 * net->n_nodes; k++)
+            ck_assert_double_eq_tol(palp_network_positions(net)[k] - net->rest[k],
+                                    k % 3 == 1 ? 0.5 * g * (i * dt) * (i * dt) : 0.0, 1e-6 * 9.81 * dt * dt);
+    }
+    palp_network_free(net);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, free_fall_from_the_first_step);
     tcase_add_test(tc, mass_is_that_of_the_body);
     tcase_add_test(tc, boxes_stay_symmetric);
     tcase_add_loop_test(tc, ramps_do_not_ring, 0, 4);
