@@ -10,6 +10,9 @@ trap 'rm -rf "$work"' EXIT
 options() { grep -o -e '--[a-z][A-Za-z-]*' | LC_ALL=C sort -u; }
 
 $MAKE --no-print-directory man BUILD="$BUILD"
+for header in include/palpate/*.h; do
+    grep -qF "*${header##*/}*" doc/palpate.3.scd || { echo "palpate(3) does not name ${header##*/}"; exit 1; }
+done
 for page in doc/palpate-*.1.scd; do
     command=${page#doc/palpate-} command=${command%.1.scd}
     "$BUILD/palpate" "$command" --help | sed -n 's/^  \(--[^ ]*\).*/\1/p' | options >"$work/help"
