@@ -83,6 +83,8 @@ static palp_status read_stream(FILE *stream, char **text, size_t *size) {
 }
 
 palp_status palp_file_read(const char *path, char **text, size_t *size, palp_error *error) {
+    if (!path || !text || !size)
+        return palp_error_null(error);
     FILE *stream = fopen(path, "rb");
     if (!stream)
         return palp_error_set_file(error, path, "cannot open", errno);
@@ -141,6 +143,8 @@ static int open_target(palp_file *file) {
 }
 
 palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error) {
+    if (!file || !path)
+        return palp_error_null(error);
     memset(file, 0, sizeof *file);
     file->path = path;
     file->target = realpath(path, NULL);
@@ -200,11 +204,15 @@ static palp_status leave(palp_file *file, int number, palp_error *error) {
 }
 
 palp_status palp_file_commit(palp_file *file, bool durable, palp_error *error) {
+    if (!file)
+        return palp_error_null(error);
     int number = finish(file, durable);
     return leave(file, number ? number : replace(file), error);
 }
 
 palp_status palp_file_commit_pair(palp_file *first, palp_file *second, bool durable, palp_error *error) {
+    if (!first || !second)
+        return palp_error_null(error);
     int number = finish(first, durable);
     if (number) {
         palp_file_abandon(second);
@@ -223,6 +231,8 @@ palp_status palp_file_commit_pair(palp_file *first, palp_file *second, bool dura
 }
 
 void palp_file_abandon(palp_file *file) {
+    if (!file)
+        return;
     fclose(file->stream);
     if (file->temporary[0])
         unlink(file->temporary);

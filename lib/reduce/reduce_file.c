@@ -396,6 +396,8 @@ static palp_status reduced_from_json(const palp_json *root, palp_model *model, p
 
 palp_status palp_reduced_read(const char *path, palp_model *model, palp_mesh_source *mesh, palp_reduced **reduced,
                               palp_error *error) {
+    if (!path || !reduced)
+        return palp_error_null(error);
     palp_json_file file;
     palp_json root;
     palp_model made;

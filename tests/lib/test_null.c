@@ -156,6 +156,19 @@ START_TEST(null_in_explain) {
 }
 END_TEST
 
+START_TEST(null_in_file) {
+    REFUSED(palp_file_read(NULL, &made_text, &count, NULL));
+    REFUSED(palp_file_read(text, NULL, &count, NULL));
+    REFUSED(palp_file_read(text, &made_text, NULL, NULL));
+    REFUSED(palp_file_begin(NULL, text, NULL));
+    REFUSED(palp_file_begin((void *)storage, NULL, NULL));
+    REFUSED(palp_file_commit(NULL, false, NULL));
+    REFUSED(palp_file_commit_pair(NULL, (void *)storage, false, NULL));
+    REFUSED(palp_file_commit_pair((void *)storage, NULL, false, NULL));
+    palp_file_abandon(NULL);
+}
+END_TEST
+
 START_TEST(null_in_forward) {
     NOTHING(!palp_forward_parameter_count(NULL));
     REFUSED(palp_forward_get(NULL, numbers));
@@ -245,8 +258,8 @@ START_TEST(null_in_mesh) {
 END_TEST
 
 START_TEST(null_in_model) {
-    REFUSED(palp_model_read(NULL, &model, NULL));
-    REFUSED(palp_model_read(text, NULL, NULL));
+    REFUSED(palp_model_read(NULL, &model, NULL, NULL));
+    REFUSED(palp_model_read(text, NULL, NULL, NULL));
     REFUSED(palp_model_write(NULL, text, NULL));
     REFUSED(palp_model_write(&model, NULL, NULL));
     REFUSED(palp_model_format(NULL, &made_text));
@@ -379,8 +392,8 @@ START_TEST(null_in_reduce) {
     REFUSED(palp_reduced_write(NULL, &model, text, NULL));
     REFUSED(palp_reduced_write((void *)storage, NULL, text, NULL));
     REFUSED(palp_reduced_write((void *)storage, &model, NULL, NULL));
-    REFUSED(palp_reduced_read(NULL, &model, (palp_reduced **)pointers, NULL));
-    REFUSED(palp_reduced_read(text, &model, NULL, NULL));
+    REFUSED(palp_reduced_read(NULL, &model, NULL, (palp_reduced **)pointers, NULL));
+    REFUSED(palp_reduced_read(text, &model, NULL, NULL, NULL));
 }
 END_TEST
 
@@ -502,6 +515,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, null_in_effect);
     tcase_add_test(tc, null_in_experiment);
     tcase_add_test(tc, null_in_explain);
+    tcase_add_test(tc, null_in_file);
     tcase_add_test(tc, null_in_forward);
     tcase_add_test(tc, null_in_law);
     tcase_add_test(tc, null_in_material);
