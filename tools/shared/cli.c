@@ -262,9 +262,11 @@ static void restart_getopt(void) {
 /* Two outputs must not be one file, none an input; see cli_output_check. */
 static int check_outputs(const cli_command *command, bool force, const char *const words[], size_t n_words) {
     const char *input[INPUTS_MAX + OPTIONS_MAX];
-    size_t n = n_words < INPUTS_MAX ? n_words : INPUTS_MAX;
+    size_t n = 0;
     int code = CLI_OK;
-    memcpy(input, words, n * sizeof *input);
+    for (; n < n_words && n < INPUTS_MAX; n++) {
+        input[n] = words[n];
+    }
     for (size_t i = 0; i < command->n_options; i++) {
         if (command->options[i].type == CLI_IN && *command->options[i].to.text) {
             input[n++] = *command->options[i].to.text;
