@@ -11,7 +11,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     palp_model model;
     palp_reduced *reduced;
     fuzz_file(arrays, ".bin", data + text + (nul != NULL), size - text - (nul != NULL));
-    if (palp_reduced_read(fuzz_file(path, ".json", data, text), &model, &reduced, NULL) == PALP_OK) {
+    if (palp_reduced_read(fuzz_file(path, ".json", data, text), &model, NULL, &reduced, NULL) == PALP_OK) {
         palp_reduced_free(reduced);
     }
     return 0;
