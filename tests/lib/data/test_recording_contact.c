@@ -85,6 +85,25 @@ START_TEST(contact_is_the_crossing_of_the_first_of_the_rise) {
 }
 END_TEST
 
+/* Contact is looked for up to half the largest force: a force that falls back to zero at 0.4 of it had not met the specimen
+ * yet, at 0.6 of it the specimen lets go for a while. */
+START_TEST(contact_comes_before_half_the_force) {
+    for (int later = 0; later < 2; later++) {
+        const palp_recording_settings settings = palp_recording_settings_default();
+        const size_t touch = 110, gone = 150, back = 180;
+        made *m = press(100, 0.05);
+        for (size_t i = touch; i < gone; i++)
+            m->force[i] += SLOPE_N_M * (m->depth[i] - m->depth[touch]);
+        double top = (m->force[gone - 1] - 0.05) / (later ? 0.4 : 0.6);
+        for (size_t i = back; i < m->r.n; i++)
+            m->force[i] += top * (double)(i - back) / (double)(m->r.n - 1 - back);
+        recording_find_contact(&m->r, &settings);
+        ck_assert_double_eq_tol(m->r.contact_m, m->depth[later ? back : touch], 1e-7);
+        free(m);
+    }
+}
+END_TEST
+
 /* Off by 2.5 or by 3.5 of its own sds. */
 START_TEST(contact_moves_from_three_sds_on) {
     for (int over = 0; over < 2; over++) {
@@ -260,6 +279,7 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_test(tc, contact_is_the_crossing_of_the_first_of_the_rise);
+    tcase_add_test(tc, contact_comes_before_half_the_force);
     tcase_add_test(tc, contact_moves_from_three_sds_on);
     tcase_add_test(tc, a_bend_counts_three_times);
     tcase_add_test(tc, a_nominal_contact_is_doubted_by_what_the_rise_says);
