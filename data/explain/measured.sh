@@ -17,7 +17,7 @@ explain() {
     shift 3
     case $name in *"$row"*) ;; *) return 0 ;; esac
     "$palpate" characterize "$@" $options --out "$dir/$name.json" >"$dir/$name.fit.txt" 2>&1
-    "$palpate" explain --model "$dir/$name.json" "$@" --every "$every" --json "$dir/$name.explained.json" >"$dir/$name.txt"
+    "$palpate" explain --model "$dir/$name.json" "$@" --every "$every" --result "$dir/$name.explained.json" >"$dir/$name.txt"
     python3 - "$name" "$dir/$name.explained.json" <<'P'
 import json, sys
 e = json.load(open(sys.argv[2]))

@@ -25,7 +25,7 @@ runs() {
 model 2.1 "" >true.json
 model 2.4 "" >guess.json
 runs plain
-expect 0 explain --model guess.json plain?.csv --json plain.out
+expect 0 explain --model guess.json plain?.csv --result plain.out
 grep -q '"verdict": "agrees"' plain.out || fail "nothing hidden: $(cat out)"
 grep -q '"effects": \[\]' plain.out || fail "an effect where none is"
 
@@ -33,7 +33,10 @@ grep -q '"effects": \[\]' plain.out || fail "an effect where none is"
 for n in 1 2 3 4; do
     awk -F, '/^[-0-9]/ { printf "%s,%s,%.9g\n", $1, $2, $3 + 0.06; next } { print }' plain$n.csv >bias$n.csv
 done
-expect 0 explain --model guess.json bias?.csv --out explained.json --json bias.out --report page.html
+expect 0 explain --model guess.json bias?.csv --out explained.json --result bias.out --report page.html
+expect 0 explain --model guess.json bias?.csv --json
+sed 's/^  "command": .*//' bias.out >wanted
+sed 's/^  "command": .*//' out | cmp -s - wanted || fail "--json prints another result than --result writes"
 for key in palpate verdict effects gap phase_shares events not_identifiable next_experiment rejected steps residual_diagnostics; do
     grep -q "^  \"$key\":" bias.out || fail "the result lacks $key"
 done
@@ -44,7 +47,7 @@ grep -q sensor_bias explained.json || fail "the model lacks the bias"
 ! command -v gnuplot >/dev/null || grep -q '<svg' page.html || fail "the page has no figure"
 
 cp bias.out once
-expect 0 explain --model guess.json bias?.csv --jobs 3 --json bias.out
+expect 0 explain --model guess.json bias?.csv --jobs 3 --result bias.out
 grep -v '"command"' once >a
 grep -v '"command"' bias.out >b
 cmp a b || fail "the number of jobs changes the answer"
@@ -54,9 +57,9 @@ serial=$(echo /usr/lib/*/openblas-serial)
 if [ -d "$serial" ] && LD_LIBRARY_PATH=$serial ldd "$PALPATE" | grep -q "$serial"; then
     LD_LIBRARY_PATH=$serial
     export LD_LIBRARY_PATH
-    expect 0 explain --model guess.json bias?.csv --candidates sensor_bias,toe_region --jobs 2 --json two.out
+    expect 0 explain --model guess.json bias?.csv --candidates sensor_bias,toe_region --jobs 2 --result two.out
     grep -q "one job at a time" err || fail "two threads call a BLAS without locks: $(cat err)"
-    expect 0 explain --model guess.json bias?.csv --candidates sensor_bias,toe_region --json one.out
+    expect 0 explain --model guess.json bias?.csv --candidates sensor_bias,toe_region --result one.out
     grep -q "one job" err && fail "a word about locks for one job"
     unset LD_LIBRARY_PATH
     grep -v '"command"' one.out >a
@@ -69,9 +72,9 @@ mkdir thin
 for n in 1 2 3 4; do
     awk '/^[-0-9]/ && i++ % 3 { next } { print }' bias$n.csv >thin/bias$n.csv
 done
-expect 0 explain --model guess.json bias?.csv --every 3 --json every.out
+expect 0 explain --model guess.json bias?.csv --every 3 --result every.out
 cd thin || exit 1
-expect 0 explain --model ../guess.json bias?.csv --json ../thin.out
+expect 0 explain --model ../guess.json bias?.csv --result ../thin.out
 cd ..
 grep -v '"command"' every.out >a
 grep -v '"command"' thin.out >b

@@ -13,7 +13,7 @@ for material in EF10_0T EF30_0T EF30_50T; do
         grep '^[-0-9]' like.csv | cut -d , -f 3 >force
         grep '^[-0-9]' "$run" | cut -d , -f 3 | paste -d , - force
     done | awk -F , '{ sum += ($1 - $2) ^ 2 } END { print sqrt(sum / NR) }' >characterized
-    expect 0 explain --model model.json "$@" --every 4 --json result.json
+    expect 0 explain --model model.json "$@" --every 4 --result result.json
     awk -v a="$(value result.json before_N)" -v b="$(cat characterized)" 'BEGIN { exit !(a > 0 && a < 1.3 * b) }' ||
         fail "$material: the refit leaves $(value result.json before_N) N, characterize $(cat characterized) N"
     grep -q '"effects": \[\]' result.json || fail "$material: one monotone ramp told $(cat out)"

@@ -31,11 +31,11 @@ model '' 0.49 >true.json
 model '' 0.53 >guess.json
 
 runs true
-expect 0 explain --model guess.json true?.csv $some --json true.out
+expect 0 explain --model guess.json true?.csv $some --result true.out
 grep -q '"verdict": "agrees"' true.out || fail "nothing hidden: $(cat out)"
 
 runs lag
-expect 0 explain --model guess.json lag?.csv $some --json lag.out --out lag_explained.json
+expect 0 explain --model guess.json lag?.csv $some --result lag.out --out lag_explained.json
 grep -q '"verdict": "explained"' lag.out || fail "a hidden lag: $(cat out)"
 near "the lag" "$(sed -n 's/.*"time_s": *\([0-9.]*\).*/\1/p' lag_explained.json)" 0.08 0.03
 grep -q '"kind": "network"' lag_explained.json || fail "what comes out is no network"
@@ -50,7 +50,7 @@ near "its peak" "$(sed -n 2p peaks)" "$(sed -n 1p peaks)" 0.003
 
 # Plates that slip are something that only a network can tell.
 runs slip
-expect 0 explain --model guess.json slip?.csv $some --practical-share 0.1 --json slip.out --out slip_explained.json
+expect 0 explain --model guess.json slip?.csv $some --practical-share 0.1 --result slip.out --out slip_explained.json
 slip=$(sed -n 's/.*"slip": *\([0-9.]*\).*/\1/p' slip_explained.json)
 near "the slip" "${slip:-none}" 0.9 0.1
 
@@ -61,12 +61,12 @@ for hidden in '{"id": "sensor_lag", "parameters": {"time_s": 0.08}}' \
     model '' 0.53 5 >fine_guess.json
     runs fine
     expect 0 explain --model fine_guess.json fine?.csv --candidates sensor_lag,strain_dependent_arm --jobs 2 \
-        --json fine.out --out fine_explained.json
+        --result fine.out --out fine_explained.json
     grep -q '"verdict": "explained"' fine.out || fail "$hidden in 125 nodes: $(cat out)"
     grep -q '"nodes": \[5, 5, 5\]' fine_explained.json || fail "what comes out has not 125 nodes"
     case $hidden in
     *lag*)
-        expect 0 explain --model fine_guess.json fine?.csv --candidates sensor_lag,strain_dependent_arm --json once.out
+        expect 0 explain --model fine_guess.json fine?.csv --candidates sensor_lag,strain_dependent_arm --result once.out
         grep -v '"command"' fine.out >a
         grep -v '"command"' once.out >b
         cmp a b || fail "the number of jobs changes the answer for 125 nodes"

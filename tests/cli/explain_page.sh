@@ -93,7 +93,7 @@ model '' 2.4 >guess.json
 runs plain true.json 3
 
 # Nothing hidden.
-expect 0 explain --model guess.json plain?.csv --json plain.out --report plain.html
+expect 0 explain --model guess.json plain?.csv --result plain.out --report plain.html
 page plain.html plain.out agrees
 grep -q 'class="effect"' plain.html && fail "an effect where none is"
 
@@ -101,7 +101,7 @@ grep -q 'class="effect"' plain.html && fail "an effect where none is"
 model '{"id": "sensor_lag", "parameters": {"time_s": 0.15}}' 2.1 >lag.json
 runs lag lag.json 3
 awk -F, '/^[-0-9]/ && ++n == 500 { printf "%s,%s,%.9g\n", $1, $2, $3 + 0.5; next } { print }' lag2.csv >spiked && mv spiked lag2.csv
-expect 0 explain --model guess.json lag?.csv --json lag.out --report lag.html --plot work
+expect 0 explain --model guess.json lag?.csv --result lag.out --report lag.html --plot work
 page lag.html lag.out explained
 low=$(part lag.out effects | sed -n '/"intervals"/,/]/p' | sed -n '/time_s/,/]/p' | sed -n 's/^ *\([0-9.]*\),$/\1/p')
 sed -n 's/.*<tr><td>time<\/td><td>[0-9.]*<\/td><td>\([0-9.]*\) to .*<td class="t">s<\/td>.*/\1/p' lag.html >shown
@@ -123,7 +123,7 @@ done
 # Relaxation as a power of time, which holds of 20 s do not tell from the draining of pores.
 model '{"id": "power_law_relaxation", "parameters": {"stiffness_N": 0.5, "exponent": 0.1}}' 2.1 >power.json
 runs power power.json 1
-expect 0 explain --model guess.json power?.csv --json power.out --report power.html --next next.out
+expect 0 explain --model guess.json power?.csv --result power.out --report power.html --next next.out
 page power.html power.out ambiguous
 grep -q 'could as well be' power.html || fail "the class is not told"
 [ -s next.out ] && grep -qF "$(value next.out depth_mm | awk '{ printf "%.3g mm", $1 }')" power.html || fail "the next experiment's depth"
@@ -132,7 +132,7 @@ grep -q 'could as well be' power.html || fail "the class is not told"
 for n in 1 2 3 4; do
     awk -F, '/^[-0-9]/ { printf "%s,%s,%.9g\n", $1, $2, $3 + (int($1 / 3.7) % 2 ? 0.05 : -0.05); next } { print }' plain$n.csv >flip$n.csv
 done
-expect 0 explain --model guess.json flip?.csv --json flip.out --report flip.html
+expect 0 explain --model guess.json flip?.csv --result flip.out --report flip.html
 page flip.html flip.out unexplained
 grep -q 'Repeat flip[1-4].csv' flip.html || fail "what to repeat is not told"
 done_testing

@@ -16,7 +16,7 @@ parameter() { sed -n "s/.*\"$2\": *\([-0-9.e]*\).*/\1/p" "$1" | tail -n 1; }
 # N = 1 against the curves of Table 4.3: a second relaxation time, that of the table's second arm; then the noise, 4 mN.
 make second second-arm --depth-mm 6
 expect 0 explain --model second/model.json second/run_*.csv --candidates relaxation_arm,sensor_drift,sensor_lag,rate_stiffening \
-    --json second.out --out second.json
+    --result second.out --out second.json
 grep -q '"id": "relaxation_arm"' second.json || fail "no second relaxation time: $(cat out)"
 set -- $(grep '^6,' "$DATA/table_4_3.csv" | tr , ' ')
 near "its time" "$(parameter second.json time_s)" "$(awk "BEGIN { print $5 / $4 }")" 0.03
@@ -25,7 +25,7 @@ gap second.out | awk '{ exit !($1 < 0.0042 && $2 > 3 * $3) }' || fail "the gap o
 
 # Static loading and holds by one law: something is left that no effect of the catalogue accounts for.
 make static static
-expect 0 explain --model static/model.json static/run_*.csv --every 2 --json static.out --out static.json
+expect 0 explain --model static/model.json static/run_*.csv --every 2 --result static.out --out static.json
 grep -q '"verdict": "unexplained"' static.out || fail "static against holds: $(cat out)"
 gap static.out | awk '{ exit !($2 > 2 * $3 && $2 < 0.06) }' || fail "the gap of static against holds: $(gap static.out)"
 
@@ -33,7 +33,7 @@ gap static.out | awk '{ exit !($2 > 2 * $3 && $2 < 0.06) }' || fail "the gap of 
 make network network
 expect 0 explain --model network/model.json network/run_*.csv --every 2 --jobs 2 \
     --candidates strain_dependent_arm,relaxation_arm,rate_stiffening,sensor_lag,contact_offset,frame_compliance \
-    --json network.out --out network.json
+    --result network.out --out network.json
 grep -q '"id": "strain_dependent_arm"' network.json || fail "constant arms: $(cat out)"
 parameter network.json time_per_strain | awk '{ exit !($1 > -0.3 && $1 < 0.3) }' || fail "its time depends on strain"
 sed -n 's/.*"stiffness_per_strain": *\([-0-9.]*\).*/\1/p' network.json |

@@ -30,7 +30,7 @@ refused network.json "$input" reduce network.json --out network.json
 refused run.csv "$input" reduce network.json --runs simulated.csv,run.csv --out run.csv
 refused model.json "$input" explain --model model.json run.csv --out model.json
 refused run.csv "$input" explain --model model.json run.csv --next run.csv
-refused model.json "$input" explain --model $L run.csv --out model.json --json model.json
+refused model.json "$input" explain --model $L run.csv --out model.json --result model.json
 refused run.csv "$input" report run.csv --out run.csv
 refused folder/run.csv "$input" report folder --out folder/run.csv
 ln -s run.csv link.csv
@@ -46,6 +46,38 @@ refused imported/raw.csv "$recording" import raw.csv --specimen-height-mm 24 --o
 expect 0 import raw.csv --specimen-height-mm 24 --out imported --force
 expect 0 simulate model.json --protocol static --depth-mm 3 --out simulated.csv
 
+# Folders of outputs: neither an input nor a recording is replaced there, nor another output.
+mkdir plots
+cp model.json plots/calibrate.json
+cp network.json plots/network.pvd
+cp run.csv plots/recorded.csv
+ln -s recorded.csv plots/characterize.json
+ln -s recorded.csv plots/explain.json
+ln -s recorded.csv plots/network_0000.vtu
+refused plots/calibrate.json "$input" calibrate plots/calibrate.json --nodes 3 --plot plots
+refused plots/network.pvd "$input" simulate plots/network.pvd --protocol static --depth-mm 3 --vtu ./plots/
+refused plots/recorded.csv "$input" characterize plots/recorded.csv --arms 1 --degree 2 --plot plots
+refused plots/recorded.csv "$recording" characterize run.csv --arms 1 --degree 2 --plot plots
+refused plots/recorded.csv "$recording" explain --model model.json run.csv --plot plots
+refused plots/recorded.csv "$recording" simulate network.json --protocol static --depth-mm 3 --vtu plots
+refused run.csv "named twice: --plot would replace it" characterize run.csv --out fits/characterize.json --plot fits
+refused run.csv "$input" explain --model model.json run.csv --out new.json --next ./new.json
+[ -e fits ] && fail "a refused command made a folder"
+
+# The virtual indenter's log and the file that its port may be.
+refused model.json "$input" rig --firmware host --until-s 0.01 --model model.json --log model.json
+refused model.json "$input" rig --firmware host --until-s 0.01 --model model.json --port file:model.json
+refused run.csv "$recording" rig --firmware host --until-s 0.01 --log run.csv
+refused run.csv "$recording" rig --firmware host --until-s 0.01 --port file:run.csv
+expect 0 rig --firmware host --until-s 0.01 --port file:forced.csv --log forced.csv.log
+expect 1 rig --firmware host --until-s 0.01 --port file:forced.csv --log forced.csv
+says "$input"
+cp run.csv forced.csv
+expect 0 rig --firmware host --until-s 0.01 --log forced.csv --force
+refused model.json "$input" acquire --port rig:model.json --firmware host --static --depth-mm 2 --rate-mm-s 1 --out folder --log model.json
+expect 1 acquire --port rig:model.json --firmware host --static --depth-mm 2 --rate-mm-s 1 --out folder --log ./folder/static_2mm.csv --force
+says "$input"
+
 # A link is followed, and --force replaces.
 expect 0 simulate model.json --protocol static --depth-mm 3 --out link.csv --force
 [ -h link.csv ] && cmp -s run.csv simulated.csv || fail "a link is not followed"
@@ -55,12 +87,34 @@ expect 0 export network.json --strain 0.1 --out pipe
 wait $!
 [ -p pipe ] && grep -q '^\*NODE' through || fail "a FIFO is not written"
 
+# What is cut off leaves nothing half written: neither the log nor what stood there.
+echo before >log.csv
+"$PALPATE" rig --firmware host --log log.csv --port file:stream >out 2>err &
+rig=$!
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    ls | grep -q '^log.csv.*tmp$' && break
+    sleep 0.2
+done
+kill -9 $rig
+wait $rig 2>/dev/null
+[ "$(cat log.csv)" = before ] || fail "a log that was cut off: $(tail -n 1 log.csv)"
+[ -e stream ] && fail "a stream that was cut off is there"
+rm -f log.csv.*.tmp stream.*.tmp
+
 # Standard input and output.
 for command in "simulate - --protocol static --depth-mm 3" "simulate model.json --protocol static --depth-mm 3 --out -"; do
     "$PALPATE" $command <model.json >piped 2>err || fail "palpate $command: $(cat err)"
     grep -v '^# model.file' piped | cmp -s - /dev/null && fail "palpate $command: no run"
     [ "$(grep -c '^[0-9]' piped)" -eq "$(grep -c '^[0-9]' simulated.csv)" ] || fail "palpate $command: another run"
 done
+for file in model.json run.csv; do
+    "$PALPATE" report - --out piped.html <$file 2>err || fail "palpate report -: $(cat err)"
+    "$PALPATE" report $file --out named.html 2>err || fail "palpate report $file: $(cat err)"
+    crc=$(sed -n 's/.*[^0-9a-f]\([0-9a-f]\{8\}\)<.*/\1/p' named.html | tail -n 1)
+    [ -n "$crc" ] && grep -q "$crc" piped.html || fail "palpate report -: another file than $file"
+done
+echo "# palpate.experiment: 1" | "$PALPATE" report - --out piped.html 2>err && fail "a run without rows on standard input"
+says "palpate report: /dev/stdin:"
 { echo first; "$PALPATE" export network.json --strain 0.1 --out -; echo last; } >both
 [ "$(sed -n '1p;$p' both | tr '\n' ' ')" = "first last " ] || fail "standard output was replaced"
 
@@ -75,6 +129,10 @@ if [ -w /dev/full ]; then
     full simulate model.json --protocol static --depth-mm 3 --json
     full export network.json --strain 0.1
     full report run.csv
+    expect 1 rig --firmware host --until-s 0.1 --log /dev/full
+    grep -q '/dev/full: cannot write: No space left on device' err || fail "the log's reason: $(cat err)"
+    expect 1 rig --firmware host --until-s 0.1 --port file:/dev/full
+    grep -q '/dev/full: cannot write: No space left on device' err || fail "the port's reason: $(cat err)"
     full export network.json --strain 0.1 --out -
     mkdir figures
     ln -s /dev/full figures/stiffness_law.svg

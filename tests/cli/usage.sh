@@ -7,12 +7,13 @@ grep -q '^palpate [0-9]*\.[0-9]*\.[0-9]*$' out || fail "--version: $(cat out)"
 expect 0 --help
 grep -q '^Usage: palpate COMMAND' out || fail "--help lacks its usage"
 grep -q '^Example:' out || fail "--help lacks an example"
-for command in import characterize report simulate calibrate reduce export; do
+for command in acquire rig import characterize explain report simulate calibrate reduce export firmware; do
     grep -q "^  $command " out || fail "--help lacks $command"
     "$PALPATE" $command --help >help 2>err || fail "$command --help: exit code $?"
     [ -s err ] && fail "$command --help writes to stderr"
     grep -q "^Usage: palpate $command" help || fail "$command --help lacks its usage"
     grep -q '^Example:' help || fail "$command --help lacks an example"
+    grep -q '^  --json [A-Z]' help && fail "$command --json takes a file"
     awk 'length > 110 { exit 1 }' help || fail "$command --help has a line above 110 columns"
 done
 "$PALPATE" >out 2>err

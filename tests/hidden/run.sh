@@ -14,7 +14,7 @@ if [ "${1-}" = one ]; then # from xargs: folder answer [ids]: one run of the com
     [ ! -s "$3" ] || exit 0
     start=$(date +%s.%N) name=${3%.json}
     # shellcheck disable=SC2086
-    "$PALPATE" explain --model model.json run_*.csv --jobs 1 ${4:+--candidates $4} --json "$3.part" \
+    "$PALPATE" explain --model model.json run_*.csv --jobs 1 ${4:+--candidates $4} --result "$3.part" \
         --out "${name}_model.json" --report "$name.html" >"$name.log" 2>&1 </dev/null || {
         echo "$(basename "$2"): exit code $?: $(tail -n 1 "$name.log")" >&2
         exit 0

@@ -164,6 +164,30 @@ static void test_parse_bad(void **state) {
     assert_non_null(strstr(line, "one argument too many: \"c\""));
 }
 
+/* An output that is the last of many inputs. */
+static void test_output_of_many(void **state) {
+    enum { MANY = 3000 };
+    char word[] = "input", last[] = "last", out[] = "--out", name[] = "test";
+    const char *to = NULL, **words = malloc(MANY * sizeof *words);
+    char **argument = malloc((MANY + 4) * sizeof *argument);
+    const cli_option options[] = {cli_out("out", "FILE", &to, "a file")};
+    const cli_command command = {"test", "", "", "", options, 1};
+    size_t n = 0;
+    (void)state;
+    assert_non_null(words);
+    assert_non_null(argument);
+    for (size_t i = 0; i < MANY; i++)
+        argument[i + 1] = i + 1 < MANY ? word : last;
+    argument[0] = name;
+    argument[MANY + 1] = out;
+    argument[MANY + 2] = last;
+    argument[MANY + 3] = NULL;
+    assert_int_equal(cli_parse(&command, MANY + 3, argument, words, MANY, &n), CLI_FAILURE);
+    assert_int_equal(n, MANY);
+    free(words);
+    free(argument);
+}
+
 static void test_help_lists_every_option(void **state) {
     const cli_option options[] = {
         cli_heading("Group"),
@@ -381,7 +405,8 @@ const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_spread),
     cmocka_unit_test(test_parse_good),
     cmocka_unit_test(test_parse_bad),
-    cmocka_unit_test(test_help_lists_every_option),
+    cmocka_unit_test(test_output_of_many),
+        cmocka_unit_test(test_help_lists_every_option),
     cmocka_unit_test(test_status_codes),
     cmocka_unit_test(test_file),
     cmocka_unit_test(test_table),

@@ -276,22 +276,25 @@ static int check_specimen(const choice *c, const acquire_plan *plan) {
 
 /* ---- all of it ---- */
 
-/* Before anything moves. */
-static int check_files(const acquire_options *o, const acquire_plan *plan) {
+/* Before anything moves: what is there already, and what the rig reads or writes. */
+static int check_files(const choice *c, const acquire_plan *plan) {
+    const acquire_options *o = &c->session;
     char path[CLI_PATH_MAX];
+    int code = CLI_OK;
     if (cli_folder(NAME, o->out)) {
         return CLI_FAILURE;
     }
-    for (size_t i = 0; i < plan->n && !o->force; i++) {
+    for (size_t i = 0; i < plan->n && code == CLI_OK; i++) {
         int n = snprintf(path, sizeof path, "%s/%s.csv", o->out, plan->run[i].name);
         if (n < 0 || (size_t)n >= sizeof path) {
             return cli_failure(NAME, "%s: the name is too long", o->out);
         }
-        if (access(path, F_OK) == 0) {
+        if (access(path, F_OK) == 0 && !o->force) {
             return cli_failure(NAME, "%s is there already: name another --out, or give --force", path);
         }
+        code = c->rig.log ? cli_output_check(NAME, path, true, 1, &c->rig.log) : CLI_OK;
     }
-    return CLI_OK;
+    return code;
 }
 
 static int run_session(choice *c, const acquire_plan *plan) {
@@ -315,7 +318,10 @@ static int with_rig(choice *c, const acquire_plan *plan) {
         c->session.specimen_kind = settings.plant.specimen == PLANT_RIGID ? "rigid" : "none";
     }
     code = code ? code : check_specimen(c, plan);
-    code = code ? code : check_files(&c->session, plan);
+    code = code ? code : check_files(c, plan);
+    if (code == CLI_OK && model && c->rig.log) {
+        code = cli_output_check(NAME, c->rig.log, c->session.force, 1, &model);
+    }
     code = code ? code : rig_open(NAME, &settings, &r);
     if (code) {
         return code;
@@ -328,7 +334,7 @@ static int with_rig(choice *c, const acquire_plan *plan) {
 
 static int with_device(choice *c, const acquire_plan *plan) {
     int code = check_specimen(c, plan);
-    code = code ? code : check_files(&c->session, plan);
+    code = code ? code : check_files(c, plan);
     c->session.where = c->session.port;
     return code ? code : run_session(c, plan);
 }

@@ -90,9 +90,9 @@ static size_t output_options(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
         cli_heading("Output"),
         cli_out("out", "NETWORK.json", &o->out, "the calibrated network"),
-        cli_text("plot", "DIR", &o->plot,
-                 "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation;\n"
-                 "and the result as calibrate.json"),
+        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp calibrate.json",
+                       "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation;\n"
+                       "and the result as calibrate.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };
     memcpy(to, options, sizeof options);

@@ -44,7 +44,8 @@ static int parse(int argc, char **argv, characterize_options *o) {
                    "recorded depth at contact, mm, instead of the one found"),
         cli_heading("Output"),
         cli_out("out", "LUMPED.json", &o->out, "the lumped model"),
-        cli_text("plot", "DIR", &o->plot, "SVG figures by gnuplot, and the result as characterize.json"),
+        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp characterize.json",
+                       "SVG figures by gnuplot, and the result as characterize.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };
     const cli_command command = {

@@ -30,9 +30,10 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
         cli_heading("Output"),
         cli_out("out", "EXPLAINED.json", &o->out, "the model with the effects"),
-        cli_out("json", "RESULT.json", &o->json, "everything that was found"),
+        cli_flag("json", &o->json, "everything that was found as one JSON object on standard output"),
+        cli_out("result", "RESULT.json", &o->result, "the same into a file"),
         cli_out("report", "PAGE.html", &o->report, "the story on one page"),
-        cli_text("plot", "DIR", &o->plot, "result and figure into a folder, for palpate report"),
+        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp explain.json", "result and figure into a folder, for palpate report"),
         cli_out("next", "PROTOCOL.json", &o->next, "the next experiment, for palpate acquire"),
     };
     const cli_command command = {
@@ -104,8 +105,8 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
     if (o->out && palp_model_write(&e->model, o->out, &error)) {
         code = cli_status(NAME, error.status, &error);
     }
-    if (code == CLI_OK && o->json) {
-        code = json_save(NAME, explain_json(o, e), o->json);
+    if (code == CLI_OK && o->result) {
+        code = json_save(NAME, explain_json(o, e), o->result);
     }
     if (code == CLI_OK && o->next && e->next.wanted && e->next.kind) {
         code = json_save(NAME, explain_protocol(e), o->next);
@@ -164,8 +165,11 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
         code = status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;
     }
     if (code == CLI_OK) {
-        explain_say(&e);
-        code = write_out(o, &e);
+        code = o->json ? json_print(NAME, explain_json(o, &e)) : CLI_OK;
+        if (!o->json) {
+            explain_say(&e);
+        }
+        code = code ? code : write_out(o, &e);
         palp_explanation_free(&e);
     }
     return code;

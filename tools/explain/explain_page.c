@@ -67,8 +67,11 @@ int explain_page(const explain_options *o, const palp_explanation *e) {
     int code = result ? cli_file_open(NAME, o->report, &to) : cli_failure(NAME, "out of memory");
     if (code == CLI_OK) {
         code = page(to.stream, result, e);
-        int closed = cli_file_close(NAME, &to);
-        code = code ? code : closed;
+        if (code) {
+            palp_file_abandon(&to);
+        } else {
+            code = cli_file_close(NAME, &to);
+        }
     }
     json_decref(result);
     return code;

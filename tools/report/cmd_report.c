@@ -25,7 +25,7 @@ static int parse(int argc, char **argv, report_options *o) {
         "network's calibration, simulations beside recordings, and the checksums of all files on one page that\n"
         "needs nothing else.\n"
         "Of a folder it takes all *.csv, *.json and *.svg; characterize, explain and calibrate leave theirs by\n"
-        "--plot.",
+        "--plot. A file of - is standard input.",
         "  palpate characterize runs/*.csv --out work/lumped.json --plot work\n"
         "  palpate explain --model work/lumped.json runs/*.csv --plot work\n"
         "  palpate report runs work --out report.html\n",

@@ -22,12 +22,15 @@ typedef enum report_kind {
     REPORT_MODEL,        /* a model JSON */
     REPORT_CHARACTERIZE, /* what palpate characterize --json wrote */
     REPORT_CALIBRATE,    /* what palpate calibrate --json wrote */
-    REPORT_EXPLAIN,      /* what palpate explain --json wrote */
+    REPORT_EXPLAIN,      /* what palpate explain --result wrote */
     REPORT_FIGURE        /* an SVG */
 } report_kind;
 
 typedef struct report_file {
-    char *path;
+    char *path;         /* as named */
+    const char *source; /* what is read: path, or copied */
+    FILE *copy;         /* of what is no regular file, such as a pipe */
+    char copied[32];    /* its name */
     report_kind kind;
     char note[REPORT_NOTE_MAX];
     uint32_t crc;

@@ -61,7 +61,7 @@ void report_figure(FILE *to, report *r, const char *name, const char *caption) {
 static bool checksum(report_file *file) {
     enum { CHUNK = 65536 };
     unsigned char *chunk = malloc(CHUNK);
-    FILE *from = chunk ? fopen(file->path, "rb") : NULL;
+    FILE *from = chunk ? fopen(file->source, "rb") : NULL;
     file->crc = 0;
     for (size_t n; from && (n = fread(chunk, 1, CHUNK, from)) > 0;) {
         file->crc = crc32_add(file->crc, chunk, n);
@@ -81,7 +81,7 @@ static void load_run(report_file *file) {
     const palp_recording_settings settings = palp_recording_settings_default();
     const char *text;
     double number;
-    if (palp_experiment_read(file->path, &file->experiment, &error)) {
+    if (palp_experiment_read(file->source, &file->experiment, &error)) {
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
         return;
     }
@@ -101,7 +101,7 @@ static void load_run(report_file *file) {
 static void load_json(report_file *file) {
     json_error_t where;
     palp_error error = {PALP_OK, ""};
-    json_t *all = json_load_file(file->path, 0, &where);
+    json_t *all = json_load_file(file->source, 0, &where);
     const json_t *about = json_object_get(all, "palpate");
     if (json_is_integer(json_object_get(about, "characterize"))) {
         file->kind = REPORT_CHARACTERIZE;
@@ -110,7 +110,7 @@ static void load_json(report_file *file) {
     } else if (json_is_integer(json_object_get(about, "explain"))) {
         file->kind = REPORT_EXPLAIN;
     } else if (json_is_integer(json_object_get(about, "model"))) {
-        if (palp_model_read(file->path, &file->model, &file->mesh, &error) == PALP_OK) {
+        if (palp_model_read(file->source, &file->model, &file->mesh, &error) == PALP_OK) {
             file->kind = REPORT_MODEL;
         }
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
@@ -131,7 +131,7 @@ static void load_svg(report_file *file) {
     palp_error error;
     char *text;
     size_t size;
-    if (palp_file_read(file->path, &text, &size, &error)) {
+    if (palp_file_read(file->source, &text, &size, &error)) {
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
         return;
     }
@@ -144,6 +144,73 @@ static void load_svg(report_file *file) {
     memmove(text, start, strlen(start) + 1);
     file->svg = text;
     file->kind = REPORT_FIGURE;
+}
+
+/* What can be read only once is copied first. */
+static int choose_source(report_file *file, struct stat *entry) {
+    char *text;
+    size_t size;
+    palp_error error;
+    file->source = file->path;
+    if (stat(file->path, entry) != 0) {
+        return cli_failure(NAME, "%s: %s", file->path, strerror(errno));
+    }
+    if (S_ISREG(entry->st_mode) && strncmp(file->path, "/dev/", 5) != 0) {
+        return CLI_OK;
+    }
+    palp_status status = palp_file_read(file->path, &text, &size, &error);
+    if (status) {
+        return cli_status(NAME, status, &error);
+    }
+    file->copy = tmpfile();
+    bool copied = file->copy && fwrite(text, 1, size, file->copy) == size && fflush(file->copy) == 0;
+    free(text);
+    if (!copied || fstat(fileno(file->copy), entry) != 0) {
+        return cli_failure(NAME, "%s: cannot be copied: %s", file->path, strerror(errno));
+    }
+    snprintf(file->copied, sizeof file->copied, "/dev/fd/%d", fileno(file->copy));
+    file->source = file->copied;
+    return CLI_OK;
+}
+
+/* The ending of a file's name; of a copy, as what it begins with shows. */
+static const char *ending_of(const report_file *file) {
+    int first = 0;
+    if (!file->copy) {
+        const char *dot = strrchr(cli_base(file->path), '.');
+        return dot ? dot : "";
+    }
+    rewind(file->copy);
+    while ((first = getc(file->copy)) == ' ' || first == '\n') {
+    }
+    return first == '{' ? ".json" : first == '<' ? ".svg" : ".csv";
+}
+
+static void load(report_file *file) {
+    const char *ending = ending_of(file);
+    if (strcmp(ending, ".csv") == 0) {
+        load_run(file);
+    } else if (strcmp(ending, ".json") == 0) {
+        load_json(file);
+    } else if (strcmp(ending, ".svg") == 0) {
+        load_svg(file);
+    } else {
+        snprintf(file->note, sizeof file->note, "neither .csv, .json nor .svg");
+    }
+}
+
+/* Says what is wrong with a file; an exit code. */
+static int say_note(const report_file *file, bool must_read) {
+    size_t n = strlen(file->source);
+    const char *note = strncmp(file->note, file->source, n) == 0 ? file->note + n : file->note;
+    const char *between = note > file->note ? "" : ": ";
+    if (note[0] && must_read && file->kind == REPORT_OTHER) {
+        return cli_failure(NAME, "%s%s%s", file->path, between, note);
+    }
+    if (note[0]) {
+        cli_warning(NAME, "%s%s%s", file->path, between, note);
+    }
+    return CLI_OK;
 }
 
 static int add_file(report *r, const char *path, bool must_read) {
@@ -159,29 +226,17 @@ static int add_file(report *r, const char *path, bool must_read) {
     }
     strcpy(file->path, path);
     r->n++;
-    if (stat(path, &entry) != 0 || !checksum(file)) {
-        return cli_failure(NAME, "%s: %s", path, strerror(errno));
+    int code = choose_source(file, &entry);
+    if (code == CLI_OK && !checksum(file)) {
+        code = cli_failure(NAME, "%s: %s", path, strerror(errno));
+    }
+    if (code) {
+        return code;
     }
     file->size = (long long)entry.st_size;
     file->modified = entry.st_mtime;
-    if (ends(path, ".csv")) {
-        load_run(file);
-    } else if (ends(path, ".json")) {
-        load_json(file);
-    } else if (ends(path, ".svg")) {
-        load_svg(file);
-    } else {
-        snprintf(file->note, sizeof file->note, "neither .csv, .json nor .svg");
-    }
-    if (file->note[0] && must_read && file->kind == REPORT_OTHER) {
-        bool named = strncmp(file->note, path, strlen(path)) == 0;
-        return cli_failure(NAME, "%s%s%s", named ? "" : path, named ? "" : ": ", file->note);
-    }
-    if (file->note[0]) {
-        bool named = strncmp(file->note, path, strlen(path)) == 0;
-        cli_warning(NAME, "%s%s%s", named ? "" : path, named ? "" : ": ", file->note);
-    }
-    return CLI_OK;
+    load(file);
+    return say_note(file, must_read);
 }
 
 /* ---- folders ---- */
@@ -227,6 +282,9 @@ void report_free(report *r) {
         palp_recording_free(&file->recording);
         json_decref(file->json);
         free(file->svg);
+        if (file->copy) {
+            fclose(file->copy);
+        }
         free(file->path);
     }
     free(r->file);

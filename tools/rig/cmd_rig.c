@@ -16,6 +16,7 @@ typedef struct options {
     rig_options rig;
     const char *model, *port, *script;
     double until_s;
+    bool force;
 } options;
 
 static volatile sig_atomic_t stopped;
@@ -26,7 +27,7 @@ static void on_signal(int number) {
 }
 
 static int parse(int argc, char **argv, options *o) {
-    enum { OWN = 5 }; /* with the heading */
+    enum { OWN = 6 }; /* with the heading */
     cli_option list[OWN + RIG_OPTIONS] = {
         cli_heading("Run"),
         cli_in("model", "MODEL.json", &o->model,
@@ -40,6 +41,7 @@ static int parse(int argc, char **argv, options *o) {
         cli_in("script", "FILE", &o->script,
                  "bytes to feed it as if a host sent them: lines of a tick and\n"
                  "hexadecimal digits"),
+        cli_flag("force", &o->force, "let the log or the port's file replace a recording"),
     };
     rig_options_list(&o->rig, list + OWN);
     const cli_command command = {
@@ -55,11 +57,20 @@ static int parse(int argc, char **argv, options *o) {
     return cli_parse(&command, argc, argv, NULL, 0, &n);
 }
 
-static int check_port(const char *port) {
+static int check_port(const options *o) {
     char *end;
+    const char *port = o->port, *given[] = {o->model, o->script, o->rig.actuator, o->rig.log}, *other[4];
+    size_t n = 0;
+    for (size_t i = 0; i < 4; i++) {
+        if (given[i]) {
+            other[n++] = given[i];
+        }
+    }
+    if (strncmp(port, "file:", 5) == 0 && port[5]) {
+        return cli_output_check(NAME, port + 5, o->force, n, other);
+    }
     long number = strncmp(port, "tcp:", 4) == 0 ? strtol(port + 4, &end, 10) : -1;
-    bool good = strcmp(port, "pty") == 0 || (strncmp(port, "file:", 5) == 0 && port[5]) ||
-                (number > 0 && number < 65536 && *end == '\0');
+    bool good = strcmp(port, "pty") == 0 || (number > 0 && number < 65536 && *end == '\0');
     return good ? CLI_OK
                 : cli_usage_error(NAME, "--port wants pty, file:PATH or tcp:PORT (1 to 65535), not \"%s\"", port);
 }
@@ -113,7 +124,7 @@ int cmd_rig(int argc, char **argv) {
     if (code) {
         return code == CLI_HELP ? CLI_OK : code;
     }
-    code = check_port(o.port);
+    code = check_port(&o);
     code = code ? code : rig_options_settings(NAME, &o.rig, o.model, &settings);
     if (code) {
         return code;

@@ -26,7 +26,7 @@ typedef struct loop {
     plant *plant;
     rig_process process;
     rig_feed feed;
-    FILE *log;
+    palp_file log;
     bool booted;
     rig_port port;
     char port_name[RIG_NOTE];
@@ -64,28 +64,28 @@ static int open_log(loop *l) {
     if (!path) {
         return CLI_OK;
     }
-    l->log = fopen(path, "w");
-    if (!l->log) {
-        return cli_failure(l->name, "%s: %s", path, strerror(errno));
+    int code = cli_file_open(l->name, path, &l->log);
+    if (code) {
+        return code;
     }
     fputs("time_s,carriage_mm,velocity_mm_s,depth_mm,force_N,winding_C,case_C,current_A,duty,motor_on\n",
-          l->log);
+          l->log.stream);
     return CLI_OK;
 }
 
 static void log_tick(loop *l, const plant_out *out) {
-    if (l->log) {
+    if (l->log.stream) {
         plant_truth t = plant_look(l->plant);
-        fprintf(l->log, "%.3f,%.7g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,%.5g,%d\n", t.time_s, 1e3 * t.carriage_m,
+        fprintf(l->log.stream, "%.3f,%.7g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,%.5g,%d\n", t.time_s, 1e3 * t.carriage_m,
                 1e3 * t.velocity_m_s, 1e3 * t.depth_m, t.force_N, t.winding_C, t.case_C, t.current_A,
                 out->duty / 32767.0, out->motor_on);
     }
 }
 
+/* Where the run has failed, its rows up to there are kept. */
 static int close_log(loop *l, int code) {
-    bool bad = l->log && ferror(l->log);
-    bad = (l->log && fclose(l->log) != 0) || bad;
-    return bad && code == CLI_OK ? cli_failure(l->name, "%s: write error", l->settings->log) : code;
+    int closed = l->log.stream ? cli_file_close(l->name, &l->log) : CLI_OK;
+    return code ? code : closed;
 }
 
 /* ---- one record each way ---- */
@@ -214,9 +214,7 @@ static int run_plant(loop *l) {
     palp_status status = plant_create(&l->settings->plant, &l->plant, &error);
     int code = status ? cli_status(l->name, status, &error) : rig_feed_open(l->name, l->settings, &l->feed);
     code = code ? code : open_log(l);
-    if (code == CLI_OK && !rig_port_open(l->settings->port, &l->port, l->port_name, sizeof l->port_name)) {
-        code = cli_failure(l->name, "%s: %s", l->settings->port, strerror(errno));
-    }
+    code = code ? code : rig_port_open(l->name, l->settings->port, &l->port, l->port_name, sizeof l->port_name);
     if (code == CLI_OK) {
         int64_t start_ns = now_ns();
         code = rig_process_start(l->name, l->settings, &l->process);
@@ -225,7 +223,8 @@ static int run_plant(loop *l) {
         l->figures.elapsed_s = 1e-9 * (double)(now_ns() - start_ns);
     }
     code = close_log(l, code);
-    rig_port_close(&l->port);
+    int closed = rig_port_close(&l->port);
+    code = code ? code : closed;
     rig_feed_free(&l->feed);
     plant_free(l->plant);
     return code;

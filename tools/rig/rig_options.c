@@ -50,7 +50,7 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
         cli_text("inject", "FAULT@S[-S]", &o->inject,
                  "a fault at S seconds of the device's time, lifted at the second;\n"
                  "more of them: over_force@3.5,sensor_silent@7-8"),
-        cli_text("log", "FILE.csv", &o->log, "what is true, tick by tick"),
+        cli_out("log", "FILE.csv", &o->log, "what is true, tick by tick"),
     };
     memcpy(list, options, sizeof options);
 }
@@ -63,6 +63,7 @@ static bool given(const cli_option *o) {
     case CLI_TEXT:
     case CLI_IN:
     case CLI_OUT:
+    case CLI_OUT_FOLDER:
         return *o->to.text != NULL;
     case CLI_CHOICE:
         return *o->to.choice >= 0;

@@ -2,6 +2,8 @@
 #define _GNU_SOURCE
 #include "rig_port.h"
 
+#include "shared/cli.h"
+
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -47,33 +49,48 @@ static int listen_at(const char *number, char *name, size_t size) {
     return fd;
 }
 
-bool rig_port_open(const char *wanted, rig_port *port, char *name, size_t size) {
-    *port = (rig_port){.listener = -1, .connection = -1, .patience_ms = PATIENCE_MS};
+int rig_port_open(const char *command, const char *wanted, rig_port *port, char *name, size_t size) {
+    int code = CLI_OK;
+    *port = (rig_port){.command = command, .listener = -1, .connection = -1, .patience_ms = PATIENCE_MS};
     snprintf(name, size, "%s", wanted);
-    if (strncmp(wanted, "tcp:", 4) == 0) {
-        port->listener = listen_at(wanted + 4, name, size);
-        return port->listener >= 0;
-    }
     if (strncmp(wanted, "file:", 5) == 0) {
         port->kind = RIG_PORT_FILE;
-        port->connection = open(wanted + 5, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+        code = cli_file_open(command, wanted + 5, &port->file);
+        port->connection = code ? -1 : fileno(port->file.stream);
+    } else if (strncmp(wanted, "tcp:", 4) == 0) {
+        port->listener = listen_at(wanted + 4, name, size);
     } else if (strncmp(wanted, "fd:", 3) == 0) {
         port->connection = atoi(wanted + 3);
     } else {
         port->kind = RIG_PORT_PTY;
         port->connection = open_pty(name, size);
     }
-    return port->connection >= 0 && fcntl(port->connection, F_SETFL, O_NONBLOCK) == 0;
+    bool open = port->listener >= 0 || (port->connection >= 0 && fcntl(port->connection, F_SETFL, O_NONBLOCK) == 0);
+    return code || open ? code : cli_failure(command, "%s: %s", wanted, strerror(errno));
 }
 
-void rig_port_close(rig_port *port) {
+/* A write that failed is told now. */
+static int close_file(rig_port *port) {
+    if (!port->failed) {
+        return cli_file_close(port->command, &port->file);
+    }
+    int code = cli_failure(port->command, "%s: cannot write: %s", port->file.path, strerror(port->failed));
+    palp_file_abandon(&port->file);
+    return code;
+}
+
+int rig_port_close(rig_port *port) {
+    int code = CLI_OK;
+    if (port->file.stream) {
+        code = close_file(port);
+    } else if (port->connection >= 0) {
+        close(port->connection);
+    }
     if (port->listener >= 0) {
         close(port->listener);
     }
-    if (port->connection >= 0) {
-        close(port->connection);
-    }
     port->listener = port->connection = -1;
+    return code;
 }
 
 /* ---- bytes ---- */
@@ -119,6 +136,7 @@ bool rig_port_write(rig_port *port, const uint8_t *byte, size_t n) {
         } else if (now & POLLOUT) {
             some = write(port->connection, port->held, port->n_held);
         }
+        port->failed = some < 0 && errno != EAGAIN && errno != EINTR ? errno : port->failed;
         port->patience_ms = some > 0 ? PATIENCE_MS : 0;
         if (some <= 0) {
             return false;

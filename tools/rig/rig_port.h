@@ -4,6 +4,8 @@
 
 #include "plant_link.h"
 
+#include <palpate/file.h>
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -11,17 +13,20 @@
 typedef enum rig_port_kind { RIG_PORT_SOCKET, RIG_PORT_PTY, RIG_PORT_FILE } rig_port_kind;
 
 typedef struct rig_port {
+    const char *command; /* for its errors */
     rig_port_kind kind;
     int listener, connection; /* descriptors; -1 = none */
     int patience_ms; /* how long a full port may hold the indenter up; 0 after it has once been too long */
     uint8_t held[PLANT_LINK_TX];
     size_t n_held;
+    palp_file file; /* of "file:PATH" */
+    int failed;     /* errno of a write that failed, 0 = none */
 } rig_port;
 
 /* "pty", "tcp:PORT" (of this machine), "file:PATH" or "fd:NUMBER". name: what to connect to, such as "pty:/dev/pts/5".
- * False: errno. rig_port_close must follow in any case. */
-bool rig_port_open(const char *wanted, rig_port *port, char *name, size_t size);
-void rig_port_close(rig_port *port);
+ * Exit codes, after one line on stderr under command; rig_port_close must follow in any case. */
+int rig_port_open(const char *command, const char *wanted, rig_port *port, char *name, size_t size);
+int rig_port_close(rig_port *port);
 
 /* At most so many of the bytes that have come; takes whoever connects. */
 size_t rig_port_read(rig_port *port, uint8_t *byte, size_t most);

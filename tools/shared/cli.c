@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OPTIONS_MAX = 96, INPUTS_MAX = 1024, FIRST_CODE = 256, HELP_COLUMN = 26 };
+enum { OPTIONS_MAX = 96, FIRST_CODE = 256, HELP_COLUMN = 26 };
 
 static const char STDIN[] = "/dev/stdin"; /* what "-" stands for */
 
@@ -61,46 +61,50 @@ cli_option cli_heading(const char *text) {
 }
 
 cli_option cli_flag(const char *name, bool *to, const char *help) {
-    return (cli_option){CLI_FLAG, name, NULL, help, {.flag = to}, 0, 0};
+    return (cli_option){CLI_FLAG, name, NULL, help, {.flag = to}, 0, 0, NULL};
 }
 
 cli_option cli_text(const char *name, const char *value, const char **to, const char *help) {
-    return (cli_option){CLI_TEXT, name, value, help, {.text = to}, 0, 0};
+    return (cli_option){CLI_TEXT, name, value, help, {.text = to}, 0, 0, NULL};
 }
 
 cli_option cli_in(const char *name, const char *value, const char **to, const char *help) {
-    return (cli_option){CLI_IN, name, value, help, {.text = to}, 0, 0};
+    return (cli_option){CLI_IN, name, value, help, {.text = to}, 0, 0, NULL};
 }
 
 cli_option cli_out(const char *name, const char *value, const char **to, const char *help) {
-    return (cli_option){CLI_OUT, name, value, help, {.text = to}, 0, 0};
+    return (cli_option){CLI_OUT, name, value, help, {.text = to}, 0, 0, NULL};
+}
+
+cli_option cli_out_folder(const char *name, const char *value, const char **to, const char *files, const char *help) {
+    return (cli_option){CLI_OUT_FOLDER, name, value, help, {.text = to}, 0, 0, files};
 }
 
 cli_option cli_choice(const char *name, const char *choices, int *to, const char *help) {
-    return (cli_option){CLI_CHOICE, name, choices, help, {.choice = to}, 0, 0};
+    return (cli_option){CLI_CHOICE, name, choices, help, {.choice = to}, 0, 0, NULL};
 }
 
 cli_option cli_number(const char *name, const char *value, double low, double high, double *to,
                       const char *help) {
-    return (cli_option){CLI_NUMBER, name, value, help, {.number = to}, low, high};
+    return (cli_option){CLI_NUMBER, name, value, help, {.number = to}, low, high, NULL};
 }
 
 cli_option cli_positive(const char *name, const char *value, double high, double *to, const char *help) {
-    return (cli_option){CLI_POSITIVE, name, value, help, {.number = to}, 0, high};
+    return (cli_option){CLI_POSITIVE, name, value, help, {.number = to}, 0, high, NULL};
 }
 
 cli_option cli_count(const char *name, const char *value, double low, double high, size_t *to,
                      const char *help) {
-    return (cli_option){CLI_COUNT, name, value, help, {.count = to}, low, high};
+    return (cli_option){CLI_COUNT, name, value, help, {.count = to}, low, high, NULL};
 }
 
 cli_option cli_numbers(const char *name, const char *value, double high, cli_list *to, const char *help) {
-    return (cli_option){CLI_NUMBERS, name, value, help, {.list = to}, 0, high};
+    return (cli_option){CLI_NUMBERS, name, value, help, {.list = to}, 0, high, NULL};
 }
 
 cli_option cli_counts(const char *name, const char *value, double low, double high, cli_list *to,
                       const char *help) {
-    return (cli_option){CLI_COUNTS, name, value, help, {.list = to}, low, high};
+    return (cli_option){CLI_COUNTS, name, value, help, {.list = to}, low, high, NULL};
 }
 
 /* ---- one option's value ---- */
@@ -173,10 +177,14 @@ static int take(const char *name, const cli_option *o, const char *text) {
     case CLI_TEXT:
     case CLI_IN:
     case CLI_OUT:
+    case CLI_OUT_FOLDER:
         if (!*text || strlen(text) >= CLI_PATH_MAX - 32) {
             return cli_usage_error(name, "--%s wants a name (%s)", o->name, o->value);
         }
-        *o->to.text = o->type == CLI_TEXT || strcmp(text, "-") != 0 ? text : o->type == CLI_IN ? STDIN : "/dev/stdout";
+        *o->to.text = text;
+        if (strcmp(text, "-") == 0 && (o->type == CLI_IN || o->type == CLI_OUT)) {
+            *o->to.text = o->type == CLI_IN ? STDIN : "/dev/stdout";
+        }
         return CLI_OK;
     case CLI_CHOICE:
         *o->to.choice = choice_index(o->value, text);
@@ -196,13 +204,23 @@ static int take(const char *name, const cli_option *o, const char *text) {
 
 /* ---- the whole command line ---- */
 
-static bool has_outputs(const cli_command *command) {
+/* The command's own --force; NULL = it has none. */
+static const bool *own_force(const cli_command *command) {
     for (size_t i = 0; i < command->n_options; i++) {
-        if (command->options[i].type == CLI_OUT) {
-            return true;
+        if (command->options[i].type == CLI_FLAG && strcmp(command->options[i].name, "force") == 0) {
+            return command->options[i].to.flag;
         }
     }
-    return false;
+    return NULL;
+}
+
+/* It has outputs, and no --force of its own. */
+static bool wants_force(const cli_command *command) {
+    bool outputs = false;
+    for (size_t i = 0; i < command->n_options; i++) {
+        outputs = outputs || command->options[i].type == CLI_OUT || command->options[i].type == CLI_OUT_FOLDER;
+    }
+    return outputs && !own_force(command);
 }
 
 static void long_options(const cli_command *command, struct option *table) {
@@ -215,7 +233,7 @@ static void long_options(const cli_command *command, struct option *table) {
         }
     }
     table[n++] = (struct option){"help", no_argument, NULL, 'h'};
-    if (has_outputs(command)) {
+    if (wants_force(command)) {
         table[n++] = (struct option){"force", no_argument, NULL, 'f'};
     }
     table[n] = (struct option){NULL, 0, NULL, 0};
@@ -259,32 +277,10 @@ static void restart_getopt(void) {
 #endif
 }
 
-/* Two outputs must not be one file, none an input; see cli_output_check. */
-static int check_outputs(const cli_command *command, bool force, const char *const words[], size_t n_words) {
-    const char *input[INPUTS_MAX + OPTIONS_MAX];
-    size_t n = 0;
-    int code = CLI_OK;
-    for (; n < n_words && n < INPUTS_MAX; n++) {
-        input[n] = words[n];
-    }
-    for (size_t i = 0; i < command->n_options; i++) {
-        if (command->options[i].type == CLI_IN && *command->options[i].to.text) {
-            input[n++] = *command->options[i].to.text;
-        }
-    }
-    for (size_t i = 0; i < command->n_options && code == CLI_OK; i++) {
-        const cli_option *o = &command->options[i];
-        if (o->type == CLI_OUT && *o->to.text) {
-            code = cli_output_check(command->name, *o->to.text, force, n, input);
-            input[n++] = *o->to.text; /* another output is not to replace it */
-        }
-    }
-    return code;
-}
-
 int cli_parse(const cli_command *command, int argc, char **argv, const char **words, size_t max_words,
               size_t *n_words) {
     struct option table[OPTIONS_MAX];
+    const bool *own = own_force(command);
     bool force = false;
     int code;
     long_options(command, table);
@@ -312,7 +308,7 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
         }
         words[(*n_words)++] = strcmp(argv[optind], "-") == 0 ? STDIN : argv[optind];
     }
-    return check_outputs(command, force, words, *n_words);
+    return cli_outputs_check(command, own ? *own : force, words, *n_words);
 }
 
 /* Help lines of several rows are separated by \n in the text. */
@@ -341,7 +337,7 @@ void cli_help(const cli_command *command, FILE *to) {
             help_line(o, to);
         }
     }
-    if (has_outputs(command)) {
+    if (wants_force(command)) {
         fprintf(to, "  --force%*slet an output replace a recording\n", HELP_COLUMN - 9, "");
     }
     fprintf(to, "  --help%*sthis text\n\nExample:\n%s", HELP_COLUMN - 8, "", command->example);

@@ -20,6 +20,7 @@ typedef enum cli_type {
     CLI_TEXT,
     CLI_IN,
     CLI_OUT,
+    CLI_OUT_FOLDER,
     CLI_CHOICE,
     CLI_NUMBER,
     CLI_POSITIVE,
@@ -43,6 +44,7 @@ typedef struct cli_option {
         cli_list *list;
     } to;
     double low, high;
+    const char *files; /* patterns of what is written into a folder, between blanks */
 } cli_option;
 
 cli_option cli_heading(const char *text); /* of a group of options, in the help */
@@ -50,9 +52,12 @@ cli_option cli_flag(const char *name, bool *to, const char *help);
 cli_option cli_text(const char *name, const char *value, const char **to, const char *help);
 
 /* The name of a file that is read ("-": standard input; several between commas) or written ("-": standard output). A
- * command that has an output takes --force, which lets it replace a recording. */
+ * command that has an output takes --force, which lets it replace a recording; it may have such a flag of its own. */
 cli_option cli_in(const char *name, const char *value, const char **to, const char *help);
 cli_option cli_out(const char *name, const char *value, const char **to, const char *help);
+
+/* A folder of outputs; files: what may be written there, as "*.svg result.json". */
+cli_option cli_out_folder(const char *name, const char *value, const char **to, const char *files, const char *help);
 
 /* choices: "first|second|third"; *to is the index. */
 cli_option cli_choice(const char *name, const char *choices, int *to, const char *help);
@@ -109,6 +114,9 @@ int cli_file_close(const char *name, palp_file *file);
 
 /* What was printed has reached standard output. */
 int cli_flush(const char *name);
+
+/* The outputs of a command line: none is an input, a recording or another output. An exit code. */
+int cli_outputs_check(const cli_command *command, bool force, const char *const words[], size_t n_words);
 
 /* Refuses an output that is one of the inputs (a file, or of a folder what palpate report takes), and, unless forced, one
  * that would replace a recording: an experiment that no simulation wrote. cli_parse does so for CLI_OUT. */

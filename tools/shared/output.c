@@ -2,17 +2,36 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli.h"
 
+#include <dirent.h>
 #include <errno.h>
+#include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 /* ---- what must not be replaced ---- */
 
+/* Whether two files stand, or would stand, in one folder. */
+static bool stands_together(const char *a, const char *b) {
+    const char *path[2] = {a, b};
+    char folder[2][CLI_PATH_MAX];
+    struct stat entry[2];
+    bool there = true;
+    for (int i = 0; i < 2; i++) {
+        int n = (int)(cli_base(path[i]) - path[i]);
+        snprintf(folder[i], CLI_PATH_MAX, "%.*s", n ? n : 2, n ? path[i] : "./");
+        there = stat(folder[i], &entry[i]) == 0 && there;
+    }
+    return there ? entry[0].st_dev == entry[1].st_dev && entry[0].st_ino == entry[1].st_ino : strcmp(folder[0], folder[1]) == 0;
+}
+
 static bool same_file(const char *a, const char *b) {
     struct stat one, other;
-    return strcmp(a, b) == 0 || (stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
-                                 one.st_ino == other.st_ino && S_ISREG(one.st_mode));
+    bool there = stat(a, &one) == 0, too = stat(b, &other) == 0;
+    if (there && too) {
+        return strcmp(a, b) == 0 || (one.st_dev == other.st_dev && one.st_ino == other.st_ino && S_ISREG(one.st_mode));
+    }
+    return !there && !too && strcmp(cli_base(a), cli_base(b)) == 0 && stands_together(a, b);
 }
 
 /* A folder's files that are read as recordings, models, results and figures. */
@@ -71,6 +90,69 @@ int cli_output_check(const char *name, const char *path, bool force, size_t n_in
     return force || !is_recording(path)
                ? CLI_OK
                : cli_failure(name, "%s: is a recording: name another output, or give --force", path);
+}
+
+/* Whether a file's name is one of the patterns. */
+static bool matches(const char *patterns, const char *base) {
+    char pattern[64];
+    for (const char *at = patterns; *at; at += *at == ' ') {
+        size_t n = strcspn(at, " ");
+        snprintf(pattern, sizeof pattern, "%.*s", (int)n, at);
+        if (fnmatch(pattern, base, 0) == 0) {
+            return true;
+        }
+        at += n;
+    }
+    return false;
+}
+
+/* What is there of a folder's outputs, and the outputs named by themselves. */
+static int check_folder(const cli_command *command, const cli_option *o, bool force, size_t n, const char *const others[]) {
+    char path[CLI_PATH_MAX];
+    const char *folder = *o->to.text;
+    int code = CLI_OK;
+    for (size_t i = 0; i < n && code == CLI_OK; i++) {
+        snprintf(path, sizeof path, "%s/", folder);
+        if (matches(o->files, cli_base(others[i])) && stands_together(others[i], path)) {
+            code = cli_failure(command->name, "%s: is an input or named twice: --%s would replace it", others[i], o->name);
+        }
+    }
+    DIR *open = opendir(folder);
+    for (struct dirent *entry; open && code == CLI_OK && (entry = readdir(open)) != NULL;) {
+        int length = matches(o->files, entry->d_name) ? snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) : 0;
+        if (length > 0 && (size_t)length < sizeof path) {
+            code = cli_output_check(command->name, path, force, n, others);
+        }
+    }
+    if (open) {
+        closedir(open);
+    }
+    return code;
+}
+
+int cli_outputs_check(const cli_command *command, bool force, const char *const words[], size_t n_words) {
+    const char **other = malloc((n_words + command->n_options + 1) * sizeof *other);
+    size_t n = 0;
+    int code = other ? CLI_OK : cli_failure(command->name, "out of memory");
+    for (; code == CLI_OK && n < n_words; n++) {
+        other[n] = words[n];
+    }
+    for (int type = CLI_IN; type <= CLI_OUT_FOLDER; type++) { /* each is not to be what was named before it */
+        for (size_t i = 0; i < command->n_options && code == CLI_OK; i++) {
+            const cli_option *o = &command->options[i];
+            if ((int)o->type != type || !*o->to.text) {
+                continue;
+            }
+            if (type == CLI_OUT_FOLDER) {
+                code = check_folder(command, o, force, n, other);
+                continue;
+            }
+            code = type == CLI_OUT ? cli_output_check(command->name, *o->to.text, force, n, other) : CLI_OK;
+            other[n++] = *o->to.text;
+        }
+    }
+    free(other);
+    return code;
 }
 
 /* ---- writing ---- */

@@ -51,7 +51,7 @@ static int parse(int argc, char **argv, simulate_options *o) {
         cli_text("drop", "T0,T1", &o->drop, "samples from T0 to before T1 s are lost; more pairs likewise"),
         cli_heading("Output"),
         cli_out("out", "RUN.csv", &o->out, "the run (default: standard output)"),
-        cli_text("vtu", "DIR", &o->vtu, "frames for ParaView into DIR/network.pvd (network)"),
+        cli_out_folder("vtu", "DIR", &o->vtu, "network.pvd network_*.vtu", "frames for ParaView into DIR/network.pvd (network)"),
         cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "a frame every N steps only (default 1)"),
         cli_flag("json", &o->json, "a summary as JSON on standard output; the run only to --out"),
     };
