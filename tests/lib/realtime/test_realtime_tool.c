@@ -2,19 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "realtime_make.h"
 
-static palp_realtime *cube_on_a_table(size_t n) {
-    const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
-    palp_contact_settings contact = palp_contact_settings_default();
-    palp_network_settings settings = palp_network_settings_default();
-    palp_material m = quartic(2);
-    palp_mesh *mesh = cube(n, PALP_NEIGHBOURS_26);
-    palp_network *net = NULL;
-    ck_assert_int_eq(palp_network_create(mesh, &m, 1, &bottom, &settings, &net, NULL), PALP_OK);
-    palp_mesh_free(mesh);
-    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &contact), PALP_OK);
-    return realtime_on(net, false);
-}
-
 /* A sphere comes down on the middle of the top, slides and stays. */
 static void place_tool(const palp_realtime *rt, size_t tick, double friction) {
     double down = 0.0016 * fmin(1.0, (double)tick / 60.0), aside = tick < 60 ? 0.0 : 2e-5 * (double)(tick - 60);
@@ -39,8 +26,8 @@ static palp_tool_force tick_with_tool(palp_realtime *rt, size_t tick, const palp
 START_TEST(tool_is_felt) {
     const size_t nodes[] = {5, 8};
     for (size_t k = 0; k < 2; k++) {
-        palp_realtime *net = cube_on_a_table(nodes[k]), *quick = cube_on_a_table(nodes[k]);
-        palp_realtime *reference = cube_on_a_table(nodes[k]);
+        palp_realtime *net = cube_on_a_table(nodes[k], 2), *quick = cube_on_a_table(nodes[k], 2);
+        palp_realtime *reference = cube_on_a_table(nodes[k], 2);
         const palp_budget two = {.corrections = 2};
         palp_tool_force a, b, c;
         palp_tick_info info;
@@ -74,7 +61,7 @@ START_TEST(rough_tool_within_a_tick) {
     const palp_budget few[2] = {{.corrections = 1}, {.corrections = 2}};
     const double most[2] = {0.2, 0.05};
     for (size_t k = 0; k < 2; k++) {
-        palp_realtime *net = cube_on_a_table(8), *reference = cube_on_a_table(8);
+        palp_realtime *net = cube_on_a_table(8, 2), *reference = cube_on_a_table(8, 2);
         double peak = 0.0, error = 0.0;
         for (size_t i = 1; i < 120; i++) {
             palp_tool_force felt[2];
@@ -98,7 +85,7 @@ END_TEST
 /* A plane that pressed leaves at once at 50 mm/s: the tissue, which is slow to know, must not have lost it meanwhile. */
 START_TEST(sudden_withdrawal) {
     const palp_budget two = {.corrections = 2};
-    palp_realtime *net = cube_on_a_table(7), *reference = cube_on_a_table(7);
+    palp_realtime *net = cube_on_a_table(7, 2), *reference = cube_on_a_table(7, 2);
     double peak = 0.0, error = 0.0;
     for (size_t i = 1; i < 180; i++) {
         double down = i < 100 ? 3e-5 * (double)i : 3e-3 - 5e-5 * (double)(i - 100);
@@ -123,7 +110,7 @@ END_TEST
 /* One that is taken away altogether is not followed. */
 START_TEST(taken_away) {
     const palp_budget two = {.corrections = 2};
-    palp_realtime *net = cube_on_a_table(7);
+    palp_realtime *net = cube_on_a_table(7, 2);
     palp_tool_force felt;
     for (size_t i = 1; i < 70; i++) {
         palp_tool tool = {.shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - 3e-5 * (double)i, 0}, .axis = {0, -1, 0}};
@@ -140,7 +127,7 @@ END_TEST
 
 START_TEST(restored_with_tool) {
     const palp_budget two = {.corrections = 2};
-    palp_realtime *net = cube_on_a_table(8), *other = cube_on_a_table(8);
+    palp_realtime *net = cube_on_a_table(8, 2), *other = cube_on_a_table(8, 2);
     size_t size = palp_realtime_state_size(net);
     void *saved = malloc(size);
     ck_assert_ptr_nonnull(saved);

@@ -1,0 +1,295 @@
+/* test_realtime_parts.c: conjugate gradients, the adjoint, the judgement of a tick and its pieces, one by one, against
+ * formulas. */
+#define _POSIX_C_SOURCE 200809L
+#include "contact/contact_internal.h"
+#include "realtime_make.h"
+#include "realtime/realtime_internal.h"
+
+enum { SMALL = 5, LEVELS = 12 }; /* nodes a side: a factor alone; with coarser levels */
+
+static double size_of(const double *v, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += v[i] * v[i];
+    return sqrt(sum);
+}
+
+static double product(const double *a, const double *b, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+/* A pressed cube, its factor that of the present tangent; r random on the free axes. */
+static palp_realtime *pressed(size_t n) {
+    palp_material m = quartic(0);
+    palp_realtime *rt = realtime_on(cube_network(n, &m, NULL), false);
+    palp_network *net = net_of(rt);
+    for (int i = 1; i <= 3; i++)
+        ck_assert_int_eq(palp_realtime_step(rt, 0.04 * i * HEIGHT, DT, &ALL, NULL), PALP_OK);
+    ck_assert_int_eq(network_begin(net, net->now.depth, DT), PALP_OK);
+    memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+    ck_assert(network_evaluate(net));
+    ck_assert_int_eq(realtime_refresh_now(rt), PALP_OK);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        rt->r[i] = net->dof[i] < 0 ? 0.0 : sin(1.0 + 3.7 * (double)i);
+    return rt;
+}
+
+static double *copy(const double *v, size_t n) {
+    double *c = malloc(n * sizeof *c);
+    ck_assert_ptr_nonnull(c);
+    return memcpy(c, v, n * sizeof *c);
+}
+
+/* With the tangent's own factor, which is of single precision, one correction solves; what it says of the error is that of
+ * the start in the norm of the tangent. */
+START_TEST(one_correction_with_the_factor_of_the_tangent) {
+    palp_realtime *rt = pressed(SMALL);
+    const palp_network *net = net_of(rt);
+    const size_t n = 3 * net->n_nodes;
+    double *before = copy(rt->r, n), first = size_of(before, n);
+    ck_assert_uint_eq(realtime_solve(rt, 1, 0.0), 1);
+    ck_assert_double_le(size_of(rt->r, n), 1e-5 * first);
+    network_tangent_times(net, rt->move, rt->q);
+    for (size_t i = 0; i < n; i++)
+        ck_assert_double_eq_tol(net->dof[i] < 0 ? rt->move[i] : rt->q[i], net->dof[i] < 0 ? 0.0 : before[i], 1e-5);
+    double error = sqrt(product(before, rt->move, n));
+    ck_assert_double_eq_tol(rt->error_ratio, error / first, 1e-5 * error / first);
+    free(before);
+    drop(rt);
+}
+END_TEST
+
+/* After any number of corrections the residual is at right angles to all that was moved, and is what the move leaves. */
+START_TEST(corrections_are_conjugate) {
+    for (size_t limit = 1; limit <= 5; limit++) {
+        palp_realtime *rt = pressed(LEVELS);
+        const palp_network *net = net_of(rt);
+        const size_t n = 3 * net->n_nodes;
+        double *before = copy(rt->r, n);
+        ck_assert_uint_gt(multigrid_levels(rt->mg), 1);
+        ck_assert_uint_eq(realtime_solve(rt, limit, 1e-12), limit);
+        double across = product(rt->r, rt->move, n), size = product(before, rt->move, n);
+        ck_assert_double_gt(size, 0.0);
+        ck_assert_double_eq_tol(across, 0.0, 1e-9 * size);
+        network_tangent_times(net, rt->move, rt->q);
+        for (size_t i = 0; i < n; i++)
+            if (net->dof[i] >= 0)
+                ck_assert_double_eq_tol(before[i] - rt->q[i], rt->r[i], 1e-9);
+        free(before);
+        drop(rt);
+    }
+}
+END_TEST
+
+/* They end with the first that leaves less than the share asked for. */
+START_TEST(corrections_end_at_their_share) {
+    double share = 1.0;
+    for (size_t limit = 1; limit <= 4; limit++) {
+        palp_realtime *rt = pressed(LEVELS), *again = pressed(LEVELS);
+        const size_t n = 3 * net_of(rt)->n_nodes;
+        double first = size_of(rt->r, n);
+        realtime_solve(rt, limit, 0.0);
+        double left = size_of(rt->r, n) / first;
+        ck_assert_double_lt(left, share);
+        ck_assert_uint_eq(realtime_solve(again, 100, left * 1.01), limit);
+        share = left;
+        drop(rt);
+        drop(again);
+    }
+}
+END_TEST
+
+/* Where the tangent is not definite: along the preconditioned residual, no farther than 2 thousandths of the size. */
+START_TEST(a_little_way_where_the_tangent_is_not_definite) {
+    for (int small = 0; small < 2; small++) {
+        palp_realtime *rt = pressed(SMALL);
+        palp_network *net = net_of(rt);
+        const size_t n = 3 * net->n_nodes;
+        double largest = 0.0, moved = 0.0;
+        for (size_t e = 0; e < net->n_elements; e++) {
+            net->tangent[e] = -net->tangent[e];
+            net->force[e] = 0.0;
+        }
+        for (size_t i = 0; i < n; i++)
+            rt->r[i] *= small ? 1e-6 : 1.0;
+        ck_assert_uint_eq(realtime_solve(rt, 5, 1e-12), 1);
+        for (size_t i = 0; i < n; i++) {
+            largest = fmax(largest, fabs(rt->z[i]));
+            moved = fmax(moved, fabs(rt->move[i]));
+        }
+        double most = 0.002 * HEIGHT;
+        ck_assert(small ? largest < most : largest > most);
+        for (size_t i = 0; i < n; i++)
+            ck_assert_double_eq_tol(rt->move[i], (small ? 1.0 : most / largest) * rt->z[i], 1e-12 * moved);
+        drop(rt);
+    }
+}
+END_TEST
+
+/* An adjoint that is off by e is put right by the tangent's factor; its error was sqrt(e K e), and is not believed to fall
+ * by more than half at a time. */
+START_TEST(the_adjoint_is_put_right) {
+    palp_realtime *rt = pressed(SMALL);
+    palp_network *net = net_of(rt);
+    const size_t n = 3 * net->n_nodes;
+    for (int i = 0; i < 3; i++)
+        realtime_improve_adjoint(rt);
+    double *exact = copy(rt->adjoint, n), *e = malloc(n * sizeof *e);
+    for (size_t i = 0; i < n; i++) {
+        e[i] = net->dof[i] < 0 ? 0.0 : 0.1 * sin(2.0 + 1.3 * (double)i);
+        rt->adjoint[i] += e[i];
+    }
+    network_tangent_times(net, e, rt->q);
+    double error = sqrt(product(e, rt->q, n));
+    rt->adjoint_error = 0.0;
+    realtime_improve_adjoint(rt);
+    ck_assert_double_eq_tol(rt->adjoint_error, error, 1e-5 * error);
+    for (size_t i = 0; i < n; i++)
+        ck_assert_double_eq_tol(rt->adjoint[i], exact[i], 1e-5);
+    realtime_improve_adjoint(rt);
+    ck_assert_double_eq_tol(rt->adjoint_error, 0.5 * error, 1e-5 * error);
+    free(exact);
+    free(e);
+    ck_assert_int_eq(palp_realtime_reset(rt), PALP_OK); /* a new one is taken to be off by a twentieth before long */
+    network_tangent_times(net, rt->adjoint, rt->q);
+    error = 0.05 * sqrt(product(rt->adjoint, rt->q, n));
+    ck_assert_double_eq_tol(rt->adjoint_error, error, 1e-12 * error);
+    drop(rt);
+}
+END_TEST
+
+/* A tick takes at least one correction; where the clock leaves no room it takes no other. What parts of it take is a mean
+ * that gives a tenth to the last, and that no more than three times the mean. */
+START_TEST(time_leaves_room) {
+    const double endless = 1e9, nothing = 1e-30;
+    palp_material m = quartic(0);
+    palp_budget seconds = {.seconds = 1e6};
+    palp_realtime *slow = realtime_on(cube_network(LEVELS, &m, NULL), false);
+    palp_realtime *quick = realtime_on(cube_network(LEVELS, &m, NULL), false);
+    palp_realtime *all = realtime_on(cube_network(LEVELS, &m, NULL), false);
+    palp_tick_info info, other;
+    slow->times = (realtime_times){endless, 1.0, endless};
+    ck_assert_int_eq(palp_realtime_step(slow, 0.1 * HEIGHT, DT, &seconds, &info), PALP_OK);
+    ck_assert_uint_eq(info.corrections, 1);
+    ck_assert(!info.converged);
+    ck_assert_double_eq_tol(slow->times.evaluation, 0.9 * endless, 1e-3 * endless);
+    ck_assert_double_eq_tol(slow->times.rest, 0.9 * endless, 1e-3 * endless);
+    slow->times = (realtime_times){0.0, endless, 0.0};
+    ck_assert_int_eq(palp_realtime_step(slow, 0.15 * HEIGHT, DT, &seconds, &info), PALP_OK);
+    ck_assert_uint_eq(info.corrections, 1);
+    ck_assert_double_eq_tol(slow->times.correction, 0.9 * endless, 1e-3 * endless);
+    quick->times = (realtime_times){nothing, nothing, nothing};
+    ck_assert_int_eq(palp_realtime_step(quick, 0.1 * HEIGHT, DT, &seconds, &info), PALP_OK);
+    ck_assert_int_eq(palp_realtime_step(all, 0.1 * HEIGHT, DT, &ALL, &other), PALP_OK);
+    ck_assert(info.converged);
+    ck_assert_uint_eq(info.corrections, other.corrections);
+    ck_assert_double_eq_tol(quick->times.rest, 1.2 * nothing, 1e-9 * nothing);
+    palp_budget five = {.corrections = 5};
+    ck_assert_uint_gt(other.corrections, 5);
+    ck_assert_int_eq(palp_realtime_step(all, 0.2 * HEIGHT, DT, &five, &other), PALP_OK);
+    ck_assert_uint_eq(other.corrections, 5);
+    drop(slow);
+    drop(quick);
+    drop(all);
+}
+END_TEST
+
+/* What a tick says of its residual and of the force's error, under a plate and under a plane on a free top. */
+START_TEST(a_tick_is_judged) {
+    for (int tool = 0; tool < 2; tool++) {
+        palp_material m = quartic(1);
+        palp_realtime *rt = tool ? cube_on_a_table(LEVELS, 1) : realtime_on(cube_network(LEVELS, &m, NULL), false);
+        palp_network *net = net_of(rt);
+        const palp_budget one = {.corrections = 1};
+        palp_tick_info info;
+        double remembered = 0.0, adjoint_error = rt->adjoint_error;
+        for (size_t tick = 1; tick <= 3; tick++) {
+            double down = 3e-4 * (double)tick;
+            palp_tool plane = {.shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - down, 0}, .axis = {0, -1, 0}};
+            if (tool)
+                ck_assert_int_eq(palp_network_set_tools(net, 1, &plane), PALP_OK);
+            adjoint_error = rt->adjoint_error;
+            ck_assert_int_eq(palp_realtime_step(rt, tool ? 0.0 : down, DT, &one, &info), PALP_OK);
+            double left = 0.0, scale, squares = 0.0, stiffness = 0.0;
+            double norm = network_residual(net, &scale); /* of the last evaluation, which is the committed state */
+            for (size_t i = 0; i < net->n_elements; i++)
+                squares += net->force[i] * net->force[i];
+            for (size_t i = 0; i < 3 * net->n_nodes; i++)
+                left += net->dof[i] < 0 ? 0.0 : pow(net->fint[i] + net->outer[i], 2.0);
+            ck_assert_double_eq_tol(norm, sqrt(left), 1e-9 * norm);
+            if (!tool) /* the scale has a little for rounding in it */
+                ck_assert_double_eq_tol(info.residual, sqrt(left / squares), 0.01 * info.residual);
+            else
+                ck_assert_double_eq_tol(info.residual, net->settings.tolerance * norm / scale, 1e-12);
+            for (size_t i = 0; tool && i < net->n_nodes; i++)
+                if (contact_of(net)->triangles[i] > 0 && net->rest[3 * i + 1] > 0.99 * HEIGHT)
+                    stiffness += 3.0 * net->unit[i] * (0.54 + 0.4);
+            double fresh = 3.0 * rt->error_ratio * norm * (tool ? sqrt(stiffness) : adjoint_error);
+            ck_assert_double_gt(fresh, 0.0);
+            ck_assert_double_eq_tol(info.force_error_N, fresh + remembered, 0.02 * tool * fresh + 1e-9 * fresh);
+            double decay = exp(-DT / 0.5); /* 0.2 N s / 0.4 N */
+            remembered = decay * remembered + (1.0 - decay) * (info.force_error_N - remembered);
+            ck_assert_double_eq_tol(rt->remembered, remembered, 1e-12 * remembered);
+        }
+        drop(rt);
+    }
+}
+END_TEST
+
+/* A tick's share of work on the next factor: so many elements are copied, an element being a unit and a half. */
+START_TEST(a_piece_is_its_share_of_a_tick) {
+    palp_material m = quartic(0);
+    palp_realtime_settings settings = {.refresh_share = 0.2};
+    palp_network *net = cube_network(LEVELS, &m, NULL);
+    palp_realtime *rt = NULL;
+    ck_assert_int_eq(palp_realtime_create(net, &settings, &rt), PALP_OK);
+    double tick = 2.0 * (1.5 * (double)net->n_elements + multigrid_cycle_work(rt->mg));
+    ck_assert_double_eq_tol(rt->piece, 0.25 * tick, 1e-9 * tick);
+    rt->piece = 100.0;
+    for (size_t i = 1; i <= 2; i++) {
+        ck_assert_int_eq(palp_realtime_step(rt, 1e-4, DT, &ALL, NULL), PALP_OK);
+        ck_assert_uint_eq(rt->at, 67 * i);
+    }
+    drop(rt);
+}
+END_TEST
+
+/* A rough sphere's blocks are in the factor: with them one correction solves. */
+START_TEST(blocks_of_tools_are_in_the_factor) {
+    palp_realtime *rt = cube_on_a_table(SMALL, 0);
+    palp_network *net = net_of(rt);
+    for (int i = 0; i < 6; i++) {
+        palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = 0.005, .friction = 0.5};
+        double at[3] = {0.011 + 1e-4 * i, HEIGHT + 0.0049 - 2e-4 * i, 0.0135};
+        memcpy(tool.position_m, at, sizeof at);
+        ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(rt, 0.0, DT, &ALL, NULL), PALP_OK);
+    }
+    ck_assert_int_eq(network_begin(net, 0.0, DT), PALP_OK);
+    memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+    ck_assert(network_evaluate(net));
+    ck_assert_int_eq(realtime_refresh_now(rt), PALP_OK);
+    const size_t n = 3 * net->n_nodes;
+    for (size_t i = 0; i < n; i++)
+        rt->r[i] = net->dof[i] < 0 ? 0.0 : sin(1.0 + 3.7 * (double)i);
+    double first = size_of(rt->r, n);
+    realtime_solve(rt, 1, 0.0);
+    ck_assert_double_le(size_of(rt->r, n), 1e-4 * first);
+    drop(rt);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, one_correction_with_the_factor_of_the_tangent);
+    tcase_add_test(tc, corrections_are_conjugate);
+    tcase_add_test(tc, corrections_end_at_their_share);
+    tcase_add_test(tc, a_little_way_where_the_tangent_is_not_definite);
+    tcase_add_test(tc, the_adjoint_is_put_right);
+    tcase_add_test(tc, time_leaves_room);
+    tcase_add_test(tc, a_tick_is_judged);
+    tcase_add_test(tc, a_piece_is_its_share_of_a_tick);
+    tcase_add_test(tc, blocks_of_tools_are_in_the_factor);
+}
