@@ -30,6 +30,7 @@ typedef struct palp_calibration {
     double reached_m;                 /* static: depth that the best curve reached before its branch ended */
     bool buckled;                     /* static: the best network loses stability */
     double stable_m, unstable_m;      /* static: it is stable at the first and unstable at the second depth */
+    double strain_max;                /* static: largest |element strain| of the best curve; see palp_law_limit */
     bool converged;                   /* the method's own criterion was met */
 } palp_calibration;
 

@@ -59,6 +59,8 @@ typedef struct palp_step_info {
     int negative_pivots;    /* of the last factor; -1 = not assessed in this step */
     size_t inverted;        /* tetrahedra of the mesh turned inside out or flat, without those a cut goes through: springs resist
                                change of length, not this, and what the network says there is no tissue's */
+    double beyond;          /* by how much the largest |element strain| is beyond the strain that the law was measured to
+                               (palp_law_beyond); 0 = within it, or that is not known */
 } palp_step_info;
 
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
@@ -114,6 +116,8 @@ PALP_API double palp_network_time(const palp_network *network);   /* s */
 PALP_API double palp_network_force(const palp_network *network);  /* N, conjugate to depth */
 PALP_API const double *palp_network_positions(const palp_network *network);      /* [3 n_nodes], m */
 PALP_API const double *palp_network_element_strain(const palp_network *network); /* [n_elements] */
+/* Largest |element strain|, of the elements that are not cut. */
+PALP_API double palp_network_strain_max(const palp_network *network);
 PALP_API size_t palp_network_unknown_count(const palp_network *network);
 PALP_API const palp_mesh *palp_network_mesh(const palp_network *network); /* as given to create, copied */
 /* element forces, tension positive, into force_N[n_elements] */
@@ -150,6 +154,8 @@ typedef struct palp_run_info {
     double worst_residual;
     double peak_force_N;
     size_t inverted;        /* most of them in a step */
+    double beyond;          /* largest of a step; 0 = never */
+    double beyond_s;        /* time of the path at which it first was not 0 */
 } palp_run_info;
 
 /* Follows a path from where the network is; the path's first corner is reached by an instantaneous

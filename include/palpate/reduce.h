@@ -91,6 +91,7 @@ typedef struct palp_reduced_info {
                               outside */
     double outside;        /* 0: within the snapshots; else by how much of its range a coordinate is beyond it */
     size_t contacts;       /* nodes in touch */
+    double beyond;         /* as of palp_step_info, of the elements that are kept */
 } palp_reduced_info;
 
 /* One step to depth_m with n_tools tools in these poses after dt_s seconds (INFINITY = relaxed), committed.

@@ -44,6 +44,7 @@ static palp_status add_point(force_curve *c, palp_network *net, double force, bo
     c->depth[c->n] = net->next.depth;
     c->force[c->n] = force;
     c->slope[c->n] = 0.0;
+    c->strain_max = fmax(c->n ? c->strain_max : 0.0, network_largest_strain(net, net->strain));
     memset(g, 0, p * sizeof *g);
     if (with_gradient) {
         status = network_weights(net, c->weight, &c->slope[c->n]);

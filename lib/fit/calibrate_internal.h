@@ -22,6 +22,7 @@ typedef struct force_curve {
     double *depth, *force, *slope; /* [n]; slope dF/ddepth, N/m */
     double *gradient;              /* [n n_parameters], by rows */
     double *weight;                /* [n_elements] scratch */
+    double strain_max;             /* largest |element strain| of its points */
 } force_curve;
 
 void force_curve_free(force_curve *curve);

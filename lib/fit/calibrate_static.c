@@ -23,6 +23,7 @@ static palp_status report(static_stage *s, const palp_material *material) {
         s->result->material = *material;
         s->result->buckled = palp_network_buckled(s->net, &s->result->stable_m, &s->result->unstable_m);
         s->result->reached_m = s->curve.depth[s->curve.n - 1];
+        s->result->strain_max = s->curve.strain_max;
         memcpy(s->result->force_N, s->force, s->n * sizeof *s->force);
     }
     double done = (double)s->result->n_iterations / (double)s->settings->max_evaluations;

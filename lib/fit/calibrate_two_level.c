@@ -20,6 +20,7 @@ typedef struct two_level {
     const double *depth, *target;
     double *wanted, *ratio;     /* [n] of the coarse network; fine force over coarse */
     size_t n_presses, n_reached; /* of the large network, at samples (i + 1) n / n_presses - 1 */
+    double strain_max;           /* of the large one in them */
     palp_calibration *result;
 } two_level;
 
@@ -42,6 +43,7 @@ static palp_status press_fine(two_level *c, const palp_material *material, doubl
             break;
         }
         force[c->n_reached] = info.force_N;
+        c->strain_max = fmax(c->n_reached ? c->strain_max : 0.0, palp_network_strain_max(c->fine));
     }
     return status || c->n_reached > 0 ? status : PALP_ERR_NOT_CONVERGED;
 }
@@ -75,6 +77,7 @@ static palp_status report(two_level *c, const palp_calibration *coarse, double *
     it.residual_N = r->residual_N = sqrt(sum);
     r->material = it.material;
     r->reached_m = c->depth[last];
+    r->strain_max = c->strain_max;
     r->buckled = c->n_reached < c->n_presses;
     if (r->buckled) {
         r->stable_m = r->reached_m;

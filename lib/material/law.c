@@ -1,4 +1,4 @@
-/* law.c: stiffness laws: makers, the polynomial law, and the door to the other kinds. */
+/* law.c: stiffness laws: makers, the polynomial law, and the door to the other kinds, each by its own formula. */
 #include "law_internal.h"
 
 #include <math.h>
@@ -103,12 +103,16 @@ palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *co
 palp_status palp_law_set_coefficients(palp_law *law, const double *c) {
     if (!law || !c)
         return PALP_ERR_ARGUMENT;
-    palp_law like = *law;
+    const palp_law like = *law;
+    palp_status status;
     if (like.kind == PALP_LAW_POLYNOMIAL)
-        return palp_law_polynomial(like.n, c, law);
-    if (like.kind == PALP_LAW_SPLINE)
-        return palp_law_spline(like.n, like.strain, c, law);
-    return palp_law_hyperelastic(like.kind, like.n, c, like.area_m2, law);
+        status = palp_law_polynomial(like.n, c, law);
+    else if (like.kind == PALP_LAW_SPLINE)
+        status = palp_law_spline(like.n, like.strain, c, law);
+    else
+        status = palp_law_hyperelastic(like.kind, like.n, c, like.area_m2, law);
+    law->strain_max = like.strain_max;
+    return status;
 }
 
 bool law_bounded(const palp_law *law) {
@@ -119,6 +123,8 @@ palp_status law_check(const palp_law *law) {
     palp_law made = *law;
     palp_status status = (size_t)law->kind < KIND_COUNT ? palp_law_set_coefficients(&made, law->coefficients)
                                                         : PALP_ERR_ARGUMENT;
+    if (!(law->strain_max >= 0.0) || !isfinite(law->strain_max))
+        status = PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < made.n && !status; i++)
         if (law->kind == PALP_LAW_SPLINE && !(law->slope[i] == made.slope[i]))
             status = PALP_ERR_ARGUMENT;
@@ -224,10 +230,7 @@ static void polynomial_stiffness(const palp_law *law, double a, double *stiffnes
     *slope = d;
 }
 
-void palp_law_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
-                    double *energy_N) {
-    if (!law || !e || !force_N)
-        return;
+void law_kind_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N, double *energy_N) {
     switch (law->kind) {
     case PALP_LAW_POLYNOMIAL:
         polynomial_force(law, n, e, force_N, tangent_N);
@@ -242,64 +245,39 @@ void palp_law_force(const palp_law *law, size_t n, const double *e, double *forc
     }
 }
 
-void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, double *slope_N) {
-    if (!law)
-        return;
-    double a = fabs(e), k, slope;
+void law_kind_stiffness(const palp_law *law, double a, double *stiffness, double *slope) {
     switch (law->kind) {
     case PALP_LAW_POLYNOMIAL:
-        polynomial_stiffness(law, a, &k, &slope);
+        polynomial_stiffness(law, a, stiffness, slope);
         break;
     case PALP_LAW_SPLINE:
-        law_spline_stiffness(law, a, &k, &slope);
+        law_spline_stiffness(law, a, stiffness, slope);
         break;
     default:
-        law_hyperelastic_stiffness(law, a, &k, &slope);
+        law_hyperelastic_stiffness(law, a, stiffness, slope);
     }
-    if (stiffness_N)
-        *stiffness_N = k;
-    if (slope_N)
-        *slope_N = slope;
 }
 
-static void polynomial_gradient(const palp_law *law, double a, double *dstiffness) {
-    double power = 1.0;
+static void polynomial_gradient(const palp_law *law, double a, double *dstiffness, double *dslope) {
+    double power = 1.0, below = 0.0; /* a^k, k a^(k - 1) */
     for (size_t k = 0; k < law->n; k++) {
         dstiffness[k] = power;
+        if (dslope)
+            dslope[k] = below;
+        below = (double)(k + 1) * power;
         power *= a;
     }
 }
 
-void palp_law_gradient(const palp_law *law, double e, double *dforce) {
-    if (!law || !dforce)
-        return;
-    double a = fabs(e);
+void law_kind_gradient(const palp_law *law, double a, double *dstiffness, double *dslope) {
     switch (law->kind) {
     case PALP_LAW_POLYNOMIAL:
-        polynomial_gradient(law, a, dforce);
+        polynomial_gradient(law, a, dstiffness, dslope);
         break;
     case PALP_LAW_SPLINE:
-        law_spline_gradient(law, a, dforce);
+        law_spline_gradient(law, a, dstiffness, dslope);
         break;
     default:
-        law_hyperelastic_gradient(law, a, dforce);
+        law_hyperelastic_gradient(law, a, dstiffness, dslope);
     }
-    for (size_t k = 0; k < law->n; k++)
-        dforce[k] *= e;
-}
-
-double palp_law_minimum(const palp_law *law, double strain_max) {
-    if (!law)
-        return NAN;
-    enum { GRID = 2000 };
-    double lowest = INFINITY, k;
-    for (int i = 0; i <= GRID; i++) {
-        palp_law_stiffness(law, strain_max * i / GRID, &k, NULL);
-        lowest = fmin(lowest, k);
-    }
-    if (law->kind == PALP_LAW_SPLINE) {
-        for (size_t i = 0; i < law->n && law->strain[i] <= strain_max; i++)
-            lowest = fmin(lowest, law->coefficients[i]);
-    }
-    return lowest;
 }

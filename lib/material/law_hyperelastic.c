@@ -104,11 +104,26 @@ static response ogden_term(double alpha, double a) {
     return t;
 }
 
-/* dK/dalpha of the same term, from K = (s^(-alpha/2 - 1) - s^(alpha - 1)) / a. */
-static double ogden_exponent_gradient(double alpha, double a) {
+/* d/da of -log(1 - a) / a, by its series for small a. */
+static double rate_slope(double a) {
+    double power_a = 1.0, sum = 0.0;
+    if (a > 0.1)
+        return (1.0 / (1.0 - a) + log1p(-a) / a) / a;
+    for (int k = 1; k < 30; k++) {
+        sum += k * power_a / (k + 1.0);
+        power_a *= a;
+    }
+    return sum;
+}
+
+/* dK/dalpha of the same term, from K = (s^(-alpha/2 - 1) - s^(alpha - 1)) / a, and its slope (may be NULL) d2K/(da dalpha). */
+static double ogden_exponent_gradient(double alpha, double a, double *slope) {
     double l = log1p(-a), s = 1.0 - a;
     double rate = a > 0.0 ? -l / a : 1.0;
-    return rate * (0.5 * exp(-0.5 * alpha * l) + exp(alpha * l)) / s;
+    double low = exp(-0.5 * alpha * l), high = exp(alpha * l), sum = 0.5 * low + high;
+    if (slope)
+        *slope = (rate_slope(a) * sum + rate * (sum + alpha * (0.25 * low - high)) / s) / s;
+    return rate * sum / s;
 }
 
 static void accumulate(response *sum, double c, response term) {
@@ -177,28 +192,38 @@ void law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness
     *slope_N = r.slope;
 }
 
-static void ogden_gradient(const palp_law *law, double a, double *dstiffness) {
+static void ogden_gradient(const palp_law *law, double a, double *dstiffness, double *dslope) {
     for (size_t i = 0; i + 1 < law->n; i += 2) {
-        double mu = law->coefficients[i], alpha = law->coefficients[i + 1];
-        dstiffness[i] = law->area_m2 * ogden_term(alpha, a).stiffness;
-        dstiffness[i + 1] = law->area_m2 * mu * ogden_exponent_gradient(alpha, a);
+        double mu = law->coefficients[i], alpha = law->coefficients[i + 1], slope;
+        response term = ogden_term(alpha, a);
+        dstiffness[i] = law->area_m2 * term.stiffness;
+        dstiffness[i + 1] = law->area_m2 * mu * ogden_exponent_gradient(alpha, a, dslope ? &slope : NULL);
+        if (dslope) {
+            dslope[i] = law->area_m2 * term.slope;
+            dslope[i + 1] = law->area_m2 * mu * slope;
+        }
     }
 }
 
-void law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness) {
+void law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness, double *dslope) {
     if (a >= 1.0) {
         for (size_t k = 0; k < law->n; k++)
             dstiffness[k] = INFINITY;
+        for (size_t k = 0; k < law->n && dslope; k++)
+            dslope[k] = INFINITY;
         return;
     }
     if (law->kind == PALP_LAW_OGDEN) {
-        ogden_gradient(law, a, dstiffness);
+        ogden_gradient(law, a, dstiffness, dslope);
         return;
     }
     invariants v = invariants_at(a);
     for (size_t k = 0; k < law->n; k++) {
         int p, q;
         exponents(law->kind, k, &p, &q);
-        dstiffness[k] = law->area_m2 * invariant_term(&v, p, q).stiffness;
+        response term = invariant_term(&v, p, q);
+        dstiffness[k] = law->area_m2 * term.stiffness;
+        if (dslope)
+            dslope[k] = law->area_m2 * term.slope;
     }
 }

@@ -12,20 +12,25 @@ bool law_bounded(const palp_law *law);
 palp_status law_check(const palp_law *law);
 
 /* Arguments as of palp_law_force, palp_law_stiffness (with a = |e|) and palp_law_gradient, but the
- * gradients are of K(a). */
+ * gradients are of K(a), and dslope (may be NULL) of dK/da. */
+
+/* Of the law's kind, as if it had no end of its range. */
+void law_kind_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N, double *energy_N);
+void law_kind_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
+void law_kind_gradient(const palp_law *law, double a, double *dstiffness, double *dslope);
 
 /* Fills law->slope from the knots. */
 void law_spline_slopes(palp_law *law);
 void law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
                       double *energy_N);
 void law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
-void law_spline_gradient(const palp_law *law, double a, double *dstiffness);
+void law_spline_gradient(const palp_law *law, double a, double *dstiffness, double *dslope);
 
 /* Whether the numbers make a hyperelastic law. */
 palp_status law_hyperelastic_check(palp_law_kind kind, size_t n, const double *c);
 void law_hyperelastic_force(const palp_law *law, size_t n, const double *e, double *force_N,
                             double *tangent_N, double *energy_N);
 void law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
-void law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness);
+void law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness, double *dslope);
 
 #endif

@@ -158,13 +158,17 @@ static void add_slope(const palp_law *law, size_t i, double weight, double *dsti
     }
 }
 
-void law_spline_gradient(const palp_law *law, double a, double *dstiffness) {
+void law_spline_gradient(const palp_law *law, double a, double *dstiffness, double *dslope) {
     memset(dstiffness, 0, law->n * sizeof *dstiffness);
+    if (dslope)
+        memset(dslope, 0, law->n * sizeof *dslope);
     size_t i = find_interval(law, a);
     double u = a - law->strain[i];
     if (i + 1 == law->n) {
         dstiffness[i] = 1.0;
         add_slope(law, i, u, dstiffness);
+        if (dslope)
+            add_slope(law, i, 1.0, dslope);
         return;
     }
     double h = spacing(law, i), t = u / h; /* Hermite's basis */
@@ -173,4 +177,11 @@ void law_spline_gradient(const palp_law *law, double a, double *dstiffness) {
     dstiffness[i + 1] = h01;
     add_slope(law, i, u * (1.0 - t) * (1.0 - t), dstiffness);
     add_slope(law, i + 1, u * t * (t - 1.0), dstiffness);
+    if (!dslope)
+        return;
+    double turn = 6.0 * t * (1.0 - t) / h;
+    dslope[i] = -turn;
+    dslope[i + 1] = turn;
+    add_slope(law, i, (1.0 - t) * (1.0 - 3.0 * t), dslope);
+    add_slope(law, i + 1, t * (3.0 * t - 2.0), dslope);
 }

@@ -2,6 +2,7 @@
 #include "base/file.h"
 #include "model_internal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,6 +10,10 @@ const char *const palp_model_scalings[] = {"none", "volume", "continuum"};
 
 double palp_model_area(double radius_m) {
     return 3.14159265358979323846 * radius_m * radius_m;
+}
+
+double palp_model_lowest(const palp_law *law) {
+    return palp_law_minimum(law, fmax(PALP_MODEL_STRAIN, law->strain_max));
 }
 
 bool palp_model_kind_valid(const char *kind) {

@@ -6,8 +6,14 @@
 
 #include "base/json.h"
 
-/* K must be positive up to here, in a model that is read or written. */
+/* K must be positive up to here, and over the strains it was measured to, in a model that is read or written. */
 #define PALP_MODEL_STRAIN 0.4
+
+/* The lowest K there, N. */
+double palp_model_lowest(const palp_law *law);
+
+/* "stiffness" of a model whose specimen is known. */
+palp_status palp_model_stiffness_read(const palp_json *root, palp_model *model);
 
 /* Names of the scalings of a mesh. */
 extern const char *const palp_model_scalings[PALP_SCALING_CONTINUUM + 1];

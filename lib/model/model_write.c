@@ -15,10 +15,13 @@ static palp_status law_check(const palp_model *model, palp_error *error) {
     if (hyperelastic && !(fabs(area_m2 - law->area_m2) <= 1e-9 * law->area_m2))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
                               "the hyperelastic law's area is not that of the specimen's radius");
-    double lowest_N = palp_law_minimum(law, PALP_MODEL_STRAIN);
+    double lowest_N = palp_model_lowest(law);
     if (!(lowest_N > 0))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "the stiffness falls to %.6g N below strain %g",
-                              lowest_N, PALP_MODEL_STRAIN);
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the stiffness falls to %.6g N below strain %g", lowest_N,
+                              fmax(PALP_MODEL_STRAIN, law->strain_max));
+    palp_law limited = *law;
+    if (palp_law_limit(&limited, law->strain_max) || limited.strain_max != law->strain_max)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the force does not rise at strain_max, %g", law->strain_max);
     return PALP_OK;
 }
 
@@ -141,6 +144,8 @@ static void law_print(const writer *w, const palp_law *law) {
         list_print(w, ", \"coefficients_N\": ", law->n, law->coefficients);
     else
         list_print(w, ", \"coefficients_Pa\": ", law->n, law->coefficients);
+    if (law->strain_max > 0)
+        number_print(w, ", \"strain_max\": ", law->strain_max);
     fputc('}', w->stream);
 }
 

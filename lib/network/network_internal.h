@@ -153,6 +153,9 @@ void network_place(palp_network *net, double depth);
 palp_status network_begin(palp_network *net, double depth_m, double dt_s);
 void network_finish(palp_network *net);
 
+/* Largest |strain[n_elements]| of the elements that are not cut. */
+double network_largest_strain(const palp_network *net, const double *strain);
+
 /* Has a term had its points taken anew (network_term refresh)? It is then to be evaluated and solved again. */
 bool network_refresh(palp_network *net);
 

@@ -12,7 +12,11 @@ typedef struct run {
 
 static palp_status observe(const run *r, double time) {
     const palp_network *net = r->net;
+    const double beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));
     r->info->peak_force_N = fmax(r->info->peak_force_N, fabs(net->now.force));
+    if (beyond > 0.0 && r->info->beyond == 0.0)
+        r->info->beyond_s = time;
+    r->info->beyond = fmax(r->info->beyond, beyond);
     if (r->settings->observer && r->settings->observer(r->settings->user, time, net->now.depth, net->now.force))
         return PALP_ERR_STOPPED;
     return PALP_OK;

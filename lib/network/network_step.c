@@ -247,6 +247,18 @@ static size_t count_inverted(const palp_network *net) {
     return n;
 }
 
+double network_largest_strain(const palp_network *net, const double *strain) {
+    double largest = 0.0;
+    for (size_t i = 0; i < net->n_elements; i++)
+        if (net->n_dead == 0 || net->scale[i] != 0.0)
+            largest = fmax(largest, fabs(strain[i]));
+    return largest;
+}
+
+double palp_network_strain_max(const palp_network *net) {
+    return net ? network_largest_strain(net, net->now.history.strain) : 0.0;
+}
+
 palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
     if (!net)
         return PALP_ERR_ARGUMENT;
@@ -259,6 +271,7 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
         network_finish(net);
         local.force_N = net->next.force;
         local.inverted = count_inverted(net);
+        local.beyond = palp_law_beyond(&net->material.law, network_largest_strain(net, net->next.history.strain));
         assess_stability(net, &local);
         net->trial = true;
     } else {

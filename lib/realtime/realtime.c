@@ -352,6 +352,7 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     look_ahead(rt, &t);
     if (info) {
         t.info.energy_J = stored_energy(net);
+        t.info.beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));
         t.info.seconds = realtime_clock() - t.start;
         *info = t.info;
     }

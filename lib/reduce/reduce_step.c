@@ -196,14 +196,17 @@ palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, c
     r->peak = fmax(r->peak, sqrt(squares));
     refresh_share(r);
     if (info) {
-        double beyond = outside(r);
+        double beyond = outside(r), largest = 0.0;
+        for (size_t i = 0; i < r->n_elements; i++)
+            largest = fmax(largest, fabs(r->strain[i]));
         *info = (palp_reduced_info){.iterations = p.iterations,
                                     .converged = true,
                                     .residual = p.scale > 0.0 ? r->tolerance * p.residual / p.scale : 0.0,
                                     .force_N = p.drive,
                                     .force_error_N = expected_error(r, beyond),
                                     .outside = beyond,
-                                    .contacts = contacts};
+                                    .contacts = contacts,
+                                    .beyond = palp_law_beyond(&r->material.law, largest)};
     }
     commit(r, isfinite(dt_s) ? dt_s : 0.0);
     return PALP_OK;

@@ -194,6 +194,8 @@ START_TEST(null_in_law) {
     REFUSED(palp_law_hyperelastic(0, 2, numbers, 0.5, NULL));
     REFUSED(palp_law_set_coefficients(NULL, numbers));
     REFUSED(palp_law_set_coefficients(&material.law, NULL));
+    REFUSED(palp_law_limit(NULL, 0.5));
+    NOTHING(palp_law_beyond(NULL, 0.5) == 0.0);
     REFUSED(palp_law_scale(NULL, 0.5, &material.law));
     REFUSED(palp_law_scale(&material.law, 0.5, NULL));
     palp_law_stiffness(NULL, 0.5, numbers, numbers);
@@ -298,6 +300,7 @@ START_TEST(null_in_network) {
     NOTHING(!palp_network_positions(NULL));
     NOTHING(!palp_network_element_strain(NULL));
     NOTHING(!palp_network_unknown_count(NULL));
+    NOTHING(palp_network_strain_max(NULL) == 0.0);
     NOTHING(!palp_network_mesh(NULL));
     palp_network_element_force(NULL, numbers);
     palp_network_element_force(net, NULL);

@@ -45,10 +45,12 @@ typedef struct calibrate_state {
     calibrate_method static_method, relaxation_method;
     bool does_static, does_relaxation;
     size_t n_static; /* the static target */
+    bool static_lumped; /* it is the lumped model's */
     double *depth_m, *force_N;
     size_t n_presses;
     press_target press[PRESSES_MAX];
     palp_calibration static_result, relaxation_result;
+    double strain_max; /* largest |element strain| in the presses */
     bool buckled;
     double stable_m, unstable_m;
 } calibrate_state;

@@ -108,6 +108,9 @@ static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) 
                         json_string(o->formulation == PALP_HISTORY ? "history" : "sedef2008"));
     json_object_set_new(all, "nodes", nodes_json(s));
     add_stage(all, s, s->does_relaxation);
+    if (s->model.material.law.strain_max > 0) { /* of the model; laws of stages and iterations carry none */
+        json_object_set_new(all, "strain_max", json_real(s->model.material.law.strain_max));
+    }
     if (s->buckled) {
         json_object_set_new(
             all, "buckling",

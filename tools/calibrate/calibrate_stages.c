@@ -261,9 +261,15 @@ static palp_status wanted_forces(const calibrate_state *s, press_target *press) 
     return PALP_OK;
 }
 
+static int note_strain(void *user) {
+    calibrate_state *s = user;
+    s->strain_max = fmax(s->strain_max, palp_network_strain_max(s->network));
+    return 0;
+}
+
 static palp_status compare(calibrate_state *s, press_target *press, progress *bar) {
     const press_settings settings = {.tolerance = 1e-4};
-    const press_watch watch = {bar, NULL, NULL};
+    const press_watch watch = {bar, note_strain, s};
     palp_run_info info;
     palp_network_reset(s->network);
     palp_status status = press_network(s->network, &press->path, &settings, &watch, &press->network, &info);
@@ -280,6 +286,23 @@ static palp_status compare(calibrate_state *s, press_target *press, progress *ba
     return status;
 }
 
+/* A law that was fitted holds to the largest strain of an element in it; that of --start is left as it is. */
+static void limit_range(calibrate_state *s) {
+    palp_law *law = &s->model.material.law;
+    double top = fmax(s->static_result.strain_max, s->strain_max);
+    if (!s->does_static) {
+        if (palp_law_beyond(law, s->strain_max) > 1e-9) {
+            press_warn_beyond(NAME, law, s->strain_max, -1);
+        }
+        return;
+    }
+    if (palp_law_limit(law, top) || law->strain_max < top) {
+        palp_law_limit(law, 0);
+        cli_warning(NAME, "the element's force no longer rises at its largest strain of %.3g: the model does not say how far it holds",
+                    top);
+    }
+}
+
 int calibrate_compare(const calibrate_options *o, calibrate_state *s) {
     progress bar;
     palp_status status = palp_network_set_material(s->network, &s->model.material);
@@ -291,6 +314,7 @@ int calibrate_compare(const calibrate_options *o, calibrate_state *s) {
     if (status) {
         return stage_failed(o, "relaxation", status);
     }
+    limit_range(s);
     if (s->buckled) {
         press_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, (palp_branch)o->branch);
     }

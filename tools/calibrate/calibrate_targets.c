@@ -2,6 +2,7 @@
 #include "calibrate.h"
 #include "shared/opening.h"
 #include "shared/press.h"
+#include "shared/press.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -231,14 +232,21 @@ static int read_run(const char *file, calibrate_state *s) {
 
 /* ---- all of them ---- */
 
+/* A part of the height, or as deep as the lumped model was measured where that is less. */
+static double default_depth(const calibrate_state *s, double part) {
+    double measured = s->lumped.material.law.strain_max;
+    return (measured > 0 ? fmin(part, measured) : part) * s->lumped.height_m;
+}
+
 /* The thesis' depths, Section 5.3 and Chapter 4, as parts of the height. */
 static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MAX]) {
     if (s->relaxation_method == METHOD_THREE_PHASE) {
-        depth_m[0] = 0.25 * s->lumped.height_m;
+        depth_m[0] = default_depth(s, 0.25);
         return 1;
     }
+    const double share = default_depth(s, 7.0 / 24) / (7.0 / 24 * s->lumped.height_m);
     for (size_t i = 0; i < 12; i++) {
-        depth_m[i] = (1.5 + 0.5 * (double)i) / 24 * s->lumped.height_m;
+        depth_m[i] = (1.5 + 0.5 * (double)i) / 24 * s->lumped.height_m * share;
     }
     return 12;
 }
@@ -273,6 +281,18 @@ static int check_depths(const calibrate_state *s) {
     return CLI_OK;
 }
 
+/* Curves of the lumped model beyond what was measured are its own continuation. */
+static void judge_range(const calibrate_state *s) {
+    const palp_law *law = &s->lumped.material.law;
+    double deepest = s->does_static && s->static_lumped ? s->depth_m[s->n_static - 1] : 0;
+    for (size_t i = 0; i < s->n_presses; i++) {
+        deepest = s->press[i].measured ? deepest : fmax(deepest, s->press[i].depth_m);
+    }
+    if (palp_law_beyond(law, deepest / s->lumped.height_m) > 1e-9) {
+        press_warn_beyond(NAME, law, deepest / s->lumped.height_m, -1);
+    }
+}
+
 int calibrate_targets(const calibrate_options *o, calibrate_state *s) {
     int code = CLI_OK;
     for (size_t i = 1; code == CLI_OK && i < o->n_words; i++) {
@@ -280,7 +300,8 @@ int calibrate_targets(const calibrate_options *o, calibrate_state *s) {
     }
     if (code == CLI_OK && s->does_static && s->n_static == 0) {
         bool given = o->stage == STAGE_STATIC && o->depth_mm.n;
-        double depth_m = given ? 1e-3 * o->depth_mm.value[0] : 9.7 / 24 * s->lumped.height_m;
+        double depth_m = given ? 1e-3 * o->depth_mm.value[0] : default_depth(s, 9.7 / 24);
+        s->static_lumped = true;
         code = static_from_lumped(o, s, depth_m);
     }
     if (code == CLI_OK && s->does_relaxation && s->n_presses == 0) {
@@ -289,5 +310,6 @@ int calibrate_targets(const calibrate_options *o, calibrate_state *s) {
     for (size_t i = 0; i < s->n_presses; i++) {
         s->press[i].peak_N = record_peak(&s->press[i].target);
     }
+    judge_range(s);
     return code ? code : check_depths(s);
 }

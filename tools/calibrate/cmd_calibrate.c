@@ -71,7 +71,8 @@ static size_t curve_options(calibrate_options *o, cli_option *to) {
         cli_heading("Curves to meet (of the lumped model, unless runs of the wanted kind are given)"),
         cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm,
                     "static: deepest (default 9.7 of 24 mm); relaxation and all: depths of\n"
-                    "the holds (default 1.5,2,...,7 of 24 mm; three_phase: 6)"),
+                    "the holds (default 1.5,2,...,7 of 24 mm; three_phase: 6); the defaults are\n"
+                    "less where the lumped model was not measured so deep"),
         cli_count("steps", "N", 10, 1e7, &o->steps,
                   "samples of the static curve (default 97000, 1e-4 mm each, as in the\n"
                   "thesis: the residual is a 2-norm over them)"),

@@ -289,6 +289,16 @@ static int assemble_grid(characterize_state *s) {
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
+/* The law holds to the deepest strain of the runs, and goes on along its tangent from there; where its force no longer rises
+ * there, from the last strain where it does. */
+static void limit_range(characterize_state *s) {
+    double top = characterize_strain_max(s);
+    if (palp_law_limit(&s->material.law, top) == PALP_OK && s->material.law.strain_max < top) {
+        characterize_warn(s, "the force of the law no longer rises from a strain of %.3g on, of %.3g measured: the model goes on along its tangent from there",
+                          s->material.law.strain_max, top);
+    }
+}
+
 /* ---- the verdict ---- */
 
 static void judge(characterize_state *s) {
@@ -352,6 +362,7 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     progress_finish(&bar);
     code = code ? code : characterize_compare(s);
     if (code == CLI_OK) {
+        limit_range(s);
         judge(s);
     }
     return code;

@@ -121,10 +121,8 @@ static int write_model(const characterize_options *o, const characterize_state *
     }
     model.material = s->material;
     palp_status status = o->out ? palp_model_write(&model, o->out, &error) : PALP_OK;
-    if (status && palp_law_minimum(&s->material.law, 0.4) <= 0) {
-        return cli_failure(NAME,
-                           "%s: not written: K(e) falls to zero before a strain of 0.4, beyond the measured "
-                           "%.3g; take a lower --degree or --law spline",
+    if (status && palp_law_minimum(&s->material.law, characterize_strain_max(s)) <= 0) {
+        return cli_failure(NAME, "%s: not written: K(e) falls to zero within the measured strain of %.3g; take another --degree or --law",
                            o->out, characterize_strain_max(s));
     }
     return status ? cli_status(NAME, status, &error) : CLI_OK;

@@ -6,6 +6,7 @@
 #include "shared/json_out.h"
 #include "shared/opening.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -102,7 +103,9 @@ static int choose_held_out(const explain_options *o, palp_explain_settings *s, s
 static int write_out(const explain_options *o, const palp_explanation *e) {
     palp_error error;
     int code = CLI_OK;
-    if (o->out && palp_model_write(&e->model, o->out, &error)) {
+    palp_model model = e->model;
+    palp_law_limit(&model.material.law, model.material.law.strain_max); /* of the coefficients that were found */
+    if (o->out && palp_model_write(&model, o->out, &error)) {
         code = cli_status(NAME, error.status, &error);
     }
     if (code == CLI_OK && o->result) {
@@ -143,6 +146,25 @@ static int read_runs(const explain_options *o, palp_explain_input *input, palp_e
     return CLI_OK;
 }
 
+/* The fit's law holds as deep as the runs go; that they go beyond what the given one was measured to is told, but for the
+ * little by which contacts differ. */
+static void extend_range(palp_model *model, size_t n, palp_experiment *const *run) {
+    palp_law *law = &model->material.law;
+    double deepest = 0, given = law->strain_max;
+    for (size_t r = 0; r < n && model->kind == PALP_MODEL_LUMPED && given > 0; r++) {
+        const double *depth_mm = palp_experiment_column(run[r], "depth_mm");
+        for (size_t i = 0; depth_mm && i < palp_experiment_rows(run[r]); i++) {
+            deepest = fmax(deepest, 1e-3 * depth_mm[i] / model->height_m);
+        }
+    }
+    if (deepest > 1.02 * given) {
+        cli_warning(NAME, "beyond the measured strain of %.4g: these runs go to %.4g, and the law is fitted to there", given, deepest);
+    }
+    if (deepest > given) {
+        palp_law_limit(law, deepest);
+    }
+}
+
 static int explain(explain_options *o, palp_explain_input *input, palp_experiment **run, size_t *held_out) {
     palp_model model;
     palp_mesh_source mesh;
@@ -161,6 +183,7 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     code = code ? code : open_refuse_mass(NAME, o->model, &model);
     code = code ? code : read_runs(o, input, run);
     if (code == CLI_OK) {
+        extend_range(&model, o->n_words, run);
         palp_status status = palp_explain(&model, o->n_words, input, &s, &e, &error);
         code = status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;
     }

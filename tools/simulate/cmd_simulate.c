@@ -200,6 +200,27 @@ static int override_nodes(const simulate_options *o, simulation *s) {
     return CLI_OK;
 }
 
+/* A lumped specimen's strain is its depth over its height; of a network the run tells. */
+void simulate_judge_range(simulation *s) {
+    const palp_law *law = &s->model.material.law;
+    bool lumped = s->model.kind == PALP_MODEL_LUMPED && !s->reduced;
+    s->beyond_s = -1;
+    if (!lumped && s->info.beyond > 0) {
+        s->beyond_s = s->info.beyond_s;
+        s->strain_max = law->strain_max + s->info.beyond;
+    }
+    for (size_t i = 0; lumped && i < s->curve.n; i++) {
+        double strain = s->curve.depth_m[i] / s->height_m;
+        if (palp_law_beyond(law, strain) > 1e-9) {
+            s->beyond_s = s->beyond_s < 0 ? s->curve.time_s[i] : s->beyond_s;
+            s->strain_max = fmax(s->strain_max, strain);
+        }
+    }
+    if (s->beyond_s >= 0) {
+        press_warn_beyond(NAME, law, s->strain_max, s->beyond_s);
+    }
+}
+
 static int run_lumped(const simulate_options *o, simulation *s) {
     press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
     palp_status status = press_lumped(&s->model.material, s->height_m, &s->path, &press, &s->curve);
@@ -233,6 +254,7 @@ static int simulate(const simulate_options *o, simulation *s) {
     if (code == CLI_OK && s->reduced) {
         code = s->height_m > 0 ? check_path(o, &s->path, s->height_m) : CLI_OK;
         code = code ? code : simulate_reduced(o, s);
+        simulate_judge_range(s);
         code = code ? code : simulate_sense(o, s);
         return code ? code : simulate_report(o, s);
     }
@@ -248,6 +270,7 @@ static int simulate(const simulate_options *o, simulation *s) {
     } else {
         code = network ? simulate_network(o, s) : run_lumped(o, s);
     }
+    simulate_judge_range(s);
     code = code ? code : simulate_sense(o, s);
     return code ? code : simulate_report(o, s);
 }

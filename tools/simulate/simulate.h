@@ -31,6 +31,7 @@ typedef struct simulation {
     double height_m; /* of what is pressed */
     record curve;
     palp_run_info info;
+    double beyond_s, strain_max; /* first time beyond the measured strain, < 0 = never; largest strain there */
     bool buckled;
     double stable_m, unstable_m;
 } simulation;
@@ -41,6 +42,7 @@ int simulate_network(const simulate_options *o, simulation *s);
 int simulate_effects(const simulate_options *o, simulation *s); /* instead: a model that has some */
 int simulate_reduced(const simulate_options *o, simulation *s); /* instead: a reduced model */
 bool simulate_is_reduced(const char *path);
+void simulate_judge_range(simulation *s); /* after the run: the warning and beyond_s */
 int simulate_report(const simulate_options *o, const simulation *s);
 
 /* The tester: even samples, free air, a sensor that is not perfect. check reads its options; resample

@@ -39,6 +39,10 @@ static palp_status step(simulation *s, double time_s, double since_s, bool relax
     s->info.iterations += (size_t)info.iterations;
     s->info.worst_residual = fmax(s->info.worst_residual, info.residual);
     s->info.peak_force_N = fmax(s->info.peak_force_N, fabs(info.force_N));
+    if (info.beyond > 0 && s->info.beyond == 0) {
+        s->info.beyond_s = time_s;
+    }
+    s->info.beyond = fmax(s->info.beyond, info.beyond);
     return record_add(&s->curve, time_s, depth_m, info.force_N);
 }
 

@@ -107,6 +107,8 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
     return status;
 }
 
+/* Of a model that says to which strain it was measured also "strain_max" and "beyond": null, or from when and to which strain
+ * the run went beyond it. */
 static json_t *summary(const simulate_options *o, const simulation *s) {
     const record *c = &s->curve;
     json_t *buckling = json_null();
@@ -122,6 +124,10 @@ static json_t *summary(const simulate_options *o, const simulation *s) {
                             c->time_s[c->n - 1], "steps", (json_int_t)s->info.steps, "rejected",
                             (json_int_t)s->info.rejected, "iterations", (json_int_t)s->info.iterations,
                             "worst_residual", s->info.worst_residual, "buckling", buckling);
+    if (s->model.material.law.strain_max > 0) {
+        json_object_set_new(all, "strain_max", json_real(s->model.material.law.strain_max));
+        json_object_set_new(all, "beyond", s->beyond_s < 0 ? json_null() : json_pack("{s:f, s:f}", "from_s", s->beyond_s, "strain", s->strain_max));
+    }
     return all;
 }
 

@@ -158,6 +158,25 @@ START_TEST(every_law_comes_back) {
 }
 END_TEST
 
+START_TEST(the_measured_strain_comes_back_and_must_be_sound) {
+    static const double dips[] = {8, 0, 0, -130}; /* K falls to 0 at 0.39; F = K a rises to 0.25 */
+    palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = 0.024}, back;
+    ck_assert_int_eq(palp_law_polynomial(4, dips, &model.material.law), PALP_OK);
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("out.json"), NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_law_limit(&model.material.law, 0.2), PALP_OK); /* beyond it nothing is asked of K */
+    comes_back(&model);
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("out.json"), NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read(scratch_path("out.json"), &back, NULL, NULL), PALP_OK);
+    ck_assert_double_eq(back.material.law.strain_max, 0.2);
+    model.material.law.strain_max = 0.3; /* the force falls there */
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("out.json"), NULL), PALP_ERR_ARGUMENT);
+    static const double good[] = {8, 10, 0, -60}; /* K > 0 to 0.6 where it was measured to, not at 0.7 */
+    ck_assert_int_eq(palp_law_polynomial(4, good, &model.material.law), PALP_OK);
+    model.material.law.strain_max = 0.7;
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("out.json"), NULL), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
 START_TEST(model_is_one_line_when_formatted) {
     palp_model model = read_text(sample);
     char *json;
@@ -385,6 +404,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, scaling_comes_back);
     tcase_add_test(tc, lengths_in_millimetres_come_back);
     tcase_add_test(tc, every_law_comes_back);
+    tcase_add_test(tc, the_measured_strain_comes_back_and_must_be_sound);
     tcase_add_test(tc, model_is_one_line_when_formatted);
     tcase_add_test(tc, failed_write_leaves_nothing);
     tcase_add_test(tc, lattice_is_made);

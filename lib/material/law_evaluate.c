@@ -1,0 +1,135 @@
+/* law_evaluate.c: a law at any strain: its kind's formula, and beyond the strain it was measured to its tangent there. */
+#include "law_internal.h"
+
+#include <math.h>
+
+/* The force at the end of the range, its slope, and the energy to there. */
+typedef struct range_end {
+    double force, tangent, energy;
+} range_end;
+
+static range_end end_of(const palp_law *law) {
+    range_end end;
+    law_kind_force(law, 1, &law->strain_max, &end.force, &end.tangent, &end.energy);
+    return end;
+}
+
+static bool is_beyond(const palp_law *law, double a) {
+    return law->strain_max > 0.0 && a > law->strain_max;
+}
+
+static void go_on(const range_end *end, double e, double beyond, double *force, double *tangent, double *energy) {
+    *force = copysign(end->force + end->tangent * beyond, e);
+    if (tangent)
+        *tangent = end->tangent;
+    if (energy)
+        *energy = end->energy + beyond * (end->force + 0.5 * end->tangent * beyond);
+}
+
+/* Changes what is beyond only. */
+static void force_beyond(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N, double *energy_N) {
+    size_t i = 0;
+    while (i < n && fabs(e[i]) <= law->strain_max)
+        i++;
+    if (i == n)
+        return;
+    const range_end end = end_of(law);
+    for (; i < n; i++)
+        if (fabs(e[i]) > law->strain_max)
+            go_on(&end, e[i], fabs(e[i]) - law->strain_max, &force_N[i], tangent_N ? &tangent_N[i] : NULL,
+                  energy_N ? &energy_N[i] : NULL);
+}
+
+static void stiffness_beyond(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
+    const range_end end = end_of(law);
+    *stiffness_N = (end.force + end.tangent * (a - law->strain_max)) / a;
+    *slope_N = (end.tangent - *stiffness_N) / a;
+}
+
+/* The force at the end is K(end) end, its slope K(end) + end K'(end). */
+static void gradient_beyond(const palp_law *law, double a, double *dstiffness) {
+    const double end = law->strain_max, beyond = a - end;
+    double dslope[PALP_LAW_MAX];
+    law_kind_gradient(law, end, dstiffness, dslope);
+    for (size_t k = 0; k < law->n; k++)
+        dstiffness[k] = (end * dstiffness[k] + beyond * (dstiffness[k] + end * dslope[k])) / a;
+}
+
+void palp_law_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                    double *energy_N) {
+    if (!law || !e || !force_N)
+        return;
+    law_kind_force(law, n, e, force_N, tangent_N, energy_N);
+    if (law->strain_max > 0.0)
+        force_beyond(law, n, e, force_N, tangent_N, energy_N);
+}
+
+void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, double *slope_N) {
+    if (!law)
+        return;
+    double a = fabs(e), k, slope;
+    if (is_beyond(law, a))
+        stiffness_beyond(law, a, &k, &slope);
+    else
+        law_kind_stiffness(law, a, &k, &slope);
+    if (stiffness_N)
+        *stiffness_N = k;
+    if (slope_N)
+        *slope_N = slope;
+}
+
+void palp_law_gradient(const palp_law *law, double e, double *dforce) {
+    if (!law || !dforce)
+        return;
+    double a = fabs(e);
+    if (is_beyond(law, a))
+        gradient_beyond(law, a, dforce);
+    else
+        law_kind_gradient(law, a, dforce, NULL);
+    for (size_t k = 0; k < law->n; k++)
+        dforce[k] *= e;
+}
+
+double palp_law_minimum(const palp_law *law, double strain_max) {
+    if (!law)
+        return NAN;
+    enum { GRID = 2000 };
+    double lowest = INFINITY, k;
+    for (int i = 0; i <= GRID; i++) {
+        palp_law_stiffness(law, strain_max * i / GRID, &k, NULL);
+        lowest = fmin(lowest, k);
+    }
+    if (law->kind == PALP_LAW_SPLINE) {
+        for (size_t i = 0; i < law->n && law->strain[i] <= strain_max; i++)
+            lowest = fmin(lowest, law->coefficients[i]);
+    }
+    return lowest;
+}
+
+double palp_law_beyond(const palp_law *law, double e) {
+    return law && is_beyond(law, fabs(e)) ? fabs(e) - law->strain_max : 0.0;
+}
+
+/* A force that hardly rises is none to go on along: a hundredth of K at least. */
+static bool rises(const palp_law *law, double a) {
+    double force, tangent;
+    law_kind_force(law, 1, &a, &force, &tangent, NULL);
+    return force > 0.0 && isfinite(tangent) && tangent >= 0.01 * force / a;
+}
+
+palp_status palp_law_limit(palp_law *law, double strain_max) {
+    enum { STEPS = 400 };
+    if (!law || !(strain_max >= 0.0) || !isfinite(strain_max))
+        return PALP_ERR_ARGUMENT;
+    for (int i = STEPS; i > 0 && strain_max > 0.0; i--) {
+        double a = i == STEPS ? strain_max : strain_max * i / STEPS;
+        if (rises(law, a)) {
+            law->strain_max = a;
+            return PALP_OK;
+        }
+    }
+    if (strain_max > 0.0)
+        return PALP_ERR_ARGUMENT;
+    law->strain_max = 0.0;
+    return PALP_OK;
+}

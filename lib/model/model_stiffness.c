@@ -1,0 +1,131 @@
+/* model_stiffness.c: the law in a model JSON. */
+#include "base/json.h"
+#include "model_internal.h"
+
+#include <math.h>
+
+#define COUNT(list) (sizeof(list) / sizeof(list)[0])
+
+/* The list called key of a stiffness; ERR_INPUT if it is absent or empty. */
+static palp_status list_read(const palp_json *at, const char *key, palp_json *list, size_t *n,
+                             double *values) {
+    palp_status status = palp_json_require(at, key, list);
+    if (!status)
+        status = palp_json_numbers(list, PALP_LAW_MAX, n, values);
+    if (!status && *n == 0)
+        status = palp_json_fail(list, PALP_ERR_INPUT, "must not be empty");
+    return status;
+}
+
+static palp_status polynomial_read(const palp_json *at, palp_law *law) {
+    static const char *const keys[] = {"kind", "coefficients_N", "strain_max"};
+    palp_json list;
+    double c_N[PALP_LAW_MAX];
+    size_t n = 0;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = list_read(at, "coefficients_N", &list, &n, c_N);
+    if (!status && palp_law_polynomial(n, c_N, law))
+        status = palp_json_fail(&list, PALP_ERR_INPUT, "make no polynomial law");
+    return status;
+}
+
+static palp_status knots_check(const palp_json *strain, size_t n, const double *a) {
+    if (n < 2 || a[0] != 0)
+        return palp_json_fail(strain, PALP_ERR_INPUT, "must have at least two knots, the first at 0");
+    for (size_t i = 1; i < n; i++)
+        if (!(a[i] > a[i - 1]))
+            return palp_json_fail(strain, PALP_ERR_INPUT, "must increase (%g after %g)", a[i], a[i - 1]);
+    return PALP_OK;
+}
+
+static palp_status spline_read(const palp_json *at, palp_law *law) {
+    static const char *const keys[] = {"kind", "strain", "stiffness_N", "strain_max"};
+    palp_json strain, stiffness;
+    double a[PALP_LAW_MAX], k_N[PALP_LAW_MAX];
+    size_t n = 0, m = 0;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = list_read(at, "strain", &strain, &n, a);
+    if (!status)
+        status = knots_check(&strain, n, a);
+    if (!status)
+        status = list_read(at, "stiffness_N", &stiffness, &m, k_N);
+    if (!status && m != n)
+        status = palp_json_fail(&stiffness, PALP_ERR_INPUT, "has %zu values for %zu knots", m, n);
+    if (!status && palp_law_spline(n, a, k_N, law))
+        status = palp_json_fail(&stiffness, PALP_ERR_INPUT, "must be greater than 0 at every knot");
+    return status;
+}
+
+static palp_status hyperelastic_read(const palp_json *at, palp_law_kind kind, double radius_m,
+                                     palp_law *law) {
+    static const char *const keys[] = {"kind", "coefficients_Pa", "strain_max"};
+    palp_json list;
+    double c_Pa[PALP_LAW_MAX];
+    size_t n = 0;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = list_read(at, "coefficients_Pa", &list, &n, c_Pa);
+    if (!status && !(radius_m > 0))
+        status =
+            palp_json_fail(at, PALP_ERR_INPUT, "is hyperelastic: it needs specimen.radius_mm for the area");
+    if (!status && palp_law_hyperelastic(kind, n, c_Pa, palp_model_area(radius_m), law))
+        status =
+            palp_json_fail(&list, PALP_ERR_INPUT, "make no %s law: %zu of them", palp_law_kind_name(kind), n);
+    return status;
+}
+
+static palp_status law_read(const palp_json *at, palp_model *model) {
+    palp_json kind;
+    palp_law_kind law_kind;
+    palp_law *law = &model->material.law;
+    const char *name = "";
+    if (!json_is_object(at->value))
+        return palp_json_fail(at, PALP_ERR_INPUT, "must be an object {...}");
+    palp_status status = palp_json_require(at, "kind", &kind);
+    if (!status)
+        status = palp_json_string(&kind, &name);
+    if (status)
+        return status;
+    if (palp_law_kind_parse(name, &law_kind))
+        return palp_json_fail(&kind, PALP_ERR_INPUT,
+                              "\"%s\" is none of polynomial, spline, neo_hookean, mooney_rivlin2, "
+                              "mooney_rivlin5, yeoh, ogden",
+                              name);
+    if (law_kind == PALP_LAW_POLYNOMIAL)
+        return polynomial_read(at, law);
+    if (law_kind == PALP_LAW_SPLINE)
+        return spline_read(at, law);
+    return hyperelastic_read(at, law_kind, model->radius_m, law);
+}
+
+/* The strain that the law was measured to, where the file says it. */
+static palp_status limit_read(const palp_json *stiffness, palp_law *law) {
+    palp_json value;
+    double strain_max = 0;
+    if (!palp_json_member(stiffness, "strain_max", &value))
+        return PALP_OK;
+    palp_status status = palp_json_positive(&value, &strain_max);
+    if (!status && (palp_law_limit(law, strain_max) || law->strain_max != strain_max))
+        status = palp_json_fail(&value, PALP_ERR_INPUT, "is %g, where the force no longer rises: beyond it the law could not go on",
+                                strain_max);
+    return status;
+}
+
+palp_status palp_model_stiffness_read(const palp_json *root, palp_model *model) {
+    palp_json stiffness;
+    palp_status status = palp_json_require(root, "stiffness", &stiffness);
+    if (!status)
+        status = law_read(&stiffness, model);
+    if (!status)
+        status = limit_read(&stiffness, &model->material.law);
+    if (status)
+        return status;
+    double lowest_N = palp_model_lowest(&model->material.law);
+    if (!(lowest_N > 0))
+        return palp_json_fail(&stiffness, PALP_ERR_INPUT,
+                              "falls to %.6g N between strain 0 and %g: it must stay above 0", lowest_N,
+                              fmax(PALP_MODEL_STRAIN, model->material.law.strain_max));
+    return PALP_OK;
+}
