@@ -77,7 +77,7 @@ TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS) tests/tools/serial_shim.c,$(wildcar
 CORE_TEST_HELP := $(filter-out $(CORE_TESTS),$(wildcard tests/firmware/*.c))
 BENCH_HELP     := $(filter-out $(BENCHES),$(wildcard bench/*.c))
 HEADERS := $(wildcard include/palpate/*.h)
-DOCUMENTS := README.md LICENSE $(wildcard doc/*.md doc/pictures/*) $(EXAMPLES) $(wildcard examples/poke/*)
+DOCUMENTS := README.md LICENSE $(wildcard doc/*.md doc/pictures/* doc/schema/*.json doc/schema/page.py) $(EXAMPLES) $(wildcard examples/poke/*)
 MAN_SRC := $(wildcard doc/*.scd)
 
 obj  = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
@@ -270,7 +270,7 @@ uninstall: ## removes what install put there
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
 	rm -f $(foreach f,indenter_host rig.elf indenter.elf,'$(D)$(LIBDIR)/palpate/$(f)')
 	rm -f $(foreach f,$(DOCUMENTS),'$(D)$(DOCDIR)/$(f)')
-	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(LIBDIR)/palpate' $(foreach f,/doc/pictures /doc /examples/poke /examples /,'$(D)$(DOCDIR)$(f)')
+	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(LIBDIR)/palpate' $(foreach f,/doc/pictures /doc/schema /doc /examples/poke /examples /,'$(D)$(DOCDIR)$(f)')
 
 # ---- the rest ------------------------------------------------------------------------------------
 .PHONY: dist symbols libs clean help

@@ -111,7 +111,7 @@ def three_phases(formulation, dwell, depth_mm=6.0, nodes=3, arm=(1.296299, 17.87
 
 def numbers(it):
     """Of an iteration, by the names of the tables' columns."""
-    law = it.get("coefficients_N", [])
+    law = it.get("law", {}).get("coefficients_N", [])
     return {"K1_N": it["stiffness_N"], "b1_Ns": it["viscosity_Ns"], **dict(zip(LAW, law)),
             **{k: it[k] for k in it if k.endswith("_percent")}}
 

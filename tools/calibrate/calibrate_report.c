@@ -44,7 +44,9 @@ static json_t *iteration_json(calibrate_method method, bool relaxation,
         json_object_set_new(entry, "steady_force_error_percent",
                             json_number_or_null(it->steady_force_error_percent));
         if (it->phase == 3) {
-            json_add_law(entry, &it->material.law);
+            json_t *law = json_object(); /* apart: a spline has a stiffness_N too */
+            json_add_law(law, &it->material.law);
+            json_object_set_new(entry, "law", law);
         }
         return entry;
     }

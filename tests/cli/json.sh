@@ -1,0 +1,132 @@
+#!/bin/sh
+# json.sh: every JSON that the commands write, and the ones they come with, against doc/schema; doc/json.md is made of it. check: once
+. tests/cli/common
+
+S=$ROOT/doc/schema
+for python in python3 /usr/bin/python3 ""; do
+    [ -z "$python" ] || ! "$python" -c "import jsonschema" 2>/dev/null || break
+done
+[ -n "$python" ] || { echo "there is no python3-jsonschema"; exit 77; }
+"$python" "$S/page.py" | cmp -s - "$ROOT/doc/json.md" || fail "doc/json.md is not what doc/schema/page.py makes of the schemas"
+N=$DATA/network_27.json L=$DATA/lumped_n1.json
+# Models with every key.
+cat >mesh.json <<J
+{"palpate": {"model": 1}, "kind": "network", "specimen": {"height_mm": 24, "radius_mm": 12, "kind": "cylinder"}, "density_kg_m3": 0,
+ "stiffness": {"kind": "yeoh", "coefficients_Pa": [2000, 300, 40]}, "dashpot_Ns": 0, "quasi_linear": false, "formulation": "history",
+ "arms": [{"stiffness_N": 1, "viscosity_Ns": 10, "stiffness_per_strain": 0.1, "time_per_strain": 0.1}], "effects": [],
+ "mesh": {"kind": "file", "path": "$ROOT/data/meshes/box_tetra.msh", "scale_mm": 1, "hex_diagonals": false, "scaling": "volume", "area_mm2": 400}}
+J
+sed 's/"mesh": {.*}}/"mesh": {"kind": "lattice", "nodes": [3, 3, 3], "size_mm": [24, 24, 24], "neighbourhood": 18}}/' mesh.json >lattice.json
+
+# ---- models, runs and results of every form ----
+sed 's/"arms"/"effects": [{"id": "sensor_bias", "parameters": {"force_N": 0.03}}], "arms"/' $L >biased.json
+press="--hold-s 8 --sample-Hz 25 --air-s 2 --noise-N 0.004 --hum-N 0.001 --clip-N 20"
+n=0
+for ramp in "4 1" "6 2" "7 0.5" "4 1"; do
+    set -- $ramp; n=$((n + 1))
+    expect 0 simulate biased.json --protocol ramp_hold --depth-mm $1 --ramp-s $2 $press --seed $n --spike 6,0.2 --drop 3,3.1 --out run_$n.csv
+done
+expect 0 simulate $L --protocol static --depth-mm 7 --rate-mm-s 0.5 --sample-Hz 5 --noise-N 0.002 --out run_static.csv
+expect 0 simulate $L --protocol creep --force-N 1 --ramp-s 1 --hold-s 2 --json --out creep.csv && mv out sim_creep.json
+expect 0 simulate $L --protocol cyclic --depth-mm 3 --cycles 2 --out cyclic.csv
+expect 0 simulate $L --protocol static --depth-mm 3 --relaxed --out relaxed.csv
+expect 0 simulate $L --protocol static --depth-mm 7 --rate-mm-s 0.5 --sample-Hz 5 --noise-N 0.002 --seed 2 --out run_static_2.csv
+expect 0 simulate $L --like run_1.csv --out like.csv
+expect 0 simulate $N --protocol static --depth-mm 9.5 --branch stable --json --out buckled.csv && mv out sim_network.json
+expect 0 characterize run_*.csv --arms auto --degree auto --out lumped.json --plot fit --json && mv out characterize.json
+expect 0 characterize run_1.csv --arms 1 --degree 2 --json && mv out characterize_one.json
+expect 0 explain --model lumped.json run_?.csv --candidates sensor_bias,sensor_lag,toe_region --out explained.json \
+    --result explain.json --next next.json --plot fit --json && mv out explain_out.json
+# A power of time, which these holds do not tell from the draining of pores: a next experiment is named.
+plain='"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 24}, "stiffness": {"kind": "polynomial", "coefficients_N": [8.2, 3.1]}'
+echo "{$plain, \"arms\": [{\"stiffness_N\": 2.4, \"viscosity_Ns\": 12}]}" >guess.json
+echo "{$plain, \"arms\": [{\"stiffness_N\": 2.1, \"viscosity_Ns\": 12}],
+ \"effects\": [{\"id\": \"power_law_relaxation\", \"parameters\": {\"stiffness_N\": 0.5, \"exponent\": 0.1}}]}" >power.json
+n=0
+for ramp in "4 1" "6 2" "7 0.5" "4 1"; do
+    set -- $ramp; n=$((n + 1))
+    expect 0 simulate power.json --protocol ramp_hold --depth-mm $1 --ramp-s $2 --hold-s 20 --sample-Hz 40 --air-s 1 --noise-N 0.004 --seed $n \
+        --out power_$n.csv
+done
+expect 0 explain --model guess.json power_?.csv --candidates power_law_relaxation,poroelastic,relaxation_arm --next next.json --json && mv out explain_power.json
+[ -s next.json ] || fail "no next experiment: $(grep verdict explain_power.json)"
+expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --degree 2 --steps 2000 --out static.json --json && mv out cal_static.json
+expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --law spline --knots 4 --steps 2000 --out spline.json --json && mv out cal_spline.json
+expect 0 calibrate $L --nodes 3 --stage all --depth-mm 4 --degree 2 --steps 500 --hold-s 20 --out all.json --json --plot fit && mv out cal_all.json
+expect 0 reduce $N --runs run_1.csv,run_2.csv --hold-out 0.5 --modes 3 --samples 20 --out reduced.json --json && mv out reduce.json
+expect 0 calibrate $L --stage relaxation --start spline.json --method three_phase --depth-mm 2 --hold-s 20 --dt-ms 20 --json
+mv out cal_phases.json
+expect 3 calibrate $L --nodes 3 --stage all --method three_phase --depth-mm 2 --steps 200 --hold-s 20 --dt-ms 20 --degree 2 --json
+mv out cal_thesis.json
+expect 0 calibrate $L --nodes 3 --stage all --depth-mm 2,4 --steps 200 --hold-s 20 --degree 2 --strain-dependent --json --out beta.json
+mv out cal_beta.json
+{ printf '# palpate.experiment: 1\n# tool.radius_mm: 4\n# tool.friction: 0.2\ntime_s,depth_mm,force_N,tool_x_mm,tool_y_mm,tool_z_mm\n'
+    awk 'BEGIN { for (i = 0; i < 40; i++) printf "%g,0,0,12,%g,12\n", 0.01 * i, 28 - 0.05 * i }'; } >ball.csv
+sed s/,12,/,13,/ ball.csv >ball_2.csv
+expect 0 reduce $N ball.csv ball_2.csv --hold-out 0 --modes 3 --samples 20 --out ball.json
+expect 0 calibrate $L --stage relaxation --start lattice.json --depth-mm 2 --hold-s 20 --json && mv out cal_start.json
+set -- experiment=run_1.csv experiment=run_static.csv experiment=creep.csv experiment=cyclic.csv experiment=relaxed.csv experiment=like.csv \
+    simulate=sim_creep.json simulate=sim_network.json model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
+    model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=fit/characterize.json \
+    explain=explain.json explain=explain_out.json explain=fit/explain.json explain=explain_power.json calibrate=cal_static.json \
+    calibrate=cal_spline.json calibrate=cal_all.json calibrate=fit/calibrate.json reduced=reduced.json reduce=reduce.json
+set -- "$@" protocol=next.json calibrate=cal_start.json reduced=ball.json experiment=ball.csv
+
+# ---- files with every key, which the commands read ----
+for model in mesh lattice; do
+    expect 0 export $model.json --strain 0.02
+    set -- "$@" model=$model.json
+done
+motion='"depth_mm": 2, "hold_s": 0.1, "air_mm": 1, "air_s": 0.1, "after_s": 0.1, "rest_s": 0.1, "acceleration_mm_s2": 400'
+waves='"amplitude_mm": 0.2, "frequency_Hz": 2, "rate_mm_s": 3'
+segments='[{"move_to_mm": 1, "rate_mm_s": 5, "acceleration_mm_s2": 100}, {"hold_s": 0.1}, {"cycle_to_mm": 2, "rate_mm_s": 5, "cycles": 1},
+ {"sine_mm": 0.1, "frequency_Hz": 2, "cycles": 1}, {"sweep_mm": 0.1, "frequency_Hz": 1, "frequency_end_Hz": 3, "duration_s": 1}]'
+cat >protocol.json <<J
+{"palpate": {"protocol": 1}, "about": "all", "order": "random", "order_seed": 1, "repeat_first": true, $motion, $waves, "cycles": 1,
+ "frequency_end_Hz": 4, "duration_s": 1, "runs": [{"kind": "sine", "name": "a", "about": "b", $motion, $waves, "cycles": 1},
+ {"kind": "sweep", $motion, $waves, "frequency_end_Hz": 4, "duration_s": 1}, {"kind": "ramp_hold", "ramp_s": 1, $motion},
+ {"kind": "segments", "name": "pieces", "segments": $segments}]}
+J
+sed 's/ "rate_mm_s": 3, "cycles"/ "ramp_s": 1, "cycles"/' protocol.json >ramps.json
+six='[0, 0, 1e-5, 0, 0, 0]'
+echo '{"palpate": {"calibration": 1}, "about": "a test"' >calibration.json
+for axis in Fx_N Fy_N Fz_N Tx_Nm Ty_Nm Tz_Nm; do echo ", \"$axis\": $six" >>calibration.json; done
+echo '}' >>calibration.json
+cat >actuator.json <<J
+{"palpate": {"actuator": 1}, "about": "all", "force_constant_N_A": 12, "resistance_ohm": 4, "supply_V": 24, "current_A": 3.5, "moving_kg": 0.4,
+ "viscous_Ns_m": 4, "coulomb_N": 0.15, "backlash_mm": 0, "travel_mm": 30, "count_mm": 0.001, "start_mm": 5, "compliance_mm_N": 0,
+ "winding_K_W": 2.5, "winding_J_K": 40, "case_K_W": 3, "case_J_K": 400, "ambient_C": 23}
+J
+set -- "$@" protocol=protocol.json protocol=ramps.json calibration=calibration.json actuator=actuator.json
+
+# ---- the instrument, where its firmware is ----
+if "$PALPATE" rig --firmware host --until-s 0.01 >/dev/null 2>&1; then
+    rig="--port rig --firmware host --out runs --json"
+    expect 0 acquire $rig --air-s 0.2 --after-s 0.2 --static --depth-mm 2 --rate-mm-s 1 --specimen-name a && mv out acquire.json
+    expect 0 acquire $rig --protocol protocol.json --calibration calibration.json --actuator actuator.json
+    mv out acquire_all.json
+    set -- "$@" acquire=acquire.json acquire=acquire_all.json
+    for run in runs/*.csv; do set -- "$@" experiment=$run; done
+    "$PALPATE" rig --firmware host >port 2>rig.err &
+    rig=$!
+    for _ in 1 2 3 4 5 6 7 8 9 10; do [ -s port ] && break; sleep 1; done
+    for action in info status gains home tare clear-fault; do
+        expect 0 firmware $action --port "$(cat port)" --json && mv out firmware_$action.json
+        set -- "$@" firmware=firmware_$action.json
+    done
+    kill $rig
+fi
+
+# ---- what comes with palpate, and what import makes ----
+for f in "$ROOT"/data/protocols/*.json; do set -- "$@" protocol=$f; done
+for f in "$ROOT"/data/sedef2008/*.json "$ROOT"/data/models/*.json "$ROOT"/data/rig/phantom_lag.json; do set -- "$@" model=$f; done
+expect 0 import "$ROOT"/data/measured/ecoflex/EF10_0T_A2.csv --out imported --license MIT
+expect 0 import "$ROOT"/data/measured/mach1/hayes_0[0-2]*.csv --specimen-height-mm 2 --out imported
+for f in imported/*.csv; do set -- "$@" experiment=$f; done
+
+"$python" -W ignore "$ROOT/tests/cli/json_check.py" "$S" "$@" >checked 2>wrong
+code=$?
+[ $code -eq 0 ] || fail "$(grep BAD checked | head -n 40) $(cat wrong)"
+grep -vE '^calibrate (static|relaxation)[.]|^calibrate (static|relaxation|iterations)|^characterize law[.]|^explain next_experiment[.](note|run[.](ramp_s|cycles))$|^experiment import.block$' checked >unseen
+[ -s unseen ] && fail "keys of the schemas that no file has: $(cat unseen)"
+done_testing
