@@ -10,7 +10,7 @@ column() { grep '^[-0-9]' "$1" | cut -d, -f"$2"; }
 
 # ---- Mach-1 recordings: contact from the approach, a force that presses negatively ----
 expect 0 import "$MEASURED"/mach1/*.csv --specimen-height-mm 2 --license MIT --out runs
-[ "$(ls runs | wc -l)" -eq 10 ] && [ "$(wc -l <err)" -eq 10 ] || fail "mach1: not ten experiments, a line each"
+[ "$(ls runs | wc -l)" -eq 10 ] && [ "$(wc -l <err)" -eq 11 ] || fail "mach1: not ten experiments, a line each in a table"
 for i in 02:01 05:04 08:07; do
     run=runs/hayes_${i%:*}_StressRelaxation.csv approach=runs/hayes_${i#*:}_FindContact.csv
     [ "$(key $run contact.from)" = "\"hayes_${i#*:}_FindContact\"" ] || fail "$run: contact.from $(key $run contact.from)"
@@ -94,7 +94,7 @@ expect 0 import plain.csv quoted.csv --specimen-height-mm 24 --specimen-radius-m
 [ "$(key csv/plain.csv protocol.kind)" = '"ramp_hold"' ] || fail "plain: $(key csv/plain.csv protocol.kind)"
 [ "$(key csv/plain.csv specimen.kind)" = '"cylinder"' ] || fail "plain: kind"
 expect 0 import german.csv --map time=Zeit\ \(ms\),depth=2,force=3 --specimen-height-mm 24 --out csv
-grep -q "depth and force reversed" err || fail "german: $(cat err)"
+grep -q "^german .*2 Weg, um, reversed .*3 Kraft, gf, reversed" err || fail "german: $(cat err)"
 expect 0 import bare.txt --map time=1,depth=2,force=4 --units time=s,depth=in,force=lbf --specimen-height-mm 24 --protocol other --out csv
 [ "$(key csv/bare.csv protocol.kind)" = '"other"' ] && [ "$(key csv/bare.csv import.depth_sign)" = -1.0 ] || fail "bare: header"
 grep '^[0-9]' csv/plain.csv >a
@@ -129,16 +129,18 @@ refused() { # text, arguments...
 }
 : >empty.csv; refused "empty.csv: the file is empty" empty.csv
 refused "No such file" missing.csv
-sed '5s/,[^,]*$/,x/' plain.csv >bad.csv; refused "bad.csv:5: the force (column 3) is not a number" bad.csv
-refused "bad.csv:5:" plain.csv bad.csv
-sed '9s/,.*//' plain.csv >bad.csv; refused "bad.csv:9: the depth (column 2) is not a number" bad.csv
-sed '7s/^[^,]*/nan/' plain.csv >bad.csv; refused "bad.csv:7: the time" bad.csv
-sed '20p' plain.csv >bad.csv; refused "bad.csv:21: time does not increase" bad.csv
-sed '2s/,[^,]*$/,/' plain.csv >bad.csv; refused "bad.csv:2: the force" bad.csv
+sed '5s/,[^,]*$/,x/' plain.csv >bad.csv; refused "bad.csv:5: the force (column 3) is not a number" bad.csv --strict
+refused "bad.csv:5:" plain.csv bad.csv --strict
+sed '9s/,.*//' plain.csv >bad.csv; refused "bad.csv:9: the depth (column 2) is not a number" bad.csv --strict
+sed '7s/^[^,]*/nan/' plain.csv >bad.csv; refused "bad.csv:7: the time" bad.csv --strict
+sed '20p' plain.csv >bad.csv; refused "bad.csv:21: time does not increase" bad.csv --strict
+sed '2s/,[^,]*$/,/' plain.csv >bad.csv; refused "bad.csv:2: the force" bad.csv --strict
 sed '1s/ (mm)//' plain.csv >bad.csv; refused 'column "Depth" does not say its unit; say it by --units depth=mm' bad.csv
-sed '1s/Depth/Position/; 1s/Time/Travel/' plain.csv >bad.csv; refused "no column is named as a time" bad.csv
-sed '1s/Force (N)/Displacement (mm)/' plain.csv >bad.csv; refused "could both be the depth" bad.csv
-refused 'no column "4" of 3' plain.csv --map depth=4
+sed '1s/Depth/Position/; 1s/Time (s)/Travel (Hz)/' plain.csv >bad.csv; refused "no column is named as a time" bad.csv
+sed '1s/Force (N)/Displacement (mm)/' plain.csv >bad.csv; refused 'of 1 "Time (s)", 2 "Depth (mm)", 3 "Displacement (mm)"' bad.csv
+awk -F, 'NR == 1 { print $1 ",Position (mm),Displacement (mm)," $3; next } { print $1 "," $2 "," $2 * $2 "," $3 }' plain.csv >bad.csv
+refused 'columns 2 "Position (mm)" and 3 "Displacement (mm)" could both be the depth' bad.csv
+refused 'no column "4" for --map depth: a name (without commas) or a number of 1 "Time (s)", 2' plain.csv --map depth=4
 refused "no row of numbers" plain.csv --separator ';'
 refused "not a Mach-1 file" plain.csv --format mach1
 refused "is an experiment of palpate already" csv/plain.csv
@@ -146,7 +148,7 @@ awk -F, 'NR == 1 { print; next } { print $1 ",5," $3 }' plain.csv >bad.csv; refu
 sed '1s/mm/m/' plain.csv >bad.csv; refused "does not fit a specimen of 24 mm" bad.csv
 head -n 3 plain.csv >bad.csv; refused "fewer than three rows" bad.csv
 sed '$d' own.txt >bad.txt; refused "the file ends before <END DATA>" bad.txt
-printf 'a\0b\n' >bad.csv; refused "not a text file" bad.csv
+printf 'a\0bcd\n' >bad.csv; refused "not a text file" bad.csv
 
 # ---- wrong usage ----
 wrong() { # text, arguments...

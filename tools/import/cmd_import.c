@@ -3,9 +3,11 @@
 #include "shared/commands.h"
 #include "import.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char NAME[] = "import";
 
@@ -17,20 +19,26 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         cli_choice("format", "mach1|instron|csv", &o->format,
                    "what wrote it (default: seen from its first lines)"),
         cli_text("map", "LIST", &o->map,
-                 "time=COL,depth=COL,force=COL: names or numbers from 1 of the\n"
-                 "columns (default: by their names)"),
+                 "time=COL,depth=COL,force=COL (or strain=, stress=, deflection=):\n"
+                 "names or numbers from 1 of the columns (default: by their names)"),
         cli_text("units", "LIST", &o->units,
-                 "time=s|ms|min,depth=mm|um|m|cm|in,force=N|mN|kN|gf|kgf|lbf\n"
-                 "(default: as the columns' names say)"),
+                 "time=s|ms|min,depth=mm|um|nm|m|%|stretch,force=N|mN|gf|kPa|...\n"
+                 "(default: as the columns' names or a row below them say)"),
         cli_count("skip-lines", "N", 0, 1e9, &o->skip_lines,
                   "lines above the names (csv; default: the names are above the\n"
                   "first row of numbers)"),
-        cli_choice("separator", ",|;|tab", &o->separator,
+        cli_choice("separator", ",|;|tab|space", &o->separator,
                    "between columns (csv; default: seen from the file)"),
+        cli_flag("strict", &o->strict, "refuse rows that are no numbers or repeat a time (default: they are\n"
+                                       "left out, and counted)"),
+        cli_number("from", "S", -1e12, 1e12, &o->from_s, "leave out what was recorded before this time, s"),
+        cli_number("to", "S", -1e12, 1e12, &o->to_s, "and after this one"),
         cli_heading("Specimen"),
         cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm,
                      "height, mm (default: as the file says)"),
         cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius, mm (default likewise)"),
+        cli_positive("specimen-area-mm2", "MM2", 1e8, &o->area_mm2, "cross-section, mm2, in place of the radius"),
+        cli_text("specimen-name", "NAME", &o->specimen, "what the specimen is called"),
         cli_text("specimen-kind", "KIND", &o->kind,
                  "cylinder, rigid, none (air: needs no height) or another word"),
         cli_heading("Recording"),
@@ -43,14 +51,19 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         cli_choice("contact", "auto|air|start|recorded", &o->contact,
                    "where depth and force are 0 (default auto: after the free air, else\n"
                    "where the plate rests before it moves; instron: as recorded)"),
+        cli_positive("spring-N-m", "N/m", 1e6, &o->spring_N_m, "of a cantilever whose deflection is recorded (default: likewise)"),
+        cli_text("session-start", "TIME", &o->session,
+                 "when the session began, 2024-03-01T10:00:00 or 10:00:00: its runs get\n"
+                 "their time after that (default of a folder: the first run's)"),
         cli_text("license", "TEXT", &o->license, "licence of the data, kept in the header"),
     };
     const cli_command command = {
         NAME,
-        "FILE ... --out DIR [options]",
+        "FILE|FOLDER ... --out DIR [options]",
         "Turns other testers' recordings into experiments: time_s, depth_mm (positive into the specimen, 0 "
         "at\n"
-        "contact), force_N (positive = compression), one DIR/FILE.csv each. Says on stderr what was decided.",
+        "contact), force_N (positive = compression), one DIR/FILE.csv each. A table on stderr says what was\n"
+        "understood. The files of a FOLDER are a session, in the order in which they were recorded.",
         "  palpate import sample_*.csv --out runs\n"
         "  palpate import mach1/*.csv --specimen-height-mm 2 --out runs\n"
         "  palpate import log.txt --map time=1,depth=3,force=4 --units time=ms,depth=um,force=gf \\\n"
@@ -69,14 +82,14 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
 
 /* quantity=value between commas, each quantity once. */
 static int check_list(const char *option, const char *list) {
-    static const char *const quantities[] = {"time=", "depth=", "force="};
-    bool seen[3] = {false, false, false};
+    static const char *const quantities[ROLES] = {"time=", "depth=", "force=", "stress=", "strain=", "deflection="};
+    bool seen[ROLES] = {false};
     for (const char *at = list; at;) {
         size_t end = strcspn(at, ","), i = 0;
-        while (i < 3 && strncmp(at, quantities[i], strlen(quantities[i])) != 0) {
+        while (i < ROLES && strncmp(at, quantities[i], strlen(quantities[i])) != 0) {
             i++;
         }
-        if (i == 3 || seen[i] || end == strlen(quantities[i])) {
+        if (i == ROLES || seen[i] || end == strlen(quantities[i])) {
             return cli_usage_error(NAME, "--%s wants time=...,depth=...,force=..., not \"%s\"", option, list);
         }
         seen[i] = true;
@@ -127,14 +140,16 @@ static int read_file(const import_options *o, const char *file, import_sources *
     return code;
 }
 
-/* A block in which the stage stands still is a wait or a setting to zero. */
+/* A block in which the stage stands still, to a few steps of its scale, is a wait or a setting to zero. */
 static bool moves(const import_source *s) {
+    double low = s->depth_mm[0], high = low, step = HUGE_VAL;
     for (size_t i = 1; i < s->rows; i++) {
-        if (fabs(s->depth_mm[i] - s->depth_mm[0]) > 1e-3) {
-            return true;
-        }
+        double change = fabs(s->depth_mm[i] - s->depth_mm[i - 1]);
+        step = change > 0 ? fmin(step, change) : step;
+        low = fmin(low, s->depth_mm[i]);
+        high = fmax(high, s->depth_mm[i]);
     }
-    return false;
+    return high - low > 5 * step;
 }
 
 /* Signs, contact and protocol of all, before the first file is written. */
@@ -154,7 +169,7 @@ static int find_contacts(const import_options *o, import_sources *all) {
     }
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
         if (!all->source[i]->skip) {
-            code = import_specimen(o, all->source[i]);
+            code = import_specimen_check(o, all->source[i]);
             import_protocol(o, all->source[i]);
         }
     }
@@ -176,29 +191,112 @@ static int write_all(const import_options *o, const import_sources *all) {
             written++;
         }
     }
+    if (code == CLI_OK && written > 0) {
+        import_say(all);
+    }
     return code || written ? code : cli_failure(NAME, "nothing to import in the files named");
 }
 
+/* ---- folders ---- */
+
+typedef struct names {
+    size_t n, capacity;
+    char **name; /* [n] owned */
+} names;
+
+static bool add_name(names *list, const char *folder, const char *file) {
+    if (list->n == list->capacity) {
+        size_t capacity = list->capacity ? 2 * list->capacity : 64;
+        char **larger = realloc(list->name, capacity * sizeof *larger);
+        if (!larger) {
+            return false;
+        }
+        list->name = larger;
+        list->capacity = capacity;
+    }
+    size_t room = strlen(folder) + strlen(file) + 2;
+    char *name = malloc(room);
+    if (!name) {
+        return false;
+    }
+    snprintf(name, room, "%s%s%s", folder, *folder ? "/" : "", file);
+    list->name[list->n++] = name;
+    return true;
+}
+
+static int by_name(const void *a, const void *b) {
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* The files in a folder but for hidden ones, by their names. */
+static int add_folder(names *list, const char *folder, DIR *open) {
+    size_t first = list->n;
+    for (struct dirent *entry; (entry = readdir(open));) {
+        struct stat about;
+        if (*entry->d_name == '.') {
+            continue;
+        }
+        if (!add_name(list, folder, entry->d_name)) {
+            return cli_failure(NAME, "out of memory");
+        }
+        if (stat(list->name[list->n - 1], &about) || !S_ISREG(about.st_mode)) {
+            free(list->name[--list->n]);
+        }
+    }
+    if (list->n == first) {
+        return cli_failure(NAME, "%s: no files in the folder", folder);
+    }
+    qsort(list->name + first, list->n - first, sizeof *list->name, by_name);
+    return CLI_OK;
+}
+
+/* The files that the words of the command line name. */
+static int find_files(import_options *o, size_t n, const char **words, names *list) {
+    int code = CLI_OK;
+    for (size_t i = 0; code == CLI_OK && i < n; i++) {
+        DIR *open = opendir(words[i]);
+        if (open) {
+            code = add_folder(list, words[i], open);
+            closedir(open);
+            o->folder = true;
+        } else if (!add_name(list, "", words[i])) {
+            code = cli_failure(NAME, "out of memory");
+        }
+    }
+    o->files = (const char **)list->name;
+    o->n_files = list->n;
+    return code;
+}
+
+static int import_all(import_options *o, import_sources *all) {
+    int code = check_options(o);
+    for (size_t i = 0; code == CLI_OK && i < o->n_files; i++) {
+        code = read_file(o, o->files[i], all);
+    }
+    code = code ? code : check_names(o, all);
+    code = code ? code : find_contacts(o, all);
+    code = code ? code : import_session(o, all);
+    return code ? code : write_all(o, all);
+}
+
 int cmd_import(int argc, char **argv) {
-    import_options o = {.format = -1, .protocol = -1, .separator = -1, .skip_lines = SIZE_MAX};
+    import_options o = {.format = -1, .protocol = -1, .separator = -1, .skip_lines = SIZE_MAX, .from_s = NAN, .to_s = NAN};
     import_sources all = {0};
+    names list = {0};
     size_t n = 0;
-    const char **files = malloc((size_t)argc * sizeof(char *));
-    if (!files) {
+    const char **words = malloc((size_t)argc * sizeof(char *));
+    if (!words) {
         return cli_failure(NAME, "out of memory");
     }
-    int code = parse(argc, argv, &o, files, &n);
+    int code = parse(argc, argv, &o, words, &n);
     bool helped = code == CLI_HELP;
-    o.files = files;
-    o.n_files = n;
-    code = code ? code : check_options(&o);
-    for (size_t i = 0; code == CLI_OK && i < n; i++) {
-        code = read_file(&o, files[i], &all);
-    }
-    code = code ? code : check_names(&o, &all);
-    code = code ? code : find_contacts(&o, &all);
-    code = code ? code : write_all(&o, &all);
+    code = code ? code : find_files(&o, n, words, &list);
+    code = code ? code : import_all(&o, &all);
     import_free(&all);
-    free(files);
+    for (size_t i = 0; i < list.n; i++) {
+        free(list.name[i]);
+    }
+    free(list.name);
+    free(words);
     return helped ? CLI_OK : code;
 }

@@ -1,4 +1,4 @@
-/* import.h: the parts of palpate import: a file's table, what its columns are, signs and contact. */
+/* import.h: the parts of palpate import: a file's text, its tables, what their columns are, signs and contact. */
 #ifndef PALPATE_IMPORT_H
 #define PALPATE_IMPORT_H
 
@@ -6,9 +6,13 @@
 
 #include <palpate/experiment.h>
 #include <stdint.h>
+#include <stdio.h>
 
-enum { IMPORT_COLUMNS = 64, IMPORT_SETTINGS = 64, IMPORT_NAME = 512, IMPORT_WORD = 96 };
-enum { TIME, DEPTH, FORCE, QUANTITIES };
+enum { IMPORT_COLUMNS = 64, IMPORT_SETTINGS = 160, IMPORT_NAME = 512, IMPORT_WORD = 96, IMPORT_NOTE = 256 };
+
+/* What a column can be. The first three are what an experiment has; the others can stand in for them. */
+enum { TIME, DEPTH, FORCE, QUANTITIES, STRESS = QUANTITIES, STRAIN, DEFLECTION, ROLES };
+#define IMPORT_NONE SIZE_MAX /* no column */
 
 typedef enum import_format { IMPORT_MACH1, IMPORT_INSTRON, IMPORT_CSV } import_format;
 typedef enum import_contact { CONTACT_AUTO, CONTACT_AIR, CONTACT_START, CONTACT_RECORDED } import_contact;
@@ -16,33 +20,79 @@ typedef enum import_contact { CONTACT_AUTO, CONTACT_AIR, CONTACT_START, CONTACT_
 /* What the user says; -1 or 0 or NULL = nothing. */
 typedef struct import_options {
     int format, contact, protocol, separator; /* indices of the choices */
-    const char *map, *units, *negate, *kind, *license, *out;
-    double height_mm, radius_mm;
+    const char *map, *units, *negate, *kind, *specimen, *session, *license, *out;
+    double height_mm, radius_mm, area_mm2, spring_N_m, from_s, to_s; /* NAN: no from or to */
     size_t skip_lines; /* SIZE_MAX = find the names */
     bool force;        /* replaces recordings */
+    bool strict;       /* refuses what would be dropped */
+    bool folder;       /* a folder was named: its files are one session */
     size_t n_files;
     const char **files; /* that are imported */
 } import_options;
 
-/* A text file in memory, read line by line. Splitting a line changes it. */
+/* ---- the text ---- */
+
+/* A file in memory as UTF-8, line by line. Splitting a line changes it. */
 typedef struct import_text {
-    const char *file;  /* for messages */
-    char *text, *at;   /* NUL-terminated; at = the next line or NULL */
-    size_t size, line; /* line = number of the line last returned, from 1 */
-    uint32_t crc32;
+    const char *file; /* for messages */
+    char *text;       /* NUL-terminated */
+    char **lines;     /* [n] in it, without their ends */
+    size_t n, longest, line; /* line = number of the line last returned by import_line, from 1 */
+    size_t size;      /* of the file, bytes */
+    uint32_t crc32;   /* of the file */
 } import_text;
 
 int import_text_read(const char *file, import_text *text); /* an exit code */
 void import_text_free(import_text *text);
-char *import_line(import_text *text); /* without its end; NULL at the end of the file */
+char *import_line(import_text *text);                       /* the next; NULL at the end of the file */
+char *import_read_stream(FILE *stream, size_t *size);       /* all of it with a NUL after it; NULL = out of memory */
+int import_sheet_read(import_text *text, size_t *size);     /* a spreadsheet becomes its text; all else stays */
+
+/* ---- how rows are written ---- */
+
+typedef struct import_dialect {
+    char separator, decimal, thousands; /* a blank as separator: blanks and tabs, any number of them */
+} import_dialect;
+
+/* chosen: index of --separator or -1; scratch[longest + 1]. */
+void import_dialect_find(const import_text *text, int chosen, char *scratch, import_dialect *dialect);
 
 /* Cuts a line at the separator (not inside "..."), trims the fields; empty ones at the end do not count. */
 size_t import_split(char *line, char separator, char *fields[IMPORT_COLUMNS]);
 
-/* A number; where the separator is not ',', a comma is a decimal point too. */
-bool import_number(const char *field, char separator, double *value);
+/* A number, which a unit may follow; where it ends. */
+bool import_number(const char *field, const import_dialect *d, double *value);
+bool import_number_unit(const char *field, const import_dialect *d, double *value, const char **rest);
 
-/* One table of a file and, later, the recording it holds. */
+/* A time of day or since the start, h:mm:ss or mm:ss with a fraction, after a date or not (dated: s since 1970). */
+bool import_clock(const char *text, double *seconds, bool *dated);
+
+/* ---- words ---- */
+
+typedef enum import_dimension {
+    UNIT_TIME, UNIT_LENGTH, UNIT_FORCE, UNIT_STRESS, UNIT_RATIO, UNIT_VOLT, UNIT_AREA, UNIT_SPRING, UNIT_SLOPE, UNIT_OTHER
+} import_dimension;
+
+typedef struct import_unit {
+    import_dimension dimension;
+    const char *name;
+    double factor; /* to s, mm, N, Pa, 1, V, mm2, N/m, mm/V */
+} import_unit;
+
+const import_unit *import_unit_find(const char *name); /* NULL = none */
+bool import_unit_any(const char *name);
+const import_unit *import_unit_of_name(const char *name); /* of a column's name: "Position (z), mm" */
+bool import_unit_fits(const import_unit *unit, int role);
+void import_plain(const char *from, bool lower, char *to, size_t room); /* without accents */
+
+/* How surely a column of this name and unit (NULL = none) is a quantity: 0 = not, 1 = by its unit, up to 4. */
+int import_name_rank(const char *name, const import_unit *unit, int role);
+
+enum { PART_HEIGHT, PART_DIAMETER, PART_RADIUS, PART_AREA, PART_SPRING, PART_SENSITIVITY, PARTS };
+int import_part_rank(const char *name, int part); /* of a setting, likewise */
+
+/* ---- one table of a file and, later, the recording it holds ---- */
+
 typedef struct import_source {
     const char *file;
     char name[IMPORT_NAME];  /* of the output, without .csv */
@@ -52,26 +102,37 @@ typedef struct import_source {
     uint32_t crc32;
     size_t n_settings;
     char setting[IMPORT_SETTINGS][2][IMPORT_WORD]; /* key, value */
+    double stamp_s;    /* when it began, s since 1970 or of the day; NAN = the file does not say */
+    bool stamp_dated;
     /* the table: value[row * n_columns + column], NAN = no number; line[row] = of the file */
-    char separator;
+    import_dialect dialect;
     size_t n_columns, rows, capacity;
     char column[IMPORT_COLUMNS][IMPORT_WORD];
+    bool clock[IMPORT_COLUMNS]; /* its numbers were times of day */
     double *value;
     size_t *line;
-    size_t used[QUANTITIES]; /* which column is time, depth, force */
-    char unit[QUANTITIES][8];
+    size_t used[ROLES];            /* which column it is, or IMPORT_NONE */
+    const import_unit *unit[ROLES];
+    bool listed[ROLES];            /* by --map */
+    bool seconds_assumed;          /* the time's column does not say its unit */
+    size_t bad, bad_line, doubled, doubled_line, restarts, segments; /* rows left out; first line of each */
+    size_t lost;                   /* samples missing between those that are there */
     const char *skip; /* why a Mach-1 block holds nothing to import; else NULL */
     /* the recording: [rows] each; signs and zero applied by import_contact */
     double *time_s, *depth_mm, *force_N;
-    double height_mm, radius_mm;
-    double depth_sign, force_sign;        /* -1 = reversed */
-    const char *sign_rule, *contact_rule; /* in words; free_air, find_contact, ... */
-    const char *contact_from;             /* name of the approach that shows the contact; NULL = itself */
-    double first_mm, last_mm;             /* positions as recorded, but for the sign */
-    double contact_mm, contact_sd_mm;     /* position there that is depth 0 */
-    double zero_N;                        /* force recorded, but for the sign, that is force 0 */
-    double preload_N;                     /* approach: force it ends at */
+    double height_mm, radius_mm, spring_N_m, slope_mm_V;
+    const char *height_from, *radius_from; /* in words */
+    bool gap, piezo; /* the depth column is the height itself; is that of a cantilever's base */
+    double depth_sign, force_sign;         /* -1 = reversed */
+    const char *sign_rule, *contact_rule;  /* in words; free_air, find_contact, ... */
+    const char *contact_from;              /* name of the approach that shows the contact; NULL = itself */
+    double first_mm, last_mm;              /* positions as recorded, but for the sign */
+    double contact_mm, contact_sd_mm;      /* position there that is depth 0 */
+    double zero_N;                         /* force recorded, but for the sign, that is force 0 */
+    double preload_N;                      /* approach: force it ends at */
     const char *protocol;
+    char phases[IMPORT_WORD];              /* in words */
+    double start_s;                        /* of the session; NAN = no session */
 } import_source;
 
 typedef struct import_sources {
@@ -81,12 +142,33 @@ typedef struct import_sources {
 
 /* Reads a file's tables, one or more, and appends them. An exit code, after one line on stderr if it is not 0. */
 int import_read(const import_options *o, const char *file, import_sources *all);
+import_source *import_append(import_sources *all, const import_text *text, import_format format); /* NULL = out of memory */
 void import_free(import_sources *all);
+int import_mach1_read(import_text *text, import_sources *all); /* the tester's own file, or its table as CSV */
+bool import_mach1_starts(const import_text *text);
+int import_table_read(const import_options *o, import_text *text, import_format format, import_sources *all);
+
+void import_set_names(import_source *s, char *const *fields, size_t n);
+int import_add_row(import_source *s, char *const *fields, size_t n, size_t line); /* what is no number becomes NAN */
+
+/* Settings: "key: value" between semicolons. */
+void import_copy_word(char to[IMPORT_WORD], const char *from, size_t n);
+void import_add_settings(import_source *s, const char *text);
+void import_add_setting(import_source *s, const char *key, const char *value);
 const char *import_setting(const import_source *s, const char *key);   /* its value; NULL = not there */
 double import_setting_number(const import_source *s, const char *key); /* "50mm" is 50; 0 = not there */
 
-/* Finds which columns are time, depth and force, and their units; then the recording in SI and mm. */
+/* Finds which columns are what, and their units; quiet: without a word if it fails. */
+int import_columns_find(const import_options *o, import_source *s, bool quiet);
+
+/* Tables of one file that go on where the one before ended become one. */
+int import_join(const import_options *o, import_sources *all, size_t first);
+
+/* Columns, then the recording in s, mm and N, without the rows that are none. */
 int import_columns(const import_options *o, import_source *s);
+
+/* x to the 15th digit of a number of this size: what is behind it, calculating has made. */
+double import_digits(double x, double size);
 
 bool import_is_approach(const import_source *s); /* a Mach-1's search for the contact */
 
@@ -95,9 +177,16 @@ bool import_is_approach(const import_source *s); /* a Mach-1's search for the co
 int import_signs(const import_options *o, import_source *s);
 int import_contact_find(const import_options *o, const import_sources *all, import_source *s);
 
-/* Height and radius (an exit code if there is no height), and protocol. */
-int import_specimen(const import_options *o, import_source *s);
+/* Height, radius, spring constant and when it began, of the settings and options; then whether the height is known and
+ * the depth fits it. */
+void import_specimen(const import_options *o, import_source *s);
+int import_specimen_check(const import_options *o, const import_source *s);
 void import_protocol(const import_options *o, import_source *s);
+
+/* Start of each run in the session, where one is asked for. */
+int import_session(const import_options *o, import_sources *all);
+
+void import_say(const import_sources *all); /* the table on stderr */
 
 /* OUT/NAME.csv */
 int import_write(const import_options *o, const import_source *s);

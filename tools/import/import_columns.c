@@ -1,214 +1,264 @@
-/* import_columns.c: which column of a file is time, depth and force, and in which unit. */
+/* import_columns.c: which column of a file is time, depth and force, and in which unit; the recording they make. */
 #include "import.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char NAME[] = "import";
-static const char *const quantities[] = {"time", "depth", "force"};
+static const char *const roles[ROLES] = {"time", "depth", "force", "stress", "strain", "deflection"};
+static const char *const units_of[QUANTITIES] = {"s", "mm (or um, m, %, stretch, ...)", "N (or mN, gf, kPa, ...)"};
 
-/* To s, mm and N. */
-static const struct unit {
-    int quantity;
-    const char *name;
-    double factor;
-} units[] = {{TIME, "s", 1},
-             {TIME, "ms", 1e-3},
-             {TIME, "min", 60},
-             {TIME, "sec", 1},
-             {DEPTH, "mm", 1},
-             {DEPTH, "um", 1e-3},
-             {DEPTH, "\xC2\xB5m", 1e-3},
-             {DEPTH, "\xCE\xBCm", 1e-3},
-             {DEPTH, "cm", 10},
-             {DEPTH, "m", 1e3},
-             {DEPTH, "in", 25.4},
-             {FORCE, "N", 1},
-             {FORCE, "mN", 1e-3},
-             {FORCE, "kN", 1e3},
-             {FORCE, "gf", 9.80665e-3},
-             {FORCE, "kgf", 9.80665},
-             {FORCE, "lbf", 4.4482216152605}};
+static const double ALIKE = 1e-3; /* of its range: two columns of the same */
 
-static const char *const words[QUANTITIES][8] = {
-    {"time"},
-    {"depth", "compression", "position", "pos_", "displacement", "extension", "indentation", "travel"},
-    {"force", "load", "fz"}};
-
-static const struct unit *unit_find(int quantity, const char *name, size_t n) {
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        if (units[i].quantity == quantity && strlen(units[i].name) == n &&
-            memcmp(units[i].name, name, n) == 0) {
-            return &units[i];
-        }
-    }
-    return NULL;
+static double at(const import_source *s, size_t i, size_t column) {
+    return s->value[i * s->n_columns + column];
 }
 
-/* The last word of a column's name that is a unit: "Position (z), mm". */
-static const struct unit *unit_of_name(int quantity, const char *name) {
-    static const char breaks[] = " ()[],_/";
-    const struct unit *found = NULL;
-    for (const char *at = name; *at;) {
-        size_t n = strcspn(at, breaks);
-        const struct unit *u = n ? unit_find(quantity, at, n) : NULL;
-        found = u ? u : found;
-        at += n;
-        at += strspn(at, breaks);
+/* ---- --map and --units ---- */
+
+/* The value after "role=" in a list such as time=1,depth=2; empty if it is not there. */
+static void listed(const char *list, int role, char value[IMPORT_WORD]) {
+    size_t n = strlen(roles[role]);
+    value[0] = '\0';
+    for (const char *from = list; from;) {
+        size_t end = strcspn(from, ",");
+        if (strncmp(from, roles[role], n) == 0 && from[n] == '=' && end > n && end - n <= IMPORT_WORD) {
+            memcpy(value, from + n + 1, end - n - 1);
+            value[end - n - 1] = '\0';
+        }
+        from = from[end] ? from + end + 1 : NULL;
     }
-    return found;
 }
 
-/* Whether name holds word, in any case. */
-static bool holds(const char *name, const char *word) {
-    size_t n = strlen(word);
-    for (; *name; name++) {
-        size_t i = 0;
-        while (i < n && tolower((unsigned char)name[i]) == word[i]) {
-            i++;
+/* The columns, for messages: 1 "Time (s)", 2 "Load (N)". */
+static void list_columns(const import_source *s, char *to, size_t room) {
+    size_t n = 0;
+    *to = '\0';
+    for (size_t j = 0; j < s->n_columns && n + 16 < room; j++) {
+        int more = snprintf(to + n, room - n, "%s%zu%s%.40s%s", j ? ", " : "", j + 1, *s->column[j] ? " \"" : "", s->column[j],
+                            *s->column[j] ? "\"" : "");
+        n += more > 0 ? (size_t)more : 0;
+    }
+}
+
+/* By its name, else by its number from 1. */
+static int find_named(import_source *s, int role, const char *wanted) {
+    double number;
+    char columns[1024];
+    s->listed[role] = true;
+    for (size_t j = 0; j < s->n_columns; j++) {
+        const char *name = s->column[j], *bracket = strstr(name, " (");
+        size_t n = strlen(wanted);
+        if (strcmp(name, wanted) == 0 || (bracket && (size_t)(bracket - name) == n && strncmp(name, wanted, n) == 0)) {
+            s->used[role] = j;
+            return CLI_OK;
         }
-        if (i == n) {
+    }
+    if (cli_read_number(wanted, &number) && number >= 1 && number <= (double)s->n_columns &&
+        number == floor(number)) {
+        s->used[role] = (size_t)number - 1;
+        return CLI_OK;
+    }
+    list_columns(s, columns, sizeof columns);
+    return cli_failure(NAME, "%s: no column \"%s\" for --map %s: a name (without commas) or a number of %s", s->file, wanted,
+                       roles[role], columns);
+}
+
+/* ---- which column is what ---- */
+
+static bool changes(const import_source *s, size_t j) {
+    double first = NAN;
+    for (size_t i = 0; i < s->rows; i++) {
+        double x = at(s, i, j);
+        first = isfinite(first) ? first : x;
+        if (isfinite(x) && x != first) {
             return true;
         }
     }
     return false;
 }
 
-static bool could_be(int quantity, const char *name) {
-    for (size_t i = 0; i < 8 && words[quantity][i]; i++) {
-        if (holds(name, words[quantity][i])) {
-            return quantity != DEPTH || !could_be(FORCE, name);
+static bool falls(const import_source *s, size_t j) {
+    double before = -HUGE_VAL;
+    for (size_t i = 0; i < s->rows; i++) {
+        double x = at(s, i, j);
+        if (isfinite(x) && x < before) {
+            return true;
+        }
+        before = isfinite(x) ? x : before;
+    }
+    return false;
+}
+
+static const import_unit *unit_of(const import_source *s, size_t j) {
+    const import_unit *unit = import_unit_of_name(s->column[j]);
+    return unit || !s->clock[j] ? unit : import_unit_find("s");
+}
+
+/* Whether two columns are the same but for a constant and their sign, in the units that they have. */
+static bool same_data(const import_source *s, size_t a, size_t b) {
+    const import_unit *ua = unit_of(s, a), *ub = unit_of(s, b);
+    double fa = ua ? ua->factor : 1, fb = ub ? ub->factor : 1;
+    for (double sign = -1; sign <= 1; sign += 2) {
+        double low = HUGE_VAL, high = -HUGE_VAL, least = HUGE_VAL, most = -HUGE_VAL;
+        for (size_t i = 0; i < s->rows; i++) {
+            double x = fa * at(s, i, a), off = x - sign * fb * at(s, i, b);
+            if (isfinite(off)) {
+                low = fmin(low, x);
+                high = fmax(high, x);
+                least = fmin(least, off);
+                most = fmax(most, off);
+            }
+        }
+        if (most - least <= ALIKE * (high - low)) {
+            return true;
         }
     }
     return false;
 }
 
-/* ---- --map and --units ---- */
-
-/* The value after "quantity=" in a list such as time=1,depth=2; empty if it is not there. */
-static void listed(const char *list, int quantity, char value[IMPORT_WORD]) {
-    size_t n = strlen(quantities[quantity]);
-    value[0] = '\0';
-    for (const char *at = list; at;) {
-        size_t end = strcspn(at, ",");
-        if (strncmp(at, quantities[quantity], n) == 0 && at[n] == '=' && end > n && end - n <= IMPORT_WORD) {
-            memcpy(value, at + n + 1, end - n - 1);
-            value[end - n - 1] = '\0';
-        }
-        at = at[end] ? at + end + 1 : NULL;
+/* How surely a column is a quantity; one that stands still, or a clock that falls, is less surely so. */
+static int rank_of(const import_source *s, size_t j, int role) {
+    const import_unit *unit = unit_of(s, j);
+    int rank = *s->column[j] || s->clock[j] ? import_name_rank(s->column[j], unit, role) : 0;
+    if (rank == 0 || (role == TIME ? false : s->clock[j])) {
+        return 0;
     }
+    rank = 4 * rank + (unit && import_unit_fits(unit, role) ? 1 : 0);
+    bool odd = role == TIME ? falls(s, j) : !changes(s, j);
+    return odd ? 1 : rank;
 }
 
-/* By its name, else by its number from 1. */
-static int find_named(import_source *s, int quantity, const char *wanted) {
-    double number;
-    for (size_t j = 0; j < s->n_columns; j++) {
-        if (strcmp(s->column[j], wanted) == 0) {
-            s->used[quantity] = j;
-            return CLI_OK;
-        }
-    }
-    if (cli_read_number(wanted, &number) && number >= 1 && number <= (double)s->n_columns &&
-        number == floor(number)) {
-        s->used[quantity] = (size_t)number - 1;
-        return CLI_OK;
-    }
-    return cli_failure(NAME,
-                       "%s: no column \"%s\" of %zu; --map takes a name (without commas) or a number from 1",
-                       s->file, wanted, s->n_columns);
+static int ambiguous(const import_source *s, int role, size_t a, size_t b) {
+    char columns[1024];
+    list_columns(s, columns, sizeof columns);
+    return cli_failure(NAME, "%s: columns %zu \"%s\" and %zu \"%s\" could both be the %s; say which by --map %s=NAME or NUMBER of %s",
+                       s->file, a + 1, s->column[a], b + 1, s->column[b], roles[role], roles[role], columns);
 }
 
-/* The Mach-1 says which axes it used; else the one column whose name says what it is. */
-static int find_column(import_source *s, int quantity) {
-    const char *axis = quantity == DEPTH ? import_setting(s, "Stage Axis") : NULL;
-    axis = quantity == FORCE ? import_setting(s, "Load Cell Axis") : axis;
-    size_t found = s->n_columns;
+/* The Mach-1 says which axes it used; else the column that is most surely it. Two that are alike are one. */
+static int find_column(import_source *s, int role, bool quiet) {
+    const char *axis = role == DEPTH ? import_setting(s, "Stage Axis") : NULL;
+    axis = role == FORCE ? import_setting(s, "Load Cell Axis") : axis;
+    int best = 0;
+    size_t second = IMPORT_NONE;
     for (size_t j = 0; axis && j < s->n_columns; j++) {
         if (strncmp(s->column[j], axis, strlen(axis)) == 0) {
-            s->used[quantity] = j;
+            s->used[role] = j;
             return CLI_OK;
         }
     }
     for (size_t j = 0; j < s->n_columns; j++) {
-        if (!could_be(quantity, s->column[j])) {
-            continue;
+        int rank = rank_of(s, j, role);
+        if (rank > best) {
+            s->used[role] = j;
+            best = rank;
+            second = IMPORT_NONE;
+        } else if (rank == best && best > 0 && second == IMPORT_NONE && !same_data(s, s->used[role], j)) {
+            second = j;
         }
-        if (found < s->n_columns) {
-            return cli_failure(
-                NAME, "%s: \"%s\" and \"%s\" could both be the %s; say which by --map %s=NAME or NUMBER",
-                s->file, s->column[found], s->column[j], quantities[quantity], quantities[quantity]);
-        }
-        found = j;
     }
-    s->used[quantity] = found;
-    return found < s->n_columns
-               ? CLI_OK
-               : cli_failure(NAME, "%s: no column is named as a %s; say which by --map %s=NAME or NUMBER",
-                             s->file, quantities[quantity], quantities[quantity]);
+    return second == IMPORT_NONE || quiet ? CLI_OK : ambiguous(s, role, s->used[role], second);
 }
 
-static int find_unit(const import_options *o, import_source *s, int quantity, double *factor) {
-    const char *column = s->column[s->used[quantity]];
+/* Of a column that stands for a quantity, by --units of either. */
+static int find_unit(const import_options *o, import_source *s, int role, int quantity, bool quiet) {
     char wanted[IMPORT_WORD];
-    listed(o->units, quantity, wanted);
-    const struct unit *u =
-        *wanted ? unit_find(quantity, wanted, strlen(wanted)) : unit_of_name(quantity, column);
-    if (!u && *wanted) {
-        return cli_usage_error(NAME, "--units %s=%s: no such unit of it", quantities[quantity], wanted);
+    listed(o->units, role, wanted);
+    if (!*wanted) {
+        listed(o->units, quantity, wanted);
     }
-    if (!u) {
-        return cli_failure(NAME, "%s: column \"%s\" does not say its unit; say it by --units %s=%s", s->file,
-                           column, quantities[quantity],
-                           quantity == TIME    ? "s"
-                           : quantity == DEPTH ? "mm"
-                                               : "N");
+    const import_unit *unit = *wanted ? import_unit_find(wanted) : unit_of(s, s->used[role]);
+    if (!unit && role == TIME) { /* the one unit that is nearly always the same */
+        unit = import_unit_find("s");
+        s->seconds_assumed = true;
     }
-    snprintf(s->unit[quantity], sizeof s->unit[quantity], "%s", u->name);
-    *factor = u->factor;
-    return CLI_OK;
-}
-
-/* ---- the recording ---- */
-
-static int fill(import_source *s, int quantity, double factor, double *to) {
-    for (size_t i = 0; i < s->rows; i++) {
-        to[i] = factor * s->value[i * s->n_columns + s->used[quantity]];
-        if (!isfinite(to[i])) {
-            return cli_failure(NAME, "%s:%zu: the %s (column %zu) is not a number", s->file, s->line[i],
-                               quantities[quantity], s->used[quantity] + 1);
-        }
-        if (quantity == TIME && i > 0 && !(to[i] > to[i - 1])) {
-            return cli_failure(NAME, "%s:%zu: time does not increase (%.9g s after %.9g s)", s->file,
-                               s->line[i], to[i], to[i - 1]);
-        }
+    s->unit[role] = unit;
+    if (*wanted && !(unit && import_unit_fits(unit, role))) {
+        return cli_usage_error(NAME, "--units %s=%s: no such unit of it", roles[quantity], wanted);
+    }
+    if (!(unit && import_unit_fits(unit, role))) {
+        return quiet ? CLI_FAILURE
+                     : cli_failure(NAME, "%s: column \"%s\" does not say its unit; say it by --units %s=%s", s->file,
+                                   *s->column[s->used[role]] ? s->column[s->used[role]] : "without a name", roles[quantity], units_of[quantity]);
     }
     return CLI_OK;
 }
 
-int import_columns(const import_options *o, import_source *s) {
+static int not_there(const import_source *s, int role) {
+    char columns[1024];
+    list_columns(s, columns, sizeof columns);
+    return cli_failure(NAME, "%s: no column is named as a %s; say which by --map %s=NAME or NUMBER of %s", s->file, roles[role],
+                       roles[role], columns);
+}
+
+/* Whether another role stands in for a quantity: no column is named as it, or --units says that its column is the other. */
+static bool instead(const import_options *o, import_source *s, int quantity, int other) {
+    char unit[IMPORT_WORD];
+    listed(o->units, quantity, unit);
+    const import_unit *u = *unit ? import_unit_find(unit) : NULL;
+    if (u && import_unit_fits(u, other)) {
+        s->used[other] = s->used[quantity] == IMPORT_NONE ? s->used[other] : s->used[quantity];
+        return s->used[other] != IMPORT_NONE;
+    }
+    return s->used[other] != IMPORT_NONE && s->used[quantity] == IMPORT_NONE;
+}
+
+static int find_all(const import_options *o, import_source *s, bool quiet) {
     char wanted[IMPORT_WORD];
-    double *recording[QUANTITIES] = {NULL}, factor = 1;
     int code = CLI_OK;
-    if (s->rows < 3) {
-        s->skip = "fewer than three rows of numbers";
-        return *s->block ? CLI_OK : cli_failure(NAME, "%s: %s", s->file, s->skip);
+    for (int role = 0; code == CLI_OK && role < ROLES; role++) {
+        s->used[role] = IMPORT_NONE;
+        listed(o->map, role, wanted);
+        code = *wanted ? find_named(s, role, wanted) : CLI_OK;
     }
-    for (int q = 0; q < QUANTITIES; q++) {
-        recording[q] = malloc(s->rows * sizeof(double));
-    }
-    s->time_s = recording[TIME];
-    s->depth_mm = recording[DEPTH];
-    s->force_N = recording[FORCE];
-    if (!s->time_s || !s->depth_mm || !s->force_N) {
-        return cli_failure(NAME, "%s: out of memory", s->file);
-    }
-    for (int q = 0; code == CLI_OK && q < QUANTITIES; q++) {
-        listed(o->map, q, wanted);
-        code = *wanted ? find_named(s, q, wanted) : find_column(s, q);
-        code = code ? code : find_unit(o, s, q, &factor);
-        code = code ? code : fill(s, q, factor, recording[q]);
+    for (int role = 0; code == CLI_OK && role < ROLES; role++) {
+        bool direct = (role == STRESS && s->used[FORCE] != IMPORT_NONE) || (role == STRAIN && s->used[DEPTH] != IMPORT_NONE);
+        if (!s->listed[role]) {
+            code = find_column(s, role, quiet || role >= QUANTITIES || direct);
+        }
     }
     return code;
+}
+
+/* Depth and force of their own columns, else of strain and stress, or of a cantilever's deflection. */
+static int settle(const import_options *o, import_source *s, bool quiet) {
+    int code = CLI_OK;
+    if (s->listed[STRAIN] && !s->listed[DEPTH]) {
+        s->used[DEPTH] = IMPORT_NONE;
+    }
+    if (s->listed[STRESS] && !s->listed[FORCE]) {
+        s->used[FORCE] = IMPORT_NONE;
+    }
+    bool bent = s->used[FORCE] == IMPORT_NONE && s->used[DEFLECTION] != IMPORT_NONE && s->spring_N_m > 0;
+    if (bent && s->used[DEPTH] == s->used[DEFLECTION]) {
+        return quiet ? CLI_FAILURE : not_there(s, DEPTH);
+    }
+    int use[QUANTITIES] = {TIME, instead(o, s, DEPTH, STRAIN) ? STRAIN : DEPTH,
+                           bent ? DEFLECTION : instead(o, s, FORCE, STRESS) ? STRESS : FORCE};
+    for (int q = 0; code == CLI_OK && q < QUANTITIES; q++) {
+        if (s->used[use[q]] == IMPORT_NONE) {
+            return quiet ? CLI_FAILURE : not_there(s, q);
+        }
+        code = find_unit(o, s, use[q], q, quiet);
+    }
+    if (code == CLI_OK) {
+        char name[IMPORT_WORD];
+        import_plain(s->column[s->used[use[DEPTH]]], true, name, sizeof name);
+        bool bends = bent || strstr(s->column[s->used[use[FORCE]]], "eflection");
+        s->gap = strstr(name, "gap") || strstr(name, "spalt");
+        s->piezo = bends && !strstr(name, "tip") && !strstr(name, "indent") && !strstr(name, "separation");
+    }
+    for (int role = 0; role < ROLES; role++) {
+        if (role != use[DEPTH] && role != use[FORCE] && role != TIME) {
+            s->used[role] = IMPORT_NONE;
+        }
+    }
+    return code;
+}
+
+int import_columns_find(const import_options *o, import_source *s, bool quiet) {
+    int code = find_all(o, s, quiet);
+    return code ? code : settle(o, s, quiet);
 }

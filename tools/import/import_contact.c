@@ -12,7 +12,7 @@ enum { REST_LEAST = 5, LAST = 11 };
 
 static const double unmistakable = 8; /* noise sds that the force must rise by to tell a sign */
 static const double least_travel = 3; /* in air, in sds of the contact, to be called a stretch of air */
-static const double same_place_mm = 2e-3;
+static const double same_place = 0.02; /* of the travel of the run that starts where an approach ended */
 
 static double average(const double *x, size_t n) {
     double sum = 0;
@@ -125,7 +125,12 @@ static void use_recorded(const palp_press *press, import_source *s) {
 /* The approach that ended where s starts, with the same signs. */
 static const import_source *approach_before(const import_sources *all, const import_source *s) {
     const import_source *best = NULL;
-    double nearest = same_place_mm;
+    double low_mm = HUGE_VAL, high_mm = -HUGE_VAL;
+    for (size_t i = 0; i < s->rows; i++) {
+        low_mm = fmin(low_mm, s->depth_mm[i]);
+        high_mm = fmax(high_mm, s->depth_mm[i]);
+    }
+    double nearest = same_place * (high_mm - low_mm);
     for (size_t i = 0; i < all->n; i++) {
         const import_source *a = all->source[i];
         if (!a->skip && a->contact_rule && strcmp(a->contact_rule, "find_contact") == 0 &&
@@ -182,6 +187,21 @@ static void choose(const import_options *o, const import_sources *all, const pal
     s->preload_N = average(s->force_N + s->rows - last, last) - s->zero_N;
 }
 
+/* Depth and force from contact on; a gap says there how high the specimen is, and a cantilever that bends comes less deep. */
+static void shift(import_source *s) {
+    double bend_mm_N = s->piezo && s->spring_N_m > 0 ? 1e3 / s->spring_N_m : 0;
+    if (s->gap && s->height_mm <= 0) {
+        s->height_mm = fabs(s->contact_mm);
+        s->height_from = "the gap at contact";
+    }
+    for (size_t i = 0; i < s->rows; i++) {
+        double force_N = fmax(fabs(s->force_N[i]), fabs(s->zero_N)), depth_mm = fmax(fabs(s->depth_mm[i]), fabs(s->contact_mm));
+        s->force_N[i] = import_digits(s->force_N[i] - s->zero_N, force_N);
+        s->depth_mm[i] = import_digits(s->depth_mm[i] - s->contact_mm, depth_mm);
+        s->depth_mm[i] -= bend_mm_N * s->force_N[i];
+    }
+}
+
 int import_contact_find(const import_options *o, const import_sources *all, import_source *s) {
     palp_press press;
     if (look(s, &press)) {
@@ -189,9 +209,6 @@ int import_contact_find(const import_options *o, const import_sources *all, impo
     }
     choose(o, all, &press, s);
     palp_press_free(&press);
-    for (size_t i = 0; i < s->rows; i++) {
-        s->depth_mm[i] -= s->contact_mm;
-        s->force_N[i] -= s->zero_N;
-    }
+    shift(s);
     return CLI_OK;
 }

@@ -1,46 +1,14 @@
-/* import_protocol.c: what was pressed, and how: from the tester's settings, the options, or the motion. */
+/* import_protocol.c: what the plate did, by the options or the motion. */
 #include "import.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-static const char NAME[] = "import";
 static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "other"};
-
-double import_setting_number(const import_source *s, const char *key) {
-    const char *text = import_setting(s, key);
-    double value = text ? strtod(text, NULL) : 0; /* "50mm" */
-    return isfinite(value) ? value : 0;
-}
 
 bool import_is_approach(const import_source *s) {
     return s->format == IMPORT_MACH1 &&
            (import_setting(s, "Contact Criteria, gf") || strcmp(s->block, "Find Contact") == 0);
-}
-
-int import_specimen(const import_options *o, import_source *s) {
-    double deepest_mm = s->depth_mm[0];
-    s->height_mm = o->height_mm > 0 ? o->height_mm : import_setting_number(s, "Cylinder Height");
-    s->radius_mm = o->radius_mm > 0 ? o->radius_mm : import_setting_number(s, "Cylinder Diameter") / 2;
-    for (size_t i = 0; i < s->rows; i++) {
-        deepest_mm = fmax(deepest_mm, s->depth_mm[i]);
-    }
-    if (o->kind && strcmp(o->kind, "none") == 0) {
-        return CLI_OK;
-    }
-    if (s->height_mm <= 0) {
-        return cli_failure(NAME, "%s: the specimen's height is not in the file: give --specimen-height-mm",
-                           s->file);
-    }
-    if (deepest_mm >= s->height_mm) {
-        return cli_failure(
-            NAME,
-            "%s: pressed to %.4g mm, which does not fit a specimen of %.4g mm: wrong unit, sign "
-            "or --specimen-height-mm",
-            s->file, deepest_mm, s->height_mm);
-    }
-    return CLI_OK;
 }
 
 /* First sample at which the depth has come to this part of its way to the deepest. */

@@ -1,4 +1,4 @@
-/* import_text.c: a text file for palpate import: lines, fields, numbers. */
+/* import_text.c: a text file for palpate import: its bytes, its encoding, its lines. */
 #include "import.h"
 #include "shared/crc32.h"
 
@@ -8,24 +8,179 @@
 
 static const char NAME[] = "import";
 
-/* All of the stream, with a NUL after it. */
-static char *read_all(FILE *stream, size_t *size) {
-    size_t capacity = 1 << 16, n = 0;
-    char *text = malloc(capacity);
-    while (text) {
-        n += fread(text + n, 1, capacity - n - 1, stream);
-        if (n < capacity - 1) {
-            text[n] = '\0';
-            *size = n;
-            return text;
-        }
-        char *larger = realloc(text, capacity *= 2);
-        if (!larger) {
-            free(text);
-        }
-        text = larger;
+/* ---- encodings: all become UTF-8 ---- */
+
+/* How many of the first bytes at this parity are NUL: a UTF-16 text without a mark shows by them. */
+static size_t nuls(const unsigned char *text, size_t size, size_t parity) {
+    size_t n = 0, most = size < 4096 ? size : 4096;
+    for (size_t i = parity; i < most; i += 2) {
+        n += text[i] == 0;
     }
-    return NULL;
+    return n;
+}
+
+/* 0 = not UTF-16, 1 = the low byte first, 2 = the high byte first. */
+static int utf16_order(const unsigned char *text, size_t size) {
+    if (size < 2) {
+        return 0;
+    }
+    if ((text[0] == 0xFF && text[1] == 0xFE) || (text[0] == 0xFE && text[1] == 0xFF)) {
+        return text[0] == 0xFF ? 1 : 2;
+    }
+    size_t half = (size < 4096 ? size : 4096) / 2, even = nuls(text, size, 0), odd = nuls(text, size, 1);
+    return 2 * odd > half && even == 0 ? 1 : 2 * even > half && odd == 0 ? 2 : 0;
+}
+
+static char *put_code(char *to, unsigned long code) {
+    if (code < 0x80) {
+        *to++ = (char)code;
+    } else if (code < 0x800) {
+        *to++ = (char)(0xC0 | code >> 6);
+        *to++ = (char)(0x80 | (code & 0x3F));
+    } else if (code < 0x10000) {
+        *to++ = (char)(0xE0 | code >> 12);
+        *to++ = (char)(0x80 | (code >> 6 & 0x3F));
+        *to++ = (char)(0x80 | (code & 0x3F));
+    } else {
+        *to++ = (char)(0xF0 | code >> 18);
+        *to++ = (char)(0x80 | (code >> 12 & 0x3F));
+        *to++ = (char)(0x80 | (code >> 6 & 0x3F));
+        *to++ = (char)(0x80 | (code & 0x3F));
+    }
+    return to;
+}
+
+static char *from_utf16(const unsigned char *from, size_t size, int order, size_t *length) {
+    char *text = malloc(2 * size + 4), *to = text;
+    size_t low = order == 1 ? 0 : 1;
+    for (size_t i = 0; text && i + 1 < size; i += 2) {
+        unsigned long code = from[i + low] | (unsigned long)from[i + 1 - low] << 8;
+        if (code >= 0xD800 && code < 0xDC00 && i + 3 < size) {
+            unsigned long next = from[i + 2 + low] | (unsigned long)from[i + 3 - low] << 8;
+            if (next >= 0xDC00 && next < 0xE000) {
+                code = 0x10000 + ((code - 0xD800) << 10) + (next - 0xDC00);
+                i += 2;
+            }
+        }
+        bool alone = code >= 0xD800 && code < 0xE000;
+        to = code == 0xFEFF ? to : put_code(to, alone || code == 0 ? '?' : code);
+    }
+    if (text) {
+        *to = '\0';
+        *length = (size_t)(to - text);
+    }
+    return text;
+}
+
+/* Bytes of the UTF-8 character at text; 0 = it is none. */
+static size_t utf8_bytes(const unsigned char *text) {
+    size_t n = *text < 0x80 ? 1 : (*text & 0xE0) == 0xC0 && *text >= 0xC2 ? 2 : (*text & 0xF0) == 0xE0 ? 3 : (*text & 0xF8) == 0xF0 ? 4 : 0;
+    for (size_t i = 1; i < n; i++) {
+        if ((text[i] & 0xC0) != 0x80) {
+            return 0;
+        }
+    }
+    if ((*text == 0xE0 && text[1] < 0xA0) || (*text == 0xED && text[1] > 0x9F) || (*text == 0xF0 && text[1] < 0x90) ||
+        *text > 0xF4 || (*text == 0xF4 && text[1] > 0x8F)) {
+        return 0;
+    }
+    return n;
+}
+
+static bool is_utf8(const char *text) {
+    for (const unsigned char *at = (const unsigned char *)text; *at;) {
+        size_t n = utf8_bytes(at);
+        if (n == 0) {
+            return false;
+        }
+        at += n;
+    }
+    return true;
+}
+
+static char *from_latin1(const char *from, size_t size, size_t *length) {
+    char *text = malloc(2 * size + 1), *to = text;
+    for (size_t i = 0; text && i < size; i++) {
+        to = put_code(to, (unsigned char)from[i]);
+    }
+    if (text) {
+        *to = '\0';
+        *length = (size_t)(to - text);
+    }
+    return text;
+}
+
+/* Blanks that do not break and the apostrophes between digits become ', the minus sign becomes '-'. */
+static size_t simplify(char *text) {
+    static const struct {
+        const char *is;
+        char between_digits, else_;
+    } signs[] = {{"\xC2\xA0", '\'', ' '},     {"\xE2\x80\xAF", '\'', ' '},  {"\xE2\x80\x89", '\'', ' '},
+                 {"\xE2\x80\x99", '\'', '\''}, {"\xE2\x88\x92", '-', '-'}};
+    char *to = text;
+    for (const char *at = text; *at;) {
+        size_t k = 0, n_signs = sizeof signs / sizeof signs[0];
+        while (k < n_signs && strncmp(at, signs[k].is, strlen(signs[k].is)) != 0) {
+            k++;
+        }
+        if ((*at & 0x80) == 0 || k == n_signs) {
+            *to++ = *at++;
+            continue;
+        }
+        bool before = to > text && to[-1] >= '0' && to[-1] <= '9';
+        at += strlen(signs[k].is);
+        *to++ = before && *at >= '0' && *at <= '9' ? signs[k].between_digits : signs[k].else_;
+    }
+    *to = '\0';
+    return (size_t)(to - text);
+}
+
+static int decode(import_text *text, size_t size) {
+    int order = utf16_order((unsigned char *)text->text, size);
+    char *other = NULL;
+    if (order) {
+        other = from_utf16((unsigned char *)text->text, size, order, &size);
+    } else if (memchr(text->text, '\0', size)) {
+        return cli_failure(NAME, "%s: not a text file: export it as CSV or text", text->file);
+    } else if (!is_utf8(text->text)) {
+        other = from_latin1(text->text, size, &size);
+    } else {
+        simplify(text->text);
+        return CLI_OK;
+    }
+    if (!other) {
+        return cli_failure(NAME, "%s: out of memory", text->file);
+    }
+    free(text->text);
+    text->text = other;
+    simplify(other);
+    return CLI_OK;
+}
+
+/* ---- lines ---- */
+
+static int index_lines(import_text *text, char *at) {
+    size_t capacity = 1024;
+    text->lines = malloc(capacity * sizeof *text->lines);
+    while (text->lines && *at) {
+        if (text->n == capacity) {
+            char **larger = realloc(text->lines, (capacity *= 2) * sizeof *larger);
+            if (!larger) {
+                free(text->lines);
+                text->lines = NULL;
+                break;
+            }
+            text->lines = larger;
+        }
+        size_t n = strcspn(at, "\r\n");
+        text->lines[text->n++] = at;
+        text->longest = n > text->longest ? n : text->longest;
+        char end = at[n];
+        at[n] = '\0';
+        at += n + (end != '\0');
+        at += end == '\r' && *at == '\n';
+    }
+    return text->lines ? CLI_OK : cli_failure(NAME, "%s: out of memory", text->file);
 }
 
 int import_text_read(const char *file, import_text *text) {
@@ -35,85 +190,27 @@ int import_text_read(const char *file, import_text *text) {
     if (!stream) {
         return cli_failure(NAME, "%s: %s", file, strerror(errno));
     }
-    text->text = read_all(stream, &text->size);
+    text->text = import_read_stream(stream, &text->size);
     bool bad = ferror(stream) != 0;
     int number = errno;
     fclose(stream);
     if (!text->text || bad) {
         return cli_failure(NAME, "%s: %s", file, bad ? strerror(number) : "out of memory");
     }
-    if (memchr(text->text, '\0', text->size)) {
-        return cli_failure(NAME, "%s: not a text file (or UTF-16: save it as UTF-8)", file);
-    }
     text->crc32 = crc32_add(0, text->text, text->size);
-    text->at = strncmp(text->text, "\xEF\xBB\xBF", 3) == 0 ? text->text + 3 : text->text;
-    return CLI_OK;
+    size_t size = text->size;
+    int code = import_sheet_read(text, &size);
+    code = code ? code : decode(text, size);
+    bool marked = code == CLI_OK && strncmp(text->text, "\xEF\xBB\xBF", 3) == 0;
+    return code ? code : index_lines(text, text->text + (marked ? 3 : 0));
 }
 
 void import_text_free(import_text *text) {
     free(text->text);
+    free(text->lines);
     memset(text, 0, sizeof *text);
 }
 
 char *import_line(import_text *text) {
-    char *line = text->at;
-    if (!line || !*line) {
-        return NULL;
-    }
-    size_t n = strcspn(line, "\n");
-    text->at = line[n] ? line + n + 1 : NULL;
-    line[n] = '\0';
-    if (n > 0 && line[n - 1] == '\r') {
-        line[n - 1] = '\0';
-    }
-    text->line++;
-    return line;
-}
-
-static char *trim(char *field) {
-    field += strspn(field, " \t");
-    size_t n = strlen(field);
-    while (n > 0 && (field[n - 1] == ' ' || field[n - 1] == '\t')) {
-        n--;
-    }
-    if (n >= 2 && field[0] == '"' && field[n - 1] == '"') {
-        field++;
-        n -= 2;
-    }
-    field[n] = '\0';
-    return field;
-}
-
-size_t import_split(char *line, char separator, char *fields[IMPORT_COLUMNS]) {
-    size_t n = 0, filled = 0;
-    for (char *at = line; at && n < IMPORT_COLUMNS; n++) {
-        bool quoted = false;
-        char *end = at;
-        while (*end && (quoted || *end != separator)) {
-            quoted = *end++ == '"' ? !quoted : quoted;
-        }
-        char *next = *end ? end + 1 : NULL;
-        *end = '\0';
-        fields[n] = trim(at);
-        filled = *fields[n] ? n + 1 : filled;
-        at = next;
-    }
-    return filled;
-}
-
-bool import_number(const char *field, char separator, double *value) {
-    char copy[64];
-    size_t n = strlen(field);
-    if (n == 0 || n >= sizeof copy || strspn(field, "+-.,0123456789eE") != n) {
-        return false;
-    }
-    memcpy(copy, field, n + 1);
-    char *comma = strchr(copy, ',');
-    if (comma && (separator == ',' || strchr(copy, '.'))) {
-        return false;
-    }
-    if (comma) {
-        *comma = '.';
-    }
-    return cli_read_number(copy, value);
+    return text->line < text->n ? text->lines[text->line++] : NULL;
 }

@@ -32,6 +32,7 @@ static const char *base_name(const char *path) {
 static palp_status set_specimen(const import_options *o, const import_source *s, palp_experiment *run) {
     palp_status status = PALP_OK;
     bool cylinder = s->radius_mm > 0;
+    string(run, "specimen.name", o->specimen, &status);
     string(run, "specimen.kind", o->kind ? o->kind : cylinder ? "cylinder" : NULL, &status);
     positive(run, "specimen.height_mm", s->height_mm, &status);
     positive(run, "specimen.radius_mm", s->radius_mm, &status);
@@ -57,6 +58,14 @@ static palp_status set_contact(const import_source *s, palp_experiment *run) {
     return status;
 }
 
+/* Which role a quantity came from. */
+static int used_as(const import_source *s, int quantity) {
+    if (quantity == DEPTH) {
+        return s->used[STRAIN] != IMPORT_NONE ? STRAIN : DEPTH;
+    }
+    return s->used[FORCE] != IMPORT_NONE ? FORCE : s->used[STRESS] != IMPORT_NONE ? STRESS : DEFLECTION;
+}
+
 static palp_status set_source(const import_options *o, const import_source *s, palp_experiment *run) {
     palp_status status = PALP_OK;
     char text[64];
@@ -67,7 +76,13 @@ static palp_status set_source(const import_options *o, const import_source *s, p
     snprintf(text, sizeof text, "%08lx", (unsigned long)s->crc32);
     string(run, "import.crc32", text, &status);
     string(run, "import.license", o->license, &status);
-    snprintf(text, sizeof text, "%s, %s, %s", s->unit[TIME], s->unit[DEPTH], s->unit[FORCE]);
+    positive(run, "import.rows_bad", (double)s->bad, &status);
+    positive(run, "import.rows_doubled", (double)s->doubled, &status);
+    if (isfinite(s->start_s)) {
+        number(run, "session.start_s", s->start_s, &status);
+    }
+    snprintf(text, sizeof text, "%s, %s, %s", s->unit[TIME]->name, s->unit[used_as(s, DEPTH)]->name,
+             s->unit[used_as(s, FORCE)]->name);
     string(run, "import.units", text, &status);
     number(run, "import.depth_sign", s->depth_sign, &status);
     number(run, "import.force_sign", s->force_sign, &status);
@@ -81,7 +96,7 @@ static palp_status set_settings(const import_source *s, palp_experiment *run) {
         char key[IMPORT_WORD + 16] = "tester.";
         double value;
         size_t n = strlen(key);
-        for (const char *c = s->setting[i][0]; *c; c++) {
+        for (const char *c = s->setting[i][0]; *c && n + 1 < sizeof key; c++) {
             if (isalnum((unsigned char)*c)) {
                 key[n++] = *c;
             } else if (key[n - 1] != '_' && key[n - 1] != '.') {
@@ -139,20 +154,14 @@ static palp_status add_others(const import_source *s, palp_experiment *run) {
     return PALP_OK;
 }
 
-/* To nanoseconds, picometres, nanonewtons: converting units and subtracting the contact leave digits that
- * mean nothing. */
-static double rounded(double x) {
-    return fabs(x) < 1e6 ? rint(x * 1e9) / 1e9 : x;
-}
-
 static palp_status fill(const import_options *o, const import_source *s, palp_experiment *run) {
     double *time_s = palp_experiment_column(run, "time_s"),
            *depth_mm = palp_experiment_column(run, "depth_mm"),
            *force_N = palp_experiment_column(run, "force_N");
     for (size_t i = 0; i < s->rows; i++) {
-        time_s[i] = rounded(s->time_s[i]);
-        depth_mm[i] = rounded(s->depth_mm[i]);
-        force_N[i] = rounded(s->force_N[i]);
+        time_s[i] = s->time_s[i];
+        depth_mm[i] = s->depth_mm[i];
+        force_N[i] = s->force_N[i];
     }
     palp_status status = set_specimen(o, s, run);
     status = status ? status : set_contact(s, run);
@@ -161,15 +170,6 @@ static palp_status fill(const import_options *o, const import_source *s, palp_ex
     status = status ? status : add_others(s, run);
     string(run, "palpate.version", palp_version(), &status);
     return status;
-}
-
-static void say(const import_source *s) {
-    fprintf(stderr,
-            "palpate import: %s.csv: %s, %zu samples, %s; signs %s; depth 0 at %.5g mm (%s%s%s, sd %.2g mm), "
-            "force 0 at %.3g N\n",
-            s->name, formats[s->format], s->rows, s->protocol, s->sign_rule, s->contact_mm, s->contact_rule,
-            s->contact_from ? " by " : "", s->contact_from ? s->contact_from : "", s->contact_sd_mm,
-            s->zero_N);
 }
 
 int import_write(const import_options *o, const import_source *s) {
@@ -184,9 +184,5 @@ int import_write(const import_options *o, const import_source *s) {
     status = status ? status : fill(o, s, run);
     status = status ? status : palp_experiment_write(run, path, &error);
     palp_experiment_free(run);
-    if (status) {
-        return cli_status(NAME, status, &error);
-    }
-    say(s);
-    return CLI_OK;
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
 }

@@ -1,0 +1,118 @@
+/* import_say.c: one table on stderr of what was understood of each file, and notes of what was left out. */
+#include "import.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { FIELDS = 7, WIDEST = 60 };
+
+typedef struct row {
+    char field[FIELDS][WIDEST];
+} row;
+
+static const char *const titles[FIELDS] = {"run", "samples", "time", "depth", "force", "contact", "phases"};
+
+/* Characters that a text takes on the screen. */
+static size_t width_of(const char *text) {
+    size_t n = 0;
+    for (; *text; text++) {
+        n += ((unsigned char)*text & 0xC0) != 0x80;
+    }
+    return n;
+}
+
+/* Column number, name without its unit, unit, whether reversed. */
+static void say_column(const import_source *s, int role, bool reversed, char to[WIDEST]) {
+    size_t column = s->used[role];
+    char name[24];
+    size_t n = strcspn(s->column[column], "([");
+    n = n < sizeof name ? n : sizeof name - 1;
+    while (n > 0 && (s->column[column][n - 1] == ' ' || ((unsigned char)s->column[column][n] & 0xC0) == 0x80)) {
+        n--;
+    }
+    memcpy(name, s->column[column], n);
+    name[n] = '\0';
+    snprintf(to, WIDEST, "%zu %s%s%.9s%s", column + 1, name, n ? ", " : "", s->unit[role]->name, reversed ? ", reversed" : "");
+}
+
+static int role_of(const import_source *s, int quantity) {
+    static const int instead[QUANTITIES][3] = {{TIME, TIME, TIME}, {STRAIN, DEPTH, DEPTH}, {FORCE, STRESS, DEFLECTION}};
+    int k = 0;
+    while (k < 2 && s->used[instead[quantity][k]] == IMPORT_NONE) {
+        k++;
+    }
+    return instead[quantity][k];
+}
+
+static void fill(const import_source *s, row *r) {
+    snprintf(r->field[0], WIDEST, "%.40s", s->name);
+    snprintf(r->field[1], WIDEST, "%zu", s->rows);
+    say_column(s, TIME, false, r->field[2]);
+    say_column(s, role_of(s, DEPTH), s->depth_sign < 0, r->field[3]);
+    say_column(s, role_of(s, FORCE), s->force_sign < 0, r->field[4]);
+    snprintf(r->field[5], WIDEST, "%s at %.5g +- %.2g mm, %.3g N", s->contact_rule, s->contact_mm, s->contact_sd_mm, s->zero_N);
+    snprintf(r->field[6], WIDEST, "%.59s", *s->phases ? s->phases : s->protocol);
+}
+
+static void print_row(const row *r, const size_t width[FIELDS]) {
+    for (size_t k = 0; k < FIELDS; k++) {
+        size_t pad = k + 1 < FIELDS ? width[k] + 2 - width_of(r->field[k]) : 0;
+        fprintf(stderr, "%s%*s", r->field[k], (int)pad, "");
+    }
+    fputc('\n', stderr);
+}
+
+static void note(const import_source *s) {
+    if (s->bad > 0) {
+        cli_warning("import", "%s: %zu of %zu rows are not numbers and were left out, the first at line %zu", s->name, s->bad,
+                    s->bad + s->doubled + s->rows, s->bad_line);
+    }
+    if (s->doubled > 0) {
+        cli_warning("import", "%s: %zu of %zu rows do not come later than the row before and were left out, the first at line %zu",
+                    s->name, s->doubled, s->bad + s->doubled + s->rows, s->doubled_line);
+    }
+    if (s->restarts > 0) {
+        cli_warning("import", "%s: the clock starts anew %zu time%s within the run; it was made to go on", s->name, s->restarts,
+                    s->restarts > 1 ? "s" : "");
+    }
+    if (s->seconds_assumed) {
+        cli_warning("import", "%s: the time has no unit and is taken as seconds; else say it by --units time=ms", s->name);
+    }
+    if (s->height_from && strncmp(s->height_from, "--", 2) != 0) {
+        fprintf(stderr, "palpate import: %s: height %.5g mm by \"%s\"", s->name, s->height_mm, s->height_from);
+        if (s->radius_mm > 0 && s->radius_from) {
+            fprintf(stderr, ", radius %.5g mm by \"%s\"", s->radius_mm, s->radius_from);
+        }
+        fputc('\n', stderr);
+    }
+}
+
+void import_say(const import_sources *all) {
+    row head, one;
+    size_t width[FIELDS];
+    for (size_t k = 0; k < FIELDS; k++) {
+        snprintf(head.field[k], WIDEST, "%s", titles[k]);
+        width[k] = width_of(head.field[k]);
+    }
+    for (size_t i = 0; i < all->n; i++) {
+        if (!all->source[i]->skip) {
+            fill(all->source[i], &one);
+            for (size_t k = 0; k < FIELDS; k++) {
+                size_t n = width_of(one.field[k]);
+                width[k] = n > width[k] ? n : width[k];
+            }
+        }
+    }
+    print_row(&head, width);
+    for (size_t i = 0; i < all->n; i++) {
+        if (!all->source[i]->skip) {
+            fill(all->source[i], &one);
+            print_row(&one, width);
+        }
+    }
+    for (size_t i = 0; i < all->n; i++) {
+        if (!all->source[i]->skip) {
+            note(all->source[i]);
+        }
+    }
+}
