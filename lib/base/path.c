@@ -57,15 +57,11 @@ static palp_status ramp_hold(double value, double ramp_s, double hold_s, bool fo
 }
 
 palp_status palp_path_ramp_hold(double depth_m, double ramp_s, double hold_s, palp_path *path) {
-    if (!path)
-        return PALP_ERR_ARGUMENT;
-    return ramp_hold(depth_m, ramp_s, hold_s, false, path);
+    return path ? ramp_hold(depth_m, ramp_s, hold_s, false, path) : PALP_ERR_ARGUMENT;
 }
 
 palp_status palp_path_creep(double force_N, double ramp_s, double hold_s, palp_path *path) {
-    if (!path)
-        return PALP_ERR_ARGUMENT;
-    return ramp_hold(force_N, ramp_s, hold_s, true, path);
+    return path ? ramp_hold(force_N, ramp_s, hold_s, true, path) : PALP_ERR_ARGUMENT;
 }
 
 palp_status palp_path_cyclic(double depth_m, double rate_m_s, size_t cycles, palp_path *path) {

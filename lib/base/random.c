@@ -16,9 +16,7 @@ uint64_t palp_random_next(uint64_t *state) {
 }
 
 double palp_random_uniform(uint64_t *state) {
-    if (!state)
-        return NAN;
-    return ((double)(palp_random_next(state) >> 11) + 0.5) * 0x1p-53;
+    return state ? ((double)(palp_random_next(state) >> 11) + 0.5) * 0x1p-53 : NAN;
 }
 
 double palp_random_normal(uint64_t *state) {

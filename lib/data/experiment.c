@@ -112,9 +112,7 @@ palp_status palp_experiment_grow(palp_experiment *e) {
 }
 
 size_t palp_experiment_rows(const palp_experiment *experiment) {
-    if (!experiment)
-        return 0;
-    return experiment->rows;
+    return experiment ? experiment->rows : 0;
 }
 
 double *palp_experiment_column(const palp_experiment *experiment, const char *name) {
@@ -125,9 +123,7 @@ double *palp_experiment_column(const palp_experiment *experiment, const char *na
 }
 
 size_t palp_experiment_column_count(const palp_experiment *experiment) {
-    if (!experiment)
-        return 0;
-    return experiment->n_columns;
+    return experiment ? experiment->n_columns : 0;
 }
 
 const char *palp_experiment_column_name(const palp_experiment *experiment, size_t i) {

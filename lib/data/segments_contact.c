@@ -61,9 +61,7 @@ void palp_press_free(palp_press *press) {
 /* ---- air ---- */
 
 double palp_air_force(const palp_air *air, double time_s) {
-    if (!air)
-        return NAN;
-    return air->level_N + air->drift_N_s * time_s;
+    return air ? air->level_N + air->drift_N_s * time_s : NAN;
 }
 
 /* Level (and drift, with drifting) of the first n samples. */
@@ -138,9 +136,7 @@ static size_t moved(const palp_press *p, double by) {
 }
 
 size_t palp_press_rest(const palp_press *p) {
-    if (!p)
-        return 0;
-    return moved(p, RESTING * fabs(p->depth[p->peak] - p->depth[0]));
+    return p ? moved(p, RESTING * fabs(p->depth[p->peak] - p->depth[0])) : 0;
 }
 
 double palp_press_travel(const palp_press *p, double force_N) {

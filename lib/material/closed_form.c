@@ -106,9 +106,7 @@ double palp_generalized_maxwell_relaxation(const palp_generalized_maxwell *model
 
 /* Eq. 3.55 */
 double palp_generalized_maxwell_ramp(const palp_generalized_maxwell *model, double rate_1_s, double t) {
-    if (!model)
-        return NAN;
-    return palp_generalized_maxwell_ramp_hold(model, rate_1_s, t, t);
+    return model ? palp_generalized_maxwell_ramp_hold(model, rate_1_s, t, t) : NAN;
 }
 
 /* Eq. 3.56 */

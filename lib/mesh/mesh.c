@@ -332,27 +332,19 @@ palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, co
 /* ---- what it holds ------------------------------------------------------------------------------- */
 
 size_t palp_mesh_node_count(const palp_mesh *mesh) {
-    if (!mesh)
-        return 0;
-    return mesh->n_nodes;
+    return mesh ? mesh->n_nodes : 0;
 }
 
 size_t palp_mesh_element_count(const palp_mesh *mesh) {
-    if (!mesh)
-        return 0;
-    return mesh->n_elements;
+    return mesh ? mesh->n_elements : 0;
 }
 
 const double *palp_mesh_positions(const palp_mesh *mesh) {
-    if (!mesh)
-        return NULL;
-    return mesh->x_m;
+    return mesh ? mesh->x_m : NULL;
 }
 
 const int32_t *palp_mesh_pairs(const palp_mesh *mesh) {
-    if (!mesh)
-        return NULL;
-    return mesh->pairs;
+    return mesh ? mesh->pairs : NULL;
 }
 
 /* R R' = 1 and not mirrored. */

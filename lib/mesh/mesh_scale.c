@@ -300,7 +300,5 @@ palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double a
 }
 
 const double *palp_mesh_element_scale(const palp_mesh *mesh) {
-    if (!mesh)
-        return NULL;
-    return mesh->scale;
+    return mesh ? mesh->scale : NULL;
 }

@@ -144,25 +144,17 @@ palp_status mesh_add_surface(palp_mesh *mesh) {
 /* ---- what it holds ------------------------------------------------------------------------------- */
 
 size_t palp_mesh_tetrahedron_count(const palp_mesh *mesh) {
-    if (!mesh)
-        return 0;
-    return mesh->n_tetrahedra;
+    return mesh ? mesh->n_tetrahedra : 0;
 }
 
 const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh) {
-    if (!mesh)
-        return NULL;
-    return mesh->tetrahedra;
+    return mesh ? mesh->tetrahedra : NULL;
 }
 
 size_t palp_mesh_triangle_count(const palp_mesh *mesh) {
-    if (!mesh)
-        return 0;
-    return mesh->n_triangles;
+    return mesh ? mesh->n_triangles : 0;
 }
 
 const int32_t *palp_mesh_triangles(const palp_mesh *mesh) {
-    if (!mesh)
-        return NULL;
-    return mesh->triangles;
+    return mesh ? mesh->triangles : NULL;
 }

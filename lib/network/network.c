@@ -259,45 +259,31 @@ palp_status network_set_damage(palp_network *net, const element_damage *damage) 
 }
 
 double palp_network_depth(const palp_network *net) {
-    if (!net)
-        return NAN;
-    return net->now.depth;
+    return net ? net->now.depth : NAN;
 }
 
 double palp_network_time(const palp_network *net) {
-    if (!net)
-        return NAN;
-    return net->now.time;
+    return net ? net->now.time : NAN;
 }
 
 double palp_network_force(const palp_network *net) {
-    if (!net)
-        return NAN;
-    return net->now.force;
+    return net ? net->now.force : NAN;
 }
 
 const double *palp_network_positions(const palp_network *net) {
-    if (!net)
-        return NULL;
-    return net->now.x;
+    return net ? net->now.x : NULL;
 }
 
 const double *palp_network_element_strain(const palp_network *net) {
-    if (!net)
-        return NULL;
-    return net->now.history.strain;
+    return net ? net->now.history.strain : NULL;
 }
 
 size_t palp_network_unknown_count(const palp_network *net) {
-    if (!net)
-        return 0;
-    return net->n_free;
+    return net ? net->n_free : 0;
 }
 
 const palp_mesh *palp_network_mesh(const palp_network *net) {
-    if (!net)
-        return NULL;
-    return net->mesh;
+    return net ? net->mesh : NULL;
 }
 
 void palp_network_element_force(const palp_network *net, double *force_N) {

@@ -117,9 +117,7 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
 }
 
 palp_network *palp_realtime_network(const palp_realtime *rt) {
-    if (!rt)
-        return NULL;
-    return rt->net;
+    return rt ? rt->net : NULL;
 }
 
 /* ---- a tick -------------------------------------------------------------------------------------- */

@@ -69,9 +69,7 @@ static uint64_t sum_of(const header *h, const unsigned char *buffer) {
 }
 
 size_t palp_realtime_state_size(const palp_realtime *rt) {
-    if (!rt)
-        return 0;
-    return (size_t)header_of(rt).size;
+    return rt ? (size_t)header_of(rt).size : 0;
 }
 
 palp_status palp_realtime_save(const palp_realtime *rt, void *buffer, size_t size) {

@@ -319,9 +319,7 @@ palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshot
 }
 
 palp_reduced_summary palp_reduced_describe(const palp_reduced *r) {
-    if (!r)
-        return (palp_reduced_summary){0};
-    return r->summary;
+    return r ? r->summary : (palp_reduced_summary){0};
 }
 
 palp_status palp_reduced_set_limits(palp_reduced *r, double tolerance, int max_iterations) {
@@ -350,19 +348,13 @@ palp_status palp_reduced_positions(const palp_reduced *r, size_t n, const int32_
 }
 
 size_t palp_reduced_node_count(const palp_reduced *r) {
-    if (!r)
-        return 0;
-    return r->n_nodes;
+    return r ? r->n_nodes : 0;
 }
 
 size_t palp_reduced_triangle_count(const palp_reduced *r) {
-    if (!r)
-        return 0;
-    return r->n_triangles;
+    return r ? r->n_triangles : 0;
 }
 
 const int32_t *palp_reduced_triangles(const palp_reduced *r) {
-    if (!r)
-        return NULL;
-    return r->triangles;
+    return r ? r->triangles : NULL;
 }

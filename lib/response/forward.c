@@ -9,9 +9,7 @@
 /* ---- parameters ---- */
 
 size_t palp_forward_parameter_count(const palp_model *model) {
-    if (!model)
-        return 0;
-    return forward_effect_column(model, model->n_effects);
+    return model ? forward_effect_column(model, model->n_effects) : 0;
 }
 
 static palp_status known(const palp_model *model) {
