@@ -182,7 +182,7 @@ palp_status palp_network_enable_cutting(palp_network *net) {
     if (!cut)
         return PALP_ERR_NO_MEMORY;
     if (!net->scale) {
-        net->scale = malloc(net->n_elements * sizeof *net->scale);
+        net->scale = arena_take(&net->memory, net->n_elements, sizeof *net->scale);
         if (!net->scale) {
             cut_free(&cut->term);
             return PALP_ERR_NO_MEMORY;

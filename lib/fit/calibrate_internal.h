@@ -51,8 +51,10 @@ typedef struct static_stage {
     palp_calibration *result;
 } static_stage;
 
-/* Checks what stage is given, runs solve on it and fills *stage->result; on an error that is freed. */
-palp_status static_stage_solve(static_stage *stage, palp_status (*solve)(static_stage *));
+/* palp_calibrate_static by any solve: checks what is given, runs it and fills *result; on an error that is freed. */
+palp_status static_stage_solve(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
+                               const double *target_N, const palp_static_settings *settings, palp_calibration *result,
+                               palp_status (*solve)(static_stage *));
 
 /* Runs the curve of a material, with its gradient by the law's coefficients unless NULL, and notes it in the result.
  * A curve that ends early keeps its last force, which a fit then sees as a large residual. */

@@ -156,25 +156,26 @@ static palp_status solve_checked(static_stage *s, palp_status (*solve)(static_st
     return status;
 }
 
-palp_status static_stage_solve(static_stage *s, palp_status (*solve)(static_stage *)) {
-    memset(s->result, 0, sizeof *s->result);
-    s->tolerance = s->settings->curve_tolerance;
-    if (s->tolerance == 0.0)
-        s->tolerance = s->net->reuse_factor ? 1e-4 : 1e-6;
-    palp_status status = check(s);
+palp_status static_stage_solve(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
+                               const double *target_N, const palp_static_settings *settings, palp_calibration *result,
+                               palp_status (*solve)(static_stage *)) {
+    if (!network || !start || !depth_m || !target_N || !settings || !result)
+        return PALP_ERR_ARGUMENT;
+    static_stage s = {.net = network, .start = start, .settings = settings, .n = n,
+                      .depth = depth_m, .target = target_N, .result = result, .tolerance = settings->curve_tolerance};
+    memset(result, 0, sizeof *result);
+    if (s.tolerance == 0.0)
+        s.tolerance = network->reuse_factor ? 1e-4 : 1e-6;
+    palp_status status = check(&s);
     if (!status)
-        status = solve_checked(s, solve);
+        status = solve_checked(&s, solve);
     if (status)
-        palp_calibration_free(s->result);
+        palp_calibration_free(result);
     return status;
 }
 
 palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
                                   const double *target_N, const palp_static_settings *settings,
                                   palp_calibration *result) {
-    if (!network || !start || !depth_m || !target_N || !settings || !result)
-        return PALP_ERR_ARGUMENT;
-    static_stage s = {.net = network, .start = start, .settings = settings, .n = n,
-                      .depth = depth_m, .target = target_N, .result = result};
-    return static_stage_solve(&s, least_squares_fit);
+    return static_stage_solve(network, start, n, depth_m, target_N, settings, result, least_squares_fit);
 }

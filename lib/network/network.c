@@ -29,63 +29,37 @@ void palp_supports_default(palp_support supports[2]) {
 void palp_network_free(palp_network *net) {
     if (!net)
         return;
-    network_free_states(net);
     for (size_t i = 0; i < net->n_terms; i++)
         net->terms[i]->kind->free(net->terms[i]);
-    for (size_t i = 0; i < NETWORK_PAST; i++)
-        free(net->past[i]);
-    free(net->way[0]);
-    free(net->way[1]);
     linsys_free(net->ls);
     palp_mesh_free(net->mesh);
-    double *arrays[] = {net->inverse_rest, net->scale, net->motion, net->mass, net->unit, net->node_block, net->direction,
-                        net->inverse_length, net->strain, net->force, net->tangent, net->fint, net->outer,
-                        net->diagonal, net->unbalanced, net->rhs, net->dx, net->start, net->scratch};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        free(arrays[i]);
-    free(net->dof);
-    free(net->slot);
-    free(net->slot_node);
+    arena_free(&net->memory);
+    arena_free(&net->states);
+    free(net->mark);
     free(net);
-}
-
-/* Allocates zeroed doubles; *ok becomes false if it cannot. */
-static double *doubles(size_t n, bool *ok) {
-    double *p = calloc(n + 1, sizeof *p);
-    *ok = *ok && p;
-    return p;
 }
 
 static palp_status allocate(palp_network *net) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
-    bool ok = true;
-    net->inverse_rest = doubles(m, &ok);
-    net->motion = doubles(n3, &ok);
-    net->unit = doubles(net->n_nodes, &ok);
-    net->node_block = doubles(6 * net->n_nodes, &ok);
-    net->direction = doubles(3 * m, &ok);
-    net->inverse_length = doubles(m, &ok);
-    net->strain = doubles(m, &ok);
-    net->force = doubles(m, &ok);
-    net->tangent = doubles(m, &ok);
-    net->fint = doubles(n3, &ok);
-    net->outer = doubles(n3, &ok);
-    net->diagonal = doubles(n3, &ok);
-    net->unbalanced = doubles(n3, &ok);
-    net->rhs = doubles(n3, &ok);
-    net->dx = doubles(n3, &ok);
-    net->start = doubles(n3, &ok);
-    net->scratch = doubles(2 * m, &ok);
-    for (size_t i = 0; i < NETWORK_PAST; i++)
-        net->past[i] = doubles(n3, &ok);
-    net->way[0] = doubles(n3, &ok);
-    net->way[1] = doubles(n3, &ok);
+    double **by_axis[] = {&net->motion, &net->fint, &net->outer, &net->diagonal, &net->unbalanced, &net->rhs, &net->dx,
+                          &net->start, &net->past[0], &net->past[1], &net->way[0], &net->way[1]};
+    double **by_element[] = {&net->inverse_rest, &net->inverse_length, &net->strain, &net->force, &net->tangent};
+    for (size_t i = 0; i < sizeof by_axis / sizeof *by_axis; i++)
+        *by_axis[i] = arena_take(&net->memory, n3, sizeof(double));
+    for (size_t i = 0; i < sizeof by_element / sizeof *by_element; i++)
+        *by_element[i] = arena_take(&net->memory, m, sizeof(double));
+    net->unit = arena_take(&net->memory, net->n_nodes, sizeof *net->unit);
+    net->node_block = arena_take(&net->memory, 6 * net->n_nodes, sizeof *net->node_block);
+    net->direction = arena_take(&net->memory, 3 * m, sizeof *net->direction);
+    net->scratch = arena_take(&net->memory, 2 * m, sizeof *net->scratch);
     if (net->settings.density_kg_m3 > 0.0)
-        net->mass = doubles(net->n_nodes, &ok);
-    net->dof = calloc(n3 + 1, sizeof *net->dof);
-    net->slot = malloc((9 * m + 1) * sizeof *net->slot);
-    net->slot_node = malloc((6 * net->n_nodes + 1) * sizeof *net->slot_node);
-    return ok && net->dof && net->slot && net->slot_node ? network_allocate_states(net) : PALP_ERR_NO_MEMORY;
+        net->mass = arena_take(&net->memory, net->n_nodes, sizeof *net->mass);
+    if (palp_mesh_element_scale(net->mesh))
+        net->scale = arena_take(&net->memory, m, sizeof *net->scale);
+    net->dof = arena_take(&net->memory, n3, sizeof *net->dof);
+    net->slot = arena_take(&net->memory, 9 * m, sizeof *net->slot);
+    net->slot_node = arena_take(&net->memory, 6 * net->n_nodes, sizeof *net->slot_node);
+    return net->memory.failed ? PALP_ERR_NO_MEMORY : network_allocate_states(net);
 }
 
 static palp_status apply_support(palp_network *net, const palp_support *support, palp_error *error) {
@@ -176,13 +150,8 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     net->surface = palp_mesh_triangles(net->mesh);
     net->n_surface = palp_mesh_triangle_count(net->mesh);
     status = allocate(net);
-    const double *scale = palp_mesh_element_scale(net->mesh);
-    if (!status && scale) {
-        net->scale = malloc(net->n_elements * sizeof *net->scale);
-        status = net->scale ? PALP_OK : PALP_ERR_NO_MEMORY;
-    }
-    if (!status && scale)
-        memcpy(net->scale, scale, net->n_elements * sizeof *scale);
+    if (!status && net->scale)
+        memcpy(net->scale, palp_mesh_element_scale(net->mesh), net->n_elements * sizeof *net->scale);
     if (!status)
         status = number_unknowns(net, n_supports, supports, error);
     if (status)

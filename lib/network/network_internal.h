@@ -2,6 +2,7 @@
 #ifndef NETWORK_INTERNAL_H
 #define NETWORK_INTERNAL_H
 
+#include "base/arena.h"
 #include "material/element.h"
 #include "network_term.h"
 #include "solve/linsys.h"
@@ -21,6 +22,7 @@ typedef struct network_state {
 enum { NETWORK_PAST = 2, NETWORK_TERMS = 8 };
 
 struct palp_network {
+    arena memory, states; /* of its arrays; of those of now and next */
     palp_network_settings settings;
     palp_material material;
     palp_mesh *mesh;
@@ -95,7 +97,6 @@ palp_status network_make_pattern(palp_network *net);
 
 /* The states, as large as material, damage and terms ask for. On failure the old ones stay. */
 palp_status network_allocate_states(palp_network *net);
-void network_free_states(palp_network *net);
 
 /* The committed state aside and back; the predictor then forgets its past. */
 void network_mark_save(palp_network *net);

@@ -6,50 +6,22 @@
 
 /* ---- memory -------------------------------------------------------------------------------------- */
 
-static void state_free(network_state *s) {
-    free(s->x);
-    free(s->velocity);
-    free(s->acceleration);
-    free(s->inner);
-    free(s->element);
-    free(s->history.strain);
-    free(s->history.elastic);
-    free(s->history.arm);
-    free(s->history.peak);
-    free(s->vector);
-}
-
-/* Allocates zeroed doubles; *ok becomes false if it cannot. */
-static double *doubles(size_t n, bool *ok) {
-    double *p = calloc(n + 1, sizeof *p);
-    *ok = *ok && p;
-    return p;
-}
-
-static bool state_allocate(const palp_network *net, network_state *s) {
+static void allocate(const palp_network *net, arena *memory, network_state *s) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
-    bool ok = true;
-    s->x = doubles(n3, &ok);
-    s->inner = doubles(n3, &ok);
-    s->element = doubles(m, &ok);
+    s->x = arena_take(memory, n3, sizeof(double));
+    s->inner = arena_take(memory, n3, sizeof(double));
+    s->element = arena_take(memory, m, sizeof(double));
     if (net->mass) {
-        s->velocity = doubles(n3, &ok);
-        s->acceleration = doubles(n3, &ok);
+        s->velocity = arena_take(memory, n3, sizeof(double));
+        s->acceleration = arena_take(memory, n3, sizeof(double));
     }
-    s->history.strain = doubles(m, &ok);
-    s->history.elastic = doubles(m, &ok);
-    s->history.arm = doubles(m * net->material.n_arms, &ok);
+    s->history.strain = arena_take(memory, m, sizeof(double));
+    s->history.elastic = arena_take(memory, m, sizeof(double));
+    s->history.arm = arena_take(memory, m * net->material.n_arms, sizeof(double));
     if (net->damage)
-        s->history.peak = doubles(m, &ok);
+        s->history.peak = arena_take(memory, m, sizeof(double));
     if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
-        s->vector = doubles(3 * m, &ok);
-    return ok;
-}
-
-void network_free_states(palp_network *net) {
-    state_free(&net->now);
-    state_free(&net->next);
-    free(net->mark);
+        s->vector = arena_take(memory, 3 * m, sizeof(double));
 }
 
 /* ---- walks over a state -------------------------------------------------------------------------- */
@@ -103,18 +75,19 @@ static bool allocate_mark(palp_network *net) {
 
 palp_status network_allocate_states(palp_network *net) {
     network_state old[2] = {net->now, net->next}, fresh[2] = {{0}};
-    bool ok = state_allocate(net, &fresh[0]) && state_allocate(net, &fresh[1]);
-    if (ok) {
-        net->now = fresh[0];
-        net->next = fresh[1];
-        ok = allocate_mark(net);
-    }
+    arena memory = {NULL, false};
+    allocate(net, &memory, &fresh[0]);
+    allocate(net, &memory, &fresh[1]);
+    net->now = fresh[0];
+    net->next = fresh[1];
+    bool ok = !memory.failed && allocate_mark(net);
     if (!ok) {
         net->now = old[0];
         net->next = old[1];
     }
-    for (size_t i = 0; i < 2; i++)
-        state_free(ok ? &old[i] : &fresh[i]);
+    arena_free(ok ? &net->states : &memory);
+    if (ok)
+        net->states = memory;
     return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 

@@ -37,6 +37,8 @@ static palp_status iterate(static_stage *s, const double *strain, double *guess)
 }
 
 static palp_status solve(static_stage *s) {
+    if (s->start->law.kind != PALP_LAW_POLYNOMIAL)
+        return PALP_ERR_UNSUPPORTED;
     double *strain = malloc(2 * s->n * sizeof *strain);
     if (!strain)
         return PALP_ERR_NO_MEMORY;
@@ -52,10 +54,5 @@ static palp_status solve(static_stage *s) {
 palp_status palp_thesis_fixed_point(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
                                     const double *target_N, const palp_static_settings *settings,
                                     palp_calibration *result) {
-    if (!network || !start || !depth_m || !target_N || !settings || !result)
-        return PALP_ERR_ARGUMENT;
-    static_stage s = {.net = network, .start = start, .settings = settings, .n = n,
-                      .depth = depth_m, .target = target_N, .result = result};
-    *result = (palp_calibration){0};
-    return start->law.kind == PALP_LAW_POLYNOMIAL ? static_stage_solve(&s, solve) : PALP_ERR_UNSUPPORTED;
+    return static_stage_solve(network, start, n, depth_m, target_N, settings, result, solve);
 }
