@@ -86,15 +86,11 @@ static void add_node(multigrid *mg, size_t i) {
     add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->node[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
 }
 
-/* Takes the fixed axes out of row i of a coarse level. */
-static void mask(multigrid *mg, mg_level *l, size_t i) {
-    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++) {
-        unsigned row = l->axes[i], column = l->axes[l->column[k]];
-        float *b = l->block[made(mg)] + (size_t)BLOCK_FLOATS * k;
-        for (unsigned c = 0; c < 3 && (row & column) != 7U; c++)
-            for (unsigned r = 0; r < 3; r++)
-                b[4 * c + r] = row >> r & column >> c & 1U ? b[4 * c + r] : 0.0F;
-    }
+/* Takes what is not between free axes out of a block. */
+static void mask(float *b, unsigned row, unsigned column) {
+    for (unsigned c = 0; c < 3 && (row & column) != 7U; c++)
+        for (unsigned r = 0; r < 3; r++)
+            b[4 * c + r] = row >> r & column >> c & 1U ? b[4 * c + r] : 0.0F;
 }
 
 /* Inverse of the free part of own block b of row i; false, and nothing done: not positive definite. */
@@ -131,9 +127,11 @@ static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
 }
 
 static bool invert(multigrid *mg, mg_level *l, size_t i) {
-    if (l != mg->level)
-        mask(mg, l, i);
-    return invert_block(l, made(mg), i, l->own[made(mg)] + BLOCK_FLOATS * i);
+    const int set = made(mg);
+    mask(l->own[set] + BLOCK_FLOATS * i, l->axes[i], l->axes[i]); /* of a coarse row, as followers have brought them */
+    for (uint32_t k = l->first[i]; l != mg->level && k < l->first[i + 1]; k++)
+        mask(l->block[set] + (size_t)BLOCK_FLOATS * k, l->axes[i], l->axes[l->column[k]]);
+    return invert_block(l, set, i, l->own[set] + BLOCK_FLOATS * i);
 }
 
 /* Entry k of row i: a level's block, or made from the element into room[12]. */

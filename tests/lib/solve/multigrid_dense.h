@@ -1,0 +1,280 @@
+/* multigrid_dense.h: a body for the tests of the multigrid, and the same cycle with dense matrices in double precision. */
+#ifndef MULTIGRID_DENSE_H
+#define MULTIGRID_DENSE_H
+
+#include "base/dense.h"
+#include "solve/multigrid_internal.h"
+
+#include <check.h>
+#include <math.h>
+#include <palpate/random.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 7, NODES = SIDE * SIDE * SIDE, PAIRS_MAX = 13 * NODES, LEVELS_MAX = 4, COUPLED = 5 };
+
+/* A lattice with its nodes a little off their places: the bottom held, one node of the top held along one axis. */
+typedef struct body {
+    size_t n_pairs;
+    double x[3 * NODES], node[6 * NODES];
+    int32_t dof[3 * NODES], pair[2 * PAIRS_MAX];
+    float element[5 * PAIRS_MAX]; /* n, along, across */
+    multigrid_coupling coupling[COUPLED];
+    uint64_t seed;
+} body;
+
+static inline void make_body(body *b, double off, double across) {
+    memset(b, 0, sizeof *b);
+    b->seed = 5;
+    int32_t unknowns = 0;
+    for (int i = 0; i < NODES; i++) {
+        const int at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        for (int k = 0; k < 3; k++) {
+            b->x[3 * i + k] = at[k] + off * (palp_random_uniform(&b->seed) - 0.5);
+            b->dof[3 * i + k] = at[1] == 0 || (i == NODES - 1 && k == 2) ? -1 : unknowns++;
+        }
+        for (int j = 0; j < i; j++) {
+            const int far[3] = {abs(at[0] - j % SIDE), abs(at[1] - j / SIDE % SIDE), abs(at[2] - j / SIDE / SIDE)};
+            if (far[0] <= 1 && far[1] <= 1 && far[2] <= 1) {
+                bool turned = (i + j) % 3 == 0; /* either end may come first */
+                b->pair[2 * b->n_pairs] = turned ? i : j;
+                b->pair[2 * b->n_pairs++ + 1] = turned ? j : i;
+            }
+        }
+    }
+    for (size_t e = 0; e < b->n_pairs; e++) {
+        double d[3], length = 0;
+        for (int k = 0; k < 3; k++) {
+            d[k] = b->x[3 * b->pair[2 * e + 1] + k] - b->x[3 * b->pair[2 * e] + k];
+            length += d[k] * d[k];
+        }
+        for (int k = 0; k < 3; k++)
+            b->element[5 * e + (size_t)k] = (float)(d[k] / sqrt(length));
+        b->element[5 * e + 3] = (float)((off > 0 ? 0.5 + palp_random_uniform(&b->seed) : 1.0) / sqrt(length));
+        b->element[5 * e + 4] = (float)(across * (palp_random_uniform(&b->seed) - 0.3));
+    }
+}
+
+/* The same body, its nodes in another order: coarse nodes are then anywhere, and some follow held ones. */
+static inline void renumber(body *b) {
+    static body old;
+    old = *b;
+    for (size_t i = 0; i < NODES; i++)
+        for (size_t k = 0; k < 3; k++) {
+            b->x[100 * i % NODES * 3 + k] = old.x[3 * i + k];
+            b->dof[100 * i % NODES * 3 + k] = old.dof[3 * i + k];
+        }
+    for (size_t e = 0; e < 2 * b->n_pairs; e++)
+        b->pair[e] = 100 * old.pair[e] % NODES;
+}
+
+/* Stiffness on some nodes and between some joined ones, as contacts bring it. */
+static inline void add_contacts(body *b, double size) {
+    for (size_t i = 0; i < NODES; i += 3) {
+        double v[3];
+        for (size_t k = 0; k < 3; k++)
+            v[k] = size * (palp_random_uniform(&b->seed) - 0.5);
+        double *to = b->node + 6 * i;
+        to[0] = v[0] * v[0] + 0.1 * size, to[1] = v[1] * v[0], to[2] = v[1] * v[1] + 0.1 * size;
+        to[3] = v[2] * v[0], to[4] = v[2] * v[1], to[5] = v[2] * v[2] + 0.1 * size;
+    }
+    for (size_t k = 0; k < COUPLED; k++) {
+        const int32_t *pair = b->pair + 2 * (b->n_pairs - 1 - 17 * k);
+        b->coupling[k].low = pair[0] < pair[1] ? pair[0] : pair[1];
+        b->coupling[k].high = pair[0] < pair[1] ? pair[1] : pair[0];
+        for (size_t i = 0; i < 9; i++)
+            b->coupling[k].block[i] = (float)(0.1 * size * (palp_random_uniform(&b->seed) - 0.5));
+    }
+}
+
+static inline multigrid *make(const body *b, size_t direct) {
+    multigrid *mg;
+    ck_assert_int_eq(multigrid_create(NODES, b->x, b->dof, b->n_pairs, b->pair, direct, &mg), PALP_OK);
+    return mg;
+}
+
+static inline palp_status number(multigrid *mg, const body *b, bool coupled, bool definite) {
+    multigrid_source to = multigrid_input(mg);
+    for (size_t e = 0; e < b->n_pairs; e++)
+        memcpy(to.element + 5 * to.place[e], b->element + 5 * e, 5 * sizeof(float));
+    for (size_t i = 0; i < 6 * NODES; i++)
+        to.node[i] = (float)b->node[i];
+    *to.n_couplings = coupled ? COUPLED : 0;
+    memcpy(to.coupling, b->coupling, sizeof b->coupling);
+    multigrid_begin(mg, definite);
+    bool done = false;
+    palp_status status = PALP_OK;
+    while (!done && !status)
+        status = multigrid_advance(mg, 100.0, &done);
+    return status;
+}
+
+/* ---- the same with dense matrices ---- */
+
+typedef struct dense_level {
+    size_t n;
+    double *a;               /* [3 n, 3 n], 0 in held rows and columns */
+    unsigned char *free;     /* [3 n] */
+    const mg_level *weights; /* to the next level */
+} dense_level;
+
+static inline void add_to_matrix(double *a, size_t i, size_t j, double block[3][3], double times, bool turned) {
+    for (size_t r = 0; r < 3; r++)
+        for (size_t c = 0; c < 3; c++)
+            a[(3 * i + r) * 3 * NODES + 3 * j + c] += times * (turned ? block[c][r] : block[r][c]);
+}
+
+static inline void hold(dense_level *l) {
+    for (size_t i = 0; i < 3 * l->n; i++)
+        for (size_t j = 0; j < 3 * l->n; j++)
+            if (!l->free[i] || !l->free[j])
+                l->a[i * 3 * l->n + j] = 0;
+}
+
+static inline void finest_matrix(const body *b, bool coupled, bool definite, dense_level *l) {
+    double block[3][3];
+    l->n = NODES;
+    l->a = calloc(9 * NODES * NODES, sizeof *l->a);
+    l->free = calloc(3 * NODES, 1);
+    for (size_t i = 0; i < 3 * NODES; i++)
+        l->free[i] = b->dof[i] >= 0;
+    for (size_t e = 0; e < b->n_pairs; e++) {
+        const float *s = b->element + 5 * e;
+        double along = (double)s[3], across = (double)s[4];
+        if (definite) {
+            across = fmax(across, 0);
+            along = fmax(along, -across);
+        }
+        for (size_t r = 0; r < 3; r++)
+            for (size_t c = 0; c < 3; c++)
+                block[r][c] = along * (double)s[r] * (double)s[c] + (r == c ? across : 0);
+        size_t i = (size_t)b->pair[2 * e], j = (size_t)b->pair[2 * e + 1];
+        add_to_matrix(l->a, i, i, block, 1, false);
+        add_to_matrix(l->a, j, j, block, 1, false);
+        add_to_matrix(l->a, i, j, block, -1, false);
+        add_to_matrix(l->a, j, i, block, -1, false);
+    }
+    for (size_t i = 0; i < NODES; i++) {
+        for (size_t r = 0; r < 3; r++)
+            for (size_t c = 0; c < 3; c++)
+                block[r][c] = b->node[6 * i + (r > c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r)];
+        add_to_matrix(l->a, i, i, block, 1, false);
+    }
+    for (size_t k = 0; k < COUPLED && coupled; k++) {
+        size_t low = (size_t)b->coupling[k].low, high = (size_t)b->coupling[k].high;
+        for (size_t i = 0; i < 9; i++)
+            block[i / 3][i % 3] = (double)b->coupling[k].block[i];
+        add_to_matrix(l->a, low, high, block, 1, false);
+        add_to_matrix(l->a, high, low, block, 1, true);
+    }
+    hold(l);
+}
+
+/* Is node i the one that coarse node `found` stands for? They are numbered in the nodes' order. */
+static inline bool stands_for(const mg_level *l, size_t i, size_t found) {
+    return l->up_first[i + 1] == l->up_first[i] + 1 && l->up[l->up_first[i]] == (int32_t)found;
+}
+
+/* P' A P, P by the weights of the level's nodes, the same for each axis. */
+static inline void coarse_matrix(const multigrid *mg, size_t level, const dense_level *fine, dense_level *l) {
+    const mg_level *w = fine->weights;
+    l->n = mg->level[level + 1].n;
+    double *half = calloc(9 * fine->n * l->n, sizeof *half); /* A P */
+    l->a = calloc(9 * l->n * l->n, sizeof *l->a);
+    l->free = calloc(3 * l->n, 1);
+    for (size_t i = 0; i < 3 * fine->n; i++)
+        for (size_t j = 0; j < 3 * fine->n; j++)
+            for (uint32_t k = w->up_first[j / 3]; k < w->up_first[j / 3 + 1]; k++)
+                half[i * 3 * l->n + 3 * (size_t)w->up[k] + j % 3] += fine->a[i * 3 * fine->n + j] * (double)w->weight[k];
+    for (size_t i = 0; i < 3 * fine->n; i++)
+        for (uint32_t k = w->up_first[i / 3]; k < w->up_first[i / 3 + 1]; k++)
+            for (size_t j = 0; j < 3 * l->n; j++)
+                l->a[(3 * (size_t)w->up[k] + i % 3) * 3 * l->n + j] += (double)w->weight[k] * half[i * 3 * l->n + j];
+    for (size_t i = 0, found = 0; i < fine->n; i++) /* a coarse node is free as the one it stands for */
+        if (stands_for(w, i, found))
+            memcpy(l->free + 3 * found++, fine->free + 3 * i, 3);
+    hold(l);
+    free(half);
+}
+
+/* Solves the free part of a[n n] for x in place. */
+static inline void solve(size_t n, size_t lda, const double *a, const unsigned char *is_free, double *x) {
+    double *l = calloc(n * n, sizeof *l);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j <= i; j++)
+            l[i * n + j] = is_free[i] && is_free[j] ? a[i * lda + j] : i == j;
+        x[i] = is_free[i] ? x[i] : 0;
+    }
+    ck_assert(dense_cholesky(n, l));
+    dense_cholesky_solve(n, l, 1, x);
+    free(l);
+}
+
+/* One node's unknowns from the others as they are. */
+static inline void relax(const dense_level *l, size_t i, const double *r, double *x) {
+    double s[3];
+    for (size_t k = 0; k < 3; k++) {
+        s[k] = r[3 * i + k];
+        for (size_t j = 0; j < 3 * l->n; j++)
+            s[k] -= j / 3 != i ? l->a[(3 * i + k) * 3 * l->n + j] * x[j] : 0;
+    }
+    solve(3, 3 * l->n, l->a + 3 * i * 3 * l->n + 3 * i, l->free + 3 * i, s);
+    memcpy(x + 3 * i, s, sizeof s);
+}
+
+static inline void cycle(size_t levels, const dense_level *l, const double *r, double *x) {
+    memset(x, 0, 3 * l->n * sizeof *x);
+    if (levels == 1) {
+        memcpy(x, r, 3 * l->n * sizeof *x);
+        solve(3 * l->n, 3 * l->n, l->a, l->free, x);
+        return;
+    }
+    double *coarse_r = calloc(3 * l[1].n, sizeof *coarse_r), *coarse_x = calloc(3 * l[1].n, sizeof *coarse_x);
+    const mg_level *w = l->weights;
+    for (size_t i = 0; i < l->n; i++)
+        relax(l, i, r, x);
+    for (size_t i = 0; i < 3 * l->n; i++) {
+        double left = l->free[i] ? r[i] - dense_dot(3 * l->n, l->a + i * 3 * l->n, x) : 0;
+        for (uint32_t k = w->up_first[i / 3]; k < w->up_first[i / 3 + 1]; k++)
+            coarse_r[3 * (size_t)w->up[k] + i % 3] += (double)w->weight[k] * left;
+    }
+    cycle(levels - 1, l + 1, coarse_r, coarse_x);
+    for (size_t i = 0; i < 3 * l->n; i++)
+        for (uint32_t k = w->up_first[i / 3]; k < w->up_first[i / 3 + 1]; k++)
+            x[i] += l->free[i] ? (double)w->weight[k] * coarse_x[3 * (size_t)w->up[k] + i % 3] : 0;
+    for (size_t i = l->n; i-- > 0;)
+        relax(l, i, r, x);
+    free(coarse_r);
+    free(coarse_x);
+}
+
+static inline void check_cycle(multigrid *mg, const dense_level *l, uint64_t *seed) {
+    static double r[3 * NODES], z[3 * NODES], wanted[3 * NODES];
+    double largest = 0;
+    for (size_t i = 0; i < 3 * NODES; i++)
+        r[i] = palp_random_normal(seed);
+    multigrid_apply(mg, r, z);
+    cycle(multigrid_levels(mg), l, r, wanted);
+    for (size_t i = 0; i < 3 * NODES; i++)
+        largest = fmax(largest, fabs(wanted[i]));
+    for (size_t i = 0; i < 3 * NODES; i++)
+        ck_assert_msg(fabs(z[i] - wanted[i]) < 2e-5 * largest, "unknown %zu: %g, not %g (largest %g)", i, z[i], wanted[i], largest);
+}
+
+static inline void make_levels(const multigrid *mg, const body *b, bool coupled, bool definite, dense_level *l) {
+    finest_matrix(b, coupled, definite, l);
+    for (size_t k = 0; k < multigrid_levels(mg); k++) {
+        l[k].weights = &mg->level[k];
+        if (k > 0)
+            coarse_matrix(mg, k - 1, &l[k - 1], &l[k]);
+    }
+}
+
+static inline void free_levels(size_t n, dense_level *l) {
+    for (size_t k = 0; k < n; k++) {
+        free(l[k].a);
+        free(l[k].free);
+    }
+}
+
+#endif
