@@ -122,7 +122,8 @@ static bool same_data(const import_source *s, size_t a, size_t b) {
 static int rank_of(const import_source *s, size_t j, int role) {
     const import_unit *unit = unit_of(s, j);
     int rank = *s->column[j] || s->clock[j] ? import_name_rank(s->column[j], unit, role) : 0;
-    if (rank == 0 || (role == TIME ? false : s->clock[j])) {
+    bool bent = role == DEPTH && s->spring_N_m > 0 && import_name_rank(s->column[j], unit, DEFLECTION) > 0;
+    if (rank == 0 || bent || (role != TIME && s->clock[j])) {
         return 0;
     }
     rank = 4 * rank + (unit && import_unit_fits(unit, role) ? 1 : 0);
