@@ -72,6 +72,20 @@ expect 1 import area.csv --out made; says "give --specimen-radius-mm or --specim
 expect 0 import area.csv --specimen-area-mm2 50 --out made
 same made/area.csv 71
 
+# ---- whole numbers whose thousands have points; units behind the numbers; a stretch ----
+awk 'function group(x) { x = sprintf("%.0f", x); return length(x) > 3 ? substr(x, 1, length(x) - 3) "." substr(x, length(x) - 2) : x }
+    '"$press"'print "Zeit (ms);Weg (\302\265m);Kraft (\302\265N)"; for (k = 0; k <= 70; k++) { press(k); printf "%s;%s;%s\n", group(1000 * t), group(1000 * d), group(1000 * f) } }' >points.csv
+expect 0 import points.csv --specimen-height-mm 20 --out made
+near "points: depth" "$(tail -n 1 made/points.csv | cut -d, -f2)" 3 0
+near "points: force" "$(tail -n 1 made/points.csv | cut -d, -f3)" 0.003149 1e-9
+awk "$press"'print "Zeit;Weg;Kraft"; for (k = 0; k <= 70; k++) { press(k); s = sprintf("%.1f s;%.4f mm;%.6f N", t, d, f); gsub(/\./, ",", s); print s } }' >cells.csv
+expect 0 import cells.csv --specimen-height-mm 20 --out made
+same made/cells.csv 71
+awk "$press"'print "Time (s),Stretch (-),Stress (Pa)"; for (k = 0; k <= 70; k++) { press(k); printf "%.1f,%.8f,%.4f\n", t, 1 - d / 20, -f * 1e6 / 50 } }' >stretch.csv
+expect 0 import stretch.csv --specimen-height-mm 20 --specimen-area-mm2 50 --out made
+same made/stretch.csv 71
+near "stretch: contact" "$(key made/stretch.csv contact.depth_mm)" 0 0 1e-12
+
 # ---- a clock over midnight, names between blanks, a fault within ----
 awk "$press"'print "Time        Position (mm)   Force (N)"; for (k = 0; k <= 70; k++) { press(k); s = (86397 + t) % 86400
     printf "%02d:%02d:%06.3f   %.4f   %.6f\n", s / 3600, s / 60 % 60, s % 60, d, f; if (k == 30) print "*** overload ***" } }' >night.txt

@@ -239,10 +239,11 @@ static size_t score(const import_text *text, char separator, char *scratch) {
 
 /* What a comma or a point must be, by the numbers that have it. */
 typedef struct evidence {
-    size_t decimal[2], thousands[2], either[2], without; /* of '.' and ',' */
+    size_t decimal[2], thousands[2];                            /* of '.' and ',' */
+    bool either[IMPORT_COLUMNS][2], without[IMPORT_COLUMNS]; /* 1,234 could be both; 987 */
 } evidence;
 
-static void weigh(const char *field, evidence *e) {
+static void weigh(const char *field, size_t column, evidence *e) {
     static const char marks[] = ".,";
     size_t n = strspn(field, "+-0123456789.,'eE"), lead = strspn(field, "+-");
     const char *last_mark = NULL;
@@ -252,7 +253,7 @@ static void weigh(const char *field, evidence *e) {
     for (size_t i = 0; i < n; i++) {
         last_mark = field[i] == '.' || field[i] == ',' ? field + i : last_mark;
     }
-    e->without += last_mark == NULL;
+    e->without[column] = e->without[column] || last_mark == NULL;
     for (size_t m = 0; m < 2; m++) {
         const char *first = memchr(field, marks[m], n);
         if (!first) {
@@ -267,16 +268,27 @@ static void weigh(const char *field, evidence *e) {
                    first[4] == 'e' || first[4] == 'E') {
             e->decimal[m]++;
         } else {
-            e->either[m]++;
+            e->either[column][m] = true;
         }
     }
 }
 
+/* Where nothing else tells: 1,234 in each number of a column has a decimal comma, 1,234 among 987 groups thousands. */
+static bool groups(const evidence *e, size_t mark, bool *any) {
+    for (size_t j = 0; j < IMPORT_COLUMNS; j++) {
+        *any = *any || e->either[j][mark];
+        if (e->either[j][mark] && e->without[j]) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void decide(const evidence *e, import_dialect *d) {
-    bool comma = e->decimal[1] > e->thousands[1] && e->decimal[1] >= e->decimal[0];
-    bool unsure = e->decimal[0] + e->decimal[1] + e->thousands[0] + e->thousands[1] == 0;
-    if (unsure && d->separator != ',') { /* 1,234 in each number is a decimal comma, among 987 it groups thousands */
-        comma = e->either[1] > 0 && e->either[1] >= e->without;
+    bool comma = e->decimal[1] > e->thousands[1] && e->decimal[1] >= e->decimal[0], any[2] = {false, false};
+    bool points = groups(e, 0, &any[0]), commas = groups(e, 1, &any[1]);
+    if (e->decimal[0] + e->decimal[1] + e->thousands[0] + e->thousands[1] == 0 && d->separator != ',') {
+        comma = any[1] ? !commas : points;
     }
     if (e->thousands[0] > 0 && e->decimal[0] == 0) {
         comma = true;
@@ -288,7 +300,7 @@ static void decide(const evidence *e, import_dialect *d) {
 void import_dialect_find(const import_text *text, int chosen, char *scratch, import_dialect *dialect) {
     static const char separators[] = "\t;|, ", options[] = ",;\t ";
     size_t best = 0, step = text->n / 1000 + 1;
-    evidence e = {{0}, {0}, {0}, 0};
+    evidence e = {{0}, {0}, {{false}}, {false}};
     dialect->separator = chosen >= 0 ? options[chosen] : ',';
     for (const char *c = separators; chosen < 0 && *c; c++) {
         size_t value = score(text, *c, scratch);
@@ -306,7 +318,7 @@ void import_dialect_find(const import_text *text, int chosen, char *scratch, imp
         strcpy(scratch, text->lines[i]);
         size_t n = import_split(scratch, dialect->separator, fields);
         for (size_t j = 0; j < n; j++) {
-            weigh(fields[j], &e);
+            weigh(fields[j], j, &e);
         }
     }
     decide(&e, dialect);

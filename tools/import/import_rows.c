@@ -185,7 +185,8 @@ static double factor_of(const import_source *s, int q, double *offset) {
     double area_m2 = 3.14159265358979323846 * s->radius_mm * s->radius_mm * 1e-6;
     *offset = 0;
     if (q == DEPTH && s->used[STRAIN] != IMPORT_NONE) {
-        *offset = strcmp(s->unit[STRAIN]->name, "stretch") == 0 ? 1 : 0;
+        bool stretch = strcmp(s->unit[STRAIN]->name, "stretch") == 0 || strstr(s->column[s->used[STRAIN]], "tretch");
+        *offset = stretch ? 1 / s->unit[STRAIN]->factor : 0; /* of no strain */
         return s->unit[STRAIN]->factor * s->height_mm;
     }
     if (q == FORCE && s->used[FORCE] == IMPORT_NONE && s->used[STRESS] != IMPORT_NONE) {

@@ -1,0 +1,37 @@
+/* import_table.h: what is known of a text's lines while its tables are looked for. */
+#ifndef PALPATE_IMPORT_TABLE_H
+#define PALPATE_IMPORT_TABLE_H
+
+#include "import.h"
+
+/* Rows of one width, and the lines above them that no table before has. */
+typedef struct table_block {
+    size_t above, first, last; /* lines, from 0; last = after the last row */
+    size_t width, rows;
+    size_t names, units;       /* lines; IMPORT_NONE = there is none */
+    int roles;                 /* how many of time, depth and force its names tell */
+} table_block;
+
+typedef struct table_scanner {
+    const import_text *text;
+    import_dialect dialect;
+    size_t begin; /* the first line that counts */
+    char *scratch, *scratch2;
+    size_t n, capacity;
+    table_block *blocks;
+} table_scanner;
+
+/* A line's fields, without a comment sign before them; they stay until the next call. */
+size_t table_fields(const table_scanner *c, size_t line, char *fields[IMPORT_COLUMNS]);
+bool table_is_number(const table_scanner *c, const char *field); /* or a clock time */
+
+/* How many of time, depth and force the fields name. */
+int table_roles(char *const *fields, size_t n);
+
+/* The lines that name the block's columns and say their units; then the columns of a source, and units behind the numbers
+ * of a row. */
+void table_find_names(const table_scanner *c, table_block *b);
+void table_set_columns(const table_scanner *c, const table_block *b, import_source *s);
+void table_add_units(const table_scanner *c, size_t line, import_source *s);
+
+#endif
