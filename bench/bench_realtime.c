@@ -1,5 +1,5 @@
-/* bench_realtime.c: what a tick of 1 ms costs, and the error of its force: beside other simulators' on linear springs,
- * with our element, and how accuracy is traded for time. One thread, 24 mm cube, ramp of 1 strain/s to 0.2. Times are
+/* bench_realtime.c: what a tick of 1 ms costs, and the error of its force: on linear springs, with our element, and how
+ * accuracy is traded for time (bench_peers.c: beside other methods). One thread, 24 mm cube, ramp of 1 strain/s to 0.2. Times are
  * the thread's own: others on a shared machine are not in them. BENCH_NODES: largest number of nodes a side (33). */
 #include "bench.h"
 
@@ -10,17 +10,6 @@
 
 enum { TICKS = 200, REPEATS = 3 };
 static const double DT = 1e-3, STRAIN = 0.2;
-
-/* As measured on such a machine: ms a step and error of the top force against the converged static one. */
-typedef struct peer {
-    const char *name;
-    double ms[3], error[3]; /* 5, 11, 21 nodes a side; 0 = not measured */
-} peer;
-
-static const peer PEERS[] = {{"VegaFEM, implicit Euler, 1 Newton, CG", {0.142, 7.3, 120}, {3e-5, 4e-4, 2e-3}},
-                             {"SOFA, Euler, CG", {0.185, 3.3, 43}, {3e-5, 4e-4, 2e-3}},
-                             {"Fast mass-spring (Liu 2013), float", {0.025, 0.74, 13.7}, {1.3e-2, 1.9e-2, 2.4e-2}},
-                             {"XPBD, 20 iterations", {0.36, 5.7, 0}, {5e-3, 0.26, 0}}};
 
 static const struct {
     size_t n;
@@ -145,16 +134,9 @@ static void chart(size_t n, const palp_material *material, double static_force) 
 
 static const char HEAD[] = "   n  budget            least ms   median    worst   at end  largest  corr. est./true\n";
 
-static void beside_peers(size_t largest) {
-    printf("linear springs: ms a step (error of the force at the end)\n");
-    for (size_t p = 0; p < sizeof PEERS / sizeof *PEERS; p++) {
-        printf("  %-38s", PEERS[p].name);
-        for (size_t k = 0; k < 3; k++)
-            printf("  %2zu: %7.3f (%.1e)", STATIC[k].n, PEERS[p].ms[k], PEERS[p].error[k]);
-        printf("\n");
-    }
+static void linear_springs(size_t largest) {
     palp_material material = linear();
-    printf("palpate\n%s", HEAD);
+    printf("linear springs\n%s", HEAD);
     for (size_t k = 0; k < 3 && STATIC[k].n <= largest; k++)
         chart(STATIC[k].n, &material, STATIC[k].force_N);
 }
@@ -170,7 +152,7 @@ static void our_element(size_t largest) {
 int main(void) {
     const char *text = getenv("BENCH_NODES");
     size_t largest = text ? (size_t)strtoul(text, NULL, 10) : 33;
-    beside_peers(largest);
+    linear_springs(largest);
     our_element(largest);
     if (largest >= 33)
         large(33);
