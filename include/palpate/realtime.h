@@ -48,7 +48,6 @@ typedef struct palp_tick_info {
     double residual;      /* |residual| / |element forces| */
     double force_N;       /* reaction conjugate to depth by virtual work: its error is of second order */
     double force_error_N; /* its estimated error and that of the forces on tools, rather too large than too small */
-    double energy_J;      /* stored in springs (the law's energy), arms and motion */
     double seconds;       /* that the call took */
     double beyond;        /* as of palp_step_info */
 } palp_tick_info;
@@ -59,6 +58,9 @@ typedef struct palp_tick_info {
  * from. */
 PALP_API palp_status palp_realtime_step(palp_realtime *realtime, double depth_m, double dt_s,
                                         const palp_budget *budget, palp_tick_info *info);
+
+/* Stored in springs (the law's energy), arms and motion at the committed state, J; NAN for no realtime. */
+PALP_API double palp_realtime_energy(const palp_realtime *realtime);
 
 /* The network's state and its own (which factor serves, how far the next one is) into a buffer of the caller's, and back into
  * this one or another made alike: palp_realtime_step with a budget of corrections then goes on to the same bits. Restoring

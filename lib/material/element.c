@@ -1,6 +1,8 @@
 /* element.c: the generalized Maxwell solid over one time step, many elements at a time. */
 #include "element.h"
 
+#include "base/clones.h"
+
 #include <math.h>
 
 void element_decay(double x, double *decay, double *mean) {
@@ -63,11 +65,10 @@ element_drive element_arm_drive(const palp_material *material, size_t arm, doubl
 }
 
 /* q = decay q_old + gain (e - e_old): the common arm, no strain dependence. */
-static void linear_arm(const element_step *step, size_t j, size_t n, const double *e,
-                       const element_history *old, element_history *new, double *force, double *tangent) {
-    const double decay = step->decay[j], gain = step->gain[j];
-    const double *q_old = old->arm + j * n, *e_old = old->strain;
-    double *q = new->arm + j * n;
+PALP_CLONES
+static void linear_arm(double decay, double gain, size_t n, const double *restrict e, const double *restrict e_old,
+                       const double *restrict q_old, double *restrict q, double *restrict force,
+                       double *restrict tangent) {
     for (size_t i = 0; i < n; i++) {
         q[i] = decay * q_old[i] + gain * (e[i] - e_old[i]);
         force[i] += q[i];
@@ -76,12 +77,12 @@ static void linear_arm(const element_step *step, size_t j, size_t n, const doubl
 }
 
 /* The same with a drive s(e), and with tau (1 + gamma |e|) taken at the mean of both strains. */
-static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t n,
+static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t stride, size_t n,
                           const double *e, const element_history *old, element_history *new, double *force,
                           double *tangent) {
     const palp_arm *arm = &material->arms[j];
-    const double *q_old = old->arm + j * n, *elastic = new->elastic;
-    double *q = new->arm + j * n, tau = arm->viscosity_Ns / arm->stiffness_N;
+    const double *q_old = old->arm + j * stride, *elastic = new->elastic;
+    double *q = new->arm + j * stride, tau = arm->viscosity_Ns / arm->stiffness_N;
     for (size_t i = 0; i < n; i++) {
         double slope = 0.0;
         if (material->quasi_linear)
@@ -120,7 +121,7 @@ static void change_springs(const palp_material *material, const element_step *st
     }
 }
 
-void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
+void element_trial(const palp_material *material, const element_step *step, size_t stride, size_t n, const double *e,
                    const element_history *old, element_history *new, double *force, double *tangent) {
     palp_law_force(&material->law, n, e, force, tangent, NULL);
     for (size_t i = 0; i < n; i++) {
@@ -136,9 +137,10 @@ void element_trial(const palp_material *material, const element_step *step, size
     for (size_t j = 0; j < material->n_arms; j++) {
         const palp_arm *arm = &material->arms[j];
         if (material->quasi_linear || arm->beta != 0.0 || arm->gamma != 0.0)
-            nonlinear_arm(material, step, j, n, e, old, new, force, tangent);
+            nonlinear_arm(material, step, j, stride, n, e, old, new, force, tangent);
         else
-            linear_arm(step, j, n, e, old, new, force, tangent);
+            linear_arm(step->decay[j], step->gain[j], n, e, old->strain, old->arm + j * stride, new->arm + j * stride,
+                       force, tangent);
     }
     if (step->dashpot > 0.0)
         for (size_t i = 0; i < n; i++) {

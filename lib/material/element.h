@@ -36,9 +36,9 @@ void element_decay(double x, double *decay, double *mean);
 
 void element_step_prepare(const palp_material *material, double dt, element_step *step);
 
-/* Force and tangent (N) of n elements at the strains e, and the history a commit would keep.
+/* Force and tangent (N) of n elements at the strains e, and the history a commit would keep; arm j of it at arm + j stride.
  * PALP_SEDEF2008: force is A of Eq. 5.11; the caller adds carry times the previous force. */
-void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
+void element_trial(const palp_material *material, const element_step *step, size_t stride, size_t n, const double *e,
                    const element_history *old, element_history *new, double *force, double *tangent);
 
 /* Incremental energy, N: integral of the force over the strain at frozen history, up to a constant. False if

@@ -61,7 +61,7 @@ palp_status palp_element_advance(const palp_material *material, const palp_eleme
     element_history new = {&end.strain, &(double){0}, end.arm_N, NULL};
     element_step step;
     element_step_prepare(material, dt_s, &step);
-    element_trial(material, &step, 1, &strain, &old, &new, &force, &tangent);
+    element_trial(material, &step, 1, 1, &strain, &old, &new, &force, &tangent);
     if (material->formulation == PALP_SEDEF2008)
         force += step.carry * start.force_N;
     end.force_N = force;

@@ -5,109 +5,33 @@
 #include <math.h>
 #include <string.h>
 
-static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
-
-/* Cut elements get strain 0 and no direction. False if another one has collapsed. */
-static bool measure_living(palp_network *net) {
-    bool sound = true;
-    for (size_t k = 0; k < net->n_dead; k++) {
-        size_t i = (size_t)net->dead[k];
-        net->strain[i] = 0.0;
-        net->inverse_length[i] = net->inverse_rest[i];
-        net->direction[3 * i] = net->direction[3 * i + 1] = net->direction[3 * i + 2] = 0.0;
-    }
-    for (size_t i = 0; i < net->n_elements; i++)
-        sound = sound && net->strain[i] > COLLAPSED;
-    return sound;
-}
-
-static bool measure(palp_network *net) {
-    const double *x = net->next.x;
-    bool sound = true;
-    for (size_t i = 0; i < net->n_elements; i++) {
-        const double *a = x + 3 * net->pair[2 * i], *b = x + 3 * net->pair[2 * i + 1];
-        double d0 = b[0] - a[0], d1 = b[1] - a[1], d2 = b[2] - a[2];
-        double length = sqrt(d0 * d0 + d1 * d1 + d2 * d2), inverse = 1.0 / length;
-        net->strain[i] = length * net->inverse_rest[i] - 1.0;
-        net->inverse_length[i] = inverse;
-        net->direction[3 * i] = d0 * inverse;
-        net->direction[3 * i + 1] = d1 * inverse;
-        net->direction[3 * i + 2] = d2 * inverse;
-        sound = sound && net->strain[i] > COLLAPSED;
-    }
-    return net->n_dead > 0 ? measure_living(net) : sound;
-}
-
-/* Sums the forces of the elements on their nodes. Elements come grouped by their first node, whose share is
- * summed apart: adding to memory each time would wait for the last addition. */
-static void sum_forces(palp_network *net) {
-    const double carry = net->step.carry, *old = net->now.vector;
-    double *vector = net->next.vector, *fint = net->fint;
-    memset(fint, 0, 3 * net->n_nodes * sizeof *fint);
-    for (size_t i = 0; i < net->n_elements;) {
-        const int32_t first = net->pair[2 * i];
-        double sum[3] = {0.0};
-        for (; i < net->n_elements && net->pair[2 * i] == first; i++) {
-            const double *n = net->direction + 3 * i, force = net->force[i];
-            double f[3] = {force * n[0], force * n[1], force * n[2]};
-            if (vector)
-                for (size_t k = 0; k < 3; k++)
-                    vector[3 * i + k] = f[k] += carry * old[3 * i + k];
-            double *b = fint + 3 * net->pair[2 * i + 1];
-            for (size_t k = 0; k < 3; k++) {
-                sum[k] += f[k];
-                b[k] -= f[k];
-            }
-        }
-        for (size_t k = 0; k < 3; k++)
-            fint[3 * first + (int32_t)k] += sum[k];
-    }
-}
-
 bool network_evaluate(palp_network *net) {
-    if (!measure(net))
+    if (!network_element_forces(net))
         return false;
-    element_trial(&net->material, &net->step, net->n_elements, net->strain, &net->now.history,
-                  &net->next.history, net->force, net->tangent);
-    for (size_t i = 0; i < net->n_elements && net->scale; i++) {
-        net->force[i] *= net->scale[i];
-        net->tangent[i] *= net->scale[i];
-    }
-    sum_forces(net);
     memset(net->outer, 0, 3 * net->n_nodes * sizeof *net->outer);
     net->outer_squares = 0.0;
     NETWORK_EACH_TERM(net, evaluate, net);
-    double sum = 0.0;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        sum += net->fint[i];
-    return isfinite(sum);
+    return isfinite(net->force_squares);
 }
 
 double network_residual(palp_network *net, double *scale) {
-    double residual = 0.0, force = 0.0, noise = 0.0, squares = 0.0, *r = net->unbalanced;
+    double squares = net->outer_squares, *r = net->unbalanced;
     memcpy(r, net->fint, 3 * net->n_nodes * sizeof *r);
     NETWORK_EACH_TERM(net, residual, net, r, &squares);
-    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
-        if (net->dof[i] < 0)
-            continue;
-        r[i] += net->outer[i];
-        net->rhs[net->dof[i]] = r[i];
-        residual += r[i] * r[i];
-    }
-    for (size_t i = 0; i < net->n_elements; i++) {
-        force += net->force[i] * net->force[i];
-        noise += net->tangent[i] * net->tangent[i];
-    }
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            net->rhs[net->dof[i]] = r[i] + net->outer[i];
     /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and those of terms to
      * that times their stiffness, which may be large */
-    squares += net->outer_squares;
-    *scale = net->settings.tolerance * sqrt(force) + 2e-15 * sqrt(noise) + 1e-15 * sqrt(squares);
-    return sqrt(residual);
+    *scale = net->settings.tolerance * sqrt(net->force_squares) + 2e-15 * sqrt(net->tangent_squares) +
+             1e-15 * sqrt(squares);
+    return sqrt(network_dot(net->rhs, net->rhs, net->n_free));
 }
 
 /* k = (tangent / L0) n n' + (force / L) (1 - n n'), lower triangle xx yx yy zx zy zz. */
 static inline void element_block(const palp_network *net, size_t i, double k[6]) {
-    const double *n = net->direction + 3 * i;
+    const size_t m = net->n_elements;
+    const double n[3] = {net->direction[i], net->direction[m + i], net->direction[2 * m + i]};
     double across = net->force[i] * net->inverse_length[i];
     double along = net->tangent[i] * net->inverse_rest[i] - across;
     double p0 = along * n[0], p1 = along * n[1];
@@ -209,30 +133,6 @@ static void block_times(const palp_network *net, size_t i, const double *va, con
     out[2] = k[3] * d[0] + k[4] * d[1] + k[5] * d[2];
 }
 
-void network_tangent_times(const palp_network *net, const double *u, double *out) {
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        out[i] = net->diagonal[i] * u[i];
-    for (size_t i = 0; i < net->n_elements;) {
-        const int32_t first = net->pair[2 * i];
-        const double *a = u + 3 * first;
-        double sum[3] = {0.0};
-        for (; i < net->n_elements && net->pair[2 * i] == first; i++) {
-            const double *n = net->direction + 3 * i, *b = u + 3 * net->pair[2 * i + 1];
-            double *o = out + 3 * net->pair[2 * i + 1], d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-            double across = net->force[i] * net->inverse_length[i];
-            double along = (net->tangent[i] * net->inverse_rest[i] - across) * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
-            for (size_t k = 0; k < 3; k++) {
-                double f = along * n[k] + across * d[k];
-                sum[k] += f;
-                o[k] += f;
-            }
-        }
-        for (size_t k = 0; k < 3; k++)
-            out[3 * first + (int32_t)k] -= sum[k];
-    }
-    NETWORK_EACH_TERM(net, times, net, u, out);
-}
-
 void network_drive_column(palp_network *net, double *column) {
     memset(column, 0, net->n_free * sizeof *column);
     for (size_t i = 0; i < net->n_elements; i++) {
@@ -269,12 +169,8 @@ bool network_energy(palp_network *net, double *energy) {
 }
 
 double network_drive_force(const palp_network *net) {
-    double force = 0.0;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        force -= net->motion[i] * net->fint[i];
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        force -= net->motion[i] * net->outer[i];
-    return force;
+    const size_t n = 3 * net->n_nodes;
+    return -network_dot(net->motion, net->fint, n) - network_dot(net->motion, net->outer, n);
 }
 
 /* u times the tangent of the terms times u; of their diagonal on the free axes, as the plate's own reaction is that of
@@ -309,7 +205,7 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
         block_times(net, i, a, b, f);
         weight[i] = 0.0;
         for (size_t k = 0; k < 3; k++) {
-            weight[i] += net->direction[3 * i + k] * (b[k] - a[k]);
+            weight[i] += net->direction[k * net->n_elements + i] * (b[k] - a[k]);
             *stiffness += f[k] * (b[k] - a[k]);
         }
         if (net->scale)

@@ -60,12 +60,13 @@ struct palp_network {
     /* of the last evaluation, at next */
     element_step step;
     double modulus;       /* instantaneous stiffness of an element at rest, N */
-    double *direction;    /* [3 n_elements] unit vector first -> second node */
+    double *direction;    /* [3 n_elements] unit vector first -> second node: all x, all y, all z */
     double *inverse_length; /* [n_elements] */
     double *strain, *force, *tangent; /* [n_elements]; force without the carried vector */
     double *fint;         /* [3 n_nodes] force of the elements */
     double *outer;        /* [3 n_nodes] force of terms, on supported nodes too */
     double outer_squares; /* as the squares of a term's residual */
+    double force_squares, tangent_squares; /* sums over the elements, N^2 */
     double *diagonal;     /* [3 n_nodes] of the tangent, by terms, N/m */
     double *unbalanced;   /* [3 n_nodes] all forces, scratch */
     double *rhs, *dx, *start; /* [n_free] residual, direction, unknowns it starts from */
@@ -106,6 +107,17 @@ void network_mark_restore(palp_network *net);
 #define NETWORK_SUM UINT64_C(0xcbf29ce484222325)
 uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
 
+/* ---- network_elements.c ---- */
+
+/* Geometry and forces of the elements at next.x and their sums on nodes. False: one has collapsed. */
+bool network_element_forces(palp_network *net);
+
+/* out = tangent of the last evaluation times u, [3 n_nodes] both, fixed axes included. */
+void network_tangent_times(const palp_network *net, const double *u, double *out);
+
+/* Sum of a[i] b[i]. */
+double network_dot(const double *a, const double *b, size_t n);
+
 /* ---- network_assemble.c ---- */
 
 /* Geometry, element forces, nodal sums and terms at next.x. False: a collapsed element or a non-finite force. */
@@ -130,9 +142,6 @@ void network_drive_column(palp_network *net, double *column);
 bool network_energy(palp_network *net, double *energy);
 
 double network_drive_force(const palp_network *net);
-
-/* out = tangent of the last evaluation times u, [3 n_nodes] both, fixed axes included. */
-void network_tangent_times(const palp_network *net, const double *u, double *out);
 
 /* After a converged try or step: factors at the solution and gives the elongation of each element per
  * unit depth, weight[n_elements], and dforce/ddepth, N/m. A parameter p of the element force changes the

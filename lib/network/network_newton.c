@@ -6,6 +6,7 @@
 
 static const double SLOW = 0.3;      /* a kept factor that contracts less is rebuilt */
 static const double NEAR = 1e3;      /* times the tolerance: so close, the last step's factor will do */
+static const double AT_FOLD = 10.0;  /* times the tolerance: taken where Newton's own direction finds nothing better */
 static const double SHORTEST = 1e-7; /* energy line search: smallest step */
 static const double STUCK = 0.02;    /* residual line search: a shorter step is a standstill, not progress */
 enum { STANDSTILL = 6 };             /* full iterations in a row that bring next to nothing */
@@ -76,9 +77,13 @@ static palp_status follow_branch(palp_network *net, palp_step_info *info) {
             keep = net->reuse_factor && residual <= SLOW * before;
             continue;
         }
-        if (!keep || !move(net, 0.0))
+        if (!move(net, 0.0))
             return PALP_ERR_NOT_CONVERGED;
         residual = network_residual(net, &scale);
+        if (!keep && residual <= AT_FOLD * scale)
+            break;
+        if (!keep)
+            return PALP_ERR_NOT_CONVERGED;
         keep = false;
     }
     info->residual = scale > 0.0 ? net->settings.tolerance * residual / scale : 0.0;

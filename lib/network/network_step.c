@@ -32,9 +32,11 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
         }
     }
     const double *x0 = net->now.x, *x1 = net->past[0], *x2 = net->past[1];
+    double *x = net->next.x;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        if (net->dof[i] >= 0)
-            net->next.x[i] = c0 * x0[i] + c1 * x1[i] + (c2 != 0.0 ? c2 * x2[i] : 0.0);
+        x[i] = c0 * x0[i] + c1 * x1[i];
+    for (size_t i = 0; i < 3 * net->n_nodes && c2 != 0.0; i++)
+        x[i] += c2 * x2[i];
     network_place(net, depth);
     return true;
 }
@@ -223,7 +225,7 @@ void network_finish(palp_network *net) {
     if (net->step.carry > 0.0)
         for (size_t i = 0; i < net->n_elements; i++)
             for (size_t k = 0; k < 3; k++)
-                net->next.element[i] += net->step.carry * net->now.vector[3 * i + k] * net->direction[3 * i + k];
+                net->next.element[i] += net->step.carry * net->now.vector[3 * i + k] * net->direction[k * net->n_elements + i];
     NETWORK_EACH_TERM(net, finish, net);
 }
 

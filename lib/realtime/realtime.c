@@ -67,7 +67,7 @@ static palp_status begin(palp_realtime *rt) {
     for (int i = 0; i < ADJOINT_ROUNDS && rt->driven && !status; i++)
         realtime_improve_adjoint(rt);
     network_tangent_times(net, rt->adjoint, rt->q);
-    rt->adjoint_error = DRIFT * sqrt(fabs(realtime_dot(rt->adjoint, rt->q, 3 * net->n_nodes)));
+    rt->adjoint_error = DRIFT * sqrt(fabs(network_dot(rt->adjoint, rt->q, 3 * net->n_nodes)));
     rt->adjoint_due = 0;
     rt->definite = false;
     rt->contraction = 1.0;
@@ -171,10 +171,21 @@ static void weigh(palp_realtime *rt) {
 /* Stiffness that the tissue's own elements give the nodes that terms press on, summed over nodes and axes, N/m. */
 static double own_stiffness(palp_realtime *rt) {
     double sum = 0.0;
+    bool any = false;
+    for (size_t i = 0; i < rt->net->n_terms; i++)
+        any = any || rt->net->terms[i]->kind->weigh;
+    if (!any)
+        return 0.0;
     weigh(rt);
     for (size_t i = 0; i < rt->net->n_nodes; i++)
         sum += rt->weight[i] > 0.0 ? rt->net->unit[i] : 0.0;
     return 3.0 * rt->net->modulus * sum;
+}
+
+/* Residual of the last evaluation on all axes, 0 on fixed ones. */
+static void spread_residual(const palp_network *net, double *r) {
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        r[i] = net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]];
 }
 
 /* Residual, force and their judgement at next.x. Force by virtual work: exact but for the product of two errors, that
@@ -183,11 +194,9 @@ static double own_stiffness(palp_realtime *rt) {
 static void assess(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     t->norm = network_residual(net, &t->scale);
-    double force = network_drive_force(net), work = 0.0, error = SAFETY * rt->error_ratio * t->norm;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
-        rt->r[i] = net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]];
-        work += rt->r[i] * rt->adjoint[i];
-    }
+    double force = network_drive_force(net), error = SAFETY * rt->error_ratio * t->norm;
+    spread_residual(net, rt->r);
+    double work = network_dot(rt->r, rt->adjoint, 3 * net->n_nodes);
     t->info.residual = t->scale > 0.0 ? net->settings.tolerance * t->norm / t->scale : 0.0;
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = rt->driven ? error * rt->adjoint_error : 0.0;
@@ -215,20 +224,13 @@ static void learn(double *mean, double seconds) {
     *mean += 0.1 * (fmin(seconds, 3.0 * *mean) - *mean);
 }
 
-/* Residual along the move. */
-static double slope(const palp_realtime *rt) {
-    const palp_network *net = rt->net;
-    double sum = 0.0;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        sum += net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]] * rt->move[i];
-    return sum;
-}
-
 /* next.x = start + move, or less of it where that is unsound or runs past the least energy along it, as where a contact
  * stiffens. */
 static bool go(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
-    double before = slope(rt), alpha = 1.0, start = realtime_clock();
+    double alpha = 1.0, start = realtime_clock();
+    spread_residual(net, rt->p); /* conjugate gradients have changed r */
+    const double before = network_dot(rt->p, rt->move, 3 * net->n_nodes);
     memcpy(rt->q, net->next.x, 3 * net->n_nodes * sizeof *rt->q);
     for (int i = 0; i <= HALVINGS; i++) {
         for (size_t k = 0; k < 3 * net->n_nodes; k++)
@@ -240,7 +242,7 @@ static bool go(palp_realtime *rt, tick *t) {
         assess(rt, t);
         if (i == 0)
             learn(&rt->times.evaluation, realtime_clock() - start);
-        double after = slope(rt);
+        double after = network_dot(rt->r, rt->move, 3 * net->n_nodes);
         if (after >= -OVERRUN * before || i == HALVINGS)
             return true;
         alpha *= fmax(0.1, before / (before - after));
@@ -272,24 +274,6 @@ static void correct(palp_realtime *rt, tick *t) {
             assess(rt, t);
         }
     }
-}
-
-/* Stored in springs and arms, and of motion, at the committed state. */
-static double stored_energy(palp_network *net) {
-    const network_state *s = &net->now;
-    const palp_material *m = &net->material;
-    double *psi = net->scratch, sum = 0.0;
-    palp_law_force(&m->law, net->n_elements, s->history.strain, psi + net->n_elements, NULL, psi);
-    for (size_t j = 0; j < m->n_arms; j++) {
-        const double *q = s->history.arm + j * net->n_elements, half = 0.5 / m->arms[j].stiffness_N;
-        for (size_t i = 0; i < net->n_elements; i++)
-            psi[i] += half * q[i] * q[i];
-    }
-    for (size_t i = 0; i < net->n_elements; i++)
-        sum += (net->scale ? net->scale[i] : 1.0) * psi[i] / net->inverse_rest[i];
-    for (size_t i = 0; i < 3 * net->n_nodes && net->mass; i++)
-        sum += 0.5 * net->mass[i / 3] * s->velocity[i] * s->velocity[i];
-    return sum;
 }
 
 /* Of an error in a tick's positions the arms remember what they relax in it. */
@@ -349,11 +333,30 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     remember(rt, &t);
     look_ahead(rt, &t);
     if (info) {
-        t.info.energy_J = stored_energy(net);
         t.info.beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));
         t.info.seconds = realtime_clock() - t.start;
         *info = t.info;
     }
     learn(&rt->times.rest, realtime_clock() - rest);
     return PALP_OK;
+}
+
+double palp_realtime_energy(const palp_realtime *rt) {
+    if (!rt)
+        return NAN;
+    palp_network *net = rt->net;
+    const network_state *s = &net->now;
+    const palp_material *m = &net->material;
+    double *psi = net->scratch, sum = 0.0;
+    palp_law_force(&m->law, net->n_elements, s->history.strain, psi + net->n_elements, NULL, psi);
+    for (size_t j = 0; j < m->n_arms; j++) {
+        const double *q = s->history.arm + j * net->n_elements, half = 0.5 / m->arms[j].stiffness_N;
+        for (size_t i = 0; i < net->n_elements; i++)
+            psi[i] += half * q[i] * q[i];
+    }
+    for (size_t i = 0; i < net->n_elements; i++)
+        sum += (net->scale ? net->scale[i] : 1.0) * psi[i] / net->inverse_rest[i];
+    for (size_t i = 0; i < 3 * net->n_nodes && net->mass; i++)
+        sum += 0.5 * net->mass[i / 3] * s->velocity[i] * s->velocity[i];
+    return sum;
 }

@@ -54,8 +54,6 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share);
 /* One correction of the adjoint. */
 void realtime_improve_adjoint(palp_realtime *rt);
 
-double realtime_dot(const double *a, const double *b, size_t n);
-
 /* ---- realtime_refresh.c ---- */
 
 /* Brings what terms add to the tangent up to date in the factor in use, as far as can be. */

@@ -10,7 +10,7 @@ static void copy_element(const palp_network *net, const multigrid_source *source
     float *e = source->element + 5 * (size_t)source->place[i];
     double across = net->force[i] * net->inverse_length[i];
     for (size_t k = 0; k < 3; k++)
-        e[k] = (float)net->direction[3 * i + k];
+        e[k] = (float)net->direction[k * net->n_elements + i];
     e[3] = (float)(net->tangent[i] * net->inverse_rest[i] - across);
     e[4] = (float)across;
 }

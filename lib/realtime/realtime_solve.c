@@ -6,17 +6,6 @@
 
 static const double FURTHEST = 0.002; /* of the network's size: a move where the tangent is not definite */
 
-double realtime_dot(const double *a, const double *b, size_t n) {
-    double sum[4] = {0.0}; /* four at once: no addition waits for the last */
-    size_t i = 0;
-    for (; i + 4 <= n; i += 4)
-        for (size_t k = 0; k < 4; k++)
-            sum[k] += a[i + k] * b[i + k];
-    for (; i < n; i++)
-        sum[0] += a[i] * b[i];
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
 /* q = K p on the free axes */
 static void tangent_times(const palp_network *net, const double *p, double *q) {
     network_tangent_times(net, p, q);
@@ -38,14 +27,14 @@ static void move_a_little(palp_realtime *rt) {
 size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
     const palp_network *net = rt->net;
     const size_t n = 3 * net->n_nodes;
-    double square = realtime_dot(rt->r, rt->r, n), target = share * share * square, before = 0.0;
+    double square = network_dot(rt->r, rt->r, n), target = share * share * square, before = 0.0;
     size_t done = 0;
     memset(rt->move, 0, n * sizeof *rt->move);
     realtime_touch(rt);
     while (done < limit && square > target) {
         multigrid_apply(rt->mg, rt->r, rt->z);
         done++;
-        double rz = realtime_dot(rt->r, rt->z, n), beta = before > 0.0 ? rz / before : 0.0;
+        double rz = network_dot(rt->r, rt->z, n), beta = before > 0.0 ? rz / before : 0.0;
         if (!(rz > 0.0) || isinf(rz))
             break;
         rt->error_ratio = sqrt(rz / square);
@@ -53,7 +42,7 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
         for (size_t i = 0; i < n; i++)
             rt->p[i] = rt->z[i] + (beta > 0.0 ? beta * rt->p[i] : 0.0);
         tangent_times(net, rt->p, rt->q);
-        double curvature = realtime_dot(rt->p, rt->q, n), alpha = rz / curvature;
+        double curvature = network_dot(rt->p, rt->q, n), alpha = rz / curvature;
         if (!(curvature > 0.0)) {
             if (done == 1)
                 move_a_little(rt);
@@ -63,7 +52,7 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
             rt->move[i] += alpha * rt->p[i];
             rt->r[i] -= alpha * rt->q[i];
         }
-        square = realtime_dot(rt->r, rt->r, n);
+        square = network_dot(rt->r, rt->r, n);
     }
     return done;
 }
@@ -77,7 +66,7 @@ void realtime_improve_adjoint(palp_realtime *rt) {
         rt->r[i] = -rt->r[i];
     multigrid_apply(rt->mg, rt->r, rt->z);
     tangent_times(net, rt->z, rt->q);
-    double rz = realtime_dot(rt->r, rt->z, n), curvature = realtime_dot(rt->z, rt->q, n);
+    double rz = network_dot(rt->r, rt->z, n), curvature = network_dot(rt->z, rt->q, n);
     if (!(rz > 0.0) || !(curvature > 0.0))
         return;
     rt->adjoint_error = fmax(sqrt(rz), 0.5 * rt->adjoint_error);

@@ -75,8 +75,9 @@ static void keep_row(sampling *s) {
 }
 
 static double stretch(const palp_network *net, size_t i, const double *u) {
-    const double *n = net->direction + 3 * i, *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
-    return n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2]);
+    const double *n = net->direction + i, *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
+    const size_t m = net->n_elements;
+    return n[0] * (b[0] - a[0]) + n[m] * (b[1] - a[1]) + n[2 * m] * (b[2] - a[2]);
 }
 
 static void force_row(sampling *s, const double *field) {

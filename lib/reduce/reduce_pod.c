@@ -21,7 +21,7 @@ static void rest_times(const palp_network *net, const double *u, double *out) {
     memset(out, 0, 3 * net->n_nodes * sizeof *out);
     for (size_t i = 0; i < net->n_elements; i++) {
         size_t a = 3 * (size_t)net->pair[2 * i], b = 3 * (size_t)net->pair[2 * i + 1];
-        const double *n = net->direction + 3 * i;
+        const double n[3] = {net->direction[i], net->direction[net->n_elements + i], net->direction[2 * net->n_elements + i]};
         double stretch = n[0] * (u[b] - u[a]) + n[1] * (u[b + 1] - u[a + 1]) + n[2] * (u[b + 2] - u[a + 2]);
         double force = net->tangent[i] * net->inverse_rest[i] * stretch;
         for (size_t k = 0; k < 3; k++) {

@@ -87,7 +87,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     element_history new = {&l->next.strain, &l->next.elastic, l->next.arm, &l->next.peak};
     l->step.rate_factor = forward_rate_factor(l->plan, move->rate, l->of_effect);
     l->step.damage = l->plan->damaged ? &l->plan->damage : NULL;
-    element_trial(m, &l->step, 1, &move->strain, &old, &new, force, &by_strain);
+    element_trial(m, &l->step, 1, 1, &move->strain, &old, &new, force, &by_strain);
     if (l->modes.n)
         *force += advance_modes(l, rise, &by_strain);
     if (slope)

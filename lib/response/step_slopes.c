@@ -93,7 +93,7 @@ static void displace(step_slopes *s, size_t k, double stiffer, double depth_p) {
     memset(u, 0, 3 * net->n_nodes * sizeof *u);
     for (size_t i = 0; i < s->m; i++)
         for (size_t c = 0; c < 3; c++) {
-            double f = partial[i] * net->direction[3 * i + c] * (net->scale ? net->scale[i] : 1.0);
+            double f = partial[i] * net->direction[c * s->m + i] * (net->scale ? net->scale[i] : 1.0);
             u[3 * (size_t)net->pair[2 * i] + c] += f;
             u[3 * (size_t)net->pair[2 * i + 1] + c] -= f;
         }
@@ -110,8 +110,8 @@ void step_slopes_equilibrate(step_slopes *s, size_t k, double stiffer, double de
     double *strain = s->strain + k * s->m;
     displace(s, k, stiffer, depth_p);
     for (size_t i = 0; i < s->m; i++) {
-        const double *n = net->direction + 3 * i, *a = net->fint + 3 * net->pair[2 * i],
-                     *b = net->fint + 3 * net->pair[2 * i + 1];
+        const double *a = net->fint + 3 * net->pair[2 * i], *b = net->fint + 3 * net->pair[2 * i + 1];
+        const double n[3] = {net->direction[i], net->direction[s->m + i], net->direction[2 * s->m + i]};
         strain[i] = (n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])) * net->inverse_rest[i];
     }
     for (size_t j = 0; j < s->n_arms; j++) {

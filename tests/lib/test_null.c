@@ -347,6 +347,7 @@ START_TEST(null_in_realtime) {
     REFUSED(palp_realtime_step(NULL, 0.5, 0.5, (void *)storage, NULL));
     REFUSED(palp_realtime_step((void *)storage, 0.5, 0.5, NULL, NULL));
     NOTHING(!palp_realtime_state_size(NULL));
+    NOTHING(palp_realtime_energy(NULL) != palp_realtime_energy(NULL)); /* NAN */
     REFUSED(palp_realtime_save(NULL, storage, sizeof storage));
     REFUSED(palp_realtime_save((void *)storage, NULL, sizeof storage));
     REFUSED(palp_realtime_restore(NULL, storage, sizeof storage));

@@ -1,0 +1,222 @@
+/* network_elements.c: the loops over all elements: their forces, and their tangent times a vector. They go by chunks that
+ * stay in the cache, each axis in an array of its own, so that all but fetching from and adding to nodes is vectorized. */
+#include "base/clones.h"
+#include "network_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
+
+enum { CHUNK = 256, LANES = 8 };
+
+/* Of a chunk's elements, by axis. */
+typedef struct chunk {
+    size_t at, n; /* elements at to at + n */
+    double d[3][CHUNK];
+} chunk;
+
+/* Difference of x[3 n_nodes] over each element. */
+static void fetch(const palp_network *net, const double *x, chunk *c) {
+    const int32_t *pair = net->pair + 2 * c->at;
+    for (size_t i = 0; i < c->n; i++) {
+        const double *a = x + 3 * pair[2 * i], *b = x + 3 * pair[2 * i + 1];
+        c->d[0][i] = b[0] - a[0];
+        c->d[1][i] = b[1] - a[1];
+        c->d[2][i] = b[2] - a[2];
+    }
+}
+
+/* Adds to the first nodes, takes from the second ones. Elements come grouped by their first node mostly, whose share is
+ * summed apart: adding to memory each time would wait for the last addition. */
+static void deliver(const palp_network *net, const chunk *c, double *out) {
+    const int32_t *pair = net->pair + 2 * c->at;
+    for (size_t i = 0; i < c->n;) {
+        const int32_t first = pair[2 * i];
+        double s0 = 0.0, s1 = 0.0, s2 = 0.0, *a = out + 3 * first;
+        for (; i < c->n && pair[2 * i] == first; i++) {
+            double *b = out + 3 * pair[2 * i + 1];
+            const double f0 = c->d[0][i], f1 = c->d[1][i], f2 = c->d[2][i];
+            s0 += f0;
+            s1 += f1;
+            s2 += f2;
+            b[0] -= f0;
+            b[1] -= f1;
+            b[2] -= f2;
+        }
+        a[0] += s0;
+        a[1] += s1;
+        a[2] += s2;
+    }
+}
+
+static chunk chunk_at(const palp_network *net, size_t at) {
+    size_t left = net->n_elements - at;
+    chunk c;
+    c.at = at;
+    c.n = left < CHUNK ? left : CHUNK;
+    return c;
+}
+
+/* ---- forces -------------------------------------------------------------------------------------- */
+
+PALP_CLONES
+static void measure(size_t n, const double *restrict d0, const double *restrict d1, const double *restrict d2,
+                    const double *restrict inverse_rest, double *restrict strain, double *restrict inverse_length,
+                    double *restrict n0, double *restrict n1, double *restrict n2) {
+    for (size_t i = 0; i < n; i++) {
+        double length = sqrt(d0[i] * d0[i] + d1[i] * d1[i] + d2[i] * d2[i]), inverse = 1.0 / length;
+        strain[i] = length * inverse_rest[i] - 1.0;
+        inverse_length[i] = inverse;
+        n0[i] = d0[i] * inverse;
+        n1[i] = d1[i] * inverse;
+        n2[i] = d2[i] * inverse;
+    }
+}
+
+PALP_CLONES
+static void point_forces(size_t n, const double *restrict force, const double *restrict n0, const double *restrict n1,
+                         const double *restrict n2, double *restrict f0, double *restrict f1, double *restrict f2) {
+    for (size_t i = 0; i < n; i++) {
+        f0[i] = force[i] * n0[i];
+        f1[i] = force[i] * n1[i];
+        f2[i] = force[i] * n2[i];
+    }
+}
+
+/* sum[LANES] += squares */
+PALP_CLONES
+static void add_squares(size_t n, const double *restrict x, double *restrict sum) {
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            sum[k] += x[i + k] * x[i + k];
+    for (; i < n; i++)
+        sum[0] += x[i] * x[i];
+}
+
+static double lanes_sum(const double s[LANES]) {
+    return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+}
+
+PALP_CLONES
+double network_dot(const double *a, const double *b, size_t n) {
+    double sum[LANES] = {0.0}; /* several at once: no addition waits for the last */
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            sum[k] += a[i + k] * b[i + k];
+    for (; i < n; i++)
+        sum[0] += a[i] * b[i];
+    return lanes_sum(sum);
+}
+
+/* How many elements have collapsed. */
+PALP_CLONES
+static size_t count_collapsed(size_t n, const double *strain) {
+    size_t count = 0;
+    for (size_t i = 0; i < n; i++)
+        count += strain[i] > COLLAPSED ? 0 : 1;
+    return count;
+}
+
+static void measure_chunk(palp_network *net, chunk *c) {
+    double *n = net->direction + c->at;
+    fetch(net, net->next.x, c);
+    measure(c->n, c->d[0], c->d[1], c->d[2], net->inverse_rest + c->at, net->strain + c->at, net->inverse_length + c->at, n,
+            n + net->n_elements, n + 2 * net->n_elements);
+}
+
+static element_history history_at(const element_history *h, size_t at) {
+    return (element_history){h->strain + at, h->elastic + at, h->arm + at, h->peak ? h->peak + at : NULL};
+}
+
+/* The part of PALP_SEDEF2008's force that is carried from the last step as a vector. */
+static void carry(palp_network *net, chunk *c) {
+    const double *old = net->now.vector + 3 * c->at, share = net->step.carry;
+    double *vector = net->next.vector + 3 * c->at;
+    for (size_t i = 0; i < c->n; i++)
+        for (size_t k = 0; k < 3; k++)
+            vector[3 * i + k] = c->d[k][i] += share * old[3 * i + k];
+}
+
+static void force_chunk(palp_network *net, chunk *c) {
+    const size_t at = c->at, m = net->n_elements;
+    element_history old = history_at(&net->now.history, at), new = history_at(&net->next.history, at);
+    double *force = net->force + at, *n = net->direction + at;
+    element_trial(&net->material, &net->step, m, c->n, net->strain + at, &old, &new, force, net->tangent + at);
+    for (size_t i = 0; i < c->n && net->scale; i++) {
+        force[i] *= net->scale[at + i];
+        net->tangent[at + i] *= net->scale[at + i];
+    }
+    point_forces(c->n, force, n, n + m, n + 2 * m, c->d[0], c->d[1], c->d[2]);
+    if (net->next.vector)
+        carry(net, c);
+    deliver(net, c, net->fint);
+}
+
+/* Cut elements have strain 0 and no direction. */
+static void lay_out_dead(palp_network *net) {
+    const size_t m = net->n_elements;
+    for (size_t k = 0; k < net->n_dead; k++) {
+        size_t i = (size_t)net->dead[k];
+        net->strain[i] = 0.0;
+        net->inverse_length[i] = net->inverse_rest[i];
+        net->direction[i] = net->direction[m + i] = net->direction[2 * m + i] = 0.0;
+    }
+}
+
+bool network_element_forces(palp_network *net) {
+    double forces[LANES] = {0.0}, tangents[LANES] = {0.0};
+    for (size_t at = 0; at < net->n_elements && net->n_dead > 0; at += CHUNK) {
+        chunk c = chunk_at(net, at);
+        measure_chunk(net, &c);
+    }
+    lay_out_dead(net);
+    memset(net->fint, 0, 3 * net->n_nodes * sizeof *net->fint);
+    for (size_t at = 0; at < net->n_elements; at += CHUNK) {
+        chunk c = chunk_at(net, at);
+        if (net->n_dead == 0)
+            measure_chunk(net, &c);
+        if (count_collapsed(c.n, net->strain + at) > 0)
+            return false;
+        force_chunk(net, &c);
+        add_squares(c.n, net->force + at, forces);
+        add_squares(c.n, net->tangent + at, tangents);
+    }
+    net->force_squares = lanes_sum(forces);
+    net->tangent_squares = lanes_sum(tangents);
+    return true;
+}
+
+/* ---- tangent ------------------------------------------------------------------------------------- */
+
+/* d = minus the elements' blocks times d */
+PALP_CLONES
+static void blocks_times(size_t n, const double *restrict force, const double *restrict inverse_length,
+                         const double *restrict tangent, const double *restrict inverse_rest, const double *restrict n0,
+                         const double *restrict n1, const double *restrict n2, double *restrict d0, double *restrict d1,
+                         double *restrict d2) {
+    for (size_t i = 0; i < n; i++) {
+        double across = -force[i] * inverse_length[i], stiffness = -tangent[i] * inverse_rest[i] - across;
+        double along = stiffness * (n0[i] * d0[i] + n1[i] * d1[i] + n2[i] * d2[i]);
+        d0[i] = along * n0[i] + across * d0[i];
+        d1[i] = along * n1[i] + across * d1[i];
+        d2[i] = along * n2[i] + across * d2[i];
+    }
+}
+
+void network_tangent_times(const palp_network *net, const double *u, double *out) {
+    const size_t m = net->n_elements;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        out[i] = net->diagonal[i] * u[i];
+    for (size_t at = 0; at < m; at += CHUNK) {
+        chunk c = chunk_at(net, at);
+        const double *n = net->direction + at;
+        fetch(net, u, &c);
+        blocks_times(c.n, net->force + at, net->inverse_length + at, net->tangent + at, net->inverse_rest + at, n, n + m,
+                     n + 2 * m, c.d[0], c.d[1], c.d[2]);
+        deliver(net, &c, out);
+    }
+    NETWORK_EACH_TERM(net, times, net, u, out);
+}
