@@ -1,4 +1,5 @@
 /* law.c: stiffness laws: makers, the polynomial law, and the door to the other kinds, each by its own formula. */
+#include "base/clones.h"
 #include "law_internal.h"
 
 #include <math.h>
@@ -179,6 +180,7 @@ static inline void polynomial_loop(size_t m, const double *c, size_t n, const do
         horner_force(m, c, n, e, force);
 }
 
+PALP_CLONES
 static void polynomial_force(const palp_law *law, size_t n, const double *e, double *force, double *tangent) {
     const double *c = law->coefficients;
     switch (law->n) {

@@ -333,7 +333,8 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     remember(rt, &t);
     look_ahead(rt, &t);
     if (info) {
-        t.info.beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));
+        if (net->material.law.strain_max > 0.0)
+            t.info.beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));
         t.info.seconds = realtime_clock() - t.start;
         *info = t.info;
     }

@@ -214,7 +214,7 @@ START_TEST(kept_elements_have_the_forces_of_all) {
                 double work = 0.0;
                 for (size_t c = 0; c < 3; c++) {
                     double gap = k == MODES ? lift[b + c] - lift[a + c] : basis[(b + c) * MODES + k] - basis[(a + c) * MODES + k];
-                    work += net->force[e] * net->direction[3 * e + c] * gap;
+                    work += net->force[e] * net->direction[c * net->n_elements + e] * gap;
                 }
                 all[k] += work;
                 kept[k] += is_kept ? weight[at] * work : 0.0;
