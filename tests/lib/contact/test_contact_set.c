@@ -276,6 +276,22 @@ START_TEST(a_tool_far_through_or_from_below_is_none) {
 }
 END_TEST
 
+/* A sliver whose height is a millionth of its edge is a triangle, of a billionth of an edge none; however large the mesh. */
+START_TEST(slivers_are_triangles) {
+    for (int none = 0; none < 2; none++) {
+        surface s;
+        make(&s, 1);
+        for (int i = 0; i < 9; i++)
+            s.x[i] = 1e-3 * PLACE[i];
+        s.x[6] = (none ? 0.9e-9 : 1e-6) * 1e-3;
+        s.set.edge *= 1e-3;
+        palp_tool tool = sphere(0.25 * s.x[6], 2e-4, 0.5e-3, 3e-4);
+        ck_assert_uint_eq(meet(&s, &tool, 1.0), !none);
+        arena_free(&s.memory);
+    }
+}
+END_TEST
+
 /* The triangle moves under a capsule that lies on it: the place along a capsule is looked for again once it is 0.1 of an edge
  * from where it was. */
 START_TEST(a_place_that_slid_is_looked_for_again) {
@@ -305,5 +321,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_tool_feels_force_and_moment);
     tcase_add_test(tc, a_capsule_reaches_as_far_as_it_turns);
     tcase_add_test(tc, a_tool_far_through_or_from_below_is_none);
+    tcase_add_test(tc, slivers_are_triangles);
     tcase_add_test(tc, a_place_that_slid_is_looked_for_again);
 }

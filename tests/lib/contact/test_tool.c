@@ -339,6 +339,7 @@ START_TEST(refuses_what_makes_no_sense) {
     ck_assert_int_eq(palp_network_grasp(net, 2, nodes, target), PALP_ERR_LIMIT);
     ck_assert_int_eq(palp_network_grasp(net, 1, nodes + 2, target), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_grasp(net, 1, nodes, (double[]){0, INFINITY, 0}), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_grasp(net, 2, nodes, (double[]){0, 0, 0, 0, INFINITY, 0}), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_release(net, 1, nodes), PALP_OK);
     ck_assert_int_eq(palp_network_grasp_force(net, 1, nodes, force), PALP_OK);
     ck_assert_double_eq(force[0], 0.0);
