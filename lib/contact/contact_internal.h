@@ -133,8 +133,7 @@ void contact_point(const contact *c, const double share[3], const double *x, dou
 
 /* ---- terms of a network ---- */
 
-/* Tools (contact_term.c) and grasped nodes (grasp.c); NULL: out of memory. */
-network_term *contact_term_new(const palp_network *net, size_t max_tools, const palp_contact_settings *settings);
+/* Grasped nodes (grasp.c); NULL: out of memory. */
 network_term *grasp_new(size_t max_grasped, double stiffness);
 
 /* The tools of a network, or NULL. */
@@ -156,6 +155,10 @@ static inline void cross3(const double *a, const double *b, double out[3]) {
 static inline void along3(const double *a, double s, const double *b, double out[3]) {
     for (int k = 0; k < 3; k++)
         out[k] = a[k] + s * b[k];
+}
+
+static inline bool positive(double v) {
+    return v > 0.0 && isfinite(v);
 }
 
 static inline bool finite3(const double v[3]) {

@@ -60,10 +60,6 @@ void contact_set_reset(contact_set *set) {
 
 /* ---- tools --------------------------------------------------------------------------------------- */
 
-static bool positive(double v) {
-    return v > 0.0 && isfinite(v);
-}
-
 static bool tool_sound(const palp_tool *t) {
     if (t->shape > PALP_TOOL_PLANE || !finite3(t->position_m) || !(t->friction >= 0.0) || !isfinite(t->friction))
         return false;
