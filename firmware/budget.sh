@@ -9,7 +9,7 @@ guard=32
 symbol() { "${prefix}nm" "$image" | awk -v name="$1" '$3 == name { print "0x" $1 }'; }
 bytes() { echo $(($(symbol "$2") - $(symbol "$1"))); }
 
-answer=$(awk -v root=reset_handler -v interrupts="tick_interrupt uart_interrupt" \
+answer=$(awk -v root=reset_handler -v interrupts="tick_interrupt uart_interrupt supply_interrupt" \
     -f "$(dirname "$0")/stack.awk" "$@") || exit 1
 worst=$(echo "$answer" | head -n 1)
 stack=$(bytes stack_bottom stack_top)

@@ -2,7 +2,7 @@
 #   awk -v root=reset_handler -v interrupts="tick_interrupt uart_interrupt" -f stack.awk FILES.ci
 # Prints bytes and the deepest way. Fails where it cannot be known: a call through a pointer, recursion, a
 # frame of variable size, a function without a figure.
-# Interrupts share one priority, so at most one is under way, on top of the deepest point of the rest.
+# Interrupts have priorities of their own: all may be under way at once, on top of the deepest point of the rest.
 
 BEGIN {
     ENTRY = 112  # of an interrupt: 26 words with the floating-point registers, aligned
@@ -64,9 +64,8 @@ END {
     total = depth(root) + LIBRARY
     n = split(interrupts, list, " ")
     for (i = 1; i <= n; i++)
-        if (depth(list[i]) > worst) { worst = depth(list[i]); deepest = list[i] }
-    if (n > 0) total += ENTRY + worst + LIBRARY
+        total += ENTRY + depth(list[i]) + LIBRARY
     print total
     print show(root)
-    if (n > 0) print show(deepest)
+    for (i = 1; i <= n; i++) print show(list[i])
 }

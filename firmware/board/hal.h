@@ -17,7 +17,7 @@ bool hal_is_simulated(void);
 uint32_t hal_tick_wait(void);
 
 void hal_sense(app_inputs *inputs);
-/* The output holds until the next tick: if it is not renewed by then, the tick interrupt turns it off. */
+/* The output holds until the next tick: if it is not renewed by then, the tick interrupt brakes the motor. */
 void hal_drive(const app_outputs *outputs);
 
 /* Serial port: the rings are filled and drained by interrupt. */

@@ -53,7 +53,7 @@ void plant_link_get_in(const uint8_t byte[PLANT_LINK_IN], plant_in *in) {
 
 void plant_link_put_out(const plant_out *out, uint8_t byte[PLANT_LINK_OUT]) {
     byte = put16(put32(byte, out->tick), (uint16_t)out->duty);
-    *byte++ = out->motor_on;
+    *byte++ = out->motor;
     *byte++ = out->boot;
     byte = put16(put16(put32(byte, out->cost), out->version), out->stack_free);
     *byte++ = out->tx_count;
@@ -66,7 +66,7 @@ void plant_link_put_out(const plant_out *out, uint8_t byte[PLANT_LINK_OUT]) {
 void plant_link_get_out(const uint8_t byte[PLANT_LINK_OUT], plant_out *out) {
     out->tick = get32(&byte);
     out->duty = (int16_t)get16(&byte);
-    out->motor_on = *byte++;
+    out->motor = *byte++;
     out->boot = *byte++;
     out->cost = get32(&byte);
     out->version = get16(&byte);

@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-enum { PLANT_LINK_VERSION = 2, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 112, PLANT_LINK_RX = 36, PLANT_LINK_TX = 92 };
+enum { PLANT_LINK_VERSION = 3, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 112, PLANT_LINK_RX = 36, PLANT_LINK_TX = 92 };
 
 /* What the plant asks the simulated board to do to itself at this tick. */
 enum {
@@ -16,10 +16,20 @@ enum {
     PLANT_EVENT_HANG = 4,     /* restart as if by the watchdog */
     PLANT_EVENT_SMASH = 8,    /* overwrite the stack's guard */
     PLANT_EVENT_LATE = 16,    /* miss the next tick */
+    PLANT_EVENT_BROWN_OUT = 32, /* restart as if its supply had fallen */
     PLANT_EVENT_QUIT = 128    /* the plant is closing: exit */
 };
 
-enum { PLANT_SWITCH_HOME = 1, PLANT_SWITCH_EMERGENCY = 2, PLANT_SENSOR_SILENT = 128 };
+enum {
+    PLANT_SWITCH_HOME = 1,
+    PLANT_SWITCH_EMERGENCY = 2,
+    PLANT_ENCODER_LOST = 4, /* alarms of encoder and driver */
+    PLANT_DRIVER_FAULT = 8,
+    PLANT_SENSOR_SILENT = 128
+};
+
+/* The motor: without current; driven; shorted, so that it brakes. */
+enum { PLANT_MOTOR_OFF = 0, PLANT_MOTOR_ON = 1, PLANT_MOTOR_BRAKED = 2 };
 
 /* Plant to firmware: what the board senses at the start of a tick. On the wire in this order, 64 bytes. */
 typedef struct plant_in {
@@ -27,7 +37,7 @@ typedef struct plant_in {
     int32_t position; /* encoder counts since power-on */
     int16_t adc[6];
     uint16_t thermistor; /* 12-bit counts of the divider */
-    uint8_t switches;    /* PLANT_SWITCH_*, PLANT_SENSOR_SILENT */
+    uint8_t switches;    /* PLANT_SWITCH_* and what follows them */
     uint8_t events;      /* PLANT_EVENT_* */
     uint8_t reset_cause; /* of the first record: APP_RESET_* in app.h */
     uint8_t rx_count;    /* bytes of the host in rx */
@@ -41,7 +51,7 @@ typedef struct plant_in {
 typedef struct plant_out {
     uint32_t tick; /* that of the plant_in before; 0 with boot */
     int16_t duty;  /* 32767 = full */
-    uint8_t motor_on;
+    uint8_t motor;   /* PLANT_MOTOR_* */
     uint8_t boot;
     uint32_t cost;
     uint16_t version; /* PLANT_LINK_VERSION */

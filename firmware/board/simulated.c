@@ -37,7 +37,7 @@ static void quit(void) {
 static void do_events(uint8_t events) {
     if ((events & PLANT_EVENT_QUIT) != 0)
         quit();
-    if ((events & PLANT_EVENT_HANG) != 0)
+    if ((events & (PLANT_EVENT_HANG | PLANT_EVENT_BROWN_OUT)) != 0)
         simulated_restart();
     if ((events & PLANT_EVENT_SMASH) != 0)
         simulated_smash();
@@ -71,7 +71,7 @@ void simulated_tick(uint32_t last_cost, uint16_t stack_free) {
 
 void simulated_drive(const app_outputs *outputs) {
     simulated.out.duty = outputs->motor_on ? outputs->duty : 0;
-    simulated.out.motor_on = outputs->motor_on;
+    simulated.out.motor = outputs->motor_on ? PLANT_MOTOR_ON : PLANT_MOTOR_BRAKED;
 }
 
 bool simulated_late(void) {
@@ -105,6 +105,8 @@ void hal_sense(app_inputs *inputs) {
     inputs->sensor_silent = (in->switches & PLANT_SENSOR_SILENT) != 0;
     inputs->home_switch = (in->switches & PLANT_SWITCH_HOME) != 0;
     inputs->emergency_stop = (in->switches & PLANT_SWITCH_EMERGENCY) != 0;
+    inputs->encoder_lost = (in->switches & PLANT_ENCODER_LOST) != 0;
+    inputs->driver_fault = (in->switches & PLANT_DRIVER_FAULT) != 0;
 }
 
 bool hal_receive(uint8_t *byte) {

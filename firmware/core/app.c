@@ -12,7 +12,7 @@ void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_c
     a->machine = m;
     a->identity = *who;
     /* With a clock that is 1 % wrong every time constant would be, unseen. A sensor that failed is silent. */
-    a->unfit = (failed & (APP_CLOCK_FAILED | APP_ENCODER_FAILED)) != 0;
+    a->unfit = failed & (APP_CLOCK_FAILED | APP_ENCODER_FAILED);
     a->limits = (app_limits){m->force_N, m->travel_m,        m->following_m,
                              m->fault_C, m->host_timeout_ms, m->overflow_samples};
     a->softness = GAINS_MIDDLE;
@@ -23,6 +23,8 @@ void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_c
         (void)supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_WATCHDOG_RESET, 0);
     if (reset_cause == APP_RESET_STACK)
         (void)supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_STACK_GUARD, 0);
+    if (reset_cause == APP_RESET_BROWN_OUT)
+        (void)supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_BROWN_OUT, 0);
 }
 
 bool app_listens(const app *a) {
@@ -85,14 +87,14 @@ static float drive(app *a) {
 
 void app_tick(app *a, const app_inputs *in, app_outputs *out) {
     sense(a, in);
-    if (!a->unfit)
+    if (a->unfit == 0)
         (void)supervisor_take(&a->supervisor, SUPERVISOR_STARTED);
     watch_inputs(a);
     if (app_moving(a) && a->force.tare_left == 0) /* a tare is waited for */
         motion_step(a);
     watch_reference(a);
-    a->duty = app_moving(a) ? drive(a) : 0.0f;
-    out->motor_on = app_moving(a);
+    a->duty = app_drives(a) ? drive(a) : 0.0f;
+    out->motor_on = app_drives(a);
     out->duty = (int16_t)real_round(a->duty * DUTY_FULL);
     report_tick(a, out->duty);
 }

@@ -17,6 +17,7 @@ typedef struct app_inputs {
     int16_t adc[PALP_WIRE_CHANNELS];
     uint16_t thermistor; /* 12-bit counts */
     bool sensor_silent, home_switch, emergency_stop;
+    bool encoder_lost, driver_fault; /* their alarms */
     bool stack_intact;
     uint32_t missed; /* ticks missed before this one */
     uint32_t cost;   /* of the last tick */
@@ -24,12 +25,12 @@ typedef struct app_inputs {
 } app_inputs;
 
 typedef struct app_outputs {
-    int16_t duty; /* 32767 = full force towards the specimen */
-    bool motor_on;
+    int16_t duty;  /* 32767 = full force towards the specimen */
+    bool motor_on; /* else the board shorts the motor, which brakes it without any current from the supply */
 } app_outputs;
 
 /* Why the processor started; what did not come up, a bit each. */
-enum { APP_RESET_POWER = 0, APP_RESET_WATCHDOG = 1, APP_RESET_STACK = 2 };
+enum { APP_RESET_POWER = 0, APP_RESET_WATCHDOG = 1, APP_RESET_STACK = 2, APP_RESET_BROWN_OUT = 3 };
 enum { APP_CLOCK_FAILED = 1, APP_SENSOR_FAILED = 2, APP_ENCODER_FAILED = 4 };
 
 /* Who we are, for INFO. */
@@ -51,7 +52,7 @@ typedef struct app_limits {
 typedef struct app {
     const machine *machine;
     app_identity identity;
-    bool unfit; /* the board did not come up: stays in BOOT */
+    uint8_t unfit; /* APP_*_FAILED, what forbids to move; BOOT and FAULT are not left before it is none */
     app_limits limits;
     /* parts */
     supervisor supervisor;
@@ -68,7 +69,7 @@ typedef struct app {
     float position_m, velocity_m_s, force_N;
     bool answering, saturated; /* the force sensor, in this tick */
     /* where it is */
-    int32_t home;       /* counts */
+    int32_t home, edge; /* counts; edge: of the switch, while homing */
     bool sensed, homed; /* sensed: there has been a tick */
     bool contact_known;
     float contact_m, stiffness_N_m;
@@ -84,7 +85,8 @@ typedef struct app {
     reference reference;
     float duty;
     /* watches */
-    uint16_t causes; /* one bit a fault: what is the case now */
+    uint32_t causes; /* one bit a fault: what is the case now */
+    uint32_t signal_ticks, encoder_ticks; /* with the encoder's signal, without */
     uint32_t silent_ticks, saturated_ticks, following_ticks, host_ticks, lost_at_start;
     uint32_t missed_ticks, cost_most;
     /* the host */
@@ -96,8 +98,8 @@ typedef struct app {
     uint8_t transmit[APP_TRANSMIT];
 } app;
 
-/* reset_cause: APP_RESET_*; failed: APP_*_FAILED. A watchdog or stack reset starts in FAULT; a board that did
- * not come up stays in BOOT. */
+/* reset_cause: APP_RESET_*; failed: APP_*_FAILED. Any reset but by power starts in FAULT; a board that did
+ * not come up stays in BOOT (or FAULT): for good without its crystal, until its encoder has a signal. */
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed);
 /* False: what has come from the host is to wait for the next tick, which bounds the cost of one. */
 bool app_listens(const app *a);

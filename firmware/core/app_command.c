@@ -42,7 +42,7 @@ static uint8_t permitted(const app *a, uint8_t command) {
         const uint8_t states = permissions[i].states;
         if (permissions[i].command != command)
             continue;
-        if ((states & here) != 0)
+        if ((states & here) != 0 || (here == IN(IDLE) && states == IN(READY) && a->homed))
             return PALP_WIRE_RESULT_DONE;
         if (here == IN(FAULT))
             return PALP_WIRE_RESULT_FAULTED;
@@ -72,16 +72,27 @@ static uint8_t set_stream(app *a, const palp_wire_stream *asked) {
     return PALP_WIRE_RESULT_DONE;
 }
 
+/* Where the position is known: holds the plate where it is. */
+static void make_ready(app *a) {
+    if (a->supervisor.state != PALP_WIRE_STATE_IDLE || !a->homed)
+        return;
+    motion_begin(a);
+    (void)supervisor_take(&a->supervisor, SUPERVISOR_HOMED);
+}
+
 static uint8_t clear_fault(app *a) {
     if (watch_persists(a))
         return PALP_WIRE_RESULT_PERSISTS;
+    if (watch_out_of_travel(a))
+        a->homed = a->contact_known = false;
     (void)supervisor_take(&a->supervisor, SUPERVISOR_CLEAR);
     if (a->homed)
-        (void)supervisor_take(&a->supervisor, SUPERVISOR_HOMED);
+        make_ready(a);
     return PALP_WIRE_RESULT_DONE;
 }
 
 static uint8_t begin(app *a, supervisor_event event) {
+    make_ready(a);
     motion_begin(a);
     (void)supervisor_take(&a->supervisor, event);
     return PALP_WIRE_RESULT_DONE;

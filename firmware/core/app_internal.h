@@ -13,10 +13,11 @@ void command_take(app *a, const palp_wire_message *command);
 /* ---- app_watch.c ---- */
 void watch_inputs(app *a);    /* what is wrong with what was sensed */
 void watch_reference(app *a); /* and with where the motion is to go */
-bool watch_persists(const app *a);
+bool watch_persists(const app *a); /* what CLEAR_FAULT would have to leave alone */
+bool watch_out_of_travel(const app *a);
 
 /* ---- app_motion.c ---- */
-void motion_begin(app *a);                /* from rest, where the plate is */
+void motion_begin(app *a);                /* from rest, where the plate is, or is held */
 void motion_withdraw(app *a, float to_m); /* where RETRACT goes */
 void motion_step(app *a);                 /* the reference of this tick */
 bool motion_records(const app *a);
@@ -31,6 +32,10 @@ void report_status(app *a);
 void report_info(app *a);
 void report_calibration(app *a, uint8_t axis);
 void report_gains(app *a, uint8_t softness);
+
+static inline bool app_drives(const app *a) {
+    return supervisor_drives(a->supervisor.state);
+}
 
 static inline bool app_moving(const app *a) {
     return supervisor_moving(a->supervisor.state);

@@ -5,20 +5,26 @@
 
 #define ACCELERATION_M_S2 5.0f
 #define HOME_RATE_M_S 0.01f
+#define HOME_SLOW_M_S 0.002f  /* 2 um a tick: the edge is known to that */
 #define HOME_REST_M 1e-3f     /* where homing ends */
 #define HOME_OFF_M 5e-4f      /* at least so far off the switch, */
 #define HOME_OFF_MOST_M 3e-3f /* which has to open within this */
-#define BEYOND_M 3e-4f        /* the plate may be so far out of its travel; the hard stops are at 1 mm */
+#define BEYOND_M 3e-4f        /* the plate may be so far out of its travel, */
+#define STOP_M 1e-3f          /* and lie at a hard stop so far when it is to be homed */
 
-enum { HOME_LEAVE, HOME_SEEK, HOME_BACK_OFF };
+enum { HOME_LEAVE, HOME_SEEK, HOME_LEAVE_AGAIN, HOME_SEEK_SLOWLY, HOME_BACK_OFF };
+enum { HOME_SURE = 3 /* ticks in a row that the switch is closed */ };
 enum { RUN_TO_START, RUN_AIR, RUN_FOLLOW, RUN_WITHDRAW, RUN_AFTER };
 
+/* A motor that holds the plate goes on with what it holds it by. */
 void motion_begin(app *a) {
     a->phase = 0;
     a->phase_ticks = 0;
-    a->from_m = a->back_m = a->position_m;
-    a->reference = (reference){.position_m = a->position_m};
-    pid_reset(&a->pid);
+    if (!app_drives(a)) {
+        a->reference = (reference){.position_m = a->position_m};
+        pid_reset(&a->pid);
+    }
+    a->from_m = a->back_m = a->reference.position_m;
 }
 
 static void next_phase(app *a) {
@@ -57,24 +63,42 @@ static bool leave_switch(app *a) {
     return move_toward(&a->reference, a->back_m, HOME_RATE_M_S);
 }
 
-/* From here on positions count from here. */
-static void set_home(app *a) {
-    a->home = a->in.position;
-    a->reference.position_m -= a->position_m;
-    a->position_m = 0.0f;
-    a->back_m = HOME_REST_M;
+/* From here on positions count from there. */
+static void set_home(app *a, int32_t counts, float next_m) {
+    const float shift_m = (float)(counts - a->home) * a->machine->count_m;
+    a->home = counts;
+    a->reference.position_m -= shift_m;
+    a->position_m -= shift_m;
+    a->from_m -= shift_m;
+    a->back_m = next_m;
 }
 
-static bool seek_switch(app *a) {
-    if (a->in.home_switch)
-        set_home(a);
-    else
-        (void)move_toward(&a->reference, a->from_m - 2.0f * a->machine->travel_m, HOME_RATE_M_S);
-    return a->in.home_switch;
+/* Upwards until the switch is closed for long enough not to be a glitch; the edge is where that began. */
+static bool seek_switch(app *a, float rate_m_s, float next_m) {
+    (void)move_toward(&a->reference, a->from_m - 2.0f * a->machine->travel_m, rate_m_s);
+    if (!a->in.home_switch)
+        a->phase_ticks = 0;
+    else if (a->phase_ticks++ == 0)
+        a->edge = a->in.position;
+    if (a->phase_ticks < HOME_SURE)
+        return false;
+    set_home(a, a->edge, next_m);
+    return true;
+}
+
+static bool home_phase(app *a) {
+    switch (a->phase) {
+    case HOME_SEEK:
+        return seek_switch(a, HOME_RATE_M_S, HOME_OFF_M);
+    case HOME_SEEK_SLOWLY:
+        return seek_switch(a, HOME_SLOW_M_S, HOME_REST_M);
+    default:
+        return leave_switch(a);
+    }
 }
 
 static void home_step(app *a) {
-    if (!(a->phase == HOME_SEEK ? seek_switch(a) : leave_switch(a)))
+    if (!home_phase(a))
         return;
     if (a->phase == HOME_BACK_OFF)
         a->homed = supervisor_take(&a->supervisor, SUPERVISOR_HOMED);
@@ -86,11 +110,11 @@ void motion_bounds(const app *a, float *low_m, float *high_m) {
     if (a->supervisor.state != PALP_WIRE_STATE_HOMING) { /* anywhere while nobody knows where that is */
         *low_m = a->homed ? -BEYOND_M : -1.0f;
         *high_m = a->homed ? a->limits.travel_m + BEYOND_M : 1.0f;
-    } else if (a->phase == HOME_BACK_OFF) {
+    } else if (a->phase > HOME_SEEK) {
         *low_m = -BEYOND_M;
         *high_m = HOME_OFF_MOST_M;
     } else {
-        *low_m = a->from_m - a->machine->travel_m - BEYOND_M;
+        *low_m = a->from_m - a->machine->travel_m - STOP_M - BEYOND_M;
         *high_m = a->from_m + HOME_OFF_MOST_M;
     }
 }

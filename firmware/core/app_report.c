@@ -120,7 +120,7 @@ static uint16_t flags(const app *a) {
     const bool follows = motion_follows(a);
     uint32_t bits = follows ? (uint32_t)a->trajectory.current << 8 | PALP_WIRE_FLAG_TRAJECTORY : 0;
     bits |= motion_records(a) ? PALP_WIRE_FLAG_RECORD : 0;
-    bits |= app_moving(a) ? PALP_WIRE_FLAG_MOTOR : 0;
+    bits |= app_drives(a) ? PALP_WIRE_FLAG_MOTOR : 0;
     bits |= thermal_derating(&a->thermal, a->machine) < 1.0f ? PALP_WIRE_FLAG_DERATED : 0;
     bits |= a->in.home_switch ? PALP_WIRE_FLAG_HOME_SWITCH : 0;
     bits |= !a->answering || a->saturated ? PALP_WIRE_FLAG_SENSOR_BAD : 0;
@@ -132,7 +132,7 @@ static uint16_t flags(const app *a) {
 /* No tick sends more than a frame of samples, the answers to one command or a status; and the samples up to
  * a change of state come before the status that tells of it. */
 void report_tick(app *a, int16_t duty) {
-    const float error_m = app_moving(a) ? a->reference.position_m - a->position_m : 0.0f;
+    const float error_m = app_drives(a) ? a->reference.position_m - a->position_m : 0.0f;
     sample one = {.tick = a->tick,
                   .position = position(a),
                   .error = short_of(error_m / a->machine->count_m),

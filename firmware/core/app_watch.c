@@ -3,11 +3,12 @@
 
 #include "real.h"
 
-enum { BAD_READINGS = 2 /* ticks */ };
+enum { BAD_READINGS = 2 /* ticks */, FIT_TICKS = 100 /* with a signal, before an encoder that had none is trusted */ };
 
 /* Which is the reason where several are the case in one tick: first what makes the others untrustworthy. */
 static const uint8_t order[] = {
-    PALP_WIRE_FAULT_STACK_GUARD,   PALP_WIRE_FAULT_EMERGENCY_STOP,   PALP_WIRE_FAULT_ENCODER_JUMP,
+    PALP_WIRE_FAULT_STACK_GUARD,   PALP_WIRE_FAULT_EMERGENCY_STOP,   PALP_WIRE_FAULT_DRIVER_FAULT,
+    PALP_WIRE_FAULT_ENCODER_LOST,  PALP_WIRE_FAULT_ENCODER_JUMP,
     PALP_WIRE_FAULT_SENSOR_SILENT, PALP_WIRE_FAULT_OVER_FORCE,       PALP_WIRE_FAULT_SENSOR_SATURATED,
     PALP_WIRE_FAULT_OVER_TRAVEL,   PALP_WIRE_FAULT_OVER_TEMPERATURE, PALP_WIRE_FAULT_FOLLOWING_ERROR,
     PALP_WIRE_FAULT_HOST_TIMEOUT,  PALP_WIRE_FAULT_STREAM_OVERFLOW,  PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE,
@@ -15,7 +16,7 @@ static const uint8_t order[] = {
 
 static void note(app *a, uint8_t fault, bool is_the_case) {
     if (is_the_case)
-        a->causes |= (uint16_t)(1U << fault);
+        a->causes |= 1U << fault;
 }
 
 static bool noted(const app *a, uint8_t fault) {
@@ -41,44 +42,59 @@ static void watch_sensor(app *a) {
     note(a, PALP_WIRE_FAULT_OVER_FORCE, a->answering && real_abs(a->force_N) > a->limits.force_N);
 }
 
-/* A position that has jumped is lost in every state, also where that is not a fault. */
+static void watch_encoder(app *a) {
+    a->encoder_ticks = lasting(a->encoder_ticks, a->in.encoder_lost);
+    a->signal_ticks = lasting(a->signal_ticks, !a->in.encoder_lost);
+    if (a->signal_ticks >= FIT_TICKS)
+        a->unfit &= (uint8_t)~APP_ENCODER_FAILED;
+    note(a, PALP_WIRE_FAULT_ENCODER_LOST, a->encoder_ticks >= BAD_READINGS);
+}
+
+/* A position that has jumped, or was not counted, is lost in every state, also where that is not a fault. */
 static void watch_position(app *a) {
     float low_m, high_m;
     const bool jumped = real_abs(a->velocity_m_s) > a->machine->speed_m_s;
-    if (jumped)
+    if (jumped || noted(a, PALP_WIRE_FAULT_ENCODER_LOST))
         a->homed = a->contact_known = false;
     motion_bounds(a, &low_m, &high_m);
     note(a, PALP_WIRE_FAULT_ENCODER_JUMP, jumped);
     note(a, PALP_WIRE_FAULT_OVER_TRAVEL, a->position_m < low_m || a->position_m > high_m);
 }
 
+static bool host_is_gone(const app *a) {
+    return a->host_ticks > (uint32_t)a->limits.host_timeout_ms * CONTROL_HZ / 1000;
+}
+
 /* Counted while the motor is on only: then nobody but the host can know that something goes wrong. */
 static void watch_motion(app *a) {
-    const bool moving = app_moving(a);
+    const bool on = app_drives(a);
     const float error_m = real_abs(a->reference.position_m - a->position_m);
-    a->following_ticks = lasting(a->following_ticks, moving && error_m > a->limits.following_m);
-    a->host_ticks = moving ? a->host_ticks + a->elapsed : 0;
+    a->following_ticks = lasting(a->following_ticks, on && error_m > a->limits.following_m);
+    a->host_ticks = on ? a->host_ticks + a->elapsed : 0;
     /* A motor that is held back for its heat falls behind before it is too hot. */
     note(a,
          thermal_derating(&a->thermal, a->machine) < 1.0f ? PALP_WIRE_FAULT_OVER_TEMPERATURE
                                                           : PALP_WIRE_FAULT_FOLLOWING_ERROR,
          a->following_ticks >= a->machine->following_ticks);
-    note(a, PALP_WIRE_FAULT_HOST_TIMEOUT,
-         a->host_ticks > (uint32_t)a->limits.host_timeout_ms * CONTROL_HZ / 1000);
+    note(a, PALP_WIRE_FAULT_HOST_TIMEOUT, host_is_gone(a));
     note(a, PALP_WIRE_FAULT_STREAM_OVERFLOW,
-         moving && a->stream.lost - a->lost_at_start > a->limits.overflow_samples);
+         app_moving(a) && a->stream.lost - a->lost_at_start > a->limits.overflow_samples);
 }
 
 void watch_inputs(app *a) {
     a->causes = 0;
     watch_sensor(a);
+    watch_encoder(a);
     watch_position(a);
     watch_motion(a);
     note(a, PALP_WIRE_FAULT_OVER_TEMPERATURE,
          a->thermal.broken || thermal_winding_C(&a->thermal) > a->limits.winding_C);
     note(a, PALP_WIRE_FAULT_STACK_GUARD, !a->in.stack_intact);
     note(a, PALP_WIRE_FAULT_EMERGENCY_STOP, a->in.emergency_stop);
+    note(a, PALP_WIRE_FAULT_DRIVER_FAULT, a->in.driver_fault);
     stop_for(a);
+    if (a->supervisor.state == PALP_WIRE_STATE_READY && host_is_gone(a))
+        (void)supervisor_take(&a->supervisor, SUPERVISOR_STOP);
 }
 
 /* It may begin a little outside, where the plate was pushed by hand. */
@@ -90,6 +106,12 @@ void watch_reference(app *a) {
     stop_for(a);
 }
 
+/* A plate out of its travel may be where no hand reaches: it is to be homed from there. */
 bool watch_persists(const app *a) {
-    return noted(a, a->supervisor.fault);
+    const uint8_t fault = a->supervisor.fault;
+    return a->unfit != 0 || (noted(a, fault) && fault != PALP_WIRE_FAULT_OVER_TRAVEL);
+}
+
+bool watch_out_of_travel(const app *a) {
+    return noted(a, PALP_WIRE_FAULT_OVER_TRAVEL);
 }

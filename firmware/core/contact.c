@@ -38,8 +38,12 @@ static contact_phase measure(contact *c, float position_m, float force_N) {
 }
 
 static contact_phase seek(contact *c, float position_m, float force_N) {
-    if (c->ticks++ == 0)
+    if (!c->begun)
         c->begun_m = position_m;
+    c->begun = true;
+    if (c->ticks == 0 && position_m < c->begun_m + CONTACT_FREE_M && position_m < c->end_m)
+        return CONTACT_SEEKING;
+    c->ticks++;
     if (c->ticks <= CONTACT_AIR_TICKS)
         c->zero_N += (force_N - c->zero_N) / (float)c->ticks;
     c->force_N += (force_N - c->zero_N - c->force_N) / (float)CONTACT_FILTER_TICKS;

@@ -16,7 +16,8 @@ enum {
     CONTACT_AIR_TICKS = 128, /* averaged for the force in the air */
     CONTACT_FILTER_TICKS = 16
 };
-#define CONTACT_AIR_M 1.5e-4f  /* least travel in the air before the threshold is passed */
+#define CONTACT_FREE_M 2e-5f   /* travel before the averaging begins: friction has turned round then */
+#define CONTACT_AIR_M 1.7e-4f  /* least travel in the air before the threshold is passed */
 #define CONTACT_DEPTH_M 1e-4f  /* of the line, from where the threshold was passed */
 #define CONTACT_FORCE_N 1.0f   /* or until so much beyond the threshold: something hard stops it at once */
 #define CONTACT_RIGID_N_M 1e6f /* stiffness given to what is too hard to measure a line on */
@@ -25,8 +26,9 @@ typedef struct contact {
     contact_phase phase;
     float threshold_N, end_m; /* give up there */
     float force_N;            /* over the air's, filtered over a few ticks */
-    float zero_N;             /* force in the air, mean of the first ticks */
-    uint32_t ticks;
+    float zero_N;             /* force in the air, mean of the first ticks on the way */
+    uint32_t ticks;           /* of them */
+    bool begun;
     float begun_m;   /* where the search began */
     float touched_m; /* where the threshold was passed */
     /* least squares of force against position, both from there on */

@@ -6,7 +6,7 @@
 static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] = {
     [TO(BOOT)] = {[SUPERVISOR_STARTED] = TO(IDLE), [SUPERVISOR_FAULT] = TO(FAULT)},
     [TO(IDLE)] = {[SUPERVISOR_HOME] = TO(HOMING),
-                  [SUPERVISOR_HOMED] = TO(READY), /* after a fault that left the position known */
+                  [SUPERVISOR_HOMED] = TO(READY), /* where the position is known */
                   [SUPERVISOR_STOP] = TO(IDLE),
                   [SUPERVISOR_FAULT] = TO(FAULT)},
     [TO(HOMING)] =
@@ -14,7 +14,7 @@ static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] =
     [TO(READY)] = {[SUPERVISOR_HOME] = TO(HOMING),
                    [SUPERVISOR_FIND_CONTACT] = TO(APPROACH),
                    [SUPERVISOR_START] = TO(RUN),
-                   [SUPERVISOR_STOP] = TO(READY),
+                   [SUPERVISOR_STOP] = TO(IDLE), /* lets go of the plate, whose position stays known */
                    [SUPERVISOR_FAULT] = TO(FAULT)},
     [TO(APPROACH)] =
         {[SUPERVISOR_DONE] = TO(RETRACT), [SUPERVISOR_STOP] = TO(RETRACT), [SUPERVISOR_FAULT] = TO(FAULT)},
@@ -26,27 +26,31 @@ static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] =
 };
 #undef TO
 
-/* Which states watch for a fault. The motor is on in MOVING only.
- * READY promises that a motion may begin: it also watches all that is sensed while nothing moves.
+/* Which states watch for a fault. The motor is on in HELD: in MOVING, and in READY, where it holds the plate.
+ * READY promises that a motion may begin. No host for long ends it without a fault: the plate is let go.
  * IDLE promises nothing (the sensor may just be being mounted, the carriage be pushed by hand): what is
  * wrong then stops the HOME that would begin, in its first tick, before the motor is on.
  * The reference is not bounded while HOMING: where the ends are is not known yet. */
 #define IN(state) (1U << PALP_WIRE_STATE_##state)
 #define MOVING (IN(HOMING) | IN(APPROACH) | IN(RUN) | IN(RETRACT))
+#define HELD (IN(READY) | MOVING)
 static const uint8_t watching[PALP_WIRE_FAULT_COUNT] = {
-    [PALP_WIRE_FAULT_OVER_FORCE] = IN(READY) | MOVING,
-    [PALP_WIRE_FAULT_OVER_TRAVEL] = IN(READY) | MOVING,
-    [PALP_WIRE_FAULT_OVER_TEMPERATURE] = IN(READY) | MOVING,
-    [PALP_WIRE_FAULT_FOLLOWING_ERROR] = MOVING,
-    [PALP_WIRE_FAULT_SENSOR_SILENT] = IN(READY) | MOVING,
-    [PALP_WIRE_FAULT_SENSOR_SATURATED] = IN(READY) | MOVING,
-    [PALP_WIRE_FAULT_ENCODER_JUMP] = IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_OVER_FORCE] = HELD,
+    [PALP_WIRE_FAULT_OVER_TRAVEL] = HELD,
+    [PALP_WIRE_FAULT_OVER_TEMPERATURE] = HELD,
+    [PALP_WIRE_FAULT_FOLLOWING_ERROR] = HELD,
+    [PALP_WIRE_FAULT_SENSOR_SILENT] = HELD,
+    [PALP_WIRE_FAULT_SENSOR_SATURATED] = HELD,
+    [PALP_WIRE_FAULT_ENCODER_JUMP] = HELD,
     [PALP_WIRE_FAULT_HOST_TIMEOUT] = MOVING,
     [PALP_WIRE_FAULT_STREAM_OVERFLOW] = IN(RUN),
     [PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE] = MOVING & ~IN(HOMING),
     [PALP_WIRE_FAULT_WATCHDOG_RESET] = IN(BOOT),
-    [PALP_WIRE_FAULT_STACK_GUARD] = IN(BOOT) | IN(IDLE) | IN(READY) | MOVING,
-    [PALP_WIRE_FAULT_EMERGENCY_STOP] = IN(IDLE) | IN(READY) | MOVING,
+    [PALP_WIRE_FAULT_STACK_GUARD] = IN(BOOT) | IN(IDLE) | HELD,
+    [PALP_WIRE_FAULT_EMERGENCY_STOP] = IN(IDLE) | HELD,
+    [PALP_WIRE_FAULT_ENCODER_LOST] = HELD,
+    [PALP_WIRE_FAULT_DRIVER_FAULT] = HELD,
+    [PALP_WIRE_FAULT_BROWN_OUT] = IN(BOOT),
 };
 
 bool supervisor_take(supervisor *s, supervisor_event event) {
@@ -73,4 +77,8 @@ bool supervisor_watches(uint8_t state, uint8_t fault) {
 
 bool supervisor_moving(uint8_t state) {
     return (MOVING >> state & 1U) != 0;
+}
+
+bool supervisor_drives(uint8_t state) {
+    return (HELD >> state & 1U) != 0;
 }

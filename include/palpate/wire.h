@@ -13,7 +13,7 @@ extern "C" {
 #endif
 
 /* The protocol's version, apart from the firmware's: raised when a message or its meaning changes. */
-enum { PALP_WIRE_VERSION = 1 };
+enum { PALP_WIRE_VERSION = 2 };
 
 enum {
     PALP_WIRE_CHANNELS = 6,  /* force sensor */
@@ -42,7 +42,10 @@ enum {
     X(COMMAND_OUT_OF_RANGE, command_out_of_range, "the reference leaves the travel")               \
     X(WATCHDOG_RESET, watchdog_reset, "the firmware hung and the watchdog restarted it")           \
     X(STACK_GUARD, stack_guard, "the stack overran its guard")                                     \
-    X(EMERGENCY_STOP, emergency_stop, "the emergency stop was pressed")
+    X(EMERGENCY_STOP, emergency_stop, "the emergency stop was pressed")                            \
+    X(ENCODER_LOST, encoder_lost, "the encoder has lost its signal")                               \
+    X(DRIVER_FAULT, driver_fault, "the motor's driver has switched itself off")                    \
+    X(BROWN_OUT, brown_out, "the processor's supply fell too low")
 
 /* The answer to a command. */
 #define PALP_WIRE_RESULTS(X)                                                     \

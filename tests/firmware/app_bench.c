@@ -98,6 +98,8 @@ static void sense(bench *b) {
                              .sensor_silent = (in->switches & PLANT_SENSOR_SILENT) != 0,
                              .home_switch = b->switch_stuck || (in->switches & PLANT_SWITCH_HOME) != 0,
                              .emergency_stop = (in->switches & PLANT_SWITCH_EMERGENCY) != 0,
+                             .encoder_lost = (in->switches & PLANT_ENCODER_LOST) != 0,
+                             .driver_fault = (in->switches & PLANT_DRIVER_FAULT) != 0,
                              .stack_intact = !b->smashed,
                              .missed = b->missed};
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
@@ -106,7 +108,7 @@ static void sense(bench *b) {
 
 static void advance(bench *b, bool renewed) {
     const bool on = renewed && b->out.motor_on;
-    const plant_out out = {.duty = on ? b->out.duty : 0, .motor_on = on};
+    const plant_out out = {.duty = on ? b->out.duty : 0, .motor = on ? PLANT_MOTOR_ON : PLANT_MOTOR_BRAKED};
     palp_error error = {PALP_OK, ""};
     if (plant_step(b->plant, &out, &b->in, &error))
         fail_msg("%s", error.text);
@@ -123,7 +125,7 @@ void bench_tick(bench *b) {
         bench_send(b, &alive);
     }
     app_tick(&b->app, &b->inputs, &b->out);
-    assert_int_equal(b->out.motor_on, supervisor_moving(b->app.supervisor.state));
+    assert_int_equal(b->out.motor_on, supervisor_drives(b->app.supervisor.state));
     assert_true(b->out.motor_on || b->out.duty == 0);
     listen(b);
     advance(b, true);

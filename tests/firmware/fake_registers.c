@@ -72,6 +72,8 @@ static void outputs(void) {
         g->ODR = (g->ODR | (g->BSRR & 0xffff)) & ~(g->BSRR >> 16);
         g->BSRR = 0;
     }
+    if (hardware.pins)
+        hardware.pins();
 }
 
 /* A rising edge of its start begins a conversion, a falling one of its select goes to the first channel. */

@@ -14,7 +14,7 @@
 #define INTERRUPTS_ON() ((void)0)
 #define BARRIER() ((void)0)
 
-enum { FAKE_BLOCKS = 24, FAKE_WORDS = 96, FAKE_SENT = 256, FAKE_NOT_SWITCHED = 99 };
+enum { FAKE_BLOCKS = 32, FAKE_WORDS = 256, FAKE_SENT = 256, FAKE_NOT_SWITCHED = 99 };
 
 typedef struct fake {
     /* what the hardware does: all true where it is healthy */
@@ -22,6 +22,7 @@ typedef struct fake {
     bool converter_starts, converter_ends, spi_answers;
     bool chip_uart; /* its data register is full after a write; QEMU's never is */
     int16_t channel[8];
+    void (*pins)(void);  /* told of what was written to a pin */
     void (*sleep)(void); /* what happens while the processor sleeps */
     /* what has happened to it */
     uint32_t polls;

@@ -72,6 +72,7 @@ static void test_every_command_in_every_state(void **state) {
     bench_simple(&at[PALP_WIRE_STATE_HOMING], PALP_WIRE_TYPE_HOME);
     bench_accepted(&at[PALP_WIRE_STATE_APPROACH], &find);
     bench_accepted(&at[PALP_WIRE_STATE_RUN], &start);
+    start.as.start.start_nm = 0;
     bench_accepted(&at[PALP_WIRE_STATE_RETRACT], &start);
     bench_simple(&at[PALP_WIRE_STATE_RETRACT], PALP_WIRE_TYPE_STOP);
     at[PALP_WIRE_STATE_FAULT].smashed = true;

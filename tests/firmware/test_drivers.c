@@ -18,6 +18,15 @@ static void test_clock(void **state) {
     assert_int_equal(hardware.switched_waits, 5);
     assert_int_equal(RCC->CFGR, 5u << 10 | 4u << 13 | 2u << 2 | 2u); /* APB1 by 4, APB2 by 2, PLL */
     assert_true((RCC->CR & RCC_CR_CSSON) != 0);
+    assert_int_equal(FLASH->ACR, 5u | 7u << 8); /* prefetch, both caches */
+}
+
+/* The prefetch of the first chips does not work. */
+static void test_clock_of_revision_a(void **state) {
+    (void)state;
+    *REGISTERS_AT(reg, 0xe0042000u) = 0x10000413;
+    assert_true(clock_start().crystal);
+    assert_int_equal(FLASH->ACR, 5u | 6u << 8);
 }
 
 static void test_clock_without_crystal(void **state) {
@@ -176,23 +185,118 @@ static void test_encoder_alarm(void **state) {
 static void test_motor(void **state) {
     (void)state;
     motor_start(168000000);
-    assert_int_equal(TIM1->ARR, 8399);                          /* 20 kHz */
+    assert_int_equal(TIM1->ARR, 8147);                          /* 20.6 periods a tick */
     assert_int_equal(TIM1->BDTR, TIM_BDTR_BKE | TIM_BDTR_OSSI); /* off; break at low */
     assert_false(fake_pin(PIN_MOTOR_ENABLE));
     motor_set(32767);
-    assert_int_equal(TIM1->CCR[0], 8400); /* high all the time */
+    assert_int_equal(TIM1->CCR[0], 8148); /* high all the time */
     assert_true(fake_pin(PIN_MOTOR_DIRECTION));
     assert_true(fake_pin(PIN_MOTOR_ENABLE));
     assert_true((TIM1->BDTR & TIM_BDTR_MOE) != 0);
     motor_set(-16384);
-    assert_int_equal(TIM1->CCR[0], 4200);
+    assert_int_equal(TIM1->CCR[0], 4074);
     assert_false(fake_pin(PIN_MOTOR_DIRECTION));
     motor_set(INT16_MIN);
-    assert_int_equal(TIM1->CCR[0], 8400);
+    assert_int_equal(TIM1->CCR[0], 8148);
+    motor_brake();
+    assert_int_equal(TIM1->CCR[0], 0);
+    assert_int_equal(TIM1->BDTR & TIM_BDTR_MOE, 0);
+    assert_true(fake_pin(PIN_MOTOR_ENABLE));
+    motor_set(5);
     motor_off();
     assert_int_equal(TIM1->CCR[0], 0);
     assert_int_equal(TIM1->BDTR & TIM_BDTR_MOE, 0);
     assert_false(fake_pin(PIN_MOTOR_ENABLE));
+}
+
+static uint32_t duty_at_turn; /* which TIM1 had when the direction changed; 1: no update was asked for */
+
+static void watch_turn(void) {
+    static bool before;
+    if (fake_pin(PIN_MOTOR_DIRECTION) != before)
+        duty_at_turn = (TIM1->EGR & TIM_EGR_UG) ? TIM1->CCR[0] : 1;
+    before = fake_pin(PIN_MOTOR_DIRECTION);
+}
+
+/* The direction changes only after the old magnitude is gone. */
+static void test_motor_turns_at_rest(void **state) {
+    (void)state;
+    hardware.pins = watch_turn;
+    motor_start(168000000);
+    for (int i = 0; i < 4; i++) {
+        motor_set(i % 2 ? -20000 : 20000);
+        TIM1->EGR = 0;
+        assert_int_equal(duty_at_turn, 0);
+        duty_at_turn = 7;
+    }
+    motor_set(-20000);
+    assert_int_equal(duty_at_turn, 7); /* no turn: nothing is interrupted */
+}
+
+/* A pulse that is over before anybody looks. */
+static void test_short_emergency_stop(void **state) {
+    app_inputs in;
+    (void)state;
+    fake_set_pin(PIN_ENCODER_GOOD, true);
+    fake_set_pin(PIN_EMERGENCY, true);
+    assert_int_equal(hal_init(), 0);
+    hal_sense(&in);
+    assert_false(in.emergency_stop);
+    TIM1->SR |= 1u << 7;
+    hal_sense(&in);
+    assert_true(in.emergency_stop);
+    hal_sense(&in);
+    assert_false(in.emergency_stop);
+}
+
+static void test_alarms(void **state) {
+    app_inputs in;
+    (void)state;
+    fake_set_pin(PIN_ENCODER_GOOD, true);
+    fake_set_pin(PIN_MOTOR_FAULT, true);
+    assert_int_equal(hal_init(), 0);
+    assert_int_equal(GPIO(PORT_B)->PUPDR >> 30 & 3, PULL_UP); /* nFAULT, PB15 */
+    for (int i = 0; i < 2; i++) {
+        fake_set_pin(PIN_ENCODER_GOOD, i == 0);
+        fake_set_pin(PIN_MOTOR_FAULT, i == 0);
+        hal_sense(&in);
+        assert_int_equal(in.encoder_lost, i);
+        assert_int_equal(in.driver_fault, i);
+    }
+}
+
+/* ---- supply, guard ---- */
+
+static void test_supply(void **state) {
+    (void)state;
+    FLASH->OPTCR = 0x0fffaaed; /* as sold: no brown-out reset, locked */
+    supply_start();
+    assert_int_equal(FLASH->OPTCR, 0x0fffaae3);
+    assert_int_equal(FLASH->OPTKEYR, 0x4c5d6e7f);
+    assert_int_equal(PWR->CR, 7u << 5 | 1u << 4); /* 2.9 V, on */
+    assert_int_equal(EXTI->RTSR & EXTI->IMR, 1u << 16);
+    assert_int_equal(NVIC->ISER[0], 1u << 1);
+    FLASH->OPTKEYR = 0;
+    supply_start(); /* written once only */
+    assert_int_equal(FLASH->OPTKEYR, 0);
+    motor_start(168000000);
+    motor_set(1000);
+    supply_interrupt();
+    assert_false(fake_pin(PIN_MOTOR_ENABLE));
+    assert_int_equal(SCB->AIRCR, 0x05fa0004);
+    assert_int_equal(reset_cause(), APP_RESET_BROWN_OUT);
+    RCC->CSR = RCC_CSR_BORRSTF;
+    assert_int_equal(reset_cause(), APP_RESET_BROWN_OUT);
+    RCC->CSR = RCC_CSR_BORRSTF | RCC_CSR_PORRSTF; /* switched on */
+    assert_int_equal(reset_cause(), APP_RESET_POWER);
+}
+
+static void test_guard(void **state) {
+    (void)state;
+    guard_start();
+    assert_int_equal(MPU->RBAR, 0);
+    assert_int_equal(MPU->RASR, 1u << 28 | 19u << 1 | 1u); /* 1 MiB, no access */
+    assert_int_equal(MPU->CTRL, 5);
 }
 
 static void test_motor_output_expires(void **state) {
@@ -205,12 +309,14 @@ static void test_motor_output_expires(void **state) {
         tick_interrupt();
         assert_true(fake_pin(PIN_MOTOR_ENABLE));
     }
-    tick_interrupt(); /* a tick went by without a new output */
-    assert_false(fake_pin(PIN_MOTOR_ENABLE));
+    tick_interrupt(); /* a tick went by without a new output: it brakes */
+    assert_int_equal(TIM1->BDTR & TIM_BDTR_MOE, 0);
+    assert_true(fake_pin(PIN_MOTOR_ENABLE));
     assert_int_equal(TIM1->CCR[0], 0);
     hal_drive(&on);
     hal_drive(&off);
-    assert_false(fake_pin(PIN_MOTOR_ENABLE));
+    assert_int_equal(TIM1->BDTR & TIM_BDTR_MOE, 0);
+    assert_true(fake_pin(PIN_MOTOR_ENABLE));
 }
 
 /* ---- tick ---- */
@@ -356,7 +462,13 @@ const struct CMUnitTest tests[] = {
     cmocka_unit_test_setup(test_sensor_absent, setup),
     cmocka_unit_test_setup(test_encoder_wraps, setup),
     cmocka_unit_test_setup(test_encoder_alarm, setup),
+    cmocka_unit_test_setup(test_clock_of_revision_a, setup),
     cmocka_unit_test_setup(test_motor, setup),
+    cmocka_unit_test_setup(test_motor_turns_at_rest, setup),
+    cmocka_unit_test_setup(test_short_emergency_stop, setup),
+    cmocka_unit_test_setup(test_alarms, setup),
+    cmocka_unit_test_setup(test_supply, setup),
+    cmocka_unit_test_setup(test_guard, setup),
     cmocka_unit_test_setup(test_motor_output_expires, setup),
     cmocka_unit_test_setup(test_tick_wait, setup),
     cmocka_unit_test_setup(test_thermistor, setup),

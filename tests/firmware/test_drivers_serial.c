@@ -16,6 +16,7 @@ static void test_uart_receives(void **state) {
     uart_start(84000000);
     assert_int_equal(USART1->BRR, 91); /* 0.2 % off */
     assert_int_equal(NVIC->ISER[1], 1u << 5);
+    assert_int_equal(NVIC->IPR[9], 0x80u << 8); /* below the tick */
     assert_false(serial_receive(&byte));
     receive(USART_SR_RXNE, 0x55);
     receive(USART_SR_RXNE | USART_SR_ORE, 0xaa); /* the byte is good, the one after it was lost */

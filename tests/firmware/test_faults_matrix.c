@@ -9,14 +9,14 @@ typedef struct cause {
     void (*make)(bench *b);
     void (*lift)(bench *b); /* NULL: nothing of it lasts */
     uint32_t least, most;   /* ticks from make() to the stop, that of the stop included */
-    bool stays;             /* for minutes after lift(), or until a hand puts the plate back */
+    bool stays;             /* for minutes after lift() */
 } cause;
 
 /* X(name, plant_fault): the plant's, seen with the tick after next: it has sensed the next already. */
 #define PLANT_CAUSES(X)                                                                                      \
     X(obstacle, PLANT_OBSTACLE)                                                                              \
-    X(pushed, PLANT_PUSHED)                                                                                  \
-    X(hot, PLANT_HOT) X(silent, PLANT_SILENT) X(saturated, PLANT_SATURATED) X(emergency, PLANT_EMERGENCY)
+    X(hot, PLANT_HOT) X(silent, PLANT_SILENT) X(saturated, PLANT_SATURATED) X(emergency, PLANT_EMERGENCY)    \
+    X(encoder, PLANT_ENCODER) X(driver, PLANT_DRIVER)
 #define MAKE_AND_LIFT(name, fault)                                                                           \
     static void make_##name(bench *b) {                                                                      \
         plant_inject(b->plant, fault);                                                                       \
@@ -38,8 +38,12 @@ static void make_just_out(bench *b) {
     end_travel_at(b, -1e-4f);
 }
 
-static void lift_travel(bench *b) {
-    set_limits(b, (palp_wire_limits){.travel_nm = 30000000});
+/* A hand moves the plate, which is held, by 1.6 mm and keeps it there. */
+static void make_shoved(bench *b) {
+    plant_inject(b->plant, PLANT_PUSHED);
+    bench_run(b, 8);
+    plant_lift(b->plant, PLANT_PUSHED);
+    plant_inject(b->plant, PLANT_JAMMED);
 }
 
 static void make_stuck(bench *b) {
@@ -66,9 +70,13 @@ static void make_stack_reset(bench *b) {
     bench_restart(b, APP_RESET_STACK, 0);
 }
 
+static void make_brown_out(bench *b) {
+    bench_restart(b, APP_RESET_BROWN_OUT, 0);
+}
+
 static const cause obstacle = {make_obstacle, lift_obstacle, 2, 2, false};
-static const cause pushed = {make_pushed, lift_pushed, 50, 200, true};
-static const cause far_out = {make_far_out, lift_travel, 1, 1, false};
+static const cause shoved = {make_shoved, NULL, 20, 40, false};
+static const cause far_out = {make_far_out, NULL, 1, 1, false};
 static const cause just_out = {make_just_out, NULL, 1, 1, false};
 static const cause stuck = {make_stuck, NULL, 300, 500, false};
 static const cause hot = {make_hot, lift_hot, 100, 300, true};
@@ -81,6 +89,9 @@ static const cause silence = {make_silence, NULL, 101, 101, false};
 static const cause stall = {make_stall, NULL, 600, 800, false};
 static const cause smash = {make_smash, NULL, 1, 1, false};
 static const cause watchdog = {make_watchdog, NULL, 0, 0, false};
+static const cause brown_out = {make_brown_out, NULL, 0, 0, false};
+static const cause encoder = {make_encoder, lift_encoder, 3, 3, false};
+static const cause driver = {make_driver, lift_driver, 2, 2, false};
 static const cause stack_reset = {make_stack_reset, NULL, 0, 0, false};
 
 /* What makes a fault in a state; NULL: it cannot happen there. */
@@ -89,9 +100,9 @@ static const cause stack_reset = {make_stack_reset, NULL, 0, 0, false};
 #define MOVING(c) &c, NULL, &c, &c, &c
 static const cause *const causes[PALP_WIRE_FAULT_COUNT][PALP_WIRE_STATE_FAULT] = {
     ROW(OVER_FORCE, NULL, &obstacle, ALL(obstacle)),
-    ROW(OVER_TRAVEL, NULL, NULL, &stuck, &pushed, &far_out, &far_out, &far_out),
+    ROW(OVER_TRAVEL, NULL, NULL, &stuck, &far_out, &far_out, &far_out, &far_out),
     ROW(OVER_TEMPERATURE, NULL, &hot, ALL(hot)),
-    ROW(FOLLOWING_ERROR, NULL, NULL, MOVING(jammed)),
+    ROW(FOLLOWING_ERROR, NULL, NULL, &jammed, &shoved, &jammed, &jammed, &jammed),
     ROW(SENSOR_SILENT, NULL, &silent, ALL(silent)),
     ROW(SENSOR_SATURATED, NULL, &saturated, ALL(saturated)),
     ROW(ENCODER_JUMP, NULL, NULL, ALL(jump)),
@@ -101,12 +112,18 @@ static const cause *const causes[PALP_WIRE_FAULT_COUNT][PALP_WIRE_STATE_FAULT] =
     ROW(WATCHDOG_RESET, &watchdog, &watchdog, ALL(watchdog)),
     ROW(STACK_GUARD, &stack_reset, &smash, ALL(smash)),
     ROW(EMERGENCY_STOP, NULL, &emergency, ALL(emergency)),
+    ROW(ENCODER_LOST, NULL, &encoder, ALL(encoder)),
+    ROW(DRIVER_FAULT, NULL, &driver, ALL(driver)),
+    ROW(BROWN_OUT, &brown_out, &brown_out, ALL(brown_out)),
 };
+
+static bool restarts(uint8_t fault) {
+    return fault == PALP_WIRE_FAULT_WATCHDOG_RESET || fault == PALP_WIRE_FAULT_BROWN_OUT;
+}
 
 /* There is nothing to stop in IDLE, but the motion that would begin is stopped in its first tick. */
 static bool waits_for_home(uint8_t fault, uint8_t from) {
-    return from == PALP_WIRE_STATE_IDLE && fault != PALP_WIRE_FAULT_WATCHDOG_RESET &&
-           fault != PALP_WIRE_FAULT_STACK_GUARD && fault != PALP_WIRE_FAULT_EMERGENCY_STOP;
+    return from == PALP_WIRE_STATE_IDLE && !restarts(fault) && fault != PALP_WIRE_FAULT_STACK_GUARD && fault != PALP_WIRE_FAULT_EMERGENCY_STOP;
 }
 
 /* ---- what must be so ---- */
@@ -220,7 +237,7 @@ static void check_at_home(bench *b, uint8_t fault, const cause *c) {
 /* What is left of the position and of contact when a fault has stopped this state. */
 static bool position_is_known(uint8_t fault, uint8_t from) {
     return from >= PALP_WIRE_STATE_READY && fault != PALP_WIRE_FAULT_ENCODER_JUMP &&
-           fault != PALP_WIRE_FAULT_WATCHDOG_RESET;
+           fault != PALP_WIRE_FAULT_ENCODER_LOST && fault != PALP_WIRE_FAULT_OVER_TRAVEL && !restarts(fault);
 }
 
 static const char *check_cell(uint8_t fault, uint8_t from) {

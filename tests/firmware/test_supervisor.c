@@ -13,7 +13,7 @@ static const char *const next_wanted[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COU
     {"idle", "-", "-", "-", "-", "-", "-", "fault", "-"},                /* boot */
     {"-", "homing", "ready", "-", "-", "-", "idle", "fault", "-"},       /* idle */
     {"-", "-", "ready", "-", "-", "-", "idle", "fault", "-"},            /* homing */
-    {"-", "homing", "-", "approach", "run", "-", "ready", "fault", "-"}, /* ready */
+    {"-", "homing", "-", "approach", "run", "-", "idle", "fault", "-"},  /* ready */
     {"-", "-", "-", "-", "-", "retract", "retract", "fault", "-"},       /* approach */
     {"-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* run */
     {"-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* retract */
@@ -29,7 +29,7 @@ static const struct watch {
     {PALP_WIRE_FAULT_OVER_FORCE, "..HDAUT"},
     {PALP_WIRE_FAULT_OVER_TRAVEL, "..HDAUT"},
     {PALP_WIRE_FAULT_OVER_TEMPERATURE, "..HDAUT"},
-    {PALP_WIRE_FAULT_FOLLOWING_ERROR, "..H.AUT"},
+    {PALP_WIRE_FAULT_FOLLOWING_ERROR, "..HDAUT"},
     {PALP_WIRE_FAULT_SENSOR_SILENT, "..HDAUT"},
     {PALP_WIRE_FAULT_SENSOR_SATURATED, "..HDAUT"},
     {PALP_WIRE_FAULT_ENCODER_JUMP, "..HDAUT"},
@@ -38,7 +38,8 @@ static const struct watch {
     {PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE, "....AUT"},
     {PALP_WIRE_FAULT_WATCHDOG_RESET, "B......"},
     {PALP_WIRE_FAULT_STACK_GUARD, "BIHDAUT"},
-    {PALP_WIRE_FAULT_EMERGENCY_STOP, ".IHDAUT"},
+    {PALP_WIRE_FAULT_EMERGENCY_STOP, ".IHDAUT"}, {PALP_WIRE_FAULT_ENCODER_LOST, "..HDAUT"},
+    {PALP_WIRE_FAULT_DRIVER_FAULT, "..HDAUT"},   {PALP_WIRE_FAULT_BROWN_OUT, "B......"},
 };
 
 static void test_every_event(void **state) {
@@ -87,14 +88,21 @@ static void test_first_fault_wins(void **state) {
     assert_int_equal(s.fault, PALP_WIRE_FAULT_NONE);
 }
 
-/* The motor is on in no state that a fault, or the lack of a host, would not stop. */
+/* The motor is on in no state that a fault would not stop, and moves in none that the lack of a host would not:
+ * READY, which it leaves by itself then (test_app), holds the plate. */
 static void test_the_motor_is_watched(void **state) {
     (void)state;
     for (uint8_t s = 0; s < PALP_WIRE_STATE_COUNT; s++) {
-        const bool on = s == PALP_WIRE_STATE_HOMING || s == PALP_WIRE_STATE_APPROACH ||
-                        s == PALP_WIRE_STATE_RUN || s == PALP_WIRE_STATE_RETRACT;
-        assert_int_equal(supervisor_moving(s), on);
-        assert_int_equal(supervisor_watches(s, PALP_WIRE_FAULT_HOST_TIMEOUT), on);
+        const bool moving = s == PALP_WIRE_STATE_HOMING || s == PALP_WIRE_STATE_APPROACH ||
+                            s == PALP_WIRE_STATE_RUN || s == PALP_WIRE_STATE_RETRACT;
+        const bool on = moving || s == PALP_WIRE_STATE_READY;
+        assert_int_equal(supervisor_moving(s), moving);
+        assert_int_equal(supervisor_watches(s, PALP_WIRE_FAULT_HOST_TIMEOUT), moving);
+        assert_int_equal(supervisor_drives(s), on);
+        for (uint8_t fault = PALP_WIRE_FAULT_OVER_FORCE; fault <= PALP_WIRE_FAULT_ENCODER_JUMP; fault++)
+            assert_int_equal(supervisor_watches(s, fault), on);
+        assert_int_equal(supervisor_watches(s, PALP_WIRE_FAULT_ENCODER_LOST), on);
+        assert_int_equal(supervisor_watches(s, PALP_WIRE_FAULT_DRIVER_FAULT), on);
     }
 }
 

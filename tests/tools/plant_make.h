@@ -26,7 +26,7 @@ static inline plant *make(const plant_settings *settings) {
 }
 
 static inline plant_truth step(plant *p, int duty, bool on, plant_in *in) {
-    plant_out out = {.duty = (int16_t)duty, .motor_on = on};
+    plant_out out = {.duty = (int16_t)duty, .motor = on ? PLANT_MOTOR_ON : PLANT_MOTOR_OFF};
     plant_in unused;
     palp_error error = {PALP_OK, ""};
     if (plant_step(p, &out, in ? in : &unused, &error)) {

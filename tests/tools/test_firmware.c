@@ -83,7 +83,7 @@ static void test_info(void **state) {
     says(out, "serial             4711\n");
     assert_int_equal(run(&its, info, json), CLI_OK);
     json_t *it = printed();
-    assert_true(number(it, "serial") == 4711 && number(it, "count_um") == 1 && number(it, "protocol") == 1);
+    assert_true(number(it, "serial") == 4711 && number(it, "count_um") == 1 && number(it, "protocol") == PALP_WIRE_VERSION);
     json_decref(it);
 }
 
@@ -162,9 +162,9 @@ static void test_clear(void **state) {
 static void test_failures(void **state) {
     char wrong[] = "dance";
     (void)state;
-    assert_int_equal(run(&(peer_settings){.protocol = 2}, info, NULL), CLI_FAILURE);
+    assert_int_equal(run(&(peer_settings){.protocol = 9}, info, NULL), CLI_FAILURE);
     says(err, "palpate firmware: fd:");
-    says(err, "the device speaks protocol 2, this palpate 1");
+    says(err, "the device speaks protocol 9, this palpate 2");
     assert_int_equal(run(&(peer_settings){.closes = true}, info, NULL), CLI_FAILURE);
     says(err, "the other end has closed");
     assert_int_equal(run(&(peer_settings){0}, wrong, NULL), CLI_USAGE);

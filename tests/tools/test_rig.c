@@ -64,7 +64,7 @@ static int fake(char **argv) {
         plant_link_get_in(record, &now);
         next.boot = (now.events & PLANT_EVENT_HANG) != 0;
         next.duty = DUTY;
-        next.motor_on = !next.boot;
+        next.motor = !next.boot;
         next.cost = n;
         next.tx_count = now.rx_count; /* sends back what comes, changed, so that the test sees it was here */
         for (int i = 0; i < PLANT_LINK_RX; i++) {
@@ -164,7 +164,7 @@ static void test_lockstep(void **state) {
     assert_int_equal(plant_create(&s.plant, &p, NULL), PALP_OK);
     plant_first(p, &wanted);
     for (uint32_t i = 0; i < n; i++) {
-        plant_out out = {.duty = DUTY, .motor_on = 1};
+        plant_out out = {.duty = DUTY, .motor = PLANT_MOTOR_ON};
         if (i > 0) {
             assert_int_equal(plant_step(p, &out, &wanted, NULL), PALP_OK);
         }
@@ -354,7 +354,7 @@ static void test_firmware_that_fails(void **state) {
     (void)state;
     assert_int_equal(run(&s, NULL, "the firmware has ended: it is broken"), CLI_FAILURE);
     s = start_with("version");
-    assert_int_equal(run(&s, NULL, "has version 9, not 2"), CLI_FAILURE);
+    assert_int_equal(run(&s, NULL, "has version 9, not 3"), CLI_FAILURE);
     s = start_with("mute");
     s.patience_s = 0.2;
     assert_int_equal(run(&s, NULL, "does not answer"), CLI_FAILURE);

@@ -20,6 +20,7 @@ struct plant {
     double push_m_s2;      /* acceleration of the carriage, mean of the last tick: within it, it jumps */
     double zero_m;         /* where the encoder counts from */
     int32_t jumped;        /* counts */
+    int32_t counted;       /* when the encoder lost its signal */
     uint32_t tick, faults; /* bits 1 << plant_fault */
 };
 
@@ -73,6 +74,10 @@ static bool has(const plant *p, plant_fault fault) {
     return (p->faults & (1u << fault)) != 0;
 }
 
+static int32_t counts(const plant *p) {
+    return (int32_t)floor((p->drive.carriage_m - p->zero_m) / p->settings.actuator.count_m) + p->jumped;
+}
+
 /* What holds the carriage, if anything. */
 static void hold(plant *p) {
     p->drive.hold = has(p, PLANT_PUSHED) ? DRIVE_DRAGGED : has(p, PLANT_JAMMED) ? DRIVE_JAMMED : DRIVE_FREE;
@@ -85,6 +90,9 @@ void plant_inject(plant *p, plant_fault fault) {
     }
     if (fault == PLANT_JUMP) {
         p->jumped += JUMP_COUNTS;
+    }
+    if (fault == PLANT_ENCODER) {
+        p->counted = counts(p);
     }
     hold(p);
 }
@@ -117,14 +125,15 @@ static double read_force(const plant *p) {
 }
 
 static void sense(const plant *p, plant_in *in) {
-    const plant_actuator *a = &p->settings.actuator;
     double read_N = read_force(p);
     memset(in, 0, sizeof *in);
     in->tick = p->tick;
-    in->position = (int32_t)floor((p->drive.carriage_m - p->zero_m) / a->count_m) + p->jumped;
+    in->position = has(p, PLANT_ENCODER) ? p->counted : counts(p);
     in->thermistor = sensor_thermistor(p->drive.case_C);
     in->switches = (uint8_t)((p->drive.carriage_m <= 0 ? PLANT_SWITCH_HOME : 0) |
                              (has(p, PLANT_EMERGENCY) ? PLANT_SWITCH_EMERGENCY : 0) |
+                             (has(p, PLANT_ENCODER) ? PLANT_ENCODER_LOST : 0) |
+                             (has(p, PLANT_DRIVER) ? PLANT_DRIVER_FAULT : 0) |
                              (has(p, PLANT_SILENT) ? PLANT_SENSOR_SILENT : 0));
     if (!has(p, PLANT_SILENT)) {
         sensor_convert(&p->sensor, read_N, p->tick, in->adc);
@@ -143,11 +152,12 @@ void plant_first(plant *p, plant_in *in) {
 palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error *error) {
     const plant_actuator *a = &p->settings.actuator;
     const double dt = TICK / SUBSTEPS, volt = a->supply_V * fmax(out->duty, -DUTY_FULL) / DUTY_FULL;
+    const uint8_t supply = has(p, PLANT_DRIVER) ? PLANT_MOTOR_OFF : out->motor;
     const double before_m_s = p->drive.velocity_m_s;
     const bool slow = p->specimen.slow;
     palp_status status = PALP_OK;
     for (int i = 1; i <= SUBSTEPS && status == PALP_OK; i++) {
-        drive_advance(a, &p->drive, out->motor_on != 0, volt, p->specimen.force_N, dt);
+        drive_advance(a, &p->drive, supply, volt, p->specimen.force_N, dt);
         follow(p);
         if (!slow || i == SUBSTEPS) {
             status = specimen_advance(&p->specimen, reach(p), slow ? TICK : dt);

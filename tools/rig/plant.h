@@ -16,6 +16,7 @@ typedef struct plant plant;
 typedef struct plant_actuator {
     double force_constant_N_A, resistance_ohm, supply_V, current_A; /* current: the driver's limit */
     double moving_kg, viscous_Ns_m, coulomb_N;
+    double lift_N;         /* of the balance: so much more than the carriage weighs; negative: less */
     double backlash_m;     /* play of the plate below the encoder; held in it by coulomb_N */
     double travel_m;       /* from the home switch; hard stops stand 1 mm beyond both ends */
     double count_m;        /* of the encoder */
@@ -64,7 +65,9 @@ typedef enum plant_fault {
     PLANT_SILENT,    /* the converter does not answer */
     PLANT_SATURATED, /* one channel at its rail */
     PLANT_JUMP,      /* the encoder jumps by 5000 counts */
-    PLANT_EMERGENCY  /* the emergency stop is pressed */
+    PLANT_EMERGENCY, /* the emergency stop is pressed */
+    PLANT_ENCODER,   /* the encoder gives its alarm and counts no more */
+    PLANT_DRIVER     /* the motor's driver gives its alarm and no current */
 } plant_fault;
 void plant_inject(plant *p, plant_fault fault);
 void plant_lift(plant *p, plant_fault fault);

@@ -29,25 +29,28 @@ plant_actuator plant_actuator_default(void) {
 
 /* ---- file ---- */
 
-/* X(key in the file, member, units of the file in an SI unit, whether it may be 0) */
+typedef enum key_sign { POSITIVE, NOT_NEGATIVE, ANY_SIGN } key_sign;
+
+/* X(key in the file, member, units of the file in an SI unit, sign) */
 #define ACTUATOR_KEYS(X)                                                                                     \
-    X("force_constant_N_A", force_constant_N_A, 1, false)                                                    \
-    X("resistance_ohm", resistance_ohm, 1, false)                                                            \
-    X("supply_V", supply_V, 1, false)                                                                        \
-    X("current_A", current_A, 1, false)                                                                      \
-    X("moving_kg", moving_kg, 1, false)                                                                      \
-    X("viscous_Ns_m", viscous_Ns_m, 1, true)                                                                 \
-    X("coulomb_N", coulomb_N, 1, true)                                                                       \
-    X("backlash_mm", backlash_m, 1e3, true)                                                                  \
-    X("travel_mm", travel_m, 1e3, false)                                                                     \
-    X("count_mm", count_m, 1e3, false)                                                                       \
-    X("start_mm", start_m, 1e3, true)                                                                        \
-    X("compliance_mm_N", compliance_m_N, 1e3, true)                                                          \
-    X("winding_K_W", winding_K_W, 1, false)                                                                  \
-    X("winding_J_K", winding_J_K, 1, false)                                                                  \
-    X("case_K_W", case_K_W, 1, false)                                                                        \
-    X("case_J_K", case_J_K, 1, false)                                                                        \
-    X("ambient_C", ambient_C, 1, true)
+    X("force_constant_N_A", force_constant_N_A, 1, POSITIVE)                                                    \
+    X("resistance_ohm", resistance_ohm, 1, POSITIVE)                                                            \
+    X("supply_V", supply_V, 1, POSITIVE)                                                                        \
+    X("current_A", current_A, 1, POSITIVE)                                                                      \
+    X("moving_kg", moving_kg, 1, POSITIVE)                                                                      \
+    X("viscous_Ns_m", viscous_Ns_m, 1, NOT_NEGATIVE)                                                                 \
+    X("coulomb_N", coulomb_N, 1, NOT_NEGATIVE)                                                                       \
+    X("lift_N", lift_N, 1, ANY_SIGN)                                                                         \
+    X("backlash_mm", backlash_m, 1e3, NOT_NEGATIVE)                                                                  \
+    X("travel_mm", travel_m, 1e3, POSITIVE)                                                                     \
+    X("count_mm", count_m, 1e3, POSITIVE)                                                                       \
+    X("start_mm", start_m, 1e3, NOT_NEGATIVE)                                                                        \
+    X("compliance_mm_N", compliance_m_N, 1e3, NOT_NEGATIVE)                                                          \
+    X("winding_K_W", winding_K_W, 1, POSITIVE)                                                                  \
+    X("winding_J_K", winding_J_K, 1, POSITIVE)                                                                  \
+    X("case_K_W", case_K_W, 1, POSITIVE)                                                                        \
+    X("case_J_K", case_J_K, 1, POSITIVE)                                                                        \
+    X("ambient_C", ambient_C, 1, NOT_NEGATIVE)
 
 typedef struct actuator_file {
     const char *path;
@@ -75,15 +78,16 @@ static palp_status bad_key(const actuator_file *f, const char *key, const char *
     return plant_fail(f->error, PALP_ERR_INPUT, "%s:%d: %s %s", f->path, key_line(f->path, key), key, why);
 }
 
-static palp_status read_number(const actuator_file *f, const char *key, double unit, bool zero,
+static palp_status read_number(const actuator_file *f, const char *key, double unit, key_sign sign,
                                double *value) {
+    static const char *const must[] = {"must be a positive number", "must be a number, 0 or more", "must be a number"};
     const json_t *found = json_object_get(f->root, key);
     if (!found) {
         return PALP_OK;
     }
     double x = json_number_value(found);
-    if (!json_is_number(found) || !(x >= 0) || (x <= 0 && !zero)) {
-        return bad_key(f, key, zero ? "must be a number, 0 or more" : "must be a positive number");
+    if (!json_is_number(found) || (x < 0 && sign != ANY_SIGN) || (x == 0 && sign == POSITIVE)) {
+        return bad_key(f, key, must[sign]);
     }
     *value = x / unit;
     return PALP_OK;
@@ -91,7 +95,7 @@ static palp_status read_number(const actuator_file *f, const char *key, double u
 
 static palp_status check_keys(const actuator_file *f) {
     static const char *const known[] = {
-#define ACTUATOR_KEY(key, member, unit, zero) key,
+#define ACTUATOR_KEY(key, member, unit, sign) key,
         ACTUATOR_KEYS(ACTUATOR_KEY)
 #undef ACTUATOR_KEY
             "palpate",
@@ -116,8 +120,8 @@ static palp_status check_keys(const actuator_file *f) {
 
 static palp_status take(const actuator_file *f, plant_actuator *a) {
     palp_status status = check_keys(f);
-#define ACTUATOR_KEY(key, member, unit, zero)                                                                \
-    status = status ? status : read_number(f, key, unit, zero, &a->member);
+#define ACTUATOR_KEY(key, member, unit, sign)                                                                \
+    status = status ? status : read_number(f, key, unit, sign, &a->member);
     ACTUATOR_KEYS(ACTUATOR_KEY)
 #undef ACTUATOR_KEY
     if (status == PALP_OK && a->start_m > a->travel_m) {
@@ -197,10 +201,13 @@ static void heat(const plant_actuator *a, drive *d, double dt) {
     d->case_C += dt * (out - lost) / a->case_J_K;
 }
 
-void drive_advance(const plant_actuator *a, drive *d, bool on, double volt, double load_N, double dt_s) {
+void drive_advance(const plant_actuator *a, drive *d, uint8_t motor, double volt, double load_N,
+                   double dt_s) {
+    const bool on = motor != PLANT_MOTOR_OFF;
     double before = d->velocity_m_s;
+    volt = motor == PLANT_MOTOR_ON ? volt : 0;
     push f = motor_push(a, d, on, volt);
-    f.force_N -= load_N;
+    f.force_N -= load_N + a->lift_N;
     d->velocity_m_s = d->hold == DRIVE_FREE ? next_velocity(a, before, f, dt_s) : 0;
     if (d->hold == DRIVE_DRAGGED && d->carriage_m < a->travel_m + BEYOND_M) {
         d->velocity_m_s = DRAG_M_S;

@@ -20,8 +20,8 @@ typedef struct drive {
 
 drive drive_start(const plant_actuator *a);
 
-/* dt_s under a voltage (motor off: no current, so no braking either) against the specimen's force. */
-void drive_advance(const plant_actuator *a, drive *d, bool on, double volt, double load_N, double dt_s);
+/* dt_s of a motor (PLANT_MOTOR_*) under a voltage against the specimen's force. */
+void drive_advance(const plant_actuator *a, drive *d, uint8_t motor, double volt, double load_N, double dt_s);
 
 /* ---- sensor, thermistor: plant_sensor.c ---- */
 

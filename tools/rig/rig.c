@@ -78,7 +78,7 @@ static void log_tick(loop *l, const plant_out *out) {
         plant_truth t = plant_look(l->plant);
         fprintf(l->log.stream, "%.3f,%.7g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,%.5g,%d\n", t.time_s, 1e3 * t.carriage_m,
                 1e3 * t.velocity_m_s, 1e3 * t.depth_m, t.force_N, t.winding_C, t.case_C, t.current_A,
-                out->duty / 32767.0, out->motor_on);
+                out->duty / 32767.0, out->motor == PLANT_MOTOR_ON);
     }
 }
 
@@ -129,14 +129,22 @@ static int feed(loop *l) {
                : cli_failure(l->name, "the firmware takes no records");
 }
 
-/* What the board senses when it starts. If it was told to hang, the watchdog has restarted it. */
+/* Why the board has started: what it was told to do to itself. */
+static uint8_t reset_cause(const loop *l) {
+    const uint8_t events = l->booted ? l->in.events : 0;
+    return (events & PLANT_EVENT_HANG)        ? APP_RESET_WATCHDOG
+           : (events & PLANT_EVENT_BROWN_OUT) ? APP_RESET_BROWN_OUT
+                                              : APP_RESET_POWER;
+}
+
+/* What the board senses when it starts. */
 static void boot(loop *l) {
-    bool hung = l->booted && (l->in.events & PLANT_EVENT_HANG);
+    const uint8_t cause = reset_cause(l);
     if (!l->booted) {
         rig_feed_plant(&l->feed, 0, l->plant);
     }
     plant_first(l->plant, &l->in);
-    l->in.reset_cause = hung ? APP_RESET_WATCHDOG : APP_RESET_POWER;
+    l->in.reset_cause = cause;
     l->figures.restarts += l->booted;
     if (!l->booted && l->on_port) {
         l->on_port(l->port_name, l->context);

@@ -58,8 +58,16 @@ void hal_drive(const app_outputs *outputs) {
         miss_a_tick();
 }
 
-void motor_off(void) {
+void motor_brake(void) {
     simulated_drive(&(app_outputs){0});
+}
+
+void motor_off(void) {
+    motor_brake(); /* only ever just before a reset, which opens it */
+}
+
+/* There is none to watch. */
+void supply_interrupt(void) {
 }
 
 /* QEMU's TIM2 counts nanoseconds of virtual time, which passes by instructions. To be called every 4 s. */

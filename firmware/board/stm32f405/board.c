@@ -16,6 +16,7 @@ uint8_t hal_init(void) {
     gpio_start();
     const clock_state clock = clock_start();
     motor_start(clock.hz);
+    supply_start();
     switches_start();
     board.cause = reset_cause();
     if (!clock.crystal)
@@ -58,7 +59,9 @@ void hal_sense(app_inputs *inputs) {
     inputs->sensor_silent = !ad7606_read(inputs->adc);
     inputs->thermistor = thermistor_read();
     inputs->home_switch = switches_home();
-    inputs->emergency_stop = switches_emergency();
+    inputs->emergency_stop = motor_stopped() || switches_emergency();
+    inputs->encoder_lost = encoder_lost();
+    inputs->driver_fault = motor_fault();
 }
 
 void hal_drive(const app_outputs *outputs) {
@@ -66,7 +69,7 @@ void hal_drive(const app_outputs *outputs) {
     if (outputs->motor_on)
         motor_set(outputs->duty);
     else
-        motor_off();
+        motor_brake();
 }
 
 bool hal_receive(uint8_t *byte) {

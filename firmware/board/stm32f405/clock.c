@@ -18,6 +18,11 @@ static void use_internal(void) {
     (void)wait_for(&RCC->CFGR, RCC_CFGR_SWS, 0, CLOCK_POLLS);
 }
 
+/* Of revision A the prefetch gives wrong instructions (errata sheet ES0182). */
+static uint32_t flash_speedup(void) {
+    return FLASH_ACR_CACHES | (*IDCODE >> 16 == IDCODE_REVISION_A ? 0 : (uint32_t)FLASH_ACR_PREFETCH);
+}
+
 static bool pll_start(bool crystal) {
     RCC->CR &= ~(uint32_t)RCC_CR_PLLON;
     if (!wait_for(&RCC->CR, RCC_CR_PLLRDY, 0, CLOCK_POLLS))
@@ -27,7 +32,7 @@ static bool pll_start(bool crystal) {
     if (!wait_for(&RCC->CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY, CLOCK_POLLS))
         return false;
     /* Flash first: at 168 MHz it needs five wait states. */
-    FLASH->ACR = FLASH_ACR_5_WAITS | FLASH_ACR_CACHES;
+    FLASH->ACR = FLASH_ACR_5_WAITS | flash_speedup();
     if (!wait_for(&FLASH->ACR, FLASH_ACR_LATENCY, FLASH_ACR_5_WAITS, CLOCK_POLLS))
         return false;
     RCC->CFGR = RCC_CFGR_APB1_BY_4 | RCC_CFGR_APB2_BY_2 | RCC_CFGR_SW_PLL;

@@ -31,7 +31,7 @@ bool gpio_read(uint8_t pin);
 /* tick.c: SysTick at CONTROL_HZ. The board's board_tick() runs in its interrupt, first. */
 void tick_start(uint32_t clock_hz);
 uint32_t tick_now(void);   /* ticks since tick_start */
-void tick_renew(void);     /* the motor's output is good until the tick after next */
+void tick_renew(void);     /* the motor's output is good until the tick after next, which brakes it */
 uint32_t tick_spent(void); /* cycles between the last wake and the sleep after it */
 void tick_interrupt(void);
 void board_tick(void);
@@ -49,11 +49,22 @@ bool ad7606_read(int16_t adc[PALP_WIRE_CHANNELS]); /* false: no answer; adc is t
 /* encoder.c */
 bool encoder_start(void);   /* false: its alarm is on */
 int32_t encoder_read(void); /* counts since encoder_start; to be called within 32767 of them */
+bool encoder_lost(void);    /* its alarm, now */
 
 /* motor.c */
 void motor_start(uint32_t clock_hz);
 void motor_set(int16_t duty); /* 32767 = full */
-void motor_off(void);
+void motor_brake(void);       /* its ends joined: no current but what its own motion makes */
+void motor_off(void);         /* its ends open */
+bool motor_stopped(void);     /* once after each pulse at the emergency stop, however short */
+bool motor_fault(void);       /* the driver's alarm, now */
+
+/* supply.c: the processor's supply */
+void supply_start(void);
+void supply_interrupt(void);
+
+/* guard.c: no null pointers */
+void guard_start(void);
 
 /* thermistor.c */
 void thermistor_start(void);

@@ -18,7 +18,11 @@ bool encoder_start(void) {
     TIM3->CR1 = TIM_CR1_CEN;
     encoder.last = (uint16_t)TIM3->CNT;
     encoder.position = 0;
-    return gpio_read(PIN_ENCODER_GOOD);
+    return !encoder_lost();
+}
+
+bool encoder_lost(void) {
+    return !gpio_read(PIN_ENCODER_GOOD);
 }
 
 int32_t encoder_read(void) {

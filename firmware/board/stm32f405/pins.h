@@ -18,6 +18,7 @@ enum {
     PIN_MOTOR_PWM = PIN(PORT_A, 8),    /* TIM1_CH1 */
     PIN_MOTOR_DIRECTION = PIN(PORT_B, 13),
     PIN_MOTOR_ENABLE = PIN(PORT_B, 14), /* the driver pulls it down: off while the processor is in reset */
+    PIN_MOTOR_FAULT = PIN(PORT_B, 15),  /* pulled up: low = the driver has switched itself off */
     PIN_EMERGENCY = PIN(PORT_B, 12),    /* TIM1_BKIN; pulled down: low or open = pressed */
     PIN_HOME = PIN(PORT_C, 1),          /* pulled down: low or open = at home */
     PIN_THERMISTOR = PIN(PORT_C, 0),    /* ADC1_IN10 */

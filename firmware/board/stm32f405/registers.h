@@ -24,8 +24,20 @@ typedef struct rcc_registers {
 } rcc_registers;
 
 typedef struct flash_registers {
-    reg ACR;
+    reg ACR, KEYR, OPTKEYR, SR, CR, OPTCR;
 } flash_registers;
+
+typedef struct pwr_registers {
+    reg CR, CSR;
+} pwr_registers;
+
+typedef struct exti_registers {
+    reg IMR, EMR, RTSR, FTSR, SWIER, PR;
+} exti_registers;
+
+typedef struct mpu_registers {
+    reg TYPE, CTRL, RNR, RBAR, RASR;
+} mpu_registers;
 
 typedef struct gpio_registers {
     reg MODER, OTYPER, OSPEEDR, PUPDR, IDR, ODR, BSRR, LCKR, AFR[2];
@@ -60,7 +72,7 @@ typedef struct systick_registers {
 } systick_registers;
 
 typedef struct nvic_registers {
-    reg ISER[8], reserved0[24], ICER[8], reserved1[24], ISPR[8];
+    reg ISER[8], reserved0[24], ICER[8], reserved1[24], ISPR[8], reserved2[120], IPR[60];
 } nvic_registers;
 
 typedef struct scb_registers {
@@ -74,11 +86,13 @@ typedef struct dwt_registers {
 #define TIM2 REGISTERS_AT(tim_registers, 0x40000000u)
 #define TIM3 REGISTERS_AT(tim_registers, 0x40000400u)
 #define IWDG REGISTERS_AT(iwdg_registers, 0x40003000u)
+#define PWR REGISTERS_AT(pwr_registers, 0x40007000u)
 #define TIM1 REGISTERS_AT(tim_registers, 0x40010000u)
 #define USART1 REGISTERS_AT(usart_registers, 0x40011000u)
 #define ADC1 REGISTERS_AT(adc_registers, 0x40012000u)
 #define ADC_COMMON REGISTERS_AT(adc_common_registers, 0x40012300u)
 #define SPI1 REGISTERS_AT(spi_registers, 0x40013000u)
+#define EXTI REGISTERS_AT(exti_registers, 0x40013c00u)
 #define GPIO(port) REGISTERS_AT(gpio_registers, 0x40020000u + 0x400u * (port)) /* 0 = A */
 #define RCC REGISTERS_AT(rcc_registers, 0x40023800u)
 #define FLASH REGISTERS_AT(flash_registers, 0x40023c00u)
@@ -86,8 +100,10 @@ typedef struct dwt_registers {
 #define DWT REGISTERS_AT(dwt_registers, 0xe0001000u)
 #define SYSTICK REGISTERS_AT(systick_registers, 0xe000e010u)
 #define NVIC REGISTERS_AT(nvic_registers, 0xe000e100u)
+#define MPU REGISTERS_AT(mpu_registers, 0xe000ed90u)
 #define SCB REGISTERS_AT(scb_registers, 0xe000ed00u)
 #define DEMCR REGISTERS_AT(reg, 0xe000edfcu)
+#define IDCODE REGISTERS_AT(const reg, 0xe0042000u) /* of the chip: revision in the upper half */
 
 enum {
     RCC_CR_HSION = 1u << 0,
@@ -105,18 +121,33 @@ enum {
     RCC_CFGR_APB1_BY_4 = 5u << 10,
     RCC_CFGR_APB2_BY_2 = 4u << 13,
     RCC_CSR_RMVF = 1u << 24,
+    RCC_CSR_BORRSTF = 1u << 25,
     RCC_CSR_PORRSTF = 1u << 27,
     RCC_CSR_IWDGRSTF = 1u << 29,
     RCC_AHB1ENR_GPIOABC = 7u << 0,
     RCC_APB1ENR_TIM2 = 1u << 0,
     RCC_APB1ENR_TIM3 = 1u << 1,
+    RCC_APB1ENR_PWR = 1u << 28,
     RCC_APB2ENR_TIM1 = 1u << 0,
     RCC_APB2ENR_USART1 = 1u << 4,
     RCC_APB2ENR_ADC1 = 1u << 8,
     RCC_APB2ENR_SPI1 = 1u << 12,
     FLASH_ACR_LATENCY = 7u << 0,
     FLASH_ACR_5_WAITS = 5u << 0,
-    FLASH_ACR_CACHES = 7u << 8, /* prefetch, instructions, data */
+    FLASH_ACR_PREFETCH = 1u << 8,
+    FLASH_ACR_CACHES = 3u << 9, /* instructions, data */
+    FLASH_SR_BSY = 1u << 16,
+    FLASH_OPTCR_OPTLOCK = 1u << 0,
+    FLASH_OPTCR_OPTSTRT = 1u << 1,
+    FLASH_OPTCR_BOR = 3u << 2, /* 0: 2.8 V; 3: off */
+    IDCODE_REVISION_A = 0x1000,
+    PWR_CR_PVDE = 1u << 4,
+    PWR_CR_PLS_2V9 = 7u << 5,
+    EXTI_PVD = 1u << 16,
+    MPU_CTRL_ENABLE = 1u << 0,
+    MPU_CTRL_PRIVDEFENA = 1u << 2,
+    MPU_RASR_ENABLE = 1u << 0,
+    MPU_RASR_XN = 1u << 28,
     USART_SR_ORE = 1u << 3,
     USART_SR_RXNE = 1u << 5,
     USART_SR_TXE = 1u << 7,
@@ -140,6 +171,7 @@ enum {
     TIM_CCMR1_INPUTS = 1u | 1u << 8, /* TI1 and TI2 */
     TIM_CCMR1_FILTERS = 3u << 4 | 3u << 12,
     TIM_CCMR1_PWM = 6u << 4 | 1u << 3, /* mode 1, preloaded */
+    TIM_SR_BIF = 1u << 7,
     TIM_CCER_CC1E = 1u << 0,
     TIM_BDTR_OSSI = 1u << 10,
     TIM_BDTR_BKE = 1u << 12,
@@ -154,6 +186,7 @@ enum {
     SCB_AIRCR_RESET = 0x05fa0004u,
     DEMCR_TRCENA = 1u << 24,
     DWT_CTRL_CYCCNTENA = 1u << 0,
+    PVD_IRQ = 1,
     USART1_IRQ = 37
 };
 

@@ -11,6 +11,8 @@ uint8_t reset_cause(void) {
     reset_note = 0;
     if ((flags & RCC_CSR_PORRSTF) != 0) /* what the memory holds then is chance */
         return APP_RESET_POWER;
+    if ((flags & RCC_CSR_BORRSTF) != 0)
+        return APP_RESET_BROWN_OUT;
     if ((flags & RCC_CSR_IWDGRSTF) != 0)
         return APP_RESET_WATCHDOG;
     return (note & 0xffffff00u) == NOTE ? (uint8_t)note : APP_RESET_POWER;

@@ -47,6 +47,7 @@ __attribute__((section(".vectors"), used)) static const union {
     [5] = {.code = fault_entry},
     [6] = {.code = fault_entry},
     [15] = {.code = tick_interrupt},
+    [SYSTEM_VECTORS + PVD_IRQ] = {.code = supply_interrupt},
     [SYSTEM_VECTORS + USART1_IRQ] = {.code = uart_interrupt},
 };
 
@@ -57,6 +58,7 @@ void reset_handler(void) {
     BARRIER();
     memory_start();
     stack_paint();
+    guard_start();
     main();
     fault_restart((uintptr_t)stack_top);
 }

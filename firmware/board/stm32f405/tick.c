@@ -29,7 +29,7 @@ void tick_renew(void) {
 void tick_interrupt(void) {
     board_tick();
     if (!tick.renewed)
-        motor_off();
+        motor_brake();
     tick.renewed = false;
     tick.count++;
 }
