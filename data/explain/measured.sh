@@ -32,11 +32,11 @@ P
 m="$dir/mach1"
 for site in hayes_02 hayes_05 hayes_08; do
     for arms in 1 2; do
-        explain "${site}_$arms" 20 "--arms $arms" "$m/${site}"_*.csv
+        explain "${site}_$arms" 20 "--arms $arms --law polynomial" "$m/${site}"_*.csv
     done
 done
 for arms in 1 2 3; do
-    explain "hayes_all_$arms" 20 "--arms $arms" "$m"/hayes_0[258]_*.csv
+    explain "hayes_all_$arms" 20 "--arms $arms --law polynomial" "$m"/hayes_0[258]_*.csv
 done
 explain static_00 100 "--degree 2" "$m"/static_00*.csv
 for material in EF10_0T EF30_0T EF30_50T; do

@@ -75,6 +75,14 @@ PALP_API palp_status palp_characterize_select_degree(size_t n, const palp_record
                                         size_t max_degree, double *score, double *sd, size_t *best,
                                         palp_error *error);
 
+/* The law, by the same evidence: law[n_laws] in the order of preference, simple first, each with its kind, size, knots and area;
+ * coefficients: first guess. One fit each, whose derivatives tell what the folds would leave (one Gauss-Newton step, exact where
+ * the parameters are linear). With whole recordings held out, what is deeper than all others is not judged. A law that
+ * the data cannot fit loses. score, sd and *best by law, as above. ERR_ARGUMENT: no law, PALP_SPRING_PER_RUN. */
+PALP_API palp_status palp_characterize_select_law(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
+                                     size_t n_laws, const palp_law *law, double *score, double *sd, size_t *best,
+                                     palp_error *error);
+
 /* The fit's force for a recording, at its samples, into the caller's force_N[recording->n]. run is the recording's
  * index in the fit, which chooses its K_inf. ERR_ARGUMENT: run out of range. */
 PALP_API palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *recording,

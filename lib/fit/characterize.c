@@ -38,29 +38,6 @@ static void sort_arms(const fit_problem *p, double *v) {
             }
 }
 
-/* Inverse of J'J, scaled to a unit diagonal first, with a ridge of rounding size. */
-static palp_status invert(size_t n, double *a, double *inverse) {
-    double *scale = malloc((1 + DENSE_WORK) * n * sizeof *scale), *work = scale + n;
-    int *pivot = malloc(n * sizeof *pivot);
-    palp_status status = scale && pivot ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < n && !status; i++)
-        scale[i] = a[i * n + i] > 0.0 ? 1.0 / sqrt(a[i * n + i]) : 1.0;
-    for (size_t i = 0; i < n && !status; i++)
-        for (size_t j = 0; j < n; j++) {
-            a[i * n + j] = a[i * n + j] * scale[i] * scale[j] + (i == j ? 1e-14 : 0.0);
-            inverse[i * n + j] = i == j ? scale[i] : 0.0;
-        }
-    if (!status && !dense_ldl(n, a, pivot, work))
-        status = PALP_ERR_SINGULAR;
-    if (!status)
-        dense_ldl_solve(n, a, pivot, n, inverse);
-    for (size_t i = 0; i < n * n && !status; i++)
-        inverse[i] *= scale[i % n];
-    free(scale);
-    free(pivot);
-    return status;
-}
-
 /* Covariance of the parameters at v, and the residual's weighted square and its lag-1 correlation. */
 typedef struct curvature {
     double *covariance; /* [n^2] from the blocks' own noise */
@@ -157,7 +134,7 @@ static palp_status find_curvature(const fit_problem *p, const double *v, curvatu
     if (!status) {
         sum_residual(p, r, c);
         dense_transposed_product(n, n, m, jacobian, jacobian, square);
-        status = invert(n, square, c->covariance);
+        status = fit_invert(n, square, c->covariance);
     }
     if (!status)
         status = find_systematic(p, v, r, jacobian, c);

@@ -180,7 +180,7 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
     palp_status status = p->run ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t r = 0; r < n && !status; r++) {
         const palp_recording *rec = &recordings[r];
-        if (fabs(rec->height_m - p->height_m) > 1e-9)
+        if (fabs(rec->height_m - p->height_m) > 1e-6 * p->height_m)
             status = palp_error_set(error, PALP_ERR_INPUT, "%s: specimen of %g mm among specimens of %g mm",
                                     rec->name, 1e3 * rec->height_m, 1e3 * p->height_m);
         if (!status)

@@ -61,6 +61,13 @@ palp_status fit_polish(const fit_problem *problem, double *p, double *chi2, bool
 /* Scan and polish from several starts, then K(e) > 0 if need be. */
 palp_status fit_solve(fit_problem *problem, double *p, double *chi2, bool *converged);
 
+/* The same from p alone. */
+palp_status fit_solve_from(fit_problem *problem, double *p, double *chi2, bool *converged);
+
+/* Inverse of the symmetric a[n n], which is destroyed, scaled to a unit diagonal first, with a ridge of rounding size.
+ * ERR_SINGULAR. */
+palp_status fit_invert(size_t n, double *a, double *inverse);
+
 /* The law of a parameter vector, and the whole material with the arms in order of tau. */
 palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);

@@ -1,4 +1,5 @@
 /* fit_model.c: what a parameter vector predicts, and how far that is from the blocks. */
+#include "base/dense.h"
 #include "fit_internal.h"
 
 #include <math.h>
@@ -110,4 +111,26 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
     }
     free(response);
     return sound ? PALP_OK : no_spring(p, residual, jacobian);
+}
+
+palp_status fit_invert(size_t n, double *a, double *inverse) {
+    double *scale = malloc((1 + DENSE_WORK) * n * sizeof *scale), *work = scale + n;
+    int *pivot = malloc(n * sizeof *pivot);
+    palp_status status = scale && pivot ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n && !status; i++)
+        scale[i] = a[i * n + i] > 0.0 ? 1.0 / sqrt(a[i * n + i]) : 1.0;
+    for (size_t i = 0; i < n && !status; i++)
+        for (size_t j = 0; j < n; j++) {
+            a[i * n + j] = a[i * n + j] * scale[i] * scale[j] + (i == j ? 1e-14 : 0.0);
+            inverse[i * n + j] = i == j ? scale[i] : 0.0;
+        }
+    if (!status && !dense_ldl(n, a, pivot, work))
+        status = PALP_ERR_SINGULAR;
+    if (!status)
+        dense_ldl_solve(n, a, pivot, n, inverse);
+    for (size_t i = 0; i < n * n && !status; i++)
+        inverse[i] *= scale[i % n];
+    free(scale);
+    free(pivot);
+    return status;
 }

@@ -1,5 +1,6 @@
 /* fit_select.c: how many arms, or which degree, by error on blocks that were held out. */
 #include "base/arena.h"
+#include "base/dense.h"
 #include "base/file.h"
 #include "fit_internal.h"
 
@@ -18,10 +19,11 @@ typedef struct folds {
     size_t *fold;            /* [n_groups] */
     unsigned char *held_out; /* [n_blocks] */
     double *loss;            /* [n_candidates n_groups] mean square of the held-out residuals */
+    bool by_run;
 } folds;
 
 static palp_status make_folds(folds *f, const fit_problem *p, size_t candidates) {
-    bool by_run = p->settings->spring == PALP_SPRING_LAW && p->n_runs >= 3;
+    bool by_run = f->by_run = p->settings->spring == PALP_SPRING_LAW && p->n_runs >= 3;
     f->n_groups = p->n_runs * GROUPS;
     f->n_folds = by_run ? p->n_runs : FOLDS;
     f->group = arena_take(&f->memory, p->n_blocks, sizeof *f->group);
@@ -82,6 +84,82 @@ static palp_status score_candidate(folds *f, fit_problem *p, double *loss) {
         loss[g] = count[g] > 0.0 ? loss[g] / count[g] : 0.0;
     free(count);
     free(whole);
+    free(v);
+    return status;
+}
+
+/* Deepest strain of all runs but one: a law is judged as far as the rest was measured. */
+static double others_strain(const fit_problem *p, size_t but) {
+    double most = 0.0;
+    for (size_t r = 0; r < p->n_runs; r++)
+        for (size_t i = 0; i < p->run[r].n && r != but; i++)
+            most = fmax(most, p->run[r].strain[i]);
+    return most;
+}
+
+/* What the fit of the rest would leave of the blocks of a fold, by one Gauss-Newton step from the fit of all, exact for
+ * what is linear: d = (J'J - Jf'Jf)^-1 Jf' rf, and rf + Jf d is left. square = J'J; work[3 n n + 2 n]. */
+static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, const double *residual, const double *jacobian,
+                            const double *square, double *work, double *loss, double *count) {
+    size_t n = fit_parameter_count(p), m = p->n_blocks;
+    double *rest = work, *inverse = rest + n * n, *pull = inverse + n * n, *step = pull + n;
+    memcpy(rest, square, n * n * sizeof *rest);
+    memset(pull, 0, n * sizeof *pull);
+    for (size_t i = 0; i < m; i++) {
+        if (f->fold[f->group[i]] != fold)
+            continue;
+        for (size_t a = 0; a < n; a++) {
+            pull[a] += jacobian[a * m + i] * residual[i];
+            for (size_t b = 0; b < n; b++)
+                rest[a * n + b] -= jacobian[a * m + i] * jacobian[b * m + i];
+        }
+    }
+    palp_status status = fit_invert(n, rest, inverse);
+    for (size_t a = 0; a < n && !status; a++) {
+        step[a] = 0.0;
+        for (size_t b = 0; b < n; b++)
+            step[a] += inverse[a * n + b] * pull[b];
+    }
+    for (size_t run = 0, i = 0; run < p->n_runs && !status; run++) {
+        double top = f->by_run ? others_strain(p, run) : HUGE_VAL;
+        for (size_t b = 0; b < p->run[run].n; b++, i++) {
+            double left = residual[i];
+            if (f->fold[f->group[i]] != fold || p->run[run].count[b] == 0.0 || p->run[run].strain[b] > top)
+                continue;
+            for (size_t a = 0; a < n; a++)
+                left += jacobian[a * m + i] * step[a];
+            loss[f->group[i]] += left * left;
+            count[f->group[i]] += 1.0;
+        }
+    }
+    return status;
+}
+
+/* One fit, and all folds from its derivatives. arms[2 n_arms]: of the law before, to start from, if *started; then of this
+ * one. */
+static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *started, double *loss) {
+    size_t n = fit_parameter_count(p), m = p->n_blocks, bytes = 2 * p->n_arms * sizeof *arms;
+    double *v = calloc(n + m + m * n + 4 * n * n + 2 * n + f->n_groups, sizeof *v), chi2;
+    bool done;
+    if (!v)
+        return PALP_ERR_NO_MEMORY;
+    double *residual = v + n, *jacobian = residual + m, *square = jacobian + m * n, *work = square + n * n;
+    double *count = work + 3 * n * n + 2 * n;
+    memcpy(v, p->law.coefficients, p->n_springs * sizeof *v);
+    memcpy(v + p->n_springs, arms, bytes);
+    palp_status status = *started ? fit_solve_from(p, v, &chi2, &done) : fit_solve(p, v, &chi2, &done);
+    if (!status)
+        status = fit_evaluate(p, v, residual, jacobian);
+    if (!status) {
+        memcpy(arms, v + p->n_springs, bytes);
+        *started = true;
+    }
+    if (!status)
+        dense_transposed_product(n, n, m, jacobian, jacobian, square);
+    for (size_t fold = 0; fold < f->n_folds && !status; fold++)
+        status = step_out(f, p, fold, residual, jacobian, square, work, loss, count);
+    for (size_t g = 0; g < f->n_groups; g++)
+        loss[g] = count[g] > 0.0 ? loss[g] / count[g] : 0.0;
     free(v);
     return status;
 }
@@ -177,4 +255,82 @@ palp_status palp_characterize_select_degree(size_t n, const palp_recording *reco
     if (settings->spring != PALP_SPRING_LAW)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a degree is chosen for one law of all recordings");
     return select_best(n, recordings, settings, false, max_degree + 1, score, sd, best, error);
+}
+
+/* Mean over the groups of what law a leaves more than law b, in rms, and its standard error. */
+static double rms_excess(size_t groups, const double *a, const double *b, double *error) {
+    double sum = 0.0, square = 0.0, used = 0.0;
+    for (size_t g = 0; g < groups; g++) {
+        double d = sqrt(a[g]) - sqrt(b[g]);
+        sum += d;
+        square += d * d;
+        used += a[g] > 0.0 || b[g] > 0.0;
+    }
+    double mean = sum / fmax(used, 1.0);
+    *error = used > 1.0 ? sqrt(fmax(square / used - mean * mean, 0.0) / (used - 1.0)) : HUGE_VAL;
+    return mean;
+}
+
+/* The first law that leaves no more than the best one by two standard errors, or a tenth, in the mean of the groups' rms:
+ * a law is for its forces, large ones above all, where arms are for a spectrum and go by logarithms. */
+static size_t choose_law(size_t laws, size_t groups, const double *loss, double *score, double *sd) {
+    size_t best = 0, chosen = 0;
+    double error, typical = 0.0, used = 0.0;
+    fit_choose(laws, groups, loss, score, sd);
+    for (size_t c = 1; c < laws; c++)
+        if (rms_excess(groups, loss + c * groups, loss + best * groups, &error) < 0.0)
+            best = c;
+    for (size_t g = 0; g < groups; g++) {
+        typical += sqrt(loss[best * groups + g]);
+        used += loss[best * groups + g] > 0.0;
+    }
+    while (chosen < best && rms_excess(groups, loss + chosen * groups, loss + best * groups, &error) > fmax(2.0 * error, 0.1 * typical / fmax(used, 1.0)))
+        chosen++;
+    return chosen;
+}
+
+/* A law that cannot be fitted at all loses: as far off as no force. */
+static void lose(const folds *f, const fit_problem *p, double *loss) {
+    memset(loss, 0, f->n_groups * sizeof *loss);
+    for (size_t r = 0, i = 0; r < p->n_runs; r++)
+        for (size_t b = 0; b < p->run[r].n; b++, i++) {
+            double force = sqrt(p->run[r].count[b]) * p->run[r].force[b] / p->run[r].noise;
+            loss[f->group[i]] = fmax(loss[f->group[i]], force * force);
+        }
+}
+
+palp_status palp_characterize_select_law(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
+                                         size_t n_laws, const palp_law *law, double *score, double *sd, size_t *best,
+                                         palp_error *error) {
+    if (!recordings || !settings || !law || !score || !sd || !best)
+        return palp_error_null(error);
+    if (settings->spring != PALP_SPRING_LAW || n_laws == 0)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a law is chosen among some, for all recordings");
+    folds f = {.loss = NULL};
+    palp_characterize_settings largest = *settings;
+    double arms[2 * PALP_ARMS_MAX] = {0};
+    bool started = false;
+    fit_problem p;
+    for (size_t c = 0; c < n_laws; c++)
+        if (c == 0 || law[c].n > largest.law.n)
+            largest.law = law[c];
+    palp_status status = fit_problem_create(&p, n, recordings, &largest, error);
+    if (status)
+        return status;
+    status = make_folds(&f, &p, n_laws);
+    for (size_t c = 0; c < n_laws && !status; c++) {
+        p.law = law[c];
+        p.n_springs = law[c].n;
+        p.positive = false;
+        status = score_by_steps(&f, &p, arms, &started, f.loss + c * f.n_groups);
+        if (status == PALP_ERR_SINGULAR) {
+            lose(&f, &p, f.loss + c * f.n_groups);
+            status = PALP_OK;
+        }
+    }
+    fit_problem_free(&p);
+    if (!status)
+        *best = choose_law(n_laws, f.n_groups, f.loss, score, sd);
+    arena_free(&f.memory);
+    return status;
 }

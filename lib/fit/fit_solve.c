@@ -246,11 +246,11 @@ static palp_status polish_starts(const fit_problem *p, double *v, double *chi2, 
     return status;
 }
 
-palp_status fit_solve(fit_problem *p, double *v, double *chi2, bool *converged) {
+/* K(e) > 0 over the strains measured, where the fit came out otherwise. */
+static palp_status keep_positive(fit_problem *p, double *v, double *chi2, bool *converged) {
     palp_law law;
-    *converged = false;
-    palp_status status = polish_starts(p, v, chi2, converged);
-    if (status || p->settings->spring == PALP_SPRING_PER_RUN || !linear_law(p))
+    palp_status status = PALP_OK;
+    if (p->settings->spring == PALP_SPRING_PER_RUN || !linear_law(p))
         return status;
     status = fit_law(p, v, &law);
     if (!status && palp_law_minimum(&law, p->strain_max) <= 0.0) {
@@ -258,4 +258,16 @@ palp_status fit_solve(fit_problem *p, double *v, double *chi2, bool *converged) 
         status = fit_polish(p, v, chi2, converged);
     }
     return status;
+}
+
+palp_status fit_solve(fit_problem *p, double *v, double *chi2, bool *converged) {
+    *converged = false;
+    palp_status status = polish_starts(p, v, chi2, converged);
+    return status ? status : keep_positive(p, v, chi2, converged);
+}
+
+palp_status fit_solve_from(fit_problem *p, double *v, double *chi2, bool *converged) {
+    *converged = false;
+    palp_status status = fit_polish(p, v, chi2, converged);
+    return status ? status : keep_positive(p, v, chi2, converged);
 }

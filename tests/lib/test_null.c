@@ -76,6 +76,12 @@ START_TEST(null_in_characterize) {
     REFUSED(palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
     REFUSED(palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
     REFUSED(palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL, NULL));
+    REFUSED(palp_characterize_select_law(2, NULL, (void *)storage, 2, &material.law, numbers, numbers, &count, NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, NULL, 2, &material.law, numbers, numbers, &count, NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, NULL, numbers, numbers, &count, NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, NULL, numbers, &count, NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, numbers, NULL, &count, NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, numbers, numbers, NULL, NULL));
     REFUSED(palp_characterize_select_degree(2, NULL, (void *)storage, 2, numbers, numbers, &count, NULL));
     REFUSED(palp_characterize_select_degree(2, (void *)storage, NULL, 2, numbers, numbers, &count, NULL));
     REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));

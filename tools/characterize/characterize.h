@@ -14,6 +14,7 @@ enum {
     DEGREE_MIN = 2, /* of the force polynomial F(e) = K(e) e, as Table 4.1 counts */
     DEGREE_MAX = 7,
     SELECT_ARMS_MAX = 5,
+    SELECT_LAWS_MAX = 20,
     CHARACTERIZE_SPREAD_MAX = 20
 };
 
@@ -23,9 +24,9 @@ typedef struct characterize_options {
     const char *words[CHARACTERIZE_RUNS_MAX]; /* RUN.csv ... */
     size_t n_words;
     const char *arms_text, *degree_text, *out, *plot;
-    int law, method; /* palp_law_kind, characterize_method */
+    int law_choice, law, method; /* 0 = auto, else 1 + palp_law_kind; palp_law_kind; characterize_method */
     size_t arms, degree, knots;
-    bool arms_auto, degree_auto, degree_given;
+    bool arms_auto, law_auto, degree_auto, degree_given;
     bool shared_arms, per_depth, dwell_only, fit_filtered, json;
     double filter_Hz, height_mm, contact_mm; /* 0, 0, NaN = not given */
     char command[CLI_COMMAND_MAX];
@@ -34,7 +35,7 @@ typedef struct characterize_options {
 /* Held-out scores of a choice; index i stands for first + i. */
 typedef struct characterize_scores {
     size_t first, n, best;
-    double score[DEGREE_MAX + 2], sd[DEGREE_MAX + 2], rms_noise[DEGREE_MAX + 2];
+    double score[SELECT_LAWS_MAX], sd[SELECT_LAWS_MAX], rms_noise[DEGREE_MAX + 2];
 } characterize_scores;
 
 /* K of the plain static polynomial, the joint law and the single runs at the depth of a ramp and hold. */
@@ -55,7 +56,8 @@ typedef struct characterize_state {
     palp_law plain[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1]; /* [static run][degree]; n = 0: not fitted */
     double norm_N[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1];
     size_t degree, n_arms;             /* of the final model */
-    characterize_scores degrees, arms; /* n = 0: not asked for */
+    characterize_scores degrees, arms, laws; /* n = 0: not asked for */
+    palp_law law[SELECT_LAWS_MAX];           /* [laws.n] first guesses */
     size_t n_single;
     palp_lumped_fit single[CHARACTERIZE_RUNS_MAX]; /* of each ramp and hold alone */
     bool has_shared;
@@ -89,6 +91,10 @@ double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const pa
 /* Each returns an exit code, after one line on stderr if it is not 0. */
 int characterize_read(const characterize_options *o, characterize_state *s);  /* runs and their findings */
 int characterize_model(const characterize_options *o, characterize_state *s); /* all fits */
+palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring, size_t n_arms);
+size_t characterize_depths(const characterize_state *s); /* different ones held, to 2 % */
+int characterize_choose_law(const characterize_options *o, characterize_state *s); /* --law auto */
+palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law);
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law);
 int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
 int characterize_print(const characterize_options *o, const characterize_state *s);

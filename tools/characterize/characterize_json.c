@@ -73,6 +73,21 @@ static json_t *scores_json(const characterize_scores *c, const char *what, bool 
     return list;
 }
 
+/* Of --law auto: each law that was tried, in the order of preference. */
+static json_t *laws_json(const characterize_state *s) {
+    json_t *list = json_array();
+    for (size_t k = 0; k < s->laws.n; k++) {
+        json_t *to = json_object();
+        set_text(to, "kind", palp_law_kind_name(s->law[k].kind));
+        json_object_set_new(to, "parameters", json_integer((json_int_t)s->law[k].n));
+        set(to, "held_out", s->laws.score[k]);
+        set(to, "excess_sd", s->laws.sd[k]);
+        json_object_set_new(to, "taken", json_boolean(k == s->laws.best));
+        json_array_append_new(list, to);
+    }
+    return list;
+}
+
 /* ---- runs ---- */
 
 static json_t *run_json(const characterize_state *s, size_t i) {
@@ -201,6 +216,7 @@ static void add_lists(json_t *all, const characterize_state *s) {
     json_object_set_new(all, "runs", runs);
     json_object_set_new(all, "static", statics);
     json_object_set_new(all, "degree_scores", scores_json(&s->degrees, "degree", false));
+    json_object_set_new(all, "law_scores", laws_json(s));
     json_object_set_new(all, "arms_scores", scores_json(&s->arms, "n_arms", true));
     json_object_set_new(all, "per_depth", singles);
     json_object_set_new(all, "shared", s->has_shared ? shared_json(s) : json_null());

@@ -16,7 +16,7 @@ static const palp_recording *timed(const characterize_state *s, size_t *n) {
 
 /* A spring for each run is constant, which K(e) is not on the ramp: such fits see the hold only, as in
  * Section 4.3.3; the ramp is for the joint law. */
-static palp_characterize_settings settings_of(const characterize_options *o, palp_spring_form spring, size_t n_arms) {
+palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring, size_t n_arms) {
     palp_characterize_settings settings = palp_characterize_settings_default();
     settings.spring = spring;
     settings.n_arms = n_arms;
@@ -44,7 +44,7 @@ static int fit_plain(const characterize_options *o, characterize_state *s) {
 
 /* Different depths held, to 2 %: what a polynomial can be told from without a static run. A press of
  * another kind counts for its steps: as many as a quadratic needs. */
-static size_t count_depths(const characterize_state *s) {
+size_t characterize_depths(const characterize_state *s) {
     size_t count = 0;
     double last = 0;
     for (size_t i = s->n_static; i < s->n; i++) {
@@ -59,13 +59,13 @@ static size_t count_depths(const characterize_state *s) {
 
 static int choose_degree(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
-    size_t depths = s->n_static ? DEGREE_MAX : count_depths(s);
+    size_t depths = s->n_static ? DEGREE_MAX : characterize_depths(s);
     size_t best = 0;
     if (!o->degree_auto) {
         s->degree = o->degree <= depths || o->degree_given ? o->degree : depths;
         return CLI_OK;
     }
-    palp_characterize_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_static ? 0 : 2);
+    palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, s->n_static ? 0 : 2);
     const double one = 1;
     palp_law_polynomial(1, &one, &settings.law);
     palp_status status = palp_characterize_select_degree(s->n_static ? s->n_static : s->n, s->run, &settings,
@@ -120,7 +120,7 @@ static int choose_arms(const characterize_options *o, characterize_state *s, pro
     if (!o->arms_auto || n == 0) {
         return CLI_OK;
     }
-    palp_characterize_settings settings = settings_of(o, s->n_hold == n ? PALP_SPRING_PER_RUN : PALP_SPRING_LAW, 0);
+    palp_characterize_settings settings = characterize_settings(o, s->n_hold == n ? PALP_SPRING_PER_RUN : PALP_SPRING_LAW, 0);
     palp_status status = characterize_guess(o, s, &settings.law);
     for (bool again = status == PALP_OK; again; again = status == PALP_ERR_SINGULAR && most-- > 1) {
         status = palp_characterize_select_arms(n, run, &settings, most, s->arms.score, s->arms.sd, &s->arms.best, &error);
@@ -137,7 +137,7 @@ static int choose_arms(const characterize_options *o, characterize_state *s, pro
 
 static int fit_single(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
-    palp_characterize_settings settings = settings_of(o, PALP_SPRING_PER_RUN, s->n_arms);
+    palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_PER_RUN, s->n_arms);
     for (size_t i = 0; i < s->n_hold && !o->shared_arms; i++) {
         palp_status status = palp_characterize_fit(1, &s->run[s->n_static + i], &settings, &s->single[i], &error);
         if (status) {
@@ -154,7 +154,7 @@ static int fit_single(const characterize_options *o, characterize_state *s) {
 
 static int fit_shared(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
-    palp_characterize_settings settings = settings_of(o, PALP_SPRING_PER_RUN, s->n_arms);
+    palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_PER_RUN, s->n_arms);
     if (s->n_hold == 0 || o->per_depth) {
         return CLI_OK;
     }
@@ -168,103 +168,13 @@ static int fit_shared(const characterize_options *o, characterize_state *s) {
 
 /* ---- the joint fit ---- */
 
-/* K_inf of the single depths as if recorded by a static press: a law through them by least squares. */
-static palp_status law_of_depths(const characterize_state *s, size_t degree, palp_law *law) {
-    double depth[CHARACTERIZE_RUNS_MAX], force[CHARACTERIZE_RUNS_MAX], norm = 0;
-    unsigned char use[CHARACTERIZE_RUNS_MAX];
-    palp_recording points = {
-        .height_m = s->run[0].height_m, .n = s->n_hold, .depth_m = depth, .force_N = force, .use = use};
-    for (size_t i = 0; i < s->n_hold; i++) {
-        double strain = s->run[s->n_static + i].deepest_m / points.height_m;
-        double k = s->has_shared ? s->shared.spring_N[i] : s->n_single ? s->single[i].spring_N[0] : NAN;
-        depth[i] = strain * points.height_m;
-        force[i] = k * strain;
-        use[i] = 1;
-        points.deepest_m = fmax(points.deepest_m, depth[i]);
-        if (!isfinite(k)) {
-            return PALP_ERR_INPUT;
-        }
-    }
-    degree = degree < s->n_hold ? degree : s->n_hold - (s->n_hold > 1);
-    return degree ? palp_thesis_polynomial(&points, degree, law, &norm) : PALP_ERR_INPUT;
-}
-
-/* Force over strain at the deepest point of a run: a stiffness to start from. */
-static double rough_stiffness(const palp_recording *r) {
-    size_t last = r->n - 1;
-    while (last > 0 && (r->depth_m[last] < 0.9 * r->deepest_m || !r->use[last])) {
-        last--;
-    }
-    return fmax(r->force_N[last] / (fmax(r->depth_m[last], 1e-3 * r->deepest_m) / r->height_m), 1e-9);
-}
-
-/* A polynomial K(e) to start from. */
-static palp_status rough_law(const characterize_state *s, size_t n, palp_law *law) {
-    double c[PALP_LAW_MAX] = {rough_stiffness(&s->run[0])};
-    if (s->n_static > 0 && n <= DEGREE_MAX && s->plain[0][n].n == n) {
-        *law = s->plain[0][n];
-        return PALP_OK;
-    }
-    palp_law through;
-    if (s->n_hold > 0 && law_of_depths(s, n, &through) == PALP_OK) {
-        memcpy(c, through.coefficients, through.n * sizeof *c);
-    }
-    return palp_law_polynomial(n, c, law);
-}
-
-static palp_status guess_spline(const characterize_options *o, const characterize_state *s, palp_law *law) {
-    double strain[PALP_LAW_MAX], stiffness[PALP_LAW_MAX], top = characterize_strain_max(s), most = 0;
-    palp_law rough;
-    palp_status status = rough_law(s, s->n_static ? 4 : 1, &rough);
-    for (size_t k = 0; k < o->knots && status == PALP_OK; k++) {
-        strain[k] = top * (double)k / (double)(o->knots - 1);
-        palp_law_stiffness(&rough, strain[k], &stiffness[k], NULL);
-        most = fmax(most, stiffness[k]);
-    }
-    for (size_t k = 0; k < o->knots; k++) {
-        stiffness[k] = fmax(stiffness[k], 0.02 * most);
-    }
-    return status ? status : palp_law_spline(o->knots, strain, stiffness, law);
-}
-
-/* K(0) = 3 G area with G the initial shear modulus, split over the coefficients. */
-static palp_status guess_hyperelastic(const characterize_options *o, const characterize_state *s,
-                                      palp_law *law) {
-    static const size_t counts[] = {0, 0, 1, 2, 5, 3, 4};
-    double radius = 0, k0 = 0, c[5] = {0};
-    for (size_t i = 0; i < s->n; i++) {
-        radius = fmax(radius, s->run[i].radius_m);
-    }
-    palp_law rough;
-    palp_status status = rough_law(s, 1, &rough);
-    if (radius <= 0 || status) {
-        return status ? status : PALP_ERR_INPUT;
-    }
-    double area = 3.14159265358979323846 * radius * radius;
-    palp_law_stiffness(&rough, 0, &k0, NULL);
-    double shear = k0 / (3 * area);
-    c[0] = 0.5 * shear;
-    c[1] = o->law == PALP_LAW_YEOH ? 0.01 * shear : 0.05 * shear;
-    if (o->law == PALP_LAW_OGDEN) {
-        c[0] = 0.8 * shear; /* alpha 2 */
-        c[1] = 2;
-        c[2] = -0.1 * shear; /* alpha -4 */
-        c[3] = -4;
-    }
-    return palp_law_hyperelastic((palp_law_kind)o->law, counts[o->law], c, area, law);
-}
-
-palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law) {
-    if (o->law == PALP_LAW_POLYNOMIAL) {
-        return rough_law(s, s->degree, law);
-    }
-    return o->law == PALP_LAW_SPLINE ? guess_spline(o, s, law) : guess_hyperelastic(o, s, law);
-}
-
 static int fit_joint(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
-    palp_characterize_settings settings = settings_of(o, PALP_SPRING_LAW, s->n_arms);
-    palp_status status = characterize_guess(o, s, &settings.law);
+    palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, s->n_arms);
+    palp_status status = s->laws.n ? PALP_OK : characterize_guess(o, s, &settings.law);
+    if (s->laws.n) {
+        settings.law = s->law[s->laws.best];
+    }
     if (status == PALP_ERR_INPUT) {
         return cli_failure(NAME,
                            "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
@@ -282,7 +192,7 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
 /* The thesis' procedure: arms of the grid, the plain static polynomial or a law through the depths' K_inf. */
 static int assemble_grid(characterize_state *s) {
     s->material = s->shared.material;
-    palp_status status = s->n_static ? PALP_OK : law_of_depths(s, s->degree, &s->material.law);
+    palp_status status = s->n_static ? PALP_OK : characterize_law_of_depths(s, s->degree, &s->material.law);
     if (s->n_static) {
         s->material.law = s->plain[0][s->degree];
     }
@@ -356,6 +266,9 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     progress_update(&bar, 0.65);
     code = code ? code : fit_shared(o, s);
     progress_update(&bar, 0.8);
+    if (code == CLI_OK && o->law_auto) {
+        code = characterize_choose_law(o, s);
+    }
     if (code == CLI_OK) {
         code = grid ? assemble_grid(s) : fit_joint(o, s);
     }

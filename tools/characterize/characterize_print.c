@@ -244,10 +244,23 @@ static void print_spread(const characterize_state *s) {
     }
 }
 
+static void print_laws(const characterize_state *s) {
+    if (s->laws.n == 0) {
+        return;
+    }
+    printf("The law by the error on what was left out of the fit (mean square over the noise variance)\n");
+    printf("  law               parameters         error  s.e. of the excess\n");
+    for (size_t k = 0; k < s->laws.n; k++) {
+        printf("  %-16s %11zu  %12.5g  %18.3g%s\n", palp_law_kind_name(s->law[k].kind), s->law[k].n, s->laws.score[k],
+               s->laws.sd[k], k == s->laws.best ? "   taken" : "");
+    }
+}
+
 int characterize_print(const characterize_options *o, const characterize_state *s) {
     print_static(s);
     print_spread(s);
     print_scores(&s->degrees, "degree", false);
+    print_laws(s);
     print_scores(&s->arms, "arms", true);
     print_single(s);
     print_shared(o, s);

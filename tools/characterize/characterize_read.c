@@ -103,7 +103,7 @@ static void sort(characterize_state *s) {
 
 static int check_heights(const characterize_state *s) {
     for (size_t i = 1; i < s->n; i++) {
-        if (fabs(s->run[i].height_m - s->run[0].height_m) > 1e-9) {
+        if (fabs(s->run[i].height_m - s->run[0].height_m) > 1e-6 * s->run[0].height_m) {
             return cli_failure(
                 NAME,
                 "%s: a specimen of %g mm, but %s: of %g mm; characterize each specimen by itself "

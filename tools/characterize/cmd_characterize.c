@@ -14,11 +14,13 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_text("arms", "N|auto", &o->arms_text,
                  "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\n"
                  "of the fit)"),
-        cli_choice("law", "polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden", &o->law,
-                   "form of the stiffness law K(e), F = K(e) e (default polynomial)"),
+        cli_choice("law", "auto|polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden", &o->law_choice,
+                   "form of the stiffness law K(e), F = K(e) e (default auto: form and size by the\n"
+                   "error on samples left out of the fit; with --degree a polynomial, with\n"
+                   "--knots a spline)"),
         cli_text("degree", "N|auto", &o->degree_text,
                  "degree of the force polynomial F(e), 2 to 7, so that K(e) has one degree\n"
-                 "less, as Table 4.1 of Sedef 2008 counts (default 5; no more terms than\n"
+                 "less, as Table 4.1 of Sedef 2008 counts (polynomial: default 5, no more terms than\n"
                  "there are depths); auto: by the error on samples left out"),
         cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 5)"),
         cli_heading("Fit"),
@@ -88,6 +90,8 @@ static int check_options(characterize_options *o) {
     if (code) {
         return code;
     }
+    o->law_auto = o->law_choice == 0 && !o->degree_given && o->knots == 0 && o->method == METHOD_NLOPT;
+    o->law = o->law_choice > 0 ? o->law_choice - 1 : o->knots > 0 ? PALP_LAW_SPLINE : PALP_LAW_POLYNOMIAL;
     if (o->law != PALP_LAW_POLYNOMIAL && o->degree_given) {
         return cli_usage_error(NAME, "--degree goes with --law polynomial");
     }
