@@ -53,3 +53,28 @@ void characterize_warn(characterize_state *s, const char *format, ...) {
         memcpy(s->warning[s->n_warnings++], text, sizeof text);
     }
 }
+
+/* A spring for each run is constant, which K(e) is not on the ramp: such fits see the hold only, as in
+ * Section 4.3.3; the ramp is for the joint law. */
+palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring, size_t n_arms) {
+    palp_characterize_settings settings = palp_characterize_settings_default();
+    settings.spring = spring;
+    settings.n_arms = n_arms;
+    settings.dwell_only = o->dwell_only || spring == PALP_SPRING_PER_RUN;
+    return settings;
+}
+
+/* Different depths held, to 2 %: what a polynomial can be told from without a static run. A press of
+ * another kind counts for its steps: as many as a quadratic needs. */
+size_t characterize_depths(const characterize_state *s) {
+    size_t count = 0;
+    double last = 0;
+    for (size_t i = s->n_static; i < s->n; i++) {
+        bool other = s->run[i].kind == PALP_RECORDING_OTHER;
+        if (other || s->run[i].deepest_m > 1.02 * last) {
+            count += other ? 3 : 1;
+            last = other ? last : s->run[i].deepest_m;
+        }
+    }
+    return count;
+}
