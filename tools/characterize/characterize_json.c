@@ -18,6 +18,9 @@ static json_t *law_json(const palp_law *law) {
     json_t *to = json_object();
     set_text(to, "kind", palp_law_kind_name(law->kind));
     json_add_law(to, law);
+    if (law->strain_max > 0) {
+        set(to, "strain_max", law->strain_max);
+    }
     return to;
 }
 

@@ -55,9 +55,6 @@ json_t *json_numbers(size_t n, const double *value) {
 }
 
 void json_add_law(json_t *to, const palp_law *law) {
-    if (law->strain_max > 0) {
-        json_object_set_new(to, "strain_max", json_real(law->strain_max));
-    }
     if (law->kind == PALP_LAW_SPLINE) {
         json_object_set_new(to, "strain", json_numbers(law->n, law->strain));
         json_object_set_new(to, "stiffness_N", json_numbers(law->n, law->coefficients));
