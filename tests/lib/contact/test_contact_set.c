@@ -128,6 +128,12 @@ START_TEST(a_capsule_touches_at_one_place) {
         ck_assert_double_eq_tol(s.set.contact[0].along, made[i].along, 1e-3 * 0.4);
         arena_free(&s.memory);
     }
+    surface s;
+    make(&s, 1);
+    palp_tool needle = capsule((double[]){-9.8, 0.1, 0.3}, (double[]){1, 0, 0}, 10.0, 0.15); /* its end is near */
+    ck_assert_uint_eq(meet(&s, &needle, 1.0), 1);
+    ck_assert_double_eq(s.set.contact[0].along, 10.0);
+    arena_free(&s.memory);
 }
 END_TEST
 

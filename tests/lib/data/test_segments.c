@@ -138,6 +138,7 @@ START_TEST(bends_and_stillness) {
     ck_assert_uint_eq(segments_still_end(6, depth, 0, 3.5), 3);
     ck_assert_uint_eq(segments_still_end(6, depth, 2, 3.5), 6);
     ck_assert_uint_eq(segments_still_end(6, depth, 5, 1.0), 6);
+    ck_assert_uint_eq(segments_still_end(3, (double[]){2.0, 1.6, 1.5}, 0, 0.5), 2); /* a move upwards ends it too */
 }
 END_TEST
 

@@ -318,7 +318,40 @@ START_TEST(files) {
 }
 END_TEST
 
+/* A number that is none anywhere in the arrays, or a node that there is not, is refused though the checksum is right. */
+START_TEST(arrays_of_a_file_are_checked) {
+    palp_network *net;
+    palp_material m = quartic(2);
+    const palp_mesh_source mesh = {.nodes = {5, 5, 5}, .size_m = {HEIGHT, HEIGHT, HEIGHT}, .neighbourhood = PALP_NEIGHBOURS_26};
+    const palp_model model = {.kind = PALP_MODEL_NETWORK, .height_m = HEIGHT, .material = m, .mesh = &mesh};
+    palp_reduced *r = under_a_ball(&net);
+    const size_t n = r->n_nodes;
+    double *last[] = {r->rest + 3 * n - 1, r->lift + 3 * n - 1, r->basis + 3 * n * r->modes - 1, r->weight + r->n_elements - 1,
+                      r->low + r->modes, r->high + r->modes, r->unit + n - 1};
+    int32_t *node[] = {r->pair + 2 * r->n_elements - 1, r->triangles + 3 * r->n_triangles - 1};
+    scratch_setup();
+    for (size_t i = 0; i < sizeof last / sizeof *last + 4; i++) {
+        double *number = i < 7 ? last[i] : NULL, was = number ? *number : 0.0;
+        int32_t *at = number ? NULL : node[(i - 7) / 2], index = at ? *at : 0;
+        if (number)
+            *number = NAN;
+        else
+            *at = i % 2 ? (int32_t)n : -1;
+        ck_assert_int_eq(palp_reduced_write(r, &model, scratch_path("r.json"), NULL), PALP_OK);
+        check_refused("");
+        if (number)
+            *number = was;
+        else
+            *at = index;
+    }
+    scratch_teardown();
+    palp_reduced_free(r);
+    palp_network_free(net);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, arrays_of_a_file_are_checked);
     tcase_add_test(tc, nothing_reduced);
     tcase_add_test(tc, nothing_reduced_under_a_tool);
     tcase_add_test(tc, rest_is_rest);

@@ -279,7 +279,81 @@ START_TEST(static_shapes_answer_loads_near_a_tool) {
 }
 END_TEST
 
+/* A capsule whose box, with its margin of four edges and what it travels, ends between the nodes on one side of it. */
+START_TEST(places_near_a_tool_are_those_in_its_box) {
+    palp_network *net;
+    palp_reduced *r = under_a_ball(&net);
+    reduced_contact *surface = r->surface;
+    const double edge = surface->contacts.edge, radius = 0.001, length = 0.002, along[3] = {0.6, 0.64, -0.48};
+    for (size_t side = 0; side < 6; side++) {
+        size_t axis = side % 3, n = 0, inside = 0;
+        double margin = 4.0 * edge + 0.003 + 2.0 * length, squares;
+        palp_tool is = {.shape = PALP_TOOL_CAPSULE, .radius_m = radius, .length_m = length, .position_m = {0.01, 0.01, 0.01}}, was;
+        double beyond = side < 3 ? 0.55 * HEIGHT - margin - radius : 0.55 * HEIGHT + margin + radius;
+        memcpy(is.axis, along, sizeof is.axis);
+        /* the end that is nearer to the block is where the box begins */
+        is.position_m[axis] = side < 3 ? beyond - fmax(0.0, length * along[axis]) : beyond - fmin(0.0, length * along[axis]);
+        was = is;
+        was.position_m[axis] += side < 3 ? -0.003 : 0.003;
+        contact_set_reset(&surface->contacts);
+        ck_assert_int_eq(reduced_contact_begin(r, 1, &was), PALP_OK);
+        reduced_contact_commit(r, NULL, &squares);
+        ck_assert_int_eq(reduced_contact_begin(r, 1, &is), PALP_OK);
+        for (size_t i = 0; i < surface->n; i++) {
+            bool in = side < 3 ? surface->rest[3 * i + axis] < 0.55 * HEIGHT : surface->rest[3 * i + axis] > 0.55 * HEIGHT;
+            bool listed = n < surface->n_near && surface->near[n] == (int32_t)i;
+            ck_assert_msg(in == listed, "side %zu, node %zu", side, i);
+            n += listed;
+            inside += in;
+        }
+        ck_assert_uint_gt(inside, 20);
+        ck_assert_uint_lt(inside, surface->n);
+    }
+    palp_reduced_free(r);
+    palp_network_free(net);
+}
+END_TEST
+
+/* Away from tools places may be out of date by two edges, which is counted by the fastest node. */
+START_TEST(places_are_taken_anew_once_they_may_be_far_off) {
+    palp_network *net;
+    palp_reduced *r = under_a_ball(&net);
+    reduced_contact *surface = r->surface;
+    double speed = 0.0, lift = 0.0, squares = 0.0;
+    for (size_t i = 0; i < surface->n; i++) {
+        double row = 0.0, up = 0.0;
+        for (size_t k = 0; k < 3; k++) {
+            size_t at = 3 * (size_t)surface->node[i] + k;
+            up += r->lift[at] * r->lift[at];
+            for (size_t j = 0; j < r->modes; j++)
+                row += r->basis[at * r->modes + j] * r->basis[at * r->modes + j];
+        }
+        speed = fmax(speed, sqrt(row));
+        lift = fmax(lift, sqrt(up));
+    }
+    palp_tool far = ball(0.5, 0.5, -0.5);
+    ck_assert_int_eq(reduced_contact_begin(r, 1, &far), PALP_OK);
+    for (size_t j = 0; j < r->modes; j++)
+        r->next.q[j] = r->now.q[j] + 1e-4 * (double)(j + 1);
+    r->next.depth = r->now.depth + 2e-4;
+    reduced_contact_commit(r, NULL, &squares);
+    double n = (double)r->modes, moved = 1e-4 * sqrt(n * (n + 1.0) * (2.0 * n + 1.0) / 6.0);
+    ck_assert_double_eq_tol(surface->drift, speed * moved + lift * 2e-4, 1e-12 * surface->drift);
+    for (int all = 0; all < 2; all++) {
+        surface->x[0] = 7.0;
+        surface->drift = (all ? 2.001 : 1.999) * surface->contacts.edge;
+        ck_assert_int_eq(reduced_contact_begin(r, 1, &far), PALP_OK);
+        ck_assert_double_eq(surface->x[0], all ? reduced_coordinate(r, r->now.q, r->now.depth, 3 * (size_t)surface->node[0]) : 7.0);
+        ck_assert(all ? surface->drift == 0.0 : surface->drift > 0.0);
+    }
+    palp_reduced_free(r);
+    palp_network_free(net);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, places_near_a_tool_are_those_in_its_box);
+    tcase_add_test(tc, places_are_taken_anew_once_they_may_be_far_off);
     tcase_add_test(tc, lift_is_the_linear_answer);
     tcase_add_test(tc, shapes_hold_all_but_the_tolerance);
     tcase_add_test(tc, shapes_are_beside_the_lift);
