@@ -50,6 +50,7 @@ typedef struct palp_tick_info {
     double force_error_N; /* its estimated error and that of the forces on tools, rather too large than too small */
     double seconds;       /* that the call took */
     double beyond;        /* as of palp_step_info */
+    size_t inverted;      /* likewise; a tick looks at a 16th of the tetrahedra, so each is as the last 16 ticks saw it */
 } palp_tick_info;
 
 /* One step to depth_m after dt_s seconds, as palp_network_step, but ended by the budget: the best state reached is

@@ -166,6 +166,9 @@ void network_finish(palp_network *net);
 /* Largest |strain[n_elements]| of the elements that are not cut. */
 double network_largest_strain(const palp_network *net, const double *strain);
 
+/* The tetrahedra that are inside out or flat with the nodes at x; of part of parts of them, 0 of 1 = all. */
+size_t network_count_inverted(const palp_network *net, const double *x, size_t part, size_t parts);
+
 /* Has a term had its points taken anew (network_term refresh)? It is then to be evaluated and solved again. */
 bool network_refresh(palp_network *net);
 

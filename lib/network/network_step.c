@@ -240,12 +240,12 @@ static bool is_whole(const palp_network *net, const int32_t *t) {
     return true;
 }
 
-static size_t count_inverted(const palp_network *net) {
+size_t network_count_inverted(const palp_network *net, const double *x, size_t part, size_t parts) {
     const size_t m = palp_mesh_tetrahedron_count(net->mesh);
     const int32_t *t = palp_mesh_tetrahedra(net->mesh);
     size_t n = 0;
-    for (size_t i = 0; i < m; i++)
-        n += mesh_volume6(net->next.x, t + 4 * i) <= 0.0 && is_whole(net, t + 4 * i);
+    for (size_t i = m * part / parts; i < m * (part + 1) / parts; i++)
+        n += mesh_volume6(x, t + 4 * i) <= 0.0 && is_whole(net, t + 4 * i);
     return n;
 }
 
@@ -272,7 +272,7 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
     if (!status) {
         network_finish(net);
         local.force_N = net->next.force;
-        local.inverted = count_inverted(net);
+        local.inverted = network_count_inverted(net, net->next.x, 0, 1);
         local.beyond = palp_law_beyond(&net->material.law, network_largest_strain(net, net->next.history.strain));
         assess_stability(net, &local);
         net->trial = true;

@@ -63,6 +63,9 @@ static palp_status begin(palp_realtime *rt) {
     rt->resets = net->resets;
     if (!status)
         status = realtime_refresh_now(rt);
+    for (size_t k = 0; k < REALTIME_PARTS; k++)
+        rt->inverted[k] = network_count_inverted(net, net->now.x, k, REALTIME_PARTS);
+    rt->part = 0;
     memcpy(rt->adjoint, net->motion, 3 * net->n_nodes * sizeof *rt->adjoint);
     for (int i = 0; i < ADJOINT_ROUNDS && rt->driven && !status; i++)
         realtime_improve_adjoint(rt);
@@ -309,6 +312,16 @@ static void commit(palp_realtime *rt, const tick *t) {
     palp_network_commit(net);
 }
 
+/* Of a part of the tetrahedra anew; of the others as the ticks before found them. */
+static size_t count_inverted(palp_realtime *rt) {
+    size_t sum = 0;
+    rt->inverted[rt->part] = network_count_inverted(rt->net, rt->net->now.x, rt->part, REALTIME_PARTS);
+    rt->part = (rt->part + 1) % REALTIME_PARTS;
+    for (size_t k = 0; k < REALTIME_PARTS; k++)
+        sum += rt->inverted[k];
+    return sum;
+}
+
 palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, const palp_budget *budget,
                                palp_tick_info *info) {
     if (!rt || !budget)
@@ -332,6 +345,7 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     rt->contraction = t.first > 0.0 ? t.norm / t.first : 0.0;
     remember(rt, &t);
     look_ahead(rt, &t);
+    t.info.inverted = count_inverted(rt);
     if (info) {
         if (net->material.law.strain_max > 0.0)
             t.info.beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));

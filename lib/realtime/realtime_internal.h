@@ -10,6 +10,9 @@
 
 typedef struct refresh_thread refresh_thread;
 
+/* The tetrahedra are looked at in so many parts, one a tick. */
+enum { REALTIME_PARTS = 16 };
+
 typedef enum refresh_stage { REFRESH_COPY, REFRESH_MAKE } refresh_stage;
 
 /* Seconds that parts of a tick take, as lately measured. */
@@ -31,6 +34,8 @@ struct palp_realtime {
     double error_ratio;    /* error in that norm over |residual|, where it was last known */
     double remembered;     /* error of the force that is in the arms' history, N */
     double contraction;    /* what the last tick left of its first residual */
+    size_t part;           /* of the tetrahedra that the next tick looks at */
+    size_t inverted[REALTIME_PARTS]; /* of each part */
     size_t resets;         /* of the network, that the factor belongs to */
 
     multigrid_coupling *touching; /* [MULTIGRID_COUPLINGS] scratch */

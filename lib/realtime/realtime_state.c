@@ -35,6 +35,8 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     double *numbers[] = {&rt->adjoint_error, &rt->error_ratio, &rt->remembered, &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
+    network_pass(c, &rt->part, sizeof rt->part);
+    network_pass(c, rt->inverted, sizeof rt->inverted);
     network_pass(c, &rt->stage, sizeof rt->stage);
     network_pass(c, &rt->at, sizeof rt->at);
     network_pass(c, &rt->definite, sizeof rt->definite);
@@ -60,7 +62,7 @@ static header header_of(const palp_realtime *rt) {
     network_cursor c = {.way = NETWORK_COUNT};
     pass_realtime((palp_realtime *)rt, &c); /* counting changes nothing */
     size_t network = palp_network_state_size(rt->net);
-    return (header){UINT64_C(0x70616c7072743033), network, sizeof(header) + network + c.bytes, 0};
+    return (header){UINT64_C(0x70616c7072743034), network, sizeof(header) + network + c.bytes, 0};
 }
 
 static uint64_t sum_of(const header *h, const unsigned char *buffer) {

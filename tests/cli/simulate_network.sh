@@ -50,4 +50,16 @@ expect 0 simulate arm.json --protocol creep --force-N 1.5 --hold-s 20 --json
 near "creep: final force" "$(value out final_force_N)" 1.5 1e-8
 expect 0 simulate arm.json --protocol cyclic --depth-mm 3 --cycles 2 --json
 near "cyclic: final depth" "$(value out final_depth_mm)" 0 0 1e-9
+
+# Tetrahedra that a deep press turns inside out are told, and counted.
+cat >box.json <<J
+{"palpate": {"model": 1}, "kind": "network", "stiffness": {"kind": "polynomial", "coefficients_N": [5]},
+ "mesh": {"kind": "file", "path": "$ROOT/data/meshes/box_tetra.msh"}}
+J
+expect 0 simulate box.json --protocol static --depth-mm 3 --json
+[ "$(value out inverted)" = 0 ] && ! grep -q 'inside out' err || fail "inside out at 3 mm: $(value out inverted), $(cat err)"
+expect 0 simulate box.json --protocol static --depth-mm 12 --branch stable --json
+inverted=$(value out inverted)
+[ "${inverted:-0}" -gt 0 ] || fail "not inside out at 12 mm: $inverted"
+grep -q "warning: up to $inverted of 384 tetrahedra of the mesh are inside out" err || fail "no warning: $(cat err)"
 done_testing

@@ -124,6 +124,9 @@ static json_t *summary(const simulate_options *o, const simulation *s) {
                             c->time_s[c->n - 1], "steps", (json_int_t)s->info.steps, "rejected",
                             (json_int_t)s->info.rejected, "iterations", (json_int_t)s->info.iterations,
                             "worst_residual", s->info.worst_residual, "buckling", buckling);
+    if (s->network) {
+        json_object_set_new(all, "inverted", json_integer((json_int_t)s->info.inverted));
+    }
     if (s->model.material.law.strain_max > 0) {
         json_object_set_new(all, "strain_max", json_real(s->model.material.law.strain_max));
         json_object_set_new(all, "beyond", s->beyond_s < 0 ? json_null() : json_pack("{s:f, s:f}", "from_s", s->beyond_s, "strain", s->strain_max));

@@ -286,7 +286,70 @@ START_TEST(blocks_of_terms_are_in_the_factor) {
 }
 END_TEST
 
+/* A cube whose corner is pulled through its box; the opposite one is free. */
+static palp_network *corner_network(size_t *around) {
+    const palp_support supports[] = {{"held", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0.0, 0.0, 0.0}},
+                                     {"corner", {PALP_DRIVEN, PALP_DRIVEN, PALP_DRIVEN}, {-1.0, -1.0, -1.0}}};
+    const palp_network_settings settings = palp_network_settings_default();
+    const int32_t corner = 26, opposite = 0;
+    palp_material m = quartic(0);
+    palp_mesh *mesh = cube(3, PALP_NEIGHBOURS_26);
+    palp_network *net = NULL;
+    int32_t held[26];
+    size_t n = 0;
+    for (int32_t i = 0; i < corner; i++)
+        if (i != opposite)
+            held[n++] = i;
+    *around = 0;
+    for (size_t i = 0; i < 4 * palp_mesh_tetrahedron_count(mesh); i++)
+        *around += palp_mesh_tetrahedra(mesh)[i] == corner;
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "held", n, held), PALP_OK);
+    ck_assert_int_eq(palp_mesh_add_set(mesh, "corner", 1, &corner), PALP_OK);
+    ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, NULL), PALP_OK);
+    palp_mesh_free(mesh);
+    return net;
+}
+
+/* Tetrahedra inside out: within so many ticks as there are parts a tick says what a step says, forth and back, and what goes on
+ * from a saved state says the same at every tick. */
+START_TEST(inverted_tetrahedra_are_counted) {
+    size_t around = 0, middle = 0;
+    palp_realtime *rt = realtime_on(corner_network(&around), false), *other = realtime_on(corner_network(&around), false);
+    palp_tick_info info, again;
+    palp_step_info step;
+    size_t size = palp_realtime_state_size(rt);
+    void *state = malloc(size);
+    ck_assert_ptr_nonnull(state);
+    ck_assert_int_eq(palp_realtime_step(rt, 0.2 * HEIGHT, DT, &ALL, &info), PALP_OK);
+    ck_assert_uint_eq(info.inverted, 0);
+    for (size_t i = 0; i < REALTIME_PARTS; i++) {
+        ck_assert_int_eq(palp_realtime_step(rt, 0.6 * HEIGHT, DT, &ALL, &info), PALP_OK);
+        middle += info.inverted > 0 && info.inverted < around;
+        if (i == REALTIME_PARTS / 2)
+            ck_assert_int_eq(palp_realtime_save(rt, state, size), PALP_OK);
+    }
+    ck_assert_int_eq(palp_network_try(net_of(rt), 0.6 * HEIGHT, DT, &step), PALP_OK);
+    ck_assert_uint_ge(step.inverted, around);
+    ck_assert_uint_eq(info.inverted, step.inverted);
+    ck_assert_uint_gt(middle, 0); /* it takes its ticks */
+    ck_assert_int_eq(palp_realtime_restore(other, state, size), PALP_OK);
+    for (size_t i = REALTIME_PARTS / 2 + 1; i < REALTIME_PARTS; i++)
+        ck_assert_int_eq(palp_realtime_step(other, 0.6 * HEIGHT, DT, &ALL, &again), PALP_OK);
+    ck_assert_uint_eq(again.inverted, info.inverted);
+    ck_assert_int_eq(palp_realtime_reset(other), PALP_OK);
+    ck_assert_int_eq(palp_realtime_step(other, 0.0, DT, &ALL, &again), PALP_OK);
+    ck_assert_uint_eq(again.inverted, 0);
+    for (size_t i = 0; i < REALTIME_PARTS; i++)
+        ck_assert_int_eq(palp_realtime_step(rt, 0.1 * HEIGHT, DT, &ALL, &info), PALP_OK);
+    ck_assert_uint_eq(info.inverted, 0);
+    free(state);
+    drop(rt);
+    drop(other);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, inverted_tetrahedra_are_counted);
     tcase_add_test(tc, one_correction_with_the_factor_of_the_tangent);
     tcase_add_test(tc, corrections_are_conjugate);
     tcase_add_test(tc, corrections_end_at_their_share);
