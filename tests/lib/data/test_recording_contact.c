@@ -240,6 +240,22 @@ START_TEST(clipping_is_a_flat_top_while_the_plate_moves) {
 }
 END_TEST
 
+/* Of a converter with ten steps on the way the force stays on its largest for a third of the way at least, by which it should
+ * have risen by three of them. */
+START_TEST(a_coarse_converter_is_not_clipping) {
+    for (size_t flat = 290; flat <= 320; flat += 30) {
+        made *m = make(1001);
+        for (size_t i = 0; i < m->r.n; i++) {
+            m->depth[i] = 1e-6 * (double)i;
+            m->force[i] = i < 500 ? floor((double)i / 50.0) : i <= 500 + flat ? 10.0 : 9.0;
+        }
+        recording_mask_clipped(&m->r, 0.002);
+        ck_assert_uint_eq(m->r.n_clipped, flat > 300 ? flat + 1 : 0);
+        free(m);
+    }
+}
+END_TEST
+
 /* ---- what is left in the force of the still end ---- */
 
 static palp_recording tail(double (*noise)(size_t i)) {
@@ -286,6 +302,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, zero_force_that_is_not_white);
     tcase_add_test(tc, a_short_rest_is_zero_force);
     tcase_add_test(tc, clipping_is_a_flat_top_while_the_plate_moves);
+    tcase_add_test(tc, a_coarse_converter_is_not_clipping);
     tcase_add_test(tc, correlation_from_sample_to_sample);
     tcase_add_test(tc, hum_has_its_amplitude_and_frequency);
 }
