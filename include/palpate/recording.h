@@ -3,6 +3,7 @@
 #define PALPATE_RECORDING_H
 
 #include <palpate/experiment.h>
+#include <palpate/segments.h>
 #include <stdbool.h>
 
 #ifdef __cplusplus
@@ -11,6 +12,7 @@ extern "C" {
 
 enum { PALP_NAME_MAX = 256 };
 
+/* What was done, by the path: one press and perhaps the way back; one press and a dwell; anything else. */
 typedef enum palp_recording_kind { PALP_RECORDING_STATIC, PALP_RECORDING_RAMP_HOLD, PALP_RECORDING_OTHER } palp_recording_kind;
 
 /* How contact (depth 0) and zero force were found. */
@@ -53,7 +55,9 @@ typedef struct palp_recording {
     double noise_N;              /* sd of a sample's white noise, from differences */
     double correlation;          /* of the noise from sample to sample, in a still end; 0 without one */
     double hum_Hz, hum_N;        /* strongest line in 45-65 Hz and its amplitude; 0 if none stands out */
-    size_t n_spikes, n_clipped, n_gaps; /* gaps: time steps over 3 times the median */
+    size_t n_spikes, n_clipped;
+    size_t n_missing;            /* samples that the clock's step tells of and that are not there */
+    size_t n_gaps;               /* time steps over 3 of the clock's, and over what samples missing by chance make */
     double longest_gap_s;
     bool faulted;                /* the file has end.fault */
     bool uneven;                 /* one time step in a hundred is off the median by over 1 % (gaps aside) */
@@ -66,6 +70,9 @@ PALP_API palp_status palp_recording_prepare(const palp_experiment *experiment, c
                                             const palp_recording_settings *settings, palp_recording *recording,
                                             palp_error *error);
 PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, zeroes; NULL is fine */
+
+/* The kind that the pieces of a path make; PALP_RECORDING_OTHER for NULL. */
+PALP_API palp_recording_kind palp_recording_kind_of(const palp_pieces *pieces);
 
 /* Zero-phase low-pass: a Butterworth filter of an even order 2..8, run forward and backward (so twice
  * the order, -6 dB at cutoff_Hz), for evenly sampled data; ends are extended by odd reflection.

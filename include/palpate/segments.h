@@ -19,7 +19,7 @@ typedef enum palp_noise_rule {
 } palp_noise_rule;
 
 /* *sd: of the white noise of a sample of force_N[n]; 0 if fewer than three samples tell it. Where time_s is not NULL,
- * differences across three time steps of step_s and more (a gap) do not count. ERR_NO_MEMORY. */
+ * steps may differ, and differences across three time steps of step_s and more (a gap) do not count. ERR_NO_MEMORY. */
 PALP_API palp_status palp_segments_noise(size_t n, const double *time_s, double step_s, const double *force_N,
                                          palp_noise_rule rule, double *sd);
 
@@ -34,6 +34,38 @@ PALP_API const char *palp_phase_name(palp_phase phase); /* "air", "early_dwell",
 /* phase[n]: a palp_phase for each sample of a path whose depth 0 is contact, n >= 2. A corner lasts 0.2 s, a dwell is
  * early for its first 5 s, and the air after the first touch is recovery. */
 PALP_API void palp_segments_phases(size_t n, const double *time_s, const double *depth, unsigned char *phase);
+
+/* What the plate does over a stretch of its path, whatever it was asked to do. */
+typedef enum palp_motion {
+    PALP_MOTION_REST,     /* stands still in the air or where it touches */
+    PALP_MOTION_APPROACH, /* moves through the air towards the specimen */
+    PALP_MOTION_RAMP, PALP_MOTION_DWELL, PALP_MOTION_UNLOAD,
+    PALP_MOTION_CYCLE,    /* two cycles and more without a dwell, of about one length */
+    PALP_MOTION_SWEEP,    /* cycles that become shorter or longer, the last by half of the first and more */
+    PALP_MOTION_COUNT
+} palp_motion;
+
+PALP_API const char *palp_motion_name(palp_motion motion); /* "rest", "approach", ...; "unknown" */
+
+typedef struct palp_piece {
+    palp_motion motion;
+    size_t first, last; /* samples; a piece begins with the sample that the one before ends with */
+} palp_piece;
+
+typedef struct palp_pieces {
+    size_t n;
+    palp_piece *piece; /* [n] owned */
+} palp_pieces;
+
+/* The pieces of a path whose depth 0 is contact, n >= 2, by the path alone: nothing follows from the unit of depth or time.
+ * A stretch counts as still that moves by less than 0.5 % of the path's range, or 15 sds of the depth's noise, and lasts a
+ * sixth of the motion before it. palp_pieces_free. ERR_ARGUMENT, ERR_NO_MEMORY. */
+PALP_API palp_status palp_segments_pieces(size_t n, const double *time_s, const double *depth, palp_pieces *pieces);
+PALP_API void palp_pieces_free(palp_pieces *pieces); /* frees what is owned, zeroes; NULL is fine */
+
+/* *step_s: the clock's step, of which nearly all differences of time_s[n] are multiples, and how many samples are missing
+ * on it; the median difference and 0 if there is no such clock. ERR_ARGUMENT, ERR_NO_MEMORY. */
+PALP_API palp_status palp_segments_clock(size_t n, const double *time_s, double *step_s, size_t *missing);
 
 /* A press whose contact is not known: its depth may start anywhere and either way may be into the specimen. */
 typedef struct palp_press {

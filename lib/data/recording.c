@@ -59,36 +59,31 @@ static void read_header(palp_recording *r, const palp_experiment *e,
         r->contact_sd_m = 1e-3 * fmax(value, 0.0);
     if (settings->height_m > 0.0)
         r->height_m = settings->height_m;
-    r->kind = PALP_RECORDING_OTHER;
-    if (!palp_experiment_get_string(e, "protocol.kind", &text)) {
-        if (strcmp(text, "static") == 0)
-            r->kind = PALP_RECORDING_STATIC;
-        else if (strcmp(text, "ramp_hold") == 0)
-            r->kind = PALP_RECORDING_RAMP_HOLD;
-    }
     r->faulted = !palp_experiment_get_string(e, "end.fault", &text);
 }
 
-/* Times: the median step, gaps and unevenness. */
+/* A run of missing samples that chance makes less often than once in n recordings, in steps: each is missing with the same
+ * chance. */
+static double chance_steps(size_t n, size_t missing) {
+    double part = (double)missing / (double)(n + missing);
+    return missing ? 2.0 * log((double)n) / -log(part) : 0.0;
+}
+
+/* Times: the clock's step, gaps and unevenness. */
 static palp_status look_at_times(palp_recording *r, double *step) {
     size_t steps = r->n - 1, odd = 0;
-    double *dt = malloc(r->n * sizeof *dt);
-    if (!dt)
-        return PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < steps; i++)
-        dt[i] = r->time_s[i + 1] - r->time_s[i];
-    *step = statistics_median(dt, steps);
-    for (size_t i = 0; i < steps; i++) {
-        bool gap = dt[i] > 3.0 * *step;
-        r->n_gaps += gap;
-        if (gap)
-            r->longest_gap_s = fmax(r->longest_gap_s, dt[i]);
+    palp_status status = palp_segments_clock(r->n, r->time_s, step, &r->n_missing);
+    double gap_s = *step * (3.0 + chance_steps(r->n, r->n_missing));
+    for (size_t i = 0; !status && i < steps; i++) {
+        double dt = r->time_s[i + 1] - r->time_s[i];
+        r->n_gaps += dt > gap_s;
+        if (dt > gap_s)
+            r->longest_gap_s = fmax(r->longest_gap_s, dt);
         else
-            odd += fabs(dt[i] - *step) > 0.01 * *step;
+            odd += fabs(dt - *step) > 0.01 * *step;
     }
     r->uneven = odd > steps / 100;
-    free(dt);
-    return PALP_OK;
+    return status;
 }
 
 /* Whether the force grows with depth, and by more than noise. */
@@ -136,6 +131,28 @@ static void shift(palp_recording *r) {
     }
 }
 
+palp_recording_kind palp_recording_kind_of(const palp_pieces *pieces) {
+    size_t k = 0, n = pieces ? pieces->n : 0;
+    const palp_piece *piece = n ? pieces->piece : NULL;
+    while (k < n && (piece[k].motion == PALP_MOTION_REST || piece[k].motion == PALP_MOTION_APPROACH))
+        k++;
+    bool ramp = k < n && piece[k].motion == PALP_MOTION_RAMP;
+    k += ramp;
+    bool dwell = k < n && piece[k].motion == PALP_MOTION_DWELL;
+    k += dwell;
+    while (k < n && (piece[k].motion == PALP_MOTION_REST || piece[k].motion == PALP_MOTION_UNLOAD))
+        k++;
+    return k < n || !(ramp || dwell) ? PALP_RECORDING_OTHER : dwell ? PALP_RECORDING_RAMP_HOLD : PALP_RECORDING_STATIC;
+}
+
+static palp_status find_kind(palp_recording *r) {
+    palp_pieces pieces;
+    palp_status status = palp_segments_pieces(r->n, r->time_s, r->depth_m, &pieces);
+    r->kind = status ? PALP_RECORDING_OTHER : palp_recording_kind_of(&pieces);
+    palp_pieces_free(&pieces);
+    return status;
+}
+
 /* Where the motion starts and ends. What follows a press that ends by taking the plate back is left out: it says how
  * the plate leaves, which no law of pressing tells. */
 static void find_motion(palp_recording *r) {
@@ -179,7 +196,10 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
                               "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
                               1e3 * r->deepest_m, 1e3 * r->height_m);
     status = recording_look_at_noise(r, step);
-    find_motion(r);
+    if (!status)
+        status = find_kind(r);
+    if (!status)
+        find_motion(r);
     return status;
 }
 

@@ -34,6 +34,17 @@ static double by_most(double *bend, size_t n) {
     return trimmed_rms(bend, used, limit) / sqrt(KEPT_VARIANCE);
 }
 
+/* How far a sample is from the line through its neighbours, in the size of an even path's second difference. */
+static double bend_at(const double *time, const double *force, size_t i) {
+    double even = fabs(force[i - 1] - 2.0 * force[i] + force[i + 1]);
+    if (!time)
+        return even;
+    double a = (time[i + 1] - time[i]) / (time[i + 1] - time[i - 1]), b = 1.0 - a;
+    if (fabs(a - b) < 0.02)
+        return even;
+    return fabs(a * force[i - 1] - force[i] + b * force[i + 1]) * sqrt(6.0 / (1.0 + a * a + b * b));
+}
+
 palp_status palp_segments_noise(size_t n, const double *time_s, double step_s, const double *force_N,
                                 palp_noise_rule rule, double *sd) {
     if (!force_N || !sd)
@@ -45,7 +56,7 @@ palp_status palp_segments_noise(size_t n, const double *time_s, double step_s, c
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 1; i + 1 < n; i++)
         if (!time_s || time_s[i + 1] - time_s[i - 1] < 3.0 * step_s)
-            bend[m++] = fabs(force_N[i - 1] - 2.0 * force_N[i] + force_N[i + 1]);
+            bend[m++] = bend_at(time_s, force_N, i);
     if (m > 0) /* a second difference has sqrt(6) times the sd of a sample */
         *sd = (rule == PALP_NOISE_MEDIAN ? by_median(bend, m) : by_most(bend, m)) / sqrt(6.0);
     free(bend);

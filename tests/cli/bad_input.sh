@@ -33,12 +33,12 @@ run short.csv static '0,0,0\n'
 wrong "short.csv" simulate $M --like short.csv
 run deep.csv static '0,0,0\n1,30,1\n'
 wrong "deep.csv: depth_mm reaches 30" simulate $M --like deep.csv
-run cyclic.csv cyclic '0,0,0\n1,1,1\n2,0,0\n'
-wrong "cyclic.csv: a run of kind cyclic" calibrate $L cyclic.csv --nodes 3
+run cyclic.csv static '0,0,0\n1,1,1\n2,0,0\n3,1,1\n4,0,0\n5,1,1\n6,0,0\n'
+wrong "cyclic.csv: its path is more than one press" calibrate $L cyclic.csv --nodes 3
 run few.csv static '0,0,0\n1,1,1\n2,2,2\n'
 wrong "few.csv" calibrate $L few.csv --nodes 3 --stage static
-printf '# palpate.experiment: 1\ntime_s,depth_mm,force_N\n0,0,0\n1,1,1\n' >kindless.csv
-wrong "no key protocol.kind" calibrate $L kindless.csv --nodes 3
+printf '# palpate.experiment: 1\ntime_s,depth_mm,force_N\n0,0,0\n' >alone.csv
+wrong "alone.csv: fewer than two samples" calibrate $L alone.csv --nodes 3
 wrong "is a network" calibrate $M --nodes 3
 sed 's/"arms": \[\]/"arms": [{"stiffness_N": 0.2, "viscosity_Ns": 2}], "density_kg_m3": 1000/' $M >heavy.json
 wrong "heavy.json: has density_kg_m3" calibrate $L --start heavy.json --stage relaxation

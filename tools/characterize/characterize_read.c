@@ -33,6 +33,9 @@ static void tell(const palp_recording *r) {
         0, 0);
     add(&line, "; zero %.3g +- %.2g mN", 1e3 * r->zero_N, 1.96e3 * r->zero_sd_N);
     add(&line, "; noise %.3g mN", 1e3 * r->noise_N, 0);
+    if (r->n_missing > 0) {
+        add(&line, "; %.0f samples missing (%.2g %%)", (double)r->n_missing, 100.0 * (double)r->n_missing / (double)(r->n + r->n_missing));
+    }
     if (r->n_gaps > 0) {
         add(&line, "; %.0f gap(s), the longest %.3g s", (double)r->n_gaps, r->longest_gap_s);
     }

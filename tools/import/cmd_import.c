@@ -170,7 +170,7 @@ static int find_contacts(const import_options *o, import_sources *all) {
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
         if (!all->source[i]->skip) {
             code = import_specimen_check(o, all->source[i]);
-            import_protocol(o, all->source[i]);
+            code = code ? code : import_protocol(o, all->source[i]);
         }
     }
     return code;

@@ -116,7 +116,8 @@ typedef struct import_source {
     bool listed[ROLES];            /* by --map */
     bool seconds_assumed;          /* the time's column does not say its unit */
     size_t bad, bad_line, doubled, doubled_line, restarts, segments; /* rows left out; first line of each */
-    size_t lost;                   /* samples missing between those that are there */
+    size_t lost;                   /* samples missing between those that are there, */
+    double step_s;                 /* by the step of the clock */
     const char *skip; /* why a Mach-1 block holds nothing to import; else NULL */
     /* the recording: [rows] each; signs and zero applied by import_contact */
     double *time_s, *depth_mm, *force_N;
@@ -181,7 +182,7 @@ int import_contact_find(const import_options *o, const import_sources *all, impo
  * the depth fits it. */
 void import_specimen(const import_options *o, import_source *s);
 int import_specimen_check(const import_options *o, const import_source *s);
-void import_protocol(const import_options *o, import_source *s);
+int import_protocol(const import_options *o, import_source *s);
 
 /* Start of each run in the session, where one is asked for. */
 int import_session(const import_options *o, import_sources *all);

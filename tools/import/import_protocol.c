@@ -1,7 +1,7 @@
 /* import_protocol.c: what the plate did, by the options or the motion. */
 #include "import.h"
 
-#include <math.h>
+#include <palpate/recording.h>
 #include <string.h>
 
 static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "other"};
@@ -11,42 +11,47 @@ bool import_is_approach(const import_source *s) {
            (import_setting(s, "Contact Criteria, gf") || strcmp(s->block, "Find Contact") == 0);
 }
 
-/* First sample at which the depth has come to this part of its way to the deepest. */
-static size_t reaches(const import_source *s, double part) {
-    double deepest_mm = s->depth_mm[0];
-    for (size_t i = 0; i < s->rows; i++) {
-        deepest_mm = fmax(deepest_mm, s->depth_mm[i]);
+/* "ramp, dwell"; of many pieces how often each, at its first. */
+static void say_pieces(const palp_pieces *pieces, char to[IMPORT_WORD]) {
+    size_t count[PALP_MOTION_COUNT] = {0}, length = 0;
+    bool few = pieces->n <= 6;
+    for (size_t k = 0; k < pieces->n; k++) {
+        count[pieces->piece[k].motion]++;
     }
-    size_t i = 0;
-    while (i + 1 < s->rows && s->depth_mm[i] - s->depth_mm[0] < part * (deepest_mm - s->depth_mm[0])) {
-        i++;
-    }
-    return i;
-}
-
-/* Ends at the deepest point: held there for longer than it took is a ramp and hold, else static. */
-static const char *of_motion(const import_source *s) {
-    size_t start = reaches(s, 0.02), there = reaches(s, 0.98), last = s->rows - 1;
-    double least_mm = 0.95 * (s->depth_mm[there] - s->depth_mm[0]);
-    for (size_t i = there; i <= last; i++) {
-        if (s->depth_mm[i] - s->depth_mm[0] < least_mm) {
-            return s->depth_mm[last] - s->depth_mm[0] < 0.5 * least_mm ? "cyclic" : "other";
+    for (size_t k = 0; k < pieces->n && length + 20 < IMPORT_WORD; k++) {
+        palp_motion motion = pieces->piece[k].motion;
+        if (few || count[motion] > 0) {
+            int n = snprintf(to + length, IMPORT_WORD - length, "%s%s", length ? ", " : "", palp_motion_name(motion));
+            length += n > 0 ? (size_t)n : 0;
+            if (!few && count[motion] > 1) {
+                n = snprintf(to + length, IMPORT_WORD - length, " x%zu", count[motion]);
+                length += n > 0 ? (size_t)n : 0;
+            }
+            count[motion] = few ? count[motion] : 0;
         }
     }
-    return s->time_s[last] - s->time_s[there] > s->time_s[there] - s->time_s[start] ? "ramp_hold" : "static";
 }
 
-void import_protocol(const import_options *o, import_source *s) {
-    double ramps = import_setting_number(s, "Number of Ramp");
-    if (o->protocol >= 0) {
-        s->protocol = protocols[o->protocol];
-    } else if (import_is_approach(s)) {
-        s->protocol = "free";
-    } else if (s->format == IMPORT_INSTRON) {
-        s->protocol = "static";
-    } else if (ramps > 0) {
-        s->protocol = ramps == 1 ? "ramp_hold" : "other";
-    } else {
-        s->protocol = of_motion(s);
+static const char *of_pieces(const palp_pieces *pieces) {
+    static const char *const kinds[] = {"static", "ramp_hold", "other"};
+    bool pressed = false;
+    for (size_t k = 0; k < pieces->n; k++) {
+        palp_motion motion = pieces->piece[k].motion;
+        if (motion == PALP_MOTION_CYCLE || motion == PALP_MOTION_SWEEP) {
+            return motion == PALP_MOTION_CYCLE ? "cyclic" : "sweep";
+        }
+        pressed = pressed || motion == PALP_MOTION_RAMP || motion == PALP_MOTION_DWELL;
     }
+    return pressed ? kinds[palp_recording_kind_of(pieces)] : "free";
+}
+
+int import_protocol(const import_options *o, import_source *s) {
+    palp_pieces pieces;
+    if (palp_segments_clock(s->rows, s->time_s, &s->step_s, &s->lost) || palp_segments_pieces(s->rows, s->time_s, s->depth_mm, &pieces)) {
+        return cli_failure("import", "%s: out of memory", s->file);
+    }
+    say_pieces(&pieces, s->phases);
+    s->protocol = o->protocol >= 0 ? protocols[o->protocol] : import_is_approach(s) ? "free" : of_pieces(&pieces);
+    palp_pieces_free(&pieces);
+    return CLI_OK;
 }

@@ -71,6 +71,10 @@ static void note(const import_source *s) {
         cli_warning("import", "%s: %zu of %zu rows do not come later than the row before and were left out, the first at line %zu",
                     s->name, s->doubled, s->bad + s->doubled + s->rows, s->doubled_line);
     }
+    if (20 * s->lost > s->rows) {
+        cli_warning("import", "%s: %zu samples are missing (%.2g %% of those that the clock's step of %.4g s tells of)", s->name, s->lost,
+                    100.0 * (double)s->lost / (double)(s->lost + s->rows), s->step_s);
+    }
     if (s->restarts > 0) {
         cli_warning("import", "%s: the clock starts anew %zu time%s within the run; it was made to go on", s->name, s->restarts,
                     s->restarts > 1 ? "s" : "");

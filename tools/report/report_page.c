@@ -154,6 +154,10 @@ static void finding(char *text, size_t size, const char *format, double a, doubl
 
 static void findings(const palp_recording *r, char *text, size_t size) {
     text[0] = '\0';
+    if (r->n_missing > 0) {
+        finding(text, size, "%.0f samples missing (%.2g %%)", (double)r->n_missing,
+                100.0 * (double)r->n_missing / (double)(r->n + r->n_missing));
+    }
     if (r->n_gaps > 0) {
         finding(text, size, "%.0f gap(s), up to %.3g s", (double)r->n_gaps, r->longest_gap_s);
     }

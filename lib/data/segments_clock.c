@@ -1,0 +1,50 @@
+/* segments_clock.c: the step of a recording's clock, and how many of its samples are missing. */
+#include "base/statistics.h"
+#include "segments_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Parts: of the differences, which are small enough to be one step; of a step, by which a multiple may be missed; of the
+ * differences, which must be multiples. */
+static const double SMALL = 0.1, OFF = 0.1, REGULAR = 0.9;
+
+/* Sum of the whole steps in the differences; 0 if too few are such. */
+static double steps_in(size_t n, const double *difference, double step) {
+    double sum = 0.0, regular = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double steps = rint(difference[i] / step);
+        regular += steps >= 1.0 && fabs(difference[i] - steps * step) <= OFF * step;
+        sum += fmax(steps, 1.0);
+    }
+    return regular >= REGULAR * (double)n ? sum : 0.0;
+}
+
+/* Mean of the differences that are about one step. */
+static double refined(size_t n, const double *difference, double about) {
+    double sum = 0.0, count = 0.0;
+    for (size_t i = 0; i < n; i++)
+        if (fabs(difference[i] - about) <= 0.25 * about) {
+            sum += difference[i];
+            count += 1.0;
+        }
+    return sum / count;
+}
+
+palp_status palp_segments_clock(size_t n, const double *time_s, double *step_s, size_t *missing) {
+    if (!time_s || !step_s || !missing || n < 2)
+        return PALP_ERR_ARGUMENT;
+    double *difference = malloc(2 * n * sizeof *difference);
+    if (!difference)
+        return PALP_ERR_NO_MEMORY;
+    double *sorted = difference + n;
+    for (size_t i = 0; i + 1 < n; i++)
+        sorted[i] = difference[i] = time_s[i + 1] - time_s[i];
+    double middle = statistics_median(sorted, n - 1), small = statistics_quantile(sorted, n - 1, SMALL);
+    small = refined(n - 1, difference, small);
+    double steps = steps_in(n - 1, difference, small);
+    *step_s = steps > 0.0 ? small : middle;
+    *missing = steps > 0.0 ? (size_t)(steps - (double)(n - 1)) : 0;
+    free(difference);
+    return PALP_OK;
+}
