@@ -55,6 +55,7 @@ page() {
     grep -q '<script\|@import\|<link\|<img' "$1" && fail "$1 is not self-contained"
     grep -Eiq '(^|[^a-z])(nan|inf|null)([^a-z]|$)' "$1" && fail "$1: a number is none"
     grep -q "<div class=\"verdict $3\">" "$1" || fail "$1 does not say $3"
+    grep -qE 'nats|what can be closed|see the class' "$1" && fail "$1: words that the page does not explain"
     for text in 'The gap before and after' 'Where they disagree' 'The candidates and their scores' 'Residual diagnostics' \
         'What to measure next' 'What the noise level is made of' 'Share of the first gap' 'The same by speed' 'Waves over time' \
         'Waves over depth' 'The most that an effect' 'Recorded minus model:'; do

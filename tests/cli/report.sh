@@ -76,4 +76,14 @@ code=$?
 PATH=$PATH_WAS
 [ $code -eq 0 ] || fail "without gnuplot: exit code $code"
 says "warning: gnuplot is not installed"
+
+# A warning that names parameters says what they are; a run's name stands whole in what characterize prints.
+long=the_press_of_the_first_monday_with_a_long_name_1.csv
+"$PALPATE" simulate $DATA/lumped_n1.json --protocol ramp_hold --depth-mm 3 --hold-s 2 --sample-Hz 20 --noise-N 0.05 --air-s 1 --out $long
+mkdir few
+expect 0 characterize $long --arms 2 --degree 3 --plot few
+grep -q "^  $long  *[0-9]" out || fail "the run's name is cut: $(grep monday out)"
+grep -q 'is not determined' err || fail "no warning of a parameter: $(cat err)"
+expect 0 report few --out few.html
+grep -q 'coefficients of a polynomial stiffness law K(e)' few.html || fail "c1 is not said to be what it is"
 done_testing

@@ -188,12 +188,14 @@ static void print_final(const characterize_state *s) {
     }
     print_estimates(f);
     print_pairs(f);
-    printf("  run                                 rms (mN)   rms / noise   largest |residual| / peak\n");
+    int width = 34;
     for (size_t i = 0; i < f->n_runs; i++) {
-        const char *name = s->run[i].name;
-        size_t length = strlen(name);
-        printf("  %-34s %9.4g  %12.4g  %22.3f %%\n", name + (length > 34 ? length - 34 : 0),
-               1e3 * f->rms_N[i], characterize_noise_ratio(f, i, &s->run[i]),
+        int length = (int)strlen(s->run[i].name);
+        width = length > width ? length : width;
+    }
+    printf("  %-*s  rms (mN)   rms / noise   largest |residual| / peak\n", width, "run");
+    for (size_t i = 0; i < f->n_runs; i++) {
+        printf("  %-*s %9.4g  %12.4g  %22.3f %%\n", width, s->run[i].name, 1e3 * f->rms_N[i], characterize_noise_ratio(f, i, &s->run[i]),
                100 * s->largest_N[i] / s->peak_N[i]);
     }
     printf("  total |residual| %.6g N; intervals widened %.3g times for misfit and coloured noise\n",

@@ -62,10 +62,22 @@ static double largest(const palp_explain_run *run, const double *y) {
     return most;
 }
 
+/* Of a name that is too long its start and its end: what tells runs apart may be either. */
+static void short_name(const char *name, char text[48]) {
+    size_t n = strlen(name);
+    if (n <= 40) {
+        snprintf(text, 48, "%s", name);
+    } else {
+        snprintf(text, 48, "%.18s...%s", name, name + n - 19);
+    }
+}
+
 static plot_panel make_panel(panel *p, const palp_explain_run *run, const palp_explanation *e, double most_mN) {
     const double level = 1e3 * e->gap.noise_level_N;
     bool two = e->n_effects > 0;
-    int n = snprintf(p->title, sizeof p->title, "%.40s   rms %.3g", cli_base(run->name),
+    char name[48];
+    short_name(cli_base(run->name), name);
+    int n = snprintf(p->title, sizeof p->title, "%s   rms %.3g", name,
                      1e3 * sqrt(mean_square(run, run->before_N)));
     snprintf(p->title + n, sizeof p->title - (size_t)n, two ? " \u2192 %.3g mN" : " mN",
              1e3 * sqrt(mean_square(run, run->after_N)));

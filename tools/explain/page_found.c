@@ -79,9 +79,9 @@ static void gap_bars(FILE *to, const json_t *all) {
         {"experiments left out", json_number_at(gap, "heldout_before_N"),
          some ? json_number_at(gap, "heldout_after_N") : NAN},
     };
-    char caption[PAGE_LINE], closed[64] = "";
+    char caption[PAGE_LINE], closed[80] = "";
     if (some) {
-        snprintf(closed, sizeof closed, " Of what can be closed %.0f %% is.", 100 * fmin(1, json_number_at(gap, "closed")));
+        snprintf(closed, sizeof closed, " Of the gap above the noise level %.0f %% is closed.", 100 * fmin(1, json_number_at(gap, "closed")));
     }
     snprintf(caption, sizeof caption,
              "The gap, rms: orange the model as given, refitted%s. Below: experiments that the fit did not see.%s",
@@ -140,8 +140,8 @@ static void effect_card(FILE *to, const json_t *effect) {
     parameter_rows(to, effect);
     html_table_end(to);
     page_paragraph(to,
-                     "It closes %.0f %% of the squared gap above the noise level that is open without it; experiments left out are "
-                     "predicted better by %.0f \u00b1 %.0f nats.",
+                     "It closes %.0f %% of the squared gap above the noise level that is open without it; with it the experiments "
+                     "left out are more likely: the natural logarithm of their likelihood grows by %.0f \u00b1 %.0f.",
                      100 * json_number_at(effect, "gap_closed"), json_number_at(effect, "evidence"),
                      json_number_at(effect, "evidence_standard_error"));
     page_paragraph(to, "Would do as well: %s.", alike[0] ? alike : "no other effect of the catalogue");

@@ -60,7 +60,7 @@ static void candidate_row(FILE *to, const candidate *s, double best, double thre
 }
 
 static void rows(FILE *to, const candidate *list, size_t n, double best, double threshold) {
-    html_table(to, NULL, "candidate|~score, logarithmic|nats|would explain, rms|~what became of it");
+    html_table(to, NULL, "candidate|~score, on a logarithmic scale|score|would explain, rms|~what became of it");
     for (size_t i = 0; i < n; i++) {
         candidate_row(to, &list[i], best, threshold);
     }
@@ -133,8 +133,9 @@ void page_search(FILE *to, const json_t *all) {
     fputs("<h3>The candidates and their scores</h3>\n<div class=\"candidates\">\n", to);
     page_paragraph(to,
                      "Each effect of the catalogue was added to the model and refitted with everything else over all "
-                     "experiments at once. The score is the log likelihood it gains, less a price for its parameters; the "
-                     "dashed line is what the best of all candidates gains by chance (%.2g nats). The best one that also "
+                     "experiments at once. The score is the natural logarithm of how many times more likely it makes the "
+                     "recordings, less a price for its parameters; the dashed line is what the best of all candidates gains by "
+                     "chance (%.2g). The best one that also "
                      "predicts experiments left out of the fit and changes the forces by enough is added, and the others "
                      "are tried again beside it.",
                      threshold);

@@ -24,7 +24,7 @@ const char *page_verdict(const char *verdict) {
     static const char *const text[][2] = {
         {"agrees", "Nothing is missing that these runs could show."},
         {"explained", "With the effects below, what remains is at the noise level."},
-        {"ambiguous", "The effects below close the gap, but others would do as well: see the class."},
+        {"ambiguous", "The effects below close the gap, but others would do as well; they are named with each."},
         {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
     };
     for (size_t i = 0; i < sizeof text / sizeof text[0]; i++) {

@@ -209,7 +209,10 @@ static void warnings(FILE *to, const report *r) {
         }
     }
     if (count > 0) {
-        fputs("</ul></div>\n", to);
+        fputs("</ul>\n<p>c0, c1, c2 are the coefficients of a polynomial stiffness law K(e) = c0 + c1 e + c2 e<sup>2</sup> of the strain e; K_1, b_1 "
+              "and tau_1 the spring, the dashpot and the relaxation time of the first arm; K_inf [1] the stiffness at the depth of "
+              "the first hold.</p></div>\n",
+              to);
     }
 }
 

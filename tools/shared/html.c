@@ -40,12 +40,16 @@ static const char STYLE[] =
     ".card{border:1px solid #dfe4e8;border-radius:6px;padding:10px 14px;background:#fbfcfd}\n"
     ".card b{display:block;font-size:1.08rem;line-height:1.35;font-variant-numeric:tabular-nums}\n"
     ".card span{color:#5a6772;font-size:.86rem}\n"
-    ".scroll{overflow-x:auto;margin:1em 0}table{border-collapse:collapse;font-size:.87rem;"
+    /* a shade at an edge beyond which a wide table goes on */
+    ".scroll{overflow-x:auto;margin:1em 0;background:linear-gradient(90deg,#fff 24px,transparent) local,"
+    "linear-gradient(270deg,#fff 24px,transparent) local,linear-gradient(90deg,#0003,transparent 12px),"
+    "linear-gradient(270deg,#0003,transparent 12px)}table{border-collapse:collapse;font-size:.87rem;"
     "font-variant-numeric:tabular-nums}\n"
     "caption{text-align:left;font-weight:600;padding:.3em 0;white-space:nowrap}\n"
     "th,td{text-align:right;padding:.28em .6em;border-bottom:1px solid "
     "#e6eaed;vertical-align:top;white-space:nowrap}\n"
-    "th{border-bottom:2px solid #c3ccd3;font-weight:600;vertical-align:bottom}\n"
+    "th{border-bottom:2px solid #c3ccd3;font-weight:600;vertical-align:bottom;white-space:normal}"
+    "td:first-child{white-space:normal;overflow-wrap:anywhere;min-width:9em}\n"
     "th:first-child,td:first-child,.t{text-align:left}td:first-child{padding-left:0}th:first-child{padding-"
     "left:0}\n"
     "td.t:last-child{white-space:normal}tbody tr:hover{background:#f3f6f8}\n"
@@ -70,7 +74,7 @@ static const char STYLE[] =
     "border-radius:3px;overflow-wrap:anywhere}\n"
     "details{margin:1em 0}summary{cursor:pointer;color:#0060a0}\n"
     "@media print{html,main{background:#fff}main{padding:0}figure{break-inside:avoid}}\n"
-    "@media(max-width:700px){main{padding:16px}.figures{grid-template-columns:1fr}}\n";
+    "@media(max-width:700px){main{padding:16px}.figures{grid-template-columns:minmax(0,1fr)}}\n";
 
 void html_open(FILE *to, const char *title) {
     fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
