@@ -1,4 +1,5 @@
 /* test_cut_terms.c: all terms together: a network's forces are the slopes of its energy, its tangent theirs. */
+#include "contact/contact_internal.h"
 #include "cut_make.h"
 
 enum { SIDE = 4, INNER = 2 * 16 + 2 * 4 + 1 };
@@ -99,7 +100,46 @@ START_TEST(a_loose_node_has_a_weak_spring) {
 }
 END_TEST
 
+/* What is left of the residual on the nodes that a hand and a tool press on goes to them, in the shares of their springs. */
+START_TEST(hands_and_tools_take_what_is_left) {
+    palp_network *net = everything();
+    const size_t corner = net->n_nodes - 1;
+    double weight[SIDE * SIDE * SIDE] = {0.0}, residual[3 * SIDE * SIDE * SIDE], wanted[3] = {0.0}, hand[3], felt[3];
+    memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+    ck_assert(network_evaluate(net));
+    network_finish(net);
+    NETWORK_EACH_TERM(net, weigh, net, weight);
+    double spring = 100.0 * net->unit[corner] * net->modulus;
+    ck_assert_double_eq_tol(weight[corner], spring, 1e-12 * spring);
+    size_t touched = 0;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
+        residual[i] = sin(1.0 + (double)i);
+        wanted[i % 3] += weight[i / 3] > 0.0 && i / 3 != corner ? residual[i] : 0.0;
+        touched += weight[i / 3] > 0.0;
+    }
+    ck_assert_uint_ge(touched, 6);
+    contact_set *tools = contact_of(net);
+    int32_t node = (int32_t)corner;
+    contact_set_swap(tools); /* now is what the step gave */
+    palp_tool_force before = tools->now.felt[0];
+    contact_set_swap(tools);
+    NETWORK_EACH_TERM(net, share_residual, net, weight, residual);
+    NETWORK_EACH_TERM(net, swap, net);
+    for (int k = 0; k < 3; k++) {
+        felt[k] = tools->now.felt[0].force_N[k] - before.force_N[k];
+        ck_assert_double_eq_tol(felt[k], wanted[k], 1e-12);
+    }
+    ck_assert_int_eq(palp_network_grasp_force(net, 1, &node, hand), PALP_OK);
+    for (size_t k = 0; k < 3; k++) {
+        double own = spring * (net->next.x[3 * corner + k] - (net->rest[3 * corner + k] + 1e-3));
+        ck_assert_double_eq_tol(hand[k], own + residual[3 * corner + k], 1e-9);
+    }
+    palp_network_free(net);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, hands_and_tools_take_what_is_left);
     tcase_add_test(tc, a_loose_node_has_a_weak_spring);
     tcase_add_test(tc, forces_are_slopes_of_the_energy);
 }

@@ -348,7 +348,33 @@ START_TEST(inverted_tetrahedra_are_counted) {
 }
 END_TEST
 
+/* Springs of 0.54 N with an arm of 0.2 N, L (K e^2 + q^2 / K_1) / 2 each, and m v^2 / 2. */
+START_TEST(energy_is_that_of_springs_arms_and_motion) {
+    palp_material m = {.n_arms = 1, .arms = {{0.2, 0.01, 0, 0}}};
+    palp_network_settings settings = palp_network_settings_default();
+    settings.density_kg_m3 = 1070.0;
+    ck_assert_int_eq(palp_law_polynomial(1, (double[]){0.54}, &m.law), PALP_OK);
+    palp_realtime *rt = realtime_on(cube_network(SMALL, &m, &settings), false);
+    const palp_network *net = net_of(rt);
+    for (int i = 1; i <= 5; i++)
+        ck_assert_int_eq(palp_realtime_step(rt, 0.01 * i * HEIGHT, DT, &ALL, NULL), PALP_OK);
+    double springs = 0.0, arms = 0.0, motion = 0.0;
+    for (size_t i = 0; i < net->n_elements; i++) {
+        double e = net->now.history.strain[i], q = net->now.history.arm[i];
+        springs += 0.5 * 0.54 * e * e / net->inverse_rest[i];
+        arms += 0.5 * q * q / 0.2 / net->inverse_rest[i];
+    }
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        motion += 0.5 * net->mass[i / 3] * net->now.velocity[i] * net->now.velocity[i];
+    double all = springs + arms + motion;
+    ck_assert(springs > 0.01 * all && arms > 0.01 * all && motion > 0.01 * all);
+    ck_assert_double_eq_tol(palp_realtime_energy(rt), all, 1e-12 * all);
+    drop(rt);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, energy_is_that_of_springs_arms_and_motion);
     tcase_add_test(tc, inverted_tetrahedra_are_counted);
     tcase_add_test(tc, one_correction_with_the_factor_of_the_tangent);
     tcase_add_test(tc, corrections_are_conjugate);
