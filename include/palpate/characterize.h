@@ -47,6 +47,8 @@ typedef struct palp_lumped_fit {
     size_t n_estimates;
     palp_estimate *estimate;    /* springs, then K_j, b_j, tau_j by arm */
     double *correlation;        /* [n_estimates^2] */
+    size_t n_parameters;        /* springs, then K_j and b_j of each arm: as palp_forward_get has a model's */
+    double *covariance;         /* [n_parameters^2] of them, widened as the intervals are; palp_model.covariance */
     double reduced_chi2;        /* weighted residual per degree of freedom, 1 = down to the noise */
     double inflation;           /* factor on the sds for misfit and correlated noise, >= 1 */
     size_t n_merged;            /* arms merged because the data cannot tell them apart */
@@ -62,6 +64,11 @@ PALP_API void palp_lumped_fit_free(palp_lumped_fit *fit); /* frees arrays, zeroe
  * without noise, fewer samples than parameters. */
 PALP_API palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                      palp_lumped_fit *fit, palp_error *error);
+
+/* K(e) of the fit's law at strain[n] and its sd, stiffness_N[n] and sd_N[n], the caller's. The force is K e, and so is its sd.
+ * ERR_ARGUMENT: a fit without one law (PALP_SPRING_PER_RUN) or without intervals. */
+PALP_API palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, const double *strain, double *stiffness_N,
+                                               double *sd_N);
 
 /* Number of arms, or degree of the polynomial K, by cross-validation: parts of the data are held out of the fit in
  * turn, whole recordings where there are three or more with one law, else blocks of log time (or depth) of each.

@@ -58,7 +58,13 @@ PALP_API palp_status palp_forward_set(palp_model *model,
 PALP_API palp_status palp_forward_force(const palp_model *model, const palp_forward_run *run, double *force_N,
                                         double *gradient, palp_error *error);
 
-/* The same for a network model, without derivatives; settings may be NULL (density is the model's). A
+/* Beside the force how well it is known: sd_N[n], from the covariance of the model's material (palp_model.covariance) by the
+ * derivatives of the force; effects count as known. 95 % of the forces that the data allow are within 1.96 sd of force_N; the noise
+ * of a sensor is not in it. Errors of palp_forward_force. */
+PALP_API palp_status palp_forward_band(const palp_model *model, const palp_forward_run *run, const double *covariance,
+                                       double *force_N, double *sd_N, palp_error *error);
+
+/* palp_forward_force for a network model, without derivatives; settings may be NULL (density is the model's). A
  * material effect's numbers are those of every element, as the model's law and arms are. Errors of
  * palp_network_step too; ERR_ARGUMENT: the load history is that of another mesh. */
 PALP_API palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,

@@ -40,6 +40,8 @@ typedef struct palp_model {
     const palp_mesh_source *mesh; /* network only: the caller's, which outlives the model and its copies; NULL =
                                      none, and there is neither a mesh to make nor a model to write */
     double density_kg_m3;         /* network only, 0 = massless */
+    const double *covariance;     /* how well the material is known, or NULL; the caller's. Of the law's coefficients, then K_j
+                                     and b_j of each arm (the order of palp_forward_get): [n n], n = law.n + 2 n_arms */
     size_t n_effects;             /* what is added to the plain model; run by palp_forward_* */
     palp_effect effects[PALP_EFFECTS_MAX];
 } palp_model;
@@ -51,6 +53,10 @@ typedef struct palp_model {
  * ERR_LIMIT for a folder that does not fit in the source.
  * ERR_UNSUPPORTED for an effect that this build does not know, or that a model of its kind cannot carry. */
 PALP_API palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_source *mesh, palp_error *error);
+
+/* The covariance in a model file, malloc'ed, the caller frees it; NULL where the file has none. palp_model_read checks it and
+ * leaves the model's NULL: numbers that are changed are no longer known so well. Errors of palp_model_read. */
+PALP_API palp_status palp_model_read_covariance(const char *path, double **covariance, palp_error *error);
 
 /* Writes to a temporary name, then renames. A mesh file's relative path is rewritten so that it
  * holds from the folder of path. ERR_ARGUMENT for a model that could not be read again: numbers that

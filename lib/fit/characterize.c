@@ -23,6 +23,7 @@ void palp_lumped_fit_free(palp_lumped_fit *fit) {
     free(fit->absolute_N);
     free(fit->estimate);
     free(fit->correlation);
+    free(fit->covariance);
     memset(fit, 0, sizeof *fit);
 }
 
@@ -225,6 +226,42 @@ static void estimate(const fit_problem *p, const double *v, double variance, siz
     e->determined = 2.0 * Z95 * sd < log(10.0);
 }
 
+/* From that of the estimates, springs and log K, log b, log tau of the arms, below the diagonal. */
+static palp_status fill_covariance(const fit_problem *p, palp_lumped_fit *fit) {
+    size_t n = p->n_springs + 2 * p->n_arms, m = fit->n_estimates;
+    fit->n_parameters = n;
+    fit->covariance = malloc(n * n * sizeof *fit->covariance);
+    if (!fit->covariance)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t a = 0; a < n; a++)
+        for (size_t b = 0; b <= a; b++) {
+            size_t i = a < p->n_springs ? a : p->n_springs + 3 * ((a - p->n_springs) / 2) + (a - p->n_springs) % 2;
+            size_t j = b < p->n_springs ? b : p->n_springs + 3 * ((b - p->n_springs) / 2) + (b - p->n_springs) % 2;
+            double scale = (a < p->n_springs ? 1.0 : fit->estimate[i].value) * (b < p->n_springs ? 1.0 : fit->estimate[j].value);
+            double most = sqrt(fmax(fit->correlation[i * m + i], 0.0) * fmax(fit->correlation[j * m + j], 0.0));
+            fit->covariance[a * n + b] = fit->covariance[b * n + a] =
+                scale * fmax(fmin(fit->correlation[i * m + j], most), -most); /* but for rounding it is within them */
+        }
+    return PALP_OK;
+}
+
+palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, const double *strain, double *stiffness_N,
+                                      double *sd_N) {
+    if (!fit || !strain || !stiffness_N || !sd_N || fit->spring_N || !fit->covariance)
+        return PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < n; i++) {
+        const double small = 1e-9; /* K is the force over the strain, at 0 its limit */
+        double e = fmax(fabs(strain[i]), small), by[PALP_LAW_MAX], sum = 0.0;
+        palp_law_stiffness(&fit->material.law, e, &stiffness_N[i], NULL);
+        palp_law_gradient(&fit->material.law, e, by);
+        for (size_t a = 0; a < fit->material.law.n; a++)
+            for (size_t b = 0; b < fit->material.law.n; b++)
+                sum += by[a] * by[b] * fit->covariance[a * fit->n_parameters + b];
+        sd_N[i] = sqrt(fmax(sum, 0.0)) / e;
+    }
+    return PALP_OK;
+}
+
 static palp_status fill_estimates(const fit_problem *p, const double *v, const curvature *c,
                                   palp_lumped_fit *fit) {
     size_t n = p->n_springs + 3 * p->n_arms;
@@ -242,6 +279,8 @@ static palp_status fill_estimates(const fit_problem *p, const double *v, const c
                 widen * mapped(p, c->covariance, i, j) + mapped(p, c->systematic, i, j);
     for (size_t i = 0; i < n; i++)
         estimate(p, v, fit->correlation[i * n + i], i, &fit->estimate[i]);
+    if (fill_covariance(p, fit))
+        return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < i; j++) {
             double sd = sqrt(fit->correlation[i * n + i] * fit->correlation[j * n + j]);

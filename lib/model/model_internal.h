@@ -30,6 +30,13 @@ palp_status palp_model_effects_read(const palp_json *root, palp_model *model);
 /* Whether a model's effects are all within their bounds, carried by its kind, and there once. */
 palp_status palp_model_effects_check(const palp_model *model, palp_error *error);
 
+/* Rows of a material's covariance: coefficients of the law, then K_j and b_j of each arm. */
+size_t palp_model_covariance_size(const palp_material *material);
+bool palp_model_covariance_valid(size_t n, const double *covariance);
+
+/* "covariance" of a model whose material is known, malloc'ed; NULL without it. */
+palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material, double **covariance);
+
 /* What palp_model_read does with the value of a file. */
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh);
 

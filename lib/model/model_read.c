@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define COUNT(list) (sizeof(list) / sizeof(list)[0])
@@ -296,8 +297,9 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     /* the last two are a network's only */
     static const char *const keys[] = {"palpate", "kind",       "specimen",     "stiffness",
                                        "arms",    "dashpot_Ns", "quasi_linear", "formulation",
-                                       "effects", "mesh",       "density_kg_m3"};
+                                       "effects", "covariance", "mesh",       "density_kg_m3"};
     palp_json mesh;
+    double *covariance = NULL;
     memset(model, 0, sizeof *model);
     memset(source, 0, sizeof *source);
     palp_status status = version_read(root);
@@ -314,6 +316,9 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
         status = material_read(root, model);
     if (!status && network)
         status = network_read(root, model, source);
+    if (!status)
+        status = palp_model_covariance_read(root, &model->material, &covariance);
+    free(covariance);
     return status;
 }
 
@@ -335,4 +340,22 @@ palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_sourc
         made.mesh = NULL;
     *model = made;
     return PALP_OK;
+}
+
+palp_status palp_model_read_covariance(const char *path, double **covariance, palp_error *error) {
+    if (!path || !covariance)
+        return palp_error_null(error);
+    palp_json_file file;
+    palp_json root;
+    palp_model model;
+    palp_mesh_source mesh;
+    *covariance = NULL;
+    palp_status status = palp_json_open(path, &file, &root, error);
+    if (status)
+        return status;
+    status = palp_model_from_json(&root, &model, &mesh);
+    if (!status)
+        status = palp_model_covariance_read(&root, &model.material, covariance);
+    palp_json_close(&file);
+    return status;
 }

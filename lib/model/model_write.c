@@ -57,6 +57,8 @@ static palp_status model_check(const palp_model *model, palp_error *error) {
     palp_status status = palp_material_check(&model->material, error);
     if (!status)
         status = law_check(model, error);
+    if (!status && model->covariance && !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->covariance))
+        status = palp_error_set(error, PALP_ERR_ARGUMENT, "the covariance is none");
     return status ? status : palp_model_effects_check(model, error);
 }
 
@@ -196,6 +198,16 @@ static void effects_print(const writer *w, const palp_model *model) {
     fputc(']', w->stream);
 }
 
+static void covariance_print(const writer *w, const palp_model *model) {
+    size_t n = palp_model_covariance_size(&model->material);
+    fprintf(w->stream, "%s\"covariance\": [", w->between);
+    for (size_t i = 0; i < n; i++) {
+        fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : "", w->item);
+        list_print(w, "", n, model->covariance + i * n);
+    }
+    fputc(']', w->stream);
+}
+
 static void lattice_print(const writer *w, const palp_mesh_source *mesh) {
     const size_t *n = mesh->nodes;
     fprintf(w->stream, "%s\"mesh\": {\"kind\": \"lattice\", \"nodes\": [%zu, %zu, %zu], ", w->between, n[0],
@@ -249,6 +261,8 @@ static palp_status model_print(const writer *w, const palp_model *model, const c
     specimen_print(w, model);
     material_print(w, &model->material);
     effects_print(w, model);
+    if (model->covariance)
+        covariance_print(w, model);
     palp_status status = network ? network_print(w, model, mesh_path) : PALP_OK;
     fputs(w->close, w->stream);
     palp_locale_leave(&locale);

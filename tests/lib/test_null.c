@@ -24,6 +24,10 @@ START_TEST(null_in_characterize) {
     REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
     REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
     REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL, NULL));
+    REFUSED(palp_lumped_fit_stiffness(NULL, 2, numbers, numbers, numbers));
+    REFUSED(palp_lumped_fit_stiffness((void *)storage, 2, NULL, numbers, numbers));
+    REFUSED(palp_lumped_fit_stiffness((void *)storage, 2, numbers, NULL, numbers));
+    REFUSED(palp_lumped_fit_stiffness((void *)storage, 2, numbers, numbers, NULL));
     REFUSED(palp_lumped_fit_force(NULL, 2, (void *)storage, numbers));
     REFUSED(palp_lumped_fit_force((void *)storage, 2, NULL, numbers));
     REFUSED(palp_lumped_fit_force((void *)storage, 2, (void *)storage, NULL));
@@ -138,6 +142,8 @@ START_TEST(null_in_material) {
 END_TEST
 
 START_TEST(null_in_model) {
+    REFUSED(palp_model_read_covariance(NULL, (void *)storage, NULL));
+    REFUSED(palp_model_read_covariance(text, NULL, NULL));
     REFUSED(palp_model_read(NULL, &model, NULL, NULL));
     REFUSED(palp_model_read(text, NULL, NULL, NULL));
     REFUSED(palp_model_write(NULL, text, NULL));

@@ -230,6 +230,11 @@ START_TEST(null_in_forward) {
     REFUSED(palp_forward_get(&model, NULL));
     REFUSED(palp_forward_set(NULL, numbers));
     REFUSED(palp_forward_set(&model, NULL));
+    REFUSED(palp_forward_band(NULL, (void *)storage, numbers, numbers, numbers, NULL));
+    REFUSED(palp_forward_band(&model, NULL, numbers, numbers, numbers, NULL));
+    REFUSED(palp_forward_band(&model, (void *)storage, NULL, numbers, numbers, NULL));
+    REFUSED(palp_forward_band(&model, (void *)storage, numbers, NULL, numbers, NULL));
+    REFUSED(palp_forward_band(&model, (void *)storage, numbers, numbers, NULL, NULL));
     REFUSED(palp_forward_force(NULL, (void *)storage, numbers, numbers, NULL));
     REFUSED(palp_forward_force(&model, NULL, numbers, numbers, NULL));
     REFUSED(palp_forward_force(&model, (void *)storage, NULL, numbers, NULL));

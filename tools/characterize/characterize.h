@@ -15,6 +15,7 @@ enum {
     DEGREE_MAX = 7,
     SELECT_ARMS_MAX = 5,
     SELECT_LAWS_MAX = 20,
+    CHARACTERIZE_BAND = 41,
     CHARACTERIZE_SPREAD_MAX = 20
 };
 
@@ -43,6 +44,11 @@ typedef struct characterize_gap {
     double strain, run_N, low_N, high_N, plain_N, joint_N;
 } characterize_gap;
 
+/* K of the model's law at a strain with its 95 % band; the force is K times the strain, and so is its band. */
+typedef struct characterize_known {
+    double strain, stiffness_N, low_N, high_N;
+} characterize_known;
+
 /* Force of several static runs at a strain. */
 typedef struct characterize_spread {
     double strain, mean_N, sd_N, low_N, high_N;
@@ -70,6 +76,8 @@ typedef struct characterize_state {
     double gap_before_percent, gap_after_percent;
     double peak_N[CHARACTERIZE_RUNS_MAX],
         largest_N[CHARACTERIZE_RUNS_MAX]; /* force; |residual| of the model */
+    size_t n_band; /* 0: no intervals */
+    characterize_known band[CHARACTERIZE_BAND];
     size_t n_spread;
     characterize_spread spread[CHARACTERIZE_SPREAD_MAX];
     size_t n_warnings;

@@ -32,6 +32,19 @@ static void compare_springs(characterize_state *s) {
     s->gap_after_percent = s->n_gap ? after : NAN;
 }
 
+/* How well the law is known over the strains measured. */
+static void find_band(characterize_state *s) {
+    double strain[CHARACTERIZE_BAND], stiffness[CHARACTERIZE_BAND], sd[CHARACTERIZE_BAND];
+    for (size_t i = 0; i < CHARACTERIZE_BAND; i++) {
+        strain[i] = characterize_strain_max(s) * (double)i / (CHARACTERIZE_BAND - 1);
+    }
+    bool known = s->has_final && palp_lumped_fit_stiffness(&s->final, CHARACTERIZE_BAND, strain, stiffness, sd) == PALP_OK;
+    s->n_band = known ? CHARACTERIZE_BAND : 0;
+    for (size_t i = 0; i < s->n_band; i++) {
+        s->band[i] = (characterize_known){strain[i], stiffness[i], stiffness[i] - 1.96 * sd[i], stiffness[i] + 1.96 * sd[i]};
+    }
+}
+
 /* ---- the model against its runs ---- */
 
 static palp_status compare_run(characterize_state *s, size_t i) {
@@ -93,6 +106,7 @@ static void compare_static(characterize_state *s) {
 int characterize_compare(characterize_state *s) {
     compare_springs(s);
     compare_static(s);
+    find_band(s);
     for (size_t i = 0; i < s->n; i++) {
         palp_status status = compare_run(s, i);
         if (status) {

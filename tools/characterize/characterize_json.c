@@ -185,6 +185,24 @@ static json_t *gap_json(const characterize_state *s) {
     return list;
 }
 
+/* 95 % bands of K(e) and of the force K(e) e over the strains measured. */
+static json_t *band_json(const characterize_state *s) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < s->n_band; i++) {
+        const characterize_known *at = &s->band[i];
+        json_t *to = json_object();
+        set(to, "strain", at->strain);
+        set(to, "stiffness_N", at->stiffness_N);
+        set(to, "stiffness_low_N", at->low_N);
+        set(to, "stiffness_high_N", at->high_N);
+        set(to, "force_N", at->stiffness_N * at->strain);
+        set(to, "force_low_N", at->low_N * at->strain);
+        set(to, "force_high_N", at->high_N * at->strain);
+        json_array_append_new(list, to);
+    }
+    return list;
+}
+
 static json_t *spread_json(const characterize_state *s) {
     json_t *list = json_array();
     for (size_t i = 0; i < s->n_spread; i++) {
@@ -224,6 +242,7 @@ static void add_lists(json_t *all, const characterize_state *s) {
     json_object_set_new(all, "per_depth", singles);
     json_object_set_new(all, "shared", s->has_shared ? shared_json(s) : json_null());
     json_object_set_new(all, "comparison", gap_json(s));
+    json_object_set_new(all, "band", band_json(s));
     json_object_set_new(all, "spread", spread_json(s));
     json_object_set_new(all, "warnings", warnings);
 }

@@ -88,10 +88,17 @@ static void plot_stiffness(plot_book *book, const characterize_state *s) {
     if (s->n_static > 0 && s->n_arms > 0) {
         line[n_lines++] = (law_line){"static polynomial", s->plain[0][s->degree], true};
     }
+    double at[CHARACTERIZE_BAND], ends[2 * CHARACTERIZE_BAND];
+    for (size_t i = 0; i < s->n_band; i++) {
+        at[i] = s->band[i].strain;
+        ends[i] = s->band[i].low_N;
+        ends[s->n_band + i] = s->band[i].high_N;
+    }
+    const plot_series band = {"95 % band", PLOT_BAND, 0, s->n_band, at, ends};
     const plot_series points = {"ramp and hold", PLOT_BARS, PLOT_BLACK, n, strain, k};
     plot_runs_stiffness(book, "stiffness_law",
                         "Stiffness law K(e), and K_inf of single depths with 95 % intervals",
-                        characterize_strain_max(s), n_lines, line, n ? &points : NULL);
+                        characterize_strain_max(s), n_lines, line, s->n_band ? &band : NULL, n ? &points : NULL);
 }
 
 /* ---- how many arms ---- */

@@ -202,6 +202,20 @@ static void print_final(const characterize_state *s) {
            characterize_total(f), f->inflation);
 }
 
+/* Coefficients may mean nothing one by one; the force they make does. */
+static void print_band(const characterize_state *s) {
+    if (s->n_band == 0) {
+        return;
+    }
+    printf("  strain   K_inf (N)   95 %% band            force (N)   95 %% band\n");
+    for (size_t i = s->n_band / 5; i < s->n_band; i += s->n_band / 5) {
+        const characterize_known *at = &s->band[i];
+        double e = at->strain;
+        printf("  %6.4f  %10.5g   %8.5g to %-8.5g  %10.5g   %8.5g to %.5g\n", e, at->stiffness_N, at->low_N, at->high_N,
+               at->stiffness_N * e, at->low_N * e, at->high_N * e);
+    }
+}
+
 /* The plain polynomial beside the joint law: what the arms add to a press that is not slow enough. */
 static void print_bias(const characterize_state *s) {
     if (s->n_static == 0 || !s->has_final || s->material.n_arms == 0) {
@@ -267,6 +281,7 @@ int characterize_print(const characterize_options *o, const characterize_state *
     print_single(s);
     print_shared(o, s);
     print_final(s);
+    print_band(s);
     print_bias(s);
     print_gap(s);
     if (o->out) {

@@ -124,6 +124,7 @@ static int write_model(const characterize_options *o, const characterize_state *
         strcpy(model.specimen_kind, "cylinder");
     }
     model.material = s->material;
+    model.covariance = s->has_final ? s->final.covariance : NULL;
     palp_status status = o->out ? palp_model_write(&model, o->out, &error) : PALP_OK;
     if (status && palp_law_minimum(&s->material.law, characterize_strain_max(s)) <= 0) {
         return cli_failure(NAME, "%s: not written: K(e) falls to zero within the measured strain of %.3g; take another --degree or --law",

@@ -222,7 +222,7 @@ static void draw_law(report *r, plot_book *book) {
     }
     const law_line line = {NULL, m->material.law, false};
     plot_runs_stiffness(book, "stiffness_law", "Stiffness law K(e) of the lumped model", top > 0 ? top : 0.4,
-                        1, &line, NULL);
+                        1, &line, NULL, NULL);
 }
 
 /* ---- into the report ---- */

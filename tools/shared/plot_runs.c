@@ -227,18 +227,21 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
 /* ---- the stiffness law ---- */
 
 void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max,
-                         size_t n_lines, const law_line *line, const plot_series *points) {
+                         size_t n_lines, const law_line *line, const plot_series *band, const plot_series *points) {
     double strain[LAW_POINTS], stiffness[LINES_MAX][LAW_POINTS];
-    plot_series series[LINES_MAX + 1];
-    size_t n = n_lines < LINES_MAX ? n_lines : LINES_MAX;
+    plot_series series[LINES_MAX + 2];
+    size_t lines = n_lines < LINES_MAX ? n_lines : LINES_MAX, n = 0;
     for (size_t i = 0; i < LAW_POINTS; i++) {
         strain[i] = strain_max * (double)i / (LAW_POINTS - 1);
-        for (size_t k = 0; k < n; k++) {
+        for (size_t k = 0; k < lines; k++) {
             palp_law_stiffness(&line[k].law, strain[i], &stiffness[k][i], NULL);
         }
     }
-    for (size_t k = 0; k < n; k++) {
-        series[k] =
+    if (band) {
+        series[n++] = *band;
+    }
+    for (size_t k = 0; k < lines; k++) {
+        series[n++] =
             (plot_series){line[k].title, line[k].dashed ? PLOT_DASHED : PLOT_LINE, (int)k, LAW_POINTS, strain,
                           stiffness[k]};
     }

@@ -30,14 +30,14 @@ void plot_runs_depth(plot_book *book, const char *name, const char *title, size_
 /* Fit minus measured over the noise of a sample, against log time; means of bins even in log time. */
 void plot_runs_residual(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run);
 
-/* K against strain: lines (each a law) and points with error bars. */
+/* K against strain: a band, lines (each a law) and points with error bars; band and points may be NULL. */
 typedef struct law_line {
     const char *title;
     palp_law law;
     bool dashed;
 } law_line;
 void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max,
-                         size_t n_lines, const law_line *line, const plot_series *points);
+                         size_t n_lines, const law_line *line, const plot_series *band, const plot_series *points);
 
 /* The low-passed force of each stretch between gaps, malloc'ed; NULL where the samples are not even, the
  * cut-off is beyond them, or there is no memory. */

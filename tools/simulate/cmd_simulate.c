@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdint.h>
 #include <palpate/palpate.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char NAME[] = "simulate";
@@ -53,6 +54,9 @@ static int parse(int argc, char **argv, simulate_options *o) {
         cli_out("out", "RUN.csv", &o->out, "the run (default: standard output)"),
         cli_out_folder("vtu", "DIR", &o->vtu, "network.pvd network_*.vtu", "frames for ParaView into DIR/network.pvd (network)"),
         cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "a frame every N steps only (default 1)"),
+        cli_flag("band", &o->band,
+                 "columns force_low_N and force_high_N: the 95 % band of the force by the\n"
+                 "covariance in the model, without the sensor's noise (lumped)"),
         cli_flag("json", &o->json, "a summary as JSON on standard output; the run only to --out"),
     };
     const cli_command command = {
@@ -244,7 +248,8 @@ static int simulate(const simulate_options *o, simulation *s) {
     if (status) {
         return cli_status(NAME, status, &error);
     }
-    int code = override_nodes(o, s);
+    int code = o->band ? simulate_band_check(o, s) : CLI_OK;
+    code = code ? code : override_nodes(o, s);
     if (code == CLI_OK) {
         code = make_path(o, s->like, s->model.n_effects > 0, &s->path);
     }
@@ -272,6 +277,9 @@ static int simulate(const simulate_options *o, simulation *s) {
     }
     simulate_judge_range(s);
     code = code ? code : simulate_sense(o, s);
+    if (code == CLI_OK && o->band) {
+        code = simulate_band(o, s);
+    }
     return code ? code : simulate_report(o, s);
 }
 
@@ -295,5 +303,7 @@ int cmd_simulate(int argc, char **argv) {
     palp_experiment_free(s.like);
     palp_path_free(&s.path);
     record_free(&s.curve);
+    free(s.low_N);
+    free(s.high_N);
     return code;
 }

@@ -17,7 +17,7 @@ typedef struct simulate_options {
     size_t seed; /* SIZE_MAX = not given */
     const char *drop, *spike;
     cli_list gaps, spikes; /* what they say: from, to; time, force */
-    bool relaxed, json;
+    bool relaxed, band, json;
 } simulate_options;
 
 typedef struct simulation {
@@ -30,6 +30,7 @@ typedef struct simulation {
     palp_reduced *reduced; /* instead of both */
     double height_m; /* of what is pressed */
     record curve;
+    double *low_N, *high_N; /* [curve.n] --band: where 95 % of the forces are that the model's own data allow */
     palp_run_info info;
     double beyond_s, strain_max; /* first time beyond the measured strain, < 0 = never; largest strain there */
     bool buckled;
@@ -42,6 +43,8 @@ int simulate_network(const simulate_options *o, simulation *s);
 int simulate_effects(const simulate_options *o, simulation *s); /* instead: a model that has some */
 int simulate_reduced(const simulate_options *o, simulation *s); /* instead: a reduced model */
 bool simulate_is_reduced(const char *path);
+int simulate_band_check(const simulate_options *o, const simulation *s);
+int simulate_band(const simulate_options *o, simulation *s); /* low_N, high_N of the finished curve */
 void simulate_judge_range(simulation *s); /* after the run: the warning and beyond_s */
 int simulate_report(const simulate_options *o, const simulation *s);
 

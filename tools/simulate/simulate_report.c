@@ -3,6 +3,8 @@
 #include "shared/json_out.h"
 #include "simulate.h"
 
+#include <math.h>
+#include <string.h>
 
 static const char NAME[] = "simulate";
 static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "creep"};
@@ -79,6 +81,16 @@ static palp_status fill_sensor(const simulate_options *o, palp_experiment *run) 
     return status;
 }
 
+static palp_status fill_band(const simulation *s, palp_experiment *run) {
+    palp_status status = palp_experiment_add_column(run, "force_low_N");
+    status = status ? status : palp_experiment_add_column(run, "force_high_N");
+    if (status == PALP_OK) {
+        memcpy(palp_experiment_column(run, "force_low_N"), s->low_N, s->curve.n * sizeof *s->low_N);
+        memcpy(palp_experiment_column(run, "force_high_N"), s->high_N, s->curve.n * sizeof *s->high_N);
+    }
+    return status;
+}
+
 static palp_status fill(const simulate_options *o, const simulation *s, palp_experiment *run) {
     const record *c = &s->curve;
     double *time_s = palp_experiment_column(run, "time_s"),
@@ -102,12 +114,15 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
     }
     status = status ? status : fill_protocol(o, s, run);
     status = status ? status : fill_sensor(o, run);
+    if (s->low_N && status == PALP_OK) {
+        status = fill_band(s, run);
+    }
     string(run, "model.file", o->model, &status);
     string(run, "palpate.version", palp_version(), &status);
     return status;
 }
 
-/* Of a model that says to which strain it was measured also "strain_max" and "beyond": null, or from when and to which strain
+/* With --band also "band": that of the largest and of the last force. Of a model that says to which strain it was measured also "strain_max" and "beyond": null, or from when and to which strain
  * the run went beyond it. */
 static json_t *summary(const simulate_options *o, const simulation *s) {
     const record *c = &s->curve;
@@ -126,6 +141,15 @@ static json_t *summary(const simulate_options *o, const simulation *s) {
                             "worst_residual", s->info.worst_residual, "buckling", buckling);
     if (s->network) {
         json_object_set_new(all, "inverted", json_integer((json_int_t)s->info.inverted));
+    }
+    size_t peak = 0;
+    for (size_t i = 0; i < c->n; i++) {
+        peak = fabs(c->force_N[i]) > fabs(c->force_N[peak]) ? i : peak;
+    }
+    if (s->low_N) {
+        json_object_set_new(all, "band",
+                            json_pack("{s:f, s:f, s:f, s:f}", "peak_low_N", s->low_N[peak], "peak_high_N", s->high_N[peak],
+                                      "final_low_N", s->low_N[c->n - 1], "final_high_N", s->high_N[c->n - 1]));
     }
     if (s->model.material.law.strain_max > 0) {
         json_object_set_new(all, "strain_max", json_real(s->model.material.law.strain_max));

@@ -177,6 +177,53 @@ START_TEST(the_measured_strain_comes_back_and_must_be_sound) {
 }
 END_TEST
 
+START_TEST(the_covariance_comes_back_and_must_be_one) {
+    double c[4][4] = {{4, 1, 0, 0.5}, {1, 9, 0, 0}, {0, 0, 0.25, 0.01}, {0.5, 0, 0.01, 1}}, *back = NULL;
+    palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = 0.024, .covariance = &c[0][0]}, read;
+    model.material = (palp_material){.n_arms = 1, .arms = {{1, 2, 0, 0}}};
+    ck_assert_int_eq(palp_law_polynomial(2, (double[]){8, 3}, &model.material.law), PALP_OK);
+    const char *path = scratch_path("out.json");
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read(path, &read, NULL, NULL), PALP_OK);
+    ck_assert_ptr_null(read.covariance);
+    ck_assert_int_eq(palp_model_read_covariance(path, &back, NULL), PALP_OK);
+    ck_assert_mem_eq(back, c, sizeof c);
+    free(back);
+    model.covariance = NULL;
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read_covariance(path, &back, NULL), PALP_OK);
+    ck_assert_ptr_null(back);
+    model.covariance = &c[0][0];
+    c[0][1] = 2; /* not symmetric */
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_ERR_ARGUMENT);
+    c[0][1] = c[1][0] = 7; /* above sqrt(4 * 9) */
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_ERR_ARGUMENT);
+    c[0][1] = c[1][0] = NAN;
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
+static void refused_covariance(const char *rows, const char *why) {
+    palp_error error = {PALP_OK, ""};
+    palp_model model;
+    FILE *f = fopen(scratch_path("rows.json"), "w");
+    ck_assert_ptr_nonnull(f);
+    fprintf(f, "{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24},\n"
+               "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [8, 3]}, \"covariance\": %s}\n", rows);
+    fclose(f);
+    ck_assert_int_eq(palp_model_read(scratch_path("rows.json"), &model, NULL, &error), PALP_ERR_INPUT);
+    ck_assert_msg(strstr(error.text, why) != NULL, "%s: %s", rows, error.text);
+}
+
+START_TEST(a_covariance_of_another_size_is_refused) {
+    refused_covariance("[[1, 0]]", "has 1 rows, not one for each of the 2 parameters");
+    refused_covariance("[[1, 0], [0]]", "has 1 numbers, not one for each of the 2 parameters");
+    refused_covariance("[[1, 2], [2, 1]]", "is no covariance");
+    refused_covariance("[[-1, 0], [0, 1]]", "is no covariance");
+    refused_covariance("[1, 2]", "must be");
+}
+END_TEST
+
 START_TEST(model_is_one_line_when_formatted) {
     palp_model model = read_text(sample);
     char *json;
@@ -405,6 +452,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, lengths_in_millimetres_come_back);
     tcase_add_test(tc, every_law_comes_back);
     tcase_add_test(tc, the_measured_strain_comes_back_and_must_be_sound);
+    tcase_add_test(tc, the_covariance_comes_back_and_must_be_one);
+    tcase_add_test(tc, a_covariance_of_another_size_is_refused);
     tcase_add_test(tc, model_is_one_line_when_formatted);
     tcase_add_test(tc, failed_write_leaves_nothing);
     tcase_add_test(tc, lattice_is_made);

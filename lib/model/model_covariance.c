@@ -1,0 +1,49 @@
+/* model_covariance.c: how well a model's numbers are known, in its JSON. */
+#include "base/json.h"
+#include "model_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+size_t palp_model_covariance_size(const palp_material *material) {
+    return material->law.n + 2 * material->n_arms;
+}
+
+bool palp_model_covariance_valid(size_t n, const double *c) {
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            double scale = sqrt(c[i * n + i] * c[j * n + j]);
+            if (!isfinite(c[i * n + j]) || !(fabs(c[i * n + j]) <= scale * (1.0 + 1e-9)) ||
+                !(fabs(c[i * n + j] - c[j * n + i]) <= 1e-9 * scale))
+                return false;
+        }
+    return true;
+}
+
+palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material, double **covariance) {
+    palp_json rows, row;
+    size_t n = palp_model_covariance_size(material), count = 0, width = 0;
+    *covariance = NULL;
+    if (!palp_json_member(root, "covariance", &rows))
+        return PALP_OK;
+    palp_status status = palp_json_list(&rows, n, &count);
+    double *c = calloc(n * n + 1, sizeof *c);
+    if (!c)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = palp_json_item(&rows, i, &row);
+        if (!status)
+            status = palp_json_numbers(&row, n, &width, c + i * n);
+        if (!status && width != n)
+            status = palp_json_fail(&row, PALP_ERR_INPUT, "has %zu numbers, not one for each of the %zu parameters", width, n);
+    }
+    if (!status && count != n)
+        status = palp_json_fail(&rows, PALP_ERR_INPUT, "has %zu rows, not one for each of the %zu parameters", count, n);
+    if (!status && !palp_model_covariance_valid(n, c))
+        status = palp_json_fail(&rows, PALP_ERR_INPUT, "is no covariance: it must be symmetric, with nothing above its diagonal's");
+    if (status)
+        free(c);
+    else
+        *covariance = c;
+    return status;
+}
