@@ -31,9 +31,10 @@ typedef enum palp_phase {
 
 PALP_API const char *palp_phase_name(palp_phase phase); /* "air", "early_dwell", ...; "unknown" */
 
-/* phase[n]: a palp_phase for each sample of a path whose depth 0 is contact, n >= 2. A corner lasts 0.2 s, a dwell is
- * early for its first 5 s, and the air after the first touch is recovery. */
-PALP_API void palp_segments_phases(size_t n, const double *time_s, const double *depth, unsigned char *phase);
+/* phase[n]: a palp_phase for each sample of a path whose depth 0 is contact, n >= 2, by its pieces (below). A corner lasts a
+ * fifth of the motion that begins or ends at it, a dwell is early for five times the motion before it, and the air after the
+ * first touch is recovery. ERR_ARGUMENT, ERR_NO_MEMORY. */
+PALP_API palp_status palp_segments_phases(size_t n, const double *time_s, const double *depth, unsigned char *phase);
 
 /* What the plate does over a stretch of its path, whatever it was asked to do. */
 typedef enum palp_motion {

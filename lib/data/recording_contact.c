@@ -42,8 +42,9 @@ static size_t half_way(const palp_recording *r, double zero) {
 /* First sample from which the force, averaged over a window, stays 4 sd above zero on its way up. */
 static size_t departure(const palp_recording *r, double zero) {
     enum { WINDOW = 9 };
-    double limit = 4.0 * fmax(r->noise_N, 1e-12) * sqrt((double)WINDOW), sum = 0.0;
     size_t end = half_way(r, zero), first = 0;
+    double least = 1e-12 * fabs(r->force_N[end] - zero); /* of what has no noise */
+    double limit = 4.0 * fmax(r->noise_N, least) * sqrt((double)WINDOW), sum = 0.0;
     for (size_t i = 0; i <= end; i++) {
         sum += r->use[i] ? r->force_N[i] - zero : 0.0;
         if (i >= WINDOW)
@@ -71,12 +72,16 @@ static size_t stretch_end(const palp_recording *r, size_t first, double length) 
 }
 
 /* Where the rising force leads back to, by its first 3 % of the way. Where the first 6 % lead elsewhere the
- * force bends, and it bends on within the noise: that counts three times. False: too few samples. */
+ * force bends, and it bends on within the noise: that counts three times. Where samples are few, five of each, as long as
+ * they are in the first quarter of the way. False: too few samples. */
 static bool extrapolate(const palp_recording *r, size_t first, double deepest, double zero, double *at,
                         double *sd) {
+    enum { FEWEST = 5 };
     size_t near = stretch_end(r, first, 0.03 * deepest), far = stretch_end(r, first, 0.06 * deepest);
     double sd_far;
-    if (near < first + 5 || far < near + 5)
+    near = near < first + FEWEST ? first + FEWEST : near;
+    far = far < near + FEWEST ? near + FEWEST : far;
+    if (far > stretch_end(r, first, 0.25 * deepest))
         return false;
     *at = crossing(r, first, near, zero, sd);
     double bend = fabs(*at - crossing(r, first, far, zero, &sd_far));

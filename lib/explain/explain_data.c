@@ -189,7 +189,9 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     for (size_t s = 0; s < r && run->replicate < 0; s++)
         if (same_protocol(e, inputs[s].experiment))
             run->replicate = (int)s;
-    palp_segments_phases(run->n, run->time, run->depth, run->phase);
+    status = palp_segments_phases(run->n, run->time, run->depth, run->phase);
+    if (status)
+        return status;
     palp_status masked = mask_spikes(data, r);
     return masked ? masked : mask_releases(data, r);
 }

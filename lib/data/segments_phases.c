@@ -1,0 +1,112 @@
+/* segments_phases.c: what the plate does at each sample, by the pieces of its path. */
+#include "segments_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Of the time that the motion at a corner takes: how long the corner lasts, and when an early dwell ends. */
+static const double CORNER = 0.2, EARLY = 5.0;
+
+static const double TURN = 0.25; /* of the range of an oscillation: what a turn in it returns by */
+
+const char *palp_phase_name(palp_phase phase) {
+    static const char *const names[] = {"air",    "ramp",     "corner", "early_dwell", "late_dwell",
+                                        "unload", "recovery", "reload"};
+    return (unsigned)phase < PALP_PHASE_COUNT ? names[phase] : "unknown";
+}
+
+/* The path so far. */
+typedef struct walk {
+    const double *time, *depth;
+    unsigned char *phase;
+    bool touched, unloaded;
+    double motion_s; /* how long the last motion within the specimen took; 0 = there was none */
+} walk;
+
+static palp_phase moving(walk *w, bool back) {
+    w->unloaded = w->unloaded || back;
+    return back ? PALP_PHASE_UNLOAD : w->unloaded ? PALP_PHASE_RELOAD : PALP_PHASE_RAMP;
+}
+
+/* In the air it is air or recovery, whatever moves. */
+static void put(walk *w, size_t i, palp_phase phase) {
+    w->touched = w->touched || w->depth[i] > 0.0;
+    w->phase[i] = (unsigned char)(w->depth[i] > 0.0 ? phase : w->touched ? PALP_PHASE_RECOVERY : PALP_PHASE_AIR);
+}
+
+/* A motion from one sample to another; it begins with a corner but where it only comes out of the air. */
+static void walk_motion(walk *w, size_t first, size_t last, bool back, bool corner) {
+    w->motion_s = w->time[last] - w->time[first];
+    palp_phase phase = moving(w, back);
+    for (size_t i = first; i < last; i++)
+        put(w, i, corner && w->time[i] - w->time[first] < CORNER * w->motion_s ? PALP_PHASE_CORNER : phase);
+}
+
+static void walk_still(walk *w, size_t first, size_t last) {
+    double early = w->motion_s > 0.0 ? EARLY * w->motion_s : HUGE_VAL;
+    for (size_t i = first; i < last; i++) {
+        double since = w->time[i] - w->time[first];
+        put(w, i, since < CORNER * w->motion_s ? PALP_PHASE_CORNER : since < early ? PALP_PHASE_EARLY_DWELL : PALP_PHASE_LATE_DWELL);
+    }
+}
+
+/* The next sample at which an oscillation turns, after one to the last. */
+static size_t next_turn(const double *depth, size_t from, size_t last, double back, bool *down) {
+    size_t high = from, low = from;
+    for (size_t i = from + 1; i <= last; i++) {
+        high = depth[i] > depth[high] ? i : high;
+        low = depth[i] < depth[low] ? i : low;
+        if (depth[high] - depth[i] > back && high > from) {
+            *down = false;
+            return high;
+        }
+        if (depth[i] - depth[low] > back && low > from) {
+            *down = true;
+            return low;
+        }
+    }
+    *down = depth[last] < depth[from];
+    return last;
+}
+
+static void walk_oscillation(walk *w, const palp_piece *piece) {
+    double low = w->depth[piece->first], high = low;
+    for (size_t i = piece->first; i <= piece->last; i++) {
+        low = fmin(low, w->depth[i]);
+        high = fmax(high, w->depth[i]);
+    }
+    for (size_t from = piece->first, to; from < piece->last; from = to) {
+        bool down;
+        to = next_turn(w->depth, from, piece->last, TURN * (high - low), &down);
+        walk_motion(w, from, to, down, true);
+    }
+}
+
+static void walk_piece(walk *w, const palp_pieces *pieces, size_t k) {
+    const palp_piece *piece = &pieces->piece[k];
+    bool comes = k == 0 || pieces->piece[k - 1].motion == PALP_MOTION_APPROACH;
+    if (piece->motion == PALP_MOTION_REST || piece->motion == PALP_MOTION_DWELL)
+        walk_still(w, piece->first, piece->last);
+    else if (piece->motion == PALP_MOTION_CYCLE || piece->motion == PALP_MOTION_SWEEP)
+        walk_oscillation(w, piece);
+    else if (piece->motion == PALP_MOTION_APPROACH)
+        for (size_t i = piece->first; i < piece->last; i++)
+            put(w, i, PALP_PHASE_RAMP);
+    else
+        walk_motion(w, piece->first, piece->last, piece->motion == PALP_MOTION_UNLOAD, !comes);
+}
+
+palp_status palp_segments_phases(size_t n, const double *time, const double *depth, unsigned char *phase) {
+    palp_pieces pieces;
+    if (!time || !depth || !phase)
+        return PALP_ERR_ARGUMENT;
+    palp_status status = palp_segments_pieces(n, time, depth, &pieces);
+    if (status)
+        return status;
+    walk w = {.time = time, .depth = depth, .phase = phase};
+    for (size_t k = 0; k < pieces.n; k++)
+        walk_piece(&w, &pieces, k);
+    put(&w, n - 1, n > 1 ? (palp_phase)phase[n - 2] : PALP_PHASE_RAMP);
+    palp_pieces_free(&pieces);
+    return PALP_OK;
+}
