@@ -14,7 +14,7 @@ palp_status mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh) {
         return PALP_ERR_NO_MEMORY;
     m->n_nodes = n_nodes;
     m->n_elements = n_elements;
-    m->x_m = malloc(3 * n_nodes * sizeof *m->x_m);
+    m->x_m = arena_take(&m->memory, 3 * n_nodes, sizeof *m->x_m);
     m->pairs = malloc(2 * n_elements * sizeof *m->pairs);
     if (!m->x_m || !m->pairs) {
         palp_mesh_free(m);
@@ -27,35 +27,16 @@ palp_status mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh) {
 void palp_mesh_free(palp_mesh *mesh) {
     if (!mesh)
         return;
-    for (size_t i = 0; i < mesh->n_sets; i++) {
-        free(mesh->sets[i].name);
-        free(mesh->sets[i].nodes);
-    }
+    arena_free(&mesh->memory);
     free(mesh->sets);
-    free(mesh->x_m);
     free(mesh->pairs);
-    free(mesh->tetrahedra);
-    free(mesh->triangles);
-    free(mesh->scale);
     free(mesh);
 }
 
-/* n values; NULL if there are none or no memory. */
-static int32_t *copy_indices(size_t n, const int32_t *from) {
-    int32_t *to = n > 0 ? malloc(n * sizeof *to) : NULL;
-    if (to)
-        memcpy(to, from, n * sizeof *to);
-    return to;
-}
-
-static palp_status copy_cells(const palp_mesh *from, palp_mesh *to) {
-    to->tetrahedra = copy_indices(4 * from->n_tetrahedra, from->tetrahedra);
-    to->triangles = copy_indices(3 * from->n_triangles, from->triangles);
-    to->n_tetrahedra = from->n_tetrahedra;
-    to->n_triangles = from->n_triangles;
-    to->split = from->split;
-    return (from->n_tetrahedra > 0 && !to->tetrahedra) || (from->n_triangles > 0 && !to->triangles) ? PALP_ERR_NO_MEMORY
-                                                                                                   : PALP_OK;
+/* An array of m's; NULL if there is none or no memory. */
+static void *copy_of(palp_mesh *m, size_t n, size_t size, const void *from) {
+    void *to = from ? arena_take(&m->memory, n, size) : NULL;
+    return to ? memcpy(to, from, n * size) : NULL;
 }
 
 palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
@@ -65,18 +46,17 @@ palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
         return status;
     memcpy(m->x_m, mesh->x_m, 3 * mesh->n_nodes * sizeof *m->x_m);
     memcpy(m->pairs, mesh->pairs, 2 * mesh->n_elements * sizeof *m->pairs);
-    status = copy_cells(mesh, m);
-    if (!status && mesh->scale) {
-        m->scale = malloc(mesh->n_elements * sizeof *m->scale);
-        status = m->scale ? PALP_OK : PALP_ERR_NO_MEMORY;
-    }
-    if (!status && mesh->scale)
-        memcpy(m->scale, mesh->scale, mesh->n_elements * sizeof *m->scale);
-    for (size_t i = 0; i < mesh->n_sets && !status; i++)
-        status = palp_mesh_add_set(m, mesh->sets[i].name, mesh->sets[i].n, mesh->sets[i].nodes);
-    if (status) {
+    m->n_tetrahedra = mesh->n_tetrahedra;
+    m->n_triangles = mesh->n_triangles;
+    m->split = mesh->split;
+    m->tetrahedra = copy_of(m, 4 * m->n_tetrahedra, sizeof *m->tetrahedra, mesh->tetrahedra);
+    m->triangles = copy_of(m, 3 * m->n_triangles, sizeof *m->triangles, mesh->triangles);
+    m->scale = copy_of(m, m->n_elements, sizeof *m->scale, mesh->scale);
+    for (size_t i = 0; i < mesh->n_sets && !m->memory.failed; i++)
+        palp_mesh_add_set(m, mesh->sets[i].name, mesh->sets[i].n, mesh->sets[i].nodes);
+    if (m->memory.failed || m->n_sets < mesh->n_sets) {
         palp_mesh_free(m);
-        return status;
+        return PALP_ERR_NO_MEMORY;
     }
     *copy = m;
     return PALP_OK;
@@ -253,50 +233,26 @@ static node_set *find_set(const palp_mesh *mesh, const char *name) {
     return NULL;
 }
 
-static palp_status set_fill(node_set *set, const char *name, size_t n, const int32_t *nodes) {
-    size_t length = strlen(name) + 1;
-    set->n = 0;
-    set->name = malloc(length);
-    set->nodes = malloc((n + 1) * sizeof *nodes);
-    if (!set->name || !set->nodes) {
-        free(set->name);
-        free(set->nodes);
-        return PALP_ERR_NO_MEMORY;
-    }
-    memcpy(set->name, name, length);
-    if (n > 0)
-        memcpy(set->nodes, nodes, n * sizeof *nodes);
-    qsort(set->nodes, n, sizeof *nodes, compare_nodes);
-    for (size_t i = 0; i < n; i++)
-        if (i == 0 || set->nodes[i] != set->nodes[set->n - 1])
-            set->nodes[set->n++] = set->nodes[i];
-    return PALP_OK;
-}
-
 palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const int32_t *nodes) {
     if (!mesh || !name || !name[0] || (n > 0 && !nodes) || n >= SIZE_MAX / sizeof *nodes)
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++)
         if (nodes[i] < 0 || (size_t)nodes[i] >= mesh->n_nodes)
             return PALP_ERR_ARGUMENT;
-    node_set set, *old = find_set(mesh, name);
-    palp_status status = set_fill(&set, name, n, nodes);
-    if (status)
-        return status;
-    if (old) {
-        free(old->name);
-        free(old->nodes);
-        *old = set;
-        return PALP_OK;
-    }
-    node_set *sets = realloc(mesh->sets, (mesh->n_sets + 1) * sizeof *sets);
-    if (!sets) {
-        free(set.name);
-        free(set.nodes);
+    node_set set = {.name = copy_of(mesh, strlen(name) + 1, 1, name), .nodes = arena_take(&mesh->memory, n, sizeof *nodes)};
+    node_set *old = find_set(mesh, name);
+    node_set *sets = old ? mesh->sets : realloc(mesh->sets, (mesh->n_sets + 1) * sizeof *sets);
+    mesh->sets = sets ? sets : mesh->sets;
+    if (!set.name || !set.nodes || !sets)
         return PALP_ERR_NO_MEMORY;
-    }
-    mesh->sets = sets;
-    sets[mesh->n_sets++] = set;
+    if (n > 0)
+        memcpy(set.nodes, nodes, n * sizeof *nodes);
+    qsort(set.nodes, n, sizeof *nodes, compare_nodes);
+    for (size_t i = 0; i < n; i++)
+        if (i == 0 || set.nodes[i] != set.nodes[set.n - 1])
+            set.nodes[set.n++] = set.nodes[i];
+    node_set *at = old ? old : &sets[mesh->n_sets++];
+    *at = set;
     return PALP_OK;
 }
 

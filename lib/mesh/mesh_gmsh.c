@@ -122,7 +122,7 @@ static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
     size_t n = 0;
     for (size_t c = 0; c < r->cells.n; c++)
         n += cells[c].n == 4 ? 1 : 6;
-    mesh->tetrahedra = malloc(4 * n * sizeof *mesh->tetrahedra);
+    mesh->tetrahedra = arena_take(&mesh->memory, 4 * n, sizeof *mesh->tetrahedra);
     if (!mesh->tetrahedra)
         return gmsh_no_memory(r);
     for (size_t c = 0; c < r->cells.n; c++) {

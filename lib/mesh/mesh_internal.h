@@ -2,6 +2,8 @@
 #ifndef PALP_MESH_INTERNAL_H
 #define PALP_MESH_INTERNAL_H
 
+#include "base/arena.h"
+
 #include <palpate/mesh.h>
 
 typedef struct node_set {
@@ -11,6 +13,7 @@ typedef struct node_set {
 } node_set;
 
 struct palp_mesh {
+    arena memory; /* of all arrays but pairs and sets, which may grow or shrink */
     size_t n_nodes;
     size_t n_elements;
     double *x_m;    /* [3 n_nodes] */

@@ -63,7 +63,7 @@ static void fill(palp_mesh *mesh, const size_t nodes[3], const double size_m[3],
 /* Six tetrahedra a box. */
 static palp_status add_tetrahedra(palp_mesh *mesh, const size_t nodes[3]) {
     size_t boxes = (nodes[0] - 1) * (nodes[1] - 1) * (nodes[2] - 1), sx = nodes[1] * nodes[2], sy = nodes[2];
-    mesh->tetrahedra = malloc(boxes * 24 * sizeof *mesh->tetrahedra);
+    mesh->tetrahedra = arena_take(&mesh->memory, boxes * 24, sizeof *mesh->tetrahedra);
     if (!mesh->tetrahedra)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i + 1 < nodes[0]; i++)

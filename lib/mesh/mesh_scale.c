@@ -262,7 +262,7 @@ static palp_status scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area
     if (!status && continuum)
         status = join_across(mesh, neighbour);
     if (!status)
-        mesh->scale = malloc(mesh->n_elements * sizeof *mesh->scale);
+        mesh->scale = arena_take(&mesh->memory, mesh->n_elements, sizeof *mesh->scale);
     if (!status && !mesh->scale)
         status = PALP_ERR_NO_MEMORY;
     if (!status)
@@ -292,10 +292,8 @@ palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double a
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "scaling needs a mesh of tetrahedra with elements along their edges");
     palp_status status = scale(mesh, scaling, area_m2 > 0.0 ? area_m2 : mean_section(mesh), error);
-    if (status) {
-        free(mesh->scale);
+    if (status)
         mesh->scale = NULL;
-    }
     return status;
 }
 

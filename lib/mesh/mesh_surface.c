@@ -131,7 +131,7 @@ palp_status mesh_add_surface(palp_mesh *mesh) {
     for (size_t i = 0; i < n_faces && !status; i++)
         n += neighbour[i] < 0;
     if (!status)
-        mesh->triangles = malloc((3 * n + 1) * sizeof *mesh->triangles);
+        mesh->triangles = arena_take(&mesh->memory, 3 * n, sizeof *mesh->triangles);
     if (!status && !mesh->triangles)
         status = PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n_faces && !status; i++)
