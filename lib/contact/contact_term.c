@@ -1,14 +1,12 @@
 /* contact_term.c: the tools of a network, and what they feel. */
 #include "contact_internal.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const double LEAP = 0.1; /* of an edge: a tool that goes further in a step is not followed */
 
 typedef struct contact_term {
     network_term term;
-    arena memory; /* of its arrays and the set's */
     contact_set set;
     size_t surface_changes; /* of the network's surface that the set has */
     double *weight;         /* [n_nodes] scratch */
@@ -20,12 +18,6 @@ static contact_set *set_of(network_term *term) {
 
 static const contact_set *const_set_of(const network_term *term) {
     return &((const contact_term *)term)->set;
-}
-
-static void term_free(network_term *term) {
-    contact_term *t = (contact_term *)term;
-    arena_free(&t->memory);
-    free(t);
 }
 
 static void term_reset(network_term *term, palp_network *net) {
@@ -182,8 +174,7 @@ static void term_share_residual(network_term *term, palp_network *net, const dou
     }
 }
 
-static const network_term_kind CONTACT = {.free = term_free,
-                                          .reset = term_reset,
+static const network_term_kind CONTACT = {.reset = term_reset,
                                           .pass = term_pass,
                                           .swap = term_swap,
                                           .begin = term_begin,
@@ -206,17 +197,14 @@ contact_set *contact_of(const palp_network *net) {
 
 /* NULL: out of memory. */
 static network_term *term_new(const palp_network *net, size_t max_tools, const palp_contact_settings *settings) {
-    contact_term *t = calloc(1, sizeof *t);
+    contact_term *t = network_term_new(&CONTACT, sizeof *t);
     if (!t)
         return NULL;
-    t->term.kind = &CONTACT;
     t->surface_changes = net->surface_changes;
-    t->weight = arena_take(&t->memory, net->n_nodes, sizeof *t->weight);
-    if (!contact_set_create(&t->set, &t->memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit,
-                            net->extent, max_tools, settings))
-        return &t->term;
-    term_free(&t->term);
-    return NULL;
+    t->weight = arena_take(&t->term.memory, net->n_nodes, sizeof *t->weight);
+    contact_set_create(&t->set, &t->term.memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit, net->extent,
+                       max_tools, settings); /* where it fails the memory has failed */
+    return &t->term;
 }
 
 /* ---- the public calls -------------------------------------------------------------------------- */

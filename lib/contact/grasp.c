@@ -1,7 +1,6 @@
 /* grasp.c: nodes that are grasped by a hand: a stiff spring from each to its target. */
 #include "contact_internal.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct grasped {
@@ -12,18 +11,11 @@ typedef struct grasped {
 
 typedef struct grasp {
     network_term term;
-    arena memory;
     double stiffness;  /* of a spring, in units of its node's own */
     size_t max, n;
     grasped *now, *next; /* [n of max] */
     double *target;    /* [3 n] as the present evaluation has them */
 } grasp;
-
-static void grasp_free(network_term *term) {
-    grasp *t = (grasp *)term;
-    arena_free(&t->memory);
-    free(t);
-}
 
 static void grasp_reset(network_term *term, palp_network *net) {
     (void)net;
@@ -146,8 +138,7 @@ static void grasp_grasped(const network_term *term, unsigned char *fixed) {
         fixed[t->now[i].node] = 1;
 }
 
-static const network_term_kind GRASP = {.free = grasp_free,
-                                        .reset = grasp_reset,
+static const network_term_kind GRASP = {.reset = grasp_reset,
                                         .pass = grasp_pass,
                                         .swap = grasp_swap,
                                         .begin = grasp_begin,
@@ -163,19 +154,15 @@ static const network_term_kind GRASP = {.free = grasp_free,
                                         .grasped = grasp_grasped};
 
 network_term *grasp_new(size_t max_grasped, double stiffness) {
-    grasp *t = calloc(1, sizeof *t);
+    grasp *t = network_term_new(&GRASP, sizeof *t);
     if (!t)
         return NULL;
-    t->term.kind = &GRASP;
     t->stiffness = stiffness;
     t->max = max_grasped;
-    t->now = arena_take(&t->memory, max_grasped, sizeof *t->now);
-    t->next = arena_take(&t->memory, max_grasped, sizeof *t->next);
-    t->target = arena_take(&t->memory, 3 * max_grasped, sizeof *t->target);
-    if (!t->memory.failed)
-        return &t->term;
-    grasp_free(&t->term);
-    return NULL;
+    t->now = arena_take(&t->term.memory, max_grasped, sizeof *t->now);
+    t->next = arena_take(&t->term.memory, max_grasped, sizeof *t->next);
+    t->target = arena_take(&t->term.memory, 3 * max_grasped, sizeof *t->target);
+    return &t->term;
 }
 
 /* ---- the public calls ---------------------------------------------------------------------------- */

@@ -3,18 +3,11 @@
 #include "mesh/mesh_internal.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double LOOSE = 1e-3;    /* spring of a loose node, of its stiffness at rest */
 static const double MECHANISM = 1e-6; /* diagonal of any other node of a cut network */
 static const double SMALL_STRAIN = 0.1; /* where the stiffness is taken: a law may start from 0 */
-
-static void cut_free(network_term *term) {
-    network_cut *cut = (network_cut *)term;
-    arena_free(&cut->memory);
-    free(cut);
-}
 
 /* ---- what is loose ------------------------------------------------------------------------------- */
 
@@ -132,8 +125,7 @@ static bool cut_energy(const network_term *term, const palp_network *net, double
     return true;
 }
 
-static const network_term_kind CUT = {.free = cut_free,
-                                      .reset = cut_reset,
+static const network_term_kind CUT = {.reset = cut_reset,
                                       .pass = cut_pass,
                                       .residual = cut_residual,
                                       .diagonal = cut_diagonal,
@@ -148,7 +140,7 @@ network_cut *cut_of(const palp_network *net) {
 
 static palp_status allocate(const palp_network *net, network_cut *cut) {
     size_t n = net->n_nodes, m = net->n_elements;
-    arena *memory = &cut->memory;
+    arena *memory = &cut->term.memory;
     cut->alive = arena_take(memory, m, sizeof *cut->alive);
     cut->cut = arena_take(memory, m, sizeof *cut->cut);
     cut->whole = arena_take(memory, m, sizeof *cut->whole);
@@ -162,12 +154,9 @@ static palp_status allocate(const palp_network *net, network_cut *cut) {
 }
 
 static network_cut *cut_new(const palp_network *net) {
-    network_cut *cut = calloc(1, sizeof *cut);
-    if (!cut)
-        return NULL;
-    cut->term.kind = &CUT;
-    if (allocate(net, cut)) {
-        cut_free(&cut->term);
+    network_cut *cut = network_term_new(&CUT, sizeof *cut);
+    if (!cut || allocate(net, cut)) {
+        network_term_free((network_term *)cut);
         return NULL;
     }
     for (size_t i = 0; i < net->n_elements; i++)
@@ -184,7 +173,7 @@ palp_status palp_network_enable_cutting(palp_network *net) {
     if (!net->scale) {
         net->scale = arena_take(&net->memory, net->n_elements, sizeof *net->scale);
         if (!net->scale) {
-            cut_free(&cut->term);
+            network_term_free(&cut->term);
             return PALP_ERR_NO_MEMORY;
         }
         memcpy(net->scale, cut->whole, net->n_elements * sizeof *net->scale);

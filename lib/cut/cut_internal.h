@@ -32,7 +32,6 @@ void cut_surface_update(cut_surface *surface, size_t n, const int32_t *elements)
 /* The cuts of a network. */
 typedef struct network_cut {
     network_term term;
-    arena memory;
     unsigned char *alive;      /* [n_elements] */
     unsigned char *fixed;      /* [n_nodes] has a support or is grasped */
     unsigned char *loose;      /* [n_nodes] */

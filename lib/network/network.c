@@ -30,7 +30,7 @@ void palp_network_free(palp_network *net) {
     if (!net)
         return;
     for (size_t i = 0; i < net->n_terms; i++)
-        net->terms[i]->kind->free(net->terms[i]);
+        network_term_free(net->terms[i]);
     linsys_free(net->ls);
     palp_mesh_free(net->mesh);
     arena_free(&net->memory);

@@ -8,11 +8,6 @@ typedef struct foundation {
     double *stiffness; /* [3 n_nodes] N/m */
 } foundation;
 
-static void foundation_free(network_term *term) {
-    free(((foundation *)term)->stiffness);
-    free(term);
-}
-
 static void foundation_residual(const network_term *term, const palp_network *net, double *r, double *squares) {
     const double *k = ((const foundation *)term)->stiffness;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -37,8 +32,7 @@ static bool foundation_energy(const network_term *term, const palp_network *net,
     return true;
 }
 
-static const network_term_kind FOUNDATION = {.free = foundation_free,
-                                             .residual = foundation_residual,
+static const network_term_kind FOUNDATION = {.residual = foundation_residual,
                                              .diagonal = foundation_diagonal,
                                              .energy = foundation_energy};
 
@@ -52,16 +46,10 @@ const double *network_foundation(const palp_network *net) {
 }
 
 static palp_status add(palp_network *net) {
-    foundation *t = calloc(1, sizeof *t);
-    double *stiffness = calloc(3 * net->n_nodes + 1, sizeof *stiffness);
-    if (!t || !stiffness) {
-        free(t);
-        free(stiffness);
-        return PALP_ERR_NO_MEMORY;
-    }
-    t->term.kind = &FOUNDATION;
-    t->stiffness = stiffness;
-    return network_add_terms(net, 1, (network_term *[]){&t->term});
+    foundation *t = network_term_new(&FOUNDATION, sizeof *t);
+    if (t)
+        t->stiffness = arena_take(&t->term.memory, 3 * net->n_nodes, sizeof *t->stiffness);
+    return network_add_terms(net, 1, (network_term *[]){(network_term *)t});
 }
 
 palp_status network_set_foundation(palp_network *net, const char *set, double share) {

@@ -1,17 +1,12 @@
 /* network_gravity.c: the weight of a network's mass. */
 #include "network_internal.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct gravity {
     network_term term;
     double acceleration[3]; /* m/s^2 */
 } gravity;
-
-static void gravity_free(network_term *term) {
-    free(term);
-}
 
 static void gravity_evaluate(network_term *term, palp_network *net) {
     const gravity *t = (const gravity *)term;
@@ -28,13 +23,11 @@ static bool gravity_energy(const network_term *term, const palp_network *net, do
     return true;
 }
 
-static const network_term_kind GRAVITY = {.free = gravity_free, .evaluate = gravity_evaluate, .energy = gravity_energy};
+static const network_term_kind GRAVITY = {.evaluate = gravity_evaluate, .energy = gravity_energy};
 
 network_term *network_gravity_new(const double acceleration_m_s2[3]) {
-    gravity *t = calloc(1, sizeof *t);
-    if (!t)
-        return NULL;
-    t->term.kind = &GRAVITY;
-    memcpy(t->acceleration, acceleration_m_s2, sizeof t->acceleration);
-    return &t->term;
+    gravity *t = network_term_new(&GRAVITY, sizeof *t);
+    if (t)
+        memcpy(t->acceleration, acceleration_m_s2, sizeof t->acceleration);
+    return (network_term *)t;
 }

@@ -2,7 +2,6 @@
 #include "network_internal.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 typedef struct inertia {
     network_term term;
@@ -20,11 +19,6 @@ static alpha alpha_of(double rho) {
     a.beta = 0.25 * (1.0 - a.m + a.f) * (1.0 - a.m + a.f);
     a.gamma = 0.5 - a.m + a.f;
     return a;
-}
-
-static void inertia_free(network_term *term) {
-    free(((inertia *)term)->known);
-    free(term);
 }
 
 /* Residual: mass (factor x) - known. */
@@ -96,22 +90,15 @@ static bool inertia_energy(const network_term *term, const palp_network *net, do
     return true;
 }
 
-static const network_term_kind INERTIA = {.free = inertia_free,
-                                          .begin = inertia_begin,
+static const network_term_kind INERTIA = {.begin = inertia_begin,
                                           .finish = inertia_finish,
                                           .residual = inertia_residual,
                                           .diagonal = inertia_diagonal,
                                           .energy = inertia_energy};
 
 network_term *network_inertia_new(const palp_network *net) {
-    inertia *t = calloc(1, sizeof *t);
-    double *known = calloc(3 * net->n_nodes + 1, sizeof *known);
-    if (!t || !known) {
-        free(t);
-        free(known);
-        return NULL;
-    }
-    t->term.kind = &INERTIA;
-    t->known = known;
-    return &t->term;
+    inertia *t = network_term_new(&INERTIA, sizeof *t);
+    if (t)
+        t->known = arena_take(&t->term.memory, 3 * net->n_nodes, sizeof *t->known);
+    return (network_term *)t;
 }

@@ -93,10 +93,23 @@ palp_status network_allocate_states(palp_network *net) {
 
 /* ---- terms --------------------------------------------------------------------------------------- */
 
+void *network_term_new(const network_term_kind *kind, size_t size) {
+    network_term *term = calloc(1, size);
+    if (term)
+        term->kind = kind;
+    return term;
+}
+
+void network_term_free(network_term *term) {
+    if (term)
+        arena_free(&term->memory);
+    free(term);
+}
+
 palp_status network_add_terms(palp_network *net, size_t n, network_term *const *terms) {
     bool ok = net->n_terms + n <= NETWORK_TERMS;
     for (size_t i = 0; i < n; i++)
-        ok = ok && terms[i];
+        ok = ok && terms[i] && !terms[i]->memory.failed;
     for (size_t i = 0; i < n && ok; i++)
         net->terms[net->n_terms + i] = terms[i];
     net->n_terms += ok ? n : 0;
@@ -108,8 +121,7 @@ palp_status network_add_terms(palp_network *net, size_t n, network_term *const *
     }
     net->n_terms -= ok ? n : 0;
     for (size_t i = 0; i < n; i++)
-        if (terms[i])
-            terms[i]->kind->free(terms[i]);
+        network_term_free(terms[i]);
     return PALP_ERR_NO_MEMORY;
 }
 

@@ -4,6 +4,8 @@
 #ifndef NETWORK_TERM_H
 #define NETWORK_TERM_H
 
+#include "base/arena.h"
+
 #include <palpate/network.h>
 
 typedef struct network_term network_term;
@@ -22,7 +24,6 @@ typedef void (*network_block_taker)(void *user, int32_t row, int32_t column, con
 
 /* The functions of one kind of term; NULL = nothing to do. now is the committed state, next the one sought. */
 typedef struct network_term_kind {
-    void (*free)(network_term *term);
     void (*reset)(network_term *term, palp_network *net);       /* now: at rest, no history */
     void (*pass)(network_term *term, palp_network *net, network_cursor *cursor); /* now; always the same bytes */
     void (*swap)(network_term *term, palp_network *net);        /* next becomes now */
@@ -63,10 +64,15 @@ typedef struct network_term_kind {
 
 struct network_term {
     const network_term_kind *kind;
+    arena memory; /* of its arrays */
 };
 
-/* Adds n new terms, which the network then owns, each reset. A NULL among them counts as out of memory. On failure none
- * is added and all are freed. */
+/* A term of this kind, zero but for that, of size bytes, to be freed by network_term_free; NULL: out of memory. */
+void *network_term_new(const network_term_kind *kind, size_t size);
+void network_term_free(network_term *term); /* its arrays too; NULL is fine */
+
+/* Adds n new terms, which the network then owns, each reset. A NULL among them, or one that lacks an array, counts as out of
+ * memory. On failure none is added and all are freed. */
 palp_status network_add_terms(palp_network *net, size_t n, network_term *const *terms);
 
 /* The term of this kind, or NULL. */
