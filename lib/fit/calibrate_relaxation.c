@@ -199,21 +199,56 @@ static double longest_path(const relaxation *s) {
     return longest;
 }
 
+/* Stiffnesses in units of their first guess, so that the solver takes the same way in newtons and in nanonewtons. */
+typedef struct plain_numbers {
+    relaxation *stage;
+    double unit[RELAXATION_PARAMETERS_MAX];
+} plain_numbers;
+
+static palp_status plain_residuals(void *user, const double *u, double *r, double *jacobian) {
+    plain_numbers *plain = user;
+    relaxation *s = plain->stage;
+    double p[RELAXATION_PARAMETERS_MAX];
+    for (size_t k = 0; k < s->n; k++)
+        p[k] = plain->unit[k] * u[k];
+    palp_status status = residuals(s, p, r, jacobian);
+    for (size_t k = 0; k < s->n && jacobian; k++)
+        for (size_t i = 0; i < s->n_samples; i++)
+            jacobian[k * s->n_samples + i] *= plain->unit[k];
+    return status;
+}
+
+/* First guess u[n] and bounds on it, from those on p. */
+static size_t plain_bounds(plain_numbers *plain, double *u, double *row, double *floor) {
+    relaxation *s = plain->stage;
+    relaxation_first_guess(s->n, s->parameter, s->start, u);
+    size_t rows = relaxation_bounds(s->n, s->parameter, s->start, longest_path(s), row, floor);
+    for (size_t k = 0; k < s->n; k++) {
+        plain->unit[k] = s->parameter[k].role == RELAXATION_STIFFNESS ? u[k] : 1.0;
+        u[k] /= plain->unit[k];
+    }
+    for (size_t i = 0; i < rows; i++)
+        for (size_t k = 0; k < s->n; k++)
+            if (row[i * s->n + k] != 0.0)
+                floor[i] /= plain->unit[k]; /* a bound is of one parameter */
+    return rows;
+}
+
 static palp_status fit(relaxation *s) {
     double p[RELAXATION_PARAMETERS_MAX], floor[2 * RELAXATION_PARAMETERS_MAX], norm; /* two bounds of a time */
     double *row = malloc(2 * s->n * s->n * sizeof *row + 1);
+    plain_numbers plain = {.stage = s};
     if (!row)
         return PALP_ERR_NO_MEMORY;
-    relaxation_first_guess(s->n, s->parameter, s->start, p);
     least_squares problem = {.n_parameters = s->n,
                              .n_residuals = s->n_samples,
                              .max_evaluations = s->settings->max_evaluations,
                              .stop_relative = s->settings->stop_relative,
-                             .evaluate = residuals,
-                             .user = s,
+                             .evaluate = plain_residuals,
+                             .user = &plain,
                              .constraint = row,
                              .floor = floor};
-    problem.n_constraints = relaxation_bounds(s->n, s->parameter, s->start, longest_path(s), row, floor);
+    problem.n_constraints = plain_bounds(&plain, p, row, floor);
     palp_status status = least_squares_solve(&problem, p, &norm, &s->result->converged);
     free(row);
     return status;

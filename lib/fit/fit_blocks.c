@@ -61,13 +61,14 @@ static bool goes_straight(straight *s, const palp_recording *rec, size_t i) {
 }
 
 /* A block moves by less than a three-hundredth of the way and lasts less than a fiftieth of the time since
- * the last corner, so that the force is as good as linear in it. In the air nothing happens. */
+ * the last corner, so that the force is as good as linear in it. In the air nothing happens. Even samples meet these limits
+ * exactly: which side of them they are on must not be rounding's. */
 static bool same_block(const palp_recording *rec, size_t first, size_t i, size_t corner) {
     if (rec->depth_m[first] <= 0.0)
         return rec->depth_m[i] <= 0.0;
     return rec->use[i] == rec->use[first] &&
-           fabs(rec->depth_m[i] - rec->depth_m[first]) < rec->deepest_m / 300.0 &&
-           rec->time_s[i] - rec->time_s[first] <= 0.02 * (rec->time_s[first] - rec->time_s[corner]);
+           fabs(rec->depth_m[i] - rec->depth_m[first]) < (1.0 - 1e-6) * rec->deepest_m / 300.0 &&
+           rec->time_s[i] - rec->time_s[first] <= (1.0 + 1e-6) * 0.02 * (rec->time_s[first] - rec->time_s[corner]);
 }
 
 /* Adds the mean of samples first to end - 1, count of which speak for it. */

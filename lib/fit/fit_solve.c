@@ -171,8 +171,53 @@ palp_status fit_scan(const fit_problem *p, size_t n_starts, double *start, size_
     return status;
 }
 
-static palp_status residuals(void *user, const double *v, double *residual, double *jacobian) {
-    return fit_evaluate(user, v, residual, jacobian);
+/* Parameters without units, v = origin + unit u, so that the solver takes the same way in newtons and in nanonewtons. */
+typedef struct plain_numbers {
+    const fit_problem *problem;
+    double unit[FIT_PARAMETERS_MAX], origin[FIT_PARAMETERS_MAX], v[FIT_PARAMETERS_MAX];
+} plain_numbers;
+
+static void choose_units(const fit_problem *p, plain_numbers *s) {
+    bool pascal = p->settings->spring == PALP_SPRING_LAW && p->law.area_m2 > 0.0;
+    s->problem = p;
+    for (size_t k = 0; k < p->n_springs; k++) {
+        bool exponent = p->law.kind == PALP_LAW_OGDEN && k % 2 == 1;
+        s->unit[k] = exponent ? 1.0 : pascal ? p->stiffness / p->law.area_m2 : p->stiffness;
+        s->origin[k] = 0.0;
+    }
+    for (size_t k = p->n_springs; k < fit_parameter_count(p); k++) {
+        s->unit[k] = 1.0;
+        s->origin[k] = (k - p->n_springs) % 2 ? log(p->tau_max) : log(p->stiffness);
+    }
+}
+
+static palp_status residuals(void *user, const double *u, double *residual, double *jacobian) {
+    plain_numbers *s = user;
+    size_t n = fit_parameter_count(s->problem), m = s->problem->n_blocks;
+    for (size_t k = 0; k < n; k++)
+        s->v[k] = s->origin[k] + s->unit[k] * u[k];
+    palp_status status = fit_evaluate(s->problem, s->v, residual, jacobian);
+    for (size_t k = 0; k < n && jacobian && !status; k++)
+        if (s->unit[k] != 1.0)
+            for (size_t i = 0; i < m; i++)
+                jacobian[k * m + i] *= s->unit[k];
+    return status;
+}
+
+/* Rows of constraints on v become rows on u whose largest number is 1. */
+static void convert_rows(const plain_numbers *s, size_t rows, double *row, double *floor) {
+    size_t n = fit_parameter_count(s->problem);
+    for (size_t i = 0; i < rows; i++) {
+        double largest = 0.0;
+        for (size_t k = 0; k < n; k++) {
+            floor[i] -= row[i * n + k] * s->origin[k];
+            row[i * n + k] *= s->unit[k];
+            largest = fmax(largest, fabs(row[i * n + k]));
+        }
+        for (size_t k = 0; k < n; k++)
+            row[i * n + k] /= largest;
+        floor[i] /= largest;
+    }
 }
 
 enum { GRID = 40 };
@@ -211,16 +256,23 @@ palp_status fit_polish(const fit_problem *p, double *v, double *chi2, bool *conv
     if (!row)
         return PALP_ERR_NO_MEMORY;
     double *floor = row + most * n;
+    plain_numbers plain;
+    choose_units(p, &plain);
     least_squares problem = {.n_parameters = n,
                              .n_residuals = p->n_blocks,
                              .max_evaluations = p->settings->max_evaluations,
                              .stop_relative = 1e-7,
                              .evaluate = residuals,
-                             .user = (void *)p,
+                             .user = &plain,
                              .constraint = row,
                              .floor = floor};
     problem.n_constraints = constrain(p, row, floor);
+    convert_rows(&plain, problem.n_constraints, row, floor);
+    for (size_t k = 0; k < n; k++)
+        v[k] = (v[k] - plain.origin[k]) / plain.unit[k];
     palp_status status = least_squares_solve(&problem, v, &norm, converged);
+    for (size_t k = 0; k < n; k++)
+        v[k] = plain.origin[k] + plain.unit[k] * v[k];
     *chi2 = norm * norm;
     free(row);
     return status;

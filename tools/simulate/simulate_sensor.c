@@ -138,9 +138,10 @@ static void drop(const cli_list *gaps, record *c) {
     }
 }
 
-/* To nanonewtons: digits below the noise only make the file longer. */
-static double round_nano(double x) {
-    return rint(x * 1e9) / 1e9;
+/* To nanonewtons, or finer where the noise is: digits far below it only make the file longer. */
+static double round_to_noise(double x, double noise_N) {
+    double per_N = fmax(1e9, pow(10, 6 - floor(log10(noise_N))));
+    return rint(x * per_N) / per_N;
 }
 
 static void disturb(const simulate_options *o, record *c) {
@@ -149,7 +150,7 @@ static void disturb(const simulate_options *o, record *c) {
             c->force_N[i] += o->hum_N * sin(2 * PI * SIMULATE_HUM_HZ * c->time_s[i]);
         }
         if (o->noise_N > 0) {
-            c->force_N[i] = round_nano(c->force_N[i] + o->noise_N * palp_random_normal_at(o->seed, i));
+            c->force_N[i] = round_to_noise(c->force_N[i] + o->noise_N * palp_random_normal_at(o->seed, i), o->noise_N);
         }
     }
     add_spikes(&o->spikes, c);
