@@ -6,6 +6,13 @@
 #include <string.h>
 
 #define DUTY_FULL 32767.0f
+enum { LEVEL_TICKS = 20 };
+
+void app_limits_begin(app *a) {
+    const machine *m = a->machine;
+    a->limits = (app_limits){m->force_N, m->travel_m,        m->following_m,
+                             m->fault_C, m->host_timeout_ms, m->overflow_samples};
+}
 
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed) {
     memset(a, 0, sizeof *a);
@@ -13,8 +20,7 @@ void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_c
     a->identity = *who;
     /* With a clock that is 1 % wrong every time constant would be, unseen. A sensor that failed is silent. */
     a->unfit = failed & (APP_CLOCK_FAILED | APP_ENCODER_FAILED);
-    a->limits = (app_limits){m->force_N, m->travel_m,        m->following_m,
-                             m->fault_C, m->host_timeout_ms, m->overflow_samples};
+    app_limits_begin(a);
     a->softness = GAINS_MIDDLE;
     a->softness_auto = true;
     stream_init(&a->stream, a->transmit, APP_TRANSMIT);
@@ -45,7 +51,8 @@ static void sense_position(app *a, const app_inputs *in) {
     a->position_m = (float)(in->position - a->home) * a->machine->count_m;
 }
 
-/* A sensor that is not connected answers with the same level on its line all the time. */
+/* A sensor that is not connected answers with the same level on its line all the time. A quiet one in the air may
+ * do so for some ticks. */
 static bool all_channels(const int16_t adc[PALP_WIRE_CHANNELS], int16_t value) {
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
         if (adc[i] != value)
@@ -54,7 +61,9 @@ static bool all_channels(const int16_t adc[PALP_WIRE_CHANNELS], int16_t value) {
 }
 
 static void sense_force(app *a, const app_inputs *in) {
-    a->answering = !in->sensor_silent && !all_channels(in->adc, 0) && !all_channels(in->adc, -1);
+    const bool level = all_channels(in->adc, 0) || all_channels(in->adc, -1);
+    a->level_ticks = level ? a->level_ticks + 1 : 0;
+    a->answering = !in->sensor_silent && a->level_ticks < LEVEL_TICKS;
     a->saturated = a->answering && force_saturated(in->adc);
     if (!a->answering)
         return;

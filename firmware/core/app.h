@@ -87,6 +87,7 @@ typedef struct app {
     /* watches */
     uint32_t causes; /* one bit a fault: what is the case now */
     uint32_t signal_ticks, encoder_ticks; /* with the encoder's signal, without */
+    uint32_t level_ticks; /* of a sensor all of whose channels say 0, or -1 */
     uint32_t silent_ticks, saturated_ticks, following_ticks, host_ticks, lost_at_start;
     uint32_t missed_ticks, cost_most;
     /* the host */

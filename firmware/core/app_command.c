@@ -27,6 +27,7 @@ static const struct permission {
     {PALP_WIRE_TYPE_SET_CALIBRATION, STILL},
     {PALP_WIRE_TYPE_GET_CALIBRATION, ALWAYS},
     {PALP_WIRE_TYPE_LIMITS, ALWAYS},
+    {PALP_WIRE_TYPE_GET_LIMITS, ALWAYS},
     {PALP_WIRE_TYPE_SELECT_GAINS, STILL},
     {PALP_WIRE_TYPE_GET_GAINS, ALWAYS},
     {PALP_WIRE_TYPE_FIND_CONTACT, IN(READY)},
@@ -57,12 +58,14 @@ static uint8_t done_if(bool good) {
     return good ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE;
 }
 
-/* A new host has asked for nothing yet. */
+/* A new host has asked for nothing yet. What still moves does so within the limits that it was started with. */
 static uint8_t hello(app *a, const palp_wire_hello *asked) {
     if (asked->protocol != PALP_WIRE_VERSION)
         return PALP_WIRE_RESULT_VERSION;
     stream_end_block(&a->stream);
     a->stream.on = false;
+    if (!app_moving(a))
+        app_limits_begin(a);
     return PALP_WIRE_RESULT_DONE;
 }
 
@@ -186,11 +189,20 @@ static float first_rate(const trajectory *t) {
     return has_rate && s->rate_m_s > MOTION_RATE_M_S ? s->rate_m_s : MOTION_RATE_M_S;
 }
 
+/* Within the travel; and slowly enough that momentum, and the two ticks until the motor is off, add no more than
+ * the limit itself to a force that passes it. */
+static bool can_follow(const app *a, uint8_t segments, float start_m) {
+    const reach r = trajectory_reach(&a->trajectory, segments, start_m);
+    const float k = a->stiffness_N_m, impedance_Ns_m = __builtin_sqrtf(k * a->machine->moving_kg) + 2.0f * TICK_S * k;
+    return a->contact_m + r.low_m >= 0.0f && a->contact_m + r.high_m <= a->limits.travel_m &&
+           r.speed_m_s * impedance_Ns_m <= a->limits.force_N;
+}
+
 static uint8_t start(app *a, const palp_wire_start *asked) {
     const float depth = (float)asked->start_nm * 1e-9f, place = a->contact_m + depth;
     if (!a->contact_known)
         return PALP_WIRE_RESULT_NO_CONTACT;
-    if (!segments_are_set(a, asked->segments) || place < 0.0f || place > a->limits.travel_m)
+    if (!segments_are_set(a, asked->segments) || !can_follow(a, asked->segments, depth))
         return PALP_WIRE_RESULT_RANGE;
     trajectory_begin(&a->trajectory, asked->segments, depth);
     a->air_ticks = asked->air_ms * (CONTROL_HZ / 1000);
@@ -233,7 +245,7 @@ static uint8_t execute(app *a, const palp_wire_message *c) {
     case PALP_WIRE_TYPE_STOP: /* back_m says where to */
         (void)supervisor_take(&a->supervisor, SUPERVISOR_STOP);
         return PALP_WIRE_RESULT_DONE;
-    default: /* ALIVE, GET_STATUS */
+    default: /* ALIVE, GET_LIMITS, GET_STATUS */
         return PALP_WIRE_RESULT_DONE;
     }
 }
@@ -244,6 +256,9 @@ static void answer(app *a, const palp_wire_message *c) {
     switch (c->type) {
     case PALP_WIRE_TYPE_GET_CALIBRATION:
         report_calibration(a, c->as.get_calibration.axis);
+        break;
+    case PALP_WIRE_TYPE_GET_LIMITS:
+        report_limits(a);
         break;
     case PALP_WIRE_TYPE_GET_GAINS:
         report_gains(a, c->as.get_gains.softness);

@@ -10,6 +10,9 @@
 /* ---- app_command.c ---- */
 void command_take(app *a, const palp_wire_message *command);
 
+/* ---- app.c ---- */
+void app_limits_begin(app *a); /* the machine's own */
+
 /* ---- app_watch.c ---- */
 void watch_inputs(app *a);    /* what is wrong with what was sensed */
 void watch_reference(app *a); /* and with where the motion is to go */
@@ -32,6 +35,7 @@ void report_status(app *a);
 void report_info(app *a);
 void report_calibration(app *a, uint8_t axis);
 void report_gains(app *a, uint8_t softness);
+void report_limits(app *a);
 
 static inline bool app_drives(const app *a) {
     return supervisor_drives(a->supervisor.state);

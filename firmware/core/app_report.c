@@ -55,6 +55,18 @@ void report_gains(app *a, uint8_t softness) {
     (void)stream_send(&a->stream, &m);
 }
 
+void report_limits(app *a) {
+    const app_limits *l = &a->limits;
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_LIMITS_NOW};
+    m.as.limits_now = (palp_wire_limits_now){.force_uN = real_round(l->force_N * 1e6f),
+                                             .travel_nm = real_round(l->travel_m * 1e9f),
+                                             .following_nm = real_round(l->following_m * 1e9f),
+                                             .temperature_cC = (int16_t)real_round(l->winding_C * 100.0f),
+                                             .host_timeout_ms = l->host_timeout_ms,
+                                             .overflow_samples = l->overflow_samples};
+    (void)stream_send(&a->stream, &m);
+}
+
 static int16_t short_of(float x) {
     const int32_t whole = real_round(x);
     return (int16_t)(whole > INT16_MAX ? INT16_MAX : whole < INT16_MIN ? INT16_MIN : whole);

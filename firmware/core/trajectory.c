@@ -193,6 +193,34 @@ void trajectory_begin(trajectory *t, uint8_t count, float start_m) {
         begin_segment(t);
 }
 
+/* Takes a way into the reach; waves are at most a hundredth faster than said where they fade. */
+static void widen(reach *r, float low_m, float high_m, float speed_m_s) {
+    r->low_m = low_m < r->low_m ? low_m : r->low_m;
+    r->high_m = high_m > r->high_m ? high_m : r->high_m;
+    if (high_m > 0.0f && speed_m_s > r->speed_m_s)
+        r->speed_m_s = speed_m_s;
+}
+
+static float wave_speed(const segment *s) {
+    const float end = s->octaves > 0.0f ? real_exp2(s->octaves) : 1.0f;
+    return 2.0f * REAL_PI * 1e-6f * (float)s->frequency_uHz * end * real_abs(s->target_m);
+}
+
+reach trajectory_reach(const trajectory *t, uint8_t count, float start_m) {
+    reach r = {start_m, start_m, 0.0f};
+    float at_m = start_m;
+    for (uint8_t i = 0; i < count; i++) {
+        const segment *s = &t->list[i];
+        const float to_m = s->target_m, wide_m = real_abs(to_m);
+        if (s->kind == PALP_WIRE_SEGMENT_SINE || s->kind == PALP_WIRE_SEGMENT_SWEEP)
+            widen(&r, at_m - wide_m, at_m + wide_m, wave_speed(s));
+        else if (s->kind != PALP_WIRE_SEGMENT_HOLD)
+            widen(&r, at_m < to_m ? at_m : to_m, at_m > to_m ? at_m : to_m, s->rate_m_s);
+        at_m = s->kind == PALP_WIRE_SEGMENT_MOVE ? to_m : at_m;
+    }
+    return r;
+}
+
 static bool cycle_step(trajectory *t, const segment *s) {
     if (stroke_step(&t->stroke, &t->now))
         return true;

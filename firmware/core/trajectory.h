@@ -59,6 +59,13 @@ void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire)
 /* Starts at rest at start_m with the first count segments. */
 void trajectory_begin(trajectory *t, uint8_t count, float start_m);
 
+/* Where the first count segments lead from start_m on: the range of depths, and the highest speed of those that
+ * go deeper than 0. */
+typedef struct reach {
+    float low_m, high_m, speed_m_s;
+} reach;
+reach trajectory_reach(const trajectory *t, uint8_t count, float start_m);
+
 /* The next tick's reference; false once the last segment is over, at rest where it ended. Every segment
  * begins and ends at rest, also between two MOVEs the same way, and takes a tick at least. Velocity never
  * jumps: MOVE and each way of a CYCLE are strokes; SINE and SWEEP fade in and out by (1 - cos) / 2 over their

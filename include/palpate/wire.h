@@ -121,6 +121,7 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 #define PALP_WIRE_LIMITS(F, A) /* within the machine's own; 0 leaves one as it is */                         \
     F(i32, force_uN) F(i32, travel_nm) F(i32, following_nm) F(i16, temperature_cC) F(u16, host_timeout_ms) \
     F(u16, overflow_samples)
+#define PALP_WIRE_GET_LIMITS(F, A) F(u8, reserved)
 #define PALP_WIRE_SELECT_GAINS(F, A) F(u8, softness)
 #define PALP_WIRE_GET_GAINS(F, A) F(u8, softness)
 #define PALP_WIRE_FIND_CONTACT(F, A) F(u32, rate_nm_s) F(i32, force_uN) F(i32, travel_nm)
@@ -146,6 +147,8 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 #define PALP_WIRE_GAINS(F, A) /* of a class of softness; stiffness: where the class ends */ \
     F(u8, softness) F(u32, stiffness_mN_m) F(u32, kp_N_m) F(u32, ki_N_m_s) F(u32, kd_mN_s_m) F(u32, filter_mHz) \
     F(u32, feed_mN_m)
+/* What LIMITS has left in force. */
+#define PALP_WIRE_LIMITS_NOW(F, A) PALP_WIRE_LIMITS(F, A)
 /* count <= PALP_WIRE_SAMPLES consecutive ticks from tick on; what follows count is zero. error: reference
  * minus position in counts, held at the ends of its range. adc: channel by channel within a tick. duty: of
  * the motor, 32767 = full. */
@@ -172,12 +175,14 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
     X(START, 14, start, PALP_WIRE_START)                          \
     X(STOP, 15, stop, PALP_WIRE_STOP)                             \
     X(GET_STATUS, 16, get_status, PALP_WIRE_GET_STATUS)           \
+    X(GET_LIMITS, 17, get_limits, PALP_WIRE_GET_LIMITS)           \
     X(ACK, 128, ack, PALP_WIRE_ACK)                               \
     X(INFO, 129, info, PALP_WIRE_INFO)                            \
     X(STATUS, 130, status, PALP_WIRE_STATUS)                      \
     X(SAMPLES, 131, samples, PALP_WIRE_SAMPLES_MESSAGE)           \
     X(CALIBRATION, 132, calibration, PALP_WIRE_CALIBRATION)       \
-    X(GAINS, 133, gains, PALP_WIRE_GAINS)
+    X(GAINS, 133, gains, PALP_WIRE_GAINS)                         \
+    X(LIMITS_NOW, 134, limits_now, PALP_WIRE_LIMITS_NOW)
 
 typedef uint8_t palp_wire_u8;
 typedef uint16_t palp_wire_u16;

@@ -212,6 +212,133 @@ static void test_encoder_lost_in_a_dwell(void **state) {
     bench_close(&b);
 }
 
+/* ---- programs and limits ---- */
+
+static palp_wire_message wave(uint8_t kind, double amplitude_mm) {
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_SEGMENT};
+    m.as.segment = (palp_wire_segment){.index = 1,
+                                       .kind = kind,
+                                       .target_nm = (int32_t)(amplitude_mm * 1e6),
+                                       .duration_ms = 5000,
+                                       .frequency_mHz = 1000,
+                                       .frequency_end_mHz = 2000,
+                                       .cycles = 2};
+    return m;
+}
+
+/* Segments that leave the travel are refused at START, not met an hour later; contact is 12 mm below home. */
+static void test_start_checks_the_travel(void **state) {
+    palp_wire_message go = bench_move(0, 5, 5), start = bench_start(2, -1, 0, 0);
+    palp_wire_message wrong[] = {bench_move(1, 18.1, 5), bench_move(1, -12.1, 5), bench_move(1, 18.1, 5),
+                                 wave(PALP_WIRE_SEGMENT_SINE, 13.1), wave(PALP_WIRE_SEGMENT_SINE, -13.1),
+                                 wave(PALP_WIRE_SEGMENT_SWEEP, 13.1)};
+    palp_wire_message right[] = {bench_move(1, 17.9, 5), bench_move(1, -11.9, 5),
+                                 wave(PALP_WIRE_SEGMENT_SINE, 12.9)};
+    palp_wire_message narrow = bench_limits((palp_wire_limits){.travel_nm = 17500000});
+    bench b;
+    (void)state;
+    wrong[2].as.segment.kind = PALP_WIRE_SEGMENT_CYCLE;
+    wrong[2].as.segment.cycles = 1;
+    bench_open(&b, NULL);
+    bench_contact(&b);
+    bench_accepted(&b, &go);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        bench_accepted(&b, &wrong[i]);
+        assert_int_equal(bench_command(&b, &start), PALP_WIRE_RESULT_RANGE);
+        assert_int_equal(b.app.supervisor.state, PALP_WIRE_STATE_READY);
+    }
+    for (size_t i = 0; i < sizeof right / sizeof right[0]; i++) {
+        bench_accepted(&b, &right[i]);
+        bench_accepted(&b, &start);
+        assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_STOP), PALP_WIRE_RESULT_DONE);
+        bench_until(&b, PALP_WIRE_STATE_READY, 1000);
+    }
+    right[0] = bench_move(1, 6, 5); /* 18 mm below home: within the machine's travel, not within the session's */
+    bench_accepted(&b, &right[0]);
+    bench_accepted(&b, &narrow);
+    assert_int_equal(bench_command(&b, &start), PALP_WIRE_RESULT_RANGE);
+    bench_close(&b);
+}
+
+static palp_wire_limits_now limits_of(bench *b) {
+    assert_int_equal(bench_simple(b, PALP_WIRE_TYPE_GET_LIMITS), PALP_WIRE_RESULT_DONE);
+    return bench_answer(b, PALP_WIRE_TYPE_LIMITS_NOW)->as.limits_now;
+}
+
+static void test_limits_end_with_the_session(void **state) {
+    palp_wire_message narrow = bench_limits((palp_wire_limits){1000000, 20000000, 500000, 9000, 700, 10});
+    palp_wire_message hello = {.type = PALP_WIRE_TYPE_HELLO, .as.hello = {PALP_WIRE_VERSION}};
+    palp_wire_message find = bench_find_contact(5, 0);
+    bench b;
+    (void)state;
+    bench_open(&b, NULL);
+    const palp_wire_limits_now own = limits_of(&b);
+    assert_true(own.force_uN == 24000000 && own.travel_nm == 30000000 && own.following_nm == 1000000 &&
+                own.temperature_cC == 11000 && own.host_timeout_ms == 5000 && own.overflow_samples == 1000);
+    bench_home(&b);
+    bench_accepted(&b, &narrow);
+    palp_wire_limits_now now = limits_of(&b);
+    assert_memory_equal(&now, &narrow.as.limits, sizeof now);
+    bench_accepted(&b, &find);
+    bench_accepted(&b, &hello); /* the motion goes on within the limits that it was started with */
+    now = limits_of(&b);
+    assert_memory_equal(&now, &narrow.as.limits, sizeof now);
+    bench_until(&b, PALP_WIRE_STATE_READY, 10000);
+    hello.as.hello.protocol++;
+    (void)bench_command(&b, &hello);
+    now = limits_of(&b);
+    assert_memory_equal(&now, &narrow.as.limits, sizeof now);
+    hello.as.hello.protocol--;
+    bench_accepted(&b, &hello);
+    now = limits_of(&b);
+    assert_memory_equal(&now, &own, sizeof now);
+    bench_close(&b);
+}
+
+/* A rigid block: found, then met again as fast as may be; the limit is passed by less than itself. */
+static void test_speed_into_a_block(void **state) {
+    plant_settings s = plant_settings_default();
+    palp_wire_message find = bench_find_contact(10, 0), ramp = bench_move(0, 1, 250),
+                      start = bench_start(1, -8, 0, 0);
+    double most = 0;
+    bench b;
+    (void)state;
+    s.specimen = PLANT_RIGID;
+    bench_open(&b, &s);
+    bench_home(&b);
+    bench_accepted(&b, &find);
+    while (b.app.supervisor.state != PALP_WIRE_STATE_READY) {
+        bench_tick(&b);
+        most = fmax(most, plant_look(b.plant).force_N);
+    }
+    assert_true(b.app.contact_known);
+    print_message("found at 10 mm/s: %.1f N\n", most);
+    assert_true(most < 24);
+    static const double rate_mm_s[] = {250, 40, 10, 9, 5, 1};
+    for (size_t i = 0; i < 6; i++) {
+        ramp.as.segment.rate_nm_s = (uint32_t)(rate_mm_s[i] * 1e6);
+        ramp.as.segment.acceleration_um_s2 = 20000000;
+        bench_accepted(&b, &ramp);
+        const bool slow = rate_mm_s[i] < 9.1;
+        assert_int_equal(bench_command(&b, &start), slow ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE);
+        if (!slow)
+            continue;
+        most = 0;
+        while (b.app.supervisor.state != PALP_WIRE_STATE_FAULT) {
+            bench_tick(&b);
+            most = fmax(most, plant_look(b.plant).force_N);
+        }
+        for (int k = 0; k < 1000; k++) {
+            bench_tick(&b);
+            most = fmax(most, plant_look(b.plant).force_N);
+        }
+        print_message("met at %.0f mm/s: %.1f N\n", rate_mm_s[i], most);
+        assert_true(most < 48);
+        assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_CLEAR_FAULT), PALP_WIRE_RESULT_DONE);
+    }
+    bench_close(&b);
+}
+
 const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_holds_in_ready),
     cmocka_unit_test(test_lets_go_without_a_host),
@@ -220,5 +347,8 @@ const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_unfit_stays_unfit),
     cmocka_unit_test(test_boot_waits_for_the_encoder),
     cmocka_unit_test(test_encoder_lost_in_a_dwell),
+    cmocka_unit_test(test_start_checks_the_travel),
+    cmocka_unit_test(test_limits_end_with_the_session),
+    cmocka_unit_test(test_speed_into_a_block),
     {0},
 };

@@ -21,7 +21,11 @@ static outcome set_limits(session *s) {
     limits->force_uN = (int32_t)lrint(1e6 * o->limit_N);
     limits->temperature_cC = (int16_t)lrint(1e2 * o->limit_C);
     limits->host_timeout_ms = (uint16_t)lrint(1e3 * host_s);
-    return session_order(s, &m, "set its limits");
+    outcome end = session_order(s, &m, "set its limits");
+    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_LIMITS}, got = {0};
+    end = end ? end : session_ask(s, &ask, &got);
+    s->limits = got.as.limits_now;
+    return end;
 }
 
 static outcome set_calibration(session *s) {

@@ -85,6 +85,15 @@ static void clock_time(json_t *to, const char *key, time_t clock) {
     }
 }
 
+static void limits(const session *s, json_t *to) {
+    number(to, "limits.force_N", 1e-6 * s->limits.force_uN);
+    number(to, "limits.travel_mm", 1e-6 * s->limits.travel_nm);
+    number(to, "limits.following_mm", 1e-6 * s->limits.following_nm);
+    number(to, "limits.winding_C", 1e-2 * s->limits.temperature_cC);
+    number(to, "limits.host_timeout_s", 1e-3 * s->limits.host_timeout_ms);
+    number(to, "limits.overflow_samples", s->limits.overflow_samples);
+}
+
 json_t *session_header(const session *s) {
     const palp_wire_status *now = &s->device.status;
     json_t *to = json_object();
@@ -100,6 +109,7 @@ json_t *session_header(const session *s) {
     number(to, "device.count_mm", s->scale.count_mm);
     list(to, "device.force_row_N", s->scale.row_N);
     list(to, "device.force_tare", s->scale.tare);
+    limits(s, to);
     number(to, "device.case_C", 1e-2 * now->case_cC);
     number(to, "device.winding_C", 1e-2 * now->winding_cC);
     clock_time(to, "session.time", s->began);

@@ -14,6 +14,7 @@ typedef struct session {
     const acquire_plan *plan;
     device device;
     acquire_scale scale;
+    palp_wire_limits_now limits; /* in force */
     acquire_file file; /* of the run in progress */
     acquire_live live;
     const acquire_run *run;

@@ -61,6 +61,8 @@ static bool answers(const palp_wire_message *command, const palp_wire_message *m
         return m->type == PALP_WIRE_TYPE_INFO;
     case PALP_WIRE_TYPE_GET_STATUS:
         return m->type == PALP_WIRE_TYPE_STATUS;
+    case PALP_WIRE_TYPE_GET_LIMITS:
+        return m->type == PALP_WIRE_TYPE_LIMITS_NOW;
     case PALP_WIRE_TYPE_GET_CALIBRATION:
         return m->type == PALP_WIRE_TYPE_CALIBRATION &&
                m->as.calibration.axis == command->as.get_calibration.axis;
