@@ -59,7 +59,7 @@ typedef struct palp_recording {
     size_t n_missing;            /* samples that the clock's step tells of and that are not there */
     size_t n_gaps;               /* time steps over 3 of the clock's, and over what samples missing by chance make */
     double longest_gap_s;
-    bool faulted;                /* the file has end.fault */
+    bool faulted;                /* the file has an end.fault that ended it */
     bool uneven;                 /* one time step in a hundred is off the median by over 1 % (gaps aside) */
 } palp_recording;
 

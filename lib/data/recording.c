@@ -59,7 +59,7 @@ static void read_header(palp_recording *r, const palp_experiment *e,
         r->contact_sd_m = 1e-3 * fmax(value, 0.0);
     if (settings->height_m > 0.0)
         r->height_m = settings->height_m;
-    r->faulted = !palp_experiment_get_string(e, "end.fault", &text);
+    r->faulted = !palp_experiment_get_string(e, "end.fault", &text) && strcmp(text, "samples_lost") != 0;
 }
 
 /* A run of missing samples that chance makes less often than once in n recordings, in steps: each is missing with the same

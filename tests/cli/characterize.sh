@@ -152,6 +152,11 @@ wrong 2 "either --shared-arms or --per-depth" hold5.csv --shared-arms --per-dept
 wrong 2 "needs --arms 1 or --arms 2" hold5.csv --method grid
 wrong 2 "must be one of auto|polynomial" hold5.csv --law cubic
 expect 0 characterize heightless.csv --specimen-height-mm 24 --arms 2
+# A recording with a hole says so; one that acquire has found to lack samples did not end early.
+awk -F, '!/^[0-9]/ || $1 < 100 || $1 > 150' hold5.csv | sed '2i # end.fault: "samples_lost"' >hole.csv
+expect 0 characterize hole.csv --arms 2
+grep -Eq 'hole.csv: .* samples missing \([0-9]+ %\)' err || fail "no word of the hole: $(cat err)"
+grep -q "ended early" err && fail "it did not end early: $(cat err)"
 ls | grep -q tmp && fail "a temporary file was left behind"
 
 command -v gnuplot >/dev/null || done_testing

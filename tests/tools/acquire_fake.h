@@ -13,7 +13,7 @@ typedef struct fake_settings {
     uint8_t fault; /* at fault_tick of run fault_run (from 1) */
     uint32_t fault_run, fault_tick;
     uint32_t unplug_tick, restart_tick; /* restart: as if by the watchdog */
-    uint32_t lose_tick;                 /* the frame with this tick is lost, */
+    uint32_t lose_tick, lose_ticks;     /* the frame with this tick is lost, or so many from there, */
     uint32_t bad_tick;                  /* and this tick has no reading */
     uint32_t signal_tick;               /* raises SIGINT in this process */
     double contact_mm;                  /* later runs find the specimen so much lower */

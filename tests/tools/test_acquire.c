@@ -221,6 +221,31 @@ static void test_lost(void **state) {
     palp_experiment_free(e);
 }
 
+/* Most of a run does not arrive: it is not passed off as one, wherever the hole is. */
+static void test_lost_too_much(void **state) {
+    static outcome o;
+    static const uint32_t from[] = {1, 500, 1500}, n[] = {2400, 1800, 1400};
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        char folder[32], path[64];
+        snprintf(folder, sizeof folder, "holes%zu", i);
+        snprintf(path, sizeof path, "%s/ramp_hold_2mm.csv", folder);
+        const fake_settings settings = {.lose_tick = from[i], .lose_ticks = n[i]};
+        run_session(&settings, folder, &o);
+        assert_int_equal(o.code, CLI_FAILURE);
+        says(&o, "ramp_hold_2mm.csv lacks ");
+        says(&o, "; and 1 more like it");
+        json_t *first = json_array_get(json_object_get(o.summary, "runs"), 0);
+        assert_string_equal(json_string_value(json_object_get(first, "fault")), "samples_lost");
+        json_decref(o.summary);
+        palp_experiment *e = read_file(path);
+        assert_string_equal(fault_of(e), "samples_lost");
+        near(number_of(e, "end.samples"), (double)palp_experiment_rows(e), 0);
+        near((double)palp_experiment_rows(e) + number_of(e, "end.lost_samples"), 3000, 40);
+        palp_experiment_free(e);
+    }
+}
+
 static void test_refused(void **state) {
     static outcome o;
     (void)state;
@@ -267,6 +292,7 @@ const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_restarted),
     cmocka_unit_test(test_stopped),
     cmocka_unit_test(test_lost),
+    cmocka_unit_test(test_lost_too_much),
     cmocka_unit_test(test_refused),
     cmocka_unit_test(test_curve),
     {0},

@@ -88,6 +88,26 @@ static double start_of(const char *name) {
 }
 
 /* From first sample to first sample, over the end of the counter; until one comes, as it was expected. */
+/* What is missing at either end counts as well: samples of no recording stand before it and after it. */
+static void test_lost_at_the_ends(void **state) {
+    acquire_file *f = new_file("ends.csv", false);
+    (void)state;
+    for (uint32_t tick = 0; tick < 2000; tick += 10) {
+        palp_wire_samples b = block_at(tick);
+        for (int i = 0; i < 10; i++) {
+            b.flags[i] &= tick >= 200 && tick < 1800 ? 0xffff : (uint16_t)~PALP_WIRE_FLAG_RECORD;
+        }
+        if ((tick < 190 || tick >= 300) && (tick < 1500 || tick >= 1900)) {
+            acquire_file_add(f, &b);
+        }
+    }
+    assert_int_equal(f->figures.samples, 1200);
+    assert_int_equal(f->figures.lost, 110 + 400);
+    assert_true(acquire_file_lossy(&f->figures));
+    assert_int_equal(acquire_file_close(f, NULL, NAN), CLI_OK);
+    free(f);
+}
+
 static void test_session_start(void **state) {
     static const uint32_t tick[] = {UINT32_MAX - 999, 4000, 250000};
     acquire_file *f = new_file("one.csv", false);
@@ -188,12 +208,16 @@ static void test_file_full(void **state) {
     assert_int_equal(f->error, EFBIG);
     palp_experiment *e = read_file("full.csv");
     assert_true(palp_experiment_rows(e) > 500 && palp_experiment_rows(e) < 3000);
+    double samples = 0;
+    assert_int_equal(palp_experiment_get_number(e, "end.samples", &samples), PALP_OK);
+    near(samples, (double)palp_experiment_rows(e), 0);
     palp_experiment_free(e);
     free(f);
 }
 
 const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_file),
+    cmocka_unit_test(test_lost_at_the_ends),
     cmocka_unit_test(test_session_start),
     cmocka_unit_test(test_file_cut),
     cmocka_unit_test(test_file_killed),

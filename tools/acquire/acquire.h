@@ -151,6 +151,8 @@ typedef struct acquire_file {
     acquire_scale scale;
     acquire_figures figures;
     uint32_t first_tick, last_tick;
+    bool waits, over;     /* samples came before those of the recording, the last at before_tick; and after them */
+    uint32_t before_tick;
     bool in_session;       /* there was a recording before, and its first sample at session_tick */
     uint32_t session_tick;
     double start_s;        /* of this recording since then */
@@ -173,6 +175,8 @@ void acquire_file_keep(acquire_file *file); /* writes what has waited for half a
 /* fault: why it ended before its time, or NULL; winding_C: NAN = not known. An exit code. */
 int acquire_file_close(acquire_file *file, const char *fault, double winding_C);
 void acquire_file_remove(acquire_file *file); /* instead of close: nothing came */
+/* More than one sample in a hundred is not in it: what it shows is not what happened. */
+bool acquire_file_lossy(const acquire_figures *figures);
 
 /* ---- what is shown meanwhile (acquire_live.c) ---- */
 

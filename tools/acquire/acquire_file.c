@@ -29,6 +29,14 @@ static size_t whole_lines(const char *text, size_t n) {
     return n;
 }
 
+static size_t count_lines(const char *text, size_t n) {
+    size_t lines = 0;
+    for (size_t i = 0; i < n; i++) {
+        lines += text[i] == '\n';
+    }
+    return lines;
+}
+
 /* Everything that waits; on failure the file is cut back to whole lines and takes nothing more. */
 static void flush(acquire_file *f) {
     size_t done = 0;
@@ -42,6 +50,8 @@ static void flush(acquire_file *f) {
             if (ftruncate(f->fd, f->at + (off_t)done) != 0) {
                 done = 0; /* nothing more can be done for it */
             }
+            size_t rows = count_lines(f->text + done, f->n - done);
+            f->figures.samples -= rows < f->figures.samples ? rows : f->figures.samples; /* they are not there */
         }
     }
     f->at += (off_t)done;
@@ -131,7 +141,7 @@ static void put_header(acquire_file *f, json_t *header) {
 int acquire_file_open(acquire_file *f, const char *path, bool force, bool raw, const acquire_scale *scale,
                       uint32_t now_tick, json_t *header) {
     f->raw = raw;
-    f->started = false;
+    f->started = f->waits = f->over = false;
     f->scale = *scale;
     f->start_s = f->in_session ? scale->tick_s * (now_tick - f->session_tick) : 0;
     f->figures = (acquire_figures){.contact_mm = NAN};
@@ -225,13 +235,28 @@ static void start_clock(acquire_file *f, uint32_t tick) {
     f->start_s = f->scale.tick_s * (tick - f->session_tick);
 }
 
+/* A sample before or after those of the recording: what is missing next to it may have been of the recording. */
+static void take_other(acquire_file *f, uint32_t tick, uint32_t step) {
+    if (!f->started) {
+        f->waits = true;
+        f->before_tick = tick;
+    } else if (!f->over && step > 0 && step <= INT32_MAX) {
+        f->figures.lost += step - 1;
+        f->over = true;
+    }
+}
+
 /* Takes sample i of a block; false: it is none of the recording's. */
 static bool take(acquire_file *f, const palp_wire_samples *b, size_t i) {
-    uint32_t tick = b->tick + (uint32_t)i, step = tick - f->last_tick;
-    if (!(b->flags[i] & PALP_WIRE_FLAG_RECORD) || (f->started && (step == 0 || step > INT32_MAX))) {
+    const uint32_t tick = b->tick + (uint32_t)i, step = tick - (f->started ? f->last_tick : f->before_tick);
+    if (!(b->flags[i] & PALP_WIRE_FLAG_RECORD)) {
+        take_other(f, tick, step);
         return false;
     }
-    f->figures.lost += f->started ? step - 1 : 0;
+    if ((f->started || f->waits) && (step == 0 || step > INT32_MAX)) {
+        return false;
+    }
+    f->figures.lost += f->started || f->waits ? step - 1 : 0;
     if (!f->started) {
         start_clock(f, tick);
     }
@@ -259,6 +284,10 @@ void acquire_file_keep(acquire_file *f) {
     if (f->fd >= 0 && f->n > 0 && (f->n > sizeof f->text / 2 || link_now_s() - f->written_s > KEEP_S)) {
         flush(f);
     }
+}
+
+bool acquire_file_lossy(const acquire_figures *g) {
+    return 100 * (g->lost + g->bad) > g->samples + g->lost + g->bad;
 }
 
 /* ---- the end ---- */

@@ -216,6 +216,16 @@ static outcome one_run(session *s, size_t i) {
     return lost ? session_fail(s, "the device has restarted, %s", s->doing) : end;
 }
 
+/* The session goes on, since the specimen is there; its exit code says it. */
+static void note_loss(session *s) {
+    const acquire_figures *g = &s->file.figures;
+    const size_t missing = g->lost + g->bad, all = g->samples + missing;
+    if (s->lossy++ == 0) {
+        snprintf(s->why, sizeof s->why, "%.300s lacks %zu of %zu samples (%.0f %%): record it again", s->file.path,
+                 missing, all, 100.0 * (double)missing / (double)all);
+    }
+}
+
 /* Closes what the run has recorded; a run of which nothing came leaves no file. */
 static outcome end_run(session *s, outcome end, const char *cause) {
     if (s->file.fd < 0) {
@@ -226,6 +236,10 @@ static outcome end_run(session *s, outcome end, const char *cause) {
         return end ? end : session_fail(s, "no samples came, %s", s->doing);
     }
     acquire_live_end(&s->live);
+    if (end == GOES_ON && acquire_file_lossy(&s->file.figures)) {
+        cause = "samples_lost";
+        note_loss(s);
+    }
     double winding_C = end == GONE ? NAN : 1e-2 * s->device.status.winding_cC;
     if (acquire_file_close(&s->file, cause, winding_C) != CLI_OK) {
         end = end == GOES_ON || end == FAILED ? FAILED_SAID : end;
@@ -274,7 +288,9 @@ static int conclude(session *s, outcome end) {
     const char *kept = s->file.started ? s->file.path : NULL;
     switch (end) {
     case GOES_ON:
-        return CLI_OK;
+        return s->lossy == 0  ? CLI_OK
+               : s->lossy > 1 ? cli_failure(NAME, "%s; and %zu more like it", s->why, s->lossy - 1)
+                              : cli_failure(NAME, "%s", s->why);
     case FAULTED:
         return say_fault(s);
     case STOPPED:

@@ -76,7 +76,7 @@ static outcome faulted(session *s) {
     if (f->fd >= 0 && f->started) {
         s->faulted_s = same_clock ? s->scale.tick_s * ticks : f->figures.duration_s;
         f->figures.lost +=
-            same_clock && now->fault_tick != f->last_tick ? now->fault_tick - f->last_tick - 1 : 0;
+            same_clock && !f->over && now->fault_tick != f->last_tick ? now->fault_tick - f->last_tick - 1 : 0;
     }
     return FAULTED;
 }

@@ -29,6 +29,7 @@ typedef struct session {
     bool quiet;              /* it is to send no samples */
     bool stopping;           /* a wish to stop is being obeyed */
     int stops_seen;
+    size_t lossy;     /* runs of which too much is missing; the first of them in why */
     double faulted_s; /* into the recording; -1 = not in one */
     char why[ACQUIRE_TEXT];
     json_t *done; /* what is said of each run */
