@@ -8,19 +8,13 @@
 #define DUTY_FULL 32767.0f
 enum { LEVEL_TICKS = 20 };
 
-void app_limits_begin(app *a) {
-    const machine *m = a->machine;
-    a->limits = (app_limits){m->force_N, m->travel_m,        m->following_m,
-                             m->fault_C, m->host_timeout_ms, m->overflow_samples};
-}
-
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed) {
     memset(a, 0, sizeof *a);
     a->machine = m;
     a->identity = *who;
     /* With a clock that is 1 % wrong every time constant would be, unseen. A sensor that failed is silent. */
     a->unfit = failed & (APP_CLOCK_FAILED | APP_ENCODER_FAILED);
-    app_limits_begin(a);
+    watch_limits_begin(a);
     a->softness = GAINS_MIDDLE;
     a->softness_auto = true;
     stream_init(&a->stream, a->transmit, APP_TRANSMIT);

@@ -65,7 +65,7 @@ static uint8_t hello(app *a, const palp_wire_hello *asked) {
     stream_end_block(&a->stream);
     a->stream.on = false;
     if (!app_moving(a))
-        app_limits_begin(a);
+        watch_limits_begin(a);
     return PALP_WIRE_RESULT_DONE;
 }
 

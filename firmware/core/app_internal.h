@@ -10,10 +10,8 @@
 /* ---- app_command.c ---- */
 void command_take(app *a, const palp_wire_message *command);
 
-/* ---- app.c ---- */
-void app_limits_begin(app *a); /* the machine's own */
-
 /* ---- app_watch.c ---- */
+void watch_limits_begin(app *a); /* the machine's own */
 void watch_inputs(app *a);    /* what is wrong with what was sensed */
 void watch_reference(app *a); /* and with where the motion is to go */
 bool watch_persists(const app *a); /* what CLEAR_FAULT would have to leave alone */

@@ -14,6 +14,12 @@ static const uint8_t order[] = {
     PALP_WIRE_FAULT_HOST_TIMEOUT,  PALP_WIRE_FAULT_STREAM_OVERFLOW,  PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE,
 };
 
+void watch_limits_begin(app *a) {
+    const machine *m = a->machine;
+    a->limits = (app_limits){m->force_N, m->travel_m,        m->following_m,
+                             m->fault_C, m->host_timeout_ms, m->overflow_samples};
+}
+
 static void note(app *a, uint8_t fault, bool is_the_case) {
     if (is_the_case)
         a->causes |= 1U << fault;
