@@ -3,6 +3,7 @@
 #   press.png, cut.png          the window of examples/poke, moved by press.poke and cut.poke
 #   explain.png                 the page that palpate explain writes in `make demo`
 #   static.svg, relaxation.svg  palpate calibrate on the thesis' phantom
+#   table_4_2.svg and so on    tables of the thesis over depth (data/sedef2008/compare.py)
 #   pipeline.svg, layers.svg    drawn by Graphviz from the .dot file of the same name
 # Needs build/palpate and build/examples/poke/poke; tools/install-deps pictures installs the other tools.
 set -eu
@@ -22,6 +23,7 @@ done
     --plot "$work" >/dev/null
 cp "$work/static_fit.svg" "$out/static.svg"
 cp "$work/relaxation_log.svg" "$out/relaxation.svg"
+PALPATE=$palpate python3 data/sedef2008/compare.py 4.2 4.3 5.7 --plot "$out" >/dev/null # and 5.8, which takes many minutes
 
 # A palette of 256 colours makes a picture of the window four to twenty times smaller.
 compress() { pngquant --force --strip --output "$2" 256 "$1"; }

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Prints the tables of Chapters 4 and 5 of Sedef 2008 beside what palpate finds by the same procedures.
 
-    data/sedef2008/compare.py [TABLE ...] [--depth-mm 2,6,9] [--formulation history] [--dwell equilibrium]
+    data/sedef2008/compare.py [TABLE ...] [--depth-mm 2,6,9] [--formulation history] [--dwell equilibrium] [--plot DIR]
 
-TABLE is 4.1 to 4.5, 5.1 to 5.8; all of them without one. A row tells the column, ours, the thesis' and the deviation:
+TABLE is 4.1 to 4.5, 5.1 to 5.8, 5.7-peaks or 5.8-peaks (the printed coefficients' own peak forces beside the lumped model's);
+all of them without one. A row tells the column, ours, the thesis' and the deviation:
 in percent of the thesis' value, of errors that are percentages themselves in percentage points. After each table comes
-the largest deviation of every column, in lines that begin with "worst".
+the largest deviation of every column, in lines that begin with "worst". --plot draws the tables over depths as DIR/table_4_2.svg
+and so on, by gnuplot: Figures 4.17, 4.19, 5.22 to 5.24 and 5.26 to 5.29.
 
 The thesis' recordings are not printed in it. Table 4.1 is fitted to the force of Eq. 4.2 (the table's fifth degree, whose
-residual is taken for the noise that the others have too), Tables 4.2 to 4.5 to the curves of the rows of Table 4.3, both without noise.
+residual is taken for the noise that the others have too) as MATLAB's polyfit does it: with a constant, which is then dropped. Tables 4.2 to 4.5 to the curves of the rows of Table 4.3, both without noise.
 
 Needs the palpate command (build/palpate, or $PALPATE)."""
 import argparse
@@ -51,18 +53,39 @@ def write(path, law, **more):
 
 # ---- Chapter 4: fits of a lumped model ----
 
+def polyfit(x, y, degree):
+    """Coefficients of ascending powers and the norm of what is left, by least squares on Legendre polynomials of x from 0 to its end."""
+    end, n = max(x), degree + 1
+    powers = [[1.0], [-1.0, 2.0]]  # of u = x / end; each polynomial by its coefficients
+    for k in range(1, degree):
+        up, here, down = [0.0] + [2 * c for c in powers[k]], powers[k] + [0.0], powers[k - 1] + [0.0, 0.0]
+        powers.append([((2 * k + 1) * (u - h) - k * d) / (k + 1) for u, h, d in zip(up, here, down)])
+    values = [[sum(c * (v / end) ** i for i, c in enumerate(p)) for v in x] for p in powers[:n]]
+    matrix = [[sum(a * b for a, b in zip(p, q)) for q in values] + [sum(a * b for a, b in zip(p, y))] for p in values]
+    for i in range(n):  # Gauss; the matrix is nearly diagonal
+        for k in range(i + 1, n):
+            share = matrix[k][i] / matrix[i][i]
+            matrix[k] = [a - share * b for a, b in zip(matrix[k], matrix[i])]
+    solution = [0.0] * n
+    for i in reversed(range(n)):
+        solution[i] = (matrix[i][n] - sum(matrix[i][j] * solution[j] for j in range(i + 1, n))) / matrix[i][i]
+    left = math.sqrt(sum((f - sum(s * v for s, v in zip(solution, row))) ** 2 for f, row in zip(y, zip(*values))))
+    return [sum(solution[k] * powers[k][i] for k in range(i, n)) / end ** i for i in range(n)], left
+
+
 def table_4_1(_):
     wanted = rows("4.1")
     with tempfile.TemporaryDirectory() as folder:
         model, run = os.path.join(folder, "model.json"), os.path.join(folder, "static.csv")
         write(model, [wanted[-1]["f%d_N" % i] for i in range(1, 6)])
-        palpate("simulate", model, "--protocol", "static", "--depth-mm", 9.7, "--rate-mm-s", 0.1, "--sample-Hz", 1000,
-                "--air-s", 1, "--out", run)
-        fits = palpate("characterize", run, "--json")["static"][0]["polynomials"]
+        palpate("simulate", model, "--protocol", "static", "--depth-mm", 9.7, "--rate-mm-s", 0.1, "--sample-Hz", 1000, "--out", run)
+        with open(run) as f:
+            press = [list(map(float, line.split(","))) for line in f if line[0] in "0123456789"]
+    strain, force = [r[1] / 24 for r in press], [r[2] for r in press]
     for row in wanted:
-        fit = next(f for f in fits if f["degree"] == row["degree"])
-        ours = {"f%d_N" % (i + 1): c for i, c in enumerate(fit["coefficients_N"])}
-        yield "degree %d" % row["degree"], {**ours, "residual_N": math.hypot(fit["norm_N"], wanted[-1]["residual_N"])}, row
+        c, norm = polyfit(strain, force, int(row["degree"]))
+        ours = {"f%d_N" % i: c[i] for i in range(1, len(c))}
+        yield "degree %d" % row["degree"], {**ours, "residual_N": math.hypot(norm, wanted[-1]["residual_N"])}, row
 
 
 @functools.lru_cache(None)
@@ -150,6 +173,24 @@ def by_depth(table, nodes, o):
             yield "%.1f mm" % row["depth_mm"], result(o, row, row["depth_mm"], nodes), row
 
 
+def peaks(table, nodes):
+    """The peak force of the printed coefficients themselves, beside that of Eq. 5.25, which they are to meet within 1 %."""
+    with open(LUMPED) as f:
+        lumped = json.load(f)
+    law, arm = lumped["stiffness"]["coefficients_N"], lumped["arms"][0]
+    for row in rows(table):
+        strain, tau = row["depth_mm"] / 24, arm["viscosity_Ns"] / arm["stiffness_N"]
+        wanted = sum(c * strain ** (i + 1) for i, c in enumerate(law)) + strain * arm["viscosity_Ns"] * (1 - math.exp(-1 / tau))
+        with tempfile.TemporaryDirectory() as folder:
+            model = os.path.join(folder, "network.json")
+            write(model, [row[c] for c in LAW], kind="network", formulation="sedef2008",
+                  arms=[{"stiffness_N": row["K1_N"], "viscosity_Ns": row["b1_Ns"]}],
+                  mesh={"kind": "lattice", "nodes": [nodes] * 3, "size_mm": [24.0] * 3})
+            peak = palpate("simulate", model, "--protocol", "ramp_hold", "--depth-mm", row["depth_mm"], "--ramp-s", 1, "--hold-s",
+                           0.001, "--dt-ms", 1, "--json")["peak_force_N"]
+        yield "%.1f mm" % row["depth_mm"], {"peak_N": peak}, {"peak_N": wanted}
+
+
 TABLES = {
     "4.1": table_4_1,
     "4.2": lambda o: each_depth("4.2", 1),
@@ -164,14 +205,61 @@ TABLES = {
     "5.6": table_5_6,
     "5.7": lambda o: by_depth("5.7", 3, o),
     "5.8": lambda o: by_depth("5.8", 5, o),
+    "5.7-peaks": lambda _: peaks("5.7", 3),
+    "5.8-peaks": lambda _: peaks("5.8", 5),
 }
 
 
+# ---- figures ----
+
+def panel(to, title, series):
+    """series: (name, how gnuplot draws it, points)."""
+    to.write("set title '%s'\nset yrange [*:*]\nplot %s\n" % (title, ", ".join("'-' using 1:2 with %s title '%s'" % (how, name) for name, how, _ in series)))
+    for _, _, points in series:
+        to.write("".join("%.8g %.8g\n" % p for p in points) + "e\n")
+
+
+def law_of(row):
+    return [(e / 100, sum(row[c] * (e / 100) ** i for i, c in enumerate(LAW))) for e in range(41)]
+
+
+def draw(table, found, folder):
+    """found: (ours, row) at each depth."""
+    names = [k for k in found[0][0] if k not in LAW and not k.endswith("_percent")]
+    with_law = LAW[0] in found[0][0]
+    columns = len(names) + 1 + with_law
+    os.makedirs(folder, exist_ok=True)
+    with open(os.path.join(folder, "table_%s.svg" % table.replace(".", "_")), "wb") as svg:
+        gnuplot = subprocess.Popen(["gnuplot"], stdin=subprocess.PIPE, stdout=svg, text=True)
+        to = gnuplot.stdin
+        to.write("set terminal svg size %d,300 dynamic font 'DejaVu Sans,Arial,sans-serif' fontscale 0.8 background rgb 'white'\n"
+                 "set multiplot layout 1,%d\nset grid lc rgb '#dddddd' lt 1\nset key top left Left reverse samplen 1\nset xlabel 'depth (mm)'\n" %
+                 (300 * columns, columns))
+        for name in names:
+            quantity, _, unit = name.partition("_")
+            panel(to, "%s (%s)" % (quantity, unit.replace("Ns", "N s")), [
+                ("palpate", "lines lw 2 lc rgb '#0072b2'", [(row["depth_mm"], ours[name]) for ours, row in found]),
+                ("Sedef 2008", "points pt 7 ps 0.6 lc rgb '#d55e00'", [(row["depth_mm"], row[name]) for _, row in found])])
+        panel(to, "b1 / K1 (s)", [
+            ("palpate", "lines lw 2 lc rgb '#0072b2'", [(row["depth_mm"], ours["b1_Ns"] / ours["K1_N"]) for ours, row in found]),
+            ("Sedef 2008", "points pt 7 ps 0.6 lc rgb '#d55e00'", [(row["depth_mm"], row["b1_Ns"] / row["K1_N"]) for _, row in found])])
+        if with_law:
+            to.write("set xlabel 'strain'\n")
+            panel(to, "K of an element (N), least and greatest depth", [
+                curve for ours, row in (found[0], found[-1]) for curve in (
+                    ("palpate, %g mm" % row["depth_mm"], "lines lw 2", law_of(ours)),
+                    ("Sedef 2008, %g mm" % row["depth_mm"], "points pt 7 ps 0.4", law_of(row)))])
+        to.close()
+        if gnuplot.wait():
+            sys.exit("gnuplot failed")
+
+
 def compare(table, o):
-    worst, n = {}, 0
+    worst, n, found = {}, 0, []
     print("Table %s: what, column, ours, Sedef 2008, deviation" % table)
     for label, ours, row in TABLES[table](o):
         n += 1
+        found.append((ours, row))
         for name, value in ours.items():
             points = name.endswith("_percent")
             off = value - row[name] if points else 100 * (value / row[name] - 1)
@@ -181,14 +269,17 @@ def compare(table, o):
     for name, off in worst.items():
         print("worst %s %s %.2f of %d" % (table, name, off, n))
     print(flush=True)
+    if o.plot and found and "depth_mm" in found[0][1]:
+        draw(table, found, o.plot)
 
 
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("tables", nargs="*", metavar="TABLE", help="4.1 to 4.5, 5.1 to 5.8 (default: all)")
+    p.add_argument("tables", nargs="*", metavar="TABLE", help="4.1 to 4.5, 5.1 to 5.8, 5.7-peaks, 5.8-peaks (default: all)")
     p.add_argument("--formulation", default="sedef2008", choices=["sedef2008", "history"])
     p.add_argument("--dwell", default="frozen", choices=["frozen", "equilibrium"])
     p.add_argument("--depth-mm", default="", help="of Tables 5.7 and 5.8, only these depths")
+    p.add_argument("--plot", metavar="DIR", help="figures of the tables over depths")
     o = p.parse_args()
     for table in o.tables or TABLES:
         if table not in TABLES:

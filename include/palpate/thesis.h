@@ -10,8 +10,8 @@
 extern "C" {
 #endif
 
-/* Table 4.1: unweighted polynomial F = sum c_k e^(k+1), no constant, to a static recording's samples with depth > 0;
- * *norm: 2-norm of the residual, N. ERR_ARGUMENT: a degree of 0 or above PALP_LAW_MAX; ERR_INPUT: not more samples than
+/* Table 4.1: unweighted polynomial F = sum c_k e^(k+1), no constant (the printed ones had one that was dropped), to a static
+ * recording's samples with depth > 0; *norm: 2-norm of the residual, N. ERR_ARGUMENT: a degree of 0 or above PALP_LAW_MAX; ERR_INPUT: not more samples than
  * coefficients. */
 PALP_API palp_status palp_thesis_polynomial(const palp_recording *recording, size_t degree, palp_law *law, double *norm);
 
