@@ -9,13 +9,7 @@
 #include <string.h>
 
 void fit_problem_free(fit_problem *p) {
-    for (size_t r = 0; p->run && r < p->n_runs; r++) {
-        free(p->run[r].time);
-        free(p->run[r].strain);
-        free(p->run[r].force);
-        free(p->run[r].count);
-    }
-    free(p->run);
+    arena_free(&p->memory);
     memset(p, 0, sizeof *p);
 }
 
@@ -116,14 +110,12 @@ static palp_status cut(fit_run *run, const palp_recording *rec, const palp_chara
     return PALP_OK;
 }
 
-static palp_status make_run(fit_run *run, const palp_recording *rec, const palp_characterize_settings *settings) {
-    size_t bytes = (rec->n + 1) * sizeof(double);
-    double peak = 0.0;
-    run->time = malloc(bytes);
-    run->strain = malloc(bytes);
-    run->force = malloc(bytes);
-    run->count = malloc(bytes);
-    if (!run->time || !run->strain || !run->force || !run->count)
+static palp_status make_run(arena *memory, fit_run *run, const palp_recording *rec,
+                            const palp_characterize_settings *settings) {
+    double peak = 0.0, **arrays[] = {&run->time, &run->strain, &run->force, &run->count};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        *arrays[i] = arena_take(memory, rec->n + 1, sizeof **arrays[i]);
+    if (memory->failed)
         return PALP_ERR_NO_MEMORY;
     palp_status status = cut(run, rec, settings);
     if (status)
@@ -177,7 +169,7 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
     p->settings = settings;
     p->n_arms = settings->n_arms;
     p->height_m = recordings[0].height_m;
-    p->run = calloc(n, sizeof *p->run);
+    p->run = arena_take(&p->memory, n, sizeof *p->run);
     palp_status status = p->run ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t r = 0; r < n && !status; r++) {
         const palp_recording *rec = &recordings[r];
@@ -185,7 +177,7 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
             status = palp_error_set(error, PALP_ERR_INPUT, "%s: specimen of %g mm among specimens of %g mm",
                                     rec->name, 1e3 * rec->height_m, 1e3 * p->height_m);
         if (!status)
-            status = make_run(&p->run[r], rec, settings);
+            status = make_run(&p->memory, &p->run[r], rec, settings);
         p->n_blocks += p->run[r].n;
         p->strain_max = fmax(p->strain_max, rec->deepest_m / rec->height_m);
         p->stiffness = fmax(p->stiffness, p->run[r].peak * rec->height_m / rec->deepest_m);

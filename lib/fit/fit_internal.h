@@ -4,6 +4,7 @@
 
 #include <palpate/characterize.h>
 
+#include "base/arena.h"
 #include "material/element.h"
 
 /* A recording in blocks of samples, short against what changes in them: every block carries its mean
@@ -20,6 +21,7 @@ typedef struct fit_run {
 } fit_run;
 
 typedef struct fit_problem {
+    arena memory;            /* of the runs */
     size_t n_runs, n_blocks; /* blocks of all runs */
     fit_run *run;
     const palp_characterize_settings *settings;
