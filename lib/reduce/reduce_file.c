@@ -227,41 +227,30 @@ static palp_status sizes_read(const palp_json *root, palp_reduced *r) {
 static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
     static const char *const keys[] = {"element_residual", "held_out_worst", "held_out_rms",
                                        "held_out_peak_N",  "bound",          "snapshot_worst"};
+    static const double absent[] = {NAN, 0.0, 0.0, NAN, INFINITY, NAN};
+    double *const to[] = {&s->element_residual, &s->held_out_worst, &s->held_out_rms, &s->held_out_peak_N, &s->bound,
+                          &s->snapshot_worst};
     palp_json at;
     palp_status status = palp_json_require(root, "error", &at);
     if (!status)
         status = palp_json_keys(&at, 6, keys);
-    if (!status)
-        status = number_read(&at, keys[0], NAN, &s->element_residual);
-    if (!status)
-        status = number_read(&at, keys[5], NAN, &s->snapshot_worst);
-    if (!status)
-        status = number_read(&at, keys[1], 0.0, &s->held_out_worst);
-    if (!status)
-        status = number_read(&at, keys[2], 0.0, &s->held_out_rms);
-    if (!status)
-        status = number_read(&at, keys[3], NAN, &s->held_out_peak_N);
-    return status ? status : number_read(&at, keys[4], INFINITY, &s->bound);
+    for (size_t i = 0; i < 6 && !status; i++)
+        status = number_read(&at, keys[i], absent[i], to[i]);
+    return status;
 }
 
 static palp_status tools_read(const palp_json *root, palp_reduced *r) {
-    static const char *const keys[] = {"at_once", "stiffness", "grasp_stiffness", "smoothing", "max_contacts"};
-    palp_json at;
+    static const char *const keys[] = {"stiffness", "grasp_stiffness", "smoothing", "at_once", "max_contacts"};
     palp_contact_settings *c = &r->contact_settings;
+    double *const number[] = {&c->stiffness, &c->grasp_stiffness, &c->smoothing};
+    size_t *const count[] = {&r->max_tools, &c->max_contacts};
+    palp_json at;
     palp_status status = palp_json_require(root, "tools", &at);
     if (status || json_is_null(at.value))
         return status;
     status = palp_json_keys(&at, 5, keys);
-    if (!status)
-        status = count_read(&at, keys[0], &r->max_tools);
-    if (!status)
-        status = number_read(&at, keys[1], NAN, &c->stiffness);
-    if (!status)
-        status = number_read(&at, keys[2], NAN, &c->grasp_stiffness);
-    if (!status)
-        status = number_read(&at, keys[3], NAN, &c->smoothing);
-    if (!status)
-        status = count_read(&at, keys[4], &c->max_contacts);
+    for (size_t i = 0; i < 5 && !status; i++)
+        status = i < 3 ? number_read(&at, keys[i], NAN, number[i]) : count_read(&at, keys[i], count[i - 3]);
     bool sound = c->stiffness > 0.0 && c->grasp_stiffness > 0.0 && c->smoothing > 0.0 && r->max_tools <= 1000;
     if (!status && !sound)
         status = palp_json_fail(&at, PALP_ERR_INPUT, "has a number out of range");
