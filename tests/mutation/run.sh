@@ -21,6 +21,7 @@ tests_of() {
     data) ls tests/lib/data/test_*.c tests/lib/fit/test_fit*.c tests/cli/import.sh tests/cli/characterize.sh ;;
     fit) ls tests/lib/fit/test_*.c tests/cli/characterize.sh tests/cli/calibrate*.sh ;;
     explain) ls tests/lib/explain/test_*.c tests/cli/explain*.sh ;;
+    contact) ls tests/lib/contact/test_*.c tests/lib/cut/test_cut_terms.c ;;
     reduce) ls tests/lib/reduce/test_*.c tests/cli/reduce.sh ;;
     *) ls "tests/lib/$1"/test_*.c ;;
     esac 2>/dev/null | while read -r t; do
