@@ -83,7 +83,8 @@ typedef struct palp_air {
     double level_N, drift_N_s; /* straight line through the force at time 0 */
     double sd_N;               /* of the running mean about that line */
     size_t contact;            /* the first sample after the air; the press' peak if there is none */
-    double contact_sd;         /* how exact its depth is */
+    double contact_depth, contact_sd; /* depth of the contact, and how exact it is */
+    bool seen;                 /* the plate moved through air before: by more than 3 sds of the contact */
 } palp_air;
 
 /* n >= 3; palp_press_free. ERR_NO_MEMORY. */
@@ -91,8 +92,9 @@ PALP_API palp_status palp_press_create(size_t n, const double *time_s, const dou
                                        palp_press *press);
 PALP_API void palp_press_free(palp_press *press); /* frees what is owned, zeroes; NULL is fine */
 
-/* Finds the air. A search for the contact (approach) is nearly all air, and its load cell may drift meanwhile; of
- * another recording only the first samples are surely air. */
+/* Finds the air. A search for the contact (approach) is nearly all air, and its load cell may drift meanwhile; its contact is
+ * where the force leaves the air. Of another recording only its rest, or its first samples, are surely air; its contact is
+ * where a force that rises with depth, its power 1.5 or 2 leads back to, by the first sixth of the force. */
 PALP_API palp_air palp_press_air(const palp_press *press, bool approach);
 PALP_API double palp_air_force(const palp_air *air, double time_s); /* N */
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WINDOW = 11, ROUNDS = 5, AIR_LEAST = 20 };
+enum { WINDOW = 11, ROUNDS = 5, AIR_LEAST = 20, REST_LEAST = 5 };
 
 static const double BEYOND = 4.0;       /* sds that a running mean leaves the air by */
 static const double DOUBTFUL = 2.0;     /* sds from which on it may have left: how exact the contact is */
@@ -37,9 +37,11 @@ palp_status palp_press_create(size_t n, const double *time_s, const double *dept
         return PALP_ERR_ARGUMENT;
     *press = (palp_press){.n = n, .time_s = time_s, .depth = depth, .force_N = force_N};
     press->mean_N = malloc(n * sizeof *press->mean_N);
-    palp_status status =
-        press->mean_N ? palp_segments_noise(n, NULL, 0.0, force_N, PALP_NOISE_TRIMMED, &press->noise_N)
-                      : PALP_ERR_NO_MEMORY;
+    double step_s;
+    size_t missing;
+    palp_status status = press->mean_N ? palp_segments_clock(n, time_s, &step_s, &missing) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = palp_segments_noise(n, time_s, 10.0 * step_s, force_N, PALP_NOISE_TRIMMED, &press->noise_N);
     if (status) {
         palp_press_free(press);
         return status;
@@ -98,7 +100,8 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
         return (palp_air){0};
     palp_air air = {0};
     double least_sd = fmax(p->noise_N / sqrt((double)p->window), 1e-6 * fabs(p->mean_N[p->peak] - p->mean_N[0]));
-    size_t n = smaller(approach ? (size_t)(APPROACH_AIR * (double)p->peak) : 5 * p->window, p->peak);
+    size_t rest = palp_press_rest(p);
+    size_t n = smaller(approach ? (size_t)(APPROACH_AIR * (double)p->peak) : rest >= REST_LEAST ? rest : 5 * p->window, p->peak);
     fit_air(p, n > 2 ? n : 2, approach, least_sd, &air);
     air.contact = leaves(p, &air, BEYOND);
     for (int round = 0; !approach && round < ROUNDS; round++) {
@@ -108,6 +111,10 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
         air.contact = leaves(p, &air, BEYOND);
     }
     air.contact_sd = exactness(p, &air);
+    air.contact_depth = p->depth[air.contact];
+    if (!approach && air.contact < p->peak)
+        segments_refine_contact(p, &air);
+    air.seen = segments_air_seen(p, &air);
     return air;
 }
 

@@ -29,6 +29,12 @@ void segments_ramp(size_t n, const double *depth, double deepest, size_t *start,
 /* The last sample at the deepest before the plate is taken back; n if it stays. ramp_end: the ramp's last sample. */
 size_t segments_press_end(size_t n, const double *depth, double deepest, size_t ramp_end);
 
+/* Contact, its depth and its sd where the rise after the air leads back to; as they are where there are too few samples. */
+void segments_refine_contact(const palp_press *press, palp_air *air);
+
+/* Whether the plate moved through air before the contact: by more than 3 sds of it, and without a force. */
+bool segments_air_seen(const palp_press *press, const palp_air *air);
+
 /* Whether sample i can be used: time in s, depth in mm and force in N finite, none beyond 1e12 either way, so that sums of
  * squares stay finite, and its time after that of the sample before. */
 bool segments_sample_valid(const double *time, const double *depth, const double *force, size_t i);

@@ -92,6 +92,23 @@ awk "$press"'print "Time        Position (mm)   Force (N)"; for (k = 0; k <= 70;
 expect 0 import night.txt --specimen-height-mm 20 --out made
 same made/night.csv 71
 
+# ---- eight times the same press but for the noise, every second one without half of its samples: one rule, one contact ----
+mkdir again
+for i in 1 2 3 4 5 6 7 8; do
+    awk -v i=$i 'function normal() { return sqrt(-2 * log(1 - rand())) * cos(6.283185307 * rand()) } BEGIN { srand(i); print "Time (s),Position (mm),Force (N)"
+        for (k = 0; k < 1400; k++) { t = k / 200; d = t < 0.5 ? -0.3 : t < 1.6 ? -0.3 + 3 * (t - 0.5) : 3; x = d > 0 ? d : 0
+            f = 0.4 * x ^ 1.5 * (t < 1.6 ? 1 : 0.6 + 0.4 * exp(1.6 - t)) + 0.25 + 0.01 * normal()
+            if (i % 2 || rand() < 0.5) printf "%.3f,%.4f,%.6f\n", t, d + 30, f } }' >again/run$i.csv
+done
+expect 0 import again/*.csv --specimen-height-mm 20 --out alike
+for run in alike/*.csv; do
+    [ "$(key $run contact.rule)" = '"free_air"' ] && [ "$(key $run protocol.kind)" = '"ramp_hold"' ] || fail "$run: $(key $run contact.rule)"
+    near "$run: contact" "$(key $run contact.depth_mm)" 30 0 0.15
+    near "$run: contact by its sd" "$(key $run contact.depth_mm)" 30 0 "$(awk -v s="$(key $run contact.sd_mm)" 'BEGIN { print 4 * s }')"
+    near "$run: zero" "$(key $run contact.zero_N)" 0.25 0 0.006
+done
+[ "$(grep -c "samples are missing (5\|samples are missing (4" err)" -eq 4 ] || fail "missing samples are not said"
+
 # ---- sheets, where their helpers are ----
 if command -v python3 >/dev/null && command -v xlsx2csv >/dev/null; then
     awk "$press"'print "Name,gel\nHeight (mm),20\n\nTime (s),Displacement (mm),Force (N)"; for (k = 0; k <= 70; k++) { press(k); printf "%.1f,%.4f,%.6f\n", t, d, f } }' >plain.csv

@@ -13,6 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     for (size_t i = 0; code == 0 && i < all.n; i++) {
         code = import_columns(&o, all.source[i]);
         code = code || all.source[i]->skip ? code : import_signs(&o, all.source[i]);
+        code = code || all.source[i]->skip ? code : import_contact_rule(&o, all.source[i]);
         code = code || all.source[i]->skip ? code : import_contact_find(&o, &all, all.source[i]);
     }
     import_free(&all);

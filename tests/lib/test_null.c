@@ -187,9 +187,16 @@ END_TEST
 START_TEST(null_in_segments) {
     REFUSED(palp_segments_noise(2, numbers, 0.5, NULL, 0, numbers));
     REFUSED(palp_segments_noise(2, numbers, 0.5, numbers, 0, NULL));
-    palp_segments_phases(2, NULL, numbers, storage);
-    palp_segments_phases(2, numbers, NULL, storage);
-    palp_segments_phases(2, numbers, numbers, NULL);
+    REFUSED(palp_segments_phases(2, NULL, numbers, storage));
+    REFUSED(palp_segments_phases(2, numbers, NULL, storage));
+    REFUSED(palp_segments_phases(2, numbers, numbers, NULL));
+    REFUSED(palp_segments_pieces(2, NULL, numbers, (void *)storage));
+    REFUSED(palp_segments_pieces(2, numbers, NULL, (void *)storage));
+    REFUSED(palp_segments_pieces(2, numbers, numbers, NULL));
+    REFUSED(palp_segments_clock(2, NULL, numbers, (void *)storage));
+    REFUSED(palp_segments_clock(2, numbers, NULL, (void *)storage));
+    REFUSED(palp_segments_clock(2, numbers, numbers, NULL));
+    NOTHING(palp_recording_kind_of(NULL) == PALP_RECORDING_OTHER);
     REFUSED(palp_press_create(2, NULL, numbers, numbers, (void *)storage));
     REFUSED(palp_press_create(2, numbers, NULL, numbers, (void *)storage));
     REFUSED(palp_press_create(2, numbers, numbers, NULL, (void *)storage));

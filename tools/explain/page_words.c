@@ -69,7 +69,7 @@ void page_parameter(const char *key, char name[48], char unit[16]) {
 
 void page_phase(const char *id, char text[32]) {
     bool early = strcmp(id, "early_dwell") == 0, late = strcmp(id, "late_dwell") == 0;
-    snprintf(text, 32, "%s", early ? "dwell, first 5 s" : late ? "dwell, later" : id);
+    snprintf(text, 32, "%s", early ? "dwell, early" : late ? "dwell, late" : id);
     spaces(text);
 }
 

@@ -159,6 +159,10 @@ static int find_contacts(const import_options *o, import_sources *all) {
         import_source *s = all->source[i];
         s->skip = *s->block && !s->skip && !moves(s) ? "the stage does not move" : s->skip;
         code = s->skip ? CLI_OK : import_signs(o, s);
+        code = code || s->skip ? code : import_contact_rule(o, s);
+    }
+    if (code == CLI_OK && o->contact == CONTACT_AUTO) {
+        import_contact_agree(all);
     }
     for (int approaches = 1; approaches >= 0; approaches--) {
         for (size_t i = 0; code == CLI_OK && i < all->n; i++) {

@@ -125,6 +125,8 @@ typedef struct import_source {
     const char *height_from, *radius_from; /* in words */
     bool gap, piezo; /* the depth column is the height itself; is that of a cantilever's base */
     double depth_sign, force_sign;         /* -1 = reversed */
+    import_contact rule;
+    bool agreed;                           /* the rule is that of all presses like it */
     const char *sign_rule, *contact_rule;  /* in words; free_air, find_contact, ... */
     const char *contact_from;              /* name of the approach that shows the contact; NULL = itself */
     double first_mm, last_mm;              /* positions as recorded, but for the sign */
@@ -176,6 +178,8 @@ bool import_is_approach(const import_source *s); /* a Mach-1's search for the co
 /* Signs, then contact and zero force; relaxation files look in all for the approach that ended where they
  * start, whose contact was found before. */
 int import_signs(const import_options *o, import_source *s);
+int import_contact_rule(const import_options *o, import_source *s); /* for signs that are found */
+void import_contact_agree(import_sources *all);                     /* one rule, that of most, for presses that are alike */
 int import_contact_find(const import_options *o, const import_sources *all, import_source *s);
 
 /* Height, radius, spring constant and when it began, of the settings and options; then whether the height is known and

@@ -11,7 +11,6 @@ static const char NAME[] = "import";
 enum { REST_LEAST = 5, LAST = 11 };
 
 static const double unmistakable = 8; /* noise sds that the force must rise by to tell a sign */
-static const double least_travel = 3; /* in air, in sds of the contact, to be called a stretch of air */
 static const double same_place = 0.02; /* of the travel of the run that starts where an approach ended */
 
 static double average(const double *x, size_t n) {
@@ -83,7 +82,7 @@ int import_signs(const import_options *o, import_source *s) {
 /* ---- contact and zero force ---- */
 
 static void use_air(const palp_air *air, import_source *s) {
-    s->contact_mm = s->depth_mm[air->contact];
+    s->contact_mm = air->contact_depth;
     s->contact_sd_mm = air->contact_sd;
     s->zero_N = palp_air_force(air, s->time_s[air->contact]);
     s->contact_rule = import_is_approach(s) ? "find_contact" : "free_air";
@@ -114,7 +113,8 @@ static void use_start(const palp_press *press, import_source *s) {
     s->contact_rule = "ramp_start";
     s->contact_mm = rest < REST_LEAST ? s->depth_mm[0] : average(s->depth_mm, rest);
     s->zero_N = rest < REST_LEAST ? 0 : average(s->force_N, rest);
-    s->contact_sd_mm = palp_press_travel(press, fmax(press->noise_N, fabs(s->zero_N)));
+    s->contact_sd_mm = fmin(palp_press_travel(press, fmax(press->noise_N, fabs(s->zero_N))),
+                            fabs(s->depth_mm[press->peak] - s->depth_mm[0]));
 }
 
 static void use_recorded(const palp_press *press, import_source *s) {
@@ -154,25 +154,74 @@ static void use_approach(const import_source *a, import_source *s) {
 /* ---- which rule ---- */
 
 static import_contact automatic(const import_source *s, const palp_press *press, const palp_air *air) {
-    double before_mm = fabs(s->depth_mm[air->contact] - s->depth_mm[0]);
-    bool seen = air->contact < press->peak && before_mm > least_travel * air->contact_sd;
+    size_t rest = palp_press_rest(press);
     if (s->format == IMPORT_INSTRON) {
         return CONTACT_RECORDED;
     }
     if (s->format == IMPORT_MACH1) {
         return import_is_approach(s) ? CONTACT_AIR : CONTACT_START;
     }
-    return seen && palp_press_starts_in_air(press) ? CONTACT_AIR : CONTACT_START;
+    return air->seen && (rest >= REST_LEAST || palp_press_starts_in_air(press)) ? CONTACT_AIR : CONTACT_START;
+}
+
+int import_contact_rule(const import_options *o, import_source *s) {
+    palp_press press;
+    if (look(s, &press)) {
+        return CLI_FAILURE;
+    }
+    palp_air air = palp_press_air(&press, import_is_approach(s));
+    s->rule = o->contact ? (import_contact)o->contact : automatic(s, &press, &air);
+    palp_press_free(&press);
+    return CLI_OK;
+}
+
+/* The same press once more: it starts in the same place and goes as far in the same time. */
+static bool same_press(const import_source *a, const import_source *b) {
+    double way_mm[2], long_s[2];
+    const import_source *s[2] = {a, b};
+    for (int k = 0; k < 2; k++) {
+        double low_mm = HUGE_VAL, high_mm = -HUGE_VAL;
+        for (size_t i = 0; i < s[k]->rows; i++) {
+            low_mm = fmin(low_mm, s[k]->depth_mm[i]);
+            high_mm = fmax(high_mm, s[k]->depth_mm[i]);
+        }
+        way_mm[k] = high_mm - low_mm;
+        long_s[k] = s[k]->time_s[s[k]->rows - 1] - s[k]->time_s[0];
+    }
+    double within = same_place * fmax(way_mm[0], way_mm[1]);
+    return fabs(a->first_mm - b->first_mm) <= within && fabs(way_mm[0] - way_mm[1]) <= within &&
+           fabs(long_s[0] - long_s[1]) <= same_place * fmax(long_s[0], long_s[1]);
+}
+
+void import_contact_agree(import_sources *all) {
+    for (size_t i = 0; i < all->n; i++) {
+        size_t air = 0, start = 0;
+        import_source *s = all->source[i];
+        if (s->skip || s->agreed || (s->rule != CONTACT_AIR && s->rule != CONTACT_START)) {
+            continue;
+        }
+        for (int count = 1; count >= 0; count--) {
+            for (size_t j = i; j < all->n; j++) {
+                import_source *other = all->source[j];
+                if (other->skip || other->agreed || import_is_approach(other) != import_is_approach(s) || !same_press(s, other)) {
+                    continue;
+                }
+                air += count && other->rule == CONTACT_AIR;
+                start += count && other->rule == CONTACT_START;
+                other->agreed = !count;
+                other->rule = count ? other->rule : 2 * air >= air + start ? CONTACT_AIR : CONTACT_START;
+            }
+        }
+    }
 }
 
 static void choose(const import_options *o, const import_sources *all, const palp_press *press,
                    import_source *s) {
     size_t last = s->rows < LAST ? s->rows : LAST;
     palp_air air = palp_press_air(press, import_is_approach(s));
-    import_contact rule = o->contact ? (import_contact)o->contact : automatic(s, press, &air);
-    if (rule == CONTACT_RECORDED) {
+    if (s->rule == CONTACT_RECORDED) {
         use_recorded(press, s);
-    } else if (rule == CONTACT_START) {
+    } else if (s->rule == CONTACT_START) {
         use_start(press, s);
     } else if (air.contact < press->peak && touched(s)) {
         use_air(&air, s);
@@ -180,7 +229,7 @@ static void choose(const import_options *o, const import_sources *all, const pal
         not_reached(s, &air);
     }
     const import_source *before =
-        o->contact == CONTACT_AUTO && rule == CONTACT_START ? approach_before(all, s) : NULL;
+        o->contact == CONTACT_AUTO && s->rule == CONTACT_START ? approach_before(all, s) : NULL;
     if (before) {
         use_approach(before, s);
     }
