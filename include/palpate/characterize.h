@@ -15,8 +15,13 @@ typedef enum palp_spring_form {
     PALP_SPRING_PER_RUN   /* one K_inf for each recording (Tables 4.2, 4.3) */
 } palp_spring_form;
 
+/* What is known of the runs' contacts. KNOWN: they are where the recordings have them (their sds widen the intervals). COMMON: all are
+ * off by the same. FREE: each run's is off by its own, by a scatter that is learned from the runs. */
+typedef enum palp_contact_form { PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE } palp_contact_form;
+
 typedef struct palp_characterize_settings {
     palp_spring_form spring;
+    palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN */
     palp_law law;           /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
     size_t n_arms;          /* 0 = elastic */
     bool dwell_only;         /* ramp and hold: leave the ramp out of the residual */
@@ -25,7 +30,7 @@ typedef struct palp_characterize_settings {
     size_t max_evaluations; /* of the residual in one refinement */
 } palp_characterize_settings;
 
-/* A constant spring for each recording, no arms, the whole curve, 4 starts, 300 evaluations. */
+/* A constant spring for each recording, known contacts, no arms, the whole curve, 4 starts, 300 evaluations. */
 PALP_API palp_characterize_settings palp_characterize_settings_default(void);
 
 /* One fitted parameter. Intervals are 95 %, from the curvature at the optimum, the noise model, and the sd of
@@ -42,6 +47,8 @@ typedef struct palp_lumped_fit {
     palp_material material;     /* PALP_SPRING_PER_RUN: law = constant, mean of the runs' K_inf */
     size_t n_runs;
     double *spring_N;           /* [n_runs] K_inf, PALP_SPRING_PER_RUN */
+    double *contact_m, *contact_sd_m; /* [n_runs] by how much contact is later than the recording has it; NULL if taken for known */
+    double contact_scatter_m;   /* of them, PALP_CONTACT_FREE */
     double *rms_N;              /* [n_runs] residual rms of the samples */
     double *absolute_N;         /* [n_runs] sum of |residual| over the samples (the thesis' total residual) */
     size_t n_estimates;

@@ -24,6 +24,8 @@ void palp_lumped_fit_free(palp_lumped_fit *fit) {
     free(fit->estimate);
     free(fit->correlation);
     free(fit->covariance);
+    free(fit->contact_m);
+    free(fit->contact_sd_m);
     memset(fit, 0, sizeof *fit);
 }
 
@@ -305,7 +307,8 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
     }
     palp_element_state state = {0};
     for (size_t i = 0; i < rec->n && !status; i++) {
-        double strain = fmax(rec->depth_m[i], 0.0) / rec->height_m;
+        double contact = fit->contact_m && run < fit->n_runs && rec->depth_m[i] > 0.0 ? fit->contact_m[run] : 0.0;
+        double strain = fmax(rec->depth_m[i] - contact, 0.0) / rec->height_m;
         status = palp_element_advance(&material, &state, strain,
                                       i ? rec->time_s[i] - rec->time_s[i - 1] : 0.0, &state, NULL);
         force_N[i] = state.force_N;
@@ -350,6 +353,33 @@ static palp_status solve_and_merge(fit_problem *p, double *v, curvature *c, palp
     }
 }
 
+/* The fit again with contacts that are not known; its intervals are of all together. */
+static palp_status free_contacts(fit_problem *p, double *v, curvature *c, palp_lumped_fit *fit) {
+    size_t n = fit_parameter_count(p);
+    bool common = p->settings->contact == PALP_CONTACT_COMMON;
+    fit_contacts contacts;
+    palp_status status = fit_contacts_create(p, common, &contacts);
+    fit->contact_m = calloc(p->n_runs, sizeof(double));
+    fit->contact_sd_m = calloc(p->n_runs, sizeof(double));
+    if (!fit->contact_m || !fit->contact_sd_m)
+        status = PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = fit_contacts_solve(p, v, &contacts, &fit->converged);
+    for (size_t r = 0; r < p->n_runs && !status; r++) {
+        size_t q = common ? 0 : r;
+        fit->contact_m[r] = contacts.shift[q] * p->height_m;
+        fit->contact_sd_m[r] = contacts.shift_sd[q] * p->height_m;
+        p->run[r].contact_sd = 0.0; /* no longer beside the fit */
+    }
+    fit->contact_scatter_m = common ? 0.0 : contacts.scatter * p->height_m;
+    if (!status)
+        status = find_curvature(p, v, c);
+    if (!status)
+        memcpy(c->covariance, contacts.covariance, n * n * sizeof *c->covariance);
+    fit_contacts_free(&contacts);
+    return status;
+}
+
 static palp_status finish(fit_problem *p, const double *v, const curvature *c, size_t n,
                           const palp_recording *recordings, const palp_characterize_settings *settings,
                           palp_lumped_fit *fit) {
@@ -383,6 +413,9 @@ palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, co
     curvature c = {.covariance = calloc(2 * parameters * parameters + 1, sizeof(double))};
     c.systematic = c.covariance ? c.covariance + parameters * parameters : NULL;
     status = v && c.covariance ? solve_and_merge(&p, v, &c, fit) : PALP_ERR_NO_MEMORY;
+    bool known = settings->contact == PALP_CONTACT_KNOWN || (settings->contact == PALP_CONTACT_FREE && n < 2);
+    if (!status && !known && settings->spring == PALP_SPRING_LAW)
+        status = free_contacts(&p, v, &c, fit);
     if (!status)
         status = finish(&p, v, &c, n, recordings, settings, fit);
     free(v);

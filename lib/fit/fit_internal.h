@@ -70,6 +70,25 @@ palp_status fit_solve_from(fit_problem *problem, double *p, double *chi2, bool *
  * ERR_SINGULAR. */
 palp_status fit_invert(size_t n, double *a, double *inverse);
 
+/* Where contact is against where it was taken for, in strain, a nuisance parameter beside the fit's: one for all runs, or one
+ * a run with a scatter that is learned from the runs (as its mean square, estimates and their variances together). */
+typedef struct fit_contacts {
+    arena memory;
+    bool common;
+    size_t n;                /* 1 or n_runs */
+    double *plain;           /* [n_blocks] strains of the recordings */
+    double *shift, *shift_sd; /* [n] later contact is positive */
+    double *sd;              /* [n_runs] what the recordings say of their contacts */
+    double scatter, misfit;
+    double *covariance;      /* [n_parameters^2] of the fit's parameters with the shifts free */
+} fit_contacts;
+
+palp_status fit_contacts_create(const fit_problem *problem, bool common, fit_contacts *contacts);
+void fit_contacts_free(fit_contacts *contacts);
+
+/* From a fit p with known contacts; the problem's strains are then those of the contacts found. */
+palp_status fit_contacts_solve(fit_problem *problem, double *p, fit_contacts *contacts, bool *converged);
+
 /* The law of a parameter vector, and the whole material with the arms in order of tau. */
 palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);

@@ -25,6 +25,7 @@ typedef struct characterize_options {
     const char *words[CHARACTERIZE_RUNS_MAX]; /* RUN.csv ... */
     size_t n_words;
     const char *arms_text, *degree_text, *out, *plot;
+    int contact; /* 0 = auto, known, common, free */
     int law_choice, law, method; /* 0 = auto, else 1 + palp_law_kind; palp_law_kind; characterize_method */
     size_t arms, degree, knots;
     bool arms_auto, law_auto, degree_auto, degree_given;
@@ -64,6 +65,8 @@ typedef struct characterize_state {
     size_t degree, n_arms;             /* of the final model */
     characterize_scores degrees, arms, laws; /* n = 0: not asked for */
     palp_law law[SELECT_LAWS_MAX];           /* [laws.n] first guesses */
+    palp_contact_form contact;
+    double contact_scatter_m;
     size_t n_single;
     palp_lumped_fit single[CHARACTERIZE_RUNS_MAX]; /* of each ramp and hold alone */
     bool has_shared;
@@ -102,7 +105,9 @@ int characterize_model(const characterize_options *o, characterize_state *s); /*
 palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring, size_t n_arms);
 size_t characterize_depths(const characterize_state *s); /* different ones held, to 2 % */
 int characterize_choose_law(const characterize_options *o, characterize_state *s); /* --law auto */
+int characterize_contacts(const characterize_options *o, characterize_state *s); /* --contact; the runs' depths follow */
 palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law);
+palp_status characterize_guess_polynomial(const characterize_state *s, size_t n, palp_law *law); /* of n coefficients */
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law);
 int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
 int characterize_print(const characterize_options *o, const characterize_state *s);

@@ -110,6 +110,10 @@ static palp_status guess(const characterize_state *s, palp_law_kind kind, size_t
     return kind == PALP_LAW_SPLINE ? guess_spline(s, size, law) : guess_hyperelastic(s, kind, law);
 }
 
+palp_status characterize_guess_polynomial(const characterize_state *s, size_t n, palp_law *law) {
+    return rough_law(s, n, law);
+}
+
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law) {
     return guess(s, (palp_law_kind)o->law, o->law == PALP_LAW_SPLINE ? o->knots : s->degree, law);
 }

@@ -155,6 +155,7 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
                            "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
                            s->run[0].name, palp_law_kind_name((palp_law_kind)o->law));
     }
+    settings.contact = s->contact;
     status = status ? status : palp_characterize_fit(s->n, s->run, &settings, &s->final, &error);
     if (status) {
         return cli_status(NAME, status, &error);
@@ -237,6 +238,7 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     code = code ? code : choose_degree(o, s);
     code = code ? code : choose_arms(o, s, &bar);
     progress_update(&bar, 0.5);
+    code = code ? code : characterize_contacts(o, s);
     code = code ? code : fit_single(o, s);
     progress_update(&bar, 0.65);
     code = code ? code : fit_shared(o, s);

@@ -42,6 +42,10 @@ static int parse(int argc, char **argv, characterize_options *o) {
                      "(default 10, at most a fifth of the sampling rate)"),
         cli_positive("specimen-height-mm", "H", 1e4, &o->height_mm,
                      "height of the specimen, mm, instead of the files'"),
+        cli_choice("contact", "auto|known|common|free", &o->contact,
+                   "whether contact is where the runs have it: known; off by the same in all\n"
+                   "(common); or by its own in each, by a scatter that the runs tell (free;\n"
+                   "default auto: free where three runs or more show it)"),
         cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm,
                    "recorded depth at contact, mm, instead of the one found"),
         cli_heading("Output"),
