@@ -284,6 +284,22 @@ START_TEST(correlation_from_sample_to_sample) {
 }
 END_TEST
 
+/* A plate that moves to the end leaves no still stretch to tell it from: a thousandth of the way is motion. */
+START_TEST(correlation_is_of_a_still_end) {
+    for (int still = 0; still < 2; still++) {
+        made *m = make(2000);
+        for (size_t i = 0; i < m->r.n; i++) {
+            m->depth[i] = 1e-3 + (still ? 0.9e-6 : 1.1e-6) * (double)(i % 2) - (i < 1000 ? 1e-4 : 0.0);
+            m->force[i] = 1.0 + alternating(i);
+        }
+        m->r.deepest_m = 1e-3;
+        ck_assert_int_eq(recording_look_at_noise(&m->r, 1e-3), PALP_OK);
+        ck_assert_double_eq_tol(m->r.correlation, still ? -1.0 : 0.0, 0.02);
+        free(m);
+    }
+}
+END_TEST
+
 START_TEST(hum_has_its_amplitude_and_frequency) {
     for (hum_Hz = 52.3; hum_Hz < 52.36; hum_Hz += 0.01) { /* a line's width is 0.12 Hz */
         palp_recording r = tail(hum);
@@ -304,5 +320,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, clipping_is_a_flat_top_while_the_plate_moves);
     tcase_add_test(tc, a_coarse_converter_is_not_clipping);
     tcase_add_test(tc, correlation_from_sample_to_sample);
+    tcase_add_test(tc, correlation_is_of_a_still_end);
     tcase_add_test(tc, hum_has_its_amplitude_and_frequency);
 }

@@ -140,6 +140,39 @@ START_TEST(shapes_hold_all_but_the_tolerance) {
 }
 END_TEST
 
+/* Shapes of energies that are ten powers of ten apart, of which the samples tell the smaller one with some 1e-11 of the
+ * larger: they are orthonormal to rounding. */
+START_TEST(shapes_are_orthonormal_to_rounding) {
+    palp_material m;
+    palp_network *net = at_rest(&m);
+    size_t n3 = 3 * net->n_nodes, modes;
+    double *v = orthonormal(net, 2), *basis, *lift, *column = malloc(2 * n3 * sizeof *column), *scratch = malloc(n3 * sizeof *scratch);
+    palp_snapshots *t = by_hand(net, 3, 0);
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    reduced_samples samples;
+    settings.modes = 2;
+    settings.static_modes = 0;
+    settings.tolerance = 1e-8;
+    for (size_t j = 0; j < 3; j++)
+        for (size_t i = 0; i < n3; i++)
+            t->x[j * n3 + i] = net->rest[i] + 1e-3 * (v[i] + 1e-5 * (double)j * v[n3 + i]);
+    ck_assert_int_eq(reduced_pod(net, 1, &t, &settings, &modes, &basis, &lift, &samples), PALP_OK);
+    ck_assert_uint_eq(modes, 2);
+    for (size_t i = 0; i < 2 * n3; i++)
+        column[i] = basis[i % n3 * 2 + i / n3];
+    for (size_t i = 0; i < 4; i++)
+        ck_assert_double_eq_tol(in_stiffness(net, column + i / 2 * n3, column + i % 2 * n3, scratch), i % 3 == 0, 1e-13);
+    free(v);
+    free(basis);
+    free(lift);
+    free(column);
+    free(scratch);
+    free(samples.q);
+    palp_snapshots_free(t);
+    palp_network_free(net);
+}
+END_TEST
+
 /* The plate's motion is the lift's: what is left for the shapes is beside it. */
 START_TEST(shapes_are_beside_the_lift) {
     palp_material m;
@@ -356,6 +389,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, places_are_taken_anew_once_they_may_be_far_off);
     tcase_add_test(tc, lift_is_the_linear_answer);
     tcase_add_test(tc, shapes_hold_all_but_the_tolerance);
+    tcase_add_test(tc, shapes_are_orthonormal_to_rounding);
     tcase_add_test(tc, shapes_are_beside_the_lift);
     tcase_add_test(tc, kept_elements_have_the_forces_of_all);
     tcase_add_test(tc, static_shapes_answer_loads_near_a_tool);
