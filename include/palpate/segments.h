@@ -84,7 +84,7 @@ typedef struct palp_air {
     double sd_N;               /* of the running mean about that line */
     size_t contact;            /* the first sample after the air; the press' peak if there is none */
     double contact_depth, contact_sd; /* depth of the contact, and how exact it is */
-    bool seen;                 /* the plate moved through air before: by more than 3 sds of the contact */
+    bool seen;                 /* the plate moved through air before: by more than 3 sds of the contact; an approach: it touched */
 } palp_air;
 
 /* n >= 3; palp_press_free. ERR_NO_MEMORY. */

@@ -114,7 +114,7 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
     air.contact_depth = p->depth[air.contact];
     if (!approach && air.contact < p->peak)
         segments_refine_contact(p, &air);
-    air.seen = segments_air_seen(p, &air);
+    air.seen = approach ? air.contact < p->peak : segments_air_seen(p, &air);
     return air;
 }
 

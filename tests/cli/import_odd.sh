@@ -109,6 +109,19 @@ for run in alike/*.csv; do
 done
 [ "$(grep -c "samples are missing (5\|samples are missing (4" err)" -eq 4 ] || fail "missing samples are not said"
 
+# ---- the unit of force, length and time changes nothing but the numbers ----
+for scale in "1e-9 1 1" "1e3 1 1" "1 1e-4 1" "1 10 1" "1 1 1e-3" "1 1 1e3"; do
+    set -- $scale
+    awk -F, -v f=$1 -v l=$2 -v t=$3 'NR == 1 { print; next } { printf "%.9g,%.9g,%.9g\n", $1 * t, $2 * l, $3 * f }' again/run1.csv >scaled.csv
+    expect 0 import scaled.csv --specimen-height-mm "$(awk -v l=$2 'BEGIN { print 20 * l }')" --out scaled --force
+    for key in contact.rule protocol.kind; do
+        [ "$(key scaled/scaled.csv $key)" = "$(key alike/run1.csv $key)" ] || fail "scales $scale: $key $(key scaled/scaled.csv $key)"
+    done
+    near "scales $scale: contact" "$(key scaled/scaled.csv contact.depth_mm)" "$(awk -v l=$2 -v c="$(key alike/run1.csv contact.depth_mm)" 'BEGIN { printf "%.15g", l * c }')" 1e-5
+    near "scales $scale: sd" "$(key scaled/scaled.csv contact.sd_mm)" "$(awk -v l=$2 -v c="$(key alike/run1.csv contact.sd_mm)" 'BEGIN { printf "%.15g", l * c }')" 1e-2
+    near "scales $scale: zero" "$(key scaled/scaled.csv contact.zero_N)" "$(awk -v f=$1 -v c="$(key alike/run1.csv contact.zero_N)" 'BEGIN { printf "%.15g", f * c }')" 1e-4
+done
+
 # ---- sheets, where their helpers are ----
 if command -v python3 >/dev/null && command -v xlsx2csv >/dev/null; then
     awk "$press"'print "Name,gel\nHeight (mm),20\n\nTime (s),Displacement (mm),Force (N)"; for (k = 0; k <= 70; k++) { press(k); printf "%.1f,%.4f,%.6f\n", t, d, f } }' >plain.csv
