@@ -196,7 +196,30 @@ START_TEST(a_blade_without_area_cuts_nothing) {
 }
 END_TEST
 
+/* Nodes that are on the blade but for rounding are all on the side to which the shift takes them. */
+START_TEST(nodes_on_the_blade_are_on_one_side) {
+    static const double shift[3] = {1.0, 0.7548776662466927, 0.5698402909980532};
+    uint64_t seed = 4;
+    for (int trial = 0; trial < 2000; trial++) {
+        double corners[9], u[3], v[3], x[3], s = palp_random_uniform(&seed), t = palp_random_uniform(&seed), d = 0.0;
+        signed char side;
+        for (int i = 0; i < 9; i++)
+            corners[i] = palp_random_uniform(&seed) - 0.5;
+        for (int k = 0; k < 3; k++) {
+            u[k] = corners[3 + k] - corners[k];
+            v[k] = corners[6 + k] - corners[k];
+            x[k] = corners[k] + s * u[k] + t * v[k];
+        }
+        for (int k = 0; k < 3; k++)
+            d += shift[k] * (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+        cut_sides(1, x, corners, &side);
+        ck_assert_msg(side == (d > 0.0 ? 1 : -1), "trial %d: %d, not as %g", trial, side, d);
+    }
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, nodes_on_the_blade_are_on_one_side);
     tcase_add_test(tc, a_level_cut_takes_the_layer_between);
     tcase_add_loop_test(tc, a_blade_through_nodes_cuts_one_side, 0, 5);
     tcase_add_loop_test(tc, the_order_of_corners_plays_no_part, 0, 40);
