@@ -48,6 +48,15 @@ if "$PALPATE" rig --firmware qemu --until-s 0.001 >out 2>err; then
     cmp qemu_stream qemu_again || fail "a second run under QEMU differs"
     grep -q '^running the STM32F405 image under QEMU [0-9]' err || fail "does not say what runs: $(cat err)"
     cmp a.csv b.csv || fail "the image under QEMU does something else than the process"
+    # The dearest tick: sweeps, and commands as fast as the line brings them.
+    for k in 1 2; do
+        awk -v k=$k '/^#/ { next } /^every/ { if (++n == k) h = $2; next } { print }
+            END { for (t = 5010; t < 9000; t++) print t, h }' "$ROOT/tests/data/worst_tick.script" >worst.script
+        expect 0 rig --firmware qemu --script worst.script --until-s 9 --port file:busy
+        most=$(sed -n 's/.*at most \([0-9]*\) instructions a tick.*/\1/p' err)
+        echo "the dearest tick: $most instructions"
+        [ "${most:-99999}" -gt 10000 ] && [ "$most" -le 15500 ] || fail "a tick of $most instructions"
+    done
 else
     echo "not compared with QEMU: $(tail -n 1 err)"
 fi
