@@ -168,8 +168,6 @@ static void check_latched(bench *b, uint8_t fault) {
         plant_lift(b->plant, PLANT_EMERGENCY);
     bench_run(b, 5);
     check_refused(b, PALP_WIRE_TYPE_HOME);
-    check_refused(b, PALP_WIRE_TYPE_TARE);
-    check_refused(b, PALP_WIRE_TYPE_SET_CALIBRATION);
     check_refused(b, PALP_WIRE_TYPE_SELECT_GAINS);
     check_refused(b, PALP_WIRE_TYPE_FIND_CONTACT);
     check_refused(b, PALP_WIRE_TYPE_SEGMENT);
