@@ -169,7 +169,7 @@ static uint8_t find_contact(app *a, const palp_wire_find_contact *asked) {
 static uint8_t set_segment(app *a, const palp_wire_segment *asked) {
     if (asked->index >= PALP_WIRE_SEGMENTS)
         return PALP_WIRE_RESULT_RANGE;
-    const uint8_t result = trajectory_check(asked, a->machine->speed_m_s);
+    const uint8_t result = trajectory_check(asked, a->machine->speed_m_s, a->machine->force_N);
     if (result == PALP_WIRE_RESULT_DONE) {
         trajectory_set(&a->trajectory, asked->index, asked);
         a->segments_set |= 1U << asked->index;
@@ -194,7 +194,7 @@ static float first_rate(const trajectory *t) {
 static bool can_follow(const app *a, uint8_t segments, float start_m) {
     const reach r = trajectory_reach(&a->trajectory, segments, start_m);
     const float k = a->stiffness_N_m, impedance_Ns_m = __builtin_sqrtf(k * a->machine->moving_kg) + 2.0f * TICK_S * k;
-    return a->contact_m + r.low_m >= 0.0f && a->contact_m + r.high_m <= a->limits.travel_m &&
+    return r.force_N <= a->limits.force_N && a->contact_m + r.low_m >= 0.0f && a->contact_m + r.high_m <= a->limits.travel_m &&
            r.speed_m_s * impedance_Ns_m <= a->limits.force_N;
 }
 

@@ -153,6 +153,8 @@ static void retract_step(app *a) {
 /* ---- a run ---- */
 
 static bool follow(app *a) {
+    a->trajectory.measured_N = a->force_N;
+    a->trajectory.stiffness_N_m = a->stiffness_N_m;
     const bool going = trajectory_step(&a->trajectory, &a->reference);
     a->reference.position_m += a->contact_m;
     return !going;

@@ -135,7 +135,11 @@ static bool sweep_possible(const palp_wire_segment *wire, float speed_m_s) {
     return cycles >= 1.0f && cycles <= (float)MOST_CYCLES;
 }
 
-static bool possible(const palp_wire_segment *wire, float speed_m_s) {
+static bool force_possible(const palp_wire_segment *wire, float force_N) {
+    return wire->target_nm > 0 && (float)wire->target_nm * 1e-6f <= force_N && wire->rate_nm_s > 0;
+}
+
+static bool possible(const palp_wire_segment *wire, float speed_m_s, float force_N) {
     switch (wire->kind) {
     case PALP_WIRE_SEGMENT_MOVE:
         return stroke_possible(wire, speed_m_s);
@@ -148,13 +152,15 @@ static bool possible(const palp_wire_segment *wire, float speed_m_s) {
                sine_ticks(wire) <= UINT32_MAX;
     case PALP_WIRE_SEGMENT_SWEEP:
         return sweep_possible(wire, speed_m_s);
+    case PALP_WIRE_SEGMENT_FORCE:
+        return force_possible(wire, force_N);
     default:
         return false;
     }
 }
 
-uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s) {
-    return possible(wire, speed_m_s) ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE;
+uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s, float force_N) {
+    return possible(wire, speed_m_s, force_N) ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE;
 }
 
 void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire) {
@@ -163,6 +169,8 @@ void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire)
                    .target_m = (float)wire->target_nm * 1e-9f,
                    .rate_m_s = (float)wire->rate_nm_s * 1e-9f,
                    .acceleration_m_s2 = (float)wire->acceleration_um_s2 * 1e-6f,
+                   .target_N = (float)wire->target_nm * 1e-6f,
+                   .rate_N_s = (float)wire->rate_nm_s * 1e-6f,
                    .ticks = wire->duration_ms * (CONTROL_HZ / 1000),
                    .frequency_uHz = wire->frequency_mHz * 1000,
                    .cycles = wire->cycles};
@@ -182,6 +190,8 @@ static void begin_segment(trajectory *t) {
     t->start_m = t->now.position_m;
     t->tick = t->cycle = t->phase = 0;
     t->frequency_uHz = s->frequency_uHz;
+    t->wants = false;
+    t->wanted_N = t->sum_Ns = 0.0f;
     stroke_begin(&t->stroke, t->start_m, s->target_m, s->rate_m_s, s->acceleration_m_s2);
 }
 
@@ -207,12 +217,14 @@ static float wave_speed(const segment *s) {
 }
 
 reach trajectory_reach(const trajectory *t, uint8_t count, float start_m) {
-    reach r = {start_m, start_m, 0.0f};
+    reach r = {start_m, start_m, 0.0f, 0.0f};
     float at_m = start_m;
     for (uint8_t i = 0; i < count; i++) {
         const segment *s = &t->list[i];
         const float to_m = s->target_m, wide_m = real_abs(to_m);
-        if (s->kind == PALP_WIRE_SEGMENT_SINE || s->kind == PALP_WIRE_SEGMENT_SWEEP)
+        if (s->kind == PALP_WIRE_SEGMENT_FORCE)
+            r.force_N = s->target_N > r.force_N ? s->target_N : r.force_N;
+        else if (s->kind == PALP_WIRE_SEGMENT_SINE || s->kind == PALP_WIRE_SEGMENT_SWEEP)
             widen(&r, at_m - wide_m, at_m + wide_m, wave_speed(s));
         else if (s->kind != PALP_WIRE_SEGMENT_HOLD)
             widen(&r, at_m < to_m ? at_m : to_m, at_m > to_m ? at_m : to_m, s->rate_m_s);
@@ -231,6 +243,63 @@ static bool cycle_step(trajectory *t, const segment *s) {
     return stroke_step(&t->stroke, &t->now);
 }
 
+/* ---- force ---- */
+
+/* From the air to contact; in the specimen at most so fast, and changing its speed at most so fast. */
+#define FORCE_AIR_M_S 1e-3f
+#define FORCE_MOST_M_S 0.02f
+#define FORCE_MOST_M_S2 5.0f
+#define FORCE_SLOPE_M 3e-4f /* from this depth on, force over depth is a stiffness, too */
+/* Poles of the loop: a sixth of the slowest position loop's (gains.c) where the specimen's slope is as believed. */
+#define FORCE_W_S 12.0f
+
+/* A law that stiffens has at least the slope of its chord; the loop must not be faster than it is meant to. */
+static float slope_at(const trajectory *t) {
+    const float depth = t->now.position_m, chord = depth > FORCE_SLOPE_M ? t->measured_N / depth : 0.0f;
+    return chord > t->stiffness_N_m ? chord : t->stiffness_N_m;
+}
+
+/* Speed of the force that is wanted, N/s; true once it is there. */
+static bool want(trajectory *t, const segment *s, float *rate_N_s) {
+    const float step = s->rate_N_s * TICK_S, way = s->target_N - t->wanted_N;
+    const bool there = real_abs(way) <= step;
+    *rate_N_s = there ? 0.0f : way < 0.0f ? -s->rate_N_s : s->rate_N_s;
+    t->wanted_N = there ? s->target_N : t->wanted_N + *rate_N_s * TICK_S;
+    return there;
+}
+
+static void go(trajectory *t, float speed_m_s) {
+    const float most = FORCE_MOST_M_S2 * TICK_S;
+    const float change = real_clamp(speed_m_s - t->now.velocity_m_s, -most, most);
+    t->now.acceleration_m_s2 = change / TICK_S;
+    t->now.velocity_m_s += change;
+    t->now.position_m += t->now.velocity_m_s * TICK_S;
+}
+
+/* The plate's speed: what the wanted force asks of the slope, and a PI of what the force is off by. In the air it
+ * goes to contact, and wants nothing yet. */
+static bool force_step(trajectory *t, const segment *s) {
+    float rate_N_s = 0.0f;
+    if (!t->wants)
+        t->wanted_N = t->measured_N;
+    t->wants = t->wants || t->now.position_m >= 0.0f || t->measured_N >= s->target_N;
+    if (!t->wants) {
+        go(t, FORCE_AIR_M_S);
+        return true;
+    }
+    if (want(t, s, &rate_N_s) && t->tick++ >= s->ticks) {
+        t->now.velocity_m_s = t->now.acceleration_m_s2 = 0.0f;
+        return false;
+    }
+    const float off_N = t->wanted_N - t->measured_N;
+    const float asked = (rate_N_s + 2.0f * FORCE_W_S * off_N + FORCE_W_S * FORCE_W_S * t->sum_Ns) / slope_at(t);
+    const float speed = real_clamp(asked, -FORCE_MOST_M_S, FORCE_MOST_M_S);
+    if (speed == asked)
+        t->sum_Ns += off_N * TICK_S;
+    go(t, speed);
+    return true;
+}
+
 static bool segment_step(trajectory *t, const segment *s) {
     switch (s->kind) {
     case PALP_WIRE_SEGMENT_MOVE:
@@ -239,6 +308,8 @@ static bool segment_step(trajectory *t, const segment *s) {
         return cycle_step(t, s);
     case PALP_WIRE_SEGMENT_HOLD:
         return t->tick++ < s->ticks;
+    case PALP_WIRE_SEGMENT_FORCE:
+        return force_step(t, s);
     default:
         return wave_step(t, s);
     }

@@ -27,7 +27,8 @@ bool stroke_step(stroke *s, reference *next);
 typedef struct segment {
     uint8_t kind;
     float target_m, rate_m_s, acceleration_m_s2;
-    uint32_t ticks;         /* HOLD, SINE, SWEEP */
+    float target_N, rate_N_s; /* FORCE */
+    uint32_t ticks;         /* HOLD, SINE, SWEEP; FORCE: at the target */
     uint32_t frequency_uHz; /* SINE; SWEEP: where it starts */
     float octaves;          /* SWEEP: from there to its end */
     uint32_t cycles; /* whole periods; a SWEEP's fit into its duration, and it rests for what is left */
@@ -43,6 +44,10 @@ typedef struct trajectory {
     float start_m;          /* where the current segment began */
     stroke stroke;
     reference now;
+    /* of FORCE: the caller's, before each tick; the force that it is to be; integral of what it is off by */
+    float measured_N, stiffness_N_m; /* of the specimen at its surface */
+    float wanted_N, sum_Ns;
+    bool wants; /* it has begun, from the force that there was */
 } trajectory;
 
 /* Most that a segment may ask for: half of what the motor can do to the carriage; ten ticks a period. */
@@ -51,18 +56,18 @@ enum { TRAJECTORY_FREQUENCY_MHZ = 100000 };
 
 /* PALP_WIRE_RESULT_DONE, or _RANGE for a segment that cannot be followed: an unknown kind, a rate,
  * acceleration, duration, frequency or amplitude of zero or beyond what the drive can do, no whole period
- * in a SWEEP, a wave of more than 65535 periods or 49 days. */
-uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s);
+ * in a SWEEP, a wave of more than 65535 periods or 49 days, a force beyond force_N. */
+uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s, float force_N);
 /* One that trajectory_check accepts; index < PALP_WIRE_SEGMENTS. */
 void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire);
 
 /* Starts at rest at start_m with the first count segments. */
 void trajectory_begin(trajectory *t, uint8_t count, float start_m);
 
-/* Where the first count segments lead from start_m on: the range of depths, and the highest speed of those that
- * go deeper than 0. */
+/* Where the first count segments lead from start_m on: the range of depths (of FORCE nobody knows it), the highest
+ * speed of those that go deeper than 0, and the largest force of a FORCE. */
 typedef struct reach {
-    float low_m, high_m, speed_m_s;
+    float low_m, high_m, speed_m_s, force_N;
 } reach;
 reach trajectory_reach(const trajectory *t, uint8_t count, float start_m);
 

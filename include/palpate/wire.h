@@ -84,8 +84,9 @@ typedef enum palp_wire_result {
  * MOVE: to target at rate, corners rounded by at most acceleration. HOLD: for duration.
  * CYCLE: cycles times to target at rate and back to where the segment began.
  * SINE: cycles periods of frequency about where the segment began, amplitude = target.
- * SWEEP: the same with the frequency rising exponentially to frequency_end over duration. */
-#define PALP_WIRE_SEGMENT_KINDS(X) X(MOVE) X(HOLD) X(CYCLE) X(SINE) X(SWEEP)
+ * SWEEP: the same with the frequency rising exponentially to frequency_end over duration.
+ * FORCE: to a force, target in uN, at rate in uN/s, and holds it for duration; from the air to contact first. */
+#define PALP_WIRE_SEGMENT_KINDS(X) X(MOVE) X(HOLD) X(CYCLE) X(SINE) X(SWEEP) X(FORCE)
 typedef enum palp_wire_segment_kind {
 #define PALP_WIRE_MEMBER(name) PALP_WIRE_SEGMENT_##name,
     PALP_WIRE_SEGMENT_KINDS(PALP_WIRE_MEMBER)

@@ -172,6 +172,13 @@ wait $!
 grep -q "has closed.*, run 1 of 1; what came is in unplugged/ramp_hold_2mm.csv" err || fail "unplugged: $(cat err)"
 [ "$(fault unplugged/ramp_hold_2mm.csv)" = '"disconnected"' ] || fail "unplugged: $(fault unplugged/ramp_hold_2mm.csv)"
 
+# ---- a creep run: to a force, held while the depth grows ----
+echo '{"palpate": {"protocol": 1}, "runs": [{"kind": "segments", "name": "creep", "segments": [
+ {"force_N": 1, "ramp_s": 1, "duration_s": 10}, {"move_to_mm": -1, "rate_mm_s": 5}]}]}' >creep.json
+expect 0 acquire --port rig --firmware host --protocol creep.json --rest-s 0 --out creep
+awk -F, '/^[0-9]/ && $1 > 4.5 && $1 < 12.5 { s += $3; n++; if (n < 500) a += $2 / 499; z = $2 }
+    END { exit !(n > 7000 && s / n > 0.998 && s / n < 1.002 && z > a + 0.05) }' creep/creep.csv || fail "the force is not held"
+
 # ---- the image of the chip ----
 if "$PALPATE" rig --until-s 0.1 --firmware qemu >/dev/null 2>&1; then
     expect 0 acquire --port rig --firmware qemu $short --ramp-hold 3 --hold-s 2 --out qemu --json

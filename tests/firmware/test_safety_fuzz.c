@@ -174,7 +174,7 @@ static void bring_home(bench *b) {
         (void)send_simple(b, PALP_WIRE_TYPE_HOME);
         for (int k = 0; k < 20000 && b->app.supervisor.state == PALP_WIRE_STATE_HOMING; k++)
             ticks(b, 1);
-        if (!b->app.homed && b->app.supervisor.state == PALP_WIRE_STATE_FAULT &&
+        if (b->app.supervisor.state == PALP_WIRE_STATE_FAULT &&
             b->app.supervisor.fault == PALP_WIRE_FAULT_OVER_FORCE)
             (void)send(b, &tare); /* it was tared with the specimen's force on it */
         ticks(b, 60);

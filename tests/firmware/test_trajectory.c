@@ -25,7 +25,7 @@ static double spread(double low, double high) {
 static void begin(trajectory *t, const palp_wire_segment *list, int n, double start_m) {
     memset(t, 0x5a, sizeof *t);
     for (int i = 0; i < n; i++) {
-        assert_int_equal(trajectory_check(&list[i], (float)SPEED), PALP_WIRE_RESULT_DONE);
+        assert_int_equal(trajectory_check(&list[i], (float)SPEED, 24.0f), PALP_WIRE_RESULT_DONE);
         trajectory_set(t, (uint8_t)i, &list[i]);
     }
     trajectory_begin(t, (uint8_t)n, (float)start_m);
@@ -225,7 +225,7 @@ static void test_sweep(void **state) {
 /* ---- lists ---- */
 
 static palp_wire_segment random_segment(void) {
-    palp_wire_segment w = {.kind = (uint8_t)(rand() % PALP_WIRE_SEGMENT_KIND_COUNT)};
+    palp_wire_segment w = {.kind = (uint8_t)(rand() % PALP_WIRE_SEGMENT_FORCE)};
     do {
         w.target_nm = (int32_t)(w.kind < PALP_WIRE_SEGMENT_SINE ? uniform(-1e6, 7e6) : uniform(-5e5, 5e5));
         w.rate_nm_s = (uint32_t)spread(5e5, 2.5e8);
@@ -234,7 +234,7 @@ static palp_wire_segment random_segment(void) {
         w.frequency_mHz = (uint32_t)spread(300, 2e4);
         w.frequency_end_mHz = (uint32_t)spread(300, 2e4);
         w.cycles = (uint16_t)(1 + rand() % 4);
-    } while (trajectory_check(&w, (float)SPEED) != PALP_WIRE_RESULT_DONE);
+    } while (trajectory_check(&w, (float)SPEED, 24.0f) != PALP_WIRE_RESULT_DONE);
     return w;
 }
 

@@ -3,11 +3,11 @@
 #include "trajectory_make.h"
 
 static void refused(palp_wire_segment w) {
-    assert_int_equal(trajectory_check(&w, (float)SPEED), PALP_WIRE_RESULT_RANGE);
+    assert_int_equal(trajectory_check(&w, (float)SPEED, 24.0f), PALP_WIRE_RESULT_RANGE);
 }
 
 static void accepted(palp_wire_segment w) {
-    assert_int_equal(trajectory_check(&w, (float)SPEED), PALP_WIRE_RESULT_DONE);
+    assert_int_equal(trajectory_check(&w, (float)SPEED, 24.0f), PALP_WIRE_RESULT_DONE);
 }
 
 #define BUT(which, member, value)                                                                            \

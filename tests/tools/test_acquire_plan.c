@@ -139,10 +139,12 @@ static void test_protocol_file(void **state) {
                                        "{\"sine_mm\": 0.1, \"frequency_Hz\": 2, \"cycles\": 4},\n"
                                        "    {\"cycle_to_mm\": 3, \"rate_mm_s\": 1, \"cycles\": 2}, "
                                        "{\"move_to_mm\": -0.5, \"rate_mm_s\": 1}]},\n"
+                                       "  {\"kind\": \"segments\", \"name\": \"creep\", \"air_mm\": 1, \"segments\": [\n"
+                                       "    {\"force_N\": 1.5, \"ramp_s\": 0.5, \"duration_s\": 20}]},\n"
                                        "  {\"kind\": \"free\", \"hold_s\": 1}]}",
                                        &options, &code);
     assert_int_equal(code, CLI_OK);
-    assert_int_equal(plan->n, 4);
+    assert_int_equal(plan->n, 5);
     near(plan->run[0].motion.rate_mm_s, 4, 0); /* its own ramp time before all else */
     near(plan->run[0].motion.hold_s, 7, 0);    /* an option before what the file says for all */
     near(plan->run[1].motion.hold_s, 3, 0);    /* and what a run says before both */
@@ -153,12 +155,19 @@ static void test_protocol_file(void **state) {
     near(steps->press_s, 0.5 + 2 + 2 + 8 + 1.5, 1e-12);
     near(steps->deepest_mm, 3, 0);
     near(steps->at_mm, -0.5, 0);
+    const acquire_run *creep = &plan->run[3];
+    assert_int_equal(creep->n_segments, 1);
+    assert_int_equal(creep->segment[0].kind, PALP_WIRE_SEGMENT_FORCE);
+    assert_int_equal(creep->segment[0].target_nm, 1500000);
+    assert_int_equal(creep->segment[0].rate_nm_s, 3000000);
+    assert_int_equal(creep->segment[0].duration_ms, 20000);
+    near(creep->press_s, 1 + 0.5 + 20, 1e-12);
     assert_int_equal(plan->random, 1);
     near(plan->seed, 5, 0);
     assert_int_equal(plan->repeat_first, 1);
     assert_true(acquire_plan_arrange(plan));
-    assert_int_equal(plan->n, 5);
-    assert_int_equal(plan->run[4].kind, ACQUIRE_FREE);
+    assert_int_equal(plan->n, 6);
+    assert_int_equal(plan->run[5].kind, ACQUIRE_FREE);
     for (size_t i = 0; i < plan->n; i++) {
         for (size_t j = 0; j < i; j++) {
             assert_string_not_equal(plan->run[i].name, plan->run[j].name);

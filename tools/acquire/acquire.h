@@ -92,7 +92,7 @@ int acquire_plan_read(acquire_plan *plan, const char *file, const acquire_motion
 bool acquire_plan_arrange(acquire_plan *plan);
 
 /* Appends a segment from where the last one ended (acquire_segments.c); false: there is no room. target:
- * depth, or the amplitude of waves; what else the kind of segment needs is in motion. */
+ * depth, the amplitude of waves, the force (N) of FORCE; what else the kind of segment needs is in motion. */
 bool acquire_segment_add(acquire_run *run, uint8_t kind, double target_mm, const acquire_motion *motion);
 
 /* Start and segments from kind and motion; of ACQUIRE_SEGMENTS only the start. */

@@ -53,7 +53,8 @@ static const struct {
              {"hold_s", PALP_WIRE_SEGMENT_HOLD, {NULL}},
              {"cycle_to_mm", PALP_WIRE_SEGMENT_CYCLE, {"rate_mm_s", "cycles"}},
              {"sine_mm", PALP_WIRE_SEGMENT_SINE, {"frequency_Hz", "cycles"}},
-             {"sweep_mm", PALP_WIRE_SEGMENT_SWEEP, {"frequency_Hz", "frequency_end_Hz", "duration_s"}}};
+             {"sweep_mm", PALP_WIRE_SEGMENT_SWEEP, {"frequency_Hz", "frequency_end_Hz", "duration_s"}},
+             {"force_N", PALP_WIRE_SEGMENT_FORCE, {"ramp_s", "duration_s"}}};
 
 enum { FORMS = sizeof forms / sizeof forms[0] };
 
@@ -105,7 +106,7 @@ static int read_segment(const acquire_json *j, const char *where, const json_t *
     size_t form = form_of(object);
     acquire_motion m = acquire_motion_none();
     if (form == FORMS) {
-        return acquire_json_fail(j, where, "needs one of move_to_mm, hold_s, cycle_to_mm, sine_mm, sweep_mm");
+        return acquire_json_fail(j, where, "needs one of move_to_mm, hold_s, cycle_to_mm, sine_mm, sweep_mm, force_N");
     }
     m.acceleration_mm_s2 = r->motion.acceleration_mm_s2;
     int code = read_segment_keys(j, where, object, form, &m);

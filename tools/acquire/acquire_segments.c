@@ -4,6 +4,7 @@
 #include <math.h>
 
 static const double BACK_MM_S = 5; /* the device withdraws at least so fast */
+static const double SEEK_MM_S = 1; /* and goes to contact so fast for a force */
 
 static uint32_t whole(double x) {
     return (uint32_t)fmin(fmax(rint(x), 0), 4294967295.0);
@@ -20,9 +21,26 @@ static double duration_s(uint8_t kind, double way_mm, const acquire_motion *m) {
         return 2 * way_mm / m->rate_mm_s * m->cycles;
     case PALP_WIRE_SEGMENT_SINE:
         return m->cycles / m->frequency_Hz;
+    case PALP_WIRE_SEGMENT_FORCE:
+        return m->ramp_s + m->duration_s + way_mm / SEEK_MM_S;
     default:
         return m->duration_s;
     }
+}
+
+/* Where a force ends nobody knows before. */
+static bool add_force(acquire_run *r, double force_N, const acquire_motion *m) {
+    palp_wire_segment *s = &r->segment[r->n_segments];
+    *s = (palp_wire_segment){.index = (uint8_t)r->n_segments,
+                             .kind = PALP_WIRE_SEGMENT_FORCE,
+                             .target_nm = (int32_t)lrint(1e6 * force_N),
+                             .rate_nm_s = whole(1e6 * force_N / m->ramp_s),
+                             .duration_ms = whole(1e3 * m->duration_s)};
+    r->press_s += duration_s(PALP_WIRE_SEGMENT_FORCE, fmax(-r->at_mm, 0), m);
+    r->at_mm = fmax(r->at_mm, 0);
+    r->deepest_mm = fmax(r->deepest_mm, 0);
+    r->n_segments++;
+    return true;
 }
 
 bool acquire_segment_add(acquire_run *r, uint8_t kind, double target_mm, const acquire_motion *m) {
@@ -30,6 +48,9 @@ bool acquire_segment_add(acquire_run *r, uint8_t kind, double target_mm, const a
     bool waves = kind == PALP_WIRE_SEGMENT_SINE || kind == PALP_WIRE_SEGMENT_SWEEP;
     if (r->n_segments == PALP_WIRE_SEGMENTS) {
         return false;
+    }
+    if (kind == PALP_WIRE_SEGMENT_FORCE) {
+        return add_force(r, target_mm, m);
     }
     palp_wire_segment *s = &r->segment[r->n_segments];
     *s = (palp_wire_segment){.index = (uint8_t)r->n_segments,
