@@ -83,7 +83,7 @@ done
 motion='"depth_mm": 2, "hold_s": 0.1, "air_mm": 1, "air_s": 0.1, "after_s": 0.1, "rest_s": 0.1, "acceleration_mm_s2": 400'
 waves='"amplitude_mm": 0.2, "frequency_Hz": 2, "rate_mm_s": 3'
 segments='[{"move_to_mm": 1, "rate_mm_s": 5, "acceleration_mm_s2": 100}, {"hold_s": 0.1}, {"cycle_to_mm": 2, "rate_mm_s": 5, "cycles": 1},
- {"sine_mm": 0.1, "frequency_Hz": 2, "cycles": 1}, {"sweep_mm": 0.1, "frequency_Hz": 1, "frequency_end_Hz": 3, "duration_s": 1}, {"force_N": 1, "ramp_s": 1, "duration_s": 2}]'
+ {"sine_mm": 0.1, "frequency_Hz": 2, "cycles": 1}, {"sweep_mm": 0.1, "frequency_Hz": 1, "frequency_end_Hz": 3, "duration_s": 1}, {"force_N": 0.005, "ramp_s": 1, "duration_s": 1}]'
 cat >protocol.json <<J
 {"palpate": {"protocol": 1}, "about": "all", "order": "random", "order_seed": 1, "repeat_first": true, $motion, $waves, "cycles": 1,
  "frequency_end_Hz": 4, "duration_s": 1, "runs": [{"kind": "sine", "name": "a", "about": "b", $motion, $waves, "cycles": 1},
@@ -97,7 +97,7 @@ for axis in Fx_N Fy_N Fz_N Tx_Nm Ty_Nm Tz_Nm; do echo ", \"$axis\": $six" >>cali
 echo '}' >>calibration.json
 cat >actuator.json <<J
 {"palpate": {"actuator": 1}, "about": "all", "force_constant_N_A": 12, "resistance_ohm": 4, "supply_V": 24, "current_A": 3.5, "moving_kg": 0.4,
- "viscous_Ns_m": 4, "coulomb_N": 0.15, "backlash_mm": 0, "travel_mm": 30, "count_mm": 0.001, "start_mm": 5, "compliance_mm_N": 0,
+ "viscous_Ns_m": 4, "coulomb_N": 0.15, "lift_N": 0.1, "backlash_mm": 0, "travel_mm": 30, "count_mm": 0.001, "start_mm": 5, "compliance_mm_N": 0,
  "winding_K_W": 2.5, "winding_J_K": 40, "case_K_W": 3, "case_J_K": 400, "ambient_C": 23}
 J
 set -- "$@" protocol=protocol.json protocol=ramps.json calibration=calibration.json actuator=actuator.json
