@@ -32,7 +32,7 @@ void palp_realtime_free(palp_realtime *rt) {
 
 static palp_status allocate(palp_realtime *rt) {
     const palp_network *net = rt->net;
-    double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint, &rt->weight};
+    double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint, &rt->weight, &rt->adjoint_r, &rt->adjoint_z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         *arrays[i] = arena_take(&rt->memory, 3 * net->n_nodes, sizeof **arrays[i]);
     rt->touching = arena_take(&rt->memory, MULTIGRID_COUPLINGS, sizeof *rt->touching);
@@ -67,8 +67,8 @@ static palp_status begin(palp_realtime *rt) {
         rt->inverted[k] = network_count_inverted(net, net->now.x, k, REALTIME_PARTS);
     rt->part = 0;
     memcpy(rt->adjoint, net->motion, 3 * net->n_nodes * sizeof *rt->adjoint);
-    for (int i = 0; i < ADJOINT_ROUNDS && rt->driven && !status; i++)
-        realtime_improve_adjoint(rt);
+    for (int i = 0; i < ADJOINT_ROUNDS * ADJOINT_PARTS && rt->driven && !status; i++)
+        realtime_improve_adjoint(rt, i % ADJOINT_PARTS);
     network_tangent_times(net, rt->adjoint, rt->q);
     rt->adjoint_error = DRIFT * sqrt(fabs(network_dot(rt->adjoint, rt->q, 3 * net->n_nodes)));
     rt->adjoint_due = 0;
@@ -107,7 +107,7 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
     rt->driven = net->driven;
     palp_status status = allocate(rt);
     if (!status) {
-        double tick = 2.0 * (1.5 * (double)net->n_elements + multigrid_cycle_work(rt->mg));
+        double tick = 2.0 * ((double)net->n_elements + multigrid_cycle_work(rt->mg));
         rt->piece = settings->refresh_share / (1.0 - settings->refresh_share) * tick;
         status = begin(rt);
         time_parts(rt);
@@ -293,7 +293,7 @@ static void remember(palp_realtime *rt, const tick *t) {
 /* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. */
 static void look_ahead(palp_realtime *rt, tick *t) {
     if (rt->adjoint_due > 0 && rt->driven) {
-        realtime_improve_adjoint(rt);
+        realtime_improve_adjoint(rt, ADJOINT_PARTS - rt->adjoint_due);
         rt->adjoint_due--;
     } else {
         t->info.refreshed = realtime_refresh(rt);

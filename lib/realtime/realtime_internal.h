@@ -29,6 +29,7 @@ struct palp_realtime {
     double *move;          /* [3 n_nodes] correction */
     double *adjoint;       /* [3 n_nodes] dx / d depth, the motion at fixed axes */
     double *weight;        /* [n_nodes] stiffness of what presses on each node from outside, N/m */
+    double *adjoint_r, *adjoint_z; /* [3 n_nodes] of a correction of the adjoint on its way */
     bool driven;           /* some axis is: there is an adjoint */
     double adjoint_error;  /* of it, in the norm of the tangent */
     double error_ratio;    /* error in that norm over |residual|, where it was last known */
@@ -44,7 +45,7 @@ struct palp_realtime {
     double piece;          /* work on it in a tick */
     bool definite;         /* it is made without what can make it indefinite */
     bool used_definite;    /* so was the one in use */
-    int adjoint_due;       /* corrections of the adjoint */
+    int adjoint_due;       /* parts of a correction of the adjoint that are left */
     refresh_thread *thread; /* makes it, or NULL */
 
     realtime_times times;
@@ -56,8 +57,9 @@ struct palp_realtime {
  * until the residual falls to share of its norm. The correction is in rt->move; returns how many it took. */
 size_t realtime_solve(palp_realtime *rt, size_t limit, double share);
 
-/* One correction of the adjoint. */
-void realtime_improve_adjoint(palp_realtime *rt);
+/* A part of a correction of the adjoint, 0 to ADJOINT_PARTS - 1, which ticks may lie between. */
+enum { ADJOINT_PARTS = 3 };
+void realtime_improve_adjoint(palp_realtime *rt, int part);
 
 /* ---- realtime_refresh.c ---- */
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double COPY_WORK = 1.5; /* units an element */
+static const double COPY_WORK = 1.0; /* units an element */
 
 static void copy_element(const palp_network *net, const multigrid_source *source, size_t i) {
     float *e = source->element + 5 * (size_t)source->place[i];
@@ -131,7 +131,7 @@ static bool finish(palp_realtime *rt, palp_status status) {
         return false;
     multigrid_swap(rt->mg);
     rt->used_definite = definite;
-    rt->adjoint_due = 1;
+    rt->adjoint_due = ADJOINT_PARTS;
     return true;
 }
 

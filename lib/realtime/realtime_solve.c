@@ -57,19 +57,31 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
     return done;
 }
 
-void realtime_improve_adjoint(palp_realtime *rt) {
-    const palp_network *net = rt->net;
-    const size_t n = 3 * net->n_nodes;
+/* The three parts of a correction of the adjoint: its residual, that times the factor, and the step along it. */
+static void adjoint_residual(palp_realtime *rt) {
+    tangent_times(rt->net, rt->adjoint, rt->adjoint_r);
+    for (size_t i = 0; i < 3 * rt->net->n_nodes; i++)
+        rt->adjoint_r[i] = -rt->adjoint_r[i];
+}
+
+static void adjoint_direction(palp_realtime *rt) {
     realtime_touch(rt);
-    tangent_times(net, rt->adjoint, rt->r);
-    for (size_t i = 0; i < n; i++)
-        rt->r[i] = -rt->r[i];
-    multigrid_apply(rt->mg, rt->r, rt->z);
-    tangent_times(net, rt->z, rt->q);
-    double rz = network_dot(rt->r, rt->z, n), curvature = network_dot(rt->z, rt->q, n);
+    multigrid_apply(rt->mg, rt->adjoint_r, rt->adjoint_z);
+}
+
+static void adjoint_move(palp_realtime *rt) {
+    const size_t n = 3 * rt->net->n_nodes;
+    const double *z = rt->adjoint_z;
+    tangent_times(rt->net, z, rt->q);
+    double rz = network_dot(rt->adjoint_r, z, n), curvature = network_dot(z, rt->q, n);
     if (!(rz > 0.0) || !(curvature > 0.0))
         return;
     rt->adjoint_error = fmax(sqrt(rz), 0.5 * rt->adjoint_error);
     for (size_t i = 0; i < n; i++)
-        rt->adjoint[i] += rz / curvature * rt->z[i];
+        rt->adjoint[i] += rz / curvature * z[i];
+}
+
+void realtime_improve_adjoint(palp_realtime *rt, int part) {
+    static void (*const parts[ADJOINT_PARTS])(palp_realtime *) = {adjoint_residual, adjoint_direction, adjoint_move};
+    parts[part](rt);
 }

@@ -6,10 +6,10 @@
 #include <string.h>
 
 /* Work units, some nanoseconds each: */
-static const double ROW_WORK = 10.0;    /* an own block inverted, a block cleared */
-static const double ELEMENT_WORK = 8.0; /* both blocks of an element */
+static const double ROW_WORK = 6.0;    /* an own block inverted, a block cleared */
+static const double ELEMENT_WORK = 3.0; /* both blocks of an element */
 static const double ENTRY_WORK = 20.0;  /* an entry of a row of P' A P */
-static const double FLOP_WORK = 0.004;  /* of a factor */
+static const double FLOP_WORK = 0.008;  /* of a factor */
 
 static int made(const multigrid *mg) {
     return 1 - mg->used;
