@@ -18,6 +18,19 @@ static inline void times_inverse(const float *b, const float s[4], float *x) {
         x[r] = b[r] * s[0] + b[4 + r] * s[1] + b[8 + r] * s[2];
 }
 
+/* Adds s to those that node i follows, each its share; and what they have become to x. */
+static inline void pass_up(const mg_level *l, size_t i, const float *restrict s, float *restrict coarse) {
+    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
+        for (size_t r = 0; r < 4; r++)
+            coarse[4 * (size_t)l->up[k] + r] += l->weight[k] * s[r];
+}
+
+static inline void take_down(const mg_level *l, size_t i, const float *restrict coarse, float *restrict x) {
+    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
+        for (size_t r = 0; r < 4; r++)
+            x[r] += l->weight[k] * coarse[4 * (size_t)l->up[k] + r];
+}
+
 /* From x = 0: x = (D + L)^-1 r; what is left, -U x, goes to the coarser level. */
 static void sweep_down(mg_level *l, int set) {
     const float *block = l->block[set];
@@ -32,18 +45,14 @@ static void sweep_down(mg_level *l, int set) {
     for (size_t i = 0; i < l->n; i++) {
         float s[4] = {0.0F};
         subtract(block, l->column, l->middle[i], l->first[i + 1], l->x, s);
-        for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
-            for (size_t r = 0; r < 4; r++)
-                coarse->r[4 * (size_t)l->up[k] + r] += l->weight[k] * s[r];
+        pass_up(l, i, s, coarse->r);
     }
 }
 
 static void sweep_up(mg_level *l, int set) {
     const mg_level *coarse = l + 1;
     for (size_t i = 0; i < l->n; i++)
-        for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
-            for (size_t r = 0; r < 4; r++)
-                l->x[4 * i + r] += l->weight[k] * coarse->x[4 * (size_t)l->up[k] + r];
+        take_down(l, i, coarse->x, l->x + 4 * i);
     for (size_t i = l->n; i-- > 0;) {
         float s[4];
         memcpy(s, l->r + 4 * i, sizeof s);
@@ -97,9 +106,9 @@ static void finest_down(multigrid *mg) {
     for (size_t i = 0; i < l->n; i++) {
         float s[4] = {0.0F};
         collect(mg, i, s);
-        for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
-            for (size_t r = 0; r < 4; r++)
-                coarse->r[4 * (size_t)l->up[k] + r] += l->weight[k] * FREE[l->axes[i]][r] * s[r];
+        for (size_t r = 0; r < 4; r++)
+            s[r] *= FREE[l->axes[i]][r];
+        pass_up(l, i, s, coarse->r);
     }
 }
 
@@ -107,9 +116,10 @@ static void finest_up(multigrid *mg) {
     mg_level *l = &mg->level[0], *coarse = l + 1;
     memcpy(mg->rest, l->r, 4 * l->n * sizeof *l->r);
     for (size_t i = 0; i < l->n; i++) {
-        for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
-            for (size_t r = 0; r < 4; r++)
-                l->x[4 * i + r] += l->weight[k] * FREE[l->axes[i]][r] * coarse->x[4 * (size_t)l->up[k] + r];
+        float s[4] = {0.0F};
+        take_down(l, i, coarse->x, s);
+        for (size_t r = 0; r < 4; r++)
+            l->x[4 * i + r] += FREE[l->axes[i]][r] * s[r];
         pass_on(mg, i);
     }
     for (size_t i = l->n; i-- > 0;) {
