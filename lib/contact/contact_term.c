@@ -116,12 +116,9 @@ static bool term_energy(const network_term *term, const palp_network *net, doubl
 /* ---- a guess that goes along --------------------------------------------------------------------- */
 
 /* Least move of its corners by which a contact's point comes to where the tool took it, along the normal. */
-static void follow(contact_term *t, contact *c, const double *x, double *moves) {
+static void follow(contact_term *t, const contact *c, const double *x, double *moves) {
     const contact_set *set = &t->set;
     double point[3], squares = 0.0;
-    contact_measure(&set->pose[c->tool], c, x);
-    if (c->depth > 0.0)
-        return;
     contact_point(c, c->stick_share, x, point);
     along3(c->anchor, -1.0, point, point);
     for (int j = 0; j < c->corners; j++)
@@ -136,15 +133,33 @@ static void follow(contact_term *t, contact *c, const double *x, double *moves) 
     }
 }
 
+/* Does the tool lose the tissue: of the contacts that touched none does? One of several that comes off as the tool slides on
+ * is let go. */
+static bool lost(contact_set *set, int32_t tool, const double *x) {
+    bool touched = false, touches = false;
+    for (size_t i = 0; i < set->n_contacts; i++) {
+        contact *c = &set->contact[i];
+        if (c->tool != tool || !c->touched)
+            continue;
+        contact_measure(&set->pose[tool], c, x);
+        touched = true;
+        touches = touches || c->depth > 0.0;
+    }
+    return touched && !touches;
+}
+
 /* A tool that withdraws all of a sudden would otherwise lose the tissue for some ticks. */
 static void term_follow(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     double *moves = net->outer; /* the next evaluation fills it anew */
     memset(moves, 0, 3 * net->n_nodes * sizeof *moves);
     memset(t->weight, 0, net->n_nodes * sizeof *t->weight);
-    for (size_t i = 0; i < t->set.n_contacts; i++)
-        if (t->set.contact[i].touched)
-            follow(t, &t->set.contact[i], net->next.x, moves);
+    for (size_t tool = 0; tool < t->set.n_tools; tool++) {
+        bool any = lost(&t->set, (int32_t)tool, net->next.x);
+        for (size_t i = 0; i < t->set.n_contacts && any; i++)
+            if (t->set.contact[i].touched && t->set.contact[i].tool == (int32_t)tool)
+                follow(t, &t->set.contact[i], net->next.x, moves);
+    }
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0 && t->weight[i / 3] > 0.0)
             net->next.x[i] += moves[i] / t->weight[i / 3];

@@ -5,15 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DIRECT = 1000 };            /* unknowns of which a factor is cheaper than a cycle with levels */
+enum { DIRECT = 1000 };            /* unknowns of which a factor is cheaper than a cycle with levels; */
+enum { TOUCHED = 300 };            /* with tools, whose contacts only levels follow from tick to tick */
 static const double SHARE = 0.03;  /* of its residual that a round of conjugate gradients leaves */
 static const double CURVED = 0.1;  /* a tick that left less of its residual may be extrapolated by a parabola, */
 static const double STRAIGHT = 0.5; /* less than this by a line */
 static const double OVERRUN = 0.5; /* of its slope that a move may have against it at its end */
+static const double ASIDE = 0.15;  /* of what is between two places along it: so far is the next one from both */
 static const double SAFETY = 3.0;  /* of the error estimate */
 static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
 static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
-enum { HALVINGS = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end */
+enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end */
 
 palp_realtime_settings palp_realtime_settings_default(void) {
     return (palp_realtime_settings){.refresh_share = 0.15, .background = false};
@@ -39,7 +41,8 @@ static palp_status allocate(palp_realtime *rt) {
     if (rt->memory.failed)
         return PALP_ERR_NO_MEMORY;
     palp_status status =
-        multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair, DIRECT, &rt->mg);
+        multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
+                         realtime_touched(net) ? TOUCHED : DIRECT, &rt->mg);
     if (!status && rt->settings.background)
         status = refresh_thread_create(rt->mg, &rt->thread);
     return status;
@@ -227,33 +230,51 @@ static void learn(double *mean, double seconds) {
     *mean += 0.1 * (fmin(seconds, 3.0 * *mean) - *mean);
 }
 
+/* The part of the way between two places along a move where its slope is least, if it is a line. */
+static double part_between(double at_low, double at_high) {
+    return fmin(fmax(at_low / (at_low - at_high), ASIDE), 1.0 - ASIDE);
+}
+
 /* next.x = start + move, or less of it where that is unsound or runs past the least energy along it, as where a contact
- * stiffens. */
+ * stiffens or comes to stick: then to where the slope is small beside that at the start. */
 static bool go(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     double alpha = 1.0, start = realtime_clock();
     spread_residual(net, rt->p); /* conjugate gradients have changed r */
     const double before = network_dot(rt->p, rt->move, 3 * net->n_nodes);
+    double low = 0.0, high = 1.0, at_low = before, at_high = 0.0;
     memcpy(rt->q, net->next.x, 3 * net->n_nodes * sizeof *rt->q);
-    for (int i = 0; i <= HALVINGS; i++) {
+    for (int i = 0; i <= TRIES; i++) {
         for (size_t k = 0; k < 3 * net->n_nodes; k++)
             net->next.x[k] = rt->q[k] + alpha * rt->move[k];
-        if (!network_evaluate(net)) {
-            alpha *= 0.5;
-            continue;
+        double after = -at_low;
+        if (network_evaluate(net)) {
+            assess(rt, t);
+            if (i == 0)
+                learn(&rt->times.evaluation, realtime_clock() - start);
+            after = network_dot(rt->r, rt->move, 3 * net->n_nodes);
+            if (i == TRIES || (after >= -OVERRUN * before && (i == 0 || after <= OVERRUN * before)))
+                return true;
         }
-        assess(rt, t);
-        if (i == 0)
-            learn(&rt->times.evaluation, realtime_clock() - start);
-        double after = network_dot(rt->r, rt->move, 3 * net->n_nodes);
-        if (after >= -OVERRUN * before || i == HALVINGS)
-            return true;
-        alpha *= fmax(0.1, before / (before - after));
+        if (after > 0.0) {
+            low = alpha;
+            at_low = after;
+        } else {
+            high = alpha;
+            at_high = after;
+        }
+        alpha = low + part_between(at_low, at_high) * (high - low);
     }
     memcpy(net->next.x, rt->q, 3 * net->n_nodes * sizeof *rt->q);
     network_evaluate(net);
     assess(rt, t);
     return false;
+}
+
+/* Of the corrections that are left, how many before the forces are looked at again: a few where tools touch, whose sticking
+ * and slipping no tangent tells. */
+static size_t in_a_round(const palp_realtime *rt, size_t left) {
+    return !realtime_touched(rt->net) || left <= 2 ? left : left < 4 ? 2 : left / 2;
 }
 
 static void correct(palp_realtime *rt, tick *t) {
@@ -264,7 +285,7 @@ static void correct(palp_realtime *rt, tick *t) {
         if (i == ROUNDS && t->budget.corrections == 0 && !(t->budget.seconds > 0.0))
             return;
         double start = realtime_clock();
-        size_t done = realtime_solve(rt, left, SHARE);
+        size_t done = realtime_solve(rt, in_a_round(rt, left), SHARE);
         if (done == 0)
             return;
         learn(&rt->times.correction, (realtime_clock() - start) / (double)done);

@@ -63,6 +63,9 @@ void realtime_improve_adjoint(palp_realtime *rt, int part);
 
 /* ---- realtime_refresh.c ---- */
 
+/* Has the network terms that add blocks to the tangent: tools, grasped nodes? */
+bool realtime_touched(const palp_network *net);
+
 /* Brings what terms add to the tangent up to date in the factor in use, as far as can be. */
 void realtime_touch(palp_realtime *rt);
 

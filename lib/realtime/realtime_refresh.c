@@ -68,11 +68,15 @@ static void copy_nodes(palp_network *net, const multigrid_source *source) {
         source->node[i] = (float)net->node_block[i];
 }
 
-void realtime_touch(palp_realtime *rt) {
+bool realtime_touched(const palp_network *net) {
     bool any = false;
-    for (size_t i = 0; i < rt->net->n_terms; i++)
-        any = any || rt->net->terms[i]->kind->blocks;
-    if (any)
+    for (size_t i = 0; i < net->n_terms; i++)
+        any = any || net->terms[i]->kind->blocks;
+    return any;
+}
+
+void realtime_touch(palp_realtime *rt) {
+    if (realtime_touched(rt->net))
         multigrid_touch(rt->mg, rt->net->node_block, gather_blocks(rt->net, rt->touching), rt->touching);
 }
 
