@@ -142,6 +142,7 @@ static bool anchor(const contact_set *set, const double *committed, contact *c, 
     along3(place, 1.0, moved, c->anchor);
     c->entry = 1.0;
     c->touched = touch != NULL;
+    c->doubt = touch ? touch->doubt : 0.0;
     if (touch) {
         along3(c->anchor, -1.0, touch->stretch, c->anchor);
         return true;

@@ -19,6 +19,7 @@ typedef struct contact {
     double stiffness;      /* N/m */
     double stick_share[3]; /* barycentric coordinates of the point that friction acts on, for a step */
     double anchor[3];      /* friction's spring starts here and goes with the tool */
+    double doubt;          /* error of the force that is in where friction's spring starts, N */
     bool touched;          /* in the committed state */
     double entry;          /* share of the step that it has been touching for */
     /* of the last evaluation */
@@ -31,13 +32,14 @@ typedef struct contact {
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
     double stretch[3];     /* of friction's spring, m */
     double friction[3];    /* friction force on the tissue, N */
+    double kept;           /* share of its spring's stretch that slipping has left: 1 = it sticks */
     double friction_tangent[6];
 } contact;
 
 /* A contact that touched, with friction's spring. */
 typedef struct contact_touch {
     int32_t tool, node[3];
-    double stretch[3];
+    double stretch[3], doubt;
 } contact_touch;
 
 /* What a state remembers. */
@@ -95,6 +97,9 @@ bool contact_set_refresh(contact_set *set, const double *committed, const double
 /* The step is solved at x: what lasts into set->next. swap: next becomes now. */
 void contact_set_finish(contact_set *set, const double *x);
 void contact_set_swap(contact_set *set);
+
+/* After finish, of a state whose forces are off by error: what of it friction's springs remember, of all of them, N. */
+double contact_set_doubt(contact_set *set, double error);
 
 /* Adds a force on the tissue, size times force, at a point of it to what the tool in this pose feels. */
 void contact_feel(const palp_tool *pose, const double point[3], double size, const double force[3],

@@ -167,7 +167,7 @@ static void friction_force(contact *c, double coefficient, const double *x) {
     along3(u, -dot3(u, c->normal), c->normal, u);
     double pull = stiffness * sqrt(dot3(u, u)), limit = coefficient * c->pressure;
     bool slips = pull > limit;
-    double share = slips ? limit / pull : 1.0;
+    double share = c->kept = slips ? limit / pull : 1.0;
     for (int k = 0; k < 3; k++) {
         c->stretch[k] = share * c->entry * u[k];
         c->friction[k] = -share * stiffness * u[k];

@@ -184,7 +184,31 @@ void contact_set_finish(contact_set *set, const double *x) {
         t->tool = c->tool;
         memcpy(t->node, c->node, sizeof t->node);
         memcpy(t->stretch, c->stretch, sizeof t->stretch);
+        t->doubt = set->pose[c->tool].friction > 0.0 ? c->kept * c->doubt : 0.0;
     }
+}
+
+/* What friction holds of a contact at most, N. */
+static double held(const contact_set *set, const contact *c) {
+    return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
+}
+
+/* A spring forgets as it slips, and starts anew from where that was solved to; it is off by no more than from one side of what
+ * it holds to the other. */
+double contact_set_doubt(contact_set *set, double error) {
+    double all = 0.0, sum = 0.0;
+    contact_touch *t = set->next.touch;
+    for (size_t i = 0; i < set->n_contacts; i++)
+        all += held(set, &set->contact[i]);
+    for (size_t i = 0; i < set->n_contacts; i++) {
+        const contact *c = &set->contact[i];
+        if (held(set, c) > 0.0) {
+            t->doubt = fmin(t->doubt + (1.0 - c->kept) * error * held(set, c) / all, 2.0 * held(set, c));
+            sum += t->doubt;
+        }
+        t += c->depth > 0.0 ? 1 : 0;
+    }
+    return sum;
 }
 
 void contact_set_swap(contact_set *set) {

@@ -189,6 +189,11 @@ static void term_share_residual(network_term *term, palp_network *net, const dou
     }
 }
 
+static void term_doubt(network_term *term, palp_network *net, double error, double *sum) {
+    (void)net;
+    *sum += contact_set_doubt(set_of(term), error);
+}
+
 static const network_term_kind CONTACT = {.reset = term_reset,
                                           .pass = term_pass,
                                           .swap = term_swap,
@@ -203,7 +208,8 @@ static const network_term_kind CONTACT = {.reset = term_reset,
                                           .refresh = term_refresh,
                                           .follow = term_follow,
                                           .weigh = term_weigh,
-                                          .share_residual = term_share_residual};
+                                          .share_residual = term_share_residual,
+                                          .doubt = term_doubt};
 
 contact_set *contact_of(const palp_network *net) {
     network_term *term = network_find_term(net, &CONTACT);

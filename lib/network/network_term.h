@@ -58,6 +58,9 @@ typedef struct network_term_kind {
     void (*weigh)(const network_term *term, const palp_network *net, double *weight);
     void (*share_residual)(network_term *term, palp_network *net, const double *weight, const double *residual);
 
+    /* After finish: what of an error of its forces, N, the term remembers beyond the step; adds it to *sum. */
+    void (*doubt)(network_term *term, palp_network *net, double error, double *sum);
+
     void (*grasped)(const network_term *term, unsigned char *fixed);     /* fixed[node] = 1 where it grasps one */
     void (*grasp_changed)(network_term *term, palp_network *net);        /* another term grasps other nodes */
 } network_term_kind;

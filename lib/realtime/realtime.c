@@ -6,13 +6,14 @@
 #include <string.h>
 
 enum { DIRECT = 1000 };            /* unknowns of which a factor is cheaper than a cycle with levels; */
-enum { TOUCHED = 300 };            /* with tools, whose contacts only levels follow from tick to tick */
+enum { TOUCHED = 200 };            /* with tools, whose contacts only levels follow from tick to tick */
 static const double SHARE = 0.03;  /* of its residual that a round of conjugate gradients leaves */
 static const double CURVED = 0.1;  /* a tick that left less of its residual may be extrapolated by a parabola, */
 static const double STRAIGHT = 0.5; /* less than this by a line */
 static const double OVERRUN = 0.5; /* of its slope that a move may have against it at its end */
 static const double ASIDE = 0.15;  /* of what is between two places along it: so far is the next one from both */
 static const double SAFETY = 3.0;  /* of the error estimate */
+static const double ANCHORED = 6.0; /* of a tick's error, what friction may remember of it */
 static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
 static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
 enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end */
@@ -77,7 +78,7 @@ static palp_status begin(palp_realtime *rt) {
     rt->adjoint_due = 0;
     rt->definite = false;
     rt->contraction = 1.0;
-    rt->error_ratio = rt->remembered = 0.0;
+    rt->error_ratio = rt->remembered = rt->anchored = 0.0;
     return status;
 }
 
@@ -207,7 +208,7 @@ static void assess(palp_realtime *rt, tick *t) {
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = rt->driven ? error * rt->adjoint_error : 0.0;
     t->fresh_error += error * sqrt(own_stiffness(rt));
-    t->info.force_error_N = t->fresh_error + rt->remembered;
+    t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
     double most = t->budget.force_error * (fabs(t->info.force_N) + outer_force(net));
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
@@ -308,7 +309,7 @@ static void remember(palp_realtime *rt, const tick *t) {
         slowest = fmax(slowest, net->step.decay[j]);
         leak += 1.0 - net->step.decay[j];
     }
-    rt->remembered = slowest * rt->remembered + fmin(leak, 1.0) * t->fresh_error;
+    rt->remembered = slowest * rt->remembered + fmin(leak, 1.0) * (t->fresh_error + rt->anchored);
 }
 
 /* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. */
@@ -327,6 +328,8 @@ static void commit(palp_realtime *rt, const tick *t) {
     network_finish(net);
     weigh(rt);
     NETWORK_EACH_TERM(net, share_residual, net, rt->weight, rt->r);
+    rt->anchored = 0.0;
+    NETWORK_EACH_TERM(net, doubt, net, ANCHORED * t->fresh_error, &rt->anchored);
     net->next.force = t->info.force_N;
     net->trial = true;
     net->trial_checked = false;

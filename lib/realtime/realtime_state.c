@@ -34,7 +34,7 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     network_pass(c, rt->adjoint, 3 * rt->net->n_nodes * sizeof *rt->adjoint);
     network_pass(c, rt->adjoint_r, 3 * rt->net->n_nodes * sizeof *rt->adjoint_r);
     network_pass(c, rt->adjoint_z, 3 * rt->net->n_nodes * sizeof *rt->adjoint_z);
-    double *numbers[] = {&rt->adjoint_error, &rt->error_ratio, &rt->remembered, &rt->contraction};
+    double *numbers[] = {&rt->adjoint_error, &rt->error_ratio, &rt->remembered, &rt->anchored, &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
     network_pass(c, &rt->part, sizeof rt->part);

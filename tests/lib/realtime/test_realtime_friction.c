@@ -1,0 +1,78 @@
+/* test_realtime_friction.c: friction under a budget of corrections: more of them help, the estimate holds, and what slips is
+ * held by Coulomb's law. */
+#include "realtime_rough.h"
+
+/* 5 mm in radius, pressed 1.5 mm within 0.3 s, then slid at 10 mm/s by a hand that trembles 0.1 mm at 8 Hz. */
+static palp_tool trembling(const rough_way *w, double time) {
+    double slid = fmax(0.0, time - 0.3);
+    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = 0.005, .friction = w->friction, .axis = {0, 1, 0}};
+    tool.position_m[0] = 0.007 + 0.01 * slid + 1e-4 * sin(16.0 * 3.14159265 * slid);
+    tool.position_m[1] = HEIGHT + 0.005 - 0.0015 * fmin(1.0, time / 0.3);
+    tool.position_m[2] = 0.0121;
+    return tool;
+}
+
+START_TEST(more_corrections_help) {
+    enum { N = 1100, BUDGETS = 7 };
+    static double truth[N][3];
+    const size_t nodes[] = {5, 7}, corrections[BUDGETS] = {1, 2, 3, 4, 6, 8, 10};
+    const double most[BUDGETS] = {0.05, 0.03, 0.005, 0.003, 0.001, 5e-4, 3e-4};
+    const rough_way way = {.friction = 0.3};
+    for (size_t k = 0; k < 2; k++) {
+        palp_realtime *rt = cube_on_a_table(nodes[k], 2);
+        double before = INFINITY;
+        rough_truth(rt, trembling, &way, N, truth);
+        drop(rt);
+        for (size_t b = 0; b < BUDGETS; b++) {
+            rt = cube_on_a_table(nodes[k], 2);
+            rough_error e = rough_run(rt, trembling, &way, N, corrections[b], truth, 1e-6);
+            ck_assert_uint_eq(e.beyond, 0);
+            ck_assert_msg(e.most < most[b] && e.mean <= before, "%zu nodes a side, %zu corrections: %g, mean %g after %g",
+                          nodes[k], corrections[b], e.most, e.mean, before);
+            before = e.mean;
+            drop(rt);
+        }
+    }
+}
+END_TEST
+
+START_TEST(random_ways) {
+    const size_t corrections[] = {1, 3, 6, 10};
+    double mean[4] = {0.0};
+    rough_ways(1, 5, corrections, 4, mean);
+    for (size_t k = 1; k < 4; k++)
+        ck_assert_double_lt(mean[k], 0.5 * mean[k - 1]);
+}
+END_TEST
+
+/* A plane that presses and drags the whole top until all of it slips: what holds it back is the coefficient times what
+ * presses, to rounding, whatever the budget left of the corrections before. */
+START_TEST(plateau) {
+    const double friction = 0.2;
+    palp_realtime *rt = cube_on_a_table(5, 0);
+    palp_tick_info info;
+    double force[3];
+    for (int i = 1; i <= 400; i++) {
+        double aside = fmax(0.0, 2e-5 * (i - 100)), down = 1e-5 * fmin(100.0, i);
+        palp_tool tool = {.shape = PALP_TOOL_PLANE, .position_m = {aside, HEIGHT - down, 0.3 * aside}, .axis = {0, -1, 0},
+                          .friction = friction};
+        palp_budget budget = {.corrections = i <= 380 ? 2 : 0};
+        rough_tick(rt, &tool, &budget, &info, force);
+        double along = hypot(force[0], force[2]);
+        if (i > 380) {
+            ck_assert(info.converged);
+            ck_assert_double_eq_tol(along, friction * force[1], 1e-9 * force[1]);
+            ck_assert_double_eq_tol(force[2] / force[0], 0.3, 0.02);
+        } else if (i > 300) {
+            ck_assert_double_le(fabs(along - friction * force[1]), info.force_error_N + 1e-9);
+        }
+    }
+    drop(rt);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, more_corrections_help);
+    tcase_add_test(tc, random_ways);
+    tcase_add_test(tc, plateau);
+}
