@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+static const double LINGERS = 0.98; /* of its doubt, at least, that a spring which slips keeps from step to step */
 static const double SLID = 0.1; /* of an edge: a contact point that the solution moved so far is looked for again */
 
 /* ---- making -------------------------------------------------------------------------------------- */
@@ -184,7 +185,7 @@ void contact_set_finish(contact_set *set, const double *x) {
         t->tool = c->tool;
         memcpy(t->node, c->node, sizeof t->node);
         memcpy(t->stretch, c->stretch, sizeof t->stretch);
-        t->doubt = set->pose[c->tool].friction > 0.0 ? c->kept * c->doubt : 0.0;
+        t->doubt = set->pose[c->tool].friction > 0.0 ? fmax(c->kept, LINGERS) * c->doubt : 0.0;
     }
 }
 
@@ -193,8 +194,8 @@ static double held(const contact_set *set, const contact *c) {
     return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
 }
 
-/* A spring forgets as it slips, and starts anew from where that was solved to; it is off by no more than from one side of what
- * it holds to the other. */
+/* A spring that slips forgets what it was off by across its way, and is off along it by what that was solved to; never by more
+ * than from one side of what it holds to the other. */
 double contact_set_doubt(contact_set *set, double error) {
     double all = 0.0, sum = 0.0;
     contact_touch *t = set->next.touch;
@@ -202,11 +203,11 @@ double contact_set_doubt(contact_set *set, double error) {
         all += held(set, &set->contact[i]);
     for (size_t i = 0; i < set->n_contacts; i++) {
         const contact *c = &set->contact[i];
-        if (held(set, c) > 0.0) {
-            t->doubt = fmin(t->doubt + (1.0 - c->kept) * error * held(set, c) / all, 2.0 * held(set, c));
-            sum += t->doubt;
-        }
-        t += c->depth > 0.0 ? 1 : 0;
+        if (!(c->depth > 0.0))
+            continue;
+        const double most = held(set, c), own = most > 0.0 && c->kept < 1.0 ? error * most / all : 0.0;
+        t->doubt = fmin(fmax(own, t->doubt + (1.0 - c->kept) * own), 2.0 * most);
+        sum += t++->doubt;
     }
     return sum;
 }

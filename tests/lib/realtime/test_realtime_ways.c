@@ -6,9 +6,9 @@ START_TEST(many_random_ways) {
     const size_t corrections[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
     double mean[10] = {0.0};
     rough_ways(5, 45, corrections, 10, mean);
-    ck_assert_double_lt(mean[2], 0.1 * mean[0]);
-    ck_assert_double_lt(mean[5], 0.2 * mean[2]);
-    ck_assert_double_lt(mean[9], 0.2 * mean[5]);
+    ck_assert_double_lt(mean[2], 0.2 * mean[0]);
+    ck_assert_double_lt(mean[5], 0.5 * mean[2]);
+    ck_assert_double_lt(mean[9], 0.5 * mean[5]);
 }
 END_TEST
 
