@@ -300,7 +300,32 @@ START_TEST(models_make_networks) {
 }
 END_TEST
 
+/* A plane that pressed draws back by 5 % of an edge: the guess of the nodes it touched goes along, and of no others. One that
+ * draws back by 15 % is not followed. */
+START_TEST(a_guess_follows_a_tool_that_draws_back) {
+    for (int far = 0; far < 2; far++) {
+        palp_material m = linear();
+        palp_network *net = block(4, &m, 0.0, NULL);
+        double back = (far ? 0.15 : 0.05) * contact_of(net)->edge;
+        palp_tool tool = plane(HEIGHT - 1e-4, 0.0);
+        step(net, &tool, INFINITY);
+        tool.position_m[1] += back;
+        ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+        ck_assert_int_eq(network_begin(net, 0.0, INFINITY), PALP_OK);
+        memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+        ck_assert(network_evaluate(net));
+        NETWORK_EACH_TERM(net, follow, net);
+        for (size_t i = 0; i < 3 * net->n_nodes; i++) {
+            bool along = !far && i % 3 == 1 && net->rest[i] > 0.99 * HEIGHT;
+            ck_assert_double_eq_tol(net->next.x[i] - net->now.x[i], along ? back : 0.0, 1e-15);
+        }
+        palp_network_free(net);
+    }
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, a_guess_follows_a_tool_that_draws_back);
     tcase_add_test(tc, grasped_nodes_follow_their_targets);
     tcase_add_test(tc, grasped_set_is_a_moving_support);
     tcase_add_test(tc, trials_and_marks_keep_friction_and_grasps);
