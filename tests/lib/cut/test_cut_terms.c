@@ -95,6 +95,12 @@ START_TEST(a_loose_node_has_a_weak_spring) {
     double before = force[3 * INNER];
     moved(net, 3 * INNER, 1e-3, &energy, force); /* its mass pulls too: m / dt^2 of the step of 10 ms */
     double inertia = net->mass[INNER] / 1e-4 * 1e-3;
+    double rest[3 * SIDE * SIDE * SIDE] = {0.0}, squares = 0.0, wanted = 0.0; /* how far rounding leaves it uncertain */
+    const network_term *term = &cut_of(net)->term;
+    term->kind->residual(term, net, rest, &squares);
+    for (size_t k = 0; k < 3; k++)
+        wanted += pow(stiffness * net->next.x[3 * INNER + k], 2.0);
+    ck_assert_double_eq_tol(squares, wanted, 1e-9 * wanted);
     ck_assert_double_eq_tol(force[3 * INNER] - before, -1e-3 * stiffness - inertia, 1e-9 * inertia);
     palp_network_free(net);
 }
