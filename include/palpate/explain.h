@@ -20,9 +20,9 @@ typedef void palp_explain_loop(void *user, size_t n, void (*task)(void *work, si
 typedef struct palp_explain_settings {
     size_t max_effects;                    /* 4; at most PALP_EXPLAIN_EFFECTS */
     double false_alarm;                    /* 0.05: chance that any effect at all is named where nothing is missing */
-    double practical_share;                /* 0.5: the practical limit, of the noise level; an effect explains more, rms */
-    double repeatability;                  /* 0.003: expected scatter of a run's gain; the data correct it ... */
-    double contact_scatter_m;              /* 3e-6: ... and of a run's contact */
+    double good_enough;                    /* 0: the practical limit, of the largest force; what is less is not named */
+    double repeatability;                  /* expected scatter of a run's gain; the data correct it; 0 = they tell it alone */
+    double contact_scatter_m;              /* likewise of a run's contact */
     unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a candidate; all of them */
     size_t n_held_out;                     /* runs kept out of the fit; 0 = each in turn */
     const size_t *held_out;                /* [n_held_out] indices, caller's */
@@ -59,9 +59,19 @@ typedef struct palp_explain_effect {
     double gap_closed;                       /* share of the squared gap above the noise level */
 } palp_explain_effect;
 
-typedef struct palp_explain_gap { /* N, rms over the samples */
+/* N, rms over the samples: before, by the model as given with one contact and one gain for all runs; after, with the
+ * effects and what the runs have of their own. */
+typedef struct palp_explain_gap {
     double noise_level_N, before_N, after_N, heldout_before_N, heldout_after_N, closed;
 } palp_explain_gap;
+
+/* What differs from run to run: each run's own zero, contact or gain. */
+typedef struct palp_explain_scatter {
+    double sd;        /* N, m, or a share */
+    double without_N; /* rms that is left if the runs have it in common; with it gap.after_N is */
+    double evidence;  /* in log likelihood, nats */
+    bool found;       /* it is more than what the noise hides */
+} palp_explain_scatter;
 
 typedef struct palp_explain_phase_share {
     size_t run;
@@ -135,7 +145,8 @@ typedef struct palp_explanation {
     size_t n_effects;
     palp_explain_effect effect[PALP_EXPLAIN_EFFECTS];
     palp_explain_gap gap;
-    double white_N, correlated_N, correlation_s, repeatability, contact_scatter_m; /* the noise level's parts */
+    double white_N, correlated_N, correlation_s; /* the noise level's parts */
+    palp_explain_scatter zero, contact, gain;
     bool replicates;          /* the runs have some */
     double null_threshold;    /* score above which a candidate is more than chance, nats */
     double unexplained_N;     /* rms of the structure that remains above the noise level */

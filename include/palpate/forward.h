@@ -38,6 +38,7 @@ typedef struct palp_forward_run {
     size_t n_columns;               /* what it does not have is taken to stay as it was at the first sample */
     const palp_forward_column *column; /* [n_columns] */
     palp_load_history *history;     /* NULL, or how the run finds the specimen, and then how it leaves it */
+    double contact_m;               /* the surface of this run lies so much deeper than the model's */
 } palp_forward_run;
 
 /* Parameters of a model in one vector: law coefficients, then K_j, b_j of each arm, then each effect's own

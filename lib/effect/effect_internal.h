@@ -133,6 +133,7 @@ typedef struct effect_row {
     palp_status (*starts)(const effect_data *data, effect_starts *out); /* NULL: one, with all values 0 */
     void (*read)(const effect_data *data, effect_read *out);            /* NULL, or of its only parameter; with a condition */
     bool line;                 /* a line of the spectrum whose phase is each run's own; at most one effect is */
+    double scanned;            /* the search looks at so many periods or frequencies and takes the best; 0 = at one */
     bool in_law;               /* the stiffness law may take all of it */
     bool as_scatter;           /* may first look like scatter of the runs' gains */
 } effect_row;

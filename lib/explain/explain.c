@@ -8,12 +8,9 @@
 #include <string.h>
 
 static const double MOST_LEFT = 0.2;   /* of the gap: if more is left, the effects do not account for it */
-static const double REMAINS = 1.0;     /* noise levels of structure that are more than noise */
-static const double UNREPEATABLE = 4.0; /* times the expected scatter between runs of one protocol */
 
 palp_explain_settings palp_explain_settings_default(void) {
-    palp_explain_settings s = {.max_effects = 4, .false_alarm = 0.05, .practical_share = 0.5, .repeatability = 0.003,
-                               .contact_scatter_m = 3e-6, .seed = 1};
+    palp_explain_settings s = {.max_effects = 4, .false_alarm = 0.05, .seed = 1};
     memset(s.candidate, 1, sizeof s.candidate);
     return s;
 }
@@ -43,7 +40,8 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
         return status;
     s->force = malloc(s->data.n * sizeof *s->force);
     s->residual = malloc(s->data.n * sizeof *s->residual);
-    if (!s->force || !s->residual)
+    s->first = malloc(s->data.n * sizeof *s->first);
+    if (!s->force || !s->residual || !s->first)
         return PALP_ERR_NO_MEMORY;
     status = explain_fit_create(model, &s->data, &s->fit);
     explain_history history = {.load.peak = 0.0};
@@ -62,27 +60,14 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
 
 /* ---- the verdict ---- */
 
-/* What is left that is neither noise nor scatter, rms. */
-static double structure(const explain_search *s, double noise_level_N) {
-    double after = explain_fitted_rms(&s->data, s->residual), noise = 0.0;
-    for (size_t r = 0; r < s->data.n_runs; r++)
-        noise += pow(s->data.run[r].white, 2) * (double)s->data.run[r].n / (double)s->data.n;
-    noise += pow(s->data.correlated, 2);
-    double by_chi2 = sqrt(fmax(0.0, explain_chi2(&s->data, &s->fit) - 1.05) * noise);
-    return fmax(by_chi2, sqrt(fmax(0.0, after * after - 2.0 * noise_level_N * noise_level_N)));
-}
-
-/* Effects that leave much of the gap's structure only mimic something else. */
-static bool mimicked(const palp_explanation *e, double noise_level_N) {
-    double gap = sqrt(fmax(0.0, pow(e->gap.before_N, 2) - noise_level_N * noise_level_N));
+/* Effects that leave much of the structure that the model as given left only mimic something else. */
+static bool mimicked(const explain_search *s, const palp_explanation *e, double noise_level_N) {
+    double gap = sqrt(fmax(0.0, s->opened * s->opened - noise_level_N * noise_level_N));
     return e->n_effects > 0 && e->unexplained_N > MOST_LEFT * gap;
 }
 
-static palp_explain_verdict judge(const explain_search *s, double noise_level_N, const palp_explanation *e) {
-    bool scattered = s->data.replicate_gain > UNREPEATABLE * s->settings->repeatability;
-    for (size_t i = 0; i < e->n_effects; i++)
-        scattered = scattered && !effect_row_of(e->effect[i].effect.id)->as_scatter;
-    if (e->unexplained_N > REMAINS * noise_level_N || mimicked(e, noise_level_N) || scattered)
+static palp_explain_verdict judge(bool remains, const palp_explanation *e) {
+    if (remains)
         return PALP_EXPLAIN_UNEXPLAINED;
     for (size_t i = 0; i < e->n_effects; i++)
         if (e->effect[i].n_class > 1)
@@ -91,7 +76,7 @@ static palp_explain_verdict judge(const explain_search *s, double noise_level_N,
 }
 
 /* Takes the names back: the model is what it was before the first. */
-static void disown(palp_explanation *e) {
+static void disown(const explain_search *s, palp_explanation *e) {
     for (size_t i = 0; i < e->n_effects; i++)
         for (size_t k = 0; k < e->n_candidates; k++)
             if (e->candidate[k].id == e->effect[i].effect.id && e->candidate[k].accepted) {
@@ -103,41 +88,40 @@ static void disown(palp_explanation *e) {
     e->n_effects = 0;
     e->next = (palp_explain_next){0};
     e->model = e->base;
-    e->gap.after_N = e->gap.before_N;
+    e->gap.after_N = s->opened;
     e->gap.heldout_after_N = e->gap.heldout_before_N;
     e->gap.closed = 0.0;
-    for (size_t i = 0; i < e->n_phase_shares; i++)
-        e->phase_share[i].remaining = e->phase_share[i].share;
-    for (size_t r = 0; r < e->n_runs; r++)
-        memcpy(e->run[r].after_N, e->run[r].before_N, e->run[r].n * sizeof *e->run[r].after_N);
+    explain_keep_residual(s->first, e, false);
 }
 
 static palp_status conclude(explain_search *s, double noise_level_N, palp_explanation *e) {
     palp_explain_gap *gap = &e->gap;
+    explain_rest rest;
     gap->noise_level_N = noise_level_N;
     gap->after_N = explain_fitted_rms(&s->data, s->residual);
     double open = gap->heldout_before_N - noise_level_N;
-    gap->closed = e->n_effects && open > 0.0 ? (gap->heldout_before_N - gap->heldout_after_N) / open : 0.0;
+    gap->closed = open > 0.0 ? (gap->heldout_before_N - gap->heldout_after_N) / open : 0.0;
+    gap->closed = fmin(1.0, fmax(0.0, gap->closed));
     palp_status status = explain_intervals(s, e);
+    if (!status)
+        status = explain_rest_find(s, s->residual, &rest);
     if (status)
         return status;
-    explain_keep_residual(s, e, false);
+    explain_keep_residual(s->residual, e, false);
     e->white_N = s->data.run[0].white;
     e->correlated_N = s->data.correlated;
     e->correlation_s = s->data.correlation_time;
-    e->repeatability = s->fit.scatter.gain;
-    e->contact_scatter_m = s->fit.scatter.contact;
     e->replicates = s->data.n_replicates > 0;
-    e->unexplained_N = structure(s, noise_level_N);
+    e->unexplained_N = rest.rms_N;
     e->model = s->fit.model;
     explain_add_hum(s, e);
+    bool mimics = mimicked(s, e, noise_level_N);
+    e->verdict = judge(mimics || rest.most_N > s->settings->good_enough * s->data.peak, e);
+    if (mimics) {
+        disown(s, e);
+        e->unexplained_N = sqrt(fmax(0.0, s->opened * s->opened - noise_level_N * noise_level_N));
+    }
     explain_phase_shares(&s->data, e, noise_level_N);
-    e->verdict = judge(s, noise_level_N, e);
-    bool mimics = mimicked(e, noise_level_N);
-    if (mimics || e->n_effects == 0)
-        disown(e);
-    if (mimics)
-        e->unexplained_N = sqrt(fmax(0.0, pow(gap->before_N, 2) - noise_level_N * noise_level_N));
     for (size_t r = 0, at = 0; r < e->n_runs; at += e->run[r++].n)
         memcpy(s->residual + at, e->run[r].after_N, e->run[r].n * sizeof *s->residual);
     status = explain_diagnostics_find(&s->data, s->residual, e);
@@ -155,7 +139,7 @@ static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {
         }
 }
 
-static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold, double noise_level_N,
+static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold,
                              const bool *seen, palp_effect_id taken) {
     palp_explain_step *grown = realloc(e->step, (e->n_steps + 1) * sizeof *grown);
     if (!grown)
@@ -164,7 +148,7 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
     palp_explain_step *step = &grown[e->n_steps++];
     memset(step, 0, sizeof *step);
     step->taken = explain_added_count(s) < s->settings->max_effects ? taken : PALP_EFFECT_COUNT;
-    step->n_candidates = explain_list_candidates(s, threshold, noise_level_N, seen, step->candidate);
+    step->n_candidates = explain_list_candidates(s, threshold, seen, step->candidate);
     for (size_t k = 0; k < step->n_candidates; k++)
         if (step->candidate[k].id == step->taken) {
             step->candidate[k].accepted = true;
@@ -180,7 +164,6 @@ static palp_status search(explain_search *s, palp_explanation *e, const bool *se
     double threshold = e->null_threshold;
     for (size_t step = 0; explain_added_count(s) <= s->settings->max_effects && !status; step++) {
         palp_effect_id dropped;
-        double noise_level_N;
         if (step > 0)
             status = explain_null_threshold(s, &threshold, NULL);
         if (!status)
@@ -190,11 +173,9 @@ static palp_status search(explain_search *s, palp_explanation *e, const bool *se
                 explain_fit_free(&s->trial[i].fit);
         size_t best = status ? PALP_EFFECT_COUNT : explain_best_trial(s, threshold, seen, &status);
         if (!status)
-            status = explain_noise_level(&s->data, &s->fit, s->force, &noise_level_N);
-        if (!status)
-            status = keep_step(s, e, threshold, noise_level_N, seen, (palp_effect_id)best);
+            status = keep_step(s, e, threshold, seen, (palp_effect_id)best);
         if (!status && step == 0)
-            e->n_candidates = explain_list_candidates(s, threshold, noise_level_N, seen, e->candidate);
+            e->n_candidates = explain_list_candidates(s, threshold, seen, e->candidate);
         if (status || best == PALP_EFFECT_COUNT || explain_added_count(s) == s->settings->max_effects)
             break;
         mark(e, (palp_effect_id)best, NULL);
@@ -211,15 +192,15 @@ static palp_status search(explain_search *s, palp_explanation *e, const bool *se
 }
 
 static palp_status explain(explain_search *s, palp_explanation *e) {
-    double noise_level_N = 0.0;
     bool seen[PALP_EFFECT_COUNT] = {false};
+    explain_fit base = {.n_columns = 0};
     palp_status status = explain_copy_runs(s, e);
-    if (status)
-        return status;
-    explain_keep_residual(s, e, true);
+    if (!status)
+        status = explain_fit_copy(&s->fit, s->data.n_runs, &base);
     e->base = s->fit.model;
-    e->gap.before_N = s->opened = explain_fitted_rms(&s->data, s->residual);
-    status = explain_held_out(s, &e->gap.heldout_before_N);
+    s->opened = explain_fitted_rms(&s->data, s->residual);
+    if (!status)
+        memcpy(s->first, s->residual, s->data.n * sizeof *s->first);
     if (!status)
         status = explain_null_threshold(s, &e->null_threshold, seen);
     if (!status)
@@ -228,12 +209,14 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
         status = explain_keep_given_arms(s);
     if (!status)
         status = explain_describe(s, e);
-    e->gap.heldout_after_N = e->gap.heldout_before_N;
-    if (!status && s->taken_gain != 0.0) /* else the fit is the same */
-        status = explain_held_out(s, &e->gap.heldout_after_N);
     if (!status)
-        status = explain_noise_level(&s->data, &s->fit, s->force, &noise_level_N);
-    return status ? status : conclude(s, noise_level_N, e);
+        status = explain_before_find(s, &base, e);
+    if (!status)
+        status = explain_scatter_find(s, e);
+    explain_fit_free(&base);
+    if (!status)
+        status = explain_held_out(s, &s->fit, &e->gap.heldout_after_N);
+    return status ? status : conclude(s, explain_noise_level(&s->data), e);
 }
 
 palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,

@@ -15,7 +15,7 @@ palp_forward_run explain_forward_run(const explain_run *run, explain_history *hi
     history->load.peak_p = history->slope;
     return (palp_forward_run){
         .n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session,
-        .n_columns = run->n_columns, .column = run->column, .history = &history->load};
+        .n_columns = run->n_columns, .column = run->column, .history = &history->load, .contact_m = run->contact};
 }
 
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event) {
@@ -126,49 +126,32 @@ static palp_status mask_releases(explain_data *data, size_t r) {
     return status;
 }
 
-/* Whether two runs asked for the same. */
-static bool same_protocol(const palp_experiment *a, const palp_experiment *b) {
-    static const char *const keys[] = {"protocol.depth_mm", "protocol.rate_mm_s", "protocol.ramp_s",
-                                       "protocol.hold_s", "protocol.cycles"};
-    const char *kind = explain_text_of(a, "protocol.kind");
-    if (!*kind || strcmp(kind, explain_text_of(b, "protocol.kind")) != 0)
+/* Whether the plate went the same way in both, to a hundredth of the deepest. */
+static bool same_path(const explain_data *data, const explain_run *a, const explain_run *b) {
+    enum { PLACES = 64 };
+    double last = a->time[a->n - 1] - a->time[0], other = b->time[b->n - 1] - b->time[0];
+    if (fabs(last - other) > 0.01 * last)
         return false;
-    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
-        if (explain_number_of(a, keys[k], 0.0) != explain_number_of(b, keys[k], 0.0))
+    for (size_t k = 0, i = 0, j = 0; k <= PLACES; k++) {
+        double at = fmin(last, other) * (double)k / PLACES;
+        while (i + 1 < a->n && a->time[i] - a->time[0] < at)
+            i++;
+        while (j + 1 < b->n && b->time[j] - b->time[0] < at)
+            j++;
+        double step = fabs(a->depth[i] - a->depth[i ? i - 1 : 0]);
+        if (fabs(a->depth[i] - b->depth[j]) > 0.01 * data->deepest + step)
             return false;
+    }
     return true;
 }
 
-/* By how much the force of two runs of one protocol differs, as a share of it. */
-static double gain_between(const explain_run *a, const explain_run *b) {
-    size_t n = a->n < b->n ? a->n : b->n;
-    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, count = (double)n;
-    for (size_t i = 0; i < n; i++) {
-        double mean = 0.5 * (a->force[i] + b->force[i]), difference = a->force[i] - b->force[i];
-        x += mean;
-        y += difference;
-        xx += mean * mean;
-        xy += mean * difference;
+static void count_replicates(explain_data *data) {
+    for (size_t r = 1; r < data->n_runs; r++) {
+        bool found = false;
+        for (size_t s = 0; s < r && !found; s++)
+            found = !data->run[r].held_out && !data->run[s].held_out && same_path(data, &data->run[r], &data->run[s]);
+        data->n_replicates += found;
     }
-    double spread = xx - x * x / count;
-    return spread > 0.0 ? (xy - x * y / count) / spread : 0.0;
-}
-
-/* Both must have been sampled alike. */
-static void compare_replicates(explain_data *data) {
-    double sum = 0.0;
-    for (size_t r = 0; r < data->n_runs; r++) {
-        const explain_run *a = &data->run[r], *b = a->replicate >= 0 ? &data->run[a->replicate] : NULL;
-        size_t n = b && b->n < a->n ? b->n : a->n;
-        if (!b || a->held_out || b->held_out || a->n + 2 < b->n || b->n + 2 < a->n)
-            continue;
-        if (fabs((a->time[n - 1] - a->time[0]) - (b->time[n - 1] - b->time[0])) > 0.01)
-            continue;
-        double gain = gain_between(a, b);
-        sum += 0.5 * gain * gain;
-        data->n_replicates++;
-    }
-    data->replicate_gain = data->n_replicates ? sqrt(sum / (double)data->n_replicates) : 0.0;
 }
 
 static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *inputs, palp_error *error) {
@@ -185,37 +168,11 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
         return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
                               height, 1e3 * data->height);
     run->session = explain_number_of(e, "session.start_s", 0.0);
-    run->replicate = -1;
-    for (size_t s = 0; s < r && run->replicate < 0; s++)
-        if (same_protocol(e, inputs[s].experiment))
-            run->replicate = (int)s;
     status = palp_segments_phases(run->n, run->time, run->depth, run->phase);
     if (status)
         return status;
     palp_status masked = mask_spikes(data, r);
     return masked ? masked : mask_releases(data, r);
-}
-
-/* Mean force in the air before the plate moves. */
-static bool rest_force(const explain_run *run, double *mean) {
-    size_t n = 0, still = segments_still_end(run->n, run->depth, 0, 2e-6);
-    double sum = 0.0;
-    for (; n < still && run->phase[n] == PALP_PHASE_AIR; n++)
-        sum += run->force[n];
-    *mean = n ? sum / (double)n : 0.0;
-    return n >= 16;
-}
-
-/* By how much the runs' zeros differ, as their air shows. */
-static void compare_zeros(explain_data *data) {
-    double sum = 0.0, square = 0.0, count = 0.0, zero;
-    for (size_t r = 0; r < data->n_runs; r++)
-        if (!data->run[r].held_out && rest_force(&data->run[r], &zero)) {
-            sum += zero;
-            square += zero * zero;
-            count += 1.0;
-        }
-    data->zero_scatter = count > 1.0 ? sqrt(fmax(0.0, square - sum * sum / count) / (count - 1.0)) : 0.0;
 }
 
 /* The largest strain that earlier runs have pressed each specimen to. */
@@ -271,8 +228,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
             data->duration = fmax(data->duration, run->time[run->n - 1] - run->time[0]);
     }
     if (!status) {
-        compare_replicates(data);
-        compare_zeros(data);
+        count_replicates(data);
         find_largest_strains(data);
     }
     if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))

@@ -17,10 +17,10 @@ typedef struct explain_run {
     unsigned char *use;           /* [n] 0 = an event, or not to be fitted */
     unsigned char *phase;         /* [n] palp_phase */
     double session, white;        /* when it began; sd of a sample's white noise */
+    double contact;               /* by how much deeper its own surface lies, as far as it is known */
     bool fresh;                   /* on a specimen that no run before it pressed */
     double largest_strain;                  /* largest strain of the earlier runs on its specimen, by depth */
     double *keep, *take, *weight; /* [n] the filter that makes its noise white (explain_noise.h) */
-    int replicate;                /* earlier run of the same protocol, -1 = none */
     bool held_out;                /* kept out of the fit */
 } explain_run;
 
@@ -30,9 +30,7 @@ typedef struct explain_data {
     const palp_model *given;                /* the model to be explained */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double correlated, correlation_time;    /* of the noise */
-    double zero_scatter;                    /* of the force before the plate first moves, between runs; 0 = unknown */
-    double replicate_gain;                  /* scatter of gain between runs of one protocol; 0 = there are none */
-    size_t n_replicates;
+    size_t n_replicates;                    /* runs whose plate goes as in one before */
     double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
     size_t n_releases;
     size_t n_events;

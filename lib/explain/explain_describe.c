@@ -86,13 +86,10 @@ static palp_status try_places(const explain_search *full, explain_search *rest, 
 /* ---- the accepted ones ---- */
 
 /* Share of the squared gap that opens when the effect is taken out again. */
-static palp_status closed_by(const explain_search *s, const explain_search *rest, palp_explain_effect *out) {
+static void closed_by(const explain_search *s, const explain_search *rest, palp_explain_effect *out) {
     double with = explain_fitted_rms(&s->data, s->residual), less = explain_fitted_rms(&s->data, rest->residual);
-    double noise_level_N;
-    palp_status status = explain_noise_level(&s->data, &s->fit, s->force, &noise_level_N);
-    double open = less * less - noise_level_N * noise_level_N;
-    out->gap_closed = !status && open > 0.0 ? fmin(1.0, fmax(0.0, (less * less - with * with) / open)) : 0.0;
-    return status;
+    double noise_level_N = explain_noise_level(&s->data), open = less * less - noise_level_N * noise_level_N;
+    out->gap_closed = open > 0.0 ? fmin(1.0, fmax(0.0, (less * less - with * with) / open)) : 0.0;
 }
 
 palp_status explain_describe(explain_search *s, palp_explanation *e) {
@@ -120,7 +117,7 @@ palp_status explain_describe(explain_search *s, palp_explanation *e) {
         out->evidence = own->held_out_gain;
         out->evidence_se = own->held_out_se;
         if (!status)
-            status = closed_by(s, &rest, out);
+            closed_by(s, &rest, out);
         explain_search_free(&rest);
     }
     return status;

@@ -161,7 +161,8 @@ static void hum_columns(const explain_fit *fit, const explain_run *run, double *
     }
 }
 
-/* work: [(n_columns + 3 parameters and more) n] */
+/* The run's surface is where its contact is known to be; its residual as if it were where the model has it, so that its
+ * contact as a whole has the scatter of all. work: [(n_columns + 3 parameters and more) n] */
 static palp_status run_products(explain_fit *fit, const explain_run *run, const palp_forward_run *path,
                                 const palp_model *full, size_t offset, size_t gain, double *force, double *gradient,
                                 double *column, double *product) {
@@ -179,14 +180,28 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
     hum_columns(fit, run, own + 3 * n, own + 4 * n);
     double *y = own + EXPLAIN_NUISANCES * n;
     for (size_t i = 0; i < n; i++)
-        y[i] = run->force[i] - force[i];
+        y[i] = run->force[i] - force[i] + run->contact * own[n + i];
     for (size_t j = 0; j < m; j++)
         explain_whiten(run, column + j * n);
     dense_transposed_product(m, m, n, column, column, product);
     return PALP_OK;
 }
 
-palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force) {
+/* What the model's force and run r's nuisance parameters leave; contact and gain: columns [n]. */
+static void find_residual(const explain_fit *fit, const explain_run *run, size_t r, const double *force,
+                          const double *contact, const double *gain, double *residual) {
+    double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
+    explain_nuisances(fit, r, own, sd);
+    for (size_t i = 0; i < run->n; i++) {
+        double turn = TURN * fit->hum_Hz * run->time[i];
+        double more = own[0] + (own[1] - run->contact) * contact[i] + own[2] * gain[i];
+        if (fit->hum_Hz > 0.0)
+            more += own[3] * sin(turn) + own[4] * cos(turn);
+        residual[i] = run->use[i] ? run->force[i] - force[i] - more : 0.0;
+    }
+}
+
+palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual) {
     palp_model full;
     size_t offset, gain;
     palp_status status = augment(&fit->model, &full, &offset, &gain);
@@ -200,9 +215,14 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
         palp_forward_run path = explain_forward_run(&data->run[r], &history);
         status = run_products(fit, &data->run[r], &path, &full, offset, gain, work, work + n, work + (1 + columns) * n,
                               fit->product + r * fit->m * fit->m);
+        size_t length = data->run[r].n;
         if (force && !status) {
-            memcpy(force, work, data->run[r].n * sizeof *force);
-            force += data->run[r].n;
+            memcpy(force, work, length * sizeof *force);
+            force += length;
+        }
+        if (residual && !status) {
+            find_residual(fit, &data->run[r], r, work, work + n + length * offset, work + n + length * gain, residual);
+            residual += length;
         }
     }
     palp_load_history_free(&history.load);
@@ -210,4 +230,8 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
     if (!status)
         fit->score = explain_fit_score(fit, data);
     return status;
+}
+
+palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force) {
+    return explain_fit_evaluate(fit, data, force, NULL);
 }

@@ -6,10 +6,9 @@
 
 enum { EXPLAIN_NUISANCES = 5 }; /* of a run: zero, contact, gain, hum's sine and cosine */
 
-/* Scatter of the runs' nuisance parameters. Their prior sds are that, divided by misfit: the root of chi2 per sample,
- * from 1; so that a model's own faults, which count as many times too much, do not drive them beyond it. */
+/* Scatter of the runs' nuisance parameters: their prior sds. */
 typedef struct explain_scatter {
-    double zero, contact, gain, misfit;
+    double zero, contact, gain;
 } explain_scatter;
 
 typedef struct explain_fit {
@@ -37,8 +36,12 @@ size_t explain_first_column(const palp_model *model, size_t i); /* index of the 
 /* fit->x into fit->model. ERR_ARGUMENT: makes no model. */
 palp_status explain_fit_to_model(explain_fit *fit);
 
-/* Products and score at fit->model. force (NULL or [n]): what the model gives, hum and nuisances left out. */
+/* Products and score at fit->model. force (NULL or [n]): what the model gives, each run's surface where its contact is
+ * known to be. */
 palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force);
+
+/* The same; residual (NULL or [n]): what force and the runs' nuisance parameters leave, 0 where a sample does not count. */
+palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual);
 
 /* ---- from the products (explain_normal.c) ---- */
 
@@ -55,6 +58,9 @@ double explain_chi2(const explain_data *data, const explain_fit *fit); /* per sa
 
 /* The run's nuisance parameters at the fit, and their sds. */
 void explain_nuisances(const explain_fit *fit, size_t r, double value[EXPLAIN_NUISANCES], double sd[EXPLAIN_NUISANCES]);
+
+/* What no run could show, for its noise. */
+explain_scatter explain_hidden_scatter(const explain_data *data);
 
 /* Re-estimates the scatter from the runs' nuisance parameters. */
 void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
@@ -80,14 +86,9 @@ palp_status explain_paired(const explain_data *data, const explain_fit *a, const
 
 /* ---- what it leaves (explain_residual.c) ---- */
 
-/* From fit and its force to the residual without zeros and hum. */
-void explain_residual(const explain_data *data, const explain_fit *fit, const double *force, double *residual);
-
 double explain_rms(size_t n, const double *a, const double *b);       /* of a - b */
 double explain_fitted_rms(const explain_data *data, const double *x); /* [n], of the samples that are fitted */
 
-/* rms of noise and of the fit's scatter. */
-palp_status explain_noise_level(const explain_data *data, const explain_fit *fit, const double *force,
-                                double *noise_level_N);
+double explain_noise_level(const explain_data *data); /* rms of the instrument's noise, white and correlated */
 
 #endif

@@ -9,6 +9,7 @@ enum { REFIT = 4, REFIT_NETWORK = 1 }; /* rounds; a network's are dear */
 
 typedef struct left_out {
     const explain_search *search;
+    const explain_fit *fit;
     bool some;              /* runs are held out: the fit as it is tells of them */
     double *square, *count; /* [n_runs] of the residual of each run */
     palp_status *status;    /* [n_runs] */
@@ -41,15 +42,14 @@ static palp_status leave_out(const left_out *l, size_t r) {
     const explain_data *data = &l->search->data;
     explain_fit fit = {.n_columns = 0};
     double *force = malloc(2 * data->n * sizeof *force), limit = l->some ? HUGE_VAL : 1.01 * deepest_without(data, r);
-    palp_status status = force ? explain_fit_copy(&l->search->fit, data->n_runs, &fit) : PALP_ERR_NO_MEMORY;
+    palp_status status = force ? explain_fit_copy(l->fit, data->n_runs, &fit) : PALP_ERR_NO_MEMORY;
     if (!status && !l->some && data->n_runs > 1)
         status = refit_without(data, r, &fit);
     if (!status)
-        status = explain_fit_products(&fit, data, force);
+        status = explain_fit_evaluate(&fit, data, force, force + data->n);
     if (!status) {
-        double *residual = force + data->n;
+        const double *residual = force + data->n;
         size_t at = 0;
-        explain_residual(data, &fit, force, residual);
         for (size_t k = 0; k < r; k++)
             at += data->run[k].n;
         for (size_t i = 0; i < data->run[r].n; i++)
@@ -69,9 +69,9 @@ static void leave_out_task(void *user, size_t r) {
         l->status[r] = leave_out(l, r);
 }
 
-palp_status explain_held_out(const explain_search *s, double *rms_N) {
+palp_status explain_held_out(const explain_search *s, const explain_fit *fit, double *rms_N) {
     size_t n = s->data.n_runs;
-    left_out l = {.search = s, .square = calloc(2 * n, sizeof(double)), .status = calloc(n, sizeof *l.status)};
+    left_out l = {.search = s, .fit = fit, .square = calloc(2 * n, sizeof(double)), .status = calloc(n, sizeof *l.status)};
     palp_status status = l.square && l.status ? PALP_OK : PALP_ERR_NO_MEMORY;
     double square = 0.0, count = 0.0;
     for (size_t r = 0; r < n; r++)

@@ -8,8 +8,7 @@
 
 static void nuisance_sd(const explain_fit *fit, double sd[EXPLAIN_NUISANCES]) {
     const explain_scatter *s = &fit->scatter;
-    double share = 1.0 / fmax(1.0, s->misfit);
-    double all[EXPLAIN_NUISANCES] = {share * s->zero, share * s->contact, share * s->gain, fit->hum_N, fit->hum_N};
+    double all[EXPLAIN_NUISANCES] = {s->zero, s->contact, s->gain, fit->hum_N, fit->hum_N};
     memcpy(sd, all, sizeof all);
 }
 
@@ -138,22 +137,45 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
     add_wall(fit, data, h, g, chi2);
 }
 
-/* Never far beyond the expectation, or of gain what replicates show: a model's own faults are not scatter. */
-void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
-    enum { TRUST = 6, ROUNDS = 20 }; /* the expectation counts as so many runs */
+/* What the noise of one sample hides. */
+explain_scatter explain_hidden_scatter(const explain_data *data) {
     double white = 0.0;
     for (size_t r = 0; r < data->n_runs; r++)
         white += data->run[r].white / (double)data->n_runs;
-    double expected[3] = {0.3 * white, settings->contact_scatter_m, settings->repeatability};
-    double most[3] = {fmax(2.0 * expected[0], 1.5 * data->zero_scatter), 2.0 * expected[1],
-                      fmax(2.0 * expected[2], 1.5 * data->replicate_gain)};
+    double share = fmin(0.25, white / data->peak);
+    return (explain_scatter){.zero = 0.3 * white, .contact = share * data->deepest, .gain = share};
+}
+
+/* What is expected of zero, contact and gain, and as how many runs that counts: what the caller expects as six, what the
+ * noise hides as one. */
+static void expect_scatter(const explain_data *data, const palp_explain_settings *settings, double expected[3],
+                           double trust[3], double most[3]) {
+    enum { KNOWN = 6 };
+    const explain_scatter hidden = explain_hidden_scatter(data);
+    const double noise[3] = {hidden.zero, hidden.contact, hidden.gain};
+    const double told[3] = {0.0, settings->contact_scatter_m, settings->repeatability};
+    const double widest[3] = {data->peak, 0.25 * data->deepest, 0.5};
+    for (int i = 0; i < 3; i++) {
+        expected[i] = fmin(told[i] > 0.0 ? told[i] : noise[i], widest[i]);
+        trust[i] = told[i] > 0.0 ? KNOWN : 1.0;
+        most[i] = widest[i];
+    }
+}
+
+/* From the runs' nuisance parameters, whatever their size. */
+void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
+    enum { ROUNDS = 400 };
+    double moved = 1.0;
+    double expected[3], trust[3], most[3];
     double *scatter[3] = {&fit->scatter.zero, &fit->scatter.contact, &fit->scatter.gain};
+    const double start[3] = {0.01 * data->peak, 0.05 * data->deepest, 0.02};
+    expect_scatter(data, settings, expected, trust, most);
     for (int i = 0; i < 3; i++)
-        *scatter[i] = *scatter[i] > 0.0 ? *scatter[i] : expected[i];
-    for (int round = 0; round < ROUNDS; round++) {
-        double sum[3], count = TRUST;
+        *scatter[i] = *scatter[i] > 0.0 ? *scatter[i] : fmax(start[i], expected[i]);
+    for (int round = 0; round < ROUNDS && moved > 1e-4; round++) {
+        double sum[3], count = 0.0;
         for (int i = 0; i < 3; i++)
-            sum[i] = TRUST * expected[i] * expected[i];
+            sum[i] = trust[i] * expected[i] * expected[i];
         for (size_t r = 0; r < data->n_runs; r++) {
             double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
             if (data->run[r].held_out)
@@ -163,13 +185,16 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
             for (int i = 0; i < 3; i++)
                 sum[i] += own[i] * own[i] + sd[i] * sd[i];
         }
-        for (int i = 0; i < 3; i++)
-            *scatter[i] = fmin(sqrt(sum[i] / count), most[i]);
-        fit->scatter.misfit = sqrt(fmax(1.0, explain_chi2(data, fit)));
+        moved = 0.0;
+        for (int i = 0; i < 3; i++) {
+            double was = *scatter[i];
+            *scatter[i] = fmin(sqrt(sum[i] / (count + trust[i])), most[i]);
+            moved = fmax(moved, fabs(*scatter[i] / was - 1.0));
+        }
     }
     fit->score = explain_fit_score(fit, data);
     for (int i = 0; i < 3; i++) { /* what scatter beyond the expected costs */
         double ratio = expected[i] / *scatter[i];
-        fit->score -= 0.5 * TRUST * (ratio * ratio - 1.0 - 2.0 * log(ratio));
+        fit->score -= 0.5 * trust[i] * (ratio * ratio - 1.0 - 2.0 * log(ratio));
     }
 }

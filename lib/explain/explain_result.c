@@ -33,8 +33,7 @@ palp_status explain_copy_runs(const explain_search *s, palp_explanation *e) {
     return PALP_OK;
 }
 
-void explain_keep_residual(const explain_search *s, palp_explanation *e, bool before) {
-    const double *from = s->residual;
+void explain_keep_residual(const double *from, palp_explanation *e, bool before) {
     for (size_t r = 0; r < e->n_runs; from += e->run[r++].n)
         memcpy(before ? e->run[r].before_N : e->run[r].after_N, from, e->run[r].n * sizeof *from);
 }
@@ -69,7 +68,7 @@ void explain_phase_shares(const explain_data *data, palp_explanation *e, double 
     }
 }
 
-size_t explain_list_candidates(const explain_search *s, double threshold, double noise_level_N, const bool *seen,
+size_t explain_list_candidates(const explain_search *s, double threshold, const bool *seen,
                              palp_explain_candidate *list) {
     size_t n = 0;
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
@@ -77,7 +76,7 @@ size_t explain_list_candidates(const explain_search *s, double threshold, double
         if (!t->tried)
             continue;
         palp_explain_candidate *out = &list[n++];
-        const char *why = explain_judged(s, t, threshold, noise_level_N);
+        const char *why = explain_judged(s, t, threshold);
         out->id = (palp_effect_id)i;
         out->identifiable = seen[i] || effect_row_of((palp_effect_id)i)->line;
         out->score = t->fit.product ? t->gain : 0.0;

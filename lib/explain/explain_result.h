@@ -7,9 +7,9 @@
 /* ---- runs, shares, candidates (explain_result.c) ---- */
 
 palp_status explain_copy_runs(const explain_search *s, palp_explanation *e);
-void explain_keep_residual(const explain_search *s, palp_explanation *e, bool before);
+void explain_keep_residual(const double *residual, palp_explanation *e, bool before);
 void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N);
-size_t explain_list_candidates(const explain_search *s, double threshold, double noise_level_N, const bool *seen,
+size_t explain_list_candidates(const explain_search *s, double threshold, const bool *seen,
                                palp_explain_candidate *list);
 
 /* ---- the accepted effects ---- */
@@ -27,6 +27,12 @@ palp_status explain_describe(explain_search *s, palp_explanation *e);
 /* (explain_interval.c) The hum is the model's last effect; its amplitude is the mean of the runs' own. */
 palp_status explain_intervals(const explain_search *s, palp_explanation *e);
 void explain_add_hum(const explain_search *s, palp_explanation *e);
+
+/* ---- without what was found (explain_before.c) ---- */
+
+/* base: the model as given, refitted. */
+palp_status explain_before_find(const explain_search *s, explain_fit *base, palp_explanation *e);
+palp_status explain_scatter_find(const explain_search *s, palp_explanation *e);
 
 /* ---- diagnostics (explain_diagnostics.c) ---- */
 

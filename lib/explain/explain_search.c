@@ -22,22 +22,32 @@ static palp_status find_noise(explain_search *s) {
     return status;
 }
 
+/* Every run's surface where the fit finds it, at most a quarter of the run's depth away. */
+static void find_contacts(explain_search *s) {
+    for (size_t r = 0; r < s->data.n_runs; r++) {
+        explain_run *run = &s->data.run[r];
+        double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES], most = 0.25 * s->data.deepest;
+        explain_nuisances(&s->fit, r, own, sd);
+        run->contact = fmin(most, fmax(-most, own[1]));
+    }
+}
+
 palp_status explain_refit(explain_search *s) {
     enum { ROUNDS = 3 };
-    palp_status status = explain_fit_products(&s->fit, &s->data, s->force);
+    palp_status status = explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
     for (int round = 0; round < ROUNDS && !status; round++) {
-        explain_residual(&s->data, &s->fit, s->force, s->residual);
         status = find_noise(s);
         if (!status)
             status = explain_fit_products(&s->fit, &s->data, NULL);
         explain_fit_scatter(&s->fit, &s->data, s->settings);
         if (!status)
             status = explain_fit_improve(&s->fit, &s->data, round ? 10 : 30);
+        explain_fit_scatter(&s->fit, &s->data, s->settings);
+        find_contacts(s);
         if (!status)
-            status = explain_fit_products(&s->fit, &s->data, s->force);
+            status = explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
         explain_fit_scatter(&s->fit, &s->data, s->settings);
     }
-    explain_residual(&s->data, &s->fit, s->force, s->residual);
     return status;
 }
 
@@ -46,7 +56,11 @@ palp_status explain_refit(explain_search *s) {
 palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t) {
     size_t n = s->data.n;
     t->force = malloc(n * sizeof *t->force);
-    palp_status status = t->force ? explain_fit_products(&t->fit, &s->data, t->force) : PALP_ERR_NO_MEMORY;
+    double *residual = malloc(n * sizeof *residual);
+    palp_status status = t->force && residual ? explain_fit_evaluate(&t->fit, &s->data, t->force, residual)
+                                              : PALP_ERR_NO_MEMORY;
+    if (status)
+        free(residual);
     if (status && status != PALP_ERR_NO_MEMORY) {
         explain_fit_free(&t->fit);
         free(t->force);
@@ -59,22 +73,18 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     explain_fit_scatter(&t->fit, &s->data, s->settings);
     const bool line = effect_row_of(id)->line;
     double cost = line ? 0.5 : 0.5 * (double)(t->fit.n_columns - s->fit.n_columns);
-    t->raw_gain = t->fit.score - s->fit.score;
+    double scanned = effect_row_of(id)->scanned;
+    t->raw_gain = t->fit.score - s->fit.score - (scanned > 0.0 ? log(scanned) : 0.0);
     t->gain = t->raw_gain - cost * log((double)n) - (line ? log(EXPLAIN_FREQUENCIES) : 0.0);
     double hum = t->fit.hum_Hz > 0.0 && !(s->fit.hum_Hz > 0.0) ? t->fit.hum_N / sqrt(2.0) : 0.0;
     t->explained = hypot(explain_rms(n, t->force, s->force), hum);
-    double before = explain_fitted_rms(&s->data, s->residual), after;
-    double *residual = malloc(n * sizeof *residual);
     explain_pair pair = {.gain = 0.0};
-    status = residual ? explain_paired(&s->data, &s->fit, &t->fit, &pair) : PALP_ERR_NO_MEMORY;
-    if (!status) {
-        explain_residual(&s->data, &t->fit, t->force, residual);
-        after = explain_fitted_rms(&s->data, residual);
-        t->shrinks = sqrt(fmax(0.0, before * before - after * after));
-        t->held_out_gain = pair.gain;
-        t->held_out_se = pair.se;
-        t->held_out_rest = pair.rest;
-    }
+    status = explain_paired(&s->data, &s->fit, &t->fit, &pair);
+    if (!status)
+        status = explain_rest_inflation(&s->data, residual, &t->inflation);
+    t->held_out_gain = pair.gain;
+    t->held_out_se = pair.se;
+    t->held_out_rest = pair.rest;
     free(residual);
     return status;
 }

@@ -49,8 +49,8 @@ typedef struct explain_trial {
     double held_out_gain, held_out_se; /* in held-out log score; paired standard error over the runs */
     double held_out_rest;              /* of that, without the run that gains most */
     double *force;                     /* [n] of the model */
+    double inflation;                  /* of the evidence's scatter, by what is left beside noise */
     double explained;                  /* rms difference of the forces */
-    double shrinks;                    /* root of by how much the squared residual shrinks, rms */
 } explain_trial;
 
 /* What was found when each effect was added: models whose last effect is the candidate. */
@@ -73,7 +73,8 @@ typedef struct explain_search {
     double worth;             /* chi2 that a candidate must promise to be tried */
     double taken_gain;        /* raw_gain of the trial taken last */
     explain_fit fit;          /* at hand */
-    double *force, *residual; /* [n] of it; hum is taken out of the residual */
+    double *force, *residual; /* [n] of it, and what is left beside it and the runs' own contacts, zeros, gains and hum */
+    double *first;            /* [n] residual of the model as given, refitted; NULL in a search without an effect */
     explain_trial trial[PALP_EFFECT_COUNT];
 } explain_search;
 
@@ -90,7 +91,21 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
 
 /* rms of what the fit, refitted without each run, leaves of that run where no other run is less deep; with runs
  * held out, what the fit leaves of them. */
-palp_status explain_held_out(const explain_search *s, double *rms_N);
+palp_status explain_held_out(const explain_search *s, const explain_fit *fit, double *rms_N);
+
+/* ---- what can be told from noise (explain_rest.c) ---- */
+
+typedef struct explain_rest {
+    double rms_N;  /* of what is no noise, over all samples; 0 = nothing is left */
+    double most_N; /* in the run that has most of it */
+    size_t run;
+} explain_rest;
+
+/* Of a residual[n]: structure that noise has not, at the settings' chance of a false alarm. */
+palp_status explain_rest_find(const explain_search *s, const double *residual, explain_rest *rest);
+
+/* By how much what a residual[n] has beside noise widens the scatter of sums over it; 1: it is noise. */
+palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation);
 
 /* ---- explain_null.c ---- */
 
@@ -112,7 +127,7 @@ palp_status explain_trial_again(const explain_search *full, explain_search *rest
 /* ---- a step (explain_step.c) ---- */
 
 /* Why a trial may not be accepted; NULL: it may. */
-const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double noise_level_N);
+const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold);
 
 /* The one that gains most of those that may; PALP_EFFECT_COUNT: none. */
 size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status);

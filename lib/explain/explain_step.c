@@ -4,23 +4,24 @@
 #include <math.h>
 #include <string.h>
 
-static const double SHADOW = 0.06; /* of the first gap: what an effect's equations are good for */
-static const double SHRINKS = 0.4; /* of the practical share: by which the residual must shrink, rms */
+/* What an effect's equations are good for: of the first gap, and of the noise level beside an effect that is there. */
+static const double SHADOW = 0.06, SLIGHT = 0.25;
 
-const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold, double noise_level_N) {
+const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold) {
     if (!t->fit.product)
         return t->reason;
     if (!(t->gain > 0.0 && t->raw_gain > threshold))
         return "gains no more than chance does";
-    if (!(t->explained > s->settings->practical_share * noise_level_N))
+    if (!(t->gain > (t->inflation - 1.0) * (t->raw_gain - t->gain) && t->raw_gain > t->inflation * threshold))
+        return "gains no more than the model's other faults would";
+    if (!(t->explained > s->settings->good_enough * s->data.peak))
         return "explains less than the practical limit";
-    if (!(t->shrinks > SHRINKS * s->settings->practical_share * noise_level_N))
-        return "leaves the residual as large as it was";
     if (!(t->held_out_gain > t->held_out_se))
         return "does not help to predict an experiment left out by more than its standard error";
     if (!(t->held_out_rest > 0.0))
         return "helps in one experiment only";
-    if (!(t->explained > SHADOW * s->opened))
+    bool slight = explain_added_count(s) > 0 && !(t->explained > SLIGHT * explain_noise_level(&s->data));
+    if (slight || !(t->explained > SHADOW * s->opened))
         return "is within what an effect's equations are good for";
     return NULL;
 }
@@ -29,12 +30,10 @@ size_t explain_best_trial(const explain_search *s, double threshold, const bool 
     size_t best = PALP_EFFECT_COUNT;
     for (size_t i = 0; i < PALP_EFFECT_COUNT && !*status; i++) {
         const explain_trial *t = &s->trial[i];
-        double noise_level_N = 0.0;
         bool hidden = effect_row_of((palp_effect_id)i)->in_law && !seen[i]; /* the law takes all of it */
         if (!t->tried || !t->fit.product || hidden)
             continue;
-        *status = explain_noise_level(&s->data, &t->fit, t->force, &noise_level_N);
-        if (!*status && !explain_judged(s, t, threshold, noise_level_N) &&
+        if (!explain_judged(s, t, threshold) &&
             (best == PALP_EFFECT_COUNT || t->gain > s->trial[best].gain))
             best = i;
     }
@@ -69,17 +68,14 @@ palp_status explain_take(explain_search *s, size_t i) {
  * last; if so takes it out. */
 static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_effect_id *dropped) {
     explain_search rest;
-    double noise_level_N = 0.0;
     palp_effect_id id = explain_added(s, i).id;
     palp_status status = explain_search_without(s, i, &rest);
     bool runs = status != PALP_ERR_NOT_CONVERGED; /* the model without it */
     if (!status)
         status = explain_trial_again(s, &rest, id);
-    if (!status)
-        status = explain_noise_level(&s->data, &s->fit, s->force, &noise_level_N);
     const explain_trial *again = &rest.trial[id];
     bool weaker = !again->fit.product || again->raw_gain < s->taken_gain;
-    if (!status && weaker && explain_judged(&rest, again, threshold, noise_level_N)) {
+    if (!status && weaker && explain_judged(&rest, again, threshold)) {
         *dropped = id;
         explain_fit_free(&s->fit);
         s->fit = rest.fit;

@@ -46,10 +46,8 @@ palp_status explain_search_without(const explain_search *full, size_t i, explain
         explain_fit_scatter(&rest->fit, &rest->data, rest->settings);
     }
     if (!status)
-        status = explain_fit_products(&rest->fit, &rest->data, rest->force);
+        status = explain_fit_evaluate(&rest->fit, &rest->data, rest->force, rest->residual);
     explain_fit_scatter(&rest->fit, &rest->data, rest->settings);
-    if (!status)
-        explain_residual(&rest->data, &rest->fit, rest->force, rest->residual);
     return status;
 }
 
@@ -58,6 +56,7 @@ void explain_search_free(explain_search *s) {
     explain_fit_free(&s->fit);
     free(s->force);
     free(s->residual);
+    free(s->first);
 }
 
 palp_status explain_trial_again(const explain_search *full, explain_search *rest, palp_effect_id id) {

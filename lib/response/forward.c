@@ -154,8 +154,8 @@ palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
         for (size_t i = 0; i < run->n; i++)
             if (!isfinite(run->column[c].value[i]))
                 return palp_error_set(error, PALP_ERR_ARGUMENT, "sample %zu: %s is not finite", i, run->column[c].name);
-    if (!isfinite(run->session_s) || !isfinite(run->hum_phase))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "session_s or hum_phase is not finite");
+    if (!isfinite(run->session_s) || !isfinite(run->hum_phase) || !isfinite(run->contact_m))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "session_s, hum_phase or contact_m is not finite");
     return PALP_OK;
 }
 
@@ -216,6 +216,7 @@ palp_status palp_forward_force(const palp_model *model, const palp_forward_run *
     palp_status status = forward_plan_make(model, run->session_s, &plan, error);
     if (status)
         return status;
+    plan.contact = run->contact_m;
     status = forward_lumped_create(&plan, gradient ? plan.n_columns : 0, &lumped);
     if (status)
         return palp_error_set(error, status, "out of memory");

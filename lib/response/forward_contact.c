@@ -28,7 +28,7 @@ static double depth_at(const forward_plate *p, double share) {
 static surface held(const forward_plate *p, double share, double force) {
     surface s;
     const double height = p->specimen.height;
-    double depth = depth_at(p, share);
+    double depth = depth_at(p, share) - p->plan->contact;
     s.by_depth = 1.0;
     s.by_force = s.drift = 0.0;
     for (size_t i = 0; i < p->plan->n_effects; i++) {

@@ -50,6 +50,7 @@ typedef struct forward_plan {
     element_damage damage;
     size_t n_damage_slopes;
     forward_damage_slope damage_slope[PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS];
+    double contact;  /* the surface of this run lies so much deeper, m */
     double age;      /* factor of the specimen's force at the time of the session */
     double adhesion; /* pull at which the plate lets go, N */
 } forward_plan;

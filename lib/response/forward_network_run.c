@@ -26,6 +26,7 @@ palp_status palp_forward_network(const palp_model *model, const palp_network_set
         status = forward_network_create(&plan, settings, shortest, whole, false, &network, error);
     if (status)
         return status;
+    plan.contact = run->contact_m;
     status = forward_network_take_history(network, run->history);
     if (status)
         palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
@@ -54,6 +55,7 @@ palp_status forward_network_force(const palp_model *model, const palp_forward_ru
         status = forward_network_create(&plan, NULL, shortest, whole, true, &network, error);
     if (status)
         return status;
+    plan.contact = run->contact_m;
     if (gradient)
         status = forward_network_add_slopes(network);
     if (!status) {

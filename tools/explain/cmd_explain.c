@@ -26,8 +26,9 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_count("max-effects", "N", 0, PALP_EXPLAIN_EFFECTS, &o->max_effects, "most effects to add (default 4)"),
         cli_number("false-alarm", "P", 1e-4, 0.5, &o->false_alarm,
                    "chance that an effect is named where none is (default 0.05)"),
-        cli_number("practical-share", "X", 0, 100, &o->share,
-                   "practical limit: an effect must explain so much of the noise level (default 0.5)"),
+        cli_number("good-enough", "PERCENT", 0, 100, &o->good_enough,
+                   "practical limit, of the largest force: what is less is neither named nor missed\n"
+                   "(default 0: none)"),
         cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
         cli_heading("Output"),
         cli_out("out", "EXPLAINED.json", &o->out, "the model with the effects"),
@@ -174,7 +175,7 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     o->jobs = blas_jobs(NAME, o->jobs);
     s.max_effects = o->max_effects;
     s.false_alarm = o->false_alarm;
-    s.practical_share = o->share;
+    s.good_enough = 0.01 * o->good_enough;
     s.loop = o->jobs > 1 ? jobs_run : NULL;
     s.loop_user = &o->jobs;
     int code = choose_candidates(o, &s);
@@ -208,7 +209,6 @@ int cmd_explain(int argc, char **argv) {
     if (code == CLI_OK) {
         o->max_effects = 4;
         o->false_alarm = 0.05;
-        o->share = 0.5;
         o->jobs = 1;
         cli_keep_command(argc, argv, o->command);
         code = parse(argc, argv, o);

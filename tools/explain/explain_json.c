@@ -52,10 +52,34 @@ static json_t *noise_level_json(const palp_explanation *e) {
     put(parts, "white_N", e->white_N);
     put(parts, "correlated_N", e->correlated_N);
     put(parts, "correlation_s", e->correlation_s);
-    put(parts, "gain_scatter", e->repeatability);
-    put(parts, "contact_scatter_mm", 1e3 * e->contact_scatter_m);
+    put(parts, "gain_scatter", e->gain.sd);
+    put(parts, "contact_scatter_mm", 1e3 * e->contact.sd);
     json_object_set_new(parts, "replicates", json_boolean(e->replicates));
     return parts;
+}
+
+static void add_scatter(json_t *list, const char *id, const char *key, double value, const palp_explain_scatter *from,
+                        const palp_explanation *e) {
+    json_t *object = json_object();
+    if (!from->found) {
+        json_decref(object);
+        return;
+    }
+    json_object_set_new(object, "id", json_string(id));
+    put(object, key, value);
+    put(object, "evidence", from->evidence);
+    put(object, "gap_before_N", from->without_N);
+    put(object, "gap_after_N", e->gap.after_N);
+    json_array_append_new(list, object);
+}
+
+/* What differs from run to run by more than the noise hides. */
+static json_t *scatter_json(const palp_explanation *e) {
+    json_t *list = json_array();
+    add_scatter(list, "zero_scatter", "sd_N", e->zero.sd, &e->zero, e);
+    add_scatter(list, "contact_scatter", "sd_mm", 1e3 * e->contact.sd, &e->contact, e);
+    add_scatter(list, "gain_scatter", "sd_share", e->gain.sd, &e->gain, e);
+    return list;
 }
 
 static json_t *phase_shares_json(const palp_explanation *e) {
@@ -199,6 +223,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "effects", effects);
     json_object_set_new(root, "gap", gap_json(e));
     json_object_set_new(root, "noise_level", noise_level_json(e));
+    json_object_set_new(root, "scatter", scatter_json(e));
     put(root, "null_threshold", e->null_threshold);
     json_object_set_new(root, "phase_shares", phase_shares_json(e));
     json_object_set_new(root, "profile", explain_profile(e));

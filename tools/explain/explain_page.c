@@ -24,6 +24,21 @@ static void effect_text(const palp_explain_effect *f, char text[ROW]) {
     }
 }
 
+static void say_scatter(const palp_explanation *e) {
+    const struct {
+        const char *id, *what, *unit;
+        const palp_explain_scatter *is;
+        double per;
+    } all[] = {{"zero_scatter", "zeros", "N", &e->zero, 1}, {"contact_scatter", "contacts", "mm", &e->contact, 1e3},
+               {"gain_scatter", "gains", "%", &e->gain, 100}};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        if (all[i].is->found) {
+            printf("  %s: the %s of the runs differ by %.3g %s (standard deviation); one for all would leave %.4g N, not %.4g N\n",
+                   all[i].id, all[i].what, all[i].per * all[i].is->sd, all[i].unit, all[i].is->without_N, e->gap.after_N);
+        }
+    }
+}
+
 void explain_say(const palp_explanation *e) {
     char text[ROW];
     const char *verdict = palp_explain_verdict_name(e->verdict);
@@ -32,6 +47,7 @@ void explain_say(const palp_explanation *e) {
         effect_text(&e->effect[i], text);
         printf("  %s\n", text);
     }
+    say_scatter(e);
     printf("gap of experiments left out: %.4g N before, %.4g N after, noise level %.4g N\n", e->gap.heldout_before_N,
            e->gap.heldout_after_N, e->gap.noise_level_N);
     if (e->next.wanted && e->next.kind) {

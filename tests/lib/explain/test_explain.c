@@ -137,7 +137,6 @@ START_TEST(an_interval_follows_the_likelihood) {
     palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.13, 6);
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
-    s.practical_share = 0.02;
     density = 1;
     session(&truth);
     explain(&s, &e);
@@ -220,11 +219,10 @@ static double apart(const palp_model *a, const palp_model *b, const samples *pat
 
 START_TEST(the_next_run_tells_more_than_those_at_hand) {
     static samples path;
-    palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.065, 6), m = guess(); /* so weak that others do as well */
+    palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.072, 6), m = guess(); /* so weak that others do as well */
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e, other;
     palp_error error;
-    s.practical_share = 0.02;
     density = 1;
     session(&truth);
     ck_assert_int_eq(palp_explain(&m, 3, input, &s, &e, &error), PALP_OK);
@@ -233,6 +231,7 @@ START_TEST(the_next_run_tells_more_than_those_at_hand) {
     memset(s.candidate, 0, sizeof s.candidate); /* the look-alike alone */
     s.candidate[e.next.between[1]] = 1;
     ck_assert_int_eq(palp_explain(&m, 3, input, &s, &other, &error), PALP_OK);
+    ck_assert_msg(other.n_effects == 1, "%s: %s", palp_effect_look_up(other.candidate[0].id)->id, other.candidate[0].reason);
     ck_assert_int_eq(other.effect[0].effect.id, e.next.between[1]);
     double at_hand = 0, rate = e.next.rate_mm_s;
     for (size_t r = 0; r < 3; r++) {
@@ -315,14 +314,14 @@ START_TEST(a_run_held_out_is_not_fitted) {
     palp_explanation e;
     session(&truth);
     for (size_t i = 0; i < palp_experiment_rows(input[2].experiment); i++)
-        palp_experiment_column((palp_experiment *)(uintptr_t)input[2].experiment, "force_N")[i] += 1.0; /* nonsense */
+        palp_experiment_column((palp_experiment *)(uintptr_t)input[2].experiment, "force_N")[i] += sin(0.7 * (double)i); /* nonsense, that no zero, contact or gain is */
     s.held_out = held_out;
     s.n_held_out = 1;
     explain(&s, &e);
     ck_assert_uint_eq(e.n_effects, 1);
     ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_SENSOR_BIAS);
     ck_assert_double_eq_tol(e.effect[0].effect.value[0], 0.05, 0.005);
-    ck_assert(e.gap.heldout_after_N > 0.9);
+    ck_assert(e.gap.heldout_after_N > 0.6);
     palp_explanation_free(&e);
     session_end();
 }

@@ -28,7 +28,7 @@ static void begin(size_t n_runs) {
     data = (explain_data){.n_runs = n_runs, .n = n_runs * N, .run = run, .peak = 1, .deepest = 1, .height = 1};
     fit.n_columns = K;
     fit.m = M;
-    fit.scatter = (explain_scatter){0.5, 0.8, 1.2, 2};
+    fit.scatter = (explain_scatter){0.25, 0.4, 0.6};
     fit.hum_N = 0.7;
     ck_assert_int_eq(palp_law_polynomial(1, &stiffness, &fit.model.material.law), PALP_OK);
     ck_assert_int_eq(palp_effect_default(PALP_EFFECT_SENSOR_BIAS, &fit.model.effects[0]), PALP_OK);
@@ -53,7 +53,7 @@ static void end(void) {
     free(fit.product);
 }
 
-static void nuisance_sd(double sd[Q]) { /* misfit 2 halves three of them */
+static void nuisance_sd(double sd[Q]) {
     const double all[Q] = {0.25, 0.4, 0.6, 0.7, 0.7};
     memcpy(sd, all, sizeof all);
 }
@@ -298,15 +298,17 @@ END_TEST
 
 /* ---- scatter ---- */
 
-/* Columns so large that a run's nuisance parameters are known: they and the expectation, worth six runs, make the
- * scatter; no more than twice the expectation, or one and a half of what is measured between replicates. */
+/* Columns so large that a run's nuisance parameters are known: they and the expectation make the scatter, whatever its
+ * size. What the caller expects counts as six runs, what the noise hides as one; no contact is a quarter of the travel. */
 START_TEST(scatter_between_runs) {
     palp_explain_settings settings = palp_explain_settings_default();
     const double own[3][3] = {{2e-4, 4e-6, 3e-3}, {-3e-4, -2e-6, 4e-3}, {1e-4, 5e-6, -5e-3}}, white = 1e-3;
-    const double expected[3] = {0.3 * white, settings.contact_scatter_m, settings.repeatability};
+    settings.contact_scatter_m = 3e-6;
+    settings.repeatability = 3e-3;
+    const double expected[3] = {0.3 * white, 3e-6, 3e-3}, trust[3] = {1, 6, 6};
     for (int capped = 0; capped < 2; capped++) {
         begin(3);
-        const double large[3] = {3.3 * expected[0], 3.3 * expected[1], 0.053};
+        const double large[3] = {30 * expected[0], 0.6, 0.3};
         double wanted[3], cost = 0;
         for (size_t r = 0; r < 3; r++) {
             run[r].white = white;
@@ -320,16 +322,15 @@ START_TEST(scatter_between_runs) {
             }
             multiply(r);
         }
-        data.replicate_gain = 0.02;
-        fit.scatter = (explain_scatter){0, 0, 0, 1};
+        fit.scatter = (explain_scatter){0, 0, 0};
         fit.hum_N = 0;
         explain_fit_scatter(&fit, &data, &settings);
         for (size_t q = 0; q < 3; q++) {
-            double sum = 6 * expected[q] * expected[q];
+            double sum = trust[q] * expected[q] * expected[q];
             for (size_t r = 0; r < 3; r++)
                 sum += pow(capped ? large[q] : own[r][q], 2);
-            wanted[q] = fmin(sqrt(sum / 9), q == 2 ? 0.03 : 2 * expected[q]);
-            cost += 3 * (pow(expected[q] / wanted[q], 2) - 1 - 2 * log(expected[q] / wanted[q]));
+            wanted[q] = fmin(sqrt(sum / (3 + trust[q])), q == 1 ? 0.25 : HUGE_VAL);
+            cost += 0.5 * trust[q] * (pow(expected[q] / wanted[q], 2) - 1 - 2 * log(expected[q] / wanted[q]));
         }
         CLOSE(fit.scatter.zero / wanted[0], 1, 1e-6);
         CLOSE(fit.scatter.contact / wanted[1], 1, 1e-6);

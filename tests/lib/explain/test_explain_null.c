@@ -64,7 +64,6 @@ START_TEST(chance_passes_the_threshold_as_often_as_asked) {
     double low, high;
     ck_assert_int_eq(palp_law_scale(&truth.material.law, 1.1, &guess.material.law), PALP_OK);
     s.false_alarm = 0.2; /* so that it can be counted */
-    s.practical_share = 0;
     s.max_effects = 1;
     state = 11;
     for (size_t k = 0; k < NULLS; k++) {

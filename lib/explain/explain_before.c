@@ -1,0 +1,91 @@
+/* explain_before.c: what is left without what a search has found: without the effects, or with one contact or one gain for
+ * all runs. */
+#include "explain_result.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The search with every surface where the model has it; free its run. */
+static palp_status at_one_contact(const explain_search *s, explain_search *there) {
+    *there = *s;
+    there->data.run = malloc(s->data.n_runs * sizeof *there->data.run);
+    for (size_t r = 0; there->data.run && r < s->data.n_runs; r++) {
+        there->data.run[r] = s->data.run[r];
+        there->data.run[r].contact = 0.0;
+    }
+    return there->data.run ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+static palp_status refit_at(const explain_search *there, explain_fit *fit, double *residual) {
+    palp_status status = explain_fit_products(fit, &there->data, NULL);
+    if (!status)
+        status = explain_fit_improve(fit, &there->data, fit->model.kind == PALP_MODEL_NETWORK ? 4 : 20);
+    return status ? status : explain_fit_evaluate(fit, &there->data, NULL, residual);
+}
+
+/* So little that no run has anything of its own: what the noise of all samples together hides. */
+static explain_scatter no_scatter(const explain_data *data) {
+    explain_scatter hidden = explain_hidden_scatter(data);
+    double share = 1.0 / sqrt((double)data->n);
+    return (explain_scatter){share * hidden.zero, share * hidden.contact, share * hidden.gain};
+}
+
+palp_status explain_before_find(const explain_search *s, explain_fit *base, palp_explanation *e) {
+    explain_search there;
+    const explain_scatter none = no_scatter(&s->data);
+    double *residual = malloc(s->data.n * sizeof *residual);
+    palp_status status = at_one_contact(s, &there);
+    status = residual ? status : PALP_ERR_NO_MEMORY;
+    base->scatter.zero = fmin(s->fit.scatter.zero, none.zero);
+    base->scatter.contact = fmin(s->fit.scatter.contact, none.contact);
+    base->scatter.gain = fmin(s->fit.scatter.gain, none.gain);
+    if (!status)
+        status = refit_at(&there, base, residual);
+    if (!status) {
+        explain_keep_residual(residual, e, true);
+        e->gap.before_N = explain_fitted_rms(&s->data, residual);
+        status = explain_held_out(&there, base, &e->gap.heldout_before_N);
+    }
+    free(residual);
+    free(there.data.run);
+    return status;
+}
+
+/* The fit at hand with one zero, contact or gain for all runs. */
+static palp_status in_common(const explain_search *s, int which, palp_explain_scatter *out) {
+    enum { PLAIN = 10 }; /* nats that leave no doubt */
+    explain_search there;
+    explain_fit fit;
+    const explain_scatter *now = &s->fit.scatter, hidden = explain_hidden_scatter(&s->data), none = no_scatter(&s->data);
+    const double own[3] = {now->zero, now->contact, now->gain}, noise[3] = {hidden.zero, hidden.contact, hidden.gain};
+    *out = (palp_explain_scatter){.sd = own[which], .without_N = explain_fitted_rms(&s->data, s->residual)};
+    if (!(own[which] > noise[which]))
+        return PALP_OK;
+    double *residual = malloc(s->data.n * sizeof *residual);
+    palp_status status = at_one_contact(s, &there);
+    memset(&fit, 0, sizeof fit);
+    if (!status)
+        status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;
+    *(which == 0 ? &fit.scatter.zero : which == 1 ? &fit.scatter.contact : &fit.scatter.gain) =
+        which == 0 ? none.zero : which == 1 ? none.contact : none.gain;
+    if (!status)
+        status = refit_at(which == 1 ? &there : s, &fit, residual);
+    if (!status) {
+        out->without_N = explain_fitted_rms(&s->data, residual);
+        out->evidence = explain_fit_score(&s->fit, &s->data) - fit.score;
+        out->found = out->evidence > PLAIN;
+    }
+    explain_fit_free(&fit);
+    free(residual);
+    free(there.data.run);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+palp_status explain_scatter_find(const explain_search *s, palp_explanation *e) {
+    palp_explain_scatter *out[3] = {&e->zero, &e->contact, &e->gain};
+    palp_status status = PALP_OK;
+    for (int i = 0; i < 3 && !status && s->data.n_runs > 1; i++)
+        status = in_common(s, i, out[i]);
+    return status;
+}

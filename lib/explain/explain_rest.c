@@ -1,0 +1,126 @@
+/* explain_rest.c: whether what a fit leaves of a run can be told from the instrument's noise. */
+#include "explain_search.h"
+#include "explain_noise.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Means of the residual over blocks of samples: of noise they shrink as the blocks grow, of anything else they do not. */
+enum { BLOCKS_MIN = 8, TIMES = 4 };     /* fewest blocks; a block's length over that of the next shorter */
+static const double KNOWN_TO = 0.25; /* of its variance: how well the noise is known from pauses */
+static const double TOLD = 0.66; /* noise levels in a run: equations and the samples of a path are not better than that */
+
+/* What a normal number exceeds with that probability, at most a half, to 5e-4 (Abramowitz and Stegun 26.2.23). */
+static double normal_above(double alarm) {
+    double t = sqrt(-2.0 * log(alarm));
+    return t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+}
+
+/* What chi2 of so many blocks stays below with probability 1 - alarm (Wilson and Hilferty). */
+static double limit_of(double blocks, double alarm) {
+    double share = 2.0 / (9.0 * blocks), root = 1.0 - share + normal_above(alarm) * sqrt(share);
+    return blocks * root * root * root;
+}
+
+/* x: whitened, raw: in N, both 0 where a sample does not count. */
+typedef struct blocks {
+    double count, whitened, raw; /* how many; sums of their squared sums over their length */
+} blocks;
+
+static blocks sum_blocks(const explain_run *run, const double *x, const double *raw, size_t length) {
+    blocks b = {.count = 0.0};
+    for (size_t from = 0; from + length <= run->n; from += length) {
+        double sum = 0.0, of_raw = 0.0, n = 0.0;
+        for (size_t i = from; i < from + length; i++) {
+            sum += x[i];
+            of_raw += raw[i];
+            n += run->use[i];
+        }
+        if (2.0 * n < (double)length)
+            continue;
+        b.count += 1.0;
+        b.whitened += sum * sum / n;
+        b.raw += of_raw * of_raw / n;
+    }
+    return b;
+}
+
+/* Variance of x as neighbours differ: what changes slowly is not in it. */
+static double by_neighbours(const explain_run *run, const double *x) {
+    double sum = 0.0, n = 0.0;
+    for (size_t i = 1; i < run->n; i++)
+        if (run->use[i] && run->use[i - 1]) {
+            sum += 0.5 * (x[i] - x[i - 1]) * (x[i] - x[i - 1]);
+            n += 1.0;
+        }
+    return n > 0.0 ? sum / n : 1.0;
+}
+
+/* Square of the rms that is no noise, of one run; 0: nothing can be told from noise. */
+static double rest_of(const explain_run *run, const double *x, const double *raw, double alarm) {
+    double noise = fmax(1.0, by_neighbours(run, x)), most = 0.0;
+    size_t scales = 0;
+    for (size_t length = TIMES; BLOCKS_MIN * length <= run->n; length *= TIMES)
+        scales++;
+    for (size_t length = TIMES; BLOCKS_MIN * length <= run->n; length *= TIMES) {
+        blocks b = sum_blocks(run, x, raw, length);
+        double limit = (1.0 + KNOWN_TO) * noise * limit_of(b.count, alarm / (double)scales);
+        if (b.count > 0.0 && b.whitened > limit)
+            most = fmax(most, b.raw / (double)run->n * (1.0 - noise * b.count / b.whitened));
+    }
+    return most;
+}
+
+palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation) {
+    enum { SCALES = 8, BLOCKS = 16 };
+    double *x = malloc(data->longest * sizeof *x), whitened[SCALES] = {0}, count[SCALES] = {0};
+    *inflation = 1.0;
+    if (!x)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t r = 0; r < data->n_runs; residual += data->run[r++].n) {
+        const explain_run *run = &data->run[r];
+        if (run->held_out)
+            continue;
+        memcpy(x, residual, run->n * sizeof *x);
+        explain_whiten(run, x);
+        for (size_t k = 0, length = 1; k < SCALES && BLOCKS * length <= run->n; k++, length *= TIMES) {
+            blocks b = sum_blocks(run, x, x, length);
+            whitened[k] += b.whitened;
+            count[k] += b.count;
+        }
+    }
+    for (size_t k = 0; k < SCALES; k++)
+        if (count[k] > 0.0)
+            *inflation = fmax(*inflation, whitened[k] / limit_of(count[k], 0.01) / (1.0 + KNOWN_TO));
+    free(x);
+    return PALP_OK;
+}
+
+palp_status explain_rest_find(const explain_search *s, const double *residual, explain_rest *rest) {
+    const explain_data *data = &s->data;
+    double *x = malloc(data->longest * sizeof *x), sum = 0.0, runs = 0.0;
+    *rest = (explain_rest){.run = data->n_runs};
+    if (!x)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t r = 0; r < data->n_runs; r++)
+        runs += !data->run[r].held_out;
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
+        const explain_run *run = &data->run[r];
+        if (run->held_out)
+            continue;
+        memcpy(x, residual + at, run->n * sizeof *x);
+        explain_whiten(run, x);
+        double square = rest_of(run, x, residual + at, s->settings->false_alarm / runs);
+        if (square < TOLD * TOLD * (run->white * run->white + data->correlated * data->correlated))
+            continue;
+        sum += square * (double)run->n;
+        if (sqrt(square) > rest->most_N) {
+            rest->most_N = sqrt(square);
+            rest->run = r;
+        }
+    }
+    rest->rms_N = sqrt(sum / (double)explain_samples(data));
+    free(x);
+    return PALP_OK;
+}
