@@ -59,7 +59,11 @@ typedef enum palp_effect_scale {
     PALP_SCALE_NONE,
     PALP_SCALE_TIME,   /* its duration */
     PALP_SCALE_LENGTH, /* its depth */
-    PALP_SCALE_FORCE   /* its force */
+    PALP_SCALE_FORCE,  /* its force */
+    PALP_SCALE_FORCE_RATE, /* force over duration */
+    PALP_SCALE_COMPLIANCE, /* depth over force */
+    PALP_SCALE_MASS,       /* force over depth, times duration twice */
+    PALP_SCALE_RATE        /* one over the duration of the session */
 } palp_effect_scale;
 
 enum { PALP_EFFECT_PARAMETERS = 3, PALP_EFFECTS_MAX = 8 };
@@ -68,8 +72,8 @@ enum { PALP_EFFECT_PARAMETERS = 3, PALP_EFFECTS_MAX = 8 };
 typedef struct palp_effect_parameter {
     const char *key;  /* "compliance_mm_N" */
     double unit;      /* SI per file unit: 1e-3 m/N per mm/N */
-    double low, high; /* bounds, SI */
-    double typical;   /* where a search starts, SI */
+    double low, high; /* bounds of what a file may say, SI; a search keeps to what its recordings can mean */
+    double typical;   /* of a parameter that is no strength: what it is where nothing else is said, SI */
     palp_effect_scale scale;
     bool logarithmic; /* searched in its logarithm: a time, a length */
     bool strength;    /* with all strengths at zero the effect is off, whatever the others are */

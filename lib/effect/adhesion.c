@@ -32,7 +32,7 @@ const effect_row effect_adhesion = {
              .means = "The specimen sticks to the plate, which pulls it on withdrawal until it lets go.",
              .seen_by = "withdrawal past contact",
              .n_parameters = 1,
-             .parameter = {{"force_N", 1, 0, 1e3, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
+             .parameter = {{"force_N", 1, 0, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_BIAS),
              .in_lumped = true, .in_network = true},
     .pull = pull, .missing = missing, .starts = starts, .read = read_pull};

@@ -17,7 +17,7 @@ const effect_row effect_coulomb_friction = {
              .means = "Something rubs: a constant force against the motion, in air too.",
              .seen_by = "both directions, in air too",
              .n_parameters = 1,
-             .parameter = {{"force_N", 1, 0, 1e3, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
+             .parameter = {{"force_N", 1, 0, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_RATE_STIFFENING),
              .in_lumped = true, .in_network = true},
     .stage = 2, .sensor = sensor};

@@ -80,9 +80,10 @@ typedef void effect_quantity(const double *value, double at, effect_number *out)
 
 /* ---- the search for an effect in measured runs ---- */
 
-/* What runs tell: longest run, largest depth and force, sd of a sample's white noise. */
+/* What runs tell: longest run, typical time from sample to sample, largest depth, speed and force, sd of a sample's white
+ * noise; the specimen's height. */
 typedef struct effect_data {
-    double duration, deepest, peak, white;
+    double duration, step, deepest, fastest, peak, white, height;
     size_t n_releases; /* at which a plate let go with a jump, */
     double pull[2];    /* and the pull there: the strongest recorded, and what would be too strong */
     const void *runs;       /* of the next two */
@@ -102,8 +103,8 @@ typedef struct effect_starts {
 } effect_starts;
 
 void effect_start_at(effect_starts *starts, double a, double b, double c);
-/* n of the second parameter, a time: from low to twice the longest run, evenly in its logarithm. */
-void effect_start_times(effect_starts *starts, const effect_data *data, double low, size_t n);
+/* n of the second parameter, a time: from so many samples to twice the longest run, evenly in its logarithm. */
+void effect_start_times(effect_starts *starts, const effect_data *data, double samples, size_t n);
 
 /* What the data lack to show the effect, NULL: nothing. */
 typedef const char *effect_condition(const effect_data *data);

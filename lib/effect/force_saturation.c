@@ -25,7 +25,7 @@ const effect_row effect_force_saturation = {
              .means = "The force sensor's range ends: it does not read beyond this force.",
              .seen_by = "forces up to the sensor's end",
              .n_parameters = 1,
-             .parameter = {{"force_N", 1, 0, 1e6, 10, .scale = PALP_SCALE_FORCE, .strength = true}},
+             .parameter = {{"force_N", 1, 0, 1e12, 10, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_FRAME_COMPLIANCE),
              .in_lumped = true, .in_network = true},
     .stage = 9, .sensor = sensor, .starts = starts};

@@ -20,7 +20,7 @@ const effect_row effect_mains_hum = {
              .means = "The mains are heard in the force.",
              .seen_by = "a sample rate well above twice the mains'",
              .n_parameters = 2,
-             .parameter = {{"amplitude_N", 1, 0, 1e3, 0.01, .scale = PALP_SCALE_FORCE, .strength = true},
+             .parameter = {{"amplitude_N", 1, 0, 1e12, 0.01, .scale = PALP_SCALE_FORCE, .strength = true},
                            {"frequency_Hz", 1, 40, 70, 50, .strength = false}},
              EFFECT_ALIKE(PALP_EFFECT_DRIVE_RIPPLE),
              .in_lumped = true, .in_network = true},

@@ -13,7 +13,7 @@ const effect_row effect_plate_inertia = {
              .means = "The plate's own mass adds a force wherever it speeds up or slows down.",
              .seen_by = "fast starts and stops, in air too",
              .n_parameters = 1,
-             .parameter = {{"mass_kg", 1, 0, 100, 0.1, .strength = true}},
+             .parameter = {{"mass_kg", 1, 0, 1e12, 0.1, .scale = PALP_SCALE_MASS, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_LAG),
              .in_lumped = true, .in_network = true},
     .stage = 3, .sensor = sensor};

@@ -40,7 +40,7 @@ static void spectrum(const double *value, const effect_range *range, effect_mode
 }
 
 static palp_status starts(const effect_data *data, effect_starts *out) {
-    effect_start_times(out, data, 0.1, 8);
+    effect_start_times(out, data, 3.0, 8);
     return PALP_OK;
 }
 
@@ -49,8 +49,8 @@ const effect_row effect_poroelastic = {
              .means = "Liquid is pressed out of pores; the force falls as it drains.",
              .seen_by = "holds as long as the time, ramps a hundredth of it",
              .n_parameters = 2,
-             .parameter = {{"stiffness_N", 1, 0, 1e5, 1, .scale = PALP_SCALE_FORCE, .strength = true},
-                           {"time_s", 1, 1e-3, 1e6, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},
+             .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE, .strength = true},
+                           {"time_s", 1, 1e-12, 1e12, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POWER_LAW_RELAXATION),
              .in_lumped = true, .in_network = true},
     .stage = 2, .spectrum = spectrum, .starts = starts};

@@ -2,7 +2,7 @@
 #include "effect_internal.h"
 
 static palp_status starts(const effect_data *data, effect_starts *out) {
-    effect_start_times(out, data, 0.03, 10);
+    effect_start_times(out, data, 1.0, 10);
     return PALP_OK;
 }
 
@@ -11,8 +11,8 @@ const effect_row effect_relaxation_arm = {
              .means = "The specimen relaxes with one more relaxation time.",
              .seen_by = "holds as long as the time, ramps as short",
              .n_parameters = 2,
-             .parameter = {{"stiffness_N", 1, 0, 1e5, 1, .scale = PALP_SCALE_FORCE, .strength = true},
-                           {"time_s", 1, 1e-4, 1e6, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},
+             .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE, .strength = true},
+                           {"time_s", 1, 1e-12, 1e12, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},
              EFFECT_ALIKE(PALP_EFFECT_POWER_LAW_RELAXATION, PALP_EFFECT_POROELASTIC, PALP_EFFECT_SENSOR_DRIFT),
              .in_lumped = true, .in_network = true, .repeats = true},
     .arm = true, .starts = starts};

@@ -13,7 +13,7 @@ const effect_row effect_sensor_bias = {
              .means = "The force sensor has a zero that is off by the same in all runs.",
              .seen_by = "free air",
              .n_parameters = 1,
-             .parameter = {{"force_N", 1, -1e3, 1e3, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
+             .parameter = {{"force_N", 1, -1e12, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_CONTACT_OFFSET),
              .in_lumped = true, .in_network = true},
     .stage = 6, .sensor = sensor};

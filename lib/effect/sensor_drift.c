@@ -13,7 +13,7 @@ const effect_row effect_sensor_drift = {
              .means = "The zero of the force sensor moves at a constant rate during a run.",
              .seen_by = "free air before and after a long test",
              .n_parameters = 1,
-             .parameter = {{"force_N_s", 1, -10, 10, 1e-3, .scale = PALP_SCALE_FORCE, .strength = true}},
+             .parameter = {{"force_N_s", 1, -1e12, 1e12, 1e-3, .scale = PALP_SCALE_FORCE_RATE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POWER_LAW_RELAXATION),
              .in_lumped = true, .in_network = true},
     .stage = 7, .sensor = sensor};

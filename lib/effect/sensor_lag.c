@@ -21,10 +21,11 @@ static void sensor(const double *value, const effect_moment *at, double input, d
 }
 
 static palp_status starts(const effect_data *data, effect_starts *out) {
-    static const double seconds[] = {0.01, 0.04, 0.15, 0.6};
-    (void)data;
-    for (size_t k = 0; k < sizeof seconds / sizeof *seconds; k++)
-        effect_start_at(out, seconds[k], 0.0, 0.0);
+    static const double samples[] = {0.3, 1.2, 5.0, 20.0};
+    for (size_t k = 0; k < sizeof samples / sizeof *samples; k++)
+        effect_start_at(out, samples[k] * data->step, 0.0, 0.0);
+    if (0.03 * data->duration > 60.0 * data->step)
+        effect_start_at(out, 0.03 * data->duration, 0.0, 0.0);
     return PALP_OK;
 }
 
@@ -33,7 +34,7 @@ const effect_row effect_sensor_lag = {
              .means = "The force sensor is late, as behind a low-pass filter of this time.",
              .seen_by = "fast ramps in both directions, and their ends",
              .n_parameters = 1,
-             .parameter = {{"time_s", 1, 0, 100, 0.01, .strength = true}},
+             .parameter = {{"time_s", 1, 0, 1e9, 0.01, .scale = PALP_SCALE_TIME, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_PLATE_INERTIA, PALP_EFFECT_RELAXATION_ARM),
              .in_lumped = true, .in_network = true},
     .stage = 5, .sensor = sensor, .starts = starts};

@@ -11,7 +11,7 @@ const effect_row effect_session_ageing = {
              .means = "The specimen grows stiffer or softer during the session.",
              .seen_by = "the first test again at the end",
              .n_parameters = 1,
-             .parameter = {{"per_hour", 1.0 / 3600, -1.0 / 3600, 1.0 / 3600, 0.05 / 3600, .strength = true}},
+             .parameter = {{"per_hour", 1.0 / 3600, -1e9, 1e9, 0.05 / 3600, .scale = PALP_SCALE_RATE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_GAIN, PALP_EFFECT_DAMAGE_SOFTENING),
              .in_lumped = true, .in_network = true},
     .specimen = specimen, .as_scatter = true};

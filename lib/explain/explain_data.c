@@ -1,6 +1,7 @@
 /* explain_data.c: experiments into the runs that are explained: masks, phases, replicates. */
 #include "explain_data.h"
 #include "base/file.h"
+#include "base/statistics.h"
 #include "data/segments_internal.h"
 
 #include <math.h>
@@ -23,7 +24,9 @@ palp_status explain_event_add(explain_data *data, const palp_explain_event *even
     if (!grown)
         return PALP_ERR_NO_MEMORY;
     data->event = grown;
-    grown[data->n_events++] = *event;
+    grown[data->n_events] = *event;
+    grown[data->n_events].from_s += data->run[event->run].start;
+    grown[data->n_events++].to_s += data->run[event->run].start;
     return PALP_OK;
 }
 
@@ -44,7 +47,8 @@ static void find_columns(const palp_experiment *e, explain_run *run) {
     }
 }
 
-static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *error) {
+/* height: of the specimen, which is not there to be pressed where the file says there is none. */
+static palp_status copy(const palp_experiment *e, double height, explain_run *run, palp_error *error) {
     const double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
                  *force = palp_experiment_column(e, "force_N");
     run->n = palp_experiment_rows(e);
@@ -62,9 +66,10 @@ static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *
     run->weight = block + 5 * run->n;
     run->phase = run->use + run->n;
     memset(run->use, 1, run->n);
+    run->start = time[0];
     double deepest = -HUGE_VAL;
     for (size_t i = 0; i < run->n; i++) {
-        run->time[i] = time[i];
+        run->time[i] = time[i] - time[0];
         run->depth[i] = 1e-3 * depth[i];
         run->force[i] = force[i];
         deepest = fmax(deepest, run->depth[i]);
@@ -73,9 +78,9 @@ static palp_status copy(const palp_experiment *e, explain_run *run, palp_error *
                                   run->name, i + 1);
     }
     find_columns(e, run);
-    if (strcmp(explain_text_of(e, "specimen.kind"), "none") == 0 && deepest > -1e-3)
+    if (strcmp(explain_text_of(e, "specimen.kind"), "none") == 0)
         for (size_t i = 0; i < run->n; i++)
-            run->depth[i] -= deepest + 1e-3; /* nothing is there to be pressed */
+            run->depth[i] -= fmax(0.0, deepest) + height;
     return PALP_OK;
 }
 
@@ -145,6 +150,28 @@ static bool same_path(const explain_data *data, const explain_run *a, const expl
     return true;
 }
 
+/* The typical time between samples, the largest speed, and how long the session was. */
+static palp_status find_pace(explain_data *data) {
+    double *step = malloc(data->longest * sizeof *step), first = HUGE_VAL, last = -HUGE_VAL;
+    if (!step)
+        return PALP_ERR_NO_MEMORY;
+    data->step = HUGE_VAL;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        const explain_run *run = &data->run[r];
+        for (size_t i = 0; i + 1 < run->n; i++) {
+            step[i] = run->time[i + 1] - run->time[i];
+            data->fastest = fmax(data->fastest, fabs(run->depth[i + 1] - run->depth[i]) / step[i]);
+        }
+        data->step = fmin(data->step, statistics_median(step, run->n - 1));
+        first = fmin(first, run->session);
+        last = fmax(last, run->session + run->time[run->n - 1]);
+    }
+    data->span = last - first;
+    data->correlation_time = data->duration;
+    free(step);
+    return PALP_OK;
+}
+
 static void count_replicates(explain_data *data) {
     for (size_t r = 1; r < data->n_runs; r++) {
         bool found = false;
@@ -158,7 +185,7 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     const palp_experiment *e = inputs[r].experiment;
     explain_run *run = &data->run[r];
     snprintf(run->name, sizeof run->name, "%s", inputs[r].name ? inputs[r].name : "run");
-    palp_status status = copy(e, run, error);
+    palp_status status = copy(e, data->height, run, error);
     if (status)
         return status;
     if (strcmp(explain_text_of(e, "specimen.kind"), "rigid") == 0)
@@ -211,7 +238,7 @@ static palp_status take_runs(explain_data *data, const palp_explain_input *input
 
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
                                 const palp_model *model, explain_data *data, palp_error *error) {
-    *data = (explain_data){.given = model, .n_runs = n, .correlation_time = 1.0};
+    *data = (explain_data){.given = model, .n_runs = n};
     data->run = calloc(n, sizeof *data->run);
     palp_status status = data->run ? explain_height(model, &data->height, error) : PALP_ERR_NO_MEMORY;
     if (!status)
@@ -227,6 +254,8 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
         if (!status)
             data->duration = fmax(data->duration, run->time[run->n - 1] - run->time[0]);
     }
+    if (!status)
+        status = find_pace(data);
     if (!status) {
         count_replicates(data);
         find_largest_strains(data);
@@ -266,8 +295,8 @@ static double change_of(const effect_data *facts, const char *column) {
 }
 
 effect_data explain_facts(const explain_data *data) {
-    return (effect_data){.duration = data->duration, .deepest = data->deepest, .peak = data->peak,
-                         .white = data->run[0].white, .n_releases = data->n_releases,
+    return (effect_data){.duration = data->duration, .step = data->step, .deepest = data->deepest,
+                         .fastest = data->fastest, .peak = data->peak, .height = data->height, .white = data->run[0].white, .n_releases = data->n_releases,
                          .pull = {data->pull, data->pull_most}, .runs = data, .change_of = change_of};
 }
 

@@ -13,6 +13,7 @@ typedef struct explain_run {
     size_t n;
     size_t n_columns;             /* that effects read, the experiment's own: [n_columns] */
     palp_forward_column column[PALP_EFFECT_COUNT];
+    double start;                 /* time of the recording at which time[0] = 0 is */
     double *time, *depth, *force; /* depth: nothing is pressed where the specimen is "none" */
     unsigned char *use;           /* [n] 0 = an event, or not to be fitted */
     unsigned char *phase;         /* [n] palp_phase */
@@ -29,6 +30,7 @@ typedef struct explain_data {
     explain_run *run;
     const palp_model *given;                /* the model to be explained */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
+    double step, fastest, span;             /* typical time between samples; largest speed; of the session, s */
     double correlated, correlation_time;    /* of the noise */
     size_t n_replicates;                    /* runs whose plate goes as in one before */
     double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */

@@ -79,7 +79,8 @@ static double curve_rms(const curve *c) {
 }
 
 static void find_curves(const explain_data *data, palp_explanation *e) {
-    curve depth = {.high = data->deepest}, time = {.low = log(0.01), .high = log(data->duration + 0.01)},
+    const double soon = data->step, slow = 1e-4 * data->fastest;
+    curve depth = {.high = data->deepest}, time = {.low = log(soon), .high = log(data->duration + soon)},
           rate = {.low = -8.0, .high = 8.0};
     for (size_t r = 0; r < e->n_runs; r++) {
         const explain_run *run = &data->run[r];
@@ -89,8 +90,8 @@ static void find_curves(const explain_data *data, palp_explanation *e) {
             if (!run->use[i])
                 continue;
             curve_add(&depth, run->depth[i], y);
-            curve_add(&time, log(run->time[i] - run->time[0] + 0.01), y);
-            curve_add(&rate, copysign(2.0 * log10(1.0 + fabs(speed) / 1e-6), speed), y);
+            curve_add(&time, log(run->time[i] - run->time[0] + soon), y);
+            curve_add(&rate, copysign(2.0 * log10(1.0 + fabs(speed) / slow), speed), y);
         }
     }
     e->diagnostics.by_depth_N = curve_rms(&depth);

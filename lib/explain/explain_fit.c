@@ -18,26 +18,46 @@ static void set_coordinate(explain_fit *fit, size_t k, double low, double high, 
     fit->unit[k] = unit;
 }
 
+/* How large a parameter of that kind these runs let one expect. */
+static double size_of(palp_effect_scale scale, const explain_data *data) {
+    switch (scale) {
+    case PALP_SCALE_TIME: return data->duration;
+    case PALP_SCALE_LENGTH: return data->deepest;
+    case PALP_SCALE_FORCE: return data->peak;
+    case PALP_SCALE_FORCE_RATE: return data->peak / data->duration;
+    case PALP_SCALE_COMPLIANCE: return data->deepest / data->peak;
+    case PALP_SCALE_MASS: return data->peak * data->duration * data->duration / data->deepest;
+    case PALP_SCALE_RATE: return 1.0 / data->span;
+    case PALP_SCALE_NONE: break;
+    }
+    return 1.0;
+}
+
 /* Within what these runs can mean. */
 static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t p, const explain_data *data) {
     const palp_effect_parameter *q = &row->info.parameter[p];
     const effect_data facts = explain_facts(data);
-    double low = q->low, high = q->high, unit = q->typical != 0.0 ? 300.0 * fabs(q->typical) : 10.0;
+    double low = q->low, high = q->high, size = size_of(q->scale, data), unit = 30.0 * size;
+    if (q->scale == PALP_SCALE_NONE)
+        unit = q->typical != 0.0 ? 300.0 * fabs(q->typical) : 10.0;
     if (q->scale == PALP_SCALE_TIME) {
-        low = fmax(low, 1e-3);
-        high = fmin(high, 20.0 * data->duration);
+        low = fmax(low, q->logarithmic ? 0.03 * data->step : 0.0);
+        high = fmin(high, 20.0 * size);
     }
     if (q->scale == PALP_SCALE_LENGTH) {
-        low = fmax(low, -0.5 * data->deepest);
-        high = fmin(high, 0.5 * data->deepest);
+        bool period = q->logarithmic;
+        low = period ? 1e-3 * size : fmax(low, -0.5 * size);
+        high = period ? 10.0 * size : fmin(high, 0.5 * size);
+    }
+    if (q->scale == PALP_SCALE_RATE) { /* so that a factor of it and the session stays above zero */
+        low = fmax(low, -0.9 * size);
+        high = fmin(high, 1e3 * size);
     }
     if (row->read && !row->missing(&facts)) {
         effect_read read;
         row->read(&facts, &read);
         low = high = read.value;
     }
-    if (q->scale == PALP_SCALE_FORCE)
-        unit = 30.0 * data->peak;
     set_coordinate(fit, k, low, high, q->logarithmic ? 5.0 : unit, q->logarithmic);
 }
 
@@ -54,11 +74,11 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     for (; k < model->material.law.n; k++) {
         bool plain = model->material.law.kind == PALP_LAW_POLYNOMIAL;
         double unit = plain ? 100.0 * stiffness / pow(strain, (double)k) : 100.0 * fabs(model->material.law.coefficients[k]);
-        set_coordinate(fit, k, -HUGE_VAL, HUGE_VAL, unit + 1e-12, false);
+        set_coordinate(fit, k, -HUGE_VAL, HUGE_VAL, unit + 1e-9 * stiffness, false);
     }
     for (size_t j = 0; j < model->material.n_arms; j++) {
         set_coordinate(fit, k++, 1e-4 * stiffness, 1e3 * stiffness, 5.0, true);
-        set_coordinate(fit, k++, 1e-4, 1e3 * data->duration, 5.0, true);
+        set_coordinate(fit, k++, 0.003 * data->step, 1e3 * data->duration, 5.0, true);
     }
     for (size_t i = 0; i < model->n_effects; i++) {
         const effect_row *row = effect_row_of(model->effects[i].id);

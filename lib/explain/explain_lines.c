@@ -42,7 +42,7 @@ static double power_at(const explain_data *data, const double *y, double frequen
         size_t count = 0;
         for (size_t i = 0; i < run->n; i++) {
             double dt = i ? run->time[i] - run->time[i - 1] : 0.0;
-            if (fabs(dt - step) > 1e-9) {
+            if (fabs(dt - step) > 1e-6 * dt) {
                 step = dt;
                 cs = cos(TURN * frequency * dt);
                 sn = sin(TURN * frequency * dt);
@@ -76,12 +76,14 @@ static double slowest_rate(const explain_data *data) {
     return rate;
 }
 
-enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3 };
+enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3, OUTSTANDING_ALIAS = 10 }; /* times the typical power */
+static const double NYQUIST = 140.0; /* samples a second: with fewer the mains are seen by an alias, as much else is */
 static const double SLOW = 10.0; /* samples a second: with fewer any slow misfit has an alias among the mains' lines */
+static const double LONG = 0.4; /* s: in less the mains have no twenty periods */
 
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency,
                                  double *amplitude) {
-    if (!(slowest_rate(data) >= SLOW))
+    if (!(slowest_rate(data) >= SLOW && data->duration >= LONG))
         return PALP_ERR_UNSUPPORTED;
     double *y = malloc(data->n * sizeof *y), best = 0.0, white = 0.0;
     if (!y)
@@ -100,7 +102,7 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
         }
     }
     typical = statistics_median(power, GRID);
-    bool stands_out = best > OUTSTANDING * typical;
+    bool stands_out = best > (slowest_rate(data) < NYQUIST ? OUTSTANDING_ALIAS : OUTSTANDING) * typical;
     best = 0.0;
     for (int k = -40; k <= 40; k++) {
         double f = centre + 0.0015 * k, there = power_at(data, y, f, 1e9);
@@ -159,7 +161,7 @@ palp_status explain_line_in_depth(const explain_data *data, const double *residu
     if (status)
         return status;
     line best = {.x = 0.0};
-    double shortest = fmax(1e-4, (t.high - t.low) / 120.0), step = 0.2 / (t.high - t.low);
+    double shortest = (t.high - t.low) / 120.0, step = 0.2 / (t.high - t.low);
     for (double x = 1.5 / (t.high - t.low); x < 1.0 / shortest; x += step) {
         line l = fit_line(t.n, t.depth, t.y, x);
         if (l.power > best.power)
@@ -173,7 +175,7 @@ palp_status explain_line_in_depth(const explain_data *data, const double *residu
                 best = l;
         }
     }
-    *period = best.x > 0.0 ? 1.0 / best.x : 1e-3;
+    *period = best.x > 0.0 ? 1.0 / best.x : 0.1 * (t.high - t.low);
     *amplitude = hypot(best.cosine, best.sine);
     *phase = atan2(best.cosine, best.sine);
     free(t.depth);
@@ -218,17 +220,18 @@ static void take_off_means(const explain_run *run, double *y, double stretch) {
 
 palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak) {
     enum { FREQUENCIES = 200 };
-    double power[FREQUENCIES], best = 0.0, fastest = 0.45 * slowest_rate(data), slowest = 0.1;
+    double power[FREQUENCIES], best = 0.0, fastest = 0.45 * slowest_rate(data), slowest = 6.0 / data->duration;
+    const double stretch = 0.25 * data->duration;
     double *y = malloc(data->n * sizeof *y);
     *peak = (palp_explain_peak){.at = 0.0};
     if (!y)
         return PALP_ERR_NO_MEMORY;
     memcpy(y, residual, data->n * sizeof *y);
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
-        take_off_means(&data->run[r], y + at, 10.0);
+        take_off_means(&data->run[r], y + at, stretch);
     for (int k = 0; k < FREQUENCIES && fastest > slowest; k++) {
         double f = slowest * pow(fastest / slowest, (double)k / (FREQUENCIES - 1));
-        power[k] = power_at(data, y, f, 10.0);
+        power[k] = power_at(data, y, f, stretch);
         if (power[k] > best) {
             best = power[k];
             peak->at = f;

@@ -6,9 +6,9 @@
 #include <string.h>
 
 enum { SAMPLES = 2000 };
-static const double AIR = 2e-3; /* m: where a run starts and ends */
+static const double AIR = 0.3; /* of the deepest: where a run starts and ends */
 
-/* Depths relative to the deepest so far, rates in m/s. */
+/* Depths relative to the deepest so far, rates to the fastest, holds to the longest run. */
 typedef struct protocol {
     const char *kind;
     double depth, rate, hold;
@@ -16,9 +16,9 @@ typedef struct protocol {
 } protocol;
 
 static const protocol protocols[] = {
-    {"ramp_hold", 1.0, 10e-3, 300.0, 0}, {"ramp_hold", 0.5, 10e-3, 300.0, 0}, {"ramp_hold", 1.0, 0.3e-3, 60.0, 0},
-    {"static", 1.0, 0.05e-3, 2.0, 0},    {"cyclic", 1.0, 1e-3, 0.0, 4},       {"cyclic", 0.6, 8e-3, 0.0, 10},
-    {"cyclic", 1.2, 2e-3, 0.0, 2},       {"free", 4e-3, 8e-3, 5.0, 0},
+    {"ramp_hold", 1.0, 1.0, 3.0, 0},   {"ramp_hold", 0.5, 1.0, 3.0, 0}, {"ramp_hold", 1.0, 0.03, 0.6, 0},
+    {"static", 1.0, 0.03, 0.02, 0},    {"cyclic", 1.0, 0.3, 0.0, 4},    {"cyclic", 0.6, 0.8, 0.0, 10},
+    {"cyclic", 1.2, 0.3, 0.0, 2},      {"free", 0.6, 0.8, 0.05, 0},
 };
 
 typedef struct path {
@@ -36,22 +36,23 @@ static void go(path *p, double depth, double seconds, size_t samples) {
     }
 }
 
-static void walk(const protocol *q, double deepest, path *p) {
-    bool air = strcmp(q->kind, "free") == 0;
-    double top = air ? -AIR - q->depth : q->depth * deepest, way = fabs(top + AIR);
+static void walk(const protocol *q, const explain_data *data, path *p) {
+    bool is_air = strcmp(q->kind, "free") == 0;
+    const double air = AIR * data->deepest, rate = q->rate * data->fastest, hold = q->hold * data->duration;
+    double top = is_air ? -air - q->depth * data->deepest : q->depth * data->deepest, way = fabs(top + air);
     p->n = 1;
     p->time[0] = 0.0;
-    p->depth[0] = -AIR;
-    go(p, -AIR, 1.0, 10);
+    p->depth[0] = -air;
+    go(p, -air, 0.01 * data->duration, 10);
     for (size_t c = 0; c < (q->cycles ? q->cycles : 1); c++) {
-        go(p, top, way / q->rate, 60);
-        if (q->hold > 0.0)
-            go(p, top, q->hold, 200);
+        go(p, top, way / rate, 60);
+        if (hold > 0.0)
+            go(p, top, hold, 200);
         if (c + 1 < q->cycles)
-            go(p, 0.0, top / q->rate, 60);
+            go(p, 0.0, top / rate, 60);
     }
-    go(p, -AIR, way / q->rate, 60);
-    go(p, -AIR, 5.0, 20);
+    go(p, -air, way / rate, 60);
+    go(p, -air, 0.05 * data->duration, 20);
 }
 
 /* rms of the difference that is left once the run's own zero and gain are free: what cannot be scatter. */
@@ -84,7 +85,7 @@ palp_status explain_next_find(const explain_search *full, const explain_search *
         next->wanted = true;
         for (size_t k = 0; k < sizeof protocols / sizeof *protocols; k++) {
             const protocol *q = &protocols[k];
-            walk(q, full->data.deepest, p);
+            walk(q, &full->data, p);
             palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
             if (explain_predict(&full->fit.model, &run, force, NULL, NULL) ||
                 explain_predict(&t->fit.model, &run, force + SAMPLES, NULL, NULL))
@@ -93,9 +94,9 @@ palp_status explain_next_find(const explain_search *full, const explain_search *
             if (!(apart > next->separation_N))
                 continue;
             bool ramp = strcmp(q->kind, "ramp_hold") == 0, air = strcmp(q->kind, "free") == 0;
-            *next = (palp_explain_next){.wanted = true, .kind = q->kind, .hold_s = ramp || air ? q->hold : 0.0,
-                                        .depth_mm = 1e3 * (air ? q->depth : q->depth * full->data.deepest),
-                                        .rate_mm_s = 1e3 * q->rate, .cycles = q->cycles, .separation_N = apart,
+            *next = (palp_explain_next){.wanted = true, .kind = q->kind, .hold_s = ramp || air ? q->hold * full->data.duration : 0.0,
+                                        .depth_mm = 1e3 * q->depth * full->data.deepest,
+                                        .rate_mm_s = 1e3 * q->rate * full->data.fastest, .cycles = q->cycles, .separation_N = apart,
                                         .between = {out->effect.id, out->alike[c]}};
         }
     }

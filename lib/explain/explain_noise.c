@@ -50,24 +50,25 @@ typedef struct piece {
     size_t run, from, to;
 } piece;
 
-/* Stretches of 2 to 20 s without motion, a while after it ended. */
+/* Stretches without motion, of some 60 to 600 samples, a while after it ended. */
 static size_t find_pieces(const explain_data *data, piece *list) {
+    enum { LEAST = 30 };
+    const double after = 15.0 * data->step, shortest = 60.0 * data->step, longest = 600.0 * data->step;
     size_t count = 0;
     for (size_t r = 0; r < data->n_runs; r++) {
         const explain_run *run = &data->run[r];
-        double still = 1e-4 * data->deepest;
         for (size_t i = 0; i < run->n && !run->held_out;) {
-            size_t end = segments_still_end(run->n, run->depth, i, 1e-7 + 1e-3 * still);
+            size_t end = segments_still_end(run->n, run->depth, i, 2e-5 * data->deepest);
             double start = run->time[i];
             size_t from = i;
-            while (from < end && run->time[from] < start + 0.5 && i)
+            while (from < end && run->time[from] < start + after && i)
                 from++;
             while (from < end) {
-                size_t to = from;
-                double length = fmin(20.0, fmax(2.0, 2.0 * (run->time[from] - start)));
+                size_t to = from + 1;
+                double length = fmin(longest, fmax(shortest, 2.0 * (run->time[from] - start)));
                 while (to < end && run->time[to] < run->time[from] + length)
                     to++;
-                if (to - from >= 30 && run->time[to - 1] - run->time[from] > 0.9 && count < PIECES_MAX)
+                if (to - from >= LEAST && run->time[to - 1] - run->time[from] > 0.45 * shortest && count < PIECES_MAX)
                     list[count++] = (piece){r, from, to};
                 from = to;
             }
@@ -112,33 +113,54 @@ static double piece_score(const explain_run *run, const double *residual, const 
     return -0.5 * (chi2 + logdet + dense_log_determinant(TREND, a));
 }
 
-static double correlated_score(const explain_data *data, const double *residual, const piece *list, size_t count,
-                           double share, double correlation_time, double *work) {
-    double sum = 0.0;
-    for (size_t k = 0; k < count; k++) {
-        const explain_run *run = &data->run[list[k].run];
-        const double *own = residual;
-        for (size_t r = 0; r < list[k].run; r++)
-            own += data->run[r].n;
-        sum += piece_score(run, own, &list[k], share * run->white, correlation_time, work, data->longest);
+/* What was asked before: the pieces, and each run's score without correlated noise. */
+typedef struct pauses {
+    const explain_data *data;
+    const double *residual;
+    const piece *list;
+    size_t count;
+    double *work, *without, *with; /* [7 longest]; [n_runs] each */
+} pauses;
+
+static void score_runs(const pauses *p, double share, double correlation_time, double *score) {
+    memset(score, 0, p->data->n_runs * sizeof *score);
+    for (size_t k = 0; k < p->count; k++) {
+        const explain_run *run = &p->data->run[p->list[k].run];
+        const double *own = p->residual;
+        for (size_t r = 0; r < p->list[k].run; r++)
+            own += p->data->run[r].n;
+        score[p->list[k].run] +=
+            piece_score(run, own, &p->list[k], share * run->white, correlation_time, p->work, p->data->longest);
     }
-    return sum;
+}
+
+/* What correlated noise gains over none. An instrument has it in all its runs: of three runs and more the one that gains most
+ * does not count, so that what happened in one run is not taken for noise. */
+static double correlated_gain(const pauses *p, double share, double correlation_time) {
+    double sum = 0.0, most = 0.0;
+    size_t runs = 0;
+    score_runs(p, share, correlation_time, p->with);
+    for (size_t r = 0; r < p->data->n_runs; r++) {
+        double gain = p->with[r] - p->without[r];
+        runs += p->without[r] != 0.0;
+        sum += gain;
+        most = fmax(most, gain);
+    }
+    return runs > 2 ? sum - most : sum;
 }
 
 /* Most likely share of the white noise and time: on a grid, then closer by. */
-static void find_correlated(explain_data *data, const double *residual, const piece *list, size_t count, double *work,
-                        double *share_out) {
-    double best = correlated_score(data, residual, list, count, 0.0, 1.0, work), share = 0.0, tau = 1.0;
-    double span = 2.0;
+static void find_correlated(explain_data *data, const pauses *p, double *share_out) {
+    double best = 0.0, share = 0.0, tau = 30.0 * data->step, span = 2.0;
+    score_runs(p, 0.0, tau, p->without);
     for (int pass = 0; pass < 3; pass++, span = pass == 1 ? sqrt(2.0) : pow(2.0, 0.25)) {
         double at_share = share > 0.0 ? share : 0.5, at_tau = tau;
         int reach = pass ? 1 : 3;
         for (int i = -reach; i <= reach; i++)
             for (int j = -reach; j <= reach; j++) {
-                double s = at_share * pow(span, i), t = at_tau * pow(span, j);
-                double score = correlated_score(data, residual, list, count, s, t, work);
-                if (score > best + (share == 0.0 ? 3.0 : 0.0)) {
-                    best = score;
+                double s = at_share * pow(span, i), t = at_tau * pow(span, j), gain = correlated_gain(p, s, t);
+                if (gain > best + (share == 0.0 ? 5.0 : 0.0)) {
+                    best = gain;
                     share = s;
                     tau = t;
                 }
@@ -167,10 +189,12 @@ static palp_status find_white(explain_data *data, const double *residual) {
 
 palp_status explain_noise_find(explain_data *data, const double *residual) {
     piece *list = malloc(PIECES_MAX * sizeof *list);
-    double *work = malloc(7 * data->longest * sizeof *work), share = 0.0, white = 0.0;
+    double *work = malloc((7 * data->longest + 2 * data->n_runs) * sizeof *work), share = 0.0, white = 0.0;
     palp_status status = list && work ? find_white(data, residual) : PALP_ERR_NO_MEMORY;
     if (!status) {
-        find_correlated(data, residual, list, find_pieces(data, list), work, &share);
+        double *without = work + 7 * data->longest;
+        const pauses p = {data, residual, list, find_pieces(data, list), work, without, without + data->n_runs};
+        find_correlated(data, &p, &share);
         for (size_t r = 0; r < data->n_runs; r++) {
             explain_run *run = &data->run[r];
             white += run->white * run->white * (double)run->n / (double)data->n;

@@ -26,7 +26,8 @@ palp_status explain_copy_runs(const explain_search *s, palp_explanation *e) {
         to->force_N = to->time_s + 2 * to->n;
         to->before_N = to->time_s + 3 * to->n;
         to->after_N = to->time_s + 4 * to->n;
-        memcpy(to->time_s, from->time, bytes);
+        for (size_t i = 0; i < to->n; i++)
+            to->time_s[i] = from->start + from->time[i];
         memcpy(to->depth_m, from->depth, bytes);
         memcpy(to->force_N, from->force, bytes);
     }

@@ -21,7 +21,7 @@ static unsigned char use[2][2 * MOST];
 /* Runs of n samples each, some in the air, evenly dt apart, at rest. */
 static void begin(size_t n_runs, size_t n, double dt) {
     data = (explain_data){.n_runs = n_runs, .n = n_runs * n, .longest = n, .run = run, .peak = 1, .deepest = 5e-3,
-                          .height = 0.024, .correlation_time = 1, .duration = (double)n * dt};
+                          .height = 0.024, .correlation_time = 1, .step = dt, .duration = (double)n * dt};
     for (size_t r = 0; r < n_runs; r++) {
         double *b = block[r];
         run[r] = (explain_run){.n = n, .time = b, .depth = b + n, .force = b + 2 * n, .keep = b + 3 * n, .take = b + 4 * n,
@@ -144,7 +144,7 @@ END_TEST
 START_TEST(a_wave_over_time) {
     palp_explain_peak peak;
     begin(1, 4000, 0.01);
-    double f = 0.1 * pow(450.0, 90.0 / 199.0); /* one of those that are tried */
+    double f = 0.15 * pow(300.0, 90.0 / 199.0); /* one of those that are tried */
     for (size_t i = 0; i < 4000; i++)
         residual[i] = 0.03 * cos(TURN * f * run->time[i]) + 0.5;
     ck_assert_int_eq(explain_peak_in_time(&data, residual, &peak), PALP_OK);
