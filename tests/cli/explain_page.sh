@@ -122,7 +122,7 @@ for text in 'The candidates and their scores' 'What to measure next' 'The force 
 done
 
 # Relaxation as a power of time, which holds of 20 s do not tell from the draining of pores.
-model '{"id": "power_law_relaxation", "parameters": {"stiffness_N": 0.5, "exponent": 0.1}}' 2.1 >power.json
+model '{"id": "power_law_relaxation", "parameters": {"stiffness_N": 0.3, "exponent": 0.1}}' 2.1 >power.json
 runs power power.json 1
 expect 0 explain --model guess.json power?.csv --result power.out --report power.html --next next.out
 page power.html power.out ambiguous
