@@ -43,7 +43,8 @@ typedef enum palp_explain_verdict {
     PALP_EXPLAIN_AGREES,      /* nothing is missing that these runs could show */
     PALP_EXPLAIN_EXPLAINED,   /* with the effects, what remains is at the noise level */
     PALP_EXPLAIN_AMBIGUOUS,   /* likewise, but another effect would do as well */
-    PALP_EXPLAIN_UNEXPLAINED  /* something remains that no effect of the catalogue accounts for */
+    PALP_EXPLAIN_UNEXPLAINED, /* something remains that no effect of the catalogue accounts for */
+    PALP_EXPLAIN_SUSPECTED    /* of one recording: effects gain more than chance, but no other run confirms them */
 } palp_explain_verdict;
 
 PALP_API const char *palp_explain_verdict_name(palp_explain_verdict verdict); /* "agrees", ... */
@@ -107,6 +108,7 @@ typedef struct palp_explain_candidate {
     palp_effect_id id;
     bool identifiable; /* these runs can see it beside the plain model */
     bool accepted;
+    bool unconfirmed;  /* it gains more than chance, but in one run only */
     double score;      /* log likelihood gained when it alone is added, nats */
     double explained_N; /* rms that it alone would explain */
     char reason[PALP_EXPLAIN_REASON]; /* why it was rejected */

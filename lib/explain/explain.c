@@ -16,8 +16,8 @@ palp_explain_settings palp_explain_settings_default(void) {
 }
 
 const char *palp_explain_verdict_name(palp_explain_verdict verdict) {
-    static const char *const names[] = {"agrees", "explained", "ambiguous", "unexplained"};
-    return (unsigned)verdict < 4 ? names[verdict] : "unknown";
+    static const char *const names[] = {"agrees", "explained", "ambiguous", "unexplained", "suspected"};
+    return (unsigned)verdict < sizeof names / sizeof *names ? names[verdict] : "unknown";
 }
 
 void palp_explanation_free(palp_explanation *e) {
@@ -66,9 +66,17 @@ static bool mimicked(const explain_search *s, const palp_explanation *e, double 
     return e->n_effects > 0 && e->unexplained_N > MOST_LEFT * gap;
 }
 
-static palp_explain_verdict judge(bool remains, const palp_explanation *e) {
+/* Whether the only recording has candidates that another one could confirm. */
+static bool suspected(const explain_search *s, const palp_explanation *e) {
+    bool some = false;
+    for (size_t k = 0; k < e->n_candidates; k++)
+        some = some || e->candidate[k].unconfirmed;
+    return explain_fitted_runs(&s->data) == 1 && some;
+}
+
+static palp_explain_verdict judge(const explain_search *s, bool remains, const palp_explanation *e) {
     if (remains)
-        return PALP_EXPLAIN_UNEXPLAINED;
+        return suspected(s, e) ? PALP_EXPLAIN_SUSPECTED : PALP_EXPLAIN_UNEXPLAINED;
     for (size_t i = 0; i < e->n_effects; i++)
         if (e->effect[i].n_class > 1)
             return PALP_EXPLAIN_AMBIGUOUS;
@@ -116,7 +124,7 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
     e->model = s->fit.model;
     explain_add_hum(s, e);
     bool mimics = mimicked(s, e, noise_level_N);
-    e->verdict = judge(mimics || rest.most_N > s->settings->good_enough * s->data.peak, e);
+    e->verdict = judge(s, mimics || rest.most_N > s->settings->good_enough * s->data.peak, e);
     if (mimics) {
         disown(s, e);
         e->unexplained_N = sqrt(fmax(0.0, s->opened * s->opened - noise_level_N * noise_level_N));

@@ -172,6 +172,31 @@ static palp_status find_pace(explain_data *data) {
     return PALP_OK;
 }
 
+/* Widens the range of a run's mean speeds over twentieths of the time that it is pressed beyond a twentieth of the deepest. */
+static void add_speeds(const explain_run *run, double deepest, double *slowest, double *fastest) {
+    enum { PARTS = 20 };
+    size_t first = 0, last = run->n - 1;
+    while (first < last && run->depth[first] < 0.05 * deepest)
+        first++;
+    while (last > first && run->depth[last] < 0.05 * deepest)
+        last--;
+    const size_t part = (last - first) / PARTS;
+    for (size_t k = 0; k < PARTS && part > 0; k++) {
+        size_t a = first + k * part, b = a + part;
+        double speed = (run->depth[b] - run->depth[a]) / (run->time[b] - run->time[a]);
+        *slowest = fmin(*slowest, speed);
+        *fastest = fmax(*fastest, speed);
+    }
+}
+
+static void find_one_speed(explain_data *data) {
+    double slowest = HUGE_VAL, fastest = -HUGE_VAL;
+    for (size_t r = 0; r < data->n_runs; r++)
+        if (!data->run[r].held_out)
+            add_speeds(&data->run[r], data->deepest, &slowest, &fastest);
+    data->one_speed = slowest > 0.0 && fastest < 1.5 * slowest;
+}
+
 static void count_replicates(explain_data *data) {
     for (size_t r = 1; r < data->n_runs; r++) {
         bool found = false;
@@ -257,6 +282,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
     if (!status)
         status = find_pace(data);
     if (!status) {
+        find_one_speed(data);
         count_replicates(data);
         find_largest_strains(data);
     }
@@ -279,6 +305,13 @@ size_t explain_samples(const explain_data *data) {
     size_t n = 0;
     for (size_t r = 0; r < data->n_runs; r++)
         n += data->run[r].held_out ? 0 : data->run[r].n;
+    return n;
+}
+
+size_t explain_fitted_runs(const explain_data *data) {
+    size_t n = 0;
+    for (size_t r = 0; r < data->n_runs; r++)
+        n += !data->run[r].held_out;
     return n;
 }
 

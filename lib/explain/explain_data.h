@@ -32,6 +32,7 @@ typedef struct explain_data {
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double step, fastest, span;             /* typical time between samples; largest speed; of the session, s */
     double correlated, correlation_time;    /* of the noise */
+    bool one_speed;                         /* all runs press at one speed, without a pause or a way back */
     size_t n_replicates;                    /* runs whose plate goes as in one before */
     double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
     size_t n_releases;
@@ -43,6 +44,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
                                 const palp_model *model, explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
 size_t explain_samples(const explain_data *data);    /* of the runs that are not held out */
+size_t explain_fitted_runs(const explain_data *data); /* how many are not */
 effect_data explain_facts(const explain_data *data); /* without what a fit leaves of them */
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
 

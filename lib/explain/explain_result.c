@@ -79,7 +79,8 @@ size_t explain_list_candidates(const explain_search *s, double threshold, const 
         palp_explain_candidate *out = &list[n++];
         const char *why = explain_judged(s, t, threshold);
         out->id = (palp_effect_id)i;
-        out->identifiable = seen[i] || effect_row_of((palp_effect_id)i)->line;
+        out->identifiable = seen[i] || (effect_row_of((palp_effect_id)i)->line && !s->data.one_speed);
+        out->unconfirmed = why && explain_unconfirmed(why);
         out->score = t->fit.product ? t->gain : 0.0;
         out->explained_N = t->explained;
         snprintf(out->reason, sizeof out->reason, "%s", why ? why : "another effect explains more");

@@ -129,6 +129,9 @@ palp_status explain_trial_again(const explain_search *full, explain_search *rest
 /* Why a trial may not be accepted; NULL: it may. */
 const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold);
 
+/* Whether that is all that speaks against it: there is no second run that it helps. */
+bool explain_unconfirmed(const char *reason);
+
 /* The one that gains most of those that may; PALP_EFFECT_COUNT: none. */
 size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status);
 palp_status explain_take(explain_search *s, size_t i);

@@ -4,8 +4,27 @@
 #include <math.h>
 #include <string.h>
 
+static const char ONE_RUN[] = "helps in one experiment only";
+
 /* What an effect's equations are good for: of the first gap, and of the noise level beside an effect that is there. */
 static const double SHADOW = 0.06, SLIGHT = 0.25;
+
+/* Whether a strength, a time or a length of the trial's effect is at the end of what these runs can mean. */
+static bool at_an_end(const explain_fit *fit) {
+    if (fit->model.n_effects == 0)
+        return false;
+    const palp_effect *effect = &fit->model.effects[fit->model.n_effects - 1];
+    const palp_effect_info *info = palp_effect_look_up(effect->id);
+    const size_t first = explain_first_column(&fit->model, fit->model.n_effects - 1);
+    for (size_t p = 0; p < info->n_parameters; p++) {
+        const palp_effect_parameter *q = &info->parameter[p];
+        const size_t k = first + p;
+        bool counts = q->strength || q->scale == PALP_SCALE_TIME || q->scale == PALP_SCALE_LENGTH;
+        if (counts && fit->low[k] < fit->high[k] && fit->x[k] >= fit->high[k])
+            return true;
+    }
+    return false;
+}
 
 const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold) {
     if (!t->fit.product)
@@ -16,15 +35,21 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
         return "gains no more than the model's other faults would";
     if (!(t->explained > s->settings->good_enough * s->data.peak))
         return "explains less than the practical limit";
+    if (at_an_end(&t->fit))
+        return "its estimate is at the end of what these runs can mean";
+    if (explain_fitted_runs(&s->data) == 1)
+        return ONE_RUN;
     if (!(t->held_out_gain > t->held_out_se))
         return "does not help to predict an experiment left out by more than its standard error";
     if (!(t->held_out_rest > 0.0))
-        return "helps in one experiment only";
+        return ONE_RUN;
     bool slight = explain_added_count(s) > 0 && !(t->explained > SLIGHT * explain_noise_level(&s->data));
     if (slight || !(t->explained > SHADOW * s->opened))
         return "is within what an effect's equations are good for";
     return NULL;
 }
+
+bool explain_unconfirmed(const char *reason) { return reason == ONE_RUN; }
 
 size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status) {
     size_t best = PALP_EFFECT_COUNT;

@@ -39,6 +39,26 @@ static void say_scatter(const palp_explanation *e) {
     }
 }
 
+/* The candidates that gain most and were not taken. */
+static void say_candidates(const palp_explanation *e) {
+    enum { SAID = 3 };
+    bool said[PALP_EFFECT_COUNT] = {false};
+    for (int n = 0; n < SAID; n++) {
+        size_t best = e->n_candidates;
+        for (size_t k = 0; k < e->n_candidates; k++) {
+            const palp_explain_candidate *c = &e->candidate[k];
+            bool worse = best < e->n_candidates && c->score <= e->candidate[best].score;
+            best = c->accepted || said[k] || !(c->score > 0) || worse ? best : k;
+        }
+        if (best == e->n_candidates) {
+            return;
+        }
+        said[best] = true;
+        printf("candidate %s: %.3g nats; not taken: %s\n", palp_effect_look_up(e->candidate[best].id)->id,
+               e->candidate[best].score, e->candidate[best].reason);
+    }
+}
+
 void explain_say(const palp_explanation *e) {
     char text[ROW];
     const char *verdict = palp_explain_verdict_name(e->verdict);
@@ -50,6 +70,10 @@ void explain_say(const palp_explanation *e) {
     say_scatter(e);
     printf("gap of experiments left out: %.4g N before, %.4g N after, noise level %.4g N\n", e->gap.heldout_before_N,
            e->gap.heldout_after_N, e->gap.noise_level_N);
+    say_candidates(e);
+    if (e->verdict == PALP_EXPLAIN_SUSPECTED) {
+        printf("next: press again the same way, and at another depth and speed\n");
+    }
     if (e->next.wanted && e->next.kind) {
         printf("next: %s to %.3g mm tells %s from %s\n", e->next.kind, e->next.depth_mm,
                palp_effect_look_up(e->next.between[0])->id, palp_effect_look_up(e->next.between[1])->id);

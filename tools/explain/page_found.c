@@ -32,7 +32,7 @@ static void classes(FILE *to, const json_t *all) {
 static void verdict(FILE *to, const json_t *all) {
     const json_t *gap = json_object_get(all, "gap");
     const char *name = json_text_at(all, "verdict");
-    bool some = json_array_size(json_object_get(all, "effects")) > 0, unexplained = strcmp(name, "unexplained") == 0;
+    bool some = json_array_size(json_object_get(all, "effects")) > 0, unexplained = strcmp(name, "unexplained") == 0 || strcmp(name, "suspected") == 0;
     char names[PAGE_LINE], before[32], after[32], noise[32], rest[32];
     effect_names(all, names);
     page_force(json_number_at(gap, "heldout_before_N"), before);
@@ -47,22 +47,22 @@ static void verdict(FILE *to, const json_t *all) {
     if (some) {
         page_paragraph(to,
                          "The model as given lacks: %s. Once that is added, recorded minus model in experiments left out of "
-                         "the fit falls from %s, rms, to %s. Noise and the scatter between runs alone make %s.",
+                         "the fit falls from %s, rms, to %s. Noise alone makes %s.",
                          names, before, after, noise);
     } else {
         page_paragraph(to,
-                         "With its numbers refitted, recorded minus model is %s, rms, in experiments left out of the fit. "
-                         "Noise and the scatter between runs alone make %s.",
-                         before, noise);
+                         "With its numbers refitted, recorded minus model is %s, rms, in experiments left out of the fit if all "
+                         "runs have one zero, contact and gain, and %s if each has its own. Noise alone makes %s.",
+                         before, after, noise);
     }
     if (unexplained) {
         page_paragraph(to,
-                         "Beyond noise and scatter %s, rms, of structure remain. %s", rest,
+                         "Beyond noise %s, rms, of structure remain. %s", rest,
                          some ? "The effects named are there, but they are not all."
                               : "No effect is named: none closes enough of the gap to be more than a mimic.");
     }
     if (strcmp(name, "agrees") == 0 && json_number_at(gap, "unexplained_N") > 0) {
-        page_paragraph(to, "What is above that, %s, is less than the noise level, and no effect of the catalogue explains it.",
+        page_paragraph(to, "What is above that, %s, is less than two thirds of the noise level or the practical limit.",
                          rest);
     }
     classes(to, all);
@@ -96,12 +96,10 @@ static void noise_level_table(FILE *to, const json_t *all) {
     html_row(to, "white noise of a sample|~%s", page_force(json_number_at(parts, "white_N"), white));
     html_row(to, "correlated noise|~%s over %.2g s", page_force(json_number_at(parts, "correlated_N"), correlated),
              json_number_at(parts, "correlation_s"));
-    html_row(to, "gain from run to run|~%.2g %%", 100 * json_number_at(parts, "gain_scatter"));
-    html_row(to, "contact from run to run|~%.2g \u00b5m", 1e3 * json_number_at(parts, "contact_scatter_mm"));
-    html_row(to, "runs of one protocol|~%s",
-             json_is_true(json_object_get(parts, "replicates"))
-                 ? "there are some: the scatter is measured"
-                 : "none: the scatter is what is expected; repeat a run");
+    html_row(to, "beside it, gain from run to run|~%.2g %%", 100 * json_number_at(parts, "gain_scatter"));
+    html_row(to, "contact from run to run|~%.2g mm", json_number_at(parts, "contact_scatter_mm"));
+    html_row(to, "runs that go the same way|~%s",
+             json_is_true(json_object_get(parts, "replicates")) ? "there are some" : "none: repeat a run");
     html_table_end(to);
 }
 

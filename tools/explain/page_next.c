@@ -112,7 +112,7 @@ void page_next(FILE *to, const json_t *all) {
         draw(to, run);
     } else if (json_is_object(next)) {
         page_paragraph(to, "No run that the indenter can do tells %s apart.", both);
-    } else if (strcmp(json_text_at(all, "verdict"), "unexplained") == 0) {
+    } else if (strcmp(json_text_at(all, "verdict"), "unexplained") == 0 || strcmp(json_text_at(all, "verdict"), "suspected") == 0) {
         repeat(to, all);
     } else {
         page_paragraph(to, "Nothing is left to be told apart. What these runs cannot show is listed above.");

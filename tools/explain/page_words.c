@@ -25,6 +25,7 @@ const char *page_verdict(const char *verdict) {
         {"agrees", "Nothing is missing that these runs could show."},
         {"explained", "With the effects below, what remains is at the noise level."},
         {"ambiguous", "The effects below close the gap, but others would do as well; they are named with each."},
+        {"suspected", "Something is missing; one recording names candidates, a second one would have to confirm them."},
         {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
     };
     for (size_t i = 0; i < sizeof text / sizeof text[0]; i++) {
