@@ -44,7 +44,7 @@ expect 0 explain --model lumped.json run_?.csv --candidates sensor_bias,sensor_l
 plain='"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 24}, "stiffness": {"kind": "polynomial", "coefficients_N": [8.2, 3.1]}'
 echo "{$plain, \"arms\": [{\"stiffness_N\": 2.4, \"viscosity_Ns\": 12}]}" >guess.json
 echo "{$plain, \"arms\": [{\"stiffness_N\": 2.1, \"viscosity_Ns\": 12}],
- \"effects\": [{\"id\": \"power_law_relaxation\", \"parameters\": {\"stiffness_N\": 0.5, \"exponent\": 0.1}}]}" >power.json
+ \"effects\": [{\"id\": \"power_law_relaxation\", \"parameters\": {\"stiffness_N\": 0.3, \"exponent\": 0.1}}]}" >power.json
 n=0
 for ramp in "4 1" "6 2" "7 0.5" "4 1"; do
     set -- $ramp; n=$((n + 1))
