@@ -33,9 +33,11 @@ static void find_contacts(explain_search *s) {
 }
 
 palp_status explain_refit(explain_search *s) {
-    enum { ROUNDS = 3 };
+    enum { LEAST = 3, MOST = 12 };
+    double risen = 1.0;
     palp_status status = explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
-    for (int round = 0; round < ROUNDS && !status; round++) {
+    for (int round = 0; round < MOST && (round < LEAST || risen > 0.3) && !status; round++) {
+        double before = s->fit.score;
         status = find_noise(s);
         if (!status)
             status = explain_fit_products(&s->fit, &s->data, NULL);
@@ -47,6 +49,7 @@ palp_status explain_refit(explain_search *s) {
         if (!status)
             status = explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
         explain_fit_scatter(&s->fit, &s->data, s->settings);
+        risen = s->fit.score - before;
     }
     return status;
 }
