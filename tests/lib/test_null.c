@@ -233,6 +233,7 @@ START_TEST(null_is_freed) {
     palp_network_free(NULL);
     palp_path_free(NULL);
     palp_realtime_free(NULL);
+    palp_pieces_free(NULL);
     palp_recording_free(NULL);
     palp_snapshots_free(NULL);
     palp_reduced_free(NULL);
