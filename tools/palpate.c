@@ -39,9 +39,8 @@ static void help(FILE *to) {
             palp_version());
     for (size_t i = 0; i < SUBCOMMANDS; i++) {
         const subcommand *s = &subcommands[i];
-        if (s->group) {
+        if (s->group)
             fprintf(to, "\n%s\n", s->group);
-        }
         fprintf(to, "  %-14s%s\n", s->name, s->about);
     }
     fputs("\n  palpate help COMMAND      options of a command, with units and an example\n"
@@ -56,19 +55,16 @@ static void help(FILE *to) {
 }
 
 static const subcommand *find(const char *name) {
-    for (size_t i = 0; i < SUBCOMMANDS; i++) {
-        if (strcmp(name, subcommands[i].name) == 0) {
+    for (size_t i = 0; i < SUBCOMMANDS; i++)
+        if (strcmp(name, subcommands[i].name) == 0)
             return &subcommands[i];
-        }
-    }
     return NULL;
 }
 
 static const subcommand *nearest(const char *name) {
     const char *names[SUBCOMMANDS];
-    for (size_t i = 0; i < SUBCOMMANDS; i++) {
+    for (size_t i = 0; i < SUBCOMMANDS; i++)
         names[i] = subcommands[i].name;
-    }
     const char *near = cli_nearest(name, SUBCOMMANDS, names);
     return near ? find(near) : NULL;
 }
@@ -91,9 +87,8 @@ static int run(int argc, char **argv) {
         return CLI_OK;
     }
     const subcommand *s = find(helps ? argv[2] : word);
-    if (!s) {
+    if (!s)
         return unknown(helps ? argv[2] : word);
-    }
     char option[] = "--help", *ask[] = {argv[helps ? 2 : 1], option, NULL};
     return helps ? s->run(2, ask) : s->run(argc - 1, argv + 1);
 }

@@ -23,17 +23,15 @@ static const double KEEP_S = 0.5; /* rows wait no longer than this */
 
 /* Bytes up to the last line's end of what did get there. */
 static size_t whole_lines(const char *text, size_t n) {
-    while (n > 0 && text[n - 1] != '\n') {
+    while (n > 0 && text[n - 1] != '\n')
         n--;
-    }
     return n;
 }
 
 static size_t count_lines(const char *text, size_t n) {
     size_t lines = 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         lines += text[i] == '\n';
-    }
     return lines;
 }
 
@@ -47,9 +45,8 @@ static void flush(acquire_file *f) {
         } else if (errno != EINTR) {
             f->error = errno;
             done = whole_lines(f->text, done);
-            if (ftruncate(f->fd, f->at + (off_t)done) != 0) {
+            if (ftruncate(f->fd, f->at + (off_t)done) != 0)
                 done = 0; /* nothing more can be done for it */
-            }
             size_t rows = count_lines(f->text + done, f->n - done);
             f->figures.samples -= rows < f->figures.samples ? rows : f->figures.samples; /* they are not there */
         }
@@ -60,9 +57,8 @@ static void flush(acquire_file *f) {
 }
 
 static void put(acquire_file *f, const char *text, size_t n) {
-    if (f->n + n > sizeof f->text) {
+    if (f->n + n > sizeof f->text)
         flush(f);
-    }
     if (n <= sizeof f->text) {
         memcpy(f->text + f->n, text, n);
         f->n += n;
@@ -150,12 +146,10 @@ int acquire_file_open(acquire_file *f, const char *path, bool force, bool raw, c
     f->n = 0;
     snprintf(f->path, sizeof f->path, "%s", path);
     f->fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | (force ? O_TRUNC : O_EXCL), 0666);
-    if (f->fd < 0 && errno == EEXIST) {
+    if (f->fd < 0 && errno == EEXIST)
         return cli_failure(NAME, "%s is there already: name another --out, or give --force", path);
-    }
-    if (f->fd < 0) {
+    if (f->fd < 0)
         return cli_failure(NAME, "%s: %s", path, strerror(errno));
-    }
     put_header(f, header);
     flush(f);
     if (f->error) {
@@ -173,9 +167,8 @@ static acquire_sample make_sample(const acquire_file *f, const palp_wire_samples
     acquire_sample x = {.time_s = s->tick_s * (double)(b->tick + (uint32_t)i - f->first_tick),
                         .depth_mm = s->count_mm * (double)(b->position[i] - s->contact),
                         .error_mm = s->count_mm * (double)b->error[i]};
-    for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++) {
+    for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
         x.force_N += s->row_N[c] * ((double)b->adc[i * PALP_WIRE_CHANNELS + c] - s->tare[c]);
-    }
     return x;
 }
 
@@ -219,11 +212,10 @@ static void put_sample(acquire_file *f, const acquire_sample *x, const palp_wire
     const int16_t *adc = &b->adc[i * PALP_WIRE_CHANNELS];
     int n = snprintf(row, ROW_MAX, "%.*f,%.*f,%.5f", f->scale.tick_s == 1e-3 ? 3 : 6, x->time_s,
                      f->scale.count_mm == 1e-3 ? 3 : 6, x->depth_mm, x->force_N);
-    if (f->raw) {
+    if (f->raw)
         n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%.*f,%ld,%d,%d,%d,%d,%d,%d,%d,%u",
                       f->scale.count_mm == 1e-3 ? 3 : 6, x->error_mm, (long)b->position[i], adc[0], adc[1],
                       adc[2], adc[3], adc[4], adc[5], b->duty[i], (unsigned)b->flags[i]);
-    }
     put_row(f, row, n < ROW_MAX ? n : ROW_MAX - 1);
 }
 
@@ -253,13 +245,11 @@ static bool take(acquire_file *f, const palp_wire_samples *b, size_t i) {
         take_other(f, tick, step);
         return false;
     }
-    if ((f->started || f->waits) && (step == 0 || step > INT32_MAX)) {
+    if ((f->started || f->waits) && (step == 0 || step > INT32_MAX))
         return false;
-    }
     f->figures.lost += f->started || f->waits ? step - 1 : 0;
-    if (!f->started) {
+    if (!f->started)
         start_clock(f, tick);
-    }
     f->last_tick = tick;
     if (b->flags[i] & PALP_WIRE_FLAG_SENSOR_BAD) {
         f->figures.bad++;
@@ -273,17 +263,15 @@ static bool take(acquire_file *f, const palp_wire_samples *b, size_t i) {
 
 size_t acquire_file_add(acquire_file *f, const palp_wire_samples *b) {
     size_t taken = 0;
-    for (size_t i = 0; i < b->count && i < PALP_WIRE_SAMPLES && f->fd >= 0 && !f->error; i++) {
+    for (size_t i = 0; i < b->count && i < PALP_WIRE_SAMPLES && f->fd >= 0 && !f->error; i++)
         taken += take(f, b, i);
-    }
     acquire_file_keep(f);
     return taken;
 }
 
 void acquire_file_keep(acquire_file *f) {
-    if (f->fd >= 0 && f->n > 0 && (f->n > sizeof f->text / 2 || link_now_s() - f->written_s > KEEP_S)) {
+    if (f->fd >= 0 && f->n > 0 && (f->n > sizeof f->text / 2 || link_now_s() - f->written_s > KEEP_S))
         flush(f);
-    }
 }
 
 bool acquire_file_lossy(const acquire_figures *g) {
@@ -301,12 +289,10 @@ int acquire_file_close(acquire_file *f, const char *fault, double winding_C) {
     do {
         done = pwrite(f->fd, text, n, sizeof VERSION - 1);
     } while (done < 0 && errno == EINTR);
-    if (done != (ssize_t)n && !f->error) {
+    if (done != (ssize_t)n && !f->error)
         f->error = done < 0 ? errno : EIO;
-    }
-    if (fdatasync(f->fd) != 0 && !f->error && errno != EINVAL && errno != EROFS) {
+    if (fdatasync(f->fd) != 0 && !f->error && errno != EINVAL && errno != EROFS)
         f->error = errno;
-    }
     close(f->fd);
     f->fd = -1;
     return f->error ? cli_failure(NAME, "%s: %s", f->path, strerror(f->error)) : CLI_OK;

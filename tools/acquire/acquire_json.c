@@ -16,20 +16,17 @@ int acquire_json_open(const char *file, const char *what, acquire_json *j) {
     size_t size;
     *j = (acquire_json){file, NULL, NULL};
     palp_status status = palp_file_read(file, &j->text, &size, &error);
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
     j->root = json_loads(j->text, JSON_REJECT_DUPLICATES, &where);
     int code = CLI_OK;
-    if (!j->root) {
+    if (!j->root)
         code =
             cli_failure(NAME, "%s:%d: malformed JSON: %s", file, where.line > 0 ? where.line : 1, where.text);
-    } else if (json_integer_value(json_object_get(json_object_get(j->root, "palpate"), what)) != 1) {
+    else if (json_integer_value(json_object_get(json_object_get(j->root, "palpate"), what)) != 1)
         code = cli_failure(NAME, "%s:1: lacks \"palpate\": {\"%s\": 1}", file, what);
-    }
-    if (code) {
+    if (code)
         acquire_json_close(j);
-    }
     return code;
 }
 
@@ -54,27 +51,23 @@ static const char *value_end(const char *p) {
 
 /* The key, or the item, of what stands at p; p itself where it is not there. */
 static const char *member(const char *p, const char *key, size_t length) {
-    if (*p != '{') {
+    if (*p != '{')
         return p;
-    }
     for (const char *at = skip(p + 1, " \t\r\n"); *at == '"';) {
         const char *end = value_end(at);
-        if ((size_t)(end - at) == length + 2 && memcmp(at + 1, key, length) == 0) {
+        if ((size_t)(end - at) == length + 2 && memcmp(at + 1, key, length) == 0)
             return at;
-        }
         at = skip(value_end(skip(end, " \t\r\n:")), " \t\r\n,");
     }
     return p;
 }
 
 static const char *item(const char *p, unsigned long index) {
-    if (*p != '[') {
+    if (*p != '[')
         return p;
-    }
     const char *at = skip(p + 1, " \t\r\n");
-    for (; index > 0 && *at && *at != ']'; index--) {
+    for (; index > 0 && *at && *at != ']'; index--)
         at = skip(value_end(at), " \t\r\n,");
-    }
     return at;
 }
 
@@ -93,9 +86,8 @@ static int line_of(const char *text, const char *where) {
         }
     }
     int line = 1;
-    for (p = text; p < at; p++) {
+    for (p = text; p < at; p++)
         line += *p == '\n';
-    }
     return line;
 }
 
@@ -116,14 +108,12 @@ static const char *const axes[PALP_WIRE_CHANNELS] = {"Fx_N", "Fy_N", "Fz_N", "Tx
 static int read_row(const acquire_json *j, const char *axis, const json_t *list,
                     int32_t row[PALP_WIRE_CHANNELS]) {
     bool zero = true;
-    if (json_array_size(list) != PALP_WIRE_CHANNELS) {
+    if (json_array_size(list) != PALP_WIRE_CHANNELS)
         return acquire_json_fail(j, axis, "must be a list of %d numbers", PALP_WIRE_CHANNELS);
-    }
     for (size_t i = 0; i < PALP_WIRE_CHANNELS; i++) {
         double nano = rint(1e9 * json_number_value(json_array_get(list, i)));
-        if (!json_is_number(json_array_get(list, i)) || fabs(nano) > INT32_MAX) {
+        if (!json_is_number(json_array_get(list, i)) || fabs(nano) > INT32_MAX)
             return acquire_json_fail(j, axis, "must be numbers from -2 to 2, for a count of each channel");
-        }
         row[i] = (int32_t)nano;
         zero = zero && row[i] == 0;
     }
@@ -136,14 +126,12 @@ int acquire_calibration_read(const char *file, int32_t row[PALP_WIRE_CHANNELS][P
     const char *key;
     json_t *value;
     int code = acquire_json_open(file, "calibration", &j);
-    if (code) {
+    if (code)
         return code;
-    }
     json_object_foreach(j.root, key, value) {
         size_t axis = 0;
-        while (axis < PALP_WIRE_CHANNELS && strcmp(axes[axis], key) != 0) {
+        while (axis < PALP_WIRE_CHANNELS && strcmp(axes[axis], key) != 0)
             axis++;
-        }
         if (axis < PALP_WIRE_CHANNELS) {
             code = read_row(&j, key, value, row[axis]);
             given[axis] = true;
@@ -151,9 +139,8 @@ int acquire_calibration_read(const char *file, int32_t row[PALP_WIRE_CHANNELS][P
             code = acquire_json_fail(&j, key,
                                      "is no known key: known are Fx_N, Fy_N, Fz_N, Tx_Nm, Ty_Nm, Tz_Nm");
         }
-        if (code) {
+        if (code)
             break;
-        }
     }
     acquire_json_close(&j);
     return code;

@@ -25,9 +25,8 @@ void acquire_live_begin(acquire_live *l, bool by_depth) {
 
 /* Every stride-th sample; once they are too many, every second of them. */
 void acquire_live_add(acquire_live *l, const acquire_sample *x) {
-    if (++l->skipped < l->stride) {
+    if (++l->skipped < l->stride)
         return;
-    }
     l->skipped = 0;
     if (l->n == ACQUIRE_POINTS) {
         for (size_t i = 0; i < ACQUIRE_POINTS / 2; i++) {
@@ -70,15 +69,13 @@ void acquire_live_draw(const acquire_live *l, int rows, int columns, FILE *to) {
     }
     for (int r = 0; r < rows; r++) {
         char label[16] = "";
-        if (r % 5 == 0) {
+        if (r % 5 == 0)
             snprintf(label, sizeof label, "%.3f", high - (high - low) * r / (rows - 1));
-        }
         fprintf(to, "%8s |%.*s\n", label, columns, cell[r]);
     }
     fprintf(to, "%8s +", "N");
-    for (int c = 0; c < columns; c++) {
+    for (int c = 0; c < columns; c++)
         fputc('-', to);
-    }
     fprintf(to, "\n%10s%-12.4g%*.4g %s\n", "", left, columns - 12, right, l->by_depth ? "mm" : "s");
 }
 
@@ -86,18 +83,16 @@ void acquire_live_draw(const acquire_live *l, int rows, int columns, FILE *to) {
 
 /* Back to where the last drawing began. */
 static void rewind_screen(acquire_live *l) {
-    if (l->rows > 0) {
+    if (l->rows > 0)
         fprintf(stderr, "\033[%dA", l->rows);
-    }
     fputs("\r\033[J", stderr);
     l->rows = 0;
 }
 
 void acquire_live_show(acquire_live *l, const char *line) {
     double now = link_now_s();
-    if (!l->terminal || now - l->drawn_s < 0.1) {
+    if (!l->terminal || now - l->drawn_s < 0.1)
         return;
-    }
     rewind_screen(l);
     if (l->curve && l->n > 1) {
         acquire_live_draw(l, ROWS, COLUMNS, stderr);
@@ -110,12 +105,10 @@ void acquire_live_show(acquire_live *l, const char *line) {
 }
 
 void acquire_live_end(acquire_live *l) {
-    if (l->terminal && l->shown) {
+    if (l->terminal && l->shown)
         rewind_screen(l);
-    }
-    if (l->curve && l->n > 1) {
+    if (l->curve && l->n > 1)
         acquire_live_draw(l, ROWS, COLUMNS, stderr);
-    }
     l->n = 0;
     l->shown = false;
 }

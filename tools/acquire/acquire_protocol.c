@@ -26,9 +26,8 @@ static bool has_ramp(acquire_kind kind) {
 
 void acquire_motion_inherit(acquire_kind kind, acquire_motion *m, const acquire_motion *from) {
     acquire_motion next = *from;
-    if (has_ramp(kind) && (!isnan(m->rate_mm_s) || !isnan(m->ramp_s))) {
+    if (has_ramp(kind) && (!isnan(m->rate_mm_s) || !isnan(m->ramp_s)))
         next.rate_mm_s = next.ramp_s = NAN;
-    }
 #define ACQUIRE_TAKE(name, mask, zero, most) m->name = isnan(m->name) ? next.name : m->name;
     ACQUIRE_FIGURES(ACQUIRE_TAKE)
 #undef ACQUIRE_TAKE
@@ -68,13 +67,12 @@ static void complete(acquire_run *r) {
 }
 
 static void name_run(acquire_run *r, const char *name) {
-    if (name) {
+    if (name)
         snprintf(r->name, sizeof r->name, "%s", name);
-    } else if (r->motion.depth_mm > 0 && r->kind != ACQUIRE_FREE) {
+    else if (r->motion.depth_mm > 0 && r->kind != ACQUIRE_FREE)
         snprintf(r->name, sizeof r->name, "%s_%gmm", kinds[r->kind], r->motion.depth_mm);
-    } else {
+    else
         snprintf(r->name, sizeof r->name, "%s", r->kind == ACQUIRE_FREE ? "air" : kinds[r->kind]);
-    }
 }
 
 acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acquire_motion *motion,
@@ -117,9 +115,8 @@ static bool add_air(acquire_plan *plan, const char *name, const acquire_motion *
 
 bool acquire_plan_seed(acquire_plan *plan, const acquire_motion *defaults, char why[ACQUIRE_TEXT]) {
     bool good = add_air(plan, "air_before", defaults, why);
-    for (int i = 0; good && i < 12; i++) {
+    for (int i = 0; good && i < 12; i++)
         good = add_seed(plan, ACQUIRE_RAMP_HOLD, 1.5 + 0.5 * i, defaults, why);
-    }
     plan->random = plan->random < 0 ? 1 : plan->random;
     plan->repeat_first = plan->repeat_first < 0 ? 1 : plan->repeat_first;
     return good && add_seed(plan, ACQUIRE_STATIC, 9.7, defaults, why) &&
@@ -139,9 +136,8 @@ static void shuffle(acquire_plan *plan, const size_t *press, size_t n) {
 }
 
 static bool repeat_first(acquire_plan *plan, size_t first, size_t last) {
-    if (plan->n == ACQUIRE_RUNS) {
+    if (plan->n == ACQUIRE_RUNS)
         return false;
-    }
     memmove(&plan->run[last + 2], &plan->run[last + 1], (plan->n - last - 1) * sizeof plan->run[0]);
     plan->n++;
     acquire_run *r = &plan->run[last + 1];
@@ -154,9 +150,8 @@ static bool repeat_first(acquire_plan *plan, size_t first, size_t last) {
 
 static bool taken(const acquire_plan *plan, size_t i) {
     size_t j = 0;
-    while (j < i && strcmp(plan->run[j].name, plan->run[i].name) != 0) {
+    while (j < i && strcmp(plan->run[j].name, plan->run[i].name) != 0)
         j++;
-    }
     return j < i;
 }
 
@@ -165,9 +160,8 @@ static void number_names(acquire_plan *plan) {
     for (size_t i = 0; i < plan->n; i++) {
         char *name = plan->run[i].name;
         size_t length = strlen(name) < ACQUIRE_NAME - 8 ? strlen(name) : ACQUIRE_NAME - 8;
-        for (unsigned k = 2; taken(plan, i); k++) {
+        for (unsigned k = 2; taken(plan, i); k++)
             snprintf(name + length, ACQUIRE_NAME - length, "_%u", k % 1000);
-        }
     }
 }
 
@@ -187,18 +181,14 @@ static void fill_rests(acquire_plan *plan) {
 
 bool acquire_plan_arrange(acquire_plan *plan) {
     size_t press[ACQUIRE_RUNS], n = 0;
-    for (size_t i = 0; i < plan->n; i++) {
-        if (plan->run[i].kind != ACQUIRE_FREE) {
+    for (size_t i = 0; i < plan->n; i++)
+        if (plan->run[i].kind != ACQUIRE_FREE)
             press[n++] = i;
-        }
-    }
     plan->seed = isnan(plan->seed) ? 1 : plan->seed;
-    if (plan->random == 1) {
+    if (plan->random == 1)
         shuffle(plan, press, n);
-    }
-    if (plan->repeat_first == 1 && n > 0 && !repeat_first(plan, press[0], press[n - 1])) {
+    if (plan->repeat_first == 1 && n > 0 && !repeat_first(plan, press[0], press[n - 1]))
         return false;
-    }
     number_names(plan);
     fill_rests(plan);
     return true;

@@ -60,18 +60,15 @@ enum { FORMS = sizeof forms / sizeof forms[0] };
 
 static size_t form_of(const json_t *object) {
     size_t i = 0;
-    while (i < FORMS && !json_object_get(object, forms[i].key)) {
+    while (i < FORMS && !json_object_get(object, forms[i].key))
         i++;
-    }
     return i;
 }
 
 static bool needed(size_t form, const char *key) {
-    for (size_t i = 0; i < 3; i++) {
-        if (forms[form].needs[i] && strcmp(forms[form].needs[i], key) == 0) {
+    for (size_t i = 0; i < 3; i++)
+        if (forms[form].needs[i] && strcmp(forms[form].needs[i], key) == 0)
             return true;
-        }
-    }
     return strcmp(key, "acceleration_mm_s2") == 0 || strcmp(key, forms[form].key) == 0;
 }
 
@@ -83,36 +80,29 @@ static int read_segment_keys(const acquire_json *j, const char *where, const jso
     json_object_foreach((json_t *)object, key, value) {
         bool known;
         snprintf(at, sizeof at, "%s.%.24s", where, key);
-        if (!needed(form, key)) {
+        if (!needed(form, key))
             return acquire_json_fail(j, at, "does not go with %s", forms[form].key);
-        }
         int code = take_figure(j, at, key, value, m, &known);
-        if (code) {
+        if (code)
             return code;
-        }
-        if (!known && (!json_is_number(value) || fabs(json_number_value(value)) > 1000)) {
+        if (!known && (!json_is_number(value) || fabs(json_number_value(value)) > 1000))
             return acquire_json_fail(j, at, "must be a number from -1000 to 1000");
-        }
     }
-    for (size_t i = 0; i < 3 && forms[form].needs[i]; i++) {
-        if (!json_object_get(object, forms[form].needs[i])) {
+    for (size_t i = 0; i < 3 && forms[form].needs[i]; i++)
+        if (!json_object_get(object, forms[form].needs[i]))
             return acquire_json_fail(j, where, "needs %s", forms[form].needs[i]);
-        }
-    }
     return CLI_OK;
 }
 
 static int read_segment(const acquire_json *j, const char *where, const json_t *object, acquire_run *r) {
     size_t form = form_of(object);
     acquire_motion m = acquire_motion_none();
-    if (form == FORMS) {
+    if (form == FORMS)
         return acquire_json_fail(j, where, "needs one of move_to_mm, hold_s, cycle_to_mm, sine_mm, sweep_mm, force_N");
-    }
     m.acceleration_mm_s2 = r->motion.acceleration_mm_s2;
     int code = read_segment_keys(j, where, object, form, &m);
-    if (code) {
+    if (code)
         return code;
-    }
     double target_mm = json_number_value(json_object_get(object, forms[form].key));
     target_mm = forms[form].kind == PALP_WIRE_SEGMENT_HOLD ? r->at_mm : target_mm;
     return acquire_segment_add(r, forms[form].kind, target_mm, &m)
@@ -123,9 +113,8 @@ static int read_segment(const acquire_json *j, const char *where, const json_t *
 static int read_segments(const acquire_json *j, const char *where, const json_t *list, acquire_run *r) {
     char at[WHERE];
     int code = CLI_OK;
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return acquire_json_fail(j, where, "needs \"segments\": [...]");
-    }
     for (size_t i = 0; code == CLI_OK && i < json_array_size(list); i++) {
         snprintf(at, sizeof at, "%s.segments[%zu]", where, i);
         code = read_segment(j, at, json_array_get(list, i), r);
@@ -162,16 +151,13 @@ static int read_run_keys(const acquire_json *j, const char *where, const json_t 
         bool known;
         snprintf(at, sizeof at, "%s.%.24s", where, key);
         int code = take_figure(j, at, key, value, m, &known);
-        if (code) {
+        if (code)
             return code;
-        }
-        if (!kind_has(kind, key)) {
+        if (!kind_has(kind, key))
             return acquire_json_fail(j, at, "does not go with kind %s", acquire_kind_name(kind));
-        }
-        if (strcmp(key, "name") == 0 && !is_name(json_string_value(value))) {
+        if (strcmp(key, "name") == 0 && !is_name(json_string_value(value)))
             return acquire_json_fail(j, at,
                                      "must be a text of letters, digits, _ . and -, for a file's name");
-        }
         if (!known && strcmp(key, "kind") != 0 && strcmp(key, "name") != 0 && strcmp(key, "about") != 0 &&
             (strcmp(key, "segments") != 0 || kind != ACQUIRE_SEGMENTS)) {
             return acquire_json_fail(j, at, "is no known key");
@@ -190,16 +176,14 @@ static int read_run(const acquire_json *j, size_t i, const acquire_motion *optio
     snprintf(where, sizeof where, "runs[%zu]", i);
     int code = read_kind(j, where, object, &kind);
     code = code ? code : read_run_keys(j, where, object, kind, &m);
-    if (code) {
+    if (code)
         return code;
-    }
     acquire_motion_inherit(kind, &m, options);
     acquire_motion_inherit(kind, &m, shared);
     acquire_run *r =
         acquire_plan_add(plan, kind, &m, json_string_value(json_object_get(object, "name")), why);
-    if (!r) {
+    if (!r)
         return acquire_json_fail(j, where, "%s", why);
-    }
     return kind == ACQUIRE_SEGMENTS ? read_segments(j, where, json_object_get(object, "segments"), r)
                                     : CLI_OK;
 }
@@ -209,19 +193,16 @@ static int read_run(const acquire_json *j, size_t i, const acquire_motion *optio
 static int read_order(const acquire_json *j, const char *key, const json_t *value, acquire_plan *plan) {
     const char *text = json_string_value(value);
     if (strcmp(key, "order") == 0) {
-        if (!text || (strcmp(text, "random") != 0 && strcmp(text, "given") != 0)) {
+        if (!text || (strcmp(text, "random") != 0 && strcmp(text, "given") != 0))
             return acquire_json_fail(j, key, "must be \"random\" or \"given\"");
-        }
         plan->random = plan->random < 0 ? strcmp(text, "random") == 0 : plan->random;
     } else if (strcmp(key, "order_seed") == 0) {
-        if (!json_is_integer(value) || json_integer_value(value) < 0 || json_number_value(value) > 9e15) {
+        if (!json_is_integer(value) || json_integer_value(value) < 0 || json_number_value(value) > 9e15)
             return acquire_json_fail(j, key, "must be a whole number, 0 or more");
-        }
         plan->seed = isnan(plan->seed) ? json_number_value(value) : plan->seed;
     } else if (strcmp(key, "repeat_first") == 0) {
-        if (!json_is_boolean(value)) {
+        if (!json_is_boolean(value))
             return acquire_json_fail(j, key, "must be true or false");
-        }
         plan->repeat_first = plan->repeat_first < 0 ? json_is_true(value) : plan->repeat_first;
     } else if (strcmp(key, "palpate") != 0 && strcmp(key, "about") != 0 && strcmp(key, "runs") != 0) {
         return acquire_json_fail(j, key, "is no known key");
@@ -237,17 +218,14 @@ static int read_all(const acquire_json *j, const acquire_motion *options, acquir
         bool known;
         int code = take_figure(j, key, key, value, &shared, &known);
         code = code || known ? code : read_order(j, key, value, plan);
-        if (code) {
+        if (code)
             return code;
-        }
     }
-    if (json_array_size(runs) == 0) {
+    if (json_array_size(runs) == 0)
         return acquire_json_fail(j, "", "needs \"runs\": [...]");
-    }
     int code = CLI_OK;
-    for (size_t i = 0; code == CLI_OK && i < json_array_size(runs); i++) {
+    for (size_t i = 0; code == CLI_OK && i < json_array_size(runs); i++)
         code = read_run(j, i, options, &shared, plan);
-    }
     return code;
 }
 

@@ -79,9 +79,8 @@ static outcome find_contact(session *s) {
     snprintf(s->doing, sizeof s->doing, "finding contact");
     outcome end = session_order(s, &m, "find contact");
     end = end ? end : session_settle(s, travel_mm / SEEK_MM_S + 60);
-    if (end == GOES_ON && !s->device.status.contact_known) {
+    if (end == GOES_ON && !s->device.status.contact_known)
         end = session_fail(s, "no contact in %g mm of travel: is a specimen under the plate?", travel_mm);
-    }
     return end;
 }
 
@@ -90,13 +89,12 @@ static outcome check_run(session *s, const acquire_run *r) {
     double above_mm = s->scale.count_mm * s->scale.contact,
            below_mm = 1e-6 * s->device.info.travel_nm - above_mm;
     outcome end = session_segments(s, r);
-    if (end == GOES_ON && r->deepest_mm > below_mm) {
+    if (end == GOES_ON && r->deepest_mm > below_mm)
         end = session_fail(s, "%s goes to %g mm, but the plate's travel ends %.2f mm below contact", r->name,
                            r->deepest_mm, below_mm);
-    } else if (end == GOES_ON && r->highest_mm < -above_mm) {
+    else if (end == GOES_ON && r->highest_mm < -above_mm)
         end = session_fail(s, "%s begins %g mm above contact, but home is only %.2f mm above it", r->name,
                            -r->highest_mm, above_mm);
-    }
     return end;
 }
 
@@ -111,9 +109,8 @@ static void say_contact(session *s) {
 static outcome end_last_session(session *s) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_STOP};
     outcome end = session_status(s);
-    if (end || !session_moving(s)) {
+    if (end || !session_moving(s))
         return end;
-    }
     cli_warning(NAME, "the device was still moving for a session that has gone: it withdraws first");
     end = session_order(s, &m, "stop");
     return end ? end : session_settle(s, 30);
@@ -123,21 +120,18 @@ static outcome make_ready(session *s) {
     bool keep = s->options->keep_contact;
     outcome end = end_last_session(s);
     end = end ? end : configure(s);
-    if (end == GOES_ON && keep && !s->device.status.contact_known) {
+    if (end == GOES_ON && keep && !s->device.status.contact_known)
         end = session_fail(s, "the device knows no contact to keep: leave out --keep-contact");
-    }
     end = end || keep ? end : home(s);
     end = end ? end : tare(s);
     end = end || keep ? end : find_contact(s);
     end = end ? end : session_status(s);
-    if (end) {
+    if (end)
         return end;
-    }
     s->scale.contact = s->device.status.contact;
     say_contact(s);
-    for (size_t i = 0; i < s->plan->n && end == GOES_ON; i++) {
+    for (size_t i = 0; i < s->plan->n && end == GOES_ON; i++)
         end = check_run(s, &s->plan->run[i]);
-    }
     return end;
 }
 
@@ -147,9 +141,8 @@ static outcome make_ready(session *s) {
 static void check_contact(const session *s) {
     const double early_mm = -0.1, late_mm = 0.25;
     double at_mm = s->file.figures.contact_mm;
-    if (s->run->kind == ACQUIRE_FREE || isnan(at_mm) || (at_mm > early_mm && at_mm < late_mm)) {
+    if (s->run->kind == ACQUIRE_FREE || isnan(at_mm) || (at_mm > early_mm && at_mm < late_mm))
         return;
-    }
     cli_warning(NAME, "%s: contact at %.2f mm: the specimen %s", s->file.path, at_mm,
                 at_mm > 0 ? "has not recovered (raise --rest-s), or has moved"
                           : "has risen or moved; let it settle and start again");
@@ -160,9 +153,8 @@ static void say_run(const session *s) {
     fprintf(stderr, "palpate %s: %s: %zu samples, %.4g mm, %.4g N, error %.2g mm rms", NAME, s->file.path,
             g->samples, g->deepest_mm, g->peak_N,
             g->errors ? sqrt(g->error_square / (double)g->errors) : 0.0);
-    if (g->lost + g->bad > 0) {
+    if (g->lost + g->bad > 0)
         fprintf(stderr, ", %zu lost, %zu without a reading", g->lost, g->bad);
-    }
     fputc('\n', stderr);
 }
 
@@ -197,18 +189,16 @@ static outcome one_run(session *s, size_t i) {
     outcome end = rest(s);
     snprintf(s->doing, sizeof s->doing, "run %zu of %zu", s->number, s->plan->n);
     end = end ? end : session_status(s);
-    if (end) {
+    if (end)
         return end;
-    }
     snprintf(path, sizeof path, "%.*s/%s.csv", (int)sizeof path - ACQUIRE_NAME - 8, s->options->out,
              s->run->name);
     json_t *header = session_header(s);
     int code =
         acquire_file_open(&s->file, path, s->options->force, s->options->raw, &s->scale, s->tick, header);
     json_decref(header);
-    if (code) {
+    if (code)
         return FAILED_SAID;
-    }
     acquire_live_begin(&s->live, s->run->kind == ACQUIRE_STATIC || s->run->kind == ACQUIRE_CYCLIC);
     end = start_run(s);
     end = end ? end : session_settle(s, acquire_run_length_s(s->run) + 60);
@@ -220,17 +210,15 @@ static outcome one_run(session *s, size_t i) {
 static void note_loss(session *s) {
     const acquire_figures *g = &s->file.figures;
     const size_t missing = g->lost + g->bad, all = g->samples + missing;
-    if (s->lossy++ == 0) {
+    if (s->lossy++ == 0)
         snprintf(s->why, sizeof s->why, "%.300s lacks %zu of %zu samples (%.0f %%): record it again", s->file.path,
                  missing, all, 100.0 * (double)missing / (double)all);
-    }
 }
 
 /* Closes what the run has recorded; a run of which nothing came leaves no file. */
 static outcome end_run(session *s, outcome end, const char *cause) {
-    if (s->file.fd < 0) {
+    if (s->file.fd < 0)
         return end;
-    }
     if (!s->file.started) {
         acquire_file_remove(&s->file);
         return end ? end : session_fail(s, "no samples came, %s", s->doing);
@@ -241,9 +229,8 @@ static outcome end_run(session *s, outcome end, const char *cause) {
         note_loss(s);
     }
     double winding_C = end == GONE ? NAN : 1e-2 * s->device.status.winding_cC;
-    if (acquire_file_close(&s->file, cause, winding_C) != CLI_OK) {
+    if (acquire_file_close(&s->file, cause, winding_C) != CLI_OK)
         end = end == GOES_ON || end == FAILED ? FAILED_SAID : end;
-    }
     session_note_run(s, cause);
     if (end == GOES_ON) {
         say_run(s);
@@ -256,9 +243,8 @@ static outcome end_run(session *s, outcome end, const char *cause) {
 
 /* The plate off the specimen, whatever it was doing; what comes meanwhile is still recorded. */
 static outcome withdraw(session *s, outcome end) {
-    if (end == GONE || end == FAULTED || !session_moving(s)) {
+    if (end == GONE || end == FAULTED || !session_moving(s))
         return end;
-    }
     palp_wire_message m = {.type = PALP_WIRE_TYPE_STOP};
     s->stopping = true;
     s->stops_seen = session_stops();
@@ -271,14 +257,12 @@ static int say_fault(const session *s) {
     const palp_wire_status *now = &s->device.status;
     char when[ACQUIRE_TEXT], hint[ACQUIRE_TEXT] = "";
     int n = snprintf(when, sizeof when, "%s", s->doing);
-    if (s->faulted_s >= 0) {
+    if (s->faulted_s >= 0)
         snprintf(when + n, sizeof when - (size_t)n, " at %.3f s; %.300s holds what came before", s->faulted_s,
                  s->file.path);
-    }
-    if (strncmp(s->options->port, "rig", 3) != 0) {
+    if (strncmp(s->options->port, "rig", 3) != 0)
         snprintf(hint, sizeof hint, "; see to it, then palpate firmware clear-fault --port %.200s",
                  s->options->port);
-    }
     cli_failure(NAME, "the device stopped: %s (%s), %s%s", palp_wire_fault_name(now->fault),
                 palp_wire_fault_text(now->fault), when, hint);
     return CLI_DEVICE_FAULT;
@@ -334,18 +318,15 @@ static outcome run_all(session *s) {
 
 int acquire_session(const acquire_options *options, const acquire_plan *plan, json_t **summary) {
     session *s = session_open(options, plan);
-    if (!s) {
+    if (!s)
         return CLI_FAILURE;
-    }
     outcome end = run_all(s);
     acquire_live_end(&s->live);
     int code = conclude(s, end);
-    if (summary) {
+    if (summary)
         *summary = session_summary(s, cause_of(s, end));
-    }
-    if (end != GONE) {
+    if (end != GONE)
         session_stream(s, false);
-    }
     session_close(s);
     return code;
 }

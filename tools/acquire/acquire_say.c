@@ -21,9 +21,8 @@ static void positive(json_t *to, const char *key, double value) {
 }
 
 static void string(json_t *to, const char *key, const char *value) {
-    if (value) {
+    if (value)
         json_object_set_new(to, key, json_string(value));
-    }
 }
 
 static void list(json_t *to, const char *key, const double value[PALP_WIRE_CHANNELS]) {
@@ -50,9 +49,8 @@ static void protocol(const session *s, json_t *to) {
     number(to, "protocol.order", (double)s->number);
     number(to, "protocol.runs", (double)s->plan->n);
     number(to, "protocol.repeat", r->repeat);
-    if (s->plan->random == 1) {
+    if (s->plan->random == 1)
         number(to, "protocol.order_seed", s->plan->seed);
-    }
     string(to, "protocol.file", s->options->protocol);
 }
 
@@ -80,9 +78,8 @@ static void device_keys(const session *s, json_t *to) {
 static void clock_time(json_t *to, const char *key, time_t clock) {
     char text[32];
     struct tm utc;
-    if (gmtime_r(&clock, &utc) && strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc) > 0) {
+    if (gmtime_r(&clock, &utc) && strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc) > 0)
         string(to, key, text);
-    }
 }
 
 static void limits(const session *s, json_t *to) {
@@ -159,10 +156,9 @@ json_t *session_summary(session *s, const char *cause) {
 void session_line(const session *s, char line[ACQUIRE_TEXT]) {
     const acquire_sample *x = &s->file.last;
     int n = snprintf(line, ACQUIRE_TEXT, "%.40s", s->doing);
-    if (s->file.fd >= 0 && s->file.started) {
+    if (s->file.fd >= 0 && s->file.started)
         n += snprintf(line + n, ACQUIRE_TEXT - (size_t)n, "  %.1f/%.0f s  %.3f mm  %.3f N", x->time_s,
                       acquire_run_length_s(s->run), x->depth_mm, x->force_N);
-    }
     snprintf(line + n, ACQUIRE_TEXT - (size_t)n, "  %.1f C  lost %zu", s->case_C,
              s->file.fd >= 0 ? s->file.figures.lost : 0);
 }

@@ -46,12 +46,10 @@ static bool add_force(acquire_run *r, double force_N, const acquire_motion *m) {
 bool acquire_segment_add(acquire_run *r, uint8_t kind, double target_mm, const acquire_motion *m) {
     bool moves = kind == PALP_WIRE_SEGMENT_MOVE || kind == PALP_WIRE_SEGMENT_CYCLE;
     bool waves = kind == PALP_WIRE_SEGMENT_SINE || kind == PALP_WIRE_SEGMENT_SWEEP;
-    if (r->n_segments == PALP_WIRE_SEGMENTS) {
+    if (r->n_segments == PALP_WIRE_SEGMENTS)
         return false;
-    }
-    if (kind == PALP_WIRE_SEGMENT_FORCE) {
+    if (kind == PALP_WIRE_SEGMENT_FORCE)
         return add_force(r, target_mm, m);
-    }
     palp_wire_segment *s = &r->segment[r->n_segments];
     *s = (palp_wire_segment){.index = (uint8_t)r->n_segments,
                              .kind = kind,
@@ -75,15 +73,13 @@ bool acquire_segment_add(acquire_run *r, uint8_t kind, double target_mm, const a
 
 /* A way or a rest of nothing is left out: the device takes none. */
 static void move(acquire_run *r, double to_mm) {
-    if (to_mm != r->at_mm) {
+    if (to_mm != r->at_mm)
         acquire_segment_add(r, PALP_WIRE_SEGMENT_MOVE, to_mm, &r->motion);
-    }
 }
 
 static void dwell(acquire_run *r) {
-    if (r->motion.hold_s > 0) {
+    if (r->motion.hold_s > 0)
         acquire_segment_add(r, PALP_WIRE_SEGMENT_HOLD, r->at_mm, &r->motion);
-    }
 }
 
 void acquire_segments_make(acquire_run *r) {

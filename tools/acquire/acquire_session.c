@@ -29,9 +29,8 @@ int session_stops(void) {
 outcome session_fail(session *s, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    if (!s->stopping) {
+    if (!s->stopping)
         vsnprintf(s->why, sizeof s->why, format, arguments);
-    }
     va_end(arguments);
     return FAILED;
 }
@@ -44,9 +43,8 @@ static void hear_samples(session *s, const palp_wire_samples *b) {
     if (s->tick - s->status_tick - 1 < INT32_MAX) { /* else a status has told a newer state */
         s->state = b->state;
     }
-    if (s->file.fd >= 0 && acquire_file_add(&s->file, b) > 0) {
+    if (s->file.fd >= 0 && acquire_file_add(&s->file, b) > 0)
         acquire_live_add(&s->live, &s->file.last);
-    }
 }
 
 static void hear(const palp_wire_message *m, unsigned lost_frames, void *context) {
@@ -84,9 +82,8 @@ static outcome faulted(session *s) {
 /* A write that fails may come before the last of what there is to read. */
 static outcome gone(session *s) {
     session_fail(s, "%s", s->device.why);
-    for (int failed = 0, reads = 0; failed < 2 && reads < 10000; reads++) {
+    for (int failed = 0, reads = 0; failed < 2 && reads < 10000; reads++)
         failed = device_poll(&s->device, 0) == DEVICE_OK ? 0 : failed + 1;
-    }
     return GONE;
 }
 
@@ -95,9 +92,8 @@ static outcome from_device(session *s, device_result result, const char *what) {
     case DEVICE_OK:
         return GOES_ON;
     case DEVICE_REFUSED:
-        if (s->device.refusal == PALP_WIRE_RESULT_FAULTED || s->state == PALP_WIRE_STATE_FAULT) {
+        if (s->device.refusal == PALP_WIRE_RESULT_FAULTED || s->state == PALP_WIRE_STATE_FAULT)
             return faulted(s);
-        }
         return session_fail(s, "the device does not %s: %s (%s)", what,
                             palp_wire_result_text(s->device.refusal), s->doing);
     default:
@@ -150,28 +146,25 @@ static outcome ask_how_it_is(session *s) {
     palp_wire_message got;
     s->asked_s = link_now_s();
     device_result result = device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got);
-    if (result == DEVICE_TIMEOUT && link_now_s() - s->heard_s < SILENT_S) {
+    if (result == DEVICE_TIMEOUT && link_now_s() - s->heard_s < SILENT_S)
         return GOES_ON;
-    }
     return from_device(s, result, "answer");
 }
 
 /* Takes what comes within a moment. */
 static outcome listen(session *s) {
     outcome end = GOES_ON;
-    if (device_poll(&s->device, s->quiet ? QUIET_MS : LISTEN_MS) == DEVICE_CLOSED) {
+    if (device_poll(&s->device, s->quiet ? QUIET_MS : LISTEN_MS) == DEVICE_CLOSED)
         end = gone(s);
-    } else if (s->quiet || link_now_s() - s->asked_s > ASK_S) {
+    else if (s->quiet || link_now_s() - s->asked_s > ASK_S)
         end = ask_how_it_is(s);
-    }
     acquire_file_keep(&s->file);
-    if (end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT) {
+    if (end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT)
         end = faulted(s);
-    } else if (end == GOES_ON && stops > s->stops_seen) {
+    else if (end == GOES_ON && stops > s->stops_seen)
         end = STOPPED;
-    } else if (end == GOES_ON && s->file.error && !s->stopping) {
+    else if (end == GOES_ON && s->file.error && !s->stopping)
         end = FAILED_SAID; /* by acquire_file_close */
-    }
     show(s);
     return end;
 }
@@ -181,9 +174,8 @@ outcome session_settle(session *s, double limit_s) {
     uint32_t from = s->tick;
     while (end == GOES_ON && session_moving(s)) {
         end = listen(s);
-        if (end == GOES_ON && s->scale.tick_s * (s->tick - from) > limit_s) {
+        if (end == GOES_ON && s->scale.tick_s * (s->tick - from) > limit_s)
             end = session_fail(s, "%s takes longer than %.0f s", s->doing, limit_s);
-        }
     }
     return end ? end : session_status(s);
 }
@@ -191,9 +183,8 @@ outcome session_settle(session *s, double limit_s) {
 outcome session_wait(session *s, double seconds) {
     outcome end = session_status(s);
     uint32_t from = s->tick;
-    while (end == GOES_ON && s->scale.tick_s * (s->tick - from) < seconds) {
+    while (end == GOES_ON && s->scale.tick_s * (s->tick - from) < seconds)
         end = listen(s);
-    }
     return end;
 }
 

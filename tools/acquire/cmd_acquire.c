@@ -150,9 +150,8 @@ static const char *mode_name(int mode) {
     static const char *const names[] = {"static", "ramp-hold", "cycles",
                                         "sweep",  "protocol",  "thesis-protocol"};
     size_t i = 0;
-    while (mode >> (i + 1)) {
+    while (mode >> (i + 1))
         i++;
-    }
     return names[i];
 }
 
@@ -169,17 +168,13 @@ static int check_motion(const choice *c, int mode) {
                 {"from-Hz", m->frequency_Hz, SWEEP | PROTOCOL},
                 {"to-Hz", m->frequency_end_Hz, SWEEP | PROTOCOL},
                 {"sweep-s", m->duration_s, SWEEP | PROTOCOL}};
-    for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
-        if (!isnan(uses[i].value) && !(uses[i].goes_with & mode)) {
+    for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++)
+        if (!isnan(uses[i].value) && !(uses[i].goes_with & mode))
             return cli_usage_error(NAME, "--%s does not go with --%s", uses[i].option, mode_name(mode));
-        }
-    }
-    if (!isnan(m->rate_mm_s) && !isnan(m->ramp_s)) {
+    if (!isnan(m->rate_mm_s) && !isnan(m->ramp_s))
         return cli_usage_error(NAME, "--rate-mm-s and --ramp-s say the same thing; leave one out");
-    }
-    if (isnan(m->depth_mm) && (mode & (STATIC | CYCLES | SWEEP))) {
+    if (isnan(m->depth_mm) && (mode & (STATIC | CYCLES | SWEEP)))
         return cli_usage_error(NAME, "--%s needs --depth-mm", mode_name(mode));
-    }
     return CLI_OK;
 }
 
@@ -189,20 +184,16 @@ static bool is_rig(const choice *c) {
 
 static int check_options(const choice *c) {
     int mode = modes(c);
-    if (!c->session.port) {
+    if (!c->session.port)
         return cli_usage_error(NAME, "name the device with --port; --list shows the serial ports");
-    }
-    if (mode == 0 || (mode & (mode - 1))) {
+    if (mode == 0 || (mode & (mode - 1)))
         return cli_usage_error(NAME,
                                "say what the plate does by one of --static, --ramp-hold, --cycles, --sweep, "
                                "--protocol, --thesis-protocol");
-    }
-    if (!c->session.out) {
+    if (!c->session.out)
         return cli_usage_error(NAME, "name a folder by --out DIR");
-    }
-    if (!is_rig(c) && rig_options_given(&c->rig)) {
+    if (!is_rig(c) && rig_options_given(&c->rig))
         return cli_usage_error(NAME, "--%s needs --port rig", rig_options_given(&c->rig));
-    }
     return check_motion(c, mode);
 }
 
@@ -223,18 +214,16 @@ static int make_plan(const choice *c, acquire_plan *plan) {
     plan->seed = c->order_seed == SIZE_MAX ? NAN : (double)c->order_seed;
     if (c->protocol) {
         int code = acquire_plan_read(plan, c->protocol, &c->motion);
-        if (code) {
+        if (code)
             return code;
-        }
     } else if (c->thesis_protocol) {
         good = acquire_plan_seed(plan, &c->motion, why);
     } else if (c->ramp_hold.n == 0) {
         acquire_kind kind = c->is_static ? ACQUIRE_STATIC : c->cycles ? ACQUIRE_CYCLIC : ACQUIRE_SWEEP;
         good = add(c, kind, c->motion.depth_mm, plan, why);
     }
-    for (size_t i = 0; good && i < c->ramp_hold.n; i++) {
+    for (size_t i = 0; good && i < c->ramp_hold.n; i++)
         good = add(c, ACQUIRE_RAMP_HOLD, c->ramp_hold.value[i], plan, why);
-    }
     good = good && acquire_plan_arrange(plan);
     return good ? CLI_OK : cli_usage_error(NAME, "--%s %s", mode_name(modes(c)), why);
 }
@@ -260,16 +249,13 @@ static int check_specimen(const choice *c, const acquire_plan *plan) {
     const acquire_options *o = &c->session;
     for (size_t i = 0; i < plan->n; i++) {
         const acquire_run *r = &plan->run[i];
-        if (r->kind == ACQUIRE_FREE) {
+        if (r->kind == ACQUIRE_FREE)
             continue;
-        }
-        if (o->height_mm <= 0) {
+        if (o->height_mm <= 0)
             return cli_usage_error(NAME, "how high is the specimen? Give --specimen-height-mm");
-        }
-        if (r->deepest_mm >= o->height_mm) {
+        if (r->deepest_mm >= o->height_mm)
             return cli_usage_error(NAME, "%s: %g mm does not fit a specimen of %g mm", r->name, r->deepest_mm,
                                    o->height_mm);
-        }
     }
     return CLI_OK;
 }
@@ -281,17 +267,14 @@ static int check_files(const choice *c, const acquire_plan *plan) {
     const acquire_options *o = &c->session;
     char path[CLI_PATH_MAX];
     int code = CLI_OK;
-    if (cli_folder(NAME, o->out)) {
+    if (cli_folder(NAME, o->out))
         return CLI_FAILURE;
-    }
     for (size_t i = 0; i < plan->n && code == CLI_OK; i++) {
         int n = snprintf(path, sizeof path, "%s/%s.csv", o->out, plan->run[i].name);
-        if (n < 0 || (size_t)n >= sizeof path) {
+        if (n < 0 || (size_t)n >= sizeof path)
             return cli_failure(NAME, "%s: the name is too long", o->out);
-        }
-        if (access(path, F_OK) == 0 && !o->force) {
+        if (access(path, F_OK) == 0 && !o->force)
             return cli_failure(NAME, "%s is there already: name another --out, or give --force", path);
-        }
         code = c->rig.log ? cli_output_check(NAME, path, true, 1, &c->rig.log) : CLI_OK;
     }
     return code;
@@ -312,20 +295,17 @@ static int with_rig(choice *c, const acquire_plan *plan) {
     rig_settings settings;
     rig r;
     int code = rig_options_settings(NAME, &c->rig, model, &settings);
-    if (code == CLI_OK && settings.plant.specimen == PLANT_MODEL) {
+    if (code == CLI_OK && settings.plant.specimen == PLANT_MODEL)
         code = specimen_of_model(settings.plant.model, c);
-    } else if (code == CLI_OK && !c->session.specimen_kind) {
+    else if (code == CLI_OK && !c->session.specimen_kind)
         c->session.specimen_kind = settings.plant.specimen == PLANT_RIGID ? "rigid" : "none";
-    }
     code = code ? code : check_specimen(c, plan);
     code = code ? code : check_files(c, plan);
-    if (code == CLI_OK && model && c->rig.log) {
+    if (code == CLI_OK && model && c->rig.log)
         code = cli_output_check(NAME, c->rig.log, c->session.force, 1, &model);
-    }
     code = code ? code : rig_open(NAME, &settings, &r);
-    if (code) {
+    if (code)
         return code;
-    }
     c->session.where = r.port;
     code = run_session(c, plan);
     int closed = rig_close(&r);
@@ -345,23 +325,19 @@ int cmd_acquire(int argc, char **argv) {
     c.rig = rig_options_default();
     c.session.contact_N = 0.01;
     int code = parse(argc, argv, &c);
-    if (code) {
+    if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    }
-    if (c.list) {
+    if (c.list)
         return link_list() < 0 ? CLI_FAILURE : CLI_OK;
-    }
     c.session.baud = (int)c.baud;
     c.session.gains = c.gains == 0 ? PALP_WIRE_GAINS_AUTO : c.gains - 1;
     c.session.protocol = c.protocol;
     code = check_options(&c);
-    if (code == CLI_OK && c.calibration) {
+    if (code == CLI_OK && c.calibration)
         code = acquire_calibration_read(c.calibration, c.session.row, c.session.calibration);
-    }
     acquire_plan *plan = code ? NULL : malloc(sizeof *plan);
-    if (code || !plan) {
+    if (code || !plan)
         return code ? code : cli_failure(NAME, "out of memory");
-    }
     code = make_plan(&c, plan);
     code = code ? code : is_rig(&c) ? with_rig(&c, plan) : with_device(&c, plan);
     free(plan);

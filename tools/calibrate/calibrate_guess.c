@@ -11,9 +11,8 @@ palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_m
     double e[PALP_LAW_MAX], f[PALP_LAW_MAX], c[PALP_LAW_MAX] = {0};
     size_t n = degree + 1;
     if (law->kind == PALP_LAW_POLYNOMIAL && law->n <= n) {
-        for (size_t i = 0; i < law->n; i++) {
+        for (size_t i = 0; i < law->n; i++)
             c[i] = law->coefficients[i];
-        }
         return palp_law_polynomial(n, c, guess);
     }
     for (size_t i = 0; i < n; i++) {
@@ -21,14 +20,12 @@ palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_m
         palp_law_stiffness(law, e[i], &f[i], NULL);
     }
     for (size_t k = 1; k < n; k++) { /* Newton's divided differences */
-        for (size_t i = n - 1; i >= k; i--) {
+        for (size_t i = n - 1; i >= k; i--)
             f[i] = (f[i] - f[i - 1]) / (e[i] - e[i - k]);
-        }
     }
     for (size_t k = n; k-- > 0;) { /* c = c (x - e[k]) + f[k] */
-        for (size_t i = n - 1; i > 0; i--) {
+        for (size_t i = n - 1; i > 0; i--)
             c[i] = c[i - 1] - e[k] * c[i];
-        }
         c[0] = f[k] - e[k] * c[0];
     }
     return palp_law_polynomial(n, c, guess);

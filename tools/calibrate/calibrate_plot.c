@@ -11,9 +11,8 @@ enum { CURVE_POINTS = 400, MARKS = 60, LAW_POINTS = 200, SHOWN_MAX = 7 };
 
 static double largest(size_t n, const double *value) {
     double most = 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         most = fmax(most, fabs(value[i]));
-    }
     return most;
 }
 
@@ -37,9 +36,8 @@ static void plot_residual(plot_book *book, const palp_calibration *c, bool relax
                                 .panel = {{.x_label = "evaluation of the curve",
                                            .y_label = relaxation ? "rms error (% of the peak)" : "residual, 2-norm (N)",
                                            .y_scale = PLOT_LOG, .n_series = 1, .series = &series}}};
-    if (largest(c->n_iterations, y) > 0) {
+    if (largest(c->n_iterations, y) > 0)
         plot_draw(book, name, &figure);
-    }
     free(work);
 }
 
@@ -55,9 +53,8 @@ static void plot_phases(plot_book *book, const palp_calibration *c) {
         const double error[3] = {it->peak_error_percent, it->steady_time_error_percent,
                                  it->steady_force_error_percent};
         work[i] = (double)(i + 1);
-        for (size_t k = 0; k < 3; k++) {
+        for (size_t k = 0; k < 3; k++)
             work[(k + 1) * n + i] = error[k] > 0 ? error[k] : NAN;
-        }
     }
     const plot_series series[] = {{"peak force", PLOT_LINE_POINTS, 0, c->n_iterations, work, work + n},
                                   {"steady time", PLOT_LINE_POINTS, 1, c->n_iterations, work, work + 2 * n},
@@ -74,9 +71,8 @@ static void plot_phases(plot_book *book, const palp_calibration *c) {
 static void plot_fit(plot_book *book, const calibrate_state *s) {
     const palp_calibration *c = &s->static_result;
     double depth[CURVE_POINTS], force[CURVE_POINTS], miss[CURVE_POINTS], mark[MARKS], wanted[MARKS];
-    if (c->n_samples == 0) {
+    if (c->n_samples == 0)
         return;
-    }
     for (size_t k = 0; k < CURVE_POINTS; k++) {
         size_t i = k * (c->n_samples - 1) / (CURVE_POINTS - 1);
         depth[k] = 1e3 * c->depth_m[i];
@@ -101,9 +97,8 @@ static void plot_fit(plot_book *book, const calibrate_state *s) {
 static void plot_law(plot_book *book, const calibrate_state *s) {
     double strain[LAW_POINTS], lumped[LAW_POINTS], element[LAW_POINTS];
     double strain_max = s->n_static ? s->depth_m[s->n_static - 1] / s->height_m : 0;
-    for (size_t i = 0; i < s->n_presses; i++) {
+    for (size_t i = 0; i < s->n_presses; i++)
         strain_max = fmax(strain_max, s->press[i].depth_m / s->height_m);
-    }
     for (size_t i = 0; i < LAW_POINTS; i++) {
         strain[i] = strain_max * (double)i / (LAW_POINTS - 1);
         palp_law_stiffness(&s->lumped.material.law, strain[i], &lumped[i], NULL);
@@ -168,12 +163,11 @@ int calibrate_plot(const calibrate_options *o, const calibrate_state *s) {
         plot_fit(&book, s);
     }
     if (s->does_relaxation) {
-        if (s->relaxation_method == METHOD_THREE_PHASE) {
+        if (s->relaxation_method == METHOD_THREE_PHASE)
             plot_phases(&book, &s->relaxation_result);
-        } else {
+        else
             plot_residual(&book, &s->relaxation_result, true, "relaxation_convergence",
                           "Convergence of the relaxation stage");
-        }
         plot_relaxation(&book, s, false);
         plot_relaxation(&book, s, true);
     }

@@ -20,12 +20,10 @@ static json_t *arms_json(const palp_material *material) {
         const palp_arm *arm = &material->arms[j];
         json_t *entry =
             json_pack("{s:f, s:f}", "stiffness_N", arm->stiffness_N, "viscosity_Ns", arm->viscosity_Ns);
-        if (arm->beta != 0) {
+        if (arm->beta != 0)
             json_object_set_new(entry, "beta", json_real(arm->beta));
-        }
-        if (arm->gamma != 0) {
+        if (arm->gamma != 0)
             json_object_set_new(entry, "gamma", json_real(arm->gamma));
-        }
         json_array_append_new(list, entry);
     }
     return list;
@@ -85,17 +83,15 @@ static void add_stage(json_t *to, const calibrate_state *s, bool relaxation) {
         json_object_set_new(to, "depth_mm", json_real(1e3 * s->depth_m[s->n_static - 1]));
         json_object_set_new(to, "reached_depth_mm", json_real(1e3 * c->reached_m));
     }
-    for (size_t i = 0; i < c->n_iterations; i++) {
+    for (size_t i = 0; i < c->n_iterations; i++)
         json_array_append_new(iterations, iteration_json(method, relaxation, &c->iterations[i]));
-    }
     json_object_set_new(to, "iterations", iterations);
 }
 
 static json_t *nodes_json(const calibrate_state *s) {
     const palp_mesh_source *mesh = &s->source;
-    if (mesh->kind != PALP_MESH_LATTICE) {
+    if (mesh->kind != PALP_MESH_LATTICE)
         return json_integer((json_int_t)palp_mesh_node_count(s->mesh));
-    }
     return json_pack("[I, I, I]", (json_int_t)mesh->nodes[0], (json_int_t)mesh->nodes[1],
                      (json_int_t)mesh->nodes[2]);
 }
@@ -113,11 +109,10 @@ static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) 
     if (s->model.material.law.strain_max > 0) { /* of the model; laws of stages and iterations carry none */
         json_object_set_new(all, "strain_max", json_real(s->model.material.law.strain_max));
     }
-    if (s->buckled) {
+    if (s->buckled)
         json_object_set_new(
             all, "buckling",
             json_pack("{s:f, s:f}", "stable_mm", 1e3 * s->stable_m, "unstable_mm", 1e3 * s->unstable_m));
-    }
     if (s->does_static && s->does_relaxation) {
         json_t *first = json_object(), *second = json_object();
         add_stage(first, s, false);
@@ -133,9 +128,8 @@ static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) 
 static void print_law(const palp_law *law) {
     if (law->kind == PALP_LAW_SPLINE) {
         printf("  K(e) through");
-        for (size_t i = 0; i < law->n; i++) {
+        for (size_t i = 0; i < law->n; i++)
             printf(" (%.4g, %.5g)", law->strain[i], law->coefficients[i]);
-        }
         printf(" (strain, N)\n");
         return;
     }
@@ -143,9 +137,8 @@ static void print_law(const palp_law *law) {
     for (size_t i = law->n; i-- > 0;) {
         double c = law->coefficients[i];
         printf(" %s%.6g", i + 1 == law->n ? (c < 0 ? "-" : "") : (c < 0 ? "- " : "+ "), fabs(c));
-        if (law->kind == PALP_LAW_POLYNOMIAL && i > 0) {
+        if (law->kind == PALP_LAW_POLYNOMIAL && i > 0)
             printf(i > 1 ? " e^%zu" : " e", i);
-        }
     }
     printf(law->kind == PALP_LAW_POLYNOMIAL ? " N\n" : " Pa\n");
 }
@@ -161,11 +154,10 @@ static void print_arms(const palp_material *material) {
 
 /* A column of percent; "-" where the phase does not look at it. */
 static void print_percent(double value) {
-    if (isfinite(value)) {
+    if (isfinite(value))
         printf(" %12.2f", value);
-    } else {
+    else
         printf(" %12s", "-");
-    }
 }
 
 static void print_iterations(const palp_calibration *c, calibrate_method method, bool relaxation) {
@@ -213,21 +205,16 @@ static void print_relaxation(const calibrate_state *s) {
 int calibrate_report(const calibrate_options *o, const calibrate_state *s) {
     if (o->plot) {
         int code = json_save_in(NAME, whole_json(o, s), o->plot, "calibrate.json");
-        if (code) {
+        if (code)
             return code;
-        }
     }
-    if (o->json) {
+    if (o->json)
         return json_print(NAME, whole_json(o, s));
-    }
-    if (s->does_static) {
+    if (s->does_static)
         print_static(s);
-    }
-    if (s->does_relaxation) {
+    if (s->does_relaxation)
         print_relaxation(s);
-    }
-    if (o->out) {
+    if (o->out)
         printf("Written to %s\n", o->out);
-    }
     return cli_flush(NAME);
 }

@@ -25,15 +25,13 @@ static void sort_effects(const calibrate_options *o, calibrate_state *s) {
                                : "only the stiffness law and the arms become the network's; palpate explain finds the "
                                  "network's own");
     }
-    if (!o->start) {
+    if (!o->start)
         s->model.n_effects = kept;
-    }
     for (size_t i = 0; o->start && i < s->model.n_effects; i++) {
         const palp_effect_info *info = palp_effect_look_up(s->model.effects[i].id);
-        if (info->place == PALP_EFFECT_SPECIMEN) {
+        if (info->place == PALP_EFFECT_SPECIMEN)
             cli_warning(NAME, "%s: the network is calibrated without its effect %s, which stays in the model", o->start,
                         info->id);
-        }
     }
 }
 
@@ -41,12 +39,10 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
     int code = open_model_of(NAME, o->lumped, PALP_MODEL_LUMPED,
                              "is a network; name the lumped model to meet (a network to start from goes to --start)",
                              &s->lumped, NULL);
-    if (code) {
+    if (code)
         return code;
-    }
-    if (s->does_relaxation && s->lumped.material.n_arms == 0) {
+    if (s->does_relaxation && s->lumped.material.n_arms == 0)
         return cli_failure(NAME, "%s: has no arms to relax; use --stage static", o->lumped);
-    }
     if (s->does_relaxation && s->relaxation_method == METHOD_THREE_PHASE &&
         s->lumped.material.n_arms > 1) {
         return cli_failure(NAME, "%s: has %zu arms, --method three_phase handles one; use --method nlopt",
@@ -58,21 +54,18 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
         code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK, "--start wants a network model", &s->model, &s->source);
         code = code ? code : open_refuse_mass(NAME, o->start, &s->model);
     }
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         sort_effects(o, s);
-    }
     return code;
 }
 
 static int choose_lattice(const calibrate_options *o, const calibrate_state *s, palp_mesh_source *mesh) {
     double nodes[3],
         size_mm[3] = {1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m};
-    if (!cli_spread(&o->nodes, nodes)) {
+    if (!cli_spread(&o->nodes, nodes))
         return cli_usage_error(NAME, "--nodes wants one or three numbers, e.g. 5 or 5,7,5");
-    }
-    if (o->size_mm.n && !cli_spread(&o->size_mm, size_mm)) {
+    if (o->size_mm.n && !cli_spread(&o->size_mm, size_mm))
         return cli_usage_error(NAME, "--size-mm wants one or three numbers, e.g. 24 or 24,30,24");
-    }
     memset(mesh, 0, sizeof *mesh);
     mesh->kind = PALP_MESH_LATTICE;
     mesh->neighbourhood = PALP_NEIGHBOURS_26;
@@ -86,9 +79,8 @@ static int choose_lattice(const calibrate_options *o, const calibrate_state *s, 
 static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
     palp_mesh_source *mesh = &s->source;
     s->model.mesh = mesh;
-    if (o->nodes.n) {
+    if (o->nodes.n)
         return choose_lattice(o, s, mesh);
-    }
     if (o->mesh) {
         memset(mesh, 0, sizeof *mesh);
         mesh->kind = PALP_MESH_FILE;
@@ -108,12 +100,10 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     palp_error error = {PALP_OK, ""};
     double low[3], high[3];
     int code = read_models(o, s);
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = choose_mesh(o, s);
-    }
-    if (code) {
+    if (code)
         return code;
-    }
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
     if (status == PALP_ERR_UNSUPPORTED && o->mesh && o->scaling < 0) { /* hexahedra: as they are */
         s->source.scaling = PALP_SCALING_NONE;
@@ -132,13 +122,11 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
         status =
             palp_network_create(s->mesh, &s->model.material, 2, supports, &settings, &s->network, &error);
     }
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
-    if (fabs(s->height_m - s->lumped.height_m) > 1e-3 * s->lumped.height_m) {
+    if (fabs(s->height_m - s->lumped.height_m) > 1e-3 * s->lumped.height_m)
         cli_warning(NAME,
                     "the network is %.4g mm high, the specimen of %s %.4g mm; depths stay the same in mm",
                     1e3 * s->height_m, o->lumped, 1e3 * s->lumped.height_m);
-    }
     return CLI_OK;
 }

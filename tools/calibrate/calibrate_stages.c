@@ -14,9 +14,8 @@ enum { GUESS_STEPS = 20, LARGE = 16 };
 
 static int show_progress(void *user, double fraction, const palp_calibrate_iteration *last) {
     progress *bar = user;
-    if (last) {
+    if (last)
         snprintf(bar->label, sizeof bar->label, "residual %.4g N", last->residual_N);
-    }
     progress_update(bar, fraction);
     return 0;
 }
@@ -33,9 +32,8 @@ static int stage_failed(const calibrate_options *o, const char *stage, palp_stat
     bool gave_up =
         status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
     const char *advice = gave_up ? "; try a smaller --depth-mm or --branch stable" : "";
-    if (status == PALP_ERR_SINGULAR && o->mesh && !o->hex_diagonals) {
+    if (status == PALP_ERR_SINGULAR && o->mesh && !o->hex_diagonals)
         advice = "; a mesh of hexahedra needs --hex-diagonals";
-    }
     cli_failure(NAME, "%s stage: %s%s", stage, palp_status_text(status), advice);
     return gave_up ? CLI_NOT_CONVERGED : CLI_FAILURE;
 }
@@ -45,9 +43,8 @@ static int stage_failed(const calibrate_options *o, const char *stage, palp_stat
 /* Nodes of a lattice's longest side; 0 for a mesh of a file. */
 static size_t finest_side(const palp_mesh_source *source) {
     size_t finest = 0;
-    for (size_t k = 0; k < 3 && source->kind == PALP_MESH_LATTICE; k++) {
+    for (size_t k = 0; k < 3 && source->kind == PALP_MESH_LATTICE; k++)
         finest = source->nodes[k] > finest ? source->nodes[k] : finest;
-    }
     return finest;
 }
 
@@ -59,15 +56,13 @@ static palp_status coarse_network(const calibrate_options *o, const calibrate_st
     palp_support supports[2];
     palp_network_settings settings = palp_network_settings_default();
     size_t nodes[3];
-    for (size_t k = 0; k < 3; k++) {
+    for (size_t k = 0; k < 3; k++)
         nodes[k] = source->nodes[k] < most ? source->nodes[k] : most;
-    }
     palp_supports_default(supports);
     settings.branch = (palp_branch)o->branch;
     palp_status status = palp_mesh_lattice(nodes, source->size_m, source->neighbourhood, &mesh);
-    if (!status) {
+    if (!status)
         status = palp_network_create(mesh, material, 2, supports, &settings, network, NULL);
-    }
     palp_mesh_free(mesh);
     return status;
 }
@@ -79,16 +74,13 @@ static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, 
     palp_network *network = NULL;
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result = {0};
-    if (finest_side(&s->source) < FINE) {
+    if (finest_side(&s->source) < FINE)
         return PALP_OK;
-    }
     palp_status status = coarse_network(o, s, COARSE, start, &network);
-    if (!status) {
+    if (!status)
         status = palp_calibrate_static(network, start, s->n_static, s->depth_m, s->force_N, &settings, &result);
-    }
-    if (!status) {
+    if (!status)
         start->law = result.material.law;
-    }
     palp_calibration_free(&result);
     palp_network_free(network);
     return status;
@@ -100,10 +92,9 @@ static palp_status two_level_static(const calibrate_options *o, calibrate_state 
     enum { COARSE = 7 };
     palp_network *coarse = NULL;
     palp_status status = coarse_network(o, s, COARSE, start, &coarse);
-    if (!status) {
+    if (!status)
         status = palp_calibrate_two_level(s->network, coarse, start, s->n_static, s->depth_m, s->force_N, settings,
                                         &s->static_result);
-    }
     palp_network_free(coarse);
     return status;
 }
@@ -116,9 +107,8 @@ static palp_status static_start(const calibrate_options *o, calibrate_state *s, 
     start->formulation = (palp_formulation)o->formulation;
     palp_status status = o->law == LAW_SPLINE ? guess_spline(law, o->knots, strain_max, &start->law)
                                               : guess_polynomial(law, o->degree, strain_max, &start->law);
-    if (status == PALP_OK && s->static_method == METHOD_NLOPT && !o->start) {
+    if (status == PALP_OK && s->static_method == METHOD_NLOPT && !o->start)
         status = coarse_start(o, s, start);
-    }
     return status;
 }
 
@@ -127,38 +117,33 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     palp_material start;
     progress bar;
     palp_status status = static_start(o, s, &start);
-    if (status) {
+    if (status)
         return cli_status(NAME, status, NULL);
-    }
     progress_start(&bar, "static stage");
     settings.every_step = o->every_step;
     settings.progress = show_progress;
     settings.user = &bar;
-    if (s->static_method == METHOD_FIXED_POINT) {
+    if (s->static_method == METHOD_FIXED_POINT)
         status = palp_thesis_fixed_point(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
                                          &s->static_result);
-    } else if (finest_side(&s->source) >= LARGE && !o->every_step) {
+    else if (finest_side(&s->source) >= LARGE && !o->every_step)
         status = two_level_static(o, s, &start, &settings);
-    } else {
+    else
         status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
                                        &s->static_result);
-    }
     progress_finish(&bar);
-    if (status) {
+    if (status)
         return stage_failed(o, "static", status);
-    }
     s->model.material = s->static_result.material;
     status = palp_network_set_material(s->network, &s->model.material);
-    if (status) {
+    if (status)
         return stage_failed(o, "static", status);
-    }
     const palp_calibration *c = &s->static_result;
     double deepest_m = s->depth_m[s->n_static - 1];
     note_buckling(s, c->buckled, c->stable_m, c->unstable_m);
-    if (c->reached_m < 0.999 * deepest_m) {
+    if (c->reached_m < 0.999 * deepest_m)
         cli_warning(NAME, "the network's branch of equilibria ends at %.4g mm: beyond it the fit to %.4g mm is not met",
                     1e3 * c->reached_m, 1e3 * deepest_m);
-    }
     return CLI_OK;
 }
 
@@ -178,17 +163,15 @@ static double stiffness_ratio(const palp_law *element, const palp_law *lumped, d
 static void relaxation_start(const calibrate_options *o, const calibrate_state *s, palp_material *start) {
     size_t n = o->arms ? o->arms : s->lumped.material.n_arms;
     double deepest = 0;
-    for (size_t i = 0; i < s->n_presses; i++) {
+    for (size_t i = 0; i < s->n_presses; i++)
         deepest = fmax(deepest, s->press[i].depth_m);
-    }
     double ratio = stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest / s->height_m);
     bool three_phase = s->relaxation_method == METHOD_THREE_PHASE;
     bool arms_given = o->start && s->model.material.n_arms == n && n > 0;
     *start = s->model.material;
     start->formulation = (palp_formulation)o->formulation;
-    if (!arms_given) {
+    if (!arms_given)
         guess_arms(&s->lumped.material, n, three_phase ? 1 : ratio, start);
-    }
 }
 
 static palp_status three_phases(const calibrate_options *o, calibrate_state *s, const palp_material *start,
@@ -215,15 +198,13 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     palp_target targets[PRESSES_MAX];
     palp_material start;
     progress bar;
-    if (s->relaxation_method == METHOD_THREE_PHASE && s->n_presses > 1) {
+    if (s->relaxation_method == METHOD_THREE_PHASE && s->n_presses > 1)
         return cli_usage_error(NAME, "--method three_phase takes one run; start it once for each");
-    }
-    if (finest_side(&s->source) >= LARGE) {
+    if (finest_side(&s->source) >= LARGE)
         cli_warning(NAME,
                     "the relaxation stage of so large a lattice may take hours; calibrate the arms of one of %d nodes "
                     "a side and scale them by the ratio of both laws (doc/meshes.md)",
                     LARGE / 2 - 1);
-    }
     relaxation_start(o, s, &start);
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *press = &s->press[i];
@@ -236,9 +217,8 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     palp_status status = s->relaxation_method == METHOD_THREE_PHASE ? three_phases(o, s, &start, targets, &bar)
                                                                     : fit_arms(o, s, &start, targets, &bar);
     progress_finish(&bar);
-    if (status) {
+    if (status)
         return stage_failed(o, "relaxation", status);
-    }
     s->model.material = s->relaxation_result.material;
     return CLI_OK;
 }
@@ -248,16 +228,13 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
 static palp_status wanted_forces(const calibrate_state *s, press_target *press) {
     const record *run = &press->network;
     press->wanted_N = malloc(run->n * sizeof *press->wanted_N);
-    if (!press->wanted_N) {
+    if (!press->wanted_N)
         return PALP_ERR_NO_MEMORY;
-    }
-    if (!press->measured) {
+    if (!press->measured)
         return palp_lumped_run(&s->lumped.material, s->lumped.height_m, run->n, run->time_s, run->depth_m,
                                press->wanted_N);
-    }
-    for (size_t i = 0; i < run->n; i++) {
+    for (size_t i = 0; i < run->n; i++)
         press->wanted_N[i] = record_at(&press->target, run->time_s[i]);
-    }
     return PALP_OK;
 }
 
@@ -276,9 +253,8 @@ static palp_status compare(calibrate_state *s, press_target *press, progress *ba
     double stable_m = 0, unstable_m = 0;
     bool buckled = palp_network_buckled(s->network, &stable_m, &unstable_m);
     note_buckling(s, buckled, stable_m, unstable_m);
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = wanted_forces(s, press);
-    }
     for (size_t i = 0; status == PALP_OK && i < press->network.n; i++) {
         double error = fabs(press->network.force_N[i] - press->wanted_N[i]);
         press->max_error_percent = fmax(press->max_error_percent, 100 * error / press->peak_N);
@@ -291,9 +267,8 @@ static void limit_range(calibrate_state *s) {
     palp_law *law = &s->model.material.law;
     double top = fmax(s->static_result.strain_max, s->strain_max);
     if (!s->does_static) {
-        if (palp_law_beyond(law, s->strain_max) > 1e-9) {
+        if (palp_law_beyond(law, s->strain_max) > 1e-9)
             press_warn_beyond(NAME, law, s->strain_max, -1);
-        }
         return;
     }
     if (palp_law_limit(law, top) || law->strain_max < top) {
@@ -311,12 +286,10 @@ int calibrate_compare(const calibrate_options *o, calibrate_state *s) {
         status = compare(s, &s->press[i], &bar);
         progress_finish(&bar);
     }
-    if (status) {
+    if (status)
         return stage_failed(o, "relaxation", status);
-    }
     limit_range(s);
-    if (s->buckled) {
+    if (s->buckled)
         press_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, (palp_branch)o->branch);
-    }
     return CLI_OK;
 }

@@ -18,9 +18,8 @@ static int static_from_lumped(const calibrate_options *o, calibrate_state *s, do
     size_t n = o->steps;
     s->depth_m = malloc(n * sizeof *s->depth_m);
     s->force_N = malloc(n * sizeof *s->force_N);
-    if (!s->depth_m || !s->force_N) {
+    if (!s->depth_m || !s->force_N)
         return cli_status(NAME, PALP_ERR_NO_MEMORY, NULL);
-    }
     for (size_t i = 0; i < n; i++) {
         s->depth_m[i] = depth_m * (double)(i + 1) / (double)n;
         double e = s->depth_m[i] / s->lumped.height_m;
@@ -39,17 +38,14 @@ static palp_status sample_times(const calibrate_options *o, const calibrate_stat
         return press_times(path, &every, n, time_s);
     }
     double *t = malloc((1 + RAMP_SAMPLES + HOLD_SAMPLES) * sizeof *t);
-    if (!t) {
+    if (!t)
         return PALP_ERR_NO_MEMORY;
-    }
     size_t at = 0;
     double first = fmin(0.01 * o->ramp_s, 1e-3 * o->hold_s);
-    for (int i = 0; i <= RAMP_SAMPLES; i++) {
+    for (int i = 0; i <= RAMP_SAMPLES; i++)
         t[at++] = path->time_s[1] * i / RAMP_SAMPLES;
-    }
-    for (int i = 0; i < HOLD_SAMPLES && o->hold_s > 0; i++) {
+    for (int i = 0; i < HOLD_SAMPLES && o->hold_s > 0; i++)
         t[at++] = o->ramp_s + first * pow(o->hold_s / first, (double)i / (HOLD_SAMPLES - 1));
-    }
     *n = at;
     *time_s = t;
     return PALP_OK;
@@ -61,23 +57,19 @@ static palp_status press_from_lumped(const calibrate_options *o, const calibrate
     double *t = NULL, *depth = NULL, *force = NULL;
     press->depth_m = depth_m;
     palp_status status = palp_path_ramp_hold(depth_m, o->ramp_s, o->hold_s, &press->path);
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = sample_times(o, s, &press->path, &n, &t);
-    }
     if (status == PALP_OK) {
         depth = malloc(n * sizeof *depth);
         force = malloc(n * sizeof *force);
         status = depth && force ? PALP_OK : PALP_ERR_NO_MEMORY;
     }
-    for (size_t i = 0; status == PALP_OK && i < n; i++) {
+    for (size_t i = 0; status == PALP_OK && i < n; i++)
         depth[i] = palp_path_at(&press->path, t[i]);
-    }
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = palp_lumped_run(&s->lumped.material, s->lumped.height_m, n, t, depth, force);
-    }
-    for (size_t i = 0; status == PALP_OK && i < n; i++) {
+    for (size_t i = 0; status == PALP_OK && i < n; i++)
         status = record_add(&press->target, t[i], depth[i], force[i]);
-    }
     free(t);
     free(depth);
     free(force);
@@ -91,14 +83,12 @@ static int static_from_run(const char *file, const palp_experiment *run, calibra
     const double *depth_mm = palp_experiment_column(run, "depth_mm"),
                  *force_N = palp_experiment_column(run, "force_N");
     size_t rows = palp_experiment_rows(run);
-    if (s->n_static) {
+    if (s->n_static)
         return cli_failure(NAME, "%s: is the second static run; give one", file);
-    }
     s->depth_m = malloc((rows ? rows : 1) * sizeof *s->depth_m);
     s->force_N = malloc((rows ? rows : 1) * sizeof *s->force_N);
-    if (!s->depth_m || !s->force_N) {
+    if (!s->depth_m || !s->force_N)
         return cli_status(NAME, PALP_ERR_NO_MEMORY, NULL);
-    }
     double deepest = 0;
     for (size_t i = 0; i < rows; i++) {
         if (1e-3 * depth_mm[i] > deepest) {
@@ -115,11 +105,9 @@ static int static_from_run(const char *file, const palp_experiment *run, calibra
 
 /* First row of the press: the last one in free air before the first contact. */
 static size_t contact_row(size_t rows, const double *depth_mm) {
-    for (size_t i = 0; i < rows; i++) {
-        if (depth_mm[i] > 0) {
+    for (size_t i = 0; i < rows; i++)
+        if (depth_mm[i] > 0)
             return i > 0 ? i - 1 : 0;
-        }
-    }
     return rows;
 }
 
@@ -136,9 +124,8 @@ static palp_status simplify(size_t n, const double *time_s, const double *depth_
     palp_status status = corners.time_s && corners.depth_m ? PALP_OK : PALP_ERR_NO_MEMORY;
     double allowed = 1e-3 * deepest_m, low = -INFINITY, high = INFINITY;
     size_t from = 0;
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         add_corner(&corners, time_s[0], depth_m[0]);
-    }
     for (size_t i = 1; status == PALP_OK && i < n; i++) {
         double dt = time_s[i] - time_s[from], slope = (depth_m[i] - depth_m[from]) / dt;
         if (slope < low || slope > high) {
@@ -164,15 +151,13 @@ static palp_status simplify(size_t n, const double *time_s, const double *depth_
 static palp_status thin(size_t n, const double *time_s, const double *depth_m, const double *force_N,
                         double deepest_m, record *target) {
     size_t peak = 0;
-    while (peak + 1 < n && depth_m[peak] < 0.999 * deepest_m) {
+    while (peak + 1 < n && depth_m[peak] < 0.999 * deepest_m)
         peak++;
-    }
     double ramp = (time_s[peak] - time_s[0]) / RAMP_SAMPLES, next = time_s[0];
     palp_status status = PALP_OK;
     for (size_t i = 0; status == PALP_OK && i < n; i++) {
-        if (time_s[i] < next && i != peak) {
+        if (time_s[i] < next && i != peak)
             continue;
-        }
         status = record_add(target, time_s[i], depth_m[i], force_N[i]);
         next = time_s[i] + (i < peak ? ramp : fmax(0.1 * ramp, 0.07 * (time_s[i] - time_s[peak])));
     }
@@ -184,9 +169,8 @@ static int press_from_run(const char *file, const palp_experiment *run, press_ta
                  *depth_mm = palp_experiment_column(run, "depth_mm"),
                  *force_N = palp_experiment_column(run, "force_N");
     size_t rows = palp_experiment_rows(run), first = contact_row(rows, depth_mm), n = rows - first;
-    if (n < 10) {
+    if (n < 10)
         return cli_failure(NAME, "%s: has fewer than ten samples in contact", file);
-    }
     double *time = malloc(n * sizeof *time), *depth = malloc(n * sizeof *depth);
     palp_status status = time && depth ? PALP_OK : PALP_ERR_NO_MEMORY;
     press->measured = true;
@@ -195,12 +179,10 @@ static int press_from_run(const char *file, const palp_experiment *run, press_ta
         depth[i] = i ? 1e-3 * fmax(depth_mm[first + i], 0) : 0;
         press->depth_m = fmax(press->depth_m, depth[i]);
     }
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = simplify(n, time, depth, press->depth_m, &press->path);
-    }
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = thin(n, time, depth, force_N + first, press->depth_m, &press->target);
-    }
     free(time);
     free(depth);
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
@@ -222,9 +204,8 @@ static int read_run(const char *file, calibrate_state *s) {
     palp_experiment *run = NULL;
     palp_recording_kind kind = PALP_RECORDING_OTHER;
     int code = open_run(NAME, file, &run);
-    if (code) {
+    if (code)
         return code;
-    }
     palp_status status = kind_of(run, &kind);
     if (status) {
         code = status == PALP_ERR_ARGUMENT ? cli_failure(NAME, "%s: fewer than two samples", file) : cli_status(NAME, status, NULL);
@@ -256,9 +237,8 @@ static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MA
         return 1;
     }
     const double share = default_depth(s, 7.0 / 24) / (7.0 / 24 * s->lumped.height_m);
-    for (size_t i = 0; i < 12; i++) {
+    for (size_t i = 0; i < 12; i++)
         depth_m[i] = (1.5 + 0.5 * (double)i) / 24 * s->lumped.height_m * share;
-    }
     return 12;
 }
 
@@ -267,28 +247,24 @@ static int presses_from_lumped(const calibrate_options *o, calibrate_state *s) {
     size_t n = default_depths(s, depth_m);
     if (o->depth_mm.n) {
         n = o->depth_mm.n;
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < n; i++)
             depth_m[i] = 1e-3 * o->depth_mm.value[i];
-        }
     }
     for (size_t i = 0; i < n; i++) {
         palp_status status = press_from_lumped(o, s, depth_m[i], &s->press[s->n_presses++]);
-        if (status) {
+        if (status)
             return cli_status(NAME, status, NULL);
-        }
     }
     return CLI_OK;
 }
 
 static int check_depths(const calibrate_state *s) {
     double deepest = s->n_static ? s->depth_m[s->n_static - 1] : 0;
-    for (size_t i = 0; i < s->n_presses; i++) {
+    for (size_t i = 0; i < s->n_presses; i++)
         deepest = fmax(deepest, s->press[i].depth_m);
-    }
-    if (deepest >= s->height_m) {
+    if (deepest >= s->height_m)
         return cli_usage_error(NAME, "a depth of %g mm is beyond the network's height of %g mm; press less",
                                1e3 * deepest, 1e3 * s->height_m);
-    }
     return CLI_OK;
 }
 
@@ -296,31 +272,26 @@ static int check_depths(const calibrate_state *s) {
 static void judge_range(const calibrate_state *s) {
     const palp_law *law = &s->lumped.material.law;
     double deepest = s->does_static && s->static_lumped ? s->depth_m[s->n_static - 1] : 0;
-    for (size_t i = 0; i < s->n_presses; i++) {
+    for (size_t i = 0; i < s->n_presses; i++)
         deepest = s->press[i].measured ? deepest : fmax(deepest, s->press[i].depth_m);
-    }
-    if (palp_law_beyond(law, deepest / s->lumped.height_m) > 1e-9) {
+    if (palp_law_beyond(law, deepest / s->lumped.height_m) > 1e-9)
         press_warn_beyond(NAME, law, deepest / s->lumped.height_m, -1);
-    }
 }
 
 int calibrate_targets(const calibrate_options *o, calibrate_state *s) {
     int code = CLI_OK;
-    for (size_t i = 1; code == CLI_OK && i < o->n_words; i++) {
+    for (size_t i = 1; code == CLI_OK && i < o->n_words; i++)
         code = read_run(o->words[i], s);
-    }
     if (code == CLI_OK && s->does_static && s->n_static == 0) {
         bool given = o->stage == STAGE_STATIC && o->depth_mm.n;
         double depth_m = given ? 1e-3 * o->depth_mm.value[0] : default_depth(s, 9.7 / 24);
         s->static_lumped = true;
         code = static_from_lumped(o, s, depth_m);
     }
-    if (code == CLI_OK && s->does_relaxation && s->n_presses == 0) {
+    if (code == CLI_OK && s->does_relaxation && s->n_presses == 0)
         code = presses_from_lumped(o, s);
-    }
-    for (size_t i = 0; i < s->n_presses; i++) {
+    for (size_t i = 0; i < s->n_presses; i++)
         s->press[i].peak_N = record_peak(&s->press[i].target);
-    }
     judge_range(s);
     return code ? code : check_depths(s);
 }

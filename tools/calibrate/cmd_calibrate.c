@@ -124,62 +124,47 @@ static int parse(int argc, char **argv, calibrate_options *o) {
 }
 
 static int check_mesh(const calibrate_options *o) {
-    if (o->nodes.n && o->mesh) {
+    if (o->nodes.n && o->mesh)
         return cli_usage_error(NAME, "give either --nodes or --mesh");
-    }
-    if (!o->nodes.n && !o->mesh && !o->start) {
+    if (!o->nodes.n && !o->mesh && !o->start)
         return cli_usage_error(NAME, "say which network: --nodes N, --mesh FILE.msh or --start NETWORK.json");
-    }
-    if (o->size_mm.n && !o->nodes.n) {
+    if (o->size_mm.n && !o->nodes.n)
         return cli_usage_error(NAME, "--size-mm goes with --nodes");
-    }
-    if ((o->scale_mm > 0 || o->hex_diagonals) && !o->mesh) {
+    if ((o->scale_mm > 0 || o->hex_diagonals) && !o->mesh)
         return cli_usage_error(NAME, "--scale-mm and --hex-diagonals go with --mesh");
-    }
-    if ((o->scaling >= 0 || o->area_mm2 > 0) && !o->mesh) {
+    if ((o->scaling >= 0 || o->area_mm2 > 0) && !o->mesh)
         return cli_usage_error(NAME, "--scaling and --area-mm2 go with --mesh");
-    }
-    if (o->scaling == PALP_SCALING_NONE && o->area_mm2 > 0) {
+    if (o->scaling == PALP_SCALING_NONE && o->area_mm2 > 0)
         return cli_usage_error(NAME, "--area-mm2 goes with --scaling volume or continuum");
-    }
     return CLI_OK;
 }
 
 static int check_method(const calibrate_options *o) {
-    if (o->stage == STAGE_STATIC && o->method == METHOD_THREE_PHASE) {
+    if (o->stage == STAGE_STATIC && o->method == METHOD_THREE_PHASE)
         return cli_usage_error(NAME, "--method three_phase is for --stage relaxation or all");
-    }
-    if (o->stage == STAGE_RELAXATION && o->method == METHOD_FIXED_POINT) {
+    if (o->stage == STAGE_RELAXATION && o->method == METHOD_FIXED_POINT)
         return cli_usage_error(NAME, "--method fixed_point is for --stage static or all");
-    }
     bool loops = o->method != METHOD_NLOPT, sedef = o->formulation == PALP_SEDEF2008;
-    if (o->stage != STAGE_STATIC && (loops || sedef) && o->arms > 1) {
+    if (o->stage != STAGE_STATIC && (loops || sedef) && o->arms > 1)
         return cli_usage_error(NAME, "%s has one arm; leave out --arms %zu",
                                loops ? "--method three_phase" : "--formulation sedef2008", o->arms);
-    }
-    if (o->stage != STAGE_STATIC && (loops || sedef) && o->strain_dependent) {
+    if (o->stage != STAGE_STATIC && (loops || sedef) && o->strain_dependent)
         return cli_usage_error(NAME, "--strain-dependent needs --method nlopt and --formulation history");
-    }
-    if (o->stage != STAGE_STATIC && loops && o->depth_mm.n > 1) {
+    if (o->stage != STAGE_STATIC && loops && o->depth_mm.n > 1)
         return cli_usage_error(NAME, "--method three_phase takes one depth; run it once for each");
-    }
-    if (o->dwell && (o->stage == STAGE_STATIC || o->method != METHOD_THREE_PHASE)) {
+    if (o->dwell && (o->stage == STAGE_STATIC || o->method != METHOD_THREE_PHASE))
         return cli_usage_error(NAME, "--dwell goes with --method three_phase");
-    }
-    if (o->law == LAW_SPLINE && loops && !(o->stage == STAGE_RELAXATION && o->start)) {
+    if (o->law == LAW_SPLINE && loops && !(o->stage == STAGE_RELAXATION && o->start))
         return cli_usage_error(NAME, "--law spline needs --method nlopt");
-    }
     return CLI_OK;
 }
 
 static int check_options(const calibrate_options *o) {
     int code = check_mesh(o);
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = check_method(o);
-    }
-    if (code == CLI_OK && o->stage == STAGE_STATIC && o->depth_mm.n > 1) {
+    if (code == CLI_OK && o->stage == STAGE_STATIC && o->depth_mm.n > 1)
         code = cli_usage_error(NAME, "--stage static takes one --depth-mm, the deepest");
-    }
     return code;
 }
 
@@ -200,15 +185,13 @@ static void plan(calibrate_options *o, calibrate_state *s) {
 static int verdict(const calibrate_state *s) {
     bool missed_static = s->does_static && !s->static_result.converged;
     bool missed_relaxation = s->does_relaxation && !s->relaxation_result.converged;
-    if (missed_static) {
+    if (missed_static)
         cli_warning(NAME,
                     "the static stage stopped before it met its own criterion; the best law found is given");
-    }
-    if (missed_relaxation) {
+    if (missed_relaxation)
         cli_warning(
             NAME,
             "the relaxation stage stopped before it met its own criterion; the best arms found are given");
-    }
     return missed_static || missed_relaxation ? CLI_NOT_CONVERGED : CLI_OK;
 }
 
@@ -221,18 +204,15 @@ static int write_model(const calibrate_options *o, const calibrate_state *s) {
 static int calibrate(const calibrate_options *o, calibrate_state *s) {
     int code = calibrate_setup(o, s);
     code = code ? code : calibrate_targets(o, s);
-    if (code == CLI_OK && s->does_static) {
+    if (code == CLI_OK && s->does_static)
         code = calibrate_static(o, s);
-    }
-    if (code == CLI_OK && s->does_relaxation) {
+    if (code == CLI_OK && s->does_relaxation)
         code = calibrate_relaxation(o, s);
-    }
     code = code ? code : calibrate_compare(o, s);
     code = code ? code : write_model(o, s);
     code = code ? code : calibrate_report(o, s);
-    if (code == CLI_OK && o->plot) {
+    if (code == CLI_OK && o->plot)
         code = calibrate_plot(o, s);
-    }
     return code ? code : verdict(s);
 }
 
@@ -257,16 +237,13 @@ int cmd_calibrate(int argc, char **argv) {
         .scaling = -1, .stage = STAGE_ALL, .degree = 4, .knots = 8, .steps = 97000, .ramp_s = 1, .hold_s = 200};
     cli_keep_command(argc, argv, o.command);
     int code = parse(argc, argv, &o);
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = check_options(&o);
-    }
-    if (code) {
+    if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    }
     calibrate_state *s = calloc(1, sizeof *s);
-    if (!s) {
+    if (!s)
         return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-    }
     plan(&o, s);
     code = calibrate(&o, s);
     state_free(s);

@@ -21,9 +21,8 @@ static void compare_springs(characterize_state *s) {
         g->low_N = fit->n_estimates ? fit->estimate[at].low : NAN;
         g->high_N = fit->n_estimates ? fit->estimate[at].high : NAN;
         g->plain_N = g->joint_N = NAN;
-        if (s->n_static > 0) {
+        if (s->n_static > 0)
             palp_law_stiffness(&s->plain[0][s->degree], g->strain, &g->plain_N, NULL);
-        }
         palp_law_stiffness(&s->material.law, g->strain, &g->joint_N, NULL);
         before += 100 * (g->plain_N / g->run_N - 1) / (double)s->n_hold;
         after += 100 * (g->joint_N / g->run_N - 1) / (double)s->n_hold;
@@ -35,14 +34,12 @@ static void compare_springs(characterize_state *s) {
 /* How well the law is known over the strains measured. */
 static void find_band(characterize_state *s) {
     double strain[CHARACTERIZE_BAND], stiffness[CHARACTERIZE_BAND], sd[CHARACTERIZE_BAND];
-    for (size_t i = 0; i < CHARACTERIZE_BAND; i++) {
+    for (size_t i = 0; i < CHARACTERIZE_BAND; i++)
         strain[i] = characterize_strain_max(s) * (double)i / (CHARACTERIZE_BAND - 1);
-    }
     bool known = s->has_final && palp_lumped_fit_stiffness(&s->final, CHARACTERIZE_BAND, strain, stiffness, sd) == PALP_OK;
     s->n_band = known ? CHARACTERIZE_BAND : 0;
-    for (size_t i = 0; i < s->n_band; i++) {
+    for (size_t i = 0; i < s->n_band; i++)
         s->band[i] = (characterize_known){strain[i], stiffness[i], stiffness[i] - 1.96 * sd[i], stiffness[i] + 1.96 * sd[i]};
-    }
 }
 
 /* ---- the model against its runs ---- */
@@ -51,12 +48,10 @@ static palp_status compare_run(characterize_state *s, size_t i) {
     const palp_recording *r = &s->run[i];
     double *force = malloc(r->n * sizeof *force), *depth = malloc(r->n * sizeof *depth);
     palp_status status = force && depth ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (size_t k = 0; status == PALP_OK && k < r->n; k++) {
+    for (size_t k = 0; status == PALP_OK && k < r->n; k++)
         depth[k] = fmax(r->depth_m[k], 0);
-    }
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = palp_lumped_run(&s->material, r->height_m, r->n, r->time_s, depth, force);
-    }
     for (size_t k = 0; status == PALP_OK && k < r->n; k++) {
         if (r->use[k]) {
             s->peak_N[i] = fmax(s->peak_N[i], r->force_N[k]);
@@ -84,9 +79,8 @@ static double force_near(const palp_recording *r, double strain, double width) {
 
 static void compare_static(characterize_state *s) {
     double top = HUGE_VAL;
-    for (size_t i = 0; i < s->n_static; i++) {
+    for (size_t i = 0; i < s->n_static; i++)
         top = fmin(top, s->run[i].deepest_m / s->run[i].height_m);
-    }
     double step = top > 0.4 ? 0.1 : top > 0.2 ? 0.05 : 0.2 * top;
     for (double e = step; s->n_static > 1 && e < top && s->n_spread < CHARACTERIZE_SPREAD_MAX; e += step) {
         characterize_spread *at = &s->spread[s->n_spread++];
@@ -109,9 +103,8 @@ int characterize_compare(characterize_state *s) {
     find_band(s);
     for (size_t i = 0; i < s->n; i++) {
         palp_status status = compare_run(s, i);
-        if (status) {
+        if (status)
             return cli_status(NAME, status, NULL);
-        }
     }
     return CLI_OK;
 }

@@ -10,9 +10,8 @@ static const char NAME[] = "characterize";
 static void move_contacts(characterize_state *s, const palp_lumped_fit *fit) {
     for (size_t r = 0; r < s->n; r++) {
         palp_recording *run = &s->run[r];
-        for (size_t i = 0; i < run->n; i++) {
+        for (size_t i = 0; i < run->n; i++)
             run->depth_m[i] -= fit->contact_m[r];
-        }
         run->deepest_m -= fit->contact_m[r];
         run->contact_m += fit->contact_m[r];
         run->contact_sd_m = fmax(fit->contact_scatter_m, fit->contact_sd_m[r]);
@@ -26,9 +25,8 @@ static void choose_settings(const characterize_options *o, characterize_state *s
     *settings = characterize_settings(o, PALP_SPRING_LAW, s->n_arms);
     settings->starts = 2;
     palp_status status = o->law_auto ? characterize_guess_polynomial(s, RICH, &settings->law) : characterize_guess(o, s, &settings->law);
-    if (status) {
+    if (status)
         s->contact = PALP_CONTACT_KNOWN; /* no law to judge them by: the fit will say why */
-    }
 }
 
 /* With the contacts known and not known: they are not, where that leaves less than two thirds of the misfit. */
@@ -57,17 +55,15 @@ int characterize_contacts(const characterize_options *o, characterize_state *s) 
     bool automatic = o->contact == 0, enough = s->n >= (automatic ? FEWEST : forms[o->contact] == PALP_CONTACT_FREE ? 2 : 1);
     s->contact = enough && o->method == METHOD_NLOPT ? forms[o->contact] : PALP_CONTACT_KNOWN;
     choose_settings(o, s, &settings);
-    if (s->contact == PALP_CONTACT_KNOWN) {
+    if (s->contact == PALP_CONTACT_KNOWN)
         return CLI_OK;
-    }
     palp_status status = compare(s, &settings, automatic, &fit, &error);
     if (status == PALP_OK && s->contact != PALP_CONTACT_KNOWN) {
         s->contact_scatter_m = fit.contact_scatter_m;
         move_contacts(s, &fit);
-        if (s->contact == PALP_CONTACT_FREE) {
+        if (s->contact == PALP_CONTACT_FREE)
             characterize_warn(s, "contacts differ from run to run by %.3g mm (sd): each is found with the model; --contact known takes those of the runs",
                               1e3 * fit.contact_scatter_m);
-        }
     }
     palp_lumped_fit_free(&fit);
     return status ? cli_status(NAME, status, &error) : CLI_OK;

@@ -18,9 +18,8 @@ static json_t *law_json(const palp_law *law) {
     json_t *to = json_object();
     set_text(to, "kind", palp_law_kind_name(law->kind));
     json_add_law(to, law);
-    if (law->strain_max > 0) {
+    if (law->strain_max > 0)
         set(to, "strain_max", law->strain_max);
-    }
     return to;
 }
 
@@ -54,9 +53,8 @@ static json_t *estimates_json(const palp_lumped_fit *f) {
 
 static json_t *correlation_json(const palp_lumped_fit *f) {
     json_t *rows = json_array();
-    for (size_t i = 0; i < f->n_estimates; i++) {
+    for (size_t i = 0; i < f->n_estimates; i++)
         json_array_append_new(rows, json_numbers(f->n_estimates, f->correlation + i * f->n_estimates));
-    }
     return rows;
 }
 
@@ -67,9 +65,8 @@ static json_t *scores_json(const characterize_scores *c, const char *what, bool 
         json_object_set_new(to, what, json_integer((json_int_t)(c->first + k)));
         set(to, "held_out", c->score[k]);
         set(to, "excess_sd", c->sd[k]);
-        if (rms) {
+        if (rms)
             set(to, "rms_noise", c->rms_noise[k]);
-        }
         json_object_set_new(to, "taken", json_boolean(c->first + k == c->best));
         json_array_append_new(list, to);
     }
@@ -132,11 +129,10 @@ static json_t *static_json(const characterize_state *s, size_t i) {
     json_t *list = json_array();
     for (size_t d = DEGREE_MIN; d <= DEGREE_MAX; d++) {
         const palp_law *law = &s->plain[i][d];
-        if (law->n) {
+        if (law->n)
             json_array_append_new(list, json_pack("{s:I, s:o, s:f}", "degree", (json_int_t)d,
                                                   "coefficients_N", json_numbers(law->n, law->coefficients),
                                                   "norm_N", s->norm_N[i][d]));
-        }
     }
     return json_pack("{s:s, s:o}", "file", s->run[i].name, "polynomials", list);
 }
@@ -222,18 +218,14 @@ static json_t *spread_json(const characterize_state *s) {
 
 static void add_lists(json_t *all, const characterize_state *s) {
     json_t *runs = json_array(), *statics = json_array(), *singles = json_array(), *warnings = json_array();
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; i < s->n; i++)
         json_array_append_new(runs, run_json(s, i));
-    }
-    for (size_t i = 0; i < s->n_static; i++) {
+    for (size_t i = 0; i < s->n_static; i++)
         json_array_append_new(statics, static_json(s, i));
-    }
-    for (size_t i = 0; i < s->n_single; i++) {
+    for (size_t i = 0; i < s->n_single; i++)
         json_array_append_new(singles, single_json(s, i));
-    }
-    for (size_t i = 0; i < s->n_warnings; i++) {
+    for (size_t i = 0; i < s->n_warnings; i++)
         json_array_append_new(warnings, json_string(s->warning[i]));
-    }
     json_object_set_new(all, "runs", runs);
     json_object_set_new(all, "static", statics);
     json_object_set_new(all, "degree_scores", scores_json(&s->degrees, "degree", false));
@@ -280,8 +272,7 @@ static json_t *whole(const characterize_options *o, const characterize_state *s)
 
 int characterize_json(const characterize_options *o, const characterize_state *s) {
     int code = CLI_OK;
-    if (o->plot) {
+    if (o->plot)
         code = json_save_in(NAME, whole(o, s), o->plot, "characterize.json");
-    }
     return code == CLI_OK && o->json ? json_print(NAME, whole(o, s)) : code;
 }

@@ -21,9 +21,8 @@ palp_status characterize_law_of_depths(const characterize_state *s, size_t degre
         force[i] = k * strain;
         use[i] = 1;
         points.deepest_m = fmax(points.deepest_m, depth[i]);
-        if (!isfinite(k)) {
+        if (!isfinite(k))
             return PALP_ERR_INPUT;
-        }
     }
     degree = degree < s->n_hold ? degree : s->n_hold - (s->n_hold > 1);
     return degree ? palp_thesis_polynomial(&points, degree, law, &norm) : PALP_ERR_INPUT;
@@ -32,13 +31,11 @@ palp_status characterize_law_of_depths(const characterize_state *s, size_t degre
 /* Force over strain at the deepest point of a run: a stiffness to start from. */
 static double rough_stiffness(const palp_recording *r) {
     size_t last = r->n - 1;
-    while (last > 0 && (r->depth_m[last] < 0.9 * r->deepest_m || !r->use[last])) {
+    while (last > 0 && (r->depth_m[last] < 0.9 * r->deepest_m || !r->use[last]))
         last--;
-    }
     double largest = 0, strain = fmax(r->depth_m[last], 1e-3 * r->deepest_m) / r->height_m;
-    for (size_t i = 0; i < r->n; i++) {
+    for (size_t i = 0; i < r->n; i++)
         largest = fmax(largest, fabs(r->force_N[i]));
-    }
     return fmax(r->force_N[last], 1e-3 * largest) / strain;
 }
 
@@ -50,9 +47,8 @@ static palp_status rough_law(const characterize_state *s, size_t n, palp_law *la
         return PALP_OK;
     }
     palp_law through;
-    if (s->n_hold > 0 && characterize_law_of_depths(s, n, &through) == PALP_OK) {
+    if (s->n_hold > 0 && characterize_law_of_depths(s, n, &through) == PALP_OK)
         memcpy(c, through.coefficients, through.n * sizeof *c);
-    }
     return palp_law_polynomial(n, c, law);
 }
 
@@ -65,17 +61,15 @@ static palp_status guess_spline(const characterize_state *s, size_t knots, palp_
         palp_law_stiffness(&rough, strain[k], &stiffness[k], NULL);
         most = fmax(most, stiffness[k]);
     }
-    for (size_t k = 0; k < knots; k++) {
+    for (size_t k = 0; k < knots; k++)
         stiffness[k] = fmax(stiffness[k], 0.02 * most);
-    }
     return status ? status : palp_law_spline(knots, strain, stiffness, law);
 }
 
 static double radius_of(const characterize_state *s) {
     double radius = 0;
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; i < s->n; i++)
         radius = fmax(radius, s->run[i].radius_m);
-    }
     return radius;
 }
 
@@ -85,9 +79,8 @@ static palp_status guess_hyperelastic(const characterize_state *s, palp_law_kind
     double radius = radius_of(s), k0 = 0, c[5] = {0};
     palp_law rough;
     palp_status status = rough_law(s, 1, &rough);
-    if (radius <= 0 || status) {
+    if (radius <= 0 || status)
         return status ? status : PALP_ERR_INPUT;
-    }
     double area = 3.14159265358979323846 * radius * radius;
     palp_law_stiffness(&rough, 0, &k0, NULL);
     double shear = k0 / (3 * area);
@@ -104,9 +97,8 @@ static palp_status guess_hyperelastic(const characterize_state *s, palp_law_kind
 
 /* size: coefficients of a polynomial, knots of a spline. */
 static palp_status guess(const characterize_state *s, palp_law_kind kind, size_t size, palp_law *law) {
-    if (kind == PALP_LAW_POLYNOMIAL) {
+    if (kind == PALP_LAW_POLYNOMIAL)
         return rough_law(s, size, law);
-    }
     return kind == PALP_LAW_SPLINE ? guess_spline(s, size, law) : guess_hyperelastic(s, kind, law);
 }
 
@@ -133,9 +125,8 @@ static palp_status list_laws(characterize_state *s) {
     palp_status status = PALP_OK;
     s->laws.n = 0;
     for (size_t i = 0; i < sizeof list / sizeof list[0] && status == PALP_OK; i++) {
-        if (list[i].kind >= PALP_LAW_NEO_HOOKEAN && radius_of(s) <= 0) {
+        if (list[i].kind >= PALP_LAW_NEO_HOOKEAN && radius_of(s) <= 0)
             continue;
-        }
         status = guess(s, list[i].kind, list[i].size, &s->law[s->laws.n]);
         s->laws.n += status == PALP_OK;
     }
@@ -159,16 +150,13 @@ int characterize_choose_law(const characterize_options *o, characterize_state *s
     palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, s->n_arms);
     settings.starts = 1;
     palp_status status = list_laws(s);
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = palp_characterize_select_law(s->n, s->run, &settings, s->laws.n, s->law, s->laws.score, s->laws.sd, &s->laws.best,
                                               &error);
-    }
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
-    if (one_ramp(s)) {
+    if (one_ramp(s))
         characterize_warn(s, "one ramp to one depth at one speed: K(e) and arms faster than the ramp cannot be told apart; add a slow "
                              "static press, or other depths and speeds");
-    }
     return CLI_OK;
 }

@@ -19,14 +19,12 @@ static const palp_recording *timed(const characterize_state *s, size_t *n) {
 static int fit_plain(const characterize_options *o, characterize_state *s) {
     for (size_t i = 0; i < s->n_static; i++) {
         for (size_t d = 1; d <= DEGREE_MAX; d++) {
-            if (d > 5 && d != o->degree && !o->degree_auto) {
+            if (d > 5 && d != o->degree && !o->degree_auto)
                 continue;
-            }
             palp_status status = palp_thesis_polynomial(&s->run[i], d, &s->plain[i][d], &s->norm_N[i][d]);
-            if (status) {
+            if (status)
                 return cli_failure(NAME, "%s: no polynomial of degree %zu: %s", s->run[i].name, d,
                                    palp_status_text(status));
-            }
         }
     }
     return CLI_OK;
@@ -92,14 +90,12 @@ static int choose_arms(const characterize_options *o, characterize_state *s, pro
     size_t n = 0, most = SELECT_ARMS_MAX;
     const palp_recording *run = timed(s, &n);
     s->n_arms = n ? o->arms : 0;
-    if (!o->arms_auto || n == 0) {
+    if (!o->arms_auto || n == 0)
         return CLI_OK;
-    }
     palp_characterize_settings settings = characterize_settings(o, s->n_hold == n ? PALP_SPRING_PER_RUN : PALP_SPRING_LAW, 0);
     palp_status status = characterize_guess(o, s, &settings.law);
-    for (bool again = status == PALP_OK; again; again = status == PALP_ERR_SINGULAR && most-- > 1) {
+    for (bool again = status == PALP_OK; again; again = status == PALP_ERR_SINGULAR && most-- > 1)
         status = palp_characterize_select_arms(n, run, &settings, most, s->arms.score, s->arms.sd, &s->arms.best, &error);
-    }
     status = status ? status : try_arms(s, settings, most, bar);
     s->arms.n = status ? 0 : most + 1;
     if (status == PALP_OK && s->n_arms < s->arms.best) {
@@ -115,14 +111,12 @@ static int fit_single(const characterize_options *o, characterize_state *s) {
     palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_PER_RUN, s->n_arms);
     for (size_t i = 0; i < s->n_hold && !o->shared_arms; i++) {
         palp_status status = palp_characterize_fit(1, &s->run[s->n_static + i], &settings, &s->single[i], &error);
-        if (status) {
+        if (status)
             return cli_status(NAME, status, &error);
-        }
         s->n_single++;
-        if (!s->single[i].converged) {
+        if (!s->single[i].converged)
             characterize_warn(s, "%s: the fit of this depth alone stopped before it converged",
                               s->run[s->n_static + i].name);
-        }
     }
     return CLI_OK;
 }
@@ -130,9 +124,8 @@ static int fit_single(const characterize_options *o, characterize_state *s) {
 static int fit_shared(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
     palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_PER_RUN, s->n_arms);
-    if (s->n_hold == 0 || o->per_depth) {
+    if (s->n_hold == 0 || o->per_depth)
         return CLI_OK;
-    }
     palp_status status =
         o->method == METHOD_GRID
             ? palp_thesis_grid(s->n_hold, &s->run[s->n_static], &settings, &s->shared, &error)
@@ -147,19 +140,16 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
     palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, s->n_arms);
     palp_status status = s->laws.n ? PALP_OK : characterize_guess(o, s, &settings.law);
-    if (s->laws.n) {
+    if (s->laws.n)
         settings.law = s->law[s->laws.best];
-    }
-    if (status == PALP_ERR_INPUT) {
+    if (status == PALP_ERR_INPUT)
         return cli_failure(NAME,
                            "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
                            s->run[0].name, palp_law_kind_name((palp_law_kind)o->law));
-    }
     settings.contact = s->contact;
     status = status ? status : palp_characterize_fit(s->n, s->run, &settings, &s->final, &error);
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
     s->has_final = true;
     s->material = s->final.material;
     return CLI_OK;
@@ -169,9 +159,8 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
 static int assemble_grid(characterize_state *s) {
     s->material = s->shared.material;
     palp_status status = s->n_static ? PALP_OK : characterize_law_of_depths(s, s->degree, &s->material.law);
-    if (s->n_static) {
+    if (s->n_static)
         s->material.law = s->plain[0][s->degree];
-    }
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
@@ -179,10 +168,9 @@ static int assemble_grid(characterize_state *s) {
  * there, from the last strain where it does. */
 static void limit_range(characterize_state *s) {
     double top = characterize_strain_max(s);
-    if (palp_law_limit(&s->material.law, top) == PALP_OK && s->material.law.strain_max < top) {
+    if (palp_law_limit(&s->material.law, top) == PALP_OK && s->material.law.strain_max < top)
         characterize_warn(s, "the force of the law no longer rises from a strain of %.3g on, of %.3g measured: the model goes on along its tangent from there",
                           s->material.law.strain_max, top);
-    }
 }
 
 /* ---- the verdict ---- */
@@ -190,49 +178,40 @@ static void limit_range(characterize_state *s) {
 static void judge(characterize_state *s) {
     const palp_lumped_fit *fit = characterize_fit_of(s);
     double top = characterize_strain_max(s), lowest = palp_law_minimum(&s->material.law, top);
-    if (lowest <= 0) {
+    if (lowest <= 0)
         characterize_warn(
             s,
             "K(e) falls to %.3g N within the measured range: no physical law; try another --degree or --law",
             lowest);
-    } else if (fit->constrained) {
+    else if (fit->constrained)
         characterize_warn(
             s, "K(e) > 0 had to be enforced over the measured range; try a lower --degree or --law spline");
-    }
     for (size_t i = 0; i < s->n_static; i++) {
         const palp_law *plain = &s->plain[i][s->degree];
-        if (plain->n && palp_law_minimum(plain, top) <= 0) {
+        if (plain->n && palp_law_minimum(plain, top) <= 0)
             characterize_warn(s, "%s: the plain polynomial of degree %zu has K(e) <= 0 in the measured range",
                               s->run[i].name, s->degree);
-        }
     }
-    if (fit->n_merged > 0) {
+    if (fit->n_merged > 0)
         characterize_warn(
             s, "%zu arm(s) merged with a neighbour: the data cannot tell their relaxation times apart",
             fit->n_merged);
-    }
-    for (size_t j = 0; j < fit->n_estimates; j++) {
-        if (!fit->estimate[j].determined) {
+    for (size_t j = 0; j < fit->n_estimates; j++)
+        if (!fit->estimate[j].determined)
             characterize_warn(s, "%s is not determined by these data", fit->estimate[j].name);
-        }
-    }
-    if (s->has_shared && !s->shared.converged && s->has_final) {
+    if (s->has_shared && !s->shared.converged && s->has_final)
         characterize_warn(s, "the fit of shared arms stopped before it converged");
-    }
-    if (!fit->converged) {
+    if (!fit->converged)
         characterize_warn(s, "the fit stopped before it converged; the best parameters found are given");
-    }
 }
 
 int characterize_model(const characterize_options *o, characterize_state *s) {
     progress bar;
     bool grid = o->method == METHOD_GRID;
-    if (grid && s->n_hold == 0) {
+    if (grid && s->n_hold == 0)
         return cli_failure(NAME, "--method grid needs ramp-and-hold runs (protocol.kind: \"ramp_hold\")");
-    }
-    if (!o->arms_auto && o->arms > 0 && s->n == s->n_static) {
+    if (!o->arms_auto && o->arms > 0 && s->n == s->n_static)
         characterize_warn(s, "a static press alone tells nothing of arms: the model has none");
-    }
     progress_start(&bar, "fitting");
     int code = fit_plain(o, s);
     code = code ? code : choose_degree(o, s);
@@ -243,12 +222,10 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     progress_update(&bar, 0.65);
     code = code ? code : fit_shared(o, s);
     progress_update(&bar, 0.8);
-    if (code == CLI_OK && o->law_auto) {
+    if (code == CLI_OK && o->law_auto)
         code = characterize_choose_law(o, s);
-    }
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = grid ? assemble_grid(s) : fit_joint(o, s);
-    }
     progress_finish(&bar);
     code = code ? code : characterize_compare(s);
     if (code == CLI_OK) {

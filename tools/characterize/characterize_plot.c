@@ -54,9 +54,8 @@ static void plot_static(plot_book *book, const characterize_state *s) {
     const palp_recording *r = &s->run[0];
     size_t n = static_marks(r, mark[0], mark[1]);
     force[0] = (plot_series){"measured", PLOT_POINTS, 6, n, mark[0], mark[1]};
-    for (size_t i = 0; i < CURVE_POINTS; i++) {
+    for (size_t i = 0; i < CURVE_POINTS; i++)
         curve_e[i] = r->deepest_m / r->height_m * (double)i / (CURVE_POINTS - 1);
-    }
     for (size_t k = 0; k < SHOWN; k++) {
         const palp_law *law = &s->plain[0][k + 2];
         palp_law_force(law, CURVE_POINTS, curve_e, curve[k], NULL, NULL);
@@ -85,9 +84,8 @@ static void plot_stiffness(plot_book *book, const characterize_state *s) {
         k[n + i] = isfinite(g->low_N) ? g->low_N : g->run_N;
         k[2 * n + i] = isfinite(g->high_N) ? g->high_N : g->run_N;
     }
-    if (s->n_static > 0 && s->n_arms > 0) {
+    if (s->n_static > 0 && s->n_arms > 0)
         line[n_lines++] = (law_line){"static polynomial", s->plain[0][s->degree], true};
-    }
     double at[CHARACTERIZE_BAND], ends[2 * CHARACTERIZE_BAND];
     for (size_t i = 0; i < s->n_band; i++) {
         at[i] = s->band[i].strain;
@@ -106,9 +104,8 @@ static void plot_stiffness(plot_book *book, const characterize_state *s) {
 static void plot_scores(plot_book *book, const char *name, const char *title, const char *label,
                         const characterize_scores *c, bool rms) {
     double x[DEGREE_MAX + 2];
-    for (size_t k = 0; k < c->n; k++) {
+    for (size_t k = 0; k < c->n; k++)
         x[k] = (double)(c->first + k);
-    }
     const size_t best = c->best - c->first;
     const plot_series score[] = {{"held out", PLOT_LINE_POINTS, 0, c->n, x, c->score},
                                  {"taken", PLOT_LINE_POINTS, 1, 1, x + best, c->score + best}};
@@ -128,9 +125,8 @@ static int make_curves(const characterize_state *s, run_curve *curve) {
     for (size_t i = 0; i < s->n; i++) {
         const palp_recording *r = &s->run[i];
         curve[i] = (run_curve){r, s->filtered_N[i], s->has_final ? malloc(r->n * sizeof(double)) : NULL};
-        if (curve[i].fit_N && palp_lumped_fit_force(&s->final, i, r, curve[i].fit_N)) {
+        if (curve[i].fit_N && palp_lumped_fit_force(&s->final, i, r, curve[i].fit_N))
             return cli_failure(NAME, "%s: the fit's force could not be computed", r->name);
-        }
     }
     return CLI_OK;
 }
@@ -153,41 +149,34 @@ static void plot_timed(plot_book *book, size_t n, const run_curve *curve, bool f
 }
 
 static void plot_all(plot_book *book, const characterize_state *s, const run_curve *curve) {
-    if (s->n > s->n_static) {
+    if (s->n > s->n_static)
         plot_timed(book, s->n - s->n_static, curve + s->n_static, s->has_final, s->cutoff_Hz);
-    }
     if (s->n_static > 0) {
         plot_runs_depth(book, "recordings_static", "Static press: raw (light) and filtered", s->n_static,
                         curve, false);
         plot_static(book, s);
-        if (s->has_final) {
+        if (s->has_final)
             plot_runs_depth(book, "fit_static", "Static press: raw (light) and the fitted model", s->n_static,
                             curve, true);
-        }
     }
     plot_stiffness(book, s);
-    if (s->arms.n > 0) {
+    if (s->arms.n > 0)
         plot_scores(book, "arms_score", "How many arms: error on blocks left out of the fit",
                     "number of arms", &s->arms, true);
-    }
-    if (s->degrees.n > 0) {
+    if (s->degrees.n > 0)
         plot_scores(book, "degree_score", "Which degree: error on blocks left out of the fit",
                     "degree of F(e)", &s->degrees, false);
-    }
 }
 
 int characterize_plot(const characterize_options *o, const characterize_state *s) {
     plot_book book = {.command = NAME, .folder = o->plot};
     run_curve curve[CHARACTERIZE_RUNS_MAX] = {{NULL, NULL, NULL}};
-    if (cli_folder(NAME, o->plot)) {
+    if (cli_folder(NAME, o->plot))
         return CLI_FAILURE;
-    }
     int code = make_curves(s, curve);
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         plot_all(&book, s, curve);
-    }
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; i < s->n; i++)
         free(curve[i].fit_N);
-    }
     return code == CLI_OK ? plot_close(&book) : code;
 }

@@ -14,11 +14,10 @@ enum { PAIRS_MAX = 12 };
 /* "7.608 +-0.012", half the interval; "?" for what the data do not tell. */
 static void with_half(char text[32], const palp_estimate *e) {
     double half = 0.5 * (e->high - e->low);
-    if (!e->determined) {
+    if (!e->determined)
         snprintf(text, 32, "?");
-    } else {
+    else
         snprintf(text, 32, "%.*f +-%.*f", digits_after_point(half), e->value, digits_after_point(half), half);
-    }
 }
 
 /* ---- the law ---- */
@@ -26,17 +25,15 @@ static void with_half(char text[32], const palp_estimate *e) {
 static void print_law(const palp_law *law) {
     if (law->kind == PALP_LAW_SPLINE) {
         printf("  K(e) through");
-        for (size_t i = 0; i < law->n; i++) {
+        for (size_t i = 0; i < law->n; i++)
             printf(" (%.4g, %.5g)", law->strain[i], law->coefficients[i]);
-        }
         printf(" (strain, N)\n");
         return;
     }
     if (law->kind != PALP_LAW_POLYNOMIAL) {
         printf("  %s:", palp_law_kind_name(law->kind));
-        for (size_t i = 0; i < law->n; i++) {
+        for (size_t i = 0; i < law->n; i++)
             printf(" %.6g", law->coefficients[i]);
-        }
         printf(law->kind == PALP_LAW_OGDEN ? " (mu in Pa and alpha in turn)\n" : " Pa\n");
         return;
     }
@@ -44,9 +41,8 @@ static void print_law(const palp_law *law) {
     for (size_t i = law->n; i-- > 0;) {
         double c = law->coefficients[i];
         printf(" %s%.6g", i + 1 == law->n ? (c < 0 ? "-" : "") : (c < 0 ? "- " : "+ "), fabs(c));
-        if (i > 0) {
+        if (i > 0)
             printf(i > 1 ? " e^%zu" : " e", i);
-        }
     }
     printf(" N\n");
 }
@@ -67,36 +63,31 @@ static void print_static(const characterize_state *s) {
 }
 
 static void print_scores(const characterize_scores *c, const char *what, bool rms) {
-    if (c->n == 0) {
+    if (c->n == 0)
         return;
-    }
     printf("Held-out error (mean square over the noise variance of blocks left out of the fit)\n");
     printf("  %8s  %12s  %17s%s\n", what, "error", "s.e. of the excess",
            rms ? "   residual rms / noise" : "");
     for (size_t k = 0; k < c->n; k++) {
         printf("  %8zu  %12.5g  %17.3g ", c->first + k, c->score[k], c->sd[k]);
-        if (rms) {
+        if (rms)
             printf("  %20.4g", c->rms_noise[k]);
-        }
         printf(c->first + k == c->best ? "  <- taken\n" : "\n");
     }
 }
 
 static void print_single(const characterize_state *s) {
     char text[32];
-    if (s->n_single == 0) {
+    if (s->n_single == 0)
         return;
-    }
     size_t arms = 0;
-    for (size_t i = 0; i < s->n_single; i++) {
+    for (size_t i = 0; i < s->n_single; i++)
         arms = s->single[i].material.n_arms > arms ? s->single[i].material.n_arms : arms;
-    }
     printf("The hold of each depth alone (as Tables 4.2 and 4.3; +- 95 %%; ? = not determined)\n  depth (mm) "
            " strain  %17s",
            "K_inf (N)");
-    for (size_t j = 1; j <= arms; j++) {
+    for (size_t j = 1; j <= arms; j++)
         printf("      K_%zu (N)           b_%zu (N s)   ", j, j);
-    }
     printf("  rms / noise\n");
     for (size_t i = 0; i < s->n_single; i++) {
         const palp_lumped_fit *f = &s->single[i];
@@ -108,9 +99,8 @@ static void print_single(const characterize_state *s) {
         for (size_t j = 0; j < arms; j++) {
             for (int k = 0; k < 2; k++) {
                 strcpy(text, "merged");
-                if (j < n) {
+                if (j < n)
                     with_half(text, &f->estimate[1 + 3 * j + (size_t)k]);
-                }
                 printf("  %17s", text);
             }
         }
@@ -123,13 +113,12 @@ static void print_estimates(const palp_lumped_fit *f) {
     for (size_t i = 0; i < f->n_estimates; i++) {
         const palp_estimate *e = &f->estimate[i];
         int d = digits_after_point(0.5 * (e->high - e->low));
-        if (e->determined) {
+        if (e->determined)
             printf("  %-10s %14.*f   %.*f to %.*f %s\n", e->name, d, e->value, d, e->low, d, e->high,
                    e->unit);
-        } else {
+        else
             printf("  %-10s %14s   not determined by these data (%.1g to %.1g %s)\n", e->name, "-", e->low,
                    e->high, e->unit);
-        }
     }
 }
 
@@ -140,19 +129,16 @@ static void print_pairs(const palp_lumped_fit *f) {
             double c = f->correlation[i * n + j];
             if (fabs(c) > 0.95) {
                 found++;
-                if (found <= PAIRS_MAX) {
+                if (found <= PAIRS_MAX)
                     printf("%s%s and %s %.3f", found == 1 ? "  correlated above 0.95: " : ", ",
                            f->estimate[i].name, f->estimate[j].name, c);
-                }
             }
         }
     }
-    if (found > PAIRS_MAX) {
+    if (found > PAIRS_MAX)
         printf(" and %zu more", found - PAIRS_MAX);
-    }
-    if (found) {
+    if (found)
         putchar('\n');
-    }
 }
 
 static void print_arms(const palp_material *m) {
@@ -164,16 +150,14 @@ static void print_arms(const palp_material *m) {
 }
 
 static void print_shared(const characterize_options *o, const characterize_state *s) {
-    if (!s->has_shared) {
+    if (!s->has_shared)
         return;
-    }
     printf("Arms shared by the holds of all depths (as Tables 4.4 and 4.5; %s)\n",
            o->method == METHOD_GRID ? "grid of Section 4.3.3" : "nlopt");
-    if (s->shared.n_estimates) {
+    if (s->shared.n_estimates)
         print_estimates(&s->shared);
-    } else {
+    else
         print_arms(&s->shared.material);
-    }
     printf("  total |residual| %.6g N\n", characterize_total(&s->shared));
 }
 
@@ -183,9 +167,8 @@ static void print_final(const characterize_state *s) {
            s->material.n_arms ? " and one set of arms" : "");
     print_law(&s->material.law);
     print_arms(&s->material);
-    if (!s->has_final) {
+    if (!s->has_final)
         return;
-    }
     print_estimates(f);
     print_pairs(f);
     int width = 34;
@@ -194,19 +177,17 @@ static void print_final(const characterize_state *s) {
         width = length > width ? length : width;
     }
     printf("  %-*s  rms (mN)   rms / noise   largest |residual| / peak\n", width, "run");
-    for (size_t i = 0; i < f->n_runs; i++) {
+    for (size_t i = 0; i < f->n_runs; i++)
         printf("  %-*s %9.4g  %12.4g  %22.3f %%\n", width, s->run[i].name, 1e3 * f->rms_N[i], characterize_noise_ratio(f, i, &s->run[i]),
                100 * s->largest_N[i] / s->peak_N[i]);
-    }
     printf("  total |residual| %.6g N; intervals widened %.3g times for misfit and coloured noise\n",
            characterize_total(f), f->inflation);
 }
 
 /* Coefficients may mean nothing one by one; the force they make does. */
 static void print_band(const characterize_state *s) {
-    if (s->n_band == 0) {
+    if (s->n_band == 0)
         return;
-    }
     printf("  strain   K_inf (N)   95 %% band            force (N)   95 %% band\n");
     for (size_t i = s->n_band / 5; i < s->n_band; i += s->n_band / 5) {
         const characterize_known *at = &s->band[i];
@@ -218,9 +199,8 @@ static void print_band(const characterize_state *s) {
 
 /* The plain polynomial beside the joint law: what the arms add to a press that is not slow enough. */
 static void print_bias(const characterize_state *s) {
-    if (s->n_static == 0 || !s->has_final || s->material.n_arms == 0) {
+    if (s->n_static == 0 || !s->has_final || s->material.n_arms == 0)
         return;
-    }
     double top = s->run[0].deepest_m / s->run[0].height_m;
     printf("Static press: the plain polynomial takes the arms' force for the spring's\n");
     printf("  strain   plain K (N)   joint K (N)   plain / joint - 1\n");
@@ -233,9 +213,8 @@ static void print_bias(const characterize_state *s) {
 }
 
 static void print_gap(const characterize_state *s) {
-    if (s->n_gap == 0 || s->n_static == 0 || !s->has_final) {
+    if (s->n_gap == 0 || s->n_static == 0 || !s->has_final)
         return;
-    }
     printf("K_inf of static press and ramp and hold (Figure 4.26)\n");
     printf("  strain   ramp and hold (N)   static, plain (N)   joint law (N)\n");
     for (size_t i = 0; i < s->n_gap; i++) {
@@ -247,9 +226,8 @@ static void print_gap(const characterize_state *s) {
 }
 
 static void print_spread(const characterize_state *s) {
-    if (s->n_spread == 0) {
+    if (s->n_spread == 0)
         return;
-    }
     printf(
         "Spread of the %zu static presses\n  strain   mean force (N)   sd (%%)   lowest (N)   highest (N)\n",
         s->n_static);
@@ -261,15 +239,13 @@ static void print_spread(const characterize_state *s) {
 }
 
 static void print_laws(const characterize_state *s) {
-    if (s->laws.n == 0) {
+    if (s->laws.n == 0)
         return;
-    }
     printf("The law by the error on what was left out of the fit (mean square over the noise variance)\n");
     printf("  law               parameters         error  s.e. of the excess\n");
-    for (size_t k = 0; k < s->laws.n; k++) {
+    for (size_t k = 0; k < s->laws.n; k++)
         printf("  %-16s %11zu  %12.5g  %18.3g%s\n", palp_law_kind_name(s->law[k].kind), s->law[k].n, s->laws.score[k],
                s->laws.sd[k], k == s->laws.best ? "   taken" : "");
-    }
 }
 
 int characterize_print(const characterize_options *o, const characterize_state *s) {
@@ -284,8 +260,7 @@ int characterize_print(const characterize_options *o, const characterize_state *
     print_band(s);
     print_bias(s);
     print_gap(s);
-    if (o->out) {
+    if (o->out)
         printf("Written to %s\n", o->out);
-    }
     return cli_flush(NAME);
 }

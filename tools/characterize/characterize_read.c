@@ -33,27 +33,20 @@ static void tell(const palp_recording *r) {
         0, 0);
     add(&line, "; zero %.3g +- %.2g mN", 1e3 * r->zero_N, 1.96e3 * r->zero_sd_N);
     add(&line, "; noise %.3g mN", 1e3 * r->noise_N, 0);
-    if (r->n_missing > 0) {
+    if (r->n_missing > 0)
         add(&line, "; %.0f samples missing (%.2g %%)", (double)r->n_missing, 100.0 * (double)r->n_missing / (double)(r->n + r->n_missing));
-    }
-    if (r->n_gaps > 0) {
+    if (r->n_gaps > 0)
         add(&line, "; %.0f gap(s), the longest %.3g s", (double)r->n_gaps, r->longest_gap_s);
-    }
-    if (r->n_spikes > 0) {
+    if (r->n_spikes > 0)
         add(&line, "; %.0f spike(s) masked", (double)r->n_spikes, 0);
-    }
-    if (r->n_clipped > 0) {
+    if (r->n_clipped > 0)
         add(&line, "; %.0f clipped samples masked", (double)r->n_clipped, 0);
-    }
-    if (r->hum_N > 0) {
+    if (r->hum_N > 0)
         add(&line, "; hum of %.2g mN at %.4g Hz", 1e3 * r->hum_N, r->hum_Hz);
-    }
-    if (r->uneven) {
+    if (r->uneven)
         add(&line, "; uneven sampling", 0, 0);
-    }
-    if (r->faulted) {
+    if (r->faulted)
         add(&line, "; ended early by a fault", 0, 0);
-    }
     fprintf(stderr, "palpate %s: %s: %s%s\n", NAME, r->name, kinds[r->kind], line.text);
 }
 
@@ -68,28 +61,24 @@ static int read_one(const characterize_options *o, const char *file, characteriz
     settings.contact_given = !isnan(o->contact_mm);
     settings.contact_m = settings.contact_given ? 1e-3 * o->contact_mm : 0;
     int code = open_run(NAME, file, &experiment);
-    if (code) {
+    if (code)
         return code;
-    }
     const char *none = open_no_specimen(experiment);
     palp_status status = PALP_OK;
-    if (none) {
+    if (none)
         fprintf(stderr, "palpate %s: %s: no specimen in it (\"%s\"); left out\n", NAME, file, none);
-    } else {
+    else
         status = palp_recording_prepare(experiment, file, &settings, &s->run[s->n], &error);
-    }
-    if (!none && status == PALP_OK) {
+    if (!none && status == PALP_OK)
         tell(&s->run[s->n++]);
-    }
     palp_experiment_free(experiment);
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
 
 /* Static runs first, ramps and holds by depth, then the others; each kind in the order given. */
 static int rank(const palp_recording *a, const palp_recording *b) {
-    if (a->kind != b->kind) {
+    if (a->kind != b->kind)
         return a->kind < b->kind ? -1 : 1;
-    }
     return a->kind == PALP_RECORDING_RAMP_HOLD && a->deepest_m > b->deepest_m ? 1 : 0;
 }
 
@@ -97,22 +86,20 @@ static void sort(characterize_state *s) {
     for (size_t i = 1; i < s->n; i++) {
         palp_recording moved = s->run[i];
         size_t at = i;
-        for (; at > 0 && rank(&s->run[at - 1], &moved) > 0; at--) {
+        for (; at > 0 && rank(&s->run[at - 1], &moved) > 0; at--)
             s->run[at] = s->run[at - 1];
-        }
         s->run[at] = moved;
     }
 }
 
 static int check_heights(const characterize_state *s) {
     for (size_t i = 1; i < s->n; i++) {
-        if (fabs(s->run[i].height_m - s->run[0].height_m) > 1e-6 * s->run[0].height_m) {
+        if (fabs(s->run[i].height_m - s->run[0].height_m) > 1e-6 * s->run[0].height_m)
             return cli_failure(
                 NAME,
                 "%s: a specimen of %g mm, but %s: of %g mm; characterize each specimen by itself "
                 "or give --specimen-height-mm",
                 s->run[i].name, 1e3 * s->run[i].height_m, s->run[0].name, 1e3 * s->run[0].height_m);
-        }
     }
     return CLI_OK;
 }
@@ -128,32 +115,27 @@ static int filter_runs(const characterize_options *o, characterize_state *s) {
     for (size_t i = 0; i < s->n && (o->plot || o->fit_filtered); i++) {
         palp_recording *r = &s->run[i];
         s->filtered_N[i] = run_filter(r, s->cutoff_Hz);
-        if (!s->filtered_N[i] && (o->fit_filtered || o->filter_Hz > 0)) {
+        if (!s->filtered_N[i] && (o->fit_filtered || o->filter_Hz > 0))
             return cli_failure(NAME, "%s: cannot be filtered at %g Hz: %s", r->name, s->cutoff_Hz,
                                r->uneven ? "its samples are not even in time"
                                          : "too fast for its sampling rate");
-        }
-        if (o->fit_filtered) {
+        if (o->fit_filtered)
             memcpy(r->force_N, s->filtered_N[i], r->n * sizeof *r->force_N);
-        }
     }
-    if (o->fit_filtered) {
+    if (o->fit_filtered)
         characterize_warn(
             s, "fitted to the filtered force: the filter rounds the ramp, so that fast arms are biased");
-    }
     return CLI_OK;
 }
 
 int characterize_read(const characterize_options *o, characterize_state *s) {
     for (size_t i = 0; i < o->n_words; i++) {
         int code = read_one(o, o->words[i], s);
-        if (code) {
+        if (code)
             return code;
-        }
     }
-    if (s->n == 0) {
+    if (s->n == 0)
         return cli_failure(NAME, "no recording of a specimen among the %zu given", o->n_words);
-    }
     sort(s);
     for (size_t i = 0; i < s->n; i++) {
         s->n_static += s->run[i].kind == PALP_RECORDING_STATIC;

@@ -24,17 +24,15 @@ const palp_lumped_fit *characterize_fit_of(const characterize_state *s) {
 
 double characterize_strain_max(const characterize_state *s) {
     double most = 0;
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; i < s->n; i++)
         most = fmax(most, s->run[i].deepest_m / s->run[i].height_m);
-    }
     return most;
 }
 
 double characterize_total(const palp_lumped_fit *fit) {
     double sum = 0;
-    for (size_t i = 0; i < fit->n_runs; i++) {
+    for (size_t i = 0; i < fit->n_runs; i++)
         sum += fit->absolute_N[i];
-    }
     return sum;
 }
 
@@ -49,9 +47,8 @@ void characterize_warn(characterize_state *s, const char *format, ...) {
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     cli_warning(NAME, "%s", text);
-    if (s->n_warnings < CHARACTERIZE_WARNINGS_MAX) {
+    if (s->n_warnings < CHARACTERIZE_WARNINGS_MAX)
         memcpy(s->warning[s->n_warnings++], text, sizeof text);
-    }
 }
 
 /* A spring for each run is constant, which K(e) is not on the ramp: such fits see the hold only, as in

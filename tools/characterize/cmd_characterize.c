@@ -74,13 +74,11 @@ static int number_or_auto(const char *option, const char *text, double low, doub
                           bool *automatic) {
     double value = 0;
     *automatic = strcmp(text, "auto") == 0;
-    if (*automatic) {
+    if (*automatic)
         return CLI_OK;
-    }
-    if (!cli_read_number(text, &value) || value != floor(value) || value < low || value > high) {
+    if (!cli_read_number(text, &value) || value != floor(value) || value < low || value > high)
         return cli_usage_error(NAME, "--%s must be auto or a whole number from %g to %g, not \"%s\"", option,
                                low, high, text);
-    }
     *number = (size_t)value;
     return CLI_OK;
 }
@@ -88,30 +86,23 @@ static int number_or_auto(const char *option, const char *text, double low, doub
 static int check_options(characterize_options *o) {
     o->degree_given = o->degree_text != NULL;
     int code = number_or_auto("arms", o->arms_text, 0, PALP_ARMS_MAX, &o->arms, &o->arms_auto);
-    if (code == CLI_OK && o->degree_given) {
+    if (code == CLI_OK && o->degree_given)
         code = number_or_auto("degree", o->degree_text, DEGREE_MIN, DEGREE_MAX, &o->degree, &o->degree_auto);
-    }
-    if (code) {
+    if (code)
         return code;
-    }
     o->law_auto = o->law_choice == 0 && !o->degree_given && o->knots == 0 && o->method == METHOD_NLOPT;
     o->law = o->law_choice > 0 ? o->law_choice - 1 : o->knots > 0 ? PALP_LAW_SPLINE : PALP_LAW_POLYNOMIAL;
-    if (o->law != PALP_LAW_POLYNOMIAL && o->degree_given) {
+    if (o->law != PALP_LAW_POLYNOMIAL && o->degree_given)
         return cli_usage_error(NAME, "--degree goes with --law polynomial");
-    }
-    if (o->law != PALP_LAW_SPLINE && o->knots > 0) {
+    if (o->law != PALP_LAW_SPLINE && o->knots > 0)
         return cli_usage_error(NAME, "--knots goes with --law spline");
-    }
-    if (o->shared_arms && o->per_depth) {
+    if (o->shared_arms && o->per_depth)
         return cli_usage_error(NAME, "give either --shared-arms or --per-depth (default: both tables)");
-    }
-    if (o->method == METHOD_GRID && (o->arms_auto || o->arms < 1 || o->arms > 2)) {
+    if (o->method == METHOD_GRID && (o->arms_auto || o->arms < 1 || o->arms > 2))
         return cli_usage_error(NAME, "--method grid needs --arms 1 or --arms 2");
-    }
-    if (o->method == METHOD_GRID && (o->law != PALP_LAW_POLYNOMIAL || o->per_depth)) {
+    if (o->method == METHOD_GRID && (o->law != PALP_LAW_POLYNOMIAL || o->per_depth))
         return cli_usage_error(NAME, "--method grid has shared arms and a polynomial; leave out %s",
                                o->per_depth ? "--per-depth" : "--law");
-    }
     o->knots = o->knots ? o->knots : 5;
     return CLI_OK;
 }
@@ -121,19 +112,16 @@ static int check_options(characterize_options *o) {
 static int write_model(const characterize_options *o, const characterize_state *s) {
     palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = s->run[0].height_m};
     palp_error error = {PALP_OK, ""};
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; i < s->n; i++)
         model.radius_m = model.radius_m > 0 ? model.radius_m : s->run[i].radius_m;
-    }
-    if (model.radius_m > 0) {
+    if (model.radius_m > 0)
         strcpy(model.specimen_kind, "cylinder");
-    }
     model.material = s->material;
     model.covariance = s->has_final ? s->final.covariance : NULL;
     palp_status status = o->out ? palp_model_write(&model, o->out, &error) : PALP_OK;
-    if (status && palp_law_minimum(&s->material.law, characterize_strain_max(s)) <= 0) {
+    if (status && palp_law_minimum(&s->material.law, characterize_strain_max(s)) <= 0)
         return cli_failure(NAME, "%s: not written: K(e) falls to zero within the measured strain of %.3g; take another --degree or --law",
                            o->out, characterize_strain_max(s));
-    }
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
 
@@ -141,12 +129,10 @@ static int characterize(const characterize_options *o, characterize_state *s) {
     int code = characterize_read(o, s);
     code = code ? code : characterize_model(o, s);
     code = code ? code : write_model(o, s);
-    if (code == CLI_OK && o->plot) {
+    if (code == CLI_OK && o->plot)
         code = characterize_plot(o, s);
-    }
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = o->json ? CLI_OK : characterize_print(o, s);
-    }
     code = code ? code : characterize_json(o, s);
     return code == CLI_OK && !characterize_fit_of(s)->converged ? CLI_NOT_CONVERGED : code;
 }
@@ -156,9 +142,8 @@ static void state_free(characterize_state *s) {
         palp_recording_free(&s->run[i]);
         free(s->filtered_N[i]);
     }
-    for (size_t i = 0; i < s->n_single; i++) {
+    for (size_t i = 0; i < s->n_single; i++)
         palp_lumped_fit_free(&s->single[i]);
-    }
     palp_lumped_fit_free(&s->shared);
     palp_lumped_fit_free(&s->final);
     free(s);
@@ -169,13 +154,11 @@ int cmd_characterize(int argc, char **argv) {
     cli_keep_command(argc, argv, o.command);
     int code = parse(argc, argv, &o);
     code = code ? code : check_options(&o);
-    if (code) {
+    if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    }
     characterize_state *s = calloc(1, sizeof *s);
-    if (!s) {
+    if (!s)
         return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-    }
     code = characterize(&o, s);
     state_free(s);
     return code;

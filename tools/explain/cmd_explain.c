@@ -46,18 +46,16 @@ static int parse(int argc, char **argv, explain_options *o) {
         "  palpate explain --model lumped.json runs/*.csv --out explained.json --report page.html\n",
         options, sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, o->words, EXPLAIN_RUNS_MAX, &o->n_words);
-    if (code == CLI_OK && (!o->model || o->n_words == 0)) {
+    if (code == CLI_OK && (!o->model || o->n_words == 0))
         return cli_usage_error(NAME, "needs --model MODEL.json and runs; see palpate explain --help");
-    }
     return code;
 }
 
 /* The next name of a list between commas; false at its end. */
 static bool next_name(const char **list, char name[CLI_PATH_MAX]) {
     size_t n = strcspn(*list, ",");
-    if (n == 0 || n >= CLI_PATH_MAX) {
+    if (n == 0 || n >= CLI_PATH_MAX)
         return false;
-    }
     memcpy(name, *list, n);
     name[n] = '\0';
     *list += n + ((*list)[n] == ',');
@@ -67,14 +65,12 @@ static bool next_name(const char **list, char name[CLI_PATH_MAX]) {
 static int choose_candidates(const explain_options *o, palp_explain_settings *s) {
     char name[CLI_PATH_MAX];
     palp_effect_id id;
-    if (!o->candidates) {
+    if (!o->candidates)
         return CLI_OK;
-    }
     memset(s->candidate, 0, sizeof s->candidate);
     for (const char *at = o->candidates; next_name(&at, name);) {
-        if (palp_effect_parse(name, &id)) {
+        if (palp_effect_parse(name, &id))
             return cli_usage_error(NAME, "--candidates: no effect is called \"%s\"", name);
-        }
         s->candidate[id] = 1;
     }
     return CLI_OK;
@@ -82,20 +78,16 @@ static int choose_candidates(const explain_options *o, palp_explain_settings *s)
 
 static int choose_held_out(const explain_options *o, palp_explain_settings *s, size_t held_out[EXPLAIN_RUNS_MAX]) {
     char name[CLI_PATH_MAX];
-    if (!o->hold_out || strcmp(o->hold_out, "auto") == 0) {
+    if (!o->hold_out || strcmp(o->hold_out, "auto") == 0)
         return CLI_OK;
-    }
     for (const char *at = o->hold_out; next_name(&at, name);) {
         size_t r = 0;
-        while (r < o->n_words && strcmp(o->words[r], name) != 0) {
+        while (r < o->n_words && strcmp(o->words[r], name) != 0)
             r++;
-        }
-        if (r == o->n_words) {
+        if (r == o->n_words)
             return cli_usage_error(NAME, "--hold-out: %s is not among the runs", name);
-        }
-        if (s->n_held_out < EXPLAIN_RUNS_MAX) {
+        if (s->n_held_out < EXPLAIN_RUNS_MAX)
             held_out[s->n_held_out++] = r;
-        }
     }
     s->held_out = held_out;
     return s->n_held_out < o->n_words ? CLI_OK : cli_usage_error(NAME, "--hold-out leaves no run to fit");
@@ -106,21 +98,16 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
     int code = CLI_OK;
     palp_model model = e->model;
     palp_law_limit(&model.material.law, model.material.law.strain_max); /* of the coefficients that were found */
-    if (o->out && palp_model_write(&model, o->out, &error)) {
+    if (o->out && palp_model_write(&model, o->out, &error))
         code = cli_status(NAME, error.status, &error);
-    }
-    if (code == CLI_OK && o->result) {
+    if (code == CLI_OK && o->result)
         code = json_save(NAME, explain_json(o, e), o->result);
-    }
-    if (code == CLI_OK && o->next && e->next.wanted && e->next.kind) {
+    if (code == CLI_OK && o->next && e->next.wanted && e->next.kind)
         code = json_save(NAME, explain_protocol(e), o->next);
-    }
-    if (code == CLI_OK && o->plot) {
+    if (code == CLI_OK && o->plot)
         code = explain_plot(o, e);
-    }
-    if (code == CLI_OK && o->report) {
+    if (code == CLI_OK && o->report)
         code = explain_page(o, e);
-    }
     return code;
 }
 
@@ -128,22 +115,19 @@ static int read_runs(const explain_options *o, palp_explain_input *input, palp_e
     size_t rows = 0;
     for (size_t r = 0; r < o->n_words; r++) {
         int code = open_run(NAME, o->words[r], &run[r]);
-        if (code) {
+        if (code)
             return code;
-        }
         rows += palp_experiment_rows(run[r]);
     }
     size_t every = o->every ? o->every : 1 + rows / EXPLAIN_ROWS;
     for (size_t r = 0; r < o->n_words; r++) {
         palp_status status = every > 1 ? explain_thin(&run[r], every) : PALP_OK;
-        if (status) {
+        if (status)
             return cli_status(NAME, status, NULL);
-        }
         input[r] = (palp_explain_input){run[r], o->words[r]};
     }
-    if (every > 1 && !o->every) {
+    if (every > 1 && !o->every)
         fprintf(stderr, "palpate %s: one sample in %zu of each run (--every)\n", NAME, every);
-    }
     return CLI_OK;
 }
 
@@ -154,16 +138,13 @@ static void extend_range(palp_model *model, size_t n, palp_experiment *const *ru
     double deepest = 0, given = law->strain_max;
     for (size_t r = 0; r < n && model->kind == PALP_MODEL_LUMPED && given > 0; r++) {
         const double *depth_mm = palp_experiment_column(run[r], "depth_mm");
-        for (size_t i = 0; depth_mm && i < palp_experiment_rows(run[r]); i++) {
+        for (size_t i = 0; depth_mm && i < palp_experiment_rows(run[r]); i++)
             deepest = fmax(deepest, 1e-3 * depth_mm[i] / model->height_m);
-        }
     }
-    if (deepest > 1.02 * given) {
+    if (deepest > 1.02 * given)
         cli_warning(NAME, "beyond the measured strain of %.4g: these runs go to %.4g, and the law is fitted to there", given, deepest);
-    }
-    if (deepest > given) {
+    if (deepest > given)
         palp_law_limit(law, deepest);
-    }
 }
 
 static int explain(explain_options *o, palp_explain_input *input, palp_experiment **run, size_t *held_out) {
@@ -190,9 +171,8 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     }
     if (code == CLI_OK) {
         code = o->json ? json_print(NAME, explain_json(o, &e)) : CLI_OK;
-        if (!o->json) {
+        if (!o->json)
             explain_say(&e);
-        }
         code = code ? code : write_out(o, &e);
         palp_explanation_free(&e);
     }
@@ -213,12 +193,10 @@ int cmd_explain(int argc, char **argv) {
         cli_keep_command(argc, argv, o->command);
         code = parse(argc, argv, o);
     }
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = explain(o, input, run, held_out);
-    }
-    for (size_t r = 0; run && r < EXPLAIN_RUNS_MAX; r++) {
+    for (size_t r = 0; run && r < EXPLAIN_RUNS_MAX; r++)
         palp_experiment_free(run[r]);
-    }
     free(o);
     free(input);
     free(run);

@@ -48,28 +48,25 @@ static void make_curve(const palp_explain_run *run, const double *y, curve *c) {
 
 static double mean_square(const palp_explain_run *run, const double *y) {
     double sum = 0;
-    for (size_t i = 0; i < run->n; i++) {
+    for (size_t i = 0; i < run->n; i++)
         sum += y[i] * y[i] / (double)run->n;
-    }
     return sum;
 }
 
 static double largest(const palp_explain_run *run, const double *y) {
     double most = 0;
-    for (size_t i = 0; i < run->n; i++) {
+    for (size_t i = 0; i < run->n; i++)
         most = fmax(most, fabs(y[i]));
-    }
     return most;
 }
 
 /* Of a name that is too long its start and its end: what tells runs apart may be either. */
 static void short_name(const char *name, char text[48]) {
     size_t n = strlen(name);
-    if (n <= 40) {
+    if (n <= 40)
         snprintf(text, 48, "%s", name);
-    } else {
+    else
         snprintf(text, 48, "%.18s...%s", name, name + n - 19);
-    }
 }
 
 static plot_panel make_panel(panel *p, const palp_explain_run *run, const palp_explanation *e, double most_mN) {
@@ -109,9 +106,8 @@ static size_t choose(const palp_explanation *e, size_t shown[PANELS]) {
             double other = mean_square(&e->run[k], e->run[k].before_N);
             before += other > own || (other == own && k < r);
         }
-        if (before < PANELS) {
+        if (before < PANELS)
             shown[n++] = r;
-        }
     }
     return n;
 }
@@ -132,9 +128,8 @@ void explain_figure(plot_book *book, const palp_explanation *e) {
         double peak = largest(run, run->before_N); /* but for spikes */
         most = fmax(most, fmin(1.05 * peak, 6 * sqrt(mean_square(run, run->before_N))));
     }
-    for (size_t k = 0; k < n; k++) {
+    for (size_t k = 0; k < n; k++)
         figure.panel[k] = make_panel(&p[k], &e->run[shown[k]], e, 1e3 * most);
-    }
     plot_draw(book, "explain_residuals", &figure);
     free(p);
 }

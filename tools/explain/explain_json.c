@@ -22,9 +22,8 @@ static json_t *effect_json(const palp_explain_effect *f) {
         put(value, p->key, f->effect.value[k] / p->unit);
         json_object_set_new(intervals, p->key, json_numbers(2, interval));
     }
-    for (size_t k = 0; k < f->n_class; k++) {
+    for (size_t k = 0; k < f->n_class; k++)
         json_array_append_new(alike, json_string(id_of(f->alike[k])));
-    }
     json_object_set_new(object, "id", json_string(info->id));
     json_object_set_new(object, "parameters", value);
     json_object_set_new(object, "intervals", intervals);
@@ -145,9 +144,8 @@ static json_t *candidates_json(const palp_explanation *e, bool blind) {
     json_t *list = json_array();
     for (size_t i = 0; i < e->n_candidates; i++) {
         const palp_explain_candidate *s = &e->candidate[i];
-        if (s->accepted || s->identifiable == blind) {
+        if (s->accepted || s->identifiable == blind)
             continue;
-        }
         json_array_append_new(list, blind ? json_string(id_of(s->id)) : candidate_json(s));
     }
     return list;
@@ -179,44 +177,36 @@ static json_t *run_json(const palp_explain_next *next) {
     json_t *run = json_object();
     json_object_set_new(run, "kind", json_string(next->kind));
     put(run, "depth_mm", next->depth_mm);
-    if (next->rate_mm_s > 0) {
+    if (next->rate_mm_s > 0)
         put(run, "rate_mm_s", next->rate_mm_s);
-    }
-    if (next->ramp_s > 0) {
+    if (next->ramp_s > 0)
         put(run, "ramp_s", next->ramp_s);
-    }
-    if (next->hold_s > 0) {
+    if (next->hold_s > 0)
         put(run, "hold_s", next->hold_s);
-    }
-    if (next->cycles > 0) {
+    if (next->cycles > 0)
         json_object_set_new(run, "cycles", json_integer((json_int_t)next->cycles));
-    }
     return run;
 }
 
 static json_t *next_json(const palp_explanation *e) {
     const palp_explain_next *next = &e->next;
-    if (!next->wanted) {
+    if (!next->wanted)
         return json_null();
-    }
     json_t *object = json_object(), *between = json_array();
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         json_array_append_new(between, json_string(id_of(next->between[i])));
-    }
     json_object_set_new(object, "run", next->kind ? run_json(next) : json_null());
     json_object_set_new(object, "between", between);
     put(object, "separation_N", next->separation_N);
-    if (next->note) {
+    if (next->note)
         json_object_set_new(object, "note", json_string(next->note));
-    }
     return object;
 }
 
 json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_t *root = json_object(), *effects = json_array();
-    for (size_t i = 0; i < e->n_effects; i++) {
+    for (size_t i = 0; i < e->n_effects; i++)
         json_array_append_new(effects, effect_json(&e->effect[i]));
-    }
     json_object_set_new(root, "palpate", json_pack("{s:i}", "explain", 1));
     json_object_set_new(root, "command", json_string(o->command));
     json_object_set_new(root, "verdict", json_string(palp_explain_verdict_name(e->verdict)));

@@ -19,9 +19,8 @@ static void effect_text(const palp_explain_effect *f, char text[ROW]) {
         n += snprintf(text + n, (size_t)(ROW - n), "%s %s %.4g (%.4g to %.4g)", k ? "," : ":", p->key,
                       f->effect.value[k] / p->unit, f->low[k] / p->unit, f->high[k] / p->unit);
     }
-    for (size_t k = 1; k < f->n_class && n < ROW; k++) {
+    for (size_t k = 1; k < f->n_class && n < ROW; k++)
         n += snprintf(text + n, (size_t)(ROW - n), "%s%s", k == 1 ? "; or " : ", ", palp_effect_look_up(f->alike[k])->id);
-    }
 }
 
 static void say_scatter(const palp_explanation *e) {
@@ -32,10 +31,9 @@ static void say_scatter(const palp_explanation *e) {
     } all[] = {{"zero_scatter", "zeros", "N", &e->zero, 1}, {"contact_scatter", "contacts", "mm", &e->contact, 1e3},
                {"gain_scatter", "gains", "%", &e->gain, 100}};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
-        if (all[i].is->found) {
+        if (all[i].is->found)
             printf("  %s: the %s of the runs differ by %.3g %s (standard deviation); one for all would leave %.4g N, not %.4g N\n",
                    all[i].id, all[i].what, all[i].per * all[i].is->sd, all[i].unit, all[i].is->without_N, e->gap.after_N);
-        }
     }
 }
 
@@ -50,9 +48,8 @@ static void say_candidates(const palp_explanation *e) {
             bool worse = best < e->n_candidates && c->score <= e->candidate[best].score;
             best = c->accepted || said[k] || !(c->score > 0) || worse ? best : k;
         }
-        if (best == e->n_candidates) {
+        if (best == e->n_candidates)
             return;
-        }
         said[best] = true;
         printf("candidate %s: %.3g nats; not taken: %s\n", palp_effect_look_up(e->candidate[best].id)->id,
                e->candidate[best].score, e->candidate[best].reason);
@@ -71,13 +68,11 @@ void explain_say(const palp_explanation *e) {
     printf("gap of experiments left out: %.4g N before, %.4g N after, noise level %.4g N\n", e->gap.heldout_before_N,
            e->gap.heldout_after_N, e->gap.noise_level_N);
     say_candidates(e);
-    if (e->verdict == PALP_EXPLAIN_SUSPECTED) {
+    if (e->verdict == PALP_EXPLAIN_SUSPECTED)
         printf("next: press again the same way, and at another depth and speed\n");
-    }
-    if (e->next.wanted && e->next.kind) {
+    if (e->next.wanted && e->next.kind)
         printf("next: %s to %.3g mm tells %s from %s\n", e->next.kind, e->next.depth_mm,
                palp_effect_look_up(e->next.between[0])->id, palp_effect_look_up(e->next.between[1])->id);
-    }
 }
 
 /* ---- the page ---- */
@@ -107,11 +102,10 @@ int explain_page(const explain_options *o, const palp_explanation *e) {
     int code = result ? cli_file_open(NAME, o->report, &to) : cli_failure(NAME, "out of memory");
     if (code == CLI_OK) {
         code = page(to.stream, result, e);
-        if (code) {
+        if (code)
             palp_file_abandon(&to);
-        } else {
+        else
             code = cli_file_close(NAME, &to);
-        }
     }
     json_decref(result);
     return code;
@@ -120,8 +114,7 @@ int explain_page(const explain_options *o, const palp_explanation *e) {
 int explain_plot(const explain_options *o, const palp_explanation *e) {
     plot_book book = {.command = NAME, .folder = o->plot};
     int code = json_save_in(NAME, explain_json(o, e), o->plot, "explain.json");
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         explain_figure(&book, e);
-    }
     return code ? code : plot_close(&book);
 }

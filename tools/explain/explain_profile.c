@@ -36,9 +36,8 @@ static void find_used(const palp_explanation *e, size_t r, bool *use) {
     memset(use, 1, run->n);
     for (size_t k = 0; k < e->n_events; k++) {
         const palp_explain_event *event = &e->event[k];
-        if (event->run != r || strcmp(event->kind, "slip") == 0) {
+        if (event->run != r || strcmp(event->kind, "slip") == 0)
             continue;
-        }
         for (size_t i = 0; i < run->n; i++) {
             size_t a = i > event->samples ? i - event->samples : 0, b = i + event->samples;
             b = b < run->n ? b : run->n - 1;
@@ -50,12 +49,10 @@ static void find_used(const palp_explanation *e, size_t r, bool *use) {
 /* mm/s, towards the specimen positive. */
 static double speed_at(const palp_explain_run *run, size_t i) {
     size_t a = i ? i - 1 : 0, b = i + 1 < run->n ? i + 1 : i;
-    while (a > 0 && run->time_s[i] - run->time_s[a] < WINDOW) {
+    while (a > 0 && run->time_s[i] - run->time_s[a] < WINDOW)
         a--;
-    }
-    while (b + 1 < run->n && run->time_s[b] - run->time_s[i] < WINDOW) {
+    while (b + 1 < run->n && run->time_s[b] - run->time_s[i] < WINDOW)
         b++;
-    }
     return 1e3 * (run->depth_m[b] - run->depth_m[a]) / (run->time_s[b] - run->time_s[a]);
 }
 
@@ -105,9 +102,8 @@ json_t *explain_profile(const palp_explanation *e) {
     size_t longest = 0;
     for (size_t r = 0; r < e->n_runs; r++) {
         longest = e->run[r].n > longest ? e->run[r].n : longest;
-        for (size_t i = 0; i < e->run[r].n; i++) {
+        for (size_t i = 0; i < e->run[r].n; i++)
             deepest = fmax(deepest, 1e3 * e->run[r].depth_m[i]);
-        }
     }
     set_ends(depth, speed, deepest);
     json_t *runs = json_array();

@@ -29,12 +29,10 @@ static bool find_end(stretch *s, double length, const band *l) {
     double start = x_of(s->run, s->from, l), furthest = 0;
     for (s->to = s->from + 1; s->to < s->run->n; s->to++) {
         double way = x_of(s->run, s->to, l) - start;
-        if (fabs(way) >= length) {
+        if (fabs(way) >= length)
             return true;
-        }
-        if (fabs(way - furthest) > 0.25 * length / l->cycles && fabs(way) < fabs(furthest)) {
+        if (fabs(way - furthest) > 0.25 * length / l->cycles && fabs(way) < fabs(furthest))
             return false;
-        }
         furthest = fabs(way) > fabs(furthest) ? way : furthest;
     }
     return false;
@@ -78,17 +76,15 @@ static void amplitudes(const palp_explanation *e, const band *l, double cycles_p
             }
         }
     }
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 2; k++)
         amplitude[k] = n ? sqrt(square[k] / (double)n) : NAN;
-    }
 }
 
 static json_t *spectrum(const palp_explanation *e, const band *l, const char *key) {
     double x[WAVES_MAX], before[WAVES_MAX], after[WAVES_MAX], amplitude[2];
     size_t n = 0, samples = 0;
-    for (size_t r = 0; r < e->n_runs; r++) {
+    for (size_t r = 0; r < e->n_runs; r++)
         samples += e->run[r].n;
-    }
     for (double w = l->low; w <= l->high && n < WAVES_MAX; w *= l->ratio) {
         amplitudes(e, l, w, 1 + samples / SAMPLES, amplitude);
         if (isfinite(amplitude[0]) && isfinite(amplitude[1])) {

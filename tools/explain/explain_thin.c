@@ -11,16 +11,12 @@ static palp_status copy_keys(const palp_experiment *from, palp_experiment *to) {
     palp_status status = PALP_OK;
     double number;
     const char *text;
-    for (size_t i = 0; i < sizeof NUMBERS / sizeof NUMBERS[0] && !status; i++) {
-        if (!palp_experiment_get_number(from, NUMBERS[i], &number)) {
+    for (size_t i = 0; i < sizeof NUMBERS / sizeof NUMBERS[0] && !status; i++)
+        if (!palp_experiment_get_number(from, NUMBERS[i], &number))
             status = palp_experiment_set_number(to, NUMBERS[i], number);
-        }
-    }
-    for (size_t i = 0; i < sizeof TEXTS / sizeof TEXTS[0] && !status; i++) {
-        if (!palp_experiment_get_string(from, TEXTS[i], &text)) {
+    for (size_t i = 0; i < sizeof TEXTS / sizeof TEXTS[0] && !status; i++)
+        if (!palp_experiment_get_string(from, TEXTS[i], &text))
             status = palp_experiment_set_string(to, TEXTS[i], text);
-        }
-    }
     return status;
 }
 
@@ -33,9 +29,8 @@ palp_status explain_thin(palp_experiment **run, size_t every) {
     for (size_t c = 0; c < 3 && !status; c++) {
         const double *from = palp_experiment_column(*run, columns[c]);
         double *to = palp_experiment_column(thin, columns[c]);
-        for (size_t i = 0; i < rows; i++) {
+        for (size_t i = 0; i < rows; i++)
             to[i] = from[i * every];
-        }
     }
     if (status) {
         palp_experiment_free(thin);

@@ -17,15 +17,13 @@ static void row(FILE *to, const page_bar *bar, double noise_level_N, double most
 void page_bars(FILE *to, const char *caption, size_t n, const page_bar *bar, double noise_level_N) {
     char heads[64], force[32];
     double most = noise_level_N;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         most = fmax(most, fmax(bar[i].before, bar[i].after)); /* fmax passes over NAN */
-    }
     snprintf(heads, sizeof heads, "|~dashed: noise level %s|~rms", page_force(noise_level_N, force));
     fputs("<figure>", to);
     html_table(to, NULL, heads);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         row(to, &bar[i], noise_level_N, most);
-    }
     html_table_end(to);
     fputs("<figcaption>", to);
     html_text(to, caption);

@@ -83,9 +83,8 @@ static void free_curves(FILE *to, const json_t *all, bool two) {
 static void order(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "phase_shares"), *place;
     char phase[32];
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return;
-    }
     fputs("<details><summary>From sample to sample: correlation and runs test, place by place</summary>\n", to);
     page_paragraph(to, "White noise has a correlation of 0 from sample to sample and a runs test within 2 standard "
                          "deviations; correlated noise, a part of the noise level, has not.");
@@ -116,9 +115,8 @@ static void events(FILE *to, const json_t *all) {
                  page_force(json_number_at(event, "size_N"), force));
     }
     html_table_end(to);
-    if (n > EVENTS) {
+    if (n > EVENTS)
         page_paragraph(to, "And %zu more.", n - EVENTS);
-    }
     fputs("<p class=\"about\">spike: a lone sample far from its neighbours; release: the plate lets go of the specimen; slip: "
           "the residual steps and stays.</p>\n",
           to);

@@ -11,9 +11,8 @@ static void effect_names(const json_t *all, char line[PAGE_LINE]) {
     const json_t *list = json_object_get(all, "effects"), *effect;
     size_t n = 0;
     line[0] = '\0';
-    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL && n < PAGE_LINE; i++) {
+    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL && n < PAGE_LINE; i++)
         n += (size_t)snprintf(line + n, PAGE_LINE - n, "%s%s", i ? ", " : "", page_effect(json_text_at(effect, "id")));
-    }
 }
 
 /* "a could as well be b, c" of each effect that is not alone in its class. */
@@ -22,10 +21,9 @@ static void classes(FILE *to, const json_t *all) {
     char alike[PAGE_LINE];
     for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
         page_names(json_object_get(effect, "class"), 1, " or ", alike);
-        if (alike[0]) {
+        if (alike[0])
             page_paragraph(to, "What is called %s here could as well be %s: these runs cannot tell.",
                              page_effect(json_text_at(effect, "id")), alike);
-        }
     }
 }
 
@@ -44,27 +42,24 @@ static void verdict(FILE *to, const json_t *all) {
     fputs("\"><b>", to);
     html_text(to, page_verdict(name));
     fputs("</b>\n", to);
-    if (some) {
+    if (some)
         page_paragraph(to,
                          "The model as given lacks: %s. Once that is added, recorded minus model in experiments left out of "
                          "the fit falls from %s, rms, to %s. Noise alone makes %s.",
                          names, before, after, noise);
-    } else {
+    else
         page_paragraph(to,
                          "With its numbers refitted, recorded minus model is %s, rms, in experiments left out of the fit if all "
                          "runs have one zero, contact and gain, and %s if each has its own. Noise alone makes %s.",
                          before, after, noise);
-    }
-    if (unexplained) {
+    if (unexplained)
         page_paragraph(to,
                          "Beyond noise %s, rms, of structure remain. %s", rest,
                          some ? "The effects named are there, but they are not all."
                               : "No effect is named: none closes enough of the gap to be more than a mimic.");
-    }
-    if (strcmp(name, "agrees") == 0 && json_number_at(gap, "unexplained_N") > 0) {
+    if (strcmp(name, "agrees") == 0 && json_number_at(gap, "unexplained_N") > 0)
         page_paragraph(to, "What is above that, %s, is less than two thirds of the noise level or the practical limit.",
                          rest);
-    }
     classes(to, all);
     fputs("</div>\n", to);
 }
@@ -80,9 +75,8 @@ static void gap_bars(FILE *to, const json_t *all) {
          some ? json_number_at(gap, "heldout_after_N") : NAN},
     };
     char caption[PAGE_LINE], closed[80] = "";
-    if (some) {
+    if (some)
         snprintf(closed, sizeof closed, " Of the gap above the noise level %.0f %% is closed.", 100 * fmin(1, json_number_at(gap, "closed")));
-    }
     snprintf(caption, sizeof caption,
              "The gap, rms: orange the model as given, refitted%s. Below: experiments that the fit did not see.%s",
              some ? ", blue with the effects" : "", closed);
@@ -148,13 +142,11 @@ static void effect_card(FILE *to, const json_t *effect) {
 
 static void effects_section(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "effects");
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return;
-    }
     fputs("<h3>What is missing</h3>\n<div class=\"figures\">\n", to);
-    for (size_t i = 0; i < json_array_size(list); i++) {
+    for (size_t i = 0; i < json_array_size(list); i++)
         effect_card(to, json_array_get(list, i));
-    }
     fputs("</div>\n", to);
 }
 

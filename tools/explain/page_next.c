@@ -27,14 +27,12 @@ static bool walk(const json_t *run, path *p) {
            hold = json_number_at(run, "hold_s"), cycles = json_number_at(run, "cycles");
     double top = strcmp(kind, "free") == 0 ? -AIR - depth : depth, way = fabs(top + AIR);
     *p = (path){.n = 1, .depth = {-AIR}};
-    if (!(rate > 0)) {
+    if (!(rate > 0))
         return false;
-    }
     go(p, -AIR, 1);
     for (int c = 0; c < (cycles > 1 ? (int)cycles : 1); c++) {
-        if (c > 0) {
+        if (c > 0)
             go(p, 0, top / rate);
-        }
         go(p, top, (c ? top : way) / rate);
         go(p, top, hold > 0 ? hold : 0);
     }
@@ -45,9 +43,8 @@ static bool walk(const json_t *run, path *p) {
 
 static void draw(FILE *to, const json_t *run) {
     path p;
-    if (!walk(run, &p)) {
+    if (!walk(run, &p))
         return;
-    }
     const double ends[2] = {0, p.time[p.n - 1]}, contact[2] = {0, 0};
     const plot_series series[] = {{NULL, PLOT_LINE, PLOT_BLUE, p.n, p.time, p.depth},
                                   {"contact", PLOT_DASHED, PLOT_BLACK, 2, ends, contact}};
@@ -66,34 +63,30 @@ static void kind_words(const json_t *run, char text[PAGE_LINE]) {
     const char *kind = json_text_at(run, "kind");
     double depth = json_number_at(run, "depth_mm"), rate = json_number_at(run, "rate_mm_s"),
            hold = json_number_at(run, "hold_s"), cycles = json_number_at(run, "cycles");
-    if (strcmp(kind, "ramp_hold") == 0) {
+    if (strcmp(kind, "ramp_hold") == 0)
         snprintf(text, PAGE_LINE, "a ramp to %.3g mm at %.3g mm/s, held for %.3g s", depth, rate, hold);
-    } else if (strcmp(kind, "static") == 0) {
+    else if (strcmp(kind, "static") == 0)
         snprintf(text, PAGE_LINE, "a slow press to %.3g mm at %.3g mm/s and back", depth, rate);
-    } else if (strcmp(kind, "cyclic") == 0) {
+    else if (strcmp(kind, "cyclic") == 0)
         snprintf(text, PAGE_LINE, "%.0f cycles to %.3g mm at %.3g mm/s", cycles, depth, rate);
-    } else if (strcmp(kind, "free") == 0) {
+    else if (strcmp(kind, "free") == 0)
         snprintf(text, PAGE_LINE, "a stroke of %.3g mm in the air at %.3g mm/s", depth, rate);
-    } else {
+    else
         snprintf(text, PAGE_LINE, "%.100s to %.3g mm", kind, depth);
-    }
 }
 
 /* Where most is left. */
 static void repeat(FILE *to, const json_t *all) {
     const json_t *runs = json_object_get(json_object_get(all, "profile"), "experiments"), *run, *worst = NULL;
     char force[32];
-    for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++) {
-        if (!worst || json_number_at(run, "after_N") > json_number_at(worst, "after_N")) {
+    for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++)
+        if (!worst || json_number_at(run, "after_N") > json_number_at(worst, "after_N"))
             worst = run;
-        }
-    }
-    if (worst) {
+    if (worst)
         page_paragraph(to,
                          "For what has no name no experiment can be computed. Repeat %s, where most is left (%s rms): what "
                          "comes back is no accident.",
                          cli_base(json_text_at(worst, "experiment")), page_force(json_number_at(worst, "after_N"), force));
-    }
 }
 
 void page_next(FILE *to, const json_t *all) {
@@ -117,7 +110,6 @@ void page_next(FILE *to, const json_t *all) {
     } else {
         page_paragraph(to, "Nothing is left to be told apart. What these runs cannot show is listed above.");
     }
-    if (json_is_string(note)) {
+    if (json_is_string(note))
         page_paragraph(to, "%s", json_string_value(note));
-    }
 }

@@ -17,17 +17,15 @@ typedef struct grid {
 
 static int phase_of(const char *name) {
     int p = 0;
-    while (p < PHASES && strcmp(name, palp_phase_name((palp_phase)p)) != 0) {
+    while (p < PHASES && strcmp(name, palp_phase_name((palp_phase)p)) != 0)
         p++;
-    }
     return p;
 }
 
 static size_t run_of(const grid *g, const char *name) {
     size_t r = 0;
-    while (r < g->n && strcmp(name, json_text_at(g->run[r], "experiment")) != 0) {
+    while (r < g->n && strcmp(name, json_text_at(g->run[r], "experiment")) != 0)
         r++;
-    }
     return r;
 }
 
@@ -37,9 +35,8 @@ static void fill(const json_t *all, grid *g) {
     g->n = json_array_size(runs) < EXPLAIN_RUNS_MAX ? json_array_size(runs) : EXPLAIN_RUNS_MAX;
     for (size_t r = 0; r < g->n; r++) {
         g->run[r] = json_array_get(runs, r);
-        for (int p = 0; p < PHASES; p++) {
+        for (int p = 0; p < PHASES; p++)
             g->before[r][p] = g->after[r][p] = NAN;
-        }
     }
     for (size_t i = 0; (place = json_array_get(places, i)) != NULL; i++) {
         size_t r = run_of(g, json_text_at(place, "experiment"));
@@ -55,19 +52,17 @@ static void fill(const json_t *all, grid *g) {
 
 static size_t largest(const double *value, size_t n) {
     size_t best = 0;
-    for (size_t i = 1; i < n; i++) {
+    for (size_t i = 1; i < n; i++)
         best = value[i] > value[best] ? i : best;
-    }
     return best;
 }
 
 /* A share, the fainter behind the smaller it is. */
 static void half_cell(FILE *to, double share, double most, const char *rgb) {
     double part = sqrt(fmin(1, share / most));
-    if (share >= 0.05) {
+    if (share >= 0.05)
         fprintf(to, "<b style=\"background:rgba(%s,%.2f)%s\">%.*f</b>", rgb, part, part > 0.75 ? ";color:#fff" : "",
                 share >= 9.95 ? 0 : 1, share);
-    }
 }
 
 static void grid_row(FILE *to, const grid *g, size_t r, double most, bool two) {
@@ -78,9 +73,8 @@ static void grid_row(FILE *to, const grid *g, size_t r, double most, bool two) {
     for (int p = 0; p < PHASES; p++) {
         fputs("<td class=\"cell\">", to);
         half_cell(to, g->before[r][p], most, "213,94,0");
-        if (two) {
+        if (two)
             half_cell(to, g->after[r][p], most, "0,114,178");
-        }
         fputs("</td>", to);
     }
     fprintf(to, "<td>%s%s%s</td></tr>\n", page_force(json_number_at(g->run[r], "before_N"), before),
@@ -90,9 +84,8 @@ static void grid_row(FILE *to, const grid *g, size_t r, double most, bool two) {
 /* Whether run r is among the rows: at most ROWS, those with the largest shares. */
 static bool is_shown(const grid *g, size_t r) {
     size_t larger = 0;
-    for (size_t k = 0; k < g->n; k++) {
+    for (size_t k = 0; k < g->n; k++)
         larger += g->total[k] > g->total[r] || (g->total[k] >= g->total[r] && k < r);
-    }
     return larger < ROWS;
 }
 
@@ -114,11 +107,9 @@ static void draw_grid(FILE *to, const grid *g, bool two) {
     strcat(heads, "|whole run, rms");
     fputs("<figure>", to);
     html_table(to, NULL, heads);
-    for (size_t r = 0; r < g->n; r++) {
-        if (is_shown(g, r)) {
+    for (size_t r = 0; r < g->n; r++)
+        if (is_shown(g, r))
             grid_row(to, g, r, most, two);
-        }
-    }
     html_table_end(to);
     fprintf(to,
             "<figcaption>Share of the first gap in %%, squared and above the noise level, by experiment and phase: orange as "
@@ -148,24 +139,22 @@ static void in_words(FILE *to, const json_t *all, const grid *g) {
 
 static void depth_label(const json_t *bin, char text[64]) {
     double from = json_number_at(bin, "from"), end = json_number_at(bin, "to");
-    if (isfinite(from)) {
+    if (isfinite(from))
         snprintf(text, 64, "%.3g to %.3g mm", from, end);
-    } else {
+    else
         strcpy(text, "in air");
-    }
 }
 
 static void speed_label(const json_t *bin, char text[64]) {
     double from = json_number_at(bin, "from"), end = json_number_at(bin, "to");
     double slow = fmin(fabs(from), fabs(end)), fast = fmax(fabs(from), fabs(end));
     const char *way = isfinite(from) && from >= 0 ? "in" : "out";
-    if (from < 0 && end > 0) {
+    if (from < 0 && end > 0)
         strcpy(text, "standing still");
-    } else if (isfinite(from) && isfinite(end)) {
+    else if (isfinite(from) && isfinite(end))
         snprintf(text, 64, "%s, %g to %g mm/s", way, slow, fast);
-    } else {
+    else
         snprintf(text, 64, "%s, above %g mm/s", way, slow);
-    }
 }
 
 static void profile(FILE *to, const json_t *all, const char *key, bool two, void label(const json_t *, char *),
@@ -178,17 +167,15 @@ static void profile(FILE *to, const json_t *all, const char *key, bool two, void
         bar[n].before = json_number_at(bin, "before_N");
         bar[n].after = two ? json_number_at(bin, "after_N") : NAN;
     }
-    if (n > 0) {
+    if (n > 0)
         page_bars(to, caption, n, bar, json_number_at(json_object_get(all, "gap"), "noise_level_N"));
-    }
 }
 
 void page_phases(FILE *to, const json_t *all) {
     grid *g = calloc(1, sizeof *g);
     bool two = json_array_size(json_object_get(all, "effects")) > 0;
-    if (!g) {
+    if (!g)
         return;
-    }
     fill(all, g);
     fputs("<h3>Where they disagree</h3>\n", to);
     if (g->n > 0) {

@@ -21,15 +21,13 @@ static int by_score(const void *a, const void *b) {
 static size_t collect(const json_t *step, candidate list[CANDIDATES]) {
     const json_t *rejected = json_object_get(step, "rejected"), *s, *taken = json_object_get(step, "taken");
     size_t n = 0, first;
-    if (json_is_string(taken)) {
+    if (json_is_string(taken))
         list[n++] = (candidate){json_string_value(taken), NULL, json_number_at(step, "score"),
                               json_number_at(step, "explained_N")};
-    }
     first = n;
-    for (size_t i = 0; (s = json_array_get(rejected, i)) != NULL && n < CANDIDATES; i++) {
+    for (size_t i = 0; (s = json_array_get(rejected, i)) != NULL && n < CANDIDATES; i++)
         list[n++] = (candidate){json_text_at(s, "id"), json_text_at(s, "reason"), json_number_at(s, "score"),
                               json_number_at(s, "explained_N")};
-    }
     qsort(list + first, n - first, sizeof *list, by_score);
     return n;
 }
@@ -38,11 +36,9 @@ static double best_of_all(const json_t *steps) {
     candidate list[CANDIDATES];
     const json_t *step;
     double best = 100;
-    for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
-        for (size_t k = collect(step, list); k-- > 0;) {
+    for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++)
+        for (size_t k = collect(step, list); k-- > 0;)
             best = fmax(best, list[k].score);
-        }
-    }
     return best;
 }
 
@@ -61,9 +57,8 @@ static void candidate_row(FILE *to, const candidate *s, double best, double thre
 
 static void rows(FILE *to, const candidate *list, size_t n, double best, double threshold) {
     html_table(to, NULL, "candidate|~score, on a logarithmic scale|score|would explain, rms|~what became of it");
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         candidate_row(to, &list[i], best, threshold);
-    }
     html_table_end(to);
 }
 
@@ -71,18 +66,15 @@ static void rows(FILE *to, const candidate *list, size_t n, double best, double 
 static void step_section(FILE *to, const json_t *step, size_t number, const char *beside, double best, double threshold) {
     candidate list[CANDIDATES];
     size_t n = collect(step, list), shown = 0;
-    while (shown < n && shown < TOP && (list[shown].score > 0 || !list[shown].reason)) {
+    while (shown < n && shown < TOP && (list[shown].score > 0 || !list[shown].reason))
         shown++;
-    }
     fprintf(to, "<h4>Step %zu: beside ", number);
     html_text(to, beside);
     fputs("</h4>\n", to);
-    if (!json_is_string(json_object_get(step, "taken"))) {
+    if (!json_is_string(json_object_get(step, "taken")))
         page_paragraph(to, "No candidate was accepted: the search ends here.");
-    }
-    if (shown > 0) {
+    if (shown > 0)
         rows(to, list, shown, best, threshold);
-    }
     if (n > shown) {
         fprintf(to, "<details><summary>%s %zu</summary>\n", shown ? "The other" : "All", n - shown);
         rows(to, list + shown, n - shown, best, threshold);
@@ -92,11 +84,9 @@ static void step_section(FILE *to, const json_t *step, size_t number, const char
 
 static bool is_effect(const json_t *all, const char *id) {
     const json_t *list = json_object_get(all, "effects"), *effect;
-    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
-        if (strcmp(id, json_text_at(effect, "id")) == 0) {
+    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++)
+        if (strcmp(id, json_text_at(effect, "id")) == 0)
             return true;
-        }
-    }
     return false;
 }
 
@@ -105,19 +95,16 @@ static void taken_back(FILE *to, const json_t *all) {
     const json_t *steps = json_object_get(all, "steps"), *rejected = json_object_get(all, "rejected"), *step, *s;
     for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
         const char *id = json_text_at(step, "taken");
-        for (size_t k = 0; !is_effect(all, id) && (s = json_array_get(rejected, k)) != NULL; k++) {
-            if (strcmp(id, json_text_at(s, "id")) == 0) {
+        for (size_t k = 0; !is_effect(all, id) && (s = json_array_get(rejected, k)) != NULL; k++)
+            if (strcmp(id, json_text_at(s, "id")) == 0)
                 page_paragraph(to, "Taken out again: %s. It %s.", page_effect(id), json_text_at(s, "reason"));
-            }
-        }
     }
 }
 
 static void blind(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "not_identifiable");
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return;
-    }
     html_table(to, "What these runs cannot show, whether it is there or not", "effect|~what an experiment needs to show it");
     for (size_t i = 0; i < json_array_size(list); i++) {
         const char *id = json_string_value(json_array_get(list, i));

@@ -28,27 +28,22 @@ const char *page_verdict(const char *verdict) {
         {"suspected", "Something is missing; one recording names candidates, a second one would have to confirm them."},
         {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
     };
-    for (size_t i = 0; i < sizeof text / sizeof text[0]; i++) {
-        if (strcmp(verdict, text[i][0]) == 0) {
+    for (size_t i = 0; i < sizeof text / sizeof text[0]; i++)
+        if (strcmp(verdict, text[i][0]) == 0)
             return text[i][1];
-        }
-    }
     return verdict;
 }
 
 static void spaces(char *text) {
-    for (; *text; text++) {
+    for (; *text; text++)
         *text = *text == '_' ? ' ' : *text;
-    }
 }
 
 static bool is_unit(const char *word) {
     static const char *const units[] = {"mm", "um", "N", "s", "Hz", "kg", "rad", "K"};
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        if (strcmp(word, units[i]) == 0) {
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
+        if (strcmp(word, units[i]) == 0)
             return true;
-        }
-    }
     return false;
 }
 
@@ -58,9 +53,8 @@ void page_parameter(const char *key, char name[48], char unit[16]) {
     snprintf(name, 48, "%s", key);
     for (int i = 0; i < 2; i++) {
         char *word = strrchr(name, '_');
-        if (!word || !is_unit(word + 1)) {
+        if (!word || !is_unit(word + 1))
             break;
-        }
         snprintf(last[i], sizeof last[i], "%s", word + 1);
         *word = '\0';
     }
@@ -77,12 +71,11 @@ void page_phase(const char *id, char text[32]) {
 const char *page_force(double force_N, char text[32]) {
     double size = fabs(force_N);
     bool newtons = size >= 0.9995, milli = newtons || size >= 9.995e-4 || size == 0;
-    if (isfinite(force_N)) {
+    if (isfinite(force_N))
         snprintf(text, 32, "%.3g %s", newtons ? force_N : milli ? 1e3 * force_N : 1e6 * force_N,
                  newtons ? "N" : milli ? "mN" : "\u00b5N");
-    } else {
+    else
         strcpy(text, "-");
-    }
     return text;
 }
 

@@ -20,14 +20,12 @@ static void mass_and_load(const palp_law *law, size_t n, const double *strain, d
                                     0.90617984593866399};
     static const double w[GAUSS] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889,
                                     0.47862867049936647, 0.23692688505618909};
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         diagonal[i] = load[i] = 0;
-    }
     for (size_t i = 0; i + 1 < n; i++) {
         double h = strain[i + 1] - strain[i], e[GAUSS], force[GAUSS];
-        for (int k = 0; k < GAUSS; k++) {
+        for (int k = 0; k < GAUSS; k++)
             e[k] = strain[i] + 0.5 * (x[k] + 1) * h;
-        }
         palp_law_force(law, GAUSS, e, force, NULL, NULL);
         for (int k = 0; k < GAUSS; k++) {
             double t = 0.5 * (x[k] + 1);
@@ -49,9 +47,8 @@ void calculix_table(const palp_law *law, size_t n, const double *strain, double 
         load[i] -= q * load[i - 1];
     }
     force_N[n - 1] = load[n - 1] / diagonal[n - 1];
-    for (size_t i = n - 2; i > 0; i--) {
+    for (size_t i = n - 2; i > 0; i--)
         force_N[i] = (load[i] - upper[i] * force_N[i + 1]) / diagonal[i];
-    }
     force_N[0] = 0;
 }
 
@@ -59,12 +56,10 @@ void calculix_table(const palp_law *law, size_t n, const double *strain, double 
 
 static int by_length(const void *left, const void *right) {
     const spring *p = left, *q = right;
-    if (p->length_m != q->length_m) {
+    if (p->length_m != q->length_m)
         return p->length_m < q->length_m ? -1 : 1;
-    }
-    if (p->factor != q->factor) {
+    if (p->factor != q->factor)
         return p->factor < q->factor ? -1 : 1;
-    }
     return p->a != q->a ? (p->a > q->a) - (p->a < q->a) : (p->b > q->b) - (p->b < q->b);
 }
 
@@ -85,9 +80,8 @@ static void write_nodes(const palp_mesh *mesh, FILE *to) {
     const double *x = palp_mesh_positions(mesh);
     size_t n = palp_mesh_node_count(mesh);
     fputs("*NODE\n", to);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         fprintf(to, "%zu,%.15g,%.15g,%.15g\n", i + 1, 1e3 * x[3 * i], 1e3 * x[3 * i + 1], 1e3 * x[3 * i + 2]);
-    }
 }
 
 static void write_table(const calculix_deck *deck, const double *strain, const double *force_N,
@@ -106,12 +100,10 @@ static palp_status write_springs(const calculix_deck *deck, FILE *to) {
     double strain[HALF_MAX], force_N[HALF_MAX];
     size_t half = deck->table_points / 2, n = palp_mesh_element_count(deck->mesh), group = 0;
     spring *list = springs(deck->mesh, n);
-    if (!list) {
+    if (!list)
         return PALP_ERR_NO_MEMORY;
-    }
-    for (size_t i = 0; i <= half; i++) {
+    for (size_t i = 0; i <= half; i++)
         strain[i] = deck->table_strain * (double)i / (double)half;
-    }
     calculix_table(deck->law, half + 1, strain, force_N);
     qsort(list, n, sizeof *list, by_length);
     for (size_t first = 0, i; first < n; first = i) {
@@ -134,19 +126,15 @@ static palp_status write_supports(const calculix_deck *deck, FILE *to) {
         const int32_t *nodes;
         size_t n;
         palp_status status = palp_mesh_set(deck->mesh, support->set, &n, &nodes);
-        if (status) {
+        if (status)
             return status;
-        }
         fprintf(to, "*NSET,NSET=SUPPORT%zu\n", s + 1);
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < n; i++)
             fprintf(to, "%d\n", nodes[i] + 1);
-        }
         fputs("*BOUNDARY\n", to);
-        for (int axis = 0; axis < 3; axis++) {
-            if (support->axis[axis] == PALP_FIXED) {
+        for (int axis = 0; axis < 3; axis++)
+            if (support->axis[axis] == PALP_FIXED)
                 fprintf(to, "SUPPORT%zu,%d,%d\n", s + 1, axis + 1, axis + 1);
-            }
-        }
     }
     return PALP_OK;
 }
@@ -160,17 +148,15 @@ static void write_step(const calculix_deck *deck, double from_m, double depth_m,
             1e3 * depth_m, depth_m / deck->height_m, increment, increment);
     for (size_t s = 0; s < deck->n_supports; s++) {
         for (int axis = 0; axis < 3; axis++) {
-            if (deck->supports[s].axis[axis] == PALP_DRIVEN) {
+            if (deck->supports[s].axis[axis] == PALP_DRIVEN)
                 fprintf(to, "SUPPORT%zu,%d,%d,%.15g\n", s + 1, axis + 1, axis + 1,
                         1e3 * depth_m * deck->supports[s].motion[axis]);
-            }
         }
     }
     for (size_t s = 0; s < deck->n_supports; s++) {
         const palp_axis *axis = deck->supports[s].axis;
-        if (axis[0] == PALP_DRIVEN || axis[1] == PALP_DRIVEN || axis[2] == PALP_DRIVEN) {
+        if (axis[0] == PALP_DRIVEN || axis[1] == PALP_DRIVEN || axis[2] == PALP_DRIVEN)
             fprintf(to, "*NODE PRINT,NSET=SUPPORT%zu,TOTALS=ONLY\nRF\n", s + 1);
-        }
     }
     fputs("*END STEP\n", to);
 }
@@ -184,9 +170,8 @@ palp_status calculix_write(const calculix_deck *deck, FILE *to) {
             deck->model, deck->table_points, -deck->table_strain, deck->table_strain);
     write_nodes(deck->mesh, to);
     palp_status status = write_springs(deck, to);
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = write_supports(deck, to);
-    }
     double from_m = 0;
     for (size_t i = 0; status == PALP_OK && i < deck->n_depths; i++) {
         write_step(deck, from_m, deck->depth_m[i], to);

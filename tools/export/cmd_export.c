@@ -44,12 +44,10 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
         sizeof options / sizeof options[0]};
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, model, 1, &n);
-    if (code == CLI_OK && n == 0) {
+    if (code == CLI_OK && n == 0)
         return cli_usage_error("export", "name a MODEL.json; see palpate export --help");
-    }
-    if (code == CLI_OK && (o->depth_mm.n > 0) == (o->strain.n > 0)) {
+    if (code == CLI_OK && (o->depth_mm.n > 0) == (o->strain.n > 0))
         return cli_usage_error("export", "give the presses by either --depth-mm or --strain");
-    }
     return code;
 }
 
@@ -61,15 +59,13 @@ static int presses(const export_options *o, const char *model, calculix_deck *de
     for (size_t i = 0; i < deck->n_depths; i++) {
         depth_m[i] = o->depth_mm.n ? 1e-3 * o->depth_mm.value[i] : o->strain.value[i] * deck->height_m;
         deepest = fmax(deepest, depth_m[i]);
-        if (i > 0 && depth_m[i] == depth_m[i - 1]) {
+        if (i > 0 && depth_m[i] == depth_m[i - 1])
             return cli_usage_error("export", "two steps in a row to %g mm; leave one out", 1e3 * depth_m[i]);
-        }
     }
-    if (deepest >= 0.95 * deck->height_m) {
+    if (deepest >= 0.95 * deck->height_m)
         return cli_usage_error("export",
                                "a depth of %g mm leaves nothing of the %g mm that %s is high; press less",
                                1e3 * deepest, 1e3 * deck->height_m, model);
-    }
     deck->depth_m = depth_m;
     deck->table_strain = o->table_strain > 0 ? o->table_strain : fmin(0.95, 1.2 * deepest / deck->height_m);
     return CLI_OK;
@@ -90,12 +86,10 @@ static int write_deck(const export_options *o, const palp_model *model, const ch
                           .step_strain = o->step_strain,
                           .table_points = o->points - (o->points % 2 == 0)};
     int code = presses(o, path, &deck, depth_m);
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = cli_file_open("export", o->out, &file);
-    }
-    if (code) {
+    if (code)
         return code;
-    }
     palp_status status = calculix_write(&deck, file.stream);
     if (status) {
         palp_file_abandon(&file);
@@ -112,18 +106,15 @@ int cmd_export(int argc, char **argv) {
     palp_mesh *mesh = NULL;
     palp_error error = {PALP_OK, ""};
     int code = parse(argc, argv, &o, &path);
-    if (code) {
+    if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    }
     code = open_model_of("export", path, PALP_MODEL_NETWORK,
                          "a lumped model has no mesh; make a network of it by palpate calibrate", &model, &source);
-    if (code) {
+    if (code)
         return code;
-    }
     palp_status status = palp_model_mesh(&model, &mesh, &error);
-    if (status) {
+    if (status)
         return cli_status("export", status, &error);
-    }
     code = write_deck(&o, &model, path, mesh);
     palp_mesh_free(mesh);
     return code;

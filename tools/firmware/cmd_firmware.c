@@ -41,9 +41,8 @@ static int parse(int argc, char **argv, firmware_options *o) {
         sizeof options / sizeof options[0]};
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, &o->action, 1, &n);
-    if (code == CLI_OK && n == 0) {
+    if (code == CLI_OK && n == 0)
         return cli_usage_error(NAME, "say what to do: info, status, gains, home, tare or clear-fault");
-    }
     return code == CLI_OK && !o->port ? cli_usage_error(NAME, "name the device with --port") : code;
 }
 
@@ -70,9 +69,8 @@ static void print_value(const json_t *value, int width) {
 static int print_object(const firmware_options *o, json_t *object) {
     const char *key;
     json_t *value;
-    if (o->json || !object) {
+    if (o->json || !object)
         return json_print(NAME, object);
-    }
     json_object_foreach(object, key, value) {
         printf("%-18s ", key);
         print_value(value, 0);
@@ -87,9 +85,8 @@ static int print_table(const firmware_options *o, json_t *rows) {
     size_t i;
     const char *key;
     json_t *row, *value;
-    if (o->json || !rows) {
+    if (o->json || !rows)
         return json_print(NAME, rows);
-    }
     json_array_foreach(rows, i, row) {
         if (i == 0) {
             json_object_foreach(row, key, value) printf("%16s", key);
@@ -166,9 +163,8 @@ static int run_gains(const firmware_options *o, device *d) {
         palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_GAINS, .as.get_gains = {.softness = i}}, got;
         const palp_wire_gains *g = &got.as.gains;
         device_result result = device_command(d, &ask, &got);
-        if (i > 0 && result == DEVICE_REFUSED && d->refusal == PALP_WIRE_RESULT_RANGE) {
+        if (i > 0 && result == DEVICE_REFUSED && d->refusal == PALP_WIRE_RESULT_RANGE)
             break; /* that was the last class */
-        }
         if (result) {
             json_decref(rows);
             return device_failure(d, result);
@@ -193,17 +189,14 @@ static int run_home(const firmware_options *o, device *d) {
     device_result result = device_do(d, PALP_WIRE_TYPE_HOME, NULL);
     do {
         result = result ? result : newest_status(d);
-        if (result) {
+        if (result)
             return device_failure(d, result);
-        }
     } while (d->status.state == PALP_WIRE_STATE_HOMING && link_now_s() < until_s);
-    if (d->status.state == PALP_WIRE_STATE_FAULT) {
+    if (d->status.state == PALP_WIRE_STATE_FAULT)
         return say_fault(&d->status);
-    }
-    if (!d->status.homed) {
+    if (!d->status.homed)
         return cli_failure(NAME, "the home position was not found (state %s)",
                            palp_wire_state_name(d->status.state));
-    }
     return print_object(o, status_object(d, &d->status));
 }
 
@@ -214,16 +207,13 @@ static int run_tare(const firmware_options *o, device *d) {
     double counts[PALP_WIRE_CHANNELS];
     device_result result = device_command(d, &tare, NULL);
     result = result ? result : newest_status(d);
-    for (uint32_t tick = d->status.tick; !result && d->status.tick - tick <= o->samples;) {
+    for (uint32_t tick = d->status.tick; !result && d->status.tick - tick <= o->samples;)
         result = newest_status(d);
-    }
     result = result ? result : device_command(d, &ask, &got);
-    if (result) {
+    if (result)
         return device_failure(d, result);
-    }
-    for (int i = 0; i < PALP_WIRE_CHANNELS; i++) {
+    for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
         counts[i] = c->tare[i] / 16.0;
-    }
     return print_object(o, json_pack("{sI so sf}", "samples", (json_int_t)o->samples, "tare_counts",
                                      json_numbers(PALP_WIRE_CHANNELS, counts), "force_N",
                                      1e-6 * d->status.force_uN));
@@ -252,14 +242,12 @@ int cmd_firmware(int argc, char **argv) {
     firmware_options o = {.baud = LINK_BAUD, .samples = 1000};
     device d;
     int code = parse(argc, argv, &o);
-    if (code) {
+    if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    }
     for (size_t i = 0; i < sizeof actions / sizeof actions[0]; i++) {
         if (strcmp(o.action, actions[i].name) == 0) {
-            if (device_open(o.port, (int)o.baud, &d) != DEVICE_OK) {
+            if (device_open(o.port, (int)o.baud, &d) != DEVICE_OK)
                 return cli_failure(NAME, "%s", d.why);
-            }
             code = actions[i].run(&o, &d);
             device_close(&d);
             return code;

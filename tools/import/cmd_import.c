@@ -71,12 +71,10 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         options,
         sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, files, (size_t)argc, n);
-    if (code) {
+    if (code)
         return code;
-    }
-    if (*n == 0) {
+    if (*n == 0)
         return cli_usage_error(NAME, "name a FILE; see palpate import --help");
-    }
     return o->out ? CLI_OK : cli_usage_error(NAME, "name a folder by --out DIR");
 }
 
@@ -86,12 +84,10 @@ static int check_list(const char *option, const char *list) {
     bool seen[ROLES] = {false};
     for (const char *at = list; at;) {
         size_t end = strcspn(at, ","), i = 0;
-        while (i < ROLES && strncmp(at, quantities[i], strlen(quantities[i])) != 0) {
+        while (i < ROLES && strncmp(at, quantities[i], strlen(quantities[i])) != 0)
             i++;
-        }
-        if (i == ROLES || seen[i] || end == strlen(quantities[i])) {
+        if (i == ROLES || seen[i] || end == strlen(quantities[i]))
             return cli_usage_error(NAME, "--%s wants time=...,depth=...,force=..., not \"%s\"", option, list);
-        }
         seen[i] = true;
         at = at[end] ? at + end + 1 : NULL;
     }
@@ -101,13 +97,11 @@ static int check_list(const char *option, const char *list) {
 static int check_options(const import_options *o) {
     static const char *const signs[] = {"depth", "force", "depth,force", "force,depth", "none"};
     size_t i = 0;
-    while (o->negate && i < 5 && strcmp(o->negate, signs[i]) != 0) {
+    while (o->negate && i < 5 && strcmp(o->negate, signs[i]) != 0)
         i++;
-    }
-    if (i == 5) {
+    if (i == 5)
         return cli_usage_error(NAME, "--negate wants depth, force, depth,force or none, not \"%s\"",
                                o->negate);
-    }
     int code = check_list("map", o->map);
     return code ? code : check_list("units", o->units);
 }
@@ -119,11 +113,10 @@ static int check_names(const import_options *o, const import_sources *all) {
         char path[CLI_PATH_MAX];
         const import_source *s = all->source[i];
         for (size_t j = 0; j < i; j++) {
-            if (strcmp(all->source[j]->name, s->name) == 0) {
+            if (strcmp(all->source[j]->name, s->name) == 0)
                 return cli_usage_error(NAME,
                                        "%s and %s would both become %s.csv: import them into two folders",
                                        all->source[j]->file, s->file, s->name);
-            }
         }
         snprintf(path, sizeof path, "%s/%s.csv", o->out, s->name); /* cut short, it is refused when it is written */
         code = cli_output_check(NAME, path, o->force, o->n_files, o->files);
@@ -134,9 +127,8 @@ static int check_names(const import_options *o, const import_sources *all) {
 static int read_file(const import_options *o, const char *file, import_sources *all) {
     size_t first = all->n;
     int code = import_read(o, file, all);
-    for (size_t i = first; code == CLI_OK && i < all->n; i++) {
+    for (size_t i = first; code == CLI_OK && i < all->n; i++)
         code = import_columns(o, all->source[i]);
-    }
     return code;
 }
 
@@ -161,15 +153,12 @@ static int find_contacts(const import_options *o, import_sources *all) {
         code = s->skip ? CLI_OK : import_signs(o, s);
         code = code || s->skip ? code : import_contact_rule(o, s);
     }
-    if (code == CLI_OK && o->contact == CONTACT_AUTO) {
+    if (code == CLI_OK && o->contact == CONTACT_AUTO)
         import_contact_agree(all);
-    }
     for (int approaches = 1; approaches >= 0; approaches--) {
-        for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
-            if (!all->source[i]->skip && import_is_approach(all->source[i]) == (approaches == 1)) {
+        for (size_t i = 0; code == CLI_OK && i < all->n; i++)
+            if (!all->source[i]->skip && import_is_approach(all->source[i]) == (approaches == 1))
                 code = import_contact_find(o, all, all->source[i]);
-            }
-        }
     }
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
         if (!all->source[i]->skip) {
@@ -183,9 +172,8 @@ static int find_contacts(const import_options *o, import_sources *all) {
 static int write_all(const import_options *o, const import_sources *all) {
     int code = CLI_OK;
     size_t written = 0;
-    if (cli_folder(NAME, o->out)) {
+    if (cli_folder(NAME, o->out))
         return CLI_FAILURE;
-    }
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
         const import_source *s = all->source[i];
         if (s->skip) {
@@ -195,9 +183,8 @@ static int write_all(const import_options *o, const import_sources *all) {
             written++;
         }
     }
-    if (code == CLI_OK && written > 0) {
+    if (code == CLI_OK && written > 0)
         import_say(all);
-    }
     return code || written ? code : cli_failure(NAME, "nothing to import in the files named");
 }
 
@@ -212,17 +199,15 @@ static bool add_name(names *list, const char *folder, const char *file) {
     if (list->n == list->capacity) {
         size_t capacity = list->capacity ? 2 * list->capacity : 64;
         char **larger = realloc(list->name, capacity * sizeof *larger);
-        if (!larger) {
+        if (!larger)
             return false;
-        }
         list->name = larger;
         list->capacity = capacity;
     }
     size_t room = strlen(folder) + strlen(file) + 2;
     char *name = malloc(room);
-    if (!name) {
+    if (!name)
         return false;
-    }
     snprintf(name, room, "%s%s%s", folder, *folder ? "/" : "", file);
     list->name[list->n++] = name;
     return true;
@@ -237,19 +222,15 @@ static int add_folder(names *list, const char *folder, DIR *open) {
     size_t first = list->n;
     for (struct dirent *entry; (entry = readdir(open));) {
         struct stat about;
-        if (*entry->d_name == '.') {
+        if (*entry->d_name == '.')
             continue;
-        }
-        if (!add_name(list, folder, entry->d_name)) {
+        if (!add_name(list, folder, entry->d_name))
             return cli_failure(NAME, "out of memory");
-        }
-        if (stat(list->name[list->n - 1], &about) || !S_ISREG(about.st_mode)) {
+        if (stat(list->name[list->n - 1], &about) || !S_ISREG(about.st_mode))
             free(list->name[--list->n]);
-        }
     }
-    if (list->n == first) {
+    if (list->n == first)
         return cli_failure(NAME, "%s: no files in the folder", folder);
-    }
     qsort(list->name + first, list->n - first, sizeof *list->name, by_name);
     return CLI_OK;
 }
@@ -274,9 +255,8 @@ static int find_files(import_options *o, size_t n, const char **words, names *li
 
 static int import_all(import_options *o, import_sources *all) {
     int code = check_options(o);
-    for (size_t i = 0; code == CLI_OK && i < o->n_files; i++) {
+    for (size_t i = 0; code == CLI_OK && i < o->n_files; i++)
         code = read_file(o, o->files[i], all);
-    }
     code = code ? code : check_names(o, all);
     code = code ? code : find_contacts(o, all);
     code = code ? code : import_session(o, all);
@@ -289,17 +269,15 @@ int cmd_import(int argc, char **argv) {
     names list = {0};
     size_t n = 0;
     const char **words = malloc((size_t)argc * sizeof(char *));
-    if (!words) {
+    if (!words)
         return cli_failure(NAME, "out of memory");
-    }
     int code = parse(argc, argv, &o, words, &n);
     bool helped = code == CLI_HELP;
     code = code ? code : find_files(&o, n, words, &list);
     code = code ? code : import_all(&o, &all);
     import_free(&all);
-    for (size_t i = 0; i < list.n; i++) {
+    for (size_t i = 0; i < list.n; i++)
         free(list.name[i]);
-    }
     free(list.name);
     free(words);
     return helped ? CLI_OK : code;

@@ -72,9 +72,8 @@ static bool changes(const import_source *s, size_t j) {
     for (size_t i = 0; i < s->rows; i++) {
         double x = at(s, i, j);
         first = isfinite(first) ? first : x;
-        if (isfinite(x) && x != first) {
+        if (isfinite(x) && x != first)
             return true;
-        }
     }
     return false;
 }
@@ -83,9 +82,8 @@ static bool falls(const import_source *s, size_t j) {
     double before = -HUGE_VAL;
     for (size_t i = 0; i < s->rows; i++) {
         double x = at(s, i, j);
-        if (isfinite(x) && x < before) {
+        if (isfinite(x) && x < before)
             return true;
-        }
         before = isfinite(x) ? x : before;
     }
     return false;
@@ -111,9 +109,8 @@ static bool same_data(const import_source *s, size_t a, size_t b) {
                 most = fmax(most, off);
             }
         }
-        if (most - least <= ALIKE * (high - low)) {
+        if (most - least <= ALIKE * (high - low))
             return true;
-        }
     }
     return false;
 }
@@ -123,9 +120,8 @@ static int rank_of(const import_source *s, size_t j, int role) {
     const import_unit *unit = unit_of(s, j);
     int rank = *s->column[j] || s->clock[j] ? import_name_rank(s->column[j], unit, role) : 0;
     bool bent = role == DEPTH && s->spring_N_m > 0 && import_name_rank(s->column[j], unit, DEFLECTION) > 0;
-    if (rank == 0 || bent || (role != TIME && s->clock[j])) {
+    if (rank == 0 || bent || (role != TIME && s->clock[j]))
         return 0;
-    }
     rank = 4 * rank + (unit && import_unit_fits(unit, role) ? 1 : 0);
     bool odd = role == TIME ? falls(s, j) : !changes(s, j);
     return odd ? 1 : rank;
@@ -167,23 +163,20 @@ static int find_column(import_source *s, int role, bool quiet) {
 static int find_unit(const import_options *o, import_source *s, int role, int quantity, bool quiet) {
     char wanted[IMPORT_WORD];
     listed(o->units, role, wanted);
-    if (!*wanted) {
+    if (!*wanted)
         listed(o->units, quantity, wanted);
-    }
     const import_unit *unit = *wanted ? import_unit_find(wanted) : unit_of(s, s->used[role]);
     if (!unit && role == TIME) { /* the one unit that is nearly always the same */
         unit = import_unit_find("s");
         s->seconds_assumed = true;
     }
     s->unit[role] = unit;
-    if (*wanted && !(unit && import_unit_fits(unit, role))) {
+    if (*wanted && !(unit && import_unit_fits(unit, role)))
         return cli_usage_error(NAME, "--units %s=%s: no such unit of it", roles[quantity], wanted);
-    }
-    if (!(unit && import_unit_fits(unit, role))) {
+    if (!(unit && import_unit_fits(unit, role)))
         return quiet ? CLI_FAILURE
                      : cli_failure(NAME, "%s: column \"%s\" does not say its unit; say it by --units %s=%s", s->file,
                                    *s->column[s->used[role]] ? s->column[s->used[role]] : "without a name", roles[quantity], units_of[quantity]);
-    }
     return CLI_OK;
 }
 
@@ -216,9 +209,8 @@ static int find_all(const import_options *o, import_source *s, bool quiet) {
     }
     for (int role = 0; code == CLI_OK && role < ROLES; role++) {
         bool direct = (role == STRESS && s->used[FORCE] != IMPORT_NONE) || (role == STRAIN && s->used[DEPTH] != IMPORT_NONE);
-        if (!s->listed[role]) {
+        if (!s->listed[role])
             code = find_column(s, role, quiet || role >= QUANTITIES || direct);
-        }
     }
     return code;
 }
@@ -226,22 +218,18 @@ static int find_all(const import_options *o, import_source *s, bool quiet) {
 /* Depth and force of their own columns, else of strain and stress, or of a cantilever's deflection. */
 static int settle(const import_options *o, import_source *s, bool quiet) {
     int code = CLI_OK;
-    if (s->listed[STRAIN] && !s->listed[DEPTH]) {
+    if (s->listed[STRAIN] && !s->listed[DEPTH])
         s->used[DEPTH] = IMPORT_NONE;
-    }
-    if (s->listed[STRESS] && !s->listed[FORCE]) {
+    if (s->listed[STRESS] && !s->listed[FORCE])
         s->used[FORCE] = IMPORT_NONE;
-    }
     bool bent = s->used[FORCE] == IMPORT_NONE && s->used[DEFLECTION] != IMPORT_NONE && s->spring_N_m > 0;
-    if (bent && s->used[DEPTH] == s->used[DEFLECTION]) {
+    if (bent && s->used[DEPTH] == s->used[DEFLECTION])
         return quiet ? CLI_FAILURE : not_there(s, DEPTH);
-    }
     int use[QUANTITIES] = {TIME, instead(o, s, DEPTH, STRAIN) ? STRAIN : DEPTH,
                            bent ? DEFLECTION : instead(o, s, FORCE, STRESS) ? STRESS : FORCE};
     for (int q = 0; code == CLI_OK && q < QUANTITIES; q++) {
-        if (s->used[use[q]] == IMPORT_NONE) {
+        if (s->used[use[q]] == IMPORT_NONE)
             return quiet ? CLI_FAILURE : not_there(s, q);
-        }
         code = find_unit(o, s, use[q], q, quiet);
     }
     if (code == CLI_OK) {
@@ -251,11 +239,9 @@ static int settle(const import_options *o, import_source *s, bool quiet) {
         s->gap = strstr(name, "gap") || strstr(name, "spalt");
         s->piezo = bends && !strstr(name, "tip") && !strstr(name, "indent") && !strstr(name, "separation");
     }
-    for (int role = 0; role < ROLES; role++) {
-        if (role != use[DEPTH] && role != use[FORCE] && role != TIME) {
+    for (int role = 0; role < ROLES; role++)
+        if (role != use[DEPTH] && role != use[FORCE] && role != TIME)
             s->used[role] = IMPORT_NONE;
-        }
-    }
     return code;
 }
 

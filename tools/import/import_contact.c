@@ -15,16 +15,14 @@ static const double same_place = 0.02; /* of the travel of the run that starts w
 
 static double average(const double *x, size_t n) {
     double sum = 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         sum += x[i];
-    }
     return sum / (double)n;
 }
 
 static int look(const import_source *s, palp_press *press) {
-    if (palp_press_create(s->rows, s->time_s, s->depth_mm, s->force_N, press)) {
+    if (palp_press_create(s->rows, s->time_s, s->depth_mm, s->force_N, press))
         return cli_failure(NAME, "%s: out of memory", s->file);
-    }
     return CLI_OK;
 }
 
@@ -47,9 +45,8 @@ static void apply_signs(import_source *s) {
 /* Pressing is the motion along which the force's size grows: both are positive there. */
 int import_signs(const import_options *o, import_source *s) {
     palp_press press;
-    if (look(s, &press)) {
+    if (look(s, &press))
         return CLI_FAILURE;
-    }
     size_t peak = press.peak;
     double rise_N = press.mean_N[peak] - press.mean_N[0], travel_mm = s->depth_mm[peak] - s->depth_mm[0];
     bool clear = fabs(rise_N) > unmistakable * press.noise_N;
@@ -57,16 +54,14 @@ int import_signs(const import_options *o, import_source *s) {
     s->depth_sign = listed(o->negate, "depth") ? -1 : 1;
     s->force_sign = listed(o->negate, "force") ? -1 : 1;
     s->sign_rule = o->negate ? "as asked for" : "as recorded: the force never leaves its noise";
-    if (o->negate && clear && s->depth_sign * travel_mm * s->force_sign * rise_N < 0) {
+    if (o->negate && clear && s->depth_sign * travel_mm * s->force_sign * rise_N < 0)
         cli_warning(NAME, "%s: with --negate %s the force falls as the depth grows", s->file, o->negate);
-    }
     if (!o->negate && clear) {
-        if (travel_mm == 0) {
+        if (travel_mm == 0)
             return cli_failure(NAME,
                                "%s:%zu: the position is the same at the start and at the largest force: "
                                "nothing was pressed, or --map names the wrong column",
                                s->file, s->line[peak]);
-        }
         s->depth_sign = travel_mm < 0 ? -1 : 1;
         s->force_sign = rise_N < 0 ? -1 : 1;
         s->sign_rule = s->depth_sign < 0 && s->force_sign < 0 ? "depth and force reversed: the force's size "
@@ -92,18 +87,16 @@ static void use_air(const palp_air *air, import_source *s) {
 static bool touched(const import_source *s) {
     double wanted_N = 9.80665e-3 * import_setting_number(s, "Contact Criteria, gf"),
            largest_N = s->force_N[0];
-    for (size_t i = 0; i < s->rows; i++) {
+    for (size_t i = 0; i < s->rows; i++)
         largest_N = fmax(largest_N, s->force_N[i]);
-    }
     return largest_N >= wanted_N;
 }
 
 static void not_reached(import_source *s, const palp_air *air) {
     s->contact_rule = "not_reached";
     s->contact_mm = s->depth_mm[0];
-    for (size_t i = 0; i < s->rows; i++) {
+    for (size_t i = 0; i < s->rows; i++)
         s->contact_mm = fmax(s->contact_mm, s->depth_mm[i]);
-    }
     s->zero_N = palp_air_force(air, s->time_s[s->rows - 1]);
 }
 
@@ -155,20 +148,17 @@ static void use_approach(const import_source *a, import_source *s) {
 
 static import_contact automatic(const import_source *s, const palp_press *press, const palp_air *air) {
     size_t rest = palp_press_rest(press);
-    if (s->format == IMPORT_INSTRON) {
+    if (s->format == IMPORT_INSTRON)
         return CONTACT_RECORDED;
-    }
-    if (s->format == IMPORT_MACH1) {
+    if (s->format == IMPORT_MACH1)
         return import_is_approach(s) ? CONTACT_AIR : CONTACT_START;
-    }
     return air->seen && (rest >= REST_LEAST || palp_press_starts_in_air(press)) ? CONTACT_AIR : CONTACT_START;
 }
 
 int import_contact_rule(const import_options *o, import_source *s) {
     palp_press press;
-    if (look(s, &press)) {
+    if (look(s, &press))
         return CLI_FAILURE;
-    }
     palp_air air = palp_press_air(&press, import_is_approach(s));
     s->rule = o->contact ? (import_contact)o->contact : automatic(s, &press, &air);
     palp_press_free(&press);
@@ -197,15 +187,13 @@ void import_contact_agree(import_sources *all) {
     for (size_t i = 0; i < all->n; i++) {
         size_t air = 0, start = 0;
         import_source *s = all->source[i];
-        if (s->skip || s->agreed || (s->rule != CONTACT_AIR && s->rule != CONTACT_START)) {
+        if (s->skip || s->agreed || (s->rule != CONTACT_AIR && s->rule != CONTACT_START))
             continue;
-        }
         for (int count = 1; count >= 0; count--) {
             for (size_t j = i; j < all->n; j++) {
                 import_source *other = all->source[j];
-                if (other->skip || other->agreed || import_is_approach(other) != import_is_approach(s) || !same_press(s, other)) {
+                if (other->skip || other->agreed || import_is_approach(other) != import_is_approach(s) || !same_press(s, other))
                     continue;
-                }
                 air += count && other->rule == CONTACT_AIR;
                 start += count && other->rule == CONTACT_START;
                 other->agreed = !count;
@@ -219,20 +207,18 @@ static void choose(const import_options *o, const import_sources *all, const pal
                    import_source *s) {
     size_t last = s->rows < LAST ? s->rows : LAST;
     palp_air air = palp_press_air(press, import_is_approach(s));
-    if (s->rule == CONTACT_RECORDED) {
+    if (s->rule == CONTACT_RECORDED)
         use_recorded(press, s);
-    } else if (s->rule == CONTACT_START) {
+    else if (s->rule == CONTACT_START)
         use_start(press, s);
-    } else if (air.contact < press->peak && touched(s)) {
+    else if (air.contact < press->peak && touched(s))
         use_air(&air, s);
-    } else {
+    else
         not_reached(s, &air);
-    }
     const import_source *before =
         o->contact == CONTACT_AUTO && s->rule == CONTACT_START ? approach_before(all, s) : NULL;
-    if (before) {
+    if (before)
         use_approach(before, s);
-    }
     s->preload_N = average(s->force_N + s->rows - last, last) - s->zero_N;
 }
 
@@ -253,9 +239,8 @@ static void shift(import_source *s) {
 
 int import_contact_find(const import_options *o, const import_sources *all, import_source *s) {
     palp_press press;
-    if (look(s, &press)) {
+    if (look(s, &press))
         return CLI_FAILURE;
-    }
     choose(o, all, &press, s);
     palp_press_free(&press);
     shift(s);

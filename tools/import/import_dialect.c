@@ -15,9 +15,8 @@ static bool digit(char c) {
 static char *trim(char *field) {
     field += strspn(field, " \t");
     size_t n = strlen(field);
-    while (n > 0 && (field[n - 1] == ' ' || field[n - 1] == '\t')) {
+    while (n > 0 && (field[n - 1] == ' ' || field[n - 1] == '\t'))
         n--;
-    }
     if (n >= 2 && field[0] == '"' && field[n - 1] == '"') {
         field++;
         n -= 2;
@@ -59,40 +58,35 @@ size_t import_split(char *line, char separator, char *fields[IMPORT_COLUMNS]) {
 static size_t copy_number(const char *field, const import_dialect *d, char copy[IMPORT_WORD]) {
     size_t i = 0, n = 0, group = 0;
     bool grouped = false, point = false, any = false;
-    if (field[i] == '+' || field[i] == '-') {
+    if (field[i] == '+' || field[i] == '-')
         copy[n++] = field[i++];
-    }
     for (; n + 2 < IMPORT_WORD; i++) {
         if (digit(field[i])) {
             copy[n++] = field[i];
             any = true;
             group++;
         } else if (!point && field[i] == d->decimal) {
-            if (grouped && group != 3) {
+            if (grouped && group != 3)
                 return 0;
-            }
             copy[n++] = '.';
             point = true;
         } else if (!point && any && (field[i] == '\'' || field[i] == d->thousands) && field[i] && digit(field[i + 1])) {
-            if (grouped ? group != 3 : group > 3) {
+            if (grouped ? group != 3 : group > 3)
                 return 0;
-            }
             grouped = true;
             group = 0;
         } else {
             break;
         }
     }
-    if (!any || (grouped && !point && group != 3)) {
+    if (!any || (grouped && !point && group != 3))
         return 0;
-    }
     if (strchr("eEdD", field[i]) && field[i]) {
         size_t e = i + 1 + (field[i + 1] == '+' || field[i + 1] == '-');
         if (digit(field[e])) {
             copy[n++] = 'e';
-            for (i++; n + 2 < IMPORT_WORD && (i < e || digit(field[i])); i++) {
+            for (i++; n + 2 < IMPORT_WORD && (i < e || digit(field[i])); i++)
                 copy[n++] = field[i];
-            }
         }
     }
     copy[n] = '\0';
@@ -108,9 +102,8 @@ bool import_number_unit(const char *field, const import_dialect *d, double *valu
 
 bool import_number(const char *field, const import_dialect *d, double *value) {
     const char *rest;
-    if (!import_number_unit(field, d, value, &rest)) {
+    if (!import_number_unit(field, d, value, &rest))
         return false;
-    }
     rest += strspn(rest, " ");
     return !*rest || import_unit_any(rest);
 }
@@ -123,12 +116,10 @@ static size_t read_parts(const char *text, char sign, double part[3], size_t *pa
     for (*parts = 0; *parts < 3; (*parts)++) {
         size_t n = 0;
         part[*parts] = 0;
-        while (n < 9 && digit(text[at + n])) {
+        while (n < 9 && digit(text[at + n]))
             part[*parts] = 10 * part[*parts] + (text[at + n++] - '0');
-        }
-        if (n == 0) {
+        if (n == 0)
             break;
-        }
         at += n;
         if (*parts < 2 && text[at] == sign && digit(text[at + 1])) {
             at++;
@@ -179,20 +170,17 @@ bool import_clock(const char *text, double *seconds, bool *dated) {
         return true;
     }
     text += n;
-    if (parts < 2) {
+    if (parts < 2)
         return false;
-    }
     if ((*text == '.' || *text == ',' || *text == ':') && digit(text[1])) {
         double scale = 0.1;
-        for (text++; digit(*text); text++, scale /= 10) {
+        for (text++; digit(*text); text++, scale /= 10)
             fraction += scale * (*text - '0');
-        }
     }
     text += strspn(text, " ");
     bool afternoon = (*text == 'P' || *text == 'p') && part[0] < 12, midnight = (*text == 'A' || *text == 'a') && part[0] == 12;
-    if (*text && !strchr("AaPpZ", *text)) {
+    if (*text && !strchr("AaPpZ", *text))
         return false;
-    }
     *seconds = parts == 3 ? 3600 * (part[0] + (afternoon ? 12 : midnight ? -12 : 0)) + 60 * part[1] + part[2] + fraction
                           : 60 * part[0] + part[1] + fraction;
     *seconds += date;
@@ -206,11 +194,9 @@ static bool like_number(const char *field, char separator) {
     static const import_dialect some[] = {{';', '.', ','}, {';', ',', '.'}, {';', '.', ' '}, {';', ',', ' '}};
     double x;
     bool dated;
-    for (size_t k = 0; k < (separator == ' ' ? 2 : 4); k++) {
-        if (import_number(field, &some[k], &x)) {
+    for (size_t k = 0; k < (separator == ' ' ? 2 : 4); k++)
+        if (import_number(field, &some[k], &x))
             return true;
-        }
-    }
     return import_clock(field, &x, &dated);
 }
 
@@ -219,9 +205,8 @@ static size_t row_numbers(const char *line, char separator, char *scratch, size_
     char *fields[IMPORT_COLUMNS];
     strcpy(scratch, line);
     size_t n = import_split(scratch, separator, fields), numbers = 0;
-    for (size_t j = 0; j < n; j++) {
+    for (size_t j = 0; j < n; j++)
         numbers += like_number(fields[j], separator);
-    }
     *width = n;
     return numbers >= 2 && 2 * numbers > n ? numbers : 0;
 }
@@ -247,18 +232,15 @@ static void weigh(const char *field, size_t column, evidence *e) {
     static const char marks[] = ".,";
     size_t n = strspn(field, "+-0123456789.,'eE"), lead = strspn(field, "+-");
     const char *last_mark = NULL;
-    if (n == 0 || (field[n] && field[n] != ' ' && field[n] != '%')) {
+    if (n == 0 || (field[n] && field[n] != ' ' && field[n] != '%'))
         return;
-    }
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         last_mark = field[i] == '.' || field[i] == ',' ? field + i : last_mark;
-    }
     e->without[column] = e->without[column] || last_mark == NULL;
     for (size_t m = 0; m < 2; m++) {
         const char *first = memchr(field, marks[m], n);
-        if (!first) {
+        if (!first)
             continue;
-        }
         const char *second = memchr(first + 1, marks[m], n - (size_t)(first + 1 - field));
         size_t before = (size_t)(first - field) - lead, after = strspn(first + 1, "0123456789");
         bool follows = memchr(field, marks[1 - m], (size_t)(first - field)) != NULL;
@@ -277,9 +259,8 @@ static void weigh(const char *field, size_t column, evidence *e) {
 static bool groups(const evidence *e, size_t mark, bool *any) {
     for (size_t j = 0; j < IMPORT_COLUMNS; j++) {
         *any = *any || e->either[j][mark];
-        if (e->either[j][mark] && e->without[j]) {
+        if (e->either[j][mark] && e->without[j])
             return true;
-        }
     }
     return false;
 }
@@ -287,12 +268,10 @@ static bool groups(const evidence *e, size_t mark, bool *any) {
 static void decide(const evidence *e, import_dialect *d) {
     bool comma = e->decimal[1] > e->thousands[1] && e->decimal[1] >= e->decimal[0], any[2] = {false, false};
     bool points = groups(e, 0, &any[0]), commas = groups(e, 1, &any[1]);
-    if (e->decimal[0] + e->decimal[1] + e->thousands[0] + e->thousands[1] == 0 && d->separator != ',') {
+    if (e->decimal[0] + e->decimal[1] + e->thousands[0] + e->thousands[1] == 0 && d->separator != ',')
         comma = any[1] ? !commas : points;
-    }
-    if (e->thousands[0] > 0 && e->decimal[0] == 0) {
+    if (e->thousands[0] > 0 && e->decimal[0] == 0)
         comma = true;
-    }
     d->decimal = comma ? ',' : '.';
     d->thousands = comma ? '.' : ',';
 }
@@ -312,14 +291,12 @@ void import_dialect_find(const import_text *text, int chosen, char *scratch, imp
     for (size_t i = 0; i < text->n; i += step) {
         char *fields[IMPORT_COLUMNS];
         size_t width;
-        if (row_numbers(text->lines[i], dialect->separator, scratch, &width) == 0) {
+        if (row_numbers(text->lines[i], dialect->separator, scratch, &width) == 0)
             continue;
-        }
         strcpy(scratch, text->lines[i]);
         size_t n = import_split(scratch, dialect->separator, fields);
-        for (size_t j = 0; j < n; j++) {
+        for (size_t j = 0; j < n; j++)
             weigh(fields[j], j, &e);
-        }
     }
     decide(&e, dialect);
     for (size_t i = 0; i < text->n && dialect->separator != ' '; i += step) { /* "1 234,5" */

@@ -80,9 +80,8 @@ int table_roles(char *const *fields, size_t n) {
     bool seen[ROLES] = {false};
     for (size_t j = 0; j < n; j++) {
         const import_unit *unit = import_unit_of_name(fields[j]);
-        for (int role = 0; role < ROLES && *fields[j]; role++) {
+        for (int role = 0; role < ROLES && *fields[j]; role++)
             seen[role] = seen[role] || import_name_rank(fields[j], unit, role) > 0;
-        }
     }
     return seen[TIME] + (seen[DEPTH] || seen[STRAIN]) + (seen[FORCE] || seen[STRESS]);
 }
@@ -100,11 +99,9 @@ static bool are_units(char *const *fields, size_t n) {
 }
 
 static bool has_number(const table_scanner *c, char *const *fields, size_t n) {
-    for (size_t j = 0; j < n; j++) {
-        if (table_is_number(c, fields[j])) {
+    for (size_t j = 0; j < n; j++)
+        if (table_is_number(c, fields[j]))
             return true;
-        }
-    }
     return false;
 }
 
@@ -117,9 +114,8 @@ void table_find_names(const table_scanner *c, table_block *b) {
     for (size_t line = b->first; line > b->above && seen < ABOVE; line--) {
         size_t n = names_of(c, line - 1, b->width, fields);
         seen += n > 0;
-        if (n < 2 || 2 * n <= b->width || has_number(c, fields, n)) {
+        if (n < 2 || 2 * n <= b->width || has_number(c, fields, n))
             continue;
-        }
         if (are_units(fields, n)) {
             b->units = b->units == IMPORT_NONE && other == IMPORT_NONE ? line - 1 : b->units;
             continue;
@@ -132,21 +128,18 @@ void table_find_names(const table_scanner *c, table_block *b) {
         other = other == IMPORT_NONE && n <= b->width + 1 && seen <= NEAR ? line - 1 : other;
     }
     b->names = b->names == IMPORT_NONE ? other : b->names;
-    if (b->units != IMPORT_NONE && b->names != IMPORT_NONE && b->units < b->names) {
+    if (b->units != IMPORT_NONE && b->names != IMPORT_NONE && b->units < b->names)
         b->units = IMPORT_NONE;
-    }
 }
 
 /* "Sig1 Time (min)", "Column 2: Force (N)": a line for each column. */
 static bool name_of_column(char *text, size_t *column, char **name) {
     size_t n = 0;
-    while (isalpha((unsigned char)text[n])) {
+    while (isalpha((unsigned char)text[n]))
         n++;
-    }
     size_t at = n + strspn(text + n, " ");
-    if (n == 0 || !isdigit((unsigned char)text[at])) {
+    if (n == 0 || !isdigit((unsigned char)text[at]))
         return false;
-    }
     *column = strtoul(text + at, name, 10);
     *name += strspn(*name, " \t:=-,;");
     return **name != '\0' && *column >= 1;
@@ -157,18 +150,16 @@ static void list_names(const table_scanner *c, const table_block *b, import_sour
         char *name;
         size_t column;
         strcpy(c->scratch, c->text->lines[line] + strspn(c->text->lines[line], "# "));
-        if (name_of_column(c->scratch, &column, &name) && column <= s->n_columns && isalpha((unsigned char)*name)) {
+        if (name_of_column(c->scratch, &column, &name) && column <= s->n_columns && isalpha((unsigned char)*name))
             import_copy_word(s->column[column - 1], name, strlen(name));
-        }
     }
 }
 
 static void add_unit(char name[IMPORT_WORD], const char *unit) {
     size_t have = strlen(name), n = strlen(unit);
     bool bracketed = *unit == '(' || *unit == '[';
-    if (n > 0 && have + n + 4 < IMPORT_WORD) {
+    if (n > 0 && have + n + 4 < IMPORT_WORD)
         snprintf(name + have, IMPORT_WORD - have, bracketed ? " %s" : " (%s)", unit);
-    }
 }
 
 void table_set_columns(const table_scanner *c, const table_block *b, import_source *s) {
@@ -176,13 +167,11 @@ void table_set_columns(const table_scanner *c, const table_block *b, import_sour
     size_t n = b->names == IMPORT_NONE ? 0 : names_of(c, b->names, b->width, fields);
     import_set_names(s, fields, n);
     s->n_columns = n < b->width ? b->width : n; /* the rest has no name */
-    if (b->roles < 2) {
+    if (b->roles < 2)
         list_names(c, b, s);
-    }
     n = b->units == IMPORT_NONE ? 0 : names_of(c, b->units, b->width, fields);
-    for (size_t j = 0; j < n && j < s->n_columns; j++) {
+    for (size_t j = 0; j < n && j < s->n_columns; j++)
         add_unit(s->column[j], fields[j]);
-    }
 }
 
 /* Units behind the numbers: "5.0 mm". */
@@ -194,8 +183,7 @@ void table_add_units(const table_scanner *c, size_t line, import_source *s) {
         double x;
         bool number = import_number_unit(fields[j], &c->dialect, &x, &rest);
         rest += number ? strspn(rest, " ") : 0;
-        if (number && *rest && import_unit_any(rest) && !import_unit_of_name(s->column[j])) {
+        if (number && *rest && import_unit_any(rest) && !import_unit_of_name(s->column[j]))
             add_unit(s->column[j], rest);
-        }
     }
 }

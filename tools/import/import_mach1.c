@@ -21,15 +21,13 @@ static int read_rows(import_source *s, import_text *text, bool block) {
     char *fields[IMPORT_COLUMNS], *line;
     double clock = 0;
     while ((line = import_line(text))) {
-        if (block && strcmp(line, "<END DATA>") == 0) {
+        if (block && strcmp(line, "<END DATA>") == 0)
             return CLI_OK;
-        }
         bool divider = block && strcmp(line, "<divider>") == 0;
         size_t n = divider ? 0 : import_split(line, s->dialect.separator, fields);
         int code = n > 0 ? import_add_row(s, fields, n, text->line) : CLI_OK;
-        if (code) {
+        if (code)
             return code;
-        }
         if (block && n > 0 && s->rows > 1) {
             double *t = &s->value[(s->rows - 1) * s->n_columns], before = *(t - s->n_columns);
             double step = s->rows > 2 ? before - *(t - 2 * s->n_columns) : 0;
@@ -55,9 +53,8 @@ static int read_table(import_source *s, import_text *text) {
 /* One <DATA> block of the tester's own file; its settings are in head. */
 static int read_block(import_source *s, import_text *text, const import_source *head) {
     char *line = import_line(text), *fields[IMPORT_COLUMNS];
-    if (!line) {
+    if (!line)
         return cli_failure(NAME, "%s:%zu: the file ends after <DATA>", s->file, text->line);
-    }
     memcpy(s->setting, head->setting, sizeof s->setting);
     memcpy(s->block, head->block, sizeof s->block);
     s->n_settings = head->n_settings;
@@ -71,11 +68,9 @@ static void name_block(import_source *s, size_t number) {
     size_t n = strlen(s->name), room = sizeof s->name - 1;
     int written = snprintf(s->name + n, room - n, "_%02zu_", number);
     n += written > 0 ? (size_t)written : 0;
-    for (const char *c = s->block; *c && n < room; c++) {
-        if (isalnum((unsigned char)*c)) {
+    for (const char *c = s->block; *c && n < room; c++)
+        if (isalnum((unsigned char)*c))
             s->name[n++] = *c;
-        }
-    }
     s->name[n < room ? n : room] = '\0';
 }
 
@@ -90,35 +85,30 @@ static int read_blocks(import_text *text, import_sources *all) {
         if (strcmp(line, "<DATA>") == 0) {
             s = import_append(all, text, IMPORT_MACH1);
             code = s ? read_block(s, text, head) : cli_failure(NAME, "%s: out of memory", text->file);
-            if (code == CLI_OK) {
+            if (code == CLI_OK)
                 name_block(s, blocks++);
-            }
         } else if (strcmp(line, "<END INFO>") == 0) {
             common = head->n_settings;
         } else if (*line == '<' && strcmp(line, "<INFO>") != 0) {
             import_copy_word(head->block, line + 1, strcspn(line + 1, ">"));
             head->n_settings = common;
         } else {
-            if (strncmp(line, "<INFO>", 6) == 0) {
+            if (strncmp(line, "<INFO>", 6) == 0)
                 head->n_settings = common = 0;
-            }
             import_add_settings(head, line);
         }
     }
     free(head);
-    if (code == CLI_OK && blocks == 0) {
+    if (code == CLI_OK && blocks == 0)
         return cli_failure(NAME, "%s:%zu: no <DATA> up to the end of the file", text->file, text->line);
-    }
     return code;
 }
 
 int import_mach1_read(import_text *text, import_sources *all) {
-    if (starts(text, ORIGINAL)) {
+    if (starts(text, ORIGINAL))
         return read_blocks(text, all);
-    }
-    if (!starts(text, "time_s,")) {
+    if (!starts(text, "time_s,"))
         return cli_failure(NAME, "%s:1: not a Mach-1 file: it starts neither with %s nor with %s", text->file, ORIGINAL, TABLE);
-    }
     import_source *s = import_append(all, text, IMPORT_MACH1);
     return s ? read_table(s, text) : cli_failure(NAME, "%s: out of memory", text->file);
 }

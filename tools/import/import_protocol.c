@@ -15,9 +15,8 @@ bool import_is_approach(const import_source *s) {
 static void say_pieces(const palp_pieces *pieces, char to[IMPORT_WORD]) {
     size_t count[PALP_MOTION_COUNT] = {0}, length = 0;
     bool few = pieces->n <= 6;
-    for (size_t k = 0; k < pieces->n; k++) {
+    for (size_t k = 0; k < pieces->n; k++)
         count[pieces->piece[k].motion]++;
-    }
     for (size_t k = 0; k < pieces->n && length + 20 < IMPORT_WORD; k++) {
         palp_motion motion = pieces->piece[k].motion;
         if (few || count[motion] > 0) {
@@ -37,9 +36,8 @@ static const char *of_pieces(const palp_pieces *pieces) {
     bool pressed = false;
     for (size_t k = 0; k < pieces->n; k++) {
         palp_motion motion = pieces->piece[k].motion;
-        if (motion == PALP_MOTION_CYCLE || motion == PALP_MOTION_SWEEP) {
+        if (motion == PALP_MOTION_CYCLE || motion == PALP_MOTION_SWEEP)
             return motion == PALP_MOTION_CYCLE ? "cyclic" : "sweep";
-        }
         pressed = pressed || motion == PALP_MOTION_RAMP || motion == PALP_MOTION_DWELL;
     }
     return pressed ? kinds[palp_recording_kind_of(pieces)] : "free";
@@ -47,9 +45,8 @@ static const char *of_pieces(const palp_pieces *pieces) {
 
 int import_protocol(const import_options *o, import_source *s) {
     palp_pieces pieces;
-    if (palp_segments_clock(s->rows, s->time_s, &s->step_s, &s->lost) || palp_segments_pieces(s->rows, s->time_s, s->depth_mm, &pieces)) {
+    if (palp_segments_clock(s->rows, s->time_s, &s->step_s, &s->lost) || palp_segments_pieces(s->rows, s->time_s, s->depth_mm, &pieces))
         return cli_failure("import", "%s: out of memory", s->file);
-    }
     say_pieces(&pieces, s->phases);
     s->protocol = o->protocol >= 0 ? protocols[o->protocol] : import_is_approach(s) ? "free" : of_pieces(&pieces);
     palp_pieces_free(&pieces);

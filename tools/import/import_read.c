@@ -8,18 +8,15 @@ static const char NAME[] = "import";
 /* Whether the first lines of the text hold a word. */
 static bool near_the_top(const import_text *text, const char *word) {
     enum { HEADER_LINES = 12 };
-    for (size_t i = 0; i < text->n && i < HEADER_LINES; i++) {
-        if (strstr(text->lines[i], word)) {
+    for (size_t i = 0; i < text->n && i < HEADER_LINES; i++)
+        if (strstr(text->lines[i], word))
             return true;
-        }
-    }
     return false;
 }
 
 static import_format detect(const import_text *text) {
-    if (import_mach1_starts(text)) {
+    if (import_mach1_starts(text))
         return IMPORT_MACH1;
-    }
     bool instron = near_the_top(text, "INSTRON") || near_the_top(text, "Instron");
     return instron && near_the_top(text, "Cylinder") ? IMPORT_INSTRON : IMPORT_CSV;
 }
@@ -35,9 +32,8 @@ int import_read(const import_options *o, const char *file, import_sources *all) 
         size_t first = all->n;
         import_format format = o->format >= 0 ? (import_format)o->format : detect(&text);
         code = format == IMPORT_MACH1 ? import_mach1_read(&text, all) : import_table_read(o, &text, format, all);
-        for (size_t i = first; i < all->n; i++) {
+        for (size_t i = first; i < all->n; i++)
             import_specimen(o, all->source[i]);
-        }
         code = code || format == IMPORT_MACH1 ? code : import_join(o, all, first);
     }
     import_text_free(&text);

@@ -16,12 +16,10 @@ static double *cell(const import_source *s, size_t i, size_t column) {
 }
 
 static size_t used_for(const import_source *s, int quantity) {
-    if (quantity == DEPTH && s->used[STRAIN] != IMPORT_NONE) {
+    if (quantity == DEPTH && s->used[STRAIN] != IMPORT_NONE)
         return s->used[STRAIN];
-    }
-    if (quantity == FORCE && s->used[FORCE] == IMPORT_NONE) {
+    if (quantity == FORCE && s->used[FORCE] == IMPORT_NONE)
         return s->used[STRESS] != IMPORT_NONE ? s->used[STRESS] : s->used[DEFLECTION];
-    }
     return s->used[quantity];
 }
 
@@ -43,9 +41,8 @@ static bool goes_on(const import_source *a, const import_source *b) {
     size_t time = used_for(a, TIME), depth = used_for(a, DEPTH);
     double within = GOES_ON * fmax(range_of(a, depth), range_of(b, depth));
     double last = *cell(a, a->rows - 1, depth), first = *cell(b, 0, depth), began = *cell(a, 0, depth);
-    if (!(fabs(first - last) <= within)) {
+    if (!(fabs(first - last) <= within))
         return false;
-    }
     return *cell(b, 0, time) >= *cell(a, a->rows - 1, time) || fabs(first - began) > within;
 }
 
@@ -55,9 +52,8 @@ static bool append_rows(import_source *a, const import_source *b) {
     a->value = value ? value : a->value;
     size_t *line = value ? realloc(a->line, rows * sizeof *line) : NULL;
     a->line = line ? line : a->line;
-    if (!line) {
+    if (!line)
         return false;
-    }
     memcpy(a->value + a->rows * a->n_columns, b->value, b->rows * b->n_columns * sizeof *value);
     memcpy(a->line + a->rows, b->line, b->rows * sizeof *line);
     a->rows = a->capacity = rows;
@@ -104,19 +100,16 @@ int import_join(const import_options *o, import_sources *all, size_t first) {
 static int refuse_bad(const import_source *s, size_t i) {
     for (int q = 0; q < QUANTITIES; q++) {
         size_t column = used_for(s, q);
-        if (!isfinite(*cell(s, i, column))) {
+        if (!isfinite(*cell(s, i, column)))
             return cli_failure(NAME, "%s:%zu: the %s (column %zu) is not a number", s->file, s->line[i], quantities[q], column + 1);
-        }
     }
     return CLI_OK;
 }
 
 static bool whole(const import_source *s, size_t i) {
-    for (int q = 0; q < QUANTITIES; q++) {
-        if (!isfinite(*cell(s, i, used_for(s, q)))) {
+    for (int q = 0; q < QUANTITIES; q++)
+        if (!isfinite(*cell(s, i, used_for(s, q))))
             return false;
-        }
-    }
     return true;
 }
 
@@ -127,12 +120,10 @@ static bool restarts(const import_source *s, size_t i, double last) {
     double before = -HUGE_VAL;
     for (; i < s->rows && seen < ROWS; i++) {
         double t = *cell(s, i, time);
-        if (!isfinite(t)) {
+        if (!isfinite(t))
             continue;
-        }
-        if (t >= last || t < before) {
+        if (t >= last || t < before)
             return false;
-        }
         before = t;
         seen++;
     }
@@ -150,9 +141,8 @@ static int sift(const import_options *o, import_source *s) {
     double clock = 0, last = -HUGE_VAL, step = 0;
     for (size_t i = 0; i < s->rows; i++) {
         if (!whole(s, i)) {
-            if (o->strict) {
+            if (o->strict)
                 return refuse_bad(s, i);
-            }
             s->bad_line = s->bad++ ? s->bad_line : s->line[i];
             continue;
         }
@@ -163,9 +153,8 @@ static int sift(const import_options *o, import_source *s) {
             s->restarts++;
         }
         if (!(t > last)) {
-            if (o->strict) {
+            if (o->strict)
                 return cli_failure(NAME, "%s:%zu: time does not increase (%.9g after %.9g)", s->file, s->line[i], t, last);
-            }
             s->doubled_line = s->doubled++ ? s->doubled_line : s->line[i];
             continue;
         }
@@ -189,9 +178,8 @@ static double factor_of(const import_source *s, int q, double *offset) {
         *offset = stretch ? 1 / s->unit[STRAIN]->factor : 0; /* of no strain */
         return s->unit[STRAIN]->factor * s->height_mm;
     }
-    if (q == FORCE && s->used[FORCE] == IMPORT_NONE && s->used[STRESS] != IMPORT_NONE) {
+    if (q == FORCE && s->used[FORCE] == IMPORT_NONE && s->used[STRESS] != IMPORT_NONE)
         return s->unit[STRESS]->factor * area_m2;
-    }
     if (q == FORCE && s->used[FORCE] == IMPORT_NONE) {
         const import_unit *unit = s->unit[DEFLECTION];
         return unit->factor * (unit->dimension == UNIT_VOLT ? s->slope_mm_V : 1) * 1e-3 * s->spring_N_m;
@@ -202,9 +190,8 @@ static double factor_of(const import_source *s, int q, double *offset) {
 /* x to the 15th digit of a number of this size: what is behind it, calculating has made. */
 double import_digits(double x, double size) {
     char text[48];
-    if (x == 0 || size == 0 || !isfinite(x)) {
+    if (x == 0 || size == 0 || !isfinite(x))
         return x;
-    }
     double power = floor(log10(size)), scale = pow(10, 14 - power);
     if (scale >= 1 && scale <= 1e22) { /* powers of ten that are exact */
         return rint(x * scale) / scale;
@@ -223,9 +210,8 @@ static int fill(import_source *s, int q, double *to) {
     size_t column = used_for(s, q);
     for (size_t i = 0; i < s->rows; i++) {
         to[i] = scaled(*cell(s, i, column) - offset, factor);
-        if (!isfinite(to[i])) {
+        if (!isfinite(to[i]))
             return cli_failure(NAME, "%s:%zu: the %s (column %zu) is too large", s->file, s->line[i], quantities[q], column + 1);
-        }
     }
     return CLI_OK;
 }
@@ -237,9 +223,8 @@ static void start_clock(import_source *s) {
         double first = *cell(s, 0, time);
         s->stamp_dated = s->stamp_dated || first > 400 * 86400.0;
         s->stamp_s = isfinite(s->stamp_s) && first < 400 * 86400.0 ? s->stamp_s : first;
-        for (size_t i = 0; i < s->rows; i++) {
+        for (size_t i = 0; i < s->rows; i++)
             *cell(s, i, time) = rint(1e6 * (*cell(s, i, time) - first)) / 1e6;
-        }
     }
 }
 
@@ -249,23 +234,19 @@ static void crop(const import_options *o, import_source *s) {
     size_t time = used_for(s, TIME), kept = 0;
     for (size_t i = 0; i < s->rows; i++) {
         double t = scaled(*cell(s, i, time), factor);
-        if (!(t < o->from_s) && !(t > o->to_s)) {
+        if (!(t < o->from_s) && !(t > o->to_s))
             keep(s, i, kept++);
-        }
     }
     s->rows = kept;
 }
 
 static int check_sizes(const import_source *s) {
-    if (s->used[STRAIN] != IMPORT_NONE && s->height_mm <= 0) {
+    if (s->used[STRAIN] != IMPORT_NONE && s->height_mm <= 0)
         return cli_failure(NAME, "%s: the depth is a strain: give --specimen-height-mm", s->file);
-    }
-    if (s->used[STRESS] != IMPORT_NONE && s->radius_mm <= 0) {
+    if (s->used[STRESS] != IMPORT_NONE && s->radius_mm <= 0)
         return cli_failure(NAME, "%s: the force is a stress: give --specimen-radius-mm or --specimen-area-mm2", s->file);
-    }
-    if (s->used[DEFLECTION] != IMPORT_NONE && s->unit[DEFLECTION]->dimension == UNIT_VOLT && s->slope_mm_V <= 0) {
+    if (s->used[DEFLECTION] != IMPORT_NONE && s->unit[DEFLECTION]->dimension == UNIT_VOLT && s->slope_mm_V <= 0)
         return cli_failure(NAME, "%s: the deflection is in volts and the file tells no sensitivity (m/V): convert it", s->file);
-    }
     return CLI_OK;
 }
 
@@ -278,26 +259,22 @@ int import_columns(const import_options *o, import_source *s) {
     int code = import_columns_find(o, s, false);
     code = code ? code : check_sizes(s);
     code = code ? code : sift(o, s);
-    if (code) {
+    if (code)
         return code;
-    }
     start_clock(s);
     crop(o, s);
     if (s->rows < 3) {
         s->skip = "fewer than three rows of numbers";
         return *s->block ? CLI_OK : cli_failure(NAME, "%s: %s", s->file, s->skip);
     }
-    for (int q = 0; q < QUANTITIES; q++) {
+    for (int q = 0; q < QUANTITIES; q++)
         recording[q] = malloc(s->rows * sizeof(double));
-    }
     s->time_s = recording[TIME];
     s->depth_mm = recording[DEPTH];
     s->force_N = recording[FORCE];
-    if (!s->time_s || !s->depth_mm || !s->force_N) {
+    if (!s->time_s || !s->depth_mm || !s->force_N)
         return cli_failure(NAME, "%s: out of memory", s->file);
-    }
-    for (int q = 0; code == CLI_OK && q < QUANTITIES; q++) {
+    for (int q = 0; code == CLI_OK && q < QUANTITIES; q++)
         code = fill(s, q, recording[q]);
-    }
     return code;
 }

@@ -15,9 +15,8 @@ static const char *const titles[FIELDS] = {"run", "samples", "time", "depth", "f
 /* Characters that a text takes on the screen. */
 static size_t width_of(const char *text) {
     size_t n = 0;
-    for (; *text; text++) {
+    for (; *text; text++)
         n += ((unsigned char)*text & 0xC0) != 0x80;
-    }
     return n;
 }
 
@@ -27,9 +26,8 @@ static void say_column(const import_source *s, int role, bool reversed, char to[
     char name[24];
     size_t n = strcspn(s->column[column], "([");
     n = n < sizeof name ? n : sizeof name - 1;
-    while (n > 0 && (s->column[column][n - 1] == ' ' || ((unsigned char)s->column[column][n] & 0xC0) == 0x80)) {
+    while (n > 0 && (s->column[column][n - 1] == ' ' || ((unsigned char)s->column[column][n] & 0xC0) == 0x80))
         n--;
-    }
     memcpy(name, s->column[column], n);
     name[n] = '\0';
     snprintf(to, WIDEST, "%zu %s%s%.9s%s", column + 1, name, n ? ", " : "", s->unit[role]->name, reversed ? ", reversed" : "");
@@ -38,9 +36,8 @@ static void say_column(const import_source *s, int role, bool reversed, char to[
 static int role_of(const import_source *s, int quantity) {
     static const int instead[QUANTITIES][3] = {{TIME, TIME, TIME}, {STRAIN, DEPTH, DEPTH}, {FORCE, STRESS, DEFLECTION}};
     int k = 0;
-    while (k < 2 && s->used[instead[quantity][k]] == IMPORT_NONE) {
+    while (k < 2 && s->used[instead[quantity][k]] == IMPORT_NONE)
         k++;
-    }
     return instead[quantity][k];
 }
 
@@ -63,30 +60,24 @@ static void print_row(const row *r, const size_t width[FIELDS]) {
 }
 
 static void note(const import_source *s) {
-    if (s->bad > 0) {
+    if (s->bad > 0)
         cli_warning("import", "%s: %zu of %zu rows are not numbers and were left out, the first at line %zu", s->name, s->bad,
                     s->bad + s->doubled + s->rows, s->bad_line);
-    }
-    if (s->doubled > 0) {
+    if (s->doubled > 0)
         cli_warning("import", "%s: %zu of %zu rows do not come later than the row before and were left out, the first at line %zu",
                     s->name, s->doubled, s->bad + s->doubled + s->rows, s->doubled_line);
-    }
-    if (20 * s->lost > s->rows) {
+    if (20 * s->lost > s->rows)
         cli_warning("import", "%s: %zu samples are missing (%.2g %% of those that the clock's step of %.4g s tells of)", s->name, s->lost,
                     100.0 * (double)s->lost / (double)(s->lost + s->rows), s->step_s);
-    }
-    if (s->restarts > 0) {
+    if (s->restarts > 0)
         cli_warning("import", "%s: the clock starts anew %zu time%s within the run; it was made to go on", s->name, s->restarts,
                     s->restarts > 1 ? "s" : "");
-    }
-    if (s->seconds_assumed) {
+    if (s->seconds_assumed)
         cli_warning("import", "%s: the time has no unit and is taken as seconds; else say it by --units time=ms", s->name);
-    }
     if (s->height_from && strncmp(s->height_from, "--", 2) != 0) {
         fprintf(stderr, "palpate import: %s: height %.5g mm by \"%s\"", s->name, s->height_mm, s->height_from);
-        if (s->radius_mm > 0 && s->radius_from) {
+        if (s->radius_mm > 0 && s->radius_from)
             fprintf(stderr, ", radius %.5g mm by \"%s\"", s->radius_mm, s->radius_from);
-        }
         fputc('\n', stderr);
     }
 }
@@ -114,9 +105,7 @@ void import_say(const import_sources *all) {
             print_row(&one, width);
         }
     }
-    for (size_t i = 0; i < all->n; i++) {
-        if (!all->source[i]->skip) {
+    for (size_t i = 0; i < all->n; i++)
+        if (!all->source[i]->skip)
             note(all->source[i]);
-        }
-    }
 }

@@ -26,9 +26,8 @@ char *import_read_stream(FILE *stream, size_t *size) {
             return text;
         }
         char *larger = realloc(text, capacity *= 2);
-        if (!larger) {
+        if (!larger)
             free(text);
-        }
         text = larger;
     }
     return NULL;
@@ -53,12 +52,10 @@ static int start(const char *const words[], const char *file, pid_t *pid, int *f
     char *argv[8] = {NULL};
     posix_spawn_file_actions_t actions;
     int ends[2];
-    for (size_t i = 0; words[i]; i++) {
+    for (size_t i = 0; words[i]; i++)
         argv[i] = (char *)(strcmp(words[i], "FILE") == 0 ? file : words[i]);
-    }
-    if (pipe(ends)) {
+    if (pipe(ends))
         return errno;
-    }
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
     posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1 /* O_WRONLY */, 0);
@@ -67,9 +64,8 @@ static int start(const char *const words[], const char *file, pid_t *pid, int *f
     int error = posix_spawnp(pid, words[0], &actions, NULL, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
-    if (error) {
+    if (error)
         close(ends[0]);
-    }
     *from = ends[0];
     return error;
 }
@@ -79,16 +75,14 @@ static char *run(const char *const words[], const char *file, size_t *size, bool
     pid_t pid;
     int from = -1, how = 0, error = start(words, file, &pid, &from);
     *missing = error != 0;
-    if (error) {
+    if (error)
         return NULL;
-    }
     FILE *stream = fdopen(from, "rb");
     char *text = stream ? import_read_stream(stream, size) : NULL;
-    if (stream) {
+    if (stream)
         fclose(stream);
-    } else {
+    else
         close(from);
-    }
     while (waitpid(pid, &how, 0) < 0 && errno == EINTR) {
     }
     bool good = WIFEXITED(how) && WEXITSTATUS(how) == 0;
@@ -102,12 +96,10 @@ static char *run(const char *const words[], const char *file, size_t *size, bool
 
 int import_sheet_read(import_text *text, size_t *size) {
     const struct kind *kind = kinds, *end = kinds + sizeof kinds / sizeof kinds[0];
-    while (kind < end && !(*size > kind->n && memcmp(text->text, kind->magic, kind->n) == 0)) {
+    while (kind < end && !(*size > kind->n && memcmp(text->text, kind->magic, kind->n) == 0))
         kind++;
-    }
-    if (kind == end) {
+    if (kind == end)
         return CLI_OK;
-    }
     char path[CLI_PATH_MAX]; /* a name that starts with '-' is no option */
     int n = snprintf(path, sizeof path, "%s%s", *text->file == '-' ? "./" : "", text->file);
     bool missing = true;

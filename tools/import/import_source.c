@@ -14,16 +14,14 @@ import_source *import_append(import_sources *all, const import_text *text, impor
     if (all->n == all->capacity) {
         size_t capacity = all->capacity ? 2 * all->capacity : 16;
         import_source **larger = realloc(all->source, capacity * sizeof(import_source *));
-        if (!larger) {
+        if (!larger)
             return NULL;
-        }
         all->source = larger;
         all->capacity = capacity;
     }
     import_source *s = calloc(1, sizeof *s);
-    if (!s) {
+    if (!s)
         return NULL;
-    }
     all->source[all->n++] = s;
     s->file = text->file;
     s->size = text->size;
@@ -31,9 +29,8 @@ import_source *import_append(import_sources *all, const import_text *text, impor
     s->format = format;
     s->segments = 1;
     s->stamp_s = s->start_s = NAN;
-    for (int role = 0; role < ROLES; role++) {
+    for (int role = 0; role < ROLES; role++)
         s->used[role] = IMPORT_NONE;
-    }
     const char *base = cli_base(text->file), *dot = strrchr(base, '.');
     snprintf(s->name, sizeof s->name, "%.*s", (int)(dot && dot > base ? (size_t)(dot - base) : strlen(base)),
              base);
@@ -61,9 +58,8 @@ void import_copy_word(char to[IMPORT_WORD], const char *from, size_t n) {
         from++;
         n--;
     }
-    while (n > 0 && (isspace((unsigned char)from[n - 1]) || from[n - 1] == ':')) {
+    while (n > 0 && (isspace((unsigned char)from[n - 1]) || from[n - 1] == ':'))
         n--;
-    }
     if (n >= IMPORT_WORD) {
         n = IMPORT_WORD - 1;
         while (n > 0 && ((unsigned char)from[n] & 0xC0) == 0x80) { /* not within a character */
@@ -94,11 +90,9 @@ void import_add_settings(import_source *s, const char *text) {
 }
 
 const char *import_setting(const import_source *s, const char *key) {
-    for (size_t i = 0; i < s->n_settings; i++) {
-        if (strcmp(s->setting[i][0], key) == 0) {
+    for (size_t i = 0; i < s->n_settings; i++)
+        if (strcmp(s->setting[i][0], key) == 0)
             return s->setting[i][1];
-        }
-    }
     return NULL;
 }
 
@@ -112,9 +106,8 @@ double import_setting_number(const import_source *s, const char *key) {
 
 void import_set_names(import_source *s, char *const *fields, size_t n) {
     s->n_columns = n;
-    for (size_t j = 0; j < n; j++) {
+    for (size_t j = 0; j < n; j++)
         import_copy_word(s->column[j], fields[j], strlen(fields[j]));
-    }
 }
 
 static bool grow(import_source *s) {
@@ -135,9 +128,8 @@ static double after_midnight(const import_source *s, size_t j, double seconds) {
 }
 
 int import_add_row(import_source *s, char *const *fields, size_t n, size_t line) {
-    if (s->rows == s->capacity && !grow(s)) {
+    if (s->rows == s->capacity && !grow(s))
         return cli_failure(NAME, "%s: out of memory", s->file);
-    }
     for (size_t j = 0; j < s->n_columns; j++) {
         double *to = &s->value[s->rows * s->n_columns + j], seconds;
         bool dated;

@@ -16,9 +16,8 @@ static const double PI = 3.14159265358979323846;
 static bool setting_value(const import_source *s, size_t i, import_dimension dimension, double *value) {
     const import_dialect *d = &s->dialect, swapped = {d->separator, d->decimal == '.' ? ',' : '.', d->decimal};
     const char *text = s->setting[i][1], *rest;
-    if (!import_number_unit(text, d, value, &rest)) {
+    if (!import_number_unit(text, d, value, &rest))
         return false;
-    }
     if ((*rest == '.' || *rest == ',') && !import_number_unit(text, &swapped, value, &rest)) { /* header and rows differ */
         return false;
     }
@@ -69,12 +68,10 @@ static void find_stamp(import_source *s) {
         bool dated;
         import_plain(s->setting[i][0], true, key, sizeof key);
         size_t k = 0, n = sizeof words / sizeof *words;
-        while (k < n && !strstr(key, words[k])) {
+        while (k < n && !strstr(key, words[k]))
             k++;
-        }
-        if (k == n || !import_clock(s->setting[i][1], &seconds, &dated)) {
+        if (k == n || !import_clock(s->setting[i][1], &seconds, &dated))
             continue;
-        }
         date = dated && isnan(date) ? seconds : date;
         time = !dated && isnan(time) ? seconds : time;
     }
@@ -111,23 +108,19 @@ void import_specimen(const import_options *o, import_source *s) {
 
 int import_specimen_check(const import_options *o, const import_source *s) {
     double deepest_mm = s->depth_mm[0];
-    for (size_t i = 0; i < s->rows; i++) {
+    for (size_t i = 0; i < s->rows; i++)
         deepest_mm = fmax(deepest_mm, s->depth_mm[i]);
-    }
-    if (o->kind && strcmp(o->kind, "none") == 0) {
+    if (o->kind && strcmp(o->kind, "none") == 0)
         return CLI_OK;
-    }
-    if (s->height_mm <= 0) {
+    if (s->height_mm <= 0)
         return cli_failure(NAME, "%s: the specimen's height is not in the file: give --specimen-height-mm",
                            s->file);
-    }
-    if (deepest_mm >= s->height_mm) {
+    if (deepest_mm >= s->height_mm)
         return cli_failure(
             NAME,
             "%s: pressed to %.4g mm, which does not fit a specimen of %.4g mm: wrong unit, sign "
             "or --specimen-height-mm",
             s->file, deepest_mm, s->height_mm);
-    }
     return CLI_OK;
 }
 
@@ -148,17 +141,15 @@ static int by_start(const void *a, const void *b) {
 int import_session(const import_options *o, import_sources *all) {
     double first = HUGE_VAL, began = NAN, day;
     bool dated = true, told = true, begun_dated = false;
-    if (!o->session && !o->folder) {
+    if (!o->session && !o->folder)
         return CLI_OK;
-    }
     for (size_t i = 0; i < all->n; i++) {
         told = told && isfinite(all->source[i]->stamp_s);
         dated = dated && all->source[i]->stamp_dated;
     }
-    if (o->session && !import_clock(o->session, &began, &begun_dated)) {
+    if (o->session && !import_clock(o->session, &began, &begun_dated))
         return cli_usage_error(NAME, "--session-start wants a date and time or a time of day, such as 2024-03-01T10:00:00, not \"%s\"",
                                o->session);
-    }
     for (size_t i = 0; i < all->n; i++) {
         import_source *s = all->source[i];
         day = told && !(dated && (begun_dated || !o->session)) ? 86400 : 0; /* only the time of day is compared */
@@ -166,18 +157,15 @@ int import_session(const import_options *o, import_sources *all) {
         s->start_s = day > 0 && s->start_s > day ? fmod(s->start_s, day) : s->start_s;
         first = fmin(first, s->start_s);
     }
-    if (o->session && !told) {
+    if (o->session && !told)
         return cli_failure(NAME, "--session-start: not every file says when it began");
-    }
     began = isfinite(began) ? (dated && begun_dated ? began : fmod(began, 86400)) : first;
-    if (!told) {
+    if (!told)
         cli_warning(NAME, "not every file says when it began: the order is that in which the files were written");
-    }
     for (size_t i = 0; i < all->n; i++) {
         all->source[i]->start_s -= began;
-        if (all->source[i]->start_s < 0) {
+        if (all->source[i]->start_s < 0)
             return cli_failure(NAME, "%s: began %.0f s before --session-start", all->source[i]->file, -all->source[i]->start_s);
-        }
     }
     qsort(all->source, all->n, sizeof *all->source, by_start);
     return CLI_OK;

@@ -14,13 +14,11 @@ static bool is_row(const table_scanner *c, size_t line, size_t *width) {
     char *fields[IMPORT_COLUMNS];
     const char *text = c->text->lines[line];
     text += strspn(text, " \t");
-    if (!*text || *text == '#') {
+    if (!*text || *text == '#')
         return false;
-    }
     size_t n = table_fields(c, line, fields), numbers = 0;
-    for (size_t j = 0; j < n; j++) {
+    for (size_t j = 0; j < n; j++)
         numbers += table_is_number(c, fields[j]);
-    }
     *width = n;
     return numbers >= 2 && 2 * numbers > n;
 }
@@ -35,9 +33,8 @@ static bool header_between(const table_scanner *c, size_t from, size_t to) {
         const char *text = c->text->lines[line];
         size_t n = table_fields(c, line, fields);
         lines += n > 0;
-        if (*text == '#' || *text == '[' || lines > PENDING || (n > 1 && table_roles(fields, n) >= 2)) {
+        if (*text == '#' || *text == '[' || lines > PENDING || (n > 1 && table_roles(fields, n) >= 2))
             return true;
-        }
     }
     return false;
 }
@@ -46,9 +43,8 @@ static table_block *new_block(table_scanner *c, size_t above, size_t first, size
     if (c->n == c->capacity) {
         size_t capacity = c->capacity ? 2 * c->capacity : 16;
         table_block *larger = realloc(c->blocks, capacity * sizeof *larger);
-        if (!larger) {
+        if (!larger)
             return NULL;
-        }
         c->blocks = larger;
         c->capacity = capacity;
     }
@@ -61,21 +57,18 @@ static bool find_blocks(table_scanner *c) {
     table_block *b = NULL;
     for (size_t line = c->begin; line < c->text->n; line++) {
         size_t width;
-        if (!is_row(c, line, &width)) {
+        if (!is_row(c, line, &width))
             continue;
-        }
         if (!b || (width > b->width && b->rows <= SIDE_ROWS && line > b->last) || header_between(c, b->last, line)) {
             b = new_block(c, b ? b->last : c->begin, line, width);
-            if (!b) {
+            if (!b)
                 return false;
-            }
         }
         b->last = line + 1;
         b->width = b->rows++ <= SIDE_ROWS && width > b->width ? width : b->width;
     }
-    for (size_t i = 0; i < c->n; i++) {
+    for (size_t i = 0; i < c->n; i++)
         table_find_names(c, &c->blocks[i]);
-    }
     return true;
 }
 
@@ -85,9 +78,8 @@ static const table_block *main_block(const table_scanner *c) {
     for (size_t i = 0; i < c->n; i++) {
         const table_block *b = &c->blocks[i];
         bool whole = b->roles == QUANTITIES && b->rows > SIDE_ROWS, best_whole = best && best->roles == QUANTITIES && best->rows > SIDE_ROWS;
-        if (!best || (whole != best_whole ? whole : b->rows > best->rows)) {
+        if (!best || (whole != best_whole ? whole : b->rows > best->rows))
             best = b;
-        }
     }
     return best;
 }
@@ -122,21 +114,17 @@ static void add_line(const table_scanner *c, size_t line, import_source *s) {
 static void add_side_table(const table_scanner *c, const table_block *b, import_source *s) {
     char *fields[IMPORT_COLUMNS];
     import_source *side = calloc(1, sizeof *side);
-    if (!side) {
+    if (!side)
         return;
-    }
     table_set_columns(c, b, side);
     size_t n = table_fields(c, b->first, fields);
-    for (size_t j = 0; j < n && j < side->n_columns; j++) {
-        if (*side->column[j]) {
+    for (size_t j = 0; j < n && j < side->n_columns; j++)
+        if (*side->column[j])
             import_add_setting(s, side->column[j], fields[j]);
-        }
-    }
     if (isalpha((unsigned char)*fields[0]) && n > 1) { /* "Size 10.0 24.0" */
         char text[IMPORT_WORD] = "";
-        for (size_t j = 1; j < n && strlen(text) + 32 < sizeof text; j++) {
+        for (size_t j = 1; j < n && strlen(text) + 32 < sizeof text; j++)
             snprintf(text + strlen(text), sizeof text - strlen(text), "%.24s ", fields[j]);
-        }
         import_add_setting(s, fields[0], text);
     }
     free(side);
@@ -146,14 +134,11 @@ static void add_side_table(const table_scanner *c, const table_block *b, import_
 static void add_all_settings(const table_scanner *c, const table_block *own, import_source *s) {
     for (size_t i = 0; i < c->n && &c->blocks[i] <= own; i++) {
         const table_block *b = &c->blocks[i];
-        for (size_t line = b->above; line < b->first; line++) {
-            if (line != b->names && line != b->units) {
+        for (size_t line = b->above; line < b->first; line++)
+            if (line != b->names && line != b->units)
                 add_line(c, line, s);
-            }
-        }
-        if (b != own && b->rows <= SIDE_ROWS) {
+        if (b != own && b->rows <= SIDE_ROWS)
             add_side_table(c, b, s);
-        }
     }
 }
 
@@ -161,9 +146,8 @@ static void add_all_settings(const table_scanner *c, const table_block *own, imp
 
 static bool same_names(const import_source *a, const import_source *b) {
     bool same = a->n_columns == b->n_columns;
-    for (size_t j = 0; same && j < a->n_columns; j++) {
+    for (size_t j = 0; same && j < a->n_columns; j++)
         same = strcmp(a->column[j], b->column[j]) == 0;
-    }
     return same;
 }
 
@@ -194,9 +178,8 @@ static bool continues(const table_scanner *c, const table_block *b, const table_
 
 static int add_source(const table_scanner *c, const table_block *b, const import_source *reference, import_format format, import_sources *all) {
     import_source *s = import_append(all, c->text, format);
-    if (!s) {
+    if (!s)
         return cli_failure(NAME, "%s: out of memory", c->text->file);
-    }
     s->dialect = c->dialect;
     s->n_columns = reference->n_columns;
     memcpy(s->column, reference->column, sizeof s->column);
@@ -214,9 +197,8 @@ static int add_sources(const table_scanner *c, import_format format, import_sour
     }
     for (size_t i = 0; code == CLI_OK && i < c->n; i++) {
         const table_block *b = &c->blocks[i];
-        if (b == whole || continues(c, b, whole, reference)) {
+        if (b == whole || continues(c, b, whole, reference))
             code = add_source(c, b, reference, format, all);
-        }
     }
     free(reference);
     return code;
@@ -226,19 +208,17 @@ int import_table_read(const import_options *o, import_text *text, import_format 
     table_scanner c = {.text = text, .begin = o->skip_lines == SIZE_MAX ? 0 : o->skip_lines};
     int code;
     c.scratch = malloc(2 * (text->longest + 1));
-    if (!c.scratch) {
+    if (!c.scratch)
         return cli_failure(NAME, "%s: out of memory", text->file);
-    }
     c.scratch2 = c.scratch + text->longest + 1;
     import_dialect_find(text, o->separator, c.scratch, &c.dialect);
-    if (!find_blocks(&c)) {
+    if (!find_blocks(&c))
         code = cli_failure(NAME, "%s: out of memory", text->file);
-    } else if (c.n == 0) {
+    else if (c.n == 0)
         code = cli_failure(NAME, "%s:%zu: no row of numbers up to the end of the file%s", text->file, text->n,
                            o->separator >= 0 ? "; is --separator right?" : "");
-    } else {
+    else
         code = add_sources(&c, format, all);
-    }
     free(c.scratch);
     free(c.blocks);
     return code;

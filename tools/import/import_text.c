@@ -13,20 +13,17 @@ static const char NAME[] = "import";
 /* How many of the first bytes at this parity are NUL: a UTF-16 text without a mark shows by them. */
 static size_t nuls(const unsigned char *text, size_t size, size_t parity) {
     size_t n = 0, most = size < 4096 ? size : 4096;
-    for (size_t i = parity; i < most; i += 2) {
+    for (size_t i = parity; i < most; i += 2)
         n += text[i] == 0;
-    }
     return n;
 }
 
 /* 0 = not UTF-16, 1 = the low byte first, 2 = the high byte first. */
 static int utf16_order(const unsigned char *text, size_t size) {
-    if (size < 2) {
+    if (size < 2)
         return 0;
-    }
-    if ((text[0] == 0xFF && text[1] == 0xFE) || (text[0] == 0xFE && text[1] == 0xFF)) {
+    if ((text[0] == 0xFF && text[1] == 0xFE) || (text[0] == 0xFE && text[1] == 0xFF))
         return text[0] == 0xFF ? 1 : 2;
-    }
     size_t half = (size < 4096 ? size : 4096) / 2, even = nuls(text, size, 0), odd = nuls(text, size, 1);
     return 2 * odd > half && even == 0 ? 1 : 2 * even > half && odd == 0 ? 2 : 0;
 }
@@ -75,11 +72,9 @@ static char *from_utf16(const unsigned char *from, size_t size, int order, size_
 /* Bytes of the UTF-8 character at text; 0 = it is none. */
 static size_t utf8_bytes(const unsigned char *text) {
     size_t n = *text < 0x80 ? 1 : (*text & 0xE0) == 0xC0 && *text >= 0xC2 ? 2 : (*text & 0xF0) == 0xE0 ? 3 : (*text & 0xF8) == 0xF0 ? 4 : 0;
-    for (size_t i = 1; i < n; i++) {
-        if ((text[i] & 0xC0) != 0x80) {
+    for (size_t i = 1; i < n; i++)
+        if ((text[i] & 0xC0) != 0x80)
             return 0;
-        }
-    }
     if ((*text == 0xE0 && text[1] < 0xA0) || (*text == 0xED && text[1] > 0x9F) || (*text == 0xF0 && text[1] < 0x90) ||
         *text > 0xF4 || (*text == 0xF4 && text[1] > 0x8F)) {
         return 0;
@@ -90,9 +85,8 @@ static size_t utf8_bytes(const unsigned char *text) {
 static bool is_utf8(const char *text) {
     for (const unsigned char *at = (const unsigned char *)text; *at;) {
         size_t n = utf8_bytes(at);
-        if (n == 0) {
+        if (n == 0)
             return false;
-        }
         at += n;
     }
     return true;
@@ -100,9 +94,8 @@ static bool is_utf8(const char *text) {
 
 static char *from_latin1(const char *from, size_t size, size_t *length) {
     char *text = malloc(2 * size + 1), *to = text;
-    for (size_t i = 0; text && i < size; i++) {
+    for (size_t i = 0; text && i < size; i++)
         to = put_code(to, (unsigned char)from[i]);
-    }
     if (text) {
         *to = '\0';
         *length = (size_t)(to - text);
@@ -120,9 +113,8 @@ static size_t simplify(char *text) {
     char *to = text;
     for (const char *at = text; *at;) {
         size_t k = 0, n_signs = sizeof signs / sizeof signs[0];
-        while (k < n_signs && strncmp(at, signs[k].is, strlen(signs[k].is)) != 0) {
+        while (k < n_signs && strncmp(at, signs[k].is, strlen(signs[k].is)) != 0)
             k++;
-        }
         if ((*at & 0x80) == 0 || k == n_signs) {
             *to++ = *at++;
             continue;
@@ -148,9 +140,8 @@ static int decode(import_text *text, size_t size) {
         simplify(text->text);
         return CLI_OK;
     }
-    if (!other) {
+    if (!other)
         return cli_failure(NAME, "%s: out of memory", text->file);
-    }
     free(text->text);
     text->text = other;
     simplify(other);
@@ -187,16 +178,14 @@ int import_text_read(const char *file, import_text *text) {
     memset(text, 0, sizeof *text);
     text->file = file;
     FILE *stream = fopen(file, "rb");
-    if (!stream) {
+    if (!stream)
         return cli_failure(NAME, "%s: %s", file, strerror(errno));
-    }
     text->text = import_read_stream(stream, &text->size);
     bool bad = ferror(stream) != 0;
     int number = errno;
     fclose(stream);
-    if (!text->text || bad) {
+    if (!text->text || bad)
         return cli_failure(NAME, "%s: %s", file, bad ? strerror(number) : "out of memory");
-    }
     text->crc32 = crc32_add(0, text->text, text->size);
     size_t size = text->size;
     int code = import_sheet_read(text, &size);

@@ -77,19 +77,14 @@ const import_unit *import_unit_find(const char *name) {
     name += strspn(name, " ");
     import_plain(name, false, plain, sizeof plain);
     size_t n = strlen(plain);
-    while (n > 0 && (plain[n - 1] == ' ' || plain[n - 1] == '.')) {
+    while (n > 0 && (plain[n - 1] == ' ' || plain[n - 1] == '.'))
         plain[--n] = '\0';
-    }
-    for (size_t i = 0; i < N_UNITS; i++) {
-        if (strcmp(units[i].name, plain) == 0) {
+    for (size_t i = 0; i < N_UNITS; i++)
+        if (strcmp(units[i].name, plain) == 0)
             return &units[i];
-        }
-    }
-    for (size_t i = 0; n > 1 && i < N_UNITS; i++) {
-        if (same_letters(units[i].name, plain)) {
+    for (size_t i = 0; n > 1 && i < N_UNITS; i++)
+        if (same_letters(units[i].name, plain))
             return &units[i];
-        }
-    }
     return NULL;
 }
 
@@ -112,11 +107,9 @@ const import_unit *import_unit_of_name(const char *name) {
             found = unit ? unit : found;
         }
     }
-    for (const char *at = name; !found && *at; at++) {
-        if (strchr(breaks, *at) && at > name && at[1 + strspn(at + 1, " ")]) {
+    for (const char *at = name; !found && *at; at++)
+        if (strchr(breaks, *at) && at > name && at[1 + strspn(at + 1, " ")])
             found = import_unit_find(at + 1);
-        }
-    }
     return found;
 }
 
@@ -172,19 +165,16 @@ static bool has_word(const char *name, const char *word) {
     size_t n = strlen(word);
     for (const char *at = strstr(name, word); at; at = strstr(at + 1, word)) {
         bool starts = at == name || !isalnum((unsigned char)at[-1]), ends = !isalnum((unsigned char)at[n]);
-        if (!whole || (starts && ends)) {
+        if (!whole || (starts && ends))
             return true;
-        }
     }
     return false;
 }
 
 static bool has_any(const char *name, size_t n, const char *const list[]) {
-    for (size_t i = 0; i < n; i++) {
-        if (has_word(name, list[i])) {
+    for (size_t i = 0; i < n; i++)
+        if (has_word(name, list[i]))
             return true;
-        }
-    }
     return false;
 }
 
@@ -201,17 +191,13 @@ int import_name_rank(const char *name, const import_unit *unit, int role) {
     char plain[IMPORT_WORD];
     int rank = unit && import_unit_fits(unit, role) && role < STRESS && unit->dimension != UNIT_RATIO ? 1 : 0;
     import_plain(name, true, plain, sizeof plain);
-    if (unit && !import_unit_fits(unit, role)) {
+    if (unit && !import_unit_fits(unit, role))
         return 0;
-    }
-    if (has_any(plain, sizeof never / sizeof *never, never) && !(role == TIME && has_word(plain, "time"))) {
+    if (has_any(plain, sizeof never / sizeof *never, never) && !(role == TIME && has_word(plain, "time")))
         return 0;
-    }
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        if (words[i].role == role && words[i].rank > rank && has_word(plain, words[i].text)) {
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        if (words[i].role == role && words[i].rank > rank && has_word(plain, words[i].text))
             rank = words[i].rank;
-        }
-    }
     return rank > 1 && has_any(plain, sizeof rather_not / sizeof *rather_not, rather_not) ? 1 : rank;
 }
 
@@ -240,10 +226,8 @@ int import_part_rank(const char *name, int part) {
     char plain[IMPORT_WORD];
     int rank = 0;
     import_plain(name, true, plain, sizeof plain);
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
-        if (parts[i].role == part && parts[i].rank > rank && has_word(plain, parts[i].text)) {
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        if (parts[i].role == part && parts[i].rank > rank && has_word(plain, parts[i].text))
             rank = parts[i].rank;
-        }
-    }
     return has_any(plain, sizeof elsewhere / sizeof *elsewhere, elsewhere) ? 0 : rank;
 }

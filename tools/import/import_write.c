@@ -19,9 +19,8 @@ static void string(palp_experiment *run, const char *key, const char *value, pal
 }
 
 static void positive(palp_experiment *run, const char *key, double value, palp_status *status) {
-    if (value > 0) {
+    if (value > 0)
         number(run, key, value, status);
-    }
 }
 
 static const char *base_name(const char *path) {
@@ -42,9 +41,8 @@ static palp_status set_specimen(const import_options *o, const import_source *s,
     positive(run, "protocol.rate_mm_s", import_setting_number(s, "Stage Velocity, mm/s"), &status);
     positive(run, "protocol.rate_mm_s", import_setting_number(s, "Speed (mm/min)") / 60, &status);
     positive(run, "protocol.ramps", import_setting_number(s, "Number of Ramp"), &status);
-    if (strcmp(s->protocol, "ramp_hold") == 0) {
+    if (strcmp(s->protocol, "ramp_hold") == 0)
         positive(run, "protocol.hold_s", import_setting_number(s, "Fixed Relaxation Time, s"), &status);
-    }
     return status;
 }
 
@@ -60,9 +58,8 @@ static palp_status set_contact(const import_source *s, palp_experiment *run) {
 
 /* Which role a quantity came from. */
 static int used_as(const import_source *s, int quantity) {
-    if (quantity == DEPTH) {
+    if (quantity == DEPTH)
         return s->used[STRAIN] != IMPORT_NONE ? STRAIN : DEPTH;
-    }
     return s->used[FORCE] != IMPORT_NONE ? FORCE : s->used[STRESS] != IMPORT_NONE ? STRESS : DEFLECTION;
 }
 
@@ -78,9 +75,8 @@ static palp_status set_source(const import_options *o, const import_source *s, p
     string(run, "import.license", o->license, &status);
     positive(run, "import.rows_bad", (double)s->bad, &status);
     positive(run, "import.rows_doubled", (double)s->doubled, &status);
-    if (isfinite(s->start_s)) {
+    if (isfinite(s->start_s))
         number(run, "session.start_s", s->start_s, &status);
-    }
     snprintf(text, sizeof text, "%s, %s, %s", s->unit[TIME]->name, s->unit[used_as(s, DEPTH)]->name,
              s->unit[used_as(s, FORCE)]->name);
     string(run, "import.units", text, &status);
@@ -97,23 +93,20 @@ static palp_status set_settings(const import_source *s, palp_experiment *run) {
         double value;
         size_t n = strlen(key);
         for (const char *c = s->setting[i][0]; *c && n + 1 < sizeof key; c++) {
-            if (isalnum((unsigned char)*c)) {
+            if (isalnum((unsigned char)*c))
                 key[n++] = *c;
-            } else if (key[n - 1] != '_' && key[n - 1] != '.') {
+            else if (key[n - 1] != '_' && key[n - 1] != '.')
                 key[n++] = '_';
-            }
         }
-        while (key[n - 1] == '_') {
+        while (key[n - 1] == '_')
             n--;
-        }
         key[n] = '\0';
         palp_status status = key[n - 1] == '.' ? PALP_OK
                              : cli_read_number(s->setting[i][1], &value)
                                  ? palp_experiment_set_number(run, key, value)
                                  : palp_experiment_set_string(run, key, s->setting[i][1]);
-        if (status && status != PALP_ERR_ARGUMENT) {
+        if (status && status != PALP_ERR_ARGUMENT)
             return status;
-        }
     }
     return PALP_OK;
 }
@@ -121,11 +114,9 @@ static palp_status set_settings(const import_source *s, palp_experiment *run) {
 /* ---- columns ---- */
 
 static bool whole(const import_source *s, size_t j) {
-    for (size_t i = 0; i < s->rows; i++) {
-        if (!isfinite(s->value[i * s->n_columns + j])) {
+    for (size_t i = 0; i < s->rows; i++)
+        if (!isfinite(s->value[i * s->n_columns + j]))
             return false;
-        }
-    }
     return true;
 }
 
@@ -134,22 +125,18 @@ static palp_status add_others(const import_source *s, palp_experiment *run) {
     for (size_t j = 0; j < s->n_columns; j++) {
         char name[IMPORT_WORD];
         size_t n = 0;
-        for (const char *c = s->column[j]; *c; c++) {
-            if (*c != ',' && *c != '#') {
+        for (const char *c = s->column[j]; *c; c++)
+            if (*c != ',' && *c != '#')
                 name[n++] = *c;
-            }
-        }
         name[n] = '\0';
         bool used = j == s->used[TIME] || j == s->used[DEPTH] || j == s->used[FORCE];
         palp_status status =
             used || !n || !whole(s, j) ? PALP_ERR_ARGUMENT : palp_experiment_add_column(run, name);
-        if (status == PALP_ERR_NO_MEMORY) {
+        if (status == PALP_ERR_NO_MEMORY)
             return status;
-        }
         double *to = status ? NULL : palp_experiment_column(run, name);
-        for (size_t i = 0; to && i < s->rows; i++) {
+        for (size_t i = 0; to && i < s->rows; i++)
             to[i] = s->value[i * s->n_columns + j];
-        }
     }
     return PALP_OK;
 }
@@ -177,9 +164,8 @@ int import_write(const import_options *o, const import_source *s) {
     palp_experiment *run = NULL;
     palp_error error = {PALP_OK, ""};
     int n = snprintf(path, sizeof path, "%s/%s.csv", o->out, s->name);
-    if (n < 0 || (size_t)n >= sizeof path) {
+    if (n < 0 || (size_t)n >= sizeof path)
         return cli_failure(NAME, "%s/%s.csv: the name is too long", o->out, s->name);
-    }
     palp_status status = palp_experiment_create(s->rows, &run);
     status = status ? status : fill(o, s, run);
     status = status ? status : palp_experiment_write(run, path, &error);

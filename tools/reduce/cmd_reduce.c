@@ -74,24 +74,20 @@ static int parse(int argc, char **argv, reduce_options *o) {
         sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, o->words, 1 + REDUCE_RUNS_MAX, &o->n_words);
     o->model = o->words[0];
-    if (code == CLI_OK && o->n_words == 0) {
+    if (code == CLI_OK && o->n_words == 0)
         return cli_usage_error(NAME, "name a NETWORK.json; see palpate reduce --help");
-    }
-    if (code == CLI_OK && !o->runs && o->n_words == 1) {
+    if (code == CLI_OK && !o->runs && o->n_words == 1)
         return cli_usage_error(NAME, "name runs to take snapshots of: --runs RUN.csv");
-    }
-    if (code == CLI_OK && o->settings.static_modes > o->settings.modes) {
+    if (code == CLI_OK && o->settings.static_modes > o->settings.modes)
         return cli_usage_error(NAME, "--static-modes are part of --modes; raise it");
-    }
     return code;
 }
 
 /* ---- the runs ---- */
 
 static int add_run(reduction *r, const char *file) {
-    if (r->n == REDUCE_RUNS_MAX) {
+    if (r->n == REDUCE_RUNS_MAX)
         return cli_usage_error(NAME, "at most %d runs", (int)REDUCE_RUNS_MAX);
-    }
     return reduce_run_read(file, r->options->samples, &r->run[r->n++]);
 }
 
@@ -100,16 +96,14 @@ static int read_runs(reduction *r) {
     int code = CLI_OK;
     char *rest = NULL;
     r->list = o->runs ? strdup(o->runs) : NULL;
-    if (o->runs && !r->list) {
+    if (o->runs && !r->list)
         return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-    }
     for (char *file = r->list ? strtok_r(r->list, ",", &rest) : NULL; file && code == CLI_OK;
          file = strtok_r(NULL, ",", &rest)) {
         code = add_run(r, file);
     }
-    for (size_t i = 1; i < o->n_words && code == CLI_OK; i++) {
+    for (size_t i = 1; i < o->n_words && code == CLI_OK; i++)
         code = add_run(r, o->words[i]);
-    }
     return code;
 }
 
@@ -118,9 +112,8 @@ static int hold_out(reduction *r) {
     const reduce_options *o = r->options;
     size_t held = (size_t)(o->hold_out * (double)r->n + 0.5);
     held = o->hold_out > 0 && held == 0 ? 1 : held;
-    if (held > 0 && held >= r->n) {
+    if (held > 0 && held >= r->n)
         return cli_usage_error(NAME, "%zu runs are too few to hold out any; add runs, or --hold-out 0", r->n);
-    }
     for (size_t i = 0; i < r->n; i++) {
         r->run[i].held_out = (i + 1) * held / r->n > i * held / r->n;
         r->tools = r->tools || r->run[i].tool;
@@ -136,14 +129,12 @@ static int check_depths(const reduction *r) {
     for (size_t i = 0; i < r->n; i++) {
         for (size_t k = 0; k < r->run[i].n; k++) {
             double depth = r->run[i].depth_m[k];
-            if (depth > 0 && r->free_top) {
+            if (depth > 0 && r->free_top)
                 return cli_failure(NAME, "%s: depth_mm is above 0, but nothing drives the top; --supports plate",
                                    r->run[i].file);
-            }
-            if (depth >= high[1] - low[1]) {
+            if (depth >= high[1] - low[1])
                 return cli_failure(NAME, "%s: depth_mm reaches %g, beyond the network's height of %g mm",
                                    r->run[i].file, 1e3 * depth, 1e3 * (high[1] - low[1]));
-            }
         }
     }
     return CLI_OK;
@@ -160,9 +151,8 @@ static palp_status make_network(const reduction *r, palp_network **net, palp_err
     settings.density_kg_m3 = r->model.density_kg_m3;
     palp_status status =
         palp_network_create(r->mesh, &r->model.material, r->free_top ? 1 : 2, supports, &settings, net, error);
-    if (!status && r->tools) {
+    if (!status && r->tools)
         status = palp_network_enable_tools(*net, 1, 0, &contact);
-    }
     return status;
 }
 
@@ -187,12 +177,10 @@ static void take_snapshots(void *work, size_t i) {
     palp_error error = {PALP_OK, ""};
     palp_tool_path path = {run->n, run->time_s, run->depth_m, run->tool ? 1 : 0, run->tool};
     palp_status status = make_network(r, &net, &error);
-    if (!status && r->model.material.formulation == PALP_HISTORY) {
+    if (!status && r->model.material.formulation == PALP_HISTORY)
         status = palp_realtime_create(net, &settings, &realtime);
-    }
-    if (!status) {
+    if (!status)
         status = palp_snapshots_record(net, realtime, &path, sample_done, r, &run->snapshots, &error);
-    }
     palp_realtime_free(realtime);
     palp_network_free(net);
     pthread_mutex_lock(&r->lock);
@@ -224,23 +212,18 @@ static int reduce(reduction *r) {
     size_t n[2] = {0, 0};
     palp_network *net = NULL;
     palp_error error = {PALP_OK, ""};
-    for (size_t i = 0; i < r->n; i++) {
+    for (size_t i = 0; i < r->n; i++)
         list[r->run[i].held_out][n[r->run[i].held_out]++] = r->run[i].snapshots;
-    }
     palp_status status = make_network(r, &net, &error);
-    if (!status) {
+    if (!status)
         status = palp_reduced_create(net, n[0], list[0], n[1], list[1], &r->options->settings, &r->reduced, held,
                                      &error);
-    }
     palp_network_free(net);
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
-    for (size_t i = 0, k = 0; i < r->n; i++) {
-        if (r->run[i].held_out) {
+    for (size_t i = 0, k = 0; i < r->n; i++)
+        if (r->run[i].held_out)
             r->run[i].error = held[k++];
-        }
-    }
     return CLI_OK;
 }
 
@@ -250,11 +233,10 @@ static json_t *error_json(const reduction *r) {
     json_t *list = json_array();
     for (size_t i = 0; i < r->n; i++) {
         const reduce_run *run = &r->run[i];
-        if (run->held_out) {
+        if (run->held_out)
             json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f}", "run", run->file, "worst_N",
                                                   run->error.worst_N, "rms_N", run->error.rms_N, "peak_N",
                                                   run->error.peak_N));
-        }
     }
     return list;
 }
@@ -278,14 +260,12 @@ static void print_text(const reduction *r) {
            s.network_elements, s.snapshot_paths);
     for (size_t i = 0; i < r->n; i++) {
         const reduce_run *run = &r->run[i];
-        if (run->held_out) {
+        if (run->held_out)
             printf("held out: %s: largest error %.3g N, rms %.3g N, of a peak force of %.4g N\n", run->file,
                    run->error.worst_N, run->error.rms_N, run->error.peak_N);
-        }
     }
-    if (s.held_out_paths > 0) {
+    if (s.held_out_paths > 0)
         printf("error bound on paths like these: %.2g %% of the largest force\n", 100 * s.bound);
-    }
 }
 
 static int answer(const reduction *r) {
@@ -293,17 +273,14 @@ static int answer(const reduction *r) {
     palp_error error = {PALP_OK, ""};
     palp_reduced_summary s = palp_reduced_describe(r->reduced);
     palp_status status = o->out ? palp_reduced_write(r->reduced, &r->model, o->out, &error) : PALP_OK;
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
-    if (s.held_out_paths > 0 && s.held_out_worst > POOR) {
+    if (s.held_out_paths > 0 && s.held_out_worst > POOR)
         cli_warning(NAME,
                     "the error on the runs held out is %.2g %%; add runs near them, or raise --modes or --elements",
                     100 * s.held_out_worst);
-    }
-    if (o->json) {
+    if (o->json)
         return print_json(r);
-    }
     print_text(r);
     return CLI_OK;
 }
@@ -313,12 +290,10 @@ static int run(const reduce_options *o, reduction *r) {
     r->options = o;
     int code = open_model_of(NAME, o->model, PALP_MODEL_NETWORK,
                              "a lumped model is as small as can be; give a network", &r->model, &r->source);
-    if (code) {
+    if (code)
         return code;
-    }
-    if (r->model.n_effects > 0) {
+    if (r->model.n_effects > 0)
         return cli_failure(NAME, "%s: a model with effects cannot be reduced", o->model);
-    }
     code = read_runs(r);
     code = code ? code : hold_out(r);
     if (code == CLI_OK) {
@@ -333,19 +308,16 @@ static int run(const reduce_options *o, reduction *r) {
 int cmd_reduce(int argc, char **argv) {
     reduce_options o = {.hold_out = 0.25, .samples = 100, .jobs = 1, .settings = palp_reduce_settings_default()};
     int code = parse(argc, argv, &o);
-    if (code) {
+    if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    }
     o.jobs = blas_jobs(NAME, o.jobs);
     reduction *r = calloc(1, sizeof *r);
-    if (!r) {
+    if (!r)
         return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-    }
     pthread_mutex_init(&r->lock, NULL);
     code = run(&o, r);
-    for (size_t i = 0; i < r->n; i++) {
+    for (size_t i = 0; i < r->n; i++)
         reduce_run_free(&r->run[i]);
-    }
     pthread_mutex_destroy(&r->lock);
     palp_reduced_free(r->reduced);
     palp_mesh_free(r->mesh);

@@ -24,19 +24,15 @@ static int tool_read(const char *file, const palp_experiment *from, palp_tool *t
         column[k] = palp_experiment_column(from, COLUMN[k]);
         there += column[k] != NULL;
     }
-    if (there == 0) {
+    if (there == 0)
         return CLI_OK;
-    }
-    if (there < 3) {
+    if (there < 3)
         return cli_failure(NAME, "%s: a tool needs the columns tool_x_mm, tool_y_mm and tool_z_mm", file);
-    }
-    if (palp_experiment_get_number(from, "tool.radius_mm", &radius_mm) || !(radius_mm > 0)) {
+    if (palp_experiment_get_number(from, "tool.radius_mm", &radius_mm) || !(radius_mm > 0))
         return cli_failure(NAME, "%s: a tool needs the key tool.radius_mm, a number above 0", file);
-    }
     *tool = (palp_tool){.shape = PALP_TOOL_SPHERE, .radius_m = 1e-3 * radius_mm};
-    if (palp_experiment_get_number(from, "tool.friction", &tool->friction)) {
+    if (palp_experiment_get_number(from, "tool.friction", &tool->friction))
         tool->friction = 0;
-    }
     return tool->friction >= 0 ? CLI_OK : cli_failure(NAME, "%s: tool.friction must not be negative", file);
 }
 
@@ -48,18 +44,16 @@ static int fill(const palp_experiment *from, size_t samples, const palp_tool *to
     run->time_s = malloc(n * sizeof *run->time_s);
     run->depth_m = malloc(n * sizeof *run->depth_m);
     run->tool = column[0] ? malloc(n * sizeof *run->tool) : NULL;
-    if (!run->time_s || !run->depth_m || (column[0] && !run->tool)) {
+    if (!run->time_s || !run->depth_m || (column[0] && !run->tool))
         return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-    }
     for (size_t i = 0; i < n; i++) {
         size_t row = n > 1 ? i * (rows - 1) / (n - 1) : 0;
         run->time_s[i] = time_s[row] - time_s[0];
         run->depth_m[i] = 1e-3 * fmax(depth_mm[row], 0);
         if (run->tool) {
             run->tool[i] = *tool;
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; k++)
                 run->tool[i].position_m[k] = 1e-3 * column[k][row];
-            }
         }
     }
     return CLI_OK;
@@ -71,14 +65,12 @@ int reduce_run_read(const char *file, size_t samples, reduce_run *run) {
     const double *column[3];
     run->file = file;
     int code = open_run(NAME, file, &from);
-    if (code) {
+    if (code)
         return code;
-    }
     code = palp_experiment_rows(from) < 2 ? cli_failure(NAME, "%s: needs at least two samples to follow", file)
                                           : tool_read(file, from, &tool, column);
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = fill(from, samples, &tool, column, run);
-    }
     palp_experiment_free(from);
     return code;
 }

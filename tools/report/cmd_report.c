@@ -39,23 +39,19 @@ static int parse(int argc, char **argv, report_options *o) {
 
 static bool lumped(const report *r, bool network) {
     const report_file *f;
-    for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++) {
-        if ((f->model.kind == PALP_MODEL_NETWORK) == network) {
+    for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++)
+        if ((f->model.kind == PALP_MODEL_NETWORK) == network)
             return true;
-        }
-    }
     return false;
 }
 
 static int make(const report_options *o, report *r) {
     int code = CLI_OK;
-    for (size_t i = 0; i < o->n_words && code == CLI_OK; i++) {
+    for (size_t i = 0; i < o->n_words && code == CLI_OK; i++)
         code = report_add(r, o->words[i], true);
-    }
-    if (code == CLI_OK && report_count(r, REPORT_OTHER) == r->n) {
+    if (code == CLI_OK && report_count(r, REPORT_OTHER) == r->n)
         code = cli_failure(NAME, "%s: holds nothing that palpate writes: no run, model, result or figure",
                            o->words[0]);
-    }
     code = code ? code : report_pairs(r);
     code = code ? code : report_figures(r);
     bool results = report_count(r, REPORT_CHARACTERIZE) > 0, model = lumped(r, false);

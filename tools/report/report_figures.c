@@ -16,26 +16,23 @@ static const report_file *partner(const report *r, const report_file *simulation
     bool named = palp_experiment_get_string(simulation->experiment, "protocol.like", &like) == PALP_OK;
     for (size_t i = 0; i < r->n; i++) {
         const report_file *f = &r->file[i];
-        if (f->kind != REPORT_RECORDING || f->recording.n == 0) {
+        if (f->kind != REPORT_RECORDING || f->recording.n == 0)
             continue;
-        }
         bool same = named ? strcmp(cli_base(f->path), cli_base(like)) == 0
                           : f->recording.kind == s->kind && s->kind != PALP_RECORDING_OTHER &&
                                 fabs(f->recording.deepest_m - s->deepest_m) < 0.01 * s->deepest_m &&
                                 fabs(f->recording.ramp_end_s - f->recording.ramp_start_s - s->ramp_end_s +
                                      s->ramp_start_s) < 0.1 * (s->ramp_end_s - s->ramp_start_s);
-        if (same) {
+        if (same)
             return f;
-        }
     }
     return NULL;
 }
 
 /* Force of s at time t, linear between samples; *at remembers where the last one was. */
 static double force_at(const palp_recording *s, double t, size_t *at) {
-    while (*at + 2 < s->n && s->time_s[*at + 1] < t) {
+    while (*at + 2 < s->n && s->time_s[*at + 1] < t)
         ++*at;
-    }
     double part = (t - s->time_s[*at]) / (s->time_s[*at + 1] - s->time_s[*at]);
     return s->force_N[*at] + fmin(fmax(part, 0), 1) * (s->force_N[*at + 1] - s->force_N[*at]);
 }
@@ -53,9 +50,8 @@ static bool compare(report_pair *p) {
     for (size_t i = 0; p->force_N && i < r->n; i++) {
         double t = r->time_s[i] + shift, clean = smooth ? smooth[i] : r->force_N[i];
         p->force_N[i] = NAN;
-        if (t < s->time_s[0] - 1e-9 || t > s->time_s[s->n - 1] + 1e-9) {
+        if (t < s->time_s[0] - 1e-9 || t > s->time_s[s->n - 1] + 1e-9)
             continue;
-        }
         p->force_N[i] = force_at(s, t, &at);
         if (r->use[i]) {
             square += (p->force_N[i] - r->force_N[i]) * (p->force_N[i] - r->force_N[i]);
@@ -73,16 +69,14 @@ static bool compare(report_pair *p) {
 int report_pairs(report *r) {
     for (size_t i = 0; i < r->n && r->n_pairs < REPORT_CURVES_MAX; i++) {
         const report_file *f = &r->file[i];
-        if (f->kind != REPORT_SIMULATION || f->recording.n == 0) {
+        if (f->kind != REPORT_SIMULATION || f->recording.n == 0)
             continue;
-        }
         report_pair *p = &r->pair[r->n_pairs];
         *p = (report_pair){.simulation = f, .recording = partner(r, f)};
         if (p->recording) {
             r->n_pairs++;
-            if (!compare(p)) {
+            if (!compare(p))
                 return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-            }
         }
     }
     return CLI_OK;
@@ -100,9 +94,8 @@ static size_t collect(const report *r, bool is_static, run_curve *curve) {
             continue;
         }
         size_t at = n++;
-        for (; !is_static && at > 0 && curve[at - 1].recording->deepest_m > own->deepest_m; at--) {
+        for (; !is_static && at > 0 && curve[at - 1].recording->deepest_m > own->deepest_m; at--)
             curve[at] = curve[at - 1];
-        }
         curve[at] = (run_curve){own, NULL, NULL};
     }
     return n;
@@ -122,9 +115,8 @@ static double *lumped_force(const palp_model *m, const palp_recording *r) {
 static const palp_model *lumped_model(const report *r) {
     for (size_t i = 0;; i++) {
         const report_file *f = report_find(r, REPORT_MODEL, i);
-        if (!f || f->model.kind == PALP_MODEL_LUMPED) {
+        if (!f || f->model.kind == PALP_MODEL_LUMPED)
             return f ? &f->model : NULL;
-        }
     }
 }
 
@@ -152,9 +144,8 @@ static void draw_timed(report *r, plot_book *book) {
     run_curve curve[REPORT_CURVES_MAX];
     size_t n = collect(r, false, curve);
     bool raw = !has(r, "recordings_log"), fit = !has(r, "fit_log") && lumped_model(r);
-    if (n == 0 || (!raw && !fit)) {
+    if (n == 0 || (!raw && !fit))
         return;
-    }
     fill(r, n, curve, raw, fit);
     if (raw) {
         const char *title = "Recordings: raw (light) and filtered";
@@ -175,16 +166,13 @@ static void draw_static(report *r, plot_book *book) {
     run_curve curve[REPORT_CURVES_MAX];
     size_t n = collect(r, true, curve);
     bool raw = !has(r, "recordings_static"), fit = !has(r, "fit_static") && lumped_model(r);
-    if (n == 0 || (!raw && !fit)) {
+    if (n == 0 || (!raw && !fit))
         return;
-    }
     fill(r, n, curve, raw, fit);
-    if (raw) {
+    if (raw)
         plot_runs_depth(book, "recordings_static", "Static press: raw (light) and filtered", n, curve, false);
-    }
-    if (fit) {
+    if (fit)
         plot_runs_depth(book, "fit_static", "Static press (light) and the lumped model", n, curve, true);
-    }
     release(n, curve);
 }
 
@@ -194,9 +182,8 @@ static void draw_pairs(report *r, plot_book *book) {
         size_t n = 0;
         for (size_t i = 0; i < r->n_pairs; i++) {
             const palp_recording *own = &r->pair[i].recording->recording;
-            if ((own->kind == PALP_RECORDING_STATIC) == (is_static == 1)) {
+            if ((own->kind == PALP_RECORDING_STATIC) == (is_static == 1))
                 curve[n++] = (run_curve){own, NULL, r->pair[i].force_N};
-            }
         }
         if (n > 0 && is_static) {
             plot_runs_depth(book, "simulated_static", "Static press: recorded (light) and simulated", n,
@@ -212,14 +199,11 @@ static void draw_pairs(report *r, plot_book *book) {
 static void draw_law(report *r, plot_book *book) {
     const palp_model *m = lumped_model(r);
     double top = 0;
-    if (!m || has(r, "stiffness_law")) {
+    if (!m || has(r, "stiffness_law"))
         return;
-    }
-    for (size_t i = 0; i < r->n; i++) {
-        if (r->file[i].recording.n > 0) {
+    for (size_t i = 0; i < r->n; i++)
+        if (r->file[i].recording.n > 0)
             top = fmax(top, r->file[i].recording.deepest_m / r->file[i].recording.height_m);
-        }
-    }
     const law_line line = {NULL, m->material.law, false};
     plot_runs_stiffness(book, "stiffness_law", "Stiffness law K(e) of the lumped model", top > 0 ? top : 0.4,
                         1, &line, NULL, NULL);

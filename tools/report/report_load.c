@@ -18,19 +18,16 @@ static bool ends(const char *path, const char *ending) {
 }
 
 const report_file *report_find(const report *r, report_kind kind, size_t which) {
-    for (size_t i = 0; i < r->n; i++) {
-        if (r->file[i].kind == kind && which-- == 0) {
+    for (size_t i = 0; i < r->n; i++)
+        if (r->file[i].kind == kind && which-- == 0)
             return &r->file[i];
-        }
-    }
     return NULL;
 }
 
 size_t report_count(const report *r, report_kind kind) {
     size_t count = 0;
-    for (size_t i = 0; i < r->n; i++) {
+    for (size_t i = 0; i < r->n; i++)
         count += r->file[i].kind == kind;
-    }
     return count;
 }
 
@@ -53,9 +50,8 @@ void report_place(FILE *to, report_file *f, const char *caption) {
 
 void report_figure(FILE *to, report *r, const char *name, const char *caption) {
     report_file *f = report_find_figure(r, name);
-    if (f) {
+    if (f)
         report_place(to, f, caption);
-    }
 }
 
 static bool checksum(report_file *file) {
@@ -63,13 +59,11 @@ static bool checksum(report_file *file) {
     unsigned char *chunk = malloc(CHUNK);
     FILE *from = chunk ? fopen(file->source, "rb") : NULL;
     file->crc = 0;
-    for (size_t n; from && (n = fread(chunk, 1, CHUNK, from)) > 0;) {
+    for (size_t n; from && (n = fread(chunk, 1, CHUNK, from)) > 0;)
         file->crc = crc32_add(file->crc, chunk, n);
-    }
     bool good = from && !ferror(from);
-    if (from) {
+    if (from)
         fclose(from);
-    }
     free(chunk);
     return good;
 }
@@ -89,9 +83,8 @@ static void load_run(report_file *file) {
     bool simulated = palp_experiment_get_string(file->experiment, "model.file", &text) == PALP_OK &&
                      palp_experiment_get_number(file->experiment, "sensor.noise_N", &number) != PALP_OK;
     file->kind = simulated ? REPORT_SIMULATION : REPORT_RECORDING;
-    if (open_no_specimen(file->experiment)) {
+    if (open_no_specimen(file->experiment))
         return; /* nothing to prepare: the air, or the frame */
-    }
     if (palp_recording_prepare(file->experiment, file->path, &settings, &file->recording, &error)) {
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
         memset(&file->recording, 0, sizeof file->recording);
@@ -110,20 +103,18 @@ static void load_json(report_file *file) {
     } else if (json_is_integer(json_object_get(about, "explain"))) {
         file->kind = REPORT_EXPLAIN;
     } else if (json_is_integer(json_object_get(about, "model"))) {
-        if (palp_model_read(file->source, &file->model, &file->mesh, &error) == PALP_OK) {
+        if (palp_model_read(file->source, &file->model, &file->mesh, &error) == PALP_OK)
             file->kind = REPORT_MODEL;
-        }
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
     } else if (all) {
         snprintf(file->note, sizeof file->note, "no JSON that palpate writes");
     } else {
         snprintf(file->note, sizeof file->note, "line %d: %s", where.line, where.text);
     }
-    if (file->kind == REPORT_CHARACTERIZE || file->kind == REPORT_CALIBRATE || file->kind == REPORT_EXPLAIN) {
+    if (file->kind == REPORT_CHARACTERIZE || file->kind == REPORT_CALIBRATE || file->kind == REPORT_EXPLAIN)
         file->json = all;
-    } else {
+    else
         json_decref(all);
-    }
 }
 
 /* The text from "<svg" on. */
@@ -152,22 +143,18 @@ static int choose_source(report_file *file, struct stat *entry) {
     size_t size;
     palp_error error;
     file->source = file->path;
-    if (stat(file->path, entry) != 0) {
+    if (stat(file->path, entry) != 0)
         return cli_failure(NAME, "%s: %s", file->path, strerror(errno));
-    }
-    if (S_ISREG(entry->st_mode) && strncmp(file->path, "/dev/", 5) != 0) {
+    if (S_ISREG(entry->st_mode) && strncmp(file->path, "/dev/", 5) != 0)
         return CLI_OK;
-    }
     palp_status status = palp_file_read(file->path, &text, &size, &error);
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
     file->copy = tmpfile();
     bool copied = file->copy && fwrite(text, 1, size, file->copy) == size && fflush(file->copy) == 0;
     free(text);
-    if (!copied || fstat(fileno(file->copy), entry) != 0) {
+    if (!copied || fstat(fileno(file->copy), entry) != 0)
         return cli_failure(NAME, "%s: cannot be copied: %s", file->path, strerror(errno));
-    }
     snprintf(file->copied, sizeof file->copied, "/dev/fd/%d", fileno(file->copy));
     file->source = file->copied;
     return CLI_OK;
@@ -188,15 +175,14 @@ static const char *ending_of(const report_file *file) {
 
 static void load(report_file *file) {
     const char *ending = ending_of(file);
-    if (strcmp(ending, ".csv") == 0) {
+    if (strcmp(ending, ".csv") == 0)
         load_run(file);
-    } else if (strcmp(ending, ".json") == 0) {
+    else if (strcmp(ending, ".json") == 0)
         load_json(file);
-    } else if (strcmp(ending, ".svg") == 0) {
+    else if (strcmp(ending, ".svg") == 0)
         load_svg(file);
-    } else {
+    else
         snprintf(file->note, sizeof file->note, "neither .csv, .json nor .svg");
-    }
 }
 
 /* Says what is wrong with a file; an exit code. */
@@ -204,35 +190,29 @@ static int say_note(const report_file *file, bool must_read) {
     size_t n = strlen(file->source);
     const char *note = strncmp(file->note, file->source, n) == 0 ? file->note + n : file->note;
     const char *between = note > file->note ? "" : ": ";
-    if (note[0] && must_read && file->kind == REPORT_OTHER) {
+    if (note[0] && must_read && file->kind == REPORT_OTHER)
         return cli_failure(NAME, "%s%s%s", file->path, between, note);
-    }
-    if (note[0]) {
+    if (note[0])
         cli_warning(NAME, "%s%s%s", file->path, between, note);
-    }
     return CLI_OK;
 }
 
 static int add_file(report *r, const char *path, bool must_read) {
     struct stat entry;
-    if (r->n == REPORT_FILES_MAX) {
+    if (r->n == REPORT_FILES_MAX)
         return cli_failure(NAME, "more than %d files", REPORT_FILES_MAX);
-    }
     report_file *file = &r->file[r->n];
     memset(file, 0, sizeof *file);
     file->path = malloc(strlen(path) + 1);
-    if (!file->path) {
+    if (!file->path)
         return cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-    }
     strcpy(file->path, path);
     r->n++;
     int code = choose_source(file, &entry);
-    if (code == CLI_OK && !checksum(file)) {
+    if (code == CLI_OK && !checksum(file))
         code = cli_failure(NAME, "%s: %s", path, strerror(errno));
-    }
-    if (code) {
+    if (code)
         return code;
-    }
     file->size = (long long)entry.st_size;
     file->modified = entry.st_mtime;
     load(file);
@@ -250,14 +230,12 @@ static int add_folder(report *r, const char *folder) {
     struct dirent **entry = NULL;
     char path[CLI_PATH_MAX];
     int n = scandir(folder, &entry, wanted, alphasort), code = CLI_OK;
-    if (n < 0) {
+    if (n < 0)
         return cli_failure(NAME, "%s: %s", folder, strerror(errno));
-    }
     for (int i = 0; i < n; i++) {
         int length = snprintf(path, sizeof path, "%s/%s", folder, entry[i]->d_name);
-        if (code == CLI_OK && length > 0 && (size_t)length < sizeof path) {
+        if (code == CLI_OK && length > 0 && (size_t)length < sizeof path)
             code = add_file(r, path, false);
-        }
         free(entry[i]);
     }
     free(entry);
@@ -266,25 +244,22 @@ static int add_folder(report *r, const char *folder) {
 
 int report_add(report *r, const char *path, bool must_read) {
     struct stat entry;
-    if (stat(path, &entry) == 0 && S_ISDIR(entry.st_mode)) {
+    if (stat(path, &entry) == 0 && S_ISDIR(entry.st_mode))
         return add_folder(r, path);
-    }
     return add_file(r, path, must_read);
 }
 
 void report_free(report *r) {
-    for (size_t i = 0; i < r->n_pairs; i++) {
+    for (size_t i = 0; i < r->n_pairs; i++)
         free(r->pair[i].force_N);
-    }
     for (size_t i = 0; i < r->n; i++) {
         report_file *file = &r->file[i];
         palp_experiment_free(file->experiment);
         palp_recording_free(&file->recording);
         json_decref(file->json);
         free(file->svg);
-        if (file->copy) {
+        if (file->copy)
             fclose(file->copy);
-        }
         free(file->path);
     }
     free(r->file);

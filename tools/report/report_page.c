@@ -11,11 +11,9 @@ static const char NAME[] = "report";
 
 static double strain_top(const report *r) {
     double top = 0;
-    for (size_t i = 0; i < r->n; i++) {
-        if (r->file[i].kind == REPORT_RECORDING && r->file[i].recording.n > 0) {
+    for (size_t i = 0; i < r->n; i++)
+        if (r->file[i].kind == REPORT_RECORDING && r->file[i].recording.n > 0)
             top = fmax(top, r->file[i].recording.deepest_m / r->file[i].recording.height_m);
-        }
-    }
     return top;
 }
 
@@ -29,20 +27,18 @@ static void card_specimen(FILE *to, const report *r) {
             radius = fmax(radius, own);
         }
     }
-    if (height > 0 && radius > 0) {
+    if (height > 0 && radius > 0)
         html_card(to, "Specimen", "%.4g mm high, %.4g mm across", 1e3 * height, 2e3 * radius);
-    } else if (height > 0) {
+    else if (height > 0)
         html_card(to, "Specimen", "%.4g mm high", 1e3 * height);
-    }
 }
 
 static void card_recordings(FILE *to, const report *r) {
     size_t n = report_count(r, REPORT_RECORDING), n_static = 0;
     double top = strain_top(r);
-    for (size_t i = 0; i < r->n; i++) {
+    for (size_t i = 0; i < r->n; i++)
         n_static += r->file[i].kind == REPORT_RECORDING &&
                     r->file[i].recording.kind == PALP_RECORDING_STATIC && r->file[i].recording.n > 0;
-    }
     if (n > 0) {
         html_card(to, "Recordings", n_static ? "%zu, %zu of them static" : "%zu", n, n_static);
         html_card(to, "Deepest", "%.3g %% strain", 100 * top);
@@ -51,9 +47,8 @@ static void card_recordings(FILE *to, const report *r) {
 
 static void cards_characterize(FILE *to, const report *r) {
     const report_file *f = report_find(r, REPORT_CHARACTERIZE, 0);
-    if (!f) {
+    if (!f)
         return;
-    }
     const json_t *arms = json_object_get(f->json, "arms"), *runs = json_object_get(f->json, "runs"), *arm,
                  *run;
     size_t i;
@@ -73,16 +68,14 @@ static void cards_characterize(FILE *to, const report *r) {
             high = fmax(high, json_number_value(ratio));
         }
     }
-    if (high > 0) {
+    if (high > 0)
         html_card(to, "Residual, times the noise of a sample", low < high ? "%.3g to %.3g" : "%.3g", low,
                   high);
-    }
     const json_t *before = json_object_get(f->json, "gap_before_percent"),
                  *after = json_object_get(f->json, "gap_after_percent");
-    if (json_is_number(before) && json_is_number(after)) {
+    if (json_is_number(before) && json_is_number(after))
         html_card(to, "Static against ramp and hold, before and after the joint fit", "%+.2f %% and %+.2f %%",
                   json_number_value(before), json_number_value(after));
-    }
 }
 
 static void card_model(FILE *to, const report *r) {
@@ -109,21 +102,18 @@ static void card_explain(FILE *to, const report *r) {
         size_t n = i ? strlen(text) : 0;
         snprintf(text + n, sizeof text - n, "%s%s", i ? ", " : "", page_effect(json_text_at(effect, "id")));
     }
-    if (f) {
+    if (f)
         html_card(to, "Missing in the lumped model", "%s", text);
-    }
 }
 
 static void card_calibrate(FILE *to, const report *r) {
     const report_file *f = report_find(r, REPORT_CALIBRATE, 0);
     const json_t *depths = f ? json_object_get(f->json, "depths") : NULL, *depth;
     double worst = 0;
-    for (size_t i = 0; (depth = json_array_get(depths, i)) != NULL; i++) {
+    for (size_t i = 0; (depth = json_array_get(depths, i)) != NULL; i++)
         worst = fmax(worst, json_number_value(json_object_get(depth, "max_error_percent")));
-    }
-    if (worst > 0) {
+    if (worst > 0)
         html_card(to, "Network against its target, largest error", "%.2g %% of the peak", worst);
-    }
 }
 
 static void summary(FILE *to, const report *r) {
@@ -135,12 +125,10 @@ static void summary(FILE *to, const report *r) {
     cards_characterize(to, r);
     card_explain(to, r);
     card_calibrate(to, r);
-    for (size_t i = 0; i < r->n_pairs; i++) {
+    for (size_t i = 0; i < r->n_pairs; i++)
         worst = fmax(worst, r->pair[i].worst_percent);
-    }
-    if (r->n_pairs > 0) {
+    if (r->n_pairs > 0)
         html_card(to, "Simulation against recording, largest error", "%.2g %% of the peak", worst);
-    }
     fputs("</div>\n", to);
 }
 
@@ -154,31 +142,23 @@ static void finding(char *text, size_t size, const char *format, double a, doubl
 
 static void findings(const palp_recording *r, char *text, size_t size) {
     text[0] = '\0';
-    if (r->n_missing > 0) {
+    if (r->n_missing > 0)
         finding(text, size, "%.0f samples missing (%.2g %%)", (double)r->n_missing,
                 100.0 * (double)r->n_missing / (double)(r->n + r->n_missing));
-    }
-    if (r->n_gaps > 0) {
+    if (r->n_gaps > 0)
         finding(text, size, "%.0f gap(s), up to %.3g s", (double)r->n_gaps, r->longest_gap_s);
-    }
-    if (r->n_spikes > 0) {
+    if (r->n_spikes > 0)
         finding(text, size, "%.0f spike(s)", (double)r->n_spikes, 0);
-    }
-    if (r->n_clipped > 0) {
+    if (r->n_clipped > 0)
         finding(text, size, "%.0f clipped samples", (double)r->n_clipped, 0);
-    }
-    if (r->hum_N > 0) {
+    if (r->hum_N > 0)
         finding(text, size, "hum %.2g mN at %.3g Hz", 1e3 * r->hum_N, r->hum_Hz);
-    }
-    if (r->uneven) {
+    if (r->uneven)
         finding(text, size, "uneven sampling", 0, 0);
-    }
-    if (r->faulted) {
+    if (r->faulted)
         finding(text, size, "ended by a fault", 0, 0);
-    }
-    if (!text[0]) {
+    if (!text[0])
         snprintf(text, size, "none");
-    }
 }
 
 static void measured_row(FILE *to, const report_file *f) {
@@ -208,12 +188,11 @@ static void warnings(FILE *to, const report *r) {
             fputs("</li>\n", to);
         }
     }
-    if (count > 0) {
+    if (count > 0)
         fputs("</ul>\n<p>c0, c1, c2 are the coefficients of a polynomial stiffness law K(e) = c0 + c1 e + c2 e<sup>2</sup> of the strain e; K_1, b_1 "
               "and tau_1 the spring, the dashpot and the relaxation time of the first arm; K_inf [1] the stiffness at the depth of "
               "the first hold.</p></div>\n",
               to);
-    }
 }
 
 static void measured(FILE *to, const report *r) {
@@ -226,11 +205,9 @@ static void measured(FILE *to, const report *r) {
     html_table(to, NULL,
                "file|~protocol|depth (mm)|ramp (s)|length (s)|samples|rate (Hz)|contact (mm)|~found by|zero "
                "(mN)|noise (mN)|~findings");
-    for (size_t i = 0; i < r->n; i++) {
-        if (r->file[i].kind == REPORT_RECORDING) {
+    for (size_t i = 0; i < r->n; i++)
+        if (r->file[i].kind == REPORT_RECORDING)
             measured_row(to, &r->file[i]);
-        }
-    }
     html_table_end(to);
     fputs("<p class=\"about\">Contact is the recorded depth at which the force begins, with its 95&nbsp;% "
           "interval; zero "
@@ -239,9 +216,8 @@ static void measured(FILE *to, const report *r) {
 }
 
 static void curves(FILE *to, report *r) {
-    if (report_count(r, REPORT_RECORDING) == 0) {
+    if (report_count(r, REPORT_RECORDING) == 0)
         return;
-    }
     html_section(to, "curves", "Recorded curves");
     fputs("<div class=\"figures\">\n", to);
     report_figure(to, r, "recordings_linear", "Force over time.");
@@ -260,9 +236,8 @@ static void curves(FILE *to, report *r) {
 
 static void explanations(FILE *to, report *r) {
     const report_file *f;
-    if (report_count(r, REPORT_EXPLAIN) == 0) {
+    if (report_count(r, REPORT_EXPLAIN) == 0)
         return;
-    }
     html_section(to, "explain", "What the model misses");
     for (size_t i = 0; (f = report_find(r, REPORT_EXPLAIN, i)) != NULL; i++) {
         page_found(to, f->json);
@@ -323,12 +298,10 @@ static void provenance(FILE *to, const report *r) {
     for (size_t i = 0; i < r->n; i++) {
         const report_file *f = &r->file[i];
         struct tm when;
-        if (f->drawn) {
+        if (f->drawn)
             continue;
-        }
-        if (!gmtime_r(&f->modified, &when) || strftime(date, sizeof date, "%Y-%m-%d %H:%M:%S", &when) == 0) {
+        if (!gmtime_r(&f->modified, &when) || strftime(date, sizeof date, "%Y-%m-%d %H:%M:%S", &when) == 0)
             strcpy(date, "-");
-        }
         html_row(to, "%s|~%s|%lld|%08lx|~%s|~%s", cli_base(f->path), kind_name(f->kind), f->size,
                  (unsigned long)f->crc, date, f->note);
     }
@@ -352,20 +325,17 @@ static void contents(FILE *to, const report *r) {
                  {r->n_pairs > 0, "simulation", "Simulation against recordings"},
                  {true, "provenance", "Provenance"}};
     fputs("<nav>", to);
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
-        if (parts[i].there) {
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        if (parts[i].there)
             fprintf(to, "<a href=\"#%s\">%s</a>", parts[i].id, parts[i].title);
-        }
-    }
     fputs("</nav>\n", to);
 }
 
 int report_page(report *r, const char *path) {
     palp_file file;
     int code = cli_file_open(NAME, path, &file);
-    if (code) {
+    if (code)
         return code;
-    }
     FILE *to = file.stream;
     html_open(to, r->title);
     fputs(

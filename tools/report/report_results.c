@@ -13,25 +13,22 @@ static const char *base_of(const json_t *object) {
 
 static void table_spread(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "spread"), *at;
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return;
-    }
     html_table(to, "Spread of the static presses", "strain|mean force (N)|sd (%)|lowest (N)|highest (N)");
-    for (size_t i = 0; (at = json_array_get(list, i)) != NULL; i++) {
+    for (size_t i = 0; (at = json_array_get(list, i)) != NULL; i++)
         html_row(to, "%.3f|%#.4g|%.2f|%#.4g|%#.4g", json_number_at(at, "strain"), json_number_at(at, "mean_N"),
                  100 * json_number_at(at, "sd_N") / json_number_at(at, "mean_N"), json_number_at(at, "low_N"), json_number_at(at, "high_N"));
-    }
     html_table_end(to);
 }
 
 static void table_runs(FILE *to, const json_t *all) {
     const json_t *runs = json_object_get(all, "runs"), *run;
     html_table(to, "Residuals of the model", "recording|rms (mN)|rms over noise|largest (% of peak)|sum (N)");
-    for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++) {
+    for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++)
         html_row(to, "%s|%#.4g|%#.3g|%.2f|%#.5g", base_of(run), 1e3 * json_number_at(run, "rms_N"),
                  json_number_at(run, "rms_noise"), json_number_at(run, "largest_residual_percent"),
                  json_number_at(run, "absolute_N"));
-    }
     html_table_end(to);
 }
 
@@ -40,9 +37,8 @@ static void coefficients(const json_t *list, char *line, size_t size) {
     const json_t *value;
     size_t n = 0;
     line[0] = '\0';
-    for (size_t i = 0; (value = json_array_get(list, i)) != NULL && n < size; i++) {
+    for (size_t i = 0; (value = json_array_get(list, i)) != NULL && n < size; i++)
         n += (size_t)snprintf(line + n, size - n, "%s%.5g", i ? ", " : "", json_number_value(value));
-    }
 }
 
 static void table_static(FILE *to, const json_t *all) {
@@ -63,9 +59,8 @@ static void table_static(FILE *to, const json_t *all) {
 static void table_scores(FILE *to, const json_t *list, const char *key, const char *what) {
     char heads[128];
     const json_t *row;
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return;
-    }
     snprintf(heads, sizeof heads, "%s|held-out error|s.e. of the excess|rms over noise|~", what);
     html_table(to, "Error on blocks left out of the fit, over the noise variance", heads);
     for (size_t i = 0; (row = json_array_get(list, i)) != NULL; i++) {
@@ -79,9 +74,8 @@ static void table_scores(FILE *to, const json_t *list, const char *key, const ch
 
 void report_fits(FILE *to, report *r) {
     const report_file *f;
-    if (!r->has_fits) {
+    if (!r->has_fits)
         return;
-    }
     html_section(to, "fits", "Fits and residuals");
     fputs("<div class=\"figures\">\n", to);
     report_figure(to, r, "fit_linear", "The model (dark) over the raw samples (light).");
@@ -112,23 +106,20 @@ void report_fits(FILE *to, report *r) {
 static void estimate_row(FILE *to, const json_t *e) {
     double low = json_number_at(e, "low"), high = json_number_at(e, "high");
     int d = digits_after_point(0.5 * (high - low));
-    if (json_is_true(json_object_get(e, "determined"))) {
+    if (json_is_true(json_object_get(e, "determined")))
         html_row(to, "%s|%.*f|%.*f to %.*f|~%s", json_text_at(e, "name"), d, json_number_at(e, "value"), d, low, d, high,
                  json_text_at(e, "unit"));
-    } else {
+    else
         html_row(to, "%s|not determined|%.1g to %.1g|~%s", json_text_at(e, "name"), low, high, json_text_at(e, "unit"));
-    }
 }
 
 static void table_estimates(FILE *to, const char *caption, const json_t *list) {
     const json_t *e;
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return;
-    }
     html_table(to, caption, "parameter|value|95 % interval|~unit");
-    for (size_t i = 0; (e = json_array_get(list, i)) != NULL; i++) {
+    for (size_t i = 0; (e = json_array_get(list, i)) != NULL; i++)
         estimate_row(to, e);
-    }
     html_table_end(to);
 }
 
@@ -165,11 +156,10 @@ static void cell(const json_t *list, const char *name, char line[64]) {
             (json_text_at(e, "name")[n] == '\0' || json_text_at(e, "name")[n] == ' ')) {
             double half = 0.5 * (json_number_at(e, "high") - json_number_at(e, "low"));
             int d = digits_after_point(half);
-            if (json_is_true(json_object_get(e, "determined"))) {
+            if (json_is_true(json_object_get(e, "determined")))
                 snprintf(line, 64, "%.*f \u00b1 %.*f", d, json_number_at(e, "value"), d, half);
-            } else {
+            else
                 strcpy(line, "not determined");
-            }
             return;
         }
     }
@@ -193,13 +183,11 @@ static void table_depths(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "per_depth"), *one;
     char line[1024], name[32], value[64];
     size_t arms = most_arms(list);
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return;
-    }
     size_t n = (size_t)snprintf(line, sizeof line, "depth (mm)|strain|K_inf (N)");
-    for (size_t j = 1; j <= arms; j++) {
+    for (size_t j = 1; j <= arms; j++)
         n += (size_t)snprintf(line + n, sizeof line - n, "|K_%zu (N)|b_%zu (N s)", j, j);
-    }
     snprintf(line + n, sizeof line - n, "|rms over noise");
     html_table(to, "The hold of each depth alone", line);
     for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++) {
@@ -222,9 +210,8 @@ static void table_depths(FILE *to, const json_t *all) {
 
 void report_parameters(FILE *to, report *r) {
     const report_file *f = report_find(r, REPORT_CHARACTERIZE, 0);
-    if (!f) {
+    if (!f)
         return;
-    }
     html_section(to, "parameters", "Parameters");
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++) {
         const json_t *shared = json_object_get(f->json, "shared");
@@ -246,21 +233,18 @@ static void formula(FILE *to, const palp_law *law) {
         for (size_t i = 0; i < law->n; i++) {
             double c = law->coefficients[i];
             fprintf(to, "%s%.5g", i ? (c < 0 ? " \u2212 " : " + ") : (c < 0 ? "\u2212" : ""), fabs(c));
-            if (i > 0) {
+            if (i > 0)
                 fprintf(to, i > 1 ? " e<sup>%zu</sup>" : " e", i);
-            }
         }
         fputs(" N", to);
     } else if (law->kind == PALP_LAW_SPLINE) {
         fputs("A monotone cubic through (strain, N):", to);
-        for (size_t i = 0; i < law->n; i++) {
+        for (size_t i = 0; i < law->n; i++)
             fprintf(to, " (%.3g, %.4g)", law->strain[i], law->coefficients[i]);
-        }
     } else {
         fprintf(to, "%s of a cylinder of %.4g mm\u00b2:", palp_law_kind_name(law->kind), 1e6 * law->area_m2);
-        for (size_t i = 0; i < law->n; i++) {
+        for (size_t i = 0; i < law->n; i++)
             fprintf(to, " %.5g", law->coefficients[i]);
-        }
         fputs(" Pa", to);
     }
     fputs("</p>\n", to);
@@ -269,9 +253,8 @@ static void formula(FILE *to, const palp_law *law) {
 static void table_gap(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "comparison"), *g;
     char plain[32];
-    if (json_array_size(list) == 0) {
+    if (json_array_size(list) == 0)
         return;
-    }
     html_table(to, "K_inf: ramp and hold, static press as if at rest, model",
                "strain|ramp and hold (N)|static polynomial (N)|model (N)");
     for (size_t i = 0; (g = json_array_get(list, i)) != NULL; i++) {
@@ -296,9 +279,8 @@ static void table_arms(FILE *to, const char *caption, const report_file *f) {
 
 void report_law(FILE *to, report *r) {
     const report_file *f;
-    if (!r->has_law) {
+    if (!r->has_law)
         return;
-    }
     html_section(to, "law", "Stiffness law and arms");
     for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++) {
         if (f->model.kind == PALP_MODEL_LUMPED) {
@@ -313,9 +295,8 @@ void report_law(FILE *to, report *r) {
     report_figure(to, r, "stiffness_law",
                 "F = K(e) e at rest. A static press that is not slow enough has the arms' force in it.");
     fputs("<div>", to);
-    for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++) {
+    for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++)
         table_gap(to, f->json);
-    }
     fputs("</div></div>\n", to);
 }
 
@@ -345,10 +326,9 @@ static void calibrated_depths(FILE *to, const json_t *all) {
     if (json_array_size(depths) > 0) {
         html_table(to, "Network against its target, ramp and hold",
                    "depth (mm)|peak (N)|largest error (% of the peak)");
-        for (size_t i = 0; (depth = json_array_get(depths, i)) != NULL; i++) {
+        for (size_t i = 0; (depth = json_array_get(depths, i)) != NULL; i++)
             html_row(to, "%.4g|%#.4g|%.3f", json_number_at(depth, "depth_mm"), json_number_at(depth, "peak_N"),
                      json_number_at(depth, "max_error_percent"));
-        }
         html_table_end(to);
     }
 }
@@ -362,27 +342,20 @@ static void calibrated(FILE *to, const json_t *all) {
 
 void report_calibrations(FILE *to, report *r) {
     const report_file *f;
-    if (!r->has_calibration) {
+    if (!r->has_calibration)
         return;
-    }
     html_section(to, "calibration", "Network calibration");
-    for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++) {
-        if (f->model.kind == PALP_MODEL_NETWORK) {
+    for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++)
+        if (f->model.kind == PALP_MODEL_NETWORK)
             network(to, f);
-        }
-    }
-    for (size_t i = 0; (f = report_find(r, REPORT_CALIBRATE, i)) != NULL; i++) {
+    for (size_t i = 0; (f = report_find(r, REPORT_CALIBRATE, i)) != NULL; i++)
         calibrated(to, f->json);
-    }
     fputs("<div class=\"tables\">\n", to);
-    for (size_t i = 0; (f = report_find(r, REPORT_CALIBRATE, i)) != NULL; i++) {
+    for (size_t i = 0; (f = report_find(r, REPORT_CALIBRATE, i)) != NULL; i++)
         calibrated_depths(to, f->json);
-    }
-    for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++) {
-        if (f->model.kind == PALP_MODEL_NETWORK) {
+    for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++)
+        if (f->model.kind == PALP_MODEL_NETWORK)
             table_arms(to, "Arms of an element", f);
-        }
-    }
     fputs("</div>\n<div class=\"figures\">\n", to);
     report_figure(to, r, "static_fit", "The static curve: what was wanted and what the network gives.");
     report_figure(to, r, "stiffness", "Stiffness law of the lumped model and of an element.");
@@ -396,9 +369,8 @@ void report_calibrations(FILE *to, report *r) {
 /* ---- simulations ---- */
 
 void report_simulations(FILE *to, report *r) {
-    if (r->n_pairs == 0) {
+    if (r->n_pairs == 0)
         return;
-    }
     html_section(to, "simulation", "Simulation against recordings");
     html_table(to, NULL,
                "simulation|~of the model|~recording|peak (N)|rms error (mN)|largest error (% of the peak)");

@@ -61,14 +61,11 @@ static int check_port(const options *o) {
     char *end;
     const char *port = o->port, *given[] = {o->model, o->script, o->rig.actuator, o->rig.log}, *other[4];
     size_t n = 0;
-    for (size_t i = 0; i < 4; i++) {
-        if (given[i]) {
+    for (size_t i = 0; i < 4; i++)
+        if (given[i])
             other[n++] = given[i];
-        }
-    }
-    if (strncmp(port, "file:", 5) == 0 && port[5]) {
+    if (strncmp(port, "file:", 5) == 0 && port[5])
         return cli_output_check(NAME, port + 5, o->force, n, other);
-    }
     long number = strncmp(port, "tcp:", 4) == 0 ? strtol(port + 4, &end, 10) : -1;
     bool good = strcmp(port, "pty") == 0 || (number > 0 && number < 65536 && *end == '\0');
     return good ? CLI_OK
@@ -79,9 +76,8 @@ static int check_port(const options *o) {
 static const char *absolute(const char *port, char whole[RIG_PATH]) {
     char here[RIG_PATH];
     int n = 0;
-    if (strncmp(port, "file:", 5) != 0 || port[5] == '/' || !getcwd(here, sizeof here)) {
+    if (strncmp(port, "file:", 5) != 0 || port[5] == '/' || !getcwd(here, sizeof here))
         return port;
-    }
     n = snprintf(whole, RIG_PATH, "file:%s/%s", here, port + 5);
     return n > 0 && n < RIG_PATH ? whole : port;
 }
@@ -96,22 +92,18 @@ static void say_port(const char *port, void *context) {
 static void catch_signals(void) {
     static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
     struct sigaction act = {.sa_handler = on_signal};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
         sigaction(numbers[i], &act, NULL);
-    }
 }
 
 static void say_figures(const rig_settings *s, const rig_figures *f) {
     fprintf(stderr, "%.3f s of the device's time in %.3f s", 1e-3 * f->ticks, f->elapsed_s);
-    if (f->cost) {
+    if (f->cost)
         fprintf(stderr, ", at most %u instructions a tick", (unsigned)f->cost);
-    }
-    if (f->restarts) {
+    if (f->restarts)
         fprintf(stderr, ", restarted %u times", (unsigned)f->restarts);
-    }
-    if (s->paced) {
+    if (s->paced)
         fprintf(stderr, ", %u ticks late (worst %.2f ms)", (unsigned)f->late, 1e3 * f->worst_s);
-    }
     fputc('\n', stderr);
 }
 
@@ -121,24 +113,20 @@ int cmd_rig(int argc, char **argv) {
     rig_figures figures;
     char note[RIG_NOTE], port[RIG_PATH];
     int code = parse(argc, argv, &o);
-    if (code) {
+    if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    }
     code = check_port(&o);
     code = code ? code : rig_options_settings(NAME, &o.rig, o.model, &settings);
-    if (code) {
+    if (code)
         return code;
-    }
     settings.port = absolute(o.port, port);
     settings.script = o.script;
     settings.until_s = o.until_s;
-    if (!rig_find(&settings, note)) {
+    if (!rig_find(&settings, note))
         return cli_failure(NAME, "%s", note);
-    }
     catch_signals();
     code = rig_run(NAME, &settings, &stopped, say_port, note, &figures);
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         say_figures(&settings, &figures);
-    }
     return code;
 }

@@ -33,9 +33,8 @@ static unsigned count_losses(device *d, const palp_wire_message *m) {
     if (!d->heard || gap >= 0x8000) { /* the first, or it has started anew */
         gap = 0;
     }
-    if (d->heard && m->lost > d->device_lost) {
+    if (d->heard && m->lost > d->device_lost)
         d->lost_samples += m->lost - d->device_lost;
-    }
     d->lost_frames += gap;
     d->heard = true;
     d->device_sequence = m->sequence;
@@ -87,18 +86,15 @@ static void match(pending *p, const palp_wire_message *m) {
 static void take(device *d, const palp_wire_message *m, pending *p) {
     unsigned lost = count_losses(d, m);
     keep_newest(d, m);
-    if (p) {
+    if (p)
         match(p, m);
-    }
-    if (d->listener) {
+    if (d->listener)
         d->listener(m, lost, d->context);
-    }
 }
 
 static device_result from_link(device *d, link_result result) {
-    if (result == LINK_OK) {
+    if (result == LINK_OK)
         return DEVICE_OK;
-    }
     snprintf(d->why, sizeof d->why, "%s", link_error(d->link));
     return result == LINK_TIMEOUT ? DEVICE_TIMEOUT : DEVICE_CLOSED;
 }
@@ -115,15 +111,12 @@ static device_result pump(device *d, double timeout_s, pending *p) {
     palp_wire_message m;
     size_t n;
     int timeout_ms = timeout_s > 0 ? (int)ceil(1e3 * timeout_s) : 0;
-    if (timeout_ms > NAP_MS && d->info.simulated) {
+    if (timeout_ms > NAP_MS && d->info.simulated)
         nap();
-    }
     device_result result = from_link(d, link_read(d->link, byte, sizeof byte, &n, timeout_ms));
-    for (size_t i = 0; i < n; i++) {
-        if (palp_wire_decode(&d->decoder, byte[i], &m) && m.type >= PALP_WIRE_TYPE_ACK) {
+    for (size_t i = 0; i < n; i++)
+        if (palp_wire_decode(&d->decoder, byte[i], &m) && m.type >= PALP_WIRE_TYPE_ACK)
             take(d, &m, p);
-        }
-    }
     return result;
 }
 
@@ -150,9 +143,8 @@ static device_result try_once(device *d, pending *p) {
     double until_s = link_now_s() + 1e-3 * TRY_MS;
     while (result != DEVICE_CLOSED && !done(p) && !p->mistaken) {
         double left_s = until_s - link_now_s();
-        if (left_s <= 0) {
+        if (left_s <= 0)
             return DEVICE_TIMEOUT;
-        }
         result = pump(d, left_s, p);
     }
     return result == DEVICE_CLOSED ? result : DEVICE_OK;
@@ -172,12 +164,10 @@ static device_result command_within(device *d, palp_wire_message *command, palp_
     command->sequence = d->sequence++;
     for (int i = 0; i < tries; i++) {
         device_result result = try_once(d, &p);
-        if (result == DEVICE_CLOSED) {
+        if (result == DEVICE_CLOSED)
             return result;
-        }
-        if (p.acked && (p.result != PALP_WIRE_RESULT_DONE || !answer || p.answered)) {
+        if (p.acked && (p.result != PALP_WIRE_RESULT_DONE || !answer || p.answered))
             return p.result == PALP_WIRE_RESULT_DONE ? DEVICE_OK : refused(d, &p);
-        }
         if (p.acked || p.mistaken) { /* its answer got lost, or the device knows the number from before */
             command->sequence = d->sequence++;
             p.acked = p.mistaken = false;
@@ -204,9 +194,8 @@ static double until_alive(const device *d) {
 
 static device_result keep_alive(device *d) {
     palp_wire_message alive = {.type = PALP_WIRE_TYPE_ALIVE};
-    if (until_alive(d) > 0) {
+    if (until_alive(d) > 0)
         return DEVICE_OK;
-    }
     alive.sequence = d->sequence++;
     return send_frame(d, &alive);
 }
@@ -216,9 +205,8 @@ device_result device_poll(device *d, int timeout_ms) {
     device_result result;
     do {
         result = keep_alive(d);
-        if (result != DEVICE_CLOSED) {
+        if (result != DEVICE_CLOSED)
             result = pump(d, fmin(until_s - link_now_s(), until_alive(d)), NULL);
-        }
     } while (result == DEVICE_TIMEOUT && link_now_s() < until_s);
     return result;
 }
@@ -226,16 +214,15 @@ device_result device_poll(device *d, int timeout_ms) {
 /* ---- opening ---- */
 
 static void say_no_answer(device *d, const char *where) {
-    if (d->heard) {
+    if (d->heard)
         snprintf(d->why, sizeof d->why, "%s: the device sends, but does not answer; restart it", where);
-    } else if (d->decoder.bad > 0) {
+    else if (d->decoder.bad > 0)
         snprintf(d->why, sizeof d->why,
                  "%s: what comes is not an indenter's (%u damaged frames); are port and baud rate right?",
                  where, (unsigned)d->decoder.bad);
-    } else {
+    else
         snprintf(d->why, sizeof d->why,
                  "%s: no answer; is it an indenter with palpate's firmware, and is it switched on?", where);
-    }
 }
 
 device_result device_open(const char *where, int baud, device *d) {
@@ -253,17 +240,15 @@ device_result device_open(const char *where, int baud, device *d) {
         say_no_answer(d, where);
     } else if (result == DEVICE_OTHER_VERSION || (result == DEVICE_OK && other)) {
         char protocol[20] = "another protocol";
-        if (info.type) {
+        if (info.type)
             snprintf(protocol, sizeof protocol, "protocol %u", (unsigned)info.as.info.protocol);
-        }
         snprintf(d->why, sizeof d->why,
                  "%s: the device speaks %s, this palpate %d; bring both to the same release", where, protocol,
                  PALP_WIRE_VERSION);
         result = DEVICE_OTHER_VERSION;
     }
-    if (result != DEVICE_OK) {
+    if (result != DEVICE_OK)
         device_close(d);
-    }
     return result;
 }
 

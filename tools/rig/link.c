@@ -44,9 +44,8 @@ static int wait_for(int fd, short events, double until_s) {
         struct pollfd one = {.fd = fd, .events = events};
         double left_ms = 1e3 * (until_s - link_now_s());
         int n = poll(&one, 1, left_ms > 0 ? (int)fmin(ceil(left_ms), INT_MAX) : 0);
-        if (n >= 0 || errno != EINTR) {
+        if (n >= 0 || errno != EINTR)
             return n;
-        }
     }
 }
 
@@ -75,9 +74,8 @@ static int open_pty(const char *path, char why[LINK_TEXT]) {
         snprintf(why, LINK_TEXT, "%s is not a terminal", path);
     } else {
         set_raw(&t);
-        if (tcsetattr(fd, TCSANOW, &t) == 0) {
+        if (tcsetattr(fd, TCSANOW, &t) == 0)
             return fd;
-        }
         snprintf(why, LINK_TEXT, "%s cannot be set raw: %s", path, strerror(errno));
     }
     close(fd);
@@ -89,9 +87,8 @@ static int connect_to(int family, const struct sockaddr *address, socklen_t leng
     int failed = 0, on = 1;
     socklen_t size = sizeof failed;
     int fd = socket(family, SOCK_STREAM, 0);
-    if (fd < 0) {
+    if (fd < 0)
         return -1;
-    }
     fcntl(fd, F_SETFD, FD_CLOEXEC);
     fcntl(fd, F_SETFL, O_NONBLOCK);
     if (connect(fd, address, length) != 0) {
@@ -99,9 +96,8 @@ static int connect_to(int family, const struct sockaddr *address, socklen_t leng
         if (failed == EINPROGRESS || failed == EINTR) {
             bool ready = wait_for(fd, POLLOUT, link_now_s() + 1e-3 * CONNECT_MS) > 0;
             failed = ETIMEDOUT;
-            if (ready && getsockopt(fd, SOL_SOCKET, SO_ERROR, &failed, &size) != 0) {
+            if (ready && getsockopt(fd, SOL_SOCKET, SO_ERROR, &failed, &size) != 0)
                 failed = errno;
-            }
         }
     }
     if (failed) {
@@ -123,9 +119,8 @@ static bool split_host(const char *text, char host[LINK_TEXT], const char **port
         text++;
         n -= 2;
     }
-    if (n == 0 || n >= LINK_TEXT || colon[1] == '\0') {
+    if (n == 0 || n >= LINK_TEXT || colon[1] == '\0')
         return false;
-    }
     memcpy(host, text, n);
     host[n] = '\0';
     *port = colon + 1;
@@ -146,13 +141,11 @@ static int open_tcp(const char *text, char why[LINK_TEXT]) {
         snprintf(why, LINK_TEXT, "tcp:%s: %s; check host and port", text, gai_strerror(failed));
         return -1;
     }
-    for (const struct addrinfo *a = found; a && fd < 0; a = a->ai_next) {
+    for (const struct addrinfo *a = found; a && fd < 0; a = a->ai_next)
         fd = connect_to(a->ai_family, a->ai_addr, a->ai_addrlen);
-    }
-    if (fd < 0) {
+    if (fd < 0)
         snprintf(why, LINK_TEXT, "tcp:%s: %s; is the rig or the device's server running there?", text,
                  strerror(errno));
-    }
     freeaddrinfo(found);
     return fd;
 }
@@ -165,9 +158,8 @@ static int open_unix(const char *path, char why[LINK_TEXT]) {
     }
     strcpy(address.sun_path, path);
     int fd = connect_to(AF_UNIX, (const struct sockaddr *)&address, sizeof address);
-    if (fd < 0) {
+    if (fd < 0)
         snprintf(why, LINK_TEXT, "unix:%s: %s; is palpate rig running there?", path, strerror(errno));
-    }
     return fd;
 }
 
@@ -209,9 +201,8 @@ link_result link_open(const char *where, int baud, link_t **made, char why[LINK_
     }
     snprintf(l->name, sizeof l->name, "%s", where);
     l->fd = open_descriptor(where, &plain, why);
-    if (!plain) {
+    if (!plain)
         l->port = link_serial_open(where, baud, &l->fd, why);
-    }
     if (plain ? l->fd < 0 : !l->port) {
         free(l);
         return LINK_ERROR;
@@ -222,14 +213,12 @@ link_result link_open(const char *where, int baud, link_t **made, char why[LINK_
 }
 
 void link_close(link_t *l) {
-    if (!l) {
+    if (!l)
         return;
-    }
-    if (l->port) {
+    if (l->port)
         link_serial_close(l->port);
-    } else {
+    else
         close(l->fd);
-    }
     free(l);
 }
 
@@ -240,9 +229,8 @@ static ssize_t read_some(link_t *l, void *buffer, size_t size) {
 }
 
 static ssize_t write_some(link_t *l, const void *buffer, size_t size) {
-    if (l->port) {
+    if (l->port)
         return link_serial_write(l->port, buffer, size);
-    }
     return l->socket ? send(l->fd, buffer, size, MSG_NOSIGNAL) : write(l->fd, buffer, size);
 }
 
@@ -286,12 +274,10 @@ link_result link_read(link_t *l, void *buffer, size_t size, size_t *got, int tim
             *got = (size_t)n;
             return LINK_OK;
         }
-        if (n == 0 || !passing(errno)) {
+        if (n == 0 || !passing(errno))
             return went_wrong(l, n == 0 ? 0 : errno);
-        }
-        if (link_now_s() >= until_s) {
+        if (link_now_s() >= until_s)
             return LINK_TIMEOUT;
-        }
     }
     return result;
 }
@@ -302,12 +288,10 @@ link_result link_write(link_t *l, const void *buffer, size_t size, int timeout_m
     link_result result = LINK_OK;
     while (done < size && (result = ready(l, POLLOUT, until_s)) == LINK_OK) {
         ssize_t n = write_some(l, (const char *)buffer + done, size - done);
-        if (n < 0 && !passing(errno)) {
+        if (n < 0 && !passing(errno))
             return went_wrong(l, errno);
-        }
-        if (n <= 0 && link_now_s() >= until_s) {
+        if (n <= 0 && link_now_s() >= until_s)
             return LINK_TIMEOUT;
-        }
         done += n > 0 ? (size_t)n : 0;
     }
     return result;

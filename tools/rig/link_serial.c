@@ -33,17 +33,16 @@ static void say_missing(const char *name, char why[LINK_TEXT]) {
 }
 
 static void say_why(const char *name, int error, char why[LINK_TEXT]) {
-    if (error == EBUSY || error == EWOULDBLOCK) {
+    if (error == EBUSY || error == EWOULDBLOCK)
         say_busy(name, why);
-    } else if (error == ENOENT || error == ENODEV || error == ENXIO) {
+    else if (error == ENOENT || error == ENODEV || error == ENXIO)
         say_missing(name, why);
-    } else if (error == EACCES || error == EPERM) {
+    else if (error == EACCES || error == EPERM)
         snprintf(why, LINK_TEXT,
                  "no permission to open %s; join its group (sudo usermod -aG %s \"$USER\") and log in again",
                  name, group_of(name));
-    } else {
+    else
         snprintf(why, LINK_TEXT, "%s cannot be used as a serial port: %s", name, strerror(error));
-    }
 }
 
 static bool configure(struct sp_port *port, const char *name, int baud, char why[LINK_TEXT]) {
@@ -73,9 +72,8 @@ struct sp_port *link_serial_open(const char *name, int baud, int *fd, char why[L
         return NULL;
     }
     bool mine = sp_get_port_handle(port, fd) == SP_OK && flock(*fd, LOCK_EX | LOCK_NB) == 0;
-    if (!mine) {
+    if (!mine)
         say_why(name, errno, why);
-    }
     if (!mine || !configure(port, name, baud, why)) {
         link_serial_close(port);
         return NULL;
@@ -107,9 +105,8 @@ ssize_t link_serial_write(struct sp_port *port, const void *buffer, size_t size)
 int link_list(void) {
     struct sp_port **ports = NULL;
     int n = 0;
-    if (sp_list_ports(&ports) != SP_OK) {
+    if (sp_list_ports(&ports) != SP_OK)
         return -1;
-    }
     for (; ports[n]; n++) {
         const char *about = sp_get_port_description(ports[n]);
         printf("%-16s %s\n", sp_get_port_name(ports[n]), about ? about : "");

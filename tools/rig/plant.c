@@ -38,21 +38,18 @@ plant_settings plant_settings_default(void) {
 palp_status plant_create(const plant_settings *settings, plant **made, palp_error *error) {
     *made = NULL;
     plant *p = calloc(1, sizeof *p);
-    if (!p) {
+    if (!p)
         return plant_fail(error, PALP_ERR_NO_MEMORY, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-    }
     p->settings = *settings;
     p->drive = drive_start(&settings->actuator);
     p->plate_m = p->zero_m = settings->actuator.start_m;
     palp_error why = {PALP_OK, ""};
     palp_status status = specimen_create(settings, &p->specimen, &why);
     plant_sensor amplifier = settings->sensor;
-    if (p->specimen.range_N > 0 && !(amplifier.range_N > 0 && amplifier.range_N < p->specimen.range_N)) {
+    if (p->specimen.range_N > 0 && !(amplifier.range_N > 0 && amplifier.range_N < p->specimen.range_N))
         amplifier.range_N = p->specimen.range_N;
-    }
-    if (status == PALP_OK && !sensor_start(&amplifier, &p->sensor)) {
+    if (status == PALP_OK && !sensor_start(&amplifier, &p->sensor))
         status = plant_fail(&why, PALP_ERR_SINGULAR, "the sensor's matrix has no inverse");
-    }
     if (status) {
         plant_free(p);
         return plant_fail(error, status, "%s", why.text[0] ? why.text : palp_status_text(status));
@@ -85,15 +82,12 @@ static void hold(plant *p) {
 
 void plant_inject(plant *p, plant_fault fault) {
     p->faults |= 1u << fault;
-    if (fault == PLANT_HOT) {
+    if (fault == PLANT_HOT)
         p->drive.winding_C = p->drive.case_C = HOT_C;
-    }
-    if (fault == PLANT_JUMP) {
+    if (fault == PLANT_JUMP)
         p->jumped += JUMP_COUNTS;
-    }
-    if (fault == PLANT_ENCODER) {
+    if (fault == PLANT_ENCODER)
         p->counted = counts(p);
-    }
     hold(p);
 }
 
@@ -135,12 +129,10 @@ static void sense(const plant *p, plant_in *in) {
                              (has(p, PLANT_ENCODER) ? PLANT_ENCODER_LOST : 0) |
                              (has(p, PLANT_DRIVER) ? PLANT_DRIVER_FAULT : 0) |
                              (has(p, PLANT_SILENT) ? PLANT_SENSOR_SILENT : 0));
-    if (!has(p, PLANT_SILENT)) {
+    if (!has(p, PLANT_SILENT))
         sensor_convert(&p->sensor, read_N, p->tick, in->adc);
-    }
-    if (has(p, PLANT_SATURATED)) {
+    if (has(p, PLANT_SATURATED))
         in->adc[0] = INT16_MAX;
-    }
 }
 
 void plant_first(plant *p, plant_in *in) {
@@ -159,9 +151,8 @@ palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error 
     for (int i = 1; i <= SUBSTEPS && status == PALP_OK; i++) {
         drive_advance(a, &p->drive, supply, volt, p->specimen.force_N, dt);
         follow(p);
-        if (!slow || i == SUBSTEPS) {
+        if (!slow || i == SUBSTEPS)
             status = specimen_advance(&p->specimen, reach(p), slow ? TICK : dt);
-        }
     }
     p->push_m_s2 = (p->drive.velocity_m_s - before_m_s) / TICK;
     p->tick++;

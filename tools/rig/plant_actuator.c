@@ -68,9 +68,8 @@ static int key_line(const char *path, const char *key) {
         line++;
         found = strstr(text, quoted) ? line : 0;
     }
-    if (file) {
+    if (file)
         fclose(file);
-    }
     return found ? found : 1;
 }
 
@@ -82,13 +81,11 @@ static palp_status read_number(const actuator_file *f, const char *key, double u
                                double *value) {
     static const char *const must[] = {"must be a positive number", "must be a number, 0 or more", "must be a number"};
     const json_t *found = json_object_get(f->root, key);
-    if (!found) {
+    if (!found)
         return PALP_OK;
-    }
     double x = json_number_value(found);
-    if (!json_is_number(found) || (x < 0 && sign != ANY_SIGN) || (x == 0 && sign == POSITIVE)) {
+    if (!json_is_number(found) || (x < 0 && sign != ANY_SIGN) || (x == 0 && sign == POSITIVE))
         return bad_key(f, key, must[sign]);
-    }
     *value = x / unit;
     return PALP_OK;
 }
@@ -102,18 +99,15 @@ static palp_status check_keys(const actuator_file *f) {
         "about"};
     const char *key;
     json_t *value;
-    if (!json_is_integer(json_object_get(json_object_get(f->root, "palpate"), "actuator"))) {
+    if (!json_is_integer(json_object_get(json_object_get(f->root, "palpate"), "actuator")))
         return plant_fail(f->error, PALP_ERR_INPUT,
                           "%s:1: is no actuator: it lacks \"palpate\": {\"actuator\": 1}", f->path);
-    }
     json_object_foreach(f->root, key, value) {
         size_t i = 0, n = sizeof known / sizeof known[0];
-        while (i < n && strcmp(known[i], key) != 0) {
+        while (i < n && strcmp(known[i], key) != 0)
             i++;
-        }
-        if (i == n) {
+        if (i == n)
             return bad_key(f, key, "is not a key of an actuator; see data/rig/README.md");
-        }
     }
     return PALP_OK;
 }
@@ -124,27 +118,23 @@ static palp_status take(const actuator_file *f, plant_actuator *a) {
     status = status ? status : read_number(f, key, unit, sign, &a->member);
     ACTUATOR_KEYS(ACTUATOR_KEY)
 #undef ACTUATOR_KEY
-    if (status == PALP_OK && a->start_m > a->travel_m) {
+    if (status == PALP_OK && a->start_m > a->travel_m)
         return bad_key(f, "start_mm", "is beyond the travel");
-    }
     return status;
 }
 
 palp_status plant_actuator_read(const char *path, plant_actuator *actuator, palp_error *error) {
     json_error_t where;
     actuator_file f = {path, json_load_file(path, JSON_REJECT_DUPLICATES, &where), error};
-    if (!f.root && json_error_code(&where) == json_error_cannot_open_file) {
+    if (!f.root && json_error_code(&where) == json_error_cannot_open_file)
         return plant_fail(error, PALP_ERR_FILE, "%s: cannot be read", path);
-    }
-    if (!f.root) {
+    if (!f.root)
         return plant_fail(error, PALP_ERR_INPUT, "%s:%d: %s", path, where.line, where.text);
-    }
     plant_actuator read = *actuator;
     palp_status status = take(&f, &read);
     json_decref(f.root);
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         *actuator = read;
-    }
     return status;
 }
 
@@ -167,9 +157,8 @@ typedef struct push {
 static push motor_push(const plant_actuator *a, const drive *d, bool on, double volt) {
     const double k = a->force_constant_N_A, r = a->resistance_ohm;
     double current = on ? (volt - k * d->velocity_m_s) / r : 0;
-    if (!on || fabs(current) >= a->current_A) {
+    if (!on || fabs(current) >= a->current_A)
         return (push){k * limited(current, a->current_A), a->viscous_Ns_m};
-    }
     return (push){k * volt / r, a->viscous_Ns_m + k * k / r};
 }
 
@@ -177,9 +166,8 @@ static push motor_push(const plant_actuator *a, const drive *d, bool on, double 
  * exceed the friction. */
 static double next_velocity(const plant_actuator *a, double v, push f, double dt) {
     double friction = v > 0 || (v == 0 && f.force_N > 0) ? a->coulomb_N : -a->coulomb_N;
-    if (v == 0 && fabs(f.force_N) <= a->coulomb_N) {
+    if (v == 0 && fabs(f.force_N) <= a->coulomb_N)
         return 0;
-    }
     double half = 0.5 * f.drag_Ns_m * dt / a->moving_kg;
     double next = (v * (1 - half) + (f.force_N - friction) * dt / a->moving_kg) / (1 + half);
     return v * next < 0 ? 0 : next;
@@ -209,9 +197,8 @@ void drive_advance(const plant_actuator *a, drive *d, uint8_t motor, double volt
     push f = motor_push(a, d, on, volt);
     f.force_N -= load_N + a->lift_N;
     d->velocity_m_s = d->hold == DRIVE_FREE ? next_velocity(a, before, f, dt_s) : 0;
-    if (d->hold == DRIVE_DRAGGED && d->carriage_m < a->travel_m + BEYOND_M) {
+    if (d->hold == DRIVE_DRAGGED && d->carriage_m < a->travel_m + BEYOND_M)
         d->velocity_m_s = DRAG_M_S;
-    }
     move(a, d, dt_s);
     double speed = 0.5 * (before + d->velocity_m_s);
     d->current_A = on ? limited((volt - a->force_constant_N_A * speed) / a->resistance_ohm, a->current_A) : 0;

@@ -14,12 +14,10 @@ enum { N = PALP_WIRE_CHANNELS };
 static bool solve(double a[N][N], double b[N]) {
     for (int k = 0; k < N; k++) {
         int pivot = k;
-        for (int i = k + 1; i < N; i++) {
+        for (int i = k + 1; i < N; i++)
             pivot = fabs(a[i][k]) > fabs(a[pivot][k]) ? i : pivot;
-        }
-        if (a[pivot][k] == 0) {
+        if (a[pivot][k] == 0)
             return false;
-        }
         for (int j = 0; j < N; j++) {
             double held = a[k][j];
             a[k][j] = a[pivot][j];
@@ -30,16 +28,14 @@ static bool solve(double a[N][N], double b[N]) {
         b[pivot] = held;
         for (int i = k + 1; i < N; i++) {
             double factor = a[i][k] / a[k][k];
-            for (int j = k; j < N; j++) {
+            for (int j = k; j < N; j++)
                 a[i][j] -= factor * a[k][j];
-            }
             b[i] -= factor * b[k];
         }
     }
     for (int k = N - 1; k >= 0; k--) {
-        for (int j = k + 1; j < N; j++) {
+        for (int j = k + 1; j < N; j++)
             b[k] -= a[k][j] * b[j];
-        }
         b[k] /= a[k][k];
     }
     return true;
@@ -50,9 +46,8 @@ static bool counts_of(const force_sensor *f, int axis, double value, double coun
     double matrix[N][N];
     for (int i = 0; i < N; i++) {
         counts[i] = i == axis ? value : 0;
-        for (int j = 0; j < N; j++) {
+        for (int j = 0; j < N; j++)
             matrix[i][j] = (double)f->matrix[i][j];
-        }
     }
     return solve(matrix, counts);
 }
@@ -72,9 +67,8 @@ bool sensor_start(const plant_sensor *settings, sensor *s) {
 
 double sensor_range(const sensor *s) {
     double largest = 0;
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         largest = fmax(largest, fabs(s->counts_N[i]));
-    }
     return INT16_MAX / (s->settings.gain * largest);
 }
 
@@ -87,14 +81,12 @@ static double bridge(const plant_sensor *s, double force_N, double time_s) {
 /* The amplifier clips the z of bridge and noise together. */
 void sensor_convert(const sensor *s, double force_N, uint32_t tick, int16_t adc[N]) {
     double z = bridge(&s->settings, force_N, TICK * tick), noise[N] = {0}, most = s->settings.range_N;
-    for (uint32_t i = 0; i < N && s->noise_counts > 0; i++) {
+    for (uint32_t i = 0; i < N && s->noise_counts > 0; i++)
         noise[i] = s->noise_counts * palp_random_normal_at(s->settings.seed, (uint64_t)tick * N + i);
-    }
     if (most > 0) {
         double seen = z;
-        for (int i = 0; i < N; i++) {
+        for (int i = 0; i < N; i++)
             seen += s->z_counts[i] * noise[i];
-        }
         z -= seen - fmin(fmax(seen, -most), most);
     }
     for (int i = 0; i < N; i++) {

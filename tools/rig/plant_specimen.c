@@ -28,19 +28,15 @@ static palp_model rigid_block(double stiffness_N_m) {
 /* The actuator's frame and the model's give way one behind the other. */
 static palp_status add_compliance(palp_model *model, double compliance_m_N, specimen *s, palp_error *error) {
     size_t i = 0;
-    while (i < model->n_effects && model->effects[i].id != PALP_EFFECT_FRAME_COMPLIANCE) {
+    while (i < model->n_effects && model->effects[i].id != PALP_EFFECT_FRAME_COMPLIANCE)
         i++;
-    }
-    if (i == PALP_EFFECTS_MAX && compliance_m_N > 0) {
+    if (i == PALP_EFFECTS_MAX && compliance_m_N > 0)
         return plant_fail(error, PALP_ERR_LIMIT, "%s: no room for the frame's compliance beside %d effects",
                           s->path, PALP_EFFECTS_MAX);
-    }
-    if (i == model->n_effects && compliance_m_N > 0) {
+    if (i == model->n_effects && compliance_m_N > 0)
         model->effects[model->n_effects++] = (palp_effect){.id = PALP_EFFECT_FRAME_COMPLIANCE};
-    }
-    if (i < model->n_effects) {
+    if (i < model->n_effects)
         s->compliance_m_N = model->effects[i].value[0] += compliance_m_N;
-    }
     return PALP_OK;
 }
 
@@ -62,19 +58,15 @@ palp_status specimen_create(const plant_settings *settings, specimen *s, palp_er
     palp_status status = PALP_OK;
     memset(s, 0, sizeof *s);
     s->path = rigid ? "the rigid block" : own ? "the phantom of the thesis" : settings->model;
-    if (settings->specimen == PLANT_AIR) {
+    if (settings->specimen == PLANT_AIR)
         return PALP_OK;
-    }
     palp_model model = rigid ? rigid_block(settings->rigid_N_m) : seed_phantom();
-    if (!rigid && !own) {
+    if (!rigid && !own)
         status = palp_model_read(settings->model, &model, &mesh, error);
-    }
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = add_compliance(&model, settings->actuator.compliance_m_N, s, error);
-    }
-    if (status) {
+    if (status)
         return status;
-    }
     move_saturation(&model, s);
     to.start_m =
         fmin(settings->actuator.start_m - settings->contact_m, 0); /* pressed from the first step on */

@@ -61,13 +61,11 @@ static void pace(loop *l) {
 
 static int open_log(loop *l) {
     const char *path = l->settings->log;
-    if (!path) {
+    if (!path)
         return CLI_OK;
-    }
     int code = cli_file_open(l->name, path, &l->log);
-    if (code) {
+    if (code)
         return code;
-    }
     fputs("time_s,carriage_mm,velocity_mm_s,depth_mm,force_N,winding_C,case_C,current_A,duty,motor_on\n",
           l->log.stream);
     return CLI_OK;
@@ -106,15 +104,13 @@ static int receive(loop *l, plant_out *out, bool *got) {
                                  {.fd = l->process.text, .events = POLLIN}};
         int64_t left_ms = (until_ns - now_ns()) / 1000000;
         int ready = poll(wait, 2, left_ms > 0 ? (int)left_ms : 0);
-        if (ready == 0) {
+        if (ready == 0)
             return cli_failure(l->name, "the firmware does not answer%s%s", l->process.last[0] ? ": " : "",
                                l->process.last);
-        }
         ssize_t some = ready > 0 && wait[0].revents ? read(l->process.from, byte + n, sizeof byte - n) : 0;
         n += some > 0 ? (size_t)some : 0;
-        if (ready > 0 && wait[1].revents && !rig_process_listen(&l->process) && n < sizeof byte) {
+        if (ready > 0 && wait[1].revents && !rig_process_listen(&l->process) && n < sizeof byte)
             return firmware_ended(l);
-        }
     }
     *got = n == sizeof byte;
     plant_link_get_out(byte, out);
@@ -140,34 +136,30 @@ static uint8_t reset_cause(const loop *l) {
 /* What the board senses when it starts. */
 static void boot(loop *l) {
     const uint8_t cause = reset_cause(l);
-    if (!l->booted) {
+    if (!l->booted)
         rig_feed_plant(&l->feed, 0, l->plant);
-    }
     plant_first(l->plant, &l->in);
     l->in.reset_cause = cause;
     l->figures.restarts += l->booted;
-    if (!l->booted && l->on_port) {
+    if (!l->booted && l->on_port)
         l->on_port(l->port_name, l->context);
-    }
     l->booted = true;
 }
 
 static int advance(loop *l, const plant_out *out) {
     palp_error error = {PALP_OK, ""};
-    if (out->version != PLANT_LINK_VERSION) {
+    if (out->version != PLANT_LINK_VERSION)
         return cli_failure(
             l->name, "the firmware's link to the plant has version %d, not %d; rebuild it with make firmware",
             out->version, PLANT_LINK_VERSION);
-    }
     bool all = rig_port_write(&l->port, out->tx, out->tx_count);
     if (out->boot || !l->booted) {
         boot(l);
     } else {
         rig_feed_plant(&l->feed, l->in.tick + 1, l->plant);
         palp_status status = plant_step(l->plant, out, &l->in, &error);
-        if (status) {
+        if (status)
             return cli_status(l->name, status, &error);
-        }
     }
     l->figures.ticks = l->in.tick;
     l->figures.cost = out->cost > l->figures.cost ? out->cost : l->figures.cost;
@@ -200,19 +192,16 @@ static int run(loop *l) {
     uint32_t last = l->settings->until_s > 0 ? (uint32_t)llround(1e3 * l->settings->until_s) : UINT32_MAX;
     while (code == CLI_OK && !(l->in.events & PLANT_EVENT_QUIT)) {
         code = receive(l, &out, &got);
-        if (code == CLI_OK && got) {
+        if (code == CLI_OK && got)
             code = advance(l, &out);
-        }
         if (l->settings->paced && code == CLI_OK && got) {
             l->start_ns = l->in.tick == 0 ? now_ns() : l->start_ns;
             pace(l);
         }
-        if (*l->stop || (l->booted && l->in.tick >= last)) {
+        if (*l->stop || (l->booted && l->in.tick >= last))
             l->in.events |= PLANT_EVENT_QUIT;
-        }
-        if (code == CLI_OK) {
+        if (code == CLI_OK)
             code = feed(l);
-        }
     }
     return code == CLI_OK ? take_rest(l) : code;
 }
@@ -242,14 +231,12 @@ int rig_run(const char *name, const rig_settings *settings, const volatile int *
             void (*on_port)(const char *port, void *context), void *context, rig_figures *figures) {
     rig_settings own = *settings;
     char note[RIG_NOTE];
-    if (!own.image[0] && !rig_find(&own, note)) {
+    if (!own.image[0] && !rig_find(&own, note))
         return cli_failure(name, "%s", note);
-    }
     loop l = {.name = name, .settings = &own, .stop = stop, .on_port = on_port, .context = context};
     l.port = (rig_port){.listener = -1, .connection = -1};
     int code = run_plant(&l);
-    if (figures) {
+    if (figures)
         *figures = l.figures;
-    }
     return code;
 }

@@ -29,9 +29,8 @@ static void be_rig(const char *name, const rig_settings *settings, pid_t parent)
     signal(SIGPIPE, SIG_IGN);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     int code = CLI_FAILURE;
-    if (setpgid(0, 0) == 0 && getppid() == parent) {
+    if (setpgid(0, 0) == 0 && getppid() == parent)
         code = rig_run(name, settings, &closed, NULL, NULL, NULL);
-    }
     _exit(code);
 }
 
@@ -56,9 +55,8 @@ int rig_open(const char *name, const rig_settings *settings, rig *r) {
     pid_t parent = getpid();
     int code = CLI_OK, end[2];
     *r = (rig){.child = 0};
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, end) != 0) {
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, end) != 0)
         return cli_failure(name, "a socket: %s", strerror(errno));
-    }
     snprintf(port, sizeof port, "fd:%d", end[1]);
     own.port = port;
     r->child = fork();
@@ -78,9 +76,8 @@ int rig_open(const char *name, const rig_settings *settings, rig *r) {
 
 int rig_close(rig *r) {
     int status = 0;
-    if (r->child <= 0) {
+    if (r->child <= 0)
         return CLI_OK;
-    }
     kill(r->child, SIGTERM);
     while (waitpid(r->child, &status, 0) < 0 && errno == EINTR) {
     }

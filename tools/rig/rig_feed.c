@@ -25,9 +25,8 @@ static int hex_digit(char c) {
 /* Appends a line's bytes; false: not pairs of hexadecimal digits. */
 static bool take_bytes(rig_feed *f, const char *text, rig_line *line) {
     size_t at = line->from;
-    for (; hex_digit(text[0]) >= 0 && hex_digit(text[1]) >= 0; text += 2) {
+    for (; hex_digit(text[0]) >= 0 && hex_digit(text[1]) >= 0; text += 2)
         f->byte[at++] = (uint8_t)(16 * hex_digit(text[0]) + hex_digit(text[1]));
-    }
     line->n = at - line->from;
     return line->n > 0 && text[strspn(text, " \r\n")] == '\0';
 }
@@ -37,23 +36,19 @@ static int take_line(const char *name, rig_feed *f, const char *text, size_t *us
     char *rest;
     rig_line line = {.from = *used};
     unsigned long tick = strtoul(text, &rest, 10);
-    if (!isdigit((unsigned char)text[0]) || *rest != ' ' || tick > UINT32_MAX) {
+    if (!isdigit((unsigned char)text[0]) || *rest != ' ' || tick > UINT32_MAX)
         return bad_line(name, f, "wants TICK HEXBYTES");
-    }
     line.tick = (uint32_t)tick;
-    if (f->n_lines > 0 && line.tick < f->line[f->n_lines - 1].tick) {
+    if (f->n_lines > 0 && line.tick < f->line[f->n_lines - 1].tick)
         return bad_line(name, f, "its tick is before the line's above");
-    }
     rig_line *lines = realloc(f->line, (f->n_lines + 1) * sizeof *lines);
     f->line = lines ? lines : f->line;
     uint8_t *bytes = lines ? realloc(f->byte, *used + strlen(rest)) : NULL;
     f->byte = bytes ? bytes : f->byte;
-    if (!bytes) {
+    if (!bytes)
         return cli_status(name, PALP_ERR_NO_MEMORY, NULL);
-    }
-    if (!take_bytes(f, rest + 1, &line)) {
+    if (!take_bytes(f, rest + 1, &line))
         return bad_line(name, f, "wants pairs of hexadecimal digits after the tick");
-    }
     *used += line.n;
     f->line[f->n_lines++] = line;
     return CLI_OK;
@@ -61,22 +56,18 @@ static int take_line(const char *name, rig_feed *f, const char *text, size_t *us
 
 int rig_feed_open(const char *name, const rig_settings *settings, rig_feed *f) {
     *f = (rig_feed){.settings = settings};
-    if (!settings->script) {
+    if (!settings->script)
         return CLI_OK;
-    }
     FILE *file = fopen(settings->script, "r");
-    if (!file) {
+    if (!file)
         return cli_failure(name, "%s: %s", settings->script, strerror(errno));
-    }
     char *text = NULL;
     size_t size = 0, used = 0;
     int code = CLI_OK;
-    while (code == CLI_OK && getline(&text, &size, file) >= 0) {
+    while (code == CLI_OK && getline(&text, &size, file) >= 0)
         code = take_line(name, f, text, &used);
-    }
-    if (code == CLI_OK && ferror(file)) {
+    if (code == CLI_OK && ferror(file))
         code = cli_failure(name, "%s: %s", settings->script, strerror(errno));
-    }
     free(text);
     fclose(file);
     return code;
@@ -133,11 +124,10 @@ static bool lasts(const rig_injection *i, uint32_t tick) {
 void rig_feed_plant(const rig_feed *f, uint32_t tick, plant *p) {
     for (size_t i = 0; i < f->settings->n_injections; i++) {
         const rig_injection *one = &f->settings->injection[i];
-        if (effects[one->fault].kind == IN_PLANT && begins(one, tick)) {
+        if (effects[one->fault].kind == IN_PLANT && begins(one, tick))
             plant_inject(p, (plant_fault)effects[one->fault].what);
-        } else if (effects[one->fault].kind == IN_PLANT && ends(one, tick)) {
+        else if (effects[one->fault].kind == IN_PLANT && ends(one, tick))
             plant_lift(p, (plant_fault)effects[one->fault].what);
-        }
     }
 }
 
@@ -156,14 +146,12 @@ static void feed_events(rig_feed *f, const plant *p, plant_in *in) {
         const rig_injection *one = &f->settings->injection[i];
         effect_kind kind = effects[one->fault].kind;
         bool once = begins(one, in->tick) && !(f->done >> i & 1u);
-        if ((kind == BY_EVENT && lasts(one, in->tick)) || (kind == BY_EVENT_ONCE && once)) {
+        if ((kind == BY_EVENT && lasts(one, in->tick)) || (kind == BY_EVENT_ONCE && once))
             in->events |= (uint8_t)effects[one->fault].what;
-        }
-        if (once && one->fault == PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE) {
+        if (once && one->fault == PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE)
             narrow_travel(f, p, -1e-4); /* the reference is then outside */
-        } else if (once && one->fault == PALP_WIRE_FAULT_OVER_TRAVEL) {
+        else if (once && one->fault == PALP_WIRE_FAULT_OVER_TRAVEL)
             narrow_travel(f, p, 2e-3); /* there before the plate has been off its reference for long */
-        }
         f->done |= once ? 1u << i : 0;
     }
 }
@@ -176,9 +164,8 @@ static void put(plant_in *in, uint8_t byte) {
 
 void rig_feed_record(rig_feed *f, const plant *p, plant_in *in) {
     feed_events(f, p, in);
-    while (in->rx_count < PLANT_LINK_RX && f->limits_at < f->limits_n) {
+    while (in->rx_count < PLANT_LINK_RX && f->limits_at < f->limits_n)
         put(in, f->limits[f->limits_at++]);
-    }
     while (in->rx_count < PLANT_LINK_RX && f->next < f->n_lines && f->line[f->next].tick <= in->tick) {
         const rig_line *line = &f->line[f->next];
         put(in, f->byte[line->from + f->at++]);

@@ -84,11 +84,9 @@ const char *rig_options_given(const rig_options *o) {
     rig_options copy = *o;
     cli_option list[RIG_OPTIONS];
     rig_options_list(&copy, list);
-    for (size_t i = 0; i < RIG_OPTIONS; i++) {
-        if (given(&list[i])) {
+    for (size_t i = 0; i < RIG_OPTIONS; i++)
+        if (given(&list[i]))
             return list[i].name;
-        }
-    }
     return NULL;
 }
 
@@ -97,9 +95,8 @@ const char *rig_options_given(const rig_options *o) {
 static int fault_number(const char *name, size_t length) {
     for (int i = 1; i < PALP_WIRE_FAULT_COUNT; i++) {
         const char *known = palp_wire_fault_name((uint8_t)i);
-        if (strlen(known) == length && memcmp(known, name, length) == 0) {
+        if (strlen(known) == length && memcmp(known, name, length) == 0)
             return i;
-        }
     }
     return 0;
 }
@@ -109,9 +106,8 @@ static const char *read_injection(const char *text, rig_injection *one) {
     char *end;
     size_t length = strcspn(text, "@,");
     *one = (rig_injection){.fault = fault_number(text, length)};
-    if (!one->fault || text[length] != '@') {
+    if (!one->fault || text[length] != '@')
         return NULL;
-    }
     one->time_s = strtod(text + length + 1, &end);
     bool good = end > text + length + 1 && one->time_s >= 0 && one->time_s < 1e6;
     if (good && *end == '-') {
@@ -126,26 +122,22 @@ static int bad_injection(const char *name, const char *text) {
     char known[512] = "";
     size_t at = 0;
     int length = (int)strcspn(text, "@,");
-    if (fault_number(text, (size_t)length)) {
+    if (fault_number(text, (size_t)length))
         return cli_usage_error(name, "--inject wants FAULT@SECONDS or FAULT@FROM-TO, not \"%.*s\"",
                                (int)strcspn(text, ","), text);
-    }
-    for (int i = 1; i < PALP_WIRE_FAULT_COUNT; i++) {
+    for (int i = 1; i < PALP_WIRE_FAULT_COUNT; i++)
         at += (size_t)snprintf(known + at, sizeof known - at, "%s%s", i > 1 ? ", " : "",
                                palp_wire_fault_name((uint8_t)i));
-    }
     return cli_usage_error(name, "--inject: no such fault: \"%.*s\"; there are %s", length, text, known);
 }
 
 static int read_injections(const char *name, const char *text, rig_settings *s) {
     while (text && *text) {
-        if (s->n_injections == RIG_INJECTIONS) {
+        if (s->n_injections == RIG_INJECTIONS)
             return cli_usage_error(name, "--inject takes at most %d faults", RIG_INJECTIONS);
-        }
         const char *end = read_injection(text, &s->injection[s->n_injections++]);
-        if (!end) {
+        if (!end)
             return bad_injection(name, text);
-        }
         text = *end ? end + 1 : end;
     }
     return CLI_OK;
@@ -154,17 +146,15 @@ static int read_injections(const char *name, const char *text, rig_settings *s) 
 /* ---- settings ---- */
 
 static void set(double *to, double value, double unit) {
-    if (!isnan(value)) {
+    if (!isnan(value))
         *to = value / unit;
-    }
 }
 
 static int set_plant(const char *name, const rig_options *o, const char *model, plant_settings *p) {
     palp_error error = {PALP_OK, ""};
     palp_status status = o->actuator ? plant_actuator_read(o->actuator, &p->actuator, &error) : PALP_OK;
-    if (status) {
+    if (status)
         return cli_status(name, status, &error);
-    }
     p->model = model;
     p->specimen = o->specimen < 0 ? PLANT_MODEL : (plant_specimen)o->specimen;
     p->sensor.seed = o->seed == SIZE_MAX ? p->sensor.seed : o->seed;
@@ -183,10 +173,9 @@ static int set_plant(const char *name, const rig_options *o, const char *model, 
 
 int rig_options_settings(const char *name, const rig_options *o, const char *model, rig_settings *settings) {
     *settings = rig_settings_default();
-    if (model && o->specimen > 0) {
+    if (model && o->specimen > 0)
         return cli_usage_error(name, "--specimen %s does not go with a model",
                                o->specimen == 1 ? "rigid" : "none");
-    }
     settings->firmware = o->firmware < 0 ? RIG_AUTO : (rig_firmware)o->firmware;
     settings->paced = o->paced;
     settings->log = o->log;

@@ -23,15 +23,13 @@ enum { PATIENCE_MS = 10000 };
 static int open_pty(char *name, size_t size) {
     struct termios raw;
     int fd = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (fd < 0 || grantpt(fd) != 0 || unlockpt(fd) != 0 || tcgetattr(fd, &raw) != 0) {
+    if (fd < 0 || grantpt(fd) != 0 || unlockpt(fd) != 0 || tcgetattr(fd, &raw) != 0)
         return -1;
-    }
     cfmakeraw(&raw);
     tcsetattr(fd, TCSANOW, &raw);
     int other = open(ptsname(fd), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (other >= 0) {
+    if (other >= 0)
         close(other);
-    }
     snprintf(name, size, "pty:%s", ptsname(fd));
     return fd;
 }
@@ -71,9 +69,8 @@ int rig_port_open(const char *command, const char *wanted, rig_port *port, char 
 
 /* A write that failed is told now. */
 static int close_file(rig_port *port) {
-    if (!port->failed) {
+    if (!port->failed)
         return cli_file_close(port->command, &port->file);
-    }
     int code = cli_failure(port->command, "%s: cannot write: %s", port->file.path, strerror(port->failed));
     palp_file_abandon(&port->file);
     return code;
@@ -81,14 +78,12 @@ static int close_file(rig_port *port) {
 
 int rig_port_close(rig_port *port) {
     int code = CLI_OK;
-    if (port->file.stream) {
+    if (port->file.stream)
         code = close_file(port);
-    } else if (port->connection >= 0) {
+    else if (port->connection >= 0)
         close(port->connection);
-    }
-    if (port->listener >= 0) {
+    if (port->listener >= 0)
         close(port->listener);
-    }
     port->listener = port->connection = -1;
     return code;
 }
@@ -103,16 +98,13 @@ static void hang_up(rig_port *port) {
 }
 
 size_t rig_port_read(rig_port *port, uint8_t *byte, size_t most) {
-    if (port->connection < 0 && port->listener >= 0) {
+    if (port->connection < 0 && port->listener >= 0)
         port->connection = accept4(port->listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    }
-    if (port->kind == RIG_PORT_FILE || port->connection < 0 || most == 0) {
+    if (port->kind == RIG_PORT_FILE || port->connection < 0 || most == 0)
         return 0;
-    }
     ssize_t n = read(port->connection, byte, most);
-    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) {
+    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR))
         hang_up(port);
-    }
     return n > 0 ? (size_t)n : 0;
 }
 
@@ -131,16 +123,14 @@ bool rig_port_write(rig_port *port, const uint8_t *byte, size_t n) {
     while (port->n_held > 0) {
         short now = port->connection < 0 ? POLLHUP : wait_for_room(port);
         ssize_t some = 0;
-        if (now & (POLLHUP | POLLERR)) {
+        if (now & (POLLHUP | POLLERR))
             some = (ssize_t)port->n_held;
-        } else if (now & POLLOUT) {
+        else if (now & POLLOUT)
             some = write(port->connection, port->held, port->n_held);
-        }
         port->failed = some < 0 && errno != EAGAIN && errno != EINTR ? errno : port->failed;
         port->patience_ms = some > 0 ? PATIENCE_MS : 0;
-        if (some <= 0) {
+        if (some <= 0)
             return false;
-        }
         port->n_held -= (size_t)some;
         memmove(port->held, port->held + some, port->n_held);
     }

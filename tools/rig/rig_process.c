@@ -34,18 +34,16 @@ static bool own_folder(char folder[RIG_PATH]) {
     ssize_t n = readlink("/proc/self/exe", folder, RIG_PATH - 1);
     folder[n > 0 ? n : 0] = '\0';
     char *slash = strrchr(folder, '/');
-    if (slash) {
+    if (slash)
         *slash = '\0';
-    }
     return slash != NULL;
 }
 
 static bool find_image(const char *file, char path[RIG_PATH]) {
     char folder[RIG_PATH];
     const char *given = getenv("PALPATE_FIRMWARE");
-    if (given && *given) {
+    if (given && *given)
         return look_in(given, "", file, path);
-    }
     return own_folder(folder) &&
            (look_in(folder, "firmware/", file, path) || look_in(folder, "../lib/palpate/", file, path));
 }
@@ -122,16 +120,13 @@ static void become(const rig_settings *s, const rig_process *p, pid_t parent) {
     /* clang-format on */
     const char *const *wanted = s->firmware == RIG_QEMU ? under_qemu : as_process;
     char *list[ARGUMENTS] = {NULL};
-    for (size_t i = 0; wanted[i]; i++) {
+    for (size_t i = 0; wanted[i]; i++)
         list[i] = strdup(wanted[i]);
-    }
-    if (s->firmware == RIG_QEMU) {
+    if (s->firmware == RIG_QEMU)
         stay_on_one_processor();
-    }
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() == parent && setpgid(0, 0) == 0 && chdir(p->folder) == 0) {
+    if (getppid() == parent && setpgid(0, 0) == 0 && chdir(p->folder) == 0)
         execvp(list[0], list);
-    }
     fprintf(stderr, "%s: %s\n", list[0] ? list[0] : "firmware", strerror(errno));
     _exit(127);
 }
@@ -150,23 +145,20 @@ static int start_failed(const char *name, const char *what) {
 int rig_process_start(const char *name, const rig_settings *settings, rig_process *p) {
     int text[2] = {-1, -1};
     *p = (rig_process){.to = -1, .from = -1, .text = -1};
-    if (!make_folder(p->folder)) {
+    if (!make_folder(p->folder))
         return start_failed(name, "a temporary folder");
-    }
     p->to = open_fifo(p->folder, "in");
     p->from = open_fifo(p->folder, "out");
-    if (p->to < 0 || p->from < 0 || pipe2(text, O_CLOEXEC | O_NONBLOCK) != 0) {
+    if (p->to < 0 || p->from < 0 || pipe2(text, O_CLOEXEC | O_NONBLOCK) != 0)
         return start_failed(name, p->folder);
-    }
     p->text = text[0];
     pid_t parent = getpid();
     p->pid = fork();
     if (p->pid == 0) {
         int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
         fcntl(text[1], F_SETFL, 0);
-        if (dup2(nothing, 0) >= 0 && dup2(text[1], 1) >= 0 && dup2(text[1], 2) >= 0) {
+        if (dup2(nothing, 0) >= 0 && dup2(text[1], 1) >= 0 && dup2(text[1], 2) >= 0)
             become(settings, p, parent);
-        }
         _exit(127);
     }
     close(text[1]);
@@ -177,9 +169,8 @@ int rig_process_start(const char *name, const rig_settings *settings, rig_proces
 
 static void take_line(rig_process *p) {
     p->line[p->n] = '\0';
-    if (p->n > 0) {
+    if (p->n > 0)
         strcpy(p->last, p->line);
-    }
     p->n = 0;
 }
 
@@ -188,16 +179,14 @@ bool rig_process_listen(rig_process *p) {
     ssize_t n;
     while ((n = read(p->text, text, sizeof text)) > 0) {
         for (ssize_t i = 0; i < n; i++) {
-            if (text[i] == '\n') {
+            if (text[i] == '\n')
                 take_line(p);
-            } else if (p->n + 1 < sizeof p->line) {
+            else if (p->n + 1 < sizeof p->line)
                 p->line[p->n++] = text[i];
-            }
         }
     }
-    if (n == 0) {
+    if (n == 0)
         take_line(p);
-    }
     return n < 0 && (errno == EAGAIN || errno == EINTR);
 }
 
@@ -210,18 +199,16 @@ static double now_s(void) {
 }
 
 static void close_one(int fd) {
-    if (fd >= 0) {
+    if (fd >= 0)
         close(fd);
-    }
 }
 
 /* With its FIFOs closed it ends by itself; it has when nobody holds its text's other end any more. */
 static void part(rig_process *p) {
     double until_s = now_s() + 1e-3 * PARTING_MS;
     struct pollfd one = {.fd = p->text, .events = POLLIN};
-    while (rig_process_listen(p) && now_s() < until_s) {
+    while (rig_process_listen(p) && now_s() < until_s)
         poll(&one, 1, 10);
-    }
     kill(p->pid, SIGKILL);
     while (waitpid(p->pid, NULL, 0) < 0 && errno == EINTR) {
     }
@@ -236,9 +223,8 @@ static void remove_in(const char *folder, const char *name) {
 void rig_process_end(rig_process *p) {
     close_one(p->to);
     close_one(p->from);
-    if (p->pid > 0) {
+    if (p->pid > 0)
         part(p);
-    }
     close_one(p->text);
     if (p->folder[0]) {
         remove_in(p->folder, "in");

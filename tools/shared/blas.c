@@ -22,16 +22,14 @@ static any_function find(const char *name) {
 
 void blas_one_thread(void) {
     void (*limit)(int) = (void (*)(int))find("openblas_set_num_threads");
-    if (limit) {
+    if (limit)
         limit(1);
-    }
 }
 
 size_t blas_jobs(const char *name, size_t wanted) {
     int (*parallel)(void) = (int (*)(void))find("openblas_get_parallel");
-    if (wanted < 2 || !parallel || parallel() != 0) {
+    if (wanted < 2 || !parallel || parallel() != 0)
         return wanted;
-    }
     cli_warning(name, "one job at a time: this OpenBLAS has no locks (install libopenblas0-pthread)");
     return 1;
 }

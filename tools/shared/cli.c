@@ -17,9 +17,8 @@ static const char STDIN[] = "/dev/stdin"; /* what "-" stands for */
 bool cli_read_number(const char *text, double *value) {
     char *end;
     double number = strtod(text, &end);
-    if (end == text || *end || !isfinite(number)) {
+    if (end == text || *end || !isfinite(number))
         return false;
-    }
     *value = number;
     return true;
 }
@@ -29,28 +28,23 @@ bool cli_read_list(const char *text, cli_list *list) {
     list->n = 0;
     for (const char *from = text;;) {
         size_t length = strcspn(from, ",");
-        if (length == 0 || length >= sizeof word || list->n == CLI_LIST_MAX) {
+        if (length == 0 || length >= sizeof word || list->n == CLI_LIST_MAX)
             return false;
-        }
         memcpy(word, from, length);
         word[length] = '\0';
-        if (!cli_read_number(word, &list->value[list->n++])) {
+        if (!cli_read_number(word, &list->value[list->n++]))
             return false;
-        }
-        if (!from[length]) {
+        if (!from[length])
             return true;
-        }
         from += length + 1;
     }
 }
 
 bool cli_spread(const cli_list *list, double value[3]) {
-    if (list->n != 1 && list->n != 3) {
+    if (list->n != 1 && list->n != 3)
         return false;
-    }
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; i++)
         value[i] = list->value[list->n == 3 ? i : 0];
-    }
     return true;
 }
 
@@ -114,12 +108,10 @@ static int choice_index(const char *choices, const char *text) {
     int index = 0;
     for (const char *at = choices;; index++) {
         size_t n = strcspn(at, "|");
-        if (n == length && memcmp(at, text, n) == 0) {
+        if (n == length && memcmp(at, text, n) == 0)
             return index;
-        }
-        if (!at[n]) {
+        if (!at[n])
             return -1;
-        }
         at += n + 1;
     }
 }
@@ -127,43 +119,36 @@ static int choice_index(const char *choices, const char *text) {
 static int check_range(const char *name, const cli_option *o, double x) {
     bool whole = o->type == CLI_COUNT || o->type == CLI_COUNTS;
     bool above = o->type == CLI_POSITIVE || o->type == CLI_NUMBERS;
-    if (whole && x != floor(x)) {
+    if (whole && x != floor(x))
         return cli_usage_error(name, "--%s wants a whole number, not %g", o->name, x);
-    }
-    if (above && (x <= 0 || x > o->high)) {
+    if (above && (x <= 0 || x > o->high))
         return cli_usage_error(name, "--%s must be above 0 and at most %g, not %g", o->name, o->high, x);
-    }
-    if (!above && (x < o->low || x > o->high)) {
+    if (!above && (x < o->low || x > o->high))
         return cli_usage_error(name, "--%s must be from %g to %g, not %g", o->name, o->low, o->high, x);
-    }
     return CLI_OK;
 }
 
 static int take_list(const char *name, const cli_option *o, const char *text) {
-    if (!cli_read_list(text, o->to.list)) {
+    if (!cli_read_list(text, o->to.list))
         return cli_usage_error(name, "--%s wants numbers separated by commas (%s), not \"%s\"", o->name,
                                o->value, text);
-    }
     for (size_t i = 0; i < o->to.list->n; i++) {
         int code = check_range(name, o, o->to.list->value[i]);
-        if (code) {
+        if (code)
             return code;
-        }
     }
     return CLI_OK;
 }
 
 static int take_number(const char *name, const cli_option *o, const char *text) {
     double x = 0;
-    if (!cli_read_number(text, &x)) {
+    if (!cli_read_number(text, &x))
         return cli_usage_error(name, "--%s wants a number (%s), not \"%s\"", o->name, o->value, text);
-    }
     int code = check_range(name, o, x);
-    if (code == CLI_OK && o->type == CLI_COUNT) {
+    if (code == CLI_OK && o->type == CLI_COUNT)
         *o->to.count = (size_t)x;
-    } else if (code == CLI_OK) {
+    else if (code == CLI_OK)
         *o->to.number = x;
-    }
     return code;
 }
 
@@ -178,13 +163,11 @@ static int take(const char *name, const cli_option *o, const char *text) {
     case CLI_IN:
     case CLI_OUT:
     case CLI_OUT_FOLDER:
-        if (!*text || strlen(text) >= CLI_PATH_MAX - 32) {
+        if (!*text || strlen(text) >= CLI_PATH_MAX - 32)
             return cli_usage_error(name, "--%s wants a name (%s)", o->name, o->value);
-        }
         *o->to.text = text;
-        if (strcmp(text, "-") == 0 && (o->type == CLI_IN || o->type == CLI_OUT)) {
+        if (strcmp(text, "-") == 0 && (o->type == CLI_IN || o->type == CLI_OUT))
             *o->to.text = o->type == CLI_IN ? STDIN : "/dev/stdout";
-        }
         return CLI_OK;
     case CLI_CHOICE:
         *o->to.choice = choice_index(o->value, text);
@@ -206,20 +189,17 @@ static int take(const char *name, const cli_option *o, const char *text) {
 
 /* The command's own --force; NULL = it has none. */
 static const bool *own_force(const cli_command *command) {
-    for (size_t i = 0; i < command->n_options; i++) {
-        if (command->options[i].type == CLI_FLAG && strcmp(command->options[i].name, "force") == 0) {
+    for (size_t i = 0; i < command->n_options; i++)
+        if (command->options[i].type == CLI_FLAG && strcmp(command->options[i].name, "force") == 0)
             return command->options[i].to.flag;
-        }
-    }
     return NULL;
 }
 
 /* It has outputs, and no --force of its own. */
 static bool wants_force(const cli_command *command) {
     bool outputs = false;
-    for (size_t i = 0; i < command->n_options; i++) {
+    for (size_t i = 0; i < command->n_options; i++)
         outputs = outputs || command->options[i].type == CLI_OUT || command->options[i].type == CLI_OUT_FOLDER;
-    }
     return outputs && !own_force(command);
 }
 
@@ -227,15 +207,13 @@ static void long_options(const cli_command *command, struct option *table) {
     size_t n = 0;
     for (size_t i = 0; i < command->n_options && n + 3 < OPTIONS_MAX; i++) {
         const cli_option *o = &command->options[i];
-        if (o->type != CLI_HEADING) {
+        if (o->type != CLI_HEADING)
             table[n++] = (struct option){o->name, o->type == CLI_FLAG ? no_argument : required_argument, NULL,
                                          FIRST_CODE + (int)i};
-        }
     }
     table[n++] = (struct option){"help", no_argument, NULL, 'h'};
-    if (wants_force(command)) {
+    if (wants_force(command))
         table[n++] = (struct option){"force", no_argument, NULL, 'f'};
-    }
     table[n] = (struct option){NULL, 0, NULL, 0};
 }
 
@@ -244,11 +222,9 @@ static int unknown_option(const cli_command *command, const char *typed) {
     char word[64];
     size_t n = 0;
     snprintf(word, sizeof word, "%.*s", (int)strcspn(typed + 2, "="), typed + 2);
-    for (size_t i = 0; i < command->n_options && n < OPTIONS_MAX; i++) {
-        if (command->options[i].type != CLI_HEADING) {
+    for (size_t i = 0; i < command->n_options && n < OPTIONS_MAX; i++)
+        if (command->options[i].type != CLI_HEADING)
             names[n++] = command->options[i].name;
-        }
-    }
     near = cli_nearest(word, n, names);
     return near ? cli_usage_error(command->name, "no such option: %s; did you mean --%s?", typed, near)
                 : cli_usage_error(command->name, "no such option: %s; see palpate %s --help", typed, command->name);
@@ -256,15 +232,12 @@ static int unknown_option(const cli_command *command, const char *typed) {
 
 static int bad_option(const cli_command *command, int code, char **argv) {
     const char *name = command->name;
-    if (code == ':') {
+    if (code == ':')
         return cli_usage_error(name, "%s wants a value; see palpate %s --help", argv[optind - 1], name);
-    }
-    if (optopt >= FIRST_CODE) {
+    if (optopt >= FIRST_CODE)
         return cli_usage_error(name, "%s takes no value; see palpate %s --help", argv[optind - 1], name);
-    }
-    if (optopt && strncmp(argv[optind - 1], "--", 2) != 0) {
+    if (optopt && strncmp(argv[optind - 1], "--", 2) != 0)
         return cli_usage_error(name, "no such option: -%c; see palpate %s --help", optopt, name);
-    }
     return unknown_option(command, argv[optind - 1]);
 }
 
@@ -294,18 +267,15 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
             force = true;
             continue;
         }
-        if (code < FIRST_CODE) {
+        if (code < FIRST_CODE)
             return bad_option(command, code, argv);
-        }
         int exit_code = take(command->name, &command->options[code - FIRST_CODE], optarg);
-        if (exit_code) {
+        if (exit_code)
             return exit_code;
-        }
     }
     for (*n_words = 0; optind < argc; optind++) {
-        if (*n_words == max_words) {
+        if (*n_words == max_words)
             return cli_usage_error(command->name, "one argument too many: \"%s\"", argv[optind]);
-        }
         words[(*n_words)++] = strcmp(argv[optind], "-") == 0 ? STDIN : argv[optind];
     }
     return cli_outputs_check(command, own ? *own : force, words, *n_words);
@@ -331,15 +301,13 @@ void cli_help(const cli_command *command, FILE *to) {
     fprintf(to, "Usage: palpate %s %s\n\n%s\n", command->name, command->usage, command->about);
     for (size_t i = 0; i < command->n_options; i++) {
         const cli_option *o = &command->options[i];
-        if (o->type == CLI_HEADING) {
+        if (o->type == CLI_HEADING)
             fprintf(to, "\n%s\n", o->name);
-        } else {
+        else
             help_line(o, to);
-        }
     }
-    if (wants_force(command)) {
+    if (wants_force(command))
         fprintf(to, "  --force%*slet an output replace a recording\n", HELP_COLUMN - 9, "");
-    }
     fprintf(to, "  --help%*sthis text\n\nExample:\n%s", HELP_COLUMN - 8, "", command->example);
 }
 
@@ -349,21 +317,18 @@ void cli_keep_command(int argc, char **argv, char command[CLI_COMMAND_MAX]) {
         int n = snprintf(command + at, CLI_COMMAND_MAX - at, " %s", argv[i]);
         at += n > 0 ? (size_t)n : 0;
     }
-    if (at >= CLI_COMMAND_MAX) {
+    if (at >= CLI_COMMAND_MAX)
         memcpy(command + CLI_COMMAND_MAX - 5, " ...", 5);
-    }
 }
 
 /* How many letters to put in, take out or change (or two neighbours to swap) to make one word the other. */
 static size_t distance(const char *a, const char *b) {
     enum { MOST = 32 };
     size_t n = strlen(a), m = strlen(b), row[3][MOST + 1], *two = row[0], *above = row[1], *now = row[2];
-    if (n > MOST || m > MOST) {
+    if (n > MOST || m > MOST)
         return MOST;
-    }
-    for (size_t j = 0; j <= m; j++) {
+    for (size_t j = 0; j <= m; j++)
         above[j] = two[j] = j;
-    }
     for (size_t i = 1; i <= n; i++) {
         now[0] = i;
         for (size_t j = 1; j <= m; j++) {

@@ -156,23 +156,20 @@ void html_card(FILE *to, const char *label, const char *format, ...) {
 }
 
 void html_number(char text[32], const json_t *value, int digits) {
-    if (json_is_number(value)) {
+    if (json_is_number(value))
         snprintf(text, 32, "%#.*g", digits, json_number_value(value));
-    } else {
+    else
         strcpy(text, "-");
-    }
 }
 
 /* ---- bars and figures ---- */
 
 void html_bars(FILE *to, double before, double after, double mark) {
     fputs("<td class=\"bar\">", to);
-    if (isfinite(before)) {
+    if (isfinite(before))
         fprintf(to, "<i style=\"width:%.1f%%\"></i>", 100 * before);
-    }
-    if (isfinite(after)) {
+    if (isfinite(after))
         fprintf(to, "<i class=\"after\" style=\"width:%.1f%%\"></i>", 100 * after);
-    }
     fprintf(to, "<u style=\"left:%.1f%%\"></u></td>", 100 * mark);
 }
 
@@ -188,9 +185,8 @@ static void inline_svg(FILE *to, const char *svg) {
     number++;
     for (const char *at = svg; *at && (!end || at < end + 6);) {
         size_t k = 0;
-        while (k < sizeof names / sizeof names[0] && !starts(at, names[k])) {
+        while (k < sizeof names / sizeof names[0] && !starts(at, names[k]))
             k++;
-        }
         if (k < sizeof names / sizeof names[0]) {
             fprintf(to, "%sf%u_", names[k], number);
             at += strlen(names[k]);
@@ -225,11 +221,10 @@ void html_image(FILE *to, const char *svg, const char *caption) {
 void html_draw(FILE *to, const plot_figure *figure, const char *caption) {
     char *svg;
     plot_result result = plot_svg(figure, &svg);
-    if (result == PLOT_OK) {
+    if (result == PLOT_OK)
         html_svg(to, svg, caption);
-    } else {
+    else
         fprintf(to, "<p class=\"about\">A figure is missing here: %s.</p>\n",
                 result == PLOT_NO_GNUPLOT ? "gnuplot is not installed" : "gnuplot failed");
-    }
     free(svg);
 }

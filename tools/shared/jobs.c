@@ -19,9 +19,8 @@ static void *worker(void *user) {
         pthread_mutex_lock(&q->lock);
         size_t i = q->next < q->n ? q->next++ : q->n;
         pthread_mutex_unlock(&q->lock);
-        if (i == q->n) {
+        if (i == q->n)
             return NULL;
-        }
         q->task(q->work, i);
     }
 }
@@ -31,12 +30,10 @@ void jobs_run(void *user, size_t n, void (*task)(void *work, size_t i), void *wo
     pthread_t thread[THREADS_MAX];
     queue q = {.n = n, .task = task, .work = work};
     pthread_mutex_init(&q.lock, NULL);
-    while (started + 1 < jobs && started < THREADS_MAX && pthread_create(&thread[started], NULL, worker, &q) == 0) {
+    while (started + 1 < jobs && started < THREADS_MAX && pthread_create(&thread[started], NULL, worker, &q) == 0)
         started++;
-    }
     worker(&q);
-    while (started > 0) {
+    while (started > 0)
         pthread_join(thread[--started], NULL);
-    }
     pthread_mutex_destroy(&q.lock);
 }

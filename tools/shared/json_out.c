@@ -48,9 +48,8 @@ json_t *json_number_or_null(double value) {
 
 json_t *json_numbers(size_t n, const double *value) {
     json_t *list = json_array();
-    for (size_t i = 0; list && i < n; i++) {
+    for (size_t i = 0; list && i < n; i++)
         json_array_append_new(list, json_number_or_null(value[i]));
-    }
     return list;
 }
 

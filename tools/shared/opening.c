@@ -30,8 +30,7 @@ int open_run(const char *command, const char *file, palp_experiment **run) {
 
 const char *open_no_specimen(const palp_experiment *run) {
     const char *kind;
-    if (palp_experiment_get_string(run, "specimen.kind", &kind)) {
+    if (palp_experiment_get_string(run, "specimen.kind", &kind))
         return NULL;
-    }
     return strcmp(kind, "none") == 0 || strcmp(kind, "rigid") == 0 ? kind : NULL;
 }

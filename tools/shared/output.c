@@ -28,9 +28,8 @@ static bool stands_together(const char *a, const char *b) {
 static bool same_file(const char *a, const char *b) {
     struct stat one, other;
     bool there = stat(a, &one) == 0, too = stat(b, &other) == 0;
-    if (there && too) {
+    if (there && too)
         return strcmp(a, b) == 0 || (one.st_dev == other.st_dev && one.st_ino == other.st_ino && S_ISREG(one.st_mode));
-    }
     return !there && !too && strcmp(cli_base(a), cli_base(b)) == 0 && stands_together(a, b);
 }
 
@@ -49,15 +48,13 @@ static bool is_input(const char *path, const char *input) {
     char file[CLI_PATH_MAX];
     struct stat entry;
     bool folder = stat(input, &entry) == 0 && S_ISDIR(entry.st_mode);
-    if (folder ? in_folder(path, input) : same_file(path, input)) {
+    if (folder ? in_folder(path, input) : same_file(path, input))
         return true;
-    }
     for (const char *at = input; *at; at += *at == ',') {
         size_t n = strcspn(at, ",");
         snprintf(file, sizeof file, "%.*s", (int)n, at);
-        if (n > 0 && same_file(path, file)) {
+        if (n > 0 && same_file(path, file))
             return true;
-        }
         at += n;
     }
     return false;
@@ -72,21 +69,17 @@ static bool is_recording(const char *path) {
         experiment = experiment || strncmp(line, "# palpate.experiment:", 21) == 0;
         simulated = simulated || strncmp(line, "# model.file:", 13) == 0;
     }
-    if (from) {
+    if (from)
         fclose(from);
-    }
     return experiment && !simulated;
 }
 
 int cli_output_check(const char *name, const char *path, bool force, size_t n_inputs, const char *const inputs[]) {
-    if (strncmp(path, "/dev/", 5) == 0) {
+    if (strncmp(path, "/dev/", 5) == 0)
         return CLI_OK;
-    }
-    for (size_t i = 0; i < n_inputs; i++) {
-        if (is_input(path, inputs[i])) {
+    for (size_t i = 0; i < n_inputs; i++)
+        if (is_input(path, inputs[i]))
             return cli_failure(name, "%s: is an input or named twice: name another output", path);
-        }
-    }
     return force || !is_recording(path)
                ? CLI_OK
                : cli_failure(name, "%s: is a recording: name another output, or give --force", path);
@@ -98,9 +91,8 @@ static bool matches(const char *patterns, const char *base) {
     for (const char *at = patterns; *at; at += *at == ' ') {
         size_t n = strcspn(at, " ");
         snprintf(pattern, sizeof pattern, "%.*s", (int)n, at);
-        if (fnmatch(pattern, base, 0) == 0) {
+        if (fnmatch(pattern, base, 0) == 0)
             return true;
-        }
         at += n;
     }
     return false;
@@ -113,20 +105,17 @@ static int check_folder(const cli_command *command, const cli_option *o, bool fo
     int code = CLI_OK;
     for (size_t i = 0; i < n && code == CLI_OK; i++) {
         snprintf(path, sizeof path, "%s/", folder);
-        if (matches(o->files, cli_base(others[i])) && stands_together(others[i], path)) {
+        if (matches(o->files, cli_base(others[i])) && stands_together(others[i], path))
             code = cli_failure(command->name, "%s: is an input or named twice: --%s would replace it", others[i], o->name);
-        }
     }
     DIR *open = opendir(folder);
     for (struct dirent *entry; open && code == CLI_OK && (entry = readdir(open)) != NULL;) {
         int length = matches(o->files, entry->d_name) ? snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) : 0;
-        if (length > 0 && (size_t)length < sizeof path) {
+        if (length > 0 && (size_t)length < sizeof path)
             code = cli_output_check(command->name, path, force, n, others);
-        }
     }
-    if (open) {
+    if (open)
         closedir(open);
-    }
     return code;
 }
 
@@ -134,15 +123,13 @@ int cli_outputs_check(const cli_command *command, bool force, const char *const 
     const char **other = malloc((n_words + command->n_options + 1) * sizeof *other);
     size_t n = 0;
     int code = other ? CLI_OK : cli_failure(command->name, "out of memory");
-    for (; code == CLI_OK && n < n_words; n++) {
+    for (; code == CLI_OK && n < n_words; n++)
         other[n] = words[n];
-    }
     for (int type = CLI_IN; type <= CLI_OUT_FOLDER; type++) { /* each is not to be what was named before it */
         for (size_t i = 0; i < command->n_options && code == CLI_OK; i++) {
             const cli_option *o = &command->options[i];
-            if ((int)o->type != type || !*o->to.text) {
+            if ((int)o->type != type || !*o->to.text)
                 continue;
-            }
             if (type == CLI_OUT_FOLDER) {
                 code = check_folder(command, o, force, n, other);
                 continue;
@@ -178,9 +165,8 @@ int cli_flush(const char *name) {
 
 int cli_folder(const char *name, const char *folder) {
     struct stat entry;
-    if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &entry) == 0 && S_ISDIR(entry.st_mode))) {
+    if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &entry) == 0 && S_ISDIR(entry.st_mode)))
         return CLI_OK;
-    }
     return cli_failure(name, "%s: is no folder and cannot be made", folder);
 }
 

@@ -23,14 +23,12 @@ static const double shades[4][3] = {{68, 1, 84}, {49, 104, 142}, {31, 158, 137},
 
 static unsigned colour_code(int colour) {
     unsigned code = 0;
-    if (colour < PLOT_SHADE) {
+    if (colour < PLOT_SHADE)
         return palette[colour % PLOT_COLOURS];
-    }
     double at = 3 * fmin((colour - PLOT_SHADE) / 999.0, 0.9999);
     int k = (int)at;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         code = code << 8 | (unsigned)(shades[k][i] + (at - k) * (shades[k + 1][i] - shades[k][i]));
-    }
     return code;
 }
 
@@ -52,9 +50,8 @@ static void write_data(FILE *to, size_t index, const plot_series *series) {
     for (size_t i = 0; i < series->n; i++) {
         if (isfinite(series->x[i]) && isfinite(series->y[i])) {
             fprintf(to, "%.7g", series->x[i]);
-            for (size_t k = 0; k < columns; k++) {
+            for (size_t k = 0; k < columns; k++)
                 fprintf(to, " %.7g", series->y[k * series->n + i]);
-            }
             fputc('\n', to);
         }
     }
@@ -76,12 +73,10 @@ static void write_series(FILE *to, size_t index, const plot_series *series) {
 }
 
 static void write_axis(FILE *to, char axis, plot_scale scale, const char *label) {
-    if (scale != PLOT_LINEAR) {
+    if (scale != PLOT_LINEAR)
         fprintf(to, "set logscale %c\n", axis);
-    }
-    if (scale == PLOT_LOG_FINE) {
+    if (scale == PLOT_LOG_FINE)
         fprintf(to, "set %crange [*:*] noextend\nset for [k=-9:9] %ctics add (10.**k, 2*10.**k, 5*10.**k)\n", axis, axis);
-    }
     fprintf(to, "set format %c '%s'\nset %clabel ", axis,
             scale == PLOT_LOG && axis == 'x' ? "10^{%L}" : "%g", axis);
     quote(to, "", label, " noenhanced\n");
@@ -94,22 +89,19 @@ static void write_panel(FILE *to, const plot_panel *p) {
         curves = curves || p->series[i].style == PLOT_LINE || p->series[i].style == PLOT_PALE;
         write_data(to, i, &p->series[i]);
     }
-    if (p->title) {
+    if (p->title)
         quote(to, "set title ", p->title, " noenhanced\n");
-    }
     /* curves fill the width; points alone keep their distance from the frame */
     fprintf(to, "unset logscale\nset xrange [*:*] %s\nset xtics %s\nset yrange [*:*]\n",
             curves ? "noextend" : "extend", p->x_counts ? "1" : "autofreq");
-    if (p->y_high > p->y_low) {
+    if (p->y_high > p->y_low)
         fprintf(to, "set yrange [%.7g:%.7g]\n", p->y_low, p->y_high);
-    }
     write_axis(to, 'x', p->x_scale, p->x_label);
     write_axis(to, 'y', p->y_scale, p->y_label);
     fputs(key ? "set key outside right top vertical Left reverse noenhanced samplen 2 width 2\n" : "unset key\n",
           to);
-    for (size_t i = 0; i < p->n_series; i++) {
+    for (size_t i = 0; i < p->n_series; i++)
         write_series(to, i, &p->series[i]);
-    }
     fputc('\n', to);
 }
 
@@ -125,12 +117,10 @@ static void write_script(FILE *to, const plot_figure *figure) {
             "set tics nomirror\nset lmargin 11\n",
             figure->width ? figure->width : 900, figure->height ? figure->height : 560,
             figure->height ? "1" : "1.3");
-    if (figure->title) {
+    if (figure->title)
         quote(to, "set title ", figure->title, " noenhanced\n");
-    }
-    if (n > 1) {
+    if (n > 1)
         fprintf(to, pair ? "set multiplot\n" : "set multiplot layout %zu,%zu\n", (n + columns - 1) / columns, columns);
-    }
     for (size_t k = 0; k < n; k++) {
         fputs(pair ? margins[k] : "", to);
         write_panel(to, &figure->panel[k]);
@@ -155,17 +145,13 @@ static plot_result run(FILE *script, FILE *svg) {
     posix_spawn_file_actions_adddup2(&files, fileno(svg), 1);
     int code = posix_spawnp(&child, env, &files, NULL, arguments, environ);
     posix_spawn_file_actions_destroy(&files);
-    if (code) {
+    if (code)
         return code == ENOENT ? PLOT_NO_GNUPLOT : PLOT_FAILED;
-    }
-    while (waitpid(child, &how, 0) < 0) {
-        if (errno != EINTR) {
+    while (waitpid(child, &how, 0) < 0)
+        if (errno != EINTR)
             return PLOT_FAILED;
-        }
-    }
-    if (WIFEXITED(how) && WEXITSTATUS(how) == 127) {
+    if (WIFEXITED(how) && WEXITSTATUS(how) == 127)
         return PLOT_NO_GNUPLOT;
-    }
     return WIFEXITED(how) && WEXITSTATUS(how) == 0 ? PLOT_OK : PLOT_FAILED;
 }
 
@@ -173,9 +159,8 @@ static plot_result run(FILE *script, FILE *svg) {
 static char *read_back(FILE *from) {
     long size = fseek(from, 0, SEEK_END) == 0 ? ftell(from) : -1;
     char *text = size > 0 && fseek(from, 0, SEEK_SET) == 0 ? calloc(1, (size_t)size + 1) : NULL;
-    if (text && fread(text, 1, (size_t)size, from) == (size_t)size) {
+    if (text && fread(text, 1, (size_t)size, from) == (size_t)size)
         return text;
-    }
     free(text);
     return NULL;
 }
@@ -193,12 +178,10 @@ static plot_result draw(const plot_figure *figure, char **text) {
         *text = read_back(to);
         result = *text && strstr(*text, "</svg>") ? PLOT_OK : PLOT_FAILED;
     }
-    if (script) {
+    if (script)
         fclose(script);
-    }
-    if (to) {
+    if (to)
         fclose(to);
-    }
     return result;
 }
 
@@ -223,9 +206,8 @@ static plot_result save(const plot_book *book, const char *name, const plot_figu
     palp_error error;
     int n = snprintf(path[0], sizeof path[0], "%s/%s.svg", book->folder, name);
     snprintf(path[1], sizeof path[1], "%s/%s.gp", book->folder, name); /* shorter */
-    if (n < 0 || (size_t)n >= sizeof path[0] || cli_file_open(book->command, path[0], &svg)) {
+    if (n < 0 || (size_t)n >= sizeof path[0] || cli_file_open(book->command, path[0], &svg))
         return PLOT_FAILED;
-    }
     if (cli_file_open(book->command, path[1], &script)) {
         palp_file_abandon(&svg);
         return PLOT_FAILED;
@@ -242,9 +224,8 @@ static plot_result save(const plot_book *book, const char *name, const plot_figu
 static plot_result write_files(const plot_book *book, const char *name, const plot_figure *figure) {
     char *text;
     plot_result result = draw(figure, &text);
-    if (result == PLOT_OK) {
+    if (result == PLOT_OK)
         result = save(book, name, figure, text);
-    }
     free(text);
     return result;
 }
@@ -252,25 +233,20 @@ static plot_result write_files(const plot_book *book, const char *name, const pl
 void plot_draw(plot_book *book, const char *name, const plot_figure *figure) {
     char *svg = NULL;
     plot_result result;
-    if (book->result == PLOT_NO_GNUPLOT) {
+    if (book->result == PLOT_NO_GNUPLOT)
         return;
-    }
-    if (book->folder) {
+    if (book->folder)
         result = write_files(book, name, figure);
-    } else {
+    else
         result = plot_svg(figure, &svg);
-    }
-    if (svg) {
+    if (svg)
         book->take(book->user, name, svg);
-    }
-    if (result != PLOT_OK) {
+    if (result != PLOT_OK)
         book->result = result;
-    }
 }
 
 int plot_close(const plot_book *book) {
-    if (book->result == PLOT_NO_GNUPLOT) {
+    if (book->result == PLOT_NO_GNUPLOT)
         cli_warning(book->command, "gnuplot is not installed: figures are missing");
-    }
     return book->result == PLOT_FAILED ? cli_failure(book->command, "a figure could not be drawn") : CLI_OK;
 }

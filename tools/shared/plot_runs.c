@@ -28,16 +28,14 @@ static double abscissa(const palp_recording *r, const axis *a, size_t i) {
 /* Bin of a sample: even in time or log time, or in the count of samples for a depth; -1 = not drawn. */
 static long bin_of(const palp_recording *r, const axis *a, size_t i) {
     double x = abscissa(r, a, i), at = 0;
-    if (!r->use[i] || x < a->from || x > a->to) {
+    if (!r->use[i] || x < a->from || x > a->to)
         return -1;
-    }
-    if (a->depth) {
+    if (a->depth)
         at = (double)i / (double)r->n;
-    } else if (a->log) {
+    else if (a->log)
         at = log(x / a->from) / log(a->to / a->from);
-    } else {
+    else
         at = (x - a->from) / (a->to - a->from);
-    }
     return (long)fmin(at * (double)a->bins, (double)a->bins - 1);
 }
 
@@ -100,11 +98,10 @@ static bool named(size_t k, size_t n) {
 }
 
 static void name_curve(const run_curve *run, char title[32]) {
-    if (run->recording->kind == PALP_RECORDING_RAMP_HOLD) {
+    if (run->recording->kind == PALP_RECORDING_RAMP_HOLD)
         snprintf(title, 32, "%.3g mm", 1e3 * run->recording->deepest_m);
-    } else {
+    else
         snprintf(title, 32, "%.18s", cli_base(run->recording->name));
-    }
 }
 
 static void add_curve(curves *c, const run_curve *run, size_t k, const axis *a, const double *force_N,
@@ -128,9 +125,8 @@ static void draw_curves(plot_book *book, const char *name, const char *title, si
         }
         for (size_t k = 0; k < n; k++) {
             const double *over = fit ? run[k].fit_N : run[k].filtered_N;
-            if (over) {
+            if (over)
                 add_curve(&c, &run[k], k, &a, over, PLOT_LINE, true);
-            }
         }
         const plot_figure figure = {.title = title, .n_panels = 1,
                                     .panel = {{.x_label = a.depth ? "depth (mm)" : "time from the start of the ramp (s)",
@@ -218,9 +214,8 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
                                 .panel = {{.x_label = "time from the start of the ramp (s)",
                                            .y_label = "mean of (fit - measured) / noise of a sample",
                                            .x_scale = PLOT_LOG, .n_series = c.used, .series = c.series}}};
-    if (c.used > 0) {
+    if (c.used > 0)
         plot_draw(book, name, &figure);
-    }
     curves_free(&c);
 }
 
@@ -233,21 +228,17 @@ void plot_runs_stiffness(plot_book *book, const char *name, const char *title, d
     size_t lines = n_lines < LINES_MAX ? n_lines : LINES_MAX, n = 0;
     for (size_t i = 0; i < LAW_POINTS; i++) {
         strain[i] = strain_max * (double)i / (LAW_POINTS - 1);
-        for (size_t k = 0; k < lines; k++) {
+        for (size_t k = 0; k < lines; k++)
             palp_law_stiffness(&line[k].law, strain[i], &stiffness[k][i], NULL);
-        }
     }
-    if (band) {
+    if (band)
         series[n++] = *band;
-    }
-    for (size_t k = 0; k < lines; k++) {
+    for (size_t k = 0; k < lines; k++)
         series[n++] =
             (plot_series){line[k].title, line[k].dashed ? PLOT_DASHED : PLOT_LINE, (int)k, LAW_POINTS, strain,
                           stiffness[k]};
-    }
-    if (points) {
+    if (points)
         series[n++] = *points;
-    }
     const plot_figure figure = {.title = title, .n_panels = 1,
                                 .panel = {{.x_label = "strain e", .y_label = "stiffness K (N per unit strain)",
                                            .n_series = n, .series = series}}};
@@ -260,9 +251,8 @@ void plot_runs_stiffness(plot_book *book, const char *name, const char *title, d
 double run_rate_Hz(const palp_recording *r) {
     double step = r->time_s[1] - r->time_s[0];
     size_t i = 1;
-    while (i + 1 < r->n && r->time_s[i + 1] - r->time_s[i] < 3 * step) {
+    while (i + 1 < r->n && r->time_s[i + 1] - r->time_s[i] < 3 * step)
         i++;
-    }
     return (double)i / (r->time_s[i] - r->time_s[0]);
 }
 

@@ -24,9 +24,8 @@ static double held_value(const palp_path *path, size_t i) {
 /* Steps of segment i: their number, and whether they grow. */
 static size_t segment_steps(const palp_path *path, size_t i, const press_settings *settings, bool *growing) {
     *growing = false;
-    if (settings->corners) {
+    if (settings->corners)
         return 1;
-    }
     if (settings->dt_s > 0) {
         double steps = ceil((path->time_s[i + 1] - path->time_s[i]) / settings->dt_s * (1 - 1e-12));
         return steps < 1 ? 1 : (size_t)steps;
@@ -38,13 +37,11 @@ static size_t segment_steps(const palp_path *path, size_t i, const press_setting
 palp_status press_times(const palp_path *path, const press_settings *settings, size_t *n, double **time_s) {
     size_t total = 1, at = 0;
     bool growing;
-    for (size_t i = 0; i + 1 < path->n; i++) {
+    for (size_t i = 0; i + 1 < path->n; i++)
         total += segment_steps(path, i, settings, &growing);
-    }
     double *t = malloc(total * sizeof *t);
-    if (!t) {
+    if (!t)
         return PALP_ERR_NO_MEMORY;
-    }
     t[at++] = path->time_s[0];
     for (size_t i = 0; i + 1 < path->n; i++) {
         double start = path->time_s[i], length = path->time_s[i + 1] - start;
@@ -68,20 +65,17 @@ static palp_status creep_step(const palp_material *material, double force_N, dou
     double low = -0.95, high = 0.95, e = state->strain, slope;
     palp_element_state next = *state;
     palp_status status = palp_element_advance(material, state, high, dt_s, &next, NULL);
-    if (status == PALP_OK && next.force_N < force_N) {
+    if (status == PALP_OK && next.force_N < force_N)
         return PALP_ERR_COLLAPSED;
-    }
     for (int i = 0; status == PALP_OK && i < 200; i++) {
         status = palp_element_advance(material, state, e, dt_s, &next, &slope);
         double miss = next.force_N - force_N;
-        if (status || fabs(miss) <= 1e-13 * fabs(force_N) || high - low < 1e-15) {
+        if (status || fabs(miss) <= 1e-13 * fabs(force_N) || high - low < 1e-15)
             break;
-        }
-        if (miss > 0) {
+        if (miss > 0)
             high = e;
-        } else {
+        else
             low = e;
-        }
         double newton = e - miss / slope;
         e = newton > low && newton < high ? newton : 0.5 * (low + high);
     }
@@ -94,9 +88,8 @@ static palp_status answer(const palp_material *material, double height_m, const 
                           size_t n, const double *time_s, double *drive, double *out) {
     for (size_t i = 0; i < n; i++) {
         drive[i] = palp_path_at(path, time_s[i]);
-        if (!path->force_N && drive[i] < 0) {
+        if (!path->force_N && drive[i] < 0)
             drive[i] = 0; /* the plate is in free air and pulls at nothing */
-        }
     }
     if (path->force_N) {
         palp_element_state state = {0};
@@ -104,17 +97,15 @@ static palp_status answer(const palp_material *material, double height_m, const 
             double dt_s = i ? time_s[i] - time_s[i - 1] : 0;
             if (i > 0 || drive[i] > 0) {
                 palp_status status = creep_step(material, drive[i], dt_s, &state);
-                if (status) {
+                if (status)
                     return status;
-                }
             }
             out[i] = state.strain * height_m;
         }
         return PALP_OK;
     }
-    if (!relaxed) {
+    if (!relaxed)
         return palp_lumped_run(material, height_m, n, time_s, drive, out);
-    }
     for (size_t i = 0; i < n; i++) {
         double e = drive[i] / height_m;
         palp_law_force(&material->law, 1, &e, &out[i], NULL, NULL);
@@ -128,20 +119,16 @@ static palp_status answer_finer(const palp_material *material, double height_m, 
                                 double *out) {
     size_t m = (n - 1) * cuts + 1;
     double *work = malloc(3 * m * sizeof *work);
-    if (!work) {
+    if (!work)
         return PALP_ERR_NO_MEMORY;
-    }
     double *t = work, *drive = work + m, *all = work + 2 * m;
-    for (size_t i = 0; i + 1 < n; i++) {
-        for (size_t k = 0; k < cuts; k++) {
+    for (size_t i = 0; i + 1 < n; i++)
+        for (size_t k = 0; k < cuts; k++)
             t[i * cuts + k] = time_s[i] + (time_s[i + 1] - time_s[i]) * (double)k / (double)cuts;
-        }
-    }
     t[m - 1] = time_s[n - 1];
     palp_status status = answer(material, height_m, path, settings->relaxed, m, t, drive, all);
-    for (size_t i = 0; status == PALP_OK && i < n; i++) {
+    for (size_t i = 0; status == PALP_OK && i < n; i++)
         out[i] = all[i * cuts];
-    }
     free(work);
     return status;
 }
@@ -173,10 +160,9 @@ palp_status press_lumped(const palp_material *material, double height_m, const p
     double *t = NULL;
     palp_status status = press_times(path, settings, &n, &t);
     double *out = status == PALP_OK ? malloc(n * sizeof *out) : NULL;
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status =
             out ? answer_to_tolerance(material, height_m, path, settings, n, t, out) : PALP_ERR_NO_MEMORY;
-    }
     for (size_t i = 0; status == PALP_OK && i < n; i++) {
         double given = palp_path_at(path, t[i]);
         status =
@@ -203,13 +189,11 @@ static bool at_corner(observation *o, double time_s) {
     while (o->corner < path->n) {
         size_t i = o->corner, next = i + 1 < path->n ? i + 1 : i;
         double near = 1e-6 * (path->time_s[next] - path->time_s[i ? i - 1 : 0]);
-        if (time_s < path->time_s[i] - near) {
+        if (time_s < path->time_s[i] - near)
             return false;
-        }
         o->corner++;
-        if (time_s <= path->time_s[i] + near) {
+        if (time_s <= path->time_s[i] + near)
             return true;
-        }
     }
     return false;
 }
@@ -217,16 +201,14 @@ static bool at_corner(observation *o, double time_s) {
 static int observe(void *user, double time_s, double depth_m, double force_N) {
     observation *o = user;
     const palp_path *path = o->path;
-    if (!o->settings->corners || at_corner(o, time_s)) {
+    if (!o->settings->corners || at_corner(o, time_s))
         o->status = record_add(o->curve, time_s, depth_m, force_N);
-    }
     if (o->watch && o->watch->bar) {
         double length = path->time_s[path->n - 1] - path->time_s[0];
         progress_update(o->watch->bar, (time_s - path->time_s[0]) / length);
     }
-    if (o->status == PALP_OK && o->watch && o->watch->frame) {
+    if (o->status == PALP_OK && o->watch && o->watch->frame)
         return o->watch->frame(o->watch->user);
-    }
     return o->status != PALP_OK;
 }
 
@@ -236,11 +218,10 @@ palp_status press_network(palp_network *network, const palp_path *path, const pr
     palp_run_settings run = {
         .dt_s = settings->dt_s, .observer = observe, .user = &o, .relaxed = settings->relaxed};
     double length = path->time_s[path->n - 1] - path->time_s[0];
-    if (settings->relaxed && run.dt_s <= 0) {
+    if (settings->relaxed && run.dt_s <= 0)
         run.dt_s = length / RELAXED_STEPS;
-    } else if (run.dt_s <= 0) {
+    else if (run.dt_s <= 0)
         run.tolerance = settings->tolerance;
-    }
     bool at_rest = path->force_N ? path->force_N[0] <= 0 : path->depth_m[0] == 0;
     if (at_rest) {
         o.status = record_add(curve, path->time_s[0], 0, 0);
@@ -252,9 +233,8 @@ palp_status press_network(palp_network *network, const palp_path *path, const pr
 
 void press_warn_beyond(const char *name, const palp_law *law, double largest_strain, double first_s) {
     char from[48] = "";
-    if (first_s >= 0) {
+    if (first_s >= 0)
         snprintf(from, sizeof from, " from t = %.4g s", first_s);
-    }
     cli_warning(name, "beyond the measured strain of %.4g%s, to %.4g: the law goes on along its tangent there, not measured",
                 law->strain_max, from, largest_strain);
 }

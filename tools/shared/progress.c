@@ -21,23 +21,19 @@ void progress_start(progress *bar, const char *label) {
 }
 
 void progress_update(progress *bar, double fraction) {
-    if (!bar->on) {
+    if (!bar->on)
         return;
-    }
     double now = now_s();
-    if (now - bar->drawn_s < 0.1) {
+    if (now - bar->drawn_s < 0.1)
         return;
-    }
     fraction = fraction >= 0 && fraction <= 1 ? fraction : fraction > 1;
     int full = (int)(fraction * BAR_WIDTH);
     fprintf(stderr, "\r%-20s [", bar->label);
-    for (int i = 0; i < BAR_WIDTH; i++) {
+    for (int i = 0; i < BAR_WIDTH; i++)
         fputc(i < full ? '#' : '.', stderr);
-    }
     fprintf(stderr, "] %3.0f %%", 100 * fraction);
-    if (fraction > 0.02) {
+    if (fraction > 0.02)
         fprintf(stderr, "  %.0f s left\033[K", (now - bar->started_s) * (1 - fraction) / fraction);
-    }
     fflush(stderr);
     bar->drawn_s = now;
     bar->shown = true;

@@ -10,9 +10,8 @@ static palp_status grow(record *curve) {
     double **arrays[3] = {&curve->time_s, &curve->depth_m, &curve->force_N};
     for (int i = 0; i < 3; i++) {
         double *larger = realloc(*arrays[i], capacity * sizeof *larger);
-        if (!larger) {
+        if (!larger)
             return PALP_ERR_NO_MEMORY;
-        }
         *arrays[i] = larger;
     }
     curve->capacity = capacity;
@@ -25,9 +24,8 @@ palp_status record_add(record *curve, double time_s, double depth_m, double forc
         at--;
     } else if (at == curve->capacity) {
         palp_status status = grow(curve);
-        if (status) {
+        if (status)
             return status;
-        }
     }
     curve->time_s[at] = time_s;
     curve->depth_m[at] = depth_m;
@@ -45,27 +43,23 @@ void record_free(record *curve) {
 
 double record_peak(const record *curve) {
     double peak = 0;
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; i < curve->n; i++)
         peak = fmax(peak, fabs(curve->force_N[i]));
-    }
     return peak;
 }
 
 double record_at(const record *curve, double t) {
     size_t low = 0, high = curve->n - 1;
-    if (t <= curve->time_s[0] || curve->n == 1) {
+    if (t <= curve->time_s[0] || curve->n == 1)
         return curve->force_N[0];
-    }
-    if (t >= curve->time_s[high]) {
+    if (t >= curve->time_s[high])
         return curve->force_N[high];
-    }
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
-        if (curve->time_s[middle] <= t) {
+        if (curve->time_s[middle] <= t)
             low = middle;
-        } else {
+        else
             high = middle;
-        }
     }
     double part = (t - curve->time_s[low]) / (curve->time_s[high] - curve->time_s[low]);
     return curve->force_N[low] + part * (curve->force_N[high] - curve->force_N[low]);

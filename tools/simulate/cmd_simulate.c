@@ -92,35 +92,28 @@ static int check_options(simulate_options *o) {
                 {"cycles", o->cycles > 0, CYCLIC},
                 {"force-N", o->force_N > 0, CREEP},
                 {"relaxed", o->relaxed, STATIC}};
-    if ((o->protocol >= 0) == (o->like != NULL)) {
+    if ((o->protocol >= 0) == (o->like != NULL))
         return cli_usage_error(NAME, "say what the plate does by either --protocol or --like");
-    }
     for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
-        if (uses[i].given && (o->like || !(uses[i].goes_with & (1 << o->protocol)))) {
+        if (uses[i].given && (o->like || !(uses[i].goes_with & (1 << o->protocol))))
             return cli_usage_error(NAME, "--%s does not go with %s%s", uses[i].option,
                                    o->like ? "--like" : "--protocol ", o->like ? "" : protocols[o->protocol]);
-        }
     }
-    if (o->rate_mm_s > 0 && o->ramp_s > 0) {
+    if (o->rate_mm_s > 0 && o->ramp_s > 0)
         return cli_usage_error(NAME, "--rate-mm-s and --ramp-s say the same thing; leave one out");
-    }
-    if (o->protocol >= 0 && !(o->protocol == 3 ? o->force_N > 0 : o->depth_mm > 0)) {
+    if (o->protocol >= 0 && !(o->protocol == 3 ? o->force_N > 0 : o->depth_mm > 0))
         return cli_usage_error(NAME, "--protocol %s needs --%s", protocols[o->protocol],
                                o->protocol == 3 ? "force-N" : "depth-mm");
-    }
-    if (o->dt_ms > 0 && o->tolerance > 0) {
+    if (o->dt_ms > 0 && o->tolerance > 0)
         return cli_usage_error(NAME, "give either --dt-ms or --tolerance");
-    }
     return simulate_sensor_check(o);
 }
 
 static void set_defaults(simulate_options *o) {
-    if (o->rate_mm_s <= 0 && (o->protocol == 0 || o->protocol == 2)) {
+    if (o->rate_mm_s <= 0 && (o->protocol == 0 || o->protocol == 2))
         o->rate_mm_s = o->protocol == 0 ? 0.1 : 1;
-    }
-    if (o->ramp_s <= 0) {
+    if (o->ramp_s <= 0)
         o->ramp_s = o->rate_mm_s > 0 && o->protocol == 1 ? o->depth_mm / o->rate_mm_s : 1;
-    }
     o->hold_s = o->hold_s >= 0 ? o->hold_s : 200;
     o->cycles = o->cycles ? o->cycles : 3;
     o->tolerance = o->tolerance > 0 ? o->tolerance : 1e-4;
@@ -144,40 +137,34 @@ static palp_status path_like(const palp_experiment *run, bool air, palp_path *pa
 static int make_path(const simulate_options *o, const palp_experiment *like, bool air, palp_path *path) {
     palp_status status = PALP_OK;
     double depth_m = 1e-3 * o->depth_mm;
-    if (like) {
+    if (like)
         status = palp_experiment_rows(like) < 2 ? PALP_ERR_INPUT : path_like(like, air, path);
-    } else if (o->protocol == 0) {
+    else if (o->protocol == 0)
         status = palp_path_static(depth_m, 1e-3 * o->rate_mm_s, path);
-    } else if (o->protocol == 1) {
+    else if (o->protocol == 1)
         status = palp_path_ramp_hold(depth_m, o->ramp_s, o->hold_s, path);
-    } else if (o->protocol == 2) {
+    else if (o->protocol == 2)
         status = palp_path_cyclic(depth_m, 1e-3 * o->rate_mm_s, o->cycles, path);
-    } else {
+    else
         status = palp_path_creep(o->force_N, o->ramp_s, o->hold_s, path);
-    }
-    if (status == PALP_ERR_INPUT) {
+    if (status == PALP_ERR_INPUT)
         return cli_failure(NAME, "%s: needs at least two samples to follow", o->like);
-    }
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
 static int check_path(const simulate_options *o, const palp_path *path, double height_m) {
     double deepest = 0, length = path->time_s[path->n - 1];
-    for (size_t i = 0; path->depth_m && i < path->n; i++) {
+    for (size_t i = 0; path->depth_m && i < path->n; i++)
         deepest = fmax(deepest, path->depth_m[i]);
-    }
-    if (o->dt_ms > 0 && length / (1e-3 * o->dt_ms) > 1e8) {
+    if (o->dt_ms > 0 && length / (1e-3 * o->dt_ms) > 1e8)
         return cli_usage_error(NAME, "%g s in steps of %g ms are too many; raise --dt-ms", length, o->dt_ms);
-    }
-    if (deepest < height_m) {
+    if (deepest < height_m)
         return CLI_OK;
-    }
-    if (o->like) {
+    if (o->like)
         return cli_failure(NAME,
                            "%s: depth_mm reaches %g, beyond the model's height of %g mm; take the model of "
                            "that specimen",
                            o->like, 1e3 * deepest, 1e3 * height_m);
-    }
     return cli_usage_error(NAME, "--depth-mm %g is beyond the model's height of %g mm; press less",
                            o->depth_mm, 1e3 * height_m);
 }
@@ -186,21 +173,16 @@ static int check_path(const simulate_options *o, const palp_path *path, double h
 
 static int override_nodes(const simulate_options *o, simulation *s) {
     double nodes[3];
-    if (o->vtu && s->model.kind != PALP_MODEL_NETWORK) {
+    if (o->vtu && s->model.kind != PALP_MODEL_NETWORK)
         return cli_usage_error(NAME, "--vtu needs a network; %s is a lumped model", o->model);
-    }
-    if (o->nodes.n == 0) {
+    if (o->nodes.n == 0)
         return CLI_OK;
-    }
-    if (s->model.kind != PALP_MODEL_NETWORK || s->source.kind != PALP_MESH_LATTICE) {
+    if (s->model.kind != PALP_MODEL_NETWORK || s->source.kind != PALP_MESH_LATTICE)
         return cli_usage_error(NAME, "--nodes changes a lattice; %s has none", o->model);
-    }
-    if (!cli_spread(&o->nodes, nodes)) {
+    if (!cli_spread(&o->nodes, nodes))
         return cli_usage_error(NAME, "--nodes wants one or three numbers, e.g. 5 or 5,7,5");
-    }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         s->source.nodes[i] = (size_t)nodes[i];
-    }
     return CLI_OK;
 }
 
@@ -220,9 +202,8 @@ void simulate_judge_range(simulation *s) {
             s->strain_max = fmax(s->strain_max, strain);
         }
     }
-    if (s->beyond_s >= 0) {
+    if (s->beyond_s >= 0)
         press_warn_beyond(NAME, law, s->strain_max, s->beyond_s);
-    }
 }
 
 static int run_lumped(const simulate_options *o, simulation *s) {
@@ -242,17 +223,14 @@ static int simulate(const simulate_options *o, simulation *s) {
     palp_status status = simulate_is_reduced(o->model)
                              ? palp_reduced_read(o->model, &s->model, &s->source, &s->reduced, &error)
                              : palp_model_read(o->model, &s->model, &s->source, &error);
-    if (status == PALP_OK && o->like) {
+    if (status == PALP_OK && o->like)
         status = palp_experiment_read(o->like, &s->like, &error);
-    }
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
     int code = o->band ? simulate_band_check(o, s) : CLI_OK;
     code = code ? code : override_nodes(o, s);
-    if (code == CLI_OK) {
+    if (code == CLI_OK)
         code = make_path(o, s->like, s->model.n_effects > 0, &s->path);
-    }
     code = code ? code : simulate_resample(o, &s->path);
     bool network = s->model.kind == PALP_MODEL_NETWORK && !s->reduced;
     s->height_m = s->reduced ? palp_reduced_describe(s->reduced).height_m : s->model.height_m;
@@ -263,23 +241,19 @@ static int simulate(const simulate_options *o, simulation *s) {
         code = code ? code : simulate_sense(o, s);
         return code ? code : simulate_report(o, s);
     }
-    if (code == CLI_OK && network) {
+    if (code == CLI_OK && network)
         code = simulate_mesh(o, s);
-    }
     code = code ? code : check_path(o, &s->path, s->height_m);
-    if (code) {
+    if (code)
         return code;
-    }
-    if (s->model.n_effects > 0) {
+    if (s->model.n_effects > 0)
         code = simulate_effects(o, s);
-    } else {
+    else
         code = network ? simulate_network(o, s) : run_lumped(o, s);
-    }
     simulate_judge_range(s);
     code = code ? code : simulate_sense(o, s);
-    if (code == CLI_OK && o->band) {
+    if (code == CLI_OK && o->band)
         code = simulate_band(o, s);
-    }
     return code ? code : simulate_report(o, s);
 }
 
@@ -287,13 +261,11 @@ int cmd_simulate(int argc, char **argv) {
     simulate_options o = {.protocol = -1, .hold_s = -1, .vtu_every = 1, .seed = SIZE_MAX};
     simulation s;
     int code = parse(argc, argv, &o);
-    if (code) {
+    if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    }
     code = check_options(&o);
-    if (code) {
+    if (code)
         return code;
-    }
     set_defaults(&o);
     memset(&s, 0, sizeof s);
     code = simulate(&o, &s);

@@ -7,9 +7,8 @@ static const char NAME[] = "simulate";
 
 int simulate_band_check(const simulate_options *o, const simulation *s) {
     const char *option = o->protocol == 3 ? "protocol creep" : o->relaxed ? "relaxed" : o->drop ? "drop" : NULL;
-    if (option) {
+    if (option)
         return cli_usage_error(NAME, "--band does not go with --%s", option);
-    }
     return s->model.kind == PALP_MODEL_LUMPED && !s->reduced
                ? CLI_OK
                : cli_usage_error(NAME, "--band needs a lumped model; %s is none", o->model);
@@ -22,9 +21,8 @@ static palp_status find(simulation *s, const double *covariance, palp_error *err
     s->low_N = malloc(n * sizeof *s->low_N);
     s->high_N = malloc(n * sizeof *s->high_N);
     palp_status status = force && s->low_N && s->high_N ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = palp_forward_band(&s->model, &run, covariance, force, s->low_N, error);
-    }
     for (size_t i = 0; status == PALP_OK && i < n; i++) {
         double half = 1.96 * s->low_N[i];
         s->low_N[i] = force[i] - half;
@@ -38,9 +36,8 @@ int simulate_band(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     double *covariance = NULL;
     palp_status status = palp_model_read_covariance(o->model, &covariance, &error);
-    if (status == PALP_OK && !covariance) {
+    if (status == PALP_OK && !covariance)
         return cli_failure(NAME, "%s: does not say how well it is known (no \"covariance\"); palpate characterize --out writes it", o->model);
-    }
     status = status ? status : find(s, covariance, &error);
     free(covariance);
     return status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;

@@ -22,9 +22,8 @@ static palp_status encoder(const simulate_options *o, const palp_path *path, siz
     palp_status status =
         o->sample_Hz > 0 ? simulate_samples(o, path, n, time_s) : press_times(path, &press, n, time_s);
     *depth_m = status == PALP_OK ? malloc((*n + 1) * sizeof **depth_m) : NULL;
-    if (status == PALP_OK && !*depth_m) {
+    if (status == PALP_OK && !*depth_m)
         status = PALP_ERR_NO_MEMORY;
-    }
     for (size_t i = 0; status == PALP_OK && i < *n; i++) {
         double t = (*time_s)[i] - o->air_s;
         (*depth_m)[i] = t < 0 ? 1e-3 * simulate_air_rate(o) * t : palp_path_at(path, t);
@@ -67,13 +66,11 @@ static palp_status follow_column(const palp_experiment *like, const char *name, 
     const double *t = palp_experiment_column(like, "time_s"), *v = palp_experiment_column(like, name);
     const size_t n = palp_experiment_rows(like);
     *value = t && v && n ? malloc((run->n + 1) * sizeof **value) : NULL;
-    if (!*value) {
+    if (!*value)
         return t && v && n ? PALP_ERR_NO_MEMORY : PALP_OK;
-    }
     for (size_t i = 0, k = 0; i < run->n; i++) {
-        while (k + 2 < n && t[k + 1] < run->time_s[i]) {
+        while (k + 2 < n && t[k + 1] < run->time_s[i])
             k++;
-        }
         double share = n > 1 ? (run->time_s[i] - t[k]) / (t[k + 1] - t[k]) : 0;
         share = fmin(fmax(share, 0), 1);
         (*value)[i] = n > 1 ? v[k] + share * (v[k + 1] - v[k]) : v[0];
@@ -89,9 +86,8 @@ static palp_status follow_columns(const simulation *s, palp_forward_run *run, pa
         const char *name = palp_effect_look_up(s->model.effects[i].id)->column;
         double *value = NULL;
         status = name ? follow_column(s->like, name, run, &value) : PALP_OK;
-        if (value) {
+        if (value)
             column[run->n_columns++] = (palp_forward_column){name, value};
-        }
     }
     return status;
 }
@@ -104,22 +100,18 @@ static palp_status run_forward(const simulate_options *o, simulation *s, palp_er
     if (status == PALP_OK) {
         run.time_s = time_s;
         run.depth_m = depth_m;
-        if (s->like) {
+        if (s->like)
             palp_experiment_get_number(s->like, "session.start_s", &run.session_s); /* where it is told */
-        }
         force_N = malloc((run.n + 1) * sizeof *force_N);
         status = force_N ? follow_columns(s, &run, column) : PALP_ERR_NO_MEMORY;
     }
-    if (status == PALP_OK) {
+    if (status == PALP_OK)
         status = answer_to_tolerance(o, s, &run, force_N, error);
-    }
-    for (size_t i = 0; status == PALP_OK && i < run.n; i++) {
+    for (size_t i = 0; status == PALP_OK && i < run.n; i++)
         status = record_add(&s->curve, time_s[i], depth_m[i], force_N[i]);
-    }
     s->info.steps = run.n ? (run.n - 1) * run.parts : 0;
-    for (size_t i = 0; i < run.n_columns; i++) {
+    for (size_t i = 0; i < run.n_columns; i++)
         free((double *)column[i].value);
-    }
     free(time_s);
     free(depth_m);
     free(force_N);
@@ -129,9 +121,8 @@ static palp_status run_forward(const simulate_options *o, simulation *s, palp_er
 int simulate_effects(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     int code = check(o);
-    if (code) {
+    if (code)
         return code;
-    }
     palp_status status = run_forward(o, s, &error);
     s->info.peak_force_N = record_peak(&s->curve);
     return status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;

@@ -13,9 +13,8 @@ typedef struct frames {
 
 static int add_frame(void *user) {
     frames *f = user;
-    if (f->series && f->step++ % f->every == 0) {
+    if (f->series && f->step++ % f->every == 0)
         f->status = palp_vtu_add(f->series, f->network, &f->error);
-    }
     return f->status != PALP_OK;
 }
 
@@ -23,10 +22,9 @@ int simulate_mesh(const simulate_options *o, simulation *s) {
     double low[3], high[3];
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
-    if (status) {
+    if (status)
         return error.text[0] ? cli_status(NAME, status, &error)
                              : cli_failure(NAME, "%s: %s", o->model, palp_status_text(status));
-    }
     palp_mesh_bounds(s->mesh, low, high);
     s->height_m = high[1] - low[1];
     return CLI_OK;
@@ -66,21 +64,17 @@ int simulate_network(const simulate_options *o, simulation *s) {
         f.network = s->network;
         status = palp_vtu_open(o->vtu, "network", &f.series, &error);
     }
-    if (status) {
+    if (status)
         return cli_status(NAME, status, &error);
-    }
     status = press_with_bar(o, s, &f);
     palp_status closed = palp_vtu_close(f.series, &error);
-    if (f.status || closed) {
+    if (f.status || closed)
         return cli_status(NAME, f.status ? f.status : closed, f.status ? &f.error : &error);
-    }
     s->buckled = palp_network_buckled(s->network, &s->stable_m, &s->unstable_m);
-    if (s->buckled) {
+    if (s->buckled)
         press_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, settings.branch);
-    }
-    if (s->info.inverted > 0) {
+    if (s->info.inverted > 0)
         cli_warning(NAME, "up to %zu of %zu tetrahedra of the mesh are inside out at once: there the model is no tissue; press less",
                     s->info.inverted, palp_mesh_tetrahedron_count(s->mesh));
-    }
     return status ? run_failed(o, s, status) : CLI_OK;
 }

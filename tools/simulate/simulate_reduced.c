@@ -15,17 +15,14 @@ bool simulate_is_reduced(const char *path) {
 }
 
 static int check(const simulate_options *o, const simulation *s) {
-    if (o->vtu || o->nodes.n > 0 || o->solver || o->branch) {
+    if (o->vtu || o->nodes.n > 0 || o->solver || o->branch)
         return cli_usage_error(NAME, "--vtu, --nodes, --solver and --branch are for a full network; %s is reduced",
                                o->model);
-    }
-    if (s->path.force_N) {
+    if (s->path.force_N)
         return cli_usage_error(NAME, "%s is a reduced model: it follows a depth, not a force", o->model);
-    }
-    if (!(s->height_m > 0)) {
+    if (!(s->height_m > 0))
         return cli_failure(NAME, "%s has a free top that no plate presses; step it from a program (palpate/reduce.h)",
                            o->model);
-    }
     return CLI_OK;
 }
 
@@ -33,15 +30,13 @@ static palp_status step(simulation *s, double time_s, double since_s, bool relax
     palp_reduced_info info;
     double depth_m = palp_path_at(&s->path, time_s), dt_s = relaxed ? INFINITY : time_s - since_s;
     palp_status status = palp_reduced_step(s->reduced, depth_m, 0, NULL, dt_s, NULL, &info);
-    if (status) {
+    if (status)
         return status;
-    }
     s->info.iterations += (size_t)info.iterations;
     s->info.worst_residual = fmax(s->info.worst_residual, info.residual);
     s->info.peak_force_N = fmax(s->info.peak_force_N, fabs(info.force_N));
-    if (info.beyond > 0 && s->info.beyond == 0) {
+    if (info.beyond > 0 && s->info.beyond == 0)
         s->info.beyond_s = time_s;
-    }
     s->info.beyond = fmax(s->info.beyond, info.beyond);
     return record_add(&s->curve, time_s, depth_m, info.force_N);
 }
@@ -51,9 +46,8 @@ int simulate_reduced(const simulate_options *o, simulation *s) {
     double *time_s = NULL;
     size_t n = 0;
     int code = check(o, s);
-    if (code) {
+    if (code)
         return code;
-    }
     palp_status status = press_times(&s->path, &press, &n, &time_s);
     for (size_t i = 0; i < n && !status; i++) {
         bool at_rest = i == 0 && palp_path_at(&s->path, time_s[0]) == 0;

@@ -20,9 +20,8 @@ static void string(palp_experiment *run, const char *key, const char *value, pal
 
 static const char *protocol_kind(const simulate_options *o, const simulation *s) {
     const char *kind = "free";
-    if (o->protocol >= 0) {
+    if (o->protocol >= 0)
         return protocols[o->protocol];
-    }
     return palp_experiment_get_string(s->like, "protocol.kind", &kind) == PALP_OK ? kind : "free";
 }
 
@@ -33,11 +32,10 @@ static palp_status fill_protocol(const simulate_options *o, const simulation *s,
         string(run, "protocol.like", o->like, &status);
         return status;
     }
-    if (o->protocol == 3) {
+    if (o->protocol == 3)
         number(run, "protocol.force_N", o->force_N, &status);
-    } else {
+    else
         number(run, "protocol.depth_mm", o->depth_mm, &status);
-    }
     if (o->protocol == 0 && o->relaxed) {
         string(run, "protocol.rate", "relaxed", &status);
     } else if (o->protocol == 0 || o->protocol == 2) {
@@ -46,12 +44,10 @@ static palp_status fill_protocol(const simulate_options *o, const simulation *s,
         number(run, "protocol.ramp_s", o->ramp_s, &status);
         number(run, "protocol.hold_s", o->hold_s, &status);
     }
-    if (o->protocol == 2) {
+    if (o->protocol == 2)
         number(run, "protocol.cycles", (double)o->cycles, &status);
-    }
-    if (o->air_s > 0) {
+    if (o->air_s > 0)
         number(run, "protocol.air_s", o->air_s, &status);
-    }
     return status;
 }
 
@@ -64,20 +60,15 @@ static palp_status fill_sensor(const simulate_options *o, palp_experiment *run) 
                    {"sensor.noise_N", o->noise_N},
                    {"sensor.hum_N", o->hum_N},
                    {"sensor.clip_N", o->clip_N}};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        if (numbers[i].value > 0) {
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        if (numbers[i].value > 0)
             number(run, numbers[i].key, numbers[i].value, &status);
-        }
-    }
-    if (o->noise_N > 0) {
+    if (o->noise_N > 0)
         number(run, "sensor.seed", (double)o->seed, &status);
-    }
-    if (o->spike) {
+    if (o->spike)
         string(run, "sensor.spike", o->spike, &status);
-    }
-    if (o->drop) {
+    if (o->drop)
         string(run, "sensor.drop", o->drop, &status);
-    }
     return status;
 }
 
@@ -97,26 +88,22 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
            *depth_mm = palp_experiment_column(run, "depth_mm"),
            *force_N = palp_experiment_column(run, "force_N"), start_s = 0;
     palp_status status = PALP_OK;
-    if (s->like) {
+    if (s->like)
         start_s = palp_experiment_column(s->like, "time_s")[0];
-    }
     for (size_t i = 0; i < c->n; i++) {
         time_s[i] = start_s + c->time_s[i];
         depth_mm[i] = 1e3 * c->depth_m[i];
         force_N[i] = c->force_N[i];
     }
-    if (s->model.specimen_kind[0]) {
+    if (s->model.specimen_kind[0])
         string(run, "specimen.kind", s->model.specimen_kind, &status);
-    }
     number(run, "specimen.height_mm", 1e3 * s->height_m, &status);
-    if (s->model.radius_m > 0) {
+    if (s->model.radius_m > 0)
         number(run, "specimen.radius_mm", 1e3 * s->model.radius_m, &status);
-    }
     status = status ? status : fill_protocol(o, s, run);
     status = status ? status : fill_sensor(o, run);
-    if (s->low_N && status == PALP_OK) {
+    if (s->low_N && status == PALP_OK)
         status = fill_band(s, run);
-    }
     string(run, "model.file", o->model, &status);
     string(run, "palpate.version", palp_version(), &status);
     return status;
@@ -127,11 +114,10 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
 static json_t *summary(const simulate_options *o, const simulation *s) {
     const record *c = &s->curve;
     json_t *buckling = json_null();
-    if (s->buckled) {
+    if (s->buckled)
         buckling = json_pack("{s:f, s:f, s:f, s:f}", "stable_mm", 1e3 * s->stable_m, "unstable_mm",
                              1e3 * s->unstable_m, "stable_strain", s->stable_m / s->height_m,
                              "unstable_strain", s->unstable_m / s->height_m);
-    }
     json_t *all = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:o}", "model", o->model,
                             "kind", s->model.kind == PALP_MODEL_LUMPED ? "lumped" : "network", "protocol",
                             protocol_kind(o, s), "peak_force_N", record_peak(c), "final_force_N",
@@ -139,18 +125,15 @@ static json_t *summary(const simulate_options *o, const simulation *s) {
                             c->time_s[c->n - 1], "steps", (json_int_t)s->info.steps, "rejected",
                             (json_int_t)s->info.rejected, "iterations", (json_int_t)s->info.iterations,
                             "worst_residual", s->info.worst_residual, "buckling", buckling);
-    if (s->network) {
+    if (s->network)
         json_object_set_new(all, "inverted", json_integer((json_int_t)s->info.inverted));
-    }
     size_t peak = 0;
-    for (size_t i = 0; i < c->n; i++) {
+    for (size_t i = 0; i < c->n; i++)
         peak = fabs(c->force_N[i]) > fabs(c->force_N[peak]) ? i : peak;
-    }
-    if (s->low_N) {
+    if (s->low_N)
         json_object_set_new(all, "band",
                             json_pack("{s:f, s:f, s:f, s:f}", "peak_low_N", s->low_N[peak], "peak_high_N", s->high_N[peak],
                                       "final_low_N", s->low_N[c->n - 1], "final_high_N", s->high_N[c->n - 1]));
-    }
     if (s->model.material.law.strain_max > 0) {
         json_object_set_new(all, "strain_max", json_real(s->model.material.law.strain_max));
         json_object_set_new(all, "beyond", s->beyond_s < 0 ? json_null() : json_pack("{s:f, s:f}", "from_s", s->beyond_s, "strain", s->strain_max));
@@ -164,14 +147,12 @@ int simulate_report(const simulate_options *o, const simulation *s) {
     int code = CLI_OK;
     palp_status status = palp_experiment_create(s->curve.n, &run);
     status = status ? status : fill(o, s, run);
-    if (status == PALP_OK && (o->out || !o->json)) {
+    if (status == PALP_OK && (o->out || !o->json))
         status = palp_experiment_write(run, o->out ? o->out : "/dev/stdout", &error);
-    }
-    if (status) {
+    if (status)
         code = cli_status(NAME, status, &error);
-    } else if (o->json) {
+    else if (o->json)
         code = json_print(NAME, summary(o, s));
-    }
     palp_experiment_free(run);
     return code;
 }
