@@ -105,7 +105,7 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
     bool stands_out = best > (slowest_rate(data) < NYQUIST ? OUTSTANDING_ALIAS : OUTSTANDING) * typical;
     best = 0.0;
     for (int k = -40; k <= 40; k++) {
-        double f = centre + 0.0015 * k, there = power_at(data, y, f, 1e9);
+        double f = fmin(70.0, fmax(40.0, centre + 0.0015 * k)), there = power_at(data, y, f, 1e9);
         if (there > best) {
             best = there;
             *frequency = f;

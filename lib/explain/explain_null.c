@@ -11,11 +11,21 @@
 
 enum { NULLS = 4000 };
 
-/* Effects at which the search starts, as directions beside s->fit: the derivative by the strength. */
+/* Effects at which the search starts, and those half way from each to the next, since the search goes on between them; as
+ * directions beside s->fit: the derivative by the strength. */
 typedef struct directions {
     size_t n;
-    palp_effect effect[PALP_EFFECT_COUNT * EFFECT_STARTS];
+    palp_effect effect[PALP_EFFECT_COUNT * 2 * EFFECT_STARTS];
 } directions;
+
+static palp_effect half_way(const palp_effect_info *info, const palp_effect *a, const palp_effect *b) {
+    palp_effect effect = *a;
+    for (size_t p = 0; p < info->n_parameters; p++) {
+        double product = a->value[p] * b->value[p];
+        effect.value[p] = product > 0.0 ? copysign(sqrt(product), a->value[p]) : 0.5 * (a->value[p] + b->value[p]);
+    }
+    return effect;
+}
 
 static palp_status find_directions(const explain_search *s, directions *d) {
     palp_status status = PALP_OK;
@@ -32,8 +42,11 @@ static palp_status find_directions(const explain_search *s, directions *d) {
             status = PALP_OK;
             continue;
         }
-        for (size_t k = 0; k < list.n; k++)
+        for (size_t k = 0; k < list.n; k++) {
             d->effect[d->n++] = list.effect[k];
+            if (k + 1 < list.n)
+                d->effect[d->n++] = half_way(&row->info, &list.effect[k], &list.effect[k + 1]);
+        }
     }
     return status;
 }
