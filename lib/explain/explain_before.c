@@ -59,7 +59,8 @@ static palp_status in_common(const explain_search *s, int which, palp_explain_sc
     explain_fit fit;
     const explain_scatter *now = &s->fit.scatter, hidden = explain_hidden_scatter(&s->data), none = no_scatter(&s->data);
     const double own[3] = {now->zero, now->contact, now->gain}, noise[3] = {hidden.zero, hidden.contact, hidden.gain};
-    *out = (palp_explain_scatter){.sd = own[which], .without_N = explain_fitted_rms(&s->data, s->residual)};
+    const double left = explain_fitted_rms(&s->data, s->residual);
+    *out = (palp_explain_scatter){.sd = own[which], .without_N = left};
     if (!(own[which] > noise[which]))
         return PALP_OK;
     double *residual = malloc(s->data.n * sizeof *residual);
@@ -74,7 +75,7 @@ static palp_status in_common(const explain_search *s, int which, palp_explain_sc
     if (!status) {
         out->without_N = explain_fitted_rms(&s->data, residual);
         out->evidence = explain_fit_score(&s->fit, &s->data) - fit.score;
-        out->found = out->evidence > PLAIN;
+        out->found = out->evidence > PLAIN && out->without_N > left;
     }
     explain_fit_free(&fit);
     free(residual);
