@@ -42,7 +42,7 @@ void palp_network_free(palp_network *net) {
 static palp_status allocate(palp_network *net) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
     double **by_axis[] = {&net->motion, &net->fint, &net->outer, &net->diagonal, &net->unbalanced, &net->rhs, &net->dx,
-                          &net->start, &net->past[0], &net->past[1], &net->way[0], &net->way[1]};
+                          &net->start, &net->way[0], &net->way[1]};
     double **by_element[] = {&net->inverse_rest, &net->inverse_length, &net->strain, &net->force, &net->tangent};
     for (size_t i = 0; i < sizeof by_axis / sizeof *by_axis; i++)
         *by_axis[i] = arena_take(&net->memory, n3, sizeof(double));

@@ -22,7 +22,7 @@ typedef struct network_state {
 enum { NETWORK_PAST = 2, NETWORK_TERMS = 8 };
 
 struct palp_network {
-    arena memory, states; /* of its arrays; of those of now and next */
+    arena memory, states; /* of its arrays; of those of now, next and past */
     palp_network_settings settings;
     palp_material material;
     palp_mesh *mesh;

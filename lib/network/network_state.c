@@ -75,9 +75,12 @@ static bool allocate_mark(palp_network *net) {
 
 palp_status network_allocate_states(palp_network *net) {
     network_state old[2] = {net->now, net->next}, fresh[2] = {{0}};
+    double *past[NETWORK_PAST];
     arena memory = {NULL, false};
     allocate(net, &memory, &fresh[0]);
     allocate(net, &memory, &fresh[1]);
+    for (size_t i = 0; i < NETWORK_PAST; i++) /* a step changes them for a state's x */
+        past[i] = arena_take(&memory, 3 * net->n_nodes, sizeof *past[i]);
     net->now = fresh[0];
     net->next = fresh[1];
     bool ok = !memory.failed && allocate_mark(net);
@@ -86,8 +89,10 @@ palp_status network_allocate_states(palp_network *net) {
         net->next = old[1];
     }
     arena_free(ok ? &net->states : &memory);
-    if (ok)
+    if (ok) {
         net->states = memory;
+        memcpy(net->past, past, sizeof past);
+    }
     return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 

@@ -101,7 +101,7 @@ static void check_derivatives(const palp_material *material, bool beta, bool gam
 START_TEST(derivatives_of_scaled_elements) {
     palp_material material = network_n2();
     palp_network *network = network_of(&material);
-    network->scale = malloc(network->n_elements * sizeof *network->scale);
+    network->scale = arena_take(&network->memory, network->n_elements, sizeof *network->scale);
     ck_assert_ptr_nonnull(network->scale);
     for (size_t i = 0; i < network->n_elements; i++)
         network->scale[i] = 0.5 + (double)(i * 7 % 11) / 11.0;
