@@ -16,8 +16,7 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         cli_text("out", "DIR", &o->out, "folder of the experiments; made if need be"),
         cli_flag("force", &o->force, "replace recordings that are there"),
         cli_heading("The file"),
-        cli_choice("format", "mach1|instron|csv", &o->format,
-                   "what wrote it (default: seen from its first lines)"),
+        cli_choice("format", "mach1|instron|csv", &o->format, "what wrote it (default: seen from its first lines)"),
         cli_text("map", "LIST", &o->map,
                  "time=COL,depth=COL,force=COL (or strain=, stress=, deflection=):\n"
                  "names or numbers from 1 of the columns (default: by their names)"),
@@ -27,20 +26,17 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         cli_count("skip-lines", "N", 0, 1e9, &o->skip_lines,
                   "lines above the names (csv; default: the names are above the\n"
                   "first row of numbers)"),
-        cli_choice("separator", ",|;|tab|space", &o->separator,
-                   "between columns (csv; default: seen from the file)"),
+        cli_choice("separator", ",|;|tab|space", &o->separator, "between columns (csv; default: seen from the file)"),
         cli_flag("strict", &o->strict, "refuse rows that are no numbers or repeat a time (default: they are\n"
                                        "left out, and counted)"),
         cli_number("from", "S", -1e12, 1e12, &o->from_s, "leave out what was recorded before this time, s"),
         cli_number("to", "S", -1e12, 1e12, &o->to_s, "and after this one"),
         cli_heading("Specimen"),
-        cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm,
-                     "height, mm (default: as the file says)"),
+        cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm, "height, mm (default: as the file says)"),
         cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius, mm (default likewise)"),
         cli_positive("specimen-area-mm2", "MM2", 1e8, &o->area_mm2, "cross-section, mm2, in place of the radius"),
         cli_text("specimen-name", "NAME", &o->specimen, "what the specimen is called"),
-        cli_text("specimen-kind", "KIND", &o->kind,
-                 "cylinder, rigid, none (air: needs no height) or another word"),
+        cli_text("specimen-kind", "KIND", &o->kind, "cylinder, rigid, none (air: needs no height) or another word"),
         cli_heading("Recording"),
         cli_choice("protocol", "static|ramp_hold|cyclic|other", &o->protocol,
                    "what the plate did (default: from the tester's settings, or as it\n"
@@ -60,16 +56,14 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
     const cli_command command = {
         NAME,
         "FILE|FOLDER ... --out DIR [options]",
-        "Turns other testers' recordings into experiments: time_s, depth_mm (positive into the specimen, 0 "
-        "at\n"
+        "Turns other testers' recordings into experiments: time_s, depth_mm (positive into the specimen, 0 at\n"
         "contact), force_N (positive = compression), one DIR/FILE.csv each. A table on stderr says what was\n"
         "understood. The files of a FOLDER are a session, in the order in which they were recorded.",
         "  palpate import sample_*.csv --out runs\n"
         "  palpate import mach1/*.csv --specimen-height-mm 2 --out runs\n"
         "  palpate import log.txt --map time=1,depth=3,force=4 --units time=ms,depth=um,force=gf \\\n"
         "      --specimen-height-mm 24 --out runs\n",
-        options,
-        sizeof options / sizeof options[0]};
+        options, sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, files, (size_t)argc, n);
     if (code)
         return code;
