@@ -50,6 +50,15 @@ static double *orthonormal(const palp_network *net, size_t n) {
     return v;
 }
 
+/* So many shapes, all from the samples, which they hold but for the tolerance. */
+static palp_reduce_settings of_samples(size_t modes, double tolerance) {
+    palp_reduce_settings settings = palp_reduce_settings_default();
+    settings.modes = modes;
+    settings.static_modes = 0;
+    settings.tolerance = tolerance;
+    return settings;
+}
+
 static palp_network *at_rest(palp_material *m) {
     *m = quartic(0);
     palp_network *net = cube_network(NODES, m, NULL);
@@ -105,10 +114,7 @@ START_TEST(shapes_hold_all_but_the_tolerance) {
     palp_snapshots *paths[2] = {by_hand(net, 3, 0), by_hand(net, 1, 0)};
     const size_t n_wanted = sizeof wanted / sizeof *wanted;
     for (size_t w = 0; w < n_wanted; w++) {
-        palp_reduce_settings settings = palp_reduce_settings_default();
-        settings.modes = wanted[w].most;
-        settings.static_modes = 0;
-        settings.tolerance = sqrt(wanted[w].left_out / 1.018);
+        palp_reduce_settings settings = of_samples(wanted[w].most, sqrt(wanted[w].left_out / 1.018));
         size_t modes;
         double *basis, *lift;
         reduced_samples samples;
@@ -148,11 +154,8 @@ START_TEST(shapes_are_orthonormal_to_rounding) {
     size_t n3 = 3 * net->n_nodes, modes;
     double *v = orthonormal(net, 2), *basis, *lift, *column = malloc(2 * n3 * sizeof *column), *scratch = malloc(n3 * sizeof *scratch);
     palp_snapshots *t = by_hand(net, 3, 0);
-    palp_reduce_settings settings = palp_reduce_settings_default();
+    palp_reduce_settings settings = of_samples(2, 1e-8);
     reduced_samples samples;
-    settings.modes = 2;
-    settings.static_modes = 0;
-    settings.tolerance = 1e-8;
     for (size_t j = 0; j < 3; j++)
         for (size_t i = 0; i < n3; i++)
             t->x[j * n3 + i] = net->rest[i] + 1e-3 * (v[i] + 1e-5 * (double)j * v[n3 + i]);
@@ -180,11 +183,8 @@ START_TEST(shapes_are_beside_the_lift) {
     size_t n3 = 3 * net->n_nodes, modes;
     double *v = orthonormal(net, 1), *basis, *lift, *first;
     palp_snapshots *t = by_hand(net, 2, 0);
-    palp_reduce_settings settings = palp_reduce_settings_default();
+    palp_reduce_settings settings = of_samples(2, 1e-6);
     reduced_samples samples;
-    settings.modes = 2;
-    settings.static_modes = 0;
-    settings.tolerance = 1e-6;
     for (size_t i = 0; i < 2 * n3; i++)
         t->x[i] = net->rest[i % n3] + 1e-3 * v[i % n3];
     ck_assert_int_eq(reduced_pod(net, 1, &t, &settings, &modes, &basis, &first, &samples), PALP_OK);
@@ -218,12 +218,9 @@ START_TEST(kept_elements_have_the_forces_of_all) {
     size_t n3 = 3 * net->n_nodes, modes, n;
     double *v = orthonormal(net, MODES), *basis, *lift, *weight, residual;
     palp_snapshots *t = by_hand(net, N, 0);
-    palp_reduce_settings settings = palp_reduce_settings_default();
+    palp_reduce_settings settings = of_samples(MODES, 1e-9);
     reduced_samples samples;
     int32_t *element;
-    settings.modes = MODES;
-    settings.static_modes = 0;
-    settings.tolerance = 1e-9;
     settings.elements = net->n_elements / 2;
     settings.element_tolerance = 1e-10;
     t->depth[0] = 0.004;
