@@ -61,7 +61,8 @@ PALP_API palp_status palp_forward_force(const palp_model *model, const palp_forw
 
 /* Beside the force how well it is known: sd_N[n], from the covariance of the model's material (palp_model.covariance) by the
  * derivatives of the force; effects count as known. 95 % of the forces that the data allow are within 1.96 sd of force_N; the noise
- * of a sensor is not in it. Errors of palp_forward_force. */
+ * of a sensor is not in it. A network is solved with derivatives by all of its numbers: no mass, no PALP_SEDEF2008. Errors of
+ * palp_forward_force, of a network those of palp_forward_network. */
 PALP_API palp_status palp_forward_band(const palp_model *model, const palp_forward_run *run, const double *covariance,
                                        double *force_N, double *sd_N, palp_error *error);
 

@@ -1,7 +1,6 @@
-/* forward_band.c: how well a lumped model knows the force it gives. */
-#include <palpate/forward.h>
-
+/* forward_band.c: how well a model knows the force it gives. */
 #include "base/file.h"
+#include "forward_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +22,8 @@ palp_status palp_forward_band(const palp_model *model, const palp_forward_run *r
     double *gradient = malloc((run->n * columns + 1) * sizeof *gradient);
     if (!gradient)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
-    palp_status status = palp_forward_force(model, run, force_N, gradient, error);
+    palp_status status = model->kind == PALP_MODEL_NETWORK ? forward_network_force(model, run, force_N, gradient, error)
+                                                           : palp_forward_force(model, run, force_N, gradient, error);
     for (size_t i = 0; i < run->n && !status; i++)
         sd_N[i] = sqrt(variance_at(gradient, covariance, run->n, m, i));
     free(gradient);

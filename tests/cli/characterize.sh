@@ -64,8 +64,8 @@ paste -d, a b | awk -F, '/^[0-9]/ { n++; in_it += $8 >= $4 && $8 <= $5; width = 
 grep -q '"force_high_N"' joint.json || fail "no band in the result"
 expect 1 simulate $L --protocol ramp_hold --depth-mm 5 --band
 says 'no "covariance"'
-expect 2 simulate $DATA/network_27.json --protocol ramp_hold --depth-mm 5 --band
-says '--band needs a lumped model'
+expect 1 simulate $DATA/network_27.json --protocol ramp_hold --depth-mm 5 --hold-s 1 --band
+says 'no "covariance"'
 expect 2 simulate lumped.json --protocol creep --force-N 1 --band
 says '--band does not go with --protocol creep'
 

@@ -9,9 +9,7 @@ int simulate_band_check(const simulate_options *o, const simulation *s) {
     const char *option = o->protocol == 3 ? "protocol creep" : o->relaxed ? "relaxed" : o->drop ? "drop" : NULL;
     if (option)
         return cli_usage_error(NAME, "--band does not go with --%s", option);
-    return s->model.kind == PALP_MODEL_LUMPED && !s->reduced
-               ? CLI_OK
-               : cli_usage_error(NAME, "--band needs a lumped model; %s is none", o->model);
+    return s->reduced ? cli_usage_error(NAME, "--band needs a lumped model or a network; %s is reduced", o->model) : CLI_OK;
 }
 
 static palp_status find(simulation *s, const double *covariance, palp_error *error) {
@@ -37,7 +35,7 @@ int simulate_band(const simulate_options *o, simulation *s) {
     double *covariance = NULL;
     palp_status status = palp_model_read_covariance(o->model, &covariance, &error);
     if (status == PALP_OK && !covariance)
-        return cli_failure(NAME, "%s: does not say how well it is known (no \"covariance\"); palpate characterize --out writes it", o->model);
+        return cli_failure(NAME, "%s: does not say how well it is known (no \"covariance\"); palpate characterize --out and palpate calibrate --out write it", o->model);
     status = status ? status : find(s, covariance, &error);
     free(covariance);
     return status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;

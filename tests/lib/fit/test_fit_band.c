@@ -2,6 +2,7 @@
 #include "recordings.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { SAMPLES = 60, REPEATS = 60 };
 
@@ -119,9 +120,51 @@ START_TEST(what_has_no_band_is_refused) {
     palp_lumped_fit good = fit_once(1);
     palp_model network = model_of(&good);
     const palp_forward_run run = {.n = 1, .time_s = (double[]){0.0}, .depth_m = (double[]){0.0}};
-    network.kind = PALP_MODEL_NETWORK;
+    network.kind = PALP_MODEL_NETWORK; /* without a mesh */
+    ck_assert_int_eq(palp_forward_band(&network, &run, good.covariance, k, sd, NULL), PALP_ERR_ARGUMENT);
+    network.material.formulation = PALP_SEDEF2008;
     ck_assert_int_eq(palp_forward_band(&network, &run, good.covariance, k, sd, NULL), PALP_ERR_UNSUPPORTED);
     palp_lumped_fit_free(&good);
+}
+END_TEST
+
+/* A network of 27 nodes: sd^2 = sum of dF/da C_ab dF/db, with derivatives by differences of whole presses. */
+START_TEST(the_band_of_a_network_is_that_of_the_derivatives) {
+    enum { N = 8, P = 5 };
+    const palp_mesh_source lattice = {.kind = PALP_MESH_LATTICE, .nodes = {3, 3, 3}, .size_m = {0.024, 0.024, 0.024},
+                                      .neighbourhood = PALP_NEIGHBOURS_26};
+    const palp_model m = {.kind = PALP_MODEL_NETWORK, .height_m = 0.024, .material = truth(), .mesh = &lattice};
+    double time_s[N], depth_m[N], force[N], sd[N], at[2][N], by[P][N], p[P], covariance[P * P];
+    for (int i = 0; i < N; i++) {
+        time_s[i] = 0.5 * i;
+        depth_m[i] = 1e-3 * fmin(1.5 * time_s[i], 3.0);
+    }
+    const palp_forward_run run = {.n = N, .time_s = time_s, .depth_m = depth_m};
+    ck_assert_int_eq(palp_forward_get(&m, p), PALP_OK);
+    for (int a = 0; a < P; a++)
+        for (int b = 0; b < P; b++)
+            covariance[a * P + b] = p[a] * p[b] * (a == b ? 0.01 : 0.003);
+    ck_assert_int_eq(palp_forward_band(&m, &run, covariance, force, sd, NULL), PALP_OK);
+    for (int k = 0; k < P; k++) {
+        for (int side = 0; side < 2; side++) {
+            palp_model moved = m;
+            double q[P];
+            memcpy(q, p, sizeof q);
+            q[k] *= side ? 1.001 : 0.999;
+            ck_assert_int_eq(palp_forward_set(&moved, q), PALP_OK);
+            ck_assert_int_eq(palp_forward_network(&moved, NULL, &run, at[side], NULL), PALP_OK);
+        }
+        for (int i = 0; i < N; i++)
+            by[k][i] = (at[1][i] - at[0][i]) / (0.002 * p[k]);
+    }
+    for (int i = 1; i < N; i++) {
+        double sum = 0.0;
+        for (int a = 0; a < P; a++)
+            for (int b = 0; b < P; b++)
+                sum += by[a][i] * by[b][i] * covariance[a * P + b];
+        ck_assert_double_eq_tol(sd[i], sqrt(sum), 1e-3 * sqrt(sum));
+        ck_assert_double_gt(sd[i], 0.0);
+    }
 }
 END_TEST
 
@@ -129,4 +172,5 @@ void tests(TCase *tc) {
     tcase_add_test(tc, the_band_is_that_of_the_derivatives);
     tcase_add_test(tc, the_band_covers);
     tcase_add_test(tc, what_has_no_band_is_refused);
+    tcase_add_test(tc, the_band_of_a_network_is_that_of_the_derivatives);
 }
