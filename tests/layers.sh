@@ -13,7 +13,7 @@ layers() {
 base: | export version status file path random
 wire: base | wire
 solve: base | solver
-material: base | law material closed_form
+material: base | law material closed_form indentation
 mesh: base | mesh
 data: base | experiment recording segments
 effect: wire solve material mesh data | effect

@@ -82,6 +82,19 @@ START_TEST(null_in_experiment) {
 }
 END_TEST
 
+START_TEST(null_in_indentation) {
+    palp_indentation in = {PALP_TIP_FLAT, 1e-3, 0, 1e-2, 0.3, false};
+    palp_tip_kind kind;
+    REFUSED(palp_indentation_force(NULL, 2, numbers, numbers));
+    REFUSED(palp_indentation_force(&in, 2, NULL, numbers));
+    REFUSED(palp_indentation_force(&in, 2, numbers, NULL));
+    REFUSED(palp_indentation_contact(NULL, 0.5, numbers));
+    REFUSED(palp_indentation_contact(&in, 0.5, NULL));
+    NOTHING(!palp_tip_find(NULL, &kind));
+    NOTHING(!palp_tip_find("flat", NULL));
+}
+END_TEST
+
 START_TEST(null_in_explain) {
     REFUSED(palp_explain(NULL, 2, (void *)storage, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_explain(&model, 2, NULL, (void *)storage, (void *)storage, NULL));
@@ -249,6 +262,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, null_in_closed_form);
     tcase_add_test(tc, null_in_effect);
     tcase_add_test(tc, null_in_experiment);
+    tcase_add_test(tc, null_in_indentation);
     tcase_add_test(tc, null_in_explain);
     tcase_add_test(tc, null_in_file);
     tcase_add_test(tc, null_in_law);

@@ -1,0 +1,46 @@
+/* indentation.h: the force of a tip pressed into an elastic layer, small strain: plate, flat punch, sphere, cone. */
+#ifndef PALPATE_INDENTATION_H
+#define PALPATE_INDENTATION_H
+
+#include <palpate/export.h>
+#include <palpate/status.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* PLATE covers the whole face of the specimen, a cylinder. The others touch a part of the face of a layer that is wide. */
+typedef enum palp_tip_kind { PALP_TIP_PLATE, PALP_TIP_FLAT, PALP_TIP_SPHERE, PALP_TIP_CONE } palp_tip_kind;
+
+PALP_API const char *palp_tip_name(palp_tip_kind kind); /* "plate", "flat", "sphere", "cone"; NULL for another */
+PALP_API bool palp_tip_find(const char *name, palp_tip_kind *kind);
+
+/* A tip on a layer of an elastic material; lengths in m. The tip slides without friction; the layer is bonded to a rigid
+ * floor, or slides on it. */
+typedef struct palp_indentation {
+    palp_tip_kind tip;
+    double radius_m;         /* flat punch, sphere: > 0. Plate: of the specimen, > 0 */
+    double half_angle_rad;   /* cone: between axis and flank, 0 to pi / 2 */
+    double thickness_m;      /* of the layer; INFINITY = a half-space (not for a plate) */
+    double poisson;          /* -1 < nu <= 0.5 */
+    bool floor_slides;       /* the layer slides on its floor; a plate's specimen slides on both faces in any case */
+} palp_indentation;
+
+/* Force at depth_m[n] over the shear modulus: force_m2[n], in m2, times G in Pa is N. 0 at depths <= 0. Plate: Young's modulus
+ * times strain times area. Others: the dual integral equations of the contact of a layer (Lebedev and Ufliand 1958; Hayes and
+ * others 1972), solved to some 1e-6, of which the half-space (flat 4 G a d / (1 - nu); Hertz; Sneddon) is the limit of a
+ * thick layer. A sphere is a sphere and no paraboloid. ERR_ARGUMENT: a number out of its range or not finite; ERR_LIMIT: a
+ * contact wider than PALP_INDENTATION_WIDEST thicknesses; ERR_NO_MEMORY. */
+PALP_API palp_status palp_indentation_force(const palp_indentation *indentation, size_t n, const double *depth_m, double *force_m2);
+
+/* Radius of the contact at a depth; a flat punch's and a plate's is their own. Errors likewise. */
+PALP_API palp_status palp_indentation_contact(const palp_indentation *indentation, double depth_m, double *contact_m);
+
+#define PALP_INDENTATION_WIDEST 12.0
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,265 @@
+/* indentation.c: contact of a rigid tip and an elastic layer. With p(r) the pressure, its Hankel transform
+ * P(x) = int_0^a phi(t) cos(x t) dt, the dual integral equations become, for t of 0 to a,
+ *   phi(t) - (2 / pi) int_0^a phi(s) int_0^inf M(x h) cos(x t) cos(x s) dx ds = 2 G / (pi (1 - nu)) (depth - g(t)),
+ * where 1 - M is the layer's compliance over the half-space's and g(t) = t int_0^t f'(r) / sqrt(t^2 - r^2) dr of the tip's
+ * profile f. Force = 2 pi int phi dt; where the profile is smooth at the edge of contact, phi(a) = 0 there. */
+#include <palpate/indentation.h>
+
+#include "base/dense.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+enum {
+    NODES = 32,          /* of Gauss' rule over the contact */
+    PANELS = 40,         /* of the wave numbers, PANEL_NODES each */
+    PANEL_NODES = 8,
+    WAVES = PANELS * PANEL_NODES,
+    CURVE = 48           /* contact radii from which a curved tip's force is interpolated */
+};
+static const double WAVE_MAX = 20.0; /* times h: M is below 1e-13 beyond */
+
+static const char *const names[] = {"plate", "flat", "sphere", "cone"};
+
+const char *palp_tip_name(palp_tip_kind kind) {
+    return kind >= PALP_TIP_PLATE && kind <= PALP_TIP_CONE ? names[kind] : NULL;
+}
+
+bool palp_tip_find(const char *name, palp_tip_kind *kind) {
+    for (int i = PALP_TIP_PLATE; name && kind && i <= PALP_TIP_CONE; i++)
+        if (strcmp(name, names[i]) == 0) {
+            *kind = (palp_tip_kind)i;
+            return true;
+        }
+    return false;
+}
+
+/* ---- the layer ---- */
+
+/* Gauss' rule for 0 to 1. */
+static void gauss(size_t n, double *x, double *w) {
+    for (size_t i = 0; i < n; i++) {
+        double z = cos(PI * ((double)i + 0.75) / ((double)n + 0.5)), slope = 1;
+        for (int again = 0; again < 8; again++) {
+            double p = 1, before = 0;
+            for (size_t j = 0; j < n; j++) {
+                double next = ((2.0 * (double)j + 1.0) * z * p - (double)j * before) / ((double)j + 1.0);
+                before = p;
+                p = next;
+            }
+            slope = (double)n * (z * p - before) / (z * z - 1.0);
+            z -= p / slope;
+        }
+        x[i] = 0.5 * (1.0 - z);
+        w[i] = 1.0 / ((1.0 - z * z) * slope * slope);
+    }
+}
+
+/* 1 less the compliance of the layer over that of the half-space, at a wave number times h. */
+static double softness(double u, double poisson, bool slides) {
+    double kappa = 3.0 - 4.0 * poisson, e2 = exp(-2.0 * u), e4 = e2 * e2;
+    if (slides)
+        return (2.0 * e2 * (1.0 + 2.0 * u) - 2.0 * e4) / (1.0 - e4 + 4.0 * u * e2);
+    double coupled = (1.0 + kappa * kappa + 4.0 * u * u) * e2;
+    return (2.0 * kappa * e4 + coupled + 4.0 * u * e2) / (kappa * (1.0 + e4) + coupled);
+}
+
+/* What does not change with the contact's radius. */
+typedef struct layer {
+    double x[NODES], w[NODES];           /* of the contact, 0 to 1 */
+    double wave[WAVES], weight[WAVES];   /* wave numbers times h; Gauss' weight times M */
+    double cosine[(NODES + 1) * WAVES];  /* scratch: of the nodes and of the edge */
+    double system[NODES * NODES], edge[NODES];
+    double solution[2 * NODES];          /* of a depth of 1 and of the profile */
+} layer;
+
+static void layer_set(layer *l, const palp_indentation *in) {
+    double x[PANEL_NODES], w[PANEL_NODES], width = WAVE_MAX / PANELS;
+    gauss(NODES, l->x, l->w);
+    gauss(PANEL_NODES, x, w);
+    for (size_t q = 0; q < WAVES; q++) {
+        l->wave[q] = width * ((double)(q / PANEL_NODES) + x[q % PANEL_NODES]);
+        l->weight[q] = width * w[q % PANEL_NODES] * softness(l->wave[q], in->poisson, in->floor_slides);
+    }
+}
+
+/* g(t) of the profile. */
+static double profile(const palp_indentation *in, double t) {
+    if (in->tip == PALP_TIP_SPHERE)
+        return t * atanh(t / in->radius_m);
+    return in->tip == PALP_TIP_CONE ? 0.5 * PI * t / tan(in->half_angle_rad) : 0.0;
+}
+
+/* The kernel between the nodes, and between the edge and the nodes, of a contact of a / h = ratio. */
+static void kernel(layer *l, double ratio, double *row, size_t i) {
+    for (size_t j = 0; j < NODES; j++) {
+        double sum = 0;
+        for (size_t q = 0; q < WAVES; q++)
+            sum += l->cosine[i * WAVES + q] * l->cosine[j * WAVES + q];
+        row[j] = 2.0 / PI * ratio * sum;
+    }
+}
+
+/* The cosines carry the root of their weight, which is not negative. */
+static bool factor(layer *l, double ratio) {
+    for (size_t i = 0; i <= NODES; i++)
+        for (size_t q = 0; q < WAVES; q++)
+            l->cosine[i * WAVES + q] = sqrt(l->weight[q]) * cos(ratio * l->wave[q] * (i < NODES ? l->x[i] : 1.0));
+    kernel(l, ratio, l->edge, NODES);
+    for (size_t i = 0; i < NODES; i++) {
+        kernel(l, ratio, &l->system[i * NODES], i);
+        for (size_t j = 0; j < NODES; j++)
+            l->system[i * NODES + j] = (i == j) - sqrt(l->w[i] * l->w[j]) * l->system[i * NODES + j];
+    }
+    return dense_cholesky(NODES, l->system);
+}
+
+/* What a contact of radius a has: depth, force over G, and the change of force with depth, the stiffness of a flat punch
+ * of this radius. */
+typedef struct contact {
+    double depth_m, force_m2, slope_m;
+} contact;
+
+static palp_status solve(layer *l, const palp_indentation *in, double a, contact *c) {
+    double *one = l->solution, *shape = one + NODES, sum[2] = {0, 0}, edge[2] = {1.0, profile(in, a)};
+    if (!(a / in->thickness_m <= PALP_INDENTATION_WIDEST))
+        return PALP_ERR_LIMIT;
+    if (!factor(l, a / in->thickness_m))
+        return PALP_ERR_SINGULAR;
+    for (size_t i = 0; i < NODES; i++) {
+        one[i] = sqrt(l->w[i]);
+        shape[i] = sqrt(l->w[i]) * profile(in, a * l->x[i]);
+    }
+    dense_cholesky_solve(NODES, l->system, 2, l->solution);
+    for (size_t i = 0; i < 2 * NODES; i++) {
+        double weighted = sqrt(l->w[i % NODES]) * l->solution[i];
+        sum[i / NODES] += weighted;
+        edge[i / NODES] += l->edge[i % NODES] * weighted;
+    }
+    double stiff = 4.0 * a / (1.0 - in->poisson);
+    c->depth_m = edge[1] / edge[0];
+    c->slope_m = stiff * sum[0];
+    c->force_m2 = stiff * (c->depth_m * sum[0] - sum[1]);
+    return PALP_OK;
+}
+
+/* ---- curved tips: force by depth ---- */
+
+/* The radius whose depth is depth_m or a little more. */
+static palp_status widest(layer *l, const palp_indentation *in, double depth_m, double *a) {
+    contact c = {0, 0, 0};
+    double limit = in->tip == PALP_TIP_SPHERE ? in->radius_m : HUGE_VAL;
+    palp_status status = PALP_OK;
+    *a = in->tip == PALP_TIP_SPHERE ? sqrt(in->radius_m * depth_m) : 2.0 / PI * depth_m * tan(in->half_angle_rad);
+    *a = *a < 0.9 * limit ? *a : 0.9 * limit;
+    while (!status && !((status = solve(l, in, *a, &c)) || c.depth_m >= depth_m))
+        *a = 1.05 * *a < limit ? 1.05 * *a : 0.5 * (*a + limit);
+    return status;
+}
+
+/* The curve's point at or before a depth. */
+static size_t find(const contact *c, double depth_m) {
+    size_t low = 0, high = CURVE;
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        if (c[middle].depth_m <= depth_m)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Hermite's cubic between two points; below the first, the power of depth of the half-space. */
+static double between(const contact *c, double depth_m, double power) {
+    if (depth_m <= c[0].depth_m)
+        return c[0].force_m2 * pow(depth_m / c[0].depth_m, power);
+    size_t i = find(c, depth_m);
+    double step = c[i + 1].depth_m - c[i].depth_m, s = (depth_m - c[i].depth_m) / step, r = 1.0 - s;
+    return r * r * ((1.0 + 2.0 * s) * c[i].force_m2 + s * step * c[i].slope_m) +
+           s * s * ((1.0 + 2.0 * r) * c[i + 1].force_m2 - r * step * c[i + 1].slope_m);
+}
+
+static palp_status curved(layer *l, const palp_indentation *in, size_t n, const double *depth_m, double *force_m2) {
+    contact c[CURVE + 1];
+    double deepest = 0, a = 0;
+    for (size_t i = 0; i < n; i++)
+        deepest = fmax(deepest, depth_m[i]);
+    palp_status status = deepest > 0 ? widest(l, in, deepest, &a) : PALP_OK;
+    for (size_t i = 0; deepest > 0 && !status && i <= CURVE; i++) {
+        double part = ((double)i + 1.0) / (CURVE + 1.0);
+        status = solve(l, in, a * part * part, &c[i]);
+    }
+    for (size_t i = 0; !status && i < n; i++)
+        force_m2[i] = depth_m[i] > 0 ? between(c, depth_m[i], in->tip == PALP_TIP_CONE ? 2.0 : 1.5) : 0.0;
+    return status;
+}
+
+/* ---- any tip ---- */
+
+static bool valid(const palp_indentation *in) {
+    if (!in || !palp_tip_name(in->tip) || !(in->thickness_m > 0) || !(in->poisson > -1.0) || !(in->poisson <= 0.5))
+        return false;
+    if (in->tip == PALP_TIP_CONE)
+        return in->half_angle_rad > 0 && in->half_angle_rad < 0.5 * PI;
+    return in->radius_m > 0 && isfinite(in->radius_m) && (in->tip != PALP_TIP_PLATE || isfinite(in->thickness_m));
+}
+
+/* Force over depth of a plate or of a flat punch. */
+static palp_status straight(layer *l, const palp_indentation *in, double *slope_m) {
+    contact c = {0, 0, 0};
+    palp_status status = PALP_OK;
+    if (in->tip == PALP_TIP_PLATE)
+        c.slope_m = 2.0 * (1.0 + in->poisson) * PI * in->radius_m * in->radius_m / in->thickness_m;
+    else
+        status = solve(l, in, in->radius_m, &c);
+    *slope_m = c.slope_m;
+    return status;
+}
+
+palp_status palp_indentation_force(const palp_indentation *in, size_t n, const double *depth_m, double *force_m2) {
+    bool fine = valid(in) && (n == 0 || (depth_m && force_m2));
+    for (size_t i = 0; fine && i < n; i++)
+        fine = isfinite(depth_m[i]);
+    if (!fine)
+        return PALP_ERR_ARGUMENT;
+    layer *l = malloc(sizeof *l);
+    if (!l)
+        return PALP_ERR_NO_MEMORY;
+    layer_set(l, in);
+    palp_status status = PALP_OK;
+    double slope = 0;
+    if (in->tip == PALP_TIP_SPHERE || in->tip == PALP_TIP_CONE)
+        status = curved(l, in, n, depth_m, force_m2);
+    else if (!(status = straight(l, in, &slope)))
+        for (size_t i = 0; i < n; i++)
+            force_m2[i] = slope * fmax(depth_m[i], 0.0);
+    free(l);
+    return status;
+}
+
+palp_status palp_indentation_contact(const palp_indentation *in, double depth_m, double *contact_m) {
+    if (!valid(in) || !isfinite(depth_m) || !contact_m)
+        return PALP_ERR_ARGUMENT;
+    *contact_m = depth_m > 0 ? in->radius_m : 0.0;
+    if (depth_m <= 0 || in->tip == PALP_TIP_PLATE || in->tip == PALP_TIP_FLAT)
+        return PALP_OK;
+    layer *l = malloc(sizeof *l);
+    if (!l)
+        return PALP_ERR_NO_MEMORY;
+    layer_set(l, in);
+    double high = 0, low = 0;
+    contact c = {0, 0, 0};
+    palp_status status = widest(l, in, depth_m, &high);
+    for (int i = 0; !status && i < 40; i++) {
+        double middle = 0.5 * (low + high);
+        status = solve(l, in, middle, &c);
+        *(c.depth_m < depth_m ? &low : &high) = middle;
+    }
+    *contact_m = high;
+    free(l);
+    return status;
+}

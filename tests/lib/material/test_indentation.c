@@ -1,0 +1,118 @@
+/* test_indentation.c: a tip on an elastic layer against the half-space, published tables, thin layers and itself. */
+#include <palpate/indentation.h>
+
+#include <check.h>
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+
+static palp_indentation of(palp_tip_kind tip, double thickness_m, double poisson) {
+    return (palp_indentation){.tip = tip, .radius_m = 2e-3, .half_angle_rad = 1.0, .thickness_m = thickness_m, .poisson = poisson};
+}
+
+static double force(palp_indentation in, double depth_m) {
+    double f = NAN;
+    ck_assert_int_eq(palp_indentation_force(&in, 1, &depth_m, &f), PALP_OK);
+    return f;
+}
+
+static void near_to(double got, double wanted, double relative) {
+    ck_assert_double_eq_tol(got / wanted, 1.0, relative);
+}
+
+START_TEST(a_half_space_has_its_closed_forms) {
+    double nu = 0.1 * _i, d = 1e-6, a = 2e-3;
+    near_to(force(of(PALP_TIP_FLAT, INFINITY, nu), d), 4 * a * d / (1 - nu), 1e-12);
+    near_to(force(of(PALP_TIP_CONE, INFINITY, nu), d), 4 / PI * tan(1.0) * d * d / (1 - nu), 1e-9);
+    near_to(force(of(PALP_TIP_SPHERE, INFINITY, nu), d), 8.0 / 3.0 * sqrt(a) * pow(d, 1.5) / (1 - nu), 2e-4); /* Hertz: a paraboloid */
+    near_to(force(of(PALP_TIP_PLATE, 0.01, nu), d), 2 * (1 + nu) * PI * a * a * d / 0.01, 1e-12);
+    near_to(force(of(PALP_TIP_FLAT, 1e3, nu), d), 4 * a * d / (1 - nu), 1e-5); /* a thick layer */
+}
+END_TEST
+
+/* Hayes, Keer, Herrmann and Mockros 1972: F = 4 G a kappa d / (1 - nu); their figures are within 1 % up to a / h = 2. */
+START_TEST(the_flat_punch_has_the_published_factors) {
+    static const double kappa[] = {1.281, 1.683, 2.211, 2.855, 3.609, 4.469, 5.441, 6.528, 7.735, 9.069};
+    palp_indentation in = of(PALP_TIP_FLAT, 1.0, 0.5);
+    in.thickness_m = in.radius_m / (0.2 * (_i + 1));
+    near_to(force(in, 1e-5) * 0.5 / (4 * in.radius_m * 1e-5), kappa[_i], 0.01);
+}
+END_TEST
+
+/* A thin layer is in uniaxial strain, but for the edge. */
+START_TEST(a_thin_layer_is_compressed_without_spreading) {
+    double a = 2e-3, h = a / 11.9, nu = 0.25, modulus = 2 * (1 - nu) / (1 - 2 * nu);
+    near_to(force(of(PALP_TIP_FLAT, h, nu), 1e-6), modulus * PI * a * a * 1e-6 / h, 0.06);
+    palp_indentation in = of(PALP_TIP_FLAT, h, 0.5);
+    in.floor_slides = true; /* plane strain to all sides, and nothing holds it: far softer than bonded */
+    ck_assert_double_lt(force(in, 1e-6), 0.2 * force(of(PALP_TIP_FLAT, h, 0.5), 1e-6));
+}
+END_TEST
+
+/* Lengths times a factor: forces over G grow with its square. One call for many depths, in any order, is many calls. */
+START_TEST(scale_and_order_change_nothing) {
+    double depth[4] = {3e-4, -1e-4, 1e-4, 2e-4}, one[4], scaled[4], factor = 1e-5;
+    palp_indentation in = of((palp_tip_kind)_i, 4e-3, 0.45), small = in;
+    small.radius_m *= factor;
+    small.thickness_m *= factor;
+    ck_assert_int_eq(palp_indentation_force(&in, 4, depth, one), PALP_OK);
+    ck_assert_double_eq(one[1], 0.0);
+    for (int i = 0; i < 4; i++)
+        near_to(depth[i] > 0 ? force(in, depth[i]) : 1.0, depth[i] > 0 ? one[i] : 1.0, 1e-6);
+    for (int i = 0; i < 4; i++)
+        depth[i] *= factor;
+    ck_assert_int_eq(palp_indentation_force(&small, 4, depth, scaled), PALP_OK);
+    for (int i = 0; i < 4; i++)
+        ck_assert_double_eq_tol(scaled[i] / (factor * factor), one[i], 1e-9 * one[0]);
+}
+END_TEST
+
+/* The slope of a curved tip's force is the stiffness of a flat punch as wide as the contact. */
+START_TEST(the_slope_is_that_of_a_punch_as_wide_as_the_contact) {
+    palp_indentation in = of(_i ? PALP_TIP_CONE : PALP_TIP_SPHERE, 1e-3, 0.4), flat = in;
+    double d = 1.2e-4, step = 1e-7;
+    flat.tip = PALP_TIP_FLAT;
+    ck_assert_int_eq(palp_indentation_contact(&in, d, &flat.radius_m), PALP_OK);
+    near_to((force(in, d + step) - force(in, d - step)) / (2 * step), force(flat, 1.0), 1e-4);
+}
+END_TEST
+
+START_TEST(bad_numbers_are_refused) {
+    double d = 1e-4, f, a;
+    palp_indentation bad[] = {of(PALP_TIP_FLAT, 0, 0.3),    of(PALP_TIP_FLAT, NAN, 0.3),       of(PALP_TIP_PLATE, INFINITY, 0.3),
+                              of(PALP_TIP_FLAT, 0.01, 0.51), of(PALP_TIP_FLAT, 0.01, NAN),      of(PALP_TIP_FLAT, 0.01, -1),
+                              of((palp_tip_kind)9, 0.01, 0.3), of(PALP_TIP_CONE, 0.01, 0.3),    of(PALP_TIP_SPHERE, 0.01, 0.3)};
+    bad[7].half_angle_rad = 1.6;
+    bad[8].radius_m = 0;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        ck_assert_int_eq(palp_indentation_force(&bad[i], 1, &d, &f), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_indentation_contact(&bad[i], d, &a), PALP_ERR_ARGUMENT);
+    }
+    palp_indentation fine = of(PALP_TIP_SPHERE, 0.01, 0.3), wide = of(PALP_TIP_FLAT, 1e-4, 0.5);
+    d = NAN;
+    ck_assert_int_eq(palp_indentation_force(&fine, 1, &d, &f), PALP_ERR_ARGUMENT);
+    d = 1e-6;
+    ck_assert_int_eq(palp_indentation_force(&wide, 1, &d, &f), PALP_ERR_LIMIT);
+}
+END_TEST
+
+START_TEST(a_tip_has_a_name) {
+    palp_tip_kind kind = PALP_TIP_PLATE;
+    for (int i = PALP_TIP_PLATE; i <= PALP_TIP_CONE; i++) {
+        ck_assert(palp_tip_find(palp_tip_name((palp_tip_kind)i), &kind));
+        ck_assert_int_eq(kind, i);
+    }
+    ck_assert(!palp_tip_find("needle", &kind));
+    ck_assert_ptr_null(palp_tip_name((palp_tip_kind)4));
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_loop_test(tc, a_half_space_has_its_closed_forms, 0, 6);
+    tcase_add_loop_test(tc, the_flat_punch_has_the_published_factors, 0, 10);
+    tcase_add_test(tc, a_thin_layer_is_compressed_without_spreading);
+    tcase_add_loop_test(tc, scale_and_order_change_nothing, 0, 4);
+    tcase_add_loop_test(tc, the_slope_is_that_of_a_punch_as_wide_as_the_contact, 0, 2);
+    tcase_add_test(tc, bad_numbers_are_refused);
+    tcase_add_test(tc, a_tip_has_a_name);
+}
