@@ -47,7 +47,7 @@ typedef struct palp_recording {
     unsigned char *use;          /* [n] 0 = masked: a spike, clipped, withdrawal */
     double deepest_m;            /* largest depth */
     double ramp_start_s, ramp_end_s; /* first motion into the specimen: its start and its end */
-    double end_s;                    /* of the press: static and ramp and hold are masked from their withdrawal on */
+    double end_s;                    /* of the press: from the last withdrawal on, samples are masked */
     bool contact_found;              /* the file says that its depth and force are already relative to contact */
     palp_contact_rule contact_rule;
     double contact_m, contact_sd_m;  /* recorded depth at contact */

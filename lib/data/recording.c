@@ -145,26 +145,34 @@ palp_recording_kind palp_recording_kind_of(const palp_pieces *pieces) {
     return k < n || !(ramp || dwell) ? PALP_RECORDING_OTHER : dwell ? PALP_RECORDING_RAMP_HOLD : PALP_RECORDING_STATIC;
 }
 
-static palp_status find_kind(palp_recording *r) {
-    palp_pieces pieces;
-    palp_status status = palp_segments_pieces(r->n, r->time_s, r->depth_m, &pieces);
-    r->kind = status ? PALP_RECORDING_OTHER : palp_recording_kind_of(&pieces);
-    palp_pieces_free(&pieces);
-    return status;
+/* The sample from which on the plate is only taken back; r->n if it is not. */
+static size_t find_withdrawal(const palp_recording *r, const palp_pieces *pieces, size_t ramp_end) {
+    size_t k = pieces->n;
+    if (r->kind != PALP_RECORDING_OTHER)
+        return segments_press_end(r->n, r->depth_m, r->deepest_m, ramp_end);
+    while (k > 0 && pieces->piece[k - 1].motion == PALP_MOTION_REST)
+        k--;
+    return k > 0 && pieces->piece[k - 1].motion == PALP_MOTION_UNLOAD ? pieces->piece[k - 1].first : r->n;
 }
 
-/* Where the motion starts and ends. What follows a press that ends by taking the plate back is left out: it says how
- * the plate leaves, which no law of pressing tells. */
-static void find_motion(palp_recording *r) {
-    size_t start, end, last = r->n;
+/* What was done, and where the motion starts and ends. What follows a press that ends by taking the plate back is left out: it
+ * says how the plate leaves, which no law of pressing tells. */
+static palp_status find_motion(palp_recording *r) {
+    palp_pieces pieces;
+    size_t start, end;
+    palp_status status = palp_segments_pieces(r->n, r->time_s, r->depth_m, &pieces);
+    if (status)
+        return status;
+    r->kind = palp_recording_kind_of(&pieces);
     segments_ramp(r->n, r->depth_m, r->deepest_m, &start, &end);
-    if (r->kind != PALP_RECORDING_OTHER)
-        last = segments_press_end(r->n, r->depth_m, r->deepest_m, end);
+    size_t last = find_withdrawal(r, &pieces, end);
     r->ramp_start_s = r->time_s[start];
     r->ramp_end_s = r->time_s[end];
     r->end_s = r->time_s[last < r->n ? last : r->n - 1];
     for (size_t i = last + 1; i < r->n; i++)
         r->use[i] = 0;
+    palp_pieces_free(&pieces);
+    return PALP_OK;
 }
 
 static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
@@ -196,11 +204,7 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
                               "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
                               1e3 * r->deepest_m, 1e3 * r->height_m);
     status = recording_look_at_noise(r, step);
-    if (!status)
-        status = find_kind(r);
-    if (!status)
-        find_motion(r);
-    return status;
+    return status ? status : find_motion(r);
 }
 
 palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,

@@ -17,10 +17,26 @@ typedef struct folds {
     size_t n_folds, n_groups;
     size_t *group;           /* [n_blocks] */
     size_t *fold;            /* [n_groups] */
+    double *weight;          /* [n_blocks] */
     unsigned char *held_out; /* [n_blocks] */
     double *loss;            /* [n_candidates n_groups] mean square of the held-out residuals */
     bool by_run;
 } folds;
+
+/* Weights of the blocks in the groups: 1, or more for those that go deeper than all before them, so that a third of the groups
+ * at least are theirs: they tell the law, and a sweep has few of them. */
+static void weigh_blocks(const fit_run *run, double *weight) {
+    double deepest = 0.0, deeper = 0.0, rest = 0.0;
+    for (size_t b = 0; b < run->n; b++) {
+        bool goes = run->strain[b] > deepest;
+        deepest = fmax(deepest, run->strain[b]);
+        weight[b] = run->count[b] == 0.0 ? 0.0 : goes ? 2.0 : 1.0;
+        deeper += weight[b] > 1.0;
+        rest += weight[b] == 1.0;
+    }
+    for (size_t b = 0; b < run->n; b++)
+        weight[b] = weight[b] > 1.0 ? fmax(1.0, 0.5 * rest / deeper) : weight[b];
+}
 
 static palp_status make_folds(folds *f, const fit_problem *p, size_t candidates) {
     bool by_run = f->by_run = p->settings->spring == PALP_SPRING_LAW && p->n_runs >= 3;
@@ -28,19 +44,21 @@ static palp_status make_folds(folds *f, const fit_problem *p, size_t candidates)
     f->n_folds = by_run ? p->n_runs : FOLDS;
     f->group = arena_take(&f->memory, p->n_blocks, sizeof *f->group);
     f->fold = arena_take(&f->memory, f->n_groups, sizeof *f->fold);
+    f->weight = arena_take(&f->memory, p->n_blocks, sizeof *f->weight);
     f->held_out = arena_take(&f->memory, p->n_blocks, sizeof *f->held_out);
     f->loss = arena_take(&f->memory, candidates * f->n_groups, sizeof *f->loss);
     if (f->memory.failed)
         return PALP_ERR_NO_MEMORY;
     for (size_t r = 0, i = 0; r < p->n_runs; r++) {
-        size_t used = 0, at = 0;
+        double *weight = f->weight + i, all = 1.0, at = 0.0;
+        weigh_blocks(&p->run[r], weight);
         for (size_t b = 0; b < p->run[r].n; b++)
-            used += p->run[r].count[b] > 0.0;
+            all += weight[b];
         for (size_t b = 0; b < p->run[r].n; b++, i++) {
-            size_t g = used ? at * GROUPS / (used + 1) : 0;
+            size_t g = (size_t)(at * GROUPS / all);
             f->group[i] = r * GROUPS + g;
             f->fold[f->group[i]] = by_run ? r : (g * 7 + r) % FOLDS;
-            at += p->run[r].count[b] > 0.0;
+            at += weight[b];
         }
     }
     return PALP_OK;
