@@ -46,7 +46,7 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
     status = explain_fit_create(model, &s->data, &s->fit);
     explain_history history = {.load.peak = 0.0};
     for (size_t r = 0, at = 0; r < n && !status; at += s->data.run[r++].n) {
-        palp_forward_run path = explain_forward_run(&s->data.run[r], &history);
+        palp_forward_run path = explain_forward_run(&s->data.run[r], 0.0, &history);
         status = explain_predict(model, &path, s->force + at, NULL, error);
     }
     palp_load_history_free(&history.load);

@@ -6,22 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The search with every surface where the model has it; free its run. */
-static palp_status at_one_contact(const explain_search *s, explain_search *there) {
-    *there = *s;
-    there->data.run = malloc(s->data.n_runs * sizeof *there->data.run);
-    for (size_t r = 0; there->data.run && r < s->data.n_runs; r++) {
-        there->data.run[r] = s->data.run[r];
-        there->data.run[r].contact = 0.0;
-    }
-    return there->data.run ? PALP_OK : PALP_ERR_NO_MEMORY;
-}
-
-static palp_status refit_at(const explain_search *there, explain_fit *fit, double *residual) {
-    palp_status status = explain_fit_products(fit, &there->data, NULL);
+static palp_status refit(const explain_data *data, explain_fit *fit, double *residual) {
+    palp_status status = explain_fit_products(fit, data, NULL);
     if (!status)
-        status = explain_fit_improve(fit, &there->data, fit->model.kind == PALP_MODEL_NETWORK ? 4 : 20);
-    return status ? status : explain_fit_evaluate(fit, &there->data, NULL, residual);
+        status = explain_fit_improve(fit, data, fit->model.kind == PALP_MODEL_NETWORK ? 4 : 20);
+    return status ? status : explain_fit_evaluate(fit, data, NULL, residual);
 }
 
 /* So little that no run has anything of its own: what the noise of all samples together hides. */
@@ -32,31 +21,28 @@ static explain_scatter no_scatter(const explain_data *data) {
 }
 
 palp_status explain_before_find(const explain_search *s, explain_fit *base, palp_explanation *e) {
-    explain_search there;
     const explain_scatter none = no_scatter(&s->data);
     double *residual = malloc(s->data.n * sizeof *residual);
-    palp_status status = at_one_contact(s, &there);
-    status = residual ? status : PALP_ERR_NO_MEMORY;
+    palp_status status = residual ? PALP_OK : PALP_ERR_NO_MEMORY;
     base->scatter.zero = fmin(s->fit.scatter.zero, none.zero);
     base->scatter.contact = fmin(s->fit.scatter.contact, none.contact);
     base->scatter.gain = fmin(s->fit.scatter.gain, none.gain);
+    memset(base->contact, 0, s->data.n_runs * sizeof *base->contact); /* every surface where the model has it */
     if (!status)
-        status = refit_at(&there, base, residual);
+        status = refit(&s->data, base, residual);
     if (!status) {
         explain_keep_residual(residual, e, true);
         e->gap.before_N = explain_fitted_rms(&s->data, residual);
-        status = explain_held_out(&there, base, &e->gap.heldout_before_N);
+        status = explain_held_out(s, base, &e->gap.heldout_before_N);
     }
     free(residual);
-    free(there.data.run);
     return status;
 }
 
 /* The fit at hand with one zero, contact or gain for all runs. */
 static palp_status in_common(const explain_search *s, int which, palp_explain_scatter *out) {
     enum { PLAIN = 10 }; /* nats that leave no doubt */
-    explain_search there;
-    explain_fit fit;
+    explain_fit fit = {.n_columns = 0};
     const explain_scatter *now = &s->fit.scatter, hidden = explain_hidden_scatter(&s->data), none = no_scatter(&s->data);
     const double own[3] = {now->zero, now->contact, now->gain}, noise[3] = {hidden.zero, hidden.contact, hidden.gain};
     const double left = explain_fitted_rms(&s->data, s->residual);
@@ -64,14 +50,13 @@ static palp_status in_common(const explain_search *s, int which, palp_explain_sc
     if (!(own[which] > noise[which]))
         return PALP_OK;
     double *residual = malloc(s->data.n * sizeof *residual);
-    palp_status status = at_one_contact(s, &there);
-    memset(&fit, 0, sizeof fit);
-    if (!status)
-        status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;
+    palp_status status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;
     *(which == 0 ? &fit.scatter.zero : which == 1 ? &fit.scatter.contact : &fit.scatter.gain) =
         which == 0 ? none.zero : which == 1 ? none.contact : none.gain;
+    if (!status && which == 1)
+        memset(fit.contact, 0, s->data.n_runs * sizeof *fit.contact);
     if (!status)
-        status = refit_at(which == 1 ? &there : s, &fit, residual);
+        status = refit(&s->data, &fit, residual);
     if (!status) {
         out->without_N = explain_fitted_rms(&s->data, residual);
         out->evidence = explain_fit_score(&s->fit, &s->data) - fit.score;
@@ -79,7 +64,6 @@ static palp_status in_common(const explain_search *s, int which, palp_explain_sc
     }
     explain_fit_free(&fit);
     free(residual);
-    free(there.data.run);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 

@@ -31,7 +31,7 @@ static palp_status make_basis(const explain_fit *fit, const explain_data *data, 
     explain_history history = {.load.peak = 0.0};
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         size_t own = data->run[r].n;
-        palp_forward_run path = explain_forward_run(&data->run[r], &history);
+        palp_forward_run path = explain_forward_run(&data->run[r], fit->contact[r], &history);
         status = explain_predict(&fit->model, &path, gradient + k * own, gradient, NULL);
         for (size_t j = 0; j < k && !status; j++)
             memcpy(basis + j * n + at, gradient + j * own, own * sizeof *basis);

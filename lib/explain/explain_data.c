@@ -10,13 +10,13 @@
 
 static const double SPIKE_SIGMA = 8.0;
 
-palp_forward_run explain_forward_run(const explain_run *run, explain_history *history) {
+palp_forward_run explain_forward_run(const explain_run *run, double contact, explain_history *history) {
     if (run->fresh)
         palp_load_history_free(&history->load);
     history->load.peak_p = history->slope;
     return (palp_forward_run){
         .n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session,
-        .n_columns = run->n_columns, .column = run->column, .history = &history->load, .contact_m = run->contact};
+        .n_columns = run->n_columns, .column = run->column, .history = &history->load, .contact_m = contact};
 }
 
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event) {

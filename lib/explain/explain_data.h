@@ -18,7 +18,6 @@ typedef struct explain_run {
     unsigned char *use;           /* [n] 0 = an event, or not to be fitted */
     unsigned char *phase;         /* [n] palp_phase */
     double session, white;        /* when it began; sd of a sample's white noise */
-    double contact;               /* by how much deeper its own surface lies, as far as it is known */
     bool fresh;                   /* on a specimen that no run before it pressed */
     double largest_strain;                  /* largest strain of the earlier runs on its specimen, by depth */
     double *keep, *take, *weight; /* [n] the filter that makes its noise white (explain_noise.h) */
@@ -61,8 +60,8 @@ typedef struct explain_history {
     double slope[EXPLAIN_COLUMNS];
 } explain_history;
 
-/* For the runs one after the other, in their order, all with one model. */
-palp_forward_run explain_forward_run(const explain_run *run, explain_history *history);
+/* For the runs one after the other, in their order, all with one model. contact: by how much deeper its surface lies, m. */
+palp_forward_run explain_forward_run(const explain_run *run, double contact, explain_history *history);
 
 /* ---- the session (explain_order.c) ---- */
 

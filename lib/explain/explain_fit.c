@@ -66,9 +66,10 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     fit->model = *model;
     fit->n_columns = palp_forward_parameter_count(model);
     fit->m = fit->n_columns + EXPLAIN_NUISANCES + 1;
-    fit->product = calloc(data->n_runs * fit->m * fit->m, sizeof *fit->product);
+    fit->product = calloc(data->n_runs * (fit->m * fit->m + 1), sizeof *fit->product);
     if (!fit->product)
         return PALP_ERR_NO_MEMORY;
+    fit->contact = fit->product + data->n_runs * fit->m * fit->m;
     double stiffness = data->peak * data->height / data->deepest, strain = data->deepest / data->height;
     size_t k = 0;
     for (; k < model->material.law.n; k++) {
@@ -99,6 +100,8 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
 palp_status explain_fit_beside(const explain_fit *base, const palp_model *model, const explain_data *data,
                                explain_fit *fit) {
     palp_status status = explain_fit_create(model, data, fit);
+    if (!status)
+        memcpy(fit->contact, base->contact, data->n_runs * sizeof *fit->contact);
     fit->scatter = base->scatter;
     fit->hum_Hz = base->hum_Hz;
     fit->hum_N = base->hum_N;
@@ -118,12 +121,13 @@ void explain_fit_free(explain_fit *fit) {
 }
 
 palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to) {
-    size_t bytes = n_runs * from->m * from->m * sizeof *to->product;
+    size_t bytes = n_runs * (from->m * from->m + 1) * sizeof *to->product;
     *to = *from;
     to->product = malloc(bytes);
     if (!to->product)
         return PALP_ERR_NO_MEMORY;
     memcpy(to->product, from->product, bytes);
+    to->contact = to->product + n_runs * from->m * from->m;
     return PALP_OK;
 }
 
@@ -181,8 +185,8 @@ static void hum_columns(const explain_fit *fit, const explain_run *run, double *
     }
 }
 
-/* The run's surface is where its contact is known to be; its residual as if it were where the model has it, so that its
- * contact as a whole has the scatter of all. work: [(n_columns + 3 parameters and more) n] */
+/* The run's surface is at contact; its residual as if it were where the model has it, so that its contact as a whole has
+ * the scatter of all. work: [(n_columns + 3 parameters and more) n] */
 static palp_status run_products(explain_fit *fit, const explain_run *run, const palp_forward_run *path,
                                 const palp_model *full, size_t offset, size_t gain, double *force, double *gradient,
                                 double *column, double *product) {
@@ -200,7 +204,7 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
     hum_columns(fit, run, own + 3 * n, own + 4 * n);
     double *y = own + EXPLAIN_NUISANCES * n;
     for (size_t i = 0; i < n; i++)
-        y[i] = run->force[i] - force[i] + run->contact * own[n + i];
+        y[i] = run->force[i] - force[i] + path->contact_m * own[n + i];
     for (size_t j = 0; j < m; j++)
         explain_whiten(run, column + j * n);
     dense_transposed_product(m, m, n, column, column, product);
@@ -214,7 +218,7 @@ static void find_residual(const explain_fit *fit, const explain_run *run, size_t
     explain_nuisances(fit, r, own, sd);
     for (size_t i = 0; i < run->n; i++) {
         double turn = TURN * fit->hum_Hz * run->time[i];
-        double more = own[0] + (own[1] - run->contact) * contact[i] + own[2] * gain[i];
+        double more = own[0] + (own[1] - fit->contact[r]) * contact[i] + own[2] * gain[i];
         if (fit->hum_Hz > 0.0)
             more += own[3] * sin(turn) + own[4] * cos(turn);
         residual[i] = run->use[i] ? run->force[i] - force[i] - more : 0.0;
@@ -232,7 +236,7 @@ palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, dou
     status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
     explain_history history = {.load.peak = 0.0};
     for (size_t r = 0; r < data->n_runs && !status; r++) {
-        palp_forward_run path = explain_forward_run(&data->run[r], &history);
+        palp_forward_run path = explain_forward_run(&data->run[r], fit->contact[r], &history);
         status = run_products(fit, &data->run[r], &path, &full, offset, gain, work, work + n, work + (1 + columns) * n,
                               fit->product + r * fit->m * fit->m);
         size_t length = data->run[r].n;

@@ -20,6 +20,7 @@ typedef struct explain_fit {
     bool logarithmic[EXPLAIN_COLUMNS];
     explain_scatter scatter;
     double *product;              /* [n_runs m m]: of the whitened columns of parameters, nuisances and residual */
+    double *contact;              /* [n_runs], in the same block: each run's surface, about which its contact is linear */
     double score;                 /* log likelihood (less constants) of the runs not held out, nuisances integrated out */
 } explain_fit;
 
@@ -36,8 +37,7 @@ size_t explain_first_column(const palp_model *model, size_t i); /* index of the 
 /* fit->x into fit->model. ERR_ARGUMENT: makes no model. */
 palp_status explain_fit_to_model(explain_fit *fit);
 
-/* Products and score at fit->model. force (NULL or [n]): what the model gives, each run's surface where its contact is
- * known to be. */
+/* Products and score at fit->model. force (NULL or [n]): what the model gives, each run's surface at fit->contact. */
 palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force);
 
 /* The same; residual (NULL or [n]): what force and the runs' nuisance parameters leave, 0 where a sample does not count. */
@@ -70,7 +70,7 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
 /* chi2 after one more step, as the products predict it. */
 palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2);
 
-/* Moves to the best parameters near by. */
+/* Moves to the best parameters near by, and each run's surface to where they find it. */
 palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds);
 
 /* ---- each run predicted by the others (explain_cross.c) ---- */

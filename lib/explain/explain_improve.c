@@ -27,10 +27,12 @@ typedef struct improvement {
     palp_model model;
     double *product;
     double *work; /* [k k + k] */
+    size_t evaluations;
 } improvement;
 
 static palp_status evaluate(void *user, const double *x, double *h, double *g, double *chi2) {
     improvement *i = user;
+    i->evaluations++;
     memcpy(i->fit->x, x, i->fit->n_columns * sizeof *x);
     palp_status status = explain_fit_to_model(i->fit);
     if (!status)
@@ -46,7 +48,8 @@ static void keep(void *user) {
     memcpy(i->product, i->fit->product, i->data->n_runs * i->fit->m * i->fit->m * sizeof *i->product);
 }
 
-palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds) {
+/* From where fit is; *used: evaluations that it took. */
+static palp_status descend(explain_fit *fit, const explain_data *data, size_t rounds, size_t *used) {
     size_t k = fit->n_columns, room = data->n_runs * fit->m * fit->m;
     double *h = malloc((2 * k * k + 3 * k + room) * sizeof *h), reach[EXPLAIN_COLUMNS], chi2;
     palp_status status = h ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -66,7 +69,39 @@ palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size
         memcpy(fit->product, i.product, room * sizeof *i.product);
         fit->model = i.model;
         fit->score = explain_fit_score(fit, data);
+        *used = i.evaluations;
     }
     free(h);
+    return status;
+}
+
+/* Every run's surface to where the fit finds it, at most a quarter of the deepest away; but for less than what is as
+ * good as straight; whether one moved. */
+static bool find_contacts(explain_fit *fit, const explain_data *data) {
+    const double most = 0.25 * data->deepest, straight = fmin(0.1 * fit->scatter.contact, 1e-3 * data->deepest);
+    bool moved = false;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
+        explain_nuisances(fit, r, own, sd);
+        const double contact = fmin(most, fmax(-most, own[1]));
+        if (!(fabs(contact - fit->contact[r]) > straight))
+            continue;
+        fit->contact[r] = contact;
+        moved = true;
+    }
+    return moved;
+}
+
+palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds) {
+    enum { PASSES = 4 };
+    palp_status status = PALP_OK;
+    for (int pass = 0; pass < PASSES && rounds > 0 && !status; pass++) {
+        size_t used = 0;
+        status = descend(fit, data, rounds, &used);
+        rounds -= used;
+        if (status || !find_contacts(fit, data))
+            break;
+        status = explain_fit_products(fit, data, NULL);
+    }
     return status;
 }

@@ -53,12 +53,12 @@ static palp_status find_directions(const explain_search *s, directions *d) {
 
 /* work: room for (n_columns + 2 + PALP_EFFECT_PARAMETERS + 1) n. */
 static palp_status strength_column(const palp_model *model, const palp_effect *effect, const explain_run *run,
-                                   double *work, double *column) {
+                                   double contact, double *work, double *column) {
     palp_model more = *model;
     size_t k = palp_forward_parameter_count(model);
     more.effects[more.n_effects++] = *effect;
     explain_history history = {.load.peak = run->largest_strain};
-    palp_forward_run path = explain_forward_run(run, &history);
+    palp_forward_run path = explain_forward_run(run, contact, &history);
     palp_status status = explain_predict(&more, &path, work, work + run->n, NULL);
     if (status)
         memset(column, 0, run->n * sizeof *column);
@@ -74,20 +74,21 @@ static palp_status make_columns(const explain_search *s, const directions *d, si
     const palp_model *model = &s->fit.model;
     static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
     size_t n = run->n, k = s->fit.n_columns;
+    const double contact = s->fit.contact[r];
     double *work = malloc((k + PALP_EFFECT_PARAMETERS + 1) * n * sizeof *work);
     explain_history history = {.load.peak = run->largest_strain};
-    palp_forward_run path = explain_forward_run(run, &history);
+    palp_forward_run path = explain_forward_run(run, contact, &history);
     palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n && work; i++)
         column[i] = 1.0;
     if (!status)
-        status = strength_column(model, &offset, run, work, column + n);
+        status = strength_column(model, &offset, run, contact, work, column + n);
     if (!status)
-        status = strength_column(model, &gain, run, work, column + 2 * n);
+        status = strength_column(model, &gain, run, contact, work, column + 2 * n);
     if (!status)
         status = explain_predict(model, &path, work, column + 3 * n, NULL);
     for (size_t i = 0; i < d->n && !status; i++)
-        status = strength_column(model, &d->effect[i], run, work, column + (3 + k + i) * n);
+        status = strength_column(model, &d->effect[i], run, contact, work, column + (3 + k + i) * n);
     for (size_t i = 0; i < 3 + k + d->n && !status; i++)
         explain_whiten(run, column + i * n);
     palp_load_history_free(&history.load);

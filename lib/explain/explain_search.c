@@ -22,16 +22,6 @@ static palp_status find_noise(explain_search *s) {
     return status;
 }
 
-/* Every run's surface where the fit finds it, at most a quarter of the run's depth away. */
-static void find_contacts(explain_search *s) {
-    for (size_t r = 0; r < s->data.n_runs; r++) {
-        explain_run *run = &s->data.run[r];
-        double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES], most = 0.25 * s->data.deepest;
-        explain_nuisances(&s->fit, r, own, sd);
-        run->contact = fmin(most, fmax(-most, own[1]));
-    }
-}
-
 palp_status explain_refit(explain_search *s) {
     enum { LEAST = 3, MOST = 12 };
     double risen = 1.0;
@@ -45,7 +35,6 @@ palp_status explain_refit(explain_search *s) {
         if (!status)
             status = explain_fit_improve(&s->fit, &s->data, round ? 10 : 30);
         explain_fit_scatter(&s->fit, &s->data, s->settings);
-        find_contacts(s);
         if (!status)
             status = explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
         explain_fit_scatter(&s->fit, &s->data, s->settings);

@@ -133,6 +133,23 @@ START_TEST(a_hidden_effect_is_named) {
 END_TEST
 
 /* Beside the given arm one of 6 s is a banana: a parabola's interval would hold zero, the likelihood's does not. */
+/* A plain model lets the contacts of the runs differ instead, and a trial that keeps those contacts never finds the toe. */
+START_TEST(a_toe_is_no_scatter_of_contacts) {
+    palp_model truth = with(PALP_EFFECT_TOE_REGION, 1.2e-3);
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    session(&truth);
+    explain(&s, &e);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_EXPLAINED);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_TOE_REGION);
+    ck_assert_double_eq_tol(e.effect[0].effect.value[0], 1.2e-3, 5e-5);
+    ck_assert(!e.contact.found);
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
 START_TEST(an_interval_follows_the_likelihood) {
     palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.13, 6);
     palp_explain_settings s = palp_explain_settings_default();
@@ -364,6 +381,7 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, nothing_hidden_nothing_named);
     tcase_add_loop_test(tc, a_hidden_effect_is_named, 0, 3);
+    tcase_add_test(tc, a_toe_is_no_scatter_of_contacts);
     tcase_add_test(tc, the_added_arm_is_the_hidden_one);
     tcase_add_test(tc, an_interval_follows_the_likelihood);
     tcase_add_test(tc, the_order_of_the_tasks_changes_no_bit);
