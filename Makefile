@@ -228,6 +228,10 @@ SEED ?= 1
 hidden: $(TOOL) ## the cases with a hidden effect: generated, explained and scored (SEED=1, about half an hour)
 	@PALPATE=$(TOOL) CC='$(CC)' tests/hidden/run.sh --seed $(SEED) --set all --oracle --out $(BUILD)/hidden
 
+.PHONY: worlds
+worlds: $(TOOL) ## laboratories that are not ours, from recordings to the missing effect, judged (SEED=1, about half an hour)
+	@PALPATE=$(TOOL) CC='$(CC)' tests/hidden/worlds/run.sh --seed $(SEED) --set all --oracle --out $(BUILD)/worlds
+
 # ---- installing ----------------------------------------------------------------------------------
 .PHONY: install uninstall man
 D = $(DESTDIR)

@@ -1,0 +1,21 @@
+#!/bin/sh
+# explain_worlds.sh: the generator of laboratories that are not ours, and their judge, hold their own tests (check: once).
+# The run itself takes too long to be a test: see tests/hidden/README.md.
+. tests/cli/common
+command -v python3 >/dev/null || { echo "there is no python3, which judges the answers"; exit 77; }
+
+hidden=$ROOT/tests/hidden
+"${CC:-cc}" -std=c99 -O2 -ffp-contract=off "$hidden"/worlds/*.c "$hidden/random.c" "$hidden/path.c" "$hidden/kinds.c" -lm -o worlds ||
+    fail "the generator does not build"
+./worlds --self-test >out || fail "the generator: $(grep WRONG out)"
+[ "$(grep -c "chi2 of a sample" out)" -eq 5 ] || fail "the noise of five laboratories was not looked at"
+python3 "$hidden/worlds/judge.py" --self-test || fail "the judge"
+
+# An answer that is not there is no right answer, and the exit code says so.
+printf '{"seed": 1, "set": "all", "cases": [{"case": "case_001", "world": "cheap", "arms": 1, "effect": null, "outside": "", "nats": 0, "cosine": {}}]}' >truth.json
+mkdir case_001
+python3 "$hidden/worlds/judge.py" --cases . --truth truth.json >out && fail "no answer was passed as right"
+grep -q "case_001 no answer" out || fail "the missing answer is not listed: $(cat out)"
+printf '{"verdict": "agrees", "effects": [], "gap": {}}' >case_001/result.json
+python3 "$hidden/worlds/judge.py" --cases . --truth truth.json >out || fail "a null that agrees was not right: $(cat out)"
+done_testing
