@@ -77,6 +77,7 @@ typedef struct palp_effect_parameter {
     palp_effect_scale scale;
     bool logarithmic; /* searched in its logarithm: a time, a length */
     bool strength;    /* with all strengths at zero the effect is off, whatever the others are */
+    bool optional;    /* a file may leave it out: it is 0 then */
 } palp_effect_parameter;
 
 /* What the catalogue tells of an effect. */

@@ -3,27 +3,43 @@
 
 #include <math.h>
 
-static void pull(const double *value, double at, effect_number *out) {
-    (void)at;
-    out->value = value[0];
+/* value: force, reach. The traction of Xu and Needleman (1993): the pull grows with the gap, is strongest where the gap is
+ * the reach, and fades beyond. Without a reach the surface stays on the plate up to that force;
+ * there is no derivative by a reach of 0. */
+static void bond(const double *value, double gap, effect_bond *out) {
+    out->strongest = out->pull = value[0];
+    out->reach = value[1];
     out->by_value[0] = 1.0;
+    if (!(value[1] > 0.0))
+        return;
+    double x = gap / value[1], share = x * exp(1.0 - x), by_x = (1.0 - x) * exp(1.0 - x);
+    out->pull = value[0] * share;
+    out->by_gap = value[0] * by_x / value[1];
+    out->by_value[0] = share;
+    out->by_value[1] = -out->by_gap * x;
 }
 
 static const char *missing(const effect_data *data) {
-    return data->n_releases == 0 ? "no plate lets go with a jump" : NULL;
+    return data->n_releases == 0 && !(data->pulled > 0.0) ? "no plate pulls on withdrawal" : NULL;
 }
 
-/* Not fitted: which sample is the last before the release has no derivative. */
-static void read_pull(const effect_data *data, effect_read *out) {
-    out->low = data->pull[0];
-    out->high = data->pull[1];
-    out->value = 0.5 * (data->pull[0] + fmax(data->pull[0], data->pull[1]));
+/* Where plates let go with a jump the force is not fitted, as which sample is the last before it has no derivative: between
+ * the strongest pull that was recorded and what would be too strong, both to three standard deviations of the noise. */
+static bool read_pull(const effect_data *data, effect_read *out) {
+    double noise = 3.0 * data->white;
+    out->low = fmax(0.0, data->pull[0] - noise);
+    out->high = fmax(data->pull[0], data->pull[1]) + noise;
+    return data->n_releases > 0;
 }
 
 static palp_status starts(const effect_data *data, effect_starts *out) {
+    static const double parts[] = {0.003, 0.02, 0.06, 0.2}, places[] = {0.1, 0.35, 0.6, 0.85};
     effect_read read;
-    read_pull(data, &read);
-    effect_start_at(out, read.value, 0.0, 0.0);
+    const bool jumps = read_pull(data, &read);
+    for (size_t k = 0; k < (jumps ? 4u : 1u); k++)
+        for (size_t j = 0; j < 4; j++)
+            effect_start_at(out, jumps ? read.low + places[k] * (read.high - read.low) : data->pulled,
+                            parts[j] * data->deepest, 0.0);
     return PALP_OK;
 }
 
@@ -31,8 +47,9 @@ const effect_row effect_adhesion = {
     .info = {.id = "adhesion", .name = "adhesion", .place = PALP_EFFECT_CONTACT,
              .means = "The specimen sticks to the plate, which pulls it on withdrawal until it lets go.",
              .seen_by = "withdrawal past contact",
-             .n_parameters = 1,
-             .parameter = {{"force_N", 1, 0, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
+             .n_parameters = 2,
+             .parameter = {{"force_N", 1, 0, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true},
+                           {"reach_mm", 1e-3, 0, 1e3, 1e-4, .scale = PALP_SCALE_LENGTH, .logarithmic = true, .optional = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_BIAS),
              .in_lumped = true, .in_network = true},
-    .pull = pull, .missing = missing, .starts = starts, .read = read_pull};
+    .bond = bond, .missing = missing, .starts = starts, .read = read_pull};

@@ -72,7 +72,16 @@ typedef void effect_arms(const double *value, palp_arm *arm, effect_arm by_value
 /* Changes how loading damages the spring; by_value comes zeroed. */
 typedef void effect_history(const double *value, element_damage *damage, element_damage by_value[PALP_EFFECT_PARAMETERS]);
 
-/* ---- a number: a factor, a force, a stiffness ---- */
+/* ---- between the plate and the surface ---- */
+
+/* What pulls a surface that is so far behind the plate; strongest without a reach: it stays on the plate up to there. */
+typedef struct effect_bond {
+    double strongest, reach;
+    double pull, by_gap, by_value[PALP_EFFECT_PARAMETERS];
+} effect_bond;
+typedef void effect_bonds(const double *value, double gap, effect_bond *out); /* out comes zeroed */
+
+/* ---- a number: a factor, a stiffness ---- */
 typedef struct effect_number {
     double value, by_value[PALP_EFFECT_PARAMETERS];
 } effect_number;
@@ -86,6 +95,7 @@ typedef struct effect_data {
     double duration, step, deepest, fastest, peak, white, height;
     size_t n_releases; /* at which a plate let go with a jump, */
     double pull[2];    /* and the pull there: the strongest recorded, and what would be too strong */
+    double pulled;     /* strongest pull that the runs record on withdrawal, beyond what noise is; 0 = none */
     const void *runs;       /* of the next two */
     const double *residual; /* that a fit leaves of them; NULL: not asked for */
     /* Period, amplitude and phase of the strongest wave that the residual has over depth. */
@@ -109,9 +119,9 @@ void effect_start_times(effect_starts *starts, const effect_data *data, double s
 /* What the data lack to show the effect, NULL: nothing. */
 typedef const char *effect_condition(const effect_data *data);
 
-/* A parameter that is read off the data and not fitted, with its interval. */
+/* The interval of a parameter that is read off the data and not fitted. */
 typedef struct effect_read {
-    double value, low, high;
+    double low, high;
 } effect_read;
 
 /* ---- a row ---- */
@@ -127,12 +137,12 @@ typedef struct effect_row {
     effect_history *history;
     effect_quantity *spring;   /* factor of the spring's force at a strain rate of the plate, 1/s */
     effect_quantity *specimen; /* factor of all the specimen's force at a time of the session, s */
-    effect_quantity *pull;     /* force that the plate lets go at, N; at = 0 */
+    effect_bonds *bond;        /* of a surface to the plate; one effect of a model at most */
     effect_quantity *foundation; /* stiffness that holds a network's nodes sideways at the plates over that of the elements
                                   there, at = 0; by_value: of its logarithm. Held fast where the effect is off */
     effect_condition *missing; /* NULL: any runs will do */
     palp_status (*starts)(const effect_data *data, effect_starts *out); /* NULL: one, with all values 0 */
-    void (*read)(const effect_data *data, effect_read *out);            /* NULL, or of its only parameter; with a condition */
+    bool (*read)(const effect_data *data, effect_read *out);            /* NULL, or of its first parameter, if these runs show it */
     bool line;                 /* a line of the spectrum whose phase is each run's own; at most one effect is */
     double scanned;            /* the search looks at so many periods or frequencies and takes the best; 0 = at one */
     bool in_law;               /* the stiffness law may take all of it */

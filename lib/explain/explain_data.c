@@ -131,6 +131,20 @@ static palp_status mask_releases(explain_data *data, size_t r) {
     return status;
 }
 
+/* The strongest pull after the plate has met the specimen beyond what the run has before, by means of three samples. */
+static void find_pull(explain_data *data, const explain_run *run) {
+    double before = 0.0, after = 0.0, noise = 5.0 * run->white / sqrt(3.0);
+    bool met = false;
+    for (size_t i = 1; i + 1 < run->n; i++) {
+        double pull = -(run->force[i - 1] + run->force[i] + run->force[i + 1]) / 3.0;
+        met = met || -pull > 2.0 * noise;
+        double *most = met ? &after : &before;
+        *most = fmax(*most, pull);
+    }
+    if (after - before > noise)
+        data->pulled = fmax(data->pulled, after - before);
+}
+
 /* Whether the plate went the same way in both, to a hundredth of the deepest. */
 static bool same_path(const explain_data *data, const explain_run *a, const explain_run *b) {
     enum { PLACES = 64 };
@@ -224,6 +238,7 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     if (status)
         return status;
     palp_status masked = mask_spikes(data, r);
+    find_pull(data, run);
     return masked ? masked : mask_releases(data, r);
 }
 
@@ -330,7 +345,7 @@ static double change_of(const effect_data *facts, const char *column) {
 effect_data explain_facts(const explain_data *data) {
     return (effect_data){.duration = data->duration, .step = data->step, .deepest = data->deepest,
                          .fastest = data->fastest, .peak = data->peak, .height = data->height, .white = data->run[0].white, .n_releases = data->n_releases,
-                         .pull = {data->pull, data->pull_most}, .runs = data, .change_of = change_of};
+                         .pull = {data->pull, data->pull_most}, .pulled = data->pulled, .runs = data, .change_of = change_of};
 }
 
 palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i), void *work,

@@ -33,8 +33,8 @@ static double size_of(palp_effect_scale scale, const explain_data *data) {
     return 1.0;
 }
 
-/* Within what these runs can mean. */
-static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t p, const explain_data *data) {
+/* Within what these runs can mean. value: the model's; one that is read off the data stays there. */
+static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t p, double value, const explain_data *data) {
     const palp_effect_parameter *q = &row->info.parameter[p];
     const effect_data facts = explain_facts(data);
     double low = q->low, high = q->high, size = size_of(q->scale, data), unit = 30.0 * size;
@@ -53,11 +53,9 @@ static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t
         low = fmax(low, -0.9 * size);
         high = fmin(high, 1e3 * size);
     }
-    if (row->read && !row->missing(&facts)) {
-        effect_read read;
-        row->read(&facts, &read);
-        low = high = read.value;
-    }
+    effect_read read;
+    if (p == 0 && row->read && row->read(&facts, &read))
+        low = high = fmin(read.high, fmax(read.low, value));
     set_coordinate(fit, k, low, high, q->logarithmic ? 5.0 : unit, q->logarithmic);
 }
 
@@ -84,7 +82,7 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     for (size_t i = 0; i < model->n_effects; i++) {
         const effect_row *row = effect_row_of(model->effects[i].id);
         for (size_t p = 0; p < row->info.n_parameters; p++)
-            set_effect(fit, k++, row, p, data);
+            set_effect(fit, k++, row, p, model->effects[i].value[p], data);
     }
     double value[EXPLAIN_COLUMNS];
     palp_forward_get(model, value);

@@ -178,15 +178,14 @@ palp_status explain_intervals(const explain_search *s, palp_explanation *e) {
             double least = EQUATIONS * (fit->logarithmic[at] ? 1.0 : fabs(fit->x[at]));
             double low = fmax(fit->low[at], fit->x[at] - hypot(below[at], least));
             double high = fmin(fit->high[at], fit->x[at] + hypot(above[at], least));
-            if (effect_row_of(id)->read) { /* off the data, not fitted */
-                const effect_data facts = explain_facts(data);
-                double reach = 3.0 * data->run[0].white + EQUATIONS * fit->x[at];
-                effect_read read;
-                effect_row_of(id)->read(&facts, &read);
-                low = fmin(read.low, fit->x[at]) - reach;
-                high = fmax(read.high, fit->x[at]) + reach;
+            const effect_data facts = explain_facts(data);
+            effect_read read;
+            if (p == 0 && effect_row_of(id)->read && effect_row_of(id)->read(&facts, &read)) { /* off the data, not fitted */
+                low = read.low - least;
+                high = read.high + least;
             }
-            e->effect[i - s->n_given].low[p] = fit->logarithmic[at] ? exp(low) : low;
+            bool none = palp_effect_look_up(id)->parameter[p].optional && low <= fit->low[at];
+            e->effect[i - s->n_given].low[p] = none ? 0.0 : fit->logarithmic[at] ? exp(low) : low;
             e->effect[i - s->n_given].high[p] = fit->logarithmic[at] ? exp(high) : high;
         }
     }

@@ -9,6 +9,7 @@
 /* Means of the residual over blocks of samples: of noise they shrink as the blocks grow, of anything else they do not. */
 enum { BLOCKS_MIN = 8, TIMES = 4 };     /* fewest blocks; a block's length over that of the next shorter */
 static const double KNOWN_TO = 0.25; /* of its variance: how well the noise is known from pauses */
+static const double PULLS = 0.3; /* of a release: a model that pulls so much there follows it */
 static const double TOLD = 0.66; /* noise levels in a run: equations and the samples of a path are not better than that */
 
 /* What a normal number exceeds with that probability, at most a half, to 5e-4 (Abramowitz and Stegun 26.2.23). */
@@ -97,6 +98,29 @@ palp_status explain_rest_inflation(const explain_data *data, const double *resid
     return PALP_OK;
 }
 
+/* Mean square pull of the releases in run r, whose model gives force, that the model does not follow: a pull that grows
+ * evenly up to the jump; *most: the largest jump. */
+static double missed_pulls(const explain_data *data, size_t r, const double *force, double *most) {
+    const explain_run *run = &data->run[r];
+    double sum = 0.0;
+    for (size_t k = 0; k < data->n_events; k++) {
+        const palp_explain_event *event = &data->event[k];
+        double strongest = 0.0;
+        if (event->run != r || strcmp(event->kind, "release") != 0)
+            continue;
+        for (size_t i = 0; i < run->n; i++) {
+            double before = event->from_s - run->start - run->time[i];
+            if (before >= 0.0 && before <= (double)event->samples * data->step)
+                strongest = fmax(strongest, -force[i]);
+        }
+        if (strongest > PULLS * event->size_N)
+            continue;
+        sum += event->size_N * event->size_N * (double)event->samples / 3.0;
+        *most = fmax(*most, event->size_N);
+    }
+    return sum / (double)run->n;
+}
+
 palp_status explain_rest_find(const explain_search *s, const double *residual, explain_rest *rest) {
     const explain_data *data = &s->data;
     double *x = malloc(data->longest * sizeof *x), sum = 0.0, runs = 0.0;
@@ -113,10 +137,12 @@ palp_status explain_rest_find(const explain_search *s, const double *residual, e
         explain_whiten(run, x);
         double square = rest_of(run, x, residual + at, s->settings->false_alarm / runs);
         if (square < TOLD * TOLD * (run->white * run->white + data->correlated * data->correlated))
-            continue;
+            square = 0.0;
+        double jump = 0.0;
+        square += missed_pulls(data, r, s->force + at, &jump);
         sum += square * (double)run->n;
-        if (sqrt(square) > rest->most_N) {
-            rest->most_N = sqrt(square);
+        if (fmax(jump, sqrt(square)) > rest->most_N) {
+            rest->most_N = fmax(jump, sqrt(square));
             rest->run = r;
         }
     }

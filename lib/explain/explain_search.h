@@ -101,7 +101,8 @@ typedef struct explain_rest {
     size_t run;
 } explain_rest;
 
-/* Of a residual[n]: structure that noise has not, at the settings' chance of a false alarm. */
+/* Of a residual[n]: structure that noise has not, at the settings' chance of a false alarm; and listed releases, around
+ * which samples do not count, that the model at hand does not follow. */
 palp_status explain_rest_find(const explain_search *s, const double *residual, explain_rest *rest);
 
 /* By how much what a residual[n] has beside noise widens the scatter of sums over it; 1: it is noise. */

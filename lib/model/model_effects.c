@@ -29,6 +29,9 @@ static palp_status id_read(const palp_json *at, const palp_model *model, palp_ef
 static palp_status parameter_read(const palp_json *at, const palp_effect_parameter *p, double *value) {
     palp_json number;
     double read = 0;
+    *value = 0.0;
+    if (p->optional && !palp_json_member(at, p->key, &number))
+        return PALP_OK;
     palp_status status = palp_json_require(at, p->key, &number);
     if (!status)
         status = palp_json_number(&number, &read);

@@ -1,6 +1,6 @@
 /* forward_adaptive.c: a run of a network solved at chosen samples. Between them the force on the plate is a cubic in
  * time, set right by the tangent for what the recorded depth differs from its own cubic; the sensor reads every
- * sample. Where the plate meets or leaves the specimen every sample is solved. */
+ * sample. Where the plate meets, pulls or leaves the specimen every sample is solved. */
 #include "base/file.h"
 #include "base/statistics.h"
 #include "data/segments_internal.h"
@@ -80,7 +80,7 @@ static void find_corners(adaptive *k) {
 static size_t next_sample(const adaptive *k, size_t i, size_t grade) {
     const double *t = k->run->time_s, *d = k->run->depth_m;
     size_t j = i + 1;
-    if (k->corner[i])
+    if (k->corner[i] || k->plate.bond != 0.0)
         return j;
     while (j + 1 < k->run->n && !k->corner[j] && !k->corner[j + 1] && t[j + 1] - t[i] <= GROWTH * (t[i] - t[grade]) &&
            fabs(d[j + 1] - d[i]) <= k->stride)
@@ -144,6 +144,9 @@ static size_t find_gone(const adaptive *k) {
     return i;
 }
 
+/* Apart, pressed, or pulled on a bond. */
+static int state_of(const forward_plate *plate) { return !plate->touching ? 0 : plate->bond == 0.0 ? 1 : 2; }
+
 static palp_status solve(adaptive *k, palp_error *error) {
     const palp_forward_run *run = k->run;
     size_t i = 0, grade = 0;
@@ -154,19 +157,20 @@ static palp_status solve(adaptive *k, palp_error *error) {
         add_sample(k, 0, true);
     while (!status && i + 1 < run->n && (k->plate.touching || i < k->gone)) {
         size_t j = next_sample(k, i, grade);
-        bool touching = k->plate.touching;
+        const int was = state_of(&k->plate);
         if (j > i + 1)
             keep(k);
         status = move_to(k, j);
-        if (j > i + 1 && (status || k->plate.touching != touching)) {
+        const bool changed = state_of(&k->plate) != was;
+        if (j > i + 1 && (status || changed)) {
             go_back(k);
             status = every_sample(k, i, j);
             grade = j;
         } else if (!status) {
-            if (k->plate.touching != touching)
+            if (changed)
                 k->end[k->n - 1] = 1;
-            add_sample(k, j, k->plate.touching != touching);
-            grade = k->corner[j] || k->plate.touching != touching ? j : grade;
+            add_sample(k, j, changed);
+            grade = k->corner[j] || changed ? j : grade;
         }
         i = j;
     }

@@ -1,5 +1,5 @@
 /* forward_contact.c: the plate and the specimen's surface: pressed, let go, left to itself, met again. */
-#include "forward_internal.h"
+#include "forward_plate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,123 +12,6 @@ static const double EARLY = 0.1, LATER = 0.047;
 static const double STRAIN_LOW = -0.95, STRAIN_HIGH = 0.999; /* where implicit strains are looked for */
 enum { EVENTS = 8 }; /* most events in one step: more would be rounding's */
 
-/* ---- from the encoder to the surface ---- */
-
-typedef struct surface {
-    double strain, by_depth, by_force;
-    double drift; /* change with the share of the step, that of the encoder's depth left out */
-    double by_value[PALP_EFFECTS_MAX][PALP_EFFECT_PARAMETERS]; /* [n_effects], of the depth */
-} surface;
-
-static double depth_at(const forward_plate *p, double share) {
-    return share == 1.0 ? p->depth[1] : p->depth[0] + share * (p->depth[1] - p->depth[0]);
-}
-
-/* Strain of a surface that the plate holds with this force at a share of the step. */
-static surface held(const forward_plate *p, double share, double force) {
-    surface s;
-    const double height = p->specimen.height;
-    double depth = depth_at(p, share) - p->plan->contact;
-    s.by_depth = 1.0;
-    s.by_force = s.drift = 0.0;
-    for (size_t i = 0; i < p->plan->n_effects; i++) {
-        const forward_effect *f = &p->plan->effect[i];
-        const double rise = p->change[1][i] - p->change[0][i];
-        const effect_press at = {depth, force, share == 1.0 ? p->change[1][i] : p->change[0][i] + share * rise};
-        effect_surface out = {.depth = depth, .by_depth = 1.0};
-        if (f->row->map)
-            f->row->map(f->effect->value, &at, &out);
-        depth = out.depth;
-        s.by_depth *= out.by_depth;
-        s.by_force = s.by_force * out.by_depth + out.by_force;
-        s.drift = s.drift * out.by_depth + out.by_change * rise;
-        for (size_t j = 0; j < i; j++)
-            for (size_t k = 0; k < PALP_EFFECT_PARAMETERS; k++)
-                s.by_value[j][k] *= out.by_depth;
-        memcpy(s.by_value[i], out.by_value, sizeof out.by_value);
-    }
-    s.strain = depth / height;
-    s.by_depth /= height;
-    s.by_force /= height;
-    s.drift /= height;
-    return s;
-}
-
-/* How the strain changes with the share of the step. */
-static double along_step(const forward_plate *p, const surface *s) {
-    return s->by_depth * (p->depth[1] - p->depth[0]) + s->drift;
-}
-
-/* Derivatives of the strain by the maps' own parameters. */
-static void own_slopes(const forward_plate *p, const surface *s, double *row) {
-    memset(row, 0, p->specimen.n_columns * sizeof *row);
-    for (size_t i = 0; p->specimen.n_columns > 0 && i < p->plan->n_effects; i++) {
-        const forward_effect *f = &p->plan->effect[i];
-        for (size_t k = 0; f->row->map && k < f->row->info.n_parameters; k++)
-            row[f->column + k] = s->by_value[i][k] / p->specimen.height;
-    }
-}
-
-static double step_time(const forward_plate *p) {
-    return p->time[1] - p->time[0];
-}
-
-/* The specimen's force times its age; rate: of the plate if it holds the surface, or 0. */
-static palp_status ask(const forward_plate *p, double strain, double share, bool moved, double *force,
-                       double *slope) {
-    forward_move move = {strain, (share - p->done) * step_time(p),
-                         moved ? p->velocity / p->specimen.height : 0.0};
-    palp_status status = p->specimen.attempt(p->specimen.self, &move, force, slope);
-    if (status)
-        return status;
-    *force *= p->plan->age;
-    if (slope)
-        *slope *= p->plan->age;
-    return PALP_OK;
-}
-
-/* Adds what the effects that age the specimen change of a force themselves. */
-static void add_ageing(const forward_plate *p, double force, double *force_p) {
-    for (size_t i = 0; i < p->plan->n_effects; i++) {
-        const forward_effect *f = &p->plan->effect[i];
-        for (size_t k = 0; f->row->specimen && k < f->row->info.n_parameters; k++)
-            force_p[f->column + k] += f->age.by_value[k] * force / f->age.value;
-    }
-}
-
-/* Derivatives of the force of the last ask, strain and time held, age included; before it is committed. */
-static void hold(const forward_plate *p, double force, double *force_p, double *force_dt) {
-    p->specimen.hold(p->specimen.self, force_p, force_dt);
-    for (size_t k = 0; k < p->specimen.n_columns; k++)
-        force_p[k] *= p->plan->age;
-    *force_dt *= p->plan->age;
-    add_ageing(p, force, force_p);
-}
-
-/* Takes the last ask as the specimen's state at that share of the step: strain_p and share_p are the
- * derivatives of both (share_p NULL = 0). */
-static void take(forward_plate *p, double strain, double share, double force, const double *strain_p,
-                 const double *share_p) {
-    const size_t n = p->specimen.n_columns;
-    double *dt_p = p->work; /* the first row: nothing else is kept there across a take */
-    bool timed = false;
-    for (size_t k = 0; k < n; k++) {
-        dt_p[k] = ((share_p ? share_p[k] : 0.0) - p->done_p[k]) * step_time(p);
-        timed = timed || dt_p[k] != 0.0;
-    }
-    p->specimen.commit(p->specimen.self, n ? strain_p : NULL, timed ? dt_p : NULL, p->force_p);
-    for (size_t k = 0; k < n; k++) {
-        p->force_p[k] *= p->plan->age;
-        p->strain_p[k] = strain_p[k];
-        p->done_p[k] = share_p ? share_p[k] : 0.0;
-    }
-    if (n)
-        add_ageing(p, force, p->force_p);
-    p->strain = strain;
-    p->force = force;
-    p->done = share;
-}
-
 /* ---- pressed ---- */
 
 typedef struct equation {
@@ -137,13 +20,13 @@ typedef struct equation {
     double rest[2], ends[2];    /* meeting: the surface's strain at two shares */
 } equation;
 
-/* A plate on a frame that gives way: strain - held(depth, force(strain)). */
+/* A plate on a frame that gives way: strain - forward_held(depth, force(strain)). */
 static palp_status frame(void *user, double strain, double *value, double *slope) {
     equation *q = user;
-    palp_status status = ask(q->plate, strain, q->share, true, &q->force, &q->slope);
+    palp_status status = forward_ask(q->plate, strain, q->share, true, &q->force, &q->slope);
     if (status)
         return status;
-    surface s = held(q->plate, q->share, q->force);
+    forward_surface s = forward_held(q->plate, q->share, q->force);
     *value = strain - s.strain;
     *slope = 1.0 - s.by_force * q->slope;
     return PALP_OK;
@@ -151,11 +34,11 @@ static palp_status frame(void *user, double strain, double *value, double *slope
 
 /* The plate to the end of the step with the surface on it: strain and force there. */
 static palp_status press(forward_plate *p, double *strain, double *force, double *slope) {
-    surface s = held(p, 1.0, p->force);
+    forward_surface s = forward_held(p, 1.0, p->force);
     *strain = s.strain;
     *slope = 0.0; /* not needed */
     if (!p->plan->gives_way)
-        return ask(p, *strain, 1.0, true, force, NULL);
+        return forward_ask(p, *strain, 1.0, true, force, NULL);
     equation q = {.plate = p, .share = 1.0};
     palp_status status = forward_solve(frame, &q, STRAIN_LOW, STRAIN_HIGH, strain);
     *force = q.force;
@@ -167,17 +50,18 @@ static void take_press(forward_plate *p, double strain, double force, double slo
     const size_t n = p->specimen.n_columns;
     if (n) {
         double *strain_p = p->work + n, *force_p = p->work + 2 * n, force_dt;
-        surface s = held(p, 1.0, force);
-        own_slopes(p, &s, strain_p);
+        forward_surface s = forward_held(p, 1.0, force);
+        forward_own_slopes(p, &s, strain_p);
         if (s.by_force != 0.0) {
-            hold(p, force, force_p, &force_dt);
+            forward_hold(p, force, force_p, &force_dt);
             for (size_t k = 0; k < n; k++) {
-                double direct = force_p[k] - force_dt * p->done_p[k] * step_time(p);
+                double direct = force_p[k] - force_dt * p->done_p[k] * forward_step_time(p);
                 strain_p[k] = (strain_p[k] + s.by_force * direct) / (1.0 - s.by_force * slope);
             }
         }
     }
-    take(p, strain, 1.0, force, p->work + n, NULL);
+    p->gap = p->bond = 0.0;
+    forward_take(p, strain, 1.0, force, p->work + n, NULL);
 }
 
 /* ---- let go ---- */
@@ -188,44 +72,44 @@ static palp_status parting(void *user, double share, double *value, double *slop
     equation *q = user;
     const forward_plate *p = q->plate;
     double next, little = 1e-7;
-    surface s = held(p, share, -p->plan->adhesion);
+    forward_surface s = forward_held(p, share, -p->plan->adhesion);
     double later =
         share + little * (1.0 - p->done); /* the slope by time alone: numerically, for Newton only */
-    palp_status status = ask(p, s.strain, later, true, &next, NULL);
+    palp_status status = forward_ask(p, s.strain, later, true, &next, NULL);
     if (!status)
-        status = ask(p, s.strain, share, true, &q->force, &q->slope);
+        status = forward_ask(p, s.strain, share, true, &q->force, &q->slope);
     if (status)
         return status;
     *value = -(q->force + p->plan->adhesion);
-    *slope = -(q->slope * along_step(p, &s) + (next - q->force) / (later - share));
+    *slope = -(q->slope * forward_along_step(p, &s) + (next - q->force) / (later - share));
     return PALP_OK;
 }
 
 /* The plate lets go at minus the adhesion, which effects change themselves: adds to the derivatives of the strain there
  * and of the force beyond it. */
-static void add_pull(const forward_plate *p, const surface *s, double *strain_p, double *force_p) {
-    for (size_t i = 0; i < p->plan->n_effects; i++) {
-        const forward_effect *f = &p->plan->effect[i];
-        for (size_t k = 0; f->row->pull && k < f->row->info.n_parameters; k++) {
-            strain_p[f->column + k] -= s->by_force * f->pull.by_value[k];
-            force_p[f->column + k] += f->pull.by_value[k];
+static void add_pull(const forward_plate *p, const forward_surface *s, double *strain_p, double *force_p) {
+    effect_bond bond;
+    const size_t column = forward_bond_at(p, 0.0, &bond);
+    for (size_t k = 0; k < PALP_EFFECT_PARAMETERS; k++)
+        if (bond.by_value[k] != 0.0) {
+            strain_p[column + k] -= s->by_force * bond.by_value[k];
+            force_p[column + k] += bond.by_value[k];
         }
-    }
 }
 
 static palp_status part(forward_plate *p) {
     const size_t n = p->specimen.n_columns;
-    double share = 0.5 * (p->done + 1.0), step = step_time(p), force_dt, *share_p = p->work + n,
+    double share = 0.5 * (p->done + 1.0), step = forward_step_time(p), force_dt, *share_p = p->work + n,
            *strain_p = p->work + 2 * n, *force_p = p->work + 3 * n;
     equation q = {.plate = p};
     palp_status status = forward_solve(parting, &q, p->done, 1.0, &share);
     if (status && status != PALP_ERR_NOT_CONVERGED) /* that: it parts at the very start */
         return status;
-    surface s = held(p, share, -p->plan->adhesion);
+    forward_surface s = forward_held(p, share, -p->plan->adhesion);
     if (n) {
-        double along = along_step(p, &s);
-        own_slopes(p, &s, strain_p);
-        hold(p, q.force, force_p, &force_dt);
+        double along = forward_along_step(p, &s);
+        forward_own_slopes(p, &s, strain_p);
+        forward_hold(p, q.force, force_p, &force_dt);
         add_pull(p, &s, strain_p, force_p);
         double turn = q.slope * along + force_dt * step;
         for (size_t k = 0; k < n; k++) {
@@ -234,9 +118,8 @@ static palp_status part(forward_plate *p) {
             strain_p[k] += along * share_p[k];
         }
     }
-    take(p, s.strain, share, q.force, strain_p, share_p);
-    p->touching = false;
-    p->released = p->time[0] + share * step;
+    forward_take(p, s.strain, share, q.force, strain_p, share_p);
+    forward_let_go(p);
     return PALP_OK;
 }
 
@@ -244,7 +127,7 @@ static palp_status part(forward_plate *p) {
 
 static palp_status free_surface(void *user, double strain, double *value, double *slope) {
     equation *q = user;
-    palp_status status = ask(q->plate, strain, q->share, false, &q->force, &q->slope);
+    palp_status status = forward_ask(q->plate, strain, q->share, false, &q->force, &q->slope);
     *value = q->force;
     *slope = q->slope;
     return status;
@@ -255,15 +138,15 @@ static palp_status meeting(void *user, double share, double *value, double *slop
     const equation *q = user;
     const forward_plate *p = q->plate;
     double rate = (q->rest[1] - q->rest[0]) / (q->ends[1] - q->ends[0]);
-    surface s = held(p, share, 0.0);
+    forward_surface s = forward_held(p, share, 0.0);
     *value = s.strain - q->rest[0] - rate * (share - q->ends[0]);
-    *slope = along_step(p, &s) - rate;
+    *slope = forward_along_step(p, &s) - rate;
     return PALP_OK;
 }
 
 /* Where the step that follows a surface on its own ends. */
 static double next_share(const forward_plate *p) {
-    double step = step_time(p), now = p->time[0] + p->done * step;
+    double step = forward_step_time(p), now = p->time[0] + p->done * step;
     if (p->fresh || p->specimen.shortest == 0.0)
         return 1.0;
     double wanted = fmax(EARLY * p->specimen.shortest, LATER * (now - p->released));
@@ -279,16 +162,16 @@ static palp_status meet(forward_plate *p, double end, double rest, const double 
     equation q = {.plate = p, .rest = {p->strain, rest}, .ends = {p->done, end}};
     p->touching = true;
     p->fresh = false;
-    if (held(p, share, 0.0).strain >= p->strain)
+    if (forward_held(p, share, 0.0).strain >= p->strain)
         return PALP_OK; /* there already */
     palp_status status = forward_solve(meeting, &q, p->done, end, &share);
     if (status)
         return status;
-    surface s = held(p, share, 0.0);
-    status = ask(p, s.strain, share, false, &force, NULL);
+    forward_surface s = forward_held(p, share, 0.0);
+    status = forward_ask(p, s.strain, share, false, &force, NULL);
     double part = (share - p->done) / whole, rate = (rest - p->strain) / whole;
-    double along = along_step(p, &s);
-    own_slopes(p, &s, strain_p);
+    double along = forward_along_step(p, &s);
+    forward_own_slopes(p, &s, strain_p);
     for (size_t k = 0; k < n; k++) {
         double end_k = end_p ? end_p[k] : 0.0;
         double surface_p = p->strain_p[k] * (1.0 - part) + part * rest_p[k] -
@@ -297,7 +180,7 @@ static palp_status meet(forward_plate *p, double end, double rest, const double 
         strain_p[k] += along * share_p[k];
     }
     if (!status)
-        take(p, s.strain, share, force, strain_p, share_p);
+        forward_take(p, s.strain, share, force, strain_p, share_p);
     return status;
 }
 
@@ -315,19 +198,19 @@ static palp_status let_be(forward_plate *p) {
         force = q.force;
         slope = q.slope;
         if (n) {
-            hold(p, force, rest_p, &force_dt);
+            forward_hold(p, force, rest_p, &force_dt);
             for (size_t k = 0; k < n; k++) {
-                double dt_p = (end_p ? 0.0 : -p->done_p[k]) * step_time(p);
+                double dt_p = (end_p ? 0.0 : -p->done_p[k]) * forward_step_time(p);
                 rest_p[k] = slope > 0.0 ? -(rest_p[k] + force_dt * dt_p) / slope : 0.0;
             }
         }
     }
-    if (held(p, end, 0.0).strain > rest)
+    if (forward_held(p, end, 0.0).strain > rest)
         return meet(p, end, rest, rest_p, end_p);
     if (p->fresh)
         p->done = 1.0;
     else
-        take(p, rest, end, force, rest_p, end_p);
+        forward_take(p, rest, end, force, rest_p, end_p);
     p->force = 0.0;
     memset(p->force_p, 0, n * sizeof *p->force_p);
     return PALP_OK;
@@ -352,7 +235,7 @@ palp_status forward_plate_start(forward_plate *p, const forward_place *place) {
     p->strain = p->specimen.rest;
     if (p->specimen.rest_p)
         memcpy(p->strain_p, p->specimen.rest_p, p->specimen.n_columns * sizeof *p->strain_p);
-    if (!(held(p, 1.0, 0.0).strain > p->strain))
+    if (!(forward_held(p, 1.0, 0.0).strain > p->strain))
         return PALP_OK;
     double strain, force, slope;
     p->fresh = false;
@@ -382,7 +265,9 @@ palp_status forward_plate_move(forward_plate *p, const forward_place *to) {
             status = let_be(p);
         } else {
             status = press(p, &strain, &force, &slope);
-            if (!status && force < -p->plan->adhesion && events++ < EVENTS)
+            if (!status && force < 0.0 && p->plan->reaches)
+                status = forward_pull(p, strain);
+            else if (!status && force < -p->plan->adhesion && events++ < EVENTS)
                 status = part(p);
             else if (!status)
                 take_press(p, strain, force, slope);
@@ -396,14 +281,17 @@ palp_status forward_plate_move(forward_plate *p, const forward_place *to) {
 double forward_plate_stiffness(const forward_plate *p, double slope) {
     if (!p->touching)
         return 0.0;
-    surface s = held(p, 1.0, p->force);
-    return p->plan->age * slope * s.by_depth / (1.0 - s.by_force * p->plan->age * slope);
+    forward_surface s = forward_held(p, 1.0, p->force);
+    double stiffness = p->plan->age * slope;
+    if (p->bond != 0.0)
+        stiffness *= p->bond / (p->bond + stiffness);
+    return stiffness * s.by_depth / (1.0 - s.by_force * stiffness);
 }
 
 bool forward_plate_clear(const forward_plate *p, const forward_place *place) {
     forward_plate there = *p;
     next_step(&there, place);
-    return !(held(&there, 1.0, 0.0).strain > 0.0);
+    return !(forward_held(&there, 1.0, 0.0).strain > 0.0);
 }
 
 palp_status forward_plate_step(forward_plate *p, double dt, double depth, double velocity) {

@@ -11,13 +11,13 @@
 /* Of an arm that is off, N: it adds nothing to any force, and still has derivatives. */
 #define FORWARD_NO_STIFFNESS 1e-200
 
-/* An effect of the model, with its parameters and the column of the first; its pull, and its factor of the specimen's
- * force at the time of the session. */
+/* An effect of the model, with its parameters and the column of the first; its factor of the specimen's force at the time
+ * of the session. */
 typedef struct forward_effect {
     const effect_row *row;
     const palp_effect *effect;
     size_t column;
-    effect_number pull, age;
+    effect_number age;
 } forward_effect;
 
 /* By how much the strength or shape of an effect, in a column, changes how loading damages the spring. */
@@ -53,6 +53,7 @@ typedef struct forward_plan {
     double contact;  /* the surface of this run lies so much deeper, m */
     double age;      /* factor of the specimen's force at the time of the session */
     double adhesion; /* pull at which the plate lets go, N */
+    bool reaches;    /* and the bond opens before it lets go */
 } forward_plan;
 
 /* Checks the model and lays the plan for a run that began at session_s. */
@@ -163,7 +164,7 @@ void forward_slopes_find(forward_slopes *slopes, const double *weight, double st
 void forward_slopes_hold(forward_slopes *slopes, double *force_p, double *force_dt);
 void forward_slopes_advance(forward_slopes *slopes, const double *strain_p, const double *dt_p, double *force_p);
 
-/* ---- the plate (forward_contact.c) ---- */
+/* ---- the plate (forward_contact.c, inside: forward_plate.h) ---- */
 
 typedef struct forward_plate {
     const forward_plan *plan;
@@ -172,6 +173,8 @@ typedef struct forward_plate {
     double force, *force_p;   /* on the plate */
     double strain, *strain_p; /* of the surface */
     double released;          /* when the plate last left it, s */
+    double gap;               /* by which the surface lags behind a plate that pulls it, as strain; */
+    double bond;              /* stiffness of the bond there, N; 0 = the surface is on the plate */
     bool abandons;            /* a surface let go is not followed: the plate does not come back */
     /* the step at hand: from depth[0] at time[0] to depth[1] at time[1], where the plate has velocity; done:
      * the share that is committed */

@@ -117,10 +117,12 @@ static void find_contact(forward_plan *plan) {
     for (size_t i = 0; i < plan->n_effects; i++) {
         forward_effect *f = &plan->effect[i];
         plan->gives_way = plan->gives_way || (f->row->gives_way && !effect_is_off(f->effect));
-        if (!f->row->pull)
+        if (!f->row->bond)
             continue;
-        f->row->pull(f->effect->value, 0.0, &f->pull);
-        plan->adhesion += f->pull.value;
+        effect_bond bond = {.reach = 0.0};
+        f->row->bond(f->effect->value, 0.0, &bond);
+        plan->adhesion = bond.strongest;
+        plan->reaches = bond.strongest > 0.0 && bond.reach > 0.0;
     }
 }
 

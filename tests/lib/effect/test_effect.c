@@ -18,7 +18,7 @@ START_TEST(catalogue_is_whole) {
             const palp_effect_parameter *p = &info->parameter[k];
             ck_assert_msg(p->key && p->unit > 0 && p->low <= p->typical && p->typical <= p->high, "%s",
                           info->id);
-            ck_assert(!p->logarithmic || p->low > 0);
+            ck_assert(!p->logarithmic || p->low > 0 || p->optional);
             ck_assert(!p->strength || (p->low <= 0 && p->high > 0 && p->typical != 0));
             strong = strong || p->strength;
         }

@@ -129,6 +129,15 @@ START_TEST(bad_effects_are_told_with_their_line) {
 }
 END_TEST
 
+START_TEST(what_may_be_left_out_is_zero) {
+    palp_model model;
+    ck_assert_int_eq(palp_model_read(model_of("{\"id\": \"adhesion\", \"parameters\": {\"force_N\": 0.5}}"), &model, NULL, NULL),
+                     PALP_OK);
+    ck_assert_double_eq(model.effects[0].value[0], 0.5);
+    ck_assert_double_eq(model.effects[0].value[1], 0.0);
+}
+END_TEST
+
 START_TEST(sedef_takes_none) {
     palp_model model;
     palp_error error;
@@ -176,6 +185,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, written_again_is_the_same_file);
     tcase_add_test(tc, every_effect_comes_back);
     tcase_add_loop_test(tc, bad_effects_are_told_with_their_line, 0, (int)(sizeof bad / sizeof bad[0]));
+    tcase_add_test(tc, what_may_be_left_out_is_zero);
     tcase_add_test(tc, sedef_takes_none);
     tcase_add_test(tc, what_could_not_be_read_is_not_written);
     tcase_add_test(tc, format_has_them_on_its_line);
