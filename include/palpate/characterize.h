@@ -97,6 +97,49 @@ PALP_API palp_status palp_characterize_select_law(size_t n, const palp_recording
                                      size_t n_laws, const palp_law *law, double *score, double *sd, size_t *best,
                                      palp_error *error);
 
+/* ---- many specimens ---- */
+
+/* A fit of several specimens of one height and area (palp_recording_scale makes them so); palp_specimens_fit_free. Each
+ * has its own coefficients of one law and its own arms; these scatter about a mean. */
+typedef struct palp_specimens_fit {
+    palp_lumped_fit mean;      /* of the mean specimen. Its intervals and covariance are widened so that 1.96 sd hold 95 %, by
+                                  Student's t of n_specimens - 1; its residuals are of each run to the mean specimen's force */
+    size_t n_specimens;
+    palp_material *own;        /* [n_specimens] of each */
+    double *factor;            /* [n_specimens] about its force by that of the mean */
+    double *between;           /* [mean.n_parameters^2] covariance of the specimens about the mean; 0: no more than chance */
+    double *within;            /* [mean.n_parameters^2] what the runs of one specimen leave open of it */
+    size_t n_spread;           /* directions in which the specimens differ by more than chance */
+} palp_specimens_fit;
+
+PALP_API void palp_specimens_fit_free(palp_specimens_fit *fit); /* frees arrays, zeroes; NULL is fine */
+
+/* Fits the specimens, 2 or more: recording r is of specimen[r], numbered from 0 without a gap. Each is fitted by itself, from
+ * what all tell together; mean, between and within are a random-effects estimate by restricted maximum likelihood (Laird
+ * and Ware 1982). Where the specimens differ by no more than chance, mean is the fit of all recordings as of one. The contacts
+ * are KNOWN. The caller frees *fit. Errors of palp_characterize_fit; ERR_ARGUMENT: PALP_SPRING_PER_RUN, a specimen without
+ * a recording; ERR_INPUT: the mean is no material. */
+PALP_API palp_status palp_characterize_specimens(size_t n, const palp_recording *recordings, const size_t *specimen,
+                                                 const palp_characterize_settings *settings, palp_specimens_fit *fit,
+                                                 palp_error *error);
+
+/* By how much each specimen's force is larger than that of all, factor[specimens], whose product is 1: what to divide by
+ * (palp_recording_scale) before the number of arms or the law is chosen from all together. Errors as above. */
+PALP_API palp_status palp_characterize_level(size_t n, const palp_recording *recordings, const size_t *specimen,
+                                             const palp_characterize_settings *settings, double *factor, palp_error *error);
+
+/* K(e) of the specimens at a strain. */
+typedef struct palp_specimens_point {
+    double stiffness_N, sd_N;                  /* of the mean specimen */
+    double between_N, between_low, between_high; /* sd between specimens, and its 95 % interval by chi squared */
+    double within_N;                           /* sd that the runs of one leave open */
+    double new_sd_N;                           /* 1.96 of it about stiffness_N hold 95 % of the specimens not measured */
+} palp_specimens_point;
+
+/* At strain[n], into the caller's point[n]. ERR_ARGUMENT: an empty fit. */
+PALP_API palp_status palp_specimens_fit_stiffness(const palp_specimens_fit *fit, size_t n, const double *strain,
+                                                  palp_specimens_point *point);
+
 /* The fit's force for a recording, at its samples, into the caller's force_N[recording->n]. run is the recording's
  * index in the fit, which chooses its K_inf. ERR_ARGUMENT: run out of range. */
 PALP_API palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *recording,

@@ -42,6 +42,8 @@ typedef struct palp_model {
     double density_kg_m3;         /* network only, 0 = massless */
     const double *covariance;     /* how well the material is known, or NULL; the caller's. Of the law's coefficients, then K_j
                                      and b_j of each arm (the order of palp_forward_get): [n n], n = law.n + 2 n_arms */
+    const double *between;        /* [n n] how specimens differ from this, the mean of n_specimens, or NULL; the caller's */
+    size_t n_specimens;           /* with between, 2 or more */
     size_t n_effects;             /* what is added to the plain model; run by palp_forward_* */
     palp_effect effects[PALP_EFFECTS_MAX];
 } palp_model;
@@ -57,6 +59,14 @@ PALP_API palp_status palp_model_read(const char *path, palp_model *model, palp_m
 /* The covariance in a model file, malloc'ed, the caller frees it; NULL where the file has none. palp_model_read checks it and
  * leaves the model's NULL: numbers that are changed are no longer known so well. Errors of palp_model_read. */
 PALP_API palp_status palp_model_read_covariance(const char *path, double **covariance, palp_error *error);
+
+/* How specimens differ, likewise; *n_specimens 0 where the file does not say. */
+PALP_API palp_status palp_model_read_between(const char *path, double **between, size_t *n_specimens, palp_error *error);
+
+/* The covariance of a specimen that was not measured: that of the mean and the spread together, widened by Student's t so
+ * that 1.96 sd hold 95 % of such specimens. total[n n] may be the covariance itself, which is widened already. */
+PALP_API palp_status palp_model_unmeasured(size_t n, const double *covariance, const double *between, size_t n_specimens,
+                                           double *total);
 
 /* Writes to a temporary name, then renames. A mesh file's relative path is rewritten so that it
  * holds from the folder of path. ERR_ARGUMENT for a model that could not be read again: numbers that

@@ -40,6 +40,7 @@ PALP_API palp_recording_settings palp_recording_settings_default(void);
 /* A prepared recording; owns its arrays; palp_recording_free. Depth and force are relative to contact. */
 typedef struct palp_recording {
     char name[PALP_NAME_MAX];
+    char specimen[PALP_NAME_MAX]; /* the file's specimen.name, "" without one */
     palp_recording_kind kind;
     double height_m, radius_m;   /* radius 0 = not given */
     size_t n;
@@ -70,6 +71,10 @@ PALP_API palp_status palp_recording_prepare(const palp_experiment *experiment, c
                                             const palp_recording_settings *settings, palp_recording *recording,
                                             palp_error *error);
 PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, zeroes; NULL is fine */
+
+/* As of a specimen whose lengths are length times as large and whose area is force times as large, so that stress and strain
+ * stay: depth, height and contact, and force, its zero and noise. The radius follows the area. */
+PALP_API void palp_recording_scale(palp_recording *recording, double length, double force);
 
 /* The kind that the pieces of a path make; PALP_RECORDING_OTHER for NULL. */
 PALP_API palp_recording_kind palp_recording_kind_of(const palp_pieces *pieces);

@@ -1,6 +1,8 @@
 /* statistics.c: see statistics.h. */
 #include "statistics.h"
 
+#include <math.h>
+
 double statistics_mean(const double *x, size_t n) {
     double sum = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -62,4 +64,57 @@ statistics_line statistics_line_fit(size_t n, const double *x, const double *y, 
     }
     line.slope = line.sxx > 0.0 ? sxy / line.sxx : 0.0;
     return line;
+}
+
+/* Distribution of chi squared: closed for 1 and 2 degrees of freedom, by recursion for more. */
+static double chi2_below(size_t freedom, double x) {
+    size_t k = freedom % 2 ? 1 : 2;
+    double below = k == 1 ? erf(sqrt(0.5 * x)) : -expm1(-0.5 * x);
+    double term = exp(-0.5 * x) * (k == 1 ? 1.1283791670955126 * sqrt(0.5 * x) : 0.5 * x); /* 2 / sqrt(pi) */
+    for (; k < freedom; k += 2) {
+        below -= term;
+        term *= x / (double)(k + 2);
+    }
+    return below;
+}
+
+double statistics_chi2_quantile(size_t freedom, double share) {
+    double low = 0.0, high = (double)freedom + 40.0 + 20.0 * sqrt((double)freedom);
+    for (int i = 0; i < 200 && high > low; i++) {
+        double middle = 0.5 * (low + high);
+        if (middle > 0.0 && chi2_below(freedom, middle) < share)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}
+
+/* Within x, by the sums for odd and even degrees of freedom (Abramowitz and Stegun, 26.7.3 and 26.7.4). */
+static double student_within(size_t freedom, double x) {
+    double angle = atan(x / sqrt((double)freedom)), c = cos(angle), s = sin(angle), term = 1.0, sum = 0.0;
+    if (freedom % 2) {
+        for (size_t k = 3; k <= freedom; k += 2) {
+            sum += term;
+            term *= c * c * (double)(k - 1) / (double)k;
+        }
+        return 2.0 / 3.14159265358979323846 * (angle + s * c * sum);
+    }
+    for (size_t k = 2; k <= freedom; k += 2) {
+        sum += term;
+        term *= c * c * (double)(k - 1) / (double)k;
+    }
+    return s * sum;
+}
+
+double statistics_student_95(size_t freedom) {
+    double low = 1.9, high = 13.0;
+    for (int i = 0; i < 60; i++) {
+        double middle = 0.5 * (low + high);
+        if (student_within(freedom, middle) < 0.95)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
 }

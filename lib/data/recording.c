@@ -7,6 +7,7 @@
 #include "segments_internal.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,22 @@ void palp_recording_free(palp_recording *r) {
     free(r->force_N);
     free(r->use);
     memset(r, 0, sizeof *r);
+}
+
+void palp_recording_scale(palp_recording *r, double length, double force) {
+    if (!r)
+        return;
+    double *const lengths[] = {&r->height_m, &r->deepest_m, &r->contact_m, &r->contact_sd_m};
+    double *const forces[] = {&r->zero_N, &r->zero_sd_N, &r->noise_N, &r->hum_N};
+    for (size_t i = 0; i < r->n; i++) {
+        r->depth_m[i] *= length;
+        r->force_N[i] *= force;
+    }
+    for (size_t i = 0; i < 4; i++) {
+        *lengths[i] *= length;
+        *forces[i] *= force;
+    }
+    r->radius_m *= sqrt(force);
 }
 
 static palp_status copy_columns(palp_recording *r, const palp_experiment *e, palp_error *error) {
@@ -54,6 +71,8 @@ static void read_header(palp_recording *r, const palp_experiment *e,
         r->height_m = 1e-3 * value;
     if (!palp_experiment_get_number(e, "specimen.radius_mm", &value))
         r->radius_m = 1e-3 * value;
+    if (!palp_experiment_get_string(e, "specimen.name", &text))
+        snprintf(r->specimen, sizeof r->specimen, "%s", text);
     r->contact_found = !palp_experiment_get_string(e, "contact.rule", &text) && strcmp(text, "as_recorded") != 0;
     if (!palp_experiment_get_number(e, "contact.sd_mm", &value))
         r->contact_sd_m = 1e-3 * fmax(value, 0.0);

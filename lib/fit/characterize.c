@@ -29,8 +29,7 @@ void palp_lumped_fit_free(palp_lumped_fit *fit) {
     memset(fit, 0, sizeof *fit);
 }
 
-/* Arms by rising tau. */
-static void sort_arms(const fit_problem *p, double *v) {
+void fit_sort_arms(const fit_problem *p, double *v) {
     double *arm = v + p->n_springs;
     for (size_t j = 1; j < p->n_arms; j++)
         for (size_t k = j; k > 0 && arm[2 * k + 1] < arm[2 * k - 1]; k--)
@@ -41,18 +40,10 @@ static void sort_arms(const fit_problem *p, double *v) {
             }
 }
 
-/* Covariance of the parameters at v, and the residual's weighted square and its lag-1 correlation. */
-typedef struct curvature {
-    double *covariance; /* [n^2] from the blocks' own noise */
-    double *systematic; /* [n^2] from the force and the depth that were taken for zero */
-    double chi2, correlation;
-    size_t freedom;
-} curvature;
-
 /* Adds what one wrong number, that shifts the residuals of run r by shift[run's n], does to the
  * parameters; move[2 n] is scratch. */
 static void add_systematic(const fit_problem *p, const double *jacobian, size_t first, size_t blocks,
-                           const double *shift, double *move, curvature *c) {
+                           const double *shift, double *move, fit_curvature *c) {
     size_t n = fit_parameter_count(p);
     double *pull = move + n;
     for (size_t a = 0; a < n; a++) {
@@ -90,7 +81,7 @@ static palp_status earlier_contact(const fit_problem *p, const double *v, double
 
 /* A wrong zero shifts a whole recording, force or depth, and more samples do not help. */
 static palp_status find_systematic(const fit_problem *p, const double *v, const double *residual,
-                                   const double *jacobian, curvature *c) {
+                                   const double *jacobian, fit_curvature *c) {
     size_t n = fit_parameter_count(p), m = p->n_blocks;
     double *shift = malloc((2 * m + 2 * n) * sizeof *shift);
     palp_status status = shift ? earlier_contact(p, v, shift + m) : PALP_ERR_NO_MEMORY;
@@ -109,7 +100,7 @@ static palp_status find_systematic(const fit_problem *p, const double *v, const 
 }
 
 /* Square of the residual, and its correlation from block to block of each run. */
-static void sum_residual(const fit_problem *p, const double *residual, curvature *c) {
+static void sum_residual(const fit_problem *p, const double *residual, fit_curvature *c) {
     double own = 0.0, next = 0.0;
     size_t used = 0, n = fit_parameter_count(p);
     for (size_t run = 0, i = 0; run < p->n_runs; run++) {
@@ -128,7 +119,7 @@ static void sum_residual(const fit_problem *p, const double *residual, curvature
     c->freedom = used > n ? used - n : 1;
 }
 
-static palp_status find_curvature(const fit_problem *p, const double *v, curvature *c) {
+palp_status fit_find_curvature(const fit_problem *p, const double *v, fit_curvature *c) {
     size_t n = fit_parameter_count(p), m = p->n_blocks;
     double *r = malloc((m + m * n + n * n) * sizeof *r), *jacobian = r + m, *square = jacobian + m * n;
     if (!r)
@@ -145,9 +136,7 @@ static palp_status find_curvature(const fit_problem *p, const double *v, curvatu
     return status;
 }
 
-/* Misfit and colour of the residual widen the intervals: sqrt of reduced chi2, and of (1 + rho)/(1 - rho),
- * the loss of independent blocks for a first-order correlation. Neither ever narrows them. */
-static double inflation(const curvature *c) {
+double fit_inflation(const fit_curvature *c) {
     double misfit = c->chi2 / (double)c->freedom, rho = fmin(fmax(c->correlation, 0.0), 0.98);
     if (rho < 3.0 / sqrt((double)c->freedom))
         rho = 0.0;
@@ -264,7 +253,7 @@ palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, cons
     return PALP_OK;
 }
 
-static palp_status fill_estimates(const fit_problem *p, const double *v, const curvature *c,
+static palp_status fill_estimates(const fit_problem *p, const double *v, const fit_curvature *c,
                                   palp_lumped_fit *fit) {
     size_t n = p->n_springs + 3 * p->n_arms;
     fit->n_estimates = n;
@@ -273,7 +262,7 @@ static palp_status fill_estimates(const fit_problem *p, const double *v, const c
     if (!fit->estimate || !fit->correlation)
         return PALP_ERR_NO_MEMORY;
     fit->reduced_chi2 = c->chi2 / (double)c->freedom;
-    fit->inflation = inflation(c);
+    fit->inflation = fit_inflation(c);
     double widen = fit->inflation * fit->inflation;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j <= i; j++)
@@ -337,16 +326,15 @@ palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const
     return status;
 }
 
-/* Solves, and solves again with an arm less while two cannot be told apart. */
-static palp_status solve_and_merge(fit_problem *p, double *v, curvature *c, palp_lumped_fit *fit) {
+palp_status fit_solve_and_merge(fit_problem *p, double *v, fit_curvature *c, palp_lumped_fit *fit) {
     for (;;) {
         double chi2;
         palp_status status = fit_solve(p, v, &chi2, &fit->converged);
         if (status)
             return status;
-        sort_arms(p, v);
-        status = find_curvature(p, v, c);
-        if (status || !fit->converged || p->n_arms < 2 || fit_weakest_arm(p, v, c->covariance, inflation(c)) == p->n_arms)
+        fit_sort_arms(p, v);
+        status = fit_find_curvature(p, v, c);
+        if (status || !fit->converged || p->n_arms < 2 || fit_weakest_arm(p, v, c->covariance, fit_inflation(c)) == p->n_arms)
             return status;
         p->n_arms--;
         fit->n_merged++;
@@ -354,7 +342,7 @@ static palp_status solve_and_merge(fit_problem *p, double *v, curvature *c, palp
 }
 
 /* The fit again with contacts that are not known; its intervals are of all together. */
-static palp_status free_contacts(fit_problem *p, double *v, curvature *c, palp_lumped_fit *fit) {
+static palp_status free_contacts(fit_problem *p, double *v, fit_curvature *c, palp_lumped_fit *fit) {
     size_t n = fit_parameter_count(p);
     bool common = p->settings->contact == PALP_CONTACT_COMMON;
     fit_contacts contacts;
@@ -373,14 +361,14 @@ static palp_status free_contacts(fit_problem *p, double *v, curvature *c, palp_l
     }
     fit->contact_scatter_m = common ? 0.0 : contacts.scatter * p->height_m;
     if (!status)
-        status = find_curvature(p, v, c);
+        status = fit_find_curvature(p, v, c);
     if (!status)
         memcpy(c->covariance, contacts.covariance, n * n * sizeof *c->covariance);
     fit_contacts_free(&contacts);
     return status;
 }
 
-static palp_status finish(fit_problem *p, const double *v, const curvature *c, size_t n,
+palp_status fit_finish(fit_problem *p, const double *v, const fit_curvature *c, size_t n,
                           const palp_recording *recordings, const palp_characterize_settings *settings,
                           palp_lumped_fit *fit) {
     fit->n_runs = n;
@@ -410,14 +398,14 @@ palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, co
         return status;
     size_t parameters = fit_parameter_count(&p);
     double *v = calloc(parameters, sizeof *v);
-    curvature c = {.covariance = calloc(2 * parameters * parameters + 1, sizeof(double))};
+    fit_curvature c = {.covariance = calloc(2 * parameters * parameters + 1, sizeof(double))};
     c.systematic = c.covariance ? c.covariance + parameters * parameters : NULL;
-    status = v && c.covariance ? solve_and_merge(&p, v, &c, fit) : PALP_ERR_NO_MEMORY;
+    status = v && c.covariance ? fit_solve_and_merge(&p, v, &c, fit) : PALP_ERR_NO_MEMORY;
     bool known = settings->contact == PALP_CONTACT_KNOWN || (settings->contact == PALP_CONTACT_FREE && n < 2);
     if (!status && !known && settings->spring == PALP_SPRING_LAW)
         status = free_contacts(&p, v, &c, fit);
     if (!status)
-        status = finish(&p, v, &c, n, recordings, settings, fit);
+        status = fit_finish(&p, v, &c, n, recordings, settings, fit);
     free(v);
     free(c.covariance);
     fit_problem_free(&p);

@@ -66,6 +66,31 @@ palp_status fit_solve(fit_problem *problem, double *p, double *chi2, bool *conve
 /* The same from p alone. */
 palp_status fit_solve_from(fit_problem *problem, double *p, double *chi2, bool *converged);
 
+/* Covariance of the parameters at v, and the residual's weighted square and its lag-1 correlation. */
+typedef struct fit_curvature {
+    double *covariance; /* [n^2] from the blocks' own noise */
+    double *systematic; /* [n^2] from the force and the depth that were taken for zero */
+    double chi2, correlation;
+    size_t freedom;
+} fit_curvature;
+
+palp_status fit_find_curvature(const fit_problem *problem, const double *v, fit_curvature *c);
+
+/* Misfit and colour of the residual widen the intervals: sqrt of reduced chi2, and of (1 + rho)/(1 - rho),
+ * the loss of independent blocks for a first-order correlation. Neither ever narrows them. */
+double fit_inflation(const fit_curvature *c);
+
+/* Arms by rising tau. */
+void fit_sort_arms(const fit_problem *problem, double *v);
+
+/* Solves, and solves again with an arm less while two cannot be told apart. */
+palp_status fit_solve_and_merge(fit_problem *problem, double *v, fit_curvature *c, palp_lumped_fit *fit);
+
+/* The fit's result from the parameters v and what is known of them. */
+palp_status fit_finish(fit_problem *problem, const double *v, const fit_curvature *c, size_t n,
+                       const palp_recording *recordings, const palp_characterize_settings *settings,
+                       palp_lumped_fit *fit);
+
 /* Inverse of the symmetric a[n n], which is destroyed, scaled to a unit diagonal first, with a ridge of rounding size.
  * ERR_SINGULAR. */
 palp_status fit_invert(size_t n, double *a, double *inverse);

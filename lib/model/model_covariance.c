@@ -1,5 +1,6 @@
 /* model_covariance.c: how well a model's numbers are known, in its JSON. */
 #include "base/json.h"
+#include "base/statistics.h"
 #include "model_internal.h"
 
 #include <math.h>
@@ -20,11 +21,12 @@ bool palp_model_covariance_valid(size_t n, const double *c) {
     return true;
 }
 
-palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material, double **covariance) {
+/* The member of root, if it has one. */
+static palp_status square_read(const palp_json *root, const char *key, const palp_material *material, double **covariance) {
     palp_json rows, row;
     size_t n = palp_model_covariance_size(material), count = 0, width = 0;
     *covariance = NULL;
-    if (!palp_json_member(root, "covariance", &rows))
+    if (!palp_json_member(root, key, &rows))
         return PALP_OK;
     palp_status status = palp_json_list(&rows, n, &count);
     double *c = calloc(n * n + 1, sizeof *c);
@@ -46,4 +48,40 @@ palp_status palp_model_covariance_read(const palp_json *root, const palp_materia
     else
         *covariance = c;
     return status;
+}
+
+palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material, double **covariance) {
+    return square_read(root, "covariance", material, covariance);
+}
+
+palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between, size_t *n_specimens) {
+    static const char *const keys[] = {"count", "between"};
+    palp_json specimens, count;
+    double value = 0.0;
+    *between = NULL;
+    *n_specimens = 0;
+    if (!palp_json_member(root, "specimens", &specimens))
+        return PALP_OK;
+    palp_status status = palp_json_keys(&specimens, 2, keys);
+    if (!status)
+        status = palp_json_require(&specimens, "count", &count);
+    if (!status)
+        status = palp_json_number(&count, &value);
+    if (!status && (value < 2.0 || value > 1e6 || value != floor(value)))
+        status = palp_json_fail(&count, PALP_ERR_INPUT, "must be a whole number of 2 or more");
+    if (!status)
+        status = square_read(&specimens, "between", material, between);
+    if (!status && !*between)
+        status = palp_json_fail(&specimens, PALP_ERR_INPUT, "has no \"between\"");
+    *n_specimens = status ? 0 : (size_t)value;
+    return status;
+}
+
+palp_status palp_model_unmeasured(size_t n, const double *covariance, const double *between, size_t n_specimens, double *total) {
+    if (!covariance || !between || !total || n_specimens < 2)
+        return PALP_ERR_ARGUMENT;
+    double t = statistics_student_95(n_specimens - 1) / 1.959963984540054;
+    for (size_t i = 0; i < n * n; i++)
+        total[i] = covariance[i] + t * t * between[i];
+    return PALP_OK;
 }

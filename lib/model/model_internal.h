@@ -37,6 +37,9 @@ bool palp_model_covariance_valid(size_t n, const double *covariance);
 /* "covariance" of a model whose material is known, malloc'ed; NULL without it. */
 palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material, double **covariance);
 
+/* "specimens" of it: how they differ, malloc'ed, and how many; NULL and 0 without. */
+palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between, size_t *n_specimens);
+
 /* What palp_model_read does with the value of a file. */
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh);
 

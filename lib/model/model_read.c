@@ -297,9 +297,10 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     /* the last two are a network's only */
     static const char *const keys[] = {"palpate", "kind",       "specimen",     "stiffness",
                                        "arms",    "dashpot_Ns", "quasi_linear", "formulation",
-                                       "effects", "covariance", "mesh",       "density_kg_m3"};
+                                       "effects", "covariance", "specimens", "mesh", "density_kg_m3"};
     palp_json mesh;
-    double *covariance = NULL;
+    double *covariance = NULL, *between = NULL;
+    size_t n_specimens;
     memset(model, 0, sizeof *model);
     memset(source, 0, sizeof *source);
     palp_status status = version_read(root);
@@ -318,7 +319,10 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
         status = network_read(root, model, source);
     if (!status)
         status = palp_model_covariance_read(root, &model->material, &covariance);
+    if (!status)
+        status = palp_model_between_read(root, &model->material, &between, &n_specimens);
     free(covariance);
+    free(between);
     return status;
 }
 
@@ -342,20 +346,34 @@ palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_sourc
     return PALP_OK;
 }
 
-palp_status palp_model_read_covariance(const char *path, double **covariance, palp_error *error) {
-    if (!path || !covariance)
-        return palp_error_null(error);
+/* Either of the two, of the other NULL. */
+static palp_status read_known(const char *path, double **covariance, double **between, size_t *n_specimens, palp_error *error) {
     palp_json_file file;
     palp_json root;
     palp_model model;
     palp_mesh_source mesh;
-    *covariance = NULL;
     palp_status status = palp_json_open(path, &file, &root, error);
     if (status)
         return status;
     status = palp_model_from_json(&root, &model, &mesh);
     if (!status)
-        status = palp_model_covariance_read(&root, &model.material, covariance);
+        status = covariance ? palp_model_covariance_read(&root, &model.material, covariance)
+                            : palp_model_between_read(&root, &model.material, between, n_specimens);
     palp_json_close(&file);
     return status;
+}
+
+palp_status palp_model_read_covariance(const char *path, double **covariance, palp_error *error) {
+    if (!path || !covariance)
+        return palp_error_null(error);
+    *covariance = NULL;
+    return read_known(path, covariance, NULL, NULL, error);
+}
+
+palp_status palp_model_read_between(const char *path, double **between, size_t *n_specimens, palp_error *error) {
+    if (!path || !between || !n_specimens)
+        return palp_error_null(error);
+    *between = NULL;
+    *n_specimens = 0;
+    return read_known(path, NULL, between, n_specimens, error);
 }

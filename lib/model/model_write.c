@@ -59,6 +59,9 @@ static palp_status model_check(const palp_model *model, palp_error *error) {
         status = law_check(model, error);
     if (!status && model->covariance && !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->covariance))
         status = palp_error_set(error, PALP_ERR_ARGUMENT, "the covariance is none");
+    if (!status && model->between &&
+        (model->n_specimens < 2 || !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->between)))
+        status = palp_error_set(error, PALP_ERR_ARGUMENT, "the spread of the specimens is none");
     return status ? status : palp_model_effects_check(model, error);
 }
 
@@ -198,14 +201,27 @@ static void effects_print(const writer *w, const palp_model *model) {
     fputc(']', w->stream);
 }
 
-static void covariance_print(const writer *w, const palp_model *model) {
-    size_t n = palp_model_covariance_size(&model->material);
-    fprintf(w->stream, "%s\"covariance\": [", w->between);
+static void square_print(const writer *w, const char *key, size_t n, const double *square) {
+    fprintf(w->stream, "\"%s\": [", key);
     for (size_t i = 0; i < n; i++) {
         fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : "", w->item);
-        list_print(w, "", n, model->covariance + i * n);
+        list_print(w, "", n, square + i * n);
     }
     fputc(']', w->stream);
+}
+
+/* How well the numbers are known, and how specimens differ. */
+static void known_print(const writer *w, const palp_model *model) {
+    size_t n = palp_model_covariance_size(&model->material);
+    if (model->covariance) {
+        fputs(w->between, w->stream);
+        square_print(w, "covariance", n, model->covariance);
+    }
+    if (model->between) {
+        fprintf(w->stream, "%s\"specimens\": {\"count\": %zu, ", w->between, model->n_specimens);
+        square_print(w, "between", n, model->between);
+        fputc('}', w->stream);
+    }
 }
 
 static void lattice_print(const writer *w, const palp_mesh_source *mesh) {
@@ -261,8 +277,7 @@ static palp_status model_print(const writer *w, const palp_model *model, const c
     specimen_print(w, model);
     material_print(w, &model->material);
     effects_print(w, model);
-    if (model->covariance)
-        covariance_print(w, model);
+    known_print(w, model);
     palp_status status = network ? network_print(w, model, mesh_path) : PALP_OK;
     fputs(w->close, w->stream);
     palp_locale_leave(&locale);

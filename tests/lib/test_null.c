@@ -24,6 +24,17 @@ START_TEST(null_in_characterize) {
     REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
     REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
     REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL, NULL));
+    REFUSED(palp_characterize_specimens(2, NULL, &count, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_characterize_specimens(2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_characterize_specimens(2, (void *)storage, &count, NULL, (void *)storage, NULL));
+    REFUSED(palp_characterize_specimens(2, (void *)storage, &count, (void *)storage, NULL, NULL));
+    REFUSED(palp_characterize_level(2, NULL, &count, (void *)storage, numbers, NULL));
+    REFUSED(palp_characterize_level(2, (void *)storage, NULL, (void *)storage, numbers, NULL));
+    REFUSED(palp_characterize_level(2, (void *)storage, &count, NULL, numbers, NULL));
+    REFUSED(palp_characterize_level(2, (void *)storage, &count, (void *)storage, NULL, NULL));
+    REFUSED(palp_specimens_fit_stiffness(NULL, 2, numbers, (void *)storage));
+    REFUSED(palp_specimens_fit_stiffness((void *)storage, 2, NULL, (void *)storage));
+    REFUSED(palp_specimens_fit_stiffness((void *)storage, 2, numbers, NULL));
     REFUSED(palp_lumped_fit_stiffness(NULL, 2, numbers, numbers, numbers));
     REFUSED(palp_lumped_fit_stiffness((void *)storage, 2, NULL, numbers, numbers));
     REFUSED(palp_lumped_fit_stiffness((void *)storage, 2, numbers, NULL, numbers));
@@ -157,6 +168,12 @@ END_TEST
 START_TEST(null_in_model) {
     REFUSED(palp_model_read_covariance(NULL, (void *)storage, NULL));
     REFUSED(palp_model_read_covariance(text, NULL, NULL));
+    REFUSED(palp_model_read_between(NULL, (void *)storage, &count, NULL));
+    REFUSED(palp_model_read_between(text, NULL, &count, NULL));
+    REFUSED(palp_model_read_between(text, (void *)storage, NULL, NULL));
+    REFUSED(palp_model_unmeasured(2, NULL, numbers, 2, numbers));
+    REFUSED(palp_model_unmeasured(2, numbers, NULL, 2, numbers));
+    REFUSED(palp_model_unmeasured(2, numbers, numbers, 2, NULL));
     REFUSED(palp_model_read(NULL, &model, NULL, NULL));
     REFUSED(palp_model_read(text, NULL, NULL, NULL));
     REFUSED(palp_model_write(NULL, text, NULL));
@@ -239,6 +256,8 @@ END_TEST
 START_TEST(null_is_freed) {
     palp_calibration_free(NULL);
     palp_lumped_fit_free(NULL);
+    palp_specimens_fit_free(NULL);
+    palp_recording_scale(NULL, 1.0, 1.0);
     palp_experiment_free(NULL);
     palp_explanation_free(NULL);
     palp_load_history_free(NULL);

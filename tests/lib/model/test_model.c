@@ -215,6 +215,57 @@ static void refused_covariance(const char *rows, const char *why) {
     ck_assert_msg(strstr(error.text, why) != NULL, "%s: %s", rows, error.text);
 }
 
+START_TEST(the_spread_of_specimens_comes_back) {
+    double c[4] = {4, 1, 1, 9}, b[4] = {2, 0.5, 0.5, 1}, total[4], *back = NULL;
+    size_t n = 0;
+    palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = 0.024, .covariance = c, .between = b, .n_specimens = 6};
+    ck_assert_int_eq(palp_law_polynomial(2, (double[]){8, 3}, &model.material.law), PALP_OK);
+    const char *path = scratch_path("out.json");
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read_between(path, &back, &n, NULL), PALP_OK);
+    ck_assert_uint_eq(n, 6);
+    ck_assert_mem_eq(back, b, sizeof b);
+    free(back);
+    ck_assert_int_eq(palp_model_unmeasured(2, c, b, n, total), PALP_OK);
+    for (int i = 0; i < 4; i++) /* t of 5 degrees of freedom */
+        ck_assert_double_eq_tol(total[i], c[i] + b[i] * pow(2.5705818 / 1.9599640, 2), 1e-6);
+    ck_assert_int_eq(palp_model_unmeasured(2, c, b, 1, total), PALP_ERR_ARGUMENT);
+    model.n_specimens = 1;
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_ERR_ARGUMENT);
+    model.n_specimens = 6;
+    b[0] = -1;
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_ERR_ARGUMENT);
+    model.between = NULL;
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read_between(path, &back, &n, NULL), PALP_OK);
+    ck_assert_ptr_null(back);
+    ck_assert_uint_eq(n, 0);
+}
+END_TEST
+
+static void refused_specimens(const char *value, const char *why) {
+    palp_model model;
+    palp_error error = {PALP_OK, ""};
+    const char *path = scratch_path("specimens.json");
+    FILE *f = fopen(path, "w");
+    fprintf(f, "{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24},\n"
+               "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [8, 3]}, \"specimens\": %s}\n", value);
+    fclose(f);
+    ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), PALP_ERR_INPUT);
+    ck_assert_msg(strstr(error.text, why) != NULL, "%s", error.text);
+}
+
+START_TEST(specimens_that_are_none_are_refused) {
+    refused_specimens("{\"count\": 1, \"between\": [[1, 0], [0, 1]]}", "whole number of 2 or more");
+    refused_specimens("{\"count\": 2.5, \"between\": [[1, 0], [0, 1]]}", "whole number of 2 or more");
+    refused_specimens("{\"count\": 3}", "has no \"between\"");
+    refused_specimens("{\"between\": [[1, 0], [0, 1]]}", "count");
+    refused_specimens("{\"count\": 3, \"between\": [[1, 0]]}", "has 1 rows");
+    refused_specimens("{\"count\": 3, \"between\": [[1, 2], [2, 1]]}", "is no covariance");
+    refused_specimens("3", "must be");
+}
+END_TEST
+
 START_TEST(a_covariance_of_another_size_is_refused) {
     refused_covariance("[[1, 0]]", "has 1 rows, not one for each of the 2 parameters");
     refused_covariance("[[1, 0], [0]]", "has 1 numbers, not one for each of the 2 parameters");
@@ -454,6 +505,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, the_measured_strain_comes_back_and_must_be_sound);
     tcase_add_test(tc, the_covariance_comes_back_and_must_be_one);
     tcase_add_test(tc, a_covariance_of_another_size_is_refused);
+    tcase_add_test(tc, the_spread_of_specimens_comes_back);
+    tcase_add_test(tc, specimens_that_are_none_are_refused);
     tcase_add_test(tc, model_is_one_line_when_formatted);
     tcase_add_test(tc, failed_write_leaves_nothing);
     tcase_add_test(tc, lattice_is_made);
