@@ -5,7 +5,7 @@
 command -v python3 >/dev/null || { echo "there is no python3, which judges the answers"; exit 77; }
 
 hidden=$ROOT/tests/hidden
-"${CC:-cc}" -std=c99 -O2 -ffp-contract=off "$hidden"/worlds/*.c "$hidden/random.c" "$hidden/path.c" "$hidden/kinds.c" -lm -o worlds ||
+${CC:-cc} -std=c99 -O2 -ffp-contract=off "$hidden"/worlds/*.c "$hidden/random.c" "$hidden/path.c" "$hidden/kinds.c" -lm -o worlds ||
     fail "the generator does not build"
 ./worlds --self-test >out || fail "the generator: $(grep WRONG out)"
 [ "$(grep -c "chi2 of a sample" out)" -eq 5 ] || fail "the noise of five laboratories was not looked at"
