@@ -16,6 +16,7 @@
 #include <palpate/material.h>
 #include <palpate/mesh.h>
 #include <palpate/model.h>
+#include <palpate/moduli.h>
 #include <palpate/network.h>
 #include <palpate/path.h>
 #include <palpate/random.h>

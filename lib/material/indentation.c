@@ -15,10 +15,10 @@
 
 enum {
     NODES = 32,          /* of Gauss' rule over the contact */
-    PANELS = 40,         /* of the wave numbers, PANEL_NODES each */
+    PANELS = 32,         /* of the wave numbers, PANEL_NODES each */
     PANEL_NODES = 8,
     WAVES = PANELS * PANEL_NODES,
-    CURVE = 48           /* contact radii from which a curved tip's force is interpolated */
+    CURVE = 32           /* contact radii from which a curved tip's force is interpolated */
 };
 static const double WAVE_MAX = 20.0; /* times h: M is below 1e-13 beyond */
 
@@ -72,7 +72,7 @@ typedef struct layer {
     double x[NODES], w[NODES];           /* of the contact, 0 to 1 */
     double wave[WAVES], weight[WAVES];   /* wave numbers times h; Gauss' weight times M */
     double cosine[(NODES + 1) * WAVES];  /* scratch: of the nodes and of the edge */
-    double system[NODES * NODES], edge[NODES];
+    double kernel[(NODES + 1) * NODES], system[NODES * NODES], edge[NODES];
     double solution[2 * NODES];          /* of a depth of 1 and of the profile */
 } layer;
 
@@ -93,26 +93,18 @@ static double profile(const palp_indentation *in, double t) {
     return in->tip == PALP_TIP_CONE ? 0.5 * PI * t / tan(in->half_angle_rad) : 0.0;
 }
 
-/* The kernel between the nodes, and between the edge and the nodes, of a contact of a / h = ratio. */
-static void kernel(layer *l, double ratio, double *row, size_t i) {
-    for (size_t j = 0; j < NODES; j++) {
-        double sum = 0;
-        for (size_t q = 0; q < WAVES; q++)
-            sum += l->cosine[i * WAVES + q] * l->cosine[j * WAVES + q];
-        row[j] = 2.0 / PI * ratio * sum;
-    }
-}
-
-/* The cosines carry the root of their weight, which is not negative. */
+/* The kernel between the nodes and the edge of a contact of a / h = ratio is a product of cosines, which carry the root of
+ * their weight; that is not negative. The system is that of the unknowns times the roots of their weights. */
 static bool factor(layer *l, double ratio) {
     for (size_t i = 0; i <= NODES; i++)
         for (size_t q = 0; q < WAVES; q++)
             l->cosine[i * WAVES + q] = sqrt(l->weight[q]) * cos(ratio * l->wave[q] * (i < NODES ? l->x[i] : 1.0));
-    kernel(l, ratio, l->edge, NODES);
-    for (size_t i = 0; i < NODES; i++) {
-        kernel(l, ratio, &l->system[i * NODES], i);
-        for (size_t j = 0; j < NODES; j++)
-            l->system[i * NODES + j] = (i == j) - sqrt(l->w[i] * l->w[j]) * l->system[i * NODES + j];
+    dense_transposed_product(NODES + 1, NODES, WAVES, l->cosine, l->cosine, l->kernel);
+    for (size_t j = 0; j < NODES; j++) {
+        const double *column = &l->kernel[j * (NODES + 1)];
+        l->edge[j] = 2.0 / PI * ratio * column[NODES];
+        for (size_t i = 0; i < NODES; i++)
+            l->system[j * NODES + i] = (i == j) - 2.0 / PI * ratio * sqrt(l->w[i] * l->w[j]) * column[i];
     }
     return dense_cholesky(NODES, l->system);
 }

@@ -5,6 +5,7 @@
 #include "shared/cli.h"
 #include "shared/plot_runs.h"
 
+#include <jansson.h>
 #include <palpate/characterize.h>
 #include <palpate/palpate.h>
 
@@ -31,6 +32,8 @@ typedef struct characterize_options {
     bool arms_auto, law_auto, degree_auto, degree_given;
     bool shared_arms, per_depth, dwell_only, fit_filtered, json;
     double filter_Hz, height_mm, contact_mm; /* 0, 0, NaN = not given */
+    int tip, floor;                          /* -1 = the files', else palp_tip_kind; 0 = bonded, slides */
+    double tip_radius_mm, tip_angle_deg, poisson; /* 0, 0, NaN = not given */
     char command[CLI_COMMAND_MAX];
 } characterize_options;
 
@@ -58,6 +61,9 @@ typedef struct characterize_spread {
 typedef struct characterize_state {
     size_t n, n_static, n_hold; /* runs: static, then ramp and hold by depth, then others */
     palp_recording run[CHARACTERIZE_RUNS_MAX];
+    bool has_tip;                                  /* each run names the tip that pressed */
+    palp_indentation tip[CHARACTERIZE_RUNS_MAX];   /* of each run */
+    palp_moduli moduli;                            /* of the layer under it */
     double *filtered_N[CHARACTERIZE_RUNS_MAX]; /* NULL = not even enough */
     double cutoff_Hz;
     palp_law plain[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1]; /* [static run][degree]; n = 0: not fitted */
@@ -109,6 +115,10 @@ int characterize_contacts(const characterize_options *o, characterize_state *s);
 palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law);
 palp_status characterize_guess_polynomial(const characterize_state *s, size_t n, palp_law *law); /* of n coefficients */
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law);
+int characterize_tip_read(const characterize_options *o, const palp_experiment *experiment, const palp_recording *run, characterize_state *s); /* of run s->n */
+int characterize_tip_fit(const characterize_options *o, characterize_state *s); /* the layer's moduli, where a tip is named */
+void characterize_tip_print(const characterize_state *s);
+json_t *characterize_tip_json(const characterize_state *s); /* null without a tip */
 int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
 int characterize_print(const characterize_options *o, const characterize_state *s);
 int characterize_json(const characterize_options *o, const characterize_state *s);

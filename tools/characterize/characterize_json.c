@@ -235,6 +235,7 @@ static void add_lists(json_t *all, const characterize_state *s) {
     json_object_set_new(all, "shared", s->has_shared ? shared_json(s) : json_null());
     json_object_set_new(all, "comparison", gap_json(s));
     json_object_set_new(all, "band", band_json(s));
+    json_object_set_new(all, "moduli", characterize_tip_json(s));
     json_object_set_new(all, "spread", spread_json(s));
     json_object_set_new(all, "warnings", warnings);
 }

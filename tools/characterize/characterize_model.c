@@ -231,6 +231,7 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     if (code == CLI_OK) {
         limit_range(s);
         judge(s);
+        code = characterize_tip_fit(o, s);
     }
     return code;
 }

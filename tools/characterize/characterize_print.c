@@ -258,6 +258,7 @@ int characterize_print(const characterize_options *o, const characterize_state *
     print_shared(o, s);
     print_final(s);
     print_band(s);
+    characterize_tip_print(s);
     print_bias(s);
     print_gap(s);
     if (o->out)

@@ -69,10 +69,12 @@ static int read_one(const characterize_options *o, const char *file, characteriz
         fprintf(stderr, "palpate %s: %s: no specimen in it (\"%s\"); left out\n", NAME, file, none);
     else
         status = palp_recording_prepare(experiment, file, &settings, &s->run[s->n], &error);
-    if (!none && status == PALP_OK)
+    if (!none && status == PALP_OK) {
+        code = characterize_tip_read(o, experiment, &s->run[s->n], s);
         tell(&s->run[s->n++]);
+    }
     palp_experiment_free(experiment);
-    return status ? cli_status(NAME, status, &error) : CLI_OK;
+    return status ? cli_status(NAME, status, &error) : code;
 }
 
 /* Static runs first, ramps and holds by depth, then the others; each kind in the order given. */
@@ -85,10 +87,14 @@ static int rank(const palp_recording *a, const palp_recording *b) {
 static void sort(characterize_state *s) {
     for (size_t i = 1; i < s->n; i++) {
         palp_recording moved = s->run[i];
+        palp_indentation tip = s->tip[i];
         size_t at = i;
-        for (; at > 0 && rank(&s->run[at - 1], &moved) > 0; at--)
+        for (; at > 0 && rank(&s->run[at - 1], &moved) > 0; at--) {
             s->run[at] = s->run[at - 1];
+            s->tip[at] = s->tip[at - 1];
+        }
         s->run[at] = moved;
+        s->tip[at] = tip;
     }
 }
 

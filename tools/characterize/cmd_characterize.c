@@ -18,40 +18,34 @@ static int parse(int argc, char **argv, characterize_options *o) {
                    "form of the stiffness law K(e), F = K(e) e (default auto: form and size by the\n"
                    "error on samples left out of the fit; with --degree a polynomial, with\n"
                    "--knots a spline)"),
-        cli_text("degree", "N|auto", &o->degree_text,
-                 "degree of the force polynomial F(e), 2 to 7, so that K(e) has one degree\n"
-                 "less, as Table 4.1 of Sedef 2008 counts (polynomial: default 5, no more terms than\n"
-                 "there are depths); auto: by the error on samples left out"),
+        cli_text("degree", "N|auto", &o->degree_text, "degree of the force polynomial F(e), 2 to 7, so that K(e) has one degree\nless, as Table 4.1 of Sedef 2008 counts (polynomial: default 5, no more terms than\nthere are depths); auto: by the error on samples left out"),
         cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 5)"),
         cli_heading("Fit"),
         cli_flag("shared-arms", &o->shared_arms,
                  "one set of arms for all depths only, no fit of each depth alone"),
-        cli_flag("per-depth", &o->per_depth,
-                 "each depth alone, no table of shared arms (default: both tables)"),
-        cli_choice("method", "nlopt|grid", &o->method,
-                   "nlopt: weighted least squares from several starts (default); grid:\n"
-                   "the procedure of Sedef 2008, Section 4.3.3, with one or two arms"),
-        cli_flag("hold-only", &o->dwell_only,
-                 "leave the ramp out of the fit of the model too (fits with a K_inf for\n"
-                 "each depth see the hold only: on the ramp K(e) is not constant)"),
-        cli_flag("fit-filtered", &o->fit_filtered,
-                 "fit the filtered force instead of the raw one (biased; for comparison)"),
+        cli_flag("per-depth", &o->per_depth, "each depth alone, no table of shared arms (default: both tables)"),
+        cli_choice("method", "nlopt|grid", &o->method, "nlopt: weighted least squares from several starts (default); grid:\nthe procedure of Sedef 2008, Section 4.3.3, with one or two arms"),
+        cli_flag("hold-only", &o->dwell_only, "leave the ramp out of the fit of the model too (fits with a K_inf for\neach depth see the hold only: on the ramp K(e) is not constant)"),
+        cli_flag("fit-filtered", &o->fit_filtered, "fit the filtered force instead of the raw one (biased; for comparison)"),
         cli_heading("Recordings"),
-        cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz,
-                     "cut-off of the zero-phase Butterworth filter of the figures, Hz\n"
-                     "(default 10, at most a fifth of the sampling rate)"),
-        cli_positive("specimen-height-mm", "H", 1e4, &o->height_mm,
-                     "height of the specimen, mm, instead of the files'"),
+        cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz, "cut-off of the zero-phase Butterworth filter of the figures, Hz\n(default 10, at most a fifth of the sampling rate)"),
+        cli_positive("specimen-height-mm", "H", 1e4, &o->height_mm, "height of the specimen, mm, instead of the files'"),
         cli_choice("contact", "auto|known|common|free", &o->contact,
                    "whether contact is where the runs have it: known; off by the same in all\n"
                    "(common); or by its own in each, by a scatter that the runs tell (free;\n"
                    "default auto: free where three runs or more show it)"),
-        cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm,
-                   "recorded depth at contact, mm, instead of the one found"),
+        cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm, "recorded depth at contact, mm, instead of the one found"),
+        cli_heading("Tip: moduli of the layer under it"),
+        cli_choice("tip", "plate|flat|sphere|cone", &o->tip,
+                   "what pressed: a plate over the whole face, else a flat punch, sphere or cone on\na wide layer (default: the files' tip.kind, if any)"),
+        cli_positive("tip-radius-mm", "R", 1e4, &o->tip_radius_mm, "of the punch or sphere, mm, instead of the files' tip.radius_mm"),
+        cli_positive("tip-angle-deg", "A", 90, &o->tip_angle_deg, "of the cone, axis to flank, instead of the files' tip.half_angle_deg"),
+        cli_number("poisson", "NU", 0, 0.5, &o->poisson,
+                   "Poisson's ratio, taken for known (default: found, where tips of different size\npressed; else 0.5)"),
+        cli_choice("floor", "bonded|slides", &o->floor, "how the layer lies on its support (default bonded)"),
         cli_heading("Output"),
         cli_out("out", "LUMPED.json", &o->out, "the lumped model"),
-        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp characterize.json",
-                       "SVG figures by gnuplot, and the result as characterize.json"),
+        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp characterize.json", "SVG figures by gnuplot, and the result as characterize.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };
     const cli_command command = {
@@ -150,7 +144,7 @@ static void state_free(characterize_state *s) {
 }
 
 int cmd_characterize(int argc, char **argv) {
-    characterize_options o = {.arms_text = "auto", .degree = 5, .contact_mm = NAN};
+    characterize_options o = {.arms_text = "auto", .degree = 5, .contact_mm = NAN, .tip = -1, .poisson = NAN};
     cli_keep_command(argc, argv, o.command);
     int code = parse(argc, argv, &o);
     code = code ? code : check_options(&o);

@@ -1,0 +1,153 @@
+/* characterize_tip.c: the tip that pressed, and the moduli of the layer under it. */
+#include "characterize.h"
+#include "shared/digits.h"
+#include "shared/json_out.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char NAME[] = "characterize";
+static const double RADIAN = 3.14159265358979323846 / 180.0;
+
+/* ---- reading ---- */
+
+/* The option's number, else the file's; 0 = neither. */
+static double number_of(double option, const palp_experiment *run, const char *key) {
+    double value = 0;
+    return option > 0 ? option : palp_experiment_get_number(run, key, &value) == PALP_OK ? value : 0;
+}
+
+/* What of the tip's size is missing, in words; NULL if nothing. */
+static const char *missing(const palp_indentation *tip) {
+    if (tip->tip == PALP_TIP_CONE)
+        return tip->half_angle_rad > 0 && tip->half_angle_rad < 90 * RADIAN ? NULL : "--tip-angle-deg, or a line # tip.half_angle_deg: A in the file, of 0 to 90";
+    if (tip->radius_m > 0)
+        return NULL;
+    return tip->tip == PALP_TIP_PLATE ? "the specimen's radius; add a line # specimen.radius_mm: R" : "--tip-radius-mm, or a line # tip.radius_mm: R in the file";
+}
+
+int characterize_tip_read(const characterize_options *o, const palp_experiment *experiment, const palp_recording *run, characterize_state *s) {
+    const char *text = NULL;
+    palp_indentation *tip = &s->tip[s->n];
+    bool in_file = palp_experiment_get_string(experiment, "tip.kind", &text) == PALP_OK;
+    *tip = (palp_indentation){.thickness_m = run->height_m, .floor_slides = o->floor == 1};
+    if (o->tip >= 0)
+        tip->tip = (palp_tip_kind)o->tip;
+    else if (in_file && !palp_tip_find(text, &tip->tip))
+        return cli_failure(NAME, "%s: tip.kind is \"%s\"; it is plate, flat, sphere or cone", run->name, text);
+    bool known = o->tip >= 0 || in_file;
+    if (s->n > 0 && known != s->has_tip)
+        return cli_failure(NAME, "%s: %s, but %s: %s; give --tip for all", run->name, known ? "names its tip" : "names no tip", s->run[0].name, known ? "none" : "one");
+    s->has_tip = known;
+    if (!known)
+        return CLI_OK;
+    tip->radius_m = tip->tip == PALP_TIP_PLATE ? run->radius_m : 1e-3 * number_of(o->tip_radius_mm, experiment, "tip.radius_mm");
+    tip->half_angle_rad = RADIAN * number_of(o->tip_angle_deg, experiment, "tip.half_angle_deg");
+    const char *what = missing(tip);
+    return what ? cli_failure(NAME, "%s: a %s tip needs %s", run->name, palp_tip_name(tip->tip), what) : CLI_OK;
+}
+
+/* ---- the fit ---- */
+
+static void judge(const characterize_options *o, characterize_state *s) {
+    const palp_moduli *m = &s->moduli;
+    if (!m->poisson_found && isnan(o->poisson))
+        characterize_warn(s, "one tip on one thickness cannot give both modulus and Poisson's ratio: 0.5 (incompressible) is assumed; give --poisson, or runs with a tip of another size too");
+    if (m->poisson_found && m->poisson.high - m->poisson.low > 0.2)
+        characterize_warn(s, "Poisson's ratio is not determined by these tips (%.2f to %.2f)", m->poisson.low, m->poisson.high);
+    if (m->misfit > 0.05)
+        characterize_warn(s, "the tip's force by one shear modulus leaves %.2g %% of the force (rms): the contact, the tip or the layer is another, or the material is not linear", 100 * m->misfit);
+    if (m->largest_depth > 0.1)
+        characterize_warn(s, "the deepest press is %.2g of the layer's thickness: moduli are those of small strain, and come out high there", m->largest_depth);
+}
+
+int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
+    palp_moduli_settings settings = palp_moduli_settings_default();
+    palp_error error = {PALP_OK, ""};
+    if (!s->has_tip)
+        return CLI_OK;
+    settings.n_arms = s->material.n_arms;
+    settings.dwell_only = o->dwell_only;
+    settings.contact_known = o->contact == 1 || !isnan(o->contact_mm);
+    settings.poisson = isnan(o->poisson) ? NAN : o->poisson;
+    palp_status status = palp_moduli_fit(s->n, s->run, s->tip, &settings, &s->moduli, &error);
+    if (status == PALP_ERR_INPUT && isnan(o->poisson) && s->moduli.n_tips < 2) {
+        settings.poisson = 0.5;
+        status = palp_moduli_fit(s->n, s->run, s->tip, &settings, &s->moduli, &error);
+    }
+    if (status == PALP_ERR_LIMIT)
+        return cli_failure(NAME, "%s: the contact is wider than %g thicknesses of the layer: take --tip plate", s->run[0].name, PALP_INDENTATION_WIDEST);
+    if (status)
+        return cli_status(NAME, status, &error);
+    judge(o, s);
+    return CLI_OK;
+}
+
+/* ---- telling ---- */
+
+static void print_modulus(const char *name, const palp_modulus *m) {
+    double scale = m->value >= 1e6 ? 1e-6 : m->value >= 1e3 ? 1e-3 : 1, half = 0.5 * scale * (m->high - m->low);
+    int d = digits_after_point(half);
+    printf("  %-28s %12.*f   %.*f to %.*f %s\n", name, d, scale * m->value, d, scale * m->low, d, scale * m->high, scale == 1 ? "Pa" : scale > 1e-5 ? "kPa" : "MPa");
+}
+
+void characterize_tip_print(const characterize_state *s) {
+    const palp_moduli *m = &s->moduli;
+    if (!s->has_tip)
+        return;
+    printf("Moduli of the layer under %s tip%s (elastic layer %s; small strain; no friction)\n", m->n_tips > 1 ? "the" : palp_tip_name(s->tip[0].tip),
+           m->n_tips > 1 ? "s" : "", s->tip[0].tip == PALP_TIP_PLATE || s->tip[0].floor_slides ? "sliding on its floor" : "bonded to its floor");
+    if (m->poisson_found)
+        printf("  %-28s %12.3f   %.3f to %.3f, by the agreement of %zu tips\n", "Poisson's ratio", m->poisson.value, m->poisson.low, m->poisson.high, m->n_tips);
+    else
+        printf("  %-28s %12.3f   assumed: these runs do not tell\n", "Poisson's ratio", m->poisson.value);
+    print_modulus("G_inf, shear, long-term", &m->shear_inf_Pa);
+    print_modulus("G_0, shear, instantaneous", &m->shear_0_Pa);
+    print_modulus("E_inf = 2 (1 + nu) G_inf", &m->young_inf_Pa);
+    print_modulus("E_0 = 2 (1 + nu) G_0", &m->young_0_Pa);
+    if (!m->poisson_found)
+        printf("  G_inf would be %.4g Pa with a ratio of 0.5, %.4g Pa with 0.3\n", m->shear_low_Pa, m->shear_high_Pa);
+    if (m->largest_shift_m > 0)
+        printf("  contact of the tip found with the moduli, up to %.3g mm from that of the runs (--contact known takes those)\n", 1e3 * m->largest_shift_m);
+    printf("  contact up to %.3g, depth up to %.3g thicknesses; residual %.2g %% of the force (rms)\n", m->widest_contact, m->largest_depth, 100 * m->misfit);
+}
+
+static json_t *modulus_json(const palp_modulus *m) {
+    return json_pack("{s:o, s:o, s:o, s:o}", "value", json_number_or_null(m->value), "sd", json_number_or_null(m->sd), "low", json_number_or_null(m->low),
+                     "high", json_number_or_null(m->high));
+}
+
+static json_t *tip_json(const characterize_state *s, size_t i) {
+    const palp_indentation *tip = &s->tip[i];
+    bool cone = tip->tip == PALP_TIP_CONE;
+    return json_pack("{s:s, s:s, s:o, s:o, s:f}", "file", s->run[i].name, "kind", palp_tip_name(tip->tip), "radius_mm",
+                     cone ? json_null() : json_real(1e3 * tip->radius_m), "half_angle_deg", cone ? json_real(tip->half_angle_rad / RADIAN) : json_null(),
+                     "thickness_mm", 1e3 * tip->thickness_m);
+}
+
+json_t *characterize_tip_json(const characterize_state *s) {
+    const palp_moduli *m = &s->moduli;
+    if (!s->has_tip)
+        return json_null();
+    json_t *tips = json_array(), *arms = json_array(), *to = json_object();
+    for (size_t i = 0; i < s->n; i++)
+        json_array_append_new(tips, tip_json(s, i));
+    for (size_t j = 0; j < m->n_arms; j++)
+        json_array_append_new(arms, json_pack("{s:f, s:f}", "shear_Pa", m->arm_Pa[j], "tau_s", m->tau_s[j]));
+    json_object_set_new(to, "tips", tips);
+    json_object_set_new(to, "floor", json_string(s->tip[0].floor_slides ? "slides" : "bonded"));
+    json_object_set_new(to, "poisson", modulus_json(&m->poisson));
+    json_object_set_new(to, "poisson_found", json_boolean(m->poisson_found));
+    json_object_set_new(to, "shear_inf_Pa", modulus_json(&m->shear_inf_Pa));
+    json_object_set_new(to, "shear_0_Pa", modulus_json(&m->shear_0_Pa));
+    json_object_set_new(to, "young_inf_Pa", modulus_json(&m->young_inf_Pa));
+    json_object_set_new(to, "young_0_Pa", modulus_json(&m->young_0_Pa));
+    json_object_set_new(to, "arms", arms);
+    json_object_set_new(to, "shear_inf_at_0_5_Pa", json_number_or_null(m->shear_low_Pa));
+    json_object_set_new(to, "shear_inf_at_0_3_Pa", json_number_or_null(m->shear_high_Pa));
+    json_object_set_new(to, "largest_depth", json_number_or_null(m->largest_depth));
+    json_object_set_new(to, "widest_contact", json_number_or_null(m->widest_contact));
+    json_object_set_new(to, "contact_shift_mm", json_number_or_null(1e3 * m->largest_shift_m));
+    json_object_set_new(to, "misfit", json_number_or_null(m->misfit));
+    return to;
+}
