@@ -104,6 +104,15 @@ PALP_API double palp_generalized_maxwell_creep(const palp_retardation *spectrum,
 PALP_API palp_status palp_lumped_ramp_hold(const palp_material *material, double strain, double ramp_s,
                                            size_t n, const double *time_s, double *force_N);
 
+/* A small oscillation of a specimen of that height about a strain, in the steady state: depth d cos(w t), w = 2 pi frequency,
+ * asks for the force d (storage cos(w t) - loss sin(w t)):
+ *   storage = (F'(e) + sum_j K_j x^2 / (1 + x^2)) / height,  loss = (sum_j K_j x / (1 + x^2) + dashpot w) / height,  x = w tau_j,
+ * with F' the law's tangent, and K_j and tau_j as beta, gamma and quasi_linear make them at the strain. The caller's
+ * storage_N_m[n] and loss_N_m[n]; by H / A of a cylinder they are moduli. Errors of palp_material_check; ERR_ARGUMENT: a height or
+ * a frequency not > 0, a strain not finite; ERR_UNSUPPORTED: PALP_SEDEF2008. */
+PALP_API palp_status palp_lumped_oscillation(const palp_material *material, double height_m, double strain, size_t n,
+                                             const double *frequency_Hz, double *storage_N_m, double *loss_N_m);
+
 #ifdef __cplusplus
 }
 #endif

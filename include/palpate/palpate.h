@@ -26,6 +26,7 @@
 #include <palpate/reduce.h>
 #include <palpate/solver.h>
 #include <palpate/specimen.h>
+#include <palpate/spectrum.h>
 #include <palpate/status.h>
 #include <palpate/thesis.h>
 #include <palpate/version.h>

@@ -1,8 +1,12 @@
 /* closed_form.c: closed-form responses of viscoelastic models (Section 3.1.2, Eq. 3.20-3.56, 4.7). */
 #include <palpate/closed_form.h>
 
+#include "element.h"
+
 #include <float.h>
 #include <math.h>
+
+static const double PI = 3.14159265358979323846;
 
 /* Stress of a Maxwell arm, z(t) - z(t - c) of Eq. 3.50 in one product: what it has gained by the end
  * of the ramp, decayed since. The thesis' exp(c / tau) would overflow for a long ramp. */
@@ -261,5 +265,33 @@ palp_status palp_lumped_ramp_hold(const palp_material *material, double strain, 
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++)
         force_N[i] = lumped_at(material, strain, ramp_s, time_s[i]);
+    return PALP_OK;
+}
+
+palp_status palp_lumped_oscillation(const palp_material *material, double height_m, double strain, size_t n,
+                                    const double *frequency_Hz, double *storage_N_m, double *loss_N_m) {
+    double force, tangent, drive[PALP_ARMS_MAX];
+    if (!material || !frequency_Hz || !storage_N_m || !loss_N_m || !(height_m > 0.0) || !isfinite(strain))
+        return PALP_ERR_ARGUMENT;
+    palp_status status = palp_material_check(material, NULL);
+    if (status != PALP_OK || material->formulation == PALP_SEDEF2008)
+        return status != PALP_OK ? status : PALP_ERR_UNSUPPORTED;
+    palp_law_force(&material->law, 1, &strain, &force, &tangent, NULL);
+    for (size_t j = 0; j < material->n_arms; j++)
+        drive[j] = element_arm_drive(material, j, strain, force, tangent, 0.0).slope;
+    for (size_t i = 0; i < n; i++) {
+        const double w = 2.0 * PI * frequency_Hz[i];
+        if (!(w > 0.0) || !isfinite(w))
+            return PALP_ERR_ARGUMENT;
+        double storage = tangent, loss = material->dashpot_Ns * w;
+        for (size_t j = 0; j < material->n_arms; j++) {
+            const palp_arm *arm = &material->arms[j];
+            double x = w * arm->viscosity_Ns / arm->stiffness_N * (1.0 + arm->gamma * fabs(strain)), part = 1.0 / (1.0 + x * x);
+            storage += arm->stiffness_N * drive[j] * x * x * part;
+            loss += arm->stiffness_N * drive[j] * x * part;
+        }
+        storage_N_m[i] = storage / height_m;
+        loss_N_m[i] = loss / height_m;
+    }
     return PALP_OK;
 }

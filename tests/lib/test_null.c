@@ -42,6 +42,8 @@ START_TEST(null_in_characterize) {
     REFUSED(palp_lumped_fit_force(NULL, 2, (void *)storage, numbers));
     REFUSED(palp_lumped_fit_force((void *)storage, 2, NULL, numbers));
     REFUSED(palp_lumped_fit_force((void *)storage, 2, (void *)storage, NULL));
+    REFUSED(palp_spectrum_measure(NULL, (void *)storage));
+    REFUSED(palp_spectrum_measure((void *)storage, NULL));
 }
 END_TEST
 
@@ -55,6 +57,10 @@ START_TEST(null_in_closed_form) {
     REFUSED(palp_lumped_ramp_hold(NULL, 0.5, 0.5, 2, numbers, numbers));
     REFUSED(palp_lumped_ramp_hold(&material, 0.5, 0.5, 2, NULL, numbers));
     REFUSED(palp_lumped_ramp_hold(&material, 0.5, 0.5, 2, numbers, NULL));
+    REFUSED(palp_lumped_oscillation(NULL, 0.5, 0.5, 2, numbers, numbers, numbers));
+    REFUSED(palp_lumped_oscillation(&material, 0.5, 0.5, 2, NULL, numbers, numbers));
+    REFUSED(palp_lumped_oscillation(&material, 0.5, 0.5, 2, numbers, NULL, numbers));
+    REFUSED(palp_lumped_oscillation(&material, 0.5, 0.5, 2, numbers, numbers, NULL));
 }
 END_TEST
 
@@ -260,6 +266,7 @@ END_TEST
 START_TEST(null_is_freed) {
     palp_calibration_free(NULL);
     palp_lumped_fit_free(NULL);
+    palp_spectrum_free(NULL);
     palp_specimens_fit_free(NULL);
     palp_recording_scale(NULL, 1.0, 1.0);
     palp_experiment_free(NULL);

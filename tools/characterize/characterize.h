@@ -3,6 +3,7 @@
 #define PALPATE_TOOL_CHARACTERIZE_H
 
 #include "shared/cli.h"
+#include "shared/json_out.h"
 #include "shared/plot_runs.h"
 
 #include <jansson.h>
@@ -87,6 +88,7 @@ typedef struct characterize_state {
         largest_N[CHARACTERIZE_RUNS_MAX]; /* force; |residual| of the model */
     size_t n_band; /* 0: no intervals */
     characterize_known band[CHARACTERIZE_BAND];
+    palp_spectrum spectrum[CHARACTERIZE_RUNS_MAX]; /* of each run; n = 0: it does not oscillate */
     size_t n_spread;
     characterize_spread spread[CHARACTERIZE_SPREAD_MAX];
     size_t n_warnings;
@@ -120,6 +122,15 @@ int characterize_tip_fit(const characterize_options *o, characterize_state *s); 
 void characterize_tip_print(const characterize_state *s);
 json_t *characterize_tip_json(const characterize_state *s); /* null without a tip */
 int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
+size_t characterize_spectrum_points(const characterize_state *s); /* of all runs */
+double characterize_modulus(const palp_recording *r, double stiffness_N_m); /* Pa, of the cylinder; NaN without a radius */
+/* What a model of these arms has where a run oscillates about a depth. */
+palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m, size_t n,
+                                        const double *frequency_Hz, double *storage_N_m, double *loss_N_m);
+int characterize_measure_spectra(characterize_state *s);
+void characterize_print_spectrum(const characterize_state *s);
+json_t *characterize_spectrum_json(const characterize_state *s);
+void characterize_plot_spectrum(plot_book *book, const characterize_state *s);
 int characterize_print(const characterize_options *o, const characterize_state *s);
 int characterize_json(const characterize_options *o, const characterize_state *s);
 int characterize_plot(const characterize_options *o, const characterize_state *s);

@@ -106,5 +106,5 @@ int characterize_compare(characterize_state *s) {
         if (status)
             return cli_status(NAME, status, NULL);
     }
-    return CLI_OK;
+    return characterize_measure_spectra(s);
 }

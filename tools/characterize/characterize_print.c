@@ -261,6 +261,7 @@ int characterize_print(const characterize_options *o, const characterize_state *
     characterize_tip_print(s);
     print_bias(s);
     print_gap(s);
+    characterize_print_spectrum(s);
     if (o->out)
         printf("Written to %s\n", o->out);
     return cli_flush(NAME);

@@ -134,6 +134,7 @@ static int characterize(const characterize_options *o, characterize_state *s) {
 static void state_free(characterize_state *s) {
     for (size_t i = 0; i < s->n; i++) {
         palp_recording_free(&s->run[i]);
+        palp_spectrum_free(&s->spectrum[i]);
         free(s->filtered_N[i]);
     }
     for (size_t i = 0; i < s->n_single; i++)

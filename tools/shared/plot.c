@@ -105,10 +105,29 @@ static void write_panel(FILE *to, const plot_panel *p) {
     fputc('\n', to);
 }
 
+/* Letters of the longest title in the key. */
+static size_t longest_title(const plot_figure *figure) {
+    size_t most = 0;
+    for (size_t k = 0; k < figure->n_panels; k++)
+        for (size_t i = 0; i < figure->panel[k].n_series; i++) {
+            const char *title = figure->panel[k].series[i].title;
+            most = title && strlen(title) > most ? strlen(title) : most;
+        }
+    return most;
+}
+
+/* Panel k of two, one above the other: both as wide as leaves room for the key. */
+static void write_margins(FILE *to, const plot_figure *figure, size_t k) {
+    enum { LETTER = 10, SAMPLE = 70 };
+    double width = figure->width ? figure->width : 900, key = (double)(LETTER * longest_title(figure) + SAMPLE) / width;
+    if (k == 0)
+        fprintf(to, "set bmargin at screen 0.44\nset tmargin at screen 0.93\nset rmargin at screen %.3f\n",
+                key < 0.22 ? 0.78 : key > 0.5 ? 0.5 : 1 - key);
+    else
+        fputs("unset title\nset bmargin at screen 0.12\nset tmargin at screen 0.36\n", to);
+}
+
 static void write_script(FILE *to, const plot_figure *figure) {
-    static const char *const margins[] = {
-        "set bmargin at screen 0.44\nset tmargin at screen 0.93\nset rmargin at screen 0.78\n",
-        "unset title\nset bmargin at screen 0.12\nset tmargin at screen 0.36\n"};
     size_t n = figure->n_panels, columns = figure->columns ? figure->columns : 1;
     bool pair = n == 2 && columns == 1;
     fprintf(to,
@@ -122,7 +141,8 @@ static void write_script(FILE *to, const plot_figure *figure) {
     if (n > 1)
         fprintf(to, pair ? "set multiplot\n" : "set multiplot layout %zu,%zu\n", (n + columns - 1) / columns, columns);
     for (size_t k = 0; k < n; k++) {
-        fputs(pair ? margins[k] : "", to);
+        if (pair)
+            write_margins(to, figure, k);
         write_panel(to, &figure->panel[k]);
     }
     fputs(n > 1 ? "unset multiplot\n" : "", to);

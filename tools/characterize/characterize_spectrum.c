@@ -1,0 +1,188 @@
+/* characterize_spectrum.c: storage and loss against frequency, of runs that oscillate and of the model. */
+#include "characterize.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char NAME[] = "characterize";
+static const double Z95 = 1.96;
+
+size_t characterize_spectrum_points(const characterize_state *s) {
+    size_t n = 0;
+    for (size_t i = 0; i < s->n; i++)
+        n += s->spectrum[i].n;
+    return n;
+}
+
+double characterize_modulus(const palp_recording *r, double stiffness_N_m) {
+    const double pi = 3.14159265358979323846;
+    return r->radius_m > 0 ? stiffness_N_m * r->height_m / (pi * r->radius_m * r->radius_m) : NAN;
+}
+
+palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m, size_t n,
+                                        const double *frequency_Hz, double *storage_N_m, double *loss_N_m) {
+    double height = s->run[0].height_m;
+    return palp_lumped_oscillation(m, height, depth_m / height, n, frequency_Hz, storage_N_m, loss_N_m);
+}
+
+int characterize_measure_spectra(characterize_state *s) {
+    for (size_t i = 0; i < s->n; i++) {
+        if (s->run[i].kind != PALP_RECORDING_OTHER)
+            continue;
+        palp_status status = palp_spectrum_measure(&s->run[i], &s->spectrum[i]);
+        if (status)
+            return cli_status(NAME, status, NULL);
+    }
+    return CLI_OK;
+}
+
+/* ---- text ---- */
+
+void characterize_print_spectrum(const characterize_state *s) {
+    if (characterize_spectrum_points(s) == 0)
+        return;
+    printf("Storage and loss stiffness by the driven frequency (+- 95 %%), and the model's\n");
+    printf("  frequency (Hz)   storage (N/m)          model   loss (N/m)             model   run\n");
+    for (size_t i = 0; i < s->n; i++) {
+        for (size_t k = 0; k < s->spectrum[i].n; k++) {
+            const palp_spectrum_point *p = &s->spectrum[i].point[k];
+            double storage = NAN, loss = NAN;
+            characterize_model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
+            printf("  %14.5g   %9.5g +-%-8.2g %9.5g   %9.4g +-%-8.2g %9.4g   %s\n", p->frequency_Hz, p->storage_N_m,
+                   Z95 * p->storage_sd_N_m, storage, p->loss_N_m, Z95 * p->loss_sd_N_m, loss, s->run[i].name);
+        }
+    }
+}
+
+/* ---- JSON ---- */
+
+static void set(json_t *to, const char *key, double value) {
+    json_object_set_new(to, key, json_number_or_null(value));
+}
+
+static json_t *point_json(const characterize_state *s, size_t run, const palp_spectrum_point *p) {
+    const palp_recording *r = &s->run[run];
+    double storage = NAN, loss = NAN;
+    json_t *to = json_object(), *file = json_string(r->name);
+    json_object_set_new(to, "file", file ? file : json_string("(not UTF-8)"));
+    characterize_model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
+    set(to, "frequency_Hz", p->frequency_Hz);
+    set(to, "from_s", p->from_s);
+    set(to, "to_s", p->to_s);
+    set(to, "cycles", p->cycles);
+    set(to, "depth_mm", 1e3 * p->depth_m);
+    set(to, "amplitude_mm", 1e3 * p->amplitude_m);
+    set(to, "storage_N_m", p->storage_N_m);
+    set(to, "storage_low_N_m", p->storage_N_m - Z95 * p->storage_sd_N_m);
+    set(to, "storage_high_N_m", p->storage_N_m + Z95 * p->storage_sd_N_m);
+    set(to, "loss_N_m", p->loss_N_m);
+    set(to, "loss_low_N_m", p->loss_N_m - Z95 * p->loss_sd_N_m);
+    set(to, "loss_high_N_m", p->loss_N_m + Z95 * p->loss_sd_N_m);
+    set(to, "model_storage_N_m", storage);
+    set(to, "model_loss_N_m", loss);
+    set(to, "storage_Pa", characterize_modulus(r, p->storage_N_m));
+    set(to, "loss_Pa", characterize_modulus(r, p->loss_N_m));
+    return to;
+}
+
+json_t *characterize_spectrum_json(const characterize_state *s) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < s->n; i++)
+        for (size_t k = 0; k < s->spectrum[i].n; k++)
+            json_array_append_new(list, point_json(s, i, &s->spectrum[i].point[k]));
+    return list;
+}
+
+/* ---- the figure ---- */
+
+enum { CURVE = 120, POINTS_MAX = 2000, RUNS_SHOWN = 6 };
+
+typedef struct spectrum_plot {
+    plot_series series[2][2 * RUNS_SHOWN + 2]; /* storage; loss */
+    size_t n;
+    double frequency[CURVE], curve[2][RUNS_SHOWN + 1][CURVE];
+    double x[POINTS_MAX], y[2][3 * POINTS_MAX]; /* of the points: value, low, high, by runs */
+    size_t points;
+} spectrum_plot;
+
+/* From what the longest run sees, or the lowest frequency driven, to twice the highest. */
+static void choose_frequencies(const characterize_state *s, spectrum_plot *plot) {
+    double low = HUGE_VAL, high = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        const palp_recording *r = &s->run[i];
+        if (s->material.n_arms > 0)
+            low = fmin(low, 0.159 / (r->end_s - r->ramp_start_s));
+        for (size_t k = 0; k < s->spectrum[i].n; k++) {
+            low = fmin(low, 0.5 * s->spectrum[i].point[k].frequency_Hz);
+            high = fmax(high, 2 * s->spectrum[i].point[k].frequency_Hz);
+        }
+    }
+    for (size_t k = 0; k < CURVE; k++)
+        plot->frequency[k] = low * pow(high / low, (double)k / (CURVE - 1));
+}
+
+static void add_series(spectrum_plot *plot, const char *title, plot_style style, int colour, size_t n, const double *x,
+                       const double *storage, const double *loss) {
+    plot->series[0][plot->n] = (plot_series){title, style, colour, n, x, storage};
+    plot->series[1][plot->n++] = (plot_series){NULL, style, colour, n, x, loss};
+}
+
+static void add_points(const characterize_state *s, size_t run, int colour, spectrum_plot *plot) {
+    size_t n = s->spectrum[run].n, from = plot->points;
+    if (from + n > POINTS_MAX)
+        return;
+    double *x = plot->x + from, *storage = plot->y[0] + 3 * from, *loss = plot->y[1] + 3 * from;
+    for (size_t k = 0; k < n; k++) {
+        const palp_spectrum_point *p = &s->spectrum[run].point[k];
+        for (int end = -1; end <= 1; end++) {
+            size_t at = k + (end == 0 ? 0 : end < 0 ? n : 2 * n);
+            storage[at] = p->storage_N_m + end * Z95 * p->storage_sd_N_m;
+            loss[at] = p->loss_N_m + end * Z95 * p->loss_sd_N_m;
+        }
+        x[k] = p->frequency_Hz;
+    }
+    plot->points += n;
+    add_series(plot, cli_base(s->run[run].name), PLOT_BARS, colour, n, x, storage, loss);
+}
+
+static bool add_model(const characterize_state *s, const palp_material *m, double depth_m, const char *title, plot_style style,
+                      int colour, size_t at, spectrum_plot *plot) {
+    double *storage = plot->curve[0][at], *loss = plot->curve[1][at];
+    if (characterize_model_spectrum(s, m, depth_m, CURVE, plot->frequency, storage, loss))
+        return false;
+    add_series(plot, title, style, colour, CURVE, plot->frequency, storage, loss);
+    return true;
+}
+
+void characterize_plot_spectrum(plot_book *book, const characterize_state *s) {
+    spectrum_plot *plot = calloc(1, sizeof *plot);
+    size_t shown = 0;
+    if (!plot || characterize_spectrum_points(s) == 0) {
+        book->result = plot ? book->result : PLOT_FAILED;
+        free(plot);
+        return;
+    }
+    choose_frequencies(s, plot);
+    for (size_t i = 0; i < s->n && shown < RUNS_SHOWN; i++) {
+        if (s->spectrum[i].n == 0)
+            continue;
+        double depth = s->spectrum[i].point[s->spectrum[i].n / 2].depth_m;
+        int colour = (int)shown;
+        add_model(s, &s->material, depth, shown == 0 ? "model" : NULL, PLOT_LINE, colour, shown, plot);
+        if (shown == 0 && s->has_shared && s->shared.material.n_arms > 0) {
+            palp_material holds = s->shared.material;
+            holds.law = s->material.law;
+            add_model(s, &holds, depth, "arms of the holds alone", PLOT_DASHED, PLOT_BLACK, RUNS_SHOWN, plot);
+        }
+        add_points(s, i, colour, plot);
+        shown++;
+    }
+    const plot_figure figure = {.title = "Storage and loss stiffness: measured with 95 % intervals, and the model's", .n_panels = 2,
+                                .panel = {{.x_label = "", .y_label = "storage K' (N/m)", .x_scale = PLOT_LOG,
+                                           .n_series = plot->n, .series = plot->series[0]},
+                                          {.x_label = "frequency (Hz)", .y_label = "loss K\" (N/m)", .x_scale = PLOT_LOG,
+                                           .n_series = plot->n, .series = plot->series[1]}}};
+    plot_draw(book, "spectrum", &figure);
+    free(plot);
+}
