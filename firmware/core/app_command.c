@@ -6,6 +6,7 @@
 #define SEARCH_RATE_M_S 5e-4f /* where the host leaves it open */
 #define SEARCH_FORCE_N 0.01f
 #define SEARCH_RATE_MOST_M_S 0.01f
+#define JOG_RATE_MOST_M_S 0.01f
 
 enum { LEAST_TIMEOUT_MS = 100, MOST_TIMEOUT_MS = 60000 };
 
@@ -35,6 +36,8 @@ static const struct permission {
     {PALP_WIRE_TYPE_START, IN(READY)},
     {PALP_WIRE_TYPE_STOP, ALWAYS & ~IN(BOOT) & ~IN(FAULT)},
     {PALP_WIRE_TYPE_GET_STATUS, ALWAYS},
+    {PALP_WIRE_TYPE_HALT, ALWAYS & ~IN(BOOT) & ~IN(FAULT)},
+    {PALP_WIRE_TYPE_JOG, IN(READY)},
 };
 
 static uint8_t permitted(const app *a, uint8_t command) {
@@ -214,6 +217,17 @@ static uint8_t start(app *a, const palp_wire_start *asked) {
     return PALP_WIRE_RESULT_DONE;
 }
 
+static uint8_t jog(app *a, const palp_wire_jog *asked) {
+    const float to_m = (float)asked->to_nm * 1e-9f, rate_m_s = (float)asked->rate_nm_s * 1e-9f;
+    if (to_m < 0.0f || to_m > a->limits.travel_m || rate_m_s <= 0.0f || rate_m_s > JOG_RATE_MOST_M_S)
+        return PALP_WIRE_RESULT_RANGE;
+    (void)begin(a, SUPERVISOR_JOG);
+    a->rate_m_s = rate_m_s;
+    a->jogs = true;
+    motion_withdraw(a, to_m);
+    return PALP_WIRE_RESULT_DONE;
+}
+
 static uint8_t execute(app *a, const palp_wire_message *c) {
     switch (c->type) {
     case PALP_WIRE_TYPE_HELLO:
@@ -243,8 +257,14 @@ static uint8_t execute(app *a, const palp_wire_message *c) {
     case PALP_WIRE_TYPE_START:
         return start(a, &c->as.start);
     case PALP_WIRE_TYPE_STOP: /* back_m says where to */
+        motion_stop(a);
         (void)supervisor_take(&a->supervisor, SUPERVISOR_STOP);
         return PALP_WIRE_RESULT_DONE;
+    case PALP_WIRE_TYPE_HALT:
+        return supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_EMERGENCY_STOP, a->tick) ? PALP_WIRE_RESULT_DONE
+                                                                                         : PALP_WIRE_RESULT_STATE;
+    case PALP_WIRE_TYPE_JOG:
+        return jog(a, &c->as.jog);
     default: /* ALIVE, GET_LIMITS, GET_STATUS */
         return PALP_WIRE_RESULT_DONE;
     }

@@ -14,6 +14,7 @@ static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] =
     [TO(READY)] = {[SUPERVISOR_HOME] = TO(HOMING),
                    [SUPERVISOR_FIND_CONTACT] = TO(APPROACH),
                    [SUPERVISOR_START] = TO(RUN),
+                   [SUPERVISOR_JOG] = TO(RETRACT),
                    [SUPERVISOR_STOP] = TO(IDLE), /* lets go of the plate, whose position stays known */
                    [SUPERVISOR_FAULT] = TO(FAULT)},
     [TO(APPROACH)] =

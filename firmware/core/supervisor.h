@@ -6,7 +6,7 @@
 
 /* X(NAME): what can happen to a state. */
 #define SUPERVISOR_EVENTS(X)                                                                                 \
-    X(STARTED) X(HOME) X(HOMED) X(FIND_CONTACT) X(START) X(DONE) X(STOP) X(FAULT) X(CLEAR)
+    X(STARTED) X(HOME) X(HOMED) X(FIND_CONTACT) X(START) X(JOG) X(DONE) X(STOP) X(FAULT) X(CLEAR)
 
 typedef enum supervisor_event {
 #define SUPERVISOR_MEMBER(name) SUPERVISOR_##name,

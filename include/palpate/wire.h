@@ -134,6 +134,8 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 #define PALP_WIRE_START(F, A) F(u8, segments) F(i32, start_nm) F(u32, air_ms) F(u32, after_ms)
 #define PALP_WIRE_STOP(F, A) F(u8, reserved) /* ends a motion by withdrawing */
 #define PALP_WIRE_GET_STATUS(F, A) F(u8, reserved)
+#define PALP_WIRE_HALT(F, A) F(u8, reserved) /* the motor off at once: the fault EMERGENCY_STOP */
+#define PALP_WIRE_JOG(F, A) F(i32, to_nm) F(u32, rate_nm_s) /* to a place below home, and holds it there */
 /* ---- device to host ---- */
 #define PALP_WIRE_ACK(F, A) F(u16, sequence) F(u8, command) F(u8, result)
 #define PALP_WIRE_INFO(F, A)                                                                              \
@@ -177,6 +179,8 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
     X(STOP, 15, stop, PALP_WIRE_STOP)                             \
     X(GET_STATUS, 16, get_status, PALP_WIRE_GET_STATUS)           \
     X(GET_LIMITS, 17, get_limits, PALP_WIRE_GET_LIMITS)           \
+    X(HALT, 18, halt, PALP_WIRE_HALT)                             \
+    X(JOG, 19, jog, PALP_WIRE_JOG)                                \
     X(ACK, 128, ack, PALP_WIRE_ACK)                               \
     X(INFO, 129, info, PALP_WIRE_INFO)                            \
     X(STATUS, 130, status, PALP_WIRE_STATUS)                      \

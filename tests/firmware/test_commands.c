@@ -30,6 +30,8 @@ static const struct row {
     {PALP_WIRE_TYPE_START, "SHSDSSSF"},
     {PALP_WIRE_TYPE_STOP, "SDDDDDDF"},
     {PALP_WIRE_TYPE_GET_STATUS, "DDDDDDDD"},
+    {PALP_WIRE_TYPE_HALT, "SDDDDDDF"},
+    {PALP_WIRE_TYPE_JOG, "SHSDSSSF"},
     {PALP_WIRE_TYPE_HELLO, "DDDDDDDD"},
 };
 
@@ -49,6 +51,9 @@ static palp_wire_message in_order(uint8_t type) {
         return bench_hold(0, 1);
     case PALP_WIRE_TYPE_START:
         return bench_start(1, 0, 0, 0);
+    case PALP_WIRE_TYPE_JOG:
+        m.as.jog = (palp_wire_jog){2000000, 1000000};
+        break;
     default:
         break;
     }

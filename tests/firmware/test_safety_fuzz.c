@@ -52,7 +52,7 @@ static palp_wire_message any_command(void) {
                                     PALP_WIRE_TYPE_CLEAR_FAULT,  PALP_WIRE_TYPE_HELLO,        PALP_WIRE_TYPE_SEGMENT,
                                     PALP_WIRE_TYPE_FIND_CONTACT, PALP_WIRE_TYPE_START};
     palp_wire_message m = {.type = chance(2) ? often[chance(sizeof often)]
-                                             : (uint8_t)(1 + chance(PALP_WIRE_TYPE_GET_LIMITS))};
+                                             : (uint8_t)(1 + chance(PALP_WIRE_TYPE_JOG))};
     switch (m.type) {
     case PALP_WIRE_TYPE_HELLO:
         m.as.hello.protocol = PALP_WIRE_VERSION + (chance(8) == 0);
@@ -80,6 +80,9 @@ static palp_wire_message any_command(void) {
         break;
     case PALP_WIRE_TYPE_START:
         m.as.start = (palp_wire_start){(uint8_t)chance(5), about(-11000000, 3000000), chance(50), chance(50)};
+        break;
+    case PALP_WIRE_TYPE_JOG:
+        m.as.jog = (palp_wire_jog){about(0, 30000000), (uint32_t)about(0, 10000000)};
         break;
     default:
         break;

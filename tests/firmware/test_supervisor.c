@@ -8,16 +8,16 @@
 #include <cmocka.h>
 
 /* What is wanted, written apart from the code: a row a state, a column an event; "-" means nothing. Events:
- * STARTED HOME HOMED FIND_CONTACT START DONE STOP FAULT CLEAR. */
+ * STARTED HOME HOMED FIND_CONTACT START JOG DONE STOP FAULT CLEAR. */
 static const char *const next_wanted[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] = {
-    {"idle", "-", "-", "-", "-", "-", "-", "fault", "-"},                /* boot */
-    {"-", "homing", "ready", "-", "-", "-", "idle", "fault", "-"},       /* idle */
-    {"-", "-", "ready", "-", "-", "-", "idle", "fault", "-"},            /* homing */
-    {"-", "homing", "-", "approach", "run", "-", "idle", "fault", "-"},  /* ready */
-    {"-", "-", "-", "-", "-", "retract", "retract", "fault", "-"},       /* approach */
-    {"-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* run */
-    {"-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* retract */
-    {"-", "-", "-", "-", "-", "-", "-", "-", "idle"},                    /* fault */
+    {"idle", "-", "-", "-", "-", "-", "-", "-", "fault", "-"},                /* boot */
+    {"-", "homing", "ready", "-", "-", "-", "-", "idle", "fault", "-"},       /* idle */
+    {"-", "-", "ready", "-", "-", "-", "-", "idle", "fault", "-"},            /* homing */
+    {"-", "homing", "-", "approach", "run", "retract", "-", "idle", "fault", "-"},  /* ready */
+    {"-", "-", "-", "-", "-", "-", "retract", "retract", "fault", "-"},       /* approach */
+    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* run */
+    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* retract */
+    {"-", "-", "-", "-", "-", "-", "-", "-", "-", "idle"},                    /* fault */
 };
 
 /* The states that watch for a fault: Boot Idle Homing reaDy Approach rUn reTract. */
