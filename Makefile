@@ -41,6 +41,9 @@ DEP_CFLAGS := $(SUITESPARSE_CFLAGS) $(patsubst -I%,-isystem%,$(shell $(PKG_CONFI
 LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs nlopt jansson 2>/dev/null || echo -lnlopt -ljansson) $(BLAS_LIBS) -lpthread -lm
 SERIAL_CFLAGS := $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags libserialport 2>/dev/null))
 SERIAL_LIBS  = $(shell $(PKG_CONFIG) --libs libserialport 2>/dev/null || echo -lserialport)
+# Optional: without it palpate panel says what is missing.
+HTTP_CFLAGS := $(shell $(PKG_CONFIG) --exists libmicrohttpd 2>/dev/null && echo -DPALPATE_HTTP $$($(PKG_CONFIG) --cflags libmicrohttpd))
+HTTP_LIBS   := $(if $(HTTP_CFLAGS),$(shell $(PKG_CONFIG) --libs libmicrohttpd))
 HAS_POKE    := $(shell $(PKG_CONFIG) --exists glfw3 gl stb 2>/dev/null && echo yes)
 POKE_CFLAGS  = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags glfw3 gl stb 2>/dev/null))
 POKE_LIBS    = $(shell $(PKG_CONFIG) --libs glfw3 gl stb 2>/dev/null || echo -lglfw -lGL -lstb)
@@ -105,7 +108,7 @@ examples: $(call prog,$(EXAMPLES)) ## build/examples/*: what a simulator author 
 programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_POKE),$(POKE))
 
 # Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
-FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS)
+FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS) $(HTTP_CFLAGS)
 $(BUILD)/flags: FORCE
 	@tools/install-deps --check build
 	@mkdir -p $(@D)
@@ -114,7 +117,15 @@ $(BUILD)/flags: FORCE
 # Tools and examples see the public headers only; tests and benches also the internal ones.
 $(BUILD)/obj/lib/%.o: EXTRA := -Ilib
 FIRMWARE_FLAGS := -Ifirmware/core -Ifirmware/board
-$(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS)
+$(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS) $(HTTP_CFLAGS)
+# The page of palpate panel, as bytes.
+PAGE := $(foreach kind,html css js,tools/panel/page.$(kind))
+$(BUILD)/obj/tools/panel/panel_page.o: EXTRA += -I$(BUILD)/page
+$(BUILD)/obj/tools/panel/panel_page.o: $(BUILD)/page/page_bytes.h
+$(BUILD)/page/page_bytes.h: $(PAGE)
+	@mkdir -p $(@D)
+	$(Q)for f in $^; do echo "static const unsigned char page_$${f##*.}[] = {"; \
+	    od -An -v -tu1 $$f | sed 's/ *\([0-9][0-9]*\)/\1,/g'; echo "};"; done >$@
 # The firmware's own code as this machine runs it; the images for the board are firmware.mk's.
 $(BUILD)/obj/firmware/%.o: EXTRA := $(FIRMWARE_FLAGS)
 $(BUILD)/obj/tests/lib/%.o: EXTRA := -Ilib -Itests/lib
@@ -151,7 +162,7 @@ link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o 
 
 $(TOOL): $(call obj,$(TOOL_SRC)) $(CORE) $(STATIC)
 	$(call note,LD   $@)
-	$(call link,$(SERIAL_LIBS))
+	$(call link,$(SERIAL_LIBS) $(HTTP_LIBS))
 # A test is linked with what its folder shares, the main function too, where it has none of its own.
 $(BUILD)/tests/lib.a: $(call obj,$(LIB_TEST_HELP) tests/main_check.c)
 $(BUILD)/tests/tools.a: $(call obj,$(TOOL_TEST_HELP) tests/main_cmocka.c $(filter-out tools/palpate.c,$(TOOL_SRC)))
@@ -161,10 +172,10 @@ $(filter $(BUILD)/tests/lib/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(
 	$(call link,$(CHECK_LIBS))
 $(filter $(BUILD)/tests/tools/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/tools.a $(CORE) $(STATIC)
 	$(call note,LD   $@)
-	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS))
+	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS) $(HTTP_LIBS))
 $(filter $(BUILD)/tests/firmware/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/firmware.a $(BUILD)/tests/tools.a $(CORE) $(STATIC)
 	$(call note,LD   $@)
-	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS))
+	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS) $(HTTP_LIBS))
 # Lets libserialport, which opens no PTY, open one.
 $(BUILD)/tests/tools/serial_shim.so: tests/tools/serial_shim.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -279,7 +290,7 @@ uninstall: ## removes what install put there
 # ---- the rest ------------------------------------------------------------------------------------
 .PHONY: dist symbols libs clean help
 libs: # what a program of the command's parts is linked with
-	@echo "$(LIBS) $(SERIAL_LIBS)"
+	@echo "$(LIBS) $(SERIAL_LIBS) $(HTTP_LIBS)"
 dist: ## palpate-VERSION.tar.gz of the last commit
 	git archive --format=tar.gz --prefix=palpate-$(VERSION)/ -o palpate-$(VERSION).tar.gz HEAD
 symbols: ## rewrites lib/palpate.map, the list of exported functions, from the public headers

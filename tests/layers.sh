@@ -33,6 +33,7 @@ firmware/board: firmware/core |
 tools/shared: |
 tools/rig: tools/shared firmware/board |
 tools/acquire: tools/rig |
+tools/panel: tools/acquire |
 tools/report: tools/explain |
 tools/firmware: tools/rig |
 tools/*: tools/shared |

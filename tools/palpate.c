@@ -15,6 +15,7 @@ typedef struct subcommand {
 
 static const subcommand subcommands[] = {
     {"Indenter", "acquire", "press a specimen and record it, by an indenter or the virtual one", cmd_acquire},
+    {NULL, "panel", "a page in the browser to drive an indenter, or the virtual one", cmd_panel},
     {NULL, "firmware", "an indenter at the bench: what it is, home, tare, gains, clear a fault", cmd_firmware},
     {NULL, "rig", "the virtual indenter: the firmware, a simulated plant and a specimen", cmd_rig},
     {"Recordings", "import", "other testers' recordings (Mach-1, Instron, CSV) as experiments", cmd_import},

@@ -99,6 +99,11 @@ bool acquire_segment_add(acquire_run *run, uint8_t kind, double target_mm, const
 void acquire_segments_make(acquire_run *run);
 double acquire_run_length_s(const acquire_run *run); /* of the recording, the way back included */
 
+/* What is known of the plan before anything moves (acquire_path.c): the runs as lines of a table; as JSON also the path of each,
+ * points of time and depth, and of time and force where that is what is asked for. */
+void acquire_plan_print(const acquire_plan *plan, FILE *to);
+json_t *acquire_plan_json(const acquire_plan *plan);
+
 /* ---- JSON with lines in its errors (acquire_json.c) ---- */
 
 typedef struct acquire_json {

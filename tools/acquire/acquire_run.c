@@ -1,139 +1,10 @@
-/* acquire_run.c: a session with the device: home, tare, contact, then run after run. */
+/* acquire_run.c: a session with the device: run after run, and how it ends. */
 #include "acquire_session.h"
 
 #include <math.h>
 #include <string.h>
 
 static const char NAME[] = "acquire";
-
-enum { AXIS_Z = 2, TARE_TICKS = 1000 };
-
-static const double SEEK_MM_S = 0.5;
-
-/* ---- making ready ---- */
-
-static outcome set_limits(session *s) {
-    const acquire_options *o = s->options;
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_LIMITS};
-    palp_wire_limits *limits = &m.as.limits;
-    /* a simulated device may run many times faster than the clock by which we tell it that we are there */
-    double host_s = o->host_timeout_s > 0 ? o->host_timeout_s : s->device.info.simulated ? 60 : 0;
-    limits->force_uN = (int32_t)lrint(1e6 * o->limit_N);
-    limits->temperature_cC = (int16_t)lrint(1e2 * o->limit_C);
-    limits->host_timeout_ms = (uint16_t)lrint(1e3 * host_s);
-    outcome end = session_order(s, &m, "set its limits");
-    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_LIMITS}, got = {0};
-    end = end ? end : session_ask(s, &ask, &got);
-    s->limits = got.as.limits_now;
-    return end;
-}
-
-static outcome set_calibration(session *s) {
-    outcome end = GOES_ON;
-    for (uint8_t axis = 0; axis < PALP_WIRE_CHANNELS && end == GOES_ON; axis++) {
-        palp_wire_message m = {.type = PALP_WIRE_TYPE_SET_CALIBRATION, .as.set_calibration = {.axis = axis}};
-        memcpy(m.as.set_calibration.row, s->options->row[axis], sizeof s->options->row[axis]);
-        end = s->options->calibration[axis] ? session_order(s, &m, "take the sensor's calibration") : GOES_ON;
-    }
-    return end;
-}
-
-static outcome configure(session *s) {
-    palp_wire_message gains = {.type = PALP_WIRE_TYPE_SELECT_GAINS,
-                               .as.select_gains = {.softness = (uint8_t)s->options->gains}};
-    outcome end = session_stream(s, true);
-    end = end ? end : set_limits(s);
-    end = end ? end : set_calibration(s);
-    return end ? end : session_order(s, &gains, "take the gains");
-}
-
-static outcome home(session *s) {
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_HOME};
-    snprintf(s->doing, sizeof s->doing, "homing");
-    outcome end = session_order(s, &m, "home");
-    end = end ? end : session_settle(s, 60);
-    return end || s->device.status.homed ? end : session_fail(s, "the plate has not come home");
-}
-
-/* In the air; then the conversion of counts is known but for contact. */
-static outcome tare(session *s) {
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_TARE, .as.tare = {.samples = TARE_TICKS}}, got = {0};
-    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = AXIS_Z}};
-    snprintf(s->doing, sizeof s->doing, "taring");
-    outcome end = session_order(s, &m, "tare");
-    end = end ? end : session_wait(s, TARE_TICKS * s->scale.tick_s + 0.1);
-    end = end ? end : session_ask(s, &ask, &got);
-    for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++) {
-        s->scale.row_N[c] = 1e-9 * got.as.calibration.row[c];
-        s->scale.tare[c] = got.as.calibration.tare[c] / 16.0;
-    }
-    return end;
-}
-
-static outcome find_contact(session *s) {
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_FIND_CONTACT};
-    double travel_mm = 1e-6 * s->device.info.travel_nm;
-    m.as.find_contact.rate_nm_s = (uint32_t)lrint(1e6 * SEEK_MM_S);
-    m.as.find_contact.force_uN = (int32_t)lrint(1e6 * s->options->contact_N);
-    m.as.find_contact.travel_nm = s->device.info.travel_nm;
-    snprintf(s->doing, sizeof s->doing, "finding contact");
-    outcome end = session_order(s, &m, "find contact");
-    end = end ? end : session_settle(s, travel_mm / SEEK_MM_S + 60);
-    if (end == GOES_ON && !s->device.status.contact_known)
-        end = session_fail(s, "no contact in %g mm of travel: is a specimen under the plate?", travel_mm);
-    return end;
-}
-
-/* What the device would refuse, or stop for, an hour later. */
-static outcome check_run(session *s, const acquire_run *r) {
-    double above_mm = s->scale.count_mm * s->scale.contact,
-           below_mm = 1e-6 * s->device.info.travel_nm - above_mm;
-    outcome end = session_segments(s, r);
-    if (end == GOES_ON && r->deepest_mm > below_mm)
-        end = session_fail(s, "%s goes to %g mm, but the plate's travel ends %.2f mm below contact", r->name,
-                           r->deepest_mm, below_mm);
-    else if (end == GOES_ON && r->highest_mm < -above_mm)
-        end = session_fail(s, "%s begins %g mm above contact, but home is only %.2f mm above it", r->name,
-                           -r->highest_mm, above_mm);
-    return end;
-}
-
-static void say_contact(session *s) {
-    const palp_wire_status *now = &s->device.status;
-    acquire_live_end(&s->live);
-    fprintf(stderr, "palpate %s: contact %.3f mm below home, %.4g N/m, gains of class %u\n", NAME,
-            s->scale.count_mm * s->scale.contact, 1e-3 * now->stiffness_mN_m, (unsigned)now->softness);
-}
-
-/* A session that was cut off may have left it in the middle of a run. */
-static outcome end_last_session(session *s) {
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_STOP};
-    outcome end = session_status(s);
-    if (end || !session_moving(s))
-        return end;
-    cli_warning(NAME, "the device was still moving for a session that has gone: it withdraws first");
-    end = session_order(s, &m, "stop");
-    return end ? end : session_settle(s, 30);
-}
-
-static outcome make_ready(session *s) {
-    bool keep = s->options->keep_contact;
-    outcome end = end_last_session(s);
-    end = end ? end : configure(s);
-    if (end == GOES_ON && keep && !s->device.status.contact_known)
-        end = session_fail(s, "the device knows no contact to keep: leave out --keep-contact");
-    end = end || keep ? end : home(s);
-    end = end ? end : tare(s);
-    end = end || keep ? end : find_contact(s);
-    end = end ? end : session_status(s);
-    if (end)
-        return end;
-    s->scale.contact = s->device.status.contact;
-    say_contact(s);
-    for (size_t i = 0; i < s->plan->n && end == GOES_ON; i++)
-        end = check_run(s, &s->plan->run[i]);
-    return end;
-}
 
 /* ---- one run ---- */
 
@@ -169,14 +40,15 @@ static outcome start_run(session *s) {
     return end ? end : session_order(s, &m, "start the run");
 }
 
-/* Without samples, which nobody would keep. */
+/* Without samples, which nobody would keep, unless somebody watches. */
 static outcome rest(session *s) {
     outcome end = GOES_ON;
     if (s->run->motion.rest_s > 0) { /* not NAN */
         snprintf(s->doing, sizeof s->doing, "resting before run %zu of %zu", s->number, s->plan->n);
-        end = session_stream(s, false);
+        bool watched = s->watcher.heard != NULL;
+        end = watched ? GOES_ON : session_stream(s, false);
         end = end ? end : session_wait(s, s->run->motion.rest_s);
-        end = end ? end : session_stream(s, true);
+        end = end || watched ? end : session_stream(s, true);
     }
     return end;
 }
@@ -242,7 +114,7 @@ static outcome end_run(session *s, outcome end, const char *cause) {
 /* ---- the end ---- */
 
 /* The plate off the specimen, whatever it was doing; what comes meanwhile is still recorded. */
-static outcome withdraw(session *s, outcome end) {
+outcome session_withdraw(session *s, outcome end) {
     if (end == GONE || end == FAULTED || !session_moving(s))
         return end;
     palp_wire_message m = {.type = PALP_WIRE_TYPE_STOP};
@@ -253,45 +125,48 @@ static outcome withdraw(session *s, outcome end) {
     return last == FAULTED ? last : end;
 }
 
-static int say_fault(const session *s) {
+static void fault_words(const session *s, char words[ACQUIRE_WORDS]) {
     const palp_wire_status *now = &s->device.status;
     char when[ACQUIRE_TEXT], hint[ACQUIRE_TEXT] = "";
     int n = snprintf(when, sizeof when, "%s", s->doing);
     if (s->faulted_s >= 0)
         snprintf(when + n, sizeof when - (size_t)n, " at %.3f s; %.300s holds what came before", s->faulted_s,
                  s->file.path);
-    if (strncmp(s->options->port, "rig", 3) != 0)
+    if (strncmp(s->options->port, "rig", 3) != 0 && !s->watcher.stops)
         snprintf(hint, sizeof hint, "; see to it, then palpate firmware clear-fault --port %.200s",
                  s->options->port);
-    cli_failure(NAME, "the device stopped: %s (%s), %s%s", palp_wire_fault_name(now->fault),
-                palp_wire_fault_text(now->fault), when, hint);
-    return CLI_DEVICE_FAULT;
+    snprintf(words, ACQUIRE_WORDS, "the device stopped: %s (%s), %s%s", palp_wire_fault_name(now->fault),
+             palp_wire_fault_text(now->fault), when, hint);
 }
 
-static int conclude(session *s, outcome end) {
-    const char *kept = s->file.started ? s->file.path : NULL;
+int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]) {
+    const char *kept = s->file.started ? s->file.path : NULL, *are = kept ? "; what came is in " : "";
+    const char *why = end == STOPPED ? "stopped" : s->why, *path = kept ? kept : "";
+    words[0] = '\0';
     switch (end) {
     case GOES_ON:
-        return s->lossy == 0  ? CLI_OK
-               : s->lossy > 1 ? cli_failure(NAME, "%s; and %zu more like it", s->why, s->lossy - 1)
-                              : cli_failure(NAME, "%s", s->why);
+        if (s->lossy > 1)
+            snprintf(words, ACQUIRE_WORDS, "%s; and %zu more like it", s->why, s->lossy - 1);
+        else if (s->lossy == 1)
+            snprintf(words, ACQUIRE_WORDS, "%s", s->why);
+        return s->lossy ? CLI_FAILURE : CLI_OK;
     case FAULTED:
-        return say_fault(s);
+        fault_words(s, words);
+        return CLI_DEVICE_FAULT;
     case STOPPED:
-        return cli_failure(NAME, "stopped, %s%s%s", s->doing, kept ? "; what came is in " : "",
-                           kept ? kept : "");
     case GONE:
-        return cli_failure(NAME, "%s, %s%s%s", s->why, s->doing, kept ? "; what came is in " : "",
-                           kept ? kept : "");
+        snprintf(words, ACQUIRE_WORDS, "%s, %s%s%s", why, s->doing, are, path);
+        break;
     case FAILED:
-        return cli_failure(NAME, "%s", s->why);
+        snprintf(words, ACQUIRE_WORDS, "%s", why);
+        break;
     case FAILED_SAID:
         break;
     }
     return CLI_FAILURE;
 }
 
-static const char *cause_of(const session *s, outcome end) {
+const char *session_cause(const session *s, outcome end) {
     switch (end) {
     case GOES_ON:
         return NULL;
@@ -306,25 +181,31 @@ static const char *cause_of(const session *s, outcome end) {
     }
 }
 
+outcome session_run(session *s, size_t i) {
+    outcome end = one_run(s, i);
+    end = session_withdraw(s, end);
+    return end_run(s, end, session_cause(s, end));
+}
+
 static outcome run_all(session *s) {
-    outcome end = make_ready(s);
-    for (size_t i = 0; i < s->plan->n && end == GOES_ON; i++) {
-        end = one_run(s, i);
-        end = withdraw(s, end);
-        end = end_run(s, end, cause_of(s, end));
-    }
-    return withdraw(s, end);
+    outcome end = session_make_ready(s);
+    for (size_t i = 0; i < s->plan->n && end == GOES_ON; i++)
+        end = session_run(s, i);
+    return session_withdraw(s, end);
 }
 
 int acquire_session(const acquire_options *options, const acquire_plan *plan, json_t **summary) {
+    char words[ACQUIRE_WORDS];
     session *s = session_open(options, plan);
     if (!s)
         return CLI_FAILURE;
     outcome end = run_all(s);
     acquire_live_end(&s->live);
-    int code = conclude(s, end);
+    int code = session_words(s, end, words);
+    if (words[0])
+        cli_failure(NAME, "%s", words);
     if (summary)
-        *summary = session_summary(s, cause_of(s, end));
+        *summary = session_summary(s, session_cause(s, end));
     if (end != GONE)
         session_stream(s, false);
     session_close(s);

@@ -59,6 +59,8 @@ static void hear(const palp_wire_message *m, unsigned lost_frames, void *context
         s->tick = s->status_tick = m->as.status.tick;
         s->case_C = 1e-2 * m->as.status.case_cC;
     }
+    if (s->watcher.heard)
+        s->watcher.heard(s, m, s->watcher.context);
 }
 
 /* ---- orders ---- */
@@ -151,8 +153,11 @@ static outcome ask_how_it_is(session *s) {
     return from_device(s, result, "answer");
 }
 
-/* Takes what comes within a moment. */
-static outcome listen(session *s) {
+static bool is_to_stop(const session *s) {
+    return stops > s->stops_seen || (!s->stopping && s->watcher.stops && s->watcher.stops(s, s->watcher.context));
+}
+
+outcome session_listen(session *s) {
     outcome end = GOES_ON;
     if (device_poll(&s->device, s->quiet ? QUIET_MS : LISTEN_MS) == DEVICE_CLOSED)
         end = gone(s);
@@ -161,7 +166,7 @@ static outcome listen(session *s) {
     acquire_file_keep(&s->file);
     if (end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT)
         end = faulted(s);
-    else if (end == GOES_ON && stops > s->stops_seen)
+    else if (end == GOES_ON && is_to_stop(s))
         end = STOPPED;
     else if (end == GOES_ON && s->file.error && !s->stopping)
         end = FAILED_SAID; /* by acquire_file_close */
@@ -173,7 +178,7 @@ outcome session_settle(session *s, double limit_s) {
     outcome end = session_status(s);
     uint32_t from = s->tick;
     while (end == GOES_ON && session_moving(s)) {
-        end = listen(s);
+        end = session_listen(s);
         if (end == GOES_ON && s->scale.tick_s * (s->tick - from) > limit_s)
             end = session_fail(s, "%s takes longer than %.0f s", s->doing, limit_s);
     }
@@ -184,7 +189,7 @@ outcome session_wait(session *s, double seconds) {
     outcome end = session_status(s);
     uint32_t from = s->tick;
     while (end == GOES_ON && s->scale.tick_s * (s->tick - from) < seconds)
-        end = listen(s);
+        end = session_listen(s);
     return end;
 }
 

@@ -1,4 +1,4 @@
-/* acquire_session.h: the inside of a session: orders to the device, waiting, what is said of it. */
+/* acquire_session.h: the inside of a session: orders to the device, waiting, runs, what is said of it. */
 #ifndef PALPATE_ACQUIRE_SESSION_H
 #define PALPATE_ACQUIRE_SESSION_H
 
@@ -9,7 +9,19 @@
 /* Why a step did not go on. FAILED_SAID: its line is on stderr already. */
 typedef enum outcome { GOES_ON, STOPPED, GONE, FAULTED, FAILED, FAILED_SAID } outcome;
 
-typedef struct session {
+typedef struct session session;
+
+enum { ACQUIRE_WORDS = CLI_PATH_MAX + 2 * ACQUIRE_TEXT };
+
+/* Somebody who looks on, or nobody (NULL): told of every message, and asked often whether it is to be stopped. */
+typedef struct session_watcher {
+    void (*heard)(const session *s, const palp_wire_message *m, void *context);
+    bool (*stops)(const session *s, void *context);
+    void *context;
+} session_watcher;
+
+struct session {
+    session_watcher watcher;
     const acquire_options *options;
     const acquire_plan *plan;
     device device;
@@ -33,7 +45,7 @@ typedef struct session {
     double faulted_s; /* into the recording; -1 = not in one */
     char why[ACQUIRE_TEXT];
     json_t *done; /* what is said of each run */
-} session;
+};
 
 /* Opens the device and catches Ctrl-C; NULL after one line on stderr. */
 session *session_open(const acquire_options *options, const acquire_plan *plan);
@@ -52,6 +64,27 @@ outcome session_settle(session *s, double limit_s);
 outcome session_wait(session *s, double seconds);
 outcome session_stream(session *s, bool on);
 int session_stops(void); /* how often somebody wished to stop */
+
+outcome session_listen(session *s); /* takes what comes within a moment */
+
+/* Before a run (acquire_ready.c). Each leaves what it does in s->doing. */
+outcome session_end_last(session *s); /* a session that was cut off may have left it moving */
+outcome session_configure(session *s); /* limits, calibration, gains; samples come from then on */
+outcome session_read_scale(session *s);
+outcome session_home(session *s);
+outcome session_tare(session *s);
+outcome session_find_contact(session *s); /* the caller takes the contact from the status */
+/* What the device would refuse, or stop for, an hour later. */
+outcome session_check_run(session *s, const acquire_run *run);
+outcome session_make_ready(session *s); /* all of these, for the whole plan */
+
+/* Run i of the plan, from the rest before it to its closed file (acquire_run.c). */
+outcome session_run(session *s, size_t i);
+/* The plate off the specimen, whatever it was doing; what comes meanwhile is still recorded. */
+outcome session_withdraw(session *s, outcome end);
+const char *session_cause(const session *s, outcome end); /* as in end.fault */
+/* How it ended in one line, empty where there is nothing to say; the exit code. */
+int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]);
 
 /* What is said of it (acquire_say.c). */
 json_t *session_header(const session *s); /* of the run in progress */

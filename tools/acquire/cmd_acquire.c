@@ -1,12 +1,10 @@
 /* cmd_acquire.c: palpate acquire: runs a protocol on an indenter and writes the recordings. */
 #define _POSIX_C_SOURCE 200809L
-#include "acquire.h"
+#include "acquire_setup.h"
 #include "shared/commands.h"
 #include "shared/json_out.h"
-#include "rig/rig_options.h"
 
 #include <math.h>
-#include <palpate/model.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -15,46 +13,16 @@ static const char NAME[] = "acquire";
 
 /* What the command line says beyond what the session takes. */
 typedef struct choice {
-    acquire_options session;
+    acquire_setup setup;
     acquire_motion motion;
-    rig_options rig;
-    bool is_static, sweep, thesis_protocol, list, json, repeat_first;
+    bool is_static, sweep, thesis_protocol, list, json, repeat_first, dry_run;
     cli_list ramp_hold;
-    size_t cycles, baud, order_seed;
-    int order, gains;
-    const char *protocol, *calibration;
-    char kind[PALP_SPECIMEN_KIND_MAX]; /* of the rig's specimen */
+    size_t cycles, order_seed;
+    int order;
+    const char *protocol;
 } choice;
 
-enum { OWN_OPTIONS = 64 };
-
-static size_t device_options(choice *c, cli_option *list) {
-    acquire_options *o = &c->session;
-    const cli_option all[] = {
-        cli_heading("Device"),
-        cli_text("port", "PORT", &o->port,
-                 "/dev/ttyACM0, pty:PATH, tcp:HOST:PORT, or rig[:MODEL.json]: the\n"
-                 "virtual indenter, on a model or the thesis' phantom"),
-        cli_flag("list", &c->list, "list the serial ports instead"),
-        cli_count("baud", "N", 1200, 4e6, &c->baud, "of a serial port (default 921600)"),
-        cli_choice("gains", "auto|0|1|2|3|4|5", &c->gains,
-                   "class of softness, 0 the softest (default auto: by the stiffness\n"
-                   "that finding contact measures)"),
-        cli_positive("contact-N", "F", 10, &o->contact_N,
-                     "force over that in the air that is contact (default 0.01)"),
-        cli_flag("keep-contact", &o->keep_contact, "keep the contact and home that the device knows"),
-        cli_positive("limit-force-N", "F", 1000, &o->limit_N,
-                     "stop at this force (default: the device's limit)"),
-        cli_positive("limit-winding-C", "T", 300, &o->limit_C,
-                     "stop at this temperature of the motor (likewise)"),
-        cli_number("host-timeout-s", "S", 0.1, 60, &o->host_timeout_s,
-                   "stop when nothing is heard from here for so long (default 5; the\n"
-                   "virtual indenter, which may be faster than our clock, 60)"),
-        cli_in("calibration", "FILE", &c->calibration, "rows of the force sensor's matrix, JSON"),
-    };
-    memcpy(list, all, sizeof all);
-    return sizeof all / sizeof all[0];
-}
+enum { OWN_OPTIONS = 64 + ACQUIRE_SETUP_OPTIONS };
 
 static size_t plate_options(choice *c, cli_option *list) {
     acquire_motion *m = &c->motion;
@@ -90,7 +58,6 @@ static size_t plate_options(choice *c, cli_option *list) {
 }
 
 static size_t session_options(choice *c, cli_option *list) {
-    acquire_options *o = &c->session;
     const cli_option all[] = {
         cli_heading("Session"),
         cli_choice("order", "given|random", &c->order, "of the presses (default given)"),
@@ -99,18 +66,21 @@ static size_t session_options(choice *c, cli_option *list) {
         cli_number("rest-s", "S", 0, 1e6, &c->motion.rest_s,
                    "the specimen rests between presses (default: as long as the last one\n"
                    "took, at least 200)"),
-        cli_heading("Specimen"),
-        cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm,
-                     "height (default: the rig's model says it)"),
-        cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius"),
-        cli_text("specimen-kind", "KIND", &o->specimen_kind, "cylinder, rigid or another word"),
-        cli_text("specimen-name", "NAME", &o->specimen, "name"),
+    };
+    memcpy(list, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
+static size_t output_options(choice *c, cli_option *list) {
+    acquire_options *o = &c->setup.session;
+    const cli_option all[] = {
         cli_heading("Output"),
         cli_text("out", "DIR", &o->out, "folder of the recordings; made if need be"),
         cli_flag("force", &o->force, "overwrite recordings that are there"),
         cli_flag("raw", &o->raw, "more columns: error, position and ADC counts, duty, flags"),
         cli_flag("live", &o->live, "draw the force in the terminal"),
         cli_flag("json", &c->json, "a summary as JSON on standard output"),
+        cli_flag("dry-run", &c->dry_run, "print the runs, with --json also their path; nothing is moved"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -118,10 +88,13 @@ static size_t session_options(choice *c, cli_option *list) {
 
 static int parse(int argc, char **argv, choice *c) {
     cli_option options[OWN_OPTIONS + RIG_OPTIONS];
-    size_t n = device_options(c, options), words;
+    size_t n = acquire_setup_device(&c->setup, options), words;
+    options[n++] = cli_flag("list", &c->list, "list the serial ports instead");
     n += plate_options(c, options + n);
     n += session_options(c, options + n);
-    rig_options_list(&c->rig, options + n);
+    n += acquire_setup_specimen(&c->setup, options + n);
+    n += output_options(c, options + n);
+    rig_options_list(&c->setup.rig, options + n);
     const cli_command command = {
         NAME,
         "--port PORT (--static | --ramp-hold MM,... | --cycles N | --sweep |\n"
@@ -178,22 +151,15 @@ static int check_motion(const choice *c, int mode) {
     return CLI_OK;
 }
 
-static bool is_rig(const choice *c) {
-    return strcmp(c->session.port, "rig") == 0 || strncmp(c->session.port, "rig:", 4) == 0;
-}
-
-static int check_options(const choice *c) {
+static int check_options(choice *c) {
     int mode = modes(c);
-    if (!c->session.port)
-        return cli_usage_error(NAME, "name the device with --port; --list shows the serial ports");
+    int code = c->dry_run ? CLI_OK : acquire_setup_check(NAME, &c->setup);
+    if (code)
+        return code;
     if (mode == 0 || (mode & (mode - 1)))
         return cli_usage_error(NAME,
                                "say what the plate does by one of --static, --ramp-hold, --cycles, --sweep, "
                                "--protocol, --thesis-protocol");
-    if (!c->session.out)
-        return cli_usage_error(NAME, "name a folder by --out DIR");
-    if (!is_rig(c) && rig_options_given(&c->rig))
-        return cli_usage_error(NAME, "--%s needs --port rig", rig_options_given(&c->rig));
     return check_motion(c, mode);
 }
 
@@ -230,23 +196,8 @@ static int make_plan(const choice *c, acquire_plan *plan) {
 
 /* ---- the specimen ---- */
 
-/* path NULL: the phantom of the thesis. */
-static int specimen_of_model(const char *path, choice *c) {
-    acquire_options *o = &c->session;
-    palp_error error = {PALP_OK, ""};
-    palp_model model = {.height_m = 24e-3, .radius_m = 12e-3, .specimen_kind = "cylinder"};
-    palp_status status = path ? palp_model_read(path, &model, NULL, &error) : PALP_OK;
-    if (status == PALP_OK) {
-        o->height_mm = o->height_mm > 0 ? o->height_mm : 1e3 * model.height_m;
-        o->radius_mm = o->radius_mm > 0 ? o->radius_mm : 1e3 * model.radius_m;
-        memcpy(c->kind, model.specimen_kind, sizeof c->kind);
-        o->specimen_kind = o->specimen_kind || !*c->kind ? o->specimen_kind : c->kind;
-    }
-    return status ? cli_status(NAME, status, &error) : CLI_OK;
-}
-
 static int check_specimen(const choice *c, const acquire_plan *plan) {
-    const acquire_options *o = &c->session;
+    const acquire_options *o = &c->setup.session;
     for (size_t i = 0; i < plan->n; i++) {
         const acquire_run *r = &plan->run[i];
         if (r->kind == ACQUIRE_FREE)
@@ -264,7 +215,7 @@ static int check_specimen(const choice *c, const acquire_plan *plan) {
 
 /* Before anything moves: what is there already, and what the rig reads or writes. */
 static int check_files(const choice *c, const acquire_plan *plan) {
-    const acquire_options *o = &c->session;
+    const acquire_options *o = &c->setup.session;
     char path[CLI_PATH_MAX];
     int code = CLI_OK;
     if (cli_folder(NAME, o->out))
@@ -275,14 +226,14 @@ static int check_files(const choice *c, const acquire_plan *plan) {
             return cli_failure(NAME, "%s: the name is too long", o->out);
         if (access(path, F_OK) == 0 && !o->force)
             return cli_failure(NAME, "%s is there already: name another --out, or give --force", path);
-        code = c->rig.log ? cli_output_check(NAME, path, true, 1, &c->rig.log) : CLI_OK;
+        code = c->setup.rig.log ? cli_output_check(NAME, path, true, 1, &c->setup.rig.log) : CLI_OK;
     }
     return code;
 }
 
 static int run_session(choice *c, const acquire_plan *plan) {
     json_t *summary = NULL;
-    int code = acquire_session(&c->session, plan, c->json ? &summary : NULL);
+    int code = acquire_session(&c->setup.session, plan, c->json ? &summary : NULL);
     if (summary) {
         int printed = json_print(NAME, summary);
         code = code ? code : printed;
@@ -290,56 +241,46 @@ static int run_session(choice *c, const acquire_plan *plan) {
     return code;
 }
 
-static int with_rig(choice *c, const acquire_plan *plan) {
-    const char *model = c->session.port[3] ? c->session.port + 4 : NULL;
-    rig_settings settings;
-    rig r;
-    int code = rig_options_settings(NAME, &c->rig, model, &settings);
-    if (code == CLI_OK && settings.plant.specimen == PLANT_MODEL)
-        code = specimen_of_model(settings.plant.model, c);
-    else if (code == CLI_OK && !c->session.specimen_kind)
-        c->session.specimen_kind = settings.plant.specimen == PLANT_RIGID ? "rigid" : "none";
+static int with_device(choice *c, const acquire_plan *plan) {
+    int code = acquire_setup_prepare(NAME, &c->setup);
     code = code ? code : check_specimen(c, plan);
     code = code ? code : check_files(c, plan);
-    if (code == CLI_OK && model && c->rig.log)
-        code = cli_output_check(NAME, c->rig.log, c->session.force, 1, &model);
-    code = code ? code : rig_open(NAME, &settings, &r);
+    code = code ? code : acquire_setup_open(NAME, &c->setup);
     if (code)
         return code;
-    c->session.where = r.port;
     code = run_session(c, plan);
-    int closed = rig_close(&r);
+    int closed = acquire_setup_close(&c->setup);
     return code ? code : closed;
 }
 
-static int with_device(choice *c, const acquire_plan *plan) {
+static int dry_run(choice *c, const acquire_plan *plan) {
+    if (c->setup.session.port && acquire_setup_prepare(NAME, &c->setup))
+        return CLI_FAILURE;
     int code = check_specimen(c, plan);
-    code = code ? code : check_files(c, plan);
-    c->session.where = c->session.port;
-    return code ? code : run_session(c, plan);
+    if (code)
+        return code;
+    if (c->json)
+        return json_print(NAME, acquire_plan_json(plan));
+    acquire_plan_print(plan, stdout);
+    return CLI_OK;
 }
 
 int cmd_acquire(int argc, char **argv) {
-    choice c = {.order = -1, .gains = 0, .baud = LINK_BAUD, .order_seed = SIZE_MAX};
+    choice c = {.order = -1, .order_seed = SIZE_MAX};
+    c.setup = acquire_setup_default();
     c.motion = acquire_motion_none();
-    c.rig = rig_options_default();
-    c.session.contact_N = 0.01;
     int code = parse(argc, argv, &c);
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
     if (c.list)
         return link_list() < 0 ? CLI_FAILURE : CLI_OK;
-    c.session.baud = (int)c.baud;
-    c.session.gains = c.gains == 0 ? PALP_WIRE_GAINS_AUTO : c.gains - 1;
-    c.session.protocol = c.protocol;
+    c.setup.session.protocol = c.protocol;
     code = check_options(&c);
-    if (code == CLI_OK && c.calibration)
-        code = acquire_calibration_read(c.calibration, c.session.row, c.session.calibration);
     acquire_plan *plan = code ? NULL : malloc(sizeof *plan);
     if (code || !plan)
         return code ? code : cli_failure(NAME, "out of memory");
     code = make_plan(&c, plan);
-    code = code ? code : is_rig(&c) ? with_rig(&c, plan) : with_device(&c, plan);
+    code = code ? code : c.dry_run ? dry_run(&c, plan) : with_device(&c, plan);
     free(plan);
     return code;
 }

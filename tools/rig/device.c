@@ -128,7 +128,20 @@ static device_result send_frame(device *d, const palp_wire_message *m) {
     size_t n = palp_wire_encode(m, frame + 1);
     d->alive_s = link_now_s();
     d->alive_tick = d->device_tick;
-    return from_link(d, link_write(d->link, frame, n + 1, WRITE_MS));
+    pthread_mutex_lock(&d->writing);
+    link_result result = link_write(d->link, frame, n + 1, WRITE_MS);
+    pthread_mutex_unlock(&d->writing);
+    return from_link(d, result);
+}
+
+device_result device_halt(device *d) {
+    uint8_t frame[1 + PALP_WIRE_FRAME_MAX] = {0};
+    pthread_mutex_lock(&d->writing);
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_HALT, .sequence = d->halts++};
+    size_t n = palp_wire_encode(&m, frame + 1);
+    link_result result = link_write(d->link, frame, n + 1, WRITE_MS);
+    pthread_mutex_unlock(&d->writing);
+    return result == LINK_OK ? DEVICE_OK : result == LINK_TIMEOUT ? DEVICE_TIMEOUT : DEVICE_CLOSED;
 }
 
 /* An ACK of another version alone does not say which: INFO is worth waiting for. */
@@ -234,6 +247,7 @@ device_result device_open(const char *where, int baud, device *d) {
         snprintf(d->why, sizeof d->why, "%s", why);
         return DEVICE_CLOSED;
     }
+    pthread_mutex_init(&d->writing, NULL);
     device_result result = command_within(d, &hello, &info, HELLO_TRIES);
     bool other = info.type && info.as.info.protocol != PALP_WIRE_VERSION;
     if (result == DEVICE_TIMEOUT) {
@@ -254,5 +268,6 @@ device_result device_open(const char *where, int baud, device *d) {
 
 void device_close(device *d) {
     link_close(d->link);
+    pthread_mutex_destroy(&d->writing);
     d->link = NULL;
 }

@@ -5,6 +5,7 @@
 #include "link.h"
 
 #include <palpate/wire.h>
+#include <pthread.h>
 
 enum { DEVICE_TEXT = 256 };
 
@@ -13,6 +14,8 @@ typedef void device_listener(const palp_wire_message *message, unsigned lost_fra
 
 typedef struct device {
     link_t *link;
+    pthread_mutex_t writing; /* of frames, which must not mix */
+    uint16_t halts;          /* sent by device_halt */
     palp_wire_decoder decoder;
     uint16_t sequence;                  /* of our next command */
     bool heard;                         /* a frame has come in */
@@ -56,5 +59,9 @@ device_result device_do(device *d, palp_wire_type type, palp_wire_message *answe
 /* Takes what arrives within timeout_ms, at most one read of it; DEVICE_TIMEOUT: nothing came. Keeps the
  * device from missing us (ALIVE, by its clock and ours). */
 device_result device_poll(device *d, int timeout_ms);
+
+/* Sends HALT, at once: the one call that another thread may make while one is in the others. Nothing says whether it came; the
+ * state does, and it may be sent again. */
+device_result device_halt(device *d);
 
 #endif

@@ -3,6 +3,7 @@
 #define PALPATE_COMMANDS_H
 
 int cmd_acquire(int argc, char **argv);
+int cmd_panel(int argc, char **argv);
 int cmd_firmware(int argc, char **argv);
 int cmd_rig(int argc, char **argv);
 int cmd_import(int argc, char **argv);

@@ -1,0 +1,37 @@
+/* acquire_setup.h: which device, on which specimen, into which folder: options that commands share. */
+#ifndef PALPATE_ACQUIRE_SETUP_H
+#define PALPATE_ACQUIRE_SETUP_H
+
+#include "acquire.h"
+#include "rig/rig_options.h"
+
+#include <palpate/model.h>
+
+enum { ACQUIRE_SETUP_OPTIONS = 24 }; /* at most, of each of the lists */
+
+typedef struct acquire_setup {
+    acquire_options session;
+    rig_options rig;
+    size_t baud;
+    int gains;
+    const char *calibration;
+    /* of the virtual indenter */
+    char kind[PALP_SPECIMEN_KIND_MAX];
+    rig_settings settings;
+    rig virtual_one;
+} acquire_setup;
+
+acquire_setup acquire_setup_default(void);
+
+/* The options, headings included; how many. Those of the rig are rig_options_list's. */
+size_t acquire_setup_device(acquire_setup *setup, cli_option *list);
+size_t acquire_setup_specimen(acquire_setup *setup, cli_option *list);
+
+/* After the options were read; exit codes. check: a device and a folder are named. prepare: what the virtual indenter's model
+ * says of the specimen. open: starts it, if it is one. */
+int acquire_setup_check(const char *name, acquire_setup *setup);
+int acquire_setup_prepare(const char *name, acquire_setup *setup);
+int acquire_setup_open(const char *name, acquire_setup *setup);
+int acquire_setup_close(acquire_setup *setup);
+
+#endif

@@ -1,0 +1,134 @@
+/* panel.h: the parts of palpate panel: what its threads share, the indenter's owner, the pages' requests. */
+#ifndef PALPATE_PANEL_H
+#define PALPATE_PANEL_H
+
+#include "acquire/acquire_session.h"
+#include "acquire/acquire_setup.h"
+
+#include <jansson.h>
+#include <pthread.h>
+
+enum { PANEL_POINTS = 1 << 16, PANEL_NOTES = 64, PANEL_TOKEN = 33, PANEL_SHOWN = 4000 };
+
+typedef enum panel_what {
+    PANEL_NOTHING,
+    PANEL_PREPARE,
+    PANEL_HOME,
+    PANEL_TARE,
+    PANEL_CONTACT,
+    PANEL_HOLD,
+    PANEL_RELEASE,
+    PANEL_JOG,
+    PANEL_CLEAR,
+    PANEL_START
+} panel_what;
+
+typedef struct panel_command {
+    panel_what what;
+    double by_mm, rate_mm_s;   /* of JOG; by: positive = down */
+    char file[CLI_PATH_MAX];   /* of START: the protocol */
+} panel_command;
+
+/* What is drawn: the mean of a block of samples. */
+typedef struct panel_point {
+    double time_s;             /* of the device */
+    double place_mm, depth_mm; /* below home; below contact, NAN = not known */
+    double force_N, error_mm;
+    unsigned run;              /* 0 = not of a recording */
+} panel_point;
+
+/* What the owner has seen last. */
+typedef struct panel_view {
+    palp_wire_status status;
+    palp_wire_limits_now limits;
+    palp_wire_info info;
+    char doing[64], run[ACQUIRE_NAME];
+    size_t number, of, samples, lost;
+    double elapsed_s, length_s;
+    double place_mm;
+    bool recording, gone;
+    uint8_t state;
+    double case_C;
+    unsigned runs; /* recorded since it was started */
+} panel_view;
+
+typedef struct panel_note {
+    char text[ACQUIRE_WORDS];
+    bool bad;
+} panel_note;
+
+/* One thread owns the indenter; those of the requests ask it by what the lock guards. */
+typedef struct panel {
+    acquire_setup *setup;
+    device *device; /* for device_halt alone */
+    char token[PANEL_TOKEN];
+    unsigned port;
+    pthread_mutex_t lock;
+    panel_command command;
+    bool waiting, busy; /* a command is to be taken; or is under way */
+    bool stop;          /* what is under way is to end */
+    panel_view view;
+    size_t notes;  /* so far; the last PANEL_NOTES are kept */
+    panel_note note[PANEL_NOTES];
+    size_t points; /* likewise */
+    panel_point point[PANEL_POINTS];
+} panel;
+
+/* ---- what is shared (panel_state.c) ---- */
+
+/* False where another command has not ended yet: none is kept for later. */
+bool panel_ask(panel *p, const panel_command *command);
+void panel_stop(panel *p);     /* ends what is under way, by withdrawing */
+bool panel_take(panel *p, panel_command *command);
+void panel_done(panel *p);
+bool panel_is_to_stop(panel *p);
+void panel_say(panel *p, bool bad, const char *format, ...);
+void panel_add(panel *p, const panel_point *point, const panel_view *view);
+void panel_see(panel *p, const panel_view *view);
+/* State, the points and notes since those numbers. The caller's. */
+json_t *panel_live(panel *p, size_t point, size_t note);
+const char *panel_advice(uint8_t fault); /* what to do */
+
+/* Takes the current from the motor without the owner, whatever that is doing. True once the device has said that it stopped. */
+bool panel_emergency(panel *p);
+
+/* ---- the owner (panel_owner.c) ---- */
+
+/* Connected, until Ctrl-C; an exit code. Does what the pages ask for. */
+int panel_own(panel *p, session *s);
+
+/* ---- requests (panel_answer.c) ---- */
+
+typedef struct panel_request {
+    bool post;
+    const char *path, *body; /* body: "" where there is none */
+    const char *(*query)(void *context, const char *key);
+    void *context;
+} panel_request;
+
+typedef struct panel_reply {
+    unsigned code;
+    const char *type;
+    char *text; /* from malloc */
+    size_t n;
+} panel_reply;
+
+panel_reply panel_answer(panel *p, const panel_request *request);
+
+/* ---- the page, and other programs (panel_page.c, panel_child.c) ---- */
+
+char *panel_page(size_t *n); /* from malloc; NULL = out of memory */
+
+/* Runs this program with these arguments until it ends; the exit code, -1 where it could not be started. out, words: what it
+ * printed on the two, from malloc. argv ends with NULL; argv[0] is set. */
+int panel_child(const char **argv, char **out, char **words);
+
+/* ---- the server (panel_http.c) ---- */
+
+typedef struct panel_server panel_server;
+
+/* Listens on 127.0.0.1 (port 0 = any that is free), sets p->port; NULL after one line on stderr. */
+panel_server *panel_server_open(const char *name, panel *p, unsigned port);
+void panel_server_close(panel_server *server);
+
+#endif
