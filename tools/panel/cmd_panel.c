@@ -76,7 +76,7 @@ int cmd_panel(int argc, char **argv) {
     int code = parse(argc, argv, &c);
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    code = acquire_setup_check(NAME, &c.setup);
+    code = panel_server_there(NAME) ? acquire_setup_check(NAME, &c.setup) : CLI_FAILURE;
     code = code ? code : acquire_setup_prepare(NAME, &c.setup);
     c.setup.settings.paced = true; /* somebody looks on */
     code = code ? code : cli_folder(NAME, c.setup.session.out);

@@ -127,6 +127,8 @@ int panel_child(const char **argv, char **out, char **words);
 
 typedef struct panel_server panel_server;
 
+bool panel_server_there(const char *name); /* or this program was built without; after one line on stderr */
+
 /* Listens on 127.0.0.1 (port 0 = any that is free), sets p->port; NULL after one line on stderr. */
 panel_server *panel_server_open(const char *name, panel *p, unsigned port);
 void panel_server_close(panel_server *server);

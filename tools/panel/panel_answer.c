@@ -81,7 +81,8 @@ static panel_reply try_plan(panel *p, const char *file) {
     } else {
         char *at = words ? strstr(words, file) : NULL;
         const char *why = at ? at + strlen(file) : words && *words ? words : "the protocol could not be tried";
-        r = wrong(BAD, "%.*s", (int)strcspn(why, "\n"), *why == ':' ? why + 1 : why);
+        why += *why == ':';
+        r = wrong(BAD, "%.*s", (int)strcspn(why, "\n"), why);
     }
     free(out);
     free(words);

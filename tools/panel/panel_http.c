@@ -189,12 +189,23 @@ void panel_server_close(panel_server *s) {
     free(s);
 }
 
+bool panel_server_there(const char *name) {
+    (void)name;
+    return true;
+}
+
 #else
 
+bool panel_server_there(const char *name) {
+    cli_failure(name, "this palpate was built without libmicrohttpd, which the page needs; install libmicrohttpd-dev "
+                      "and build it again");
+    return false;
+}
+
 panel_server *panel_server_open(const char *name, panel *p, unsigned port) {
+    (void)name;
     (void)p;
     (void)port;
-    cli_failure(name, "this palpate was built without libmicrohttpd, which the page needs; install libmicrohttpd-dev and build it again");
     return NULL;
 }
 
