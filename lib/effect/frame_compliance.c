@@ -7,6 +7,13 @@ static void map(const double *value, const effect_press *at, effect_surface *out
     out->by_value[0] = -at->force;
 }
 
+/* A rigid block shows the frame alone. */
+static bool read_frame(const effect_data *data, effect_read *out) {
+    out->low = data->frame[0];
+    out->high = data->frame[1];
+    return data->frame[1] > 0.0;
+}
+
 const effect_row effect_frame_compliance = {
     .info = {.id = "frame_compliance", .name = "frame compliance", .place = PALP_EFFECT_FRAME,
              .means = "The frame gives way under load: the specimen is pressed less deep than the encoder says.",
@@ -15,4 +22,4 @@ const effect_row effect_frame_compliance = {
              .parameter = {{"compliance_mm_N", 1e-3, 0, 1e12, 1e-5, .scale = PALP_SCALE_COMPLIANCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_STRAIN_DEPENDENT_ARM, PALP_EFFECT_SENSOR_GAIN),
              .in_lumped = true, .in_network = true},
-    .stage = 2, .map = map, .gives_way = true};
+    .stage = 2, .map = map, .gives_way = true, .read = read_frame};

@@ -38,16 +38,19 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
     palp_status status = explain_data_create(n, inputs, s->settings, model, &s->data, error);
     if (status)
         return status;
+    n = s->data.n_runs;
+    palp_model framed = *model;
+    s->n_given += explain_frame_add(&s->data, s->settings, &framed);
     s->force = malloc(s->data.n * sizeof *s->force);
     s->residual = malloc(s->data.n * sizeof *s->residual);
     s->first = malloc(s->data.n * sizeof *s->first);
     if (!s->force || !s->residual || !s->first)
         return PALP_ERR_NO_MEMORY;
-    status = explain_fit_create(model, &s->data, &s->fit);
+    status = explain_fit_create(&framed, &s->data, &s->fit);
     explain_history history = {.load.peak = 0.0};
     for (size_t r = 0, at = 0; r < n && !status; at += s->data.run[r++].n) {
         palp_forward_run path = explain_forward_run(&s->data.run[r], 0.0, &history);
-        status = explain_predict(model, &path, s->force + at, NULL, error);
+        status = explain_predict(&framed, &path, s->force + at, NULL, error);
     }
     palp_load_history_free(&history.load);
     for (size_t r = 0, at = 0; r < n && !status; at += s->data.run[r++].n)
@@ -102,6 +105,14 @@ static void disown(const explain_search *s, palp_explanation *e) {
     explain_keep_residual(s->first, e, false);
 }
 
+static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {
+    for (size_t k = 0; k < e->n_candidates; k++)
+        if (e->candidate[k].id == id) {
+            e->candidate[k].accepted = reason == NULL;
+            snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason, "%s", reason ? reason : "");
+        }
+}
+
 static palp_status conclude(explain_search *s, double noise_level_N, palp_explanation *e) {
     palp_explain_gap *gap = &e->gap;
     explain_rest rest;
@@ -124,11 +135,15 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
     e->model = s->fit.model;
     explain_add_hum(s, e);
     bool mimics = mimicked(s, e, noise_level_N);
-    e->verdict = judge(s, mimics || rest.most_N > s->settings->good_enough * s->data.peak, e);
     if (mimics) {
         disown(s, e);
         e->unexplained_N = sqrt(fmax(0.0, s->opened * s->opened - noise_level_N * noise_level_N));
     }
+    if (s->n_given > s->data.given->n_effects && e->n_effects < PALP_EXPLAIN_EFFECTS) {
+        e->effect[e->n_effects++] = explain_frame_effect(&s->data);
+        mark(e, PALP_EFFECT_FRAME_COMPLIANCE, NULL);
+    }
+    e->verdict = judge(s, mimics || rest.most_N > s->settings->good_enough * s->data.peak, e);
     explain_phase_shares(&s->data, e, noise_level_N);
     for (size_t r = 0, at = 0; r < e->n_runs; at += e->run[r++].n)
         memcpy(s->residual + at, e->run[r].after_N, e->run[r].n * sizeof *s->residual);
@@ -137,14 +152,6 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
     e->n_events = s->data.n_events;
     s->data.event = NULL;
     return status;
-}
-
-static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {
-    for (size_t k = 0; k < e->n_candidates; k++)
-        if (e->candidate[k].id == id) {
-            e->candidate[k].accepted = reason == NULL;
-            snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason, "%s", reason ? reason : "");
-        }
 }
 
 static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold,

@@ -47,13 +47,11 @@ static void find_columns(const palp_experiment *e, explain_run *run) {
     }
 }
 
-/* height: of the specimen, which is not there to be pressed where the file says there is none. */
-static palp_status copy(const palp_experiment *e, double height, explain_run *run, palp_error *error) {
+/* height: of the specimen, which is not there to be pressed in air. */
+static palp_status copy(const palp_experiment *e, double height, bool air, explain_run *run) {
     const double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
                  *force = palp_experiment_column(e, "force_N");
     run->n = palp_experiment_rows(e);
-    if (!time || !depth || !force || run->n < 16)
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: fewer than 16 samples of time_s, depth_mm, force_N", run->name);
     double *block = malloc(6 * run->n * sizeof *block);
     run->time = block;
     run->use = malloc(2 * run->n);
@@ -73,14 +71,10 @@ static palp_status copy(const palp_experiment *e, double height, explain_run *ru
         run->depth[i] = 1e-3 * depth[i];
         run->force[i] = force[i];
         deepest = fmax(deepest, run->depth[i]);
-        if (!segments_sample_valid(time, depth, force, i))
-            return palp_error_set(error, PALP_ERR_INPUT, "%s: row %zu: not finite, beyond 1e12, or time_s does not increase",
-                                  run->name, i + 1);
     }
     find_columns(e, run);
-    if (strcmp(explain_text_of(e, "specimen.kind"), "none") == 0)
-        for (size_t i = 0; i < run->n; i++)
-            run->depth[i] -= fmax(0.0, deepest) + height;
+    for (size_t i = 0; air && i < run->n; i++)
+        run->depth[i] -= fmax(0.0, deepest) + height;
     return PALP_OK;
 }
 
@@ -220,15 +214,13 @@ static void count_replicates(explain_data *data) {
     }
 }
 
-static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *inputs, palp_error *error) {
-    const palp_experiment *e = inputs[r].experiment;
+static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *input, bool air, palp_error *error) {
+    const palp_experiment *e = input->experiment;
     explain_run *run = &data->run[r];
-    snprintf(run->name, sizeof run->name, "%s", inputs[r].name ? inputs[r].name : "run");
-    palp_status status = copy(e, data->height, run, error);
+    snprintf(run->name, sizeof run->name, "%s", input->name ? input->name : "run");
+    palp_status status = copy(e, data->height, air, run);
     if (status)
         return status;
-    if (strcmp(explain_text_of(e, "specimen.kind"), "rigid") == 0)
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "%s: a rigid block is no run of the specimen", run->name);
     double height = explain_number_of(e, "specimen.height_mm", 1e3 * data->height);
     if (fabs(1e-3 * height - data->height) > 1e-3 * data->height)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
@@ -253,37 +245,56 @@ static void find_largest_strains(explain_data *data) {
     }
 }
 
-/* In the order in which they were made. */
-static palp_status take_runs(explain_data *data, const palp_explain_input *inputs, const palp_explain_settings *settings,
-                             palp_error *error) {
-    size_t n = data->n_runs, *order = malloc(n * sizeof *order);
-    palp_explain_input *sorted = malloc(n * sizeof *sorted);
+/* In the order in which they were made; kind[n], by input: those on a block are left out. */
+static palp_status take_runs(explain_data *data, size_t n, const palp_explain_input *inputs, const explain_kind *kind,
+                             const palp_explain_settings *settings, palp_error *error) {
+    size_t *order = malloc(n * sizeof *order);
     bool *fresh = malloc(n * sizeof *fresh);
-    palp_status status = order && sorted && fresh ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_status status = order && fresh ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status)
         explain_order_find(n, inputs, order, fresh);
-    for (size_t r = 0; r < n && !status; r++)
-        sorted[r] = inputs[order[r]];
-    for (size_t r = 0; r < n && !status; r++) {
-        data->run[r].fresh = fresh[r];
-        status = take_run(data, r, sorted, error);
+    bool renewed = false;
+    for (size_t i = 0; i < n && !status; i++) {
+        const size_t of = order[i];
+        renewed = renewed || fresh[i];
+        if (kind[of] == EXPLAIN_BLOCK)
+            continue;
+        explain_run *run = &data->run[data->n_runs++];
+        run->fresh = renewed;
+        renewed = false;
         for (size_t k = 0; k < settings->n_held_out; k++)
-            data->run[r].held_out = data->run[r].held_out || settings->held_out[k] == order[r];
+            run->held_out = run->held_out || settings->held_out[k] == of;
+        status = take_run(data, data->n_runs - 1, &inputs[of], kind[of] == EXPLAIN_AIR, error);
     }
     free(order);
-    free(sorted);
     free(fresh);
+    return status;
+}
+
+/* Sorts the inputs out, and takes the runs of the specimen and those in air. */
+static palp_status take_inputs(explain_data *data, size_t n, const palp_explain_input *inputs,
+                               const palp_explain_settings *settings, palp_error *error) {
+    explain_kind *kind = calloc(n, sizeof *kind);
+    palp_status status = kind ? explain_kinds_find(n, inputs, kind, error) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = explain_block_measure(n, inputs, kind, &data->frame, error);
+    if (!status)
+        status = take_runs(data, n, inputs, kind, settings, error);
+    if (!status && explain_fitted_runs(data) == 0)
+        status = palp_error_set(error, PALP_ERR_INPUT, "%s: no run is left in which the specimen is pressed: a rigid block shows the frame alone",
+                                inputs[0].name ? inputs[0].name : "run");
+    free(kind);
     return status;
 }
 
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
                                 const palp_model *model, explain_data *data, palp_error *error) {
-    *data = (explain_data){.given = model, .n_runs = n};
+    *data = (explain_data){.given = model};
     data->run = calloc(n, sizeof *data->run);
     palp_status status = data->run ? explain_height(model, &data->height, error) : PALP_ERR_NO_MEMORY;
     if (!status)
-        status = take_runs(data, inputs, settings, error);
-    for (size_t r = 0; r < n && !status; r++) {
+        status = take_inputs(data, n, inputs, settings, error);
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
         explain_run *run = &data->run[r];
         data->n += run->n;
         data->longest = run->n > data->longest ? run->n : data->longest;
@@ -345,7 +356,8 @@ static double change_of(const effect_data *facts, const char *column) {
 effect_data explain_facts(const explain_data *data) {
     return (effect_data){.duration = data->duration, .step = data->step, .deepest = data->deepest,
                          .fastest = data->fastest, .peak = data->peak, .height = data->height, .white = data->run[0].white, .n_releases = data->n_releases,
-                         .pull = {data->pull, data->pull_most}, .pulled = data->pulled, .runs = data, .change_of = change_of};
+                         .pull = {data->pull, data->pull_most}, .pulled = data->pulled,
+                         .frame = {data->frame.low, data->frame.high}, .runs = data, .change_of = change_of};
 }
 
 palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i), void *work,

@@ -6,6 +6,7 @@
 
 #include "effect/effect_internal.h"
 
+enum { EXPLAIN_SAMPLES_MIN = 16 }; /* of a run */
 enum { EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS };
 
 typedef struct explain_run {
@@ -24,6 +25,13 @@ typedef struct explain_run {
     bool held_out;                /* kept out of the fit */
 } explain_run;
 
+/* What runs on a rigid block show of the frame, m/N; an interval of 95 %. */
+typedef struct explain_frame {
+    size_t n_runs; /* 0 = there are none */
+    double compliance, low, high;
+    double evidence; /* that it gives way at all, nats */
+} explain_frame;
+
 typedef struct explain_data {
     size_t n_runs, n, longest;
     explain_run *run;
@@ -36,6 +44,7 @@ typedef struct explain_data {
     double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
     double pulled;                          /* strongest pull of a withdrawal that is more than noise; 0 = none */
     size_t n_releases;
+    explain_frame frame;
     size_t n_events;
     palp_explain_event *event;
 } explain_data;
@@ -63,6 +72,21 @@ typedef struct explain_history {
 
 /* For the runs one after the other, in their order, all with one model. contact: by how much deeper its surface lies, m. */
 palp_forward_run explain_forward_run(const explain_run *run, double contact, explain_history *history);
+
+/* ---- runs without a specimen (explain_block.c) ---- */
+
+typedef enum explain_kind { EXPLAIN_SPECIMEN, EXPLAIN_AIR, EXPLAIN_BLOCK } explain_kind;
+
+/* What each input presses, as its file says (specimen.kind "none" or "rigid"), or else as its force shows beside the others'. */
+palp_status explain_kinds_find(size_t n, const palp_explain_input *inputs, explain_kind *kind, palp_error *error);
+
+palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, const explain_kind *kind, explain_frame *frame,
+                                  palp_error *error);
+
+/* Adds the frame's compliance that blocks show to a model that has none, if the specimen's runs can feel it: true. It is no
+ * parameter of the fits then. As what it is told: */
+bool explain_frame_add(const explain_data *data, const palp_explain_settings *settings, palp_model *model);
+palp_explain_effect explain_frame_effect(const explain_data *data);
 
 /* ---- the session (explain_order.c) ---- */
 
