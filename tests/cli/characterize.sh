@@ -161,7 +161,9 @@ wrong 1 "still.csv" still.csv
 wrong 1 "forceless.csv" forceless.csv
 wrong 1 "--specimen-height-mm" heightless.csv
 wrong 1 "specimen.radius_mm" radiusless.csv --law yeoh
-wrong 1 "characterize each specimen by itself" hold4.csv taller.csv
+wrong 1 "the same specimen, of 24 mm" hold4.csv taller.csv --specimens one
+grep -v radius_mm taller.csv >taller_bare.csv
+wrong 1 "needs the area of each" hold4.csv taller_bare.csv
 wrong 1 "needs ramp-and-hold runs" static.csv --method grid --arms 1
 wrong 2 "name a RUN.csv"
 wrong 2 "--arms must be auto or a whole number from 0 to 16, not \"2.5\"" hold5.csv --arms 2.5

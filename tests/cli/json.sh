@@ -44,6 +44,10 @@ expect 0 characterize tip.csv --arms 1 --tip cone --json && mv out characterize_
 } >sine_path.csv
 expect 0 simulate $L --like sine_path.csv --noise-N 0.002 --out sine.csv
 expect 0 characterize sine.csv --arms 1 --degree 2 --json && mv out characterize_sine.json
+for factor in 0.8 1.3; do # two more specimens
+    awk -F, -v OFS=, -v f=$factor '/^[0-9]/ { $3 *= f } { print }' run_2.csv >softer_$factor.csv
+done
+expect 0 characterize run_2.csv softer_*.csv --specimens file --arms 1 --degree 2 --out specimens.json --json && mv out characterize_specimens.json
 expect 0 simulate lumped.json --protocol ramp_hold --depth-mm 4 --hold-s 2 --band --json && mv out sim_band.json
 expect 0 simulate lumped.json --protocol static --depth-mm 12 --json --out deep.csv && mv out sim_deep.json
 expect 0 explain --model lumped.json run_?.csv --candidates sensor_bias,sensor_lag,toe_region --out explained.json \
@@ -77,7 +81,7 @@ sed s/,12,/,13,/ ball.csv >ball_2.csv
 expect 0 reduce $N ball.csv ball_2.csv --hold-out 0 --modes 3 --samples 20 --out ball.json
 expect 0 calibrate $L --stage relaxation --start lattice.json --depth-mm 2 --hold-s 20 --json && mv out cal_start.json
 set -- experiment=run_1.csv experiment=run_static.csv experiment=creep.csv experiment=cyclic.csv experiment=relaxed.csv experiment=like.csv \
-    simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_tip.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
+    simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_specimens.json model=specimens.json characterize=characterize_tip.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
     model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=characterize_sine.json characterize=fit/characterize.json \
     explain=explain.json explain=explain_out.json explain=fit/explain.json explain=explain_power.json calibrate=cal_static.json \
     calibrate=cal_spline.json calibrate=cal_all.json calibrate=fit/calibrate.json reduced=reduced.json reduce=reduce.json

@@ -11,7 +11,7 @@
 #include <palpate/palpate.h>
 
 enum {
-    CHARACTERIZE_RUNS_MAX = 64,
+    CHARACTERIZE_RUNS_MAX = 256,
     CHARACTERIZE_WARNINGS_MAX = 32,
     DEGREE_MIN = 2, /* of the force polynomial F(e) = K(e) e, as Table 4.1 counts */
     DEGREE_MAX = 7,
@@ -23,6 +23,8 @@ enum {
 
 typedef enum characterize_method { METHOD_NLOPT, METHOD_GRID } characterize_method;
 
+typedef enum characterize_specimens_by { SPECIMENS_AUTO, SPECIMENS_ONE, SPECIMENS_NAME, SPECIMENS_FOLDER, SPECIMENS_FILE } characterize_specimens_by;
+
 typedef struct characterize_options {
     const char *words[CHARACTERIZE_RUNS_MAX]; /* RUN.csv ... */
     size_t n_words;
@@ -32,7 +34,8 @@ typedef struct characterize_options {
     size_t arms, degree, knots;
     bool arms_auto, law_auto, degree_auto, degree_given;
     bool shared_arms, per_depth, dwell_only, fit_filtered, json;
-    double filter_Hz, height_mm, contact_mm; /* 0, 0, NaN = not given */
+    int specimens_by;        /* characterize_specimens_by */
+    double filter_Hz, height_mm, radius_mm, contact_mm; /* 0, 0, 0, NaN = not given */
     int tip, floor;                          /* -1 = the files', else palp_tip_kind; 0 = bonded, slides */
     double tip_radius_mm, tip_angle_deg, poisson; /* 0, 0, NaN = not given */
     char command[CLI_COMMAND_MAX];
@@ -58,6 +61,12 @@ typedef struct characterize_known {
 typedef struct characterize_spread {
     double strain, mean_N, sd_N, low_N, high_N;
 } characterize_spread;
+
+/* A specimen as it was measured. */
+typedef struct characterize_body {
+    double height_m, radius_m;
+    size_t n_runs;
+} characterize_body;
 
 typedef struct characterize_state {
     size_t n, n_static, n_hold; /* runs: static, then ramp and hold by depth, then others */
@@ -91,6 +100,12 @@ typedef struct characterize_state {
     palp_spectrum spectrum[CHARACTERIZE_RUNS_MAX]; /* of each run; n = 0: it does not oscillate */
     size_t n_spread;
     characterize_spread spread[CHARACTERIZE_SPREAD_MAX];
+    size_t n_specimens, specimen[CHARACTERIZE_RUNS_MAX]; /* of each run, from 0 */
+    characterize_body body[CHARACTERIZE_RUNS_MAX];       /* [n_specimens] */
+    double factor[CHARACTERIZE_RUNS_MAX];                /* [n_specimens] about the stress of each by that of all */
+    palp_specimens_fit specimens;                        /* but its mean, which is final */
+    size_t n_points; /* 0: one specimen, or no more spread than chance */
+    palp_specimens_point point[CHARACTERIZE_BAND];
     size_t n_warnings;
     char warning[CHARACTERIZE_WARNINGS_MAX][256];
 } characterize_state;
@@ -121,6 +136,16 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
 int characterize_tip_fit(const characterize_options *o, characterize_state *s); /* the layer's moduli, where a tip is named */
 void characterize_tip_print(const characterize_state *s);
 json_t *characterize_tip_json(const characterize_state *s); /* null without a tip */
+/* Several specimens: n_specimens is 1 where there is one, and then none of these changes anything. */
+int characterize_group(const characterize_options *o, characterize_state *s); /* runs as of one size */
+int characterize_find_level(const characterize_options *o, characterize_state *s); /* factor */
+void characterize_level(characterize_state *s, bool on); /* divides each specimen's forces by its factor, or takes that back */
+palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings, palp_error *error);
+const char *characterize_specimen_name(const characterize_state *s, size_t k);
+void characterize_print_specimens(const characterize_state *s);
+json_t *characterize_json_specimens(const characterize_state *s);
+void characterize_plot_specimens(plot_book *book, const characterize_state *s);
+
 int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
 size_t characterize_spectrum_points(const characterize_state *s); /* of all runs */
 double characterize_modulus(const palp_recording *r, double stiffness_N_m); /* Pa, of the cylinder; NaN without a radius */

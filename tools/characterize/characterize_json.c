@@ -238,6 +238,7 @@ static void add_lists(json_t *all, const characterize_state *s) {
     json_object_set_new(all, "moduli", characterize_tip_json(s));
     json_object_set_new(all, "spread", spread_json(s));
     json_object_set_new(all, "spectrum", characterize_spectrum_json(s));
+    json_object_set_new(all, "specimens", characterize_json_specimens(s));
     json_object_set_new(all, "warnings", warnings);
 }
 

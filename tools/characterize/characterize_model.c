@@ -147,7 +147,7 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
                            "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
                            s->run[0].name, palp_law_kind_name((palp_law_kind)o->law));
     settings.contact = s->contact;
-    status = status ? status : palp_characterize_fit(s->n, s->run, &settings, &s->final, &error);
+    status = status ? status : characterize_fit_specimens(s, &settings, &error);
     if (status)
         return cli_status(NAME, status, &error);
     s->has_final = true;
@@ -214,16 +214,21 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
         characterize_warn(s, "a static press alone tells nothing of arms: the model has none");
     progress_start(&bar, "fitting");
     int code = fit_plain(o, s);
+    code = code ? code : characterize_find_level(o, s);
+    characterize_level(s, true);
     code = code ? code : choose_degree(o, s);
     code = code ? code : choose_arms(o, s, &bar);
     progress_update(&bar, 0.5);
     code = code ? code : characterize_contacts(o, s);
+    characterize_level(s, false);
     code = code ? code : fit_single(o, s);
     progress_update(&bar, 0.65);
     code = code ? code : fit_shared(o, s);
     progress_update(&bar, 0.8);
+    characterize_level(s, true);
     if (code == CLI_OK && o->law_auto)
         code = characterize_choose_law(o, s);
+    characterize_level(s, false);
     if (code == CLI_OK)
         code = grid ? assemble_grid(s) : fit_joint(o, s);
     progress_finish(&bar);

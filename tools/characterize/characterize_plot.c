@@ -161,6 +161,7 @@ static void plot_all(plot_book *book, const characterize_state *s, const run_cur
     }
     plot_stiffness(book, s);
     characterize_plot_spectrum(book, s);
+    characterize_plot_specimens(book, s);
     if (s->arms.n > 0)
         plot_scores(book, "arms_score", "How many arms: error on blocks left out of the fit",
                     "number of arms", &s->arms, true);

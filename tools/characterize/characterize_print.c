@@ -259,6 +259,7 @@ int characterize_print(const characterize_options *o, const characterize_state *
     print_final(s);
     print_band(s);
     characterize_tip_print(s);
+    characterize_print_specimens(s);
     print_bias(s);
     print_gap(s);
     characterize_print_spectrum(s);

@@ -70,6 +70,7 @@ static int read_one(const characterize_options *o, const char *file, characteriz
     else
         status = palp_recording_prepare(experiment, file, &settings, &s->run[s->n], &error);
     if (!none && status == PALP_OK) {
+        s->run[s->n].radius_m = o->radius_mm > 0 ? 1e-3 * o->radius_mm : s->run[s->n].radius_m;
         code = characterize_tip_read(o, experiment, &s->run[s->n], s);
         tell(&s->run[s->n++]);
     }
@@ -96,18 +97,6 @@ static void sort(characterize_state *s) {
         s->run[at] = moved;
         s->tip[at] = tip;
     }
-}
-
-static int check_heights(const characterize_state *s) {
-    for (size_t i = 1; i < s->n; i++) {
-        if (fabs(s->run[i].height_m - s->run[0].height_m) > 1e-6 * s->run[0].height_m)
-            return cli_failure(
-                NAME,
-                "%s: a specimen of %g mm, but %s: of %g mm; characterize each specimen by itself "
-                "or give --specimen-height-mm",
-                s->run[i].name, 1e3 * s->run[i].height_m, s->run[0].name, 1e3 * s->run[0].height_m);
-    }
-    return CLI_OK;
 }
 
 /* ---- the filter, for figures unless asked ---- */
@@ -147,6 +136,6 @@ int characterize_read(const characterize_options *o, characterize_state *s) {
         s->n_static += s->run[i].kind == PALP_RECORDING_STATIC;
         s->n_hold += s->run[i].kind == PALP_RECORDING_RAMP_HOLD;
     }
-    int code = check_heights(s);
+    int code = characterize_group(o, s);
     return code ? code : filter_runs(o, s);
 }

@@ -30,6 +30,12 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_heading("Recordings"),
         cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz, "cut-off of the zero-phase Butterworth filter of the figures, Hz\n(default 10, at most a fifth of the sampling rate)"),
         cli_positive("specimen-height-mm", "H", 1e4, &o->height_mm, "height of the specimen, mm, instead of the files'"),
+        cli_positive("specimen-radius-mm", "R", 1e4, &o->radius_mm, "radius of the specimen, mm, instead of the files'"),
+        cli_choice("specimens", "auto|one|name|folder|file", &o->specimens_by,
+                   "which runs are of one specimen: those of one specimen.name and size (auto,\n"
+                   "default; one where each run has its own name), all (one), those of one name,\n"
+                   "of one folder, or each file is its own. Several are pooled in stress and\n"
+                   "strain, and the model is that of their mean, with their spread"),
         cli_choice("contact", "auto|known|common|free", &o->contact,
                    "whether contact is where the runs have it: known; off by the same in all\n"
                    "(common); or by its own in each, by a scatter that the runs tell (free;\n"
@@ -112,6 +118,8 @@ static int write_model(const characterize_options *o, const characterize_state *
         strcpy(model.specimen_kind, "cylinder");
     model.material = s->material;
     model.covariance = s->has_final ? s->final.covariance : NULL;
+    model.between = s->n_points > 0 ? s->specimens.between : NULL;
+    model.n_specimens = s->n_points > 0 ? s->n_specimens : 0;
     palp_status status = o->out ? palp_model_write(&model, o->out, &error) : PALP_OK;
     if (status && palp_law_minimum(&s->material.law, characterize_strain_max(s)) <= 0)
         return cli_failure(NAME, "%s: not written: K(e) falls to zero within the measured strain of %.3g; take another --degree or --law",
@@ -141,6 +149,7 @@ static void state_free(characterize_state *s) {
         palp_lumped_fit_free(&s->single[i]);
     palp_lumped_fit_free(&s->shared);
     palp_lumped_fit_free(&s->final);
+    palp_specimens_fit_free(&s->specimens);
     free(s);
 }
 

@@ -277,6 +277,30 @@ static void table_arms(FILE *to, const char *caption, const report_file *f) {
     }
 }
 
+/* Of several specimens: what they are, and their mean with both bands. */
+static void table_specimens(FILE *to, const json_t *all) {
+    const json_t *about = json_object_get(all, "specimens"), *list = json_object_get(about, "each"), *at;
+    if (json_array_size(list) == 0)
+        return;
+    html_table(to, "Specimens, pooled in stress and strain", "specimen|height (mm)|radius (mm)|runs|stress by that of all");
+    for (size_t i = 0; (at = json_array_get(list, i)) != NULL; i++)
+        html_row(to, "%s|%.4g|%.4g|%.0f|%.4g", json_text_at(at, "name"), json_number_at(at, "height_mm"), json_number_at(at, "radius_mm"),
+                 json_number_at(at, "runs"), json_number_at(at, "factor"));
+    html_table_end(to);
+    list = json_object_get(about, "stiffness");
+    if (json_array_size(list) == 0)
+        return;
+    html_table(to, "K_inf of the mean specimen; standard deviation between specimens and within one (what its runs leave open)",
+               "strain|K_inf (N)|95 % of the mean (N)|between (%)|within (%)|95 % of specimens not measured (N)");
+    for (size_t i = json_array_size(list) / 5; (at = json_array_get(list, i)) != NULL; i += json_array_size(list) / 5) {
+        double k = json_number_at(at, "stiffness_N");
+        html_row(to, "%.3f|%#.4g|%#.4g to %#.4g|%.3g|%.3g|%#.4g to %#.4g", json_number_at(at, "strain"), k, json_number_at(at, "mean_low_N"),
+                 json_number_at(at, "mean_high_N"), 100 * json_number_at(at, "between_sd_N") / k, 100 * json_number_at(at, "within_sd_N") / k,
+                 json_number_at(at, "specimen_low_N"), json_number_at(at, "specimen_high_N"));
+    }
+    html_table_end(to);
+}
+
 void report_law(FILE *to, report *r) {
     const report_file *f;
     if (!r->has_law)
@@ -297,6 +321,12 @@ void report_law(FILE *to, report *r) {
     fputs("<div>", to);
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++)
         table_gap(to, f->json);
+    fputs("</div>\n", to);
+    report_figure(to, r, "specimens", "Force at rest, K_inf times the strain, of the mean specimen: where 95 % of the means lie that the data "
+                                      "allow, and where 95 % of the specimens lie that were not measured.");
+    fputs("<div>", to);
+    for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++)
+        table_specimens(to, f->json);
     fputs("</div></div>\n", to);
 }
 

@@ -53,7 +53,8 @@ static int parse(int argc, char **argv, simulate_options *o) {
         cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "a frame every N steps only (default 1)"),
         cli_flag("band", &o->band,
                  "columns force_low_N and force_high_N: the 95 % band of the force by the\n"
-                 "covariance in the model, without the sensor's noise"),
+                 "covariance in the model, without the sensor's noise; of a model of several\n"
+                 "specimens that of one that was not measured"),
         cli_flag("json", &o->json, "a summary as JSON on standard output; the run only to --out"),
     };
     const cli_command command = {

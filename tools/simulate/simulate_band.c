@@ -30,12 +30,24 @@ static palp_status find(simulation *s, const double *covariance, palp_error *err
     return status;
 }
 
+/* Of a model that is the mean of several specimens the band is that of one that was not measured. */
+static palp_status add_spread(const simulate_options *o, const simulation *s, double *covariance, palp_error *error) {
+    double *between = NULL;
+    size_t n_specimens = 0;
+    palp_status status = palp_model_read_between(o->model, &between, &n_specimens, error);
+    if (status == PALP_OK && between)
+        status = palp_model_unmeasured(s->model.material.law.n + 2 * s->model.material.n_arms, covariance, between, n_specimens, covariance);
+    free(between);
+    return status;
+}
+
 int simulate_band(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     double *covariance = NULL;
     palp_status status = palp_model_read_covariance(o->model, &covariance, &error);
     if (status == PALP_OK && !covariance)
         return cli_failure(NAME, "%s: does not say how well it is known (no \"covariance\"); palpate characterize --out and palpate calibrate --out write it", o->model);
+    status = status ? status : add_spread(o, s, covariance, &error);
     status = status ? status : find(s, covariance, &error);
     free(covariance);
     return status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;

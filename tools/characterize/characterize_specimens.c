@@ -1,0 +1,309 @@
+/* characterize_specimens.c: several specimens in one call: which run is of which, one height and area for all, their mean and
+ * how they differ. */
+#include "characterize.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char NAME[] = "characterize";
+
+/* ---- which run is of which specimen ---- */
+
+static bool close_to(double a, double b) {
+    return fabs(a - b) <= 1e-6 * fmax(fabs(a), fabs(b));
+}
+
+static bool same_folder(const char *a, const char *b) {
+    const char *end_a = strrchr(a, '/'), *end_b = strrchr(b, '/');
+    size_t n = end_a ? (size_t)(end_a - a) : 0;
+    return n == (end_b ? (size_t)(end_b - b) : 0) && strncmp(a, b, n) == 0;
+}
+
+/* A radius that is not given may be any. */
+static bool same_size(const palp_recording *a, const palp_recording *b) {
+    return close_to(a->height_m, b->height_m) && (a->radius_m == 0 || b->radius_m == 0 || close_to(a->radius_m, b->radius_m));
+}
+
+static bool same_specimen(const characterize_options *o, const palp_recording *a, const palp_recording *b) {
+    switch (o->specimens_by) {
+    case SPECIMENS_ONE:
+        return true;
+    case SPECIMENS_NAME:
+        return strcmp(a->specimen, b->specimen) == 0;
+    case SPECIMENS_FOLDER:
+        return same_folder(a->name, b->name);
+    case SPECIMENS_FILE:
+        return false;
+    default:
+        return strcmp(a->specimen, b->specimen) == 0 && same_size(a, b);
+    }
+}
+
+/* What a specimen is called in tables: its name, else its first run. */
+const char *characterize_specimen_name(const characterize_state *s, size_t k) {
+    for (size_t r = 0; r < s->n; r++)
+        if (s->specimen[r] == k)
+            return s->run[r].specimen[0] ? s->run[r].specimen : s->run[r].name;
+    return "";
+}
+
+static int add_to(characterize_state *s, size_t r, size_t k) {
+    characterize_body *body = &s->body[k];
+    const palp_recording *run = &s->run[r];
+    if (k == s->n_specimens)
+        s->body[s->n_specimens++] = (characterize_body){.height_m = run->height_m};
+    if (!close_to(body->height_m, run->height_m))
+        return cli_failure(NAME, "%s: of a height of %g mm, but \"%s\", the same specimen, of %g mm; say by --specimens which run is of "
+                                 "which, or give --specimen-height-mm",
+                           run->name, 1e3 * run->height_m, characterize_specimen_name(s, k), 1e3 * body->height_m);
+    if (body->radius_m > 0 && run->radius_m > 0 && !close_to(body->radius_m, run->radius_m))
+        return cli_failure(NAME, "%s: of a radius of %g mm, but \"%s\", the same specimen, of %g mm; say by --specimens which run is of "
+                                 "which, or give --specimen-radius-mm",
+                           run->name, 1e3 * run->radius_m, characterize_specimen_name(s, k), 1e3 * body->radius_m);
+    body->radius_m = fmax(body->radius_m, run->radius_m);
+    body->n_runs++;
+    s->specimen[r] = k;
+    return CLI_OK;
+}
+
+/* All runs as of one height and area, the mean ones, so that stress and strain stay. */
+static int pool(characterize_state *s) {
+    double height = 0, area = 0;
+    size_t sized = 0;
+    bool differ = false;
+    for (size_t k = 0; k < s->n_specimens; k++) {
+        height += s->body[k].height_m / (double)s->n_specimens;
+        area += s->body[k].radius_m * s->body[k].radius_m / (double)s->n_specimens;
+        sized += s->body[k].radius_m > 0;
+        differ = differ || !close_to(s->body[k].height_m, s->body[0].height_m);
+    }
+    if (sized < s->n_specimens && (differ || sized > 0))
+        return cli_failure(NAME, "specimens of different size are pooled in stress, which needs the area of each; add lines # specimen.radius_mm: R, "
+                                 "or give --specimen-radius-mm");
+    for (size_t r = 0; r < s->n; r++) {
+        const characterize_body *body = &s->body[s->specimen[r]];
+        s->run[r].radius_m = body->radius_m;
+        palp_recording_scale(&s->run[r], height / body->height_m, sized ? area / (body->radius_m * body->radius_m) : 1.0);
+    }
+    return CLI_OK;
+}
+
+/* Runs of one size each with a name of its own: a specimen for each run tells nothing of how the runs of one agree. */
+static bool each_its_own(const characterize_state *s) {
+    for (size_t r = 0; r < s->n; r++)
+        for (size_t q = 0; q < r; q++)
+            if (strcmp(s->run[r].specimen, s->run[q].specimen) == 0 || !same_size(&s->run[r], &s->run[q]))
+                return false;
+    return s->n > 1;
+}
+
+int characterize_group(const characterize_options *options, characterize_state *s) {
+    characterize_options own = *options, *o = &own;
+    int code = CLI_OK;
+    if (o->specimens_by == SPECIMENS_AUTO && each_its_own(s)) {
+        fprintf(stderr, "palpate %s: each run names a specimen of its own: taken as runs of one; --specimens name tells them apart\n", NAME);
+        o->specimens_by = SPECIMENS_ONE;
+    }
+    for (size_t r = 0; r < s->n && code == CLI_OK; r++) {
+        size_t before = 0;
+        while (before < r && !same_specimen(o, &s->run[before], &s->run[r]))
+            before++;
+        code = add_to(s, r, before < r ? s->specimen[before] : s->n_specimens);
+    }
+    if (code == CLI_OK && s->n_specimens > 1 && s->has_tip)
+        return cli_failure(NAME, "%s: of %zu specimens, and a tip is named: a tip's force is not pooled in stress; characterize each specimen by itself",
+                           s->run[0].name, s->n_specimens);
+    return code || s->n_specimens == 1 ? code : pool(s);
+}
+
+/* ---- one level ---- */
+
+/* By how much the specimens' forces differ, by a law that follows most and two arms. */
+int characterize_find_level(const characterize_options *o, characterize_state *s) {
+    enum { COEFFICIENTS = 3, ARMS = 2 };
+    palp_error error = {PALP_OK, ""};
+    palp_status status = PALP_ERR_SINGULAR;
+    palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, 0);
+    for (size_t k = 0; k < s->n_specimens; k++)
+        s->factor[k] = 1.0;
+    if (s->n_specimens < 2 || characterize_guess_polynomial(s, COEFFICIENTS, &settings.law))
+        return CLI_OK;
+    settings.starts = 2;
+    for (size_t arms = s->n > s->n_static ? ARMS + 1 : 1; arms-- > 0 && status == PALP_ERR_SINGULAR;) {
+        settings.n_arms = arms;
+        status = palp_characterize_level(s->n, s->run, s->specimen, &settings, s->factor, &error);
+    }
+    return status ? cli_status(NAME, status, &error) : CLI_OK;
+}
+
+void characterize_level(characterize_state *s, bool on) {
+    if (s->n_specimens < 2)
+        return;
+    for (size_t r = 0; r < s->n; r++) {
+        double radius = s->run[r].radius_m, factor = s->factor[s->specimen[r]];
+        palp_recording_scale(&s->run[r], 1.0, on ? 1.0 / factor : factor);
+        s->run[r].radius_m = radius;
+    }
+}
+
+/* ---- the mean and the spread ---- */
+
+static void fill_points(characterize_state *s) {
+    double top = characterize_strain_max(s), strain[CHARACTERIZE_BAND];
+    for (size_t i = 0; i < CHARACTERIZE_BAND; i++)
+        strain[i] = top * (double)i / (CHARACTERIZE_BAND - 1);
+    if (palp_specimens_fit_stiffness(&s->specimens, CHARACTERIZE_BAND, strain, s->point) == PALP_OK)
+        s->n_points = CHARACTERIZE_BAND;
+}
+
+/* Each specimen's own numbers, where its runs tell them; else one fit of all, as of one specimen. */
+palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings, palp_error *error) {
+    palp_error why = {PALP_OK, ""};
+    palp_characterize_settings known = *settings;
+    known.contact = PALP_CONTACT_KNOWN;
+    palp_status status = s->n_specimens < 2 ? PALP_ERR_ARGUMENT
+                                            : palp_characterize_specimens(s->n, s->run, s->specimen, &known, &s->specimens, &why);
+    if (s->n_specimens < 2 || status || s->specimens.n_spread == 0) {
+        if (s->n_specimens > 1 && status)
+            characterize_warn(s, "the specimens could not be fitted one by one (%s): all runs are fitted as of one", why.text);
+        else if (s->n_specimens > 1)
+            characterize_warn(s, "the %zu specimens do not differ by more than chance: the model is that of all runs as of one", s->n_specimens);
+        palp_specimens_fit_free(&s->specimens);
+        return palp_characterize_fit(s->n, s->run, settings, &s->final, error);
+    }
+    fill_points(s);
+    memcpy(s->factor, s->specimens.factor, s->n_specimens * sizeof *s->factor);
+    s->final = s->specimens.mean;
+    memset(&s->specimens.mean, 0, sizeof s->specimens.mean);
+    return PALP_OK;
+}
+
+/* ---- what is said of it ---- */
+
+/* Place of parameter i of the model (coefficients, K_j, b_j) among the estimates, which have tau_j too. */
+static size_t estimate_of(const palp_lumped_fit *fit, size_t i) {
+    size_t springs = fit->material.law.n;
+    return i < springs ? i : springs + 3 * ((i - springs) / 2) + (i - springs) % 2;
+}
+
+static void print_points(const characterize_state *s) {
+    printf("  K_inf of the mean specimen; sd between specimens with its 95 %% interval, and within one (what its runs leave open)\n");
+    printf("  strain   K_inf (N)   95 %% of the mean     between (%%)   95 %% interval    within (%%)   95 %% of specimens (N)\n");
+    for (size_t i = s->n_points / 5; i < s->n_points; i += s->n_points / 5) {
+        const palp_specimens_point *at = &s->point[i];
+        double k = at->stiffness_N, part = 100 / k;
+        printf("  %6.4f  %10.5g   %8.5g to %-8.5g   %11.3g   %5.3g to %-6.3g  %10.3g   %8.5g to %.5g\n",
+               characterize_strain_max(s) * (double)i / (double)(s->n_points - 1), k, k - 1.96 * at->sd_N, k + 1.96 * at->sd_N,
+               part * at->between_N, part * at->between_low, part * at->between_high, part * at->within_N, k - 1.96 * at->new_sd_N,
+               k + 1.96 * at->new_sd_N);
+    }
+}
+
+void characterize_print_specimens(const characterize_state *s) {
+    if (s->n_specimens < 2)
+        return;
+    int width = 8;
+    for (size_t k = 0; k < s->n_specimens; k++) {
+        int length = (int)strlen(characterize_specimen_name(s, k));
+        width = length > width ? length : width;
+    }
+    printf("Specimens: %zu, in stress and strain; forces are of the mean size, height %.4g mm", s->n_specimens, 1e3 * s->run[0].height_m);
+    printf(s->run[0].radius_m > 0 ? " and radius %.4g mm\n" : "\n", 1e3 * s->run[0].radius_m);
+    printf("  %-*s  height (mm)  radius (mm)  runs   stress by that of all\n", width, "specimen");
+    for (size_t k = 0; k < s->n_specimens; k++) {
+        const characterize_body *body = &s->body[k];
+        printf("  %-*s  %11.4g  %11.4g  %4zu  %22.4g\n", width, characterize_specimen_name(s, k), 1e3 * body->height_m, 1e3 * body->radius_m,
+               body->n_runs, s->factor[k]);
+    }
+    if (s->n_points == 0)
+        return;
+    const size_t n = s->final.n_parameters;
+    printf("  parameter        mean   sd between specimens   sd within one\n");
+    for (size_t i = 0; i < n; i++) {
+        const palp_estimate *e = &s->final.estimate[estimate_of(&s->final, i)];
+        printf("  %-9s  %10.5g  %21.4g  %14.4g %s\n", e->name, e->value, sqrt(s->specimens.between[i * n + i]),
+               sqrt(s->specimens.within[i * n + i]), e->unit);
+    }
+    print_points(s);
+}
+
+static json_t *bodies_json(const characterize_state *s) {
+    json_t *list = json_array();
+    for (size_t k = 0; k < s->n_specimens; k++) {
+        const characterize_body *body = &s->body[k];
+        json_t *to = json_object(), *name = json_string(characterize_specimen_name(s, k));
+        json_object_set_new(to, "name", name ? name : json_string("(not UTF-8)"));
+        json_object_set_new(to, "runs", json_integer((json_int_t)body->n_runs));
+        json_object_set_new(to, "height_mm", json_number_or_null(1e3 * body->height_m));
+        json_object_set_new(to, "radius_mm", json_number_or_null(1e3 * body->radius_m));
+        json_object_set_new(to, "factor", json_number_or_null(s->factor[k]));
+        json_array_append_new(list, to);
+    }
+    return list;
+}
+
+static json_t *parameters_json(const characterize_state *s) {
+    const size_t n = s->n_points ? s->final.n_parameters : 0;
+    json_t *list = json_array();
+    for (size_t i = 0; i < n; i++) {
+        const palp_estimate *e = &s->final.estimate[estimate_of(&s->final, i)];
+        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:o}", "name", e->name, "unit", e->unit, "mean", json_number_or_null(e->value),
+                                              "between_sd", json_number_or_null(sqrt(s->specimens.between[i * n + i])), "within_sd",
+                                              json_number_or_null(sqrt(s->specimens.within[i * n + i]))));
+    }
+    return list;
+}
+
+static json_t *points_json(const characterize_state *s) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < s->n_points; i++) {
+        const palp_specimens_point *at = &s->point[i];
+        const struct {
+            const char *key;
+            double value;
+        } row[] = {{"strain", characterize_strain_max(s) * (double)i / (double)(s->n_points - 1)},
+                   {"stiffness_N", at->stiffness_N},
+                   {"mean_low_N", at->stiffness_N - 1.96 * at->sd_N},
+                   {"mean_high_N", at->stiffness_N + 1.96 * at->sd_N},
+                   {"between_sd_N", at->between_N},
+                   {"between_low_N", at->between_low},
+                   {"between_high_N", at->between_high},
+                   {"within_sd_N", at->within_N},
+                   {"specimen_low_N", at->stiffness_N - 1.96 * at->new_sd_N},
+                   {"specimen_high_N", at->stiffness_N + 1.96 * at->new_sd_N}};
+        json_t *to = json_object();
+        for (size_t k = 0; k < sizeof row / sizeof row[0]; k++)
+            json_object_set_new(to, row[k].key, json_number_or_null(row[k].value));
+        json_array_append_new(list, to);
+    }
+    return list;
+}
+
+json_t *characterize_json_specimens(const characterize_state *s) {
+    if (s->n_specimens < 2)
+        return json_null();
+    return json_pack("{s:I, s:o, s:o, s:b, s:o, s:o, s:o}", "count", (json_int_t)s->n_specimens, "height_mm",
+                     json_number_or_null(1e3 * s->run[0].height_m), "radius_mm", json_number_or_null(1e3 * s->run[0].radius_m), "differ",
+                     s->n_points > 0, "each", bodies_json(s), "parameters", parameters_json(s), "stiffness", points_json(s));
+}
+
+void characterize_plot_specimens(plot_book *book, const characterize_state *s) {
+    double at[CHARACTERIZE_BAND], own[2 * CHARACTERIZE_BAND], new[2 * CHARACTERIZE_BAND], mean[CHARACTERIZE_BAND];
+    const size_t n = s->n_points;
+    for (size_t i = 0; i < n; i++) {
+        const palp_specimens_point *p = &s->point[i];
+        at[i] = characterize_strain_max(s) * (double)i / (double)(n - 1);
+        mean[i] = p->stiffness_N * at[i];
+        own[i] = (p->stiffness_N - 1.96 * p->sd_N) * at[i];
+        own[n + i] = (p->stiffness_N + 1.96 * p->sd_N) * at[i];
+        new[i] = (p->stiffness_N - 1.96 * p->new_sd_N) * at[i];
+        new[n + i] = (p->stiffness_N + 1.96 * p->new_sd_N) * at[i];
+    }
+    const plot_series series[] = {{"95 % of specimens", PLOT_BAND, 1, n, at, new},
+                                  {"95 % of the mean", PLOT_BAND, 0, n, at, own},
+                                  {"mean specimen", PLOT_LINE, 0, n, at, mean}};
+    const plot_figure figure = {.title = "Force at rest of the mean specimen, and of specimens not measured", .n_panels = 1,
+                                .panel = {{.x_label = "strain e", .y_label = "force (N)", .n_series = 3, .series = series}}};
+    if (n)
+        plot_draw(book, "specimens", &figure);
+}
