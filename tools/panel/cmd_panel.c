@@ -55,6 +55,7 @@ static int serve(choice *c, panel *p, session *s) {
     fputs("palpate panel: open this address in a browser of this machine; Ctrl-C ends\n", stderr);
     int code = panel_own(p, s);
     panel_server_close(server);
+    panel_job_close(p);
     pthread_mutex_destroy(&p->lock);
     return code;
 }

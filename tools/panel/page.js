@@ -130,7 +130,7 @@ const picture = new Plot($("picture"), "time (s)", "depth (mm)");
 /* ---- what comes live ---- */
 
 const data = { time_s: [], place_mm: [], depth_mm: [], force_N: [], error_mm: [], run: [] };
-let nextPoint = 0, nextNote = 0, now = null, heard = 0, knownRuns = -1;
+let nextPoint = 0, nextNote = 0, now = null, heard = 0, knownRuns = "";
 
 function take(points) {
   if (points.next < nextPoint) for (const k in data) data[k].length = 0; /* another server */
@@ -220,7 +220,9 @@ async function poll() {
     showState(now);
     showNumbers();
     drawLive();
-    if (now.runs !== knownRuns) { knownRuns = now.runs; listRuns(); }
+    showJob(got.job);
+    const known = now.runs + " " + got.job.done + " " + got.job.running;
+    if (known !== knownRuns) { knownRuns = known; listRuns(); }
   } catch (e) {
     if (Date.now() - heard > 3000) $("lost").hidden = false;
     if (!(e instanceof TypeError) && e.name !== "TimeoutError") console.error(e);
@@ -228,7 +230,95 @@ async function poll() {
   setTimeout(poll, 100);
 }
 
-async function listRuns() { }
+/* ---- the runs that are in the folder ---- */
+
+const colors = ["#d55e00", "#00795a", "#9a4fb0", "#c08a00", "#56b4e9", "#8c564b"], marked = new Map(); /* name: its curve */
+let runs = [];
+
+function cell(row, text, kind) {
+  const td = row.insertCell();
+  if (text instanceof Node) td.append(text); else td.textContent = text;
+  td.className = kind || "";
+}
+
+function fitText(fit) {
+  if (!fit || !fit.stiffness) return "";
+  const c = fit.stiffness.coefficients_N, k = c ? `K(0) ${c[0].toPrecision(3)} N` : fit.stiffness.kind;
+  return k + (fit.arms || []).map(a => `; arm ${a.stiffness_N.toPrecision(3)} N, ${(a.viscosity_Ns / a.stiffness_N).toPrecision(3)} s`).join("");
+}
+
+function endText(run) {
+  if (run.fault === null) return "whole";
+  return run.fault === "interrupted" ? (now && now.run && now.run.name + ".csv" === run.name ? "going on" : "interrupted") : run.fault;
+}
+
+async function mark(name, on) {
+  if (!on) marked.delete(name);
+  else marked.set(name, await ask("GET", "/curve?run=" + encodeURIComponent(name)).catch(e => { note(e.message, true); return null; }));
+  chosen = [...marked.values()].filter(c => c).map((c, i) => Object.assign(c, { color: colors[i % colors.length] }));
+  showRuns();
+}
+
+function showRuns() {
+  const table = document.createElement("table"), head = table.createTHead().insertRow();
+  for (const name of ["Run", "Kind", "Depth (mm)", "Peak (N)", "Error rms (µm)", "Lost", "Ended", "Fit alone"]) {
+    const th = document.createElement("th");
+    th.textContent = name; th.className = name === "Fit alone" || name === "Kind" || name === "Ended" ? "t" : "";
+    head.append(th);
+  }
+  const body = table.createTBody();
+  for (const r of runs) {
+    const row = body.insertRow(), label = document.createElement("label"), box = document.createElement("input"), curve = marked.get(r.name);
+    box.type = "checkbox"; box.checked = marked.has(r.name); box.onchange = () => mark(r.name, box.checked);
+    label.append(box, " ", r.name.replace(/\.csv$/, ""));
+    if (curve) label.style.color = curve.color;
+    cell(row, label);
+    cell(row, (r.kind || "").replace("_", " and "), "t");
+    cell(row, shown(r.depth_mm, 2)); cell(row, shown(r.peak_N, 3));
+    cell(row, r.error_rms_mm === null ? "-" : shown(1000 * r.error_rms_mm, 1));
+    cell(row, r.lost_samples === null ? "-" : String(r.lost_samples), r.lost_samples ? "bad" : "");
+    cell(row, endText(r), r.fault === null || endText(r) === "going on" ? "t" : "t bad"); cell(row, fitText(r.fit), "t");
+  }
+  $("runs").replaceChildren(runs.length ? table : "None yet.");
+}
+
+async function listRuns() {
+  try { runs = (await ask("GET", "/runs")).runs; } catch { return; }
+  for (const name of [...marked.keys()]) if (!runs.some(r => r.name === name)) marked.delete(name);
+  showRuns();
+  showFound();
+}
+
+const made = name => `/made?name=${name}&token=${token}`;
+
+/* What explain has found at last, and the experiment that it asks for. */
+async function showFound() {
+  let e = null;
+  try { e = await ask("GET", "/made?name=explain.json"); } catch { /* not yet */ }
+  $("found").hidden = !e;
+  if (!e) return;
+  const effects = e.effects.map(x => x.id).join(", "), link = document.createElement("a");
+  link.textContent = "the whole story"; link.href = made("explain.html"); link.target = "_blank"; link.rel = "noreferrer";
+  const parts = [`Explain: ${e.verdict}${effects ? ": " + effects : ""}.`, link], next = e.next_experiment;
+  if (next && next.run) parts.push(` Next: ${next.run.kind.replace("_", " and ")} to ${shown(next.run.depth_mm, 2)} mm.`,
+    button("Load the next experiment", async () => loadProtocol(JSON.stringify(await ask("GET", "/made?name=next.json"), null, 2))));
+  $("found").replaceChildren(...parts);
+}
+
+let jobShown = "";
+function showJob(job) {
+  const names = { fit: "fitting", explain: "explaining, which may take minutes", report: "writing the report" };
+  for (const b of document.querySelectorAll("[data-job]")) b.disabled = job.running || !marked.size;
+  $("cancel").hidden = !job.running;
+  $("job").textContent = job.running ? names[job.what] + " ..." : marked.size ? "" : "Choose runs: they are drawn, and can be fitted.";
+  if (jobShown.startsWith("true") && !job.running && job.good && job.what === "report") {
+    const a = document.createElement("a");
+    a.href = made("report.html"); a.target = "_blank"; a.rel = "noreferrer"; a.textContent = "The report is written: open it";
+    note("", false);
+    $("notes").firstChild.append(a);
+  }
+  jobShown = job.running + " " + job.done;
+}
 
 /* ---- the stimulus: a form that makes a protocol file ---- */
 
@@ -427,6 +517,9 @@ $("stop").onclick = () => order("/stop");
 $("start").onclick = () => { $("start").disabled = true; $("span").value = "run"; overTime.zoom = overDepth.zoom = null; order("/start", $("protocol").value); };
 for (const b of document.querySelectorAll("[data-do]")) b.onclick = () => { b.disabled = true; order("/do?what=" + b.dataset.do); };
 for (const b of document.querySelectorAll("[data-jog]")) b.onclick = () => order(`/jog?by_mm=${b.dataset.jog}&rate_mm_s=${encodeURIComponent($("jog_rate").value)}`);
+$("choose").onclick = async () => { const all = marked.size < runs.length; for (const r of runs) if (marked.has(r.name) !== all) await mark(r.name, all); };
+$("cancel").onclick = () => order("/job?what=cancel");
+for (const b of document.querySelectorAll("[data-job]")) b.onclick = () => order("/job?what=" + b.dataset.job, [...marked.keys()].join(","));
 $("span").onchange = () => { overTime.zoom = overDepth.zoom = null; };
 makeForm();
 poll();

@@ -57,6 +57,21 @@ typedef struct panel_note {
     bool bad;
 } panel_note;
 
+/* What takes long and moves nothing. */
+enum { PANEL_JOB_RUNS = 256 };
+typedef enum panel_job_what { PANEL_FIT, PANEL_EXPLAIN, PANEL_REPORT } panel_job_what;
+
+typedef struct panel_job {
+    panel_job_what what;
+    bool started, running, cancelled; /* started: its thread is to be joined */
+    bool good;                        /* the last one */
+    size_t done;                      /* jobs that have ended */
+    pthread_t thread;
+    pid_t child; /* 0 = none */
+    size_t n;
+    char run[PANEL_JOB_RUNS][ACQUIRE_NAME + 8];
+} panel_job;
+
 /* One thread owns the indenter; those of the requests ask it by what the lock guards. */
 typedef struct panel {
     acquire_setup *setup;
@@ -72,6 +87,7 @@ typedef struct panel {
     panel_note note[PANEL_NOTES];
     size_t points; /* likewise */
     panel_point point[PANEL_POINTS];
+    panel_job job;
 } panel;
 
 /* ---- what is shared (panel_state.c) ---- */
@@ -120,8 +136,24 @@ panel_reply panel_answer(panel *p, const panel_request *request);
 char *panel_page(size_t *n); /* from malloc; NULL = out of memory */
 
 /* Runs this program with these arguments until it ends; the exit code, -1 where it could not be started. out, words: what it
- * printed on the two, from malloc. argv ends with NULL; argv[0] is set. */
-int panel_child(const char **argv, char **out, char **words);
+ * printed on the two, from malloc. argv ends with NULL; argv[0] is set. job: whose child it is; or NULL. */
+int panel_child(const char **argv, char **out, char **words, panel *job);
+
+/* ---- what is in the folder (panel_runs.c) ---- */
+
+/* The path of a file there that has this end, and whose name leads nowhere else. folder: "" or "fits/". */
+bool panel_file(const panel *p, const char *folder, const char *name, const char *end, char path[CLI_PATH_MAX]);
+json_t *panel_runs(const panel *p);
+json_t *panel_curve(const char *path, char why[ACQUIRE_TEXT]); /* NULL and why */
+
+/* ---- fits, explain, the report (panel_job.c) ---- */
+
+#define PANEL_MODEL "all_runs.json" /* of all runs that were chosen, in fits/ */
+
+/* runs: names between commas. False and why where none can be done now. */
+bool panel_job_start(panel *p, panel_job_what what, const char *runs, char why[ACQUIRE_TEXT]);
+void panel_job_cancel(panel *p);
+void panel_job_close(panel *p);
 
 /* ---- the server (panel_http.c) ---- */
 

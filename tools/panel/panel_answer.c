@@ -63,6 +63,45 @@ static panel_reply get_live(panel *p, const panel_request *q) {
     return json_reply(OK, panel_live(p, count_of(q, "point"), count_of(q, "note")));
 }
 
+static panel_reply get_runs(panel *p, const panel_request *q) {
+    (void)q;
+    return json_reply(OK, panel_runs(p));
+}
+
+static panel_reply get_curve(panel *p, const panel_request *q) {
+    char path[CLI_PATH_MAX], why[ACQUIRE_TEXT];
+    if (!panel_file(p, "", q->query(q->context, "run"), ".csv", path))
+        return wrong(NOT_FOUND, "there is no such run");
+    json_t *curve = panel_curve(path, why);
+    return curve ? json_reply(OK, curve) : wrong(BAD, "%s", why);
+}
+
+/* What a calculation has left: pages, models, the next experiment. */
+static panel_reply get_made(panel *p, const panel_request *q) {
+    const char *name = q->query(q->context, "name");
+    char path[CLI_PATH_MAX];
+    palp_error error;
+    bool page = panel_file(p, "fits/", name, ".html", path);
+    panel_reply r = {OK, page ? "text/html; charset=utf-8" : "application/json", NULL, 0};
+    if (!page && !panel_file(p, "fits/", name, ".json", path))
+        return wrong(NOT_FOUND, "there is no such file");
+    return palp_file_read(path, &r.text, &r.n, &error) ? wrong(NOT_FOUND, "%s", error.text) : r;
+}
+
+static panel_reply post_job(panel *p, const panel_request *q) {
+    static const char *const names[] = {"fit", "explain", "report"};
+    const char *what = q->query(q->context, "what");
+    char why[ACQUIRE_TEXT];
+    if (what && strcmp(what, "cancel") == 0) {
+        panel_job_cancel(p);
+        return done();
+    }
+    for (int i = 0; what && i < 3; i++)
+        if (strcmp(what, names[i]) == 0)
+            return panel_job_start(p, (panel_job_what)i, q->body, why) ? done() : wrong(BUSY, "%s", why);
+    return wrong(BAD, "no such calculation");
+}
+
 /* ---- a protocol: what the page's form makes ---- */
 
 /* Tried by the very program that would run it; its words without the name of the file, which nobody has given. */
@@ -73,7 +112,7 @@ static panel_reply try_plan(panel *p, const char *file) {
     snprintf(height, sizeof height, "%.17g", o->height_mm > 0 ? o->height_mm : 1000);
     const char *argv[] = {NULL, "acquire", "--dry-run", "--json", "--protocol", file, "--specimen-height-mm", height,
                           "--specimen-kind", kind, NULL};
-    int code = panel_child(argv, &out, &words);
+    int code = panel_child(argv, &out, &words, NULL);
     panel_reply r;
     if (code == CLI_OK) {
         r = (panel_reply){OK, "application/json", out, strlen(out)};
@@ -183,6 +222,8 @@ panel_reply panel_answer(panel *p, const panel_request *q) {
         const char *path;
         panel_reply (*answer)(panel *p, const panel_request *q);
     } answers[] = {{false, "/", get_page},    {false, "/live", get_live}, {true, "/plan", post_plan},
+                   {false, "/runs", get_runs}, {false, "/curve", get_curve}, {false, "/made", get_made},
+                   {true, "/job", post_job},
                    {true, "/start", post_start}, {true, "/do", post_do},     {true, "/jog", post_jog},
                    {true, "/stop", post_stop},   {true, "/emergency", post_emergency}};
     for (size_t i = 0; i < sizeof answers / sizeof answers[0]; i++)

@@ -1,5 +1,5 @@
 /* panel_child.c: this program once more, as a child with other arguments: what it prints is the answer. */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include "panel.h"
 
 #include <errno.h>
@@ -8,6 +8,7 @@
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -71,7 +72,17 @@ static int spawn(const char **argv, const int out[2], const int words[2], pid_t 
     return failed;
 }
 
-int panel_child(const char **argv, char **out, char **words) {
+static void note_child(panel *job, pid_t child) {
+    if (job) {
+        pthread_mutex_lock(&job->lock);
+        job->job.child = child;
+        if (child > 0)
+            setpriority(PRIO_PROCESS, (id_t)child, 10); /* the samples come first */
+        pthread_mutex_unlock(&job->lock);
+    }
+}
+
+int panel_child(const char **argv, char **out, char **words, panel *job) {
     int o[2] = {-1, -1}, w[2] = {-1, -1}, status = -1;
     text t[2] = {{calloc(1, 1), 0, 0}, {calloc(1, 1), 0, 0}};
     pid_t child = -1;
@@ -81,12 +92,14 @@ int panel_child(const char **argv, char **out, char **words) {
     for (int i = 0; i < 2; i++)
         if ((i ? w : o)[1] >= 0)
             close((i ? w : o)[1]);
+    note_child(job, child > 0 ? child : 0);
     if (child > 0)
         take_all((const int[]){o[0], w[0]}, t);
     if (o[0] >= 0)
         close(o[0]);
     if (w[0] >= 0)
         close(w[0]);
+    note_child(job, 0);
     while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR)
         continue;
     *out = t[0].at;

@@ -183,10 +183,17 @@ static json_t *notes_json(const panel *p, size_t since) {
     return json_pack("{sI so}", "next", (json_int_t)p->notes, "list", list);
 }
 
+static json_t *job_json(const panel *p) {
+    static const char *const names[] = {"fit", "explain", "report"};
+    const panel_job *j = &p->job;
+    return json_pack("{ss sb sb sI}", "what", names[j->what], "running", j->running, "good", j->good && !j->cancelled, "done",
+                     (json_int_t)j->done);
+}
+
 json_t *panel_live(panel *p, size_t point, size_t note) {
     pthread_mutex_lock(&p->lock);
-    json_t *to = json_pack("{so so so}", "state", state_json(p), "points", points_json(p, point), "notes",
-                           notes_json(p, note));
+    json_t *to = json_pack("{so so so so}", "state", state_json(p), "points", points_json(p, point), "notes",
+                           notes_json(p, note), "job", job_json(p));
     pthread_mutex_unlock(&p->lock);
     return to;
 }

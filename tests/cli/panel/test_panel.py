@@ -102,6 +102,22 @@ def one_run(p):
     assert sorted(os.listdir("runs")) == ["protocol.json", "ramp_hold_2mm.csv"]
 
 
+def listed(p):
+    """The folder's runs with their figures; a curve thinned; names lead nowhere else."""
+    run, = p.get("/runs")["runs"]
+    header, data = rows("runs/ramp_hold_2mm.csv")
+    assert run["name"] == "ramp_hold_2mm.csv" and run["fault"] is None and run["fit"] is None, run
+    assert run["samples"] == len(data) and run["peak_N"] == float(header["end.peak_N"]), run
+    curve = p.get("/curve?run=ramp_hold_2mm.csv")
+    assert len(curve["time_s"]) == len(curve["force_N"]) <= 4002 and abs(max(curve["force_N"]) - run["peak_N"]) < 1e-3
+    for name in ("", "none.csv", "../runs/ramp_hold_2mm.csv", "%2e%2e%2fruns%2framp_hold_2mm.csv", "protocol.json", ".csv"):
+        assert p.ask("GET", f"/curve?run={name}")[0] in (400, 404), name
+    for name in ("explain.json", "../protocol.json", "..%2fprotocol.json"):
+        assert p.ask("GET", f"/made?name={name}")[0] == 404, name
+    for runs in ("", "none.csv", "../runs/ramp_hold_2mm.csv"):
+        assert "choose runs" in p.post("/job?what=fit", runs, wanted=409)["error"]
+
+
 def stopped(p):
     """Stop withdraws; the next run of that name stands beside it."""
     p.post("/start", protocol(ramp(2, 1000), ramp(3, 1000)))
@@ -172,7 +188,7 @@ def killed():
 
 p = Panel("--contact-mm", "2", "--limit-force-N", "2")
 try:
-    for part in (who_may_ask, bad_orders, make_ready, one_run, stopped, emergency, faulted, ended):
+    for part in (who_may_ask, bad_orders, make_ready, one_run, listed, stopped, emergency, faulted, ended):
         print(part.__name__)
         sys.stdout.flush()
         part(p)

@@ -1,0 +1,89 @@
+"""test_browser.py: the page of palpate panel in a browser: a run, its stop, faults, loaded anew in the middle, the key Esc, a fit."""
+import os
+import sys
+
+from browser import Browser
+from panel_client import Panel
+
+STATE = "document.querySelector('#state').dataset.state"
+NOTES = "document.querySelector('#notes').innerText"
+
+
+def fill(b, **fields):
+    for key, value in fields.items():
+        b.run(f"(() => {{ const i = document.querySelector('#f_{key}'); i.value = {value!r}; i.dispatchEvent(new Event('input')); }})()")
+
+
+def drawn(b, canvas):
+    """Pixels of the curve's blue."""
+    return b.run(f"""(() => {{ const c = document.querySelector('#{canvas}'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+        let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i] < 40 && d[i + 1] > 60 && d[i + 1] < 140 && d[i + 2] > 130; return n; }})()""")
+
+
+p = Panel("--contact-mm", "2", "--limit-force-N", "2", out="seen")
+b = Browser(p.url, os.path.abspath("profile"))
+try:
+    print("the form: its picture and what is wrong with it")
+    b.until(f"{STATE} === 'idle'")
+    b.until("planGood")
+    assert drawn(b, "picture") > 100
+    fill(b, depth_mm="-1")
+    b.until("document.querySelector('#plan').className.includes('bad')")
+    assert "depth_mm" in b.run("document.querySelector('#plan').textContent") and b.run("document.querySelector('#start').disabled")
+    fill(b, depth_mm="2", ramp_s="0.5", hold_s="1000", air_s="0.2", after_s="0.1")
+    b.until("planGood")
+
+    print("a run, loaded anew in the middle")
+    b.click("#start")
+    b.until("now && now.run && now.run.elapsed_s > 1")
+    b.run("window.old = true")
+    b.call("Page.reload")
+    b.until("!window.old && now && now.run && data.time_s.length > 50", "the page again")
+    assert b.run("document.querySelector('#f_hold_s').value") == "1000", "the form is lost"
+    b.until("Number(document.querySelector('#force').textContent) > 0.5 && Math.abs(Number(document.querySelector('#depth').textContent) - 2) < 0.05")
+    assert drawn(b, "over_time") > 100 and drawn(b, "over_depth") > 50
+
+    print("its stop")
+    b.click("#stop")
+    b.until(f"{STATE} === 'ready' && !now.busy")
+    assert p.state()["state"] == "ready" and "stopped" in b.run(NOTES)
+    b.until("document.querySelector('#runs').innerText.includes('ramp_hold_2mm')")
+
+    print("a fault, and clearing it")
+    fill(b, depth_mm="5", hold_s="1")
+    b.until("planGood")
+    b.click("#start")
+    b.until(f"{STATE} === 'fault' && !now.busy")
+    assert not b.run("document.querySelector('#fault').hidden") and "force" in b.run("document.querySelector('#fault').innerText")
+    b.click("[data-do=clear]")
+    b.until(f"{STATE} !== 'fault' && document.querySelector('#fault').hidden")
+
+    print("the key Esc")
+    fill(b, depth_mm="2", hold_s="1000")
+    b.until("planGood")
+    b.click("#start")
+    b.until("now && now.run && now.run.elapsed_s > 1")
+    b.key("Escape")
+    b.until(f"{STATE} === 'fault' && now.fault === 'emergency_stop'")
+    b.click("[data-do=clear]")
+    b.until(f"{STATE} !== 'fault'")
+
+    print("every kind of stimulus")
+    for kind in b.run("Object.keys(kinds)"):
+        b.run(f"(() => {{ const k = document.querySelector('#kind'); k.value = {kind!r}; k.dispatchEvent(new Event('change')); }})()")
+        b.until("planGood || document.querySelector('#plan').className.includes('bad')")
+        assert b.run("planGood"), f"{kind}: {b.run('document.querySelector(`#plan`).textContent')}"
+
+    print("a fit of what was recorded")
+    b.until("runs.length === 3")
+    b.run("mark('ramp_hold_2mm.csv', true)")
+    b.click("[data-job=fit]")
+    b.until("runs.some(r => r.name === 'ramp_hold_2mm.csv' && r.fit) && document.querySelector('#runs').innerText.includes('K(0)')")
+    b.click("[data-job=report]")
+    b.until(f"{NOTES}.includes('The report is written')")
+    assert p.ask("GET", "/made?name=report.html")[0] == 200
+finally:
+    b.close()
+    sys.stdout.flush()
+    code = p.end() if p.process.poll() is None else p.process.returncode
+assert code == 0, code
