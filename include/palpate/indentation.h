@@ -17,15 +17,20 @@ typedef enum palp_tip_kind { PALP_TIP_PLATE, PALP_TIP_FLAT, PALP_TIP_SPHERE, PAL
 PALP_API const char *palp_tip_name(palp_tip_kind kind); /* "plate", "flat", "sphere", "cone"; NULL for another */
 PALP_API bool palp_tip_find(const char *name, palp_tip_kind *kind);
 
-/* A tip on a layer of an elastic material; lengths in m. The tip slides without friction; the layer is bonded to a rigid
- * floor, or slides on it. */
+/* A tip on a layer of an elastic material; lengths in m. Zeros below the floor: the tip slides without friction on a wide
+ * layer at small strain. What follows comes from tables of CalculiX (data/tips), for a bonded floor: ERR_UNSUPPORTED for a sphere
+ * or cone, ERR_LIMIT beyond the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to 4 heights; below a
+ * Poisson's ratio of 0.3 they are as at 0.3. */
 typedef struct palp_indentation {
     palp_tip_kind tip;
     double radius_m;         /* flat punch, sphere: > 0. Plate: of the specimen, > 0 */
     double half_angle_rad;   /* cone: between axis and flank, 0 to pi / 2 */
     double thickness_m;      /* of the layer; INFINITY = a half-space (not for a plate) */
     double poisson;          /* -1 < nu <= 0.5 */
-    bool floor_slides;       /* the layer slides on its floor; a plate's specimen slides on both faces in any case */
+    bool floor_slides;       /* the layer slides on its floor; a plate's specimen slides on both faces unless it sticks */
+    bool tip_sticks;         /* flat: friction holds its face; plate: the specimen is glued to both plates */
+    bool large_strain;       /* flat: a neo-Hookean layer, to a depth of 0.2 thicknesses and 0.25 radii; a plate stays linear */
+    double specimen_radius_m; /* flat: of the cylinder under it, not below its own; 0 = wide */
 } palp_indentation;
 
 /* Force at depth_m[n] over the shear modulus: force_m2[n], in m2, times G in Pa is N. 0 at depths <= 0. Plate: Young's modulus

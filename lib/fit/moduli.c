@@ -168,7 +168,8 @@ typedef struct group {
 
 static bool same_tip(const palp_indentation *a, const palp_indentation *b) {
     bool size = a->tip == PALP_TIP_CONE ? a->half_angle_rad == b->half_angle_rad : a->radius_m == b->radius_m;
-    return a->tip == b->tip && size && a->thickness_m == b->thickness_m && a->floor_slides == b->floor_slides;
+    return a->tip == b->tip && size && a->thickness_m == b->thickness_m && a->floor_slides == b->floor_slides && a->tip_sticks == b->tip_sticks &&
+           a->specimen_radius_m == b->specimen_radius_m;
 }
 
 static size_t count_tips(size_t n, const palp_indentation *tips) {

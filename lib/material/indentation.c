@@ -6,6 +6,7 @@
 #include <palpate/indentation.h>
 
 #include "base/dense.h"
+#include "indentation_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -197,6 +198,8 @@ static bool valid(const palp_indentation *in) {
         return false;
     if (in->tip == PALP_TIP_CONE)
         return in->half_angle_rad > 0 && in->half_angle_rad < 0.5 * PI;
+    if (!(in->specimen_radius_m >= 0) || !isfinite(in->specimen_radius_m))
+        return false;
     return in->radius_m > 0 && isfinite(in->radius_m) && (in->tip != PALP_TIP_PLATE || isfinite(in->thickness_m));
 }
 
@@ -218,17 +221,22 @@ palp_status palp_indentation_force(const palp_indentation *in, size_t n, const d
         fine = isfinite(depth_m[i]);
     if (!fine)
         return PALP_ERR_ARGUMENT;
-    layer *l = malloc(sizeof *l);
+    double deepest = 0;
+    for (size_t i = 0; i < n; i++)
+        deepest = fmax(deepest, depth_m[i]);
+    palp_status status = indentation_factor_check(in, deepest);
+    layer *l = status ? NULL : malloc(sizeof *l);
+    if (status)
+        return status;
     if (!l)
         return PALP_ERR_NO_MEMORY;
     layer_set(l, in);
-    palp_status status = PALP_OK;
     double slope = 0;
     if (in->tip == PALP_TIP_SPHERE || in->tip == PALP_TIP_CONE)
         status = curved(l, in, n, depth_m, force_m2);
     else if (!(status = straight(l, in, &slope)))
         for (size_t i = 0; i < n; i++)
-            force_m2[i] = slope * fmax(depth_m[i], 0.0);
+            force_m2[i] = depth_m[i] > 0 ? slope * indentation_factor(in, depth_m[i]) * depth_m[i] : 0.0;
     free(l);
     return status;
 }

@@ -19,31 +19,47 @@ modulus() { awk -v n="\"$1\":" -v k="\"${2-value}\":" '$1 == n { on = 1 } on && 
 tip='# tip.kind: "flat"\n# tip.radius_mm: '
 press narrow "$(awk 'BEGIN { print 4 * 1000 * 2e-3 * 1.281 * 1e-3 / 0.5 }')" 1 10 0.5 1 "${tip}2\n"
 press broad "$(awk 'BEGIN { print 4 * 1000 * 10e-3 * 3.609 * 1e-3 / 0.5 }')" 1 10 0.5 1 "${tip}10\n"
-expect 0 characterize broad.csv --arms 1 --json
+expect 0 characterize broad.csv --arms 1 --small-strain --json
 near "G_inf of a flat punch" "$(modulus shear_inf_Pa)" 1000 0.01
 near "G_0" "$(modulus shear_0_Pa)" 2000 0.01
 near "E_inf" "$(modulus young_inf_Pa)" 3000 0.01
 grep -q '"poisson_found": false' out || fail "one tip gave a Poisson's ratio"
 grep -q 'one tip .* cannot give both modulus and Poisson' err || fail "it is not said that one tip cannot give both"
 awk -v a="$(modulus shear_inf_Pa low)" -v b="$(modulus shear_inf_Pa high)" 'BEGIN { exit !(a < b && b - a < 100) }' || fail "no interval"
-expect 0 characterize broad.csv narrow.csv --arms 1 --json
+expect 0 characterize broad.csv narrow.csv --arms 1 --small-strain --json
 grep -q '"poisson_found": true' out || fail "two tips gave no Poisson's ratio"
 near "nu of two punches" "$(modulus poisson)" 0.5 0.01
 near "their G_inf" "$(modulus shear_inf_Pa)" 1000 0.02
-expect 0 characterize broad.csv narrow.csv --arms 1
+expect 0 characterize broad.csv narrow.csv --arms 1 --small-strain
 grep -q "Poisson's ratio *0.*by the agreement of 2 tips" out || fail "print: $(grep Poisson out)"
-expect 0 characterize broad.csv --arms 1 --poisson 0.3
+expect 0 characterize broad.csv --arms 1 --small-strain --poisson 0.3
 grep -q "Poisson's ratio *0.300   assumed" out || fail "print: $(grep Poisson out)"
 grep -q 'cannot give both' err && fail "a ratio that is given is warned of"
 
+press ball "$(awk 'BEGIN { print 8 / 3 * 5000 * sqrt(5e-3) * 1e-3 ^ 1.5 / 0.6 }')" 1.5 1000 0.3 1 ''
+# What a flat punch meets beyond: a neo-Hookean layer is stiffer, a narrow specimen softer, a punch that sticks stiffer.
+expect 0 characterize broad.csv --arms 1 --json
+awk -v g="$(modulus shear_inf_Pa)" 'BEGIN { exit !(g > 920 && g < 960) }' || fail "large strain: $(modulus shear_inf_Pa)"
+grep -q '"large_strain": true' out || fail "large strain is not said"
+expect 0 characterize broad.csv --arms 1 --small-strain --tip-sticks --json
+near "G of a punch that sticks" "$(modulus shear_inf_Pa)" "$(awk 'BEGIN { print 1000 / 1.129 }')" 0.01
+sed 's/"flat"/&\n# specimen.radius_mm: 15/' broad.csv >edge.csv
+expect 0 characterize edge.csv --arms 1 --small-strain --json
+near "G of a specimen half as wide again as the punch" "$(modulus shear_inf_Pa)" "$(awk 'BEGIN { print 1000 / 0.712 }')" 0.01
+sed 's/radius_mm: 10/radius_mm: 1/' broad.csv >thin.csv
+expect 0 characterize thin.csv --arms 1
+grep -q 'no correction for large strain' err || fail "beyond the table: $(cat err)"
+grep -q 'small strain; the tip slides' out || fail "print: $(grep Moduli out)"
+expect 1 characterize thin.csv --tip-sticks; grep -q 'is known for punches' err || fail "$(tail -n 1 err)"
+expect 1 characterize ball.csv --tip sphere --tip-radius-mm 5 --tip-sticks; grep -q 'goes with a plate or a flat punch' err || fail "$(tail -n 1 err)"
+
 # Lengths times 1e-3: the same force is of a modulus 1e6 times as large.
 press tiny "$(awk 'BEGIN { print 4 * 1000 * 10e-3 * 3.609 * 1e-3 / 0.5 }')" 1 10 0.5 1e-3 "${tip}0.01\n"
-expect 0 characterize broad.csv --arms 1 --json; one=$(modulus shear_inf_Pa)
-expect 0 characterize tiny.csv --arms 1 --json
+expect 0 characterize broad.csv --arms 1 --small-strain --json; one=$(modulus shear_inf_Pa)
+expect 0 characterize tiny.csv --arms 1 --small-strain --json
 near "G of a thousandth of the size" "$(modulus shear_inf_Pa)" "$(awk "BEGIN { print 1e6 * $one }")" 1e-4
 
 # Hertz on a thick layer: F = 8 / 3 G sqrt(R) d^1.5 / (1 - nu); contact is found with the modulus.
-press ball "$(awk 'BEGIN { print 8 / 3 * 5000 * sqrt(5e-3) * 1e-3 ^ 1.5 / 0.6 }')" 1.5 1000 0.3 1 ''
 expect 0 characterize ball.csv --arms 1 --tip sphere --tip-radius-mm 5 --poisson 0.4 --json
 near "G_inf of a sphere" "$(modulus shear_inf_Pa)" 5000 0.03
 # A plate that slides: E = F h / (A d).

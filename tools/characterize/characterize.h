@@ -37,6 +37,7 @@ typedef struct characterize_options {
     int specimens_by;        /* characterize_specimens_by */
     double filter_Hz, height_mm, radius_mm, contact_mm; /* 0, 0, 0, NaN = not given */
     int tip, floor;                          /* -1 = the files', else palp_tip_kind; 0 = bonded, slides */
+    bool tip_sticks, small_strain;
     double tip_radius_mm, tip_angle_deg, poisson; /* 0, 0, NaN = not given */
     char command[CLI_COMMAND_MAX];
 } characterize_options;

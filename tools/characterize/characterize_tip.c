@@ -30,7 +30,7 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
     const char *text = NULL;
     palp_indentation *tip = &s->tip[s->n];
     bool in_file = palp_experiment_get_string(experiment, "tip.kind", &text) == PALP_OK;
-    *tip = (palp_indentation){.thickness_m = run->height_m, .floor_slides = o->floor == 1};
+    *tip = (palp_indentation){.thickness_m = run->height_m, .floor_slides = o->floor == 1, .tip_sticks = o->tip_sticks};
     if (o->tip >= 0)
         tip->tip = (palp_tip_kind)o->tip;
     else if (in_file && !palp_tip_find(text, &tip->tip))
@@ -42,6 +42,10 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
     if (!known)
         return CLI_OK;
     tip->radius_m = tip->tip == PALP_TIP_PLATE ? run->radius_m : 1e-3 * number_of(o->tip_radius_mm, experiment, "tip.radius_mm");
+    if (tip->tip == PALP_TIP_FLAT && !tip->floor_slides) {
+        tip->large_strain = !o->small_strain;
+        tip->specimen_radius_m = run->radius_m;
+    }
     tip->half_angle_rad = RADIAN * number_of(o->tip_angle_deg, experiment, "tip.half_angle_deg");
     const char *what = missing(tip);
     return what ? cli_failure(NAME, "%s: a %s tip needs %s", run->name, palp_tip_name(tip->tip), what) : CLI_OK;
@@ -57,24 +61,50 @@ static void judge(const characterize_options *o, characterize_state *s) {
         characterize_warn(s, "Poisson's ratio is not determined by these tips (%.2f to %.2f)", m->poisson.low, m->poisson.high);
     if (m->misfit > 0.05)
         characterize_warn(s, "the tip's force by one shear modulus leaves %.2g %% of the force (rms): the contact, the tip or the layer is another, or the material is not linear", 100 * m->misfit);
-    if (m->largest_depth > 0.1)
+    for (size_t i = 0; i < s->n; i++)
+        if (s->tip[i].tip != PALP_TIP_PLATE && s->tip[i].specimen_radius_m == 0 && s->run[i].radius_m > 0 &&
+            s->run[i].radius_m < (m->widest_contact + 1.5) * s->tip[i].thickness_m) {
+            characterize_warn(s, "%s: the specimen's edge is near the tip, which these moduli do not know: they come out low", s->run[i].name);
+            break;
+        }
+    if (m->largest_depth > 0.1 && !s->tip[0].large_strain)
         characterize_warn(s, "the deepest press is %.2g of the layer's thickness: moduli are those of small strain, and come out high there", m->largest_depth);
 }
 
-int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
+/* With Poisson's ratio found where it can be. */
+static palp_status fit(const characterize_options *o, characterize_state *s, palp_error *error) {
     palp_moduli_settings settings = palp_moduli_settings_default();
-    palp_error error = {PALP_OK, ""};
-    if (!s->has_tip)
-        return CLI_OK;
     settings.n_arms = s->material.n_arms;
     settings.dwell_only = o->dwell_only;
     settings.contact_known = o->contact == 1 || !isnan(o->contact_mm);
     settings.poisson = isnan(o->poisson) ? NAN : o->poisson;
-    palp_status status = palp_moduli_fit(s->n, s->run, s->tip, &settings, &s->moduli, &error);
+    palp_status status = palp_moduli_fit(s->n, s->run, s->tip, &settings, &s->moduli, error);
     if (status == PALP_ERR_INPUT && isnan(o->poisson) && s->moduli.n_tips < 2) {
         settings.poisson = 0.5;
-        status = palp_moduli_fit(s->n, s->run, s->tip, &settings, &s->moduli, &error);
+        status = palp_moduli_fit(s->n, s->run, s->tip, &settings, &s->moduli, error);
     }
+    return status;
+}
+
+/* What lies beyond the tables is left out, and said. */
+int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
+    palp_error error = {PALP_OK, ""};
+    if (!s->has_tip)
+        return CLI_OK;
+    palp_status status = fit(o, s, &error);
+    for (int less = 0; status == PALP_ERR_LIMIT && less < 2; less++) {
+        for (size_t i = 0; i < s->n; i++) {
+            s->tip[i].large_strain = false;
+            s->tip[i].specimen_radius_m = less ? 0 : s->tip[i].specimen_radius_m;
+        }
+        if (less == 0 && !o->small_strain)
+            characterize_warn(s, "no correction for large strain: its table holds for punches of 0.2 to 2 thicknesses pressed to 0.2 thicknesses and 0.25 radii");
+        status = fit(o, s, &error);
+    }
+    if (status == PALP_ERR_UNSUPPORTED)
+        return cli_failure(NAME, "%s: --tip-sticks goes with a plate or a flat punch and a bonded floor", s->run[0].name);
+    if (status == PALP_ERR_LIMIT && o->tip_sticks)
+        return cli_failure(NAME, "%s: --tip-sticks is known for punches of 0.2 to 2 thicknesses and plates of 0.2 to 4 heights", s->run[0].name);
     if (status == PALP_ERR_LIMIT)
         return cli_failure(NAME, "%s: the contact is wider than %g thicknesses of the layer: take --tip plate", s->run[0].name, PALP_INDENTATION_WIDEST);
     if (status)
@@ -95,8 +125,9 @@ void characterize_tip_print(const characterize_state *s) {
     const palp_moduli *m = &s->moduli;
     if (!s->has_tip)
         return;
-    printf("Moduli of the layer under %s tip%s (elastic layer %s; small strain; no friction)\n", m->n_tips > 1 ? "the" : palp_tip_name(s->tip[0].tip),
-           m->n_tips > 1 ? "s" : "", s->tip[0].tip == PALP_TIP_PLATE || s->tip[0].floor_slides ? "sliding on its floor" : "bonded to its floor");
+    printf("Moduli of the layer under %s tip%s (layer %s; %s; the tip %s)\n", m->n_tips > 1 ? "the" : palp_tip_name(s->tip[0].tip),
+           m->n_tips > 1 ? "s" : "", s->tip[0].tip == PALP_TIP_PLATE || s->tip[0].floor_slides ? "sliding on its floor" : "bonded to its floor",
+           s->tip[0].large_strain ? "neo-Hookean" : "small strain", s->tip[0].tip_sticks ? "sticks" : "slides");
     if (m->poisson_found)
         printf("  %-28s %12.3f   %.3f to %.3f, by the agreement of %zu tips\n", "Poisson's ratio", m->poisson.value, m->poisson.low, m->poisson.high, m->n_tips);
     else
@@ -136,6 +167,8 @@ json_t *characterize_tip_json(const characterize_state *s) {
         json_array_append_new(arms, json_pack("{s:f, s:f}", "shear_Pa", m->arm_Pa[j], "tau_s", m->tau_s[j]));
     json_object_set_new(to, "tips", tips);
     json_object_set_new(to, "floor", json_string(s->tip[0].floor_slides ? "slides" : "bonded"));
+    json_object_set_new(to, "tip_sticks", json_boolean(s->tip[0].tip_sticks));
+    json_object_set_new(to, "large_strain", json_boolean(s->tip[0].large_strain));
     json_object_set_new(to, "poisson", modulus_json(&m->poisson));
     json_object_set_new(to, "poisson_found", json_boolean(m->poisson_found));
     json_object_set_new(to, "shear_inf_Pa", modulus_json(&m->shear_inf_Pa));

@@ -77,6 +77,35 @@ START_TEST(the_slope_is_that_of_a_punch_as_wide_as_the_contact) {
 }
 END_TEST
 
+/* Published closed forms and what CalculiX' tables must tend to. */
+START_TEST(the_tables_meet_what_is_known) {
+    palp_indentation plate = of(PALP_TIP_PLATE, 2e-3, 0.5), glued = plate, flat = of(PALP_TIP_FLAT, 2e-3, 0.45), other = flat;
+    glued.tip_sticks = true; /* Gent and Lindley 1959: 1 + 2 (R / 2 h)^2 */
+    near_to(force(glued, 1e-5) / force(plate, 1e-5), 1.5, 0.06);
+    glued.thickness_m = plate.thickness_m = 0.5e-3;
+    near_to(force(glued, 1e-5) / force(plate, 1e-5), 9.0, 0.05);
+    other.specimen_radius_m = 6e-3; /* three punches wide */
+    near_to(force(other, 1e-5) / force(flat, 1e-5), 0.985, 2e-3);
+    other.specimen_radius_m = 1.0;
+    near_to(force(other, 1e-5) / force(flat, 1e-5), 1.0, 1e-3);
+    other.large_strain = true; /* small depths: as at small strain */
+    near_to(force(other, 1e-7) / force(flat, 1e-7), 1.0, 2e-3);
+    ck_assert_double_gt(force(other, 4e-4), 1.15 * force(flat, 4e-4));
+    other.specimen_radius_m = 0;
+    other.thickness_m = 1e-4;
+    double d = 1e-6, f;
+    ck_assert_int_eq(palp_indentation_force(&other, 1, &d, &f), PALP_ERR_LIMIT);
+    other = flat;
+    other.large_strain = true;
+    d = 6e-4;
+    ck_assert_int_eq(palp_indentation_force(&other, 1, &d, &f), PALP_ERR_LIMIT);
+    other.tip = PALP_TIP_SPHERE;
+    ck_assert_int_eq(palp_indentation_force(&other, 1, &d, &f), PALP_ERR_UNSUPPORTED);
+    other.specimen_radius_m = NAN;
+    ck_assert_int_eq(palp_indentation_force(&other, 1, &d, &f), PALP_ERR_ARGUMENT);
+}
+END_TEST
+
 START_TEST(bad_numbers_are_refused) {
     double d = 1e-4, f, a;
     palp_indentation bad[] = {of(PALP_TIP_FLAT, 0, 0.3),    of(PALP_TIP_FLAT, NAN, 0.3),       of(PALP_TIP_PLATE, INFINITY, 0.3),
@@ -113,6 +142,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_thin_layer_is_compressed_without_spreading);
     tcase_add_loop_test(tc, scale_and_order_change_nothing, 0, 4);
     tcase_add_loop_test(tc, the_slope_is_that_of_a_punch_as_wide_as_the_contact, 0, 2);
+    tcase_add_test(tc, the_tables_meet_what_is_known);
     tcase_add_test(tc, bad_numbers_are_refused);
     tcase_add_test(tc, a_tip_has_a_name);
 }

@@ -1,0 +1,13 @@
+/* indentation_internal.h: what the contact of a wide layer at small strain lacks. Internal. */
+#ifndef INDENTATION_INTERNAL_H
+#define INDENTATION_INTERNAL_H
+
+#include <palpate/indentation.h>
+
+/* Whether the tables hold what is asked for: ERR_UNSUPPORTED, ERR_LIMIT. */
+palp_status indentation_factor_check(const palp_indentation *indentation, double deepest_m);
+
+/* Force over that of a wide layer at small strain. */
+double indentation_factor(const palp_indentation *indentation, double depth_m);
+
+#endif
