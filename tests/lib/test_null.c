@@ -100,7 +100,7 @@ START_TEST(null_in_experiment) {
 END_TEST
 
 START_TEST(null_in_indentation) {
-    palp_indentation in = {PALP_TIP_FLAT, 1e-3, 0, 1e-2, 0.3, false};
+    palp_indentation in = {.tip = PALP_TIP_FLAT, .radius_m = 1e-3, .thickness_m = 1e-2, .poisson = 0.3};
     palp_tip_kind kind;
     REFUSED(palp_indentation_force(NULL, 2, numbers, numbers));
     REFUSED(palp_indentation_force(&in, 2, NULL, numbers));

@@ -12,8 +12,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
     const cli_option options[] = {
         cli_heading("Model"),
         cli_text("arms", "N|auto", &o->arms_text,
-                 "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\n"
-                 "of the fit)"),
+                 "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\nof the fit)"),
         cli_choice("law", "auto|polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden", &o->law_choice,
                    "form of the stiffness law K(e), F = K(e) e (default auto: form and size by the\n"
                    "error on samples left out of the fit; with --degree a polynomial, with\n"
@@ -21,8 +20,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_text("degree", "N|auto", &o->degree_text, "degree of the force polynomial F(e), 2 to 7, so that K(e) has one degree\nless, as Table 4.1 of Sedef 2008 counts (polynomial: default 5, no more terms than\nthere are depths); auto: by the error on samples left out"),
         cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 5)"),
         cli_heading("Fit"),
-        cli_flag("shared-arms", &o->shared_arms,
-                 "one set of arms for all depths only, no fit of each depth alone"),
+        cli_flag("shared-arms", &o->shared_arms, "one set of arms for all depths only, no fit of each depth alone"),
         cli_flag("per-depth", &o->per_depth, "each depth alone, no table of shared arms (default: both tables)"),
         cli_choice("method", "nlopt|grid", &o->method, "nlopt: weighted least squares from several starts (default); grid:\nthe procedure of Sedef 2008, Section 4.3.3, with one or two arms"),
         cli_flag("hold-only", &o->dwell_only, "leave the ramp out of the fit of the model too (fits with a K_inf for\neach depth see the hold only: on the ramp K(e) is not constant)"),
@@ -63,8 +61,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
         "Contact, zero force and noise of each run are found first and told on standard error.",
         "  palpate characterize static.csv hold_*.csv --out lumped.json --plot figures\n"
         "  palpate characterize hold_*.csv --arms 2 --shared-arms --json\n",
-        options,
-        sizeof options / sizeof options[0]};
+        options, sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, o->words, CHARACTERIZE_RUNS_MAX, &o->n_words);
     return code == CLI_OK && o->n_words == 0
                ? cli_usage_error(NAME, "name a RUN.csv; see palpate characterize --help")
