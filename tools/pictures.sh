@@ -2,6 +2,7 @@
 # pictures.sh: what `make pictures` runs: makes every picture of doc/pictures/ from the product itself.
 #   press.png, cut.png          the window of examples/poke, moved by press.poke and cut.poke
 #   explain.png                 the page that palpate explain writes in `make demo`
+#   panel.png                   the page of palpate panel, in the middle of a run of the virtual indenter
 #   static.svg, relaxation.svg  palpate calibrate on the thesis' phantom
 #   table_4_2.svg and so on    tables of the thesis over depth (data/sedef2008/compare.py)
 #   pipeline.svg, layers.svg    drawn by Graphviz from the .dot file of the same name
@@ -13,7 +14,7 @@ poke=$(dirname "$palpate")/examples/poke/poke
 out=doc/pictures
 work=$(mktemp -d)
 server=
-trap '[ -z "$server" ] || kill "$server"; rm -rf "$work"' EXIT
+trap '[ -z "$server" ] || kill $server; rm -rf "$work"' EXIT
 
 for figure in pipeline layers; do
     dot -Tsvg "$out/$figure.dot" -o "$out/$figure.svg"
@@ -44,6 +45,24 @@ window cut 122
 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1060,1105 --screenshot="$work/explain.png" \
     "file://$PWD/build/demo/explain.html" >/dev/null 2>&1
 compress "$work/explain.png" "$out/explain.png"
+
+"$palpate" panel --port rig --firmware host --contact-mm 2 --out "$work/runs" >"$work/address" 2>/dev/null &
+server="$server $!"
+while ! [ -s "$work/address" ]; do sleep 0.1; done
+python3 - "$(cat "$work/address")" <<'END' # two runs, the second up to 8 s into it
+import json, sys, time, urllib.request
+address, token = sys.argv[1].split("/?token=")
+def ask(path, body=None):
+    request = urllib.request.Request(address + path, json.dumps(body).encode() if body else None, {"X-Palpate-Token": token})
+    return json.load(urllib.request.urlopen(request))
+runs = [{"kind": "ramp_hold", "depth_mm": 3, "ramp_s": 0.5, "hold_s": 2, "rest_s": 0}, {"kind": "cyclic", "depth_mm": 3, "rate_mm_s": 2, "cycles": 20, "rest_s": 3}]
+ask("/start", {"palpate": {"protocol": 1}, "runs": runs})
+while not (ask("/live?point=1000000000")["state"]["run"] or {}).get("name") == "cyclic_3mm": time.sleep(0.1)
+time.sleep(8)
+END
+chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1300,1130 --virtual-time-budget=4000 \
+    --screenshot="$work/panel.png" "$(cat "$work/address")" >/dev/null 2>&1
+compress "$work/panel.png" "$out/panel.png"
 
 find "$out" -name '*.png' -size +300k -o -name '*.svg' -size +300k | sed 's/$/: larger than 300 KB/'
 ls -l "$out"/*.png "$out"/*.svg

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-static const char NAME[] = "acquire";
-
 enum { AXIS_Z = 2, TARE_TICKS = 1000 };
 
 static const double SEEK_MM_S = 0.5;
@@ -104,8 +102,8 @@ outcome session_check_run(session *s, const acquire_run *r) {
 static void say_contact(session *s) {
     const palp_wire_status *now = &s->device.status;
     acquire_live_end(&s->live);
-    fprintf(stderr, "palpate %s: contact %.3f mm below home, %.4g N/m, gains of class %u\n", NAME,
-            s->scale.count_mm * s->scale.contact, 1e-3 * now->stiffness_mN_m, (unsigned)now->softness);
+    session_tell(s, false, "contact %.3f mm below home, %.4g N/m, gains of class %u",
+                 s->scale.count_mm * s->scale.contact, 1e-3 * now->stiffness_mN_m, (unsigned)now->softness);
 }
 
 /* A session that was cut off may have left it in the middle of a run. */
@@ -114,7 +112,7 @@ outcome session_end_last(session *s) {
     outcome end = session_status(s);
     if (end || !session_moving(s))
         return end;
-    cli_warning(NAME, "the device was still moving for a session that has gone: it withdraws first");
+    session_tell(s, true, "the device was still moving for a session that has gone: it withdraws first");
     end = session_order(s, &m, "stop");
     return end ? end : session_settle(s, 30);
 }

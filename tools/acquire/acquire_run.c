@@ -14,19 +14,18 @@ static void check_contact(const session *s) {
     double at_mm = s->file.figures.contact_mm;
     if (s->run->kind == ACQUIRE_FREE || isnan(at_mm) || (at_mm > early_mm && at_mm < late_mm))
         return;
-    cli_warning(NAME, "%s: contact at %.2f mm: the specimen %s", s->file.path, at_mm,
+    session_tell(s, true, "%s: contact at %.2f mm: the specimen %s", s->file.path, at_mm,
                 at_mm > 0 ? "has not recovered (raise --rest-s), or has moved"
                           : "has risen or moved; let it settle and start again");
 }
 
 static void say_run(const session *s) {
     const acquire_figures *g = &s->file.figures;
-    fprintf(stderr, "palpate %s: %s: %zu samples, %.4g mm, %.4g N, error %.2g mm rms", NAME, s->file.path,
-            g->samples, g->deepest_mm, g->peak_N,
-            g->errors ? sqrt(g->error_square / (double)g->errors) : 0.0);
+    char missing[80] = "";
     if (g->lost + g->bad > 0)
-        fprintf(stderr, ", %zu lost, %zu without a reading", g->lost, g->bad);
-    fputc('\n', stderr);
+        snprintf(missing, sizeof missing, ", %zu lost, %zu without a reading", g->lost, g->bad);
+    session_tell(s, false, "%s: %zu samples, %.4g mm, %.4g N, error %.2g mm rms%s", s->file.path, g->samples,
+                 g->deepest_mm, g->peak_N, g->errors ? sqrt(g->error_square / (double)g->errors) : 0.0, missing);
 }
 
 static outcome start_run(session *s) {

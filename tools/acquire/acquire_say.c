@@ -4,6 +4,7 @@
 #include "shared/json_out.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <palpate/version.h>
 #include <string.h>
 #include <time.h>
@@ -152,6 +153,17 @@ json_t *session_summary(session *s, const char *cause) {
 }
 
 /* ---- the terminal ---- */
+
+void session_tell(const session *s, bool warning, const char *format, ...) {
+    char text[ACQUIRE_WORDS];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "palpate acquire: %s%s\n", warning ? "warning: " : "", text);
+    if (s->watcher.told)
+        s->watcher.told(warning, text, s->watcher.context);
+}
 
 void session_line(const session *s, char line[ACQUIRE_TEXT]) {
     const acquire_sample *x = &s->file.last;

@@ -17,6 +17,7 @@ enum { ACQUIRE_WORDS = CLI_PATH_MAX + 2 * ACQUIRE_TEXT };
 typedef struct session_watcher {
     void (*heard)(const session *s, const palp_wire_message *m, void *context);
     bool (*stops)(const session *s, void *context);
+    void (*told)(bool warning, const char *text, void *context);
     void *context;
 } session_watcher;
 
@@ -90,6 +91,7 @@ int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]);
 json_t *session_header(const session *s); /* of the run in progress */
 void session_note_run(session *s, const char *cause);
 json_t *session_summary(session *s, const char *cause);
+void session_tell(const session *s, bool warning, const char *format, ...); /* a line on stderr, and to who looks on */
 void session_line(const session *s, char line[ACQUIRE_TEXT]); /* for the terminal */
 
 #endif

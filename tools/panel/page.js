@@ -139,7 +139,7 @@ function take(points) {
   if (data.time_s.length > 150000) for (const k in data) data[k].splice(0, 50000);
 }
 
-const shown = (x, digits) => x === null || x === undefined || !isFinite(x) ? "-" : x.toFixed(digits);
+const shown = (x, digits) => x === null || x === undefined || !isFinite(x) ? "-" : x.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 const clock = s => s < 100 ? shown(s, 1) + " s" : Math.floor(s / 60) + " min " + String(Math.floor(s % 60)).padStart(2, "0") + " s";
 const moves = { homing: 1, approach: 1, run: 1, retract: 1 };
 const words = { boot: "starting", idle: "motor off", homing: "homing", ready: "ready", approach: "searching", run: "running", retract: "moving", fault: "stopped by a fault", gone: "disconnected" };

@@ -87,6 +87,11 @@ static void heard(const session *s, const palp_wire_message *m, void *context) {
     (void)s;
 }
 
+static void told(bool warning, const char *text, void *context) {
+    const owner *o = context;
+    panel_say(o->panel, warning, "%s", text);
+}
+
 static bool stops(const session *s, void *context) {
     const owner *o = context;
     (void)s;
@@ -108,8 +113,14 @@ static outcome find_contact(owner *o) {
     return end;
 }
 
+/* Not in the specimen, whose force would then be none. */
 static outcome tare(owner *o) {
-    outcome end = session_tare(o->session);
+    const session *s = o->session;
+    const palp_wire_status *now = &s->device.status;
+    outcome end = session_status(o->session);
+    if (end == GOES_ON && now->contact_known && now->position > now->contact)
+        return session_fail(o->session, "the plate is in the specimen: move it up, then tare");
+    end = end ? end : session_tare(o->session);
     o->tared = o->tared || end == GOES_ON;
     return end;
 }
@@ -301,9 +312,9 @@ int panel_own(panel *p, session *s) {
     if (!plan)
         return cli_failure(NAME, "out of memory");
     s->plan = plan;
-    s->watcher = (session_watcher){heard, stops, &o};
+    s->watcher = (session_watcher){heard, stops, told, &o};
     int code = run(&o);
-    s->watcher = (session_watcher){NULL, NULL, NULL};
+    s->watcher = (session_watcher){NULL, NULL, NULL, NULL};
     free(plan);
     return code;
 }

@@ -1,4 +1,5 @@
 """test_browser.py: the page of palpate panel in a browser: a run, its stop, faults, loaded anew in the middle, the key Esc, a fit."""
+import json
 import os
 import sys
 
@@ -19,6 +20,14 @@ def drawn(b, canvas):
     return b.run(f"""(() => {{ const c = document.querySelector('#{canvas}'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
         let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i] < 40 && d[i + 1] > 60 && d[i + 1] < 140 && d[i + 2] > 130; return n; }})()""")
 
+
+# What explain leaves behind: an effect, and the experiment that tells it from another.
+os.makedirs("seen/fits")
+NEXT = {"kind": "ramp_hold", "depth_mm": 4.25, "ramp_s": 0.5, "hold_s": 30}
+with open("seen/fits/explain.json", "w") as f:
+    json.dump({"verdict": "explained", "effects": [{"id": "sensor_lag"}], "next_experiment": {"run": NEXT}}, f)
+with open("seen/fits/next.json", "w") as f:
+    json.dump({"palpate": {"protocol": 1}, "about": "tells one from another", "runs": [NEXT]}, f)
 
 p = Panel("--contact-mm", "2", "--limit-force-N", "2", out="seen")
 b = Browser(p.url, os.path.abspath("profile"))
@@ -73,6 +82,13 @@ try:
         b.run(f"(() => {{ const k = document.querySelector('#kind'); k.value = {kind!r}; k.dispatchEvent(new Event('change')); }})()")
         b.until("planGood || document.querySelector('#plan').className.includes('bad')")
         assert b.run("planGood"), f"{kind}: {b.run('document.querySelector(`#plan`).textContent')}"
+
+    print("the next experiment of explain, by one click")
+    b.until("document.querySelector('#found').innerText.includes('sensor_lag')")
+    b.click("#found button")
+    b.until("document.querySelector('#protocol').value.includes('4.25') && planGood")
+    assert json.loads(b.run("document.querySelector('#protocol').value"))["runs"] == [NEXT]
+    assert "ramp_hold_4.25mm" in b.run("document.querySelector('#plan').textContent")
 
     print("a fit of what was recorded")
     b.until("runs.length === 3")

@@ -76,6 +76,12 @@ def make_ready(p):
     at = p.idle()["place_mm"]
     assert abs(at - s["place_mm"] - 0.5) < 0.05, (at, s)
     assert p.do("release")["state"] == "idle"
+    p.post("/jog?by_mm=1&rate_mm_s=2")
+    assert p.idle()["place_mm"] > s["contact_mm"]
+    p.do("tare")
+    assert "the plate is in the specimen" in p.notes[-1]["text"], p.notes
+    p.post("/jog?by_mm=-1&rate_mm_s=2")
+    p.idle()
     assert p.do("hold")["state"] == "ready"
 
 
@@ -99,6 +105,7 @@ def one_run(p):
     times = [float(line.split(",")[0]) for line in data]
     assert all(abs(t - 0.001 * i) < 1e-9 for i, t in enumerate(times)), "what is shown is thinned, what is recorded is not"
     assert json.load(open("runs/protocol.json")) == protocol(ramp(2, 1))
+    assert any("ramp_hold_2mm.csv: " in n["text"] and not n["bad"] for n in p.notes), p.notes
     assert sorted(os.listdir("runs")) == ["protocol.json", "ramp_hold_2mm.csv"]
 
 
