@@ -2,6 +2,7 @@
 #ifndef PALPATE_CALIBRATE_H
 #define PALPATE_CALIBRATE_H
 
+#include <palpate/forward.h>
 #include <palpate/network.h>
 
 #ifdef __cplusplus
@@ -105,6 +106,13 @@ PALP_API palp_status palp_calibrate_relaxation(palp_network *network, const palp
                                                size_t n_targets, const palp_target *targets,
                                                const palp_relaxation_settings *settings,
                                                palp_calibration *result);
+
+/* How well a network is known that was calibrated to a lumped model: from lumped->covariance, by the derivatives of both models'
+ * forces in runs (those that were met), the covariance of the network's numbers, [n n] in the order of palp_model.covariance, and
+ * from lumped->between, where between is not NULL, how specimens differ. What the network's force misses of the lumped model's is
+ * added as a factor on all of its stiffness. Errors of palp_forward_band; ERR_SINGULAR: runs without force. */
+PALP_API palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model *network, size_t n_runs,
+                                               const palp_forward_run *runs, double *covariance, double *between, palp_error *error);
 
 #ifdef __cplusplus
 }

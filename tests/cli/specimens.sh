@@ -45,6 +45,13 @@ for factor in 0.80 1.25; do
 done
 awk -F, '/^[0-9]/ && $1 > 0.5 { w = ($5 - $4) / 2 / $3; if (w < 0.3 || w > 0.9) bad++ } END { exit bad > 0 }' band.csv || fail "width of the band"
 
+# A network calibrated to the mean knows as much: its band is that of the lumped model.
+expect 0 calibrate mean.json --nodes 3 --depth-mm 3,6 --hold-s 20 --steps 1000 --out network.json
+grep -q '"specimens": {"count": 5' network.json || fail "the network does not know the specimens"
+expect 0 simulate network.json --like band.csv --band --out network_band.csv
+grep '^[0-9]' band.csv >a; grep '^[0-9]' network_band.csv >b
+paste -d, a b | awk -F, '$1 > 0.5 { w = ($10 - $9) / ($5 - $4); if (w < 0.9 || w > 1.1) bad++; n++ } END { exit !(n > 20 && !bad) }' || fail "the network's band"
+
 # The same specimen five times over is one.
 for k in 1 2 3; do
     mkdir -p same$k

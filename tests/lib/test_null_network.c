@@ -17,6 +17,10 @@ START_TEST(null_in_calibrate) {
     REFUSED(palp_calibrate_two_level(net, net, &material, 2, numbers, NULL, (void *)storage, (void *)storage));
     REFUSED(palp_calibrate_two_level(net, net, &material, 2, numbers, numbers, NULL, (void *)storage));
     REFUSED(palp_calibrate_two_level(net, net, &material, 2, numbers, numbers, (void *)storage, NULL));
+    REFUSED(palp_calibrate_covariance(NULL, (void *)storage, 1, (void *)storage, (double *)storage, NULL, NULL));
+    REFUSED(palp_calibrate_covariance((void *)storage, NULL, 1, (void *)storage, (double *)storage, NULL, NULL));
+    REFUSED(palp_calibrate_covariance((void *)storage, (void *)storage, 1, NULL, (double *)storage, NULL, NULL));
+    REFUSED(palp_calibrate_covariance((void *)storage, (void *)storage, 1, (void *)storage, NULL, NULL, NULL));
     REFUSED(palp_calibrate_relaxation(NULL, &material, 2, (void *)storage, (void *)storage, (void *)storage));
     REFUSED(palp_calibrate_relaxation(net, NULL, 2, (void *)storage, (void *)storage, (void *)storage));
     REFUSED(palp_calibrate_relaxation(net, &material, 2, NULL, (void *)storage, (void *)storage));

@@ -209,6 +209,8 @@ static int calibrate(const calibrate_options *o, calibrate_state *s) {
     if (code == CLI_OK && s->does_relaxation)
         code = calibrate_relaxation(o, s);
     code = code ? code : calibrate_compare(o, s);
+    if (code == CLI_OK && o->out)
+        code = calibrate_known(o, s);
     code = code ? code : write_model(o, s);
     code = code ? code : calibrate_report(o, s);
     if (code == CLI_OK && o->plot)
@@ -225,8 +227,9 @@ static void state_free(calibrate_state *s) {
         record_free(&s->press[i].network);
         free(s->press[i].wanted_N);
     }
-    free(s->depth_m);
-    free(s->force_N);
+    double *const arrays[] = {s->depth_m, s->force_N, s->lumped_covariance, s->lumped_between, s->covariance, s->between};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(arrays[i]);
     palp_network_free(s->network);
     palp_mesh_free(s->mesh);
     free(s);

@@ -1,0 +1,125 @@
+/* calibrate_covariance.c: how well a calibrated network is known, from how well the lumped model is that it was calibrated to. */
+#include <palpate/calibrate.h>
+
+#include "base/dense.h"
+#include "base/file.h"
+#include "response/forward_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Normal equations of A dphi = G dtheta: what changes of the network's numbers make what the lumped model's changes make of the
+ * forces. Each run counts the same. */
+typedef struct carrying {
+    const palp_model *lumped, *network;
+    size_t from, to;       /* numbers of the lumped model, of the network */
+    double *square, *right; /* A'A [to to], A'G [to from] by columns; then what solves them */
+    double miss, size;     /* sums of squares: network less lumped, lumped, over its rms */
+} carrying;
+
+static size_t count(const palp_model *model) {
+    return model->material.law.n + 2 * model->material.n_arms;
+}
+
+static void add_run(carrying *c, size_t n, const double *network_N, const double *a, const double *lumped_N, const double *g) {
+    double square = 0.0;
+    for (size_t i = 0; i < n; i++)
+        square += lumped_N[i] * lumped_N[i];
+    double weight = square > 0.0 ? 1.0 / square : 0.0;
+    for (size_t i = 0; i < n; i++)
+        c->miss += weight * (network_N[i] - lumped_N[i]) * (network_N[i] - lumped_N[i]);
+    c->size += square > 0.0;
+    for (size_t k = 0; k < c->to; k++) {
+        for (size_t j = 0; j < c->to; j++)
+            c->square[k * c->to + j] += weight * dense_dot(n, a + k * n, a + j * n);
+        for (size_t j = 0; j < c->from; j++)
+            c->right[j * c->to + k] += weight * dense_dot(n, a + k * n, g + j * n);
+    }
+}
+
+static palp_status take_run(carrying *c, const palp_forward_run *run, palp_error *error) {
+    const size_t n = run->n, a = palp_forward_parameter_count(c->network), g = palp_forward_parameter_count(c->lumped);
+    double *room = malloc((2 + a + g) * n * sizeof *room + 1);
+    if (!room)
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
+    double *network_N = room, *lumped_N = room + n, *by_network = room + 2 * n, *by_lumped = by_network + a * n;
+    palp_status status = forward_network_force(c->network, run, network_N, by_network, error);
+    if (!status)
+        status = palp_forward_force(c->lumped, run, lumped_N, by_lumped, error);
+    if (!status)
+        add_run(c, n, network_N, by_network, lumped_N, by_lumped);
+    free(room);
+    return status;
+}
+
+/* right becomes d network numbers / d lumped numbers. What the runs hardly tell is held by a ridge. */
+static palp_status solve(carrying *c) {
+    const size_t n = c->to;
+    double *scale = malloc(n * sizeof *scale + 1);
+    if (!scale)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t k = 0; k < n; k++)
+        scale[k] = c->square[k * n + k] > 0.0 ? 1.0 / sqrt(c->square[k * n + k]) : 0.0;
+    for (size_t k = 0; k < n; k++)
+        for (size_t j = 0; j < n; j++)
+            c->square[k * n + j] = k == j ? 1.0 + 1e-9 : c->square[k * n + j] * scale[k] * scale[j];
+    for (size_t i = 0; i < n * c->from; i++)
+        c->right[i] *= scale[i % n];
+    palp_status status = dense_cholesky(n, c->square) ? PALP_OK : PALP_ERR_SINGULAR;
+    if (!status)
+        dense_cholesky_solve(n, c->square, c->from, c->right);
+    for (size_t i = 0; i < n * c->from; i++)
+        c->right[i] *= scale[i % n];
+    free(scale);
+    return status;
+}
+
+/* X C X' of the covariance of the lumped model's numbers. */
+static void carry(const carrying *c, const double *covariance, double *result) {
+    for (size_t k = 0; k < c->to; k++)
+        for (size_t j = 0; j <= k; j++) {
+            double sum = 0.0;
+            for (size_t a = 0; a < c->from; a++)
+                for (size_t b = 0; b < c->from; b++)
+                    sum += c->right[a * c->to + k] * covariance[a * c->from + b] * c->right[b * c->to + j];
+            result[k * c->to + j] = result[j * c->to + k] = sum;
+        }
+}
+
+/* What the network misses of the lumped model, as one factor on all of its stiffness. */
+static palp_status add_misfit(const carrying *c, double *covariance) {
+    double *own = malloc((palp_forward_parameter_count(c->network) + 1) * sizeof *own);
+    palp_status status = own ? palp_forward_get(c->network, own) : PALP_ERR_NO_MEMORY;
+    double part = c->size > 0.0 ? c->miss / c->size : 0.0;
+    for (size_t k = 0; k < c->to && !status; k++)
+        for (size_t j = 0; j < c->to; j++)
+            covariance[k * c->to + j] += part * own[k] * own[j];
+    free(own);
+    return status;
+}
+
+palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model *network, size_t n_runs, const palp_forward_run *runs,
+                                      double *covariance, double *between, palp_error *error) {
+    if (!lumped || !network || !runs || !covariance)
+        return palp_error_null(error);
+    carrying c = {.lumped = lumped, .network = network, .from = count(lumped), .to = count(network)};
+    if (!lumped->covariance || n_runs == 0 || lumped->kind != PALP_MODEL_LUMPED || network->kind != PALP_MODEL_NETWORK ||
+        (between && !lumped->between))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model with its covariance, a network and runs are needed");
+    c.square = calloc(c.to * (c.to + c.from) + 1, sizeof *c.square);
+    c.right = c.square + c.to * c.to;
+    palp_status status = c.square ? PALP_OK : palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
+    for (size_t r = 0; r < n_runs && !status; r++)
+        status = take_run(&c, &runs[r], error);
+    if (!status && solve(&c))
+        status = palp_error_set(error, PALP_ERR_SINGULAR, "the runs tell nothing of the network");
+    if (!status) {
+        carry(&c, lumped->covariance, covariance);
+        if (between)
+            carry(&c, lumped->between, between);
+        status = add_misfit(&c, covariance);
+    }
+    free(c.square);
+    return status;
+}
