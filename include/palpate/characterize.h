@@ -19,11 +19,20 @@ typedef enum palp_spring_form {
  * off by the same. FREE: each run's is off by its own, by a scatter that is learned from the runs. */
 typedef enum palp_contact_form { PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE } palp_contact_form;
 
+/* What the arms are. FREE: n_arms of free times. LOG: at fixed times, so many per decade from tau_min_s to tau_max_s, whose
+ * stiffnesses are not negative; those of none are left out, the others' times stand still. FRACTIONAL: a fractional Maxwell element
+ * (a spring in series with a springpot) beside the law, which then is a fractional Zener solid: three parameters, K_frac,
+ * tau_frac and exponent, of the relaxation K_frac E_a(-(t / tau_frac)^a) (Mittag-Leffler), as PALP_ARMS_MAX arms of the spectrum
+ * sin(pi a) / (pi (x^a + x^-a + 2 cos(pi a))), x = tau / tau_frac, that the material runs as any others (Cole and Cole 1941). */
+typedef enum palp_arms_form { PALP_ARMS_FREE, PALP_ARMS_LOG, PALP_ARMS_FRACTIONAL } palp_arms_form;
+
 typedef struct palp_characterize_settings {
     palp_spring_form spring;
     palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN */
     palp_law law;           /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
-    size_t n_arms;          /* 0 = elastic */
+    palp_arms_form arms;    /* LOG and FRACTIONAL take the contacts for known; their starts are their own */
+    size_t per_decade;      /* LOG; 0 = 1 */
+    size_t n_arms;          /* FREE; 0 = elastic */
     bool dwell_only;         /* ramp and hold: leave the ramp out of the residual */
     double tau_min_s, tau_max_s; /* bounds of relaxation times; 0 = from the data */
     size_t starts;          /* multistart: from how many first guesses the fit is refined */
@@ -52,7 +61,7 @@ typedef struct palp_lumped_fit {
     double *rms_N;              /* [n_runs] residual rms of the samples */
     double *absolute_N;         /* [n_runs] sum of |residual| over the samples (the thesis' total residual) */
     size_t n_estimates;
-    palp_estimate *estimate;    /* springs, then K_j, b_j, tau_j by arm */
+    palp_estimate *estimate;    /* springs, then K_j, b_j, tau_j by arm; FRACTIONAL: springs, K_frac, tau_frac, exponent */
     double *correlation;        /* [n_estimates^2] */
     size_t n_parameters;        /* springs, then K_j and b_j of each arm: as palp_forward_get has a model's */
     double *covariance;         /* [n_parameters^2] of them, widened as the intervals are; palp_model.covariance */

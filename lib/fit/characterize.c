@@ -119,6 +119,26 @@ static void sum_residual(const fit_problem *p, const double *residual, fit_curva
     c->freedom = used > n ? used - n : 1;
 }
 
+/* Covariance of all parameters where they are of fewer: T (T' square T)^-1 T'. */
+static palp_status invert_reduced(const fit_problem *p, const double *square, double *covariance) {
+    size_t n = fit_parameter_count(p), q = p->n_reduced;
+    double *half = malloc((2 * n * q + 2 * q * q) * sizeof *half), *back = half + n * q, *small = back + n * q, *inverse = small + q * q;
+    if (!half)
+        return PALP_ERR_NO_MEMORY;
+    dense_product(n, q, n, square, p->reduced, half);
+    dense_transposed_product(q, q, n, p->reduced, half, small);
+    palp_status status = fit_invert(q, small, inverse);
+    dense_product(n, q, q, p->reduced, inverse, back);
+    for (size_t a = 0; a < n && !status; a++)
+        for (size_t b = 0; b < n; b++) {
+            covariance[a * n + b] = 0.0;
+            for (size_t k = 0; k < q; k++)
+                covariance[a * n + b] += back[k * n + a] * p->reduced[k * n + b];
+        }
+    free(half);
+    return status;
+}
+
 palp_status fit_find_curvature(const fit_problem *p, const double *v, fit_curvature *c) {
     size_t n = fit_parameter_count(p), m = p->n_blocks;
     double *r = malloc((m + m * n + n * n) * sizeof *r), *jacobian = r + m, *square = jacobian + m * n;
@@ -128,7 +148,7 @@ palp_status fit_find_curvature(const fit_problem *p, const double *v, fit_curvat
     if (!status) {
         sum_residual(p, r, c);
         dense_transposed_product(n, n, m, jacobian, jacobian, square);
-        status = fit_invert(n, square, c->covariance);
+        status = p->n_reduced ? invert_reduced(p, square, c->covariance) : fit_invert(n, square, c->covariance);
     }
     if (!status)
         status = find_systematic(p, v, r, jacobian, c);
@@ -400,12 +420,21 @@ palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, co
     double *v = calloc(parameters, sizeof *v);
     fit_curvature c = {.covariance = calloc(2 * parameters * parameters + 1, sizeof(double))};
     c.systematic = c.covariance ? c.covariance + parameters * parameters : NULL;
-    status = v && c.covariance ? fit_solve_and_merge(&p, v, &c, fit) : PALP_ERR_NO_MEMORY;
-    bool known = settings->contact == PALP_CONTACT_KNOWN || (settings->contact == PALP_CONTACT_FREE && n < 2);
+    double theta[3] = {0};
+    status = v && c.covariance ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status && p.n_times) {
+        status = fit_solve_spectrum(&p, v, theta, &fit->converged);
+        status = status ? status : fit_find_curvature(&p, v, &c);
+    } else if (!status) {
+        status = fit_solve_and_merge(&p, v, &c, fit);
+    }
+    bool known = p.n_times || settings->contact == PALP_CONTACT_KNOWN || (settings->contact == PALP_CONTACT_FREE && n < 2);
     if (!status && !known && settings->spring == PALP_SPRING_LAW)
         status = free_contacts(&p, v, &c, fit);
     if (!status)
         status = fit_finish(&p, v, &c, n, recordings, settings, fit);
+    if (!status && settings->arms == PALP_ARMS_FRACTIONAL)
+        status = fit_estimate_fractional(&p, theta, &c, fit);
     free(v);
     free(c.covariance);
     fit_problem_free(&p);

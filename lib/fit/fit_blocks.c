@@ -144,6 +144,26 @@ static void bound_times(fit_problem *p, const palp_recording *recordings) {
     p->tau_max = p->settings->tau_max_s > 0.0 ? p->settings->tau_max_s : 3.0 * longest;
 }
 
+/* Times of arms that are not free. */
+static palp_status choose_times(fit_problem *p, palp_error *error) {
+    const palp_characterize_settings *s = p->settings;
+    double decades = log10(p->tau_max / p->tau_min), each = (double)(s->per_decade ? s->per_decade : 1);
+    p->n_arms = s->n_arms;
+    if (s->arms == PALP_ARMS_FREE)
+        return PALP_OK;
+    if (s->arms == PALP_ARMS_FRACTIONAL && s->spring == PALP_SPRING_PER_RUN)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a fractional element goes with one law of all recordings");
+    double wanted = s->arms == PALP_ARMS_LOG ? ceil(each * decades - 1e-9) + 1.0 : PALP_ARMS_MAX;
+    if (wanted > PALP_ARMS_MAX)
+        return palp_error_set(error, PALP_ERR_LIMIT, "%g arms a decade over %.3g decades of time are more than %d", each, decades, PALP_ARMS_MAX);
+    p->n_arms = p->n_times = (size_t)wanted;
+    /* A fractional element goes on to faster times than a free arm could be told at. */
+    double faster = s->arms == PALP_ARMS_LOG ? 0.0 : 1.0, step = faster > 0.0 ? (decades + faster) / (PALP_ARMS_MAX - 1) : 1.0 / each;
+    for (size_t j = 0; j < p->n_times; j++)
+        p->time[j] = p->tau_min * pow(10.0, step * (double)j - faster);
+    return PALP_OK;
+}
+
 static palp_status choose_spring(fit_problem *p, palp_error *error) {
     const palp_characterize_settings *s = p->settings;
     double one = 1.0;
@@ -155,7 +175,7 @@ static palp_status choose_spring(fit_problem *p, palp_error *error) {
     p->n_springs = s->spring == PALP_SPRING_PER_RUN ? p->n_runs : p->law.n;
     if (p->n_springs == 0)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a law without coefficients cannot be fitted");
-    if (s->n_arms > PALP_ARMS_MAX || fit_parameter_count(p) > FIT_PARAMETERS_MAX)
+    if (p->n_arms > PALP_ARMS_MAX || fit_parameter_count(p) > FIT_PARAMETERS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "too many parameters for one fit");
     return status;
 }
@@ -167,7 +187,6 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no recordings to fit");
     p->n_runs = n;
     p->settings = settings;
-    p->n_arms = settings->n_arms;
     p->height_m = recordings[0].height_m;
     p->run = arena_take(&p->memory, n, sizeof *p->run);
     palp_status status = p->run ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -182,10 +201,12 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
         p->strain_max = fmax(p->strain_max, rec->deepest_m / rec->height_m);
         p->stiffness = fmax(p->stiffness, p->run[r].peak * rec->height_m / rec->deepest_m);
     }
+    if (!status) {
+        bound_times(p, recordings);
+        status = choose_times(p, error);
+    }
     if (!status)
         status = choose_spring(p, error);
-    if (!status)
-        bound_times(p, recordings);
     if (!status && p->n_blocks <= fit_parameter_count(p))
         status =
             palp_error_set(error, PALP_ERR_INPUT, "%s: fewer samples than parameters", recordings[0].name);

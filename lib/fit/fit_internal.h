@@ -32,6 +32,10 @@ typedef struct fit_problem {
     palp_law law;            /* kind and shape; a constant with PALP_SPRING_PER_RUN */
     size_t n_arms;
     bool positive;           /* K(e) >= 0 is enforced */
+    size_t n_times;          /* arms at fixed times: LOG and FRACTIONAL; 0 = free ones */
+    double time[PALP_ARMS_MAX]; /* [n_times] rising, even in log */
+    size_t n_reduced;        /* and of how many parameters they then are; 0 = of all */
+    double *reduced;         /* [n_parameters n_reduced] by columns: derivatives of the parameters by those */
     const unsigned char *held_out; /* [n_blocks] 1 = not fitted; NULL = all are */
 } fit_problem;
 
@@ -90,6 +94,21 @@ palp_status fit_solve_and_merge(fit_problem *problem, double *v, fit_curvature *
 palp_status fit_finish(fit_problem *problem, const double *v, const fit_curvature *c, size_t n,
                        const palp_recording *recordings, const palp_characterize_settings *settings,
                        palp_lumped_fit *fit);
+
+/* Normal equations of springs and arms at n_times times, gram[columns^2] whole below its diagonal and right[columns], the caller's
+ * and 0: the spring's columns, n_springs or one for a law that is not linear, then the arms'. *total: the forces' own square. */
+palp_status fit_normal_equations(const fit_problem *problem, size_t n_times, const double *time, double *gram, double *right,
+                                 double *total);
+size_t fit_spring_columns(const fit_problem *problem);
+
+/* Springs of a solution of these. */
+void fit_springs_of(const fit_problem *problem, const double *solution, double *p);
+
+/* Arms at fixed times: parameters p, and what they are reduced to. theta[3]: of FRACTIONAL. */
+palp_status fit_solve_spectrum(fit_problem *problem, double *p, double *theta, bool *converged);
+
+/* In place of the arms' estimates those of FRACTIONAL. */
+palp_status fit_estimate_fractional(const fit_problem *problem, const double *theta, const fit_curvature *c, palp_lumped_fit *fit);
 
 /* Inverse of the symmetric a[n n], which is destroyed, scaled to a unit diagonal first, with a ridge of rounding size.
  * ERR_SINGULAR. */

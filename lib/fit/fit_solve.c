@@ -13,8 +13,8 @@ enum { TIMES = 14, STARTS_MAX = 16 };
 typedef struct scan {
     const fit_problem *problem;
     size_t n_springs; /* columns of the spring: its parameters, or one for a law that is not linear */
-    size_t columns;   /* n_springs + TIMES */
-    double tau[TIMES];
+    size_t n_times, columns; /* n_springs + n_times */
+    double tau[PALP_ARMS_MAX];
     double *gram, *right; /* [columns^2], [columns] */
     double total;         /* right-hand side's own square */
     double best[STARTS_MAX];
@@ -25,6 +25,17 @@ typedef struct scan {
 static bool linear_law(const fit_problem *p) {
     return p->settings->spring == PALP_SPRING_PER_RUN ||
            (p->law.kind != PALP_LAW_SPLINE && p->law.kind != PALP_LAW_OGDEN);
+}
+
+size_t fit_spring_columns(const fit_problem *p) {
+    return linear_law(p) ? p->n_springs : 1;
+}
+
+void fit_springs_of(const fit_problem *p, const double *solution, double *v) {
+    for (size_t k = 0; k < p->n_springs; k++) {
+        bool exponent = p->law.kind == PALP_LAW_OGDEN && k % 2;
+        v[k] = linear_law(p) ? solution[k] : p->law.coefficients[k] * (exponent ? 1.0 : fabs(solution[0]));
+    }
 }
 
 /* Row of one block: spring columns and the arms' responses at every time of the grid. */
@@ -39,7 +50,7 @@ static void fill_row(const scan *s, size_t r, size_t i, const double *response, 
     } else {
         palp_law_force(&p->law, 1, &run->strain[i], row, NULL, NULL);
     }
-    for (size_t k = 0; k < TIMES; k++)
+    for (size_t k = 0; k < s->n_times; k++)
         row[s->n_springs + k] = response[k * run->n + i];
 }
 
@@ -48,13 +59,13 @@ static palp_status sum_up(scan *s) {
     size_t longest = 0, block = 0;
     for (size_t r = 0; r < p->n_runs; r++)
         longest = p->run[r].n > longest ? p->run[r].n : longest;
-    double *response = malloc((TIMES * longest + s->columns) * sizeof *response);
+    double *response = malloc((s->n_times * longest + s->columns) * sizeof *response);
     if (!response)
         return PALP_ERR_NO_MEMORY;
-    double *row = response + TIMES * longest;
+    double *row = response + s->n_times * longest;
     for (size_t r = 0; r < p->n_runs; r++) {
         const fit_run *run = &p->run[r];
-        for (size_t k = 0; k < TIMES; k++)
+        for (size_t k = 0; k < s->n_times; k++)
             fit_arm_response(run, s->tau[k], response + k * run->n, NULL);
         for (size_t i = 0; i < run->n; i++, block++) {
             double weight = run->count[i] / (run->noise * run->noise);
@@ -71,6 +82,16 @@ static palp_status sum_up(scan *s) {
     }
     free(response);
     return PALP_OK;
+}
+
+palp_status fit_normal_equations(const fit_problem *p, size_t n_times, const double *time, double *gram, double *right,
+                                 double *total) {
+    scan s = {.problem = p, .n_times = n_times, .n_springs = fit_spring_columns(p), .gram = gram, .right = right};
+    s.columns = s.n_springs + n_times;
+    memcpy(s.tau, time, n_times * sizeof *time);
+    palp_status status = sum_up(&s);
+    *total = s.total;
+    return status;
 }
 
 /* Least squares on the springs and the chosen arms: *chi2 of it; false if singular. */
@@ -112,13 +133,7 @@ static void keep(scan *s, const size_t *arm, const double *solution, double chi2
     }
     double *v = s->start + at * n;
     s->best[at] = chi2;
-    if (linear_law(p))
-        memcpy(v, solution, s->n_springs * sizeof *v);
-    else
-        for (size_t k = 0; k < p->n_springs; k++) {
-            bool exponent = p->law.kind == PALP_LAW_OGDEN && k % 2;
-            v[k] = p->law.coefficients[k] * (exponent ? 1.0 : fabs(solution[0]));
-        }
+    fit_springs_of(p, solution, v);
     for (size_t j = 0; j < p->n_arms; j++) {
         v[p->n_springs + 2 * j] = log(fmax(solution[s->n_springs + j], 1e-3 * p->stiffness));
         v[p->n_springs + 2 * j + 1] = log(s->tau[arm[j]]);
@@ -153,10 +168,10 @@ static palp_status try_choices(scan *s) {
 }
 
 palp_status fit_scan(const fit_problem *p, size_t n_starts, double *start, size_t *found) {
-    scan s = {.problem = p, .start = start, .n_starts = n_starts < STARTS_MAX ? n_starts : STARTS_MAX};
+    scan s = {.problem = p, .n_times = TIMES, .start = start, .n_starts = n_starts < STARTS_MAX ? n_starts : STARTS_MAX};
     if (p->n_arms > TIMES)
         return PALP_ERR_LIMIT;
-    s.n_springs = linear_law(p) ? p->n_springs : 1;
+    s.n_springs = fit_spring_columns(p);
     s.columns = s.n_springs + TIMES;
     for (size_t k = 0; k < TIMES; k++)
         s.tau[k] = p->tau_min * pow(p->tau_max / p->tau_min, ((double)k + 0.5) / TIMES);

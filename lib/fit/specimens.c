@@ -318,6 +318,8 @@ palp_status palp_characterize_specimens(size_t n, const palp_recording *recordin
     specimens s = {.n_runs = n, .n = count_specimens(n, specimen), .recordings = recordings, .specimen = specimen,
                    .settings = settings, .fit = fit};
     memset(fit, 0, sizeof *fit);
+    if (settings->arms != PALP_ARMS_FREE)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "arms of several specimens are free ones");
     if (s.n < 2 || settings->spring != PALP_SPRING_LAW)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "two specimens or more are needed, each with a recording, and one law");
     palp_status status = fit_problem_create(&s.all, n, recordings, settings, error);

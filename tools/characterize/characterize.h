@@ -31,7 +31,8 @@ typedef struct characterize_options {
     const char *arms_text, *degree_text, *out, *plot;
     int contact; /* 0 = auto, known, common, free */
     int law_choice, law, method; /* 0 = auto, else 1 + palp_law_kind; palp_law_kind; characterize_method */
-    size_t arms, degree, knots;
+    size_t arms, degree, knots, per_decade;
+    palp_arms_form arms_form; /* of the model; what comes before it has free arms by evidence */
     bool arms_auto, law_auto, degree_auto, degree_given;
     bool shared_arms, per_depth, dwell_only, fit_filtered, json;
     int specimens_by;        /* characterize_specimens_by */

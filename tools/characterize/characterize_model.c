@@ -136,6 +136,17 @@ static int fit_shared(const characterize_options *o, characterize_state *s) {
 
 /* ---- the joint fit ---- */
 
+/* A law that is not linear in its numbers stands still but for its size in a spectrum: those of a fit with free arms. */
+static palp_status guess_law(const characterize_state *s, palp_characterize_settings *settings, palp_error *error) {
+    palp_lumped_fit fit;
+    palp_status status = palp_characterize_fit(s->n, s->run, settings, &fit, error);
+    if (status)
+        return status;
+    settings->law = fit.material.law;
+    palp_lumped_fit_free(&fit);
+    return PALP_OK;
+}
+
 static int fit_joint(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
     palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, s->n_arms);
@@ -147,6 +158,12 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
                            "%s: --law %s needs the specimen's radius; add a line # specimen.radius_mm: R",
                            s->run[0].name, palp_law_kind_name((palp_law_kind)o->law));
     settings.contact = s->contact;
+    if (o->arms_form != PALP_ARMS_FREE && s->n > s->n_static) {
+        if (status == PALP_OK)
+            status = guess_law(s, &settings, &error);
+        settings.arms = o->arms_form;
+        settings.per_decade = o->per_decade;
+    }
     status = status ? status : characterize_fit_specimens(s, &settings, &error);
     if (status)
         return cli_status(NAME, status, &error);

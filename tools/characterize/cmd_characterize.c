@@ -11,8 +11,9 @@ static const char NAME[] = "characterize";
 static int parse(int argc, char **argv, characterize_options *o) {
     const cli_option options[] = {
         cli_heading("Model"),
-        cli_text("arms", "N|auto", &o->arms_text,
-                 "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\nof the fit)"),
+        cli_text("arms", "N|auto|log:N|fractional", &o->arms_text,
+                 "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\nof the fit); log:N: N a decade at fixed times, none "
+                 "negative; fractional:\na spring and a springpot in series, as 16 arms of their spectrum"),
         cli_choice("law", "auto|polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden", &o->law_choice,
                    "form of the stiffness law K(e), F = K(e) e (default auto: form and size by the\n"
                    "error on samples left out of the fit; with --degree a polynomial, with\n"
@@ -82,9 +83,26 @@ static int number_or_auto(const char *option, const char *text, double low, doub
     return CLI_OK;
 }
 
+/* "log:N" and "fractional", else as above. */
+static int read_arms(characterize_options *o) {
+    double value = 0;
+    o->arms_auto = true;
+    if (strcmp(o->arms_text, "fractional") == 0) {
+        o->arms_form = PALP_ARMS_FRACTIONAL;
+        return CLI_OK;
+    }
+    if (strncmp(o->arms_text, "log:", 4) != 0)
+        return number_or_auto("arms", o->arms_text, 0, PALP_ARMS_MAX, &o->arms, &o->arms_auto);
+    if (!cli_read_number(o->arms_text + 4, &value) || value != floor(value) || value < 1 || value > PALP_ARMS_MAX)
+        return cli_usage_error(NAME, "--arms log:N takes a whole number from 1 to %d, not \"%s\"", PALP_ARMS_MAX, o->arms_text + 4);
+    o->arms_form = PALP_ARMS_LOG;
+    o->per_decade = (size_t)value;
+    return CLI_OK;
+}
+
 static int check_options(characterize_options *o) {
     o->degree_given = o->degree_text != NULL;
-    int code = number_or_auto("arms", o->arms_text, 0, PALP_ARMS_MAX, &o->arms, &o->arms_auto);
+    int code = read_arms(o);
     if (code == CLI_OK && o->degree_given)
         code = number_or_auto("degree", o->degree_text, DEGREE_MIN, DEGREE_MAX, &o->degree, &o->degree_auto);
     if (code)
