@@ -238,13 +238,13 @@ static outcome execute(owner *o, const panel_command *c) {
 
 /* ---- how it went ---- */
 
-/* A fault is told once, whether it came in a command or between. */
-static void conclude(owner *o, outcome end) {
+/* A fault between commands is told once. */
+static void conclude(owner *o, outcome end, bool asked) {
     session *s = o->session;
     char words[ACQUIRE_WORDS];
     session_words(s, end, words);
     const uint32_t tick = s->device.status.fault_tick;
-    bool told = end == GONE ? o->gone : end == FAULTED && o->faulted && o->faulted_tick == tick;
+    bool told = !asked && (end == GONE ? o->gone : end == FAULTED && o->faulted && o->faulted_tick == tick);
     o->faulted = end == FAULTED;
     o->faulted_tick = tick;
     o->gone = o->gone || end == GONE;
@@ -269,7 +269,7 @@ static void do_command(owner *o, const panel_command *c) {
     session *s = o->session;
     begin(o);
     outcome end = execute(o, c);
-    conclude(o, session_withdraw(s, end));
+    conclude(o, session_withdraw(s, end), true);
     s->doing[0] = '\0';
     panel_done(o->panel);
 }
@@ -278,7 +278,7 @@ static void idle(owner *o) {
     begin(o);
     outcome end = o->gone ? GONE : session_listen(o->session);
     if (end == FAULTED || end == GONE)
-        conclude(o, end);
+        conclude(o, end, false);
     else
         o->faulted = false;
     panel_view v = view_of(o);
@@ -292,7 +292,7 @@ static int run(owner *o) {
     panel_command command;
     begin(o);
     outcome end = session_end_last(s);
-    conclude(o, end ? end : configure(o));
+    conclude(o, end ? end : configure(o), false);
     s->doing[0] = '\0';
     while (session_stops() == 0)
         if (!o->gone && panel_take(o->panel, &command))

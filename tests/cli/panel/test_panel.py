@@ -64,14 +64,15 @@ def bad_orders(p):
 
 
 def make_ready(p):
-    """All of it is shown live: places from the first sample on, every state on the way."""
+    """All of it is shown live: homing, taring and the search without a gap, with force and place."""
     first = p.live(0)["points"]
     assert first["next"] > 0 and len(first["force_N"]) > 0
-    p.post("/do?what=prepare")
-    seen = set()
-    s = p.until("ready", lambda s: seen.add((s["state"], s["doing"])) or not s["busy"])
+    s = p.do("prepare")
     assert s["state"] == "ready" and s["homed"] and abs(s["contact_mm"] - 2) < 0.05, s
-    assert {doing for _, doing in seen} >= {"homing", "taring", "finding contact"}, seen
+    shown = p.live(first["next"])["points"]
+    times, step = shown["time_s"], (shown["next"] - first["next"]) // 4000 + 1
+    assert times[-1] - times[0] > 3 and all(0 < b - a < 0.01 * step + 1e-6 for a, b in zip(times, times[1:])), (step, times[0], times[-1])
+    assert min(shown["place_mm"]) < 0.1 and max(shown["place_mm"]) > 2 and max(shown["force_N"][-300:]) > 0.005
     p.post("/jog?by_mm=0.5&rate_mm_s=2")
     at = p.idle()["place_mm"]
     assert abs(at - s["place_mm"] - 0.5) < 0.05, (at, s)
@@ -86,19 +87,10 @@ def make_ready(p):
 
 
 def one_run(p):
-    """Recorded whole, whatever pages come and go; two see the same; a second order is refused, not kept for later."""
+    """Recorded whole, with its protocol beside it."""
     plan = p.post("/plan", protocol(ramp(2, 1)))
     assert [r["name"] for r in plan["runs"]] == ["ramp_hold_2mm"] and plan["runs"][0]["path"][-1][1] == -1
     p.post("/start", protocol(ramp(2, 1)))
-    p.until("recording", lambda s: s["recording"])
-    page = p.ask("GET", f"/?token={p.token}", token=False)[0]
-    a, b = p.get("/live?point=0&note=0"), p.get("/live?point=0&note=0")
-    assert page == 200 and a["state"]["run"]["name"] == b["state"]["run"]["name"] == "ramp_hold_2mm"
-    n = len(a["points"]["time_s"])
-    assert b["points"]["time_s"][:n] == a["points"]["time_s"] and b["notes"] == a["notes"]
-    for path in ("/do?what=home", "/jog?by_mm=1&rate_mm_s=1"):
-        assert "busy" in p.post(path, wanted=409)["error"]
-    assert "busy" in p.post("/start", protocol(ramp(2, 1)), wanted=409)["error"]
     p.idle()
     header, data = rows("runs/ramp_hold_2mm.csv")
     assert header["end.fault"] == "null" and header["end.lost_samples"] == "0" and header["protocol.file"] == '"runs/protocol.json"', header
@@ -126,9 +118,16 @@ def listed(p):
 
 
 def stopped(p):
-    """Stop withdraws; the next run of that name stands beside it."""
+    """Pages come and go, two see the same; another order is refused, not kept for later. Stop withdraws; the next run of that name
+    stands beside it."""
     p.post("/start", protocol(ramp(2, 1000), ramp(3, 1000)))
     p.until("held", lambda s: s["recording"] and s["run"]["elapsed_s"] > 0.6)
+    page = p.ask("GET", f"/?token={p.token}", token=False)[0]
+    a, b = p.get("/live?point=1000000000&note=0"), p.get("/live?point=1000000000&note=0")
+    assert page == 200 and a["state"]["run"]["name"] == b["state"]["run"]["name"] == "ramp_hold_2mm_2" and b["notes"] == a["notes"]
+    for path in ("/do?what=home", "/jog?by_mm=1&rate_mm_s=1"):
+        assert "busy" in p.post(path, wanted=409)["error"]
+    assert "busy" in p.post("/start", protocol(ramp(2, 1)), wanted=409)["error"]
     p.post("/stop")
     s = p.idle()
     assert s["state"] == "ready" and s["place_mm"] < s["contact_mm"], s
@@ -153,8 +152,9 @@ def emergency(p):
     assert s["fault"] == "emergency_stop" and s["advice"], s
     header, _ = rows("runs/ramp_hold_2mm_3.csv")
     assert header["end.fault"] == '"emergency_stop"', header
+    said = len(p.notes)
     p.post("/start", protocol(ramp(2, 1)))
-    assert p.idle()["state"] == "fault" and "emergency_stop" in p.notes[-1]["text"], p.notes
+    assert p.idle()["state"] == "fault" and len(p.notes) == said + 1 and "emergency_stop" in p.notes[-1]["text"], p.notes
     assert p.do("clear")["state"] in ("ready", "idle")
     for c in hanging:
         c.close()
