@@ -11,6 +11,10 @@ mkdir -p "$dir"
 [ -d "$dir/mach1" ] || "$palpate" import "$here"/mach1/*.csv --specimen-height-mm 3 --out "$dir/mach1" >"$dir/import.txt" 2>&1
 [ -d "$dir/ecoflex" ] || "$palpate" import "$here"/ecoflex/*.csv --out "$dir/ecoflex" >>"$dir/import.txt" 2>&1
 
+[ -d "$dir/afm" ] || "$palpate" import "$here"/afm/AFM_*.txt --specimen-height-mm 0.05 --out "$dir/afm" >>"$dir/import.txt" 2>&1
+[ -d "$dir/titin" ] || "$palpate" import "$here"/titin/*.csv --units depth=stretch,force=kPa --specimen-height-mm 2 \
+    --specimen-area-mm2 0.5 --out "$dir/titin" >>"$dir/import.txt" 2>&1
+
 # explain NAME EVERY 'CHARACTERIZE OPTIONS' RUNS...
 explain() {
     name=$1 every=$2 options=$3
@@ -41,4 +45,8 @@ done
 explain static_00 100 "--degree 2" "$m"/static_00*.csv
 for material in EF10_0T EF30_0T EF30_50T; do
     explain "$material" 4 "--arms 0 --law mooney_rivlin5" "$dir/ecoflex/${material}"_[AB]*.csv
+done
+for arms in 1 2; do
+    explain "afm_$arms" 1 "--arms $arms" "$dir"/afm/*.csv
+    explain "titin_$arms" 1 "--arms $arms" "$dir"/titin/*.csv
 done

@@ -47,15 +47,27 @@ static blocks sum_blocks(const explain_run *run, const double *x, const double *
     return b;
 }
 
-/* Variance of x as neighbours differ: what changes slowly is not in it. */
+/* Variance of x as neighbours differ, which what changes slowly is not in: of sixteenths of the run that which a quarter of
+ * them exceed, so that a fast ramp of a few samples does not pass for noise. */
 static double by_neighbours(const explain_run *run, const double *x) {
-    double sum = 0.0, n = 0.0;
-    for (size_t i = 1; i < run->n; i++)
-        if (run->use[i] && run->use[i - 1]) {
-            sum += 0.5 * (x[i] - x[i - 1]) * (x[i] - x[i - 1]);
-            n += 1.0;
-        }
-    return n > 0.0 ? sum / n : 1.0;
+    enum { STRETCHES = 16, EXCEEDED = STRETCHES / 4 };
+    double mean[STRETCHES];
+    size_t found = 0;
+    for (size_t k = 0; k < STRETCHES; k++) {
+        double sum = 0.0, n = 0.0;
+        for (size_t i = k * run->n / STRETCHES + 1; i < (k + 1) * run->n / STRETCHES; i++)
+            if (run->use[i] && run->use[i - 1]) {
+                sum += 0.5 * (x[i] - x[i - 1]) * (x[i] - x[i - 1]);
+                n += 1.0;
+            }
+        size_t at = found;
+        for (; n > 0.0 && at > 0 && mean[at - 1] < sum / n; at--) /* largest first */
+            mean[at] = mean[at - 1];
+        if (n > 0.0)
+            mean[at] = sum / n;
+        found += n > 0.0;
+    }
+    return found > EXCEEDED ? mean[EXCEEDED] : found > 0 ? mean[found - 1] : 1.0;
 }
 
 /* Square of the rms that is no noise, of one run; 0: nothing can be told from noise. */

@@ -1,7 +1,7 @@
 #!/bin/sh
 # explain_measured.sh: two specimens of a rubber as others measured them: a model's own faults are not taken for what
 # differs from run to run, so the refit leaves little more than the fit of palpate characterize, which weighs all
-# samples alike; nothing is named. check: once
+# samples alike; nothing is named. Then what is right to say of the other sets (doc/explain-cases.md). check: once
 . tests/cli/common
 
 expect 0 import "$ROOT"/data/measured/ecoflex/*.csv --out ecoflex
@@ -18,4 +18,29 @@ for material in EF10_0T EF30_0T EF30_50T; do
         fail "$material: the refit leaves $(value result.json before_N) N, characterize $(cat characterized) N"
     grep -q '"effects": \[\]' result.json || fail "$material: one monotone ramp told $(cat out)"
 done
+
+# says RUNS... : the verdict of explain on them by model.json is one of $verdicts, and nothing is named.
+says() {
+    expect 0 explain --model model.json "$@" --result result.json
+    got=$(sed -n 's/^ *"verdict": "\([a-z]*\)".*/\1/p' result.json)
+    case " $verdicts " in *" $got "*) ;; *) fail "$1: $got, not $verdicts: $(cat out)" ;; esac
+    grep -q '"effects": \[\]' result.json || fail "$1: one recording told $(cat out)"
+}
+
+# One recording convicts nobody. The site's ramp of four samples and its long hold leave three times the noise: no agreement.
+verdicts="suspected unexplained"
+expect 0 import "$ROOT"/data/measured/mach1/*.csv --specimen-height-mm 3 --out mach1
+expect 0 characterize mach1/hayes_02_*.csv --arms 2 --law polynomial --out model.json
+says mach1/hayes_02_*.csv --every 20 --candidates relaxation_arm,poroelastic,strain_dependent_arm,sensor_drift
+expect 0 characterize mach1/static_00*.csv --degree 2 --out model.json
+says mach1/static_00*.csv --every 100 --candidates relaxation_arm,strain_dependent_arm,sensor_drift
+expect 0 import "$ROOT"/data/measured/afm/AFM_*.txt --specimen-height-mm 0.05 --out afm
+expect 0 characterize afm/*.csv --out model.json
+says afm/*.csv --candidates relaxation_arm,adhesion,sensor_drift
+
+# A muscle at four speeds, means over preparations: relaxation over four decades, more than one arm and one law can follow.
+expect 0 import "$ROOT"/data/measured/titin/*.csv --units depth=stretch,force=kPa --specimen-height-mm 2 --specimen-area-mm2 0.5 --out titin
+expect 0 characterize titin/*.csv --arms 1 --out model.json
+expect 0 explain --model model.json titin/*.csv --candidates relaxation_arm,sensor_lag --result result.json
+grep -q '"verdict": "unexplained"' result.json || fail "titin: $(cat out)"
 done_testing
