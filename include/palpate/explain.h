@@ -106,7 +106,8 @@ typedef struct palp_explain_event {
 /* What was tried and how it fared. */
 typedef struct palp_explain_candidate {
     palp_effect_id id;
-    bool identifiable; /* these runs can see it beside the plain model */
+    bool identifiable; /* these runs can show it: share is large enough, and nothing that it needs is missing */
+    double share;      /* of what it does, left beside the richest law, arms, contacts and zeros that these runs could carry */
     bool accepted;
     bool unconfirmed;  /* it gains more than chance, but in one run only */
     double score;      /* log likelihood gained when it alone is added, nats */

@@ -146,7 +146,7 @@ typedef struct effect_row {
     bool (*read)(const effect_data *data, effect_read *out);            /* NULL, or of its first parameter, if these runs show it */
     bool line;                 /* a line of the spectrum whose phase is each run's own; at most one effect is */
     double scanned;            /* the search looks at so many periods or frequencies and takes the best; 0 = at one */
-    bool in_law;               /* the stiffness law may take all of it */
+    bool of_runs;              /* each run has one of its own beside it: what can be told is their mean */
     bool as_scatter;           /* may first look like scatter of the runs' gains */
 } effect_row;
 

@@ -16,4 +16,4 @@ const effect_row effect_sensor_bias = {
              .parameter = {{"force_N", 1, -1e12, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_CONTACT_OFFSET),
              .in_lumped = true, .in_network = true},
-    .stage = 6, .sensor = sensor};
+    .stage = 6, .sensor = sensor, .of_runs = true};

@@ -14,4 +14,4 @@ const effect_row effect_session_ageing = {
              .parameter = {{"per_hour", 1.0 / 3600, -1e9, 1e9, 0.05 / 3600, .scale = PALP_SCALE_RATE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_GAIN, PALP_EFFECT_DAMAGE_SOFTENING),
              .in_lumped = true, .in_network = true},
-    .specimen = specimen, .as_scatter = true};
+    .specimen = specimen, .as_scatter = true, .of_runs = true};

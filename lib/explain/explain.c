@@ -154,8 +154,7 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
     return status;
 }
 
-static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold,
-                             const bool *seen, palp_effect_id taken) {
+static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold, palp_effect_id taken) {
     palp_explain_step *grown = realloc(e->step, (e->n_steps + 1) * sizeof *grown);
     if (!grown)
         return PALP_ERR_NO_MEMORY;
@@ -163,7 +162,7 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
     palp_explain_step *step = &grown[e->n_steps++];
     memset(step, 0, sizeof *step);
     step->taken = explain_added_count(s) < s->settings->max_effects ? taken : PALP_EFFECT_COUNT;
-    step->n_candidates = explain_list_candidates(s, threshold, seen, step->candidate);
+    step->n_candidates = explain_list_candidates(s, threshold, step->candidate);
     for (size_t k = 0; k < step->n_candidates; k++)
         if (step->candidate[k].id == step->taken) {
             step->candidate[k].accepted = true;
@@ -173,7 +172,7 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
 }
 
 /* Adds effects as long as one is accepted; what later ones make superfluous is taken out again. */
-static palp_status search(explain_search *s, palp_explanation *e, const bool *seen) {
+static palp_status search(explain_search *s, palp_explanation *e) {
     palp_status status = PALP_OK;
     bool out[PALP_EFFECT_COUNT] = {false}; /* was dropped once */
     double threshold = e->null_threshold;
@@ -186,11 +185,11 @@ static palp_status search(explain_search *s, palp_explanation *e, const bool *se
         for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
             if (out[i])
                 explain_fit_free(&s->trial[i].fit);
-        size_t best = status ? PALP_EFFECT_COUNT : explain_best_trial(s, threshold, seen, &status);
+        size_t best = status ? PALP_EFFECT_COUNT : explain_best_trial(s, threshold, &status);
         if (!status)
-            status = keep_step(s, e, threshold, seen, (palp_effect_id)best);
+            status = keep_step(s, e, threshold, (palp_effect_id)best);
         if (!status && step == 0)
-            e->n_candidates = explain_list_candidates(s, threshold, seen, e->candidate);
+            e->n_candidates = explain_list_candidates(s, threshold, e->candidate);
         if (status || best == PALP_EFFECT_COUNT || explain_added_count(s) == s->settings->max_effects)
             break;
         mark(e, (palp_effect_id)best, NULL);
@@ -207,7 +206,6 @@ static palp_status search(explain_search *s, palp_explanation *e, const bool *se
 }
 
 static palp_status explain(explain_search *s, palp_explanation *e) {
-    bool seen[PALP_EFFECT_COUNT] = {false};
     explain_fit base = {.n_columns = 0};
     palp_status status = explain_copy_runs(s, e);
     if (!status)
@@ -217,9 +215,9 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
     if (!status)
         memcpy(s->first, s->residual, s->data.n * sizeof *s->first);
     if (!status)
-        status = explain_null_threshold(s, &e->null_threshold, seen);
+        status = explain_null_threshold(s, &e->null_threshold, s->share);
     if (!status)
-        status = search(s, e, seen);
+        status = search(s, e);
     if (!status)
         status = explain_keep_given_arms(s);
     if (!status)

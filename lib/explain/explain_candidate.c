@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-static const char ONE_SPEED[] = "the runs press at one speed, without a pause or a way back: all that is a function of depth or time "
-                                "is in the law's span; press at another speed, hold, and withdraw";
 static const double POOR = 1.2; /* chi2 per sample of a fit that may have gone astray */
 
 static palp_status wave_in_depth(const effect_data *facts, double wave[3]) {
@@ -20,7 +18,7 @@ palp_status explain_starts_find(palp_effect_id id, const explain_data *data, con
     facts.residual = residual;
     facts.wave_in_depth = wave_in_depth;
     *s = (effect_starts){.id = id};
-    *reason = data->one_speed ? ONE_SPEED : row->missing ? row->missing(&facts) : NULL;
+    *reason = row->missing ? row->missing(&facts) : NULL;
     if (*reason)
         return PALP_ERR_UNSUPPORTED;
     if (row->starts)
@@ -175,8 +173,8 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
     enum { REFINED = 4, FINALISTS = 2 };
     const palp_effect_info *info = palp_effect_look_up(id);
     m->n = 0;
-    *reason = data->one_speed ? ONE_SPEED : NULL;
-    if (*reason)
+    *reason = NULL;
+    if (data->one_speed) /* nothing can be told from the law */
         return PALP_ERR_UNSUPPORTED;
     if (!explain_carries(&base->model, info) || (explain_has(base, id) && !info->repeats)) {
         *reason = explain_carries(&base->model, info) ? "is in the model already" : "a model of this kind cannot have it";

@@ -78,12 +78,17 @@ static double slowest_rate(const explain_data *data) {
 
 enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3, OUTSTANDING_ALIAS = 10 }; /* times the typical power */
 static const double NYQUIST = 140.0; /* samples a second: with fewer the mains are seen by an alias, as much else is */
-static const double SLOW = 10.0; /* samples a second: with fewer any slow misfit has an alias among the mains' lines */
+static const double SLOW = 0.25; /* of the sample rate: an alias of the mains below that may be any slow misfit */
 static const double LONG = 0.4; /* s: in less the mains have no twenty periods */
+
+bool explain_line_visible(const explain_data *data) {
+    const double rate = slowest_rate(data), highest = 70.0;
+    return rate - highest >= SLOW * rate && data->duration >= LONG;
+}
 
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency,
                                  double *amplitude) {
-    if (!(slowest_rate(data) >= SLOW && data->duration >= LONG))
+    if (!explain_line_visible(data))
         return PALP_ERR_UNSUPPORTED;
     double *y = malloc(data->n * sizeof *y), best = 0.0, white = 0.0;
     if (!y)
@@ -154,6 +159,8 @@ static palp_status thin(const explain_data *data, const double *residual, thinne
     return PALP_OK;
 }
 
+static const double PERIODS = 3.0; /* within the travel: with fewer it is no wave */
+
 palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
                                   double *phase) {
     thinned t;
@@ -162,7 +169,7 @@ palp_status explain_line_in_depth(const explain_data *data, const double *residu
         return status;
     line best = {.x = 0.0};
     double shortest = (t.high - t.low) / 120.0, step = 0.2 / (t.high - t.low);
-    for (double x = 1.5 / (t.high - t.low); x < 1.0 / shortest; x += step) {
+    for (double x = PERIODS / (t.high - t.low); x < 1.0 / shortest; x += step) {
         line l = fit_line(t.n, t.depth, t.y, x);
         if (l.power > best.power)
             best = l;

@@ -17,6 +17,9 @@ void explain_whiten(const explain_run *run, double *x);
 
 /* ---- explain_lines.c ---- */
 
+/* Whether the runs are sampled fast and long enough to show the mains. */
+bool explain_line_visible(const explain_data *data);
+
 /* Strongest line of a residual over time, 40 to 70 Hz (ERR_UNSUPPORTED: none stands out), and over depth. */
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency, double *amplitude);
 palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,

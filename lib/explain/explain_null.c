@@ -68,8 +68,8 @@ static palp_status strength_column(const palp_model *model, const palp_effect *e
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* Whitened columns of run r: its zero, contact, gain; the model's parameters; the directions. */
-static palp_status make_columns(const explain_search *s, const directions *d, size_t r, double *column) {
+/* Whitened columns of run r: its zero, contact, gain; the model's parameters; rich others of a law and arms; the directions. */
+static palp_status make_columns(const explain_search *s, const directions *d, size_t rich, size_t r, double *column) {
     const explain_run *run = &s->data.run[r];
     const palp_model *model = &s->fit.model;
     static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
@@ -87,18 +87,20 @@ static palp_status make_columns(const explain_search *s, const directions *d, si
         status = strength_column(model, &gain, run, contact, work, column + 2 * n);
     if (!status)
         status = explain_predict(model, &path, work, column + 3 * n, NULL);
+    if (!status && rich > 0)
+        status = explain_rich_columns(s, r, column + (3 + k) * n);
     for (size_t i = 0; i < d->n && !status; i++)
-        status = strength_column(model, &d->effect[i], run, contact, work, column + (3 + k + i) * n);
-    for (size_t i = 0; i < 3 + k + d->n && !status; i++)
+        status = strength_column(model, &d->effect[i], run, contact, work, column + (3 + k + rich + i) * n);
+    for (size_t i = 0; i < 3 + k + rich + d->n && !status; i++)
         explain_whiten(run, column + i * n);
     palp_load_history_free(&history.load);
     free(work);
     return status;
 }
 
-/* Takes what `first` columns can do off the rest of g[m m], whose products they are. */
-static void eliminate(double *g, size_t m, size_t first) {
-    for (size_t p = 0; p < first; p++) {
+/* Takes what columns from..to - 1 can do off those after them in g[m m], whose products they are. */
+static void eliminate(double *g, size_t m, size_t from, size_t to) {
+    for (size_t p = from; p < to; p++) {
         double pivot = g[p * m + p];
         if (!(pivot > 0.0))
             continue;
@@ -115,8 +117,9 @@ enum { OWN = 3 }; /* a run's zero, contact and gain */
 typedef struct sums {
     const explain_search *search;
     const directions *directions;
-    size_t m;
+    size_t rich, m;
     double *product;     /* [n_runs m m] */
+    double *whole;       /* [n_runs m] of the columns' squares before */
     palp_status *status; /* [n_runs] */
 } sums;
 
@@ -126,42 +129,67 @@ static void sum_task(void *user, size_t r) {
     const explain_search *s = w->search;
     const explain_scatter *scatter = &s->fit.scatter;
     double sd[OWN] = {scatter->zero, scatter->contact, scatter->gain};
-    double *g = w->product + r * w->m * w->m;
+    double *g = w->product + r * w->m * w->m, *whole = w->whole + r * w->m;
     if (s->data.run[r].held_out)
         return;
     double *column = malloc(w->m * s->data.run[r].n * sizeof *column);
-    w->status[r] = column ? make_columns(s, w->directions, r, column) : PALP_ERR_NO_MEMORY;
+    w->status[r] = column ? make_columns(s, w->directions, w->rich, r, column) : PALP_ERR_NO_MEMORY;
     if (!w->status[r]) {
         dense_transposed_product(w->m, w->m, s->data.run[r].n, column, column, g);
+        for (size_t i = 0; i < w->m; i++)
+            whole[i] = g[i * w->m + i];
         for (size_t q = 0; q < OWN; q++)
             g[q * w->m + q] += 1.0 / (sd[q] * sd[q]);
-        eliminate(g, w->m, OWN);
+        eliminate(g, w->m, 0, OWN);
     }
     free(column);
 }
 
-/* Products of what is left of the candidates' directions, by elimination run by run (nuisance parameters) and then of the
- * model's parameters. left: [d->n d->n], and then what they were before the latter. */
-static palp_status find_products(const explain_search *s, const directions *d, double *left) {
-    size_t k = s->fit.n_columns, rest = k + d->n, m = OWN + rest, n = s->data.n_runs;
-    sums w = {.search = s, .directions = d, .m = m, .product = calloc(n * m * m, sizeof *w.product),
+/* What is left of the directions; [n] of each, squared. */
+typedef struct left_of {
+    double *product;                               /* [n n] beside the model, and room for n more */
+    double *whole, *beside_own, *beside_law, *beside_all; /* of the column; beside the runs' own; the richest law; arms too */
+} left_of;
+
+/* Of the sum over all runs, [rest rest]: the model's parameters, the richest law's and arms, the directions. */
+static void find_left(const explain_search *s, size_t n, size_t rich, double *g, const double *was, left_of *left) {
+    const size_t k = s->fit.n_columns, law = rich ? explain_rich_law(&s->data) : 0, at = k + rich, rest = at + n;
+    for (size_t i = 0; i < n; i++) {
+        left->whole[i] = was[at + i];
+        left->beside_own[i] = g[(at + i) * rest + at + i];
+    }
+    for (size_t p = 0; p < at; p++) /* columns that say the same twice: what rounding leaves of them must not count */
+        g[p * rest + p] += 1e-10 * was[p];
+    eliminate(g, rest, 0, k);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            left->product[i * n + j] = g[(at + i) * rest + at + j];
+    eliminate(g, rest, k, k + law);
+    for (size_t i = 0; i < n; i++)
+        left->beside_law[i] = g[(at + i) * rest + at + i];
+    eliminate(g, rest, k + law, at);
+    for (size_t i = 0; i < n; i++)
+        left->beside_all[i] = g[(at + i) * rest + at + i];
+}
+
+/* By elimination run by run (nuisance parameters) and then of all that the runs have in common. */
+static palp_status find_products(const explain_search *s, const directions *d, size_t rich, left_of *left) {
+    size_t rest = s->fit.n_columns + rich + d->n, m = OWN + rest, n = s->data.n_runs;
+    sums w = {.search = s, .directions = d, .rich = rich, .m = m, .product = calloc(n * m * (m + 1), sizeof *w.product),
               .status = calloc(n, sizeof *w.status)};
-    double *g = calloc(rest * rest, sizeof *g);
+    double *g = calloc(rest * (rest + 1), sizeof *g), *was = g ? g + rest * rest : NULL;
     palp_status status = w.product && w.status && g ? PALP_OK : PALP_ERR_NO_MEMORY;
+    w.whole = w.product ? w.product + n * m * m : NULL;
     if (!status)
         status = explain_each(s->settings, n, sum_task, &w, w.status);
     for (size_t r = 0; r < n && !status; r++)
-        for (size_t i = 0; i < rest; i++)
+        for (size_t i = 0; i < rest; i++) {
+            was[i] += w.whole[r * m + OWN + i];
             for (size_t j = 0; j < rest; j++)
                 g[i * rest + j] += w.product[(r * m + OWN + i) * m + OWN + j];
-    if (!status) {
-        for (size_t i = 0; i < d->n; i++)
-            left[d->n * d->n + i] = g[(k + i) * rest + k + i];
-        eliminate(g, rest, k);
-        for (size_t i = 0; i < d->n; i++)
-            for (size_t j = 0; j < d->n; j++)
-                left[i * d->n + j] = g[(k + i) * rest + k + j];
-    }
+        }
+    if (!status)
+        find_left(s, d->n, rich, g, was, left);
     free(w.product);
     free(w.status);
     free(g);
@@ -169,15 +197,14 @@ static palp_status find_products(const explain_search *s, const directions *d, d
 }
 
 /* The quantile of the largest of the scores that normal numbers with these products have. */
-static palp_status simulate(const explain_search *s, const directions *d, double *left, double *threshold) {
-    size_t n = d->n;
-    double *score = malloc((NULLS + n) * sizeof *score), *z = score + NULLS;
+static palp_status simulate(const explain_search *s, size_t n, const left_of *of, double *threshold) {
+    double *score = malloc((NULLS + n) * sizeof *score), *z = score + NULLS, *left = of->product;
     uint64_t state = s->settings->seed;
     if (!score)
         return PALP_ERR_NO_MEMORY;
     double *scale = left + n * n;
     for (size_t i = 0; i < n; i++)
-        scale[i] = left[i * n + i] > 1e-8 * scale[i] ? 1.0 / sqrt(left[i * n + i]) : 0.0;
+        scale[i] = left[i * n + i] > 1e-8 * of->beside_own[i] ? 1.0 / sqrt(left[i * n + i]) : 0.0;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
             left[i * n + j] = i == j ? 1.0 + 1e-6 : left[i * n + j] * scale[i] * scale[j];
@@ -202,21 +229,45 @@ static palp_status simulate(const explain_search *s, const directions *d, double
     return PALP_OK;
 }
 
-palp_status explain_null_threshold(const explain_search *s, double *threshold, bool *seen) {
-    enum { BLIND = 3600 }; /* of the squared effect less than one part in so many is left: not to be seen */
+/* What is left of direction i beside its rivals: of an instrument every law and all arms, of a material every law, of a surface,
+ * which is half a law itself and competes with it by evidence, the model at hand. */
+static double beside_rivals(const left_of *left, size_t n, size_t i, palp_effect_place place) {
+    if (place == PALP_EFFECT_SPECIMEN)
+        return left->beside_law[i];
+    return place == PALP_EFFECT_CONTACT ? left->product[i * n + i] : left->beside_all[i];
+}
+
+/* The share of each effect that is left; of several starts the largest. Of what each run has one of its own, as
+ * its contact, only that is asked for which the runs have in common. */
+static void find_shares(const directions *d, const left_of *left, double *share) {
+    for (size_t i = 0; i < d->n; i++) {
+        const effect_row *row = effect_row_of(d->effect[i].id);
+        const double rest = beside_rivals(left, d->n, i, row->info.place);
+        const bool beside_own = row->of_runs || row->info.place == PALP_EFFECT_CONTACT;
+        const double whole = beside_own ? left->beside_own[i] : left->whole[i];
+        double *most = &share[d->effect[i].id];
+        if (whole > 0.0)
+            *most = fmax(*most, sqrt(fmin(1.0, fmax(0.0, rest / whole))));
+    }
+}
+
+palp_status explain_null_threshold(const explain_search *s, double *threshold, double *share) {
     directions *d = malloc(sizeof *d);
     palp_status status = d ? find_directions(s, d) : PALP_ERR_NO_MEMORY;
-    double *left = status ? NULL : malloc((d->n + 1) * (d->n + 1) * sizeof *left); /* d->n may be 0 */
-    if (!status && !left)
+    const size_t n = status ? 0 : d->n, rich = share ? explain_rich_law(&s->data) + explain_rich_arms(s) : 0;
+    double *work = malloc((n * n + 5 * n + 1) * sizeof *work); /* n may be 0 */
+    if (!status && !work)
         status = PALP_ERR_NO_MEMORY;
-    if (!status)
-        status = find_products(s, d, left);
-    for (size_t i = 0; seen && !status && i < d->n; i++)
-        if (left[i * d->n + i] * BLIND > left[d->n * d->n + i] && left[d->n * d->n + i] > 0.0)
-            seen[d->effect[i].id] = true;
-    if (!status)
-        status = simulate(s, d, left, threshold);
-    free(left);
+    if (!status) {
+        double *more = work + n * n + n;
+        left_of left = {work, more, more + n, more + 2 * n, more + 3 * n};
+        status = find_products(s, d, rich, &left);
+        if (!status && share)
+            find_shares(d, &left, share);
+        if (!status)
+            status = simulate(s, n, &left, threshold);
+    }
+    free(work);
     free(d);
     return status;
 }

@@ -69,8 +69,7 @@ void explain_phase_shares(const explain_data *data, palp_explanation *e, double 
     }
 }
 
-size_t explain_list_candidates(const explain_search *s, double threshold, const bool *seen,
-                             palp_explain_candidate *list) {
+size_t explain_list_candidates(const explain_search *s, double threshold, palp_explain_candidate *list) {
     size_t n = 0;
     for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
         const explain_trial *t = &s->trial[i];
@@ -79,11 +78,14 @@ size_t explain_list_candidates(const explain_search *s, double threshold, const 
         palp_explain_candidate *out = &list[n++];
         const char *why = explain_judged(s, t, threshold);
         out->id = (palp_effect_id)i;
-        out->identifiable = seen[i] || (effect_row_of((palp_effect_id)i)->line && !s->data.one_speed);
-        out->unconfirmed = why && explain_unconfirmed(why);
+        out->share = s->share[i];
+        out->identifiable = !explain_blind(s, out->id);
+        out->unconfirmed = out->identifiable && why && explain_unconfirmed(why);
         out->score = t->fit.product ? t->gain : 0.0;
         out->explained_N = t->explained;
         snprintf(out->reason, sizeof out->reason, "%s", why ? why : "another effect explains more");
+        if (!out->identifiable)
+            explain_say_blind(s, out->id, out->reason);
     }
     return n;
 }

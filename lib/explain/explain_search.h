@@ -75,6 +75,7 @@ typedef struct explain_search {
     explain_fit fit;          /* at hand */
     double *force, *residual; /* [n] of it, and what is left beside it and the runs' own contacts, zeros, gains and hum */
     double *first;            /* [n] residual of the model as given, refitted; NULL in a search without an effect */
+    double share[PALP_EFFECT_COUNT]; /* of each effect's column, left beside the richest material that these runs could carry */
     explain_trial trial[PALP_EFFECT_COUNT];
 } explain_search;
 
@@ -111,8 +112,24 @@ palp_status explain_rest_inflation(const explain_data *data, const double *resid
 /* ---- explain_null.c ---- */
 
 /* Gain in log likelihood that chance alone reaches beside s->fit, over all candidates, with probability false_alarm.
- * seen: NULL, or [PALP_EFFECT_COUNT], set for those of which these runs show anything beside the model. */
-palp_status explain_null_threshold(const explain_search *s, double *threshold, bool *seen);
+ * share: NULL, or [PALP_EFFECT_COUNT] zeros: s->share. */
+palp_status explain_null_threshold(const explain_search *s, double *threshold, double *share);
+
+/* ---- what these runs can show (explain_share.c) ---- */
+
+/* How many coefficients and arms the richest material has that they could carry. */
+size_t explain_rich_law(const explain_data *data);
+size_t explain_rich_arms(const explain_search *s);
+
+/* Its columns in run r, [law + arms, n]. */
+palp_status explain_rich_columns(const explain_search *s, size_t r, double *column);
+
+/* Whether enough of an effect is left beside that for it to be named. */
+bool explain_shows(const explain_search *s, palp_effect_id id);
+
+/* Whether these runs cannot tell of it, for that or for what they lack; and why, in words. */
+bool explain_blind(const explain_search *s, palp_effect_id id);
+void explain_say_blind(const explain_search *s, palp_effect_id id, char text[PALP_EXPLAIN_REASON]);
 
 /* ---- without one of the added effects (explain_without.c) ---- */
 
@@ -134,7 +151,7 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
 bool explain_unconfirmed(const char *reason);
 
 /* The one that gains most of those that may; PALP_EFFECT_COUNT: none. */
-size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status);
+size_t explain_best_trial(const explain_search *s, double threshold, palp_status *status);
 palp_status explain_take(explain_search *s, size_t i);
 
 /* Takes out an effect that would not be added again beside the others; PALP_EFFECT_COUNT: there is none. */

@@ -51,12 +51,11 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
 
 bool explain_unconfirmed(const char *reason) { return reason == ONE_RUN; }
 
-size_t explain_best_trial(const explain_search *s, double threshold, const bool *seen, palp_status *status) {
+size_t explain_best_trial(const explain_search *s, double threshold, palp_status *status) {
     size_t best = PALP_EFFECT_COUNT;
     for (size_t i = 0; i < PALP_EFFECT_COUNT && !*status; i++) {
         const explain_trial *t = &s->trial[i];
-        bool hidden = effect_row_of((palp_effect_id)i)->in_law && !seen[i]; /* the law takes all of it */
-        if (!t->tried || !t->fit.product || hidden)
+        if (!t->tried || !t->fit.product || !explain_shows(s, (palp_effect_id)i))
             continue;
         if (!explain_judged(s, t, threshold) &&
             (best == PALP_EFFECT_COUNT || t->gain > s->trial[best].gain))

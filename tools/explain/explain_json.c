@@ -139,6 +139,14 @@ static json_t *candidate_json(const palp_explain_candidate *s) {
     return object;
 }
 
+static json_t *blind_json(const palp_explain_candidate *s) {
+    json_t *object = json_object();
+    json_object_set_new(object, "id", json_string(id_of(s->id)));
+    json_object_set_new(object, "reason", json_string(s->reason));
+    put(object, "share", s->share);
+    return object;
+}
+
 /* Those rejected, or those that these runs cannot see. */
 static json_t *candidates_json(const palp_explanation *e, bool blind) {
     json_t *list = json_array();
@@ -146,7 +154,7 @@ static json_t *candidates_json(const palp_explanation *e, bool blind) {
         const palp_explain_candidate *s = &e->candidate[i];
         if (s->accepted || s->identifiable == blind)
             continue;
-        json_array_append_new(list, blind ? json_string(id_of(s->id)) : candidate_json(s));
+        json_array_append_new(list, blind ? blind_json(s) : candidate_json(s));
     }
     return list;
 }

@@ -105,10 +105,14 @@ static void blind(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "not_identifiable");
     if (json_array_size(list) == 0)
         return;
-    html_table(to, "What these runs cannot show, whether it is there or not", "effect|~what an experiment needs to show it");
+    page_paragraph(to, "What an effect does is compared with all that a stiffness law, arms, and the runs' own contacts, zeros and gains could do "
+                       "in these runs. Of which less than a twentieth is left, a law that is a little wrong would look the same: it is not named.");
+    html_table(to, "What these runs cannot show, whether it is there or not", "effect|~why, and what an experiment needs to show it");
     for (size_t i = 0; i < json_array_size(list); i++) {
-        const char *id = json_string_value(json_array_get(list, i));
-        html_row(to, "%s|~%s", page_effect(id ? id : "-"), page_effect_seen_by(id ? id : "-"));
+        const json_t *one = json_array_get(list, i);
+        bool bare = json_is_string(one); /* as results were written before */
+        const char *id = bare ? json_string_value(one) : json_text_at(one, "id");
+        html_row(to, "%s|~%s", page_effect(id), bare ? page_effect_seen_by(id) : json_text_at(one, "reason"));
     }
     html_table_end(to);
 }

@@ -103,6 +103,8 @@ START_TEST(a_lag_is_named_in_any_units) {
     if (u->time == 1) /* the mains have a frequency: what is looked for there goes with the clock */
         ck_assert_double_eq_tol(e.contact.sd, u->length * first.contact.sd, 1e-3 * u->length * first.contact.sd);
     ck_assert(e.contact.found);
+    for (size_t k = 0; k < e.n_candidates && u->time == 1 && u->length == 1; k++)
+        ck_assert_double_eq_tol(e.candidate[k].share, first.candidate[k].share, 2e-3);
     palp_explanation_free(&e);
 }
 END_TEST

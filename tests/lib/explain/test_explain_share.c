@@ -1,0 +1,120 @@
+/* test_explain_share.c: an effect is named only where these runs could show it beside the richest law and arms, not beside the
+ * model at hand. check: once */
+#include "forward_make.h"
+
+#include <palpate/explain.h>
+
+#include <stdint.h>
+#include <string.h>
+
+enum { RUNS = 4 };
+
+static samples recorded[RUNS];
+
+/* Presses to several depths, each at its speed; with a hold and a way back, or none. */
+static void press(const double plan[RUNS][2], bool whole) {
+    for (size_t r = 0; r < RUNS; r++) {
+        samples *s = &recorded[r];
+        double ramp_s = (plan[r][0] + 1) / plan[r][1];
+        start(s, -1, 0);
+        go(s, ramp_s, plan[r][0], 120);
+        if (whole) {
+            go(s, ramp_s + 10, plan[r][0], 80);
+            go(s, 2 * ramp_s + 10, -1, 60);
+        }
+    }
+}
+
+static void record(const palp_model *truth) {
+    uint64_t state = 5;
+    for (size_t r = 0; r < RUNS; r++) {
+        samples *s = &recorded[r];
+        palp_forward_run run = {.n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .contact_m = 2e-5 * (double)r};
+        ck_assert_int_eq(palp_forward_force(truth, &run, s->force_N, NULL, NULL), PALP_OK);
+        for (size_t i = 0; i < s->n; i++)
+            s->force_N[i] += 2e-3 * white_noise(&state);
+    }
+}
+
+static void explain(const palp_model *m, palp_explanation *e) {
+    palp_explain_settings settings = palp_explain_settings_default();
+    palp_explain_input input[RUNS];
+    palp_error error = {.text = ""};
+    for (size_t r = 0; r < RUNS; r++) {
+        palp_experiment *run;
+        const samples *s = &recorded[r];
+        ck_assert_int_eq(palp_experiment_create(s->n, &run), PALP_OK);
+        for (size_t i = 0; i < s->n; i++) {
+            palp_experiment_column(run, "time_s")[i] = s->time_s[i];
+            palp_experiment_column(run, "depth_mm")[i] = 1e3 * s->depth_m[i];
+            palp_experiment_column(run, "force_N")[i] = s->force_N[i];
+        }
+        input[r] = (palp_explain_input){run, "run"};
+    }
+    palp_status status = palp_explain(m, RUNS, input, &settings, e, &error);
+    ck_assert_msg(status == PALP_OK, "%s", error.text);
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+static const palp_explain_candidate *candidate_of(const palp_explanation *e, palp_effect_id id) {
+    for (size_t k = 0; k < e->n_candidates; k++)
+        if (e->candidate[k].id == id)
+            return &e->candidate[k];
+    ck_abort_msg("no such candidate");
+    return NULL;
+}
+
+/* A frame that gives way is a softer law, even where the model at hand has a law that cannot follow. */
+START_TEST(what_a_law_takes_in_is_not_named) {
+    static const double plan[RUNS][2] = {{4, 1}, {6, 4}, {7, 12}, {4, 2}};
+    palp_explanation e;
+    palp_model truth = lumped_model(1), m = truth;
+    add_effect(&truth, PALP_EFFECT_FRAME_COMPLIANCE, 1)->value[0] = 1e-4;
+    press(plan, true);
+    record(&truth);
+    explain(&m, &e);
+    const palp_explain_candidate *frame = candidate_of(&e, PALP_EFFECT_FRAME_COMPLIANCE),
+                                 *lag = candidate_of(&e, PALP_EFFECT_SENSOR_LAG), *gain = candidate_of(&e, PALP_EFFECT_SENSOR_GAIN);
+    for (size_t i = 0; i < e.n_effects; i++)
+        ck_assert_int_ne(e.effect[i].effect.id, PALP_EFFECT_FRAME_COMPLIANCE);
+    ck_assert(!frame->identifiable && !gain->identifiable && lag->identifiable);
+    ck_assert_double_lt(frame->share, 0.05);
+    ck_assert_double_gt(frame->share, 0.0);
+    ck_assert_double_lt(gain->share, 1e-3);
+    ck_assert_double_gt(lag->share, 0.05);
+    ck_assert_ptr_nonnull(strstr(frame->reason, "rigid block"));
+    palp_explanation_free(&e);
+}
+END_TEST
+
+/* Presses at one speed and no way back tell of no instrument, whatever it has. */
+START_TEST(loading_at_one_speed_names_no_instrument) {
+    static const double plan[RUNS][2] = {{4, 1}, {6, 1}, {7, 1}, {4, 1}};
+    static const struct {
+        palp_effect_id id;
+        double strength, second;
+    } hidden[] = {{PALP_EFFECT_SENSOR_LAG, 0.4, 0}, {PALP_EFFECT_COULOMB_FRICTION, 0.05, 0}, {PALP_EFFECT_DRIVE_RIPPLE, 0.05, 1e-3},
+                  {PALP_EFFECT_SENSOR_DRIFT, 0.01, 0}, {PALP_EFFECT_FRAME_COMPLIANCE, 1e-4, 0}};
+    palp_explanation e;
+    palp_model truth = lumped_model(1), m = truth;
+    palp_effect *effect = add_effect(&truth, hidden[_i].id, 1);
+    effect->value[0] = hidden[_i].strength;
+    if (hidden[_i].second > 0)
+        effect->value[1] = hidden[_i].second;
+    press(plan, false);
+    record(&truth);
+    explain(&m, &e);
+    ck_assert_uint_eq(e.n_effects, 0);
+    for (size_t k = 0; k < e.n_candidates; k++)
+        ck_assert_msg(!e.candidate[k].identifiable, "%s", palp_effect_look_up(e.candidate[k].id)->id);
+    if (hidden[_i].id != PALP_EFFECT_DRIVE_RIPPLE) /* some wave is finer than any law, and still not to be told from one */
+        ck_assert_double_lt(candidate_of(&e, hidden[_i].id)->share, 0.05);
+    palp_explanation_free(&e);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, what_a_law_takes_in_is_not_named);
+    tcase_add_loop_test(tc, loading_at_one_speed_names_no_instrument, 0, 5);
+}
