@@ -183,7 +183,7 @@ ls | grep -q tmp && fail "a temporary file was left behind"
 
 command -v gnuplot >/dev/null || done_testing
 expect 0 characterize static.csv hold?.csv --plot figures
-for name in recordings_linear recordings_log recordings_first recordings_static fit_linear fit_log fit_first fit_static \
+for name in recordings_linear recordings_log recordings_first recordings_static fit_linear fit_log fit_first fit_depth fit_static \
     residuals static_polynomials stiffness_law arms_score; do
     grep -q 'width="900" height="560"' figures/$name.svg 2>/dev/null || fail "no figure $name.svg of 900 x 560"
     grep -q '</svg>' figures/$name.svg 2>/dev/null || fail "$name.svg is cut short"

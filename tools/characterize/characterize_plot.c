@@ -144,6 +144,7 @@ static void plot_timed(plot_book *book, size_t n, const run_curve *curve, bool f
         plot_runs_time(book, "fit_linear", fit, n, curve, PLOT_TIME_LINEAR, true);
         plot_runs_time(book, "fit_log", fit, n, curve, PLOT_TIME_LOG, true);
         plot_runs_time(book, "fit_first", fit, n, curve, PLOT_TIME_FIRST, true);
+        plot_runs_depth(book, "fit_depth", "Force against depth: raw (light) and the fitted model", n, curve, true);
         plot_runs_residual(book, "residuals", "Residuals of the fitted model", n, curve);
     }
 }

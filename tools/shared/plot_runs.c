@@ -25,13 +25,14 @@ static double abscissa(const palp_recording *r, const axis *a, size_t i) {
     return a->depth ? 1e3 * r->depth_m[i] : r->time_s[i] - r->ramp_start_s;
 }
 
-/* Bin of a sample: even in time or log time, or in the count of samples for a depth; -1 = not drawn. */
-static long bin_of(const palp_recording *r, const axis *a, size_t i) {
+/* Bin of a sample: even in time or log time, or for a depth in the count of samples and in the way, a part of it, that the plate
+ * has gone; -1 = not drawn. */
+static long bin_of(const palp_recording *r, const axis *a, size_t i, double gone) {
     double x = abscissa(r, a, i), at = 0;
     if (!r->use[i] || x < a->from || x > a->to)
         return -1;
     if (a->depth)
-        at = (double)i / (double)r->n;
+        at = 0.5 * ((double)i / (double)r->n + gone);
     else if (a->log)
         at = log(x / a->from) / log(a->to / a->from);
     else
@@ -43,8 +44,12 @@ static long bin_of(const palp_recording *r, const axis *a, size_t i) {
 static size_t thin(const palp_recording *r, const double *force_N, const axis *a, double *x, double *y) {
     size_t n = 0, low = 0, high = 0;
     long bin = -1;
+    double way = 0, gone = 0;
+    for (size_t i = 1; i < r->n; i++)
+        way += fabs(r->depth_m[i] - r->depth_m[i - 1]);
     for (size_t i = 0; i <= r->n; i++) {
-        long own = i < r->n ? bin_of(r, a, i) : -1;
+        gone += i > 0 && i < r->n ? fabs(r->depth_m[i] - r->depth_m[i - 1]) : 0;
+        long own = i < r->n ? bin_of(r, a, i, gone / way) : -1;
         if (own == bin && own >= 0) {
             low = force_N[i] < force_N[low] ? i : low;
             high = force_N[i] > force_N[high] ? i : high;
@@ -100,8 +105,11 @@ static bool named(size_t k, size_t n) {
 static void name_curve(const run_curve *run, char title[32]) {
     if (run->recording->kind == PALP_RECORDING_RAMP_HOLD)
         snprintf(title, 32, "%.3g mm", 1e3 * run->recording->deepest_m);
-    else
-        snprintf(title, 32, "%.18s", cli_base(run->recording->name));
+    else {
+        const char *name = cli_base(run->recording->name), *dot = strrchr(name, '.');
+        int n = dot && dot > name ? (int)(dot - name) : (int)strlen(name), from = n > 24 ? n - 24 : 0;
+        snprintf(title, 32, "%s%.*s", from ? ".." : "", n - from, name + from); /* names differ at their ends */
+    }
 }
 
 static void add_curve(curves *c, const run_curve *run, size_t k, const axis *a, const double *force_N,
@@ -174,7 +182,7 @@ static size_t bin_means(const run_curve *run, const axis *a, double *x, double *
     size_t n = 0;
     long bin = -1;
     for (size_t i = 0; i <= r->n; i++) {
-        long own = i < r->n ? bin_of(r, a, i) : -1;
+        long own = i < r->n ? bin_of(r, a, i, 0) : -1;
         if (own != bin && count > 0) {
             x[n] = sum_x / count;
             y[n++] = sum / count / r->noise_N;
