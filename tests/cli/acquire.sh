@@ -137,6 +137,12 @@ grown() { # file, bytes: waits until it has so many
     while ! { [ -e "$1" ] && [ "$(wc -c <"$1")" -ge "$2" ]; } && [ $n -lt 600 ]; do sleep 0.1; n=$((n + 1)); done
     [ $n -lt 600 ] || fail "$1 does not grow"
 }
+"$PALPATE" acquire $H --monitor >monitor.csv 2>err &
+grown monitor.csv 500
+kill -TERM $! && wait $! || fail "--monitor: exit code $?, $(cat err)"
+head -n 1 monitor.csv | grep -q '^time_s,place_mm,depth_mm,force_N,' || fail "--monitor: $(head -n 1 monitor.csv)"
+awk -F, 'NR > 1 && (NF != 9 || $8 != "idle" || $9 != "none" || (NR > 2 && $1 - last < 0.0999)) { exit 1 } { last = $1 }' monitor.csv ||
+    fail "--monitor: $(cat monitor.csv)"
 long="--specimen-height-mm 24 --ramp-hold 2 --hold-s 100000"
 "$PALPATE" acquire $H $long --out killed 2>err &
 grown killed/ramp_hold_2mm.csv 100000

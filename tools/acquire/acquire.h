@@ -135,6 +135,8 @@ typedef struct acquire_sample {
     double time_s, depth_mm, force_N, error_mm;
 } acquire_sample;
 
+double acquire_force_N(const acquire_scale *scale, const int16_t adc[PALP_WIRE_CHANNELS]);
+
 /* What a recording shows of itself. */
 typedef struct acquire_figures {
     size_t samples, lost, bad; /* bad: the sensor gave no reading; left out as the lost ones are */
@@ -224,5 +226,9 @@ typedef struct acquire_options {
 /* Runs the plan; an exit code, after one line on stderr if it is not 0. *summary (may be NULL): what was
  * done, the caller's. */
 int acquire_session(const acquire_options *options, const acquire_plan *plan, json_t **summary);
+
+/* Shows what the device senses, ten times a second of its clock, until Ctrl-C: one line that changes on a terminal, else rows of
+ * CSV on stdout. Moves nothing (acquire_monitor.c). An exit code. */
+int acquire_monitor(const acquire_options *options);
 
 #endif

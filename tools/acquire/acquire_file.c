@@ -162,13 +162,19 @@ int acquire_file_open(acquire_file *f, const char *path, bool force, bool raw, c
 
 /* ---- samples ---- */
 
+double acquire_force_N(const acquire_scale *s, const int16_t adc[PALP_WIRE_CHANNELS]) {
+    double sum = 0;
+    for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
+        sum += s->row_N[c] * ((double)adc[c] - s->tare[c]);
+    return sum;
+}
+
 static acquire_sample make_sample(const acquire_file *f, const palp_wire_samples *b, size_t i) {
     const acquire_scale *s = &f->scale;
     acquire_sample x = {.time_s = s->tick_s * (double)(b->tick + (uint32_t)i - f->first_tick),
                         .depth_mm = s->count_mm * (double)(b->position[i] - s->contact),
                         .error_mm = s->count_mm * (double)b->error[i]};
-    for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
-        x.force_N += s->row_N[c] * ((double)b->adc[i * PALP_WIRE_CHANNELS + c] - s->tare[c]);
+    x.force_N = acquire_force_N(s, &b->adc[i * PALP_WIRE_CHANNELS]);
     return x;
 }
 

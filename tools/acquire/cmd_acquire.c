@@ -15,7 +15,7 @@ static const char NAME[] = "acquire";
 typedef struct choice {
     acquire_setup setup;
     acquire_motion motion;
-    bool is_static, sweep, thesis_protocol, list, json, repeat_first, dry_run;
+    bool is_static, sweep, thesis_protocol, list, monitor, json, repeat_first, dry_run;
     cli_list ramp_hold;
     size_t cycles, order_seed;
     int order;
@@ -90,6 +90,7 @@ static int parse(int argc, char **argv, choice *c) {
     cli_option options[OWN_OPTIONS + RIG_OPTIONS];
     size_t n = acquire_setup_device(&c->setup, options), words;
     options[n++] = cli_flag("list", &c->list, "list the serial ports instead");
+    options[n++] = cli_flag("monitor", &c->monitor, "only show force, place and temperatures, until Ctrl-C; moves nothing");
     n += plate_options(c, options + n);
     n += session_options(c, options + n);
     n += acquire_setup_specimen(&c->setup, options + n);
@@ -265,6 +266,19 @@ static int dry_run(choice *c, const acquire_plan *plan) {
     return CLI_OK;
 }
 
+static int monitor(choice *c) {
+    c->setup.session.out = c->setup.session.out ? c->setup.session.out : ".";
+    int code = acquire_setup_check(NAME, &c->setup);
+    code = code ? code : acquire_setup_prepare(NAME, &c->setup);
+    c->setup.settings.paced = true; /* somebody looks on */
+    code = code ? code : acquire_setup_open(NAME, &c->setup);
+    if (code)
+        return code;
+    code = acquire_monitor(&c->setup.session);
+    int closed = acquire_setup_close(&c->setup);
+    return code ? code : closed;
+}
+
 int cmd_acquire(int argc, char **argv) {
     choice c = {.order = -1, .order_seed = SIZE_MAX};
     c.setup = acquire_setup_default();
@@ -274,6 +288,8 @@ int cmd_acquire(int argc, char **argv) {
         return code == CLI_HELP ? CLI_OK : code;
     if (c.list)
         return link_list() < 0 ? CLI_FAILURE : CLI_OK;
+    if (c.monitor)
+        return monitor(&c);
     c.setup.session.protocol = c.protocol;
     code = check_options(&c);
     acquire_plan *plan = code ? NULL : malloc(sizeof *plan);

@@ -46,13 +46,6 @@ static panel_view view_of(const owner *o) {
     return v;
 }
 
-static double force_N(const acquire_scale *scale, const int16_t *adc) {
-    double sum = 0;
-    for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
-        sum += scale->row_N[c] * ((double)adc[c] - scale->tare[c]);
-    return sum;
-}
-
 static void add_block(const owner *o, const palp_wire_samples *b) {
     const session *s = o->session;
     const palp_wire_status *now = &s->device.status;
@@ -61,7 +54,7 @@ static void add_block(const owner *o, const palp_wire_samples *b) {
     for (size_t i = 0; i < b->count; i++) {
         if (b->flags[i] & PALP_WIRE_FLAG_SENSOR_BAD)
             continue;
-        x.force_N += force_N(&s->scale, &b->adc[i * PALP_WIRE_CHANNELS]);
+        x.force_N += acquire_force_N(&s->scale, &b->adc[i * PALP_WIRE_CHANNELS]);
         x.place_mm += s->scale.count_mm * b->position[i];
         x.error_mm += s->scale.count_mm * b->error[i];
         n++;
