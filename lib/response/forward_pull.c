@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+static const double CLOSE = 1e-8; /* of the reach: a step of Newton after which the surface has been found */
+
 size_t forward_bond_at(const forward_plate *p, double gap, effect_bond *bond) {
     size_t column = 0;
     *bond = (effect_bond){.reach = 0.0};
@@ -40,7 +42,7 @@ static palp_status cling(const forward_plate *p, double *strain, double *force, 
         move = fmax(-0.5 * reach, fmin(0.5 * reach, move));
         at += move;
         *strain = at;
-        if (fabs(move) <= 1e-14 * (1.0 + fabs(at)))
+        if (fabs(move) <= CLOSE * reach) /* a network's force is no better known; Newton's next step is the square of that */
             return forward_ask(p, at, 1.0, true, force, slope);
     }
     return PALP_ERR_NOT_CONVERGED;

@@ -86,6 +86,7 @@ static void test_effects_of_lumped(void **state) {
         {"contact_offset \"offset_mm\": 0.3", 0, 0},
         {"toe_region \"length_mm\": 0.5", 0, 0},
         {"adhesion \"force_N\": 0.2", 0, 0},
+        {"adhesion \"force_N\": 0.2, \"reach_mm\": 0.4", 0, 0},
         {"frame_compliance \"compliance_mm_N\": 0.1", 0, 0},
         {"plate_inertia \"mass_kg\": 0.05", 6e-4, 1e-3},
         {"coulomb_friction \"force_N\": 0.1", 0, 1e-3},
@@ -108,6 +109,7 @@ static void test_effects_of_network(void **state) {
         "\"mesh\": {\"kind\": \"lattice\", \"nodes\": [3, 3, 3], \"size_mm\": [20, 20, 20]},";
     static const effect_case effects[] = {{"damage_softening \"softening\": 0.4, \"sharpness\": 0.5", 0, 0},
                                           {"adhesion \"force_N\": 0.2", 0, 0},
+                                          {"adhesion \"force_N\": 0.05, \"reach_mm\": 0.4", 0, 0},
                                           {"plate_slip \"slip\": 0.8", 0, 0},
                                           {"frame_compliance \"compliance_mm_N\": 0.1", 0, 0},
                                           {"coulomb_friction \"force_N\": 0.1", 0, 1e-3}};
