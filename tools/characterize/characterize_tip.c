@@ -53,8 +53,17 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
 
 /* ---- the fit ---- */
 
+/* How deep small strain holds to some 2 % (data/tips). */
+static bool too_deep(const palp_indentation *tip, double depth_m) {
+    bool curved = tip->tip == PALP_TIP_SPHERE || tip->tip == PALP_TIP_CONE;
+    return !tip->large_strain && (depth_m > (curved ? 0.03 : 0.05) * tip->thickness_m || (tip->tip == PALP_TIP_SPHERE && depth_m > 0.08 * tip->radius_m));
+}
+
 static void judge(const characterize_options *o, characterize_state *s) {
     const palp_moduli *m = &s->moduli;
+    size_t deep = 0;
+    while (deep < s->n && !too_deep(&s->tip[deep], s->run[deep].deepest_m))
+        deep++;
     if (!m->poisson_found && isnan(o->poisson))
         characterize_warn(s, "one tip on one thickness cannot give both modulus and Poisson's ratio: 0.5 (incompressible) is assumed; give --poisson, or runs with a tip of another size too");
     if (m->poisson_found && m->poisson.high - m->poisson.low > 0.2)
@@ -67,8 +76,9 @@ static void judge(const characterize_options *o, characterize_state *s) {
             characterize_warn(s, "%s: the specimen's edge is near the tip, which these moduli do not know: they come out low", s->run[i].name);
             break;
         }
-    if (m->largest_depth > 0.1 && !s->tip[0].large_strain)
-        characterize_warn(s, "the deepest press is %.2g of the layer's thickness: moduli are those of small strain, and come out high there", m->largest_depth);
+    if (deep < s->n)
+        characterize_warn(s, "%s: pressed to %.2g of the layer's thickness: the moduli are those of small strain, and off by more than 2 %% from there on", s->run[deep].name,
+                          s->run[deep].deepest_m / s->tip[deep].thickness_m);
 }
 
 /* With Poisson's ratio found where it can be. */
