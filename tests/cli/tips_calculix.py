@@ -27,7 +27,7 @@ def curve(tip, ratio, nu, depth, steps, fine, **options):
                 w *= 1 if i == j else (d - other) / (x - other)
             out += w
         return out * d
-    if tip == "cone":  # its contact settles from below, and no power of the mesh's size: the finer mesh as it is
+    if tip in ("sphere", "cone"):  # its contact settles from below, and no power of the mesh's size: the finer mesh as it is
         return [(0.0, 0.0)] + run(tip, ratio, nu, depth, steps, fine=fine, **options)
     coarse, fine = (run(tip, ratio, nu, depth, steps, fine=n, **options) for n in (fine, 2 * fine))
     return [(0.0, 0.0)] + [(depth * k / steps, 2 * at(fine, depth * k / steps) - at(coarse, depth * k / steps)) for k in range(1, steps + 1)]
@@ -94,7 +94,7 @@ for k in range(2):
 for k in range(3):
     ratio, nu = draw(0.5, 4), 0.3 + 0.19 * (k + random.random()) / 3
     if not wanted or "sphere" in wanted:
-        case("sphere %d" % k, "sphere", ratio, nu, 0.02, 2, 5, 1.5, [])
+        case("sphere %d" % k, "sphere", ratio, nu, 0.02, 2, 9, 1.5, [])
 for k in range(1):
     ratio, nu = random.uniform(75, 85), random.uniform(0.3, 0.49)
     if not wanted or "cone" in wanted:

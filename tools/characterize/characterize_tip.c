@@ -84,7 +84,7 @@ static void judge(const characterize_options *o, characterize_state *s) {
 /* With Poisson's ratio found where it can be. */
 static palp_status fit(const characterize_options *o, characterize_state *s, palp_error *error) {
     palp_moduli_settings settings = palp_moduli_settings_default();
-    settings.n_arms = s->material.n_arms;
+    settings.n_arms = o->arms_form == PALP_ARMS_FREE || s->material.n_arms < 3 ? s->material.n_arms : 3; /* with free times in any case */
     settings.dwell_only = o->dwell_only;
     settings.contact_known = o->contact == 1 || !isnan(o->contact_mm);
     settings.poisson = isnan(o->poisson) ? NAN : o->poisson;
