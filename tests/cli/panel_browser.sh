@@ -1,5 +1,5 @@
 #!/bin/sh
-# panel_browser.sh: the page of palpate panel in a headless Chromium, against the virtual indenter. check: once
+# panel_browser.sh: the page of palpate panel in a headless Chromium, against the virtual indenter. check: all
 . tests/cli/common
 
 expect 1 panel --port /dev/none --out x

@@ -9,6 +9,9 @@
 #include <stdint.h>
 #include <sys/types.h>
 
+/* The device withdraws at least so fast, and goes to contact so fast for a force; mm/s. */
+enum { ACQUIRE_BACK_MM_S = 5, ACQUIRE_SEEK_MM_S = 1 };
+
 enum { ACQUIRE_RUNS = 128, ACQUIRE_NAME = 96, ACQUIRE_TEXT = 512 };
 
 /* ---- what the plate does (acquire_protocol.c, acquire_segments.c) ---- */

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-static const double BACK_MM_S = 5;                        /* the device withdraws at least so fast */
-static const double SEEK_MM_S = 1;                        /* and goes to contact so fast for a force */
 enum { CYCLES = 200, PERIODS = 40, WAVE = 24, WAVE_MOST = 2000 }; /* of a path: most that are drawn one by one */
 
 void acquire_plan_print(const acquire_plan *plan, FILE *to) {
@@ -65,7 +63,7 @@ static void add_force(path *p, const palp_wire_segment *s, double force_N) {
     const double rate_N_s = 1e-6 * s->rate_nm_s;
     if (json_array_size(p->force) == 0)
         add(p->force, p->time_s, 0);
-    go(p, fmax(-p->depth_mm, 0) / SEEK_MM_S, fmax(p->depth_mm, 0));
+    go(p, fmax(-p->depth_mm, 0) / ACQUIRE_SEEK_MM_S, fmax(p->depth_mm, 0));
     p->time_s += rate_N_s > 0 ? fabs(force_N) / rate_N_s : 0;
     add(p->force, p->time_s, force_N);
     p->time_s += 1e-3 * s->duration_ms;
@@ -98,7 +96,7 @@ static json_t *run_json(const acquire_run *r) {
     go(&p, r->motion.air_s, r->start_mm);
     for (size_t i = 0; i < r->n_segments; i++)
         add_segment(&p, &r->segment[i]);
-    go(&p, fabs(p.depth_mm - r->start_mm) / BACK_MM_S, r->start_mm);
+    go(&p, fabs(p.depth_mm - r->start_mm) / ACQUIRE_BACK_MM_S, r->start_mm);
     go(&p, r->motion.after_s, r->start_mm);
     return json_pack("{ss ss sf sf sf sb so so}", "name", r->name, "kind", acquire_kind_name(r->kind), "deepest_mm",
                      r->deepest_mm, "length_s", acquire_run_length_s(r), "rest_s",

@@ -3,9 +3,6 @@
 
 #include <math.h>
 
-static const double BACK_MM_S = 5; /* the device withdraws at least so fast */
-static const double SEEK_MM_S = 1; /* and goes to contact so fast for a force */
-
 static uint32_t whole(double x) {
     return (uint32_t)fmin(fmax(rint(x), 0), 4294967295.0);
 }
@@ -22,7 +19,7 @@ static double duration_s(uint8_t kind, double way_mm, const acquire_motion *m) {
     case PALP_WIRE_SEGMENT_SINE:
         return m->cycles / m->frequency_Hz;
     case PALP_WIRE_SEGMENT_FORCE:
-        return m->ramp_s + m->duration_s + way_mm / SEEK_MM_S;
+        return m->ramp_s + m->duration_s + way_mm / ACQUIRE_SEEK_MM_S;
     default:
         return m->duration_s;
     }
@@ -116,5 +113,5 @@ void acquire_segments_make(acquire_run *r) {
 }
 
 double acquire_run_length_s(const acquire_run *r) {
-    return r->motion.air_s + r->press_s + fabs(r->at_mm - r->start_mm) / BACK_MM_S + r->motion.after_s;
+    return r->motion.air_s + r->press_s + fabs(r->at_mm - r->start_mm) / ACQUIRE_BACK_MM_S + r->motion.after_s;
 }
