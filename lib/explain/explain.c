@@ -103,6 +103,9 @@ static void disown(const explain_search *s, palp_explanation *e) {
     e->gap.heldout_after_N = e->gap.heldout_before_N;
     e->gap.closed = 0.0;
     explain_keep_residual(s->first, e, false);
+    palp_explain_scatter *scatter[] = {&e->zero, &e->contact, &e->gain};
+    for (size_t i = 0; i < sizeof scatter / sizeof *scatter; i++) /* it was found beside the effects */
+        scatter[i]->found = scatter[i]->found && scatter[i]->without_N > e->gap.after_N;
 }
 
 static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {

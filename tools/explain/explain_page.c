@@ -59,7 +59,7 @@ static void say_candidates(const palp_explanation *e) {
 void explain_say(const palp_explanation *e) {
     char text[ROW];
     const char *verdict = palp_explain_verdict_name(e->verdict);
-    printf("%s: %s\n", verdict, page_verdict(verdict));
+    printf("%s: %s\n", verdict, page_verdict(verdict, e->unexplained_N));
     for (size_t i = 0; i < e->n_effects; i++) {
         effect_text(&e->effect[i], text);
         printf("  %s\n", text);

@@ -19,7 +19,8 @@ void page_found(FILE *to, const json_t *result); /* of palpate explain: the verd
 void page_how(FILE *to, const json_t *result);   /* likewise: the candidates, the residual, what to measure next */
 
 /* ---- page_words.c ---- */
-const char *page_verdict(const char *name);          /* as a sentence */
+/* As a sentence; unexplained_N: what is more than noise, which where it agrees is below the practical limit. */
+const char *page_verdict(const char *name, double unexplained_N);
 const char *page_effect(const char *id);             /* its name in words */
 const char *page_effect_means(const char *id);   /* what it does, a sentence */
 const char *page_effect_seen_by(const char *id); /* what an experiment must contain */

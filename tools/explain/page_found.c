@@ -40,7 +40,7 @@ static void verdict(FILE *to, const json_t *all) {
     fputs("<div class=\"verdict ", to);
     html_text(to, name);
     fputs("\"><b>", to);
-    html_text(to, page_verdict(name));
+    html_text(to, page_verdict(name, json_number_at(gap, "unexplained_N")));
     fputs("</b>\n", to);
     if (some)
         page_paragraph(to,

@@ -20,7 +20,7 @@ const char *page_effect_seen_by(const char *id) {
     return palp_effect_parse(id, &found) ? "-" : palp_effect_look_up(found)->seen_by;
 }
 
-const char *page_verdict(const char *verdict) {
+const char *page_verdict(const char *verdict, double unexplained_N) {
     static const char *const text[][2] = {
         {"agrees", "Nothing is missing that these runs could show."},
         {"explained", "With the effects below, what remains is at the noise level."},
@@ -28,6 +28,8 @@ const char *page_verdict(const char *verdict) {
         {"suspected", "Something is missing; one recording names candidates, a second one would have to confirm them."},
         {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
     };
+    if (strcmp(verdict, "agrees") == 0 && unexplained_N > 0)
+        return "What is left is more than noise, but below the practical limit.";
     for (size_t i = 0; i < sizeof text / sizeof text[0]; i++)
         if (strcmp(verdict, text[i][0]) == 0)
             return text[i][1];

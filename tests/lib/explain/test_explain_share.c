@@ -114,7 +114,28 @@ START_TEST(loading_at_one_speed_names_no_instrument) {
 }
 END_TEST
 
+/* A softening law where the given one is straight: whatever is answered, its parts go together. */
+START_TEST(the_parts_of_an_answer_go_together) {
+    static const double plan[RUNS][2] = {{4, 4}, {6, 3}, {7, 14}, {4, 4}}, softens[] = {8.2, -9, 8}, straight = 8;
+    palp_explanation e;
+    palp_model truth = lumped_model(1), m = truth;
+    ck_assert_int_eq(palp_law_polynomial(3, softens, &truth.material.law), PALP_OK);
+    ck_assert_int_eq(palp_law_polynomial(1, &straight, &m.material.law), PALP_OK);
+    press(plan, true);
+    record(&truth);
+    explain(&m, &e);
+    const palp_explain_scatter *scatter[] = {&e.zero, &e.contact, &e.gain};
+    for (size_t i = 0; i < 3; i++)
+        if (scatter[i]->found)
+            ck_assert_double_gt(scatter[i]->without_N, e.gap.after_N);
+    ck_assert(e.gap.closed >= 0 && e.gap.closed <= 1);
+    ck_assert(e.verdict != PALP_EXPLAIN_UNEXPLAINED || e.unexplained_N > 0);
+    palp_explanation_free(&e);
+}
+END_TEST
+
 void tests(TCase *tc) {
     tcase_add_test(tc, what_a_law_takes_in_is_not_named);
+    tcase_add_test(tc, the_parts_of_an_answer_go_together);
     tcase_add_loop_test(tc, loading_at_one_speed_names_no_instrument, 0, 5);
 }
