@@ -315,11 +315,14 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
         status = palp_law_polynomial(1, &fit->spring_N[run], &material.law);
     }
     palp_element_state state = {0};
+    element_steps steps = {0};
     for (size_t i = 0; i < rec->n && !status; i++) {
         double contact = fit->contact_m && run < fit->n_runs && rec->depth_m[i] > 0.0 ? fit->contact_m[run] : 0.0;
         double strain = fmax(rec->depth_m[i] - contact, 0.0) / rec->height_m;
-        status = palp_element_advance(&material, &state, strain,
-                                      i ? rec->time_s[i] - rec->time_s[i - 1] : 0.0, &state, NULL);
+        double dt = i ? rec->time_s[i] - rec->time_s[i - 1] : 0.0;
+        if (!(dt >= 0.0) || !isfinite(strain))
+            return PALP_ERR_ARGUMENT;
+        element_advance(&material, element_steps_of(&material, dt, &steps), &state, strain, &state, NULL);
         force_N[i] = state.force_N;
     }
     return status;

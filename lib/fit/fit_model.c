@@ -86,9 +86,12 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
     for (size_t r = 0; r < p->n_runs; first += p->run[r++].n) {
         const fit_run *run = &p->run[r];
         const double *arm = v + p->n_springs;
-        for (size_t j = 0; j < p->n_arms; j++)
+        double stiffnesses[PALP_ARMS_MAX];
+        for (size_t j = 0; j < p->n_arms; j++) {
+            stiffnesses[j] = exp(arm[2 * j]);
             fit_arm_response(run, exp(arm[2 * j + 1]), response + 2 * j * longest,
-                             response + (2 * j + 1) * longest);
+                             jacobian ? response + (2 * j + 1) * longest : NULL);
+        }
         for (size_t i = 0; i < run->n; i++) {
             size_t row = first + i;
             double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise, force;
@@ -96,7 +99,7 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
             for (size_t k = 0; k < p->n_springs && jacobian; k++)
                 jacobian[k * m + row] = weight * by_spring[k];
             for (size_t j = 0; j < p->n_arms; j++) {
-                double stiffness = exp(arm[2 * j]), q = stiffness * response[2 * j * longest + i];
+                double stiffness = stiffnesses[j], q = stiffness * response[2 * j * longest + i];
                 force += q;
                 if (jacobian) {
                     jacobian[(p->n_springs + 2 * j) * m + row] = weight * q;

@@ -34,6 +34,17 @@ void element_step_prepare(const palp_material *material, double dt, element_step
     }
 }
 
+const element_step *element_steps_of(const palp_material *material, double dt, element_steps *steps) {
+    for (size_t i = 0; i < steps->n; i++)
+        if (steps->step[i].dt == dt)
+            return &steps->step[i];
+    element_step *step = &steps->step[steps->next];
+    steps->next = (steps->next + 1) % ELEMENT_STEPS;
+    steps->n += steps->n < ELEMENT_STEPS;
+    element_step_prepare(material, dt, step);
+    return step;
+}
+
 /* Eq. 5.11: A = (K e + b1 (1 + K/K1) (e - e_old) / dt) / (1 + b1 / (K1 dt)), and dA/de. K and dK/de come
  * from the law's force K e and tangent K + e dK/de, but dK/de near e = 0 is the law's there. */
 static void sedef_trial(const palp_material *material, const element_step *step, size_t n, const double *e,

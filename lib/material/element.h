@@ -23,6 +23,21 @@ typedef struct element_step {
     const element_damage *damage;    /* prepare gives NULL: the spring does not damage */
 } element_step;
 
+/* Steps that were prepared, for one material: even samples have few different steps, but for rounding. Zero-initialised =
+ * none. */
+enum { ELEMENT_STEPS = 8 };
+typedef struct element_steps {
+    size_t n, next;
+    element_step step[ELEMENT_STEPS];
+} element_steps;
+
+/* The one of dt, prepared now unless it is there. */
+const element_step *element_steps_of(const palp_material *material, double dt, element_steps *steps);
+
+/* palp_element_advance by a prepared step, without its checks. */
+void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from, double strain,
+                     palp_element_state *to, double *tangent_N);
+
 /* What n elements remember, structure of arrays. */
 typedef struct element_history {
     double *strain;  /* [n] */

@@ -47,27 +47,36 @@ palp_status palp_material_check(const palp_material *material, palp_error *error
     return PALP_OK;
 }
 
-palp_status palp_element_advance(const palp_material *material, const palp_element_state *from, double strain,
-                                 double dt_s, palp_element_state *to, double *tangent_N) {
-    if (!material || !from || !to || material->n_arms > PALP_ARMS_MAX || !law_bounded(&material->law))
-        return PALP_ERR_ARGUMENT;
-    bool rate = material->dashpot_Ns > 0.0 || (material->formulation == PALP_SEDEF2008 && material->n_arms > 0);
-    if (!(dt_s >= 0.0) || !isfinite(strain) || (dt_s == 0.0 && rate))
-        return PALP_ERR_ARGUMENT;
+void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from, double strain,
+                     palp_element_state *to, double *tangent_N) {
     palp_element_state start = *from, end = *from;
     double force, tangent, elastic_old;
     palp_law_force(&material->law, 1, &start.strain, &elastic_old, NULL, NULL);
     element_history old = {&start.strain, &elastic_old, start.arm_N, NULL};
     element_history new = {&end.strain, &(double){0}, end.arm_N, NULL};
-    element_step step;
-    element_step_prepare(material, dt_s, &step);
-    element_trial(material, &step, 1, 1, &strain, &old, &new, &force, &tangent);
+    element_trial(material, step, 1, 1, &strain, &old, &new, &force, &tangent);
     if (material->formulation == PALP_SEDEF2008)
-        force += step.carry * start.force_N;
+        force += step->carry * start.force_N;
     end.force_N = force;
     *to = end;
     if (tangent_N)
         *tangent_N = tangent;
+}
+
+/* Whether palp_element_advance can take the step. */
+static bool step_sound(const palp_material *material, double strain, double dt) {
+    bool rate = material->dashpot_Ns > 0.0 || (material->formulation == PALP_SEDEF2008 && material->n_arms > 0);
+    return dt >= 0.0 && isfinite(strain) && !(dt == 0.0 && rate);
+}
+
+palp_status palp_element_advance(const palp_material *material, const palp_element_state *from, double strain,
+                                 double dt_s, palp_element_state *to, double *tangent_N) {
+    if (!material || !from || !to || material->n_arms > PALP_ARMS_MAX || !law_bounded(&material->law) ||
+        !step_sound(material, strain, dt_s))
+        return PALP_ERR_ARGUMENT;
+    element_step step;
+    element_step_prepare(material, dt_s, &step);
+    element_advance(material, &step, from, strain, to, tangent_N);
     return PALP_OK;
 }
 

@@ -62,14 +62,16 @@ static double whole_ratio(const palp_lumped_fit *fit, const palp_recording *run)
     return sqrt(square / count);
 }
 
-/* Fits each number of arms to tell its residual, and how many arms the one chosen really tells apart. */
+/* Fits each number of arms to tell its residual, and how many arms the one chosen really tells apart: that one from all starts,
+ * the others, which are only told of, from the best. */
 static palp_status try_arms(characterize_state *s, palp_characterize_settings settings, size_t most, progress *bar) {
     palp_error error = {PALP_OK, ""};
     palp_status status = PALP_OK;
-    size_t n = 0;
+    size_t n = 0, starts = settings.starts;
     const palp_recording *run = timed(s, &n);
     for (size_t k = 0; k <= most && status == PALP_OK; k++) {
         palp_lumped_fit fit;
+        settings.starts = k == s->arms.best ? starts : 1;
         progress_update(bar, 0.2 + 0.05 * (double)k);
         settings.n_arms = k;
         status = palp_characterize_fit(n, run, &settings, &fit, &error);
