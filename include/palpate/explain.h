@@ -74,6 +74,13 @@ typedef struct palp_explain_scatter {
     bool found;       /* it is more than what the noise hides */
 } palp_explain_scatter;
 
+/* Whether another family of stiffness laws is needed than the given model has; model has it then, base the given one. */
+typedef struct palp_explain_law {
+    bool found;
+    double without_N; /* rms that is left with the given law beside the same effects; with the other gap.after_N is */
+    double evidence;  /* in log likelihood, less what its coefficients cost, nats */
+} palp_explain_law;
+
 typedef struct palp_explain_phase_share {
     size_t run;
     palp_phase phase;
@@ -150,6 +157,7 @@ typedef struct palp_explanation {
     palp_explain_gap gap;
     double white_N, correlated_N, correlation_s; /* the noise level's parts */
     palp_explain_scatter zero, contact, gain;
+    palp_explain_law law;
     bool replicates;          /* the runs have some */
     double null_threshold;    /* score above which a candidate is more than chance, nats */
     double unexplained_N;     /* rms of the structure that remains above the noise level */

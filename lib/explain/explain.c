@@ -83,7 +83,7 @@ static palp_explain_verdict judge(const explain_search *s, bool remains, const p
     for (size_t i = 0; i < e->n_effects; i++)
         if (e->effect[i].n_class > 1)
             return PALP_EXPLAIN_AMBIGUOUS;
-    return e->n_effects ? PALP_EXPLAIN_EXPLAINED : PALP_EXPLAIN_AGREES;
+    return e->n_effects || e->law.found ? PALP_EXPLAIN_EXPLAINED : PALP_EXPLAIN_AGREES;
 }
 
 /* Takes the names back: the model is what it was before the first. */
@@ -97,6 +97,7 @@ static void disown(const explain_search *s, palp_explanation *e) {
                          1.0 - e->gap.closed);
             }
     e->n_effects = 0;
+    e->law.found = false;
     e->next = (palp_explain_next){0};
     e->model = e->base;
     e->gap.after_N = s->opened;
@@ -174,6 +175,29 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
     return PALP_OK;
 }
 
+/* Takes back a law, and an effect, that what was added later makes superfluous. */
+static palp_status tidy(explain_search *s, palp_explanation *e, double threshold, palp_effect_id *dropped) {
+    const bool changed = s->law_changed;
+    palp_status status = explain_law_review(s, &e->law);
+    if (!status)
+        status = explain_drop(s, threshold, changed && !s->law_changed, dropped);
+    if (!status && *dropped != PALP_EFFECT_COUNT)
+        mark(e, *dropped, "is superfluous beside what was added later");
+    return status;
+}
+
+/* Another law instead of the best trial, if it gains more. */
+static palp_status change_law(explain_search *s, double threshold, size_t best, bool *changed) {
+    explain_trial law = {.tried = true};
+    palp_status status = s->law_fixed ? PALP_OK : explain_law_try(s, threshold, &law);
+    *changed = !status && law.fit.product && (best == PALP_EFFECT_COUNT || law.gain > s->trial[best].gain);
+    if (*changed)
+        return explain_law_take(s, &law);
+    explain_fit_free(&law.fit);
+    free(law.force);
+    return status;
+}
+
 /* Adds effects as long as one is accepted; what later ones make superfluous is taken out again. */
 static palp_status search(explain_search *s, palp_explanation *e) {
     palp_status status = PALP_OK;
@@ -189,9 +213,14 @@ static palp_status search(explain_search *s, palp_explanation *e) {
             if (out[i])
                 explain_fit_free(&s->trial[i].fit);
         size_t best = status ? PALP_EFFECT_COUNT : explain_best_trial(s, threshold, &status);
+        bool changed = false;
+        if (!status)
+            status = change_law(s, threshold, best, &changed);
+        if (changed)
+            continue;
         if (!status)
             status = keep_step(s, e, threshold, (palp_effect_id)best);
-        if (!status && step == 0)
+        if (!status && e->n_steps == 1)
             e->n_candidates = explain_list_candidates(s, threshold, e->candidate);
         if (status || best == PALP_EFFECT_COUNT || explain_added_count(s) == s->settings->max_effects)
             break;
@@ -199,12 +228,79 @@ static palp_status search(explain_search *s, palp_explanation *e) {
         s->worth = 4.0;
         status = explain_take(s, best);
         if (!status)
-            status = explain_drop(s, threshold, &dropped);
-        if (!status && dropped != PALP_EFFECT_COUNT) {
+            status = tidy(s, e, threshold, &dropped);
+        if (!status && dropped != PALP_EFFECT_COUNT)
             out[dropped] = true;
-            mark(e, dropped, "is superfluous beside what was added later");
-        }
     }
+    return status;
+}
+
+/* Evidence of all that the search has come to. */
+static double worth_of(const explain_search *s, const explain_fit *fit) {
+    return fit->score - 0.5 * (double)fit->n_columns * log((double)s->data.n);
+}
+
+/* What a search came to, aside. */
+typedef struct outcome {
+    explain_fit fit;
+    explain_memory memory;
+    palp_explain_law law;
+    palp_law first_law;
+    palp_model given;
+    size_t n_steps, n_candidates;
+    palp_explain_step *step;
+    palp_explain_candidate candidate[PALP_EFFECT_COUNT];
+} outcome;
+
+/* Moves it aside, or back. */
+static void exchange(explain_search *s, palp_explanation *e, outcome *o) {
+    const outcome was = *o;
+    *o = (outcome){.fit = s->fit, .memory = *s->memory, .law = e->law, .first_law = s->first_law, .given = s->given,
+                   .n_steps = e->n_steps, .n_candidates = e->n_candidates, .step = e->step};
+    memcpy(o->candidate, e->candidate, sizeof o->candidate);
+    s->fit = was.fit;
+    *s->memory = was.memory;
+    s->first_law = was.first_law;
+    s->given = was.given;
+    s->law_changed = was.law.found;
+    e->law = was.law;
+    e->n_steps = was.n_steps;
+    e->n_candidates = was.n_candidates;
+    e->step = was.step;
+    memcpy(e->candidate, was.candidate, sizeof e->candidate);
+}
+
+/* Effects beside another law may stand for effects beside the given one, which it kept from being seen: the search once
+ * more with the given law, and the better of the two. */
+static palp_status search_again(explain_search *s, palp_explanation *e, const explain_fit *base) {
+    outcome *o = calloc(1, sizeof *o);
+    const palp_model *given = s->data.given;
+    palp_status status = o ? explain_fit_copy(base, s->data.n_runs, &o->fit) : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        exchange(s, e, o);
+        s->data.given = s->as_given;
+        s->law_fixed = true;
+        s->worth = 4.0;
+        status = explain_refit(s);
+    }
+    if (!status)
+        status = search(s, e);
+    if (!status)
+        status = explain_fit_products(&o->fit, &s->data, NULL);
+    if (!status)
+        status = explain_fit_improve(&o->fit, &s->data, 10);
+    if (!status)
+        explain_fit_scatter(&o->fit, &s->data, s->settings);
+    if (!status && worth_of(s, &o->fit) > worth_of(s, &s->fit)) {
+        exchange(s, e, o);
+        s->data.given = given;
+        status = explain_refit(s);
+    }
+    if (o) {
+        explain_fit_free(&o->fit);
+        free(o->step);
+    }
+    free(o);
     return status;
 }
 
@@ -221,8 +317,12 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
         status = explain_null_threshold(s, &e->null_threshold, s->share);
     if (!status)
         status = search(s, e);
+    if (!status && s->law_changed && explain_added_count(s) > 0)
+        status = search_again(s, e, &base);
     if (!status)
         status = explain_keep_given_arms(s);
+    if (!status)
+        status = explain_law_review(s, &e->law);
     if (!status)
         status = explain_describe(s, e);
     if (!status)
@@ -249,7 +349,8 @@ palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_i
     explain_memory *memory = calloc(1, sizeof *memory);
     palp_status status = s && memory ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status) {
-        *s = (explain_search){.settings = settings, .worth = 4.0, .memory = memory, .n_given = model->n_effects};
+        *s = (explain_search){.settings = settings, .worth = 4.0, .memory = memory, .n_given = model->n_effects,
+                              .as_given = model};
         status = start(s, model, n, inputs, error);
         if (!status)
             status = explain(s, explanation);

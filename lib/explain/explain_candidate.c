@@ -27,7 +27,8 @@ palp_status explain_starts_find(palp_effect_id id, const explain_data *data, con
     return PALP_OK;
 }
 
-/* A strong effect may have led the plain model's own parameters and the contacts astray: those as given. */
+/* A strong effect may have led the plain model's own parameters and the contacts astray: those as given, and all
+ * surfaces near where the model has them. */
 static palp_status go_back(explain_fit *fit, const explain_data *data) {
     explain_fit given;
     palp_status status = explain_fit_create(data->given, data, &given);
@@ -36,6 +37,7 @@ static palp_status go_back(explain_fit *fit, const explain_data *data) {
     size_t k = data->given->material.law.n + 2 * data->given->material.n_arms;
     memcpy(fit->x, given.x, k * sizeof *fit->x);
     memset(fit->contact, 0, data->n_runs * sizeof *fit->contact);
+    fit->scatter.contact = fmin(fit->scatter.contact, explain_hidden_scatter(data).contact);
     fit->model.material = data->given->material;
     explain_fit_free(&given);
     return PALP_OK;

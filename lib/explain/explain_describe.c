@@ -30,7 +30,8 @@ static palp_status stand_in(const place *p, size_t c, explain_fit *fit) {
     const palp_model *found = &full->memory->step[p->i].model[c];
     palp_model model = full->fit.model;
     size_t at = full->n_given + p->i;
-    if (at + 1 == model.n_effects)
+    const palp_law *then = &found->material.law, *now = &model.material.law;
+    if (at + 1 == model.n_effects && then->kind == now->kind && then->n == now->n)
         model.material = found->material;
     model.effects[at] = found->effects[found->n_effects - 1];
     palp_status status = explain_fit_beside(&full->fit, &model, &full->data, fit);

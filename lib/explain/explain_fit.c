@@ -223,7 +223,8 @@ static void find_residual(const explain_fit *fit, const explain_run *run, size_t
     }
 }
 
-palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual) {
+static palp_status evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual,
+                            explain_visit *visit, void *user) {
     palp_model full;
     size_t offset, gain;
     palp_status status = augment(&fit->model, &full, &offset, &gain);
@@ -238,6 +239,8 @@ palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, dou
         status = run_products(fit, &data->run[r], &path, &full, offset, gain, work, work + n, work + (1 + columns) * n,
                               fit->product + r * fit->m * fit->m);
         size_t length = data->run[r].n;
+        if (visit && !status)
+            visit(user, r, work + (1 + columns) * n);
         if (force && !status) {
             memcpy(force, work, length * sizeof *force);
             force += length;
@@ -252,6 +255,15 @@ palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, dou
     if (!status)
         fit->score = explain_fit_score(fit, data);
     return status;
+}
+
+palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual) {
+    return evaluate(fit, data, force, residual, NULL, NULL);
+}
+
+palp_status explain_fit_visit(explain_fit *fit, const explain_data *data, double *force, double *residual,
+                              explain_visit *visit, void *user) {
+    return evaluate(fit, data, force, residual, visit, user);
 }
 
 palp_status explain_fit_products(explain_fit *fit, const explain_data *data, double *force) {

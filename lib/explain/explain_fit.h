@@ -43,6 +43,11 @@ palp_status explain_fit_products(explain_fit *fit, const explain_data *data, dou
 /* The same; residual (NULL or [n]): what force and the runs' nuisance parameters leave, 0 where a sample does not count. */
 palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual);
 
+/* The same; visit gets the m whitened columns [n] of each run: parameters, nuisance parameters, residual. */
+typedef void explain_visit(void *user, size_t r, const double *column);
+palp_status explain_fit_visit(explain_fit *fit, const explain_data *data, double *force, double *residual,
+                              explain_visit *visit, void *user);
+
 /* ---- from the products (explain_normal.c) ---- */
 
 /* Normal matrix h[k k] (NULL: not wanted, nor g), gradient g[k] and chi2 of run r with its nuisances eliminated; logdet:
@@ -59,6 +64,10 @@ double explain_chi2(const explain_data *data, const explain_fit *fit); /* per sa
 /* The run's nuisance parameters at the fit, and their sds. */
 void explain_nuisances(const explain_fit *fit, size_t r, double value[EXPLAIN_NUISANCES], double sd[EXPLAIN_NUISANCES]);
 
+/* Their best values for what has these products with their columns. */
+void explain_nuisances_for(const explain_fit *fit, size_t r, const double pull[EXPLAIN_NUISANCES],
+                           double own[EXPLAIN_NUISANCES]);
+
 /* What no run could show, for its noise. */
 explain_scatter explain_hidden_scatter(const explain_data *data);
 
@@ -72,6 +81,16 @@ palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data
 
 /* Moves to the best parameters near by, and each run's surface to where they find it. */
 palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds);
+
+/* ---- intervals (explain_interval.c) ---- */
+
+/* Half widths of all parameters' intervals for a quadratic likelihood, reach[n_columns], in search coordinates, and by
+ * how much chi2 may rise within them, rise[n_columns]; HUGE_VAL where the runs leave some open. */
+palp_status explain_reaches_find(const explain_fit *fit, const explain_data *data, double *reach, double *rise);
+
+/* By how much what the fit leaves widens the variance of parameter at beyond what noise does; 1: not at all.
+ * (explain_widen.c) */
+palp_status explain_widening(explain_fit *fit, const explain_data *data, size_t at, double *widening);
 
 /* ---- each run predicted by the others (explain_cross.c) ---- */
 

@@ -42,9 +42,7 @@ static double square_reach(const explain_fit *fit, const explain_data *data, con
     return fmax(noise, pow(student(counted - 1), 2) * between * n / (n - 1.0));
 }
 
-/* Half widths of all parameters' intervals for a quadratic likelihood, reach[n_columns], in search coordinates, and by
- * how much chi2 may rise within them, rise[n_columns]; HUGE_VAL where the runs leave some open. */
-static palp_status find_reaches(const explain_fit *fit, const explain_data *data, double *reach, double *rise) {
+palp_status explain_reaches_find(const explain_fit *fit, const explain_data *data, double *reach, double *rise) {
     size_t k = fit->n_columns;
     double *h = malloc((2 * k + 2 + data->n_runs) * k * sizeof *h), chi2, logdet;
     if (!h)
@@ -166,7 +164,7 @@ palp_status explain_intervals(const explain_search *s, palp_explanation *e) {
     const explain_fit *fit = &s->fit;
     const explain_data *data = &s->data;
     double below[EXPLAIN_COLUMNS], above[EXPLAIN_COLUMNS], rise[EXPLAIN_COLUMNS];
-    palp_status status = find_reaches(fit, data, below, rise);
+    palp_status status = explain_reaches_find(fit, data, below, rise);
     if (status)
         return status;
     memcpy(above, below, fit->n_columns * sizeof *above);

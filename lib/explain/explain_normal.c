@@ -70,6 +70,19 @@ void explain_nuisances(const explain_fit *fit, size_t r, double own[EXPLAIN_NUIS
     }
 }
 
+void explain_nuisances_for(const explain_fit *fit, size_t r, const double pull[EXPLAIN_NUISANCES],
+                           double own[EXPLAIN_NUISANCES]) {
+    enum { Q = EXPLAIN_NUISANCES };
+    double sd[Q], factor[Q * Q];
+    nuisance_sd(fit, sd);
+    nuisance_factor(fit, r, sd, factor);
+    for (size_t i = 0; i < Q; i++)
+        own[i] = sd[i] * pull[i];
+    dense_cholesky_solve(Q, factor, 1, own);
+    for (size_t i = 0; i < Q; i++)
+        own[i] *= sd[i];
+}
+
 double explain_fit_score(const explain_fit *fit, const explain_data *data) {
     double sum = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {

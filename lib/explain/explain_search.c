@@ -45,6 +45,26 @@ palp_status explain_refit(explain_search *s) {
 
 /* ---- candidates ---- */
 
+/* Whether the runs agree that the last effect is there, and by how much what is left widens the scatter of its strength. */
+static palp_status weigh_strength(explain_fit *fit, const explain_data *data, bool *from_zero, double *widening) {
+    double reach[EXPLAIN_COLUMNS], rise[EXPLAIN_COLUMNS];
+    const size_t last = fit->model.n_effects - 1, first = explain_first_column(&fit->model, last);
+    const palp_effect_info *info = palp_effect_look_up(fit->model.effects[last].id);
+    palp_status status = explain_reaches_find(fit, data, reach, rise);
+    *from_zero = false;
+    *widening = HUGE_VAL;
+    for (size_t p = 0; p < info->n_parameters && !status; p++) {
+        double widens;
+        if (!info->parameter[p].strength)
+            continue;
+        const double size = fit->logarithmic[first + p] ? 1.0 : fabs(fit->x[first + p]);
+        *from_zero = *from_zero || size > reach[first + p];
+        status = explain_widening(fit, data, first + p, &widens);
+        *widening = fmin(*widening, widens);
+    }
+    return status;
+}
+
 palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t) {
     size_t n = s->data.n;
     t->force = malloc(n * sizeof *t->force);
@@ -63,9 +83,9 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     if (status)
         return status;
     explain_fit_scatter(&t->fit, &s->data, s->settings);
-    const bool line = effect_row_of(id)->line;
+    const bool effect = id < PALP_EFFECT_COUNT, line = effect && effect_row_of(id)->line;
     double cost = line ? 0.5 : 0.5 * (double)(t->fit.n_columns - s->fit.n_columns);
-    double scanned = effect_row_of(id)->scanned;
+    double scanned = effect ? effect_row_of(id)->scanned : 0.0;
     t->raw_gain = t->fit.score - s->fit.score - (scanned > 0.0 ? log(scanned) : 0.0);
     t->gain = t->raw_gain - cost * log((double)n) - (line ? log(EXPLAIN_FREQUENCIES) : 0.0);
     double hum = t->fit.hum_Hz > 0.0 && !(s->fit.hum_Hz > 0.0) ? t->fit.hum_N / sqrt(2.0) : 0.0;
@@ -74,6 +94,11 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     status = explain_paired(&s->data, &s->fit, &t->fit, &pair);
     if (!status)
         status = explain_rest_inflation(&s->data, residual, &t->inflation);
+    t->from_zero = true;
+    double widening = 1.0;
+    if (!status && effect && !line)
+        status = weigh_strength(&t->fit, &s->data, &t->from_zero, &widening);
+    t->inflation = fmax(t->inflation, widening);
     t->held_out_gain = pair.gain;
     t->held_out_se = pair.se;
     t->held_out_rest = pair.rest;

@@ -51,6 +51,7 @@ typedef struct explain_trial {
     double *force;                     /* [n] of the model */
     double inflation;                  /* of the evidence's scatter, by what is left beside noise */
     double explained;                  /* rms difference of the forces */
+    bool from_zero;                    /* the interval of a strength, as the runs scatter, is away from zero */
 } explain_trial;
 
 /* What was found when each effect was added: models whose last effect is the candidate. */
@@ -72,6 +73,11 @@ typedef struct explain_search {
     double opened;            /* rms that the model as given leaves, N */
     double worth;             /* chi2 that a candidate must promise to be tried */
     double taken_gain;        /* raw_gain of the trial taken last */
+    bool law_fixed;           /* another law is no candidate */
+    bool law_changed;         /* the law at hand is of another family than first_law, the given one refitted */
+    palp_law first_law;
+    palp_model given;         /* as it was given but for that law */
+    const palp_model *as_given;
     explain_fit fit;          /* at hand */
     double *force, *residual; /* [n] of it, and what is left beside it and the runs' own contacts, zeros, gains and hum */
     double *first;            /* [n] residual of the model as given, refitted; NULL in a search without an effect */
@@ -85,8 +91,17 @@ palp_status explain_try_all(explain_search *s);
 void explain_trials_free(explain_search *s);
 void explain_search_free(explain_search *s); /* but for its data */
 
-/* What has come of a candidate's fit (t->fit) beside s->fit. */
+/* What has come of a candidate's fit (t->fit) beside s->fit. id: PALP_EFFECT_COUNT for another law. */
 palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t);
+
+/* ---- the law (explain_law.c) ---- */
+
+/* The family of laws that gains most beside the effects at hand; best->fit.product NULL: none gains what it costs. */
+palp_status explain_law_try(const explain_search *s, double threshold, explain_trial *best);
+palp_status explain_law_take(explain_search *s, explain_trial *law);
+
+/* What the changed law is good for beside the effects at hand; one that is not needed any more is taken back. */
+palp_status explain_law_review(explain_search *s, palp_explain_law *found);
 
 /* ---- explain_held_out.c ---- */
 
@@ -154,8 +169,9 @@ bool explain_unconfirmed(const char *reason);
 size_t explain_best_trial(const explain_search *s, double threshold, palp_status *status);
 palp_status explain_take(explain_search *s, size_t i);
 
-/* Takes out an effect that would not be added again beside the others; PALP_EFFECT_COUNT: there is none. */
-palp_status explain_drop(explain_search *s, double threshold, palp_effect_id *dropped);
+/* Takes out an effect that would not be added again beside the others; PALP_EFFECT_COUNT: there is none. any: the one
+ * added last too. */
+palp_status explain_drop(explain_search *s, double threshold, bool any, palp_effect_id *dropped);
 
 /* Of two arms either may have been added; the one nearer to a given arm takes that one's place. */
 palp_status explain_keep_given_arms(explain_search *s);

@@ -8,6 +8,7 @@ static const char ONE_RUN[] = "helps in one experiment only";
 
 /* What an effect's equations are good for: of the first gap, and of the noise level beside an effect that is there. */
 static const double SHADOW = 0.06, SLIGHT = 0.25;
+static const double PLAIN = 10.0; /* nats that a slight one of the instrument needs */
 
 /* Whether a strength, a time or a length of the trial's effect is at the end of what these runs can mean. */
 static bool at_an_end(const explain_fit *fit) {
@@ -24,6 +25,14 @@ static bool at_an_end(const explain_fit *fit) {
             return true;
     }
     return false;
+}
+
+/* Whether the trial's effect is one of the frame or the sensor. */
+static bool of_the_instrument(const explain_fit *fit) {
+    if (fit->model.n_effects == 0)
+        return false;
+    const palp_effect_info *info = palp_effect_look_up(fit->model.effects[fit->model.n_effects - 1].id);
+    return info->place == PALP_EFFECT_FRAME || info->place == PALP_EFFECT_SENSOR;
 }
 
 const char *explain_judged(const explain_search *s, const explain_trial *t, double threshold) {
@@ -43,8 +52,13 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
         return "does not help to predict an experiment left out by more than its standard error";
     if (!(t->held_out_rest > 0.0))
         return ONE_RUN;
-    bool slight = explain_added_count(s) > 0 && !(t->explained > SLIGHT * explain_noise_level(&s->data));
-    if (slight || !(t->explained > SHADOW * s->opened))
+    const bool slight = !(t->explained > SLIGHT * explain_noise_level(&s->data));
+    const bool accuses = slight && of_the_instrument(&t->fit);
+    if (accuses && !t->from_zero)
+        return "cannot be told from zero, as the runs differ on it";
+    if (accuses && !(t->gain > PLAIN * t->inflation))
+        return "is too small to be certain of beside what the model's equations are good for";
+    if ((slight && explain_added_count(s) > 0) || !(t->explained > SHADOW * s->opened))
         return "is within what an effect's equations are good for";
     return NULL;
 }
@@ -112,10 +126,12 @@ static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_
     return runs ? status : PALP_OK;
 }
 
-palp_status explain_drop(explain_search *s, double threshold, palp_effect_id *dropped) {
+palp_status explain_drop(explain_search *s, double threshold, bool any, palp_effect_id *dropped) {
     palp_status status = PALP_OK;
     *dropped = PALP_EFFECT_COUNT;
-    for (size_t i = 0; i + 1 < explain_added_count(s) && !status && *dropped == PALP_EFFECT_COUNT; i++)
+    if (any)
+        s->taken_gain = HUGE_VAL;
+    for (size_t i = 0; i + !any < explain_added_count(s) && !status && *dropped == PALP_EFFECT_COUNT; i++)
         status = drop_one(s, i, threshold, dropped);
     return status;
 }

@@ -81,6 +81,20 @@ static json_t *scatter_json(const palp_explanation *e) {
     return list;
 }
 
+static void add_law(json_t *root, const palp_explanation *e) {
+    if (!e->law.found)
+        return;
+    json_t *law = json_object();
+    json_object_set_new(law, "given", json_string(palp_law_kind_name(e->base.material.law.kind)));
+    json_object_set_new(law, "given_coefficients", json_integer((json_int_t)e->base.material.law.n));
+    json_object_set_new(law, "better", json_string(palp_law_kind_name(e->model.material.law.kind)));
+    json_object_set_new(law, "better_coefficients", json_integer((json_int_t)e->model.material.law.n));
+    put(law, "evidence", e->law.evidence);
+    put(law, "gap_before_N", e->law.without_N);
+    put(law, "gap_after_N", e->gap.after_N);
+    json_object_set_new(root, "law", law);
+}
+
 static json_t *phase_shares_json(const palp_explanation *e) {
     json_t *list = json_array();
     for (size_t i = 0; i < e->n_phase_shares; i++) {
@@ -222,6 +236,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "gap", gap_json(e));
     json_object_set_new(root, "noise_level", noise_level_json(e));
     json_object_set_new(root, "scatter", scatter_json(e));
+    add_law(root, e);
     put(root, "null_threshold", e->null_threshold);
     json_object_set_new(root, "phase_shares", phase_shares_json(e));
     json_object_set_new(root, "profile", explain_profile(e));

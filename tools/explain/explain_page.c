@@ -37,6 +37,14 @@ static void say_scatter(const palp_explanation *e) {
     }
 }
 
+static void say_law(const palp_explanation *e) {
+    const palp_law *given = &e->base.material.law, *better = &e->model.material.law;
+    if (e->law.found)
+        printf("  stiffness_law: %s with %zu coefficients instead of %s with %zu, which would leave %.4g N, not %.4g N\n",
+               palp_law_kind_name(better->kind), better->n, palp_law_kind_name(given->kind), given->n, e->law.without_N,
+               e->gap.after_N);
+}
+
 /* The candidates that gain most and were not taken. */
 static void say_candidates(const palp_explanation *e) {
     enum { SAID = 3 };
@@ -64,6 +72,7 @@ void explain_say(const palp_explanation *e) {
         effect_text(&e->effect[i], text);
         printf("  %s\n", text);
     }
+    say_law(e);
     say_scatter(e);
     printf("gap of experiments left out: %.4g N before, %.4g N after, noise level %.4g N\n", e->gap.heldout_before_N,
            e->gap.heldout_after_N, e->gap.noise_level_N);

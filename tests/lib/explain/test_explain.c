@@ -150,6 +150,27 @@ START_TEST(a_toe_is_no_scatter_of_contacts) {
 }
 END_TEST
 
+/* A law of two coefficients cannot follow the one of five: no effect is accused of the difference. */
+START_TEST(a_law_too_stiff_is_found_before_an_effect) {
+    static const double few[] = {8, 4}; /* N */
+    palp_model truth = lumped_model(1), m = truth;
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    ck_assert_int_eq(palp_law_polynomial(2, few, &m.material.law), PALP_OK);
+    session(&truth);
+    ck_assert_int_eq(palp_explain(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_EXPLAINED);
+    ck_assert_uint_eq(e.n_effects, 0);
+    ck_assert(e.law.found);
+    ck_assert_uint_eq(e.base.material.law.n, 2);
+    ck_assert_uint_gt(e.model.material.law.n, 2);
+    ck_assert_double_gt(e.law.without_N, 1.2 * e.gap.after_N);
+    ck_assert_double_eq_tol(e.gap.after_N, 2e-3, 2e-4);
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
 START_TEST(an_interval_follows_the_likelihood) {
     palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.13, 6);
     palp_explain_settings s = palp_explain_settings_default();
@@ -382,6 +403,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, nothing_hidden_nothing_named);
     tcase_add_loop_test(tc, a_hidden_effect_is_named, 0, 3);
     tcase_add_test(tc, a_toe_is_no_scatter_of_contacts);
+    tcase_add_test(tc, a_law_too_stiff_is_found_before_an_effect);
     tcase_add_test(tc, the_added_arm_is_the_hidden_one);
     tcase_add_test(tc, an_interval_follows_the_likelihood);
     tcase_add_test(tc, the_order_of_the_tasks_changes_no_bit);

@@ -1,0 +1,135 @@
+/* explain_law.c: the stiffness law as a candidate: another family of laws beside the same effects. */
+#include "explain_search.h"
+#include "base/dense.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* By their freedom; a polynomial follows a smooth law with fewer coefficients than a spline does. */
+static const struct family {
+    palp_law_kind kind;
+    size_t n;
+} families[] = {{PALP_LAW_POLYNOMIAL, 2}, {PALP_LAW_POLYNOMIAL, 3}, {PALP_LAW_POLYNOMIAL, 4}, {PALP_LAW_POLYNOMIAL, 5},
+                {PALP_LAW_POLYNOMIAL, 6}, {PALP_LAW_SPLINE, 8}, {PALP_LAW_SPLINE, 14}};
+
+static double price(const explain_search *s, size_t n) { return 0.5 * (double)n * log((double)s->data.n); }
+
+/* The law of that family nearest to one that is there, over the strains of these runs. ERR_ARGUMENT: there is none. */
+static palp_status resemble(const palp_law *from, const struct family *family, double deepest, palp_law *law) {
+    enum { PLACES = 200 };
+    double strain[PLACES], force[PLACES], value[PALP_LAW_MAX], left, most = fmax(from->strain_max, deepest);
+    palp_status status;
+    for (size_t i = 0; i < PLACES; i++)
+        strain[i] = most * (double)(i + 1) / PLACES;
+    palp_law_force(from, PLACES, strain, force, NULL, NULL);
+    if (family->kind == PALP_LAW_POLYNOMIAL) {
+        status = dense_polynomial(PLACES, strain, force, 1, family->n, value, &left);
+        if (!status)
+            status = palp_law_polynomial(family->n, value, law);
+    } else {
+        for (size_t i = 0; i < family->n; i++) {
+            strain[i] = most * (double)i / (double)(family->n - 1);
+            palp_law_stiffness(from, strain[i], &value[i], NULL);
+        }
+        status = palp_law_spline(family->n, strain, value, law);
+    }
+    return status ? status : palp_law_limit(law, most);
+}
+
+/* The effects at hand with another law. ERR_ARGUMENT: it promises less than its coefficients cost. */
+static palp_status fit_with(const explain_search *s, const palp_law *law, bool anyhow, explain_fit *fit) {
+    const double samples = (double)explain_samples(&s->data);
+    double promised;
+    palp_model model = s->fit.model;
+    model.material.law = *law;
+    palp_status status = explain_fit_beside(&s->fit, &model, &s->data, fit);
+    if (!status)
+        status = explain_fit_products(fit, &s->data, NULL);
+    if (!status)
+        status = explain_fit_predict(fit, &s->data, &promised);
+    const double gain = 0.5 * (samples * explain_chi2(&s->data, &s->fit) - promised);
+    if (!status && !anyhow && !(gain > price(s, law->n - s->fit.model.material.law.n)))
+        status = PALP_ERR_ARGUMENT;
+    for (size_t rounds = 15; rounds > 2 && !status; rounds /= 5) {
+        status = explain_fit_improve(fit, &s->data, rounds);
+        explain_fit_scatter(fit, &s->data, s->settings);
+    }
+    return status;
+}
+
+static bool believed(const explain_search *s, const explain_trial *t, double threshold) {
+    const double cost = t->raw_gain - t->gain;
+    bool gains = t->gain > fmax(0.0, (t->inflation - 1.0) * cost) && t->raw_gain > t->inflation * threshold;
+    return t->fit.product && gains && (explain_fitted_runs(&s->data) == 1 || t->held_out_gain > t->held_out_se);
+}
+
+static void trial_free(explain_trial *t) {
+    explain_fit_free(&t->fit);
+    free(t->force);
+    *t = (explain_trial){.tried = true};
+}
+
+palp_status explain_law_try(const explain_search *s, double threshold, explain_trial *best) {
+    const palp_law *now = &s->fit.model.material.law;
+    palp_status status = PALP_OK;
+    *best = (explain_trial){.tried = true};
+    if (s->fit.model.kind == PALP_MODEL_NETWORK) /* whose fits are dear */
+        return PALP_OK;
+    for (size_t f = 0; f < sizeof families / sizeof *families && !status; f++) {
+        explain_trial t = {.tried = true};
+        palp_law law;
+        if (families[f].n <= now->n || resemble(now, &families[f], s->data.deepest / s->data.height, &law))
+            continue;
+        status = fit_with(s, &law, false, &t.fit);
+        if (!status)
+            status = explain_trial_examine(s, PALP_EFFECT_COUNT, &t);
+        bool better = !status && believed(s, &t, threshold) && (!best->fit.product || t.gain > best->gain);
+        explain_trial other = better ? *best : t;
+        if (better)
+            *best = t;
+        trial_free(&other);
+        status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    }
+    return status;
+}
+
+palp_status explain_law_take(explain_search *s, explain_trial *law) {
+    if (!s->law_changed)
+        s->first_law = s->fit.model.material.law;
+    s->law_changed = true;
+    explain_fit_free(&s->fit);
+    s->fit = law->fit;
+    law->fit.product = NULL;
+    s->given = *s->data.given; /* where trials go back to */
+    s->given.material.law = s->fit.model.material.law;
+    s->data.given = &s->given;
+    trial_free(law);
+    return explain_refit(s);
+}
+
+palp_status explain_law_review(explain_search *s, palp_explain_law *found) {
+    explain_fit fit = {.n_columns = 0};
+    *found = (palp_explain_law){.found = s->law_changed};
+    if (!s->law_changed)
+        return PALP_OK;
+    double *residual = malloc(s->data.n * sizeof *residual);
+    palp_status status = residual ? fit_with(s, &s->first_law, true, &fit) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = explain_fit_evaluate(&fit, &s->data, NULL, residual);
+    if (!status) {
+        found->without_N = explain_fitted_rms(&s->data, residual);
+        found->evidence = s->fit.score - fit.score - price(s, s->fit.model.material.law.n - s->first_law.n);
+    }
+    if (!status && !(found->evidence > 0.0)) {
+        explain_fit_free(&s->fit);
+        s->fit = fit;
+        fit.product = NULL;
+        s->given.material.law = s->fit.model.material.law;
+        s->law_changed = found->found = false;
+        status = explain_refit(s);
+    }
+    explain_fit_free(&fit);
+    free(residual);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
