@@ -50,7 +50,7 @@ done
 expect 0 characterize run_2.csv softer_*.csv --specimens file --arms 1 --degree 2 --out specimens.json --json && mv out characterize_specimens.json
 expect 0 simulate lumped.json --protocol ramp_hold --depth-mm 4 --hold-s 2 --band --json && mv out sim_band.json
 expect 0 simulate lumped.json --protocol static --depth-mm 12 --json --out deep.csv && mv out sim_deep.json
-expect 0 explain --model lumped.json run_?.csv --candidates sensor_bias,sensor_lag,toe_region --out explained.json \
+expect 0 explain --model lumped.json run_?.csv --candidates sensor_bias,sensor_gain,sensor_lag,toe_region --out explained.json \
     --result explain.json --next next.json --plot fit --json && mv out explain_out.json
 # A power of time, which these holds do not tell from the draining of pores: a next experiment is named.
 plain='"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 24}, "stiffness": {"kind": "polynomial", "coefficients_N": [8.2, 3.1]}'
