@@ -158,18 +158,23 @@ static bool same_path(const explain_data *data, const explain_run *a, const expl
     return true;
 }
 
-/* The typical time between samples, the largest speed, and how long the session was. */
+/* The typical time between samples, the largest speed, how far the slowest run goes from one to the next, and how long the
+ * session was. */
 static palp_status find_pace(explain_data *data) {
     double *step = malloc(data->longest * sizeof *step), first = HUGE_VAL, last = -HUGE_VAL;
     if (!step)
         return PALP_ERR_NO_MEMORY;
-    data->step = HUGE_VAL;
+    data->step = data->stride = HUGE_VAL;
     for (size_t r = 0; r < data->n_runs; r++) {
         const explain_run *run = &data->run[r];
+        double stride = 0.0;
         for (size_t i = 0; i + 1 < run->n; i++) {
+            double moved = fabs(run->depth[i + 1] - run->depth[i]);
             step[i] = run->time[i + 1] - run->time[i];
-            data->fastest = fmax(data->fastest, fabs(run->depth[i + 1] - run->depth[i]) / step[i]);
+            stride = fmax(stride, moved);
+            data->fastest = fmax(data->fastest, moved / step[i]);
         }
+        data->stride = fmin(data->stride, stride);
         data->step = fmin(data->step, statistics_median(step, run->n - 1));
         first = fmin(first, run->session);
         last = fmax(last, run->session + run->time[run->n - 1]);

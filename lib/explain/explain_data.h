@@ -38,6 +38,7 @@ typedef struct explain_data {
     const palp_model *given;                /* the model to be explained */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double step, fastest, span;             /* typical time between samples; largest speed; of the session, s */
+    double stride;                          /* largest way between two samples, of the run where it is least, m */
     double correlated, correlation_time;    /* of the noise */
     bool one_speed;                         /* all runs press at one speed, without a pause or a way back */
     size_t n_replicates;                    /* runs whose plate goes as in one before */

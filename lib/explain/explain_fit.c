@@ -33,6 +33,10 @@ static double size_of(palp_effect_scale scale, const explain_data *data) {
     return 1.0;
 }
 
+bool explain_is_period(const effect_row *row, size_t p) {
+    return row->scanned > 0.0 && row->info.parameter[p].scale == PALP_SCALE_LENGTH;
+}
+
 /* Within what these runs can mean. value: the model's; one that is read off the data stays there. */
 static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t p, double value, const explain_data *data) {
     const palp_effect_parameter *q = &row->info.parameter[p];
@@ -45,9 +49,12 @@ static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t
         high = fmin(high, 20.0 * size);
     }
     if (q->scale == PALP_SCALE_LENGTH) {
-        bool period = q->logarithmic;
-        low = period ? 1e-3 * size : fmax(low, -0.5 * size);
-        high = period ? 10.0 * size : fmin(high, 0.5 * size);
+        low = q->logarithmic ? 1e-3 * size : fmax(low, -0.5 * size);
+        high = q->logarithmic ? 10.0 * size : fmin(high, 0.5 * size);
+        if (explain_is_period(row, p)) { /* two samples at least, and some in the travel */
+            high = size / EXPLAIN_PERIODS;
+            low = fmin(2.0 * data->stride, 0.5 * high);
+        }
     }
     if (q->scale == PALP_SCALE_RATE) { /* so that a factor of it and the session stays above zero */
         low = fmax(low, -0.9 * size);

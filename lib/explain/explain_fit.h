@@ -34,6 +34,9 @@ palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit
 void explain_fit_free(explain_fit *fit);
 size_t explain_first_column(const palp_model *model, size_t i); /* index of the first parameter of effect i */
 
+/* Whether parameter p is the period of a wave over depth, which has ends on both sides in the runs' samples and travel. */
+bool explain_is_period(const effect_row *row, size_t p);
+
 /* fit->x into fit->model. ERR_ARGUMENT: makes no model. */
 palp_status explain_fit_to_model(explain_fit *fit);
 

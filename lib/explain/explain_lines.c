@@ -159,8 +159,6 @@ static palp_status thin(const explain_data *data, const double *residual, thinne
     return PALP_OK;
 }
 
-static const double PERIODS = 3.0; /* within the travel: with fewer it is no wave */
-
 palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
                                   double *phase) {
     thinned t;
@@ -169,7 +167,7 @@ palp_status explain_line_in_depth(const explain_data *data, const double *residu
         return status;
     line best = {.x = 0.0};
     double shortest = (t.high - t.low) / 120.0, step = 0.2 / (t.high - t.low);
-    for (double x = PERIODS / (t.high - t.low); x < 1.0 / shortest; x += step) {
+    for (double x = (double)EXPLAIN_PERIODS / (t.high - t.low); x < 1.0 / shortest; x += step) {
         line l = fit_line(t.n, t.depth, t.y, x);
         if (l.power > best.power)
             best = l;

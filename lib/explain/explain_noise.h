@@ -5,7 +5,10 @@
 
 #include "explain_data.h"
 
-enum { EXPLAIN_FREQUENCIES = 601 }; /* tried for the mains' line */
+enum {
+    EXPLAIN_FREQUENCIES = 601, /* tried for the mains' line */
+    EXPLAIN_PERIODS = 3        /* within the travel: with fewer it is no wave */
+};
 
 /* ---- explain_noise.c ---- */
 

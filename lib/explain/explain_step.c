@@ -15,13 +15,15 @@ static bool at_an_end(const explain_fit *fit) {
     if (fit->model.n_effects == 0)
         return false;
     const palp_effect *effect = &fit->model.effects[fit->model.n_effects - 1];
-    const palp_effect_info *info = palp_effect_look_up(effect->id);
+    const effect_row *row = effect_row_of(effect->id);
+    const palp_effect_info *info = &row->info;
     const size_t first = explain_first_column(&fit->model, fit->model.n_effects - 1);
     for (size_t p = 0; p < info->n_parameters; p++) {
         const palp_effect_parameter *q = &info->parameter[p];
         const size_t k = first + p;
         bool counts = q->strength || q->scale == PALP_SCALE_TIME || q->scale == PALP_SCALE_LENGTH;
-        if (counts && fit->low[k] < fit->high[k] && fit->x[k] >= fit->high[k])
+        bool below = explain_is_period(row, p) && fit->x[k] <= fit->low[k];
+        if (counts && fit->low[k] < fit->high[k] && (below || fit->x[k] >= fit->high[k]))
             return true;
     }
     return false;
