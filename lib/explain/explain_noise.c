@@ -1,6 +1,7 @@
 /* explain_noise.c: the noise of the runs: white from sample to sample, correlated in stretches that stand still. */
 #include "explain_noise.h"
 #include "base/dense.h"
+#include "base/statistics.h"
 #include "data/segments_internal.h"
 
 #include <math.h>
@@ -170,6 +171,41 @@ static void find_correlated(explain_data *data, const pauses *p, double *share_o
     data->correlation_time = tau;
 }
 
+/* Whether a piece steps from one level to another by more than this noise does: medians of a few samples before and after, so
+ * that a single odd sample is none. */
+static bool steps_in(const explain_run *run, const double *residual, const piece *p, double correlated, double correlation_time) {
+    enum { FEW = 3 };
+    static const double ODDS = 5.0; /* standard deviations */
+    for (size_t i = p->from + FEW; i + FEW <= p->to; i++) {
+        double before[FEW], after[FEW], far = run->time[i + FEW - 1] - run->time[i - FEW];
+        bool whole = true;
+        for (size_t k = 0; k < FEW; k++) {
+            before[k] = residual[i - 1 - k];
+            after[k] = residual[i + k];
+            whole = whole && run->use[i - 1 - k] && run->use[i + k];
+        }
+        double wander = 1.0 - exp(-far / correlation_time); /* 1.57: of a median, for a mean */
+        double variance = 2.0 * (1.57 / FEW * run->white * run->white + correlated * correlated * wander);
+        double step = statistics_median(after, FEW) - statistics_median(before, FEW);
+        if (whole && step * step > ODDS * ODDS * variance)
+            return true;
+    }
+    return false;
+}
+
+/* Noise wanders. What steps from level to level in several runs is structure, which a model may yet account for. */
+static bool steps(const pauses *p, double share, double correlation_time) {
+    size_t stepping = 0;
+    const double *own = p->residual;
+    for (size_t r = 0; r < p->data->n_runs; own += p->data->run[r++].n) {
+        bool any = false;
+        for (size_t k = 0; k < p->count && !any; k++)
+            any = p->list[k].run == r && steps_in(&p->data->run[r], own, &p->list[k], share * p->data->run[r].white, correlation_time);
+        stepping += any;
+    }
+    return stepping > 1 || stepping == p->data->n_runs;
+}
+
 /* ---- white noise ---- */
 
 static palp_status find_white(explain_data *data, const double *residual) {
@@ -195,6 +231,8 @@ palp_status explain_noise_find(explain_data *data, const double *residual) {
         double *without = work + 7 * data->longest;
         const pauses p = {data, residual, list, find_pieces(data, list), work, without, without + data->n_runs};
         find_correlated(data, &p, &share);
+        if (share > 0.0 && steps(&p, share, data->correlation_time))
+            share = 0.0;
         for (size_t r = 0; r < data->n_runs; r++) {
             explain_run *run = &data->run[r];
             white += run->white * run->white * (double)run->n / (double)data->n;

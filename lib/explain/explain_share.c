@@ -68,11 +68,13 @@ palp_status explain_rich_columns(const explain_search *s, size_t r, double *colu
     return arm_columns(s, r, explain_rich_arms(s), column + n_law * run->n);
 }
 
+/* Of the specimen's own effects the evidence is widened by what their estimates lean on the law's faults (explain_widen.c); only
+ * the instrument and the contact are not to be accused of them at all. */
 bool explain_shows(const explain_search *s, palp_effect_id id) {
     const effect_row *row = effect_row_of(id);
     const effect_data facts = explain_facts(&s->data);
     effect_read off;
-    return row->line || (row->read && row->read(&facts, &off)) || s->share[id] >= LEAST;
+    return row->info.place == PALP_EFFECT_SPECIMEN || row->line || (row->read && row->read(&facts, &off)) || s->share[id] >= LEAST;
 }
 
 /* What these runs lack for an effect, whatever they hold; NULL: nothing. */

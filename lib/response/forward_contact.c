@@ -265,7 +265,7 @@ palp_status forward_plate_move(forward_plate *p, const forward_place *to) {
             status = let_be(p);
         } else {
             status = press(p, &strain, &force, &slope);
-            if (!status && force < 0.0 && p->plan->reaches)
+            if (!status && force < 0.0 && p->plan->reaches && events++ < EVENTS)
                 status = forward_pull(p, strain);
             else if (!status && force < -p->plan->adhesion && events++ < EVENTS)
                 status = part(p);
