@@ -10,7 +10,7 @@
  * whole number of steps is never such a power. */
 static const double EARLY = 0.1, LATER = 0.047;
 static const double STRAIN_LOW = -0.95, STRAIN_HIGH = 0.999; /* where implicit strains are looked for */
-enum { EVENTS = 8 }; /* most events in one step: more would be rounding's */
+enum { EVENTS = 8 }; /* most events in one step: more would be rounding's; from half of them on a bond parts at its strongest pull */
 
 /* ---- pressed ---- */
 
@@ -265,7 +265,7 @@ palp_status forward_plate_move(forward_plate *p, const forward_place *to) {
             status = let_be(p);
         } else {
             status = press(p, &strain, &force, &slope);
-            if (!status && force < 0.0 && p->plan->reaches && events++ < EVENTS)
+            if (!status && force < 0.0 && p->plan->reaches && events++ < EVENTS / 2)
                 status = forward_pull(p, strain);
             else if (!status && force < -p->plan->adhesion && events++ < EVENTS)
                 status = part(p);

@@ -71,6 +71,26 @@ START_TEST(the_plate_comes_back_before_it_has_let_go) {
 }
 END_TEST
 
+/* A surface that recovers meets the plate again in the step in which it let go, and is let go of again: the step ends all the same. */
+START_TEST(a_weak_bond_lets_go_in_a_long_step) {
+    const double force = 1e-3;
+    palp_model m = lumped_model(2);
+    *add_effect(&m, PALP_EFFECT_ADHESION, 1) = (palp_effect){PALP_EFFECT_ADHESION, {force, 1e-6}};
+    start(&s, 0, -1);
+    go(&s, 0.5, -0.3, 20);
+    go(&s, 2, 5, 20);
+    go(&s, 4, 5, 20);
+    go(&s, 6, -1, 20);
+    go(&s, 7, 4, 20);
+    go(&s, 7.2, -1, 20);
+    go(&s, 9, -1, 20);
+    press_model(&m, &s);
+    for (size_t i = 0; i < s.n; i++)
+        ck_assert_double_ge(s.force_N[i], -1.01 * force);
+    ck_assert(s.force_N[s.n - 1] == 0);
+}
+END_TEST
+
 START_TEST(a_short_reach_is_nearly_none) {
     static double sudden[SAMPLES_MAX];
     palp_model m = lumped_model(2);
@@ -104,6 +124,7 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_loop_test(tc, a_spring_is_pulled_and_let_go, 0, 4);
     tcase_add_test(tc, the_plate_comes_back_before_it_has_let_go);
+    tcase_add_test(tc, a_weak_bond_lets_go_in_a_long_step);
     tcase_add_test(tc, a_short_reach_is_nearly_none);
     tcase_add_loop_test(tc, derivatives_are_exact, 0, 6);
 }
