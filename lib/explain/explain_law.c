@@ -40,7 +40,7 @@ static palp_status resemble(const palp_law *from, const struct family *family, d
 /* The effects at hand with another law. ERR_ARGUMENT: it promises less than its coefficients cost. */
 static palp_status fit_with(const explain_search *s, const palp_law *law, bool anyhow, explain_fit *fit) {
     const double samples = (double)explain_samples(&s->data);
-    double promised;
+    double promised = 0.0;
     palp_model model = s->fit.model;
     model.material.law = *law;
     palp_status status = explain_fit_beside(&s->fit, &model, &s->data, fit);
