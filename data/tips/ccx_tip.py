@@ -143,6 +143,19 @@ def deck(path, tip, ratio, nu, depth, steps, stick, wide, fine):
         f.write("*NODE PRINT,NSET=FLOOR,TOTALS=ONLY\nRF\n*END STEP\n")
 
 
+def at(curve, d):
+    """Force at a depth: force over depth through the three nearest points of a curve of (depth, force)."""
+    near = sorted(curve, key=lambda p: abs(p[0] - d))[:3]
+    total = 0.0
+    for i, (x, y) in enumerate(near):
+        weight = y / x
+        for j, (other, _) in enumerate(near):
+            if j != i:
+                weight *= (d - other) / (x - other)
+        total += weight
+    return total * d
+
+
 def run(tip, ratio, nu, depth, steps=8, stick=False, wide=None, fine=8, keep=None):
     """[(depth, force)], or raises RuntimeError."""
     nu = min(nu, 0.4999)

@@ -8,7 +8,7 @@ import csv
 import os
 import sys
 
-from ccx_tip import run
+from ccx_tip import at, run
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FILE = os.path.join(HERE, "forces.csv")
@@ -28,19 +28,6 @@ def jobs():
             yield "wide", "flat", ratio, nu, 0.001, 1, dict(fine=6)
             for around in [1.0, 1.25, 1.5, 2.0, 3.0]:
                 yield "wide", "flat", ratio, nu, 0.001, 1, dict(fine=6, wide=around * ratio)
-
-
-def at(curve, d):
-    """Force at a depth: force over depth through the three nearest points."""
-    near = sorted(curve, key=lambda p: abs(p[0] - d))[:3]
-    total = 0.0
-    for i, (x, y) in enumerate(near):
-        weight = y / x
-        for j, (other, _) in enumerate(near):
-            if j != i:
-                weight *= (d - other) / (x - other)
-        total += weight
-    return total * d
 
 
 def main():

@@ -9,7 +9,7 @@ import sys
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../data/tips"))
-from ccx_tip import run
+from ccx_tip import at, run
 
 palpate, folder = sys.argv[1], sys.argv[2]
 random.seed(20)
@@ -18,15 +18,6 @@ noise = random.Random(21)  # apart, so that each kind has the same cases alone
 
 def curve(tip, ratio, nu, depth, steps, fine, **options):
     """Forces at steps of depth; the error of a mesh goes with its size."""
-    def at(points, d):
-        near = sorted(points, key=lambda p: abs(p[0] - d))[:3]
-        out = 0.0
-        for i, (x, y) in enumerate(near):
-            w = y / x
-            for j, (other, _) in enumerate(near):
-                w *= 1 if i == j else (d - other) / (x - other)
-            out += w
-        return out * d
     if tip in ("sphere", "cone"):  # its contact settles from below, and no power of the mesh's size: the finer mesh as it is
         return [(0.0, 0.0)] + run(tip, ratio, nu, depth, steps, fine=fine, **options)
     coarse, fine = (run(tip, ratio, nu, depth, steps, fine=n, **options) for n in (fine, 2 * fine))
