@@ -1,4 +1,4 @@
-/* fit_spectrum.c: arms at fixed times, even in log: a spectrum that is not negative, or that of a fractional element. */
+/* fit_fixed_arms.c: arms at fixed times, even in log: a spectrum that is not negative, or that of a fractional element. */
 #include "base/dense.h"
 #include "fit_internal.h"
 #include "solve/least_squares.h"

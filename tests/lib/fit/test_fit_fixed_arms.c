@@ -1,4 +1,4 @@
-/* test_fit_spectrum.c: arms at fixed times: a spectrum that is not negative, and that of a fractional element. */
+/* test_fit_fixed_arms.c: arms at fixed times: a spectrum that is not negative, and that of a fractional element. */
 #include "recordings.h"
 
 /* exp(z^2) erfc(z): the relaxation of a fractional Maxwell element whose exponent is a half, at z = sqrt(t / tau). */
