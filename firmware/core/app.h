@@ -80,7 +80,6 @@ typedef struct app {
     uint32_t phase_ticks;
     float from_m, back_m; /* where it began, where it withdraws to */
     float rate_m_s;
-    bool jogs; /* RETRACT goes where JOG said, at that rate */
     uint32_t air_ticks, after_ticks;
     uint32_t segments_set; /* one bit each */
     reference reference;

@@ -13,11 +13,12 @@ enum { LEAST_TIMEOUT_MS = 100, MOST_TIMEOUT_MS = 60000 };
 /* ---- may it? ---- */
 
 #define IN(state) (1U << PALP_WIRE_STATE_##state)
-#define ALWAYS 0xffU
+#define ALWAYS ((1U << PALP_WIRE_STATE_COUNT) - 1)
 #define STILL (IN(IDLE) | IN(READY))
 
 static const struct permission {
-    uint8_t command, states;
+    uint8_t command;
+    uint16_t states;
 } permissions[] = {
     {PALP_WIRE_TYPE_HELLO, ALWAYS},
     {PALP_WIRE_TYPE_ALIVE, ALWAYS},
@@ -41,9 +42,9 @@ static const struct permission {
 };
 
 static uint8_t permitted(const app *a, uint8_t command) {
-    const uint8_t here = (uint8_t)(1U << a->supervisor.state);
+    const uint16_t here = (uint16_t)(1U << a->supervisor.state);
     for (size_t i = 0; i < sizeof permissions / sizeof permissions[0]; i++) {
-        const uint8_t states = permissions[i].states;
+        const uint16_t states = permissions[i].states;
         if (permissions[i].command != command)
             continue;
         if ((states & here) != 0 || (here == IN(IDLE) && states == IN(READY) && a->homed))
@@ -223,7 +224,6 @@ static uint8_t jog(app *a, const palp_wire_jog *asked) {
         return PALP_WIRE_RESULT_RANGE;
     (void)begin(a, SUPERVISOR_JOG);
     a->rate_m_s = rate_m_s;
-    a->jogs = true;
     motion_withdraw(a, to_m);
     return PALP_WIRE_RESULT_DONE;
 }

@@ -19,7 +19,7 @@ bool watch_out_of_travel(const app *a);
 
 /* ---- app_motion.c ---- */
 void motion_begin(app *a);                /* from rest, where the plate is, or is held */
-void motion_withdraw(app *a, float to_m); /* where RETRACT goes */
+void motion_withdraw(app *a, float to_m); /* where RETRACT and JOG go */
 void motion_stop(app *a);                 /* what STOP ends */
 void motion_step(app *a);                 /* the reference of this tick */
 bool motion_records(const app *a);

@@ -20,7 +20,6 @@ enum { RUN_TO_START, RUN_AIR, RUN_FOLLOW, RUN_WITHDRAW, RUN_AFTER };
 void motion_begin(app *a) {
     a->phase = 0;
     a->phase_ticks = 0;
-    a->jogs = false;
     if (!app_drives(a)) {
         a->reference = (reference){.position_m = a->position_m};
         pid_reset(&a->pid);
@@ -149,13 +148,13 @@ static void approach_step(app *a) {
 /* A jog that is stopped goes no deeper, and leaves the specimen. */
 void motion_stop(app *a) {
     const float here_m = a->reference.position_m, air_m = a->contact_known ? a->contact_m - MOTION_AIR_M : a->from_m;
-    if (a->jogs && a->supervisor.state == PALP_WIRE_STATE_RETRACT)
+    if (a->supervisor.state == PALP_WIRE_STATE_JOG)
         motion_withdraw(a, here_m < air_m ? here_m : air_m);
-    a->jogs = false;
 }
 
 static void retract_step(app *a) {
-    if (move_toward(&a->reference, a->back_m, a->jogs ? a->rate_m_s : MOTION_RATE_M_S))
+    const bool jogs = a->supervisor.state == PALP_WIRE_STATE_JOG;
+    if (move_toward(&a->reference, a->back_m, jogs ? a->rate_m_s : MOTION_RATE_M_S))
         (void)supervisor_take(&a->supervisor, SUPERVISOR_DONE);
 }
 

@@ -14,7 +14,7 @@ static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] =
     [TO(READY)] = {[SUPERVISOR_HOME] = TO(HOMING),
                    [SUPERVISOR_FIND_CONTACT] = TO(APPROACH),
                    [SUPERVISOR_START] = TO(RUN),
-                   [SUPERVISOR_JOG] = TO(RETRACT),
+                   [SUPERVISOR_JOG] = TO(JOG),
                    [SUPERVISOR_STOP] = TO(IDLE), /* lets go of the plate, whose position stays known */
                    [SUPERVISOR_FAULT] = TO(FAULT)},
     [TO(APPROACH)] =
@@ -24,6 +24,7 @@ static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] =
     [TO(RETRACT)] =
         {[SUPERVISOR_DONE] = TO(READY), [SUPERVISOR_STOP] = TO(RETRACT), [SUPERVISOR_FAULT] = TO(FAULT)},
     [TO(FAULT)] = {[SUPERVISOR_CLEAR] = TO(IDLE)},
+    [TO(JOG)] = {[SUPERVISOR_DONE] = TO(READY), [SUPERVISOR_STOP] = TO(RETRACT), [SUPERVISOR_FAULT] = TO(FAULT)},
 };
 #undef TO
 
@@ -33,9 +34,9 @@ static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] =
  * wrong then stops the HOME that would begin, in its first tick, before the motor is on.
  * The reference is not bounded while HOMING: where the ends are is not known yet. */
 #define IN(state) (1U << PALP_WIRE_STATE_##state)
-#define MOVING (IN(HOMING) | IN(APPROACH) | IN(RUN) | IN(RETRACT))
+#define MOVING (IN(HOMING) | IN(APPROACH) | IN(RUN) | IN(RETRACT) | IN(JOG))
 #define HELD (IN(READY) | MOVING)
-static const uint8_t watching[PALP_WIRE_FAULT_COUNT] = {
+static const uint16_t watching[PALP_WIRE_FAULT_COUNT] = {
     [PALP_WIRE_FAULT_OVER_FORCE] = HELD,
     [PALP_WIRE_FAULT_OVER_TRAVEL] = HELD,
     [PALP_WIRE_FAULT_OVER_TEMPERATURE] = HELD,

@@ -25,7 +25,7 @@ enum {
 /* What the supervisor is doing. X(NAME, name in files): the number on the wire is the place in the list. */
 #define PALP_WIRE_STATES(X)                                                                     \
     X(BOOT, boot) X(IDLE, idle) X(HOMING, homing) X(READY, ready) X(APPROACH, approach) X(RUN, run) \
-    X(RETRACT, retract) X(FAULT, fault)
+    X(RETRACT, retract) X(FAULT, fault) X(JOG, jog)
 
 /* Why it stopped. X(NAME, name in files, what it means). NONE is 0. */
 #define PALP_WIRE_FAULTS(X)                                                                        \

@@ -46,6 +46,14 @@ static inline void to_retract(bench *b) {
     bench_run(b, 20);
 }
 
+/* In the air, on the way to 16 mm below home. */
+static inline void to_jog(bench *b) {
+    palp_wire_message jog = {.type = PALP_WIRE_TYPE_JOG, .as.jog = {16000000, 2000000}};
+    bench_contact(b);
+    bench_accepted(b, &jog);
+    bench_run(b, 20);
+}
+
 static inline void bring_to(bench *b, uint8_t state) {
     palp_wire_message streaming = bench_stream(true);
     bench_open(b, NULL);
@@ -68,6 +76,9 @@ static inline void bring_to(bench *b, uint8_t state) {
         break;
     case PALP_WIRE_STATE_RUN:
         to_run(b);
+        break;
+    case PALP_WIRE_STATE_JOG:
+        to_jog(b);
         break;
     default:
         to_retract(b);

@@ -12,27 +12,27 @@
  * Done, S = not in this state, F = a fault is latched, H = not homed. */
 static const struct row {
     uint8_t command;
-    const char *in; /* boot idle homing ready approach run retract fault */
+    const char *in; /* boot idle homing ready approach run retract fault jog */
 } wanted[] = {
-    {PALP_WIRE_TYPE_ALIVE, "DDDDDDDD"},
-    {PALP_WIRE_TYPE_STREAM, "DDDDDDDD"},
-    {PALP_WIRE_TYPE_CLEAR_FAULT, "SSSSSSSD"},
-    {PALP_WIRE_TYPE_HOME, "SDSDSSSF"},
-    {PALP_WIRE_TYPE_TARE, "SDSDSSSD"},
-    {PALP_WIRE_TYPE_SET_CALIBRATION, "SDSDSSSD"},
-    {PALP_WIRE_TYPE_GET_CALIBRATION, "DDDDDDDD"},
-    {PALP_WIRE_TYPE_LIMITS, "DDDDDDDD"},
-    {PALP_WIRE_TYPE_GET_LIMITS, "DDDDDDDD"},
-    {PALP_WIRE_TYPE_SELECT_GAINS, "SDSDSSSF"},
-    {PALP_WIRE_TYPE_GET_GAINS, "DDDDDDDD"},
-    {PALP_WIRE_TYPE_FIND_CONTACT, "SHSDSSSF"},
-    {PALP_WIRE_TYPE_SEGMENT, "SDDDDSDF"},
-    {PALP_WIRE_TYPE_START, "SHSDSSSF"},
-    {PALP_WIRE_TYPE_STOP, "SDDDDDDF"},
-    {PALP_WIRE_TYPE_GET_STATUS, "DDDDDDDD"},
-    {PALP_WIRE_TYPE_HALT, "SDDDDDDF"},
-    {PALP_WIRE_TYPE_JOG, "SHSDSSSF"},
-    {PALP_WIRE_TYPE_HELLO, "DDDDDDDD"},
+    {PALP_WIRE_TYPE_ALIVE, "DDDDDDDDD"},
+    {PALP_WIRE_TYPE_STREAM, "DDDDDDDDD"},
+    {PALP_WIRE_TYPE_CLEAR_FAULT, "SSSSSSSDS"},
+    {PALP_WIRE_TYPE_HOME, "SDSDSSSFS"},
+    {PALP_WIRE_TYPE_TARE, "SDSDSSSDS"},
+    {PALP_WIRE_TYPE_SET_CALIBRATION, "SDSDSSSDS"},
+    {PALP_WIRE_TYPE_GET_CALIBRATION, "DDDDDDDDD"},
+    {PALP_WIRE_TYPE_LIMITS, "DDDDDDDDD"},
+    {PALP_WIRE_TYPE_GET_LIMITS, "DDDDDDDDD"},
+    {PALP_WIRE_TYPE_SELECT_GAINS, "SDSDSSSFS"},
+    {PALP_WIRE_TYPE_GET_GAINS, "DDDDDDDDD"},
+    {PALP_WIRE_TYPE_FIND_CONTACT, "SHSDSSSFS"},
+    {PALP_WIRE_TYPE_SEGMENT, "SDDDDSDFD"},
+    {PALP_WIRE_TYPE_START, "SHSDSSSFS"},
+    {PALP_WIRE_TYPE_STOP, "SDDDDDDFD"},
+    {PALP_WIRE_TYPE_GET_STATUS, "DDDDDDDDD"},
+    {PALP_WIRE_TYPE_HALT, "SDDDDDDFD"},
+    {PALP_WIRE_TYPE_JOG, "SHSDSSSFS"},
+    {PALP_WIRE_TYPE_HELLO, "DDDDDDDDD"},
 };
 
 static palp_wire_message in_order(uint8_t type) {
@@ -63,7 +63,7 @@ static palp_wire_message in_order(uint8_t type) {
 static void test_every_command_in_every_state(void **state) {
     static const char letter[] = "DUVSRFHCP";
     palp_wire_message find = bench_find_contact(5, 0), hold = bench_hold(0, 100),
-                      start = bench_start(1, -1, 0, 0);
+                      start = bench_start(1, -1, 0, 0), jog = in_order(PALP_WIRE_TYPE_JOG);
     static bench at[PALP_WIRE_STATE_COUNT];
     (void)state;
     for (uint8_t s = 0; s < PALP_WIRE_STATE_COUNT; s++) {
@@ -81,6 +81,7 @@ static void test_every_command_in_every_state(void **state) {
     start.as.start.start_nm = 0;
     bench_accepted(&at[PALP_WIRE_STATE_RETRACT], &start);
     bench_simple(&at[PALP_WIRE_STATE_RETRACT], PALP_WIRE_TYPE_STOP);
+    bench_accepted(&at[PALP_WIRE_STATE_JOG], &jog);
     at[PALP_WIRE_STATE_FAULT].smashed = true;
     bench_run(&at[PALP_WIRE_STATE_FAULT], 2);
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {

@@ -96,19 +96,19 @@ static const cause stack_reset = {make_stack_reset, NULL, 0, 0, false};
 
 /* What makes a fault in a state; NULL: it cannot happen there. */
 #define ROW(fault, ...) [PALP_WIRE_FAULT_##fault] = {__VA_ARGS__}
-#define ALL(c) &c, &c, &c, &c, &c /* homing, ready, approach, run, retract */
-#define MOVING(c) &c, NULL, &c, &c, &c
-static const cause *const causes[PALP_WIRE_FAULT_COUNT][PALP_WIRE_STATE_FAULT] = {
+#define ALL(c) &c, &c, &c, &c, &c, NULL, &c /* homing, ready, approach, run, retract; jog */
+#define MOVING(c) &c, NULL, &c, &c, &c, NULL, &c
+static const cause *const causes[PALP_WIRE_FAULT_COUNT][PALP_WIRE_STATE_COUNT] = {
     ROW(OVER_FORCE, NULL, &obstacle, ALL(obstacle)),
-    ROW(OVER_TRAVEL, NULL, NULL, &stuck, &far_out, &far_out, &far_out, &far_out),
+    ROW(OVER_TRAVEL, NULL, NULL, &stuck, &far_out, &far_out, &far_out, &far_out, NULL, &far_out),
     ROW(OVER_TEMPERATURE, NULL, &hot, ALL(hot)),
-    ROW(FOLLOWING_ERROR, NULL, NULL, &jammed, &shoved, &jammed, &jammed, &jammed),
+    ROW(FOLLOWING_ERROR, NULL, NULL, &jammed, &shoved, &jammed, &jammed, &jammed, NULL, &jammed),
     ROW(SENSOR_SILENT, NULL, &silent, ALL(silent)),
     ROW(SENSOR_SATURATED, NULL, &saturated, ALL(saturated)),
     ROW(ENCODER_JUMP, NULL, NULL, ALL(jump)),
     ROW(HOST_TIMEOUT, NULL, NULL, MOVING(silence)),
     ROW(STREAM_OVERFLOW, NULL, NULL, NULL, NULL, NULL, &stall, NULL),
-    ROW(COMMAND_OUT_OF_RANGE, NULL, NULL, NULL, NULL, &just_out, &just_out, &just_out),
+    ROW(COMMAND_OUT_OF_RANGE, NULL, NULL, NULL, NULL, &just_out, &just_out, &just_out, NULL, &just_out),
     ROW(WATCHDOG_RESET, &watchdog, &watchdog, ALL(watchdog)),
     ROW(STACK_GUARD, &stack_reset, &smash, ALL(smash)),
     ROW(EMERGENCY_STOP, NULL, &emergency, ALL(emergency)),
@@ -260,12 +260,12 @@ static const char *check_cell(uint8_t fault, uint8_t from) {
 static void test_every_fault_in_every_state(void **state) {
     (void)state;
     print_message("%-22s", "");
-    for (uint8_t s = 0; s < PALP_WIRE_STATE_FAULT; s++)
+    for (uint8_t s = 0; s < PALP_WIRE_STATE_COUNT; s++)
         print_message(" %-8s", palp_wire_state_name(s));
     print_message("\n");
     for (uint8_t fault = 1; fault < PALP_WIRE_FAULT_COUNT; fault++) {
         print_message("%-22s", palp_wire_fault_name(fault));
-        for (uint8_t s = 0; s < PALP_WIRE_STATE_FAULT; s++)
+        for (uint8_t s = 0; s < PALP_WIRE_STATE_COUNT; s++)
             print_message(" %-8s", check_cell(fault, s));
         print_message("\n");
     }

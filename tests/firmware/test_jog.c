@@ -19,7 +19,7 @@ static void test_goes_and_holds(void **state) {
     bench_home(&b);
     const double from_m = plate_m(&b);
     bench_accepted(&b, &down);
-    assert_int_equal(b.app.supervisor.state, PALP_WIRE_STATE_RETRACT);
+    assert_int_equal(b.app.supervisor.state, PALP_WIRE_STATE_JOG);
     const uint32_t ticks = bench_until(&b, PALP_WIRE_STATE_READY, 5000);
     bench_near(ticks, 1e3 * (8e-3 - from_m) / 4e-3, 20);
     bench_run(&b, 500);
@@ -111,7 +111,7 @@ static void test_meets_a_block(void **state) {
 /* HALT: in the very tick, from every state that may move, latched; cleared at once, since no switch is pressed. */
 static void test_halt(void **state) {
     static const uint8_t from[] = {PALP_WIRE_STATE_IDLE, PALP_WIRE_STATE_HOMING, PALP_WIRE_STATE_READY,
-                                   PALP_WIRE_STATE_APPROACH, PALP_WIRE_STATE_RUN, PALP_WIRE_STATE_RETRACT};
+                                   PALP_WIRE_STATE_APPROACH, PALP_WIRE_STATE_RUN, PALP_WIRE_STATE_JOG};
     (void)state;
     for (size_t i = 0; i < sizeof from; i++) {
         palp_wire_message ramp = bench_move(0, 5, 2), start = bench_start(1, 0, 0, 0), find = bench_find_contact(5, 0),
@@ -125,7 +125,7 @@ static void test_halt(void **state) {
             bench_contact(&b);
         if (from[i] == PALP_WIRE_STATE_APPROACH)
             bench_accepted(&b, &find);
-        if (from[i] == PALP_WIRE_STATE_RETRACT)
+        if (from[i] == PALP_WIRE_STATE_JOG)
             bench_accepted(&b, &down);
         if (from[i] == PALP_WIRE_STATE_RUN) {
             bench_accepted(&b, &ramp);

@@ -13,33 +13,34 @@ static const char *const next_wanted[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COU
     {"idle", "-", "-", "-", "-", "-", "-", "-", "fault", "-"},                /* boot */
     {"-", "homing", "ready", "-", "-", "-", "-", "idle", "fault", "-"},       /* idle */
     {"-", "-", "ready", "-", "-", "-", "-", "idle", "fault", "-"},            /* homing */
-    {"-", "homing", "-", "approach", "run", "retract", "-", "idle", "fault", "-"},  /* ready */
+    {"-", "homing", "-", "approach", "run", "jog", "-", "idle", "fault", "-"},  /* ready */
     {"-", "-", "-", "-", "-", "-", "retract", "retract", "fault", "-"},       /* approach */
     {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* run */
     {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* retract */
     {"-", "-", "-", "-", "-", "-", "-", "-", "-", "idle"},                    /* fault */
+    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* jog */
 };
 
-/* The states that watch for a fault: Boot Idle Homing reaDy Approach rUn reTract. */
+/* The states that watch for a fault: Boot Idle Homing reaDy Approach rUn reTract - Jog. */
 static const struct watch {
     uint8_t fault;
     const char *states;
 } watch_wanted[] = {
-    {PALP_WIRE_FAULT_NONE, "......."},
-    {PALP_WIRE_FAULT_OVER_FORCE, "..HDAUT"},
-    {PALP_WIRE_FAULT_OVER_TRAVEL, "..HDAUT"},
-    {PALP_WIRE_FAULT_OVER_TEMPERATURE, "..HDAUT"},
-    {PALP_WIRE_FAULT_FOLLOWING_ERROR, "..HDAUT"},
-    {PALP_WIRE_FAULT_SENSOR_SILENT, "..HDAUT"},
-    {PALP_WIRE_FAULT_SENSOR_SATURATED, "..HDAUT"},
-    {PALP_WIRE_FAULT_ENCODER_JUMP, "..HDAUT"},
-    {PALP_WIRE_FAULT_HOST_TIMEOUT, "..H.AUT"},
-    {PALP_WIRE_FAULT_STREAM_OVERFLOW, ".....U."},
-    {PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE, "....AUT"},
-    {PALP_WIRE_FAULT_WATCHDOG_RESET, "B......"},
-    {PALP_WIRE_FAULT_STACK_GUARD, "BIHDAUT"},
-    {PALP_WIRE_FAULT_EMERGENCY_STOP, ".IHDAUT"}, {PALP_WIRE_FAULT_ENCODER_LOST, "..HDAUT"},
-    {PALP_WIRE_FAULT_DRIVER_FAULT, "..HDAUT"},   {PALP_WIRE_FAULT_BROWN_OUT, "B......"},
+    {PALP_WIRE_FAULT_NONE, "........."},
+    {PALP_WIRE_FAULT_OVER_FORCE, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_OVER_TRAVEL, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_OVER_TEMPERATURE, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_FOLLOWING_ERROR, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_SENSOR_SILENT, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_SENSOR_SATURATED, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_ENCODER_JUMP, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_HOST_TIMEOUT, "..H.AUT.J"},
+    {PALP_WIRE_FAULT_STREAM_OVERFLOW, ".....U..."},
+    {PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE, "....AUT.J"},
+    {PALP_WIRE_FAULT_WATCHDOG_RESET, "B........"},
+    {PALP_WIRE_FAULT_STACK_GUARD, "BIHDAUT.J"},
+    {PALP_WIRE_FAULT_EMERGENCY_STOP, ".IHDAUT.J"}, {PALP_WIRE_FAULT_ENCODER_LOST, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_DRIVER_FAULT, "..HDAUT.J"},   {PALP_WIRE_FAULT_BROWN_OUT, "B........"},
 };
 
 static void test_every_event(void **state) {
@@ -62,7 +63,7 @@ static void test_every_fault(void **state) {
     assert_int_equal(sizeof watch_wanted / sizeof watch_wanted[0], PALP_WIRE_FAULT_COUNT);
     for (uint8_t fault = 0; fault < PALP_WIRE_FAULT_COUNT; fault++) {
         assert_int_equal(watch_wanted[fault].fault, fault);
-        assert_int_equal(strlen(watch_wanted[fault].states), PALP_WIRE_STATE_FAULT);
+        assert_int_equal(strlen(watch_wanted[fault].states), PALP_WIRE_STATE_COUNT);
         for (uint8_t from = 0; from < PALP_WIRE_STATE_COUNT; from++) {
             const bool watched = from != PALP_WIRE_STATE_FAULT && watch_wanted[fault].states[from] != '.';
             supervisor s = {.state = from};
@@ -94,7 +95,8 @@ static void test_the_motor_is_watched(void **state) {
     (void)state;
     for (uint8_t s = 0; s < PALP_WIRE_STATE_COUNT; s++) {
         const bool moving = s == PALP_WIRE_STATE_HOMING || s == PALP_WIRE_STATE_APPROACH ||
-                            s == PALP_WIRE_STATE_RUN || s == PALP_WIRE_STATE_RETRACT;
+                            s == PALP_WIRE_STATE_RUN || s == PALP_WIRE_STATE_RETRACT ||
+                            s == PALP_WIRE_STATE_JOG;
         const bool on = moving || s == PALP_WIRE_STATE_READY;
         assert_int_equal(supervisor_moving(s), moving);
         assert_int_equal(supervisor_watches(s, PALP_WIRE_FAULT_HOST_TIMEOUT), moving);

@@ -132,7 +132,7 @@ outcome session_segments(session *s, const acquire_run *r) {
 
 bool session_moving(const session *s) {
     return s->state == PALP_WIRE_STATE_HOMING || s->state == PALP_WIRE_STATE_APPROACH ||
-           s->state == PALP_WIRE_STATE_RUN || s->state == PALP_WIRE_STATE_RETRACT;
+           s->state == PALP_WIRE_STATE_RUN || s->state == PALP_WIRE_STATE_RETRACT || s->state == PALP_WIRE_STATE_JOG;
 }
 
 static void show(session *s) {

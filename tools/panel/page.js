@@ -141,8 +141,8 @@ function take(points) {
 
 const shown = (x, digits) => x === null || x === undefined || !isFinite(x) ? "-" : x.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 const clock = s => s < 100 ? shown(s, 1) + " s" : Math.floor(s / 60) + " min " + String(Math.floor(s % 60)).padStart(2, "0") + " s";
-const moves = { homing: 1, approach: 1, run: 1, retract: 1 };
-const words = { boot: "starting", idle: "motor off", homing: "homing", ready: "ready", approach: "searching", run: "running", retract: "moving", fault: "stopped by a fault", gone: "disconnected" };
+const moves = { homing: 1, approach: 1, run: 1, retract: 1, jog: 1 };
+const words = { boot: "starting", idle: "motor off", homing: "homing", ready: "ready", approach: "searching", run: "running", retract: "withdrawing", jog: "moving", fault: "stopped by a fault", gone: "disconnected" };
 
 function showState(s) {
   $("state").textContent = words[s.state] || s.state;
