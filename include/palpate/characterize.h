@@ -15,10 +15,6 @@ typedef enum palp_spring_form {
     PALP_SPRING_PER_RUN   /* one K_inf for each recording (Tables 4.2, 4.3) */
 } palp_spring_form;
 
-/* What is known of the runs' contacts. KNOWN: they are where the recordings have them (their sds widen the intervals). COMMON: all are
- * off by the same. FREE: each run's is off by its own, by a scatter that is learned from the runs. */
-typedef enum palp_contact_form { PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE } palp_contact_form;
-
 /* What the arms are. FREE: n_arms of free times. LOG: at fixed times, so many per decade from tau_min_s to tau_max_s, whose
  * stiffnesses are not negative; those of none are left out, the others' times stand still. FRACTIONAL: a fractional Maxwell element
  * (a spring in series with a springpot) beside the law, which then is a fractional Zener solid: three parameters, K_frac,
@@ -28,7 +24,7 @@ typedef enum palp_arms_form { PALP_ARMS_FREE, PALP_ARMS_LOG, PALP_ARMS_FRACTIONA
 
 typedef struct palp_characterize_settings {
     palp_spring_form spring;
-    palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN */
+    palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN: their sds widen the intervals */
     palp_law law;           /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
     palp_arms_form arms;    /* LOG and FRACTIONAL take the contacts for known; their starts are their own */
     size_t per_decade;      /* LOG; 0 = 1 */

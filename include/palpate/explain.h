@@ -22,7 +22,8 @@ typedef struct palp_explain_settings {
     double false_alarm;                    /* 0.05: chance that any effect at all is named where nothing is missing */
     double good_enough;                    /* 0: the practical limit, of the largest force; what is less is not named */
     double repeatability;                  /* expected scatter of a run's gain; the data correct it; 0 = they tell it alone */
-    double contact_scatter_m;              /* likewise of a run's contact */
+    palp_contact_form contact;             /* FREE; KNOWN: every recorded contact is exact; COMMON: all are off by the same, if at all */
+    double contact_scatter_m;              /* FREE: expected as repeatability is; 0 = the files' contact.sd_mm, if any */
     unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a candidate; all of them */
     size_t n_held_out;                     /* runs kept out of the fit; 0 = each in turn */
     const size_t *held_out;                /* [n_held_out] indices, caller's */

@@ -25,6 +25,10 @@ typedef enum palp_contact_rule {
                                from the beginning of the rise */
 } palp_contact_rule;
 
+/* What a fit takes for known of the contacts of several recordings. KNOWN: they are where the recordings have them.
+ * COMMON: all are off by the same. FREE: each run's is off by its own, by a scatter that is learned from the runs. */
+typedef enum palp_contact_form { PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE } palp_contact_form;
+
 typedef struct palp_recording_settings {
     double height_m;      /* 0 = from the file's specimen.height_mm */
     bool contact_given;

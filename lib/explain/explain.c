@@ -10,7 +10,7 @@
 static const double MOST_LEFT = 0.2;   /* of the gap: if more is left, the effects do not account for it */
 
 palp_explain_settings palp_explain_settings_default(void) {
-    palp_explain_settings s = {.max_effects = 4, .false_alarm = 0.05, .seed = 1};
+    palp_explain_settings s = {.contact = PALP_CONTACT_FREE, .max_effects = 4, .false_alarm = 0.05, .seed = 1};
     memset(s.candidate, 1, sizeof s.candidate);
     return s;
 }
@@ -348,8 +348,11 @@ palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_i
     explain_search *s = calloc(1, sizeof *s);
     explain_memory *memory = calloc(1, sizeof *memory);
     palp_status status = s && memory ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_explain_settings used = *settings;
+    if (used.contact == PALP_CONTACT_KNOWN) /* to be exact */
+        used.candidate[PALP_EFFECT_CONTACT_OFFSET] = 0;
     if (!status) {
-        *s = (explain_search){.settings = settings, .worth = 4.0, .memory = memory, .n_given = model->n_effects,
+        *s = (explain_search){.settings = &used, .worth = 4.0, .memory = memory, .n_given = model->n_effects,
                               .as_given = model};
         status = start(s, model, n, inputs, error);
         if (!status)

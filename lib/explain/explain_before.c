@@ -13,15 +13,8 @@ static palp_status refit(const explain_data *data, explain_fit *fit, double *res
     return status ? status : explain_fit_evaluate(fit, data, NULL, residual);
 }
 
-/* So little that no run has anything of its own: what the noise of all samples together hides. */
-static explain_scatter no_scatter(const explain_data *data) {
-    explain_scatter hidden = explain_hidden_scatter(data);
-    double share = 1.0 / sqrt((double)data->n);
-    return (explain_scatter){share * hidden.zero, share * hidden.contact, share * hidden.gain};
-}
-
 palp_status explain_before_find(const explain_search *s, explain_fit *base, palp_explanation *e) {
-    const explain_scatter none = no_scatter(&s->data);
+    const explain_scatter none = explain_no_scatter(&s->data);
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? PALP_OK : PALP_ERR_NO_MEMORY;
     base->scatter.zero = fmin(s->fit.scatter.zero, none.zero);
@@ -43,11 +36,13 @@ palp_status explain_before_find(const explain_search *s, explain_fit *base, palp
 static palp_status in_common(const explain_search *s, int which, palp_explain_scatter *out) {
     enum { PLAIN = 10 }; /* nats that leave no doubt */
     explain_fit fit = {.n_columns = 0};
-    const explain_scatter *now = &s->fit.scatter, hidden = explain_hidden_scatter(&s->data), none = no_scatter(&s->data);
+    const explain_scatter *now = &s->fit.scatter, hidden = explain_hidden_scatter(&s->data), none = explain_no_scatter(&s->data);
     const double own[3] = {now->zero, now->contact, now->gain}, noise[3] = {hidden.zero, hidden.contact, hidden.gain};
     const double left = explain_fitted_rms(&s->data, s->residual);
     *out = (palp_explain_scatter){.sd = own[which], .without_N = left};
-    if (!(own[which] > noise[which]))
+    if (which == 1 && s->settings->contact != PALP_CONTACT_FREE)
+        out->sd = 0.0;
+    if (out->sd == 0.0 || !(own[which] > noise[which]))
         return PALP_OK;
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;

@@ -219,6 +219,14 @@ static void count_replicates(explain_data *data) {
     }
 }
 
+static void take_contact(explain_data *data, double sd) {
+    const double n = (double)data->n_contact_told, sum = n * data->contact_told * data->contact_told;
+    if (!(sd > 0.0 && isfinite(sd)))
+        return;
+    data->contact_told = sqrt((sum + sd * sd) / (n + 1.0));
+    data->n_contact_told++;
+}
+
 static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *input, bool air, palp_error *error) {
     const palp_experiment *e = input->experiment;
     explain_run *run = &data->run[r];
@@ -231,6 +239,7 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
         return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
                               height, 1e3 * data->height);
     run->session = explain_number_of(e, "session.start_s", 0.0);
+    take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
     status = palp_segments_phases(run->n, run->time, run->depth, run->phase);
     if (status)
         return status;

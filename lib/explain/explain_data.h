@@ -46,6 +46,8 @@ typedef struct explain_data {
     double pulled;                          /* strongest pull of a withdrawal that is more than noise; 0 = none */
     size_t n_releases;
     explain_frame frame;
+    size_t n_contact_told;                  /* runs that say how exact their contact is, */
+    double contact_told;                    /* and the root of the mean of its squares, m */
     size_t n_events;
     palp_explain_event *event;
 } explain_data;

@@ -74,6 +74,9 @@ void explain_nuisances_for(const explain_fit *fit, size_t r, const double pull[E
 /* What no run could show, for its noise. */
 explain_scatter explain_hidden_scatter(const explain_data *data);
 
+/* So little that no run has anything of its own: what the noise of all samples together hides. */
+explain_scatter explain_no_scatter(const explain_data *data);
+
 /* Re-estimates the scatter from the runs' nuisance parameters. */
 void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
 

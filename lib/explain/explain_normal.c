@@ -159,20 +159,35 @@ explain_scatter explain_hidden_scatter(const explain_data *data) {
     return (explain_scatter){.zero = 0.3 * white, .contact = share * data->deepest, .gain = share};
 }
 
-/* What is expected of zero, contact and gain, and as how many runs that counts: what the caller expects as six, what the
- * noise hides as one. */
+explain_scatter explain_no_scatter(const explain_data *data) {
+    explain_scatter hidden = explain_hidden_scatter(data);
+    double share = 1.0 / sqrt((double)data->n);
+    return (explain_scatter){share * hidden.zero, share * hidden.contact, share * hidden.gain};
+}
+
+/* What is expected of zero, contact and gain, and as how many runs that counts: what the caller expects as six, what a run's
+ * file says and what the noise hides as one. */
 static void expect_scatter(const explain_data *data, const palp_explain_settings *settings, double expected[3],
                            double trust[3], double most[3]) {
-    enum { KNOWN = 6 };
+    const double many = 6.0;
     const explain_scatter hidden = explain_hidden_scatter(data);
     const double noise[3] = {hidden.zero, hidden.contact, hidden.gain};
     const double told[3] = {0.0, settings->contact_scatter_m, settings->repeatability};
     const double widest[3] = {data->peak, 0.25 * data->deepest, 0.5};
     for (int i = 0; i < 3; i++) {
-        expected[i] = fmin(told[i] > 0.0 ? told[i] : noise[i], widest[i]);
-        trust[i] = told[i] > 0.0 ? KNOWN : 1.0;
-        most[i] = widest[i];
+        expected[i] = told[i] > 0.0 ? told[i] : noise[i];
+        trust[i] = told[i] > 0.0 ? many : 1.0;
     }
+    if (data->n_contact_told > 0 && !(told[1] > 0.0)) {
+        expected[1] = fmax(data->contact_told, noise[1]);
+        trust[1] = (double)data->n_contact_told;
+    }
+    for (int i = 0; i < 3; i++) {
+        most[i] = widest[i];
+        expected[i] = fmin(expected[i], widest[i]);
+    }
+    if (settings->contact != PALP_CONTACT_FREE) /* no run has one of its own */
+        expected[1] = most[1] = explain_no_scatter(data).contact;
 }
 
 /* From the runs' nuisance parameters, whatever their size. */
@@ -184,7 +199,7 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
     const double start[3] = {0.01 * data->peak, 0.05 * data->deepest, 0.02};
     expect_scatter(data, settings, expected, trust, most);
     for (int i = 0; i < 3; i++)
-        *scatter[i] = *scatter[i] > 0.0 ? *scatter[i] : fmax(start[i], expected[i]);
+        *scatter[i] = *scatter[i] > 0.0 ? *scatter[i] : fmin(most[i], fmax(start[i], expected[i]));
     for (int round = 0; round < ROUNDS && moved > 1e-4; round++) {
         double sum[3], count = 0.0;
         for (int i = 0; i < 3; i++)

@@ -34,6 +34,38 @@ sed 's/"arms": \[[^]]*\]/"arms": []/' guess.json >armless.json
 expect 0 explain --model armless.json plain?.csv --max-effects 0 --good-enough 50
 grep -q "^agrees: .*below the practical limit" out || fail "the practical limit: $(cat out)"
 
+# Contacts that differ are found by default; known ones have no scatter and no offset, and the rest has to take it in.
+shift_contact() { awk -F, -v by="$3" '/^[-0-9]/ { printf "%s,%.9g,%s\n", $1, $2 + by, $3; next } { print }' "$1" >"$2"; }
+n=0
+for by in 0.05 -0.04 0.02 -0.06; do
+    n=$((n + 1))
+    shift_contact plain$n.csv apart$n.csv $by
+    shift_contact plain$n.csv off$n.csv 0.08
+done
+expect 0 explain --model guess.json apart?.csv --result apart.out
+grep -q '"contact": "free"' apart.out && grep -q '"contact_scatter"' apart.out || fail "contacts that differ: $(cat out)"
+grep -q '"verdict": "agrees"' apart.out || fail "contacts that differ are no effect: $(cat out)"
+expect 0 explain --model guess.json apart?.csv --contact known --max-effects 0 --result apart.out
+grep -q '"contact": "known"' apart.out && ! grep -q '"contact_scatter"' apart.out || fail "--contact known: $(cat out)"
+grep -q '"gain_scatter"' apart.out || fail "contacts that are known and differ look like gains: $(cat out)"
+grep -q '"contact_scatter_mm": 0' apart.out || fail "contacts that are known scatter: $(grep scatter apart.out)"
+expect 0 explain --model guess.json off?.csv --contact common --candidates contact_offset,sensor_bias --result off.out
+grep -q '"verdict": "explained"' off.out || fail "--contact common: $(cat out)"
+near "common contact" "$(value off.out offset_mm)" 0.078 0.082
+expect 0 explain --model guess.json off?.csv --contact known --candidates contact_offset,sensor_bias --result off.out
+! grep -q '"contact_offset"' off.out || fail "a known contact is accused: $(cat out)"
+expect 2 explain --model guess.json off?.csv --contact auto
+
+# A file's contact.sd_mm is what its contact is expected to be off by.
+for n in 1 2 3 4; do
+    { echo "# palpate.experiment: 1" && echo "# contact.sd_mm: 0.2" && sed '/palpate.experiment/d' plain$n.csv; } >told$n.csv
+done
+expect 0 explain --model guess.json plain?.csv --max-effects 0 --result plain.out
+expect 0 explain --model guess.json told?.csv --max-effects 0 --result told.out
+grep -q '"verdict": "agrees"' told.out || fail "contacts of which a file says how exact they are: $(cat out)"
+awk -v a="$(value told.out contact_scatter_mm)" -v b="$(value plain.out contact_scatter_mm)" 'BEGIN { exit !(a > 0.05 && a > 5 * b) }' ||
+    fail "contact.sd_mm is not what is expected: $(value told.out contact_scatter_mm), $(value plain.out contact_scatter_mm) mm without"
+
 # The bias by hand: every force 0.06 N up.
 for n in 1 2 3 4; do
     awk -F, '/^[-0-9]/ { printf "%s,%s,%.9g\n", $1, $2, $3 + 0.06; next } { print }' plain$n.csv >bias$n.csv

@@ -22,6 +22,10 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_count("every", "N", 1, 1e6, &o->every,
                   "take one sample in N of each run (default: so many that 50000 remain\n"
                   "in all; the time it takes grows with them)"),
+        cli_choice("contact", "known|common|free", &o->contact,
+                   "whether depth 0 is contact: exactly in every run (known); off by the same in\n"
+                   "all, if at all (common); or off by its own in each, by a scatter that the runs\n"
+                   "tell (free, default)"),
         cli_heading("When it believes"),
         cli_count("max-effects", "N", 0, PALP_EXPLAIN_EFFECTS, &o->max_effects, "most effects to add (default 4)"),
         cli_number("false-alarm", "P", 1e-4, 0.5, &o->false_alarm,
@@ -156,6 +160,7 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     o->jobs = blas_jobs(NAME, o->jobs);
     s.max_effects = o->max_effects;
     s.false_alarm = o->false_alarm;
+    s.contact = (palp_contact_form)o->contact;
     s.good_enough = 0.01 * o->good_enough;
     s.loop = o->jobs > 1 ? jobs_run : NULL;
     s.loop_user = &o->jobs;
@@ -189,6 +194,7 @@ int cmd_explain(int argc, char **argv) {
     if (code == CLI_OK) {
         o->max_effects = 4;
         o->false_alarm = 0.05;
+        o->contact = PALP_CONTACT_FREE;
         o->jobs = 1;
         cli_keep_command(argc, argv, o->command);
         code = parse(argc, argv, o);

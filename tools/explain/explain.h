@@ -14,6 +14,7 @@ enum { EXPLAIN_RUNS_MAX = 512, EXPLAIN_ROWS = 50000 };
 typedef struct explain_options {
     const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *result, *report, *plot, *next;
     size_t n_words, max_effects, jobs, every; /* every: 0 = so many that EXPLAIN_ROWS remain */
+    int contact; /* a palp_contact_form */
     double false_alarm, good_enough;
     bool json;
     char command[CLI_COMMAND_MAX];

@@ -226,12 +226,14 @@ static json_t *next_json(const palp_explanation *e) {
 }
 
 json_t *explain_json(const explain_options *o, const palp_explanation *e) {
+    static const char *const contacts[] = {"known", "common", "free"};
     json_t *root = json_object(), *effects = json_array();
     for (size_t i = 0; i < e->n_effects; i++)
         json_array_append_new(effects, effect_json(&e->effect[i]));
     json_object_set_new(root, "palpate", json_pack("{s:i}", "explain", 1));
     json_object_set_new(root, "command", json_string(o->command));
     json_object_set_new(root, "verdict", json_string(palp_explain_verdict_name(e->verdict)));
+    json_object_set_new(root, "contact", json_string(contacts[o->contact]));
     json_object_set_new(root, "effects", effects);
     json_object_set_new(root, "gap", gap_json(e));
     json_object_set_new(root, "noise_level", noise_level_json(e));
