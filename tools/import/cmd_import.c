@@ -23,6 +23,8 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         cli_text("units", "LIST", &o->units,
                  "time=s|ms|min,depth=mm|um|nm|m|%|stretch,force=N|mN|gf|kPa|...\n"
                  "(default: as the columns' names or a row below them say)"),
+        cli_positive("rate", "HZ", 1e9, &o->rate_Hz, "samples a second, for a table without a time, or with a wrong one\n"
+                                                     "(default: as the file says)"),
         cli_count("skip-lines", "N", 0, 1e9, &o->skip_lines,
                   "lines above the names (csv; default: the names are above the\n"
                   "first row of numbers)"),
@@ -37,6 +39,11 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         cli_positive("specimen-area-mm2", "MM2", 1e8, &o->area_mm2, "cross-section, mm2, in place of the radius"),
         cli_text("specimen-name", "NAME", &o->specimen, "what the specimen is called"),
         cli_text("specimen-kind", "KIND", &o->kind, "cylinder, rigid, none (air: needs no height) or another word"),
+        cli_choice("tip", "plate|flat|sphere|cone", &o->tip,
+                   "what pressed, for palpate characterize: a plate over the whole face, else a\n"
+                   "flat punch, sphere or cone on a wide layer (default: as the file says)"),
+        cli_positive("tip-radius-mm", "R", 1e4, &o->tip_radius_mm, "of the punch or sphere, mm (default: as the file says)"),
+        cli_positive("tip-angle-deg", "A", 90, &o->tip_angle_deg, "of the cone, axis to flank"),
         cli_heading("Recording"),
         cli_choice("protocol", "static|ramp_hold|cyclic|other", &o->protocol,
                    "what the plate did (default: from the tester's settings, or as it\n"
@@ -96,6 +103,8 @@ static int check_options(const import_options *o) {
     if (i == 5)
         return cli_usage_error(NAME, "--negate wants depth, force, depth,force or none, not \"%s\"",
                                o->negate);
+    if (o->rate_Hz > 0 && o->map && strstr(o->map, "time="))
+        return cli_usage_error(NAME, "--rate and --map time= both say what the time is");
     int code = check_list("map", o->map);
     return code ? code : check_list("units", o->units);
 }
@@ -258,7 +267,7 @@ static int import_all(import_options *o, import_sources *all) {
 }
 
 int cmd_import(int argc, char **argv) {
-    import_options o = {.format = -1, .protocol = -1, .separator = -1, .skip_lines = SIZE_MAX, .from_s = NAN, .to_s = NAN};
+    import_options o = {.format = -1, .protocol = -1, .separator = -1, .tip = -1, .skip_lines = SIZE_MAX, .from_s = NAN, .to_s = NAN};
     import_sources all = {0};
     names list = {0};
     size_t n = 0;

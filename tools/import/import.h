@@ -19,9 +19,10 @@ typedef enum import_contact { CONTACT_AUTO, CONTACT_AIR, CONTACT_START, CONTACT_
 
 /* What the user says; -1 or 0 or NULL = nothing. */
 typedef struct import_options {
-    int format, contact, protocol, separator; /* indices of the choices */
+    int format, contact, protocol, separator, tip; /* indices of the choices */
     const char *map, *units, *negate, *kind, *specimen, *session, *license, *out;
-    double height_mm, radius_mm, area_mm2, spring_N_m, from_s, to_s; /* NAN: no from or to */
+    double height_mm, radius_mm, area_mm2, spring_N_m, rate_Hz, tip_radius_mm, tip_angle_deg;
+    double from_s, to_s; /* NAN: no from or to */
     size_t skip_lines; /* SIZE_MAX = find the names */
     bool force;        /* replaces recordings */
     bool strict;       /* refuses what would be dropped */
@@ -70,13 +71,14 @@ bool import_clock(const char *text, double *seconds, bool *dated);
 /* ---- words ---- */
 
 typedef enum import_dimension {
-    UNIT_TIME, UNIT_LENGTH, UNIT_FORCE, UNIT_STRESS, UNIT_RATIO, UNIT_VOLT, UNIT_AREA, UNIT_SPRING, UNIT_SLOPE, UNIT_OTHER
+    UNIT_TIME, UNIT_LENGTH, UNIT_FORCE, UNIT_STRESS, UNIT_RATIO, UNIT_VOLT, UNIT_AREA, UNIT_SPRING, UNIT_SLOPE,
+    UNIT_RATE, UNIT_OTHER
 } import_dimension;
 
 typedef struct import_unit {
     import_dimension dimension;
     const char *name;
-    double factor; /* to s, mm, N, Pa, 1, V, mm2, N/m, mm/V */
+    double factor; /* to s, mm, N, Pa, 1, V, mm2, N/m, mm/V, Hz */
 } import_unit;
 
 const import_unit *import_unit_find(const char *name); /* NULL = none */
@@ -88,7 +90,10 @@ void import_plain(const char *from, bool lower, char *to, size_t room); /* witho
 /* How surely a column of this name and unit (NULL = none) is a quantity: 0 = not, 1 = by its unit, up to 4. */
 int import_name_rank(const char *name, const import_unit *unit, int role);
 
-enum { PART_HEIGHT, PART_DIAMETER, PART_RADIUS, PART_AREA, PART_SPRING, PART_SENSITIVITY, PARTS };
+bool import_names_gap(const char *name); /* a column's, whose depth is the height that is left */
+
+enum { PART_HEIGHT, PART_DIAMETER, PART_RADIUS, PART_AREA, PART_SPRING, PART_SENSITIVITY, PART_RATE, PART_INTERVAL, PART_TIP_RADIUS,
+       PART_TIP_DIAMETER, PARTS };
 int import_part_rank(const char *name, int part); /* of a setting, likewise */
 
 /* ---- one table of a file and, later, the recording it holds ---- */
@@ -111,6 +116,8 @@ typedef struct import_source {
     bool clock[IMPORT_COLUMNS]; /* its numbers were times of day */
     double *value;
     size_t *line;
+    size_t group, groups;       /* of specimens side by side: which, from 1, and of how many; 0 = not so */
+    bool rated;                 /* the time is by the rate of sampling */
     size_t used[ROLES];            /* which column it is, or IMPORT_NONE */
     const import_unit *unit[ROLES];
     bool listed[ROLES];            /* by --map */
@@ -123,6 +130,8 @@ typedef struct import_source {
     double *time_s, *depth_mm, *force_N;
     double height_mm, radius_mm, spring_N_m, slope_mm_V;
     const char *height_from, *radius_from; /* in words */
+    const char *tip;                       /* what pressed; NULL = nothing says */
+    double tip_radius_mm, tip_angle_deg;   /* 0 = nothing says */
     bool gap, piezo; /* the depth column is the height itself; is that of a cantilever's base */
     double depth_sign, force_sign;         /* -1 = reversed */
     import_contact rule;
@@ -146,6 +155,7 @@ typedef struct import_sources {
 /* Reads a file's tables, one or more, and appends them. An exit code, after one line on stderr if it is not 0. */
 int import_read(const import_options *o, const char *file, import_sources *all);
 import_source *import_append(import_sources *all, const import_text *text, import_format format); /* NULL = out of memory */
+void import_free_source(import_source *s);
 void import_free(import_sources *all);
 int import_mach1_read(import_text *text, import_sources *all); /* the tester's own file, or its table as CSV */
 bool import_mach1_starts(const import_text *text);
@@ -153,6 +163,7 @@ int import_table_read(const import_options *o, import_text *text, import_format 
 
 void import_set_names(import_source *s, char *const *fields, size_t n);
 int import_add_row(import_source *s, char *const *fields, size_t n, size_t line); /* what is no number becomes NAN */
+double *import_new_row(import_source *s, size_t line);                            /* to be filled; NULL = out of memory */
 
 /* Settings: "key: value" between semicolons. */
 void import_copy_word(char to[IMPORT_WORD], const char *from, size_t n);
@@ -160,6 +171,14 @@ void import_add_settings(import_source *s, const char *text);
 void import_add_setting(import_source *s, const char *key, const char *value);
 const char *import_setting(const import_source *s, const char *key);   /* its value; NULL = not there */
 double import_setting_number(const import_source *s, const char *key); /* "50mm" is 50; 0 = not there */
+
+/* The number of the setting that is most surely a part, in its unit, and its key; 0 = there is none. */
+double import_part(const import_source *s, int part, const char **key);
+
+/* A column of times, where --rate or else, of a table without any, the file tells how often was sampled. */
+bool import_rate_known(const import_options *o, const import_source *s);
+int import_rate(const import_options *o, import_source *s);
+bool import_has_time(const import_options *o, import_source *s); /* a column that is one, or --map time= */
 
 /* Finds which columns are what, and their units; quiet: without a word if it fails. */
 int import_columns_find(const import_options *o, import_source *s, bool quiet);
@@ -185,6 +204,7 @@ int import_contact_find(const import_options *o, const import_sources *all, impo
 /* Height, radius, spring constant and when it began, of the settings and options; then whether the height is known and
  * the depth fits it. */
 void import_specimen(const import_options *o, import_source *s);
+void import_tip(const import_options *o, import_source *s);
 int import_specimen_check(const import_options *o, const import_source *s);
 int import_protocol(const import_options *o, import_source *s);
 

@@ -78,6 +78,13 @@ static bool changes(const import_source *s, size_t j) {
     return false;
 }
 
+static bool has_numbers(const import_source *s, size_t j) {
+    for (size_t i = 0; i < s->rows; i++)
+        if (isfinite(at(s, i, j)))
+            return true;
+    return false;
+}
+
 static bool falls(const import_source *s, size_t j) {
     double before = -HUGE_VAL;
     for (size_t i = 0; i < s->rows; i++) {
@@ -120,7 +127,7 @@ static int rank_of(const import_source *s, size_t j, int role) {
     const import_unit *unit = unit_of(s, j);
     int rank = *s->column[j] || s->clock[j] ? import_name_rank(s->column[j], unit, role) : 0;
     bool bent = role == DEPTH && s->spring_N_m > 0 && import_name_rank(s->column[j], unit, DEFLECTION) > 0;
-    if (rank == 0 || bent || (role != TIME && s->clock[j]))
+    if (rank == 0 || bent || (role != TIME && s->clock[j]) || !has_numbers(s, j))
         return 0;
     rank = 4 * rank + (unit && import_unit_fits(unit, role) ? 1 : 0);
     bool odd = role == TIME ? falls(s, j) : !changes(s, j);
@@ -159,6 +166,13 @@ static int find_column(import_source *s, int role, bool quiet) {
     return second == IMPORT_NONE || quiet ? CLI_OK : ambiguous(s, role, s->used[role], second);
 }
 
+bool import_has_time(const import_options *o, import_source *s) {
+    char wanted[IMPORT_WORD];
+    listed(o->map, TIME, wanted);
+    s->used[TIME] = IMPORT_NONE;
+    return *wanted || (find_column(s, TIME, true) == CLI_OK && s->used[TIME] != IMPORT_NONE);
+}
+
 /* Of a column that stands for a quantity, by --units of either. */
 static int find_unit(const import_options *o, import_source *s, int role, int quantity, bool quiet) {
     char wanted[IMPORT_WORD];
@@ -183,8 +197,8 @@ static int find_unit(const import_options *o, import_source *s, int role, int qu
 static int not_there(const import_source *s, int role) {
     char columns[1024];
     list_columns(s, columns, sizeof columns);
-    return cli_failure(NAME, "%s: no column is named as a %s; say which by --map %s=NAME or NUMBER of %s", s->file, roles[role],
-                       roles[role], columns);
+    return cli_failure(NAME, "%s: no column is named as a %s; say which by --map %s=NAME or NUMBER of %s%s", s->file, roles[role],
+                       roles[role], columns, role == TIME ? ", or how often was sampled by --rate HZ" : "");
 }
 
 /* Whether another role stands in for a quantity: no column is named as it, or --units says that its column is the other. */
@@ -209,7 +223,9 @@ static int find_all(const import_options *o, import_source *s, bool quiet) {
     }
     for (int role = 0; code == CLI_OK && role < ROLES; role++) {
         bool direct = (role == STRESS && s->used[FORCE] != IMPORT_NONE) || (role == STRAIN && s->used[DEPTH] != IMPORT_NONE);
-        if (!s->listed[role])
+        if (role == TIME && s->rated)
+            s->used[TIME] = s->n_columns - 1;
+        else if (!s->listed[role])
             code = find_column(s, role, quiet || role >= QUANTITIES || direct);
     }
     return code;
@@ -234,9 +250,10 @@ static int settle(const import_options *o, import_source *s, bool quiet) {
     }
     if (code == CLI_OK) {
         char name[IMPORT_WORD];
-        import_plain(s->column[s->used[use[DEPTH]]], true, name, sizeof name);
+        const char *depth = s->column[s->used[use[DEPTH]]];
+        import_plain(depth, true, name, sizeof name);
         bool bends = bent || strstr(s->column[s->used[use[FORCE]]], "eflection");
-        s->gap = strstr(name, "gap") || strstr(name, "spalt");
+        s->gap = use[DEPTH] == DEPTH && import_names_gap(depth);
         s->piezo = bends && !strstr(name, "tip") && !strstr(name, "indent") && !strstr(name, "separation");
     }
     for (int role = 0; role < ROLES; role++)
@@ -245,7 +262,19 @@ static int settle(const import_options *o, import_source *s, bool quiet) {
     return code;
 }
 
+/* The column of a gap, or of the size left, that moves as the depth does: it tells the height too. */
+static void prefer_gap(import_source *s) {
+    for (size_t j = 0; j < s->n_columns && s->height_mm <= 0 && s->used[DEPTH] != IMPORT_NONE && !s->listed[DEPTH]; j++) {
+        const import_unit *unit = unit_of(s, j);
+        bool length = unit && unit->dimension == UNIT_LENGTH;
+        if (length && import_names_gap(s->column[j]) && same_data(s, s->used[DEPTH], j))
+            s->used[DEPTH] = j;
+    }
+}
+
 int import_columns_find(const import_options *o, import_source *s, bool quiet) {
     int code = find_all(o, s, quiet);
+    if (code == CLI_OK)
+        prefer_gap(s);
     return code ? code : settle(o, s, quiet);
 }

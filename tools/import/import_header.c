@@ -98,6 +98,23 @@ static bool are_units(char *const *fields, size_t n) {
     return good > 0 && other <= good / 2;
 }
 
+/* "Units: s N mm", "Y_Unit_Label": a line of units that says so, wherever it stands above the names. */
+static bool is_unit_label(const char *field) {
+    char plain[IMPORT_WORD];
+    import_plain(field, true, plain, sizeof plain);
+    return strstr(plain, "unit") || strstr(plain, "einheit") || strstr(plain, "unidad");
+}
+
+static size_t labelled_units(const table_scanner *c, const table_block *b) {
+    char *fields[IMPORT_COLUMNS];
+    for (size_t line = b->names; line != IMPORT_NONE && line > c->begin; line--) {
+        size_t n = table_fields(c, line - 1, fields);
+        if (n > 1 && 2 * n > b->width && is_unit_label(fields[0]) && are_units(fields + 1, n - 1))
+            return line - 1;
+    }
+    return IMPORT_NONE;
+}
+
 static bool has_number(const table_scanner *c, char *const *fields, size_t n) {
     for (size_t j = 0; j < n; j++)
         if (table_is_number(c, fields[j]))
@@ -130,6 +147,7 @@ void table_find_names(const table_scanner *c, table_block *b) {
     b->names = b->names == IMPORT_NONE ? other : b->names;
     if (b->units != IMPORT_NONE && b->names != IMPORT_NONE && b->units < b->names)
         b->units = IMPORT_NONE;
+    b->units = b->units == IMPORT_NONE ? labelled_units(c, b) : b->units;
 }
 
 /* "Sig1 Time (min)", "Column 2: Force (N)": a line for each column. */
@@ -170,8 +188,9 @@ void table_set_columns(const table_scanner *c, const table_block *b, import_sour
     if (b->roles < 2)
         list_names(c, b, s);
     n = b->units == IMPORT_NONE ? 0 : names_of(c, b->units, b->width, fields);
-    for (size_t j = 0; j < n && j < s->n_columns; j++)
-        add_unit(s->column[j], fields[j]);
+    size_t label = n > 0 && is_unit_label(fields[0]), more = label && n == s->n_columns + 1; /* beside the units, or in a column's place */
+    for (size_t j = label; j < n && j - more < s->n_columns; j++)
+        add_unit(s->column[j - more], fields[j]);
 }
 
 /* Units behind the numbers: "5.0 mm". */

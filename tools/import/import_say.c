@@ -72,6 +72,11 @@ static void note(const import_source *s) {
     if (s->restarts > 0)
         cli_warning("import", "%s: the clock starts anew %zu time%s within the run; it was made to go on", s->name, s->restarts,
                     s->restarts > 1 ? "s" : "");
+    if (s->tip && s->tip_radius_mm > 0)
+        fprintf(stderr, "palpate import: %s: the tip is a %s, radius %.5g mm\n", s->name, s->tip, s->tip_radius_mm);
+    if (s->groups > 1 && s->group == 1)
+        fprintf(stderr, "palpate import: %s: the columns of %s repeat: %zu specimens side by side, a run each; one alone by --map time=NUMBER,depth=NUMBER,force=NUMBER\n",
+                s->name, cli_base(s->file), s->groups);
     if (s->seconds_assumed)
         cli_warning("import", "%s: the time has no unit and is taken as seconds; else say it by --units time=ms", s->name);
     if (s->height_from && strncmp(s->height_from, "--", 2) != 0) {

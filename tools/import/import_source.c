@@ -37,16 +37,18 @@ import_source *import_append(import_sources *all, const import_text *text, impor
     return s;
 }
 
+void import_free_source(import_source *s) {
+    free(s->value);
+    free(s->line);
+    free(s->time_s);
+    free(s->depth_mm);
+    free(s->force_N);
+    free(s);
+}
+
 void import_free(import_sources *all) {
-    for (size_t i = 0; i < all->n; i++) {
-        import_source *s = all->source[i];
-        free(s->value);
-        free(s->line);
-        free(s->time_s);
-        free(s->depth_mm);
-        free(s->force_N);
-        free(s);
-    }
+    for (size_t i = 0; i < all->n; i++)
+        import_free_source(all->source[i]);
     free(all->source);
     memset(all, 0, sizeof *all);
 }
@@ -122,16 +124,24 @@ static bool grow(import_source *s) {
 
 /* A time of day that falls by half a day has passed midnight. */
 static double after_midnight(const import_source *s, size_t j, double seconds) {
-    double before = s->rows > 0 ? s->value[(s->rows - 1) * s->n_columns + j] : NAN;
+    double before = s->rows > 1 ? s->value[(s->rows - 2) * s->n_columns + j] : NAN; /* the last row is the new one */
     double days = isfinite(before) ? floor((before - seconds) / 86400 + 0.5) : 0;
     return days > 0 ? seconds + 86400 * days : seconds;
 }
 
-int import_add_row(import_source *s, char *const *fields, size_t n, size_t line) {
+double *import_new_row(import_source *s, size_t line) {
     if (s->rows == s->capacity && !grow(s))
+        return NULL;
+    s->line[s->rows] = line;
+    return &s->value[s->rows++ * s->n_columns];
+}
+
+int import_add_row(import_source *s, char *const *fields, size_t n, size_t line) {
+    double *row = import_new_row(s, line);
+    if (!row)
         return cli_failure(NAME, "%s: out of memory", s->file);
     for (size_t j = 0; j < s->n_columns; j++) {
-        double *to = &s->value[s->rows * s->n_columns + j], seconds;
+        double *to = &row[j], seconds;
         bool dated;
         if (j >= n || import_number(fields[j], &s->dialect, to)) {
             *to = j < n ? *to : NAN;
@@ -142,6 +152,5 @@ int import_add_row(import_source *s, char *const *fields, size_t n, size_t line)
             *to = NAN;
         }
     }
-    s->line[s->rows++] = line;
     return CLI_OK;
 }

@@ -12,13 +12,12 @@ static const double PI = 3.14159265358979323846;
 
 /* ---- sizes ---- */
 
-/* A setting's number in mm, mm2 or N/m: by the unit behind the number, else in the key, else mm, mm2 or N/m. */
+/* A setting's number in mm, mm2, N/m, Hz ...: by the unit behind the number, else in the key, else one of these. */
 static bool setting_value(const import_source *s, size_t i, import_dimension dimension, double *value) {
     const import_dialect *d = &s->dialect, swapped = {d->separator, d->decimal == '.' ? ',' : '.', d->decimal};
     const char *text = s->setting[i][1], *rest;
-    if (!import_number_unit(text, d, value, &rest))
-        return false;
-    if ((*rest == '.' || *rest == ',') && !import_number_unit(text, &swapped, value, &rest)) { /* header and rows differ */
+    bool number = import_number_unit(text, d, value, &rest) && *rest != '.' && *rest != ',';
+    if (!number && !import_number_unit(text, &swapped, value, &rest)) { /* header and rows differ */
         return false;
     }
     const import_unit *unit = import_unit_find(rest + strspn(rest, " "));
@@ -27,9 +26,10 @@ static bool setting_value(const import_source *s, size_t i, import_dimension dim
     return *value > 0 && (!unit || unit->dimension == dimension);
 }
 
-/* The number of the setting that is most surely a part; 0 = there is none. */
-static double part_of(const import_source *s, int part, const char **key) {
-    static const import_dimension of[PARTS] = {UNIT_LENGTH, UNIT_LENGTH, UNIT_LENGTH, UNIT_AREA, UNIT_SPRING, UNIT_SLOPE};
+double import_part(const import_source *s, int part, const char **key) {
+    static const import_dimension of[PARTS] = {UNIT_LENGTH, UNIT_LENGTH, UNIT_LENGTH, UNIT_AREA,
+                                               UNIT_SPRING, UNIT_SLOPE,  UNIT_RATE,   UNIT_TIME,
+                                               UNIT_LENGTH, UNIT_LENGTH};
     int best = 0;
     double found = 0, value;
     for (size_t i = 0; i < s->n_settings; i++) {
@@ -81,16 +81,16 @@ static void find_stamp(import_source *s) {
 
 void import_specimen(const import_options *o, import_source *s) {
     const char *key = NULL;
-    s->height_mm = part_of(s, PART_HEIGHT, &key);
+    s->height_mm = import_part(s, PART_HEIGHT, &key);
     s->height_from = key;
     key = NULL;
-    double diameter = part_of(s, PART_DIAMETER, &key), radius = diameter > 0 ? 0 : part_of(s, PART_RADIUS, &key);
-    double area = diameter + radius > 0 ? 0 : part_of(s, PART_AREA, &key);
+    double diameter = import_part(s, PART_DIAMETER, &key), radius = diameter > 0 ? 0 : import_part(s, PART_RADIUS, &key);
+    double area = diameter + radius > 0 ? 0 : import_part(s, PART_AREA, &key);
     s->radius_mm = diameter > 0 ? diameter / 2 : radius > 0 ? radius : sqrt(area / PI);
     s->radius_from = key;
     use_size(s);
-    s->spring_N_m = o->spring_N_m > 0 ? o->spring_N_m : part_of(s, PART_SPRING, &key);
-    s->slope_mm_V = part_of(s, PART_SENSITIVITY, &key);
+    s->spring_N_m = o->spring_N_m > 0 ? o->spring_N_m : import_part(s, PART_SPRING, &key);
+    s->slope_mm_V = import_part(s, PART_SENSITIVITY, &key);
     for (size_t i = 0; i < s->n_settings; i++) { /* a sensitivity without a unit is in m/V */
         bool slope = strcmp(s->setting[i][0], "sensitivity") == 0 && !import_unit_of_name(s->setting[i][1]);
         s->slope_mm_V *= slope ? 1e3 : 1;

@@ -9,18 +9,20 @@ static const char NAME[] = "import";
 
 enum { PENDING = 3, SIDE_ROWS = 2 };
 
-/* Whether a line is a row of numbers: two of them at least and most of its fields. */
+/* Whether a line is a row of numbers: two of them at least and most of its fields that are not empty. */
 static bool is_row(const table_scanner *c, size_t line, size_t *width) {
     char *fields[IMPORT_COLUMNS];
     const char *text = c->text->lines[line];
     text += strspn(text, " \t");
     if (!*text || *text == '#')
         return false;
-    size_t n = table_fields(c, line, fields), numbers = 0;
-    for (size_t j = 0; j < n; j++)
+    size_t n = table_fields(c, line, fields), numbers = 0, filled = 0;
+    for (size_t j = 0; j < n; j++) {
         numbers += table_is_number(c, fields[j]);
+        filled += *fields[j] != '\0';
+    }
     *width = n;
-    return numbers >= 2 && 2 * numbers > n;
+    return numbers >= 2 && 2 * numbers > filled;
 }
 
 /* ---- blocks ---- */
@@ -110,35 +112,43 @@ static void add_line(const table_scanner *c, size_t line, import_source *s) {
     }
 }
 
-/* A small table beside the recording: names of the specimen's sizes, and the numbers under them. */
-static void add_side_table(const table_scanner *c, const table_block *b, import_source *s) {
+/* "Size 10.0 24.0" */
+static void add_row_setting(const table_scanner *c, size_t line, import_source *s) {
+    char *fields[IMPORT_COLUMNS], text[IMPORT_WORD] = "";
+    size_t n = table_fields(c, line, fields);
+    for (size_t j = 1; j < n && strlen(text) + 32 < sizeof text; j++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%.24s ", fields[j]);
+    if (n > 1 && isalpha((unsigned char)*fields[0]))
+        import_add_setting(s, fields[0], text);
+}
+
+/* A small table beside the recording: names of the specimen's sizes, and the numbers under them, of its first row or of that
+ * of a specimen. */
+static void add_side_table(const table_scanner *c, const table_block *b, size_t row, import_source *s) {
     char *fields[IMPORT_COLUMNS];
     import_source *side = calloc(1, sizeof *side);
     if (!side)
         return;
     table_set_columns(c, b, side);
-    size_t n = table_fields(c, b->first, fields);
+    size_t n = table_fields(c, b->first + row, fields);
     for (size_t j = 0; j < n && j < side->n_columns; j++)
         if (*side->column[j])
             import_add_setting(s, side->column[j], fields[j]);
-    if (isalpha((unsigned char)*fields[0]) && n > 1) { /* "Size 10.0 24.0" */
-        char text[IMPORT_WORD] = "";
-        for (size_t j = 1; j < n && strlen(text) + 32 < sizeof text; j++)
-            snprintf(text + strlen(text), sizeof text - strlen(text), "%.24s ", fields[j]);
-        import_add_setting(s, fields[0], text);
-    }
+    for (size_t line = b->first; line < b->last; line++)
+        add_row_setting(c, line, s);
     free(side);
 }
 
 /* Of all lines before the last row of the source that are no rows of a table. */
-static void add_all_settings(const table_scanner *c, const table_block *own, import_source *s) {
+static void add_all_settings(const table_scanner *c, const table_block *own, const import_groups *groups, size_t group, import_source *s) {
     for (size_t i = 0; i < c->n && &c->blocks[i] <= own; i++) {
         const table_block *b = &c->blocks[i];
         for (size_t line = b->above; line < b->first; line++)
             if (line != b->names && line != b->units)
                 add_line(c, line, s);
-        if (b != own && b->rows <= SIDE_ROWS)
-            add_side_table(c, b, s);
+        bool each = groups->n > 1 && b->rows == groups->n && b->last - b->first == b->rows;
+        if (b != own && (b->rows <= SIDE_ROWS || each))
+            add_side_table(c, b, each ? group : 0, s);
     }
 }
 
@@ -176,30 +186,59 @@ static bool continues(const table_scanner *c, const table_block *b, const table_
     return same;
 }
 
-static int add_source(const table_scanner *c, const table_block *b, const import_source *reference, import_format format, import_sources *all) {
-    import_source *s = import_append(all, c->text, format);
+/* The rows of a block; where its columns repeat, one source of each group. */
+static int add_source(const table_scanner *c, const table_block *b, const import_source *reference, const import_groups *groups, import_sources *all) {
+    import_source *s = import_append(all, c->text, reference->format), *part = s;
     if (!s)
         return cli_failure(NAME, "%s: out of memory", c->text->file);
     s->dialect = c->dialect;
     s->n_columns = reference->n_columns;
     memcpy(s->column, reference->column, sizeof s->column);
-    add_all_settings(c, b, s);
-    return read_rows(c, b, s);
+    add_all_settings(c, b, groups, 0, s);
+    int code = read_rows(c, b, s);
+    for (size_t k = 0; code == CLI_OK && groups->n > 1 && k < groups->n; k++) {
+        part = import_append(all, c->text, reference->format);
+        if (part)
+            add_all_settings(c, b, groups, k, part);
+        code = part ? import_groups_take(s, groups, k, part) : cli_failure(NAME, "%s: out of memory", c->text->file);
+    }
+    return code;
 }
 
-static int add_sources(const table_scanner *c, import_format format, import_sources *all) {
+/* Takes out those that became sources of their groups. */
+static void drop_whole(import_sources *all, size_t first) {
+    size_t kept = first;
+    for (size_t i = first; i < all->n; i++) {
+        if (all->source[i]->groups)
+            all->source[kept++] = all->source[i];
+        else
+            import_free_source(all->source[i]);
+    }
+    all->n = kept;
+}
+
+static int add_sources(const import_options *o, const table_scanner *c, import_format format, import_sources *all) {
     const table_block *whole = main_block(c);
+    const import_groups one = {1, 0, 0};
+    import_groups groups = one;
     import_source *reference = calloc(1, sizeof *reference);
+    size_t first = all->n;
     int code = reference ? CLI_OK : cli_failure(NAME, "%s: out of memory", c->text->file);
     if (reference) {
+        reference->format = format;
+        reference->dialect = c->dialect;
         table_set_columns(c, whole, reference);
         table_add_units(c, whole->first, reference);
+        add_all_settings(c, whole, &one, 0, reference);
+        groups = o->map ? one : import_groups_find(reference, import_rate_known(o, reference));
     }
     for (size_t i = 0; code == CLI_OK && i < c->n; i++) {
         const table_block *b = &c->blocks[i];
         if (b == whole || continues(c, b, whole, reference))
-            code = add_source(c, b, reference, format, all);
+            code = add_source(c, b, reference, &groups, all);
     }
+    if (groups.n > 1)
+        drop_whole(all, first);
     free(reference);
     return code;
 }
@@ -218,7 +257,7 @@ int import_table_read(const import_options *o, import_text *text, import_format 
         code = cli_failure(NAME, "%s:%zu: no row of numbers up to the end of the file%s", text->file, text->n,
                            o->separator >= 0 ? "; is --separator right?" : "");
     else
-        code = add_sources(&c, format, all);
+        code = add_sources(o, &c, format, all);
     free(c.scratch);
     free(c.blocks);
     return code;

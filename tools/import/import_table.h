@@ -28,6 +28,14 @@ bool table_is_number(const table_scanner *c, const char *field); /* or a clock t
 /* How many of time, depth and force the fields name. */
 int table_roles(char *const *fields, size_t n);
 
+/* Groups of columns that repeat from one on, each a specimen; n = 1: there are none. */
+typedef struct import_groups {
+    size_t n, from, width;
+} import_groups;
+
+import_groups import_groups_find(import_source *s, bool timed); /* timed: the rate of sampling is known */
+int import_groups_take(const import_source *all, const import_groups *g, size_t group, import_source *to);
+
 /* The lines that name the block's columns and say their units; then the columns of a source, and units behind the numbers
  * of a row. */
 void table_find_names(const table_scanner *c, table_block *b);

@@ -168,6 +168,9 @@ static int index_lines(import_text *text, char *at) {
         text->longest = n > text->longest ? n : text->longest;
         char end = at[n];
         at[n] = '\0';
+        size_t stamp = strspn(at, "0123456789:.");
+        if (stamp > 0 && strncmp(at + stamp, " -> ", 4) == 0) /* of a serial monitor, before the line itself */
+            text->lines[text->n - 1] = at + stamp + 4;
         at += n + (end != '\0');
         at += end == '\r' && *at == '\n';
     }

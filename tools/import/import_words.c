@@ -4,7 +4,7 @@
 #include <ctype.h>
 #include <string.h>
 
-/* ---- units: to s, mm, N, Pa, 1, V, mm2, N/m ---- */
+/* ---- units: to s, mm, N, Pa, 1, V, mm2, N/m, mm/V, Hz ---- */
 
 static const import_unit units[] = {
     {UNIT_TIME, "s", 1},          {UNIT_TIME, "ms", 1e-3},       {UNIT_TIME, "min", 60},       {UNIT_TIME, "sec", 1},
@@ -33,11 +33,15 @@ static const import_unit units[] = {
     {UNIT_AREA, "cm^2", 100},     {UNIT_AREA, "m^2", 1e6},       {UNIT_AREA, "in2", 645.16},   {UNIT_AREA, "in^2", 645.16},
     {UNIT_SPRING, "N/m", 1},      {UNIT_SPRING, "mN/m", 1e-3},   {UNIT_SPRING, "pN/nm", 1e-3}, {UNIT_SPRING, "nN/nm", 1},
     {UNIT_SPRING, "N/mm", 1e3},   {UNIT_SLOPE, "m/V", 1e3},      {UNIT_SLOPE, "nm/V", 1e-6},   {UNIT_SLOPE, "um/V", 1e-3},
-    {UNIT_OTHER, "Hz", 1},        {UNIT_OTHER, "mm/s", 1},       {UNIT_OTHER, "mm/min", 1},    {UNIT_OTHER, "N/s", 1},
+    {UNIT_RATE, "Hz", 1},         {UNIT_OTHER, "mm/s", 1},       {UNIT_OTHER, "mm/min", 1},    {UNIT_OTHER, "N/s", 1},
     {UNIT_OTHER, "C", 1},         {UNIT_OTHER, "K", 1},          {UNIT_OTHER, "%/s", 1},       {UNIT_OTHER, "%/min", 1},
     {UNIT_OTHER, "J", 1},         {UNIT_OTHER, "mJ", 1},         {UNIT_OTHER, "um/s", 1},      {UNIT_OTHER, "rad", 1},
-    {UNIT_OTHER, "1/s", 1},       {UNIT_OTHER, "deg", 1},        {UNIT_OTHER, "A", 1},         {UNIT_OTHER, "Nm", 1},
-    {UNIT_OTHER, "mm3", 1},       {UNIT_OTHER, "Pa.s", 1},       {UNIT_OTHER, "N/min", 1},     {UNIT_OTHER, "kN/mm", 1}};
+    {UNIT_RATE, "1/s", 1},        {UNIT_OTHER, "deg", 1},        {UNIT_OTHER, "A", 1},         {UNIT_OTHER, "Nm", 1},
+    {UNIT_OTHER, "mm3", 1},       {UNIT_OTHER, "Pa.s", 1},       {UNIT_OTHER, "N/min", 1},     {UNIT_OTHER, "kN/mm", 1},
+    {UNIT_RATE, "kHz", 1e3},      {UNIT_RATE, "S/s", 1},         {UNIT_RATE, "pts/s", 1},      {UNIT_RATE, "pts/sec", 1},
+    {UNIT_RATE, "pts/secs", 1},   {UNIT_RATE, "samples/s", 1},   {UNIT_RATE, "1/sec", 1},      {UNIT_RATE, "samples/sec", 1},
+    {UNIT_LENGTH, "millimeters", 1}, {UNIT_LENGTH, "millimeter", 1}, {UNIT_LENGTH, "millimetres", 1}, {UNIT_LENGTH, "meters", 1e3},
+    {UNIT_LENGTH, "micrometers", 1e-3}, {UNIT_LENGTH, "micrometer", 1e-3}, {UNIT_FORCE, "millinewtons", 1e-3}, {UNIT_STRESS, "pascal", 1}};
 
 enum { N_UNITS = sizeof units / sizeof units[0] };
 
@@ -156,7 +160,7 @@ static const char *const never[] = {"rate", "speed", "velocity", "geschwindigkei
                                     "=error", "zyklus", "friction"};
 static const char *const rather_not[] = {"target", "=set", "setpoint", "soll", "demand", "consigne", "command", "true", "wahre",
                                          "=vraie", "lateral", "transverse", "horizontal", "quer", "peak", "=max", "=min", "average",
-                                         "raw", "corrected"};
+                                         "raw", "corrected", "preload", "absolut"};
 
 /* Whether a name in small plain letters has the word. */
 static bool has_word(const char *name, const char *word) {
@@ -201,6 +205,13 @@ int import_name_rank(const char *name, const import_unit *unit, int role) {
     return rank > 1 && has_any(plain, sizeof rather_not / sizeof *rather_not, rather_not) ? 1 : rank;
 }
 
+bool import_names_gap(const char *name) {
+    static const char *const gaps[] = {"gap", "spalt", "entrefer", "currentsize", "current size", "size_"};
+    char plain[IMPORT_WORD];
+    import_plain(name, true, plain, sizeof plain);
+    return has_any(plain, sizeof gaps / sizeof *gaps, gaps);
+}
+
 /* ---- the specimen and the instrument ---- */
 
 static const struct word parts[] = {
@@ -214,11 +225,22 @@ static const struct word parts[] = {
     {PART_RADIUS, 3, "=radio"}, {PART_RADIUS, 3, "=raio"}, {PART_AREA, 3, "=area"}, {PART_AREA, 3, "flache"}, {PART_AREA, 3, "querschnitt"},
     {PART_AREA, 3, "=section"}, {PART_AREA, 3, "=aire"}, {PART_AREA, 3, "=seccion"}, {PART_AREA, 3, "sezione"},
     {PART_AREA, 2, "=a0"}, {PART_AREA, 2, "=s0"}, {PART_SPRING, 3, "springconstant"}, {PART_SPRING, 3, "spring constant"}, {PART_SPRING, 3, "spring_constant"},
-    {PART_SPRING, 3, "federkonstante"}, {PART_SENSITIVITY, 3, "=sensitivity"}, {PART_SENSITIVITY, 3, "invols"}};
+    {PART_SPRING, 3, "federkonstante"}, {PART_SENSITIVITY, 3, "=sensitivity"}, {PART_SENSITIVITY, 3, "invols"},
+    {PART_RATE, 3, "sampling rate"}, {PART_RATE, 3, "sample rate"}, {PART_RATE, 3, "data rate"}, {PART_RATE, 3, "acquisition rate"},
+    {PART_RATE, 3, "sampling frequency"}, {PART_RATE, 3, "sample frequency"}, {PART_RATE, 3, "abtastrate"}, {PART_RATE, 3, "abtastfrequenz"},
+    {PART_RATE, 3, "messrate"}, {PART_RATE, 3, "frequence d'echantillonnage"}, {PART_RATE, 3, "frequenza di campionamento"},
+    {PART_RATE, 3, "frecuencia de muestreo"}, {PART_RATE, 3, "frequencia de amostragem"}, {PART_RATE, 2, "samplerate"},
+    {PART_RATE, 2, "sample_rate"}, {PART_RATE, 2, "sampling_rate"}, {PART_INTERVAL, 3, "sampling interval"},
+    {PART_INTERVAL, 3, "sample interval"}, {PART_INTERVAL, 3, "sampling time"}, {PART_INTERVAL, 3, "delta_x"},
+    {PART_INTERVAL, 3, "abtastintervall"}, {PART_INTERVAL, 2, "=dt"},
+    {PART_TIP_RADIUS, 3, "tip radius"}, {PART_TIP_RADIUS, 3, "tip_radius"}, {PART_TIP_RADIUS, 3, "indenter radius"},
+    {PART_TIP_RADIUS, 3, "probe radius"}, {PART_TIP_RADIUS, 3, "punch radius"}, {PART_TIP_RADIUS, 3, "kugelradius"},
+    {PART_TIP_DIAMETER, 3, "tip diameter"}, {PART_TIP_DIAMETER, 3, "indenter diameter"}, {PART_TIP_DIAMETER, 3, "probe diameter"},
+    {PART_TIP_DIAMETER, 3, "punch diameter"}, {PART_TIP_DIAMETER, 3, "kugeldurchmesser"}, {PART_TIP_DIAMETER, 3, "stempeldurchmesser"}};
 
-/* A length of these is none of the specimen. */
+/* A length of these is none of the specimen, nor a spring constant. */
 static const char *const elsewhere[] = {"probe diam", "indent", "punch", "=tip", "tip_", "plate", "platte", "stempel", "anvil", "limit", "offset",
-                                        "=max", "=min", "final", "wave", "scan", "path", "field", "cable", "step", "multiplier",
+                                        "=max", "=min", "final", "wave", "scan", "path", "loading", "field", "cable", "step", "multiplier",
                                         "cantilever", "buffer", "k-length", "file", "=data", "at break", "record", "sensor", "setpoint",
                                         "sample rate", "=rate", "after", "=end", "trigger"};
 
@@ -229,5 +251,5 @@ int import_part_rank(const char *name, int part) {
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
         if (parts[i].role == part && parts[i].rank > rank && has_word(plain, parts[i].text))
             rank = parts[i].rank;
-    return has_any(plain, sizeof elsewhere / sizeof *elsewhere, elsewhere) ? 0 : rank;
+    return part < PART_RATE && has_any(plain, sizeof elsewhere / sizeof *elsewhere, elsewhere) ? 0 : rank;
 }

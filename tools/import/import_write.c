@@ -35,6 +35,9 @@ static palp_status set_specimen(const import_options *o, const import_source *s,
     string(run, "specimen.kind", o->kind ? o->kind : cylinder ? "cylinder" : NULL, &status);
     positive(run, "specimen.height_mm", s->height_mm, &status);
     positive(run, "specimen.radius_mm", s->radius_mm, &status);
+    string(run, "tip.kind", s->tip, &status);
+    positive(run, "tip.radius_mm", s->tip_radius_mm, &status);
+    positive(run, "tip.half_angle_deg", s->tip_angle_deg, &status);
     string(run, "protocol.kind", s->protocol, &status);
     positive(run, "protocol.depth_mm", import_setting_number(s, "Amplitude, mm"), &status);
     positive(run, "protocol.rate_mm_s", import_setting_number(s, "Velocity, mm/s"), &status);
