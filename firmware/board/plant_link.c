@@ -59,7 +59,8 @@ void plant_link_put_out(const plant_out *out, uint8_t byte[PLANT_LINK_OUT]) {
     *byte++ = out->tx_count;
     for (int i = 0; i < PLANT_LINK_TX; i++)
         *byte++ = out->tx[i];
-    for (int i = 0; i < PLANT_LINK_OUT - 17 - PLANT_LINK_TX; i++)
+    *byte++ = out->trigger;
+    for (int i = 0; i < PLANT_LINK_OUT - 18 - PLANT_LINK_TX; i++)
         *byte++ = 0;
 }
 
@@ -75,4 +76,5 @@ void plant_link_get_out(const uint8_t byte[PLANT_LINK_OUT], plant_out *out) {
     byte++;
     for (int i = 0; i < PLANT_LINK_TX; i++)
         out->tx[i] = *byte++;
+    out->trigger = *byte;
 }

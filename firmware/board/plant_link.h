@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-enum { PLANT_LINK_VERSION = 3, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 112, PLANT_LINK_RX = 36, PLANT_LINK_TX = 92 };
+enum { PLANT_LINK_VERSION = 4, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 112, PLANT_LINK_RX = 36, PLANT_LINK_TX = 92 };
 
 /* What the plant asks the simulated board to do to itself at this tick. */
 enum {
@@ -25,6 +25,7 @@ enum {
     PLANT_SWITCH_EMERGENCY = 2,
     PLANT_ENCODER_LOST = 4, /* alarms of encoder and driver */
     PLANT_DRIVER_FAULT = 8,
+    PLANT_TRIGGER = 16, /* a pulse has come in */
     PLANT_SENSOR_SILENT = 128
 };
 
@@ -58,6 +59,7 @@ typedef struct plant_out {
     uint16_t stack_free;
     uint8_t tx_count; /* bytes for the host in tx: at most what 921600 baud carry in a tick */
     uint8_t tx[PLANT_LINK_TX];
+    uint8_t trigger; /* 1: a pulse goes out */
 } plant_out;
 
 /* Packed by hand, so that both sides agree whatever their compilers do. plant_link.c */

@@ -99,5 +99,6 @@ void app_tick(app *a, const app_inputs *in, app_outputs *out) {
     a->duty = app_drives(a) ? drive(a) : 0.0f;
     out->motor_on = app_drives(a);
     out->duty = (int16_t)real_round(a->duty * DUTY_FULL);
+    a->pulsed = out->trigger = motion_pulse(a);
     report_tick(a, out->duty);
 }

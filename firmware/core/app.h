@@ -18,6 +18,7 @@ typedef struct app_inputs {
     uint16_t thermistor; /* 12-bit counts */
     bool sensor_silent, home_switch, emergency_stop;
     bool encoder_lost, driver_fault; /* their alarms */
+    bool trigger;                    /* a pulse has come in since the last tick */
     bool stack_intact;
     uint32_t missed; /* ticks missed before this one */
     uint32_t cost;   /* of the last tick */
@@ -27,6 +28,7 @@ typedef struct app_inputs {
 typedef struct app_outputs {
     int16_t duty;  /* 32767 = full force towards the specimen */
     bool motor_on; /* else the board shorts the motor, which brakes it without any current from the supply */
+    bool trigger;  /* a pulse goes out until the next tick */
 } app_outputs;
 
 /* Why the processor started; what did not come up, a bit each. */
@@ -82,6 +84,9 @@ typedef struct app {
     float rate_m_s;
     uint32_t air_ticks, after_ticks;
     uint32_t segments_set; /* one bit each */
+    palp_wire_trigger trigger;
+    uint32_t pulse_ticks; /* since the last pulse of a recording was due */
+    bool recorded, pulsed; /* the last sample was of a recording; a pulse goes out with this one */
     reference reference;
     float duty;
     /* watches */

@@ -39,6 +39,7 @@ static const struct permission {
     {PALP_WIRE_TYPE_GET_STATUS, ALWAYS},
     {PALP_WIRE_TYPE_HALT, ALWAYS & ~IN(BOOT) & ~IN(FAULT)},
     {PALP_WIRE_TYPE_JOG, IN(READY)},
+    {PALP_WIRE_TYPE_TRIGGER, STILL},
 };
 
 static uint8_t permitted(const app *a, uint8_t command) {
@@ -68,8 +69,10 @@ static uint8_t hello(app *a, const palp_wire_hello *asked) {
         return PALP_WIRE_RESULT_VERSION;
     stream_end_block(&a->stream);
     a->stream.on = false;
-    if (!app_moving(a))
+    if (!app_moving(a)) {
         watch_limits_begin(a);
+        a->trigger = (palp_wire_trigger){.in = PALP_WIRE_TRIGGER_IGNORED};
+    }
     return PALP_WIRE_RESULT_DONE;
 }
 
@@ -228,6 +231,13 @@ static uint8_t jog(app *a, const palp_wire_jog *asked) {
     return PALP_WIRE_RESULT_DONE;
 }
 
+static uint8_t set_trigger(app *a, const palp_wire_trigger *asked) {
+    if (asked->in > PALP_WIRE_TRIGGER_STARTS || asked->out > 1)
+        return PALP_WIRE_RESULT_RANGE;
+    a->trigger = *asked;
+    return PALP_WIRE_RESULT_DONE;
+}
+
 static uint8_t execute(app *a, const palp_wire_message *c) {
     switch (c->type) {
     case PALP_WIRE_TYPE_HELLO:
@@ -265,6 +275,8 @@ static uint8_t execute(app *a, const palp_wire_message *c) {
                                                                                          : PALP_WIRE_RESULT_STATE;
     case PALP_WIRE_TYPE_JOG:
         return jog(a, &c->as.jog);
+    case PALP_WIRE_TYPE_TRIGGER:
+        return set_trigger(a, &c->as.trigger);
     default: /* ALIVE, GET_LIMITS, GET_STATUS */
         return PALP_WIRE_RESULT_DONE;
     }

@@ -24,6 +24,7 @@ void motion_stop(app *a);                 /* what STOP ends */
 void motion_step(app *a);                 /* the reference of this tick */
 bool motion_records(const app *a);
 bool motion_follows(const app *a);
+bool motion_pulse(app *a); /* whether a trigger's pulse goes out with this tick's sample; once a tick */
 /* Where the plate may be, metres from home; in HOMING, from where it began. */
 void motion_bounds(const app *a, float *low_m, float *high_m);
 

@@ -14,7 +14,7 @@
 
 enum { HOME_LEAVE, HOME_SEEK, HOME_LEAVE_AGAIN, HOME_SEEK_SLOWLY, HOME_BACK_OFF };
 enum { HOME_SURE = 3 /* ticks in a row that the switch is closed */ };
-enum { RUN_TO_START, RUN_AIR, RUN_FOLLOW, RUN_WITHDRAW, RUN_AFTER };
+enum { RUN_TO_START, RUN_WAIT, RUN_AIR, RUN_FOLLOW, RUN_WITHDRAW, RUN_AFTER };
 
 /* A motor that holds the plate goes on with what it holds it by. */
 void motion_begin(app *a) {
@@ -170,6 +170,8 @@ static bool follow(app *a) {
 
 static bool run_phase(app *a) {
     switch (a->phase) {
+    case RUN_WAIT:
+        return a->in.trigger;
     case RUN_AIR:
         return rest(a, a->air_ticks);
     case RUN_FOLLOW:
@@ -188,6 +190,8 @@ static void run_step(app *a) {
         (void)supervisor_take(&a->supervisor, SUPERVISOR_DONE);
     else
         next_phase(a);
+    if (a->phase == RUN_WAIT && a->phase_ticks == 0 && a->trigger.in != PALP_WIRE_TRIGGER_STARTS)
+        next_phase(a);
 }
 
 bool motion_records(const app *a) {
@@ -196,6 +200,17 @@ bool motion_records(const app *a) {
 
 bool motion_follows(const app *a) {
     return a->supervisor.state == PALP_WIRE_STATE_RUN && a->phase == RUN_FOLLOW;
+}
+
+/* With the first sample of a recording, and where every says so with others after it. */
+bool motion_pulse(app *a) {
+    const bool records = motion_records(a), first = records && !a->recorded;
+    a->recorded = records;
+    a->pulse_ticks = first ? 0 : a->pulse_ticks + 1;
+    const bool due = first || (a->trigger.every > 0 && a->pulse_ticks == a->trigger.every);
+    if (due)
+        a->pulse_ticks = 0;
+    return records && due && a->trigger.out != 0;
 }
 
 void motion_step(app *a) {

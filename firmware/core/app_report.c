@@ -138,6 +138,8 @@ static uint16_t flags(const app *a) {
     bits |= !a->answering || a->saturated ? PALP_WIRE_FLAG_SENSOR_BAD : 0;
     bits |= a->elapsed > 1 ? PALP_WIRE_FLAG_TICK_MISSED : 0;
     bits |= a->supervisor.state == PALP_WIRE_STATE_FAULT ? PALP_WIRE_FLAG_FAULT : 0;
+    bits |= a->in.trigger && a->trigger.in != PALP_WIRE_TRIGGER_IGNORED ? PALP_WIRE_FLAG_TRIGGER_IN : 0;
+    bits |= a->pulsed ? PALP_WIRE_FLAG_TRIGGER_OUT : 0;
     return (uint16_t)bits;
 }
 

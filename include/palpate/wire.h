@@ -94,17 +94,22 @@ typedef enum palp_wire_segment_kind {
         PALP_WIRE_SEGMENT_KIND_COUNT
 } palp_wire_segment_kind;
 
-/* Bits of a sample's flags; the upper byte is the segment in progress. */
+/* Bits of a sample's flags; 8 to 12 are the segment in progress. */
 enum {
     PALP_WIRE_FLAG_RECORD = 1,       /* part of a run's recording */
-    PALP_WIRE_FLAG_TRAJECTORY = 2,   /* the segments are being followed (the upper byte says which) */
+    PALP_WIRE_FLAG_TRAJECTORY = 2,   /* the segments are being followed (bits 8 to 12 say which) */
     PALP_WIRE_FLAG_MOTOR = 4,        /* the motor is on */
     PALP_WIRE_FLAG_DERATED = 8,      /* a limit holds the motor back */
     PALP_WIRE_FLAG_HOME_SWITCH = 16,
     PALP_WIRE_FLAG_SENSOR_BAD = 32,  /* these ADC counts are not a reading */
     PALP_WIRE_FLAG_TICK_MISSED = 64, /* a tick before this one was missed */
-    PALP_WIRE_FLAG_FAULT = 128
+    PALP_WIRE_FLAG_FAULT = 128,
+    PALP_WIRE_FLAG_TRIGGER_IN = 8192,  /* a pulse has come in since the tick before */
+    PALP_WIRE_FLAG_TRIGGER_OUT = 16384 /* a pulse goes out with it */
 };
+
+/* TRIGGER: what a pulse that comes in does. */
+enum { PALP_WIRE_TRIGGER_IGNORED = 0, PALP_WIRE_TRIGGER_MARKS = 1, PALP_WIRE_TRIGGER_STARTS = 2 };
 
 enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measured stiffness */
 
@@ -136,6 +141,8 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 #define PALP_WIRE_GET_STATUS(F, A) F(u8, reserved)
 #define PALP_WIRE_HALT(F, A) F(u8, reserved) /* the motor off at once: the fault EMERGENCY_STOP */
 #define PALP_WIRE_JOG(F, A) F(i32, to_nm) F(u32, rate_nm_s) /* to a place below home, and holds it there */
+/* in: PALP_WIRE_TRIGGER_*; out: pulses with a recording's first sample and every so many after it (0: none more) */
+#define PALP_WIRE_TRIGGER(F, A) F(u8, in) F(u8, out) F(u16, every)
 /* ---- device to host ---- */
 #define PALP_WIRE_ACK(F, A) F(u16, sequence) F(u8, command) F(u8, result)
 #define PALP_WIRE_INFO(F, A)                                                                              \
@@ -181,6 +188,7 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
     X(GET_LIMITS, 17, get_limits, PALP_WIRE_GET_LIMITS)           \
     X(HALT, 18, halt, PALP_WIRE_HALT)                             \
     X(JOG, 19, jog, PALP_WIRE_JOG)                                \
+    X(TRIGGER, 20, trigger, PALP_WIRE_TRIGGER)                    \
     X(ACK, 128, ack, PALP_WIRE_ACK)                               \
     X(INFO, 129, info, PALP_WIRE_INFO)                            \
     X(STATUS, 130, status, PALP_WIRE_STATUS)                      \

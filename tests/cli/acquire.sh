@@ -185,6 +185,22 @@ expect 0 acquire --port rig --firmware host --protocol creep.json --rest-s 0 --o
 awk -F, '/^[0-9]/ && $1 > 4.5 && $1 < 12.5 { s += $3; n++; if (n < 500) a += $2 / 499; z = $2 }
     END { exit !(n > 7000 && s / n > 0.998 && s / n < 1.002 && z > a + 0.05) }' creep/creep.csv || fail "the force is not held"
 
+# ---- columns of the whole sensor and of temperature; a camera that starts the run, and gets a pulse every 100 samples ----
+wrong 2 "--channels wants forces" $H --ramp-hold 2 --channels force --out x
+expect 0 acquire $H $short --ramp-hold 2 --hold-s 1 --channels forces,temperature --trigger-in start --trigger-out 100 \
+    --trigger-every-s 1.5 --out camera
+grep -q '^time_s,depth_mm,force_N,Fx_N,Fy_N,Fz_N,Tx_Nm,Ty_Nm,Tz_Nm,temperature_C,trigger_in,trigger_out$' camera/ramp_hold_2mm.csv ||
+    fail "columns: $(grep '^time_s' camera/ramp_hold_2mm.csv)"
+[ -n "$(header camera/ramp_hold_2mm.csv device.row_Ty_Nm)" ] || fail "the matrix is not in the header"
+awk -F, 'function off(x, y) { x -= y; return x < -1e-4 || x > 1e-4 }
+    /^[0-9]/ { if (off($6, $3)) bad = "Fz_N"
+        if ($4 < -0.05 || $4 > 0.05 || $9 < -1e-3 || $9 > 1e-3) bad = "a side force"
+        if ($10 < 20 || $10 > 30) bad = "temperature"
+        if ($12 != (n % 100 == 0)) bad = "trigger_out"
+        if ($11 != (n % 1500 == 0)) bad = "trigger_in"
+        if (bad != "") { print bad " in row " n ": " $0; exit 1 }
+        n++ } END { exit !(n > 2000) }' camera/ramp_hold_2mm.csv >out || fail "columns: $(cat out)"
+
 # ---- the image of the chip ----
 if "$PALPATE" rig --until-s 0.1 --firmware qemu >/dev/null 2>&1; then
     expect 0 acquire --port rig --firmware qemu $short --ramp-hold 3 --hold-s 2 --out qemu --json

@@ -101,6 +101,7 @@ static void sense(bench *b) {
                              .encoder_lost = (in->switches & PLANT_ENCODER_LOST) != 0,
                              .driver_fault = (in->switches & PLANT_DRIVER_FAULT) != 0,
                              .stack_intact = !b->smashed,
+                             .trigger = b->pulse,
                              .missed = b->missed};
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
         b->inputs.adc[i] = b->unplugged ? b->level : in->adc[i];
@@ -118,7 +119,7 @@ void bench_tick(bench *b) {
     for (uint32_t i = 0; i < b->missed; i++)
         advance(b, false); /* the output has expired */
     sense(b);
-    b->smashed = false;
+    b->smashed = b->pulse = false;
     b->missed = 0;
     if (!b->mute && b->app.tick % ALIVE_TICKS == ALIVE_TICKS - 1) {
         palp_wire_message alive = {.type = PALP_WIRE_TYPE_ALIVE, .sequence = b->sequence++};

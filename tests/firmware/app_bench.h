@@ -14,7 +14,7 @@ typedef struct bench {
     app_inputs inputs; /* of the last tick */
     app_outputs out;
     /* What goes wrong with the next tick, and only with it. */
-    bool smashed;
+    bool smashed, pulse; /* pulse: at the trigger's input */
     uint32_t missed;
     /* What goes wrong until it is set right, beside the plant's own. */
     bool unplugged, no_thermistor, switch_stuck;

@@ -15,6 +15,7 @@
 #include "../../firmware/board/stm32f405/switches.c"
 #include "../../firmware/board/stm32f405/thermistor.c"
 #include "../../firmware/board/stm32f405/tick.c"
+#include "../../firmware/board/stm32f405/trigger.c"
 #include "../../firmware/board/stm32f405/uart.c"
 #include "../../firmware/board/stm32f405/watchdog.c"
 

@@ -300,7 +300,7 @@ static void test_guard(void **state) {
 }
 
 static void test_motor_output_expires(void **state) {
-    const app_outputs on = {1000, true}, off = {1000, false};
+    const app_outputs on = {1000, true, false}, off = {1000, false, false};
     (void)state;
     (void)hal_init();
     for (int i = 0; i < 3; i++) {
@@ -415,6 +415,26 @@ static void test_stack(void **state) {
 
 /* ---- the board ---- */
 
+/* Its edge is kept until it has been seen; no interrupt comes of it. */
+static void test_trigger(void **state) {
+    (void)state;
+    trigger_start();
+    assert_int_equal(SYSCFG->EXTICR[2] & 15u, 2); /* line 8 is port C's */
+    assert_true(EXTI->RTSR & 1u << 8);
+    assert_int_equal(NVIC->ISER[0] & 1u << 23, 0); /* EXTI9_5 */
+    assert_int_equal(EXTI->PR, 1u << 8);
+    EXTI->PR = 0; /* what the write of a one does */
+    assert_false(trigger_came());
+    EXTI->PR = 1u << 8;
+    assert_true(trigger_came());
+    EXTI->PR = 0;
+    assert_false(trigger_came());
+    trigger_give(true);
+    assert_true(fake_pin(PIN_TRIGGER_OUT));
+    trigger_give(false);
+    assert_false(fake_pin(PIN_TRIGGER_OUT));
+}
+
 static void test_board(void **state) {
     app_inputs in;
     (void)state;
@@ -468,6 +488,7 @@ const struct CMUnitTest tests[] = {
     cmocka_unit_test_setup(test_short_emergency_stop, setup),
     cmocka_unit_test_setup(test_alarms, setup),
     cmocka_unit_test_setup(test_supply, setup),
+    cmocka_unit_test_setup(test_trigger, setup),
     cmocka_unit_test_setup(test_guard, setup),
     cmocka_unit_test_setup(test_motor_output_expires, setup),
     cmocka_unit_test_setup(test_tick_wait, setup),

@@ -52,7 +52,7 @@ static palp_wire_message any_command(void) {
                                     PALP_WIRE_TYPE_CLEAR_FAULT,  PALP_WIRE_TYPE_HELLO,        PALP_WIRE_TYPE_SEGMENT,
                                     PALP_WIRE_TYPE_FIND_CONTACT, PALP_WIRE_TYPE_START};
     palp_wire_message m = {.type = chance(2) ? often[chance(sizeof often)]
-                                             : (uint8_t)(1 + chance(PALP_WIRE_TYPE_JOG))};
+                                             : (uint8_t)(1 + chance(PALP_WIRE_TYPE_TRIGGER))};
     switch (m.type) {
     case PALP_WIRE_TYPE_HELLO:
         m.as.hello.protocol = PALP_WIRE_VERSION + (chance(8) == 0);
@@ -80,6 +80,9 @@ static palp_wire_message any_command(void) {
         break;
     case PALP_WIRE_TYPE_START:
         m.as.start = (palp_wire_start){(uint8_t)chance(5), about(-11000000, 3000000), chance(50), chance(50)};
+        break;
+    case PALP_WIRE_TYPE_TRIGGER:
+        m.as.trigger = (palp_wire_trigger){(uint8_t)chance(4), (uint8_t)chance(3), (uint16_t)chance(5)};
         break;
     case PALP_WIRE_TYPE_JOG:
         m.as.jog = (palp_wire_jog){about(0, 30000000), (uint32_t)about(0, 10000000)};
@@ -138,6 +141,7 @@ static void ticks(bench *b, uint32_t n) {
         const uint8_t before = b->app.tick > 0 ? b->app.supervisor.state : PALP_WIRE_STATE_COUNT;
         bench_tick(b);
         b->n_samples = 0;
+        b->pulse = chance(50) == 0;
         in_state[b->app.supervisor.state]++;
         faults_seen[b->app.supervisor.fault] += before != b->app.supervisor.state;
         if (b->app.supervisor.state == PALP_WIRE_STATE_READY)

@@ -25,20 +25,20 @@ static palp_wire_samples block_at(uint32_t tick) {
     return b;
 }
 
-static void open_file(acquire_file *f, const char *name, bool raw, uint32_t tick) {
+static void open_file(acquire_file *f, const char *name, unsigned columns, uint32_t tick) {
     json_t *header = json_pack("{sf ss}", "specimen.height_mm", 24.0, "protocol.kind", "static");
-    assert_int_equal(acquire_file_open(f, in_folder(name), true, raw, &scale, tick, header), CLI_OK);
+    assert_int_equal(acquire_file_open(f, in_folder(name), true, columns, &scale, tick, header), CLI_OK);
     json_decref(header);
 }
 
-static acquire_file *new_file(const char *name, bool raw) {
+static acquire_file *new_file(const char *name, unsigned columns) {
     acquire_file *f = calloc(1, sizeof *f);
-    open_file(f, name, raw, 0);
+    open_file(f, name, columns, 0);
     return f;
 }
 
 static void test_file(void **state) {
-    acquire_file *f = new_file("file.csv", false);
+    acquire_file *f = new_file("file.csv", 0);
     double value;
     (void)state;
     for (uint32_t tick = 0; tick < 3000; tick += 10) {
@@ -79,6 +79,41 @@ static void test_file(void **state) {
     free(f);
 }
 
+/* All the columns that there are; each force by its row of the matrix, what is tared taken off. */
+static void test_columns(void **state) {
+    acquire_file *f = new_file("columns.csv", ACQUIRE_RAW | ACQUIRE_FORCES | ACQUIRE_TEMPERATURE | ACQUIRE_TRIGGER);
+    palp_wire_samples b = block_at(2000);
+    (void)state;
+    f->scale.tare[0] = 100;
+    for (int axis = 0; axis < PALP_WIRE_CHANNELS; axis++) {
+        f->scale.matrix[axis][axis] = 1e-3 * (axis + 1);
+        b.adc[3 * PALP_WIRE_CHANNELS + axis] = (int16_t)(axis == 0 ? -32768 : 1000 + axis);
+    }
+    b.case_cC = -1234;
+    b.flags[3] |= PALP_WIRE_FLAG_TRIGGER_IN;
+    b.flags[4] |= PALP_WIRE_FLAG_TRIGGER_OUT;
+    acquire_file_add(f, &b);
+    assert_int_equal(acquire_file_close(f, NULL, NAN), CLI_OK);
+    free(f);
+    palp_experiment *e = read_file("columns.csv");
+    assert_int_equal(palp_experiment_column_count(e), 22);
+    near(palp_experiment_column(e, "Fx_N")[3], -32.868, 1e-9);
+    near(palp_experiment_column(e, "Fy_N")[3], 2.002, 1e-9);
+    near(palp_experiment_column(e, "Tz_Nm")[3], 6.03, 1e-9);
+    near(palp_experiment_column(e, "temperature_C")[9], -12.34, 1e-9);
+    for (size_t i = 0; i < 10; i++) {
+        near(palp_experiment_column(e, "trigger_in")[i], i == 3, 0);
+        near(palp_experiment_column(e, "trigger_out")[i], i == 4, 0);
+    }
+    palp_experiment_free(e);
+    assert_int_equal(acquire_columns("forces,temperature"), ACQUIRE_FORCES | ACQUIRE_TEMPERATURE);
+    assert_int_equal(acquire_columns("temperature"), ACQUIRE_TEMPERATURE);
+    assert_int_equal(acquire_columns("forces,"), ACQUIRE_FORCES);
+    assert_int_equal(acquire_columns("force"), 0);
+    assert_int_equal(acquire_columns("forces,forces"), 0);
+    assert_int_equal(acquire_columns(""), 0);
+}
+
 static double start_of(const char *name) {
     palp_experiment *e = read_file(name);
     double value = NAN;
@@ -90,7 +125,7 @@ static double start_of(const char *name) {
 /* From first sample to first sample, over the end of the counter; until one comes, as it was expected. */
 /* What is missing at either end counts as well: samples of no recording stand before it and after it. */
 static void test_lost_at_the_ends(void **state) {
-    acquire_file *f = new_file("ends.csv", false);
+    acquire_file *f = new_file("ends.csv", 0);
     (void)state;
     for (uint32_t tick = 0; tick < 2000; tick += 10) {
         palp_wire_samples b = block_at(tick);
@@ -110,11 +145,11 @@ static void test_lost_at_the_ends(void **state) {
 
 static void test_session_start(void **state) {
     static const uint32_t tick[] = {UINT32_MAX - 999, 4000, 250000};
-    acquire_file *f = new_file("one.csv", false);
+    acquire_file *f = new_file("one.csv", 0);
     (void)state;
     for (int run = 0; run < 3; run++) {
         if (run > 0) {
-            open_file(f, "one.csv", false, tick[run] - 1500);
+            open_file(f, "one.csv", 0, tick[run] - 1500);
             near(start_of("one.csv"), 1e-3 * (tick[run] - 1500 - (tick[0] + 1)), 1e-9);
         }
         palp_wire_samples b = block_at(tick[run]);
@@ -131,7 +166,7 @@ static void test_file_cut(void **state) {
     struct stat now;
     (void)state;
     for (int raw = 0; raw < 2; raw++) {
-        acquire_file *f = new_file("cut.csv", raw == 1);
+        acquire_file *f = new_file("cut.csv", raw ? ACQUIRE_RAW : 0);
         for (uint32_t tick = 0; tick < 2000; tick += 10) {
             palp_wire_samples b = block_at(tick);
             acquire_file_add(f, &b);
@@ -158,7 +193,7 @@ static void test_file_cut(void **state) {
 
 /* A host that is killed: what was written so far is there, and marked. */
 static void test_file_killed(void **state) {
-    acquire_file *f = new_file("killed.csv", false);
+    acquire_file *f = new_file("killed.csv", 0);
     (void)state;
     palp_experiment *e = read_file("killed.csv");
     assert_string_equal(fault_of(e), "interrupted");
@@ -176,12 +211,12 @@ static void test_file_killed(void **state) {
 }
 
 static void test_file_stays(void **state) {
-    acquire_file *f = new_file("there.csv", false);
+    acquire_file *f = new_file("there.csv", 0);
     json_t *header = json_object();
     (void)state;
     assert_int_equal(acquire_file_close(f, NULL, NAN), CLI_OK);
-    assert_int_equal(acquire_file_open(f, in_folder("there.csv"), false, false, &scale, 0, header), CLI_FAILURE);
-    assert_int_equal(acquire_file_open(f, in_folder("no/there.csv"), false, false, &scale, 0, header),
+    assert_int_equal(acquire_file_open(f, in_folder("there.csv"), 0, false, &scale, 0, header), CLI_FAILURE);
+    assert_int_equal(acquire_file_open(f, in_folder("no/there.csv"), 0, false, &scale, 0, header),
                      CLI_FAILURE);
     json_decref(header);
     free(f);
@@ -197,7 +232,7 @@ static void test_file_full(void **state) {
     less = before;
     less.rlim_cur = 20001;
     setrlimit(RLIMIT_FSIZE, &less);
-    acquire_file *f = new_file("full.csv", false);
+    acquire_file *f = new_file("full.csv", 0);
     for (uint32_t tick = 0; tick < 3000; tick += 10) {
         palp_wire_samples b = block_at(tick);
         acquire_file_add(f, &b);
@@ -217,6 +252,7 @@ static void test_file_full(void **state) {
 
 const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_file),
+    cmocka_unit_test(test_columns),
     cmocka_unit_test(test_lost_at_the_ends),
     cmocka_unit_test(test_session_start),
     cmocka_unit_test(test_file_cut),

@@ -152,7 +152,7 @@ static void test_firmware_that_fails(void **state) {
     (void)state;
     assert_int_equal(run(&s, NULL, "the firmware has ended: it is broken"), CLI_FAILURE);
     s = start_with("version");
-    assert_int_equal(run(&s, NULL, "has version 9, not 3"), CLI_FAILURE);
+    assert_int_equal(run(&s, NULL, "has version 9, not 4"), CLI_FAILURE);
     s = start_with("mute");
     s.patience_s = 0.2;
     assert_int_equal(run(&s, NULL, "does not answer"), CLI_FAILURE);

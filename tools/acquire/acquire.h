@@ -126,12 +126,18 @@ int acquire_calibration_read(const char *file, int32_t row[PALP_WIRE_CHANNELS][P
 
 /* ---- the recording on disk (acquire_file.c) ---- */
 
+/* Columns beside time, depth and force, a bit each. RAW: error, position and ADC counts, duty, flags. */
+enum { ACQUIRE_RAW = 1, ACQUIRE_FORCES = 2, ACQUIRE_TEMPERATURE = 4, ACQUIRE_TRIGGER = 8 };
+/* "forces,temperature" as bits; 0 where a word of it is none of these. */
+unsigned acquire_columns(const char *words);
+
 /* From counts to seconds, millimetres and newtons. */
 typedef struct acquire_scale {
     double tick_s, count_mm;
     int32_t contact; /* counts at depth 0 */
     double row_N[PALP_WIRE_CHANNELS], tare[PALP_WIRE_CHANNELS];
     double contact_N; /* this much over the force in the air is contact */
+    double matrix[PALP_WIRE_CHANNELS][PALP_WIRE_CHANNELS]; /* of all axes, where ACQUIRE_FORCES asks for them */
 } acquire_scale;
 
 typedef struct acquire_sample {
@@ -157,7 +163,8 @@ enum { ACQUIRE_BUFFER = 65536 };
 typedef struct acquire_file {
     int fd; /* -1 = none */
     char path[CLI_PATH_MAX];
-    bool raw, started;
+    unsigned columns;
+    bool started;
     acquire_scale scale;
     acquire_figures figures;
     uint32_t first_tick, last_tick;
@@ -177,7 +184,7 @@ typedef struct acquire_file {
 /* Creates the file with its header (keys and values of an object), marked as interrupted until it is closed.
  * *file is zero before the first recording of a session. now_tick: on the device. An exit code: a file of that
  * name stays unless force. */
-int acquire_file_open(acquire_file *file, const char *path, bool force, bool raw, const acquire_scale *scale,
+int acquire_file_open(acquire_file *file, const char *path, bool force, unsigned columns, const acquire_scale *scale,
                       uint32_t now_tick, json_t *header);
 /* Takes the samples that are part of the recording; returns how many. */
 size_t acquire_file_add(acquire_file *file, const palp_wire_samples *block);
@@ -221,7 +228,11 @@ typedef struct acquire_options {
     const char *protocol;                               /* its file's name, or NULL */
     double contact_N, limit_N, limit_C, host_timeout_s; /* limits: 0 = the device's own */
     int gains;                                          /* class, or PALP_WIRE_GAINS_AUTO */
-    bool keep_contact, force, raw, live;
+    bool keep_contact, force, live;
+    unsigned columns; /* ACQUIRE_RAW and its like */
+    int trigger_in;   /* PALP_WIRE_TRIGGER_* */
+    bool trigger_out; /* a pulse at a run's start, and with every so many samples */
+    size_t trigger_every;
     bool calibration[PALP_WIRE_CHANNELS]; /* rows that are given */
     int32_t row[PALP_WIRE_CHANNELS][PALP_WIRE_CHANNELS];
 } acquire_options;

@@ -13,7 +13,7 @@
  * written over when they are known: a host that dies leaves "interrupted" there, and the start as it was
  * expected. No row crosses the end of a page, where a write that is cut short may stop; blanks before the
  * line's end fill what is left. */
-enum { PAGE = 4096, ROW_MAX = 160, END_WIDTH = 48 };
+enum { PAGE = 4096, ROW_MAX = 256, END_WIDTH = 48 };
 
 static const char NAME[] = "acquire";
 static const char VERSION[] = "# palpate.experiment: 1\n";
@@ -76,6 +76,25 @@ static void put_row(acquire_file *f, char row[ROW_MAX + PAGE], int length) {
 
 /* ---- the header ---- */
 
+unsigned acquire_columns(const char *words) {
+    static const struct {
+        const char *word;
+        unsigned column;
+    } known[] = {{"forces", ACQUIRE_FORCES}, {"temperature", ACQUIRE_TEMPERATURE}};
+    unsigned columns = 0;
+    for (const char *next = words; *next;) {
+        const size_t n = strcspn(next, ",");
+        const unsigned before = columns;
+        for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+            if (strlen(known[i].word) == n && strncmp(next, known[i].word, n) == 0)
+                columns |= known[i].column;
+        if (columns == before)
+            return 0;
+        next += n + (next[n] == ',');
+    }
+    return columns;
+}
+
 /* One "# key: value", padded. */
 static size_t end_line(char *to, const char *key, const char *value) {
     char line[2 * END_WIDTH];
@@ -112,6 +131,21 @@ static size_t end_text(const acquire_file *f, const char *fault, double winding_
     return n;
 }
 
+static void put_names(acquire_file *f) {
+    static const struct {
+        unsigned column;
+        const char *names;
+    } groups[] = {{ACQUIRE_RAW, ",error_mm,position_counts,adc_0,adc_1,adc_2,adc_3,adc_4,adc_5,duty,flags"},
+                  {ACQUIRE_FORCES, ",Fx_N,Fy_N,Fz_N,Tx_Nm,Ty_Nm,Tz_Nm"},
+                  {ACQUIRE_TEMPERATURE, ",temperature_C"},
+                  {ACQUIRE_TRIGGER, ",trigger_in,trigger_out"}};
+    put(f, "time_s,depth_mm,force_N", strlen("time_s,depth_mm,force_N"));
+    for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++)
+        if (f->columns & groups[i].column)
+            put(f, groups[i].names, strlen(groups[i].names));
+    put(f, "\n", 1);
+}
+
 static void put_header(acquire_file *f, json_t *header) {
     char text[END_LINES * END_WIDTH];
     const char *key;
@@ -127,16 +161,12 @@ static void put_header(acquire_file *f, json_t *header) {
         put(f, "\n", 1);
         free(shown);
     }
-    const char *names =
-        f->raw ? "time_s,depth_mm,force_N,error_mm,position_counts,adc_0,adc_1,adc_2,adc_3,adc_4,adc_5,"
-                 "duty,flags\n"
-               : "time_s,depth_mm,force_N\n";
-    put(f, names, strlen(names));
+    put_names(f);
 }
 
-int acquire_file_open(acquire_file *f, const char *path, bool force, bool raw, const acquire_scale *scale,
+int acquire_file_open(acquire_file *f, const char *path, bool force, unsigned columns, const acquire_scale *scale,
                       uint32_t now_tick, json_t *header) {
-    f->raw = raw;
+    f->columns = columns;
     f->started = f->waits = f->over = false;
     f->scale = *scale;
     f->start_s = f->in_session ? scale->tick_s * (now_tick - f->session_tick) : 0;
@@ -162,11 +192,15 @@ int acquire_file_open(acquire_file *f, const char *path, bool force, bool raw, c
 
 /* ---- samples ---- */
 
-double acquire_force_N(const acquire_scale *s, const int16_t adc[PALP_WIRE_CHANNELS]) {
+static double along(const acquire_scale *s, const double row[PALP_WIRE_CHANNELS], const int16_t adc[PALP_WIRE_CHANNELS]) {
     double sum = 0;
     for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
-        sum += s->row_N[c] * ((double)adc[c] - s->tare[c]);
+        sum += row[c] * ((double)adc[c] - s->tare[c]);
     return sum;
+}
+
+double acquire_force_N(const acquire_scale *s, const int16_t adc[PALP_WIRE_CHANNELS]) {
+    return along(s, s->row_N, adc);
 }
 
 static acquire_sample make_sample(const acquire_file *f, const palp_wire_samples *b, size_t i) {
@@ -218,10 +252,17 @@ static void put_sample(acquire_file *f, const acquire_sample *x, const palp_wire
     const int16_t *adc = &b->adc[i * PALP_WIRE_CHANNELS];
     int n = snprintf(row, ROW_MAX, "%.*f,%.*f,%.5f", f->scale.tick_s == 1e-3 ? 3 : 6, x->time_s,
                      f->scale.count_mm == 1e-3 ? 3 : 6, x->depth_mm, x->force_N);
-    if (f->raw)
+    if (f->columns & ACQUIRE_RAW)
         n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%.*f,%ld,%d,%d,%d,%d,%d,%d,%d,%u",
                       f->scale.count_mm == 1e-3 ? 3 : 6, x->error_mm, (long)b->position[i], adc[0], adc[1],
                       adc[2], adc[3], adc[4], adc[5], b->duty[i], (unsigned)b->flags[i]);
+    for (size_t axis = 0; (f->columns & ACQUIRE_FORCES) && axis < PALP_WIRE_CHANNELS; axis++)
+        n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%.*f", axis < 3 ? 5 : 7, along(&f->scale, f->scale.matrix[axis], adc));
+    if (f->columns & ACQUIRE_TEMPERATURE)
+        n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%.2f", 1e-2 * b->case_cC);
+    if (f->columns & ACQUIRE_TRIGGER)
+        n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%d,%d", (b->flags[i] & PALP_WIRE_FLAG_TRIGGER_IN) != 0,
+                      (b->flags[i] & PALP_WIRE_FLAG_TRIGGER_OUT) != 0);
     put_row(f, row, n < ROW_MAX ? n : ROW_MAX - 1);
 }
 

@@ -34,12 +34,21 @@ static outcome set_calibration(session *s) {
     return end;
 }
 
+/* Off is how a device begins; one that knows no triggers is asked for none. */
+static outcome set_trigger(session *s) {
+    const acquire_options *o = s->options;
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_TRIGGER,
+                           .as.trigger = {(uint8_t)o->trigger_in, o->trigger_out, (uint16_t)o->trigger_every}};
+    return o->trigger_in || o->trigger_out ? session_order(s, &m, "take the triggers") : GOES_ON;
+}
+
 outcome session_configure(session *s) {
     palp_wire_message gains = {.type = PALP_WIRE_TYPE_SELECT_GAINS,
                                .as.select_gains = {.softness = (uint8_t)s->options->gains}};
     outcome end = session_stream(s, true);
     end = end ? end : set_limits(s);
     end = end ? end : set_calibration(s);
+    end = end ? end : set_trigger(s);
     return end ? end : session_order(s, &gains, "take the gains");
 }
 
@@ -51,14 +60,22 @@ outcome session_home(session *s) {
     return end || s->device.status.homed ? end : session_fail(s, "the plate has not come home");
 }
 
-/* By which counts become newtons. */
-outcome session_read_scale(session *s) {
-    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = AXIS_Z}}, got = {0};
+static outcome read_axis(session *s, uint8_t axis, double row_N[PALP_WIRE_CHANNELS]) {
+    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = axis}}, got = {0};
     outcome end = session_ask(s, &ask, &got);
     for (size_t c = 0; c < PALP_WIRE_CHANNELS && end == GOES_ON; c++) {
-        s->scale.row_N[c] = 1e-9 * got.as.calibration.row[c];
+        row_N[c] = 1e-9 * got.as.calibration.row[c];
         s->scale.tare[c] = got.as.calibration.tare[c] / 16.0;
     }
+    return end;
+}
+
+/* By which counts become newtons. */
+outcome session_read_scale(session *s) {
+    outcome end = read_axis(s, AXIS_Z, s->scale.row_N);
+    const bool all = (s->options->columns & ACQUIRE_FORCES) != 0;
+    for (uint8_t axis = 0; all && axis < PALP_WIRE_CHANNELS && end == GOES_ON; axis++)
+        end = read_axis(s, axis, s->scale.matrix[axis]);
     return end;
 }
 

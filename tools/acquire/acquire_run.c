@@ -6,6 +6,8 @@
 
 static const char NAME[] = "acquire";
 
+static const double TRIGGER_S = 1e6; /* nobody knows when its camera will start a run; Ctrl-C ends the wait */
+
 /* ---- one run ---- */
 
 /* Where this run's force rose, against the contact that was found at first. */
@@ -66,13 +68,14 @@ static outcome one_run(session *s, size_t i) {
              s->run->name);
     json_t *header = session_header(s);
     int code =
-        acquire_file_open(&s->file, path, s->options->force, s->options->raw, &s->scale, s->tick, header);
+        acquire_file_open(&s->file, path, s->options->force, s->options->columns, &s->scale, s->tick, header);
     json_decref(header);
     if (code)
         return FAILED_SAID;
     acquire_live_begin(&s->live, s->run->kind == ACQUIRE_STATIC || s->run->kind == ACQUIRE_CYCLIC);
     end = start_run(s);
-    end = end ? end : session_settle(s, acquire_run_length_s(s->run) + 60);
+    const double wait_s = s->options->trigger_in == PALP_WIRE_TRIGGER_STARTS ? TRIGGER_S : 60;
+    end = end ? end : session_settle(s, acquire_run_length_s(s->run) + wait_s);
     bool lost = end == GOES_ON && s->state != PALP_WIRE_STATE_READY;
     return lost ? session_fail(s, "the device has restarted, %s", s->doing) : end;
 }

@@ -92,6 +92,9 @@ static void limits(const session *s, json_t *to) {
     number(to, "limits.overflow_samples", s->limits.overflow_samples);
 }
 
+static const char *const row_keys[PALP_WIRE_CHANNELS] = {"device.row_Fx_N",  "device.row_Fy_N",  "device.row_Fz_N",
+                                                         "device.row_Tx_Nm", "device.row_Ty_Nm", "device.row_Tz_Nm"};
+
 json_t *session_header(const session *s) {
     const palp_wire_status *now = &s->device.status;
     json_t *to = json_object();
@@ -107,6 +110,8 @@ json_t *session_header(const session *s) {
     number(to, "device.count_mm", s->scale.count_mm);
     list(to, "device.force_row_N", s->scale.row_N);
     list(to, "device.force_tare", s->scale.tare);
+    for (size_t axis = 0; (s->options->columns & ACQUIRE_FORCES) && axis < PALP_WIRE_CHANNELS; axis++)
+        list(to, row_keys[axis], s->scale.matrix[axis]);
     limits(s, to);
     number(to, "device.case_C", 1e-2 * now->case_cC);
     number(to, "device.winding_C", 1e-2 * now->winding_cC);

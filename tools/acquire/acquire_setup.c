@@ -53,6 +53,17 @@ size_t acquire_setup_specimen(acquire_setup *u, cli_option *list) {
     return sizeof all / sizeof all[0];
 }
 
+size_t acquire_setup_columns(acquire_setup *u, cli_option *list) {
+    const cli_option all[] = {
+        cli_flag("raw", &u->raw, "more columns: error, position and ADC counts, duty, flags"),
+        cli_text("channels", "NAMES", &u->channels,
+                 "more columns: forces (Fx, Fy, Fz, Tx, Ty, Tz by the whole matrix),\n"
+                 "temperature (of the motor's case), or both: forces,temperature"),
+    };
+    memcpy(list, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
 /* ---- from options to a device ---- */
 
 static bool is_rig(const acquire_setup *u) {
@@ -61,6 +72,14 @@ static bool is_rig(const acquire_setup *u) {
 
 static const char *model_of(const acquire_setup *u) {
     return u->session.port[3] ? u->session.port + 4 : NULL;
+}
+
+static int set_columns(const char *name, acquire_setup *u) {
+    const unsigned named = u->channels ? acquire_columns(u->channels) : 0;
+    u->session.columns |= named | (u->raw ? ACQUIRE_RAW : 0);
+    return !u->channels || named ? CLI_OK
+                                 : cli_usage_error(name, "--channels wants forces, temperature or both with a comma, not \"%s\"",
+                                                   u->channels);
 }
 
 int acquire_setup_check(const char *name, acquire_setup *u) {
@@ -72,8 +91,9 @@ int acquire_setup_check(const char *name, acquire_setup *u) {
         return cli_usage_error(name, "name a folder by --out DIR");
     if (!is_rig(u) && rig_options_given(&u->rig))
         return cli_usage_error(name, "--%s needs --port rig", rig_options_given(&u->rig));
-    return u->calibration ? acquire_calibration_read(u->calibration, u->session.row, u->session.calibration)
-                          : CLI_OK;
+    const int code = set_columns(name, u);
+    return code || !u->calibration ? code
+                                   : acquire_calibration_read(u->calibration, u->session.row, u->session.calibration);
 }
 
 /* path NULL: the phantom of the thesis. */

@@ -14,7 +14,8 @@ typedef struct acquire_setup {
     rig_options rig;
     size_t baud;
     int gains;
-    const char *calibration;
+    const char *calibration, *channels;
+    bool raw;
     /* of the virtual indenter */
     char kind[PALP_SPECIMEN_KIND_MAX];
     rig_settings settings;
@@ -26,6 +27,7 @@ acquire_setup acquire_setup_default(void);
 /* The options, headings included; how many. Those of the rig are rig_options_list's. */
 size_t acquire_setup_device(acquire_setup *setup, cli_option *list);
 size_t acquire_setup_specimen(acquire_setup *setup, cli_option *list);
+size_t acquire_setup_columns(acquire_setup *setup, cli_option *list); /* of the recordings; without a heading */
 
 /* After the options were read; exit codes. check: a device and a folder are named. prepare: what the virtual indenter's model
  * says of the specimen. open: starts it, if it is one. */

@@ -18,7 +18,7 @@ typedef struct choice {
     bool is_static, sweep, thesis_protocol, list, monitor, json, repeat_first, dry_run;
     cli_list ramp_hold;
     size_t cycles, order_seed;
-    int order;
+    int order, trigger_in;
     const char *protocol;
 } choice;
 
@@ -58,6 +58,7 @@ static size_t plate_options(choice *c, cli_option *list) {
 }
 
 static size_t session_options(choice *c, cli_option *list) {
+    acquire_options *o = &c->setup.session;
     const cli_option all[] = {
         cli_heading("Session"),
         cli_choice("order", "given|random", &c->order, "of the presses (default given)"),
@@ -66,6 +67,10 @@ static size_t session_options(choice *c, cli_option *list) {
         cli_number("rest-s", "S", 0, 1e6, &c->motion.rest_s,
                    "the specimen rests between presses (default: as long as the last one\n"
                    "took, at least 200)"),
+        cli_choice("trigger-in", "mark|start", &c->trigger_in,
+                   "a pulse at the indenter's input marks its sample; with start each run\nalso waits for one"),
+        cli_count("trigger-out", "N", 0, 65535, &o->trigger_every,
+                  "a pulse with the first sample of each run and then with every Nth\n(0: with the first only)"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -77,7 +82,6 @@ static size_t output_options(choice *c, cli_option *list) {
         cli_heading("Output"),
         cli_text("out", "DIR", &o->out, "folder of the recordings; made if need be"),
         cli_flag("force", &o->force, "overwrite recordings that are there"),
-        cli_flag("raw", &o->raw, "more columns: error, position and ADC counts, duty, flags"),
         cli_flag("live", &o->live, "draw the force in the terminal"),
         cli_flag("json", &c->json, "a summary as JSON on standard output"),
         cli_flag("dry-run", &c->dry_run, "print the runs, with --json also their path; nothing is moved"),
@@ -95,6 +99,7 @@ static int parse(int argc, char **argv, choice *c) {
     n += session_options(c, options + n);
     n += acquire_setup_specimen(&c->setup, options + n);
     n += output_options(c, options + n);
+    n += acquire_setup_columns(&c->setup, options + n);
     rig_options_list(&c->setup.rig, options + n);
     const cli_command command = {
         NAME,
@@ -162,6 +167,14 @@ static int check_options(choice *c) {
                                "say what the plate does by one of --static, --ramp-hold, --cycles, --sweep, "
                                "--protocol, --thesis-protocol");
     return check_motion(c, mode);
+}
+
+static void set_triggers(choice *c) {
+    acquire_options *o = &c->setup.session;
+    o->trigger_out = o->trigger_every != SIZE_MAX;
+    o->trigger_every = o->trigger_out ? o->trigger_every : 0;
+    o->trigger_in = c->trigger_in + 1;
+    o->columns = o->trigger_in || o->trigger_out ? ACQUIRE_TRIGGER : 0;
 }
 
 /* ---- the plan ---- */
@@ -280,8 +293,9 @@ static int monitor(choice *c) {
 }
 
 int cmd_acquire(int argc, char **argv) {
-    choice c = {.order = -1, .order_seed = SIZE_MAX};
+    choice c = {.order = -1, .trigger_in = -1, .order_seed = SIZE_MAX};
     c.setup = acquire_setup_default();
+    c.setup.session.trigger_every = SIZE_MAX;
     c.motion = acquire_motion_none();
     int code = parse(argc, argv, &c);
     if (code)
@@ -291,6 +305,7 @@ int cmd_acquire(int argc, char **argv) {
     if (c.monitor)
         return monitor(&c);
     c.setup.session.protocol = c.protocol;
+    set_triggers(&c);
     code = check_options(&c);
     acquire_plan *plan = code ? NULL : malloc(sizeof *plan);
     if (code || !plan)

@@ -18,7 +18,6 @@ static size_t page_options(choice *c, cli_option *list) {
         cli_heading("Page and output"),
         cli_count("page-port", "N", 0, 65535, &c->page_port, "port of the page (default 0: one that is free)"),
         cli_text("out", "DIR", &o->out, "folder of the recordings; made if need be"),
-        cli_flag("raw", &o->raw, "more columns: error, position and ADC counts, duty, flags"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -29,6 +28,7 @@ static int parse(int argc, char **argv, choice *c) {
     size_t n = acquire_setup_device(&c->setup, options), words;
     n += acquire_setup_specimen(&c->setup, options + n);
     n += page_options(c, options + n);
+    n += acquire_setup_columns(&c->setup, options + n);
     rig_options_list(&c->setup.rig, options + n);
     const cli_command command = {
         NAME,

@@ -66,7 +66,7 @@ static int open_log(loop *l) {
     int code = cli_file_open(l->name, path, &l->log);
     if (code)
         return code;
-    fputs("time_s,carriage_mm,velocity_mm_s,depth_mm,force_N,winding_C,case_C,current_A,duty,motor_on\n",
+    fputs("time_s,carriage_mm,velocity_mm_s,depth_mm,force_N,winding_C,case_C,current_A,duty,motor_on,trigger_out\n",
           l->log.stream);
     return CLI_OK;
 }
@@ -74,9 +74,9 @@ static int open_log(loop *l) {
 static void log_tick(loop *l, const plant_out *out) {
     if (l->log.stream) {
         plant_truth t = plant_look(l->plant);
-        fprintf(l->log.stream, "%.3f,%.7g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,%.5g,%d\n", t.time_s, 1e3 * t.carriage_m,
+        fprintf(l->log.stream, "%.3f,%.7g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,%.5g,%d,%d\n", t.time_s, 1e3 * t.carriage_m,
                 1e3 * t.velocity_m_s, 1e3 * t.depth_m, t.force_N, t.winding_C, t.case_C, t.current_A,
-                out->duty / 32767.0, out->motor == PLANT_MOTOR_ON);
+                out->duty / 32767.0, out->motor == PLANT_MOTOR_ON, out->trigger);
     }
 }
 

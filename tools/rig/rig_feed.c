@@ -163,7 +163,10 @@ static void put(plant_in *in, uint8_t byte) {
 }
 
 void rig_feed_record(rig_feed *f, const plant *p, plant_in *in) {
+    const uint32_t period = tick_of(f->settings->trigger_s);
     feed_events(f, p, in);
+    if (period > 0 && in->tick > 0 && in->tick % period == 0)
+        in->switches |= PLANT_TRIGGER;
     while (in->rx_count < PLANT_LINK_RX && f->limits_at < f->limits_n)
         put(in, f->limits[f->limits_at++]);
     while (in->rx_count < PLANT_LINK_RX && f->next < f->n_lines && f->line[f->next].tick <= in->tick) {

@@ -5,7 +5,7 @@
 #include "shared/cli.h"
 #include "rig.h"
 
-enum { RIG_OPTIONS = 18 }; /* a heading and the options */
+enum { RIG_OPTIONS = 19 }; /* a heading and the options */
 
 /* What the options say, as cli_parse leaves it; rig_options_settings makes settings of it. */
 typedef struct rig_options {
@@ -13,6 +13,7 @@ typedef struct rig_options {
     int specimen, firmware; /* index of the choice; -1 = not given */
     bool paced;
     double scale, contact_mm, compliance_mm_N, backlash_mm;
+    double trigger_s;
     double noise_N, hum_N, bias_N, drift_N_s, gain, range_N;
     size_t seed;
 } rig_options;

@@ -26,6 +26,7 @@ uint8_t hal_init(void) {
     if (!encoder_start())
         failed |= APP_ENCODER_FAILED;
     thermistor_start();
+    trigger_start();
     uart_start(clock.bus_hz);
     cycle_counter_start();
     watchdog_start();
@@ -62,10 +63,12 @@ void hal_sense(app_inputs *inputs) {
     inputs->emergency_stop = motor_stopped() || switches_emergency();
     inputs->encoder_lost = encoder_lost();
     inputs->driver_fault = motor_fault();
+    inputs->trigger = trigger_came();
 }
 
 void hal_drive(const app_outputs *outputs) {
     tick_renew();
+    trigger_give(outputs->trigger);
     if (outputs->motor_on)
         motor_set(outputs->duty);
     else

@@ -75,6 +75,11 @@ void switches_start(void);
 bool switches_home(void);
 bool switches_emergency(void);
 
+/* trigger.c: a camera's wires */
+void trigger_start(void);
+bool trigger_came(void); /* once after each rising edge, or several since the last call */
+void trigger_give(bool high);
+
 /* watchdog.c */
 void watchdog_start(void);
 

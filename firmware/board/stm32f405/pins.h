@@ -22,6 +22,8 @@ enum {
     PIN_EMERGENCY = PIN(PORT_B, 12),    /* TIM1_BKIN; pulled down: low or open = pressed */
     PIN_HOME = PIN(PORT_C, 1),          /* pulled down: low or open = at home */
     PIN_THERMISTOR = PIN(PORT_C, 0),    /* ADC1_IN10 */
+    PIN_TRIGGER_IN = PIN(PORT_C, 8),    /* pulled down; rising edges */
+    PIN_TRIGGER_OUT = PIN(PORT_C, 9),
     PIN_UART_TX = PIN(PORT_A, 9),       /* USART1_TX */
     PIN_UART_RX = PIN(PORT_A, 10)       /* USART1_RX */
 };

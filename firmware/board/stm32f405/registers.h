@@ -79,6 +79,10 @@ typedef struct scb_registers {
     reg CPUID, ICSR, VTOR, AIRCR, SCR, CCR, SHPR[3], SHCSR, reserved[24], CPACR;
 } scb_registers;
 
+typedef struct syscfg_registers {
+    reg MEMRMP, PMC, EXTICR[4];
+} syscfg_registers;
+
 typedef struct dwt_registers {
     reg CTRL, CYCCNT;
 } dwt_registers;
@@ -92,6 +96,7 @@ typedef struct dwt_registers {
 #define ADC1 REGISTERS_AT(adc_registers, 0x40012000u)
 #define ADC_COMMON REGISTERS_AT(adc_common_registers, 0x40012300u)
 #define SPI1 REGISTERS_AT(spi_registers, 0x40013000u)
+#define SYSCFG REGISTERS_AT(syscfg_registers, 0x40013800u)
 #define EXTI REGISTERS_AT(exti_registers, 0x40013c00u)
 #define GPIO(port) REGISTERS_AT(gpio_registers, 0x40020000u + 0x400u * (port)) /* 0 = A */
 #define RCC REGISTERS_AT(rcc_registers, 0x40023800u)
@@ -132,6 +137,7 @@ enum {
     RCC_APB2ENR_USART1 = 1u << 4,
     RCC_APB2ENR_ADC1 = 1u << 8,
     RCC_APB2ENR_SPI1 = 1u << 12,
+    RCC_APB2ENR_SYSCFG = 1u << 14,
     FLASH_ACR_LATENCY = 7u << 0,
     FLASH_ACR_5_WAITS = 5u << 0,
     FLASH_ACR_PREFETCH = 1u << 8,

@@ -259,6 +259,8 @@ START_TEST(page_has_the_numbers_of_the_code) {
     FLAG(SENSOR_BAD)
     FLAG(TICK_MISSED)
     FLAG(FAULT)
+    FLAG(TRIGGER_IN)
+    FLAG(TRIGGER_OUT)
 #define FIELD(type, name) says_field(page, &at, #type, 0, #name);
 #define ARRAY(type, name, count) says_field(page, &at, #type, count, #name);
 #define MESSAGE(NAME, number, member, list)                                                                  \
