@@ -303,6 +303,26 @@ static palp_status fill_estimates(const fit_problem *p, const double *v, const f
     return PALP_OK;
 }
 
+/* Strains become the force of a law and plain arms. */
+static void run_along(const palp_material *material, size_t n, const double *time, double *at) {
+    enum { MANY = 256 };
+    double strain[MANY], arm[PALP_ARMS_MAX] = {0}, before = 0.0;
+    element_steps steps = {0};
+    for (size_t first = 0, many; first < n; first += many) {
+        many = n - first < MANY ? n - first : MANY;
+        memcpy(strain, at + first, many * sizeof *strain);
+        palp_law_force(&material->law, many, strain, at + first, NULL, NULL);
+        for (size_t i = 0, s = first; i < many; i++, s++) {
+            const element_step *step = element_steps_of(material, s ? time[s] - time[s - 1] : 0.0, &steps);
+            for (size_t j = 0; j < material->n_arms; j++) {
+                arm[j] = step->decay[j] * arm[j] + step->gain[j] * (strain[i] - before);
+                at[s] += arm[j];
+            }
+            before = strain[i];
+        }
+    }
+}
+
 palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *rec,
                                   double *force_N) {
     if (!fit || !rec || !force_N)
@@ -314,17 +334,14 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
             return PALP_ERR_ARGUMENT;
         status = palp_law_polynomial(1, &fit->spring_N[run], &material.law);
     }
-    palp_element_state state = {0};
-    element_steps steps = {0};
+    double contact = fit->contact_m && run < fit->n_runs ? fit->contact_m[run] : 0.0;
     for (size_t i = 0; i < rec->n && !status; i++) {
-        double contact = fit->contact_m && run < fit->n_runs && rec->depth_m[i] > 0.0 ? fit->contact_m[run] : 0.0;
-        double strain = fmax(rec->depth_m[i] - contact, 0.0) / rec->height_m;
-        double dt = i ? rec->time_s[i] - rec->time_s[i - 1] : 0.0;
-        if (!(dt >= 0.0) || !isfinite(strain))
+        force_N[i] = fmax(rec->depth_m[i] - (rec->depth_m[i] > 0.0 ? contact : 0.0), 0.0) / rec->height_m;
+        if ((i && !(rec->time_s[i] >= rec->time_s[i - 1])) || !isfinite(force_N[i]))
             return PALP_ERR_ARGUMENT;
-        element_advance(&material, element_steps_of(&material, dt, &steps), &state, strain, &state, NULL);
-        force_N[i] = state.force_N;
     }
+    if (!status)
+        run_along(&material, rec->n, rec->time_s, force_N);
     return status;
 }
 

@@ -186,6 +186,7 @@ palp_status fit_problem_create(fit_problem *p, size_t n, const palp_recording *r
     if (n == 0)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no recordings to fit");
     p->n_runs = n;
+    p->stop_relative = 1e-7;
     p->settings = settings;
     p->height_m = recordings[0].height_m;
     p->run = arena_take(&p->memory, n, sizeof *p->run);

@@ -37,6 +37,7 @@ typedef struct fit_problem {
     size_t n_reduced;        /* and of how many parameters they then are; 0 = of all */
     double *reduced;         /* [n_parameters n_reduced] by columns: derivatives of the parameters by those */
     const unsigned char *held_out; /* [n_blocks] 1 = not fitted; NULL = all are */
+    double stop_relative;    /* a fit stops where chi2 no longer falls by this part of it */
 } fit_problem;
 
 enum { FIT_PARAMETERS_MAX = 512 };

@@ -14,9 +14,8 @@ void fit_arm_response(const fit_run *run, double tau, double *response, double *
     double q = run->strain[0], dq = 0.0; /* the first sample's strain is applied at once */
     for (size_t i = 0; i < run->n; i++) {
         if (i > 0) {
-            double x = (run->time[i] - run->time[i - 1]) / tau, de = run->strain[i] - run->strain[i - 1],
-                   decay, mean;
-            element_decay(x, &decay, &mean);
+            double x = (run->time[i] - run->time[i - 1]) / tau, de = run->strain[i] - run->strain[i - 1];
+            double lost = -expm1(-x), decay = 1.0 - lost, mean = x < 1e-8 ? 1.0 - 0.5 * x : lost / x;
             dq = decay * dq + x * decay * q + (mean - decay) * de;
             q = decay * q + mean * de;
         }
@@ -48,17 +47,18 @@ palp_status fit_material(const fit_problem *p, const double *v, palp_material *m
     return fit_law(p, v, &material->law);
 }
 
-/* Spring force of run r and its derivatives by the spring's parameters. */
+/* Spring force of run r and, unless NULL, its derivatives by the spring's parameters: one where each run has its own. */
 static void spring(const fit_problem *p, const palp_law *law, const double *v, size_t r, double e,
                    double *force, double *derivative) {
     if (p->settings->spring == PALP_SPRING_PER_RUN) {
         *force = v[r] * e;
-        memset(derivative, 0, p->n_springs * sizeof *derivative);
-        derivative[r] = e;
+        if (derivative)
+            derivative[0] = e;
         return;
     }
     palp_law_force(law, 1, &e, force, NULL, NULL);
-    palp_law_gradient(law, e, derivative);
+    if (derivative)
+        palp_law_gradient(law, e, derivative);
 }
 
 /* A spring that is none, as a line search may ask for: as far off as ten times no force at all. */
@@ -83,6 +83,9 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
     if (!response)
         return PALP_ERR_NO_MEMORY;
     double *by_spring = response + 2 * p->n_arms * longest;
+    bool own = p->settings->spring == PALP_SPRING_PER_RUN;
+    if (jacobian && own)
+        memset(jacobian, 0, p->n_springs * m * sizeof *jacobian);
     for (size_t r = 0; r < p->n_runs; first += p->run[r++].n) {
         const fit_run *run = &p->run[r];
         const double *arm = v + p->n_springs;
@@ -95,9 +98,9 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
         for (size_t i = 0; i < run->n; i++) {
             size_t row = first + i;
             double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise, force;
-            spring(p, &law, v, r, run->strain[i], &force, by_spring);
-            for (size_t k = 0; k < p->n_springs && jacobian; k++)
-                jacobian[k * m + row] = weight * by_spring[k];
+            spring(p, &law, v, r, run->strain[i], &force, jacobian ? by_spring : NULL);
+            for (size_t k = 0; k < (own ? 1 : p->n_springs) && jacobian; k++)
+                jacobian[(own ? r : k) * m + row] = weight * by_spring[k];
             for (size_t j = 0; j < p->n_arms; j++) {
                 double stiffness = stiffnesses[j], q = stiffness * response[2 * j * longest + i];
                 force += q;

@@ -10,6 +10,8 @@
 
 enum { FOLDS = 5, GROUPS = 40 };
 
+static const double COARSE = 1e-5; /* where a fit stops that is only compared: losses within a fifth are alike */
+
 /* Blocks in groups (of one recording, neighbours in log time), groups in folds. With three recordings and
  * one law for all, a fold is a recording. */
 typedef struct folds {
@@ -229,25 +231,27 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
                                bool arms, size_t candidates, double *score, double *sd, size_t *chosen,
                                palp_error *error) {
     folds f = {.loss = NULL};
-    palp_status status = PALP_OK;
+    palp_characterize_settings largest = *settings;
+    double one[PALP_LAW_MAX] = {1.0};
+    fit_problem p;
+    if (arms)
+        largest.n_arms = candidates - 1;
+    palp_status status = arms ? PALP_OK : palp_law_polynomial(candidates, one, &largest.law);
+    if (!status)
+        status = fit_problem_create(&p, n, recordings, &largest, error);
+    if (status)
+        return status;
+    p.stop_relative = COARSE;
+    status = make_folds(&f, &p, candidates);
     for (size_t c = 0; c < candidates && !status; c++) {
-        palp_characterize_settings trial = *settings;
-        double one[PALP_LAW_MAX] = {1.0};
-        fit_problem p;
-        if (arms)
-            trial.n_arms = c;
-        else
-            status = palp_law_polynomial(c + 1, one, &trial.law);
-        if (!status)
-            status = fit_problem_create(&p, n, recordings, &trial, error);
-        if (status)
-            break;
-        if (c == 0)
-            status = make_folds(&f, &p, candidates);
+        p.n_arms = arms ? c : p.n_arms;
+        p.positive = false;
+        if (!arms)
+            status = palp_law_polynomial(p.n_springs = c + 1, one, &p.law);
         if (!status)
             status = score_candidate(&f, &p, f.loss + c * f.n_groups);
-        fit_problem_free(&p);
     }
+    fit_problem_free(&p);
     if (!status)
         *chosen = fit_choose(candidates, f.n_groups, f.loss, score, sd);
     arena_free(&f.memory);

@@ -265,7 +265,7 @@ static size_t constrain(const fit_problem *p, double *row, double *floor) {
     return rows;
 }
 
-palp_status fit_polish(const fit_problem *p, double *v, double *chi2, bool *converged) {
+static palp_status polish(const fit_problem *p, size_t max_evaluations, double *v, double *chi2, bool *converged) {
     size_t n = fit_parameter_count(p), most = 3 * p->n_arms + GRID + PALP_LAW_MAX;
     double *row = calloc(most * n + most, sizeof *row), norm = 0.0;
     if (!row)
@@ -275,8 +275,8 @@ palp_status fit_polish(const fit_problem *p, double *v, double *chi2, bool *conv
     choose_units(p, &plain);
     least_squares problem = {.n_parameters = n,
                              .n_residuals = p->n_blocks,
-                             .max_evaluations = p->settings->max_evaluations,
-                             .stop_relative = 1e-7,
+                             .max_evaluations = max_evaluations,
+                             .stop_relative = p->stop_relative,
                              .evaluate = residuals,
                              .user = &plain,
                              .constraint = row,
@@ -293,22 +293,31 @@ palp_status fit_polish(const fit_problem *p, double *v, double *chi2, bool *conv
     return status;
 }
 
-static palp_status polish_starts(const fit_problem *p, double *v, double *chi2, bool *converged) {
+palp_status fit_polish(const fit_problem *p, double *v, double *chi2, bool *converged) {
+    return polish(p, p->settings->max_evaluations, v, chi2, converged);
+}
+
+/* Coarsely from each start, and on from the best of them. */
+static palp_status polish_starts(fit_problem *p, double *v, double *chi2, bool *converged) {
+    const double fine = p->stop_relative, coarse = 1e-4;
+    const size_t most = p->settings->max_evaluations, few = most < 30 ? most : 30;
     size_t n = fit_parameter_count(p), found = 0;
     size_t starts = p->n_arms == 0 || p->settings->starts < 1 ? 1 : p->settings->starts;
     double *start = malloc(starts * n * sizeof *start);
     palp_status status = start ? fit_scan(p, starts, start, &found) : PALP_ERR_NO_MEMORY;
     *chi2 = HUGE_VAL;
+    p->stop_relative = found > 1 ? coarse : fine;
     for (size_t k = 0; k < found && !status; k++) {
         double c = HUGE_VAL;
-        bool done = false;
-        status = fit_polish(p, start + k * n, &c, &done);
+        status = polish(p, found > 1 ? few : most, start + k * n, &c, converged);
         if (!status && c < *chi2) {
             *chi2 = c;
-            *converged = done;
             memcpy(v, start + k * n, n * sizeof *v);
         }
     }
+    p->stop_relative = fine;
+    if (!status && found > 1)
+        status = fit_polish(p, v, chi2, converged);
     free(start);
     return status;
 }

@@ -90,6 +90,7 @@ palp_status palp_lumped_run(const palp_material *material, double height_m, size
     if (!(height_m > 0.0))
         return PALP_ERR_ARGUMENT;
     palp_element_state state = {0};
+    element_steps steps = {0};
     for (size_t i = 0; i < n; i++) {
         double strain = depth_m[i] / height_m, dt = i ? time_s[i] - time_s[i - 1] : 0.0;
         if (i && !(dt > 0.0))
@@ -98,9 +99,9 @@ palp_status palp_lumped_run(const palp_material *material, double height_m, size
             force_N[0] = 0.0;
             continue;
         }
-        status = palp_element_advance(material, &state, strain, dt, &state, NULL);
-        if (status)
-            return status;
+        if (!step_sound(material, strain, dt))
+            return PALP_ERR_ARGUMENT;
+        element_advance(material, element_steps_of(material, dt, &steps), &state, strain, &state, NULL);
         force_N[i] = state.force_N;
     }
     return PALP_OK;

@@ -56,14 +56,23 @@ static double excess(const least_squares *problem, const double *p) {
     return most;
 }
 
-/* The point at hand is the best so far. */
+static void swap(double **a, double **b) {
+    double *old = *a;
+    *a = *b;
+    *b = old;
+}
+
+/* The point at hand is the best so far; its residuals and derivatives are no longer in d->r and d->jacobian. */
 static void keep(descent *d, double value, double miss) {
-    size_t n = d->problem->n_parameters, m = d->problem->n_residuals;
     d->best_value = value;
     d->best_excess = miss;
-    memcpy(d->best, d->p, n * sizeof *d->best);
-    memcpy(d->best_r, d->r, m * sizeof *d->best_r);
-    memcpy(d->best_jacobian, d->jacobian, n * m * sizeof *d->best_jacobian);
+    memcpy(d->best, d->p, d->problem->n_parameters * sizeof *d->best);
+    swap(&d->best_r, &d->r);
+    swap(&d->best_jacobian, &d->jacobian);
+}
+
+static bool at_best(const descent *d) {
+    return memcmp(d->p, d->best, d->problem->n_parameters * sizeof *d->p) == 0;
 }
 
 /* |r|^2 / 2 at d->p, kept if it is the best, for which meeting the constraints comes first; a round ends
@@ -94,15 +103,12 @@ static double objective(unsigned n, const double *y, double *gradient, void *use
     descent *d = user;
     size_t m = d->problem->n_residuals;
     to_parameters(d, y, d->p);
-    bool known = memcmp(d->p, d->best, n * sizeof *d->p) == 0; /* the origin of a round */
-    double value = known ? d->best_value : evaluate(d);
-    const double *r = known ? d->best_r : d->r, *jacobian = known ? d->best_jacobian : d->jacobian;
+    double value = at_best(d) ? d->best_value : evaluate(d); /* the best is the origin of a round */
+    bool best = at_best(d);
+    const double *r = best ? d->best_r : d->r, *jacobian = best ? d->best_jacobian : d->jacobian;
     if (gradient && !d->status) {
-        for (unsigned k = 0; k < n; k++) {
-            gradient[k] = 0.0;
-            for (size_t i = 0; i < m; i++)
-                gradient[k] += jacobian[k * m + i] * r[i];
-        }
+        for (unsigned k = 0; k < n; k++)
+            gradient[k] = dense_dot(m, jacobian + k * m, r);
         dense_forward(n, d->triangle, 1, gradient);
     }
     return value;

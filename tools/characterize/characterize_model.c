@@ -63,24 +63,31 @@ static double whole_ratio(const palp_lumped_fit *fit, const palp_recording *run)
 }
 
 /* Fits each number of arms to tell its residual, and how many arms the one chosen really tells apart: that one from all starts,
- * the others, which are only told of, from the best. */
+ * the others, which are only told of, from the best. Where the data told fewer arms apart, fits of the numbers between end alike. */
 static palp_status try_arms(characterize_state *s, palp_characterize_settings settings, size_t most, progress *bar) {
     palp_error error = {PALP_OK, ""};
     palp_status status = PALP_OK;
-    size_t n = 0, starts = settings.starts;
+    size_t n = 0, starts = settings.starts, apart = most + 1;
+    double ratio = NAN; /* of the last fit that was only to be told of, and that told so many arms apart */
     const palp_recording *run = timed(s, &n);
-    for (size_t k = 0; k <= most && status == PALP_OK; k++) {
+    for (size_t k = most + 1; k-- > 0 && status == PALP_OK;) {
         palp_lumped_fit fit;
-        settings.starts = k == s->arms.best ? starts : 1;
-        progress_update(bar, 0.2 + 0.05 * (double)k);
+        bool chosen = k == s->arms.best;
+        s->arms.rms_noise[k] = ratio;
+        if (k >= apart && !chosen)
+            continue;
+        settings.starts = chosen ? starts : 1;
         settings.n_arms = k;
+        progress_update(bar, 0.2 + 0.05 * (double)(most - k));
         status = palp_characterize_fit(n, run, &settings, &fit, &error);
         s->arms.rms_noise[k] = status ? NAN : whole_ratio(&fit, run);
         if (status == PALP_OK) {
-            s->n_arms = k == s->arms.best ? fit.material.n_arms : s->n_arms;
+            s->n_arms = chosen ? fit.material.n_arms : s->n_arms;
+            apart = chosen ? apart : fit.material.n_arms;
+            ratio = chosen ? ratio : s->arms.rms_noise[k];
             palp_lumped_fit_free(&fit);
         }
-        status = status == PALP_ERR_SINGULAR && k != s->arms.best ? PALP_OK : status;
+        status = status == PALP_ERR_SINGULAR && !chosen ? PALP_OK : status;
     }
     return status;
 }
