@@ -227,6 +227,7 @@ typedef struct acquire_options {
     double height_mm, radius_mm;                        /* 0 = not given */
     const char *protocol;                               /* its file's name, or NULL */
     double contact_N, limit_N, limit_C, host_timeout_s; /* limits: 0 = the device's own */
+    double reconnect_s;                                 /* a link that broke is waited for so long */
     int gains;                                          /* class, or PALP_WIRE_GAINS_AUTO */
     bool keep_contact, force, live;
     unsigned columns; /* ACQUIRE_RAW and its like */

@@ -114,6 +114,8 @@ outcome session_order(session *s, palp_wire_message *command, const char *what) 
 outcome session_status(session *s) {
     palp_wire_message got;
     outcome end = from_device(s, device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got), "answer");
+    if (end == GONE && session_may_reconnect(s))
+        end = session_reconnect(s);
     return end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT ? faulted(s) : end;
 }
 
@@ -153,7 +155,7 @@ static outcome ask_how_it_is(session *s) {
     return from_device(s, result, "answer");
 }
 
-static bool is_to_stop(const session *s) {
+bool session_is_to_stop(const session *s) {
     return stops > s->stops_seen || (!s->stopping && s->watcher.stops && s->watcher.stops(s, s->watcher.context));
 }
 
@@ -163,10 +165,12 @@ outcome session_listen(session *s) {
         end = gone(s);
     else if (s->quiet || link_now_s() - s->asked_s > ASK_S)
         end = ask_how_it_is(s);
+    if (end == GONE && session_may_reconnect(s))
+        end = session_reconnect(s);
     acquire_file_keep(&s->file);
     if (end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT)
         end = faulted(s);
-    else if (end == GOES_ON && is_to_stop(s))
+    else if (end == GOES_ON && session_is_to_stop(s))
         end = STOPPED;
     else if (end == GOES_ON && s->file.error && !s->stopping)
         end = FAILED_SAID; /* by acquire_file_close */
@@ -196,7 +200,8 @@ outcome session_wait(session *s, double seconds) {
 outcome session_stream(session *s, bool on) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_STREAM, .as.stream = {.on = on}};
     s->quiet = !on;
-    return session_order(s, &m, "send samples");
+    outcome end = session_order(s, &m, "send samples");
+    return end == GONE && session_may_reconnect(s) ? session_reconnect(s) : end;
 }
 
 /* ---- beginning and end ---- */

@@ -40,6 +40,7 @@ struct session {
     double case_C;
     double heard_s, asked_s; /* wall clock; asked: also when samples came */
     bool quiet;              /* it is to send no samples */
+    double reconnect_s;      /* how long a link that broke is waited for; 0 = not */
     bool stopping;           /* a wish to stop is being obeyed */
     int stops_seen;
     size_t lossy;     /* runs of which too much is missing; the first of them in why */
@@ -66,7 +67,14 @@ outcome session_wait(session *s, double seconds);
 outcome session_stream(session *s, bool on);
 int session_stops(void); /* how often somebody wished to stop */
 
+bool session_is_to_stop(const session *s);
+
 outcome session_listen(session *s); /* takes what comes within a moment */
+
+/* A link that broke (acquire_reconnect.c): tries it once; whether it may come back; waits for it, and goes on as before. */
+bool session_reopen(session *s);
+bool session_may_reconnect(const session *s);
+outcome session_reconnect(session *s);
 
 /* Before a run (acquire_ready.c). Each leaves what it does in s->doing. */
 outcome session_end_last(session *s); /* a session that was cut off may have left it moving */

@@ -67,6 +67,8 @@ static size_t session_options(choice *c, cli_option *list) {
         cli_number("rest-s", "S", 0, 1e6, &c->motion.rest_s,
                    "the specimen rests between presses (default: as long as the last one\n"
                    "took, at least 200)"),
+        cli_number("reconnect-s", "S", 0, 1e6, &o->reconnect_s,
+                   "wait so long for a cable that is pulled while nothing moves (60)"),
         cli_choice("trigger-in", "mark|start", &c->trigger_in,
                    "a pulse at the indenter's input marks its sample; with start each run\nalso waits for one"),
         cli_count("trigger-out", "N", 0, 65535, &o->trigger_every,
@@ -296,6 +298,7 @@ int cmd_acquire(int argc, char **argv) {
     choice c = {.order = -1, .trigger_in = -1, .order_seed = SIZE_MAX};
     c.setup = acquire_setup_default();
     c.setup.session.trigger_every = SIZE_MAX;
+    c.setup.session.reconnect_s = 60;
     c.motion = acquire_motion_none();
     int code = parse(argc, argv, &c);
     if (code)

@@ -261,10 +261,22 @@ static void begin(owner *o) {
 static void do_command(owner *o, const panel_command *c) {
     session *s = o->session;
     begin(o);
-    outcome end = execute(o, c);
-    conclude(o, session_withdraw(s, end), true);
+    outcome end = o->gone ? session_fail(s, "the indenter is not connected") : execute(o, c);
+    conclude(o, o->gone ? end : session_withdraw(s, end), true);
     s->doing[0] = '\0';
     panel_done(o->panel);
+}
+
+/* The cable may be in again; a device that has restarted has lost what it was told. */
+static void come_back(owner *o) {
+    session *s = o->session;
+    const uint32_t tick = s->tick;
+    if (!session_reopen(s))
+        return;
+    o->gone = o->configured = false;
+    o->tared = o->tared && s->device.status.tick - tick <= INT32_MAX;
+    panel_say(o->panel, false, "connected again");
+    conclude(o, configure(o), false);
 }
 
 static void idle(owner *o) {
@@ -276,8 +288,10 @@ static void idle(owner *o) {
         o->faulted = false;
     panel_view v = view_of(o);
     panel_see(o->panel, &v);
-    if (o->gone)
+    if (o->gone) {
         nanosleep(&(struct timespec){.tv_nsec = 100000000L}, NULL);
+        come_back(o);
+    }
 }
 
 static int run(owner *o) {
@@ -288,7 +302,7 @@ static int run(owner *o) {
     conclude(o, end ? end : configure(o), false);
     s->doing[0] = '\0';
     while (session_stops() == 0)
-        if (!o->gone && panel_take(o->panel, &command))
+        if (panel_take(o->panel, &command))
             do_command(o, &command);
         else
             idle(o);

@@ -95,7 +95,8 @@ static void take(device *d, const palp_wire_message *m, pending *p) {
 static device_result from_link(device *d, link_result result) {
     if (result == LINK_OK)
         return DEVICE_OK;
-    snprintf(d->why, sizeof d->why, "%s", link_error(d->link));
+    if (d->link)
+        snprintf(d->why, sizeof d->why, "%s", link_error(d->link));
     return result == LINK_TIMEOUT ? DEVICE_TIMEOUT : DEVICE_CLOSED;
 }
 
@@ -109,11 +110,11 @@ static void nap(void) {
 static device_result pump(device *d, double timeout_s, pending *p) {
     uint8_t byte[READ_SIZE];
     palp_wire_message m;
-    size_t n;
+    size_t n = 0;
     int timeout_ms = timeout_s > 0 ? (int)ceil(1e3 * timeout_s) : 0;
     if (timeout_ms > NAP_MS && d->info.simulated)
         nap();
-    device_result result = from_link(d, link_read(d->link, byte, sizeof byte, &n, timeout_ms));
+    device_result result = from_link(d, d->link ? link_read(d->link, byte, sizeof byte, &n, timeout_ms) : LINK_CLOSED);
     for (size_t i = 0; i < n; i++)
         if (palp_wire_decode(&d->decoder, byte[i], &m) && m.type >= PALP_WIRE_TYPE_ACK)
             take(d, &m, p);
@@ -129,7 +130,7 @@ static device_result send_frame(device *d, const palp_wire_message *m) {
     d->alive_s = link_now_s();
     d->alive_tick = d->device_tick;
     pthread_mutex_lock(&d->writing);
-    link_result result = link_write(d->link, frame, n + 1, WRITE_MS);
+    link_result result = d->link ? link_write(d->link, frame, n + 1, WRITE_MS) : LINK_CLOSED;
     pthread_mutex_unlock(&d->writing);
     return from_link(d, result);
 }
@@ -139,7 +140,7 @@ device_result device_halt(device *d) {
     pthread_mutex_lock(&d->writing);
     palp_wire_message m = {.type = PALP_WIRE_TYPE_HALT, .sequence = d->halts++};
     size_t n = palp_wire_encode(&m, frame + 1);
-    link_result result = link_write(d->link, frame, n + 1, WRITE_MS);
+    link_result result = d->link ? link_write(d->link, frame, n + 1, WRITE_MS) : LINK_CLOSED;
     pthread_mutex_unlock(&d->writing);
     return result == LINK_OK ? DEVICE_OK : result == LINK_TIMEOUT ? DEVICE_TIMEOUT : DEVICE_CLOSED;
 }
@@ -238,31 +239,69 @@ static void say_no_answer(device *d, const char *where) {
                  "%s: no answer; is it an indenter with palpate's firmware, and is it switched on?", where);
 }
 
-device_result device_open(const char *where, int baud, device *d) {
+static void say_other_version(device *d, const char *where, const palp_wire_message *info) {
+    char protocol[20] = "another protocol";
+    if (info->type)
+        snprintf(protocol, sizeof protocol, "protocol %u", (unsigned)info->as.info.protocol);
+    snprintf(d->why, sizeof d->why, "%s: the device speaks %s, this palpate %d; bring both to the same release", where,
+             protocol, PALP_WIRE_VERSION);
+}
+
+/* HELLO until INFO comes. */
+static device_result shake_hands(const char *where, device *d) {
     palp_wire_message hello = {.type = PALP_WIRE_TYPE_HELLO, .as.hello = {.protocol = PALP_WIRE_VERSION}},
                       info = {0};
-    char why[LINK_TEXT];
-    *d = (device){.sequence = (uint16_t)(time(NULL) ^ getpid())}; /* not the last session's */
-    if (link_open(where, baud, &d->link, why) != LINK_OK) {
-        snprintf(d->why, sizeof d->why, "%s", why);
-        return DEVICE_CLOSED;
-    }
-    pthread_mutex_init(&d->writing, NULL);
     device_result result = command_within(d, &hello, &info, HELLO_TRIES);
     bool other = info.type && info.as.info.protocol != PALP_WIRE_VERSION;
     if (result == DEVICE_TIMEOUT) {
         say_no_answer(d, where);
     } else if (result == DEVICE_OTHER_VERSION || (result == DEVICE_OK && other)) {
-        char protocol[20] = "another protocol";
-        if (info.type)
-            snprintf(protocol, sizeof protocol, "protocol %u", (unsigned)info.as.info.protocol);
-        snprintf(d->why, sizeof d->why,
-                 "%s: the device speaks %s, this palpate %d; bring both to the same release", where, protocol,
-                 PALP_WIRE_VERSION);
+        say_other_version(d, where, &info);
         result = DEVICE_OTHER_VERSION;
     }
+    return result;
+}
+
+static device_result open_link(const char *where, int baud, device *d, link_t **made) {
+    char why[LINK_TEXT];
+    if (link_open(where, baud, made, why) == LINK_OK)
+        return DEVICE_OK;
+    snprintf(d->why, sizeof d->why, "%s", why);
+    return DEVICE_CLOSED;
+}
+
+device_result device_open(const char *where, int baud, device *d) {
+    *d = (device){.sequence = (uint16_t)(time(NULL) ^ getpid())}; /* not the last session's */
+    device_result result = open_link(where, baud, d, &d->link);
+    if (result)
+        return result;
+    pthread_mutex_init(&d->writing, NULL);
+    result = shake_hands(where, d);
     if (result != DEVICE_OK)
         device_close(d);
+    return result;
+}
+
+/* The old one first, which may still hold the port. */
+static void change_link(device *d, link_t *next) {
+    pthread_mutex_lock(&d->writing);
+    link_close(d->link);
+    d->link = next;
+    pthread_mutex_unlock(&d->writing);
+}
+
+device_result device_reopen(const char *where, int baud, device *d) {
+    link_t *next;
+    change_link(d, NULL);
+    device_result result = open_link(where, baud, d, &next);
+    if (result)
+        return result;
+    change_link(d, next);
+    d->decoder = (palp_wire_decoder){.n = 0};
+    d->heard = false;
+    result = shake_hands(where, d);
+    if (result)
+        change_link(d, NULL);
     return result;
 }
 

@@ -48,6 +48,10 @@ typedef enum device_result {
 device_result device_open(const char *where, int baud, device *d);
 void device_close(device *d);
 
+/* The same again, where the link has broken; what is known of the device stays until it says otherwise. After a failure it is
+ * closed, and may be tried again. device_halt may be called meanwhile. */
+device_result device_reopen(const char *where, int baud, device *d);
+
 /* Sends a command until it is acknowledged (the same sequence number each time, so that the device does it
  * once); frames that arrive meanwhile go to the listener. DEVICE_REFUSED: why says the reason. answer (may be
  * NULL): the frame that HELLO or a GET command is answered by. */

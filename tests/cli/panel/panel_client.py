@@ -11,9 +11,9 @@ PATIENCE_S = 600  # far beyond what a slow machine takes; only a hang ends there
 
 
 class Panel:
-    def __init__(self, *options, out="runs"):
+    def __init__(self, *options, out="runs", port="rig"):
         self.errors = open("panel.err", "w+")
-        command = [os.environ["PALPATE"], "panel", "--port", "rig", "--firmware", "host", "--out", out, *options]
+        command = [os.environ["PALPATE"], "panel", "--port", port, *(["--firmware", "host"] if port == "rig" else []), "--out", out, *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.errors, text=True)
         line = self.process.stdout.readline()
         found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{32})\n", line)

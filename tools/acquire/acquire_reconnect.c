@@ -1,0 +1,65 @@
+/* acquire_reconnect.c: a link that breaks while nothing moves and nothing is recorded is opened again, if the device has gone on
+ * meanwhile: its home, tare and contact then still hold. */
+#define _POSIX_C_SOURCE 200809L
+#include "acquire_session.h"
+
+#include <string.h>
+#include <time.h>
+
+enum { NAP_MS = 100 };
+
+bool session_reopen(session *s) {
+    palp_wire_message got;
+    if (device_reopen(s->options->where, s->options->baud, &s->device) != DEVICE_OK ||
+        device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got) != DEVICE_OK)
+        return false;
+    s->why[0] = '\0';
+    s->heard_s = s->asked_s = link_now_s();
+    return true;
+}
+
+bool session_may_reconnect(const session *s) {
+    return s->reconnect_s > 0 && s->file.fd < 0 && !s->stopping && !session_moving(s) &&
+           strncmp(s->options->where, "fd:", 3) != 0;
+}
+
+/* Until it is there, somebody wishes to stop, or the time is over. */
+static outcome wait_for_it(session *s, double patience_s) {
+    const double until_s = link_now_s() + patience_s;
+    const struct timespec nap = {.tv_nsec = 1000000L * NAP_MS};
+    while (!session_reopen(s)) {
+        if (session_is_to_stop(s))
+            return STOPPED;
+        if (link_now_s() > until_s) {
+            session_fail(s, "%s", s->device.why);
+            return GONE;
+        }
+        nanosleep(&nap, NULL);
+    }
+    return GOES_ON;
+}
+
+/* The device is the one that it was; its samples go on or stay off. */
+static outcome go_on(session *s, uint32_t serial, const palp_wire_status *then) {
+    const palp_wire_status *now = &s->device.status;
+    const bool quiet = s->quiet, moved = then->contact_known && (!now->contact_known || now->contact != then->contact);
+    if (s->device.info.serial != serial)
+        return session_fail(s, "another device answers at %s", s->options->where);
+    if (now->tick - then->tick > INT32_MAX || moved)
+        return session_fail(s, "the device has restarted while it was not connected: home, tare and contact are lost");
+    session_tell(s, false, "connected again after %.1f s of the device's time", s->scale.tick_s * (now->tick - then->tick));
+    outcome end = session_configure(s);
+    return end || !quiet ? end : session_stream(s, false);
+}
+
+outcome session_reconnect(session *s) {
+    const palp_wire_status then = s->device.status;
+    const uint32_t serial = s->device.info.serial;
+    const double patience_s = s->reconnect_s;
+    session_tell(s, true, "%s, %s: waiting for it for %.0f s", s->device.why, s->doing, patience_s);
+    s->reconnect_s = 0; /* one that breaks again at once is not waited for again */
+    outcome end = wait_for_it(s, patience_s);
+    end = end ? end : go_on(s, serial, &then);
+    s->reconnect_s = patience_s;
+    return end;
+}
