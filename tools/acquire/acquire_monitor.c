@@ -61,7 +61,7 @@ int acquire_monitor(const acquire_options *options) {
     if (!s)
         return CLI_FAILURE;
     snprintf(s->doing, sizeof s->doing, "watching");
-    s->reconnect_s = options->reconnect_s;
+    s->reconnect = options->reconnect_s > 0 ? session_reconnect : NULL;
     if (!m.terminal)
         puts("time_s,place_mm,depth_mm,force_N,error_um,case_C,winding_C,state,fault");
     s->watcher = (session_watcher){heard, NULL, NULL, &m};

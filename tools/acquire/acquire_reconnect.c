@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_session.h"
 
-#include <string.h>
 #include <time.h>
 
 enum { NAP_MS = 100 };
@@ -16,11 +15,6 @@ bool session_reopen(session *s) {
     s->why[0] = '\0';
     s->heard_s = s->asked_s = link_now_s();
     return true;
-}
-
-bool session_may_reconnect(const session *s) {
-    return s->reconnect_s > 0 && s->file.fd < 0 && !s->stopping && !session_moving(s) &&
-           strncmp(s->options->where, "fd:", 3) != 0;
 }
 
 /* Until it is there, somebody wishes to stop, or the time is over. */
@@ -55,11 +49,11 @@ static outcome go_on(session *s, uint32_t serial, const palp_wire_status *then) 
 outcome session_reconnect(session *s) {
     const palp_wire_status then = s->device.status;
     const uint32_t serial = s->device.info.serial;
-    const double patience_s = s->reconnect_s;
+    const double patience_s = s->options->reconnect_s;
     session_tell(s, true, "%s, %s: waiting for it for %.0f s", s->device.why, s->doing, patience_s);
-    s->reconnect_s = 0; /* one that breaks again at once is not waited for again */
+    s->reconnect = NULL; /* one that breaks again at once is not waited for again */
     outcome end = wait_for_it(s, patience_s);
     end = end ? end : go_on(s, serial, &then);
-    s->reconnect_s = patience_s;
+    s->reconnect = session_reconnect;
     return end;
 }

@@ -201,7 +201,7 @@ int acquire_session(const acquire_options *options, const acquire_plan *plan, js
     session *s = session_open(options, plan);
     if (!s)
         return CLI_FAILURE;
-    s->reconnect_s = options->reconnect_s;
+    s->reconnect = options->reconnect_s > 0 ? session_reconnect : NULL;
     outcome end = run_all(s);
     acquire_live_end(&s->live);
     int code = session_words(s, end, words);

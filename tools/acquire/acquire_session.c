@@ -63,6 +63,18 @@ static void hear(const palp_wire_message *m, unsigned lost_frames, void *context
         s->watcher.heard(s, m, s->watcher.context);
 }
 
+bool session_moving(const session *s) {
+    return s->state == PALP_WIRE_STATE_HOMING || s->state == PALP_WIRE_STATE_APPROACH ||
+           s->state == PALP_WIRE_STATE_RUN || s->state == PALP_WIRE_STATE_RETRACT || s->state == PALP_WIRE_STATE_JOG;
+}
+
+/* A link that broke while nothing moved and nothing was recorded may come back. */
+static outcome mended(session *s, outcome end) {
+    const bool may = s->reconnect && s->file.fd < 0 && !s->stopping && !session_moving(s) &&
+                     strncmp(s->options->where, "fd:", 3) != 0;
+    return end == GONE && may ? s->reconnect(s) : end;
+}
+
 /* ---- orders ---- */
 
 /* The fault's reason and its time in the recording. */
@@ -114,8 +126,7 @@ outcome session_order(session *s, palp_wire_message *command, const char *what) 
 outcome session_status(session *s) {
     palp_wire_message got;
     outcome end = from_device(s, device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got), "answer");
-    if (end == GONE && session_may_reconnect(s))
-        end = session_reconnect(s);
+    end = mended(s, end);
     return end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT ? faulted(s) : end;
 }
 
@@ -131,11 +142,6 @@ outcome session_segments(session *s, const acquire_run *r) {
 }
 
 /* ---- waiting ---- */
-
-bool session_moving(const session *s) {
-    return s->state == PALP_WIRE_STATE_HOMING || s->state == PALP_WIRE_STATE_APPROACH ||
-           s->state == PALP_WIRE_STATE_RUN || s->state == PALP_WIRE_STATE_RETRACT || s->state == PALP_WIRE_STATE_JOG;
-}
 
 static void show(session *s) {
     char line[ACQUIRE_TEXT];
@@ -165,8 +171,7 @@ outcome session_listen(session *s) {
         end = gone(s);
     else if (s->quiet || link_now_s() - s->asked_s > ASK_S)
         end = ask_how_it_is(s);
-    if (end == GONE && session_may_reconnect(s))
-        end = session_reconnect(s);
+    end = mended(s, end);
     acquire_file_keep(&s->file);
     if (end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT)
         end = faulted(s);
@@ -201,7 +206,7 @@ outcome session_stream(session *s, bool on) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_STREAM, .as.stream = {.on = on}};
     s->quiet = !on;
     outcome end = session_order(s, &m, "send samples");
-    return end == GONE && session_may_reconnect(s) ? session_reconnect(s) : end;
+    return mended(s, end);
 }
 
 /* ---- beginning and end ---- */

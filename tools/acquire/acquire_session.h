@@ -40,7 +40,7 @@ struct session {
     double case_C;
     double heard_s, asked_s; /* wall clock; asked: also when samples came */
     bool quiet;              /* it is to send no samples */
-    double reconnect_s;      /* how long a link that broke is waited for; 0 = not */
+    outcome (*reconnect)(session *s); /* session_reconnect where a link that broke is waited for, or NULL */
     bool stopping;           /* a wish to stop is being obeyed */
     int stops_seen;
     size_t lossy;     /* runs of which too much is missing; the first of them in why */
@@ -71,9 +71,8 @@ bool session_is_to_stop(const session *s);
 
 outcome session_listen(session *s); /* takes what comes within a moment */
 
-/* A link that broke (acquire_reconnect.c): tries it once; whether it may come back; waits for it, and goes on as before. */
+/* A link that broke (acquire_reconnect.c): tries it once; waits for it for options->reconnect_s, and goes on as before. */
 bool session_reopen(session *s);
-bool session_may_reconnect(const session *s);
 outcome session_reconnect(session *s);
 
 /* Before a run (acquire_ready.c). Each leaves what it does in s->doing. */

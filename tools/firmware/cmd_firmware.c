@@ -1,5 +1,6 @@
 /* cmd_firmware.c: palpate firmware: asks an indenter on the bench who and how it is; tares, homes, clears a
  * fault. */
+#include "firmware_flash.h"
 #include "shared/cli.h"
 #include "shared/commands.h"
 #include "rig/device.h"
@@ -14,7 +15,7 @@ static const char NAME[] = "firmware";
 enum { HOMING_S = 120, AXIS_Z = 2 };
 
 typedef struct firmware_options {
-    const char *action, *port;
+    const char *action, *port, *image;
     size_t baud, samples;
     bool json;
 } firmware_options;
@@ -27,22 +28,25 @@ static int parse(int argc, char **argv, firmware_options *o) {
             "/dev/ttyACM0, pty:PATH, tcp:HOST:PORT or unix:PATH; palpate acquire\n--list shows the ports"),
         cli_count("baud", "N", 1200, 4e6, &o->baud, "of a serial port (default 921600)"),
         cli_count("samples", "N", 1, 4096, &o->samples, "ticks that tare averages (default 1000)"),
+        cli_in("image", "FILE.bin", &o->image, "what flash writes (default: the one that came with palpate)"),
         cli_heading("Output"),
         cli_flag("json", &o->json, "as JSON"),
     };
     const cli_command command = {
         NAME,
-        "info|status|gains|home|tare|clear-fault --port PORT [--json]",
+        "info|status|gains|home|tare|clear-fault|flash --port PORT [--json]",
         "Asks an indenter who it is (info), how it is (status) and for its table of gains; finds its home,\n"
-        "tares its force sensor in the air, leaves a latched fault once its cause is gone.",
+        "tares its force sensor in the air, leaves a latched fault once its cause is gone. flash writes the board's\n"
+        "image through the chip's boot loader, over its serial port by stm32flash or (--port dfu) USB by dfu-util.",
         "  palpate firmware info --port /dev/ttyACM0\n"
-        "  palpate firmware clear-fault --port /dev/ttyACM0\n",
+        "  palpate firmware clear-fault --port /dev/ttyACM0\n"
+        "  palpate firmware flash --port /dev/ttyUSB0\n",
         options,
         sizeof options / sizeof options[0]};
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, &o->action, 1, &n);
     if (code == CLI_OK && n == 0)
-        return cli_usage_error(NAME, "say what to do: info, status, gains, home, tare or clear-fault");
+        return cli_usage_error(NAME, "say what to do: info, status, gains, home, tare, clear-fault or flash");
     return code == CLI_OK && !o->port ? cli_usage_error(NAME, "name the device with --port") : code;
 }
 
@@ -244,6 +248,8 @@ int cmd_firmware(int argc, char **argv) {
     int code = parse(argc, argv, &o);
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
+    if (strcmp(o.action, "flash") == 0)
+        return firmware_flash(NAME, o.port, o.image);
     for (size_t i = 0; i < sizeof actions / sizeof actions[0]; i++) {
         if (strcmp(o.action, actions[i].name) == 0) {
             if (device_open(o.port, (int)o.baud, &d) != DEVICE_OK)
@@ -253,6 +259,6 @@ int cmd_firmware(int argc, char **argv) {
             return code;
         }
     }
-    return cli_usage_error(NAME, "no such action: %s; one of info, status, gains, home, tare, clear-fault",
+    return cli_usage_error(NAME, "no such action: %s; one of info, status, gains, home, tare, clear-fault, flash",
                            o.action);
 }

@@ -38,6 +38,9 @@ rig_settings rig_settings_default(void);
  * QEMU 7.2.22" or "the host process". False (and why, in note) where there is none. */
 bool rig_find(rig_settings *settings, char note[RIG_NOTE]);
 
+/* A file of the firmware, where rig_find looks. */
+bool rig_find_image(const char *file, char path[RIG_PATH]);
+
 /* How a run went. */
 typedef struct rig_figures {
     uint32_t ticks, restarts;

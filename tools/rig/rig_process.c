@@ -39,7 +39,7 @@ static bool own_folder(char folder[RIG_PATH]) {
     return slash != NULL;
 }
 
-static bool find_image(const char *file, char path[RIG_PATH]) {
+bool rig_find_image(const char *file, char path[RIG_PATH]) {
     char folder[RIG_PATH];
     const char *given = getenv("PALPATE_FIRMWARE");
     if (given && *given)
@@ -68,10 +68,10 @@ bool rig_find(rig_settings *settings, char note[RIG_NOTE]) {
                  QEMU);
         return false;
     }
-    if (qemu && find_image(QEMU_IMAGE, found)) {
+    if (qemu && rig_find_image(QEMU_IMAGE, found)) {
         settings->firmware = RIG_QEMU;
         snprintf(note, RIG_NOTE, "the STM32F405 image under %.64s", version);
-    } else if (settings->firmware != RIG_QEMU && find_image(HOST_IMAGE, found)) {
+    } else if (settings->firmware != RIG_QEMU && rig_find_image(HOST_IMAGE, found)) {
         settings->firmware = RIG_HOST;
         snprintf(note, RIG_NOTE, "the host process");
     } else {
