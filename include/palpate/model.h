@@ -40,6 +40,8 @@ typedef struct palp_model {
     const palp_mesh_source *mesh; /* network only: the caller's, which outlives the model and its copies; NULL =
                                      none, and there is neither a mesh to make nor a model to write */
     double density_kg_m3;         /* network only, 0 = massless */
+    const double *fractional;     /* [3] K_frac in N, tau_frac in s and exponent of the fractional element whose spectrum the
+                                     arms are, for who reads the file, or NULL; the caller's; NULL when it is read */
     const double *covariance;     /* how well the material is known, or NULL; the caller's. Of the law's coefficients, then K_j
                                      and b_j of each arm (the order of palp_forward_get): [n n], n = law.n + 2 n_arms */
     const double *between;        /* [n n] how specimens differ from this, the mean of n_specimens, or NULL; the caller's */

@@ -1,4 +1,4 @@
-/* model_covariance.c: how well a model's numbers are known, in its JSON. */
+/* model_covariance.c: how well a model's numbers are known, and of what its arms are the spectrum, in its JSON. */
 #include "base/json.h"
 #include "base/statistics.h"
 #include "model_internal.h"
@@ -47,6 +47,26 @@ static palp_status square_read(const palp_json *root, const char *key, const pal
         free(c);
     else
         *covariance = c;
+    return status;
+}
+
+bool palp_model_fractional_valid(const double fractional[3]) {
+    return fractional[0] > 0 && isfinite(fractional[0]) && fractional[1] > 0 && isfinite(fractional[1]) && fractional[2] > 0 && fractional[2] < 1;
+}
+
+palp_status palp_model_fractional_check(const palp_json *root) {
+    static const char *const keys[] = {"stiffness_N", "time_s", "exponent"};
+    palp_json element, number;
+    double fractional[3] = {0};
+    if (!palp_json_member(root, "fractional", &element))
+        return PALP_OK;
+    palp_status status = palp_json_keys(&element, 3, keys);
+    for (size_t k = 0; k < 3 && !status; k++) {
+        status = palp_json_require(&element, keys[k], &number);
+        status = status ? status : palp_json_number(&number, &fractional[k]);
+    }
+    if (!status && !palp_model_fractional_valid(fractional))
+        status = palp_json_fail(&element, PALP_ERR_INPUT, "wants a stiffness and a time above 0 and an exponent between 0 and 1");
     return status;
 }
 

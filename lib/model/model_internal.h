@@ -34,6 +34,10 @@ palp_status palp_model_effects_check(const palp_model *model, palp_error *error)
 size_t palp_model_covariance_size(const palp_material *material);
 bool palp_model_covariance_valid(size_t n, const double *covariance);
 
+/* Stiffness, time and exponent of a fractional element; "fractional" of a model is one, or is not there. */
+bool palp_model_fractional_valid(const double fractional[3]);
+palp_status palp_model_fractional_check(const palp_json *root);
+
 /* "covariance" of a model whose material is known, malloc'ed; NULL without it. */
 palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material, double **covariance);
 

@@ -297,7 +297,7 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     /* the last two are a network's only */
     static const char *const keys[] = {"palpate", "kind",       "specimen",     "stiffness",
                                        "arms",    "dashpot_Ns", "quasi_linear", "formulation",
-                                       "effects", "covariance", "specimens", "mesh", "density_kg_m3"};
+                                       "effects", "fractional", "covariance", "specimens", "mesh", "density_kg_m3"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;
@@ -317,6 +317,8 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
         status = material_read(root, model);
     if (!status && network)
         status = network_read(root, model, source);
+    if (!status)
+        status = palp_model_fractional_check(root);
     if (!status)
         status = palp_model_covariance_read(root, &model->material, &covariance);
     if (!status)

@@ -57,6 +57,8 @@ static palp_status model_check(const palp_model *model, palp_error *error) {
     palp_status status = palp_material_check(&model->material, error);
     if (!status)
         status = law_check(model, error);
+    if (!status && model->fractional && !palp_model_fractional_valid(model->fractional))
+        status = palp_error_set(error, PALP_ERR_ARGUMENT, "the fractional element is none");
     if (!status && model->covariance && !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->covariance))
         status = palp_error_set(error, PALP_ERR_ARGUMENT, "the covariance is none");
     if (!status && model->between &&
@@ -210,9 +212,17 @@ static void square_print(const writer *w, const char *key, size_t n, const doubl
     fputc(']', w->stream);
 }
 
-/* How well the numbers are known, and how specimens differ. */
+/* Of what the arms are the spectrum, how well the numbers are known, and how specimens differ. */
 static void known_print(const writer *w, const palp_model *model) {
     size_t n = palp_model_covariance_size(&model->material);
+    const double *f = model->fractional;
+    if (f) {
+        fprintf(w->stream, "%s\"fractional\": {", w->between);
+        number_print(w, "\"stiffness_N\": ", f[0]);
+        number_print(w, ", \"time_s\": ", f[1]);
+        number_print(w, ", \"exponent\": ", f[2]);
+        fputc('}', w->stream);
+    }
     if (model->covariance) {
         fputs(w->between, w->stream);
         square_print(w, "covariance", n, model->covariance);

@@ -47,6 +47,15 @@ awk '$1 < 0.03 { exit 1 }' plain.worst || fail "the plain polynomial is not bias
 near "gap after" "$(value joint.json gap_after_percent)" 0 0 0.3
 awk -v g="$(value joint.json gap_before_percent)" 'BEGIN { exit !(g > 3) }' || fail "no gap before the joint fit"
 
+# Forces of any size are printed with the digits that they have: the same but for the power of ten.
+for scale in 1 1e-11; do
+    awk -F, -v s=$scale 'BEGIN { OFS = "," } /^[0-9]/ { $3 = sprintf("%.9e", s * $3) } { print }' hold5.csv >scaled.csv
+    expect 0 characterize scaled.csv --arms 1 --degree 2
+    awk -v s=$scale '$1 ~ /^(K_1|b_1|c0)$/ { print $1, $2 / s, $3 / s, $5 / s }' out >digits$scale
+done
+[ "$(grep -c . digits1)" -ge 3 ] && paste -d' ' digits1 digits1e-11 | awk '{ for (j = 2; j <= 4; j++) { d = $j / $(j + 4) - 1; if (d > 2e-3 || d < -2e-3) bad = 1 } } END { exit bad }' ||
+    fail "small forces: $(paste -d' ' digits1 digits1e-11 | tr '\n' ';')"
+
 # The written model answers as the phantom.
 for model in lumped.json $L; do
     expect 0 simulate $model --protocol ramp_hold --depth-mm 4.5 --hold-s 100 --json

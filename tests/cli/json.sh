@@ -35,6 +35,8 @@ expect 0 simulate $L --like run_1.csv --out like.csv
 expect 0 simulate $N --protocol static --depth-mm 9.5 --branch stable --json --out buckled.csv && mv out sim_network.json
 expect 0 characterize run_*.csv --arms auto --degree auto --out lumped.json --plot fit --json && mv out characterize.json
 expect 0 characterize run_1.csv --arms 1 --degree 2 --json && mv out characterize_one.json
+expect 0 simulate $L --protocol ramp_hold --depth-mm 3 --hold-s 60 --sample-Hz 20 --air-s 1 --noise-N 0.004 --out fractional.csv
+expect 0 characterize fractional.csv --arms fractional --degree 2 --out fractional.json
 expect 0 characterize run_1.csv run_2.csv --arms 1 --json && mv out characterize_law.json
 sed '1a # tip.kind: "flat"\n# tip.radius_mm: 3\n# tip.half_angle_deg: 70' run_1.csv >tip.csv
 expect 0 characterize tip.csv --arms 1 --json && mv out characterize_tip.json
@@ -81,7 +83,7 @@ sed s/,12,/,13,/ ball.csv >ball_2.csv
 expect 0 reduce $N ball.csv ball_2.csv --hold-out 0 --modes 3 --samples 20 --out ball.json
 expect 0 calibrate $L --stage relaxation --start lattice.json --depth-mm 2 --hold-s 20 --json && mv out cal_start.json
 set -- experiment=run_1.csv experiment=run_static.csv experiment=creep.csv experiment=cyclic.csv experiment=relaxed.csv experiment=like.csv \
-    simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_specimens.json model=specimens.json characterize=characterize_tip.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
+    simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_specimens.json model=specimens.json model=fractional.json characterize=characterize_tip.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
     model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=characterize_sine.json characterize=fit/characterize.json \
     explain=explain.json explain=explain_out.json explain=fit/explain.json explain=explain_power.json calibrate=cal_static.json \
     calibrate=cal_spline.json calibrate=cal_all.json calibrate=fit/calibrate.json reduced=reduced.json reduce=reduce.json

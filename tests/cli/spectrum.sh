@@ -44,6 +44,22 @@ expect 0 characterize dwell/ramp_hold_3mm.csv --arms fractional --degree 2 --jso
 exponent=$(estimate exponent out value)
 awk -v a="$exponent" 'BEGIN { exit !(a > 0.1 && a < 0.9) }' || fail "the exponent is $exponent"
 expect 0 simulate fractional.json --protocol ramp_hold --depth-mm 3 --hold-s 10 --out again.csv
+# The element stands in the model file beside its spectrum, and is checked when it is read.
+near "exponent in the file" "$(sed -n 's/.*"exponent": \([0-9.e-]*\)}.*/\1/p' fractional.json)" "$exponent" 1e-12
+sed 's/"exponent": [0-9.e-]*/"exponent": 1.5/' fractional.json >wrong.json
+expect 1 simulate wrong.json --protocol ramp_hold --depth-mm 3 --hold-s 10; says "an exponent between 0 and 1"
+
+# As CSV: what was measured, as the JSON has it, and the model's curve through it; of a dwell the model's curve alone.
+expect 0 characterize sweep/sweep_3mm.csv --arms 2 --degree 3 --json --spectrum sweep.csv && mv out sweep.json
+grep '^sweep_3mm.csv,' sweep.csv | cut -d, -f2,4,7 | tr ',' ' ' >measured
+all frequency_Hz sweep.json >f && all storage_N_m sweep.json >storage && all loss_N_m sweep.json >loss
+paste -d' ' measured f storage loss | awk '{ for (j = 1; j <= 3; j++) if ($j - $(j + 3) > 1e-8 * $j || $(j + 3) - $j > 1e-8 * $j) bad = 1 } END { exit bad || NR < 8 }' || fail "--spectrum is not the JSON's"
+expect 0 characterize dwell/ramp_hold_3mm.csv --arms 2 --degree 2 --spectrum dwell.csv
+[ "$(grep -c '^model,' dwell.csv)" -ge 15 ] && [ "$(grep -c . dwell.csv)" -eq $(($(grep -c '^model,' dwell.csv) + 1)) ] || fail "the spectrum of a dwell: $(wc -l <dwell.csv) rows"
+# Of two Maxwell arms on a spring K: K'' = sum K w t / (1 + w w t t), per depth and by the height.
+awk -F, '/^model,/ { w = 6.283185307 * $2; l = 0; for (j = 0; j < 2; j++) { k = j ? 0.6853036 : 2.5847711; t = (j ? 23.964533 : 3.6146) / k; l += k * w * t / (1 + w * w * t * t) }
+    d = $7 / (l / 0.024) - 1; if (d > 0.05 || d < -0.05) { print $2, $7, l / 0.024; bad = 1 } } END { exit bad }' dwell.csv >why || fail "loss of the model: $(head -n 1 why)"
+
 expect 2 characterize dwell/ramp_hold_3mm.csv --arms log:0
 expect 2 characterize dwell/ramp_hold_3mm.csv --arms fraction
 expect 1 characterize dwell/ramp_hold_3mm.csv --arms log:12 --degree 2

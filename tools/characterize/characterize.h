@@ -28,7 +28,7 @@ typedef enum characterize_specimens_by { SPECIMENS_AUTO, SPECIMENS_ONE, SPECIMEN
 typedef struct characterize_options {
     const char *words[CHARACTERIZE_RUNS_MAX]; /* RUN.csv ... */
     size_t n_words;
-    const char *arms_text, *degree_text, *out, *plot;
+    const char *arms_text, *degree_text, *out, *plot, *spectrum;
     int contact; /* 0 = auto, known, common, free */
     int law_choice, law, method; /* 0 = auto, else 1 + palp_law_kind; palp_law_kind; characterize_method */
     size_t arms, degree, knots, per_decade;
@@ -156,6 +156,7 @@ palp_status characterize_model_spectrum(const characterize_state *s, const palp_
                                         const double *frequency_Hz, double *storage_N_m, double *loss_N_m);
 int characterize_measure_spectra(characterize_state *s);
 void characterize_print_spectrum(const characterize_state *s);
+int characterize_write_spectrum(const char *path, const characterize_state *s);  /* CSV: measured points, then the model's */
 json_t *characterize_spectrum_json(const characterize_state *s);
 void characterize_plot_spectrum(plot_book *book, const characterize_state *s);
 int characterize_print(const characterize_options *o, const characterize_state *s);

@@ -12,12 +12,13 @@ enum { PAIRS_MAX = 12 };
 /* ---- numbers ---- */
 
 /* "7.608 +-0.012", half the interval; "?" for what the data do not tell. */
-static void with_half(char text[32], const palp_estimate *e) {
+static void with_half(char text[2 * DIGITS_TEXT], const palp_estimate *e) {
     double half = 0.5 * (e->high - e->low);
+    char value[DIGITS_TEXT], more[DIGITS_TEXT];
     if (!e->determined)
-        snprintf(text, 32, "?");
+        strcpy(text, "?");
     else
-        snprintf(text, 32, "%.*f +-%.*f", digits_after_point(half), e->value, digits_after_point(half), half);
+        snprintf(text, 2 * DIGITS_TEXT, "%s +-%s", digits_text(value, e->value, half), digits_text(more, half, half));
 }
 
 /* ---- the law ---- */
@@ -77,7 +78,7 @@ static void print_scores(const characterize_scores *c, const char *what, bool rm
 }
 
 static void print_single(const characterize_state *s) {
-    char text[32];
+    char text[2 * DIGITS_TEXT];
     if (s->n_single == 0)
         return;
     size_t arms = 0;
@@ -112,10 +113,11 @@ static void print_estimates(const palp_lumped_fit *f) {
     printf("  %-10s %14s   %s\n", "parameter", "value", "95 % interval");
     for (size_t i = 0; i < f->n_estimates; i++) {
         const palp_estimate *e = &f->estimate[i];
-        int d = digits_after_point(0.5 * (e->high - e->low));
+        double half = 0.5 * (e->high - e->low);
+        char value[DIGITS_TEXT], low[DIGITS_TEXT], high[DIGITS_TEXT];
         if (e->determined)
-            printf("  %-10s %14.*f   %.*f to %.*f %s\n", e->name, d, e->value, d, e->low, d, e->high,
-                   e->unit);
+            printf("  %-10s %14s   %s to %s %s\n", e->name, digits_text(value, e->value, half), digits_text(low, e->low, half),
+                   digits_text(high, e->high, half), e->unit);
         else
             printf("  %-10s %14s   not determined by these data (%.1g to %.1g %s)\n", e->name, "-", e->low,
                    e->high, e->unit);

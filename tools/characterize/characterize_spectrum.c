@@ -94,6 +94,86 @@ json_t *characterize_spectrum_json(const characterize_state *s) {
     return list;
 }
 
+/* ---- frequencies of the model's curve ---- */
+
+/* From what the longest run sees, or the lowest frequency driven, to twice the highest; of runs that do not oscillate to what
+ * the fastest ramp sees. */
+static void range_of(const characterize_state *s, double *low, double *high) {
+    bool driven = characterize_spectrum_points(s) > 0;
+    *low = HUGE_VAL;
+    *high = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        const palp_recording *r = &s->run[i];
+        if (s->material.n_arms > 0 || !driven)
+            *low = fmin(*low, 0.159 / (r->end_s - r->ramp_start_s));
+        if (!driven && r->ramp_end_s > r->ramp_start_s)
+            *high = fmax(*high, 0.159 / (r->ramp_end_s - r->ramp_start_s));
+        for (size_t k = 0; k < s->spectrum[i].n; k++) {
+            *low = fmin(*low, 0.5 * s->spectrum[i].point[k].frequency_Hz);
+            *high = fmax(*high, 2 * s->spectrum[i].point[k].frequency_Hz);
+        }
+    }
+    *high = fmax(*high, *low);
+}
+
+/* ---- the file ---- */
+
+static void write_name(FILE *to, const char *name) {
+    bool plain = !strpbrk(name, ",\"\n");
+    if (!plain)
+        fputc('"', to);
+    for (; *name; name++)
+        fprintf(to, *name == '"' ? "\"\"" : "%c", *name);
+    if (!plain)
+        fputc('"', to);
+}
+
+static void write_points(FILE *to, const characterize_state *s, size_t run) {
+    for (size_t k = 0; k < s->spectrum[run].n; k++) {
+        const palp_spectrum_point *p = &s->spectrum[run].point[k];
+        double storage = Z95 * p->storage_sd_N_m, loss = Z95 * p->loss_sd_N_m, pascal = characterize_modulus(&s->run[run], 1.0);
+        write_name(to, cli_base(s->run[run].name));
+        fprintf(to, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p->frequency_Hz, 1e3 * p->depth_m, p->storage_N_m, p->storage_N_m - storage,
+                p->storage_N_m + storage, p->loss_N_m, p->loss_N_m - loss, p->loss_N_m + loss);
+        fprintf(to, isfinite(pascal) ? ",%.9g,%.9g\n" : ",,\n", pascal * p->storage_N_m, pascal * p->loss_N_m);
+    }
+}
+
+/* The model's curve about the depth of the first spectrum, else of the first run, ten points a decade. */
+static int write_model(FILE *to, const characterize_state *s) {
+    double low, high, depth = s->run[0].deepest_m, pascal = characterize_modulus(&s->run[0], 1.0);
+    range_of(s, &low, &high);
+    for (size_t i = s->n; i-- > 0;)
+        depth = s->spectrum[i].n ? s->spectrum[i].point[0].depth_m : depth;
+    size_t n = 1 + (size_t)ceil(10 * log10(high / low));
+    for (size_t k = 0; k < n; k++) {
+        double storage, loss, frequency = low * pow(10, (double)k / 10);
+        palp_status status = characterize_model_spectrum(s, &s->material, depth, 1, &frequency, &storage, &loss);
+        if (status)
+            return cli_status(NAME, status, NULL);
+        fprintf(to, "model,%.9g,%.9g,%.9g,,,%.9g,,", frequency, 1e3 * depth, storage, loss);
+        fprintf(to, isfinite(pascal) ? ",%.9g,%.9g\n" : ",,\n", pascal * storage, pascal * loss);
+    }
+    return CLI_OK;
+}
+
+int characterize_write_spectrum(const char *path, const characterize_state *s) {
+    palp_file file;
+    int code = cli_file_open(NAME, path, &file);
+    if (code)
+        return code;
+    fputs("run,frequency_Hz,depth_mm,storage_N_m,storage_low_N_m,storage_high_N_m,loss_N_m,loss_low_N_m,loss_high_N_m,storage_Pa,loss_Pa\n",
+          file.stream);
+    for (size_t i = 0; i < s->n; i++)
+        write_points(file.stream, s, i);
+    code = write_model(file.stream, s);
+    if (code) {
+        palp_file_abandon(&file);
+        return code;
+    }
+    return cli_file_close(NAME, &file);
+}
+
 /* ---- the figure ---- */
 
 enum { CURVE = 120, POINTS_MAX = 2000, RUNS_SHOWN = 6 };
@@ -105,22 +185,6 @@ typedef struct spectrum_plot {
     double x[POINTS_MAX], y[2][3 * POINTS_MAX]; /* of the points: value, low, high, by runs */
     size_t points;
 } spectrum_plot;
-
-/* From what the longest run sees, or the lowest frequency driven, to twice the highest. */
-static void choose_frequencies(const characterize_state *s, spectrum_plot *plot) {
-    double low = HUGE_VAL, high = 0;
-    for (size_t i = 0; i < s->n; i++) {
-        const palp_recording *r = &s->run[i];
-        if (s->material.n_arms > 0)
-            low = fmin(low, 0.159 / (r->end_s - r->ramp_start_s));
-        for (size_t k = 0; k < s->spectrum[i].n; k++) {
-            low = fmin(low, 0.5 * s->spectrum[i].point[k].frequency_Hz);
-            high = fmax(high, 2 * s->spectrum[i].point[k].frequency_Hz);
-        }
-    }
-    for (size_t k = 0; k < CURVE; k++)
-        plot->frequency[k] = low * pow(high / low, (double)k / (CURVE - 1));
-}
 
 static void add_series(spectrum_plot *plot, const char *title, plot_style style, int colour, size_t n, const double *x,
                        const double *storage, const double *loss) {
@@ -163,7 +227,10 @@ void characterize_plot_spectrum(plot_book *book, const characterize_state *s) {
         free(plot);
         return;
     }
-    choose_frequencies(s, plot);
+    double low, high;
+    range_of(s, &low, &high);
+    for (size_t k = 0; k < CURVE; k++)
+        plot->frequency[k] = low * pow(high / low, (double)k / (CURVE - 1));
     for (size_t i = 0; i < s->n && shown < RUNS_SHOWN; i++) {
         if (s->spectrum[i].n == 0)
             continue;

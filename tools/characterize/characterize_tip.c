@@ -127,8 +127,9 @@ int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
 
 static void print_modulus(const char *name, const palp_modulus *m) {
     double scale = m->value >= 1e6 ? 1e-6 : m->value >= 1e3 ? 1e-3 : 1, half = 0.5 * scale * (m->high - m->low);
-    int d = digits_after_point(half);
-    printf("  %-28s %12.*f   %.*f to %.*f %s\n", name, d, scale * m->value, d, scale * m->low, d, scale * m->high, scale == 1 ? "Pa" : scale > 1e-5 ? "kPa" : "MPa");
+    char value[DIGITS_TEXT], low[DIGITS_TEXT], high[DIGITS_TEXT];
+    printf("  %-28s %12s   %s to %s %s\n", name, digits_text(value, scale * m->value, half), digits_text(low, scale * m->low, half),
+           digits_text(high, scale * m->high, half), scale == 1 ? "Pa" : scale > 1e-5 ? "kPa" : "MPa");
 }
 
 void characterize_tip_print(const characterize_state *s) {

@@ -52,6 +52,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_flag("small-strain", &o->small_strain, "no correction of a flat punch for large strain (default: of a neo-Hookean layer)"),
         cli_heading("Output"),
         cli_out("out", "LUMPED.json", &o->out, "the lumped model"),
+        cli_out("spectrum", "FILE.csv", &o->spectrum, "storage and loss by frequency: of runs that oscillate, and of the model"),
         cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp characterize.json", "SVG figures by gnuplot, and the result as characterize.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };
@@ -134,6 +135,13 @@ static int write_model(const characterize_options *o, const characterize_state *
     if (model.radius_m > 0)
         strcpy(model.specimen_kind, "cylinder");
     model.material = s->material;
+    double fractional[3];
+    if (o->arms_form == PALP_ARMS_FRACTIONAL && s->has_final) {
+        const palp_estimate *element = &s->final.estimate[s->final.n_estimates - 3]; /* the last three: K_frac, tau_frac, exponent */
+        for (size_t k = 0; k < 3; k++)
+            fractional[k] = element[k].value;
+        model.fractional = fractional;
+    }
     model.covariance = s->has_final ? s->final.covariance : NULL;
     model.between = s->n_points > 0 ? s->specimens.between : NULL;
     model.n_specimens = s->n_points > 0 ? s->n_specimens : 0;
@@ -148,6 +156,7 @@ static int characterize(const characterize_options *o, characterize_state *s) {
     int code = characterize_read(o, s);
     code = code ? code : characterize_model(o, s);
     code = code ? code : write_model(o, s);
+    code = code || !o->spectrum ? code : characterize_write_spectrum(o->spectrum, s);
     if (code == CLI_OK && o->plot)
         code = characterize_plot(o, s);
     if (code == CLI_OK)

@@ -114,9 +114,11 @@ static void parameter_rows(FILE *to, const json_t *effect) {
     json_object_foreach(parameters, key, value) {
         const json_t *pair = json_object_get(json_object_get(effect, "intervals"), key);
         double low = json_number_value(json_array_get(pair, 0)), high = json_number_value(json_array_get(pair, 1));
-        int d = digits_after_point(0.5 * (high - low));
+        double half = 0.5 * (high - low);
+        char text[DIGITS_TEXT], from[DIGITS_TEXT], end[DIGITS_TEXT];
         page_parameter(key, name, unit);
-        html_row(to, "%s|%.*f|%.*f to %.*f|~%s|~%s", name, d, json_number_value(value), d, low, d, high, unit, key);
+        html_row(to, "%s|%s|%s to %s|~%s|~%s", name, digits_text(text, json_number_value(value), half), digits_text(from, low, half),
+                 digits_text(end, high, half), unit, key);
     }
 }
 

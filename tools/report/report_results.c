@@ -105,10 +105,11 @@ void report_fits(FILE *to, report *r) {
 
 static void estimate_row(FILE *to, const json_t *e) {
     double low = json_number_at(e, "low"), high = json_number_at(e, "high");
-    int d = digits_after_point(0.5 * (high - low));
+    double half = 0.5 * (high - low);
+    char value[DIGITS_TEXT], from[DIGITS_TEXT], end[DIGITS_TEXT];
     if (json_is_true(json_object_get(e, "determined")))
-        html_row(to, "%s|%.*f|%.*f to %.*f|~%s", json_text_at(e, "name"), d, json_number_at(e, "value"), d, low, d, high,
-                 json_text_at(e, "unit"));
+        html_row(to, "%s|%s|%s to %s|~%s", json_text_at(e, "name"), digits_text(value, json_number_at(e, "value"), half),
+                 digits_text(from, low, half), digits_text(end, high, half), json_text_at(e, "unit"));
     else
         html_row(to, "%s|not determined|%.1g to %.1g|~%s", json_text_at(e, "name"), low, high, json_text_at(e, "unit"));
 }
@@ -155,9 +156,9 @@ static void cell(const json_t *list, const char *name, char line[64]) {
         if (strncmp(json_text_at(e, "name"), name, n) == 0 &&
             (json_text_at(e, "name")[n] == '\0' || json_text_at(e, "name")[n] == ' ')) {
             double half = 0.5 * (json_number_at(e, "high") - json_number_at(e, "low"));
-            int d = digits_after_point(half);
+            char value[DIGITS_TEXT], more[DIGITS_TEXT];
             if (json_is_true(json_object_get(e, "determined")))
-                snprintf(line, 64, "%.*f \u00b1 %.*f", d, json_number_at(e, "value"), d, half);
+                snprintf(line, 64, "%.28s \u00b1 %.28s", digits_text(value, json_number_at(e, "value"), half), digits_text(more, half, half));
             else
                 strcpy(line, "not determined");
             return;
