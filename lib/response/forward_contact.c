@@ -5,10 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A surface left alone is followed in steps of EARLY of the shortest relaxation time, later of LATER of the
- * time since it was left, rounded down to powers of two so that parameters do not move them; LATER times a
- * whole number of steps is never such a power. */
+/* A surface left alone is followed in steps of EARLY of the shortest relaxation time, or of the samples' step if that is
+ * longer, as what relaxes faster is in equilibrium within it; later of LATER of the time since it was left. They are
+ * rounded down to powers of two so that parameters do not move them; LATER times a whole number of steps is never such a
+ * power. */
 static const double EARLY = 0.1, LATER = 0.047;
+static const double AT_ONCE = 4e-15; /* share of a step after its start: no earlier one can be told from it */
 static const double STRAIN_LOW = -0.95, STRAIN_HIGH = 0.999; /* where implicit strains are looked for */
 enum { EVENTS = 8 }; /* most events in one step: more would be rounding's; from half of them on a bond parts at its strongest pull */
 
@@ -97,13 +99,26 @@ static void add_pull(const forward_plate *p, const forward_surface *s, double *s
         }
 }
 
+/* The share of the step at which it parts: at once, if it pulls too much already. */
+static palp_status find_parting(equation *q, double *share) {
+    const forward_plate *p = q->plate;
+    double pull, slope, start = fmin(1.0, p->done + AT_ONCE);
+    palp_status status = parting(q, start, &pull, &slope);
+    *share = start;
+    if (status || pull >= 0.0 || start == 1.0)
+        return status;
+    *share = 0.5 * (start + 1.0);
+    status = forward_solve(parting, q, start, 1.0, share);
+    return status == PALP_ERR_NOT_CONVERGED ? PALP_OK : status; /* that: it parts at the very end */
+}
+
 static palp_status part(forward_plate *p) {
     const size_t n = p->specimen.n_columns;
-    double share = 0.5 * (p->done + 1.0), step = forward_step_time(p), force_dt, *share_p = p->work + n,
+    double share, step = forward_step_time(p), force_dt, *share_p = p->work + n,
            *strain_p = p->work + 2 * n, *force_p = p->work + 3 * n;
     equation q = {.plate = p};
-    palp_status status = forward_solve(parting, &q, p->done, 1.0, &share);
-    if (status && status != PALP_ERR_NOT_CONVERGED) /* that: it parts at the very start */
+    palp_status status = find_parting(&q, &share);
+    if (status)
         return status;
     forward_surface s = forward_held(p, share, -p->plan->adhesion);
     if (n) {
@@ -149,7 +164,7 @@ static double next_share(const forward_plate *p) {
     double step = forward_step_time(p), now = p->time[0] + p->done * step;
     if (p->fresh || p->specimen.shortest == 0.0)
         return 1.0;
-    double wanted = fmax(EARLY * p->specimen.shortest, LATER * (now - p->released));
+    double wanted = fmax(EARLY * fmax(p->specimen.shortest, step), LATER * (now - p->released));
     double share = p->done + ldexp(1.0, ilogb(wanted)) / step;
     return share < 1.0 && share > p->done ? share : 1.0;
 }
