@@ -61,6 +61,9 @@ void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, d
 void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
                        double *work);
 
+/* What chi2 has of a law that makes no model; 0: it makes one. */
+double explain_fit_wall(const explain_fit *fit, const explain_data *data);
+
 double explain_fit_score(const explain_fit *fit, const explain_data *data);
 double explain_chi2(const explain_data *data, const explain_fit *fit); /* per sample of the runs not held out */
 

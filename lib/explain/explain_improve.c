@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double RISE = 1e-3; /* of chi2: less is rounding's */
+
 palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2) {
     size_t k = fit->n_columns;
     double *h = malloc((2 * k * k + 3 * k) * sizeof *h);
@@ -27,6 +29,7 @@ typedef struct improvement {
     palp_model model;
     double *product;
     double *work; /* [k k + k] */
+    double best, last; /* chi2 of them, and of those tried last */
     size_t evaluations;
 } improvement;
 
@@ -35,15 +38,20 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
     i->evaluations++;
     memcpy(i->fit->x, x, i->fit->n_columns * sizeof *x);
     palp_status status = explain_fit_to_model(i->fit);
+    if (!status && explain_fit_wall(i->fit, i->data) > i->best + RISE) /* whatever its forces are */
+        return PALP_ERR_NOT_CONVERGED;
     if (!status)
         status = explain_fit_products(i->fit, i->data, NULL);
-    if (!status)
-        explain_fit_total(i->fit, i->data, h, g, chi2, i->work);
-    return status;
+    if (status)
+        return status;
+    explain_fit_total(i->fit, i->data, h, g, chi2, i->work);
+    i->last = *chi2;
+    return PALP_OK;
 }
 
 static void keep(void *user) {
     improvement *i = user;
+    i->best = i->last;
     i->model = i->fit->model;
     memcpy(i->product, i->fit->product, i->data->n_runs * i->fit->m * i->fit->m * sizeof *i->product);
 }
@@ -56,13 +64,14 @@ static palp_status descend(explain_fit *fit, const explain_data *data, size_t ro
     if (!status) {
         double *g = h + k * k, *x = g + k;
         improvement i = {.fit = fit, .data = data, .work = x + k, .product = x + k + k * k + k};
-        keep(&i);
         memcpy(x, fit->x, k * sizeof *x);
         for (size_t a = 0; a < k; a++)
             reach[a] = fit->logarithmic[a] ? 1.0 : HUGE_VAL;
         explain_fit_total(fit, data, h, g, &chi2, i.work);
+        i.last = chi2;
+        keep(&i);
         const levenberg problem = {.n = k, .evaluations = rounds, .low = fit->low, .high = fit->high, .reach = reach,
-                                   .stop_absolute = 0.02, .stop_relative = 1e-7, .stop_rise = 1e-3,
+                                   .stop_absolute = 0.02, .stop_relative = 1e-7, .stop_rise = RISE,
                                    .evaluate = evaluate, .keep = keep, .user = &i};
         status = levenberg_solve(&problem, x, h, g, &chi2);
         memcpy(fit->x, x, k * sizeof *x);

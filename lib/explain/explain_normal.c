@@ -107,25 +107,32 @@ double explain_chi2(const explain_data *data, const explain_fit *fit) {
 }
 
 /* A law that falls below a little of its stiffness before PALP_MODEL_STRAIN makes no model: a wall there, stiff beside
- * any data. */
-static void add_wall(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2) {
+ * any data. Returns its chi2; h and g: NULL, or it adds to them. */
+static double add_wall(const explain_fit *fit, const explain_data *data, double *h, double *g) {
     enum { PLACES = 200 };
     const palp_law *law = &fit->model.material.law;
     double typical = data->peak * data->height / data->deepest, low = 1e-3 * typical, sd = 1e-7 * typical;
-    double row[PALP_LAW_MAX], stiffness;
+    double row[PALP_LAW_MAX], stiffness, chi2 = 0.0;
     for (int i = 0; i <= PLACES; i++) {
         double e = fmax(1e-6, PALP_MODEL_STRAIN * i / PLACES);
         palp_law_stiffness(law, e, &stiffness, NULL);
         if (!(stiffness < low))
             continue;
+        chi2 += pow((low - stiffness) / sd, 2);
+        if (!h)
+            continue;
         palp_law_gradient(law, e, row);
-        *chi2 += pow((low - stiffness) / sd, 2);
         for (size_t a = 0; a < law->n; a++) {
             g[a] += (low - stiffness) / sd * row[a] / e / sd;
             for (size_t b = 0; b < law->n; b++)
                 h[a * fit->n_columns + b] += row[a] / e / sd * row[b] / e / sd;
         }
     }
+    return chi2;
+}
+
+double explain_fit_wall(const explain_fit *fit, const explain_data *data) {
+    return add_wall(fit, data, NULL, NULL);
 }
 
 void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
@@ -147,7 +154,7 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
     }
     for (size_t i = 0; i < k; i++)
         h[i * k + i] += 1.0 / (fit->unit[i] * fit->unit[i]);
-    add_wall(fit, data, h, g, chi2);
+    *chi2 += add_wall(fit, data, h, g);
 }
 
 /* What the noise of one sample hides. */
