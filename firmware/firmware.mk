@@ -11,7 +11,7 @@ FW_SHARED := firmware/main.c lib/wire/wire.c $(wildcard firmware/core/*.c)
 FW_SIMULATED := firmware/board/simulated.c firmware/board/plant_link.c
 FW_CHIP := $(wildcard firmware/board/stm32f405/*.c)
 # What QEMU does not model: the plant is there instead.
-FW_DEVICES := $(patsubst %,firmware/board/stm32f405/%.c,board sensor_ad7606 encoder motor supply thermistor switches trigger)
+FW_DEVICES := $(patsubst %,firmware/board/stm32f405/%.c,board sensor_ad7606 encoder flash motor supply thermistor switches trigger)
 FW_ELF_SRC := $(FW_SHARED) $(FW_CHIP)
 FW_RIG_SRC := $(FW_SHARED) $(FW_SIMULATED) $(filter-out $(FW_DEVICES),$(FW_CHIP)) \
     $(wildcard firmware/board/rig/*.c)

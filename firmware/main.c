@@ -24,6 +24,8 @@ static uint32_t turn(uint32_t cost) {
     receive();
     app_tick(&indenter, &inputs, &outputs);
     hal_drive(&outputs);
+    if (outputs.stores)
+        hal_store(outputs.store_at, outputs.store_word);
     hal_transmit(&indenter.stream.out);
     hal_watchdog_kick();
     return hal_cost() - start;
@@ -34,6 +36,7 @@ int main(void) {
     const app_identity who = {hal_board_name(), hal_serial_number(), hal_is_simulated()};
     uint32_t cost = 0;
     app_init(&indenter, &machine_indenter, &who, hal_reset_cause(), failed);
+    app_load(&indenter, hal_stored());
     for (;;)
         cost = turn(cost);
 }

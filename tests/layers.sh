@@ -34,6 +34,7 @@ tools/shared: |
 tools/rig: tools/shared firmware/board |
 tools/acquire: tools/rig |
 tools/panel: tools/acquire |
+tools/calibrate_device: tools/acquire |
 tools/report: tools/explain |
 tools/firmware: tools/rig |
 tools/*: tools/shared |

@@ -17,6 +17,7 @@ static const subcommand subcommands[] = {
     {"Indenter", "acquire", "press a specimen and record it, by an indenter or the virtual one", cmd_acquire},
     {NULL, "panel", "a page in the browser to drive an indenter, or the virtual one", cmd_panel},
     {NULL, "firmware", "an indenter at the bench: what it is, home, tare, gains, clear a fault", cmd_firmware},
+    {NULL, "calibrate-device", "what an indenter is set to; measures and keeps it", cmd_calibrate_device},
     {NULL, "rig", "the virtual indenter: the firmware, a simulated plant and a specimen", cmd_rig},
     {"Recordings", "import", "other testers' recordings (Mach-1, Instron, CSV) as experiments", cmd_import},
     {NULL, "characterize",
@@ -42,7 +43,7 @@ static void help(FILE *to) {
         const subcommand *s = &subcommands[i];
         if (s->group)
             fprintf(to, "\n%s\n", s->group);
-        fprintf(to, "  %-14s%s\n", s->name, s->about);
+        fprintf(to, "  %-18s%s\n", s->name, s->about);
     }
     fputs("\n  palpate help COMMAND      options of a command, with units and an example\n"
           "  palpate --version         the version\n"

@@ -20,6 +20,10 @@ void hal_sense(app_inputs *inputs);
 /* The output holds until the next tick: if it is not renewed by then, the tick interrupt brakes the motor. */
 void hal_drive(const app_outputs *outputs);
 
+/* The parameters' flash (store.h). hal_init has erased what store_to_erase says, before anything could move. */
+const uint32_t *hal_stored(void);
+void hal_store(uint32_t at, uint32_t word); /* programs one word, within 0.1 ms */
+
 /* Serial port: the rings are filled and drained by interrupt. */
 bool hal_receive(uint8_t *byte);   /* false = nothing there */
 void hal_transmit(ring *transmit); /* starts sending what is in the ring; the ring must stay */

@@ -9,6 +9,7 @@ static struct {
     bool late;
     uint8_t byte[RECEIVE];
     ring received, *transmit;
+    uint32_t stored[STORE_WORDS];
 } simulated;
 
 static void write_record(void) {
@@ -55,7 +56,30 @@ static void exchange(void) {
     do_events(simulated.in.events);
 }
 
+/* The flash of the parameters, as it was left. */
+static void open_store(void) {
+    uint32_t *words = simulated.stored;
+    for (uint32_t i = 0; i < STORE_WORDS; i++)
+        words[i] = STORE_BLANK;
+    simulated_recall(words, STORE_WORDS);
+    const uint32_t erase = store_to_erase(words) * STORE_AREA;
+    for (uint32_t i = 0; erase < STORE_WORDS && i < STORE_AREA; i++)
+        words[erase + i] = STORE_BLANK;
+    if (erase < STORE_WORDS)
+        simulated_keep(erase, words + erase, STORE_AREA);
+}
+
+const uint32_t *hal_stored(void) {
+    return simulated.stored;
+}
+
+void hal_store(uint32_t at, uint32_t word) {
+    simulated.stored[at] &= word;
+    simulated_keep(at, simulated.stored + at, 1);
+}
+
 uint8_t simulated_boot(void) {
+    open_store();
     ring_init(&simulated.received, simulated.byte, RECEIVE);
     simulated.out.boot = 1;
     exchange();

@@ -10,7 +10,8 @@ enum { LEVEL_TICKS = 20 };
 
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed) {
     memset(a, 0, sizeof *a);
-    a->machine = m;
+    a->machine = *m;
+    memcpy(a->gains, gains_table, sizeof a->gains);
     a->identity = *who;
     /* With a clock that is 1 % wrong every time constant would be, unseen. A sensor that failed is silent. */
     a->unfit = failed & (APP_CLOCK_FAILED | APP_ENCODER_FAILED);
@@ -41,8 +42,8 @@ void app_receive(app *a, uint8_t byte) {
 
 static void sense_position(app *a, const app_inputs *in) {
     const int32_t before = a->sensed ? a->in.position : in->position;
-    a->velocity_m_s = (float)(in->position - before) * a->machine->count_m / (TICK_S * (float)a->elapsed);
-    a->position_m = (float)(in->position - a->home) * a->machine->count_m;
+    a->velocity_m_s = (float)(in->position - before) * a->machine.count_m / (TICK_S * (float)a->elapsed);
+    a->position_m = (float)(in->position - a->home) * a->machine.count_m;
 }
 
 /* A sensor that is not connected answers with the same level on its line all the time. A quiet one in the air may
@@ -73,17 +74,17 @@ static void sense(app *a, const app_inputs *in) {
         a->cost_most = in->cost;
     sense_position(a, in);
     sense_force(a, in);
-    thermal_step(&a->thermal, a->machine, a->duty, a->velocity_m_s, in->thermistor);
+    thermal_step(&a->thermal, &a->machine, a->duty, a->velocity_m_s, in->thermistor);
     a->in = *in;
     a->sensed = true;
 }
 
 /* The motor's force for this tick's reference, as a share of its full. */
 static float drive(app *a) {
-    const machine *m = a->machine;
+    const machine *m = &a->machine;
     const float depth_m = a->contact_known ? a->reference.position_m - a->contact_m : 0.0f;
     const float limit_N = thermal_derating(&a->thermal, m) * m->current_A * m->force_constant_N_A;
-    return pid_step(&a->pid, &gains_table[a->softness], &a->reference, a->position_m, depth_m, m->moving_kg,
+    return pid_step(&a->pid, &a->gains[a->softness], &a->reference, a->position_m, depth_m, m->moving_kg,
                     m->motor_drag_Ns_m, m->friction_N, limit_N) /
            m->motor_N;
 }
@@ -100,5 +101,6 @@ void app_tick(app *a, const app_inputs *in, app_outputs *out) {
     out->motor_on = app_drives(a);
     out->duty = (int16_t)real_round(a->duty * DUTY_FULL);
     a->pulsed = out->trigger = motion_pulse(a);
+    out->stores = a->store.writing && parameters_write(a, out);
     report_tick(a, out->duty);
 }

@@ -6,6 +6,7 @@
 #include "force.h"
 #include "machine.h"
 #include "pid.h"
+#include "store.h"
 #include "stream.h"
 #include "supervisor.h"
 #include "thermal.h"
@@ -29,6 +30,8 @@ typedef struct app_outputs {
     int16_t duty;  /* 32767 = full force towards the specimen */
     bool motor_on; /* else the board shorts the motor, which brakes it without any current from the supply */
     bool trigger;  /* a pulse goes out until the next tick */
+    bool stores;   /* a word is to be programmed into the store's flash; never while the motor is on */
+    uint32_t store_at, store_word;
 } app_outputs;
 
 /* Why the processor started; what did not come up, a bit each. */
@@ -51,8 +54,23 @@ typedef struct app_limits {
     uint16_t overflow_samples; /* lost in a run */
 } app_limits;
 
+/* What a calibration says besides the machine's own figures; 0 where it was not measured. */
+typedef struct calibrated {
+    float day;             /* of the last calibration, days since 1970-01-01 */
+    float compliance_m_N;  /* of the frame */
+    float noise_N;         /* sd of the force at rest */
+    float sensitivity_sd;  /* relative, of the sensor's gain */
+    float lift_N, ripple_N; /* of the drive: what its balance lifts, sd of its force at an even speed */
+} calibrated;
+
 typedef struct app {
-    const machine *machine;
+    /* what it can be told to be, by SET_PARAMETER (app_parameters.c) */
+    machine machine;
+    gains gains[GAINS_CLASSES]; /* softest first */
+    calibrated calibrated;
+    store store;
+    uint32_t id; /* of these and the sensor's matrix: their CRC-32 */
+    uint32_t stored_id; /* of those in flash; 0 = none */
     app_identity identity;
     uint8_t unfit; /* APP_*_FAILED, what forbids to move; BOOT and FAULT are not left before it is none */
     app_limits limits;
@@ -107,6 +125,9 @@ typedef struct app {
 /* reset_cause: APP_RESET_*; failed: APP_*_FAILED. Any reset but by power starts in FAULT; a board that did
  * not come up stays in BOOT (or FAULT): for good without its crystal, until its encoder has a signal. */
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed);
+/* Takes the parameters of the last good record in flash, whose words (store.h) stay there: to be called after app_init, before the
+ * first tick. */
+void app_load(app *a, const uint32_t *stored);
 /* False: what has come from the host is to wait for the next tick, which bounds the cost of one. */
 bool app_listens(const app *a);
 void app_receive(app *a, uint8_t byte);

@@ -40,6 +40,10 @@ static const struct permission {
     {PALP_WIRE_TYPE_HALT, ALWAYS & ~IN(BOOT) & ~IN(FAULT)},
     {PALP_WIRE_TYPE_JOG, IN(READY)},
     {PALP_WIRE_TYPE_TRIGGER, STILL},
+    {PALP_WIRE_TYPE_GET_PARAMETER, ALWAYS},
+    {PALP_WIRE_TYPE_SET_PARAMETER, IN(IDLE)},
+    {PALP_WIRE_TYPE_SAVE, IN(IDLE)},
+    {PALP_WIRE_TYPE_GET_CONFIGURATION, ALWAYS},
 };
 
 static uint8_t permitted(const app *a, uint8_t command) {
@@ -48,6 +52,8 @@ static uint8_t permitted(const app *a, uint8_t command) {
         const uint16_t states = permissions[i].states;
         if (permissions[i].command != command)
             continue;
+        if (a->store.writing && (states & IN(RUN)) == 0)
+            return PALP_WIRE_RESULT_STATE; /* flash is not written while something moves */
         if ((states & here) != 0 || (here == IN(IDLE) && states == IN(READY) && a->homed))
             return PALP_WIRE_RESULT_DONE;
         if (here == IN(FAULT))
@@ -130,7 +136,7 @@ static bool limit(float *value, int32_t asked, float unit, float most) {
 }
 
 static uint8_t set_limits(app *a, const palp_wire_limits *asked) {
-    const machine *m = a->machine;
+    const machine *m = &a->machine;
     const uint16_t timeout_ms = asked->host_timeout_ms;
     app_limits next = a->limits;
     if (!limit(&next.force_N, asked->force_uN, 1e-6f, m->force_N) ||
@@ -155,7 +161,7 @@ static uint8_t select_gains(app *a, const palp_wire_select_gains *asked) {
     if (!automatic)
         a->softness = asked->softness;
     else
-        a->softness = a->contact_known ? gains_class(a->stiffness_N_m) : (uint8_t)GAINS_MIDDLE;
+        a->softness = a->contact_known ? gains_class(a->gains, a->stiffness_N_m) : (uint8_t)GAINS_MIDDLE;
     return PALP_WIRE_RESULT_DONE;
 }
 
@@ -176,7 +182,7 @@ static uint8_t find_contact(app *a, const palp_wire_find_contact *asked) {
 static uint8_t set_segment(app *a, const palp_wire_segment *asked) {
     if (asked->index >= PALP_WIRE_SEGMENTS)
         return PALP_WIRE_RESULT_RANGE;
-    const uint8_t result = trajectory_check(asked, a->machine->speed_m_s, a->machine->force_N);
+    const uint8_t result = trajectory_check(asked, a->machine.speed_m_s, a->machine.force_N);
     if (result == PALP_WIRE_RESULT_DONE) {
         trajectory_set(&a->trajectory, asked->index, asked);
         a->segments_set |= 1U << asked->index;
@@ -200,7 +206,7 @@ static float first_rate(const trajectory *t) {
  * the limit itself to a force that passes it. */
 static bool can_follow(const app *a, uint8_t segments, float start_m) {
     const reach r = trajectory_reach(&a->trajectory, segments, start_m);
-    const float k = a->stiffness_N_m, impedance_Ns_m = __builtin_sqrtf(k * a->machine->moving_kg) + 2.0f * TICK_S * k;
+    const float k = a->stiffness_N_m, impedance_Ns_m = __builtin_sqrtf(k * a->machine.moving_kg) + 2.0f * TICK_S * k;
     return r.force_N <= a->limits.force_N && a->contact_m + r.low_m >= 0.0f && a->contact_m + r.high_m <= a->limits.travel_m &&
            r.speed_m_s * impedance_Ns_m <= a->limits.force_N;
 }
@@ -238,6 +244,12 @@ static uint8_t set_trigger(app *a, const palp_wire_trigger *asked) {
     return PALP_WIRE_RESULT_DONE;
 }
 
+static uint8_t set_calibration(app *a, const palp_wire_set_calibration *asked) {
+    const bool good = force_set_row(&a->force, asked->axis, asked->row);
+    parameters_changed(a);
+    return done_if(good);
+}
+
 static uint8_t execute(app *a, const palp_wire_message *c) {
     switch (c->type) {
     case PALP_WIRE_TYPE_HELLO:
@@ -251,7 +263,7 @@ static uint8_t execute(app *a, const palp_wire_message *c) {
     case PALP_WIRE_TYPE_TARE:
         return tare(a, &c->as.tare);
     case PALP_WIRE_TYPE_SET_CALIBRATION:
-        return done_if(force_set_row(&a->force, c->as.set_calibration.axis, c->as.set_calibration.row));
+        return set_calibration(a, &c->as.set_calibration);
     case PALP_WIRE_TYPE_GET_CALIBRATION:
         return done_if(c->as.get_calibration.axis < FORCE_AXES);
     case PALP_WIRE_TYPE_LIMITS:
@@ -277,7 +289,13 @@ static uint8_t execute(app *a, const palp_wire_message *c) {
         return jog(a, &c->as.jog);
     case PALP_WIRE_TYPE_TRIGGER:
         return set_trigger(a, &c->as.trigger);
-    default: /* ALIVE, GET_LIMITS, GET_STATUS */
+    case PALP_WIRE_TYPE_GET_PARAMETER:
+        return done_if(parameters_get(a, c->as.get_parameter.id, &(palp_wire_parameter){.id = 0}));
+    case PALP_WIRE_TYPE_SET_PARAMETER:
+        return parameters_set(a, &c->as.set_parameter);
+    case PALP_WIRE_TYPE_SAVE:
+        return parameters_save(a);
+    default: /* ALIVE, GET_CONFIGURATION, GET_LIMITS, GET_STATUS */
         return PALP_WIRE_RESULT_DONE;
     }
 }
@@ -294,6 +312,12 @@ static void answer(app *a, const palp_wire_message *c) {
         break;
     case PALP_WIRE_TYPE_GET_GAINS:
         report_gains(a, c->as.get_gains.softness);
+        break;
+    case PALP_WIRE_TYPE_GET_PARAMETER:
+        report_parameter(a, c->as.get_parameter.id);
+        break;
+    case PALP_WIRE_TYPE_GET_CONFIGURATION:
+        report_configuration(a);
         break;
     case PALP_WIRE_TYPE_GET_STATUS:
         report_status(a);

@@ -10,6 +10,14 @@
 /* ---- app_command.c ---- */
 void command_take(app *a, const palp_wire_message *command);
 
+/* ---- app_parameters.c ---- */
+uint8_t parameters_set(app *a, const palp_wire_set_parameter *asked); /* a palp_wire_result */
+bool parameters_get(const app *a, uint8_t id, palp_wire_parameter *one);
+void parameters_changed(app *a); /* what follows from them */
+uint8_t parameters_save(app *a); /* begins to */
+bool parameters_write(app *a, app_outputs *out); /* a word a tick of those being saved; false: none */
+palp_wire_configuration parameters_state(const app *a);
+
 /* ---- app_watch.c ---- */
 void watch_limits_begin(app *a); /* the machine's own */
 void watch_inputs(app *a);    /* what is wrong with what was sensed */
@@ -36,6 +44,8 @@ void report_info(app *a);
 void report_calibration(app *a, uint8_t axis);
 void report_gains(app *a, uint8_t softness);
 void report_limits(app *a);
+void report_parameter(app *a, uint8_t id);
+void report_configuration(app *a);
 
 static inline bool app_drives(const app *a) {
     return supervisor_drives(a->supervisor.state);

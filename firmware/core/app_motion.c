@@ -65,7 +65,7 @@ static bool leave_switch(app *a) {
 
 /* From here on positions count from there. */
 static void set_home(app *a, int32_t counts, float next_m) {
-    const float shift_m = (float)(counts - a->home) * a->machine->count_m;
+    const float shift_m = (float)(counts - a->home) * a->machine.count_m;
     a->home = counts;
     a->reference.position_m -= shift_m;
     a->position_m -= shift_m;
@@ -75,7 +75,7 @@ static void set_home(app *a, int32_t counts, float next_m) {
 
 /* Upwards until the switch is closed for long enough not to be a glitch; the edge is where that began. */
 static bool seek_switch(app *a, float rate_m_s, float next_m) {
-    (void)move_toward(&a->reference, a->from_m - 2.0f * a->machine->travel_m, rate_m_s);
+    (void)move_toward(&a->reference, a->from_m - 2.0f * a->machine.travel_m, rate_m_s);
     if (!a->in.home_switch)
         a->phase_ticks = 0;
     else if (a->phase_ticks++ == 0)
@@ -114,7 +114,7 @@ void motion_bounds(const app *a, float *low_m, float *high_m) {
         *low_m = -BEYOND_M;
         *high_m = HOME_OFF_MOST_M;
     } else {
-        *low_m = a->from_m - a->machine->travel_m - STOP_M - BEYOND_M;
+        *low_m = a->from_m - a->machine.travel_m - STOP_M - BEYOND_M;
         *high_m = a->from_m + HOME_OFF_MOST_M;
     }
 }
@@ -131,7 +131,7 @@ static void contact_is_known(app *a) {
     motion_withdraw(a, a->contact_m - MOTION_AIR_M);
     a->stiffness_N_m = a->contact.stiffness_N_m;
     if (a->softness_auto)
-        a->softness = gains_class(a->stiffness_N_m);
+        a->softness = gains_class(a->gains, a->stiffness_N_m);
 }
 
 /* Not by a reading that is none: one at its rail would pass for something hard. */

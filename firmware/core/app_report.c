@@ -20,9 +20,9 @@ void report_info(app *a) {
                              .patch = FIRMWARE_PATCH,
                              .simulated = a->identity.simulated,
                              .tick_Hz = CONTROL_HZ,
-                             .count_pm = (uint32_t)real_round(a->machine->count_m * 1e12f),
-                             .travel_nm = real_round(a->machine->travel_m * 1e9f),
-                             .force_uN = real_round(a->machine->force_N * 1e6f),
+                             .count_pm = (uint32_t)real_round(a->machine.count_m * 1e12f),
+                             .travel_nm = real_round(a->machine.travel_m * 1e9f),
+                             .force_uN = real_round(a->machine.force_N * 1e6f),
                              .serial = a->identity.serial};
     for (int i = 0; i < PALP_WIRE_NAME && a->identity.board[i] != '\0'; i++)
         info->board[i] = (uint8_t)a->identity.board[i];
@@ -43,7 +43,7 @@ static uint32_t scaled(float x, float scale) {
 }
 
 void report_gains(app *a, uint8_t softness) {
-    const gains *g = &gains_table[softness];
+    const gains *g = &a->gains[softness];
     palp_wire_message m = {.type = PALP_WIRE_TYPE_GAINS};
     m.as.gains = (palp_wire_gains){.softness = softness,
                                    .stiffness_mN_m = scaled(g->stiffness_N_m, 1e3f),
@@ -64,6 +64,18 @@ void report_limits(app *a) {
                                              .temperature_cC = (int16_t)real_round(l->winding_C * 100.0f),
                                              .host_timeout_ms = l->host_timeout_ms,
                                              .overflow_samples = l->overflow_samples};
+    (void)stream_send(&a->stream, &m);
+}
+
+void report_parameter(app *a, uint8_t id) {
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_PARAMETER};
+    (void)parameters_get(a, id, &m.as.parameter);
+    (void)stream_send(&a->stream, &m);
+}
+
+void report_configuration(app *a) {
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_CONFIGURATION};
+    m.as.configuration = parameters_state(a);
     (void)stream_send(&a->stream, &m);
 }
 
@@ -90,12 +102,12 @@ static palp_wire_status status(const app *a) {
         .contact_known = a->contact_known,
         .softness = a->softness,
         .position = position(a),
-        .contact = a->contact_known ? real_round(a->contact_m / a->machine->count_m) : 0,
+        .contact = a->contact_known ? real_round(a->contact_m / a->machine.count_m) : 0,
         .stiffness_mN_m = a->contact_known ? scaled(a->stiffness_N_m, 1e3f) : 0,
         .force_uN = real_round(a->force_N * 1e6f),
         .case_cC = case_cC(a),
         .winding_cC = short_of(thermal_winding_C(&a->thermal) * 100.0f),
-        .derating_permille = (uint16_t)real_round(thermal_derating(&a->thermal, a->machine) * 1000.0f),
+        .derating_permille = (uint16_t)real_round(thermal_derating(&a->thermal, &a->machine) * 1000.0f),
         .missed_ticks = a->missed_ticks,
         .bad_frames = a->decoder.bad,
         .tick_cost = a->cost_most,
@@ -133,7 +145,7 @@ static uint16_t flags(const app *a) {
     uint32_t bits = follows ? (uint32_t)a->trajectory.current << 8 | PALP_WIRE_FLAG_TRAJECTORY : 0;
     bits |= motion_records(a) ? PALP_WIRE_FLAG_RECORD : 0;
     bits |= app_drives(a) ? PALP_WIRE_FLAG_MOTOR : 0;
-    bits |= thermal_derating(&a->thermal, a->machine) < 1.0f ? PALP_WIRE_FLAG_DERATED : 0;
+    bits |= thermal_derating(&a->thermal, &a->machine) < 1.0f ? PALP_WIRE_FLAG_DERATED : 0;
     bits |= a->in.home_switch ? PALP_WIRE_FLAG_HOME_SWITCH : 0;
     bits |= !a->answering || a->saturated ? PALP_WIRE_FLAG_SENSOR_BAD : 0;
     bits |= a->elapsed > 1 ? PALP_WIRE_FLAG_TICK_MISSED : 0;
@@ -149,7 +161,7 @@ void report_tick(app *a, int16_t duty) {
     const float error_m = app_drives(a) ? a->reference.position_m - a->position_m : 0.0f;
     sample one = {.tick = a->tick,
                   .position = position(a),
-                  .error = short_of(error_m / a->machine->count_m),
+                  .error = short_of(error_m / a->machine.count_m),
                   .duty = duty,
                   .flags = flags(a)};
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)

@@ -15,7 +15,7 @@ static const uint8_t order[] = {
 };
 
 void watch_limits_begin(app *a) {
-    const machine *m = a->machine;
+    const machine *m = &a->machine;
     a->limits = (app_limits){m->force_N, m->travel_m,        m->following_m,
                              m->fault_C, m->host_timeout_ms, m->overflow_samples};
 }
@@ -59,7 +59,7 @@ static void watch_encoder(app *a) {
 /* A position that has jumped, or was not counted, is lost in every state, also where that is not a fault. */
 static void watch_position(app *a) {
     float low_m, high_m;
-    const bool jumped = real_abs(a->velocity_m_s) > a->machine->speed_m_s;
+    const bool jumped = real_abs(a->velocity_m_s) > a->machine.speed_m_s;
     if (jumped || noted(a, PALP_WIRE_FAULT_ENCODER_LOST))
         a->homed = a->contact_known = false;
     motion_bounds(a, &low_m, &high_m);
@@ -79,9 +79,9 @@ static void watch_motion(app *a) {
     a->host_ticks = on ? a->host_ticks + a->elapsed : 0;
     /* A motor that is held back for its heat falls behind before it is too hot. */
     note(a,
-         thermal_derating(&a->thermal, a->machine) < 1.0f ? PALP_WIRE_FAULT_OVER_TEMPERATURE
+         thermal_derating(&a->thermal, &a->machine) < 1.0f ? PALP_WIRE_FAULT_OVER_TEMPERATURE
                                                           : PALP_WIRE_FAULT_FOLLOWING_ERROR,
-         a->following_ticks >= a->machine->following_ticks);
+         a->following_ticks >= a->machine.following_ticks);
     note(a, PALP_WIRE_FAULT_HOST_TIMEOUT, host_is_gone(a));
     note(a, PALP_WIRE_FAULT_STREAM_OVERFLOW,
          app_moving(a) && a->stream.lost - a->lost_at_start > a->limits.overflow_samples);

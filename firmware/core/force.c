@@ -25,6 +25,10 @@ void force_init(force_sensor *f) {
         (void)force_set_row(f, axis, matrix_nN[axis]);
 }
 
+float force_standard(uint8_t i) {
+    return (float)matrix_nN[i / PALP_WIRE_CHANNELS][i % PALP_WIRE_CHANNELS] * 1e-9f;
+}
+
 float force_axis(const force_sensor *f, const int16_t adc[PALP_WIRE_CHANNELS], uint8_t axis) {
     float sum = 0.0f;
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)

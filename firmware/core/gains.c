@@ -10,9 +10,9 @@ const gains gains_table[GAINS_CLASSES] = {
     {1e6f, 12020.0f, 532400.0f, 92.0f, 150.0f, 2500.0f},
 };
 
-uint8_t gains_class(float stiffness_N_m) {
+uint8_t gains_class(const gains table[GAINS_CLASSES], float stiffness_N_m) {
     uint8_t k = 0;
-    while (k < GAINS_CLASSES - 1 && stiffness_N_m > gains_table[k].stiffness_N_m)
+    while (k < GAINS_CLASSES - 1 && stiffness_N_m > table[k].stiffness_N_m)
         k++;
     return k;
 }

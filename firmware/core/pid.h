@@ -16,7 +16,7 @@ enum { GAINS_CLASSES = 6, GAINS_MIDDLE = 2 };
 extern const gains gains_table[GAINS_CLASSES]; /* softest first; doc/control.md: how they were found */
 
 /* The class for a specimen whose stiffness in its first tenth of a millimetre is so much. */
-uint8_t gains_class(float stiffness_N_m);
+uint8_t gains_class(const gains table[GAINS_CLASSES], float stiffness_N_m);
 
 typedef struct pid {
     float integral_N; /* of the integral term */

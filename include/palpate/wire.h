@@ -19,7 +19,8 @@ enum {
     PALP_WIRE_CHANNELS = 6,  /* force sensor */
     PALP_WIRE_SAMPLES = 10,  /* control ticks in a SAMPLES frame */
     PALP_WIRE_SEGMENTS = 32, /* most segments of a trajectory */
-    PALP_WIRE_NAME = 16      /* bytes of a name, zero-padded */
+    PALP_WIRE_NAME = 16,     /* bytes of a name, zero-padded */
+    PALP_WIRE_PARAMETER_NAME = 24 /* the same, of a parameter's */
 };
 
 /* What the supervisor is doing. X(NAME, name in files): the number on the wire is the place in the list. */
@@ -57,7 +58,8 @@ enum {
     X(FAULTED, "a fault is latched; clear it first")                             \
     X(NOT_HOMED, "not homed yet")                                                \
     X(NO_CONTACT, "contact has not been found yet")                              \
-    X(PERSISTS, "the fault's cause is still there")
+    X(PERSISTS, "the fault's cause is still there")                              \
+    X(FULL, "no room left in its flash: restart the device")
 
 typedef enum palp_wire_state {
 #define PALP_WIRE_MEMBER(name, id) PALP_WIRE_STATE_##name,
@@ -143,6 +145,11 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 #define PALP_WIRE_JOG(F, A) F(i32, to_nm) F(u32, rate_nm_s) /* to a place below home, and holds it there */
 /* in: PALP_WIRE_TRIGGER_*; out: pulses with a recording's first sample and every so many after it (0: none more) */
 #define PALP_WIRE_TRIGGER(F, A) F(u8, in) F(u8, out) F(u16, every)
+/* The machine's parameters, by number; as the bits of an IEEE 754 binary32 in SI units. Set in IDLE only. */
+#define PALP_WIRE_GET_PARAMETER(F, A) F(u8, id)
+#define PALP_WIRE_SET_PARAMETER(F, A) F(u8, id) F(u32, value)
+#define PALP_WIRE_SAVE(F, A) F(u8, reserved) /* those in use, into flash; begins to */
+#define PALP_WIRE_GET_CONFIGURATION(F, A) F(u8, reserved)
 /* ---- device to host ---- */
 #define PALP_WIRE_ACK(F, A) F(u16, sequence) F(u8, command) F(u8, result)
 #define PALP_WIRE_INFO(F, A)                                                                              \
@@ -159,6 +166,15 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
     F(u32, feed_mN_m)
 /* What LIMITS has left in force. */
 #define PALP_WIRE_LIMITS_NOW(F, A) PALP_WIRE_LIMITS(F, A)
+/* One of them: which of how many of its name; standard: what is compiled in; name: zero-padded, with its unit. */
+#define PALP_WIRE_PARAMETER(F, A)                                                                      \
+    F(u8, id) F(u8, index) F(u8, count) F(u32, value) F(u32, standard) F(u32, low) F(u32, high) \
+    A(u8, name, PALP_WIRE_PARAMETER_NAME)
+/* source: 0 compiled in, 1 from flash, 2 compiled in because what is in flash is damaged; bad: damaged records; saving: 0 no, 1 in
+ * progress, 2 the last one failed; id, stored_id: CRC-32 of the parameters in use and in flash (0: none); room: records until
+ * the next start. */
+#define PALP_WIRE_CONFIGURATION(F, A)                                                         \
+    F(u8, source) F(u8, bad) F(u8, saving) F(u8, parameters) F(u32, id) F(u32, stored_id) F(u8, room)
 /* count <= PALP_WIRE_SAMPLES consecutive ticks from tick on; what follows count is zero. error: reference
  * minus position in counts, held at the ends of its range. adc: channel by channel within a tick. duty: of
  * the motor, 32767 = full. */
@@ -189,13 +205,19 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
     X(HALT, 18, halt, PALP_WIRE_HALT)                             \
     X(JOG, 19, jog, PALP_WIRE_JOG)                                \
     X(TRIGGER, 20, trigger, PALP_WIRE_TRIGGER)                    \
+    X(GET_PARAMETER, 21, get_parameter, PALP_WIRE_GET_PARAMETER)  \
+    X(SET_PARAMETER, 22, set_parameter, PALP_WIRE_SET_PARAMETER)  \
+    X(SAVE, 23, save, PALP_WIRE_SAVE)                             \
+    X(GET_CONFIGURATION, 24, get_configuration, PALP_WIRE_GET_CONFIGURATION) \
     X(ACK, 128, ack, PALP_WIRE_ACK)                               \
     X(INFO, 129, info, PALP_WIRE_INFO)                            \
     X(STATUS, 130, status, PALP_WIRE_STATUS)                      \
     X(SAMPLES, 131, samples, PALP_WIRE_SAMPLES_MESSAGE)           \
     X(CALIBRATION, 132, calibration, PALP_WIRE_CALIBRATION)       \
     X(GAINS, 133, gains, PALP_WIRE_GAINS)                         \
-    X(LIMITS_NOW, 134, limits_now, PALP_WIRE_LIMITS_NOW)
+    X(LIMITS_NOW, 134, limits_now, PALP_WIRE_LIMITS_NOW)          \
+    X(PARAMETER, 135, parameter, PALP_WIRE_PARAMETER)             \
+    X(CONFIGURATION, 136, configuration, PALP_WIRE_CONFIGURATION)
 
 typedef uint8_t palp_wire_u8;
 typedef uint16_t palp_wire_u16;

@@ -12,7 +12,8 @@ completes() {
         "$ROOT/tools/completion/palpate.bash" "$@")
     [ "$got" = "$wanted" ] || fail "$*: \"$got\", not \"$wanted\""
 }
-completes "characterize calibrate" palpate c
+completes "calibrate-device characterize calibrate" palpate c
+completes "calibrate-device calibrate" palpate cal
 completes "report reduce" palpate help re
 completes "--version" palpate --v
 completes "--depth-mm" palpate simulate --dep

@@ -7,6 +7,7 @@
 #include "../../firmware/board/stm32f405/board.c"
 #include "../../firmware/board/stm32f405/clock.c"
 #include "../../firmware/board/stm32f405/encoder.c"
+#include "../../firmware/board/stm32f405/flash.c"
 #include "../../firmware/board/stm32f405/gpio.c"
 #include "../../firmware/board/stm32f405/guard.c"
 #include "../../firmware/board/stm32f405/motor.c"

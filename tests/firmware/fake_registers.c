@@ -4,6 +4,7 @@
 #include "../../firmware/board/stm32f405/drivers.h"
 
 #include <setjmp.h>
+#include <string.h>
 #include <stdarg.h>
 
 #include <cmocka.h>
@@ -15,6 +16,8 @@ fake hardware;
 
 void *fake_at(uintptr_t address) {
     int i = 0;
+    if (address == 0x080e0000u - sizeof hardware.stored / 2)
+        return hardware.stored;
     while (i < FAKE_BLOCKS && hardware.address[i] != address && hardware.address[i] != 0)
         i++;
     assert_true(i < FAKE_BLOCKS);
@@ -34,6 +37,8 @@ void fake_start(void) {
                       .switched_waits = FAKE_NOT_SWITCHED,
                       .convert = true,
                       .cs = true};
+    memset(hardware.stored, 0xff, sizeof hardware.stored);
+    FLASH->CR = FLASH_CR_LOCK;
     USART1->SR = USART_SR_TXE;
     USART1->DR = SEEN;
 }
@@ -64,6 +69,21 @@ static void clocks(void) {
         hardware.switched_waits = FLASH->ACR & FLASH_ACR_LATENCY;
     if (hardware.pll_switch || wanted == 0)
         RCC->CFGR = (RCC->CFGR & ~(uint32_t)RCC_CFGR_SWS) | wanted << 2;
+}
+
+/* An erasure in sector 10 or 11 takes a few looks; its half of the parameters is blank then. */
+static void flash(void) {
+    if ((FLASH->CR & FLASH_CR_LOCK) != 0 && FLASH->KEYR == FLASH_KEY_2)
+        FLASH->CR = 0;
+    FLASH->KEYR = 0;
+    set_bits(&FLASH->SR, FLASH_SR_BSY, hardware.flash_hangs);
+    if ((FLASH->CR & FLASH_CR_STRT) == 0 || hardware.flash_hangs)
+        return;
+    assert_int_equal(FLASH->CR & FLASH_CR_SER, FLASH_CR_SER);
+    const uint32_t sector = FLASH->CR >> 3 & 15, half = FAKE_STORED / 2;
+    assert_true(sector == 10 || sector == 11);
+    memset(hardware.stored + (sector - 10) * half, 0xff, half * sizeof(uint32_t));
+    FLASH->CR &= ~(uint32_t)FLASH_CR_STRT;
 }
 
 static void outputs(void) {
@@ -122,6 +142,8 @@ void fake_polled(const volatile uint32_t *address) {
     hardware.polls++;
     if (address == &RCC->CR || address == &RCC->CFGR || address == &FLASH->ACR) {
         clocks();
+    } else if (address == &FLASH->SR) {
+        flash();
     } else if (address == &SPI1->SR) {
         spi();
     } else if (address == &USART1->SR) {

@@ -14,7 +14,7 @@
 #define INTERRUPTS_ON() ((void)0)
 #define BARRIER() ((void)0)
 
-enum { FAKE_BLOCKS = 32, FAKE_WORDS = 256, FAKE_SENT = 256, FAKE_NOT_SWITCHED = 99 };
+enum { FAKE_BLOCKS = 32, FAKE_WORDS = 256, FAKE_SENT = 256, FAKE_NOT_SWITCHED = 99, FAKE_STORED = 1536 };
 
 typedef struct fake {
     /* what the hardware does: all true where it is healthy */
@@ -35,6 +35,8 @@ typedef struct fake {
     size_t n_sent;
     uintptr_t address[FAKE_BLOCKS];
     uint32_t word[FAKE_BLOCKS][FAKE_WORDS];
+    uint32_t stored[FAKE_STORED]; /* the flash of the parameters */
+    bool flash_hangs;
 } fake;
 
 extern fake hardware;

@@ -147,7 +147,7 @@ static void test_classes(void **state) {
             loop_rest(&l, 0, 50);
             contact c = loop_search(&l, 5e-4f, 3e-3f);
             assert_int_equal(c.phase, CONTACT_FOUND);
-            assert_int_equal(gains_class(c.stiffness_N_m), k);
+            assert_int_equal(gains_class(gains_table, c.stiffness_N_m), k);
             add(&position, 1e6 * ((double)c.position_m - (double)LOOP_AIR_M));
             add(&stiffness, (double)c.stiffness_N_m);
             loop_close(&l);

@@ -300,7 +300,7 @@ static void test_guard(void **state) {
 }
 
 static void test_motor_output_expires(void **state) {
-    const app_outputs on = {1000, true, false}, off = {1000, false, false};
+    const app_outputs on = {.duty = 1000, .motor_on = true}, off = {.duty = 1000};
     (void)state;
     (void)hal_init();
     for (int i = 0; i < 3; i++) {

@@ -169,12 +169,12 @@ static void test_table(void **state) {
         assert_true(g->kp_N_m > 0 && g->ki_N_ms > 0 && g->kd_Ns_m > 0 && g->filter_Hz > 0 && g->feed_N_m > 0);
         assert_true(k == 0 || g->stiffness_N_m > gains_table[k - 1].stiffness_N_m);
         assert_true(k == 0 || g->feed_N_m > gains_table[k - 1].feed_N_m);
-        assert_int_equal(gains_class(g->stiffness_N_m), k);
-        assert_int_equal(gains_class(1.001f * g->stiffness_N_m), k < GAINS_CLASSES - 1 ? k + 1 : k);
+        assert_int_equal(gains_class(gains_table, g->stiffness_N_m), k);
+        assert_int_equal(gains_class(gains_table, 1.001f * g->stiffness_N_m), k < GAINS_CLASSES - 1 ? k + 1 : k);
     }
-    assert_int_equal(gains_class(477), GAINS_MIDDLE);
-    assert_int_equal(gains_class(0), 0);
-    assert_int_equal(gains_class(1e9f), GAINS_CLASSES - 1);
+    assert_int_equal(gains_class(gains_table, 477), GAINS_MIDDLE);
+    assert_int_equal(gains_class(gains_table, 0), 0);
+    assert_int_equal(gains_class(gains_table, 1e9f), GAINS_CLASSES - 1);
 }
 
 const struct CMUnitTest tests[] = {

@@ -83,7 +83,7 @@ static outcome run(const press *p) {
     contact c = loop_search(&l, 5e-4f, 3e-3f);
     assert_int_equal(c.phase, CONTACT_FOUND);
     loop_go(&l, (float)loop_position(&l), 0);
-    o.softness = gains_class(c.stiffness_N_m);
+    o.softness = gains_class(gains_table, c.stiffness_N_m);
     l.gains = p->gains ? p->gains : &gains_table[o.softness];
     l.contact_m = c.position_m;
     l.known = true;

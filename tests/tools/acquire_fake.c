@@ -78,6 +78,8 @@ static void answer(fake *f, uint8_t type, uint8_t axis) {
     } else if (type == PALP_WIRE_TYPE_GET_LIMITS) {
         m.type = PALP_WIRE_TYPE_LIMITS_NOW;
         m.as.limits_now = (palp_wire_limits_now){f->limits.force_uN, 30000000, 1000000, 11000, 5000, 1000};
+    } else if (type == PALP_WIRE_TYPE_GET_CONFIGURATION) {
+        m.type = PALP_WIRE_TYPE_CONFIGURATION; /* with no parameters */
     } else {
         m.type = PALP_WIRE_TYPE_CALIBRATION;
         m.as.calibration.axis = axis;
@@ -140,7 +142,7 @@ static void take_command(fake *f, const palp_wire_message *m) {
     ack.as.ack.result = again ? PALP_WIRE_RESULT_DONE : obey(f, m);
     send_message(f, &ack);
     if (m->type == PALP_WIRE_TYPE_HELLO || m->type == PALP_WIRE_TYPE_GET_CALIBRATION ||
-        m->type == PALP_WIRE_TYPE_GET_LIMITS) {
+        m->type == PALP_WIRE_TYPE_GET_LIMITS || m->type == PALP_WIRE_TYPE_GET_CONFIGURATION) {
         answer(f, m->type, m->as.get_calibration.axis);
     } else if (m->type == PALP_WIRE_TYPE_GET_STATUS) {
         send_block(f);

@@ -42,6 +42,15 @@ static outcome set_trigger(session *s) {
     return o->trigger_in || o->trigger_out ? session_order(s, &m, "take the triggers") : GOES_ON;
 }
 
+/* What it is set to, as each recording says. */
+static outcome read_calibration(session *s) {
+    enum { CALIBRATED = 6 }; /* of the parameters; the device tells of them first */
+    outcome end = session_from_device(s, device_parameters_read(&s->device, CALIBRATED, &s->calibration), "answer");
+    if (end == GOES_ON && s->calibration.now.source == 2)
+        session_tell(s, true, "what the device has kept is damaged: it uses what is compiled in; see palpate calibrate-device show");
+    return end;
+}
+
 outcome session_configure(session *s) {
     palp_wire_message gains = {.type = PALP_WIRE_TYPE_SELECT_GAINS,
                                .as.select_gains = {.softness = (uint8_t)s->options->gains}};
@@ -49,6 +58,7 @@ outcome session_configure(session *s) {
     end = end ? end : set_limits(s);
     end = end ? end : set_calibration(s);
     end = end ? end : set_trigger(s);
+    end = end ? end : read_calibration(s);
     return end ? end : session_order(s, &gains, "take the gains");
 }
 

@@ -95,6 +95,21 @@ static void limits(const session *s, json_t *to) {
 static const char *const row_keys[PALP_WIRE_CHANNELS] = {"device.row_Fx_N",  "device.row_Fy_N",  "device.row_Fz_N",
                                                          "device.row_Tx_Nm", "device.row_Ty_Nm", "device.row_Tz_Nm"};
 
+static void calibration(const session *s, json_t *to) {
+    const device_parameters *p = &s->calibration;
+    const double day = device_parameter_value(p, "calibration_day", 0);
+    const bool changed = p->now.id != p->now.stored_id && p->now.source != 2;
+    char id[12];
+    snprintf(id, sizeof id, "%08x", (unsigned)p->now.id);
+    string(to, "calibration.id", id);
+    string(to, "calibration.source", p->now.stored_id && changed ? "flash, changed" : device_source_text(p->now.source));
+    if (day > 0)
+        clock_time(to, "calibration.date", (time_t)day * 86400);
+    positive(to, "calibration.frame_mm_N", 1e3 * device_parameter_value(p, "compliance_m_N", 0));
+    positive(to, "calibration.noise_N", device_parameter_value(p, "noise_N", 0));
+    positive(to, "calibration.sensitivity_sd", device_parameter_value(p, "sensitivity_sd", 0));
+}
+
 json_t *session_header(const session *s) {
     const palp_wire_status *now = &s->device.status;
     json_t *to = json_object();
@@ -112,6 +127,7 @@ json_t *session_header(const session *s) {
     list(to, "device.force_tare", s->scale.tare);
     for (size_t axis = 0; (s->options->columns & ACQUIRE_FORCES) && axis < PALP_WIRE_CHANNELS; axis++)
         list(to, row_keys[axis], s->scale.matrix[axis]);
+    calibration(s, to);
     limits(s, to);
     number(to, "device.case_C", 1e-2 * now->case_cC);
     number(to, "device.winding_C", 1e-2 * now->winding_cC);

@@ -101,7 +101,7 @@ static outcome gone(session *s) {
     return GONE;
 }
 
-static outcome from_device(session *s, device_result result, const char *what) {
+outcome session_from_device(session *s, device_result result, const char *what) {
     switch (result) {
     case DEVICE_OK:
         return GOES_ON;
@@ -116,16 +116,16 @@ static outcome from_device(session *s, device_result result, const char *what) {
 }
 
 outcome session_ask(session *s, palp_wire_message *question, palp_wire_message *answer) {
-    return from_device(s, device_command(&s->device, question, answer), "answer");
+    return session_from_device(s, device_command(&s->device, question, answer), "answer");
 }
 
 outcome session_order(session *s, palp_wire_message *command, const char *what) {
-    return from_device(s, device_command(&s->device, command, NULL), what);
+    return session_from_device(s, device_command(&s->device, command, NULL), what);
 }
 
 outcome session_status(session *s) {
     palp_wire_message got;
-    outcome end = from_device(s, device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got), "answer");
+    outcome end = session_from_device(s, device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got), "answer");
     end = mended(s, end);
     return end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT ? faulted(s) : end;
 }
@@ -158,7 +158,7 @@ static outcome ask_how_it_is(session *s) {
     device_result result = device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got);
     if (result == DEVICE_TIMEOUT && link_now_s() - s->heard_s < SILENT_S)
         return GOES_ON;
-    return from_device(s, result, "answer");
+    return session_from_device(s, result, "answer");
 }
 
 bool session_is_to_stop(const session *s) {

@@ -28,6 +28,7 @@ struct session {
     device device;
     acquire_scale scale;
     palp_wire_limits_now limits; /* in force */
+    device_parameters calibration; /* the first of them */
     acquire_file file; /* of the run in progress */
     acquire_live live;
     const acquire_run *run;
@@ -57,6 +58,7 @@ void session_close(session *s);
 outcome session_order(session *s, palp_wire_message *command, const char *what);
 outcome session_ask(session *s, palp_wire_message *question, palp_wire_message *answer);
 outcome session_status(session *s);
+outcome session_from_device(session *s, device_result result, const char *what);
 outcome session_segments(session *s, const acquire_run *run);
 outcome session_fail(session *s, const char *format, ...); /* keeps the words */
 

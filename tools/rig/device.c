@@ -65,6 +65,10 @@ static bool answers(const palp_wire_message *command, const palp_wire_message *m
     case PALP_WIRE_TYPE_GET_CALIBRATION:
         return m->type == PALP_WIRE_TYPE_CALIBRATION &&
                m->as.calibration.axis == command->as.get_calibration.axis;
+    case PALP_WIRE_TYPE_GET_PARAMETER:
+        return m->type == PALP_WIRE_TYPE_PARAMETER && m->as.parameter.id == command->as.get_parameter.id;
+    case PALP_WIRE_TYPE_GET_CONFIGURATION:
+        return m->type == PALP_WIRE_TYPE_CONFIGURATION;
     case PALP_WIRE_TYPE_GET_GAINS:
         return m->type == PALP_WIRE_TYPE_GAINS && m->as.gains.softness == command->as.get_gains.softness;
     default:

@@ -52,6 +52,7 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
                  "a fault at S seconds of the device's time, lifted at the second;\n"
                  "more of them: over_force@3.5,sensor_silent@7-8"),
         cli_positive("trigger-every-s", "S", 1e6, &o->trigger_s, "a camera: a pulse at the trigger's input every S seconds"),
+        cli_text("store", "FILE", &o->store, "keeps what it has been told to save (default: it forgets it)"),
         cli_out("log", "FILE.csv", &o->log, "what is true, tick by tick"),
     };
     memcpy(list, options, sizeof options);
@@ -182,6 +183,7 @@ int rig_options_settings(const char *name, const rig_options *o, const char *mod
     settings->paced = o->paced;
     settings->log = o->log;
     settings->trigger_s = isnan(o->trigger_s) ? 0 : o->trigger_s;
+    settings->store = o->store;
     int code = read_injections(name, o->inject, settings);
     return code ? code : set_plant(name, o, model, &settings->plant);
 }

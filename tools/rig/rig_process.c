@@ -114,9 +114,9 @@ static void become(const rig_settings *s, const rig_process *p, pid_t parent) {
     /* clang-format off */
     const char *const under_qemu[] = {
         QEMU, "-M", "netduinoplus2", "-kernel", s->image, "-display", "none", "-monitor", "none",
-        "-icount", "shift=3,sleep=off", "-semihosting-config", "enable=on,target=native,arg=in,arg=out",
+        "-icount", "shift=3,sleep=off", "-semihosting-config", "enable=on,target=native,arg=in,arg=out,arg=store",
         "-serial", "none", NULL};
-    const char *const as_process[] = {s->image, "in", "out", NULL};
+    const char *const as_process[] = {s->image, "in", "out", "store", NULL};
     /* clang-format on */
     const char *const *wanted = s->firmware == RIG_QEMU ? under_qemu : as_process;
     char *list[ARGUMENTS] = {NULL};
@@ -138,6 +138,18 @@ static int open_fifo(const char *folder, const char *name) {
     return mkfifo(path, 0600) == 0 ? open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC) : -1;
 }
 
+/* The flash: a file in the folder, which goes with it, or elsewhere. */
+static bool link_store(const char *folder, const char *store) {
+    char path[RIG_PATH + 8], here[RIG_PATH], whole[2 * RIG_PATH + 2];
+    if (!store)
+        return true;
+    snprintf(path, sizeof path, "%s/store", folder);
+    if (*store != '/' && !getcwd(here, sizeof here))
+        return false;
+    snprintf(whole, sizeof whole, "%s%s%s", *store == '/' ? "" : here, *store == '/' ? "" : "/", store);
+    return symlink(whole, path) == 0;
+}
+
 static int start_failed(const char *name, const char *what) {
     return cli_failure(name, "cannot start the firmware: %s: %s", what, strerror(errno));
 }
@@ -152,6 +164,8 @@ int rig_process_start(const char *name, const rig_settings *settings, rig_proces
     if (p->to < 0 || p->from < 0 || pipe2(text, O_CLOEXEC | O_NONBLOCK) != 0)
         return start_failed(name, p->folder);
     p->text = text[0];
+    if (!link_store(p->folder, settings->store))
+        return start_failed(name, settings->store);
     pid_t parent = getpid();
     p->pid = fork();
     if (p->pid == 0) {
@@ -229,6 +243,7 @@ void rig_process_end(rig_process *p) {
     if (p->folder[0]) {
         remove_in(p->folder, "in");
         remove_in(p->folder, "out");
+        remove_in(p->folder, "store");
         rmdir(p->folder);
     }
 }

@@ -4,6 +4,7 @@
 
 int cmd_acquire(int argc, char **argv);
 int cmd_panel(int argc, char **argv);
+int cmd_calibrate_device(int argc, char **argv);
 int cmd_firmware(int argc, char **argv);
 int cmd_rig(int argc, char **argv);
 int cmd_import(int argc, char **argv);

@@ -1,6 +1,6 @@
 /* board.c: the firmware as a process of this machine, in lockstep with the simulated plant:
- *   indenter_host PLANT_TO_FIRMWARE FIRMWARE_TO_PLANT
- * which are FIFOs. Exit code 0 after PLANT_EVENT_QUIT, 1 when something failed or the plant has gone, 2 for wrong
+ *   indenter_host PLANT_TO_FIRMWARE FIRMWARE_TO_PLANT [FLASH]
+ * The first two are FIFOs; FLASH is a file that keeps the parameters. Exit code 0 after PLANT_EVENT_QUIT, 1 when something failed or the plant has gone, 2 for wrong
  * arguments. */
 #include "process.h"
 #include "simulated.h"
@@ -43,8 +43,8 @@ bool hal_stack_intact(void) {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 3) {
-        fprintf(stderr, "usage: indenter_host PLANT_TO_FIRMWARE FIRMWARE_TO_PLANT\n");
+    if (argc != 3 && argc != 4) {
+        fprintf(stderr, "usage: indenter_host PLANT_TO_FIRMWARE FIRMWARE_TO_PLANT [FLASH]\n");
         return 2;
     }
     process_open(argv);

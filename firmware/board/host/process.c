@@ -14,7 +14,7 @@
 
 static struct {
     char **arguments;
-    int in, out;
+    int in, out, store;
     bool smashed;
 } process;
 
@@ -24,7 +24,7 @@ static void give_up(const char *what, const char *why) {
 }
 
 static int open_one(const char *fifo, int how) {
-    const int fd = open(fifo, how | O_CLOEXEC);
+    const int fd = open(fifo, how | O_CLOEXEC, 0666);
     if (fd < 0)
         give_up(fifo, strerror(errno));
     return fd;
@@ -35,6 +35,7 @@ void process_open(char **arguments) {
     process.arguments = arguments;
     process.in = open_one(arguments[1], O_RDONLY);
     process.out = open_one(arguments[2], O_WRONLY);
+    process.store = arguments[3] ? open_one(arguments[3], O_RDWR | O_CREAT) : -1;
 }
 
 bool process_smashed(void) {
@@ -57,6 +58,18 @@ void simulated_read(uint8_t in[PLANT_LINK_IN]) {
             give_up("the plant has gone", strerror(errno));
         got += n > 0 ? (size_t)n : 0;
     }
+}
+
+void simulated_recall(uint32_t *word, uint32_t n) {
+    const size_t size = n * sizeof *word;
+    if (process.store >= 0 && pread(process.store, word, size, 0) < 0)
+        give_up(process.arguments[3], strerror(errno));
+}
+
+void simulated_keep(uint32_t at, const uint32_t *word, uint32_t n) {
+    const size_t size = n * sizeof *word;
+    if (process.store >= 0 && pwrite(process.store, word, size, (off_t)(at * sizeof *word)) != (ssize_t)size)
+        give_up(process.arguments[3], strerror(errno));
 }
 
 void simulated_restart(void) {

@@ -3,8 +3,8 @@
  * system calls of each byte that its UART sends). To be run as
  *   qemu-system-arm -M netduinoplus2 -kernel rig.elf -display none -monitor none -serial none
  *       -icount shift=3,sleep=off
- *       -semihosting-config enable=on,target=native,arg=PLANT_TO_FIRMWARE,arg=FIRMWARE_TO_PLANT
- * with the FIFOs there before it starts and no space in their names. The plant opens them in the same order.
+ *       -semihosting-config enable=on,target=native,arg=PLANT_TO_FIRMWARE,arg=FIRMWARE_TO_PLANT,arg=FLASH
+ * with the FIFOs there before it starts and no space in their names. FLASH, a file that keeps the parameters, may be left out. The plant opens them in the same order.
  * The exit code is 0 after PLANT_EVENT_QUIT, 1 when the plant has gone. Costs are right for shift=3. */
 #include "drivers.h"
 #include "semihosting.h"

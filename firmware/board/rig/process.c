@@ -11,6 +11,14 @@ void simulated_read(uint8_t in[PLANT_LINK_IN]) {
     semihosting_read(in, PLANT_LINK_IN);
 }
 
+void simulated_recall(uint32_t *word, uint32_t n) {
+    semihosting_recall(word, n);
+}
+
+void simulated_keep(uint32_t at, const uint32_t *word, uint32_t n) {
+    semihosting_keep(at, word, n);
+}
+
 void simulated_restart(void) {
     reset_because(APP_RESET_WATCHDOG);
 }

@@ -10,6 +10,8 @@
 void semihosting_open(void);
 void semihosting_read(uint8_t *byte, uint32_t n);
 void semihosting_write(const uint8_t *byte, uint32_t n);
+void semihosting_recall(uint32_t *word, uint32_t n);
+void semihosting_keep(uint32_t at, const uint32_t *word, uint32_t n);
 void semihosting_exit(bool good); /* ends the simulator: exit code 0 or 1 */
 
 #endif

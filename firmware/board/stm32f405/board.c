@@ -17,6 +17,7 @@ uint8_t hal_init(void) {
     const clock_state clock = clock_start();
     motor_start(clock.hz);
     supply_start();
+    flash_start();
     switches_start();
     board.cause = reset_cause();
     if (!clock.crystal)

@@ -63,6 +63,9 @@ bool motor_fault(void);       /* the driver's alarm, now */
 void supply_start(void);
 void supply_interrupt(void);
 
+/* flash.c: the parameters' flash, hal.h; erases what store_to_erase says */
+void flash_start(void);
+
 /* guard.c: no null pointers */
 void guard_start(void);
 

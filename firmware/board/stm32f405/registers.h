@@ -142,7 +142,14 @@ enum {
     FLASH_ACR_5_WAITS = 5u << 0,
     FLASH_ACR_PREFETCH = 1u << 8,
     FLASH_ACR_CACHES = 3u << 9, /* instructions, data */
+    FLASH_ACR_DATA_CACHE = 1u << 10,
+    FLASH_ACR_DATA_RESET = 1u << 12,
+    FLASH_SR_ERRORS = 1u << 1 | 15u << 4,
     FLASH_SR_BSY = 1u << 16,
+    FLASH_CR_PG = 1u << 0,
+    FLASH_CR_SER = 1u << 1,
+    FLASH_CR_WORDS = 2u << 8, /* 32 bits at a time: 2.7 V or more */
+    FLASH_CR_STRT = 1u << 16,
     FLASH_OPTCR_OPTLOCK = 1u << 0,
     FLASH_OPTCR_OPTSTRT = 1u << 1,
     FLASH_OPTCR_BOR = 3u << 2, /* 0: 2.8 V; 3: off */
@@ -195,6 +202,10 @@ enum {
     PVD_IRQ = 1,
     USART1_IRQ = 37
 };
+
+#define FLASH_CR_LOCK (1u << 31)
+#define FLASH_KEY_1 0x45670123u
+#define FLASH_KEY_2 0xcdef89abu
 
 /* Polls a register until the bits of mask are as in value; false if they are not after so many polls. */
 static inline bool wait_for(const reg *address, uint32_t mask, uint32_t value, uint32_t polls) {

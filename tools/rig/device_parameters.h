@@ -1,0 +1,44 @@
+/* device_parameters.h: what can be set of an indenter, by name: read, set, kept in its flash. */
+#ifndef PALPATE_DEVICE_PARAMETERS_H
+#define PALPATE_DEVICE_PARAMETERS_H
+
+#include "device.h"
+
+enum { DEVICE_PARAMETERS = 256, DEVICE_SOURCES = 3 };
+
+/* SI units. */
+typedef struct device_parameter {
+    uint8_t id, index, count; /* index: which of the count values of its name */
+    char name[PALP_WIRE_PARAMETER_NAME + 1];
+    float value, standard, low, high; /* standard: compiled in */
+} device_parameter;
+
+typedef struct device_parameters {
+    palp_wire_configuration now;
+    size_t n;
+    device_parameter one[DEVICE_PARAMETERS];
+} device_parameters;
+
+/* Reads the first at_most of them; all: DEVICE_PARAMETERS. */
+device_result device_parameters_read(device *d, size_t at_most, device_parameters *p);
+device_result device_configuration(device *d, palp_wire_configuration *now);
+
+/* NULL: there is none of that name and index. */
+const device_parameter *device_parameter_find(const device_parameters *p, const char *name, size_t index);
+/* Its value; NAN: there is none. */
+double device_parameter_value(const device_parameters *p, const char *name, size_t index);
+
+/* In IDLE. DEVICE_REFUSED: why says the range. */
+device_result device_parameter_set(device *d, const device_parameter *one, double value);
+void device_parameter_refuse(const device_parameter *one, double value, char why[DEVICE_TEXT]); /* these words */
+/* Into flash, in IDLE; waits until it is there. DEVICE_REFUSED: it did not come out as it should. */
+device_result device_save(device *d);
+
+/* "compiled in", "flash", "compiled in, flash damaged". */
+const char *device_source_text(uint8_t source);
+
+/* The shortest text that gives just this number back. */
+void device_parameter_text(float value, char text[24]);
+double device_parameter_plain(float value); /* the number of that text */
+
+#endif
