@@ -41,9 +41,9 @@ static palp_status allocate(palp_realtime *rt) {
     rt->touching = arena_take(&rt->memory, MULTIGRID_COUPLINGS, sizeof *rt->touching);
     if (rt->memory.failed)
         return PALP_ERR_NO_MEMORY;
-    palp_status status =
-        multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
-                         realtime_touched(net) ? TOUCHED : DIRECT, &rt->mg);
+    const bool touched = realtime_touched(net);
+    palp_status status = multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
+                                          touched ? TOUCHED : DIRECT, touched, &rt->mg);
     if (!status && rt->settings.background)
         status = refresh_thread_create(rt->mg, &rt->thread);
     return status;

@@ -358,7 +358,7 @@ static palp_status make_work(multigrid *mg) {
 }
 
 palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *dof, size_t n_elements,
-                             const int32_t *pair, size_t direct, multigrid **out) {
+                             const int32_t *pair, size_t direct, bool touched, multigrid **out) {
     multigrid *mg = calloc(1, sizeof *mg);
     double *x = malloc((3 * n_nodes + 1) * sizeof *x);
     int32_t *number = malloc((n_nodes + 1) * sizeof *number);
@@ -366,6 +366,7 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
     if (!status) {
         mg->n_nodes = n_nodes;
         mg->n_elements = n_elements;
+        mg->jacobi = !touched;
         memcpy(x, rest, 3 * n_nodes * sizeof *x);
         status = sort_elements(mg, pair);
     }

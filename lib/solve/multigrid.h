@@ -1,5 +1,6 @@
-/* multigrid.h: a preconditioner for the tangent of a network: symmetric Gauss-Seidel on blocks of 3 by 3, Galerkin
- * products on ever coarser node sets, a direct factor of the coarsest. Of a small network that is all there is.
+/* multigrid.h: a preconditioner for the tangent of a network: symmetric Gauss-Seidel on blocks of 3 by 3 (on the finest level
+ * damped Jacobi, where nothing stiff touches it), Galerkin products on ever coarser node sets, a direct factor of the coarsest. Of
+ * a small network that is all there is.
  * Single precision, double on the coarsest. Two sets of numbers: one serves, the next is made meanwhile in pieces of known
  * work. Internal. */
 #ifndef MULTIGRID_H
@@ -9,9 +10,10 @@
 
 typedef struct multigrid multigrid;
 
-/* Symbolic part and all memory. dof[3 n_nodes] < 0: fixed. Networks of at most direct unknowns have one level. */
+/* Symbolic part and all memory. dof[3 n_nodes] < 0: fixed. Networks of at most direct unknowns have one level. touched:
+ * there will be couplings. */
 palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *dof, size_t n_elements,
-                             const int32_t *pair, size_t direct, multigrid **out);
+                             const int32_t *pair, size_t direct, bool touched, multigrid **out);
 void multigrid_free(multigrid *mg); /* NULL is fine */
 
 /* What the next numbers are made of: element i is along n n' + across 1 between its nodes, N/m. To be filled by the

@@ -31,6 +31,7 @@ typedef enum mg_stage {
 struct multigrid {
     arena memory;          /* of all arrays, those of the levels too */
     size_t n_nodes, n_elements, n_levels;
+    bool jacobi;           /* on the finest level, in place of Gauss-Seidel */
     uint32_t *place;       /* [n_elements] of each element among these, sorted by their lower node: */
     uint32_t *after;       /* [n_nodes + 1] elements from a node to higher ones: after[i] to after[i + 1] */
     int32_t *high;         /* [n_elements] the higher node */
@@ -43,7 +44,7 @@ struct multigrid {
     float *touched;        /* [6 n_nodes] own blocks and couplings of the set in use, as last touched */
     multigrid_coupling *touching;
     int32_t n_touching, *first_touching; /* [n_nodes] */
-    float *rest;           /* [4 n_nodes] right-hand side less what is known already */
+    float *rest;           /* [4 n_nodes] right-hand side less what is known already, the residual for Jacobi */
     mg_level level[MULTIGRID_LEVELS];
     int32_t *dof;          /* [3 n of the coarsest level] unknown of the factor, or -1 */
     size_t n_direct;
@@ -57,6 +58,37 @@ struct multigrid {
     int32_t *row_column;   /* [row_max] */
     int32_t *mark;         /* [n of the second level] */
 };
+
+static const float MULTIGRID_FREE[8][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0},
+                                           {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0}};
+
+static inline void multigrid_times_inverse(const float *b, const float s[4], float *x) {
+    for (size_t r = 0; r < 4; r++)
+        x[r] = b[r] * s[0] + b[4 + r] * s[1] + b[8 + r] * s[2];
+}
+
+/* Adds s to those that node i follows, each its share; and what they have become to x. */
+static inline void multigrid_pass_up(const mg_level *l, size_t i, const float *restrict s, float *restrict coarse) {
+    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
+        for (size_t r = 0; r < 4; r++)
+            coarse[4 * (size_t)l->up[k] + r] += l->weight[k] * s[r];
+}
+
+static inline void multigrid_take_down(const mg_level *l, size_t i, const float *restrict coarse, float *restrict x) {
+    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
+        for (size_t r = 0; r < 4; r++)
+            x[r] += l->weight[k] * coarse[4 * (size_t)l->up[k] + r];
+}
+
+/* ---- multigrid_finest.c: the two halves of a cycle on the finest level: from its r to what is left of it on the next one, and
+ * with what that has become to its x ---- */
+
+void multigrid_jacobi_down(multigrid *mg);
+void multigrid_jacobi_up(multigrid *mg);
+void multigrid_seidel_down(multigrid *mg);
+void multigrid_seidel_up(multigrid *mg);
+
+/* ---- multigrid.c ---- */
 
 /* Entry (row, column) of a level's pattern. */
 uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column);

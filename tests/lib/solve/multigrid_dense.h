@@ -21,6 +21,7 @@ typedef struct body {
     float element[5 * PAIRS_MAX]; /* n, along, across */
     multigrid_coupling coupling[COUPLED];
     uint64_t seed;
+    bool jacobi; /* on the finest level of a cycle */
 } body;
 
 static inline void make_body(body *b, double off, double across) {
@@ -89,7 +90,7 @@ static inline void add_contacts(body *b, double size) {
 
 static inline multigrid *make(const body *b, size_t direct) {
     multigrid *mg;
-    ck_assert_int_eq(multigrid_create(NODES, b->x, b->dof, b->n_pairs, b->pair, direct, &mg), PALP_OK);
+    ck_assert_int_eq(multigrid_create(NODES, b->x, b->dof, b->n_pairs, b->pair, direct, !b->jacobi, &mg), PALP_OK);
     return mg;
 }
 
@@ -116,6 +117,7 @@ typedef struct dense_level {
     double *a;               /* [3 n, 3 n], 0 in held rows and columns */
     unsigned char *free;     /* [3 n] */
     const mg_level *weights; /* to the next level */
+    bool jacobi;
 } dense_level;
 
 static inline void add_to_matrix(double *a, size_t i, size_t j, double block[3][3], double times, bool turned) {
@@ -134,6 +136,7 @@ static inline void hold(dense_level *l) {
 static inline void finest_matrix(const body *b, bool coupled, bool definite, dense_level *l) {
     double block[3][3];
     l->n = NODES;
+    l->jacobi = b->jacobi;
     l->a = calloc(9 * NODES * NODES, sizeof *l->a);
     l->free = calloc(3 * NODES, 1);
     for (size_t i = 0; i < 3 * NODES; i++)
@@ -179,6 +182,7 @@ static inline bool stands_for(const mg_level *l, size_t i, size_t found) {
 static inline void coarse_matrix(const multigrid *mg, size_t level, const dense_level *fine, dense_level *l) {
     const mg_level *w = fine->weights;
     l->n = mg->level[level + 1].n;
+    l->jacobi = false;
     double *half = calloc(9 * fine->n * l->n, sizeof *half); /* A P */
     l->a = calloc(9 * l->n * l->n, sizeof *l->a);
     l->free = calloc(3 * l->n, 1);
@@ -222,6 +226,29 @@ static inline void relax(const dense_level *l, size_t i, const double *r, double
     memcpy(x + 3 * i, s, sizeof s);
 }
 
+/* left = r - a x where free */
+static inline void find_residual(const dense_level *l, const double *r, const double *x, double *left) {
+    for (size_t i = 0; i < 3 * l->n; i++)
+        left[i] = l->free[i] ? r[i] - dense_dot(3 * l->n, l->a + i * 3 * l->n, x) : 0;
+}
+
+/* A step of damped Jacobi, or a sweep of Gauss-Seidel. */
+static inline void smooth(const dense_level *l, const double *r, double *x, bool up) {
+    double *left = calloc(3 * l->n, sizeof *left);
+    find_residual(l, r, x, left);
+    for (size_t k = 0; k < l->n; k++) {
+        const size_t i = up ? l->n - 1 - k : k;
+        if (!l->jacobi) {
+            relax(l, i, r, x);
+            continue;
+        }
+        solve(3, 3 * l->n, l->a + 3 * i * 3 * l->n + 3 * i, l->free + 3 * i, left + 3 * i);
+        for (size_t c = 3 * i; c < 3 * i + 3; c++)
+            x[c] += 0.74 * left[c];
+    }
+    free(left);
+}
+
 static inline void cycle(size_t levels, const dense_level *l, const double *r, double *x) {
     memset(x, 0, 3 * l->n * sizeof *x);
     if (levels == 1) {
@@ -231,19 +258,18 @@ static inline void cycle(size_t levels, const dense_level *l, const double *r, d
     }
     double *coarse_r = calloc(3 * l[1].n, sizeof *coarse_r), *coarse_x = calloc(3 * l[1].n, sizeof *coarse_x);
     const mg_level *w = l->weights;
-    for (size_t i = 0; i < l->n; i++)
-        relax(l, i, r, x);
-    for (size_t i = 0; i < 3 * l->n; i++) {
-        double left = l->free[i] ? r[i] - dense_dot(3 * l->n, l->a + i * 3 * l->n, x) : 0;
+    double *left = calloc(3 * l->n, sizeof *left);
+    smooth(l, r, x, false);
+    find_residual(l, r, x, left);
+    for (size_t i = 0; i < 3 * l->n; i++)
         for (uint32_t k = w->up_first[i / 3]; k < w->up_first[i / 3 + 1]; k++)
-            coarse_r[3 * (size_t)w->up[k] + i % 3] += (double)w->weight[k] * left;
-    }
+            coarse_r[3 * (size_t)w->up[k] + i % 3] += (double)w->weight[k] * left[i];
+    free(left);
     cycle(levels - 1, l + 1, coarse_r, coarse_x);
     for (size_t i = 0; i < 3 * l->n; i++)
         for (uint32_t k = w->up_first[i / 3]; k < w->up_first[i / 3 + 1]; k++)
             x[i] += l->free[i] ? (double)w->weight[k] * coarse_x[3 * (size_t)w->up[k] + i % 3] : 0;
-    for (size_t i = l->n; i-- > 0;)
-        relax(l, i, r, x);
+    smooth(l, r, x, true);
     free(coarse_r);
     free(coarse_x);
 }
