@@ -12,10 +12,16 @@ size_t fit_parameter_count(const fit_problem *p) {
 
 void fit_arm_response(const fit_run *run, double tau, double *response, double *slope) {
     double q = run->strain[0], dq = 0.0; /* the first sample's strain is applied at once */
+    double x = 0.0, decay = 1.0, mean = 1.0;
     for (size_t i = 0; i < run->n; i++) {
         if (i > 0) {
-            double x = (run->time[i] - run->time[i - 1]) / tau, de = run->strain[i] - run->strain[i - 1];
-            double lost = -expm1(-x), decay = 1.0 - lost, mean = x < 1e-8 ? 1.0 - 0.5 * x : lost / x;
+            double step = (run->time[i] - run->time[i - 1]) / tau, de = run->strain[i] - run->strain[i - 1];
+            if (fabs(step - x) > 1e-10 * x) { /* even samples differ by rounding */
+                double lost = -expm1(-step);
+                x = step;
+                decay = 1.0 - lost;
+                mean = x < 1e-8 ? 1.0 - 0.5 * x : lost / x;
+            }
             dq = decay * dq + x * decay * q + (mean - decay) * de;
             q = decay * q + mean * de;
         }
@@ -71,6 +77,14 @@ static palp_status no_spring(const fit_problem *p, double *residual, double *jac
     return PALP_OK;
 }
 
+/* A row that only carries the history, or that is held out. */
+static void silence(const fit_problem *p, size_t row, double *residual, double *jacobian) {
+    size_t n = fit_parameter_count(p);
+    residual[row] = 0.0;
+    for (size_t k = 0; k < n && jacobian; k++)
+        jacobian[k * p->n_blocks + row] = 0.0;
+}
+
 palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual, double *jacobian) {
     palp_law law;
     bool sound = true;
@@ -98,6 +112,10 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
         for (size_t i = 0; i < run->n; i++) {
             size_t row = first + i;
             double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise, force;
+            if (weight == 0.0) {
+                silence(p, row, residual, jacobian);
+                continue;
+            }
             spring(p, &law, v, r, run->strain[i], &force, jacobian ? by_spring : NULL);
             for (size_t k = 0; k < (own ? 1 : p->n_springs) && jacobian; k++)
                 jacobian[(own ? r : k) * m + row] = weight * by_spring[k];
