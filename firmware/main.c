@@ -35,7 +35,7 @@ int main(void) {
     const uint8_t failed = hal_init();
     const app_identity who = {hal_board_name(), hal_serial_number(), hal_is_simulated()};
     uint32_t cost = 0;
-    app_init(&indenter, &machine_indenter, &who, hal_reset_cause(), failed);
+    app_init(&indenter, hal_machine(), &who, hal_reset_cause(), failed);
     app_load(&indenter, hal_stored());
     for (;;)
         cost = turn(cost);

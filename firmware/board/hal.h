@@ -12,6 +12,7 @@ uint8_t hal_reset_cause(void); /* APP_RESET_* */
 const char *hal_board_name(void); /* at most PALP_WIRE_NAME bytes */
 uint32_t hal_serial_number(void);
 bool hal_is_simulated(void);
+const machine *hal_machine(void);
 
 /* Sleeps until the next control tick; ticks since the last call: 1 = on time, more = some were missed. */
 uint32_t hal_tick_wait(void);

@@ -34,7 +34,7 @@ void plant_link_put_in(const plant_in *in, uint8_t byte[PLANT_LINK_IN]) {
     *byte++ = in->rx_count;
     for (int i = 0; i < PLANT_LINK_RX; i++)
         *byte++ = in->rx[i];
-    put16(byte, 0);
+    put16(byte, in->machine);
 }
 
 void plant_link_get_in(const uint8_t byte[PLANT_LINK_IN], plant_in *in) {
@@ -49,6 +49,7 @@ void plant_link_get_in(const uint8_t byte[PLANT_LINK_IN], plant_in *in) {
     in->rx_count = *byte++;
     for (int i = 0; i < PLANT_LINK_RX; i++)
         in->rx[i] = *byte++;
+    in->machine = *byte;
 }
 
 void plant_link_put_out(const plant_out *out, uint8_t byte[PLANT_LINK_OUT]) {
@@ -60,7 +61,8 @@ void plant_link_put_out(const plant_out *out, uint8_t byte[PLANT_LINK_OUT]) {
     for (int i = 0; i < PLANT_LINK_TX; i++)
         *byte++ = out->tx[i];
     *byte++ = out->trigger;
-    for (int i = 0; i < PLANT_LINK_OUT - 18 - PLANT_LINK_TX; i++)
+    byte = put32(byte, (uint32_t)out->place);
+    for (int i = 0; i < PLANT_LINK_OUT - 22 - PLANT_LINK_TX; i++)
         *byte++ = 0;
 }
 
@@ -76,5 +78,6 @@ void plant_link_get_out(const uint8_t byte[PLANT_LINK_OUT], plant_out *out) {
     byte++;
     for (int i = 0; i < PLANT_LINK_TX; i++)
         out->tx[i] = *byte++;
-    out->trigger = *byte;
+    out->trigger = *byte++;
+    out->place = (int32_t)get32(&byte);
 }

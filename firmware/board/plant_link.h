@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-enum { PLANT_LINK_VERSION = 4, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 112, PLANT_LINK_RX = 36, PLANT_LINK_TX = 92 };
+enum { PLANT_LINK_VERSION = 4, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 116, PLANT_LINK_RX = 36, PLANT_LINK_TX = 92 };
 
 /* What the plant asks the simulated board to do to itself at this tick. */
 enum {
@@ -26,8 +26,12 @@ enum {
     PLANT_ENCODER_LOST = 4, /* alarms of encoder and driver */
     PLANT_DRIVER_FAULT = 8,
     PLANT_TRIGGER = 16, /* a pulse has come in */
+    PLANT_FORCE_HELD = 32, /* the sensor has nothing new */
     PLANT_SENSOR_SILENT = 128
 };
+
+/* Which machine it is: machine_indenter or machine_stepper of machine.h. */
+enum { PLANT_VOICE_COIL = 0, PLANT_STEPPER = 1 };
 
 /* The motor: without current; driven; shorted, so that it brakes. */
 enum { PLANT_MOTOR_OFF = 0, PLANT_MOTOR_ON = 1, PLANT_MOTOR_BRAKED = 2 };
@@ -43,9 +47,10 @@ typedef struct plant_in {
     uint8_t reset_cause; /* of the first record: APP_RESET_* in app.h */
     uint8_t rx_count;    /* bytes of the host in rx */
     uint8_t rx[PLANT_LINK_RX];
+    uint8_t machine;
 } plant_in;
 
-/* Firmware to plant, 112 bytes. boot = 1 in the first record after a start or restart: it asks for the
+/* Firmware to plant, 116 bytes. boot = 1 in the first record after a start or restart: it asks for the
  * first plant_in. cost: processor instructions spent on the last tick; stack_free: bytes of the stack never
  * used so far (0 = not known). After PLANT_EVENT_QUIT come records with what still waits for the host, up to one
  * without bytes. */
@@ -60,6 +65,7 @@ typedef struct plant_out {
     uint8_t tx_count; /* bytes for the host in tx: at most what 921600 baud carry in a tick */
     uint8_t tx[PLANT_LINK_TX];
     uint8_t trigger; /* 1: a pulse goes out */
+    int32_t place;   /* a stepper's, by the next tick: counts */
 } plant_out;
 
 /* Packed by hand, so that both sides agree whatever their compilers do. plant_link.c */

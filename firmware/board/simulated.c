@@ -96,6 +96,7 @@ void simulated_tick(uint32_t last_cost, uint16_t stack_free) {
 void simulated_drive(const app_outputs *outputs) {
     simulated.out.duty = outputs->motor_on ? outputs->duty : 0;
     simulated.out.trigger = outputs->trigger;
+    simulated.out.place = outputs->place;
     simulated.out.motor = outputs->motor_on ? PLANT_MOTOR_ON : PLANT_MOTOR_BRAKED;
 }
 
@@ -111,6 +112,10 @@ uint32_t hal_cost(void) {
 
 uint32_t hal_stack_free(void) {
     return 0;
+}
+
+const machine *hal_machine(void) {
+    return simulated.in.machine == PLANT_STEPPER ? &machine_stepper : &machine_indenter;
 }
 
 bool hal_is_simulated(void) {
@@ -132,6 +137,7 @@ void hal_sense(app_inputs *inputs) {
     inputs->emergency_stop = (in->switches & PLANT_SWITCH_EMERGENCY) != 0;
     inputs->encoder_lost = (in->switches & PLANT_ENCODER_LOST) != 0;
     inputs->driver_fault = (in->switches & PLANT_DRIVER_FAULT) != 0;
+    inputs->force_held = (in->switches & PLANT_FORCE_HELD) != 0;
     inputs->trigger = (in->switches & PLANT_TRIGGER) != 0;
 }
 

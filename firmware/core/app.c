@@ -11,6 +11,7 @@ enum { LEVEL_TICKS = 20 };
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed) {
     memset(a, 0, sizeof *a);
     a->machine = *m;
+    a->standard = m;
     memcpy(a->gains, gains_table, sizeof a->gains);
     a->identity = *who;
     /* With a clock that is 1 % wrong every time constant would be, unseen. A sensor that failed is silent. */
@@ -19,7 +20,8 @@ void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_c
     a->softness = GAINS_MIDDLE;
     a->softness_auto = true;
     stream_init(&a->stream, a->transmit, APP_TRANSMIT);
-    force_init(&a->force);
+    force_begin(&a->force, m->count_nN);
+    a->trajectory.force_w_s = trajectory_force_w_s(m->force_delay_s);
     if (reset_cause == APP_RESET_WATCHDOG)
         (void)supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_WATCHDOG_RESET, 0);
     if (reset_cause == APP_RESET_STACK)
@@ -56,7 +58,7 @@ static bool all_channels(const int16_t adc[PALP_WIRE_CHANNELS], int16_t value) {
 }
 
 static void sense_force(app *a, const app_inputs *in) {
-    const bool level = all_channels(in->adc, 0) || all_channels(in->adc, -1);
+    const bool level = a->machine.count_nN == 0 && (all_channels(in->adc, 0) || all_channels(in->adc, -1));
     a->level_ticks = level ? a->level_ticks + 1 : 0;
     a->answering = !in->sensor_silent && a->level_ticks < LEVEL_TICKS;
     a->saturated = a->answering && force_saturated(in->adc);
@@ -82,6 +84,8 @@ static void sense(app *a, const app_inputs *in) {
 /* The motor's force for this tick's reference, as a share of its full. */
 static float drive(app *a) {
     const machine *m = &a->machine;
+    if (m->stepper)
+        return 0.0f;
     const float depth_m = a->contact_known ? a->reference.position_m - a->contact_m : 0.0f;
     const float limit_N = thermal_derating(&a->thermal, m) * m->current_A * m->force_constant_N_A;
     return pid_step(&a->pid, &a->gains[a->softness], &a->reference, a->position_m, depth_m, m->moving_kg,
@@ -100,6 +104,7 @@ void app_tick(app *a, const app_inputs *in, app_outputs *out) {
     a->duty = app_drives(a) ? drive(a) : 0.0f;
     out->motor_on = app_drives(a);
     out->duty = (int16_t)real_round(a->duty * DUTY_FULL);
+    out->place = app_drives(a) ? a->home + real_round(a->reference.position_m / a->machine.count_m) : in->position;
     a->pulsed = out->trigger = motion_pulse(a);
     out->stores = a->store.writing && parameters_write(a, out);
     report_tick(a, out->duty);

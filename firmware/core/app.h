@@ -18,6 +18,7 @@ typedef struct app_inputs {
     int16_t adc[PALP_WIRE_CHANNELS];
     uint16_t thermistor; /* 12-bit counts */
     bool sensor_silent, home_switch, emergency_stop;
+    bool force_held; /* adc is still what a tick before sensed: the sensor has nothing new */
     bool encoder_lost, driver_fault; /* their alarms */
     bool trigger;                    /* a pulse has come in since the last tick */
     bool stack_intact;
@@ -27,6 +28,7 @@ typedef struct app_inputs {
 } app_inputs;
 
 typedef struct app_outputs {
+    int32_t place; /* of a stepper: where it is to be by the next tick, in counts as those of position */
     int16_t duty;  /* 32767 = full force towards the specimen */
     bool motor_on; /* else the board shorts the motor, which brakes it without any current from the supply */
     bool trigger;  /* a pulse goes out until the next tick */
@@ -66,6 +68,7 @@ typedef struct calibrated {
 typedef struct app {
     /* what it can be told to be, by SET_PARAMETER (app_parameters.c) */
     machine machine;
+    const struct machine *standard; /* as it was compiled in */
     gains gains[GAINS_CLASSES]; /* softest first */
     calibrated calibrated;
     store store;

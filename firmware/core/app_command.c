@@ -5,8 +5,7 @@
 
 #define SEARCH_RATE_M_S 5e-4f /* where the host leaves it open */
 #define SEARCH_FORCE_N 0.01f
-#define SEARCH_RATE_MOST_M_S 0.01f
-#define JOG_RATE_MOST_M_S 0.01f
+#define JOG_RATE_FREE_M_S 0.01f
 
 enum { LEAST_TIMEOUT_MS = 100, MOST_TIMEOUT_MS = 60000 };
 
@@ -99,7 +98,7 @@ static void make_ready(app *a) {
 static uint8_t clear_fault(app *a) {
     if (watch_persists(a))
         return PALP_WIRE_RESULT_PERSISTS;
-    if (watch_out_of_travel(a))
+    if (watch_out_of_travel(a) || watch_pressed(a))
         a->homed = a->contact_known = false;
     (void)supervisor_take(&a->supervisor, SUPERVISOR_CLEAR);
     if (a->homed)
@@ -171,7 +170,7 @@ static uint8_t find_contact(app *a, const palp_wire_find_contact *asked) {
     const float threshold = asked->force_uN != 0 ? (float)asked->force_uN * 1e-6f : SEARCH_FORCE_N;
     const float way = asked->travel_nm != 0 ? (float)asked->travel_nm * 1e-9f : a->limits.travel_m;
     const float end = a->position_m + way;
-    if (rate > SEARCH_RATE_MOST_M_S || threshold <= 0.0f || threshold > a->limits.force_N || way <= 0.0f)
+    if (rate > a->machine.search_m_s || threshold <= 0.0f || threshold > a->limits.force_N || way <= 0.0f)
         return PALP_WIRE_RESULT_RANGE;
     a->contact_known = false;
     a->rate_m_s = rate;
@@ -202,13 +201,20 @@ static float first_rate(const trajectory *t) {
     return has_rate && s->rate_m_s > MOTION_RATE_M_S ? s->rate_m_s : MOTION_RATE_M_S;
 }
 
-/* Within the travel; and slowly enough that momentum, and the two ticks until the motor is off, add no more than
+/* In the specimen: momentum, and the two ticks until the motor is off (more where the sensor is slow), add no more than
  * the limit itself to a force that passes it. */
+static float safe_m_s(const app *a) {
+    const float k = a->stiffness_N_m, blind_s = 2.0f * TICK_S + a->machine.force_delay_s;
+    const float momentum_Ns_m = a->machine.stepper ? 0.0f : __builtin_sqrtf(k * a->machine.moving_kg);
+    return a->limits.force_N / (momentum_Ns_m + blind_s * k);
+}
+
+/* Within the travel, and slowly enough. */
 static bool can_follow(const app *a, uint8_t segments, float start_m) {
     const reach r = trajectory_reach(&a->trajectory, segments, start_m);
-    const float k = a->stiffness_N_m, impedance_Ns_m = __builtin_sqrtf(k * a->machine.moving_kg) + 2.0f * TICK_S * k;
+    const float to_start_m_s = start_m > 0.0f ? first_rate(&a->trajectory) : 0.0f;
     return r.force_N <= a->limits.force_N && a->contact_m + r.low_m >= 0.0f && a->contact_m + r.high_m <= a->limits.travel_m &&
-           r.speed_m_s * impedance_Ns_m <= a->limits.force_N;
+           r.speed_m_s <= safe_m_s(a) && to_start_m_s <= safe_m_s(a);
 }
 
 static uint8_t start(app *a, const palp_wire_start *asked) {
@@ -217,6 +223,7 @@ static uint8_t start(app *a, const palp_wire_start *asked) {
         return PALP_WIRE_RESULT_NO_CONTACT;
     if (!segments_are_set(a, asked->segments) || !can_follow(a, asked->segments, depth))
         return PALP_WIRE_RESULT_RANGE;
+    a->trajectory.force_most_m_s = safe_m_s(a) < a->machine.speed_m_s ? safe_m_s(a) : a->machine.speed_m_s;
     trajectory_begin(&a->trajectory, asked->segments, depth);
     a->air_ticks = asked->air_ms * (CONTROL_HZ / 1000);
     a->after_ticks = asked->after_ms * (CONTROL_HZ / 1000);
@@ -227,9 +234,16 @@ static uint8_t start(app *a, const palp_wire_start *asked) {
     return PALP_WIRE_RESULT_DONE;
 }
 
+/* Up, and down to where the specimen is known to begin, nothing is met. */
+static float fastest_jog(const app *a, float to_m) {
+    const bool free = to_m <= a->position_m || (a->contact_known && to_m <= a->contact_m);
+    const float most = free ? JOG_RATE_FREE_M_S : a->machine.search_m_s;
+    return most < a->machine.speed_m_s ? most : a->machine.speed_m_s;
+}
+
 static uint8_t jog(app *a, const palp_wire_jog *asked) {
     const float to_m = (float)asked->to_nm * 1e-9f, rate_m_s = (float)asked->rate_nm_s * 1e-9f;
-    if (to_m < 0.0f || to_m > a->limits.travel_m || rate_m_s <= 0.0f || rate_m_s > JOG_RATE_MOST_M_S)
+    if (to_m < 0.0f || to_m > a->limits.travel_m || rate_m_s <= 0.0f || rate_m_s > fastest_jog(a, to_m))
         return PALP_WIRE_RESULT_RANGE;
     (void)begin(a, SUPERVISOR_JOG);
     a->rate_m_s = rate_m_s;

@@ -24,6 +24,7 @@ void watch_inputs(app *a);    /* what is wrong with what was sensed */
 void watch_reference(app *a); /* and with where the motion is to go */
 bool watch_persists(const app *a); /* what CLEAR_FAULT would have to leave alone */
 bool watch_out_of_travel(const app *a);
+bool watch_pressed(const app *a); /* a stepper holds what it presses, too hard: it is to be homed away from it */
 
 /* ---- app_motion.c ---- */
 void motion_begin(app *a);                /* from rest, where the plate is, or is held */

@@ -60,7 +60,7 @@ static bool leave_switch(app *a) {
     const float off_m = a->reference.position_m + HOME_OFF_M;
     if (a->in.home_switch && a->back_m < off_m)
         a->back_m = off_m;
-    return move_toward(&a->reference, a->back_m, HOME_RATE_M_S);
+    return move_toward(&a->reference, a->back_m, a->machine.search_m_s);
 }
 
 /* From here on positions count from there. */
@@ -89,7 +89,7 @@ static bool seek_switch(app *a, float rate_m_s, float next_m) {
 static bool home_phase(app *a) {
     switch (a->phase) {
     case HOME_SEEK:
-        return seek_switch(a, HOME_RATE_M_S, HOME_OFF_M);
+        return seek_switch(a, HOME_RATE_M_S < a->machine.speed_m_s ? HOME_RATE_M_S : a->machine.speed_m_s, HOME_OFF_M);
     case HOME_SEEK_SLOWLY:
         return seek_switch(a, HOME_SLOW_M_S, HOME_REST_M);
     default:
@@ -137,8 +137,8 @@ static void contact_is_known(app *a) {
 /* Not by a reading that is none: one at its rail would pass for something hard. */
 static void approach_step(app *a) {
     const bool at_end = move_toward(&a->reference, a->contact.end_m, a->rate_m_s);
-    if (a->answering && !a->saturated)
-        (void)contact_step(&a->contact, a->position_m, a->force_N);
+    if (a->answering && !a->saturated && !a->in.force_held)
+        (void)contact_step(&a->contact, a->position_m - a->velocity_m_s * a->machine.force_lag_s, a->force_N);
     if (a->contact.phase == CONTACT_FOUND)
         contact_is_known(a);
     if (a->contact.phase == CONTACT_FOUND || a->contact.phase == CONTACT_MISSED || at_end)

@@ -103,15 +103,15 @@ static bool write_bits(app *a, const row *r, uint8_t index, uint32_t bits) {
 }
 
 /* As they are compiled in: at the same places of another app. */
-static uint32_t standard_bits(const row *r, uint8_t index) {
+static uint32_t standard_bits(const app *a, const row *r, uint8_t index) {
     const size_t at = place(r, index), matrix = offsetof(app, force.matrix), table = offsetof(app, gains);
     uint32_t bits = 0;
     if (at < sizeof(machine))
-        memcpy(&bits, (const char *)&machine_indenter + at, sizeof bits);
+        memcpy(&bits, (const char *)a->standard + at, sizeof bits);
     else if (at >= table && at < table + sizeof gains_table)
         memcpy(&bits, (const char *)gains_table + at - table, sizeof bits);
     else if (at >= matrix && at < matrix + sizeof(((force_sensor *)0)->matrix))
-        bits = bits_of(force_standard((uint8_t)((at - matrix) / sizeof(float))));
+        bits = bits_of(force_standard(a->standard->count_nN, (uint8_t)((at - matrix) / sizeof(float))));
     return bits;
 }
 
@@ -134,7 +134,7 @@ bool parameters_get(const app *a, uint8_t id, palp_wire_parameter *one) {
                                  .index = index,
                                  .count = r->count,
                                  .value = read_bits(a, r, index),
-                                 .standard = standard_bits(r, index),
+                                 .standard = standard_bits(a, r, index),
                                  .low = bits_of(r->low),
                                  .high = bits_of(r->high)};
     memcpy(one->name, r->name, sizeof one->name);
@@ -180,7 +180,7 @@ void app_load(app *a, const uint32_t *stored) {
             a->store.bad++;
     }
     if (!sees(a))
-        force_init(&a->force);
+        force_begin(&a->force, a->machine.count_nN);
     watch_limits_begin(a);
     parameters_changed(a);
     a->stored_id = n > 0 ? a->id : 0;

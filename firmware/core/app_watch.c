@@ -40,12 +40,18 @@ static void stop_for(app *a) {
             return;
 }
 
+/* A stepper on its way home, upwards: a force from below becomes less by it. */
+static bool leaves(const app *a) {
+    return a->machine.stepper && a->supervisor.state == PALP_WIRE_STATE_HOMING && !a->in.home_switch;
+}
+
 static void watch_sensor(app *a) {
     a->silent_ticks = lasting(a->silent_ticks, !a->answering);
     a->saturated_ticks = lasting(a->saturated_ticks, a->saturated);
     note(a, PALP_WIRE_FAULT_SENSOR_SILENT, a->silent_ticks >= BAD_READINGS);
     note(a, PALP_WIRE_FAULT_SENSOR_SATURATED, a->saturated_ticks >= BAD_READINGS);
-    note(a, PALP_WIRE_FAULT_OVER_FORCE, a->answering && real_abs(a->force_N) > a->limits.force_N);
+    note(a, PALP_WIRE_FAULT_OVER_FORCE,
+         a->answering && real_abs(a->force_N) > a->limits.force_N && !(leaves(a) && a->force_N > 0.0f));
 }
 
 static void watch_encoder(app *a) {
@@ -59,7 +65,7 @@ static void watch_encoder(app *a) {
 /* A position that has jumped, or was not counted, is lost in every state, also where that is not a fault. */
 static void watch_position(app *a) {
     float low_m, high_m;
-    const bool jumped = real_abs(a->velocity_m_s) > a->machine.speed_m_s;
+    const bool jumped = !a->machine.stepper && real_abs(a->velocity_m_s) > a->machine.speed_m_s;
     if (jumped || noted(a, PALP_WIRE_FAULT_ENCODER_LOST))
         a->homed = a->contact_known = false;
     motion_bounds(a, &low_m, &high_m);
@@ -115,7 +121,11 @@ void watch_reference(app *a) {
 /* A plate out of its travel may be where no hand reaches: it is to be homed from there. */
 bool watch_persists(const app *a) {
     const uint8_t fault = a->supervisor.fault;
-    return a->unfit != 0 || (noted(a, fault) && fault != PALP_WIRE_FAULT_OVER_TRAVEL);
+    return a->unfit != 0 || (noted(a, fault) && fault != PALP_WIRE_FAULT_OVER_TRAVEL && !watch_pressed(a));
+}
+
+bool watch_pressed(const app *a) {
+    return a->machine.stepper && noted(a, PALP_WIRE_FAULT_OVER_FORCE) && a->force_N > 0.0f;
 }
 
 bool watch_out_of_travel(const app *a) {

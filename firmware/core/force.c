@@ -25,8 +25,16 @@ void force_init(force_sensor *f) {
         (void)force_set_row(f, axis, matrix_nN[axis]);
 }
 
-float force_standard(uint8_t i) {
-    return (float)matrix_nN[i / PALP_WIRE_CHANNELS][i % PALP_WIRE_CHANNELS] * 1e-9f;
+void force_begin(force_sensor *f, int32_t count_nN) {
+    force_init(f);
+    if (count_nN != 0)
+        (void)force_set_row(f, FORCE_Z, (const int32_t[PALP_WIRE_CHANNELS]){count_nN});
+}
+
+float force_standard(int32_t count_nN, uint8_t i) {
+    const uint8_t axis = i / PALP_WIRE_CHANNELS, channel = i % PALP_WIRE_CHANNELS;
+    const bool single = count_nN != 0 && axis == FORCE_Z;
+    return (float)(!single ? matrix_nN[axis][channel] : channel == 0 ? count_nN : 0) * 1e-9f;
 }
 
 float force_axis(const force_sensor *f, const int16_t adc[PALP_WIRE_CHANNELS], uint8_t axis) {

@@ -2,6 +2,7 @@
 #ifndef MACHINE_H
 #define MACHINE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 enum { CONTROL_HZ = 1000 };
@@ -25,8 +26,15 @@ typedef struct machine {
     uint16_t following_ticks;
     uint16_t host_timeout_ms;
     uint16_t overflow_samples; /* lost in a run before it is a fault */
+    float search_m_s;          /* most towards what is not known: a search, a jog */
+    /* of a machine with a stepper, which goes where it is told, and holds, without any control */
+    bool stepper;
+    int32_t count_nN;    /* of the one channel of its sensor; 0: six channels */
+    float force_delay_s; /* oldest that what the sensor says may be, */
+    float force_lag_s;   /* and on average */
 } machine;
 
 extern const machine machine_indenter; /* the one of doc/indenter.md */
+extern const machine machine_stepper;  /* the cheap one, at its end */
 
 #endif

@@ -252,6 +252,11 @@ static bool cycle_step(trajectory *t, const segment *s) {
 #define FORCE_SLOPE_M 3e-4f /* from this depth on, force over depth is a stiffness, too */
 /* Poles of the loop: a sixth of the slowest position loop's (gains.c) where the specimen's slope is as believed. */
 #define FORCE_W_S 12.0f
+#define FORCE_LATE 0.25f /* radians by which the sensor's delay may turn a wave of that frequency */
+
+float trajectory_force_w_s(float delay_s) {
+    return FORCE_W_S * delay_s <= FORCE_LATE ? FORCE_W_S : FORCE_LATE / delay_s;
+}
 
 /* A law that stiffens has at least the slope of its chord; the loop must not be faster than it is meant to. */
 static float slope_at(const trajectory *t) {
@@ -291,9 +296,10 @@ static bool force_step(trajectory *t, const segment *s) {
         t->now.velocity_m_s = t->now.acceleration_m_s2 = 0.0f;
         return false;
     }
-    const float off_N = t->wanted_N - t->measured_N;
-    const float asked = (rate_N_s + 2.0f * FORCE_W_S * off_N + FORCE_W_S * FORCE_W_S * t->sum_Ns) / slope_at(t);
-    const float speed = real_clamp(asked, -FORCE_MOST_M_S, FORCE_MOST_M_S);
+    const float off_N = t->wanted_N - t->measured_N, w = t->force_w_s;
+    const float asked = (rate_N_s + 2.0f * w * off_N + w * w * t->sum_Ns) / slope_at(t);
+    const float most = FORCE_MOST_M_S < t->force_most_m_s ? FORCE_MOST_M_S : t->force_most_m_s;
+    const float speed = real_clamp(asked, -most, most);
     if (speed == asked)
         t->sum_Ns += off_N * TICK_S;
     go(t, speed);

@@ -47,6 +47,7 @@ typedef struct trajectory {
     /* of FORCE: the caller's, before each tick; the force that it is to be; integral of what it is off by */
     float measured_N, stiffness_N_m; /* of the specimen at its surface */
     float wanted_N, sum_Ns;
+    float force_w_s, force_most_m_s; /* how fast the loop is; the plate in it at most */
     bool wants; /* it has begun, from the force that there was */
 } trajectory;
 
@@ -60,6 +61,9 @@ enum { TRAJECTORY_FREQUENCY_MHZ = 100000 };
 uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s, float force_N);
 /* One that trajectory_check accepts; index < PALP_WIRE_SEGMENTS. */
 void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire);
+
+/* How fast the force's loop may be where the sensor is this late. */
+float trajectory_force_w_s(float delay_s);
 
 /* Starts at rest at start_m with the first count segments. */
 void trajectory_begin(trajectory *t, uint8_t count, float start_m);

@@ -31,10 +31,11 @@ void bench_close(bench *b) {
 }
 
 void bench_restart(bench *b, uint8_t reset_cause, uint8_t failed) {
-    app_init(&b->app, &machine_indenter, &IDENTITY, reset_cause, failed);
+    plant_first(b->plant, &b->in);
+    const machine *m = b->in.machine == PLANT_STEPPER ? &machine_stepper : &machine_indenter;
+    app_init(&b->app, m, &IDENTITY, reset_cause, failed);
     b->next_frame = 0;
     b->lost = 0;
-    plant_first(b->plant, &b->in);
 }
 
 /* ---- the host ---- */
@@ -102,6 +103,7 @@ static void sense(bench *b) {
                              .driver_fault = (in->switches & PLANT_DRIVER_FAULT) != 0,
                              .stack_intact = !b->smashed,
                              .trigger = b->pulse,
+                             .force_held = (in->switches & PLANT_FORCE_HELD) != 0,
                              .missed = b->missed};
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
         b->inputs.adc[i] = b->unplugged ? b->level : in->adc[i];
@@ -109,7 +111,7 @@ static void sense(bench *b) {
 
 static void advance(bench *b, bool renewed) {
     const bool on = renewed && b->out.motor_on;
-    const plant_out out = {.duty = on ? b->out.duty : 0, .motor = on ? PLANT_MOTOR_ON : PLANT_MOTOR_BRAKED};
+    const plant_out out = {.place = b->out.place, .duty = on ? b->out.duty : 0, .motor = on ? PLANT_MOTOR_ON : PLANT_MOTOR_BRAKED};
     palp_error error = {PALP_OK, ""};
     if (plant_step(b->plant, &out, &b->in, &error))
         fail_msg("%s", error.text);

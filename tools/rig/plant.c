@@ -21,6 +21,8 @@ struct plant {
     double zero_m;         /* where the encoder counts from */
     int32_t jumped;        /* counts */
     int32_t counted;       /* when the encoder lost its signal */
+    int32_t place;         /* a stepper's, counts: what it was told, whether it followed or not */
+    bool said;             /* its sensor has something new */
     uint32_t tick, faults; /* bits 1 << plant_fault */
 };
 
@@ -72,6 +74,8 @@ static bool has(const plant *p, plant_fault fault) {
 }
 
 static int32_t counts(const plant *p) {
+    if (p->settings.stepper) /* its own count, which nothing makes jump */
+        return p->place;
     return (int32_t)floor((p->drive.carriage_m - p->zero_m) / p->settings.actuator.count_m) + p->jumped;
 }
 
@@ -129,15 +133,20 @@ static void sense(const plant *p, plant_in *in) {
                              (has(p, PLANT_ENCODER) ? PLANT_ENCODER_LOST : 0) |
                              (has(p, PLANT_DRIVER) ? PLANT_DRIVER_FAULT : 0) |
                              (has(p, PLANT_SILENT) ? PLANT_SENSOR_SILENT : 0));
-    if (!has(p, PLANT_SILENT))
+    in->machine = p->settings.stepper ? PLANT_STEPPER : PLANT_VOICE_COIL;
+    if (p->settings.stepper) {
+        in->adc[0] = p->sensor.held;
+        in->switches |= p->said ? 0 : PLANT_FORCE_HELD;
+    } else if (!has(p, PLANT_SILENT)) {
         sensor_convert(&p->sensor, read_N, p->tick, in->adc);
+    }
     if (has(p, PLANT_SATURATED))
         in->adc[0] = INT16_MAX;
 }
 
 void plant_first(plant *p, plant_in *in) {
     p->zero_m = p->drive.carriage_m;
-    p->jumped = 0;
+    p->jumped = p->place = 0;
     sense(p, in);
 }
 
@@ -146,16 +155,22 @@ palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error 
     const double dt = TICK / SUBSTEPS, volt = a->supply_V * fmax(out->duty, -DUTY_FULL) / DUTY_FULL;
     const uint8_t supply = has(p, PLANT_DRIVER) ? PLANT_MOTOR_OFF : out->motor;
     const double before_m_s = p->drive.velocity_m_s;
-    const bool slow = p->specimen.slow;
+    const bool slow = p->specimen.slow, stepper = p->settings.stepper;
+    const double steps_m_s = out->motor == PLANT_MOTOR_ON ? (out->place - p->place) * a->count_m / TICK : 0;
     palp_status status = PALP_OK;
     for (int i = 1; i <= SUBSTEPS && status == PALP_OK; i++) {
-        drive_advance(a, &p->drive, supply, volt, p->specimen.force_N, dt);
+        if (stepper)
+            drive_step(a, &p->drive, steps_m_s, dt);
+        else
+            drive_advance(a, &p->drive, supply, volt, p->specimen.force_N, dt);
         follow(p);
         if (!slow || i == SUBSTEPS)
             status = specimen_advance(&p->specimen, reach(p), slow ? TICK : dt);
     }
     p->push_m_s2 = (p->drive.velocity_m_s - before_m_s) / TICK;
     p->tick++;
+    p->place = out->motor == PLANT_MOTOR_ON ? out->place : p->place;
+    p->said = stepper && sensor_gather(&p->sensor, read_force(p), p->tick);
     sense(p, in);
     return status ? plant_fail(error, status, "%s: %s at %.4g mm (%.4g s)", p->specimen.path,
                                palp_status_text(status), 1e3 * reach(p), TICK * p->tick)

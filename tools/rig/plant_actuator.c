@@ -189,6 +189,11 @@ static void heat(const plant_actuator *a, drive *d, double dt) {
     d->case_C += dt * (out - lost) / a->case_J_K;
 }
 
+void drive_step(const plant_actuator *a, drive *d, double speed_m_s, double dt_s) {
+    d->velocity_m_s = d->hold == DRIVE_FREE ? speed_m_s : 0;
+    move(a, d, dt_s);
+}
+
 void drive_advance(const plant_actuator *a, drive *d, uint8_t motor, double volt, double load_N,
                    double dt_s) {
     const bool on = motor != PLANT_MOTOR_OFF;

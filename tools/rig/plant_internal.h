@@ -21,6 +21,8 @@ typedef struct drive {
 drive drive_start(const plant_actuator *a);
 
 /* dt_s of a motor (PLANT_MOTOR_*) under a voltage against the specimen's force. */
+/* dt_s of a stepper that goes at a speed, whatever it meets. */
+void drive_step(const plant_actuator *a, drive *d, double speed_m_s, double dt_s);
 void drive_advance(const plant_actuator *a, drive *d, uint8_t motor, double volt, double load_N, double dt_s);
 
 /* ---- sensor, thermistor: plant_sensor.c ---- */
@@ -31,10 +33,16 @@ typedef struct sensor {
     double z_counts[PALP_WIRE_CHANNELS]; /* N a count: how they are read */
     double rest[PALP_WIRE_CHANNELS];     /* counts without any: the mounting strains it sideways */
     double noise_counts;                 /* sd of each channel */
+    /* Of a stepper's sensor, an HX711: one channel, 80 times a second, the mean of 50 ms. */
+    double gathered, n_gathered, said[4]; /* of the sample in progress; the last four */
+    int16_t held;
 } sensor;
 
 /* For the matrix that the firmware starts with; false where it has no inverse. */
 bool sensor_start(const plant_sensor *settings, sensor *s);
+
+/* A tick of a stepper's: true where it has something new, then in held. */
+bool sensor_gather(sensor *s, double force_N, uint32_t tick);
 
 /* The z force that brings the first channel to its rail. */
 double sensor_range(const sensor *s);

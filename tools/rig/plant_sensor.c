@@ -3,12 +3,16 @@
 
 #include <math.h>
 #include <palpate/random.h>
+#include <string.h>
 
 static const double PI = 3.14159265358979323846;
 static const double HUM_HZ = 50, TICK = 1e-3;
 static const double SIDE_N = 0.1; /* Fx at rest: as on a real sensor, no force is not all counts 0 */
 
 enum { N = PALP_WIRE_CHANNELS };
+
+/* The same count as machine_stepper has; and the cell's and plate's own weight, which a tare takes off. */
+static const double SLOW_COUNT_N = 1.5e-3, SLOW_REST = 700;
 
 /* Solves a x = b by elimination with row pivots; b becomes x. */
 static bool solve(double a[N][N], double b[N]) {
@@ -55,12 +59,12 @@ static bool counts_of(const force_sensor *f, int axis, double value, double coun
 bool sensor_start(const plant_sensor *settings, sensor *s) {
     force_sensor f;
     double square = 0;
+    *s = (sensor){.settings = *settings, .held = (int16_t)SLOW_REST};
     force_init(&f);
     for (int i = 0; i < N; i++) {
         s->z_counts[i] = (double)f.matrix[FORCE_Z][i];
         square += s->z_counts[i] * s->z_counts[i];
     }
-    s->settings = *settings;
     s->noise_counts = settings->noise_N / sqrt(square);
     return counts_of(&f, FORCE_Z, 1, s->counts_N) && counts_of(&f, 0, SIDE_N, s->rest);
 }
@@ -76,6 +80,25 @@ double sensor_range(const sensor *s) {
 static double bridge(const plant_sensor *s, double force_N, double time_s) {
     double z = s->gain * force_N + s->bias_N + s->drift_N_s * time_s;
     return z + (s->hum_N > 0 ? s->hum_N * sin(2 * PI * HUM_HZ * time_s) : 0);
+}
+
+/* Conversions begin every 12 and 13 ticks in turn. */
+static bool begins(uint32_t tick) {
+    return 2 * tick / 25 != 2 * (tick - 1) / 25;
+}
+
+bool sensor_gather(sensor *s, double force_N, uint32_t tick) {
+    s->gathered += bridge(&s->settings, force_N, TICK * tick);
+    s->n_gathered++;
+    if (!begins(tick))
+        return false;
+    memmove(s->said + 1, s->said, 3 * sizeof s->said[0]);
+    s->said[0] = s->gathered / s->n_gathered;
+    s->gathered = s->n_gathered = 0;
+    double mean = (s->said[0] + s->said[1] + s->said[2] + s->said[3]) / 4;
+    mean += s->settings.noise_N * palp_random_normal_at(s->settings.seed, tick);
+    s->held = (int16_t)fmin(fmax(rint(SLOW_REST + mean / SLOW_COUNT_N), INT16_MIN), INT16_MAX);
+    return true;
 }
 
 /* The amplifier clips the z of bridge and noise together. */

@@ -9,7 +9,8 @@
 #include <string.h>
 
 rig_options rig_options_default(void) {
-    return (rig_options){.specimen = -1,
+    return (rig_options){.machine = -1,
+                         .specimen = -1,
                          .firmware = -1,
                          .scale = NAN,
                          .contact_mm = NAN,
@@ -31,6 +32,7 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
         cli_choice("firmware", "auto|qemu|host", &o->firmware,
                    "the image under QEMU, or the same code as a process (default auto:\n"
                    "QEMU where it is installed)"),
+        cli_choice("machine", "voice-coil|stepper", &o->machine, "which of the two that doc/indenter.md describes (default voice-coil)"),
         cli_flag("paced", &o->paced, "at real time (default: as fast as it goes)"),
         cli_choice("specimen", "model|rigid|none", &o->specimen,
                    "the model (default), a rigid block to see the frame, or air"),
@@ -153,8 +155,13 @@ static void set(double *to, double value, double unit) {
         *to = value / unit;
 }
 
+/* The cheap machine counts its own steps. */
+static const double STEPPER_COUNT_M = 0.625e-6;
+
 static int set_plant(const char *name, const rig_options *o, const char *model, plant_settings *p) {
     palp_error error = {PALP_OK, ""};
+    p->stepper = o->machine == 1;
+    p->actuator.count_m = p->stepper ? STEPPER_COUNT_M : p->actuator.count_m;
     palp_status status = o->actuator ? plant_actuator_read(o->actuator, &p->actuator, &error) : PALP_OK;
     if (status)
         return cli_status(name, status, &error);

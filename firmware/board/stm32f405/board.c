@@ -47,6 +47,10 @@ uint32_t hal_serial_number(void) {
     return UNIQUE_ID[0] ^ UNIQUE_ID[1] ^ UNIQUE_ID[2];
 }
 
+const machine *hal_machine(void) {
+    return &machine_indenter;
+}
+
 bool hal_is_simulated(void) {
     return false;
 }
