@@ -17,7 +17,9 @@ typedef enum palp_tool_shape {
 /* A tool and its pose, in the mesh's coordinates. Contact is one-sided: a penalty force where the surface is inside
  * the tool, quadratic in the depth at first touch and linear beyond, with Coulomb friction. A plane touches nodes of
  * the surface; a sphere or capsule touches each triangle in one point, the nearest, so that a tool smaller than the
- * mesh is felt between nodes. */
+ * mesh is felt between nodes. With subdivisions tools touch the vertices of a smooth surface instead: Loop's limit surface
+ * (Loop 1987, Hoppe et al. 1994), whose vertices are fixed means of nodes near by, so that a sliding tool feels little of
+ * the mesh. A tool should be thicker than its triangles. */
 typedef struct palp_tool {
     palp_tool_shape shape;
     double position_m[3]; /* sphere: centre; capsule: the centre of its first end; plane: a point of it */
@@ -40,6 +42,8 @@ typedef struct palp_contact_settings {
                                included); shared among its triangles; 20 */
     double grasp_stiffness; /* of the spring to a grasped node's target, in the same units; 100 */
     double smoothing;       /* depth at which the penalty becomes linear, of the surface's mean edge; 0.01 */
+    size_t subdivisions;    /* times that each triangle of the surface becomes four for tools to touch, see palp_tool; 0 = tools
+                               touch the mesh's own. 2 leaves the least ripple; stiffness 5 is then as soft as 20 without */
     size_t max_contacts;    /* points near tools at once, further ones are not felt; 0 = all there can be */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */
 } palp_contact_settings;
@@ -48,7 +52,8 @@ PALP_API palp_contact_settings palp_contact_settings_default(void);
 
 /* Makes a network ready for up to max_tools tools and max_grasped grasped nodes; all memory is allocated here.
  * Resets the network; once for each. ERR_ARGUMENT: a setting out of range, gravity for a network
- * without mass, done before; ERR_NO_MEMORY; ERR_UNSUPPORTED: tools for a mesh without triangles (palp_mesh_triangles). */
+ * without mass, done before; ERR_NO_MEMORY; ERR_UNSUPPORTED: tools for a mesh without triangles (palp_mesh_triangles),
+ * subdivisions of a network that can be cut. */
 PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max_tools, size_t max_grasped,
                                                const palp_contact_settings *settings);
 

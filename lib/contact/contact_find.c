@@ -8,12 +8,12 @@ static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that t
                                       capsule lies flat on it */
 static const double STEEP = 0.5;   /* cosine between tool and triangle below which a contact fades, to 0 at 90 deg */
 
-/* From a point to the nearest of a sphere's centre or a capsule's axis. */
-static double to_axis(const palp_tool *tool, const double point[3]) {
+double contact_distance(const palp_tool *tool, const double point[3]) {
     double d[3];
     along3(point, -1.0, tool->position_m, d);
-    if (tool->shape == PALP_TOOL_CAPSULE)
-        along3(d, -fmin(fmax(dot3(d, tool->axis), 0.0), tool->length_m), tool->axis, d);
+    if (tool->shape == PALP_TOOL_PLANE)
+        return fmax(dot3(d, tool->axis), 0.0);
+    along3(d, -contact_along(tool, point), tool->axis, d);
     return sqrt(dot3(d, d));
 }
 
@@ -27,7 +27,7 @@ static bool near(const palp_tool *tool, double distance, const double *const cor
         along3(corner[i], -1.0, middle, d);
         radius = fmax(radius, dot3(d, d));
     }
-    return to_axis(tool, middle) <= distance + sqrt(radius);
+    return contact_distance(tool, middle) <= distance + sqrt(radius);
 }
 
 /* How fast the distance of a triangle to the point at t of a capsule's axis grows with t. */
@@ -78,10 +78,19 @@ double contact_slid(const contact_set *set, const contact *c, const double *x) {
     return fabs(nearest_along(&set->pose[c->tool], corner) - c->along);
 }
 
+/* 1 where the tool meets a surface with this normal from above, less where it comes from the side, 0 where it is behind. */
+static double fading(const palp_tool *tool, const double normal[3], const contact *c) {
+    double to[3], length = sqrt(dot3(normal, normal));
+    along3(tool->position_m, c->along, tool->axis, to);
+    along3(to, -1.0, c->point, to);
+    double cosine = length > 0.0 && c->distance > 0.0 ? dot3(to, normal) / (length * c->distance * STEEP) : 0.0;
+    return cosine >= 1.0 ? 1.0 : cosine > 0.0 ? cosine * cosine * (3.0 - 2.0 * cosine) : 0.0;
+}
+
 /* The factor of a contact's stiffness: 1 where the tool meets the triangle from above, less where it comes
  * from the side, 0 where it is behind. */
 static double facing(const palp_tool *tool, const double *const corner[3], double edge, const contact *c) {
-    double ab[3], ac[3], normal[3], to[3];
+    double ab[3], ac[3], normal[3];
     along3(corner[1], -1.0, corner[0], ab);
     along3(corner[2], -1.0, corner[0], ac);
     cross3(ab, ac, normal);
@@ -90,10 +99,7 @@ static double facing(const palp_tool *tool, const double *const corner[3], doubl
         return 0.0;
     if (fmin(c->share[0], fmin(c->share[1], c->share[2])) > 0.0)
         return c->distance > -0.5 * edge ? 1.0 : 0.0;
-    along3(tool->position_m, c->along, tool->axis, to);
-    along3(to, -1.0, c->point, to);
-    double cosine = c->distance > 0.0 ? dot3(to, normal) / (area * c->distance * STEEP) : 0.0;
-    return cosine >= 1.0 ? 1.0 : cosine > 0.0 ? cosine * cosine * (3.0 - 2.0 * cosine) : 0.0;
+    return fading(tool, normal, c);
 }
 
 /* What the last committed state remembers of a contact, or NULL. They are in order mostly. */
@@ -187,6 +193,37 @@ static void find_nodes(search *s, int32_t tool, double reach) {
     }
 }
 
+/* The factor of the stiffness of a node's contact, by the mean normal of the triangles around it. */
+static double node_facing(const contact_set *set, const palp_tool *tool, const contact *c, const double *x) {
+    double normal[3] = {0.0}, ab[3], ac[3], own[3];
+    const int32_t node = c->node[0];
+    if (tool->shape == PALP_TOOL_PLANE)
+        return 1.0;
+    for (uint32_t i = set->points.first[node]; i < set->points.first[node + 1]; i++) {
+        const int32_t *t = set->surface + 3 * set->points.around[i];
+        along3(x + 3 * t[1], -1.0, x + 3 * t[0], ab);
+        along3(x + 3 * t[2], -1.0, x + 3 * t[0], ac);
+        cross3(ab, ac, own);
+        along3(normal, 1.0, own, normal);
+    }
+    return fading(tool, normal, c);
+}
+
+static void find_points(search *s, int32_t tool, double reach) {
+    const contact_set *set = s->set;
+    const palp_tool *pose = &set->pose[tool];
+    for (size_t i = 0; i < set->points.n; i++) {
+        const int32_t node = set->points.node[i];
+        contact c = {.tool = tool, .node = {node, -1, -1}, .corners = 1};
+        contact_measure(pose, &c, s->x);
+        if (!(c.depth > -reach))
+            continue;
+        c.stiffness = node_facing(set, pose, &c, s->x) * set->settings.stiffness * set->modulus * set->unit[node];
+        if (c.stiffness > 0.0)
+            add(s, &c);
+    }
+}
+
 /* A triangle's share of the stiffness of its nodes. */
 static double triangle_stiffness(const contact_set *set, const int32_t *node) {
     double sum = 0.0;
@@ -233,9 +270,8 @@ static void find_triangles(search *s, int32_t tool, double reach) {
     }
 }
 
-/* How far a tool goes in this step. */
-static double travel(const contact_set *set, size_t tool) {
-    const palp_tool *pose = &set->pose[tool], *was = &set->now.pose[tool];
+double contact_travel(const contact_set *set, const palp_tool *pose, size_t tool) {
+    const palp_tool *was = &set->now.pose[tool];
     double moved[3], turned[3];
     if (tool >= set->now.n_tools)
         return 0.0;
@@ -249,8 +285,10 @@ void contact_find(contact_set *set, const double *committed, const double *x) {
     search s = {set, committed, x, 0};
     set->n_contacts = 0;
     for (size_t i = 0; i < set->n_tools; i++) {
-        double reach = REACH * set->edge + travel(set, i);
-        if (set->pose[i].shape == PALP_TOOL_PLANE)
+        double reach = REACH * set->edge + contact_travel(set, &set->pose[i], i);
+        if (set->points.first)
+            find_points(&s, (int32_t)i, reach);
+        else if (set->pose[i].shape == PALP_TOOL_PLANE)
             find_nodes(&s, (int32_t)i, reach);
         else
             find_triangles(&s, (int32_t)i, reach);

@@ -10,12 +10,11 @@
 
 #include <math.h>
 
-/* A point of the surface near a tool: a node, or the point of a triangle that is nearest to the tool. A capsule
- * meets a triangle as the sphere at one place of its axis, which stays for a step. */
+/* A point of the surface near a tool: a node, or the point of a triangle that is nearest to the tool. */
 typedef struct contact {
-    int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1 */
+    int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1, share = {1, 0, 0} */
     int32_t corners;
-    double along;          /* place of that sphere on the capsule's axis, m */
+    double along;          /* place of the nearest sphere on a capsule's axis, m; for a triangle it stays for a step */
     double stiffness;      /* N/m */
     double stick_share[3]; /* barycentric coordinates of the point that friction acts on, for a step */
     double anchor[3];      /* friction's spring starts here and goes with the tool */
@@ -50,6 +49,14 @@ typedef struct contact_state {
     contact_touch *touch;     /* [max_contacts] */
 } contact_state;
 
+/* Nodes that may touch a tool, and the triangles around each node: around[first[i]] to around[first[i + 1]]. */
+typedef struct contact_points {
+    size_t n;
+    const int32_t *node; /* [n] */
+    const uint32_t *first;
+    const int32_t *around;
+} contact_points;
+
 typedef struct contact_set {
     palp_contact_settings settings;
     size_t n_nodes, max_tools, max_contacts;
@@ -65,6 +72,7 @@ typedef struct contact_set {
     const double *unit;      /* [n_nodes] a node's own stiffness over that of an element, 1/m; the caller's */
     double modulus;          /* instantaneous stiffness of an element at rest, N; set by the caller before place */
     double edge;             /* mean edge of the surface at rest, m */
+    contact_points points;   /* if first is not NULL tools of all shapes touch these nodes, not triangles */
     contact_state now, next;
 } contact_set;
 
@@ -110,6 +118,12 @@ void contact_feel(const palp_tool *pose, const double point[3], double size, con
 /* Fills set->contact with what is near the tools at x; anchors are set from the committed state. */
 void contact_find(contact_set *set, const double *committed, const double *x);
 
+/* How far a tool goes in this step, to this pose, m. */
+double contact_travel(const contact_set *set, const palp_tool *pose, size_t tool);
+
+/* From a point to the nearest of a sphere's centre or a capsule's axis, m; from a plane, 0 behind it. */
+double contact_distance(const palp_tool *tool, const double point[3]);
+
 /* How far along a capsule the place that is nearest to the contact's triangle now is from where it is taken, m. */
 double contact_slid(const contact_set *set, const contact *c, const double *x);
 
@@ -117,6 +131,9 @@ double contact_slid(const contact_set *set, const contact *c, const double *x);
 
 /* Depth, normal, share, distance, gradient with the tool in this pose and nodes at x. */
 void contact_measure(const palp_tool *tool, contact *c, const double *x);
+
+/* The place of a capsule's axis nearest to a point, m; 0 for another tool. */
+double contact_along(const palp_tool *tool, const double point[3]);
 
 /* Force and tangent at x. */
 void contact_evaluate(const contact_set *set, contact *c, const double *x);

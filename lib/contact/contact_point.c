@@ -82,20 +82,42 @@ static void measure_rim(const double *const corner[3], const double centre[3], c
     }
 }
 
+double contact_along(const palp_tool *tool, const double point[3]) {
+    double d[3];
+    if (tool->shape != PALP_TOOL_CAPSULE)
+        return 0.0;
+    along3(point, -1.0, tool->position_m, d);
+    return fmin(fmax(dot3(d, tool->axis), 0.0), tool->length_m);
+}
+
+/* A node is touched by a plane, or by the sphere of a tool that is nearest to it. */
+static void measure_node(const palp_tool *tool, contact *c, const double *x) {
+    memcpy(c->share, (double[]){1.0, 0.0, 0.0}, sizeof c->share);
+    memcpy(c->point, x + 3 * c->node[0], sizeof c->point);
+    if (tool->shape == PALP_TOOL_PLANE) {
+        memcpy(c->normal, tool->axis, sizeof c->normal);
+        c->depth = dot3(tool->position_m, tool->axis) - dot3(c->point, tool->axis);
+        return;
+    }
+    double centre[3];
+    c->along = contact_along(tool, c->point);
+    along3(tool->position_m, c->along, tool->axis, centre);
+    const double *corner[3] = {c->point, c->point, c->point};
+    measure_rim(corner, centre, c);
+    c->depth = tool->radius_m - c->distance;
+}
+
 static bool inside(const contact *c) {
     return c->share[0] > 0.0 && c->share[1] > 0.0 && c->share[2] > 0.0;
 }
 
 void contact_measure(const palp_tool *tool, contact *c, const double *x) {
     double centre[3];
-    along3(tool->position_m, c->along, tool->axis, centre);
     if (c->corners == 1) {
-        memcpy(c->share, (double[]){1.0, 0.0, 0.0}, sizeof c->share);
-        memcpy(c->point, x + 3 * c->node[0], sizeof c->point);
-        memcpy(c->normal, tool->axis, sizeof c->normal);
-        c->depth = dot3(centre, tool->axis) - dot3(c->point, tool->axis);
+        measure_node(tool, c, x);
         return;
     }
+    along3(tool->position_m, c->along, tool->axis, centre);
     const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
     contact_nearest(corner, centre, c->share);
     contact_point(c, c->share, x, c->point);
@@ -142,7 +164,7 @@ static void normal_force(const contact_set *set, const palp_tool *tool, contact 
     c->pressure = penalty(set, c, &slope);
     memset(c->normal_tangent, 0, sizeof c->normal_tangent);
     add_along(slope, c->normal, c->normal_tangent);
-    if (c->corners == 1 || inside(c) || !(c->distance > 0.0))
+    if (tool->shape == PALP_TOOL_PLANE || inside(c) || !(c->distance > 0.0))
         return;
     double bend = c->pressure / c->distance;
     add_across(-bend, c->normal, c->normal_tangent);

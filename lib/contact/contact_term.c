@@ -1,16 +1,11 @@
 /* contact_term.c: the tools of a network, and what they feel. */
-#include "contact_internal.h"
+#include "contact_term.h"
+
+#include "mesh/mesh_internal.h"
 
 #include <string.h>
 
 static const double LEAP = 0.1; /* of an edge: a tool that goes further in a step is not followed */
-
-typedef struct contact_term {
-    network_term term;
-    contact_set set;
-    size_t surface_changes; /* of the network's surface that the set has */
-    double *weight;         /* [n_nodes] scratch */
-} contact_term;
 
 static contact_set *set_of(network_term *term) {
     return &((contact_term *)term)->set;
@@ -18,6 +13,16 @@ static contact_set *set_of(network_term *term) {
 
 static const contact_set *const_set_of(const network_term *term) {
     return &((const contact_term *)term)->set;
+}
+
+/* The nodes that corner j of a contact depends on. */
+static size_t corner_nodes(const contact_term *t, const contact *c, int j, const int32_t **node, const double **weight) {
+    static const double ONE = 1.0;
+    if (t->layer)
+        return layer_corner(t->layer, c->node[j], node, weight);
+    *node = &c->node[j];
+    *weight = &ONE;
+    return 1;
 }
 
 static void term_reset(network_term *term, palp_network *net) {
@@ -47,19 +52,28 @@ static void term_swap(network_term *term, palp_network *net) {
 
 static void term_begin(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
+    t->set.modulus = net->modulus;
+    if (t->layer) {
+        layer_place(t->layer, &t->set, 1.0, net->now.x, net->now.x);
+        return;
+    }
     if (t->surface_changes != net->surface_changes)
         contact_set_surface(&t->set, net->n_surface, net->surface);
     t->surface_changes = net->surface_changes;
-    t->set.modulus = net->modulus;
     contact_set_place(&t->set, 1.0, net->now.x, net->now.x);
 }
 
 static void term_evaluate(network_term *term, palp_network *net) {
-    contact_set_evaluate(set_of(term), net->next.x, net->outer, &net->outer_squares);
+    contact_term *t = (contact_term *)term;
+    if (t->layer)
+        layer_evaluate(t->layer, &t->set, net->next.x, net->outer, &net->outer_squares);
+    else
+        contact_set_evaluate(&t->set, net->next.x, net->outer, &net->outer_squares);
 }
 
 static void term_finish(network_term *term, palp_network *net) {
-    contact_set_finish(set_of(term), net->next.x);
+    contact_term *t = (contact_term *)term;
+    contact_set_finish(&t->set, t->layer ? layer_places(t->layer, net->next.x) : net->next.x);
 }
 
 static bool term_moved(const network_term *term, const palp_network *net) {
@@ -68,19 +82,31 @@ static bool term_moved(const network_term *term, const palp_network *net) {
 }
 
 static void term_place(network_term *term, palp_network *net, double share) {
-    contact_set_place(set_of(term), share, net->now.x, net->next.x);
+    contact_term *t = (contact_term *)term;
+    if (t->layer)
+        layer_place(t->layer, &t->set, share, net->now.x, net->next.x);
+    else
+        contact_set_place(&t->set, share, net->now.x, net->next.x);
 }
 
 static bool term_refresh(network_term *term, palp_network *net) {
-    return contact_set_refresh(set_of(term), net->now.x, net->next.x);
+    contact_term *t = (contact_term *)term;
+    if (t->layer)
+        return layer_refresh(t->layer, &t->set, net->now.x, net->next.x);
+    return contact_set_refresh(&t->set, net->now.x, net->next.x);
 }
 
 /* ---- tangent and energy -------------------------------------------------------------------------- */
 
 static void term_blocks(const network_term *term, const palp_network *net, network_block_taker take, void *user) {
-    const contact_set *set = const_set_of(term);
+    const contact_term *t = (const contact_term *)term;
+    const contact_set *set = &t->set;
     double k[9];
     (void)net;
+    if (t->layer) {
+        layer_blocks(t->layer, set, take, user);
+        return;
+    }
     for (size_t i = 0; i < set->n_contacts; i++) {
         const contact *c = &set->contact[i];
         for (int a = 0; a < c->corners && c->depth > 0.0; a++)
@@ -92,8 +118,13 @@ static void term_blocks(const network_term *term, const palp_network *net, netwo
 }
 
 static void term_times(const network_term *term, const palp_network *net, const double *u, double *out) {
-    const contact_set *set = const_set_of(term);
+    const contact_term *t = (const contact_term *)term;
+    const contact_set *set = &t->set;
     (void)net;
+    if (t->layer) {
+        layer_times(t->layer, set, u, out);
+        return;
+    }
     for (size_t i = 0; i < set->n_contacts; i++)
         if (set->contact[i].depth > 0.0)
             contact_times(&set->contact[i], u, out);
@@ -127,9 +158,14 @@ static void follow(contact_term *t, const contact *c, const double *x, double *m
     if (fabs(size) > LEAP * set->edge)
         return;
     for (int j = 0; j < c->corners; j++) {
-        double weight = c->stick_share[j] * c->stiffness, *move = moves + 3 * c->node[j];
-        along3(move, weight * c->stick_share[j] * size, c->normal, move);
-        t->weight[c->node[j]] += weight;
+        const double stiffness = c->stick_share[j] * c->stiffness, *weight;
+        const int32_t *node;
+        size_t n = corner_nodes(t, c, j, &node, &weight);
+        for (size_t i = 0; i < n; i++) {
+            double *move = moves + 3 * node[i];
+            along3(move, weight[i] * stiffness * c->stick_share[j] * size, c->normal, move);
+            t->weight[node[i]] += weight[i] * stiffness;
+        }
     }
 }
 
@@ -152,13 +188,14 @@ static bool lost(contact_set *set, int32_t tool, const double *x) {
 static void term_follow(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     double *moves = net->outer; /* the next evaluation fills it anew */
+    const double *x = t->layer ? layer_places(t->layer, net->next.x) : net->next.x;
     memset(moves, 0, 3 * net->n_nodes * sizeof *moves);
     memset(t->weight, 0, net->n_nodes * sizeof *t->weight);
     for (size_t tool = 0; tool < t->set.n_tools; tool++) {
-        bool any = lost(&t->set, (int32_t)tool, net->next.x);
+        bool any = lost(&t->set, (int32_t)tool, x);
         for (size_t i = 0; i < t->set.n_contacts && any; i++)
             if (t->set.contact[i].touched && t->set.contact[i].tool == (int32_t)tool)
-                follow(t, &t->set.contact[i], net->next.x, moves);
+                follow(t, &t->set.contact[i], x, moves);
     }
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0 && t->weight[i / 3] > 0.0)
@@ -168,23 +205,34 @@ static void term_follow(network_term *term, palp_network *net) {
 /* ---- a residual that is left --------------------------------------------------------------------- */
 
 static void term_weigh(const network_term *term, const palp_network *net, double *weight) {
-    const contact_set *set = const_set_of(term);
+    const contact_term *t = (const contact_term *)term;
     (void)net;
-    for (size_t i = 0; i < set->n_contacts; i++) {
-        const contact *c = &set->contact[i];
-        for (int j = 0; j < c->corners && c->depth > 0.0; j++)
-            weight[c->node[j]] += c->share[j] * c->stiffness;
+    for (size_t i = 0; i < t->set.n_contacts; i++) {
+        const contact *c = &t->set.contact[i];
+        for (int j = 0; j < c->corners && c->depth > 0.0; j++) {
+            const int32_t *node;
+            const double *share;
+            size_t n = corner_nodes(t, c, j, &node, &share);
+            for (size_t k = 0; k < n; k++)
+                weight[node[k]] += share[k] * c->share[j] * c->stiffness;
+        }
     }
 }
 
 static void term_share_residual(network_term *term, palp_network *net, const double *weight, const double *residual) {
-    contact_set *set = set_of(term);
+    contact_term *t = (contact_term *)term;
+    contact_set *set = &t->set;
     for (size_t i = 0; i < set->n_contacts; i++) {
         const contact *c = &set->contact[i];
         for (int j = 0; j < c->corners && c->depth > 0.0; j++) {
-            size_t at = 3 * (size_t)c->node[j];
-            double all = weight[c->node[j]], part = all > 0.0 ? c->share[j] * c->stiffness / all : 0.0;
-            contact_feel(&set->pose[c->tool], net->next.x + at, -part, residual + at, &set->next.felt[c->tool]);
+            const int32_t *node;
+            const double *share;
+            size_t n = corner_nodes(t, c, j, &node, &share);
+            for (size_t k = 0; k < n; k++) {
+                size_t at = 3 * (size_t)node[k];
+                double all = weight[node[k]], part = all > 0.0 ? share[k] * c->share[j] * c->stiffness / all : 0.0;
+                contact_feel(&set->pose[c->tool], net->next.x + at, -part, residual + at, &set->next.felt[c->tool]);
+            }
         }
     }
 }
@@ -222,10 +270,25 @@ static network_term *term_new(const palp_network *net, size_t max_tools, const p
     if (!t)
         return NULL;
     t->surface_changes = net->surface_changes;
-    t->weight = arena_take(&t->term.memory, net->n_nodes, sizeof *t->weight);
-    contact_set_create(&t->set, &t->term.memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit, net->extent,
-                       max_tools, settings); /* where it fails the memory has failed */
+    arena *memory = &t->term.memory;
+    t->weight = arena_take(memory, net->n_nodes, sizeof *t->weight);
+    /* where one of these fails the memory has failed */
+    if (settings->subdivisions > 0)
+        t->layer = layer_new(memory, net, max_tools, settings, &t->set);
+    else
+        contact_set_create(&t->set, memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit, net->extent,
+                           max_tools, settings);
     return &t->term;
+}
+
+/* Room in the tangent for what a layer joins. */
+static palp_status join(palp_network *net, const network_term *term) {
+    const contact_term *t = (const contact_term *)term;
+    if (!t || t->term.memory.failed || !t->layer)
+        return PALP_OK; /* network_add_terms tells what failed */
+    net->surface_stays = true;
+    const skin *s = &t->layer->skin;
+    return network_add_pairs(net, s->n_pairs, s->low, s->high);
 }
 
 /* ---- the public calls -------------------------------------------------------------------------- */
@@ -245,13 +308,21 @@ palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_
         return PALP_ERR_ARGUMENT;
     if (max_tools > 0 && net->n_surface == 0)
         return PALP_ERR_UNSUPPORTED;
+    if (s->subdivisions > 0 && net->surface != palp_mesh_triangles(net->mesh))
+        return PALP_ERR_UNSUPPORTED;
     network_term *terms[3];
     size_t n = 0;
     if (weighs)
         terms[n++] = network_gravity_new(s->gravity_m_s2);
     terms[n++] = grasp_new(max_grasped, s->grasp_stiffness);
     terms[n++] = term_new(net, max_tools, s);
-    palp_status status = network_add_terms(net, n, terms);
+    palp_status status = join(net, terms[n - 1]);
+    if (status) {
+        for (size_t i = 0; i < n; i++)
+            network_term_free(terms[i]);
+        return status;
+    }
+    status = network_add_terms(net, n, terms);
     if (!status)
         palp_network_reset(net);
     return status;

@@ -66,11 +66,13 @@ static void add_block(void *user, int32_t row, int32_t column, const double k[9]
         return;
     }
     size_t e = palp_mesh_element_between(net->mesh, row, column);
-    if (e == net->n_elements)
-        return;
+    const bool element = e < net->n_elements;
+    const uint32_t *slot =
+        element ? net->slot + 9 * e : network_other_slots(net, row < column ? row : column, row < column ? column : row);
+    const bool as_is = element ? net->pair[2 * e] == column : column < row;
     double *value = linsys_values(net->ls);
-    for (int i = 0; i < 9; i++)
-        value[net->slot[9 * e + (size_t)i]] += net->pair[2 * e] == column ? k[i] : k[3 * (i % 3) + i / 3];
+    for (int i = 0; i < 9 && slot; i++)
+        value[slot[i]] += as_is ? k[i] : k[3 * (i % 3) + i / 3];
 }
 
 /* The elements' blocks between nodes into the values, those on nodes into node_block. */

@@ -36,6 +36,7 @@ struct palp_network {
     const int32_t *surface; /* [3 n_surface] triangles of the surface as it now is, outward */
     size_t n_surface;
     size_t surface_changes; /* counts what replaced the surface */
+    bool surface_stays;     /* a term has made its own of it: nothing may replace it */
     double *motion;       /* [3 n_nodes] displacement per depth, 0 unless driven */
     bool driven;          /* some axis is */
     int32_t *dof;         /* [3 n_nodes] unknown, or -1 */
@@ -54,6 +55,9 @@ struct palp_network {
     uint32_t *slot;       /* [9 n_elements] value slots of block (b, a) by rows */
     uint32_t *slot_node;  /* [6 n_nodes] of the lower triangle of a node's own block */
     double *node_block;   /* [6 n_nodes] */
+    int32_t *other_pair;  /* [2 n_other_pairs] nodes, low and high, that no element joins and a term may; sorted; or NULL */
+    uint32_t *other_slot; /* [9 n_other_pairs] as slot */
+    size_t n_other_pairs;
     bool reuse_factor;    /* factors are dear: keep one as long as it contracts */
     bool factored;        /* the factor belongs to this network state or one near it */
 
@@ -93,6 +97,13 @@ struct palp_network {
 
 /* The solver for the tangent's pattern, and where each block of it goes. */
 palp_status network_make_pattern(palp_network *net);
+
+/* Room in it for blocks between more pairs of nodes, low <= high, sorted by low, then high; those that have it already are
+ * passed over. Once for each network. */
+palp_status network_add_pairs(palp_network *net, size_t n, const int32_t *low, const int32_t *high);
+
+/* Value slots of such a pair's block (high, low) by rows, or NULL. */
+const uint32_t *network_other_slots(const palp_network *net, int32_t low, int32_t high);
 
 /* ---- network_state.c ---- */
 

@@ -1,12 +1,19 @@
 /* network_pattern.c: the pattern of the tangent, and where each block goes in the solver's values. */
 #include "network_internal.h"
 
+#include "mesh/mesh_internal.h"
+
 #include <stdlib.h>
+
+/* Pair i of nodes that have a block: those of the elements, and behind them the others. */
+static const int32_t *joined(const palp_network *net, size_t i) {
+    return i < net->n_elements ? net->pair + 2 * i : net->other_pair + 2 * (i - net->n_elements);
+}
 
 /* Neighbours of each node with a higher or the same number, ascending: [first[a], first[a + 1]). */
 static palp_status neighbours(const palp_network *net, size_t **first, int32_t **list) {
-    size_t n = net->n_nodes, *count = calloc(n + 2, sizeof *count);
-    int32_t *out = malloc((n + net->n_elements + 1) * sizeof *out);
+    size_t n = net->n_nodes, n_pairs = net->n_elements + net->n_other_pairs, *count = calloc(n + 2, sizeof *count);
+    int32_t *out = malloc((n + n_pairs + 1) * sizeof *out);
     if (!count || !out) {
         free(count);
         free(out);
@@ -14,16 +21,16 @@ static palp_status neighbours(const palp_network *net, size_t **first, int32_t *
     }
     for (size_t i = 0; i < n; i++)
         count[i + 2] = 1;
-    for (size_t i = 0; i < net->n_elements; i++) {
-        int32_t a = net->pair[2 * i], b = net->pair[2 * i + 1];
+    for (size_t i = 0; i < n_pairs; i++) {
+        int32_t a = joined(net, i)[0], b = joined(net, i)[1];
         count[(a < b ? a : b) + 2]++;
     }
     for (size_t i = 2; i < n + 2; i++)
         count[i] += count[i - 1];
     for (size_t i = 0; i < n; i++)
         out[count[i + 1]++] = (int32_t)i;
-    for (size_t i = 0; i < net->n_elements; i++) {
-        int32_t a = net->pair[2 * i], b = net->pair[2 * i + 1];
+    for (size_t i = 0; i < n_pairs; i++) {
+        int32_t a = joined(net, i)[0], b = joined(net, i)[1];
         out[count[(a < b ? a : b) + 1]++] = a < b ? b : a;
     }
     for (size_t i = 0; i < n; i++) /* insertion sort: a node has few neighbours */
@@ -91,11 +98,13 @@ static uint32_t slot_of(const palp_network *net, size_t i, size_t j) {
 static palp_status find_slots(palp_network *net) {
     if (linsys_value_count(net->ls) >= UINT32_MAX)
         return PALP_ERR_LIMIT;
-    for (size_t i = 0; i < net->n_elements; i++)
+    for (size_t i = 0; i < net->n_elements + net->n_other_pairs; i++) {
+        const int32_t *pair = joined(net, i);
+        uint32_t *slot = i < net->n_elements ? net->slot + 9 * i : net->other_slot + 9 * (i - net->n_elements);
         for (size_t r = 0; r < 3; r++)
             for (size_t c = 0; c < 3; c++)
-                net->slot[9 * i + 3 * r + c] =
-                    slot_of(net, 3 * (size_t)net->pair[2 * i + 1] + r, 3 * (size_t)net->pair[2 * i] + c);
+                slot[3 * r + c] = slot_of(net, 3 * (size_t)pair[1] + r, 3 * (size_t)pair[0] + c);
+    }
     for (size_t i = 0; i < net->n_nodes; i++) {
         uint32_t *s = net->slot_node + 6 * i;
         for (size_t r = 0; r < 3; r++)
@@ -108,4 +117,41 @@ static palp_status find_slots(palp_network *net) {
 palp_status network_make_pattern(palp_network *net) {
     palp_status status = make_linsys(net);
     return status ? status : find_slots(net);
+}
+
+palp_status network_add_pairs(palp_network *net, size_t n, const int32_t *low, const int32_t *high) {
+    net->other_pair = arena_take(&net->memory, 2 * n, sizeof *net->other_pair);
+    net->other_slot = arena_take(&net->memory, 9 * n, sizeof *net->other_slot);
+    if (net->memory.failed)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n; i++) {
+        if (low[i] == high[i] || palp_mesh_element_between(net->mesh, low[i], high[i]) < net->n_elements)
+            continue;
+        net->other_pair[2 * net->n_other_pairs] = low[i];
+        net->other_pair[2 * net->n_other_pairs++ + 1] = high[i];
+    }
+    linsys *old = net->ls;
+    net->ls = NULL;
+    palp_status status = network_make_pattern(net);
+    if (status) { /* slots are found last: they are still the old ones */
+        linsys_free(net->ls);
+        net->ls = old;
+        net->n_other_pairs = 0;
+        return status;
+    }
+    linsys_free(old);
+    return PALP_OK;
+}
+
+static int by_ends(const void *a, const void *b) {
+    const int32_t *p = a, *q = b;
+    if (p[0] != q[0])
+        return p[0] < q[0] ? -1 : 1;
+    return (p[1] > q[1]) - (p[1] < q[1]);
+}
+
+const uint32_t *network_other_slots(const palp_network *net, int32_t low, int32_t high) {
+    const int32_t key[2] = {low, high}, *list = net->other_pair;
+    const int32_t *found = list ? bsearch(key, list, net->n_other_pairs, sizeof key, by_ends) : NULL;
+    return found ? net->other_slot + 9 * ((found - list) / 2) : NULL;
 }

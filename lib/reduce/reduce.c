@@ -259,6 +259,9 @@ static palp_status check_create(const palp_network *net, size_t n_paths, palp_sn
     if (net->mass || net->damage || network_foundation(net) || vectors)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "a network with mass, damage or the formulation sedef2008 cannot be reduced");
+    const contact_set *contacts = contact_of(net);
+    if (contacts && contacts->settings.subdivisions > 0)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "a network whose tools touch a subdivided surface cannot be reduced");
     return PALP_OK;
 }
 

@@ -16,18 +16,22 @@ static inline palp_realtime *realtime_on(palp_network *net, bool background) {
     return rt;
 }
 
-/* On its bottom, its top free for a tool. */
-static inline palp_realtime *cube_on_a_table(size_t n, size_t n_arms) {
+/* On its bottom, its top free for a tool that touches it so. */
+static inline palp_realtime *cube_touched(size_t n, size_t n_arms, const palp_contact_settings *touch) {
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
-    palp_contact_settings touch = palp_contact_settings_default();
     palp_network_settings settings = palp_network_settings_default();
     palp_material m = quartic(n_arms);
     palp_mesh *mesh = cube(n, PALP_NEIGHBOURS_26);
     palp_network *net = NULL;
     ck_assert_int_eq(palp_network_create(mesh, &m, 1, &bottom, &settings, &net, NULL), PALP_OK);
     palp_mesh_free(mesh);
-    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &touch), PALP_OK);
+    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, touch), PALP_OK);
     return realtime_on(net, false);
+}
+
+static inline palp_realtime *cube_on_a_table(size_t n, size_t n_arms) {
+    palp_contact_settings touch = palp_contact_settings_default();
+    return cube_touched(n, n_arms, &touch);
 }
 
 static inline palp_network *net_of(const palp_realtime *rt) {

@@ -235,6 +235,10 @@ START_TEST(settings_are_checked) {
     ck_assert_int_eq(palp_reduced_create(net, 0, NULL, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_reduced_create(other, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_reduced_create(old, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_UNSUPPORTED);
+    palp_contact_settings smooth = palp_contact_settings_default();
+    smooth.subdivisions = 1;
+    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &smooth), PALP_OK);
+    ck_assert_int_eq(palp_reduced_create(net, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_null(reduced);
     palp_snapshots *none = NULL;
     const double back[] = {0.1, 0.1}, depth[] = {0.0, 0.0};

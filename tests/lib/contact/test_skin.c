@@ -1,0 +1,200 @@
+/* test_skin.c: the smooth surface that tools touch: Loop's scheme against what is known of it, and how little of the mesh is
+ * felt through it. */
+#include "tool_make.h"
+#include "contact/skin.h"
+
+#include <palpate/cut.h>
+
+/* ---- the surface --------------------------------------------------------------------------------- */
+
+typedef struct made {
+    arena memory;
+    palp_mesh *mesh;
+    double *unit; /* of each node, 1 + a tenth of its number */
+    skin skin;
+} made;
+
+static void make(made *m, palp_mesh *mesh, size_t subdivisions) {
+    *m = (made){.mesh = mesh};
+    size_t n = palp_mesh_node_count(mesh);
+    m->unit = malloc(n * sizeof *m->unit);
+    for (size_t i = 0; i < n; i++)
+        m->unit[i] = 1.0 + 0.1 * (double)i;
+    ck_assert_int_eq(skin_make(&m->memory, n, palp_mesh_positions(mesh), palp_mesh_triangle_count(mesh),
+                               palp_mesh_triangles(mesh), m->unit, subdivisions, &m->skin),
+                     PALP_OK);
+}
+
+static void drop(made *m) {
+    arena_free(&m->memory);
+    palp_mesh_free(m->mesh);
+    free(m->unit);
+}
+
+/* What a vertex has of a node. */
+static double weight_of(const skin *s, size_t vertex, int32_t node) {
+    for (uint32_t k = s->first[vertex]; k < s->first[vertex + 1]; k++)
+        if (s->node[k] == node)
+            return s->weight[k];
+    return 0.0;
+}
+
+START_TEST(weights_are_means) {
+    for (size_t subdivisions = 1; subdivisions <= 3; subdivisions++) {
+        made m;
+        make(&m, cube(4, PALP_NEIGHBOURS_26), subdivisions);
+        const skin *s = &m.skin;
+        double nodes = 0.0, vertices = 0.0;
+        ck_assert_uint_eq(s->n_triangles, palp_mesh_triangle_count(m.mesh) << 2 * subdivisions);
+        for (size_t v = 0; v < s->n; v++) {
+            double sum = 0.0;
+            for (uint32_t k = s->first[v]; k < s->first[v + 1]; k++) {
+                ck_assert_double_ge(s->weight[k], 0.0);
+                ck_assert(k == s->first[v] || s->node[k] > s->node[k - 1]);
+                sum += s->weight[k];
+            }
+            ck_assert_double_eq_tol(sum, 1.0, 1e-14);
+            vertices += s->unit[v];
+        }
+        for (size_t i = 0; i < palp_mesh_node_count(m.mesh); i++) { /* 8 of 64 are inside */
+            const double *x = palp_mesh_positions(m.mesh) + 3 * i;
+            bool outside = false;
+            for (int k = 0; k < 3; k++)
+                outside = outside || x[k] < 1e-9 || x[k] > HEIGHT - 1e-9;
+            nodes += outside ? m.unit[i] : 0.0;
+        }
+        ck_assert_double_eq_tol(vertices, nodes, 1e-10 * nodes);
+        drop(&m);
+    }
+}
+END_TEST
+
+/* In the middle of a face each node has six neighbours: the limit of a vertex is half itself and a twelfth of each (Loop 1987). The
+ * corners of a cube stay, its edges and faces stay straight and plane; and a limit does not depend on how often the surface was
+ * subdivided on the way there. */
+START_TEST(limits_are_loops) {
+    const size_t n = 5;
+    made once, twice;
+    make(&once, cube(n, PALP_NEIGHBOURS_26), 1);
+    make(&twice, cube(n, PALP_NEIGHBOURS_26), 2);
+    const int32_t middle = (int32_t)((2 * n + 4) * n + 2), corner = (int32_t)(4 * n), edge = (int32_t)((2 * n + 4) * n);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle), 0.5, 1e-14);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle + 1), 1.0 / 12.0, 1e-14);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)corner, corner), 1.0, 1e-14);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)edge, edge), 2.0 / 3.0, 1e-14);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)edge, edge + (int32_t)(n * n)), 1.0 / 6.0, 1e-14);
+    for (size_t v = 0; v < once.skin.n; v++)
+        for (int k = 0; k < 3; k++)
+            ck_assert_double_eq_tol(once.skin.rest[3 * v + (size_t)k], twice.skin.rest[3 * v + (size_t)k], 1e-15);
+    for (size_t v = 0; v < twice.skin.n; v++) {
+        bool on_a_face = twice.skin.around_first[v] == twice.skin.around_first[v + 1]; /* or inside */
+        for (size_t k = 0; k < 3; k++) {
+            double x = twice.skin.rest[3 * v + k];
+            on_a_face = on_a_face || fabs(x) < 1e-15 || fabs(x - HEIGHT) < 1e-15;
+        }
+        ck_assert(on_a_face);
+    }
+    drop(&once);
+    drop(&twice);
+}
+END_TEST
+
+/* ---- what is felt -------------------------------------------------------------------------------- */
+
+/* Largest less smallest force, over its mean, of a smooth sphere led across an edge of the mesh and around its middle; of the
+ * force less its mean over the way of an edge, which the whole block's shape gives it. */
+static double ripple(size_t subdivisions, double stiffness, double radius, double press, double *mean) {
+    enum { EDGE = 12, N = 2 * EDGE + 1 };
+    const double edge = HEIGHT / 6.0;
+    palp_contact_settings penalty = palp_contact_settings_default();
+    palp_material m = linear();
+    double force[N], low = INFINITY, high = -INFINITY;
+    penalty.subdivisions = subdivisions;
+    penalty.stiffness = stiffness;
+    palp_network *net = block(7, &m, 0.0, &penalty);
+    *mean = 0.0;
+    for (int i = -2; i < N; i++) {
+        double aside = edge * ((double)(i < 0 ? 0 : i) / EDGE - 1.0), deep = press * (i < 0 ? (3.0 + i) / 3.0 : 1.0);
+        palp_tool tool = sphere(0.5 * HEIGHT + 3e-4 + aside, HEIGHT - deep, 0.5 * HEIGHT + 7e-4 + aside, radius, 0);
+        double now = step(net, &tool, 0.01).force_N[1];
+        if (i >= 0)
+            *mean += (force[i] = now) / N;
+    }
+    for (int i = EDGE / 2; i < N - EDGE / 2; i++) {
+        double around = 0.5 * (force[i - EDGE / 2] + force[i + EDGE / 2]);
+        for (int j = 1 - EDGE / 2; j < EDGE / 2; j++)
+            around += force[i + j];
+        low = fmin(low, force[i] - around / EDGE);
+        high = fmax(high, force[i] - around / EDGE);
+    }
+    palp_network_free(net);
+    return (high - low) / *mean;
+}
+
+START_TEST(a_sphere_feels_little_of_the_mesh) {
+    double mean, smooth_mean, triangles = ripple(0, 20.0, 0.005, 0.0015, &mean);
+    double smooth = ripple(2, 5.0, 0.005, 0.0015, &smooth_mean);
+    ck_assert_double_gt(triangles, 0.1);
+    ck_assert_double_lt(smooth, 0.03);
+    ck_assert_double_eq_tol(smooth_mean, mean, 0.03 * mean); /* and as much of the tissue */
+    ck_assert_double_lt(ripple(2, 2.0, 0.005, 0.0015, &mean), 0.02);
+}
+END_TEST
+
+START_TEST(forces_balance_and_work_comes_back) {
+    palp_contact_settings penalty = palp_contact_settings_default();
+    palp_material m = quartic(0);
+    const palp_tool tools[] = {sphere(0.0101, HEIGHT, 0.0117, 0.005, 0.3), capsule(0.0081, HEIGHT, 0.0088, 0.004, 0.3),
+                               plane(HEIGHT, 0.3)};
+    penalty.subdivisions = 1;
+    for (int t = 0; t < 3; t++) {
+        palp_network *net = block(5, &m, 0.0, &penalty);
+        palp_tool tool = tools[t];
+        double sum[6], pressed = 0.0, back = 0.0;
+        for (int i = 0; i < 10; i++) {
+            tool.position_m[1] -= 1e-4;
+            pressed = step(net, &tool, INFINITY).force_N[1];
+        }
+        balance(net, 1, &tool, sum);
+        for (int k = 0; k < 3; k++) {
+            ck_assert_double_eq_tol(sum[k], 0.0, 1e-8);
+            ck_assert_double_eq_tol(sum[3 + k], 0.0, 1e-10);
+        }
+        tool.friction = 0.0;
+        for (int i = 0; i < 20; i++) { /* a smooth tool goes to and fro: what it feels is its place's alone */
+            tool.position_m[0] += i < 10 ? 1e-4 : -1e-4;
+            back = step(net, &tool, INFINITY).force_N[1];
+        }
+        palp_network_reset(net);
+        for (int i = 0; i < 10; i++) {
+            tool.position_m[1] = tools[t].position_m[1] - 1e-4 * (i + 1);
+            pressed = step(net, &tool, INFINITY).force_N[1];
+        }
+        ck_assert_double_eq_tol(back, pressed, 1e-6 * pressed);
+        ck_assert_double_gt(pressed, 0.1);
+        palp_network_free(net);
+    }
+}
+END_TEST
+
+START_TEST(no_cuts) {
+    palp_contact_settings penalty = palp_contact_settings_default();
+    palp_material m = quartic(0);
+    penalty.subdivisions = 1;
+    palp_network *net = block(3, &m, 0.0, &penalty);
+    ck_assert_int_eq(palp_network_enable_cutting(net), PALP_ERR_UNSUPPORTED);
+    palp_network_free(net);
+    net = cube_network(3, &m, NULL);
+    ck_assert_int_eq(palp_network_enable_cutting(net), PALP_OK);
+    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &penalty), PALP_ERR_UNSUPPORTED);
+    palp_network_free(net);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, weights_are_means);
+    tcase_add_test(tc, limits_are_loops);
+    tcase_add_test(tc, a_sphere_feels_little_of_the_mesh);
+    tcase_add_test(tc, forces_balance_and_work_comes_back);
+    tcase_add_test(tc, no_cuts);
+}
