@@ -20,7 +20,7 @@ static void bond(const double *value, double gap, effect_bond *out) {
 }
 
 static const char *missing(const effect_data *data) {
-    return data->n_releases == 0 && !(data->pulled > 0.0) ? "no plate pulls on withdrawal" : NULL;
+    return data->n_releases == 0 && !(data->pulled > 0.0) ? "no plate withdraws until the force is gone" : NULL;
 }
 
 /* Where plates let go with a jump the force is not fitted, as which sample is the last before it has no derivative: between

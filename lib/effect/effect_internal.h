@@ -95,7 +95,7 @@ typedef struct effect_data {
     double duration, step, deepest, fastest, peak, white, height;
     size_t n_releases; /* at which a plate let go with a jump, */
     double pull[2];    /* and the pull there: the strongest recorded, and what would be too strong */
-    double pulled;     /* strongest pull that the runs record on withdrawal, beyond what noise is; 0 = none */
+    double pulled;     /* strongest pull that the runs record on withdrawal, and what noise hides at least; 0 = no plate goes so far */
     double frame[2];   /* what runs on a rigid block show of the frame's compliance, an interval; 0, 0 = there are none */
     const void *runs;       /* of the next two */
     const double *residual; /* that a fit leaves of them; NULL: not asked for */

@@ -58,7 +58,7 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
             s->residual[at + i] = s->data.run[r].force[i] - s->force[at + i];
     if (!status)
         status = explain_noise_find(&s->data, s->residual);
-    return status ? status : explain_refit(s);
+    return status ? status : explain_refit_anywhere(s);
 }
 
 /* ---- the verdict ---- */
@@ -84,29 +84,6 @@ static palp_explain_verdict judge(const explain_search *s, bool remains, const p
         if (e->effect[i].n_class > 1)
             return PALP_EXPLAIN_AMBIGUOUS;
     return e->n_effects || e->law.found ? PALP_EXPLAIN_EXPLAINED : PALP_EXPLAIN_AGREES;
-}
-
-/* Takes the names back: the model is what it was before the first. */
-static void disown(const explain_search *s, palp_explanation *e) {
-    for (size_t i = 0; i < e->n_effects; i++)
-        for (size_t k = 0; k < e->n_candidates; k++)
-            if (e->candidate[k].id == e->effect[i].effect.id && e->candidate[k].accepted) {
-                e->candidate[k].accepted = false;
-                snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
-                         "the best there is, but leaves %.2g of the gap open: it mimics something else",
-                         1.0 - e->gap.closed);
-            }
-    e->n_effects = 0;
-    e->law.found = false;
-    e->next = (palp_explain_next){0};
-    e->model = e->base;
-    e->gap.after_N = s->opened;
-    e->gap.heldout_after_N = e->gap.heldout_before_N;
-    e->gap.closed = 0.0;
-    explain_keep_residual(s->first, e, false);
-    palp_explain_scatter *scatter[] = {&e->zero, &e->contact, &e->gain};
-    for (size_t i = 0; i < sizeof scatter / sizeof *scatter; i++) /* it was found beside the effects */
-        scatter[i]->found = scatter[i]->found && scatter[i]->without_N > e->gap.after_N;
 }
 
 static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {
@@ -140,7 +117,7 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
     explain_add_hum(s, e);
     bool mimics = mimicked(s, e, noise_level_N);
     if (mimics) {
-        disown(s, e);
+        explain_disown(s, e);
         e->unexplained_N = sqrt(fmax(0.0, s->opened * s->opened - noise_level_N * noise_level_N));
     }
     if (s->n_given > s->data.given->n_effects && e->n_effects < PALP_EXPLAIN_EFFECTS) {

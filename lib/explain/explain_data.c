@@ -98,17 +98,31 @@ static palp_status mask_spikes(explain_data *data, size_t r) {
     return status;
 }
 
+/* The run's force where the plate is farthest away: the median of a few samples; 0 if that is not above the surface. */
+static double zero_of(const explain_run *run) {
+    enum { FEW = 5 };
+    double force[FEW];
+    size_t away = 0, n = 0;
+    for (size_t i = 1; i < run->n; i++)
+        away = run->depth[i] <= run->depth[away] ? i : away;
+    const size_t first = away < FEW / 2 ? 0 : away - FEW / 2;
+    for (size_t k = first; k < run->n && n < FEW; k++)
+        force[n++] = run->force[k];
+    return run->depth[away] <= 0.0 && n > 0 ? statistics_median(force, n) : 0.0;
+}
+
 /* Where a plate that sticks lets go, the force jumps; when it does is no matter of a sample, so the surroundings of
- * the jump do not count: a part of the pull before it, and as much after. */
+ * the jump do not count: a part of the pull before it, and as much after. The run's zero is no pull. */
 static palp_status mask_releases(explain_data *data, size_t r) {
     explain_run *run = &data->run[r];
     palp_status status = PALP_OK;
+    const double zero = zero_of(run);
     for (size_t i = 1; i + 1 < run->n && !status; i++) {
-        double jump = run->force[i + 1] - run->force[i], pull = -run->force[i];
+        double jump = run->force[i + 1] - run->force[i], pull = zero - run->force[i];
         if (!(pull > 12.0 * run->white && jump > 0.5 * pull && run->depth[i + 1] <= run->depth[i]))
             continue;
         size_t start = i, reach, end = i + 1;
-        while (start > 0 && run->force[start] < 0.0)
+        while (start > 0 && run->force[start] < zero)
             start--;
         reach = (i - start) / 5 + 3;
         for (size_t k = i > reach ? i - reach : 0; k <= i + reach && k < run->n; end = ++k)
@@ -125,18 +139,21 @@ static palp_status mask_releases(explain_data *data, size_t r) {
     return status;
 }
 
-/* The strongest pull after the plate has met the specimen beyond what the run has before, by means of three samples. */
+/* By means of three samples: the strongest pull after the largest force, as the run's force differs from that where the plate is
+ * farthest away; where the plate comes so far that one could show, what noise hides at least. */
 static void find_pull(explain_data *data, const explain_run *run) {
-    double before = 0.0, after = 0.0, noise = 5.0 * run->white / sqrt(3.0);
-    bool met = false;
-    for (size_t i = 1; i + 1 < run->n; i++) {
-        double pull = -(run->force[i - 1] + run->force[i] + run->force[i + 1]) / 3.0;
-        met = met || -pull > 2.0 * noise;
-        double *most = met ? &after : &before;
-        *most = fmax(*most, pull);
+    size_t most = 1;
+    double pull = -HUGE_VAL, least = HUGE_VAL;
+    for (size_t i = 1; i + 1 < run->n; i++)
+        most = run->force[i] > run->force[most] ? i : most;
+    const double zero = zero_of(run), peak = run->force[most] - zero, noise = run->white / sqrt(3.0);
+    for (size_t i = most + 1; i + 1 < run->n; i++) {
+        const double mean = (run->force[i - 1] + run->force[i] + run->force[i + 1]) / 3.0 - zero;
+        pull = fmax(pull, -mean);
+        least = fmin(least, mean);
     }
-    if (after - before > noise)
-        data->pulled = fmax(data->pulled, after - before);
+    if (peak > 20.0 * noise && least < 0.01 * peak + 3.0 * noise)
+        data->pulled = fmax(data->pulled, fmax(pull, 2.0 * noise));
 }
 
 /* Whether the plate went the same way in both, to a hundredth of the deepest. */

@@ -43,7 +43,7 @@ typedef struct explain_data {
     bool one_speed;                         /* all runs press at one speed, without a pause or a way back */
     size_t n_replicates;                    /* runs whose plate goes as in one before */
     double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
-    double pulled;                          /* strongest pull of a withdrawal that is more than noise; 0 = none */
+    double pulled;                          /* strongest pull of a withdrawal, and what noise hides at least; 0 = no plate goes so far */
     size_t n_releases;
     explain_frame frame;
     size_t n_contact_told;                  /* runs that say how exact their contact is, */

@@ -15,23 +15,40 @@ static const struct family {
 
 static double price(const explain_search *s, size_t n) { return 0.5 * (double)n * log((double)s->data.n); }
 
-/* The law of that family nearest to one that is there, over the strains of these runs. ERR_ARGUMENT: there is none. */
-static palp_status resemble(const palp_law *from, const struct family *family, double deepest, palp_law *law) {
+/* The law of that family nearest to one that is there, over the strains of these runs, if the surface were higher by a strain;
+ * what it is before that is not known. ERR_ARGUMENT: there is none. */
+static palp_status resemble(const palp_law *from, const struct family *family, double deepest, double higher, palp_law *law) {
     enum { PLACES = 200 };
     double strain[PLACES], force[PLACES], value[PALP_LAW_MAX], left, most = fmax(from->strain_max, deepest);
     palp_status status;
-    for (size_t i = 0; i < PLACES; i++)
-        strain[i] = most * (double)(i + 1) / PLACES;
-    palp_law_force(from, PLACES, strain, force, NULL, NULL);
+    size_t n = 0;
+    for (size_t i = 0; i < PLACES; i++) {
+        strain[n] = most * (double)(i + 1) / PLACES;
+        const double before = strain[n] - higher;
+        palp_law_force(from, 1, &before, &force[n], NULL, NULL);
+        n += before > 0.5 * higher;
+    }
+    if (n < PLACES / 2)
+        return PALP_ERR_ARGUMENT;
     if (family->kind == PALP_LAW_POLYNOMIAL) {
-        status = dense_polynomial(PLACES, strain, force, 1, family->n, value, &left);
+        status = dense_polynomial(n, strain, force, 1, family->n, value, &left);
         if (!status)
             status = palp_law_polynomial(family->n, value, law);
     } else {
+        size_t at = 0;
         for (size_t i = 0; i < family->n; i++) {
             strain[i] = most * (double)i / (double)(family->n - 1);
-            palp_law_stiffness(from, strain[i], &value[i], NULL);
+            value[i] = 0.0;
+            double before = strain[i] - higher, there;
+            if (before > 0.5 * fabs(higher) || higher == 0.0) {
+                palp_law_force(from, 1, &before, &there, NULL, NULL);
+                palp_law_stiffness(from, strain[i], &value[i], NULL);
+                value[i] = higher == 0.0 ? value[i] : there / strain[i];
+            } else
+                at = i + 1;
         }
+        for (size_t i = 0; i < at && at < family->n; i++)
+            value[i] = value[at];
         status = palp_law_spline(family->n, strain, value, law);
     }
     return status ? status : palp_law_limit(law, most);
@@ -79,7 +96,7 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
     for (size_t f = 0; f < sizeof families / sizeof *families && !status; f++) {
         explain_trial t = {.tried = true};
         palp_law law;
-        if (families[f].n <= now->n || resemble(now, &families[f], s->data.deepest / s->data.height, &law))
+        if (families[f].n <= now->n || resemble(now, &families[f], s->data.deepest / s->data.height, 0.0, &law))
             continue;
         status = fit_with(s, &law, false, &t.fit);
         if (!status)
@@ -94,6 +111,60 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
     return status;
 }
 
+/* ---- a surface that all runs have elsewhere ---- */
+
+/* The fit with all surfaces higher (a length), and the law that goes with them. ERR_ARGUMENT: there is none. */
+static palp_status raise_surfaces(const explain_search *s, const explain_fit *from, double higher, explain_fit *fit) {
+    const palp_law *law = &from->model.material.law;
+    const struct family same = {law->kind, law->n};
+    palp_model model = from->model;
+    palp_status status = resemble(law, &same, s->data.deepest / s->data.height, higher / s->data.height, &model.material.law);
+    if (!status)
+        status = explain_fit_beside(from, &model, &s->data, fit);
+    for (size_t r = 0; r < s->data.n_runs && !status; r++)
+        fit->contact[r] -= higher;
+    if (!status)
+        status = explain_fit_products(fit, &s->data, NULL);
+    for (size_t rounds = 15; rounds > 2 && !status; rounds /= 5) {
+        status = explain_fit_improve(fit, &s->data, rounds);
+        explain_fit_scatter(fit, &s->data, s->settings);
+    }
+    return status;
+}
+
+/* Moves fit there by steps as long as that is more likely. */
+static palp_status walk(const explain_search *s, explain_fit *fit, double step, bool *moved) {
+    enum { STEPS = 4 };
+    static const double PLAIN = 1.0; /* nats */
+    for (int k = 0; k < STEPS; k++) {
+        explain_fit there = {.n_columns = 0};
+        palp_status status = raise_surfaces(s, fit, step, &there);
+        const bool better = !status && there.score > fit->score + PLAIN;
+        explain_fit_free(better ? fit : &there);
+        if (better)
+            *fit = there;
+        *moved = *moved || better;
+        if (!better)
+            return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    }
+    return PALP_OK;
+}
+
+palp_status explain_refit_anywhere(explain_search *s) {
+    palp_status status = explain_refit(s);
+    const palp_law_kind kind = s->fit.model.material.law.kind;
+    bool moved = false;
+    if (status || s->fit.model.kind == PALP_MODEL_NETWORK || (kind != PALP_LAW_POLYNOMIAL && kind != PALP_LAW_SPLINE))
+        return status;
+    double step = fmin(0.05 * s->data.deepest, s->fit.scatter.contact);
+    for (int round = 0; round < 2 && !status; round++, step /= 3.0) {
+        status = walk(s, &s->fit, step, &moved);
+        if (!status)
+            status = walk(s, &s->fit, -step, &moved);
+    }
+    return status || !moved ? status : explain_refit(s);
+}
+
 palp_status explain_law_take(explain_search *s, explain_trial *law) {
     if (!s->law_changed)
         s->first_law = s->fit.model.material.law;
@@ -105,7 +176,7 @@ palp_status explain_law_take(explain_search *s, explain_trial *law) {
     s->given.material.law = s->fit.model.material.law;
     s->data.given = &s->given;
     trial_free(law);
-    return explain_refit(s);
+    return explain_refit_anywhere(s);
 }
 
 palp_status explain_law_review(explain_search *s, palp_explain_law *found) {

@@ -46,6 +46,7 @@ void explain_whiten(const explain_run *run, double *x) {
 /* ---- correlated noise ---- */
 
 enum { TREND = 3, PIECES_MAX = 4096 };
+static const double LEAST_WHITE = 0.01; /* of the variance that neighbours show: the filter needs some */
 
 typedef struct piece {
     size_t run, from, to;
@@ -79,12 +80,25 @@ static size_t find_pieces(const explain_data *data, piece *list) {
     return count;
 }
 
+/* Correlated noise, in units of what differs from sample to sample; white: what of that it leaves for white noise. */
+typedef struct mixture {
+    double share, time, white;
+} mixture;
+
+/* Neighbours differ by correlated noise also: second differences hold 6 parts of the variance of white noise, and of noise whose
+ * neighbours correlate by f, 6 - 8 f + 2 f f. false: there would be more of them than there are. */
+static bool mix(const explain_data *data, double share, double correlation_time, mixture *m) {
+    const double f = exp(-data->step / correlation_time), rest = 1.0 - share * share * (6.0 - 8.0 * f + 2.0 * f * f) / 6.0;
+    *m = (mixture){share, correlation_time, sqrt(fmax(LEAST_WHITE, rest))};
+    return rest > -0.2;
+}
+
 /* Log likelihood of a piece of the residual, its smooth trend left open. work: [7 longest]. */
-static double piece_score(const explain_run *run, const double *residual, const piece *p, double correlated,
-                          double correlation_time, double *work, size_t longest) {
+static double piece_score(const explain_run *run, const double *residual, const piece *p, const mixture *m,
+                          double *work, size_t longest) {
     double *keep = work, *take = work + longest, *weight = work + 2 * longest, *column[TREND + 1];
     double middle = 0.5 * (run->time[p->from] + run->time[p->to - 1]), half = run->time[p->to - 1] - middle;
-    double logdet = make_filter(run, run->white, correlated, correlation_time, p->from, p->to, keep, take, weight);
+    double logdet = make_filter(run, m->white * run->white, m->share * run->white, m->time, p->from, p->to, keep, take, weight);
     for (size_t k = 0; k <= TREND; k++)
         column[k] = work + (3 + k) * longest;
     for (size_t i = p->from; i < p->to; i++) {
@@ -123,24 +137,23 @@ typedef struct pauses {
     double *work, *without, *with; /* [7 longest]; [n_runs] each */
 } pauses;
 
-static void score_runs(const pauses *p, double share, double correlation_time, double *score) {
+static void score_runs(const pauses *p, const mixture *m, double *score) {
     memset(score, 0, p->data->n_runs * sizeof *score);
     for (size_t k = 0; k < p->count; k++) {
         const explain_run *run = &p->data->run[p->list[k].run];
         const double *own = p->residual;
         for (size_t r = 0; r < p->list[k].run; r++)
             own += p->data->run[r].n;
-        score[p->list[k].run] +=
-            piece_score(run, own, &p->list[k], share * run->white, correlation_time, p->work, p->data->longest);
+        score[p->list[k].run] += piece_score(run, own, &p->list[k], m, p->work, p->data->longest);
     }
 }
 
 /* What correlated noise gains over none. An instrument has it in all its runs: of three runs and more the one that gains most
  * does not count, so that what happened in one run is not taken for noise. */
-static double correlated_gain(const pauses *p, double share, double correlation_time) {
+static double correlated_gain(const pauses *p, const mixture *m) {
     double sum = 0.0, most = 0.0;
     size_t runs = 0;
-    score_runs(p, share, correlation_time, p->with);
+    score_runs(p, m, p->with);
     for (size_t r = 0; r < p->data->n_runs; r++) {
         double gain = p->with[r] - p->without[r];
         runs += p->without[r] != 0.0;
@@ -150,30 +163,43 @@ static double correlated_gain(const pauses *p, double share, double correlation_
     return runs > 2 ? sum - most : sum;
 }
 
-/* Most likely share of the white noise and time: on a grid, then closer by. */
-static void find_correlated(explain_data *data, const pauses *p, double *share_out) {
-    double best = 0.0, share = 0.0, tau = 30.0 * data->step, span = 2.0;
-    score_runs(p, 0.0, tau, p->without);
-    for (int pass = 0; pass < 3; pass++, span = pass == 1 ? sqrt(2.0) : pow(2.0, 0.25)) {
-        double at_share = share > 0.0 ? share : 0.5, at_tau = tau;
-        int reach = pass ? 1 : 3;
-        for (int i = -reach; i <= reach; i++)
-            for (int j = -reach; j <= reach; j++) {
-                double s = at_share * pow(span, i), t = at_tau * pow(span, j), gain = correlated_gain(p, s, t);
-                if (gain > best + (share == 0.0 ? 5.0 : 0.0)) {
-                    best = gain;
-                    share = s;
-                    tau = t;
-                }
+/* The best of the grid of so many steps each way about one that is there; whether it is another. */
+static bool look_around(const pauses *p, int reach, double span, mixture *best, double *most) {
+    const mixture from = *best;
+    const double share = from.share > 0.0 ? from.share : 0.5;
+    for (int i = -reach; i <= reach; i++)
+        for (int j = -reach; j <= reach; j++) {
+            mixture m;
+            bool can_be = mix(p->data, share * pow(span, i + 0.5 * j), from.time * pow(span, j), &m); /* as much of it between neighbours */
+            double gain = can_be ? correlated_gain(p, &m) : -HUGE_VAL;
+            if (gain > *most + (best->share == 0.0 ? 5.0 : 0.0)) {
+                *most = gain;
+                *best = m;
             }
+        }
+    return best->share != from.share || best->time != from.time;
+}
+
+/* The most likely one: on a grid, then closer by. */
+static mixture find_correlated(const pauses *p) {
+    enum { CLOSER = 2, WALK = 8 };
+    const mixture none = {.time = 30.0 * p->data->step, .white = 1.0};
+    mixture best = none;
+    double most = 0.0, span = 2.0;
+    score_runs(p, &none, p->without);
+    if (!look_around(p, 3, span, &best, &most))
+        return none;
+    for (int pass = 0; pass < CLOSER; pass++) {
+        span = sqrt(span);
+        for (int step = 0; step < WALK && look_around(p, 1, span, &best, &most); step++)
+            continue;
     }
-    *share_out = share;
-    data->correlation_time = tau;
+    return best;
 }
 
 /* Whether a piece steps from one level to another by more than this noise does: medians of a few samples before and after, so
  * that a single odd sample is none. */
-static bool steps_in(const explain_run *run, const double *residual, const piece *p, double correlated, double correlation_time) {
+static bool steps_in(const explain_run *run, const double *residual, const piece *p, const mixture *m) {
     enum { FEW = 3 };
     static const double ODDS = 5.0; /* standard deviations */
     for (size_t i = p->from + FEW; i + FEW <= p->to; i++) {
@@ -184,8 +210,8 @@ static bool steps_in(const explain_run *run, const double *residual, const piece
             after[k] = residual[i + k];
             whole = whole && run->use[i - 1 - k] && run->use[i + k];
         }
-        double wander = 1.0 - exp(-far / correlation_time); /* 1.57: of a median, for a mean */
-        double variance = 2.0 * (1.57 / FEW * run->white * run->white + correlated * correlated * wander);
+        double wander = 1.0 - exp(-far / m->time), unit = run->white * run->white; /* 1.57: of a median, for a mean */
+        double variance = 2.0 * unit * (1.57 / FEW * m->white * m->white + m->share * m->share * wander);
         double step = statistics_median(after, FEW) - statistics_median(before, FEW);
         if (whole && step * step > ODDS * ODDS * variance)
             return true;
@@ -194,13 +220,13 @@ static bool steps_in(const explain_run *run, const double *residual, const piece
 }
 
 /* Noise wanders. What steps from level to level in several runs is structure, which a model may yet account for. */
-static bool steps(const pauses *p, double share, double correlation_time) {
+static bool steps(const pauses *p, const mixture *m) {
     size_t stepping = 0;
     const double *own = p->residual;
     for (size_t r = 0; r < p->data->n_runs; own += p->data->run[r++].n) {
         bool any = false;
         for (size_t k = 0; k < p->count && !any; k++)
-            any = p->list[k].run == r && steps_in(&p->data->run[r], own, &p->list[k], share * p->data->run[r].white, correlation_time);
+            any = p->list[k].run == r && steps_in(&p->data->run[r], own, &p->list[k], m);
         stepping += any;
     }
     return stepping > 1 || stepping == p->data->n_runs;
@@ -225,21 +251,23 @@ static palp_status find_white(explain_data *data, const double *residual) {
 
 palp_status explain_noise_find(explain_data *data, const double *residual) {
     piece *list = malloc(PIECES_MAX * sizeof *list);
-    double *work = malloc((7 * data->longest + 2 * data->n_runs) * sizeof *work), share = 0.0, white = 0.0;
+    double *work = malloc((7 * data->longest + 2 * data->n_runs) * sizeof *work), square = 0.0;
     palp_status status = list && work ? find_white(data, residual) : PALP_ERR_NO_MEMORY;
     if (!status) {
         double *without = work + 7 * data->longest;
         const pauses p = {data, residual, list, find_pieces(data, list), work, without, without + data->n_runs};
-        find_correlated(data, &p, &share);
-        if (share > 0.0 && steps(&p, share, data->correlation_time))
-            share = 0.0;
+        mixture m = find_correlated(&p);
+        if (m.share > 0.0 && steps(&p, &m))
+            m = (mixture){.time = m.time, .white = 1.0};
+        data->correlation_time = m.time;
         for (size_t r = 0; r < data->n_runs; r++) {
             explain_run *run = &data->run[r];
-            white += run->white * run->white * (double)run->n / (double)data->n;
-            make_filter(run, run->white, share * run->white, data->correlation_time, 0, run->n, run->keep, run->take,
-                        run->weight);
+            const double correlated = m.share * run->white;
+            square += correlated * correlated * (double)run->n / (double)data->n;
+            run->white *= m.white;
+            make_filter(run, run->white, correlated, m.time, 0, run->n, run->keep, run->take, run->weight);
         }
-        data->correlated = share * sqrt(white);
+        data->correlated = sqrt(square);
     }
     free(list);
     free(work);

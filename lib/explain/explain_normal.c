@@ -159,11 +159,8 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
 
 /* What the noise of one sample hides. */
 explain_scatter explain_hidden_scatter(const explain_data *data) {
-    double white = 0.0;
-    for (size_t r = 0; r < data->n_runs; r++)
-        white += data->run[r].white / (double)data->n_runs;
-    double share = fmin(0.25, white / data->peak);
-    return (explain_scatter){.zero = 0.3 * white, .contact = share * data->deepest, .gain = share};
+    const double noise = explain_noise_level(data), share = fmin(0.25, noise / data->peak);
+    return (explain_scatter){.zero = 0.3 * noise, .contact = share * data->deepest, .gain = share};
 }
 
 explain_scatter explain_no_scatter(const explain_data *data) {

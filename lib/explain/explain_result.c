@@ -89,3 +89,25 @@ size_t explain_list_candidates(const explain_search *s, double threshold, palp_e
     }
     return n;
 }
+
+void explain_disown(const explain_search *s, palp_explanation *e) {
+    for (size_t i = 0; i < e->n_effects; i++)
+        for (size_t k = 0; k < e->n_candidates; k++)
+            if (e->candidate[k].id == e->effect[i].effect.id && e->candidate[k].accepted) {
+                e->candidate[k].accepted = false;
+                snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
+                         "the best there is, but leaves %.2g of the gap open: it mimics something else",
+                         1.0 - e->gap.closed);
+            }
+    e->n_effects = 0;
+    e->law.found = false;
+    e->next = (palp_explain_next){0};
+    e->model = e->base;
+    e->gap.after_N = s->opened;
+    e->gap.heldout_after_N = e->gap.heldout_before_N;
+    e->gap.closed = 0.0;
+    explain_keep_residual(s->first, e, false);
+    palp_explain_scatter *scatter[] = {&e->zero, &e->contact, &e->gain};
+    for (size_t i = 0; i < sizeof scatter / sizeof *scatter; i++) /* it was found beside the effects */
+        scatter[i]->found = scatter[i]->found && scatter[i]->without_N > e->gap.after_N;
+}

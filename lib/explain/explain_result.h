@@ -8,6 +8,9 @@
 
 palp_status explain_copy_runs(const explain_search *s, palp_explanation *e);
 void explain_keep_residual(const double *residual, palp_explanation *e, bool before);
+
+/* Takes the names back: the model is what it was before the first. */
+void explain_disown(const explain_search *s, palp_explanation *e);
 void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N);
 size_t explain_list_candidates(const explain_search *s, double threshold, palp_explain_candidate *list);
 

@@ -100,6 +100,10 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
 palp_status explain_law_try(const explain_search *s, double threshold, explain_trial *best);
 palp_status explain_law_take(explain_search *s, explain_trial *law);
 
+/* The law near the surface and where all runs have it stand in for each other, so that a fit may hold on to a place that is not the
+ * best: a refit that also moves it to surfaces higher or lower, with the law that goes with them, as long as that is more likely. */
+palp_status explain_refit_anywhere(explain_search *s);
+
 /* What the changed law is good for beside the effects at hand; one that is not needed any more is taken back. */
 palp_status explain_law_review(explain_search *s, palp_explain_law *found);
 

@@ -22,7 +22,7 @@ static bool at_an_end(const explain_fit *fit) {
         const palp_effect_parameter *q = &info->parameter[p];
         const size_t k = first + p;
         bool counts = q->strength || q->scale == PALP_SCALE_TIME || q->scale == PALP_SCALE_LENGTH;
-        bool below = explain_is_period(row, p) && fit->x[k] <= fit->low[k];
+        bool two_sided = explain_is_period(row, p) || q->low < 0.0, below = two_sided && fit->x[k] <= fit->low[k];
         if (counts && fit->low[k] < fit->high[k] && (below || fit->x[k] >= fit->high[k]))
             return true;
     }

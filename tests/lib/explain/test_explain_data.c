@@ -80,6 +80,32 @@ START_TEST(spikes_and_releases_are_events) {
 }
 END_TEST
 
+/* A pull is what the force is below the run's own zero. */
+START_TEST(a_zero_is_no_pull) {
+    static const double low[RUNS] = {0, 0, -0.1}, lower[RUNS] = {0, 0, -1e-3};
+    palp_model m = lumped_model(1);
+    begin(&m, ones, low, false, 0.3);
+    ck_assert_uint_eq(data.n_releases, 1);
+    ck_assert_double_lt(data.pull, 0.301);
+    ck_assert_double_gt(data.pulled, 0.25);
+    ck_assert_double_lt(data.pulled, 0.301);
+    explain_data_free(&data);
+    begin(&m, ones, lower, false, 9e-4);
+    ck_assert_uint_eq(data.n_releases, 0); /* nine times the noise, with the zero nineteen */
+    explain_data_free(&data);
+}
+END_TEST
+
+/* Where the plate withdraws until the force is gone a pull may hide in the noise. */
+START_TEST(a_pull_may_hide_in_the_noise) {
+    palp_model m = lumped_model(1);
+    begin(&m, ones, none, false, 0);
+    ck_assert_double_gt(data.pulled, 1e-4);
+    ck_assert_double_lt(data.pulled, 5e-4);
+    explain_data_free(&data);
+}
+END_TEST
+
 /* ---- chi2's slope ---- */
 
 /* With no nuisance but the zero g is minus half the slope of chi2 by the search coordinates, and h, the residual being
@@ -251,6 +277,67 @@ START_TEST(alike_by_the_cosine) {
 }
 END_TEST
 
+/* ---- evidence ---- */
+
+static palp_status fit_here(explain_search *s, const palp_model *m) {
+    palp_status status = explain_fit_create(m, &s->data, &s->fit);
+    s->fit.scatter = (explain_scatter){1e-3, 3e-6, 3e-3};
+    return status ? status : explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
+}
+
+/* A lag shows at the corners. What is left there, as a lag that changes its sign from corner to corner, hardly widens sums over all
+ * samples, but the evidence of a lag. */
+START_TEST(evidence_is_widened_where_the_effect_leans) {
+    palp_model m = linear_model(8), lagging = m;
+    explain_search *s = calloc(1, sizeof *s);
+    explain_trial t = {.tried = true};
+    double inflation;
+    add_effect(&lagging, PALP_EFFECT_SENSOR_LAG, 1);
+    ck_assert_ptr_nonnull(s);
+    begin(&m, ones, none, false, 0);
+    double *rest = calloc(3 * data.n, sizeof *rest);
+    ck_assert_ptr_nonnull(rest);
+    *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest + data.n};
+    ck_assert_int_eq(fit_here(s, &lagging), PALP_OK);
+    memcpy(rest + 2 * data.n, s->force, data.n * sizeof *rest);
+    explain_fit_free(&s->fit);
+    ck_assert_int_eq(fit_here(s, &m), PALP_OK);
+    for (size_t r = 0, at = 0; r < RUNS; at += data.run[r++].n)
+        for (size_t i = 0; i < data.run[r].n; i++) {
+            double lag = rest[2 * data.n + at + i] - s->force[at + i];
+            data.run[r].force[i] += 0.1 * (i * 12 / data.run[r].n % 2 ? lag : -lag);
+        }
+    explain_fit_free(&s->fit);
+    ck_assert_int_eq(fit_here(s, &m), PALP_OK);
+    ck_assert_int_eq(explain_noise_find(&s->data, s->residual), PALP_OK);
+    ck_assert_int_eq(explain_fit_beside(&s->fit, &lagging, &s->data, &t.fit), PALP_OK);
+    ck_assert_int_eq(explain_fit_products(&t.fit, &s->data, NULL), PALP_OK);
+    ck_assert_int_eq(explain_fit_improve(&t.fit, &s->data, 10), PALP_OK);
+    ck_assert_int_eq(explain_trial_examine(s, PALP_EFFECT_SENSOR_LAG, &t), PALP_OK);
+    ck_assert_int_eq(explain_rest_inflation(&s->data, s->residual, &inflation), PALP_OK);
+    ck_assert_msg(t.inflation > 2 * inflation, "%g times, of all sums %g times", t.inflation, inflation);
+    explain_fit_free(&t.fit);
+    free(t.force);
+    explain_fit_free(&s->fit);
+    explain_data_free(&data);
+    free(rest);
+    free(s);
+}
+END_TEST
+
+/* A scatter that was found beside effects is told without them only if one value for all runs leaves more than the plain model. */
+START_TEST(a_scatter_without_its_effects) {
+    explain_search s = {.opened = 2.0};
+    palp_explanation e = {.n_effects = 1, .zero = {.found = true, .without_N = 2.5}, .contact = {.found = true, .without_N = 1.5},
+                          .gain = {.found = false, .without_N = 2.5}, .gap = {.after_N = 1, .heldout_before_N = 3, .heldout_after_N = 1}};
+    explain_disown(&s, &e);
+    ck_assert_uint_eq(e.n_effects, 0);
+    ck_assert_double_eq(e.gap.after_N, 2);
+    ck_assert_double_eq(e.gap.heldout_after_N, 3);
+    ck_assert(e.zero.found && !e.contact.found && !e.gain.found);
+}
+END_TEST
+
 /* ---- the null threshold ---- */
 
 /* Of one candidate half the square of a normal number, of two the larger of two: quantiles 1.92 and 2.50 at a chance of
@@ -290,9 +377,13 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, replicates_by_their_paths);
     tcase_add_test(tc, spikes_and_releases_are_events);
+    tcase_add_test(tc, a_zero_is_no_pull);
+    tcase_add_test(tc, a_pull_may_hide_in_the_noise);
     tcase_add_test(tc, the_slope_of_chi2);
     tcase_add_test(tc, a_likelihood_that_is_followed_ends_where_a_parabola_does);
     tcase_add_test(tc, a_zero_and_a_gain_separate_nothing);
     tcase_add_test(tc, alike_by_the_cosine);
+    tcase_add_test(tc, a_scatter_without_its_effects);
+    tcase_add_test(tc, evidence_is_widened_where_the_effect_leans);
     tcase_add_test(tc, chance_gains_half_a_squared_normal_number);
 }

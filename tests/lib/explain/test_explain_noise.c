@@ -66,6 +66,17 @@ START_TEST(white_and_correlated_noise_are_found) {
 }
 END_TEST
 
+/* Noise all of which fades from sample to sample: what neighbours differ by is not counted twice. */
+START_TEST(noise_that_is_nowhere_white) {
+    begin(2, 6000, 0.02);
+    for (size_t r = 0; r < 2; r++)
+        make_noise(&run[r], 0, 5e-3, 0.09, residual + r * 6000);
+    ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
+    ck_assert_double_eq_tol(hypot(run[0].white, data.correlated), 5e-3, 5e-4);
+    ck_assert_double_eq_tol(data.correlation_time, 0.09, 0.02);
+}
+END_TEST
+
 /* The filter W of a run with samples at uneven times has W V W' = 1, V the noise's covariance; a masked sample has
  * neither part in it. */
 START_TEST(whitened_noise_is_white) {
@@ -242,6 +253,7 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_test(tc, white_and_correlated_noise_are_found);
+    tcase_add_test(tc, noise_that_is_nowhere_white);
     tcase_add_test(tc, whitened_noise_is_white);
     tcase_add_test(tc, the_mains_over_time);
     tcase_add_test(tc, a_wave_over_depth);
