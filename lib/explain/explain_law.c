@@ -153,8 +153,9 @@ static palp_status walk(const explain_search *s, explain_fit *fit, double step, 
 palp_status explain_refit_anywhere(explain_search *s) {
     palp_status status = explain_refit(s);
     const palp_law_kind kind = s->fit.model.material.law.kind;
+    const bool other_laws = s->fit.model.kind != PALP_MODEL_NETWORK && (kind == PALP_LAW_POLYNOMIAL || kind == PALP_LAW_SPLINE);
     bool moved = false;
-    if (status || s->fit.model.kind == PALP_MODEL_NETWORK || (kind != PALP_LAW_POLYNOMIAL && kind != PALP_LAW_SPLINE))
+    if (status || !other_laws || s->settings->contact != PALP_CONTACT_FREE)
         return status;
     double step = fmin(0.05 * s->data.deepest, s->fit.scatter.contact);
     for (int round = 0; round < 2 && !status; round++, step /= 3.0) {
