@@ -267,7 +267,7 @@ install: all ## into PREFIX (default /usr/local), under DESTDIR if given
 	install -d '$(D)$(LIBDIR)/palpate'
 	install -m 755 $(FW)/indenter_host '$(D)$(LIBDIR)/palpate'
 	for f in $(DOCUMENTS); do install -D -m 644 $$f "$(D)$(DOCDIR)/$$f" || exit 1; done
-	if [ -e $(FW)/rig.elf ]; then install -m 644 $(FW)/rig.elf $(FW)/indenter.elf $(FW)/indenter.bin '$(D)$(LIBDIR)/palpate'; fi
+	if [ -e $(FW)/rig.elf ]; then install -m 644 $(FW)/rig.elf $(FW)/indenter.elf $(FW)/indenter.bin $(FW)/stepper_hx711.bin $(FW)/stepper_ads1220.bin '$(D)$(LIBDIR)/palpate'; fi
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/libpalpate.so'
 	@sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR:$(PREFIX)/%=$${prefix}/%)|' -e 's|@VERSION@|$(VERSION)|' \
@@ -283,7 +283,7 @@ uninstall: ## removes what install put there
 	rm -f $(foreach f,$(notdir $(STATIC) $(SHARED)) $(SONAME) libpalpate.so,'$(D)$(LIBDIR)/$(f)')
 	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
-	rm -f $(foreach f,indenter_host rig.elf indenter.elf indenter.bin,'$(D)$(LIBDIR)/palpate/$(f)')
+	rm -f $(foreach f,indenter_host rig.elf indenter.elf indenter.bin stepper_hx711.bin stepper_ads1220.bin,'$(D)$(LIBDIR)/palpate/$(f)')
 	rm -f $(foreach f,$(DOCUMENTS),'$(D)$(DOCDIR)/$(f)')
 	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(LIBDIR)/palpate' $(foreach f,/doc/pictures /doc/schema /doc /examples/poke /examples /,'$(D)$(DOCDIR)$(f)')
 

@@ -1,5 +1,6 @@
 # firmware.mk: the indenter's firmware, included by the root Makefile, whose variables it uses.
 #   build/firmware/indenter.elf, .bin  for the STM32F405
+#   build/firmware/stepper_hx711.elf, stepper_ads1220.elf, .bin  for the cheap machine, by its amplifier
 #   build/firmware/rig.elf             the same for QEMU, with the plant in the place of sensors and motor
 #   build/firmware/indenter_host       the same as a process of this machine
 
@@ -13,6 +14,11 @@ FW_CHIP := $(wildcard firmware/board/stm32f405/*.c)
 # What QEMU does not model: the plant is there instead.
 FW_DEVICES := $(patsubst %,firmware/board/stm32f405/%.c,board sensor_ad7606 encoder flash motor supply thermistor switches trigger)
 FW_ELF_SRC := $(FW_SHARED) $(FW_CHIP)
+# The cheap machine's: the same chip, with other devices.
+FW_STEPPER := $(FW_SHARED) $(filter-out $(patsubst %,firmware/board/stm32f405/%.c,encoder motor sensor_ad7606),$(FW_CHIP)) \
+    firmware/board/stepper/steps.c firmware/board/stepper/sensor_cell.c
+FW_HX711_SRC := $(FW_STEPPER) firmware/board/stepper/sensor_hx711.c
+FW_ADS1220_SRC := $(FW_STEPPER) firmware/board/stepper/sensor_ads1220.c
 FW_RIG_SRC := $(FW_SHARED) $(FW_SIMULATED) $(filter-out $(FW_DEVICES),$(FW_CHIP)) \
     $(wildcard firmware/board/rig/*.c)
 FW_HOST_SRC := $(FW_SHARED) $(FW_SIMULATED) $(wildcard firmware/board/host/*.c)
@@ -30,8 +36,10 @@ ifeq ($(HAS_ARM),)
 firmware:
 	@echo "there is no $(ARM)gcc with newlib: tools/install-deps all installs it, or set ARM=prefix-" >&2; exit 1
 else
-firmware: $(FW)/indenter.bin $(FW)/rig.elf ## the board's firmware and the image for QEMU, under build/firmware/
+firmware: $(FW)/indenter.bin $(FW)/stepper_hx711.bin $(FW)/stepper_ads1220.bin $(FW)/rig.elf ## the board's firmware and the image for QEMU, under build/firmware/
 	@firmware/budget.sh $(ARM) $(FW)/indenter.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_ELF_SRC)))
+	@firmware/budget.sh $(ARM) $(FW)/stepper_hx711.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_HX711_SRC)))
+	@firmware/budget.sh $(ARM) $(FW)/stepper_ads1220.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_ADS1220_SRC)))
 	@firmware/budget.sh $(ARM) $(FW)/rig.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_RIG_SRC)))
 endif
 firmware-host: $(FW)/indenter_host
@@ -48,6 +56,8 @@ $(FW)/arm/%.o: %.c $(FW)/flags
 
 $(FW)/indenter.elf: $(call fw_arm,$(FW_ELF_SRC))
 $(FW)/rig.elf: $(call fw_arm,$(FW_RIG_SRC))
+$(FW)/stepper_hx711.elf: $(call fw_arm,$(FW_HX711_SRC))
+$(FW)/stepper_ads1220.elf: $(call fw_arm,$(FW_ADS1220_SRC))
 $(FW)/%.elf: $(FW_LD)
 	$(call note,LD   $@)
 	$(Q)$(ARM)gcc $(FW_FLAGS) -nostdlib -T $(FW_LD) -Wl,--gc-sections -Wl,-Map=$(@:.elf=.map) \
@@ -72,4 +82,4 @@ flash: ## writes the firmware to a board at an ST-Link, by openocd or st-flash
 	    echo "there is neither openocd nor st-flash: install openocd or stlink-tools" >&2; exit 1; \
 	fi
 
--include $(patsubst %.o,%.d,$(sort $(call fw_arm,$(FW_ELF_SRC) $(FW_RIG_SRC)) $(call obj,$(FW_HOST_SRC))))
+-include $(patsubst %.o,%.d,$(sort $(call fw_arm,$(FW_ELF_SRC) $(FW_RIG_SRC) $(FW_HX711_SRC) $(FW_ADS1220_SRC)) $(call obj,$(FW_HOST_SRC))))

@@ -30,8 +30,8 @@ enum {
     PLANT_SENSOR_SILENT = 128
 };
 
-/* Which machine it is: machine_indenter or machine_stepper of machine.h. */
-enum { PLANT_VOICE_COIL = 0, PLANT_STEPPER = 1 };
+/* Which machine it is: machine_indenter, machine_stepper, machine_stepper_fast of machine.h. */
+enum { PLANT_VOICE_COIL = 0, PLANT_STEPPER = 1, PLANT_STEPPER_FAST = 2 };
 
 /* The motor: without current; driven; shorted, so that it brakes. */
 enum { PLANT_MOTOR_OFF = 0, PLANT_MOTOR_ON = 1, PLANT_MOTOR_BRAKED = 2 };

@@ -115,7 +115,9 @@ uint32_t hal_stack_free(void) {
 }
 
 const machine *hal_machine(void) {
-    return simulated.in.machine == PLANT_STEPPER ? &machine_stepper : &machine_indenter;
+    return simulated.in.machine == PLANT_STEPPER        ? &machine_stepper
+           : simulated.in.machine == PLANT_STEPPER_FAST ? &machine_stepper_fast
+                                                        : &machine_indenter;
 }
 
 bool hal_is_simulated(void) {

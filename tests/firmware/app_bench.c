@@ -32,8 +32,8 @@ void bench_close(bench *b) {
 
 void bench_restart(bench *b, uint8_t reset_cause, uint8_t failed) {
     plant_first(b->plant, &b->in);
-    const machine *m = b->in.machine == PLANT_STEPPER ? &machine_stepper : &machine_indenter;
-    app_init(&b->app, m, &IDENTITY, reset_cause, failed);
+    static const machine *const machines[] = {&machine_indenter, &machine_stepper, &machine_stepper_fast};
+    app_init(&b->app, machines[b->in.machine], &IDENTITY, reset_cause, failed);
     b->next_frame = 0;
     b->lost = 0;
 }

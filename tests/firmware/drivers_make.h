@@ -6,12 +6,9 @@
 
 #include "../../firmware/board/stm32f405/board.c"
 #include "../../firmware/board/stm32f405/clock.c"
-#include "../../firmware/board/stm32f405/encoder.c"
 #include "../../firmware/board/stm32f405/flash.c"
 #include "../../firmware/board/stm32f405/gpio.c"
 #include "../../firmware/board/stm32f405/guard.c"
-#include "../../firmware/board/stm32f405/motor.c"
-#include "../../firmware/board/stm32f405/sensor_ad7606.c"
 #include "../../firmware/board/stm32f405/supply.c"
 #include "../../firmware/board/stm32f405/switches.c"
 #include "../../firmware/board/stm32f405/thermistor.c"
@@ -19,6 +16,17 @@
 #include "../../firmware/board/stm32f405/trigger.c"
 #include "../../firmware/board/stm32f405/uart.c"
 #include "../../firmware/board/stm32f405/watchdog.c"
+
+/* The devices of the voice coil's board, or of the stepper's with this amplifier. */
+#ifdef DRIVERS_AMPLIFIER
+#include "../../firmware/board/stepper/sensor_cell.c"
+#include "../../firmware/board/stepper/steps.c"
+#include DRIVERS_AMPLIFIER
+#else
+#include "../../firmware/board/stm32f405/encoder.c"
+#include "../../firmware/board/stm32f405/motor.c"
+#include "../../firmware/board/stm32f405/sensor_ad7606.c"
+#endif
 
 volatile uint32_t reset_note;
 #include "../../firmware/board/stm32f405/reset.c"

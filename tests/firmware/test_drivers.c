@@ -103,11 +103,12 @@ static void test_open_wire_is_a_pressed_switch(void **state) {
 
 static void test_sensor_reads_in_order(void **state) {
     int16_t adc[PALP_WIRE_CHANNELS];
+    bool held;
     (void)state;
-    assert_true(ad7606_start());
+    assert_true(gauge_start());
     for (int i = 0; i < 3; i++) {
-        ad7606_convert();
-        assert_true(ad7606_read(adc));
+        gauge_convert();
+        assert_true(gauge_read(adc, &held));
         assert_memory_equal(adc, hardware.channel, sizeof adc);
         assert_true(hardware.cs);
     }
@@ -120,25 +121,26 @@ static void test_sensor_reads_in_order(void **state) {
 static void test_sensor_silent(void **state) {
     bool *const broken[] = {&hardware.converter_starts, &hardware.converter_ends, &hardware.spi_answers};
     int16_t adc[PALP_WIRE_CHANNELS];
+    bool held;
     (void)state;
     for (size_t i = 0; i < 3; i++) {
         fake_start();
-        assert_true(ad7606_start());
+        assert_true(gauge_start());
         *broken[i] = false;
         for (int j = 0; j < 3; j++) {
             hardware.polls = 0;
-            ad7606_convert();
+            gauge_convert();
             adc[0] = adc[5] = 7;
-            assert_false(ad7606_read(adc));
+            assert_false(gauge_read(adc, &held));
             assert_int_equal(adc[0], 0);
             assert_int_equal(adc[5], 0);
             assert_true(hardware.cs);
             assert_true(hardware.polls < 2000); /* a tenth of a tick */
         }
         *broken[i] = true;
-        (void)ad7606_read(adc); /* which resets it */
-        ad7606_convert();
-        assert_true(ad7606_read(adc));
+        (void)gauge_read(adc, &held); /* which resets it */
+        gauge_convert();
+        assert_true(gauge_read(adc, &held));
         assert_memory_equal(adc, hardware.channel, sizeof adc);
     }
 }
@@ -148,7 +150,7 @@ static void test_sensor_absent(void **state) {
     hardware.busy = 1; /* the pull-up of an open wire */
     hardware.stuck = true;
     hardware.converter_ends = false;
-    assert_false(ad7606_start());
+    assert_false(gauge_start());
     assert_bounded();
 }
 
@@ -182,27 +184,31 @@ static void test_encoder_alarm(void **state) {
 
 /* ---- motor ---- */
 
+static void drive(int16_t duty) {
+    motor_drive(&(app_outputs){.duty = duty});
+}
+
 static void test_motor(void **state) {
     (void)state;
     motor_start(168000000);
     assert_int_equal(TIM1->ARR, 8147);                          /* 20.6 periods a tick */
     assert_int_equal(TIM1->BDTR, TIM_BDTR_BKE | TIM_BDTR_OSSI); /* off; break at low */
     assert_false(fake_pin(PIN_MOTOR_ENABLE));
-    motor_set(32767);
+    drive(32767);
     assert_int_equal(TIM1->CCR[0], 8148); /* high all the time */
     assert_true(fake_pin(PIN_MOTOR_DIRECTION));
     assert_true(fake_pin(PIN_MOTOR_ENABLE));
     assert_true((TIM1->BDTR & TIM_BDTR_MOE) != 0);
-    motor_set(-16384);
+    drive(-16384);
     assert_int_equal(TIM1->CCR[0], 4074);
     assert_false(fake_pin(PIN_MOTOR_DIRECTION));
-    motor_set(INT16_MIN);
+    drive(INT16_MIN);
     assert_int_equal(TIM1->CCR[0], 8148);
     motor_brake();
     assert_int_equal(TIM1->CCR[0], 0);
     assert_int_equal(TIM1->BDTR & TIM_BDTR_MOE, 0);
     assert_true(fake_pin(PIN_MOTOR_ENABLE));
-    motor_set(5);
+    drive(5);
     motor_off();
     assert_int_equal(TIM1->CCR[0], 0);
     assert_int_equal(TIM1->BDTR & TIM_BDTR_MOE, 0);
@@ -224,12 +230,12 @@ static void test_motor_turns_at_rest(void **state) {
     hardware.pins = watch_turn;
     motor_start(168000000);
     for (int i = 0; i < 4; i++) {
-        motor_set(i % 2 ? -20000 : 20000);
+        drive(i % 2 ? -20000 : 20000);
         TIM1->EGR = 0;
         assert_int_equal(duty_at_turn, 0);
         duty_at_turn = 7;
     }
-    motor_set(-20000);
+    drive(-20000);
     assert_int_equal(duty_at_turn, 7); /* no turn: nothing is interrupted */
 }
 
@@ -280,7 +286,7 @@ static void test_supply(void **state) {
     supply_start(); /* written once only */
     assert_int_equal(FLASH->OPTKEYR, 0);
     motor_start(168000000);
-    motor_set(1000);
+    drive(1000);
     supply_interrupt();
     assert_false(fake_pin(PIN_MOTOR_ENABLE));
     assert_int_equal(SCB->AIRCR, 0x05fa0004);

@@ -235,8 +235,8 @@ static void open_any(bench *b) {
     s.actuator.start_m = 1e-3 * (double)chance(12);
     s.specimen = chance(4) ? PLANT_MODEL : chance(2) ? PLANT_AIR : PLANT_RIGID;
     s.scale = 0.2 + 0.1 * (double)chance(48);
-    s.stepper = chance(3) == 0;
-    s.actuator.count_m = s.stepper ? 0.625e-6 : s.actuator.count_m;
+    s.machine = (uint8_t)(chance(3) ? PLANT_VOICE_COIL : PLANT_STEPPER + chance(2));
+    s.actuator.count_m = s.machine ? 0.625e-6 : s.actuator.count_m;
     bench_open(b, &s);
 }
 

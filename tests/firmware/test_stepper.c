@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-static plant_settings cheap(plant_specimen specimen) {
+static plant_settings cheap(uint8_t which, plant_specimen specimen) {
     plant_settings s = plant_settings_default();
-    s.stepper = true;
+    s.machine = which;
     s.actuator.count_m = 0.625e-6;
     s.specimen = specimen;
     s.rigid_N_m = 1e5; /* frame and cell are no stiffer */
@@ -41,14 +41,13 @@ static void make_ready(bench *b) {
 }
 
 /* Home, contact, a ramp and a dwell: the plate is where it should be, the force what the specimen gives. */
-static void test_session(void **state) {
+static void check_session(uint8_t which, double heard_per_tick) {
     palp_wire_message ramp = bench_move(0, 3, 2), hold = bench_hold(1, 2000), start = bench_start(2, -1, 500, 500);
     palp_wire_message find = bench_find_contact(0.5, 0);
-    plant_settings s = cheap(PLANT_MODEL);
+    plant_settings s = cheap(which, PLANT_MODEL);
     uint32_t heard = 0, ticks = 0;
     double worst_m = 0;
     bench b;
-    (void)state;
     bench_open(&b, &s);
     make_ready(&b);
     bench_near((double)b.app.force_N, 0, 0.01);
@@ -67,16 +66,23 @@ static void test_session(void **state) {
         if (b.app.trajectory.current == 1 && b.app.trajectory.tick == 1000)
             bench_near((double)b.app.force_N, plant_look(b.plant).force_N, 0.02);
     }
-    bench_near(heard, 0.08 * ticks, 2);
+    assert_int_equal(b.app.supervisor.state, PALP_WIRE_STATE_READY);
+    bench_near(heard, heard_per_tick * ticks, 2);
     bench_near(worst_m, 0, 4e-6); /* a tick's way, and half a count */
     bench_close(&b);
+}
+
+static void test_session(void **state) {
+    (void)state;
+    check_session(PLANT_STEPPER, 0.08);
+    check_session(PLANT_STEPPER_FAST, 1);
 }
 
 /* What is not known is met so slowly that the limit is passed by less than itself; faster is refused. */
 static void test_blind(void **state) {
     palp_wire_message fast = bench_find_contact(2.1, 0), find = bench_find_contact(2, 0);
     palp_wire_message down = jog(20, 2.1), slowly = jog(20, 2), up = jog(1, 5), faster = jog(1, 5.1);
-    plant_settings s = cheap(PLANT_RIGID);
+    plant_settings s = cheap(PLANT_STEPPER, PLANT_RIGID);
     bench b;
     (void)state;
     bench_open(&b, &s);
@@ -110,7 +116,7 @@ static void test_blind(void **state) {
 /* How fast a program may be follows from the stiffness that was found: what passes the limit adds less than it again. */
 static void test_program(void **state) {
     palp_wire_message find = bench_find_contact(0.5, 0), start = bench_start(1, -1, 0, 0);
-    plant_settings s = cheap(PLANT_RIGID);
+    plant_settings s = cheap(PLANT_STEPPER, PLANT_RIGID);
     bench b;
     (void)state;
     bench_open(&b, &s);
@@ -134,7 +140,7 @@ static void test_program(void **state) {
 static void test_creep(void **state) {
     palp_wire_message force = {.type = PALP_WIRE_TYPE_SEGMENT}, find = bench_find_contact(0.5, 0),
                       start = bench_start(1, -1, 0, 0);
-    plant_settings s = cheap(PLANT_MODEL);
+    plant_settings s = cheap(PLANT_STEPPER, PLANT_MODEL);
     bench b;
     double off_N = 0, before_N = 0;
     (void)state;
@@ -159,7 +165,7 @@ static void test_creep(void **state) {
 
 /* Its one channel may say 0 for long without being taken for unplugged; one that says nothing is. */
 static void test_sensor(void **state) {
-    plant_settings s = cheap(PLANT_AIR);
+    plant_settings s = cheap(PLANT_STEPPER, PLANT_AIR);
     bench b;
     (void)state;
     bench_open(&b, &s);

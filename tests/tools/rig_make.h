@@ -181,7 +181,7 @@ static inline void clean_up(void) {
 
 /* As the firmware, or the tests. */
 static inline int rig_main(int argc, char **argv, int (*tests)(void)) {
-    if (argc == 3 && strcmp(argv[1], "in") == 0) {
+    if (argc == 4 && strcmp(argv[1], "in") == 0) {
         return fake(argv);
     }
     set_up();

@@ -73,8 +73,12 @@ static bool has(const plant *p, plant_fault fault) {
     return (p->faults & (1u << fault)) != 0;
 }
 
+static bool stepped(const plant *p) {
+    return p->settings.machine != PLANT_VOICE_COIL;
+}
+
 static int32_t counts(const plant *p) {
-    if (p->settings.stepper) /* its own count, which nothing makes jump */
+    if (stepped(p)) /* its own count, which nothing makes jump */
         return p->place;
     return (int32_t)floor((p->drive.carriage_m - p->zero_m) / p->settings.actuator.count_m) + p->jumped;
 }
@@ -133,8 +137,8 @@ static void sense(const plant *p, plant_in *in) {
                              (has(p, PLANT_ENCODER) ? PLANT_ENCODER_LOST : 0) |
                              (has(p, PLANT_DRIVER) ? PLANT_DRIVER_FAULT : 0) |
                              (has(p, PLANT_SILENT) ? PLANT_SENSOR_SILENT : 0));
-    in->machine = p->settings.stepper ? PLANT_STEPPER : PLANT_VOICE_COIL;
-    if (p->settings.stepper) {
+    in->machine = p->settings.machine;
+    if (stepped(p)) {
         in->adc[0] = p->sensor.held;
         in->switches |= p->said ? 0 : PLANT_FORCE_HELD;
     } else if (!has(p, PLANT_SILENT)) {
@@ -155,7 +159,7 @@ palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error 
     const double dt = TICK / SUBSTEPS, volt = a->supply_V * fmax(out->duty, -DUTY_FULL) / DUTY_FULL;
     const uint8_t supply = has(p, PLANT_DRIVER) ? PLANT_MOTOR_OFF : out->motor;
     const double before_m_s = p->drive.velocity_m_s;
-    const bool slow = p->specimen.slow, stepper = p->settings.stepper;
+    const bool slow = p->specimen.slow, stepper = stepped(p);
     const double steps_m_s = out->motor == PLANT_MOTOR_ON ? (out->place - p->place) * a->count_m / TICK : 0;
     palp_status status = PALP_OK;
     for (int i = 1; i <= SUBSTEPS && status == PALP_OK; i++) {
@@ -170,7 +174,7 @@ palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error 
     p->push_m_s2 = (p->drive.velocity_m_s - before_m_s) / TICK;
     p->tick++;
     p->place = out->motor == PLANT_MOTOR_ON ? out->place : p->place;
-    p->said = stepper && sensor_gather(&p->sensor, read_force(p), p->tick);
+    p->said = stepper && sensor_gather(&p->sensor, p->settings.machine == PLANT_STEPPER_FAST, read_force(p), p->tick);
     sense(p, in);
     return status ? plant_fail(error, status, "%s: %s at %.4g mm (%.4g s)", p->specimen.path,
                                palp_status_text(status), 1e3 * reach(p), TICK * p->tick)

@@ -38,7 +38,7 @@ typedef enum plant_specimen { PLANT_MODEL, PLANT_RIGID, PLANT_AIR } plant_specim
 
 typedef struct plant_settings {
     plant_actuator actuator;
-    bool stepper; /* in the place of the motor; its sensor is slow, and has one channel */
+    uint8_t machine; /* PLANT_VOICE_COIL; PLANT_STEPPER...: one in the place of the motor; its sensor has one channel, and is slow */
     plant_sensor sensor;
     plant_specimen specimen;
     const char *model; /* path, with PLANT_MODEL; NULL = the phantom of the thesis, N = 2 */

@@ -33,7 +33,7 @@ typedef struct sensor {
     double z_counts[PALP_WIRE_CHANNELS]; /* N a count: how they are read */
     double rest[PALP_WIRE_CHANNELS];     /* counts without any: the mounting strains it sideways */
     double noise_counts;                 /* sd of each channel */
-    /* Of a stepper's sensor, an HX711: one channel, 80 times a second, the mean of 50 ms. */
+    /* Of a stepper's sensor: one channel; of an HX711 80 times a second, the mean of 50 ms; of a fast one each tick. */
     double gathered, n_gathered, said[4]; /* of the sample in progress; the last four */
     int16_t held;
 } sensor;
@@ -42,7 +42,7 @@ typedef struct sensor {
 bool sensor_start(const plant_sensor *settings, sensor *s);
 
 /* A tick of a stepper's: true where it has something new, then in held. */
-bool sensor_gather(sensor *s, double force_N, uint32_t tick);
+bool sensor_gather(sensor *s, bool fast, double force_N, uint32_t tick);
 
 /* The z force that brings the first channel to its rail. */
 double sensor_range(const sensor *s);

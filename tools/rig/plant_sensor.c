@@ -87,15 +87,15 @@ static bool begins(uint32_t tick) {
     return 2 * tick / 25 != 2 * (tick - 1) / 25;
 }
 
-bool sensor_gather(sensor *s, double force_N, uint32_t tick) {
+bool sensor_gather(sensor *s, bool fast, double force_N, uint32_t tick) {
     s->gathered += bridge(&s->settings, force_N, TICK * tick);
     s->n_gathered++;
-    if (!begins(tick))
+    if (!fast && !begins(tick))
         return false;
     memmove(s->said + 1, s->said, 3 * sizeof s->said[0]);
     s->said[0] = s->gathered / s->n_gathered;
     s->gathered = s->n_gathered = 0;
-    double mean = (s->said[0] + s->said[1] + s->said[2] + s->said[3]) / 4;
+    double mean = fast ? s->said[0] : (s->said[0] + s->said[1] + s->said[2] + s->said[3]) / 4;
     mean += s->settings.noise_N * palp_random_normal_at(s->settings.seed, tick);
     s->held = (int16_t)fmin(fmax(rint(SLOW_REST + mean / SLOW_COUNT_N), INT16_MIN), INT16_MAX);
     return true;

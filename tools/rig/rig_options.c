@@ -32,7 +32,8 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
         cli_choice("firmware", "auto|qemu|host", &o->firmware,
                    "the image under QEMU, or the same code as a process (default auto:\n"
                    "QEMU where it is installed)"),
-        cli_choice("machine", "voice-coil|stepper", &o->machine, "which of the two that doc/indenter.md describes (default voice-coil)"),
+        cli_choice("machine", "voice-coil|stepper|stepper-fast", &o->machine,
+                   "of doc/indenter.md: the voice coil (default), or the stepper with the\nslow or the fast load cell amplifier"),
         cli_flag("paced", &o->paced, "at real time (default: as fast as it goes)"),
         cli_choice("specimen", "model|rigid|none", &o->specimen,
                    "the model (default), a rigid block to see the frame, or air"),
@@ -160,8 +161,8 @@ static const double STEPPER_COUNT_M = 0.625e-6;
 
 static int set_plant(const char *name, const rig_options *o, const char *model, plant_settings *p) {
     palp_error error = {PALP_OK, ""};
-    p->stepper = o->machine == 1;
-    p->actuator.count_m = p->stepper ? STEPPER_COUNT_M : p->actuator.count_m;
+    p->machine = (uint8_t)(o->machine < 0 ? PLANT_VOICE_COIL : o->machine);
+    p->actuator.count_m = p->machine != PLANT_VOICE_COIL ? STEPPER_COUNT_M : p->actuator.count_m;
     palp_status status = o->actuator ? plant_actuator_read(o->actuator, &p->actuator, &error) : PALP_OK;
     if (status)
         return cli_status(name, status, &error);

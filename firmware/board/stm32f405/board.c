@@ -22,7 +22,7 @@ uint8_t hal_init(void) {
     board.cause = reset_cause();
     if (!clock.crystal)
         failed |= APP_CLOCK_FAILED;
-    if (!ad7606_start())
+    if (!gauge_start())
         failed |= APP_SENSOR_FAILED;
     if (!encoder_start())
         failed |= APP_ENCODER_FAILED;
@@ -39,16 +39,8 @@ uint8_t hal_reset_cause(void) {
     return board.cause;
 }
 
-const char *hal_board_name(void) {
-    return "stm32f405";
-}
-
 uint32_t hal_serial_number(void) {
     return UNIQUE_ID[0] ^ UNIQUE_ID[1] ^ UNIQUE_ID[2];
-}
-
-const machine *hal_machine(void) {
-    return &machine_indenter;
 }
 
 bool hal_is_simulated(void) {
@@ -56,13 +48,13 @@ bool hal_is_simulated(void) {
 }
 
 void board_tick(void) {
-    ad7606_convert();
+    gauge_convert();
     board.position = encoder_read();
 }
 
 void hal_sense(app_inputs *inputs) {
     inputs->position = board.position;
-    inputs->sensor_silent = !ad7606_read(inputs->adc);
+    inputs->sensor_silent = !gauge_read(inputs->adc, &inputs->force_held);
     inputs->thermistor = thermistor_read();
     inputs->home_switch = switches_home();
     inputs->emergency_stop = motor_stopped() || switches_emergency();
@@ -75,7 +67,7 @@ void hal_drive(const app_outputs *outputs) {
     tick_renew();
     trigger_give(outputs->trigger);
     if (outputs->motor_on)
-        motor_set(outputs->duty);
+        motor_drive(outputs);
     else
         motor_brake();
 }

@@ -41,19 +41,20 @@ uint32_t board_cycles(void); /* a free-running count; instructions where simulat
 void uart_start(uint32_t bus_hz);
 void uart_interrupt(void);
 
-/* sensor_ad7606.c */
-bool ad7606_start(void);                           /* false: it does not come out of its reset */
-void ad7606_convert(void);                         /* all channels, at once */
-bool ad7606_read(int16_t adc[PALP_WIRE_CHANNELS]); /* false: no answer; adc is then 0 */
+/* sensor_ad7606.c, which also says which board and machine it is on; ../stepper/sensor_cell.c */
+bool gauge_start(void);   /* false: it does not come out of its reset */
+void gauge_convert(void); /* all channels, at once */
+/* False: no answer; adc is then 0. held: nothing new since the last. */
+bool gauge_read(int16_t adc[PALP_WIRE_CHANNELS], bool *held);
 
-/* encoder.c */
+/* encoder.c; ../stepper/steps.c */
 bool encoder_start(void);   /* false: its alarm is on */
 int32_t encoder_read(void); /* counts since encoder_start; to be called within 32767 of them */
 bool encoder_lost(void);    /* its alarm, now */
 
-/* motor.c */
+/* motor.c; ../stepper/steps.c */
 void motor_start(uint32_t clock_hz);
-void motor_set(int16_t duty); /* 32767 = full */
+void motor_drive(const app_outputs *outputs);
 void motor_brake(void);       /* its ends joined: no current but what its own motion makes */
 void motor_off(void);         /* its ends open */
 bool motor_stopped(void);     /* once after each pulse at the emergency stop, however short */

@@ -39,12 +39,16 @@ static void set_direction(bool to_down) {
     down = to_down;
 }
 
-void motor_set(int16_t duty) {
+static void set(int16_t duty) {
     const uint32_t magnitude = (uint32_t)(duty < 0 ? -duty : duty);
     set_direction(duty >= 0);
     TIM1->CCR[0] = (magnitude < FULL ? magnitude : FULL) * (TIM1->ARR + 1) / FULL;
     TIM1->BDTR |= TIM_BDTR_MOE; /* stays off while the emergency stop is pressed */
     gpio_write(PIN_MOTOR_ENABLE, true);
+}
+
+void motor_drive(const app_outputs *outputs) {
+    set(outputs->duty);
 }
 
 static void pwm_off(void) {

@@ -9,6 +9,7 @@ enum {
     PIN_SENSOR_CS = PIN(PORT_A, 4),
     PIN_SENSOR_CLOCK = PIN(PORT_A, 5), /* SPI1_SCK */
     PIN_SENSOR_DATA = PIN(PORT_A, 6),  /* SPI1_MISO */
+    PIN_SENSOR_COMMAND = PIN(PORT_A, 7), /* SPI1_MOSI; of the ADS1220 alone */
     PIN_SENSOR_CONVERT = PIN(PORT_B, 0),
     PIN_SENSOR_BUSY = PIN(PORT_B, 1), /* pulled up: an open wire is a converter that never ends */
     PIN_SENSOR_RESET = PIN(PORT_C, 4),

@@ -17,7 +17,7 @@ static bool pulse_reset(void) {
     return busy_becomes(false, BUSY_POLLS);
 }
 
-bool ad7606_start(void) {
+bool gauge_start(void) {
     RCC->APB2ENR |= RCC_APB2ENR_SPI1;
     BARRIER();
     gpio_output(PIN_SENSOR_CS, true);
@@ -35,7 +35,7 @@ bool ad7606_start(void) {
 
 static volatile bool converting; /* BUSY was seen to rise at the last tick */
 
-void ad7606_convert(void) {
+void gauge_convert(void) {
     gpio_write(PIN_SENSOR_CONVERT, false);
     (void)gpio_read(PIN_SENSOR_CONVERT); /* at least 25 ns */
     gpio_write(PIN_SENSOR_CONVERT, true);
@@ -55,11 +55,20 @@ static bool read_words(int16_t adc[PALP_WIRE_CHANNELS]) {
     return all;
 }
 
-bool ad7606_read(int16_t adc[PALP_WIRE_CHANNELS]) {
+bool gauge_read(int16_t adc[PALP_WIRE_CHANNELS], bool *held) {
+    *held = false;
     if (converting && busy_becomes(false, BUSY_POLLS) && read_words(adc))
         return true;
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
         adc[i] = 0;
     (void)pulse_reset(); /* perhaps it answers the next time */
     return false;
+}
+
+const char *hal_board_name(void) {
+    return "stm32f405";
+}
+
+const machine *hal_machine(void) {
+    return &machine_indenter;
 }
