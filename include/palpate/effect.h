@@ -60,10 +60,12 @@ typedef enum palp_effect_scale {
     PALP_SCALE_TIME,   /* its duration */
     PALP_SCALE_LENGTH, /* its depth */
     PALP_SCALE_FORCE,  /* its force */
+    PALP_SCALE_FORCE_1_S,  /* its force, had it been seen after one second: beyond that it falls by a power of time */
     PALP_SCALE_FORCE_RATE, /* force over duration */
     PALP_SCALE_COMPLIANCE, /* depth over force */
     PALP_SCALE_MASS,       /* force over depth, times duration twice */
-    PALP_SCALE_RATE        /* one over the duration of the session */
+    PALP_SCALE_RATE,       /* one over the duration of the session */
+    PALP_SCALE_STRAIN_RATE /* speed over height */
 } palp_effect_scale;
 
 enum { PALP_EFFECT_PARAMETERS = 3, PALP_EFFECTS_MAX = 8 };

@@ -18,8 +18,9 @@ typedef struct palp_specimen_settings {
     double table_N_m; /* stiffness of the table below, which the plate meets at 95 % of the specimen's height;
                          0 = no table */
     double session_s; /* when in the session it is made (session_ageing); 0 */
-    double step_s;    /* shortest step for which a network's power law and pores are accurate; 1 ms */
+    double step_s;    /* shortest step for which power law and pores are accurate; 1 ms */
     double span_s;    /* and the longest total time; 1000 s */
+    double fastest_m_s; /* the plate's largest speed, below a thousandth of which coulomb_friction fades; 0 = so far */
     palp_network_settings network; /* density is the model's */
 } palp_specimen_settings;
 

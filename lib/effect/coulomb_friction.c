@@ -3,12 +3,12 @@
 
 #include <math.h>
 
-static const double SLIDING = 1e-5; /* m/s at which it has half its force */
+static const double SLIDING = 1e-3; /* of the run's largest speed, at which it has half its force */
 
 static void sensor(const double *value, const effect_moment *at, double input, double input_old, double output_old,
                    effect_reading *out) {
     (void)input_old, (void)output_old;
-    out->by_value[0] = at->velocity / (fabs(at->velocity) + SLIDING);
+    out->by_value[0] = at->velocity == 0.0 ? 0.0 : at->velocity / (fabs(at->velocity) + SLIDING * at->fastest);
     out->force = input + value[0] * out->by_value[0];
 }
 

@@ -25,6 +25,7 @@ typedef struct effect_moment {
     double time, since;                   /* as recorded; since the first sample */
     double step;                          /* since the sample before, 0 = there is none */
     double depth, velocity, acceleration; /* of the encoder */
+    double fastest;                       /* its largest speed in this run */
     double hum_phase;
 } effect_moment;
 
@@ -46,9 +47,6 @@ typedef struct effect_range {
     size_t n;
     double slow, fast;
 } effect_range;
-
-/* A millisecond to three hours, to 1e-4. */
-#define EFFECT_RANGE_WHOLE ((effect_range){EFFECT_MODES_MAX, 6e-6, 7e4})
 
 /* One of them, weight exp(-rate t), and its derivatives by the effect's parameters. */
 typedef struct effect_mode {
@@ -101,7 +99,7 @@ typedef struct effect_data {
     const double *residual; /* that a fit leaves of them; NULL: not asked for */
     /* Period, amplitude and phase of the strongest wave that the residual has over depth. */
     palp_status (*wave_in_depth)(const struct effect_data *data, double wave[3]);
-    /* By how much a column changes within a run, at most; 0 also where no run has it. */
+    /* By how much a column changes within a run, at most; 0 where that is its noise, and where no run has it. */
     double (*change_of)(const struct effect_data *data, const char *column);
 } effect_data;
 

@@ -52,7 +52,7 @@ const effect_row effect_power_law_relaxation = {
              .means = "The specimen relaxes over many decades of time, as a power of it.",
              .seen_by = "holds and ramps over several decades of time",
              .n_parameters = 2,
-             .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE, .strength = true},
+             .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE_1_S, .strength = true},
                            {"exponent", 1, 0.02, 0.9, 0.2, .strength = false}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POROELASTIC),
              .in_lumped = true, .in_network = true},

@@ -2,7 +2,6 @@
 #include "effect_internal.h"
 
 static const char COLUMN[] = "temperature_C";
-static const double LEAST = 0.1; /* K, by which the temperature must change within a run */
 
 static void map(const double *value, const effect_press *at, effect_surface *out) {
     out->depth = at->depth + value[0] * at->change;
@@ -11,7 +10,7 @@ static void map(const double *value, const effect_press *at, effect_surface *out
 }
 
 static const char *missing(const effect_data *data) {
-    return data->change_of(data, COLUMN) < LEAST ? "no run has a temperature_C that changes" : NULL;
+    return !(data->change_of(data, COLUMN) > 0.0) ? "no run has a temperature_C that changes" : NULL;
 }
 
 const effect_row effect_thermal_expansion = {

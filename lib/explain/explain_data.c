@@ -175,10 +175,27 @@ static bool same_path(const explain_data *data, const explain_run *a, const expl
     return true;
 }
 
-/* The typical time between samples, the largest speed, how far the slowest run goes from one to the next, and how long the
- * session was. */
+/* How long the session was. A run that does not say when it began, began with the first; where that is by a clock whose zero is
+ * ages ago, the session begins with it. */
+static void find_span(explain_data *data) {
+    const double ages = 1e3;
+    double first = HUGE_VAL, last = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++)
+        first = fmin(first, data->run[r].session); /* but NAN */
+    first = isfinite(first) ? first : 0.0;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        explain_run *run = &data->run[r];
+        run->session = isnan(run->session) ? first : run->session;
+        last = fmax(last, run->session - first + run->time[run->n - 1]);
+    }
+    data->span = last;
+    for (size_t r = 0; r < data->n_runs && fabs(first) > ages * last; r++)
+        data->run[r].session -= first;
+}
+
+/* The typical time between samples, the largest speed, how far the slowest run goes from one to the next. */
 static palp_status find_pace(explain_data *data) {
-    double *step = malloc(data->longest * sizeof *step), first = HUGE_VAL, last = -HUGE_VAL;
+    double *step = malloc(data->longest * sizeof *step);
     if (!step)
         return PALP_ERR_NO_MEMORY;
     data->step = data->stride = HUGE_VAL;
@@ -193,10 +210,8 @@ static palp_status find_pace(explain_data *data) {
         }
         data->stride = fmin(data->stride, stride);
         data->step = fmin(data->step, statistics_median(step, run->n - 1));
-        first = fmin(first, run->session);
-        last = fmax(last, run->session + run->time[run->n - 1]);
     }
-    data->span = last - first;
+    find_span(data);
     data->correlation_time = data->duration;
     free(step);
     return PALP_OK;
@@ -255,7 +270,7 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     if (fabs(1e-3 * height - data->height) > 1e-3 * data->height)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
                               height, 1e3 * data->height);
-    run->session = explain_number_of(e, "session.start_s", 0.0);
+    run->session = explain_number_of(e, "session.start_s", NAN);
     take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
     status = palp_segments_phases(run->n, run->time, run->depth, run->phase);
     if (status)
@@ -294,7 +309,7 @@ static palp_status take_runs(explain_data *data, size_t n, const palp_explain_in
         run->fresh = renewed;
         renewed = false;
         for (size_t k = 0; k < settings->n_held_out; k++)
-            run->held_out = run->held_out || settings->held_out[k] == of;
+            run->held_out = run->held_out || data->joined.of[settings->held_out[k]] == of;
         status = take_run(data, data->n_runs - 1, &inputs[of], kind[of] == EXPLAIN_AIR, error);
     }
     free(order);
@@ -324,7 +339,9 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
     data->run = calloc(n, sizeof *data->run);
     palp_status status = data->run ? explain_height(model, &data->height, error) : PALP_ERR_NO_MEMORY;
     if (!status)
-        status = take_inputs(data, n, inputs, settings, error);
+        status = explain_join(n, inputs, &data->joined);
+    if (!status)
+        status = take_inputs(data, data->joined.n, data->joined.input, settings, error);
     for (size_t r = 0; r < data->n_runs && !status; r++) {
         explain_run *run = &data->run[r];
         data->n += run->n;
@@ -355,6 +372,7 @@ void explain_data_free(explain_data *data) {
     }
     free(data->run);
     free(data->event);
+    explain_joined_free(&data->joined);
     *data = (explain_data){0};
 }
 
@@ -372,15 +390,24 @@ size_t explain_fitted_runs(const explain_data *data) {
     return n;
 }
 
+/* By how much a column changes; 0: by no more than its noise does. */
+static double change_in(const explain_run *run, const double *value) {
+    const double beyond = 10.0;
+    double most = 0.0, noise = 0.0;
+    for (size_t i = 0; i < run->n; i++)
+        most = fmax(most, fabs(value[i] - value[0]));
+    if (palp_segments_noise(run->n, NULL, 0.0, value, PALP_NOISE_MEDIAN, &noise))
+        return 0.0;
+    return most > beyond * noise ? most : 0.0;
+}
+
 static double change_of(const effect_data *facts, const char *column) {
     const explain_data *data = facts->runs;
     double most = 0.0;
     for (size_t r = 0; r < data->n_runs; r++)
-        for (size_t c = 0; c < data->run[r].n_columns; c++) {
-            const palp_forward_column *of = &data->run[r].column[c];
-            for (size_t i = 0; strcmp(of->name, column) == 0 && i < data->run[r].n; i++)
-                most = fmax(most, fabs(of->value[i] - of->value[0]));
-        }
+        for (size_t c = 0; c < data->run[r].n_columns; c++)
+            if (strcmp(data->run[r].column[c].name, column) == 0)
+                most = fmax(most, change_in(&data->run[r], data->run[r].column[c].value));
     return most;
 }
 

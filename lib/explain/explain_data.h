@@ -32,7 +32,19 @@ typedef struct explain_frame {
     double evidence; /* that it gives way at all, nats */
 } explain_frame;
 
+/* The inputs, those that go on under load where another ends as one; made: their experiments, or NULL. (explain_join.c) */
+typedef struct explain_joined {
+    size_t n;
+    palp_explain_input *input; /* [n] */
+    palp_experiment **made;    /* [n] */
+    size_t *of;                /* which of these an input went into, for each input */
+} explain_joined;
+
+palp_status explain_join(size_t n, const palp_explain_input *inputs, explain_joined *joined);
+void explain_joined_free(explain_joined *joined);
+
 typedef struct explain_data {
+    explain_joined joined; /* whose columns the runs read */
     size_t n_runs, n, longest;
     explain_run *run;
     const palp_model *given;                /* the model to be explained */

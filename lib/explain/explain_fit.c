@@ -24,10 +24,12 @@ static double size_of(palp_effect_scale scale, const explain_data *data) {
     case PALP_SCALE_TIME: return data->duration;
     case PALP_SCALE_LENGTH: return data->deepest;
     case PALP_SCALE_FORCE: return data->peak;
+    case PALP_SCALE_FORCE_1_S: return data->peak * fmax(1.0, data->duration);
     case PALP_SCALE_FORCE_RATE: return data->peak / data->duration;
     case PALP_SCALE_COMPLIANCE: return data->deepest / data->peak;
     case PALP_SCALE_MASS: return data->peak * data->duration * data->duration / data->deepest;
     case PALP_SCALE_RATE: return 1.0 / data->span;
+    case PALP_SCALE_STRAIN_RATE: return data->fastest / data->height;
     case PALP_SCALE_NONE: break;
     }
     return 1.0;
@@ -55,6 +57,10 @@ static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t
             high = size / EXPLAIN_PERIODS;
             low = fmin(2.0 * data->stride, 0.5 * high);
         }
+    }
+    if (q->scale == PALP_SCALE_STRAIN_RATE) { /* some run is faster */
+        low = 1e-3 * size;
+        high = size;
     }
     if (q->scale == PALP_SCALE_RATE) { /* so that a factor of it and the session stays above zero */
         low = fmax(low, -0.9 * size);

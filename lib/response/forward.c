@@ -67,8 +67,8 @@ palp_status palp_forward_set(palp_model *model, const double *parameter) {
 
 /* ---- the sensor ---- */
 
-palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, forward_sensor *s) {
-    *s = (forward_sensor){.plan = plan, .n_columns = n_columns};
+palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, double fastest, forward_sensor *s) {
+    *s = (forward_sensor){.plan = plan, .n_columns = n_columns, .fastest = fastest};
     s->block = calloc((2 * plan->n_effects + 1) * n_columns + 1, sizeof *s->block);
     if (!s->block)
         return PALP_ERR_NO_MEMORY;
@@ -85,14 +85,16 @@ void forward_sensor_free(forward_sensor *s) {
     *s = (forward_sensor){0};
 }
 
-double forward_sensor_read(forward_sensor *s, const effect_moment *at, double force) {
+double forward_sensor_read(forward_sensor *s, const effect_moment *moment, double force) {
+    effect_moment at = *moment;
+    at.fastest = s->fastest = fmax(s->fastest, fabs(at.velocity));
     for (size_t j = 0; j < s->plan->n_effects; j++) {
         const forward_effect *f = &s->plan->effect[j];
         forward_memory *m = &s->stage[j];
         effect_reading out = {.by_input = 1.0};
         if (!f->row->sensor)
             continue;
-        f->row->sensor(f->effect->value, at, force, m->input, m->output, &out);
+        f->row->sensor(f->effect->value, &at, force, m->input, m->output, &out);
         for (size_t k = 0; k < s->n_columns; k++) {
             double input_p = s->force_p[k];
             s->force_p[k] = out.by_input * input_p + out.by_input_old * m->input_p[k] +
@@ -123,6 +125,20 @@ effect_moment forward_moment(const palp_forward_run *run, size_t i) {
     if (before > 0.0 && after > 0.0)
         m.acceleration = 2.0 * (go - come) / (before + after);
     return m;
+}
+
+double forward_fastest(const palp_forward_run *run) {
+    double fastest = 0.0;
+    for (size_t i = 0; i < run->n; i++)
+        fastest = fmax(fastest, fabs(forward_moment(run, i).velocity));
+    return fastest;
+}
+
+void forward_times(const palp_forward_run *run, double *shortest, double *whole) {
+    *shortest = INFINITY;
+    *whole = run->n ? run->time_s[run->n - 1] - run->time_s[0] : 0.0;
+    for (size_t i = 1; i < run->n; i++)
+        *shortest = fmin(*shortest, run->time_s[i] - run->time_s[i - 1]);
 }
 
 static double change_of(const palp_forward_run *run, const char *column, size_t i, double share) {
@@ -195,7 +211,7 @@ palp_status forward_run(const forward_plan *plan, const forward_specimen *specim
         return status;
     status = forward_plate_create(plan, specimen, &plate);
     if (!status) {
-        status = forward_sensor_create(plan, specimen->n_columns, &s);
+        status = forward_sensor_create(plan, specimen->n_columns, forward_fastest(run), &s);
         if (!status) {
             status = follow(&plate, &s, run, force_N, gradient, error);
             forward_sensor_free(&s);
@@ -217,7 +233,9 @@ palp_status palp_forward_force(const palp_model *model, const palp_forward_run *
     if (status)
         return status;
     plan.contact = run->contact_m;
-    status = forward_lumped_create(&plan, gradient ? plan.n_columns : 0, &lumped);
+    double shortest, whole;
+    forward_times(run, &shortest, &whole);
+    status = forward_lumped_create(&plan, gradient ? plan.n_columns : 0, shortest, whole, &lumped);
     if (status)
         return palp_error_set(error, status, "out of memory");
     if (run->history)

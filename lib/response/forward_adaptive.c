@@ -219,7 +219,7 @@ static double plate_force(const adaptive *k, size_t q, size_t i, double *force_p
 
 static palp_status read_all(const adaptive *k, const forward_plan *plan, double *force_N, double *gradient) {
     forward_sensor s;
-    palp_status status = forward_sensor_create(plan, k->n_columns, &s);
+    palp_status status = forward_sensor_create(plan, k->n_columns, forward_fastest(k->run), &s);
     if (status)
         return status;
     for (size_t i = 0, q = 0; i < k->run->n; i++) {

@@ -100,8 +100,10 @@ typedef struct forward_specimen {
     const double *rest_p; /* [n_columns] and its derivatives; NULL = all 0 */
 } forward_specimen;
 
+/* Its modes hold for steps from shortest, in all whole seconds. */
 typedef struct forward_lumped forward_lumped;
-palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, forward_lumped **lumped);
+palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, double shortest, double whole,
+                                  forward_lumped **lumped);
 void forward_lumped_free(forward_lumped *lumped);
 forward_specimen forward_lumped_specimen(forward_lumped *lumped);
 
@@ -221,10 +223,11 @@ typedef struct forward_sensor {
     const forward_plan *plan;
     size_t n_columns;
     forward_memory stage[PALP_EFFECTS_MAX];
+    double fastest;          /* speed of the run; of one whose end is not known, so far */
     double *force_p, *block; /* block: the first and all stages' rows */
 } forward_sensor;
 
-palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, forward_sensor *sensor);
+palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, double fastest, forward_sensor *sensor);
 void forward_sensor_free(forward_sensor *sensor);
 
 /* Takes a force and sensor->force_p through the stages. */
@@ -232,6 +235,10 @@ double forward_sensor_read(forward_sensor *sensor, const effect_moment *at, doub
 
 /* Where the instrument is at sample i. */
 effect_moment forward_moment(const palp_forward_run *run, size_t i);
+
+/* Its largest speed, and its shortest time between samples and all of it. */
+double forward_fastest(const palp_forward_run *run);
+void forward_times(const palp_forward_run *run, double *shortest, double *whole);
 
 /* ERR_ARGUMENT: times that do not increase, numbers that are not finite. */
 palp_status forward_check_run(const palp_forward_run *run, palp_error *error);

@@ -4,13 +4,6 @@
 
 #include <math.h>
 
-static void times_of(const palp_forward_run *run, double *shortest, double *whole) {
-    *shortest = INFINITY;
-    *whole = run->n ? run->time_s[run->n - 1] - run->time_s[0] : 0.0;
-    for (size_t i = 1; i < run->n; i++)
-        *shortest = fmin(*shortest, run->time_s[i] - run->time_s[i - 1]);
-}
-
 palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
                                  const palp_forward_run *run, double *force_N, palp_error *error) {
     if (!model || !run || !force_N)
@@ -20,7 +13,7 @@ palp_status palp_forward_network(const palp_model *model, const palp_network_set
     double shortest, whole;
     if (model->kind != PALP_MODEL_NETWORK)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model is run by palp_forward_force");
-    times_of(run, &shortest, &whole);
+    forward_times(run, &shortest, &whole);
     palp_status status = forward_plan_make(model, run->session_s, &plan, error);
     if (!status)
         status = forward_network_create(&plan, settings, shortest, whole, false, &network, error);
@@ -49,7 +42,7 @@ palp_status forward_network_force(const palp_model *model, const palp_forward_ru
     if (model->density_kg_m3 > 0.0 || model->material.formulation != PALP_HISTORY)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "a network with mass or of formulation sedef2008 has no derivatives");
-    times_of(run, &shortest, &whole);
+    forward_times(run, &shortest, &whole);
     palp_status status = forward_plan_make(model, run->session_s, &plan, error);
     if (!status)
         status = forward_network_create(&plan, NULL, shortest, whole, true, &network, error);

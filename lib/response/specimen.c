@@ -54,7 +54,7 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
 static palp_status check(const palp_specimen_settings *s, palp_error *error) {
     bool good = isfinite(s->start_m) && s->scale > 0.0 && isfinite(s->scale) && s->table_N_m >= 0.0 &&
                 isfinite(s->table_N_m) && isfinite(s->session_s) && s->step_s > 0.0 &&
-                s->span_s >= s->step_s && isfinite(s->span_s);
+                s->span_s >= s->step_s && isfinite(s->span_s) && s->fastest_m_s >= 0.0 && isfinite(s->fastest_m_s);
     return good ? PALP_OK : palp_error_set(error, PALP_ERR_ARGUMENT, "settings out of their range");
 }
 
@@ -74,7 +74,7 @@ static palp_status make_body(palp_specimen *s, palp_error *error) {
             s->body = forward_network_specimen(s->network);
         return status;
     }
-    if (forward_lumped_create(&s->plan, 0, &s->lumped))
+    if (forward_lumped_create(&s->plan, 0, to->step_s, to->span_s, &s->lumped))
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     s->body = forward_lumped_specimen(s->lumped);
     return PALP_OK;
@@ -89,7 +89,7 @@ static palp_status make_plate(palp_specimen *s, palp_error *error) {
     }
     palp_status status = forward_plate_create(&s->plan, &body, &s->plate);
     if (!status)
-        status = forward_sensor_create(&s->plan, 0, &s->sensor);
+        status = forward_sensor_create(&s->plan, 0, s->settings.fastest_m_s, &s->sensor);
     if (!status)
         status = forward_plate_start(&s->plate, &(forward_place){.depth = s->settings.start_m});
     return status ? palp_error_set(error, status, "%s", palp_status_text(status)) : PALP_OK;

@@ -78,6 +78,12 @@ static void follows(const palp_model *m, bool rated, double tolerance) {
     palp_specimen_settings settings = palp_specimen_settings_default();
     settings.start_m = s.depth_m[0];
     settings.session_s = 5000;
+    settings.step_s = s.time_s[1] - s.time_s[0];
+    for (size_t i = 1; i < s.n; i++) {
+        settings.step_s = fmin(settings.step_s, s.time_s[i] - s.time_s[i - 1]);
+        settings.fastest_m_s = fmax(settings.fastest_m_s, fabs(motion_at(&s, i).velocity_m_s));
+    }
+    settings.span_s = s.time_s[s.n - 1] - s.time_s[0];
     palp_specimen *specimen = make(m, &settings);
     double largest = 0, worst = 0;
     for (size_t i = 0; i < s.n; i++) {
