@@ -21,8 +21,10 @@ static size_t asked_most(const palp_model *m) {
     forward_lumped *lumped;
     const palp_forward_run run = run_of(&s);
     size_t most = 0;
+    double shortest, whole;
+    forward_times(&run, &shortest, &whole);
     ck_assert_int_eq(forward_plan_make(m, 0, &plan, NULL), PALP_OK);
-    ck_assert_int_eq(forward_lumped_create(&plan, plan.n_columns, &lumped), PALP_OK);
+    ck_assert_int_eq(forward_lumped_create(&plan, plan.n_columns, shortest, whole, &lumped), PALP_OK);
     counted = forward_lumped_specimen(lumped);
     forward_specimen specimen = counted;
     specimen.attempt = count;
