@@ -13,7 +13,7 @@ extern "C" {
 enum { PALP_NAME_MAX = 256 };
 
 /* What was done, by the path: one press and perhaps the way back; one press and a dwell; anything else. */
-typedef enum palp_recording_kind { PALP_RECORDING_STATIC, PALP_RECORDING_RAMP_HOLD, PALP_RECORDING_OTHER } palp_recording_kind;
+typedef enum palp_recording_kind { PALP_RECORDING_STATIC, PALP_RECORDING_RAMP_HOLD, PALP_RECORDING_OTHER, PALP_RECORDING_CREEP } palp_recording_kind;
 
 /* How contact (depth 0) and zero force were found. */
 typedef enum palp_contact_rule {
@@ -52,6 +52,7 @@ typedef struct palp_recording {
     unsigned char *use;          /* [n] 0 = masked: a spike, clipped, withdrawal */
     double deepest_m;            /* largest depth */
     double ramp_start_s, ramp_end_s; /* first motion into the specimen: its start and its end */
+    palp_pieces creep;               /* where a force was held while the depth went on; owned */
     double end_s;                    /* of the press: from the last withdrawal on, samples are masked */
     bool contact_found;              /* the file says that its depth and force are already relative to contact */
     palp_contact_rule contact_rule;

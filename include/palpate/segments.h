@@ -33,8 +33,10 @@ PALP_API const char *palp_phase_name(palp_phase phase); /* "air", "early_dwell",
 
 /* phase[n]: a palp_phase for each sample of a path whose depth 0 is contact, n >= 2, by its pieces (below). A corner lasts a
  * fifth of the motion that begins or ends at it, a dwell is early for five times the motion before it, and the air after the
- * first touch is recovery. ERR_ARGUMENT, ERR_NO_MEMORY. */
-PALP_API palp_status palp_segments_phases(size_t n, const double *time_s, const double *depth, unsigned char *phase);
+ * first touch is recovery. Where force_N is not NULL, a force that is held while the depth goes on is a dwell, too
+ * (palp_segments_creep). ERR_ARGUMENT, ERR_NO_MEMORY. */
+PALP_API palp_status palp_segments_phases(size_t n, const double *time_s, const double *depth, const double *force_N,
+                                          unsigned char *phase);
 
 /* What the plate does over a stretch of its path, whatever it was asked to do. */
 typedef enum palp_motion {
@@ -62,6 +64,11 @@ typedef struct palp_pieces {
  * A stretch counts as still that moves by less than 0.5 % of the path's range, or 15 sds of the depth's noise, and lasts a
  * sixth of the motion before it. palp_pieces_free. ERR_ARGUMENT, ERR_NO_MEMORY. */
 PALP_API palp_status palp_segments_pieces(size_t n, const double *time_s, const double *depth, palp_pieces *pieces);
+
+/* Stretches of creep, each a PALP_MOTION_DWELL: from a ramp on the force stands still as a depth does in a dwell, and the depth goes
+ * on by over 1 % of its range, at less than half of the ramp's speed. palp_pieces_free. ERR_ARGUMENT, ERR_NO_MEMORY. */
+PALP_API palp_status palp_segments_creep(size_t n, const double *time_s, const double *depth, const double *force_N,
+                                         palp_pieces *creep);
 PALP_API void palp_pieces_free(palp_pieces *pieces); /* frees what is owned, zeroes; NULL is fine */
 
 /* *step_s: the clock's step, of which nearly all differences of time_s[n] are multiples, and how many samples are missing

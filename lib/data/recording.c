@@ -22,6 +22,7 @@ void palp_recording_free(palp_recording *r) {
     free(r->depth_m);
     free(r->force_N);
     free(r->use);
+    palp_pieces_free(&r->creep);
     memset(r, 0, sizeof *r);
 }
 
@@ -191,7 +192,12 @@ static palp_status find_motion(palp_recording *r) {
     for (size_t i = last + 1; i < r->n; i++)
         r->use[i] = 0;
     palp_pieces_free(&pieces);
-    return PALP_OK;
+    status = palp_segments_creep(r->n, r->time_s, r->depth_m, r->force_N, &r->creep);
+    if (!status && r->kind != PALP_RECORDING_RAMP_HOLD && r->creep.n > 0) {
+        r->kind = PALP_RECORDING_CREEP;
+        r->ramp_end_s = r->time_s[r->creep.piece[0].first];
+    }
+    return status;
 }
 
 static palp_status prepare(palp_recording *r, const palp_experiment *experiment,

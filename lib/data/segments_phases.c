@@ -96,7 +96,28 @@ static void walk_piece(walk *w, const palp_pieces *pieces, size_t k) {
         walk_motion(w, piece->first, piece->last, piece->motion == PALP_MOTION_UNLOAD, !comes);
 }
 
-palp_status palp_segments_phases(size_t n, const double *time, const double *depth, unsigned char *phase) {
+/* A dwell from where its force is reached; the motion before it began where the plate came from the air, or stood. */
+static void walk_creep(walk *w, const palp_piece *piece) {
+    size_t start = piece->first;
+    while (start > 0 && (w->phase[start - 1] == PALP_PHASE_RAMP || w->phase[start - 1] == PALP_PHASE_RELOAD ||
+                         w->phase[start - 1] == PALP_PHASE_CORNER))
+        start--;
+    w->motion_s = w->time[piece->first + 1] - w->time[start]; /* a sample at least */
+    walk_still(w, piece->first, piece->last);
+}
+
+static palp_status walk_creeps(walk *w, size_t n, const double *force) {
+    palp_pieces creep;
+    palp_status status = palp_segments_creep(n, w->time, w->depth, force, &creep);
+    if (status)
+        return status;
+    for (size_t k = 0; k < creep.n; k++)
+        walk_creep(w, &creep.piece[k]);
+    palp_pieces_free(&creep);
+    return PALP_OK;
+}
+
+palp_status palp_segments_phases(size_t n, const double *time, const double *depth, const double *force, unsigned char *phase) {
     palp_pieces pieces;
     if (!time || !depth || !phase)
         return PALP_ERR_ARGUMENT;
@@ -108,5 +129,5 @@ palp_status palp_segments_phases(size_t n, const double *time, const double *dep
         walk_piece(&w, &pieces, k);
     put(&w, n - 1, n > 1 ? (palp_phase)phase[n - 2] : PALP_PHASE_RAMP);
     palp_pieces_free(&pieces);
-    return PALP_OK;
+    return force ? walk_creeps(&w, n, force) : PALP_OK;
 }

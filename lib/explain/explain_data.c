@@ -272,7 +272,7 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
                               height, 1e3 * data->height);
     run->session = explain_number_of(e, "session.start_s", NAN);
     take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
-    status = palp_segments_phases(run->n, run->time, run->depth, run->phase);
+    status = palp_segments_phases(run->n, run->time, run->depth, run->force, run->phase);
     if (status)
         return status;
     palp_status masked = mask_spikes(data, r);

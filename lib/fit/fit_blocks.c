@@ -54,6 +54,20 @@ static bool goes_straight(straight *s, const palp_recording *rec, size_t i) {
     return false;
 }
 
+/* The same for the recording's path. Where a force is held, the plate wavers as the force's noise is answered: it goes straight on,
+ * in blocks that are long against it; short ones would take the answer to the noise for the specimen's. */
+static bool goes_on(straight *s, const palp_recording *rec, size_t i) {
+    for (size_t k = 0; k < rec->creep.n; k++) {
+        const palp_piece *creep = &rec->creep.piece[k];
+        if (i <= creep->first || i > creep->last)
+            continue;
+        s->from = i == creep->last ? i : creep->first;
+        s->cone = segments_cone_open();
+        return i != creep->first + 1;
+    }
+    return goes_straight(s, rec, i);
+}
+
 /* A block moves by less than a three-hundredth of the way and lasts less than a fiftieth of the time since
  * the last corner, so that the force is as good as linear in it. In the air nothing happens. Even samples meet these limits
  * exactly: which side of them they are on must not be rounding's. */
@@ -98,7 +112,7 @@ static palp_status cut(fit_run *run, const palp_recording *rec, const palp_chara
         bool take = fit_counts(rec, settings, first), corner = false;
         size_t from = path.from;
         for (end = first + 1; end < rec->n; end++) {
-            corner = !goes_straight(&path, rec, end);
+            corner = !goes_on(&path, rec, end);
             if (corner || fit_counts(rec, settings, end) != take || !same_block(rec, first, end, from))
                 break;
         }

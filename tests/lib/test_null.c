@@ -227,9 +227,13 @@ END_TEST
 START_TEST(null_in_segments) {
     REFUSED(palp_segments_noise(2, numbers, 0.5, NULL, 0, numbers));
     REFUSED(palp_segments_noise(2, numbers, 0.5, numbers, 0, NULL));
-    REFUSED(palp_segments_phases(2, NULL, numbers, storage));
-    REFUSED(palp_segments_phases(2, numbers, NULL, storage));
-    REFUSED(palp_segments_phases(2, numbers, numbers, NULL));
+    REFUSED(palp_segments_phases(2, NULL, numbers, numbers, storage));
+    REFUSED(palp_segments_phases(2, numbers, NULL, numbers, storage));
+    REFUSED(palp_segments_phases(2, numbers, numbers, numbers, NULL));
+    REFUSED(palp_segments_creep(2, NULL, numbers, numbers, (void *)storage));
+    REFUSED(palp_segments_creep(2, numbers, NULL, numbers, (void *)storage));
+    REFUSED(palp_segments_creep(2, numbers, numbers, NULL, (void *)storage));
+    REFUSED(palp_segments_creep(2, numbers, numbers, numbers, NULL));
     REFUSED(palp_segments_pieces(2, NULL, numbers, (void *)storage));
     REFUSED(palp_segments_pieces(2, numbers, NULL, (void *)storage));
     REFUSED(palp_segments_pieces(2, numbers, numbers, NULL));

@@ -9,7 +9,7 @@
 static const char NAME[] = "characterize";
 
 const char *characterize_kind(const palp_recording *r) {
-    static const char *const kinds[] = {"static", "ramp_hold", "other"};
+    static const char *const kinds[] = {"static", "ramp_hold", "other", "creep"};
     return kinds[r->kind];
 }
 
@@ -67,7 +67,7 @@ size_t characterize_depths(const characterize_state *s) {
     size_t count = 0;
     double last = 0;
     for (size_t i = s->n_static; i < s->n; i++) {
-        bool other = s->run[i].kind == PALP_RECORDING_OTHER;
+        bool other = s->run[i].kind >= PALP_RECORDING_OTHER;
         if (other || s->run[i].deepest_m > 1.02 * last) {
             count += other ? 3 : 1;
             last = other ? last : s->run[i].deepest_m;

@@ -59,7 +59,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
     const cli_command command = {
         NAME,
         "RUN.csv ... [options]",
-        "Finds a generalized Maxwell solid, with 95 % intervals, from raw static and ramp-and-hold runs.\n"
+        "Finds a generalized Maxwell solid, with 95 % intervals, from raw static, ramp-and-hold and creep runs.\n"
         "Contact, zero force and noise of each run are found first and told on standard error.",
         "  palpate characterize static.csv hold_*.csv --out lumped.json --plot figures\n"
         "  palpate characterize hold_*.csv --arms 2 --shared-arms --json\n",

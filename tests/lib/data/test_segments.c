@@ -215,7 +215,7 @@ START_TEST(phases_of_a_path) {
     unsigned char phase[MOST], again[MOST];
     size_t n = path_of(8, c, 0.01, time, depth);
     ck_assert_uint_eq(n, 2601);
-    ck_assert_int_eq(palp_segments_phases(n, time, depth, phase), PALP_OK);
+    ck_assert_int_eq(palp_segments_phases(n, time, depth, NULL, phase), PALP_OK);
     for (size_t i = 0, k = 0; i < n; i++) {
         while (time[i] > wanted[k].until)
             k++;
@@ -225,7 +225,7 @@ START_TEST(phases_of_a_path) {
     for (size_t k = 0; k < 3; k++) {
         for (size_t i = 0; i < n; i++)
             scaled[i] = scales[k] * time[i];
-        ck_assert_int_eq(palp_segments_phases(n, scaled, depth, again), PALP_OK);
+        ck_assert_int_eq(palp_segments_phases(n, scaled, depth, NULL, again), PALP_OK);
         size_t differ = 0;
         for (size_t i = 0; i < n; i++)
             differ += phase[i] != again[i];
@@ -240,13 +240,13 @@ START_TEST(phases_of_a_cycle) {
     double time[MOST], depth[MOST];
     unsigned char phase[MOST];
     size_t n = path_of(7, c, 0.01, time, depth);
-    ck_assert_int_eq(palp_segments_phases(n, time, depth, phase), PALP_OK);
+    ck_assert_int_eq(palp_segments_phases(n, time, depth, NULL, phase), PALP_OK);
     ck_assert_int_eq(phase[150], PALP_PHASE_RAMP);
     ck_assert_int_eq(phase[220], PALP_PHASE_CORNER);
     ck_assert_int_eq(phase[350], PALP_PHASE_UNLOAD);
     ck_assert_int_eq(phase[550], PALP_PHASE_RELOAD);
     ck_assert_int_eq(phase[1150], PALP_PHASE_UNLOAD);
-    ck_assert_int_eq(palp_segments_phases(n, time, NULL, phase), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_segments_phases(n, time, NULL, NULL, phase), PALP_ERR_ARGUMENT);
 }
 END_TEST
 

@@ -1,0 +1,53 @@
+/* segments_creep.c: where the plate holds a force and the depth goes on: creep. */
+#include "segments_internal.h"
+
+#include <math.h>
+
+static const double DRIFT = 0.01; /* of the depth's range: what the depth goes on by at least */
+static const double BEGINS = 0.02; /* of the stretch: what still may belong to the ramp before it */
+static const double SLOWER = 0.5;  /* of the speed before it: what moves so fast is pressed on, whatever the force does */
+
+static double range_of(size_t n, const double *x) {
+    double low = x[0], high = x[0];
+    for (size_t i = 1; i < n; i++) {
+        low = fmin(low, x[i]);
+        high = fmax(high, x[i]);
+    }
+    return high - low;
+}
+
+/* The first sample so many seconds after another. */
+static size_t later(const double *time, size_t i, size_t last, double s) {
+    size_t k = i;
+    while (k < last && time[k] - time[i] < s)
+        k++;
+    return k;
+}
+
+/* Where a force is held from a ramp on, and the depth goes on more slowly than on it. */
+static bool creeps(const palp_piece *ramp, const palp_piece *dwell, const double *time, const double *depth, double least) {
+    double lasts = time[dwell->last] - time[dwell->first], came = time[ramp->last] - time[ramp->first];
+    size_t from = later(time, dwell->first, dwell->last, BEGINS * lasts);
+    double drift = depth[dwell->last] - depth[from], way = depth[ramp->last] - depth[ramp->first];
+    return ramp->motion == PALP_MOTION_RAMP && dwell->motion == PALP_MOTION_DWELL && depth[from] > 0.0 && drift > least &&
+           drift / lasts < SLOWER * way / came;
+}
+
+palp_status palp_segments_creep(size_t n, const double *time_s, const double *depth, const double *force_N, palp_pieces *creep) {
+    if (!depth || !force_N || !creep)
+        return PALP_ERR_ARGUMENT;
+    palp_status status = palp_segments_pieces(n, time_s, force_N, creep);
+    if (status)
+        return status;
+    double least = DRIFT * range_of(n, depth);
+    size_t kept = 0;
+    palp_piece before = {PALP_MOTION_REST, 0, 0};
+    for (size_t k = 0; k < creep->n; k++) {
+        palp_piece piece = creep->piece[k];
+        if (creeps(&before, &piece, time_s, depth, least))
+            creep->piece[kept++] = piece;
+        before = piece;
+    }
+    creep->n = kept;
+    return PALP_OK;
+}

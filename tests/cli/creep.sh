@@ -1,0 +1,39 @@
+#!/bin/sh
+# creep.sh: a force that the indenter holds: the run tells the model that a ramp and hold tells, explain and report take it. check: once
+. tests/cli/common
+
+TMPDIR=$PWD/tmp
+export TMPDIR
+mkdir -p tmp
+
+echo '{"palpate": {"protocol": 1}, "runs": [{"kind": "segments", "name": "creep", "segments": [
+ {"force_N": 1, "ramp_s": 1, "duration_s": 40}, {"move_to_mm": -1, "rate_mm_s": 5}]}]}' >creep.json
+expect 0 acquire --port rig --firmware host --protocol creep.json --rest-s 0 --out creep
+expect 0 acquire --port rig --firmware host --ramp-hold 3 --hold-s 40 --rest-s 0 --out dwell
+
+# bound NAME FILE KEY: an end of the interval of an estimate in the text, as "value low high"
+bounds() { awk -v n="$1" '$1 == n { print $2, $3, $5; exit }' "$2"; }
+
+for run in creep dwell; do
+    expect 0 characterize $run/*.csv --degree 3 --arms 2 --out $run.model.json
+    cp out $run.txt
+    cp err $run.err
+done
+grep -q 'creep.csv: creep to 2\.[67]' creep.err || fail "not known as creep: $(cat creep.err)"
+for name in K_1 b_1 tau_1 K_2 b_2 tau_2; do
+    { bounds $name creep.txt; bounds $name dwell.txt; } | awk -v n=$name '{ v[NR] = $1; h[NR] = ($3 - $2) / 2 }
+        END { d = v[1] - v[2]; d = d < 0 ? -d : d; exit !(NR == 2 && h[1] > 0 && d < 1.5 * sqrt(h[1]^2 + h[2]^2) && d < 0.03 * v[2]) }' ||
+        fail "$name: $(bounds $name creep.txt) from creep, $(bounds $name dwell.txt) from a dwell"
+done
+for run in creep dwell; do
+    expect 0 simulate $run.model.json --protocol ramp_hold --depth-mm 2.5 --hold-s 40 --json
+    value out final_force_N >>relaxed
+done
+near "relaxed force of the model of the creep run" "$(sed -n 1p relaxed)" "$(sed -n 2p relaxed)" 0.005
+
+expect 0 characterize creep/creep.csv --arms 2 --json
+grep -q '"kind": "creep"' out || fail "--json does not say creep"
+expect 0 explain --model dwell.model.json creep/creep.csv
+grep -q '^agrees' out || fail "explain: $(cat out)"
+expect 0 report creep/creep.csv creep.model.json --out page.html
+grep -q '>creep<' page.html || fail "the page does not say creep"
