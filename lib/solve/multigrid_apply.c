@@ -3,14 +3,13 @@
 
 #include <string.h>
 
-/* s -= entries of a row times x */
-static inline void subtract(const float *block, const int32_t *column, uint32_t from, uint32_t to, const float *x,
-                            float s[4]) {
-    for (uint32_t k = from; k < to; k++) {
-        const float *b = block + (size_t)BLOCK_FLOATS * k, *v = x + 4 * column[k];
-        for (size_t r = 0; r < 4; r++)
-            s[r] -= b[r] * v[0] + b[4 + r] * v[1] + b[8 + r] * v[2];
-    }
+typedef multigrid_four four;
+
+/* s less entries of a row times x */
+static inline four subtract(const float *block, const int32_t *column, uint32_t from, uint32_t to, const float *x, four s) {
+    for (uint32_t k = from; k < to; k++)
+        s -= multigrid_times(block + (size_t)BLOCK_FLOATS * k, multigrid_load(x + 4 * column[k]));
+    return s;
 }
 
 /* From x = 0: x = (D + L)^-1 r; what is left, -U x, goes to the coarser level. */
@@ -19,14 +18,11 @@ static void sweep_down(mg_level *l, int set) {
     mg_level *coarse = l + 1;
     memset(coarse->r, 0, 4 * coarse->n * sizeof *coarse->r);
     for (size_t i = 0; i < l->n; i++) {
-        float s[4];
-        memcpy(s, l->r + 4 * i, sizeof s);
-        subtract(block, l->column, l->first[i], l->middle[i], l->x, s);
-        multigrid_times_inverse(l->inverse[set] + BLOCK_FLOATS * i, s, l->x + 4 * i);
+        four s = subtract(block, l->column, l->first[i], l->middle[i], l->x, multigrid_load(l->r + 4 * i));
+        multigrid_store(l->x + 4 * i, multigrid_times(l->inverse[set] + BLOCK_FLOATS * i, s));
     }
     for (size_t i = 0; i < l->n; i++) {
-        float s[4] = {0.0F};
-        subtract(block, l->column, l->middle[i], l->first[i + 1], l->x, s);
+        four s = subtract(block, l->column, l->middle[i], l->first[i + 1], l->x, multigrid_all(0.0F));
         multigrid_pass_up(l, i, s, coarse->r);
     }
 }
@@ -34,12 +30,10 @@ static void sweep_down(mg_level *l, int set) {
 static void sweep_up(mg_level *l, int set) {
     const mg_level *coarse = l + 1;
     for (size_t i = 0; i < l->n; i++)
-        multigrid_take_down(l, i, coarse->x, l->x + 4 * i);
+        multigrid_store(l->x + 4 * i, multigrid_take_down(l, i, coarse->x, multigrid_load(l->x + 4 * i)));
     for (size_t i = l->n; i-- > 0;) {
-        float s[4];
-        memcpy(s, l->r + 4 * i, sizeof s);
-        subtract(l->block[set], l->column, l->first[i], l->first[i + 1], l->x, s);
-        multigrid_times_inverse(l->inverse[set] + BLOCK_FLOATS * i, s, l->x + 4 * i);
+        four s = subtract(l->block[set], l->column, l->first[i], l->first[i + 1], l->x, multigrid_load(l->r + 4 * i));
+        multigrid_store(l->x + 4 * i, multigrid_times(l->inverse[set] + BLOCK_FLOATS * i, s));
     }
 }
 

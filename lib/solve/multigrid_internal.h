@@ -5,6 +5,8 @@
 #include "base/arena.h"
 #include "multigrid.h"
 
+#include <string.h>
+
 enum { MULTIGRID_LEVELS = 12, BLOCK_FLOATS = 12 };
 
 /* A row is a node. Blocks are three columns of four floats, vectors four floats a node, the fourth 0. The finest level
@@ -62,22 +64,41 @@ struct multigrid {
 static const float MULTIGRID_FREE[8][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0},
                                            {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0}};
 
-static inline void multigrid_times_inverse(const float *b, const float s[4], float *x) {
-    for (size_t r = 0; r < 4; r++)
-        x[r] = b[r] * s[0] + b[4 + r] * s[1] + b[8 + r] * s[2];
+/* Four floats at once. The fourth of a node's is never used: what comes to stand in it does not matter. */
+typedef float multigrid_four __attribute__((vector_size(16)));
+
+static inline multigrid_four multigrid_load(const float *p) {
+    multigrid_four v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+static inline void multigrid_store(float *p, multigrid_four v) {
+    memcpy(p, &v, sizeof v);
+}
+
+static inline multigrid_four multigrid_all(float f) {
+    return (multigrid_four){f, f, f, f};
+}
+
+/* A block times a vector. */
+static inline multigrid_four multigrid_times(const float *b, multigrid_four v) {
+    return multigrid_load(b) * multigrid_all(v[0]) + multigrid_load(b + 4) * multigrid_all(v[1]) +
+           multigrid_load(b + 8) * multigrid_all(v[2]);
 }
 
 /* Adds s to those that node i follows, each its share; and what they have become to x. */
-static inline void multigrid_pass_up(const mg_level *l, size_t i, const float *restrict s, float *restrict coarse) {
-    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
-        for (size_t r = 0; r < 4; r++)
-            coarse[4 * (size_t)l->up[k] + r] += l->weight[k] * s[r];
+static inline void multigrid_pass_up(const mg_level *l, size_t i, multigrid_four s, float *coarse) {
+    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++) {
+        float *to = coarse + 4 * (size_t)l->up[k];
+        multigrid_store(to, multigrid_load(to) + multigrid_all(l->weight[k]) * s);
+    }
 }
 
-static inline void multigrid_take_down(const mg_level *l, size_t i, const float *restrict coarse, float *restrict x) {
+static inline multigrid_four multigrid_take_down(const mg_level *l, size_t i, const float *coarse, multigrid_four x) {
     for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
-        for (size_t r = 0; r < 4; r++)
-            x[r] += l->weight[k] * coarse[4 * (size_t)l->up[k] + r];
+        x += multigrid_all(l->weight[k]) * multigrid_load(coarse + 4 * (size_t)l->up[k]);
+    return x;
 }
 
 /* ---- multigrid_finest.c: the two halves of a cycle on the finest level: from its r to what is left of it on the next one, and
