@@ -1,6 +1,7 @@
 /* cmd_firmware.c: palpate firmware: asks an indenter on the bench who and how it is; tares, homes, clears a
  * fault. */
 #include "firmware_flash.h"
+#include "firmware_test.h"
 #include "shared/cli.h"
 #include "shared/commands.h"
 #include "rig/device.h"
@@ -34,9 +35,10 @@ static int parse(int argc, char **argv, firmware_options *o) {
     };
     const cli_command command = {
         NAME,
-        "info|status|gains|home|tare|clear-fault|flash --port PORT [--json]",
+        "info|status|gains|home|tare|self-test|clear-fault|flash --port PORT [--json]",
         "Asks an indenter who it is (info), how it is (status) and for its table of gains; finds its home,\n"
-        "tares its force sensor in the air, leaves a latched fault once its cause is gone. flash writes the board's\n"
+        "tares its force sensor in the air, leaves a latched fault once its cause is gone. self-test moves the plate\n"
+        "3 mm, with nothing below it, and judges sensor, encoder, motor and line. flash writes the board's\n"
         "image through the chip's boot loader, over its serial port by stm32flash or (--port dfu) USB by dfu-util.",
         "  palpate firmware info --port /dev/ttyACM0\n"
         "  palpate firmware clear-fault --port /dev/ttyACM0\n"
@@ -46,7 +48,7 @@ static int parse(int argc, char **argv, firmware_options *o) {
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, &o->action, 1, &n);
     if (code == CLI_OK && n == 0)
-        return cli_usage_error(NAME, "say what to do: info, status, gains, home, tare, clear-fault or flash");
+        return cli_usage_error(NAME, "say what to do: info, status, gains, home, tare, self-test, clear-fault or flash");
     return code == CLI_OK && !o->port ? cli_usage_error(NAME, "name the device with --port") : code;
 }
 
@@ -223,6 +225,10 @@ static int run_tare(const firmware_options *o, device *d) {
                                      1e-6 * d->status.force_uN));
 }
 
+static int run_self_test(const firmware_options *o, device *d) {
+    return firmware_self_test(NAME, d, o->json);
+}
+
 static int run_clear(const firmware_options *o, device *d) {
     device_result result = device_do(d, PALP_WIRE_TYPE_CLEAR_FAULT, NULL);
     if (result == DEVICE_REFUSED && d->refusal == PALP_WIRE_RESULT_STATE) { /* there is none to clear */
@@ -242,7 +248,7 @@ int cmd_firmware(int argc, char **argv) {
         const char *name;
         int (*run)(const firmware_options *o, device *d);
     } actions[] = {{"info", run_info}, {"status", run_status}, {"gains", run_gains},
-                   {"home", run_home}, {"tare", run_tare},     {"clear-fault", run_clear}};
+                   {"home", run_home}, {"tare", run_tare},     {"clear-fault", run_clear}, {"self-test", run_self_test}};
     firmware_options o = {.baud = LINK_BAUD, .samples = 1000};
     device d;
     int code = parse(argc, argv, &o);
@@ -259,6 +265,6 @@ int cmd_firmware(int argc, char **argv) {
             return code;
         }
     }
-    return cli_usage_error(NAME, "no such action: %s; one of info, status, gains, home, tare, clear-fault, flash",
+    return cli_usage_error(NAME, "no such action: %s; one of info, status, gains, home, tare, self-test, clear-fault, flash",
                            o.action);
 }
