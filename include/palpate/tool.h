@@ -43,7 +43,7 @@ typedef struct palp_contact_settings {
     double grasp_stiffness; /* of the spring to a grasped node's target, in the same units; 100 */
     double smoothing;       /* depth at which the penalty becomes linear, of the surface's mean edge; 0.01 */
     size_t subdivisions;    /* times that each triangle of the surface becomes four for tools to touch, see palp_tool; 0 = tools
-                               touch the mesh's own. 2 leaves the least ripple; stiffness 5 is then as soft as 20 without */
+                               touch the mesh's own; at most 4. 2 leaves the least ripple; stiffness 5 is then as soft as 20 without */
     size_t max_contacts;    /* points near tools at once, further ones are not felt; 0 = all there can be */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */
 } palp_contact_settings;

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+enum { MOST_SUBDIVISIONS = 4 };
+
 static const double LEAP = 0.1; /* of an edge: a tool that goes further in a step is not followed */
 
 static contact_set *set_of(network_term *term) {
@@ -304,7 +306,7 @@ palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_
         return PALP_ERR_ARGUMENT;
     bool weighs = dot3(s->gravity_m_s2, s->gravity_m_s2) > 0.0;
     if (!positive(s->stiffness) || !positive(s->grasp_stiffness) || !positive(s->smoothing) ||
-        !finite3(s->gravity_m_s2) || (weighs && !net->mass))
+        s->subdivisions > MOST_SUBDIVISIONS || !finite3(s->gravity_m_s2) || (weighs && !net->mass))
         return PALP_ERR_ARGUMENT;
     if (max_tools > 0 && net->n_surface == 0)
         return PALP_ERR_UNSUPPORTED;

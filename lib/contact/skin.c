@@ -1,308 +1,11 @@
-/* skin.c: Loop's subdivision of a surface as a matrix from its nodes to its vertices. */
+/* skin.c: a subdivided surface that tools touch: what its vertices have of the nodes, which nodes meet on a triangle. */
 #include "skin.h"
+
+#include "subdivide.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const double SHARP = 0.766; /* cosine between the normals of two triangles: an edge of more than 40 degrees is sharp */
-
-/* Rows of weights of nodes. */
-typedef struct rows {
-    size_t n, room;
-    uint32_t *first; /* [n + 1] */
-    int32_t *node;   /* [room] */
-    double *weight;
-} rows;
-
-typedef struct edge {
-    int32_t low, high;   /* vertices */
-    int32_t opposite[2]; /* of its first two triangles */
-    int32_t triangles;
-    bool sharp;
-} edge;
-
-/* A surface on its way: vertices by the nodes, triangles, edges sorted by low and high. */
-typedef struct finer {
-    size_t n_nodes;
-    rows vertex;
-    size_t n_triangles, n_edges;
-    int32_t *triangle;
-    edge *edge;
-    double *sum;    /* [n_nodes] a row being made, and the nodes it has */
-    int32_t *nodes; /* [n_nodes] */
-    bool *in_sum;   /* [n_nodes] */
-    size_t n_sum;
-    bool failed;
-} finer;
-
-/* ---- rows ---------------------------------------------------------------------------------------- */
-
-static void add_row(finer *f, const rows *from, int32_t row, double factor) {
-    for (uint32_t k = from->first[row]; k < from->first[row + 1]; k++) {
-        int32_t node = from->node[k];
-        if (!f->in_sum[node])
-            f->nodes[f->n_sum++] = node;
-        f->in_sum[node] = true;
-        f->sum[node] += factor * from->weight[k];
-    }
-}
-
-static int ascending(const void *a, const void *b) {
-    return (*(const int32_t *)a > *(const int32_t *)b) - (*(const int32_t *)a < *(const int32_t *)b);
-}
-
-/* The sum so far becomes the next row. */
-static void end_row(finer *f, rows *to) {
-    size_t at = to->first[to->n], room = at + f->n_sum;
-    if (room > to->room) {
-        size_t more = 2 * room + 64;
-        int32_t *node = realloc(to->node, more * sizeof *node);
-        to->node = node ? node : to->node;
-        double *weight = realloc(to->weight, more * sizeof *weight);
-        to->weight = weight ? weight : to->weight;
-        f->failed = f->failed || !node || !weight;
-        to->room = f->failed ? to->room : more;
-    }
-    qsort(f->nodes, f->n_sum, sizeof *f->nodes, ascending);
-    for (size_t i = 0; i < f->n_sum; i++) {
-        int32_t node = f->nodes[i];
-        if (!f->failed) {
-            to->node[at + i] = node;
-            to->weight[at + i] = f->sum[node];
-        }
-        f->sum[node] = 0.0;
-        f->in_sum[node] = false;
-    }
-    to->n++;
-    to->first[to->n] = (uint32_t)(f->failed ? at : room);
-    f->n_sum = 0;
-}
-
-static bool rows_begin(rows *r, size_t n) {
-    *r = (rows){.first = calloc(n + 1, sizeof *r->first)};
-    return r->first;
-}
-
-static void rows_free(rows *r) {
-    free(r->first);
-    free(r->node);
-    free(r->weight);
-}
-
-/* ---- edges --------------------------------------------------------------------------------------- */
-
-static int by_ends(const void *a, const void *b) {
-    const edge *p = a, *q = b;
-    if (p->low != q->low)
-        return p->low < q->low ? -1 : 1;
-    return (p->high > q->high) - (p->high < q->high);
-}
-
-static bool list_edges(finer *f) {
-    size_t all = 3 * f->n_triangles, n = 0;
-    edge *list = malloc((all + 1) * sizeof *list);
-    if (!list)
-        return false;
-    for (size_t i = 0; i < all; i++) {
-        int32_t *t = f->triangle + i / 3 * 3, a = t[i % 3], b = t[(i + 1) % 3], c = t[(i + 2) % 3];
-        list[i] = (edge){a < b ? a : b, a < b ? b : a, {c, -1}, 1, false};
-    }
-    qsort(list, all, sizeof *list, by_ends);
-    for (size_t i = 0; i < all; i++) {
-        edge *last = n > 0 ? &list[n - 1] : NULL;
-        if (!last || by_ends(last, &list[i]) != 0) {
-            list[n++] = list[i];
-            continue;
-        }
-        if (last->triangles++ == 1)
-            last->opposite[1] = list[i].opposite[0];
-    }
-    free(f->edge);
-    f->edge = list;
-    f->n_edges = n;
-    return true;
-}
-
-static size_t find_edge(const edge *list, size_t n, int32_t a, int32_t b) {
-    edge key = {.low = a < b ? a : b, .high = a < b ? b : a};
-    const edge *found = bsearch(&key, list, n, sizeof *list, by_ends);
-    return (size_t)(found - list);
-}
-
-static void normal_of(const double *rest, int32_t a, int32_t b, int32_t c, double n[3]) {
-    double p[3], q[3];
-    for (int k = 0; k < 3; k++) {
-        p[k] = rest[3 * b + k] - rest[3 * a + k];
-        q[k] = rest[3 * c + k] - rest[3 * a + k];
-    }
-    for (int k = 0; k < 3; k++)
-        n[k] = p[(k + 1) % 3] * q[(k + 2) % 3] - p[(k + 2) % 3] * q[(k + 1) % 3];
-}
-
-/* Borders, edges of three triangles and more, and those that are sharp at rest. */
-static void find_sharp(finer *f, const double *rest) {
-    for (size_t i = 0; i < f->n_edges; i++) {
-        edge *e = &f->edge[i];
-        double p[3], q[3], pq = 0.0, pp = 0.0, qq = 0.0;
-        e->sharp = e->triangles != 2;
-        if (e->sharp)
-            continue;
-        normal_of(rest, e->low, e->high, e->opposite[0], p);
-        normal_of(rest, e->high, e->low, e->opposite[1], q);
-        for (int k = 0; k < 3; k++) {
-            pq += p[k] * q[k];
-            pp += p[k] * p[k];
-            qq += q[k] * q[k];
-        }
-        e->sharp = !(pq > SHARP * sqrt(pp * qq));
-    }
-}
-
-/* ---- subdividing --------------------------------------------------------------------------------- */
-
-/* What a vertex's rule needs of its edges. */
-typedef struct star {
-    int32_t edges, sharp;
-    uint32_t first; /* in ends */
-} star;
-
-/* Stars of all vertices; ends: the other ends of a vertex's edges, sharp ones first. */
-static bool list_stars(const finer *f, star **stars, int32_t **ends) {
-    star *s = *stars = calloc(f->vertex.n + 1, sizeof *s);
-    int32_t *e = *ends = malloc((2 * f->n_edges + 1) * sizeof *e);
-    if (!s || !e)
-        return false;
-    for (size_t i = 0; i < f->n_edges; i++) {
-        s[f->edge[i].low].edges++;
-        s[f->edge[i].high].edges++;
-    }
-    for (size_t v = 0; v < f->vertex.n; v++) {
-        s[v + 1].first = s[v].first + (uint32_t)s[v].edges;
-        s[v].edges = 0;
-    }
-    for (int smooth = 0; smooth < 2; smooth++)
-        for (size_t i = 0; i < f->n_edges; i++) {
-            const edge *g = &f->edge[i];
-            if (g->sharp == (smooth != 0))
-                continue;
-            e[s[g->low].first + (uint32_t)s[g->low].edges++] = g->high;
-            e[s[g->high].first + (uint32_t)s[g->high].edges++] = g->low;
-            s[g->low].sharp += g->sharp;
-            s[g->high].sharp += g->sharp;
-        }
-    return true;
-}
-
-/* A vertex by its own weight and that of each neighbour: where two sharp edges meet those along them; where more do, itself. */
-static void add_star(finer *f, const star *s, const int32_t *ends, int32_t v, bool limit) {
-    const double pi = acos(-1.0), n = s->edges, c = 0.375 + 0.25 * cos(2.0 * pi / n), beta = (0.625 - c * c) / n;
-    double each = limit ? 1.0 / (n + 0.375 / beta) : beta;
-    int32_t taken = s->edges;
-    if (taken == 0)
-        each = 0.0; /* a node inside */
-    if (s->sharp > 1) {
-        each = s->sharp > 2 ? 0.0 : limit ? 1.0 / 6.0 : 0.125;
-        taken = s->sharp > 2 ? 0 : 2;
-    }
-    add_row(f, &f->vertex, v, 1.0 - taken * each);
-    for (int32_t k = 0; k < taken; k++)
-        add_row(f, &f->vertex, ends[s->first + (uint32_t)k], each);
-}
-
-/* All vertices by their rule; with edges the middles of these too, which come behind. */
-static void move_vertices(finer *f, bool limit, size_t n_edges) {
-    star *stars = NULL;
-    int32_t *ends = NULL;
-    rows to;
-    f->failed = f->failed || !rows_begin(&to, f->vertex.n + n_edges);
-    if (f->failed)
-        return;
-    f->failed = !list_stars(f, &stars, &ends);
-    for (size_t v = 0; v < f->vertex.n && !f->failed; v++) {
-        add_star(f, &stars[v], ends, (int32_t)v, limit);
-        end_row(f, &to);
-    }
-    for (size_t i = 0; i < n_edges && !f->failed; i++) {
-        const edge *e = &f->edge[i];
-        add_row(f, &f->vertex, e->low, e->sharp ? 0.5 : 0.375);
-        add_row(f, &f->vertex, e->high, e->sharp ? 0.5 : 0.375);
-        for (int k = 0; k < 2 && !e->sharp; k++)
-            add_row(f, &f->vertex, e->opposite[k], 0.125);
-        end_row(f, &to);
-    }
-    free(stars);
-    free(ends);
-    rows_free(&f->vertex);
-    f->vertex = to;
-}
-
-/* Halves of sharp edges are sharp. */
-static void inherit_sharp(finer *f, const edge *old, size_t n_old, size_t n_vertices) {
-    for (size_t i = 0; i < n_old; i++)
-        for (int end = 0; end < 2 && old[i].sharp; end++) {
-            int32_t middle = (int32_t)(n_vertices + i);
-            f->edge[find_edge(f->edge, f->n_edges, end ? old[i].high : old[i].low, middle)].sharp = true;
-        }
-}
-
-/* Four triangles of each. */
-static void subdivide(finer *f) {
-    const size_t n_vertices = f->vertex.n, n_old = f->n_edges;
-    edge *old = f->edge;
-    int32_t *triangle = malloc((12 * f->n_triangles + 1) * sizeof *triangle);
-    move_vertices(f, false, n_old);
-    f->failed = f->failed || !triangle;
-    for (size_t i = 0; i < f->n_triangles && !f->failed; i++) {
-        const int32_t *t = f->triangle + 3 * i;
-        int32_t m[3];
-        for (int k = 0; k < 3; k++)
-            m[k] = (int32_t)(n_vertices + find_edge(old, n_old, t[k], t[(k + 1) % 3]));
-        const int32_t four[12] = {t[0], m[0], m[2], m[0], t[1], m[1], m[2], m[1], t[2], m[0], m[1], m[2]};
-        memcpy(triangle + 12 * i, four, sizeof four);
-    }
-    free(f->triangle);
-    f->triangle = triangle;
-    f->n_triangles *= 4;
-    f->edge = NULL;
-    f->failed = f->failed || !list_edges(f);
-    if (!f->failed)
-        inherit_sharp(f, old, n_old, n_vertices);
-    free(old);
-}
-
-/* ---- a skin -------------------------------------------------------------------------------------- */
-
-/* Nodes that are on no triangle stay vertices of their own, which nothing touches. */
-static bool begin(finer *f, size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface) {
-    f->n_nodes = n_nodes;
-    f->n_triangles = n_surface;
-    f->triangle = malloc((3 * n_surface + 1) * sizeof *f->triangle);
-    f->sum = calloc(n_nodes + 1, sizeof *f->sum);
-    f->nodes = malloc((n_nodes + 1) * sizeof *f->nodes);
-    f->in_sum = calloc(n_nodes + 1, sizeof *f->in_sum);
-    if (!rows_begin(&f->vertex, n_nodes) || !f->triangle || !f->sum || !f->nodes || !f->in_sum)
-        return false;
-    memcpy(f->triangle, surface, 3 * n_surface * sizeof *surface);
-    for (size_t i = 0; i < n_nodes; i++) {
-        f->nodes[f->n_sum++] = (int32_t)i;
-        f->sum[i] = 1.0;
-        end_row(f, &f->vertex);
-    }
-    if (f->failed || !list_edges(f))
-        return false;
-    find_sharp(f, rest);
-    return true;
-}
-
-static void end(finer *f) {
-    rows_free(&f->vertex);
-    free(f->triangle);
-    free(f->edge);
-    free(f->sum);
-    free(f->nodes);
-    free(f->in_sum);
-}
 
 /* The stiffness of a triangle's corners, each node's shared among its triangles, to the vertices of the parts it became. */
 static bool share_unit(skin *s, size_t n_surface, const int32_t *surface, const double *unit) {
@@ -439,11 +142,10 @@ static void list_homes(arena *memory, const double *rest, skin *s) {
     }
 }
 
-static bool keep(arena *memory, const finer *f, skin *s) {
-    const rows *v = &f->vertex;
+static bool keep(arena *memory, const subdivided *finer, skin *s) {
+    const weight_rows *v = &finer->vertex;
     s->n = v->n;
-    s->n_nodes = f->n_nodes;
-    s->n_triangles = f->n_triangles;
+    s->n_triangles = finer->n_triangles;
     s->triangle = arena_take(memory, 3 * s->n_triangles, sizeof *s->triangle);
     s->first = arena_take(memory, s->n + 1, sizeof *s->first);
     s->node = arena_take(memory, v->first[v->n], sizeof *s->node);
@@ -452,7 +154,7 @@ static bool keep(arena *memory, const finer *f, skin *s) {
     s->rest = arena_take(memory, 3 * s->n, sizeof *s->rest);
     if (memory->failed)
         return false;
-    memcpy(s->triangle, f->triangle, 3 * s->n_triangles * sizeof *s->triangle);
+    memcpy(s->triangle, finer->triangle, 3 * s->n_triangles * sizeof *s->triangle);
     memcpy(s->first, v->first, (s->n + 1) * sizeof *s->first);
     memcpy(s->node, v->node, v->first[v->n] * sizeof *s->node);
     memcpy(s->weight, v->weight, v->first[v->n] * sizeof *s->weight);
@@ -461,16 +163,13 @@ static bool keep(arena *memory, const finer *f, skin *s) {
 
 palp_status skin_make(arena *memory, size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface,
                       const double *unit, size_t subdivisions, skin *s) {
-    finer f = {0};
-    bool made = begin(&f, n_nodes, rest, n_surface, surface);
-    for (size_t k = 0; k < subdivisions && made; k++) {
-        subdivide(&f);
-        made = !f.failed;
-    }
-    if (made)
-        move_vertices(&f, true, 0);
-    made = made && !f.failed && keep(memory, &f, s) && share_unit(s, n_surface, surface, unit);
-    end(&f);
+    subdivided finer;
+    bool made = subdivide_make(n_nodes, rest, n_surface, surface, subdivisions, &finer);
+    if (!made)
+        return PALP_ERR_NO_MEMORY;
+    s->n_nodes = n_nodes;
+    made = keep(memory, &finer, s) && share_unit(s, n_surface, surface, unit);
+    subdivide_free(&finer);
     if (made) {
         skin_take(s, rest, s->rest);
         list_around(memory, s);

@@ -332,6 +332,9 @@ START_TEST(refuses_what_makes_no_sense) {
     penalty.stiffness = 0.0;
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 1, &penalty), PALP_ERR_ARGUMENT);
     penalty = palp_contact_settings_default();
+    penalty.subdivisions = 5;
+    ck_assert_int_eq(palp_network_enable_tools(net, 1, 1, &penalty), PALP_ERR_ARGUMENT);
+    penalty = palp_contact_settings_default();
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 1, &penalty), PALP_OK);
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 1, &penalty), PALP_ERR_ARGUMENT); /* twice */
     ck_assert_int_eq(palp_network_set_tools(net, 2, (palp_tool[]){tool, tool}), PALP_ERR_ARGUMENT);
