@@ -181,6 +181,14 @@ PALP_API palp_status palp_explain(const palp_model *model, size_t n, const palp_
                                   const palp_explain_settings *settings, palp_explanation *explanation,
                                   palp_error *error);
 
+/* How far the frame gives way, from runs on a rigid block: its compliance with a 95 % interval, m/N. ERR_INPUT with the run's
+ * name where its samples will not do, or it does not press. */
+typedef struct palp_frame {
+    double compliance_m_N, low_m_N, high_m_N;
+} palp_frame;
+
+PALP_API palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_frame *frame, palp_error *error);
+
 #ifdef __cplusplus
 }
 #endif

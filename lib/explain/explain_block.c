@@ -165,6 +165,23 @@ palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, co
     return status;
 }
 
+palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_frame *frame, palp_error *error) {
+    if (n == 0 || !runs || !frame)
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "no run on a block");
+    explain_kind *kind = calloc(n, sizeof *kind);
+    explain_frame found;
+    for (size_t r = 0; r < n && kind; r++)
+        kind[r] = EXPLAIN_BLOCK;
+    palp_status status = kind ? explain_block_measure(n, runs, kind, &found, error) : PALP_ERR_NO_MEMORY;
+    free(kind);
+    if (status)
+        return status;
+    if (!(found.compliance > 0.0) || !isfinite(found.high))
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: shows no frame that gives way", runs[0].name ? runs[0].name : "run");
+    *frame = (palp_frame){.compliance_m_N = found.compliance, .low_m_N = found.low, .high_m_N = found.high};
+    return PALP_OK;
+}
+
 /* Whether it moves the specimen's forces by a quarter of a sample's noise. */
 static bool matters(const explain_data *data) {
     double change = data->frame.compliance * data->peak / data->deepest * data->peak;

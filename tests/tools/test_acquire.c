@@ -29,7 +29,8 @@ static void read_words(outcome *o, const char *file) {
 /* Two ramps and holds, in a folder of its own. */
 static void run_session(const fake_settings *settings, const char *name, outcome *o) {
     char out[600], why[ACQUIRE_TEXT];
-    acquire_options options = {.port = "fake",
+    acquire_options options = {.command = "acquire",
+                               .port = "fake",
                                .height_mm = 24,
                                .contact_N = 0.01,
                                .gains = PALP_WIRE_GAINS_AUTO,

@@ -221,6 +221,7 @@ void acquire_live_draw(const acquire_live *live, int rows, int columns, FILE *to
 /* ---- the session (acquire_run.c) ---- */
 
 typedef struct acquire_options {
+    const char *command; /* whose session it is, for messages */
     const char *port, *where, *out; /* as given; what link_open takes */
     int baud;
     const char *specimen, *specimen_kind;               /* name and kind, or NULL */

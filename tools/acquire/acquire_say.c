@@ -181,7 +181,7 @@ void session_tell(const session *s, bool warning, const char *format, ...) {
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "palpate acquire: %s%s\n", warning ? "warning: " : "", text);
+    fprintf(stderr, "palpate %s: %s%s\n", s->options->command, warning ? "warning: " : "", text);
     if (s->watcher.told)
         s->watcher.told(warning, text, s->watcher.context);
 }

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char NAME[] = "acquire";
-
 /* Wall clock: no samples for so long makes us ask why, nothing heard at all makes us give up. */
 static const double ASK_S = 1, SILENT_S = 10;
 
@@ -225,7 +223,7 @@ session *session_open(const acquire_options *options, const acquire_plan *plan) 
     session *s = calloc(1, sizeof *s);
     if (!s || !(s->done = json_array())) {
         free(s);
-        cli_failure(NAME, "out of memory");
+        cli_failure(options->command, "out of memory");
         return NULL;
     }
     s->options = options;
@@ -235,7 +233,7 @@ session *session_open(const acquire_options *options, const acquire_plan *plan) 
     s->faulted_s = -1;
     snprintf(s->doing, sizeof s->doing, "starting");
     if (device_open(options->where, options->baud, &s->device) != DEVICE_OK) {
-        cli_failure(NAME, "%s", s->device.why);
+        cli_failure(options->command, "%s", s->device.why);
         json_decref(s->done);
         free(s);
         return NULL;

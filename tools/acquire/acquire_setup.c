@@ -9,6 +9,7 @@ acquire_setup acquire_setup_default(void) {
     acquire_setup u = {.baud = LINK_BAUD};
     u.rig = rig_options_default();
     u.session.contact_N = 0.01;
+    u.session.command = "acquire";
     return u;
 }
 

@@ -3,13 +3,18 @@
 #define PALPATE_CALIBRATE_DEVICE_H
 
 #include "acquire/acquire_setup.h"
+#include "machine_trace.h"
 #include "rig/device_parameters.h"
 
 enum { MACHINE_WORDS = 64 };
 
 typedef struct machine_options {
     acquire_setup setup;
-    bool json, yes;
+    bool json, yes, hanging;
+    acquire_plan *plan; /* the session's, for the step to fill */
+    cli_list weights_g;
+    size_t channel; /* of the sensor, from 1, that is calibrated alone; 0: all by their matrix */
+    double gravity_m_s2, average_s, force_N; /* 0: not given */
     const char *out; /* of show: a file */
     size_t n_words;
     const char *word[MACHINE_WORDS]; /* behind the action */
@@ -23,11 +28,30 @@ int machine_failure(device *d, device_result result);
 /* Reads a line; true for yes. --yes says it without asking; the end of the input is a no. */
 bool machine_agrees(const machine_options *o, const char *question);
 
+/* What a step found: told on stderr as it goes, and as JSON at its end (machine_result.c). */
+typedef struct machine_result {
+    const char *step;
+    json_t *figures;
+} machine_result;
+void machine_tell(machine_result *r, const char *name, double value, double half, const char *what); /* half NAN: no interval */
+int machine_finish(const machine_options *o, machine_result *r, int code); /* the exit code; frees the figures */
+/* Waits for Enter; false at the end of the input. machine_ready_unless: not with --yes. */
+bool machine_ready(const char *prompt);
+bool machine_ready_unless(const machine_options *o, const char *prompt);
+/* An exit code, after one line if it is not 0. */
+int machine_ended(session *s, outcome end);
+
+/* Steps (step_*.c). */
+int step_weights(const machine_options *o, session *s);
+int step_block(const machine_options *o, session *s);
+int step_air(const machine_options *o, session *s);
+int step_gains(const machine_options *o, session *s);
+
 /* The actions; each returns an exit code (machine_file.c). */
-int machine_show(const machine_options *o, device *d);
-int machine_set(const machine_options *o, device *d);      /* NAME=VALUE ... */
-int machine_load(const machine_options *o, device *d);     /* FILE.json */
-int machine_standard(const machine_options *o, device *d); /* what is compiled in */
+int machine_show(const machine_options *o, session *s);
+int machine_set(const machine_options *o, session *s);      /* NAME=VALUE ... */
+int machine_load(const machine_options *o, session *s);     /* FILE.json */
+int machine_standard(const machine_options *o, session *s); /* what is compiled in */
 
 /* A value that is to be set; and setting and keeping them after asking: an exit code. */
 typedef struct machine_change {

@@ -2,16 +2,19 @@
 #include "calibrate_device.h"
 #include "shared/commands.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const char NAME[] = MACHINE_NAME;
 
-enum { OWN_OPTIONS = 8 };
+enum { OWN_OPTIONS = 16 };
 
 static const struct {
     const char *name;
-    int (*run)(const machine_options *o, device *d);
-} actions[] = {{"show", machine_show}, {"set", machine_set}, {"load", machine_load}, {"standard", machine_standard}};
+    int (*run)(const machine_options *o, session *s);
+} actions[] = {{"show", machine_show},    {"set", machine_set},     {"load", machine_load}, {"standard", machine_standard},
+               {"weights", step_weights}, {"block", step_block},    {"air", step_air},      {"gains", step_gains}};
+static const char LIST[] = "show, set, load, standard, weights, block, air or gains";
 
 enum { ACTIONS = sizeof actions / sizeof actions[0] };
 
@@ -20,6 +23,14 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
     const char *words[MACHINE_WORDS + 1];
     size_t n = acquire_setup_device(&o->setup, options), n_words = 0;
     const cli_option own[] = {
+        cli_heading("Steps"),
+        cli_numbers("weights-g", "G,G,...", 1e5, &o->weights_g, "masses that are put on the sensor one after the other"),
+        cli_flag("hanging", &o->hanging, "they hang from the plate (default: they lie on it, turned up)"),
+        cli_count("channel", "1..6", 1, 6, &o->channel, "only this input has a sensor, a load cell (default: all six, by their matrix)"),
+        cli_positive("gravity-m-s2", "G", 20, &o->gravity_m_s2, "where the device stands (default 9.80665)"),
+        cli_positive("average-s", "S", 60, &o->average_s, "each reading is the mean of S seconds (default 1)"),
+        cli_positive("force-N", "F", 1000, &o->force_N, "that the block is pressed with (default 40 % of the sensor's)"),
+        cli_text("out-folder", "DIR", &o->setup.session.out, "folder of the runs that block and gains record (default .)"),
         cli_heading("Output"),
         cli_flag("yes", &o->yes, "keep results in the device without asking"),
         cli_out("out", "FILE.json", &o->out, "what it is then set to, as a file that load takes"),
@@ -32,10 +43,13 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
     const cli_command command = {
         NAME,
         "ACTION --port PORT [options]\n"
-        "       ACTION: show | set NAME=VALUE ... | load FILE.json | standard",
-        "Shows what an indenter is set to: travel, encoder, motor, the sensor's matrix, gains; sets it by\n"
-        "name, from a file, or back to what is compiled in; and keeps it in the device's flash. Asks before\n"
-        "it keeps anything. Every recording says the calibration that it was made with.",
+        "       ACTION: weights | block | air | gains | show | set NAME=VALUE ... | load FILE.json | standard",
+        "Calibrates an indenter, a step at a time and best in this order: known masses on the sensor (weights),\n"
+        "a press on a rigid block for the frame and the motor (block), the plate in the air for friction and\n"
+        "noise (air), a sweep above something soft for the gains (gains). Shows what the device is set to, sets\n"
+        "it by name, from a file, or back to what is compiled in. Keeps it in the device's flash, after asking.\n"
+        "Every recording says the calibration that it was made with.",
+        "  palpate calibrate-device weights --weights-g 50,100,200,500 --port /dev/ttyACM0\n"
         "  palpate calibrate-device show --port /dev/ttyACM0 --out machine.json\n"
         "  palpate calibrate-device set travel_m=0.028 --port /dev/ttyACM0\n"
         "  palpate calibrate-device load machine.json --port rig --store flash.bin --yes\n",
@@ -50,34 +64,38 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
 
 /* ---- the command ---- */
 
-static int with_device(machine_options *o, int (*run)(const machine_options *o, device *d)) {
-    device d;
-    int code = acquire_setup_prepare(NAME, &o->setup);
+static int with_device(machine_options *o, int (*run)(const machine_options *o, session *s)) {
+    int code = cli_folder(NAME, o->setup.session.out);
+    code = code ? code : acquire_setup_prepare(NAME, &o->setup);
     code = code ? code : acquire_setup_open(NAME, &o->setup);
     if (code)
         return code;
-    if (device_open(o->setup.session.where, o->setup.session.baud, &d) == DEVICE_OK) {
-        code = run(o, &d);
-        device_close(&d);
+    o->plan = calloc(1, sizeof *o->plan);
+    session *s = o->plan ? session_open(&o->setup.session, o->plan) : NULL;
+    if (s) {
+        code = run(o, s);
+        session_close(s);
     } else {
-        code = cli_failure(NAME, "%s", d.why);
+        code = CLI_FAILURE;
     }
+    free(o->plan);
     int closed = acquire_setup_close(&o->setup);
     return code ? code : closed;
 }
 
 int cmd_calibrate_device(int argc, char **argv) {
-    machine_options o = {.setup = acquire_setup_default()};
+    machine_options o = {.setup = acquire_setup_default(), .average_s = 1};
     const char *action = NULL;
     int code = parse(argc, argv, &o, &action);
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
-    o.setup.session.out = ".";
+    o.setup.session.command = NAME;
+    o.setup.session.out = o.setup.session.out ? o.setup.session.out : ".";
     if (!action)
-        return cli_usage_error(NAME, "say what to do: show, set, load or standard");
+        return cli_usage_error(NAME, "say what to do: %s", LIST);
     code = acquire_setup_check(NAME, &o.setup);
     for (size_t i = 0; i < ACTIONS && code == CLI_OK; i++)
         if (strcmp(action, actions[i].name) == 0)
             return with_device(&o, actions[i].run);
-    return code ? code : cli_usage_error(NAME, "no such action: %s; one of show, set, load, standard", action);
+    return code ? code : cli_usage_error(NAME, "no such action: %s; one of %s", action, LIST);
 }

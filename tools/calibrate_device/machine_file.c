@@ -55,7 +55,8 @@ static void print(const device_parameters *p) {
     }
 }
 
-int machine_show(const machine_options *o, device *d) {
+int machine_show(const machine_options *o, session *s) {
+    device *d = &s->device;
     device_parameters p;
     device_result result = device_parameters_read(d, DEVICE_PARAMETERS, &p);
     if (result)
@@ -147,7 +148,8 @@ int machine_change_all(const machine_options *o, device *d, size_t n, const mach
     return code;
 }
 
-int machine_set(const machine_options *o, device *d) {
+int machine_set(const machine_options *o, session *s) {
+    device *d = &s->device;
     device_parameters p;
     machine_change change[MACHINE_WORDS];
     if (o->n_words == 0)
@@ -157,17 +159,18 @@ int machine_set(const machine_options *o, device *d) {
     for (size_t i = 0; i < o->n_words && code == CLI_OK; i++)
         code = read_word(&p, o->word[i], &change[i]);
     code = code ? code : machine_change_all(o, d, o->n_words, change);
-    return code ? code : machine_show(o, d);
+    return code ? code : machine_show(o, s);
 }
 
-int machine_standard(const machine_options *o, device *d) {
+int machine_standard(const machine_options *o, session *s) {
+    device *d = &s->device;
     device_parameters p;
     machine_change change[DEVICE_PARAMETERS];
     device_result result = device_parameters_read(d, DEVICE_PARAMETERS, &p);
     for (size_t i = 0; i < p.n; i++)
         change[i] = (machine_change){&p.one[i], (double)p.one[i].standard};
     int code = result ? machine_failure(d, result) : machine_change_all(o, d, p.n, change);
-    return code ? code : machine_show(o, d);
+    return code ? code : machine_show(o, s);
 }
 
 /* ---- a file ---- */
@@ -205,7 +208,8 @@ static int take_file(const acquire_json *j, const device_parameters *p, machine_
     return code;
 }
 
-int machine_load(const machine_options *o, device *d) {
+int machine_load(const machine_options *o, session *s) {
+    device *d = &s->device;
     device_parameters p;
     machine_change change[DEVICE_PARAMETERS];
     acquire_json j;
@@ -219,5 +223,5 @@ int machine_load(const machine_options *o, device *d) {
     code = result ? machine_failure(d, result) : take_file(&j, &p, change, &n);
     acquire_json_close(&j);
     code = code ? code : machine_change_all(o, d, n, change);
-    return code ? code : machine_show(o, d);
+    return code ? code : machine_show(o, s);
 }

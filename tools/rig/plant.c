@@ -19,6 +19,7 @@ struct plant {
     double plate_m;        /* of the plate from the home switch, the frame being stiff */
     double push_m_s2;      /* acceleration of the carriage, mean of the last tick: within it, it jumps */
     double zero_m;         /* where the encoder counts from */
+    double put_N;          /* a weight on the sensor */
     int32_t jumped;        /* counts */
     int32_t counted;       /* when the encoder lost its signal */
     int32_t place;         /* a stepper's, counts: what it was told, whether it followed or not */
@@ -104,6 +105,10 @@ void plant_lift(plant *p, plant_fault fault) {
     hold(p);
 }
 
+void plant_put(plant *p, double force_N) {
+    p->put_N = force_N;
+}
+
 /* ---- a tick ---- */
 
 static double reach(const plant *p) {
@@ -122,7 +127,7 @@ static void follow(plant *p) {
 static double read_force(const plant *p) {
     const palp_specimen_motion motion = {TICK * p->tick, p->drive.carriage_m - p->settings.contact_m,
                                          p->drive.velocity_m_s, p->push_m_s2};
-    double read_N = specimen_sense(&p->specimen, &motion);
+    double read_N = specimen_sense(&p->specimen, &motion) + p->put_N;
     return has(p, PLANT_OBSTACLE) ? fmax(read_N, OBSTACLE * sensor_range(&p->sensor)) : read_N;
 }
 

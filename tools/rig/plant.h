@@ -72,6 +72,7 @@ typedef enum plant_fault {
 } plant_fault;
 void plant_inject(plant *p, plant_fault fault);
 void plant_lift(plant *p, plant_fault fault);
+void plant_put(plant *p, double force_N); /* what a weight on the sensor gives it from now on, besides the specimen */
 
 /* First record, before any tick and again after a restart of the firmware (the encoder counts from there);
  * then one record a tick: the plant under this output for 1 ms. What the plant does not know (events, rx,

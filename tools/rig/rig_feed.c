@@ -78,7 +78,9 @@ void rig_feed_free(rig_feed *f) {
     free(f->byte);
 }
 
-/* ---- faults ---- */
+/* ---- faults, and a weight ---- */
+
+enum { WEIGHT_TICKS = 20 };
 
 /* How a fault is brought about: in the plant, by an event for as long as it lasts or once, by a command. */
 typedef enum effect_kind { IN_PLANT, BY_EVENT, BY_EVENT_ONCE, BY_COMMAND } effect_kind;
@@ -121,7 +123,20 @@ static bool lasts(const rig_injection *i, uint32_t tick) {
     return tick >= tick_of(i->time_s) && (i->until_s <= 0 || tick < tick_of(i->until_s));
 }
 
+/* Nothing, where the file is not there or holds no number. */
+static double read_weight(const char *path) {
+    double force_N = 0;
+    FILE *file = fopen(path, "r");
+    if (file && fscanf(file, "%lf", &force_N) != 1)
+        force_N = 0;
+    if (file)
+        fclose(file);
+    return isfinite(force_N) ? force_N : 0;
+}
+
 void rig_feed_plant(const rig_feed *f, uint32_t tick, plant *p) {
+    if (f->settings->weight && tick % WEIGHT_TICKS == 0)
+        plant_put(p, read_weight(f->settings->weight));
     for (size_t i = 0; i < f->settings->n_injections; i++) {
         const rig_injection *one = &f->settings->injection[i];
         if (effects[one->fault].kind == IN_PLANT && begins(one, tick))

@@ -55,6 +55,7 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
                  "a fault at S seconds of the device's time, lifted at the second;\n"
                  "more of them: over_force@3.5,sensor_silent@7-8"),
         cli_positive("trigger-every-s", "S", 1e6, &o->trigger_s, "a camera: a pulse at the trigger's input every S seconds"),
+        cli_text("weight", "FILE", &o->weight, "what lies on the sensor, N: a number in FILE, which may change"),
         cli_text("store", "FILE", &o->store, "keeps what it has been told to save (default: it forgets it)"),
         cli_out("log", "FILE.csv", &o->log, "what is true, tick by tick"),
     };
@@ -192,6 +193,7 @@ int rig_options_settings(const char *name, const rig_options *o, const char *mod
     settings->log = o->log;
     settings->trigger_s = isnan(o->trigger_s) ? 0 : o->trigger_s;
     settings->store = o->store;
+    settings->weight = o->weight;
     int code = read_injections(name, o->inject, settings);
     return code ? code : set_plant(name, o, model, &settings->plant);
 }

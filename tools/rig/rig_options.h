@@ -5,11 +5,11 @@
 #include "shared/cli.h"
 #include "rig.h"
 
-enum { RIG_OPTIONS = 21 }; /* a heading and the options */
+enum { RIG_OPTIONS = 22 }; /* a heading and the options */
 
 /* What the options say, as cli_parse leaves it; rig_options_settings makes settings of it. */
 typedef struct rig_options {
-    const char *actuator, *inject, *log, *store;
+    const char *actuator, *inject, *log, *store, *weight;
     int machine, specimen, firmware; /* index of the choice; -1 = not given */
     bool paced;
     double scale, contact_mm, compliance_mm_N, backlash_mm;

@@ -1,0 +1,104 @@
+/* machine_trace.c: samples of a step, and a line through points. */
+#include "machine_trace.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { FIRST_ROOM = 4096 };
+
+static bool grow(machine_trace *t) {
+    const size_t room = t->room ? 2 * t->room : FIRST_ROOM;
+    machine_sample *list = realloc(t->list, room * sizeof *list);
+    t->full = !list;
+    t->list = list ? list : t->list;
+    t->room = list ? room : t->room;
+    return list != NULL;
+}
+
+void machine_trace_heard(const session *s, const palp_wire_message *m, void *context) {
+    machine_trace *t = context;
+    const palp_wire_samples *b = &m->as.samples;
+    (void)s;
+    for (uint32_t i = 0; m->type == PALP_WIRE_TYPE_SAMPLES && t->on && !t->full && i < b->count; i++) {
+        if (t->n == t->room && !grow(t))
+            return;
+        machine_sample *one = &t->list[t->n++];
+        *one = (machine_sample){.tick = b->tick + i,       .position = b->position[i], .duty = b->duty[i],
+                                .error = b->error[i],      .state = b->state,          .flags = b->flags[i]};
+        for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
+            one->adc[c] = b->adc[PALP_WIRE_CHANNELS * i + c];
+    }
+}
+
+void machine_trace_free(machine_trace *t) {
+    free(t->list);
+    *t = (machine_trace){.n = 0};
+}
+
+double machine_student(size_t degrees) {
+    static const double few[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228};
+    if (degrees < 1)
+        return INFINITY;
+    return degrees <= sizeof few / sizeof few[0] ? few[degrees - 1] : 1.96 + 2.5 / (double)degrees;
+}
+
+/* ---- a line ---- */
+
+typedef struct normal {
+    size_t n;
+    double a[MACHINE_TERMS][MACHINE_TERMS], inverse[MACHINE_TERMS][MACHINE_TERMS];
+} normal;
+
+/* Gauss-Jordan of a symmetric, scaled matrix. */
+static bool invert(normal *m) {
+    double a[MACHINE_TERMS][2 * MACHINE_TERMS] = {{0}};
+    for (size_t i = 0; i < m->n; i++) {
+        for (size_t j = 0; j < m->n; j++)
+            a[i][j] = m->a[i][j] / sqrt(m->a[i][i] * m->a[j][j]);
+        a[i][m->n + i] = 1;
+    }
+    for (size_t k = 0; k < m->n; k++) {
+        if (!(a[k][k] > 1e-10)) /* not so a NaN */
+            return false;
+        for (size_t j = 2 * m->n; j-- > k;)
+            a[k][j] /= a[k][k];
+        for (size_t i = 0; i < m->n; i++)
+            for (size_t j = 2 * m->n; i != k && j-- > k;)
+                a[i][j] -= a[i][k] * a[k][j];
+    }
+    for (size_t i = 0; i < m->n; i++)
+        for (size_t j = 0; j < m->n; j++)
+            m->inverse[i][j] = a[i][m->n + j] / sqrt(m->a[i][i] * m->a[j][j]);
+    return true;
+}
+
+bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const double *y, double sd, machine_figure *c,
+                 double *residual) {
+    normal m = {.n = terms};
+    double right[MACHINE_TERMS] = {0}, square = 0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < terms; j++) {
+            right[j] += x[i][j] * y[i];
+            for (size_t k = 0; k < terms; k++)
+                m.a[j][k] += x[i][j] * x[i][k];
+        }
+    if (n <= terms || !invert(&m))
+        return false;
+    for (size_t j = 0; j < terms; j++) {
+        c[j].value = 0;
+        for (size_t k = 0; k < terms; k++)
+            c[j].value += m.inverse[j][k] * right[k];
+    }
+    for (size_t i = 0; i < n; i++) {
+        double off = y[i];
+        for (size_t j = 0; j < terms; j++)
+            off -= c[j].value * x[i][j];
+        square += off * off;
+        if (residual)
+            residual[i] = off;
+    }
+    const double spread = fmax(sd, sqrt(square / (double)(n - terms)));
+    for (size_t j = 0; j < terms; j++)
+        c[j].half = machine_student(n - terms) * spread * sqrt(m.inverse[j][j]);
+    return true;
+}
