@@ -127,7 +127,8 @@ if "$PALPATE" rig --firmware host --until-s 0.01 >/dev/null 2>&1; then
     expect 0 calibrate-device set calibration_day=20000 compliance_m_N=1e-6 noise_N=0.002 sensitivity_sd=1e-3 --port rig --firmware host \
         --store flash.bin --yes --json && mv out machine.json
     expect 0 acquire --port rig --firmware host --store flash.bin --out kept --air-s 0.2 --after-s 0.2 --static --depth-mm 1 --rate-mm-s 1
-    set -- "$@" machine=machine.json experiment=kept/static_1mm.csv
+    expect 0 calibrate-device air --port rig --firmware host --specimen none --yes --json && mv out air.json
+    set -- "$@" calibrate_device=air.json machine=machine.json experiment=kept/static_1mm.csv
     "$PALPATE" rig --firmware host >port 2>rig.err &
     rig=$!
     for _ in 1 2 3 4 5 6 7 8 9 10; do [ -s port ] && break; sleep 1; done

@@ -90,7 +90,7 @@ def main():
         if kind not in seen:
             listed = list(page.rows(schema, kind + ".json"))
             needed[kind] = {row[0] for row in listed if row[1]}
-            free[kind] = {row[0] for row in listed if row[2] == "object" and row[0].endswith(("parameters", "intervals"))}
+            free[kind] = {row[0] for row in listed if row[2] == "object" and row[0].endswith(("parameters", "intervals", "figures"))}
             seen[kind] = set()
         check(kind, path, needed[kind], seen[kind], free[kind])
     with open(folder + "/../effects.md", encoding="utf-8") as f:

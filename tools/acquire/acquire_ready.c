@@ -44,7 +44,7 @@ static outcome set_trigger(session *s) {
 
 /* What it is set to, as each recording says. */
 static outcome read_calibration(session *s) {
-    enum { CALIBRATED = 6 }; /* of the parameters; the device tells of them first */
+    enum { CALIBRATED = 13 }; /* of the parameters, up to moving_kg; the device tells of them first */
     outcome end = session_from_device(s, device_parameters_read(&s->device, CALIBRATED, &s->calibration), "answer");
     if (end == GOES_ON && s->calibration.now.source == 2)
         session_tell(s, true, "what the device has kept is damaged: it uses what is compiled in; see palpate calibrate-device show");

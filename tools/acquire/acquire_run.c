@@ -30,6 +30,18 @@ static void say_run(const session *s) {
                  g->deepest_mm, g->peak_N, g->errors ? sqrt(g->error_square / (double)g->errors) : 0.0, missing);
 }
 
+/* What the device holds a run to: a force that passes its limit is to rise by no more than that limit until the motor is off. */
+static outcome out_of_range(session *s) {
+    static const double BLIND_S = 2e-3; /* until the motor is off */
+    const double k = 1e-3 * s->device.status.stiffness_mN_m, force_N = 1e-6 * s->limits.force_uN;
+    const double moving_kg = device_parameter_value(&s->calibration, "moving_kg", 0);
+    char speed[80] = "";
+    if (k > 0 && moving_kg > 0)
+        snprintf(speed, sizeof speed, "faster than %.3g mm/s into its %.4g N/m, ", 1e3 * force_N / (sqrt(k * moving_kg) + BLIND_S * k), k);
+    return session_fail(s, "the device refuses %s: it would move %sbeyond %g N, or out of its travel of %g mm", s->run->name, speed,
+                        force_N, 1e-6 * s->limits.travel_nm);
+}
+
 static outcome start_run(session *s) {
     const acquire_motion *a = &s->run->motion;
     palp_wire_message m = {.type = PALP_WIRE_TYPE_START};
@@ -38,7 +50,8 @@ static outcome start_run(session *s) {
     m.as.start.air_ms = (uint32_t)lrint(1e3 * a->air_s);
     m.as.start.after_ms = (uint32_t)lrint(1e3 * a->after_s);
     outcome end = session_segments(s, s->run);
-    return end ? end : session_order(s, &m, "start the run");
+    end = end ? end : session_order(s, &m, "start the run");
+    return end == FAILED && s->device.refusal == PALP_WIRE_RESULT_RANGE ? out_of_range(s) : end;
 }
 
 /* Without samples, which nobody would keep, unless somebody watches. */

@@ -60,8 +60,6 @@ typedef struct machine_change {
 } machine_change;
 int machine_change_all(const machine_options *o, device *d, size_t n, const machine_change *change);
 
-/* Days since 1970-01-01; and as 2026-03-01, empty for 0. */
-double machine_today(void);
-void machine_date(double day, char text[16]);
+double machine_today(void); /* days since 1970-01-01 */
 
 #endif

@@ -47,12 +47,3 @@ bool machine_agrees(const machine_options *o, const char *question) {
 double machine_today(void) {
     return floor((double)time(NULL) / DAY_S);
 }
-
-void machine_date(double day, char text[16]) {
-    const time_t clock = (time_t)day * DAY_S;
-    struct tm utc;
-    text[0] = '\0';
-    if (day > 0 && gmtime_r(&clock, &utc))
-        (void)strftime(text, 16, "%Y-%m-%d", &utc);
-}
-

@@ -29,7 +29,7 @@ static json_t *file_of(const device *d, const device_parameters *p) {
     char id[12], stored[12], date[16], board[PALP_WIRE_NAME + 1] = "";
     snprintf(id, sizeof id, "%08x", (unsigned)p->now.id);
     snprintf(stored, sizeof stored, "%08x", (unsigned)p->now.stored_id);
-    machine_date(device_parameter_value(p, "calibration_day", 0), date);
+    device_date(device_parameter_value(p, "calibration_day", 0), date);
     memcpy(board, d->info.board, PALP_WIRE_NAME);
     return json_pack("{s{si} ss sI ss ss ss? ss? si so}", "palpate", "machine", 1, "board", board, "serial",
                      (json_int_t)d->info.serial, "id", id, "source", device_source_text(p->now.source), "stored_id",
@@ -39,7 +39,7 @@ static json_t *file_of(const device *d, const device_parameters *p) {
 
 static void print(const device_parameters *p) {
     char date[16], value[24], standard[24], low[24], high[24];
-    machine_date(device_parameter_value(p, "calibration_day", 0), date);
+    device_date(device_parameter_value(p, "calibration_day", 0), date);
     printf("calibration %08x, from %s, of %s%s\n", (unsigned)p->now.id, device_source_text(p->now.source), *date ? date : "no date",
            p->now.id == p->now.stored_id ? "" : p->now.stored_id ? "; changed since it was kept" : "; not kept");
     printf("%-20s %12s %12s %12s %12s\n", "name", "value", "compiled in", "least", "most");

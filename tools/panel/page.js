@@ -155,7 +155,7 @@ function showState(s) {
   $("winding").textContent = shown(s.winding_C, 1);
   $("case").textContent = shown(s.case_C, 1);
   $("ready_hint").textContent = !s.homed ? "The plate's position is not known yet: home it." : s.contact_known ?
-    `Contact ${shown(s.contact_mm, 2)} mm below home, ${shown(s.stiffness_N_m, 0)} N/m. Limits ${shown(s.limit_N, 1)} N, ${shown(s.limit_C, 0)} °C.` :
+    `Contact ${shown(s.contact_mm, 2)} mm below home, ${shown(s.stiffness_N_m, 0)} N/m. Limits ${shown(s.limit_N, 1)} N, ${shown(s.limit_C, 0)} °C.${s.calibration ? ` Calibration ${s.calibration}.` : ''}` :
     "Contact is not known yet. A run finds it first.";
   const r = s.run;
   $("run_name").textContent = r ? `Run ${r.number} of ${r.of}: ${r.name}` : "Run";

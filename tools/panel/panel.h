@@ -42,6 +42,8 @@ typedef struct panel_view {
     palp_wire_status status;
     palp_wire_limits_now limits;
     palp_wire_info info;
+    uint32_t calibration; /* its id; 0: not known yet */
+    double calibration_day;
     char doing[64], run[ACQUIRE_NAME];
     size_t number, of, samples, lost;
     double elapsed_s, length_s;

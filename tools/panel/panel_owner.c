@@ -27,6 +27,8 @@ static panel_view view_of(const owner *o) {
     panel_view v = {.status = s->device.status,
                     .limits = s->limits,
                     .info = s->device.info,
+                    .calibration = s->calibration.now.id,
+                    .calibration_day = device_parameter_value(&s->calibration, "calibration_day", 0),
                     .number = s->number,
                     .of = s->plan->n,
                     .recording = f->fd >= 0,

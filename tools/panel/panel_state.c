@@ -140,7 +140,11 @@ static json_t *state_json(const panel *p) {
     json_t *run = json_pack("{ss sI sI so so sI sI}", "name", v->run, "number", (json_int_t)v->number, "of",
                             (json_int_t)v->of, "elapsed_s", real(v->elapsed_s), "length_s", real(v->length_s),
                             "samples", (json_int_t)v->samples, "lost", (json_int_t)v->lost);
-    return json_pack("{ss ss ss ss sb sb sb sb sb sb so so so so so so sf sf so sI so}", "state",
+    char calibration[40] = "", date[16];
+    device_date(v->calibration_day, date);
+    if (v->calibration)
+        snprintf(calibration, sizeof calibration, "%08x%s%s", (unsigned)v->calibration, *date ? " of " : ", never measured", date);
+    return json_pack("{ss ss ss ss ss sb sb sb sb sb sb so so so so so so sf sf so sI so}", "calibration", calibration, "state",
                      v->gone ? "gone" : palp_wire_state_name(v->state), "fault", palp_wire_fault_name(now->fault),
                      "fault_text", palp_wire_fault_text(now->fault), "advice", panel_advice(now->fault), "homed",
                      now->homed, "contact_known", now->contact_known, "busy", p->busy || p->waiting, "stopping", p->stop,

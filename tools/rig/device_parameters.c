@@ -1,10 +1,12 @@
 /* device_parameters.c: the parameters of an indenter over the wire. */
+#define _POSIX_C_SOURCE 200809L
 #include "device_parameters.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { SAVE_TICKS = 5000, SAVE_POLL_MS = 20 };
 
@@ -109,6 +111,14 @@ device_result device_save(device *d) {
 const char *device_source_text(uint8_t source) {
     static const char *const texts[DEVICE_SOURCES] = {"compiled in", "flash", "compiled in, flash damaged"};
     return source < DEVICE_SOURCES ? texts[source] : "unknown";
+}
+
+void device_date(double day, char text[16]) {
+    const time_t clock = day > 0 ? (time_t)(day * 86400) : 0;
+    struct tm utc;
+    text[0] = '\0';
+    if (clock > 0 && gmtime_r(&clock, &utc))
+        (void)strftime(text, 16, "%Y-%m-%d", &utc);
 }
 
 void device_parameter_text(float value, char text[24]) {

@@ -37,6 +37,9 @@ device_result device_save(device *d);
 /* "compiled in", "flash", "compiled in, flash damaged". */
 const char *device_source_text(uint8_t source);
 
+/* Days since 1970-01-01 as 2026-03-01; empty for 0 and NAN. */
+void device_date(double day, char text[16]);
+
 /* The shortest text that gives just this number back. */
 void device_parameter_text(float value, char text[24]);
 double device_parameter_plain(float value); /* the number of that text */
