@@ -31,19 +31,33 @@ void stroke_begin(stroke *s, float start_m, float end_m, float rate_m_s, float a
     s->rest_s = ((float)s->ticks - ticks) / (float)CONTROL_HZ;
 }
 
+/* So long after rest, or before it, of a ramp: way, velocity, acceleration. */
+static reference ramp_at(const stroke *s, float time) {
+    const float a = s->acceleration_m_s2, turn = time / s->ramp_s;
+    float sine, cosine;
+    if (!s->smooth)
+        return (reference){0.5f * a * time * time, a * time, a};
+    real_sine(turn, &sine, &cosine);
+    return (reference){s->rate_m_s * s->ramp_s * (0.5f * turn * turn - (1.0f - cosine) / (4.0f * REAL_PI * REAL_PI)),
+                       s->rate_m_s * (turn - sine / (2.0f * REAL_PI)), a * (1.0f - cosine)};
+}
+
 bool stroke_step(stroke *s, reference *next) {
     bool going = s->tick < s->ticks;
     *next = (reference){.position_m = s->end_m};
     if (!going || ++s->tick == s->ticks)
         return going;
-    float time = (float)s->tick / (float)CONTROL_HZ, a = s->acceleration_m_s2;
-    float left = (float)(s->ticks - s->tick) / (float)CONTROL_HZ - s->rest_s;
-    if (time < s->ramp_s && time < left)
-        *next = (reference){s->start_m + 0.5f * a * time * time, a * time, a};
-    else if (left > s->ramp_s)
+    const float time = (float)s->tick / (float)CONTROL_HZ;
+    const float left = (float)(s->ticks - s->tick) / (float)CONTROL_HZ - s->rest_s;
+    if (time < s->ramp_s && time < left) {
+        *next = ramp_at(s, time);
+        next->position_m = s->start_m + next->position_m;
+    } else if (left > s->ramp_s) {
         *next = (reference){s->start_m + s->rate_m_s * (time - 0.5f * s->ramp_s), s->rate_m_s, 0.0f};
-    else if (left > 0.0f)
-        *next = (reference){s->end_m - 0.5f * a * left * left, a * left, -a};
+    } else if (left > 0.0f) {
+        *next = ramp_at(s, left);
+        *next = (reference){s->end_m - next->position_m, next->velocity_m_s, -next->acceleration_m_s2};
+    }
     return true;
 }
 
@@ -139,8 +153,16 @@ static bool force_possible(const palp_wire_segment *wire, float force_N) {
     return wire->target_nm > 0 && (float)wire->target_nm * 1e-6f <= force_N && wire->rate_nm_s > 0;
 }
 
+static bool is_smooth(uint8_t kind) {
+    return kind == (PALP_WIRE_SEGMENT_MOVE | PALP_WIRE_SEGMENT_SMOOTH) || kind == (PALP_WIRE_SEGMENT_CYCLE | PALP_WIRE_SEGMENT_SMOOTH);
+}
+
+static uint8_t plain(uint8_t kind) {
+    return is_smooth(kind) ? (uint8_t)(kind - PALP_WIRE_SEGMENT_SMOOTH) : kind;
+}
+
 static bool possible(const palp_wire_segment *wire, float speed_m_s, float force_N) {
-    switch (wire->kind) {
+    switch (plain(wire->kind)) {
     case PALP_WIRE_SEGMENT_MOVE:
         return stroke_possible(wire, speed_m_s);
     case PALP_WIRE_SEGMENT_HOLD:
@@ -165,7 +187,8 @@ uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s, float f
 
 void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire) {
     segment *s = &t->list[index];
-    *s = (segment){.kind = wire->kind,
+    *s = (segment){.kind = plain(wire->kind),
+                   .smooth = is_smooth(wire->kind),
                    .target_m = (float)wire->target_nm * 1e-9f,
                    .rate_m_s = (float)wire->rate_nm_s * 1e-9f,
                    .acceleration_m_s2 = (float)wire->acceleration_um_s2 * 1e-6f,
@@ -185,6 +208,11 @@ void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire)
 
 /* ---- the list ---- */
 
+static void begin_stroke(trajectory *t, const segment *s, float from_m, float to_m) {
+    stroke_begin(&t->stroke, from_m, to_m, s->rate_m_s, s->smooth ? 0.5f * s->acceleration_m_s2 : s->acceleration_m_s2);
+    t->stroke.smooth = s->smooth;
+}
+
 static void begin_segment(trajectory *t) {
     const segment *s = &t->list[t->current];
     t->start_m = t->now.position_m;
@@ -192,7 +220,7 @@ static void begin_segment(trajectory *t) {
     t->frequency_uHz = s->frequency_uHz;
     t->wants = false;
     t->wanted_N = t->sum_Ns = 0.0f;
-    stroke_begin(&t->stroke, t->start_m, s->target_m, s->rate_m_s, s->acceleration_m_s2);
+    begin_stroke(t, s, t->start_m, s->target_m);
 }
 
 void trajectory_begin(trajectory *t, uint8_t count, float start_m) {
@@ -238,8 +266,7 @@ static bool cycle_step(trajectory *t, const segment *s) {
         return true;
     if (++t->cycle == 2 * s->cycles)
         return false;
-    stroke_begin(&t->stroke, t->now.position_m, t->cycle % 2 == 0 ? s->target_m : t->start_m, s->rate_m_s,
-                 s->acceleration_m_s2);
+    begin_stroke(t, s, t->now.position_m, t->cycle % 2 == 0 ? s->target_m : t->start_m);
     return stroke_step(&t->stroke, &t->now);
 }
 

@@ -17,6 +17,7 @@ typedef struct stroke {
     float rate_m_s, acceleration_m_s2; /* signed */
     float ramp_s, rest_s;              /* of the velocity, up or down; of the last tick, at the end */
     uint32_t tick, ticks;
+    bool smooth; /* the velocity rises and falls as a cycloid, whose mean acceleration is that */
 } stroke;
 
 void stroke_begin(stroke *s, float start_m, float end_m, float rate_m_s, float acceleration_m_s2);
@@ -26,6 +27,7 @@ bool stroke_step(stroke *s, reference *next);
 /* A segment in SI units and ticks; see PALP_WIRE_SEGMENT_KINDS. */
 typedef struct segment {
     uint8_t kind;
+    bool smooth; /* MOVE, CYCLE; half of the acceleration is then on average */
     float target_m, rate_m_s, acceleration_m_s2;
     float target_N, rate_N_s; /* FORCE */
     uint32_t ticks;         /* HOLD, SINE, SWEEP; FORCE: at the target */

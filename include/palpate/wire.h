@@ -96,6 +96,9 @@ typedef enum palp_wire_segment_kind {
         PALP_WIRE_SEGMENT_KIND_COUNT
 } palp_wire_segment_kind;
 
+/* Added to the kind of MOVE and CYCLE: their acceleration rises and falls as 1 - cos, up to what is asked for, and does not jump. */
+enum { PALP_WIRE_SEGMENT_SMOOTH = 128 };
+
 /* Bits of a sample's flags; 8 to 12 are the segment in progress. */
 enum {
     PALP_WIRE_FLAG_RECORD = 1,       /* part of a run's recording */

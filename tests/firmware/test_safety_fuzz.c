@@ -25,7 +25,7 @@ static int32_t about(int32_t low, int32_t high) {
 static palp_wire_message any_segment(void) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_SEGMENT};
     m.as.segment = (palp_wire_segment){.index = (uint8_t)chance(4),
-                                       .kind = (uint8_t)chance(PALP_WIRE_SEGMENT_KIND_COUNT + 1),
+                                       .kind = (uint8_t)(chance(PALP_WIRE_SEGMENT_KIND_COUNT + 1) | (chance(4) ? 0 : PALP_WIRE_SEGMENT_SMOOTH)),
                                        .target_nm = about(-12000000, 20000000),
                                        .rate_nm_s = (uint32_t)about(1, 260000000),
                                        .acceleration_um_s2 = (uint32_t)about(1000, 51000000),

@@ -97,6 +97,44 @@ static void check_stroke(double start, double end, double rate, double accelerat
     assert_true(r.position_m == (float)end);
 }
 
+/* With smooth corners: twice as long for each, there at the end, and the acceleration changes by no more in a tick than its law does. */
+static void check_smooth(double end, double rate, double acceleration) {
+    palp_wire_segment wire = {.kind = PALP_WIRE_SEGMENT_MOVE | PALP_WIRE_SEGMENT_SMOOTH,
+                              .target_nm = (int32_t)(1e9 * end),
+                              .rate_nm_s = (uint32_t)(1e9 * rate),
+                              .acceleration_um_s2 = (uint32_t)(1e6 * acceleration)};
+    const double peak = fmin(rate, sqrt(fabs(end) * acceleration / 2)), ramp = 2 * peak / acceleration;
+    const double jerk = PI * acceleration / ramp;
+    double place = 0, velocity = 0, before = 0;
+    trajectory t;
+    reference r;
+    uint32_t ticks = 0;
+    begin(&t, &wire, 1, 0);
+    while (trajectory_step(&t, &r)) {
+        ticks++;
+        assert_true(fabs((double)r.velocity_m_s) <= peak * (1 + 1e-6));
+        assert_true(fabs((double)r.acceleration_m_s2) <= acceleration * (1 + 1e-6));
+        assert_true(fabs((double)r.acceleration_m_s2 - before) <= 1.001e-3 * jerk + 1e-6 * acceleration);
+        assert_near((double)r.position_m - place, 1e-3 * 0.5 * (velocity + (double)r.velocity_m_s), 1e-6 * acceleration * 0.1 + 3e-8);
+        place = (double)r.position_m;
+        velocity = (double)r.velocity_m_s;
+        before = (double)r.acceleration_m_s2;
+    }
+    assert_near(ticks, 1e3 * (fabs(end) / peak + ramp), 2);
+    assert_near((double)r.position_m, end, 1e-8);
+    assert_true(r.velocity_m_s == 0);
+}
+
+static void test_smooth(void **state) {
+    palp_wire_segment bad = {.kind = PALP_WIRE_SEGMENT_HOLD | PALP_WIRE_SEGMENT_SMOOTH, .duration_ms = 5};
+    (void)state;
+    check_smooth(0.005, 0.005, 0.5);
+    check_smooth(-0.003, 0.02, 0.2);
+    check_smooth(0.001, 0.25, 0.5);
+    check_smooth(0.002, 0.01, 0.03);
+    assert_int_equal(trajectory_check(&bad, (float)SPEED, 24.0f), PALP_WIRE_RESULT_RANGE);
+}
+
 static void test_stroke(void **state) {
     (void)state;
     srand(1);
@@ -386,6 +424,7 @@ static void test_bits(void **state) {
 const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_real),
     cmocka_unit_test(test_stroke),
+    cmocka_unit_test(test_smooth),
     cmocka_unit_test(test_plateau),
     cmocka_unit_test(test_sine),
     cmocka_unit_test(test_wave_derivatives),

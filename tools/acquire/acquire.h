@@ -60,6 +60,7 @@ typedef struct acquire_run {
     acquire_motion motion;                   /* as it will be done; what the kind does not have is NAN */
     char name[ACQUIRE_NAME];                 /* of the file, without .csv */
     bool repeat;                             /* of the first */
+    bool smooth;                             /* ramps without a jump of the acceleration */
     double start_mm, highest_mm, deepest_mm; /* where the plate waits, and comes to */
     double at_mm, press_s;                   /* where the segments end, and how long they take */
     size_t n_segments;
@@ -70,6 +71,7 @@ typedef struct acquire_plan {
     size_t n;
     acquire_run run[ACQUIRE_RUNS];
     int random, repeat_first; /* of the presses; -1 = not said */
+    bool smooth;              /* of the runs that are added from now on */
     double seed;              /* of the order; NAN = not said */
 } acquire_plan;
 

@@ -72,7 +72,7 @@ static void add_force(path *p, const palp_wire_segment *s, double force_N) {
 
 static void add_segment(path *p, const palp_wire_segment *s) {
     const double target = 1e-6 * s->target_nm, rate_mm_s = 1e-6 * s->rate_nm_s;
-    switch (s->kind) {
+    switch (s->kind & ~PALP_WIRE_SEGMENT_SMOOTH) {
     case PALP_WIRE_SEGMENT_MOVE:
         go(p, fabs(target - p->depth_mm) / rate_mm_s, target);
         break;

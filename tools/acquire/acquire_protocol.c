@@ -86,7 +86,7 @@ acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acqui
         return NULL;
     }
     acquire_run *r = &plan->run[plan->n++];
-    *r = (acquire_run){.kind = kind, .motion = *motion};
+    *r = (acquire_run){.kind = kind, .motion = *motion, .smooth = plan->smooth};
     complete(r);
     name_run(r, name);
     acquire_segments_make(r);

@@ -49,7 +49,7 @@ bool acquire_segment_add(acquire_run *r, uint8_t kind, double target_mm, const a
         return add_force(r, target_mm, m);
     palp_wire_segment *s = &r->segment[r->n_segments];
     *s = (palp_wire_segment){.index = (uint8_t)r->n_segments,
-                             .kind = kind,
+                             .kind = (uint8_t)(moves && r->smooth ? kind | PALP_WIRE_SEGMENT_SMOOTH : kind),
                              .target_nm = (int32_t)lrint(1e6 * target_mm),
                              .acceleration_um_s2 = whole(1e3 * m->acceleration_mm_s2)};
     s->rate_nm_s = moves ? whole(1e6 * m->rate_mm_s) : 0;

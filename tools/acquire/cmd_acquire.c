@@ -15,7 +15,7 @@ static const char NAME[] = "acquire";
 typedef struct choice {
     acquire_setup setup;
     acquire_motion motion;
-    bool is_static, sweep, thesis_protocol, list, monitor, json, repeat_first, dry_run;
+    bool is_static, sweep, thesis_protocol, list, monitor, json, repeat_first, dry_run, smooth;
     cli_list ramp_hold;
     size_t cycles, order_seed;
     int order, trigger_in;
@@ -49,6 +49,7 @@ static size_t plate_options(choice *c, cli_option *list) {
         cli_positive("sweep-s", "S", 1e6, &m->duration_s, "time of the sweep (default 60)"),
         cli_positive("acceleration-mm-s2", "A", 1e6, &m->acceleration_mm_s2,
                      "rounds the corners (default 500)"),
+        cli_flag("smooth", &c->smooth, "corners without a jump of the acceleration; each takes twice as long"),
         cli_number("air-mm", "MM", 0, 1000, &m->air_mm, "begin so far above contact (default 1)"),
         cli_number("air-s", "S", 0, 1e6, &m->air_s, "and rest there for so long before (default 1)"),
         cli_number("after-s", "S", 0, 1e6, &m->after_s, "and after the run (default 1)"),
@@ -192,7 +193,7 @@ static bool add(const choice *c, acquire_kind kind, double depth_mm, acquire_pla
 static int make_plan(const choice *c, acquire_plan *plan) {
     char why[ACQUIRE_TEXT] = "has too many runs";
     bool good = true;
-    *plan = (acquire_plan){.random = c->order, .repeat_first = c->repeat_first ? 1 : -1};
+    *plan = (acquire_plan){.smooth = c->smooth, .random = c->order, .repeat_first = c->repeat_first ? 1 : -1};
     plan->seed = c->order_seed == SIZE_MAX ? NAN : (double)c->order_seed;
     if (c->protocol) {
         int code = acquire_plan_read(plan, c->protocol, &c->motion);
