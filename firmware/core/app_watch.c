@@ -42,16 +42,17 @@ static void stop_for(app *a) {
 
 /* A stepper on its way home, upwards: a force from below becomes less by it. */
 static bool leaves(const app *a) {
-    return a->machine.stepper && a->supervisor.state == PALP_WIRE_STATE_HOMING && !a->in.home_switch;
+    return a->machine.stepper && a->supervisor.state == PALP_WIRE_STATE_HOMING && !a->in.home_switch &&
+           a->reference.velocity_m_s <= 0.0f && a->force_N > 0.0f;
 }
 
 static void watch_sensor(app *a) {
     a->silent_ticks = lasting(a->silent_ticks, !a->answering);
     a->saturated_ticks = lasting(a->saturated_ticks, a->saturated);
     note(a, PALP_WIRE_FAULT_SENSOR_SILENT, a->silent_ticks >= BAD_READINGS);
-    note(a, PALP_WIRE_FAULT_SENSOR_SATURATED, a->saturated_ticks >= BAD_READINGS);
+    note(a, PALP_WIRE_FAULT_SENSOR_SATURATED, a->saturated_ticks >= BAD_READINGS && !leaves(a));
     note(a, PALP_WIRE_FAULT_OVER_FORCE,
-         a->answering && real_abs(a->force_N) > a->limits.force_N && !(leaves(a) && a->force_N > 0.0f));
+         a->answering && real_abs(a->force_N) > a->limits.force_N && !leaves(a));
 }
 
 static void watch_encoder(app *a) {
@@ -125,7 +126,8 @@ bool watch_persists(const app *a) {
 }
 
 bool watch_pressed(const app *a) {
-    return a->machine.stepper && noted(a, PALP_WIRE_FAULT_OVER_FORCE) && a->force_N > 0.0f;
+    return a->machine.stepper && a->force_N > 0.0f &&
+           (noted(a, PALP_WIRE_FAULT_OVER_FORCE) || noted(a, PALP_WIRE_FAULT_SENSOR_SATURATED));
 }
 
 bool watch_out_of_travel(const app *a) {
