@@ -87,7 +87,8 @@ static float drive(app *a) {
     if (m->stepper)
         return 0.0f;
     const float depth_m = a->contact_known ? a->reference.position_m - a->contact_m : 0.0f;
-    const float limit_N = thermal_derating(&a->thermal, m) * m->current_A * m->force_constant_N_A;
+    const float driver_N = thermal_derating(&a->thermal, m) * m->current_A * m->force_constant_N_A;
+    const float limit_N = driver_N < m->motor_N ? driver_N : m->motor_N;
     return pid_step(&a->pid, &a->gains[a->softness], &a->reference, a->position_m, depth_m, m->moving_kg,
                     m->motor_drag_Ns_m, m->friction_N, limit_N) /
            m->motor_N;

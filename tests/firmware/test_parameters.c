@@ -210,7 +210,79 @@ static void test_cannot_be_saved(void **state) {
     bench_close(&b);
 }
 
+/* More force than the motor gives at full duty is full duty, not what is left of it in 16 bits. */
+static void test_full_is_full(void **state) {
+    static bench b;
+    (void)state;
+    open_idle(&b);
+    assert_int_equal(set(&b, named(&b, "motor_N"), bits_of(1.0f)), PALP_WIRE_RESULT_DONE);
+    assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_HOME), PALP_WIRE_RESULT_DONE);
+    bool full = false;
+    for (int i = 0; i < 3000; i++) {
+        tick(&b);
+        assert_true(b.app.duty >= -1.0f && b.app.duty <= 1.0f);
+        full = full || b.app.duty == -1.0f || b.app.duty == 1.0f;
+    }
+    assert_true(full);
+    bench_close(&b);
+}
+
+/* ---- any machine at all ---- */
+
+static uint32_t random_below(uint32_t n) {
+    static uint64_t seed = 7;
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)(seed >> 33) % n;
+}
+
+/* Within its limits, near the least as likely as near the most. */
+static palp_wire_message any_parameter(bench *b, uint8_t n) {
+    palp_wire_parameter p = {.id = 0};
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_SET_PARAMETER};
+    const uint8_t id = (uint8_t)random_below(n);
+    p = parameter(b, id);
+    const float low = number_of(p.low), high = number_of(p.high), share = (float)random_below(1001) / 1000.0f;
+    const float value = random_below(3) == 0 ? number_of(p.standard) : low + (high - low) * share * share * share;
+    m.as.set_parameter = (palp_wire_set_parameter){id, random_below(20) == 0 ? 0x7fc00000u : bits_of(value)};
+    return m;
+}
+
+static palp_wire_message any_command(bench *b, uint8_t n) {
+    static const uint8_t types[] = {PALP_WIRE_TYPE_HOME, PALP_WIRE_TYPE_STOP, PALP_WIRE_TYPE_TARE, PALP_WIRE_TYPE_CLEAR_FAULT,
+                                    PALP_WIRE_TYPE_SAVE, PALP_WIRE_TYPE_JOG, PALP_WIRE_TYPE_FIND_CONTACT, PALP_WIRE_TYPE_START};
+    palp_wire_message m = {.type = types[random_below(sizeof types)]};
+    if (random_below(2) == 0)
+        return any_parameter(b, n);
+    if (m.type == PALP_WIRE_TYPE_TARE)
+        m.as.tare.samples = 5;
+    if (m.type == PALP_WIRE_TYPE_JOG)
+        m.as.jog = (palp_wire_jog){(int32_t)random_below(40000000), random_below(12000000)};
+    return m.type == PALP_WIRE_TYPE_START ? bench_start(1, -1, 0, 0) : m;
+}
+
+/* Whatever it is set to, nothing drives but in a state that may (bench_tick), nothing is written meanwhile, and back at what is
+ * compiled in it is as before. */
+static void test_any_machine(void **state) {
+    static bench b;
+    (void)state;
+    open_idle(&b);
+    const uint8_t n = configuration(&b).parameters;
+    for (int k = 0; k < 3000; k++) {
+        palp_wire_message m = any_command(&b, n);
+        (void)bench_command(&b, &m);
+        if (b.out.stores)
+            flash[b.out.store_at] &= b.out.store_word;
+        for (uint32_t i = random_below(m.type == PALP_WIRE_TYPE_HOME ? 300 : 40); i > 0; i--)
+            tick(&b);
+        assert_true(b.app.duty >= -1.0f && b.app.duty <= 1.0f); /* not so a NaN */
+    }
+    bench_restart(&b, APP_RESET_POWER, 0);
+    bench_run(&b, 200);
+    bench_home(&b);
+    bench_close(&b);
+}
+
 const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_ranges),        cmocka_unit_test(test_what_follows),   cmocka_unit_test(test_saved),
-    cmocka_unit_test(test_other_records), cmocka_unit_test(test_cannot_be_saved), {0},
+    cmocka_unit_test(test_other_records), cmocka_unit_test(test_cannot_be_saved), cmocka_unit_test(test_full_is_full), cmocka_unit_test(test_any_machine), {0},
 };
