@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A Gaussian's sd over its median size, and its variance without the outer 5 %. */
-static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76;
+/* A Gaussian's sd over its median size, and its variance without the outer 5 %; sds beyond which it has nothing. */
+static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76, BEYOND = 4.0;
 
 /* Root mean square of those up to a limit. */
 static double trimmed_rms(const double *x, size_t n, double limit) {
@@ -19,13 +19,32 @@ static double trimmed_rms(const double *x, size_t n, double limit) {
     return sqrt(sum / kept);
 }
 
+/* The median of those that a Gaussian of that median would have: a burst in a tenth of the samples hardly moves it. */
+static double trimmed_median(double *bend, size_t n, double middle) {
+    enum { ROUNDS = 4 };
+    for (int round = 0; round < ROUNDS && middle > 0.0; round++) {
+        size_t kept = 0;
+        for (size_t i = 0; i < n; i++)
+            if (bend[i] <= BEYOND * SD_OF_MEDIAN * middle) {
+                double other = bend[kept];
+                bend[kept++] = bend[i];
+                bend[i] = other;
+            }
+        if (kept == n)
+            break;
+        n = kept;
+        middle = statistics_quantile(bend, n, 0.5);
+    }
+    return middle;
+}
+
 /* Corners and spikes do not count in a median. The few counts of a coarse converter show in quantiles that a
  * Gaussian (0.32, 0.67, 1.64 sd) does not have; then the mean square of all but the largest. */
 static double by_median(double *bend, size_t n) {
     double middle = statistics_quantile(bend, n, 0.5), quarter = statistics_quantile(bend, n, 0.25);
-    double most = statistics_quantile(bend, n, 0.9);
+    double most = statistics_quantile(bend, n, 0.85);
     bool coarse = quarter >= 0.9 * middle || most > 5.0 * middle;
-    return coarse ? trimmed_rms(bend, n, statistics_quantile(bend, n, 0.99)) : SD_OF_MEDIAN * middle;
+    return coarse ? trimmed_rms(bend, n, statistics_quantile(bend, n, 0.99)) : SD_OF_MEDIAN * trimmed_median(bend, n, middle);
 }
 
 static double by_most(double *bend, size_t n) {

@@ -148,8 +148,8 @@ static void score_runs(const pauses *p, const mixture *m, double *score) {
     }
 }
 
-/* What correlated noise gains over none. An instrument has it in all its runs: of three runs and more the one that gains most
- * does not count, so that what happened in one run is not taken for noise. */
+/* What correlated noise gains over none. An instrument has it in all its runs: of several the one that gains most does not
+ * count, so that what happened in one run is not taken for noise. */
 static double correlated_gain(const pauses *p, const mixture *m) {
     double sum = 0.0, most = 0.0;
     size_t runs = 0;
@@ -160,7 +160,7 @@ static double correlated_gain(const pauses *p, const mixture *m) {
         sum += gain;
         most = fmax(most, gain);
     }
-    return runs > 2 ? sum - most : sum;
+    return runs > 1 ? sum - most : sum;
 }
 
 /* The best of the grid of so many steps each way about one that is there; whether it is another. */

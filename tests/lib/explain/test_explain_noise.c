@@ -9,14 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST = 12000 };
+enum { MOST = 12000, RUNS = 3 };
 
 static const double TURN = 6.28318530717958647692;
 
-static explain_run run[2];
+static explain_run run[RUNS];
 static explain_data data;
-static double block[2][6 * MOST], residual[2 * MOST];
-static unsigned char use[2][2 * MOST];
+static double block[RUNS][6 * MOST], residual[RUNS * MOST];
+static unsigned char use[RUNS][2 * MOST];
 
 /* Runs of n samples each, some in the air, evenly dt apart, at rest. */
 static void begin(size_t n_runs, size_t n, double dt) {
@@ -74,6 +74,42 @@ START_TEST(noise_that_is_nowhere_white) {
     ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
     ck_assert_double_eq_tol(hypot(run[0].white, data.correlated), 5e-3, 5e-4);
     ck_assert_double_eq_tol(data.correlation_time, 0.09, 0.02);
+}
+END_TEST
+
+/* What happens in a tenth of the samples is no noise of the instrument: a burst of any size, a kink; nor is what a model misses in all. */
+START_TEST(neither_a_burst_nor_a_misfit_is_noise) {
+    enum { N = 5000 };
+    static const double bursts[] = {3, 5, 10, 100, 0};
+    uint64_t state = 5;
+    begin(3, N, 0.01);
+    for (size_t r = 0; r < 3; r++) {
+        double *own = residual + r * N;
+        make_noise(&run[r], 2e-3, 0, 1, own);
+        for (size_t i = 0; i < N; i++) {
+            const double since = fmod(run[r].time[i], 2.0);
+            own[i] += bursts[_i] > 0 && i >= N / 2 && i < N / 2 + N / 10 ? 2e-3 * bursts[_i] * palp_random_normal(&state) : 0;
+            own[i] += bursts[_i] > 0 ? 0 : 0.05 * exp(-run[r].time[i] / 10) - 0.1 * fmin(since, 0.2); /* relaxes, has kinks */
+        }
+    }
+    ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
+    for (size_t r = 0; r < 3; r++)
+        ck_assert_double_eq_tol(run[r].white, 2e-3, 2e-4);
+}
+END_TEST
+
+/* What only one run has is structure and not correlated noise, of two runs and of three. */
+START_TEST(correlated_noise_is_alike_in_all_runs) {
+    enum { N = 5000 };
+    const size_t runs = 2 + (size_t)_i % 2, with = _i < 2 ? 1 : runs;
+    begin(runs, N, 0.01);
+    for (size_t r = 0; r < runs; r++)
+        make_noise(&run[r], 2e-3, r < with ? 4e-3 : 0, 0.6, residual + r * N);
+    ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
+    if (with < runs)
+        ck_assert_double_eq(data.correlated, 0);
+    else
+        ck_assert_double_eq_tol(data.correlated, 4e-3, 1.5e-3); /* by one run, of 80 of its times */
 }
 END_TEST
 
@@ -261,4 +297,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, order_from_sample_to_sample);
     tcase_add_test(tc, free_curves);
     tcase_add_test(tc, a_step_that_stays_is_a_slip);
+    tcase_add_loop_test(tc, neither_a_burst_nor_a_misfit_is_noise, 0, 5);
+    tcase_add_loop_test(tc, correlated_noise_is_alike_in_all_runs, 0, 4);
 }
