@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 /* A Gaussian's sd over its median size, and its variance without the outer 5 %; sds beyond which it has nothing. */
-static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76, BEYOND = 4.0;
+static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76, BEYOND = 4.5;
 
 /* Root mean square of those up to a limit. */
 static double trimmed_rms(const double *x, size_t n, double limit) {
