@@ -197,5 +197,10 @@ for name in recordings_linear recordings_log recordings_first recordings_static 
     grep -q 'width="900" height="560"' figures/$name.svg 2>/dev/null || fail "no figure $name.svg of 900 x 560"
     grep -q '</svg>' figures/$name.svg 2>/dev/null || fail "$name.svg is cut short"
 done
+# Runs that their depths do not tell apart have their names in the key, others their depths.
+grep -q "'5 mm'" figures/fit_log.gp || fail "the key does not name the depths"
+sed '/^[0-9]/s/$/ /' hold5.csv >again5.csv
+expect 0 characterize hold5.csv again5.csv --arms 1 --degree 2 --plot named
+grep -q "'again5'" named/fit_log.gp && grep -q "'hold5'" named/fit_log.gp || fail "the key does not name runs of one depth: $(grep -o "title '[^']*'" named/fit_log.gp | tr '\n' ' ')"
 grep -q '"characterize": 1' figures/characterize.json || fail "no characterize.json beside the figures"
 done_testing

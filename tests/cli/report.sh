@@ -36,7 +36,7 @@ page out
 expect 0 characterize runs/*.csv --arms 2 --degree 3 --out work/lumped.json --plot work
 expect 0 calibrate work/lumped.json --nodes 3 --depth-mm 2,5 --hold-s 20 --degree 3 --out work/network.json --plot work
 grep -q '"calibrate": 1' work/calibrate.json || fail "no calibrate.json"
-expect 0 simulate work/network.json --protocol ramp_hold --depth-mm 5 --hold-s 60 --out work/simulated.csv
+expect 0 simulate work/network.json --protocol ramp_hold --depth-mm 5 --hold-s 60 --sample-Hz 20 --band --out work/simulated.csv
 expect 0 report runs work --out all.html
 page all.html
 for text in 'Fits and residuals' 'Parameters' '95 % interval' 'Network calibration' '3 × 3 × 3 nodes' \
@@ -44,6 +44,10 @@ for text in 'Fits and residuals' 'Parameters' '95 % interval' 'Network calibrati
     grep -qF "$text" all.html || fail "the page lacks \"$text\""
 done
 if command -v gnuplot >/dev/null; then
+    # Over time: the network's band, named once in the key; against depth: the model on the ramp and hold.
+    sed -n '/Simulation against/,/Provenance/p' all.html >simulations
+    grep -q '95 % band' simulations || fail "no band about the network's force"
+    grep -q 'Force against depth, loops included' all.html || fail "no force against depth"
     [ "$(grep -c '<figure>' all.html)" -ge 19 ] || fail "only $(grep -c '<figure>' all.html) figures"
 fi
 [ "$(wc -c <all.html)" -lt 4000000 ] || fail "a page of $(wc -c <all.html) bytes: curves are not thinned"

@@ -247,6 +247,7 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     progress_update(&bar, 0.5);
     code = code ? code : characterize_contacts(o, s);
     characterize_level(s, false);
+    code = code || s->contact == PALP_CONTACT_KNOWN ? code : fit_plain(o, s); /* from the contacts that were found */
     code = code ? code : fit_single(o, s);
     progress_update(&bar, 0.65);
     code = code ? code : fit_shared(o, s);

@@ -23,21 +23,21 @@ static size_t static_marks(const palp_recording *r, double *strain, double *forc
     return n;
 }
 
-/* Means of polynomial minus measured over stretches of the press, mN. */
-static size_t miss_of(const palp_recording *r, const palp_law *law, double *strain, double *miss_mN) {
+/* Means of polynomial minus measured over stretches of the press, in hundredths of the force. */
+static size_t miss_of(const palp_recording *r, const palp_law *law, double peak_N, double *strain, double *miss) {
     size_t n = 0, every = r->n / CURVE_POINTS + 1, count = 0;
     double sum = 0, sum_e = 0;
     for (size_t i = 0; i < r->n && n < CURVE_POINTS; i++) {
         double e = r->depth_m[i] / r->height_m, force = 0;
         if (r->use[i] && e > 0) {
             palp_law_force(law, 1, &e, &force, NULL, NULL);
-            sum += 1e3 * (force - r->force_N[i]);
+            sum += 100 * (force - r->force_N[i]) / peak_N;
             sum_e += e;
             count++;
         }
         if (count == every) {
             strain[n] = sum_e / (double)count;
-            miss_mN[n++] = sum / (double)count;
+            miss[n++] = sum / (double)count;
             sum = sum_e = 0;
             count = 0;
         }
@@ -53,20 +53,23 @@ static void plot_static(plot_book *book, const characterize_state *s) {
     plot_series force[SHOWN + 1], residual[SHOWN];
     const palp_recording *r = &s->run[0];
     size_t n = static_marks(r, mark[0], mark[1]);
+    double peak_N = 0;
+    for (size_t i = 0; i < r->n; i++)
+        peak_N = r->use[i] ? fmax(peak_N, r->force_N[i]) : peak_N;
     force[0] = (plot_series){"measured", PLOT_POINTS, 6, n, mark[0], mark[1]};
     for (size_t i = 0; i < CURVE_POINTS; i++)
         curve_e[i] = r->deepest_m / r->height_m * (double)i / (CURVE_POINTS - 1);
     for (size_t k = 0; k < SHOWN; k++) {
         const palp_law *law = &s->plain[0][k + 2];
         palp_law_force(law, CURVE_POINTS, curve_e, curve[k], NULL, NULL);
-        size_t m = miss_of(r, law, miss_e[k], miss[k]);
+        size_t m = miss_of(r, law, peak_N, miss_e[k], miss[k]);
         force[k + 1] = (plot_series){titles[k], PLOT_LINE, (int)k, CURVE_POINTS, curve_e, curve[k]};
         residual[k] = (plot_series){NULL, PLOT_LINE, (int)k, m, miss_e[k], miss[k]};
     }
     const plot_figure figure = {.title = "Static press: polynomials F(e) of degree 2 to 5", .n_panels = 2,
                                 .panel = {{.x_label = "", .y_label = "force (N)", .n_series = SHOWN + 1,
                                            .series = force},
-                                          {.x_label = "strain e", .y_label = "fit - measured (mN)",
+                                          {.x_label = "strain e", .y_label = "fit - measured (% of the peak)",
                                            .n_series = SHOWN, .series = residual}}};
     plot_draw(book, "static_polynomials", &figure);
 }
@@ -124,7 +127,7 @@ static void plot_scores(plot_book *book, const char *name, const char *title, co
 static int make_curves(const characterize_state *s, run_curve *curve) {
     for (size_t i = 0; i < s->n; i++) {
         const palp_recording *r = &s->run[i];
-        curve[i] = (run_curve){r, s->filtered_N[i], s->has_final ? malloc(r->n * sizeof(double)) : NULL};
+        curve[i] = (run_curve){r, s->filtered_N[i], s->has_final ? malloc(r->n * sizeof(double)) : NULL, NULL};
         if (curve[i].fit_N && palp_lumped_fit_force(&s->final, i, r, curve[i].fit_N))
             return cli_failure(NAME, "%s: the fit's force could not be computed", r->name);
     }
@@ -173,7 +176,7 @@ static void plot_all(plot_book *book, const characterize_state *s, const run_cur
 
 int characterize_plot(const characterize_options *o, const characterize_state *s) {
     plot_book book = {.command = NAME, .folder = o->plot};
-    run_curve curve[CHARACTERIZE_RUNS_MAX] = {{NULL, NULL, NULL}};
+    run_curve curve[CHARACTERIZE_RUNS_MAX] = {{NULL, NULL, NULL, NULL}};
     if (cli_folder(NAME, o->plot))
         return CLI_FAILURE;
     int code = make_curves(s, curve);

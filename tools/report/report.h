@@ -50,6 +50,7 @@ typedef struct report_file {
 typedef struct report_pair {
     const report_file *simulation, *recording;
     double *force_N; /* [recording->recording.n] the simulated force at the recording's samples */
+    double *band_N;  /* [2 n] its 95 % band, low and high; NULL = not simulated */
     double peak_N, rms_N, worst_percent;
 } report_pair;
 

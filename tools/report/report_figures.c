@@ -29,12 +29,28 @@ static const report_file *partner(const report *r, const report_file *simulation
     return NULL;
 }
 
-/* Force of s at time t, linear between samples; *at remembers where the last one was. */
-static double force_at(const palp_recording *s, double t, size_t *at) {
+/* A value at the samples of s at time t, linear between them; *at remembers where the last one was. */
+static double value_at(const palp_recording *s, const double *value, double t, size_t *at) {
     while (*at + 2 < s->n && s->time_s[*at + 1] < t)
         ++*at;
     double part = (t - s->time_s[*at]) / (s->time_s[*at + 1] - s->time_s[*at]);
-    return s->force_N[*at] + fmin(fmax(part, 0), 1) * (s->force_N[*at + 1] - s->force_N[*at]);
+    return value[*at] + fmin(fmax(part, 0), 1) * (value[*at + 1] - value[*at]);
+}
+
+/* The band about the simulated force at the recording's samples, where the simulation has one (--band). */
+static void add_band(report_pair *p, double shift) {
+    static const char *const columns[2] = {"force_low_N", "force_high_N"};
+    const palp_recording *s = &p->simulation->recording, *r = &p->recording->recording;
+    const double *force = palp_experiment_column(p->simulation->experiment, "force_N");
+    for (size_t end = 0; end < 2; end++) {
+        const double *edge = palp_experiment_column(p->simulation->experiment, columns[end]);
+        size_t from = 0, to = 0;
+        p->band_N = edge && !p->band_N ? malloc(2 * r->n * sizeof *p->band_N) : p->band_N;
+        for (size_t i = 0; edge && p->band_N && palp_experiment_rows(p->simulation->experiment) == s->n && i < r->n; i++) {
+            double t = r->time_s[i] + shift;
+            p->band_N[end * r->n + i] = p->force_N[i] + value_at(s, edge, t, &from) - value_at(s, force, t, &to);
+        }
+    }
 }
 
 /* Simulated minus recorded over what both cover; the largest against the recording without its noise. */
@@ -52,7 +68,7 @@ static bool compare(report_pair *p) {
         p->force_N[i] = NAN;
         if (t < s->time_s[0] - 1e-9 || t > s->time_s[s->n - 1] + 1e-9)
             continue;
-        p->force_N[i] = force_at(s, t, &at);
+        p->force_N[i] = value_at(s, s->force_N, t, &at);
         if (r->use[i]) {
             square += (p->force_N[i] - r->force_N[i]) * (p->force_N[i] - r->force_N[i]);
             worst = fmax(worst, fabs(p->force_N[i] - clean));
@@ -61,6 +77,8 @@ static bool compare(report_pair *p) {
         }
     }
     free(smooth);
+    if (p->force_N)
+        add_band(p, shift);
     p->rms_N = count ? sqrt(square / (double)count) : NAN;
     p->worst_percent = p->peak_N > 0 ? 100 * worst / p->peak_N : NAN;
     return p->force_N != NULL;
@@ -96,7 +114,7 @@ static size_t collect(const report *r, bool is_static, run_curve *curve) {
         size_t at = n++;
         for (; !is_static && at > 0 && curve[at - 1].recording->deepest_m > own->deepest_m; at--)
             curve[at] = curve[at - 1];
-        curve[at] = (run_curve){own, NULL, NULL};
+        curve[at] = (run_curve){own, NULL, NULL, NULL};
     }
     return n;
 }
@@ -157,6 +175,7 @@ static void draw_timed(report *r, plot_book *book) {
         const char *title = "Recordings (light) and the lumped model";
         plot_runs_time(book, "fit_linear", title, n, curve, PLOT_TIME_LINEAR, true);
         plot_runs_time(book, "fit_log", title, n, curve, PLOT_TIME_LOG, true);
+        plot_runs_depth(book, "fit_depth", title, n, curve, true);
         plot_runs_residual(book, "residuals", "Residuals of the lumped model", n, curve);
     }
     release(n, curve);
@@ -183,7 +202,7 @@ static void draw_pairs(report *r, plot_book *book) {
         for (size_t i = 0; i < r->n_pairs; i++) {
             const palp_recording *own = &r->pair[i].recording->recording;
             if ((own->kind == PALP_RECORDING_STATIC) == (is_static == 1))
-                curve[n++] = (run_curve){own, NULL, r->pair[i].force_N};
+                curve[n++] = (run_curve){own, NULL, r->pair[i].force_N, r->pair[i].band_N};
         }
         if (n > 0 && is_static) {
             plot_runs_depth(book, "simulated_static", "Static press: recorded (light) and simulated", n,

@@ -250,8 +250,10 @@ int report_add(report *r, const char *path, bool must_read) {
 }
 
 void report_free(report *r) {
-    for (size_t i = 0; i < r->n_pairs; i++)
+    for (size_t i = 0; i < r->n_pairs; i++) {
         free(r->pair[i].force_N);
+        free(r->pair[i].band_N);
+    }
     for (size_t i = 0; i < r->n; i++) {
         report_file *file = &r->file[i];
         palp_experiment_free(file->experiment);

@@ -81,6 +81,7 @@ void report_fits(FILE *to, report *r) {
     report_figure(to, r, "fit_linear", "The model (dark) over the raw samples (light).");
     report_figure(to, r, "fit_log", "The same over the logarithm of time.");
     report_figure(to, r, "fit_first", "The first ten seconds, with the ramp.");
+    report_figure(to, r, "fit_depth", "Force against depth, loops included: the model (dark) over the raw samples (light).");
     report_figure(to, r, "residuals",
                 "Model minus measured in units of the noise of a sample; means of short stretches.");
     report_figure(to, r, "fit_static", "The slow press: the model with its arms at work.");
@@ -414,7 +415,7 @@ void report_simulations(FILE *to, report *r) {
     }
     html_table_end(to);
     fputs("<div class=\"figures\">\n", to);
-    report_figure(to, r, "simulated_linear", "Simulated (dark) over recorded (light).");
+    report_figure(to, r, "simulated_linear", "Simulated (dark) over recorded (light); its 95 % band, if it was simulated with --band.");
     report_figure(to, r, "simulated_log", "The same over the logarithm of time.");
     report_figure(to, r, "simulated_static", "The slow press.");
     fputs("</div>\n", to);

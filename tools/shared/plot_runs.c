@@ -71,17 +71,18 @@ static size_t thin(const palp_recording *r, const double *force_N, const axis *a
 /* ---- curves of force ---- */
 
 typedef struct curves {
-    size_t n, used;
-    plot_series *series; /* [2 n] */
+    size_t n, used, drawn;
+    bool by_depth;
+    plot_series *series; /* [3 n] */
     char (*title)[32];   /* [n] */
-    double *work;        /* [8 n bins] */
+    double *work;        /* [14 n bins] */
 } curves;
 
 static bool curves_create(size_t n, size_t bins, curves *c) {
     *c = (curves){.n = n,
-                  .series = calloc(2 * n + 1, sizeof *c->series),
+                  .series = calloc(3 * n + 1, sizeof *c->series),
                   .title = calloc(n + 1, sizeof *c->title),
-                  .work = calloc(8 * n * bins + 1, sizeof *c->work)};
+                  .work = calloc(14 * n * bins + 1, sizeof *c->work)};
     return c->series && c->title && c->work;
 }
 
@@ -102,8 +103,18 @@ static bool named(size_t k, size_t n) {
     return every <= 1 || k % every == 0;
 }
 
-static void name_curve(const run_curve *run, char title[32]) {
-    if (run->recording->kind == PALP_RECORDING_RAMP_HOLD)
+/* Ramp and hold by their depths, where these tell all of them apart. */
+static bool depths_differ(size_t n, const run_curve *run) {
+    for (size_t k = 0; k < n; k++) {
+        const palp_recording *r = run[k].recording;
+        if (r->kind != PALP_RECORDING_RAMP_HOLD || (k > 0 && fabs(r->deepest_m - run[k - 1].recording->deepest_m) < 0.02 * r->deepest_m))
+            return false;
+    }
+    return true;
+}
+
+static void name_curve(const run_curve *run, bool by_depth, char title[32]) {
+    if (by_depth)
         snprintf(title, 32, "%.3g mm", 1e3 * run->recording->deepest_m);
     else {
         const char *name = cli_base(run->recording->name), *dot = strrchr(name, '.');
@@ -112,11 +123,27 @@ static void name_curve(const run_curve *run, char title[32]) {
     }
 }
 
+/* Where the fit's force may lie, behind the curves. */
+static void add_band(curves *c, const run_curve *run, size_t k, const axis *a) {
+    const palp_recording *r = run->recording;
+    double *x = c->work + 8 * a->bins * c->n + 6 * a->bins * k, *low = x + 2 * a->bins, *high = low + 2 * a->bins;
+    size_t n = 0, every = r->n / (2 * a->bins) + 1;
+    for (size_t i = 0; i < r->n; i += every) {
+        if (bin_of(r, a, i, 0) >= 0 && isfinite(run->band_N[i]) && isfinite(run->band_N[r->n + i])) {
+            x[n] = abscissa(r, a, i);
+            low[n] = run->band_N[i];
+            high[n++] = run->band_N[r->n + i];
+        }
+    }
+    memmove(low + n, high, n * sizeof *high);
+    c->series[c->used++] = (plot_series){k == 0 ? "95 % band" : NULL, PLOT_BAND, colour_of(k, c->n), n, x, low};
+}
+
 static void add_curve(curves *c, const run_curve *run, size_t k, const axis *a, const double *force_N,
                       plot_style style, bool key) {
-    double *x = c->work + 4 * a->bins * c->used, *y = x + 2 * a->bins;
+    double *x = c->work + 4 * a->bins * c->drawn++, *y = x + 2 * a->bins;
     size_t n = thin(run->recording, force_N, a, x, y);
-    name_curve(run, c->title[k]);
+    name_curve(run, c->by_depth, c->title[k]);
     c->series[c->used++] =
         (plot_series){key && named(k, c->n) ? c->title[k] : NULL, style, colour_of(k, c->n), n, x, y};
 }
@@ -127,9 +154,13 @@ static void draw_curves(plot_book *book, const char *name, const char *title, si
     curves c;
     a.bins = (size_t)fmin(fmax((double)POINTS / (double)(2 * n), LEAST_BINS), MOST_BINS);
     if (curves_create(n, a.bins, &c)) {
-        for (size_t k = 0; k < n; k++) {
+        c.by_depth = depths_differ(n, run);
+        for (size_t k = 0; k < n; k++)
+            if (fit && run[k].band_N && (!a.depth || run[k].recording->kind == PALP_RECORDING_STATIC))
+                add_band(&c, &run[k], k, &a);
+        for (size_t k = 0; k < n; k++) { /* raw samples that nothing lies over are the line */
             const double *over = fit ? run[k].fit_N : run[k].filtered_N;
-            add_curve(&c, &run[k], k, &a, run[k].recording->force_N, PLOT_PALE, !over);
+            add_curve(&c, &run[k], k, &a, run[k].recording->force_N, over ? PLOT_PALE : PLOT_LINE, !over);
         }
         for (size_t k = 0; k < n; k++) {
             const double *over = fit ? run[k].fit_N : run[k].filtered_N;
@@ -170,7 +201,11 @@ void plot_runs_time(plot_book *book, const char *name, const char *title, size_t
 
 void plot_runs_depth(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
                      bool fit) {
-    draw_curves(book, name, title, n, run, (axis){true, false, -HUGE_VAL, HUGE_VAL, 0}, fit);
+    const double AIR = 0.1; /* of the depth, before contact */
+    double deepest = 0;
+    for (size_t k = 0; k < n; k++)
+        deepest = fmax(deepest, 1e3 * run[k].recording->deepest_m);
+    draw_curves(book, name, title, n, run, (axis){true, false, -AIR * deepest, HUGE_VAL, 0}, fit);
 }
 
 /* ---- residuals ---- */
@@ -213,7 +248,7 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
         if (run[k].fit_N && run[k].recording->noise_N > 0) {
             double *x = c.work + 4 * BINS * c.used, *y = x + 2 * BINS;
             size_t points = bin_means(&run[k], &a, x, y);
-            name_curve(&run[k], c.title[k]);
+            name_curve(&run[k], depths_differ(n, run), c.title[k]);
             c.series[c.used++] =
                 (plot_series){named(k, n) ? c.title[k] : NULL, PLOT_LINE, colour_of(k, n), points, x, y};
         }

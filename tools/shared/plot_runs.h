@@ -14,6 +14,7 @@ enum { RUN_FILTER_ORDER = 4 };
 typedef struct run_curve {
     const palp_recording *recording;
     double *filtered_N, *fit_N; /* [recording->n]; NULL = none */
+    const double *band_N;       /* [2 n] the lowest, then the highest force of the fit; NULL = none */
 } run_curve;
 
 typedef enum plot_time { PLOT_TIME_LINEAR, PLOT_TIME_LOG, PLOT_TIME_FIRST } plot_time;
