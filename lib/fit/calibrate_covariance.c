@@ -15,11 +15,26 @@ typedef struct carrying {
     const palp_model *lumped, *network;
     size_t from, to;       /* numbers of the lumped model, of the network */
     double *square, *right; /* A'A [to to], A'G [to from] by columns; then what solves them */
-    double miss, size;     /* sums of squares: network less lumped, lumped, over its rms */
+    double miss, missed;    /* what the network misses of the lumped model's force, as a part of it: sum of squares, count */
 } carrying;
 
 static size_t count(const palp_model *model) {
     return model->material.law.n + 2 * model->material.n_arms;
+}
+
+/* The part of the force that the network misses, squared, at every force alike: a miss is not chance but the same in each press, and
+ * largest on the way there, where the force is still small. Forces below a twentieth of the largest do not count. */
+static void add_miss(carrying *c, size_t n, const double *network_N, const double *lumped_N) {
+    double peak = 0.0;
+    for (size_t i = 0; i < n; i++)
+        peak = fmax(peak, fabs(lumped_N[i]));
+    for (size_t i = 0; i < n; i++) {
+        if (fabs(lumped_N[i]) > 0.05 * peak) {
+            double part = network_N[i] / lumped_N[i] - 1.0;
+            c->miss += part * part;
+            c->missed += 1.0;
+        }
+    }
 }
 
 static void add_run(carrying *c, size_t n, const double *network_N, const double *a, const double *lumped_N, const double *g) {
@@ -27,9 +42,7 @@ static void add_run(carrying *c, size_t n, const double *network_N, const double
     for (size_t i = 0; i < n; i++)
         square += lumped_N[i] * lumped_N[i];
     double weight = square > 0.0 ? 1.0 / square : 0.0;
-    for (size_t i = 0; i < n; i++)
-        c->miss += weight * (network_N[i] - lumped_N[i]) * (network_N[i] - lumped_N[i]);
-    c->size += square > 0.0;
+    add_miss(c, n, network_N, lumped_N);
     for (size_t k = 0; k < c->to; k++) {
         for (size_t j = 0; j < c->to; j++)
             c->square[k * c->to + j] += weight * dense_dot(n, a + k * n, a + j * n);
@@ -91,7 +104,7 @@ static void carry(const carrying *c, const double *covariance, double *result) {
 static palp_status add_misfit(const carrying *c, double *covariance) {
     double *own = malloc((palp_forward_parameter_count(c->network) + 1) * sizeof *own);
     palp_status status = own ? palp_forward_get(c->network, own) : PALP_ERR_NO_MEMORY;
-    double part = c->size > 0.0 ? c->miss / c->size : 0.0;
+    double part = c->missed > 0.0 ? c->miss / c->missed : 0.0;
     for (size_t k = 0; k < c->to && !status; k++)
         for (size_t j = 0; j < c->to; j++)
             covariance[k * c->to + j] += part * own[k] * own[j];
