@@ -58,6 +58,18 @@ for scale in 1e-12 1e-9 1 1e5; do
         fail "scale $scale: digits lost"
 done
 
+# ---- the folders as they are, with their licences: what is no table is left out, unless it is named or --strict ----
+for set in afm mach1 ecoflex; do
+    expect 0 import "$MEASURED/$set" --specimen-height-mm 30 --out "whole_$set"
+    [ "$(ls "whole_$set" | wc -l)" -ge "$(ls "$MEASURED/$set" | grep -vc LICENSE)" ] || fail "$set: $(ls "whole_$set" | wc -l) runs"
+    [ "$(grep -c 'LICENSE.*: left out: there is no table in it' err)" -eq 1 ] || fail "$set: nothing about the licence"
+done
+expect 1 import "$MEASURED/afm" --strict --specimen-height-mm 30 --out strict_afm
+expect 1 import "$MEASURED"/afm/LICENSE.txt --specimen-height-mm 30 --out strict_afm; says "no row of numbers"
+mkdir pictures && printf '\211PNG\r\n\032\n\0\0\0\015' >pictures/photo.png && cp "$FORMATS/ms.csv" pictures
+expect 0 import pictures --specimen-height-mm 24 --out pictured
+[ "$(ls pictured)" = ms.csv ] || fail "a picture in the folder: $(ls pictured)"
+
 # ---- a folder is a session, in the order of the times in its files ----
 mkdir folder
 for i in 1 2 3; do

@@ -43,6 +43,9 @@ typedef struct import_text {
     uint32_t crc32;   /* of the file */
 } import_text;
 
+/* In a folder a file without a table, such as a licence or a picture, is left out, which is said; one that is named is a fault. */
+bool import_left_out(const import_options *o, const char *file);
+
 int import_text_read(const char *file, import_text *text); /* an exit code */
 void import_text_free(import_text *text);
 char *import_line(import_text *text);                       /* the next; NULL at the end of the file */

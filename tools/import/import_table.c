@@ -254,7 +254,7 @@ int import_table_read(const import_options *o, import_text *text, import_format 
     if (!find_blocks(&c))
         code = cli_failure(NAME, "%s: out of memory", text->file);
     else if (c.n == 0)
-        code = cli_failure(NAME, "%s:%zu: no row of numbers up to the end of the file%s", text->file, text->n,
+        code = import_left_out(o, text->file) ? CLI_OK : cli_failure(NAME, "%s:%zu: no row of numbers up to the end of the file%s", text->file, text->n,
                            o->separator >= 0 ? "; is --separator right?" : "");
     else
         code = add_sources(o, &c, format, all);
