@@ -21,13 +21,6 @@ static import_format detect(const import_text *text) {
     return instron && near_the_top(text, "Cylinder") ? IMPORT_INSTRON : IMPORT_CSV;
 }
 
-bool import_left_out(const import_options *o, const char *file) {
-    bool leave = o->folder && !o->strict;
-    if (leave)
-        cli_warning(NAME, "%s: left out: there is no table in it", file);
-    return leave;
-}
-
 int import_read(const import_options *o, const char *file, import_sources *all) {
     import_text text;
     int code = import_text_read(file, &text);

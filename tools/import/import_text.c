@@ -197,6 +197,13 @@ int import_text_read(const char *file, import_text *text) {
     return code ? code : index_lines(text, text->text + (marked ? 3 : 0));
 }
 
+bool import_left_out(const import_options *o, const char *file) {
+    bool leave = o->folder && !o->strict;
+    if (leave)
+        cli_warning(NAME, "%s: left out: there is no table in it", file);
+    return leave;
+}
+
 void import_text_free(import_text *text) {
     free(text->text);
     free(text->lines);
