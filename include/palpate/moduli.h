@@ -50,6 +50,10 @@ typedef struct palp_moduli {
 PALP_API palp_status palp_moduli_fit(size_t n, const palp_recording *recordings, const palp_indentation *tips,
                                      const palp_moduli_settings *settings, palp_moduli *moduli, palp_error *error);
 
+/* The mean of n >= 2 specimens' moduli into mean's four of them, with its sd and its 95 % interval by how the specimens differ
+ * (Student's t); between_Pa: sd between specimens of the long-term and the instantaneous shear modulus. ERR_ARGUMENT: n < 2. */
+PALP_API palp_status palp_moduli_pool(size_t n, const palp_moduli *each, palp_moduli *mean, double between_Pa[2]);
+
 #ifdef __cplusplus
 }
 #endif

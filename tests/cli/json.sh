@@ -40,6 +40,8 @@ expect 0 characterize fractional.csv --arms fractional --degree 2 --out fraction
 expect 0 characterize run_1.csv run_2.csv --arms 1 --json && mv out characterize_law.json
 sed '1a # tip.kind: "flat"\n# tip.radius_mm: 3\n# tip.half_angle_deg: 70' run_1.csv >tip.csv
 expect 0 characterize tip.csv --arms 1 --json && mv out characterize_tip.json
+for n in a b; do sed "1a # specimen.name: \"$n\"" tip.csv >tip_$n.csv; done
+expect 0 characterize tip_a.csv tip_b.csv --specimens name --arms 1 --json && mv out characterize_tips.json
 expect 0 characterize tip.csv --arms 1 --tip cone --json && mv out characterize_cone.json
 { printf '# palpate.experiment: 1\n# specimen.height_mm: 24\n# specimen.radius_mm: 12\ntime_s,depth_mm,force_N\n'
   awk 'BEGIN { for (i = 0; i < 800; i++) { t = i / 50; printf "%g,%.6f,0\n", t, (t < 2 ? 2 * (t - 1) : 2) + (t < 4 ? 0 : 0.3 * sin(6.2831853 * (t - 4))) } }'
@@ -83,7 +85,7 @@ sed s/,12,/,13,/ ball.csv >ball_2.csv
 expect 0 reduce $N ball.csv ball_2.csv --hold-out 0 --modes 3 --samples 20 --out ball.json
 expect 0 calibrate $L --stage relaxation --start lattice.json --depth-mm 2 --hold-s 20 --json && mv out cal_start.json
 set -- experiment=run_1.csv experiment=run_static.csv experiment=creep.csv experiment=cyclic.csv experiment=relaxed.csv experiment=like.csv \
-    simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_specimens.json model=specimens.json model=fractional.json characterize=characterize_tip.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
+    simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_specimens.json model=specimens.json model=fractional.json characterize=characterize_tip.json characterize=characterize_tips.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
     model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=characterize_sine.json characterize=fit/characterize.json \
     explain=explain.json explain=explain_out.json explain=fit/explain.json explain=explain_power.json calibrate=cal_static.json \
     calibrate=cal_spline.json calibrate=cal_all.json calibrate=fit/calibrate.json reduced=reduced.json reduce=reduce.json

@@ -26,6 +26,19 @@ near "E_inf" "$(modulus young_inf_Pa)" 3000 0.01
 grep -q '"poisson_found": false' out || fail "one tip gave a Poisson's ratio"
 grep -q 'one tip .* cannot give both modulus and Poisson' err || fail "it is not said that one tip cannot give both"
 awk -v a="$(modulus shear_inf_Pa low)" -v b="$(modulus shear_inf_Pa high)" 'BEGIN { exit !(a < b && b - a < 100) }' || fail "no interval"
+# Three specimens of 900, 1000 and 1100 Pa: each by its own runs, their mean with Student's interval, 100 Pa times 4.303 / sqrt 3.
+for g in 900 1000 1100; do
+    press "of$g" "$(awk -v g=$g 'BEGIN { print 4 * g * 10e-3 * 3.609 * 1e-3 / 0.5 }')" 1 10 0.5 1 "${tip}10\n# specimen.name: \"gel $g\"\n"
+    cp "of$g.csv" "again$g.csv"
+done
+expect 0 characterize of*.csv again*.csv --arms 1 --small-strain --json
+grep -q '3 specimens under a tip: their moduli are pooled' err || fail "specimens under a tip: $(cat err)"
+[ "$(grep -c '"name": "gel ' out)" -ge 3 ] || fail "not three specimens"
+awk '/"moduli"/ { on = 1 } on && /"specimens"/ { inside = 1 } inside && $1 == "\"value\":" { sub(",", "", $2); print $2 } inside && /^ *\],?$/ { exit }' out | awk 'NR % 2' | sort -n >each
+awk '{ w = 800 + 100 * NR; if ($1 / w - 1 > 0.01 || $1 / w - 1 < -0.01) bad = 1 } END { exit bad || NR != 3 }' each || fail "specimens: $(tr '\n' ' ' <each)"
+tail -n +"$(grep -n '"floor"' out | cut -d: -f1)" out >mean && cp mean out
+near "mean of the specimens" "$(modulus shear_inf_Pa)" 1000 0.01
+near "half of its interval" "$(awk -v a="$(modulus shear_inf_Pa low)" -v b="$(modulus shear_inf_Pa high)" 'BEGIN { print (b - a) / 2 }')" 248.4 0.03
 expect 0 characterize broad.csv narrow.csv --arms 1 --small-strain --json
 grep -q '"poisson_found": true' out || fail "two tips gave no Poisson's ratio"
 near "nu of two punches" "$(modulus poisson)" 0.5 0.01

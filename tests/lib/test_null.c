@@ -107,6 +107,9 @@ START_TEST(null_in_indentation) {
     REFUSED(palp_indentation_force(&in, 2, numbers, NULL));
     REFUSED(palp_indentation_contact(NULL, 0.5, numbers));
     REFUSED(palp_indentation_contact(&in, 0.5, NULL));
+    REFUSED(palp_moduli_pool(2, NULL, (void *)storage, (void *)storage));
+    REFUSED(palp_moduli_pool(2, (void *)storage, NULL, (void *)storage));
+    REFUSED(palp_moduli_pool(2, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_moduli_fit(2, NULL, &in, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_moduli_fit(2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_moduli_fit(2, (void *)storage, &in, NULL, (void *)storage, NULL));

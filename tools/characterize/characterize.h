@@ -76,6 +76,9 @@ typedef struct characterize_state {
     bool has_tip;                                  /* each run names the tip that pressed */
     palp_indentation tip[CHARACTERIZE_RUNS_MAX];   /* of each run */
     palp_moduli moduli;                            /* of the layer under it */
+    size_t n_tip_specimens;                  /* under a tip, 0 = one */
+    palp_moduli each[CHARACTERIZE_RUNS_MAX]; /* of each of them */
+    double between_Pa[2];                    /* sd between them, long-term and instantaneous shear modulus */
     double *filtered_N[CHARACTERIZE_RUNS_MAX]; /* NULL = not even enough */
     double cutoff_Hz;
     palp_law plain[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1]; /* [static run][degree]; n = 0: not fitted */

@@ -53,6 +53,7 @@ int characterize_contacts(const characterize_options *o, characterize_state *s) 
     palp_error error = {PALP_OK, ""};
     palp_lumped_fit fit = {0};
     bool automatic = o->contact == 0, enough = s->n >= (automatic ? FEWEST : forms[o->contact] == PALP_CONTACT_FREE ? 2 : 1);
+    enough = enough && !(automatic && s->n_tip_specimens > 1); /* a stiffer specimen is no earlier contact */
     s->contact = enough && o->method == METHOD_NLOPT ? forms[o->contact] : PALP_CONTACT_KNOWN;
     choose_settings(o, s, &settings);
     if (s->contact == PALP_CONTACT_KNOWN)

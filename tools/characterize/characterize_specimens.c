@@ -110,9 +110,11 @@ int characterize_group(const characterize_options *options, characterize_state *
             before++;
         code = add_to(s, r, before < r ? s->specimen[before] : s->n_specimens);
     }
-    if (code == CLI_OK && s->n_specimens > 1 && s->has_tip)
-        return cli_failure(NAME, "%s: of %zu specimens, and a tip is named: a tip's force is not pooled in stress; characterize each specimen by itself",
-                           s->run[0].name, s->n_specimens);
+    if (code == CLI_OK && s->n_specimens > 1 && s->has_tip) { /* a tip's force is no stress: only the moduli are pooled */
+        characterize_warn(s, "%zu specimens under a tip: their moduli are pooled; the lumped model is that of all runs as of one", s->n_specimens);
+        s->n_tip_specimens = s->n_specimens;
+        s->n_specimens = 1;
+    }
     return code || s->n_specimens == 1 ? code : pool(s);
 }
 

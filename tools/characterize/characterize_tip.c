@@ -82,12 +82,40 @@ static void judge(const characterize_options *o, characterize_state *s) {
 }
 
 /* With Poisson's ratio found where it can be. */
-static palp_status fit(const characterize_options *o, characterize_state *s, palp_error *error) {
+static palp_moduli_settings settings_of(const characterize_options *o, const characterize_state *s) {
     palp_moduli_settings settings = palp_moduli_settings_default();
     settings.n_arms = o->arms_form == PALP_ARMS_FREE || s->material.n_arms < 3 ? s->material.n_arms : 3; /* with free times in any case */
     settings.dwell_only = o->dwell_only;
     settings.contact_known = o->contact == 1 || !isnan(o->contact_mm);
-    settings.poisson = isnan(o->poisson) ? NAN : o->poisson;
+    settings.poisson = o->poisson;
+    return settings;
+}
+
+/* Each specimen by its own runs, with Poisson's ratio of all; the moduli become the mean of them. */
+static palp_status pool(const characterize_options *o, characterize_state *s, palp_error *error) {
+    const size_t n = s->n_tip_specimens;
+    palp_moduli_settings settings = settings_of(o, s);
+    palp_recording *run = malloc(s->n * sizeof *run);
+    palp_indentation *tip = malloc(s->n * sizeof *tip);
+    palp_status status = run && tip ? PALP_OK : PALP_ERR_NO_MEMORY;
+    settings.poisson = s->moduli.poisson.value;
+    for (size_t k = 0; k < n && !status; k++) {
+        size_t own = 0;
+        for (size_t r = 0; r < s->n; r++) {
+            if (s->specimen[r] == k) {
+                run[own] = s->run[r];
+                tip[own++] = s->tip[r];
+            }
+        }
+        status = palp_moduli_fit(own, run, tip, &settings, &s->each[k], error);
+    }
+    free(run);
+    free(tip);
+    return status ? status : palp_moduli_pool(n, s->each, &s->moduli, s->between_Pa);
+}
+
+static palp_status fit(const characterize_options *o, characterize_state *s, palp_error *error) {
+    palp_moduli_settings settings = settings_of(o, s);
     palp_status status = palp_moduli_fit(s->n, s->run, s->tip, &settings, &s->moduli, error);
     if (status == PALP_ERR_INPUT && isnan(o->poisson) && s->moduli.n_tips < 2) {
         settings.poisson = 0.5;
@@ -117,6 +145,8 @@ int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
         return cli_failure(NAME, "%s: --tip-sticks is known for punches of 0.2 to 2 thicknesses and plates of 0.2 to 4 heights", s->run[0].name);
     if (status == PALP_ERR_LIMIT)
         return cli_failure(NAME, "%s: the contact is wider than %g thicknesses of the layer: take --tip plate", s->run[0].name, PALP_INDENTATION_WIDEST);
+    if (status == PALP_OK && s->n_tip_specimens > 1)
+        status = pool(o, s, &error);
     if (status)
         return cli_status(NAME, status, &error);
     judge(o, s);
@@ -147,6 +177,10 @@ void characterize_tip_print(const characterize_state *s) {
     print_modulus("G_0, shear, instantaneous", &m->shear_0_Pa);
     print_modulus("E_inf = 2 (1 + nu) G_inf", &m->young_inf_Pa);
     print_modulus("E_0 = 2 (1 + nu) G_0", &m->young_0_Pa);
+    for (size_t k = 0; k < s->n_tip_specimens; k++)
+        printf("  of %-25s %12.5g   G_0 %.5g Pa, each by its own runs\n", characterize_specimen_name(s, k), s->each[k].shear_inf_Pa.value, s->each[k].shear_0_Pa.value);
+    if (s->n_tip_specimens > 1)
+        printf("  sd between specimens         %12.3g   G_0 %.3g Pa; the moduli above are the mean's, with its interval by how they differ\n", s->between_Pa[0], s->between_Pa[1]);
     if (!m->poisson_found)
         printf("  G_inf would be %.4g Pa with a ratio of 0.5, %.4g Pa with 0.3\n", m->shear_low_Pa, m->shear_high_Pa);
     if (m->largest_shift_m > 0)
@@ -176,6 +210,11 @@ json_t *characterize_tip_json(const characterize_state *s) {
         json_array_append_new(tips, tip_json(s, i));
     for (size_t j = 0; j < m->n_arms; j++)
         json_array_append_new(arms, json_pack("{s:f, s:f}", "shear_Pa", m->arm_Pa[j], "tau_s", m->tau_s[j]));
+    json_t *each = json_array();
+    for (size_t k = 0; k < s->n_tip_specimens; k++)
+        json_array_append_new(each, json_pack("{s:s, s:o, s:o}", "name", characterize_specimen_name(s, k), "shear_inf_Pa", modulus_json(&s->each[k].shear_inf_Pa),
+                                              "shear_0_Pa", modulus_json(&s->each[k].shear_0_Pa)));
+    json_object_set_new(to, "specimens", each);
     json_object_set_new(to, "tips", tips);
     json_object_set_new(to, "floor", json_string(s->tip[0].floor_slides ? "slides" : "bonded"));
     json_object_set_new(to, "tip_sticks", json_boolean(s->tip[0].tip_sticks));
