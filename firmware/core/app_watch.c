@@ -40,10 +40,15 @@ static void stop_for(app *a) {
             return;
 }
 
+/* What presses the plate; at the rail by the sensor's own counts, since a tare there would make it nothing. */
+static bool from_below(const app *a) {
+    return a->saturated ? a->force.matrix[FORCE_Z][0] * (float)a->in.adc[0] > 0.0f : a->force_N > 0.0f;
+}
+
 /* A stepper on its way home, upwards: a force from below becomes less by it. */
 static bool leaves(const app *a) {
     return a->machine.stepper && a->supervisor.state == PALP_WIRE_STATE_HOMING && !a->in.home_switch &&
-           a->reference.velocity_m_s <= 0.0f && a->force_N > 0.0f;
+           a->reference.velocity_m_s <= 0.0f && from_below(a);
 }
 
 static void watch_sensor(app *a) {
@@ -126,7 +131,7 @@ bool watch_persists(const app *a) {
 }
 
 bool watch_pressed(const app *a) {
-    return a->machine.stepper && a->force_N > 0.0f &&
+    return a->machine.stepper && from_below(a) &&
            (noted(a, PALP_WIRE_FAULT_OVER_FORCE) || noted(a, PALP_WIRE_FAULT_SENSOR_SATURATED));
 }
 

@@ -113,6 +113,31 @@ static void test_blind(void **state) {
     bench_close(&b);
 }
 
+/* Something so hard that the sensor is at its rail, and tared there on top of it: still no hand is needed. */
+static void test_rail(void **state) {
+    palp_wire_message down = jog(20, 2), tare = {.type = PALP_WIRE_TYPE_TARE, .as.tare = {.samples = 20}};
+    plant_settings s = cheap(PLANT_STEPPER, PLANT_RIGID);
+    bench b;
+    (void)state;
+    s.rigid_N_m = 1e6;
+    bench_open(&b, &s);
+    make_ready(&b);
+    bench_accepted(&b, &down);
+    const double most = peak_until(&b, PALP_WIRE_STATE_FAULT, 20000);
+    bench_run(&b, 100);
+    print_message("a harder block met at 2 mm/s: %.0f N\n", most);
+    assert_true(b.app.saturated);
+    bench_accepted(&b, &tare);
+    bench_run(&b, 100);
+    assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_CLEAR_FAULT), PALP_WIRE_RESULT_DONE);
+    assert_int_equal(b.app.supervisor.state, PALP_WIRE_STATE_IDLE);
+    assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_HOME), PALP_WIRE_RESULT_DONE);
+    for (int i = 0; i < 2000 && plant_look(b.plant).force_N > 0; i++)
+        bench_tick(&b);
+    bench_near(plant_look(b.plant).force_N, 0, 1e-9);
+    bench_close(&b);
+}
+
 /* How fast a program may be follows from the stiffness that was found: what passes the limit adds less than it again. */
 static void test_program(void **state) {
     palp_wire_message find = bench_find_contact(0.5, 0), start = bench_start(1, -1, 0, 0);
@@ -183,6 +208,7 @@ static void test_sensor(void **state) {
 const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_session),
     cmocka_unit_test(test_blind),
+    cmocka_unit_test(test_rail),
     cmocka_unit_test(test_program),
     cmocka_unit_test(test_creep),
     cmocka_unit_test(test_sensor),
