@@ -413,7 +413,7 @@ static double change_of(const effect_data *facts, const char *column) {
 
 effect_data explain_facts(const explain_data *data) {
     return (effect_data){.duration = data->duration, .step = data->step, .deepest = data->deepest,
-                         .fastest = data->fastest, .peak = data->peak, .height = data->height, .white = data->run[0].white, .n_releases = data->n_releases,
+                         .fastest = data->fastest, .peak = data->peak, .height = data->height, .white = hypot(data->run[0].white, data->correlated), .n_releases = data->n_releases,
                          .pull = {data->pull, data->pull_most}, .pulled = data->pulled,
                          .frame = {data->frame.low, data->frame.high}, .runs = data, .change_of = change_of};
 }

@@ -74,6 +74,7 @@ START_TEST(noise_that_is_nowhere_white) {
     ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
     ck_assert_double_eq_tol(hypot(run[0].white, data.correlated), 5e-3, 5e-4);
     ck_assert_double_eq_tol(data.correlation_time, 0.09, 0.02);
+    ck_assert_double_eq_tol(explain_facts(&data).white, 5e-3, 5e-4); /* what effects know of a sample's noise */
 }
 END_TEST
 
