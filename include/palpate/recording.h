@@ -13,6 +13,8 @@ extern "C" {
 enum { PALP_NAME_MAX = 256 };
 
 /* What was done, by the path: one press and perhaps the way back; one press and a dwell; anything else. */
+/* STATIC: a ramp without a dwell, at whatever rate; that the specimen was at rest on it nothing here tells. RAMP_HOLD: a ramp and one
+ * dwell. CREEP: a force held while the depth goes on. OTHER: cycles, sweeps, several ramps. */
 typedef enum palp_recording_kind { PALP_RECORDING_STATIC, PALP_RECORDING_RAMP_HOLD, PALP_RECORDING_OTHER, PALP_RECORDING_CREEP } palp_recording_kind;
 
 /* How contact (depth 0) and zero force were found. */

@@ -20,7 +20,7 @@ for key in palpate command law arms estimates correlation runs static arms_score
     grep -q "^  \"$key\":" out || fail "--json lacks $key"
 done
 [ "$(grep -c " samples; " err)" -eq 7 ] || fail "not one line for each run on stderr"
-grep -q 'static.csv: static press to 9.7.* mm.*contact.*+-.*(free air); zero.*+-.*noise' err || fail "findings: $(tail -n 1 err)"
+grep -q 'static.csv: ramp without a dwell to 9.7.* mm.*contact.*+-.*(free air); zero.*+-.*noise' err || fail "findings: $(tail -n 1 err)"
 near "arms of auto" "$(grep -c '"tau_s"' joint.json)" 4 0 # two of the model, two shared
 near "K1" "$(estimate K_1 joint.json value)" 2.5847711 0.01
 near "b1" "$(estimate b_1 joint.json value)" 3.6146 0.01

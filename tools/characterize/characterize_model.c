@@ -237,7 +237,7 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     if (grid && s->n_hold == 0)
         return cli_failure(NAME, "--method grid needs ramp-and-hold runs (protocol.kind: \"ramp_hold\")");
     if (!o->arms_auto && o->arms > 0 && s->n == s->n_static)
-        characterize_warn(s, "a static press alone tells nothing of arms: the model has none");
+        characterize_warn(s, "a ramp without a dwell alone tells nothing of arms: the model has none");
     progress_start(&bar, "fitting");
     int code = fit_plain(o, s);
     code = code ? code : characterize_find_level(o, s);

@@ -22,7 +22,7 @@ static void add(text_line *line, const char *format, double a, double b) {
 
 /* One line for a run: contact, zero force, noise, and what is wrong with it. */
 static void tell(const palp_recording *r) {
-    static const char *const kinds[] = {"static press", "ramp and hold", "press", "creep"};
+    static const char *const kinds[] = {"ramp without a dwell", "ramp and hold", "press", "creep"};
     text_line line = {"", 0};
     add(&line, " to %.4g mm, %.0f samples", 1e3 * r->deepest_m, (double)r->n);
     add(&line, "; contact %.4g +- %.2g mm", 1e3 * r->contact_m, 1.96e3 * r->contact_sd_m);

@@ -162,7 +162,7 @@ static void findings(const palp_recording *r, char *text, size_t size) {
 }
 
 static void measured_row(FILE *to, const report_file *f) {
-    static const char *const kinds[] = {"static", "ramp and hold", "other", "creep"};
+    static const char *const kinds[] = {"ramp", "ramp and hold", "other", "creep"};
     static const char *const rules[] = {"given", "free air", "nominal"};
     const palp_recording *r = &f->recording;
     char text[256];
