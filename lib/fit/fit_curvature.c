@@ -1,0 +1,151 @@
+/* fit_curvature.c: how well a fit's numbers are known: curvature of its chi2, noise that is correlated, contacts that are off. */
+#include "base/dense.h"
+#include "fit_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Adds what one wrong number, that shifts the residuals of run r by shift[run's n], does to the
+ * parameters; move[2 n] is scratch. */
+static void add_systematic(const fit_problem *p, const double *jacobian, size_t first, size_t blocks,
+                           const double *shift, double *move, fit_curvature *c) {
+    size_t n = fit_parameter_count(p);
+    double *pull = move + n;
+    for (size_t a = 0; a < n; a++) {
+        pull[a] = 0.0;
+        for (size_t i = 0; i < blocks; i++)
+            pull[a] += jacobian[a * p->n_blocks + first + i] * shift[i];
+    }
+    for (size_t a = 0; a < n; a++) {
+        move[a] = 0.0;
+        for (size_t b = 0; b < n; b++)
+            move[a] += c->covariance[a * n + b] * pull[b];
+    }
+    for (size_t a = 0; a < n; a++)
+        for (size_t b = 0; b < n; b++)
+            c->systematic[a * n + b] += move[a] * move[b];
+}
+
+/* Residuals with every contact one sd earlier. */
+static palp_status earlier_contact(const fit_problem *p, const double *v, double *residual) {
+    double *saved = malloc(p->n_blocks * sizeof *saved);
+    if (!saved)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t r = 0, first = 0; r < p->n_runs; first += p->run[r++].n) {
+        const fit_run *run = &p->run[r];
+        memcpy(saved + first, run->strain, run->n * sizeof *saved);
+        for (size_t i = 0; i < run->n; i++)
+            run->strain[i] += run->strain[i] > 0.0 ? run->contact_sd : 0.0;
+    }
+    palp_status status = fit_evaluate(p, v, residual, NULL);
+    for (size_t r = 0, first = 0; r < p->n_runs; first += p->run[r++].n)
+        memcpy(p->run[r].strain, saved + first, p->run[r].n * sizeof *saved);
+    free(saved);
+    return status;
+}
+
+/* A wrong zero shifts a whole recording, force or depth, and more samples do not help. */
+static palp_status find_systematic(const fit_problem *p, const double *v, const double *residual,
+                                   const double *jacobian, fit_curvature *c) {
+    size_t n = fit_parameter_count(p), m = p->n_blocks;
+    double *shift = malloc((2 * m + 2 * n) * sizeof *shift);
+    palp_status status = shift ? earlier_contact(p, v, shift + m) : PALP_ERR_NO_MEMORY;
+    memset(c->systematic, 0, n * n * sizeof *c->systematic);
+    for (size_t r = 0, first = 0; r < p->n_runs && !status; first += p->run[r++].n) {
+        const fit_run *run = &p->run[r];
+        for (size_t i = 0; i < run->n; i++) {
+            shift[i] = sqrt(run->count[i]) / run->noise * run->zero_sd;
+            shift[m + first + i] -= residual[first + i];
+        }
+        add_systematic(p, jacobian, first, run->n, shift, shift + 2 * m, c);
+        add_systematic(p, jacobian, first, run->n, shift + m + first, shift + 2 * m, c);
+    }
+    free(shift);
+    return status;
+}
+
+/* Square of the residual, and its correlation from block to block of each run. */
+static void sum_residual(const fit_problem *p, const double *residual, fit_curvature *c) {
+    double own = 0.0, next = 0.0;
+    size_t used = 0, n = fit_parameter_count(p);
+    for (size_t run = 0, i = 0; run < p->n_runs; run++) {
+        double last = 0.0;
+        for (size_t b = 0; b < p->run[run].n; b++, i++) {
+            if (p->run[run].count[b] == 0.0)
+                continue;
+            own += residual[i] * residual[i];
+            next += residual[i] * last;
+            last = residual[i];
+            used++;
+        }
+    }
+    c->chi2 = own;
+    c->correlation = own > 0.0 ? next / own : 0.0;
+    c->freedom = used > n ? used - n : 1;
+}
+
+/* Covariance of all parameters where they are of fewer: T (T' square T)^-1 T'. */
+static palp_status invert_reduced(const fit_problem *p, const double *square, double *covariance) {
+    size_t n = fit_parameter_count(p), q = p->n_reduced;
+    double *half = malloc((2 * n * q + 2 * q * q) * sizeof *half), *back = half + n * q, *small = back + n * q, *inverse = small + q * q;
+    if (!half)
+        return PALP_ERR_NO_MEMORY;
+    dense_product(n, q, n, square, p->reduced, half);
+    dense_transposed_product(q, q, n, p->reduced, half, small);
+    palp_status status = fit_invert(q, small, inverse);
+    dense_product(n, q, q, p->reduced, inverse, back);
+    for (size_t a = 0; a < n && !status; a++)
+        for (size_t b = 0; b < n; b++) {
+            covariance[a * n + b] = 0.0;
+            for (size_t k = 0; k < q; k++)
+                covariance[a * n + b] += back[k * n + a] * p->reduced[k * n + b];
+        }
+    free(half);
+    return status;
+}
+
+palp_status fit_find_curvature(const fit_problem *p, const double *v, fit_curvature *c) {
+    size_t n = fit_parameter_count(p), m = p->n_blocks;
+    double *r = malloc((m + m * n + n * n) * sizeof *r), *jacobian = r + m, *square = jacobian + m * n;
+    if (!r)
+        return PALP_ERR_NO_MEMORY;
+    palp_status status = fit_evaluate(p, v, r, jacobian);
+    if (!status) {
+        sum_residual(p, r, c);
+        dense_transposed_product(n, n, m, jacobian, jacobian, square);
+        status = p->n_reduced ? invert_reduced(p, square, c->covariance) : fit_invert(n, square, c->covariance);
+    }
+    if (!status)
+        status = find_systematic(p, v, r, jacobian, c);
+    free(r);
+    return status;
+}
+
+double fit_inflation(const fit_curvature *c) {
+    double misfit = c->chi2 / (double)c->freedom, rho = fmin(fmax(c->correlation, 0.0), 0.98);
+    if (rho < 3.0 / sqrt((double)c->freedom))
+        rho = 0.0;
+    return sqrt(fmax(1.0, misfit) * (1.0 + rho) / (1.0 - rho));
+}
+
+/* Sd of log tau of arm j + 1 less that of arm j, whose parameter is a. */
+static double sd_apart(size_t n, size_t a, const double *covariance) {
+    size_t b = a + 2;
+    return sqrt(fmax(covariance[a * n + a] + covariance[b * n + b] - 2.0 * covariance[a * n + b], 0.0));
+}
+
+size_t fit_weakest_arm(const fit_problem *p, const double *v, const double *covariance, double widen) {
+    size_t n = fit_parameter_count(p);
+    for (size_t j = 0; j < p->n_arms; j++) {
+        size_t k = p->n_springs + 2 * j;
+        if (sqrt(fmax(covariance[k * n + k], 0.0)) * widen > 2.0)
+            return j;
+        if (j + 1 == p->n_arms)
+            break;
+        double apart = v[k + 3] - v[k + 1];
+        if (apart < 0.14 || apart < 2.0 * sd_apart(n, k + 1, covariance) * widen)
+            return j;
+    }
+    return p->n_arms;
+}
