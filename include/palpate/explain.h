@@ -30,6 +30,9 @@ typedef struct palp_explain_settings {
     unsigned long long seed;               /* of the simulated null cases */
     palp_explain_loop *loop;               /* NULL = one after the other; the result is the same */
     void *loop_user;
+    void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all. The loop's
+                                                   threads call it too, several at once */
+    void *progress_user;
 } palp_explain_settings;
 
 PALP_API palp_explain_settings palp_explain_settings_default(void);

@@ -9,6 +9,9 @@
 
 static const double MOST_LEFT = 0.2;   /* of the gap: if more is left, the effects do not account for it */
 
+/* Of all work, about; of the rest one can say no more beforehand. */
+static const double OPENING = 0.05, SEARCH = 0.6, AGAIN = 0.15, DESCRIPTION = 0.15, CLOSING = 0.05;
+
 palp_explain_settings palp_explain_settings_default(void) {
     palp_explain_settings s = {.contact = PALP_CONTACT_FREE, .max_effects = 4, .false_alarm = 0.05, .seed = 1};
     memset(s.candidate, 1, sizeof s.candidate);
@@ -175,13 +178,16 @@ static palp_status change_law(explain_search *s, double threshold, size_t best, 
     return status;
 }
 
-/* Adds effects as long as one is accepted; what later ones make superfluous is taken out again. */
-static palp_status search(explain_search *s, palp_explanation *e) {
+/* Adds effects as long as one is accepted; what later ones make superfluous is taken out again. share: of all work; a step
+ * is told as half of what is left, since how many there will be is not known. */
+static palp_status search(explain_search *s, palp_explanation *e, double share) {
     palp_status status = PALP_OK;
     bool out[PALP_EFFECT_COUNT] = {false}; /* was dropped once */
     double threshold = e->null_threshold;
     for (size_t step = 0; explain_added_count(s) <= s->settings->max_effects && !status; step++) {
         palp_effect_id dropped;
+        s->step_share = 0.5 * share;
+        share -= s->step_share;
         if (step > 0)
             status = explain_null_threshold(s, &threshold, NULL);
         if (!status)
@@ -209,6 +215,7 @@ static palp_status search(explain_search *s, palp_explanation *e) {
         if (!status && dropped != PALP_EFFECT_COUNT)
             out[dropped] = true;
     }
+    explain_tell(s, share);
     return status;
 }
 
@@ -261,7 +268,7 @@ static palp_status search_again(explain_search *s, palp_explanation *e, const ex
         status = explain_refit(s);
     }
     if (!status)
-        status = search(s, e);
+        status = search(s, e, AGAIN);
     if (!status)
         status = explain_fit_products(&o->fit, &s->data, NULL);
     if (!status)
@@ -292,16 +299,20 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
         memcpy(s->first, s->residual, s->data.n * sizeof *s->first);
     if (!status)
         status = explain_null_threshold(s, &e->null_threshold, s->share);
+    explain_tell(s, OPENING);
     if (!status)
-        status = search(s, e);
+        status = search(s, e, SEARCH);
     if (!status && s->law_changed && explain_added_count(s) > 0)
         status = search_again(s, e, &base);
+    else
+        explain_tell(s, AGAIN);
     if (!status)
         status = explain_keep_given_arms(s);
     if (!status)
         status = explain_law_review(s, &e->law);
     if (!status)
         status = explain_describe(s, e);
+    explain_tell(s, DESCRIPTION);
     if (!status)
         status = explain_before_find(s, &base, e);
     if (!status)
@@ -309,6 +320,7 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
     explain_fit_free(&base);
     if (!status)
         status = explain_held_out(s, &s->fit, &e->gap.heldout_after_N);
+    explain_tell(s, CLOSING);
     return status ? status : conclude(s, explain_noise_level(&s->data), e);
 }
 

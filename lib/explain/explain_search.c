@@ -112,8 +112,12 @@ typedef struct work {
     palp_status status[PALP_EFFECT_COUNT];
 } work;
 
-static void multistart_task(void *user, size_t i) {
-    work *w = user;
+void explain_tell(const explain_search *s, double share) {
+    if (s->settings->progress)
+        s->settings->progress(s->settings->progress_user, share);
+}
+
+static void multistart(work *w, size_t i) {
     const explain_search *s = w->search;
     explain_trial *t = &w->search->trial[i];
     if (!s->settings->candidate[i])
@@ -130,8 +134,13 @@ static void multistart_task(void *user, size_t i) {
     }
 }
 
-static void finish_task(void *user, size_t i) {
+static void multistart_task(void *user, size_t i) {
     work *w = user;
+    multistart(w, i);
+    explain_tell(w->search, 0.5 * w->search->step_share / PALP_EFFECT_COUNT);
+}
+
+static void finish(work *w, size_t i) {
     const explain_search *s = w->search;
     explain_trial *t = &w->search->trial[i];
     if (!t->multistart || t->multistart->n == 0)
@@ -140,6 +149,12 @@ static void finish_task(void *user, size_t i) {
     w->status[i] = explain_candidate_finish(t->multistart, &s->data, s->settings, (palp_effect_id)i, all, &t->fit);
     if (!w->status[i])
         w->status[i] = explain_trial_examine(s, (palp_effect_id)i, t);
+}
+
+static void finish_task(void *user, size_t i) {
+    work *w = user;
+    finish(w, i);
+    explain_tell(w->search, 0.5 * w->search->step_share / PALP_EFFECT_COUNT);
 }
 
 palp_status explain_try_all(explain_search *s) {

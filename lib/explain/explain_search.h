@@ -73,6 +73,7 @@ typedef struct explain_search {
     double opened;            /* rms that the model as given leaves, N */
     double worth;             /* chi2 that a candidate must promise to be tried */
     double taken_gain;        /* raw_gain of the trial taken last */
+    double step_share;        /* of all work, one explain_try_all is */
     bool law_fixed;           /* another law is no candidate */
     bool law_changed;         /* the law at hand is of another family than first_law, the given one refitted */
     palp_law first_law;
@@ -84,6 +85,9 @@ typedef struct explain_search {
     double share[PALP_EFFECT_COUNT]; /* of each effect's column, left beside the richest material that these runs could carry */
     explain_trial trial[PALP_EFFECT_COUNT];
 } explain_search;
+
+/* So much more of all work is done. */
+void explain_tell(const explain_search *s, double share);
 
 /* fit->model refitted with noise and scatter; force and residual at it. */
 palp_status explain_refit(explain_search *s);

@@ -1,12 +1,16 @@
 /* cmd_explain.c: palpate explain: what a model misses in measured runs, named and added. */
+#define _POSIX_C_SOURCE 200809L
 #include "shared/blas.h"
 #include "shared/commands.h"
 #include "explain.h"
+#include "page.h"
 #include "shared/jobs.h"
 #include "shared/json_out.h"
 #include "shared/opening.h"
+#include "shared/progress.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -151,6 +155,34 @@ static void extend_range(palp_model *model, size_t n, palp_experiment *const *ru
         palp_law_limit(law, deepest);
 }
 
+/* The bar, and the share of the work that is done; threads take turns. */
+typedef struct watch {
+    pthread_mutex_t lock;
+    progress bar;
+    double done;
+} watch;
+
+static void show_progress(void *user, double share) {
+    watch *w = user;
+    pthread_mutex_lock(&w->lock);
+    w->done += share;
+    progress_update(&w->bar, w->done);
+    pthread_mutex_unlock(&w->lock);
+}
+
+static palp_status watched(const explain_options *o, const palp_model *model, const palp_explain_input *input,
+                           palp_explain_settings *s, palp_explanation *e, palp_error *error) {
+    watch w = {.done = 0};
+    pthread_mutex_init(&w.lock, NULL);
+    progress_start(&w.bar, "explain");
+    s->progress = show_progress;
+    s->progress_user = &w;
+    palp_status status = palp_explain(model, o->n_words, input, s, e, error);
+    progress_finish(&w.bar);
+    pthread_mutex_destroy(&w.lock);
+    return status;
+}
+
 static int explain(explain_options *o, palp_explain_input *input, palp_experiment **run, size_t *held_out) {
     palp_model model;
     palp_mesh_source mesh;
@@ -171,13 +203,16 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     code = code ? code : read_runs(o, input, run);
     if (code == CLI_OK) {
         extend_range(&model, o->n_words, run);
-        palp_status status = palp_explain(&model, o->n_words, input, &s, &e, &error);
+        palp_status status = watched(o, &model, input, &s, &e, &error);
         code = status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;
     }
     if (code == CLI_OK) {
-        code = o->json ? json_print(NAME, explain_json(o, &e)) : CLI_OK;
+        json_t *result = explain_json(o, &e);
         if (!o->json)
-            explain_say(&e);
+            explain_say(stdout, result);
+        code = o->json ? json_print(NAME, result) : CLI_OK;
+        if (!o->json)
+            json_decref(result);
         code = code ? code : write_out(o, &e);
         palp_explanation_free(&e);
     }

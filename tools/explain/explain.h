@@ -41,9 +41,6 @@ void explain_figure(plot_book *book, const palp_explanation *e);
 /* explain.json and explain_residuals.svg into the folder of --plot, for palpate report; an exit code. (explain_page.c) */
 int explain_plot(const explain_options *o, const palp_explanation *e);
 
-/* One line for each thing found, on stdout. (explain_page.c) */
-void explain_say(const palp_explanation *e);
-
 /* Keeps one sample in every of a run, which is replaced. (explain_thin.c) */
 palp_status explain_thin(palp_experiment **run, size_t every);
 

@@ -26,9 +26,25 @@ const char *page_effect_means(const char *id);   /* what it does, a sentence */
 const char *page_effect_seen_by(const char *id); /* what an experiment must contain */
 void page_parameter(const char *key, char name[48], char unit[16]);
 void page_phase(const char *id, char text[32]);
-const char *page_force(double force_N, char text[32]); /* in N, mN or uN; returns text */
+const char *page_force(double force_N, char text[32]); /* in N to pN; returns text */
 void page_names(const json_t *ids, size_t from, const char *between, char line[PAGE_LINE]); /* those from one on */
 void page_paragraph(FILE *to, const char *format, ...);
+
+/* ---- page_story.c ---- */
+enum { PAGE_STORY = 16 };
+
+/* Sentences: the verdict, the gap, what else differs, what remains, what could be taken for what. */
+typedef struct page_story {
+    size_t n;
+    char line[PAGE_STORY][PAGE_LINE];
+} page_story;
+
+void page_story_tell(const json_t *all, page_story *story);
+void explain_say(FILE *to, const json_t *all); /* the story, effects, candidates and the next step: for a terminal */
+
+/* Whether a member is a number at all; one that is, within 0 and 1. */
+bool page_has_share(const json_t *object, const char *key);
+double page_share(const json_t *object, const char *key);
 
 /* ---- page_bars.c ---- */
 typedef struct page_bar {
@@ -44,5 +60,6 @@ void page_phases(FILE *to, const json_t *all);
 void page_diagnostics(FILE *to, const json_t *all);
 void page_search(FILE *to, const json_t *all);
 void page_next(FILE *to, const json_t *all);
+void page_next_text(const json_t *all, char text[2 * PAGE_LINE]); /* what to measure next, in words */
 
 #endif

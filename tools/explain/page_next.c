@@ -76,40 +76,53 @@ static void kind_words(const json_t *run, char text[PAGE_LINE]) {
 }
 
 /* Where most is left. */
-static void repeat(FILE *to, const json_t *all) {
+static void repeat_words(const json_t *all, char text[2 * PAGE_LINE]) {
     const json_t *runs = json_object_get(json_object_get(all, "profile"), "experiments"), *run, *worst = NULL;
     char force[32];
     for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++)
         if (!worst || json_number_at(run, "after_N") > json_number_at(worst, "after_N"))
             worst = run;
-    if (worst)
-        page_paragraph(to,
-                         "For what has no name no experiment can be computed. Repeat %s, where most is left (%s rms): what "
-                         "comes back is no accident.",
-                         cli_base(json_text_at(worst, "experiment")), page_force(json_number_at(worst, "after_N"), force));
+    if (json_array_size(runs) == 1)
+        snprintf(text, 2 * PAGE_LINE, "Press again the same way, and once more at another depth and speed: what comes back is no accident.");
+    else
+        snprintf(text, 2 * PAGE_LINE,
+                 "For what has no name no experiment can be computed. Repeat %s, where most is left (%s rms): what comes back is no "
+                 "accident.",
+                 worst ? cli_base(json_text_at(worst, "experiment")) : "an experiment",
+                 page_force(worst ? json_number_at(worst, "after_N") : NAN, force));
+}
+
+void page_next_text(const json_t *all, char text[2 * PAGE_LINE]) {
+    const json_t *next = json_object_get(all, "next_experiment"), *run = json_object_get(next, "run");
+    const char *verdict = json_text_at(all, "verdict");
+    char what[PAGE_LINE], both[PAGE_LINE], apart[32], noise[32];
+    page_names(json_object_get(next, "between"), 0, " and ", both);
+    if (json_is_object(run)) {
+        kind_words(run, what);
+        snprintf(text, 2 * PAGE_LINE,
+                 "Measure %.300s. Both %.300s fit the runs there are; in this run the forces they predict are %s apart, rms, after a zero "
+                 "and a gain of the run's own (the noise level is %s).",
+                 what, both, page_force(json_number_at(next, "separation_N"), apart),
+                 page_force(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
+    } else if (json_is_object(next)) {
+        snprintf(text, 2 * PAGE_LINE, "No run that the indenter can do tells %s apart.", both);
+    } else if (strcmp(verdict, "unexplained") == 0 || strcmp(verdict, "suspected") == 0) {
+        repeat_words(all, text);
+    } else {
+        snprintf(text, 2 * PAGE_LINE, "Nothing is left to be told apart.%s",
+                 json_array_size(json_object_get(all, "not_identifiable")) > 0 ? " What these runs cannot show, the page and the result list." : "");
+    }
 }
 
 void page_next(FILE *to, const json_t *all) {
     const json_t *next = json_object_get(all, "next_experiment"), *run = json_object_get(next, "run"),
-                 *between = json_object_get(next, "between"), *note = json_object_get(next, "note");
-    char text[PAGE_LINE], both[PAGE_LINE], apart[32], noise[32];
+                 *note = json_object_get(next, "note");
+    char text[2 * PAGE_LINE];
     fputs("<h3>What to measure next</h3>\n", to);
-    page_names(between, 0, " and ", both);
-    if (json_is_object(run)) {
-        kind_words(run, text);
-        page_paragraph(to,
-                         "Measure %s. Both %s fit the runs there are; in this run the forces they predict are %s apart, rms, "
-                         "after a zero and a gain of the run's own (the noise level is %s).",
-                         text, both, page_force(json_number_at(next, "separation_N"), apart),
-                         page_force(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
+    page_next_text(all, text);
+    page_paragraph(to, "%s", text);
+    if (json_is_object(run))
         draw(to, run);
-    } else if (json_is_object(next)) {
-        page_paragraph(to, "No run that the indenter can do tells %s apart.", both);
-    } else if (strcmp(json_text_at(all, "verdict"), "unexplained") == 0 || strcmp(json_text_at(all, "verdict"), "suspected") == 0) {
-        repeat(to, all);
-    } else {
-        page_paragraph(to, "Nothing is left to be told apart. What these runs cannot show is listed above.");
-    }
     if (json_is_string(note))
         page_paragraph(to, "%s", json_string_value(note));
 }

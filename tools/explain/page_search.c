@@ -49,8 +49,11 @@ static void candidate_row(FILE *to, const candidate *s, double best, double thre
     fputs("</td>", to);
     html_bars(to, s->score > 1 ? fmin(1, log(s->score) / log(best)) : NAN, NAN,
               fmax(0, fmin(1, log(threshold) / log(best))));
-    fprintf(to, "<td>%.*f</td><td>%s</td><td class=\"t\">", fabs(s->score) < 9.95 ? 1 : 0, s->score,
-            s->explained > 0 ? page_force(s->explained, force) : "-");
+    if (isfinite(s->score))
+        fprintf(to, "<td>%.*f</td>", fabs(s->score) < 9.95 ? 1 : 0, s->score);
+    else
+        fputs("<td>-</td>", to);
+    fprintf(to, "<td>%s</td><td class=\"t\">", s->explained > 0 ? page_force(s->explained, force) : "-");
     html_text(to, s->reason ? s->reason : "added");
     fputs("</td></tr>\n", to);
 }
@@ -120,16 +123,18 @@ static void blind(FILE *to, const json_t *all) {
 void page_search(FILE *to, const json_t *all) {
     const json_t *steps = json_object_get(all, "steps"), *step;
     double best = best_of_all(steps), threshold = json_number_at(all, "null_threshold");
-    char beside[PAGE_LINE] = "the model as given";
+    char beside[PAGE_LINE] = "the model as given", chance[32] = "";
+    if (isfinite(threshold))
+        snprintf(chance, sizeof chance, " (%.2g)", threshold);
     fputs("<h3>The candidates and their scores</h3>\n<div class=\"candidates\">\n", to);
     page_paragraph(to,
                      "Each effect of the catalogue was added to the model and refitted with everything else over all "
                      "experiments at once. The score is the natural logarithm of how many times more likely it makes the "
                      "recordings, less a price for its parameters; the dashed line is what the best of all candidates gains by "
-                     "chance (%.2g). The best one that also "
+                     "chance%s. The best one that also "
                      "predicts experiments left out of the fit and changes the forces by enough is added, and the others "
                      "are tried again beside it.",
-                     threshold);
+                     chance);
     for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
         step_section(to, step, i + 1, beside, best, threshold);
         size_t n = strlen(beside);

@@ -25,7 +25,7 @@ const char *page_verdict(const char *verdict, double unexplained_N) {
         {"agrees", "Nothing is missing that these runs could show."},
         {"explained", "With the effects below, what remains is at the noise level."},
         {"ambiguous", "The effects below close the gap, but others would do as well; they are named with each."},
-        {"suspected", "Something is missing; one recording names candidates, a second one would have to confirm them."},
+        {"suspected", "Something is missing; this recording suggests candidates, and a second one would have to confirm them."},
         {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
     };
     if (strcmp(verdict, "agrees") == 0 && unexplained_N > 0)
@@ -71,11 +71,15 @@ void page_phase(const char *id, char text[32]) {
 }
 
 const char *page_force(double force_N, char text[32]) {
-    double size = fabs(force_N);
-    bool newtons = size >= 0.9995, milli = newtons || size >= 9.995e-4 || size == 0;
+    static const struct {
+        const char *unit;
+        double size;
+    } units[] = {{"N", 1}, {"mN", 1e-3}, {"\u00b5N", 1e-6}, {"nN", 1e-9}, {"pN", 1e-12}};
+    size_t k = force_N == 0; /* 0 mN */
+    while (k + 1 < sizeof units / sizeof *units && force_N != 0 && fabs(force_N) < 0.9995 * units[k].size)
+        k++;
     if (isfinite(force_N))
-        snprintf(text, 32, "%.3g %s", newtons ? force_N : milli ? 1e3 * force_N : 1e6 * force_N,
-                 newtons ? "N" : milli ? "mN" : "\u00b5N");
+        snprintf(text, 32, "%.3g %s", force_N / units[k].size, units[k].unit);
     else
         strcpy(text, "-");
     return text;

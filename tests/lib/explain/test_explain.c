@@ -327,15 +327,25 @@ static void only_friction_and_its_like(palp_explain_settings *s) {
     s->candidate[PALP_EFFECT_TOE_REGION] = s->candidate[PALP_EFFECT_RELAXATION_ARM] = 1;
 }
 
+static void add_share(void *user, double share) {
+    double *done = user;
+    ck_assert(share > 0 && share < 0.5);
+    *done += share;
+}
+
 START_TEST(the_order_of_the_tasks_changes_no_bit) {
     palp_model truth = with(PALP_EFFECT_COULOMB_FRICTION, 0.06);
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation a, b;
+    double done = 0;
     session(&truth);
     only_friction_and_its_like(&s);
     explain(&s, &a);
     s.loop = backwards;
+    s.progress = add_share;
+    s.progress_user = &done;
     explain(&s, &b);
+    ck_assert_double_eq_tol(done, 1, 1e-9);
     ck_assert_uint_eq(a.n_effects, b.n_effects);
     ck_assert_mem_eq(a.effect[0].effect.value, b.effect[0].effect.value, sizeof a.effect[0].effect.value);
     ck_assert_mem_eq(&a.gap, &b.gap, sizeof a.gap);
