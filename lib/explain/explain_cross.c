@@ -1,4 +1,4 @@
-/* explain_cross.c: how well a fit to the other runs predicts each. */
+/* explain_cross.c: how well a fit to the other runs predicts each, or of one run a fit to its other parts each part. */
 #include "explain_fit.h"
 #include "base/dense.h"
 
@@ -57,17 +57,99 @@ palp_status explain_fit_leave_out(const explain_fit *fit, const explain_data *da
     return PALP_OK;
 }
 
+/* ---- parts of the only run ---- */
+
+enum { PARTS = 8 };
+
+/* Products of the columns over each part, [PARTS m m]; status: of the visit. */
+typedef struct parts {
+    const explain_data *data;
+    size_t m;
+    double *product;
+    palp_status status;
+} parts;
+
+static void find_parts(void *user, size_t r, const double *column) {
+    parts *p = user;
+    const explain_run *run = &p->data->run[r];
+    const size_t m = p->m;
+    if (run->held_out)
+        return;
+    double *part = malloc(m * (run->n / PARTS + 1) * sizeof *part);
+    p->status = part ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t b = 0; b < PARTS && part; b++) {
+        const size_t from = b * run->n / PARTS, n = (b + 1) * run->n / PARTS - from;
+        for (size_t j = 0; j < m; j++)
+            memcpy(part + j * n, column + j * run->n + from, n * sizeof *part);
+        dense_transposed_product(m, m, n, part, part, p->product + b * m * m);
+    }
+    free(part);
+}
+
+/* Log likelihood of what has these products, parameters and the run's own contact, zero, gain and hum integrated out. work: [m m] */
+static double evidence(const explain_fit *fit, const double *product, double *work) {
+    const explain_scatter *s = &fit->scatter;
+    const double sd[EXPLAIN_NUISANCES] = {s->zero, s->contact, s->gain, fit->hum_N, fit->hum_N};
+    const size_t m = fit->m, n = m - 1, k = fit->n_columns;
+    double *h = work, *g = work + n * n, chi2 = product[n * m + n];
+    bool still[EXPLAIN_COLUMNS + EXPLAIN_NUISANCES]; /* a parameter on its bound, a nuisance that is none */
+    for (size_t i = 0; i < n; i++)
+        still[i] = i < k ? fit->x[i] <= fit->low[i] || fit->x[i] >= fit->high[i] : !(sd[i - k] > 0.0);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++)
+            h[i * n + j] = still[i] || still[j] ? 0.0 : product[i * m + j];
+        const double scale = still[i] ? 1.0 : i < k ? fit->unit[i] : sd[i - k];
+        h[i * n + i] += 1.0 / (scale * scale);
+        g[i] = still[i] ? 0.0 : product[i * m + n];
+    }
+    if (!dense_cholesky(n, h))
+        return -HUGE_VAL;
+    const double logdet = dense_log_determinant(n, h);
+    dense_forward(n, h, 1, g);
+    return -0.5 * (chi2 - dense_dot(n, g, g) + logdet);
+}
+
+/* Log score of each part of the only run that is fitted, predicted by the others: score[PARTS]. */
+static palp_status leave_parts_out(const explain_fit *fit, const explain_data *data, double *score) {
+    const size_t m = fit->m, all = m * m;
+    explain_fit copy = {.n_columns = 0};
+    parts p = {.data = data, .m = m, .product = malloc((PARTS + 3) * all * sizeof *p.product)};
+    palp_status status = p.product ? explain_fit_copy(fit, data->n_runs, &copy) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = explain_fit_visit(&copy, data, NULL, NULL, find_parts, &p);
+    if (!status)
+        status = p.status;
+    if (!status) {
+        double *sum = p.product + PARTS * all, *rest = sum + all, *work = rest + all;
+        memset(sum, 0, all * sizeof *sum);
+        for (size_t i = 0; i < PARTS * all; i++)
+            sum[i % all] += p.product[i];
+        const double whole = evidence(&copy, sum, work);
+        for (size_t b = 0; b < PARTS; b++) {
+            for (size_t i = 0; i < all; i++)
+                rest[i] = sum[i] - p.product[b * all + i];
+            score[b] = whole - evidence(&copy, rest, work);
+        }
+    }
+    explain_fit_free(&copy);
+    free(p.product);
+    return status;
+}
+
+/* ---- two fits ---- */
+
 palp_status explain_paired(const explain_data *data, const explain_fit *a, const explain_fit *b, explain_pair *pair) {
-    size_t n = data->n_runs, counted = 0;
+    const bool alone = explain_fitted_runs(data) == 1;
+    size_t n = alone ? PARTS : data->n_runs, counted = 0;
     double *score = malloc(2 * n * sizeof *score), squares = 0.0, most = -HUGE_VAL;
     if (!score)
         return PALP_ERR_NO_MEMORY;
-    palp_status status = explain_fit_leave_out(a, data, score);
+    palp_status status = alone ? leave_parts_out(a, data, score) : explain_fit_leave_out(a, data, score);
     if (!status)
-        status = explain_fit_leave_out(b, data, score + n);
+        status = alone ? leave_parts_out(b, data, score + n) : explain_fit_leave_out(b, data, score + n);
     *pair = (explain_pair){.gain = 0.0};
     for (size_t r = 0; r < n; r++) {
-        if (data->run[r].held_out)
+        if (status || (!alone && data->run[r].held_out))
             continue;
         score[r] = fmax(score[n + r], -1e12) - fmax(score[r], -1e12);
         pair->gain += score[r];
@@ -75,7 +157,7 @@ palp_status explain_paired(const explain_data *data, const explain_fit *a, const
         counted++;
     }
     for (size_t r = 0; r < n; r++)
-        squares += data->run[r].held_out ? 0.0 : pow(score[r] - pair->gain / (double)counted, 2);
+        squares += status || (!alone && data->run[r].held_out) ? 0.0 : pow(score[r] - pair->gain / (double)counted, 2);
     pair->rest = pair->gain - most;
     pair->se = counted > 1 ? sqrt(squares * (double)counted / (double)(counted - 1)) : 0.0;
     free(score);

@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-static const char ONE_RUN[] = "helps in one experiment only";
+static const char ONE_RUN[] = "helps in one experiment only",
+                  ALONE[] = "helps to predict the other parts of this recording: another recording would have to confirm it";
 
 /* What an effect's equations are good for: of the first gap, and of the noise level beside an effect that is there. */
 static const double SHADOW = 0.06, SLIGHT = 0.25;
@@ -48,12 +49,14 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
         return "explains less than the practical limit";
     if (at_an_end(&t->fit))
         return "its estimate is at the end of what these runs can mean";
-    if (explain_fitted_runs(&s->data) == 1)
-        return ONE_RUN;
+    const bool alone = explain_fitted_runs(&s->data) == 1; /* parts of it are left out in turn */
     if (!(t->held_out_gain > t->held_out_se))
-        return "does not help to predict an experiment left out by more than its standard error";
+        return alone ? "does not help to predict a part of the recording left out by more than its standard error"
+                     : "does not help to predict an experiment left out by more than its standard error";
     if (!(t->held_out_rest > 0.0))
-        return ONE_RUN;
+        return alone ? "helps in one part of the recording only" : ONE_RUN;
+    if (alone)
+        return ALONE;
     const bool slight = !(t->explained > SLIGHT * explain_noise_level(&s->data));
     const bool accuses = slight && of_the_instrument(&t->fit);
     if (accuses && !t->from_zero)
@@ -65,7 +68,7 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
     return NULL;
 }
 
-bool explain_unconfirmed(const char *reason) { return reason == ONE_RUN; }
+bool explain_unconfirmed(const char *reason) { return reason == ONE_RUN || reason == ALONE; }
 
 size_t explain_best_trial(const explain_search *s, double threshold, palp_status *status) {
     size_t best = PALP_EFFECT_COUNT;

@@ -409,6 +409,29 @@ START_TEST(one_run_is_enough_and_air_alone_is_not) {
 }
 END_TEST
 
+/* One recording: what helps to predict its parts from its other parts is a candidate, and no more. */
+START_TEST(one_run_suspects) {
+    palp_model truth = with(PALP_EFFECT_COULOMB_FRICTION, 0.06);
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    palp_error error;
+    size_t best = 0;
+    session(&truth);
+    only_friction_and_its_like(&s);
+    palp_model m = guess();
+    ck_assert_int_eq(palp_explain(&m, 1, input + 1, &s, &e, &error), PALP_OK);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_SUSPECTED);
+    ck_assert_uint_eq(e.n_effects, 0);
+    for (size_t k = 0; k < e.n_candidates; k++)
+        if (e.candidate[k].unconfirmed && e.candidate[k].score > e.candidate[best].score)
+            best = k;
+    ck_assert_int_eq(e.candidate[best].id, PALP_EFFECT_COULOMB_FRICTION);
+    ck_assert(e.candidate[best].unconfirmed);
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
 void tests(TCase *tc) {
     tcase_add_test(tc, nothing_hidden_nothing_named);
     tcase_add_loop_test(tc, a_hidden_effect_is_named, 0, 3);
@@ -423,4 +446,5 @@ void tests(TCase *tc) {
     tcase_add_test(tc, what_is_found_is_a_model);
     tcase_add_test(tc, what_it_cannot_take_is_refused);
     tcase_add_test(tc, one_run_is_enough_and_air_alone_is_not);
+    tcase_add_test(tc, one_run_suspects);
 }
