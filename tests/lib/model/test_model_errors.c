@@ -71,7 +71,7 @@ static const struct {
      "arms[1].stiffness_kN is no known key: \"stiffness_N\" is expected"},
     {"unknown", 12, PALP_ERR_INPUT,
      "colour is no known key: known here are palpate, kind, specimen, stiffness, arms, dashpot_Ns, "
-     "quasi_linear, formulation, effects, covariance, specimens"},
+     "quasi_linear, formulation, effects, fractional, covariance, specimens"},
     {"version_2", 2, PALP_ERR_INPUT, "palpate.model is not 1, the version that this build reads"},
     {"viscosity", 10, PALP_ERR_INPUT, "arms[1].viscosity_Ns must be greater than 0, not -30"},
 };
