@@ -124,6 +124,8 @@ START_TEST(null_in_explain) {
     REFUSED(palp_explain(&model, 2, NULL, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_explain(&model, 2, (void *)storage, NULL, (void *)storage, NULL));
     REFUSED(palp_explain(&model, 2, (void *)storage, (void *)storage, NULL, NULL));
+    REFUSED(palp_explain_frame(2, NULL, (void *)storage, NULL));
+    REFUSED(palp_explain_frame(2, (void *)storage, NULL, NULL));
 }
 END_TEST
 
