@@ -31,7 +31,7 @@ void page_names(const json_t *ids, size_t from, const char *between, char line[P
 void page_paragraph(FILE *to, const char *format, ...);
 
 /* ---- page_story.c ---- */
-enum { PAGE_STORY = 16 };
+enum { PAGE_STORY = 16, PAGE_CANDIDATES = 3 };
 
 /* Sentences: the verdict, the gap, what else differs, what remains, what could be taken for what. */
 typedef struct page_story {
@@ -40,6 +40,10 @@ typedef struct page_story {
 } page_story;
 
 void page_story_tell(const json_t *all, page_story *story);
+bool page_one_recording(const json_t *all);
+
+/* Of the candidates that gain anything and were not taken the one that gains most after last, or NULL; last NULL: the first. */
+const json_t *page_candidate(const json_t *all, const json_t *last);
 void explain_say(FILE *to, const json_t *all); /* the story, effects, candidates and the next step: for a terminal */
 
 /* Whether a member is a number at all; one that is, within 0 and 1. */

@@ -7,6 +7,17 @@
 
 /* ---- the verdict ---- */
 
+/* Where no effect is named yet: which are the first to think of, and what to measure. */
+static void ranked(FILE *to, const json_t *all) {
+    const json_t *one = page_candidate(all, NULL);
+    char next[2 * PAGE_LINE];
+    for (int n = 1; n <= PAGE_CANDIDATES && one; n++, one = page_candidate(all, one))
+        page_paragraph(to, "%d. %s, evidence %.3g nats: %s.", n, page_effect(json_text_at(one, "id")), json_number_at(one, "score"),
+                       json_text_at(one, "reason"));
+    page_next_text(all, next);
+    page_paragraph(to, "Next: %s", next);
+}
+
 static void verdict(FILE *to, const json_t *all) {
     page_story story;
     page_story_tell(all, &story);
@@ -17,6 +28,8 @@ static void verdict(FILE *to, const json_t *all) {
     fputs("</b>\n", to);
     for (size_t i = 1; i < story.n; i++)
         page_paragraph(to, "%s", story.line[i]);
+    if (strcmp(json_text_at(all, "verdict"), "suspected") == 0)
+        ranked(to, all);
     fputs("</div>\n", to);
 }
 
@@ -24,7 +37,7 @@ static void verdict(FILE *to, const json_t *all) {
 
 static void gap_bars(FILE *to, const json_t *all) {
     const json_t *gap = json_object_get(all, "gap");
-    bool some = json_array_size(json_object_get(all, "effects")) > 0;
+    bool some = json_array_size(json_object_get(all, "effects")) > 0, one = page_one_recording(all);
     const page_bar bar[] = {
         {"all experiments", json_number_at(gap, "before_N"), some ? json_number_at(gap, "after_N") : NAN},
         {"experiments left out", json_number_at(gap, "heldout_before_N"),
@@ -34,9 +47,9 @@ static void gap_bars(FILE *to, const json_t *all) {
     if (some && page_has_share(gap, "closed"))
         snprintf(closed, sizeof closed, " Of the gap above the noise level %.0f %% is closed.", 100 * page_share(gap, "closed"));
     snprintf(caption, sizeof caption,
-             "The gap, rms: orange the model as given, refitted%s. Below: experiments that the fit did not see.%s",
-             some ? ", blue with the effects" : "", closed);
-    page_bars(to, caption, sizeof bar / sizeof bar[0], bar, json_number_at(gap, "noise_level_N"));
+             "The gap, rms: orange the model as given, refitted%s.%s%s", some ? ", blue with the effects" : "",
+             one ? "" : " Below: experiments that the fit did not see.", closed);
+    page_bars(to, caption, one ? 1 : sizeof bar / sizeof bar[0], bar, json_number_at(gap, "noise_level_N"));
 }
 
 /* "12 %", or "-" where it is none. */
@@ -53,6 +66,10 @@ static void noise_level_table(FILE *to, const json_t *all) {
     html_row(to, "white noise of a sample|~%s", page_force(json_number_at(parts, "white_N"), white));
     html_row(to, "correlated noise|~%s over %s", page_force(json_number_at(parts, "correlated_N"), correlated),
              amount(parts, "correlation_s", 1, "s", over));
+    if (page_one_recording(all)) {
+        html_table_end(to);
+        return;
+    }
     html_row(to, "beside it, gain from run to run|~%s", amount(parts, "gain_scatter", 100, "%", text));
     html_row(to, "contact from run to run|~%s", amount(parts, "contact_scatter_mm", 1, "mm", text));
     html_row(to, "runs that go the same way|~%s",

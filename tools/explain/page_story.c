@@ -20,7 +20,7 @@ static bool is_verdict(const json_t *all, const char *name) {
     return strcmp(json_text_at(all, "verdict"), name) == 0;
 }
 
-static bool one_recording(const json_t *all) {
+bool page_one_recording(const json_t *all) {
     return json_array_size(json_object_get(json_object_get(all, "profile"), "experiments")) == 1;
 }
 
@@ -47,7 +47,7 @@ static void add_gap(page_story *story, const json_t *all) {
     double before = json_number_at(gap, "heldout_before_N"), after = json_number_at(gap, "heldout_after_N"),
            noise = json_number_at(gap, "noise_level_N");
     char names[PAGE_LINE], from[32], to[32], alone[32];
-    const char *where = one_recording(all) ? "" : " in experiments left out of the fit";
+    const char *where = page_one_recording(all) ? "" : " in experiments left out of the fit";
     effect_names(all, names);
     if (names[0])
         add(story, "The model as given lacks: %s.", names);
@@ -61,7 +61,7 @@ static void add_gap(page_story *story, const json_t *all) {
     if (names[0])
         add(story, "Once that is added, recorded minus model%s %s from %s, rms, to %s. Noise alone makes %s.", where,
             after <= before ? "falls" : "goes up", from, to, alone);
-    else if (one_recording(all))
+    else if (page_one_recording(all))
         add(story, "With its numbers refitted, recorded minus model is %s, rms. Noise alone makes %s.", to, alone);
     else
         add(story,
@@ -171,24 +171,22 @@ static void say_effect(FILE *to, const json_t *effect) {
     fputc('\n', to);
 }
 
-/* The candidates that gain most and were not taken. */
-static void say_candidates(FILE *to, const json_t *all) {
-    enum { SAID = 3 };
-    const json_t *list = json_object_get(all, "rejected"), *one, *last = NULL;
-    for (int n = 0; n < SAID; n++) {
-        const json_t *best = NULL;
-        for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++) {
-            double score = json_number_at(one, "score");
-            bool next = isfinite(score) && score > 0 && (!last || score < json_number_at(last, "score"));
-            if (next && (!best || score > json_number_at(best, "score")))
-                best = one;
-        }
-        if (!best)
-            return;
-        fprintf(to, "candidate %s: evidence %.3g nats; not taken: %s\n", json_text_at(best, "id"), json_number_at(best, "score"),
-                json_text_at(best, "reason"));
-        last = best;
+const json_t *page_candidate(const json_t *all, const json_t *last) {
+    const json_t *list = json_object_get(all, "rejected"), *one, *best = NULL;
+    for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++) {
+        double score = json_number_at(one, "score");
+        bool next = isfinite(score) && score > 0 && (!last || score < json_number_at(last, "score"));
+        if (next && (!best || score > json_number_at(best, "score")))
+            best = one;
     }
+    return best;
+}
+
+static void say_candidates(FILE *to, const json_t *all) {
+    const json_t *one = page_candidate(all, NULL);
+    for (int n = 0; n < PAGE_CANDIDATES && one; n++, one = page_candidate(all, one))
+        fprintf(to, "candidate %s: evidence %.3g nats; not taken: %s\n", json_text_at(one, "id"), json_number_at(one, "score"),
+                json_text_at(one, "reason"));
 }
 
 void explain_say(FILE *to, const json_t *all) {
