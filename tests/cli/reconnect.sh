@@ -52,7 +52,7 @@ until [ "$(cat cut/ramp_hold_2mm.csv 2>/dev/null | wc -c)" -gt 100000 ] || ! kil
 kill -USR1 $cable
 wait $host
 [ $? -eq 1 ] || fail "cut: exit code"
-[ "$(fault cut/ramp_hold_2mm.csv)" = '"disconnected"' ] || fail "cut: $(fault cut/ramp_hold_2mm.csv)"
+[ "$(fault cut/ramp_hold_2mm.csv)" = '"disconnected"' ] || fail "cut: $(fault cut/ramp_hold_2mm.csv) $(cat cut.err)"
 rows=$(grep -c '^[-0-9]' cut/ramp_hold_2mm.csv)
 grep -q "^# end.samples: $rows " cut/ramp_hold_2mm.csv && [ "$rows" -gt 1000 ] || fail "cut: $rows rows, $(grep end.samples cut/*.csv)"
 unplug
