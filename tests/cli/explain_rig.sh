@@ -63,7 +63,7 @@ session arm relaxation_arm '"stiffness_N": 0.5, "time_s": 6'
 # the arm stands alone at once a longer hold is the next experiment.
 case $(verdict) in
 ambiguous)
-    grep relaxation_arm said_arm | grep -q 'poroelastic' || fail "not a class of the arm and pores: $(cat said_arm)"
+    grep -q 'another relaxation time here could as well be .*poroelastic' said_arm || fail "not a class of the arm and pores: $(cat said_arm)"
     [ -s next.json ] || fail "no next experiment" ;;
 explained)
     grep -q relaxation_arm said_arm || fail "arm: $(cat said_arm)"

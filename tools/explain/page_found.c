@@ -12,8 +12,8 @@ static void ranked(FILE *to, const json_t *all) {
     const json_t *one = page_candidate(all, NULL);
     char next[2 * PAGE_LINE];
     for (int n = 1; n <= PAGE_CANDIDATES && one; n++, one = page_candidate(all, one))
-        page_paragraph(to, "%d. %s, evidence %.3g nats: %s.", n, page_effect(json_text_at(one, "id")), json_number_at(one, "score"),
-                       json_text_at(one, "reason"));
+        page_paragraph(to, "%d. %s (the natural logarithm of the likelihood grows by %.3g): %s.", n, page_effect(json_text_at(one, "id")),
+                       json_number_at(one, "score"), json_text_at(one, "reason"));
     page_next_text(all, next);
     page_paragraph(to, "Next: %s", next);
 }
