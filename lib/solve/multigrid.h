@@ -20,7 +20,8 @@ void multigrid_free(multigrid *mg); /* NULL is fine */
  * caller before multigrid_begin and left alone until the making is done. */
 enum { MULTIGRID_COUPLINGS = 600 };
 
-/* Another block between two nodes that an element joins (others are passed over), rows of low, columns of high. */
+/* Another block between two nodes, rows of low, columns of high. Of nodes that no element joins the finest level's sweeps have it,
+ * coarser levels and the factor do not. */
 typedef struct multigrid_coupling {
     int32_t low, high, next; /* next: set by begin */
     float block[9];
