@@ -111,8 +111,9 @@ palp_status fit_solve_spectrum(fit_problem *problem, double *p, double *theta, b
 /* In place of the arms' estimates those of FRACTIONAL. */
 palp_status fit_estimate_fractional(const fit_problem *problem, const double *theta, const fit_curvature *c, palp_lumped_fit *fit);
 
-/* Inverse of the symmetric a[n n], which is destroyed, scaled to a unit diagonal first, with a ridge of rounding size.
- * ERR_SINGULAR. */
+/* Inverse of the symmetric a[n n], which is destroyed, scaled to a unit diagonal first, with the least ridge from rounding size on
+ * that makes it positive definite: along what the data do not tell, variances are very large, never negative. ERR_SINGULAR: it is
+ * indefinite by more than rounding, or not finite. */
 palp_status fit_invert(size_t n, double *a, double *inverse);
 
 /* Where contact is against where it was taken for, in strain, a nuisance parameter beside the fit's: one for all runs, or one

@@ -138,23 +138,28 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
 }
 
 palp_status fit_invert(size_t n, double *a, double *inverse) {
-    double *scale = malloc((1 + DENSE_WORK) * n * sizeof *scale), *work = scale + n;
-    int *pivot = malloc(n * sizeof *pivot);
-    palp_status status = scale && pivot ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < n && !status; i++)
+    const double most = 1e-8;
+    double ridge = 1e-14, *scale = malloc((n * n + n) * sizeof *scale), *plain = scale + n;
+    bool done = false;
+    if (!scale)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n; i++)
         scale[i] = a[i * n + i] > 0.0 ? 1.0 / sqrt(a[i * n + i]) : 1.0;
-    for (size_t i = 0; i < n && !status; i++)
-        for (size_t j = 0; j < n; j++) {
-            a[i * n + j] = a[i * n + j] * scale[i] * scale[j] + (i == j ? 1e-14 : 0.0);
-            inverse[i * n + j] = i == j ? scale[i] : 0.0;
-        }
-    if (!status && !dense_ldl(n, a, pivot, work))
-        status = PALP_ERR_SINGULAR;
-    if (!status)
-        dense_ldl_solve(n, a, pivot, n, inverse);
-    for (size_t i = 0; i < n * n && !status; i++)
+    memcpy(plain, a, n * n * sizeof *plain);
+    for (; !done && ridge < most; ridge *= 10.0) {
+        for (size_t i = 0; i < n; i++)
+            for (size_t j = 0; j < n; j++) {
+                a[i * n + j] = plain[i * n + j] * scale[i] * scale[j] + (i == j ? ridge : 0.0);
+                inverse[i * n + j] = i == j ? scale[i] : 0.0;
+            }
+        done = dense_cholesky(n, a);
+    }
+    if (done)
+        dense_cholesky_solve(n, a, n, inverse);
+    for (size_t i = 0; i < n * n && done; i++) {
         inverse[i] *= scale[i % n];
+        done = isfinite(inverse[i]);
+    }
     free(scale);
-    free(pivot);
-    return status;
+    return done ? PALP_OK : PALP_ERR_SINGULAR;
 }

@@ -237,7 +237,7 @@ static void convert_rows(const plain_numbers *s, size_t rows, double *row, doubl
 
 enum { GRID = 40 };
 
-/* log tau within its bounds, log K not below a millionth of the stiffness of all; K(e) > 0 where asked. */
+/* log tau within its bounds, log K within a million of the stiffness of all; K(e) > 0 where asked. */
 static size_t constrain(const fit_problem *p, double *row, double *floor) {
     size_t n = fit_parameter_count(p), rows = 0;
     double a[PALP_LAW_MAX] = {0};
@@ -249,6 +249,8 @@ static size_t constrain(const fit_problem *p, double *row, double *floor) {
         floor[rows++] = -log(p->tau_max);
         row[rows * n + k] = 1.0;
         floor[rows++] = log(1e-6 * p->stiffness);
+        row[rows * n + k] = -1.0;
+        floor[rows++] = -log(1e6 * p->stiffness);
     }
     bool spline = p->settings->spring == PALP_SPRING_LAW && p->law.kind == PALP_LAW_SPLINE;
     for (size_t i = 0; spline && i < p->law.n; i++) {
@@ -266,7 +268,7 @@ static size_t constrain(const fit_problem *p, double *row, double *floor) {
 }
 
 static palp_status polish(const fit_problem *p, size_t max_evaluations, double *v, double *chi2, bool *converged) {
-    size_t n = fit_parameter_count(p), most = 3 * p->n_arms + GRID + PALP_LAW_MAX;
+    size_t n = fit_parameter_count(p), most = 4 * p->n_arms + GRID + PALP_LAW_MAX;
     double *row = calloc(most * n + most, sizeof *row), norm = 0.0;
     if (!row)
         return PALP_ERR_NO_MEMORY;
