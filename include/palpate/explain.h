@@ -85,6 +85,17 @@ typedef struct palp_explain_law {
     double evidence;  /* in log likelihood, less what its coefficients cost, nats */
 } palp_explain_law;
 
+/* How the specimens of the runs differ, which their files name; model has it as the spread between specimens then. */
+typedef struct palp_explain_specimens {
+    size_t n;         /* that the files name; 0 or 1: nothing can be said */
+    bool found;
+    double sd;        /* of their stiffness, as a share */
+    bool law;         /* of the law beside the arms; else the whole force of a specimen is so many times another's */
+    double without_N; /* rms that is left if they are alike; with it gap.after_N is */
+    double evidence;  /* in log likelihood, nats */
+    double *between;  /* what the model's points to */
+} palp_explain_specimens;
+
 typedef struct palp_explain_phase_share {
     size_t run;
     palp_phase phase;
@@ -139,6 +150,7 @@ typedef struct palp_explain_run {
     size_t n;
     double *time_s, *depth_m, *force_N; /* [n] as recorded */
     double *before_N, *after_N;         /* [n] recorded minus the refitted model: as given, with the effects */
+    double stiffness;                   /* how many times as stiff its specimen is as the model; 1 where specimens do not differ */
 } palp_explain_run;
 
 /* The run that would tell a class apart best, of those the indenter can do. */
@@ -162,6 +174,7 @@ typedef struct palp_explanation {
     double white_N, correlated_N, correlation_s; /* the noise level's parts */
     palp_explain_scatter zero, contact, gain;
     palp_explain_law law;
+    palp_explain_specimens specimens;
     bool replicates;          /* the runs have some */
     double null_threshold;    /* score above which a candidate is more than chance, nats */
     double unexplained_N;     /* rms of the structure that remains above the noise level */

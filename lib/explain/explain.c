@@ -31,6 +31,7 @@ void palp_explanation_free(palp_explanation *e) {
     free(e->run);
     free(e->event);
     free(e->step);
+    free(e->specimens.between);
     memset(e, 0, sizeof *e);
 }
 
@@ -86,7 +87,7 @@ static palp_explain_verdict judge(const explain_search *s, bool remains, const p
     for (size_t i = 0; i < e->n_effects; i++)
         if (e->effect[i].n_class > 1)
             return PALP_EXPLAIN_AMBIGUOUS;
-    return e->n_effects || e->law.found ? PALP_EXPLAIN_EXPLAINED : PALP_EXPLAIN_AGREES;
+    return e->n_effects || e->law.found || e->specimens.law ? PALP_EXPLAIN_EXPLAINED : PALP_EXPLAIN_AGREES;
 }
 
 static void mark(palp_explanation *e, palp_effect_id id, const char *reason) {
@@ -117,6 +118,8 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
     e->replicates = s->data.n_replicates > 0;
     e->unexplained_N = rest.rms_N;
     e->model = s->fit.model;
+    e->model.between = e->specimens.between;
+    e->model.n_specimens = e->specimens.between ? e->specimens.n : 0;
     explain_add_hum(s, e);
     bool mimics = mimicked(s, e, noise_level_N);
     if (mimics) {
@@ -166,15 +169,19 @@ static palp_status tidy(explain_search *s, palp_explanation *e, double threshold
     return status;
 }
 
-/* Another law instead of the best trial, if it gains more. */
+/* Another law, or a stiffness of each specimen, instead of the best trial, if it gains more. */
 static palp_status change_law(explain_search *s, double threshold, size_t best, bool *changed) {
-    explain_trial law = {.tried = true};
+    explain_trial law = {.tried = true}, specimens = {.tried = true};
     palp_status status = s->law_fixed ? PALP_OK : explain_law_try(s, threshold, &law);
-    *changed = !status && law.fit.product && (best == PALP_EFFECT_COUNT || law.gain > s->trial[best].gain);
+    if (!status)
+        status = explain_specimens_try(s, threshold, &specimens);
+    double gain = best == PALP_EFFECT_COUNT ? -HUGE_VAL : s->trial[best].gain;
+    const bool differ = !status && specimens.fit.product && specimens.gain > gain && !(law.fit.product && law.gain > specimens.gain);
+    *changed = differ || (!status && law.fit.product && law.gain > gain);
     if (*changed)
-        return explain_law_take(s, &law);
-    explain_fit_free(&law.fit);
-    free(law.force);
+        status = differ ? explain_specimens_take(s, &specimens) : explain_law_take(s, &law);
+    explain_law_free(&law);
+    explain_law_free(&specimens);
     return status;
 }
 
@@ -317,6 +324,8 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
         status = explain_before_find(s, &base, e);
     if (!status)
         status = explain_scatter_find(s, e);
+    if (!status)
+        status = explain_specimens_find(s, e);
     explain_fit_free(&base);
     if (!status)
         status = explain_held_out(s, &s->fit, &e->gap.heldout_after_N);

@@ -89,7 +89,7 @@ static void find_parts(void *user, size_t r, const double *column) {
 /* Log likelihood of what has these products, parameters and the run's own contact, zero, gain and hum integrated out. work: [m m] */
 static double evidence(const explain_fit *fit, const double *product, double *work) {
     const explain_scatter *s = &fit->scatter;
-    const double sd[EXPLAIN_NUISANCES] = {s->zero, s->contact, s->gain, fit->hum_N, fit->hum_N};
+    const double sd[EXPLAIN_NUISANCES] = {s->zero, s->contact, s->gain, fit->hum_N, fit->hum_N, s->stiffness};
     const size_t m = fit->m, n = m - 1, k = fit->n_columns;
     double *h = work, *g = work + n * n, chi2 = product[n * m + n];
     bool still[EXPLAIN_COLUMNS + EXPLAIN_NUISANCES]; /* a parameter on its bound, a nuisance that is none */

@@ -242,6 +242,21 @@ static void find_one_speed(explain_data *data) {
     data->one_speed = slowest > 0.0 && fastest < 1.5 * slowest;
 }
 
+/* Of the runs that are fitted and press one. */
+static void count_specimens(explain_data *data) {
+    size_t last = data->n_runs;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        const explain_run *run = &data->run[r];
+        double deepest = 0.0;
+        for (size_t i = 0; i < run->n; i++)
+            deepest = fmax(deepest, run->depth[i]);
+        if (run->held_out || !(deepest > 0.0) || (data->n_specimens > 0 && run->specimen == last))
+            continue;
+        data->n_specimens++;
+        last = run->specimen;
+    }
+}
+
 static void count_replicates(explain_data *data) {
     for (size_t r = 1; r < data->n_runs; r++) {
         bool found = false;
@@ -300,13 +315,16 @@ static palp_status take_runs(explain_data *data, size_t n, const palp_explain_in
     if (!status)
         explain_order_find(n, inputs, order, fresh);
     bool renewed = false;
+    size_t specimen = 0;
     for (size_t i = 0; i < n && !status; i++) {
         const size_t of = order[i];
         renewed = renewed || fresh[i];
+        specimen += i > 0 && !explain_same_specimen(inputs[order[i - 1]].experiment, inputs[of].experiment);
         if (kind[of] == EXPLAIN_BLOCK)
             continue;
         explain_run *run = &data->run[data->n_runs++];
         run->fresh = renewed;
+        run->specimen = specimen;
         renewed = false;
         for (size_t k = 0; k < settings->n_held_out; k++)
             run->held_out = run->held_out || data->joined.of[settings->held_out[k]] == of;
@@ -358,6 +376,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
     if (!status) {
         find_one_speed(data);
         count_replicates(data);
+        count_specimens(data);
         find_largest_strains(data);
     }
     if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))

@@ -20,6 +20,7 @@ typedef struct explain_run {
     unsigned char *phase;         /* [n] palp_phase */
     double session, white;        /* when it began; sd of a sample's white noise */
     bool fresh;                   /* on a specimen that no run before it pressed */
+    size_t specimen;              /* which of the data's it presses, as the files name them */
     double largest_strain;                  /* largest strain of the earlier runs on its specimen, by depth */
     double *keep, *take, *weight; /* [n] the filter that makes its noise white (explain_noise.h) */
     bool held_out;                /* kept out of the fit */
@@ -53,6 +54,7 @@ typedef struct explain_data {
     double stride;                          /* largest way between two samples, of the run where it is least, m */
     double correlated, correlation_time;    /* of the noise */
     bool one_speed;                         /* all runs press at one speed, without a pause or a way back */
+    size_t n_specimens;                     /* that the files of the runs that are fitted name; at least 1 */
     size_t n_replicates;                    /* runs whose plate goes as in one before */
     double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
     double pulled;                          /* strongest pull of a withdrawal, and what noise hides at least; 0 = no plate goes so far */
@@ -104,6 +106,9 @@ bool explain_frame_add(const explain_data *data, const palp_explain_settings *se
 palp_explain_effect explain_frame_effect(const explain_data *data);
 
 /* ---- the session (explain_order.c) ---- */
+
+/* Whether both are of one specimen, as far as their files say. */
+bool explain_same_specimen(const palp_experiment *a, const palp_experiment *b);
 
 /* Order of the inputs: by specimen, then by the time at which they began; fresh[n] in that order. */
 void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *order, bool *fresh);

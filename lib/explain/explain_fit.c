@@ -196,6 +196,15 @@ static void hum_columns(const explain_fit *fit, const explain_run *run, double *
     }
 }
 
+/* By how much the run's force grows as its specimen's law does: every law is so many times stiffer as its coefficients together are,
+ * of Ogden's as those before each exponent. */
+static void law_column(const palp_law *law, size_t n, const double *gradient, double *column) {
+    memset(column, 0, n * sizeof *column);
+    for (size_t k = 0; k < law->n; k += law->kind == PALP_LAW_OGDEN ? 2 : 1)
+        for (size_t i = 0; i < n; i++)
+            column[i] += law->coefficients[k] * gradient[k * n + i];
+}
+
 /* The run's surface is at contact; its residual as if it were where the model has it, so that its contact as a whole has
  * the scatter of all. work: [(n_columns + 3 parameters and more) n] */
 static palp_status run_products(explain_fit *fit, const explain_run *run, const palp_forward_run *path,
@@ -213,6 +222,7 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
     for (size_t i = 0; i < n; i++)
         own[i] = 1.0;
     hum_columns(fit, run, own + 3 * n, own + 4 * n);
+    law_column(&fit->model.material.law, n, gradient, own + 5 * n);
     double *y = own + EXPLAIN_NUISANCES * n;
     for (size_t i = 0; i < n; i++)
         y[i] = run->force[i] - force[i] + path->contact_m * own[n + i];
@@ -222,14 +232,14 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
     return PALP_OK;
 }
 
-/* What the model's force and run r's nuisance parameters leave; contact and gain: columns [n]. */
+/* What the model's force and run r's nuisance parameters leave; contact, gain and law: columns [n]. */
 static void find_residual(const explain_fit *fit, const explain_run *run, size_t r, const double *force,
-                          const double *contact, const double *gain, double *residual) {
+                          const double *contact, const double *gain, const double *law, double *residual) {
     double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
     explain_nuisances(fit, r, own, sd);
     for (size_t i = 0; i < run->n; i++) {
         double turn = TURN * fit->hum_Hz * run->time[i];
-        double more = own[0] + (own[1] - fit->contact[r]) * contact[i] + own[2] * gain[i];
+        double more = own[0] + (own[1] - fit->contact[r]) * contact[i] + own[2] * gain[i] + own[5] * law[i];
         if (fit->hum_Hz > 0.0)
             more += own[3] * sin(turn) + own[4] * cos(turn);
         residual[i] = run->use[i] ? run->force[i] - force[i] - more : 0.0;
@@ -244,7 +254,7 @@ static palp_status evaluate(explain_fit *fit, const explain_data *data, double *
     if (status)
         return status;
     size_t columns = palp_forward_parameter_count(&full), n = data->longest;
-    double *work = malloc((1 + columns + fit->m) * n * sizeof *work);
+    double *work = malloc((2 + columns + fit->m) * n * sizeof *work), *law = work ? work + (1 + columns + fit->m) * n : NULL;
     status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
     explain_history history = {.load.peak = 0.0};
     for (size_t r = 0; r < data->n_runs && !status; r++) {
@@ -259,7 +269,8 @@ static palp_status evaluate(explain_fit *fit, const explain_data *data, double *
             force += length;
         }
         if (residual && !status) {
-            find_residual(fit, &data->run[r], r, work, work + n + length * offset, work + n + length * gain, residual);
+            law_column(&fit->model.material.law, length, work + n, law);
+            find_residual(fit, &data->run[r], r, work, work + n + length * offset, work + n + length * gain, law, residual);
             residual += length;
         }
     }

@@ -4,11 +4,12 @@
 
 #include "explain_data.h"
 
-enum { EXPLAIN_NUISANCES = 5 }; /* of a run: zero, contact, gain, hum's sine and cosine */
+enum { EXPLAIN_NUISANCES = 6 }; /* of a run: zero, contact, gain, hum's sine and cosine, its specimen's stiffness */
 
 /* Scatter of the runs' nuisance parameters: their prior sds. */
 typedef struct explain_scatter {
     double zero, contact, gain;
+    double stiffness; /* of the laws of the runs' specimens, as a share; 0 = one law for all */
 } explain_scatter;
 
 typedef struct explain_fit {

@@ -53,10 +53,6 @@ static bool continues(columns *a, columns *b) {
     return fabs(way - speed * gap) < fabs(speed) * gap + AWAY * range && fabs(next - force) < moves + ODDS * noise;
 }
 
-static bool same_specimen(const palp_experiment *a, const palp_experiment *b) {
-    return strcmp(explain_text_of(a, "specimen.name"), explain_text_of(b, "specimen.name")) == 0;
-}
-
 /* The keys that are read of a run. */
 static palp_status copy_keys(const palp_experiment *from, palp_experiment *to) {
     static const char *const texts[] = {"specimen.name", "specimen.kind"},
@@ -97,7 +93,7 @@ static palp_status put_together(const palp_experiment *a, const palp_experiment 
 static size_t before(size_t n, const palp_explain_input *run, size_t j) {
     for (size_t i = 0; i < n; i++) {
         columns a = columns_of(run[i].experiment), b = columns_of(run[j].experiment);
-        if (i != j && same_specimen(run[i].experiment, run[j].experiment) && continues(&a, &b))
+        if (i != j && explain_same_specimen(run[i].experiment, run[j].experiment) && continues(&a, &b))
             return i;
     }
     return n;

@@ -75,13 +75,13 @@ static palp_status fit_with(const explain_search *s, const palp_law *law, bool a
     return status;
 }
 
-static bool believed(const explain_search *s, const explain_trial *t, double threshold) {
+bool explain_law_believed(const explain_search *s, const explain_trial *t, double threshold) {
     const double cost = t->raw_gain - t->gain;
     bool gains = t->gain > fmax(0.0, (t->inflation - 1.0) * cost) && t->raw_gain > t->inflation * threshold;
     return t->fit.product && gains && (explain_fitted_runs(&s->data) == 1 || t->held_out_gain > t->held_out_se);
 }
 
-static void trial_free(explain_trial *t) {
+void explain_law_free(explain_trial *t) {
     explain_fit_free(&t->fit);
     free(t->force);
     *t = (explain_trial){.tried = true};
@@ -101,11 +101,11 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
         status = fit_with(s, &law, false, &t.fit);
         if (!status)
             status = explain_trial_examine(s, PALP_EFFECT_COUNT, &t);
-        bool better = !status && believed(s, &t, threshold) && (!best->fit.product || t.gain > best->gain);
+        bool better = !status && explain_law_believed(s, &t, threshold) && (!best->fit.product || t.gain > best->gain);
         explain_trial other = better ? *best : t;
         if (better)
             *best = t;
-        trial_free(&other);
+        explain_law_free(&other);
         status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
     }
     return status;
@@ -176,7 +176,7 @@ palp_status explain_law_take(explain_search *s, explain_trial *law) {
     s->given = *s->data.given; /* where trials go back to */
     s->given.material.law = s->fit.model.material.law;
     s->data.given = &s->given;
-    trial_free(law);
+    explain_law_free(law);
     return explain_refit_anywhere(s);
 }
 

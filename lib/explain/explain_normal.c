@@ -8,7 +8,7 @@
 
 static void nuisance_sd(const explain_fit *fit, double sd[EXPLAIN_NUISANCES]) {
     const explain_scatter *s = &fit->scatter;
-    double all[EXPLAIN_NUISANCES] = {s->zero, s->contact, s->gain, fit->hum_N, fit->hum_N};
+    double all[EXPLAIN_NUISANCES] = {s->zero, s->contact, s->gain, fit->hum_N, fit->hum_N, s->stiffness};
     memcpy(sd, all, sizeof all);
 }
 
@@ -160,25 +160,27 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
 /* What the noise of one sample hides. */
 explain_scatter explain_hidden_scatter(const explain_data *data) {
     const double noise = explain_noise_level(data), share = fmin(0.25, noise / data->peak);
-    return (explain_scatter){.zero = 0.3 * noise, .contact = share * data->deepest, .gain = share};
+    return (explain_scatter){.zero = 0.3 * noise, .contact = share * data->deepest, .gain = share, .stiffness = share};
 }
 
 explain_scatter explain_no_scatter(const explain_data *data) {
     explain_scatter hidden = explain_hidden_scatter(data);
     double share = 1.0 / sqrt((double)data->n);
-    return (explain_scatter){share * hidden.zero, share * hidden.contact, share * hidden.gain};
+    return (explain_scatter){share * hidden.zero, share * hidden.contact, share * hidden.gain, share * hidden.stiffness};
 }
 
-/* What is expected of zero, contact and gain, and as how many runs that counts: what the caller expects as six, what a run's
+enum { SCATTERS = 4 }; /* zero, contact, gain, stiffness */
+
+/* What is expected of each, and as how many runs that counts: what the caller expects as six, what a run's
  * file says and what the noise hides as one. */
-static void expect_scatter(const explain_data *data, const palp_explain_settings *settings, double expected[3],
-                           double trust[3], double most[3]) {
+static void expect_scatter(const explain_data *data, const palp_explain_settings *settings, double expected[SCATTERS],
+                           double trust[SCATTERS], double most[SCATTERS]) {
     const double many = 6.0;
     const explain_scatter hidden = explain_hidden_scatter(data);
-    const double noise[3] = {hidden.zero, hidden.contact, hidden.gain};
-    const double told[3] = {0.0, settings->contact_scatter_m, settings->repeatability};
-    const double widest[3] = {data->peak, 0.25 * data->deepest, 0.5};
-    for (int i = 0; i < 3; i++) {
+    const double noise[SCATTERS] = {hidden.zero, hidden.contact, hidden.gain, hidden.stiffness};
+    const double told[SCATTERS] = {0.0, settings->contact_scatter_m, settings->repeatability, 0.0};
+    const double widest[SCATTERS] = {data->peak, 0.25 * data->deepest, 0.5, 0.5};
+    for (int i = 0; i < SCATTERS; i++) {
         expected[i] = told[i] > 0.0 ? told[i] : noise[i];
         trust[i] = told[i] > 0.0 ? many : 1.0;
     }
@@ -186,7 +188,7 @@ static void expect_scatter(const explain_data *data, const palp_explain_settings
         expected[1] = fmax(data->contact_told, noise[1]);
         trust[1] = (double)data->n_contact_told;
     }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < SCATTERS; i++) {
         most[i] = widest[i];
         expected[i] = fmin(expected[i], widest[i]);
     }
@@ -194,19 +196,21 @@ static void expect_scatter(const explain_data *data, const palp_explain_settings
         expected[1] = most[1] = explain_no_scatter(data).contact;
 }
 
-/* From the runs' nuisance parameters, whatever their size. */
+/* From the runs' nuisance parameters, whatever their size; that of the stiffness only where the specimens have laws of their own. */
 void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
     enum { ROUNDS = 400 };
+    static const size_t nuisance[SCATTERS] = {0, 1, 2, 5};
+    const int n = fit->scatter.stiffness > 0.0 ? SCATTERS : SCATTERS - 1;
     double moved = 1.0;
-    double expected[3], trust[3], most[3];
-    double *scatter[3] = {&fit->scatter.zero, &fit->scatter.contact, &fit->scatter.gain};
-    const double start[3] = {0.01 * data->peak, 0.05 * data->deepest, 0.02};
+    double expected[SCATTERS], trust[SCATTERS], most[SCATTERS];
+    double *scatter[SCATTERS] = {&fit->scatter.zero, &fit->scatter.contact, &fit->scatter.gain, &fit->scatter.stiffness};
+    const double start[SCATTERS] = {0.01 * data->peak, 0.05 * data->deepest, 0.02, 0.02};
     expect_scatter(data, settings, expected, trust, most);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < n; i++)
         *scatter[i] = *scatter[i] > 0.0 ? *scatter[i] : fmin(most[i], fmax(start[i], expected[i]));
     for (int round = 0; round < ROUNDS && moved > 1e-4; round++) {
-        double sum[3], count = 0.0;
-        for (int i = 0; i < 3; i++)
+        double sum[SCATTERS], count = 0.0;
+        for (int i = 0; i < n; i++)
             sum[i] = trust[i] * expected[i] * expected[i];
         for (size_t r = 0; r < data->n_runs; r++) {
             double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
@@ -214,18 +218,18 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
                 continue;
             explain_nuisances(fit, r, own, sd);
             count += 1.0;
-            for (int i = 0; i < 3; i++)
-                sum[i] += own[i] * own[i] + sd[i] * sd[i];
+            for (int i = 0; i < n; i++)
+                sum[i] += own[nuisance[i]] * own[nuisance[i]] + sd[nuisance[i]] * sd[nuisance[i]];
         }
         moved = 0.0;
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < n; i++) {
             double was = *scatter[i];
             *scatter[i] = fmin(sqrt(sum[i] / (count + trust[i])), most[i]);
             moved = fmax(moved, fabs(*scatter[i] / was - 1.0));
         }
     }
     fit->score = explain_fit_score(fit, data);
-    for (int i = 0; i < 3; i++) { /* what scatter beyond the expected costs */
+    for (int i = 0; i < n; i++) { /* what scatter beyond the expected costs */
         double ratio = expected[i] / *scatter[i];
         fit->score -= 0.5 * trust[i] * (ratio * ratio - 1.0 - 2.0 * log(ratio));
     }

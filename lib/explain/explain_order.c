@@ -14,7 +14,7 @@ const char *explain_text_of(const palp_experiment *e, const char *key) {
     return palp_experiment_get_string(e, key, &text) ? "" : text;
 }
 
-static bool same_specimen(const palp_experiment *a, const palp_experiment *b) {
+bool explain_same_specimen(const palp_experiment *a, const palp_experiment *b) {
     return strcmp(explain_text_of(a, "specimen.name"), explain_text_of(b, "specimen.name")) == 0;
 }
 
@@ -29,10 +29,10 @@ void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *orde
     for (size_t i = 0; i < n; i++) {
         const palp_experiment *e = inputs[i].experiment;
         size_t at = count;
-        while (at > 0 && !same_specimen(inputs[order[at - 1]].experiment, e))
+        while (at > 0 && !explain_same_specimen(inputs[order[at - 1]].experiment, e))
             at--;
         at = at > 0 ? at : count; /* after the last of its specimen */
-        while (at > 0 && same_specimen(inputs[order[at - 1]].experiment, e) &&
+        while (at > 0 && explain_same_specimen(inputs[order[at - 1]].experiment, e) &&
                start_of(e) < start_of(inputs[order[at - 1]].experiment))
             at--;
         memmove(order + at + 1, order + at, (count - at) * sizeof *order);
@@ -41,6 +41,6 @@ void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *orde
     }
     for (size_t i = 0; i < n; i++) {
         const palp_experiment *e = inputs[order[i]].experiment, *before = i ? inputs[order[i - 1]].experiment : NULL;
-        fresh[i] = !before || !same_specimen(before, e) || !(start_of(e) > start_of(before));
+        fresh[i] = !before || !explain_same_specimen(before, e) || !(start_of(e) > start_of(before));
     }
 }

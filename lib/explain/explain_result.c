@@ -101,6 +101,7 @@ void explain_disown(const explain_search *s, palp_explanation *e) {
             }
     e->n_effects = 0;
     e->law.found = false;
+    e->specimens.found = e->specimens.law = false;
     e->next = (palp_explain_next){0};
     e->model = e->base;
     e->gap.after_N = s->opened;

@@ -36,6 +36,9 @@ void explain_add_hum(const explain_search *s, palp_explanation *e);
 palp_status explain_before_find(const explain_search *s, explain_fit *base, palp_explanation *e);
 palp_status explain_scatter_find(const explain_search *s, palp_explanation *e);
 
+/* How specimens differ, after the scatter: it takes over what is theirs of it. (explain_specimens.c) */
+palp_status explain_specimens_find(const explain_search *s, palp_explanation *e);
+
 /* ---- diagnostics (explain_diagnostics.c) ---- */
 
 /* Of the residual; slips become events. */

@@ -104,6 +104,20 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
 palp_status explain_law_try(const explain_search *s, double threshold, explain_trial *best);
 palp_status explain_law_take(explain_search *s, explain_trial *law);
 
+/* Whether a trial of another law, or of other laws of the specimens, has what an effect must have. */
+bool explain_law_believed(const explain_search *s, const explain_trial *t, double threshold);
+void explain_law_free(explain_trial *law);
+
+/* ---- specimens (explain_specimens.c) ---- */
+
+/* A stiffness of each specimen beside the effects at hand, where the files name several; trial->fit.product NULL: it does not gain
+ * what it must, or the runs of one specimen differ as much as those of different ones. */
+palp_status explain_specimens_try(const explain_search *s, double threshold, explain_trial *trial);
+palp_status explain_specimens_take(explain_search *s, explain_trial *trial);
+
+/* Whether what the runs have of their own (nuisance parameter q) is their specimens'. */
+bool explain_of_specimens(const explain_fit *fit, const explain_data *data, size_t q);
+
 /* The law near the surface and where all runs have it stand in for each other, so that a fit may hold on to a place that is not the
  * best: a refit that also moves it to surfaces higher or lower, with the law that goes with them, as long as that is more likely. */
 palp_status explain_refit_anywhere(explain_search *s);

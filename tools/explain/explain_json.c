@@ -78,6 +78,9 @@ static json_t *scatter_json(const palp_explanation *e) {
     add_scatter(list, "zero_scatter", "sd_N", e->zero.sd, &e->zero, e);
     add_scatter(list, "contact_scatter", "sd_mm", 1e3 * e->contact.sd, &e->contact, e);
     add_scatter(list, "gain_scatter", "sd_share", e->gain.sd, &e->gain, e);
+    const palp_explain_specimens *s = &e->specimens;
+    const palp_explain_scatter specimens = {.without_N = s->without_N, .evidence = s->evidence, .found = s->found};
+    add_scatter(list, "specimen_stiffness", "sd_share", s->sd, &specimens, e);
     return list;
 }
 

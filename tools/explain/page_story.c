@@ -104,12 +104,21 @@ static void add_law(page_story *story, const json_t *all) {
         json_number_at(law, "given_coefficients"), before, after);
 }
 
+static bool has_scatter(const json_t *all, const char *id) {
+    const json_t *list = json_object_get(all, "scatter"), *one;
+    for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++)
+        if (strcmp(json_text_at(one, "id"), id) == 0)
+            return true;
+    return false;
+}
+
 static void add_scatter(page_story *story, const json_t *all) {
     static const struct {
         const char *id, *what, *key, *unit;
         double per;
-    } kinds[] = {{"zero_scatter", "zeros", "sd_N", "N", 1}, {"contact_scatter", "contacts", "sd_mm", "mm", 1},
-                 {"gain_scatter", "gains", "sd_share", "%", 100}};
+    } kinds[] = {{"zero_scatter", "zeros of the runs", "sd_N", "N", 1}, {"contact_scatter", "contacts of the runs", "sd_mm", "mm", 1},
+                 {"gain_scatter", "gains of the runs", "sd_share", "%", 100},
+                 {"specimen_stiffness", "stiffnesses of the specimens", "sd_share", "%", 100}};
     const json_t *list = json_object_get(all, "scatter"), *one;
     char before[32], after[32];
     for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++)
@@ -119,7 +128,7 @@ static void add_scatter(page_story *story, const json_t *all) {
                 continue;
             page_force(json_number_at(one, "gap_before_N"), before);
             page_force(json_number_at(one, "gap_after_N"), after);
-            add(story, "The %s of the runs differ by %.3g %s (standard deviation): one for all would leave %s, rms, not %s.", kinds[k].what, sd,
+            add(story, "The %s differ by %.3g %s (standard deviation): one for all would leave %s, rms, not %s.", kinds[k].what, sd,
                 kinds[k].unit, before, after);
         }
 }
@@ -137,8 +146,10 @@ static void add_classes(page_story *story, const json_t *all) {
 
 void page_story_tell(const json_t *all, page_story *story) {
     bool law_alone = is_verdict(all, "explained") && json_array_size(json_object_get(all, "effects")) == 0;
+    bool specimens = has_scatter(all, "specimen_stiffness") && !json_is_object(json_object_get(all, "law"));
     story->n = 0;
-    add(story, "%s", law_alone ? "With another stiffness law what remains is at the noise level: no effect is missing."
+    add(story, "%s", law_alone ? specimens ? "With a stiffness of each specimen what remains is at the noise level: no effect is missing."
+                                           : "With another stiffness law what remains is at the noise level: no effect is missing."
                                : page_verdict(json_text_at(all, "verdict"), json_number_at(json_object_get(all, "gap"), "unexplained_N")));
     add_gap(story, all);
     add_law(story, all);

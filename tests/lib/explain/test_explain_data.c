@@ -124,7 +124,7 @@ START_TEST(the_slope_of_chi2) {
     explain_fit fit;
     ck_assert_int_eq(explain_fit_create(&m, &data, &fit), PALP_OK);
     ck_assert_uint_eq(fit.n_columns, K);
-    fit.scatter = (explain_scatter){1e-2, 0, 0};
+    fit.scatter = (explain_scatter){1e-2, 0, 0, 0};
     for (size_t k = 0; k < K; k++)
         fit.unit[k] = 1e9;
     for (size_t k = 0; k < K; k++) {
@@ -166,7 +166,7 @@ START_TEST(a_likelihood_that_is_followed_ends_where_a_parabola_does) {
     add_effect(&m, PALP_EFFECT_SENSOR_BIAS, 0);
     *s = (explain_search){.data = data, .settings = &settings};
     ck_assert_int_eq(explain_fit_create(&m, &data, &s->fit), PALP_OK);
-    s->fit.scatter = (explain_scatter){1e-3, 0, 0};
+    s->fit.scatter = (explain_scatter){1e-3, 0, 0, 0};
     ck_assert_int_eq(explain_fit_products(&s->fit, &data, NULL), PALP_OK);
     ck_assert_int_eq(explain_fit_improve(&s->fit, &data, 20), PALP_OK);
     for (int followed = 0; followed < 2; followed++) {
@@ -281,7 +281,7 @@ END_TEST
 
 static palp_status fit_here(explain_search *s, const palp_model *m) {
     palp_status status = explain_fit_create(m, &s->data, &s->fit);
-    s->fit.scatter = (explain_scatter){1e-3, 3e-6, 3e-3};
+    s->fit.scatter = (explain_scatter){1e-3, 3e-6, 3e-3, 0};
     return status ? status : explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
 }
 
@@ -356,7 +356,7 @@ START_TEST(chance_gains_half_a_squared_normal_number) {
     ck_assert_int_eq(explain_noise_find(&data, rest), PALP_OK);
     *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest};
     ck_assert_int_eq(explain_fit_create(&m, &data, &s->fit), PALP_OK);
-    s->fit.scatter = (explain_scatter){1e-3, 3e-6, 3e-3};
+    s->fit.scatter = (explain_scatter){1e-3, 3e-6, 3e-3, 0};
     ck_assert_int_eq(explain_fit_products(&s->fit, &data, NULL), PALP_OK);
     memset(settings.candidate, 0, sizeof settings.candidate);
     settings.candidate[PALP_EFFECT_SENSOR_BIAS] = 1;

@@ -60,7 +60,7 @@ static void begin(const palp_model *m) {
     ck_assert_ptr_nonnull(force);
     ck_assert_int_eq(explain_noise_find(&data, force), PALP_OK);
     ck_assert_int_eq(explain_fit_create(m, &data, &fit), PALP_OK);
-    fit.scatter = (explain_scatter){1e-3, 3e-6, 3e-3};
+    fit.scatter = (explain_scatter){1e-3, 3e-6, 3e-3, 0};
     ck_assert_int_eq(explain_fit_products(&fit, &data, force), PALP_OK);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);

@@ -28,7 +28,7 @@ static void begin(size_t n_runs) {
     data = (explain_data){.n_runs = n_runs, .n = n_runs * N, .run = run, .peak = 1, .deepest = 1, .height = 1};
     fit.n_columns = K;
     fit.m = M;
-    fit.scatter = (explain_scatter){0.25, 0.4, 0.6};
+    fit.scatter = (explain_scatter){0.25, 0.4, 0.6, 0};
     fit.hum_N = 0.7;
     ck_assert_int_eq(palp_law_polynomial(1, &stiffness, &fit.model.material.law), PALP_OK);
     ck_assert_int_eq(palp_effect_default(PALP_EFFECT_SENSOR_BIAS, &fit.model.effects[0]), PALP_OK);
@@ -322,7 +322,7 @@ START_TEST(scatter_between_runs) {
             }
             multiply(r);
         }
-        fit.scatter = (explain_scatter){0, 0, 0};
+        fit.scatter = (explain_scatter){0, 0, 0, 0};
         fit.hum_N = 0;
         explain_fit_scatter(&fit, &data, &settings);
         for (size_t q = 0; q < 3; q++) {
