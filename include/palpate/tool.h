@@ -18,8 +18,8 @@ typedef enum palp_tool_shape {
  * the tool, quadratic in the depth at first touch and linear beyond, with Coulomb friction. A plane touches nodes of
  * the surface; a sphere or capsule touches each triangle in one point, the nearest, so that a tool smaller than the
  * mesh is felt between nodes. With subdivisions tools touch the vertices of a smooth surface instead: Loop's limit surface
- * (Loop 1987, Hoppe et al. 1994), whose vertices are fixed means of nodes near by, so that a sliding tool feels little of
- * the mesh. A tool should be thicker than its triangles. */
+ * (Loop 1987, Hoppe et al. 1994) of nodes smoothed once by the same means. Its vertices are fixed means of nodes near by, so
+ * that a sliding tool feels little of the mesh. A tool should be thicker than its triangles. */
 typedef struct palp_tool {
     palp_tool_shape shape;
     double position_m[3]; /* sphere: centre; capsule: the centre of its first end; plane: a point of it */
@@ -43,7 +43,9 @@ typedef struct palp_contact_settings {
     double grasp_stiffness; /* of the spring to a grasped node's target, in the same units; 100 */
     double smoothing;       /* depth at which the penalty becomes linear, of the surface's mean edge; 0.01 */
     size_t subdivisions;    /* times that each triangle of the surface becomes four for tools to touch, see palp_tool; 0 = tools
-                               touch the mesh's own; at most 4. 2 leaves the least ripple; stiffness 5 is then as soft as 20 without */
+                               touch the mesh's own; at most 4. 2 for a sphere of the mesh's edges in size, 3 for a smaller
+                               one. The penalty of spheres and capsules is then softer by a fixed factor, such that the same
+                               stiffness is felt as without */
     size_t max_contacts;    /* points near tools at once, further ones are not felt; 0 = all there can be */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */
 } palp_contact_settings;

@@ -6,6 +6,8 @@
 static const double REACH = 0.5;   /* of an edge: so near, a point may come to touch in a step */
 static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that the nearest point is one also where a
                                       capsule lies flat on it */
+static const double SPREAD = 0.12; /* of the penalty's stiffness, where a smooth surface spreads its force over more nodes: such
+                                      that a sphere feels as much as on triangles */
 static const double STEEP = 0.5;   /* cosine between tool and triangle below which a contact fades, to 0 at 90 deg */
 
 double contact_distance(const palp_tool *tool, const double point[3]) {
@@ -209,6 +211,12 @@ static double node_facing(const contact_set *set, const palp_tool *tool, const c
     return fading(tool, normal, c);
 }
 
+/* The penalty of a point of a smooth surface. A plane touches all nodes, however its force is spread. */
+static double point_stiffness(const contact_set *set, const palp_tool *tool, int32_t node) {
+    double factor = tool->shape == PALP_TOOL_PLANE ? 1.0 : SPREAD;
+    return factor * set->settings.stiffness * set->modulus * set->unit[node];
+}
+
 static void find_points(search *s, int32_t tool, double reach) {
     const contact_set *set = s->set;
     const palp_tool *pose = &set->pose[tool];
@@ -218,7 +226,7 @@ static void find_points(search *s, int32_t tool, double reach) {
         contact_measure(pose, &c, s->x);
         if (!(c.depth > -reach))
             continue;
-        c.stiffness = node_facing(set, pose, &c, s->x) * set->settings.stiffness * set->modulus * set->unit[node];
+        c.stiffness = node_facing(set, pose, &c, s->x) * point_stiffness(set, pose, node);
         if (c.stiffness > 0.0)
             add(s, &c);
     }

@@ -288,11 +288,11 @@ bool subdivide_make(size_t n_nodes, const double *rest, size_t n_surface, const 
                     subdivided *out) {
     finer f = {0};
     bool made = begin(&f, n_nodes, rest, n_surface, surface);
-    for (size_t k = 0; k < subdivisions && made; k++) {
-        refine(&f);
-        made = !f.failed;
-    }
     if (made)
+        move_vertices(&f, true, 0);
+    for (size_t k = 0; k < subdivisions && made && !f.failed; k++)
+        refine(&f);
+    if (made && !f.failed)
         move_vertices(&f, true, 0);
     made = made && !f.failed;
     free(f.edge);

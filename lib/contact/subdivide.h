@@ -23,8 +23,9 @@ typedef struct subdivided {
     int32_t *triangle; /* [3 n_triangles]; those of triangle i of the mesh stand together */
 } subdivided;
 
-/* The surface subdivided so many times, each vertex on the limit surface; false: out of memory, nothing to free. Edges of more
- * than 40 degrees at rest and borders stay sharp. */
+/* The surface with its nodes moved to their limits, then subdivided so many times, each vertex on the limit surface; false: out
+ * of memory, nothing to free. Moving the nodes first spreads each vertex over more of them, which leaves a quarter of the
+ * ripple. Edges of more than 40 degrees at rest and borders stay sharp. */
 bool subdivide_make(size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface, size_t subdivisions,
                     subdivided *out);
 void subdivide_free(subdivided *s);

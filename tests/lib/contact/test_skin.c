@@ -69,20 +69,20 @@ START_TEST(weights_are_means) {
 }
 END_TEST
 
-/* In the middle of a face each node has six neighbours: the limit of a vertex is half itself and a twelfth of each (Loop 1987). The
- * corners of a cube stay, its edges and faces stay straight and plane; and a limit does not depend on how often the surface was
- * subdivided on the way there. */
+/* In the middle of a face each node has six neighbours: the limit of a vertex is half itself and a twelfth of each (Loop 1987), here
+ * of nodes that were moved by the same means before. The corners of a cube stay, its edges and faces stay straight and plane; and a
+ * limit does not depend on how often the surface was subdivided on the way there. */
 START_TEST(limits_are_loops) {
-    const size_t n = 5;
+    const size_t n = 7;
     made once, twice;
     make(&once, cube(n, PALP_NEIGHBOURS_26), 1);
     make(&twice, cube(n, PALP_NEIGHBOURS_26), 2);
-    const int32_t middle = (int32_t)((2 * n + 4) * n + 2), corner = (int32_t)(4 * n), edge = (int32_t)((2 * n + 4) * n);
-    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle), 0.5, 1e-14);
-    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle + 1), 1.0 / 12.0, 1e-14);
+    const int32_t middle = (int32_t)((3 * n + 6) * n + 3), corner = (int32_t)(6 * n), edge = (int32_t)((3 * n + 6) * n);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle), 0.25 + 6.0 / 144.0, 1e-14);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle + 1), 1.0 / 12.0 + 2.0 / 144.0, 1e-14);
     ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)corner, corner), 1.0, 1e-14);
-    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)edge, edge), 2.0 / 3.0, 1e-14);
-    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)edge, edge + (int32_t)(n * n)), 1.0 / 6.0, 1e-14);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)edge, edge), 4.0 / 9.0 + 2.0 / 36.0, 1e-14);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)edge, edge + (int32_t)(n * n)), 2.0 / 9.0, 1e-14);
     for (size_t v = 0; v < once.skin.n; v++)
         for (int k = 0; k < 3; k++)
             ck_assert_double_eq_tol(once.skin.rest[3 * v + (size_t)k], twice.skin.rest[3 * v + (size_t)k], 1e-15);
@@ -101,43 +101,72 @@ END_TEST
 
 /* ---- what is felt -------------------------------------------------------------------------------- */
 
-/* Largest less smallest force, over its mean, of a smooth sphere led across an edge of the mesh and around its middle; of the
- * force less its mean over the way of an edge, which the whole block's shape gives it. */
-static double ripple(size_t subdivisions, double stiffness, double radius, double press, double *mean) {
-    enum { EDGE = 12, N = 2 * EDGE + 1 };
-    const double edge = HEIGHT / 6.0;
-    palp_contact_settings penalty = palp_contact_settings_default();
-    palp_material m = linear();
-    double force[N], low = INFINITY, high = -INFINITY;
-    penalty.subdivisions = subdivisions;
-    penalty.stiffness = stiffness;
-    palp_network *net = block(7, &m, 0.0, &penalty);
-    *mean = 0.0;
-    for (int i = -2; i < N; i++) {
-        double aside = edge * ((double)(i < 0 ? 0 : i) / EDGE - 1.0), deep = press * (i < 0 ? (3.0 + i) / 3.0 : 1.0);
-        palp_tool tool = sphere(0.5 * HEIGHT + 3e-4 + aside, HEIGHT - deep, 0.5 * HEIGHT + 7e-4 + aside, radius, 0);
-        double now = step(net, &tool, 0.01).force_N[1];
-        if (i >= 0)
-            *mean += (force[i] = now) / N;
-    }
-    for (int i = EDGE / 2; i < N - EDGE / 2; i++) {
+/* Of a smooth sphere that is led across two edges of a mesh, around its middle: its mean force, and over that the largest less
+ * the smallest force, normal and lateral; of the force less its mean over the way of an edge, which the whole block's shape gives it. */
+typedef struct felt {
+    double mean, normal, lateral;
+} felt;
+
+enum { EDGE = 12, PLACES = 2 * EDGE + 1 }; /* steps to an edge */
+
+static double ripple_of(const double force[PLACES]) {
+    double low = INFINITY, high = -INFINITY;
+    for (int i = EDGE / 2; i < PLACES - EDGE / 2; i++) {
         double around = 0.5 * (force[i - EDGE / 2] + force[i + EDGE / 2]);
         for (int j = 1 - EDGE / 2; j < EDGE / 2; j++)
             around += force[i + j];
         low = fmin(low, force[i] - around / EDGE);
         high = fmax(high, force[i] - around / EDGE);
     }
+    return high - low;
+}
+
+/* Along x, and as far along z if across. */
+static felt slide(const palp_contact_settings *touch, double radius, double press, bool across) {
+    const double edge = HEIGHT / 6.0;
+    palp_material m = linear();
+    double force[3][PLACES], mean = 0.0;
+    palp_network *net = block(7, &m, 0.0, touch);
+    for (int i = -2; i < PLACES; i++) {
+        double aside = edge * ((double)(i < 0 ? 0 : i) / EDGE - 1.0), deep = press * (i < 0 ? (3.0 + i) / 3.0 : 1.0);
+        palp_tool tool = sphere(0.5 * HEIGHT + 3e-4 + aside, HEIGHT - deep, 0.5 * HEIGHT + 7e-4 + (across ? aside : 0.0), radius, 0);
+        palp_tool_force now = step(net, &tool, 0.01);
+        for (int k = 0; k < 3 && i >= 0; k++)
+            force[k][i] = now.force_N[k];
+        mean += i >= 0 ? now.force_N[1] / PLACES : 0.0;
+    }
     palp_network_free(net);
-    return (high - low) / *mean;
+    return (felt){mean, ripple_of(force[1]) / mean, fmax(ripple_of(force[0]), ripple_of(force[2])) / mean};
 }
 
 START_TEST(a_sphere_feels_little_of_the_mesh) {
-    double mean, smooth_mean, triangles = ripple(0, 20.0, 0.005, 0.0015, &mean);
-    double smooth = ripple(2, 5.0, 0.005, 0.0015, &smooth_mean);
-    ck_assert_double_gt(triangles, 0.1);
-    ck_assert_double_lt(smooth, 0.03);
-    ck_assert_double_eq_tol(smooth_mean, mean, 0.03 * mean); /* and as much of the tissue */
-    ck_assert_double_lt(ripple(2, 2.0, 0.005, 0.0015, &mean), 0.02);
+    for (int across = 0; across < 2; across++) {
+        palp_contact_settings touch = palp_contact_settings_default();
+        felt triangles = slide(&touch, 0.005, 0.0015, across);
+        touch.subdivisions = 2;
+        felt smooth = slide(&touch, 0.005, 0.0015, across);
+        ck_assert_double_gt(triangles.normal, 0.05);
+        ck_assert_double_gt(triangles.lateral, 0.05);
+        ck_assert_msg(smooth.normal < 0.012 && smooth.lateral < 0.015, "ripple %g, lateral %g", smooth.normal, smooth.lateral);
+        ck_assert_double_eq_tol(smooth.mean, triangles.mean, 0.03 * triangles.mean); /* and as much of the tissue */
+        felt large[2];
+        for (int finer = 0; finer < 2; finer++) {
+            touch.subdivisions = finer ? 2 : 0;
+            large[finer] = slide(&touch, 0.01, 0.0015, across);
+        }
+        ck_assert_double_lt(large[1].normal, 0.012);
+        ck_assert_double_lt(large[1].lateral, 0.012);
+        ck_assert_double_eq_tol(large[1].mean, large[0].mean, 0.1 * large[0].mean);
+    }
+}
+END_TEST
+
+/* One of less than an edge needs a subdivision more. */
+START_TEST(a_small_sphere_feels_little_of_the_mesh) {
+    palp_contact_settings touch = palp_contact_settings_default();
+    touch.subdivisions = 3;
+    felt smooth = slide(&touch, 0.003, 0.001, true);
+    ck_assert_msg(smooth.normal < 0.012 && smooth.lateral < 0.012, "ripple %g, lateral %g", smooth.normal, smooth.lateral);
 }
 END_TEST
 
@@ -195,6 +224,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, weights_are_means);
     tcase_add_test(tc, limits_are_loops);
     tcase_add_test(tc, a_sphere_feels_little_of_the_mesh);
+    tcase_add_test(tc, a_small_sphere_feels_little_of_the_mesh);
     tcase_add_test(tc, forces_balance_and_work_comes_back);
     tcase_add_test(tc, no_cuts);
 }

@@ -121,7 +121,7 @@ static double times_error(palp_network *net, const double *v, double h) {
 START_TEST(tangent_is_the_derivative) {
     const palp_tool tools[][2] = {{sphere(0.0075, 0.0232, 0.0083, 0.004, 0), plane(0.0239, 0)},
                                   {capsule(0.0075, 0.0232, 0.0083, 0.003, 0), sphere(0.021, 0.0236, 0.021, 0.002, 0)},
-                                  {plane(0.0237, 1e3), plane(0.0239, 0)}};
+                                  {plane(0.0237, 1e9), plane(0.0239, 0)}}; /* which sticks */
     for (size_t t = 0; t < 6; t++) {
         palp_network *net = unsettled(tools[t % 3], 2, t / 3);
         size_t n = 3 * net->n_nodes;

@@ -46,7 +46,6 @@ START_TEST(smooth_surface) {
     double first[2] = {0.0};
     for (int smooth = 0; smooth < 2; smooth++) {
         touch.subdivisions = smooth ? 2 : 0;
-        touch.stiffness = smooth ? 5.0 : 20.0;
         palp_realtime *rt = cube_touched(5, 2, &touch);
         rough_truth(rt, trembling, &way, N, truth);
         drop(rt);
