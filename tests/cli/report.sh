@@ -87,7 +87,19 @@ long=the_press_of_the_first_monday_with_a_long_name_1.csv
 mkdir few
 expect 0 characterize $long --arms 2 --degree 3 --plot few
 grep -q "^  $long  *[0-9]" out || fail "the run's name is cut: $(grep monday out)"
-grep -q 'is not determined' err || fail "no warning of a parameter: $(cat err)"
+[ "$(grep -c 'not determined by these data' err)" = 1 ] || fail "not one warning of all parameters: $(cat err)"
 expect 0 report few --out few.html
 grep -q 'coefficients of a polynomial stiffness law K(e)' few.html || fail "c1 is not said to be what it is"
+
+# The page begins with what explain found, each effect with its numbers.
+mkdir found
+cat >found/explain.json <<'J'
+{"palpate": {"explain": 1}, "verdict": "explained",
+ "effects": [{"id": "sensor_lag", "parameters": {"time_s": 0.05}, "intervals": {"time_s": [0.045, 0.055]}, "class": ["sensor_lag"]}],
+ "gap": {"noise_level_N": 0.002, "heldout_before_N": 0.014, "heldout_after_N": 0.002, "closed": 1, "unexplained_N": 0}}
+J
+expect 0 report found --out found.html
+sed -n '/class="verdict explained"/,/class="cards"/p' found.html >first
+grep -q 'Here: time 0.0500 s (0.0450 to 0.0550)' first || fail "the page does not begin with what is missing: $(cat first)"
+grep -q 'href="#explain"' first && grep -q 'id="explain"' found.html || fail "the first box does not lead to the section"
 done_testing

@@ -201,6 +201,22 @@ static void limit_range(characterize_state *s) {
 
 /* ---- the verdict ---- */
 
+/* One sentence for all numbers that the data do not determine. */
+static void warn_undetermined(characterize_state *s, const palp_lumped_fit *fit) {
+    char names[256] = "";
+    size_t total = 0, told = 0, used = 0;
+    for (size_t j = 0; j < fit->n_estimates; j++)
+        total += !fit->estimate[j].determined;
+    for (size_t j = 0; j < fit->n_estimates && used < sizeof names; j++)
+        if (!fit->estimate[j].determined) {
+            const char *before = told == 0 ? "" : told + 1 < total ? ", " : " and ";
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", before, fit->estimate[j].name);
+            told++;
+        }
+    if (total > 0)
+        characterize_warn(s, "%s %s not determined by these data", names, total == 1 ? "is" : "are");
+}
+
 static void judge(characterize_state *s) {
     const palp_lumped_fit *fit = characterize_fit_of(s);
     double top = characterize_strain_max(s), lowest = palp_law_minimum(&s->material.law, top);
@@ -222,9 +238,7 @@ static void judge(characterize_state *s) {
         characterize_warn(
             s, "%zu arm(s) merged with a neighbour: the data cannot tell their relaxation times apart",
             fit->n_merged);
-    for (size_t j = 0; j < fit->n_estimates; j++)
-        if (!fit->estimate[j].determined)
-            characterize_warn(s, "%s is not determined by these data", fit->estimate[j].name);
+    warn_undetermined(s, fit);
     if (s->has_shared && !s->shared.converged && s->has_final)
         characterize_warn(s, "the fit of shared arms stopped before it converged");
     if (!fit->converged)

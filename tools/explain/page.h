@@ -15,6 +15,7 @@ enum { PAGE_LINE = 512 };
 #define PAGE_RESIDUALS                                                                                \
     "Recorded minus model: orange as given, blue with the effects (lines: means, tint: lowest and "           \
     "highest), grey the noise level. At most the twelve runs with the largest gap."
+void page_in_short(FILE *to, const json_t *result); /* of palpate explain: the verdict and what is missing, in a box; links to #explain */
 void page_found(FILE *to, const json_t *result); /* of palpate explain: the verdict, what is missing, in which phases */
 void page_how(FILE *to, const json_t *result);   /* likewise: the candidates, the residual, what to measure next */
 

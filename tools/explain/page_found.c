@@ -18,7 +18,38 @@ static void ranked(FILE *to, const json_t *all) {
     page_paragraph(to, "Next: %s", next);
 }
 
-static void verdict(FILE *to, const json_t *all) {
+/* A parameter's value and its 95 % interval in words. */
+typedef struct in_words {
+    char name[48], unit[16], value[DIGITS_TEXT], low[DIGITS_TEXT], high[DIGITS_TEXT];
+} in_words;
+
+static void parameter_words(const json_t *effect, const char *key, double value, in_words *w) {
+    const json_t *pair = json_object_get(json_object_get(effect, "intervals"), key);
+    double low = json_number_value(json_array_get(pair, 0)), high = json_number_value(json_array_get(pair, 1)), half = 0.5 * (high - low);
+    page_parameter(key, w->name, w->unit);
+    digits_text(w->value, value, half);
+    digits_text(w->low, low, half);
+    digits_text(w->high, high, half);
+}
+
+/* "lag of the sensor: what that is. Here: time 0.0499 s (0.0493 to 0.0504)." */
+static void effect_in_short(FILE *to, const json_t *effect) {
+    json_t *value;
+    const char *key, *id = json_text_at(effect, "id");
+    char line[PAGE_LINE] = "";
+    size_t used = 0;
+    json_object_foreach(json_object_get(effect, "parameters"), key, value) {
+        in_words w;
+        parameter_words(effect, key, json_number_value(value), &w);
+        if (used < sizeof line)
+            used += (size_t)snprintf(line + used, sizeof line - used, "%s%s %s%s%s (%s to %s)", used ? ", " : "", w.name, w.value,
+                                     w.unit[0] ? " " : "", w.unit, w.low, w.high);
+    }
+    page_paragraph(to, "%s: %s Here: %s.", page_effect(id), page_effect_means(id), line);
+}
+
+static void verdict(FILE *to, const json_t *all, bool in_short) {
+    const json_t *effects = json_object_get(all, "effects");
     page_story story;
     page_story_tell(all, &story);
     fputs("<div class=\"verdict ", to);
@@ -26,11 +57,18 @@ static void verdict(FILE *to, const json_t *all) {
     fputs("\"><b>", to);
     html_text(to, story.line[0]);
     fputs("</b>\n", to);
-    for (size_t i = 1; i < story.n; i++)
+    for (size_t i = 1; i < story.n; i++) {
         page_paragraph(to, "%s", story.line[i]);
+        for (size_t k = 0; in_short && i == 1 && k < json_array_size(effects); k++)
+            effect_in_short(to, json_array_get(effects, k));
+    }
     if (strcmp(json_text_at(all, "verdict"), "suspected") == 0)
         ranked(to, all);
-    fputs("</div>\n", to);
+    fputs(in_short ? "<p><a href=\"#explain\">How this was found</a></p></div>\n" : "</div>\n", to);
+}
+
+void page_in_short(FILE *to, const json_t *all) {
+    verdict(to, all, true);
 }
 
 /* ---- the gap ---- */
@@ -88,17 +126,12 @@ static void gap_section(FILE *to, const json_t *all) {
 /* ---- the effects ---- */
 
 static void parameter_rows(FILE *to, const json_t *effect) {
-    json_t *parameters = json_object_get(effect, "parameters"), *value;
+    json_t *value;
     const char *key;
-    char name[48], unit[16];
-    json_object_foreach(parameters, key, value) {
-        const json_t *pair = json_object_get(json_object_get(effect, "intervals"), key);
-        double low = json_number_value(json_array_get(pair, 0)), high = json_number_value(json_array_get(pair, 1));
-        double half = 0.5 * (high - low);
-        char text[DIGITS_TEXT], from[DIGITS_TEXT], end[DIGITS_TEXT];
-        page_parameter(key, name, unit);
-        html_row(to, "%s|%s|%s to %s|~%s|~%s", name, digits_text(text, json_number_value(value), half), digits_text(from, low, half),
-                 digits_text(end, high, half), unit, key);
+    json_object_foreach(json_object_get(effect, "parameters"), key, value) {
+        in_words w;
+        parameter_words(effect, key, json_number_value(value), &w);
+        html_row(to, "%s|%s|%s to %s|~%s|~%s", w.name, w.value, w.low, w.high, w.unit, key);
     }
 }
 
@@ -137,7 +170,7 @@ static void effects_section(FILE *to, const json_t *all) {
 /* ---- all of it ---- */
 
 void page_found(FILE *to, const json_t *all) {
-    verdict(to, all);
+    verdict(to, all, false);
     effects_section(to, all);
     gap_section(to, all);
     page_phases(to, all);

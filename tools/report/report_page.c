@@ -341,6 +341,8 @@ int report_page(report *r, const char *path) {
     fputs(
         "<p class=\"about\">From the press of an indenter to a tissue model that a simulator can run.</p>\n",
         to);
+    for (size_t i = 0; report_find(r, REPORT_EXPLAIN, i); i++)
+        page_in_short(to, report_find(r, REPORT_EXPLAIN, i)->json);
     summary(to, r);
     contents(to, r);
     measured(to, r);
