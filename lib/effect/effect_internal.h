@@ -130,6 +130,7 @@ typedef struct effect_row {
     effect_map *map;
     bool gives_way;            /* the map's depth depends on the force */
     effect_sensor *sensor;
+    bool remembers;            /* the sensor's reading depends on the one before it */
     effect_spectrum *spectrum;
     bool arm;                  /* it is one more arm: its parameters are K and tau */
     effect_arms *arms;

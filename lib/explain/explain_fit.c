@@ -226,8 +226,7 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
     double *y = own + EXPLAIN_NUISANCES * n;
     for (size_t i = 0; i < n; i++)
         y[i] = run->force[i] - force[i] + path->contact_m * own[n + i];
-    for (size_t j = 0; j < m; j++)
-        explain_whiten(run, column + j * n);
+    explain_whiten(run, m, column);
     dense_transposed_product(m, m, n, column, column, product);
     return PALP_OK;
 }

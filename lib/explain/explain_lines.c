@@ -95,7 +95,7 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
         return PALP_ERR_NO_MEMORY;
     memcpy(y, residual, data->n * sizeof *y);
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
-        explain_whiten(&data->run[r], y + at);
+        explain_whiten(&data->run[r], 1, y + at);
         white += data->run[r].white / (double)data->n_runs;
     }
     double power[GRID], typical, centre = 50.0;

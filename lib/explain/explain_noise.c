@@ -39,8 +39,25 @@ static void filter(size_t from, size_t to, const double *keep, const double *tak
     }
 }
 
-void explain_whiten(const explain_run *run, double *x) {
-    filter(0, run->n, run->keep, run->take, run->weight, x);
+/* Four at a time, as each step of one waits for the step before. */
+static void whiten_four(const explain_run *run, double *x) {
+    const size_t n = run->n;
+    double state[4] = {0.0};
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            state[k] *= run->keep[i];
+            double innovation = x[k * n + i] - state[k];
+            state[k] += run->take[i] * innovation;
+            x[k * n + i] = innovation * run->weight[i];
+        }
+}
+
+void explain_whiten(const explain_run *run, size_t count, double *x) {
+    size_t k = 0;
+    for (; k + 4 <= count; k += 4)
+        whiten_four(run, x + k * run->n);
+    for (; k < count; k++)
+        filter(0, run->n, run->keep, run->take, run->weight, x + k * run->n);
 }
 
 /* ---- correlated noise ---- */

@@ -15,8 +15,8 @@ enum {
 /* From a residual: white noise of each run, correlated noise (exponential correlation) of all, and the filters. */
 palp_status explain_noise_find(explain_data *data, const double *residual);
 
-/* In place: x[n] with the noise's correlation taken out and in units of its sd; masked samples become 0. */
-void explain_whiten(const explain_run *run, double *x);
+/* In place: each of x[count n] with the noise's correlation taken out and in units of its sd; masked samples become 0. */
+void explain_whiten(const explain_run *run, size_t count, double *x);
 
 /* ---- explain_lines.c ---- */
 

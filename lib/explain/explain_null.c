@@ -91,8 +91,8 @@ static palp_status make_columns(const explain_search *s, const directions *d, si
         status = explain_rich_columns(s, r, column + (3 + k) * n);
     for (size_t i = 0; i < d->n && !status; i++)
         status = strength_column(model, &d->effect[i], run, contact, work, column + (3 + k + rich + i) * n);
-    for (size_t i = 0; i < 3 + k + rich + d->n && !status; i++)
-        explain_whiten(run, column + i * n);
+    if (!status)
+        explain_whiten(run, 3 + k + rich + d->n, column);
     palp_load_history_free(&history.load);
     free(work);
     return status;

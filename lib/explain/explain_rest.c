@@ -96,7 +96,7 @@ palp_status explain_rest_inflation(const explain_data *data, const double *resid
         if (run->held_out)
             continue;
         memcpy(x, residual, run->n * sizeof *x);
-        explain_whiten(run, x);
+        explain_whiten(run, 1, x);
         for (size_t k = 0, length = 1; k < SCALES && BLOCKS * length <= run->n; k++, length *= TIMES) {
             blocks b = sum_blocks(run, x, x, length);
             whitened[k] += b.whitened;
@@ -146,7 +146,7 @@ palp_status explain_rest_find(const explain_search *s, const double *residual, e
         if (run->held_out)
             continue;
         memcpy(x, residual + at, run->n * sizeof *x);
-        explain_whiten(run, x);
+        explain_whiten(run, 1, x);
         double square = rest_of(run, x, residual + at, s->settings->false_alarm / runs);
         if (square < TOLD * TOLD * (run->white * run->white + data->correlated * data->correlated))
             square = 0.0;

@@ -95,7 +95,9 @@ double forward_sensor_read(forward_sensor *s, const effect_moment *moment, doubl
         if (!f->row->sensor)
             continue;
         f->row->sensor(f->effect->value, &at, force, m->input, m->output, &out);
-        for (size_t k = 0; k < s->n_columns; k++) {
+        for (size_t k = 0; k < s->n_columns && !f->row->remembers; k++)
+            s->force_p[k] *= out.by_input;
+        for (size_t k = 0; k < s->n_columns && f->row->remembers; k++) {
             double input_p = s->force_p[k];
             s->force_p[k] = out.by_input * input_p + out.by_input_old * m->input_p[k] +
                             out.by_output_old * m->output_p[k];
@@ -103,7 +105,8 @@ double forward_sensor_read(forward_sensor *s, const effect_moment *moment, doubl
         }
         for (size_t k = 0; s->n_columns && k < f->row->info.n_parameters; k++)
             s->force_p[f->column + k] += out.by_value[k];
-        memcpy(m->output_p, s->force_p, s->n_columns * sizeof *m->output_p);
+        if (f->row->remembers)
+            memcpy(m->output_p, s->force_p, s->n_columns * sizeof *m->output_p);
         m->input = force;
         m->output = force = out.force;
     }
@@ -150,14 +153,18 @@ static double change_of(const palp_forward_run *run, const char *column, size_t 
     return 0.0;
 }
 
-forward_place forward_place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share) {
+static forward_place place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share, double velocity) {
     const double *t = run->time_s, *d = run->depth_m;
     forward_place place = {.time = share < 1.0 ? t[i - 1] + (t[i] - t[i - 1]) * share : t[i],
                            .depth = share < 1.0 ? d[i - 1] + (d[i] - d[i - 1]) * share : d[i],
-                           .velocity = forward_moment(run, i).velocity};
+                           .velocity = velocity};
     for (size_t j = 0; j < plan->n_effects; j++)
         place.change[j] = change_of(run, plan->effect[j].row->info.column, i, share);
     return place;
+}
+
+forward_place forward_place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share) {
+    return place_at(plan, run, i, share, forward_moment(run, i).velocity);
 }
 
 palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
@@ -176,11 +183,11 @@ palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
 }
 
 /* The plate to sample i, in as many parts as the run asks for. */
-static palp_status move_to(forward_plate *plate, const palp_forward_run *run, size_t i) {
+static palp_status move_to(forward_plate *plate, const palp_forward_run *run, size_t i, double velocity) {
     const size_t parts = i && run->parts > 1 ? run->parts : 1;
     palp_status status = PALP_OK;
     for (size_t k = 1; k <= parts && !status; k++) {
-        const forward_place place = forward_place_at(plate->plan, run, i, (double)k / (double)parts);
+        const forward_place place = place_at(plate->plan, run, i, (double)k / (double)parts, velocity);
         status = i ? forward_plate_move(plate, &place) : forward_plate_start(plate, &place);
     }
     return status;
@@ -190,7 +197,7 @@ static palp_status follow(forward_plate *plate, forward_sensor *s, const palp_fo
                           double *force_N, double *gradient, palp_error *error) {
     for (size_t i = 0; i < run->n; i++) {
         effect_moment at = forward_moment(run, i);
-        palp_status status = move_to(plate, run, i);
+        palp_status status = move_to(plate, run, i, at.velocity);
         if (status)
             return palp_error_set(error, status, "at %.6g s, depth %.6g mm: %s", run->time_s[i],
                                   1e3 * run->depth_m[i], palp_status_text(status));

@@ -2,6 +2,7 @@
 #include "forward_internal.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,6 +41,7 @@ struct forward_lumped {
     size_t n_groups;
     mode_group group[FORWARD_SPECTRA];
     element_step step;
+    element_steps steps; /* prepared before */
     bool prepared;
     state now, next;
     slopes d;
@@ -53,7 +55,7 @@ struct forward_lumped {
 static void prepare(forward_lumped *l, double dt) {
     modes *m = &l->modes;
     if (!l->prepared || dt != l->step.dt)
-        element_step_prepare(&l->plan->material, dt, &l->step);
+        l->step = *element_steps_of(&l->plan->material, dt, &l->steps);
     bool same = l->prepared && fabs(dt - m->dt) <= 1e-10 * dt;
     l->prepared = true;
     if (same)
@@ -306,7 +308,7 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
             l->d.peak[k] = copysign(1.0, l->next.strain) * to[k];
         memcpy(l->d.strain, to, l->n_columns * sizeof *to);
     }
-    l->now = l->next;
+    memcpy(&l->now, &l->next, offsetof(state, unit) + l->modes.n * sizeof *l->now.unit);
 }
 
 /* ---- making one ---- */

@@ -9,7 +9,7 @@
 typedef struct forward_surface {
     double strain, by_depth, by_force;
     double drift; /* change with the share of the step, that of the encoder's depth left out */
-    double by_value[PALP_EFFECTS_MAX][PALP_EFFECT_PARAMETERS]; /* [n_effects], of the depth */
+    double by_value[PALP_EFFECTS_MAX][PALP_EFFECT_PARAMETERS]; /* [n_effects], of the depth; of those that have a map */
 } forward_surface;
 
 /* Strain of a surface that the plate holds with this force at a share of the step. */

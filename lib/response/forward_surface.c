@@ -15,17 +15,18 @@ forward_surface forward_held(const forward_plate *p, double share, double force)
     s.by_force = s.drift = 0.0;
     for (size_t i = 0; i < p->plan->n_effects; i++) {
         const forward_effect *f = &p->plan->effect[i];
+        if (!f->row->map)
+            continue;
         const double rise = p->change[1][i] - p->change[0][i];
         const effect_press at = {depth, force, share == 1.0 ? p->change[1][i] : p->change[0][i] + share * rise};
         effect_surface out = {.depth = depth, .by_depth = 1.0};
-        if (f->row->map)
-            f->row->map(f->effect->value, &at, &out);
+        f->row->map(f->effect->value, &at, &out);
         depth = out.depth;
         s.by_depth *= out.by_depth;
         s.by_force = s.by_force * out.by_depth + out.by_force;
         s.drift = s.drift * out.by_depth + out.by_change * rise;
-        for (size_t j = 0; j < i; j++)
-            for (size_t k = 0; k < PALP_EFFECT_PARAMETERS; k++)
+        for (size_t j = 0; j < i && out.by_depth != 1.0; j++)
+            for (size_t k = 0; p->plan->effect[j].row->map && k < PALP_EFFECT_PARAMETERS; k++)
                 s.by_value[j][k] *= out.by_depth;
         memcpy(s.by_value[i], out.by_value, sizeof out.by_value);
     }

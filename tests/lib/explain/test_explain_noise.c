@@ -126,14 +126,13 @@ START_TEST(whitened_noise_is_white) {
     make_noise(run, 1e-3, 4e-3, 0.5, residual);
     ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
     ck_assert_double_gt(data.correlated, 1e-3);
-    for (size_t k = 0; k < N; k++) {
-        double *column = w + k * N;
-        column[k] = 1;
-        explain_whiten(run, column);
+    for (size_t k = 0; k < N; k++)
+        w[k * N + k] = 1;
+    explain_whiten(run, N, w);
+    for (size_t k = 0; k < N; k++)
         for (size_t i = 0; i < N; i++)
             v[k * N + i] = pow(data.correlated, 2) * exp(-fabs(run->time[k] - run->time[i]) / data.correlation_time) +
                            (i == k ? pow(run->white, 2) : 0);
-    }
     dense_product(N, N, N, w, v, t); /* W V, then (W V) W' by the transposed of both */
     for (size_t i = 0; i < N; i++)
         for (size_t j = 0; j < N; j++) {
