@@ -268,7 +268,7 @@ palp_status fit_finish(fit_problem *p, const double *v, const fit_curvature *c, 
                           const palp_recording *recordings, const palp_characterize_settings *settings,
                           palp_lumped_fit *fit) {
     fit->n_runs = n;
-    fit->constrained = p->positive;
+    fit->constrained = p->least > 0.0;
     fit->rms_N = calloc(n, sizeof(double));
     fit->absolute_N = calloc(n, sizeof(double));
     if (settings->spring == PALP_SPRING_PER_RUN)

@@ -31,7 +31,7 @@ typedef struct fit_problem {
     size_t n_springs;        /* parameters of the spring */
     palp_law law;            /* kind and shape; a constant with PALP_SPRING_PER_RUN */
     size_t n_arms;
-    bool positive;           /* K(e) >= 0 is enforced */
+    double least;            /* K(e) stays above this share of the stiffness of all; 0 = it is free */
     size_t n_times;          /* arms at fixed times: LOG and FRACTIONAL; 0 = free ones */
     double time[PALP_ARMS_MAX]; /* [n_times] rising, even in log */
     size_t n_reduced;        /* and of how many parameters they then are; 0 = of all */

@@ -255,7 +255,7 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
     status = make_folds(&f, &p, candidates);
     for (size_t c = 0; c < candidates && !status; c++) {
         p.n_arms = arms ? c : p.n_arms;
-        p.positive = false;
+        p.least = 0.0;
         if (!arms)
             status = palp_law_polynomial(p.n_springs = c + 1, one, &p.law);
         if (!status)
@@ -355,7 +355,7 @@ palp_status palp_characterize_select_law(size_t n, const palp_recording *recordi
     for (size_t c = 0; c < n_laws && !status; c++) {
         p.law = law[c];
         p.n_springs = law[c].n;
-        p.positive = false;
+        p.least = 0.0;
         status = score_by_steps(&f, &p, arms, &started, f.loss + c * f.n_groups);
         if (status == PALP_ERR_SINGULAR) {
             lose(&f, &p, f.loss + c * f.n_groups);

@@ -257,12 +257,12 @@ static size_t constrain(const fit_problem *p, double *row, double *floor) {
         row[rows * n + i] = 1.0;
         floor[rows++] = 1e-6 * p->stiffness;
     }
-    for (size_t i = 0; p->positive && !spline && i < GRID; i++) {
-        double e = p->strain_max * ((double)i + 0.01) / GRID;
+    for (size_t i = 0; p->least > 0.0 && !spline && i < GRID; i++) {
+        double e = p->strain_max * fmax((double)i, 1e-6) / (GRID - 1); /* from 0 to the deepest strain */
         palp_law_gradient(&p->law, e, a);
         for (size_t k = 0; k < p->law.n; k++)
             row[rows * n + k] = a[k] / e;
-        floor[rows++] = 1e-3 * p->stiffness;
+        floor[rows++] = p->least * p->stiffness;
     }
     return rows;
 }
@@ -324,15 +324,19 @@ static palp_status polish_starts(fit_problem *p, double *v, double *chi2, bool *
     return status;
 }
 
-/* K(e) > 0 over the strains measured, where the fit came out otherwise. */
+/* K(e) > 0 over the strains measured, where the fit came out otherwise: at some strains, by as much as it takes to be so between
+ * them. */
 static palp_status keep_positive(fit_problem *p, double *v, double *chi2, bool *converged) {
+    const double least = 1e-3, most = 0.1;
     palp_law law;
     palp_status status = PALP_OK;
     if (p->settings->spring == PALP_SPRING_PER_RUN || !linear_law(p))
         return status;
-    status = fit_law(p, v, &law);
-    if (!status && palp_law_minimum(&law, p->strain_max) <= 0.0) {
-        p->positive = true;
+    for (double share = fmax(least, p->least); share < most && !status; share *= 3.0) {
+        status = fit_law(p, v, &law);
+        if (status || palp_law_minimum(&law, p->strain_max) > 0.0)
+            break;
+        p->least = share;
         status = fit_polish(p, v, chi2, converged);
     }
     return status;

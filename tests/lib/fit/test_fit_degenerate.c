@@ -109,7 +109,31 @@ START_TEST(a_step_back_to_the_constraints_stays_within_all_numbers) {
 }
 END_TEST
 
+/* Data whose K(e) touches zero in a narrow dip, at 0 or anywhere else. */
+START_TEST(stiffness_stays_positive_wherever_it_would_fall_below_zero) {
+    static made m;
+    for (int k = 0; k <= 40; k++) {
+        double one[3] = {1.0}, v[3], dip = 0.1 * k / 40.0, chi2;
+        palp_characterize_settings s = with_law(polynomial(3, one), 0);
+        bool converged;
+        press(&m);
+        for (size_t i = 0; i < MOST; i++) {
+            double e = m.depth[i] / 0.02;
+            m.force[i] = (1e5 * (e - dip) * (e - dip) - 1.0) * e;
+        }
+        fit_problem p;
+        palp_law law;
+        ck_assert_int_eq(fit_problem_create(&p, 1, &m.r, &s, NULL), PALP_OK);
+        ck_assert_int_eq(fit_solve(&p, v, &chi2, &converged), PALP_OK);
+        ck_assert_int_eq(fit_law(&p, v, &law), PALP_OK);
+        ck_assert_msg(palp_law_minimum(&law, 0.1) > 0.0, "dip at %g: K falls to %g", dip, palp_law_minimum(&law, 0.1));
+        fit_problem_free(&p);
+    }
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, stiffness_stays_positive_wherever_it_would_fall_below_zero);
     tcase_add_test(tc, variances_along_what_is_not_told_are_large_and_never_negative);
     tcase_add_test(tc, a_regular_inverse);
     tcase_add_test(tc, two_arms_of_one_time);
