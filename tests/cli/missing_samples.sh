@@ -20,4 +20,10 @@ for seed in 1 2 3 4; do
         near "${run}_$seed: contact" "$(value ${run}_$seed.json contact_mm)" 0 0 0.06
     done
 done
+
+# A ramp without a dwell is called that in words and in JSON.
+expect 0 simulate $DATA/lumped_n2.json --protocol static --depth-mm 5 --rate-mm-s 0.5 --sample-Hz 100 --noise-N 0.004 --seed 1 --out ramp.csv
+expect 0 characterize ramp.csv --json
+grep -q '"kind": "ramp"' out || fail "JSON has another kind of a ramp without a dwell"
+grep -q 'ramp without a dwell' err || fail "a ramp without a dwell is not called that"
 done_testing

@@ -122,7 +122,7 @@ void characterize_warn(characterize_state *s, const char *format, ...);
 const palp_lumped_fit *characterize_fit_of(const characterize_state *s);
 
 double characterize_strain_max(const characterize_state *s);
-const char *characterize_kind(const palp_recording *r); /* "static", "ramp_hold", "other" */
+const char *characterize_kind(const palp_recording *r); /* "ramp" (no dwell), "ramp_hold", "creep", "other" */
 const char *characterize_rule(const palp_recording *r); /* "given", "free air", "nominal" */
 double characterize_total(const palp_lumped_fit *fit);  /* sum of |residual|, N */
 double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const palp_recording *r);

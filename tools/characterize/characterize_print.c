@@ -52,7 +52,7 @@ static void print_law(const palp_law *law) {
 
 static void print_static(const characterize_state *s) {
     for (size_t i = 0; i < s->n_static; i++) {
-        printf("Static press %s: plain polynomials F(e) (as Table 4.1)\n", s->run[i].name);
+        printf("Ramp without a dwell %s: plain polynomials F(e) (as Table 4.1)\n", s->run[i].name);
         printf("  degree  norm residual (N)\n");
         for (size_t d = DEGREE_MIN; d <= DEGREE_MAX; d++) {
             if (s->plain[i][d].n) {
@@ -204,7 +204,7 @@ static void print_bias(const characterize_state *s) {
     if (s->n_static == 0 || !s->has_final || s->material.n_arms == 0)
         return;
     double top = s->run[0].deepest_m / s->run[0].height_m;
-    printf("Static press: the plain polynomial takes the arms' force for the spring's\n");
+    printf("Ramp without a dwell: the plain polynomial takes the arms' force for the spring's\n");
     printf("  strain   plain K (N)   joint K (N)   plain / joint - 1\n");
     for (double e = 0.05; e <= top + 1e-9; e += 0.05) {
         double plain, joint;
@@ -217,7 +217,7 @@ static void print_bias(const characterize_state *s) {
 static void print_gap(const characterize_state *s) {
     if (s->n_gap == 0 || s->n_static == 0 || !s->has_final)
         return;
-    printf("K_inf of static press and ramp and hold (Figure 4.26)\n");
+    printf("K_inf of ramp without a dwell and ramp and hold (Figure 4.26)\n");
     printf("  strain   ramp and hold (N)   static, plain (N)   joint law (N)\n");
     for (size_t i = 0; i < s->n_gap; i++) {
         const characterize_gap *g = &s->gap[i];
@@ -231,7 +231,7 @@ static void print_spread(const characterize_state *s) {
     if (s->n_spread == 0)
         return;
     printf(
-        "Spread of the %zu static presses\n  strain   mean force (N)   sd (%%)   lowest (N)   highest (N)\n",
+        "Spread of the %zu ramps without a dwell\n  strain   mean force (N)   sd (%%)   lowest (N)   highest (N)\n",
         s->n_static);
     for (size_t i = 0; i < s->n_spread; i++) {
         const characterize_spread *at = &s->spread[i];

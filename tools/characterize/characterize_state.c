@@ -9,7 +9,7 @@
 static const char NAME[] = "characterize";
 
 const char *characterize_kind(const palp_recording *r) {
-    static const char *const kinds[] = {"static", "ramp_hold", "other", "creep"};
+    static const char *const kinds[] = {"ramp", "ramp_hold", "other", "creep"};
     return kinds[r->kind];
 }
 
