@@ -89,12 +89,20 @@ static bool locates_buckling(const palp_network *net, bool before) {
                                            net->settings.check_strain * net->height;
 }
 
-/* However exact a longer step would be, the record shall show the curve: 50 samples of a moving plate,
- * some 25 a decade of a dwell. */
+/* However exact a longer step would be, the record shall show the curve: 50 samples of a moving plate, some 25 a decade of
+ * a dwell. A path of many segments, as a recording is, shows the most of it by its own corners. */
+enum { SEGMENT_SAMPLES = 50, PATH_SAMPLES = 2000 };
+
+static double samples_of_segment(const palp_path *path) {
+    double share = PATH_SAMPLES / (double)(path->n - 1);
+    return fmax(1.0, fmin(share, SEGMENT_SAMPLES));
+}
+
 static double longest_step(const run *r, double from, double to, double t) {
-    double length = to - from;
+    double length = to - from, samples = samples_of_segment(r->path);
     bool dwell = palp_path_at(r->path, from) == palp_path_at(r->path, to);
-    return dwell ? fmax(0.1 * (t - from), 1e-3 * length) : length / 50.0;
+    double first = samples < SEGMENT_SAMPLES ? 1.0 / samples : 1e-3;
+    return dwell ? fmax(0.1 * (t - from), first * length) : length / samples;
 }
 
 static palp_status adaptive_segment(run *r, double from, double to, double *step) {
@@ -160,7 +168,7 @@ palp_status palp_network_run(palp_network *network, const palp_path *path, const
         status = observe(&r, path->time_s[0]);
     for (size_t i = 0; i + 1 < path->n && !status; i++) {
         double from = path->time_s[i], to = path->time_s[i + 1];
-        double step = settings->dt_min_s > 0.0 ? settings->dt_min_s : (to - from) / 50.0;
+        double step = settings->dt_min_s > 0.0 ? settings->dt_min_s : (to - from) / samples_of_segment(path);
         status = settings->tolerance > 0.0 ? adaptive_segment(&r, from, to, &step) : fixed_segment(&r, from, to);
     }
     if (info)

@@ -360,7 +360,30 @@ START_TEST(runs_that_make_no_sense) {
 }
 END_TEST
 
+/* A recording's path: a ramp and a dwell as 10000 straight pieces. */
+START_TEST(a_path_of_many_pieces_takes_a_step_for_each) {
+    enum { PIECES = 10000 };
+    palp_material m = quartic(2);
+    palp_network *net = cube_network(3, &m, NULL);
+    double whole[2];
+    ends(net, 0.0, 1e-8, whole);
+    palp_path path = {.n = PIECES + 1, .time_s = malloc((PIECES + 1) * sizeof(double)), .depth_m = malloc((PIECES + 1) * sizeof(double))};
+    for (size_t i = 0; i <= PIECES; i++) {
+        path.time_s[i] = 11.0 * (double)i / PIECES;
+        path.depth_m[i] = 0.3 * HEIGHT * fmin(path.time_s[i], 1.0);
+    }
+    palp_run_settings settings = recording(0.0, 1e-4);
+    palp_network_reset(net);
+    palp_run_info info = run_path(net, path, &settings);
+    ck_assert_uint_eq(seen.n, PIECES + 1);
+    ck_assert_uint_eq(info.steps, 2 * PIECES);
+    ck_assert_double_eq_tol(seen.force[PIECES], whole[1], 1e-5 * info.peak_force_N);
+    palp_network_free(net);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, a_path_of_many_pieces_takes_a_step_for_each);
     tcase_add_test(tc, fixed_steps_visit_every_corner);
     tcase_add_test(tc, controlled_steps_agree_with_small_fixed_ones);
     tcase_add_test(tc, second_order_in_dt);
