@@ -4,6 +4,7 @@
 #include "base/clones.h"
 
 #include <math.h>
+#include <string.h>
 
 void element_decay(double x, double *decay, double *mean) {
     *decay = exp(-x);
@@ -135,10 +136,9 @@ static void change_springs(const palp_material *material, const element_step *st
 void element_trial(const palp_material *material, const element_step *step, size_t stride, size_t n, const double *e,
                    const element_history *old, element_history *new, double *force, double *tangent) {
     palp_law_force(&material->law, n, e, force, tangent, NULL);
-    for (size_t i = 0; i < n; i++) {
-        new->strain[i] = e[i];
-        new->elastic[i] = force[i];
-    }
+    if (new->strain != e)
+        memcpy(new->strain, e, n * sizeof *e);
+    memcpy(new->elastic, force, n * sizeof *force);
     if (step->damage || step->rate_factor != 1.0)
         change_springs(material, step, n, e, old, new, force, tangent);
     if (material->formulation == PALP_SEDEF2008 && material->n_arms > 0) {

@@ -43,7 +43,7 @@ static palp_status allocate(palp_network *net) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
     double **by_axis[] = {&net->motion, &net->fint, &net->outer, &net->diagonal, &net->unbalanced, &net->rhs, &net->dx,
                           &net->start, &net->way[0], &net->way[1]};
-    double **by_element[] = {&net->inverse_rest, &net->inverse_length, &net->strain, &net->force, &net->tangent};
+    double **by_element[] = {&net->inverse_rest, &net->inverse_length, &net->tangent};
     for (size_t i = 0; i < sizeof by_axis / sizeof *by_axis; i++)
         *by_axis[i] = arena_take(&net->memory, n3, sizeof(double));
     for (size_t i = 0; i < sizeof by_element / sizeof *by_element; i++)

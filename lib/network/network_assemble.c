@@ -6,7 +6,11 @@
 #include <string.h>
 
 bool network_evaluate(palp_network *net) {
-    if (!network_element_forces(net))
+    return network_evaluate_blocks(net, NULL);
+}
+
+bool network_evaluate_blocks(palp_network *net, const network_blocks *blocks) {
+    if (!network_element_forces(net, blocks))
         return false;
     memset(net->outer, 0, 3 * net->n_nodes * sizeof *net->outer);
     net->outer_squares = 0.0;

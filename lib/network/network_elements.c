@@ -10,11 +10,17 @@ static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without len
 
 enum { CHUNK = 256, LANES = 8 };
 
-/* Of a chunk's elements, by axis. */
+/* Of a chunk's elements, by axis; and where their geometry and tangent go. */
 typedef struct chunk {
     size_t at, n; /* elements at to at + n */
     double d[3][CHUNK];
+    double *direction[3], *inverse_length, *tangent;
 } chunk;
+
+/* Of a chunk whose elements leave their tangents in single precision only. */
+typedef struct chunk_room {
+    double direction[3][CHUNK], inverse_length[CHUNK], tangent[CHUNK];
+} chunk_room;
 
 /* Difference of x[3 n_nodes] over each element. */
 static void fetch(const palp_network *net, const double *x, chunk *c) {
@@ -120,11 +126,20 @@ static size_t count_collapsed(size_t n, const double *strain) {
     return count;
 }
 
+/* A chunk that keeps what is found of it: in room, or if that is NULL in the network. */
+static chunk chunk_keeping(palp_network *net, size_t at, chunk_room *room) {
+    chunk c = chunk_at(net, at);
+    for (size_t k = 0; k < 3; k++)
+        c.direction[k] = room ? room->direction[k] : net->direction + k * net->n_elements + at;
+    c.inverse_length = room ? room->inverse_length : net->inverse_length + at;
+    c.tangent = room ? room->tangent : net->tangent + at;
+    return c;
+}
+
 static void measure_chunk(palp_network *net, chunk *c) {
-    double *n = net->direction + c->at;
     fetch(net, net->next.x, c);
-    measure(c->n, c->d[0], c->d[1], c->d[2], net->inverse_rest + c->at, net->strain + c->at, net->inverse_length + c->at, n,
-            n + net->n_elements, n + 2 * net->n_elements);
+    measure(c->n, c->d[0], c->d[1], c->d[2], net->inverse_rest + c->at, net->strain + c->at, c->inverse_length,
+            c->direction[0], c->direction[1], c->direction[2]);
 }
 
 static element_history history_at(const element_history *h, size_t at) {
@@ -141,15 +156,15 @@ static void carry(palp_network *net, chunk *c) {
 }
 
 static void force_chunk(palp_network *net, chunk *c) {
-    const size_t at = c->at, m = net->n_elements;
+    const size_t at = c->at;
     element_history old = history_at(&net->now.history, at), new = history_at(&net->next.history, at);
-    double *force = net->force + at, *n = net->direction + at;
-    element_trial(&net->material, &net->step, m, c->n, net->strain + at, &old, &new, force, net->tangent + at);
+    double *force = net->force + at;
+    element_trial(&net->material, &net->step, net->n_elements, c->n, net->strain + at, &old, &new, force, c->tangent);
     for (size_t i = 0; i < c->n && net->scale; i++) {
         force[i] *= net->scale[at + i];
-        net->tangent[at + i] *= net->scale[at + i];
+        c->tangent[i] *= net->scale[at + i];
     }
-    point_forces(c->n, force, n, n + m, n + 2 * m, c->d[0], c->d[1], c->d[2]);
+    point_forces(c->n, force, c->direction[0], c->direction[1], c->direction[2], c->d[0], c->d[1], c->d[2]);
     if (net->next.vector)
         carry(net, c);
     deliver(net, c, net->fint);
@@ -166,23 +181,53 @@ static void lay_out_dead(palp_network *net) {
     }
 }
 
-bool network_element_forces(palp_network *net) {
+/* n, along and across of the elements' blocks */
+PALP_CLONES
+static void find_blocks(size_t n, const double *restrict force, const double *restrict inverse_length,
+                        const double *restrict tangent, const double *restrict inverse_rest, const double *restrict n0,
+                        const double *restrict n1, const double *restrict n2, float *restrict b) {
+    for (size_t i = 0; i < n; i++) {
+        double across = force[i] * inverse_length[i];
+        b[i] = (float)n0[i];
+        b[CHUNK + i] = (float)n1[i];
+        b[2 * CHUNK + i] = (float)n2[i];
+        b[3 * CHUNK + i] = (float)(tangent[i] * inverse_rest[i] - across);
+        b[4 * CHUNK + i] = (float)across;
+    }
+}
+
+static void pack_chunk(const palp_network *net, const chunk *c, const network_blocks *to) {
+    float b[5 * CHUNK];
+    find_blocks(c->n, net->force + c->at, c->inverse_length, c->tangent, net->inverse_rest + c->at, c->direction[0],
+                c->direction[1], c->direction[2], b);
+    for (size_t i = 0; i < c->n; i++) {
+        float *e = to->element + to->place[c->at + i];
+        for (size_t k = 0; k < 5; k++)
+            e[k * to->spacing] = b[k * CHUNK + i];
+    }
+}
+
+bool network_element_forces(palp_network *net, const network_blocks *blocks) {
     double forces[LANES] = {0.0}, tangents[LANES] = {0.0};
+    chunk_room own, *room = blocks && net->n_dead == 0 ? &own : NULL;
+    network_point_at_next(net);
     for (size_t at = 0; at < net->n_elements && net->n_dead > 0; at += CHUNK) {
-        chunk c = chunk_at(net, at);
+        chunk c = chunk_keeping(net, at, NULL);
         measure_chunk(net, &c);
     }
     lay_out_dead(net);
     memset(net->fint, 0, 3 * net->n_nodes * sizeof *net->fint);
     for (size_t at = 0; at < net->n_elements; at += CHUNK) {
-        chunk c = chunk_at(net, at);
+        chunk c = chunk_keeping(net, at, room);
         if (net->n_dead == 0)
             measure_chunk(net, &c);
         if (count_collapsed(c.n, net->strain + at) > 0)
             return false;
         force_chunk(net, &c);
         add_squares(c.n, net->force + at, forces);
-        add_squares(c.n, net->tangent + at, tangents);
+        add_squares(c.n, c.tangent, tangents);
+        if (blocks && blocks->element)
+            pack_chunk(net, &c, blocks);
     }
     net->force_squares = lanes_sum(forces);
     net->tangent_squares = lanes_sum(tangents);

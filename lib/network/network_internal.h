@@ -66,7 +66,9 @@ struct palp_network {
     double modulus;       /* instantaneous stiffness of an element at rest, N */
     double *direction;    /* [3 n_elements] unit vector first -> second node: all x, all y, all z */
     double *inverse_length; /* [n_elements] */
-    double *strain, *force, *tangent; /* [n_elements]; force without the carried vector */
+    double *strain, *force; /* [n_elements] of the state that was next then; force without the carried vector */
+    double *own_force;    /* [n_elements] force where a vector is carried, or NULL */
+    double *tangent;      /* [n_elements] */
     double *fint;         /* [3 n_nodes] force of the elements */
     double *outer;        /* [3 n_nodes] force of terms, on supported nodes too */
     double outer_squares; /* as the squares of a term's residual */
@@ -110,6 +112,9 @@ const uint32_t *network_other_slots(const palp_network *net, int32_t low, int32_
 /* The states, as large as material, damage and terms ask for. On failure the old ones stay. */
 palp_status network_allocate_states(palp_network *net);
 
+/* strain and force are those of the next state. */
+void network_point_at_next(palp_network *net);
+
 /* The committed state aside and back; the predictor then forgets its past. */
 void network_mark_save(palp_network *net);
 void network_mark_restore(palp_network *net);
@@ -120,10 +125,18 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
 
 /* ---- network_elements.c ---- */
 
-/* Geometry and forces of the elements at next.x and their sums on nodes. False: one has collapsed. */
-bool network_element_forces(palp_network *net);
+/* The elements' part of the tangent in single precision: the block of element i is along n n' + across 1. */
+typedef struct network_blocks {
+    float *element;        /* n, along, across; of element i from place[i] on, spacing apart */
+    const uint32_t *place; /* [n_elements] */
+    size_t spacing;
+} network_blocks;
 
-/* out = tangent of the last evaluation times u, [3 n_nodes] both, fixed axes included. */
+/* Geometry and forces of the elements at next.x and their sums on nodes. False: one has collapsed. With blocks these are made unless
+ * blocks->element is NULL, and neither direction, inverse_length nor tangent need be, which takes less memory and time. */
+bool network_element_forces(palp_network *net, const network_blocks *blocks);
+
+/* out = tangent of the last evaluation (of one without blocks) times u, [3 n_nodes] both, fixed axes included. */
 void network_tangent_times(const palp_network *net, const double *u, double *out);
 
 /* Sum of a[i] b[i]. */
@@ -133,6 +146,7 @@ double network_dot(const double *a, const double *b, size_t n);
 
 /* Geometry, element forces, nodal sums and terms at next.x. False: a collapsed element or a non-finite force. */
 bool network_evaluate(palp_network *net);
+bool network_evaluate_blocks(palp_network *net, const network_blocks *blocks); /* as network_element_forces with blocks */
 
 /* |residual|_2 of the unknowns into rhs (K dx = rhs), and the scale it is judged by. */
 double network_residual(palp_network *net, double *scale);

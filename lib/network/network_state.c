@@ -73,12 +73,19 @@ static bool allocate_mark(palp_network *net) {
     return mark;
 }
 
+void network_point_at_next(palp_network *net) {
+    net->strain = net->next.history.strain;
+    net->force = net->own_force ? net->own_force : net->next.element;
+}
+
 palp_status network_allocate_states(palp_network *net) {
     network_state old[2] = {net->now, net->next}, fresh[2] = {{0}};
-    double *past[NETWORK_PAST];
+    double *past[NETWORK_PAST], *own_force = NULL;
     arena memory = {NULL, false};
     allocate(net, &memory, &fresh[0]);
     allocate(net, &memory, &fresh[1]);
+    if (fresh[0].vector)
+        own_force = arena_take(&memory, net->n_elements, sizeof *own_force);
     for (size_t i = 0; i < NETWORK_PAST; i++) /* a step changes them for a state's x */
         past[i] = arena_take(&memory, 3 * net->n_nodes, sizeof *past[i]);
     net->now = fresh[0];
@@ -92,6 +99,8 @@ palp_status network_allocate_states(palp_network *net) {
     if (ok) {
         net->states = memory;
         memcpy(net->past, past, sizeof past);
+        net->own_force = own_force;
+        network_point_at_next(net);
     }
     return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
 }

@@ -221,7 +221,8 @@ void network_finish(palp_network *net) {
     net->next.force = network_drive_force(net);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         net->next.inner[i] = net->fint[i] + net->outer[i];
-    memcpy(net->next.element, net->force, net->n_elements * sizeof *net->force);
+    if (net->own_force)
+        memcpy(net->next.element, net->own_force, net->n_elements * sizeof *net->own_force);
     if (net->step.carry > 0.0)
         for (size_t i = 0; i < net->n_elements; i++)
             for (size_t k = 0; k < 3; k++)

@@ -44,6 +44,8 @@ static palp_status allocate(palp_realtime *rt) {
     const bool touched = realtime_touched(net);
     palp_status status = multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
                                           touched ? TOUCHED : DIRECT, touched, &rt->mg);
+    if (!status && !(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)))
+        status = PALP_ERR_NO_MEMORY;
     if (!status && rt->settings.background)
         status = refresh_thread_create(rt->mg, &rt->thread);
     return status;
@@ -91,10 +93,10 @@ palp_status palp_realtime_reset(palp_realtime *rt) {
 
 static void time_parts(palp_realtime *rt) {
     double start = realtime_clock();
-    network_evaluate(rt->net);
+    realtime_evaluate(rt, true);
     double middle = realtime_clock();
     multigrid_apply(rt->mg, rt->r, rt->z);
-    network_tangent_times(rt->net, rt->z, rt->q);
+    realtime_tangent_times(rt, rt->z, rt->q);
     rt->times = (realtime_times){middle - start, realtime_clock() - middle, middle - start};
 }
 
@@ -140,9 +142,10 @@ typedef struct tick {
 } tick;
 
 /* Evaluates next.x, once terms have made it follow them. */
-static bool follow(palp_network *net) {
+static bool follow(palp_realtime *rt) {
+    palp_network *net = rt->net;
     NETWORK_EACH_TERM(net, follow, net);
-    return network_evaluate(net);
+    return realtime_evaluate(rt, true);
 }
 
 static bool predict(palp_realtime *rt) {
@@ -150,13 +153,13 @@ static bool predict(palp_realtime *rt) {
     double depth = net->next.depth, move = depth - net->now.depth;
     bool extrapolated =
         rt->contraction < STRAIGHT && network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
-    if (extrapolated && follow(net))
+    if (extrapolated && follow(rt))
         return true;
     for (int straight = 1; straight >= 0; straight--) {
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->now.x[i] + (straight && rt->driven ? move * rt->adjoint[i] : 0.0);
         network_place(net, depth);
-        if (follow(net))
+        if (follow(rt))
             return true;
     }
     return false;
@@ -236,6 +239,13 @@ static double part_between(double at_low, double at_high) {
     return fmin(fmax(at_low / (at_low - at_high), ASIDE), 1.0 - ASIDE);
 }
 
+/* Will the tangent at the end of a move be used: by another correction, the adjoint's or the next factor? */
+static bool tangent_wanted(const palp_realtime *rt, const tick *t) {
+    bool last = t->info.corrections == t->budget.corrections;
+    bool due = rt->adjoint_due > 0 && rt->driven;
+    return !last || (due ? rt->adjoint_due != ADJOINT_PARTS - 1 : realtime_refresh_begins(rt));
+}
+
 /* next.x = start + move, or less of it where that is unsound or runs past the least energy along it, as where a contact
  * stiffens or comes to stick: then to where the slope is small beside that at the start. */
 static bool go(palp_realtime *rt, tick *t) {
@@ -244,12 +254,13 @@ static bool go(palp_realtime *rt, tick *t) {
     spread_residual(net, rt->p); /* conjugate gradients have changed r */
     const double before = network_dot(rt->p, rt->move, 3 * net->n_nodes);
     double low = 0.0, high = 1.0, at_low = before, at_high = 0.0;
+    const bool tangent = tangent_wanted(rt, t);
     memcpy(rt->q, net->next.x, 3 * net->n_nodes * sizeof *rt->q);
     for (int i = 0; i <= TRIES; i++) {
         for (size_t k = 0; k < 3 * net->n_nodes; k++)
             net->next.x[k] = rt->q[k] + alpha * rt->move[k];
         double after = -at_low;
-        if (network_evaluate(net)) {
+        if (realtime_evaluate(rt, tangent)) {
             assess(rt, t);
             if (i == 0)
                 learn(&rt->times.evaluation, realtime_clock() - start);
@@ -267,7 +278,7 @@ static bool go(palp_realtime *rt, tick *t) {
         alpha = low + part_between(at_low, at_high) * (high - low);
     }
     memcpy(net->next.x, rt->q, 3 * net->n_nodes * sizeof *rt->q);
-    network_evaluate(net);
+    realtime_evaluate(rt, true);
     assess(rt, t);
     return false;
 }
@@ -294,7 +305,7 @@ static void correct(palp_realtime *rt, tick *t) {
         if (!go(rt, t))
             return;
         if (network_refresh(rt->net)) {
-            if (!network_evaluate(rt->net))
+            if (!realtime_evaluate(rt, true))
                 return;
             assess(rt, t);
         }

@@ -13,7 +13,7 @@ typedef struct refresh_thread refresh_thread;
 /* The tetrahedra are looked at in so many parts, one a tick. */
 enum { REALTIME_PARTS = 16 };
 
-typedef enum refresh_stage { REFRESH_COPY, REFRESH_MAKE } refresh_stage;
+typedef enum refresh_stage { REFRESH_DUE, REFRESH_MAKE } refresh_stage;
 
 /* Seconds that parts of a tick take, as lately measured. */
 typedef struct realtime_times {
@@ -29,6 +29,7 @@ struct palp_realtime {
     double *move;          /* [3 n_nodes] correction */
     double *adjoint;       /* [3 n_nodes] dx / d depth, the motion at fixed axes */
     double *weight;        /* [n_nodes] stiffness of what presses on each node from outside, N/m */
+    float *element;        /* [n_floats] the elements' blocks at the last evaluation with the tangent, as rt->mg has them */
     double *adjoint_r, *adjoint_z; /* [3 n_nodes] of a correction of the adjoint on its way */
     bool driven;           /* some axis is: there is an adjoint */
     double adjoint_error;  /* of it, in the norm of the tangent */
@@ -42,7 +43,7 @@ struct palp_realtime {
 
     multigrid_coupling *touching; /* [MULTIGRID_COUPLINGS] scratch */
     refresh_stage stage;   /* of the next factor */
-    size_t at;             /* elements copied, or pieces made */
+    size_t at;             /* ticks that it was due, or pieces made */
     double piece;          /* work on it in a tick */
     bool definite;         /* it is made without what can make it indefinite */
     bool used_definite;    /* so was the one in use */
@@ -53,6 +54,13 @@ struct palp_realtime {
 };
 
 /* ---- realtime_solve.c ---- */
+
+/* As network_evaluate; with the tangent: the elements' blocks into rt->element. */
+bool realtime_evaluate(palp_realtime *rt, bool tangent);
+
+/* q = tangent of the last evaluation times p on the free axes, 0 on the others. In single precision: what is left of a residual by
+ * corrections is evaluated anew before it is judged. */
+void realtime_tangent_times(palp_realtime *rt, const double *p, double *q);
 
 /* Preconditioned conjugate gradients on the tangent of the last evaluation from rt->r, at most limit corrections or
  * until the residual falls to share of its norm. The correction is in rt->move; returns how many it took. */
@@ -70,8 +78,11 @@ bool realtime_touched(const palp_network *net);
 /* Brings what terms add to the tangent up to date in the factor in use, as far as can be. */
 void realtime_touch(palp_realtime *rt);
 
-/* A factor at once, from the last evaluation. */
+/* A factor at once, from the last evaluation, which was network_evaluate's; rt->element is made of it, too. */
 palp_status realtime_refresh_now(palp_realtime *rt);
+
+/* Does the next piece of it begin with the tangent of the last evaluation? */
+bool realtime_refresh_begins(const palp_realtime *rt);
 
 /* A piece of the next factor; true if it came into use. */
 bool realtime_refresh(palp_realtime *rt);

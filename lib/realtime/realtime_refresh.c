@@ -4,15 +4,15 @@
 #include <math.h>
 #include <string.h>
 
-static const double COPY_WORK = 1.0; /* units an element */
+static const double PAUSE = 1.0; /* units an element that a factor in use is left alone: work that the ticks do not have */
 
-static void copy_element(const palp_network *net, const multigrid_source *source, size_t i) {
-    float *e = source->element + 5 * (size_t)source->place[i];
+static void copy_element(const palp_network *net, float *element, const multigrid_source *source, size_t i) {
+    float *e = element + source->place[i];
     double across = net->force[i] * net->inverse_length[i];
     for (size_t k = 0; k < 3; k++)
-        e[k] = (float)net->direction[k * net->n_elements + i];
-    e[3] = (float)(net->tangent[i] * net->inverse_rest[i] - across);
-    e[4] = (float)across;
+        e[k * source->spacing] = (float)net->direction[k * net->n_elements + i];
+    e[3 * source->spacing] = (float)(net->tangent[i] * net->inverse_rest[i] - across);
+    e[4 * source->spacing] = (float)across;
 }
 
 /* Where the blocks of terms go. */
@@ -87,7 +87,8 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
     palp_status status = PALP_ERR_SINGULAR;
     copy_nodes(net, &source);
     for (size_t i = 0; i < net->n_elements; i++)
-        copy_element(net, &source, i);
+        copy_element(net, rt->element, &source, i);
+    memcpy(source.element, rt->element, source.n_floats * sizeof *rt->element);
     for (int definite = 0; definite < 2 && status == PALP_ERR_SINGULAR; definite++) {
         multigrid_begin(rt->mg, definite);
         status = multigrid_advance(rt->mg, INFINITY, &done);
@@ -97,20 +98,16 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
     }
     if (!status)
         multigrid_swap(rt->mg);
-    rt->stage = REFRESH_COPY;
+    rt->stage = REFRESH_DUE;
     rt->at = 0;
     return status;
 }
 
-/* Copies elements, and at their end begins the making. */
-static void copy_some(palp_realtime *rt, double work) {
-    palp_network *net = rt->net;
-    multigrid_source source = multigrid_input(rt->mg);
-    for (; rt->at < net->n_elements && work > 0.0; work -= COPY_WORK)
-        copy_element(net, &source, rt->at++);
-    if (rt->at < net->n_elements)
-        return;
-    copy_nodes(net, &source);
+/* Begins the making, of the last evaluation's elements. */
+static void begin(palp_realtime *rt) {
+    const multigrid_source source = multigrid_input(rt->mg);
+    rt->element = multigrid_exchange(rt->mg, rt->element);
+    copy_nodes(rt->net, &source);
     multigrid_begin(rt->mg, rt->definite);
     rt->stage = REFRESH_MAKE;
     rt->at = 0;
@@ -130,7 +127,7 @@ static bool finish(palp_realtime *rt, palp_status status) {
     }
     bool definite = rt->definite;
     rt->definite = false;
-    rt->stage = REFRESH_COPY;
+    rt->stage = REFRESH_DUE;
     if (status)
         return false;
     multigrid_swap(rt->mg);
@@ -139,11 +136,18 @@ static bool finish(palp_realtime *rt, palp_status status) {
     return true;
 }
 
+bool realtime_refresh_begins(const palp_realtime *rt) {
+    return rt->stage == REFRESH_DUE && (double)(rt->at + 1) * rt->piece >= PAUSE * (double)rt->net->n_elements;
+}
+
 bool realtime_refresh(palp_realtime *rt) {
     palp_status status;
     bool done = false;
-    if (rt->stage == REFRESH_COPY) {
-        copy_some(rt, rt->piece);
+    if (rt->stage == REFRESH_DUE) {
+        if (realtime_refresh_begins(rt))
+            begin(rt);
+        else
+            rt->at++;
         return false;
     }
     if (rt->thread) {

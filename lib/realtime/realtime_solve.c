@@ -6,9 +6,18 @@
 
 static const double FURTHEST = 0.002; /* of the network's size: a move where the tangent is not definite */
 
-/* q = K p on the free axes */
-static void tangent_times(const palp_network *net, const double *p, double *q) {
-    network_tangent_times(net, p, q);
+bool realtime_evaluate(palp_realtime *rt, bool tangent) {
+    const multigrid_source source = multigrid_input(rt->mg);
+    const network_blocks blocks = {tangent ? rt->element : NULL, source.place, source.spacing};
+    return network_evaluate_blocks(rt->net, &blocks);
+}
+
+void realtime_tangent_times(palp_realtime *rt, const double *p, double *q) {
+    const palp_network *net = rt->net;
+    multigrid_elements_times(rt->mg, rt->element, p, q);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        q[i] = net->diagonal[i] * p[i] - q[i];
+    NETWORK_EACH_TERM(net, times, net, p, q);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         q[i] = net->dof[i] < 0 ? 0.0 : q[i];
 }
@@ -41,7 +50,7 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
         before = rz;
         for (size_t i = 0; i < n; i++)
             rt->p[i] = rt->z[i] + (beta > 0.0 ? beta * rt->p[i] : 0.0);
-        tangent_times(net, rt->p, rt->q);
+        realtime_tangent_times(rt, rt->p, rt->q);
         double curvature = network_dot(rt->p, rt->q, n), alpha = rz / curvature;
         if (!(curvature > 0.0)) {
             if (done == 1)
@@ -59,7 +68,7 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
 
 /* The three parts of a correction of the adjoint: its residual, that times the factor, and the step along it. */
 static void adjoint_residual(palp_realtime *rt) {
-    tangent_times(rt->net, rt->adjoint, rt->adjoint_r);
+    realtime_tangent_times(rt, rt->adjoint, rt->adjoint_r);
     for (size_t i = 0; i < 3 * rt->net->n_nodes; i++)
         rt->adjoint_r[i] = -rt->adjoint_r[i];
 }
@@ -72,7 +81,7 @@ static void adjoint_direction(palp_realtime *rt) {
 static void adjoint_move(palp_realtime *rt) {
     const size_t n = 3 * rt->net->n_nodes;
     const double *z = rt->adjoint_z;
-    tangent_times(rt->net, z, rt->q);
+    realtime_tangent_times(rt, z, rt->q);
     double rz = network_dot(rt->adjoint_r, z, n), curvature = network_dot(z, rt->q, n);
     if (!(rz > 0.0) || !(curvature > 0.0))
         return;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 static void pass_source(const palp_network *net, multigrid_source source, network_cursor *c) {
-    network_pass(c, source.element, 5 * net->n_elements * sizeof *source.element);
+    network_pass(c, source.element, source.n_floats * sizeof *source.element);
     network_pass(c, source.node, 6 * net->n_nodes * sizeof *source.node);
     network_pass(c, source.n_couplings, sizeof *source.n_couplings);
     network_pass(c, source.coupling, MULTIGRID_COUPLINGS * sizeof *source.coupling);

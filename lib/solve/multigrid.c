@@ -48,6 +48,7 @@ static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
     uint32_t *after = mg->after = arena_take(&mg->memory, mg->n_nodes + 2, sizeof *after);
     mg->place = arena_take(&mg->memory, mg->n_elements, sizeof *mg->place);
     mg->high = arena_take(&mg->memory, mg->n_elements, sizeof *mg->high);
+    mg->slot = arena_take(&mg->memory, mg->n_elements, sizeof *mg->slot);
     if (mg->memory.failed)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < mg->n_elements; i++)
@@ -59,7 +60,14 @@ static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
         mg->place[i] = after[(a < b ? a : b) + 1]++;
         mg->high[mg->place[i]] = a < b ? b : a;
     }
-    return PALP_OK;
+    for (size_t k = 0; k < mg->n_elements; k++)
+        mg->slot[k] = (uint32_t)(5 * k);
+    palp_status status = mg->jacobi ? multigrid_make_batches(mg) : PALP_OK;
+    mg->spacing = mg->n_batches > 0 ? MULTIGRID_BATCH : 1;
+    mg->n_floats = mg->n_batches > 0 ? 5 * MULTIGRID_BATCH * mg->n_batches : 5 * mg->n_elements;
+    for (size_t i = 0; i < mg->n_elements; i++)
+        mg->place[i] = mg->slot[mg->place[i]];
+    return status;
 }
 
 /* The finest level: a row has its node's elements. */
@@ -339,7 +347,7 @@ static palp_status make_work(multigrid *mg) {
     mg->row_column = arena_take(memory, most, sizeof *mg->row_column);
     mg->mark = arena_take(memory, second, sizeof *mg->mark);
     for (size_t k = 0; k < 2; k++) {
-        mg->element[k] = arena_take(memory, 5 * mg->n_elements, sizeof *mg->element[k]);
+        mg->element[k] = arena_take(memory, mg->n_floats, sizeof *mg->element[k]);
         mg->node[k] = arena_take(memory, 6 * mg->n_nodes, sizeof *mg->node[k]);
         mg->coupling[k] = arena_take(memory, MULTIGRID_COUPLINGS, sizeof *mg->coupling[k]);
     }
@@ -388,11 +396,18 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
 }
 
 static multigrid_source source_of(multigrid *mg, int set) {
-    return (multigrid_source){mg->element[set], mg->place, mg->node[set], mg->coupling[set], &mg->n_couplings[set]};
+    return (multigrid_source){mg->element[set], mg->place, mg->spacing, mg->n_floats, mg->node[set], mg->coupling[set],
+                              &mg->n_couplings[set]};
 }
 
 multigrid_source multigrid_input(multigrid *mg) {
     return source_of(mg, 1 - mg->used);
+}
+
+float *multigrid_exchange(multigrid *mg, float *element) {
+    float *former = mg->element[1 - mg->used];
+    mg->element[1 - mg->used] = element;
+    return former;
 }
 
 multigrid_source multigrid_used(multigrid *mg) {

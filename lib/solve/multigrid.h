@@ -28,13 +28,18 @@ typedef struct multigrid_coupling {
 } multigrid_coupling;
 
 typedef struct multigrid_source {
-    float *element;        /* [5 n_elements] n, along, across; of element i at 5 place[i] */
+    float *element;        /* [n_floats] n, along, across; of element i from place[i] on, spacing apart; the others are 0 */
     const uint32_t *place; /* [n_elements] */
+    size_t spacing, n_floats;
     float *node;           /* [6 n_nodes] added to a node's own block, lower triangle by rows */
     multigrid_coupling *coupling; /* [MULTIGRID_COUPLINGS] */
     int32_t *n_couplings;
 } multigrid_source;
 multigrid_source multigrid_input(multigrid *mg);
+
+/* Takes element[n_floats] for the input's and gives back what was that. */
+float *multigrid_exchange(multigrid *mg, float *element);
+
 multigrid_source multigrid_used(multigrid *mg); /* what those that serve were made of */
 
 /* Starts making the next numbers from the input; definite: without what makes an element's block indefinite. */
@@ -50,6 +55,10 @@ double multigrid_cycle_work(const multigrid *mg); /* units of one multigrid_appl
 /* Brings the own blocks (node[6 n_nodes]) and couplings of the set in use up to date on its finest level; nothing where
  * that is the only one. */
 void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigrid_coupling *coupling);
+
+/* out = minus the part of such elements in the tangent times x, [3 n_nodes] both: as the next numbers would have it. In single
+ * precision. */
+void multigrid_elements_times(multigrid *mg, const float *element, const double *x, double *out);
 
 /* z = M^-1 r, [3 n_nodes] both, 0 at fixed axes. */
 void multigrid_apply(multigrid *mg, const double *r, double *z);

@@ -51,9 +51,7 @@ static void solve_coarsest(multigrid *mg) {
 void multigrid_apply(multigrid *mg, const double *r, double *z) {
     mg_level *l = &mg->level[0];
     size_t last = mg->n_levels - 1;
-    for (size_t i = 0; i < l->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            l->r[4 * i + k] = (float)r[3 * i + k];
+    multigrid_narrow(l->n, r, l->r);
     if (last > 0)
         (mg->jacobi ? multigrid_jacobi_down : multigrid_seidel_down)(mg);
     for (size_t k = 1; k < last; k++)
@@ -63,9 +61,7 @@ void multigrid_apply(multigrid *mg, const double *r, double *z) {
         sweep_up(&mg->level[k], mg->used);
     if (last > 0)
         (mg->jacobi ? multigrid_jacobi_up : multigrid_seidel_up)(mg);
-    for (size_t i = 0; i < l->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            z[3 * i + k] = (double)l->x[4 * i + k];
+    multigrid_widen(l->n, l->x, z);
 }
 
 double multigrid_cycle_work(const multigrid *mg) {

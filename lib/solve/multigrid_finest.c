@@ -27,14 +27,13 @@ static inline void take_down(const mg_level *l, size_t i) {
  * blocks, as that of a single element is; a step is a contraction up to 2.7. */
 static const float DAMPING = 0.74F;
 
-/* rest less the elements' part of the tangent times x, those from node i to higher ones */
-static inline void subtract_elements(const multigrid *mg, size_t i) {
-    const float *x = mg->level[0].x;
+/* rest less these elements' part of the tangent times x, those from node i to higher ones */
+static inline void subtract_elements(const multigrid *mg, const float *element, const float *x, size_t i) {
     const four own = multigrid_load(x + 4 * i);
     four sum = multigrid_load(mg->rest + 4 * i);
     for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
         const size_t j = 4 * (size_t)mg->high[k];
-        const four f = element_times(mg->element[mg->used] + 5 * (size_t)k, multigrid_load(x + j) - own);
+        const four f = element_times(element + 5 * (size_t)k, multigrid_load(x + j) - own);
         sum += f;
         multigrid_store(mg->rest + j, multigrid_load(mg->rest + j) - f);
     }
@@ -51,8 +50,11 @@ static void find_rest(multigrid *mg) {
         rest[1] = r[1] - (s[1] * x[0] + s[2] * x[1] + s[4] * x[2]);
         rest[2] = r[2] - (s[3] * x[0] + s[4] * x[1] + s[5] * x[2]);
     }
+    if (mg->n_batches > 0)
+        multigrid_batches_subtract(mg, mg->element[mg->used], l->x, mg->rest);
     for (size_t i = 0; i < l->n; i++) {
-        subtract_elements(mg, i); /* the last that node i gets */
+        if (mg->n_batches == 0)
+            subtract_elements(mg, mg->element[mg->used], l->x, i); /* the last that node i gets */
         multigrid_store(mg->rest + 4 * i, free_part(l, i, multigrid_load(mg->rest + 4 * i)));
     }
 }
@@ -80,6 +82,19 @@ void multigrid_jacobi_up(multigrid *mg) {
     find_rest(mg);
     for (size_t i = 0; i < l->n; i++)
         multigrid_store(l->x + 4 * i, multigrid_load(l->x + 4 * i) + step(mg, i, mg->rest));
+}
+
+void multigrid_elements_times(multigrid *mg, const float *element, const double *x, double *out) {
+    const mg_level *l = &mg->level[0];
+    if (mg->n_batches > 0) {
+        multigrid_batches_times(mg, element, x, out);
+        return;
+    }
+    memset(mg->rest, 0, 4 * l->n * sizeof *mg->rest);
+    multigrid_narrow(l->n, x, l->r);
+    for (size_t i = 0; i < l->n; i++)
+        subtract_elements(mg, element, l->r, i);
+    multigrid_widen(l->n, mg->rest, out);
 }
 
 /* ---- Gauss-Seidel -------------------------------------------------------------------------------- */

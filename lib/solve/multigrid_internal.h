@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { MULTIGRID_LEVELS = 12, BLOCK_FLOATS = 12 };
+enum { MULTIGRID_LEVELS = 12, BLOCK_FLOATS = 12, MULTIGRID_BATCH = 8 };
 
 /* A row is a node. Blocks are three columns of four floats, vectors four floats a node, the fourth 0. The finest level
  * has elements in place of blocks. */
@@ -34,10 +34,15 @@ struct multigrid {
     arena memory;          /* of all arrays, those of the levels too */
     size_t n_nodes, n_elements, n_levels;
     bool jacobi;           /* on the finest level, in place of Gauss-Seidel */
-    uint32_t *place;       /* [n_elements] of each element among these, sorted by their lower node: */
-    uint32_t *after;       /* [n_nodes + 1] elements from a node to higher ones: after[i] to after[i + 1] */
+    uint32_t *place;       /* [n_elements] of each element: slot */
+    uint32_t *after;       /* [n_nodes + 1] sorted elements from a node to higher ones: after[i] to after[i + 1] */
     int32_t *high;         /* [n_elements] the higher node */
-    float *element[2];     /* [5 n_elements] */
+    uint32_t *slot;        /* [n_elements] of an element sorted so, where in element[] its five numbers begin, spacing apart */
+    size_t spacing;
+    float *element[2];     /* [n_floats] */
+    size_t n_floats, n_batches; /* batches: 0 unless the elements stand by them */
+    int32_t *batch;        /* [2 n_batches] the first low and the first high node */
+    float *straight;       /* [6 (n_nodes + MULTIGRID_BATCH)] a vector by axis, and its product */
     uint32_t *through;     /* [first[n_nodes]] element of each entry of the finest level */
     float *node[2];        /* [6 n_nodes] */
     multigrid_coupling *coupling[2]; /* [MULTIGRID_COUPLINGS] */
@@ -60,6 +65,12 @@ struct multigrid {
     int32_t *row_column;   /* [row_max] */
     int32_t *mark;         /* [n of the second level] */
 };
+
+/* The five numbers of the k-th sorted element. */
+static inline void multigrid_element(const multigrid *mg, const float *element, uint32_t k, float e[5]) {
+    for (size_t c = 0; c < 5; c++)
+        e[c] = element[mg->slot[k] + c * mg->spacing];
+}
 
 static const float MULTIGRID_FREE[8][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0},
                                            {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0}};
@@ -87,6 +98,19 @@ static inline multigrid_four multigrid_times(const float *b, multigrid_four v) {
            multigrid_load(b + 8) * multigrid_all(v[2]);
 }
 
+/* [3 n] as [4 n], and back. */
+static inline void multigrid_narrow(size_t n, const double *v, float *to) {
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 3; k++)
+            to[4 * i + k] = (float)v[3 * i + k];
+}
+
+static inline void multigrid_widen(size_t n, const float *v, double *to) {
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 3; k++)
+            to[3 * i + k] = (double)v[4 * i + k];
+}
+
 /* Adds s to those that node i follows, each its share; and what they have become to x. */
 static inline void multigrid_pass_up(const mg_level *l, size_t i, multigrid_four s, float *coarse) {
     for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++) {
@@ -108,6 +132,15 @@ void multigrid_jacobi_down(multigrid *mg);
 void multigrid_jacobi_up(multigrid *mg);
 void multigrid_seidel_down(multigrid *mg);
 void multigrid_seidel_up(multigrid *mg);
+
+/* ---- multigrid_batch.c ---- */
+
+/* Sets batches and slots if the elements can stand by batches. */
+palp_status multigrid_make_batches(multigrid *mg);
+
+/* rest[4 n_nodes] less the elements' part of the tangent times x[4 n_nodes]; minus that times x[3 n_nodes] */
+void multigrid_batches_subtract(multigrid *mg, const float *element, const float *x, float *rest);
+void multigrid_batches_times(multigrid *mg, const float *element, const double *x, double *out);
 
 /* ---- multigrid.c ---- */
 

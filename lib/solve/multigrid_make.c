@@ -69,11 +69,12 @@ static void element_block(const float *e, float s[6]) {
 static void add_elements(multigrid *mg, size_t i) {
     mg_level *l = &mg->level[0];
     for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
-        float *e = mg->element[made(mg)] + 5 * (size_t)k, s[6];
+        float *stored = mg->element[made(mg)] + mg->slot[k], e[5], s[6];
         const int32_t j = mg->high[k];
+        multigrid_element(mg, mg->element[made(mg)], k, e);
         if (mg->definite) { /* no compression, and along it nothing negative */
-            e[4] = e[4] > 0.0F ? e[4] : 0.0F;
-            e[3] = e[3] + e[4] > 0.0F ? e[3] : -e[4];
+            stored[4 * mg->spacing] = e[4] = e[4] > 0.0F ? e[4] : 0.0F;
+            stored[3 * mg->spacing] = e[3] = e[3] + e[4] > 0.0F ? e[3] : -e[4];
         }
         element_block(e, s);
         add_block(l->own[made(mg)] + BLOCK_FLOATS * i, s, 1.0F, l->axes[i], l->axes[i]);
@@ -138,8 +139,9 @@ static bool invert(multigrid *mg, mg_level *l, size_t i) {
 static const float *entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room) {
     if (l != mg->level)
         return l->block[made(mg)] + (size_t)BLOCK_FLOATS * k;
-    float s[6];
-    element_block(mg->element[made(mg)] + 5 * (size_t)mg->through[k], s);
+    float e[5], s[6];
+    multigrid_element(mg, mg->element[made(mg)], mg->through[k], e);
+    element_block(e, s);
     memset(room, 0, BLOCK_FLOATS * sizeof *room);
     add_block(room, s, -1.0F, l->axes[i], l->axes[l->column[k]]);
     add_couplings(mg, i, (size_t)l->column[k], room);

@@ -46,6 +46,36 @@ START_TEST(geometry_and_force_of_every_element) {
 }
 END_TEST
 
+/* Blocks in single precision in place of geometry and tangent: the forces are the same to the bit. */
+START_TEST(blocks_leave_the_forces) {
+    palp_material m = quartic(2);
+    palp_network *net = pressed(7, &m);
+    const size_t n = net->n_elements;
+    float *element = calloc(5 * n, sizeof *element);
+    uint32_t *place = calloc(n, sizeof *place);
+    double *before = calloc(3 * net->n_nodes, sizeof *before);
+    ck_assert(element && place && before);
+    for (size_t i = 0; i < n; i++)
+        place[i] = (uint32_t)(n - 1 - i);
+    memcpy(before, net->fint, 3 * net->n_nodes * sizeof *before);
+    const network_blocks blocks = {element, place, n};
+    ck_assert(network_evaluate_blocks(net, &blocks));
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        SAME(net->fint[i], before[i]);
+    for (size_t i = 0; i < n; i++) { /* direction and tangent are those of the evaluation before, which is the same */
+        const float *e = element + (n - 1 - i);
+        double across = net->force[i] * net->inverse_length[i], along = net->tangent[i] * net->inverse_rest[i] - across;
+        for (size_t k = 0; k < 3; k++)
+            ck_assert(e[k * n] == (float)net->direction[k * n + i]);
+        ck_assert(e[3 * n] == (float)along && e[4 * n] == (float)across);
+    }
+    free(element);
+    free(place);
+    free(before);
+    palp_network_free(net);
+}
+END_TEST
+
 START_TEST(sums_are_in_one_order) {
     double a[101], b[101], lane[8] = {0.0};
     for (size_t i = 0; i < 101; i++) {
@@ -86,6 +116,7 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_test(tc, geometry_and_force_of_every_element);
+    tcase_add_test(tc, blocks_leave_the_forces);
     tcase_add_test(tc, sums_are_in_one_order);
     tcase_add_test(tc, product_is_the_matrix);
 }

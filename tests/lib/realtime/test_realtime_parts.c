@@ -62,7 +62,8 @@ START_TEST(one_correction_with_the_factor_of_the_tangent) {
 }
 END_TEST
 
-/* After any number of corrections the residual is at right angles to all that was moved, and is what the move leaves. */
+/* After any number of corrections the residual is at right angles to all that was moved, and is what the move leaves, to the single
+ * precision of their products. */
 START_TEST(corrections_are_conjugate) {
     for (size_t limit = 1; limit <= 5; limit++) {
         palp_realtime *rt = pressed(LEVELS);
@@ -77,7 +78,7 @@ START_TEST(corrections_are_conjugate) {
         network_tangent_times(net, rt->move, rt->q);
         for (size_t i = 0; i < n; i++)
             if (net->dof[i] >= 0)
-                ck_assert_double_eq_tol(before[i] - rt->q[i], rt->r[i], 1e-9);
+                ck_assert_double_eq_tol(before[i] - rt->q[i], rt->r[i], 1e-6);
         free(before);
         drop(rt);
     }
@@ -109,9 +110,11 @@ START_TEST(a_little_way_where_the_tangent_is_not_definite) {
         palp_network *net = net_of(rt);
         const size_t n = 3 * net->n_nodes;
         double largest = 0.0, moved = 0.0;
-        for (size_t e = 0; e < net->n_elements; e++) {
-            net->tangent[e] = -net->tangent[e];
-            net->force[e] = 0.0;
+        for (size_t e = 0; e < net->n_elements; e++) { /* blocks of a negative tangent and no force */
+            const multigrid_source source = multigrid_input(rt->mg);
+            float *along = rt->element + source.place[e] + 3 * source.spacing, *across = along + source.spacing;
+            *along = -*along - *across;
+            *across = 0.0F;
         }
         for (size_t i = 0; i < n; i++)
             rt->r[i] *= small ? 1e-6 : 1.0;
@@ -247,7 +250,7 @@ START_TEST(a_tick_is_judged) {
 }
 END_TEST
 
-/* A tick's share of work on the next factor: so many elements are copied, an element being a unit. */
+/* A tick's share of work on the next factor, which is begun when that share of a unit an element has passed. */
 START_TEST(a_piece_is_its_share_of_a_tick) {
     palp_material m = quartic(0);
     palp_realtime_settings settings = {.refresh_share = 0.2};
@@ -256,11 +259,43 @@ START_TEST(a_piece_is_its_share_of_a_tick) {
     ck_assert_int_eq(palp_realtime_create(net, &settings, &rt), PALP_OK);
     double tick = 2.0 * ((double)net->n_elements + multigrid_cycle_work(rt->mg));
     ck_assert_double_eq_tol(rt->piece, 0.25 * tick, 1e-9 * tick);
-    rt->piece = 100.0;
-    for (size_t i = 1; i <= 2; i++) {
+    rt->piece = 0.4 * (double)net->n_elements;
+    for (size_t i = 1; i <= 3; i++) { /* the share of three pieces is more than all */
         ck_assert_int_eq(palp_realtime_step(rt, 1e-4, DT, &ALL, NULL), PALP_OK);
-        ck_assert_uint_eq(rt->at, 100 * i);
+        ck_assert_int_eq(rt->stage, i < 3 ? REFRESH_DUE : REFRESH_MAKE);
+        ck_assert_uint_eq(rt->at, i < 3 ? i : 0);
     }
+    drop(rt);
+}
+END_TEST
+
+/* A tick leaves the tangent out where nothing uses it: where it does, it is that of the committed state. */
+START_TEST(tangent_of_a_tick_is_of_its_end) {
+    palp_material m = quartic(0);
+    palp_realtime *rt = realtime_on(cube_network(LEVELS, &m, NULL), false);
+    palp_network *net = net_of(rt);
+    const palp_budget one = {.corrections = 1};
+    const multigrid_source source = multigrid_input(rt->mg);
+    float *used = calloc(source.n_floats, sizeof *used);
+    size_t wanted = 0, not_wanted = 0;
+    ck_assert_ptr_nonnull(used);
+    for (size_t i = 1; i <= 150; i++) {
+        const int due = rt->adjoint_due;
+        const bool begins = due == 0 && realtime_refresh_begins(rt);
+        ck_assert_int_eq(palp_realtime_step(rt, 1e-3 * HEIGHT * (double)i, DT, &one, NULL), PALP_OK);
+        memcpy(used, begins ? multigrid_input(rt->mg).element : rt->element, source.n_floats * sizeof *used);
+        ck_assert(!begins || rt->stage == REFRESH_MAKE);
+        ck_assert_int_eq(network_begin(net, net->now.depth, DT), PALP_OK);
+        memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+        ck_assert(realtime_evaluate(rt, true));
+        const bool same = memcmp(used, rt->element, source.n_floats * sizeof *used) == 0;
+        ck_assert(same || !(begins || due == ADJOINT_PARTS || due == 1));
+        wanted += begins || due == ADJOINT_PARTS || due == 1;
+        not_wanted += !same;
+    }
+    ck_assert_uint_gt(wanted, 5);
+    ck_assert_uint_gt(not_wanted, 100);
+    free(used);
     drop(rt);
 }
 END_TEST
@@ -389,6 +424,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, the_adjoint_is_put_right);
     tcase_add_test(tc, time_leaves_room);
     tcase_add_test(tc, a_tick_is_judged);
+    tcase_add_test(tc, tangent_of_a_tick_is_of_its_end);
     tcase_add_test(tc, a_piece_is_its_share_of_a_tick);
     tcase_add_test(tc, blocks_of_terms_are_in_the_factor);
 }

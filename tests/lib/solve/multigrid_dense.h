@@ -97,7 +97,8 @@ static inline multigrid *make(const body *b, size_t direct) {
 static inline palp_status number(multigrid *mg, const body *b, bool coupled, bool definite) {
     multigrid_source to = multigrid_input(mg);
     for (size_t e = 0; e < b->n_pairs; e++)
-        memcpy(to.element + 5 * to.place[e], b->element + 5 * e, 5 * sizeof(float));
+        for (size_t k = 0; k < 5; k++)
+            to.element[to.place[e] + k * to.spacing] = b->element[5 * e + k];
     for (size_t i = 0; i < 6 * NODES; i++)
         to.node[i] = (float)b->node[i];
     *to.n_couplings = coupled ? COUPLED : 0;

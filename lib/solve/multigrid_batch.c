@@ -1,0 +1,139 @@
+/* multigrid_batch.c: elements of the finest level by batches of neighbouring parallel ones: element k of a batch joins nodes
+ * low + k and high + k. So the loops over them have no indices and are vectorized. A lattice, numbered along its axes, has nearly
+ * all of its elements in full batches; elements that are missing in one have blocks of 0. */
+#include "base/clones.h"
+#include "multigrid_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Batches of one direction stand together for so many nodes: a later batch would wait for what one just before it has stored partly
+ * in the same place, and what is farther apart is not in the nearest cache any more. */
+enum { STRETCH = 512 };
+static const double SPARSE = 2.0; /* places an element: with more it is not worth it */
+
+/* An element, or a place in the caller's order of which is k. */
+typedef struct parallel {
+    int32_t stretch, offset, low;
+    uint32_t k;
+} parallel;
+
+static int compare(const void *a, const void *b) {
+    const parallel *p = a, *q = b;
+    if (p->stretch != q->stretch)
+        return p->stretch < q->stretch ? -1 : 1;
+    if (p->offset != q->offset)
+        return p->offset < q->offset ? -1 : 1;
+    if (p->low != q->low)
+        return p->low < q->low ? -1 : 1;
+    return (p->k > q->k) - (p->k < q->k);
+}
+
+static parallel *sorted(const multigrid *mg) {
+    parallel *p = malloc((mg->n_elements + 1) * sizeof *p);
+    for (size_t i = 0; i < mg->n_nodes && p; i++)
+        for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++)
+            p[k] = (parallel){(int32_t)i / STRETCH, mg->high[k] - (int32_t)i, (int32_t)i, k};
+    if (p)
+        qsort(p, mg->n_elements, sizeof *p, compare);
+    return p;
+}
+
+/* Batches of sorted elements, which it counts; lists them unless batch is NULL. */
+static size_t fill(multigrid *mg, const parallel *p, int32_t *batch) {
+    size_t n = 0;
+    int32_t start = 0;
+    for (size_t i = 0; i < mg->n_elements; i++) {
+        bool same = i > 0 && p[i].stretch == p[i - 1].stretch && p[i].offset == p[i - 1].offset;
+        if (!same || p[i].low - start >= MULTIGRID_BATCH || p[i].low == p[i - 1].low) {
+            start = p[i].low;
+            if (batch) {
+                batch[2 * n] = start;
+                batch[2 * n + 1] = start + p[i].offset;
+            }
+            n++;
+        }
+        if (batch)
+            mg->slot[p[i].k] = (uint32_t)(5 * MULTIGRID_BATCH * (n - 1)) + (uint32_t)(p[i].low - start);
+    }
+    return n;
+}
+
+palp_status multigrid_make_batches(multigrid *mg) {
+    parallel *p = sorted(mg);
+    if (!p)
+        return PALP_ERR_NO_MEMORY;
+    size_t n = fill(mg, p, NULL);
+    if ((double)(n * MULTIGRID_BATCH) <= SPARSE * (double)mg->n_elements) {
+        mg->n_batches = n;
+        mg->batch = arena_take(&mg->memory, 2 * n, sizeof *mg->batch);
+        mg->straight = arena_take(&mg->memory, 6 * (mg->n_nodes + MULTIGRID_BATCH), sizeof *mg->straight);
+        if (!mg->memory.failed)
+            fill(mg, p, mg->batch);
+    }
+    free(p);
+    return mg->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
+}
+
+/* A batch's numbers at once; they are only kept in variables, as no function takes them alike with and without AVX. */
+typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float))));
+
+#define LOAD(v, p) memcpy(&(v), p, sizeof(eight))
+#define ADD_TO(p, v) (LOAD(sum, p), sum += (v), memcpy(p, &sum, sizeof(eight)))
+
+/* out += the batches' blocks times x, both by axis, [3 stride]; with the sign of the tangent turned. */
+PALP_CLONES
+static void batches_times(size_t n, const int32_t *batch, const float *element, size_t stride, const float *x, float *out) {
+    enum { B = MULTIGRID_BATCH };
+    const float *x1 = x + stride, *x2 = x1 + stride;
+    float *out1 = out + stride, *out2 = out1 + stride;
+    for (size_t i = 0; i < n; i++) {
+        const int32_t low = batch[2 * i], high = batch[2 * i + 1];
+        const float *e = element + 5 * B * i;
+        eight n0, n1, n2, along, across, a0, a1, a2, d0, d1, d2, sum;
+        LOAD(n0, e), LOAD(n1, e + B), LOAD(n2, e + 2 * B), LOAD(along, e + 3 * B), LOAD(across, e + 4 * B);
+        LOAD(a0, x + low), LOAD(a1, x1 + low), LOAD(a2, x2 + low);
+        LOAD(d0, x + high), LOAD(d1, x1 + high), LOAD(d2, x2 + high);
+        d0 -= a0, d1 -= a1, d2 -= a2;
+        along *= n0 * d0 + n1 * d1 + n2 * d2;
+        d0 = along * n0 + across * d0, d1 = along * n1 + across * d1, d2 = along * n2 + across * d2;
+        ADD_TO(out + low, d0), ADD_TO(out1 + low, d1), ADD_TO(out2 + low, d2);
+        ADD_TO(out + high, -d0), ADD_TO(out1 + high, -d1), ADD_TO(out2 + high, -d2);
+    }
+}
+
+/* Where the sums of nodes stand by axis. */
+static size_t stride_of(const multigrid *mg) {
+    return mg->n_nodes + MULTIGRID_BATCH;
+}
+
+static void times(multigrid *mg, const float *element) {
+    const size_t stride = stride_of(mg);
+    float *out = mg->straight + 3 * stride;
+    memset(out, 0, 3 * stride * sizeof *out);
+    batches_times(mg->n_batches, mg->batch, element, stride, mg->straight, out);
+}
+
+void multigrid_batches_subtract(multigrid *mg, const float *element, const float *x, float *rest) {
+    const size_t n = mg->n_nodes, stride = stride_of(mg);
+    float *in = mg->straight, *out = in + 3 * stride;
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++)
+            in[c * stride + i] = x[4 * i + c];
+    times(mg, element);
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++)
+            rest[4 * i + c] += out[c * stride + i];
+}
+
+void multigrid_batches_times(multigrid *mg, const float *element, const double *x, double *out) {
+    const size_t n = mg->n_nodes, stride = stride_of(mg);
+    float *in = mg->straight, *sum = in + 3 * stride;
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++)
+            in[c * stride + i] = (float)x[3 * i + c];
+    times(mg, element);
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++)
+            out[3 * i + c] = (double)sum[c * stride + i];
+}
