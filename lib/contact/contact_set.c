@@ -194,8 +194,8 @@ static double held(const contact_set *set, const contact *c) {
     return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
 }
 
-/* A spring that slips forgets what it was off by across its way, and is off along it by what that was solved to; never by more
- * than from one side of what it holds to the other. */
+/* A spring that slips forgets what it was off by across its way, and is off along it by what that was solved to, as is one that
+ * starts; never by more than from one side of what it holds to the other. */
 double contact_set_doubt(contact_set *set, double error) {
     double all = 0.0, sum = 0.0;
     contact_touch *t = set->next.touch;
@@ -205,7 +205,8 @@ double contact_set_doubt(contact_set *set, double error) {
         const contact *c = &set->contact[i];
         if (!(c->depth > 0.0))
             continue;
-        const double most = held(set, c), own = most > 0.0 && c->kept < 1.0 ? error * most / all : 0.0;
+        const bool moves = c->kept < 1.0 || !c->touched;
+        const double most = held(set, c), own = most > 0.0 && moves ? error * most / all : 0.0;
         t->doubt = fmin(fmax(own, t->doubt + (1.0 - c->kept) * own), 2.0 * most);
         sum += t++->doubt;
     }

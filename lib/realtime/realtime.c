@@ -284,9 +284,9 @@ static bool go(palp_realtime *rt, tick *t) {
 }
 
 /* Of the corrections that are left, how many before the forces are looked at again: a few where tools touch, whose sticking
- * and slipping no tangent tells. */
+ * and slipping no tangent tells, and one by one at last. */
 static size_t in_a_round(const palp_realtime *rt, size_t left) {
-    return !realtime_touched(rt->net) || left <= 2 ? left : left < 4 ? 2 : left / 2;
+    return !realtime_touched(rt->net) ? left : left <= 3 ? 1 : left / 2;
 }
 
 static void correct(palp_realtime *rt, tick *t) {

@@ -16,7 +16,7 @@ START_TEST(more_corrections_help) {
     enum { N = 1100, BUDGETS = 7 };
     static double truth[N][3];
     const size_t nodes[] = {5, 7}, corrections[BUDGETS] = {1, 2, 3, 4, 6, 8, 10};
-    const double most[BUDGETS] = {0.05, 0.03, 0.005, 0.003, 0.001, 5e-4, 3e-4};
+    const double most[BUDGETS] = {0.05, 0.01, 0.005, 0.003, 0.001, 5e-4, 3e-4};
     const rough_way way = {.friction = 0.3};
     for (size_t k = 0; k < 2; k++) {
         palp_realtime *rt = cube_on_a_table(nodes[k], 2);
@@ -27,7 +27,7 @@ START_TEST(more_corrections_help) {
             rt = cube_on_a_table(nodes[k], 2);
             rough_error e = rough_run(rt, trembling, &way, N, corrections[b], truth, 1e-6);
             ck_assert_uint_eq(e.beyond, 0);
-            ck_assert_msg(e.most < most[b] && e.mean <= before, "%zu nodes a side, %zu corrections: %g, mean %g after %g",
+            ck_assert_msg(e.most < most[b] && e.mean <= (b == 1 ? 0.5 : 1.0) * before, "%zu nodes a side, %zu corrections: %g, mean %g after %g",
                           nodes[k], corrections[b], e.most, e.mean, before);
             before = e.mean;
             drop(rt);
@@ -62,11 +62,20 @@ START_TEST(smooth_surface) {
 END_TEST
 
 START_TEST(random_ways) {
-    const size_t corrections[] = {1, 3, 6, 10};
+    const size_t corrections[] = {1, 2, 6, 10};
     double mean[4] = {0.0};
     rough_ways(1, 5, corrections, 4, mean);
     for (size_t k = 1; k < 4; k++)
         ck_assert_double_lt(mean[k], 0.5 * mean[k - 1]);
+}
+END_TEST
+
+/* A sphere whose points all come to touch in a few ticks and then stick: what they were off by as they first touched stays, and
+ * is told. */
+START_TEST(what_sticks_at_first_touch_stays) {
+    const size_t corrections = 3;
+    double mean = 0.0;
+    rough_ways(1053, 1054, &corrections, 1, &mean);
 }
 END_TEST
 
@@ -100,5 +109,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, more_corrections_help);
     tcase_add_test(tc, smooth_surface);
     tcase_add_test(tc, random_ways);
+    tcase_add_test(tc, what_sticks_at_first_touch_stays);
     tcase_add_test(tc, plateau);
 }
