@@ -197,7 +197,75 @@ START_TEST(work_of_a_cycle) {
 }
 END_TEST
 
+/* out = minus the elements' part of the tangent times x, batch by batch. */
+static void plain_batches(const multigrid *mg, const float *element, const double *x, float *out) {
+    for (size_t i = 0; i < mg->n_batches; i++) {
+        float f[MULTIGRID_BATCH][3];
+        for (size_t k = 0; k < MULTIGRID_BATCH; k++) {
+            const float *e = element + 5 * MULTIGRID_BATCH * i + k;
+            const size_t low = (size_t)mg->batch[2 * i] + k, high = (size_t)mg->batch[2 * i + 1] + k;
+            float n[3], d[3];
+            for (size_t c = 0; c < 3; c++) { /* behind the last node there is nothing */
+                n[c] = e[c * MULTIGRID_BATCH];
+                d[c] = (high < NODES ? (float)x[3 * high + c] : 0.0F) - (low < NODES ? (float)x[3 * low + c] : 0.0F);
+            }
+            float along = e[3 * MULTIGRID_BATCH] * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
+            for (size_t c = 0; c < 3; c++)
+                f[k][c] = along * n[c] + e[4 * MULTIGRID_BATCH] * d[c];
+        }
+        for (size_t end = 0; end < 2; end++)
+            for (size_t k = 0; k < MULTIGRID_BATCH; k++)
+                for (size_t c = 0; c < 3 && (size_t)mg->batch[2 * i + end] + k < NODES; c++)
+                    out[3 * ((size_t)mg->batch[2 * i + end] + k) + c] += end == 0 ? f[k][c] : -f[k][c];
+    }
+}
+
+/* A lattice's elements stand by batches, whose product has the bits of a plain one, whichever version of it this processor takes;
+ * those of nodes in no order do not. */
+START_TEST(batches_of_parallel_elements) {
+    static double x[3 * NODES], out[3 * NODES];
+    static float plain[3 * NODES];
+    make_body(&b, 0.4, 0.1);
+    b.jacobi = true;
+    multigrid *mg = make(&b, 40);
+    ck_assert_uint_gt(mg->n_batches, b.n_pairs / MULTIGRID_BATCH);
+    ck_assert_int_eq(number(mg, &b, false, false), PALP_OK);
+    for (size_t i = 0; i < 3 * NODES; i++) {
+        x[i] = palp_random_uniform(&b.seed);
+        plain[i] = 0.0F;
+    }
+    const float *element = multigrid_input(mg).element;
+    multigrid_elements_times(mg, element, x, out);
+    plain_batches(mg, element, x, plain);
+    for (size_t i = 0; i < 3 * NODES; i++)
+        ck_assert_msg(out[i] == (double)plain[i], "%zu: %.9g not %.9g", i, out[i], (double)plain[i]);
+    multigrid_free(mg);
+    for (size_t e = 0; e < 2 * b.n_pairs; e++) /* each number once, as 7 divides NODES; none is parallel any more */
+        b.pair[e] = (100 * b.pair[e] + 7 * b.pair[e] * b.pair[e]) % NODES;
+    mg = make(&b, 40);
+    ck_assert_uint_eq(mg->n_batches, 0);
+    ck_assert_int_eq(number(mg, &b, false, false), PALP_OK);
+    multigrid_elements_times(mg, multigrid_input(mg).element, x, out);
+    for (size_t e = 0; e < b.n_pairs; e++) { /* less what each element has brought: nothing is left */
+        const float *n = b.element + 5 * e;
+        double *p[2] = {out + 3 * b.pair[2 * e], out + 3 * b.pair[2 * e + 1]}, along = 0.0, d[3];
+        for (size_t c = 0; c < 3; c++) {
+            d[c] = x[3 * (size_t)b.pair[2 * e + 1] + c] - x[3 * (size_t)b.pair[2 * e] + c];
+            along += (double)(n[3] * n[c]) * d[c];
+        }
+        for (size_t c = 0; c < 3; c++) {
+            p[0][c] -= along * (double)n[c] + (double)n[4] * d[c];
+            p[1][c] += along * (double)n[c] + (double)n[4] * d[c];
+        }
+    }
+    for (size_t i = 0; i < 3 * NODES; i++)
+        ck_assert_double_eq_tol(out[i], 0.0, 1e-5);
+    multigrid_free(mg);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, batches_of_parallel_elements);
     tcase_add_test(tc, work_of_a_cycle);
     tcase_add_test(tc, coarse_nodes_are_apart_and_near);
     tcase_add_test(tc, weights_are_the_nearest_mean);
