@@ -81,14 +81,14 @@ static bool same_block(const palp_recording *rec, size_t first, size_t i, size_t
 
 /* Adds the mean of samples first to end - 1, count of which speak for it. */
 static void add_block(fit_run *run, const palp_recording *rec, size_t first, size_t end, double count) {
-    double t = 0.0, e = 0.0, f = 0.0, n = (double)(end - first);
+    double t = 0.0, e = 0.0, f = 0.0, n = (double)(end - first), strain = strain_of(rec, first);
     for (size_t i = first; i < end; i++) {
         t += rec->time_s[i] - rec->time_s[0];
-        e += strain_of(rec, i);
+        e += strain_of(rec, i) - strain;
         f += rec->force_N[i];
     }
     run->time[run->n] = t / n;
-    run->strain[run->n] = e / n;
+    run->strain[run->n] = strain + e / n; /* in a dwell, of every block the same to the bit */
     run->force[run->n] = f / n;
     run->count[run->n] = count;
     run->n++;

@@ -109,14 +109,17 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
             fit_arm_response(run, exp(arm[2 * j + 1]), response + 2 * j * longest,
                              jacobian ? response + (2 * j + 1) * longest : NULL);
         }
+        double at = NAN, plain = 0.0; /* the strain of the row before, and the spring's force there */
         for (size_t i = 0; i < run->n; i++) {
             size_t row = first + i;
-            double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise, force;
+            double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise;
             if (weight == 0.0) {
                 silence(p, row, residual, jacobian);
                 continue;
             }
-            spring(p, &law, v, r, run->strain[i], &force, jacobian ? by_spring : NULL);
+            if (run->strain[i] != at)
+                spring(p, &law, v, r, at = run->strain[i], &plain, jacobian ? by_spring : NULL);
+            double force = plain;
             for (size_t k = 0; k < (own ? 1 : p->n_springs) && jacobian; k++)
                 jacobian[(own ? r : k) * m + row] = weight * by_spring[k];
             for (size_t j = 0; j < p->n_arms; j++) {

@@ -26,8 +26,16 @@ typedef struct descent {
     nlopt_opt optimizer;
 } descent;
 
+/* In four sums, which do not wait for each other. */
 static double norm2(const double *v, size_t n) {
-    return dense_dot(n, v, v);
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    size_t i = 0;
+    for (; i + 4 <= n; i += 4)
+        for (size_t k = 0; k < 4; k++)
+            sum[k] += v[i + k] * v[i + k];
+    for (; i < n; i++)
+        sum[0] += v[i] * v[i];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 static void to_parameters(const descent *d, const double *y, double *p) {
@@ -107,8 +115,7 @@ static double objective(unsigned n, const double *y, double *gradient, void *use
     bool best = at_best(d);
     const double *r = best ? d->best_r : d->r, *jacobian = best ? d->best_jacobian : d->jacobian;
     if (gradient && !d->status) {
-        for (unsigned k = 0; k < n; k++)
-            gradient[k] = dense_dot(m, jacobian + k * m, r);
+        dense_transposed_times(m, n, 1.0, jacobian, r, 0.0, gradient);
         dense_forward(n, d->triangle, 1, gradient);
     }
     return value;
@@ -139,12 +146,14 @@ static const double LEAST_DAMPING = 1e-6, FELT_DAMPING = 1e-2, MOST_DAMPING = 1e
 static palp_status whiten(descent *d) {
     size_t n = d->problem->n_parameters, m = d->problem->n_residuals, rows = m + n;
     double largest = 0.0;
-    for (size_t k = 0; k < n; k++)
-        largest = fmax(largest, sqrt(norm2(d->best_jacobian + k * m, m)));
+    for (size_t k = 0; k < n; k++) {
+        d->tau[k] = sqrt(norm2(d->best_jacobian + k * m, m));
+        largest = fmax(largest, d->tau[k]);
+    }
     if (!(largest > 0.0) || !isfinite(largest))
         return PALP_ERR_SINGULAR;
     for (size_t k = 0; k < n; k++) {
-        double *column = d->stacked + k * rows, size = sqrt(norm2(d->best_jacobian + k * m, m));
+        double *column = d->stacked + k * rows, size = d->tau[k];
         memcpy(column, d->best_jacobian + k * m, m * sizeof *column);
         memset(column + m, 0, n * sizeof *column);
         column[m + k] = d->damping * fmax(size, 1e-3 * largest);

@@ -46,6 +46,8 @@ START_TEST(a_problem_in_numbers) {
     ck_assert_double_eq_tol(p.run[0].contact_sd, 4e-6 / 0.02, 1e-18);
     ck_assert_double_eq(p.run[0].zero_sd, 2e-4);
     ck_assert_double_eq(p.run[0].noise, 1e-3);
+    for (size_t i = 0; i < p.run[0].n; i++) /* of a dwell every block has the same strain to the bit */
+        ck_assert(p.run[0].time[i] < 1.0 || p.run[0].strain[i] == 2e-3 / 0.02);
     fit_problem_free(&p);
     m.r.noise_N = 0.0;
     m.r.contact_rule = PALP_CONTACT_FREE_AIR; /* nothing spoke against it: exact */
