@@ -187,7 +187,8 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
     effect_starts s;
     palp_status status = explain_starts_find(id, data, residual, &s, reason);
     worth = explain_chi2(data, base) * (double)explain_samples(data) - worth;
-    if (effect_row_of(id)->as_scatter) /* the scatter of gains may hide it: that shrinks later */
+    if (effect_row_of(id)->as_scatter || effect_row_of(id)->bond) /* the scatter of gains may hide it: that shrinks later; where a
+                                                                    * surface lets go, a step from afar promises nothing */
         worth = HUGE_VAL;
     if (!status)
         status = multistart_fill(m, base, data, &s, worth);

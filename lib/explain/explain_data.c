@@ -119,7 +119,8 @@ static palp_status mask_releases(explain_data *data, size_t r) {
     const double zero = zero_of(run);
     for (size_t i = 1; i + 1 < run->n && !status; i++) {
         double jump = run->force[i + 1] - run->force[i], pull = zero - run->force[i];
-        if (!(pull > 12.0 * run->white && jump > 0.5 * pull && run->depth[i + 1] <= run->depth[i]))
+        const bool alone = fabs(run->force[i - 1] - zero) < 0.5 * pull; /* a sample that is odd, of noise with heavy tails */
+        if (alone || !(pull > 12.0 * run->white && jump > 0.5 * pull && run->depth[i + 1] <= run->depth[i]))
             continue;
         size_t start = i, reach, end = i + 1;
         while (start > 0 && run->force[start] < zero)

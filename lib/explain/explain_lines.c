@@ -79,7 +79,7 @@ static double slowest_rate(const explain_data *data) {
 enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3, OUTSTANDING_ALIAS = 10 }; /* times the typical power */
 static const double NYQUIST = 140.0; /* samples a second: with fewer the mains are seen by an alias, as much else is */
 static const double SLOW = 0.25; /* of the sample rate: an alias of the mains below that may be any slow misfit */
-static const double LONG = 0.4; /* s: in less the mains have no twenty periods */
+static const double LONG = 0.25; /* s: in less the mains have no ten periods */
 
 bool explain_line_visible(const explain_data *data) {
     const double rate = slowest_rate(data), highest = 70.0;

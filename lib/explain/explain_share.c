@@ -84,7 +84,7 @@ static const char *lacking(const explain_search *s, palp_effect_id id) {
     if (!explain_carries(&s->fit.model, &row->info))
         return "a model of this kind cannot have it";
     if (row->line && !explain_line_visible(&s->data))
-        return "sampled too slowly for the mains, or for less than twenty of their periods";
+        return "sampled too slowly for the mains, or for less than ten of their periods";
     return row->missing ? row->missing(&facts) : NULL;
 }
 

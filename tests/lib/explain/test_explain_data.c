@@ -11,7 +11,7 @@ static explain_data data;
 static palp_explain_settings settings;
 
 /* Air, ramp, dwell, withdrawal; the force times gain beside a zero. Lone spike and letting go where asked. */
-static palp_experiment *record(const palp_model *m, double gain, double zero, bool spike, double pull) {
+static palp_experiment *record(const palp_model *m, double gain, double zero, double spike, double pull) {
     static samples s;
     static uint64_t state = 11;
     palp_experiment *e;
@@ -28,18 +28,18 @@ static palp_experiment *record(const palp_model *m, double gain, double zero, bo
             force -= pull * (s.time_s[i] - 9.6) / 0.2;
         palp_experiment_column(e, "time_s")[i] = s.time_s[i];
         palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-        palp_experiment_column(e, "force_N")[i] = force + (spike && i == 150 ? 0.2 : 0);
+        palp_experiment_column(e, "force_N")[i] = force + (i == (spike > 0 ? 150 : s.n - 20) ? spike : 0);
     }
     palp_experiment_set_string(e, "protocol.kind", "ramp_hold");
     palp_experiment_set_number(e, "protocol.depth_mm", 4);
     return e;
 }
 
-static void begin(const palp_model *m, const double gain[RUNS], const double zero[RUNS], bool spike, double pull) {
+static void begin(const palp_model *m, const double gain[RUNS], const double zero[RUNS], double spike, double pull) {
     palp_explain_input input[RUNS];
     settings = palp_explain_settings_default();
     for (size_t r = 0; r < RUNS; r++)
-        input[r] = (palp_explain_input){record(m, gain[r], zero[r], spike && r == 1, r == 2 ? pull : 0), "run.csv"};
+        input[r] = (palp_explain_input){record(m, gain[r], zero[r], r == 1 ? spike : 0, r == 2 ? pull : 0), "run.csv"};
     ck_assert_int_eq(explain_data_create(RUNS, input, &settings, m, &data, NULL), PALP_OK);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
@@ -52,7 +52,7 @@ static const double ones[RUNS] = {1, 1, 1}, none[RUNS] = {0, 0, 0};
 /* Runs whose plate went the same way are replicates, whatever their files say of a protocol. */
 START_TEST(replicates_by_their_paths) {
     palp_model m = lumped_model(1);
-    begin(&m, ones, none, false, 0);
+    begin(&m, ones, none, 0, 0);
     ck_assert_uint_eq(data.n_replicates, 2);
     ck_assert_double_eq_tol(data.run[0].white, 1e-4, 1.5e-5);
     ck_assert_double_eq_tol(data.deepest, 4e-3, 1e-12);
@@ -63,7 +63,7 @@ END_TEST
 
 START_TEST(spikes_and_releases_are_events) {
     palp_model m = lumped_model(1);
-    begin(&m, ones, none, true, 0.3);
+    begin(&m, ones, none, 0.2, 0.3);
     ck_assert_uint_eq(data.n_events, 2);
     ck_assert_str_eq(data.event[0].kind, "spike");
     ck_assert_uint_eq(data.event[0].run, 1);
@@ -80,17 +80,28 @@ START_TEST(spikes_and_releases_are_events) {
 }
 END_TEST
 
+/* One odd sample while the plate is far away, as noise with heavy tails has: nothing lets go. */
+START_TEST(a_lone_sample_is_no_release) {
+    palp_model m = lumped_model(1);
+    begin(&m, ones, none, -0.2, 0);
+    ck_assert_uint_eq(data.n_events, 1);
+    ck_assert_str_eq(data.event[0].kind, "spike");
+    ck_assert_uint_eq(data.n_releases, 0);
+    explain_data_free(&data);
+}
+END_TEST
+
 /* A pull is what the force is below the run's own zero. */
 START_TEST(a_zero_is_no_pull) {
     static const double low[RUNS] = {0, 0, -0.1}, lower[RUNS] = {0, 0, -1e-3};
     palp_model m = lumped_model(1);
-    begin(&m, ones, low, false, 0.3);
+    begin(&m, ones, low, 0, 0.3);
     ck_assert_uint_eq(data.n_releases, 1);
     ck_assert_double_lt(data.pull, 0.301);
     ck_assert_double_gt(data.pulled, 0.25);
     ck_assert_double_lt(data.pulled, 0.301);
     explain_data_free(&data);
-    begin(&m, ones, lower, false, 9e-4);
+    begin(&m, ones, lower, 0, 9e-4);
     ck_assert_uint_eq(data.n_releases, 0); /* nine times the noise, with the zero nineteen */
     explain_data_free(&data);
 }
@@ -99,7 +110,7 @@ END_TEST
 /* Where the plate withdraws until the force is gone a pull may hide in the noise. */
 START_TEST(a_pull_may_hide_in_the_noise) {
     palp_model m = lumped_model(1);
-    begin(&m, ones, none, false, 0);
+    begin(&m, ones, none, 0, 0);
     ck_assert_double_gt(data.pulled, 1e-4);
     ck_assert_double_lt(data.pulled, 5e-4);
     explain_data_free(&data);
@@ -114,7 +125,7 @@ START_TEST(the_slope_of_chi2) {
     enum { LAW = 5, K = LAW + 2 + 1 };
     palp_model m = lumped_model(1);
     double *rest, h[K * K], g[K], work[K * K + K], other_g[K], chi2, moved[2];
-    begin(&m, ones, none, false, 0);
+    begin(&m, ones, none, 0, 0);
     rest = calloc(data.n, sizeof *rest);
     ck_assert_ptr_nonnull(rest);
     for (size_t i = 0; i < data.n; i++)
@@ -157,7 +168,7 @@ START_TEST(a_likelihood_that_is_followed_ends_where_a_parabola_does) {
     palp_explanation *e = calloc(2, sizeof *e);
     double *rest, half[2];
     ck_assert(s && e);
-    begin(&m, ones, none, false, 0);
+    begin(&m, ones, none, 0, 0);
     rest = calloc(data.n, sizeof *rest);
     ck_assert_ptr_nonnull(rest);
     for (size_t i = 0; i < data.n; i++)
@@ -195,7 +206,7 @@ START_TEST(a_zero_and_a_gain_separate_nothing) {
     palp_explain_next next = {.wanted = false};
     double product = 0, rate = 1e-4;
     ck_assert(full && rest);
-    begin(&m, ones, none, false, 0);
+    begin(&m, ones, none, 0, 0);
     *full = *rest = (explain_search){.data = data, .settings = &settings};
     full->fit.model = m;
     explain_trial *t = &rest->trial[PALP_EFFECT_SENSOR_DRIFT];
@@ -238,7 +249,7 @@ START_TEST(alike_by_the_cosine) {
     explain_search *full = calloc(1, sizeof *full), *rest = calloc(1, sizeof *rest);
     palp_explain_effect out = {.effect = {.id = PALP_EFFECT_SENSOR_BIAS}};
     ck_assert(full && rest);
-    begin(&m, ones, none, false, 0);
+    begin(&m, ones, none, 0, 0);
     size_t n = data.n;
     double *v = calloc(6 * n, sizeof *v), *column = v, *a = v + n, *b = v + 2 * n, length[2] = {0, 0};
     ck_assert_ptr_nonnull(v);
@@ -294,7 +305,7 @@ START_TEST(evidence_is_widened_where_the_effect_leans) {
     double inflation;
     add_effect(&lagging, PALP_EFFECT_SENSOR_LAG, 1);
     ck_assert_ptr_nonnull(s);
-    begin(&m, ones, none, false, 0);
+    begin(&m, ones, none, 0, 0);
     double *rest = calloc(3 * data.n, sizeof *rest);
     ck_assert_ptr_nonnull(rest);
     *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest + data.n};
@@ -325,6 +336,29 @@ START_TEST(evidence_is_widened_where_the_effect_leans) {
 }
 END_TEST
 
+/* Where a surface lets go, what a step from afar promises says little: no start is left out for that. */
+START_TEST(a_pull_is_searched_from_every_start) {
+    palp_model m = linear_model(8);
+    explain_search *s = calloc(1, sizeof *s);
+    explain_multistart found = {.n = 0};
+    const char *reason;
+    ck_assert_ptr_nonnull(s);
+    begin(&m, ones, none, 0, 9e-4);
+    double *rest = calloc(2 * data.n, sizeof *rest);
+    ck_assert_ptr_nonnull(rest);
+    *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest + data.n};
+    ck_assert_int_eq(fit_here(s, &m), PALP_OK);
+    ck_assert_int_eq(explain_candidate_multistart(&s->fit, &s->data, s->residual, &settings, PALP_EFFECT_ADHESION, 1e9, &found, &reason),
+                     PALP_OK);
+    ck_assert_uint_gt(found.n, 0);
+    explain_multistart_free(&found);
+    explain_fit_free(&s->fit);
+    explain_data_free(&s->data);
+    free(rest);
+    free(s);
+}
+END_TEST
+
 /* A scatter that was found beside effects is told without them only if one value for all runs leaves more than the plain model. */
 START_TEST(a_scatter_without_its_effects) {
     explain_search s = {.opened = 2.0};
@@ -348,7 +382,7 @@ START_TEST(chance_gains_half_a_squared_normal_number) {
     double threshold, *rest;
     double share[PALP_EFFECT_COUNT] = {0};
     ck_assert_ptr_nonnull(s);
-    begin(&m, ones, none, false, 0);
+    begin(&m, ones, none, 0, 0);
     rest = calloc(2 * data.n, sizeof *rest);
     ck_assert_ptr_nonnull(rest);
     for (size_t i = 0; i < data.n; i++)
@@ -377,12 +411,14 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, replicates_by_their_paths);
     tcase_add_test(tc, spikes_and_releases_are_events);
+    tcase_add_test(tc, a_lone_sample_is_no_release);
     tcase_add_test(tc, a_zero_is_no_pull);
     tcase_add_test(tc, a_pull_may_hide_in_the_noise);
     tcase_add_test(tc, the_slope_of_chi2);
     tcase_add_test(tc, a_likelihood_that_is_followed_ends_where_a_parabola_does);
     tcase_add_test(tc, a_zero_and_a_gain_separate_nothing);
     tcase_add_test(tc, alike_by_the_cosine);
+    tcase_add_test(tc, a_pull_is_searched_from_every_start);
     tcase_add_test(tc, a_scatter_without_its_effects);
     tcase_add_test(tc, evidence_is_widened_where_the_effect_leans);
     tcase_add_test(tc, chance_gains_half_a_squared_normal_number);

@@ -169,6 +169,15 @@ START_TEST(the_mains_over_time) {
 }
 END_TEST
 
+/* In ten periods a line can be told from a wave of any other kind, in fewer hardly. */
+START_TEST(the_mains_need_ten_periods) {
+    begin(2, 300, 0.001);
+    ck_assert(explain_line_visible(&data));
+    begin(2, 200, 0.001);
+    ck_assert(!explain_line_visible(&data));
+}
+END_TEST
+
 START_TEST(a_wave_over_depth) {
     double period, amplitude, phase;
     palp_explain_peak peak;
@@ -292,6 +301,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, noise_that_is_nowhere_white);
     tcase_add_test(tc, whitened_noise_is_white);
     tcase_add_test(tc, the_mains_over_time);
+    tcase_add_test(tc, the_mains_need_ten_periods);
     tcase_add_test(tc, a_wave_over_depth);
     tcase_add_test(tc, a_wave_over_time);
     tcase_add_test(tc, order_from_sample_to_sample);
