@@ -142,24 +142,32 @@ typedef struct tick {
 } tick;
 
 /* Evaluates next.x, once terms have made it follow them. */
-static bool follow(palp_realtime *rt) {
+static bool follow(palp_realtime *rt, bool tangent) {
     palp_network *net = rt->net;
     NETWORK_EACH_TERM(net, follow, net);
-    return realtime_evaluate(rt, true);
+    return realtime_evaluate(rt, tangent);
 }
 
-static bool predict(palp_realtime *rt) {
+/* Will the tangent at next.x be used: by another correction, the adjoint's or the next factor? */
+static bool tangent_wanted(const palp_realtime *rt, bool last) {
+    bool due = rt->adjoint_due > 0 && rt->driven;
+    return !last || (due ? rt->adjoint_due != ADJOINT_PARTS - 1 : realtime_refresh_begins(rt));
+}
+
+static bool predict(palp_realtime *rt, const palp_budget *budget) {
+    const bool enough = rt->idle && budget->force_error > 0.0 && !realtime_touched(rt->net); /* as in the last tick */
+    const bool tangent = tangent_wanted(rt, enough);
     palp_network *net = rt->net;
     double depth = net->next.depth, move = depth - net->now.depth;
     bool extrapolated =
         rt->contraction < STRAIGHT && network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
-    if (extrapolated && follow(rt))
+    if (extrapolated && follow(rt, tangent))
         return true;
     for (int straight = 1; straight >= 0; straight--) {
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->now.x[i] + (straight && rt->driven ? move * rt->adjoint[i] : 0.0);
         network_place(net, depth);
-        if (follow(rt))
+        if (follow(rt, tangent))
             return true;
     }
     return false;
@@ -239,13 +247,6 @@ static double part_between(double at_low, double at_high) {
     return fmin(fmax(at_low / (at_low - at_high), ASIDE), 1.0 - ASIDE);
 }
 
-/* Will the tangent at the end of a move be used: by another correction, the adjoint's or the next factor? */
-static bool tangent_wanted(const palp_realtime *rt, const tick *t) {
-    bool last = t->info.corrections == t->budget.corrections;
-    bool due = rt->adjoint_due > 0 && rt->driven;
-    return !last || (due ? rt->adjoint_due != ADJOINT_PARTS - 1 : realtime_refresh_begins(rt));
-}
-
 /* next.x = start + move, or less of it where that is unsound or runs past the least energy along it, as where a contact
  * stiffens or comes to stick: then to where the slope is small beside that at the start. */
 static bool go(palp_realtime *rt, tick *t) {
@@ -254,7 +255,7 @@ static bool go(palp_realtime *rt, tick *t) {
     spread_residual(net, rt->p); /* conjugate gradients have changed r */
     const double before = network_dot(rt->p, rt->move, 3 * net->n_nodes);
     double low = 0.0, high = 1.0, at_low = before, at_high = 0.0;
-    const bool tangent = tangent_wanted(rt, t);
+    const bool tangent = tangent_wanted(rt, t->info.corrections == t->budget.corrections);
     memcpy(rt->q, net->next.x, 3 * net->n_nodes * sizeof *rt->q);
     for (int i = 0; i <= TRIES; i++) {
         for (size_t k = 0; k < 3 * net->n_nodes; k++)
@@ -297,6 +298,8 @@ static void correct(palp_realtime *rt, tick *t) {
         if (i == ROUNDS && t->budget.corrections == 0 && !(t->budget.seconds > 0.0))
             return;
         double start = realtime_clock();
+        if (!rt->fresh && !realtime_evaluate(rt, true)) /* the prediction was thought to be enough */
+            return;
         size_t done = realtime_solve(rt, in_a_round(rt, left), SHARE);
         if (done == 0)
             return;
@@ -370,13 +373,14 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
         status = network_begin(net, depth_m, dt_s);
     if (status)
         return status;
-    if (!predict(rt))
+    if (!predict(rt, budget))
         return PALP_ERR_COLLAPSED;
     assess(rt, &t);
     t.first = t.norm;
     correct(rt, &t);
     double rest = realtime_clock();
     commit(rt, &t);
+    rt->idle = t.info.corrections == 0;
     rt->contraction = t.first > 0.0 ? t.norm / t.first : 0.0;
     remember(rt, &t);
     look_ahead(rt, &t);

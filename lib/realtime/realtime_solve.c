@@ -8,6 +8,7 @@ static const double FURTHEST = 0.002; /* of the network's size: a move where the
 
 bool realtime_evaluate(palp_realtime *rt, bool tangent) {
     const multigrid_source source = multigrid_input(rt->mg);
+    rt->fresh = tangent;
     const network_blocks blocks = {tangent ? rt->element : NULL, source.place, source.spacing};
     return network_evaluate_blocks(rt->net, &blocks);
 }
