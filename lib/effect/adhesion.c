@@ -19,10 +19,6 @@ static void bond(const double *value, double gap, effect_bond *out) {
     out->by_value[1] = -out->by_gap * x;
 }
 
-static const char *missing(const effect_data *data) {
-    return data->n_releases == 0 && !(data->pulled > 0.0) ? "no plate withdraws until the force is gone" : NULL;
-}
-
 /* Where plates let go with a jump the force is not fitted, as which sample is the last before it has no derivative: between
  * the strongest pull that was recorded and what would be too strong, both to three standard deviations of the noise. */
 static bool read_pull(const effect_data *data, effect_read *out) {
@@ -52,4 +48,4 @@ const effect_row effect_adhesion = {
                            {"reach_mm", 1e-3, 0, 1e3, 1e-4, .scale = PALP_SCALE_LENGTH, .logarithmic = true, .optional = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_BIAS),
              .in_lumped = true, .in_network = true},
-    .bond = bond, .missing = missing, .starts = starts, .read = read_pull};
+    .bond = bond, .need = EFFECT_NEEDS_WITHDRAWAL, .starts = starts, .read = read_pull};

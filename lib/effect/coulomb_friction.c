@@ -20,4 +20,4 @@ const effect_row effect_coulomb_friction = {
              .parameter = {{"force_N", 1, 0, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_RATE_STIFFENING),
              .in_lumped = true, .in_network = true},
-    .stage = 2, .sensor = sensor};
+    .stage = 2, .sensor = sensor, .need = EFFECT_NEEDS_REVERSAL, .least = 0.02};

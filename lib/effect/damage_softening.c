@@ -25,4 +25,4 @@ const effect_row effect_damage_softening = {
                            {"sharpness", 1, 0.02, 20, 0.5, .logarithmic = true}},
              EFFECT_ALIKE(PALP_EFFECT_PERMANENT_SET, PALP_EFFECT_COULOMB_FRICTION),
              .in_lumped = true, .in_network = true},
-    .history = history, .starts = starts};
+    .history = history, .starts = starts, .need = EFFECT_NEEDS_UNLOADING, .least = 0.1};

@@ -34,4 +34,4 @@ const effect_row effect_drive_ripple = {
                            {"phase_rad", 1, -6.28318530717958647692, 6.28318530717958647692, 0, .strength = false}},
              EFFECT_ALIKE(PALP_EFFECT_MAINS_HUM),
              .in_lumped = true, .in_network = true},
-    .stage = 4, .sensor = sensor, .starts = starts, .scanned = 600};
+    .stage = 4, .sensor = sensor, .starts = starts, .scanned = 600, .need = EFFECT_NEEDS_PERIODS, .least = 3};

@@ -87,6 +87,16 @@ typedef void effect_quantity(const double *value, double at, effect_number *out)
 
 /* ---- the search for an effect in measured runs ---- */
 
+/* What the runs hold, as the plate moves in them. */
+typedef struct effect_shown {
+    double speeds;   /* fastest over slowest mean speed of a stretch while it presses; HUGE_VAL where it stands or turns back */
+    double back;     /* furthest way back within a run, of the deepest */
+    double depths;   /* deepest over the least deep dwell or run, of those that press */
+    bool again;      /* a specimen is pressed again */
+    double rate;     /* samples a second of the slowest run */
+    double stride;   /* largest way between two samples, of the run where it is least, m */
+} effect_shown;
+
 /* What runs tell: longest run, typical time from sample to sample, largest depth, speed and force, sd of a sample's white
  * noise; the specimen's height. */
 typedef struct effect_data {
@@ -94,6 +104,7 @@ typedef struct effect_data {
     size_t n_releases; /* at which a plate let go with a jump, */
     double pull[2];    /* and the pull there: the strongest recorded, and what would be too strong */
     double pulled;     /* strongest pull that the runs record on withdrawal, and what noise hides at least; 0 = no plate goes so far */
+    effect_shown shown;
     double frame[2];   /* what runs on a rigid block show of the frame's compliance, an interval; 0, 0 = there are none */
     const void *runs;       /* of the next two */
     const double *residual; /* that a fit leaves of them; NULL: not asked for */
@@ -115,8 +126,20 @@ void effect_start_at(effect_starts *starts, double a, double b, double c);
 /* n of the second parameter, a time: from so many samples to twice the longest run, evenly in its logarithm. */
 void effect_start_times(effect_starts *starts, const effect_data *data, double samples, size_t n);
 
-/* What the data lack to show the effect, NULL: nothing. */
-typedef const char *effect_condition(const effect_data *data);
+/* What recordings must hold for an effect to be told at all, however strong it is; row->least says how much of it. What is left of the
+ * effect beside the specimen's law is asked beside it. */
+typedef enum effect_need {
+    EFFECT_NEEDS_NOTHING,    /* what is left of it says all */
+    EFFECT_NEEDS_RATES,      /* speeds that differ by a factor, a dwell, or a reversal */
+    EFFECT_NEEDS_REVERSAL,   /* a way back, of the deepest */
+    EFFECT_NEEDS_UNLOADING,  /* the same, or a specimen that is pressed again */
+    EFFECT_NEEDS_WITHDRAWAL, /* until the force is gone */
+    EFFECT_NEEDS_DEPTHS,     /* two depths, by a factor; or a way back through all of them */
+    EFFECT_NEEDS_NYQUIST,    /* samples fast enough for its second parameter, a frequency, and so many of its periods in a run */
+    EFFECT_NEEDS_PERIODS,    /* room for so many periods of it in the travel, each of two samples at least */
+    EFFECT_NEEDS_COLUMN,     /* its own column, which changes */
+    EFFECT_NEEDS_WEIGHT      /* a known weight, which no recording of a press has */
+} effect_need;
 
 /* The interval of a parameter that is read off the data and not fitted. */
 typedef struct effect_read {
@@ -140,7 +163,8 @@ typedef struct effect_row {
     effect_bonds *bond;        /* of a surface to the plate; one effect of a model at most */
     effect_quantity *foundation; /* stiffness that holds a network's nodes sideways at the plates over that of the elements
                                   there, at = 0; by_value: of its logarithm. Held fast where the effect is off */
-    effect_condition *missing; /* NULL: any runs will do */
+    effect_need need;
+    double least;              /* how much of it */
     palp_status (*starts)(const effect_data *data, effect_starts *out); /* NULL: one, with all values 0 */
     bool (*read)(const effect_data *data, effect_read *out);            /* NULL, or of its first parameter, if these runs show it */
     bool line;                 /* a line of the spectrum whose phase is each run's own; at most one effect is */
@@ -158,6 +182,11 @@ PALP_EFFECTS(EFFECT_ROW)
 #undef EFFECT_ROW
 
 const effect_row *effect_row_of(palp_effect_id id); /* NULL outside the catalogue */
+
+enum { EFFECT_LACK_MAX = 160 };
+
+/* Whether the runs hold what the effect needs; if not, what they hold instead, with its number, and what would do. */
+bool effect_need_met(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]);
 
 palp_effect_id effect_line(void); /* the effect that is a line of the spectrum; PALP_EFFECT_COUNT: there is none */
 

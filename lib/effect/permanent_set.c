@@ -21,4 +21,4 @@ const effect_row effect_permanent_set = {
              .parameter = {{"fraction", 1, 0, 0.8, 0.1, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_CONTACT_OFFSET),
              .in_lumped = true, .in_network = true},
-    .history = history, .starts = starts};
+    .history = history, .starts = starts, .need = EFFECT_NEEDS_UNLOADING, .least = 0.1};

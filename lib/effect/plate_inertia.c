@@ -16,4 +16,4 @@ const effect_row effect_plate_inertia = {
              .parameter = {{"mass_kg", 1, 0, 1e12, 0.1, .scale = PALP_SCALE_MASS, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_LAG),
              .in_lumped = true, .in_network = true},
-    .stage = 3, .sensor = sensor};
+    .stage = 3, .sensor = sensor, .need = EFFECT_NEEDS_RATES, .least = 1.5};

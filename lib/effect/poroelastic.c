@@ -53,4 +53,4 @@ const effect_row effect_poroelastic = {
                            {"time_s", 1, 1e-12, 1e12, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POWER_LAW_RELAXATION),
              .in_lumped = true, .in_network = true},
-    .stage = 2, .spectrum = spectrum, .starts = starts};
+    .stage = 2, .spectrum = spectrum, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};

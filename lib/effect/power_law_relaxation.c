@@ -56,4 +56,4 @@ const effect_row effect_power_law_relaxation = {
                            {"exponent", 1, 0.02, 0.9, 0.2, .strength = false}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POROELASTIC),
              .in_lumped = true, .in_network = true},
-    .stage = 1, .spectrum = spectrum, .starts = starts};
+    .stage = 1, .spectrum = spectrum, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};

@@ -29,4 +29,4 @@ const effect_row effect_rate_stiffening = {
                            {"from_per_s", 1, 0, 1e12, 0.01, .scale = PALP_SCALE_STRAIN_RATE, .logarithmic = true, .optional = true}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POWER_LAW_RELAXATION, PALP_EFFECT_COULOMB_FRICTION),
              .in_lumped = true, .in_network = true},
-    .spring = spring, .starts = starts};
+    .spring = spring, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};

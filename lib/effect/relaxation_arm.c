@@ -15,4 +15,4 @@ const effect_row effect_relaxation_arm = {
                            {"time_s", 1, 1e-12, 1e12, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},
              EFFECT_ALIKE(PALP_EFFECT_POWER_LAW_RELAXATION, PALP_EFFECT_POROELASTIC, PALP_EFFECT_SENSOR_DRIFT),
              .in_lumped = true, .in_network = true, .repeats = true},
-    .arm = true, .starts = starts};
+    .arm = true, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};

@@ -16,4 +16,4 @@ const effect_row effect_sensor_drift = {
              .parameter = {{"force_N_s", 1, -1e12, 1e12, 1e-3, .scale = PALP_SCALE_FORCE_RATE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POWER_LAW_RELAXATION),
              .in_lumped = true, .in_network = true},
-    .stage = 7, .sensor = sensor};
+    .stage = 7, .sensor = sensor, .need = EFFECT_NEEDS_RATES, .least = 1.5};

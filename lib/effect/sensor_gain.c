@@ -17,4 +17,4 @@ const effect_row effect_sensor_gain = {
              .parameter = {{"gain", 1, -0.9, 10, 0.05, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SESSION_AGEING, PALP_EFFECT_FRAME_COMPLIANCE),
              .in_lumped = true, .in_network = true},
-    .stage = 1, .sensor = sensor, .of_runs = true};
+    .stage = 1, .sensor = sensor, .of_runs = true, .need = EFFECT_NEEDS_WEIGHT};

@@ -37,4 +37,4 @@ const effect_row effect_sensor_lag = {
              .parameter = {{"time_s", 1, 0, 1e9, 0.01, .scale = PALP_SCALE_TIME, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_PLATE_INERTIA, PALP_EFFECT_RELAXATION_ARM),
              .in_lumped = true, .in_network = true},
-    .stage = 5, .sensor = sensor, .remembers = true, .starts = starts};
+    .stage = 5, .sensor = sensor, .remembers = true, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};

@@ -17,4 +17,4 @@ const effect_row effect_strain_dependent_arm = {
                            {"time_per_strain", 1, -0.95, 100, 1, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_FRAME_COMPLIANCE, PALP_EFFECT_RATE_STIFFENING),
              .in_lumped = true, .in_network = true},
-    .arms = arms};
+    .arms = arms, .need = EFFECT_NEEDS_DEPTHS, .least = 1.1};

@@ -9,10 +9,6 @@ static void map(const double *value, const effect_press *at, effect_surface *out
     out->by_value[0] = at->change;
 }
 
-static const char *missing(const effect_data *data) {
-    return !(data->change_of(data, COLUMN) > 0.0) ? "no run has a temperature_C that changes" : NULL;
-}
-
 const effect_row effect_thermal_expansion = {
     .info = {.id = "thermal_expansion", .name = "thermal expansion of the frame", .place = PALP_EFFECT_FRAME,
              .means = "The frame grows with its temperature and moves the plate towards the specimen.",
@@ -21,4 +17,4 @@ const effect_row effect_thermal_expansion = {
              .parameter = {{"expansion_um_K", 1e-6, -1e3, 1e3, 2e-6, .scale = PALP_SCALE_LENGTH, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_DRIFT, PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_CONTACT_OFFSET),
              .in_lumped = true, .in_network = true, .column = COLUMN},
-    .stage = 1, .map = map, .missing = missing};
+    .stage = 1, .map = map, .need = EFFECT_NEEDS_COLUMN};

@@ -17,9 +17,7 @@ palp_status explain_before_find(const explain_search *s, explain_fit *base, palp
     const explain_scatter none = explain_no_scatter(&s->data);
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? PALP_OK : PALP_ERR_NO_MEMORY;
-    base->scatter.zero = fmin(s->fit.scatter.zero, none.zero);
-    base->scatter.contact = fmin(s->fit.scatter.contact, none.contact);
-    base->scatter.gain = fmin(s->fit.scatter.gain, none.gain);
+    base->scatter = none;
     memset(base->contact, 0, s->data.n_runs * sizeof *base->contact); /* every surface where the model has it */
     if (!status)
         status = refit(&s->data, base, residual);
@@ -42,7 +40,7 @@ static palp_status in_common(const explain_search *s, int which, palp_explain_sc
     *out = (palp_explain_scatter){.sd = own[which], .without_N = left};
     if (which == 1 && s->settings->contact != PALP_CONTACT_FREE)
         out->sd = 0.0;
-    if (out->sd == 0.0 || !(own[which] > noise[which]))
+    if (!(own[which] > noise[which]))
         return PALP_OK;
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;

@@ -18,9 +18,11 @@ palp_status explain_starts_find(palp_effect_id id, const explain_data *data, con
     facts.residual = residual;
     facts.wave_in_depth = wave_in_depth;
     *s = (effect_starts){.id = id};
-    *reason = row->missing ? row->missing(&facts) : NULL;
-    if (*reason)
+    char lack[EFFECT_LACK_MAX];
+    if (!effect_need_met(row, &facts, lack)) {
+        *reason = "the runs lack what it needs";
         return PALP_ERR_UNSUPPORTED;
+    }
     if (row->starts)
         return row->starts(&facts, s);
     effect_start_at(s, 0.0, 0.0, 0.0);

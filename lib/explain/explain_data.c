@@ -218,31 +218,6 @@ static palp_status find_pace(explain_data *data) {
     return PALP_OK;
 }
 
-/* Widens the range of a run's mean speeds over twentieths of the time that it is pressed beyond a twentieth of the deepest. */
-static void add_speeds(const explain_run *run, double deepest, double *slowest, double *fastest) {
-    enum { PARTS = 20 };
-    size_t first = 0, last = run->n - 1;
-    while (first < last && run->depth[first] < 0.05 * deepest)
-        first++;
-    while (last > first && run->depth[last] < 0.05 * deepest)
-        last--;
-    const size_t part = (last - first) / PARTS;
-    for (size_t k = 0; k < PARTS && part > 0; k++) {
-        size_t a = first + k * part, b = a + part;
-        double speed = (run->depth[b] - run->depth[a]) / (run->time[b] - run->time[a]);
-        *slowest = fmin(*slowest, speed);
-        *fastest = fmax(*fastest, speed);
-    }
-}
-
-static void find_one_speed(explain_data *data) {
-    double slowest = HUGE_VAL, fastest = -HUGE_VAL;
-    for (size_t r = 0; r < data->n_runs; r++)
-        if (!data->run[r].held_out)
-            add_speeds(&data->run[r], data->deepest, &slowest, &fastest);
-    data->one_speed = slowest > 0.0 && fastest < 1.5 * slowest;
-}
-
 /* Of the runs that are fitted and press one. */
 static void count_specimens(explain_data *data) {
     size_t last = data->n_runs;
@@ -275,6 +250,18 @@ static void take_contact(explain_data *data, double sd) {
     data->n_contact_told++;
 }
 
+/* Whether it begins in the middle of a press, whose first part is in no file: what the arms remember of that is not known. Of a smaller
+ * part the run's own zero and gain take it in. */
+static bool begins_under_load(const explain_run *run) {
+    const double part = 0.25; /* of the run's largest depth and force */
+    double deepest = 0.0, peak = 0.0;
+    for (size_t i = 0; i < run->n; i++) {
+        deepest = fmax(deepest, run->depth[i]);
+        peak = fmax(peak, run->force[i]);
+    }
+    return run->depth[0] > part * deepest && run->force[0] > part * peak;
+}
+
 static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *input, bool air, palp_error *error) {
     const palp_experiment *e = input->experiment;
     explain_run *run = &data->run[r];
@@ -286,6 +273,9 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     if (fabs(1e-3 * height - data->height) > 1e-3 * data->height)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
                               height, 1e3 * data->height);
+    if (!air && begins_under_load(run))
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: begins under load (%.3g N at %.3g mm), and no other file ends there: what was pressed before is "
+                              "missing. Give that recording too, or leave this one out", run->name, run->force[0], 1e3 * run->depth[0]);
     run->session = explain_number_of(e, "session.start_s", NAN);
     take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
     status = palp_segments_phases(run->n, run->time, run->depth, run->force, run->phase);
@@ -375,10 +365,10 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
     if (!status)
         status = find_pace(data);
     if (!status) {
-        find_one_speed(data);
         count_replicates(data);
         count_specimens(data);
         find_largest_strains(data);
+        explain_shown_find(data);
     }
     if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))
         status = palp_error_set(error, PALP_ERR_INPUT, "%s: no run presses the specimen", data->run[0].name);
@@ -435,7 +425,7 @@ effect_data explain_facts(const explain_data *data) {
     return (effect_data){.duration = data->duration, .step = data->step, .deepest = data->deepest,
                          .fastest = data->fastest, .peak = data->peak, .height = data->height, .white = hypot(data->run[0].white, data->correlated), .n_releases = data->n_releases,
                          .pull = {data->pull, data->pull_most}, .pulled = data->pulled,
-                         .frame = {data->frame.low, data->frame.high}, .runs = data, .change_of = change_of};
+                         .shown = data->shown, .frame = {data->frame.low, data->frame.high}, .runs = data, .change_of = change_of};
 }
 
 palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i), void *work,

@@ -53,6 +53,7 @@ typedef struct explain_data {
     double step, fastest, span;             /* typical time between samples; largest speed; of the session, s */
     double stride;                          /* largest way between two samples, of the run where it is least, m */
     double correlated, correlation_time;    /* of the noise */
+    effect_shown shown;                     /* how the plate moves in them */
     bool one_speed;                         /* all runs press at one speed, without a pause or a way back */
     size_t n_specimens;                     /* that the files of the runs that are fitted name; at least 1 */
     size_t n_replicates;                    /* runs whose plate goes as in one before */
@@ -89,6 +90,10 @@ typedef struct explain_history {
 
 /* For the runs one after the other, in their order, all with one model. contact: by how much deeper its surface lies, m. */
 palp_forward_run explain_forward_run(const explain_run *run, double contact, explain_history *history);
+
+/* ---- how the plate moves (explain_shown.c) ---- */
+
+void explain_shown_find(explain_data *data);
 
 /* ---- runs without a specimen (explain_block.c) ---- */
 

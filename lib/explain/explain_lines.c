@@ -66,24 +66,13 @@ static double power_at(const explain_data *data, const double *y, double frequen
     return power;
 }
 
-/* Samples a second of the slowest run. */
-static double slowest_rate(const explain_data *data) {
-    double rate = HUGE_VAL;
-    for (size_t r = 0; r < data->n_runs; r++) {
-        const explain_run *run = &data->run[r];
-        rate = fmin(rate, (double)(run->n - 1) / (run->time[run->n - 1] - run->time[0]));
-    }
-    return rate;
-}
-
 enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3, OUTSTANDING_ALIAS = 10 }; /* times the typical power */
 static const double NYQUIST = 140.0; /* samples a second: with fewer the mains are seen by an alias, as much else is */
-static const double SLOW = 0.25; /* of the sample rate: an alias of the mains below that may be any slow misfit */
-static const double LONG = 0.25; /* s: in less the mains have no ten periods */
 
 bool explain_line_visible(const explain_data *data) {
-    const double rate = slowest_rate(data), highest = 70.0;
-    return rate - highest >= SLOW * rate && data->duration >= LONG;
+    const effect_data facts = explain_facts(data);
+    char lack[EFFECT_LACK_MAX];
+    return effect_need_met(effect_row_of(effect_line()), &facts, lack);
 }
 
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency,
@@ -107,7 +96,7 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
         }
     }
     typical = statistics_median(power, GRID);
-    bool stands_out = best > (slowest_rate(data) < NYQUIST ? OUTSTANDING_ALIAS : OUTSTANDING) * typical;
+    bool stands_out = best > (data->shown.rate < NYQUIST ? OUTSTANDING_ALIAS : OUTSTANDING) * typical;
     best = 0.0;
     for (int k = -40; k <= 40; k++) {
         double f = fmin(70.0, fmax(40.0, centre + 0.0015 * k)), there = power_at(data, y, f, 1e9);
@@ -225,7 +214,7 @@ static void take_off_means(const explain_run *run, double *y, double stretch) {
 
 palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak) {
     enum { FREQUENCIES = 200 };
-    double power[FREQUENCIES], best = 0.0, fastest = 0.45 * slowest_rate(data), slowest = 6.0 / data->duration;
+    double power[FREQUENCIES], best = 0.0, fastest = 0.45 * data->shown.rate, slowest = 6.0 / data->duration;
     const double stretch = 0.25 * data->duration;
     double *y = malloc(data->n * sizeof *y);
     *peak = (palp_explain_peak){.at = 0.0};

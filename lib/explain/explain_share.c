@@ -77,28 +77,26 @@ bool explain_shows(const explain_search *s, palp_effect_id id) {
     return row->info.place == PALP_EFFECT_SPECIMEN || row->line || (row->read && row->read(&facts, &off)) || s->share[id] >= LEAST;
 }
 
-/* What these runs lack for an effect, whatever they hold; NULL: nothing. */
-static const char *lacking(const explain_search *s, palp_effect_id id) {
+/* Whether these runs lack something for an effect, whatever is left of it; what, in words. */
+static bool lacks(const explain_search *s, palp_effect_id id, char text[EFFECT_LACK_MAX]) {
     const effect_row *row = effect_row_of(id);
     const effect_data facts = explain_facts(&s->data);
-    if (!explain_carries(&s->fit.model, &row->info))
-        return "a model of this kind cannot have it";
-    if (row->line && !explain_line_visible(&s->data))
-        return "sampled too slowly for the mains, or for less than ten of their periods";
-    return row->missing ? row->missing(&facts) : NULL;
+    snprintf(text, EFFECT_LACK_MAX, "a model of this kind cannot have it");
+    return !explain_carries(&s->fit.model, &row->info) || !effect_need_met(row, &facts, text);
 }
 
 bool explain_blind(const explain_search *s, palp_effect_id id) {
+    char text[EFFECT_LACK_MAX];
     bool given = false;
     for (size_t i = 0; i < s->n_given; i++)
         given = given || (s->fit.model.effects[i].id == id && !palp_effect_look_up(id)->repeats);
-    return !given && (s->data.one_speed || lacking(s, id) || !explain_shows(s, id));
+    return !given && (s->data.one_speed || lacks(s, id, text) || !explain_shows(s, id));
 }
 
 void explain_say_blind(const explain_search *s, palp_effect_id id, char text[PALP_EXPLAIN_REASON]) {
-    const char *lack = lacking(s, id);
+    char lack[EFFECT_LACK_MAX];
     const double percent = 100.0 * s->share[id];
-    if (lack)
+    if (lacks(s, id, lack))
         snprintf(text, PALP_EXPLAIN_REASON, "%s", lack);
     else if (s->data.one_speed)
         snprintf(text, PALP_EXPLAIN_REASON, "the runs press at one speed, with no pause or way back: %.2g %% of it is left beside the law and arms; "

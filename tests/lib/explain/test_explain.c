@@ -427,6 +427,32 @@ START_TEST(one_run_suspects) {
             best = k;
     ck_assert_int_eq(e.candidate[best].id, PALP_EFFECT_COULOMB_FRICTION);
     ck_assert(e.candidate[best].unconfirmed);
+    ck_assert_ptr_nonnull(strstr(e.candidate[best].reason, "to predict the other parts"));
+    palp_explanation_free(&e);
+    session_end();
+}
+END_TEST
+
+/* A bump in one place of the only recording gains far more than chance does, but is none of what the candidates do: nobody is suspected. */
+START_TEST(a_bump_in_one_run_suspects_nobody) {
+    palp_model m = guess();
+    palp_explain_settings s = palp_explain_settings_default();
+    palp_explanation e;
+    palp_error error;
+    size_t beyond_chance = 0;
+    session(&m);
+    only_friction_and_its_like(&s);
+    palp_experiment *run = (palp_experiment *)(uintptr_t)input[1].experiment;
+    double *force = palp_experiment_column(run, "force_N");
+    for (size_t i = 0; i < 80; i++)
+        force[172 + i] += 0.05 * exp(-(double)i / 15);
+    ck_assert_int_eq(palp_explain(&m, 1, input + 1, &s, &e, &error), PALP_OK);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_UNEXPLAINED);
+    for (size_t k = 0; k < e.n_candidates; k++) {
+        ck_assert(!e.candidate[k].unconfirmed);
+        beyond_chance += e.candidate[k].score > e.null_threshold;
+    }
+    ck_assert_uint_gt(beyond_chance, 0);
     palp_explanation_free(&e);
     session_end();
 }
@@ -447,4 +473,5 @@ void tests(TCase *tc) {
     tcase_add_test(tc, what_it_cannot_take_is_refused);
     tcase_add_test(tc, one_run_is_enough_and_air_alone_is_not);
     tcase_add_test(tc, one_run_suspects);
+    tcase_add_test(tc, a_bump_in_one_run_suspects_nobody);
 }

@@ -114,6 +114,27 @@ START_TEST(loading_at_one_speed_names_no_instrument) {
 }
 END_TEST
 
+/* Ramps at three speeds that end in their holds: a friction's step at the end of a ramp is a fast relaxation's, whatever is left of it. */
+START_TEST(friction_needs_a_way_back) {
+    static const double plan[RUNS][2] = {{4, 1}, {6, 4}, {7, 12}, {5, 2}};
+    palp_explanation e;
+    palp_model truth = lumped_model(1), m = truth;
+    add_effect(&truth, PALP_EFFECT_COULOMB_FRICTION, 1)->value[0] = 0.06;
+    press(plan, true);
+    for (size_t r = 0; r < RUNS; r++)
+        recorded[r].n -= 60;
+    record(&truth);
+    explain(&m, &e);
+    const palp_explain_candidate *friction = candidate_of(&e, PALP_EFFECT_COULOMB_FRICTION), *set = candidate_of(&e, PALP_EFFECT_PERMANENT_SET),
+                                 *lag = candidate_of(&e, PALP_EFFECT_SENSOR_LAG);
+    for (size_t i = 0; i < e.n_effects; i++)
+        ck_assert_int_ne(e.effect[i].effect.id, PALP_EFFECT_COULOMB_FRICTION);
+    ck_assert(!friction->identifiable && !set->identifiable && lag->identifiable);
+    ck_assert_ptr_nonnull(strstr(friction->reason, "goes back by 0 %"));
+    palp_explanation_free(&e);
+}
+END_TEST
+
 /* A softening law where the given one is straight: whatever is answered, its parts go together. */
 START_TEST(the_parts_of_an_answer_go_together) {
     static const double plan[RUNS][2] = {{4, 4}, {6, 3}, {7, 14}, {4, 4}}, softens[] = {8.2, -9, 8}, straight = 8;
@@ -136,6 +157,7 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_test(tc, what_a_law_takes_in_is_not_named);
+    tcase_add_test(tc, friction_needs_a_way_back);
     tcase_add_test(tc, the_parts_of_an_answer_go_together);
     tcase_add_loop_test(tc, loading_at_one_speed_names_no_instrument, 0, 5);
 }

@@ -101,6 +101,36 @@ static void explain(const units *u, bool few, palp_explanation *e) {
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
 }
 
+/* Either half of a run, cut at any sample, says what is the matter: the first is a shorter run, the second is refused by its name,
+ * in whatever units, where enough was pressed before. */
+START_TEST(the_second_half_of_a_run_alone_is_refused) {
+    static const units all[] = {{1, 1, 1, 0, false, 0}, {1e-9, 1e-4, 1e3, 1.7e9, false, 0}};
+    static const size_t cuts[] = {50, 70, 100, 170}; /* early and late in the ramp, in the hold, in the withdrawal */
+    const units *u = &all[_i % 2];
+    const size_t cut = cuts[_i / 2];
+    palp_explain_settings settings = palp_explain_settings_default();
+    palp_explain_input input[2];
+    palp_error error = {.text = ""};
+    palp_explanation e;
+    palp_model m = guess(u);
+    memset(settings.candidate, 0, sizeof settings.candidate);
+    make(PALP_EFFECT_SENSOR_LAG, 0, 0);
+    input[0] = (palp_explain_input){in_units(&recorded[0], u, 0, recorded[0].n), "whole.csv"};
+    for (int first = 0; first < 2; first++) {
+        palp_experiment *half = first ? in_units(&recorded[1], u, 0, cut) : in_units(&recorded[1], u, cut, recorded[1].n);
+        input[1] = (palp_explain_input){half, "half.csv"};
+        palp_status status = palp_explain(&m, 2, input, &settings, &e, &error);
+        ck_assert_msg(status == (first ? PALP_OK : PALP_ERR_INPUT), "%s", error.text);
+        if (first)
+            palp_explanation_free(&e);
+        else
+            ck_assert_msg(strstr(error.text, "half.csv: begins under load"), "%s", error.text);
+        palp_experiment_free(half);
+    }
+    palp_experiment_free((palp_experiment *)(uintptr_t)input[0].experiment);
+}
+END_TEST
+
 static const units plain = {1, 1, 1, 0, false, 0};
 static const units others[] = {
     {1e3, 10, 1, 0, false, 0},  {1, 1e-4, 1e-3, 0, false, 0}, {1, 1, 1, 1.7e9, false, 1}, /* the first three for nothing, too */
@@ -180,5 +210,6 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_loop_test(tc, a_lag_is_named_in_any_units, 0, OTHERS);
     tcase_add_loop_test(tc, what_knows_a_speed_or_time_is_named_in_any_units, 0, TIMED);
+    tcase_add_loop_test(tc, the_second_half_of_a_run_alone_is_refused, 0, 8);
     tcase_add_loop_test(tc, nothing_is_nothing_in_any_units, 0, 3);
 }
