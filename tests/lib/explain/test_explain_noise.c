@@ -21,7 +21,7 @@ static unsigned char use[RUNS][2 * MOST];
 /* Runs of n samples each, some in the air, evenly dt apart, at rest. */
 static void begin(size_t n_runs, size_t n, double dt) {
     data = (explain_data){.n_runs = n_runs, .n = n_runs * n, .longest = n, .run = run, .peak = 1, .deepest = 5e-3,
-                          .height = 0.024, .correlation_time = 1, .step = dt, .duration = (double)n * dt};
+                          .height = 0.024, .correlation_time = 1, .step = dt, .duration = (double)n * dt, .shown = {.rate = 1 / dt}};
     for (size_t r = 0; r < n_runs; r++) {
         double *b = block[r];
         run[r] = (explain_run){.n = n, .time = b, .depth = b + n, .force = b + 2 * n, .keep = b + 3 * n, .take = b + 4 * n,
