@@ -225,8 +225,11 @@ static palp_status start(const fit_problem *p, const normal *e, double *v, doubl
     return isfinite(best) ? PALP_OK : PALP_ERR_SINGULAR;
 }
 
-/* log tau within a thousand times the times, the exponent within 0.02 to 0.98, log K not below a millionth of the stiffness. */
-static size_t bound(const fit_problem *p, double *row, double *floor) {
+enum { STRAINS = 40, ROWS = 6 + STRAINS };
+
+/* log tau within a thousand times the times, the exponent within 0.02 to 0.98, log K not below a millionth of the stiffness; K(e) > 0
+ * at some strains, as a slow element is as good as a spring, which is then taken from the law's. unit: of the springs. */
+static size_t bound(const fit_problem *p, const double *unit, double *row, double *floor) {
     size_t n = p->n_reduced, k = p->n_springs;
     const double span = log(p->tau_max / p->tau_min) + log(1e3);
     const double low[3] = {log(1e-6), -span, 0.02}, high[3] = {log(1e6), log(1e3), 0.98};
@@ -236,14 +239,22 @@ static size_t bound(const fit_problem *p, double *row, double *floor) {
         row[(2 * i + 1) * n + k + i] = -1.0;
         floor[2 * i + 1] = -high[i];
     }
-    return 6;
+    bool linear = fit_spring_columns(p) == p->n_springs && p->law.kind != PALP_LAW_SPLINE;
+    for (size_t i = 0; i < STRAINS && linear; i++) {
+        double e = p->strain_max * fmax((double)i, 1e-6) / (STRAINS - 1), by[PALP_LAW_MAX];
+        palp_law_gradient(&p->law, e, by);
+        for (size_t j = 0; j < k; j++)
+            row[(6 + i) * n + j] = by[j] * unit[j] / (e * p->stiffness);
+        floor[6 + i] = 1e-3;
+    }
+    return linear ? ROWS : 6;
 }
 
 static palp_status solve_fractional(fit_problem *p, const normal *e, double *v, double *theta, bool *converged) {
     size_t n = fit_parameter_count(p), q = p->n_springs + 3, ns = p->n_springs;
     fractional f = {.problem = p, .v = v, .origin = log(p->stiffness)};
     arena memory = {0};
-    double *u = arena_take(&memory, q, sizeof *u), *row = arena_take(&memory, 6 * q, sizeof *u), floor[6], norm;
+    double *u = arena_take(&memory, q, sizeof *u), *row = arena_take(&memory, ROWS * q, sizeof *u), floor[ROWS], norm;
     f.jacobian = arena_take(&memory, p->n_blocks * n, sizeof *u);
     p->n_reduced = q;
     p->reduced = arena_take(&p->memory, n * q, sizeof *p->reduced);
@@ -257,10 +268,10 @@ static palp_status solve_fractional(fit_problem *p, const normal *e, double *v, 
         u[ns] = theta[0] - f.origin;
         u[ns + 1] = theta[1] - log(p->tau_max);
         u[ns + 2] = theta[2];
-        least_squares problem = {.n_parameters = q, .n_residuals = p->n_blocks, .max_evaluations = p->settings->max_evaluations,
+        least_squares problem = {.n_parameters = q, .n_residuals = p->n_blocks, .max_evaluations = 10 * p->settings->max_evaluations,
                                  .stop_relative = 1e-7, .evaluate = evaluate, .user = &f,
                                  .constraint = row, .floor = floor};
-        problem.n_constraints = bound(p, row, floor);
+        problem.n_constraints = bound(p, f.unit, row, floor);
         status = least_squares_solve(&problem, u, &norm, converged);
     }
     if (!status) {

@@ -37,6 +37,7 @@ expect 0 characterize run_*.csv --arms auto --degree auto --out lumped.json --pl
 expect 0 characterize run_1.csv --arms 1 --degree 2 --json && mv out characterize_one.json
 expect 0 simulate $L --protocol ramp_hold --depth-mm 3 --hold-s 60 --sample-Hz 20 --air-s 1 --noise-N 0.004 --out fractional.csv
 expect 0 characterize fractional.csv --arms fractional --degree 2 --out fractional.json
+expect 0 characterize run_1.csv run_2.csv --arms fractional --degree 2 --out short.json # too short to tell its time, which is no failure
 expect 0 characterize run_1.csv run_2.csv --arms 1 --json && mv out characterize_law.json
 sed '1a # tip.kind: "flat"\n# tip.radius_mm: 3\n# tip.half_angle_deg: 70' run_1.csv >tip.csv
 expect 0 characterize tip.csv --arms 1 --json && mv out characterize_tip.json
