@@ -9,6 +9,7 @@
 static const char NAME[] = "calibrate";
 
 enum { GUESS_STEPS = 20, LARGE = 16 };
+static const double TICK_ERROR = 1e-4; /* of the force of a large lattice */
 
 /* ---- shared ---- */
 
@@ -48,6 +49,13 @@ static size_t finest_side(const palp_mesh_source *source) {
     return finest;
 }
 
+/* A lattice of the same box with at most COARSE nodes a side takes what a large one would take too long for. */
+enum { COARSE = 7 };
+
+static bool is_large(const calibrate_state *s) {
+    return finest_side(&s->source) >= LARGE;
+}
+
 /* A lattice of the same box with at most so many nodes a side. */
 static palp_status coarse_network(const calibrate_options *o, const calibrate_state *s, size_t most,
                                   const palp_material *material, palp_network **network) {
@@ -70,13 +78,13 @@ static palp_status coarse_network(const calibrate_options *o, const calibrate_st
 /* A fine lattice starts from the law that a coarse one of the same box takes: a second instead of many
  * evaluations of a dear curve. The library scales it. */
 static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, palp_material *start) {
-    enum { COARSE = 5, FINE = 8 };
+    enum { START = 5, FINE = 8 };
     palp_network *network = NULL;
     palp_static_settings settings = palp_static_settings_default();
     palp_calibration result = {0};
     if (finest_side(&s->source) < FINE)
         return PALP_OK;
-    palp_status status = coarse_network(o, s, COARSE, start, &network);
+    palp_status status = coarse_network(o, s, START, start, &network);
     if (!status)
         status = palp_calibrate_static(network, start, s->n_static, s->depth_m, s->force_N, &settings, &result);
     if (!status)
@@ -89,7 +97,6 @@ static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, 
 /* Of a lattice so large that it is not traced again and again: a coarse one takes the law. */
 static palp_status two_level_static(const calibrate_options *o, calibrate_state *s, const palp_material *start,
                                   const palp_static_settings *settings) {
-    enum { COARSE = 7 };
     palp_network *coarse = NULL;
     palp_status status = coarse_network(o, s, COARSE, start, &coarse);
     if (!status)
@@ -126,7 +133,7 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     if (s->static_method == METHOD_FIXED_POINT)
         status = palp_thesis_fixed_point(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
                                          &s->static_result);
-    else if (finest_side(&s->source) >= LARGE && !o->every_step)
+    else if (is_large(s) && !o->every_step)
         status = two_level_static(o, s, &start, &settings);
     else
         status = palp_calibrate_static(s->network, &start, s->n_static, s->depth_m, s->force_N, &settings,
@@ -160,12 +167,16 @@ static double stiffness_ratio(const palp_law *element, const palp_law *lumped, d
     return sum / GUESS_STEPS;
 }
 
-static void relaxation_start(const calibrate_options *o, const calibrate_state *s, palp_material *start) {
-    size_t n = o->arms ? o->arms : s->lumped.material.n_arms;
+static double deepest_press(const calibrate_state *s) {
     double deepest = 0;
     for (size_t i = 0; i < s->n_presses; i++)
         deepest = fmax(deepest, s->press[i].depth_m);
-    double ratio = stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest / s->height_m);
+    return deepest;
+}
+
+static void relaxation_start(const calibrate_options *o, const calibrate_state *s, palp_material *start) {
+    size_t n = o->arms ? o->arms : s->lumped.material.n_arms;
+    double ratio = stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest_press(s) / s->height_m);
     bool three_phase = s->relaxation_method == METHOD_THREE_PHASE;
     bool arms_given = o->start && s->model.material.n_arms == n && n > 0;
     *start = s->model.material;
@@ -184,6 +195,74 @@ static palp_status three_phases(const calibrate_options *o, calibrate_state *s, 
     return palp_thesis_three_phase(s->network, start, target, &settings, &s->relaxation_result);
 }
 
+static void scale_arms(palp_material *material, double factor) {
+    for (size_t j = 0; j < material->n_arms; j++) {
+        material->arms[j].stiffness_N *= factor;
+        material->arms[j].viscosity_Ns *= factor;
+    }
+}
+
+/* The same material on a coarse lattice of the same box, whose fewer elements bear more each. */
+static palp_status coarse_material(const calibrate_state *s, const palp_material *fine, palp_material *coarse) {
+    double factor = 1;
+    for (size_t k = 0; k < 3; k++)
+        factor *= k == 1 || s->source.nodes[k] <= COARSE ? 1 : (double)s->source.nodes[k] / COARSE;
+    *coarse = *fine;
+    scale_arms(coarse, factor);
+    return palp_law_scale(&fine->law, factor, &coarse->law);
+}
+
+/* The relaxed force of the network with this material, at CURVE depths to the deepest, by ticks that need no factor of it. */
+enum { CURVE = 30 };
+static palp_status relaxed_curve(const calibrate_state *s, const palp_material *material, double deepest_m,
+                                 double depth_m[CURVE], double force_N[CURVE]) {
+    const palp_realtime_settings realtime = palp_realtime_settings_default();
+    const palp_budget budget = {.force_error = TICK_ERROR};
+    palp_tick_info info;
+    palp_realtime *rt = NULL;
+    palp_status status = palp_network_set_material(s->network, material);
+    if (!status)
+        status = palp_realtime_create(s->network, &realtime, &rt);
+    for (int i = 0; i < CURVE && !status; i++) {
+        depth_m[i] = deepest_m * (i + 1) / CURVE;
+        status = palp_realtime_step(rt, depth_m[i], INFINITY, &budget, &info);
+        if (!status && !info.converged)
+            status = PALP_ERR_NOT_CONVERGED;
+        force_N[i] = info.force_N;
+    }
+    palp_realtime_free(rt);
+    return status;
+}
+
+/* Of a large lattice: a coarse one takes the law of the large one's curve, then the arms beside it, which come back by the ratio
+ * of both laws. */
+static palp_status arms_of_coarse(const calibrate_options *o, calibrate_state *s, const palp_material *start, double deepest_m,
+                                  const palp_target *targets, const palp_relaxation_settings *settings) {
+    const palp_static_settings how = palp_static_settings_default();
+    const double strain = deepest_m / s->height_m;
+    double depth_m[CURVE], force_N[CURVE];
+    palp_network *coarse = NULL;
+    palp_material first;
+    palp_calibration own = {0}, *r = &s->relaxation_result;
+    palp_status status = relaxed_curve(s, start, deepest_m, depth_m, force_N);
+    if (!status)
+        status = coarse_material(s, start, &first);
+    if (!status)
+        status = coarse_network(o, s, COARSE, &first, &coarse);
+    if (!status)
+        status = palp_calibrate_static(coarse, &first, CURVE, depth_m, force_N, &how, &own);
+    if (!status)
+        status = palp_calibrate_relaxation(coarse, &own.material, s->n_presses, targets, settings, r);
+    palp_network_free(coarse);
+    if (!status) {
+        double scale = stiffness_ratio(&r->material.law, &own.material.law, strain);
+        scale_arms(&r->material, stiffness_ratio(&start->law, &own.material.law, strain));
+        status = palp_law_scale(&start->law, scale, &r->material.law);
+    }
+    palp_calibration_free(&own);
+    return status;
+}
+
 static palp_status fit_arms(const calibrate_options *o, calibrate_state *s, const palp_material *start,
                             const palp_target *targets, progress *bar) {
     palp_relaxation_settings settings = palp_relaxation_settings_default();
@@ -191,6 +270,8 @@ static palp_status fit_arms(const calibrate_options *o, calibrate_state *s, cons
     settings.dt_s = 1e-3 * o->dt_ms;
     settings.progress = show_progress;
     settings.user = bar;
+    if (is_large(s))
+        return arms_of_coarse(o, s, start, deepest_press(s), targets, &settings);
     return palp_calibrate_relaxation(s->network, start, s->n_presses, targets, &settings, &s->relaxation_result);
 }
 
@@ -200,11 +281,8 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     progress bar;
     if (s->relaxation_method == METHOD_THREE_PHASE && s->n_presses > 1)
         return cli_usage_error(NAME, "--method three_phase takes one run; start it once for each");
-    if (finest_side(&s->source) >= LARGE)
-        cli_warning(NAME,
-                    "the relaxation stage of so large a lattice may take hours; calibrate the arms of one of %d nodes "
-                    "a side and scale them by the ratio of both laws (doc/meshes.md)",
-                    LARGE / 2 - 1);
+    if (is_large(s) && s->relaxation_method != METHOD_THREE_PHASE)
+        cli_warning(NAME, "a lattice of %d nodes a side takes the arms of so large a one (doc/meshes.md)", COARSE);
     relaxation_start(o, s, &start);
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *press = &s->press[i];
@@ -244,12 +322,42 @@ static int note_strain(void *user) {
     return 0;
 }
 
+/* Of a large network, by ticks that need no factor of it. */
+static palp_status press_large(calibrate_state *s, press_target *press, progress *bar) {
+    const press_settings settings = {.tolerance = 1e-4};
+    const palp_realtime_settings realtime = palp_realtime_settings_default();
+    const palp_budget budget = {.force_error = TICK_ERROR};
+    const palp_path *path = &press->path;
+    palp_realtime *rt = NULL;
+    palp_tick_info info = {.converged = true};
+    double *time_s = NULL;
+    size_t n = 0;
+    palp_status status = press_times(path, &settings, &n, &time_s);
+    if (status == PALP_OK)
+        status = palp_realtime_create(s->network, &realtime, &rt);
+    for (size_t i = 0; i < n && status == PALP_OK; i++) {
+        double depth_m = palp_path_at(path, time_s[i]);
+        if (i > 0)
+            status = palp_realtime_step(rt, depth_m, time_s[i] - time_s[i - 1], &budget, &info);
+        if (status == PALP_OK && !info.converged)
+            status = PALP_ERR_NOT_CONVERGED;
+        if (status == PALP_OK)
+            status = record_add(&press->network, time_s[i], depth_m, info.force_N);
+        note_strain(s);
+        progress_update(bar, (double)i / (double)n);
+    }
+    palp_realtime_free(rt);
+    free(time_s);
+    return status;
+}
+
 static palp_status compare(calibrate_state *s, press_target *press, progress *bar) {
     const press_settings settings = {.tolerance = 1e-4};
     const press_watch watch = {bar, note_strain, s};
     palp_run_info info;
     palp_network_reset(s->network);
-    palp_status status = press_network(s->network, &press->path, &settings, &watch, &press->network, &info);
+    palp_status status = is_large(s) ? press_large(s, press, bar)
+                                     : press_network(s->network, &press->path, &settings, &watch, &press->network, &info);
     double stable_m = 0, unstable_m = 0;
     bool buckled = palp_network_buckled(s->network, &stable_m, &unstable_m);
     note_buckling(s, buckled, stable_m, unstable_m);
