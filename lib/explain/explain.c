@@ -272,6 +272,7 @@ static palp_status search_again(explain_search *s, palp_explanation *e, const ex
         s->data.given = s->as_given;
         s->law_fixed = true;
         s->worth = 4.0;
+        o->fit.spread = s->settings;
         status = explain_refit(s);
     }
     if (!status)

@@ -15,6 +15,7 @@ static palp_status refit(const explain_data *data, explain_fit *fit, double *res
 
 palp_status explain_before_find(const explain_search *s, explain_fit *base, palp_explanation *e) {
     const explain_scatter none = explain_no_scatter(&s->data);
+    base->spread = s->settings;
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? PALP_OK : PALP_ERR_NO_MEMORY;
     base->scatter = none;
@@ -44,6 +45,7 @@ static palp_status in_common(const explain_search *s, int which, palp_explain_sc
         return PALP_OK;
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;
+    fit.spread = s->settings;
     *(which == 0 ? &fit.scatter.zero : which == 1 ? &fit.scatter.contact : &fit.scatter.gain) =
         which == 0 ? none.zero : which == 1 ? none.contact : none.gain;
     if (!status && which == 1)

@@ -134,6 +134,7 @@ void explain_fit_free(explain_fit *fit) {
 palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to) {
     size_t bytes = n_runs * (from->m * from->m + 1) * sizeof *to->product;
     *to = *from;
+    to->spread = NULL;
     to->product = malloc(bytes);
     if (!to->product)
         return PALP_ERR_NO_MEMORY;
@@ -245,36 +246,78 @@ static void find_residual(const explain_fit *fit, const explain_run *run, size_t
     }
 }
 
-static palp_status evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual,
-                            explain_visit *visit, void *user) {
+/* A fit's products; its runs in chains, each by one task. */
+typedef struct evaluation {
+    explain_fit *fit;
+    const explain_data *data;
     palp_model full;
-    size_t offset, gain;
-    palp_status status = augment(&fit->model, &full, &offset, &gain);
-    if (status)
-        return status;
-    size_t columns = palp_forward_parameter_count(&full), n = data->longest;
-    double *work = malloc((2 + columns + fit->m) * n * sizeof *work), *law = work ? work + (1 + columns + fit->m) * n : NULL;
-    status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
-    explain_history history = {.load.peak = 0.0};
-    for (size_t r = 0; r < data->n_runs && !status; r++) {
-        palp_forward_run path = explain_forward_run(&data->run[r], fit->contact[r], &history);
-        status = run_products(fit, &data->run[r], &path, &full, offset, gain, work, work + n, work + (1 + columns) * n,
-                              fit->product + r * fit->m * fit->m);
-        size_t length = data->run[r].n;
-        if (visit && !status)
-            visit(user, r, work + (1 + columns) * n);
-        if (force && !status) {
-            memcpy(force, work, length * sizeof *force);
-            force += length;
-        }
-        if (residual && !status) {
-            law_column(&fit->model.material.law, length, work + n, law);
-            find_residual(fit, &data->run[r], r, work, work + n + length * offset, work + n + length * gain, law, residual);
-            residual += length;
-        }
+    size_t columns, offset, gain; /* of full: how many, and where a run's own contact and gain are */
+    double *force, *residual;     /* NULL, or [n] */
+    explain_visit *visit;
+    void *user;
+    bool together, remembers;     /* all runs one after the other; a specimen keeps something from run to run */
+    palp_status *status;          /* [n_runs] */
+} evaluation;
+
+/* work: [2 + columns + m, n] */
+static palp_status evaluate_run(const evaluation *e, size_t r, explain_history *history, double *work) {
+    const explain_run *run = &e->data->run[r];
+    const size_t n = run->n, m = e->fit->m;
+    double *gradient = work + n, *column = gradient + e->columns * n, *law = column + m * n;
+    const palp_law *of = &e->fit->model.material.law;
+    palp_forward_run path = explain_forward_run(run, e->fit->contact[r], history);
+    palp_status status = run_products(e->fit, run, &path, &e->full, e->offset, e->gain, work, gradient, column,
+                                      e->fit->product + r * m * m);
+    size_t at = 0;
+    for (size_t i = 0; i < r; i++)
+        at += e->data->run[i].n;
+    if (e->visit && !status)
+        e->visit(e->user, r, column);
+    if (e->force && !status)
+        memcpy(e->force + at, work, n * sizeof *work);
+    if (e->residual && !status) {
+        law_column(of, n, gradient, law);
+        find_residual(e->fit, run, r, work, gradient + n * e->offset, gradient + n * e->gain, law, e->residual + at);
     }
+    return status;
+}
+
+/* Whether run r is in a chain that begins with an earlier one. */
+static bool follows(const evaluation *e, size_t r) {
+    return r > 0 && (e->together || (e->remembers && !e->data->run[r].fresh));
+}
+
+static void chain_task(void *user, size_t first) {
+    const evaluation *e = user;
+    palp_status *status = &e->status[first];
+    if (follows(e, first))
+        return;
+    double *work = malloc((2 + e->columns + e->fit->m) * e->data->longest * sizeof *work);
+    explain_history history = {.load.peak = 0.0};
+    *status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t r = first; r < e->data->n_runs && !*status && (r == first || follows(e, r)); r++)
+        *status = evaluate_run(e, r, &history, work);
     palp_load_history_free(&history.load);
     free(work);
+}
+
+static palp_status evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual,
+                            explain_visit *visit, void *user) {
+    static const palp_explain_settings alone = {.loop = NULL};
+    const bool spreads = fit->spread && fit->spread->loop && !visit;
+    evaluation e = {.fit = fit, .data = data, .force = force, .residual = residual, .visit = visit, .user = user,
+                    .together = !spreads};
+    palp_status status = augment(&fit->model, &e.full, &e.offset, &e.gain);
+    if (status)
+        return status;
+    e.columns = palp_forward_parameter_count(&e.full);
+    for (size_t i = 0; i < e.full.n_effects; i++)
+        e.remembers = e.remembers || effect_row_of(e.full.effects[i].id)->history;
+    e.status = calloc(data->n_runs, sizeof *e.status);
+    if (!e.status)
+        return PALP_ERR_NO_MEMORY;
+    status = explain_each(spreads ? fit->spread : &alone, data->n_runs, chain_task, &e, e.status);
+    free(e.status);
     if (!status)
         fit->score = explain_fit_score(fit, data);
     return status;

@@ -22,6 +22,8 @@ typedef struct explain_fit {
     explain_scatter scatter;
     double *product;              /* [n_runs m m]: of the whitened columns of parameters, nuisances and residual */
     double *contact;              /* [n_runs], in the same block: each run's surface, about which its contact is linear */
+    const palp_explain_settings *spread; /* whose loop takes the runs; NULL, as in a task of that loop and in each new fit or
+                                            copy: they are one after the other */
     double score;                 /* log likelihood (less constants) of the runs not held out, nuisances integrated out */
 } explain_fit;
 

@@ -61,6 +61,7 @@ static palp_status fit_with(const explain_search *s, const palp_law *law, bool a
     palp_model model = s->fit.model;
     model.material.law = *law;
     palp_status status = explain_fit_beside(&s->fit, &model, &s->data, fit);
+    fit->spread = s->settings;
     if (!status)
         status = explain_fit_products(fit, &s->data, NULL);
     if (!status)
@@ -121,6 +122,7 @@ static palp_status raise_surfaces(const explain_search *s, const explain_fit *fr
     palp_status status = resemble(law, &same, s->data.deepest / s->data.height, higher / s->data.height, &model.material.law);
     if (!status)
         status = explain_fit_beside(from, &model, &s->data, fit);
+    fit->spread = s->settings;
     for (size_t r = 0; r < s->data.n_runs && !status; r++)
         fit->contact[r] -= higher;
     if (!status)

@@ -25,6 +25,7 @@ static palp_status find_noise(explain_search *s) {
 palp_status explain_refit(explain_search *s) {
     enum { LEAST = 3, MOST = 12 };
     double risen = 1.0;
+    s->fit.spread = s->settings;
     palp_status status = explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
     for (int round = 0; round < MOST && (round < LEAST || risen > 0.3) && !status; round++) {
         double before = s->fit.score;

@@ -69,6 +69,7 @@ palp_status explain_specimens_try(const explain_search *s, double threshold, exp
     if (s->data.n_specimens < 2 || s->fit.scatter.stiffness > 0.0)
         return PALP_OK;
     palp_status status = explain_fit_copy(&s->fit, s->data.n_runs, &trial->fit);
+    trial->fit.spread = s->settings;
     trial->fit.scatter.stiffness = fmax(trial->fit.scatter.gain, explain_hidden_scatter(&s->data).stiffness);
     if (!status) {
         explain_fit_scatter(&trial->fit, &s->data, s->settings);
@@ -97,6 +98,7 @@ static palp_status as_one(const explain_search *s, palp_explain_specimens *out) 
     explain_fit fit = {.n_columns = 0};
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;
+    fit.spread = s->settings;
     fit.scatter.stiffness = 0.0;
     if (!status) {
         explain_fit_scatter(&fit, &s->data, s->settings);

@@ -174,6 +174,7 @@ static palp_status swap_arm(explain_search *s, size_t i, size_t j, bool *done) {
     arm->stiffness_N = stiffness;
     arm->viscosity_Ns = viscosity;
     palp_status status = explain_fit_beside(&s->fit, &model, &s->data, &swapped);
+    swapped.spread = s->settings;
     if (!status)
         status = explain_fit_products(&swapped, &s->data, NULL);
     *done = !status && swapped.score > explain_fit_score(&s->fit, &s->data) - 1.0;

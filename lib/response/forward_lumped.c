@@ -180,10 +180,10 @@ void forward_quasi_linear_own(const palp_law *law, const double e[2], double dri
             drive / start * (by[1][k] - by[0][k] - (elastic[1] - elastic[0]) / start * by_start[k] / small);
 }
 
-/* Slopes of arm j's force at the end of the trial, into the row. */
-static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p, const double *dt_p) {
+/* Slopes of arm j's force at the end of the trial, into the row, which may be where they were. */
+static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p, const double *dt_p, double *row) {
     const double *old = l->d.arm + j * l->n_columns, *strain_old = l->d.strain;
-    double *row = l->d.row, p[ELEMENT_PARTIALS];
+    double p[ELEMENT_PARTIALS];
     forward_arm_slope own[FORWARD_ARM_SLOPES];
     arm_partials(l, j, p);
     for (size_t k = 0; k < l->n_columns; k++)
@@ -208,11 +208,12 @@ static double mode_turn(const forward_lumped *l, size_t i) {
     return turn * (l->next.strain - l->now.strain) - m->decay[i] * l->now.unit[i];
 }
 
+/* The same for a mode. */
 static void mode_slopes(const forward_lumped *l, const mode_group *g, size_t i, const double *strain_p,
-                        const double *dt_p) {
+                        const double *dt_p, double *row) {
     const modes *m = &l->modes;
     const double *old = l->d.unit + i * l->n_columns, *strain_old = l->d.strain;
-    double *row = l->d.row, decay = m->decay[i], mean = m->mean[i];
+    double decay = m->decay[i], mean = m->mean[i];
     for (size_t k = 0; k < l->n_columns; k++)
         row[k] = decay * old[k] + mean * (strain_p[k] - strain_old[k]);
     if (!m->timed[i] && !dt_p)
@@ -231,14 +232,9 @@ static bool all_zero(size_t n, const double *values) {
     return true;
 }
 
-static void add_row(const forward_lumped *l, double factor, double *force_p) {
-    for (size_t k = 0; k < l->n_columns; k++)
-        force_p[k] += factor * l->d.row[k];
-}
-
-static void keep_row(const forward_lumped *l, bool keep, double *to) {
-    if (keep)
-        memcpy(to, l->d.row, l->n_columns * sizeof *to);
+static void add_row(size_t n, double factor, const double *row, double *force_p) {
+    for (size_t k = 0; k < n; k++)
+        force_p[k] += factor * row[k];
 }
 
 static void group_slopes(forward_lumped *l, const mode_group *g, const double *strain_p, const double *dt_p,
@@ -250,9 +246,9 @@ static void group_slopes(forward_lumped *l, const mode_group *g, const double *s
     for (size_t i = g->first; i < g->end; i++) {
         if (l->still && !m->timed[i])
             continue;
-        mode_slopes(l, g, i, strain_p, dt_p);
-        add_row(l, m->weight[i], force_p);
-        keep_row(l, keep, l->d.unit + i * l->n_columns);
+        double *row = keep ? l->d.unit + i * l->n_columns : l->d.row;
+        mode_slopes(l, g, i, strain_p, dt_p, row);
+        add_row(l->n_columns, m->weight[i], row, force_p);
     }
 }
 
@@ -271,9 +267,9 @@ static void propagate(forward_lumped *l, const double *strain_p, const double *d
         force_p[k] -= dashpot * rise / l->step.dt * dt_p[k];
     forward_spring_own(l->plan, &l->spring, l->now.peak, l->step.rate_factor, l->of_effect, force_p);
     for (size_t j = 0; j < l->plan->material.n_arms; j++) {
-        arm_slopes(l, j, strain_p, dt_p);
-        add_row(l, 1.0, force_p);
-        keep_row(l, keep, d->arm + j * n);
+        double *row = keep ? d->arm + j * n : d->row;
+        arm_slopes(l, j, strain_p, dt_p, row);
+        add_row(n, 1.0, row, force_p);
     }
     for (size_t g = 0; g < l->n_groups; g++)
         group_slopes(l, &l->group[g], strain_p, dt_p, force_p, keep);
