@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const double COSINE = 0.9; /* above it effects are alike, unless the runs clearly prefer one */
-static const double LIKELY = 3.0; /* nats */
+static const double LIKELY = 3.0; /* nats, at least: what the best of all candidates gains by chance may be more */
 
 static double dot(size_t n, const double *a, const double *b) {
     double sum = 0.0;
@@ -54,7 +54,8 @@ static double cosine(size_t n, const double *a, const double *b) {
     return length > 0.0 ? dot(n, a, b) / length : 0.0;
 }
 
-palp_status explain_class_find(const explain_search *full, const explain_search *rest, palp_explain_effect *out) {
+palp_status explain_class_find(const explain_search *full, const explain_search *rest, double threshold, palp_explain_effect *out) {
+    const double likely = fmax(LIKELY, threshold);
     size_t n = full->data.n, k = rest->fit.n_columns;
     palp_effect_id self = out->effect.id;
     const explain_trial *own = &rest->trial[self];
@@ -78,8 +79,8 @@ palp_status explain_class_find(const explain_search *full, const explain_search 
         explain_pair pair = {.gain = 0.0};
         if (own->fit.product)
             status = explain_paired(&rest->data, &t->fit, &own->fit, &pair);
-        bool as_likely = own->fit.product && own->gain - t->gain < LIKELY;
-        if (as_likely || (cosine(n, y, u) > COSINE && pair.gain <= fmax(pair.se, LIKELY)))
+        bool as_likely = own->fit.product && own->gain - t->gain < likely;
+        if (as_likely || (cosine(n, y, u) > COSINE && pair.gain <= fmax(pair.se, likely)))
             out->alike[out->n_class++] = (palp_effect_id)c;
     }
     free(basis);

@@ -111,7 +111,7 @@ palp_status explain_describe(explain_search *s, palp_explanation *e) {
         if (!status)
             status = try_places(s, &rest, i);
         if (!status)
-            status = explain_class_find(s, &rest, out);
+            status = explain_class_find(s, &rest, e->null_threshold, out);
         const explain_trial *own = &rest.trial[out->effect.id];
         if (!status)
             status = explain_next_find(s, &rest, out, &e->next);

@@ -277,7 +277,7 @@ START_TEST(alike_by_the_cosine) {
             full->force[i] = rest->force[i] + a[i] + 3 * column[i];
             v[5 * n + i] = rest->force[i] + cos(angle) * a[i] / sqrt(length[0]) + sin(angle) * b[i] / sqrt(length[1]) - column[i];
         }
-        ck_assert_int_eq(explain_class_find(full, rest, &out), PALP_OK);
+        ck_assert_int_eq(explain_class_find(full, rest, 0.0, &out), PALP_OK);
         ck_assert_uint_eq(out.n_class, alike ? 2 : 1);
     }
     explain_fit_free(&rest->fit);
