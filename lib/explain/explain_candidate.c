@@ -144,17 +144,6 @@ static palp_status multistart_run(explain_multistart *r, const explain_data *dat
     return status;
 }
 
-static palp_status finish(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
-    palp_status status = explain_fit_improve(fit, data, 15);
-    if (!status)
-        explain_fit_scatter(fit, data, settings);
-    if (!status)
-        status = explain_fit_improve(fit, data, 3);
-    if (!status)
-        explain_fit_scatter(fit, data, settings);
-    return status;
-}
-
 /* The starts that promise most, from the base's parameters and, where it fits badly, from those as given. */
 static palp_status multistart_fill(explain_multistart *r, const explain_fit *base, const explain_data *data,
                                    const effect_starts *s, double worth) {
@@ -214,7 +203,7 @@ palp_status explain_candidate_finish(explain_multistart *m, const explain_data *
     for (size_t i = 0; !status && i < (all ? m->n : 1); i++) {
         explain_fit *fit = &m->start[i].fit;
         if (all && !effect_row_of(id)->line)
-            status = finish(fit, data, settings);
+            status = explain_fit_settle(fit, data, settings);
         else
             explain_fit_scatter(fit, data, settings);
         if (!status && (!added->product || fit->score > added->score)) {

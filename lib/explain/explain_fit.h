@@ -94,6 +94,9 @@ palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data
 /* Moves to the best parameters near by, and each run's surface to where they find it. */
 palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds);
 
+/* Improves it and re-estimates its scatter in turn, as each changes with the other. */
+palp_status explain_fit_settle(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
+
 /* ---- intervals (explain_interval.c) ---- */
 
 /* Half widths of all parameters' intervals for a quadratic likelihood, reach[n_columns], in search coordinates, and by

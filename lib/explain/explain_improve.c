@@ -114,3 +114,13 @@ palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size
     }
     return status;
 }
+
+palp_status explain_fit_settle(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
+    palp_status status = PALP_OK;
+    for (size_t rounds = 15; rounds > 2 && !status; rounds /= 5) {
+        status = explain_fit_improve(fit, data, rounds);
+        if (!status)
+            explain_fit_scatter(fit, data, settings);
+    }
+    return status;
+}

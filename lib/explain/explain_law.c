@@ -69,11 +69,7 @@ static palp_status fit_with(const explain_search *s, const palp_law *law, bool a
     const double gain = 0.5 * (samples * explain_chi2(&s->data, &s->fit) - promised);
     if (!status && !anyhow && !(gain > price(s, law->n - s->fit.model.material.law.n)))
         status = PALP_ERR_ARGUMENT;
-    for (size_t rounds = 15; rounds > 2 && !status; rounds /= 5) {
-        status = explain_fit_improve(fit, &s->data, rounds);
-        explain_fit_scatter(fit, &s->data, s->settings);
-    }
-    return status;
+    return status ? status : explain_fit_settle(fit, &s->data, s->settings);
 }
 
 bool explain_law_believed(const explain_search *s, const explain_trial *t, double threshold) {
@@ -127,11 +123,7 @@ static palp_status raise_surfaces(const explain_search *s, const explain_fit *fr
         fit->contact[r] -= higher;
     if (!status)
         status = explain_fit_products(fit, &s->data, NULL);
-    for (size_t rounds = 15; rounds > 2 && !status; rounds /= 5) {
-        status = explain_fit_improve(fit, &s->data, rounds);
-        explain_fit_scatter(fit, &s->data, s->settings);
-    }
-    return status;
+    return status ? status : explain_fit_settle(fit, &s->data, s->settings);
 }
 
 /* Moves fit there by steps as long as that is more likely. */

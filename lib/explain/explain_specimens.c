@@ -54,15 +54,6 @@ bool explain_of_specimens(const explain_fit *fit, const explain_data *data, size
 
 /* ---- as a candidate ---- */
 
-static palp_status refit(const explain_search *s, explain_fit *fit) {
-    palp_status status = PALP_OK;
-    for (size_t rounds = 15; rounds > 2 && !status; rounds /= 5) {
-        status = explain_fit_improve(fit, &s->data, rounds);
-        explain_fit_scatter(fit, &s->data, s->settings);
-    }
-    return status;
-}
-
 palp_status explain_specimens_try(const explain_search *s, double threshold, explain_trial *trial) {
     const double price = 0.5 * log((double)s->data.n); /* of their sd */
     *trial = (explain_trial){.tried = true};
@@ -73,7 +64,7 @@ palp_status explain_specimens_try(const explain_search *s, double threshold, exp
     trial->fit.scatter.stiffness = fmax(trial->fit.scatter.gain, explain_hidden_scatter(&s->data).stiffness);
     if (!status) {
         explain_fit_scatter(&trial->fit, &s->data, s->settings);
-        status = refit(s, &trial->fit);
+        status = explain_fit_settle(&trial->fit, &s->data, s->settings);
     }
     if (!status)
         status = explain_trial_examine(s, PALP_EFFECT_COUNT, trial);
@@ -102,7 +93,7 @@ static palp_status as_one(const explain_search *s, palp_explain_specimens *out) 
     fit.scatter.stiffness = 0.0;
     if (!status) {
         explain_fit_scatter(&fit, &s->data, s->settings);
-        status = refit(s, &fit);
+        status = explain_fit_settle(&fit, &s->data, s->settings);
     }
     if (!status)
         status = explain_fit_evaluate(&fit, &s->data, NULL, residual);
