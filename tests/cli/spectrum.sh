@@ -22,8 +22,9 @@ for run in sweep/sweep_3mm dwell/ramp_hold_3mm; do
 done
 grep -q '"spectrum": \[\]' dwell.json || fail "a dwell has a spectrum"
 
-# Together: one law and two arms, and the model's storage and loss are the sweep's.
-expect 0 characterize sweep/sweep_3mm.csv dwell/ramp_hold_3mm.csv --arms 2 --degree 3 --json --plot figures && mv out both.json
+# Together: one law and two arms, and the model's storage and loss are the sweep's. Each session of the device finds its
+# contact anew, to some micrometres, which is more than the noise: each run has a contact of its own.
+expect 0 characterize sweep/sweep_3mm.csv dwell/ramp_hold_3mm.csv --contact free --arms 2 --degree 3 --json --plot figures && mv out both.json
 for rms in $(all rms_noise both.json | head -n 2); do near "rms over noise, together" $rms 1 0.05; done
 [ "$(all storage_N_m both.json | wc -l)" -ge 8 ] || fail "a spectrum of $(all storage_N_m both.json | wc -l) points"
 all frequency_Hz both.json >f
@@ -53,7 +54,7 @@ expect 1 simulate wrong.json --protocol ramp_hold --depth-mm 3 --hold-s 10; says
 expect 0 characterize sweep/sweep_3mm.csv --arms 2 --degree 3 --json --spectrum sweep.csv && mv out sweep.json
 grep '^sweep_3mm.csv,' sweep.csv | cut -d, -f2,4,7 | tr ',' ' ' >measured
 all frequency_Hz sweep.json >f && all storage_N_m sweep.json >storage && all loss_N_m sweep.json >loss
-paste -d' ' measured f storage loss | awk '{ for (j = 1; j <= 3; j++) if ($j - $(j + 3) > 1e-8 * $j || $(j + 3) - $j > 1e-8 * $j) bad = 1 } END { exit bad || NR < 8 }' || fail "--spectrum is not the JSON's"
+paste -d' ' measured f storage loss | awk '{ for (j = 1; j <= 3; j++) { d = ($j - $(j + 3)) / $j; if (d > 1e-8 || d < -1e-8) bad = 1 } } END { exit bad || NR < 8 }' || fail "--spectrum is not the JSON's"
 expect 0 characterize dwell/ramp_hold_3mm.csv --arms 2 --degree 2 --spectrum dwell.csv
 [ "$(grep -c '^model,' dwell.csv)" -ge 15 ] && [ "$(grep -c . dwell.csv)" -eq $(($(grep -c '^model,' dwell.csv) + 1)) ] || fail "the spectrum of a dwell: $(wc -l <dwell.csv) rows"
 # Of two Maxwell arms on a spring K: K'' = sum K w t / (1 + w w t t), per depth and by the height.
