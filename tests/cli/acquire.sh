@@ -66,7 +66,8 @@ grep -q '"fault": null$' out || fail "the summary tells of a fault"
 [ "$(header runs/ramp_hold_2mm_repeat.csv protocol.repeat)" = 1 ] || fail "protocol.repeat"
 # of the session: run 2 began when run 1 (7.8 s), the way out and the 5 s of rest were over
 near "session.start_s" "$(header runs/ramp_hold_2mm.csv session.start_s)" 0 0
-at_least() { awk -v a="$2" -v b="$3" 'BEGIN { exit !(a >= b && a < b + 60) }' || fail "$1: $2, not $3 or, by a slow host, later"; }
+# (while the host is kept waiting the rig goes on, a hundred times as fast as the clock where nothing moves)
+at_least() { awk -v a="$2" -v b="$3" 'BEGIN { exit !(a >= b && a < b + 3600) }' || fail "$1: $2, not $3 or, by a slow host, later"; }
 second=$(header runs/ramp_hold_4mm.csv session.start_s)
 at_least "session.start_s" "$second" 12.8
 at_least "session.start_s" "$(header runs/ramp_hold_2mm_repeat.csv session.start_s)" "$(awk -v s="$second" 'BEGIN { print s + 12.5 }')"
@@ -132,20 +133,16 @@ expect 1 acquire $H --specimen none --specimen-height-mm 24 --ramp-hold 2 --out 
 grep -q "no contact in 30 mm" err || fail "air: $(cat err)"
 
 # ---- killed, stopped, unplugged ----
-grown() { # file, bytes: waits until it has so many
-    n=0
-    while ! { [ -e "$1" ] && [ "$(wc -c <"$1")" -ge "$2" ]; } && [ $n -lt 600 ]; do sleep 0.1; n=$((n + 1)); done
-    [ $n -lt 600 ] || fail "$1 does not grow"
-}
+grown() { [ -e "$1" ] && [ "$(wc -c <"$1")" -ge "$2" ]; } # file, bytes
 "$PALPATE" acquire $H --monitor >monitor.csv 2>err &
-grown monitor.csv 500
+await grown monitor.csv 500
 kill -TERM $! && wait $! || fail "--monitor: exit code $?, $(cat err)"
 head -n 1 monitor.csv | grep -q '^time_s,place_mm,depth_mm,force_N,' || fail "--monitor: $(head -n 1 monitor.csv)"
 awk -F, 'NR > 1 && (NF != 9 || $8 != "idle" || $9 != "none" || (NR > 2 && $1 - last < 0.0999)) { exit 1 } { last = $1 }' monitor.csv ||
     fail "--monitor: $(cat monitor.csv)"
 long="--specimen-height-mm 24 --ramp-hold 2 --hold-s 100000"
 "$PALPATE" acquire $H $long --out killed 2>err &
-grown killed/ramp_hold_2mm.csv 100000
+await grown killed/ramp_hold_2mm.csv 100000
 kill -9 $! && wait $! 2>/dev/null
 [ "$(fault killed/ramp_hold_2mm.csv)" = '"interrupted"' ] || fail "killed: $(fault killed/ramp_hold_2mm.csv)"
 expect 0 characterize killed/ramp_hold_2mm.csv --arms 0
@@ -153,7 +150,7 @@ grep -q "ended early by a fault" err || fail "killed: characterize does not see 
 
 # (a command in the background of a script does not hear SIGINT)
 "$PALPATE" acquire $H $long --out stopped 2>err &
-grown stopped/ramp_hold_2mm.csv 100000
+await grown stopped/ramp_hold_2mm.csv 100000
 kill -TERM $!
 wait $!
 [ $? -eq 1 ] || fail "stopped: exit code"
@@ -168,10 +165,9 @@ grep -q "full/ramp_hold_2mm.csv: File too large" err || fail "full: $(cat err)"
 
 "$PALPATE" rig --firmware host --port pty >port 2>rig.err &
 rig=$!
-n=0
-while ! [ -s port ] && [ $n -lt 100 ]; do sleep 0.1; n=$((n + 1)); done
+await test -s port
 "$PALPATE" acquire --port "$(cat port)" $long --out unplugged 2>err &
-grown unplugged/ramp_hold_2mm.csv 100000
+await grown unplugged/ramp_hold_2mm.csv 100000
 kill $rig
 wait $!
 [ $? -eq 1 ] || fail "unplugged: exit code"

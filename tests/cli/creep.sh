@@ -11,7 +11,7 @@ echo '{"palpate": {"protocol": 1}, "runs": [{"kind": "segments", "name": "creep"
 expect 0 acquire --port rig --firmware host --protocol creep.json --rest-s 0 --out creep
 expect 0 acquire --port rig --firmware host --ramp-hold 3 --hold-s 40 --rest-s 0 --out dwell
 
-# bound NAME FILE KEY: an end of the interval of an estimate in the text, as "value low high"
+# bounds NAME FILE: an estimate and its interval in the text, as "value low high"
 bounds() { awk -v n="$1" '$1 == n { print $2, $3, $5; exit }' "$2"; }
 
 for run in creep dwell; do
@@ -20,9 +20,11 @@ for run in creep dwell; do
     cp err $run.err
 done
 grep -q 'creep.csv: creep to 2\.[67]' creep.err || fail "not known as creep: $(cat creep.err)"
+# The same arms from both, each known to some percent. Of six pairs of estimates one in a hundred runs has one that is three standard
+# deviations apart, by the noise alone: 2.5 halves of the 95 % intervals are five.
 for name in K_1 b_1 tau_1 K_2 b_2 tau_2; do
-    { bounds $name creep.txt; bounds $name dwell.txt; } | awk -v n=$name '{ v[NR] = $1; h[NR] = ($3 - $2) / 2 }
-        END { d = v[1] - v[2]; d = d < 0 ? -d : d; exit !(NR == 2 && h[1] > 0 && d < 1.5 * sqrt(h[1]^2 + h[2]^2) && d < 0.03 * v[2]) }' ||
+    { bounds $name creep.txt; bounds $name dwell.txt; } | awk '{ v[NR] = $1; h[NR] = ($3 - $2) / 2 }
+        END { d = v[1] - v[2]; d = d < 0 ? -d : d; both = sqrt(h[1]^2 + h[2]^2); exit !(NR == 2 && both > 0 && both < 0.06 * v[2] && d < 2.5 * both) }' ||
         fail "$name: $(bounds $name creep.txt) from creep, $(bounds $name dwell.txt) from a dwell"
 done
 for run in creep dwell; do
@@ -37,3 +39,4 @@ expect 0 explain --model dwell.model.json creep/creep.csv
 grep -q '^agrees' out || fail "explain: $(cat out)"
 expect 0 report creep/creep.csv creep.model.json --out page.html
 grep -q '>creep<' page.html || fail "the page does not say creep"
+done_testing

@@ -134,7 +134,7 @@ if "$PALPATE" rig --firmware host --until-s 0.01 >/dev/null 2>&1; then
     set -- "$@" calibrate_device=air.json machine=machine.json experiment=kept/static_1mm.csv
     "$PALPATE" rig --firmware host >port 2>rig.err &
     rig=$!
-    for _ in 1 2 3 4 5 6 7 8 9 10; do [ -s port ] && break; sleep 1; done
+    await test -s port
     for action in info status gains home tare clear-fault; do
         expect 0 firmware $action --port "$(cat port)" --json && mv out firmware_$action.json
         set -- "$@" firmware=firmware_$action.json

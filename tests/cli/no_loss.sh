@@ -11,15 +11,10 @@ trap 'kill $rig 2>/dev/null' EXIT
 
 # start_rig: the port goes to $port.
 start_rig() {
-    "$PALPATE" rig --firmware host --port pty >port 2>rig_err &
+    "$PALPATE" rig --firmware host --port pty >port 2>rig.err &
     rig=$!
-    for _ in 1 2 3 4 5 6 7 8 9 10; do
-        port=$(head -n 1 port)
-        [ -z "$port" ] || return
-        sleep 1
-    done
-    fail "the rig gave no port: $(cat rig_err)"
-    done_testing
+    await grep -q pty: port
+    port=$(head -n 1 port)
 }
 
 # whole DIR SECONDS: nothing lost or damaged, and the time of each row a tick after the last one's.

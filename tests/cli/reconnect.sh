@@ -8,19 +8,14 @@ export PALPATE
 rig= cable=
 trap 'kill $rig $cable 2>/dev/null' EXIT
 
-has() { # file text: waits for it
-    n=0
-    until grep -q "$2" "$1" 2>/dev/null || [ $n -gt 3000 ]; do sleep 0.1; n=$((n + 1)); done
-    grep -q "$2" "$1" || { fail "$1 never says \"$2\": $(cat "$1")"; done_testing; }
-}
 plug() { # options of cable.py; a rig of its own
     rm -f port cable.log # of the one before
     "$PALPATE" rig --firmware host --port pty ${RIG-} >port 2>rig.err &
     rig=$!
-    has port pty:
+    await grep -q pty: port
     python3 -B "$ROOT/tests/cli/cable.py" "$(sed 's/^pty://' port)" "$PWD/cable" cable.log "$@" 2>cable.err &
     cable=$!
-    has cable.log in
+    await grep -q in cable.log
 }
 unplug() { kill $cable $rig 2>/dev/null; wait $cable $rig 2>/dev/null; rm -f cable; }
 fault() { sed -n 's/^# end.fault: \(.*[^ ]\) *$/\1/p' "$1"; }
@@ -47,8 +42,8 @@ unplug
 plug
 "$PALPATE" acquire --port "unix:$PWD/cable" $run --ramp-hold 2 --hold-s 100000 --out cut 2>cut.err &
 host=$!
-n=0
-until [ "$(cat cut/ramp_hold_2mm.csv 2>/dev/null | wc -c)" -gt 100000 ] || ! kill -0 $host || [ $n -gt 3000 ]; do sleep 0.1; n=$((n + 1)); done
+cut_grown() { [ "$(wc -c <cut/ramp_hold_2mm.csv)" -gt 100000 ] || ! kill -0 $host; }
+await cut_grown
 kill -USR1 $cable
 wait $host
 [ $? -eq 1 ] || fail "cut: exit code"

@@ -93,7 +93,7 @@ near "end of the press, mm" "$(cut -d ' ' -f 2 last)" 9.76 0 0.1
 rm out
 "$PALPATE" rig --firmware host --paced >out 2>err &
 rig=$!
-for _ in 1 2 3 4 5 6 7 8 9 10; do [ -s out ] && break; sleep 0.5; done
+await test -s out
 kill -TERM $rig
 wait $rig || fail "exit code $? after a signal: $(cat err)"
 grep -q 'ticks late' err || fail "does not tell how it was paced: $(cat err)"

@@ -11,8 +11,7 @@ tested() { # exit code, options of the rig; out: the verdicts
     rm -f port
     "$PALPATE" rig --firmware host --port pty "$@" >port 2>rig.err &
     rig=$!
-    n=0
-    until grep -q pty: port 2>/dev/null || [ $n -gt 3000 ]; do sleep 0.1; n=$((n + 1)); done
+    await grep -q pty: port
     "$PALPATE" firmware self-test --port "$(head -n 1 port)" >out 2>err
     got=$?
     kill $rig && wait $rig 2>/dev/null
