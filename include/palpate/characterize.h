@@ -24,7 +24,8 @@ typedef enum palp_arms_form { PALP_ARMS_FREE, PALP_ARMS_LOG, PALP_ARMS_FRACTIONA
 
 typedef struct palp_characterize_settings {
     palp_spring_form spring;
-    palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN: their sds widen the intervals */
+    palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN: their sds widen the intervals.
+                                  AUTO is FREE where the residual of KNOWN makes that 20 times likelier (a Bayes factor) */
     palp_law law;           /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
     palp_arms_form arms;    /* LOG and FRACTIONAL take the contacts for known; their starts are their own */
     size_t per_decade;      /* LOG; 0 = 1 */

@@ -28,8 +28,9 @@ typedef enum palp_contact_rule {
 } palp_contact_rule;
 
 /* What a fit takes for known of the contacts of several recordings. KNOWN: they are where the recordings have them.
- * COMMON: all are off by the same. FREE: each run's is off by its own, by a scatter that is learned from the runs. */
-typedef enum palp_contact_form { PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE } palp_contact_form;
+ * COMMON: all are off by the same. FREE: each run's is off by its own, by a scatter that is learned from the runs. AUTO: FREE
+ * where the runs show it, else KNOWN; of palp_explain, FREE. */
+typedef enum palp_contact_form { PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE, PALP_CONTACT_AUTO } palp_contact_form;
 
 typedef struct palp_recording_settings {
     double height_m;      /* 0 = from the file's specimen.height_mm */

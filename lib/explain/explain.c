@@ -348,6 +348,8 @@ palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_i
     explain_memory *memory = calloc(1, sizeof *memory);
     palp_status status = s && memory ? PALP_OK : PALP_ERR_NO_MEMORY;
     palp_explain_settings used = *settings;
+    if (used.contact == PALP_CONTACT_AUTO) /* they are integrated out */
+        used.contact = PALP_CONTACT_FREE;
     if (used.contact == PALP_CONTACT_KNOWN) /* to be exact */
         used.candidate[PALP_EFFECT_CONTACT_OFFSET] = 0;
     if (!status) {

@@ -237,6 +237,20 @@ palp_status fit_solve_and_merge(fit_problem *p, double *v, fit_curvature *c, pal
     }
 }
 
+/* Whether the contacts are taken for known. */
+static palp_status judge_contacts(const fit_problem *p, const double *v, bool *known) {
+    const double strong = log(20.0);
+    double evidence = 0.0;
+    palp_contact_form form = p->settings->contact;
+    *known = p->n_times || p->settings->spring != PALP_SPRING_LAW || form == PALP_CONTACT_KNOWN ||
+             (form != PALP_CONTACT_COMMON && p->n_runs < 2);
+    if (*known || form != PALP_CONTACT_AUTO)
+        return PALP_OK;
+    palp_status status = fit_contacts_weigh(p, v, &evidence);
+    *known = !(evidence > strong);
+    return status;
+}
+
 /* The fit again with contacts that are not known; its intervals are of all together. */
 static palp_status free_contacts(fit_problem *p, double *v, fit_curvature *c, palp_lumped_fit *fit) {
     size_t n = fit_parameter_count(p);
@@ -304,8 +318,10 @@ palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, co
     } else if (!status) {
         status = fit_solve_and_merge(&p, v, &c, fit);
     }
-    bool known = p.n_times || settings->contact == PALP_CONTACT_KNOWN || (settings->contact == PALP_CONTACT_FREE && n < 2);
-    if (!status && !known && settings->spring == PALP_SPRING_LAW)
+    bool known = false;
+    if (!status)
+        status = judge_contacts(&p, v, &known);
+    if (!status && !known)
         status = free_contacts(&p, v, &c, fit);
     if (!status)
         status = fit_finish(&p, v, &c, n, recordings, settings, fit);

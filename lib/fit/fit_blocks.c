@@ -141,6 +141,7 @@ static palp_status make_run(arena *memory, fit_run *run, const palp_recording *r
     bool exact =
         rec->contact_rule == PALP_CONTACT_FREE_AIR && rec->contact_m == 0.0; /* nothing spoke against it */
     run->contact_sd = exact ? 0.0 : rec->contact_sd_m / rec->height_m;
+    run->air_sd = exact ? rec->contact_sd_m / rec->height_m : 0.0;
     run->end = rec->time_s[rec->n - 1] - rec->time_s[0];
     run->peak = peak;
     return run->noise > 0.0 ? PALP_OK : PALP_ERR_INPUT;

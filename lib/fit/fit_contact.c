@@ -16,8 +16,8 @@ static void place(const fit_problem *p, const fit_contacts *c, double more) {
         }
 }
 
-/* Residual by shift, by differences: a run's blocks depend on its own shift alone. */
-static palp_status differentiate(const fit_problem *p, const fit_contacts *c, const double *v, double *by_shift, double *other) {
+palp_status fit_contacts_differentiate(const fit_problem *p, const fit_contacts *c, const double *v, double *by_shift,
+                                       double *other) {
     const double h = 1e-4 * p->strain_max;
     place(p, c, h);
     palp_status status = fit_evaluate(p, v, by_shift, NULL);
@@ -62,6 +62,14 @@ static double prior_sd(const fit_problem *p, const fit_contacts *c, size_t q) {
     return hypot(own, c->scatter);
 }
 
+/* From the mean square of the shifts; few runs may scatter little by chance: what the air says of contacts is one run more then. */
+static void learn_scatter(const fit_problem *p, fit_contacts *c, double sum) {
+    double n = (double)c->n, air = 0.0, least = 1e-12 * p->strain_max * p->strain_max;
+    for (size_t r = 0; r < p->n_runs; r++)
+        air += p->run[r].air_sd * p->run[r].air_sd / n;
+    c->scatter = sqrt(fmax(fmax(sum / n, (sum + air) / (n + 1.0)), least));
+}
+
 /* One Gauss-Newton step of all; the shifts take it, and their scatter is learned from them. *moved: largest change. */
 static palp_status step(fit_problem *p, double *v, fit_contacts *c, double *moved) {
     size_t n = fit_parameter_count(p), m = p->n_blocks, all = n + c->n;
@@ -72,7 +80,7 @@ static palp_status step(fit_problem *p, double *v, fit_contacts *c, double *move
            *pull = arena_take(&memory, all, sizeof *r);
     palp_status status = memory.failed ? PALP_ERR_NO_MEMORY : fit_evaluate(p, v, r, jacobian);
     if (!status)
-        status = differentiate(p, c, v, by_shift, other);
+        status = fit_contacts_differentiate(p, c, v, by_shift, other);
     if (!status) {
         sum_up(p, c, r, jacobian, by_shift, square, pull);
         c->misfit = fmax(1.0, dense_dot(m, r, r) / fmax((double)m - (double)n, 1.0));
@@ -96,7 +104,7 @@ static palp_status step(fit_problem *p, double *v, fit_contacts *c, double *move
         sum += c->shift[q] * c->shift[q] + c->shift_sd[q] * c->shift_sd[q] - c->sd[q] * c->sd[q];
     }
     if (!status && !c->common)
-        c->scatter = sqrt(fmax(sum / (double)c->n, 1e-12 * p->strain_max * p->strain_max));
+        learn_scatter(p, c, sum);
     for (size_t a = 0; a < n && !status; a++)
         memcpy(c->covariance + a * n, inverse + a * all, n * sizeof *inverse);
     arena_free(&memory);

@@ -65,8 +65,7 @@ static palp_status find_systematic(const fit_problem *p, const double *v, const 
     return status;
 }
 
-/* Square of the residual, and its correlation from block to block of each run. */
-static void sum_residual(const fit_problem *p, const double *residual, fit_curvature *c) {
+void fit_sum_residual(const fit_problem *p, const double *residual, fit_curvature *c) {
     double own = 0.0, next = 0.0;
     size_t used = 0, n = fit_parameter_count(p);
     for (size_t run = 0, i = 0; run < p->n_runs; run++) {
@@ -112,7 +111,7 @@ palp_status fit_find_curvature(const fit_problem *p, const double *v, fit_curvat
         return PALP_ERR_NO_MEMORY;
     palp_status status = fit_evaluate(p, v, r, jacobian);
     if (!status) {
-        sum_residual(p, r, c);
+        fit_sum_residual(p, r, c);
         dense_transposed_product(n, n, m, jacobian, jacobian, square);
         status = p->n_reduced ? invert_reduced(p, square, c->covariance) : fit_invert(n, square, c->covariance);
     }

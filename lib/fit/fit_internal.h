@@ -15,7 +15,8 @@ typedef struct fit_run {
     double *count;                 /* [n] samples; 0 = the block only carries the history */
     double noise;                  /* sd of a sample, N, > 0 */
     double zero_sd;                /* of the force that was taken for zero, N */
-    double contact_sd;             /* of the strain, by the depth that was taken for contact */
+    double air_sd;           /* of the contact's strain by the air before it, where contact_sd is 0 */
+    double contact_sd;             /* of the strain, by the depth that was taken for contact; 0 where the air spoke for it */
     double end;                    /* last time from the start, s */
     double peak;                   /* largest |force| of a block, N */
 } fit_run;
@@ -79,6 +80,9 @@ typedef struct fit_curvature {
     size_t freedom;
 } fit_curvature;
 
+/* Square of the residual, and its correlation from block to block of each run. */
+void fit_sum_residual(const fit_problem *problem, const double *residual, fit_curvature *c);
+
 palp_status fit_find_curvature(const fit_problem *problem, const double *v, fit_curvature *c);
 
 /* Misfit and colour of the residual widen the intervals: sqrt of reduced chi2, and of (1 + rho)/(1 - rho),
@@ -131,6 +135,13 @@ typedef struct fit_contacts {
 
 palp_status fit_contacts_create(const fit_problem *problem, bool common, fit_contacts *contacts);
 void fit_contacts_free(fit_contacts *contacts);
+
+/* Residual by shift by[n_blocks], by differences: a run's blocks depend on its own shift alone. other: scratch, as large. */
+palp_status fit_contacts_differentiate(const fit_problem *problem, const fit_contacts *contacts, const double *p, double *by,
+                                       double *other);
+
+/* log of how much likelier what a fit p with known contacts leaves is with contacts that differ from run to run. */
+palp_status fit_contacts_weigh(const fit_problem *problem, const double *p, double *log_evidence);
 
 /* From a fit p with known contacts; the problem's strains are then those of the contacts found. */
 palp_status fit_contacts_solve(fit_problem *problem, double *p, fit_contacts *contacts, bool *converged);

@@ -29,36 +29,29 @@ static void choose_settings(const characterize_options *o, characterize_state *s
         s->contact = PALP_CONTACT_KNOWN; /* no law to judge them by: the fit will say why */
 }
 
-/* With the contacts known and not known: they are not, where that leaves less than two thirds of the misfit. */
-static palp_status compare(characterize_state *s, palp_characterize_settings *settings, bool automatic, palp_lumped_fit *fit,
-                           palp_error *error) {
-    palp_lumped_fit known = {0};
-    bool wanted = !automatic;
-    settings->contact = PALP_CONTACT_KNOWN;
-    palp_status status = automatic ? palp_characterize_fit(s->n, s->run, settings, &known, error) : PALP_OK;
-    if (status == PALP_OK && (wanted || known.reduced_chi2 > 1.5)) {
-        settings->contact = s->contact;
-        status = palp_characterize_fit(s->n, s->run, settings, fit, error);
-        wanted = wanted || (status == PALP_OK && fit->reduced_chi2 < 0.67 * known.reduced_chi2);
-    }
-    s->contact = wanted ? s->contact : PALP_CONTACT_KNOWN;
-    palp_lumped_fit_free(&known);
-    return status;
+/* A stiffer specimen or a wider tip is no earlier contact: runs that each have their own tell nothing of contacts. */
+static bool alike(const characterize_state *s) {
+    bool same = s->n_tip_specimens < 2 && s->n_specimens < s->n;
+    for (size_t i = 1; i < s->n && s->has_tip; i++)
+        same = same && s->tip[i].tip == s->tip[0].tip && s->tip[i].radius_m == s->tip[0].radius_m &&
+               s->tip[i].half_angle_rad == s->tip[0].half_angle_rad;
+    return same;
 }
 
 int characterize_contacts(const characterize_options *o, characterize_state *s) {
-    enum { FEWEST = 3 };
-    static const palp_contact_form forms[] = {PALP_CONTACT_FREE, PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE};
+    static const palp_contact_form forms[] = {PALP_CONTACT_AUTO, PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE};
     palp_characterize_settings settings;
     palp_error error = {PALP_OK, ""};
     palp_lumped_fit fit = {0};
-    bool automatic = o->contact == 0, enough = s->n >= (automatic ? FEWEST : forms[o->contact] == PALP_CONTACT_FREE ? 2 : 1);
-    enough = enough && !(automatic && s->n_tip_specimens > 1); /* a stiffer specimen is no earlier contact */
-    s->contact = enough && o->method == METHOD_NLOPT ? forms[o->contact] : PALP_CONTACT_KNOWN;
+    palp_contact_form form = o->method == METHOD_NLOPT ? forms[o->contact] : PALP_CONTACT_KNOWN;
+    s->contact = (form == PALP_CONTACT_AUTO && !alike(s)) || (form != PALP_CONTACT_COMMON && s->n < 2) ? PALP_CONTACT_KNOWN : form;
     choose_settings(o, s, &settings);
     if (s->contact == PALP_CONTACT_KNOWN)
         return CLI_OK;
-    palp_status status = compare(s, &settings, automatic, &fit, &error);
+    settings.contact = s->contact;
+    palp_status status = palp_characterize_fit(s->n, s->run, &settings, &fit, &error);
+    if (s->contact == PALP_CONTACT_AUTO)
+        s->contact = fit.contact_m ? PALP_CONTACT_FREE : PALP_CONTACT_KNOWN;
     if (status == PALP_OK && s->contact != PALP_CONTACT_KNOWN) {
         s->contact_scatter_m = fit.contact_scatter_m;
         move_contacts(s, &fit);

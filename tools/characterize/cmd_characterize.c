@@ -38,7 +38,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_choice("contact", "auto|known|common|free", &o->contact,
                    "whether contact is where the runs have it: known; off by the same in all\n"
                    "(common); or by its own in each, by a scatter that the runs tell (free;\n"
-                   "default auto: free where three runs or more show it)"),
+                   "default auto: free where the runs show it, be they two)"),
         cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm, "recorded depth at contact, mm, instead of the one found"),
         cli_heading("Tip: moduli of the layer under it"),
         cli_choice("tip", "plate|flat|sphere|cone", &o->tip,
