@@ -181,29 +181,25 @@ static void lay_out_dead(palp_network *net) {
     }
 }
 
-/* n, along and across of the elements' blocks */
+/* along and across of the elements' blocks */
 PALP_CLONES
 static void find_blocks(size_t n, const double *restrict force, const double *restrict inverse_length,
-                        const double *restrict tangent, const double *restrict inverse_rest, const double *restrict n0,
-                        const double *restrict n1, const double *restrict n2, float *restrict b) {
+                        const double *restrict tangent, const double *restrict inverse_rest, float *restrict along,
+                        float *restrict across) {
     for (size_t i = 0; i < n; i++) {
-        double across = force[i] * inverse_length[i];
-        b[i] = (float)n0[i];
-        b[CHUNK + i] = (float)n1[i];
-        b[2 * CHUNK + i] = (float)n2[i];
-        b[3 * CHUNK + i] = (float)(tangent[i] * inverse_rest[i] - across);
-        b[4 * CHUNK + i] = (float)across;
+        const double pull = force[i] * inverse_length[i];
+        along[i] = (float)((tangent[i] * inverse_rest[i] - pull) * (inverse_length[i] * inverse_length[i]));
+        across[i] = (float)pull;
     }
 }
 
 static void pack_chunk(const palp_network *net, const chunk *c, const network_blocks *to) {
-    float b[5 * CHUNK];
-    find_blocks(c->n, net->force + c->at, c->inverse_length, c->tangent, net->inverse_rest + c->at, c->direction[0],
-                c->direction[1], c->direction[2], b);
+    float along[CHUNK], across[CHUNK];
+    find_blocks(c->n, net->force + c->at, c->inverse_length, c->tangent, net->inverse_rest + c->at, along, across);
     for (size_t i = 0; i < c->n; i++) {
         float *e = to->element + to->place[c->at + i];
-        for (size_t k = 0; k < 5; k++)
-            e[k * to->spacing] = b[k * CHUNK + i];
+        e[0] = along[i];
+        e[to->spacing] = across[i];
     }
 }
 

@@ -125,9 +125,9 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
 
 /* ---- network_elements.c ---- */
 
-/* The elements' part of the tangent in single precision: the block of element i is along n n' + across 1. */
+/* The elements' part of the tangent in single precision: the block of element i is along d d' + across 1, d from node to node. */
 typedef struct network_blocks {
-    float *element;        /* n, along, across; of element i from place[i] on, spacing apart */
+    float *element;        /* along, across; of element i from place[i] on, spacing apart */
     const uint32_t *place; /* [n_elements] */
     size_t spacing;
 } network_blocks;

@@ -8,11 +8,9 @@ static const double PAUSE = 1.0; /* units an element that a factor in use is lef
 
 static void copy_element(const palp_network *net, float *element, const multigrid_source *source, size_t i) {
     float *e = element + source->place[i];
-    double across = net->force[i] * net->inverse_length[i];
-    for (size_t k = 0; k < 3; k++)
-        e[k * source->spacing] = (float)net->direction[k * net->n_elements + i];
-    e[3 * source->spacing] = (float)(net->tangent[i] * net->inverse_rest[i] - across);
-    e[4 * source->spacing] = (float)across;
+    const double inverse = net->inverse_length[i], across = net->force[i] * inverse;
+    e[0] = (float)((net->tangent[i] * net->inverse_rest[i] - across) * (inverse * inverse));
+    e[source->spacing] = (float)across;
 }
 
 /* Where the blocks of terms go. */
@@ -88,6 +86,7 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
     copy_nodes(net, &source);
     for (size_t i = 0; i < net->n_elements; i++)
         copy_element(net, rt->element, &source, i);
+    multigrid_place_nodes(rt->mg, net->next.x, rt->element);
     memcpy(source.element, rt->element, source.n_floats * sizeof *rt->element);
     for (int definite = 0; definite < 2 && status == PALP_ERR_SINGULAR; definite++) {
         multigrid_begin(rt->mg, definite);

@@ -10,6 +10,8 @@ bool realtime_evaluate(palp_realtime *rt, bool tangent) {
     const multigrid_source source = multigrid_input(rt->mg);
     rt->fresh = tangent;
     const network_blocks blocks = {tangent ? rt->element : NULL, source.place, source.spacing};
+    if (tangent)
+        multigrid_place_nodes(rt->mg, rt->net->next.x, rt->element);
     return network_evaluate_blocks(rt->net, &blocks);
 }
 

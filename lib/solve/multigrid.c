@@ -61,10 +61,11 @@ static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
         mg->high[mg->place[i]] = a < b ? b : a;
     }
     for (size_t k = 0; k < mg->n_elements; k++)
-        mg->slot[k] = (uint32_t)(5 * k);
+        mg->slot[k] = (uint32_t)(2 * k);
     palp_status status = mg->jacobi ? multigrid_make_batches(mg) : PALP_OK;
     mg->spacing = mg->n_batches > 0 ? MULTIGRID_BATCH : 1;
-    mg->n_floats = mg->n_batches > 0 ? 5 * MULTIGRID_BATCH * mg->n_batches : 5 * mg->n_elements;
+    mg->nodes = mg->n_batches > 0 ? 2 * MULTIGRID_BATCH * mg->n_batches : 2 * mg->n_elements;
+    mg->n_floats = mg->nodes + (mg->n_batches > 0 ? 3 * multigrid_stride(mg) : 4 * mg->n_nodes);
     for (size_t i = 0; i < mg->n_elements; i++)
         mg->place[i] = mg->slot[mg->place[i]];
     return status;
@@ -376,6 +377,8 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
         mg->n_elements = n_elements;
         mg->jacobi = !touched;
         memcpy(x, rest, 3 * n_nodes * sizeof *x);
+        for (size_t i = 0; i < 3 * n_nodes; i++)
+            mg->origin[i % 3] += rest[i] / (double)n_nodes;
         status = sort_elements(mg, pair);
     }
     if (!status)
@@ -402,6 +405,14 @@ static multigrid_source source_of(multigrid *mg, int set) {
 
 multigrid_source multigrid_input(multigrid *mg) {
     return source_of(mg, 1 - mg->used);
+}
+
+void multigrid_place_nodes(const multigrid *mg, const double *x, float *element) {
+    const size_t across = mg->n_batches > 0 ? multigrid_stride(mg) : 1, along = mg->n_batches > 0 ? 1 : 4;
+    float *to = element + mg->nodes;
+    for (size_t i = 0; i < mg->n_nodes; i++)
+        for (size_t c = 0; c < 3; c++)
+            to[along * i + across * c] = (float)(x[3 * i + c] - mg->origin[c]);
 }
 
 float *multigrid_exchange(multigrid *mg, float *element) {

@@ -16,8 +16,8 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
                              const int32_t *pair, size_t direct, bool touched, multigrid **out);
 void multigrid_free(multigrid *mg); /* NULL is fine */
 
-/* What the next numbers are made of: element i is along n n' + across 1 between its nodes, N/m. To be filled by the
- * caller before multigrid_begin and left alone until the making is done. */
+/* What the next numbers are made of: element i is along d d' + across 1 between its nodes, which are d apart; across in N/m.
+ * To be filled by the caller before multigrid_begin and left alone until the making is done. */
 enum { MULTIGRID_COUPLINGS = 600 };
 
 /* Another block between two nodes, rows of low, columns of high. Of nodes that no element joins the finest level's sweeps have it,
@@ -28,7 +28,8 @@ typedef struct multigrid_coupling {
 } multigrid_coupling;
 
 typedef struct multigrid_source {
-    float *element;        /* [n_floats] n, along, across; of element i from place[i] on, spacing apart; the others are 0 */
+    float *element;        /* [n_floats] along, across; of element i from place[i] on, spacing apart; the others are 0; then the
+                            * nodes, as multigrid_place_nodes has them */
     const uint32_t *place; /* [n_elements] */
     size_t spacing, n_floats;
     float *node;           /* [6 n_nodes] added to a node's own block, lower triangle by rows */
@@ -36,6 +37,9 @@ typedef struct multigrid_source {
     int32_t *n_couplings;
 } multigrid_source;
 multigrid_source multigrid_input(multigrid *mg);
+
+/* Where the nodes are, x[3 n_nodes], m, into element[n_floats]: every other number there is the caller's. */
+void multigrid_place_nodes(const multigrid *mg, const double *x, float *element);
 
 /* Takes element[n_floats] for the input's and gives back what was that. */
 float *multigrid_exchange(multigrid *mg, float *element);

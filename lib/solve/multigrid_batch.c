@@ -9,7 +9,7 @@
 
 /* Batches of one direction stand together for so many nodes: a later batch would wait for what one just before it has stored partly
  * in the same place, and what is farther apart is not in the nearest cache any more. */
-enum { STRETCH = 512 };
+enum { STRETCH = 128 };
 static const double SPARSE = 2.0; /* places an element: with more it is not worth it */
 
 /* An element, or a place in the caller's order of which is k. */
@@ -54,7 +54,7 @@ static size_t fill(multigrid *mg, const parallel *p, int32_t *batch) {
             n++;
         }
         if (batch)
-            mg->slot[p[i].k] = (uint32_t)(5 * MULTIGRID_BATCH * (n - 1)) + (uint32_t)(p[i].low - start);
+            mg->slot[p[i].k] = (uint32_t)(2 * MULTIGRID_BATCH * (n - 1)) + (uint32_t)(p[i].low - start);
     }
     return n;
 }
@@ -67,7 +67,7 @@ palp_status multigrid_make_batches(multigrid *mg) {
     if ((double)(n * MULTIGRID_BATCH) <= SPARSE * (double)mg->n_elements) {
         mg->n_batches = n;
         mg->batch = arena_take(&mg->memory, 2 * n, sizeof *mg->batch);
-        mg->straight = arena_take(&mg->memory, 6 * (mg->n_nodes + MULTIGRID_BATCH), sizeof *mg->straight);
+        mg->straight = arena_take(&mg->memory, 6 * multigrid_stride(mg), sizeof *mg->straight);
         if (!mg->memory.failed)
             fill(mg, p, mg->batch);
     }
@@ -81,41 +81,40 @@ typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float)))
 #define LOAD(v, p) memcpy(&(v), p, sizeof(eight))
 #define ADD_TO(p, v) (LOAD(sum, p), sum += (v), memcpy(p, &sum, sizeof(eight)))
 
-/* out += the batches' blocks times x, both by axis, [3 stride]; with the sign of the tangent turned. */
+/* out += the batches' blocks times x, both by axis, [3 stride], as the nodes' places are; with the sign of the tangent turned. */
 PALP_CLONES
-static void batches_times(size_t n, const int32_t *batch, const float *element, size_t stride, const float *x, float *out) {
+static void batches_times(size_t n, const int32_t *batch, const float *element, const float *place, size_t stride,
+                          const float *x, float *out) {
     enum { B = MULTIGRID_BATCH };
-    const float *x1 = x + stride, *x2 = x1 + stride;
+    const float *x1 = x + stride, *x2 = x1 + stride, *place1 = place + stride, *place2 = place1 + stride;
     float *out1 = out + stride, *out2 = out1 + stride;
     for (size_t i = 0; i < n; i++) {
         const int32_t low = batch[2 * i], high = batch[2 * i + 1];
-        const float *e = element + 5 * B * i;
-        eight n0, n1, n2, along, across, a0, a1, a2, d0, d1, d2, sum;
-        LOAD(n0, e), LOAD(n1, e + B), LOAD(n2, e + 2 * B), LOAD(along, e + 3 * B), LOAD(across, e + 4 * B);
-        LOAD(a0, x + low), LOAD(a1, x1 + low), LOAD(a2, x2 + low);
-        LOAD(d0, x + high), LOAD(d1, x1 + high), LOAD(d2, x2 + high);
+        const float *e = element + 2 * B * i;
+        eight d0, d1, d2, along, across, a0, a1, a2, u0, u1, u2, sum;
+        LOAD(along, e), LOAD(across, e + B);
+        LOAD(a0, place + low), LOAD(a1, place1 + low), LOAD(a2, place2 + low);
+        LOAD(d0, place + high), LOAD(d1, place1 + high), LOAD(d2, place2 + high);
         d0 -= a0, d1 -= a1, d2 -= a2;
-        along *= n0 * d0 + n1 * d1 + n2 * d2;
-        d0 = along * n0 + across * d0, d1 = along * n1 + across * d1, d2 = along * n2 + across * d2;
-        ADD_TO(out + low, d0), ADD_TO(out1 + low, d1), ADD_TO(out2 + low, d2);
-        ADD_TO(out + high, -d0), ADD_TO(out1 + high, -d1), ADD_TO(out2 + high, -d2);
+        LOAD(a0, x + low), LOAD(a1, x1 + low), LOAD(a2, x2 + low);
+        LOAD(u0, x + high), LOAD(u1, x1 + high), LOAD(u2, x2 + high);
+        u0 -= a0, u1 -= a1, u2 -= a2;
+        along *= d0 * u0 + d1 * u1 + d2 * u2;
+        u0 = along * d0 + across * u0, u1 = along * d1 + across * u1, u2 = along * d2 + across * u2;
+        ADD_TO(out + low, u0), ADD_TO(out1 + low, u1), ADD_TO(out2 + low, u2);
+        ADD_TO(out + high, -u0), ADD_TO(out1 + high, -u1), ADD_TO(out2 + high, -u2);
     }
 }
 
-/* Where the sums of nodes stand by axis. */
-static size_t stride_of(const multigrid *mg) {
-    return mg->n_nodes + MULTIGRID_BATCH;
-}
-
 static void times(multigrid *mg, const float *element) {
-    const size_t stride = stride_of(mg);
+    const size_t stride = multigrid_stride(mg);
     float *out = mg->straight + 3 * stride;
     memset(out, 0, 3 * stride * sizeof *out);
-    batches_times(mg->n_batches, mg->batch, element, stride, mg->straight, out);
+    batches_times(mg->n_batches, mg->batch, element, element + mg->nodes, stride, mg->straight, out);
 }
 
 void multigrid_batches_subtract(multigrid *mg, const float *element, const float *x, float *rest) {
-    const size_t n = mg->n_nodes, stride = stride_of(mg);
+    const size_t n = mg->n_nodes, stride = multigrid_stride(mg);
     float *in = mg->straight, *out = in + 3 * stride;
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
@@ -127,7 +126,7 @@ void multigrid_batches_subtract(multigrid *mg, const float *element, const float
 }
 
 void multigrid_batches_times(multigrid *mg, const float *element, const double *x, double *out) {
-    const size_t n = mg->n_nodes, stride = stride_of(mg);
+    const size_t n = mg->n_nodes, stride = multigrid_stride(mg);
     float *in = mg->straight, *sum = in + 3 * stride;
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)

@@ -5,10 +5,10 @@
 
 typedef multigrid_four four;
 
-/* (along n n' + across 1) x */
-static inline four element_times(const float *e, four x) {
-    const four n = multigrid_load(e), p = n * x;
-    return multigrid_all(e[3] * (p[0] + p[1] + p[2])) * n + multigrid_all(e[4]) * x;
+/* (along d d' + across 1) x of two numbers e */
+static inline four element_times(const float *e, four d, four x) {
+    const four p = d * x;
+    return multigrid_all(e[0] * (p[0] + p[1] + p[2])) * d + multigrid_all(e[1]) * x;
 }
 
 static inline four free_part(const mg_level *l, size_t i, four s) {
@@ -29,11 +29,12 @@ static const float DAMPING = 0.74F;
 
 /* rest less these elements' part of the tangent times x, those from node i to higher ones */
 static inline void subtract_elements(const multigrid *mg, const float *element, const float *x, size_t i) {
-    const four own = multigrid_load(x + 4 * i);
+    const float *place = element + mg->nodes;
+    const four own = multigrid_load(x + 4 * i), here = multigrid_load(place + 4 * i);
     four sum = multigrid_load(mg->rest + 4 * i);
     for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
         const size_t j = 4 * (size_t)mg->high[k];
-        const four f = element_times(element + 5 * (size_t)k, multigrid_load(x + j) - own);
+        const four f = element_times(element + 2 * (size_t)k, multigrid_load(place + j) - here, multigrid_load(x + j) - own);
         sum += f;
         multigrid_store(mg->rest + j, multigrid_load(mg->rest + j) - f);
     }
@@ -101,11 +102,12 @@ void multigrid_elements_times(multigrid *mg, const float *element, const double 
 
 /* A node passes on to higher ones what it has become, or collects from them. */
 static void pass_on(multigrid *mg, size_t i) {
-    const float *x = mg->level[0].x + 4 * i;
-    const four own = multigrid_load(x);
+    const float *x = mg->level[0].x + 4 * i, *element = mg->element[mg->used], *place = element + mg->nodes;
+    const four own = multigrid_load(x), here = multigrid_load(place + 4 * i);
     for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
-        float *to = mg->rest + 4 * (size_t)mg->high[k];
-        multigrid_store(to, multigrid_load(to) + element_times(mg->element[mg->used] + 5 * (size_t)k, own));
+        const size_t j = 4 * (size_t)mg->high[k];
+        const four f = element_times(element + 2 * (size_t)k, multigrid_load(place + j) - here, own);
+        multigrid_store(mg->rest + j, multigrid_load(mg->rest + j) + f);
     }
     for (int32_t k = mg->first_touching[i]; k >= 0; k = mg->touching[k].next) {
         const multigrid_coupling *c = &mg->touching[k];
@@ -115,8 +117,12 @@ static void pass_on(multigrid *mg, size_t i) {
 }
 
 static four collect(const multigrid *mg, size_t i, four s) {
-    for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++)
-        s += element_times(mg->element[mg->used] + 5 * (size_t)k, multigrid_load(mg->level[0].x + 4 * (size_t)mg->high[k]));
+    const float *element = mg->element[mg->used], *place = element + mg->nodes;
+    const four here = multigrid_load(place + 4 * i);
+    for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
+        const size_t j = 4 * (size_t)mg->high[k];
+        s += element_times(element + 2 * (size_t)k, multigrid_load(place + j) - here, multigrid_load(mg->level[0].x + j));
+    }
     for (int32_t k = mg->first_touching[i]; k >= 0; k = mg->touching[k].next) {
         const multigrid_coupling *c = &mg->touching[k];
         const float *x = mg->level[0].x + 4 * (size_t)c->high;

@@ -37,10 +37,12 @@ struct multigrid {
     uint32_t *place;       /* [n_elements] of each element: slot */
     uint32_t *after;       /* [n_nodes + 1] sorted elements from a node to higher ones: after[i] to after[i + 1] */
     int32_t *high;         /* [n_elements] the higher node */
-    uint32_t *slot;        /* [n_elements] of an element sorted so, where in element[] its five numbers begin, spacing apart */
+    uint32_t *slot;        /* [n_elements] of an element sorted so, where in element[] its two numbers begin, spacing apart */
     size_t spacing;
     float *element[2];     /* [n_floats] */
     size_t n_floats, n_batches; /* batches: 0 unless the elements stand by them */
+    size_t nodes;          /* in element[]: the nodes' places less origin, by axis where there are batches, else four a node */
+    double origin[3];      /* the mean place at rest, m: near it single precision is finest */
     int32_t *batch;        /* [2 n_batches] the first low and the first high node */
     float *straight;       /* [6 (n_nodes + MULTIGRID_BATCH)] a vector by axis, and its product */
     uint32_t *through;     /* [first[n_nodes]] element of each entry of the finest level */
@@ -66,10 +68,19 @@ struct multigrid {
     int32_t *mark;         /* [n of the second level] */
 };
 
-/* The five numbers of the k-th sorted element. */
-static inline void multigrid_element(const multigrid *mg, const float *element, uint32_t k, float e[5]) {
-    for (size_t c = 0; c < 5; c++)
-        e[c] = element[mg->slot[k] + c * mg->spacing];
+/* Where the sums of nodes stand by axis. */
+static inline size_t multigrid_stride(const multigrid *mg) {
+    return mg->n_nodes + MULTIGRID_BATCH;
+}
+
+/* d, along and across of the k-th sorted element, which is node i's. */
+static inline void multigrid_element(const multigrid *mg, const float *element, size_t i, uint32_t k, float e[5]) {
+    const size_t across = mg->n_batches > 0 ? multigrid_stride(mg) : 1, along = mg->n_batches > 0 ? 1 : 4;
+    const float *x = element + mg->nodes, *low = x + along * i, *high = x + along * (size_t)mg->high[k];
+    for (size_t c = 0; c < 3; c++)
+        e[c] = high[c * across] - low[c * across];
+    e[3] = element[mg->slot[k]];
+    e[4] = element[mg->slot[k] + mg->spacing];
 }
 
 static const float MULTIGRID_FREE[8][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0},

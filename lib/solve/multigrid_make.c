@@ -54,7 +54,7 @@ static void clear(multigrid *mg, size_t level, size_t i) {
                BLOCK_FLOATS * (l->first[i + 1] - l->first[i]) * sizeof(float));
 }
 
-/* Lower triangle by rows of along n n' + across 1. */
+/* Lower triangle by rows of along d d' + across 1. */
 static void element_block(const float *e, float s[6]) {
     float p0 = e[3] * e[0], p1 = e[3] * e[1];
     s[0] = p0 * e[0] + e[4];
@@ -71,10 +71,11 @@ static void add_elements(multigrid *mg, size_t i) {
     for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
         float *stored = mg->element[made(mg)] + mg->slot[k], e[5], s[6];
         const int32_t j = mg->high[k];
-        multigrid_element(mg, mg->element[made(mg)], k, e);
+        multigrid_element(mg, mg->element[made(mg)], i, k, e);
         if (mg->definite) { /* no compression, and along it nothing negative */
-            stored[4 * mg->spacing] = e[4] = e[4] > 0.0F ? e[4] : 0.0F;
-            stored[3 * mg->spacing] = e[3] = e[3] + e[4] > 0.0F ? e[3] : -e[4];
+            const float square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
+            stored[mg->spacing] = e[4] = e[4] > 0.0F ? e[4] : 0.0F;
+            stored[0] = e[3] = e[3] * square + e[4] > 0.0F ? e[3] : -e[4] / square;
         }
         element_block(e, s);
         add_block(l->own[made(mg)] + BLOCK_FLOATS * i, s, 1.0F, l->axes[i], l->axes[i]);
@@ -140,11 +141,12 @@ static const float *entry_block(const multigrid *mg, const mg_level *l, size_t i
     if (l != mg->level)
         return l->block[made(mg)] + (size_t)BLOCK_FLOATS * k;
     float e[5], s[6];
-    multigrid_element(mg, mg->element[made(mg)], mg->through[k], e);
+    const size_t j = (size_t)l->column[k];
+    multigrid_element(mg, mg->element[made(mg)], i < j ? i : j, mg->through[k], e);
     element_block(e, s);
     memset(room, 0, BLOCK_FLOATS * sizeof *room);
-    add_block(room, s, -1.0F, l->axes[i], l->axes[l->column[k]]);
-    add_couplings(mg, i, (size_t)l->column[k], room);
+    add_block(room, s, -1.0F, l->axes[i], l->axes[j]);
+    add_couplings(mg, i, j, room);
     return room;
 }
 

@@ -112,8 +112,11 @@ START_TEST(a_little_way_where_the_tangent_is_not_definite) {
         double largest = 0.0, moved = 0.0;
         for (size_t e = 0; e < net->n_elements; e++) { /* blocks of a negative tangent and no force */
             const multigrid_source source = multigrid_input(rt->mg);
-            float *along = rt->element + source.place[e] + 3 * source.spacing, *across = along + source.spacing;
-            *along = -*along - *across;
+            float *along = rt->element + source.place[e], *across = along + source.spacing;
+            double square = 0.0;
+            for (size_t k = 0; k < 3; k++)
+                square += pow(net->next.x[3 * net->pair[2 * e + 1] + (int)k] - net->next.x[3 * net->pair[2 * e] + (int)k], 2.0);
+            *along = -*along - *across / (float)square;
             *across = 0.0F;
         }
         for (size_t i = 0; i < n; i++)

@@ -96,9 +96,16 @@ static inline multigrid *make(const body *b, size_t direct) {
 
 static inline palp_status number(multigrid *mg, const body *b, bool coupled, bool definite) {
     multigrid_source to = multigrid_input(mg);
-    for (size_t e = 0; e < b->n_pairs; e++)
-        for (size_t k = 0; k < 5; k++)
-            to.element[to.place[e] + k * to.spacing] = b->element[5 * e + k];
+    for (size_t e = 0; e < b->n_pairs; e++) {
+        double square = 0;
+        for (size_t k = 0; k < 3; k++) {
+            double d = b->x[3 * (size_t)b->pair[2 * e + 1] + k] - b->x[3 * (size_t)b->pair[2 * e] + k];
+            square += d * d;
+        }
+        to.element[to.place[e]] = (float)((double)b->element[5 * e + 3] / square);
+        to.element[to.place[e] + to.spacing] = b->element[5 * e + 4];
+    }
+    multigrid_place_nodes(mg, b->x, to.element);
     for (size_t i = 0; i < 6 * NODES; i++)
         to.node[i] = (float)b->node[i];
     *to.n_couplings = coupled ? COUPLED : 0;

@@ -199,19 +199,20 @@ END_TEST
 
 /* out = minus the elements' part of the tangent times x, batch by batch. */
 static void plain_batches(const multigrid *mg, const float *element, const double *x, float *out) {
+    const float *place = element + mg->nodes;
     for (size_t i = 0; i < mg->n_batches; i++) {
         float f[MULTIGRID_BATCH][3];
         for (size_t k = 0; k < MULTIGRID_BATCH; k++) {
-            const float *e = element + 5 * MULTIGRID_BATCH * i + k;
+            const float *e = element + 2 * MULTIGRID_BATCH * i + k;
             const size_t low = (size_t)mg->batch[2 * i] + k, high = (size_t)mg->batch[2 * i + 1] + k;
             float n[3], d[3];
             for (size_t c = 0; c < 3; c++) { /* behind the last node there is nothing */
-                n[c] = e[c * MULTIGRID_BATCH];
+                n[c] = place[c * multigrid_stride(mg) + high] - place[c * multigrid_stride(mg) + low];
                 d[c] = (high < NODES ? (float)x[3 * high + c] : 0.0F) - (low < NODES ? (float)x[3 * low + c] : 0.0F);
             }
-            float along = e[3 * MULTIGRID_BATCH] * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
+            float along = e[0] * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
             for (size_t c = 0; c < 3; c++)
-                f[k][c] = along * n[c] + e[4 * MULTIGRID_BATCH] * d[c];
+                f[k][c] = along * n[c] + e[MULTIGRID_BATCH] * d[c];
         }
         for (size_t end = 0; end < 2; end++)
             for (size_t k = 0; k < MULTIGRID_BATCH; k++)
@@ -223,7 +224,7 @@ static void plain_batches(const multigrid *mg, const float *element, const doubl
 /* A lattice's elements stand by batches, whose product has the bits of a plain one, whichever version of it this processor takes;
  * those of nodes in no order do not. */
 START_TEST(batches_of_parallel_elements) {
-    static double x[3 * NODES], out[3 * NODES];
+    static double x[3 * NODES], out[3 * NODES], place[3 * NODES];
     static float plain[3 * NODES];
     make_body(&b, 0.4, 0.1);
     b.jacobi = true;
@@ -242,6 +243,9 @@ START_TEST(batches_of_parallel_elements) {
     multigrid_free(mg);
     for (size_t e = 0; e < 2 * b.n_pairs; e++) /* each number once, as 7 divides NODES; none is parallel any more */
         b.pair[e] = (100 * b.pair[e] + 7 * b.pair[e] * b.pair[e]) % NODES;
+    memcpy(place, b.x, sizeof place);
+    for (size_t i = 0; i < NODES; i++)
+        memcpy(b.x + 3 * ((100 * i + 7 * i * i) % NODES), place + 3 * i, 3 * sizeof *place);
     mg = make(&b, 40);
     ck_assert_uint_eq(mg->n_batches, 0);
     ck_assert_int_eq(number(mg, &b, false, false), PALP_OK);
