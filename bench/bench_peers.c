@@ -2,8 +2,8 @@
  * block descent (Chen et al. 2024, in single precision) and projective dynamics (Bouaziz et al. 2014, a factor kept by
  * CHOLMOD). Cube of 24 mm, linear springs without mass, pressed by 1 strain/s to 0.2 in ticks of 1 ms; both start a tick
  * from the line through their last two states, as they do with inertia. The error is that of the plate's force beside the
- * converged one, relative to the peak, in the last tick and the largest of all. Times are the thread's own, repeats interleaved.
- * BENCH_NODES: largest number of nodes a side (21). */
+ * converged one, relative to the peak, in the last tick and the largest of all. Times are the thread's own, repeats interleaved,
+ * as many as fit into some time at each size. BENCH_NODES: largest number of nodes a side (21). */
 #include "bench.h"
 #include "network/network_internal.h"
 
@@ -16,6 +16,7 @@
 enum { TICKS = 200, REPEATS = 5, SIZES = 3 };
 static const double DT = 1e-3, STRAIN = 0.2, STIFFNESS = 0.54;
 static const size_t NODES[SIZES] = {5, 11, 21};
+static const double SPAN = 20.0; /* s: no further repeat is begun after it */
 
 static void *need(size_t n, size_t size) {
     void *p = calloc(n + 1, size);
@@ -230,12 +231,15 @@ typedef struct outcome {
     double ms[REPEATS * TICKS];
     double most, last; /* error of the force: of all ticks, of the last */
     size_t n;
+    double bound; /* a ramp that is off by more is broken off; 0: none is */
 } outcome;
 
-static void note(outcome *o, double seconds, double force, const double *truth, size_t tick) {
+/* False: the ramp need not go on. */
+static bool note(outcome *o, double seconds, double force, const double *truth, size_t tick) {
     o->ms[o->n++] = 1e3 * seconds;
     o->last = fabs(force - truth[tick]) / truth[TICKS - 1];
     o->most = fmax(o->most, o->last);
+    return o->bound == 0.0 || o->most <= o->bound;
 }
 
 static void peer_ramp(lattice *l, void (*round)(lattice *, void *), void *own, size_t rounds, const double *truth,
@@ -247,7 +251,8 @@ static void peer_ramp(lattice *l, void (*round)(lattice *, void *), void *own, s
         for (size_t k = 0; k < rounds; k++)
             round(l, own);
         double force = plate_force(l);
-        note(o, bench_cpu_seconds() - start, force, truth, i);
+        if (!note(o, bench_cpu_seconds() - start, force, truth, i))
+            return;
     }
 }
 
@@ -307,17 +312,16 @@ static void print(size_t n, contender *c) {
            c->o.ms[c->o.n * 99 / 100], c->o.last, c->o.most);
 }
 
-/* The fewest rounds with which a peer's error stays below a bound in every tick; 0: none of those tried. */
-static size_t rounds_for(stage *s, int method, double bound) {
-    static const size_t tried[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
+/* A peer with the fewest rounds with which its error stays below a bound in every tick, and its run; false: none of those tried. */
+static bool find_rounds(stage *s, int method, double bound, contender *c) {
+    static const size_t tried[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
     for (size_t k = 0; k < sizeof tried / sizeof *tried; k++) {
-        static contender c;
-        c = (contender){.method = method, .rounds = tried[k]};
-        run(s, &c);
-        if (c.o.most <= bound)
-            return tried[k];
+        *c = (contender){.method = method, .rounds = tried[k], .o.bound = bound};
+        run(s, c);
+        if (c->o.most <= bound)
+            return true;
     }
-    return 0;
+    return false;
 }
 
 static void size_of(size_t n) {
@@ -334,20 +338,20 @@ static void size_of(size_t n) {
     s.l = lattice_make(net);
     s.p = projective_make(&s.l);
     size_t count = 0;
+    const double start = bench_cpu_seconds();
     list[count++] = (contender){.method = VBD, .rounds = 1};
     list[count++] = (contender){.method = PROJECTIVE, .rounds = 1};
     list[count++] = (contender){.method = PALPATE, .rounds = 1, .budget = {.corrections = 1}};
     for (size_t b = 0; b < sizeof bounds / sizeof *bounds; b++) {
-        for (int method = VBD; method <= PROJECTIVE; method++) {
-            size_t rounds = rounds_for(&s, method, bounds[b]);
-            if (rounds > 1)
-                list[count++] = (contender){.method = method, .rounds = rounds};
-        }
+        for (int method = VBD; method <= PROJECTIVE; method++)
+            if (find_rounds(&s, method, bounds[b], &list[count]) && list[count].rounds > 1)
+                count++;
         list[count++] = (contender){.method = PALPATE, .budget = {.force_error = bounds[b]}};
     }
     for (size_t r = 0; r < REPEATS; r++)
         for (size_t c = 0; c < count; c++)
-            run(&s, &list[c]);
+            if (list[c].o.n <= r * TICKS && (r == 0 || bench_cpu_seconds() - start < SPAN))
+                run(&s, &list[c]);
     for (size_t c = 0; c < count; c++)
         print(n, &list[c]);
     fflush(stdout);
