@@ -4,6 +4,7 @@
 
 #include <palpate/export.h>
 #include <palpate/status.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -46,6 +47,13 @@ PALP_API palp_status palp_experiment_get_number(const palp_experiment *experimen
 PALP_API palp_status palp_experiment_get_string(const palp_experiment *experiment, const char *key, const char **value);
 PALP_API palp_status palp_experiment_set_number(palp_experiment *experiment, const char *key, double value);
 PALP_API palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key, const char *value);
+
+/* Whether the second begins under load, where and when the first ends and with its force, of the same specimen (specimen.name): then
+ * they are one run in two files. */
+PALP_API bool palp_experiment_continues(const palp_experiment *first, const palp_experiment *second);
+/* Both as one: the rows of the first, then of the second, with the columns that both have, the keys of the first, and those of the
+ * second that start with "end.". The caller frees *both. ERR_NO_MEMORY. */
+PALP_API palp_status palp_experiment_join(const palp_experiment *first, const palp_experiment *second, palp_experiment **both);
 
 #ifdef __cplusplus
 }

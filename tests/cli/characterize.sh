@@ -56,6 +56,18 @@ done
 [ "$(grep -c . digits1)" -ge 3 ] && paste -d' ' digits1 digits1e-11 | awk '{ for (j = 2; j <= 4; j++) { d = $j / $(j + 4) - 1; if (d > 2e-3 || d < -2e-3) bad = 1 } } END { exit bad }' ||
     fail "small forces: $(paste -d' ' digits1 digits1e-11 | tr '\n' ';')"
 
+# A run that goes on in another file is one run, whichever comes first.
+head -n 1 hold5.csv >second.csv
+grep -v '^[0-9-]' hold5.csv | tail -n +2 >>second.csv
+awk '/^[0-9-]/ && ++n > 2000' hold5.csv >>second.csv
+awk '!/^[0-9-]/ || ++n <= 2000' hold5.csv >first.csv
+for runs in hold5.csv "first.csv second.csv" "second.csv first.csv"; do
+    expect 0 characterize $runs static.csv --out halves.json
+    cat halves.json >>halves
+done
+grep -q '^palpate characterize: second.csv: goes on where first.csv ends, and is taken as one run with it$' err || fail "the second half: $(cat err)"
+[ "$(sort -u halves | wc -l)" -eq "$(wc -l <halves.json)" ] || fail "a run in two files is another: $(cat halves)"
+
 # The written model answers as the phantom.
 for model in lumped.json $L; do
     expect 0 simulate $model --protocol ramp_hold --depth-mm 4.5 --hold-s 100 --json

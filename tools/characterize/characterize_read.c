@@ -53,29 +53,44 @@ static void tell(const palp_recording *r) {
 /* ---- reading ---- */
 
 /* Adds the run to the state, unless there is no specimen in it. */
-static int read_one(const characterize_options *o, const char *file, characterize_state *s) {
-    palp_experiment *experiment = NULL;
+static int take_one(const characterize_options *o, const char *file, const palp_experiment *experiment, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
     palp_recording_settings settings = palp_recording_settings_default();
     settings.height_m = 1e-3 * o->height_mm;
     settings.contact_given = !isnan(o->contact_mm);
     settings.contact_m = settings.contact_given ? 1e-3 * o->contact_mm : 0;
-    int code = open_run(NAME, file, &experiment);
-    if (code)
-        return code;
     const char *none = open_no_specimen(experiment);
-    palp_status status = PALP_OK;
-    if (none)
+    if (none) {
         fprintf(stderr, "palpate %s: %s: no specimen in it (\"%s\"); left out\n", NAME, file, none);
-    else
-        status = palp_recording_prepare(experiment, file, &settings, &s->run[s->n], &error);
-    if (!none && status == PALP_OK) {
-        s->run[s->n].radius_m = o->radius_mm > 0 ? 1e-3 * o->radius_mm : s->run[s->n].radius_m;
-        code = characterize_tip_read(o, experiment, &s->run[s->n], s);
-        tell(&s->run[s->n++]);
+        return CLI_OK;
     }
-    palp_experiment_free(experiment);
-    return status ? cli_status(NAME, status, &error) : code;
+    palp_status status = palp_recording_prepare(experiment, file, &settings, &s->run[s->n], &error);
+    if (status)
+        return cli_status(NAME, status, &error);
+    s->run[s->n].radius_m = o->radius_mm > 0 ? 1e-3 * o->radius_mm : s->run[s->n].radius_m;
+    int code = characterize_tip_read(o, experiment, &s->run[s->n], s);
+    tell(&s->run[s->n++]);
+    return code;
+}
+
+/* Runs that go on in another file become one, in the place of the first part. */
+static int join(const characterize_options *o, palp_experiment **run) {
+    for (size_t i = 0; i < o->n_words; i++)
+        for (size_t j = 0; j < o->n_words; j++) {
+            palp_experiment *both;
+            if (!palp_experiment_continues(run[i], run[j]))
+                continue;
+            palp_status status = palp_experiment_join(run[i], run[j], &both);
+            if (status)
+                return cli_failure(NAME, "%s: %s", o->words[j], palp_status_text(status));
+            fprintf(stderr, "palpate %s: %s: goes on where %s ends, and is taken as one run with it\n", NAME, o->words[j], o->words[i]);
+            palp_experiment_free(run[i]);
+            palp_experiment_free(run[j]);
+            run[i] = both;
+            run[j] = NULL;
+            i = j = 0;
+        }
+    return CLI_OK;
 }
 
 /* Static runs first, ramps and holds by depth, then the others; each kind in the order given. */
@@ -123,12 +138,25 @@ static int filter_runs(const characterize_options *o, characterize_state *s) {
     return CLI_OK;
 }
 
-int characterize_read(const characterize_options *o, characterize_state *s) {
+static int read_all(const characterize_options *o, characterize_state *s) {
+    palp_experiment *run[CHARACTERIZE_RUNS_MAX] = {NULL};
+    int code = CLI_OK;
+    for (size_t i = 0; i < o->n_words && code == CLI_OK; i++)
+        code = open_run(NAME, o->words[i], &run[i]);
+    if (code == CLI_OK)
+        code = join(o, run);
     for (size_t i = 0; i < o->n_words; i++) {
-        int code = read_one(o, o->words[i], s);
-        if (code)
-            return code;
+        if (code == CLI_OK && run[i])
+            code = take_one(o, o->words[i], run[i], s);
+        palp_experiment_free(run[i]);
     }
+    return code;
+}
+
+int characterize_read(const characterize_options *o, characterize_state *s) {
+    int code = read_all(o, s);
+    if (code)
+        return code;
     if (s->n == 0)
         return cli_failure(NAME, "no recording of a specimen among the %zu given", o->n_words);
     sort(s);
@@ -136,6 +164,6 @@ int characterize_read(const characterize_options *o, characterize_state *s) {
         s->n_static += s->run[i].kind == PALP_RECORDING_STATIC;
         s->n_hold += s->run[i].kind == PALP_RECORDING_RAMP_HOLD;
     }
-    int code = characterize_group(o, s);
+    code = characterize_group(o, s);
     return code ? code : filter_runs(o, s);
 }

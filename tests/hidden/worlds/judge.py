@@ -6,7 +6,7 @@
     judge.py --self-test
 
 Of a case that was asked for, DIR/case_NNN/ has a file done, and result.json if there was an answer (and oracle.json, where only the true
-effect was a candidate). Exit code 0 if all were asked for and every bar is met; with --report-only always."""
+effect and a relaxation arm were candidates). Exit code 0 if all were asked for and every bar is met; with --report-only always."""
 import argparse
 import os
 import statistics
@@ -215,7 +215,8 @@ def main():
             if o.list == "one":
                 print(t["case"], t["characterize"])
             elif t["effect"] and t["nats"] >= SEEN and t["world"] not in APART:
-                print(t["case"], t["effect"]["id"])
+                arm = "" if t["effect"]["id"] == "relaxation_arm" else ",relaxation_arm"    # characterize may have found fewer than there are
+                print(t["case"], t["effect"]["id"] + arm)
         return
     cases = []
     asked = [t for t in truth["cases"] if os.path.exists(os.path.join(o.cases, t["case"], "done"))]

@@ -17,7 +17,7 @@ if [ "${1-}" = one ]; then # from xargs: folder, options of characterize: the wh
     echo $? >done
     exit 0
 fi
-if [ "${1-}" = oracle ]; then # folder, id: only the true effect is a candidate
+if [ "${1-}" = oracle ]; then # folder, ids: only what is true is a candidate
     cd "$2" || exit 1
     [ -e model.json ] && [ ! -e oracle.json ] || exit 0
     ulimit -t 900

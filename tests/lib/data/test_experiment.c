@@ -335,6 +335,51 @@ START_TEST(failed_write_leaves_nothing) {
 }
 END_TEST
 
+enum { PART = 40 };
+
+/* A ramp under load, of which these are the rows from first on. */
+static palp_experiment *part(int first) {
+    palp_experiment *e;
+    ck_assert_int_eq(palp_experiment_create(PART, &e), PALP_OK);
+    for (int i = 0; i < PART; i++) {
+        palp_experiment_column(e, "time_s")[i] = 1.7e9 + 0.01 * (first + i);
+        palp_experiment_column(e, "depth_mm")[i] = 1e-3 * (first + i);
+        palp_experiment_column(e, "force_N")[i] = 1e-9 * (first + i);
+    }
+    return e;
+}
+
+/* What goes on in another file is one run: its rows in turn, the keys of the first part, and how the second ended. */
+START_TEST(run_in_two_files_is_one) {
+    double value;
+    palp_experiment *first = part(0), *second = part(PART), *both;
+    ck_assert(palp_experiment_continues(first, second));
+    ck_assert(!palp_experiment_continues(second, first));
+    ck_assert(!palp_experiment_continues(first, first));
+    palp_experiment_set_number(first, "specimen.height_mm", 24);
+    palp_experiment_set_number(first, "end.rows", 1);
+    palp_experiment_set_number(second, "specimen.height_mm", 25);
+    palp_experiment_set_number(second, "end.rows", 2);
+    palp_experiment_add_column(first, "temperature_C");
+    ck_assert_int_eq(palp_experiment_join(first, second, &both), PALP_OK);
+    ck_assert_uint_eq(palp_experiment_rows(both), 2 * PART);
+    ck_assert_uint_eq(palp_experiment_column_count(both), 3);
+    for (int i = 0; i < 2 * PART; i++)
+        ck_assert_double_eq(palp_experiment_column(both, "force_N")[i], 1e-9 * i);
+    ck_assert(!palp_experiment_get_number(both, "specimen.height_mm", &value) && value == 24);
+    ck_assert(!palp_experiment_get_number(both, "end.rows", &value) && value == 2);
+    palp_experiment_free(both);
+    palp_experiment_set_string(second, "specimen.name", "another");
+    ck_assert(!palp_experiment_continues(first, second));
+    palp_experiment_set_string(first, "specimen.name", "another");
+    ck_assert(palp_experiment_continues(first, second));
+    palp_experiment_column(second, "force_N")[0] = 0; /* the plate has left it between the two */
+    ck_assert(!palp_experiment_continues(first, second));
+    palp_experiment_free(first);
+    palp_experiment_free(second);
+}
+END_TEST
+
 void tests(TCase *tc) {
     tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
     tcase_add_loop_test(tc, bad_file_gives_its_line, 0, sizeof bad / sizeof bad[0]);
@@ -349,4 +394,5 @@ void tests(TCase *tc) {
     tcase_add_test(tc, created_experiment_is_written_as_designed);
     tcase_add_test(tc, bad_arguments_are_refused);
     tcase_add_test(tc, failed_write_leaves_nothing);
+    tcase_add_test(tc, run_in_two_files_is_one);
 }

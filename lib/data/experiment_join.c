@@ -1,0 +1,109 @@
+/* experiment_join.c: a recording that goes on in another file, under load: one run again, as what its arms remember is in the first. */
+#include "experiment_internal.h"
+#include "segments_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SAMPLES_MIN = 16 };        /* of either part */
+static const double SOON = 10.0;  /* steps of the clock, after which it is another recording */
+static const double LOADED = 0.1; /* of the largest force: with less the one before is forgotten, or nearly so */
+static const double AWAY = 2e-3;  /* of the way: where the plate may be beside where its motion leads */
+static const double ODDS = 6.0;   /* standard deviations of the noise */
+
+typedef struct columns {
+    size_t n;
+    const double *time, *depth, *force;
+    double peak, low, high, white; /* largest force, ends of the depth, sd of the noise */
+} columns;
+
+static columns columns_of(const palp_experiment *e) {
+    return (columns){.n = palp_experiment_rows(e), .time = palp_experiment_column(e, "time_s"), .low = HUGE_VAL,
+                     .high = -HUGE_VAL, .depth = palp_experiment_column(e, "depth_mm"),
+                     .force = palp_experiment_column(e, "force_N")};
+}
+
+/* False: they cannot be used; that is told later. */
+static bool measure(columns *c) {
+    for (size_t i = 0; i < c->n; i++) {
+        if (!segments_sample_valid(c->time, c->depth, c->force, i))
+            return false;
+        c->peak = fmax(c->peak, c->force[i]);
+        c->low = fmin(c->low, c->depth[i]);
+        c->high = fmax(c->high, c->depth[i]);
+    }
+    double step = (c->time[c->n - 1] - c->time[0]) / (double)(c->n - 1);
+    return palp_segments_noise(c->n, c->time, step, c->force, PALP_NOISE_MEDIAN, &c->white) == PALP_OK;
+}
+
+/* Whether b begins where and when a ends, with its force. */
+static bool goes_on(columns *a, columns *b) {
+    const size_t last = a->n - 1;
+    if (fmin((double)a->n, (double)b->n) < SAMPLES_MIN || !a->time || !a->depth || !a->force || !b->time || !b->depth || !b->force)
+        return false;
+    double step = (a->time[last] - a->time[0]) / (double)last, gap = b->time[0] - a->time[last];
+    if (!(gap > 0.0 && gap < SOON * step && measure(a) && measure(b)))
+        return false;
+    double force = a->force[last], next = b->force[0], noise = fmax(a->white, b->white), peak = fmax(a->peak, b->peak);
+    if (!(fmin(force, next) > LOADED * peak + ODDS * noise))
+        return false;
+    double speed = (a->depth[last] - a->depth[last - 2]) / (a->time[last] - a->time[last - 2]);
+    double way = b->depth[0] - a->depth[last], range = fmax(a->high, b->high) - fmin(a->low, b->low);
+    double moves = fmax(fabs(force - a->force[last - 3]), fabs(b->force[3] - next)) * fmax(1.0, gap / step);
+    return fabs(way - speed * gap) < fabs(speed) * gap + AWAY * range && fabs(next - force) < moves + ODDS * noise;
+}
+
+static const char *specimen_of(const palp_experiment *e) {
+    const char *name;
+    return palp_experiment_get_string(e, "specimen.name", &name) ? "" : name;
+}
+
+bool palp_experiment_continues(const palp_experiment *first, const palp_experiment *second) {
+    if (!first || !second || first == second || strcmp(specimen_of(first), specimen_of(second)) != 0)
+        return false;
+    columns a = columns_of(first), b = columns_of(second);
+    return goes_on(&a, &b);
+}
+
+/* The keys of the first, and how the second ended. */
+static palp_status copy_keys(const palp_experiment *a, const palp_experiment *b, palp_experiment *to) {
+    const palp_experiment *const from[] = {a, b};
+    const char *key;
+    json_t *value;
+    for (size_t i = 0; i < 2; i++)
+        json_object_foreach(from[i]->header, key, value)
+            if ((strncmp(key, "end.", 4) == 0) == (i == 1) && json_object_set_new(to->header, key, json_deep_copy(value)))
+                return PALP_ERR_NO_MEMORY;
+    return PALP_OK;
+}
+
+static palp_status fill(const palp_experiment *a, const palp_experiment *b, palp_experiment *to) {
+    palp_status status = copy_keys(a, b, to);
+    for (size_t c = 0; c < a->n_columns && !status; c++) {
+        const char *name = a->columns[c].name;
+        const double *second = palp_experiment_column(b, name);
+        if (!second)
+            continue;
+        if (!palp_experiment_column(to, name))
+            status = palp_experiment_add_column(to, name);
+        if (status)
+            break;
+        double *values = palp_experiment_column(to, name);
+        memcpy(values, a->columns[c].values, a->rows * sizeof *values);
+        memcpy(values + a->rows, second, b->rows * sizeof *values);
+    }
+    return status;
+}
+
+palp_status palp_experiment_join(const palp_experiment *first, const palp_experiment *second, palp_experiment **both) {
+    if (!first || !second || !both)
+        return PALP_ERR_ARGUMENT;
+    palp_status status = palp_experiment_create(first->rows + second->rows, both);
+    if (!status)
+        status = fill(first, second, *both);
+    if (status) {
+        palp_experiment_free(*both);
+        *both = NULL;
+    }
+    return status;
+}
