@@ -2,6 +2,8 @@
 #define _GNU_SOURCE
 #include "rig_make.h"
 
+#include <sys/prctl.h>
+
 /* ---- lockstep ---- */
 
 /* The records are those of the plant alone under the same outputs, to the bit. */
@@ -200,17 +202,6 @@ static void test_port_and_stop(void **state) {
 
 /* ---- in a child ---- */
 
-/* Whether a process ends within some seconds. */
-static bool goes_away(pid_t process) {
-    for (int i = 0; i < 1000; i++) {
-        if (kill(process, 0) != 0 && errno == ESRCH) {
-            return true;
-        }
-        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
-    }
-    return false;
-}
-
 static void test_child(void **state) {
     rig_settings s = start_with("runs");
     rig r;
@@ -253,12 +244,13 @@ static void say_pid(const char *port, void *context) {
     assert_int_equal(write(*(int *)context, &number, sizeof number), sizeof number);
 }
 
-/* The firmware ends with its parent, however that ends. */
+/* The firmware ends with its parent, however that ends; it is then ours to wait for. */
 static void test_killed(void **state) {
     int line[2], number;
     rig_settings s = start_with("runs");
     (void)state;
     s.until_s = 0;
+    assert_int_equal(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
     assert_int_equal(pipe(line), 0);
     pid_t parent = fork();
     if (parent == 0) {
@@ -268,7 +260,7 @@ static void test_killed(void **state) {
     assert_int_equal(kill(number, 0), 0);
     kill(parent, SIGKILL);
     assert_int_equal(waitpid(parent, NULL, 0), parent);
-    assert_true(goes_away(number));
+    assert_int_equal(waitpid(number, NULL, 0), number);
     remove_folders(); /* nobody else is left to do it */
     close(line[0]);
     close(line[1]);
