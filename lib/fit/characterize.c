@@ -297,6 +297,14 @@ palp_status fit_finish(fit_problem *p, const double *v, const fit_curvature *c, 
     return status ? status : fit_fill_residuals(n, recordings, settings, fit);
 }
 
+palp_status fit_failed(palp_error *error, palp_status status, const char *recording) {
+    const char *what = status == PALP_ERR_SINGULAR
+                           ? "the recordings do not tell the numbers of this law and these arms apart: take fewer arms or a simpler law, "
+                             "or add recordings of other depths and speeds"
+                           : palp_status_text(status);
+    return error && error->text[0] ? status : palp_error_set(error, status, "%s: %s", recording, what);
+}
+
 palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                             palp_lumped_fit *fit, palp_error *error) {
     if (!recordings || !settings || !fit)
@@ -332,7 +340,7 @@ palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, co
     fit_problem_free(&p);
     if (status) {
         palp_lumped_fit_free(fit);
-        palp_error_set(error, status, "%s: %s", recordings[0].name, palp_status_text(status));
+        fit_failed(error, status, recordings[0].name);
     }
     return status;
 }

@@ -161,6 +161,9 @@ size_t fit_weakest_arm(const fit_problem *problem, const double *v, const double
  * difference to the best. */
 size_t fit_choose(size_t candidates, size_t groups, const double *loss, double *score, double *sd);
 
+/* What a user of recordings is told of a status; what is in error already stays. */
+palp_status fit_failed(palp_error *error, palp_status status, const char *recording);
+
 /* rms_N and absolute_N, which are 0 so far, of the fit's material over the samples that count. */
 palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
                                palp_lumped_fit *fit);

@@ -265,7 +265,7 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
     if (!status)
         *chosen = fit_choose(candidates, f.n_groups, f.loss, score, sd);
     arena_free(&f.memory);
-    return status;
+    return status ? fit_failed(error, status, recordings[0].name) : PALP_OK;
 }
 
 palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
@@ -366,5 +366,5 @@ palp_status palp_characterize_select_law(size_t n, const palp_recording *recordi
     if (!status)
         *best = choose_law(n_laws, f.n_groups, f.loss, score, sd);
     arena_free(&f.memory);
-    return status;
+    return status ? fit_failed(error, status, recordings[0].name) : PALP_OK;
 }

@@ -4,6 +4,7 @@
 #include <palpate/moduli.h>
 
 #include "base/file.h"
+#include "fit_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -68,7 +69,7 @@ static palp_status fit_linear(size_t n, const palp_recording *const *run, const 
     s.dwell_only = settings->dwell_only;
     palp_law_polynomial(1, &guess, &s.law);
     if (status)
-        palp_error_set(error, status, "%s: %s", run[0]->name, palp_status_text(status));
+        fit_failed(error, status, run[0]->name);
     status = status ? status : palp_characterize_fit(n, linear, &s, fit, error);
     for (size_t i = 0; linear && i < n; i++)
         free(linear[i].depth_m);

@@ -330,8 +330,10 @@ palp_status palp_characterize_specimens(size_t n, const palp_recording *recordin
     fit_problem_free(&s.all);
     if (status) {
         palp_specimens_fit_free(fit);
-        palp_error_set(error, status, "%s", own.text[0] ? own.text : status == PALP_ERR_INPUT ? "the mean of the specimens is no material"
-                                                                     : palp_status_text(status));
+        if (own.text[0] || status == PALP_ERR_INPUT)
+            palp_error_set(error, status, "%s", own.text[0] ? own.text : "the mean of the specimens is no material");
+        else
+            fit_failed(error, status, recordings[0].name);
     }
     return status;
 }
@@ -351,7 +353,7 @@ palp_status palp_characterize_level(size_t n, const palp_recording *recordings, 
     status = v ? level(&p, specimen, n_specimens, v, factor) : PALP_ERR_NO_MEMORY;
     free(v);
     fit_problem_free(&p);
-    return status ? palp_error_set(error, status, "%s: %s", recordings[0].name, palp_status_text(status)) : PALP_OK;
+    return status ? fit_failed(error, status, recordings[0].name) : PALP_OK;
 }
 
 /* ---- K(e) ---- */

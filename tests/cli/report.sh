@@ -48,6 +48,8 @@ if command -v gnuplot >/dev/null; then
     sed -n '/Simulation against/,/Provenance/p' all.html >simulations
     grep -q '95 % band' simulations || fail "no band about the network's force"
     grep -q 'Force against depth, loops included' all.html || fail "no force against depth"
+    # A ramp that is not held may be far from static.
+    grep -q 'Ramps without a dwell' all.html && ! grep -q '>Static press[ :][^<]*raw' all.html || fail "a ramp is called static"
     [ "$(grep -c '<figure>' all.html)" -ge 19 ] || fail "only $(grep -c '<figure>' all.html) figures"
 fi
 [ "$(wc -c <all.html)" -lt 4000000 ] || fail "a page of $(wc -c <all.html) bytes: curves are not thinned"

@@ -45,6 +45,12 @@ for factor in 0.80 1.25; do
 done
 awk -F, '/^[0-9]/ && $1 > 0.5 { w = ($5 - $4) / 2 / $3; if (w < 0.3 || w > 0.9) bad++ } END { exit bad > 0 }' band.csv || fail "width of the band"
 
+# A model that says how its specimens differ, but not how well their mean is known, has a band of that alone: a little narrower.
+sed '/"covariance": \[/,/\]\],$/d' mean.json >spread.json
+expect 0 simulate spread.json --like band.csv --band --out spread.csv; says 'how well the mean of its specimens is known'
+grep '^[0-9]' band.csv >a; grep '^[0-9]' spread.csv >b
+paste -d, a b | awk -F, '$1 > 0.5 { w = ($10 - $9) / ($5 - $4); if (w < 0.8 || w > 0.99 || $3 - $8 > 1e-9 || $8 - $3 > 1e-9) bad++; n++ } END { exit !(n > 20 && !bad) }' || fail "the band of the spread alone"
+
 # A network calibrated to the mean knows as much: its band is that of the lumped model.
 expect 0 calibrate mean.json --nodes 3 --depth-mm 3,6 --hold-s 20 --steps 1000 --out network.json
 grep -q '"specimens": {"count": 5' network.json || fail "the network does not know the specimens"

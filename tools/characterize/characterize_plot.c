@@ -66,7 +66,7 @@ static void plot_static(plot_book *book, const characterize_state *s) {
         force[k + 1] = (plot_series){titles[k], PLOT_LINE, (int)k, CURVE_POINTS, curve_e, curve[k]};
         residual[k] = (plot_series){NULL, PLOT_LINE, (int)k, m, miss_e[k], miss[k]};
     }
-    const plot_figure figure = {.title = "Static press: polynomials F(e) of degree 2 to 5", .n_panels = 2,
+    const plot_figure figure = {.title = "Ramp without a dwell: polynomials F(e) of degree 2 to 5", .n_panels = 2,
                                 .panel = {{.x_label = "", .y_label = "force (N)", .n_series = SHOWN + 1,
                                            .series = force},
                                           {.x_label = "strain e", .y_label = "fit - measured (% of the peak)",
@@ -156,11 +156,11 @@ static void plot_all(plot_book *book, const characterize_state *s, const run_cur
     if (s->n > s->n_static)
         plot_timed(book, s->n - s->n_static, curve + s->n_static, s->has_final, s->cutoff_Hz);
     if (s->n_static > 0) {
-        plot_runs_depth(book, "recordings_static", "Static press: raw (light) and filtered", s->n_static,
+        plot_runs_depth(book, "recordings_static", "Ramps without a dwell: raw (light) and filtered", s->n_static,
                         curve, false);
         plot_static(book, s);
         if (s->has_final)
-            plot_runs_depth(book, "fit_static", "Static press: raw (light) and the fitted model", s->n_static,
+            plot_runs_depth(book, "fit_static", "Ramps without a dwell: raw (light) and the fitted model", s->n_static,
                             curve, true);
     }
     plot_stiffness(book, s);

@@ -189,9 +189,9 @@ static void draw_static(report *r, plot_book *book) {
         return;
     fill(r, n, curve, raw, fit);
     if (raw)
-        plot_runs_depth(book, "recordings_static", "Static press: raw (light) and filtered", n, curve, false);
+        plot_runs_depth(book, "recordings_static", "Ramps without a dwell: raw (light) and filtered", n, curve, false);
     if (fit)
-        plot_runs_depth(book, "fit_static", "Static press (light) and the lumped model", n, curve, true);
+        plot_runs_depth(book, "fit_static", "Ramps without a dwell (light) and the lumped model", n, curve, true);
     release(n, curve);
 }
 
@@ -205,7 +205,7 @@ static void draw_pairs(report *r, plot_book *book) {
                 curve[n++] = (run_curve){own, NULL, r->pair[i].force_N, r->pair[i].band_N};
         }
         if (n > 0 && is_static) {
-            plot_runs_depth(book, "simulated_static", "Static press: recorded (light) and simulated", n,
+            plot_runs_depth(book, "simulated_static", "Ramps without a dwell: recorded (light) and simulated", n,
                             curve, true);
         } else if (n > 0) {
             const char *title = "Recorded (light) and simulated";

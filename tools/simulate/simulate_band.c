@@ -30,13 +30,20 @@ static palp_status find(simulation *s, const double *covariance, palp_error *err
     return status;
 }
 
-/* Of a model that is the mean of several specimens the band is that of one that was not measured. */
-static palp_status add_spread(const simulate_options *o, const simulation *s, double *covariance, palp_error *error) {
+/* The covariance that the band is of: of a model that is the mean of several specimens, that of one that was not measured. A file
+ * that says how specimens differ, but not how well their mean is known, gives a band of the first alone; *part says so. NULL: of
+ * neither. */
+static palp_status read_covariance(const simulate_options *o, const simulation *s, double **covariance, bool *part, palp_error *error) {
     double *between = NULL;
-    size_t n_specimens = 0;
-    palp_status status = palp_model_read_between(o->model, &between, &n_specimens, error);
+    size_t n_specimens = 0, n = s->model.material.law.n + 2 * s->model.material.n_arms;
+    palp_status status = palp_model_read_covariance(o->model, covariance, error);
+    if (status == PALP_OK)
+        status = palp_model_read_between(o->model, &between, &n_specimens, error);
+    *part = between && !*covariance;
+    if (status == PALP_OK && *part && !(*covariance = calloc(n * n, sizeof **covariance)))
+        status = PALP_ERR_NO_MEMORY;
     if (status == PALP_OK && between)
-        status = palp_model_unmeasured(s->model.material.law.n + 2 * s->model.material.n_arms, covariance, between, n_specimens, covariance);
+        status = palp_model_unmeasured(n, *covariance, between, n_specimens, *covariance);
     free(between);
     return status;
 }
@@ -44,10 +51,12 @@ static palp_status add_spread(const simulate_options *o, const simulation *s, do
 int simulate_band(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     double *covariance = NULL;
-    palp_status status = palp_model_read_covariance(o->model, &covariance, &error);
+    bool part = false;
+    palp_status status = read_covariance(o, s, &covariance, &part, &error);
     if (status == PALP_OK && !covariance)
         return cli_failure(NAME, "%s: does not say how well it is known (no \"covariance\"); palpate characterize --out and palpate calibrate --out write it", o->model);
-    status = status ? status : add_spread(o, s, covariance, &error);
+    if (status == PALP_OK && part)
+        cli_warning(NAME, "%s: does not say how well the mean of its specimens is known (no \"covariance\"): the band holds what specimens differ by, and is too narrow by the rest", o->model);
     status = status ? status : find(s, covariance, &error);
     free(covariance);
     return status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;

@@ -90,6 +90,18 @@ START_TEST(two_arms_of_one_time) {
 }
 END_TEST
 
+/* The words for a network's tangent tell nobody what is wrong with recordings. */
+START_TEST(a_singular_fit_says_what_to_do) {
+    palp_error error = {PALP_OK, ""};
+    ck_assert_int_eq(fit_failed(&error, PALP_ERR_SINGULAR, "run.csv"), PALP_ERR_SINGULAR);
+    ck_assert_ptr_nonnull(strstr(error.text, "run.csv: the recordings do not tell"));
+    ck_assert_ptr_nonnull(strstr(error.text, "fewer arms"));
+    ck_assert_ptr_null(strstr(error.text, "mechanism"));
+    fit_failed(&error, PALP_ERR_NO_MEMORY, "other.csv"); /* the first word stays */
+    ck_assert_ptr_null(strstr(error.text, "other.csv"));
+}
+END_TEST
+
 /* An arm that starts far too weak wants a step beyond all numbers; it must not be taken for the way back to the constraints that the
  * start does not meet. */
 START_TEST(a_step_back_to_the_constraints_stays_within_all_numbers) {
@@ -137,5 +149,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, variances_along_what_is_not_told_are_large_and_never_negative);
     tcase_add_test(tc, a_regular_inverse);
     tcase_add_test(tc, two_arms_of_one_time);
+    tcase_add_test(tc, a_singular_fit_says_what_to_do);
     tcase_add_test(tc, a_step_back_to_the_constraints_stays_within_all_numbers);
 }
