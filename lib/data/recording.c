@@ -175,6 +175,20 @@ static size_t find_withdrawal(const palp_recording *r, const palp_pieces *pieces
     return k > 0 && pieces->piece[k - 1].motion == PALP_MOTION_UNLOAD ? pieces->piece[k - 1].first : r->n;
 }
 
+static double speed(const palp_recording *r, size_t from, size_t to) {
+    return (r->depth_m[to] - r->depth_m[from]) / (r->time_s[to] - r->time_s[from]);
+}
+
+/* Whether a force is held while the depth goes on. By its path alone a depth that comes to rest at last may be the ramp and the hold of
+ * a press; but then the plate was much faster before the force was held. Where a sensor ends it was not. */
+static bool is_creep(const palp_recording *r, size_t start, size_t end) {
+    static const double slower = 0.5;
+    if (r->kind != PALP_RECORDING_RAMP_HOLD || r->creep.n == 0)
+        return r->creep.n > 0;
+    const size_t held = r->creep.piece[0].first, from = start < held ? start : held - 1; /* a ramp goes before it */
+    return held < end && speed(r, held, end) < slower * speed(r, from, held);
+}
+
 /* What was done, and where the motion starts and ends. What follows a press that ends by taking the plate back is left out: it
  * says how the plate leaves, which no law of pressing tells. */
 static palp_status find_motion(palp_recording *r) {
@@ -193,7 +207,7 @@ static palp_status find_motion(palp_recording *r) {
         r->use[i] = 0;
     palp_pieces_free(&pieces);
     status = palp_segments_creep(r->n, r->time_s, r->depth_m, r->force_N, &r->creep);
-    if (!status && r->kind != PALP_RECORDING_RAMP_HOLD && r->creep.n > 0) {
+    if (!status && is_creep(r, start, end)) {
         r->kind = PALP_RECORDING_CREEP;
         r->ramp_end_s = r->time_s[r->creep.piece[0].first];
     }
