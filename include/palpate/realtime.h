@@ -33,7 +33,9 @@ PALP_API palp_network *palp_realtime_network(const palp_realtime *realtime);
  * still serves. */
 PALP_API palp_status palp_realtime_reset(palp_realtime *realtime);
 
-/* When a tick's work ends; the first of these. 0 = that one does not count; all 0 = at the network's tolerance. */
+/* When a tick's work ends; the first of these. 0 = that one does not count; all 0 = at the network's tolerance. Without a limit in
+ * seconds or corrections a tick of a network with PALP_BRANCH_STABLE goes downhill until it is solved, however far a branch that
+ * ended was above the next stable one; of other networks it gives up after some 400 corrections. */
 typedef struct palp_budget {
     double seconds;     /* since the call, monotonic clock; at least one correction is made. Results then depend on
                            the machine */
@@ -44,6 +46,8 @@ typedef struct palp_budget {
 typedef struct palp_tick_info {
     bool converged;       /* the residual met the network's tolerance or the budget's force_error */
     size_t corrections;   /* solves done */
+    bool buckled;         /* on the way the tangent was found not to be positive definite: the branch may have been left for another,
+                             or have ended */
     bool refreshed;       /* a new factor came into use */
     double residual;      /* |residual| / |element forces| */
     double force_N;       /* reaction conjugate to depth by virtual work: its error is of second order */

@@ -20,6 +20,7 @@ typedef struct two_level {
     const double *depth, *target;
     double *wanted, *ratio;     /* [n] of the coarse network; fine force over coarse */
     size_t n_presses, n_reached; /* of the large network, at samples (i + 1) n / n_presses - 1 */
+    size_t n_stable;             /* of these, up to the first that left the branch from rest for another stable one */
     double strain_max;           /* of the large one in them */
     palp_calibration *result;
 } two_level;
@@ -28,20 +29,25 @@ static size_t sample_of(const two_level *c, size_t press) {
     return (press + 1) * c->n / c->n_presses - 1;
 }
 
-/* Presses the large network down its branch, as far as each step is solved at once: where it is not, the network has
- * begun to buckle. force[n_presses]. */
+/* Presses the large network down its branch. With PALP_BRANCH_CONTINUE as far as each step is solved at once: where it is not,
+ * the network has begun to buckle. With PALP_BRANCH_STABLE each descends as long as it takes to the next stable place.
+ * force[n_presses]. */
 static palp_status press_fine(two_level *c, const palp_material *material, double *force) {
     palp_tick_info info;
+    const bool descends = c->fine->settings.branch == PALP_BRANCH_STABLE;
     const palp_budget budget = {.force_error = PRECISE};
     palp_status status = palp_network_set_material(c->fine, material);
     if (!status)
         status = palp_realtime_reset(c->realtime);
+    c->n_stable = c->n_presses;
     for (c->n_reached = 0; c->n_reached < c->n_presses && !status; c->n_reached++) {
         status = palp_realtime_step(c->realtime, c->depth[sample_of(c, c->n_reached)], INFINITY, &budget, &info);
         if (calibration_lost(status) || (!status && !info.converged)) {
             status = PALP_OK;
             break;
         }
+        if (descends && info.buckled && c->n_reached < c->n_stable)
+            c->n_stable = c->n_reached;
         force[c->n_reached] = info.force_N;
         c->strain_max = fmax(c->n_reached ? c->strain_max : 0.0, palp_network_strain_max(c->fine));
     }
@@ -61,28 +67,41 @@ static void spread_ratio(two_level *c, const double *fine, const double *coarse)
     }
 }
 
-/* *miss: largest difference from the target as far as was reached, of the target's peak. */
+/* Presses on the branch from rest; at least one. */
+static size_t branch_presses(const two_level *c) {
+    size_t n = c->n_stable < c->n_reached ? c->n_stable : c->n_reached;
+    return n > 0 ? n : 1;
+}
+
+/* Where the large network's branch ended, or was left for another. */
+static void report_stability(const two_level *c) {
+    palp_calibration *r = c->result;
+    size_t n = branch_presses(c);
+    r->reached_m = c->depth[sample_of(c, c->n_reached - 1)];
+    r->strain_max = c->strain_max;
+    r->buckled = n < c->n_presses;
+    if (r->buckled) {
+        r->stable_m = c->depth[sample_of(c, n - 1)];
+        r->unstable_m = c->depth[sample_of(c, n)];
+    }
+}
+
+/* *miss: largest difference from the target as far as the branch from rest was followed, of the target's peak. */
 static palp_status report(two_level *c, const palp_calibration *coarse, double *miss) {
     palp_calibration *r = c->result;
     palp_calibrate_iteration it = {.material = coarse->material};
-    size_t last = sample_of(c, c->n_reached - 1);
+    size_t last = sample_of(c, c->n_reached - 1), own = sample_of(c, branch_presses(c) - 1);
     double sum = 0.0;
     *miss = 0.0;
     for (size_t i = 0; i < c->n; i++) {
         double force = c->ratio[i] * coarse->force_N[i <= last ? i : last], off = force - c->target[i];
         r->force_N[i] = force;
         sum += off * off;
-        *miss = i <= last ? fmax(*miss, fabs(off) / c->target[c->n - 1]) : *miss;
+        *miss = i <= own ? fmax(*miss, fabs(off) / c->target[c->n - 1]) : *miss;
     }
     it.residual_N = r->residual_N = sqrt(sum);
     r->material = it.material;
-    r->reached_m = c->depth[last];
-    r->strain_max = c->strain_max;
-    r->buckled = c->n_reached < c->n_presses;
-    if (r->buckled) {
-        r->stable_m = r->reached_m;
-        r->unstable_m = c->depth[sample_of(c, c->n_reached)];
-    }
+    report_stability(c);
     palp_status status = calibration_add(r, &it);
     double done = (double)r->n_iterations / ROUNDS;
     bool stop = !status && c->settings->progress && c->settings->progress(c->settings->user, done, &it);
@@ -103,8 +122,9 @@ static palp_status improve(two_level *c, const palp_material *start, double *mis
         spread_ratio(c, fine, coarse.force_N);
         status = report(c, &coarse, miss);
     }
+    size_t own = status ? 0 : sample_of(c, branch_presses(c) - 1);
     for (size_t i = 0; i < c->n && !status; i++)
-        c->wanted[i] = c->target[i] / c->ratio[i];
+        c->wanted[i] = c->target[i] / c->ratio[i <= own ? i : own]; /* no law is to follow another branch */
     palp_calibration_free(&coarse);
     return status;
 }

@@ -16,7 +16,8 @@ static const double SAFETY = 3.0;  /* of the error estimate */
 static const double ANCHORED = 6.0; /* of a tick's error, what friction may remember of it */
 static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
 static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
-enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end */
+enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end, */
+enum { DESCENT = 20000 };          /* corrections to a stable branch, in as many rounds as it takes */
 
 palp_realtime_settings palp_realtime_settings_default(void) {
     return (palp_realtime_settings){.refresh_share = 0.15, .background = false};
@@ -224,10 +225,15 @@ static void assess(palp_realtime *rt, tick *t) {
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
 
+/* Looks for a stable branch, however far down it is. */
+static bool descends(const palp_realtime *rt) {
+    return rt->net->settings.branch == PALP_BRANCH_STABLE;
+}
+
 /* Corrections that the budget leaves room for. The first is always made: a state that is only extrapolated goes
  * astray. */
 static size_t room(const palp_realtime *rt, const tick *t) {
-    size_t most = t->budget.corrections > 0 ? t->budget.corrections : CORRECTIONS;
+    size_t own = descends(rt) ? DESCENT : CORRECTIONS, most = t->budget.corrections > 0 ? t->budget.corrections : own;
     size_t left = most > t->info.corrections ? most - t->info.corrections : 0;
     if (!(t->budget.seconds > 0.0))
         return left;
@@ -295,7 +301,7 @@ static void correct(palp_realtime *rt, tick *t) {
         size_t left = room(rt, t);
         if (left == 0)
             return;
-        if (i == ROUNDS && t->budget.corrections == 0 && !(t->budget.seconds > 0.0))
+        if (i == ROUNDS && t->budget.corrections == 0 && !(t->budget.seconds > 0.0) && !descends(rt))
             return;
         double start = realtime_clock();
         if (!rt->fresh && !realtime_evaluate(rt, true)) /* the prediction was thought to be enough */
@@ -377,7 +383,9 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
         return PALP_ERR_COLLAPSED;
     assess(rt, &t);
     t.first = t.norm;
+    rt->indefinite = false;
     correct(rt, &t);
+    t.info.buckled = rt->indefinite;
     double rest = realtime_clock();
     commit(rt, &t);
     rt->idle = t.info.corrections == 0;

@@ -31,6 +31,7 @@ struct palp_realtime {
     double *weight;        /* [n_nodes] stiffness of what presses on each node from outside, N/m */
     float *element;        /* [n_floats] the elements' blocks at the last evaluation with the tangent, as rt->mg has them */
     bool fresh;            /* that was the last evaluation */
+    bool indefinite;       /* in this tick the tangent was found not to be positive definite */
     bool idle;             /* the last tick made no correction */
     double *adjoint_r, *adjoint_z; /* [3 n_nodes] of a correction of the adjoint on its way */
     bool driven;           /* some axis is: there is an adjoint */

@@ -56,6 +56,7 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
         realtime_tangent_times(rt, rt->p, rt->q);
         double curvature = network_dot(rt->p, rt->q, n), alpha = rz / curvature;
         if (!(curvature > 0.0)) {
+            rt->indefinite = true;
             if (done == 1)
                 move_a_little(rt);
             break;

@@ -21,9 +21,11 @@ static curve lumped_curve(double depth) {
     return c;
 }
 
-static palp_status carry(size_t fine, size_t coarse, const curve *c, palp_calibration *result) {
+static palp_status carry(size_t fine, size_t coarse, palp_branch branch, const curve *c, palp_calibration *result) {
     palp_material start = quartic(0);
-    palp_network *large = cube_network(fine, &start, NULL), *small = cube_network(coarse, &start, NULL);
+    palp_network_settings how = palp_network_settings_default();
+    how.branch = branch;
+    palp_network *large = cube_network(fine, &start, &how), *small = cube_network(coarse, &start, NULL);
     palp_static_settings settings = palp_static_settings_default();
     palp_status status =
         palp_calibrate_two_level(large, small, &start, SAMPLES, c->depth, c->force, &settings, result);
@@ -36,7 +38,7 @@ static palp_status carry(size_t fine, size_t coarse, const curve *c, palp_calibr
 START_TEST(the_coarse_law_meets_the_target) {
     const curve c = lumped_curve(0.007);
     palp_calibration result;
-    ck_assert_int_eq(carry(9, 5, &c, &result), PALP_OK);
+    ck_assert_int_eq(carry(9, 5, PALP_BRANCH_CONTINUE, &c, &result), PALP_OK);
     ck_assert(result.converged);
     ck_assert(!result.buckled);
     ck_assert_double_eq(result.reached_m, 0.007);
@@ -57,11 +59,27 @@ END_TEST
 START_TEST(the_branchs_end_is_told) {
     const curve c = lumped_curve(0.0097);
     palp_calibration result;
-    ck_assert_int_eq(carry(11, 5, &c, &result), PALP_OK);
+    ck_assert_int_eq(carry(11, 5, PALP_BRANCH_CONTINUE, &c, &result), PALP_OK);
     ck_assert(result.buckled);
     ck_assert_double_gt(result.reached_m, 0.33 * HEIGHT);
     ck_assert_double_lt(result.reached_m, 0.39 * HEIGHT);
     ck_assert_double_eq(result.stable_m, result.reached_m);
+    ck_assert_double_gt(result.unstable_m, result.stable_m);
+    for (int i = 0; i < SAMPLES && c.depth[i] <= 0.008; i++)
+        ck_assert_double_eq_tol(result.force_N[i], c.force[i], 0.02 * c.force[SAMPLES - 1]);
+    palp_calibration_free(&result);
+}
+END_TEST
+
+/* With the stable branch the same lattice goes all the way: the law is as good before the fold, and where it was is told. */
+START_TEST(the_stable_branch_goes_on) {
+    const curve c = lumped_curve(0.0097);
+    palp_calibration result;
+    ck_assert_int_eq(carry(11, 5, PALP_BRANCH_STABLE, &c, &result), PALP_OK);
+    ck_assert_double_eq(result.reached_m, c.depth[SAMPLES - 1]);
+    ck_assert(result.buckled);
+    ck_assert_double_gt(result.stable_m, 0.33 * HEIGHT);
+    ck_assert_double_lt(result.unstable_m, 0.0097);
     ck_assert_double_gt(result.unstable_m, result.stable_m);
     for (int i = 0; i < SAMPLES && c.depth[i] <= 0.008; i++)
         ck_assert_double_eq_tol(result.force_N[i], c.force[i], 0.02 * c.force[SAMPLES - 1]);
@@ -87,5 +105,6 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, the_coarse_law_meets_the_target);
     tcase_add_test(tc, the_branchs_end_is_told);
+    tcase_add_test(tc, the_stable_branch_goes_on);
     tcase_add_test(tc, two_levels_refuse);
 }
