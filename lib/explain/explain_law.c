@@ -11,7 +11,7 @@ static const struct family {
     palp_law_kind kind;
     size_t n;
 } families[] = {{PALP_LAW_POLYNOMIAL, 2}, {PALP_LAW_POLYNOMIAL, 3}, {PALP_LAW_POLYNOMIAL, 4}, {PALP_LAW_POLYNOMIAL, 5},
-                {PALP_LAW_POLYNOMIAL, 6}, {PALP_LAW_SPLINE, 8}, {PALP_LAW_SPLINE, 14}};
+                {PALP_LAW_POLYNOMIAL, 6}, {PALP_LAW_SPLINE, 8}, {PALP_LAW_SPLINE, 14}, {PALP_LAW_SPLINE, 27}};
 
 static double price(const explain_search *s, size_t n) { return 0.5 * (double)n * log((double)s->data.n); }
 
