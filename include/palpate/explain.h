@@ -62,6 +62,7 @@ typedef struct palp_explain_effect {
     double evidence;                         /* gain in held-out log score, nats */
     double evidence_se;                      /* its paired standard error over the experiments */
     double gap_closed;                       /* share of the squared gap above the noise level */
+    bool recovers;                           /* the runs of one session show it, but each as on a new specimen */
 } palp_explain_effect;
 
 /* N, rms over the samples: before, by the model as given with one contact and one gain for all runs; after, with the

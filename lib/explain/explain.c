@@ -37,6 +37,28 @@ void palp_explanation_free(palp_explanation *e) {
 
 /* ---- the procedure ---- */
 
+/* Whether the specimen recovers between the runs of a session from what the model as given has of damage or set. */
+static palp_status find_recovery(explain_search *s) {
+    explain_fit kept;
+    bool may = false;
+    for (size_t i = 0; i < s->fit.model.n_effects; i++)
+        may = may || explain_may_recover(&s->data, s->fit.model.effects[i].id);
+    palp_status status = may ? explain_fit_copy(&s->fit, s->data.n_runs, &kept) : PALP_OK;
+    if (status || !may)
+        return status;
+    s->fit.renewed = true;
+    status = explain_refit_anywhere(s);
+    if (!status) /* the noise is another since */
+        status = explain_fit_products(&kept, &s->data, NULL);
+    if (!status && kept.score >= explain_fit_score(&s->fit, &s->data)) {
+        explain_fit_free(&s->fit);
+        s->fit = kept;
+        return explain_refit(s);
+    }
+    explain_fit_free(&kept);
+    return status;
+}
+
 static palp_status start(explain_search *s, const palp_model *model, size_t n, const palp_explain_input *inputs,
                          palp_error *error) {
     palp_status status = explain_data_create(n, inputs, s->settings, model, &s->data, error);
@@ -62,7 +84,9 @@ static palp_status start(explain_search *s, const palp_model *model, size_t n, c
             s->residual[at + i] = s->data.run[r].force[i] - s->force[at + i];
     if (!status)
         status = explain_noise_find(&s->data, s->residual);
-    return status ? status : explain_refit_anywhere(s);
+    if (!status)
+        status = explain_refit_anywhere(s);
+    return status ? status : find_recovery(s);
 }
 
 /* ---- the verdict ---- */

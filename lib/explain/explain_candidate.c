@@ -144,19 +144,32 @@ static palp_status multistart_run(explain_multistart *r, const explain_data *dat
     return status;
 }
 
+/* One from each start. What a specimen keeps from a press may be gone before the next run, which no file tells: where runs follow
+ * each other on it both are tried. */
+static palp_status multistart_enter_all(explain_multistart *r, const explain_fit *base, const explain_data *data,
+                                        const effect_starts *s, size_t rounds_back) {
+    palp_status status = PALP_OK;
+    explain_fit other = *base; /* reads base's, and owns nothing */
+    other.renewed = !base->renewed;
+    for (size_t k = 0; k < s->n && !status; k++) {
+        status = multistart_enter(r, base, data, &s->effect[k], rounds_back);
+        if (!status && explain_may_recover(data, s->id))
+            status = multistart_enter(r, &other, data, &s->effect[k], rounds_back);
+    }
+    return status;
+}
+
 /* The starts that promise most, from the base's parameters and, where it fits badly, from those as given. */
 static palp_status multistart_fill(explain_multistart *r, const explain_fit *base, const explain_data *data,
                                    const effect_starts *s, double worth) {
     enum { AHEAD = 3, BACK = 2 };
-    palp_status status = PALP_OK;
-    for (size_t k = 0; k < s->n && !status; k++)
-        status = multistart_enter(r, base, data, &s->effect[k], 0);
+    palp_status status = multistart_enter_all(r, base, data, s, 0);
     multistart_keep(r, AHEAD);
     while (r->n > 0 && !(r->start[r->n - 1].chi2 < worth))
         explain_fit_free(&r->start[--r->n].fit);
     bool back = explain_chi2(data, base) > POOR && base->model.kind != PALP_MODEL_NETWORK; /* whose fits are dear */
-    for (size_t k = 0; k < s->n && !status && back; k++)
-        status = multistart_enter(r, base, data, &s->effect[k], BACK);
+    if (!status && back)
+        status = multistart_enter_all(r, base, data, s, BACK);
     return status;
 }
 

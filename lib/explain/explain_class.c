@@ -28,7 +28,7 @@ static palp_status make_basis(const explain_fit *fit, const explain_data *data, 
     size_t n = data->n, k = fit->n_columns;
     double *gradient = malloc((k + 1) * data->longest * sizeof *gradient);
     palp_status status = gradient ? PALP_OK : PALP_ERR_NO_MEMORY;
-    explain_history history = {.load.peak = 0.0};
+    explain_history history = {.renewed = fit->renewed};
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         size_t own = data->run[r].n;
         palp_forward_run path = explain_forward_run(&data->run[r], fit->contact[r], &history);

@@ -11,7 +11,7 @@
 static const double SPIKE_SIGMA = 8.0;
 
 palp_forward_run explain_forward_run(const explain_run *run, double contact, explain_history *history) {
-    if (run->fresh)
+    if (run->fresh || history->renewed)
         palp_load_history_free(&history->load);
     history->load.peak_p = history->slope;
     return (palp_forward_run){
@@ -391,6 +391,13 @@ size_t explain_samples(const explain_data *data) {
     for (size_t r = 0; r < data->n_runs; r++)
         n += data->run[r].held_out ? 0 : data->run[r].n;
     return n;
+}
+
+bool explain_may_recover(const explain_data *data, palp_effect_id id) {
+    bool follows = false;
+    for (size_t r = 0; r < data->n_runs; r++)
+        follows = follows || !data->run[r].fresh;
+    return follows && effect_row_of(id)->history;
 }
 
 size_t explain_fitted_runs(const explain_data *data) {

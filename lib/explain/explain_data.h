@@ -71,6 +71,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs, cons
                                 const palp_model *model, explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
 size_t explain_samples(const explain_data *data);    /* of the runs that are not held out */
+bool explain_may_recover(const explain_data *data, palp_effect_id id); /* of what it does a specimen may keep something from run to run */
 size_t explain_fitted_runs(const explain_data *data); /* how many are not */
 effect_data explain_facts(const explain_data *data); /* without what a fit leaves of them */
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
@@ -84,6 +85,7 @@ palp_status explain_white_noise(explain_run *run, const double *x);
 
 /* What a specimen keeps from run to run; zero-initialised before the first, palp_load_history_free after the last. */
 typedef struct explain_history {
+    bool renewed; /* between the runs it recovers: it keeps nothing */
     palp_load_history load;
     double slope[EXPLAIN_COLUMNS];
 } explain_history;

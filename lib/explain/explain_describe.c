@@ -37,6 +37,8 @@ static palp_status stand_in(const place *p, size_t c, explain_fit *fit) {
     palp_status status = explain_fit_beside(&full->fit, &model, &full->data, fit);
     if (status)
         return status;
+    if (explain_may_recover(&full->data, (palp_effect_id)c))
+        fit->renewed = full->memory->step[p->i].renewed[c];
     status = explain_fit_products(fit, &full->data, NULL);
     if (!status)
         status = explain_fit_improve(fit, &full->data, 4);
@@ -102,6 +104,7 @@ palp_status explain_describe(explain_search *s, palp_explanation *e) {
         out->effect = explain_added(s, i);
         out->alike[0] = out->effect.id;
         out->n_class = 1;
+        out->recovers = s->fit.renewed && explain_may_recover(&s->data, out->effect.id);
         status = explain_search_without(s, i, &rest);
         if (status == PALP_ERR_NOT_CONVERGED) { /* without it the model does not run: nothing to compare with */
             explain_search_free(&rest);

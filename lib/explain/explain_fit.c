@@ -116,6 +116,7 @@ palp_status explain_fit_beside(const explain_fit *base, const palp_model *model,
     fit->scatter = base->scatter;
     fit->hum_Hz = base->hum_Hz;
     fit->hum_N = base->hum_N;
+    fit->renewed = base->renewed;
     return status;
 }
 
@@ -284,7 +285,7 @@ static palp_status evaluate_run(const evaluation *e, size_t r, explain_history *
 
 /* Whether run r is in a chain that begins with an earlier one. */
 static bool follows(const evaluation *e, size_t r) {
-    return r > 0 && (e->together || (e->remembers && !e->data->run[r].fresh));
+    return r > 0 && (e->together || (e->remembers && !e->fit->renewed && !e->data->run[r].fresh));
 }
 
 static void chain_task(void *user, size_t first) {
@@ -293,7 +294,7 @@ static void chain_task(void *user, size_t first) {
     if (follows(e, first))
         return;
     double *work = malloc((2 + e->columns + e->fit->m) * e->data->longest * sizeof *work);
-    explain_history history = {.load.peak = 0.0};
+    explain_history history = {.renewed = e->fit->renewed};
     *status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t r = first; r < e->data->n_runs && !*status && (r == first || follows(e, r)); r++)
         *status = evaluate_run(e, r, &history, work);

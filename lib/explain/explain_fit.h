@@ -15,6 +15,7 @@ typedef struct explain_scatter {
 typedef struct explain_fit {
     palp_model model;
     double hum_Hz, hum_N;         /* 0 = none; prior sd of its amplitude */
+    bool renewed;                 /* each run finds its specimen as new, whatever the files say of their order */
     size_t n_columns, m;
     double low[EXPLAIN_COLUMNS], high[EXPLAIN_COLUMNS], x[EXPLAIN_COLUMNS]; /* search coordinates */
     double unit[EXPLAIN_COLUMNS]; /* prior sd of a coordinate: very wide */

@@ -87,6 +87,8 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     const bool effect = id < PALP_EFFECT_COUNT, line = effect && effect_row_of(id)->line;
     double cost = line ? 0.5 : 0.5 * (double)(t->fit.n_columns - s->fit.n_columns);
     double scanned = effect ? effect_row_of(id)->scanned : 0.0;
+    if (effect && explain_may_recover(&s->data, id)) /* whether the specimen recovers is looked at too */
+        scanned = 2.0;
     t->raw_gain = t->fit.score - s->fit.score - (scanned > 0.0 ? log(scanned) : 0.0);
     t->gain = t->raw_gain - cost * log((double)n) - (line ? log(EXPLAIN_FREQUENCIES) : 0.0);
     double hum = t->fit.hum_Hz > 0.0 && !(s->fit.hum_Hz > 0.0) ? t->fit.hum_N / sqrt(2.0) : 0.0;

@@ -56,7 +56,7 @@ typedef struct explain_trial {
 
 /* What was found when each effect was added: models whose last effect is the candidate. */
 typedef struct explain_step {
-    bool has[PALP_EFFECT_COUNT];
+    bool has[PALP_EFFECT_COUNT], renewed[PALP_EFFECT_COUNT];
     palp_model model[PALP_EFFECT_COUNT];
 } explain_step;
 

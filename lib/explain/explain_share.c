@@ -45,7 +45,7 @@ static palp_status arm_columns(const explain_search *s, size_t r, size_t n_arms,
         m->arms[m->n_arms++] = (palp_arm){.stiffness_N = slight, .viscosity_Ns = slight * low * pow(high / low, part)};
     }
     double *force = malloc((1 + palp_forward_parameter_count(&model)) * n * sizeof *force);
-    explain_history history = {.load.peak = run->largest_strain};
+    explain_history history = {.renewed = s->fit.renewed, .load.peak = run->largest_strain};
     palp_forward_run path = explain_forward_run(run, s->fit.contact[r], &history);
     palp_status status = force ? explain_predict(&model, &path, force, force + n, NULL) : PALP_ERR_NO_MEMORY;
     for (size_t j = 0; j < n_arms && !status; j++) {

@@ -89,6 +89,7 @@ static void remember(explain_search *s) {
         step->has[i] = s->trial[i].fit.product && !effect_row_of((palp_effect_id)i)->line;
         if (step->has[i])
             step->model[i] = s->trial[i].fit.model;
+        step->renewed[i] = s->trial[i].fit.renewed;
     }
 }
 

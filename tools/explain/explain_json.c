@@ -31,6 +31,7 @@ static json_t *effect_json(const palp_explain_effect *f) {
     put(object, "evidence", f->evidence);
     put(object, "evidence_standard_error", f->evidence_se);
     put(object, "gap_closed", f->gap_closed);
+    json_object_set_new(object, "recovers", json_boolean(f->recovers));
     return object;
 }
 

@@ -153,6 +153,8 @@ static void effect_card(FILE *to, const json_t *effect) {
         page_paragraph(to,
                        "With it the experiments left out are more likely: the natural logarithm of their likelihood grows by %.0f "
                        "\u00b1 %.0f.", json_number_at(effect, "evidence"), json_number_at(effect, "evidence_standard_error"));
+    if (json_is_true(json_object_get(effect, "recovers")))
+        page_paragraph(to, "The specimen recovers between the runs of the session: each run begins as on a new one.");
     page_paragraph(to, "Would do as well: %s.", alike[0] ? alike : "no other effect of the catalogue");
     fputs("</div>\n", to);
 }

@@ -179,6 +179,8 @@ static void say_effect(FILE *to, const json_t *effect) {
         fprintf(to, " closes %.0f %% of the gap", 100 * page_share(effect, "gap_closed"));
     else
         fputs(" share of the gap not known", to);
+    if (json_is_true(json_object_get(effect, "recovers")))
+        fputs(", gone before the next run of the session", to);
     fputc('\n', to);
 }
 
