@@ -1,5 +1,5 @@
 /* bench.c: what the benches share. */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE /* RUSAGE_THREAD */
 #include "bench.h"
 
 #include <stdio.h>
@@ -31,6 +31,16 @@ static int ascending(const void *a, const void *b) {
 double bench_median(double *x, size_t n) {
     qsort(x, n, sizeof *x, ascending);
     return n % 2 ? x[n / 2] : 0.5 * (x[n / 2 - 1] + x[n / 2]);
+}
+
+long bench_interruptions(void) {
+#ifdef RUSAGE_THREAD
+    struct rusage usage;
+    getrusage(RUSAGE_THREAD, &usage);
+    return usage.ru_nivcsw;
+#else
+    return 0;
+#endif
 }
 
 double bench_peak_MB(void) {
