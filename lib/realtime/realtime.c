@@ -117,6 +117,8 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
         double tick = 2.0 * ((double)net->n_elements + multigrid_cycle_work(rt->mg));
         rt->piece = settings->refresh_share / (1.0 - settings->refresh_share) * tick;
         status = begin(rt);
+        if (!status) /* the same once more into the other set, whose memory a tick would else be the first to use */
+            status = realtime_refresh_now(rt);
         time_parts(rt);
     }
     if (status)

@@ -4,6 +4,7 @@
 #include "contact/contact_internal.h"
 #include "realtime_make.h"
 #include "realtime/realtime_internal.h"
+#include "solve/multigrid_internal.h"
 
 enum { SMALL = 5, LEVELS = 12 }; /* nodes a side: a factor alone; with coarser levels */
 
@@ -303,6 +304,21 @@ START_TEST(tangent_of_a_tick_is_of_its_end) {
 }
 END_TEST
 
+/* From the start both sets of the factor's numbers have been made, so that no tick waits for memory that nothing has used yet. */
+START_TEST(both_sets_are_made_at_the_start) {
+    palp_material m = quartic(0);
+    palp_realtime *rt = realtime_on(cube_network(LEVELS, &m, NULL), false);
+    const mg_level *l = &rt->mg->level[0];
+    double sum = 0.0;
+    for (size_t i = 0; i < BLOCK_FLOATS * l->n; i++) {
+        ck_assert(l->inverse[0][i] == l->inverse[1][i]);
+        sum += fabs((double)l->inverse[1][i]);
+    }
+    ck_assert_double_gt(sum, 0.0);
+    drop(rt);
+}
+END_TEST
+
 /* A rough sphere's blocks and a foundation's springs are in the factor of a network so small that there are no levels: with them
  * one correction solves. */
 START_TEST(blocks_of_terms_are_in_the_factor) {
@@ -428,6 +444,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, time_leaves_room);
     tcase_add_test(tc, a_tick_is_judged);
     tcase_add_loop_test(tc, tangent_of_a_tick_is_of_its_end, 0, 2);
+    tcase_add_test(tc, both_sets_are_made_at_the_start);
     tcase_add_test(tc, a_piece_is_its_share_of_a_tick);
     tcase_add_test(tc, blocks_of_terms_are_in_the_factor);
 }
