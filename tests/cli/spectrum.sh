@@ -17,7 +17,11 @@ for run in sweep/sweep_3mm dwell/ramp_hold_3mm; do
     for k in 1 2; do
         set -- 2.5847711 3.6146 && [ $k = 1 ] || set -- 0.6853036 23.964533
         near "K$k of $run" "$(estimate K_$k ${run%%/*}.json value)" $1 0.05
-        near "b$k of $run" "$(estimate b_$k ${run%%/*}.json value)" $2 0.08
+        share=0.08
+        # A sweep of 25 s sees little of the arm of 35 s: by its noise and its contact, another in each session by some micrometres, b_2
+        # varies by 2.5 % (standard deviation of ten sessions). Six of these.
+        [ "$run b_$k" != "sweep/sweep_3mm b_2" ] || share=0.15
+        near "b$k of $run" "$(estimate b_$k ${run%%/*}.json value)" $2 $share
     done
 done
 grep -q '"spectrum": \[\]' dwell.json || fail "a dwell has a spectrum"
