@@ -1,6 +1,7 @@
 /* explain_rest.c: whether what a fit leaves of a run can be told from the instrument's noise. */
 #include "explain_search.h"
 #include "explain_noise.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -109,6 +110,50 @@ palp_status explain_rest_inflation(const explain_data *data, const double *resid
     free(x);
     return PALP_OK;
 }
+
+/* ---- zeros that jump ---- */
+
+/* What a zero of the run that jumps once, at the likeliest of so many places, gains on x, which is whitened; less what its size
+ * and place cost. work: [2 n] */
+static double jump_gain(const explain_run *run, const double *x, double *work) {
+    enum { PLACES = 31 };
+    const size_t n = run->n;
+    double *zero = work, *step = work + n, most = 0.0;
+    for (size_t i = 0; i < n; i++)
+        zero[i] = 1.0;
+    explain_whiten(run, 1, zero);
+    const double norm = dense_dot(n, zero, zero);
+    for (size_t k = 1; k <= PLACES && norm > 0.0; k++) {
+        for (size_t i = 0; i < n; i++)
+            step[i] = i >= k * n / (PLACES + 1) ? 1.0 : 0.0;
+        explain_whiten(run, 1, step);
+        const double along = dense_dot(n, zero, step) / norm;
+        const double square = dense_dot(n, step, step) - along * along * norm;
+        const double pull = dense_dot(n, step, x) - along * dense_dot(n, zero, x);
+        if (square > 1e-9 * norm)
+            most = fmax(most, 0.5 * pull * pull / square);
+    }
+    return fmax(0.0, most - log(PLACES) - 0.5 * log((double)n));
+}
+
+palp_status explain_jumps_find(const explain_data *data, const double *residual, double *gain) {
+    double *x = malloc(3 * data->longest * sizeof *x);
+    *gain = 0.0;
+    if (!x)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t r = 0; r < data->n_runs; residual += data->run[r++].n) {
+        const explain_run *run = &data->run[r];
+        if (run->held_out)
+            continue;
+        memcpy(x, residual, run->n * sizeof *x);
+        explain_whiten(run, 1, x);
+        *gain += jump_gain(run, x, x + run->n);
+    }
+    free(x);
+    return PALP_OK;
+}
+
+/* ---- the verdict ---- */
 
 /* Mean square pull of the releases in run r, whose model gives force, that the model does not follow: a pull that grows
  * evenly up to the jump; *most: the largest jump. */

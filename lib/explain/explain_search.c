@@ -97,6 +97,12 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     status = explain_paired(&s->data, &s->fit, &t->fit, &pair);
     if (!status)
         status = explain_rest_inflation(&s->data, residual, &t->inflation);
+    double jumps_before = 0.0, jumps_after = 0.0;
+    if (!status)
+        status = explain_jumps_find(&s->data, s->residual, &jumps_before);
+    if (!status)
+        status = explain_jumps_find(&s->data, residual, &jumps_after);
+    t->beside_jumps = t->gain + jumps_after - jumps_before;
     t->from_zero = true;
     double widening = 1.0;
     if (!status && effect && !line)

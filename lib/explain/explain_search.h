@@ -50,6 +50,7 @@ typedef struct explain_trial {
     double held_out_rest;              /* of that, without the run that gains most */
     double *force;                     /* [n] of the model */
     double inflation;                  /* of the evidence's scatter, by what is left beside noise */
+    double beside_jumps;               /* gain, if the zero of every run may jump once without it and with it */
     double explained;                  /* rms difference of the forces */
     bool from_zero;                    /* the interval of a strength, as the runs scatter, is away from zero */
 } explain_trial;
@@ -145,6 +146,9 @@ palp_status explain_rest_find(const explain_search *s, const double *residual, e
 
 /* By how much what a residual[n] has beside noise widens the scatter of sums over it; 1: it is noise. */
 palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation);
+
+/* What the runs' zeros gain on a residual if each may jump once, nats, less what the sizes and places cost. */
+palp_status explain_jumps_find(const explain_data *data, const double *residual, double *gain);
 
 /* ---- explain_null.c ---- */
 
