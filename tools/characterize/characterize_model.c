@@ -217,6 +217,26 @@ static void warn_undetermined(characterize_state *s, const palp_lumped_fit *fit)
         characterize_warn(s, "%s %s not determined by these data", names, total == 1 ? "is" : "are");
 }
 
+/* Runs that no law and arms of this kind follow: far beyond the noise, and a good part of the force. */
+static void warn_misfit(characterize_state *s, const palp_lumped_fit *fit) {
+    const double noises = 3.0, share = 0.03;
+    size_t worst = fit->n_runs;
+    double most = share;
+    if (!s->has_final || s->n_points > 0) /* specimens differ from their mean */
+        return;
+    for (size_t i = 0; i < s->n; i++) {
+        double left = s->peak_N[i] > 0 ? fit->rms_N[i] / s->peak_N[i] : 0;
+        if (left > most && characterize_noise_ratio(fit, i, &s->run[i]) > noises) {
+            most = left;
+            worst = i;
+        }
+    }
+    if (worst < fit->n_runs)
+        characterize_warn(s, "%s: the model leaves %.2g %% of the peak (rms), %.2g times the noise: this law and these arms do not follow "
+                             "the runs; --arms auto may, else palpate explain tells what is missing",
+                          s->run[worst].name, 100 * most, characterize_noise_ratio(fit, worst, &s->run[worst]));
+}
+
 static void judge(characterize_state *s) {
     const palp_lumped_fit *fit = characterize_fit_of(s);
     double top = characterize_strain_max(s), lowest = palp_law_minimum(&s->material.law, top);
@@ -239,6 +259,7 @@ static void judge(characterize_state *s) {
             s, "%zu arm(s) merged with a neighbour: the data cannot tell their relaxation times apart",
             fit->n_merged);
     warn_undetermined(s, fit);
+    warn_misfit(s, fit);
     if (s->has_shared && !s->shared.converged && s->has_final)
         characterize_warn(s, "the fit of shared arms stopped before it converged");
     if (!fit->converged)
