@@ -320,6 +320,18 @@ static palp_status search_again(explain_search *s, palp_explanation *e, const ex
     return status;
 }
 
+/* Each effect is asked for once more at the end, whenever it was taken. */
+static palp_status drop_needless(explain_search *s, palp_explanation *e) {
+    palp_effect_id dropped;
+    palp_status status;
+    do {
+        status = explain_drop_needless(s, e->null_threshold, &dropped);
+        if (!status && dropped != PALP_EFFECT_COUNT)
+            mark(e, dropped, "is superfluous beside what was added later");
+    } while (!status && dropped != PALP_EFFECT_COUNT);
+    return status;
+}
+
 static palp_status explain(explain_search *s, palp_explanation *e) {
     explain_fit base = {.n_columns = 0};
     palp_status status = explain_copy_runs(s, e);
@@ -342,6 +354,8 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
         status = explain_keep_given_arms(s);
     if (!status)
         status = explain_law_review(s, &e->law);
+    if (!status)
+        status = drop_needless(s, e);
     if (!status)
         status = explain_describe(s, e);
     explain_tell(s, DESCRIPTION);

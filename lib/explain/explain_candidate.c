@@ -159,6 +159,38 @@ static palp_status multistart_enter_all(explain_multistart *r, const explain_fit
     return status;
 }
 
+/* base with the effect of *like in it, whose strengths are nothing: as good as base itself. */
+static palp_status added_at_zero(const explain_fit *base, const explain_fit *like, const explain_data *data, explain_fit *fit) {
+    palp_model model = base->model;
+    palp_effect *effect = &model.effects[model.n_effects++];
+    *effect = like->model.effects[like->model.n_effects - 1];
+    const palp_effect_info *info = palp_effect_look_up(effect->id);
+    for (size_t p = 0; p < info->n_parameters; p++)
+        effect->value[p] = info->parameter[p].strength ? 0.0 : effect->value[p];
+    palp_status status = explain_fit_beside(base, &model, data, fit);
+    if (!status)
+        status = explain_fit_to_model(fit); /* of a logarithm the least there is */
+    if (!status)
+        status = explain_fit_products(fit, data, NULL);
+    if (status)
+        explain_fit_free(fit);
+    return status;
+}
+
+/* A model with one effect more is never worse than base: where no start has come so far, one goes on from base itself. */
+static palp_status multistart_from_base(explain_multistart *r, const explain_fit *base, const explain_data *data, size_t rounds) {
+    multistart_sort(r);
+    explain_start *new = &r->start[r->n];
+    if (r->n == 0 || r->start[0].chi2 < explain_chi2(data, base) * (double)explain_samples(data))
+        return PALP_OK;
+    palp_status status = added_at_zero(base, &r->start[0].fit, data, &new->fit);
+    if (status)
+        return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    r->n++;
+    status = explain_fit_improve(&new->fit, data, rounds);
+    return status ? status : explain_fit_predict(&new->fit, data, &new->chi2);
+}
+
 /* The starts that promise most, from the base's parameters and, where it fits badly, from those as given. */
 static palp_status multistart_fill(explain_multistart *r, const explain_fit *base, const explain_data *data,
                                    const effect_starts *s, double worth) {
@@ -176,7 +208,7 @@ static palp_status multistart_fill(explain_multistart *r, const explain_fit *bas
 palp_status explain_candidate_multistart(const explain_fit *base, const explain_data *data, const double *residual,
                                          const palp_explain_settings *settings, palp_effect_id id, double worth,
                                          explain_multistart *m, const char **reason) {
-    enum { REFINED = 4, FINALISTS = 2 };
+    enum { REFINED = 4, ROUNDS = 4, FINALISTS = 2 };
     const palp_effect_info *info = palp_effect_look_up(id);
     m->n = 0;
     *reason = NULL;
@@ -198,7 +230,9 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
         status = multistart_fill(m, base, data, &s, worth);
     if (!status) {
         multistart_keep(m, REFINED);
-        status = multistart_run(m, data, 4);
+        status = multistart_run(m, data, ROUNDS);
+        if (!status)
+            status = multistart_from_base(m, base, data, ROUNDS);
         multistart_keep(m, FINALISTS);
     }
     if (!status && m->n == 0) {
@@ -208,22 +242,43 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
     return status;
 }
 
-palp_status explain_candidate_finish(explain_multistart *m, const explain_data *data,
+static palp_status finish_one(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings, palp_effect_id id, bool all) {
+    if (all && !effect_row_of(id)->line)
+        return explain_fit_settle(fit, data, settings);
+    explain_fit_scatter(fit, data, settings);
+    return PALP_OK;
+}
+
+/* In *added the better of both; the other is freed. */
+static void take_better(explain_fit *fit, explain_fit *added) {
+    if (added->product && !(fit->score > added->score)) {
+        explain_fit_free(fit);
+        return;
+    }
+    explain_fit_free(added);
+    *added = *fit;
+    memset(fit, 0, sizeof *fit);
+}
+
+palp_status explain_candidate_finish(const explain_fit *base, explain_multistart *m, const explain_data *data,
                                      const palp_explain_settings *settings, palp_effect_id id, bool all,
                                      explain_fit *added) {
     palp_status status = PALP_OK;
     memset(added, 0, sizeof *added);
     for (size_t i = 0; !status && i < (all ? m->n : 1); i++) {
         explain_fit *fit = &m->start[i].fit;
-        if (all && !effect_row_of(id)->line)
-            status = explain_fit_settle(fit, data, settings);
-        else
-            explain_fit_scatter(fit, data, settings);
-        if (!status && (!added->product || fit->score > added->score)) {
-            explain_fit_free(added);
-            *added = *fit;
-            memset(fit, 0, sizeof *fit);
-        }
+        status = finish_one(fit, data, settings, id, all);
+        if (!status)
+            take_better(fit, added);
+    }
+    if (!status && all && added->score < base->score && !effect_row_of(id)->line) { /* it went astray */
+        explain_fit again;
+        status = added_at_zero(base, added, data, &again);
+        if (!status) {
+            status = finish_one(&again, data, settings, id, all);
+            take_better(&again, added);
+        } else if (status != PALP_ERR_NO_MEMORY)
+            status = PALP_OK;
     }
     if (status)
         explain_fit_free(added);

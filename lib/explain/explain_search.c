@@ -155,7 +155,7 @@ static void finish(work *w, size_t i) {
     if (!t->multistart || t->multistart->n == 0)
         return;
     bool all = t->multistart->start[0].chi2 <= w->behind;
-    w->status[i] = explain_candidate_finish(t->multistart, &s->data, s->settings, (palp_effect_id)i, all, &t->fit);
+    w->status[i] = explain_candidate_finish(&s->fit, t->multistart, &s->data, s->settings, (palp_effect_id)i, all, &t->fit);
     if (!w->status[i])
         w->status[i] = explain_trial_examine(s, (palp_effect_id)i, t);
 }

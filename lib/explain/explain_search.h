@@ -33,8 +33,8 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
                                          const palp_explain_settings *settings, palp_effect_id id, double worth,
                                          explain_multistart *m, const char **reason);
 
-/* Refits the last few and moves the best one to *added; not all: the first as it is. */
-palp_status explain_candidate_finish(explain_multistart *m, const explain_data *data,
+/* Refits the last few and moves the best one to *added, which is never worse than base; not all: the first as it is. */
+palp_status explain_candidate_finish(const explain_fit *base, explain_multistart *m, const explain_data *data,
                                      const palp_explain_settings *settings, palp_effect_id id, bool all,
                                      explain_fit *added);
 
@@ -198,6 +198,9 @@ palp_status explain_take(explain_search *s, size_t i);
 /* Takes out an effect that would not be added again beside the others; PALP_EFFECT_COUNT: there is none. any: the one
  * added last too. */
 palp_status explain_drop(explain_search *s, double threshold, bool any, palp_effect_id *dropped);
+
+/* Takes out an effect without which the model loses no more than chance gives. */
+palp_status explain_drop_needless(explain_search *s, double threshold, palp_effect_id *dropped);
 
 /* Of two arms either may have been added; the one nearer to a given arm takes that one's place. */
 palp_status explain_keep_given_arms(explain_search *s);
