@@ -43,6 +43,13 @@ static void begin(const palp_model *m, const double gain[RUNS], const double zer
     ck_assert_int_eq(explain_data_create(RUNS, input, &settings, m, &data, NULL), PALP_OK);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+    double *rest = calloc(data.n, sizeof *rest); /* the noise that record adds */
+    uint64_t state = 12;
+    ck_assert_ptr_nonnull(rest);
+    for (size_t i = 0; i < data.n; i++)
+        rest[i] = 1e-4 * palp_random_normal(&state);
+    ck_assert_int_eq(explain_noise_find(&data, rest), PALP_OK);
+    free(rest);
 }
 
 static const double ones[RUNS] = {1, 1, 1}, none[RUNS] = {0, 0, 0};
@@ -359,6 +366,69 @@ START_TEST(a_pull_is_searched_from_every_start) {
 }
 END_TEST
 
+/* A lag that is not in the data gains what chance gives at most and is taken out at the end; one that is there stays. */
+START_TEST(a_needless_effect_is_taken_out) {
+    for (int there = 0; there < 2; there++) {
+        palp_model m = linear_model(8), lagging = m;
+        explain_search *s = calloc(1, sizeof *s);
+        explain_memory *memory = calloc(1, sizeof *memory);
+        palp_effect_id dropped;
+        ck_assert(s && memory);
+        memory->n = 1;
+        add_effect(&lagging, PALP_EFFECT_SENSOR_LAG, there ? 1 : 1e-3);
+        begin(&m, ones, none, 0, 0);
+        double *rest = calloc(2 * data.n, sizeof *rest);
+        ck_assert_ptr_nonnull(rest);
+        *s = (explain_search){.data = data, .settings = &settings, .memory = memory, .force = rest, .residual = rest + data.n};
+        ck_assert_int_eq(fit_here(s, &lagging), PALP_OK);
+        for (size_t r = 0, at = 0; there && r < RUNS; at += data.run[r++].n) /* what the lagging model leaves is the noise */
+            for (size_t i = 0; i < data.run[r].n; i++)
+                data.run[r].force[i] = s->force[at + i] + 1e-4 * cos(2.0 * (double)(at + i));
+        ck_assert_int_eq(explain_drop_needless(s, 6, &dropped), PALP_OK);
+        ck_assert_int_eq(dropped, (there ? PALP_EFFECT_COUNT : PALP_EFFECT_SENSOR_LAG));
+        ck_assert_uint_eq(s->fit.model.n_effects, (size_t)there);
+        explain_fit_free(&s->fit);
+        explain_data_free(&s->data);
+        free(rest);
+        free(memory);
+        free(s);
+    }
+}
+END_TEST
+
+/* Starts that are eight orders of magnitude astray do not make a candidate worse than the fit that it is added to: there the
+ * effect is nothing. The scatter is found in turn with the rest, which leaves some hundredths of a nat. */
+START_TEST(a_candidate_is_never_worse_than_its_base) {
+    static const palp_effect_id id[] = {PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_SENSOR_LAG, PALP_EFFECT_FRAME_COMPLIANCE};
+    palp_model m = linear_model(8);
+    explain_search *s = calloc(1, sizeof *s);
+    ck_assert_ptr_nonnull(s);
+    begin(&m, ones, none, 0, 0);
+    double *rest = calloc(2 * data.n, sizeof *rest);
+    ck_assert_ptr_nonnull(rest);
+    *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest + data.n};
+    ck_assert_int_eq(fit_here(s, &m), PALP_OK);
+    ck_assert_int_eq(explain_fit_products(&s->fit, &s->data, NULL), PALP_OK);
+    ck_assert_int_eq(explain_fit_settle(&s->fit, &s->data, &settings), PALP_OK);
+    for (size_t i = 0; i < sizeof id / sizeof *id; i++) {
+        palp_model astray = m;
+        explain_multistart found = {.n = 1};
+        explain_fit *start = &found.start[0].fit, added;
+        add_effect(&astray, id[i], 1e8);
+        ck_assert_int_eq(explain_fit_beside(&s->fit, &astray, &s->data, start), PALP_OK);
+        ck_assert_int_eq(explain_fit_products(start, &s->data, NULL), PALP_OK);
+        ck_assert_int_eq(explain_candidate_finish(&s->fit, &found, &s->data, &settings, id[i], true, &added), PALP_OK);
+        ck_assert_msg(added.score > s->fit.score - 0.1, "%s: %g, without it %g", palp_effect_look_up(id[i])->id, added.score, s->fit.score);
+        explain_fit_free(&added);
+        explain_multistart_free(&found);
+    }
+    explain_fit_free(&s->fit);
+    explain_data_free(&s->data);
+    free(rest);
+    free(s);
+}
+END_TEST
+
 /* A scatter that was found beside effects is told without them only if one value for all runs leaves more than the plain model. */
 START_TEST(a_scatter_without_its_effects) {
     explain_search s = {.opened = 2.0};
@@ -419,6 +489,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_zero_and_a_gain_separate_nothing);
     tcase_add_test(tc, alike_by_the_cosine);
     tcase_add_test(tc, a_pull_is_searched_from_every_start);
+    tcase_add_test(tc, a_needless_effect_is_taken_out);
+    tcase_add_test(tc, a_candidate_is_never_worse_than_its_base);
     tcase_add_test(tc, a_scatter_without_its_effects);
     tcase_add_test(tc, evidence_is_widened_where_the_effect_leans);
     tcase_add_test(tc, chance_gains_half_a_squared_normal_number);
