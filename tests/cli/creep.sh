@@ -36,8 +36,11 @@ near "relaxed force of the model of the creep run" "$(sed -n 1p relaxed)" "$(sed
 
 expect 0 characterize creep/creep.csv --arms 2 --json
 grep -q '"kind": "creep"' out || fail "--json does not say creep"
-expect 0 explain --model dwell.model.json creep/creep.csv
-grep -q '^agrees' out || fail "explain: $(cat out)"
+# The phantom's law has five coefficients: of three explain may say that the law is another one. One recording may raise a suspicion
+# (the force is sampled some tenths of a millisecond after the position), but nothing is called missing.
+expect 0 characterize dwell/*.csv --degree 5 --arms 2 --out five.model.json
+expect 0 explain --model five.model.json creep/creep.csv
+grep -qE '^(agrees|suspected)' out || fail "explain: $(cat out)"
 expect 0 report creep/creep.csv creep.model.json --out page.html
 grep -q '>creep<' page.html || fail "the page does not say creep"
 done_testing

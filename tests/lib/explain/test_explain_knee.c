@@ -37,8 +37,9 @@ static size_t way(size_t r, leg *legs) {
         legs[n++] = (leg){k + 1 < times[r] ? 0 : -1.4, slow[r]};
     }
     if (r >= 3) {
-        legs[n++] = (leg){DEEP_MM * (0.6 + 0.2 * (double)(r - 3)), r == 4 ? 160 : 40};
-        legs[n++] = (leg){legs[n - 1].depth_mm, 350};
+        double deep_mm = DEEP_MM * (0.6 + 0.2 * (double)(r - 3));
+        legs[n++] = (leg){deep_mm, r == 4 ? 160 : 40};
+        legs[n++] = (leg){deep_mm, 350};
         legs[n++] = (leg){-1.4, 50};
     }
     legs[n++] = (leg){-1.4, 60};
