@@ -86,6 +86,15 @@ static double rest_of(const explain_run *run, const double *x, const double *raw
     return most;
 }
 
+/* A run's residual[n] into x, whitened; false: the run is left out of the fit. */
+static bool take_whitened(const explain_run *run, const double *residual, double *x) {
+    if (run->held_out)
+        return false;
+    memcpy(x, residual, run->n * sizeof *x);
+    explain_whiten(run, 1, x);
+    return true;
+}
+
 palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation) {
     enum { SCALES = 8, BLOCKS = 16 };
     double *x = malloc(data->longest * sizeof *x), whitened[SCALES] = {0}, count[SCALES] = {0};
@@ -94,10 +103,8 @@ palp_status explain_rest_inflation(const explain_data *data, const double *resid
         return PALP_ERR_NO_MEMORY;
     for (size_t r = 0; r < data->n_runs; residual += data->run[r++].n) {
         const explain_run *run = &data->run[r];
-        if (run->held_out)
+        if (!take_whitened(run, residual, x))
             continue;
-        memcpy(x, residual, run->n * sizeof *x);
-        explain_whiten(run, 1, x);
         for (size_t k = 0, length = 1; k < SCALES && BLOCKS * length <= run->n; k++, length *= TIMES) {
             blocks b = sum_blocks(run, x, x, length);
             whitened[k] += b.whitened;
@@ -143,10 +150,8 @@ palp_status explain_jumps_find(const explain_data *data, const double *residual,
         return PALP_ERR_NO_MEMORY;
     for (size_t r = 0; r < data->n_runs; residual += data->run[r++].n) {
         const explain_run *run = &data->run[r];
-        if (run->held_out)
+        if (!take_whitened(run, residual, x))
             continue;
-        memcpy(x, residual, run->n * sizeof *x);
-        explain_whiten(run, 1, x);
         *gain += jump_gain(run, x, x + run->n);
     }
     free(x);
@@ -188,10 +193,8 @@ palp_status explain_rest_find(const explain_search *s, const double *residual, e
         runs += !data->run[r].held_out;
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
         const explain_run *run = &data->run[r];
-        if (run->held_out)
+        if (!take_whitened(run, residual + at, x))
             continue;
-        memcpy(x, residual + at, run->n * sizeof *x);
-        explain_whiten(run, 1, x);
         double square = rest_of(run, x, residual + at, s->settings->false_alarm / runs);
         if (square < TOLD * TOLD * (run->white * run->white + data->correlated * data->correlated))
             square = 0.0;

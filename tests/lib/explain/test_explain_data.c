@@ -303,6 +303,23 @@ static palp_status fit_here(explain_search *s, const palp_model *m) {
     return status ? status : explain_fit_evaluate(&s->fit, &s->data, s->force, s->residual);
 }
 
+/* A search of the data at m. */
+static explain_search *search_make(const palp_model *m) {
+    explain_search *s = calloc(1, sizeof *s);
+    double *rest = calloc(2 * data.n, sizeof *rest);
+    ck_assert(s && rest);
+    *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest + data.n};
+    ck_assert_int_eq(fit_here(s, m), PALP_OK);
+    return s;
+}
+
+static void search_end(explain_search *s) {
+    explain_fit_free(&s->fit);
+    explain_data_free(&s->data);
+    free(s->force);
+    free(s);
+}
+
 /* A lag shows at the corners. What is left there, as a lag that changes its sign from corner to corner, hardly widens sums over all
  * samples, but the evidence of a lag. */
 START_TEST(evidence_is_widened_where_the_effect_leans) {
@@ -346,23 +363,15 @@ END_TEST
 /* Where a surface lets go, what a step from afar promises says little: no start is left out for that. */
 START_TEST(a_pull_is_searched_from_every_start) {
     palp_model m = linear_model(8);
-    explain_search *s = calloc(1, sizeof *s);
     explain_multistart found = {.n = 0};
     const char *reason;
-    ck_assert_ptr_nonnull(s);
     begin(&m, ones, none, 0, 9e-4);
-    double *rest = calloc(2 * data.n, sizeof *rest);
-    ck_assert_ptr_nonnull(rest);
-    *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest + data.n};
-    ck_assert_int_eq(fit_here(s, &m), PALP_OK);
+    explain_search *s = search_make(&m);
     ck_assert_int_eq(explain_candidate_multistart(&s->fit, &s->data, s->residual, &settings, PALP_EFFECT_ADHESION, 1e9, &found, &reason),
                      PALP_OK);
     ck_assert_uint_gt(found.n, 0);
     explain_multistart_free(&found);
-    explain_fit_free(&s->fit);
-    explain_data_free(&s->data);
-    free(rest);
-    free(s);
+    search_end(s);
 }
 END_TEST
 
@@ -370,28 +379,22 @@ END_TEST
 START_TEST(a_needless_effect_is_taken_out) {
     for (int there = 0; there < 2; there++) {
         palp_model m = linear_model(8), lagging = m;
-        explain_search *s = calloc(1, sizeof *s);
         explain_memory *memory = calloc(1, sizeof *memory);
         palp_effect_id dropped;
-        ck_assert(s && memory);
+        ck_assert_ptr_nonnull(memory);
         memory->n = 1;
         add_effect(&lagging, PALP_EFFECT_SENSOR_LAG, there ? 1 : 1e-3);
         begin(&m, ones, none, 0, 0);
-        double *rest = calloc(2 * data.n, sizeof *rest);
-        ck_assert_ptr_nonnull(rest);
-        *s = (explain_search){.data = data, .settings = &settings, .memory = memory, .force = rest, .residual = rest + data.n};
-        ck_assert_int_eq(fit_here(s, &lagging), PALP_OK);
+        explain_search *s = search_make(&lagging);
+        s->memory = memory;
         for (size_t r = 0, at = 0; there && r < RUNS; at += data.run[r++].n) /* what the lagging model leaves is the noise */
             for (size_t i = 0; i < data.run[r].n; i++)
                 data.run[r].force[i] = s->force[at + i] + 1e-4 * cos(2.0 * (double)(at + i));
         ck_assert_int_eq(explain_drop_needless(s, 6, &dropped), PALP_OK);
         ck_assert_int_eq(dropped, (there ? PALP_EFFECT_COUNT : PALP_EFFECT_SENSOR_LAG));
         ck_assert_uint_eq(s->fit.model.n_effects, (size_t)there);
-        explain_fit_free(&s->fit);
-        explain_data_free(&s->data);
-        free(rest);
+        search_end(s);
         free(memory);
-        free(s);
     }
 }
 END_TEST
@@ -401,13 +404,8 @@ END_TEST
 START_TEST(a_candidate_is_never_worse_than_its_base) {
     static const palp_effect_id id[] = {PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_SENSOR_LAG, PALP_EFFECT_FRAME_COMPLIANCE};
     palp_model m = linear_model(8);
-    explain_search *s = calloc(1, sizeof *s);
-    ck_assert_ptr_nonnull(s);
     begin(&m, ones, none, 0, 0);
-    double *rest = calloc(2 * data.n, sizeof *rest);
-    ck_assert_ptr_nonnull(rest);
-    *s = (explain_search){.data = data, .settings = &settings, .force = rest, .residual = rest + data.n};
-    ck_assert_int_eq(fit_here(s, &m), PALP_OK);
+    explain_search *s = search_make(&m);
     ck_assert_int_eq(explain_fit_products(&s->fit, &s->data, NULL), PALP_OK);
     ck_assert_int_eq(explain_fit_settle(&s->fit, &s->data, &settings), PALP_OK);
     for (size_t i = 0; i < sizeof id / sizeof *id; i++) {
@@ -422,10 +420,7 @@ START_TEST(a_candidate_is_never_worse_than_its_base) {
         explain_fit_free(&added);
         explain_multistart_free(&found);
     }
-    explain_fit_free(&s->fit);
-    explain_data_free(&s->data);
-    free(rest);
-    free(s);
+    search_end(s);
 }
 END_TEST
 
