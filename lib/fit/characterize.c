@@ -196,9 +196,23 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
         if ((i && !(rec->time_s[i] >= rec->time_s[i - 1])) || !isfinite(force_N[i]))
             return PALP_ERR_ARGUMENT;
     }
-    if (!status)
-        run_along(&material, rec->n, rec->time_s, force_N);
-    return status;
+    if (status)
+        return status;
+    bool leaves = fit_leaves(rec);
+    double *strain = leaves ? malloc(rec->n * sizeof *strain) : NULL;
+    if (leaves && !strain)
+        return PALP_ERR_NO_MEMORY;
+    if (leaves)
+        memcpy(strain, force_N, rec->n * sizeof *strain);
+    run_along(&material, rec->n, rec->time_s, force_N);
+    for (size_t i = 0; i < rec->n && leaves; i++)
+        if (force_N[i] < 0.0) {
+            memcpy(force_N, strain, rec->n * sizeof *strain);
+            fit_force_one_sided(&material, rec->n, rec->time_s, force_N);
+            break;
+        }
+    free(strain);
+    return PALP_OK;
 }
 
 palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,

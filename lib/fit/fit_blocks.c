@@ -69,14 +69,15 @@ static bool goes_on(straight *s, const palp_recording *rec, size_t i) {
 }
 
 /* A block moves by less than a three-hundredth of the way and lasts less than a fiftieth of the time since
- * the last corner, so that the force is as good as linear in it. In the air nothing happens. Even samples meet these limits
+ * the last corner, so that the force is as good as linear in it. In the air before a press nothing happens. Even samples meet these limits
  * exactly: which side of them they are on must not be rounding's. */
-static bool same_block(const palp_recording *rec, size_t first, size_t i, size_t corner) {
+static bool same_block(const palp_recording *rec, size_t first, size_t i, size_t corner, bool pressed) {
+    bool late = rec->time_s[i] - rec->time_s[first] > (1.0 + 1e-6) * 0.02 * (rec->time_s[first] - rec->time_s[corner]);
     if (rec->depth_m[first] <= 0.0)
-        return rec->depth_m[i] <= 0.0;
+        return rec->depth_m[i] <= 0.0 && !(pressed && late);
     return rec->use[i] == rec->use[first] &&
            fabs(rec->depth_m[i] - rec->depth_m[first]) < (1.0 - 1e-6) * rec->deepest_m / 300.0 &&
-           rec->time_s[i] - rec->time_s[first] <= (1.0 + 1e-6) * 0.02 * (rec->time_s[first] - rec->time_s[corner]);
+           !late;
 }
 
 /* Adds the mean of samples first to end - 1, count of which speak for it. */
@@ -108,12 +109,14 @@ static palp_status cut(fit_run *run, const palp_recording *rec, const palp_chara
     palp_status status = path_tolerance(rec, &path.tolerance);
     if (status)
         return status;
+    bool pressed = false;
     for (size_t first = 0, end; first < rec->n; first = end) {
         bool take = fit_counts(rec, settings, first), corner = false;
+        pressed = pressed || rec->depth_m[first] > 0.0;
         size_t from = path.from;
         for (end = first + 1; end < rec->n; end++) {
             corner = !goes_on(&path, rec, end);
-            if (corner || fit_counts(rec, settings, end) != take || !same_block(rec, first, end, from))
+            if (corner || fit_counts(rec, settings, end) != take || !same_block(rec, first, end, from, pressed))
                 break;
         }
         if (take)
@@ -144,6 +147,7 @@ static palp_status make_run(arena *memory, fit_run *run, const palp_recording *r
     run->air_sd = exact ? rec->contact_sd_m / rec->height_m : 0.0;
     run->end = rec->time_s[rec->n - 1] - rec->time_s[0];
     run->peak = peak;
+    run->leaves = fit_leaves(rec);
     return run->noise > 0.0 ? PALP_OK : PALP_ERR_INPUT;
 }
 

@@ -19,6 +19,7 @@ typedef struct fit_run {
     double contact_sd;             /* of the strain, by the depth that was taken for contact; 0 where the air spoke for it */
     double end;                    /* last time from the start, s */
     double peak;                   /* largest |force| of a block, N */
+    bool leaves;                   /* the plate goes back and does not pull: it leaves a specimen that lags behind */
 } fit_run;
 
 typedef struct fit_problem {
@@ -58,6 +59,19 @@ palp_status fit_evaluate(const fit_problem *problem, const double *p, double *re
 
 /* Response of an arm of unit stiffness to a run's strain, and its derivative by log tau; slope may be NULL. */
 void fit_arm_response(const fit_run *run, double tau, double *response, double *slope);
+
+/* Whether a recording's force says that its contact pulls: by more than its noise, its zero and a share of its peak. */
+bool fit_pulls(const palp_recording *recording);
+
+/* Whether its plate goes back, beyond the last withdrawal, and does not pull. */
+bool fit_leaves(const palp_recording *recording);
+
+/* Residuals of run r, whose first block is first, with a plate that leaves a specimen which lags behind it. */
+palp_status fit_run_one_sided(const fit_problem *problem, const palp_law *law, const double *p, size_t r, size_t first,
+                              double *residual, double *jacobian);
+
+/* The same for the force: at[n] are the plate's strains and become forces. */
+void fit_force_one_sided(const palp_material *material, size_t n, const double *time, double *at);
 
 /* First guesses: the best combinations of relaxation times on a grid, springs and K_j by linear least
  * squares; start[n_starts n_parameters], *found how many. */

@@ -110,12 +110,14 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
                              jacobian ? response + (2 * j + 1) * longest : NULL);
         }
         double at = NAN, plain = 0.0; /* the strain of the row before, and the spring's force there */
+        bool pulled = false;
         for (size_t i = 0; i < run->n; i++) {
             size_t row = first + i;
             double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise;
             if (weight == 0.0) {
                 silence(p, row, residual, jacobian);
-                continue;
+                if (!run->leaves)
+                    continue;
             }
             if (run->strain[i] != at)
                 spring(p, &law, v, r, at = run->strain[i], &plain, jacobian ? by_spring : NULL);
@@ -132,6 +134,11 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
                 }
             }
             residual[row] = weight * (force - run->force[i]);
+            pulled = pulled || force < 0.0;
+        }
+        if (pulled && run->leaves && fit_run_one_sided(p, &law, v, r, first, residual, jacobian)) {
+            free(response);
+            return PALP_ERR_NO_MEMORY;
         }
         for (size_t i = first; i < first + run->n; i++)
             sound = sound && isfinite(residual[i]);

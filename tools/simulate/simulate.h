@@ -30,6 +30,7 @@ typedef struct simulation {
     palp_reduced *reduced; /* instead of both */
     double height_m; /* of what is pressed */
     record curve;
+    bool recorded;   /* the curve has the tester's samples, and the air before them */
     double *low_N, *high_N; /* [curve.n] --band: where 95 % of the forces are that the model's own data allow */
     palp_run_info info;
     double beyond_s, strain_max; /* first time beyond the measured strain, < 0 = never; largest strain there */
@@ -40,7 +41,7 @@ typedef struct simulation {
 /* Each returns an exit code, after one line on stderr if it is not 0. */
 int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
 int simulate_network(const simulate_options *o, simulation *s);
-int simulate_effects(const simulate_options *o, simulation *s); /* instead: a model that has some */
+int simulate_effects(const simulate_options *o, simulation *s); /* instead: a model that has some, or a plate that leaves its specimen */
 int simulate_reduced(const simulate_options *o, simulation *s); /* instead: a reduced model */
 bool simulate_is_reduced(const char *path);
 int simulate_band_check(const simulate_options *o, const simulation *s);

@@ -146,7 +146,7 @@ static void disturb(const simulate_options *o, record *c) {
 }
 
 int simulate_sense(const simulate_options *o, simulation *s) {
-    bool picked = o->sample_Hz <= 0 || s->model.n_effects > 0;
+    bool picked = o->sample_Hz <= 0 || s->recorded;
     palp_status status = !picked ? pick(o, &s->path, &s->curve) : PALP_OK;
     if (status)
         return cli_status(NAME, status, NULL);
