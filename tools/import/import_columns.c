@@ -8,6 +8,7 @@
 static const char NAME[] = "import";
 static const char *const roles[ROLES] = {"time", "depth", "force", "stress", "strain", "deflection"};
 static const char *const units_of[QUANTITIES] = {"s", "mm (or um, m, %, stretch, ...)", "N (or mN, gf, kPa, ...)"};
+static const char *const units_of_stress = "kPa (or Pa, MPa, ...)", *const units_of_strain = "1 (or %, stretch)";
 
 static const double ALIKE = 1e-3; /* of its range: two columns of the same */
 
@@ -187,10 +188,12 @@ static int find_unit(const import_options *o, import_source *s, int role, int qu
     s->unit[role] = unit;
     if (*wanted && !(unit && import_unit_fits(unit, role)))
         return cli_usage_error(NAME, "--units %s=%s: no such unit of it", roles[quantity], wanted);
+    const char *units = role == STRESS ? units_of_stress : role == STRAIN ? units_of_strain : units_of[quantity];
     if (!(unit && import_unit_fits(unit, role)))
         return quiet ? CLI_FAILURE
                      : cli_failure(NAME, "%s: column \"%s\" does not say its unit; say it by --units %s=%s", s->file,
-                                   *s->column[s->used[role]] ? s->column[s->used[role]] : "without a name", roles[quantity], units_of[quantity]);
+                                   *s->column[s->used[role]] ? s->column[s->used[role]] : "without a name",
+                                   roles[role == STRESS || role == STRAIN ? role : quantity], units);
     return CLI_OK;
 }
 
