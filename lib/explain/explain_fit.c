@@ -84,9 +84,9 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     double stiffness = data->peak * data->height / data->deepest, strain = data->deepest / data->height;
     size_t k = 0;
     for (; k < model->material.law.n; k++) {
-        bool plain = model->material.law.kind == PALP_LAW_POLYNOMIAL;
+        const bool plain = model->material.law.kind == PALP_LAW_POLYNOMIAL, spline = model->material.law.kind == PALP_LAW_SPLINE;
         double unit = plain ? 100.0 * stiffness / pow(strain, (double)k) : 100.0 * fabs(model->material.law.coefficients[k]);
-        set_coordinate(fit, k, -HUGE_VAL, HUGE_VAL, unit + 1e-9 * stiffness, false);
+        set_coordinate(fit, k, spline ? EXPLAIN_SOFTEST * stiffness : -HUGE_VAL, HUGE_VAL, unit + 1e-9 * stiffness, false);
     }
     for (size_t j = 0; j < model->material.n_arms; j++) {
         set_coordinate(fit, k++, 1e-4 * stiffness, 1e3 * stiffness, 5.0, true);

@@ -4,6 +4,8 @@
 
 #include "explain_data.h"
 
+#define EXPLAIN_SOFTEST 1e-3 /* of a typical stiffness: a law that falls below it makes no model */
+
 enum { EXPLAIN_NUISANCES = 6 }; /* of a run: zero, contact, gain, hum's sine and cosine, its specimen's stiffness */
 
 /* Scatter of the runs' nuisance parameters: their prior sds. */

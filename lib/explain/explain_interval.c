@@ -160,6 +160,25 @@ static palp_status follow_likelihood(const explain_search *s, const double *rise
     return status;
 }
 
+/* Of a bond whose force is fitted, the likelihood over both of its numbers instead. */
+static palp_status scan_bonds(const explain_search *s, double *below, double *above) {
+    const explain_fit *fit = &s->fit;
+    for (size_t i = s->n_given; i < fit->model.n_effects; i++) {
+        const size_t at = explain_first_column(&fit->model, i);
+        double low[2], high[2];
+        if (fit->model.kind == PALP_MODEL_NETWORK || !effect_row_of(fit->model.effects[i].id)->bond || !(fit->low[at] < fit->high[at]))
+            continue;
+        palp_status status = explain_scan_bond(s, at, low, high);
+        if (status == PALP_ERR_NO_MEMORY)
+            return status;
+        for (size_t p = 0; p < 2 && !status; p++) {
+            below[at + p] = fit->x[at + p] - low[p];
+            above[at + p] = high[p] - fit->x[at + p];
+        }
+    }
+    return PALP_OK;
+}
+
 palp_status explain_intervals(const explain_search *s, palp_explanation *e) {
     const explain_fit *fit = &s->fit;
     const explain_data *data = &s->data;
@@ -169,6 +188,8 @@ palp_status explain_intervals(const explain_search *s, palp_explanation *e) {
         return status;
     memcpy(above, below, fit->n_columns * sizeof *above);
     status = follow_likelihood(s, rise, below, above);
+    if (!status)
+        status = scan_bonds(s, below, above);
     size_t at = explain_first_column(&fit->model, s->n_given);
     for (size_t i = s->n_given; i < fit->model.n_effects && !status; i++) {
         palp_effect_id id = fit->model.effects[i].id;

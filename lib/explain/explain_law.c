@@ -40,7 +40,7 @@ static palp_status resemble(const palp_law *from, const struct family *family, d
             strain[i] = most * (double)i / (double)(family->n - 1);
             value[i] = 0.0;
             double before = strain[i] - higher, there;
-            if (before > 0.5 * fabs(higher) || higher == 0.0) {
+            if (higher == 0.0 || (i > 0 && before > 0.5 * fabs(higher))) {
                 palp_law_force(from, 1, &before, &there, NULL, NULL);
                 palp_law_stiffness(from, strain[i], &value[i], NULL);
                 value[i] = higher == 0.0 ? value[i] : there / strain[i];

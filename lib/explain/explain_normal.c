@@ -111,7 +111,7 @@ double explain_chi2(const explain_data *data, const explain_fit *fit) {
 static double add_wall(const explain_fit *fit, const explain_data *data, double *h, double *g) {
     enum { PLACES = 200 };
     const palp_law *law = &fit->model.material.law;
-    double typical = data->peak * data->height / data->deepest, low = 1e-3 * typical, sd = 1e-7 * typical;
+    double typical = data->peak * data->height / data->deepest, low = EXPLAIN_SOFTEST * typical, sd = 1e-7 * typical;
     double row[PALP_LAW_MAX], stiffness, chi2 = 0.0;
     for (int i = 0; i <= PLACES; i++) {
         double e = fmax(1e-6, PALP_MODEL_STRAIN * i / PLACES);

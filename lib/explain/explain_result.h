@@ -29,6 +29,8 @@ palp_status explain_describe(explain_search *s, palp_explanation *e);
 
 /* (explain_interval.c) The hum is the model's last effect; its amplitude is the mean of the runs' own. */
 palp_status explain_intervals(const explain_search *s, palp_explanation *e);
+/* Of the force and reach of a bond in columns at and at + 1, in search coordinates. (explain_scan.c) */
+palp_status explain_scan_bond(const explain_search *s, size_t at, double low[2], double high[2]);
 void explain_add_hum(const explain_search *s, palp_explanation *e);
 
 /* ---- without what was found (explain_before.c) ---- */

@@ -72,14 +72,13 @@ static palp_experiment *record(const palp_model *m, size_t r, uint64_t *state) {
     return e;
 }
 
-/* What is said of the runs of that model, if a polynomial is the law that is given. */
-static palp_explanation answer(const palp_model *truth) {
+/* What is said of the runs of that model, if a polynomial is the law that is given. state: of the noise. */
+static palp_explanation answer(const palp_model *truth, uint64_t state) {
     static const double law[] = {38.5, -662, 6371, -15284};
     palp_explain_settings settings = palp_explain_settings_default();
     palp_explain_input input[RUNS];
     palp_explanation e;
     palp_model m = *truth;
-    uint64_t state = 5;
     m.n_effects = 0;
     ck_assert_int_eq(palp_law_polynomial(4, law, &m.material.law), PALP_OK);
     memset(settings.candidate, 0, sizeof settings.candidate);
@@ -93,12 +92,15 @@ static palp_explanation answer(const palp_model *truth) {
 }
 
 START_TEST(a_knee_of_the_law_is_no_toe) {
+    static const uint64_t noises[] = {2, 5, 47}; /* the stiffness at the surface, of which the runs say little, is driven to zero */
     const palp_model m = knee_model();
-    palp_explanation e = answer(&m);
-    ck_assert(e.law.found);
-    ck_assert_msg(e.gap.after_N < 1.05 * NOISE, "%g N are left", e.gap.after_N);
-    ck_assert_msg(e.n_effects == 0, "a toe of %g mm is named", 1e3 * e.effect[0].effect.value[0]);
-    palp_explanation_free(&e);
+    for (size_t k = 0; k < sizeof noises / sizeof *noises; k++) {
+        palp_explanation e = answer(&m, noises[k]);
+        ck_assert(e.law.found);
+        ck_assert_msg(e.gap.after_N < 1.05 * NOISE, "noise %zu: %g N are left", k, e.gap.after_N);
+        ck_assert_msg(e.n_effects == 0, "noise %zu: a toe of %g mm is named", k, 1e3 * e.effect[0].effect.value[0]);
+        palp_explanation_free(&e);
+    }
 }
 END_TEST
 

@@ -85,6 +85,9 @@ START_TEST(a_pull_is_named) {
                   "%s, %zu effects", palp_explain_verdict_name(e.verdict), e.n_effects);
     double force = e.effect[0].effect.value[0];
     ck_assert_msg(fabs(force - cases[_i].force) < 0.2 * cases[_i].force, "%g, not %g N", force, cases[_i].force);
+    const double low = e.effect[0].low[0], high = e.effect[0].high[0];
+    ck_assert_msg(low <= cases[_i].force && cases[_i].force <= high && high - low < 0.5 * cases[_i].force, "%g N is in %g to %g N",
+                  cases[_i].force, low, high);
     ck_assert_msg(releases(&e) > 0 || cases[_i].reach > 1e-4 || cases[_i].force < 0.05, "no release is listed");
     palp_explanation_free(&e);
 }
