@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """ccx_tip.py: the force of a rigid tip pressed into a cylinder of a neo-Hookean solid, by CalculiX (axisymmetric, large strain).
 
-    ccx_tip.py TIP RATIO NU DEPTH [STEPS] [--stick] [--wide R] [--fine N] [--rough 0]
+    ccx_tip.py TIP RATIO NU DEPTH [STEPS] [--stick] [--wide R] [--fine N] [--scale S]
 
 TIP is flat, sphere, cone or plate; lengths are in heights of the layer and G = 1. RATIO: radius of the tip (cone: half angle in
 degrees). Prints "depth force" lines. The floor is bonded; --wide: radius of the specimen, default so wide that it does not matter.
 Other scripts import run(). Python's standard library and ccx only."""
 import math
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -72,14 +73,14 @@ def nset(f, name, nodes):
         f.write(",".join(map(str, nodes[k:k + 12])) + ",\n")
 
 
-def gap(tip, ratio, r):
-    """Height of the tip's surface over its lowest point."""
+def gap(tip, ratio, r, scale=1.0):
+    """Height of the tip's surface over its lowest point, times a scale."""
     if tip == "sphere":
-        return ratio - math.sqrt(max(ratio * ratio - r * r, 0))
-    return r / math.tan(math.radians(ratio))
+        return scale * (ratio - math.sqrt(max(ratio * ratio - r * r, 0)))
+    return scale * r / math.tan(math.radians(ratio))
 
 
-def deck(path, tip, ratio, nu, depth, steps, stick, wide, fine):
+def deck(path, tip, ratio, nu, depth, steps, stick, wide, fine, scale):
     curved = tip in ("sphere", "cone")
     if curved:
         # half-space estimate of the contact, and half as much again for the layer
@@ -119,8 +120,8 @@ def deck(path, tip, ratio, nu, depth, steps, stick, wide, fine):
             base = last
             for i in range(m + 1):
                 r = edge * i / m
-                f.write("%d,%.12g,%.12g,0\n" % (base + 2 * i + 1, r, 1 + gap(tip, ratio, r)))
-                f.write("%d,%.12g,%.12g,0\n" % (base + 2 * i + 2, r, 1 + gap(tip, ratio, r) + 0.3))
+                f.write("%d,%.12g,%.12g,0\n" % (base + 2 * i + 1, r, 1 + gap(tip, ratio, r, scale)))
+                f.write("%d,%.12g,%.12g,0\n" % (base + 2 * i + 2, r, 1 + gap(tip, ratio, r, scale) + 0.3))
             f.write("*ELEMENT,TYPE=CAX4,ELSET=RIGID\n")
             for i in range(m):
                 k = base + 2 * i
@@ -139,13 +140,16 @@ def deck(path, tip, ratio, nu, depth, steps, stick, wide, fine):
             f.write("TIP,1,1\n")
         elif stick:
             f.write("TIP,1,1\n")
-        f.write("*STEP,NLGEOM,INC=200\n*STATIC\n%g,1,1e-4,%g\n*BOUNDARY\nTIP,2,2,%.12g\n" % (1 / steps, 1 / steps, -depth))
+        f.write("*STEP,NLGEOM,INC=200\n*STATIC\n%g,1,1e-4,%g\n*BOUNDARY\nTIP,2,2,%.12g\n" % (1 / steps, 1 / steps, -depth * scale))
         f.write("*NODE PRINT,NSET=FLOOR,TOTALS=ONLY\nRF\n*END STEP\n")
 
 
 def at(curve, d):
     """Force at a depth: force over depth through the three nearest points of a curve of (depth, force)."""
-    near = sorted(curve, key=lambda p: abs(p[0] - d))[:3]
+    near = []
+    for p in sorted(reversed(curve), key=lambda p: abs(p[0] - d)):  # of increments that ended almost together, the last
+        if len(near) < 3 and all(abs(p[0] - q[0]) > 1e-3 * d for q in near):
+            near.append(p)
     total = 0.0
     for i, (x, y) in enumerate(near):
         weight = y / x
@@ -156,20 +160,22 @@ def at(curve, d):
     return total * d
 
 
-def run(tip, ratio, nu, depth, steps=8, stick=False, wide=None, fine=8, keep=None):
-    """[(depth, force)], or raises RuntimeError."""
+def run(tip, ratio, nu, depth, steps=8, stick=False, wide=None, fine=8, keep=None, scale=1.0, limit=600):
+    """[(depth, force)], or raises RuntimeError. A curved tip whose profile and depth are scaled down touches the same nodes at small
+    strain: depth and force are given over the scale. A run is given up after limit seconds of processor."""
     nu = min(nu, 0.4999)
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(keep or folder, "tip")
-        deck(name, tip, ratio, nu, depth, steps, stick, wide, fine)
-        done = subprocess.run(["ccx", "-i", name], capture_output=True, text=True, env=dict(os.environ, OMP_NUM_THREADS="1"), cwd=keep or folder)
+        deck(name, tip, ratio, nu, depth, steps, stick, wide, fine, scale)
+        done = subprocess.run(["ccx", "-i", name], capture_output=True, text=True, env=dict(os.environ, OMP_NUM_THREADS="1"), cwd=keep or folder,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit)))
         curve, t = [], None
         for line in open(name + ".dat"):
             words = line.split()
             if "time" in line:
                 t = float(words[-1])
             elif len(words) == 3 and t is not None:
-                curve.append((t * depth, 180 * float(words[1])))  # of a wedge of 2 degrees
+                curve.append((t * depth, 180 * float(words[1]) / scale))  # of a wedge of 2 degrees
         if not curve or curve[-1][0] < 0.999 * depth:
             raise RuntimeError("ccx stopped at %s of %g: %s" % (curve[-1:] and curve[-1][0], depth, done.stdout[-300:]))
         return curve
@@ -181,7 +187,7 @@ if __name__ == "__main__":
     for w in arguments:
         if w == "--stick":
             options["stick"] = True
-        elif w in ("--wide", "--fine"):
+        elif w in ("--wide", "--fine", "--scale"):
             options[w[2:]] = float(next(arguments))
         elif w == "--keep":
             options["keep"] = next(arguments)

@@ -19,8 +19,8 @@ PALP_API bool palp_tip_find(const char *name, palp_tip_kind *kind);
 
 /* A tip on a layer of an elastic material; lengths in m. Zeros below the floor: the tip slides without friction on a wide
  * layer at small strain. What follows comes from tables of CalculiX (data/tips), for a bonded floor: ERR_UNSUPPORTED for a sphere
- * or cone, ERR_LIMIT beyond the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to 4 heights; below a
- * Poisson's ratio of 0.3 they are as at 0.3. */
+ * or cone that sticks or with a specimen's radius, ERR_LIMIT beyond the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to
+ * 4 heights, a sphere of 0.3 to 4 thicknesses, a cone of 70 to 80 degrees; below a Poisson's ratio of 0.3 they are as at 0.3. */
 typedef struct palp_indentation {
     palp_tip_kind tip;
     double radius_m;         /* flat punch, sphere: > 0. Plate: of the specimen, > 0 */
@@ -29,7 +29,8 @@ typedef struct palp_indentation {
     double poisson;          /* -1 < nu <= 0.5 */
     bool floor_slides;       /* the layer slides on its floor; a plate's specimen slides on both faces unless it sticks */
     bool tip_sticks;         /* flat: friction holds its face; plate: the specimen is glued to both plates */
-    bool large_strain;       /* flat: a neo-Hookean layer, to a depth of 0.2 thicknesses and 0.25 radii; a plate stays linear */
+    bool large_strain;       /* a neo-Hookean layer; flat: to a depth of 0.2 thicknesses h and 0.25 radii; sphere: to 0.16 R h / (R + 0.1 h);
+                                cone: to 0.15 h; a plate stays linear */
     double specimen_radius_m; /* flat: of the cylinder under it, not below its own; 0 = wide */
 } palp_indentation;
 

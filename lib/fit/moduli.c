@@ -108,11 +108,25 @@ static palp_status squares(const palp_recording *r, const palp_indentation *tip,
     return status;
 }
 
-/* Golden section for the shift of least squares, within a third of the depth; its sd by how fast they grow, over what they are. */
+/* How much earlier the contact may be, with a step to spare: a third of the depth, less where the tip's tables end before. */
+static double earliest(const palp_recording *r, const palp_indentation *tip, double poisson, double step) {
+    double low = -r->deepest_m / 3, force = 0;
+    palp_recording deeper = *r;
+    for (int k = 0; k < 8; k++) {
+        deeper.deepest_m = r->deepest_m - low + step;
+        if (reach(&deeper, tip, poisson, &force) != PALP_ERR_LIMIT)
+            break;
+        low *= 0.5;
+    }
+    return low;
+}
+
+/* Golden section for the shift of least squares, within a third of the depth; its sd by how fast they grow, over what they are.
+ * ERR_LIMIT: it would be where the tip's tables have ended. */
 static palp_status find_contact(const palp_recording *r, const palp_indentation *tip, const palp_moduli_settings *settings, double poisson,
                                 palp_recording *found, palp_error *error) {
-    const double golden = 0.6180339887498949;
-    double low = -r->deepest_m / 3, high = r->deepest_m / 3, x[3] = {high - golden * (high - low), low + golden * (high - low), 0}, y[3];
+    const double golden = 0.6180339887498949, step = 0.02 * r->deepest_m, first = earliest(r, tip, poisson, step);
+    double low = first, high = r->deepest_m / 3, x[3] = {high - golden * (high - low), low + golden * (high - low), 0}, y[3];
     palp_status status = squares(r, tip, settings, poisson, x[0], &y[0], error);
     status = status ? status : squares(r, tip, settings, poisson, x[1], &y[1], error);
     for (int i = 0; i < 18 && !status; i++) {
@@ -123,7 +137,9 @@ static palp_status find_contact(const palp_recording *r, const palp_indentation 
         x[!left] = left ? high - golden * (high - low) : low + golden * (high - low);
         status = squares(r, tip, settings, poisson, x[!left], &y[!left], error);
     }
-    double at = 0.5 * (low + high), step = 0.02 * r->deepest_m;
+    double at = 0.5 * (low + high);
+    if (!status && first > -0.3 * r->deepest_m && at < first + step)
+        status = PALP_ERR_LIMIT;
     for (int k = 0; k < 3 && !status; k++)
         status = squares(r, tip, settings, poisson, at + (k - 1) * step, &y[k], error);
     status = status ? status : moved_run(r, at, found);

@@ -187,7 +187,7 @@ static palp_status curved(layer *l, const palp_indentation *in, size_t n, const 
         status = solve(l, in, a * part * part, &c[i]);
     }
     for (size_t i = 0; !status && i < n; i++)
-        force_m2[i] = depth_m[i] > 0 ? between(c, depth_m[i], in->tip == PALP_TIP_CONE ? 2.0 : 1.5) : 0.0;
+        force_m2[i] = depth_m[i] > 0 ? indentation_factor(in, depth_m[i]) * between(c, depth_m[i], in->tip == PALP_TIP_CONE ? 2.0 : 1.5) : 0.0;
     return status;
 }
 

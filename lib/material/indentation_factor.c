@@ -45,6 +45,28 @@ static double large(size_t nu, double ratio, double part) {
     return by_ratio(row, ratio);
 }
 
+/* The deepest press of a tip that the fits hold. */
+static double deepest_of(const palp_indentation *in) {
+    if (in->tip == PALP_TIP_SPHERE)
+        return SPHERE_DEPTH * in->radius_m * in->thickness_m / (in->radius_m + SPHERE_SHARE * in->thickness_m);
+    return in->tip == PALP_TIP_CONE ? CONE_DEPTH * in->thickness_m : fmin(0.2 * in->thickness_m, 0.25 * in->radius_m);
+}
+
+/* Of a sphere or cone the factor is so near to 1 that a few terms fit it (data/tips/make_tables.py has the same). */
+static double large_curved(const palp_indentation *in, double depth_m) {
+    double p = fmax(depth_m, 0.0) / deepest_of(in), n = 10.0 * (fmax(in->poisson, table_nu[0]) - 0.4), sum = 1.0;
+    if (in->tip == PALP_TIP_SPHERE) {
+        double x = log(in->radius_m / in->thickness_m), s = sqrt(p), term[LARGE_TERMS] = {s, s * n, s * n * n, s * x, s * x * n, p, p * n, p * x, p * x * n};
+        for (size_t i = 0; i < LARGE_TERMS; i++)
+            sum += large_sphere[i] * term[i];
+        return sum;
+    }
+    double c = 1.0 / tan(in->half_angle_rad), term[LARGE_TERMS] = {1.0, n, n * n, p, p * n, c, c * n, c * p, c * p * n};
+    for (size_t i = 0; i < LARGE_TERMS; i++)
+        sum += large_cone[i] * term[i];
+    return sum;
+}
+
 /* By the punch's share of the specimen's radius, which is 0 for a wide layer; through the four points around it. */
 static double wide(size_t nu, double ratio, double share) {
     double at[TABLE_AROUND + 1] = {0}, row[TABLE_RATIO];
@@ -81,27 +103,42 @@ static double at_poisson(const palp_indentation *in, size_t nu, double depth_m) 
     return in->tip_sticks ? factor * by_ratio(table_stick[nu], ratio) : factor;
 }
 
-palp_status indentation_factor_check(const palp_indentation *in, double deepest_m) {
-    bool flat = in->tip == PALP_TIP_FLAT, plate = in->tip == PALP_TIP_PLATE;
+static bool is_curved(const palp_indentation *in) {
+    return in->tip == PALP_TIP_SPHERE || in->tip == PALP_TIP_CONE;
+}
+
+static bool is_wanted(const palp_indentation *in) {
+    return in->tip_sticks || (in->tip != PALP_TIP_PLATE && (in->large_strain || in->specimen_radius_m > 0));
+}
+
+/* Whether the tip's size is in the tables. */
+static bool is_inside(const palp_indentation *in) {
     double ratio = in->radius_m / in->thickness_m;
-    bool wanted = in->tip_sticks || (!plate && (in->large_strain || in->specimen_radius_m > 0));
-    if (!wanted)
+    if (in->tip == PALP_TIP_PLATE)
+        return ratio >= table_slender[0] && ratio <= table_slender[TABLE_SLENDER - 1];
+    if (in->tip == PALP_TIP_SPHERE)
+        return ratio >= 0.999 * SPHERE_LEAST && ratio <= 1.001 * SPHERE_MOST;
+    if (in->tip == PALP_TIP_CONE)
+        return tan(in->half_angle_rad) >= 0.999 * CONE_LEAST && tan(in->half_angle_rad) <= 1.001 * CONE_MOST;
+    return ratio >= 0.999 * table_ratio[0] && ratio <= 1.001 * table_ratio[TABLE_RATIO - 1] &&
+           (in->specimen_radius_m == 0 || in->specimen_radius_m >= 0.999 * in->radius_m);
+}
+
+palp_status indentation_factor_check(const palp_indentation *in, double deepest_m) {
+    if (!is_wanted(in))
         return PALP_OK;
-    if (in->floor_slides || (!flat && !plate))
+    if (in->floor_slides || (is_curved(in) && (in->tip_sticks || in->specimen_radius_m > 0)))
         return PALP_ERR_UNSUPPORTED;
-    if (plate)
-        return ratio >= table_slender[0] && ratio <= table_slender[TABLE_SLENDER - 1] ? PALP_OK : PALP_ERR_LIMIT;
-    bool inside = ratio >= 0.999 * table_ratio[0] && ratio <= 1.001 * table_ratio[TABLE_RATIO - 1];
-    inside = inside && (in->specimen_radius_m == 0 || in->specimen_radius_m >= 0.999 * in->radius_m);
-    inside = inside && (!in->large_strain || deepest_m <= 1.001 * fmin(0.2 * in->thickness_m, 0.25 * in->radius_m));
-    return inside ? PALP_OK : PALP_ERR_LIMIT;
+    bool deep = in->large_strain && in->tip != PALP_TIP_PLATE && deepest_m > 1.001 * deepest_of(in);
+    return is_inside(in) && !deep ? PALP_OK : PALP_ERR_LIMIT;
 }
 
 double indentation_factor(const palp_indentation *in, double depth_m) {
-    bool wanted = in->tip_sticks || (in->tip == PALP_TIP_FLAT && (in->large_strain || in->specimen_radius_m > 0));
     double part;
-    if (!wanted)
+    if (!is_wanted(in))
         return 1.0;
+    if (is_curved(in))
+        return large_curved(in, depth_m);
     size_t nu = interval_of(in->poisson, &part);
     return 1.0 / ((1.0 - part) / at_poisson(in, nu, depth_m) + part / at_poisson(in, nu + 1, depth_m));
 }

@@ -44,4 +44,12 @@ static const double table_glue[TABLE_NU][TABLE_SLENDER] = {
     {1.07844, 1.21450, 1.58028, 3.01140, 8.82253},
 };
 
+/* Sphere and cone, neo-Hookean: coefficients of the terms of large_curved(); the sizes and depths that they hold for, over the thickness h: radius,
+ * half angle's tangent, and the deepest, 0.16 R h / (R + 0.1 h) and 0.15 h. */
+enum { LARGE_TERMS = 9 };
+static const double large_sphere[LARGE_TERMS] = {0.00467, -0.02494, -0.01393, -0.00363, 0.01115, 0.03253, -0.02491, 0.01215, -0.00113};
+static const double large_cone[LARGE_TERMS] = {0.01945, -0.00545, -0.00795, 0.01220, -0.00988, -0.10425, -0.02946, 0.08775, -0.04973};
+static const double SPHERE_DEPTH = 0.16, SPHERE_SHARE = 0.1, SPHERE_LEAST = 0.3, SPHERE_MOST = 4.0;
+static const double CONE_DEPTH = 0.15, CONE_LEAST = 2.747477, CONE_MOST = 5.671282;
+
 #endif

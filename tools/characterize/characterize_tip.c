@@ -42,10 +42,10 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
     if (!known)
         return CLI_OK;
     tip->radius_m = tip->tip == PALP_TIP_PLATE ? run->radius_m : 1e-3 * number_of(o->tip_radius_mm, experiment, "tip.radius_mm");
-    if (tip->tip == PALP_TIP_FLAT && !tip->floor_slides) {
+    if (tip->tip != PALP_TIP_PLATE && !tip->floor_slides)
         tip->large_strain = !o->small_strain;
+    if (tip->tip == PALP_TIP_FLAT && !tip->floor_slides)
         tip->specimen_radius_m = run->radius_m;
-    }
     tip->half_angle_rad = RADIAN * number_of(o->tip_angle_deg, experiment, "tip.half_angle_deg");
     const char *what = missing(tip);
     return what ? cli_failure(NAME, "%s: a %s tip needs %s", run->name, palp_tip_name(tip->tip), what) : CLI_OK;
@@ -53,17 +53,29 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
 
 /* ---- the fit ---- */
 
-/* How deep small strain holds to some 2 % (data/tips). */
+/* How deep small strain holds to some 2 % (data/tips); under a sharp cone at no depth. */
 static bool too_deep(const palp_indentation *tip, double depth_m) {
-    bool curved = tip->tip == PALP_TIP_SPHERE || tip->tip == PALP_TIP_CONE;
-    return !tip->large_strain && (depth_m > (curved ? 0.03 : 0.05) * tip->thickness_m || (tip->tip == PALP_TIP_SPHERE && depth_m > 0.08 * tip->radius_m));
+    double depth = depth_m / tip->thickness_m;
+    if (tip->large_strain)
+        return false;
+    switch (tip->tip) {
+    case PALP_TIP_FLAT: return depth > 0.05 || depth_m > 0.13 * tip->radius_m;
+    case PALP_TIP_SPHERE: return depth > 0.03 || depth_m > 0.08 * tip->radius_m;
+    case PALP_TIP_CONE: return depth > 0.03 || tip->half_angle_rad < 72 * RADIAN;
+    default: return depth > 0.05;
+    }
+}
+
+static size_t first_too_deep(const characterize_state *s) {
+    size_t deep = 0;
+    while (deep < s->n && !too_deep(&s->tip[deep], s->run[deep].deepest_m))
+        deep++;
+    return deep;
 }
 
 static void judge(const characterize_options *o, characterize_state *s) {
     const palp_moduli *m = &s->moduli;
-    size_t deep = 0;
-    while (deep < s->n && !too_deep(&s->tip[deep], s->run[deep].deepest_m))
-        deep++;
+    size_t deep = first_too_deep(s);
     if (!m->poisson_found && isnan(o->poisson))
         characterize_warn(s, "one tip on one thickness cannot give both modulus and Poisson's ratio: 0.5 (incompressible) is assumed; give --poisson, or runs with a tip of another size too");
     if (m->poisson_found && m->poisson.high - m->poisson.low > 0.2)
@@ -135,8 +147,9 @@ int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
             s->tip[i].large_strain = false;
             s->tip[i].specimen_radius_m = less ? 0 : s->tip[i].specimen_radius_m;
         }
-        if (less == 0 && !o->small_strain)
-            characterize_warn(s, "no correction for large strain: its table holds for punches of 0.2 to 2 thicknesses pressed to 0.2 thicknesses and 0.25 radii");
+        if (less == 0 && !o->small_strain && first_too_deep(s) < s->n)
+            characterize_warn(s, "no correction for large strain: its tables hold for punches of 0.2 to 2 thicknesses pressed to 0.2 thicknesses and 0.25 radii, "
+                                 "spheres R of 0.3 to 4 thicknesses h pressed to 0.16 h R / (R + 0.1 h), cones of 70 to 80 degrees pressed to 0.15 h");
         status = fit(o, s, &error);
     }
     if (status == PALP_ERR_UNSUPPORTED)

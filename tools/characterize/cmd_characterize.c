@@ -49,7 +49,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
                    "Poisson's ratio, taken for known (default: found, where tips of different size\npressed; else 0.5)"),
         cli_choice("floor", "bonded|slides", &o->floor, "how the layer lies on its support (default bonded)"),
         cli_flag("tip-sticks", &o->tip_sticks, "friction holds the punch's face, or the specimen is glued to both plates (default:\nthey slide)"),
-        cli_flag("small-strain", &o->small_strain, "no correction of a flat punch for large strain (default: of a neo-Hookean layer)"),
+        cli_flag("small-strain", &o->small_strain, "no correction of the tip for large strain (default: of a neo-Hookean layer)"),
         cli_heading("Output"),
         cli_out("out", "LUMPED.json", &o->out, "the lumped model"),
         cli_out("spectrum", "FILE.csv", &o->spectrum, "storage and loss by frequency: of runs that oscillate, and of the model"),
