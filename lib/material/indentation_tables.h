@@ -48,7 +48,7 @@ static const double table_glue[TABLE_NU][TABLE_SLENDER] = {
  * half angle's tangent, and the deepest, 0.16 R h / (R + 0.1 h) and 0.15 h. */
 enum { LARGE_TERMS = 9 };
 static const double large_sphere[LARGE_TERMS] = {0.00467, -0.02494, -0.01393, -0.00363, 0.01115, 0.03253, -0.02491, 0.01215, -0.00113};
-static const double large_cone[LARGE_TERMS] = {0.01945, -0.00545, -0.00795, 0.01220, -0.00988, -0.10425, -0.02946, 0.08775, -0.04973};
+static const double large_cone[LARGE_TERMS] = {0.01952, -0.00569, -0.00826, 0.01265, -0.00938, -0.10367, -0.02871, 0.08584, -0.05213};
 static const double SPHERE_DEPTH = 0.16, SPHERE_SHARE = 0.1, SPHERE_LEAST = 0.3, SPHERE_MOST = 4.0;
 static const double CONE_DEPTH = 0.15, CONE_LEAST = 2.747477, CONE_MOST = 5.671282;
 

@@ -63,10 +63,10 @@ static void write_series(FILE *to, size_t index, const plot_series *series) {
                                         "1:2 with lines lw 2 dt 2",
                                         "1:2 with points pt 6 ps 0.6",
                                         "1:2 with linespoints lw 2 pt 7 ps 0.7",
-                                        "1:2 with lines lw 1",
+                                        "1:2 with lines lw 1.5",
                                         "1:2:3:4 with yerrorbars lw 1.5 pt 7 ps 0.6",
                                         "1:2:3 with filledcurves fillstyle solid noborder"};
-    unsigned clear = series->style == PLOT_PALE ? 0x9E : series->style == PLOT_BAND ? 0xC8 : 0;
+    unsigned clear = series->style == PLOT_PALE ? 0x70 : series->style == PLOT_BAND ? 0xC8 : 0;
     fprintf(to, "%s$d%zu using %s lc rgb '#%02x%06x'", index ? ", \\\n     " : "plot ", index,
             looks[series->style], clear, colour_code(series->colour));
     quote(to, " title ", series->title ? series->title : "", "");
