@@ -14,7 +14,7 @@ extern "C" {
  * make everything whole again. None of the calls below but enable allocates. */
 
 /* Makes a network ready to be cut; all memory is allocated here, and is the network's. Once. ERR_ARGUMENT: done before;
- * ERR_NO_MEMORY; ERR_UNSUPPORTED: its tools touch a subdivided surface. */
+ * ERR_NO_MEMORY; ERR_UNSUPPORTED: its tools touch a subdivided surface, or its tetrahedra resist a change of volume. */
 PALP_API palp_status palp_network_enable_cutting(palp_network *network);
 
 /* Cuts every element that the triangle corners_m[9] (three points, m) crosses at the committed positions; *n_cut (may

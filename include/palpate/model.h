@@ -40,6 +40,7 @@ typedef struct palp_model {
     const palp_mesh_source *mesh; /* network only: the caller's, which outlives the model and its copies; NULL =
                                      none, and there is neither a mesh to make nor a model to write */
     double density_kg_m3;         /* network only, 0 = massless */
+    double volume_modulus_Pa;     /* network only, 0 = none: see palp_network_settings */
     const double *fractional;     /* [3] K_frac in N, tau_frac in s and exponent of the fractional element whose spectrum the
                                      arms are, for who reads the file, or NULL; the caller's; NULL when it is read */
     const double *covariance;     /* how well the material is known, or NULL; the caller's. Of the law's coefficients, then K_j

@@ -40,6 +40,8 @@ typedef struct palp_network_settings {
     double density_kg_m3;   /* 0 = massless (quasi-static); a quarter of each tetrahedron's mass to its corners.
                                Hexahedra (lattices): their mass, and for meshes from arrays that of the bounding
                                box, shared by the rest length of a node's elements */
+    double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume by which the mesh's tetrahedra resist that their volume
+                               changes by the factor J; 0 = they do not, as springs alone do not */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
     double check_strain;    /* the tangent's inertia is assessed at least every so much depth / height */
@@ -65,7 +67,8 @@ typedef struct palp_step_info {
 
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
  * mesh and the material. The caller owns *network. error may be NULL. ERR_ARGUMENT: a setting, a motion or the material is
- * out of range; ERR_INPUT: the mesh has no such node set; ERR_UNSUPPORTED: the supernodal solver in a build without GPL=1;
+ * out of range; ERR_INPUT: the mesh has no such node set; ERR_UNSUPPORTED: the supernodal solver in a build without GPL=1,
+ * a volume modulus where there are no tetrahedra, or edges of them are no elements;
  * ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
 PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material,
                                          size_t n_supports, const palp_support *supports,

@@ -167,7 +167,7 @@ static network_cut *cut_new(const palp_network *net) {
 palp_status palp_network_enable_cutting(palp_network *net) {
     if (!net || cut_of(net))
         return PALP_ERR_ARGUMENT;
-    if (net->surface_stays)
+    if (net->surface_stays || network_has_volume(net))
         return PALP_ERR_UNSUPPORTED;
     network_cut *cut = cut_new(net);
     if (!cut)

@@ -280,7 +280,7 @@ static palp_status mesh_read(const palp_json *root, palp_mesh_source *source) {
 }
 
 static palp_status network_read(const palp_json *root, palp_model *model, palp_mesh_source *source) {
-    palp_json density;
+    palp_json density, volume;
     palp_status status = mesh_read(root, source);
     model->mesh = source;
     if (!status && palp_json_member(root, "density_kg_m3", &density)) {
@@ -288,16 +288,19 @@ static palp_status network_read(const palp_json *root, palp_model *model, palp_m
         if (!status && model->density_kg_m3 < 0)
             status = palp_json_fail(&density, PALP_ERR_INPUT, "must not be negative");
     }
+    if (!status && palp_json_member(root, "volume_modulus_Pa", &volume))
+        status = palp_json_positive(&volume, &model->volume_modulus_Pa);
     if (!status && model->height_m == 0 && source->kind == PALP_MESH_LATTICE)
         model->height_m = source->size_m[1];
     return status;
 }
 
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
-    /* the last two are a network's only */
+    /* the last three are a network's only */
     static const char *const keys[] = {"palpate", "kind",       "specimen",     "stiffness",
                                        "arms",    "dashpot_Ns", "quasi_linear", "formulation",
-                                       "effects", "fractional", "covariance", "specimens", "mesh", "density_kg_m3"};
+                                       "effects", "fractional", "covariance", "specimens", "mesh", "density_kg_m3",
+                                       "volume_modulus_Pa"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;
@@ -310,7 +313,7 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     if (!status && !network && palp_json_member(root, "mesh", &mesh))
         status = palp_json_fail(&mesh, PALP_ERR_INPUT, "belongs to a model of kind \"network\"");
     if (!status)
-        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 2, keys);
+        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 3, keys);
     if (!status)
         status = specimen_read(root, model);
     if (!status)

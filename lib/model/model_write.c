@@ -43,6 +43,8 @@ static bool shape_valid(const palp_model *model) {
         return true;
     if (!mesh || !(model->density_kg_m3 >= 0) || !isfinite(model->density_kg_m3))
         return false;
+    if (!(model->volume_modulus_Pa >= 0) || !isfinite(model->volume_modulus_Pa))
+        return false;
     if (mesh->kind == PALP_MESH_LATTICE)
         return lattice_valid(mesh);
     if ((unsigned)mesh->scaling > PALP_SCALING_CONTINUUM || !(mesh->area_m2 >= 0) || !isfinite(mesh->area_m2))
@@ -273,6 +275,10 @@ static palp_status network_print(const writer *w, const palp_model *model, const
     if (model->density_kg_m3 > 0) {
         fputs(w->between, w->stream);
         number_print(w, "\"density_kg_m3\": ", model->density_kg_m3);
+    }
+    if (model->volume_modulus_Pa > 0) {
+        fputs(w->between, w->stream);
+        number_print(w, "\"volume_modulus_Pa\": ", model->volume_modulus_Pa);
     }
     return status;
 }

@@ -14,6 +14,7 @@ palp_network_settings palp_network_settings_default(void) {
                                    .branch = PALP_BRANCH_CONTINUE,
                                    .solver = PALP_SOLVER_AUTO,
                                    .density_kg_m3 = 0.0,
+                                   .volume_modulus_Pa = 0.0,
                                    .integrator = PALP_BACKWARD_EULER,
                                    .spectral_radius = 0.5,
                                    .check_strain = 5e-3};
@@ -165,12 +166,19 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     /* a factor costs more than ten evaluations (some 20 ns an element) at 20 Gflop/s */
     net->reuse_factor = linsys_flops(net->ls) / 20e9 > 10.0 * 20e-9 * (double)net->n_elements;
     palp_network_reset(net);
-    return net->mass ? network_add_terms(net, 1, (network_term *[]){network_inertia_new(net)}) : PALP_OK;
+    if (net->mass)
+        status = network_add_terms(net, 1, (network_term *[]){network_inertia_new(net)});
+    if (!status && net->settings.volume_modulus_Pa > 0.0)
+        status = network_add_volume(net, net->settings.volume_modulus_Pa);
+    if (status == PALP_ERR_UNSUPPORTED)
+        return palp_error_set(error, status, "a volume modulus needs a mesh of tetrahedra, with an element along every edge (in a "
+                                             "lattice 26 neighbours, of hexahedra the diagonals too)");
+    return status;
 }
 
 static bool settings_in_range(const palp_network_settings *s) {
     return s->tolerance > 0.0 && isfinite(s->tolerance) && s->max_iterations >= 1 && s->density_kg_m3 >= 0.0 &&
-           isfinite(s->density_kg_m3) && s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 &&
+           isfinite(s->density_kg_m3) && s->volume_modulus_Pa >= 0.0 && isfinite(s->volume_modulus_Pa) && s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 &&
            s->check_strain >= 0.0 && s->branch <= PALP_BRANCH_STABLE && s->solver <= PALP_SOLVER_SUPERNODAL &&
            s->integrator <= PALP_GENERALIZED_ALPHA;
 }
@@ -322,6 +330,7 @@ palp_status palp_network_from_model(const palp_model *model, const palp_mesh *me
         return status;
     palp_supports_default(usual);
     own.density_kg_m3 = model->density_kg_m3;
+    own.volume_modulus_Pa = model->volume_modulus_Pa;
     status = palp_network_create(mesh ? mesh : made, &model->material, supports ? n_supports : 2,
                                  supports ? supports : usual, &own, network, error);
     palp_mesh_free(made);

@@ -221,4 +221,9 @@ palp_status network_set_foundation(palp_network *net, const char *set, double sh
 /* Their stiffness [3 n_nodes], N/m, or NULL. */
 const double *network_foundation(const palp_network *net);
 
+/* Tetrahedra that resist a change of their volume (network_volume.c), of this modulus. ERR_UNSUPPORTED: the mesh has none, one
+ * that is flat, or one whose edges are not all elements. */
+palp_status network_add_volume(palp_network *net, double modulus_Pa);
+bool network_has_volume(const palp_network *net);
+
 #endif

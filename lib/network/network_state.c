@@ -214,7 +214,8 @@ static uint64_t fingerprint(const palp_network *net) {
     const uint64_t number[] = {net->n_nodes, net->n_elements, net->n_free, net->n_terms, net->now.history.peak != NULL,
                                m->law.kind, m->law.n, m->n_arms, m->quasi_linear, m->formulation,
                                net->settings.integrator};
-    const double value[] = {m->law.area_m2, m->law.strain_max, m->dashpot_Ns, net->settings.density_kg_m3, net->settings.spectral_radius};
+    const double value[] = {m->law.area_m2, m->law.strain_max, m->dashpot_Ns, net->settings.density_kg_m3,
+                            net->settings.volume_modulus_Pa, net->settings.spectral_radius};
     const double *scale = palp_mesh_element_scale(net->mesh);
     uint64_t sum = network_sum(NETWORK_SUM, number, sizeof number);
     sum = network_sum(sum, value, sizeof value);

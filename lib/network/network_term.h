@@ -61,6 +61,8 @@ typedef struct network_term_kind {
     /* After finish: what of an error of its forces, N, the term remembers beyond the step; adds it to *sum. */
     void (*doubt)(network_term *term, palp_network *net, double error, double *sum);
 
+    bool everywhere; /* its blocks are on all nodes, and no stiffer than the elements': none that touches from outside */
+
     void (*grasped)(const network_term *term, unsigned char *fixed);     /* fixed[node] = 1 where it grasps one */
     void (*grasp_changed)(network_term *term, palp_network *net);        /* another term grasps other nodes */
 } network_term_kind;

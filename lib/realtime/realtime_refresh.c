@@ -46,6 +46,11 @@ static void take_block(void *user, int32_t row, int32_t column, const double k[9
         c->block[i] = (float)k[turn ? 3 * (i % 3) + i / 3 : i];
 }
 
+/* Is it a tool or a hand? What acts everywhere is left to the conjugate gradients. */
+static bool touches(const network_term *term) {
+    return term->kind->blocks && !term->kind->everywhere;
+}
+
 /* What terms add to the tangent of the last evaluation: own blocks into net->node_block, couplings, of which it returns
  * the number. */
 static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
@@ -56,7 +61,9 @@ static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
         g.node[6 * i + 2] = net->diagonal[3 * i + 1];
         g.node[6 * i + 5] = net->diagonal[3 * i + 2];
     }
-    NETWORK_EACH_TERM(net, blocks, net, take_block, &g);
+    for (size_t i = 0; i < net->n_terms; i++)
+        if (touches(net->terms[i]))
+            net->terms[i]->kind->blocks(net->terms[i], net, take_block, &g);
     return g.n;
 }
 
@@ -69,7 +76,7 @@ static void copy_nodes(palp_network *net, const multigrid_source *source) {
 bool realtime_touched(const palp_network *net) {
     bool any = false;
     for (size_t i = 0; i < net->n_terms; i++)
-        any = any || net->terms[i]->kind->blocks;
+        any = any || touches(net->terms[i]);
     return any;
 }
 

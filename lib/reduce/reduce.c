@@ -256,9 +256,9 @@ static palp_status check_create(const palp_network *net, size_t n_paths, palp_sn
     if (!sound)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a setting is out of range, or a path is of another network");
     bool vectors = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
-    if (net->mass || net->damage || network_foundation(net) || vectors)
+    if (net->mass || net->damage || network_foundation(net) || network_has_volume(net) || vectors)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "a network with mass, damage or the formulation sedef2008 cannot be reduced");
+                              "a network with mass, damage, a volume modulus or the formulation sedef2008 cannot be reduced");
     const contact_set *contacts = contact_of(net);
     if (contacts && contacts->settings.subdivisions > 0)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED, "a network whose tools touch a subdivided surface cannot be reduced");

@@ -77,4 +77,17 @@ expect 1 calibrate $L --mesh $M/box_hexa.msh --scaling continuum
 says "box_hexa.msh: scaling needs a mesh of tetrahedra"
 expect 0 calibrate $L --mesh $M/box_hexa.msh --hex-diagonals --stage static --steps 100 --out hexa.json
 grep -q scaling hexa.json && fail "hexahedra were scaled"
+
+# 7. Tetrahedra that resist a change of volume: the law stands beside them, the model carries them, what cannot says so.
+expect 0 calibrate $L --nodes 4 --stage static --steps 200 --depth-mm 7 --volume 0.3 --out solid.json
+grep -q '"volume_modulus_Pa": 4260.41' solid.json || fail "no volume modulus in the model"
+expect 0 calibrate $L --start solid.json --stage static --steps 200 --depth-mm 7 --out again.json
+grep -q '"volume_modulus_Pa": 4260.41' again.json || fail "--start lost the volume modulus"
+forces solid.json 7 >solid.csv
+forces $L 7 >lumped.csv
+near "pressed by 7 mm" "$(tail -1 solid.csv | cut -d, -f2)" "$(tail -1 lumped.csv | cut -d, -f2)" 0.01
+expect 1 export solid.json --strain 0.1 --out deck.inp
+says "has volume_modulus_Pa"
+expect 1 calibrate $L --mesh $M/box_hexa.msh --stage static --volume 0.3 --steps 100
+says "an element along every edge"
 done_testing

@@ -94,6 +94,23 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
     return CLI_OK; /* else that of --start */
 }
 
+/* The modulus that the tissue has at rest, as a network of this section has to have it, times the ratio that was asked for. */
+static int choose_volume(const calibrate_options *o, calibrate_state *s) {
+    const palp_mesh_source *mesh = &s->source;
+    double rest = 0.0, own = mesh->kind == PALP_MESH_LATTICE ? mesh->size_m[0] * mesh->size_m[2] : mesh->area_m2;
+    if (!(o->volume > 0))
+        return CLI_OK; /* that of --start */
+    palp_law_stiffness(&s->lumped.material.law, 0.0, &rest, NULL);
+    if (!(own > 0))
+        own = PI * s->lumped.radius_m * s->lumped.radius_m;
+    if (!(own > 0))
+        return cli_failure(NAME, "%s: gives no radius_mm to tell the modulus that --volume is a multiple of; give --area-mm2", o->lumped);
+    if (!(rest > 0))
+        return cli_failure(NAME, "%s: its law has no stiffness at rest, which --volume is a multiple of", o->lumped);
+    s->model.volume_modulus_Pa = o->volume * rest / own;
+    return CLI_OK;
+}
+
 int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     palp_support supports[2];
     palp_network_settings settings = palp_network_settings_default();
@@ -102,6 +119,8 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     int code = read_models(o, s);
     if (code == CLI_OK)
         code = choose_mesh(o, s);
+    if (code == CLI_OK)
+        code = choose_volume(o, s);
     if (code)
         return code;
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
@@ -114,6 +133,7 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
         s->height_m = high[1] - low[1];
         palp_supports_default(supports);
         settings.branch = (palp_branch)o->branch;
+        settings.volume_modulus_Pa = s->model.volume_modulus_Pa;
         s->model.material.formulation = (palp_formulation)o->formulation;
         if (s->does_static) {
             s->model.material.n_arms = 0;

@@ -68,6 +68,7 @@ static palp_status coarse_network(const calibrate_options *o, const calibrate_st
         nodes[k] = source->nodes[k] < most ? source->nodes[k] : most;
     palp_supports_default(supports);
     settings.branch = (palp_branch)o->branch;
+    settings.volume_modulus_Pa = s->model.volume_modulus_Pa;
     palp_status status = palp_mesh_lattice(nodes, source->size_m, source->neighbourhood, &mesh);
     if (!status)
         status = palp_network_create(mesh, material, 2, supports, &settings, network, NULL);

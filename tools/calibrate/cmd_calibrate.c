@@ -27,6 +27,10 @@ static size_t network_options(calibrate_options *o, cli_option *to) {
         cli_positive("area-mm2", "MM2", 1e8, &o->area_mm2,
                      "area that the scaled elements' N refer to, mm2 (default: the\n"
                      "specimen's cross-section, or the mesh's volume over its height)"),
+        cli_positive("volume", "RATIO", 1e3, &o->volume,
+                     "tetrahedra that resist a change of volume, so that a fine lattice\n"
+                     "does not fold when pressed deep: their modulus over that of the\n"
+                     "lumped law at rest, e.g. 1 (default: that of --start, or none)"),
         cli_choice("branch", "continue|stable", &o->branch,
                    "which equilibrium to follow where the network buckles: the one\n"
                    "Newton's method follows (default), or descend to a stable one"),

@@ -112,6 +112,8 @@ int cmd_export(int argc, char **argv) {
                          "a lumped model has no mesh; make a network of it by palpate calibrate", &model, &source);
     if (code)
         return code;
+    if (model.volume_modulus_Pa > 0)
+        return cli_failure("export", "%s: has volume_modulus_Pa, which no spring of the deck can stand for", path);
     palp_status status = palp_model_mesh(&model, &mesh, &error);
     if (status)
         return cli_status("export", status, &error);

@@ -18,7 +18,8 @@ static const char sample[] =
     "  \"effects\": [],\n"
     "  \"mesh\": {\"kind\": \"lattice\", \"nodes\": [3, 4, 5], \"size_mm\": [24, 23.9, 24], "
     "\"neighbourhood\": 18},\n"
-    "  \"density_kg_m3\": 1040\n"
+    "  \"density_kg_m3\": 1040,\n"
+    "  \"volume_modulus_Pa\": 5000\n"
     "}\n";
 
 static palp_mesh_source source; /* of what was read last */

@@ -83,6 +83,7 @@ static void comes_back(const palp_model *model) {
     ck_assert_int_eq(back.material.quasi_linear, model->material.quasi_linear);
     ck_assert_int_eq(back.material.formulation, model->material.formulation);
     ck_assert_double_eq(back.density_kg_m3, model->density_kg_m3);
+    ck_assert_double_eq(back.volume_modulus_Pa, model->volume_modulus_Pa);
     if (model->kind == PALP_MODEL_LUMPED) {
         ck_assert_ptr_null(back.mesh);
         return;
@@ -287,7 +288,7 @@ START_TEST(model_is_one_line_when_formatted) {
                      "{\"stiffness_N\": 0.5, \"viscosity_Ns\": 30, \"time_per_strain\": -0.1}], "
                      "\"dashpot_Ns\": 0.25, \"formulation\": \"history\", \"effects\": [], "
                      "\"mesh\": {\"kind\": \"lattice\", \"nodes\": [3, 4, 5], \"size_mm\": [24, 23.9, 24], "
-                     "\"neighbourhood\": 18}, \"density_kg_m3\": 1040}");
+                     "\"neighbourhood\": 18}, \"density_kg_m3\": 1040, \"volume_modulus_Pa\": 5000}");
     model = read_text(json);
     is_sample(&model);
     free(json);
@@ -366,6 +367,7 @@ START_TEST(source_may_be_left_out) {
     ck_assert_ptr_null(model.mesh);
     ck_assert_double_eq(model.height_m, 24.0 / 1000);
     ck_assert_double_eq(model.density_kg_m3, 1040);
+    ck_assert_double_eq(model.volume_modulus_Pa, 5000);
     ck_assert_int_eq(palp_model_mesh(&model, &mesh, &error), PALP_ERR_ARGUMENT);
     ck_assert_str_eq(error.text, "the model was read without the source of its mesh");
     ck_assert_ptr_null(mesh);

@@ -1,0 +1,194 @@
+/* network_volume.c: tetrahedra that resist a change of their volume, which springs between nodes do not.
+ * Energy per volume at rest w(J) = k (J - 1 - ln J), J the volume over that at rest: k (J - 1)^2 / 2 near rest, without end
+ * towards J = 0. */
+#include "mesh/mesh_internal.h"
+#include "network_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double LEAST = 0.05; /* J below which w goes on as a parabola: trial places may be inside out */
+
+typedef struct volume {
+    network_term term;
+    double modulus; /* k, Pa */
+    size_t n;
+    const int32_t *node; /* [4 n], the mesh's */
+    double *rest;        /* [n] m^3 */
+    double *edge;        /* [9 n] from a tetrahedron's first node to the three others, at the last evaluation */
+    double *slope;       /* [n] dw/dJ there, Pa */
+    double *curve;       /* [n] d2w/dJ2 over the volume at rest, Pa/m^3 */
+} volume;
+
+/* Energy per volume and its slope; *curve: the second derivative. */
+static double law(double k, double ratio, double *slope, double *curve) {
+    const double at = fmax(ratio, LEAST), beyond = ratio - at;
+    *curve = k / (at * at);
+    *slope = k * (1.0 - 1.0 / at) + *curve * beyond;
+    return k * (at - 1.0 - log(at)) + (k * (1.0 - 1.0 / at) + 0.5 * *curve * beyond) * beyond;
+}
+
+/* sum += factor a x b */
+static void add_cross(double factor, const double *a, const double *b, double *sum) {
+    sum[0] += factor * (a[1] * b[2] - a[2] * b[1]);
+    sum[1] += factor * (a[2] * b[0] - a[0] * b[2]);
+    sum[2] += factor * (a[0] * b[1] - a[1] * b[0]);
+}
+
+static double dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Edges of a tetrahedron in what nodes have in x[3 n_nodes]. */
+static void edges(const int32_t *node, const double *x, double edge[9]) {
+    for (size_t i = 0; i < 9; i++)
+        edge[i] = x[3 * (size_t)node[1 + i / 3] + i % 3] - x[3 * (size_t)node[0] + i % 3];
+}
+
+/* Derivative of the volume by the places of all nodes but the first. */
+static void gradient(const double edge[9], double g[9]) {
+    memset(g, 0, 9 * sizeof *g);
+    for (int i = 0; i < 3; i++)
+        add_cross(1.0 / 6.0, edge + 3 * ((i + 1) % 3), edge + 3 * ((i + 2) % 3), g + 3 * i);
+}
+
+/* out += factor g on a tetrahedron's nodes; the first takes what keeps the sum zero. */
+static void spread(const int32_t *node, double factor, const double g[9], double *out) {
+    for (size_t i = 0; i < 9; i++) {
+        out[3 * (size_t)node[1 + i / 3] + i % 3] += factor * g[i];
+        out[3 * (size_t)node[0] + i % 3] -= factor * g[i];
+    }
+}
+
+static void volume_evaluate(network_term *term, palp_network *net) {
+    volume *t = (volume *)term;
+    double g[9];
+    for (size_t i = 0; i < t->n; i++) {
+        const int32_t *node = t->node + 4 * i;
+        double *edge = t->edge + 9 * i;
+        edges(node, net->next.x, edge);
+        gradient(edge, g);
+        law(t->modulus, dot(edge, g) / t->rest[i], &t->slope[i], &t->curve[i]);
+        t->curve[i] /= t->rest[i];
+        spread(node, -t->slope[i], g, net->outer);
+        const double stiffness = t->curve[i] * (dot(g, g) + dot(g + 3, g + 3) + dot(g + 6, g + 6));
+        const double *place = net->next.x + 3 * (size_t)node[0];
+        net->outer_squares += stiffness * stiffness * dot(place, place);
+    }
+}
+
+static bool volume_energy(const network_term *term, const palp_network *net, double *energy) {
+    const volume *t = (const volume *)term;
+    double g[9], slope, curve;
+    (void)net;
+    for (size_t i = 0; i < t->n; i++) {
+        gradient(t->edge + 9 * i, g);
+        *energy += t->rest[i] * law(t->modulus, dot(t->edge + 9 * i, g) / t->rest[i], &slope, &curve);
+    }
+    return true;
+}
+
+static void volume_times(const network_term *term, const palp_network *net, const double *u, double *out) {
+    const volume *t = (const volume *)term;
+    double g[9], du[9], more[9];
+    (void)net;
+    for (size_t i = 0; i < t->n; i++) {
+        const double *edge = t->edge + 9 * i;
+        gradient(edge, g);
+        edges(t->node + 4 * i, u, du);
+        memset(more, 0, sizeof more);
+        double change = 0.0;
+        for (size_t k = 0; k < 9; k++)
+            change += g[k] * du[k];
+        for (int k = 0; k < 3; k++) {
+            add_cross(t->slope[i] / 6.0, du + 3 * ((k + 1) % 3), edge + 3 * ((k + 2) % 3), more + 3 * k);
+            add_cross(t->slope[i] / 6.0, edge + 3 * ((k + 1) % 3), du + 3 * ((k + 2) % 3), more + 3 * k);
+        }
+        spread(t->node + 4 * i, t->curve[i] * change, g, out);
+        spread(t->node + 4 * i, 1.0, more, out);
+    }
+}
+
+/* Block of nodes 1 + a and 1 + b: curve g g' and, for two nodes, slope times the third edge's cross product. */
+static void block_between(const volume *t, size_t i, const double g[9], size_t a, size_t b, double k[9]) {
+    for (size_t j = 0; j < 9; j++)
+        k[j] = t->curve[i] * g[3 * a + j / 3] * g[3 * b + j % 3];
+    if (a == b)
+        return;
+    const double *c = t->edge + 9 * i + 3 * (3 - a - b), s = ((b + 3 - a) % 3 == 1 ? -1.0 : 1.0) * t->slope[i] / 6.0;
+    k[1] -= s * c[2];
+    k[2] += s * c[1];
+    k[3] += s * c[2];
+    k[5] -= s * c[0];
+    k[6] -= s * c[1];
+    k[7] += s * c[0];
+}
+
+/* The first node's blocks are what keeps the sums over a row and a column zero. */
+static void volume_blocks(const network_term *term, const palp_network *net, network_block_taker take, void *user) {
+    const volume *t = (const volume *)term;
+    double g[9], k[9];
+    (void)net;
+    for (size_t i = 0; i < t->n; i++) {
+        const int32_t *node = t->node + 4 * i;
+        double first[9] = {0.0};
+        gradient(t->edge + 9 * i, g);
+        for (size_t a = 0; a < 3; a++) {
+            double row[9] = {0.0};
+            for (size_t b = 0; b < 3; b++) {
+                block_between(t, i, g, a, b, k);
+                for (size_t j = 0; j < 9; j++)
+                    row[j] -= k[j];
+                if (b <= a)
+                    take(user, node[1 + a], node[1 + b], k);
+            }
+            take(user, node[1 + a], node[0], row);
+            for (size_t j = 0; j < 9; j++)
+                first[j] -= row[j];
+        }
+        take(user, node[0], node[0], first);
+    }
+}
+
+static const network_term_kind VOLUME = {.evaluate = volume_evaluate,
+                                         .blocks = volume_blocks,
+                                         .times = volume_times,
+                                         .energy = volume_energy,
+                                         .everywhere = true};
+
+bool network_has_volume(const palp_network *net) {
+    return network_find_term(net, &VOLUME);
+}
+
+/* Has the tangent a place for each pair of a tetrahedron's nodes? */
+static bool joined(const palp_network *net, const int32_t node[4]) {
+    for (int a = 0; a < 4; a++)
+        for (int b = a + 1; b < 4; b++)
+            if (palp_mesh_element_between(net->mesh, node[a], node[b]) >= net->n_elements)
+                return false;
+    return true;
+}
+
+palp_status network_add_volume(palp_network *net, double modulus_Pa) {
+    const size_t n = palp_mesh_tetrahedron_count(net->mesh);
+    const int32_t *node = palp_mesh_tetrahedra(net->mesh);
+    if (n == 0)
+        return PALP_ERR_UNSUPPORTED;
+    for (size_t i = 0; i < n; i++)
+        if (!joined(net, node + 4 * i) || !(mesh_volume6(net->rest, node + 4 * i) > 0.0))
+            return PALP_ERR_UNSUPPORTED;
+    volume *t = network_term_new(&VOLUME, sizeof *t);
+    if (!t)
+        return PALP_ERR_NO_MEMORY;
+    arena *memory = &t->term.memory;
+    t->modulus = modulus_Pa;
+    t->n = n;
+    t->node = node;
+    t->rest = arena_take(memory, n, sizeof *t->rest);
+    t->edge = arena_take(memory, 9 * n, sizeof *t->edge);
+    t->slope = arena_take(memory, n, sizeof *t->slope);
+    t->curve = arena_take(memory, n, sizeof *t->curve);
+    for (size_t i = 0; i < n && !memory->failed; i++)
+        t->rest[i] = mesh_volume6(net->rest, node + 4 * i) / 6.0;
+    return network_add_terms(net, 1, (network_term *[]){(network_term *)t});
+}
