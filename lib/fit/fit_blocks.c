@@ -127,6 +127,27 @@ static palp_status cut(fit_run *run, const palp_recording *rec, const palp_chara
     return PALP_OK;
 }
 
+/* The encoder's count: the least step between neighbours, or difference of two steps, of which all steps are multiples; 0 = the depth is
+ * not in counts. A plate that is told in equal steps has such a one too, but at a few corners only another step follows. */
+static double count_of(const palp_recording *rec) {
+    const double rounding = 1e-9 * rec->deepest_m, whole = 1e-3;
+    double least = HUGE_VAL, before = 0.0;
+    size_t changes = 0;
+    for (size_t i = 1; i < rec->n; i++) {
+        double step = rec->depth_m[i] - rec->depth_m[i - 1];
+        least = fabs(step) > rounding ? fmin(least, fabs(step)) : least;
+        least = fabs(step - before) > rounding ? fmin(least, fabs(step - before)) : least;
+        changes += fabs(step - before) > rounding;
+        before = step;
+    }
+    for (size_t i = 1; i < rec->n; i++) {
+        double counts = (rec->depth_m[i] - rec->depth_m[i - 1]) / least;
+        if (!(fabs(counts - round(counts)) <= whole))
+            return 0.0;
+    }
+    return isfinite(least) && changes > rec->n / 500 + 4 ? least : 0.0;
+}
+
 static palp_status make_run(arena *memory, fit_run *run, const palp_recording *rec,
                             const palp_characterize_settings *settings) {
     double peak = 0.0, **arrays[] = {&run->time, &run->strain, &run->force, &run->count};
@@ -147,6 +168,7 @@ static palp_status make_run(arena *memory, fit_run *run, const palp_recording *r
     run->air_sd = exact ? rec->contact_sd_m / rec->height_m : 0.0;
     run->end = rec->time_s[rec->n - 1] - rec->time_s[0];
     run->peak = peak;
+    run->place_sd = count_of(rec) / rec->height_m / sqrt(12.0);
     run->leaves = fit_leaves(rec);
     return run->noise > 0.0 ? PALP_OK : PALP_ERR_INPUT;
 }

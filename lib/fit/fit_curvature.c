@@ -45,6 +45,81 @@ static palp_status earlier_contact(const fit_problem *p, const double *v, double
     return status;
 }
 
+/* The residual's slopes by the strain of a run's blocks, for a plate whose place wanders in time seconds: arms that relax faster do not
+ * answer. */
+static palp_status slopes_by_place(const fit_problem *p, const double *v, size_t r, double time, double *slope) {
+    const fit_run *run = &p->run[r];
+    const double *arm = v + p->n_springs;
+    palp_law law;
+    palp_status status = p->settings->spring == PALP_SPRING_PER_RUN ? palp_law_polynomial(1, &v[r], &law) : fit_law(p, v, &law);
+    double answer = 0.0, force;
+    for (size_t j = 0; j < p->n_arms; j++)
+        answer += exp(arm[2 * j]) / (1.0 + time / exp(arm[2 * j + 1]));
+    for (size_t i = 0; i < run->n && !status; i++) {
+        palp_law_force(&law, 1, &run->strain[i], &force, &slope[i], NULL);
+        slope[i] = run->strain[i] > 0.0 ? (slope[i] + answer) * sqrt(run->count[i]) / run->noise : 0.0;
+    }
+    return status;
+}
+
+/* Covariance sum[n n] of the parameters by places of a run's blocks that are correlated over time seconds; moves[n blocks] by rows is
+ * what a residual of each block moves them by; work[3 blocks]. */
+static void sum_wander(const fit_run *run, size_t n, const double *moves, double time, const double *slope, double *work, double *sum) {
+    double *near = work, *decay = work + run->n, *row = work + 2 * run->n;
+    for (size_t i = 0; i < run->n; i++)
+        decay[i] = i ? exp((run->time[i - 1] - run->time[i]) / time) : 0.0;
+    for (size_t a = 0; a < n; a++) {
+        double later = 0.0;
+        for (size_t i = 0; i < run->n; i++) {
+            row[i] = moves[a * run->n + i] * slope[i] * run->place_sd;
+            near[i] = row[i] + (i ? decay[i] * near[i - 1] : 0.0);
+        }
+        for (size_t i = run->n; i-- > 0;) {
+            near[i] += later;
+            later = decay[i] * (later + row[i]);
+        }
+        for (size_t b = 0; b < n; b++) {
+            sum[a * n + b] = 0.0;
+            for (size_t i = 0; i < run->n; i++)
+                sum[a * n + b] += near[i] * moves[b * run->n + i] * slope[i] * run->place_sd;
+        }
+    }
+}
+
+/* A plate wanders within a count of its encoder, as slowly as it likes: by the time that is worst for the parameters together, each
+ * then by as much as the time that is worst for itself. */
+static palp_status add_wander(const fit_problem *p, const double *v, const double *jacobian, size_t r, size_t first, fit_curvature *c) {
+    const fit_run *run = &p->run[r];
+    size_t n = fit_parameter_count(p), blocks = run->n;
+    double *moves = calloc(n * blocks + 4 * blocks + 2 * n * n + n, sizeof *moves), most = 0.0;
+    if (!moves)
+        return PALP_ERR_NO_MEMORY;
+    double *slope = moves + n * blocks, *work = slope + blocks, *sum = work + 3 * blocks, *worst = sum + n * n, *own = worst + n * n;
+    for (size_t a = 0; a < n; a++)
+        for (size_t i = 0; i < blocks; i++)
+            for (size_t b = 0; b < n; b++)
+                moves[a * blocks + i] += c->covariance[a * n + b] * jacobian[b * p->n_blocks + first + i];
+    palp_status status = PALP_OK;
+    for (double time = run->end; time > p->tau_min && !status; time /= 3.0) {
+        double size = 0.0;
+        status = slopes_by_place(p, v, r, time, slope);
+        sum_wander(run, n, moves, time, slope, work, sum);
+        for (size_t a = 0; a < n; a++) {
+            size += c->covariance[a * n + a] > 0.0 ? sum[a * n + a] / c->covariance[a * n + a] : 0.0;
+            own[a] = fmax(own[a], sum[a * n + a]);
+        }
+        if (size > most)
+            memcpy(worst, sum, n * n * sizeof *worst);
+        most = fmax(most, size);
+    }
+    for (size_t a = 0; a < n; a++)
+        own[a] = worst[a * n + a] > 0.0 ? sqrt(own[a] / worst[a * n + a]) : 1.0;
+    for (size_t a = 0; a < n * n && !status; a++)
+        c->systematic[a] += own[a / n] * own[a % n] * worst[a];
+    free(moves);
+    return status;
+}
+
 /* A wrong zero shifts a whole recording, force or depth, and more samples do not help. */
 static palp_status find_systematic(const fit_problem *p, const double *v, const double *residual,
                                    const double *jacobian, fit_curvature *c) {
@@ -60,6 +135,8 @@ static palp_status find_systematic(const fit_problem *p, const double *v, const 
         }
         add_systematic(p, jacobian, first, run->n, shift, shift + 2 * m, c);
         add_systematic(p, jacobian, first, run->n, shift + m + first, shift + 2 * m, c);
+        if (run->place_sd > 0.0)
+            status = add_wander(p, v, jacobian, r, first, c);
     }
     free(shift);
     return status;

@@ -17,6 +17,7 @@ typedef struct fit_run {
     double zero_sd;                /* of the force that was taken for zero, N */
     double air_sd;           /* of the contact's strain by the air before it, where contact_sd is 0 */
     double contact_sd;             /* of the strain, by the depth that was taken for contact; 0 where the air spoke for it */
+    double place_sd;               /* of the strain, as the plate may be anywhere within a count of its encoder */
     double end;                    /* last time from the start, s */
     double peak;                   /* largest |force| of a block, N */
     bool leaves;                   /* the plate goes back and does not pull: it leaves a specimen that lags behind */

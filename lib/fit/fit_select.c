@@ -22,6 +22,7 @@ typedef struct folds {
     double *weight;          /* [n_blocks] */
     unsigned char *held_out; /* [n_blocks] */
     double *loss;            /* [n_candidates n_groups] mean square of the held-out residuals */
+    double *left;            /* [n_candidates n_blocks] these residuals, where laws are compared */
     bool by_run;
 } folds;
 
@@ -129,7 +130,7 @@ static double others_strain(const fit_problem *p, size_t but) {
 /* What the fit of the rest would leave of the blocks of a fold, by one Gauss-Newton step from the fit of all, exact for
  * what is linear: d = (J'J - Jf'Jf)^-1 Jf' rf, and rf + Jf d is left. square = J'J; work[3 n n + 2 n]. */
 static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, const double *residual, const double *jacobian,
-                            const double *square, double *work, double *loss, double *count) {
+                            const double *square, double *work, double *loss, double *count, double *all) {
     size_t n = fit_parameter_count(p), m = p->n_blocks;
     double *rest = work, *inverse = rest + n * n, *pull = inverse + n * n, *step = pull + n;
     memcpy(rest, square, n * n * sizeof *rest);
@@ -157,6 +158,7 @@ static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, c
                 continue;
             for (size_t a = 0; a < n; a++)
                 left += jacobian[a * m + i] * step[a];
+            all[i] = left;
             loss[f->group[i]] += left * left;
             count[f->group[i]] += 1.0;
         }
@@ -166,7 +168,7 @@ static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, c
 
 /* One fit, and all folds from its derivatives. arms[2 n_arms]: of the law before, to start from, if *started; then of this
  * one. */
-static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *started, double *loss) {
+static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *started, double *loss, double *left) {
     size_t n = fit_parameter_count(p), m = p->n_blocks, bytes = 2 * p->n_arms * sizeof *arms;
     double *v = calloc(n + m + m * n + 4 * n * n + 2 * n + f->n_groups, sizeof *v), chi2;
     bool done;
@@ -186,7 +188,7 @@ static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *
     if (!status)
         dense_transposed_product(n, n, m, jacobian, jacobian, square);
     for (size_t fold = 0; fold < f->n_folds && !status; fold++)
-        status = step_out(f, p, fold, residual, jacobian, square, work, loss, count);
+        status = step_out(f, p, fold, residual, jacobian, square, work, loss, count, left);
     for (size_t g = 0; g < f->n_groups; g++)
         loss[g] = count[g] > 0.0 ? loss[g] / count[g] : 0.0;
     free(v);
@@ -303,12 +305,39 @@ static double rms_excess(size_t groups, const double *a, const double *b, double
     return mean;
 }
 
-/* The first law that leaves no more than the best one by two standard errors, or a tenth, in the mean of the groups' rms:
- * a law is for its forces, large ones above all, where arms are for a spectrum and go by logarithms. */
-static size_t choose_law(size_t laws, size_t groups, const double *loss, double *score, double *sd) {
-    size_t best = 0, chosen = 0;
-    double error, typical = 0.0, used = 0.0;
-    fit_choose(laws, groups, loss, score, sd);
+/* By how much law a leaves more than law b, in squares of the noise, and the standard error of that by the noise: that of
+ * 2 sum (a - b) b, widened as fit_inflation widens intervals. */
+static double squares_excess(const fit_problem *p, const double *a, const double *b, double *error) {
+    fit_curvature c = {0};
+    double sum = 0.0, apart = 0.0;
+    for (size_t i = 0; i < p->n_blocks; i++) {
+        sum += a[i] * a[i] - b[i] * b[i];
+        apart += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    fit_sum_residual(p, b, &c);
+    *error = 2.0 * sqrt(apart) * fit_inflation(&c);
+    return sum;
+}
+
+/* Of blocks of recordings that were all fitted, the first law that leaves no more than the best one by two standard errors: a law
+ * that misses some percent of the noise over thousands of them moves its arms by several sds. */
+static size_t choose_by_blocks(const folds *f, const fit_problem *p, size_t laws) {
+    size_t best = 0, chosen = 0, m = p->n_blocks;
+    double error;
+    for (size_t c = 1; c < laws; c++)
+        if (squares_excess(p, f->left + c * m, f->left + best * m, &error) < 0.0)
+            best = c;
+    while (chosen < best && squares_excess(p, f->left + chosen * m, f->left + best * m, &error) > 2.0 * error)
+        chosen++;
+    return chosen;
+}
+
+/* Of recordings left out, which have a zero force and a contact of their own, the first law that leaves no more than the best one by
+ * two standard errors, or a tenth, in the mean of the groups' rms: a law is for its forces, large ones above all, where arms are for a
+ * spectrum and go by logarithms. */
+static size_t choose_by_runs(const folds *f, size_t laws) {
+    size_t best = 0, chosen = 0, groups = f->n_groups;
+    double error, typical = 0.0, used = 0.0, *loss = f->loss;
     for (size_t c = 1; c < laws; c++)
         if (rms_excess(groups, loss + c * groups, loss + best * groups, &error) < 0.0)
             best = c;
@@ -322,11 +351,12 @@ static size_t choose_law(size_t laws, size_t groups, const double *loss, double 
 }
 
 /* A law that cannot be fitted at all loses: as far off as no force. */
-static void lose(const folds *f, const fit_problem *p, double *loss) {
+static void lose(const folds *f, const fit_problem *p, double *loss, double *left) {
     memset(loss, 0, f->n_groups * sizeof *loss);
     for (size_t r = 0, i = 0; r < p->n_runs; r++)
         for (size_t b = 0; b < p->run[r].n; b++, i++) {
             double force = sqrt(p->run[r].count[b]) * p->run[r].force[b] / p->run[r].noise;
+            left[i] = force;
             loss[f->group[i]] = fmax(loss[f->group[i]], force * force);
         }
 }
@@ -352,19 +382,23 @@ palp_status palp_characterize_select_law(size_t n, const palp_recording *recordi
     p.stop_relative = COARSE;
     thin(&p);
     status = make_folds(&f, &p, n_laws);
+    f.left = arena_take(&f.memory, n_laws * p.n_blocks, sizeof *f.left);
+    status = status || f.left ? status : PALP_ERR_NO_MEMORY;
     for (size_t c = 0; c < n_laws && !status; c++) {
         p.law = law[c];
         p.n_springs = law[c].n;
         p.least = 0.0;
-        status = score_by_steps(&f, &p, arms, &started, f.loss + c * f.n_groups);
+        status = score_by_steps(&f, &p, arms, &started, f.loss + c * f.n_groups, f.left + c * p.n_blocks);
         if (status == PALP_ERR_SINGULAR) {
-            lose(&f, &p, f.loss + c * f.n_groups);
+            lose(&f, &p, f.loss + c * f.n_groups, f.left + c * p.n_blocks);
             status = PALP_OK;
         }
     }
+    if (!status) {
+        fit_choose(n_laws, f.n_groups, f.loss, score, sd);
+        *best = f.by_run ? choose_by_runs(&f, n_laws) : choose_by_blocks(&f, &p, n_laws);
+    }
     fit_problem_free(&p);
-    if (!status)
-        *best = choose_law(n_laws, f.n_groups, f.loss, score, sd);
     arena_free(&f.memory);
     return status ? fit_failed(error, status, recordings[0].name) : PALP_OK;
 }

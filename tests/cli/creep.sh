@@ -20,12 +20,13 @@ for run in creep dwell; do
     cp err $run.err
 done
 grep -q 'creep.csv: creep to 2\.[67]' creep.err || fail "not known as creep: $(cat creep.err)"
-# The same arms from both, each known to some percent. Of six pairs of estimates one in a hundred runs has one that is three standard
-# deviations apart, by the noise alone: 2.5 halves of the 95 % intervals are five. And the plate that is held drifts within a count of the
-# encoder, which is half a millinewton of the first arm's 0.3 N and in no interval: half a percent.
+# The same arms from both, to some percent, the slow one's time, which is as long as the run, to a tenth. Of six pairs of estimates one in a hundred runs has one that is
+# three standard deviations apart, by the noise alone: 2.5 halves of the 95 % intervals are five. The plate that is held drifts within a
+# count of the encoder, half a millinewton, which is in the intervals: of 32 sessions the slow arm's viscosity scatters by 3 %.
 for name in K_1 b_1 tau_1 K_2 b_2 tau_2; do
-    { bounds $name creep.txt; bounds $name dwell.txt; } | awk '{ v[NR] = $1; h[NR] = ($3 - $2) / 2 }
-        END { d = v[1] - v[2]; d = d < 0 ? -d : d; both = sqrt(h[1]^2 + h[2]^2); exit !(NR == 2 && both > 0 && both < 0.06 * v[2] && d < 2.5 * both + 0.005 * v[2]) }' ||
+    case $name in b_2 | tau_2) most=0.2 ;; *) most=0.06 ;; esac
+    { bounds $name creep.txt; bounds $name dwell.txt; } | awk -v most=$most '{ v[NR] = $1; h[NR] = ($3 - $2) / 2 }
+        END { d = v[1] - v[2]; d = d < 0 ? -d : d; both = sqrt(h[1]^2 + h[2]^2); exit !(NR == 2 && both > 0 && both < most * v[2] && d < 2.5 * both) }' ||
         fail "$name: $(bounds $name creep.txt) from creep, $(bounds $name dwell.txt) from a dwell"
 done
 for run in creep dwell; do
