@@ -90,3 +90,12 @@ for k in range(1):
     ratio, nu = random.uniform(75, 85), random.uniform(0.3, 0.49)
     if not wanted or "cone" in wanted:
         case("cone %d" % k, "cone", ratio, nu, 0.05, 2, 9, 2.0, [])
+for k in range(4):
+    ratio, nu = draw(0.3, 4), 0.3 + 0.19 * ((k * 3 % 4) + random.random()) / 4
+    depth = random.uniform(0.6, 1) * 0.16 * ratio / (ratio + 0.1)
+    if not wanted or "deep_sphere" in wanted:
+        case("deep sphere %d" % k, "sphere", ratio, nu, depth, 4, 9, 1.5, [])
+for k in range(1):
+    ratio, nu, depth = random.uniform(70, 80), 0.3 + 0.19 * (k + random.random()) / 2, random.uniform(0.08, 0.15)
+    if not wanted or "deep_cone" in wanted:
+        case("deep cone %d" % k, "cone", ratio, nu, depth, 2, 18, 2.0, [])
