@@ -1,0 +1,41 @@
+#!/bin/sh
+# scale.sh: characterize with its defaults, law and arms by evidence, in other units of force, length and time: the same law, the same
+# number of arms, and numbers that differ by their factors alone. check: once
+. tests/cli/common
+
+model=$DATA/lumped_n2.json
+sensor="--air-s 1 --noise-N 0.004"
+for depth in 3 5; do
+    expect 0 simulate "$model" --protocol ramp_hold --depth-mm $depth --hold-s 40 --sample-Hz 100 $sensor --seed $depth --out hold$depth.csv
+done
+expect 0 simulate "$model" --protocol static --depth-mm 7 --rate-mm-s 0.2 --sample-Hz 50 $sensor --seed 9 --out static.csv
+
+# scaled FORCE LENGTH TIME FILE: a specimen of the same stress by strain.
+scaled() {
+    awk -F, -v f="$1" -v l="$2" -v t="$3" '
+        /^# specimen.height_mm/ { printf "# specimen.height_mm: %.17g\n", 24 * l; next }
+        /^# specimen.radius_mm/ { printf "# specimen.radius_mm: %.17g\n", 12 * sqrt(f); next }
+        /^# palpate.experiment/ || /^time_s/ { print; next }
+        /^[-0-9]/ { printf "%.17g,%.17g,%.17g\n", $1 * t, $2 * l, $3 * f }' "$4"
+}
+# numbers FORCE TIME: the law taken, and each estimate in the units of the first recording.
+numbers() {
+    awk -v f="$1" -v t="$2" '
+        /"estimates": \[/ { on = 1 } /"correlation"/ { on = 0 }
+        on && $1 == "\"name\":" { name = $2 }
+        on && $1 == "\"unit\":" { unit = $0; sub(/.*: "/, "", unit); sub(/".*/, "", unit) }
+        on && $1 == "\"value\":" { value = $2 + 0 }
+        on && /}/ { if (name != "") printf "%s %.12g\n", name, value / (unit == "N" ? f : unit == "N s" ? f * t : unit == "s" ? t : 1); name = "" }' out
+    grep -c '"tau_s"' out
+}
+expect 0 characterize static.csv hold3.csv hold5.csv --json && numbers 1 1 >plain
+[ "$(wc -l <plain)" -ge 9 ] || fail "the fit tells no two arms: $(cat plain)"
+for factors in "1e-9 1 1" "1e4 1 1" "1 1e-3 1" "1 10 1" "1 1 1e-3" "1 1 1e3" "1e-6 1e-3 1e3"; do
+    set -- $factors
+    for run in static hold3 hold5; do scaled $1 $2 $3 $run.csv >other_$run.csv; done
+    expect 0 characterize other_static.csv other_hold3.csv other_hold5.csv --json && numbers $1 $3 >other
+    paste -d ' ' plain other | awk 'NF == 4 { d = $4 / $2 - 1; if (d > 1e-6 || d < -1e-6 || $1 != $3) bad = 1; next }
+        $1 != $2 { bad = 1 } END { exit bad || NR < 9 }' ||
+        fail "force, length, time times $factors: $(paste -d ' ' plain other | tr '\n' ';')"
+done
+done_testing
