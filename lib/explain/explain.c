@@ -193,7 +193,8 @@ static palp_status tidy(explain_search *s, palp_explanation *e, double threshold
     return status;
 }
 
-/* Another law, or a stiffness of each specimen, instead of the best trial, if it gains more. */
+/* Another law, or a stiffness of each specimen, instead of the best trial, if it gains more, or if that accuses the contact or the
+ * instrument of what is nothing beside that law. */
 static palp_status change_law(explain_search *s, double threshold, size_t best, bool *changed) {
     explain_trial law = {.tried = true}, specimens = {.tried = true};
     palp_status status = s->law_fixed ? PALP_OK : explain_law_try(s, threshold, &law);
@@ -201,7 +202,10 @@ static palp_status change_law(explain_search *s, double threshold, size_t best, 
         status = explain_specimens_try(s, threshold, &specimens);
     double gain = best == PALP_EFFECT_COUNT ? -HUGE_VAL : s->trial[best].gain;
     const bool differ = !status && specimens.fit.product && specimens.gain > gain && !(law.fit.product && law.gain > specimens.gain);
-    *changed = differ || (!status && law.fit.product && law.gain > gain);
+    bool stands = true;
+    if (!status && law.fit.product && !differ && best != PALP_EFFECT_COUNT && law.gain <= gain)
+        status = explain_law_spares(s, &law, &s->trial[best], threshold, &stands);
+    *changed = differ || (!status && law.fit.product && (law.gain > gain || !stands));
     if (*changed)
         status = differ ? explain_specimens_take(s, &specimens) : explain_law_take(s, &law);
     explain_law_free(&law);

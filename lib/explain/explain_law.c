@@ -84,6 +84,20 @@ void explain_law_free(explain_trial *t) {
     *t = (explain_trial){.tried = true};
 }
 
+/* Keeps the trial of another law in *best if it is believed and gains more; more: nats that it costs beside its coefficients. */
+static palp_status consider(const explain_search *s, double threshold, double more, palp_status status, explain_trial *t, explain_trial *best) {
+    if (!status)
+        status = explain_trial_examine(s, PALP_EFFECT_COUNT, t);
+    t->raw_gain -= more;
+    t->gain -= more;
+    const bool better = !status && explain_law_believed(s, t, threshold) && (!best->fit.product || t->gain > best->gain);
+    explain_trial other = better ? *best : *t;
+    if (better)
+        *best = *t;
+    explain_law_free(&other);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
 palp_status explain_law_try(const explain_search *s, double threshold, explain_trial *best) {
     const palp_law *now = &s->fit.model.material.law;
     palp_status status = PALP_OK;
@@ -96,16 +110,36 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
         if (families[f].n <= now->n || resemble(now, &families[f], s->data.deepest / s->data.height, 0.0, &law))
             continue;
         status = fit_with(s, &law, false, &t.fit);
-        if (!status)
-            status = explain_trial_examine(s, PALP_EFFECT_COUNT, &t);
-        bool better = !status && explain_law_believed(s, &t, threshold) && (!best->fit.product || t.gain > best->gain);
-        explain_trial other = better ? *best : t;
-        if (better)
-            *best = t;
-        explain_law_free(&other);
-        status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+        status = consider(s, threshold, 0.0, status, &t, best);
+    }
+    if (!status && now->kind == PALP_LAW_SPLINE) {
+        explain_trial t = {.tried = true};
+        status = explain_knots_add(s, &t.fit);
+        status = consider(s, threshold, explain_knots_cost(s, t.fit.model.material.law.n), status, &t, best);
     }
     return status;
+}
+
+palp_status explain_law_spares(const explain_search *s, const explain_trial *law, const explain_trial *t, double threshold, bool *stands) {
+    explain_fit fit = {.n_columns = 0};
+    palp_model model = law->fit.model;
+    const size_t last = t->fit.model.n_effects;
+    *stands = true;
+    if (last == model.n_effects || palp_effect_look_up(t->fit.model.effects[last - 1].id)->place == PALP_EFFECT_SPECIMEN)
+        return PALP_OK;
+    model.effects[model.n_effects++] = t->fit.model.effects[last - 1];
+    palp_status status = explain_fit_beside(&law->fit, &model, &s->data, &fit);
+    fit.spread = s->settings;
+    fit.renewed = t->fit.renewed;
+    if (!status)
+        status = explain_fit_products(&fit, &s->data, NULL);
+    if (!status)
+        status = explain_fit_settle(&fit, &s->data, s->settings);
+    const double gain = fit.score - law->fit.score;
+    if (!status)
+        *stands = gain > threshold && gain > price(s, fit.n_columns - law->fit.n_columns);
+    explain_fit_free(&fit);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
 /* ---- a surface that all runs have elsewhere ---- */

@@ -109,6 +109,14 @@ palp_status explain_law_take(explain_search *s, explain_trial *law);
 bool explain_law_believed(const explain_search *s, const explain_trial *t, double threshold);
 void explain_law_free(explain_trial *law);
 
+/* The spline law at hand with a few more knots at its sharpest bends, refitted; and what looking for those places costs, nats.
+ * ERR_ARGUMENT: there are none. (explain_knots.c) */
+palp_status explain_knots_add(const explain_search *s, explain_fit *fit);
+double explain_knots_cost(const explain_search *s, size_t n);
+
+/* Whether the effect of trial t, of the contact or the instrument, gains more than chance beside that law too. */
+palp_status explain_law_spares(const explain_search *s, const explain_trial *law, const explain_trial *t, double threshold, bool *stands);
+
 /* ---- specimens (explain_specimens.c) ---- */
 
 /* A stiffness of each specimen beside the effects at hand, where the files name several; trial->fit.product NULL: it does not gain
