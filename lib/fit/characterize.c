@@ -192,8 +192,9 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
     }
     double contact = fit->contact_m && run < fit->n_runs ? fit->contact_m[run] : 0.0;
     for (size_t i = 0; i < rec->n && !status; i++) {
-        force_N[i] = fmax(rec->depth_m[i] - (rec->depth_m[i] > 0.0 ? contact : 0.0), 0.0) / rec->height_m;
-        if ((i && !(rec->time_s[i] >= rec->time_s[i - 1])) || !isfinite(force_N[i]))
+        double depth = rec->depth_m[i] - (rec->depth_m[i] > 0.0 ? contact : 0.0);
+        force_N[i] = (depth > 0.0 ? depth : 0.0) / rec->height_m;
+        if ((i && !(rec->time_s[i] >= rec->time_s[i - 1])) || !isfinite(depth))
             return PALP_ERR_ARGUMENT;
     }
     if (status)

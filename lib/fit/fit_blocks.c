@@ -14,7 +14,7 @@ void fit_problem_free(fit_problem *p) {
 }
 
 static double strain_of(const palp_recording *rec, size_t i) {
-    return fmax(rec->depth_m[i], 0.0) / rec->height_m; /* one-sided: in the air the specimen rests */
+    return (rec->depth_m[i] > 0.0 ? rec->depth_m[i] : 0.0) / rec->height_m; /* one-sided: in the air the specimen rests */
 }
 
 /* The path of the plate in straight pieces: from sample `from` on every depth is within a tolerance of one
@@ -134,18 +134,20 @@ static double count_of(const palp_recording *rec) {
     double least = HUGE_VAL, before = 0.0;
     size_t changes = 0;
     for (size_t i = 1; i < rec->n; i++) {
-        double step = rec->depth_m[i] - rec->depth_m[i - 1];
-        least = fabs(step) > rounding ? fmin(least, fabs(step)) : least;
-        least = fabs(step - before) > rounding ? fmin(least, fabs(step - before)) : least;
-        changes += fabs(step - before) > rounding;
+        double step = rec->depth_m[i] - rec->depth_m[i - 1], size = fabs(step), change = fabs(step - before);
+        least = size > rounding && size < least ? size : least;
+        least = change > rounding && change < least ? change : least;
+        changes += change > rounding;
         before = step;
     }
+    if (changes <= rec->n / 500 + 4)
+        return 0.0;
     for (size_t i = 1; i < rec->n; i++) {
         double counts = (rec->depth_m[i] - rec->depth_m[i - 1]) / least;
         if (!(fabs(counts - round(counts)) <= whole))
             return 0.0;
     }
-    return isfinite(least) && changes > rec->n / 500 + 4 ? least : 0.0;
+    return least;
 }
 
 static palp_status make_run(arena *memory, fit_run *run, const palp_recording *rec,

@@ -33,11 +33,13 @@ bool fit_pulls(const palp_recording *rec) {
 }
 
 bool fit_leaves(const palp_recording *rec) {
-    const double back = 0.02; /* of the way */
+    const double back = 0.02 * rec->deepest_m; /* of the way */
     double deepest = 0.0;
     for (size_t i = 0; i < rec->n; i++) {
-        deepest = fmax(deepest, rec->depth_m[i]);
-        if (rec->use[i] && fmax(rec->depth_m[i], 0.0) < deepest - back * rec->deepest_m)
+        double depth = rec->depth_m[i] > 0.0 ? rec->depth_m[i] : 0.0;
+        if (depth > deepest)
+            deepest = depth;
+        else if (depth < deepest - back && rec->use[i])
             return !fit_pulls(rec);
     }
     return false;
