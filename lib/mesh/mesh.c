@@ -52,6 +52,7 @@ palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
     m->tetrahedra = copy_of(m, 4 * m->n_tetrahedra, sizeof *m->tetrahedra, mesh->tetrahedra);
     m->triangles = copy_of(m, 3 * m->n_triangles, sizeof *m->triangles, mesh->triangles);
     m->scale = copy_of(m, m->n_elements, sizeof *m->scale, mesh->scale);
+    m->order = copy_of(m, m->n_elements, sizeof *m->order, mesh->order);
     for (size_t i = 0; i < mesh->n_sets && !m->memory.failed; i++)
         palp_mesh_add_set(m, mesh->sets[i].name, mesh->sets[i].n, mesh->sets[i].nodes);
     if (m->memory.failed || m->n_sets < mesh->n_sets) {
@@ -337,17 +338,22 @@ void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]) 
     box(mesh->n_nodes, mesh->x_m, low_m, high_m);
 }
 
+static const int32_t *sorted_pair(const palp_mesh *mesh, size_t i) {
+    return mesh->pairs + 2 * (mesh->order ? mesh->order[i] : i);
+}
+
 size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b) {
     int32_t low = a < b ? a : b, high = a < b ? b : a;
     size_t first = 0, last = mesh->n_elements;
     while (first < last) {
         size_t middle = (first + last) / 2;
-        const int32_t *pair = mesh->pairs + 2 * middle;
+        const int32_t *pair = sorted_pair(mesh, middle);
         if (pair[0] < low || (pair[0] == low && pair[1] < high))
             first = middle + 1;
         else
             last = middle;
     }
-    const int32_t *pair = mesh->pairs + 2 * first;
-    return first < mesh->n_elements && pair[0] == low && pair[1] == high ? first : mesh->n_elements;
+    if (first == mesh->n_elements || sorted_pair(mesh, first)[0] != low || sorted_pair(mesh, first)[1] != high)
+        return mesh->n_elements;
+    return mesh->order ? mesh->order[first] : first;
 }

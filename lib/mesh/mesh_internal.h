@@ -18,6 +18,7 @@ struct palp_mesh {
     size_t n_elements;
     double *x_m;    /* [3 n_nodes] */
     int32_t *pairs; /* [2 n_elements] */
+    size_t *order;  /* [n_elements] elements by lower, then higher node, or NULL: they stand so */
     size_t n_tetrahedra, n_triangles;
     int32_t *tetrahedra, *triangles; /* [4 n_tetrahedra], [3 n_triangles], or NULL */
     double *scale;                   /* [n_elements] factor of each element's force, or NULL = all 1 */
@@ -62,8 +63,8 @@ bool mesh_length_ok(const double a[3], const double b[3], double size_m);
 /* The diagonal of the box around n_nodes points x_m[3 n_nodes]. */
 double mesh_diagonal(size_t n_nodes, const double *x_m);
 
-/* The element between two nodes of a mesh whose elements are sorted, as those of lattices and files are; n_elements if there
- * is none. */
+/* The element between two nodes of a mesh whose elements are sorted or have an order, as those of lattices and files; n_elements
+ * if there is none. */
 size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b);
 
 /* Number of connected parts; root[n_nodes] is the lowest node of each node's part. Only elements with alive[e] != 0

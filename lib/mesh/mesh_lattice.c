@@ -45,19 +45,41 @@ static void fill_node(palp_mesh *mesh, const size_t nodes[3], const double size_
     }
 }
 
+/* Elements of one offset stand together for so many nodes: those of a row are parallel, and their ends follow each other, so that
+ * loops over them need no indices; what is farther apart is not in the nearest cache any more. */
+enum { STRETCH = 128 };
+
 static void fill(palp_mesh *mesh, const size_t nodes[3], const double size_m[3], int n_offsets,
                  int offset[HALF_MAX][3]) {
     int32_t *pair = mesh->pairs, stride[2] = {(int32_t)(nodes[1] * nodes[2]), (int32_t)nodes[2]};
-    for (size_t index = 0; index < mesh->n_nodes; index++) {
-        size_t at[3] = {index / (nodes[1] * nodes[2]), index / nodes[2] % nodes[1], index % nodes[2]};
-        fill_node(mesh, nodes, size_m, at, index);
-        for (int k = 0; k < n_offsets; k++) {
-            if (!inside(nodes, at, offset[k]))
-                continue;
-            *pair++ = (int32_t)index;
-            *pair++ = (int32_t)index + offset[k][0] * stride[0] + offset[k][1] * stride[1] + offset[k][2];
-        }
+    for (size_t start = 0; start < mesh->n_nodes; start += STRETCH)
+        for (int k = 0; k < n_offsets; k++)
+            for (size_t index = start; index < start + STRETCH && index < mesh->n_nodes; index++) {
+                size_t at[3] = {index / (nodes[1] * nodes[2]), index / nodes[2] % nodes[1], index % nodes[2]};
+                if (k == 0)
+                    fill_node(mesh, nodes, size_m, at, index);
+                if (!inside(nodes, at, offset[k]))
+                    continue;
+                *pair++ = (int32_t)index;
+                *pair++ = (int32_t)index + offset[k][0] * stride[0] + offset[k][1] * stride[1] + offset[k][2];
+            }
+}
+
+/* The elements by lower node; those of one are by the higher already. */
+static palp_status put_in_order(palp_mesh *mesh) {
+    arena scratch = {NULL, false};
+    size_t *next = arena_take(&scratch, mesh->n_nodes + 1, sizeof *next);
+    mesh->order = arena_take(&mesh->memory, mesh->n_elements, sizeof *mesh->order);
+    if (next && mesh->order) {
+        for (size_t e = 0; e < mesh->n_elements; e++)
+            next[mesh->pairs[2 * e] + 1]++;
+        for (size_t i = 0; i < mesh->n_nodes; i++)
+            next[i + 1] += next[i];
+        for (size_t e = 0; e < mesh->n_elements; e++)
+            mesh->order[next[mesh->pairs[2 * e]]++] = e;
     }
+    arena_free(&scratch);
+    return next && mesh->order ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
 /* Six tetrahedra a box. */
@@ -116,7 +138,9 @@ palp_status palp_mesh_lattice(const size_t nodes[3], const double size_m[3], pal
     if (status)
         return status;
     fill(m, nodes, size_m, n_offsets, offset);
-    status = add_faces(m, size_m);
+    status = put_in_order(m);
+    if (!status)
+        status = add_faces(m, size_m);
     if (!status)
         status = add_tetrahedra(m, nodes);
     if (status)

@@ -104,6 +104,7 @@ static palp_status join_across(palp_mesh *mesh, const int32_t *neighbour) {
         n += across(mesh, neighbour, i / 4, i % 4, pairs + 2 * n);
     free(mesh->pairs);
     mesh->pairs = pairs;
+    mesh->order = NULL;
     mesh->n_elements = mesh_pairs_unique(n, pairs);
     return PALP_OK;
 }

@@ -158,7 +158,9 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     if (status)
         return status;
     measure_rest(net);
-    status = network_make_pattern(net);
+    status = network_make_runs(net);
+    if (!status)
+        status = network_make_pattern(net);
     if (status == PALP_ERR_UNSUPPORTED)
         return palp_error_set(error, status, "the supernodal solver needs a build with GPL=1");
     if (status)

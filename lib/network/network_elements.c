@@ -8,12 +8,12 @@
 
 static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
 
-enum { CHUNK = 256, LANES = 8 };
+enum { CHUNK = 256, LANES = 8, RUN = 4 };
 
 /* Of a chunk's elements, by axis; and where their geometry and tangent go. */
 typedef struct chunk {
     size_t at, n; /* elements at to at + n */
-    double d[3][CHUNK];
+    double d[3][CHUNK + LANES];
     double *direction[3], *inverse_length, *tangent;
 } chunk;
 
@@ -22,9 +22,122 @@ typedef struct chunk_room {
     double direction[3][CHUNK], inverse_length[CHUNK], tangent[CHUNK];
 } chunk_room;
 
+/* ---- nodes to elements and back ------------------------------------------------------------------- */
+
+/* Lists runs unless run is NULL; how many there are. */
+static size_t list_runs(const palp_network *net, network_run *run, size_t *first_run) {
+    const int32_t *pair = net->pair;
+    size_t n = 0;
+    for (size_t i = 0; i < net->n_elements; i++) {
+        const bool chunk_starts = i % CHUNK == 0;
+        if (chunk_starts && run)
+            first_run[i / CHUNK] = n;
+        if (chunk_starts || pair[2 * i] != pair[2 * i - 2] + 1 || pair[2 * i + 1] != pair[2 * i - 1] + 1) {
+            if (run)
+                run[n] = (network_run){pair[2 * i], pair[2 * i + 1], 0};
+            n++;
+        }
+        if (run)
+            run[n - 1].n++;
+    }
+    if (run)
+        first_run[(net->n_elements + CHUNK - 1) / CHUNK] = n;
+    return n;
+}
+
+/* A vector by axis: loads of whole lanes may go beyond its end. */
+static size_t straight_stride(const palp_network *net) {
+    return net->n_nodes + LANES;
+}
+
+palp_status network_make_runs(palp_network *net) {
+    const size_t n = list_runs(net, NULL, NULL);
+    if (RUN * n > net->n_elements + 3 * RUN * (net->n_elements / CHUNK + 1))
+        return PALP_OK;
+    net->first_run = arena_take(&net->memory, net->n_elements / CHUNK + 2, sizeof *net->first_run);
+    net->straight = arena_take(&net->memory, 6 * straight_stride(net), sizeof *net->straight);
+    net->run = arena_take(&net->memory, n, sizeof *net->run);
+    if (net->memory.failed)
+        return PALP_ERR_NO_MEMORY;
+    list_runs(net, net->run, net->first_run);
+    return PALP_OK;
+}
+
+/* Four of a vector at once; they are only kept in variables, as no function takes them alike with and without AVX. */
+typedef double four __attribute__((vector_size(4 * sizeof(double))));
+
+#define LOAD(v, p) memcpy(&(v), p, sizeof(four))
+#define STORE(p, v) memcpy(p, &(v), sizeof(four))
+#define ADD_TO(p, v) (LOAD(sum, p), sum += (v), STORE(p, sum))
+
+/* d = what x, by axis, has at the second nodes less what it has at the first. What is written behind a run is the next one's, or room. */
+PALP_CLONES
+static void fetch_runs(size_t n, const network_run *run, const double *x, size_t stride, double *d0, double *d1, double *d2) {
+    const double *x1 = x + stride, *x2 = x1 + stride;
+    for (size_t r = 0; r < n; r++) {
+        const int32_t low = run[r].low, high = run[r].high;
+        for (int32_t i = 0; i < run[r].n; i += 4) {
+            four a0, a1, a2, b0, b1, b2;
+            LOAD(a0, x + low + i), LOAD(a1, x1 + low + i), LOAD(a2, x2 + low + i);
+            LOAD(b0, x + high + i), LOAD(b1, x1 + high + i), LOAD(b2, x2 + high + i);
+            b0 -= a0, b1 -= a1, b2 -= a2;
+            STORE(d0 + i, b0), STORE(d1 + i, b1), STORE(d2 + i, b2);
+        }
+        d0 += run[r].n, d1 += run[r].n, d2 += run[r].n;
+    }
+}
+
+/* Adds f to out, by axis, at the first nodes and takes it from the second. */
+PALP_CLONES
+static void deliver_runs(size_t n, const network_run *run, const double *f0, const double *f1, const double *f2, double *out,
+                         size_t stride) {
+    double *out1 = out + stride, *out2 = out1 + stride;
+    for (size_t r = 0; r < n; r++) {
+        const int32_t low = run[r].low, high = run[r].high;
+        int32_t i = 0;
+        for (; i + 4 <= run[r].n; i += 4) {
+            four v0, v1, v2, sum;
+            LOAD(v0, f0 + i), LOAD(v1, f1 + i), LOAD(v2, f2 + i);
+            ADD_TO(out + low + i, v0), ADD_TO(out1 + low + i, v1), ADD_TO(out2 + low + i, v2);
+            ADD_TO(out + high + i, -v0), ADD_TO(out1 + high + i, -v1), ADD_TO(out2 + high + i, -v2);
+        }
+        for (; i < run[r].n; i++) {
+            out[low + i] += f0[i], out1[low + i] += f1[i], out2[low + i] += f2[i];
+            out[high + i] -= f0[i], out1[high + i] -= f1[i], out2[high + i] -= f2[i];
+        }
+        f0 += run[r].n, f1 += run[r].n, f2 += run[r].n;
+    }
+}
+
+/* Makes x[3 n_nodes] ready to be fetched from, and the sum empty that is delivered to. */
+static void begin_exchange(const palp_network *net, const double *x) {
+    const size_t stride = straight_stride(net);
+    double *to = net->straight;
+    if (!net->run)
+        return;
+    for (size_t i = 0; i < net->n_nodes; i++)
+        for (size_t c = 0; c < 3; c++)
+            to[c * stride + i] = x[3 * i + c];
+    memset(to + 3 * stride, 0, 3 * stride * sizeof *to);
+}
+
+/* Adds what was delivered to out[3 n_nodes]. */
+static void end_exchange(const palp_network *net, double *out) {
+    const size_t stride = straight_stride(net);
+    const double *sum = net->run ? net->straight + 3 * stride : NULL;
+    for (size_t i = 0; i < net->n_nodes && sum; i++)
+        for (size_t c = 0; c < 3; c++)
+            out[3 * i + c] += sum[c * stride + i];
+}
+
 /* Difference of x[3 n_nodes] over each element. */
 static void fetch(const palp_network *net, const double *x, chunk *c) {
     const int32_t *pair = net->pair + 2 * c->at;
+    if (net->run) {
+        const size_t *first = net->first_run + c->at / CHUNK;
+        fetch_runs(first[1] - first[0], net->run + first[0], net->straight, straight_stride(net), c->d[0], c->d[1], c->d[2]);
+        return;
+    }
     for (size_t i = 0; i < c->n; i++) {
         const double *a = x + 3 * pair[2 * i], *b = x + 3 * pair[2 * i + 1];
         c->d[0][i] = b[0] - a[0];
@@ -37,6 +150,11 @@ static void fetch(const palp_network *net, const double *x, chunk *c) {
  * summed apart: adding to memory each time would wait for the last addition. */
 static void deliver(const palp_network *net, const chunk *c, double *out) {
     const int32_t *pair = net->pair + 2 * c->at;
+    if (net->run) {
+        const size_t *first = net->first_run + c->at / CHUNK, stride = straight_stride(net);
+        deliver_runs(first[1] - first[0], net->run + first[0], c->d[0], c->d[1], c->d[2], net->straight + 3 * stride, stride);
+        return;
+    }
     for (size_t i = 0; i < c->n;) {
         const int32_t first = pair[2 * i];
         double s0 = 0.0, s1 = 0.0, s2 = 0.0, *a = out + 3 * first;
@@ -207,6 +325,7 @@ bool network_element_forces(palp_network *net, const network_blocks *blocks) {
     double forces[LANES] = {0.0}, tangents[LANES] = {0.0};
     chunk_room own, *room = blocks && net->n_dead == 0 ? &own : NULL;
     network_point_at_next(net);
+    begin_exchange(net, net->next.x);
     for (size_t at = 0; at < net->n_elements && net->n_dead > 0; at += CHUNK) {
         chunk c = chunk_keeping(net, at, NULL);
         measure_chunk(net, &c);
@@ -225,6 +344,7 @@ bool network_element_forces(palp_network *net, const network_blocks *blocks) {
         if (blocks && blocks->element)
             pack_chunk(net, &c, blocks);
     }
+    end_exchange(net, net->fint);
     net->force_squares = lanes_sum(forces);
     net->tangent_squares = lanes_sum(tangents);
     return true;
@@ -251,6 +371,7 @@ void network_tangent_times(const palp_network *net, const double *u, double *out
     const size_t m = net->n_elements;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         out[i] = net->diagonal[i] * u[i];
+    begin_exchange(net, u);
     for (size_t at = 0; at < m; at += CHUNK) {
         chunk c = chunk_at(net, at);
         const double *n = net->direction + at;
@@ -259,5 +380,6 @@ void network_tangent_times(const palp_network *net, const double *u, double *out
                      n + 2 * m, c.d[0], c.d[1], c.d[2]);
         deliver(net, &c, out);
     }
+    end_exchange(net, out);
     NETWORK_EACH_TERM(net, times, net, u, out);
 }

@@ -21,6 +21,11 @@ typedef struct network_state {
 
 enum { NETWORK_PAST = 2, NETWORK_TERMS = 8 };
 
+/* Elements in a row, of which the k-th joins nodes low + k and high + k. */
+typedef struct network_run {
+    int32_t low, high, n;
+} network_run;
+
 struct palp_network {
     arena memory, states; /* of its arrays; of those of now, next and past */
     palp_network_settings settings;
@@ -30,6 +35,9 @@ struct palp_network {
     const double *rest;   /* mesh's */
     const int32_t *pair;  /* mesh's */
     double *inverse_rest; /* [n_elements] 1 / rest length */
+    network_run *run;     /* all elements in order, none over the end of a chunk; or NULL: they are too short to be worth it */
+    size_t *first_run;    /* [n_chunks + 1] of each chunk of elements */
+    double *straight;     /* [6 network_stride] with runs: a vector by axis, and a sum */
     double *scale;        /* [n_elements] factor of each element's force, 0 = cut; or NULL = all 1 */
     const int32_t *dead;  /* [n_dead] elements that are cut; a term's */
     size_t n_dead;
@@ -124,6 +132,9 @@ void network_mark_restore(palp_network *net);
 uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
 
 /* ---- network_elements.c ---- */
+
+/* The runs, where they are long enough. */
+palp_status network_make_runs(palp_network *net);
 
 /* The elements' part of the tangent in single precision: the block of element i is along d d' + across 1, d from node to node. */
 typedef struct network_blocks {

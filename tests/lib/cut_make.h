@@ -3,6 +3,7 @@
 #define CUT_MAKE_H
 
 #include "cut/cut_internal.h"
+#include "mesh/mesh_internal.h"
 #include "network/network_internal.h"
 #include "network_make.h"
 
