@@ -44,7 +44,7 @@ static palp_status allocate(palp_realtime *rt) {
         return PALP_ERR_NO_MEMORY;
     const bool touched = realtime_touched(net);
     palp_status status = multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
-                                          touched ? TOUCHED : DIRECT, touched, &rt->mg);
+                                          touched ? TOUCHED : DIRECT, &rt->mg);
     if (!status && !(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)))
         status = PALP_ERR_NO_MEMORY;
     if (!status && rt->settings.background)

@@ -62,7 +62,7 @@ static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
     }
     for (size_t k = 0; k < mg->n_elements; k++)
         mg->slot[k] = (uint32_t)(2 * k);
-    palp_status status = mg->jacobi ? multigrid_make_batches(mg) : PALP_OK;
+    palp_status status = multigrid_make_batches(mg);
     mg->spacing = mg->n_batches > 0 ? MULTIGRID_BATCH : 1;
     mg->nodes = mg->n_batches > 0 ? 2 * MULTIGRID_BATCH * mg->n_batches : 2 * mg->n_elements;
     mg->n_floats = mg->nodes + (mg->n_batches > 0 ? 3 * multigrid_stride(mg) : 4 * mg->n_nodes);
@@ -356,6 +356,8 @@ static palp_status make_work(multigrid *mg) {
     mg->touched = arena_take(memory, 6 * mg->n_nodes, sizeof *mg->touched);
     mg->touching = arena_take(memory, MULTIGRID_COUPLINGS, sizeof *mg->touching);
     mg->first_touching = arena_take(memory, mg->n_nodes, sizeof *mg->first_touching);
+    mg->patch = arena_take(memory, mg->n_nodes, sizeof *mg->patch);
+    mg->patched = arena_take(memory, mg->n_nodes, sizeof *mg->patched);
     mg->rest = arena_take(memory, 4 * mg->n_nodes, sizeof *mg->rest);
     if (memory->failed)
         return PALP_ERR_NO_MEMORY;
@@ -367,7 +369,7 @@ static palp_status make_work(multigrid *mg) {
 }
 
 palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *dof, size_t n_elements,
-                             const int32_t *pair, size_t direct, bool touched, multigrid **out) {
+                             const int32_t *pair, size_t direct, multigrid **out) {
     multigrid *mg = calloc(1, sizeof *mg);
     double *x = malloc((3 * n_nodes + 1) * sizeof *x);
     int32_t *number = malloc((n_nodes + 1) * sizeof *number);
@@ -375,7 +377,6 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
     if (!status) {
         mg->n_nodes = n_nodes;
         mg->n_elements = n_elements;
-        mg->jacobi = !touched;
         memcpy(x, rest, 3 * n_nodes * sizeof *x);
         for (size_t i = 0; i < 3 * n_nodes; i++)
             mg->origin[i % 3] += rest[i] / (double)n_nodes;

@@ -1,5 +1,5 @@
 /* multigrid.h: a preconditioner for the tangent of a network: symmetric Gauss-Seidel on blocks of 3 by 3 (on the finest level
- * damped Jacobi, where nothing stiff touches it), Galerkin products on ever coarser node sets, a direct factor of the coarsest. Of
+ * damped Jacobi at the nodes that nothing stiff touches), Galerkin products on ever coarser node sets, a direct factor of the coarsest. Of
  * a small network that is all there is.
  * Single precision, double on the coarsest. Two sets of numbers: one serves, the next is made meanwhile in pieces of known
  * work. Internal. */
@@ -10,10 +10,9 @@
 
 typedef struct multigrid multigrid;
 
-/* Symbolic part and all memory. dof[3 n_nodes] < 0: fixed. Networks of at most direct unknowns have one level. touched:
- * there will be couplings. */
+/* Symbolic part and all memory. dof[3 n_nodes] < 0: fixed. Networks of at most direct unknowns have one level. */
 palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *dof, size_t n_elements,
-                             const int32_t *pair, size_t direct, bool touched, multigrid **out);
+                             const int32_t *pair, size_t direct, multigrid **out);
 void multigrid_free(multigrid *mg); /* NULL is fine */
 
 /* What the next numbers are made of: element i is along d d' + across 1 between its nodes, which are d apart; across in N/m.

@@ -53,20 +53,20 @@ void multigrid_apply(multigrid *mg, const double *r, double *z) {
     size_t last = mg->n_levels - 1;
     multigrid_narrow(l->n, r, l->r);
     if (last > 0)
-        (mg->jacobi ? multigrid_jacobi_down : multigrid_seidel_down)(mg);
+        multigrid_finest_down(mg);
     for (size_t k = 1; k < last; k++)
         sweep_down(&mg->level[k], mg->used);
     solve_coarsest(mg);
     for (size_t k = last; k-- > 1;)
         sweep_up(&mg->level[k], mg->used);
     if (last > 0)
-        (mg->jacobi ? multigrid_jacobi_up : multigrid_seidel_up)(mg);
+        multigrid_finest_up(mg);
     multigrid_widen(l->n, l->x, z);
 }
 
 double multigrid_cycle_work(const multigrid *mg) {
     double work = 0.04 * (double)linsys_value_count(mg->factor[0]);
     for (size_t k = 0; k + 1 < mg->n_levels; k++)
-        work += k == 0 ? (mg->jacobi ? 1.5 : 2.0) * (double)mg->n_elements : (double)mg->level[k].first[mg->level[k].n];
+        work += k == 0 ? 1.5 * (double)mg->n_elements : (double)mg->level[k].first[mg->level[k].n];
     return work;
 }

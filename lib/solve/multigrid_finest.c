@@ -1,4 +1,5 @@
-/* multigrid_finest.c: the finest level of a cycle, on the elements. */
+/* multigrid_finest.c: the finest level of a cycle, on the elements: a step of damped Jacobi, but Gauss-Seidel at the nodes that
+ * something stiff touches, the patch: down first, up last. */
 #include "multigrid_internal.h"
 
 #include <string.h>
@@ -19,6 +20,66 @@ static inline four free_part(const mg_level *l, size_t i, four s) {
 static inline void take_down(const mg_level *l, size_t i) {
     const four s = multigrid_take_down(l, i, l[1].x, multigrid_all(0.0F));
     multigrid_store(l->x + 4 * i, multigrid_load(l->x + 4 * i) + free_part(l, i, s));
+}
+
+static inline four solve_own(const multigrid *mg, size_t i, four s) {
+    return multigrid_times(mg->level[0].inverse[mg->used] + BLOCK_FLOATS * i, s);
+}
+
+/* ---- the patch ----------------------------------------------------------------------------------- */
+
+/* r -= B x or, turned, B' x of a coupling */
+static inline void subtract_coupling(const multigrid_coupling *c, bool turned, const float *x, float *r) {
+    const size_t along = turned ? 3 : 1, across = turned ? 1 : 3;
+    for (size_t i = 0; i < 3; i++)
+        r[i] -= c->block[across * i] * x[0] + c->block[across * i + along] * x[1] + c->block[across * i + 2 * along] * x[2];
+}
+
+/* Entry k of row i times v: the element between both nodes. */
+static inline four entry_times(const multigrid *mg, size_t i, uint32_t k, four v) {
+    const size_t j = (size_t)mg->level[0].column[k];
+    float e[5];
+    multigrid_element(mg, mg->element[mg->used], i < j ? i : j, mg->through[k], e);
+    return element_times(e + 3, (four){e[0], e[1], e[2], 0.0F}, v);
+}
+
+/* A node of the patch, and what that leaves to the other nodes and to later ones of the patch. */
+static void relax_down(multigrid *mg, size_t i) {
+    const mg_level *l = &mg->level[0];
+    const four x = solve_own(mg, i, multigrid_load(mg->rest + 4 * i));
+    multigrid_store(l->x + 4 * i, x);
+    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++) {
+        float *rest = mg->rest + 4 * (size_t)l->column[k];
+        multigrid_store(rest, multigrid_load(rest) + entry_times(mg, i, k, x));
+    }
+    for (int32_t k = mg->first_touching[i]; k >= 0; k = mg->touching[k].next)
+        subtract_coupling(&mg->touching[k], true, l->x + 4 * i, mg->rest + 4 * (size_t)mg->touching[k].high);
+}
+
+/* As everything else now stands; rest is r less what couplings to lower nodes make of it. */
+static void relax_up(multigrid *mg, size_t i) {
+    const mg_level *l = &mg->level[0];
+    const float *s = mg->touched + 6 * i, *x = l->x + 4 * i;
+    float *rest = mg->rest + 4 * i;
+    for (int32_t k = mg->first_touching[i]; k >= 0; k = mg->touching[k].next)
+        subtract_coupling(&mg->touching[k], false, l->x + 4 * (size_t)mg->touching[k].high, rest);
+    four left = multigrid_load(rest), own = multigrid_load(x);
+    left -= (four){s[0] * x[0] + s[1] * x[1] + s[3] * x[2], s[1] * x[0] + s[2] * x[1] + s[4] * x[2],
+                   s[3] * x[0] + s[4] * x[1] + s[5] * x[2], 0.0F};
+    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
+        left += entry_times(mg, i, k, multigrid_load(l->x + 4 * (size_t)l->column[k]) - own);
+    multigrid_store(l->x + 4 * i, own + solve_own(mg, i, left));
+}
+
+static void relax_patch_up(multigrid *mg) {
+    const mg_level *l = &mg->level[0];
+    for (size_t k = 0; k < mg->n_patch; k++)
+        memcpy(mg->rest + 4 * (size_t)mg->patch[k], l->r + 4 * (size_t)mg->patch[k], 4 * sizeof *mg->rest);
+    for (int32_t k = 0; k < mg->n_touching; k++)
+        subtract_coupling(&mg->touching[k], true, l->x + 4 * (size_t)mg->touching[k].low,
+                          mg->rest + 4 * (size_t)mg->touching[k].high);
+    for (size_t k = mg->n_patch; k-- > 0;)
+        relax_up(mg, (size_t)mg->patch[k]);
 }
 
 /* ---- damped Jacobi ------------------------------------------------------------------------------- */
@@ -51,6 +112,12 @@ static void find_rest(multigrid *mg) {
         rest[1] = r[1] - (s[1] * x[0] + s[2] * x[1] + s[4] * x[2]);
         rest[2] = r[2] - (s[3] * x[0] + s[4] * x[1] + s[5] * x[2]);
     }
+    for (int32_t k = 0; k < mg->n_touching; k++) {
+        const multigrid_coupling *c = &mg->touching[k];
+        const size_t low = 4 * (size_t)c->low, high = 4 * (size_t)c->high;
+        subtract_coupling(c, false, l->x + high, mg->rest + low);
+        subtract_coupling(c, true, l->x + low, mg->rest + high);
+    }
     if (mg->n_batches > 0)
         multigrid_batches_subtract(mg, mg->element[mg->used], l->x, mg->rest);
     for (size_t i = 0; i < l->n; i++) {
@@ -60,29 +127,30 @@ static void find_rest(multigrid *mg) {
     }
 }
 
-/* What a step makes of r. */
-static inline four step(const multigrid *mg, size_t i, const float *r) {
-    const float *inverse = mg->level[0].inverse[mg->used] + BLOCK_FLOATS * i;
-    return multigrid_all(DAMPING) * multigrid_times(inverse, multigrid_load(r + 4 * i));
-}
-
-void multigrid_jacobi_down(multigrid *mg) {
+void multigrid_finest_down(multigrid *mg) {
     const mg_level *l = &mg->level[0];
+    memcpy(mg->rest, l->r, 4 * l->n * sizeof *l->r);
+    for (size_t k = 0; k < mg->n_patch; k++)
+        relax_down(mg, (size_t)mg->patch[k]);
     for (size_t i = 0; i < l->n; i++)
-        multigrid_store(l->x + 4 * i, step(mg, i, l->r));
+        if (!mg->patched[i])
+            multigrid_store(l->x + 4 * i, multigrid_all(DAMPING) * solve_own(mg, i, multigrid_load(mg->rest + 4 * i)));
     find_rest(mg);
     memset(l[1].r, 0, 4 * l[1].n * sizeof *l[1].r);
     for (size_t i = 0; i < l->n; i++)
         multigrid_pass_up(l, i, multigrid_load(mg->rest + 4 * i), l[1].r);
 }
 
-void multigrid_jacobi_up(multigrid *mg) {
+void multigrid_finest_up(multigrid *mg) {
     const mg_level *l = &mg->level[0];
     for (size_t i = 0; i < l->n; i++)
         take_down(l, i);
     find_rest(mg);
     for (size_t i = 0; i < l->n; i++)
-        multigrid_store(l->x + 4 * i, multigrid_load(l->x + 4 * i) + step(mg, i, mg->rest));
+        if (!mg->patched[i])
+            multigrid_store(l->x + 4 * i, multigrid_load(l->x + 4 * i) +
+                                              multigrid_all(DAMPING) * solve_own(mg, i, multigrid_load(mg->rest + 4 * i)));
+    relax_patch_up(mg);
 }
 
 void multigrid_elements_times(multigrid *mg, const float *element, const double *x, double *out) {
@@ -96,65 +164,4 @@ void multigrid_elements_times(multigrid *mg, const float *element, const double 
     for (size_t i = 0; i < l->n; i++)
         subtract_elements(mg, element, l->r, i);
     multigrid_widen(l->n, mg->rest, out);
-}
-
-/* ---- Gauss-Seidel -------------------------------------------------------------------------------- */
-
-/* A node passes on to higher ones what it has become, or collects from them. */
-static void pass_on(multigrid *mg, size_t i) {
-    const float *x = mg->level[0].x + 4 * i, *element = mg->element[mg->used], *place = element + mg->nodes;
-    const four own = multigrid_load(x), here = multigrid_load(place + 4 * i);
-    for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
-        const size_t j = 4 * (size_t)mg->high[k];
-        const four f = element_times(element + 2 * (size_t)k, multigrid_load(place + j) - here, own);
-        multigrid_store(mg->rest + j, multigrid_load(mg->rest + j) + f);
-    }
-    for (int32_t k = mg->first_touching[i]; k >= 0; k = mg->touching[k].next) {
-        const multigrid_coupling *c = &mg->touching[k];
-        for (size_t r = 0; r < 3; r++)
-            mg->rest[4 * (size_t)c->high + r] -= c->block[r] * x[0] + c->block[3 + r] * x[1] + c->block[6 + r] * x[2];
-    }
-}
-
-static four collect(const multigrid *mg, size_t i, four s) {
-    const float *element = mg->element[mg->used], *place = element + mg->nodes;
-    const four here = multigrid_load(place + 4 * i);
-    for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
-        const size_t j = 4 * (size_t)mg->high[k];
-        s += element_times(element + 2 * (size_t)k, multigrid_load(place + j) - here, multigrid_load(mg->level[0].x + j));
-    }
-    for (int32_t k = mg->first_touching[i]; k >= 0; k = mg->touching[k].next) {
-        const multigrid_coupling *c = &mg->touching[k];
-        const float *x = mg->level[0].x + 4 * (size_t)c->high;
-        for (size_t r = 0; r < 3; r++)
-            s[r] -= c->block[3 * r] * x[0] + c->block[3 * r + 1] * x[1] + c->block[3 * r + 2] * x[2];
-    }
-    return s;
-}
-
-static inline four solve_own(const multigrid *mg, size_t i, four s) {
-    return multigrid_times(mg->level[0].inverse[mg->used] + BLOCK_FLOATS * i, s);
-}
-
-void multigrid_seidel_down(multigrid *mg) {
-    const mg_level *l = &mg->level[0];
-    memset(l[1].r, 0, 4 * l[1].n * sizeof *l[1].r);
-    memcpy(mg->rest, l->r, 4 * l->n * sizeof *l->r);
-    for (size_t i = 0; i < l->n; i++) {
-        multigrid_store(l->x + 4 * i, solve_own(mg, i, multigrid_load(mg->rest + 4 * i)));
-        pass_on(mg, i);
-    }
-    for (size_t i = 0; i < l->n; i++)
-        multigrid_pass_up(l, i, free_part(l, i, collect(mg, i, multigrid_all(0.0F))), l[1].r);
-}
-
-void multigrid_seidel_up(multigrid *mg) {
-    const mg_level *l = &mg->level[0];
-    memcpy(mg->rest, l->r, 4 * l->n * sizeof *l->r);
-    for (size_t i = 0; i < l->n; i++) {
-        take_down(l, i);
-        pass_on(mg, i);
-    }
-    for (size_t i = l->n; i-- > 0;)
-        multigrid_store(l->x + 4 * i, solve_own(mg, i, collect(mg, i, multigrid_load(mg->rest + 4 * i))));
 }

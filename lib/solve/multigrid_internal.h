@@ -33,7 +33,6 @@ typedef enum mg_stage {
 struct multigrid {
     arena memory;          /* of all arrays, those of the levels too */
     size_t n_nodes, n_elements, n_levels;
-    bool jacobi;           /* on the finest level, in place of Gauss-Seidel */
     uint32_t *place;       /* [n_elements] of each element: slot */
     uint32_t *after;       /* [n_nodes + 1] sorted elements from a node to higher ones: after[i] to after[i + 1] */
     int32_t *high;         /* [n_elements] the higher node */
@@ -53,7 +52,10 @@ struct multigrid {
     float *touched;        /* [6 n_nodes] own blocks and couplings of the set in use, as last touched */
     multigrid_coupling *touching;
     int32_t n_touching, *first_touching; /* [n_nodes] */
-    float *rest;           /* [4 n_nodes] right-hand side less what is known already, the residual for Jacobi */
+    int32_t *patch;        /* [n_patch] ascending, of the finest level: the nodes that something stiff touches */
+    size_t n_patch;
+    bool *patched;         /* [n_nodes] is it one? */
+    float *rest;           /* [4 n_nodes] right-hand side less what is known already */
     mg_level level[MULTIGRID_LEVELS];
     int32_t *dof;          /* [3 n of the coarsest level] unknown of the factor, or -1 */
     size_t n_direct;
@@ -139,10 +141,8 @@ static inline multigrid_four multigrid_take_down(const mg_level *l, size_t i, co
 /* ---- multigrid_finest.c: the two halves of a cycle on the finest level: from its r to what is left of it on the next one, and
  * with what that has become to its x ---- */
 
-void multigrid_jacobi_down(multigrid *mg);
-void multigrid_jacobi_up(multigrid *mg);
-void multigrid_seidel_down(multigrid *mg);
-void multigrid_seidel_up(multigrid *mg);
+void multigrid_finest_down(multigrid *mg);
+void multigrid_finest_up(multigrid *mg);
 
 /* ---- multigrid_batch.c ---- */
 

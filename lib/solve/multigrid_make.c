@@ -11,6 +11,8 @@ static const double ELEMENT_WORK = 3.0; /* both blocks of an element */
 static const double ENTRY_WORK = 20.0;  /* an entry of a row of P' A P */
 static const double FLOP_WORK = 0.008;  /* of a factor */
 
+static const float STIFF = 0.2F; /* share of a node's own block from which on it belongs to the patch */
+
 static int made(const multigrid *mg) {
     return 1 - mg->used;
 }
@@ -289,6 +291,19 @@ static void set_touching(multigrid *mg, size_t n, const multigrid_coupling *coup
     }
 }
 
+/* The nodes that the set in use has couplings of, or that are touched by something stiff. */
+static void find_patch(multigrid *mg) {
+    const float *own = mg->level[0].own[mg->used], *touched = mg->touched;
+    for (size_t i = 0; i < mg->n_nodes; i++, own += BLOCK_FLOATS, touched += 6)
+        mg->patched[i] = touched[0] + touched[2] + touched[5] > STIFF * (own[0] + own[5] + own[10]);
+    for (int32_t k = 0; k < mg->n_touching; k++)
+        mg->patched[mg->touching[k].low] = mg->patched[mg->touching[k].high] = true;
+    mg->n_patch = 0;
+    for (size_t i = 0; i < mg->n_nodes; i++)
+        if (mg->patched[i])
+            mg->patch[mg->n_patch++] = (int32_t)i;
+}
+
 void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigrid_coupling *coupling) {
     mg_level *l = &mg->level[0];
     if (mg->n_levels == 1)
@@ -308,6 +323,7 @@ void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigri
         add_block(b, change, 1.0F, l->axes[i], l->axes[i]);
         invert_block(l, mg->used, i, b);
     }
+    find_patch(mg);
 }
 
 void multigrid_swap(multigrid *mg) {
@@ -315,4 +331,5 @@ void multigrid_swap(multigrid *mg) {
     mg->stage = MG_IDLE;
     memcpy(mg->touched, mg->node[mg->used], 6 * mg->n_nodes * sizeof *mg->touched);
     set_touching(mg, (size_t)mg->n_couplings[mg->used], mg->coupling[mg->used]);
+    find_patch(mg);
 }

@@ -21,7 +21,6 @@ typedef struct body {
     float element[5 * PAIRS_MAX]; /* n, along, across */
     multigrid_coupling coupling[COUPLED];
     uint64_t seed;
-    bool jacobi; /* on the finest level of a cycle */
 } body;
 
 static inline void make_body(body *b, double off, double across) {
@@ -90,7 +89,7 @@ static inline void add_contacts(body *b, double size) {
 
 static inline multigrid *make(const body *b, size_t direct) {
     multigrid *mg;
-    ck_assert_int_eq(multigrid_create(NODES, b->x, b->dof, b->n_pairs, b->pair, direct, !b->jacobi, &mg), PALP_OK);
+    ck_assert_int_eq(multigrid_create(NODES, b->x, b->dof, b->n_pairs, b->pair, direct, &mg), PALP_OK);
     return mg;
 }
 
@@ -125,7 +124,7 @@ typedef struct dense_level {
     double *a;               /* [3 n, 3 n], 0 in held rows and columns */
     unsigned char *free;     /* [3 n] */
     const mg_level *weights; /* to the next level */
-    bool jacobi;
+    const bool *swept;       /* [n] nodes that Gauss-Seidel is for, the others being damped Jacobi's; NULL: all */
 } dense_level;
 
 static inline void add_to_matrix(double *a, size_t i, size_t j, double block[3][3], double times, bool turned) {
@@ -144,7 +143,6 @@ static inline void hold(dense_level *l) {
 static inline void finest_matrix(const body *b, bool coupled, bool definite, dense_level *l) {
     double block[3][3];
     l->n = NODES;
-    l->jacobi = b->jacobi;
     l->a = calloc(9 * NODES * NODES, sizeof *l->a);
     l->free = calloc(3 * NODES, 1);
     for (size_t i = 0; i < 3 * NODES; i++)
@@ -190,7 +188,7 @@ static inline bool stands_for(const mg_level *l, size_t i, size_t found) {
 static inline void coarse_matrix(const multigrid *mg, size_t level, const dense_level *fine, dense_level *l) {
     const mg_level *w = fine->weights;
     l->n = mg->level[level + 1].n;
-    l->jacobi = false;
+    l->swept = NULL;
     double *half = calloc(9 * fine->n * l->n, sizeof *half); /* A P */
     l->a = calloc(9 * l->n * l->n, sizeof *l->a);
     l->free = calloc(3 * l->n, 1);
@@ -240,21 +238,35 @@ static inline void find_residual(const dense_level *l, const double *r, const do
         left[i] = l->free[i] ? r[i] - dense_dot(3 * l->n, l->a + i * 3 * l->n, x) : 0;
 }
 
-/* A step of damped Jacobi, or a sweep of Gauss-Seidel. */
-static inline void smooth(const dense_level *l, const double *r, double *x, bool up) {
-    double *left = calloc(3 * l->n, sizeof *left);
-    find_residual(l, r, x, left);
+/* Gauss-Seidel over the nodes that it is for, up in turned order. */
+static inline void sweep(const dense_level *l, const double *r, double *x, bool up) {
     for (size_t k = 0; k < l->n; k++) {
         const size_t i = up ? l->n - 1 - k : k;
-        if (!l->jacobi) {
+        if (!l->swept || l->swept[i])
             relax(l, i, r, x);
+    }
+}
+
+/* A step of damped Jacobi at the others. */
+static inline void step_aside(const dense_level *l, const double *r, double *x) {
+    double *left = calloc(3 * l->n, sizeof *left);
+    find_residual(l, r, x, left);
+    for (size_t i = 0; i < l->n; i++) {
+        if (!l->swept || l->swept[i])
             continue;
-        }
         solve(3, 3 * l->n, l->a + 3 * i * 3 * l->n + 3 * i, l->free + 3 * i, left + 3 * i);
         for (size_t c = 3 * i; c < 3 * i + 3; c++)
             x[c] += 0.74 * left[c];
     }
     free(left);
+}
+
+static inline void smooth(const dense_level *l, const double *r, double *x, bool up) {
+    if (!up)
+        sweep(l, r, x, false);
+    step_aside(l, r, x);
+    if (up)
+        sweep(l, r, x, true);
 }
 
 static inline void cycle(size_t levels, const dense_level *l, const double *r, double *x) {
@@ -297,6 +309,7 @@ static inline void check_cycle(multigrid *mg, const dense_level *l, uint64_t *se
 
 static inline void make_levels(const multigrid *mg, const body *b, bool coupled, bool definite, dense_level *l) {
     finest_matrix(b, coupled, definite, l);
+    l[0].swept = mg->patched;
     for (size_t k = 0; k < multigrid_levels(mg); k++) {
         l[k].weights = &mg->level[k];
         if (k > 0)

@@ -54,17 +54,17 @@ START_TEST(weights_are_the_nearest_mean) {
 }
 END_TEST
 
-/* Plain, with contacts, without what is not definite; with Jacobi plain, and with springs on nodes. */
+/* Plain, with contacts, without what is not definite, with springs on nodes, of which the stiff ones are a patch. */
 START_TEST(cycle_is_that_of_dense_matrices) {
     dense_level l[LEVELS_MAX];
     make_body(&b, 0.4, _i == 2 ? 3.0 : 0.1);
-    b.jacobi = _i > 2;
     const bool coupled = _i == 1 || _i == 2;
-    if (coupled || _i == 4)
+    if (coupled || _i == 3)
         add_contacts(&b, 2.0);
     multigrid *mg = make(&b, 40);
     ck_assert_int_eq(number(mg, &b, coupled, _i == 2), PALP_OK);
     multigrid_swap(mg);
+    ck_assert(_i == 0 ? mg->n_patch == 0 : mg->n_patch > COUPLED && mg->n_patch < NODES / 2);
     make_levels(mg, &b, coupled, _i == 2, l);
     check_cycle(mg, l, &b.seed);
     free_levels(multigrid_levels(mg), l);
@@ -87,6 +87,7 @@ START_TEST(touched_nodes_change_the_finest_level) {
     multigrid_touch(mg, b.node, COUPLED, b.coupling);
     finest_matrix(&b, true, false, now);
     now[0].weights = l[0].weights;
+    now[0].swept = mg->patched;
     memcpy(now + 1, l + 1, 2 * sizeof *now);
     check_cycle(mg, now, &b.seed);
     free_levels(1, now);
@@ -136,16 +137,14 @@ START_TEST(one_set_serves_while_the_other_is_made) {
 }
 END_TEST
 
-/* The share of an error that a cycle leaves in the long run, in the energy norm of the tangent, on an even lattice. Where
- * held coarse nodes put their own stiffness on the nodes that they follow, it is 0.6499 and 0.7913 with Gauss-Seidel. */
+/* The share of an error that a cycle leaves in the long run, in the energy norm of the tangent, on an even lattice. */
 START_TEST(contraction) {
-    static const double wanted[4] = {0.6424, 0.7846, 0.6691, 0.7329}; /* of Gauss-Seidel, of Jacobi */
+    static const double wanted[2] = {0.6691, 0.7329};
     static double r[3 * NODES], z[3 * NODES], x[3 * NODES];
     dense_level l;
     double energy[12];
     make_body(&b, 0, 0);
-    b.jacobi = _i > 1;
-    if (_i % 2 > 0)
+    if (_i > 0)
         renumber(&b);
     multigrid *mg = make(&b, 40);
     ck_assert_int_eq(number(mg, &b, false, false), PALP_OK);
@@ -183,14 +182,14 @@ START_TEST(what_is_not_definite_is_told) {
 }
 END_TEST
 
-/* A cycle's work with Gauss-Seidel: both ends of an element, an entry of a coarse row, 0.04 for a value of the factor. */
+/* A cycle's work: an element once and a half, an entry of a coarse row, 0.04 for a value of the factor. */
 START_TEST(work_of_a_cycle) {
     make_body(&b, 0.4, 0.1);
     for (size_t direct = 40; direct <= 3 * NODES; direct += 3 * NODES - 40) {
         multigrid *mg = make(&b, direct);
         double work = 0.04 * (double)linsys_value_count(mg->factor[0]);
         if (direct == 40)
-            work += 2.0 * (double)b.n_pairs + (double)mg->level[1].first[mg->level[1].n];
+            work += 1.5 * (double)b.n_pairs + (double)mg->level[1].first[mg->level[1].n];
         ck_assert_double_eq_tol(multigrid_cycle_work(mg), work, 1e-9 * work);
         multigrid_free(mg);
     }
@@ -227,7 +226,6 @@ START_TEST(batches_of_parallel_elements) {
     static double x[3 * NODES], out[3 * NODES], place[3 * NODES];
     static float plain[3 * NODES];
     make_body(&b, 0.4, 0.1);
-    b.jacobi = true;
     multigrid *mg = make(&b, 40);
     ck_assert_uint_gt(mg->n_batches, b.n_pairs / MULTIGRID_BATCH);
     ck_assert_int_eq(number(mg, &b, false, false), PALP_OK);
@@ -273,10 +271,10 @@ void tests(TCase *tc) {
     tcase_add_test(tc, work_of_a_cycle);
     tcase_add_test(tc, coarse_nodes_are_apart_and_near);
     tcase_add_test(tc, weights_are_the_nearest_mean);
-    tcase_add_loop_test(tc, cycle_is_that_of_dense_matrices, 0, 5);
+    tcase_add_loop_test(tc, cycle_is_that_of_dense_matrices, 0, 4);
     tcase_add_loop_test(tc, touched_nodes_change_the_finest_level, 0, 2);
     tcase_add_test(tc, one_level_is_the_inverse);
     tcase_add_test(tc, one_set_serves_while_the_other_is_made);
-    tcase_add_loop_test(tc, contraction, 0, 4);
+    tcase_add_loop_test(tc, contraction, 0, 2);
     tcase_add_test(tc, what_is_not_definite_is_told);
 }
