@@ -331,22 +331,8 @@ static palp_status make_direct(multigrid *mg) {
     return status;
 }
 
-/* Room for one row of A P: all nodes that the neighbours of a node follow. */
 static palp_status make_work(multigrid *mg) {
-    size_t most = 1, second = mg->n_levels > 1 ? mg->level[1].n : 1;
-    for (size_t k = 0; k + 1 < mg->n_levels; k++) {
-        const mg_level *l = &mg->level[k];
-        for (size_t i = 0; i < l->n; i++) {
-            size_t n = l->up_first[i + 1] - l->up_first[i];
-            for (uint32_t e = l->first[i]; e < l->first[i + 1]; e++)
-                n += l->up_first[l->column[e] + 1] - l->up_first[l->column[e]];
-            most = n > most ? n : most;
-        }
-    }
     arena *memory = &mg->memory;
-    mg->row = arena_take(memory, BLOCK_FLOATS * most, sizeof *mg->row);
-    mg->row_column = arena_take(memory, most, sizeof *mg->row_column);
-    mg->mark = arena_take(memory, second, sizeof *mg->mark);
     for (size_t k = 0; k < 2; k++) {
         mg->element[k] = arena_take(memory, mg->n_floats, sizeof *mg->element[k]);
         mg->node[k] = arena_take(memory, 6 * mg->n_nodes, sizeof *mg->node[k]);
@@ -363,8 +349,6 @@ static palp_status make_work(multigrid *mg) {
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < mg->n_nodes; i++)
         mg->first_touching[i] = -1;
-    for (size_t i = 0; i < second; i++)
-        mg->mark[i] = -1;
     return PALP_OK;
 }
 
@@ -386,6 +370,8 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
         status = make_finest(mg, dof);
     if (!status)
         status = make_levels(mg, direct, x, number);
+    if (!status)
+        status = multigrid_make_products(mg);
     if (!status)
         status = make_direct(mg);
     if (!status)

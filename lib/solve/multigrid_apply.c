@@ -65,7 +65,7 @@ void multigrid_apply(multigrid *mg, const double *r, double *z) {
 }
 
 double multigrid_cycle_work(const multigrid *mg) {
-    double work = 0.04 * (double)linsys_value_count(mg->factor[0]);
+    double work = 0.13 * (double)linsys_value_count(mg->factor[0]);
     for (size_t k = 0; k + 1 < mg->n_levels; k++)
         work += k == 0 ? 1.5 * (double)mg->n_elements : (double)mg->level[k].first[mg->level[k].n];
     return work;

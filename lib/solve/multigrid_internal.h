@@ -24,6 +24,10 @@ typedef struct mg_level {
     uint32_t *up_first;    /* [n + 1] to the next coarser level */
     int32_t *up;           /* [up_first[n]] nodes there */
     float *weight;         /* [up_first[n]] */
+    uint32_t *local_first; /* [n + 1] row i of A P: its own block's and each entry's share of each node that is followed */
+    uint16_t *local;       /* [local_first[n]] goes to this place of the row; */
+    uint32_t *target_first; /* [n + 1] for each node that node i follows, each place */
+    uint32_t *target;      /* [target_first[n]] to this entry of the next level */
 } mg_level;
 
 typedef enum mg_stage {
@@ -66,8 +70,6 @@ struct multigrid {
     mg_stage stage;        /* of the making: level and row next */
     size_t at_level, at;
     float *row;            /* [12 row_max] one row of A P */
-    int32_t *row_column;   /* [row_max] */
-    int32_t *mark;         /* [n of the second level] */
 };
 
 /* Where the sums of nodes stand by axis. */
@@ -152,6 +154,19 @@ palp_status multigrid_make_batches(multigrid *mg);
 /* rest[4 n_nodes] less the elements' part of the tangent times x[4 n_nodes]; minus that times x[3 n_nodes] */
 void multigrid_batches_subtract(multigrid *mg, const float *element, const float *x, float *rest);
 void multigrid_batches_times(multigrid *mg, const float *element, const double *x, double *out);
+
+/* ---- multigrid_product.c ---- */
+
+/* Where the numbers of the products go, for all levels. */
+palp_status multigrid_make_products(multigrid *mg);
+
+/* Adds what row i of A contributes to P' A P of the set being made; how many entries it has touched in each row. */
+size_t multigrid_coarsen(multigrid *mg, size_t level, size_t i);
+
+/* ---- multigrid_make.c ---- */
+
+/* Entry k of row i in the set being made: a level's block, or made from the element into room[12]. */
+const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room);
 
 /* ---- multigrid.c ---- */
 

@@ -9,7 +9,9 @@
 static const double ROW_WORK = 6.0;    /* an own block inverted, a block cleared */
 static const double ELEMENT_WORK = 3.0; /* both blocks of an element */
 static const double ENTRY_WORK = 20.0;  /* an entry of a row of P' A P */
-static const double FLOP_WORK = 0.008;  /* of a factor */
+static const double FLOP_WORK = 0.025;  /* of a factor */
+static const double VALUE_WORK = 0.08;  /* one of its values cleared */
+static const double FILL_WORK = 14.0;   /* a block put into them */
 
 static const float STIFF = 0.2F; /* share of a node's own block from which on it belongs to the patch */
 
@@ -138,75 +140,43 @@ static bool invert(multigrid *mg, mg_level *l, size_t i) {
     return invert_block(l, set, i, l->own[set] + BLOCK_FLOATS * i);
 }
 
-/* Entry k of row i: a level's block, or made from the element into room[12]. */
-static const float *entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room) {
+const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room) {
     if (l != mg->level)
         return l->block[made(mg)] + (size_t)BLOCK_FLOATS * k;
-    float e[5], s[6];
+    float e[5];
     const size_t j = (size_t)l->column[k];
     multigrid_element(mg, mg->element[made(mg)], i < j ? i : j, mg->through[k], e);
-    element_block(e, s);
-    memset(room, 0, BLOCK_FLOATS * sizeof *room);
-    add_block(room, s, -1.0F, l->axes[i], l->axes[j]);
-    add_couplings(mg, i, j, room);
+    const multigrid_four d = {e[0], e[1], e[2], 0.0F}, rows = multigrid_load(MULTIGRID_FREE[l->axes[i]]);
+    for (size_t c = 0; c < 3; c++) {
+        multigrid_four column = multigrid_all(-e[3] * e[c]) * d;
+        column[c] -= e[4];
+        multigrid_store(room + 4 * c, multigrid_all(MULTIGRID_FREE[l->axes[j]][c]) * rows * column);
+    }
+    if (mg->n_couplings[made(mg)] > 0)
+        add_couplings(mg, i, j, room);
     return room;
 }
 
-/* row of A P += block times the weights of node j. */
-static void spread(multigrid *mg, const mg_level *l, int32_t j, const float *block, int32_t *n) {
-    for (uint32_t k = l->up_first[j]; k < l->up_first[j + 1]; k++) {
-        int32_t c = l->up[k];
-        if (mg->mark[c] < 0) {
-            mg->mark[c] = *n;
-            mg->row_column[*n] = c;
-            memset(mg->row + BLOCK_FLOATS * *n, 0, BLOCK_FLOATS * sizeof(float));
-            ++*n;
-        }
-        float *to = mg->row + BLOCK_FLOATS * mg->mark[c];
-        for (size_t m = 0; m < BLOCK_FLOATS; m++)
-            to[m] += l->weight[k] * block[m];
-    }
+/* A row's share of the factor's values; its units. */
+static double clear_values(multigrid *mg, size_t i) {
+    linsys *ls = mg->factor[made(mg)];
+    const size_t n = mg->level[mg->n_levels - 1].n, count = linsys_value_count(ls), from = count * i / n, to = count * (i + 1) / n;
+    if (i == 0)
+        linsys_begin(ls);
+    memset(linsys_values(ls) + from, 0, (to - from) * sizeof(double));
+    return VALUE_WORK * (double)(to - from) + 1.0;
 }
 
-/* Adds what row i of A contributes to P' A P; the entries it touched. */
-static int32_t coarsen(multigrid *mg, size_t level, size_t i) {
-    mg_level *l = &mg->level[level], *coarse = l + 1;
-    float room[BLOCK_FLOATS];
-    int32_t n = 0;
-    spread(mg, l, (int32_t)i, l->own[made(mg)] + BLOCK_FLOATS * i, &n);
-    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
-        spread(mg, l, l->column[k], entry_block(mg, l, i, k, room), &n);
-    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++) {
-        int32_t row = l->up[k];
-        for (int32_t j = 0; j < n; j++) {
-            int32_t column = mg->row_column[j];
-            const float *from = mg->row + BLOCK_FLOATS * j;
-            float *to = row == column ? coarse->own[made(mg)] + BLOCK_FLOATS * row
-                                      : coarse->block[made(mg)] +
-                                              (size_t)BLOCK_FLOATS * multigrid_entry(coarse, row, column);
-            for (size_t m = 0; m < BLOCK_FLOATS; m++)
-                to[m] += l->weight[k] * from[m];
-        }
-    }
-    for (int32_t j = 0; j < n; j++)
-        mg->mark[mg->row_column[j]] = -1;
-    return n;
-}
-
-/* Row i of the coarsest level into the factor's values, its lower triangle by columns. */
-static void fill(multigrid *mg, size_t i) {
+/* Row i of the coarsest level into the cleared values, its lower triangle by columns; its units. */
+static double fill(multigrid *mg, size_t i) {
     const mg_level *l = &mg->level[mg->n_levels - 1];
     linsys *ls = mg->factor[made(mg)];
     double *value = linsys_values(ls);
     float room[BLOCK_FLOATS];
-    if (i == 0) {
-        memset(value, 0, linsys_value_count(ls) * sizeof *value);
-        linsys_begin(ls);
-    }
     for (uint32_t k = l->middle[i]; k <= l->first[i + 1]; k++) {
         bool own = k == l->middle[i];
         size_t j = own ? i : (size_t)l->column[k - 1];
-        const float *b = own ? l->own[made(mg)] + BLOCK_FLOATS * i : entry_block(mg, l, i, k - 1, room);
+        const float *b = own ? l->own[made(mg)] + BLOCK_FLOATS * i : multigrid_entry_block(mg, l, i, k - 1, room);
         for (size_t r = 0; r < 3; r++)
             for (size_t c = 0; c < 3; c++) {
                 int32_t p = mg->dof[3 * i + r], q = mg->dof[3 * j + c];
@@ -214,6 +184,7 @@ static void fill(multigrid *mg, size_t i) {
                     value[linsys_slot(ls, (size_t)q, (size_t)p)] = (double)b[4 * c + r];
             }
     }
+    return FILL_WORK * (double)(l->first[i + 1] + 1 - l->middle[i]);
 }
 
 static palp_status factor(multigrid *mg, double work, bool *done) {
@@ -252,9 +223,9 @@ static double item(multigrid *mg) {
     case MG_INVERT:
         return i < l->n ? (invert(mg, l, i) ? ROW_WORK : -1.0) : 0.0;
     case MG_COARSEN:
-        return i < l->n ? ENTRY_WORK * (double)coarsen(mg, mg->at_level, i) : 0.0;
+        return i < l->n ? ENTRY_WORK * (double)multigrid_coarsen(mg, mg->at_level, i) : 0.0;
     default:
-        return i < l->n ? (fill(mg, i), ROW_WORK) : 0.0;
+        return i < l->n ? clear_values(mg, i) : i < 2 * l->n ? fill(mg, i - l->n) : 0.0;
     }
 }
 

@@ -1,0 +1,130 @@
+/* multigrid_product.c: the Galerkin products P' A P, row by row of A. Where each number goes is found once, when the levels are made. */
+#include "multigrid_internal.h"
+
+static const uint32_t OWN = UINT32_MAX; /* goes to the coarse row's own block */
+
+/* Of the rows of A P: whom they have. */
+typedef struct places {
+    int32_t *mark;   /* [n of the next level] each one's place, or -1 */
+    int32_t *column; /* [n] */
+    size_t n;
+} places;
+
+/* Places for the nodes that node j follows, into local unless it is NULL; how many these are. */
+static size_t find_places(const mg_level *l, size_t j, places *p, uint16_t *local) {
+    const uint32_t first = l->up_first[j], n = l->up_first[j + 1] - first;
+    for (uint32_t k = 0; k < n; k++) {
+        const int32_t c = l->up[first + k];
+        if (p->mark[c] < 0) {
+            p->mark[c] = (int32_t)p->n;
+            p->column[p->n++] = c;
+        }
+        if (local)
+            local[k] = (uint16_t)p->mark[c];
+    }
+    return n;
+}
+
+/* Those of row i of A P, in the order in which they come; the number of locals. */
+static size_t find_row(const mg_level *l, size_t i, places *p, uint16_t *local) {
+    p->n = 0;
+    size_t n = find_places(l, i, p, local);
+    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
+        n += find_places(l, (size_t)l->column[k], p, local ? local + n : NULL);
+    for (size_t k = 0; k < p->n; k++)
+        p->mark[p->column[k]] = -1;
+    return n;
+}
+
+/* How many locals and targets a level has, and the longest row. */
+static size_t count(const mg_level *l, places *p, size_t *locals, size_t *targets) {
+    size_t longest = 0;
+    *locals = *targets = 0;
+    for (size_t i = 0; i < l->n; i++) {
+        *locals += find_row(l, i, p, NULL);
+        *targets += (l->up_first[i + 1] - l->up_first[i]) * p->n;
+        longest = p->n > longest ? p->n : longest;
+    }
+    return longest;
+}
+
+static void list(mg_level *l, const mg_level *coarse, places *p) {
+    uint32_t local = 0, target = 0;
+    for (size_t i = 0; i < l->n; i++) {
+        l->local_first[i] = local;
+        l->target_first[i] = target;
+        local += (uint32_t)find_row(l, i, p, l->local + local);
+        for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
+            for (size_t j = 0; j < p->n; j++)
+                l->target[target++] = l->up[k] == p->column[j] ? OWN : multigrid_entry(coarse, l->up[k], p->column[j]);
+    }
+    l->local_first[l->n] = local;
+    l->target_first[l->n] = target;
+}
+
+static palp_status make_product(arena *memory, mg_level *l, const mg_level *coarse, size_t *longest) {
+    arena scratch = {NULL, false};
+    size_t locals, targets;
+    places p = {arena_take(&scratch, coarse->n, sizeof *p.mark), arena_take(&scratch, coarse->n, sizeof *p.column), 0};
+    for (size_t i = 0; i < coarse->n && !scratch.failed; i++)
+        p.mark[i] = -1;
+    const size_t row = scratch.failed ? 0 : count(l, &p, &locals, &targets);
+    palp_status status = scratch.failed ? PALP_ERR_NO_MEMORY : row > UINT16_MAX || targets >= OWN ? PALP_ERR_LIMIT : PALP_OK;
+    if (!status) {
+        l->local_first = arena_take(memory, l->n + 1, sizeof *l->local_first);
+        l->target_first = arena_take(memory, l->n + 1, sizeof *l->target_first);
+        l->local = arena_take(memory, locals, sizeof *l->local);
+        l->target = arena_take(memory, targets, sizeof *l->target);
+        *longest = row > *longest ? row : *longest;
+        if (memory->failed)
+            status = PALP_ERR_NO_MEMORY;
+        else
+            list(l, coarse, &p);
+    }
+    arena_free(&scratch);
+    return status;
+}
+
+palp_status multigrid_make_products(multigrid *mg) {
+    size_t longest = 1;
+    for (size_t k = 0; k + 1 < mg->n_levels; k++) {
+        palp_status status = make_product(&mg->memory, &mg->level[k], &mg->level[k + 1], &longest);
+        if (status)
+            return status;
+    }
+    mg->row = arena_take(&mg->memory, BLOCK_FLOATS * longest, sizeof *mg->row);
+    return mg->row ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+/* to += factor times a block */
+static inline void add(float *to, float factor, const float *block) {
+    const multigrid_four w = multigrid_all(factor);
+    for (size_t c = 0; c < BLOCK_FLOATS; c += 4)
+        multigrid_store(to + c, multigrid_load(to + c) + w * multigrid_load(block + c));
+}
+
+/* row of A P += block times the weights of node j. */
+static inline const uint16_t *spread(float *row, const mg_level *l, size_t j, const float *block, const uint16_t *local) {
+    for (uint32_t k = l->up_first[j]; k < l->up_first[j + 1]; k++)
+        add(row + (size_t)BLOCK_FLOATS * *local++, l->weight[k], block);
+    return local;
+}
+
+size_t multigrid_coarsen(multigrid *mg, size_t level, size_t i) {
+    mg_level *l = &mg->level[level], *coarse = l + 1;
+    const int set = 1 - mg->used;
+    const uint32_t ups = l->up_first[i + 1] - l->up_first[i], *target = l->target + l->target_first[i];
+    const size_t n = ups > 0 ? (l->target_first[i + 1] - l->target_first[i]) / ups : 0;
+    const uint16_t *local = l->local + l->local_first[i];
+    float room[BLOCK_FLOATS];
+    memset(mg->row, 0, BLOCK_FLOATS * n * sizeof *mg->row);
+    local = spread(mg->row, l, i, l->own[set] + BLOCK_FLOATS * i, local);
+    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
+        local = spread(mg->row, l, (size_t)l->column[k], multigrid_entry_block(mg, l, i, k, room), local);
+    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++) {
+        float *own = coarse->own[set] + (size_t)BLOCK_FLOATS * (size_t)l->up[k], *block = coarse->block[set];
+        for (size_t j = 0; j < n; j++, target++)
+            add(*target == OWN ? own : block + (size_t)BLOCK_FLOATS * *target, l->weight[k], mg->row + BLOCK_FLOATS * j);
+    }
+    return n;
+}
