@@ -13,6 +13,7 @@ static const double STRAIGHT = 0.5; /* less than this by a line */
 static const double OVERRUN = 0.5; /* of its slope that a move may have against it at its end */
 static const double ASIDE = 0.15;  /* of what is between two places along it: so far is the next one from both */
 static const double SAFETY = 3.0;  /* of the error estimate */
+static const double NEAR = 0.7;    /* of the error that a budget allows: a tick that ends there may be followed by one that corrects */
 static const double ANCHORED = 6.0; /* of a tick's error, what friction may remember of it */
 static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
 static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
@@ -79,7 +80,7 @@ static palp_status begin(palp_realtime *rt) {
     network_tangent_times(net, rt->adjoint, rt->q);
     rt->adjoint_error = DRIFT * sqrt(fabs(network_dot(rt->adjoint, rt->q, 3 * net->n_nodes)));
     rt->adjoint_due = 0;
-    rt->definite = false;
+    rt->definite = rt->idle = rt->near = false;
     rt->contraction = 1.0;
     rt->error_ratio = rt->remembered = rt->anchored = 0.0;
     return status;
@@ -142,6 +143,7 @@ typedef struct tick {
     double norm, scale;   /* |residual| of next.x, and where it is converged */
     double first;         /* the first norm */
     double fresh_error;   /* of the force, by this tick's positions, N */
+    bool near;            /* the estimated error is nearly as large as the budget allows */
 } tick;
 
 /* Evaluates next.x, once terms have made it follow them. */
@@ -158,7 +160,7 @@ static bool tangent_wanted(const palp_realtime *rt, bool last) {
 }
 
 static bool predict(palp_realtime *rt, const palp_budget *budget) {
-    const bool enough = rt->idle && budget->force_error > 0.0 && !realtime_touched(rt->net); /* as in the last tick */
+    const bool enough = rt->idle && !rt->near && budget->force_error > 0.0 && !realtime_touched(rt->net); /* as in the last tick */
     const bool tangent = tangent_wanted(rt, enough);
     palp_network *net = rt->net;
     double depth = net->next.depth, move = depth - net->now.depth;
@@ -224,6 +226,7 @@ static void assess(palp_realtime *rt, tick *t) {
     t->fresh_error += error * sqrt(own_stiffness(rt));
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
     double most = t->budget.force_error * (fabs(t->info.force_N) + outer_force(net));
+    t->near = t->info.force_error_N > NEAR * most;
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
 
@@ -334,8 +337,11 @@ static void remember(palp_realtime *rt, const tick *t) {
     rt->remembered = slowest * rt->remembered + fmin(leak, 1.0) * (t->fresh_error + rt->anchored);
 }
 
-/* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. */
+/* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. A tick that had to correct while those
+ * around it need not leaves it to them. */
 static void look_ahead(palp_realtime *rt, tick *t) {
+    if (rt->idle && t->info.corrections > 0)
+        return;
     if (rt->adjoint_due > 0 && rt->driven) {
         realtime_improve_adjoint(rt, ADJOINT_PARTS - rt->adjoint_due);
         rt->adjoint_due--;
@@ -390,10 +396,11 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     t.info.buckled = rt->indefinite;
     double rest = realtime_clock();
     commit(rt, &t);
-    rt->idle = t.info.corrections == 0;
     rt->contraction = t.first > 0.0 ? t.norm / t.first : 0.0;
     remember(rt, &t);
     look_ahead(rt, &t);
+    rt->idle = t.info.corrections == 0;
+    rt->near = t.near;
     t.info.inverted = count_inverted(rt);
     if (info) {
         if (net->material.law.strain_max > 0.0)

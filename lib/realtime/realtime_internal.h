@@ -32,7 +32,7 @@ struct palp_realtime {
     float *element;        /* [n_floats] the elements' blocks at the last evaluation with the tangent, as rt->mg has them */
     bool fresh;            /* that was the last evaluation */
     bool indefinite;       /* in this tick the tangent was found not to be positive definite */
-    bool idle;             /* the last tick made no correction */
+    bool idle, near;       /* the last tick made no correction; but was near to one */
     double *adjoint_r, *adjoint_z; /* [3 n_nodes] of a correction of the adjoint on its way */
     bool driven;           /* some axis is: there is an adjoint */
     double adjoint_error;  /* of it, in the norm of the tangent */

@@ -37,6 +37,8 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     double *numbers[] = {&rt->adjoint_error, &rt->error_ratio, &rt->remembered, &rt->anchored, &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
+    network_pass(c, &rt->idle, sizeof rt->idle);
+    network_pass(c, &rt->near, sizeof rt->near);
     network_pass(c, &rt->part, sizeof rt->part);
     network_pass(c, rt->inverted, sizeof rt->inverted);
     network_pass(c, &rt->stage, sizeof rt->stage);
