@@ -63,12 +63,21 @@ palp_status network_make_runs(palp_network *net) {
     return PALP_OK;
 }
 
-/* Four of a vector at once; they are only kept in variables, as no function takes them alike with and without AVX. */
+/* Several of a vector at once; they are only kept in variables, as no function takes them alike with and without AVX. */
 typedef double four __attribute__((vector_size(4 * sizeof(double))));
+typedef double two __attribute__((vector_size(2 * sizeof(double))));
 
-#define LOAD(v, p) memcpy(&(v), p, sizeof(four))
-#define STORE(p, v) memcpy(p, &(v), sizeof(four))
+#define LOAD(v, p) memcpy(&(v), p, sizeof(v))
+#define STORE(p, v) memcpy(p, &(v), sizeof(v))
 #define ADD_TO(p, v) (LOAD(sum, p), sum += (v), STORE(p, sum))
+#define DELIVER(lanes)                                                                                                   \
+    do {                                                                                                                 \
+        lanes v0, v1, v2, sum;                                                                                           \
+        LOAD(v0, f0 + i), LOAD(v1, f1 + i), LOAD(v2, f2 + i);                                                            \
+        ADD_TO(out + low + i, v0), ADD_TO(out1 + low + i, v1), ADD_TO(out2 + low + i, v2);                               \
+        ADD_TO(out + high + i, -v0), ADD_TO(out1 + high + i, -v1), ADD_TO(out2 + high + i, -v2);                         \
+        i += (int32_t)(sizeof(lanes) / sizeof(double));                                                                  \
+    } while (0)
 
 /* d = what x, by axis, has at the second nodes less what it has at the first. What is written behind a run is the next one's, or room. */
 PALP_CLONES
@@ -95,16 +104,12 @@ static void deliver_runs(size_t n, const network_run *run, const double *f0, con
     for (size_t r = 0; r < n; r++) {
         const int32_t low = run[r].low, high = run[r].high;
         int32_t i = 0;
-        for (; i + 4 <= run[r].n; i += 4) {
-            four v0, v1, v2, sum;
-            LOAD(v0, f0 + i), LOAD(v1, f1 + i), LOAD(v2, f2 + i);
-            ADD_TO(out + low + i, v0), ADD_TO(out1 + low + i, v1), ADD_TO(out2 + low + i, v2);
-            ADD_TO(out + high + i, -v0), ADD_TO(out1 + high + i, -v1), ADD_TO(out2 + high + i, -v2);
-        }
-        for (; i < run[r].n; i++) {
-            out[low + i] += f0[i], out1[low + i] += f1[i], out2[low + i] += f2[i];
-            out[high + i] -= f0[i], out1[high + i] -= f1[i], out2[high + i] -= f2[i];
-        }
+        while (i + 4 <= run[r].n)
+            DELIVER(four);
+        if (i + 2 <= run[r].n)
+            DELIVER(two);
+        if (i < run[r].n)
+            DELIVER(double);
         f0 += run[r].n, f1 += run[r].n, f2 += run[r].n;
     }
 }

@@ -225,7 +225,7 @@ static void assess(palp_realtime *rt, tick *t) {
     t->fresh_error = rt->driven ? error * rt->adjoint_error : 0.0;
     t->fresh_error += error * sqrt(own_stiffness(rt));
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
-    double most = t->budget.force_error * (fabs(t->info.force_N) + outer_force(net));
+    double most = t->budget.force_error > 0.0 ? t->budget.force_error * (fabs(t->info.force_N) + outer_force(net)) : 0.0;
     t->near = t->info.force_error_N > NEAR * most;
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
