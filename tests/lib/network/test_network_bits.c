@@ -46,6 +46,33 @@ START_TEST(geometry_and_force_of_every_element) {
 }
 END_TEST
 
+/* A lattice's elements stand in runs, of every length up to a side: what they bring to the nodes is the sum over the elements. */
+START_TEST(runs_bring_the_sum_over_elements) {
+    palp_material m = quartic(2);
+    palp_network *net = pressed((size_t)_i, &m);
+    double *sum = calloc(3 * net->n_nodes, sizeof *sum), *u = calloc(3 * net->n_nodes, sizeof *u), largest = 0.0;
+    ck_assert(sum && u && net->run);
+    for (size_t e = 0; e < net->n_elements; e++)
+        for (size_t k = 0; k < 3; k++) {
+            const double f = net->force[e] * net->direction[k * net->n_elements + e];
+            sum[3 * (size_t)net->pair[2 * e] + k] += f;
+            sum[3 * (size_t)net->pair[2 * e + 1] + k] -= f;
+            largest = fmax(largest, fabs(f));
+        }
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        ck_assert_double_eq_tol(net->fint[i], sum[i], 1e-13 * largest);
+    memset(sum, 0, 3 * net->n_nodes * sizeof *sum);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++) /* the same motion of all nodes strains none */
+        u[i] = 1.0 + (double)(i % 3);
+    network_tangent_times(net, u, sum);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        ck_assert_double_eq_tol(sum[i], net->diagonal[i] * u[i], 1e-13 * largest / HEIGHT);
+    free(sum);
+    free(u);
+    palp_network_free(net);
+}
+END_TEST
+
 /* Blocks in single precision in place of geometry and tangent: the forces are the same to the bit. */
 START_TEST(blocks_leave_the_forces) {
     palp_material m = quartic(2);
@@ -114,6 +141,7 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_test(tc, geometry_and_force_of_every_element);
+    tcase_add_loop_test(tc, runs_bring_the_sum_over_elements, 4, 10);
     tcase_add_test(tc, blocks_leave_the_forces);
     tcase_add_test(tc, sums_are_in_one_order);
     tcase_add_test(tc, product_is_the_matrix);
