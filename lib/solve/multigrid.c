@@ -105,18 +105,6 @@ static palp_status make_finest(multigrid *mg, const int32_t *dof) {
     return level_allocate(&mg->memory, l, false);
 }
 
-uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column) {
-    uint32_t low = l->first[row], high = l->first[row + 1];
-    while (high - low > 1) {
-        uint32_t half = low + (high - low) / 2;
-        if (l->column[half] <= column)
-            low = half;
-        else
-            high = half;
-    }
-    return low;
-}
-
 /* Coarse nodes: no two of them neighbours, every other node beside one. number[n]: theirs, or -1. On a lattice every
  * second one along each axis. */
 static size_t choose_coarse(const mg_level *l, int32_t *number) {

@@ -77,6 +77,19 @@ static inline size_t multigrid_stride(const multigrid *mg) {
     return mg->n_nodes + MULTIGRID_BATCH;
 }
 
+/* Entry (row, column) of a level's pattern. */
+static inline uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column) {
+    uint32_t low = l->first[row], high = l->first[row + 1];
+    while (high - low > 1) {
+        uint32_t half = low + (high - low) / 2;
+        if (l->column[half] <= column)
+            low = half;
+        else
+            high = half;
+    }
+    return low;
+}
+
 /* d, along and across of the k-th sorted element, which is node i's. */
 static inline void multigrid_element(const multigrid *mg, const float *element, size_t i, uint32_t k, float e[5]) {
     const size_t across = mg->n_batches > 0 ? multigrid_stride(mg) : 1, along = mg->n_batches > 0 ? 1 : 4;
@@ -163,14 +176,7 @@ palp_status multigrid_make_products(multigrid *mg);
 /* Adds what row i of A contributes to P' A P of the set being made; how many entries it has touched in each row. */
 size_t multigrid_coarsen(multigrid *mg, size_t level, size_t i);
 
-/* ---- multigrid_make.c ---- */
-
 /* Entry k of row i in the set being made: a level's block, or made from the element into room[12]. */
 const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room);
-
-/* ---- multigrid.c ---- */
-
-/* Entry (row, column) of a level's pattern. */
-uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column);
 
 #endif

@@ -121,40 +121,12 @@ static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
     return true;
 }
 
-/* b += the couplings of nodes i and j, free axes only. */
-static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
-    const mg_level *l = &mg->level[0];
-    const multigrid_coupling *list = mg->coupling[made(mg)];
-    for (int32_t k = mg->coupled[i < j ? i : j]; k >= 0; k = list[k].next)
-        for (unsigned r = 0; r < 3 && list[k].high == (int32_t)(i < j ? j : i); r++)
-            for (unsigned c = 0; c < 3; c++)
-                if (l->axes[i] >> r & l->axes[j] >> c & 1U)
-                    b[4 * c + r] += i < j ? list[k].block[3 * r + c] : list[k].block[3 * c + r];
-}
-
 static bool invert(multigrid *mg, mg_level *l, size_t i) {
     const int set = made(mg);
     mask(l->own[set] + BLOCK_FLOATS * i, l->axes[i], l->axes[i]); /* of a coarse row, as followers have brought them */
     for (uint32_t k = l->first[i]; l != mg->level && k < l->first[i + 1]; k++)
         mask(l->block[set] + (size_t)BLOCK_FLOATS * k, l->axes[i], l->axes[l->column[k]]);
     return invert_block(l, set, i, l->own[set] + BLOCK_FLOATS * i);
-}
-
-const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room) {
-    if (l != mg->level)
-        return l->block[made(mg)] + (size_t)BLOCK_FLOATS * k;
-    float e[5];
-    const size_t j = (size_t)l->column[k];
-    multigrid_element(mg, mg->element[made(mg)], i < j ? i : j, mg->through[k], e);
-    const multigrid_four d = {e[0], e[1], e[2], 0.0F}, rows = multigrid_load(MULTIGRID_FREE[l->axes[i]]);
-    for (size_t c = 0; c < 3; c++) {
-        multigrid_four column = multigrid_all(-e[3] * e[c]) * d;
-        column[c] -= e[4];
-        multigrid_store(room + 4 * c, multigrid_all(MULTIGRID_FREE[l->axes[j]][c]) * rows * column);
-    }
-    if (mg->n_couplings[made(mg)] > 0)
-        add_couplings(mg, i, j, room);
-    return room;
 }
 
 /* A row's share of the factor's values; its units. */

@@ -96,6 +96,34 @@ palp_status multigrid_make_products(multigrid *mg) {
     return mg->row ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
+/* b += the couplings of nodes i and j, free axes only. */
+static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
+    const mg_level *l = &mg->level[0];
+    const multigrid_coupling *list = mg->coupling[1 - mg->used];
+    for (int32_t k = mg->coupled[i < j ? i : j]; k >= 0; k = list[k].next)
+        for (unsigned r = 0; r < 3 && list[k].high == (int32_t)(i < j ? j : i); r++)
+            for (unsigned c = 0; c < 3; c++)
+                if (l->axes[i] >> r & l->axes[j] >> c & 1U)
+                    b[4 * c + r] += i < j ? list[k].block[3 * r + c] : list[k].block[3 * c + r];
+}
+
+const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room) {
+    if (l != mg->level)
+        return l->block[1 - mg->used] + (size_t)BLOCK_FLOATS * k;
+    float e[5];
+    const size_t j = (size_t)l->column[k];
+    multigrid_element(mg, mg->element[1 - mg->used], i < j ? i : j, mg->through[k], e);
+    const multigrid_four d = {e[0], e[1], e[2], 0.0F}, rows = multigrid_load(MULTIGRID_FREE[l->axes[i]]);
+    for (size_t c = 0; c < 3; c++) {
+        multigrid_four column = multigrid_all(-e[3] * e[c]) * d;
+        column[c] -= e[4];
+        multigrid_store(room + 4 * c, multigrid_all(MULTIGRID_FREE[l->axes[j]][c]) * rows * column);
+    }
+    if (mg->n_couplings[1 - mg->used] > 0)
+        add_couplings(mg, i, j, room);
+    return room;
+}
+
 /* to += factor times a block */
 static inline void add(float *to, float factor, const float *block) {
     const multigrid_four w = multigrid_all(factor);
