@@ -32,9 +32,9 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
     static const double parts[] = {0.003, 0.02, 0.06, 0.2}, places[] = {0.1, 0.35, 0.6, 0.85};
     effect_read read;
     const bool jumps = read_pull(data, &read);
-    for (size_t k = 0; k < (jumps ? 4u : 1u); k++)
+    for (size_t k = 0; k < (jumps ? 4u : 2u); k++) /* the strongest of a noisy record is more than the pull */
         for (size_t j = 0; j < 4; j++)
-            effect_start_at(out, jumps ? read.low + places[k] * (read.high - read.low) : data->pulled,
+            effect_start_at(out, jumps ? read.low + places[k] * (read.high - read.low) : data->pulled / (1.0 + (double)k),
                             parts[j] * data->deepest, 0.0);
     return PALP_OK;
 }

@@ -3,6 +3,7 @@
 #define EXPLAIN_FIT_H
 
 #include "explain_data.h"
+#include "solve/levenberg.h"
 
 #define EXPLAIN_SOFTEST 1e-3 /* of a typical stiffness: a law that falls below it makes no model */
 
@@ -67,8 +68,11 @@ void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, d
 void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
                        double *work);
 
-/* What chi2 has of a law that makes no model; 0: it makes one. */
+/* What chi2 has of a law that makes no model; 0: it makes one. (explain_wall.c) */
 double explain_fit_wall(const explain_fit *fit, const explain_data *data);
+
+/* What the fit's coordinates must hold so that the law makes one. free() of row after. */
+palp_status explain_walls_find(const explain_fit *fit, const explain_data *data, levenberg_walls *walls);
 
 double explain_fit_score(const explain_fit *fit, const explain_data *data);
 double explain_chi2(const explain_data *data, const explain_fit *fit); /* per sample of the runs not held out */

@@ -1,7 +1,6 @@
 /* explain_improve.c: the steps to a fit's best parameters. */
 #include "explain_fit.h"
 #include "base/dense.h"
-#include "solve/levenberg.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,14 +11,19 @@ static const double RISE = 1e-3; /* of chi2: less is rounding's */
 palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2) {
     size_t k = fit->n_columns;
     double *h = malloc((2 * k * k + 3 * k) * sizeof *h);
-    if (!h)
-        return PALP_ERR_NO_MEMORY;
-    double *work = h + k * k, *g = work + k * k + k, *step = g + k;
-    explain_fit_total(fit, data, h, g, chi2, work);
-    levenberg_step(k, fit->x, fit->low, fit->high, h, g, 1e-9, work, step);
-    *chi2 -= dense_dot(k, step, g);
+    levenberg_walls walls = {.count = 0};
+    palp_status status = h ? explain_walls_find(fit, data, &walls) : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        double *work = h + k * k, *g = work + k * k + k, *step = g + k;
+        explain_fit_total(fit, data, h, g, chi2, work);
+        if (levenberg_step(k, fit->x, fit->low, fit->high, h, g, 1e-9, work, step))
+            status = levenberg_confine(k, &walls, fit->x, work, step);
+        for (size_t i = 0; i < k; i++)
+            *chi2 += step[i] * (dense_dot(k, h + i * k, step) - 2.0 * g[i]);
+    }
+    free(walls.row);
     free(h);
-    return PALP_OK;
+    return status;
 }
 
 /* The fit that moves, and the model and products of its best parameters so far. */
@@ -45,7 +49,7 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
     if (status)
         return status;
     explain_fit_total(i->fit, i->data, h, g, chi2, i->work);
-    i->last = *chi2;
+    i->last = *chi2 += explain_fit_wall(i->fit, i->data);
     return PALP_OK;
 }
 
@@ -60,7 +64,8 @@ static void keep(void *user) {
 static palp_status descend(explain_fit *fit, const explain_data *data, size_t rounds, size_t *used) {
     size_t k = fit->n_columns, room = data->n_runs * fit->m * fit->m;
     double *h = malloc((2 * k * k + 3 * k + room) * sizeof *h), reach[EXPLAIN_COLUMNS], chi2;
-    palp_status status = h ? PALP_OK : PALP_ERR_NO_MEMORY;
+    levenberg_walls walls = {.count = 0};
+    palp_status status = h ? explain_walls_find(fit, data, &walls) : PALP_ERR_NO_MEMORY;
     if (!status) {
         double *g = h + k * k, *x = g + k;
         improvement i = {.fit = fit, .data = data, .work = x + k, .product = x + k + k * k + k};
@@ -68,9 +73,10 @@ static palp_status descend(explain_fit *fit, const explain_data *data, size_t ro
         for (size_t a = 0; a < k; a++)
             reach[a] = fit->logarithmic[a] ? 1.0 : HUGE_VAL;
         explain_fit_total(fit, data, h, g, &chi2, i.work);
-        i.last = chi2;
+        i.last = chi2 += explain_fit_wall(fit, data);
         keep(&i);
-        const levenberg problem = {.n = k, .evaluations = rounds, .low = fit->low, .high = fit->high, .reach = reach,
+        const levenberg problem = {.n = k, .evaluations = rounds, .low = fit->low, .high = fit->high, .walls = &walls,
+                                   .reach = reach,
                                    .stop_absolute = 0.02, .stop_relative = 1e-7, .stop_rise = RISE,
                                    .evaluate = evaluate, .keep = keep, .user = &i};
         status = levenberg_solve(&problem, x, h, g, &chi2);
@@ -80,6 +86,7 @@ static palp_status descend(explain_fit *fit, const explain_data *data, size_t ro
         fit->score = explain_fit_score(fit, data);
         *used = i.evaluations;
     }
+    free(walls.row);
     free(h);
     return status;
 }

@@ -1,7 +1,6 @@
 /* explain_normal.c: what the sums of a fit say once every run's nuisance parameters are eliminated. */
 #include "explain_fit.h"
 #include "base/dense.h"
-#include "model/model_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -106,35 +105,6 @@ double explain_chi2(const explain_data *data, const explain_fit *fit) {
     return sum / (double)explain_samples(data);
 }
 
-/* A law that falls below a little of its stiffness before PALP_MODEL_STRAIN makes no model: a wall there, stiff beside
- * any data. Returns its chi2; h and g: NULL, or it adds to them. */
-static double add_wall(const explain_fit *fit, const explain_data *data, double *h, double *g) {
-    enum { PLACES = 200 };
-    const palp_law *law = &fit->model.material.law;
-    double typical = data->peak * data->height / data->deepest, low = EXPLAIN_SOFTEST * typical, sd = 1e-7 * typical;
-    double row[PALP_LAW_MAX], stiffness, chi2 = 0.0;
-    for (int i = 0; i <= PLACES; i++) {
-        double e = fmax(1e-6, PALP_MODEL_STRAIN * i / PLACES);
-        palp_law_stiffness(law, e, &stiffness, NULL);
-        if (!(stiffness < low))
-            continue;
-        chi2 += pow((low - stiffness) / sd, 2);
-        if (!h)
-            continue;
-        palp_law_gradient(law, e, row);
-        for (size_t a = 0; a < law->n; a++) {
-            g[a] += (low - stiffness) / sd * row[a] / e / sd;
-            for (size_t b = 0; b < law->n; b++)
-                h[a * fit->n_columns + b] += row[a] / e / sd * row[b] / e / sd;
-        }
-    }
-    return chi2;
-}
-
-double explain_fit_wall(const explain_fit *fit, const explain_data *data) {
-    return add_wall(fit, data, NULL, NULL);
-}
-
 void explain_fit_total(const explain_fit *fit, const explain_data *data, double *h, double *g, double *chi2,
                        double *work) {
     size_t k = fit->n_columns;
@@ -154,7 +124,6 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
     }
     for (size_t i = 0; i < k; i++)
         h[i * k + i] += 1.0 / (fit->unit[i] * fit->unit[i]);
-    *chi2 += add_wall(fit, data, h, g);
 }
 
 /* What the noise of one sample hides. */

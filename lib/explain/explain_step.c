@@ -11,6 +11,8 @@ static const char ONE_RUN[] = "helps in one experiment only",
 static const double SHADOW = 0.06, SLIGHT = 0.25;
 static const double PLAIN = 10.0; /* nats that a slight one of the instrument needs */
 
+static const double NEAR = 0.01; /* of what a parameter may be: a search that ends so near to its end was still on its way */
+
 /* Whether a strength, a time or a length of the trial's effect is at the end of what these runs can mean. */
 static bool at_an_end(const explain_fit *fit) {
     if (fit->model.n_effects == 0)
@@ -22,9 +24,10 @@ static bool at_an_end(const explain_fit *fit) {
     for (size_t p = 0; p < info->n_parameters; p++) {
         const palp_effect_parameter *q = &info->parameter[p];
         const size_t k = first + p;
+        const double near = NEAR * (fit->high[k] - fit->low[k]);
         bool counts = q->strength || q->scale == PALP_SCALE_TIME || q->scale == PALP_SCALE_LENGTH;
-        bool two_sided = explain_is_period(row, p) || q->low < 0.0, below = two_sided && fit->x[k] <= fit->low[k];
-        if (counts && fit->low[k] < fit->high[k] && (below || fit->x[k] >= fit->high[k]))
+        bool two_sided = explain_is_period(row, p) || q->low < 0.0, below = two_sided && fit->x[k] <= fit->low[k] + near;
+        if (counts && near > 0.0 && (below || fit->x[k] >= fit->high[k] - near))
             return true;
     }
     return false;

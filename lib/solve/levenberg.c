@@ -1,5 +1,6 @@
 /* levenberg.c: see levenberg.h. */
 #include "levenberg.h"
+#include "nnls.h"
 #include "base/dense.h"
 
 #include <math.h>
@@ -8,7 +9,7 @@
 
 static const double FIRST_DAMPING = 1e-6, LEAST_DAMPING = 1e-9, FELT_DAMPING = 1e-3, MOST_DAMPING = 1e4;
 
-void levenberg_step(size_t n, const double *x, const double *low, const double *high, const double *h, const double *g,
+bool levenberg_step(size_t n, const double *x, const double *low, const double *high, const double *h, const double *g,
                     double damping, double *work, double *step) {
     memcpy(work, h, n * n * sizeof *work);
     for (size_t i = 0; i < n; i++) {
@@ -20,10 +21,56 @@ void levenberg_step(size_t n, const double *x, const double *low, const double *
         if (stuck || !(work[i * n + i] > 0.0))
             work[i * n + i] = 1.0;
     }
-    if (dense_cholesky(n, work))
+    const bool regular = dense_cholesky(n, work);
+    if (regular)
         dense_cholesky_solve(n, work, 1, step);
     else
         memset(step, 0, n * sizeof *step);
+    return regular;
+}
+
+/* By how much x + step misses wall i. */
+static double missing(size_t n, const levenberg_walls *walls, size_t i, const double *x, const double *step) {
+    const double *row = walls->row + i * n;
+    return walls->least[i] - dense_dot(n, row, x) - dense_dot(n, row, step);
+}
+
+/* The least way, in units in which the matrix is 1, by the problem's dual (Lawson and Hanson 1974, chapter 23, "least distance
+ * programming"). */
+palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const double *x, const double *factor, double *step) {
+    const size_t count = walls ? walls->count : 0, rows = n + 1;
+    double worst = 0.0, residual;
+    for (size_t i = 0; i < count; i++)
+        worst = fmax(worst, missing(n, walls, i, x, step));
+    if (!(worst > 0.0))
+        return PALP_OK;
+    double *column = malloc((rows * (count + 1) + count) * sizeof *column), *way = column + rows * count, *force = way + rows;
+    if (!column)
+        return PALP_ERR_NO_MEMORY;
+    worst = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        double *own = column + i * rows;
+        memcpy(own, walls->row + i * n, n * sizeof *own);
+        dense_forward(n, factor, 1, own);
+        const double length = sqrt(dense_dot(n, own, own));
+        for (size_t k = 0; k < n; k++)
+            own[k] /= length;
+        own[n] = missing(n, walls, i, x, step) / length;
+        worst = fmax(worst, own[n]);
+    }
+    for (size_t i = 0; i < count; i++)
+        column[i * rows + n] /= worst;
+    memset(way, 0, n * sizeof *way);
+    way[n] = 1.0;
+    palp_status status = nnls_solve(rows, count, column, way, 0.0, n, force, &residual);
+    dense_times(rows, count, -1.0, column, force, 1.0, way);
+    for (size_t k = 0; k < n; k++)
+        way[k] *= -worst / way[n];
+    dense_backward(n, factor, 1, way);
+    for (size_t k = 0; k < n && !status; k++)
+        step[k] += way[k];
+    free(column);
+    return status;
 }
 
 /* next = x + step, within reach and bounds. */
@@ -43,7 +90,10 @@ palp_status levenberg_solve(const levenberg *p, double *x, double *h, double *g,
     palp_status status = PALP_OK;
     for (size_t k = 0; k < p->evaluations && damping <= MOST_DAMPING; k++) {
         double next_chi2, before = *chi2;
-        levenberg_step(n, x, p->low, p->high, h, g, damping, work, step);
+        if (levenberg_step(n, x, p->low, p->high, h, g, damping, work, step))
+            status = levenberg_confine(n, p->walls, x, work, step);
+        if (status)
+            break;
         move(p, x, step, next);
         palp_status tried = p->evaluate(p->user, next, next_h, next_g, &next_chi2);
         if (tried == PALP_ERR_NO_MEMORY) {

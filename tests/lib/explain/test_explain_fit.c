@@ -223,22 +223,30 @@ START_TEST(a_pair_of_fits) {
 }
 END_TEST
 
-/* A law that falls below a thousandth of the typical stiffness meets a wall, whose slope is that of its chi2. */
+/* A law that falls below a thousandth of the typical stiffness meets a wall: of a polynomial at all strains, of a spline at its
+ * knots. */
 START_TEST(the_wall_below_a_law) {
-    double h[K * K], g[K], work[K * K + K], chi2[3], soft = 5e-4;
+    static const double soft = 5e-4, line[] = {2, -3}, strain[] = {0, 0.3}, stiffness[] = {1, 2};
+    levenberg_walls walls;
     begin(1);
-    memset(fit.product, 0, M * M * sizeof *fit.product);
-    for (int k = 0; k < 3; k++) {
-        double stiffness = soft + 1e-7 * (k - 1);
-        ck_assert_int_eq(palp_law_polynomial(1, &stiffness, &fit.model.material.law), PALP_OK);
-        explain_fit_total(&fit, &data, h, g, &chi2[k], work);
-        if (k == 1)
-            CLOSE(chi2[1], 201 * pow(5e-4 / 1e-7, 2), 1e-9);
-        if (k == 1)
-            CLOSE(h[0], 201 / 1e-14, 1e-9);
-    }
-    explain_fit_total(&fit, &data, h, g, &chi2[1], work);
-    CLOSE(-2 * g[0], (chi2[2] - chi2[0]) / 2e-7, 1e-3);
+    const size_t n = fit.n_columns;
+    ck_assert_int_eq(palp_law_polynomial(1, &soft, &fit.model.material.law), PALP_OK);
+    CLOSE(explain_fit_wall(&fit, &data), 201 * pow(5e-4 / 1e-7, 2), 1e-9);
+    ck_assert_int_eq(palp_law_polynomial(2, line, &fit.model.material.law), PALP_OK);
+    ck_assert_double_eq(explain_fit_wall(&fit, &data), 0.0);
+    ck_assert_int_eq(explain_walls_find(&fit, &data, &walls), PALP_OK);
+    ck_assert_uint_eq(walls.count, 201);
+    CLOSE(walls.row[200 * n] * line[0] + walls.row[200 * n + 1] * line[1], 2 - 3 * 0.4, 1e-12);
+    CLOSE(walls.least[200], 1.001e-3, 1e-12);
+    free(walls.row);
+    ck_assert_int_eq(palp_law_spline(2, strain, stiffness, &fit.model.material.law), PALP_OK);
+    ck_assert_int_eq(explain_walls_find(&fit, &data, &walls), PALP_OK);
+    ck_assert_uint_eq(walls.count, 2);
+    CLOSE(walls.least[1], 0.999e-3, 1e-12);
+    for (size_t i = 0; i < 2; i++)
+        for (size_t k = 0; k < n; k++)
+            ck_assert_double_eq(walls.row[i * n + k], i == k ? 1.0 : 0.0);
+    free(walls.row);
     end();
 }
 END_TEST
