@@ -251,6 +251,37 @@ START_TEST(the_wall_below_a_law) {
 }
 END_TEST
 
+/* ---- a trial ---- */
+
+/* An estimate within a hundredth of either end is no finding. */
+START_TEST(an_estimate_at_its_end) {
+    static const struct {
+        double bias;
+        bool taken;
+    } cases[] = {{0.5, true}, {1.9, true}, {1.97, false}, {2, false}, {-1.9, true}, {-1.97, false}};
+    palp_explain_settings settings = palp_explain_settings_default();
+    explain_search *s = calloc(1, sizeof *s);
+    ck_assert_ptr_nonnull(s);
+    begin(2);
+    s->data = data;
+    s->settings = &settings;
+    fit.low[1] = -2;
+    fit.high[1] = 2;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        explain_trial t = {.tried = true, .fit = fit, .raw_gain = 30, .gain = 20, .inflation = 1, .beside_jumps = 20, .held_out_gain = 20,
+                           .held_out_se = 5, .held_out_rest = 10, .explained = 1, .from_zero = true};
+        t.fit.x[1] = cases[i].bias;
+        const char *reason = explain_judged(s, &t, 5);
+        if (cases[i].taken)
+            ck_assert_msg(reason == NULL, "%s", reason);
+        else
+            ck_assert_str_eq(reason, "its estimate is at the end of what these runs can mean");
+    }
+    end();
+    free(s);
+}
+END_TEST
+
 /* ---- intervals ---- */
 
 static double half_width(size_t n_runs, double size, bool alike, double *noise, double *between) {
@@ -356,6 +387,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_run_is_predicted_by_the_others);
     tcase_add_test(tc, a_pair_of_fits);
     tcase_add_test(tc, the_wall_below_a_law);
+    tcase_add_test(tc, an_estimate_at_its_end);
     tcase_add_test(tc, intervals_by_noise_and_by_runs);
     tcase_add_test(tc, scatter_between_runs);
 }
