@@ -11,7 +11,10 @@ static const char ONE_RUN[] = "helps in one experiment only",
 static const double SHADOW = 0.06, SLIGHT = 0.25;
 static const double PLAIN = 10.0; /* nats that a slight one of the instrument needs */
 
-static const double NEAR = 0.01; /* of what a parameter may be: a search that ends so near to its end was still on its way */
+/* Whether coordinate k is at that end of what it may be, to a hundredth of it: the search was still on its way there. */
+static bool at(const explain_fit *fit, size_t k, double end) {
+    return isfinite(end) && fabs(fit->x[k] - end) <= 0.01 * (fit->logarithmic[k] ? 1.0 : fabs(end));
+}
 
 /* Whether a strength, a time or a length of the trial's effect is at the end of what these runs can mean. */
 static bool at_an_end(const explain_fit *fit) {
@@ -24,10 +27,9 @@ static bool at_an_end(const explain_fit *fit) {
     for (size_t p = 0; p < info->n_parameters; p++) {
         const palp_effect_parameter *q = &info->parameter[p];
         const size_t k = first + p;
-        const double near = NEAR * (fit->high[k] - fit->low[k]);
-        bool counts = q->strength || q->scale == PALP_SCALE_TIME || q->scale == PALP_SCALE_LENGTH;
-        bool two_sided = explain_is_period(row, p) || q->low < 0.0, below = two_sided && fit->x[k] <= fit->low[k] + near;
-        if (counts && near > 0.0 && (below || fit->x[k] >= fit->high[k] - near))
+        const bool counts = q->strength || q->scale == PALP_SCALE_TIME || q->scale == PALP_SCALE_LENGTH;
+        const bool two_sided = explain_is_period(row, p) || q->low < 0.0;
+        if (counts && fit->low[k] < fit->high[k] && ((two_sided && at(fit, k, fit->low[k])) || at(fit, k, fit->high[k])))
             return true;
     }
     return false;
