@@ -66,13 +66,6 @@ static palp_status weigh_strength(explain_fit *fit, const explain_data *data, bo
     return status;
 }
 
-/* Of what each run has one of its own, as many numbers tell as there are runs, and of their scatter too: the gain that has the same
- * odds if the scatter is known (Student's t as a normal number: Wallace 1959). */
-static double as_if_known(double gain, size_t n_runs) {
-    const double rest = (double)n_runs - 1.0, bend = (8.0 * rest + 1.0) / (8.0 * rest + 3.0);
-    return gain > 0.0 && n_runs > 1 ? gain * rest / (double)n_runs * bend * bend : gain;
-}
-
 palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, explain_trial *t) {
     size_t n = s->data.n;
     t->force = malloc(n * sizeof *t->force);
@@ -97,8 +90,6 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     if (effect && explain_may_recover(&s->data, id)) /* whether the specimen recovers is looked at too */
         scanned = 2.0;
     t->raw_gain = t->fit.score - s->fit.score - (scanned > 0.0 ? log(scanned) : 0.0);
-    if (effect && effect_row_of(id)->of_runs)
-        t->raw_gain = as_if_known(t->raw_gain, explain_fitted_runs(&s->data));
     t->gain = t->raw_gain - cost * log((double)n) - (line ? log(EXPLAIN_FREQUENCIES) : 0.0);
     double hum = t->fit.hum_Hz > 0.0 && !(s->fit.hum_Hz > 0.0) ? t->fit.hum_N / sqrt(2.0) : 0.0;
     t->explained = hypot(explain_rms(n, t->force, s->force), hum);
