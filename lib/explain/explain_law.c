@@ -112,7 +112,7 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
         status = fit_with(s, &law, false, &t.fit);
         status = consider(s, threshold, 0.0, status, &t, best);
     }
-    if (!status && now->kind == PALP_LAW_SPLINE) {
+    if (!status && now->kind == PALP_LAW_SPLINE && explain_fitted_runs(&s->data) > 1) { /* one alone accuses no instrument */
         explain_trial t = {.tried = true};
         status = explain_knots_add(s, &t.fit);
         status = consider(s, threshold, explain_knots_cost(s, t.fit.model.material.law.n), status, &t, best);
@@ -188,7 +188,7 @@ palp_status explain_refit_anywhere(explain_search *s) {
     double step = fmin(0.05 * s->data.deepest, s->fit.scatter.contact);
     for (int round = 0; round < 2 && !status; round++, step /= 3.0) {
         status = walk(s, &s->fit, step, &moved);
-        if (!status)
+        if (!status && (kind == PALP_LAW_POLYNOMIAL || explain_fitted_runs(&s->data) > 1)) /* of one contact a spline takes in the rest */
             status = walk(s, &s->fit, -step, &moved);
     }
     return status || !moved ? status : explain_refit(s);
