@@ -10,6 +10,7 @@ enum { TOUCHED = 200 };            /* with tools, whose contacts only levels fol
 static const double SHARE = 0.03;  /* of its residual that a round of conjugate gradients leaves */
 static const double CURVED = 0.1;  /* a tick that left less of its residual may be extrapolated by a parabola, */
 static const double STRAIGHT = 0.5; /* less than this by a line */
+static const double SUDDEN = 2.0;  /* times the residual of the last tick's first guess: the path has turned */
 static const double OVERRUN = 0.5; /* of its slope that a move may have against it at its end */
 static const double ASIDE = 0.15;  /* of what is between two places along it: so far is the next one from both */
 static const double SAFETY = 3.0;  /* of the error estimate */
@@ -18,6 +19,7 @@ static const double ANCHORED = 6.0; /* of a tick's error, what friction may reme
 static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
 static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
 enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end, */
+enum { LAST = 3, FEW = 10 };       /* corrections that are made one by one and by twos, where tools touch */
 enum { DESCENT = 20000 };          /* corrections to a stable branch, in as many rounds as it takes */
 
 palp_realtime_settings palp_realtime_settings_default(void) {
@@ -82,7 +84,7 @@ static palp_status begin(palp_realtime *rt) {
     rt->adjoint_due = 0;
     rt->definite = rt->idle = rt->near = false;
     rt->contraction = 1.0;
-    rt->error_ratio = rt->remembered = rt->anchored = 0.0;
+    rt->error_ratio = rt->remembered = rt->anchored = rt->guessed = 0.0;
     return status;
 }
 
@@ -295,10 +297,10 @@ static bool go(palp_realtime *rt, tick *t) {
     return false;
 }
 
-/* Of the corrections that are left, how many before the forces are looked at again: a few where tools touch, whose sticking
- * and slipping no tangent tells, and one by one at last. */
+/* Of the corrections that are left, how many before the forces are looked at again: where tools touch, whose sticking and
+ * slipping no tangent tells, half, then two, and one by one at last. */
 static size_t in_a_round(const palp_realtime *rt, size_t left) {
-    return !realtime_touched(rt->net) ? left : left <= 3 ? 1 : left / 2;
+    return !realtime_touched(rt->net) ? left : left <= LAST ? 1 : left <= FEW ? 2 : left / 2;
 }
 
 static void correct(palp_realtime *rt, tick *t) {
@@ -374,6 +376,31 @@ static size_t count_inverted(palp_realtime *rt) {
     return sum;
 }
 
+/* A hand that stops or turns makes the path's continuation a bad guess, and what slips on the way back from there is remembered.
+ * Where tools touch, and the guess leaves so much more than that of the tick before, the tick starts from where the nodes
+ * are, if that leaves less. */
+static void stay_if_nearer(palp_realtime *rt, tick *t) {
+    palp_network *net = rt->net;
+    const size_t size = 3 * net->n_nodes * sizeof *rt->q;
+    const double predicted = t->norm, usual = rt->guessed;
+    rt->guessed = predicted;
+    if (!realtime_touched(net) || predicted <= SUDDEN * usual)
+        return;
+    memcpy(rt->q, net->next.x, size);
+    memcpy(net->next.x, net->now.x, size);
+    network_place(net, net->next.depth);
+    if (follow(rt, true)) {
+        assess(rt, t);
+        if (t->norm < predicted) {
+            rt->guessed = t->norm;
+            return;
+        }
+    }
+    memcpy(net->next.x, rt->q, size);
+    realtime_evaluate(rt, true);
+    assess(rt, t);
+}
+
 palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, const palp_budget *budget,
                                palp_tick_info *info) {
     if (!rt || !budget)
@@ -390,6 +417,7 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     if (!predict(rt, budget))
         return PALP_ERR_COLLAPSED;
     assess(rt, &t);
+    stay_if_nearer(rt, &t);
     t.first = t.norm;
     rt->indefinite = false;
     correct(rt, &t);
@@ -410,24 +438,4 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     }
     learn(&rt->times.rest, realtime_clock() - rest);
     return PALP_OK;
-}
-
-double palp_realtime_energy(const palp_realtime *rt) {
-    if (!rt)
-        return NAN;
-    palp_network *net = rt->net;
-    const network_state *s = &net->now;
-    const palp_material *m = &net->material;
-    double *psi = net->scratch, sum = 0.0;
-    palp_law_force(&m->law, net->n_elements, s->history.strain, psi + net->n_elements, NULL, psi);
-    for (size_t j = 0; j < m->n_arms; j++) {
-        const double *q = s->history.arm + j * net->n_elements, half = 0.5 / m->arms[j].stiffness_N;
-        for (size_t i = 0; i < net->n_elements; i++)
-            psi[i] += half * q[i] * q[i];
-    }
-    for (size_t i = 0; i < net->n_elements; i++)
-        sum += (net->scale ? net->scale[i] : 1.0) * psi[i] / net->inverse_rest[i];
-    for (size_t i = 0; i < 3 * net->n_nodes && net->mass; i++)
-        sum += 0.5 * net->mass[i / 3] * s->velocity[i] * s->velocity[i];
-    return sum;
 }

@@ -39,6 +39,7 @@ struct palp_realtime {
     double error_ratio;    /* error in that norm over |residual|, where it was last known */
     double remembered;     /* error of the force that is in the arms' history, N */
     double anchored;       /* error of the force that is in where friction's springs start from, N */
+    double guessed;        /* residual of the last tick's first guess, N */
     double contraction;    /* what the last tick left of its first residual */
     size_t part;           /* of the tetrahedra that the next tick looks at */
     size_t inverted[REALTIME_PARTS]; /* of each part */

@@ -34,7 +34,8 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     network_pass(c, rt->adjoint, 3 * rt->net->n_nodes * sizeof *rt->adjoint);
     network_pass(c, rt->adjoint_r, 3 * rt->net->n_nodes * sizeof *rt->adjoint_r);
     network_pass(c, rt->adjoint_z, 3 * rt->net->n_nodes * sizeof *rt->adjoint_z);
-    double *numbers[] = {&rt->adjoint_error, &rt->error_ratio, &rt->remembered, &rt->anchored, &rt->contraction};
+    double *numbers[] = {&rt->adjoint_error, &rt->error_ratio, &rt->remembered, &rt->anchored, &rt->guessed,
+                         &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
     network_pass(c, &rt->idle, sizeof rt->idle);
@@ -111,4 +112,24 @@ palp_status palp_realtime_restore(palp_realtime *rt, const void *buffer, size_t 
     pass_realtime(rt, &c);
     rt->resets = rt->net->resets;
     return PALP_OK;
+}
+
+double palp_realtime_energy(const palp_realtime *rt) {
+    if (!rt)
+        return NAN;
+    palp_network *net = rt->net;
+    const network_state *s = &net->now;
+    const palp_material *m = &net->material;
+    double *psi = net->scratch, sum = 0.0;
+    palp_law_force(&m->law, net->n_elements, s->history.strain, psi + net->n_elements, NULL, psi);
+    for (size_t j = 0; j < m->n_arms; j++) {
+        const double *q = s->history.arm + j * net->n_elements, half = 0.5 / m->arms[j].stiffness_N;
+        for (size_t i = 0; i < net->n_elements; i++)
+            psi[i] += half * q[i] * q[i];
+    }
+    for (size_t i = 0; i < net->n_elements; i++)
+        sum += (net->scale ? net->scale[i] : 1.0) * psi[i] / net->inverse_rest[i];
+    for (size_t i = 0; i < 3 * net->n_nodes && net->mass; i++)
+        sum += 0.5 * net->mass[i / 3] * s->velocity[i] * s->velocity[i];
+    return sum;
 }
