@@ -2,6 +2,7 @@
 #include "law_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The force at the end of the range, its slope, and the energy to there. */
 typedef struct range_end {
@@ -88,6 +89,37 @@ void palp_law_gradient(const palp_law *law, double e, double *dforce) {
         law_kind_gradient(law, a, dforce, NULL);
     for (size_t k = 0; k < law->n; k++)
         dforce[k] *= e;
+}
+
+/* Adds the integral of palp_law_gradient between two strains, by Gauss and Legendre. */
+static void add_integral(const palp_law *law, double from, double to, double *out) {
+    enum { POINTS = 8 };
+    static const double at[POINTS / 2] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674, 0.96028985649753623};
+    static const double weight[POINTS / 2] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447, 0.10122853629037626};
+    const double half = 0.5 * (to - from);
+    double row[PALP_LAW_MAX];
+    for (size_t i = 0; i < POINTS; i++) {
+        palp_law_gradient(law, from + half * (1.0 + (i % 2 ? -at[i / 2] : at[i / 2])), row);
+        for (size_t k = 0; k < law->n; k++)
+            out[k] += half * weight[i / 2] * row[k];
+    }
+}
+
+void law_energy_gradient(const palp_law *law, double e, double *out) {
+    enum { PANELS = 4 };
+    const double a = fabs(e), inside = is_beyond(law, a) ? law->strain_max : a;
+    double power = 0.5 * inside * inside;
+    memset(out, 0, law->n * sizeof *out);
+    if (law->kind == PALP_LAW_SPLINE)
+        law_spline_energy_gradient(law, inside, out);
+    else if (law->kind == PALP_LAW_POLYNOMIAL)
+        for (size_t k = 0; k < law->n; k++, power *= inside)
+            out[k] = 2.0 * power / (double)(k + 2);
+    else
+        for (int i = 0; i < PANELS; i++)
+            add_integral(law, inside * i / PANELS, inside * (i + 1) / PANELS, out);
+    if (inside < a)
+        add_integral(law, inside, a, out);
 }
 
 double palp_law_minimum(const palp_law *law, double strain_max) {

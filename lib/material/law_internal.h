@@ -19,12 +19,17 @@ void law_kind_force(const palp_law *law, size_t n, const double *e, double *forc
 void law_kind_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
 void law_kind_gradient(const palp_law *law, double a, double *dstiffness, double *dslope);
 
+/* d energy / d coefficients at strain e: the integral of palp_law_gradient from 0 to |e|. */
+void law_energy_gradient(const palp_law *law, double e, double *out);
+
 /* Fills law->slope from the knots. */
 void law_spline_slopes(palp_law *law);
 void law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
                       double *energy_N);
 void law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
 void law_spline_gradient(const palp_law *law, double a, double *dstiffness, double *dslope);
+/* Adds to out. */
+void law_spline_energy_gradient(const palp_law *law, double a, double *out);
 
 /* Whether the numbers make a hyperelastic law. */
 palp_status law_hyperelastic_check(palp_law_kind kind, size_t n, const double *c);

@@ -107,23 +107,40 @@ static size_t find_interval(const palp_law *law, double a) {
     return low;
 }
 
+/* Force, tangent and energy of a strain in a piece. */
+static void force_in(const piece *p, double e, double *force_N, double *tangent_N, double *energy_N) {
+    double a = fabs(e), u = a - p->x, k = piece_stiffness(p, u);
+    *force_N = k * e;
+    if (tangent_N)
+        *tangent_N = k + a * piece_slope(p, u);
+    if (energy_N)
+        *energy_N = p->energy + piece_energy(p, u);
+}
+
+/* Interval i with the energy to its begin, if that is wanted. */
+static piece whole_piece(const palp_law *law, size_t i, bool energy) {
+    piece p = make_piece(law, i);
+    for (size_t k = 0; k < i && energy; k++) {
+        piece before = make_piece(law, k);
+        p.energy += piece_energy(&before, spacing(law, k));
+    }
+    return p;
+}
+
+/* The pieces of a few strains are made for each of them, else all before. */
 void law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
                       double *energy_N) {
     piece pieces[PALP_LAW_MAX];
-    for (size_t i = 0; i < law->n; i++) {
+    const bool few = n < law->n;
+    for (size_t i = 0; i < law->n && !few; i++) {
         pieces[i] = make_piece(law, i);
         if (i > 0)
             pieces[i].energy = pieces[i - 1].energy + piece_energy(&pieces[i - 1], spacing(law, i - 1));
     }
     for (size_t i = 0; i < n; i++) {
-        double a = fabs(e[i]);
-        const piece *p = &pieces[find_interval(law, a)];
-        double u = a - p->x, k = piece_stiffness(p, u);
-        force_N[i] = k * e[i];
-        if (tangent_N)
-            tangent_N[i] = k + a * piece_slope(p, u);
-        if (energy_N)
-            energy_N[i] = p->energy + piece_energy(p, u);
+        size_t at = find_interval(law, fabs(e[i]));
+        piece own = few ? whole_piece(law, at, energy_N) : pieces[at];
+        force_in(&own, e[i], &force_N[i], tangent_N ? &tangent_N[i] : NULL, energy_N ? &energy_N[i] : NULL);
     }
 }
 
@@ -184,4 +201,33 @@ void law_spline_gradient(const palp_law *law, double a, double *dstiffness, doub
     dslope[i + 1] = turn;
     add_slope(law, i, (1.0 - t) * (1.0 - 3.0 * t), dslope);
     add_slope(law, i + 1, t * (3.0 * t - 2.0), dslope);
+}
+
+/* Adds what the energy from the begin of interval i to a strain within it has of the coefficients of its ends and of their slopes; three
+ * points of Gauss and Legendre, exact for K(a) a. */
+static void add_energy(const palp_law *law, size_t i, double to, double *by_stiffness, double *by_slope) {
+    static const double at[3] = {0.11270166537925831, 0.5, 0.88729833462074169}, weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+    const double from = law->strain[i];
+    for (size_t j = 0; j < 3; j++) {
+        const double u = at[j] * (to - from), w = weight[j] * (to - from) * (from + u);
+        if (i + 1 == law->n) {
+            by_stiffness[i] += w;
+            by_slope[i] += w * u;
+            continue;
+        }
+        const double t = u / spacing(law, i), h01 = t * t * (3.0 - 2.0 * t);
+        by_stiffness[i] += w * (1.0 - h01);
+        by_stiffness[i + 1] += w * h01;
+        by_slope[i] += w * u * (1.0 - t) * (1.0 - t);
+        by_slope[i + 1] += w * u * t * (t - 1.0);
+    }
+}
+
+void law_spline_energy_gradient(const palp_law *law, double a, double *out) {
+    double by_slope[PALP_LAW_MAX] = {0.0};
+    for (size_t i = 0; i < law->n && law->strain[i] < a; i++)
+        add_energy(law, i, i + 1 < law->n ? fmin(a, law->strain[i + 1]) : a, out, by_slope);
+    for (size_t i = 0; i < law->n; i++)
+        if (by_slope[i] != 0.0)
+            add_slope(law, i, by_slope[i], out);
 }

@@ -1,5 +1,6 @@
 /* forward_lumped.c: the lumped specimen of the forward model with its derivatives by all parameters. */
 #include "forward_internal.h"
+#include "material/law_internal.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -99,34 +100,6 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
 
 /* ---- derivatives ---- */
 
-/* Integral of the law's gradient from 0 to e: d energy / d coefficients. Gauss-Legendre, exact for splines,
- * whose panels are their intervals. */
-static void energy_gradient(const palp_law *law, double e, double *out) {
-    static const double at[4] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674,
-                                 0.96028985649753623};
-    static const double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
-                                     0.10122853629037626};
-    double row[PALP_LAW_MAX], a = fabs(e), power = 0.5 * a * a;
-    if (law->kind == PALP_LAW_POLYNOMIAL) {
-        for (size_t k = 0; k < law->n; k++, power *= a)
-            out[k] = 2.0 * power / (double)(k + 2);
-        return;
-    }
-    bool spline = law->kind == PALP_LAW_SPLINE;
-    size_t panels = spline ? law->n : 4;
-    memset(out, 0, law->n * sizeof *out);
-    for (size_t i = 0; i < panels; i++) {
-        double from = spline ? law->strain[i] : a * (double)i / 4.0;
-        double to = !spline ? a * (double)(i + 1) / 4.0 : i + 1 < panels ? fmin(a, law->strain[i + 1]) : a;
-        for (size_t j = 0; j < 8 && to > from; j++) {
-            double x = 0.5 * (from + to) + 0.5 * (to - from) * (j < 4 ? at[j] : -at[j - 4]);
-            palp_law_gradient(law, x, row);
-            for (size_t k = 0; k < law->n; k++)
-                out[k] += 0.5 * (to - from) * weight[j % 4] * row[k];
-        }
-    }
-}
-
 static void find_spring(forward_lumped *l) {
     const palp_law *law = &l->plan->material.law;
     double e = l->next.strain;
@@ -146,8 +119,8 @@ void forward_spring_own(const forward_plan *plan, const element_damaged *s, doub
     for (size_t k = 0; k < law->n; k++)
         force_p[k] += rate_factor * s->factor * row[k];
     if (s->factor_by_energy != 0.0) {
-        energy_gradient(law, s->inner, inner);
-        energy_gradient(law, peak_strain, peak);
+        law_energy_gradient(law, s->inner, inner);
+        law_energy_gradient(law, peak_strain, peak);
         for (size_t k = 0; k < law->n; k++)
             force_p[k] +=
                 rate_factor * force * (s->factor_by_energy * inner[k] + s->factor_by_peak_energy * peak[k]);

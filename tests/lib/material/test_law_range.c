@@ -1,5 +1,6 @@
 /* test_law_range.c: a law beyond the strain it was measured to: its tangent goes on, in every path that evaluates it. */
 #include "law_make.h"
+#include "material/law_internal.h"
 
 #include <palpate/material.h>
 
@@ -84,26 +85,41 @@ START_TEST(the_tangent_holds_across_the_end) {
 }
 END_TEST
 
+/* Of a law's value at e by coefficient j. */
+static double by_coefficient(double (*f)(const palp_law *, double), const palp_law *law, double e, size_t j) {
+    double h = 4e-4 * fabs(law->coefficients[j]), at[4];
+    for (int s = 0; s < 4; s++) {
+        palp_law moved = *law;
+        double c[PALP_LAW_MAX];
+        memcpy(c, law->coefficients, sizeof c);
+        c[j] += h * (double[]){-2.0, -1.0, 1.0, 2.0}[s];
+        ck_assert_int_eq(palp_law_set_coefficients(&moved, c), PALP_OK);
+        ck_assert_double_eq(moved.strain_max, law->strain_max);
+        at[s] = f(&moved, e);
+    }
+    return (8.0 * (at[2] - at[1]) - (at[3] - at[0])) / (12.0 * h);
+}
+
 START_TEST(gradients_by_coefficients_beyond_meet_finite_differences) {
     palp_law law = limited(_i);
     for (int i = 0; i < 4; i++) {
         double e = (i % 2 ? -1.0 : 1.0) * (law.strain_max + 0.01 + 0.3 * (i / 2)), g[PALP_LAW_MAX];
         double k = stiffness_at(&law, e);
         palp_law_gradient(&law, e, g);
-        for (size_t j = 0; j < law.n; j++) {
-            double h = 4e-4 * fabs(law.coefficients[j]), f[4];
-            for (int s = 0; s < 4; s++) {
-                palp_law moved = law;
-                double c[PALP_LAW_MAX];
-                memcpy(c, law.coefficients, sizeof c);
-                c[j] += h * (double[]){-2.0, -1.0, 1.0, 2.0}[s];
-                ck_assert_int_eq(palp_law_set_coefficients(&moved, c), PALP_OK);
-                ck_assert_double_eq(moved.strain_max, law.strain_max);
-                f[s] = force_at(&moved, e);
-            }
-            double want = (8.0 * (f[2] - f[1]) - (f[3] - f[0])) / (12.0 * h);
-            ck_assert_double_le(fabs(g[j] - want), 1e-8 * fabs(k * e / law.coefficients[j]));
-        }
+        for (size_t j = 0; j < law.n; j++)
+            ck_assert_double_le(fabs(g[j] - by_coefficient(force_at, &law, e, j)), 1e-8 * fabs(k * e / law.coefficients[j]));
+    }
+}
+END_TEST
+
+START_TEST(gradients_of_the_energy_meet_finite_differences) {
+    palp_law law = limited(_i);
+    const double part[] = {0.05, -0.4, 0.97, 1.3, -2.5};
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
+        double e = part[i] * law.strain_max, g[PALP_LAW_MAX], energy = energy_at(&law, e);
+        law_energy_gradient(&law, e, g);
+        for (size_t j = 0; j < law.n; j++)
+            ck_assert_double_le(fabs(g[j] - by_coefficient(energy_at, &law, e, j)), 1e-8 * fabs(energy / law.coefficients[j]));
     }
 }
 END_TEST
@@ -188,6 +204,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, derivatives_beyond_meet_finite_differences, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, the_tangent_holds_across_the_end, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, gradients_by_coefficients_beyond_meet_finite_differences, 0, SAMPLE_LAWS);
+    tcase_add_loop_test(tc, gradients_of_the_energy_meet_finite_differences, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, arrays_across_the_end_agree_with_single_calls, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, scale_changes_nothing, 0, SAMPLE_LAWS);
     tcase_add_loop_test(tc, elements_have_the_tangent_of_their_force_across_the_end, 0, 3);
