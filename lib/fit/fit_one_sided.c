@@ -47,10 +47,11 @@ bool fit_leaves(const palp_recording *rec) {
 
 /* ---- where the surface is ---- */
 
-/* The strain at which law(e) + push + stiffness (e - start) is 0, above the plate's, where it is negative: Newton in a bracket.
- * False: the law has none. */
+/* The strain at which law(e) + push + stiffness (e - start) is 0, above the plate's, where it is negative: Newton in a bracket. It ends
+ * a little beyond the strain of before, as a free surface recovers: where a law that falls is free again, farther in, none jumps to.
+ * False: there is no such strain. */
 static bool free_strain(const palp_law *law, double plate, double push, double start, double stiffness, double *strain) {
-    const double close = 1e-12, most = 0.999;
+    const double close = 1e-12, most = fmin(0.999, fmax(plate, start) + 0.1 * fabs(start));
     double low = plate, high = most, e = fmin(fmax(start, low), high), last = 0.0;
     for (int i = 0; i < 100; i++) {
         double force, tangent;

@@ -1,6 +1,7 @@
 /* test_fit_one_sided.c: a plate that withdraws faster than a solid of one arm recovers, against the closed form of its free recovery
  * and of the time at which the plate meets it again. check: valgrind */
 #include "recordings.h"
+#include "fit/fit_internal.h"
 
 /* Down to DEPTH in RISE, back to 0 in as long, and so on: a spring K with an arm K1, TAU. */
 static const double K = 8.0, K1 = 6.0, TAU = 1.5, DEPTH = 3.0, RISE = 2.0, HEIGHT = 24.0;
@@ -158,7 +159,20 @@ START_TEST(a_contact_that_pulls_is_left_to_pull) {
 }
 END_TEST
 
+/* A law that a fit tries on its way may pull near rest and be free of force far inside: the surface does not jump there. */
+START_TEST(a_surface_goes_no_way_that_nothing_pushed_it) {
+    const double pulling[] = {-2.0, 10.0}, time[] = {0.0, 1.0, 2.0};
+    const palp_material m = {.law = polynomial(2, pulling)};
+    double at[] = {0.01, 0.02, 0.01};
+    fit_force_one_sided(&m, 3, time, at);
+    const double glued[] = {-2.0 * 0.01 + 10.0 * 1e-4, -2.0 * 0.02 + 10.0 * 4e-4, -2.0 * 0.01 + 10.0 * 1e-4};
+    for (size_t i = 0; i < 3; i++)
+        ck_assert_double_eq_tol(at[i], glued[i], 1e-12);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, a_surface_goes_no_way_that_nothing_pushed_it);
     tcase_add_test(tc, a_fit_of_cycles_finds_the_solid);
     tcase_add_test(tc, the_force_is_the_closed_form);
     tcase_add_loop_test(tc, with_noise_the_truth_is_within_four_sds, 0, 5);
