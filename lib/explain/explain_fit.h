@@ -103,6 +103,8 @@ palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size
 
 /* Improves it and re-estimates its scatter in turn, as each changes with the other. */
 palp_status explain_fit_settle(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
+/* The same of one that was just made beside another, by its sums first; spread over the search's threads. */
+palp_status explain_fit_settle_anew(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
 
 /* ---- intervals (explain_interval.c) ---- */
 

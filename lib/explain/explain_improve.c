@@ -131,3 +131,9 @@ palp_status explain_fit_settle(explain_fit *fit, const explain_data *data, const
     }
     return status;
 }
+
+palp_status explain_fit_settle_anew(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
+    fit->spread = settings;
+    palp_status status = explain_fit_products(fit, data, NULL);
+    return status ? status : explain_fit_settle(fit, data, settings);
+}

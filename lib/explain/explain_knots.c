@@ -1,5 +1,5 @@
-/* explain_knots.c: a spline law with more knots where it bends most: at a knee a few do what many do that are evenly spread, and
- * each of them costs what one does. */
+/* explain_knots.c: a spline law with more knots where it bends most: at a knee a few do what many do that are evenly spread. Each
+ * costs what an even one does, and besides what choosing its place among all knots does. */
 #include "explain_search.h"
 
 #include <math.h>
@@ -52,10 +52,7 @@ static palp_status fit_with(const explain_search *s, const explain_fit *from, co
     palp_model model = from->model;
     model.material.law = *law;
     palp_status status = explain_fit_beside(from, &model, &s->data, fit);
-    fit->spread = s->settings;
-    if (!status)
-        status = explain_fit_products(fit, &s->data, NULL);
-    return status ? status : explain_fit_settle(fit, &s->data, s->settings);
+    return status ? status : explain_fit_settle_anew(fit, &s->data, s->settings);
 }
 
 /* from with more knots at that one of its sharpest bends where it gains most. ERR_ARGUMENT: there is none. */

@@ -129,12 +129,9 @@ palp_status explain_law_spares(const explain_search *s, const explain_trial *law
         return PALP_OK;
     model.effects[model.n_effects++] = t->fit.model.effects[last - 1];
     palp_status status = explain_fit_beside(&law->fit, &model, &s->data, &fit);
-    fit.spread = s->settings;
     fit.renewed = t->fit.renewed;
     if (!status)
-        status = explain_fit_products(&fit, &s->data, NULL);
-    if (!status)
-        status = explain_fit_settle(&fit, &s->data, s->settings);
+        status = explain_fit_settle_anew(&fit, &s->data, s->settings);
     const double gain = fit.score - law->fit.score;
     if (!status)
         *stands = gain > threshold && gain > price(s, fit.n_columns - law->fit.n_columns);
@@ -152,12 +149,9 @@ static palp_status raise_surfaces(const explain_search *s, const explain_fit *fr
     palp_status status = resemble(law, &same, s->data.deepest / s->data.height, higher / s->data.height, &model.material.law);
     if (!status)
         status = explain_fit_beside(from, &model, &s->data, fit);
-    fit->spread = s->settings;
     for (size_t r = 0; r < s->data.n_runs && !status; r++)
         fit->contact[r] -= higher;
-    if (!status)
-        status = explain_fit_products(fit, &s->data, NULL);
-    return status ? status : explain_fit_settle(fit, &s->data, s->settings);
+    return status ? status : explain_fit_settle_anew(fit, &s->data, s->settings);
 }
 
 /* Moves fit there by steps as long as that is more likely. */
