@@ -48,12 +48,12 @@ PALP_API palp_status palp_experiment_get_string(const palp_experiment *experimen
 PALP_API palp_status palp_experiment_set_number(palp_experiment *experiment, const char *key, double value);
 PALP_API palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key, const char *value);
 
-/* Whether the second begins under load, where and when the first ends and with its force, of the same specimen (specimen.name): then
- * they are one run in two files. */
-PALP_API bool palp_experiment_continues(const palp_experiment *first, const palp_experiment *second);
-/* Both as one: the rows of the first, then of the second, with the columns that both have, the keys of the first, and those of the
- * second that start with "end.". The caller frees *both. ERR_NO_MEMORY. */
-PALP_API palp_status palp_experiment_join(const palp_experiment *first, const palp_experiment *second, palp_experiment **both);
+/* Runs that are in several files: one that begins under load, where and when another ends and with its force, of the same specimen
+ * (specimen.name), goes on with that one. of[n]: which of the n each is a part of, the one in which its run begins; itself where there
+ * is no other part. whole[n]: at the place where such a run begins, all of it, which the caller frees; NULL elsewhere. It has the rows of
+ * its parts in turn, the columns that all have, the keys of the first part, and those of the last that start with "end.". ERR_NO_MEMORY:
+ * there is nothing to free. */
+PALP_API palp_status palp_experiment_join(size_t n, const palp_experiment *const *run, palp_experiment **whole, size_t *of);
 
 #ifdef __cplusplus
 }

@@ -58,8 +58,8 @@ static const char *specimen_of(const palp_experiment *e) {
     return palp_experiment_get_string(e, "specimen.name", &name) ? "" : name;
 }
 
-bool palp_experiment_continues(const palp_experiment *first, const palp_experiment *second) {
-    if (!first || !second || first == second || strcmp(specimen_of(first), specimen_of(second)) != 0)
+static bool continues(const palp_experiment *first, const palp_experiment *second) {
+    if (first == second || strcmp(specimen_of(first), specimen_of(second)) != 0)
         return false;
     columns a = columns_of(first), b = columns_of(second);
     return goes_on(&a, &b);
@@ -95,15 +95,53 @@ static palp_status fill(const palp_experiment *a, const palp_experiment *b, palp
     return status;
 }
 
-palp_status palp_experiment_join(const palp_experiment *first, const palp_experiment *second, palp_experiment **both) {
-    if (!first || !second || !both)
-        return PALP_ERR_ARGUMENT;
+static palp_status join_two(const palp_experiment *first, const palp_experiment *second, palp_experiment **both) {
     palp_status status = palp_experiment_create(first->rows + second->rows, both);
     if (!status)
         status = fill(first, second, *both);
     if (status) {
         palp_experiment_free(*both);
         *both = NULL;
+    }
+    return status;
+}
+
+/* Joins what begins with run j to the first of these that it goes on with; *done: there is one. */
+static palp_status join_to_one_before(size_t n, const palp_experiment *const *run, palp_experiment **whole, size_t *of, size_t j, bool *done) {
+    const palp_experiment *second = whole[j] ? whole[j] : run[j];
+    *done = false;
+    for (size_t i = 0; i < n && of[j] == j; i++) {
+        const palp_experiment *first = whole[i] ? whole[i] : run[i];
+        palp_experiment *both;
+        if (of[i] != i || !continues(first, second))
+            continue;
+        palp_status status = join_two(first, second, &both);
+        if (status)
+            return status;
+        palp_experiment_free(whole[i]);
+        palp_experiment_free(whole[j]);
+        whole[i] = both;
+        whole[j] = NULL;
+        for (size_t k = 0; k < n; k++)
+            of[k] = of[k] == j ? i : of[k];
+        *done = true;
+    }
+    return PALP_OK;
+}
+
+palp_status palp_experiment_join(size_t n, const palp_experiment *const *run, palp_experiment **whole, size_t *of) {
+    palp_status status = run && whole && of ? PALP_OK : PALP_ERR_ARGUMENT;
+    for (size_t i = 0; i < n && !status; i++) {
+        status = run[i] ? PALP_OK : PALP_ERR_ARGUMENT;
+        whole[i] = NULL;
+        of[i] = i;
+    }
+    bool done = false;
+    for (size_t j = 0; j < n && !status; j = done ? 0 : j + 1)
+        status = join_to_one_before(n, run, whole, of, j, &done);
+    for (size_t i = 0; i < n && status == PALP_ERR_NO_MEMORY; i++) {
+        palp_experiment_free(whole[i]);
+        whole[i] = NULL;
     }
     return status;
 }

@@ -318,7 +318,7 @@ static palp_status take_runs(explain_data *data, size_t n, const palp_explain_in
         run->specimen = specimen;
         renewed = false;
         for (size_t k = 0; k < settings->n_held_out; k++)
-            run->held_out = run->held_out || data->joined.of[settings->held_out[k]] == of;
+            run->held_out = run->held_out || data->joined.of[settings->held_out[k]] == data->joined.first[of];
         status = take_run(data, data->n_runs - 1, &inputs[of], kind[of] == EXPLAIN_AIR, error);
     }
     free(order);

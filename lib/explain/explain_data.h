@@ -38,7 +38,8 @@ typedef struct explain_joined {
     size_t n;
     palp_explain_input *input; /* [n] */
     palp_experiment **made;    /* [n] */
-    size_t *of;                /* which of these an input went into, for each input */
+    size_t *first;             /* [n] the input in which each begins */
+    size_t *of;                /* the input in which the run of each input begins, for each input */
 } explain_joined;
 
 palp_status explain_join(size_t n, const palp_explain_input *inputs, explain_joined *joined);

@@ -96,11 +96,9 @@ START_TEST(null_in_experiment) {
     REFUSED(palp_experiment_set_string(NULL, text, text));
     REFUSED(palp_experiment_set_string((void *)storage, NULL, text));
     REFUSED(palp_experiment_set_string((void *)storage, text, NULL));
-    NOTHING(!palp_experiment_continues(NULL, (void *)storage));
-    NOTHING(!palp_experiment_continues((void *)storage, NULL));
-    REFUSED(palp_experiment_join(NULL, (void *)storage, (palp_experiment **)pointers));
-    REFUSED(palp_experiment_join((void *)storage, NULL, (palp_experiment **)pointers));
-    REFUSED(palp_experiment_join((void *)storage, (void *)storage, NULL));
+    REFUSED(palp_experiment_join(2, NULL, (palp_experiment **)pointers, &count));
+    REFUSED(palp_experiment_join(2, (void *)storage, NULL, &count));
+    REFUSED(palp_experiment_join(2, (void *)storage, (palp_experiment **)pointers, NULL));
 }
 END_TEST
 

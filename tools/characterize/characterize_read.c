@@ -75,21 +75,20 @@ static int take_one(const characterize_options *o, const char *file, const palp_
 
 /* Runs that go on in another file become one, in the place of the first part. */
 static int join(const characterize_options *o, palp_experiment **run) {
-    for (size_t i = 0; i < o->n_words; i++)
-        for (size_t j = 0; j < o->n_words; j++) {
-            palp_experiment *both;
-            if (!palp_experiment_continues(run[i], run[j]))
-                continue;
-            palp_status status = palp_experiment_join(run[i], run[j], &both);
-            if (status)
-                return cli_failure(NAME, "%s: %s", o->words[j], palp_status_text(status));
-            fprintf(stderr, "palpate %s: %s: goes on where %s ends, and is taken as one run with it\n", NAME, o->words[j], o->words[i]);
+    palp_experiment *whole[CHARACTERIZE_RUNS_MAX];
+    size_t of[CHARACTERIZE_RUNS_MAX];
+    palp_status status = palp_experiment_join(o->n_words, (const palp_experiment *const *)run, whole, of);
+    if (status)
+        return cli_failure(NAME, "%s", palp_status_text(status));
+    for (size_t i = 0; i < o->n_words; i++) {
+        const bool part = of[i] != i;
+        if (part)
+            fprintf(stderr, "palpate %s: %s: goes on where %s ends, and is taken as one run with it\n", NAME, o->words[i], o->words[of[i]]);
+        if (part || whole[i]) {
             palp_experiment_free(run[i]);
-            palp_experiment_free(run[j]);
-            run[i] = both;
-            run[j] = NULL;
-            i = j = 0;
+            run[i] = whole[i];
         }
+    }
     return CLI_OK;
 }
 

@@ -349,32 +349,62 @@ static palp_experiment *part(int first) {
     return e;
 }
 
-/* What goes on in another file is one run: its rows in turn, the keys of the first part, and how the second ended. */
-START_TEST(run_in_two_files_is_one) {
+/* What goes on in other files is one run, whichever comes first: its rows in turn, the keys of the first part, and how the last ended. */
+START_TEST(run_in_three_files_is_one) {
+    static const size_t orders[][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    const size_t *order = orders[_i], alone = 3;
+    const palp_experiment *run[4] = {NULL};
+    palp_experiment *whole[4], *made[4];
+    size_t of[4], first = 0;
     double value;
-    palp_experiment *first = part(0), *second = part(PART), *both;
-    ck_assert(palp_experiment_continues(first, second));
-    ck_assert(!palp_experiment_continues(second, first));
-    ck_assert(!palp_experiment_continues(first, first));
-    palp_experiment_set_number(first, "specimen.height_mm", 24);
-    palp_experiment_set_number(first, "end.rows", 1);
-    palp_experiment_set_number(second, "specimen.height_mm", 25);
-    palp_experiment_set_number(second, "end.rows", 2);
-    palp_experiment_add_column(first, "temperature_C");
-    ck_assert_int_eq(palp_experiment_join(first, second, &both), PALP_OK);
-    ck_assert_uint_eq(palp_experiment_rows(both), 2 * PART);
-    ck_assert_uint_eq(palp_experiment_column_count(both), 3);
-    for (int i = 0; i < 2 * PART; i++)
-        ck_assert_double_eq(palp_experiment_column(both, "force_N")[i], 1e-9 * i);
-    ck_assert(!palp_experiment_get_number(both, "specimen.height_mm", &value) && value == 24);
-    ck_assert(!palp_experiment_get_number(both, "end.rows", &value) && value == 2);
-    palp_experiment_free(both);
+    for (size_t i = 0; i < 3; i++) {
+        run[i] = made[i] = part(PART * (int)order[i]);
+        palp_experiment_set_number(made[i], "specimen.height_mm", 24 + (double)order[i]);
+        palp_experiment_set_number(made[i], "end.rows", (double)order[i]);
+        first = order[i] == 0 ? i : first;
+    }
+    palp_experiment_add_column(made[first], "temperature_C");
+    run[alone] = made[alone] = part(10 * PART); /* no other ends there */
+    ck_assert_int_eq(palp_experiment_join(4, run, whole, of), PALP_OK);
+    for (size_t i = 0; i < 4; i++) {
+        ck_assert_uint_eq(of[i], i == alone ? alone : first);
+        ck_assert((whole[i] != NULL) == (i == first));
+    }
+    const palp_experiment *all = whole[first];
+    ck_assert_uint_eq(palp_experiment_rows(all), 3 * PART);
+    ck_assert_uint_eq(palp_experiment_column_count(all), 3);
+    for (int i = 0; i < 3 * PART; i++)
+        ck_assert_double_eq(palp_experiment_column(all, "force_N")[i], 1e-9 * i);
+    ck_assert(!palp_experiment_get_number(all, "specimen.height_mm", &value) && value == 24);
+    ck_assert(!palp_experiment_get_number(all, "end.rows", &value) && value == 2);
+    palp_experiment_free(whole[first]);
+    for (size_t i = 0; i < 4; i++)
+        palp_experiment_free(made[i]);
+}
+END_TEST
+
+/* Whether these two are one run. */
+static bool one(const palp_experiment *first, const palp_experiment *second) {
+    const palp_experiment *run[2] = {first, second};
+    palp_experiment *whole[2];
+    size_t of[2];
+    ck_assert_int_eq(palp_experiment_join(2, run, whole, of), PALP_OK);
+    palp_experiment_free(whole[0]);
+    ck_assert(!whole[1]);
+    ck_assert((of[1] == 0) == (whole[0] != NULL));
+    return of[1] == 0;
+}
+
+START_TEST(other_runs_are_not_joined) {
+    palp_experiment *first = part(0), *second = part(PART);
+    ck_assert(one(first, second));
     palp_experiment_set_string(second, "specimen.name", "another");
-    ck_assert(!palp_experiment_continues(first, second));
+    ck_assert(!one(first, second));
     palp_experiment_set_string(first, "specimen.name", "another");
-    ck_assert(palp_experiment_continues(first, second));
+    ck_assert(one(first, second));
     palp_experiment_column(second, "force_N")[0] = 0; /* the plate has left it between the two */
-    ck_assert(!palp_experiment_continues(first, second));
+    ck_assert(!one(first, second));
+    ck_assert(!one(first, first));
     palp_experiment_free(first);
     palp_experiment_free(second);
 }
@@ -394,5 +424,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, created_experiment_is_written_as_designed);
     tcase_add_test(tc, bad_arguments_are_refused);
     tcase_add_test(tc, failed_write_leaves_nothing);
-    tcase_add_test(tc, run_in_two_files_is_one);
+    tcase_add_loop_test(tc, run_in_three_files_is_one, 0, 6);
+    tcase_add_test(tc, other_runs_are_not_joined);
 }
