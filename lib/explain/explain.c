@@ -182,15 +182,21 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
     return PALP_OK;
 }
 
-/* Takes back a law, and an effect, that what was added later makes superfluous. */
-static palp_status tidy(explain_search *s, palp_explanation *e, double threshold, palp_effect_id *dropped) {
-    const bool changed = s->law_changed;
-    palp_status status = explain_law_review(s, &e->law);
-    if (!status)
-        status = explain_drop(s, threshold, changed && !s->law_changed, dropped);
+/* Takes out an effect as explain_drop does, and says why. */
+static palp_status drop(explain_search *s, palp_explanation *e, double threshold, double gain, bool last, palp_effect_id *dropped) {
+    palp_status status = explain_drop(s, threshold, gain, last, dropped);
     if (!status && *dropped != PALP_EFFECT_COUNT)
         mark(e, *dropped, "is superfluous beside what was added later");
     return status;
+}
+
+/* Takes back a law that what was added later makes superfluous, and an effect: of those that gain less than the one taken last; of all
+ * where the law was taken back. */
+static palp_status tidy(explain_search *s, palp_explanation *e, double threshold, palp_effect_id *dropped) {
+    const bool changed = s->law_changed;
+    palp_status status = explain_law_review(s, &e->law);
+    const bool back = changed && !s->law_changed;
+    return status ? status : drop(s, e, threshold, back ? HUGE_VAL : s->taken_gain, back, dropped);
 }
 
 /* Another law, or a stiffness of each specimen, instead of the best trial, if it gains more, or if that accuses the contact or the
@@ -328,11 +334,9 @@ static palp_status search_again(explain_search *s, palp_explanation *e, const ex
 static palp_status drop_needless(explain_search *s, palp_explanation *e) {
     palp_effect_id dropped;
     palp_status status;
-    do {
-        status = explain_drop_needless(s, e->null_threshold, &dropped);
-        if (!status && dropped != PALP_EFFECT_COUNT)
-            mark(e, dropped, "is superfluous beside what was added later");
-    } while (!status && dropped != PALP_EFFECT_COUNT);
+    do
+        status = drop(s, e, e->null_threshold, -HUGE_VAL, true, &dropped);
+    while (!status && dropped != PALP_EFFECT_COUNT);
     return status;
 }
 

@@ -203,12 +203,9 @@ bool explain_unconfirmed(const char *reason);
 size_t explain_best_trial(const explain_search *s, double threshold, palp_status *status);
 palp_status explain_take(explain_search *s, size_t i);
 
-/* Takes out an effect that would not be added again beside the others; PALP_EFFECT_COUNT: there is none. any: the one
- * added last too. */
-palp_status explain_drop(explain_search *s, double threshold, bool any, palp_effect_id *dropped);
-
-/* Takes out an effect without which the model loses no more than chance gives. */
-palp_status explain_drop_needless(explain_search *s, double threshold, palp_effect_id *dropped);
+/* Takes out an effect without which the model loses no more than chance gives, or one that gains less than that and would not be added
+ * again beside the others; *dropped is PALP_EFFECT_COUNT: there is none. last: the one added last may be it too. */
+palp_status explain_drop(explain_search *s, double threshold, double gain, bool last, palp_effect_id *dropped);
 
 /* Of two arms either may have been added; the one nearer to a given arm takes that one's place. */
 palp_status explain_keep_given_arms(explain_search *s);

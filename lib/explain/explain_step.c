@@ -120,9 +120,8 @@ static bool needless(const explain_trial *t, double threshold) {
     return t->fit.product && (!(t->gain > 0.0 && t->raw_gain > threshold) || !(t->held_out_gain > 0.0));
 }
 
-/* Whether added effect i would not be added again, now that there are others, and gains less than the one taken
- * last, or no more than chance gives; if so takes it out. */
-static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_effect_id *dropped) {
+/* Takes added effect i out if it is needless, or if it gains less than that and would not be added again, now that there are others. */
+static palp_status drop_one(explain_search *s, size_t i, double threshold, double gain, palp_effect_id *dropped) {
     explain_search rest;
     palp_effect_id id = explain_added(s, i).id;
     palp_status status = explain_search_without(s, i, &rest);
@@ -130,7 +129,7 @@ static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_
     if (!status)
         status = explain_trial_again(s, &rest, id);
     const explain_trial *again = &rest.trial[id];
-    bool weaker = !again->fit.product || again->raw_gain < s->taken_gain;
+    bool weaker = !again->fit.product || again->raw_gain < gain;
     if (!status && ((weaker && explain_judged(&rest, again, threshold)) || needless(again, threshold))) {
         *dropped = id;
         explain_fit_free(&s->fit);
@@ -144,22 +143,11 @@ static palp_status drop_one(explain_search *s, size_t i, double threshold, palp_
     return runs ? status : PALP_OK;
 }
 
-palp_status explain_drop(explain_search *s, double threshold, bool any, palp_effect_id *dropped) {
+palp_status explain_drop(explain_search *s, double threshold, double gain, bool last, palp_effect_id *dropped) {
     palp_status status = PALP_OK;
     *dropped = PALP_EFFECT_COUNT;
-    if (any)
-        s->taken_gain = HUGE_VAL;
-    for (size_t i = 0; i + !any < explain_added_count(s) && !status && *dropped == PALP_EFFECT_COUNT; i++)
-        status = drop_one(s, i, threshold, dropped);
-    return status;
-}
-
-palp_status explain_drop_needless(explain_search *s, double threshold, palp_effect_id *dropped) {
-    palp_status status = PALP_OK;
-    *dropped = PALP_EFFECT_COUNT;
-    s->taken_gain = -HUGE_VAL;
-    for (size_t i = 0; i < explain_added_count(s) && !status && *dropped == PALP_EFFECT_COUNT; i++)
-        status = drop_one(s, i, threshold, dropped);
+    for (size_t i = 0; i + !last < explain_added_count(s) && !status && *dropped == PALP_EFFECT_COUNT; i++)
+        status = drop_one(s, i, threshold, gain, dropped);
     return status;
 }
 

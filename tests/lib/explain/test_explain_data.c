@@ -390,7 +390,7 @@ START_TEST(a_needless_effect_is_taken_out) {
         for (size_t r = 0, at = 0; there && r < RUNS; at += data.run[r++].n) /* what the lagging model leaves is the noise */
             for (size_t i = 0; i < data.run[r].n; i++)
                 data.run[r].force[i] = s->force[at + i] + 1e-4 * cos(2.0 * (double)(at + i));
-        ck_assert_int_eq(explain_drop_needless(s, 6, &dropped), PALP_OK);
+        ck_assert_int_eq(explain_drop(s, 6, -HUGE_VAL, true, &dropped), PALP_OK);
         ck_assert_int_eq(dropped, (there ? PALP_EFFECT_COUNT : PALP_EFFECT_SENSOR_LAG));
         ck_assert_uint_eq(s->fit.model.n_effects, (size_t)there);
         search_end(s);
