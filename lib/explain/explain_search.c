@@ -95,13 +95,11 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     t->explained = hypot(explain_rms(n, t->force, s->force), hum);
     explain_pair pair = {.gain = 0.0};
     status = explain_paired(&s->data, &s->fit, &t->fit, &pair);
+    double inflation_before, jumps_before = 0.0, jumps_after = 0.0;
     if (!status)
-        status = explain_rest_inflation(&s->data, residual, &t->inflation);
-    double jumps_before = 0.0, jumps_after = 0.0;
+        status = explain_rest_weigh(&s->data, s->residual, &inflation_before, &jumps_before);
     if (!status)
-        status = explain_jumps_find(&s->data, s->residual, &jumps_before);
-    if (!status)
-        status = explain_jumps_find(&s->data, residual, &jumps_after);
+        status = explain_rest_weigh(&s->data, residual, &t->inflation, &jumps_after);
     t->beside_jumps = t->gain + jumps_after - jumps_before;
     t->from_zero = true;
     double widening = 1.0;

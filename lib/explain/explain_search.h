@@ -152,11 +152,9 @@ typedef struct explain_rest {
  * which samples do not count, that the model at hand does not follow. */
 palp_status explain_rest_find(const explain_search *s, const double *residual, explain_rest *rest);
 
-/* By how much what a residual[n] has beside noise widens the scatter of sums over it; 1: it is noise. */
-palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation);
-
-/* What the runs' zeros gain on a residual if each may jump once, nats, less what the sizes and places cost. */
-palp_status explain_jumps_find(const explain_data *data, const double *residual, double *gain);
+/* Of a residual[n]: by how much what it has beside noise widens the scatter of sums over it (1: it is noise), and what the runs' zeros
+ * gain on it if each may jump once, nats, less what the sizes and places cost. */
+palp_status explain_rest_weigh(const explain_data *data, const double *residual, double *inflation, double *jumps);
 
 /* ---- explain_null.c ---- */
 

@@ -301,21 +301,21 @@ END_TEST
 START_TEST(zeros_that_jump) {
     enum { N = 2000, AT = 1250 }; /* 20 of 32 places */
     const double size = 0.3, price = log(31) + 0.5 * log(N), alone = 0.5 * size * size * AT * (N - AT) / N;
-    double gain;
+    double gain, inflation;
     begin(2, N, 0.01);
     for (size_t r = 0; r < 2; r++)
         make_noise(&run[r], 1, 0, 1, residual + r * N);
     for (size_t i = 0; i < N; i++)
         residual[i] += 7;
-    ck_assert_int_eq(explain_jumps_find(&data, residual, &gain), PALP_OK);
+    ck_assert_int_eq(explain_rest_weigh(&data, residual, &inflation, &gain), PALP_OK);
     ck_assert_double_lt(gain, 1);
     for (size_t i = AT; i < N; i++)
         residual[N + i] += size;
-    ck_assert_int_eq(explain_jumps_find(&data, residual, &gain), PALP_OK);
+    ck_assert_int_eq(explain_rest_weigh(&data, residual, &inflation, &gain), PALP_OK);
     ck_assert_double_eq_tol(gain, alone - price, 4 * sqrt(2 * alone));
     ck_assert_double_gt(gain, 0);
     run[1].held_out = true;
-    ck_assert_int_eq(explain_jumps_find(&data, residual, &gain), PALP_OK);
+    ck_assert_int_eq(explain_rest_weigh(&data, residual, &inflation, &gain), PALP_OK);
     ck_assert_double_lt(gain, 1);
 }
 END_TEST
