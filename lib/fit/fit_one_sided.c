@@ -49,7 +49,7 @@ bool fit_leaves(const palp_recording *rec) {
 
 /* The strain at which law(e) + push + stiffness (e - start) is 0, above the plate's, where it is negative: Newton in a bracket. It ends
  * a little beyond the strain of before, as a free surface recovers: where a law that falls is free again, farther in, none jumps to.
- * False: there is no such strain. */
+ * False: there is no such strain, and *strain stays. */
 static bool free_strain(const palp_law *law, double plate, double push, double start, double stiffness, double *strain) {
     const double close = 1e-12, most = fmin(0.999, fmax(plate, start) + 0.1 * fabs(start));
     double low = plate, high = most, e = fmin(fmax(start, low), high), last = 0.0;
@@ -67,8 +67,30 @@ static bool free_strain(const palp_law *law, double plate, double push, double s
         if (last <= close * most)
             break;
     }
+    if (!(high < most && last <= 1e-9))
+        return false;
     *strain = e;
-    return high < most && last <= 1e-9;
+    return true;
+}
+
+/* Force where the plate has moved from the strain of before to *strain, of arms that have rest[n] without that motion and take gain[n] by
+ * a strain of 1. Where it would pull, the surface leaves the plate: *strain is then where it is free, the force 0, and *tangent, unless
+ * NULL, its derivative by the strain there. */
+static double press(const palp_law *law, size_t n, const double *rest, const double *gain, double before, double *strain, double *tangent) {
+    double force, push = 0.0, stiffness = 0.0;
+    for (size_t j = 0; j < n; j++) {
+        push += rest[j];
+        stiffness += gain[j];
+    }
+    palp_law_force(law, 1, strain, &force, NULL, NULL);
+    force += push + stiffness * (*strain - before);
+    if (!(force < 0.0) || !free_strain(law, *strain, push, before, stiffness, strain))
+        return force;
+    if (tangent) {
+        palp_law_force(law, 1, strain, &force, tangent, NULL);
+        *tangent += stiffness;
+    }
+    return 0.0;
 }
 
 void fit_force_one_sided(const palp_material *material, size_t n, const double *time, double *at) {
@@ -76,17 +98,12 @@ void fit_force_one_sided(const palp_material *material, size_t n, const double *
     double arm[PALP_ARMS_MAX] = {0}, before = 0.0;
     for (size_t i = 0; i < n; i++) {
         const element_step *step = element_steps_of(material, i ? time[i] - time[i - 1] : 0.0, &steps);
-        double push = 0.0, stiffness = 0.0, strain = at[i], elastic;
-        for (size_t j = 0; j < material->n_arms; j++) {
-            push += step->decay[j] * arm[j];
-            stiffness += step->gain[j];
-        }
-        palp_law_force(&material->law, 1, &strain, &elastic, NULL, NULL);
-        at[i] = elastic + push + stiffness * (strain - before);
-        if (at[i] < 0.0 && free_strain(&material->law, strain, push, before, stiffness, &strain))
-            at[i] = 0.0;
+        double strain = at[i];
         for (size_t j = 0; j < material->n_arms; j++)
-            arm[j] = step->decay[j] * arm[j] + step->gain[j] * (strain - before);
+            arm[j] *= step->decay[j];
+        at[i] = press(&material->law, material->n_arms, arm, step->gain, before, &strain, NULL);
+        for (size_t j = 0; j < material->n_arms; j++)
+            arm[j] += step->gain[j] * (strain - before);
         before = strain;
     }
 }
@@ -117,7 +134,8 @@ static palp_status take_memory(arena *memory, surface *s) {
 static void rest(surface *s, double dt) {
     for (size_t j = 0; j < s->n_arms; j++) {
         double stiffness = exp(s->arm[2 * j]), x = dt > 0.0 ? dt / exp(s->arm[2 * j + 1]) : 0.0;
-        double decay = exp(-x), mean = x < 1e-8 ? 1.0 - 0.5 * x : -expm1(-x) / x, *to = s->rest_p + j * s->n;
+        double decay, mean, *to = s->rest_p + j * s->n;
+        element_decay(x, &decay, &mean);
         s->rest[j] = decay * s->q[j];
         s->gain[j] = s->gain_p[2 * j] = stiffness * mean;
         s->gain_p[2 * j + 1] = stiffness * (mean - decay);
@@ -156,24 +174,14 @@ static void move_to(surface *s, double e, const double *strain_p) {
 
 /* On to the plate's strain, or to where the surface is free of force. force_p[n]; work[n]. */
 static double advance(surface *s, double plate, double dt, double *force_p, double *work) {
-    double force, tangent, push = 0.0, stiffness = 0.0, e = plate;
+    double e = plate, tangent;
     rest(s, dt);
-    for (size_t j = 0; j < s->n_arms; j++) {
-        push += s->rest[j];
-        stiffness += s->gain[j];
-    }
-    palp_law_force(s->law, 1, &e, &force, &tangent, NULL);
-    force += push + stiffness * (e - s->strain);
+    const double force = press(s->law, s->n_arms, s->rest, s->gain, s->strain, &e, &tangent);
     memset(work, 0, s->n * sizeof *work);
-    bool left = force < 0.0 && dt > 0.0 && free_strain(s->law, plate, push, s->strain, stiffness, &e);
     slopes_of(s, e, force_p);
-    if (left) {
-        palp_law_force(s->law, 1, &e, &force, &tangent, NULL);
-        for (size_t k = 0; k < s->n; k++) {
-            work[k] = -force_p[k] / (tangent + stiffness);
-            force_p[k] = 0.0;
-        }
-        force = 0.0;
+    for (size_t k = 0; k < s->n && e > plate; k++) {
+        work[k] = -force_p[k] / tangent;
+        force_p[k] = 0.0;
     }
     move_to(s, e, work);
     return force;

@@ -161,13 +161,16 @@ END_TEST
 
 /* A law that a fit tries on its way may pull near rest and be free of force far inside: the surface does not jump there. */
 START_TEST(a_surface_goes_no_way_that_nothing_pushed_it) {
-    const double pulling[] = {-2.0, 10.0}, time[] = {0.0, 1.0, 2.0};
-    const palp_material m = {.law = polynomial(2, pulling)};
-    double at[] = {0.01, 0.02, 0.01};
-    fit_force_one_sided(&m, 3, time, at);
-    const double glued[] = {-2.0 * 0.01 + 10.0 * 1e-4, -2.0 * 0.02 + 10.0 * 4e-4, -2.0 * 0.01 + 10.0 * 1e-4};
-    for (size_t i = 0; i < 3; i++)
-        ck_assert_double_eq_tol(at[i], glued[i], 1e-12);
+    const double pulling[] = {-2.0, 10.0}, time[] = {0.0, 1.0, 2.0, 3.0};
+    const palp_material m = {.law = polynomial(2, pulling), .n_arms = 1, .arms = {{0.1, 0.1 * TAU, 0, 0}}};
+    const double strain[] = {0.01, 0.02, 0.01, 0.015};
+    double at[] = {0.01, 0.02, 0.01, 0.015};
+    palp_element_state glued = {0};
+    fit_force_one_sided(&m, 4, time, at);
+    for (size_t i = 0; i < 4; i++) {
+        ck_assert_int_eq(palp_element_advance(&m, &glued, strain[i], i ? 1.0 : 0.0, &glued, NULL), PALP_OK);
+        ck_assert_double_eq_tol(at[i], glued.force_N, 1e-12);
+    }
 }
 END_TEST
 
