@@ -64,12 +64,14 @@ PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_mat
                                            const palp_static_settings *settings, palp_calibration *result);
 
 /* The same for a network of many thousand nodes (100,000 unknowns take a minute), in rounds on two levels. coarse, a network
- * of some hundred nodes with the same body and supports, is calibrated; the large one is pressed with its law at 24
- * depths. The ratio of the two forces hardly depends on the law, and corrects the target of the next round. It ends when
- * the target is met to 1e-4 of its peak or a round brings no improvement. Both networks are given the law. A large
+ * of some hundred nodes with the same body and supports, is calibrated; the large one is pressed at 24 depths with
+ * its law times the ratio of the summed lengths of their elements, coarse over large: the same material. The ratio of the two
+ * forces hardly depends on the law, and corrects the target of the next round. It ends when the target is met to 1e-4 of its peak
+ * or a round brings no improvement; the best round is the result, and the large network has its law. A large
  * network buckles at a smaller depth, between its many nodes; its branch ends where a press is not solved at once
  * (reached_m, buckled). With PALP_BRANCH_STABLE it is pressed on, down to the next stable branch (stable_m, unstable_m),
- * whose force jumps: it is in force_N, the law is that of the branch from rest. ERR_NOT_CONVERGED too where not even the first depth is reached. */
+ * whose force jumps: it is in force_N, the law is that of the branch from rest. ERR_NOT_CONVERGED too where not even the first
+ * depth is reached. */
 PALP_API palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start,
                                             size_t n, const double *depth_m, const double *target_N,
                                             const palp_static_settings *settings, palp_calibration *result);

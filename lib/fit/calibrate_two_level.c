@@ -18,15 +18,28 @@ typedef struct two_level {
     const palp_static_settings *settings;
     size_t n;
     const double *depth, *target;
+    double share;               /* law of the large network over that of the coarse one: the same material */
+    palp_material material;     /* of the coarse one */
     double *wanted, *ratio;     /* [n] of the coarse network; fine force over coarse */
     size_t n_presses, n_reached; /* of the large network, at samples (i + 1) n / n_presses - 1 */
     size_t n_stable;             /* of these, up to the first that left the branch from rest for another stable one */
     double strain_max;           /* of the large one in them */
+    double *force;               /* [n] of it, in this round */
+    double least;                /* squares of the best round */
     palp_calibration *result;
 } two_level;
 
 static size_t sample_of(const two_level *c, size_t press) {
     return (press + 1) * c->n / c->n_presses - 1;
+}
+
+/* Of lengths that share in a law: an even strain takes a network as much energy as another one with a law over which its own is
+ * inversely as these. */
+static double shared_length(const palp_network *net) {
+    double sum = 0.0;
+    for (size_t i = 0; i < net->n_elements; i++)
+        sum += (net->scale ? net->scale[i] : 1.0) / net->inverse_rest[i];
+    return sum;
 }
 
 /* Presses the large network down its branch. With PALP_BRANCH_CONTINUE as far as each step is solved at once: where it is not,
@@ -86,22 +99,34 @@ static void report_stability(const two_level *c) {
     }
 }
 
-/* *miss: largest difference from the target as far as the branch from rest was followed, of the target's peak. */
-static palp_status report(two_level *c, const palp_calibration *coarse, double *miss) {
+/* What a round gave becomes the result. */
+static void keep(two_level *c, const palp_calibrate_iteration *it) {
+    c->result->residual_N = it->residual_N;
+    c->result->material = it->material;
+    memcpy(c->result->force_N, c->force, c->n * sizeof *c->force);
+    report_stability(c);
+}
+
+/* *miss: largest difference from the target as far as the branch from rest was followed, of the target's peak. The best round is
+ * that of the least squares, with the force at that branch's end for all beyond: what another branch gives is no merit. */
+static palp_status report(two_level *c, const palp_material *fine, const double *coarse, double *miss) {
     palp_calibration *r = c->result;
-    palp_calibrate_iteration it = {.material = coarse->material};
+    palp_calibrate_iteration it = {.material = *fine};
     size_t last = sample_of(c, c->n_reached - 1), own = sample_of(c, branch_presses(c) - 1);
-    double sum = 0.0;
+    double sum = 0.0, squares = 0.0;
     *miss = 0.0;
     for (size_t i = 0; i < c->n; i++) {
-        double force = c->ratio[i] * coarse->force_N[i <= last ? i : last], off = force - c->target[i];
-        r->force_N[i] = force;
+        c->force[i] = c->ratio[i] * coarse[i <= last ? i : last];
+        double off = c->force[i] - c->target[i], here = c->force[i <= own ? i : own] - c->target[i];
         sum += off * off;
+        squares += here * here;
         *miss = i <= own ? fmax(*miss, fabs(off) / c->target[c->n - 1]) : *miss;
     }
-    it.residual_N = r->residual_N = sqrt(sum);
-    r->material = it.material;
-    report_stability(c);
+    it.residual_N = sqrt(sum);
+    if (r->n_iterations == 0 || squares < c->least) {
+        c->least = squares;
+        keep(c, &it);
+    }
     palp_status status = calibration_add(r, &it);
     double done = (double)r->n_iterations / ROUNDS;
     bool stop = !status && c->settings->progress && c->settings->progress(c->settings->user, done, &it);
@@ -109,18 +134,21 @@ static palp_status report(two_level *c, const palp_calibration *coarse, double *
 }
 
 /* One round: the coarse network's law for the wanted force, and what the large one makes of it. */
-static palp_status improve(two_level *c, const palp_material *start, double *miss) {
+static palp_status improve(two_level *c, double *miss) {
     double fine[PRESSES];
     palp_static_settings settings = *c->settings;
     palp_calibration coarse;
     settings.progress = NULL;
-    palp_status status = palp_calibrate_static(c->coarse, start, c->n, c->depth, c->wanted, &settings, &coarse);
+    palp_status status = palp_calibrate_static(c->coarse, &c->material, c->n, c->depth, c->wanted, &settings, &coarse);
     if (status)
         return status;
-    status = press_fine(c, &coarse.material, fine);
+    palp_material material = c->material = coarse.material;
+    status = palp_law_scale(&coarse.material.law, c->share, &material.law);
+    if (!status)
+        status = press_fine(c, &material, fine);
     if (!status) {
         spread_ratio(c, fine, coarse.force_N);
-        status = report(c, &coarse, miss);
+        status = report(c, &material, coarse.force_N, miss);
     }
     size_t own = status ? 0 : sample_of(c, branch_presses(c) - 1);
     for (size_t i = 0; i < c->n && !status; i++)
@@ -132,7 +160,8 @@ static palp_status improve(two_level *c, const palp_material *start, double *mis
 static palp_status allocate(two_level *c) {
     c->wanted = malloc(c->n * sizeof *c->wanted);
     c->ratio = malloc(c->n * sizeof *c->ratio);
-    if (!c->wanted || !c->ratio)
+    c->force = malloc(c->n * sizeof *c->force);
+    if (!c->wanted || !c->ratio || !c->force)
         return PALP_ERR_NO_MEMORY;
     memcpy(c->wanted, c->target, c->n * sizeof *c->wanted);
     return calibration_set_target(c->result, c->n, c->depth, c->target);
@@ -144,9 +173,9 @@ palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse
     if (!network || !coarse || !start || !depth_m || !target_N || !settings || !result)
         return PALP_ERR_ARGUMENT;
     two_level c = {.fine = network, .coarse = coarse, .settings = settings, .n = n, .depth = depth_m, .target = target_N,
-               .n_presses = n < PRESSES ? n : PRESSES, .result = result};
+                   .n_presses = n < PRESSES ? n : PRESSES, .result = result, .material = *start,
+                   .share = shared_length(coarse) / shared_length(network)};
     palp_realtime_settings realtime = palp_realtime_settings_default();
-    palp_material material = *start;
     double miss = HUGE_VAL, before = HUGE_VAL;
     memset(result, 0, sizeof *result);
     palp_status status = n > 0 ? allocate(&c) : PALP_ERR_ARGUMENT;
@@ -154,8 +183,7 @@ palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse
         status = palp_realtime_create(network, &realtime, &c.realtime);
     for (int i = 0; i < ROUNDS && !status && miss > ENOUGH && (i < 2 || miss < 0.5 * before); i++) {
         before = miss;
-        status = improve(&c, &material, &miss);
-        material.law = result->material.law;
+        status = improve(&c, &miss);
     }
     result->converged = miss <= ENOUGH || (before < HUGE_VAL && miss >= 0.5 * before);
     if (!status)
@@ -163,6 +191,7 @@ palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse
     palp_realtime_free(c.realtime);
     free(c.wanted);
     free(c.ratio);
+    free(c.force);
     if (status)
         palp_calibration_free(result);
     return status;
