@@ -53,8 +53,10 @@ static void add_own(relaxation *s, size_t k, double scale) {
     const relaxation_parameter *p = &s->parameter[k];
     const size_t m = s->net->n_elements;
     if (p->role == RELAXATION_SCALE) {
+        double *elastic = s->net->scratch;
+        palp_law_force(&s->net->material.law, m, s->net->strain, elastic, NULL, NULL);
         for (size_t i = 0; i < m; i++)
-            s->slopes.partial[k * m + i] += s->net->next.history.elastic[i] / scale;
+            s->slopes.partial[k * m + i] += elastic[i] / scale;
         return;
     }
     for (size_t j = p->first; j <= p->last; j++) {

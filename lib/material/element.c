@@ -88,19 +88,23 @@ static void linear_arm(double decay, double gain, size_t n, const double *restri
     }
 }
 
+/* The drive of an arm as the step began. */
+static element_drive old_drive(const palp_material *material, size_t arm, const element_history *old, size_t i) {
+    return element_arm_drive(material, arm, old->strain[i], material->quasi_linear ? old->elastic[i] : 0.0, 0.0, 0.0);
+}
+
 /* The same with a drive s(e), and with tau (1 + gamma |e|) taken at the mean of both strains. */
-static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t stride, size_t n,
-                          const double *e, const element_history *old, element_history *new, double *force,
-                          double *tangent) {
+static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t n, const double *e,
+                          const element_history *old, element_history *new, double *force, double *tangent) {
     const palp_arm *arm = &material->arms[j];
-    const double *q_old = old->arm + j * stride, *elastic = new->elastic;
-    double *q = new->arm + j * stride, tau = arm->viscosity_Ns / arm->stiffness_N;
+    const double *q_old = old->arm + j * old->stride;
+    double *q = new->arm + j * new->stride, tau = arm->viscosity_Ns / arm->stiffness_N;
     for (size_t i = 0; i < n; i++) {
-        double slope = 0.0;
+        double slope = 0.0, elastic = material->quasi_linear ? new->elastic[i] : 0.0;
         if (material->quasi_linear)
             palp_law_force(&material->law, 1, &e[i], &(double){0}, &slope, NULL);
-        element_drive s = element_arm_drive(material, j, e[i], elastic[i], slope, 0.0);
-        element_drive s_old = element_arm_drive(material, j, old->strain[i], old->elastic[i], 0.0, 0.0);
+        element_drive s = element_arm_drive(material, j, e[i], elastic, slope, 0.0);
+        element_drive s_old = old_drive(material, j, old, i);
         double ds = s.value - s_old.value, decay = step->decay[j], gain = step->gain[j], turn = 0.0;
         if (arm->gamma != 0.0) {
             double stretch = 1.0 + 0.5 * arm->gamma * (fabs(e[i]) + fabs(old->strain[i]));
@@ -133,12 +137,13 @@ static void change_springs(const palp_material *material, const element_step *st
     }
 }
 
-void element_trial(const palp_material *material, const element_step *step, size_t stride, size_t n, const double *e,
+void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
                    const element_history *old, element_history *new, double *force, double *tangent) {
     palp_law_force(&material->law, n, e, force, tangent, NULL);
     if (new->strain != e)
         memcpy(new->strain, e, n * sizeof *e);
-    memcpy(new->elastic, force, n * sizeof *force);
+    if (material->quasi_linear)
+        memcpy(new->elastic, force, n * sizeof *force);
     if (step->damage || step->rate_factor != 1.0)
         change_springs(material, step, n, e, old, new, force, tangent);
     if (material->formulation == PALP_SEDEF2008 && material->n_arms > 0) {
@@ -148,10 +153,10 @@ void element_trial(const palp_material *material, const element_step *step, size
     for (size_t j = 0; j < material->n_arms; j++) {
         const palp_arm *arm = &material->arms[j];
         if (material->quasi_linear || arm->beta != 0.0 || arm->gamma != 0.0)
-            nonlinear_arm(material, step, j, stride, n, e, old, new, force, tangent);
+            nonlinear_arm(material, step, j, n, e, old, new, force, tangent);
         else
-            linear_arm(step->decay[j], step->gain[j], n, e, old->strain, old->arm + j * stride, new->arm + j * stride,
-                       force, tangent);
+            linear_arm(step->decay[j], step->gain[j], n, e, old->strain, old->arm + j * old->stride,
+                       new->arm + j * new->stride, force, tangent);
     }
     if (step->dashpot > 0.0)
         for (size_t i = 0; i < n; i++) {
@@ -173,8 +178,8 @@ bool element_energy(const palp_material *material, const element_step *step, siz
         energy[i] += 0.5 * step->dashpot * de * de;
         for (size_t j = 0; j < material->n_arms; j++) {
             element_drive s = element_arm_drive(material, j, e[i], work[i], 0.0, law);
-            element_drive s_old = element_arm_drive(material, j, old->strain[i], old->elastic[i], 0.0, 0.0);
-            energy[i] += step->decay[j] * old->arm[j * n + i] * e[i] +
+            element_drive s_old = old_drive(material, j, old, i);
+            energy[i] += step->decay[j] * old->arm[j * old->stride + i] * e[i] +
                          step->gain[j] * (s.integral - s_old.value * e[i]);
         }
     }

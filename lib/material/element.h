@@ -41,9 +41,10 @@ void element_advance(const palp_material *material, const element_step *step, co
 /* What n elements remember, structure of arrays. */
 typedef struct element_history {
     double *strain;  /* [n] */
-    double *elastic; /* [n] K(|e|) e */
-    double *arm;     /* [n_arms n], arm j at arm + j n */
+    double *elastic; /* [n] K(|e|) e, where the material is quasi-linear; or NULL */
+    double *arm;     /* arm j of n at arm + j stride */
     double *peak;    /* [n] largest |e|, where the spring is damaged; or NULL */
+    size_t stride;
 } element_history;
 
 /* exp(-x) and (1 - exp(-x)) / x, their limits at x = 0 and infinity included. */
@@ -51,9 +52,9 @@ void element_decay(double x, double *decay, double *mean);
 
 void element_step_prepare(const palp_material *material, double dt, element_step *step);
 
-/* Force and tangent (N) of n elements at the strains e, and the history a commit would keep; arm j of it at arm + j stride.
+/* Force and tangent (N) of n elements at the strains e, and the history a commit would keep.
  * PALP_SEDEF2008: force is A of Eq. 5.11; the caller adds carry times the previous force. */
-void element_trial(const palp_material *material, const element_step *step, size_t stride, size_t n, const double *e,
+void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
                    const element_history *old, element_history *new, double *force, double *tangent);
 
 /* Incremental energy, N: integral of the force over the strain at frozen history, up to a constant. False if

@@ -52,9 +52,9 @@ void element_advance(const palp_material *material, const element_step *step, co
     palp_element_state start = *from, end = *from;
     double force, tangent, elastic_old;
     palp_law_force(&material->law, 1, &start.strain, &elastic_old, NULL, NULL);
-    element_history old = {&start.strain, &elastic_old, start.arm_N, NULL};
-    element_history new = {&end.strain, &(double){0}, end.arm_N, NULL};
-    element_trial(material, step, 1, 1, &strain, &old, &new, &force, &tangent);
+    element_history old = {&start.strain, &elastic_old, start.arm_N, NULL, 1};
+    element_history new = {&end.strain, &(double){0}, end.arm_N, NULL, 1};
+    element_trial(material, step, 1, &strain, &old, &new, &force, &tangent);
     if (material->formulation == PALP_SEDEF2008)
         force += step->carry * start.force_N;
     end.force_N = force;

@@ -218,7 +218,8 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
     if (status)
         return status;
     bool vector = material->formulation == PALP_SEDEF2008 && material->n_arms > 0;
-    bool same = material->n_arms == net->material.n_arms && vector == (net->now.vector != NULL);
+    bool same = material->n_arms == net->material.n_arms && vector == (net->now.vector != NULL) &&
+                material->quasi_linear == net->material.quasi_linear;
     palp_material old = net->material;
     net->material = *material;
     if (!same && network_allocate_states(net)) {

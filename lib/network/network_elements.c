@@ -8,18 +8,20 @@
 
 static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
 
-enum { CHUNK = 256, LANES = 8, RUN = 4 };
+enum { CHUNK = NETWORK_CHUNK, LANES = 8, RUN = 4 };
 
-/* Of a chunk's elements, by axis; and where their geometry and tangent go. */
+/* Of a chunk's elements; and where what is found of them goes. */
 typedef struct chunk {
     size_t at, n; /* elements at to at + n */
-    double d[3][CHUNK + LANES];
-    double *direction[3], *inverse_length, *tangent;
+    double d[3][CHUNK + LANES], square[CHUNK + LANES]; /* by axis: difference of their nodes, later force; its square */
+    double *strain, *inverse_length, *force, *tangent;
+    element_history next;
 } chunk;
 
-/* Of a chunk whose elements leave their tangents in single precision only. */
+/* For what the network need not keep of a chunk. */
 typedef struct chunk_room {
-    double direction[3][CHUNK], inverse_length[CHUNK], tangent[CHUNK];
+    double inverse_length[CHUNK], tangent[CHUNK];
+    double strain[CHUNK], force[CHUNK], elastic[CHUNK], peak[CHUNK], arm[PALP_ARMS_MAX][CHUNK];
 } chunk_room;
 
 /* ---- nodes to elements and back ------------------------------------------------------------------- */
@@ -66,6 +68,7 @@ palp_status network_make_runs(palp_network *net) {
 /* Several of a vector at once; they are only kept in variables, as no function takes them alike with and without AVX. */
 typedef double four __attribute__((vector_size(4 * sizeof(double))));
 typedef double two __attribute__((vector_size(2 * sizeof(double))));
+typedef float four_floats __attribute__((vector_size(4 * sizeof(float))));
 
 #define LOAD(v, p) memcpy(&(v), p, sizeof(v))
 #define STORE(p, v) memcpy(p, &(v), sizeof(v))
@@ -79,9 +82,11 @@ typedef double two __attribute__((vector_size(2 * sizeof(double))));
         i += (int32_t)(sizeof(lanes) / sizeof(double));                                                                  \
     } while (0)
 
-/* d = what x, by axis, has at the second nodes less what it has at the first. What is written behind a run is the next one's, or room. */
+/* d = what x, by axis, has at the second nodes less what it has at the first, and its square. What is written behind a run is the next
+ * one's, or room. */
 PALP_CLONES
-static void fetch_runs(size_t n, const network_run *run, const double *x, size_t stride, double *d0, double *d1, double *d2) {
+static void fetch_runs(size_t n, const network_run *run, const double *x, size_t stride, double *d0, double *d1, double *d2,
+                       double *square) {
     const double *x1 = x + stride, *x2 = x1 + stride;
     for (size_t r = 0; r < n; r++) {
         const int32_t low = run[r].low, high = run[r].high;
@@ -91,8 +96,10 @@ static void fetch_runs(size_t n, const network_run *run, const double *x, size_t
             LOAD(b0, x + high + i), LOAD(b1, x1 + high + i), LOAD(b2, x2 + high + i);
             b0 -= a0, b1 -= a1, b2 -= a2;
             STORE(d0 + i, b0), STORE(d1 + i, b1), STORE(d2 + i, b2);
+            b0 = b0 * b0 + b1 * b1 + b2 * b2;
+            STORE(square + i, b0);
         }
-        d0 += run[r].n, d1 += run[r].n, d2 += run[r].n;
+        d0 += run[r].n, d1 += run[r].n, d2 += run[r].n, square += run[r].n;
     }
 }
 
@@ -135,12 +142,13 @@ static void end_exchange(const palp_network *net, double *out) {
             out[3 * i + c] += sum[c * stride + i];
 }
 
-/* Difference of x[3 n_nodes] over each element. */
+/* Difference of x[3 n_nodes] over each element, and its square. */
 static void fetch(const palp_network *net, const double *x, chunk *c) {
     const int32_t *pair = net->pair + 2 * c->at;
     if (net->run) {
         const size_t *first = net->first_run + c->at / CHUNK;
-        fetch_runs(first[1] - first[0], net->run + first[0], net->straight, straight_stride(net), c->d[0], c->d[1], c->d[2]);
+        fetch_runs(first[1] - first[0], net->run + first[0], net->straight, straight_stride(net), c->d[0], c->d[1], c->d[2],
+                   c->square);
         return;
     }
     for (size_t i = 0; i < c->n; i++) {
@@ -148,6 +156,7 @@ static void fetch(const palp_network *net, const double *x, chunk *c) {
         c->d[0][i] = b[0] - a[0];
         c->d[1][i] = b[1] - a[1];
         c->d[2][i] = b[2] - a[2];
+        c->square[i] = c->d[0][i] * c->d[0][i] + c->d[1][i] * c->d[1][i] + c->d[2][i] * c->d[2][i];
     }
 }
 
@@ -190,27 +199,31 @@ static chunk chunk_at(const palp_network *net, size_t at) {
 /* ---- forces -------------------------------------------------------------------------------------- */
 
 PALP_CLONES
-static void measure(size_t n, const double *restrict d0, const double *restrict d1, const double *restrict d2,
-                    const double *restrict inverse_rest, double *restrict strain, double *restrict inverse_length,
-                    double *restrict n0, double *restrict n1, double *restrict n2) {
+static void measure(size_t n, const double *restrict square, const double *restrict inverse_rest, double *restrict strain,
+                    double *restrict inverse_length) {
     for (size_t i = 0; i < n; i++) {
-        double length = sqrt(d0[i] * d0[i] + d1[i] * d1[i] + d2[i] * d2[i]), inverse = 1.0 / length;
+        double length = sqrt(square[i]);
         strain[i] = length * inverse_rest[i] - 1.0;
-        inverse_length[i] = inverse;
-        n0[i] = d0[i] * inverse;
-        n1[i] = d1[i] * inverse;
-        n2[i] = d2[i] * inverse;
+        inverse_length[i] = 1.0 / length;
+    }
+}
+
+/* d becomes the force on the first node. */
+PALP_CLONES
+static void point_forces(size_t n, const double *restrict force, const double *restrict inverse_length, double *restrict d0,
+                         double *restrict d1, double *restrict d2) {
+    for (size_t i = 0; i < n; i++) {
+        const double pull = force[i] * inverse_length[i];
+        d0[i] *= pull;
+        d1[i] *= pull;
+        d2[i] *= pull;
     }
 }
 
 PALP_CLONES
-static void point_forces(size_t n, const double *restrict force, const double *restrict n0, const double *restrict n1,
-                         const double *restrict n2, double *restrict f0, double *restrict f1, double *restrict f2) {
-    for (size_t i = 0; i < n; i++) {
-        f0[i] = force[i] * n0[i];
-        f1[i] = force[i] * n1[i];
-        f2[i] = force[i] * n2[i];
-    }
+static void point_along(size_t n, const double *restrict d, const double *restrict inverse_length, double *restrict direction) {
+    for (size_t i = 0; i < n; i++)
+        direction[i] = d[i] * inverse_length[i];
 }
 
 /* sum[LANES] += squares */
@@ -249,24 +262,31 @@ static size_t count_collapsed(size_t n, const double *strain) {
     return count;
 }
 
-/* A chunk that keeps what is found of it: in room, or if that is NULL in the network. */
-static chunk chunk_keeping(palp_network *net, size_t at, chunk_room *room) {
+static element_history history_at(const element_history *h, size_t at) {
+    return (element_history){h->strain + at, h->elastic ? h->elastic + at : NULL, h->arm + at, h->peak ? h->peak + at : NULL,
+                             h->stride};
+}
+
+/* A chunk that leaves what is found of it in the network; with room only strain, force and history, and those only if they are kept. */
+static chunk chunk_keeping(palp_network *net, size_t at, bool keep, chunk_room *room) {
     chunk c = chunk_at(net, at);
-    for (size_t k = 0; k < 3; k++)
-        c.direction[k] = room ? room->direction[k] : net->direction + k * net->n_elements + at;
     c.inverse_length = room ? room->inverse_length : net->inverse_length + at;
     c.tangent = room ? room->tangent : net->tangent + at;
+    c.strain = keep ? net->strain + at : room->strain;
+    c.force = keep ? net->force + at : room->force;
+    c.next = keep ? history_at(&net->next.history, at)
+                  : (element_history){room->strain, room->elastic, room->arm[0], room->peak, CHUNK};
     return c;
 }
 
 static void measure_chunk(palp_network *net, chunk *c) {
     fetch(net, net->next.x, c);
-    measure(c->n, c->d[0], c->d[1], c->d[2], net->inverse_rest + c->at, net->strain + c->at, c->inverse_length,
-            c->direction[0], c->direction[1], c->direction[2]);
+    measure(c->n, c->square, net->inverse_rest + c->at, c->strain, c->inverse_length);
 }
 
-static element_history history_at(const element_history *h, size_t at) {
-    return (element_history){h->strain + at, h->elastic + at, h->arm + at, h->peak ? h->peak + at : NULL};
+static void find_directions(palp_network *net, const chunk *c) {
+    for (size_t k = 0; k < 3; k++)
+        point_along(c->n, c->d[k], c->inverse_length, net->direction + k * net->n_elements + c->at);
 }
 
 /* The part of PALP_SEDEF2008's force that is carried from the last step as a vector. */
@@ -279,15 +299,13 @@ static void carry(palp_network *net, chunk *c) {
 }
 
 static void force_chunk(palp_network *net, chunk *c) {
-    const size_t at = c->at;
-    element_history old = history_at(&net->now.history, at), new = history_at(&net->next.history, at);
-    double *force = net->force + at;
-    element_trial(&net->material, &net->step, net->n_elements, c->n, net->strain + at, &old, &new, force, c->tangent);
+    const element_history old = history_at(&net->now.history, c->at);
+    element_trial(&net->material, &net->step, c->n, c->strain, &old, &c->next, c->force, c->tangent);
     for (size_t i = 0; i < c->n && net->scale; i++) {
-        force[i] *= net->scale[at + i];
-        c->tangent[i] *= net->scale[at + i];
+        c->force[i] *= net->scale[c->at + i];
+        c->tangent[i] *= net->scale[c->at + i];
     }
-    point_forces(c->n, force, c->direction[0], c->direction[1], c->direction[2], c->d[0], c->d[1], c->d[2]);
+    point_forces(c->n, c->force, c->inverse_length, c->d[0], c->d[1], c->d[2]);
     if (net->next.vector)
         carry(net, c);
     deliver(net, c, net->fint);
@@ -316,9 +334,29 @@ static void find_blocks(size_t n, const double *restrict force, const double *re
     }
 }
 
+/* Numbers of the elements of runs to where they belong, to[n]. */
+PALP_CLONES
+static void pack_runs(size_t n, const network_run *run, const uint32_t *to, const float *from, float *element) {
+    for (size_t r = 0; r < n; r++) {
+        float *e = element + to[r];
+        int32_t i = 0;
+        for (four_floats v; i + 4 <= run[r].n; i += 4)
+            LOAD(v, from + i), STORE(e + i, v);
+        for (; i < run[r].n; i++)
+            e[i] = from[i];
+        from += run[r].n;
+    }
+}
+
 static void pack_chunk(const palp_network *net, const chunk *c, const network_blocks *to) {
     float along[CHUNK], across[CHUNK];
-    find_blocks(c->n, net->force + c->at, c->inverse_length, c->tangent, net->inverse_rest + c->at, along, across);
+    find_blocks(c->n, c->force, c->inverse_length, c->tangent, net->inverse_rest + c->at, along, across);
+    if (to->run_place) {
+        const size_t *first = net->first_run + c->at / CHUNK, n = first[1] - first[0];
+        pack_runs(n, net->run + first[0], to->run_place + first[0], along, to->element);
+        pack_runs(n, net->run + first[0], to->run_place + first[0], across, to->element + to->spacing);
+        return;
+    }
     for (size_t i = 0; i < c->n; i++) {
         float *e = to->element + to->place[c->at + i];
         e[0] = along[i];
@@ -326,25 +364,37 @@ static void pack_chunk(const palp_network *net, const chunk *c, const network_bl
     }
 }
 
-bool network_element_forces(palp_network *net, const network_blocks *blocks) {
-    double forces[LANES] = {0.0}, tangents[LANES] = {0.0};
-    chunk_room own, *room = blocks && net->n_dead == 0 ? &own : NULL;
-    network_point_at_next(net);
-    begin_exchange(net, net->next.x);
-    for (size_t at = 0; at < net->n_elements && net->n_dead > 0; at += CHUNK) {
-        chunk c = chunk_keeping(net, at, NULL);
+/* Of all elements, where some are cut: a cut one has strain 0 and no direction. */
+static void measure_cut(palp_network *net) {
+    for (size_t at = 0; at < net->n_elements; at += CHUNK) {
+        chunk c = chunk_keeping(net, at, true, NULL);
         measure_chunk(net, &c);
+        find_directions(net, &c);
     }
     lay_out_dead(net);
+}
+
+bool network_element_forces(palp_network *net, const network_blocks *blocks) {
+    double forces[LANES] = {0.0}, tangents[LANES] = {0.0};
+    const bool cut = net->n_dead > 0;
+    chunk_room own, *room = blocks && !cut && !net->next.vector ? &own : NULL;
+    network_point_at_next(net);
+    begin_exchange(net, net->next.x);
+    if (cut)
+        measure_cut(net);
     memset(net->fint, 0, 3 * net->n_nodes * sizeof *net->fint);
     for (size_t at = 0; at < net->n_elements; at += CHUNK) {
-        chunk c = chunk_keeping(net, at, room);
-        if (net->n_dead == 0)
+        chunk c = chunk_keeping(net, at, !room || !blocks->trial, room);
+        if (cut)
+            fetch(net, net->next.x, &c);
+        else
             measure_chunk(net, &c);
-        if (count_collapsed(c.n, net->strain + at) > 0)
+        if (count_collapsed(c.n, c.strain) > 0)
             return false;
+        if (!room && !cut)
+            find_directions(net, &c);
         force_chunk(net, &c);
-        add_squares(c.n, net->force + at, forces);
+        add_squares(c.n, c.force, forces);
         add_squares(c.n, c.tangent, tangents);
         if (blocks && blocks->element)
             pack_chunk(net, &c, blocks);

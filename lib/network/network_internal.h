@@ -21,6 +21,9 @@ typedef struct network_state {
 
 enum { NETWORK_PAST = 2, NETWORK_TERMS = 8 };
 
+/* The loops over elements go by chunks of so many. */
+enum { NETWORK_CHUNK = 256 };
+
 /* Elements in a row, of which the k-th joins nodes low + k and high + k. */
 typedef struct network_run {
     int32_t low, high, n;
@@ -36,7 +39,7 @@ struct palp_network {
     const int32_t *pair;  /* mesh's */
     double *inverse_rest; /* [n_elements] 1 / rest length */
     network_run *run;     /* all elements in order, none over the end of a chunk; or NULL: they are too short to be worth it */
-    size_t *first_run;    /* [n_chunks + 1] of each chunk of elements */
+    size_t *first_run;    /* [n_chunks + 1] of each chunk of elements, the number of runs last */
     double *straight;     /* [6 network_stride] with runs: a vector by axis, and a sum */
     double *scale;        /* [n_elements] factor of each element's force, 0 = cut; or NULL = all 1 */
     const int32_t *dead;  /* [n_dead] elements that are cut; a term's */
@@ -141,6 +144,8 @@ typedef struct network_blocks {
     float *element;        /* along, across; of element i from place[i] on, spacing apart */
     const uint32_t *place; /* [n_elements] */
     size_t spacing;
+    const uint32_t *run_place; /* [runs] place of each run's first element, where those of all runs follow each other; or NULL */
+    bool trial;            /* strain, force and history need not be kept */
 } network_blocks;
 
 /* Geometry and forces of the elements at next.x and their sums on nodes. False: one has collapsed. With blocks these are made unless

@@ -16,8 +16,10 @@ static void allocate(const palp_network *net, arena *memory, network_state *s) {
         s->acceleration = arena_take(memory, n3, sizeof(double));
     }
     s->history.strain = arena_take(memory, m, sizeof(double));
-    s->history.elastic = arena_take(memory, m, sizeof(double));
+    if (net->material.quasi_linear)
+        s->history.elastic = arena_take(memory, m, sizeof(double));
     s->history.arm = arena_take(memory, m * net->material.n_arms, sizeof(double));
+    s->history.stride = m;
     if (net->damage)
         s->history.peak = arena_take(memory, m, sizeof(double));
     if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
@@ -161,7 +163,8 @@ void palp_network_reset(palp_network *net) {
         memset(s->acceleration, 0, n3);
     }
     memset(s->history.strain, 0, m);
-    memset(s->history.elastic, 0, m);
+    if (s->history.elastic)
+        memset(s->history.elastic, 0, m);
     memset(s->history.arm, 0, m * net->material.n_arms);
     if (s->history.peak)
         memset(s->history.peak, 0, m);
@@ -242,7 +245,7 @@ size_t palp_network_state_size(const palp_network *net) {
 static header header_of(const palp_network *net, const void *buffer) {
     size_t size = palp_network_state_size(net);
     const unsigned char *state = (const unsigned char *)buffer + sizeof(header);
-    return (header){UINT64_C(0x70616c7061746533), size, fingerprint(net),
+    return (header){UINT64_C(0x70616c7061746534), size, fingerprint(net),
                     network_sum(NETWORK_SUM, state, size - sizeof(header))};
 }
 

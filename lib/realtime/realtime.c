@@ -50,6 +50,8 @@ static palp_status allocate(palp_realtime *rt) {
                                           touched ? TOUCHED : DIRECT, &rt->mg);
     if (!status && !(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)))
         status = PALP_ERR_NO_MEMORY;
+    if (!status && net->run)
+        status = realtime_place_runs(rt);
     if (!status && rt->settings.background)
         status = refresh_thread_create(rt->mg, &rt->thread);
     return status;
@@ -97,7 +99,7 @@ palp_status palp_realtime_reset(palp_realtime *rt) {
 
 static void time_parts(palp_realtime *rt) {
     double start = realtime_clock();
-    realtime_evaluate(rt, true);
+    realtime_evaluate(rt, true, false);
     double middle = realtime_clock();
     multigrid_apply(rt->mg, rt->r, rt->z);
     realtime_tangent_times(rt, rt->z, rt->q);
@@ -149,10 +151,10 @@ typedef struct tick {
 } tick;
 
 /* Evaluates next.x, once terms have made it follow them. */
-static bool follow(palp_realtime *rt, bool tangent) {
+static bool follow(palp_realtime *rt, bool tangent, bool trial) {
     palp_network *net = rt->net;
     NETWORK_EACH_TERM(net, follow, net);
-    return realtime_evaluate(rt, tangent);
+    return realtime_evaluate(rt, tangent, trial);
 }
 
 /* Will the tangent at next.x be used: by another correction, the adjoint's or the next factor? */
@@ -168,13 +170,13 @@ static bool predict(palp_realtime *rt, const palp_budget *budget) {
     double depth = net->next.depth, move = depth - net->now.depth;
     bool extrapolated =
         rt->contraction < STRAIGHT && network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
-    if (extrapolated && follow(rt, tangent))
+    if (extrapolated && follow(rt, tangent, !rt->idle))
         return true;
     for (int straight = 1; straight >= 0; straight--) {
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->now.x[i] + (straight && rt->driven ? move * rt->adjoint[i] : 0.0);
         network_place(net, depth);
-        if (follow(rt, tangent))
+        if (follow(rt, tangent, !rt->idle))
             return true;
     }
     return false;
@@ -268,13 +270,14 @@ static bool go(palp_realtime *rt, tick *t) {
     spread_residual(net, rt->p); /* conjugate gradients have changed r */
     const double before = network_dot(rt->p, rt->move, 3 * net->n_nodes);
     double low = 0.0, high = 1.0, at_low = before, at_high = 0.0;
-    const bool tangent = tangent_wanted(rt, t->info.corrections == t->budget.corrections);
+    const bool last = t->info.corrections == t->budget.corrections, tangent = tangent_wanted(rt, last);
+    const bool trial = !last && t->budget.corrections > 0;
     memcpy(rt->q, net->next.x, 3 * net->n_nodes * sizeof *rt->q);
     for (int i = 0; i <= TRIES; i++) {
         for (size_t k = 0; k < 3 * net->n_nodes; k++)
             net->next.x[k] = rt->q[k] + alpha * rt->move[k];
         double after = -at_low;
-        if (realtime_evaluate(rt, tangent)) {
+        if (realtime_evaluate(rt, tangent, trial)) {
             assess(rt, t);
             if (i == 0)
                 learn(&rt->times.evaluation, realtime_clock() - start);
@@ -292,7 +295,7 @@ static bool go(palp_realtime *rt, tick *t) {
         alpha = low + part_between(at_low, at_high) * (high - low);
     }
     memcpy(net->next.x, rt->q, 3 * net->n_nodes * sizeof *rt->q);
-    realtime_evaluate(rt, true);
+    realtime_evaluate(rt, true, false);
     assess(rt, t);
     return false;
 }
@@ -311,7 +314,7 @@ static void correct(palp_realtime *rt, tick *t) {
         if (i == ROUNDS && t->budget.corrections == 0 && !(t->budget.seconds > 0.0) && !descends(rt))
             return;
         double start = realtime_clock();
-        if (!rt->fresh && !realtime_evaluate(rt, true)) /* the prediction was thought to be enough */
+        if (!rt->fresh && !realtime_evaluate(rt, true, true)) /* the prediction was thought to be enough */
             return;
         size_t done = realtime_solve(rt, in_a_round(rt, left), SHARE);
         if (done == 0)
@@ -321,7 +324,7 @@ static void correct(palp_realtime *rt, tick *t) {
         if (!go(rt, t))
             return;
         if (network_refresh(rt->net)) {
-            if (!realtime_evaluate(rt, true))
+            if (!realtime_evaluate(rt, true, false))
                 return;
             assess(rt, t);
         }
@@ -355,6 +358,8 @@ static void look_ahead(palp_realtime *rt, tick *t) {
 /* Solved as far as the budget went: next becomes the committed state. */
 static void commit(palp_realtime *rt, const tick *t) {
     palp_network *net = rt->net;
+    if (!rt->kept) /* it was the last one, other than was thought */
+        realtime_evaluate(rt, rt->fresh, false);
     network_finish(net);
     weigh(rt);
     NETWORK_EACH_TERM(net, share_residual, net, rt->weight, rt->r);
@@ -389,7 +394,7 @@ static void stay_if_nearer(palp_realtime *rt, tick *t) {
     memcpy(rt->q, net->next.x, size);
     memcpy(net->next.x, net->now.x, size);
     network_place(net, net->next.depth);
-    if (follow(rt, true)) {
+    if (follow(rt, true, true)) {
         assess(rt, t);
         if (t->norm < predicted) {
             rt->guessed = t->norm;
@@ -397,7 +402,7 @@ static void stay_if_nearer(palp_realtime *rt, tick *t) {
         }
     }
     memcpy(net->next.x, rt->q, size);
-    realtime_evaluate(rt, true);
+    realtime_evaluate(rt, true, true);
     assess(rt, t);
 }
 

@@ -29,8 +29,10 @@ struct palp_realtime {
     double *move;          /* [3 n_nodes] correction */
     double *adjoint;       /* [3 n_nodes] dx / d depth, the motion at fixed axes */
     double *weight;        /* [n_nodes] stiffness of what presses on each node from outside, N/m */
+    uint32_t *run_place;   /* [runs] as network_blocks has it, or NULL */
     float *element;        /* [n_floats] the elements' blocks at the last evaluation with the tangent, as rt->mg has them */
     bool fresh;            /* that was the last evaluation */
+    bool kept;             /* it left strain, force and history in the network */
     bool indefinite;       /* in this tick the tangent was found not to be positive definite */
     bool idle, near;       /* the last tick made no correction; but was near to one */
     double *adjoint_r, *adjoint_z; /* [3 n_nodes] of a correction of the adjoint on its way */
@@ -59,8 +61,12 @@ struct palp_realtime {
 
 /* ---- realtime_solve.c ---- */
 
-/* As network_evaluate; with the tangent: the elements' blocks into rt->element. */
-bool realtime_evaluate(palp_realtime *rt, bool tangent);
+/* Finds where the runs of elements go in rt->element, if each stands together there. */
+palp_status realtime_place_runs(palp_realtime *rt);
+
+/* As network_evaluate; with the tangent: the elements' blocks into rt->element. trial: a correction follows, so that strain, force and
+ * history need not be kept. */
+bool realtime_evaluate(palp_realtime *rt, bool tangent, bool trial);
 
 /* q = tangent of the last evaluation times p on the free axes, 0 on the others. In single precision: what is left of a residual by
  * corrections is evaluated anew before it is judged. */

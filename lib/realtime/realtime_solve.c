@@ -6,10 +6,26 @@
 
 static const double FURTHEST = 0.002; /* of the network's size: a move where the tangent is not definite */
 
-bool realtime_evaluate(palp_realtime *rt, bool tangent) {
+palp_status realtime_place_runs(palp_realtime *rt) {
+    const palp_network *net = rt->net;
+    const uint32_t *place = multigrid_input(rt->mg).place;
+    const size_t n = net->first_run[(net->n_elements + NETWORK_CHUNK - 1) / NETWORK_CHUNK];
+    uint32_t *to = arena_take(&rt->memory, n, sizeof *to);
+    bool together = to != NULL;
+    for (size_t r = 0, at = 0; r < n && together; at += (size_t)net->run[r++].n) {
+        to[r] = place[at];
+        for (size_t i = 0; i < (size_t)net->run[r].n; i++)
+            together = together && place[at + i] == to[r] + i;
+    }
+    rt->run_place = together ? to : NULL;
+    return to ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+bool realtime_evaluate(palp_realtime *rt, bool tangent, bool trial) {
     const multigrid_source source = multigrid_input(rt->mg);
     rt->fresh = tangent;
-    const network_blocks blocks = {tangent ? rt->element : NULL, source.place, source.spacing};
+    rt->kept = !trial;
+    const network_blocks blocks = {tangent ? rt->element : NULL, source.place, source.spacing, rt->run_place, trial};
     if (tangent)
         multigrid_place_nodes(rt->mg, rt->net->next.x, rt->element);
     return network_evaluate_blocks(rt->net, &blocks);

@@ -34,6 +34,7 @@ static void state_allocate(palp_reduced *r, reduced_state *s) {
     s->history.strain = doubles(r, r->n_elements);
     s->history.elastic = doubles(r, r->n_elements);
     s->history.arm = doubles(r, r->n_elements * r->material.n_arms);
+    s->history.stride = r->n_elements;
 }
 
 palp_status reduced_allocate(palp_reduced *r) {

@@ -32,8 +32,7 @@ static bool measure(palp_reduced *r) {
 bool reduced_evaluate(palp_reduced *r, double *drive) {
     if (!measure(r))
         return false;
-    element_trial(&r->material, &r->step, r->n_elements, r->n_elements, r->strain, &r->now.history, &r->next.history, r->force,
-                  r->tangent);
+    element_trial(&r->material, &r->step, r->n_elements, r->strain, &r->now.history, &r->next.history, r->force, r->tangent);
     *drive = 0.0;
     memset(r->rhs, 0, r->modes * sizeof *r->rhs);
     for (size_t i = 0; i < 3 * r->n_elements; i++) {

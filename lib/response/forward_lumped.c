@@ -86,11 +86,11 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     if (!isfinite(move->strain) || !(move->dt >= 0.0) || (move->dt == 0.0 && m->dashpot_Ns > 0.0))
         return PALP_ERR_ARGUMENT;
     prepare(l, move->dt);
-    element_history old = {&l->now.strain, &l->now.elastic, l->now.arm, &l->now.peak};
-    element_history new = {&l->next.strain, &l->next.elastic, l->next.arm, &l->next.peak};
+    element_history old = {&l->now.strain, &l->now.elastic, l->now.arm, &l->now.peak, 1};
+    element_history new = {&l->next.strain, &l->next.elastic, l->next.arm, &l->next.peak, 1};
     l->step.rate_factor = forward_rate_factor(l->plan, move->rate, l->of_effect);
     l->step.damage = l->plan->damaged ? &l->plan->damage : NULL;
-    element_trial(m, &l->step, 1, 1, &move->strain, &old, &new, force, &by_strain);
+    element_trial(m, &l->step, 1, &move->strain, &old, &new, force, &by_strain);
     if (l->modes.n)
         *force += advance_modes(l, rise, &by_strain);
     if (slope)

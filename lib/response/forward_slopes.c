@@ -44,9 +44,11 @@ static void spring_partials(forward_slopes *s, const effect_number *of_effect) {
     step_slopes *step = &s->step;
     const palp_network *net = step->net;
     const bool damaged = net->damage != NULL;
+    double *elastic = net->scratch;
+    palp_law_force(&net->material.law, step->m, net->strain, elastic, NULL, NULL);
     for (size_t i = 0; i < step->m; i++) {
         double peak = damaged ? net->now.history.peak[i] : 0.0;
-        element_damaged spring = {.inner = net->strain[i], .factor = 1.0, .force = net->next.history.elastic[i]};
+        element_damaged spring = {.inner = net->strain[i], .factor = 1.0, .force = elastic[i]};
         if (damaged)
             element_damage_force(&net->material.law, net->damage, net->strain[i], peak, &spring);
         memset(s->row, 0, step->n * sizeof *s->row);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 enum { FOLLOWED_MAX = 32 }; /* coarse nodes that a node follows at most */
+enum { COARSEST = 200 };    /* unknowns of which a factor is cheaper than another level */
 
 void multigrid_free(multigrid *mg) {
     if (!mg)
@@ -23,7 +24,8 @@ static int ascending(const void *a, const void *b) {
 
 /* Numbers of a level whose pattern is known. */
 static palp_status level_allocate(arena *memory, mg_level *l, bool blocks) {
-    size_t entries = blocks ? l->first[l->n] : 0;
+    size_t entries = blocks ? l->first[l->n] / 2 : 0;
+    l->low_first = arena_take(memory, l->n + 1, sizeof *l->low_first);
     l->middle = arena_take(memory, l->n, sizeof *l->middle);
     l->x = arena_take(memory, 4 * l->n, sizeof *l->x);
     l->r = arena_take(memory, 4 * l->n, sizeof *l->r);
@@ -39,6 +41,7 @@ static palp_status level_allocate(arena *memory, mg_level *l, bool blocks) {
         while (k < l->first[i + 1] && l->column[k] < (int32_t)i)
             k++;
         l->middle[i] = k;
+        l->low_first[i + 1] = l->low_first[i] + (k - l->first[i]);
     }
     return PALP_OK;
 }
@@ -63,7 +66,7 @@ static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
     for (size_t k = 0; k < mg->n_elements; k++)
         mg->slot[k] = (uint32_t)(2 * k);
     palp_status status = multigrid_make_batches(mg);
-    mg->spacing = mg->n_batches > 0 ? MULTIGRID_BATCH : 1;
+    mg->spacing = mg->n_batches > 0 ? MULTIGRID_BATCH * mg->n_batches : 1;
     mg->nodes = mg->n_batches > 0 ? 2 * MULTIGRID_BATCH * mg->n_batches : 2 * mg->n_elements;
     mg->n_floats = mg->nodes + (mg->n_batches > 0 ? 3 * multigrid_stride(mg) : 4 * mg->n_nodes);
     for (size_t i = 0; i < mg->n_elements; i++)
@@ -253,10 +256,12 @@ static size_t unknowns(const mg_level *l) {
     return n;
 }
 
-/* Coarser levels until the factor is cheap or nothing is won. x[3 n_nodes] is overwritten. */
+/* If there are more than direct unknowns: coarser levels until the factor is cheap beside them or nothing is won. x[3 n_nodes] is
+ * overwritten. */
 static palp_status make_levels(multigrid *mg, size_t direct, double *x, int32_t *number) {
+    const size_t coarsest = unknowns(&mg->level[0]) > direct && direct > COARSEST ? COARSEST : direct;
     mg->n_levels = 1;
-    while (mg->n_levels < MULTIGRID_LEVELS && unknowns(&mg->level[mg->n_levels - 1]) > direct) {
+    while (mg->n_levels < MULTIGRID_LEVELS && unknowns(&mg->level[mg->n_levels - 1]) > coarsest) {
         mg_level *fine = &mg->level[mg->n_levels - 1];
         size_t n = choose_coarse(fine, number);
         if (n > fine->n * 3 / 4)

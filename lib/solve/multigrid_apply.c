@@ -5,35 +5,48 @@
 
 typedef multigrid_four four;
 
-/* s less entries of a row times x */
-static inline four subtract(const float *block, const int32_t *column, uint32_t from, uint32_t to, const float *x, four s) {
-    for (uint32_t k = from; k < to; k++)
-        s -= multigrid_times(block + (size_t)BLOCK_FLOATS * k, multigrid_load(x + 4 * column[k]));
+/* Of row i the blocks before the diagonal: s less them times x; and the transposed ones times x from what they meet of rest. */
+static inline four subtract(const mg_level *l, const float *block, size_t i, four s) {
+    for (uint32_t k = l->first[i]; k < l->middle[i]; k++, block += BLOCK_FLOATS)
+        s -= multigrid_times(block, multigrid_load(l->x + 4 * l->column[k]));
     return s;
 }
 
-/* From x = 0: x = (D + L)^-1 r; what is left, -U x, goes to the coarser level. */
-static void sweep_down(mg_level *l, int set) {
-    const float *block = l->block[set];
-    mg_level *coarse = l + 1;
-    memset(coarse->r, 0, 4 * coarse->n * sizeof *coarse->r);
-    for (size_t i = 0; i < l->n; i++) {
-        four s = subtract(block, l->column, l->first[i], l->middle[i], l->x, multigrid_load(l->r + 4 * i));
-        multigrid_store(l->x + 4 * i, multigrid_times(l->inverse[set] + BLOCK_FLOATS * i, s));
-    }
-    for (size_t i = 0; i < l->n; i++) {
-        four s = subtract(block, l->column, l->middle[i], l->first[i + 1], l->x, multigrid_all(0.0F));
-        multigrid_pass_up(l, i, s, coarse->r);
+static inline void subtract_turned(const mg_level *l, const float *block, size_t i, four x, float *rest) {
+    for (uint32_t k = l->first[i]; k < l->middle[i]; k++, block += BLOCK_FLOATS) {
+        float *to = rest + 4 * l->column[k];
+        multigrid_store(to, multigrid_load(to) - multigrid_turned_times(block, x));
     }
 }
 
-static void sweep_up(mg_level *l, int set) {
+/* From x = 0: x = (D + L)^-1 r; what is left, -L' x, goes to the coarser level. */
+static void sweep_down(mg_level *l, int set, float *rest) {
+    mg_level *coarse = l + 1;
+    memset(rest, 0, 4 * l->n * sizeof *rest);
+    memset(coarse->r, 0, 4 * coarse->n * sizeof *coarse->r);
+    for (size_t i = 0; i < l->n; i++) {
+        const float *block = l->block[set] + multigrid_low(l, i, l->first[i]);
+        const four s = subtract(l, block, i, multigrid_load(l->r + 4 * i));
+        const four x = multigrid_times(l->inverse[set] + BLOCK_FLOATS * i, s);
+        multigrid_store(l->x + 4 * i, x);
+        subtract_turned(l, block, i, x, rest);
+    }
+    for (size_t i = 0; i < l->n; i++)
+        multigrid_pass_up(l, i, multigrid_load(rest + 4 * i), coarse->r);
+}
+
+/* x = (D + L')^-1 (r - L x), from the last row on. */
+static void sweep_up(mg_level *l, int set, float *rest) {
     const mg_level *coarse = l + 1;
     for (size_t i = 0; i < l->n; i++)
         multigrid_store(l->x + 4 * i, multigrid_take_down(l, i, coarse->x, multigrid_load(l->x + 4 * i)));
+    memcpy(rest, l->r, 4 * l->n * sizeof *rest);
     for (size_t i = l->n; i-- > 0;) {
-        four s = subtract(l->block[set], l->column, l->first[i], l->first[i + 1], l->x, multigrid_load(l->r + 4 * i));
-        multigrid_store(l->x + 4 * i, multigrid_times(l->inverse[set] + BLOCK_FLOATS * i, s));
+        const float *block = l->block[set] + multigrid_low(l, i, l->first[i]);
+        const four s = subtract(l, block, i, multigrid_load(rest + 4 * i));
+        const four x = multigrid_times(l->inverse[set] + BLOCK_FLOATS * i, s);
+        multigrid_store(l->x + 4 * i, x);
+        subtract_turned(l, block, i, x, rest);
     }
 }
 
@@ -55,10 +68,10 @@ void multigrid_apply(multigrid *mg, const double *r, double *z) {
     if (last > 0)
         multigrid_finest_down(mg);
     for (size_t k = 1; k < last; k++)
-        sweep_down(&mg->level[k], mg->used);
+        sweep_down(&mg->level[k], mg->used, mg->rest);
     solve_coarsest(mg);
     for (size_t k = last; k-- > 1;)
-        sweep_up(&mg->level[k], mg->used);
+        sweep_up(&mg->level[k], mg->used, mg->rest);
     if (last > 0)
         multigrid_finest_up(mg);
     multigrid_widen(l->n, l->x, z);

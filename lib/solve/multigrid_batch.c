@@ -54,7 +54,7 @@ static size_t fill(multigrid *mg, const parallel *p, int32_t *batch) {
             n++;
         }
         if (batch)
-            mg->slot[p[i].k] = (uint32_t)(2 * MULTIGRID_BATCH * (n - 1)) + (uint32_t)(p[i].low - start);
+            mg->slot[p[i].k] = (uint32_t)(MULTIGRID_BATCH * (n - 1)) + (uint32_t)(p[i].low - start);
     }
     return n;
 }
@@ -85,14 +85,13 @@ typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float)))
 PALP_CLONES
 static void batches_times(size_t n, const int32_t *batch, const float *element, const float *place, size_t stride,
                           const float *x, float *out) {
-    enum { B = MULTIGRID_BATCH };
     const float *x1 = x + stride, *x2 = x1 + stride, *place1 = place + stride, *place2 = place1 + stride;
     float *out1 = out + stride, *out2 = out1 + stride;
     for (size_t i = 0; i < n; i++) {
         const int32_t low = batch[2 * i], high = batch[2 * i + 1];
-        const float *e = element + 2 * B * i;
+        const float *e = element + MULTIGRID_BATCH * i;
         eight d0, d1, d2, along, across, a0, a1, a2, u0, u1, u2, sum;
-        LOAD(along, e), LOAD(across, e + B);
+        LOAD(along, e), LOAD(across, e + MULTIGRID_BATCH * n);
         LOAD(a0, place + low), LOAD(a1, place1 + low), LOAD(a2, place2 + low);
         LOAD(d0, place + high), LOAD(d1, place1 + high), LOAD(d2, place2 + high);
         d0 -= a0, d1 -= a1, d2 -= a2;

@@ -9,7 +9,7 @@
 
 enum { MULTIGRID_LEVELS = 12, BLOCK_FLOATS = 12, MULTIGRID_BATCH = 8 };
 
-/* A row is a node. Blocks are three columns of four floats, vectors four floats a node, the fourth 0. The finest level
+/* A row is a node. Blocks are three columns of four floats, vectors four floats a node, the fourth is of no meaning. The finest level
  * has elements in place of blocks. */
 typedef struct mg_level {
     size_t n;
@@ -17,17 +17,18 @@ typedef struct mg_level {
     uint32_t *middle;      /* [n] first entry behind the diagonal */
     int32_t *column;       /* [first[n]] */
     unsigned char *axes;   /* [n] bits of the free axes */
-    float *block[2];       /* [12 first[n]]; not on the finest */
+    uint32_t *low_first;   /* [n + 1] of those before the diagonal alone, */
+    float *block[2];       /* [12 low_first[n]] the blocks: those behind it are the same, transposed; not on the finest */
     float *inverse[2];     /* [12 n] of the own blocks */
     float *own[2];         /* [12 n] own blocks */
     float *x, *r;          /* [4 n] */
     uint32_t *up_first;    /* [n + 1] to the next coarser level */
     int32_t *up;           /* [up_first[n]] nodes there */
     float *weight;         /* [up_first[n]] */
-    uint32_t *local_first; /* [n + 1] row i of A P: its own block's and each entry's share of each node that is followed */
+    uint32_t *local_first; /* [n + 1] row i of (D / 2 + L) P, L before the diagonal: each block's share of each node that is followed */
     uint16_t *local;       /* [local_first[n]] goes to this place of the row; */
     uint32_t *target_first; /* [n + 1] for each node that node i follows, each place */
-    uint32_t *target;      /* [target_first[n]] to this entry of the next level */
+    uint32_t *target;      /* [target_first[n]] to this block of the next level */
 } mg_level;
 
 typedef enum mg_stage {
@@ -77,6 +78,11 @@ static inline size_t multigrid_stride(const multigrid *mg) {
     return mg->n_nodes + MULTIGRID_BATCH;
 }
 
+/* The block of entry k of row i, before the diagonal. */
+static inline size_t multigrid_low(const mg_level *l, size_t i, uint32_t k) {
+    return (size_t)BLOCK_FLOATS * (l->low_first[i] + (k - l->first[i]));
+}
+
 /* Entry (row, column) of a level's pattern. */
 static inline uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t column) {
     uint32_t low = l->first[row], high = l->first[row + 1];
@@ -120,10 +126,16 @@ static inline multigrid_four multigrid_all(float f) {
     return (multigrid_four){f, f, f, f};
 }
 
-/* A block times a vector. */
+/* A block times a vector; and the transposed one. */
 static inline multigrid_four multigrid_times(const float *b, multigrid_four v) {
     return multigrid_load(b) * multigrid_all(v[0]) + multigrid_load(b + 4) * multigrid_all(v[1]) +
            multigrid_load(b + 8) * multigrid_all(v[2]);
+}
+
+static inline multigrid_four multigrid_turned_times(const float *b, multigrid_four v) {
+    const multigrid_four p = multigrid_load(b) * v, q = multigrid_load(b + 4) * v, r = multigrid_load(b + 8) * v;
+    return (multigrid_four){p[0], q[0], r[0], 0.0F} + (multigrid_four){p[1], q[1], r[1], 0.0F} +
+           (multigrid_four){p[2], q[2], r[2], 0.0F};
 }
 
 /* [3 n] as [4 n], and back. */
@@ -176,7 +188,7 @@ palp_status multigrid_make_products(multigrid *mg);
 /* Adds what row i of A contributes to P' A P of the set being made; how many entries it has touched in each row. */
 size_t multigrid_coarsen(multigrid *mg, size_t level, size_t i);
 
-/* Entry k of row i in the set being made: a level's block, or made from the element into room[12]. */
+/* Entry k of row i, before the diagonal, in the set being made: a level's block, or made from the element into room[12]. */
 const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room);
 
 #endif

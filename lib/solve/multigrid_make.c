@@ -54,8 +54,8 @@ static void clear(multigrid *mg, size_t level, size_t i) {
     mg_level *l = &mg->level[level];
     memset(l->own[made(mg)] + BLOCK_FLOATS * i, 0, BLOCK_FLOATS * sizeof(float));
     if (level > 0)
-        memset(l->block[made(mg)] + BLOCK_FLOATS * l->first[i], 0,
-               BLOCK_FLOATS * (l->first[i + 1] - l->first[i]) * sizeof(float));
+        memset(l->block[made(mg)] + multigrid_low(l, i, l->first[i]), 0,
+               BLOCK_FLOATS * (l->middle[i] - l->first[i]) * sizeof(float));
 }
 
 /* Lower triangle by rows of along d d' + across 1. */
@@ -124,8 +124,8 @@ static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
 static bool invert(multigrid *mg, mg_level *l, size_t i) {
     const int set = made(mg);
     mask(l->own[set] + BLOCK_FLOATS * i, l->axes[i], l->axes[i]); /* of a coarse row, as followers have brought them */
-    for (uint32_t k = l->first[i]; l != mg->level && k < l->first[i + 1]; k++)
-        mask(l->block[set] + (size_t)BLOCK_FLOATS * k, l->axes[i], l->axes[l->column[k]]);
+    for (uint32_t k = l->first[i]; l != mg->level && k < l->middle[i]; k++)
+        mask(l->block[set] + multigrid_low(l, i, k), l->axes[i], l->axes[l->column[k]]);
     return invert_block(l, set, i, l->own[set] + BLOCK_FLOATS * i);
 }
 
@@ -145,18 +145,18 @@ static double fill(multigrid *mg, size_t i) {
     linsys *ls = mg->factor[made(mg)];
     double *value = linsys_values(ls);
     float room[BLOCK_FLOATS];
-    for (uint32_t k = l->middle[i]; k <= l->first[i + 1]; k++) {
-        bool own = k == l->middle[i];
-        size_t j = own ? i : (size_t)l->column[k - 1];
-        const float *b = own ? l->own[made(mg)] + BLOCK_FLOATS * i : multigrid_entry_block(mg, l, i, k - 1, room);
+    for (uint32_t k = l->first[i]; k <= l->middle[i]; k++) {
+        const bool own = k == l->middle[i];
+        const size_t j = own ? i : (size_t)l->column[k];
+        const float *b = own ? l->own[made(mg)] + BLOCK_FLOATS * i : multigrid_entry_block(mg, l, i, k, room);
         for (size_t r = 0; r < 3; r++)
             for (size_t c = 0; c < 3; c++) {
                 int32_t p = mg->dof[3 * i + r], q = mg->dof[3 * j + c];
-                if (p >= 0 && q >= p)
-                    value[linsys_slot(ls, (size_t)q, (size_t)p)] = (double)b[4 * c + r];
+                if (q >= 0 && p >= q)
+                    value[linsys_slot(ls, (size_t)p, (size_t)q)] = (double)b[4 * c + r];
             }
     }
-    return FILL_WORK * (double)(l->first[i + 1] + 1 - l->middle[i]);
+    return FILL_WORK * (double)(l->middle[i] + 1 - l->first[i]);
 }
 
 static palp_status factor(multigrid *mg, double work, bool *done) {

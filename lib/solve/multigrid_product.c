@@ -1,9 +1,11 @@
-/* multigrid_product.c: the Galerkin products P' A P, row by row of A. Where each number goes is found once, when the levels are made. */
+/* multigrid_product.c: the Galerkin products P' A P = S + S' with S = P' (D / 2 + L) P, A = D + L + L', row by row of L. Where each
+ * number goes is found once, when the levels are made. */
 #include "multigrid_internal.h"
 
-static const uint32_t OWN = UINT32_MAX; /* goes to the coarse row's own block */
+/* Where a block of S goes: to the coarse row's own, with its transpose; or to this block, transposed where S has it behind the diagonal. */
+static const uint32_t OWN = UINT32_MAX, TURNED = UINT32_C(1) << 31;
 
-/* Of the rows of A P: whom they have. */
+/* Of the rows of (D / 2 + L) P: whom they have. */
 typedef struct places {
     int32_t *mark;   /* [n of the next level] each one's place, or -1 */
     int32_t *column; /* [n] */
@@ -25,11 +27,11 @@ static size_t find_places(const mg_level *l, size_t j, places *p, uint16_t *loca
     return n;
 }
 
-/* Those of row i of A P, in the order in which they come; the number of locals. */
+/* Those of row i of it, in the order in which they come; the number of locals. */
 static size_t find_row(const mg_level *l, size_t i, places *p, uint16_t *local) {
     p->n = 0;
     size_t n = find_places(l, i, p, local);
-    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
+    for (uint32_t k = l->first[i]; k < l->middle[i]; k++)
         n += find_places(l, (size_t)l->column[k], p, local ? local + n : NULL);
     for (size_t k = 0; k < p->n; k++)
         p->mark[p->column[k]] = -1;
@@ -48,6 +50,13 @@ static size_t count(const mg_level *l, places *p, size_t *locals, size_t *target
     return longest;
 }
 
+static uint32_t find_target(const mg_level *coarse, int32_t row, int32_t column) {
+    if (row == column)
+        return OWN;
+    const int32_t low = row < column ? row : column, high = row < column ? column : row;
+    return (coarse->low_first[high] + multigrid_entry(coarse, high, low) - coarse->first[high]) | (row < column ? TURNED : 0);
+}
+
 static void list(mg_level *l, const mg_level *coarse, places *p) {
     uint32_t local = 0, target = 0;
     for (size_t i = 0; i < l->n; i++) {
@@ -56,7 +65,7 @@ static void list(mg_level *l, const mg_level *coarse, places *p) {
         local += (uint32_t)find_row(l, i, p, l->local + local);
         for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
             for (size_t j = 0; j < p->n; j++)
-                l->target[target++] = l->up[k] == p->column[j] ? OWN : multigrid_entry(coarse, l->up[k], p->column[j]);
+                l->target[target++] = find_target(coarse, l->up[k], p->column[j]);
     }
     l->local_first[l->n] = local;
     l->target_first[l->n] = target;
@@ -69,7 +78,8 @@ static palp_status make_product(arena *memory, mg_level *l, const mg_level *coar
     for (size_t i = 0; i < coarse->n && !scratch.failed; i++)
         p.mark[i] = -1;
     const size_t row = scratch.failed ? 0 : count(l, &p, &locals, &targets);
-    palp_status status = scratch.failed ? PALP_ERR_NO_MEMORY : row > UINT16_MAX || targets >= OWN ? PALP_ERR_LIMIT : PALP_OK;
+    const bool large = row > UINT16_MAX || targets >= OWN || coarse->low_first[coarse->n] >= TURNED;
+    palp_status status = scratch.failed ? PALP_ERR_NO_MEMORY : large ? PALP_ERR_LIMIT : PALP_OK;
     if (!status) {
         l->local_first = arena_take(memory, l->n + 1, sizeof *l->local_first);
         l->target_first = arena_take(memory, l->n + 1, sizeof *l->target_first);
@@ -109,7 +119,7 @@ static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
 
 const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room) {
     if (l != mg->level)
-        return l->block[1 - mg->used] + (size_t)BLOCK_FLOATS * k;
+        return l->block[1 - mg->used] + multigrid_low(l, i, k);
     float e[5];
     const size_t j = (size_t)l->column[k];
     multigrid_element(mg, mg->element[1 - mg->used], i < j ? i : j, mg->through[k], e);
@@ -131,10 +141,18 @@ static inline void add(float *to, float factor, const float *block) {
         multigrid_store(to + c, multigrid_load(to + c) + w * multigrid_load(block + c));
 }
 
-/* row of A P += block times the weights of node j. */
-static inline const uint16_t *spread(float *row, const mg_level *l, size_t j, const float *block, const uint16_t *local) {
+/* to += factor times a block, transposed */
+static inline void add_turned(float *to, float factor, const float *b) {
+    const multigrid_four w = multigrid_all(factor);
+    for (size_t c = 0; c < 3; c++)
+        multigrid_store(to + 4 * c, multigrid_load(to + 4 * c) + w * (multigrid_four){b[c], b[4 + c], b[8 + c], 0.0F});
+}
+
+/* row += factor times block times the weights of node j. */
+static inline const uint16_t *spread(float *row, const mg_level *l, size_t j, float factor, const float *block,
+                                     const uint16_t *local) {
     for (uint32_t k = l->up_first[j]; k < l->up_first[j + 1]; k++)
-        add(row + (size_t)BLOCK_FLOATS * *local++, l->weight[k], block);
+        add(row + (size_t)BLOCK_FLOATS * *local++, factor * l->weight[k], block);
     return local;
 }
 
@@ -146,13 +164,18 @@ size_t multigrid_coarsen(multigrid *mg, size_t level, size_t i) {
     const uint16_t *local = l->local + l->local_first[i];
     float room[BLOCK_FLOATS];
     memset(mg->row, 0, BLOCK_FLOATS * n * sizeof *mg->row);
-    local = spread(mg->row, l, i, l->own[set] + BLOCK_FLOATS * i, local);
-    for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
-        local = spread(mg->row, l, (size_t)l->column[k], multigrid_entry_block(mg, l, i, k, room), local);
-    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++) {
-        float *own = coarse->own[set] + (size_t)BLOCK_FLOATS * (size_t)l->up[k], *block = coarse->block[set];
-        for (size_t j = 0; j < n; j++, target++)
-            add(*target == OWN ? own : block + (size_t)BLOCK_FLOATS * *target, l->weight[k], mg->row + BLOCK_FLOATS * j);
-    }
+    local = spread(mg->row, l, i, 0.5F, l->own[set] + BLOCK_FLOATS * i, local);
+    for (uint32_t k = l->first[i]; k < l->middle[i]; k++)
+        local = spread(mg->row, l, (size_t)l->column[k], 1.0F, multigrid_entry_block(mg, l, i, k, room), local);
+    for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
+        for (size_t j = 0; j < n; j++, target++) {
+            const bool own = *target == OWN;
+            float *to = own ? coarse->own[set] + BLOCK_FLOATS * l->up[k]
+                            : coarse->block[set] + (size_t)BLOCK_FLOATS * (*target & ~TURNED);
+            if (own || !(*target & TURNED))
+                add(to, l->weight[k], mg->row + BLOCK_FLOATS * j);
+            if (own || *target & TURNED)
+                add_turned(to, l->weight[k], mg->row + BLOCK_FLOATS * j);
+        }
     return n;
 }

@@ -84,7 +84,7 @@ static double energy_at(const palp_material *m, const palp_element_state *from, 
     palp_element_state start = *from;
     double elastic, energy = 0.0, work;
     palp_law_force(&m->law, 1, &start.strain, &elastic, NULL, NULL);
-    element_history old = {&start.strain, &elastic, start.arm_N, NULL};
+    element_history old = {&start.strain, &elastic, start.arm_N, NULL, 1};
     element_step step;
     element_step_prepare(m, dt, &step);
     *known = element_energy(m, &step, 1, &e, &old, &energy, &work);

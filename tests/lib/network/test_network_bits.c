@@ -85,7 +85,7 @@ START_TEST(blocks_leave_the_forces) {
     for (size_t i = 0; i < n; i++)
         place[i] = (uint32_t)(n - 1 - i);
     memcpy(before, net->fint, 3 * net->n_nodes * sizeof *before);
-    const network_blocks blocks = {element, place, n};
+    const network_blocks blocks = {.element = element, .place = place, .spacing = n};
     ck_assert(network_evaluate_blocks(net, &blocks));
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         SAME(net->fint[i], before[i]);
@@ -96,6 +96,43 @@ START_TEST(blocks_leave_the_forces) {
     }
     free(element);
     free(place);
+    free(before);
+    palp_network_free(net);
+}
+END_TEST
+
+/* A trial leaves strain, force and history of every element as they were; its forces on nodes and its blocks, which go by runs where
+ * these stand together, are the same to the bit. */
+START_TEST(trials_keep_nothing) {
+    palp_material m = quartic(2);
+    palp_network *net = pressed(7, &m);
+    const size_t n = net->n_elements, runs = net->first_run[(n + NETWORK_CHUNK - 1) / NETWORK_CHUNK];
+    float *element = calloc(4 * n, sizeof *element);
+    uint32_t *place = calloc(n, sizeof *place), *run_place = calloc(runs, sizeof *run_place);
+    double *before = calloc(3 * net->n_nodes, sizeof *before), *kept[] = {net->strain, net->force, net->next.history.arm};
+    const size_t sizes[] = {n, n, 2 * n};
+    ck_assert(element && place && run_place && before);
+    for (size_t i = 0; i < n; i++)
+        place[i] = (uint32_t)i;
+    for (size_t r = 1; r < runs; r++)
+        run_place[r] = run_place[r - 1] + (uint32_t)net->run[r - 1].n;
+    network_blocks blocks = {.element = element, .place = place, .spacing = n};
+    ck_assert(network_evaluate_blocks(net, &blocks));
+    memcpy(before, net->fint, 3 * net->n_nodes * sizeof *before);
+    for (size_t k = 0; k < 3; k++)
+        for (size_t i = 0; i < sizes[k]; i++)
+            kept[k][i] = (double)(k + 1);
+    blocks = (network_blocks){element + 2 * n, place, n, run_place, true};
+    ck_assert(network_evaluate_blocks(net, &blocks));
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        SAME(net->fint[i], before[i]);
+    for (size_t k = 0; k < 3; k++)
+        for (size_t i = 0; i < sizes[k]; i++)
+            ck_assert(kept[k][i] == (double)(k + 1));
+    ck_assert_mem_eq(element, element + 2 * n, 2 * n * sizeof *element);
+    free(element);
+    free(place);
+    free(run_place);
     free(before);
     palp_network_free(net);
 }
@@ -143,6 +180,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, geometry_and_force_of_every_element);
     tcase_add_loop_test(tc, runs_bring_the_sum_over_elements, 4, 10);
     tcase_add_test(tc, blocks_leave_the_forces);
+    tcase_add_test(tc, trials_keep_nothing);
     tcase_add_test(tc, sums_are_in_one_order);
     tcase_add_test(tc, product_is_the_matrix);
 }

@@ -427,7 +427,32 @@ START_TEST(refused) {
 }
 END_TEST
 
+/* What PALP_SEDEF2008 carries from the last step as a vector is in an element's force along its direction, as that now is. */
+START_TEST(carried_force_is_along_the_element) {
+    palp_network_settings settings = palp_network_settings_default();
+    palp_material m = quartic(1);
+    m.formulation = PALP_SEDEF2008;
+    palp_network *net = cube_network(5, &m, &settings), *other = cube_network(5, &m, &settings);
+    palp_realtime *rt = realtime_on(net, false);
+    const size_t n = palp_mesh_element_count(palp_network_mesh(net));
+    double *force = calloc(2 * n, sizeof *force);
+    ck_assert(force != NULL);
+    for (int i = 1; i <= 20; i++) {
+        ck_assert_int_eq(palp_realtime_step(rt, 2e-4 * i, DT, &ALL, NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_step(other, 2e-4 * i, DT, NULL), PALP_OK);
+    }
+    palp_network_element_force(net, force);
+    palp_network_element_force(other, force + n);
+    for (size_t i = 0; i < n; i++)
+        ck_assert_double_eq_tol(force[i], force[n + i], 1e-9);
+    free(force);
+    palp_network_free(other);
+    drop(rt);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, carried_force_is_along_the_element);
     tcase_add_loop_test(tc, converged_is_a_step, 0, KINDS);
     tcase_add_test(tc, converged_is_a_step_with_levels);
     tcase_add_test(tc, energy_is_the_work);

@@ -291,7 +291,7 @@ START_TEST(tangent_of_a_tick_is_of_its_end) {
         ck_assert(!begins || rt->stage == REFRESH_MAKE);
         ck_assert_int_eq(network_begin(net, net->now.depth, DT), PALP_OK);
         memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
-        ck_assert(realtime_evaluate(rt, true));
+        ck_assert(realtime_evaluate(rt, true, false));
         const bool same = memcmp(used, rt->element, source.n_floats * sizeof *used) == 0;
         ck_assert(same || !(begins || due == ADJOINT_PARTS || due == 1));
         wanted += begins || due == ADJOINT_PARTS || due == 1;

@@ -79,7 +79,8 @@ START_TEST(truss_snaps_to_its_other_side) {
 END_TEST
 
 /* 11 nodes a side fold near 9.15 mm. Ticks of a few corrections at a depth beyond it: the energy falls in each of them, and they
- * end where one tick without limit ends, at a smaller force than before; the branch that a plain network follows ends there. */
+ * end where one tick without limit ends, at a smaller force than before; the branch that a plain network follows ends there. There is
+ * more than one stable branch below it, of 60.3 and of 63.8 N: which one is reached depends on the preconditioner. */
 START_TEST(lattice_goes_down_to_a_stable_branch) {
     const palp_budget few = {.corrections = 10};
     palp_network_settings settings = palp_network_settings_default();
@@ -96,7 +97,7 @@ START_TEST(lattice_goes_down_to_a_stable_branch) {
     const double top = info.force_N;
     ck_assert_int_eq(palp_realtime_step(straight, 9.2e-3, INFINITY, &ALL, &once), PALP_OK);
     ck_assert_msg(once.converged && once.buckled, "%d %d %zu %g %g", once.converged, once.buckled, once.corrections, once.residual, once.force_N);
-    ck_assert_double_lt(once.force_N, 0.95 * top);
+    ck_assert_double_lt(once.force_N, 0.98 * top);
     double energy = INFINITY;
     info.converged = false;
     for (int i = 0; i < 400 && !info.converged; i++) {

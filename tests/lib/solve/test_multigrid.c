@@ -202,7 +202,7 @@ static void plain_batches(const multigrid *mg, const float *element, const doubl
     for (size_t i = 0; i < mg->n_batches; i++) {
         float f[MULTIGRID_BATCH][3];
         for (size_t k = 0; k < MULTIGRID_BATCH; k++) {
-            const float *e = element + 2 * MULTIGRID_BATCH * i + k;
+            const float *e = element + MULTIGRID_BATCH * i + k;
             const size_t low = (size_t)mg->batch[2 * i] + k, high = (size_t)mg->batch[2 * i + 1] + k;
             float n[3], d[3];
             for (size_t c = 0; c < 3; c++) { /* behind the last node there is nothing */
@@ -211,7 +211,7 @@ static void plain_batches(const multigrid *mg, const float *element, const doubl
             }
             float along = e[0] * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
             for (size_t c = 0; c < 3; c++)
-                f[k][c] = along * n[c] + e[MULTIGRID_BATCH] * d[c];
+                f[k][c] = along * n[c] + e[mg->spacing] * d[c];
         }
         for (size_t end = 0; end < 2; end++)
             for (size_t k = 0; k < MULTIGRID_BATCH; k++)
