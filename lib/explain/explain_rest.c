@@ -95,61 +95,25 @@ static bool take_whitened(const explain_run *run, const double *residual, double
     return true;
 }
 
-/* ---- zeros that jump ---- */
-
-/* What a zero of the run that jumps once, at the likeliest of so many places, gains on x, which is whitened; less what its size
- * and place cost. work: [2 n] */
-static double jump_gain(const explain_run *run, const double *x, double *work) {
-    enum { PLACES = 31 };
-    const size_t n = run->n;
-    double *zero = work, *step = work + n, most = 0.0;
-    for (size_t i = 0; i < n; i++)
-        zero[i] = 1.0;
-    explain_whiten(run, 1, zero);
-    const double norm = dense_dot(n, zero, zero);
-    for (size_t k = 1; k <= PLACES && norm > 0.0; k++) {
-        for (size_t i = 0; i < n; i++)
-            step[i] = i >= k * n / (PLACES + 1) ? 1.0 : 0.0;
-        explain_whiten(run, 1, step);
-        const double along = dense_dot(n, zero, step) / norm;
-        const double square = dense_dot(n, step, step) - along * along * norm;
-        const double pull = dense_dot(n, step, x) - along * dense_dot(n, zero, x);
-        if (square > 1e-9 * norm)
-            most = fmax(most, 0.5 * pull * pull / square);
-    }
-    return fmax(0.0, most - log(PLACES) - 0.5 * log((double)n));
-}
-
-/* ---- beside noise ---- */
-
-enum { SCALES = 8, BLOCKS = 16 }; /* most lengths of blocks; fewest blocks of a length */
-
-/* Sums over blocks of every length, of all runs. */
-static void add_scales(const explain_run *run, const double *x, blocks *scale) {
-    for (size_t k = 0, length = 1; k < SCALES && BLOCKS * length <= run->n; k++, length *= TIMES) {
-        blocks b = sum_blocks(run, x, x, length);
-        scale[k].whitened += b.whitened;
-        scale[k].count += b.count;
-    }
-}
-
-palp_status explain_rest_weigh(const explain_data *data, const double *residual, double *inflation, double *jumps) {
-    double *x = malloc(3 * data->longest * sizeof *x);
-    blocks scale[SCALES] = {{.count = 0.0}};
+palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation) {
+    enum { SCALES = 8, BLOCKS = 16 };
+    double *x = malloc(data->longest * sizeof *x), whitened[SCALES] = {0}, count[SCALES] = {0};
     *inflation = 1.0;
-    *jumps = 0.0;
     if (!x)
         return PALP_ERR_NO_MEMORY;
     for (size_t r = 0; r < data->n_runs; residual += data->run[r++].n) {
         const explain_run *run = &data->run[r];
         if (!take_whitened(run, residual, x))
             continue;
-        add_scales(run, x, scale);
-        *jumps += jump_gain(run, x, x + run->n);
+        for (size_t k = 0, length = 1; k < SCALES && BLOCKS * length <= run->n; k++, length *= TIMES) {
+            blocks b = sum_blocks(run, x, x, length);
+            whitened[k] += b.whitened;
+            count[k] += b.count;
+        }
     }
     for (size_t k = 0; k < SCALES; k++)
-        if (scale[k].count > 0.0)
-            *inflation = fmax(*inflation, scale[k].whitened / limit_of(scale[k].count, 0.01) / (1.0 + KNOWN_TO));
+        if (count[k] > 0.0)
+            *inflation = fmax(*inflation, whitened[k] / limit_of(count[k], 0.01) / (1.0 + KNOWN_TO));
     free(x);
     return PALP_OK;
 }

@@ -95,12 +95,14 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     t->explained = hypot(explain_rms(n, t->force, s->force), hum);
     explain_pair pair = {.gain = 0.0};
     status = explain_paired(&s->data, &s->fit, &t->fit, &pair);
-    double inflation_before, jumps_before = 0.0, jumps_after = 0.0;
     if (!status)
-        status = explain_rest_weigh(&s->data, s->residual, &inflation_before, &jumps_before);
-    if (!status)
-        status = explain_rest_weigh(&s->data, residual, &t->inflation, &jumps_after);
-    t->beside_jumps = t->gain + jumps_after - jumps_before;
+        status = explain_rest_inflation(&s->data, residual, &t->inflation);
+    double before = 0.0, after = 0.0;
+    if (!status && t->gain > 0.0)
+        status = explain_wander_find(&s->fit, &s->data, s->settings, &before);
+    if (!status && t->gain > 0.0)
+        status = explain_wander_find(&t->fit, &s->data, s->settings, &after);
+    t->beside_zeros = t->gain + after - before;
     t->from_zero = true;
     double widening = 1.0;
     if (!status && effect && !line)

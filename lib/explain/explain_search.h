@@ -50,7 +50,7 @@ typedef struct explain_trial {
     double held_out_rest;              /* of that, without the run that gains most */
     double *force;                     /* [n] of the model */
     double inflation;                  /* of the evidence's scatter, by what is left beside noise */
-    double beside_jumps;               /* gain, if the zero of every run may jump once without it and with it */
+    double beside_zeros;               /* gain, if the zeros of the runs may wander without it and with it */
     double explained;                  /* rms difference of the forces */
     bool from_zero;                    /* the interval of a strength, as the runs scatter, is away from zero */
 } explain_trial;
@@ -152,9 +152,15 @@ typedef struct explain_rest {
  * which samples do not count, that the model at hand does not follow. */
 palp_status explain_rest_find(const explain_search *s, const double *residual, explain_rest *rest);
 
-/* Of a residual[n]: by how much what it has beside noise widens the scatter of sums over it (1: it is noise), and what the runs' zeros
- * gain on it if each may jump once, nats, less what the sizes and places cost. */
-palp_status explain_rest_weigh(const explain_data *data, const double *residual, double *inflation, double *jumps);
+/* By how much what a residual[n] has beside noise widens the scatter of sums over it; 1: it is noise. */
+palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation);
+
+/* ---- zeros that wander (explain_wander.c) ---- */
+
+/* What the fit gains if the zeros of the runs may wander, with its parameters moved by a step and its scatter found anew, nats, less what
+ * their pace costs. */
+palp_status explain_wander_find(const explain_fit *fit, const explain_data *data, const palp_explain_settings *settings,
+                                double *gain);
 
 /* ---- explain_null.c ---- */
 

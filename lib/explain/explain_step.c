@@ -50,8 +50,8 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
         return "gains no more than chance does";
     if (!(t->gain > (t->inflation - 1.0) * (t->raw_gain - t->gain) && t->raw_gain > t->inflation * threshold))
         return "gains no more than the model's other faults would";
-    if (!(t->beside_jumps > 0.0))
-        return "gains no more than zeros that jump in the runs would";
+    if (!(t->beside_zeros > 0.0 && t->beside_zeros + t->raw_gain - t->gain > threshold))
+        return "gains no more than zeros that wander in the runs would";
     if (!(t->explained > s->settings->good_enough * s->data.peak))
         return "explains less than the practical limit";
     if (at_an_end(&t->fit))

@@ -268,7 +268,7 @@ START_TEST(an_estimate_at_its_end) {
     fit.low[1] = -0.95;
     fit.high[1] = 2;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        explain_trial t = {.tried = true, .fit = fit, .raw_gain = 30, .gain = 20, .inflation = 1, .beside_jumps = 20, .held_out_gain = 20,
+        explain_trial t = {.tried = true, .fit = fit, .raw_gain = 30, .gain = 20, .inflation = 1, .beside_zeros = 20, .held_out_gain = 20,
                            .held_out_se = 5, .held_out_rest = 10, .explained = 1, .from_zero = true};
         t.fit.x[1] = cases[i].bias;
         const char *reason = explain_judged(s, &t, 5);

@@ -297,29 +297,6 @@ START_TEST(a_step_that_stays_is_a_slip) {
 }
 END_TEST
 
-/* A zero that jumps in one of the runs gains what it should, less its price; none gains nothing, whatever the zero. */
-START_TEST(zeros_that_jump) {
-    enum { N = 2000, AT = 1250 }; /* 20 of 32 places */
-    const double size = 0.3, price = log(31) + 0.5 * log(N), alone = 0.5 * size * size * AT * (N - AT) / N;
-    double gain, inflation;
-    begin(2, N, 0.01);
-    for (size_t r = 0; r < 2; r++)
-        make_noise(&run[r], 1, 0, 1, residual + r * N);
-    for (size_t i = 0; i < N; i++)
-        residual[i] += 7;
-    ck_assert_int_eq(explain_rest_weigh(&data, residual, &inflation, &gain), PALP_OK);
-    ck_assert_double_lt(gain, 1);
-    for (size_t i = AT; i < N; i++)
-        residual[N + i] += size;
-    ck_assert_int_eq(explain_rest_weigh(&data, residual, &inflation, &gain), PALP_OK);
-    ck_assert_double_eq_tol(gain, alone - price, 4 * sqrt(2 * alone));
-    ck_assert_double_gt(gain, 0);
-    run[1].held_out = true;
-    ck_assert_int_eq(explain_rest_weigh(&data, residual, &inflation, &gain), PALP_OK);
-    ck_assert_double_lt(gain, 1);
-}
-END_TEST
-
 void tests(TCase *tc) {
     tcase_add_test(tc, white_and_correlated_noise_are_found);
     tcase_add_test(tc, noise_that_is_nowhere_white);
@@ -333,5 +310,4 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_step_that_stays_is_a_slip);
     tcase_add_loop_test(tc, neither_a_burst_nor_a_misfit_is_noise, 0, 5);
     tcase_add_loop_test(tc, correlated_noise_is_alike_in_all_runs, 0, 4);
-    tcase_add_test(tc, zeros_that_jump);
 }
