@@ -154,6 +154,7 @@ typedef struct effect_row {
     bool gives_way;            /* the map's depth depends on the force */
     effect_sensor *sensor;
     bool remembers;            /* the sensor's reading depends on the one before it */
+    bool bends;                /* the sensor's reading is no straight line over the force */
     effect_spectrum *spectrum;
     bool arm;                  /* it is one more arm: its parameters are K and tau */
     effect_arms *arms;

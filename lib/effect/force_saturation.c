@@ -28,4 +28,4 @@ const effect_row effect_force_saturation = {
              .parameter = {{"force_N", 1, 0, 1e12, 10, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_FRAME_COMPLIANCE),
              .in_lumped = true, .in_network = true},
-    .stage = 9, .sensor = sensor, .starts = starts};
+    .stage = 9, .sensor = sensor, .bends = true, .starts = starts};

@@ -38,7 +38,7 @@ static palp_status go_back(explain_fit *fit, const explain_data *data) {
         return status;
     size_t k = data->given->material.law.n + 2 * data->given->material.n_arms;
     memcpy(fit->x, given.x, k * sizeof *fit->x);
-    memset(fit->contact, 0, data->n_runs * sizeof *fit->contact);
+    memset(fit->contact, 0, 2 * data->n_runs * sizeof *fit->contact); /* and gains */
     fit->scatter.contact = fmin(fit->scatter.contact, explain_hidden_scatter(data).contact);
     fit->model.material = data->given->material;
     explain_fit_free(&given);

@@ -78,11 +78,6 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
     return PALP_OK;
 }
 
-palp_status explain_white_noise(explain_run *run, const double *x) {
-    double step = (run->time[run->n - 1] - run->time[0]) / (double)(run->n - 1);
-    return palp_segments_noise(run->n, run->time, step, x, PALP_NOISE_MEDIAN, &run->white);
-}
-
 /* Lone samples far from both neighbours are events. */
 static palp_status mask_spikes(explain_data *data, size_t r) {
     explain_run *run = &data->run[r];

@@ -77,10 +77,11 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     fit->model = *model;
     fit->n_columns = palp_forward_parameter_count(model);
     fit->m = fit->n_columns + EXPLAIN_NUISANCES + 1;
-    fit->product = calloc(data->n_runs * (fit->m * fit->m + 1), sizeof *fit->product);
+    fit->product = calloc(data->n_runs * (fit->m * fit->m + 2), sizeof *fit->product);
     if (!fit->product)
         return PALP_ERR_NO_MEMORY;
     fit->contact = fit->product + data->n_runs * fit->m * fit->m;
+    fit->gain = fit->contact + data->n_runs;
     double stiffness = data->peak * data->height / data->deepest, strain = data->deepest / data->height;
     size_t k = 0;
     for (; k < model->material.law.n; k++) {
@@ -112,7 +113,7 @@ palp_status explain_fit_beside(const explain_fit *base, const palp_model *model,
                                explain_fit *fit) {
     palp_status status = explain_fit_create(model, data, fit);
     if (!status)
-        memcpy(fit->contact, base->contact, data->n_runs * sizeof *fit->contact);
+        memcpy(fit->contact, base->contact, 2 * data->n_runs * sizeof *fit->contact); /* and gains */
     fit->scatter = base->scatter;
     fit->hum_Hz = base->hum_Hz;
     fit->hum_N = base->hum_N;
@@ -133,7 +134,7 @@ void explain_fit_free(explain_fit *fit) {
 }
 
 palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to) {
-    size_t bytes = n_runs * (from->m * from->m + 1) * sizeof *to->product;
+    size_t bytes = n_runs * (from->m * from->m + 2) * sizeof *to->product;
     *to = *from;
     to->spread = NULL;
     to->product = malloc(bytes);
@@ -141,6 +142,7 @@ palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit
         return PALP_ERR_NO_MEMORY;
     memcpy(to->product, from->product, bytes);
     to->contact = to->product + n_runs * from->m * from->m;
+    to->gain = to->contact + n_runs;
     return PALP_OK;
 }
 
@@ -207,10 +209,10 @@ static void law_column(const palp_law *law, size_t n, const double *gradient, do
             column[i] += law->coefficients[k] * gradient[k * n + i];
 }
 
-/* The run's surface is at contact; its residual as if it were where the model has it, so that its contact as a whole has
- * the scatter of all. work: [(n_columns + 3 parameters and more) n] */
+/* The run's surface is at contact and its gain at own_gain; its residual as if they were where the model has them, so that its contact
+ * and its gain as a whole have the scatter of all. work: [(n_columns + 3 parameters and more) n] */
 static palp_status run_products(explain_fit *fit, const explain_run *run, const palp_forward_run *path,
-                                const palp_model *full, size_t offset, size_t gain, double *force, double *gradient,
+                                const palp_model *full, double own_gain, size_t offset, size_t gain, double *force, double *gradient,
                                 double *column, double *product) {
     size_t n = run->n, k = fit->n_columns, m = fit->m;
     palp_status status = explain_predict(full, path, force, gradient, NULL);
@@ -227,7 +229,7 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
     law_column(&fit->model.material.law, n, gradient, own + 5 * n);
     double *y = own + EXPLAIN_NUISANCES * n;
     for (size_t i = 0; i < n; i++)
-        y[i] = run->force[i] - force[i] + path->contact_m * own[n + i];
+        y[i] = run->force[i] - force[i] + path->contact_m * own[n + i] + own_gain * own[2 * n + i];
     explain_whiten(run, m, column);
     dense_transposed_product(m, m, n, column, column, product);
     return PALP_OK;
@@ -240,7 +242,7 @@ static void find_residual(const explain_fit *fit, const explain_run *run, size_t
     explain_nuisances(fit, r, own, sd);
     for (size_t i = 0; i < run->n; i++) {
         double turn = TURN * fit->hum_Hz * run->time[i];
-        double more = own[0] + (own[1] - fit->contact[r]) * contact[i] + own[2] * gain[i] + own[5] * law[i];
+        double more = own[0] + (own[1] - fit->contact[r]) * contact[i] + (own[2] - fit->gain[r]) * gain[i] + own[5] * law[i];
         if (fit->hum_Hz > 0.0)
             more += own[3] * sin(turn) + own[4] * cos(turn);
         residual[i] = run->use[i] ? run->force[i] - force[i] - more : 0.0;
@@ -267,7 +269,11 @@ static palp_status evaluate_run(const evaluation *e, size_t r, explain_history *
     double *gradient = work + n, *column = gradient + e->columns * n, *law = column + m * n;
     const palp_law *of = &e->fit->model.material.law;
     palp_forward_run path = explain_forward_run(run, e->fit->contact[r], history);
-    palp_status status = run_products(e->fit, run, &path, &e->full, e->offset, e->gain, work, gradient, column,
+    palp_model full = e->full;
+    for (size_t i = 0; i < full.n_effects; i++)
+        if (full.effects[i].id == PALP_EFFECT_SENSOR_GAIN)
+            full.effects[i].value[0] += e->fit->gain[r];
+    palp_status status = run_products(e->fit, run, &path, &full, e->fit->gain[r], e->offset, e->gain, work, gradient, column,
                                       e->fit->product + r * m * m);
     size_t at = 0;
     for (size_t i = 0; i < r; i++)

@@ -25,7 +25,8 @@ typedef struct explain_fit {
     bool logarithmic[EXPLAIN_COLUMNS];
     explain_scatter scatter;
     double *product;              /* [n_runs m m]: of the whitened columns of parameters, nuisances and residual */
-    double *contact;              /* [n_runs], in the same block: each run's surface, about which its contact is linear */
+    double *contact, *gain;       /* [n_runs] each, in the same block: each run's surface, and its gain where a sensor bends, about which
+                                   * they are linear */
     const palp_explain_settings *spread; /* whose loop takes the runs; NULL, as in a task of that loop and in each new fit or
                                             copy: they are one after the other */
     double score;                 /* log likelihood (less constants) of the runs not held out, nuisances integrated out */
@@ -98,7 +99,7 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
 /* chi2 after one more step, as the products predict it. */
 palp_status explain_fit_predict(const explain_fit *fit, const explain_data *data, double *chi2);
 
-/* Moves to the best parameters near by, and each run's surface to where they find it. */
+/* Moves to the best parameters near by, and each run's surface, and gain where a sensor bends, to where they find it. */
 palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size_t rounds);
 
 /* Improves it and re-estimates its scatter in turn, as each changes with the other. */

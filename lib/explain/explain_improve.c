@@ -91,19 +91,33 @@ static palp_status descend(explain_fit *fit, const explain_data *data, size_t ro
     return status;
 }
 
-/* Every run's surface to where the fit finds it, at most a quarter of the deepest away; but for less than what is as
- * good as straight; whether one moved. */
-static bool find_contacts(explain_fit *fit, const explain_data *data) {
-    const double most = 0.25 * data->deepest, straight = fmin(0.1 * fit->scatter.contact, 1e-3 * data->deepest);
+/* Whether a sensor reads no straight line over the force. */
+static bool bends(const palp_model *model) {
+    bool any = false;
+    for (size_t i = 0; i < model->n_effects; i++)
+        any = any || effect_row_of(model->effects[i].id)->bends;
+    return any;
+}
+
+/* *at to where it should be, at most so far from 0; but for less than what is as good as straight; whether it moved. */
+static bool move(double *at, double to, double most, double straight) {
+    to = fmin(most, fmax(-most, to));
+    if (!(fabs(to - *at) > straight))
+        return false;
+    *at = to;
+    return true;
+}
+
+/* Every run's surface to where the fit finds it, at most a quarter of the deepest away, and its gain where a sensor bends; whether one
+ * moved. */
+static bool find_nuisances(explain_fit *fit, const explain_data *data) {
+    const double deepest = 0.25 * data->deepest, gain = bends(&fit->model) ? 0.5 : 0.0;
     bool moved = false;
     for (size_t r = 0; r < data->n_runs; r++) {
         double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
         explain_nuisances(fit, r, own, sd);
-        const double contact = fmin(most, fmax(-most, own[1]));
-        if (!(fabs(contact - fit->contact[r]) > straight))
-            continue;
-        fit->contact[r] = contact;
-        moved = true;
+        moved = move(&fit->contact[r], own[1], deepest, fmin(0.1 * fit->scatter.contact, 1e-3 * data->deepest)) || moved;
+        moved = move(&fit->gain[r], own[2], gain, fmin(0.1 * fit->scatter.gain, 1e-3)) || moved;
     }
     return moved;
 }
@@ -115,7 +129,7 @@ palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size
         size_t used = 0;
         status = descend(fit, data, rounds, &used);
         rounds -= used;
-        if (status || !find_contacts(fit, data))
+        if (status || !find_nuisances(fit, data))
             break;
         status = explain_fit_products(fit, data, NULL);
     }

@@ -32,6 +32,7 @@ static void begin(size_t n_runs, size_t n, double dt) {
         for (size_t i = 0; i < n; i++) {
             run[r].time[i] = dt * (double)i;
             run[r].depth[i] = 2e-3;
+            run[r].force[i] = 0;
             run[r].keep[i] = run[r].take[i] = 0;
             run[r].weight[i] = 1;
         }
@@ -64,6 +65,24 @@ START_TEST(white_and_correlated_noise_are_found) {
         make_noise(&run[r], 2e-3, 0, 1, residual + r * 12000);
     ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
     ck_assert_double_eq(data.correlated, 0);
+}
+END_TEST
+
+/* A sensor that reads no more than 1: six samples of ten are there, without noise. */
+START_TEST(the_end_of_a_sensor_is_no_silence) {
+    begin(1, 4000, 0.01);
+    make_noise(run, 2e-3, 0, 1, residual);
+    for (size_t i = 0; i < 4000; i++) {
+        const double force = i % 1000 < 400 ? 2e-3 * (double)(i % 1000) + residual[i] : 1;
+        residual[i] = i % 1000 < 400 ? residual[i] : 0;
+        run->force[i] = force;
+    }
+    ck_assert_int_eq(explain_white_noise(run, residual), PALP_OK);
+    ck_assert_double_eq_tol(run->white, 2e-3, 1.5e-4);
+    memset(run->force, 0, 4000 * sizeof *run->force); /* nothing else is there */
+    make_noise(run, 2e-3, 0, 1, residual);
+    ck_assert_int_eq(explain_white_noise(run, residual), PALP_OK);
+    ck_assert_double_eq_tol(run->white, 2e-3, 1.5e-4);
 }
 END_TEST
 
@@ -310,4 +329,5 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_step_that_stays_is_a_slip);
     tcase_add_loop_test(tc, neither_a_burst_nor_a_misfit_is_noise, 0, 5);
     tcase_add_loop_test(tc, correlated_noise_is_alike_in_all_runs, 0, 4);
+    tcase_add_test(tc, the_end_of_a_sensor_is_no_silence);
 }

@@ -12,6 +12,11 @@ enum { SPECIMENS = 4, EACH = 2, RUNS = SPECIMENS * EACH };
 static palp_experiment *made[RUNS];
 static palp_explain_input input[RUNS];
 static char name[RUNS][16];
+static double range; /* of the sensor, N */
+
+static void begin(void) {
+    range = HUGE_VAL;
+}
 
 /* law, whole: how many times as stiff each specimen's law, or all of it, is; gain: of each run's sensor. */
 static void session(const palp_model *plain, const double *law, const double *whole, const double *gain, bool named) {
@@ -37,7 +42,7 @@ static void session(const palp_model *plain, const double *law, const double *wh
         for (size_t i = 0; i < s.n; i++) {
             palp_experiment_column(made[r], "time_s")[i] = s.time_s[i];
             palp_experiment_column(made[r], "depth_mm")[i] = 1e3 * s.depth_m[i];
-            palp_experiment_column(made[r], "force_N")[i] = gain[r] * s.force_N[i] + 2e-3 * white_noise(&state);
+            palp_experiment_column(made[r], "force_N")[i] = fmin(range, gain[r] * s.force_N[i] + 2e-3 * white_noise(&state));
         }
         snprintf(name[r], sizeof name[r], "piece %zu", k);
         if (named)
@@ -96,6 +101,23 @@ START_TEST(specimens_that_differ_as_a_whole_are_no_gain) {
 }
 END_TEST
 
+/* The stiff specimens reach the end of its range and the soft ones do not. */
+START_TEST(a_sensor_that_ends_is_found_beside_them) {
+    palp_model plain = lumped_model(1);
+    palp_explanation e;
+    range = 2.2;
+    session(&plain, ones, differ, ones, true);
+    explain(&e);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_FORCE_SATURATION);
+    ck_assert_double_eq_tol(e.effect[0].effect.value[0], range, 5e-3);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_EXPLAINED);
+    for (size_t r = 0; r < RUNS; r++)
+        ck_assert_double_eq_tol(e.run[r].stiffness / e.run[0].stiffness, differ[r / EACH] / differ[0], 0.01);
+    palp_explanation_free(&e);
+}
+END_TEST
+
 /* Gains that differ in the runs of one specimen are none of the specimens'. */
 START_TEST(gains_within_a_specimen_are_the_sensors) {
     static const double gain[RUNS] = {0.9, 1.1, 1.08, 0.92, 0.95, 1.07, 1.1, 0.9};
@@ -136,8 +158,10 @@ START_TEST(an_effect_is_found_beside_them) {
 END_TEST
 
 void tests(TCase *tc) {
+    tcase_add_checked_fixture(tc, begin, NULL);
     tcase_add_test(tc, laws_of_their_own_are_no_effect);
     tcase_add_test(tc, specimens_that_differ_as_a_whole_are_no_gain);
+    tcase_add_test(tc, a_sensor_that_ends_is_found_beside_them);
     tcase_add_test(tc, gains_within_a_specimen_are_the_sensors);
     tcase_add_test(tc, unnamed_runs_have_one_specimen);
     tcase_add_test(tc, an_effect_is_found_beside_them);
