@@ -12,10 +12,14 @@ bool network_evaluate(palp_network *net) {
 bool network_evaluate_blocks(palp_network *net, const network_blocks *blocks) {
     if (!network_element_forces(net, blocks))
         return false;
+    network_evaluate_terms(net);
+    return isfinite(net->force_squares);
+}
+
+void network_evaluate_terms(palp_network *net) {
     memset(net->outer, 0, 3 * net->n_nodes * sizeof *net->outer);
     net->outer_squares = 0.0;
     NETWORK_EACH_TERM(net, evaluate, net);
-    return isfinite(net->force_squares);
 }
 
 double network_residual(palp_network *net, double *scale) {

@@ -163,6 +163,7 @@ double network_dot(const double *a, const double *b, size_t n);
 /* Geometry, element forces, nodal sums and terms at next.x. False: a collapsed element or a non-finite force. */
 bool network_evaluate(palp_network *net);
 bool network_evaluate_blocks(palp_network *net, const network_blocks *blocks); /* as network_element_forces with blocks */
+void network_evaluate_terms(palp_network *net); /* the terms alone */
 
 /* |residual|_2 of the unknowns into rhs (K dx = rhs), and the scale it is judged by. */
 double network_residual(palp_network *net, double *scale);

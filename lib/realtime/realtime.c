@@ -14,7 +14,8 @@ static const double SUDDEN = 2.0;  /* times the residual of the last tick's firs
 static const double OVERRUN = 0.5; /* of its slope that a move may have against it at its end */
 static const double ASIDE = 0.15;  /* of what is between two places along it: so far is the next one from both */
 static const double SAFETY = 3.0;  /* of the error estimate */
-static const double NEAR = 0.7;    /* of the error that a budget allows: a tick that ends there may be followed by one that corrects */
+static const double MARGIN = 0.5;  /* of the error that a budget allows: corrections that leave less are enough */
+static const double NEAR = 0.7;    /* of the error that it allows: a tick that ends there may be followed by one that corrects */
 static const double ANCHORED = 6.0; /* of a tick's error, what friction may remember of it */
 static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
 static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
@@ -39,7 +40,8 @@ void palp_realtime_free(palp_realtime *rt) {
 
 static palp_status allocate(palp_realtime *rt) {
     const palp_network *net = rt->net;
-    double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint, &rt->weight, &rt->adjoint_r, &rt->adjoint_z};
+    double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint, &rt->weight, &rt->adjoint_r, &rt->adjoint_z,
+                          &rt->tissue};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         *arrays[i] = arena_take(&rt->memory, 3 * net->n_nodes, sizeof **arrays[i]);
     rt->touching = arena_take(&rt->memory, MULTIGRID_COUPLINGS, sizeof *rt->touching);
@@ -48,7 +50,8 @@ static palp_status allocate(palp_realtime *rt) {
     const bool touched = realtime_touched(net);
     palp_status status = multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
                                           touched ? TOUCHED : DIRECT, &rt->mg);
-    if (!status && !(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)))
+    if (!status && (!(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)) ||
+                    !(rt->adjoint_half = arena_take(&rt->memory, multigrid_half_size(rt->mg), sizeof *rt->adjoint_half))))
         status = PALP_ERR_NO_MEMORY;
     if (!status && net->run)
         status = realtime_place_runs(rt);
@@ -73,6 +76,7 @@ static palp_status begin(palp_realtime *rt) {
     palp_status status = evaluate_here(net);
     net->factored = false;
     rt->resets = net->resets;
+    memcpy(rt->tissue, net->fint, 3 * net->n_nodes * sizeof *rt->tissue);
     if (!status)
         status = realtime_refresh_now(rt);
     for (size_t k = 0; k < REALTIME_PARTS; k++)
@@ -160,7 +164,7 @@ static bool follow(palp_realtime *rt, bool tangent, bool trial) {
 /* Will the tangent at next.x be used: by another correction, the adjoint's or the next factor? */
 static bool tangent_wanted(const palp_realtime *rt, bool last) {
     bool due = rt->adjoint_due > 0 && rt->driven;
-    return !last || (due ? rt->adjoint_due != ADJOINT_PARTS - 1 : realtime_refresh_begins(rt));
+    return !last || (due ? rt->adjoint_due == ADJOINT_PARTS || rt->adjoint_due == 1 : realtime_refresh_begins(rt));
 }
 
 static bool predict(palp_realtime *rt, const palp_budget *budget) {
@@ -168,51 +172,30 @@ static bool predict(palp_realtime *rt, const palp_budget *budget) {
     const bool tangent = tangent_wanted(rt, enough);
     palp_network *net = rt->net;
     double depth = net->next.depth, move = depth - net->now.depth;
+    const bool trial = budget->force_error == 0.0; /* else it may well be enough */
     bool extrapolated =
         rt->contraction < STRAIGHT && network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
-    if (extrapolated && follow(rt, tangent, !rt->idle))
+    if (extrapolated && follow(rt, tangent, trial))
         return true;
     for (int straight = 1; straight >= 0; straight--) {
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->now.x[i] + (straight && rt->driven ? move * rt->adjoint[i] : 0.0);
         network_place(net, depth);
-        if (follow(rt, tangent, !rt->idle))
+        if (follow(rt, tangent, trial))
             return true;
     }
     return false;
-}
-
-/* Size of the resultant of the terms' forces, N. */
-static double outer_force(const palp_network *net) {
-    double sum[3] = {0.0};
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        sum[i % 3] += net->outer[i];
-    return sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
-}
-
-static void weigh(palp_realtime *rt) {
-    memset(rt->weight, 0, rt->net->n_nodes * sizeof *rt->weight);
-    NETWORK_EACH_TERM(rt->net, weigh, rt->net, rt->weight);
-}
-
-/* Stiffness that the tissue's own elements give the nodes that terms press on, summed over nodes and axes, N/m. */
-static double own_stiffness(palp_realtime *rt) {
-    double sum = 0.0;
-    bool any = false;
-    for (size_t i = 0; i < rt->net->n_terms; i++)
-        any = any || rt->net->terms[i]->kind->weigh;
-    if (!any)
-        return 0.0;
-    weigh(rt);
-    for (size_t i = 0; i < rt->net->n_nodes; i++)
-        sum += rt->weight[i] > 0.0 ? rt->net->unit[i] : 0.0;
-    return 3.0 * rt->net->modulus * sum;
 }
 
 /* Residual of the last evaluation on all axes, 0 on fixed ones. */
 static void spread_residual(const palp_network *net, double *r) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         r[i] = net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]];
+}
+
+/* The force error that the budget allows, N. */
+static double most_error(const palp_realtime *rt, const tick *t) {
+    return t->budget.force_error > 0.0 ? t->budget.force_error * (fabs(t->info.force_N) + realtime_outer_force(rt->net)) : 0.0;
 }
 
 /* Residual, force and their judgement at next.x. Force by virtual work: exact but for the product of two errors, that
@@ -227,9 +210,9 @@ static void assess(palp_realtime *rt, tick *t) {
     t->info.residual = t->scale > 0.0 ? net->settings.tolerance * t->norm / t->scale : 0.0;
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = rt->driven ? error * rt->adjoint_error : 0.0;
-    t->fresh_error += error * sqrt(own_stiffness(rt));
+    t->fresh_error += error * sqrt(realtime_own_stiffness(rt));
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
-    double most = t->budget.force_error > 0.0 ? t->budget.force_error * (fabs(t->info.force_N) + outer_force(net)) : 0.0;
+    double most = most_error(rt, t);
     t->near = t->info.force_error_N > NEAR * most;
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
@@ -306,6 +289,12 @@ static size_t in_a_round(const palp_realtime *rt, size_t left) {
     return !realtime_touched(rt->net) ? left : left <= LAST ? 1 : left <= FEW ? 2 : left / 2;
 }
 
+/* Error of the positions, in the norm of the tangent, with which the budget's force error is met; 0: it sets none. */
+static double enough(palp_realtime *rt, const tick *t) {
+    const double error = (rt->driven ? rt->adjoint_error : 0.0) + sqrt(realtime_own_stiffness(rt));
+    return t->budget.force_error > 0.0 ? fmax(0.0, MARGIN * most_error(rt, t) - rt->remembered - rt->anchored) / (SAFETY * error) : 0.0;
+}
+
 static void correct(palp_realtime *rt, tick *t) {
     for (int i = 0; !t->info.converged; i++) {
         size_t left = room(rt, t);
@@ -316,7 +305,7 @@ static void correct(palp_realtime *rt, tick *t) {
         double start = realtime_clock();
         if (!rt->fresh && !realtime_evaluate(rt, true, true)) /* the prediction was thought to be enough */
             return;
-        size_t done = realtime_solve(rt, in_a_round(rt, left), SHARE);
+        size_t done = realtime_solve(rt, in_a_round(rt, left), SHARE, enough(rt, t));
         if (done == 0)
             return;
         learn(&rt->times.correction, (realtime_clock() - start) / (double)done);
@@ -361,7 +350,9 @@ static void commit(palp_realtime *rt, const tick *t) {
     if (!rt->kept) /* it was the last one, other than was thought */
         realtime_evaluate(rt, rt->fresh, false);
     network_finish(net);
-    weigh(rt);
+    if (realtime_touched(net))
+        memcpy(rt->tissue, net->fint, 3 * net->n_nodes * sizeof *rt->tissue);
+    realtime_weigh(rt);
     NETWORK_EACH_TERM(net, share_residual, net, rt->weight, rt->r);
     rt->anchored = 0.0;
     NETWORK_EACH_TERM(net, doubt, net, ANCHORED * t->fresh_error, &rt->anchored);
@@ -389,7 +380,7 @@ static void stay_if_nearer(palp_realtime *rt, tick *t) {
     const size_t size = 3 * net->n_nodes * sizeof *rt->q;
     const double predicted = t->norm, usual = rt->guessed;
     rt->guessed = predicted;
-    if (!realtime_touched(net) || predicted <= SUDDEN * usual)
+    if (!realtime_touched(net) || predicted <= SUDDEN * usual || !realtime_may_stay(rt, predicted))
         return;
     memcpy(rt->q, net->next.x, size);
     memcpy(net->next.x, net->now.x, size);

@@ -36,6 +36,8 @@ struct palp_realtime {
     bool indefinite;       /* in this tick the tangent was found not to be positive definite */
     bool idle, near;       /* the last tick made no correction; but was near to one */
     double *adjoint_r, *adjoint_z; /* [3 n_nodes] of a correction of the adjoint on its way */
+    double *tissue;        /* [3 n_nodes] forces of the elements in the committed state, N, where tools touch */
+    float *adjoint_half;   /* [multigrid_half_size] between the halves of its cycle */
     bool driven;           /* some axis is: there is an adjoint */
     double adjoint_error;  /* of it, in the norm of the tangent */
     double error_ratio;    /* error in that norm over |residual|, where it was last known */
@@ -73,12 +75,28 @@ bool realtime_evaluate(palp_realtime *rt, bool tangent, bool trial);
 void realtime_tangent_times(palp_realtime *rt, const double *p, double *q);
 
 /* Preconditioned conjugate gradients on the tangent of the last evaluation from rt->r, at most limit corrections or
- * until the residual falls to share of its norm. The correction is in rt->move; returns how many it took. */
-size_t realtime_solve(palp_realtime *rt, size_t limit, double share);
+ * until the residual falls to share of its norm, or the error of the positions in the norm of the tangent below enough. The correction
+ * is in rt->move; returns how many it took. */
+size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enough);
 
 /* A part of a correction of the adjoint, 0 to ADJOINT_PARTS - 1, which ticks may lie between. */
-enum { ADJOINT_PARTS = 3 };
+enum { ADJOINT_PARTS = 4 };
 void realtime_improve_adjoint(palp_realtime *rt, int part);
+
+/* ---- realtime_touch.c ---- */
+
+/* Size of the resultant of the terms' forces, N. */
+double realtime_outer_force(const palp_network *net);
+
+/* rt->weight of the last evaluation. */
+void realtime_weigh(palp_realtime *rt);
+
+/* Stiffness that the tissue's own elements give the nodes that terms press on, summed over nodes and axes, N/m. */
+double realtime_own_stiffness(palp_realtime *rt);
+
+/* Might the residual be less than this norm where the nodes are now? The elements' forces are taken from the tick before: yes where that
+ * does not tell. Leaves all as it was but for the scratch rt->q and rt->move. */
+bool realtime_may_stay(palp_realtime *rt, double norm);
 
 /* ---- realtime_refresh.c ---- */
 

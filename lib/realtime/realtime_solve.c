@@ -52,14 +52,14 @@ static void move_a_little(palp_realtime *rt) {
         rt->move[i] = factor * rt->z[i];
 }
 
-size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
+size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enough) {
     const palp_network *net = rt->net;
     const size_t n = 3 * net->n_nodes;
     double square = network_dot(rt->r, rt->r, n), target = share * share * square, before = 0.0;
     size_t done = 0;
     memset(rt->move, 0, n * sizeof *rt->move);
     realtime_touch(rt);
-    while (done < limit && square > target) {
+    while (done < limit && square > target && !(done > 0 && rt->error_ratio * sqrt(square) < enough)) {
         multigrid_apply(rt->mg, rt->r, rt->z);
         done++;
         double rz = network_dot(rt->r, rt->z, n), beta = before > 0.0 ? rz / before : 0.0;
@@ -86,16 +86,21 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share) {
     return done;
 }
 
-/* The three parts of a correction of the adjoint: its residual, that times the factor, and the step along it. */
+/* The four parts of a correction of the adjoint: its residual, that times the factor in two halves, and the step along it. */
 static void adjoint_residual(palp_realtime *rt) {
     realtime_tangent_times(rt, rt->adjoint, rt->adjoint_r);
     for (size_t i = 0; i < 3 * rt->net->n_nodes; i++)
         rt->adjoint_r[i] = -rt->adjoint_r[i];
 }
 
+static void adjoint_half(palp_realtime *rt) {
+    realtime_touch(rt);
+    multigrid_apply_half(rt->mg, rt->adjoint_r, rt->adjoint_half);
+}
+
 static void adjoint_direction(palp_realtime *rt) {
     realtime_touch(rt);
-    multigrid_apply(rt->mg, rt->adjoint_r, rt->adjoint_z);
+    multigrid_apply_rest(rt->mg, rt->adjoint_r, rt->adjoint_half, rt->adjoint_z);
 }
 
 static void adjoint_move(palp_realtime *rt) {
@@ -111,6 +116,7 @@ static void adjoint_move(palp_realtime *rt) {
 }
 
 void realtime_improve_adjoint(palp_realtime *rt, int part) {
-    static void (*const parts[ADJOINT_PARTS])(palp_realtime *) = {adjoint_residual, adjoint_direction, adjoint_move};
+    static void (*const parts[ADJOINT_PARTS])(palp_realtime *) = {adjoint_residual, adjoint_half, adjoint_direction,
+                                                                    adjoint_move};
     parts[part](rt);
 }

@@ -66,6 +66,12 @@ void multigrid_elements_times(multigrid *mg, const float *element, const double 
 /* z = M^-1 r, [3 n_nodes] both, 0 at fixed axes. */
 void multigrid_apply(multigrid *mg, const double *r, double *z);
 
+/* The same in two halves, between which half[multigrid_half_size] keeps what was found, whatever else is asked of mg meanwhile but another
+ * set of numbers. */
+size_t multigrid_half_size(const multigrid *mg);
+void multigrid_apply_half(multigrid *mg, const double *r, float *half);
+void multigrid_apply_rest(multigrid *mg, const double *r, const float *half, double *z);
+
 size_t multigrid_levels(const multigrid *mg);
 
 #endif

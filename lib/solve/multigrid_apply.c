@@ -61,10 +61,10 @@ static void solve_coarsest(multigrid *mg) {
             l->x[i / 3 * 4 + i % 3] = (float)mg->rhs[mg->dof[i]];
 }
 
-void multigrid_apply(multigrid *mg, const double *r, double *z) {
-    mg_level *l = &mg->level[0];
-    size_t last = mg->n_levels - 1;
-    multigrid_narrow(l->n, r, l->r);
+/* From r on the finest level to x of the next one; of a single level to its own. */
+static void descend(multigrid *mg, const double *r) {
+    const size_t last = mg->n_levels - 1;
+    multigrid_narrow(mg->n_nodes, r, mg->level[0].r);
     if (last > 0)
         multigrid_finest_down(mg);
     for (size_t k = 1; k < last; k++)
@@ -72,9 +72,41 @@ void multigrid_apply(multigrid *mg, const double *r, double *z) {
     solve_coarsest(mg);
     for (size_t k = last; k-- > 1;)
         sweep_up(&mg->level[k], mg->used, mg->rest);
-    if (last > 0)
+}
+
+static void ascend(multigrid *mg, double *z) {
+    if (mg->n_levels > 1)
         multigrid_finest_up(mg);
-    multigrid_widen(l->n, l->x, z);
+    multigrid_widen(mg->n_nodes, mg->level[0].x, z);
+}
+
+void multigrid_apply(multigrid *mg, const double *r, double *z) {
+    descend(mg, r);
+    ascend(mg, z);
+}
+
+/* Floats of x on the two finest levels. */
+static size_t half_of(const multigrid *mg, size_t level) {
+    return level < mg->n_levels ? 4 * mg->level[level].n : 0;
+}
+
+size_t multigrid_half_size(const multigrid *mg) {
+    return half_of(mg, 0) + half_of(mg, 1);
+}
+
+void multigrid_apply_half(multigrid *mg, const double *r, float *half) {
+    descend(mg, r);
+    memcpy(half, mg->level[0].x, half_of(mg, 0) * sizeof *half);
+    if (mg->n_levels > 1)
+        memcpy(half + half_of(mg, 0), mg->level[1].x, half_of(mg, 1) * sizeof *half);
+}
+
+void multigrid_apply_rest(multigrid *mg, const double *r, const float *half, double *z) {
+    multigrid_narrow(mg->n_nodes, r, mg->level[0].r);
+    memcpy(mg->level[0].x, half, half_of(mg, 0) * sizeof *half);
+    if (mg->n_levels > 1)
+        memcpy(mg->level[1].x, half + half_of(mg, 0), half_of(mg, 1) * sizeof *half);
+    ascend(mg, z);
 }
 
 double multigrid_cycle_work(const multigrid *mg) {

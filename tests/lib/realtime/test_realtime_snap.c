@@ -79,8 +79,9 @@ START_TEST(truss_snaps_to_its_other_side) {
 END_TEST
 
 /* 11 nodes a side fold near 9.15 mm. Ticks of a few corrections at a depth beyond it: the energy falls in each of them, and they
- * end where one tick without limit ends, at a smaller force than before; the branch that a plain network follows ends there. There is
- * more than one stable branch below it, of 60.3 and of 63.8 N: which one is reached depends on the preconditioner. */
+ * end at rest, at a smaller force than before, as one tick without limit does; the branch that a plain network follows ends there. There
+ * are several stable branches below it, of 60.3, 63.79 and 63.82 N and energies that are 0.3 % apart: the way there decides which one
+ * is reached. */
 START_TEST(lattice_goes_down_to_a_stable_branch) {
     const palp_budget few = {.corrections = 10};
     palp_network_settings settings = palp_network_settings_default();
@@ -106,7 +107,8 @@ START_TEST(lattice_goes_down_to_a_stable_branch) {
         energy = palp_realtime_energy(rt);
     }
     ck_assert(info.converged);
-    ck_assert_double_eq_tol(palp_realtime_energy(rt), palp_realtime_energy(straight), 1e-9 * energy);
+    ck_assert_double_lt(info.force_N, 0.98 * top);
+    ck_assert_double_eq_tol(palp_realtime_energy(rt), palp_realtime_energy(straight), 5e-3 * energy);
     drop(rt);
     drop(straight);
 }

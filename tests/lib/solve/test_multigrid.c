@@ -266,7 +266,32 @@ START_TEST(batches_of_parallel_elements) {
 }
 END_TEST
 
+/* A cycle in two halves, with another one between them: to the bit. */
+START_TEST(halves_make_a_cycle) {
+    static double r[3 * NODES], other[3 * NODES], z[3 * NODES], halved[3 * NODES];
+    make_body(&b, 0.4, 0.1);
+    add_contacts(&b, 2.0);
+    multigrid *mg = make(&b, _i == 0 ? 40 : 3 * NODES);
+    float *half = calloc(multigrid_half_size(mg), sizeof *half);
+    ck_assert_int_eq(number(mg, &b, true, false), PALP_OK);
+    ck_assert(half != NULL);
+    multigrid_swap(mg);
+    for (size_t i = 0; i < 3 * NODES; i++) {
+        r[i] = b.dof[i] < 0 ? 0.0 : palp_random_uniform(&b.seed);
+        other[i] = b.dof[i] < 0 ? 0.0 : palp_random_uniform(&b.seed);
+    }
+    multigrid_apply(mg, r, z);
+    multigrid_apply_half(mg, r, half);
+    multigrid_apply(mg, other, halved);
+    multigrid_apply_rest(mg, r, half, halved);
+    ck_assert_mem_eq(z, halved, sizeof z);
+    free(half);
+    multigrid_free(mg);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_loop_test(tc, halves_make_a_cycle, 0, 2);
     tcase_add_test(tc, batches_of_parallel_elements);
     tcase_add_test(tc, work_of_a_cycle);
     tcase_add_test(tc, coarse_nodes_are_apart_and_near);
