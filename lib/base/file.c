@@ -103,7 +103,7 @@ palp_status palp_file_read(const char *path, char **text, size_t *size, palp_err
     return PALP_OK;
 }
 
-static char *text_copy(const char *text) {
+char *palp_text_copy(const char *text) {
     size_t size = strlen(text) + 1;
     char *copy = malloc(size);
     return copy ? memcpy(copy, text, size) : NULL;
@@ -149,8 +149,8 @@ palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error
     file->path = path;
     file->target = realpath(path, NULL);
     if (!file->target)
-        file->target = text_copy(path);
-    file->temporary = text_copy("");
+        file->target = palp_text_copy(path);
+    file->temporary = palp_text_copy("");
     if (!file->target || !file->temporary) {
         file_free(file);
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);

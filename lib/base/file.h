@@ -25,4 +25,7 @@ palp_status palp_error_null(palp_error *error);
 /* ERR_FILE with "path: what: the system's reason for number" (an errno). */
 palp_status palp_error_set_file(palp_error *error, const char *path, const char *what, int number);
 
+/* A copy of the text, which the caller frees; NULL: out of memory. */
+char *palp_text_copy(const char *text);
+
 #endif

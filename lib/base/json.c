@@ -227,6 +227,13 @@ palp_status palp_json_positive(const palp_json *at, double *value) {
     return status;
 }
 
+palp_status palp_json_not_negative(const palp_json *at, double *value) {
+    palp_status status = palp_json_number(at, value);
+    if (!status && *value < 0)
+        status = palp_json_fail(at, PALP_ERR_INPUT, "must not be negative");
+    return status;
+}
+
 palp_status palp_json_numbers(const palp_json *at, size_t most, size_t *n, double *values) {
     palp_status status = palp_json_list(at, most, n);
     for (size_t i = 0; !status && i < *n; i++) {

@@ -42,6 +42,7 @@ palp_status palp_json_list(const palp_json *at, size_t most, size_t *n); /* leng
 
 palp_status palp_json_number(const palp_json *at, double *value);
 palp_status palp_json_positive(const palp_json *at, double *value); /* > 0 */
+palp_status palp_json_not_negative(const palp_json *at, double *value);
 palp_status palp_json_numbers(const palp_json *at, size_t most, size_t *n, double *values);
 palp_status palp_json_bool(const palp_json *at, bool *value);
 palp_status palp_json_string(const palp_json *at, const char **value); /* the file's */

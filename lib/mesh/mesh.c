@@ -178,14 +178,22 @@ static palp_status check_repeats(const palp_mesh *mesh, palp_error *error) {
     return PALP_OK;
 }
 
-static palp_status check_connected(const palp_mesh *mesh, palp_error *error) {
+palp_status mesh_part_away(const palp_mesh *mesh, size_t *parts, size_t *away) {
     int32_t *root = malloc(mesh->n_nodes * sizeof *root);
     if (!root)
-        return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
-    size_t parts = mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root), other = 0;
-    while (other < mesh->n_nodes && root[other] == 0)
-        other++;
+        return PALP_ERR_NO_MEMORY;
+    *parts = mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root);
+    *away = 0;
+    while (*away < mesh->n_nodes && root[*away] == 0)
+        ++*away;
     free(root);
+    return PALP_OK;
+}
+
+static palp_status check_connected(const palp_mesh *mesh, palp_error *error) {
+    size_t parts, other;
+    if (mesh_part_away(mesh, &parts, &other))
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     if (parts == 1)
         return PALP_OK;
     return palp_error_set(error, PALP_ERR_INPUT,

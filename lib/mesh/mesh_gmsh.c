@@ -142,13 +142,9 @@ static const gmsh_node *node_of_index(const gmsh_file *r, size_t index) {
 }
 
 static palp_status check_connected(const gmsh_file *r, const palp_mesh *mesh) {
-    int32_t *root = malloc(mesh->n_nodes * sizeof *root);
-    if (!root)
+    size_t parts, other;
+    if (mesh_part_away(mesh, &parts, &other))
         return gmsh_no_memory(r);
-    size_t parts = mesh_parts(mesh->n_nodes, mesh->n_elements, mesh->pairs, NULL, root), other = 0;
-    while (other < mesh->n_nodes && root[other] == 0)
-        other++;
-    free(root);
     if (parts == 1)
         return PALP_OK;
     const gmsh_node *from = node_of_index(r, 0), *to = node_of_index(r, other);

@@ -72,4 +72,7 @@ size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b);
 size_t mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,
                   int32_t *root);
 
+/* Number of connected parts of a mesh, and the lowest node that no elements lead to from node 0; n_nodes if there is none. ERR_NO_MEMORY. */
+palp_status mesh_part_away(const palp_mesh *mesh, size_t *parts, size_t *away);
+
 #endif

@@ -132,11 +132,8 @@ static palp_status material_read(const palp_json *root, palp_model *model) {
     palp_status status = palp_model_stiffness_read(root, model);
     if (!status)
         status = arms_read(root, material);
-    if (!status && palp_json_member(root, "dashpot_Ns", &value)) {
-        status = palp_json_number(&value, &material->dashpot_Ns);
-        if (!status && material->dashpot_Ns < 0)
-            status = palp_json_fail(&value, PALP_ERR_INPUT, "must not be negative");
-    }
+    if (!status && palp_json_member(root, "dashpot_Ns", &value))
+        status = palp_json_not_negative(&value, &material->dashpot_Ns);
     if (!status && palp_json_member(root, "quasi_linear", &value))
         status = palp_json_bool(&value, &material->quasi_linear);
     if (!status)
@@ -283,11 +280,8 @@ static palp_status network_read(const palp_json *root, palp_model *model, palp_m
     palp_json density, volume;
     palp_status status = mesh_read(root, source);
     model->mesh = source;
-    if (!status && palp_json_member(root, "density_kg_m3", &density)) {
-        status = palp_json_number(&density, &model->density_kg_m3);
-        if (!status && model->density_kg_m3 < 0)
-            status = palp_json_fail(&density, PALP_ERR_INPUT, "must not be negative");
-    }
+    if (!status && palp_json_member(root, "density_kg_m3", &density))
+        status = palp_json_not_negative(&density, &model->density_kg_m3);
     if (!status && palp_json_member(root, "volume_modulus_Pa", &volume))
         status = palp_json_positive(&volume, &model->volume_modulus_Pa);
     if (!status && model->height_m == 0 && source->kind == PALP_MESH_LATTICE)

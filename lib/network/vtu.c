@@ -18,12 +18,6 @@ struct palp_vtu {
 
 enum { VTK_LINE = 3 };
 
-static char *text_copy(const char *text) {
-    size_t size = strlen(text) + 1;
-    char *copy = malloc(size);
-    return copy ? memcpy(copy, text, size) : NULL;
-}
-
 static void series_free(palp_vtu *series) {
     free(series->folder);
     free(series->name);
@@ -56,8 +50,8 @@ palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **serie
         return status;
     palp_vtu *made = calloc(1, sizeof *made);
     if (made) {
-        made->folder = text_copy(folder);
-        made->name = text_copy(name);
+        made->folder = palp_text_copy(folder);
+        made->name = palp_text_copy(name);
     }
     if (!made || !made->folder || !made->name) {
         if (made)

@@ -181,8 +181,7 @@ static palp_status number_read(const palp_json *at, const char *key, double abse
     *value = absent;
     if (status || (json_is_null(member.value) && !isnan(absent)))
         return status;
-    status = palp_json_number(&member, value);
-    return !status && *value < 0.0 ? palp_json_fail(&member, PALP_ERR_INPUT, "must not be negative") : status;
+    return palp_json_not_negative(&member, value);
 }
 
 static palp_status version_read(const palp_json *root) {
