@@ -1,6 +1,7 @@
 /* calibrate_report.c: what palpate calibrate found, as JSON or as text. */
 #include "calibrate.h"
 #include "shared/json_out.h"
+#include "shared/law_text.h"
 #include "shared/plot.h"
 
 #include <math.h>
@@ -125,24 +126,6 @@ static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) 
 
 /* ---- text ---- */
 
-static void print_law(const palp_law *law) {
-    if (law->kind == PALP_LAW_SPLINE) {
-        printf("  K(e) through");
-        for (size_t i = 0; i < law->n; i++)
-            printf(" (%.4g, %.5g)", law->strain[i], law->coefficients[i]);
-        printf(" (strain, N)\n");
-        return;
-    }
-    printf(law->kind == PALP_LAW_POLYNOMIAL ? "  K(e) =" : "  %s", palp_law_kind_name(law->kind));
-    for (size_t i = law->n; i-- > 0;) {
-        double c = law->coefficients[i];
-        printf(" %s%.6g", i + 1 == law->n ? (c < 0 ? "-" : "") : (c < 0 ? "- " : "+ "), fabs(c));
-        if (law->kind == PALP_LAW_POLYNOMIAL && i > 0)
-            printf(i > 1 ? " e^%zu" : " e", i);
-    }
-    printf(law->kind == PALP_LAW_POLYNOMIAL ? " N\n" : " Pa\n");
-}
-
 static void print_arms(const palp_material *material) {
     for (size_t j = 0; j < material->n_arms; j++) {
         const palp_arm *arm = &material->arms[j];
@@ -186,14 +169,14 @@ static void print_static(const calibrate_state *s) {
            1e3 * s->depth_m[s->n_static - 1]);
     print_iterations(c, s->static_method, false);
     printf("  residual %.5g N, %.3g N a sample\n", c->residual_N, c->residual_N / sqrt((double)s->n_static));
-    print_law(&c->material.law);
+    law_text_print(&c->material.law);
 }
 
 static void print_relaxation(const calibrate_state *s) {
     const palp_calibration *c = &s->relaxation_result;
     printf("Relaxation stage (%s)\n", method_name(s->relaxation_method));
     print_iterations(c, s->relaxation_method, true);
-    print_law(&c->material.law);
+    law_text_print(&c->material.law);
     print_arms(&c->material);
     printf("  depth (mm)   peak (N)   largest error (%% of the peak)\n");
     for (size_t i = 0; i < s->n_presses; i++) {

@@ -1,6 +1,7 @@
 /* characterize_print.c: what palpate characterize found, as text. */
 #include "characterize.h"
 #include "shared/digits.h"
+#include "shared/law_text.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,33 +22,6 @@ static void with_half(char text[2 * DIGITS_TEXT], const palp_estimate *e) {
         snprintf(text, 2 * DIGITS_TEXT, "%s +-%s", digits_text(value, e->value, half), digits_text(more, half, half));
 }
 
-/* ---- the law ---- */
-
-static void print_law(const palp_law *law) {
-    if (law->kind == PALP_LAW_SPLINE) {
-        printf("  K(e) through");
-        for (size_t i = 0; i < law->n; i++)
-            printf(" (%.4g, %.5g)", law->strain[i], law->coefficients[i]);
-        printf(" (strain, N)\n");
-        return;
-    }
-    if (law->kind != PALP_LAW_POLYNOMIAL) {
-        printf("  %s:", palp_law_kind_name(law->kind));
-        for (size_t i = 0; i < law->n; i++)
-            printf(" %.6g", law->coefficients[i]);
-        printf(law->kind == PALP_LAW_OGDEN ? " (mu in Pa and alpha in turn)\n" : " Pa\n");
-        return;
-    }
-    printf("  K(e) =");
-    for (size_t i = law->n; i-- > 0;) {
-        double c = law->coefficients[i];
-        printf(" %s%.6g", i + 1 == law->n ? (c < 0 ? "-" : "") : (c < 0 ? "- " : "+ "), fabs(c));
-        if (i > 0)
-            printf(i > 1 ? " e^%zu" : " e", i);
-    }
-    printf(" N\n");
-}
-
 /* ---- tables ---- */
 
 static void print_static(const characterize_state *s) {
@@ -57,7 +31,7 @@ static void print_static(const characterize_state *s) {
         for (size_t d = DEGREE_MIN; d <= DEGREE_MAX; d++) {
             if (s->plain[i][d].n) {
                 printf("  %6zu  %17.4g ", d, s->norm_N[i][d]);
-                print_law(&s->plain[i][d]);
+                law_text_print(&s->plain[i][d]);
             }
         }
     }
@@ -167,7 +141,7 @@ static void print_final(const characterize_state *s) {
     const palp_lumped_fit *f = &s->final;
     printf(s->has_final ? "Model: one law%s over all runs\n" : "Model: the static law%s\n",
            s->material.n_arms ? " and one set of arms" : "");
-    print_law(&s->material.law);
+    law_text_print(&s->material.law);
     print_arms(&s->material);
     if (!s->has_final)
         return;
