@@ -32,6 +32,20 @@ grep -qi "$crc" page.html || fail "CRC-32 of hold2.csv is not $crc"
 expect 0 report runs $L
 page out
 
+# The rows of a table stand in the order of the key beside its figure, whatever the files are called.
+mkdir named
+for depth in 4 6 8; do
+    expect 0 simulate $L --protocol ramp_hold --depth-mm $depth --hold-s 5 --sample-Hz 20 --air-s 1 --noise-N 0.004 --seed $depth --out named/run$((13 - depth)).csv
+done
+cp runs/a* named/run6.csv
+expect 0 report named $L --out named.html
+rows=$(sed -n '/What was measured/,/<\/table>/p' named.html | grep -o 'run[0-9]*\.csv' | tr '\n' ' ')
+[ "$rows" = "run6.csv run9.csv run7.csv run5.csv " ] || fail "rows in the order $rows"
+if command -v gnuplot >/dev/null; then
+    key=$(sed -n '/Recorded curves/,/<\/figure>/p' named.html | grep -o '>[468] mm<' | uniq | tr -d '\n')
+    [ "$key" = ">4 mm<>6 mm<>8 mm<" ] || fail "the key has the order $key"
+fi
+
 # With results of characterize and calibrate, and a simulation.
 expect 0 characterize runs/*.csv --arms 2 --degree 3 --out work/lumped.json --plot work
 expect 0 calibrate work/lumped.json --nodes 3 --depth-mm 2,5 --hold-s 20 --degree 3 --out work/network.json --plot work

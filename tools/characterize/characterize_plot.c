@@ -139,17 +139,10 @@ static void plot_timed(plot_book *book, size_t n, const run_curve *curve, bool f
     snprintf(title, sizeof title,
              "Ramp and hold: raw (light) and filtered (Butterworth of order %d both ways, %.3g Hz)",
              RUN_FILTER_ORDER, cutoff_Hz);
-    plot_runs_time(book, "recordings_linear", title, n, curve, PLOT_TIME_LINEAR, false);
-    plot_runs_time(book, "recordings_log", title, n, curve, PLOT_TIME_LOG, false);
-    plot_runs_time(book, "recordings_first", title, n, curve, PLOT_TIME_FIRST, false);
-    if (fitted) {
-        const char *fit = "Ramp and hold: raw (light) and the fitted model";
-        plot_runs_time(book, "fit_linear", fit, n, curve, PLOT_TIME_LINEAR, true);
-        plot_runs_time(book, "fit_log", fit, n, curve, PLOT_TIME_LOG, true);
-        plot_runs_time(book, "fit_first", fit, n, curve, PLOT_TIME_FIRST, true);
-        plot_runs_depth(book, "fit_depth", "Force against depth: raw (light) and the fitted model", n, curve, true);
-        plot_runs_residual(book, "residuals", "Residuals of the fitted model", n, curve);
-    }
+    plot_runs_recorded(book, title, n, curve);
+    if (fitted)
+        plot_runs_fitted(book, "Ramp and hold: raw (light) and the fitted model", "Force against depth: raw (light) and the fitted model",
+                         "Residuals of the fitted model", n, curve);
 }
 
 static void plot_all(plot_book *book, const characterize_state *s, const run_curve *curve) {

@@ -92,19 +92,13 @@ static int join(const characterize_options *o, palp_experiment **run) {
     return CLI_OK;
 }
 
-/* Static runs first, ramps and holds by depth, then the others; each kind in the order given. */
-static int rank(const palp_recording *a, const palp_recording *b) {
-    if (a->kind != b->kind)
-        return a->kind < b->kind ? -1 : 1;
-    return a->kind == PALP_RECORDING_RAMP_HOLD && a->deepest_m > b->deepest_m ? 1 : 0;
-}
-
+/* Those that run_before leaves as they are in the order given. */
 static void sort(characterize_state *s) {
     for (size_t i = 1; i < s->n; i++) {
         palp_recording moved = s->run[i];
         palp_indentation tip = s->tip[i];
         size_t at = i;
-        for (; at > 0 && rank(&s->run[at - 1], &moved) > 0; at--) {
+        for (; at > 0 && run_before(&moved, &s->run[at - 1]); at--) {
             s->run[at] = s->run[at - 1];
             s->tip[at] = s->tip[at - 1];
         }

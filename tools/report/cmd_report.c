@@ -52,6 +52,7 @@ static int make(const report_options *o, report *r) {
     if (code == CLI_OK && report_count(r, REPORT_OTHER) == r->n)
         code = cli_failure(NAME, "%s: holds nothing that palpate writes: no run, model, result or figure",
                            o->words[0]);
+    report_sort(r);
     code = code ? code : report_pairs(r);
     code = code ? code : report_figures(r);
     bool results = report_count(r, REPORT_CHARACTERIZE) > 0, model = lumped(r, false);

@@ -65,6 +65,7 @@ typedef struct report {
 
 /* ---- report_load.c; exit codes, after one line on stderr if not 0 ---- */
 int report_add(report *r, const char *path, bool must_read); /* a file, or all of a folder */
+void report_sort(report *r); /* recordings, and simulations, as the figures' keys have them */
 void report_free(report *r);
 const report_file *report_find(const report *r, report_kind kind, size_t which); /* NULL = no more */
 size_t report_count(const report *r, report_kind kind);

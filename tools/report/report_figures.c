@@ -102,7 +102,7 @@ int report_pairs(report *r) {
 
 /* ---- curves ---- */
 
-/* Recordings that can be drawn: static ones, or the others by depth. */
+/* Recordings that can be drawn: static ones, or the others. */
 static size_t collect(const report *r, bool is_static, run_curve *curve) {
     size_t n = 0;
     for (size_t i = 0; i < r->n && n < REPORT_CURVES_MAX; i++) {
@@ -111,10 +111,7 @@ static size_t collect(const report *r, bool is_static, run_curve *curve) {
             (own->kind == PALP_RECORDING_STATIC) != is_static) {
             continue;
         }
-        size_t at = n++;
-        for (; !is_static && at > 0 && curve[at - 1].recording->deepest_m > own->deepest_m; at--)
-            curve[at] = curve[at - 1];
-        curve[at] = (run_curve){own, NULL, NULL, NULL};
+        curve[n++] = (run_curve){own, NULL, NULL, NULL};
     }
     return n;
 }
@@ -165,19 +162,11 @@ static void draw_timed(report *r, plot_book *book) {
     if (n == 0 || (!raw && !fit))
         return;
     fill(r, n, curve, raw, fit);
-    if (raw) {
-        const char *title = "Recordings: raw (light) and filtered";
-        plot_runs_time(book, "recordings_linear", title, n, curve, PLOT_TIME_LINEAR, false);
-        plot_runs_time(book, "recordings_log", title, n, curve, PLOT_TIME_LOG, false);
-        plot_runs_time(book, "recordings_first", title, n, curve, PLOT_TIME_FIRST, false);
-    }
-    if (fit) {
-        const char *title = "Recordings (light) and the lumped model";
-        plot_runs_time(book, "fit_linear", title, n, curve, PLOT_TIME_LINEAR, true);
-        plot_runs_time(book, "fit_log", title, n, curve, PLOT_TIME_LOG, true);
-        plot_runs_depth(book, "fit_depth", title, n, curve, true);
-        plot_runs_residual(book, "residuals", "Residuals of the lumped model", n, curve);
-    }
+    const char *title = "Recordings (light) and the lumped model";
+    if (raw)
+        plot_runs_recorded(book, "Recordings: raw (light) and filtered", n, curve);
+    if (fit)
+        plot_runs_fitted(book, title, title, "Residuals of the lumped model", n, curve);
     release(n, curve);
 }
 

@@ -249,6 +249,32 @@ int report_add(report *r, const char *path, bool must_read) {
     return add_file(r, path, must_read);
 }
 
+/* What has no press in it is first. */
+static bool goes_before(const report_file *a, const report_file *b) {
+    if (a->recording.n == 0 || b->recording.n == 0)
+        return a->recording.n == 0 && b->recording.n > 0;
+    return run_before(&a->recording, &b->recording);
+}
+
+static void sort_kind(report *r, report_kind kind) {
+    for (size_t i = 0; i < r->n; i++)
+        for (size_t at = i, k = i; r->file[i].kind == kind && k-- > 0;) {
+            if (r->file[k].kind != kind)
+                continue;
+            if (!goes_before(&r->file[at], &r->file[k]))
+                break;
+            const report_file moved = r->file[k];
+            r->file[k] = r->file[at];
+            r->file[at] = moved;
+            at = k;
+        }
+}
+
+void report_sort(report *r) {
+    sort_kind(r, REPORT_RECORDING);
+    sort_kind(r, REPORT_SIMULATION);
+}
+
 void report_free(report *r) {
     for (size_t i = 0; i < r->n_pairs; i++) {
         free(r->pair[i].force_N);

@@ -13,6 +13,12 @@ enum { POINTS = 12000, LEAST_BINS = 100, MOST_BINS = 900, KEY_MAX = 14, LINES_MA
 
 static const double FIRST_S = 10, LOG_FROM_S = 0.01;
 
+bool run_before(const palp_recording *a, const palp_recording *b) {
+    if (a->kind != b->kind)
+        return a->kind < b->kind;
+    return a->kind == PALP_RECORDING_RAMP_HOLD && a->deepest_m < b->deepest_m;
+}
+
 /* ---- thinning ---- */
 
 typedef struct axis {
@@ -260,6 +266,23 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
     if (c.used > 0)
         plot_draw(book, name, &figure);
     curves_free(&c);
+}
+
+/* ---- what is drawn of recordings and of a fit to them ---- */
+
+void plot_runs_recorded(plot_book *book, const char *title, size_t n, const run_curve *run) {
+    plot_runs_time(book, "recordings_linear", title, n, run, PLOT_TIME_LINEAR, false);
+    plot_runs_time(book, "recordings_log", title, n, run, PLOT_TIME_LOG, false);
+    plot_runs_time(book, "recordings_first", title, n, run, PLOT_TIME_FIRST, false);
+}
+
+void plot_runs_fitted(plot_book *book, const char *title, const char *depth_title, const char *residual_title, size_t n,
+                      const run_curve *run) {
+    plot_runs_time(book, "fit_linear", title, n, run, PLOT_TIME_LINEAR, true);
+    plot_runs_time(book, "fit_log", title, n, run, PLOT_TIME_LOG, true);
+    plot_runs_time(book, "fit_first", title, n, run, PLOT_TIME_FIRST, true);
+    plot_runs_depth(book, "fit_depth", depth_title, n, run, true);
+    plot_runs_residual(book, "residuals", residual_title, n, run);
 }
 
 /* ---- the stiffness law ---- */
