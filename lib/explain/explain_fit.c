@@ -109,11 +109,33 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     return PALP_OK;
 }
 
+bool explain_bends(const palp_model *model) {
+    bool any = false;
+    for (size_t i = 0; i < model->n_effects; i++)
+        any = any || effect_row_of(model->effects[i].id)->bends;
+    return any;
+}
+
+void explain_add_gain(palp_model *model, double gain) {
+    size_t i = 0;
+    while (i < model->n_effects && model->effects[i].id != PALP_EFFECT_SENSOR_GAIN)
+        i++;
+    if (i == PALP_EFFECTS_MAX)
+        return;
+    if (i == model->n_effects)
+        palp_effect_default(PALP_EFFECT_SENSOR_GAIN, &model->effects[model->n_effects++]);
+    model->effects[i].value[0] += gain;
+}
+
 palp_status explain_fit_beside(const explain_fit *base, const palp_model *model, const explain_data *data,
                                explain_fit *fit) {
     palp_status status = explain_fit_create(model, data, fit);
-    if (!status)
-        memcpy(fit->contact, base->contact, 2 * data->n_runs * sizeof *fit->contact); /* and gains */
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
+        double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
+        explain_nuisances(base, r, own, sd);
+        fit->contact[r] = base->contact[r];
+        fit->gain[r] = explain_bends(model) ? fmin(0.5, fmax(-0.5, own[2])) : 0.0;
+    }
     fit->scatter = base->scatter;
     fit->hum_Hz = base->hum_Hz;
     fit->hum_N = base->hum_N;
@@ -270,9 +292,7 @@ static palp_status evaluate_run(const evaluation *e, size_t r, explain_history *
     const palp_law *of = &e->fit->model.material.law;
     palp_forward_run path = explain_forward_run(run, e->fit->contact[r], history);
     palp_model full = e->full;
-    for (size_t i = 0; i < full.n_effects; i++)
-        if (full.effects[i].id == PALP_EFFECT_SENSOR_GAIN)
-            full.effects[i].value[0] += e->fit->gain[r];
+    explain_add_gain(&full, e->fit->gain[r]);
     palp_status status = run_products(e->fit, run, &path, &full, e->fit->gain[r], e->offset, e->gain, work, gradient, column,
                                       e->fit->product + r * m * m);
     size_t at = 0;

@@ -35,12 +35,19 @@ typedef struct explain_fit {
 /* ---- coordinates and products (explain_fit.c) ---- */
 
 palp_status explain_fit_create(const palp_model *model, const explain_data *data, explain_fit *fit);
-/* The same for another model, with base's scatter and hum. */
+/* The same for another model, with base's scatter and hum, and each run's surface, and gain where a sensor of it bends, where base, whose
+ * products are known, has them. */
 palp_status explain_fit_beside(const explain_fit *base, const palp_model *model, const explain_data *data,
                                explain_fit *fit);
 palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to);
 void explain_fit_free(explain_fit *fit);
 size_t explain_first_column(const palp_model *model, size_t i); /* index of the first parameter of effect i */
+
+/* Whether a sensor of the model reads no straight line over the force: how far a run's own gain goes depends on where it is. */
+bool explain_bends(const palp_model *model);
+
+/* So much more to the gain of the model's sensor; nothing where the model has no room for one. */
+void explain_add_gain(palp_model *model, double gain);
 
 /* Whether parameter p is the period of a wave over depth, which has ends on both sides in the runs' samples and travel. */
 bool explain_is_period(const effect_row *row, size_t p);

@@ -91,14 +91,6 @@ static palp_status descend(explain_fit *fit, const explain_data *data, size_t ro
     return status;
 }
 
-/* Whether a sensor reads no straight line over the force. */
-static bool bends(const palp_model *model) {
-    bool any = false;
-    for (size_t i = 0; i < model->n_effects; i++)
-        any = any || effect_row_of(model->effects[i].id)->bends;
-    return any;
-}
-
 /* *at to where it should be, at most so far from 0; but for less than what is as good as straight; whether it moved. */
 static bool move(double *at, double to, double most, double straight) {
     to = fmin(most, fmax(-most, to));
@@ -111,7 +103,7 @@ static bool move(double *at, double to, double most, double straight) {
 /* Every run's surface to where the fit finds it, at most a quarter of the deepest away, and its gain where a sensor bends; whether one
  * moved. */
 static bool find_nuisances(explain_fit *fit, const explain_data *data) {
-    const double deepest = 0.25 * data->deepest, gain = bends(&fit->model) ? 0.5 : 0.0;
+    const double deepest = 0.25 * data->deepest, gain = explain_bends(&fit->model) ? 0.5 : 0.0;
     bool moved = false;
     for (size_t r = 0; r < data->n_runs; r++) {
         double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];

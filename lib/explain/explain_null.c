@@ -51,12 +51,14 @@ static palp_status find_directions(const explain_search *s, directions *d) {
     return status;
 }
 
-/* work: room for (n_columns + 2 + PALP_EFFECT_PARAMETERS + 1) n. */
+/* work: room for (n_columns + PALP_EFFECT_PARAMETERS + 2) n. */
 static palp_status strength_column(const explain_fit *fit, const palp_effect *effect, const explain_run *run,
-                                   double contact, double *work, double *column) {
+                                   double contact, double own_gain, double *work, double *column) {
     palp_model more = fit->model;
     size_t k = palp_forward_parameter_count(&more);
     more.effects[more.n_effects++] = *effect;
+    if (explain_bends(&more))
+        explain_add_gain(&more, own_gain);
     explain_history history = {.renewed = fit->renewed, .load.peak = run->largest_strain};
     palp_forward_run path = explain_forward_run(run, contact, &history);
     palp_status status = explain_predict(&more, &path, work, work + run->n, NULL);
@@ -75,22 +77,23 @@ static palp_status make_columns(const explain_search *s, const directions *d, si
     static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
     size_t n = run->n, k = s->fit.n_columns;
     const double contact = s->fit.contact[r];
-    double *work = malloc((k + PALP_EFFECT_PARAMETERS + 1) * n * sizeof *work);
+    double *work = malloc((k + PALP_EFFECT_PARAMETERS + 2) * n * sizeof *work), own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
     explain_history history = {.renewed = s->fit.renewed, .load.peak = run->largest_strain};
     palp_forward_run path = explain_forward_run(run, contact, &history);
     palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    explain_nuisances(&s->fit, r, own, sd);
     for (size_t i = 0; i < n && work; i++)
         column[i] = 1.0;
     if (!status)
-        status = strength_column(&s->fit, &offset, run, contact, work, column + n);
+        status = strength_column(&s->fit, &offset, run, contact, own[2], work, column + n);
     if (!status)
-        status = strength_column(&s->fit, &gain, run, contact, work, column + 2 * n);
+        status = strength_column(&s->fit, &gain, run, contact, own[2], work, column + 2 * n);
     if (!status)
         status = explain_predict(model, &path, work, column + 3 * n, NULL);
     if (!status && rich > 0)
         status = explain_rich_columns(s, r, column + (3 + k) * n);
     for (size_t i = 0; i < d->n && !status; i++)
-        status = strength_column(&s->fit, &d->effect[i], run, contact, work, column + (3 + k + rich + i) * n);
+        status = strength_column(&s->fit, &d->effect[i], run, contact, own[2], work, column + (3 + k + rich + i) * n);
     if (!status)
         explain_whiten(run, 3 + k + rich + d->n, column);
     palp_load_history_free(&history.load);
