@@ -102,7 +102,7 @@ static inline void subtract_elements(const multigrid *mg, const float *element, 
     multigrid_store(mg->rest + 4 * i, sum);
 }
 
-/* rest = r - A x on the free axes */
+/* rest = r - A x; on fixed axes it is of no meaning */
 static void find_rest(multigrid *mg) {
     const mg_level *l = &mg->level[0];
     for (size_t i = 0; i < l->n; i++) {
@@ -120,11 +120,8 @@ static void find_rest(multigrid *mg) {
     }
     if (mg->n_batches > 0)
         multigrid_batches_subtract(mg, mg->element[mg->used], l->x, mg->rest);
-    for (size_t i = 0; i < l->n; i++) {
-        if (mg->n_batches == 0)
-            subtract_elements(mg, mg->element[mg->used], l->x, i); /* the last that node i gets */
-        multigrid_store(mg->rest + 4 * i, free_part(l, i, multigrid_load(mg->rest + 4 * i)));
-    }
+    for (size_t i = 0; i < l->n && mg->n_batches == 0; i++)
+        subtract_elements(mg, mg->element[mg->used], l->x, i);
 }
 
 void multigrid_finest_down(multigrid *mg) {
@@ -138,7 +135,7 @@ void multigrid_finest_down(multigrid *mg) {
     find_rest(mg);
     memset(l[1].r, 0, 4 * l[1].n * sizeof *l[1].r);
     for (size_t i = 0; i < l->n; i++)
-        multigrid_pass_up(l, i, multigrid_load(mg->rest + 4 * i), l[1].r);
+        multigrid_pass_up(l, i, free_part(l, i, multigrid_load(mg->rest + 4 * i)), l[1].r);
 }
 
 void multigrid_finest_up(multigrid *mg) {
