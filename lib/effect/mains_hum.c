@@ -24,4 +24,4 @@ const effect_row effect_mains_hum = {
                            {"frequency_Hz", 1, 40, 70, 50, .strength = false}},
              EFFECT_ALIKE(PALP_EFFECT_DRIVE_RIPPLE),
              .in_lumped = true, .in_network = true},
-    .stage = 8, .sensor = sensor, .line = true, .need = EFFECT_NEEDS_NYQUIST, .least = 10};
+    .stage = 8, .sensor = sensor, .line = true, .need = EFFECT_NEEDS_NYQUIST, .least = 3};

@@ -67,12 +67,18 @@ static double power_at(const explain_data *data, const double *y, double frequen
 }
 
 enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3, OUTSTANDING_ALIAS = 10 }; /* times the typical power */
+static const double LOWEST = 40.0, HIGHEST = 70.0; /* Hz */
+static const double PERIODS = 10.0; /* of the lowest: the band then has the widths of seven lines, and a typical power */
 static const double NYQUIST = 140.0; /* samples a second: with fewer the mains are seen by an alias, as much else is */
 
 bool explain_line_visible(const explain_data *data) {
     const effect_data facts = explain_facts(data);
     char lack[EFFECT_LACK_MAX];
     return effect_need_met(effect_row_of(effect_line()), &facts, lack);
+}
+
+bool explain_line_resolved(const explain_data *data) {
+    return data->duration * LOWEST >= PERIODS;
 }
 
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency,
@@ -89,17 +95,18 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
     }
     double power[GRID], typical, centre = 50.0;
     for (int k = 0; k < GRID; k++) { /* stretches of 10 s are 0.1 Hz wide */
-        power[k] = power_at(data, y, 40.0 + 0.05 * k, 10.0);
+        power[k] = power_at(data, y, LOWEST + 0.05 * k, 10.0);
         if (power[k] > best) {
             best = power[k];
-            centre = 40.0 + 0.05 * k;
+            centre = LOWEST + 0.05 * k;
         }
     }
     typical = statistics_median(power, GRID);
-    bool stands_out = best > (data->shown.rate < NYQUIST ? OUTSTANDING_ALIAS : OUTSTANDING) * typical;
+    const bool stands_out = !explain_line_resolved(data) || best > (data->shown.rate < NYQUIST ? OUTSTANDING_ALIAS : OUTSTANDING) * typical,
+               within = centre > LOWEST && centre < HIGHEST;
     best = 0.0;
     for (int k = -40; k <= 40; k++) {
-        double f = fmin(70.0, fmax(40.0, centre + 0.0015 * k)), there = power_at(data, y, f, 1e9);
+        double f = fmin(HIGHEST, fmax(LOWEST, centre + 0.0015 * k)), there = power_at(data, y, f, 1e9);
         if (there > best) {
             best = there;
             *frequency = f;
@@ -107,7 +114,7 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
     }
     *amplitude = 2.0 * white * sqrt(best / (double)data->n);
     free(y);
-    return stands_out ? PALP_OK : PALP_ERR_UNSUPPORTED;
+    return stands_out && within ? PALP_OK : PALP_ERR_UNSUPPORTED;
 }
 
 void explain_line_take(const explain_data *data, double frequency, double *residual) {

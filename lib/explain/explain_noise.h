@@ -23,7 +23,11 @@ void explain_whiten(const explain_run *run, size_t count, double *x);
 /* Whether the runs are sampled fast and long enough to show the mains. */
 bool explain_line_visible(const explain_data *data);
 
-/* Strongest line of a residual over time, 40 to 70 Hz (ERR_UNSUPPORTED: none stands out), and over depth. */
+/* Whether they are long enough for one line of the mains' band to stand out from the rest of it. In shorter ones a line is as wide as the band. */
+bool explain_line_resolved(const explain_data *data);
+
+/* Strongest line of a residual over time, 40 to 70 Hz, and over depth. ERR_UNSUPPORTED: there is none; it is next to what is stronger outside; or it could
+ * stand out and does not. */
 palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency, double *amplitude);
 palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
                                   double *phase);

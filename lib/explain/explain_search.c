@@ -14,7 +14,7 @@ static palp_status find_noise(explain_search *s) {
         memcpy(rest, s->residual, s->data.n * sizeof *rest);
         status = explain_line_in_time(&s->data, rest, &frequency, &amplitude);
     }
-    if (!status)
+    if (!status && explain_line_resolved(&s->data))
         explain_line_take(&s->data, frequency, rest);
     if (!status || status == PALP_ERR_UNSUPPORTED)
         status = explain_noise_find(&s->data, rest);
