@@ -33,8 +33,8 @@ static size_t sample_of(const two_level *c, size_t press) {
     return (press + 1) * c->n / c->n_presses - 1;
 }
 
-/* Of lengths that share in a law: an even strain takes a network as much energy as another one with a law over which its own is
- * inversely as these. */
+/* Sum of the elements' rest lengths, each times its element's factor. The energy of an even strain is proportional to this sum and to
+ * the law: networks of one body are the same material when their laws are inversely proportional to it. */
 static double shared_length(const palp_network *net) {
     double sum = 0.0;
     for (size_t i = 0; i < net->n_elements; i++)
