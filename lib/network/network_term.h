@@ -61,7 +61,10 @@ typedef struct network_term_kind {
     /* After finish: what of an error of its forces, N, the term remembers beyond the step; adds it to *sum. */
     void (*doubt)(network_term *term, palp_network *net, double error, double *sum);
 
-    bool everywhere; /* its blocks are on all nodes, and no stiffer than the elements': none that touches from outside */
+    /* Of a term on all nodes, none that touches from outside: a part of its blocks, 0 of 1 = all, each of one node or of
+     * the two of an element. Together they are positive semidefinite, or nearly, and at most four times those of single nodes. */
+    void (*blocks_part)(const network_term *term, const palp_network *net, size_t part, size_t parts, network_block_taker take,
+                        void *user);
 
     void (*grasped)(const network_term *term, unsigned char *fixed);     /* fixed[node] = 1 where it grasps one */
     void (*grasp_changed)(network_term *term, palp_network *net);        /* another term grasps other nodes */

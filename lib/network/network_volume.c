@@ -125,11 +125,12 @@ static void block_between(const volume *t, size_t i, const double g[9], size_t a
 }
 
 /* The first node's blocks are what keeps the sums over a row and a column zero. */
-static void volume_blocks(const network_term *term, const palp_network *net, network_block_taker take, void *user) {
+static void volume_blocks_part(const network_term *term, const palp_network *net, size_t part, size_t parts,
+                               network_block_taker take, void *user) {
     const volume *t = (const volume *)term;
     double g[9], k[9];
     (void)net;
-    for (size_t i = 0; i < t->n; i++) {
+    for (size_t i = t->n * part / parts; i < t->n * (part + 1) / parts; i++) {
         const int32_t *node = t->node + 4 * i;
         double first[9] = {0.0};
         gradient(t->edge + 9 * i, g);
@@ -150,11 +151,15 @@ static void volume_blocks(const network_term *term, const palp_network *net, net
     }
 }
 
+static void volume_blocks(const network_term *term, const palp_network *net, network_block_taker take, void *user) {
+    volume_blocks_part(term, net, 0, 1, take, user);
+}
+
 static const network_term_kind VOLUME = {.evaluate = volume_evaluate,
                                          .blocks = volume_blocks,
                                          .times = volume_times,
                                          .energy = volume_energy,
-                                         .everywhere = true};
+                                         .blocks_part = volume_blocks_part};
 
 bool network_has_volume(const palp_network *net) {
     return network_find_term(net, &VOLUME);

@@ -50,6 +50,10 @@ static palp_status allocate(palp_realtime *rt) {
     const bool touched = realtime_touched(net);
     palp_status status = multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
                                           touched ? TOUCHED : DIRECT, &rt->mg);
+    for (size_t i = 0; i < net->n_terms; i++)
+        rt->filled = rt->filled || net->terms[i]->kind->blocks_part;
+    if (!status && rt->filled)
+        status = multigrid_make_room(rt->mg);
     if (!status && (!(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)) ||
                     !(rt->adjoint_half = arena_take(&rt->memory, multigrid_half_size(rt->mg), sizeof *rt->adjoint_half))))
         status = PALP_ERR_NO_MEMORY;

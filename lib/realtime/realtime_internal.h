@@ -10,7 +10,7 @@
 
 typedef struct refresh_thread refresh_thread;
 
-/* The tetrahedra are looked at in so many parts, one a tick. */
+/* The tetrahedra are looked at in so many parts, one a tick; and so are the blocks of terms on all nodes. */
 enum { REALTIME_PARTS = 16 };
 
 typedef enum refresh_stage { REFRESH_DUE, REFRESH_MAKE } refresh_stage;
@@ -39,6 +39,7 @@ struct palp_realtime {
     double *tissue;        /* [3 n_nodes] forces of the elements in the committed state, N, where tools touch */
     float *adjoint_half;   /* [multigrid_half_size] between the halves of its cycle */
     bool driven;           /* some axis is: there is an adjoint */
+    bool filled;           /* there are terms on all nodes */
     double adjoint_error;  /* of it, in the norm of the tangent */
     double error_ratio;    /* error in that norm over |residual|, where it was last known */
     double remembered;     /* error of the force that is in the arms' history, N */
@@ -52,6 +53,7 @@ struct palp_realtime {
     multigrid_coupling *touching; /* [MULTIGRID_COUPLINGS] scratch */
     refresh_stage stage;   /* of the next factor */
     size_t at;             /* ticks that it was due, or pieces made */
+    size_t gathered;       /* parts of the blocks of terms on all nodes that it has */
     double piece;          /* work on it in a tick */
     bool definite;         /* it is made without what can make it indefinite */
     bool used_definite;    /* so was the one in use */

@@ -46,9 +46,9 @@ static void take_block(void *user, int32_t row, int32_t column, const double k[9
         c->block[i] = (float)k[turn ? 3 * (i % 3) + i / 3 : i];
 }
 
-/* Is it a tool or a hand? What acts everywhere is left to the conjugate gradients. */
+/* Is it a tool or a hand? */
 static bool touches(const network_term *term) {
-    return term->kind->blocks && !term->kind->everywhere;
+    return term->kind->blocks && !term->kind->blocks_part;
 }
 
 /* What terms add to the tangent of the last evaluation: own blocks into net->node_block, couplings, of which it returns
@@ -65,6 +65,20 @@ static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
         if (touches(net->terms[i]))
             net->terms[i]->kind->blocks(net->terms[i], net, take_block, &g);
     return g.n;
+}
+
+static void take_further(void *user, int32_t row, int32_t column, const double k[9]) {
+    multigrid_add_block(user, row, column, k);
+}
+
+/* A part of the blocks of terms on all nodes, into the next numbers: those of a later part may be of a later tick. */
+static void gather_further(palp_realtime *rt, size_t part, size_t parts) {
+    const palp_network *net = rt->net;
+    if (part == 0)
+        multigrid_clear_blocks(rt->mg);
+    for (size_t i = 0; i < net->n_terms; i++)
+        if (net->terms[i]->kind->blocks_part)
+            net->terms[i]->kind->blocks_part(net->terms[i], net, part, parts, take_further, rt->mg);
 }
 
 static void copy_nodes(palp_network *net, const multigrid_source *source) {
@@ -91,6 +105,8 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
     bool done = false;
     palp_status status = PALP_ERR_SINGULAR;
     copy_nodes(net, &source);
+    if (rt->filled)
+        gather_further(rt, 0, 1);
     for (size_t i = 0; i < net->n_elements; i++)
         copy_element(net, rt->element, &source, i);
     multigrid_place_nodes(rt->mg, net->next.x, rt->element);
@@ -105,7 +121,7 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
     if (!status)
         multigrid_swap(rt->mg);
     rt->stage = REFRESH_DUE;
-    rt->at = 0;
+    rt->at = rt->gathered = 0;
     return status;
 }
 
@@ -116,7 +132,7 @@ static void begin(palp_realtime *rt) {
     copy_nodes(rt->net, &source);
     multigrid_begin(rt->mg, rt->definite);
     rt->stage = REFRESH_MAKE;
-    rt->at = 0;
+    rt->at = rt->gathered = 0;
     if (rt->thread)
         refresh_thread_start(rt->thread);
 }
@@ -143,7 +159,15 @@ static bool finish(palp_realtime *rt, palp_status status) {
 }
 
 bool realtime_refresh_begins(const palp_realtime *rt) {
-    return rt->stage == REFRESH_DUE && (double)(rt->at + 1) * rt->piece >= PAUSE * (double)rt->net->n_elements;
+    return rt->stage == REFRESH_DUE && (rt->gathered == REALTIME_PARTS || !rt->filled) &&
+           (double)(rt->at + 1) * rt->piece >= PAUSE * (double)rt->net->n_elements;
+}
+
+/* The next making is due, but not yet. */
+static void wait(palp_realtime *rt) {
+    rt->at++;
+    if (rt->filled && rt->gathered < REALTIME_PARTS)
+        gather_further(rt, rt->gathered++, REALTIME_PARTS);
 }
 
 bool realtime_refresh(palp_realtime *rt) {
@@ -153,7 +177,7 @@ bool realtime_refresh(palp_realtime *rt) {
         if (realtime_refresh_begins(rt))
             begin(rt);
         else
-            rt->at++;
+            wait(rt);
         return false;
     }
     if (rt->thread) {

@@ -65,7 +65,8 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enou
         double rz = network_dot(rt->r, rt->z, n), beta = before > 0.0 ? rz / before : 0.0;
         if (!(rz > 0.0) || isinf(rz))
             break;
-        rt->error_ratio = sqrt(rz / square);
+        const double ratio = sqrt(rz / square); /* least where a residual is rough, as corrections leave it: later guesses' are not */
+        rt->error_ratio = rt->filled && done > 1 ? fmax(rt->error_ratio, ratio) : ratio;
         before = rz;
         for (size_t i = 0; i < n; i++)
             rt->p[i] = rt->z[i] + (beta > 0.0 ? beta * rt->p[i] : 0.0);

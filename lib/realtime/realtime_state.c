@@ -9,6 +9,10 @@ static void pass_source(const palp_network *net, multigrid_source source, networ
     network_pass(c, source.node, 6 * net->n_nodes * sizeof *source.node);
     network_pass(c, source.n_couplings, sizeof *source.n_couplings);
     network_pass(c, source.coupling, MULTIGRID_COUPLINGS * sizeof *source.coupling);
+    if (!source.between)
+        return;
+    network_pass(c, source.between, source.n_between * sizeof *source.between);
+    network_pass(c, source.beside, source.n_beside * sizeof *source.beside);
 }
 
 /* Makes the factor that served anew, and of the next one as much as there was. */
@@ -46,6 +50,7 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     network_pass(c, rt->inverted, sizeof rt->inverted);
     network_pass(c, &rt->stage, sizeof rt->stage);
     network_pass(c, &rt->at, sizeof rt->at);
+    network_pass(c, &rt->gathered, sizeof rt->gathered);
     network_pass(c, &rt->definite, sizeof rt->definite);
     network_pass(c, &rt->used_definite, sizeof rt->used_definite);
     network_pass(c, &rt->adjoint_due, sizeof rt->adjoint_due);

@@ -380,7 +380,7 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
 
 static multigrid_source source_of(multigrid *mg, int set) {
     return (multigrid_source){mg->element[set], mg->place, mg->spacing, mg->n_floats, mg->node[set], mg->coupling[set],
-                              &mg->n_couplings[set]};
+                              &mg->n_couplings[set], mg->between[set], mg->beside[set], mg->n_between, mg->n_beside};
 }
 
 multigrid_source multigrid_input(multigrid *mg) {

@@ -34,6 +34,8 @@ typedef struct multigrid_source {
     float *node;           /* [6 n_nodes] added to a node's own block, lower triangle by rows */
     multigrid_coupling *coupling; /* [MULTIGRID_COUPLINGS] */
     int32_t *n_couplings;
+    float *between, *beside; /* [n_between], [n_beside] what multigrid_add_block has added; NULL and 0 without room for it */
+    size_t n_between, n_beside;
 } multigrid_source;
 multigrid_source multigrid_input(multigrid *mg);
 
@@ -44,6 +46,14 @@ void multigrid_place_nodes(const multigrid *mg, const double *x, float *element)
 float *multigrid_exchange(multigrid *mg, float *element);
 
 multigrid_source multigrid_used(multigrid *mg); /* what those that serve were made of */
+
+/* Room for further blocks, of what acts on all nodes: one between the two nodes of each element, and one of each node's own. Together
+ * they are positive semidefinite, or nearly, and at most four times their own ones, as those of tetrahedra are. */
+palp_status multigrid_make_room(multigrid *mg);
+void multigrid_clear_blocks(multigrid *mg); /* of the input */
+
+/* Adds a block, by rows, to them: a node's own, or one of the two of a pair that an element joins. */
+void multigrid_add_block(multigrid *mg, int32_t row, int32_t column, const double block[9]);
 
 /* Starts making the next numbers from the input; definite: without what makes an element's block indefinite. */
 void multigrid_begin(multigrid *mg, bool definite);

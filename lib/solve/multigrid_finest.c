@@ -35,6 +35,13 @@ static inline void subtract_coupling(const multigrid_coupling *c, bool turned, c
         r[i] -= c->block[across * i] * x[0] + c->block[across * i + along] * x[1] + c->block[across * i + 2 * along] * x[2];
 }
 
+/* The further block of nodes i and j, which entry k joins, times v. */
+static inline four between_times(const multigrid *mg, size_t i, size_t j, uint32_t k, four v) {
+    float block[BLOCK_FLOATS];
+    multigrid_between(mg, mg->used, i, j, mg->through[k], block);
+    return multigrid_times(block, v);
+}
+
 /* Entry k of row i times v: the element between both nodes. */
 static inline four entry_times(const multigrid *mg, size_t i, uint32_t k, four v) {
     const size_t j = (size_t)mg->level[0].column[k];
@@ -50,10 +57,19 @@ static void relax_down(multigrid *mg, size_t i) {
     multigrid_store(l->x + 4 * i, x);
     for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++) {
         float *rest = mg->rest + 4 * (size_t)l->column[k];
-        multigrid_store(rest, multigrid_load(rest) + entry_times(mg, i, k, x));
+        four left = multigrid_load(rest) + entry_times(mg, i, k, x);
+        if (multigrid_has_between(mg, mg->used))
+            left -= between_times(mg, (size_t)l->column[k], i, k, x);
+        multigrid_store(rest, left);
     }
     for (int32_t k = mg->first_touching[i]; k >= 0; k = mg->touching[k].next)
         subtract_coupling(&mg->touching[k], true, l->x + 4 * i, mg->rest + 4 * (size_t)mg->touching[k].high);
+}
+
+/* An own block, its lower triangle by rows, times x. */
+static inline four own_times(const float *s, const float *x) {
+    return (four){s[0] * x[0] + s[1] * x[1] + s[3] * x[2], s[1] * x[0] + s[2] * x[1] + s[4] * x[2],
+                  s[3] * x[0] + s[4] * x[1] + s[5] * x[2], 0.0F};
 }
 
 /* As everything else now stands; rest is r less what couplings to lower nodes make of it. */
@@ -64,8 +80,12 @@ static void relax_up(multigrid *mg, size_t i) {
     for (int32_t k = mg->first_touching[i]; k >= 0; k = mg->touching[k].next)
         subtract_coupling(&mg->touching[k], false, l->x + 4 * (size_t)mg->touching[k].high, rest);
     four left = multigrid_load(rest), own = multigrid_load(x);
-    left -= (four){s[0] * x[0] + s[1] * x[1] + s[3] * x[2], s[1] * x[0] + s[2] * x[1] + s[4] * x[2],
-                   s[3] * x[0] + s[4] * x[1] + s[5] * x[2], 0.0F};
+    left -= own_times(s, x);
+    if (multigrid_has_between(mg, mg->used)) {
+        left -= own_times(mg->beside[mg->used] + 6 * i, x);
+        for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
+            left -= between_times(mg, i, (size_t)l->column[k], k, multigrid_load(l->x + 4 * (size_t)l->column[k]));
+    }
     for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
         left += entry_times(mg, i, k, multigrid_load(l->x + 4 * (size_t)l->column[k]) - own);
     multigrid_store(l->x + 4 * i, own + solve_own(mg, i, left));
@@ -122,6 +142,8 @@ static void find_rest(multigrid *mg) {
         multigrid_batches_subtract(mg, mg->element[mg->used], l->x, mg->rest);
     for (size_t i = 0; i < l->n && mg->n_batches == 0; i++)
         subtract_elements(mg, mg->element[mg->used], l->x, i);
+    if (multigrid_has_between(mg, mg->used))
+        multigrid_between_subtract(mg, l->x, mg->rest);
 }
 
 void multigrid_finest_down(multigrid *mg) {

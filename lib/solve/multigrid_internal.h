@@ -54,6 +54,8 @@ struct multigrid {
     multigrid_coupling *coupling[2]; /* [MULTIGRID_COUPLINGS] */
     int32_t n_couplings[2];
     int32_t *coupled;      /* [n_nodes] a node's first coupling to a higher one in the set being made, or -1 */
+    float *between[2], *beside[2]; /* [n_between] further blocks, rows of the lower node, [n_beside] own ones; or NULL and 0 */
+    size_t n_between, n_beside;
     float *touched;        /* [6 n_nodes] own blocks and couplings of the set in use, as last touched */
     multigrid_coupling *touching;
     int32_t n_touching, *first_touching; /* [n_nodes] */
@@ -67,7 +69,7 @@ struct multigrid {
     linsys *factor[2];
     double *rhs;           /* [n_direct] */
     int used;              /* set of numbers that serves */
-    bool definite;         /* the set being made */
+    bool definite[2];      /* without what may make it indefinite */
     mg_stage stage;        /* of the making: level and row next */
     size_t at_level, at;
     float *row;            /* [12 row_max] one row of A P */
@@ -179,6 +181,19 @@ palp_status multigrid_make_batches(multigrid *mg);
 /* rest[4 n_nodes] less the elements' part of the tangent times x[4 n_nodes]; minus that times x[3 n_nodes] */
 void multigrid_batches_subtract(multigrid *mg, const float *element, const float *x, float *rest);
 void multigrid_batches_times(multigrid *mg, const float *element, const double *x, double *out);
+
+/* ---- multigrid_between.c ---- */
+
+/* Has a set further blocks? */
+static inline bool multigrid_has_between(const multigrid *mg, int set) {
+    return mg->between[set] && !mg->definite[set];
+}
+
+/* That of nodes i and j, which the k-th sorted element joins. */
+void multigrid_between(const multigrid *mg, int set, size_t i, size_t j, uint32_t k, float block[BLOCK_FLOATS]);
+
+/* rest[4 n_nodes] less these blocks of the set in use times x[4 n_nodes] */
+void multigrid_between_subtract(multigrid *mg, const float *x, float *rest);
 
 /* ---- multigrid_product.c ---- */
 

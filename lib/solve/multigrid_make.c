@@ -27,7 +27,7 @@ static bool joined(const multigrid *mg, const multigrid_coupling *c) {
 
 void multigrid_begin(multigrid *mg, bool definite) {
     const int set = made(mg);
-    mg->definite = definite;
+    mg->definite[set] = definite;
     mg->stage = MG_CLEAR;
     mg->at_level = mg->at = 0;
     for (size_t i = 0; i < mg->n_nodes; i++)
@@ -76,7 +76,7 @@ static void add_elements(multigrid *mg, size_t i) {
         float *stored = mg->element[made(mg)] + mg->slot[k], e[5], s[6];
         const int32_t j = mg->high[k];
         multigrid_element(mg, mg->element[made(mg)], i, k, e);
-        if (mg->definite) { /* no compression, and along it nothing negative */
+        if (mg->definite[made(mg)]) { /* no compression, and along it nothing negative */
             const float square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
             stored[mg->spacing] = e[4] = e[4] > 0.0F ? e[4] : 0.0F;
             stored[0] = e[3] = e[3] * square + e[4] > 0.0F ? e[3] : -e[4] / square;
@@ -90,6 +90,8 @@ static void add_elements(multigrid *mg, size_t i) {
 static void add_node(multigrid *mg, size_t i) {
     mg_level *l = &mg->level[0];
     add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->node[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
+    if (multigrid_has_between(mg, made(mg)))
+        add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->beside[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
 }
 
 /* Takes what is not between free axes out of a block. */
@@ -121,12 +123,23 @@ static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
     return true;
 }
 
+/* b[12]: own block i, of which sweeps take the inverse. On the finest level of several the further blocks' own ones count one and
+ * a half times: with the others those are at most four times their own, where an element's are twice, and damped Jacobi is to remain a
+ * contraction. */
+static void block_of_sweep(const multigrid *mg, const mg_level *l, int set, size_t i, float *b) {
+    memcpy(b, l->own[set] + BLOCK_FLOATS * i, BLOCK_FLOATS * sizeof *b);
+    if (l == mg->level && mg->n_levels > 1 && multigrid_has_between(mg, set))
+        add_block(b, mg->beside[set] + 6 * i, 0.5F, l->axes[i], l->axes[i]);
+}
+
 static bool invert(multigrid *mg, mg_level *l, size_t i) {
     const int set = made(mg);
+    float b[BLOCK_FLOATS];
     mask(l->own[set] + BLOCK_FLOATS * i, l->axes[i], l->axes[i]); /* of a coarse row, as followers have brought them */
     for (uint32_t k = l->first[i]; l != mg->level && k < l->middle[i]; k++)
         mask(l->block[set] + multigrid_low(l, i, k), l->axes[i], l->axes[l->column[k]]);
-    return invert_block(l, set, i, l->own[set] + BLOCK_FLOATS * i);
+    block_of_sweep(mg, l, set, i, b);
+    return invert_block(l, set, i, b);
 }
 
 /* A row's share of the factor's values; its units. */
@@ -262,7 +275,7 @@ void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigri
         }
         if (!changed)
             continue;
-        memcpy(b, l->own[mg->used] + BLOCK_FLOATS * i, sizeof b);
+        block_of_sweep(mg, l, mg->used, i, b);
         add_block(b, change, 1.0F, l->axes[i], l->axes[i]);
         invert_block(l, mg->used, i, b);
     }

@@ -106,6 +106,16 @@ palp_status multigrid_make_products(multigrid *mg) {
     return mg->row ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
+/* b += the further block of nodes i and j, which the k-th sorted element joins, free axes only. */
+static void add_between(const multigrid *mg, size_t i, size_t j, uint32_t k, float *b) {
+    const unsigned row = mg->level[0].axes[i], column = mg->level[0].axes[j];
+    float block[BLOCK_FLOATS];
+    multigrid_between(mg, 1 - mg->used, i, j, k, block);
+    for (unsigned at = 0; at < BLOCK_FLOATS; at++)
+        if (row >> at % 4 & column >> at / 4 & 1U)
+            b[at] += block[at];
+}
+
 /* b += the couplings of nodes i and j, free axes only. */
 static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
     const mg_level *l = &mg->level[0];
@@ -129,6 +139,8 @@ const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_
         column[c] -= e[4];
         multigrid_store(room + 4 * c, multigrid_all(MULTIGRID_FREE[l->axes[j]][c]) * rows * column);
     }
+    if (multigrid_has_between(mg, 1 - mg->used))
+        add_between(mg, i, j, mg->through[k], room);
     if (mg->n_couplings[1 - mg->used] > 0)
         add_couplings(mg, i, j, room);
     return room;

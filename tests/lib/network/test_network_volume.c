@@ -152,6 +152,55 @@ START_TEST(realtime) {
 }
 END_TEST
 
+static double to_and_fro(int i) {
+    return 0.003 + 0.002 * sin(0.025 * i);
+}
+
+/* The preconditioner has the tetrahedra: a single correction after each step of a plate that goes to and fro leaves ten times less than
+ * without them (1.4e-4 of the peak with 7 nodes a side, of one level, 1.9e-4 with 11), and a state restored goes on with the same bits. */
+START_TEST(preconditioned) {
+    const palp_budget all = {.force_error = 1e-9}, one = {.corrections = 1};
+    palp_realtime_settings settings = palp_realtime_settings_default();
+    palp_material m = quartic(0);
+    for (size_t n = 7; n <= 11; n += 4) {
+        const double share = 7.0 / (double)n * 7.0 / (double)n;
+        double c[5] = {0.0611 * share, 0.0153 * share, 0.510 * share, -1.516 * share, 0.797 * share}, worst = 0.0, peak = 0.0;
+        ck_assert_int_eq(palp_law_polynomial(5, c, &m.law), PALP_OK);
+        palp_network *net = solid(n, &m, 1.42e4), *same = solid(n, &m, 1.42e4);
+        palp_realtime *exact, *rt;
+        unsigned char *saved = NULL;
+        double again = 0.0;
+        ck_assert_int_eq(palp_realtime_create(net, &settings, &exact), PALP_OK);
+        ck_assert_int_eq(palp_realtime_create(same, &settings, &rt), PALP_OK);
+        const size_t size = palp_realtime_state_size(rt);
+        for (int i = 0; i < 300; i++) {
+            const double depth = to_and_fro(i);
+            palp_tick_info wanted, got;
+            if (i == 250) {
+                ck_assert_ptr_nonnull(saved = malloc(size));
+                ck_assert_int_eq(palp_realtime_save(rt, saved, size), PALP_OK);
+            }
+            ck_assert_int_eq(palp_realtime_step(exact, depth, INFINITY, &all, &wanted), PALP_OK);
+            ck_assert_int_eq(palp_realtime_step(rt, depth, INFINITY, &one, &got), PALP_OK);
+            peak = fmax(peak, wanted.force_N);
+            worst = i < 5 ? 0.0 : fmax(worst, fabs(got.force_N - wanted.force_N));
+            again = got.force_N;
+        }
+        ck_assert_msg(worst < 3e-5 * peak, "%zu nodes: %g", n, worst / peak);
+        ck_assert_int_eq(palp_realtime_restore(rt, saved, size), PALP_OK);
+        palp_tick_info got;
+        for (int i = 250; i < 300; i++)
+            ck_assert_int_eq(palp_realtime_step(rt, to_and_fro(i), INFINITY, &one, &got), PALP_OK);
+        ck_assert(got.force_N == again);
+        free(saved);
+        palp_realtime_free(exact);
+        palp_realtime_free(rt);
+        palp_network_free(net);
+        palp_network_free(same);
+    }
+}
+END_TEST
+
 START_TEST(refused) {
     const palp_material m = quartic(0);
     palp_network_settings settings = palp_network_settings_default();
@@ -182,5 +231,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, confined);
     tcase_add_test(tc, does_not_fold);
     tcase_add_test(tc, realtime);
+    tcase_add_test(tc, preconditioned);
     tcase_add_test(tc, refused);
 }

@@ -20,6 +20,7 @@ typedef struct body {
     int32_t dof[3 * NODES], pair[2 * PAIRS_MAX];
     float element[5 * PAIRS_MAX]; /* n, along, across */
     multigrid_coupling coupling[COUPLED];
+    double further[6 * PAIRS_MAX]; /* g of both ends of a pair, whose energy grows by (g . x)^2 / 2; 0: none */
     uint64_t seed;
 } body;
 
@@ -55,17 +56,36 @@ static inline void make_body(body *b, double off, double across) {
     }
 }
 
-/* The same body, its nodes in another order: coarse nodes are then anywhere, and some follow held ones. */
-static inline void renumber(body *b) {
+/* The same body with node i as to[i]. */
+static inline void renumber_as(body *b, const int32_t *to) {
     static body old;
     old = *b;
     for (size_t i = 0; i < NODES; i++)
         for (size_t k = 0; k < 3; k++) {
-            b->x[100 * i % NODES * 3 + k] = old.x[3 * i + k];
-            b->dof[100 * i % NODES * 3 + k] = old.dof[3 * i + k];
+            b->x[3 * (size_t)to[i] + k] = old.x[3 * i + k];
+            b->dof[3 * (size_t)to[i] + k] = old.dof[3 * i + k];
         }
     for (size_t e = 0; e < 2 * b->n_pairs; e++)
-        b->pair[e] = 100 * old.pair[e] % NODES;
+        b->pair[e] = to[old.pair[e]];
+}
+
+/* In another order: coarse nodes are then anywhere, and some follow held ones. */
+static inline void renumber(body *b) {
+    int32_t to[NODES];
+    for (int32_t i = 0; i < NODES; i++)
+        to[i] = 100 * i % NODES;
+    renumber_as(b, to);
+}
+
+/* In an order by chance: no two elements are alike. */
+static inline void shuffle(body *b) {
+    int32_t to[NODES];
+    for (int32_t i = 0; i < NODES; i++) {
+        const int32_t j = (int32_t)(palp_random_uniform(&b->seed) * (i + 1));
+        to[i] = to[j];
+        to[j] = i;
+    }
+    renumber_as(b, to);
 }
 
 /* Stiffness on some nodes and between some joined ones, as contacts bring it. */
@@ -87,10 +107,30 @@ static inline void add_contacts(body *b, double size) {
     }
 }
 
+static inline void add_further(body *b, double size) {
+    for (size_t i = 0; i < 6 * b->n_pairs; i++)
+        b->further[i] = size * (palp_random_uniform(&b->seed) - 0.5);
+}
+
 static inline multigrid *make(const body *b, size_t direct) {
     multigrid *mg;
     ck_assert_int_eq(multigrid_create(NODES, b->x, b->dof, b->n_pairs, b->pair, direct, &mg), PALP_OK);
+    if (b->further[0] != 0.0)
+        ck_assert_int_eq(multigrid_make_room(mg), PALP_OK);
     return mg;
+}
+
+/* Further blocks of each pair: own ones, and between them with either end first. */
+static inline void number_further(multigrid *mg, const body *b) {
+    multigrid_clear_blocks(mg);
+    for (size_t e = 0; e < b->n_pairs; e++)
+        for (size_t k = 0; k < 3; k++) {
+            const size_t p = k == 0 ? e % 2 : k - 1, q = k == 0 ? 1 - e % 2 : k - 1;
+            double block[9];
+            for (size_t i = 0; i < 9; i++)
+                block[i] = b->further[6 * e + 3 * p + i / 3] * b->further[6 * e + 3 * q + i % 3];
+            multigrid_add_block(mg, b->pair[2 * e + p], b->pair[2 * e + q], block);
+        }
 }
 
 static inline palp_status number(multigrid *mg, const body *b, bool coupled, bool definite) {
@@ -109,6 +149,8 @@ static inline palp_status number(multigrid *mg, const body *b, bool coupled, boo
         to.node[i] = (float)b->node[i];
     *to.n_couplings = coupled ? COUPLED : 0;
     memcpy(to.coupling, b->coupling, sizeof b->coupling);
+    if (b->further[0] != 0.0)
+        number_further(mg, b);
     multigrid_begin(mg, definite);
     bool done = false;
     palp_status status = PALP_OK;
@@ -124,6 +166,7 @@ typedef struct dense_level {
     double *a;               /* [3 n, 3 n], 0 in held rows and columns */
     unsigned char *free;     /* [3 n] */
     const mg_level *weights; /* to the next level */
+    double *more;            /* [9 n] added to own blocks that are inverted; or NULL */
     const bool *swept;       /* [n] nodes that Gauss-Seidel is for, the others being damped Jacobi's; NULL: all */
 } dense_level;
 
@@ -145,6 +188,7 @@ static inline void finest_matrix(const body *b, bool coupled, bool definite, den
     l->n = NODES;
     l->a = calloc(9 * NODES * NODES, sizeof *l->a);
     l->free = calloc(3 * NODES, 1);
+    l->more = calloc(9 * NODES, sizeof *l->more);
     for (size_t i = 0; i < 3 * NODES; i++)
         l->free[i] = b->dof[i] >= 0;
     for (size_t e = 0; e < b->n_pairs; e++) {
@@ -176,6 +220,14 @@ static inline void finest_matrix(const body *b, bool coupled, bool definite, den
         add_to_matrix(l->a, low, high, block, 1, false);
         add_to_matrix(l->a, high, low, block, 1, true);
     }
+    for (size_t e = 0; e < b->n_pairs && b->further[0] != 0.0 && !definite; e++)
+        for (size_t i = 0; i < 36; i++) {
+            const size_t p = i / 18, q = i / 9 % 2, row = (size_t)b->pair[2 * e + p], column = (size_t)b->pair[2 * e + q];
+            const double product = b->further[6 * e + 3 * p + i / 3 % 3] * b->further[6 * e + 3 * q + i % 3];
+            l->a[(3 * row + i / 3 % 3) * 3 * NODES + 3 * column + i % 3] += product;
+            if (p == q)
+                l->more[9 * row + i % 9] += 0.5 * product;
+        }
     hold(l);
 }
 
@@ -189,6 +241,7 @@ static inline void coarse_matrix(const multigrid *mg, size_t level, const dense_
     const mg_level *w = fine->weights;
     l->n = mg->level[level + 1].n;
     l->swept = NULL;
+    l->more = NULL;
     double *half = calloc(9 * fine->n * l->n, sizeof *half); /* A P */
     l->a = calloc(9 * l->n * l->n, sizeof *l->a);
     l->free = calloc(3 * l->n, 1);
@@ -220,41 +273,43 @@ static inline void solve(size_t n, size_t lda, const double *a, const unsigned c
     free(l);
 }
 
-/* One node's unknowns from the others as they are. */
-static inline void relax(const dense_level *l, size_t i, const double *r, double *x) {
-    double s[3];
-    for (size_t k = 0; k < 3; k++) {
-        s[k] = r[3 * i + k];
-        for (size_t j = 0; j < 3 * l->n; j++)
-            s[k] -= j / 3 != i ? l->a[(3 * i + k) * 3 * l->n + j] * x[j] : 0;
-    }
-    solve(3, 3 * l->n, l->a + 3 * i * 3 * l->n + 3 * i, l->free + 3 * i, s);
-    memcpy(x + 3 * i, s, sizeof s);
+/* left = r - a x where free, of nodes from to end */
+static inline void find_residual(const dense_level *l, size_t from, size_t end, const double *r, const double *x, double *left) {
+    for (size_t i = 3 * from; i < 3 * end; i++)
+        left[i] = l->free[i] ? r[i] - dense_dot(3 * l->n, l->a + i * 3 * l->n, x) : 0;
 }
 
-/* left = r - a x where free */
-static inline void find_residual(const dense_level *l, const double *r, const double *x, double *left) {
-    for (size_t i = 0; i < 3 * l->n; i++)
-        left[i] = l->free[i] ? r[i] - dense_dot(3 * l->n, l->a + i * 3 * l->n, x) : 0;
+/* left of node i by its own block, and what is more. */
+static inline void solve_own(const dense_level *l, size_t i, double *left) {
+    double own[9];
+    for (size_t k = 0; k < 9; k++)
+        own[k] = l->a[(3 * i + k / 3) * 3 * l->n + 3 * i + k % 3] + (l->more ? l->more[9 * i + k] : 0);
+    solve(3, 3, own, l->free + 3 * i, left);
 }
 
 /* Gauss-Seidel over the nodes that it is for, up in turned order. */
 static inline void sweep(const dense_level *l, const double *r, double *x, bool up) {
+    double *left = calloc(3 * l->n, sizeof *left);
     for (size_t k = 0; k < l->n; k++) {
         const size_t i = up ? l->n - 1 - k : k;
-        if (!l->swept || l->swept[i])
-            relax(l, i, r, x);
+        if (l->swept && !l->swept[i])
+            continue;
+        find_residual(l, i, i + 1, r, x, left);
+        solve_own(l, i, left + 3 * i);
+        for (size_t c = 3 * i; c < 3 * i + 3; c++)
+            x[c] += left[c];
     }
+    free(left);
 }
 
 /* A step of damped Jacobi at the others. */
 static inline void step_aside(const dense_level *l, const double *r, double *x) {
     double *left = calloc(3 * l->n, sizeof *left);
-    find_residual(l, r, x, left);
+    find_residual(l, 0, l->n, r, x, left);
     for (size_t i = 0; i < l->n; i++) {
         if (!l->swept || l->swept[i])
             continue;
-        solve(3, 3 * l->n, l->a + 3 * i * 3 * l->n + 3 * i, l->free + 3 * i, left + 3 * i);
+        solve_own(l, i, left + 3 * i);
         for (size_t c = 3 * i; c < 3 * i + 3; c++)
             x[c] += 0.74 * left[c];
     }
@@ -280,7 +335,7 @@ static inline void cycle(size_t levels, const dense_level *l, const double *r, d
     const mg_level *w = l->weights;
     double *left = calloc(3 * l->n, sizeof *left);
     smooth(l, r, x, false);
-    find_residual(l, r, x, left);
+    find_residual(l, 0, l->n, r, x, left);
     for (size_t i = 0; i < 3 * l->n; i++)
         for (uint32_t k = w->up_first[i / 3]; k < w->up_first[i / 3 + 1]; k++)
             coarse_r[3 * (size_t)w->up[k] + i % 3] += (double)w->weight[k] * left[i];
@@ -321,6 +376,7 @@ static inline void free_levels(size_t n, dense_level *l) {
     for (size_t k = 0; k < n; k++) {
         free(l[k].a);
         free(l[k].free);
+        free(l[k].more);
     }
 }
 

@@ -96,10 +96,35 @@ START_TEST(touched_nodes_change_the_finest_level) {
 }
 END_TEST
 
+/* With further blocks, of what acts on all nodes: plain, with contacts, without what is not definite, of which they are a part; of elements
+ * that stand by batches and, as the nodes are shuffled, of those that do not. */
+START_TEST(further_blocks) {
+    dense_level l[LEVELS_MAX];
+    const bool coupled = _i % 3 > 0, definite = _i % 3 == 2;
+    make_body(&b, 0.4, definite ? 3.0 : 0.1);
+    if (_i >= 3)
+        shuffle(&b);
+    add_further(&b, 2.0);
+    if (coupled)
+        add_contacts(&b, 8.0);
+    multigrid *mg = make(&b, 40);
+    ck_assert((mg->n_batches > 0) == (_i < 3));
+    ck_assert_int_eq(number(mg, &b, coupled, definite), PALP_OK);
+    multigrid_swap(mg);
+    ck_assert(coupled ? mg->n_patch > COUPLED && mg->n_patch < NODES : mg->n_patch == 0);
+    make_levels(mg, &b, coupled, definite, l);
+    check_cycle(mg, l, &b.seed);
+    free_levels(multigrid_levels(mg), l);
+    multigrid_free(mg);
+}
+END_TEST
+
 START_TEST(one_level_is_the_inverse) {
     dense_level l[1];
     make_body(&b, 0.4, 0.1);
     add_contacts(&b, 2.0);
+    if (_i > 0)
+        add_further(&b, 2.0);
     multigrid *mg = make(&b, 3 * NODES);
     ck_assert_uint_eq(multigrid_levels(mg), 1);
     ck_assert_int_eq(number(mg, &b, true, false), PALP_OK);
@@ -298,7 +323,8 @@ void tests(TCase *tc) {
     tcase_add_test(tc, weights_are_the_nearest_mean);
     tcase_add_loop_test(tc, cycle_is_that_of_dense_matrices, 0, 4);
     tcase_add_loop_test(tc, touched_nodes_change_the_finest_level, 0, 2);
-    tcase_add_test(tc, one_level_is_the_inverse);
+    tcase_add_loop_test(tc, one_level_is_the_inverse, 0, 2);
+    tcase_add_loop_test(tc, further_blocks, 0, 6);
     tcase_add_test(tc, one_set_serves_while_the_other_is_made);
     tcase_add_loop_test(tc, contraction, 0, 2);
     tcase_add_test(tc, what_is_not_definite_is_told);
