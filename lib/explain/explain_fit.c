@@ -58,8 +58,8 @@ static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t
             low = fmin(2.0 * data->stride, 0.5 * high);
         }
     }
-    if (q->scale == PALP_SCALE_STRAIN_RATE) { /* some run is faster */
-        low = 1e-3 * size;
+    if (q->scale == PALP_SCALE_STRAIN_RATE) { /* some run is faster; it may be far below all of them, as a dwell tells */
+        low = 1e-6 * size;
         high = size;
     }
     if (q->scale == PALP_SCALE_RATE) { /* so that a factor of it and the session stays above zero */

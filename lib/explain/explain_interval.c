@@ -64,7 +64,7 @@ palp_status explain_reaches_find(const explain_fit *fit, const explain_data *dat
 
 /* ---- profile likelihood ---- */
 
-static const double WIDE = 0.3; /* of a parameter: half widths beyond which the likelihood is followed */
+static const double WIDE = 0.2; /* of a parameter: half widths beyond which the likelihood is followed */
 
 /* One end of a parameter's interval: where the best chi2 of all fits with that parameter fixed rises by so much. */
 typedef struct interval_end {

@@ -115,18 +115,43 @@ double forward_sensor_read(forward_sensor *s, const effect_moment *moment, doubl
 
 /* ---- the run ---- */
 
-/* Where the instrument is at sample i: velocity and acceleration of the parabola through it and its
- * neighbours; at the ends the velocity of the only interval, and none. */
+static double mean_velocity(const palp_forward_run *run, size_t i) {
+    return (run->depth_m[i + 1] - run->depth_m[i]) / (run->time_s[i + 1] - run->time_s[i]);
+}
+
+/* What is before at one neighbour of sample i and after at the other, or half way to each, at the sample itself. */
+static double between(const palp_forward_run *run, size_t i, double before, double after) {
+    const double *t = run->time_s, share = (t[i] - t[i - 1]) / (t[i + 1] - t[i - 1]);
+    return before + share * (after - before);
+}
+
+/* Of the parabola through sample i and its neighbours. */
+static double parabola_velocity(const palp_forward_run *run, size_t i) {
+    return between(run, i, mean_velocity(run, i - 1), mean_velocity(run, i));
+}
+
+/* What the parabolas of both neighbours make of it tells how the speed bends: of even samples it is that of the quartic through
+ * five. It stays between what it is on either side: where a path comes to rest at once it does not swing over. */
+static double velocity_at(const palp_forward_run *run, size_t i) {
+    if (run->n < 2)
+        return 0.0;
+    if (i == 0 || i + 1 == run->n)
+        return mean_velocity(run, i ? i - 1 : 0);
+    const double come = mean_velocity(run, i - 1), go = mean_velocity(run, i), parabola = parabola_velocity(run, i);
+    if (i == 1 || i + 2 == run->n)
+        return parabola;
+    const double around = between(run, i, parabola_velocity(run, i - 1), parabola_velocity(run, i + 1));
+    return fmin(fmax(come, go), fmax(fmin(come, go), (4.0 * parabola - around) / 3.0));
+}
+
+/* Where the instrument is at sample i: its velocity, and the acceleration of the parabola through it and its neighbours, at the
+ * ends none. */
 effect_moment forward_moment(const palp_forward_run *run, size_t i) {
     const double *t = run->time_s, *d = run->depth_m;
-    effect_moment m = {.time = t[i], .since = t[i] - t[0], .depth = d[i], .hum_phase = run->hum_phase};
-    double before = i ? t[i] - t[i - 1] : 0.0, after = i + 1 < run->n ? t[i + 1] - t[i] : 0.0;
-    double come = before > 0.0 ? (d[i] - d[i - 1]) / before : 0.0,
-           go = after > 0.0 ? (d[i + 1] - d[i]) / after : come;
-    m.step = before;
-    m.velocity = before > 0.0 ? (come * after + go * before) / (before + after) : go;
-    if (before > 0.0 && after > 0.0)
-        m.acceleration = 2.0 * (go - come) / (before + after);
+    effect_moment m = {.time = t[i], .since = t[i] - t[0], .depth = d[i], .hum_phase = run->hum_phase, .velocity = velocity_at(run, i)};
+    m.step = i ? t[i] - t[i - 1] : 0.0;
+    if (i > 0 && i + 1 < run->n)
+        m.acceleration = 2.0 * (mean_velocity(run, i) - mean_velocity(run, i - 1)) / (t[i + 1] - t[i - 1]);
     return m;
 }
 
