@@ -33,6 +33,7 @@ typedef struct contact {
     double friction[3];    /* friction force on the tissue, N */
     double kept;           /* share of its spring's stretch that slipping has left: 1 = it sticks */
     double friction_tangent[6];
+    double drag[3];        /* friction that slips, d friction / d way along the normal, N/m; 0 if it sticks */
 } contact;
 
 /* A contact that touched, with friction's spring. */
@@ -138,8 +139,9 @@ double contact_along(const palp_tool *tool, const double point[3]);
 /* Force and tangent at x. */
 void contact_evaluate(const contact_set *set, contact *c, const double *x);
 
-/* out += -d force / d x times u, both [3 n_nodes]. */
-void contact_times(const contact *c, const double *u, double *out);
+/* out += -d force / d x times u, both [3 n_nodes]: the symmetric part, and all of it. */
+typedef void contact_product(const contact *c, const double *u, double *out);
+contact_product contact_times, contact_whole_times;
 
 /* k[9] = -d force on corner a / d corner b, by rows. */
 void contact_block(const contact *c, int a, int b, double k[9]);

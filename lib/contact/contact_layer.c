@@ -116,12 +116,12 @@ void layer_evaluate(contact_layer *l, contact_set *set, const double *next, doub
     give(l, force);
 }
 
-void layer_times(const contact_layer *l, const contact_set *set, const double *u, double *out) {
+void layer_times(const contact_layer *l, const contact_set *set, contact_product *times, const double *u, double *out) {
     for (size_t i = 0; i < l->n_active; i++)
         skin_take_vertex(&l->skin, l->active[i], u, l->in + 3 * l->active[i]);
     for (size_t i = 0; i < set->n_contacts; i++)
         if (set->contact[i].depth > 0.0)
-            contact_times(&set->contact[i], l->in, l->out);
+            times(&set->contact[i], l->in, l->out);
     give(l, out);
 }
 

@@ -158,14 +158,14 @@ double contact_energy(const contact_set *set, const contact *c) {
 }
 
 /* Tangent of the pressure along the normal, and across it where the point cannot give way on its triangle: all round in a
- * corner, across an edge on one. A capsule is straight along its axis. */
-static void normal_force(const contact_set *set, const palp_tool *tool, contact *c) {
+ * corner, across an edge on one. A capsule is straight along its axis. Returns the pressure's slope by the depth. */
+static double normal_force(const contact_set *set, const palp_tool *tool, contact *c) {
     double slope, edge[3] = {0.0}, length = 0.0;
     c->pressure = penalty(set, c, &slope);
     memset(c->normal_tangent, 0, sizeof c->normal_tangent);
     add_along(slope, c->normal, c->normal_tangent);
     if (tool->shape == PALP_TOOL_PLANE || inside(c) || !(c->distance > 0.0))
-        return;
+        return slope;
     double bend = c->pressure / c->distance;
     add_across(-bend, c->normal, c->normal_tangent);
     for (int i = 0; i < 3 && length == 0.0; i++) {
@@ -177,12 +177,13 @@ static void normal_force(const contact_set *set, const palp_tool *tool, contact 
         add_along(bend, edge, c->normal_tangent);
     else if (tool->shape == PALP_TOOL_CAPSULE && c->along > 0.0 && c->along < tool->length_m)
         add_along(bend, tool->axis, c->normal_tangent);
+    return slope;
 }
 
 /* A spring as stiff as the penalty from the anchor to the point, along the surface; where it pulls harder than
- * friction holds, it slips (return mapping). The part of the tangent by which slip follows the pressure has no mirror
- * image and is left out: the solver's matrix is symmetric. */
-static void friction_force(contact *c, double coefficient, const double *x) {
+ * friction holds, it slips (return mapping). The part of the tangent by which slip follows the pressure, which has this slope, has no
+ * mirror image and stands apart, as drag: factors are of symmetric matrices. */
+static void friction_force(contact *c, double coefficient, double slope, const double *x) {
     double u[3], stiffness = c->entry * c->stiffness, turn[3];
     contact_point(c, c->stick_share, x, u);
     along3(u, -1.0, c->anchor, u);
@@ -194,6 +195,7 @@ static void friction_force(contact *c, double coefficient, const double *x) {
         c->stretch[k] = share * c->entry * u[k];
         c->friction[k] = -share * stiffness * u[k];
         turn[k] = slips ? u[k] * stiffness / pull : 0.0;
+        c->drag[k] = coefficient * slope * turn[k];
     }
     memset(c->friction_tangent, 0, sizeof c->friction_tangent);
     add_across(share * stiffness, c->normal, c->friction_tangent);
@@ -207,9 +209,9 @@ void contact_evaluate(const contact_set *set, contact *c, const double *x) {
         c->depth = 0.0; /* a tool that far through the surface has lost it */
     if (!(c->depth > 0.0))
         return;
-    normal_force(set, tool, c);
+    const double slope = normal_force(set, tool, c);
     if (tool->friction > 0.0)
-        friction_force(c, tool->friction, x);
+        friction_force(c, tool->friction, slope, x);
 }
 
 static void symmetric_times(const double k[6], const double *p, double out[3]) {
@@ -237,6 +239,16 @@ void contact_times(const contact *c, const double *u, double *out) {
         along3(o, c->pressure * dot3(c->gradient[i], turn), c->normal, o);
         along3(o, c->stick_share[i], across, o);
     }
+}
+
+/* The pressure falls by its slope times the way along the normal, which leads into the tissue, and friction with it. */
+void contact_whole_times(const contact *c, const double *u, double *out) {
+    double at_point[3];
+    contact_times(c, u, out);
+    contact_point(c, c->share, u, at_point);
+    const double way = dot3(c->normal, at_point);
+    for (int i = 0; i < c->corners; i++)
+        along3(out + 3 * c->node[i], -c->stick_share[i] * way, c->drag, out + 3 * c->node[i]);
 }
 
 void contact_block(const contact *c, int a, int b, double k[9]) {

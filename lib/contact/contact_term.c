@@ -119,17 +119,26 @@ static void term_blocks(const network_term *term, const palp_network *net, netwo
     }
 }
 
-static void term_times(const network_term *term, const palp_network *net, const double *u, double *out) {
+static void add_times(const network_term *term, contact_product *times, const double *u, double *out) {
     const contact_term *t = (const contact_term *)term;
     const contact_set *set = &t->set;
-    (void)net;
     if (t->layer) {
-        layer_times(t->layer, set, u, out);
+        layer_times(t->layer, set, times, u, out);
         return;
     }
     for (size_t i = 0; i < set->n_contacts; i++)
         if (set->contact[i].depth > 0.0)
-            contact_times(&set->contact[i], u, out);
+            times(&set->contact[i], u, out);
+}
+
+static void term_times(const network_term *term, const palp_network *net, const double *u, double *out) {
+    (void)net;
+    add_times(term, contact_times, u, out);
+}
+
+static void term_whole_times(const network_term *term, const palp_network *net, const double *u, double *out) {
+    (void)net;
+    add_times(term, contact_whole_times, u, out);
 }
 
 static bool term_energy(const network_term *term, const palp_network *net, double *energy) {
@@ -252,6 +261,7 @@ static const network_term_kind CONTACT = {.reset = term_reset,
                                           .finish = term_finish,
                                           .blocks = term_blocks,
                                           .times = term_times,
+                                          .whole_times = term_whole_times,
                                           .energy = term_energy,
                                           .moved = term_moved,
                                           .place = term_place,

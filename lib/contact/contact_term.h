@@ -38,7 +38,7 @@ contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tool
 void layer_place(contact_layer *l, contact_set *set, double share, const double *now, const double *next);
 bool layer_refresh(contact_layer *l, contact_set *set, const double *now, const double *next);
 void layer_evaluate(contact_layer *l, contact_set *set, const double *next, double *force, double *squares);
-void layer_times(const contact_layer *l, const contact_set *set, const double *u, double *out);
+void layer_times(const contact_layer *l, const contact_set *set, contact_product *times, const double *u, double *out);
 void layer_blocks(const contact_layer *l, const contact_set *set, network_block_taker take, void *user);
 
 /* Places of the vertices in contact; those of others are of some time before. */

@@ -38,10 +38,12 @@ typedef struct network_term_kind {
     void (*residual)(const network_term *term, const palp_network *net, double *r, double *squares);
 
     /* -d force / d x: its constant diagonal, added to d[3 n_nodes]; other blocks, the lower ones of each pair of nodes;
-     * and these blocks times u, added to out, [3 n_nodes] both. */
+     * and these blocks times u, added to out, [3 n_nodes] both. Blocks are symmetric; whole_times is for a term that has more, with
+     * what is not. */
     void (*diagonal)(const network_term *term, const palp_network *net, double *d);
     void (*blocks)(const network_term *term, const palp_network *net, network_block_taker take, void *user);
     void (*times)(const network_term *term, const palp_network *net, const double *u, double *out);
+    void (*whole_times)(const network_term *term, const palp_network *net, const double *u, double *out);
 
     /* Adds the potential of the last evaluation, J; false if there is none (friction). */
     bool (*energy)(const network_term *term, const palp_network *net, double *energy);

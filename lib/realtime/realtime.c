@@ -7,7 +7,7 @@
 
 enum { DIRECT = 1000 };            /* unknowns of which a factor is cheaper than a cycle with levels; */
 enum { TOUCHED = 200 };            /* with tools, whose contacts only levels follow from tick to tick */
-static const double SHARE = 0.03;  /* of its residual that a round of conjugate gradients leaves */
+static const double SHARE = 0.03;  /* of its residual that a round of conjugate gradients may end with */
 static const double CURVED = 0.1;  /* a tick that left less of its residual may be extrapolated by a parabola, */
 static const double STRAIGHT = 0.5; /* less than this by a line */
 static const double SUDDEN = 2.0;  /* times the residual of the last tick's first guess: the path has turned */
@@ -20,7 +20,7 @@ static const double ANCHORED = 6.0; /* of a tick's error, what friction may reme
 static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
 static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
 enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end, */
-enum { LAST = 3, FEW = 10 };       /* corrections that are made one by one and by twos, where tools touch */
+enum { SINGLE_ROUNDS = 60 };       /* rounds where tools touch: of one correction each, as no tangent tells what comes to slip */
 enum { DESCENT = 20000 };          /* corrections to a stable branch, in as many rounds as it takes */
 
 palp_realtime_settings palp_realtime_settings_default(void) {
@@ -48,6 +48,10 @@ static palp_status allocate(palp_realtime *rt) {
     if (rt->memory.failed)
         return PALP_ERR_NO_MEMORY;
     const bool touched = realtime_touched(net);
+    double **kept[] = {&rt->direction, &rt->inner, &rt->tangent};
+    for (size_t i = 0; i < 3 && touched; i++)
+        if (!(*kept[i] = arena_take(&rt->memory, 3 * net->n_nodes * REALTIME_DIRECTIONS, sizeof **kept[i])))
+            return PALP_ERR_NO_MEMORY;
     palp_status status = multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
                                           touched ? TOUCHED : DIRECT, &rt->mg);
     for (size_t i = 0; i < net->n_terms; i++)
@@ -287,12 +291,6 @@ static bool go(palp_realtime *rt, tick *t) {
     return false;
 }
 
-/* Of the corrections that are left, how many before the forces are looked at again: where tools touch, whose sticking and
- * slipping no tangent tells, half, then two, and one by one at last. */
-static size_t in_a_round(const palp_realtime *rt, size_t left) {
-    return !realtime_touched(rt->net) ? left : left <= LAST ? 1 : left <= FEW ? 2 : left / 2;
-}
-
 /* Error of the positions, in the norm of the tangent, with which the budget's force error is met; 0: it sets none. */
 static double enough(palp_realtime *rt, const tick *t) {
     const double error = (rt->driven ? rt->adjoint_error : 0.0) + sqrt(realtime_own_stiffness(rt));
@@ -300,16 +298,18 @@ static double enough(palp_realtime *rt, const tick *t) {
 }
 
 static void correct(palp_realtime *rt, tick *t) {
+    const bool touched = rt->direction;
+    const int rounds = touched ? SINGLE_ROUNDS : ROUNDS;
     for (int i = 0; !t->info.converged; i++) {
         size_t left = room(rt, t);
         if (left == 0)
             return;
-        if (i == ROUNDS && t->budget.corrections == 0 && !(t->budget.seconds > 0.0) && !descends(rt))
+        if (i == rounds && t->budget.corrections == 0 && !(t->budget.seconds > 0.0) && !descends(rt))
             return;
         double start = realtime_clock();
         if (!rt->fresh && !realtime_evaluate(rt, true, true)) /* the prediction was thought to be enough */
             return;
-        size_t done = realtime_solve(rt, in_a_round(rt, left), SHARE, enough(rt, t));
+        size_t done = touched ? realtime_solve_touched(rt, 1, SHARE) : realtime_solve(rt, left, SHARE, enough(rt, t));
         if (done == 0)
             return;
         learn(&rt->times.correction, (realtime_clock() - start) / (double)done);
@@ -420,6 +420,7 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     stay_if_nearer(rt, &t);
     t.first = t.norm;
     rt->indefinite = false;
+    rt->n_directions = 0;
     correct(rt, &t);
     t.info.buckled = rt->indefinite;
     double rest = realtime_clock();

@@ -13,6 +13,9 @@ typedef struct refresh_thread refresh_thread;
 /* The tetrahedra are looked at in so many parts, one a tick; and so are the blocks of terms on all nodes. */
 enum { REALTIME_PARTS = 16 };
 
+/* Of a tick's corrections, that are kept where tools touch. */
+enum { REALTIME_DIRECTIONS = 12 };
+
 typedef enum refresh_stage { REFRESH_DUE, REFRESH_MAKE } refresh_stage;
 
 /* Seconds that parts of a tick take, as lately measured. */
@@ -27,6 +30,10 @@ struct palp_realtime {
     multigrid *mg;
     double *r, *z, *p, *q; /* [3 n_nodes] conjugate gradients, 0 at fixed axes */
     double *move;          /* [3 n_nodes] correction */
+    double *direction, *inner, *tangent; /* [3 n_nodes * REALTIME_DIRECTIONS], or NULL: no tools. Directions of this tick's
+                              corrections, each of length 1 in the norm of the factor; the tissue's tangent, and all of it, times them */
+    double curvature[REALTIME_DIRECTIONS][REALTIME_DIRECTIONS]; /* [j][i]: direction i times tangent j */
+    size_t n_directions;
     double *adjoint;       /* [3 n_nodes] dx / d depth, the motion at fixed axes */
     double *weight;        /* [n_nodes] stiffness of what presses on each node from outside, N/m */
     uint32_t *run_place;   /* [runs] as network_blocks has it, or NULL */
@@ -73,8 +80,15 @@ palp_status realtime_place_runs(palp_realtime *rt);
 bool realtime_evaluate(palp_realtime *rt, bool tangent, bool trial);
 
 /* q = tangent of the last evaluation times p on the free axes, 0 on the others. In single precision: what is left of a residual by
- * corrections is evaluated anew before it is judged. */
+ * corrections is evaluated anew before it is judged. Without what is not symmetric. */
 void realtime_tangent_times(palp_realtime *rt, const double *p, double *q);
+
+/* The same without what tools and hands add; and that, added to q, whole: with what is not symmetric. */
+void realtime_tissue_times(palp_realtime *rt, const double *p, double *q);
+void realtime_add_touching(const palp_realtime *rt, bool whole, const double *p, double *q);
+
+/* rt->move: downhill along rt->z, but not far. */
+void realtime_move_a_little(palp_realtime *rt);
 
 /* Preconditioned conjugate gradients on the tangent of the last evaluation from rt->r, at most limit corrections or
  * until the residual falls to share of its norm, or the error of the positions in the norm of the tangent below enough. The correction
@@ -100,7 +114,15 @@ double realtime_own_stiffness(palp_realtime *rt);
  * does not tell. Leaves all as it was but for the scratch rt->q and rt->move. */
 bool realtime_may_stay(palp_realtime *rt, double norm);
 
+/* ---- realtime_touched.c ---- */
+
+/* As realtime_solve, where tools touch: in the directions of this tick's corrections so far and a new one each. */
+size_t realtime_solve_touched(palp_realtime *rt, size_t limit, double share);
+
 /* ---- realtime_refresh.c ---- */
+
+/* Is it a tool or a hand? What acts everywhere counts as tissue. */
+bool realtime_touches(const network_term *term);
 
 /* Has the network terms that add blocks to the tangent: tools, grasped nodes? */
 bool realtime_touched(const palp_network *net);

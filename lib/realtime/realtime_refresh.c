@@ -46,8 +46,7 @@ static void take_block(void *user, int32_t row, int32_t column, const double k[9
         c->block[i] = (float)k[turn ? 3 * (i % 3) + i / 3 : i];
 }
 
-/* Is it a tool or a hand? */
-static bool touches(const network_term *term) {
+bool realtime_touches(const network_term *term) {
     return term->kind->blocks && !term->kind->blocks_part;
 }
 
@@ -62,7 +61,7 @@ static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
         g.node[6 * i + 5] = net->diagonal[3 * i + 2];
     }
     for (size_t i = 0; i < net->n_terms; i++)
-        if (touches(net->terms[i]))
+        if (realtime_touches(net->terms[i]))
             net->terms[i]->kind->blocks(net->terms[i], net, take_block, &g);
     return g.n;
 }
@@ -90,7 +89,7 @@ static void copy_nodes(palp_network *net, const multigrid_source *source) {
 bool realtime_touched(const palp_network *net) {
     bool any = false;
     for (size_t i = 0; i < net->n_terms; i++)
-        any = any || touches(net->terms[i]);
+        any = any || realtime_touches(net->terms[i]);
     return any;
 }
 

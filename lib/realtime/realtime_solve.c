@@ -31,18 +31,38 @@ bool realtime_evaluate(palp_realtime *rt, bool tangent, bool trial) {
     return network_evaluate_blocks(rt->net, &blocks);
 }
 
-void realtime_tangent_times(palp_realtime *rt, const double *p, double *q) {
-    const palp_network *net = rt->net;
-    multigrid_elements_times(rt->mg, rt->element, p, q);
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        q[i] = net->diagonal[i] * p[i] - q[i];
-    NETWORK_EACH_TERM(net, times, net, p, q);
+static void clear_fixed(const palp_network *net, double *q) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         q[i] = net->dof[i] < 0 ? 0.0 : q[i];
 }
 
-/* Downhill along z, but not far. */
-static void move_a_little(palp_realtime *rt) {
+void realtime_tissue_times(palp_realtime *rt, const double *p, double *q) {
+    const palp_network *net = rt->net;
+    multigrid_elements_times(rt->mg, rt->element, p, q);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        q[i] = net->diagonal[i] * p[i] - q[i];
+    for (size_t i = 0; i < net->n_terms; i++)
+        if (net->terms[i]->kind->times && !realtime_touches(net->terms[i]))
+            net->terms[i]->kind->times(net->terms[i], net, p, q);
+    clear_fixed(net, q);
+}
+
+void realtime_add_touching(const palp_realtime *rt, bool whole, const double *p, double *q) {
+    const palp_network *net = rt->net;
+    for (size_t i = 0; i < net->n_terms; i++) {
+        const network_term_kind *kind = net->terms[i]->kind;
+        if (realtime_touches(net->terms[i]))
+            (whole && kind->whole_times ? kind->whole_times : kind->times)(net->terms[i], net, p, q);
+    }
+    clear_fixed(net, q);
+}
+
+void realtime_tangent_times(palp_realtime *rt, const double *p, double *q) {
+    realtime_tissue_times(rt, p, q);
+    realtime_add_touching(rt, false, p, q);
+}
+
+void realtime_move_a_little(palp_realtime *rt) {
     const palp_network *net = rt->net;
     double largest = 0.0;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -75,7 +95,7 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enou
         if (!(curvature > 0.0)) {
             rt->indefinite = true;
             if (done == 1)
-                move_a_little(rt);
+                realtime_move_a_little(rt);
             break;
         }
         for (size_t i = 0; i < n; i++) {

@@ -130,6 +130,29 @@ START_TEST(pressure_is_the_slope_of_the_energy) {
 }
 END_TEST
 
+/* What lets the triangle out of the tool along the normal takes its share of the pressure from friction that slips, and nothing from
+ * friction that sticks: the part of the tangent that is not symmetric. */
+static void check_drag(const setting *s, const double *x, bool slips) {
+    const double out = 1e-3;
+    double along[9], moved[9], product[9] = {0.0}, symmetric[9] = {0.0};
+    setting then = *s;
+    for (int i = 0; i < 9; i++) {
+        along[i] = s->c.normal[i % 3];
+        moved[i] = x[i] + out * along[i];
+    }
+    then.set.pose = &then.tool;
+    contact_evaluate(&then.set, &then.c, moved);
+    contact_times(&s->c, along, symmetric);
+    contact_whole_times(&s->c, along, product);
+    double largest = 0.0;
+    for (int i = 0; i < 9; i++) {
+        const double change = s->c.stick_share[i / 3] * (then.c.friction[i % 3] - s->c.friction[i % 3]);
+        ck_assert_double_eq_tol(product[i] - symmetric[i], -change / out, 1e-9);
+        largest = fmax(largest, fabs(product[i] - symmetric[i]));
+    }
+    ck_assert(slips ? largest > 0.1 : largest == 0.0);
+}
+
 /* Friction's spring is along the surface and as stiff as the penalty for the share of the step that it touched;
  * beyond the coefficient times the pressure it slips. */
 START_TEST(friction_sticks_and_slips) {
@@ -155,6 +178,7 @@ START_TEST(friction_sticks_and_slips) {
                 ck_assert_double_eq_tol(s.c.friction_tangent[i], share * 7.0 * 0.75 * (surface - turn), 1e-12);
             }
         }
+        check_drag(&s, x, slips);
     }
 }
 END_TEST

@@ -323,33 +323,6 @@ START_TEST(both_sets_are_made_at_the_start) {
 }
 END_TEST
 
-/* A rough sphere's blocks and a foundation's springs are in the factor of a network so small that there are no levels: with them
- * one correction solves. */
-START_TEST(blocks_of_terms_are_in_the_factor) {
-    palp_realtime *rt = cube_on_a_table(4, 0);
-    palp_network *net = net_of(rt);
-    ck_assert_int_eq(network_set_foundation(net, "top", 2.0), PALP_OK);
-    for (int i = 0; i < 6; i++) {
-        palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = 0.005, .friction = 0.5};
-        double at[3] = {0.011 + 1e-4 * i, HEIGHT + 0.0049 - 2e-4 * i, 0.0135};
-        memcpy(tool.position_m, at, sizeof at);
-        ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
-        ck_assert_int_eq(palp_realtime_step(rt, 0.0, DT, &ALL, NULL), PALP_OK);
-    }
-    ck_assert_int_eq(network_begin(net, 0.0, DT), PALP_OK);
-    memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
-    ck_assert(network_evaluate(net));
-    ck_assert_int_eq(realtime_refresh_now(rt), PALP_OK);
-    const size_t n = 3 * net->n_nodes;
-    for (size_t i = 0; i < n; i++)
-        rt->r[i] = net->dof[i] < 0 ? 0.0 : sin(1.0 + 3.7 * (double)i);
-    double first = size_of(rt->r, n);
-    realtime_solve(rt, 1, 0.0, 0.0);
-    ck_assert_double_le(size_of(rt->r, n), 1e-4 * first);
-    drop(rt);
-}
-END_TEST
-
 /* A cube whose corner is pulled through its box; the opposite one is free. */
 static palp_network *corner_network(size_t *around) {
     const palp_support supports[] = {{"held", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0.0, 0.0, 0.0}},
@@ -450,5 +423,4 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, tangent_of_a_tick_is_of_its_end, 0, 2);
     tcase_add_test(tc, both_sets_are_made_at_the_start);
     tcase_add_test(tc, a_piece_is_its_share_of_a_tick);
-    tcase_add_test(tc, blocks_of_terms_are_in_the_factor);
 }
