@@ -270,7 +270,7 @@ typedef struct outcome {
     explain_fit fit;
     explain_memory memory;
     palp_explain_law law;
-    palp_law first_law;
+    palp_material first_material;
     palp_model given;
     size_t n_steps, n_candidates;
     palp_explain_step *step;
@@ -280,12 +280,12 @@ typedef struct outcome {
 /* Moves it aside, or back. */
 static void exchange(explain_search *s, palp_explanation *e, outcome *o) {
     const outcome was = *o;
-    *o = (outcome){.fit = s->fit, .memory = *s->memory, .law = e->law, .first_law = s->first_law, .given = s->given,
+    *o = (outcome){.fit = s->fit, .memory = *s->memory, .law = e->law, .first_material = s->first_material, .given = s->given,
                    .n_steps = e->n_steps, .n_candidates = e->n_candidates, .step = e->step};
     memcpy(o->candidate, e->candidate, sizeof o->candidate);
     s->fit = was.fit;
     *s->memory = was.memory;
-    s->first_law = was.first_law;
+    s->first_material = was.first_material;
     s->given = was.given;
     s->law_changed = was.law.found;
     e->law = was.law;

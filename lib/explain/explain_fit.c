@@ -90,7 +90,7 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
         set_coordinate(fit, k, spline ? EXPLAIN_SOFTEST * stiffness : -HUGE_VAL, HUGE_VAL, unit + 1e-9 * stiffness, false);
     }
     for (size_t j = 0; j < model->material.n_arms; j++) {
-        set_coordinate(fit, k++, 1e-4 * stiffness, 1e3 * stiffness, 5.0, true);
+        set_coordinate(fit, k++, 1e-4 * stiffness * (model->material.quasi_linear ? EXPLAIN_SOFTEST : 1.0), 1e3 * stiffness, 5.0, true);
         set_coordinate(fit, k++, 0.003 * data->step, 1e3 * data->duration, 5.0, true);
     }
     for (size_t i = 0; i < model->n_effects; i++) {

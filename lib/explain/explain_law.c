@@ -1,4 +1,5 @@
-/* explain_law.c: the stiffness law as a candidate: another family of laws beside the same effects. */
+/* explain_law.c: the material's law as a candidate: another family of stiffness laws beside the same effects, or arms that
+ * the elastic force drives (Fung's quasi-linear ones) in place of the strain. */
 #include "explain_search.h"
 #include "base/dense.h"
 
@@ -54,12 +55,39 @@ static palp_status resemble(const palp_law *from, const struct family *family, d
     return status ? status : palp_law_limit(law, most);
 }
 
-/* The effects at hand with another law. ERR_ARGUMENT: it promises less than its coefficients cost. */
-static palp_status fit_with(const explain_search *s, const palp_law *law, bool anyhow, explain_fit *fit) {
+/* What drives the material's arms at a strain, of what drives linear ones. */
+static double drive_of(const palp_material *material, double strain) {
+    double first, there;
+    if (!material->quasi_linear)
+        return 1.0;
+    palp_law_stiffness(&material->law, 0.0, &first, NULL);
+    palp_law_stiffness(&material->law, strain, &there, NULL);
+    return there > 0.0 && first > 0.0 ? there / first : 1.0;
+}
+
+/* Another law and other arms for the model, which are as stiff as they were at half the deepest strain. */
+static void give(const explain_data *data, const palp_law *law, bool quasi_linear, palp_model *model) {
+    const double strain = 0.5 * data->deepest / data->height;
+    palp_material *m = &model->material;
+    double scale = drive_of(m, strain);
+    m->law = *law;
+    m->quasi_linear = quasi_linear;
+    scale /= drive_of(m, strain);
+    for (size_t j = 0; j < m->n_arms; j++) {
+        m->arms[j].stiffness_N *= scale;
+        m->arms[j].viscosity_Ns *= scale;
+    }
+    for (size_t i = 0; i < model->n_effects; i++)
+        if (effect_row_of(model->effects[i].id)->arm)
+            model->effects[i].value[0] *= scale;
+}
+
+/* The effects at hand with another law and other arms. ERR_ARGUMENT: it promises less than its coefficients cost. */
+static palp_status fit_with(const explain_search *s, const palp_law *law, bool quasi_linear, bool anyhow, explain_fit *fit) {
     const double samples = (double)explain_samples(&s->data);
     double promised = 0.0;
     palp_model model = s->fit.model;
-    model.material.law = *law;
+    give(&s->data, law, quasi_linear, &model);
     palp_status status = explain_fit_beside(&s->fit, &model, &s->data, fit);
     fit->spread = s->settings;
     if (!status)
@@ -82,6 +110,30 @@ void explain_law_free(explain_trial *t) {
     explain_fit_free(&t->fit);
     free(t->force);
     *t = (explain_trial){.tried = true};
+}
+
+/* Whether there is an arm that may be driven otherwise. */
+static bool has_arms(const palp_model *model) {
+    bool any = model->material.n_arms > 0;
+    for (size_t i = 0; i < model->n_effects; i++)
+        any = any || effect_row_of(model->effects[i].id)->arm;
+    return any;
+}
+
+/* The effects at hand with arms that are driven otherwise. A spline's knots of next to no stiffness begin at a tenth of that at half the
+ * deepest strain: arms that the elastic force drives are counted by the stiffness at the surface. */
+static palp_status fit_driven(const explain_search *s, explain_fit *fit) {
+    static const double FIRST = 0.1;
+    const palp_material *now = &s->fit.model.material;
+    palp_law law = now->law;
+    double typical;
+    palp_law_stiffness(&law, 0.5 * s->data.deepest / s->data.height, &typical, NULL);
+    for (size_t i = 0; law.kind == PALP_LAW_SPLINE && !now->quasi_linear && i < law.n; i++)
+        law.coefficients[i] = fmax(law.coefficients[i], FIRST * typical);
+    palp_status status = palp_law_limit(&law, law.strain_max);
+    if (!status)
+        status = fit_with(s, &law, !now->quasi_linear, true, fit);
+    return status ? status : explain_fit_settle(fit, &s->data, s->settings);
 }
 
 /* Keeps the trial of another law in *best if it is believed and gains more; more: nats that it costs beside its coefficients. */
@@ -109,8 +161,13 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
         palp_law law;
         if (families[f].n <= now->n || resemble(now, &families[f], s->data.deepest / s->data.height, 0.0, &law))
             continue;
-        status = fit_with(s, &law, false, &t.fit);
+        status = fit_with(s, &law, s->fit.model.material.quasi_linear, false, &t.fit);
         status = consider(s, threshold, 0.0, status, &t, best);
+    }
+    if (!status && has_arms(&s->fit.model)) {
+        explain_trial t = {.tried = true};
+        status = fit_driven(s, &t.fit);
+        status = consider(s, threshold, log(2.0), status, &t, best); /* a choice of two */
     }
     if (!status && now->kind == PALP_LAW_SPLINE && explain_fitted_runs(&s->data) > 1) { /* one alone accuses no instrument */
         explain_trial t = {.tried = true};
@@ -146,9 +203,12 @@ static palp_status raise_surfaces(const explain_search *s, const explain_fit *fr
     const palp_law *law = &from->model.material.law;
     const struct family same = {law->kind, law->n};
     palp_model model = from->model;
-    palp_status status = resemble(law, &same, s->data.deepest / s->data.height, higher / s->data.height, &model.material.law);
-    if (!status)
+    palp_law raised;
+    palp_status status = resemble(law, &same, s->data.deepest / s->data.height, higher / s->data.height, &raised);
+    if (!status) {
+        give(&s->data, &raised, model.material.quasi_linear, &model);
         status = explain_fit_beside(from, &model, &s->data, fit);
+    }
     for (size_t r = 0; r < s->data.n_runs && !status; r++)
         fit->contact[r] -= higher;
     return status ? status : explain_fit_settle_anew(fit, &s->data, s->settings);
@@ -190,13 +250,13 @@ palp_status explain_refit_anywhere(explain_search *s) {
 
 palp_status explain_law_take(explain_search *s, explain_trial *law) {
     if (!s->law_changed)
-        s->first_law = s->fit.model.material.law;
+        s->first_material = s->fit.model.material;
     s->law_changed = true;
     explain_fit_free(&s->fit);
     s->fit = law->fit;
     law->fit.product = NULL;
     s->given = *s->data.given; /* where trials go back to */
-    s->given.material.law = s->fit.model.material.law;
+    give(&s->data, &s->fit.model.material.law, s->fit.model.material.quasi_linear, &s->given);
     s->data.given = &s->given;
     explain_law_free(law);
     return explain_refit_anywhere(s);
@@ -208,18 +268,18 @@ palp_status explain_law_review(explain_search *s, palp_explain_law *found) {
     if (!s->law_changed)
         return PALP_OK;
     double *residual = malloc(s->data.n * sizeof *residual);
-    palp_status status = residual ? fit_with(s, &s->first_law, true, &fit) : PALP_ERR_NO_MEMORY;
+    palp_status status = residual ? fit_with(s, &s->first_material.law, s->first_material.quasi_linear, true, &fit) : PALP_ERR_NO_MEMORY;
     if (!status)
         status = explain_fit_evaluate(&fit, &s->data, NULL, residual);
     if (!status) {
         found->without_N = explain_fitted_rms(&s->data, residual);
-        found->evidence = s->fit.score - fit.score - price(s, s->fit.model.material.law.n - s->first_law.n);
+        found->evidence = s->fit.score - fit.score - price(s, s->fit.model.material.law.n - s->first_material.law.n);
     }
     if (!status && !(found->evidence > 0.0)) {
         explain_fit_free(&s->fit);
         s->fit = fit;
         fit.product = NULL;
-        s->given.material.law = s->fit.model.material.law;
+        give(&s->data, &s->fit.model.material.law, s->fit.model.material.quasi_linear, &s->given);
         s->law_changed = found->found = false;
         status = explain_refit(s);
     }

@@ -76,9 +76,9 @@ typedef struct explain_search {
     double taken_gain;        /* raw_gain of the trial taken last */
     double step_share;        /* of all work, one explain_try_all is */
     bool law_fixed;           /* another law is no candidate */
-    bool law_changed;         /* the law at hand is of another family than first_law, the given one refitted */
-    palp_law first_law;
-    palp_model given;         /* as it was given but for that law */
+    bool law_changed;         /* the law at hand is of another family than first_material's, the given one refitted, or its arms are driven otherwise */
+    palp_material first_material;
+    palp_model given;         /* as it was given but for that law and those arms */
     const palp_model *as_given;
     explain_fit fit;          /* at hand */
     double *force, *residual; /* [n] of it, and what is left beside it and the runs' own contacts, zeros, gains and hum */

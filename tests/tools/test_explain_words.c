@@ -112,7 +112,7 @@ static void test_sentences_agree_with_their_numbers(void **state) {
     assert_true(says("explained", "null", "0.2", "0", "0.9", "could not be computed"));
     assert_true(says("explained", "0.1", "0.003", "0", "1.7", "closes 100 % of the gap"));
     assert_true(says("explained", "0.1", "0.003", "0", "-2", "closes 0 % of the gap"));
-    assert_true(says("explained", "0.1", "0.003", "0", NULL, "another stiffness law"));
+    assert_true(says("explained", "0.1", "0.003", "0", NULL, "another law of the material"));
     assert_false(says("explained", "5", "2", "0", "1", "(3 to 2)")); /* an interval whose ends are exchanged */
     assert_true(says("explained", "5", "4", "0", "1", "(3 to 4)"));
 }

@@ -93,6 +93,8 @@ static void add_law(json_t *root, const palp_explanation *e) {
     json_object_set_new(law, "given_coefficients", json_integer((json_int_t)e->base.material.law.n));
     json_object_set_new(law, "better", json_string(palp_law_kind_name(e->model.material.law.kind)));
     json_object_set_new(law, "better_coefficients", json_integer((json_int_t)e->model.material.law.n));
+    json_object_set_new(law, "given_quasi_linear", json_boolean(e->base.material.quasi_linear));
+    json_object_set_new(law, "better_quasi_linear", json_boolean(e->model.material.quasi_linear));
     put(law, "evidence", e->law.evidence);
     put(law, "gap_before_N", e->law.without_N);
     put(law, "gap_after_N", e->gap.after_N);

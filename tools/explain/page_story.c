@@ -99,9 +99,17 @@ static void add_law(page_story *story, const json_t *all) {
         return;
     page_force(json_number_at(law, "gap_before_N"), before);
     page_force(json_number_at(law, "gap_after_N"), after);
-    add(story, "The stiffness law is another one: a %s with %.0f coefficients in place of a %s with %.0f. The given law would leave %s, rms, "
-               "this one leaves %s.", json_text_at(law, "better"), json_number_at(law, "better_coefficients"), json_text_at(law, "given"),
-        json_number_at(law, "given_coefficients"), before, after);
+    const bool driven = json_is_true(json_object_get(law, "better_quasi_linear")),
+               others = driven != json_is_true(json_object_get(law, "given_quasi_linear")),
+               same = json_number_at(law, "better_coefficients") == json_number_at(law, "given_coefficients") &&
+                      strcmp(json_text_at(law, "better"), json_text_at(law, "given")) == 0;
+    if (others)
+        add(story, "%s", driven ? "The arms are quasi-linear: the elastic force drives them, not the strain (Fung)."
+                                : "The arms are linear: the strain drives them, not the elastic force.");
+    if (!same)
+        add(story, "The stiffness law is another one: a %s with %.0f coefficients in place of a %s with %.0f.", json_text_at(law, "better"),
+            json_number_at(law, "better_coefficients"), json_text_at(law, "given"), json_number_at(law, "given_coefficients"));
+    add(story, "The %s would leave %s, rms, this one leaves %s.", others ? "given material" : "given law", before, after);
 }
 
 static bool has_scatter(const json_t *all, const char *id) {
@@ -149,7 +157,7 @@ void page_story_tell(const json_t *all, page_story *story) {
     bool specimens = has_scatter(all, "specimen_stiffness") && !json_is_object(json_object_get(all, "law"));
     story->n = 0;
     add(story, "%s", law_alone ? specimens ? "With a stiffness of each specimen what remains is at the noise level: no effect is missing."
-                                           : "With another stiffness law what remains is at the noise level: no effect is missing."
+                                           : "With another law of the material what remains is at the noise level: no effect is missing."
                                : page_verdict(json_text_at(all, "verdict"), json_number_at(json_object_get(all, "gap"), "unexplained_N")));
     add_gap(story, all);
     add_law(story, all);
