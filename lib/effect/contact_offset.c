@@ -14,4 +14,4 @@ const effect_row effect_contact_offset = {
              .parameter = {{"offset_mm", 1e-3, -1e3, 1e3, 1e-4, .scale = PALP_SCALE_LENGTH, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_BIAS, PALP_EFFECT_TOE_REGION),
              .in_lumped = true, .in_network = true},
-    .stage = 1, .map = map, .of_runs = true};
+    .stage = 1, .map = map, .as_scatter = true, .of_runs = true};

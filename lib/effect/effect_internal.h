@@ -171,7 +171,7 @@ typedef struct effect_row {
     bool line;                 /* a line of the spectrum whose phase is each run's own; at most one effect is */
     double scanned;            /* the search looks at so many periods or frequencies and takes the best; 0 = at one */
     bool of_runs;              /* each run has one of its own beside it: what can be told is their mean */
-    bool as_scatter;           /* may first look like scatter of the runs' gains */
+    bool as_scatter;           /* may first look like scatter of the runs' gains or contacts */
 } effect_row;
 
 #define EFFECT_ALIKE(...)                                                        \

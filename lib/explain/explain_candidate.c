@@ -45,6 +45,26 @@ static palp_status go_back(explain_fit *fit, const explain_data *data) {
     return PALP_OK;
 }
 
+/* An offset of the contact begins at what the runs' own have in common, and they beside it: on the way there from nothing, with
+ * their own where they are, all surfaces would be led away. */
+static palp_status begin_at_mean(const explain_fit *base, const explain_data *data, explain_fit *fit) {
+    const size_t last = fit->n_columns - 1;
+    double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES], mean = 0.0, square = 0.0;
+    const double runs = (double)explain_fitted_runs(data);
+    for (size_t r = 0; r < data->n_runs; r++) {
+        explain_nuisances(base, r, own, sd);
+        mean += data->run[r].held_out ? 0.0 : own[1] / runs;
+    }
+    fit->x[last] = fmin(fit->high[last], fmax(fit->low[last], mean));
+    for (size_t r = 0; r < data->n_runs; r++) {
+        explain_nuisances(base, r, own, sd);
+        fit->contact[r] = own[1] - fit->x[last];
+        square += data->run[r].held_out ? 0.0 : (fit->contact[r] * fit->contact[r] + sd[1] * sd[1]) / runs;
+    }
+    fit->scatter.contact = fmin(fit->scatter.contact, fmax(explain_hidden_scatter(data).contact, sqrt(square)));
+    return explain_fit_to_model(fit);
+}
+
 /* base, or back at the parameters as given, with the effect at a start. */
 static palp_status added_at(const explain_fit *base, const explain_data *data, const palp_effect *effect, bool back,
                             explain_fit *fit) {
@@ -53,8 +73,11 @@ static palp_status added_at(const explain_fit *base, const explain_data *data, c
     palp_status status = explain_fit_beside(base, &model, data, fit);
     if (status)
         return status;
+    const effect_row *row = effect_row_of(effect->id);
     if (back)
         status = go_back(fit, data);
+    else if (row->of_runs && row->map)
+        status = begin_at_mean(base, data, fit);
     if (!status)
         status = explain_fit_products(fit, data, NULL);
     if (status)
@@ -223,7 +246,7 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
     effect_starts s;
     palp_status status = explain_starts_find(id, data, residual, &s, reason);
     worth = explain_chi2(data, base) * (double)explain_samples(data) - worth;
-    if (effect_row_of(id)->as_scatter || effect_row_of(id)->bond) /* the scatter of gains may hide it: that shrinks later; where a
+    if (effect_row_of(id)->as_scatter || effect_row_of(id)->bond) /* the scatter of the runs may hide it: that shrinks later; where a
                                                                     * surface lets go, a step from afar promises nothing */
         worth = HUGE_VAL;
     if (!status)

@@ -126,11 +126,11 @@ static palp_status fit_driven(const explain_search *s, explain_fit *fit) {
     static const double FIRST = 0.1;
     const palp_material *now = &s->fit.model.material;
     palp_law law = now->law;
-    double typical;
+    double typical, stiffness[PALP_LAW_MAX];
     palp_law_stiffness(&law, 0.5 * s->data.deepest / s->data.height, &typical, NULL);
-    for (size_t i = 0; law.kind == PALP_LAW_SPLINE && !now->quasi_linear && i < law.n; i++)
-        law.coefficients[i] = fmax(law.coefficients[i], FIRST * typical);
-    palp_status status = palp_law_limit(&law, law.strain_max);
+    for (size_t i = 0; i < law.n; i++)
+        stiffness[i] = law.kind == PALP_LAW_SPLINE && !now->quasi_linear ? fmax(law.coefficients[i], FIRST * typical) : law.coefficients[i];
+    palp_status status = palp_law_set_coefficients(&law, stiffness);
     if (!status)
         status = fit_with(s, &law, !now->quasi_linear, true, fit);
     return status ? status : explain_fit_settle(fit, &s->data, s->settings);

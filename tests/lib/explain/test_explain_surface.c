@@ -29,11 +29,9 @@ static palp_experiment *record(double surface_mm, double seconds, uint64_t *nois
     return e;
 }
 
-/* What is left beside a law that is given as if the surface were higher by so much. */
-static double left_from(double higher_mm) {
-    static const double surface_mm[RUNS] = {-0.35, -0.2, -0.3, -0.15};
+/* What is said of runs with these surfaces if a law is given as if the surface were higher by so much. */
+static palp_explanation answer(const double surface_mm[RUNS], double higher_mm, palp_explain_settings settings) {
     double strain[PLACES], force[PLACES], value[4], left;
-    palp_explain_settings settings = palp_explain_settings_default();
     palp_explain_input input[RUNS];
     palp_explanation e;
     palp_model m = lumped_model(1);
@@ -45,13 +43,20 @@ static double left_from(double higher_mm) {
     }
     ck_assert_int_eq(dense_polynomial(PLACES, strain, force, 1, 4, value, &left), PALP_OK);
     ck_assert_int_eq(palp_law_polynomial(4, value, &m.material.law), PALP_OK);
-    memset(settings.candidate, 0, sizeof settings.candidate);
     for (size_t r = 0; r < RUNS; r++)
         input[r] = (palp_explain_input){record(surface_mm[r], 1 + 3 * (double)r, &noise), "run"};
     ck_assert_int_eq(palp_explain(&m, RUNS, input, &settings, &e, NULL), PALP_OK);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
-    left = e.gap.after_N;
+    return e;
+}
+
+static double left_from(double higher_mm) {
+    static const double surface_mm[RUNS] = {-0.35, -0.2, -0.3, -0.15};
+    palp_explain_settings settings = palp_explain_settings_default();
+    memset(settings.candidate, 0, sizeof settings.candidate);
+    palp_explanation e = answer(surface_mm, higher_mm, settings);
+    const double left = e.gap.after_N;
     palp_explanation_free(&e);
     return left;
 }
@@ -63,6 +68,19 @@ START_TEST(where_the_law_has_the_surface_is_no_matter) {
 }
 END_TEST
 
+/* Far from where they were said to be, and near each other: an offset of all, not a scatter from run to run. */
+START_TEST(what_surfaces_have_in_common_is_an_offset) {
+    static const double surface_mm[RUNS] = {0.93, 0.95, 0.92, 0.94};
+    palp_explanation e = answer(surface_mm, 0, palp_explain_settings_default());
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_CONTACT_OFFSET);
+    ck_assert_double_eq_tol(1e3 * e.effect[0].effect.value[0], 0.935, 0.02);
+    ck_assert_double_lt(e.contact.sd, 5e-5);
+    palp_explanation_free(&e);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, what_surfaces_have_in_common_is_an_offset);
     tcase_add_test(tc, where_the_law_has_the_surface_is_no_matter);
 }
