@@ -101,6 +101,16 @@ explain_scatter explain_no_scatter(const explain_data *data);
 /* Re-estimates the scatter from the runs' nuisance parameters. */
 void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings);
 
+/* What a gain in log likelihood counts if n runs have it by being off by the same. Their scatter is learned from them and from what is
+ * expected of it, which counts as trust runs, and shrinks as their mean is taken off. It counts what is as rare beside a known scatter, and
+ * no more than it is. known: the squares that are expected, in units of a run's variance. By Satterthwaite's degrees of freedom, and the
+ * normal deviate for Student's t of Wallace, Annals of Mathematical Statistics 30 (1959) 1124. */
+double explain_students_gain(double gain, size_t n, double trust, double known);
+
+/* The same of a fit with an effect that is of all runs what each has of its own (a bias, a contact offset, ageing). */
+double explain_gain_of_mean(const explain_fit *fit, const explain_data *data, const palp_explain_settings *settings, const effect_row *row,
+                            double gain);
+
 /* ---- better parameters (explain_improve.c) ---- */
 
 /* chi2 after one more step, as the products predict it. */

@@ -203,3 +203,22 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
         fit->score -= 0.5 * trust[i] * (ratio * ratio - 1.0 - 2.0 * log(ratio));
     }
 }
+
+double explain_students_gain(double gain, size_t n, double trust, double known) {
+    const double own = (double)n - 1.0, share = own / (own + known), freedom = (own + known) / share;
+    const double wallace = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0), square = expm1(2.0 * gain / ((double)n + trust));
+    return n > 1 ? fmin(gain, 0.5 * wallace * wallace * freedom * log1p(share * square)) : fmin(gain, 0.0);
+}
+
+double explain_gain_of_mean(const explain_fit *fit, const explain_data *data, const palp_explain_settings *settings, const effect_row *row,
+                            double gain) {
+    const int i = row->info.place == PALP_EFFECT_CONTACT ? 1 : row->as_scatter ? 2 : 0;
+    const double scatter[] = {fit->scatter.zero, fit->scatter.contact, fit->scatter.gain};
+    const double n = (double)explain_fitted_runs(data);
+    double expected[SCATTERS], trust[SCATTERS], most[SCATTERS];
+    expect_scatter(data, settings, expected, trust, most);
+    if (!(most[i] > expected[i])) /* no run has one of its own */
+        return gain;
+    const double told = trust[i] * expected[i] * expected[i], own = (n + trust[i]) * scatter[i] * scatter[i] - told;
+    return explain_students_gain(gain, explain_fitted_runs(data), trust[i], told * (n - 1.0) / fmax(own, 1e-3 * told));
+}

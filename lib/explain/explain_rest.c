@@ -113,7 +113,7 @@ palp_status explain_rest_inflation(const explain_data *data, const double *resid
     }
     for (size_t k = 0; k < SCALES; k++)
         if (count[k] > 0.0)
-            *inflation = fmax(*inflation, whitened[k] / limit_of(count[k], 0.01) / (1.0 + KNOWN_TO));
+            *inflation = fmax(*inflation, whitened[k] / limit_of(count[k], 0.01));
     free(x);
     return PALP_OK;
 }

@@ -90,6 +90,8 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
     if (effect && explain_may_recover(&s->data, id)) /* whether the specimen recovers is looked at too */
         scanned = 2.0;
     t->raw_gain = t->fit.score - s->fit.score - (scanned > 0.0 ? log(scanned) : 0.0);
+    if (effect && effect_row_of(id)->of_runs)
+        t->raw_gain = explain_gain_of_mean(&t->fit, &s->data, s->settings, effect_row_of(id), t->raw_gain);
     t->gain = t->raw_gain - cost * log((double)n) - (line ? log(EXPLAIN_FREQUENCIES) : 0.0);
     double hum = t->fit.hum_Hz > 0.0 && !(s->fit.hum_Hz > 0.0) ? t->fit.hum_N / sqrt(2.0) : 0.0;
     t->explained = hypot(explain_rms(n, t->force, s->force), hum);
