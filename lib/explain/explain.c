@@ -132,7 +132,7 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
     gap->closed = fmin(1.0, fmax(0.0, gap->closed));
     palp_status status = explain_intervals(s, e);
     if (!status)
-        status = explain_rest_find(s, s->residual, &rest);
+        status = explain_rest_find(s, s->force, s->residual, &rest);
     if (status)
         return status;
     explain_keep_residual(s->residual, e, false);
@@ -154,7 +154,7 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
         e->effect[e->n_effects++] = explain_frame_effect(&s->data);
         mark(e, PALP_EFFECT_FRAME_COMPLIANCE, NULL);
     }
-    e->verdict = judge(s, mimics || rest.most_N > s->settings->good_enough * s->data.peak, e);
+    e->verdict = judge(s, mimics || explain_rest_matters(s, &rest), e);
     explain_phase_shares(&s->data, e, noise_level_N);
     for (size_t r = 0, at = 0; r < e->n_runs; at += e->run[r++].n)
         memcpy(s->residual + at, e->run[r].after_N, e->run[r].n * sizeof *s->residual);
@@ -242,6 +242,8 @@ static palp_status search(explain_search *s, palp_explanation *e, double share) 
             status = change_law(s, threshold, best, &changed);
         if (changed)
             continue;
+        if (!status && best == PALP_EFFECT_COUNT)
+            status = explain_completing_trial(s, threshold, &best);
         if (!status)
             status = keep_step(s, e, threshold, (palp_effect_id)best);
         if (!status && e->n_steps == 1)

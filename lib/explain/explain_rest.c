@@ -143,7 +143,7 @@ static double missed_pulls(const explain_data *data, size_t r, const double *for
     return sum / (double)run->n;
 }
 
-palp_status explain_rest_find(const explain_search *s, const double *residual, explain_rest *rest) {
+palp_status explain_rest_find(const explain_search *s, const double *force, const double *residual, explain_rest *rest) {
     const explain_data *data = &s->data;
     double *x = malloc(data->longest * sizeof *x), sum = 0.0, runs = 0.0;
     *rest = (explain_rest){.run = data->n_runs};
@@ -159,7 +159,7 @@ palp_status explain_rest_find(const explain_search *s, const double *residual, e
         if (square < TOLD * TOLD * (run->white * run->white + data->correlated * data->correlated))
             square = 0.0;
         double jump = 0.0;
-        square += missed_pulls(data, r, s->force + at, &jump);
+        square += missed_pulls(data, r, force + at, &jump);
         sum += square * (double)run->n;
         if (fmax(jump, sqrt(square)) > rest->most_N) {
             rest->most_N = fmax(jump, sqrt(square));
@@ -169,4 +169,8 @@ palp_status explain_rest_find(const explain_search *s, const double *residual, e
     rest->rms_N = sqrt(sum / (double)explain_samples(data));
     free(x);
     return PALP_OK;
+}
+
+bool explain_rest_matters(const explain_search *s, const explain_rest *rest) {
+    return rest->most_N > s->settings->good_enough * s->data.peak;
 }

@@ -148,9 +148,10 @@ typedef struct explain_rest {
     size_t run;
 } explain_rest;
 
-/* Of a residual[n]: structure that noise has not, at the settings' chance of a false alarm; and listed releases, around
- * which samples do not count, that the model at hand does not follow. */
-palp_status explain_rest_find(const explain_search *s, const double *residual, explain_rest *rest);
+/* Of a fit's force[n] and residual[n]: structure that noise has not, at the settings' chance of a false alarm; and listed releases,
+ * around which samples do not count, that the force does not follow. */
+palp_status explain_rest_find(const explain_search *s, const double *force, const double *residual, explain_rest *rest);
+bool explain_rest_matters(const explain_search *s, const explain_rest *rest); /* in some run it is beyond the practical limit */
 
 /* By how much what a residual[n] has beside noise widens the scatter of sums over it; 1: it is noise. */
 palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation);
@@ -205,6 +206,10 @@ bool explain_unconfirmed(const char *reason);
 
 /* The one that gains most of those that may; PALP_EFFECT_COUNT: none. */
 size_t explain_best_trial(const explain_search *s, double threshold, palp_status *status);
+
+/* Where the fit leaves something that is no noise and no trial may be accepted: of those that explain no more than what an effect's
+ * equations are good for, and have all else, the one that gains most and leaves nothing; PALP_EFFECT_COUNT: none. */
+palp_status explain_completing_trial(explain_search *s, double threshold, size_t *best);
 palp_status explain_take(explain_search *s, size_t i);
 
 /* Takes out an effect without which the model loses no more than chance gives, or one that gains less than that and would not be added

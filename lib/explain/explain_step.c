@@ -2,10 +2,12 @@
 #include "explain_search.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char ONE_RUN[] = "helps in one experiment only",
-                  ALONE[] = "helps to predict the other parts of this recording: another recording would have to confirm it";
+                  ALONE[] = "helps to predict the other parts of this recording: another recording would have to confirm it",
+                  WITHIN[] = "is within what an effect's equations are good for";
 
 /* What an effect's equations are good for: of the first gap, and of the noise level beside an effect that is there. */
 static const double SHADOW = 0.06, SLIGHT = 0.25;
@@ -71,7 +73,7 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
     if (accuses && !(t->gain > PLAIN * t->inflation))
         return "is too small to be certain of beside what the model's equations are good for";
     if ((slight && explain_added_count(s) > 0) || !(t->explained > SHADOW * s->opened))
-        return "is within what an effect's equations are good for";
+        return WITHIN;
     return NULL;
 }
 
@@ -88,6 +90,38 @@ size_t explain_best_trial(const explain_search *s, double threshold, palp_status
             best = i;
     }
     return best;
+}
+
+/* Whether the trial's fit leaves something that is no noise. work: [2 n] */
+static palp_status leaves_something(const explain_search *s, explain_trial *t, double *work, bool *something) {
+    explain_rest rest;
+    palp_status status = explain_fit_evaluate(&t->fit, &s->data, work, work + s->data.n);
+    if (!status)
+        status = explain_rest_find(s, work, work + s->data.n, &rest);
+    *something = !status && explain_rest_matters(s, &rest);
+    return status;
+}
+
+palp_status explain_completing_trial(explain_search *s, double threshold, size_t *best) {
+    explain_rest rest;
+    *best = PALP_EFFECT_COUNT;
+    palp_status status = explain_rest_find(s, s->force, s->residual, &rest);
+    if (status || !explain_rest_matters(s, &rest))
+        return status;
+    double *work = malloc(2 * s->data.n * sizeof *work);
+    status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < PALP_EFFECT_COUNT && !status; i++) {
+        explain_trial *t = &s->trial[i];
+        bool something = true;
+        if (!t->fit.product || !explain_shows(s, (palp_effect_id)i) || explain_judged(s, t, threshold) != WITHIN)
+            continue;
+        if (*best == PALP_EFFECT_COUNT || t->gain > s->trial[*best].gain)
+            status = leaves_something(s, t, work, &something);
+        if (!status && !something)
+            *best = i;
+    }
+    free(work);
+    return status;
 }
 
 static void remember(explain_search *s) {
