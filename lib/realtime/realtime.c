@@ -17,7 +17,6 @@ static const double SAFETY = 3.0;  /* of the error estimate */
 static const double MARGIN = 0.5;  /* of the error that a budget allows: corrections that leave less are enough */
 static const double NEAR = 0.7;    /* of the error that it allows: a tick that ends there may be followed by one that corrects */
 static const double ANCHORED = 6.0; /* of a tick's error, what friction may remember of it */
-static const double DRIFT = 0.05;  /* share by which the adjoint has changed when it is first corrected */
 static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
 enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end, */
 enum { SINGLE_ROUNDS = 60 };       /* rounds where tools touch: of one correction each, as no tangent tells what comes to slip */
@@ -41,7 +40,7 @@ void palp_realtime_free(palp_realtime *rt) {
 static palp_status allocate(palp_realtime *rt) {
     const palp_network *net = rt->net;
     double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint, &rt->weight, &rt->adjoint_r, &rt->adjoint_z,
-                          &rt->tissue};
+                          &rt->tissue, &rt->adjoint_at[0], &rt->adjoint_at[1]};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         *arrays[i] = arena_take(&rt->memory, 3 * net->n_nodes, sizeof **arrays[i]);
     rt->touching = arena_take(&rt->memory, MULTIGRID_COUPLINGS, sizeof *rt->touching);
@@ -77,7 +76,6 @@ static palp_status evaluate_here(palp_network *net) {
 
 /* A factor and an adjoint at once, of the committed state. Where it fails the factor in use still serves. */
 static palp_status begin(palp_realtime *rt) {
-    enum { ADJOINT_ROUNDS = 12 };
     palp_network *net = rt->net;
     if (rt->thread)
         refresh_thread_wait(rt->thread);
@@ -90,12 +88,7 @@ static palp_status begin(palp_realtime *rt) {
     for (size_t k = 0; k < REALTIME_PARTS; k++)
         rt->inverted[k] = network_count_inverted(net, net->now.x, k, REALTIME_PARTS);
     rt->part = 0;
-    memcpy(rt->adjoint, net->motion, 3 * net->n_nodes * sizeof *rt->adjoint);
-    for (int i = 0; i < ADJOINT_ROUNDS * ADJOINT_PARTS && rt->driven && !status; i++)
-        realtime_improve_adjoint(rt, i % ADJOINT_PARTS);
-    network_tangent_times(net, rt->adjoint, rt->q);
-    rt->adjoint_error = DRIFT * sqrt(fabs(network_dot(rt->adjoint, rt->q, 3 * net->n_nodes)));
-    rt->adjoint_due = 0;
+    realtime_begin_adjoint(rt, !status);
     rt->definite = rt->idle = rt->near = false;
     rt->contraction = 1.0;
     rt->error_ratio = rt->remembered = rt->anchored = rt->guessed = 0.0;
@@ -158,7 +151,8 @@ typedef struct tick {
     double start;         /* clock, s */
     double norm, scale;   /* |residual| of next.x, and where it is converged */
     double first;         /* the first norm */
-    double fresh_error;   /* of the force, by this tick's positions, N */
+    double place_error;   /* of this tick's positions, in the norm of the tangent */
+    double fresh_error;   /* of the force, by them, N */
     bool near;            /* the estimated error is nearly as large as the budget allows */
 } tick;
 
@@ -172,7 +166,8 @@ static bool follow(palp_realtime *rt, bool tangent, bool trial) {
 /* Will the tangent at next.x be used: by another correction, the adjoint's or the next factor? */
 static bool tangent_wanted(const palp_realtime *rt, bool last) {
     bool due = rt->adjoint_due > 0 && rt->driven;
-    return !last || (due ? rt->adjoint_due == ADJOINT_PARTS || rt->adjoint_due == 1 : realtime_refresh_begins(rt));
+    const int part = rt->adjoint_parts - rt->adjoint_due;
+    return !last || (due ? part == 0 || part == ADJOINT_PARTS - 1 : realtime_refresh_begins(rt));
 }
 
 static bool predict(palp_realtime *rt, const palp_budget *budget) {
@@ -212,13 +207,13 @@ static double most_error(const palp_realtime *rt, const tick *t) {
 static void assess(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     t->norm = network_residual(net, &t->scale);
-    double force = network_drive_force(net), error = SAFETY * rt->error_ratio * t->norm;
+    t->place_error = SAFETY * realtime_doubt(rt) * rt->error_ratio * t->norm;
+    const double force = network_drive_force(net);
     spread_residual(net, rt->r);
     double work = network_dot(rt->r, rt->adjoint, 3 * net->n_nodes);
     t->info.residual = t->scale > 0.0 ? net->settings.tolerance * t->norm / t->scale : 0.0;
     t->info.force_N = rt->driven ? force - work : 0.0;
-    t->fresh_error = rt->driven ? error * rt->adjoint_error : 0.0;
-    t->fresh_error += error * sqrt(realtime_own_stiffness(rt));
+    t->fresh_error = t->place_error * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
     double most = most_error(rt, t);
     t->near = t->info.force_error_N > NEAR * most;
@@ -293,8 +288,8 @@ static bool go(palp_realtime *rt, tick *t) {
 
 /* Error of the positions, in the norm of the tangent, with which the budget's force error is met; 0: it sets none. */
 static double enough(palp_realtime *rt, const tick *t) {
-    const double error = (rt->driven ? rt->adjoint_error : 0.0) + sqrt(realtime_own_stiffness(rt));
-    return t->budget.force_error > 0.0 ? fmax(0.0, MARGIN * most_error(rt, t) - rt->remembered - rt->anchored) / (SAFETY * error) : 0.0;
+    const double error = SAFETY * realtime_doubt(rt) * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
+    return t->budget.force_error > 0.0 ? fmax(0.0, MARGIN * most_error(rt, t) - rt->remembered - rt->anchored) / error : 0.0;
 }
 
 static void correct(palp_realtime *rt, tick *t) {
@@ -324,15 +319,17 @@ static void correct(palp_realtime *rt, tick *t) {
     }
 }
 
-/* Of an error in a tick's positions the arms remember what they relax in it. */
+/* Of an error in a tick's positions the arms remember what they relax in it: for the plate to the first order, as they stand in another
+ * equilibrium than all springs. */
 static void remember(palp_realtime *rt, const tick *t) {
     const palp_network *net = rt->net;
-    double slowest = 0.0, leak = 0.0;
-    for (size_t j = 0; j < net->material.n_arms; j++) {
+    const double leak = realtime_leak(net);
+    double slowest = 0.0;
+    for (size_t j = 0; j < net->material.n_arms; j++)
         slowest = fmax(slowest, net->step.decay[j]);
-        leak += 1.0 - net->step.decay[j];
-    }
     rt->remembered = slowest * rt->remembered + fmin(leak, 1.0) * (t->fresh_error + rt->anchored);
+    if (rt->driven)
+        rt->remembered += leak * rt->forgets * t->place_error;
 }
 
 /* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. A tick that had to correct while those
@@ -341,7 +338,7 @@ static void look_ahead(palp_realtime *rt, tick *t) {
     if (rt->idle && t->info.corrections > 0)
         return;
     if (rt->adjoint_due > 0 && rt->driven) {
-        realtime_improve_adjoint(rt, ADJOINT_PARTS - rt->adjoint_due);
+        realtime_improve_adjoint(rt, rt->adjoint_parts - rt->adjoint_due);
         rt->adjoint_due--;
     } else {
         t->info.refreshed = realtime_refresh(rt);
@@ -416,6 +413,8 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
         return status;
     if (!predict(rt, budget))
         return PALP_ERR_COLLAPSED;
+    if (rt->driven)
+        realtime_follow_adjoint(rt);
     assess(rt, &t);
     stay_if_nearer(rt, &t);
     t.first = t.norm;

@@ -47,7 +47,16 @@ struct palp_realtime {
     float *adjoint_half;   /* [multigrid_half_size] between the halves of its cycle */
     bool driven;           /* some axis is: there is an adjoint */
     bool filled;           /* there are terms on all nodes */
-    double adjoint_error;  /* of it, in the norm of the tangent */
+    double *adjoint_at[2]; /* [3 n_nodes] where the nodes were when the error of the adjoint in use was found; of the correction on its
+                              way */
+    double adjoint_error;  /* of it where that is, in the norm of the tangent; */
+    double adjoint_rate;   /* it grows by so much for each m from there, */
+    double adjoint_far;    /* of which that many are gone, by all nodes as one vector, */
+    double adjoint_farthest; /* at most so far, */
+    double adjoint_found;  /* and so many where the correction on its way began */
+    double forgets;        /* error of the force by what the arms forget in a tick, over what they leak and the error of the positions in the norm
+                              of the tangent */
+    double doubt;          /* error in the norm of the tangent over the one that the factor tells, at most; 1 = it is the tangent's */
     double error_ratio;    /* error in that norm over |residual|, where it was last known */
     double remembered;     /* error of the force that is in the arms' history, N */
     double anchored;       /* error of the force that is in where friction's springs start from, N */
@@ -64,7 +73,7 @@ struct palp_realtime {
     double piece;          /* work on it in a tick */
     bool definite;         /* it is made without what can make it indefinite */
     bool used_definite;    /* so was the one in use */
-    int adjoint_due;       /* parts of a correction of the adjoint that are left */
+    int adjoint_due, adjoint_parts; /* parts of a correction of the adjoint that are left; all, fewer where there are no arms */
     refresh_thread *thread; /* makes it, or NULL */
 
     realtime_times times;
@@ -95,9 +104,26 @@ void realtime_move_a_little(palp_realtime *rt);
  * is in rt->move; returns how many it took. */
 size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enough);
 
-/* A part of a correction of the adjoint, 0 to ADJOINT_PARTS - 1, which ticks may lie between. */
-enum { ADJOINT_PARTS = 4 };
+/* ---- realtime_adjoint.c ---- */
+
+/* A part of a correction of the adjoint, which ticks may lie between: the first ADJOINT_PARTS correct it, FORCE_PARTS and two more
+ * find rt->forgets. */
+enum { ADJOINT_PARTS = 4, FORCE_PARTS = 8 };
 void realtime_improve_adjoint(palp_realtime *rt, int part);
+
+/* Sum of the shares of the arms' forces that a tick takes away. */
+double realtime_leak(const palp_network *net);
+
+/* What is known of its error where the nodes are at next.x; that error, in the norm of the tangent. */
+void realtime_follow_adjoint(palp_realtime *rt);
+double realtime_adjoint_error(const palp_realtime *rt);
+
+/* What is found of an error with a factor that is a bad one, times this, is no less than the error or not much. */
+double realtime_doubt(const palp_realtime *rt);
+
+/* The adjoint anew and what is known of it and of the factor, if that was just made of the last evaluation, which was network_evaluate's at
+ * the committed state and is so again afterwards. */
+void realtime_begin_adjoint(palp_realtime *rt, bool made);
 
 /* ---- realtime_touch.c ---- */
 

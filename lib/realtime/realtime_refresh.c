@@ -153,7 +153,7 @@ static bool finish(palp_realtime *rt, palp_status status) {
         return false;
     multigrid_swap(rt->mg);
     rt->used_definite = definite;
-    rt->adjoint_due = ADJOINT_PARTS;
+    rt->adjoint_due = rt->adjoint_parts;
     return true;
 }
 

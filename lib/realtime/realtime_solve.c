@@ -106,38 +106,3 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enou
     }
     return done;
 }
-
-/* The four parts of a correction of the adjoint: its residual, that times the factor in two halves, and the step along it. */
-static void adjoint_residual(palp_realtime *rt) {
-    realtime_tangent_times(rt, rt->adjoint, rt->adjoint_r);
-    for (size_t i = 0; i < 3 * rt->net->n_nodes; i++)
-        rt->adjoint_r[i] = -rt->adjoint_r[i];
-}
-
-static void adjoint_half(palp_realtime *rt) {
-    realtime_touch(rt);
-    multigrid_apply_half(rt->mg, rt->adjoint_r, rt->adjoint_half);
-}
-
-static void adjoint_direction(palp_realtime *rt) {
-    realtime_touch(rt);
-    multigrid_apply_rest(rt->mg, rt->adjoint_r, rt->adjoint_half, rt->adjoint_z);
-}
-
-static void adjoint_move(palp_realtime *rt) {
-    const size_t n = 3 * rt->net->n_nodes;
-    const double *z = rt->adjoint_z;
-    realtime_tangent_times(rt, z, rt->q);
-    double rz = network_dot(rt->adjoint_r, z, n), curvature = network_dot(z, rt->q, n);
-    if (!(rz > 0.0) || !(curvature > 0.0))
-        return;
-    rt->adjoint_error = fmax(sqrt(rz), 0.5 * rt->adjoint_error);
-    for (size_t i = 0; i < n; i++)
-        rt->adjoint[i] += rz / curvature * z[i];
-}
-
-void realtime_improve_adjoint(palp_realtime *rt, int part) {
-    static void (*const parts[ADJOINT_PARTS])(palp_realtime *) = {adjoint_residual, adjoint_half, adjoint_direction,
-                                                                    adjoint_move};
-    parts[part](rt);
-}

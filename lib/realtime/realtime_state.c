@@ -38,9 +38,12 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     network_pass(c, rt->adjoint, 3 * rt->net->n_nodes * sizeof *rt->adjoint);
     network_pass(c, rt->adjoint_r, 3 * rt->net->n_nodes * sizeof *rt->adjoint_r);
     network_pass(c, rt->adjoint_z, 3 * rt->net->n_nodes * sizeof *rt->adjoint_z);
+    for (size_t i = 0; i < 2; i++)
+        network_pass(c, rt->adjoint_at[i], 3 * rt->net->n_nodes * sizeof **rt->adjoint_at);
     network_pass(c, rt->tissue, 3 * rt->net->n_nodes * sizeof *rt->tissue);
     network_pass(c, rt->adjoint_half, multigrid_half_size(rt->mg) * sizeof *rt->adjoint_half);
-    double *numbers[] = {&rt->adjoint_error, &rt->error_ratio, &rt->remembered, &rt->anchored, &rt->guessed,
+    double *numbers[] = {&rt->adjoint_error, &rt->adjoint_rate, &rt->adjoint_far, &rt->adjoint_farthest, &rt->adjoint_found,
+                         &rt->forgets, &rt->doubt, &rt->error_ratio, &rt->remembered, &rt->anchored, &rt->guessed,
                          &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
@@ -74,7 +77,7 @@ static header header_of(const palp_realtime *rt) {
     network_cursor c = {.way = NETWORK_COUNT};
     pass_realtime((palp_realtime *)rt, &c); /* counting changes nothing */
     size_t network = palp_network_state_size(rt->net);
-    return (header){UINT64_C(0x70616c7072743035), network, sizeof(header) + network + c.bytes, 0};
+    return (header){UINT64_C(0x70616c7072743036), network, sizeof(header) + network + c.bytes, 0};
 }
 
 static uint64_t sum_of(const header *h, const unsigned char *buffer) {
