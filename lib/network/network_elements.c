@@ -253,6 +253,18 @@ double network_dot(const double *a, const double *b, size_t n) {
     return lanes_sum(sum);
 }
 
+PALP_CLONES
+double network_distance(const double *a, const double *b, size_t n) {
+    double sum[LANES] = {0.0};
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            sum[k] += (a[i + k] - b[i + k]) * (a[i + k] - b[i + k]);
+    for (; i < n; i++)
+        sum[0] += (a[i] - b[i]) * (a[i] - b[i]);
+    return sqrt(lanes_sum(sum));
+}
+
 /* How many elements have collapsed. */
 PALP_CLONES
 static size_t count_collapsed(size_t n, const double *strain) {

@@ -158,6 +158,9 @@ void network_tangent_times(const palp_network *net, const double *u, double *out
 /* Sum of a[i] b[i]. */
 double network_dot(const double *a, const double *b, size_t n);
 
+/* Root of the sum of (a[i] - b[i])^2. */
+double network_distance(const double *a, const double *b, size_t n);
+
 /* ---- network_assemble.c ---- */
 
 /* Geometry, element forces, nodal sums and terms at next.x. False: a collapsed element or a non-finite force. */

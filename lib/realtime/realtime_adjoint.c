@@ -132,10 +132,7 @@ double realtime_doubt(const palp_realtime *rt) {
 
 void realtime_follow_adjoint(palp_realtime *rt) {
     const palp_network *net = rt->net;
-    double sum = 0.0;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        sum += (net->next.x[i] - rt->adjoint_at[0][i]) * (net->next.x[i] - rt->adjoint_at[0][i]);
-    rt->adjoint_far = sqrt(sum);
+    rt->adjoint_far = network_distance(net->next.x, rt->adjoint_at[0], 3 * net->n_nodes);
     rt->adjoint_farthest = fmax(rt->adjoint_farthest, rt->adjoint_far);
 }
 
