@@ -197,20 +197,6 @@ static bool look_around(const pauses *p, int reach, double span, mixture *best, 
     return best->share != from.share || best->time != from.time;
 }
 
-/* What white noise that is larger than neighbours show gains over that, whatever its size: so much of what correlated noise gains, a
- * burst and heavy tails give it. */
-static double larger_gain(const pauses *p, double time) {
-    enum { SIZES = 8 };
-    const double step = pow(2.0, 0.25);
-    double most = 0.0;
-    mixture m = {.time = time, .white = 1.0};
-    for (int i = 0; i < SIZES; i++) {
-        m.white *= step;
-        most = fmax(most, correlated_gain(p, &m));
-    }
-    return most;
-}
-
 /* The most likely one: on a grid, then closer by. */
 static mixture find_correlated(const pauses *p) {
     enum { CLOSER = 2, WALK = 8 };
@@ -225,7 +211,7 @@ static mixture find_correlated(const pauses *p) {
         for (int step = 0; step < WALK && look_around(p, 1, span, &best, &most); step++)
             continue;
     }
-    return most > larger_gain(p, best.time) ? best : none;
+    return best;
 }
 
 /* Whether a piece steps from one level to another by more than this noise does: medians of a few samples before and after, so
