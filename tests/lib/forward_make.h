@@ -2,6 +2,7 @@
 #ifndef FORWARD_MAKE_H
 #define FORWARD_MAKE_H
 
+#include <palpate/experiment.h>
 #include <palpate/forward.h>
 
 #include <check.h>
@@ -18,6 +19,18 @@ typedef struct samples {
     size_t n;
     double time_s[SAMPLES_MAX], depth_m[SAMPLES_MAX], force_N[SAMPLES_MAX];
 } samples;
+
+/* A recording of them. */
+static inline palp_experiment *samples_experiment(const samples *s) {
+    palp_experiment *e;
+    ck_assert_int_eq(palp_experiment_create(s->n, &e), PALP_OK);
+    for (size_t i = 0; i < s->n; i++) {
+        palp_experiment_column(e, "time_s")[i] = s->time_s[i];
+        palp_experiment_column(e, "depth_mm")[i] = 1e3 * s->depth_m[i];
+        palp_experiment_column(e, "force_N")[i] = s->force_N[i];
+    }
+    return e;
+}
 
 /* The seed's K(e) of Eq. 4.3 beside n_arms arms, no effects. */
 static inline palp_model lumped_model(size_t n_arms) {

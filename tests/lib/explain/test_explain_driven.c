@@ -25,7 +25,6 @@ static palp_model soft_tissue(bool quasi_linear, double first) {
 static palp_experiment *record(const palp_model *m, size_t r, uint64_t *state) {
     static const double depth_mm[RUNS] = {5.8, 5.8, 4.1, 5}, way_s[RUNS] = {0.6, 6, 2, 0.6};
     static samples s;
-    palp_experiment *e;
     double t = 0.5;
     start(&s, 0, -1);
     go(&s, t, -1, 12);
@@ -35,13 +34,9 @@ static palp_experiment *record(const palp_model *m, size_t r, uint64_t *state) {
     go(&s, t += 0.5 * way_s[r], depth_mm[r], 40);
     go(&s, t += way_s[r], -1, 80);
     press_model(m, &s);
-    ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
-    for (size_t i = 0; i < s.n; i++) {
-        palp_experiment_column(e, "time_s")[i] = s.time_s[i];
-        palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-        palp_experiment_column(e, "force_N")[i] = s.force_N[i] + SD * white_noise(state);
-    }
-    return e;
+    for (size_t i = 0; i < s.n; i++)
+        s.force_N[i] += SD * white_noise(state);
+    return samples_experiment(&s);
 }
 
 /* What is said of runs of a tissue of which the given model has all but what drives its arms, if that differs, and the first

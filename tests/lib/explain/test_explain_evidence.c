@@ -18,7 +18,6 @@ static void record(const palp_model *m, const double zero[RUNS]) {
     uint64_t noise = 4;
     for (size_t r = 0; r < RUNS; r++) {
         const double ramp = 40 + 20 * (double)r;
-        palp_experiment *e;
         start(&s, 0, -1);
         for (size_t i = 1; i < EACH; i++) {
             const double up = (double)i / ramp, down = (EACH - 20.0 - (double)i) / ramp;
@@ -27,13 +26,9 @@ static void record(const palp_model *m, const double zero[RUNS]) {
         }
         s.n = EACH;
         press_model(m, &s);
-        ck_assert_int_eq(palp_experiment_create(EACH, &e), PALP_OK);
-        for (size_t i = 0; i < EACH; i++) {
-            palp_experiment_column(e, "time_s")[i] = s.time_s[i];
-            palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-            palp_experiment_column(e, "force_N")[i] = s.force_N[i] + zero[r] + NOISE * white_noise(&noise);
-        }
-        input[r] = (palp_explain_input){e, "run.csv"};
+        for (size_t i = 0; i < EACH; i++)
+            s.force_N[i] = s.force_N[i] + zero[r] + NOISE * white_noise(&noise);
+        input[r] = (palp_explain_input){samples_experiment(&s), "run.csv"};
     }
 }
 

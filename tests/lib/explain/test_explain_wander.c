@@ -35,7 +35,6 @@ static void record(const palp_model *m, zero_of *zero) {
     uint64_t noise = 4;
     for (size_t r = 0; r < RUNS; r++) {
         const size_t ramp = 40 + 20 * r, rest = EACH - 2 * ramp - 20;
-        palp_experiment *e;
         start(&s, 0, -1);
         for (size_t i = 1; i < EACH; i++) {
             const double up = 6.0 * (double)i / (double)ramp, down = 6.0 * ((double)EACH - (double)i - 20.0) / (double)ramp;
@@ -44,14 +43,9 @@ static void record(const palp_model *m, zero_of *zero) {
         }
         s.n = EACH;
         press_model(m, &s);
-        ck_assert_int_eq(palp_experiment_create(EACH, &e), PALP_OK);
-        for (size_t i = 0; i < EACH; i++) {
-            palp_experiment_column(e, "time_s")[i] = s.time_s[i];
-            palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-            palp_experiment_column(e, "force_N")[i] =
-                s.force_N[i] + zero(r, (double)i / EACH) + NOISE * white_noise(&noise);
-        }
-        input[r] = (palp_explain_input){e, "run.csv"};
+        for (size_t i = 0; i < EACH; i++)
+            s.force_N[i] = s.force_N[i] + zero(r, (double)i / EACH) + NOISE * white_noise(&noise);
+        input[r] = (palp_explain_input){samples_experiment(&s), "run.csv"};
     }
 }
 
