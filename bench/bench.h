@@ -7,7 +7,8 @@
 double bench_seconds(void);
 double bench_cpu_seconds(void); /* of this thread: what others on the machine take is not in it */
 
-/* How often others have been given the processor in place of this thread so far; 0 where the system does not tell. */
+/* How often others have been given the processor in place of this thread so far; 0 where the system does not
+ * tell. */
 long bench_interruptions(void);
 
 /* Sorts x. */

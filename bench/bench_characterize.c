@@ -1,5 +1,5 @@
-/* bench_characterize.c: twelve recordings of 200 s at 1 kHz, then one of ten million rows (1000 s at 10 kHz): reading them beside a
- * plain fscanf reader, preparing them, and one fit of two shared arms. */
+/* bench_characterize.c: twelve recordings of 200 s at 1 kHz, then one of ten million rows (1000 s at 10 kHz):
+ * reading them beside a plain fscanf reader, preparing them, and one fit of two shared arms. */
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 
@@ -89,8 +89,9 @@ static void bench_runs(int n, int samples, double step, const char *what) {
     bench_check(palp_characterize_fit((size_t)n, runs, &fit, &result, NULL), "fit");
     double spent = bench_seconds() - t0;
     printf("characterize, %s, two shared arms\n", what);
-    printf("  read %.2f s (%.0f MB/s, at least 100; plain fscanf %.0f MB/s, ratio %.1f), prepare %.2f s, fit %.2f s\n", read,
-           1e-6 * bytes / read, 1e-6 * bytes / plain, plain / read, prepare, spent);
+    printf("  read %.2f s (%.0f MB/s, at least 100; plain fscanf %.0f MB/s, ratio %.1f), prepare %.2f s, fit "
+           "%.2f s\n",
+           read, 1e-6 * bytes / read, 1e-6 * bytes / plain, plain / read, prepare, spent);
     printf("  together %.2f s\n", read + prepare + spent);
     palp_lumped_fit_free(&result);
     for (int r = 0; r < n; r++)

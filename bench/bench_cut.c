@@ -1,6 +1,7 @@
-/* bench_cut.c: 200 random cuts and tears of a lattice of 11 nodes a side while it runs at 1 kHz within a budget: time of a
- * cut and of the ticks after it, balance of forces, and the force at the end against a network built afresh with the same
- * elements. Quartic law and two arms, the top plate moving up and down. Times are the thread's own. */
+/* bench_cut.c: 200 random cuts and tears of a lattice of 11 nodes a side while it runs at 1 kHz within a
+ * budget: time of a cut and of the ticks after it, balance of forces, and the force at the end against a
+ * network built afresh with the same elements. Quartic law and two arms, the top plate moving up and down.
+ * Times are the thread's own. */
 #include "bench.h"
 #include "network/network_internal.h"
 
@@ -13,9 +14,9 @@ enum { NODES = 11, EVENTS = 200, GAP = 20, AFTER = 10, TICKS = EVENTS * GAP };
 static const double DT = 1e-3, TICK_MS = 1.0, PERIOD_S = 1.0;
 
 typedef struct run {
-    double depth;              /* largest, of the height; both ways */
-    double blade;              /* size, of the height */
-    size_t corrections;        /* a tick's budget */
+    double depth;       /* largest, of the height; both ways */
+    double blade;       /* size, of the height */
+    size_t corrections; /* a tick's budget */
     double cut_ms[EVENTS], after_ms[AFTER][EVENTS], ordinary_ms[TICKS];
     size_t cut, torn, tears, ordinary, late, unsound, failed;
     double imbalance, residual; /* largest |sum of the forces| / sum of sizes; mean relative residual */
@@ -97,7 +98,8 @@ static palp_status lead(palp_network *net, double depth) {
     double from = palp_network_depth(net);
     palp_status status = PALP_OK;
     for (int k = 1; k <= PARTS + MORE && !status; k++)
-        status = palp_network_step(net, k < PARTS ? from + (depth - from) * k / PARTS : depth, INFINITY, NULL);
+        status =
+            palp_network_step(net, k < PARTS ? from + (depth - from) * k / PARTS : depth, INFINITY, NULL);
     return status;
 }
 
@@ -113,7 +115,8 @@ static size_t count_apart(const palp_network *a, const palp_network *b) {
     return n;
 }
 
-static void print_force(const char *name, palp_status status, const palp_network *fresh, const palp_network *net) {
+static void print_force(const char *name, palp_status status, const palp_network *fresh,
+                        const palp_network *net) {
     double force = palp_network_force(net);
     if (status)
         printf("    %s: %s\n", name, palp_status_text(status));
@@ -122,8 +125,8 @@ static void print_force(const char *name, palp_status status, const palp_network
                fabs(palp_network_force(fresh) - force) / fabs(force), count_apart(fresh, net));
 }
 
-/* Another network with the same elements cut: from rest, where buckled struts may choose another equilibrium, and from
- * near the places of the first; all relaxed. */
+/* Another network with the same elements cut: from rest, where buckled struts may choose another equilibrium,
+ * and from near the places of the first; all relaxed. */
 static void compare(palp_network *net, const run *r) {
     palp_material material = bench_material(2);
     palp_network *fresh = bench_network(NODES, NULL, &material, PALP_SOLVER_AUTO);
@@ -154,16 +157,20 @@ static double largest(const double *x, size_t n) {
 }
 
 static void print(run *r, const palp_network *net) {
-    printf("  depth %+.0f %% to %+.0f %%, blades of %.0f %% of the height, budget %zu corrections a tick\n", -100.0 * r->depth,
-           100.0 * r->depth, 100.0 * r->blade, r->corrections);
+    printf("  depth %+.0f %% to %+.0f %%, blades of %.0f %% of the height, budget %zu corrections a tick\n",
+           -100.0 * r->depth, 100.0 * r->depth, 100.0 * r->blade, r->corrections);
     printf("    %zu elements cut in %zu sweeps, %zu torn in %zu tears, of %zu; %zu nodes loose\n", r->cut,
            EVENTS - r->tears, r->torn, r->tears, net->n_elements, palp_network_loose(net, NULL));
-    printf("    not a number: %zu; failed ticks %zu; balance of forces %.1e; mean residual %.1e of the forces\n",
-           r->unsound, r->failed, r->imbalance, r->residual);
-    printf("    a cut %.3f ms, worst %.3f; ordinary tick %.3f ms, worst %.3f; late ticks after a cut %zu of %d\n",
-           bench_median(r->cut_ms, EVENTS), largest(r->cut_ms, EVENTS), bench_median(r->ordinary_ms, r->ordinary),
-           largest(r->ordinary_ms, r->ordinary), r->late, EVENTS * AFTER);
-    printf("    tick after a cut     1      2      3      4      5      6      7      8      9     10\n      median, ms   ");
+    printf(
+        "    not a number: %zu; failed ticks %zu; balance of forces %.1e; mean residual %.1e of the forces\n",
+        r->unsound, r->failed, r->imbalance, r->residual);
+    printf("    a cut %.3f ms, worst %.3f; ordinary tick %.3f ms, worst %.3f; late ticks after a cut %zu of "
+           "%d\n",
+           bench_median(r->cut_ms, EVENTS), largest(r->cut_ms, EVENTS),
+           bench_median(r->ordinary_ms, r->ordinary), largest(r->ordinary_ms, r->ordinary), r->late,
+           EVENTS * AFTER);
+    printf("    tick after a cut     1      2      3      4      5      6      7      8      9     10\n      "
+           "median, ms   ");
     for (size_t k = 0; k < AFTER; k++)
         printf(" %6.3f", bench_median(r->after_ms[k], EVENTS));
     printf("\n      worst, ms    ");

@@ -60,9 +60,10 @@ static void measure(const char *name, size_t n, const char *file) {
 int main(int argc, char **argv) {
     const size_t sizes[] = {3, 5, 7, 11, 15, 21, 27, 33};
     size_t largest = largest_asked(argc, argv);
-    printf("growth, 24 mm cube, n nodes a side, quartic law and two arms, AUTO solver; a relaxed step of 1 %%\n");
-    printf("%8s %8s %9s %10s %11s %11s %4s %11s %10s\n", "n", "elements", "unknowns", "create ms", "factor ms",
-           "step ms", "it.", "matrix MB", "memory MB");
+    printf("growth, 24 mm cube, n nodes a side, quartic law and two arms, AUTO solver; a relaxed step of 1 "
+           "%%\n");
+    printf("%8s %8s %9s %10s %11s %11s %4s %11s %10s\n", "n", "elements", "unknowns", "create ms",
+           "factor ms", "step ms", "it.", "matrix MB", "memory MB");
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes && sizes[i] <= largest; i++) {
         char name[16];
         snprintf(name, sizeof name, "%zu", sizes[i]);

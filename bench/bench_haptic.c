@@ -1,8 +1,8 @@
-/* bench_haptic.c: a minute of a hand's tool at 1 kHz (data/paths/haptic_minute.csv): how long the ticks take, how many
- * are missed, and how far the force is from the converged one. Quartic law and two arms. Wall times are of a shared
- * machine; the thread's own time, and that of the ticks alone that nothing interrupted, is nearer to what a machine without other work
- * would show. BENCH_TICKS=60000 is the whole minute,
- * some ten minutes of work; the first ten seconds are one round of it. */
+/* bench_haptic.c: a minute of a hand's tool at 1 kHz (data/paths/haptic_minute.csv): how long the ticks take,
+ * how many are missed, and how far the force is from the converged one. Quartic law and two arms. Wall times
+ * are of a shared machine; the thread's own time, and that of the ticks alone that nothing interrupted, is
+ * nearer to what a machine without other work would show. BENCH_TICKS=60000 is the whole minute, some ten
+ * minutes of work; the first ten seconds are one round of it. */
 #include "bench.h"
 
 #include <math.h>
@@ -70,20 +70,22 @@ static palp_realtime *tissue(size_t n, double tolerance) {
 
 typedef struct run {
     double force[TICKS][3];
-    double wall[TICKS], cpu[TICKS], quiet[TICKS]; /* ms; quiet: own time of the ticks that were not interrupted */
+    double wall[TICKS], cpu[TICKS],
+        quiet[TICKS]; /* ms; quiet: own time of the ticks that were not interrupted */
     size_t n_quiet;
     size_t converged, corrections, touching;
 } run;
 
-static void follow(size_t n, double friction, double tolerance, const recorded *path, const palp_budget *budget,
-                   run *r) {
+static void follow(size_t n, double friction, double tolerance, const recorded *path,
+                   const palp_budget *budget, run *r) {
     palp_realtime *rt = tissue(n, tolerance);
     palp_network *net = palp_realtime_network(rt);
     palp_tick_info info;
     palp_tool_force felt;
     r->n_quiet = r->converged = r->corrections = r->touching = 0;
     for (size_t i = 0; i < n_ticks; i++) {
-        palp_tool tool = {.shape = PALP_TOOL_SPHERE, .axis = {0, 1, 0}, .radius_m = RADIUS, .friction = friction};
+        palp_tool tool = {
+            .shape = PALP_TOOL_SPHERE, .axis = {0, 1, 0}, .radius_m = RADIUS, .friction = friction};
         at_time(path, DT * (double)(i + 1), tool.position_m);
         const long interruptions = bench_interruptions();
         double wall = bench_seconds(), cpu = bench_cpu_seconds();
@@ -110,8 +112,8 @@ static void print_times(const char *what, double *ms, size_t n) {
     for (size_t i = 0; i < n; i++)
         missed += ms[i] > 1e3 * DT;
     bench_median(ms, n); /* sorts */
-    printf("      %-19s p50 %.3f  p99 %.3f  p99.9 %.3f  worst %.3f ms, %zu of %zu ticks above 1 ms\n", what, ms[n / 2],
-           ms[n * 99 / 100], ms[n * 999 / 1000], ms[n - 1], missed, n);
+    printf("      %-19s p50 %.3f  p99 %.3f  p99.9 %.3f  worst %.3f ms, %zu of %zu ticks above 1 ms\n", what,
+           ms[n / 2], ms[n * 99 / 100], ms[n * 999 / 1000], ms[n - 1], missed, n);
 }
 
 static void print_errors(run *r, const run *truth) {
@@ -127,7 +129,8 @@ static void print_errors(run *r, const run *truth) {
         peak = fmax(peak, sqrt(size));
         sum += square;
     }
-    printf("      error of the force: largest %.2e, root mean square %.2e of the peak of %.3f N; %zu ticks touch, %zu "
+    printf("      error of the force: largest %.2e, root mean square %.2e of the peak of %.3f N; %zu ticks "
+           "touch, %zu "
            "converged, %.2f corrections a tick\n",
            most / peak, sqrt(sum / (double)n_ticks) / peak, peak, r->touching, r->converged,
            (double)r->corrections / (double)n_ticks);
@@ -147,12 +150,14 @@ static void minute(const char *name, size_t n, double friction, double tolerance
 int main(void) {
     static recorded path;
     static run truth, r;
-    const palp_budget all = {0}, thousandth = {.force_error = 1e-3}, one = {.corrections = 1}, two = {.corrections = 2};
+    const palp_budget all = {0}, thousandth = {.force_error = 1e-3}, one = {.corrections = 1},
+                      two = {.corrections = 2};
     const char *text = getenv("BENCH_TICKS");
     if (text && strtoul(text, NULL, 10) > 0 && strtoul(text, NULL, 10) <= TICKS)
         n_ticks = (size_t)strtoul(text, NULL, 10);
     read_path("data/paths/haptic_minute.csv", &path);
-    printf("%zu ticks at 1 kHz, sphere of 4 mm; converged: a residual of 1e-8 of the element forces\n", n_ticks);
+    printf("%zu ticks at 1 kHz, sphere of 4 mm; converged: a residual of 1e-8 of the element forces\n",
+           n_ticks);
     follow(7, 0.0, 1e-8, &path, &all, &truth);
     minute("residual 1e-6", 7, 0.0, 1e-6, &path, &all, &truth, &r);
     minute("estimated error 1e-3", 7, 0.0, 1e-6, &path, &thousandth, &truth, &r);

@@ -1,6 +1,6 @@
-/* bench_large.c: calibrating large lattices by palp_calibrate_two_level: rounds, time, memory, and how deep each
- * lattice's branch goes. An argument or BENCH_NODES sets the largest number of nodes a side (default 21; 33 takes
- * half a minute). Each size runs in a process of its own. */
+/* bench_large.c: calibrating large lattices by palp_calibrate_two_level: rounds, time, memory, and how deep
+ * each lattice's branch goes. An argument or BENCH_NODES sets the largest number of nodes a side (default 21;
+ * 33 takes half a minute). Each size runs in a process of its own. */
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 
@@ -33,8 +33,8 @@ static void calibrate_here(size_t n, double depth) {
                 "calibrate");
     for (int i = 0; i < SAMPLES && depths[i] <= result.reached_m; i++)
         worst = fmax(worst, fabs(result.force_N[i] - forces[i]) / forces[SAMPLES - 1]);
-    printf("%8zu %9zu %8.1f %10.2f %7zu %12.4f %9.2f %10.1f\n", n, palp_network_unknown_count(net), 1e3 * depth,
-           1e3 * result.reached_m, result.n_iterations, 100.0 * worst, bench_seconds() - start,
+    printf("%8zu %9zu %8.1f %10.2f %7zu %12.4f %9.2f %10.1f\n", n, palp_network_unknown_count(net),
+           1e3 * depth, 1e3 * result.reached_m, result.n_iterations, 100.0 * worst, bench_seconds() - start,
            bench_peak_MB() - before);
     palp_calibration_free(&result);
     palp_network_free(coarse);
@@ -57,7 +57,8 @@ int main(int argc, char **argv) {
     const size_t sizes[] = {9, 11, 15, 21, 27, 33};
     const char *text = argc > 1 ? argv[1] : getenv("BENCH_NODES");
     size_t largest = text ? (size_t)strtoul(text, NULL, 10) : 21;
-    printf("static calibration through a lattice of %d nodes a side, 24 mm cube, lumped_n1, to 5 mm and to 9.7 mm\n",
+    printf("static calibration through a lattice of %d nodes a side, 24 mm cube, lumped_n1, to 5 mm and to "
+           "9.7 mm\n",
            COARSE);
     printf("%8s %9s %8s %10s %7s %12s %9s %10s\n", "n", "unknowns", "depth mm", "reached mm", "rounds",
            "worst error %", "time s", "memory MB");

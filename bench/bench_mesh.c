@@ -1,5 +1,6 @@
-/* bench_mesh.c: meshes of tetrahedra by scaling: stiffness at small strain against the solid's, force over strain, how
- * far the branch of equilibria goes. Forces of a law K(a) that is the lumped specimen's, for its section. */
+/* bench_mesh.c: meshes of tetrahedra by scaling: stiffness at small strain against the solid's, force over
+ * strain, how far the branch of equilibria goes. Forces of a law K(a) that is the lumped specimen's, for its
+ * section. */
 #include "bench.h"
 
 #include <math.h>
@@ -9,20 +10,22 @@
 static const double SECTION = 452.389e-6; /* m^2 */
 static const double STEP = 0.005;         /* strain */
 
-/* N per unit strain and kPa of the solid with bonded flats, Poisson's ratio 1/4: CalculiX, quadratic tetrahedra
- * (data/meshes/make_bodies.sh --solid). */
+/* N per unit strain and kPa of the solid with bonded flats, Poisson's ratio 1/4: CalculiX, quadratic
+ * tetrahedra (data/meshes/make_bodies.sh --solid). */
 static const struct {
     const char *name;
     double solid_N;
-} BODIES[] = {{"box_tetra", 0.6020},   {"cylinder_tetra", 0.4694}, {"sphere_4.4", 0.2845}, {"sphere_3.8", 0.2845},
-              {"sphere_3.2", 0.2845}, {"liver_9", 1.710},         {"liver_7.5", 1.710},   {"liver_6.5", 1.710}};
+} BODIES[] = {{"box_tetra", 0.6020},  {"cylinder_tetra", 0.4694}, {"sphere_4.4", 0.2845},
+              {"sphere_3.8", 0.2845}, {"sphere_3.2", 0.2845},     {"liver_9", 1.710},
+              {"liver_7.5", 1.710},   {"liver_6.5", 1.710}};
 
 static palp_network *make(const palp_mesh *mesh) {
     palp_material material = {.n_arms = 0};
     palp_support supports[2];
     palp_network_settings settings = palp_network_settings_default();
     palp_network *net = NULL;
-    bench_check(palp_law_polynomial(5, (double[]){8.18, -0.70, 47.47, -131.36, 146.89}, &material.law), "law");
+    bench_check(palp_law_polynomial(5, (double[]){8.18, -0.70, 47.47, -131.36, 146.89}, &material.law),
+                "law");
     palp_supports_default(supports);
     bench_check(palp_network_create(mesh, &material, 2, supports, &settings, &net, NULL), "network");
     return net;
@@ -51,8 +54,8 @@ static void press(const palp_mesh *mesh, double solid_N, double unit) {
 
 int main(void) {
     static const char *const scalings[] = {"none", "volume", "continuum"};
-    printf("%16s %10s %6s %8s %7s %8s %6s %6s %6s %8s\n", "mesh", "scaling", "nodes", "elements", "ms", "error %", "0.1",
-           "0.2", "0.3", "reached");
+    printf("%16s %10s %6s %8s %7s %8s %6s %6s %6s %8s\n", "mesh", "scaling", "nodes", "elements", "ms",
+           "error %", "0.1", "0.2", "0.3", "reached");
     for (size_t b = 0; b < sizeof BODIES / sizeof *BODIES; b++)
         for (int s = 0; s < 3; s++) {
             char path[64];
@@ -66,7 +69,9 @@ int main(void) {
             press(mesh, BODIES[b].solid_N, s > 0 ? 8.18 / SECTION / 1e3 : 0.0);
             palp_mesh_free(mesh);
         }
-    printf("error: of force / strain at strain 1e-4 against the solid; 0.1, 0.2, 0.3: force / strain there over that\n"
-           "at 1e-4; reached: strain to which steps of %g converge, at most 0.45\n", STEP);
+    printf("error: of force / strain at strain 1e-4 against the solid; 0.1, 0.2, 0.3: force / strain there "
+           "over that\n"
+           "at 1e-4; reached: strain to which steps of %g converge, at most 0.45\n",
+           STEP);
     return 0;
 }

@@ -10,8 +10,8 @@
 #include <string.h>
 
 void dpbtrf_(const char *uplo, const int *n, const int *kd, double *ab, const int *ldab, int *info);
-void dpbtrs_(const char *uplo, const int *n, const int *kd, const int *nrhs, const double *ab, const int *ldab,
-             double *b, const int *ldb, int *info);
+void dpbtrs_(const char *uplo, const int *n, const int *kd, const int *nrhs, const double *ab,
+             const int *ldab, double *b, const int *ldb, int *info);
 
 enum { SIMPLICIAL, SUPERNODAL, LAPACK_BAND, BAND, SOLVERS };
 enum { RUNS_MAX = 4001 };
@@ -83,7 +83,8 @@ static void matrix_make(matrix *m, palp_network *net) {
     size_t nz = 0;
     for (size_t i = 0; i < size; i++)
         nz += m->band[i] != 0.0;
-    cholmod_triplet *t = need(cholmod_allocate_triplet(net->n_free, net->n_free, nz, -1, CHOLMOD_REAL, &m->common));
+    cholmod_triplet *t =
+        need(cholmod_allocate_triplet(net->n_free, net->n_free, nz, -1, CHOLMOD_REAL, &m->common));
     for (size_t i = 0; i < size; i++)
         if (m->band[i] != 0.0) {
             int column = (int)i / m->ld;
@@ -208,7 +209,8 @@ static void measure(size_t n, size_t runs, times *t) {
         time_cholmod(&m, SUPERNODAL, &t->factor[SUPERNODAL][i], &t->solve[SUPERNODAL][i]);
         time_lapack(&m, &t->factor[LAPACK_BAND][i], &t->solve[LAPACK_BAND][i]);
         if (r == 0)
-            difference = fmax(distance(x, m.x, net->n_free), distance(x, m.solution[SUPERNODAL]->x, net->n_free));
+            difference =
+                fmax(distance(x, m.x, net->n_free), distance(x, m.solution[SUPERNODAL]->x, net->n_free));
         time_iteration(net, &t->iteration[i], &t->step[i]);
     }
     if (!(difference < 1e-9))
@@ -236,16 +238,15 @@ static void report(size_t n, times *t, double clock) {
         printf("  %s %.4f / %.4f", SOLVER_NAME[k], 1e3 * factor[k], 1e3 * solve[k]);
     }
     double best = assemble + least(factor, SOLVERS) + least(solve, SOLVERS);
-    printf("\n      iteration %.4f ms, best parts %.4f ms, ratio %.2f (at most 1.30); whole step, each of its "
-           "tangents: %.2f\n",
-           1e3 * iteration, 1e3 * best, iteration / best, step / best);
+    printf(
+        "\n      iteration %.4f ms, best parts %.4f ms, ratio %.2f (at most 1.30); whole step, each of its "
+        "tangents: %.2f\n",
+        1e3 * iteration, 1e3 * best, iteration / best, step / best);
 }
 
 int main(void) {
     static times t;
-    const struct {
-        size_t n, runs;
-    } sizes[] = {{3, 4000}, {5, 1000}, {7, 300}, {11, 25}};
+    const struct { size_t n, runs; } sizes[] = {{3, 4000}, {5, 1000}, {7, 300}, {11, 25}};
     double clock = clock_cost();
     printf("Newton iteration, 24 mm cube, n nodes a side, quartic law and two arms\n");
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {

@@ -1,9 +1,10 @@
-/* bench_peers.c: a tick of palpate beside two methods that simulators use for the same springs, all in one run: vertex
- * block descent (Chen et al. 2024, in single precision) and projective dynamics (Bouaziz et al. 2014, a factor kept by
- * CHOLMOD). Cube of 24 mm, linear springs without mass, pressed by 1 strain/s to 0.2 in ticks of 1 ms; both start a tick
- * from the line through their last two states, as they do with inertia. The error is that of the plate's force beside the
- * converged one, relative to the peak, in the last tick and the largest of all. Times are the thread's own, repeats interleaved,
- * as many as fit into some time at each size. BENCH_NODES: largest number of nodes a side (21). */
+/* bench_peers.c: a tick of palpate beside two methods that simulators use for the same springs, all in one
+ * run: vertex block descent (Chen et al. 2024, in single precision) and projective dynamics (Bouaziz et al.
+ * 2014, a factor kept by CHOLMOD). Cube of 24 mm, linear springs without mass, pressed by 1 strain/s to 0.2
+ * in ticks of 1 ms; both start a tick from the line through their last two states, as they do with inertia.
+ * The error is that of the plate's force beside the converged one, relative to the peak, in the last tick and
+ * the largest of all. Times are the thread's own, repeats interleaved, as many as fit into some time at each
+ * size. BENCH_NODES: largest number of nodes a side (21). */
 #include "bench.h"
 #include "network/network_internal.h"
 
@@ -120,7 +121,8 @@ static void descend(lattice *l, size_t i) {
         const float *b = l->x + 4 * l->neighbour[k];
         float d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
         float square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], ratio = l->length[k] / sqrtf(square);
-        float pull = l->k[k] * (1.0F - ratio), across = pull > 0.0F ? pull : 0.0F, along = (l->k[k] - across) / square;
+        float pull = l->k[k] * (1.0F - ratio), across = pull > 0.0F ? pull : 0.0F,
+              along = (l->k[k] - across) / square;
         for (size_t r = 0; r < 3; r++)
             f[r] += pull * d[r];
         h[0] += across + along * d[0] * d[0];
@@ -242,8 +244,8 @@ static bool note(outcome *o, double seconds, double force, const double *truth, 
     return o->bound == 0.0 || o->most <= o->bound;
 }
 
-static void peer_ramp(lattice *l, void (*round)(lattice *, void *), void *own, size_t rounds, const double *truth,
-                      outcome *o) {
+static void peer_ramp(lattice *l, void (*round)(lattice *, void *), void *own, size_t rounds,
+                      const double *truth, outcome *o) {
     lattice_rest(l);
     for (size_t i = 0; i < TICKS; i++) {
         double start = bench_cpu_seconds();
@@ -306,13 +308,15 @@ static void print(size_t n, contender *c) {
     if (c->budget.force_error > 0.0)
         snprintf(what, sizeof what, "estimated error %.0e", c->budget.force_error);
     else
-        snprintf(what, sizeof what, c->method == PALPATE ? "%zu correction%s" : "%zu round%s", c->rounds, c->rounds == 1 ? "" : "s");
+        snprintf(what, sizeof what, c->method == PALPATE ? "%zu correction%s" : "%zu round%s", c->rounds,
+                 c->rounds == 1 ? "" : "s");
     bench_median(c->o.ms, c->o.n);
-    printf("  %2zu  %-21s %-22s %8.4f %8.4f %8.4f   %8.1e %8.1e\n", n, NAME[c->method], what, c->o.ms[0], c->o.ms[c->o.n / 2],
-           c->o.ms[c->o.n * 99 / 100], c->o.last, c->o.most);
+    printf("  %2zu  %-21s %-22s %8.4f %8.4f %8.4f   %8.1e %8.1e\n", n, NAME[c->method], what, c->o.ms[0],
+           c->o.ms[c->o.n / 2], c->o.ms[c->o.n * 99 / 100], c->o.last, c->o.most);
 }
 
-/* A peer with the fewest rounds with which its error stays below a bound in every tick, and its run; false: none of those tried. */
+/* A peer with the fewest rounds with which its error stays below a bound in every tick, and its run; false:
+ * none of those tried. */
 static bool find_rounds(stage *s, int method, double bound, contender *c) {
     static const size_t tried[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
     for (size_t k = 0; k < sizeof tried / sizeof *tried; k++) {
@@ -364,7 +368,8 @@ static void size_of(size_t n) {
 int main(void) {
     const char *text = getenv("BENCH_NODES");
     size_t largest = text ? (size_t)strtoul(text, NULL, 10) : NODES[SIZES - 1];
-    printf("   n  method                what                    least ms   median      p99     at end  largest\n");
+    printf("   n  method                what                    least ms   median      p99     at end  "
+           "largest\n");
     for (size_t i = 0; i < SIZES && NODES[i] <= largest; i++)
         size_of(NODES[i]);
     return 0;

@@ -1,6 +1,7 @@
-/* bench_realtime.c: what a tick of 1 ms costs, and the error of its force: on linear springs, with our element, and how
- * accuracy is traded for time (bench_peers.c: beside other methods). One thread, 24 mm cube, ramp of 1 strain/s to 0.2. Times are
- * the thread's own: others on a shared machine are not in them. BENCH_NODES: largest number of nodes a side (33). */
+/* bench_realtime.c: what a tick of 1 ms costs, and the error of its force: on linear springs, with our
+ * element, and how accuracy is traded for time (bench_peers.c: beside other methods). One thread, 24 mm cube,
+ * ramp of 1 strain/s to 0.2. Times are the thread's own: others on a shared machine are not in them.
+ * BENCH_NODES: largest number of nodes a side (33). */
 #include "bench.h"
 
 #include <math.h>
@@ -26,7 +27,8 @@ static palp_material linear(void) {
 static palp_realtime *realtime(size_t n, const palp_material *material) {
     palp_realtime_settings settings = palp_realtime_settings_default();
     palp_realtime *rt = NULL;
-    bench_check(palp_realtime_create(bench_network(n, NULL, material, PALP_SOLVER_AUTO), &settings, &rt), "realtime");
+    bench_check(palp_realtime_create(bench_network(n, NULL, material, PALP_SOLVER_AUTO), &settings, &rt),
+                "realtime");
     return rt;
 }
 
@@ -42,7 +44,8 @@ static void converged(size_t n, const palp_material *material, double *force) {
     const palp_budget all = {0};
     palp_tick_info info;
     for (size_t i = 0; i < TICKS; i++) {
-        bench_check(palp_realtime_step(rt, STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, DT, &all, &info), "step");
+        bench_check(palp_realtime_step(rt, STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, DT, &all, &info),
+                    "step");
         if (!info.converged)
             printf("      (%zu nodes a side, tick %zu: residual %.1e)\n", n, i, info.residual);
         force[i] = info.force_N;
@@ -53,9 +56,9 @@ static void converged(size_t n, const palp_material *material, double *force) {
 typedef struct outcome {
     double least_ms, median_ms, worst_ms; /* over ticks and repeats */
     double uneven;                        /* worst tick over the median one, each the least of its repeats */
-    double last, most;                    /* error of the force at the end, and the largest, relative to the end's */
-    double corrections;                   /* mean */
-    double estimate;                      /* mean of the estimated error over the true one */
+    double last, most;  /* error of the force at the end, and the largest, relative to the end's */
+    double corrections; /* mean */
+    double estimate;    /* mean of the estimated error over the true one */
 } outcome;
 
 /* ms[REPEATS TICKS]; what others on the machine do to a tick is in few of its repeats. */
@@ -97,8 +100,8 @@ static outcome ramp(size_t n, const palp_material *material, const palp_budget *
 }
 
 static void print(size_t n, const char *budget, const outcome *o) {
-    printf("  %2zu  %-16s %8.4f %8.4f %8.4f %7.2f   %8.1e %8.1e  %5.2f %9.1f\n", n, budget, o->least_ms, o->median_ms,
-           o->worst_ms, o->uneven, o->last, o->most, o->corrections, o->estimate);
+    printf("  %2zu  %-16s %8.4f %8.4f %8.4f %7.2f   %8.1e %8.1e  %5.2f %9.1f\n", n, budget, o->least_ms,
+           o->median_ms, o->worst_ms, o->uneven, o->last, o->most, o->corrections, o->estimate);
 }
 
 /* A ramp's first ticks on a network too large for a direct factor. */
@@ -113,17 +116,21 @@ static void large(size_t n) {
     double made = bench_cpu_seconds() - start;
     for (size_t i = 0; i < FEW; i++) {
         start = bench_cpu_seconds();
-        bench_check(palp_realtime_step(rt, STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, DT, &one, &info), "step");
+        bench_check(palp_realtime_step(rt, STRAIN * BENCH_SIZE * (double)(i + 1) / TICKS, DT, &one, &info),
+                    "step");
         ms[i] = 1e3 * (bench_cpu_seconds() - start);
     }
     double median = bench_median(ms, FEW);
     start = bench_cpu_seconds();
     bench_check(palp_realtime_step(rt, STRAIN * BENCH_SIZE * (FEW + 1.0) / TICKS, DT, &all, &last), "step");
-    printf("%zu nodes a side, %zu unknowns, quartic law and two arms: made in %.0f ms, one correction %.1f ms a tick (median "
-           "of %d, worst %.1f), estimated error %.1e of %.3f N; converged tick: %zu corrections, %.0f ms, residual %.1e; "
+    printf("%zu nodes a side, %zu unknowns, quartic law and two arms: made in %.0f ms, one correction %.1f "
+           "ms a tick (median "
+           "of %d, worst %.1f), estimated error %.1e of %.3f N; converged tick: %zu corrections, %.0f ms, "
+           "residual %.1e; "
            "%.0f MB\n",
-           n, palp_network_unknown_count(palp_realtime_network(rt)), 1e3 * made, median, FEW, ms[FEW - 1], info.force_error_N / info.force_N,
-           info.force_N, last.corrections, 1e3 * (bench_cpu_seconds() - start), last.residual, bench_peak_MB() - before);
+           n, palp_network_unknown_count(palp_realtime_network(rt)), 1e3 * made, median, FEW, ms[FEW - 1],
+           info.force_error_N / info.force_N, info.force_N, last.corrections,
+           1e3 * (bench_cpu_seconds() - start), last.residual, bench_peak_MB() - before);
     drop(rt);
 }
 
@@ -146,7 +153,8 @@ static void chart(size_t n, const palp_material *material, double static_force) 
     print(n, "error 1e-3", &o);
 }
 
-static const char HEAD[] = "   n  budget            least ms   median    worst  uneven   at end  largest  corr. est./true\n";
+static const char HEAD[] =
+    "   n  budget            least ms   median    worst  uneven   at end  largest  corr. est./true\n";
 
 static void linear_springs(size_t largest) {
     palp_material material = linear();

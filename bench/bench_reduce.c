@@ -1,6 +1,6 @@
-/* bench_reduce.c: reduced models beside the full network: time of a tick, size, error of the force on paths held out.
- * A plate on the cube, and a ball of 4 mm that presses and slides on its free top; quartic law and two arms.
- *   bench_reduce [nodes a side ...]      7 and 11; 21 takes several minutes */
+/* bench_reduce.c: reduced models beside the full network: time of a tick, size, error of the force on paths
+ * held out. A plate on the cube, and a ball of 4 mm that presses and slides on its free top; quartic law and
+ * two arms. bench_reduce [nodes a side ...] 7 and 11; 21 takes several minutes */
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 
@@ -36,7 +36,8 @@ static void path_make(size_t n, const corner *c, bool tool, path *p) {
     p->n = 0;
     for (size_t i = 1; i < n; i++)
         for (size_t j = 1; j <= c[i].samples; j++) {
-            double s = (double)j / (double)c[i].samples, depth = c[i - 1].depth + s * (c[i].depth - c[i - 1].depth);
+            double s = (double)j / (double)c[i].samples,
+                   depth = c[i - 1].depth + s * (c[i].depth - c[i - 1].depth);
             p->time[p->n] = c[i - 1].time + s * (c[i].time - c[i - 1].time);
             p->depth[p->n] = tool ? 0.0 : depth;
             p->tool[p->n++] =
@@ -46,7 +47,8 @@ static void path_make(size_t n, const corner *c, bool tool, path *p) {
 
 /* Down, across, up; places in units of REACH from the middle, depth in units of PRESS. */
 static void slide(double x0, double z0, double x1, double z1, double depth, path *p) {
-    double ax = MIDDLE + REACH * x0, az = MIDDLE + REACH * z0, bx = MIDDLE + REACH * x1, bz = MIDDLE + REACH * z1;
+    double ax = MIDDLE + REACH * x0, az = MIDDLE + REACH * z0, bx = MIDDLE + REACH * x1,
+           bz = MIDDLE + REACH * z1;
     const corner c[] = {{0.0, -0.0003, ax, az, 0},
                         {0.5, PRESS * depth, ax, az, 8},
                         {1.5, PRESS * depth, bx, bz, 16},
@@ -57,7 +59,8 @@ static void slide(double x0, double z0, double x1, double z1, double depth, path
 /* Down and held. */
 static void dwell(double x, double z, double depth, path *p) {
     double ax = MIDDLE + REACH * x, az = MIDDLE + REACH * z;
-    const corner c[] = {{0.0, -0.0003, ax, az, 0}, {0.3, PRESS * depth, ax, az, 8}, {0.6, PRESS * depth, ax, az, 4}};
+    const corner c[] = {
+        {0.0, -0.0003, ax, az, 0}, {0.3, PRESS * depth, ax, az, 8}, {0.6, PRESS * depth, ax, az, 4}};
     path_make(3, c, true, p);
 }
 
@@ -114,7 +117,8 @@ static palp_network *make(size_t n, bool tool) {
     return net;
 }
 
-static palp_snapshots *record(palp_network *net, palp_realtime *realtime, const path *p, bool tool, double *seconds) {
+static palp_snapshots *record(palp_network *net, palp_realtime *realtime, const path *p, bool tool,
+                              double *seconds) {
     palp_snapshots *snapshots = NULL;
     palp_error error = {PALP_OK, ""};
     palp_tool_path along = {p->n, p->time, p->depth, tool ? 1 : 0, p->tool};
@@ -162,7 +166,8 @@ static void measure(size_t n, bool tool, path *p) {
     palp_reduce_settings settings = palp_reduce_settings_default();
     palp_reduced *reduced = NULL;
     palp_error error = {PALP_OK, ""};
-    size_t held, paths = tool ? ball_paths(p, &held) : plate_paths(p, &held), samples = 0, n_paths = paths - held;
+    size_t held, paths = tool ? ball_paths(p, &held) : plate_paths(p, &held), samples = 0,
+                 n_paths = paths - held;
     double full = 0.0;
     palp_network *net = make(n, tool);
     palp_realtime_settings quick = palp_realtime_settings_default();
@@ -174,15 +179,17 @@ static void measure(size_t n, bool tool, path *p) {
     }
     palp_realtime_free(realtime);
     double start = bench_seconds();
-    bench_check(palp_reduced_create(net, n_paths, snapshots, held, snapshots + n_paths, &settings, &reduced, NULL, &error),
+    bench_check(palp_reduced_create(net, n_paths, snapshots, held, snapshots + n_paths, &settings, &reduced,
+                                    NULL, &error),
                 error.text);
     double create = bench_seconds() - start;
     palp_reduced_summary s = palp_reduced_describe(reduced);
     size_t ticks = time_ticks(reduced, &p[n_paths], tool, ms, processor_ms);
     printf("%4zu %-6s %8zu %8zu %5zu %6zu %9.1f %8.1f %8.4f %8.4f %8.4f %8.4f %7.3f %7.3f %7.3f\n", n,
-           tool ? "ball" : "plate", s.unknowns, s.network_elements, s.modes, s.elements, 1e3 * full / (double)samples,
-           create, ms[ticks / 2], ms[ticks * 99 / 100], processor_ms[ticks * 99 / 100], processor_ms[ticks - 1],
-           100.0 * s.held_out_worst, 100.0 * s.held_out_rms, 100.0 * s.bound);
+           tool ? "ball" : "plate", s.unknowns, s.network_elements, s.modes, s.elements,
+           1e3 * full / (double)samples, create, ms[ticks / 2], ms[ticks * 99 / 100],
+           processor_ms[ticks * 99 / 100], processor_ms[ticks - 1], 100.0 * s.held_out_worst,
+           100.0 * s.held_out_rms, 100.0 * s.bound);
     fflush(stdout);
     for (size_t i = 0; i < paths; i++)
         palp_snapshots_free(snapshots[i]);
@@ -192,10 +199,13 @@ static void measure(size_t n, bool tool, path *p) {
 
 int main(int argc, char **argv) {
     static path paths[PATHS];
-    printf("Reduced models of a 24 mm cube: ms a tick at 1 kHz (and of it processor time), error of the force on paths\n"
+    printf("Reduced models of a 24 mm cube: ms a tick at 1 kHz (and of it processor time), error of the "
+           "force on paths\n"
            "held out, %% of their peak. Goal: 21 nodes a side, 1 ms, 1 %%\n"
-           "                                               full     make     tick      p99      processor       error\n"
-           "   n driven unknowns elements modes   kept      (ms)      (s)   median               p99    worst   worst     "
+           "                                               full     make     tick      p99      processor    "
+           "   error\n"
+           "   n driven unknowns elements modes   kept      (ms)      (s)   median               p99    "
+           "worst   worst     "
            "rms   bound\n");
     for (int i = 1; i < (argc > 1 ? argc : 3); i++) {
         size_t n = argc > 1 ? (size_t)atoi(argv[i]) : i == 1 ? 7 : 11;

@@ -1,5 +1,6 @@
-/* bench_ripple.c: what a smooth sphere feels of a mesh as it slides: largest less smallest force along the way of one edge, over
- * the mean, of the force less its mean over the way of an edge around each place. On triangles, and on smooth surfaces. */
+/* bench_ripple.c: what a smooth sphere feels of a mesh as it slides: largest less smallest force along the
+ * way of one edge, over the mean, of the force less its mean over the way of an edge around each place. On
+ * triangles, and on smooth surfaces. */
 #include "bench.h"
 
 #include <math.h>
@@ -17,8 +18,8 @@ static palp_network *block(size_t subdivisions) {
     palp_network *net = NULL;
     touch.subdivisions = subdivisions;
     bench_check(palp_law_polynomial(1, (double[]){0.54}, &material.law), "law");
-    bench_check(palp_mesh_lattice((size_t[]){NODES, NODES, NODES}, (double[]){BENCH_SIZE, BENCH_SIZE, BENCH_SIZE},
-                                  PALP_NEIGHBOURS_26, &mesh),
+    bench_check(palp_mesh_lattice((size_t[]){NODES, NODES, NODES},
+                                  (double[]){BENCH_SIZE, BENCH_SIZE, BENCH_SIZE}, PALP_NEIGHBOURS_26, &mesh),
                 "lattice");
     bench_check(palp_network_create(mesh, &material, 1, &bottom, &settings, &net, NULL), "network");
     bench_check(palp_network_enable_tools(net, 1, 0, &touch), "tools");
@@ -44,11 +45,13 @@ static void slide(size_t subdivisions, double radius, double press, const double
     double force[3][PLACES], mean = 0.0;
     palp_network *net = block(subdivisions);
     for (int i = 1 - APPROACH; i < PLACES; i++) {
-        double aside = edge * (i < 0 ? -1.0 : (double)i / EDGE - 1.0), deep = press * fmin(1.0, (double)(i + APPROACH) / APPROACH);
+        double aside = edge * (i < 0 ? -1.0 : (double)i / EDGE - 1.0),
+               deep = press * fmin(1.0, (double)(i + APPROACH) / APPROACH);
         palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = radius};
         palp_tool_force felt;
         memcpy(tool.position_m,
-               (double[]){middle + 3e-4 + way[0] * aside, BENCH_SIZE + radius - deep, middle + 7e-4 + way[1] * aside},
+               (double[]){middle + 3e-4 + way[0] * aside, BENCH_SIZE + radius - deep,
+                          middle + 7e-4 + way[1] * aside},
                sizeof tool.position_m);
         bench_check(palp_network_set_tools(net, 1, &tool), "tool");
         bench_check(palp_network_step(net, 0.0, 0.01, NULL), "step");
@@ -65,8 +68,9 @@ static void slide(size_t subdivisions, double radius, double press, const double
 int main(void) {
     static const double spheres[][2] = {{3e-3, 1e-3}, {5e-3, 1.5e-3}, {10e-3, 1.5e-3}}; /* radius, depth, m */
     static const double ways[][2] = {{1.0, 0.0}, {1.0, 1.0}};
-    printf("%d nodes a side of %g mm, along x and as far along x and z: mean N, ripple %% normal and lateral\n", NODES,
-           1e3 * BENCH_SIZE);
+    printf(
+        "%d nodes a side of %g mm, along x and as far along x and z: mean N, ripple %% normal and lateral\n",
+        NODES, 1e3 * BENCH_SIZE);
     printf("%9s %8s %12s %24s %24s\n", "radius mm", "depth mm", "subdivisions", "x", "x and z");
     for (size_t s = 0; s < sizeof spheres / sizeof *spheres; s++)
         for (size_t k = 0; k <= 3; k++) {

@@ -40,7 +40,8 @@ static double fixed_point(const palp_model *lumped, const press *p, bool every_s
     settings.max_evaluations = iterations;
     settings.every_step = every_step;
     double begin = bench_seconds();
-    bench_check(palp_thesis_fixed_point(net, &start, STEPS, p->depth, p->force, &settings, result), "fixed point");
+    bench_check(palp_thesis_fixed_point(net, &start, STEPS, p->depth, p->force, &settings, result),
+                "fixed point");
     double seconds = bench_seconds() - begin;
     palp_network_free(net);
     return seconds;
@@ -57,7 +58,8 @@ static double three_phase(const palp_model *lumped, const palp_law *law, palp_ca
         p.x[i] = 1e-3 * (double)i;
         p.depth[i] = palp_path_at(&path, p.x[i]);
     }
-    bench_check(palp_lumped_run(&lumped->material, lumped->height_m, HOLD_STEPS + 1, p.x, p.depth, p.force), "run");
+    bench_check(palp_lumped_run(&lumped->material, lumped->height_m, HOLD_STEPS + 1, p.x, p.depth, p.force),
+                "run");
     palp_target target = {.path = path, .n = HOLD_STEPS + 1, .time_s = p.x, .force_N = p.force};
     start.law = *law;
     start.formulation = PALP_SEDEF2008;
@@ -90,12 +92,14 @@ int main(void) {
         printf(" %.6g", a);
     }
     printf("\n  continuation and interpolation: the same to %.1e\n", most);
-    printf("  every step %.2f s (at most 20), continuation %.3f s (at most 0.2), ratio %.0f\n", slow, fast, slow / fast);
+    printf("  every step %.2f s (at most 20), continuation %.3f s (at most 0.2), ratio %.0f\n", slow, fast,
+           slow / fast);
     palp_calibration_free(&curve);
     double whole = fixed_point(&lumped, &p, false, 60, &curve);
     double phase = three_phase(&lumped, &curve.material.law, &phases);
     printf("three phases, 27 nodes, 6 mm in 1 s, 1 ms steps, %zu iterations\n", phases.n_iterations);
-    printf("  static stage %.3f s, phases %.2f s, together %.2f s (at most 2)\n", whole, phase, whole + phase);
+    printf("  static stage %.3f s, phases %.2f s, together %.2f s (at most 2)\n", whole, phase,
+           whole + phase);
     palp_calibration_free(&steps);
     palp_calibration_free(&curve);
     palp_calibration_free(&phases);

@@ -1,10 +1,10 @@
-/* cut.c: pulls a network model, slices it in two while it runs, and prints the force and the surface left to draw.
- *   cut NETWORK.json */
+/* cut.c: pulls a network model, slices it in two while it runs, and prints the force and the surface left to
+ * draw. cut NETWORK.json */
 #include <palpate/palpate.h>
 
 #include <stdio.h>
 
-static const double DT = 1e-3;             /* s */
+static const double DT = 1e-3;            /* s */
 static const int PULL = 200, SLICE = 800; /* ticks */
 
 /* The blade's edge lies along z at a height y and goes from one x to another: two triangles. */
@@ -20,7 +20,8 @@ static size_t slice(palp_network *network, double y, const double z[2], double f
 /* Pulled by a twelfth of its height, then cut through at 0.46 of it. */
 static palp_status run(palp_realtime *realtime) {
     palp_network *network = palp_realtime_network(realtime);
-    const palp_budget budget = {0, 10, 0}; /* ten corrections a tick; or seconds, 1e-3, for a tick that is on time */
+    const palp_budget budget = {0, 10,
+                                0}; /* ten corrections a tick; or seconds, 1e-3, for a tick that is on time */
     double low[3], high[3];
     size_t cut = 0, triangles;
     const int32_t *surface;
@@ -32,7 +33,8 @@ static palp_status run(palp_realtime *realtime) {
     for (int i = 1; i <= PULL + SLICE; i++) {
         if (i > PULL) /* all the way from the start: what has moved back over it since is cut too */
             cut += slice(network, low[1] + 0.46 * height, z, start, start + width * (i - PULL) / SLICE);
-        palp_status status = palp_realtime_step(realtime, i < PULL ? depth * i / PULL : depth, DT, &budget, &info);
+        palp_status status =
+            palp_realtime_step(realtime, i < PULL ? depth * i / PULL : depth, DT, &budget, &info);
         if (status)
             return status;
         palp_network_surface(network, &triangles, &surface); /* to be drawn at palp_network_positions */

@@ -1,6 +1,5 @@
-/* haptic_loop.c: a 1 kHz thread steps a network and renders its force; a 60 Hz loop reads positions to draw. They share
- * no lock: frames are handed over in a triple buffer.
- *   haptic_loop NETWORK.json [SECONDS] */
+/* haptic_loop.c: a 1 kHz thread steps a network and renders its force; a 60 Hz loop reads positions to draw.
+ * They share no lock: frames are handed over in a triple buffer. haptic_loop NETWORK.json [SECONDS] */
 /* link: -pthread */
 #define _POSIX_C_SOURCE 200809L
 #include <palpate/palpate.h>
@@ -20,8 +19,9 @@ typedef struct frame {
     double *positions_m; /* [3 n_nodes] */
 } frame;
 
-/* Three frames: the writer fills one, the reader draws one, the third waits in the middle. Each side exchanges its own
- * for the middle one, which is the only thing they both touch; FRESH marks one that was not read yet. */
+/* Three frames: the writer fills one, the reader draws one, the third waits in the middle. Each side
+ * exchanges its own for the middle one, which is the only thing they both touch; FRESH marks one that was not
+ * read yet. */
 typedef struct triple_buffer {
     frame frames[3];
     int back, front; /* writer's, reader's */
@@ -84,7 +84,8 @@ static int is_past(const struct timespec *deadline, long by_ns) {
 static void *haptic_thread(void *user) {
     haptics *h = (haptics *)user;
     const size_t bytes = 3 * palp_mesh_node_count(palp_network_mesh(h->network)) * sizeof(double);
-    const palp_budget budget = {0.7e-3, 0, 1e-3}; /* s of the millisecond, or until the force is known to 0.1 % */
+    const palp_budget budget = {0.7e-3, 0,
+                                1e-3}; /* s of the millisecond, or until the force is known to 0.1 % */
     struct timespec next;
     clock_gettime(CLOCK_MONOTONIC, &next);
     while (__atomic_load_n(&h->running, __ATOMIC_RELAXED) && !h->status) {
@@ -112,7 +113,8 @@ static void *haptic_thread(void *user) {
 /* Here a window would be drawn; this one prints ten lines a second. */
 static void draw(const frame *f, long count) {
     if (count % 6 == 0)
-        printf("%6.3f s  force %7.4f %7.4f %7.4f N\n", f->time_s, f->force_N[0], f->force_N[1], f->force_N[2]);
+        printf("%6.3f s  force %7.4f %7.4f %7.4f N\n", f->time_s, f->force_N[0], f->force_N[1],
+               f->force_N[2]);
 }
 
 static void draw_loop(haptics *h, double seconds) {

@@ -1,5 +1,6 @@
-/* main_check.c: the main function of the Check programs, tests/lib. A program is one file, whose tests() adds what
- * it holds. They run in one process, so that a leak is seen at its end and no clock stops a slow machine. */
+/* main_check.c: the main function of the Check programs, tests/lib. A program is one file, whose tests() adds
+ * what it holds. They run in one process, so that a leak is seen at its end and no clock stops a slow
+ * machine. */
 #include <check.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* main_cmocka.c: the main function of the cmocka programs, tests/tools and tests/firmware, for those that have none of
- * their own. A program is one file with its tests[], which ends with an empty one. */
+/* main_cmocka.c: the main function of the cmocka programs, tests/tools and tests/firmware, for those that
+ * have none of their own. A program is one file with its tests[], which ends with an empty one. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

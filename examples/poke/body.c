@@ -6,14 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double SPEED = 0.15;       /* of the sphere and the hand, m/s */
+static const double SPEED = 0.15; /* of the sphere and the hand, m/s */
 static const double TEAR_STRAIN = 0.8;
-static const double LOST = 0.02;        /* residual over the elements' forces */
-static const double OVERLAP = 0.05;     /* of a sweep with the one before */
-enum { TICKS = 8, CORRECTIONS = 12 };   /* a frame; a tick without a clock */
+static const double LOST = 0.02;      /* residual over the elements' forces */
+static const double OVERLAP = 0.05;   /* of a sweep with the one before */
+enum { TICKS = 8, CORRECTIONS = 12 }; /* a frame; a tick without a clock */
 
 static double distance(const double *a, const double *b) {
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                (a[2] - b[2]) * (a[2] - b[2]));
 }
 
 static palp_status open_network(body *b, const palp_model *model, palp_error *error) {
@@ -53,7 +54,8 @@ bool body_open(body *b, const char *path) {
     }
     b->mesh = palp_network_mesh(b->net);
     palp_mesh_bounds(b->mesh, b->low, b->high);
-    b->sphere = (palp_tool){.shape = PALP_TOOL_SPHERE, .radius_m = 0.14 * (b->high[1] - b->low[1]), .friction = 0.3};
+    b->sphere =
+        (palp_tool){.shape = PALP_TOOL_SPHERE, .radius_m = 0.14 * (b->high[1] - b->low[1]), .friction = 0.3};
     return true;
 }
 
@@ -105,8 +107,8 @@ static void feel(body *b) {
     }
 }
 
-/* A tick that comes out badly, as where the phantom snaps through, is taken back and solved to the end; where even that
- * finds nothing, the phantom stays as it was. */
+/* A tick that comes out badly, as where the phantom snaps through, is taken back and solved to the end; where
+ * even that finds nothing, the phantom stays as it was. */
 static void tick(body *b, double dt, const palp_budget *budget) {
     palp_network_save(b->net, b->saved, b->saved_size);
     palp_status status = palp_realtime_step(b->realtime, 0.0, dt, budget, &b->tick);
@@ -119,8 +121,8 @@ static void tick(body *b, double dt, const palp_budget *budget) {
 
 void body_step(body *b, double seconds, bool within) {
     const double dt = seconds / TICKS, zero[3] = {0.0};
-    const palp_budget budget = {.seconds = within ? 0.7 * dt : 0.0, .corrections = within ? 0 : CORRECTIONS,
-                                .force_error = 1e-3};
+    const palp_budget budget = {
+        .seconds = within ? 0.7 * dt : 0.0, .corrections = within ? 0 : CORRECTIONS, .force_error = 1e-3};
     b->tick_seconds = 0.0;
     palp_network_set_tearing(b->net, b->tearing ? TEAR_STRAIN : 0.0, 0.0);
     for (int i = 0; i < TICKS; i++) {
@@ -202,7 +204,8 @@ static double dot(const double a[3], const double b[3]) {
 }
 
 /* Moeller and Trumbore 1997; the distance along the ray, or INFINITY. */
-static double meet(const double from[3], const double along[3], const double *a, const double *b, const double *c) {
+static double meet(const double from[3], const double along[3], const double *a, const double *b,
+                   const double *c) {
     double u[3], v[3], w[3], p[3], q[3];
     for (int k = 0; k < 3; k++) {
         u[k] = b[k] - a[k];

@@ -21,7 +21,8 @@ static void rectangle(double x, double y, double width, double height) {
 }
 
 enum { LEFT, RIGHT };
-static const double SMALL = 1.6, LARGE = 3.2; /* sizes of text: 7 of these pixels are the height of a capital */
+static const double SMALL = 1.6,
+                    LARGE = 3.2; /* sizes of text: 7 of these pixels are the height of a capital */
 
 /* Text of a size whose upper left, or right, corner is at x, y. */
 static void text(double x, double y, double size, int side, const char *format, ...) {
@@ -60,7 +61,10 @@ static void dim(void) {
 /* The smallest of 1, 2, 5 times a power of ten that is not below the value. */
 static double round_up(double value) {
     double unit = pow(10.0, floor(log10(value)));
-    return value <= unit ? unit : value <= 2.0 * unit ? 2.0 * unit : value <= 5.0 * unit ? 5.0 * unit : 10.0 * unit;
+    return value <= unit         ? unit
+           : value <= 2.0 * unit ? 2.0 * unit
+           : value <= 5.0 * unit ? 5.0 * unit
+                                 : 10.0 * unit;
 }
 
 static double curve_top(const body *b) {
@@ -110,7 +114,8 @@ static void draw_curve(const body *b, double x, double y, double top) {
 }
 
 static void draw_force(const body *b, const view *v) {
-    double x = v->width - MARGIN - CURVE_WIDTH - 16, y = v->height - MARGIN - CURVE_HEIGHT - 46, top = curve_top(b);
+    double x = v->width - MARGIN - CURVE_WIDTH - 16, y = v->height - MARGIN - CURVE_HEIGHT - 46,
+           top = curve_top(b);
     double now = b->curve_end > 0 ? b->curve_N[(b->curve_end - 1) % POKE_CURVE] : 0.0;
     card(x - 58, y - 44, CURVE_WIDTH + 74, CURVE_HEIGHT + 90);
     draw_axes(x, y, top);
@@ -136,15 +141,16 @@ static void draw_state(const body *b, poke_mode mode, const char *name) {
     text(at, y + 3.6 * LINE, SMALL, LEFT, "%zu nodes, %zu elements", palp_mesh_node_count(b->mesh), n);
     text(at, y + 4.6 * LINE, SMALL, LEFT, "%zu, cut %zu, torn %zu", n - lost, b->n_cut, b->n_torn);
     text(at, y + 5.6 * LINE, SMALL, LEFT, "%zu nodes", palp_network_loose(b->net, NULL));
-    text(at, y + 6.6 * LINE, SMALL, LEFT, "(%.3f, %.3f, %.3f) N", b->force_N[0], b->force_N[1], b->force_N[2]);
+    text(at, y + 6.6 * LINE, SMALL, LEFT, "(%.3f, %.3f, %.3f) N", b->force_N[0], b->force_N[1],
+         b->force_N[2]);
     text(at, y + 7.6 * LINE, SMALL, LEFT, "%.2f ms, residual %.0e", 1e3 * b->tick_seconds, b->tick.residual);
 }
 
 static void draw_keys(const body *b, const view *v) {
-    const char *const lines[] = {"P press   G grasp   C cut   with the left button",
-                                 "wheel while pressing: deeper; else nearer",
-                                 "right button: turn    R: whole again",
-                                 b->tearing ? "T: tearing is on      Esc: quit" : "T: tearing is off     Esc: quit"};
+    const char *const lines[] = {
+        "P press   G grasp   C cut   with the left button", "wheel while pressing: deeper; else nearer",
+        "right button: turn    R: whole again",
+        b->tearing ? "T: tearing is on      Esc: quit" : "T: tearing is off     Esc: quit"};
     const double y = v->height - MARGIN - 4 * LINE - 12;
     card(MARGIN, y, 466, 4 * LINE + 12);
     dim();

@@ -25,10 +25,10 @@ typedef struct app {
     view view;
     scene *scene;
     poke_mode mode;
-    double x, y;        /* cursor, pixels of the frame buffer */
+    double x, y; /* cursor, pixels of the frame buffer */
     bool pressing;
-    double start[3];    /* where the left button went down on the surface */
-    double deep;        /* of the sphere or the blade's tip along the ray, m */
+    double start[3]; /* where the left button went down on the surface */
+    double deep;     /* of the sphere or the blade's tip along the ray, m */
 } app;
 
 /* ---- the mouse ----------------------------------------------------------------------------------- */
@@ -134,7 +134,10 @@ static void on_key(GLFWwindow *window, int key, int code, int action, int mods) 
         left_up(a);
     if (key == GLFW_KEY_R)
         body_reset(&a->body);
-    a->mode = key == GLFW_KEY_P ? POKE_PRESS : key == GLFW_KEY_G ? POKE_GRASP : key == GLFW_KEY_C ? POKE_CUT : a->mode;
+    a->mode = key == GLFW_KEY_P   ? POKE_PRESS
+              : key == GLFW_KEY_G ? POKE_GRASP
+              : key == GLFW_KEY_C ? POKE_CUT
+                                  : a->mode;
 }
 
 /* ---- the window ---------------------------------------------------------------------------------- */
@@ -204,8 +207,9 @@ static bool run(GLFWwindow *window, app *a, script *s, const options *o) {
 }
 
 static void report(const body *b) {
-    printf("%.3f s, force %.6f %.6f %.6f N, %zu cut, %zu torn, %zu loose, %zu ticks failed\n", b->time, b->force_N[0],
-           b->force_N[1], b->force_N[2], b->n_cut, b->n_torn, palp_network_loose(b->net, NULL), b->failed);
+    printf("%.3f s, force %.6f %.6f %.6f N, %zu cut, %zu torn, %zu loose, %zu ticks failed\n", b->time,
+           b->force_N[0], b->force_N[1], b->force_N[2], b->n_cut, b->n_torn, palp_network_loose(b->net, NULL),
+           b->failed);
 }
 
 /* ---- the command line ---------------------------------------------------------------------------- */
@@ -251,7 +255,8 @@ static bool read_options(int n, char **arguments, options *o) {
         if (arguments[i][0] != '-') {
             o->model = arguments[i];
         } else if (i + 1 == n || !read_option(arguments[i], arguments[i + 1], o)) {
-            fprintf(stderr, "poke: %s: no such option, or its value is missing or wrong; see poke --help\n", arguments[i]);
+            fprintf(stderr, "poke: %s: no such option, or its value is missing or wrong; see poke --help\n",
+                    arguments[i]);
             return false;
         } else {
             i++;

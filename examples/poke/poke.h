@@ -13,28 +13,28 @@ typedef enum poke_mode { POKE_PRESS, POKE_GRASP, POKE_CUT } poke_mode;
 typedef struct body {
     palp_network *net;
     palp_realtime *realtime; /* net's */
-    void *saved;            /* [saved_size] bytes: net before a tick */
+    void *saved;             /* [saved_size] bytes: net before a tick */
     size_t saved_size;
     const palp_mesh *mesh;  /* net's */
     double low[3], high[3]; /* its box at rest */
     palp_tool sphere;
     bool sphere_on;
-    double sphere_goal[3];  /* where it is going, at most at SPEED */
+    double sphere_goal[3]; /* where it is going, at most at SPEED */
     int32_t grasped[POKE_GRASPED];
-    double grasped_from[3 * POKE_GRASPED];  /* where the nodes were grasped */
-    double hand[3], hand_goal[3];     /* how far the hand has moved, is to move */
+    double grasped_from[3 * POKE_GRASPED]; /* where the nodes were grasped */
+    double hand[3], hand_goal[3];          /* how far the hand has moved, is to move */
     size_t n_grasped;
-    double blade[6];        /* ends of the blade's edge */
+    double blade[6]; /* ends of the blade's edge */
     bool blade_on;
     bool tearing;
     size_t n_cut, n_torn;
-    double force_N[3];      /* of the tissue on the sphere or the hand */
+    double force_N[3];          /* of the tissue on the sphere or the hand */
     double curve_N[POKE_CURVE]; /* its size at the last frames, the newest at curve_end - 1 */
     size_t curve_end;
-    palp_tick_info tick;    /* of the last tick */
-    double tick_seconds;    /* the longest of the last frame */
+    palp_tick_info tick; /* of the last tick */
+    double tick_seconds; /* the longest of the last frame */
     double time;
-    size_t failed;          /* ticks that found no state */
+    size_t failed; /* ticks that found no state */
 } body;
 
 /* Reads a network model; bottom fixed, the rest free. false: a line was printed. */
@@ -45,7 +45,8 @@ void body_reset(body *b);
 /* One frame of seconds in ticks; within: end each by the clock (a window), not by counted work (a script). */
 void body_step(body *b, double seconds, bool within);
 
-void body_grasp(body *b, const double at[3], double radius); /* surface nodes within the radius, the nearest at least */
+void body_grasp(body *b, const double at[3],
+                double radius); /* surface nodes within the radius, the nearest at least */
 void body_release(body *b);
 
 /* Sweeps the blade's edge to new ends and cuts what it crosses. */
@@ -89,7 +90,8 @@ void script_frame(script *s, body *b, view *v, poke_mode *mode);
 
 /* ---- image.c ---- */
 
-/* Writes rows from the bottom, 3 bytes a pixel, as PNG or BMP by the name's end; false: a line was printed. */
+/* Writes rows from the bottom, 3 bytes a pixel, as PNG or BMP by the name's end; false: a line was printed.
+ */
 bool image_write(const char *path, int width, int height, const unsigned char *rgb);
 
 #endif

@@ -1,14 +1,10 @@
 /* script.c: what the hand does, from a file: one command a line, lengths in mm, # starts a comment.
- *   press X Y Z FRAMES           the sphere's centre goes there within so many frames (at once if it was away)
- *   lift                         takes the sphere away
- *   grasp X Y Z RADIUS           holds the surface within the radius
- *   drag DX DY DZ FRAMES         moves the hand by that much
- *   release
- *   blade X Y Z X Y Z            places the blade's edge
- *   slice DX DY DZ FRAMES        moves it by that much, cutting
- *   sheathe                      takes the blade away
- *   turn YAW PITCH FRAMES        turns the camera by degrees
- *   tear 0|1                     whether overstretched elements tear
+ *   press X Y Z FRAMES the sphere's centre goes there within so many frames (at once if it was
+ * away) lift takes the sphere away grasp X Y Z RADIUS holds the surface
+ * within the radius drag DX DY DZ FRAMES moves the hand by that much release blade X Y Z X Y Z places
+ * the blade's edge slice DX DY DZ FRAMES moves it by that much, cutting sheathe takes the blade away
+ *   turn YAW PITCH FRAMES turns the camera by degrees
+ *   tear 0|1 whether overstretched elements tear
  *   wait FRAMES */
 #include "poke.h"
 
@@ -19,14 +15,28 @@
 
 enum { VALUES = 6 };
 
-typedef enum action { PRESS, LIFT, GRASP, DRAG, RELEASE, BLADE, SLICE, SHEATHE, TURN, TEAR, WAIT, ACTIONS } action;
+typedef enum action {
+    PRESS,
+    LIFT,
+    GRASP,
+    DRAG,
+    RELEASE,
+    BLADE,
+    SLICE,
+    SHEATHE,
+    TURN,
+    TEAR,
+    WAIT,
+    ACTIONS
+} action;
 
 /* Name, number of values, which of them counts frames (-1: none). */
 static const struct {
     const char *name;
     int values, frames;
-} table[ACTIONS] = {{"press", 4, 3}, {"lift", 0, -1},  {"grasp", 4, -1},  {"drag", 4, 3}, {"release", 0, -1}, {"blade", 6, -1},
-                    {"slice", 4, 3}, {"sheathe", 0, -1}, {"turn", 3, 2}, {"tear", 1, -1}, {"wait", 1, 0}};
+} table[ACTIONS] = {{"press", 4, 3},    {"lift", 0, -1},  {"grasp", 4, -1}, {"drag", 4, 3},
+                    {"release", 0, -1}, {"blade", 6, -1}, {"slice", 4, 3},  {"sheathe", 0, -1},
+                    {"turn", 3, 2},     {"tear", 1, -1},  {"wait", 1, 0}};
 
 typedef struct command {
     action what;
@@ -52,7 +62,8 @@ static bool read_line(const char *path, size_t number, char *line, command *c) {
         bool frames = i == table[c->what].frames;
         word = strtok(NULL, " \t\r\n");
         c->value[i] = word ? strtod(word, &end) : 0.0;
-        if (!word || *end || !isfinite(c->value[i]) || (frames && !(c->value[i] >= 1.0 && c->value[i] <= 1e6))) {
+        if (!word || *end || !isfinite(c->value[i]) ||
+            (frames && !(c->value[i] >= 1.0 && c->value[i] <= 1e6))) {
             fprintf(stderr, "poke: %s:%zu: '%s' wants %d numbers%s\n", path, number, table[c->what].name,
                     table[c->what].values, frames ? ", the last one frames, from 1" : "");
             return false;

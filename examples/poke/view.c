@@ -9,18 +9,18 @@
 #define PI 3.14159265358979323846
 
 static const double HALF_ANGLE = 15.0 * PI / 180.0; /* of the picture's height */
-static const double CREASE = 0.6;                   /* cosine: faces at a larger angle keep an edge between them */
-static const double FULL_STRAIN = 0.4;              /* of the last colour */
+static const double CREASE = 0.6;      /* cosine: faces at a larger angle keep an edge between them */
+static const double FULL_STRAIN = 0.4; /* of the last colour */
 static const double GRID = 0.01;
 
 struct scene {
     size_t n_nodes, n_original, room;
-    int32_t *original;    /* [3 n_original] triangles of the uncut surface, each and all sorted */
-    size_t *first;        /* [n_nodes + 2] of each node, in around */
-    int32_t *around;      /* [3 room] triangles at each node */
-    double *face;         /* [3 room] their normals, as long as twice the area */
-    double *strain;       /* [n_nodes] mean over the elements */
-    int *count;           /* [n_nodes] */
+    int32_t *original;          /* [3 n_original] triangles of the uncut surface, each and all sorted */
+    size_t *first;              /* [n_nodes + 2] of each node, in around */
+    int32_t *around;            /* [3 room] triangles at each node */
+    double *face;               /* [3 room] their normals, as long as twice the area */
+    double *strain;             /* [n_nodes] mean over the elements */
+    int *count;                 /* [n_nodes] */
     float *x, *normal, *colour; /* [9 room] by corners */
 };
 
@@ -126,8 +126,8 @@ scene *scene_create(const body *b) {
     s->x = malloc((9 * s->room + 1) * sizeof *s->x);
     s->normal = malloc((9 * s->room + 1) * sizeof *s->normal);
     s->colour = malloc((9 * s->room + 1) * sizeof *s->colour);
-    if (!s->original || !s->first || !s->around || !s->face || !s->strain || !s->count || !s->x || !s->normal ||
-        !s->colour) {
+    if (!s->original || !s->first || !s->around || !s->face || !s->strain || !s->count || !s->x ||
+        !s->normal || !s->colour) {
         scene_free(s);
         return NULL;
     }
@@ -153,7 +153,8 @@ void scene_free(scene *s) {
 }
 
 double scene_colour(double strain, double rgb[3]) {
-    static const double stops[4][3] = {{0.93, 0.72, 0.62}, {0.96, 0.60, 0.32}, {0.85, 0.22, 0.17}, {0.42, 0.05, 0.25}};
+    static const double stops[4][3] = {
+        {0.93, 0.72, 0.62}, {0.96, 0.60, 0.32}, {0.85, 0.22, 0.17}, {0.42, 0.05, 0.25}};
     double at = fmin(fmax(strain / FULL_STRAIN, 0.0), 1.0) * 3.0, share = at - floor(fmin(at, 2.0));
     int i = (int)fmin(at, 2.0);
     for (int k = 0; k < 3; k++)
@@ -284,7 +285,8 @@ static void draw_sphere(const double at[3], double radius) {
 }
 
 /* A rod of a length from a point, thick at its start and its end. */
-static void draw_rod(const double from[3], const double along[3], double length, double thick, double thick_end) {
+static void draw_rod(const double from[3], const double along[3], double length, double thick,
+                     double thick_end) {
     enum { PARTS = 24 };
     double a[3] = {along[0], along[1], along[2]}, u[3], v[3], other[3] = {1.0, 0.0, 0.0};
     unit(a);
@@ -372,7 +374,8 @@ static void draw_background(void) {
 /* The plate with lines every 10 mm, fading outwards, and a shade under the phantom. */
 static void draw_plate(const body *b) {
     enum { LINES = 6, PARTS = 48 };
-    double x = 0.5 * (b->low[0] + b->high[0]), z = 0.5 * (b->low[2] + b->high[2]), y = b->low[1], reach = LINES * GRID;
+    double x = 0.5 * (b->low[0] + b->high[0]), z = 0.5 * (b->low[2] + b->high[2]), y = b->low[1],
+           reach = LINES * GRID;
     double shade = 0.85 * fmax(b->high[0] - b->low[0], b->high[2] - b->low[2]);
     glDisable(GL_LIGHTING);
     glBegin(GL_TRIANGLE_FAN);
@@ -380,7 +383,8 @@ static void draw_plate(const body *b) {
     glVertex3d(x, y - 1e-4, z);
     glColor4d(0.35, 0.39, 0.45, 0.0);
     for (int j = 0; j <= PARTS; j++)
-        glVertex3d(x + 1.6 * reach * cos(2.0 * PI * j / PARTS), y - 1e-4, z + 1.6 * reach * sin(2.0 * PI * j / PARTS));
+        glVertex3d(x + 1.6 * reach * cos(2.0 * PI * j / PARTS), y - 1e-4,
+                   z + 1.6 * reach * sin(2.0 * PI * j / PARTS));
     glEnd();
     glBegin(GL_TRIANGLE_FAN);
     glColor4d(0.05, 0.06, 0.08, 0.75);
@@ -409,7 +413,8 @@ static void draw_plate(const body *b) {
 
 static void set_lights(void) {
     const float key[4] = {0.45f, 0.9f, 0.6f, 0.0f}, fill[4] = {-0.7f, 0.25f, 0.35f, 0.0f};
-    const float bright[4] = {0.66f, 0.64f, 0.61f, 1.0f}, dim[4] = {0.34f, 0.36f, 0.42f, 1.0f}, none[4] = {0, 0, 0, 1};
+    const float bright[4] = {0.66f, 0.64f, 0.61f, 1.0f}, dim[4] = {0.34f, 0.36f, 0.42f, 1.0f},
+                none[4] = {0, 0, 0, 1};
     const float white[4] = {1.0f, 1.0f, 1.0f, 1.0f}, ambient[4] = {0.34f, 0.34f, 0.36f, 1.0f};
     glPushMatrix();
     glLoadIdentity(); /* they go with the camera */

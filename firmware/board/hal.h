@@ -8,7 +8,7 @@
 
 /* Clocks, pins, drivers; the motor stays off. APP_*_FAILED, a bit each: the firmware goes on to say so. */
 uint8_t hal_init(void);
-uint8_t hal_reset_cause(void); /* APP_RESET_* */
+uint8_t hal_reset_cause(void);    /* APP_RESET_* */
 const char *hal_board_name(void); /* at most PALP_WIRE_NAME bytes */
 uint32_t hal_serial_number(void);
 bool hal_is_simulated(void);
@@ -21,7 +21,8 @@ void hal_sense(app_inputs *inputs);
 /* The output holds until the next tick: if it is not renewed by then, the tick interrupt brakes the motor. */
 void hal_drive(const app_outputs *outputs);
 
-/* The parameters' flash (store.h). hal_init has erased what store_to_erase says, before anything could move. */
+/* The parameters' flash (store.h). hal_init has erased what store_to_erase says, before anything could move.
+ */
 const uint32_t *hal_stored(void);
 void hal_store(uint32_t at, uint32_t word); /* programs one word, within 0.1 ms */
 

@@ -1,23 +1,29 @@
 /* plant_link.h: the lockstep records between the firmware on a simulated board (board/rig under QEMU,
  * board/host as a process) and the simulated plant (palpate rig). One record each way a control tick, over
- * two FIFOs opened in the same order on both sides: plant-to-firmware first. The bytes to and from the host's program
- * are in them too: the plant has the port. Little-endian, no padding. */
+ * two FIFOs opened in the same order on both sides: plant-to-firmware first. The bytes to and from the host's
+ * program are in them too: the plant has the port. Little-endian, no padding. */
 #ifndef PLANT_LINK_H
 #define PLANT_LINK_H
 
 #include <stdint.h>
 
-enum { PLANT_LINK_VERSION = 4, PLANT_LINK_IN = 64, PLANT_LINK_OUT = 116, PLANT_LINK_RX = 36, PLANT_LINK_TX = 92 };
+enum {
+    PLANT_LINK_VERSION = 4,
+    PLANT_LINK_IN = 64,
+    PLANT_LINK_OUT = 116,
+    PLANT_LINK_RX = 36,
+    PLANT_LINK_TX = 92
+};
 
 /* What the plant asks the simulated board to do to itself at this tick. */
 enum {
-    PLANT_EVENT_DEAF = 1,     /* drop what the host sends */
-    PLANT_EVENT_STALL_TX = 2, /* send nothing to the host */
-    PLANT_EVENT_HANG = 4,     /* restart as if by the watchdog */
-    PLANT_EVENT_SMASH = 8,    /* overwrite the stack's guard */
-    PLANT_EVENT_LATE = 16,    /* miss the next tick */
+    PLANT_EVENT_DEAF = 1,       /* drop what the host sends */
+    PLANT_EVENT_STALL_TX = 2,   /* send nothing to the host */
+    PLANT_EVENT_HANG = 4,       /* restart as if by the watchdog */
+    PLANT_EVENT_SMASH = 8,      /* overwrite the stack's guard */
+    PLANT_EVENT_LATE = 16,      /* miss the next tick */
     PLANT_EVENT_BROWN_OUT = 32, /* restart as if its supply had fallen */
-    PLANT_EVENT_QUIT = 128    /* the plant is closing: exit */
+    PLANT_EVENT_QUIT = 128      /* the plant is closing: exit */
 };
 
 enum {
@@ -25,7 +31,7 @@ enum {
     PLANT_SWITCH_EMERGENCY = 2,
     PLANT_ENCODER_LOST = 4, /* alarms of encoder and driver */
     PLANT_DRIVER_FAULT = 8,
-    PLANT_TRIGGER = 16, /* a pulse has come in */
+    PLANT_TRIGGER = 16,    /* a pulse has come in */
     PLANT_FORCE_HELD = 32, /* the sensor has nothing new */
     PLANT_SENSOR_SILENT = 128
 };
@@ -52,12 +58,12 @@ typedef struct plant_in {
 
 /* Firmware to plant, 116 bytes. boot = 1 in the first record after a start or restart: it asks for the
  * first plant_in. cost: processor instructions spent on the last tick; stack_free: bytes of the stack never
- * used so far (0 = not known). After PLANT_EVENT_QUIT come records with what still waits for the host, up to one
- * without bytes. */
+ * used so far (0 = not known). After PLANT_EVENT_QUIT come records with what still waits for the host, up to
+ * one without bytes. */
 typedef struct plant_out {
     uint32_t tick; /* that of the plant_in before; 0 with boot */
     int16_t duty;  /* 32767 = full */
-    uint8_t motor;   /* PLANT_MOTOR_* */
+    uint8_t motor; /* PLANT_MOTOR_* */
     uint8_t boot;
     uint32_t cost;
     uint16_t version; /* PLANT_LINK_VERSION */

@@ -52,7 +52,8 @@ static void exchange(void) {
     simulated_read(in);
     plant_link_get_in(in, &simulated.in);
     for (int i = 0; i < simulated.in.rx_count && i < PLANT_LINK_RX; i++)
-        (void)ring_put(&simulated.received, simulated.in.rx[i]); /* what does not fit fails its frame's check */
+        (void)ring_put(&simulated.received,
+                       simulated.in.rx[i]); /* what does not fit fails its frame's check */
     do_events(simulated.in.events);
 }
 

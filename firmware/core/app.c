@@ -48,8 +48,8 @@ static void sense_position(app *a, const app_inputs *in) {
     a->position_m = (float)(in->position - a->home) * a->machine.count_m;
 }
 
-/* A sensor that is not connected answers with the same level on its line all the time. A quiet one in the air may
- * do so for some ticks. */
+/* A sensor that is not connected answers with the same level on its line all the time. A quiet one in the air
+ * may do so for some ticks. */
 static bool all_channels(const int16_t adc[PALP_WIRE_CHANNELS], int16_t value) {
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
         if (adc[i] != value)
@@ -105,7 +105,8 @@ void app_tick(app *a, const app_inputs *in, app_outputs *out) {
     a->duty = app_drives(a) ? drive(a) : 0.0f;
     out->motor_on = app_drives(a);
     out->duty = (int16_t)real_round(a->duty * DUTY_FULL);
-    out->place = app_drives(a) ? a->home + real_round(a->reference.position_m / a->machine.count_m) : in->position;
+    out->place =
+        app_drives(a) ? a->home + real_round(a->reference.position_m / a->machine.count_m) : in->position;
     a->pulsed = out->trigger = motion_pulse(a);
     out->stores = a->store.writing && parameters_write(a, out);
     report_tick(a, out->duty);

@@ -18,7 +18,7 @@ typedef struct app_inputs {
     int16_t adc[PALP_WIRE_CHANNELS];
     uint16_t thermistor; /* 12-bit counts */
     bool sensor_silent, home_switch, emergency_stop;
-    bool force_held; /* adc is still what a tick before sensed: the sensor has nothing new */
+    bool force_held;                 /* adc is still what a tick before sensed: the sensor has nothing new */
     bool encoder_lost, driver_fault; /* their alarms */
     bool trigger;                    /* a pulse has come in since the last tick */
     bool stack_intact;
@@ -58,10 +58,10 @@ typedef struct app_limits {
 
 /* What a calibration says besides the machine's own figures; 0 where it was not measured. */
 typedef struct calibrated {
-    float day;             /* of the last calibration, days since 1970-01-01 */
-    float compliance_m_N;  /* of the frame */
-    float noise_N;         /* sd of the force at rest */
-    float sensitivity_sd;  /* relative, of the sensor's gain */
+    float day;              /* of the last calibration, days since 1970-01-01 */
+    float compliance_m_N;   /* of the frame */
+    float noise_N;          /* sd of the force at rest */
+    float sensitivity_sd;   /* relative, of the sensor's gain */
     float lift_N, ripple_N; /* of the drive: what its balance lifts, sd of its force at an even speed */
 } calibrated;
 
@@ -69,10 +69,10 @@ typedef struct app {
     /* what it can be told to be, by SET_PARAMETER (app_parameters.c) */
     machine machine;
     const struct machine *standard; /* as it was compiled in */
-    gains gains[GAINS_CLASSES]; /* softest first */
+    gains gains[GAINS_CLASSES];     /* softest first */
     calibrated calibrated;
     store store;
-    uint32_t id; /* of these and the sensor's matrix: their CRC-32 */
+    uint32_t id;        /* of these and the sensor's matrix: their CRC-32 */
     uint32_t stored_id; /* of those in flash; 0 = none */
     app_identity identity;
     uint8_t unfit; /* APP_*_FAILED, what forbids to move; BOOT and FAULT are not left before it is none */
@@ -106,14 +106,14 @@ typedef struct app {
     uint32_t air_ticks, after_ticks;
     uint32_t segments_set; /* one bit each */
     palp_wire_trigger trigger;
-    uint32_t pulse_ticks; /* since the last pulse of a recording was due */
+    uint32_t pulse_ticks;  /* since the last pulse of a recording was due */
     bool recorded, pulsed; /* the last sample was of a recording; a pulse goes out with this one */
     reference reference;
     float duty;
     /* watches */
-    uint32_t causes; /* one bit a fault: what is the case now */
+    uint32_t causes;                      /* one bit a fault: what is the case now */
     uint32_t signal_ticks, encoder_ticks; /* with the encoder's signal, without */
-    uint32_t level_ticks; /* of a sensor all of whose channels say 0, or -1 */
+    uint32_t level_ticks;                 /* of a sensor all of whose channels say 0, or -1 */
     uint32_t silent_ticks, saturated_ticks, following_ticks, host_ticks, lost_at_start;
     uint32_t missed_ticks, cost_most;
     /* the host */
@@ -128,8 +128,8 @@ typedef struct app {
 /* reset_cause: APP_RESET_*; failed: APP_*_FAILED. Any reset but by power starts in FAULT; a board that did
  * not come up stays in BOOT (or FAULT): for good without its crystal, until its encoder has a signal. */
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed);
-/* Takes the parameters of the last good record in flash, whose words (store.h) stay there: to be called after app_init, before the
- * first tick. */
+/* Takes the parameters of the last good record in flash, whose words (store.h) stay there: to be called after
+ * app_init, before the first tick. */
 void app_load(app *a, const uint32_t *stored);
 /* False: what has come from the host is to wait for the next tick, which bounds the cost of one. */
 bool app_listens(const app *a);

@@ -68,7 +68,8 @@ static uint8_t done_if(bool good) {
     return good ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE;
 }
 
-/* A new host has asked for nothing yet. What still moves does so within the limits that it was started with. */
+/* A new host has asked for nothing yet. What still moves does so within the limits that it was started with.
+ */
 static uint8_t hello(app *a, const palp_wire_hello *asked) {
     if (asked->protocol != PALP_WIRE_VERSION)
         return PALP_WIRE_RESULT_VERSION;
@@ -201,8 +202,8 @@ static float first_rate(const trajectory *t) {
     return has_rate && s->rate_m_s > MOTION_RATE_M_S ? s->rate_m_s : MOTION_RATE_M_S;
 }
 
-/* In the specimen: momentum, and the two ticks until the motor is off (more where the sensor is slow), add no more than
- * the limit itself to a force that passes it. */
+/* In the specimen: momentum, and the two ticks until the motor is off (more where the sensor is slow), add no
+ * more than the limit itself to a force that passes it. */
 static float safe_m_s(const app *a) {
     const float k = a->stiffness_N_m, blind_s = 2.0f * TICK_S + a->machine.force_delay_s;
     const float momentum_Ns_m = a->machine.stepper ? 0.0f : __builtin_sqrtf(k * a->machine.moving_kg);
@@ -213,8 +214,9 @@ static float safe_m_s(const app *a) {
 static bool can_follow(const app *a, uint8_t segments, float start_m) {
     const reach r = trajectory_reach(&a->trajectory, segments, start_m);
     const float to_start_m_s = start_m > 0.0f ? first_rate(&a->trajectory) : 0.0f;
-    return r.force_N <= a->limits.force_N && a->contact_m + r.low_m >= 0.0f && a->contact_m + r.high_m <= a->limits.travel_m &&
-           r.speed_m_s <= safe_m_s(a) && to_start_m_s <= safe_m_s(a);
+    return r.force_N <= a->limits.force_N && a->contact_m + r.low_m >= 0.0f &&
+           a->contact_m + r.high_m <= a->limits.travel_m && r.speed_m_s <= safe_m_s(a) &&
+           to_start_m_s <= safe_m_s(a);
 }
 
 static uint8_t start(app *a, const palp_wire_start *asked) {
@@ -297,8 +299,9 @@ static uint8_t execute(app *a, const palp_wire_message *c) {
         (void)supervisor_take(&a->supervisor, SUPERVISOR_STOP);
         return PALP_WIRE_RESULT_DONE;
     case PALP_WIRE_TYPE_HALT:
-        return supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_EMERGENCY_STOP, a->tick) ? PALP_WIRE_RESULT_DONE
-                                                                                         : PALP_WIRE_RESULT_STATE;
+        return supervisor_fault(&a->supervisor, PALP_WIRE_FAULT_EMERGENCY_STOP, a->tick)
+                   ? PALP_WIRE_RESULT_DONE
+                   : PALP_WIRE_RESULT_STATE;
     case PALP_WIRE_TYPE_JOG:
         return jog(a, &c->as.jog);
     case PALP_WIRE_TYPE_TRIGGER:

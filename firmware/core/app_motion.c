@@ -89,7 +89,8 @@ static bool seek_switch(app *a, float rate_m_s, float next_m) {
 static bool home_phase(app *a) {
     switch (a->phase) {
     case HOME_SEEK:
-        return seek_switch(a, HOME_RATE_M_S < a->machine.speed_m_s ? HOME_RATE_M_S : a->machine.speed_m_s, HOME_OFF_M);
+        return seek_switch(a, HOME_RATE_M_S < a->machine.speed_m_s ? HOME_RATE_M_S : a->machine.speed_m_s,
+                           HOME_OFF_M);
     case HOME_SEEK_SLOWLY:
         return seek_switch(a, HOME_SLOW_M_S, HOME_REST_M);
     default:
@@ -147,7 +148,8 @@ static void approach_step(app *a) {
 
 /* A jog that is stopped goes no deeper, and leaves the specimen. */
 void motion_stop(app *a) {
-    const float here_m = a->reference.position_m, air_m = a->contact_known ? a->contact_m - MOTION_AIR_M : a->from_m;
+    const float here_m = a->reference.position_m,
+                air_m = a->contact_known ? a->contact_m - MOTION_AIR_M : a->from_m;
     if (a->supervisor.state == PALP_WIRE_STATE_JOG)
         motion_withdraw(a, here_m < air_m ? here_m : air_m);
 }

@@ -9,41 +9,41 @@
 
 /* X(name, where in the app, how many, floats from one to the next, least, most) */
 #define GAIN_STRIDE (sizeof(gains) / sizeof(float))
-#define PARAMETERS(X)                                                    \
-    X(calibration_day, calibrated.day, 1, 1, 0.0f, 100000.0f)            \
-    X(compliance_m_N, calibrated.compliance_m_N, 1, 1, 0.0f, 1e-3f)      \
-    X(noise_N, calibrated.noise_N, 1, 1, 0.0f, 10.0f)                    \
-    X(sensitivity_sd, calibrated.sensitivity_sd, 1, 1, 0.0f, 1.0f)       \
-    X(lift_N, calibrated.lift_N, 1, 1, -20.0f, 20.0f)                    \
-    X(ripple_N, calibrated.ripple_N, 1, 1, 0.0f, 20.0f)                  \
-    X(count_m, machine.count_m, 1, 1, 1e-8f, 1e-4f)                      \
-    X(travel_m, machine.travel_m, 1, 1, 2e-3f, 0.5f)                     \
-    X(speed_m_s, machine.speed_m_s, 1, 1, 1e-3f, 2.0f)                   \
-    X(force_N, machine.force_N, 1, 1, 0.1f, 200.0f)                      \
-    X(motor_N, machine.motor_N, 1, 1, 1.0f, 1000.0f)                     \
-    X(motor_drag_Ns_m, machine.motor_drag_Ns_m, 1, 1, 0.0f, 1000.0f)     \
-    X(moving_kg, machine.moving_kg, 1, 1, 0.01f, 20.0f)                  \
-    X(friction_N, machine.friction_N, 1, 1, 0.0f, 20.0f)                 \
-    X(supply_V, machine.supply_V, 1, 1, 5.0f, 60.0f)                     \
-    X(resistance_ohm, machine.resistance_ohm, 1, 1, 0.1f, 100.0f)        \
-    X(force_constant_N_A, machine.force_constant_N_A, 1, 1, 0.1f, 200.0f) \
-    X(current_A, machine.current_A, 1, 1, 0.1f, 20.0f)                   \
-    X(winding_K_W, machine.winding_K_W, 1, 1, 0.1f, 50.0f)               \
-    X(winding_s, machine.winding_s, 1, 1, 1.0f, 10000.0f)                \
-    X(derate_C, machine.derate_C, 1, 1, 40.0f, 100.0f)                   \
-    X(fault_C, machine.fault_C, 1, 1, 101.0f, 180.0f)                    \
-    X(following_m, machine.following_m, 1, 1, 1e-5f, 0.01f)              \
-    X(Fx_N, force.matrix[0], 6, 1, -2.0f, 2.0f)                          \
-    X(Fy_N, force.matrix[1], 6, 1, -2.0f, 2.0f)                          \
-    X(Fz_N, force.matrix[2], 6, 1, -2.0f, 2.0f)                          \
-    X(Tx_Nm, force.matrix[3], 6, 1, -2.0f, 2.0f)                         \
-    X(Ty_Nm, force.matrix[4], 6, 1, -2.0f, 2.0f)                         \
-    X(Tz_Nm, force.matrix[5], 6, 1, -2.0f, 2.0f)                         \
-    X(class_N_m, gains[0].stiffness_N_m, GAINS_CLASSES, GAIN_STRIDE, 1.0f, 1e7f) \
-    X(kp_N_m, gains[0].kp_N_m, GAINS_CLASSES, GAIN_STRIDE, 10.0f, 1e6f)  \
-    X(ki_N_ms, gains[0].ki_N_ms, GAINS_CLASSES, GAIN_STRIDE, 0.0f, 1e8f) \
-    X(kd_Ns_m, gains[0].kd_Ns_m, GAINS_CLASSES, GAIN_STRIDE, 0.0f, 1e4f) \
-    X(filter_Hz, gains[0].filter_Hz, GAINS_CLASSES, GAIN_STRIDE, 1.0f, 500.0f) \
+#define PARAMETERS(X)                                                                                        \
+    X(calibration_day, calibrated.day, 1, 1, 0.0f, 100000.0f)                                                \
+    X(compliance_m_N, calibrated.compliance_m_N, 1, 1, 0.0f, 1e-3f)                                          \
+    X(noise_N, calibrated.noise_N, 1, 1, 0.0f, 10.0f)                                                        \
+    X(sensitivity_sd, calibrated.sensitivity_sd, 1, 1, 0.0f, 1.0f)                                           \
+    X(lift_N, calibrated.lift_N, 1, 1, -20.0f, 20.0f)                                                        \
+    X(ripple_N, calibrated.ripple_N, 1, 1, 0.0f, 20.0f)                                                      \
+    X(count_m, machine.count_m, 1, 1, 1e-8f, 1e-4f)                                                          \
+    X(travel_m, machine.travel_m, 1, 1, 2e-3f, 0.5f)                                                         \
+    X(speed_m_s, machine.speed_m_s, 1, 1, 1e-3f, 2.0f)                                                       \
+    X(force_N, machine.force_N, 1, 1, 0.1f, 200.0f)                                                          \
+    X(motor_N, machine.motor_N, 1, 1, 1.0f, 1000.0f)                                                         \
+    X(motor_drag_Ns_m, machine.motor_drag_Ns_m, 1, 1, 0.0f, 1000.0f)                                         \
+    X(moving_kg, machine.moving_kg, 1, 1, 0.01f, 20.0f)                                                      \
+    X(friction_N, machine.friction_N, 1, 1, 0.0f, 20.0f)                                                     \
+    X(supply_V, machine.supply_V, 1, 1, 5.0f, 60.0f)                                                         \
+    X(resistance_ohm, machine.resistance_ohm, 1, 1, 0.1f, 100.0f)                                            \
+    X(force_constant_N_A, machine.force_constant_N_A, 1, 1, 0.1f, 200.0f)                                    \
+    X(current_A, machine.current_A, 1, 1, 0.1f, 20.0f)                                                       \
+    X(winding_K_W, machine.winding_K_W, 1, 1, 0.1f, 50.0f)                                                   \
+    X(winding_s, machine.winding_s, 1, 1, 1.0f, 10000.0f)                                                    \
+    X(derate_C, machine.derate_C, 1, 1, 40.0f, 100.0f)                                                       \
+    X(fault_C, machine.fault_C, 1, 1, 101.0f, 180.0f)                                                        \
+    X(following_m, machine.following_m, 1, 1, 1e-5f, 0.01f)                                                  \
+    X(Fx_N, force.matrix[0], 6, 1, -2.0f, 2.0f)                                                              \
+    X(Fy_N, force.matrix[1], 6, 1, -2.0f, 2.0f)                                                              \
+    X(Fz_N, force.matrix[2], 6, 1, -2.0f, 2.0f)                                                              \
+    X(Tx_Nm, force.matrix[3], 6, 1, -2.0f, 2.0f)                                                             \
+    X(Ty_Nm, force.matrix[4], 6, 1, -2.0f, 2.0f)                                                             \
+    X(Tz_Nm, force.matrix[5], 6, 1, -2.0f, 2.0f)                                                             \
+    X(class_N_m, gains[0].stiffness_N_m, GAINS_CLASSES, GAIN_STRIDE, 1.0f, 1e7f)                             \
+    X(kp_N_m, gains[0].kp_N_m, GAINS_CLASSES, GAIN_STRIDE, 10.0f, 1e6f)                                      \
+    X(ki_N_ms, gains[0].ki_N_ms, GAINS_CLASSES, GAIN_STRIDE, 0.0f, 1e8f)                                     \
+    X(kd_Ns_m, gains[0].kd_Ns_m, GAINS_CLASSES, GAIN_STRIDE, 0.0f, 1e4f)                                     \
+    X(filter_Hz, gains[0].filter_Hz, GAINS_CLASSES, GAIN_STRIDE, 1.0f, 500.0f)                               \
     X(feed_N_m, gains[0].feed_N_m, GAINS_CLASSES, GAIN_STRIDE, 0.0f, 1e6f)
 
 typedef struct row {
@@ -208,11 +208,16 @@ bool parameters_write(app *a, app_outputs *out) {
 palp_wire_configuration parameters_state(const app *a) {
     const store *s = &a->store;
     const uint32_t area_left = s->room < STORE_WORDS ? STORE_AREA - s->room % STORE_AREA : 0;
-    return (palp_wire_configuration){.source = s->sequence > 0 ? 1 : s->bad > 0 ? 2 : 0,
+    return (palp_wire_configuration){.source = s->sequence > 0 ? 1
+                                               : s->bad > 0    ? 2
+                                                               : 0,
                                      .bad = s->bad,
-                                     .saving = s->writing ? 1 : s->failed ? 2 : 0,
+                                     .saving = s->writing  ? 1
+                                               : s->failed ? 2
+                                                           : 0,
                                      .parameters = COUNT,
                                      .id = a->id,
                                      .stored_id = a->stored_id,
-                                     .room = (uint8_t)((area_left + (s->spare ? STORE_AREA : 0)) / STORE_RECORD)};
+                                     .room =
+                                         (uint8_t)((area_left + (s->spare ? STORE_AREA : 0)) / STORE_RECORD)};
 }

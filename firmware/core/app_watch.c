@@ -3,15 +3,18 @@
 
 #include "real.h"
 
-enum { BAD_READINGS = 2 /* ticks */, FIT_TICKS = 100 /* with a signal, before an encoder that had none is trusted */ };
+enum {
+    BAD_READINGS = 2 /* ticks */,
+    FIT_TICKS = 100 /* with a signal, before an encoder that had none is trusted */
+};
 
 /* Which is the reason where several are the case in one tick: first what makes the others untrustworthy. */
 static const uint8_t order[] = {
-    PALP_WIRE_FAULT_STACK_GUARD,   PALP_WIRE_FAULT_EMERGENCY_STOP,   PALP_WIRE_FAULT_DRIVER_FAULT,
-    PALP_WIRE_FAULT_ENCODER_LOST,  PALP_WIRE_FAULT_ENCODER_JUMP,
-    PALP_WIRE_FAULT_SENSOR_SILENT, PALP_WIRE_FAULT_OVER_FORCE,       PALP_WIRE_FAULT_SENSOR_SATURATED,
-    PALP_WIRE_FAULT_OVER_TRAVEL,   PALP_WIRE_FAULT_OVER_TEMPERATURE, PALP_WIRE_FAULT_FOLLOWING_ERROR,
-    PALP_WIRE_FAULT_HOST_TIMEOUT,  PALP_WIRE_FAULT_STREAM_OVERFLOW,  PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE,
+    PALP_WIRE_FAULT_STACK_GUARD,      PALP_WIRE_FAULT_EMERGENCY_STOP,       PALP_WIRE_FAULT_DRIVER_FAULT,
+    PALP_WIRE_FAULT_ENCODER_LOST,     PALP_WIRE_FAULT_ENCODER_JUMP,         PALP_WIRE_FAULT_SENSOR_SILENT,
+    PALP_WIRE_FAULT_OVER_FORCE,       PALP_WIRE_FAULT_SENSOR_SATURATED,     PALP_WIRE_FAULT_OVER_TRAVEL,
+    PALP_WIRE_FAULT_OVER_TEMPERATURE, PALP_WIRE_FAULT_FOLLOWING_ERROR,      PALP_WIRE_FAULT_HOST_TIMEOUT,
+    PALP_WIRE_FAULT_STREAM_OVERFLOW,  PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE,
 };
 
 void watch_limits_begin(app *a) {
@@ -40,7 +43,8 @@ static void stop_for(app *a) {
             return;
 }
 
-/* What presses the plate; at the rail by the sensor's own counts, since a tare there would make it nothing. */
+/* What presses the plate; at the rail by the sensor's own counts, since a tare there would make it nothing.
+ */
 static bool from_below(const app *a) {
     return a->saturated ? a->force.matrix[FORCE_Z][0] * (float)a->in.adc[0] > 0.0f : a->force_N > 0.0f;
 }
@@ -92,7 +96,7 @@ static void watch_motion(app *a) {
     /* A motor that is held back for its heat falls behind before it is too hot. */
     note(a,
          thermal_derating(&a->thermal, &a->machine) < 1.0f ? PALP_WIRE_FAULT_OVER_TEMPERATURE
-                                                          : PALP_WIRE_FAULT_FOLLOWING_ERROR,
+                                                           : PALP_WIRE_FAULT_FOLLOWING_ERROR,
          a->following_ticks >= a->machine.following_ticks);
     note(a, PALP_WIRE_FAULT_HOST_TIMEOUT, host_is_gone(a));
     note(a, PALP_WIRE_FAULT_STREAM_OVERFLOW,

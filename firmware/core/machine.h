@@ -34,8 +34,8 @@ typedef struct machine {
     float force_lag_s;   /* and on average */
 } machine;
 
-extern const machine machine_indenter; /* the one of doc/indenter.md */
-extern const machine machine_stepper;  /* the cheap one, at its end: an HX711, */
+extern const machine machine_indenter;     /* the one of doc/indenter.md */
+extern const machine machine_stepper;      /* the cheap one, at its end: an HX711, */
 extern const machine machine_stepper_fast; /* and an ADS1220 */
 
 #endif

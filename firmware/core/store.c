@@ -1,6 +1,7 @@
 /* store.c: the machine's parameters in flash: records that are found, and written a word a tick.
  *
- * A record: 0x5041, its version and the number n of its values; its own number, from 1; n values; the CRC-32 of all that. */
+ * A record: 0x5041, its version and the number n of its values; its own number, from 1; n values; the CRC-32
+ * of all that. */
 #include "store.h"
 
 #include <stddef.h>
@@ -133,10 +134,7 @@ bool store_step(store *s, uint32_t value, uint32_t *at, uint32_t *word) {
         end(s);
         return false;
     }
-    *word = s->at == 0             ? HEAD + s->n
-            : s->at == 1           ? s->sequence + 1
-            : s->at < FIRST + s->n ? value
-                                   : s->check;
+    *word = s->at == 0 ? HEAD + s->n : s->at == 1 ? s->sequence + 1 : s->at < FIRST + s->n ? value : s->check;
     *at = s->room + s->at++;
     s->check = store_check(s->check, *word);
     return true;

@@ -1,5 +1,6 @@
-/* store.h: the machine's parameters in flash: a log of records in two areas. A record is only ever added, and an area erased
- * only while the last good record is in the other, so that a cut of the supply never takes it. */
+/* store.h: the machine's parameters in flash: a log of records in two areas. A record is only ever added, and
+ * an area erased only while the last good record is in the other, so that a cut of the supply never takes it.
+ */
 #ifndef STORE_H
 #define STORE_H
 
@@ -12,7 +13,8 @@ enum {
     STORE_AREA = 6 * STORE_RECORD,
     STORE_AREAS = 2,
     STORE_WORDS = STORE_AREAS * STORE_AREA,
-    STORE_VALUES = STORE_RECORD - 3 /* most values of a record: beside them its head, its number and its check */
+    STORE_VALUES =
+        STORE_RECORD - 3 /* most values of a record: beside them its head, its number and its check */
 };
 #define STORE_BLANK UINT32_MAX
 
@@ -37,13 +39,13 @@ void store_open(store *s, const uint32_t *memory);
 const uint32_t *store_values(const store *s, uint32_t *n);
 /* Begins a record of n values; false: no room. */
 bool store_begin(store *s, uint32_t n);
-/* While writing: the value that is wanted next, by its number; and, given that, the next word to be programmed and where. False:
- * all were, and what is there now has been looked at. */
+/* While writing: the value that is wanted next, by its number; and, given that, the next word to be
+ * programmed and where. False: all were, and what is there now has been looked at. */
 uint32_t store_wants(const store *s);
 bool store_step(store *s, uint32_t value, uint32_t *at, uint32_t *word);
 
-/* The area that is to be erased at the start, before anything can move: the one without the last good record, where something
- * is in it; STORE_AREAS = none. So there is room for six records in each session at least. */
+/* The area that is to be erased at the start, before anything can move: the one without the last good record,
+ * where something is in it; STORE_AREAS = none. So there is room for six records in each session at least. */
 uint32_t store_to_erase(const uint32_t *memory);
 
 #endif

@@ -27,6 +27,7 @@ bool supervisor_take(supervisor *s, supervisor_event event);
 bool supervisor_fault(supervisor *s, uint8_t fault, uint32_t tick);
 bool supervisor_watches(uint8_t state, uint8_t fault);
 bool supervisor_moving(uint8_t state); /* a motion is in progress */
-bool supervisor_drives(uint8_t state); /* the motor is on: in motion, and in READY, where it holds the plate */
+bool supervisor_drives(
+    uint8_t state); /* the motor is on: in motion, and in READY, where it holds the plate */
 
 #endif

@@ -38,7 +38,8 @@ static reference ramp_at(const stroke *s, float time) {
     if (!s->smooth)
         return (reference){0.5f * a * time * time, a * time, a};
     real_sine(turn, &sine, &cosine);
-    return (reference){s->rate_m_s * s->ramp_s * (0.5f * turn * turn - (1.0f - cosine) / (4.0f * REAL_PI * REAL_PI)),
+    return (reference){s->rate_m_s * s->ramp_s *
+                           (0.5f * turn * turn - (1.0f - cosine) / (4.0f * REAL_PI * REAL_PI)),
                        s->rate_m_s * (turn - sine / (2.0f * REAL_PI)), a * (1.0f - cosine)};
 }
 
@@ -154,7 +155,8 @@ static bool force_possible(const palp_wire_segment *wire, float force_N) {
 }
 
 static bool is_smooth(uint8_t kind) {
-    return kind == (PALP_WIRE_SEGMENT_MOVE | PALP_WIRE_SEGMENT_SMOOTH) || kind == (PALP_WIRE_SEGMENT_CYCLE | PALP_WIRE_SEGMENT_SMOOTH);
+    return kind == (PALP_WIRE_SEGMENT_MOVE | PALP_WIRE_SEGMENT_SMOOTH) ||
+           kind == (PALP_WIRE_SEGMENT_CYCLE | PALP_WIRE_SEGMENT_SMOOTH);
 }
 
 static uint8_t plain(uint8_t kind) {
@@ -209,7 +211,8 @@ void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire)
 /* ---- the list ---- */
 
 static void begin_stroke(trajectory *t, const segment *s, float from_m, float to_m) {
-    stroke_begin(&t->stroke, from_m, to_m, s->rate_m_s, s->smooth ? 0.5f * s->acceleration_m_s2 : s->acceleration_m_s2);
+    stroke_begin(&t->stroke, from_m, to_m, s->rate_m_s,
+                 s->smooth ? 0.5f * s->acceleration_m_s2 : s->acceleration_m_s2);
     t->stroke.smooth = s->smooth;
 }
 
@@ -277,7 +280,8 @@ static bool cycle_step(trajectory *t, const segment *s) {
 #define FORCE_MOST_M_S 0.02f
 #define FORCE_MOST_M_S2 5.0f
 #define FORCE_SLOPE_M 3e-4f /* from this depth on, force over depth is a stiffness, too */
-/* Poles of the loop: a sixth of the slowest position loop's (gains.c) where the specimen's slope is as believed. */
+/* Poles of the loop: a sixth of the slowest position loop's (gains.c) where the specimen's slope is as
+ * believed. */
 #define FORCE_W_S 12.0f
 #define FORCE_LATE 0.25f /* radians by which the sensor's delay may turn a wave of that frequency */
 
@@ -285,7 +289,8 @@ float trajectory_force_w_s(float delay_s) {
     return FORCE_W_S * delay_s <= FORCE_LATE ? FORCE_W_S : FORCE_LATE / delay_s;
 }
 
-/* A law that stiffens has at least the slope of its chord; the loop must not be faster than it is meant to. */
+/* A law that stiffens has at least the slope of its chord; the loop must not be faster than it is meant to.
+ */
 static float slope_at(const trajectory *t) {
     const float depth = t->now.position_m, chord = depth > FORCE_SLOPE_M ? t->measured_N / depth : 0.0f;
     return chord > t->stiffness_N_m ? chord : t->stiffness_N_m;
@@ -308,8 +313,8 @@ static void go(trajectory *t, float speed_m_s) {
     t->now.position_m += t->now.velocity_m_s * TICK_S;
 }
 
-/* The plate's speed: what the wanted force asks of the slope, and a PI of what the force is off by. In the air it
- * goes to contact, and wants nothing yet. */
+/* The plate's speed: what the wanted force asks of the slope, and a PI of what the force is off by. In the
+ * air it goes to contact, and wants nothing yet. */
 static bool force_step(trajectory *t, const segment *s) {
     float rate_N_s = 0.0f;
     if (!t->wants)

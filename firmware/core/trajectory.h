@@ -30,9 +30,9 @@ typedef struct segment {
     bool smooth; /* MOVE, CYCLE; half of the acceleration is then on average */
     float target_m, rate_m_s, acceleration_m_s2;
     float target_N, rate_N_s; /* FORCE */
-    uint32_t ticks;         /* HOLD, SINE, SWEEP; FORCE: at the target */
-    uint32_t frequency_uHz; /* SINE; SWEEP: where it starts */
-    float octaves;          /* SWEEP: from there to its end */
+    uint32_t ticks;           /* HOLD, SINE, SWEEP; FORCE: at the target */
+    uint32_t frequency_uHz;   /* SINE; SWEEP: where it starts */
+    float octaves;            /* SWEEP: from there to its end */
     uint32_t cycles; /* whole periods; a SWEEP's fit into its duration, and it rests for what is left */
 } segment;
 
@@ -50,7 +50,7 @@ typedef struct trajectory {
     float measured_N, stiffness_N_m; /* of the specimen at its surface */
     float wanted_N, sum_Ns;
     float force_w_s, force_most_m_s; /* how fast the loop is; the plate in it at most */
-    bool wants; /* it has begun, from the force that there was */
+    bool wants;                      /* it has begun, from the force that there was */
 } trajectory;
 
 /* Most that a segment may ask for: half of what the motor can do to the carriage; ten ticks a period. */
@@ -70,8 +70,8 @@ float trajectory_force_w_s(float delay_s);
 /* Starts at rest at start_m with the first count segments. */
 void trajectory_begin(trajectory *t, uint8_t count, float start_m);
 
-/* Where the first count segments lead from start_m on: the range of depths (of FORCE nobody knows it), the highest
- * speed of those that go deeper than 0, and the largest force of a FORCE. */
+/* Where the first count segments lead from start_m on: the range of depths (of FORCE nobody knows it), the
+ * highest speed of those that go deeper than 0, and the largest force of a FORCE. */
 typedef struct reach {
     float low_m, high_m, speed_m_s, force_N;
 } reach;

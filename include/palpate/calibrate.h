@@ -11,41 +11,42 @@ extern "C" {
 
 /* One evaluation of the curve (or one iteration of the thesis' loops, palpate/thesis.h). */
 typedef struct palp_calibrate_iteration {
-    int phase;                        /* palp_thesis_three_phase: 1, 2, 3; else 0 */
-    double residual_N;                /* 2-norm over the samples */
-    double relative_rms;              /* relaxation, what it minimises: rms over the targets of
-                                         each one's rms force error over its peak (with default weights) */
-    palp_material material;           /* that gave it */
+    int phase;              /* palp_thesis_three_phase: 1, 2, 3; else 0 */
+    double residual_N;      /* 2-norm over the samples */
+    double relative_rms;    /* relaxation, what it minimises: rms over the targets of
+                               each one's rms force error over its peak (with default weights) */
+    palp_material material; /* that gave it */
     /* palp_thesis_three_phase, absolute; NaN where that phase does not measure it */
     double peak_error_percent, steady_time_error_percent, steady_force_error_percent;
 } palp_calibrate_iteration;
 
 /* The result; free with palp_calibration_free. */
 typedef struct palp_calibration {
-    palp_material material;           /* the best found */
-    double residual_N;                /* of it */
+    palp_material material; /* the best found */
+    double residual_N;      /* of it */
     size_t n_iterations;
     palp_calibrate_iteration *iterations;
-    size_t n_samples;                 /* static: of the curve */
+    size_t n_samples;                     /* static: of the curve */
     double *depth_m, *target_N, *force_N; /* [n_samples], the wanted and the reached curve */
-    double reached_m;                 /* static: depth that the best curve reached before its branch ended */
-    bool buckled;                     /* static: the best network loses stability */
-    double stable_m, unstable_m;      /* static: it is stable at the first and unstable at the second depth */
-    double strain_max;                /* static: largest |element strain| of the best curve; see palp_law_limit */
-    bool converged;                   /* the method's own criterion was met */
+    double reached_m;            /* static: depth that the best curve reached before its branch ended */
+    bool buckled;                /* static: the best network loses stability */
+    double stable_m, unstable_m; /* static: it is stable at the first and unstable at the second depth */
+    double strain_max;           /* static: largest |element strain| of the best curve; see palp_law_limit */
+    bool converged;              /* the method's own criterion was met */
 } palp_calibration;
 
 PALP_API void palp_calibration_free(palp_calibration *calibration); /* frees arrays, zeroes; NULL is fine */
 
-/* Called after each evaluation; fraction is the part of the work that is done, 0 to 1. Non-zero stops with ERR_STOPPED. */
+/* Called after each evaluation; fraction is the part of the work that is done, 0 to 1. Non-zero stops with
+ * ERR_STOPPED. */
 typedef int (*palp_calibrate_progress)(void *user, double fraction, const palp_calibrate_iteration *last);
 
 typedef struct palp_static_settings {
-    size_t max_evaluations;         /* of the curve */
-    bool every_step;                /* solve every sample instead of error-controlled continuation */
-    double curve_tolerance;         /* continuation: estimated interpolation error relative to the peak force;
-                                       0 = 1e-6, or 1e-4 for networks that are costly to factor */
-    double stop_relative;           /* stop when the residual changes less than this */
+    size_t max_evaluations; /* of the curve */
+    bool every_step;        /* solve every sample instead of error-controlled continuation */
+    double curve_tolerance; /* continuation: estimated interpolation error relative to the peak force;
+                               0 = 1e-6, or 1e-4 for networks that are costly to factor */
+    double stop_relative;   /* stop when the residual changes less than this */
     palp_calibrate_progress progress; /* may be NULL; non-zero stops with ERR_STOPPED */
     void *user;
 } palp_static_settings;
@@ -57,65 +58,70 @@ PALP_API palp_static_settings palp_static_settings_default(void);
  * the first guess) so that the fully relaxed network's force at depth_m[n] (increasing, > 0) meets
  * target_N[n] (> 0). The network's supports, branch and solver are used; its material is replaced by the
  * result. Arms of start are kept as they are. The caller frees *result. ERR_UNSUPPORTED: another kind of law;
- * ERR_ARGUMENT: a depth or target out of range, too few samples for the law; ERR_STOPPED by progress; the statuses of
- * palp_material_check and, where no curve could be found, of palp_network_step. */
+ * ERR_ARGUMENT: a depth or target out of range, too few samples for the law; ERR_STOPPED by progress; the
+ * statuses of palp_material_check and, where no curve could be found, of palp_network_step. */
 PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n,
                                            const double *depth_m, const double *target_N,
                                            const palp_static_settings *settings, palp_calibration *result);
 
-/* The same for a network of many thousand nodes (100,000 unknowns take a minute), in rounds on two levels. coarse, a network
- * of some hundred nodes with the same body and supports, is calibrated; the large one is pressed at 24 depths with
- * its law times the ratio of the summed lengths of their elements, coarse over large: the same material. The ratio of the two
- * forces hardly depends on the law, and corrects the target of the next round. It ends when the target is met to 1e-4 of its peak
- * or a round brings no improvement; the best round is the result, and the large network has its law. A large
- * network buckles at a smaller depth, between its many nodes; its branch ends where a press is not solved at once
- * (reached_m, buckled). With PALP_BRANCH_STABLE it is pressed on, down to the next stable branch (stable_m, unstable_m),
- * whose force jumps: it is in force_N, the law is that of the branch from rest. ERR_NOT_CONVERGED too where not even the first
- * depth is reached. */
-PALP_API palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start,
-                                            size_t n, const double *depth_m, const double *target_N,
-                                            const palp_static_settings *settings, palp_calibration *result);
+/* The same for a network of many thousand nodes (100,000 unknowns take a minute), in rounds on two levels.
+ * coarse, a network of some hundred nodes with the same body and supports, is calibrated; the large one is
+ * pressed at 24 depths with its law times the ratio of the summed lengths of their elements, coarse over
+ * large: the same material. The ratio of the two forces hardly depends on the law, and corrects the target of
+ * the next round. It ends when the target is met to 1e-4 of its peak or a round brings no improvement; the
+ * best round is the result, and the large network has its law. A large network buckles at a smaller depth,
+ * between its many nodes; its branch ends where a press is not solved at once (reached_m, buckled). With
+ * PALP_BRANCH_STABLE it is pressed on, down to the next stable branch (stable_m, unstable_m), whose force
+ * jumps: it is in force_N, the law is that of the branch from rest. ERR_NOT_CONVERGED too where not even the
+ * first depth is reached. */
+PALP_API palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse,
+                                              const palp_material *start, size_t n, const double *depth_m,
+                                              const double *target_N, const palp_static_settings *settings,
+                                              palp_calibration *result);
 
 /* A force record to meet: n samples along a path. */
 typedef struct palp_target {
-    palp_path path;         /* corners of the plate's motion, starting at depth 0; caller's */
+    palp_path path; /* corners of the plate's motion, starting at depth 0; caller's */
     size_t n;
-    const double *time_s;   /* [n] increasing, caller's */
-    const double *force_N;  /* [n] caller's */
-    double weight;          /* of its squared residuals; 0 = 1 / (n peak^2) */
+    const double *time_s;  /* [n] increasing, caller's */
+    const double *force_N; /* [n] caller's */
+    double weight;         /* of its squared residuals; 0 = 1 / (n peak^2) */
 } palp_target;
 
 typedef struct palp_relaxation_settings {
     size_t max_evaluations;
-    double dt_s;                   /* fixed step; 0 = steps graded by tolerance */
-    double tolerance;              /* of the graded steps, relative force */
-    double stop_relative;          /* stop when the residual changes less than this */
-    bool fit_beta, fit_gamma;      /* strain dependence of the arms */
-    bool one_beta;                 /* one beta (and gamma) for all arms */
-    bool fit_scale;                /* the stiffness law's scale */
+    double dt_s;              /* fixed step; 0 = steps graded by tolerance */
+    double tolerance;         /* of the graded steps, relative force */
+    double stop_relative;     /* stop when the residual changes less than this */
+    bool fit_beta, fit_gamma; /* strain dependence of the arms */
+    bool one_beta;            /* one beta (and gamma) for all arms */
+    bool fit_scale;           /* the stiffness law's scale */
     palp_calibrate_progress progress;
     void *user;
 } palp_relaxation_settings;
 
-/* 80 evaluations, graded steps of tolerance 1e-4, stop at 1e-4, one beta, the law's scale fitted, no strain dependence. */
+/* 80 evaluations, graded steps of tolerance 1e-4, stop at 1e-4, one beta, the law's scale fitted, no strain
+ * dependence. */
 PALP_API palp_relaxation_settings palp_relaxation_settings_default(void);
 
 /* Relaxation stage (Section 5.3.2): fits the arms (and optionally the law's scale and the strain
- * dependence) of *start so that the network's force meets all targets at once. The network's material is replaced by the
- * result, which the caller frees. ERR_UNSUPPORTED: another formulation than PALP_HISTORY, a network with mass, beta of
- * quasi-linear arms; ERR_ARGUMENT: no arm, no target, a target whose path or record cannot be used; ERR_STOPPED by
- * progress; the statuses of palp_material_check. */
+ * dependence) of *start so that the network's force meets all targets at once. The network's material is
+ * replaced by the result, which the caller frees. ERR_UNSUPPORTED: another formulation than PALP_HISTORY, a
+ * network with mass, beta of quasi-linear arms; ERR_ARGUMENT: no arm, no target, a target whose path or
+ * record cannot be used; ERR_STOPPED by progress; the statuses of palp_material_check. */
 PALP_API palp_status palp_calibrate_relaxation(palp_network *network, const palp_material *start,
                                                size_t n_targets, const palp_target *targets,
                                                const palp_relaxation_settings *settings,
                                                palp_calibration *result);
 
-/* How well a network is known that was calibrated to a lumped model: from lumped->covariance, by the derivatives of both models'
- * forces in runs (those that were met), the covariance of the network's numbers, [n n] in the order of palp_model.covariance, and
- * from lumped->between, where between is not NULL, how specimens differ. What the network's force misses of the lumped model's is
- * added as a factor on all of its stiffness. Errors of palp_forward_band; ERR_SINGULAR: runs without force. */
-PALP_API palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model *network, size_t n_runs,
-                                               const palp_forward_run *runs, double *covariance, double *between, palp_error *error);
+/* How well a network is known that was calibrated to a lumped model: from lumped->covariance, by the
+ * derivatives of both models' forces in runs (those that were met), the covariance of the network's numbers,
+ * [n n] in the order of palp_model.covariance, and from lumped->between, where between is not NULL, how
+ * specimens differ. What the network's force misses of the lumped model's is added as a factor on all of its
+ * stiffness. Errors of palp_forward_band; ERR_SINGULAR: runs without force. */
+PALP_API palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model *network,
+                                               size_t n_runs, const palp_forward_run *runs,
+                                               double *covariance, double *between, palp_error *error);
 
 #ifdef __cplusplus
 }

@@ -11,145 +11,167 @@ extern "C" {
 
 /* What the spring is made of in a fit. */
 typedef enum palp_spring_form {
-    PALP_SPRING_LAW,      /* one stiffness law for all recordings */
-    PALP_SPRING_PER_RUN   /* one K_inf for each recording (Tables 4.2, 4.3) */
+    PALP_SPRING_LAW,    /* one stiffness law for all recordings */
+    PALP_SPRING_PER_RUN /* one K_inf for each recording (Tables 4.2, 4.3) */
 } palp_spring_form;
 
-/* What the arms are. FREE: n_arms of free times. LOG: at fixed times, so many per decade from tau_min_s to tau_max_s, whose
- * stiffnesses are not negative; those of none are left out, the others' times stand still. FRACTIONAL: a fractional Maxwell element
- * (a spring in series with a springpot) beside the law, which then is a fractional Zener solid: three parameters, K_frac,
- * tau_frac and exponent, of the relaxation K_frac E_a(-(t / tau_frac)^a) (Mittag-Leffler), as PALP_ARMS_MAX arms of the spectrum
- * sin(pi a) / (pi (x^a + x^-a + 2 cos(pi a))), x = tau / tau_frac, that the material runs as any others (Cole and Cole 1941). */
+/* What the arms are. FREE: n_arms of free times. LOG: at fixed times, so many per decade from tau_min_s to
+ * tau_max_s, whose stiffnesses are not negative; those of none are left out, the others' times stand still.
+ * FRACTIONAL: a fractional Maxwell element (a spring in series with a springpot) beside the law, which then
+ * is a fractional Zener solid: three parameters, K_frac, tau_frac and exponent, of the relaxation K_frac
+ * E_a(-(t / tau_frac)^a) (Mittag-Leffler), as PALP_ARMS_MAX arms of the spectrum sin(pi a) / (pi (x^a + x^-a
+ * + 2 cos(pi a))), x = tau / tau_frac, that the material runs as any others (Cole and Cole 1941). */
 typedef enum palp_arms_form { PALP_ARMS_FREE, PALP_ARMS_LOG, PALP_ARMS_FRACTIONAL } palp_arms_form;
 
 typedef struct palp_characterize_settings {
     palp_spring_form spring;
-    palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN: their sds widen the intervals.
-                                  AUTO is FREE where the residual of KNOWN makes that 20 times likelier (a Bayes factor) */
-    palp_law law;           /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
-    palp_arms_form arms;    /* LOG and FRACTIONAL take the contacts for known; their starts are their own */
-    size_t per_decade;      /* LOG; 0 = 1 */
-    size_t n_arms;          /* FREE; 0 = elastic */
-    bool dwell_only;         /* ramp and hold: leave the ramp out of the residual */
+    palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN: their sds
+                                  widen the intervals. AUTO is FREE where the residual of KNOWN makes that 20
+                                  times likelier (a Bayes factor) */
+    palp_law law;              /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
+    palp_arms_form arms; /* LOG and FRACTIONAL take the contacts for known; their starts are their own */
+    size_t per_decade;   /* LOG; 0 = 1 */
+    size_t n_arms;       /* FREE; 0 = elastic */
+    bool dwell_only;     /* ramp and hold: leave the ramp out of the residual */
     double tau_min_s, tau_max_s; /* bounds of relaxation times; 0 = from the data */
-    size_t starts;          /* multistart: from how many first guesses the fit is refined */
-    size_t max_evaluations; /* of the residual in one refinement */
+    size_t starts;               /* multistart: from how many first guesses the fit is refined */
+    size_t max_evaluations;      /* of the residual in one refinement */
 } palp_characterize_settings;
 
-/* A constant spring for each recording, known contacts, no arms, the whole curve, 4 starts, 300 evaluations. */
+/* A constant spring for each recording, known contacts, no arms, the whole curve, 4 starts, 300 evaluations.
+ */
 PALP_API palp_characterize_settings palp_characterize_settings_default(void);
 
 /* One fitted parameter. Intervals are 95 %, from the curvature at the optimum, the noise model, and the sd of
  * zero force and of contact; those of arms are symmetric in the logarithm. */
 typedef struct palp_estimate {
-    char name[48];          /* "K_inf [3]", "c2", "K_1", "b_1", "tau_1" */
-    const char *unit;       /* "N", "N s", "s", "Pa" */
+    char name[48];    /* "K_inf [3]", "c2", "K_1", "b_1", "tau_1" */
+    const char *unit; /* "N", "N s", "s", "Pa" */
     double value, sd, low, high;
-    bool determined;        /* false: the interval spans more than a factor of 10, or zero (springs; K_inf: or less) */
+    bool determined; /* false: the interval spans more than a factor of 10, or zero (springs; K_inf: or less)
+                      */
 } palp_estimate;
 
 /* Result of a fit; palp_lumped_fit_free. */
 typedef struct palp_lumped_fit {
-    palp_material material;     /* PALP_SPRING_PER_RUN: law = constant, mean of the runs' K_inf */
+    palp_material material; /* PALP_SPRING_PER_RUN: law = constant, mean of the runs' K_inf */
     size_t n_runs;
-    double *spring_N;           /* [n_runs] K_inf, PALP_SPRING_PER_RUN */
-    double *contact_m, *contact_sd_m; /* [n_runs] by how much contact is later than the recording has it; NULL if taken for known */
-    double contact_scatter_m;   /* of them, PALP_CONTACT_FREE */
-    double *rms_N;              /* [n_runs] residual rms of the samples */
-    double *absolute_N;         /* [n_runs] sum of |residual| over the samples (the thesis' total residual) */
+    double *spring_N;                 /* [n_runs] K_inf, PALP_SPRING_PER_RUN */
+    double *contact_m, *contact_sd_m; /* [n_runs] by how much contact is later than the recording has it; NULL
+                                         if taken for known */
+    double contact_scatter_m;         /* of them, PALP_CONTACT_FREE */
+    double *rms_N;                    /* [n_runs] residual rms of the samples */
+    double *absolute_N; /* [n_runs] sum of |residual| over the samples (the thesis' total residual) */
     size_t n_estimates;
-    palp_estimate *estimate;    /* springs, then K_j, b_j, tau_j by arm; FRACTIONAL: springs, K_frac, tau_frac, exponent */
-    double *correlation;        /* [n_estimates^2] */
-    size_t n_parameters;        /* springs, then K_j and b_j of each arm: as palp_forward_get has a model's */
-    double *covariance;         /* [n_parameters^2] of them, widened as the intervals are; palp_model.covariance */
-    double reduced_chi2;        /* weighted residual per degree of freedom, 1 = down to the noise */
-    double inflation;           /* factor on the sds for misfit and correlated noise, >= 1 */
-    size_t n_merged;            /* arms merged because the data cannot tell them apart */
-    bool constrained;           /* K(e) > 0 had to be enforced */
+    palp_estimate
+        *estimate; /* springs, then K_j, b_j, tau_j by arm; FRACTIONAL: springs, K_frac, tau_frac, exponent */
+    double *correlation; /* [n_estimates^2] */
+    size_t n_parameters; /* springs, then K_j and b_j of each arm: as palp_forward_get has a model's */
+    double *covariance;  /* [n_parameters^2] of them, widened as the intervals are; palp_model.covariance */
+    double reduced_chi2; /* weighted residual per degree of freedom, 1 = down to the noise */
+    double inflation;    /* factor on the sds for misfit and correlated noise, >= 1 */
+    size_t n_merged;     /* arms merged because the data cannot tell them apart */
+    bool constrained;    /* K(e) > 0 had to be enforced */
     bool converged;
 } palp_lumped_fit;
 
 PALP_API void palp_lumped_fit_free(palp_lumped_fit *fit); /* frees arrays, zeroes; NULL is fine */
 
-/* Fits n recordings at once: weighted least squares on means of short blocks of raw samples, by NLopt in log K and
- * log tau. Arms are shared by all recordings. The caller frees *fit. ERR_ARGUMENT: no
- * recording, a law without coefficients; ERR_INPUT with a line in error: recordings of different heights, a recording
- * without noise, fewer samples than parameters. */
-PALP_API palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                                     palp_lumped_fit *fit, palp_error *error);
+/* Fits n recordings at once: weighted least squares on means of short blocks of raw samples, by NLopt in log
+ * K and log tau. Arms are shared by all recordings. The caller frees *fit. ERR_ARGUMENT: no recording, a law
+ * without coefficients; ERR_INPUT with a line in error: recordings of different heights, a recording without
+ * noise, fewer samples than parameters. */
+PALP_API palp_status palp_characterize_fit(size_t n, const palp_recording *recordings,
+                                           const palp_characterize_settings *settings, palp_lumped_fit *fit,
+                                           palp_error *error);
 
-/* K(e) of the fit's law at strain[n] and its sd, stiffness_N[n] and sd_N[n], the caller's. The force is K e, and so is its sd.
- * ERR_ARGUMENT: a fit without one law (PALP_SPRING_PER_RUN) or without intervals. */
-PALP_API palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, const double *strain, double *stiffness_N,
-                                               double *sd_N);
+/* K(e) of the fit's law at strain[n] and its sd, stiffness_N[n] and sd_N[n], the caller's. The force is K e,
+ * and so is its sd. ERR_ARGUMENT: a fit without one law (PALP_SPRING_PER_RUN) or without intervals. */
+PALP_API palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, const double *strain,
+                                               double *stiffness_N, double *sd_N);
 
-/* Number of arms, or degree of the polynomial K, by cross-validation: parts of the data are held out of the fit in
- * turn, whole recordings where there are three or more with one law, else blocks of log time (or depth) of each.
- * score[max + 1]: mean squared residual of what was held out over the noise variance, for 0 to max arms (or degree 0 to
- * max); sd[max + 1]: standard error of its difference to the best one's. *best: the smallest number whose losses, in the
- * mean of their logarithms over the groups of blocks, are within two standard errors, or a fifth, of the best one's.
- * Errors of palp_characterize_fit; select_degree also ERR_ARGUMENT for PALP_SPRING_PER_RUN. */
-PALP_API palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                                      size_t max_arms, double *score, double *sd, size_t *best, palp_error *error);
-PALP_API palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                                        size_t max_degree, double *score, double *sd, size_t *best,
-                                        palp_error *error);
+/* Number of arms, or degree of the polynomial K, by cross-validation: parts of the data are held out of the
+ * fit in turn, whole recordings where there are three or more with one law, else blocks of log time (or
+ * depth) of each. score[max + 1]: mean squared residual of what was held out over the noise variance, for 0
+ * to max arms (or degree 0 to max); sd[max + 1]: standard error of its difference to the best one's. *best:
+ * the smallest number whose losses, in the mean of their logarithms over the groups of blocks, are within two
+ * standard errors, or a fifth, of the best one's. Errors of palp_characterize_fit; select_degree also
+ * ERR_ARGUMENT for PALP_SPRING_PER_RUN. */
+PALP_API palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings,
+                                                   const palp_characterize_settings *settings,
+                                                   size_t max_arms, double *score, double *sd, size_t *best,
+                                                   palp_error *error);
+PALP_API palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings,
+                                                     const palp_characterize_settings *settings,
+                                                     size_t max_degree, double *score, double *sd,
+                                                     size_t *best, palp_error *error);
 
-/* The law, by the same evidence: law[n_laws] in the order of preference, simple first, each with its kind, size, knots and area;
- * coefficients: first guess. One fit each, whose derivatives tell what the folds would leave (one Gauss-Newton step, exact where
- * the parameters are linear). With whole recordings held out, what is deeper than all others is not judged. A law that
- * the data cannot fit loses. score, sd and *best by law, as above. ERR_ARGUMENT: no law, PALP_SPRING_PER_RUN. */
-PALP_API palp_status palp_characterize_select_law(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                                     size_t n_laws, const palp_law *law, double *score, double *sd, size_t *best,
-                                     palp_error *error);
+/* The law, by the same evidence: law[n_laws] in the order of preference, simple first, each with its kind,
+ * size, knots and area; coefficients: first guess. One fit each, whose derivatives tell what the folds would
+ * leave (one Gauss-Newton step, exact where the parameters are linear). With whole recordings held out, what
+ * is deeper than all others is not judged. A law that the data cannot fit loses. score, sd and *best by law,
+ * as above. ERR_ARGUMENT: no law, PALP_SPRING_PER_RUN. */
+PALP_API palp_status palp_characterize_select_law(size_t n, const palp_recording *recordings,
+                                                  const palp_characterize_settings *settings, size_t n_laws,
+                                                  const palp_law *law, double *score, double *sd,
+                                                  size_t *best, palp_error *error);
 
 /* ---- many specimens ---- */
 
-/* A fit of several specimens of one height and area (palp_recording_scale makes them so); palp_specimens_fit_free. Each
- * has its own coefficients of one law and its own arms; these scatter about a mean. */
+/* A fit of several specimens of one height and area (palp_recording_scale makes them so);
+ * palp_specimens_fit_free. Each has its own coefficients of one law and its own arms; these scatter about a
+ * mean. */
 typedef struct palp_specimens_fit {
-    palp_lumped_fit mean;      /* of the mean specimen. Its intervals and covariance are widened so that 1.96 sd hold 95 %, by
-                                  Student's t of n_specimens - 1; its residuals are of each run to the mean specimen's force */
+    palp_lumped_fit
+        mean; /* of the mean specimen. Its intervals and covariance are widened so that 1.96 sd hold 95 %, by
+                 Student's t of n_specimens - 1; its residuals are of each run to the mean specimen's force */
     size_t n_specimens;
-    palp_material *own;        /* [n_specimens] of each */
-    double *factor;            /* [n_specimens] about its force by that of the mean */
-    double *between;           /* [mean.n_parameters^2] covariance of the specimens about the mean; 0: no more than chance */
-    double *within;            /* [mean.n_parameters^2] what the runs of one specimen leave open of it */
-    size_t n_spread;           /* directions in which the specimens differ by more than chance */
+    palp_material *own; /* [n_specimens] of each */
+    double *factor;     /* [n_specimens] about its force by that of the mean */
+    double *between;    /* [mean.n_parameters^2] covariance of the specimens about the mean; 0: no more than
+                           chance */
+    double *within;     /* [mean.n_parameters^2] what the runs of one specimen leave open of it */
+    size_t n_spread;    /* directions in which the specimens differ by more than chance */
 } palp_specimens_fit;
 
 PALP_API void palp_specimens_fit_free(palp_specimens_fit *fit); /* frees arrays, zeroes; NULL is fine */
 
-/* Fits the specimens, 2 or more: recording r is of specimen[r], numbered from 0 without a gap. Each is fitted by itself, from
- * what all tell together; mean, between and within are a random-effects estimate by restricted maximum likelihood (Laird
- * and Ware 1982). Where the specimens differ by no more than chance, mean is the fit of all recordings as of one. The contacts
- * are KNOWN. The caller frees *fit. Errors of palp_characterize_fit; ERR_ARGUMENT: PALP_SPRING_PER_RUN, a specimen without
- * a recording; ERR_INPUT: the mean is no material. */
-PALP_API palp_status palp_characterize_specimens(size_t n, const palp_recording *recordings, const size_t *specimen,
-                                                 const palp_characterize_settings *settings, palp_specimens_fit *fit,
-                                                 palp_error *error);
+/* Fits the specimens, 2 or more: recording r is of specimen[r], numbered from 0 without a gap. Each is fitted
+ * by itself, from what all tell together; mean, between and within are a random-effects estimate by
+ * restricted maximum likelihood (Laird and Ware 1982). Where the specimens differ by no more than chance,
+ * mean is the fit of all recordings as of one. The contacts are KNOWN. The caller frees *fit. Errors of
+ * palp_characterize_fit; ERR_ARGUMENT: PALP_SPRING_PER_RUN, a specimen without a recording; ERR_INPUT: the
+ * mean is no material. */
+PALP_API palp_status palp_characterize_specimens(size_t n, const palp_recording *recordings,
+                                                 const size_t *specimen,
+                                                 const palp_characterize_settings *settings,
+                                                 palp_specimens_fit *fit, palp_error *error);
 
-/* By how much each specimen's force is larger than that of all, factor[specimens], whose product is 1: what to divide by
- * (palp_recording_scale) before the number of arms or the law is chosen from all together. Errors as above. */
-PALP_API palp_status palp_characterize_level(size_t n, const palp_recording *recordings, const size_t *specimen,
-                                             const palp_characterize_settings *settings, double *factor, palp_error *error);
+/* By how much each specimen's force is larger than that of all, factor[specimens], whose product is 1: what
+ * to divide by (palp_recording_scale) before the number of arms or the law is chosen from all together.
+ * Errors as above. */
+PALP_API palp_status palp_characterize_level(size_t n, const palp_recording *recordings,
+                                             const size_t *specimen,
+                                             const palp_characterize_settings *settings, double *factor,
+                                             palp_error *error);
 
 /* K(e) of the specimens at a strain. */
 typedef struct palp_specimens_point {
-    double stiffness_N, sd_N;                  /* of the mean specimen */
-    double between_N, between_low, between_high; /* sd between specimens, and its 95 % interval by chi squared */
-    double within_N;                           /* sd that the runs of one leave open */
-    double new_sd_N;                           /* 1.96 of it about stiffness_N hold 95 % of the specimens not measured */
+    double stiffness_N, sd_N; /* of the mean specimen */
+    double between_N, between_low,
+        between_high; /* sd between specimens, and its 95 % interval by chi squared */
+    double within_N;  /* sd that the runs of one leave open */
+    double new_sd_N;  /* 1.96 of it about stiffness_N hold 95 % of the specimens not measured */
 } palp_specimens_point;
 
 /* At strain[n], into the caller's point[n]. ERR_ARGUMENT: an empty fit. */
-PALP_API palp_status palp_specimens_fit_stiffness(const palp_specimens_fit *fit, size_t n, const double *strain,
-                                                  palp_specimens_point *point);
+PALP_API palp_status palp_specimens_fit_stiffness(const palp_specimens_fit *fit, size_t n,
+                                                  const double *strain, palp_specimens_point *point);
 
-/* The fit's force for a recording, at its samples, into the caller's force_N[recording->n]. run is the recording's
- * index in the fit, which chooses its K_inf. ERR_ARGUMENT: run out of range. */
-PALP_API palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *recording,
-                                           double *force_N);
+/* The fit's force for a recording, at its samples, into the caller's force_N[recording->n]. run is the
+ * recording's index in the fit, which chooses its K_inf. ERR_ARGUMENT: run out of range. */
+PALP_API palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run,
+                                           const palp_recording *recording, double *force_N);
 
 #ifdef __cplusplus
 }

@@ -9,10 +9,10 @@ extern "C" {
 #endif
 
 /* The loadings, all starting from rest at t = 0:
- *   creep        a stress of stress_Pa, held;              gives strain
- *   relaxation   a strain, held;                           gives stress, Pa
- *   ramp         strain rate_1_s t;                        gives stress, Pa
- *   ramp_hold    strain rate_1_s min(t, ramp_s);           gives stress, Pa
+ *   creep a stress of stress_Pa, held; gives strain
+ *   relaxation a strain, held; gives stress, Pa
+ *   ramp strain rate_1_s t; gives stress, Pa
+ *   ramp_hold strain rate_1_s min(t, ramp_s); gives stress, Pa
  * Everything is 0 for t < 0. Where the response jumps at t = 0, t = 0 gives the value just after; at
  * t = ramp_s a dashpot still gives its force (the peak). The linear models know no area: with N for Pa
  * and N s for Pa s throughout, stress is force (Eq. 4.6). Moduli and viscosities are > 0 unless it is
@@ -74,7 +74,7 @@ PALP_API double palp_generalized_maxwell_ramp_hold(const palp_generalized_maxwel
  * and the creep compliance is its reciprocal, s J(s) = 1 / (s E(s)). On s = -p the transform rises from
  * minus to plus infinity between neighbouring r_j, so that its zeros p_k interlace them:
  * p_1 < r_1 < p_2 < r_2 ... Each is found by bisection; then
- *   J_0 = 1 / (E_inf + sum_j E_j),  tau_k = 1 / p_k,  J_k = 1 / (p_k sum_j E_j r_j / (r_j - p_k)^2).
+ *   J_0 = 1 / (E_inf + sum_j E_j), tau_k = 1 / p_k, J_k = 1 / (p_k sum_j E_j r_j / (r_j - p_k)^2).
  * With E_inf = 0 the solid is a liquid: p_1 = 0 becomes the flow term, fluidity = 1 / sum_j eta_j. */
 typedef struct palp_retardation {
     double instant_1_Pa;                   /* J_0 */
@@ -93,7 +93,7 @@ PALP_API double palp_generalized_maxwell_creep(const palp_retardation *spectrum,
 
 /* Force of the nonlinear lumped solid (Eq. 4.7, for one arm 5.24 and 5.25, for two 6.1) under a strain
  * that rises to strain in ramp_s and is held, at time_s[n] (any order), into the caller's force_N[n]:
- *   F(t) = K(|e|) e + sum_j q_j(t),  e = strain min(t, ramp_s) / ramp_s,
+ *   F(t) = K(|e|) e + sum_j q_j(t), e = strain min(t, ramp_s) / ramp_s,
  * that is with K at the strain of the moment, K(A t) A t on the ramp, where the thesis gives the hold
  * part only. strain is positive in compression and may be negative. ramp_s = 0 is a step. The arms may
  * have beta: q_j' + q_j / tau_j = K_j (1 + beta |e|) e' is still a closed form on a ramp. A parallel
@@ -104,14 +104,15 @@ PALP_API double palp_generalized_maxwell_creep(const palp_retardation *spectrum,
 PALP_API palp_status palp_lumped_ramp_hold(const palp_material *material, double strain, double ramp_s,
                                            size_t n, const double *time_s, double *force_N);
 
-/* A small oscillation of a specimen of that height about a strain, in the steady state: depth d cos(w t), w = 2 pi frequency,
- * asks for the force d (storage cos(w t) - loss sin(w t)):
- *   storage = (F'(e) + sum_j K_j x^2 / (1 + x^2)) / height,  loss = (sum_j K_j x / (1 + x^2) + dashpot w) / height,  x = w tau_j,
- * with F' the law's tangent, and K_j and tau_j as beta, gamma and quasi_linear make them at the strain. The caller's
- * storage_N_m[n] and loss_N_m[n]; by H / A of a cylinder they are moduli. Errors of palp_material_check; ERR_ARGUMENT: a height or
- * a frequency not > 0, a strain not finite; ERR_UNSUPPORTED: PALP_SEDEF2008. */
-PALP_API palp_status palp_lumped_oscillation(const palp_material *material, double height_m, double strain, size_t n,
-                                             const double *frequency_Hz, double *storage_N_m, double *loss_N_m);
+/* A small oscillation of a specimen of that height about a strain, in the steady state: depth d cos(w t), w =
+ * 2 pi frequency, asks for the force d (storage cos(w t) - loss sin(w t)): storage = (F'(e) + sum_j K_j x^2 /
+ * (1 + x^2)) / height, loss = (sum_j K_j x / (1 + x^2) + dashpot w) / height, x = w tau_j, with F' the
+ * law's tangent, and K_j and tau_j as beta, gamma and quasi_linear make them at the strain. The caller's
+ * storage_N_m[n] and loss_N_m[n]; by H / A of a cylinder they are moduli. Errors of palp_material_check;
+ * ERR_ARGUMENT: a height or a frequency not > 0, a strain not finite; ERR_UNSUPPORTED: PALP_SEDEF2008. */
+PALP_API palp_status palp_lumped_oscillation(const palp_material *material, double height_m, double strain,
+                                             size_t n, const double *frequency_Hz, double *storage_N_m,
+                                             double *loss_N_m);
 
 #ifdef __cplusplus
 }

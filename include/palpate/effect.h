@@ -13,30 +13,31 @@
 extern "C" {
 #endif
 
-/* The registry of effects, X(NAME, id), in the order of the catalogue; the row of each is in its own file lib/effect/id.c. */
-#define PALP_EFFECTS(X)                           \
-    X(RELAXATION_ARM, relaxation_arm)             \
-    X(POWER_LAW_RELAXATION, power_law_relaxation) \
-    X(STRAIN_DEPENDENT_ARM, strain_dependent_arm) \
-    X(RATE_STIFFENING, rate_stiffening)           \
-    X(DAMAGE_SOFTENING, damage_softening)         \
-    X(PERMANENT_SET, permanent_set)               \
-    X(POROELASTIC, poroelastic)                   \
-    X(CONTACT_OFFSET, contact_offset)             \
-    X(TOE_REGION, toe_region)                     \
-    X(ADHESION, adhesion)                         \
-    X(PLATE_SLIP, plate_slip)                     \
-    X(SESSION_AGEING, session_ageing)             \
-    X(FRAME_COMPLIANCE, frame_compliance)         \
-    X(PLATE_INERTIA, plate_inertia)               \
-    X(COULOMB_FRICTION, coulomb_friction)         \
-    X(SENSOR_LAG, sensor_lag)                     \
-    X(SENSOR_BIAS, sensor_bias)                   \
-    X(SENSOR_DRIFT, sensor_drift)                 \
-    X(SENSOR_GAIN, sensor_gain)                   \
-    X(FORCE_SATURATION, force_saturation)         \
-    X(MAINS_HUM, mains_hum)                       \
-    X(DRIVE_RIPPLE, drive_ripple)                 \
+/* The registry of effects, X(NAME, id), in the order of the catalogue; the row of each is in its own file
+ * lib/effect/id.c. */
+#define PALP_EFFECTS(X)                                                                                      \
+    X(RELAXATION_ARM, relaxation_arm)                                                                        \
+    X(POWER_LAW_RELAXATION, power_law_relaxation)                                                            \
+    X(STRAIN_DEPENDENT_ARM, strain_dependent_arm)                                                            \
+    X(RATE_STIFFENING, rate_stiffening)                                                                      \
+    X(DAMAGE_SOFTENING, damage_softening)                                                                    \
+    X(PERMANENT_SET, permanent_set)                                                                          \
+    X(POROELASTIC, poroelastic)                                                                              \
+    X(CONTACT_OFFSET, contact_offset)                                                                        \
+    X(TOE_REGION, toe_region)                                                                                \
+    X(ADHESION, adhesion)                                                                                    \
+    X(PLATE_SLIP, plate_slip)                                                                                \
+    X(SESSION_AGEING, session_ageing)                                                                        \
+    X(FRAME_COMPLIANCE, frame_compliance)                                                                    \
+    X(PLATE_INERTIA, plate_inertia)                                                                          \
+    X(COULOMB_FRICTION, coulomb_friction)                                                                    \
+    X(SENSOR_LAG, sensor_lag)                                                                                \
+    X(SENSOR_BIAS, sensor_bias)                                                                              \
+    X(SENSOR_DRIFT, sensor_drift)                                                                            \
+    X(SENSOR_GAIN, sensor_gain)                                                                              \
+    X(FORCE_SATURATION, force_saturation)                                                                    \
+    X(MAINS_HUM, mains_hum)                                                                                  \
+    X(DRIVE_RIPPLE, drive_ripple)                                                                            \
     X(THERMAL_EXPANSION, thermal_expansion)
 
 typedef enum palp_effect_id {
@@ -57,10 +58,11 @@ typedef enum palp_effect_place {
 /* What of a recording the size of a parameter goes with. */
 typedef enum palp_effect_scale {
     PALP_SCALE_NONE,
-    PALP_SCALE_TIME,   /* its duration */
-    PALP_SCALE_LENGTH, /* its depth */
-    PALP_SCALE_FORCE,  /* its force */
-    PALP_SCALE_FORCE_1_S,  /* its force, had it been seen after one second: beyond that it falls by a power of time */
+    PALP_SCALE_TIME,       /* its duration */
+    PALP_SCALE_LENGTH,     /* its depth */
+    PALP_SCALE_FORCE,      /* its force */
+    PALP_SCALE_FORCE_1_S,  /* its force, had it been seen after one second: beyond that it falls by a power of
+                              time */
     PALP_SCALE_FORCE_RATE, /* force over duration */
     PALP_SCALE_COMPLIANCE, /* depth over force */
     PALP_SCALE_MASS,       /* force over depth, times duration twice */

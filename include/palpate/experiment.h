@@ -26,12 +26,13 @@ PALP_API palp_status palp_experiment_read(const char *path, palp_experiment **ex
 /* Writes to a temporary name beside path, then renames: path is never half a file. Numbers keep
  * every digit needed to read the same double back. ERR_ARGUMENT (and no file) if a number is not
  * finite or time_s does not increase. */
-PALP_API palp_status palp_experiment_write(const palp_experiment *experiment, const char *path, palp_error *error);
+PALP_API palp_status palp_experiment_write(const palp_experiment *experiment, const char *path,
+                                           palp_error *error);
 
 PALP_API size_t palp_experiment_rows(const palp_experiment *experiment);
 
-/* The numbers of a column by its name, [palp_experiment_rows], which may be written to. They are the experiment's.
- * NULL if there is no such column. */
+/* The numbers of a column by its name, [palp_experiment_rows], which may be written to. They are the
+ * experiment's. NULL if there is no such column. */
 PALP_API double *palp_experiment_column(const palp_experiment *experiment, const char *name);
 PALP_API size_t palp_experiment_column_count(const palp_experiment *experiment);
 PALP_API const char *palp_experiment_column_name(const palp_experiment *experiment, size_t i);
@@ -43,17 +44,22 @@ PALP_API palp_status palp_experiment_add_column(palp_experiment *experiment, con
  * get_string is the experiment's. Setters add or replace; ERR_ARGUMENT for a number that is not
  * finite, a text that is not UTF-8, a key of other than letters, digits, '_', '.' and '-'. Keys that
  * start with "end." are written after the numbers. */
-PALP_API palp_status palp_experiment_get_number(const palp_experiment *experiment, const char *key, double *value);
-PALP_API palp_status palp_experiment_get_string(const palp_experiment *experiment, const char *key, const char **value);
+PALP_API palp_status palp_experiment_get_number(const palp_experiment *experiment, const char *key,
+                                                double *value);
+PALP_API palp_status palp_experiment_get_string(const palp_experiment *experiment, const char *key,
+                                                const char **value);
 PALP_API palp_status palp_experiment_set_number(palp_experiment *experiment, const char *key, double value);
-PALP_API palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key, const char *value);
+PALP_API palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key,
+                                                const char *value);
 
-/* Runs that are in several files: one that begins under load, where and when another ends and with its force, of the same specimen
- * (specimen.name), goes on with that one. of[n]: which of the n each is a part of, the one in which its run begins; itself where there
- * is no other part. whole[n]: at the place where such a run begins, all of it, which the caller frees; NULL elsewhere. It has the rows of
- * its parts in turn, the columns that all have, the keys of the first part, and those of the last that start with "end.". ERR_NO_MEMORY:
- * there is nothing to free. */
-PALP_API palp_status palp_experiment_join(size_t n, const palp_experiment *const *run, palp_experiment **whole, size_t *of);
+/* Runs that are in several files: one that begins under load, where and when another ends and with its force,
+ * of the same specimen (specimen.name), goes on with that one. of[n]: which of the n each is a part of, the
+ * one in which its run begins; itself where there is no other part. whole[n]: at the place where such a run
+ * begins, all of it, which the caller frees; NULL elsewhere. It has the rows of its parts in turn, the
+ * columns that all have, the keys of the first part, and those of the last that start with "end.".
+ * ERR_NO_MEMORY: there is nothing to free. */
+PALP_API palp_status palp_experiment_join(size_t n, const palp_experiment *const *run,
+                                          palp_experiment **whole, size_t *of);
 
 #ifdef __cplusplus
 }

@@ -18,20 +18,21 @@ enum { PALP_EXPLAIN_EFFECTS = 6, PALP_EXPLAIN_PHASE_SHARES = 64, PALP_EXPLAIN_RE
 typedef void palp_explain_loop(void *user, size_t n, void (*task)(void *work, size_t i), void *work);
 
 typedef struct palp_explain_settings {
-    size_t max_effects;                    /* 4; at most PALP_EXPLAIN_EFFECTS */
-    double false_alarm;                    /* 0.05: chance that any effect at all is named where nothing is missing */
-    double good_enough;                    /* 0: the practical limit, of the largest force; what is less is not named */
-    double repeatability;                  /* expected scatter of a run's gain; the data correct it; 0 = they tell it alone */
-    palp_contact_form contact;             /* FREE; KNOWN: every recorded contact is exact; COMMON: all are off by the same, if at all */
-    double contact_scatter_m;              /* FREE: expected as repeatability is; 0 = the files' contact.sd_mm, if any */
+    size_t max_effects;   /* 4; at most PALP_EXPLAIN_EFFECTS */
+    double false_alarm;   /* 0.05: chance that any effect at all is named where nothing is missing */
+    double good_enough;   /* 0: the practical limit, of the largest force; what is less is not named */
+    double repeatability; /* expected scatter of a run's gain; the data correct it; 0 = they tell it alone */
+    palp_contact_form contact; /* FREE; KNOWN: every recorded contact is exact; COMMON: all are off by the
+                                  same, if at all */
+    double contact_scatter_m;  /* FREE: expected as repeatability is; 0 = the files' contact.sd_mm, if any */
     unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a candidate; all of them */
-    size_t n_held_out;                     /* runs kept out of the fit; 0 = each in turn */
-    const size_t *held_out;                /* [n_held_out] indices, caller's */
-    unsigned long long seed;               /* of the simulated null cases */
-    palp_explain_loop *loop;               /* NULL = one after the other; the result is the same */
+    size_t n_held_out;                          /* runs kept out of the fit; 0 = each in turn */
+    const size_t *held_out;                     /* [n_held_out] indices, caller's */
+    unsigned long long seed;                    /* of the simulated null cases */
+    palp_explain_loop *loop;                    /* NULL = one after the other; the result is the same */
     void *loop_user;
-    void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all. The loop's
-                                                   threads call it too, several at once */
+    void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all.
+                                                   The loop's threads call it too, several at once */
     void *progress_user;
 } palp_explain_settings;
 
@@ -48,7 +49,8 @@ typedef enum palp_explain_verdict {
     PALP_EXPLAIN_EXPLAINED,   /* with the effects, what remains is at the noise level */
     PALP_EXPLAIN_AMBIGUOUS,   /* likewise, but another effect would do as well */
     PALP_EXPLAIN_UNEXPLAINED, /* something remains that no effect of the catalogue accounts for */
-    PALP_EXPLAIN_SUSPECTED    /* of one recording: effects gain more than chance, but no other run confirms them */
+    PALP_EXPLAIN_SUSPECTED /* of one recording: effects gain more than chance, but no other run confirms them
+                            */
 } palp_explain_verdict;
 
 PALP_API const char *palp_explain_verdict_name(palp_explain_verdict verdict); /* "agrees", ... */
@@ -57,16 +59,16 @@ PALP_API const char *palp_explain_verdict_name(palp_explain_verdict verdict); /*
 typedef struct palp_explain_effect {
     palp_effect effect;
     double low[PALP_EFFECT_PARAMETERS], high[PALP_EFFECT_PARAMETERS];
-    size_t n_class;                          /* effects that would do as well, itself first */
+    size_t n_class; /* effects that would do as well, itself first */
     palp_effect_id alike[PALP_EFFECT_COUNT];
-    double evidence;                         /* gain in held-out log score, nats */
-    double evidence_se;                      /* its paired standard error over the experiments */
-    double gap_closed;                       /* share of the squared gap above the noise level */
-    bool recovers;                           /* the runs of one session show it, but each as on a new specimen */
+    double evidence;    /* gain in held-out log score, nats */
+    double evidence_se; /* its paired standard error over the experiments */
+    double gap_closed;  /* share of the squared gap above the noise level */
+    bool recovers;      /* the runs of one session show it, but each as on a new specimen */
 } palp_explain_effect;
 
-/* N, rms over the samples: before, by the model as given with one contact and one gain for all runs; after, with the
- * effects and what the runs have of their own. */
+/* N, rms over the samples: before, by the model as given with one contact and one gain for all runs; after,
+ * with the effects and what the runs have of their own. */
 typedef struct palp_explain_gap {
     double noise_level_N, before_N, after_N, heldout_before_N, heldout_after_N, closed;
 } palp_explain_gap;
@@ -79,20 +81,22 @@ typedef struct palp_explain_scatter {
     bool found;       /* it is more than what the noise hides */
 } palp_explain_scatter;
 
-/* Whether another family of stiffness laws is needed than the given model has, or arms that the elastic force drives (quasi_linear)
- * where it has linear ones, or the reverse; model has it then, base the given one. */
+/* Whether another family of stiffness laws is needed than the given model has, or arms that the elastic force
+ * drives (quasi_linear) where it has linear ones, or the reverse; model has it then, base the given one. */
 typedef struct palp_explain_law {
     bool found;
-    double without_N; /* rms that is left with the given law beside the same effects; with the other gap.after_N is */
+    double without_N; /* rms that is left with the given law beside the same effects; with the other
+                         gap.after_N is */
     double evidence;  /* in log likelihood, less what its coefficients cost, nats */
 } palp_explain_law;
 
-/* How the specimens of the runs differ, which their files name; model has it as the spread between specimens then. */
+/* How the specimens of the runs differ, which their files name; model has it as the spread between specimens
+ * then. */
 typedef struct palp_explain_specimens {
-    size_t n;         /* that the files name; 0 or 1: nothing can be said */
+    size_t n; /* that the files name; 0 or 1: nothing can be said */
     bool found;
-    double sd;        /* of their stiffness, as a share */
-    bool law;         /* of the law beside the arms; else the whole force of a specimen is so many times another's */
+    double sd; /* of their stiffness, as a share */
+    bool law;  /* of the law beside the arms; else the whole force of a specimen is so many times another's */
     double without_N; /* rms that is left if they are alike; with it gap.after_N is */
     double evidence;  /* in log likelihood, nats */
     double *between;  /* what the model's points to */
@@ -103,8 +107,8 @@ typedef struct palp_explain_phase_share {
     palp_phase phase;
     double share;     /* of the squared gap, before */
     double remaining; /* likewise of what remains there with the effects, over that same gap */
-    /* of the residual there, for white noise 0 and within +-2: correlation from sample to sample; too few (-) or too many
-     * runs of one sign, in standard deviations */
+    /* of the residual there, for white noise 0 and within +-2: correlation from sample to sample; too few (-)
+     * or too many runs of one sign, in standard deviations */
     double lag1, runs_z;
 } palp_explain_phase_share;
 
@@ -114,8 +118,8 @@ typedef struct palp_explain_peak {
     double prominence;      /* its power over the median of all frequencies */
 } palp_explain_peak;
 
-/* Diagnostics of the residual with the effects: its strongest lines, and what free smooth curves would take off it, rms:
- * the most that an unknown effect of depth, of time within a run or of speed could explain. */
+/* Diagnostics of the residual with the effects: its strongest lines, and what free smooth curves would take
+ * off it, rms: the most that an unknown effect of depth, of time within a run or of speed could explain. */
 typedef struct palp_explain_diagnostics {
     palp_explain_peak in_time, in_depth;
     double by_depth_N, by_time_N, by_rate_N;
@@ -130,12 +134,14 @@ typedef struct palp_explain_event {
 /* What was tried and how it fared. */
 typedef struct palp_explain_candidate {
     palp_effect_id id;
-    bool identifiable; /* these runs can show it: share is large enough, and nothing that it needs is missing */
-    double share;      /* of what it does, left beside the richest law, arms, contacts and zeros that these runs could carry */
+    bool identifiable; /* these runs can show it: share is large enough, and nothing that it needs is missing
+                        */
+    double share; /* of what it does, left beside the richest law, arms, contacts and zeros that these runs
+                     could carry */
     bool accepted;
-    bool unconfirmed;  /* it gains more than chance, but in one run only */
-    double score;      /* log likelihood gained when it alone is added, nats */
-    double explained_N; /* rms that it alone would explain */
+    bool unconfirmed;                 /* it gains more than chance, but in one run only */
+    double score;                     /* log likelihood gained when it alone is added, nats */
+    double explained_N;               /* rms that it alone would explain */
     char reason[PALP_EXPLAIN_REASON]; /* why it was rejected */
 } palp_explain_candidate;
 
@@ -151,8 +157,9 @@ typedef struct palp_explain_run {
     char name[PALP_NAME_MAX];
     size_t n;
     double *time_s, *depth_m, *force_N; /* [n] as recorded */
-    double *before_N, *after_N;         /* [n] recorded minus the refitted model: as given, with the effects */
-    double stiffness;                   /* how many times as stiff its specimen is as the model; 1 where specimens do not differ */
+    double *before_N, *after_N; /* [n] recorded minus the refitted model: as given, with the effects */
+    double
+        stiffness; /* how many times as stiff its specimen is as the model; 1 where specimens do not differ */
 } palp_explain_run;
 
 /* The run that would tell a class apart best, of those the indenter can do. */
@@ -177,9 +184,9 @@ typedef struct palp_explanation {
     palp_explain_scatter zero, contact, gain;
     palp_explain_law law;
     palp_explain_specimens specimens;
-    bool replicates;          /* the runs have some */
-    double null_threshold;    /* score above which a candidate is more than chance, nats */
-    double unexplained_N;     /* rms of the structure that remains above the noise level */
+    bool replicates;       /* the runs have some */
+    double null_threshold; /* score above which a candidate is more than chance, nats */
+    double unexplained_N;  /* rms of the structure that remains above the noise level */
     size_t n_phase_shares, n_events, n_candidates, n_runs;
     palp_explain_phase_share phase_share[PALP_EXPLAIN_PHASE_SHARES];
     palp_explain_event *event;
@@ -199,13 +206,14 @@ PALP_API palp_status palp_explain(const palp_model *model, size_t n, const palp_
                                   const palp_explain_settings *settings, palp_explanation *explanation,
                                   palp_error *error);
 
-/* How far the frame gives way, from runs on a rigid block: its compliance with a 95 % interval, m/N. ERR_INPUT with the run's
- * name where its samples will not do, or it does not press. */
+/* How far the frame gives way, from runs on a rigid block: its compliance with a 95 % interval, m/N.
+ * ERR_INPUT with the run's name where its samples will not do, or it does not press. */
 typedef struct palp_frame {
     double compliance_m_N, low_m_N, high_m_N;
 } palp_frame;
 
-PALP_API palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_frame *frame, palp_error *error);
+PALP_API palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_frame *frame,
+                                        palp_error *error);
 
 #ifdef __cplusplus
 }

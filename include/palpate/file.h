@@ -34,7 +34,8 @@ PALP_API palp_status palp_file_commit(palp_file *file, bool durable, palp_error 
 PALP_API void palp_file_abandon(palp_file *file);
 
 /* The same for two files that belong together: neither target is touched before both are written whole. */
-PALP_API palp_status palp_file_commit_pair(palp_file *first, palp_file *second, bool durable, palp_error *error);
+PALP_API palp_status palp_file_commit_pair(palp_file *first, palp_file *second, bool durable,
+                                           palp_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,5 @@
-/* indentation.h: the force of a tip pressed into an elastic layer, small strain: plate, flat punch, sphere, cone. */
+/* indentation.h: the force of a tip pressed into an elastic layer, small strain: plate, flat punch, sphere,
+ * cone. */
 #ifndef PALPATE_INDENTATION_H
 #define PALPATE_INDENTATION_H
 
@@ -11,38 +12,45 @@
 extern "C" {
 #endif
 
-/* PLATE covers the whole face of the specimen, a cylinder. The others touch a part of the face of a layer that is wide. */
+/* PLATE covers the whole face of the specimen, a cylinder. The others touch a part of the face of a layer
+ * that is wide. */
 typedef enum palp_tip_kind { PALP_TIP_PLATE, PALP_TIP_FLAT, PALP_TIP_SPHERE, PALP_TIP_CONE } palp_tip_kind;
 
-PALP_API const char *palp_tip_name(palp_tip_kind kind); /* "plate", "flat", "sphere", "cone"; NULL for another */
+PALP_API const char *
+palp_tip_name(palp_tip_kind kind); /* "plate", "flat", "sphere", "cone"; NULL for another */
 PALP_API bool palp_tip_find(const char *name, palp_tip_kind *kind);
 
-/* A tip on a layer of an elastic material; lengths in m. Zeros below the floor: the tip slides without friction on a wide
- * layer at small strain. What follows comes from tables of CalculiX (data/tips), for a bonded floor: ERR_UNSUPPORTED for a sphere
- * or cone that sticks or with a specimen's radius, ERR_LIMIT beyond the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to
- * 4 heights, a sphere of 0.3 to 4 thicknesses, a cone of 70 to 80 degrees; below a Poisson's ratio of 0.3 they are as at 0.3. */
+/* A tip on a layer of an elastic material; lengths in m. Zeros below the floor: the tip slides without
+ * friction on a wide layer at small strain. What follows comes from tables of CalculiX (data/tips), for a
+ * bonded floor: ERR_UNSUPPORTED for a sphere or cone that sticks or with a specimen's radius, ERR_LIMIT
+ * beyond the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to 4 heights, a sphere of 0.3 to 4
+ * thicknesses, a cone of 70 to 80 degrees; below a Poisson's ratio of 0.3 they are as at 0.3. */
 typedef struct palp_indentation {
     palp_tip_kind tip;
-    double radius_m;         /* flat punch, sphere: > 0. Plate: of the specimen, > 0 */
-    double half_angle_rad;   /* cone: between axis and flank, 0 to pi / 2 */
-    double thickness_m;      /* of the layer; INFINITY = a half-space (not for a plate) */
-    double poisson;          /* -1 < nu <= 0.5 */
-    bool floor_slides;       /* the layer slides on its floor; a plate's specimen slides on both faces unless it sticks */
-    bool tip_sticks;         /* flat: friction holds its face; plate: the specimen is glued to both plates */
-    bool large_strain;       /* a neo-Hookean layer; flat: to a depth of 0.2 thicknesses h and 0.25 radii; sphere: to 0.16 R h / (R + 0.1 h);
-                                cone: to 0.15 h; a plate stays linear */
+    double radius_m;       /* flat punch, sphere: > 0. Plate: of the specimen, > 0 */
+    double half_angle_rad; /* cone: between axis and flank, 0 to pi / 2 */
+    double thickness_m;    /* of the layer; INFINITY = a half-space (not for a plate) */
+    double poisson;        /* -1 < nu <= 0.5 */
+    bool floor_slides;     /* the layer slides on its floor; a plate's specimen slides on both faces unless it
+                              sticks */
+    bool tip_sticks;       /* flat: friction holds its face; plate: the specimen is glued to both plates */
+    bool large_strain; /* a neo-Hookean layer; flat: to a depth of 0.2 thicknesses h and 0.25 radii; sphere:
+                          to 0.16 R h / (R + 0.1 h); cone: to 0.15 h; a plate stays linear */
     double specimen_radius_m; /* flat: of the cylinder under it, not below its own; 0 = wide */
 } palp_indentation;
 
-/* Force at depth_m[n] over the shear modulus: force_m2[n], in m2, times G in Pa is N. 0 at depths <= 0. Plate: Young's modulus
- * times strain times area. Others: the dual integral equations of the contact of a layer (Lebedev and Ufliand 1958; Hayes and
- * others 1972), solved to some 1e-6, of which the half-space (flat 4 G a d / (1 - nu); Hertz; Sneddon) is the limit of a
- * thick layer. A sphere is a sphere and no paraboloid. ERR_ARGUMENT: a number out of its range or not finite; ERR_LIMIT: a
- * contact wider than PALP_INDENTATION_WIDEST thicknesses; ERR_NO_MEMORY. */
-PALP_API palp_status palp_indentation_force(const palp_indentation *indentation, size_t n, const double *depth_m, double *force_m2);
+/* Force at depth_m[n] over the shear modulus: force_m2[n], in m2, times G in Pa is N. 0 at depths <= 0.
+ * Plate: Young's modulus times strain times area. Others: the dual integral equations of the contact of a
+ * layer (Lebedev and Ufliand 1958; Hayes and others 1972), solved to some 1e-6, of which the half-space (flat
+ * 4 G a d / (1 - nu); Hertz; Sneddon) is the limit of a thick layer. A sphere is a sphere and no paraboloid.
+ * ERR_ARGUMENT: a number out of its range or not finite; ERR_LIMIT: a contact wider than
+ * PALP_INDENTATION_WIDEST thicknesses; ERR_NO_MEMORY. */
+PALP_API palp_status palp_indentation_force(const palp_indentation *indentation, size_t n,
+                                            const double *depth_m, double *force_m2);
 
 /* Radius of the contact at a depth; a flat punch's and a plate's is their own. Errors likewise. */
-PALP_API palp_status palp_indentation_contact(const palp_indentation *indentation, double depth_m, double *contact_m);
+PALP_API palp_status palp_indentation_contact(const palp_indentation *indentation, double depth_m,
+                                              double *contact_m);
 
 #define PALP_INDENTATION_WIDEST 12.0
 

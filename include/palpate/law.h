@@ -40,9 +40,9 @@ typedef struct palp_law {
     double strain[PALP_LAW_MAX];       /* spline only: knots, strain[0] = 0, increasing */
     double slope[PALP_LAW_MAX];        /* spline only: dK/da at the knots, N; derived by the maker */
     double area_m2;                    /* hyperelastic only: initial cross-section */
-    double strain_max;                 /* it was measured to this |strain|; beyond it the force goes on along its
-                                          tangent there, of every kind. 0 = not known: the kind's own formula
-                                          everywhere. See palp_law_limit */
+    double strain_max; /* it was measured to this |strain|; beyond it the force goes on along its
+                          tangent there, of every kind. 0 = not known: the kind's own formula
+                          everywhere. See palp_law_limit */
 } palp_law;
 
 /* K(a) = sum c_N[i] a^i, i < n, 1 <= n <= PALP_LAW_MAX. ERR_ARGUMENT: n = 0 or a coefficient is not
@@ -58,17 +58,19 @@ PALP_API palp_status palp_law_spline(size_t n, const double *strain, const doubl
 PALP_API palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *coefficients_Pa,
                                            double area_m2, palp_law *law);
 
-/* Gives *law other coefficients c[law->n], as its maker takes them; knots, area and strain_max stay. Errors as of the makers; *law is
- * then untouched. */
+/* Gives *law other coefficients c[law->n], as its maker takes them; knots, area and strain_max stay. Errors
+ * as of the makers; *law is then untouched. */
 PALP_API palp_status palp_law_set_coefficients(palp_law *law, const double *c);
 
-/* Says to which strain the law was measured: from there on the force is a straight line with the force and the slope that it
- * has there, so that it rises at every strain. Where it hardly rises at strain_max (by less than a hundredth of K per unit
- * strain) the range ends before, where it does; law->strain_max tells. 0 lifts the limit. ERR_ARGUMENT: not finite, negative, or
- * the force rises nowhere below it. A maker makes a law without a limit. */
+/* Says to which strain the law was measured: from there on the force is a straight line with the force and
+ * the slope that it has there, so that it rises at every strain. Where it hardly rises at strain_max (by less
+ * than a hundredth of K per unit strain) the range ends before, where it does; law->strain_max tells. 0 lifts
+ * the limit. ERR_ARGUMENT: not finite, negative, or the force rises nowhere below it. A maker makes a law
+ * without a limit. */
 PALP_API palp_status palp_law_limit(palp_law *law, double strain_max);
 
-/* How far |e| is beyond the strain that the law was measured to; 0 within it, and where that strain is not known. */
+/* How far |e| is beyond the strain that the law was measured to; 0 within it, and where that strain is not
+ * known. */
 PALP_API double palp_law_beyond(const palp_law *law, double e);
 
 /* The same law with every coefficient times factor (Ogden's alpha untouched); *scaled may be *law.
@@ -79,9 +81,9 @@ PALP_API palp_status palp_law_scale(const palp_law *law, double factor, palp_law
 PALP_API void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, double *slope_N);
 
 /* For n strains e[n]: force f = K(|e|) e, tangent df/de, energy = integral of f de from 0 (N, i.e.
- * J per metre of rest length). A law depends on |e| only: e is positive in tension for an element and in compression for a
- * lumped specimen. tangent and energy may be NULL; the arrays must not overlap.
- * A hyperelastic law without a limit gives infinity at |e| >= 1. e may be any finite number. */
+ * J per metre of rest length). A law depends on |e| only: e is positive in tension for an element and in
+ * compression for a lumped specimen. tangent and energy may be NULL; the arrays must not overlap. A
+ * hyperelastic law without a limit gives infinity at |e| >= 1. e may be any finite number. */
 PALP_API void palp_law_force(const palp_law *law, size_t n, const double *e, double *force_N,
                              double *tangent_N, double *energy_N);
 

@@ -40,30 +40,32 @@ typedef struct palp_material {
     palp_formulation formulation;
 } palp_material;
 
-/* Whether a material can be run; a line in error (may be NULL) says what is wrong. ERR_ARGUMENT: a number out of its
- * range or not finite; ERR_LIMIT: more than PALP_ARMS_MAX arms; ERR_UNSUPPORTED: what the formulation has no equation
- * for. */
+/* Whether a material can be run; a line in error (may be NULL) says what is wrong. ERR_ARGUMENT: a number out
+ * of its range or not finite; ERR_LIMIT: more than PALP_ARMS_MAX arms; ERR_UNSUPPORTED: what the formulation
+ * has no equation for. */
 PALP_API palp_status palp_material_check(const palp_material *material, palp_error *error);
 
-/* The state of one element after a step, from which the next one starts; zero-initialised = undeformed and at rest. */
+/* The state of one element after a step, from which the next one starts; zero-initialised = undeformed and at
+ * rest. */
 typedef struct palp_element_state {
-    double strain;             /* e */
-    double force_N;            /* F */
+    double strain;               /* e */
+    double force_N;              /* F */
     double arm_N[PALP_ARMS_MAX]; /* q_j */
 } palp_element_state;
 
 /* Advances one element (or a lumped specimen) from *from to strain in dt_s: writes *to (may be
  * from) and, if tangent_N is not NULL, dF/de at the end of the step. dt_s = 0 is an instantaneous
  * step, dt_s = INFINITY a fully relaxed one. ERR_ARGUMENT: dt_s < 0 or NaN, strain not finite, a law or
- * arms beyond their arrays (the rest is palp_material_check's, once and not at every step), or dt_s = 0 with a parallel dashpot or PALP_SEDEF2008. */
+ * arms beyond their arrays (the rest is palp_material_check's, once and not at every step), or dt_s = 0 with
+ * a parallel dashpot or PALP_SEDEF2008. */
 PALP_API palp_status palp_element_advance(const palp_material *material, const palp_element_state *from,
                                           double strain, double dt_s, palp_element_state *to,
                                           double *tangent_N);
 
 /* Force of a lumped specimen of height height_m that follows depth_m[n] (positive = compression) at
  * the increasing times time_s[n]; at rest before time_s[0], where depth_m[0] is applied at once.
- * Linear depth between the samples. force_N[n] is the caller's. Errors of palp_material_check and palp_element_advance;
- * ERR_ARGUMENT: a height that is not positive, times that do not increase. */
+ * Linear depth between the samples. force_N[n] is the caller's. Errors of palp_material_check and
+ * palp_element_advance; ERR_ARGUMENT: a height that is not positive, times that do not increase. */
 PALP_API palp_status palp_lumped_run(const palp_material *material, double height_m, size_t n,
                                      const double *time_s, const double *depth_m, double *force_N);
 

@@ -12,10 +12,11 @@
 extern "C" {
 #endif
 
-/* Limits: at least two nodes and one element, at most INT32_MAX nodes, which a lattice refuses with ERR_ARGUMENT; at most
- * INT32_MAX / 4 tetrahedra (ERR_LIMIT). A network is limited earlier, by the entries of its tangent and of the
- * factor, which have 32-bit indices (ERR_LIMIT of palp_network_create). A mesh is one connected part and no pair of nodes has
- * two elements. Tetrahedra that overlap without being the same one are not refused. */
+/* Limits: at least two nodes and one element, at most INT32_MAX nodes, which a lattice refuses with
+ * ERR_ARGUMENT; at most INT32_MAX / 4 tetrahedra (ERR_LIMIT). A network is limited earlier, by the entries of
+ * its tangent and of the factor, which have 32-bit indices (ERR_LIMIT of palp_network_create). A mesh is one
+ * connected part and no pair of nodes has two elements. Tetrahedra that overlap without being the same one
+ * are not refused. */
 typedef struct palp_mesh palp_mesh; /* owns its arrays; free with palp_mesh_free */
 
 /* Neighbourhood of a lattice node: the faces; faces and edges; faces, edges and corners (Moore). */
@@ -47,8 +48,8 @@ PALP_API palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t 
  * and "top" are the nodes at the lowest and highest y within 1e-6 of the height. Nodes that no
  * tetrahedron or hexahedron uses are left out, the others numbered in the order of their tags; a group
  * of left out nodes only gives no set. ERR_INPUT with "file:line: ..." for anything malformed, a node
- * that is not there, given twice or twice in an element, an element given twice or of zero length, more than one
- * connected part, volume elements of other types, a partitioned or binary file, another version. */
+ * that is not there, given twice or twice in an element, an element given twice or of zero length, more than
+ * one connected part, volume elements of other types, a partitioned or binary file, another version. */
 PALP_API palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diagonals,
                                          palp_mesh **mesh, palp_error *error);
 
@@ -57,10 +58,11 @@ PALP_API void palp_mesh_free(palp_mesh *mesh); /* NULL is allowed */
 PALP_API size_t palp_mesh_node_count(const palp_mesh *mesh);
 PALP_API size_t palp_mesh_element_count(const palp_mesh *mesh);
 PALP_API const double *palp_mesh_positions(const palp_mesh *mesh); /* [3 n_nodes], m, at rest; the mesh's */
-PALP_API const int32_t *palp_mesh_pairs(const palp_mesh *mesh);    /* [2 n_elements], the nodes of each; the mesh's */
+PALP_API const int32_t *
+palp_mesh_pairs(const palp_mesh *mesh); /* [2 n_elements], the nodes of each; the mesh's */
 
-/* Tetrahedra that fill the mesh, four nodes each, positive volume; mesh's. A lattice's boxes are six each, with
- * edges between Moore neighbours; a Gmsh file's hexahedra likewise. 0 for a mesh from arrays. */
+/* Tetrahedra that fill the mesh, four nodes each, positive volume; mesh's. A lattice's boxes are six each,
+ * with edges between Moore neighbours; a Gmsh file's hexahedra likewise. 0 for a mesh from arrays. */
 PALP_API size_t palp_mesh_tetrahedron_count(const palp_mesh *mesh);
 PALP_API const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh);
 
@@ -68,21 +70,25 @@ PALP_API const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh);
 PALP_API size_t palp_mesh_triangle_count(const palp_mesh *mesh);
 PALP_API const int32_t *palp_mesh_triangles(const palp_mesh *mesh);
 
-/* How the elements of a mesh of tetrahedra share in a solid's stiffness. An element's force is its factor times what the
- * material says, F = s (K(|e|) e + sum q), so K / area is the modulus of the solid (Poisson's ratio 1/4) at small
- * strain, whatever the mesh. */
+/* How the elements of a mesh of tetrahedra share in a solid's stiffness. An element's force is its factor
+ * times what the material says, F = s (K(|e|) e + sum q), so K / area is the modulus of the solid (Poisson's
+ * ratio 1/4) at small strain, whatever the mesh. */
 typedef enum palp_mesh_scaling {
-    PALP_SCALING_NONE,     /* all factors 1: what K means depends on the mesh */
-    PALP_SCALING_VOLUME,   /* s = V / (L area), V the volume of the tetrahedra around the edge (Van Gelder 1998) */
-    PALP_SCALING_CONTINUUM /* elements across the faces too, between the corners opposite a face that two tetrahedra
-                              share, and factors fitted to the nodal forces of the evenly strained solid, by least
-                              squares, none below a fifth of its part by volume (doc/meshes.md) */
+    PALP_SCALING_NONE,   /* all factors 1: what K means depends on the mesh */
+    PALP_SCALING_VOLUME, /* s = V / (L area), V the volume of the tetrahedra around the edge (Van Gelder 1998)
+                          */
+    PALP_SCALING_CONTINUUM /* elements across the faces too, between the corners opposite a face that two
+                              tetrahedra share, and factors fitted to the nodal forces of the evenly strained
+                              solid, by least squares, none below a fifth of its part by volume
+                              (doc/meshes.md) */
 } palp_mesh_scaling;
 
-/* Scales the elements, once. area_m2 = 0: the mesh's volume over its height (y). ERR_UNSUPPORTED if an edge of a
- * tetrahedron is no element, or for hexahedra; ERR_INPUT for an element with nothing but flat tetrahedra around
- * it; ERR_ARGUMENT if scaled before. After ERR_INPUT or ERR_NO_MEMORY the mesh is good for palp_mesh_free only. */
-PALP_API palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2, palp_error *error);
+/* Scales the elements, once. area_m2 = 0: the mesh's volume over its height (y). ERR_UNSUPPORTED if an edge
+ * of a tetrahedron is no element, or for hexahedra; ERR_INPUT for an element with nothing but flat tetrahedra
+ * around it; ERR_ARGUMENT if scaled before. After ERR_INPUT or ERR_NO_MEMORY the mesh is good for
+ * palp_mesh_free only. */
+PALP_API palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2,
+                                     palp_error *error);
 
 /* [n_elements], or NULL = all 1; mesh's. */
 PALP_API const double *palp_mesh_element_scale(const palp_mesh *mesh);
@@ -99,9 +105,10 @@ PALP_API palp_status palp_mesh_add_plane_set(palp_mesh *mesh, const char *name, 
 /* The nodes of a set; *nodes is the mesh's. ERR_INPUT if there is no such set. */
 PALP_API palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, const int32_t **nodes);
 
-/* Places the mesh: x = rotation x + translation_m, rotation[9] by rows. ERR_ARGUMENT: a number that is not finite, a
- * matrix that is no rotation within 1e-9. */
-PALP_API palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9], const double translation_m[3]);
+/* Places the mesh: x = rotation x + translation_m, rotation[9] by rows. ERR_ARGUMENT: a number that is not
+ * finite, a matrix that is no rotation within 1e-9. */
+PALP_API palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9],
+                                         const double translation_m[3]);
 
 /* Lowest and highest rest coordinate, m. */
 PALP_API void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]);

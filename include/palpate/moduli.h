@@ -1,4 +1,5 @@
-/* moduli.h: shear modulus and Poisson's ratio of a layer from presses with a plate, flat punch, sphere or cone. */
+/* moduli.h: shear modulus and Poisson's ratio of a layer from presses with a plate, flat punch, sphere or
+ * cone. */
 #ifndef PALPATE_MODULI_H
 #define PALPATE_MODULI_H
 
@@ -11,13 +12,15 @@ extern "C" {
 #endif
 
 typedef struct palp_moduli_settings {
-    size_t n_arms;  /* of the relaxation, 0 = elastic */
-    bool dwell_only; /* leave the ramps out */
-    bool contact_known; /* a curved tip's contact is where the recording has it; else it is found with the moduli */
+    size_t n_arms;      /* of the relaxation, 0 = elastic */
+    bool dwell_only;    /* leave the ramps out */
+    bool contact_known; /* a curved tip's contact is where the recording has it; else it is found with the
+                           moduli */
     double poisson; /* that is taken for known; NaN = find it, which needs tips of different shape or size */
 } palp_moduli_settings;
 
-PALP_API palp_moduli_settings palp_moduli_settings_default(void); /* elastic, with the ramps, incompressible: 0.5 */
+PALP_API palp_moduli_settings
+palp_moduli_settings_default(void); /* elastic, with the ramps, incompressible: 0.5 */
 
 /* A value with its sd and 95 % interval. */
 typedef struct palp_modulus {
@@ -30,29 +33,34 @@ typedef struct palp_moduli {
     palp_modulus young_inf_Pa, young_0_Pa; /* 2 (1 + nu) G */
     palp_modulus poisson;                  /* sd 0 and low = high = value: taken for known */
     bool poisson_found;
-    size_t n_tips;           /* that differ in shape, size or thickness of the layer */
-    double shear_low_Pa, shear_high_Pa; /* long-term shear modulus were nu 0.5, and 0.3: what one tip leaves open */
+    size_t n_tips; /* that differ in shape, size or thickness of the layer */
+    double shear_low_Pa,
+        shear_high_Pa; /* long-term shear modulus were nu 0.5, and 0.3: what one tip leaves open */
     size_t n_arms;
     double arm_Pa[PALP_ARMS_MAX], tau_s[PALP_ARMS_MAX];
-    double largest_depth;    /* over the layer's thickness; 0 for a half-space */
-    double widest_contact;   /* radius of contact over the layer's thickness */
-    double largest_shift_m;  /* of the contacts that were found, against the recordings' */
-    double misfit;           /* rms residual over the rms force, of all runs: large where one modulus does not describe them */
+    double largest_depth;   /* over the layer's thickness; 0 for a half-space */
+    double widest_contact;  /* radius of contact over the layer's thickness */
+    double largest_shift_m; /* of the contacts that were found, against the recordings' */
+    double misfit; /* rms residual over the rms force, of all runs: large where one modulus does not describe
+                      them */
     bool converged;
 } palp_moduli;
 
-/* Fits n recordings, each with its tip (whose poisson is not read), at once: the depth of each sample becomes the force over G
- * that palp_indentation_force has for it, which relaxes linearly (Lee and Radok 1960: right as long as the contact does not
- * shrink). A sphere or cone leaves contact
- * so gently that a straight rise finds it too late: its contact is fitted too. Intervals are those of palp_characterize_fit; with Poisson's ratio found, by how the tips' own moduli agree, they
- * include its own. Errors of palp_indentation_force and palp_characterize_fit; ERR_INPUT with a line in error: Poisson's ratio
- * asked for and all tips alike. */
+/* Fits n recordings, each with its tip (whose poisson is not read), at once: the depth of each sample becomes
+ * the force over G that palp_indentation_force has for it, which relaxes linearly (Lee and Radok 1960: right
+ * as long as the contact does not shrink). A sphere or cone leaves contact so gently that a straight rise
+ * finds it too late: its contact is fitted too. Intervals are those of palp_characterize_fit; with Poisson's
+ * ratio found, by how the tips' own moduli agree, they include its own. Errors of palp_indentation_force and
+ * palp_characterize_fit; ERR_INPUT with a line in error: Poisson's ratio asked for and all tips alike. */
 PALP_API palp_status palp_moduli_fit(size_t n, const palp_recording *recordings, const palp_indentation *tips,
-                                     const palp_moduli_settings *settings, palp_moduli *moduli, palp_error *error);
+                                     const palp_moduli_settings *settings, palp_moduli *moduli,
+                                     palp_error *error);
 
-/* The mean of n >= 2 specimens' moduli into mean's four of them, with its sd and its 95 % interval by how the specimens differ
- * (Student's t); between_Pa: sd between specimens of the long-term and the instantaneous shear modulus. ERR_ARGUMENT: n < 2. */
-PALP_API palp_status palp_moduli_pool(size_t n, const palp_moduli *each, palp_moduli *mean, double between_Pa[2]);
+/* The mean of n >= 2 specimens' moduli into mean's four of them, with its sd and its 95 % interval by how the
+ * specimens differ (Student's t); between_Pa: sd between specimens of the long-term and the instantaneous
+ * shear modulus. ERR_ARGUMENT: n < 2. */
+PALP_API palp_status palp_moduli_pool(size_t n, const palp_moduli *each, palp_moduli *mean,
+                                      double between_Pa[2]);
 
 #ifdef __cplusplus
 }

@@ -18,9 +18,9 @@ typedef struct palp_network palp_network; /* opaque; palp_network_free */
 typedef enum palp_axis { PALP_FREE, PALP_FIXED, PALP_DRIVEN } palp_axis;
 
 typedef struct palp_support {
-    const char *set;    /* node set of the mesh */
-    palp_axis axis[3];  /* x, y, z */
-    double motion[3];   /* displacement per unit depth of the driven axes */
+    const char *set;   /* node set of the mesh */
+    palp_axis axis[3]; /* x, y, z */
+    double motion[3];  /* displacement per unit depth of the driven axes */
 } palp_support;
 
 /* Which equilibrium to follow where the network can buckle. CONTINUE: the branch Newton follows
@@ -33,15 +33,16 @@ typedef enum palp_integrator {
 } palp_integrator;
 
 typedef struct palp_network_settings {
-    double tolerance;       /* |residual|_2 <= tolerance |element forces|_2 */
-    int max_iterations;     /* Newton iterations a step */
+    double tolerance;   /* |residual|_2 <= tolerance |element forces|_2 */
+    int max_iterations; /* Newton iterations a step */
     palp_branch branch;
     palp_solver solver;
-    double density_kg_m3;   /* 0 = massless (quasi-static); a quarter of each tetrahedron's mass to its corners.
-                               Hexahedra (lattices): their mass, and for meshes from arrays that of the bounding
-                               box, shared by the rest length of a node's elements */
-    double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume by which the mesh's tetrahedra resist that their volume
-                               changes by the factor J; 0 = they do not, as springs alone do not */
+    double density_kg_m3; /* 0 = massless (quasi-static); a quarter of each tetrahedron's mass to its corners.
+                             Hexahedra (lattices): their mass, and for meshes from arrays that of the bounding
+                             box, shared by the rest length of a node's elements */
+    double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume by which the mesh's tetrahedra
+                               resist that their volume changes by the factor J; 0 = they do not, as springs
+                               alone do not */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
     double check_strain;    /* the tangent's inertia is assessed at least every so much depth / height */
@@ -55,68 +56,74 @@ PALP_API void palp_supports_default(palp_support supports[2]);
 
 /* How a step went. */
 typedef struct palp_step_info {
-    int iterations;         /* Newton iterations (factorizations) */
-    double residual;        /* relative residual reached */
-    double force_N;         /* reaction conjugate to depth, positive = compression */
-    int negative_pivots;    /* of the last factor; -1 = not assessed in this step */
-    size_t inverted;        /* tetrahedra of the mesh turned inside out or flat, without those a cut goes through: springs resist
-                               change of length, not this, and what the network says there is no tissue's */
-    double beyond;          /* by how much the largest |element strain| is beyond the strain that the law was measured to
-                               (palp_law_beyond); 0 = within it, or that is not known */
+    int iterations;      /* Newton iterations (factorizations) */
+    double residual;     /* relative residual reached */
+    double force_N;      /* reaction conjugate to depth, positive = compression */
+    int negative_pivots; /* of the last factor; -1 = not assessed in this step */
+    size_t inverted; /* tetrahedra of the mesh turned inside out or flat, without those a cut goes through:
+                        springs resist change of length, not this, and what the network says there is no
+                        tissue's */
+    double beyond; /* by how much the largest |element strain| is beyond the strain that the law was measured
+                      to (palp_law_beyond); 0 = within it, or that is not known */
 } palp_step_info;
 
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
- * mesh and the material. The caller owns *network. error may be NULL. ERR_ARGUMENT: a setting, a motion or the material is
- * out of range; ERR_INPUT: the mesh has no such node set; ERR_UNSUPPORTED: the supernodal solver in a build without GPL=1,
- * a volume modulus where there are no tetrahedra, or edges of them are no elements;
- * ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
+ * mesh and the material. The caller owns *network. error may be NULL. ERR_ARGUMENT: a setting, a motion or
+ * the material is out of range; ERR_INPUT: the mesh has no such node set; ERR_UNSUPPORTED: the supernodal
+ * solver in a build without GPL=1, a volume modulus where there are no tetrahedra, or edges of them are no
+ * elements; ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
 PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material,
                                          size_t n_supports, const palp_support *supports,
                                          const palp_network_settings *settings, palp_network **network,
                                          palp_error *error);
 PALP_API void palp_network_free(palp_network *network); /* NULL is fine */
 
-/* A network model's network, ready to step; the caller owns it. mesh: NULL = the model's own, or that one as it
- * was placed (palp_mesh_transform). supports: NULL = palp_supports_default. settings: NULL = the default; the density
- * is the model's. Effects of the instrument are left out; ERR_UNSUPPORTED for one of the material or the contact,
- * which palp_forward_network runs. */
-PALP_API palp_status palp_network_from_model(const palp_model *model, const palp_mesh *mesh, size_t n_supports,
-                                             const palp_support *supports, const palp_network_settings *settings,
-                                             palp_network **network, palp_error *error);
+/* A network model's network, ready to step; the caller owns it. mesh: NULL = the model's own, or that one as
+ * it was placed (palp_mesh_transform). supports: NULL = palp_supports_default. settings: NULL = the default;
+ * the density is the model's. Effects of the instrument are left out; ERR_UNSUPPORTED for one of the material
+ * or the contact, which palp_forward_network runs. */
+PALP_API palp_status palp_network_from_model(const palp_model *model, const palp_mesh *mesh,
+                                             size_t n_supports, const palp_support *supports,
+                                             const palp_network_settings *settings, palp_network **network,
+                                             palp_error *error);
 
 /* Back to rest: undeformed, no history, time 0. */
 PALP_API void palp_network_reset(palp_network *network);
 
-/* Gives every element another material and resets the network. ERR_ARGUMENT: see palp_material_check; ERR_NO_MEMORY: the
- * network stays as it was. */
+/* Gives every element another material and resets the network. ERR_ARGUMENT: see palp_material_check;
+ * ERR_NO_MEMORY: the network stays as it was. */
 PALP_API palp_status palp_network_set_material(palp_network *network, const palp_material *material);
 
 /* One step to depth_m after dt_s seconds (INFINITY = fully relaxed). try leaves the result as a
- * trial, which commit makes the state and any other call that changes the network drops; step commits on success. On
- * failure the state stays as it was. info may be NULL. ERR_ARGUMENT: a number out of range; ERR_NOT_CONVERGED;
- * ERR_BUCKLED: no equilibrium on this branch; ERR_SINGULAR: a mechanism; ERR_COLLAPSED: an element lost its length. */
-PALP_API palp_status palp_network_try(palp_network *network, double depth_m, double dt_s, palp_step_info *info);
+ * trial, which commit makes the state and any other call that changes the network drops; step commits on
+ * success. On failure the state stays as it was. info may be NULL. ERR_ARGUMENT: a number out of range;
+ * ERR_NOT_CONVERGED; ERR_BUCKLED: no equilibrium on this branch; ERR_SINGULAR: a mechanism; ERR_COLLAPSED: an
+ * element lost its length. */
+PALP_API palp_status palp_network_try(palp_network *network, double depth_m, double dt_s,
+                                      palp_step_info *info);
 PALP_API void palp_network_commit(palp_network *network); /* nothing without a trial */
-PALP_API palp_status palp_network_step(palp_network *network, double depth_m, double dt_s, palp_step_info *info);
+PALP_API palp_status palp_network_step(palp_network *network, double depth_m, double dt_s,
+                                       palp_step_info *info);
 
 /* The same with the force on the driven nodes given; the depth follows (creep). ERR_ARGUMENT too where
  * nothing is driven. */
 PALP_API palp_status palp_network_step_force(palp_network *network, double force_N, double dt_s,
                                              palp_step_info *info);
 
-/* The whole state (positions, history, what the predictor knows, contacts, tools, grasped nodes, cuts) into a buffer of the
- * caller's, and back into the same network or another one made and enabled alike, which drops a trial. Steps then give the
- * same as they did, to the network's tolerance, since no factor is kept. ERR_ARGUMENT: a buffer too small, of a network
- * with another mesh, other supports, another material, density or terms, none; ERR_INPUT: the state's checksum is not that of
- * its bytes. What is refused changes nothing. A checksum tells damage, not malice. */
+/* The whole state (positions, history, what the predictor knows, contacts, tools, grasped nodes, cuts) into a
+ * buffer of the caller's, and back into the same network or another one made and enabled alike, which drops a
+ * trial. Steps then give the same as they did, to the network's tolerance, since no factor is kept.
+ * ERR_ARGUMENT: a buffer too small, of a network with another mesh, other supports, another material, density
+ * or terms, none; ERR_INPUT: the state's checksum is not that of its bytes. What is refused changes nothing.
+ * A checksum tells damage, not malice. */
 PALP_API size_t palp_network_state_size(const palp_network *network); /* bytes */
 PALP_API palp_status palp_network_save(const palp_network *network, void *buffer, size_t size);
 PALP_API palp_status palp_network_restore(palp_network *network, const void *buffer, size_t size);
 
 /* State of the last commit. Arrays are the network's, valid until the next call that changes it. */
-PALP_API double palp_network_depth(const palp_network *network);  /* m */
-PALP_API double palp_network_time(const palp_network *network);   /* s */
-PALP_API double palp_network_force(const palp_network *network);  /* N, conjugate to depth */
+PALP_API double palp_network_depth(const palp_network *network);                 /* m */
+PALP_API double palp_network_time(const palp_network *network);                  /* s */
+PALP_API double palp_network_force(const palp_network *network);                 /* N, conjugate to depth */
 PALP_API const double *palp_network_positions(const palp_network *network);      /* [3 n_nodes], m */
 PALP_API const double *palp_network_element_strain(const palp_network *network); /* [n_elements] */
 /* Largest |element strain|, of the elements that are not cut. */
@@ -129,9 +136,9 @@ PALP_API void palp_network_element_force(const palp_network *network, double *fo
 /* Sum of the element forces that the nodes of a set put on their support, N. */
 PALP_API palp_status palp_network_reaction(const palp_network *network, const char *set, double force_N[3]);
 
-/* Triangles of the surface as it now is, three nodes each, outward, into *triangles[3 *n]: the mesh's; of a network that can be
- * cut (palpate/cut.h) the faces of tetrahedra without a cut edge that are not shared by two of them. The array is the
- * network's, valid until the next cut. */
+/* Triangles of the surface as it now is, three nodes each, outward, into *triangles[3 *n]: the mesh's; of a
+ * network that can be cut (palpate/cut.h) the faces of tetrahedra without a cut edge that are not shared by
+ * two of them. The array is the network's, valid until the next cut. */
 PALP_API palp_status palp_network_surface(const palp_network *network, size_t *n, const int32_t **triangles);
 
 /* Depth range in which the tangent first lost positive definiteness: stable at *stable_m, not at
@@ -143,11 +150,11 @@ PALP_API bool palp_network_buckled(const palp_network *network, double *stable_m
 typedef int (*palp_network_observer)(void *user, double time_s, double depth_m, double force_N);
 
 typedef struct palp_run_settings {
-    double dt_s;            /* fixed step; each segment is cut into equal steps of at most dt_s */
-    double tolerance;       /* > 0: error-controlled instead, relative to the largest force so far */
-    double dt_min_s;        /* error-controlled: first step of a segment, a thousandth of it the smallest
-                               (taken whatever its error); 0 = a fiftieth of the segment, 1e-9 of it */
-    bool relaxed;           /* every step fully relaxed (static) */
+    double dt_s;      /* fixed step; each segment is cut into equal steps of at most dt_s */
+    double tolerance; /* > 0: error-controlled instead, relative to the largest force so far */
+    double dt_min_s;  /* error-controlled: first step of a segment, a thousandth of it the smallest
+                         (taken whatever its error); 0 = a fiftieth of the segment, 1e-9 of it */
+    bool relaxed;     /* every step fully relaxed (static) */
     palp_network_observer observer; /* may be NULL */
     void *user;
 } palp_run_settings;
@@ -156,9 +163,9 @@ typedef struct palp_run_info {
     size_t steps, rejected, iterations;
     double worst_residual;
     double peak_force_N;
-    size_t inverted;        /* most of them in a step */
-    double beyond;          /* largest of a step; 0 = never */
-    double beyond_s;        /* time of the path at which it first was not 0 */
+    size_t inverted; /* most of them in a step */
+    double beyond;   /* largest of a step; 0 = never */
+    double beyond_s; /* time of the path at which it first was not 0 */
 } palp_run_info;
 
 /* Follows a path from where the network is; the path's first corner is reached by an instantaneous

@@ -19,13 +19,13 @@ typedef struct palp_path {
     double *force_N;
 } palp_path;
 
-/* Copies n corners. ERR_ARGUMENT: n = 0, a number that is not finite, times not increasing; ERR_NO_MEMORY. *path is
- * then empty. */
+/* Copies n corners. ERR_ARGUMENT: n = 0, a number that is not finite, times not increasing; ERR_NO_MEMORY.
+ * *path is then empty. */
 PALP_API palp_status palp_path_create(size_t n, const double *time_s, const double *depth_m, palp_path *path);
 
-/* The makers below give a path from time 0, which the caller frees. ERR_ARGUMENT: a number that is not finite or out of
- * the range given; ERR_NO_MEMORY.
- * 0 to depth_m (not 0; negative = away from the specimen) at rate_m_s > 0. */
+/* The makers below give a path from time 0, which the caller frees. ERR_ARGUMENT: a number that is not finite
+ * or out of the range given; ERR_NO_MEMORY. 0 to depth_m (not 0; negative = away from the specimen) at
+ * rate_m_s > 0. */
 PALP_API palp_status palp_path_static(double depth_m, double rate_m_s, palp_path *path);
 
 /* 0 to depth_m in ramp_s (0 = there at once: the path starts at depth_m), then held for hold_s

@@ -9,18 +9,18 @@ extern "C" {
 #endif
 
 /* X(name, text): the only list of status codes. */
-#define PALP_STATUS_LIST(X)                                                                   \
-    X(OK, "success")                                                                          \
-    X(ERR_NO_MEMORY, "out of memory")                                                         \
-    X(ERR_ARGUMENT, "an argument is out of range")                                            \
-    X(ERR_INPUT, "malformed input")                                                           \
-    X(ERR_FILE, "a file cannot be read or written")                                           \
-    X(ERR_LIMIT, "more coefficients or arms than the library holds")                          \
-    X(ERR_UNSUPPORTED, "a combination this build does not support")                           \
-    X(ERR_NOT_CONVERGED, "the iteration did not converge")                                    \
-    X(ERR_BUCKLED, "no equilibrium found past a loss of stability")                           \
-    X(ERR_SINGULAR, "the tangent is singular: a mechanism or a disconnected node")            \
-    X(ERR_COLLAPSED, "an element has collapsed to zero length")                               \
+#define PALP_STATUS_LIST(X)                                                                                  \
+    X(OK, "success")                                                                                         \
+    X(ERR_NO_MEMORY, "out of memory")                                                                        \
+    X(ERR_ARGUMENT, "an argument is out of range")                                                           \
+    X(ERR_INPUT, "malformed input")                                                                          \
+    X(ERR_FILE, "a file cannot be read or written")                                                          \
+    X(ERR_LIMIT, "more coefficients or arms than the library holds")                                         \
+    X(ERR_UNSUPPORTED, "a combination this build does not support")                                          \
+    X(ERR_NOT_CONVERGED, "the iteration did not converge")                                                   \
+    X(ERR_BUCKLED, "no equilibrium found past a loss of stability")                                          \
+    X(ERR_SINGULAR, "the tangent is singular: a mechanism or a disconnected node")                           \
+    X(ERR_COLLAPSED, "an element has collapsed to zero length")                                              \
     X(ERR_STOPPED, "stopped by the caller")
 
 typedef enum palp_status {
@@ -30,9 +30,9 @@ typedef enum palp_status {
         PALP_STATUS_COUNT
 } palp_status;
 
-/* The rule for pointers, of every call: one that the call needs and is NULL gives PALP_ERR_ARGUMENT where a status is returned,
- * else 0, false, NULL or, of a double, NaN; nothing is changed. What may be NULL is said at the call: palp_error *, info and
- * user of all of them, what is freed, and arrays of no element. */
+/* The rule for pointers, of every call: one that the call needs and is NULL gives PALP_ERR_ARGUMENT where a
+ * status is returned, else 0, false, NULL or, of a double, NaN; nothing is changed. What may be NULL is said
+ * at the call: palp_error *, info and user of all of them, what is freed, and arrays of no element. */
 
 /* One English line for a status, "unknown status" for a value outside the list. Never NULL. */
 PALP_API const char *palp_status_text(palp_status status);

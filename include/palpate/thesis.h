@@ -1,5 +1,5 @@
-/* thesis.h: the procedures of the thesis (Sedef 2008) as printed, kept to reproduce its tables; characterize.h and
- * calibrate.h have those to use. */
+/* thesis.h: the procedures of the thesis (Sedef 2008) as printed, kept to reproduce its tables;
+ * characterize.h and calibrate.h have those to use. */
 #ifndef PALPATE_THESIS_H
 #define PALPATE_THESIS_H
 
@@ -10,19 +10,21 @@
 extern "C" {
 #endif
 
-/* Table 4.1: unweighted polynomial F = sum c_k e^(k+1), no constant (the printed ones had one that was dropped), to a static
- * recording's samples with depth > 0; *norm: 2-norm of the residual, N. ERR_ARGUMENT: a degree of 0 or above PALP_LAW_MAX; ERR_INPUT: not more samples than
- * coefficients. */
-PALP_API palp_status palp_thesis_polynomial(const palp_recording *recording, size_t degree, palp_law *law, double *norm);
+/* Table 4.1: unweighted polynomial F = sum c_k e^(k+1), no constant (the printed ones had one that was
+ * dropped), to a static recording's samples with depth > 0; *norm: 2-norm of the residual, N. ERR_ARGUMENT: a
+ * degree of 0 or above PALP_LAW_MAX; ERR_INPUT: not more samples than coefficients. */
+PALP_API palp_status palp_thesis_polynomial(const palp_recording *recording, size_t degree, palp_law *law,
+                                            double *norm);
 
-/* Section 4.3.3, one or two shared arms: per-recording fits give ranges of K and b, each cut into 20; all combinations
- * are tried, K_inf as fitted, least sum of |residual|. ERR_UNSUPPORTED: another number of arms. */
+/* Section 4.3.3, one or two shared arms: per-recording fits give ranges of K and b, each cut into 20; all
+ * combinations are tried, K_inf as fitted, least sum of |residual|. ERR_UNSUPPORTED: another number of arms.
+ */
 PALP_API palp_status palp_thesis_grid(size_t n, const palp_recording *recordings,
                                       const palp_characterize_settings *settings, palp_lumped_fit *fit,
                                       palp_error *error);
 
-/* Figure 5.6: what palp_calibrate_static does, for a polynomial, by multiplying the law's curve by target over force and
- * fitting again until the residual grows. ERR_UNSUPPORTED: a law that is no polynomial. */
+/* Figure 5.6: what palp_calibrate_static does, for a polynomial, by multiplying the law's curve by target
+ * over force and fitting again until the residual grows. ERR_UNSUPPORTED: a law that is no polynomial. */
 PALP_API palp_status palp_thesis_fixed_point(palp_network *network, const palp_material *start, size_t n,
                                              const double *depth_m, const double *target_N,
                                              const palp_static_settings *settings, palp_calibration *result);
@@ -40,11 +42,13 @@ typedef struct palp_three_phase_settings {
 /* 80 runs of 1 ms steps, 0.01, 1e-3 N/s, nodes in equilibrium throughout. */
 PALP_API palp_three_phase_settings palp_three_phase_settings_default(void);
 
-/* Figure 5.21, one arm and one ramp and hold from rest: peak force by K1 and b1, time to the steady state by b1, force
- * there by the law's scale, again until all three are within error_bound. The network's material is replaced by the
- * result. ERR_UNSUPPORTED: not one arm; ERR_ARGUMENT: another path, a record without force or that ends with its ramp. */
+/* Figure 5.21, one arm and one ramp and hold from rest: peak force by K1 and b1, time to the steady state by
+ * b1, force there by the law's scale, again until all three are within error_bound. The network's material is
+ * replaced by the result. ERR_UNSUPPORTED: not one arm; ERR_ARGUMENT: another path, a record without force or
+ * that ends with its ramp. */
 PALP_API palp_status palp_thesis_three_phase(palp_network *network, const palp_material *start,
-                                             const palp_target *target, const palp_three_phase_settings *settings,
+                                             const palp_target *target,
+                                             const palp_three_phase_settings *settings,
                                              palp_calibration *result);
 
 #ifdef __cplusplus

@@ -11,7 +11,8 @@ extern "C" {
 typedef struct palp_vtu palp_vtu; /* a series being written; palp_vtu_close */
 
 /* Starts a series in a folder (made if need be): folder/name_0000.vtu ... and folder/name.pvd. */
-PALP_API palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **series, palp_error *error);
+PALP_API palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **series,
+                                   palp_error *error);
 
 /* Writes the network's committed state as the next frame: displaced points, lines as cells, point
  * data "displacement" (m), cell data "strain" (1) and "force_N" (N, tension positive). */

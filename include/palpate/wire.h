@@ -16,12 +16,15 @@ extern "C" {
 enum { PALP_WIRE_VERSION = 2 };
 
 enum {
-    PALP_WIRE_CHANNELS = 6,  /* force sensor */
-    PALP_WIRE_SAMPLES = 10,  /* control ticks in a SAMPLES frame */
-    PALP_WIRE_SEGMENTS = 32, /* most segments of a trajectory */
-    PALP_WIRE_NAME = 16,     /* bytes of a name, zero-padded */
+    PALP_WIRE_CHANNELS = 6,       /* force sensor */
+    PALP_WIRE_SAMPLES = 10,       /* control ticks in a SAMPLES frame */
+    PALP_WIRE_SEGMENTS = 32,      /* most segments of a trajectory */
+    PALP_WIRE_NAME = 16,          /* bytes of a name, zero-padded */
     PALP_WIRE_PARAMETER_NAME = 24 /* the same, of a parameter's */
 };
+
+/* Lists of macros, which clang-format would tear apart. */
+/* clang-format off */
 
 /* What the supervisor is doing. X(NAME, name in files): the number on the wire is the place in the list. */
 #define PALP_WIRE_STATES(X)                                                                     \
@@ -61,6 +64,8 @@ enum {
     X(PERSISTS, "the fault's cause is still there")                              \
     X(FULL, "no room left in its flash: restart the device")
 
+/* clang-format on */
+
 typedef enum palp_wire_state {
 #define PALP_WIRE_MEMBER(name, id) PALP_WIRE_STATE_##name,
     PALP_WIRE_STATES(PALP_WIRE_MEMBER)
@@ -87,7 +92,8 @@ typedef enum palp_wire_result {
  * CYCLE: cycles times to target at rate and back to where the segment began.
  * SINE: cycles periods of frequency about where the segment began, amplitude = target.
  * SWEEP: the same with the frequency rising exponentially to frequency_end over duration.
- * FORCE: to a force, target in uN, at rate in uN/s, and holds it for duration; from the air to contact first. */
+ * FORCE: to a force, target in uN, at rate in uN/s, and holds it for duration; from the air to contact
+ * first. */
 #define PALP_WIRE_SEGMENT_KINDS(X) X(MOVE) X(HOLD) X(CYCLE) X(SINE) X(SWEEP) X(FORCE)
 typedef enum palp_wire_segment_kind {
 #define PALP_WIRE_MEMBER(name) PALP_WIRE_SEGMENT_##name,
@@ -96,15 +102,16 @@ typedef enum palp_wire_segment_kind {
         PALP_WIRE_SEGMENT_KIND_COUNT
 } palp_wire_segment_kind;
 
-/* Added to the kind of MOVE and CYCLE: their acceleration rises and falls as 1 - cos, up to what is asked for, and does not jump. */
+/* Added to the kind of MOVE and CYCLE: their acceleration rises and falls as 1 - cos, up to what is asked
+ * for, and does not jump. */
 enum { PALP_WIRE_SEGMENT_SMOOTH = 128 };
 
 /* Bits of a sample's flags; 8 to 12 are the segment in progress. */
 enum {
-    PALP_WIRE_FLAG_RECORD = 1,       /* part of a run's recording */
-    PALP_WIRE_FLAG_TRAJECTORY = 2,   /* the segments are being followed (bits 8 to 12 say which) */
-    PALP_WIRE_FLAG_MOTOR = 4,        /* the motor is on */
-    PALP_WIRE_FLAG_DERATED = 8,      /* a limit holds the motor back */
+    PALP_WIRE_FLAG_RECORD = 1,     /* part of a run's recording */
+    PALP_WIRE_FLAG_TRAJECTORY = 2, /* the segments are being followed (bits 8 to 12 say which) */
+    PALP_WIRE_FLAG_MOTOR = 4,      /* the motor is on */
+    PALP_WIRE_FLAG_DERATED = 8,    /* a limit holds the motor back */
     PALP_WIRE_FLAG_HOME_SWITCH = 16,
     PALP_WIRE_FLAG_SENSOR_BAD = 32,  /* these ADC counts are not a reading */
     PALP_WIRE_FLAG_TICK_MISSED = 64, /* a tick before this one was missed */
@@ -117,6 +124,8 @@ enum {
 enum { PALP_WIRE_TRIGGER_IGNORED = 0, PALP_WIRE_TRIGGER_MARKS = 1, PALP_WIRE_TRIGGER_STARTS = 2 };
 
 enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measured stiffness */
+
+/* clang-format off */
 
 /* The fields of each message: F(type, name), A(type, name, count). All little-endian, without padding. */
 /* ---- host to device; each is answered by ACK (HELLO also by INFO, the GET ones by what they ask) ---- */
@@ -137,7 +146,8 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 #define PALP_WIRE_GET_GAINS(F, A) F(u8, softness)
 #define PALP_WIRE_FIND_CONTACT(F, A) F(u32, rate_nm_s) F(i32, force_uN) F(i32, travel_nm)
 #define PALP_WIRE_SEGMENT(F, A)                                                                          \
-    F(u8, index) F(u8, kind) F(i32, target_nm) F(u32, rate_nm_s) F(u32, acceleration_um_s2) F(u32, duration_ms) \
+    F(u8, index) F(u8, kind) F(i32, target_nm) F(u32, rate_nm_s) F(u32, acceleration_um_s2) \
+    F(u32, duration_ms) \
     F(u32, frequency_mHz) F(u32, frequency_end_mHz) F(u16, cycles)
 /* Goes to start, rests there for air, follows the segments, withdraws to start, rests there for after;
  * all but the first is flagged RECORD. */
@@ -146,7 +156,8 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 #define PALP_WIRE_GET_STATUS(F, A) F(u8, reserved)
 #define PALP_WIRE_HALT(F, A) F(u8, reserved) /* the motor off at once: the fault EMERGENCY_STOP */
 #define PALP_WIRE_JOG(F, A) F(i32, to_nm) F(u32, rate_nm_s) /* to a place below home, and holds it there */
-/* in: PALP_WIRE_TRIGGER_*; out: pulses with a recording's first sample and every so many after it (0: none more) */
+/* in: PALP_WIRE_TRIGGER_*; out: pulses with a recording's first sample and every so many after it (0: none
+ * more) */
 #define PALP_WIRE_TRIGGER(F, A) F(u8, in) F(u8, out) F(u16, every)
 /* The machine's parameters, by number; as the bits of an IEEE 754 binary32 in SI units. Set in IDLE only. */
 #define PALP_WIRE_GET_PARAMETER(F, A) F(u8, id)
@@ -156,26 +167,31 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 /* ---- device to host ---- */
 #define PALP_WIRE_ACK(F, A) F(u16, sequence) F(u8, command) F(u8, result)
 #define PALP_WIRE_INFO(F, A)                                                                              \
-    F(u16, protocol) F(u8, major) F(u8, minor) F(u8, patch) F(u8, simulated) F(u16, tick_Hz) F(u32, count_pm) \
+    F(u16, protocol) F(u8, major) F(u8, minor) F(u8, patch) F(u8, simulated) F(u16, tick_Hz) \
+    F(u32, count_pm) \
     F(i32, travel_nm) F(i32, force_uN) A(u8, board, PALP_WIRE_NAME) F(u32, serial)
 #define PALP_WIRE_STATUS(F, A)                                                                          \
-    F(u32, tick) F(u8, state) F(u8, fault) F(u32, fault_tick) F(u8, homed) F(u8, contact_known) F(u8, softness) \
-    F(i32, position) F(i32, contact) F(u32, stiffness_mN_m) F(i32, force_uN) F(i16, case_cC) F(i16, winding_cC) \
+    F(u32, tick) F(u8, state) F(u8, fault) F(u32, fault_tick) F(u8, homed) F(u8, contact_known) \
+    F(u8, softness) \
+    F(i32, position) F(i32, contact) F(u32, stiffness_mN_m) F(i32, force_uN) F(i16, case_cC) \
+    F(i16, winding_cC) \
     F(u16, derating_permille) F(u32, missed_ticks) F(u32, bad_frames) F(u32, tick_cost) F(u16, stack_free)
 #define PALP_WIRE_CALIBRATION(F, A) /* tare in sixteenths of a count */ \
     F(u8, axis) A(i32, row, PALP_WIRE_CHANNELS) A(i32, tare, PALP_WIRE_CHANNELS)
 #define PALP_WIRE_GAINS(F, A) /* of a class of softness; stiffness: where the class ends */ \
-    F(u8, softness) F(u32, stiffness_mN_m) F(u32, kp_N_m) F(u32, ki_N_m_s) F(u32, kd_mN_s_m) F(u32, filter_mHz) \
+    F(u8, softness) F(u32, stiffness_mN_m) F(u32, kp_N_m) F(u32, ki_N_m_s) F(u32, kd_mN_s_m) \
+    F(u32, filter_mHz) \
     F(u32, feed_mN_m)
 /* What LIMITS has left in force. */
 #define PALP_WIRE_LIMITS_NOW(F, A) PALP_WIRE_LIMITS(F, A)
-/* One of them: which of how many of its name; standard: what is compiled in; name: zero-padded, with its unit. */
+/* One of them: which of how many of its name; standard: what is compiled in; name: zero-padded, with its
+ * unit. */
 #define PALP_WIRE_PARAMETER(F, A)                                                                      \
     F(u8, id) F(u8, index) F(u8, count) F(u32, value) F(u32, standard) F(u32, low) F(u32, high) \
     A(u8, name, PALP_WIRE_PARAMETER_NAME)
-/* source: 0 compiled in, 1 from flash, 2 compiled in because what is in flash is damaged; bad: damaged records; saving: 0 no, 1 in
- * progress, 2 the last one failed; id, stored_id: CRC-32 of the parameters in use and in flash (0: none); room: records until
- * the next start. */
+/* source: 0 compiled in, 1 from flash, 2 compiled in because what is in flash is damaged; bad: damaged
+ * records; saving: 0 no, 1 in progress, 2 the last one failed; id, stored_id: CRC-32 of the parameters in
+ * use and in flash (0: none); room: records until the next start. */
 #define PALP_WIRE_CONFIGURATION(F, A)                                                         \
     F(u8, source) F(u8, bad) F(u8, saving) F(u8, parameters) F(u32, id) F(u32, stored_id) F(u8, room)
 /* count <= PALP_WIRE_SAMPLES consecutive ticks from tick on; what follows count is zero. error: reference
@@ -222,6 +238,8 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
     X(PARAMETER, 135, parameter, PALP_WIRE_PARAMETER)             \
     X(CONFIGURATION, 136, configuration, PALP_WIRE_CONFIGURATION)
 
+/* clang-format on */
+
 typedef uint8_t palp_wire_u8;
 typedef uint16_t palp_wire_u16;
 typedef uint32_t palp_wire_u32;
@@ -230,8 +248,10 @@ typedef int32_t palp_wire_i32;
 
 #define PALP_WIRE_FIELD(type, name) palp_wire_##type name;
 #define PALP_WIRE_ARRAY(type, name, count) palp_wire_##type name[count];
-#define PALP_WIRE_STRUCT(NAME, number, member, fields) \
-    typedef struct palp_wire_##member { fields(PALP_WIRE_FIELD, PALP_WIRE_ARRAY) } palp_wire_##member;
+#define PALP_WIRE_STRUCT(NAME, number, member, fields)                                                       \
+    typedef struct palp_wire_##member {                                                                      \
+        fields(PALP_WIRE_FIELD, PALP_WIRE_ARRAY)                                                             \
+    } palp_wire_##member;
 PALP_WIRE_MESSAGES(PALP_WIRE_STRUCT)
 #undef PALP_WIRE_STRUCT
 #undef PALP_WIRE_FIELD
@@ -284,8 +304,8 @@ PALP_API uint16_t palp_wire_crc(const uint8_t *byte, size_t n);
 
 /* Names for messages and files, "?" for a number outside the list. Never NULL. */
 PALP_API const char *palp_wire_type_name(uint8_t type);
-PALP_API const char *palp_wire_state_name(uint8_t state);   /* "boot" ... */
-PALP_API const char *palp_wire_fault_name(uint8_t fault);   /* "over_force" ... */
+PALP_API const char *palp_wire_state_name(uint8_t state); /* "boot" ... */
+PALP_API const char *palp_wire_fault_name(uint8_t fault); /* "over_force" ... */
 PALP_API const char *palp_wire_fault_text(uint8_t fault);
 PALP_API const char *palp_wire_result_text(uint8_t result);
 

@@ -15,17 +15,17 @@ void dtrsm_(const char *side, const char *uplo, const char *ta, const char *diag
             const double *alpha, const double *a, const int *lda, double *b, const int *ldb);
 void dtbsv_(const char *uplo, const char *ta, const char *diag, const int *n, const int *k, const double *a,
             const int *lda, double *x, const int *incx);
-void dgeqrf_(const int *m, const int *n, double *a, const int *lda, double *tau, double *work, const int *lwork,
-             int *info);
-void dgels_(const char *trans, const int *m, const int *n, const int *nrhs, double *a, const int *lda, double *b,
-            const int *ldb, double *work, const int *lwork, int *info);
-void dsyev_(const char *job, const char *uplo, const int *n, double *a, const int *lda, double *w, double *work,
-            const int *lwork, int *info);
+void dgeqrf_(const int *m, const int *n, double *a, const int *lda, double *tau, double *work,
+             const int *lwork, int *info);
+void dgels_(const char *trans, const int *m, const int *n, const int *nrhs, double *a, const int *lda,
+            double *b, const int *ldb, double *work, const int *lwork, int *info);
+void dsyev_(const char *job, const char *uplo, const int *n, double *a, const int *lda, double *w,
+            double *work, const int *lwork, int *info);
 void dpotrf_(const char *uplo, const int *n, double *a, const int *lda, int *info);
-void dsytrf_(const char *uplo, const int *n, double *a, const int *lda, int *pivot, double *work, const int *lwork,
-             int *info);
-void dsytrs_(const char *uplo, const int *n, const int *nrhs, const double *a, const int *lda, const int *pivot,
-             double *b, const int *ldb, int *info);
+void dsytrf_(const char *uplo, const int *n, double *a, const int *lda, int *pivot, double *work,
+             const int *lwork, int *info);
+void dsytrs_(const char *uplo, const int *n, const int *nrhs, const double *a, const int *lda,
+             const int *pivot, double *b, const int *ldb, int *info);
 
 static const int UNIT = 1;
 static const double ONE = 1.0, ZERO = 0.0;
@@ -75,7 +75,8 @@ void dense_transposed_product(size_t m, size_t n, size_t k, const double *a, con
 
 void dense_add_outer(size_t m, size_t n, size_t k, double alpha, const double *a, size_t lda, const double *b,
                      size_t ldb, double *c, size_t ldc) {
-    const int rows = (int)m, columns = (int)n, depth = (int)k, ld_a = (int)lda, ld_b = (int)ldb, ld_c = (int)ldc;
+    const int rows = (int)m, columns = (int)n, depth = (int)k, ld_a = (int)lda, ld_b = (int)ldb,
+              ld_c = (int)ldc;
     dgemm_("N", "T", &rows, &columns, &depth, &alpha, a, &ld_a, b, &ld_b, &ONE, c, &ld_c);
 }
 
@@ -169,8 +170,8 @@ static palp_status least_squares_in_place(size_t m, size_t n, double *a, double 
     return info ? PALP_ERR_SINGULAR : PALP_OK;
 }
 
-palp_status dense_polynomial(size_t n, const double *x, const double *y, size_t low, size_t high, double *coefficient,
-                             double *norm) {
+palp_status dense_polynomial(size_t n, const double *x, const double *y, size_t low, size_t high,
+                             double *coefficient, double *norm) {
     size_t columns = high - low + 1;
     double top = 0.0;
     for (size_t i = 0; i < n; i++)

@@ -1,8 +1,8 @@
 /* dense.h: dense matrices through BLAS and LAPACK, the only place that calls them. Internal.
- * Matrices are stored by columns without gaps unless a leading dimension is given: A[m n] has element (i, j) at
- * a[i + j m]. A symmetric matrix is given whole or by its lower triangle in rows, a[i n + j] with j <= i, which is
- * where a Cholesky factor L goes; what lies above it is neither read nor written. Nothing allocates except
- * dense_eigen and dense_polynomial. */
+ * Matrices are stored by columns without gaps unless a leading dimension is given: A[m n] has element (i, j)
+ * at a[i + j m]. A symmetric matrix is given whole or by its lower triangle in rows, a[i n + j] with j <= i,
+ * which is where a Cholesky factor L goes; what lies above it is neither read nor written. Nothing allocates
+ * except dense_eigen and dense_polynomial. */
 #ifndef DENSE_H
 #define DENSE_H
 
@@ -19,7 +19,8 @@ double dense_dot(size_t n, const double *a, const double *b);
 
 /* y[m] = alpha A x[n] + beta y, and y[n] = alpha A' x[m] + beta y; A[m n]. */
 void dense_times(size_t m, size_t n, double alpha, const double *a, const double *x, double beta, double *y);
-void dense_transposed_times(size_t m, size_t n, double alpha, const double *a, const double *x, double beta, double *y);
+void dense_transposed_times(size_t m, size_t n, double alpha, const double *a, const double *x, double beta,
+                            double *y);
 
 /* C[m n] = A[m k] B[k n], and C[m n] = A' B with A[k m]. */
 void dense_product(size_t m, size_t n, size_t k, const double *a, const double *b, double *c);
@@ -40,7 +41,8 @@ void dense_forward(size_t n, const double *l, size_t count, double *b);
 void dense_backward(size_t n, const double *l, size_t count, double *b);
 void dense_cholesky_solve(size_t n, const double *l, size_t count, double *b);
 
-/* A = L D L' of an indefinite A, lower triangle in rows, in place; pivot[n], work[DENSE_WORK n]. False if singular. */
+/* A = L D L' of an indefinite A, lower triangle in rows, in place; pivot[n], work[DENSE_WORK n]. False if
+ * singular. */
 bool dense_ldl(size_t n, double *a, int *pivot, double *work);
 void dense_ldl_solve(size_t n, const double *a, const int *pivot, size_t count, double *b);
 
@@ -57,12 +59,13 @@ void dense_band_backward(size_t n, size_t width, const double *l, size_t ld, dou
 
 /* ---- what allocates ---- */
 
-/* Eigenvalues of the whole symmetric a[n n], ascending into w[n]; eigenvector k over a[k n]. ERR_NOT_CONVERGED. */
+/* Eigenvalues of the whole symmetric a[n n], ascending into w[n]; eigenvector k over a[k n].
+ * ERR_NOT_CONVERGED. */
 palp_status dense_eigen(size_t n, double *a, double *w);
 
-/* Least squares of y[n] on x^low ... x^high: coefficient[high - low + 1] by ascending powers, *norm the length of the
- * residual. ERR_INPUT: fewer points than coefficients, or every x is 0; ERR_SINGULAR. */
-palp_status dense_polynomial(size_t n, const double *x, const double *y, size_t low, size_t high, double *coefficient,
-                             double *norm);
+/* Least squares of y[n] on x^low ... x^high: coefficient[high - low + 1] by ascending powers, *norm the
+ * length of the residual. ERR_INPUT: fewer points than coefficients, or every x is 0; ERR_SINGULAR. */
+palp_status dense_polynomial(size_t n, const double *x, const double *y, size_t low, size_t high,
+                             double *coefficient, double *norm);
 
 #endif

@@ -172,8 +172,8 @@ palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error
     return palp_error_set_file(error, path, "cannot write", number);
 }
 
-/* Closes; 0, or the system's number of what went wrong since it was opened. A failure that an earlier write met, and
- * whose number is lost, is met again by one more byte. */
+/* Closes; 0, or the system's number of what went wrong since it was opened. A failure that an earlier write
+ * met, and whose number is lost, is met again by one more byte. */
 static int finish(palp_file *file, bool durable) {
     int fd = fileno(file->stream);
     errno = 0;

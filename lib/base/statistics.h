@@ -13,7 +13,8 @@ double statistics_kth(double *x, size_t n, size_t k);
 double statistics_quantile(double *x, size_t n, double share);
 double statistics_median(double *x, size_t n);
 
-/* Of Student's t: 95 % of it lies within this of 0. Of chi squared: a share of it lies below this. freedom > 0. */
+/* Of Student's t: 95 % of it lies within this of 0. Of chi squared: a share of it lies below this. freedom >
+ * 0. */
 double statistics_student_95(size_t freedom);
 double statistics_chi2_quantile(size_t freedom, double share);
 

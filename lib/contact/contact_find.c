@@ -1,14 +1,16 @@
-/* contact_find.c: which nodes and triangles of the surface are near a tool, and where it is nearest to them. */
+/* contact_find.c: which nodes and triangles of the surface are near a tool, and where it is nearest to them.
+ */
 #include "contact_internal.h"
 
 #include <string.h>
 
 static const double REACH = 0.5;   /* of an edge: so near, a point may come to touch in a step */
-static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that the nearest point is one also where a
-                                      capsule lies flat on it */
-static const double SPREAD = 0.12; /* of the penalty's stiffness, where a smooth surface spreads its force over more nodes: such
-                                      that a sphere feels as much as on triangles */
-static const double STEEP = 0.5;   /* cosine between tool and triangle below which a contact fades, to 0 at 90 deg */
+static const double MIDDLE = 0.1;  /* pull to the middle of a triangle, so that the nearest point is one also
+                                      where a capsule lies flat on it */
+static const double SPREAD = 0.12; /* of the penalty's stiffness, where a smooth surface spreads its force
+                                      over more nodes: such that a sphere feels as much as on triangles */
+static const double STEEP =
+    0.5; /* cosine between tool and triangle below which a contact fades, to 0 at 90 deg */
 
 double contact_distance(const palp_tool *tool, const double point[3]) {
     double d[3];
@@ -37,14 +39,16 @@ static double slope_at(const palp_tool *tool, double t, const double *const corn
     double centre[3], pulled[3], share[3];
     along3(tool->position_m, t, tool->axis, centre);
     for (int k = 0; k < 3; k++)
-        pulled[k] = (centre[k] + MIDDLE * (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0) / (1.0 + MIDDLE);
+        pulled[k] =
+            (centre[k] + MIDDLE * (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0) / (1.0 + MIDDLE);
     contact_nearest(corner, pulled, share);
     for (int i = 0; i < 3; i++)
         along3(centre, -share[i], corner[i], centre);
     return dot3(centre, tool->axis);
 }
 
-/* The place of a capsule's axis nearest to a triangle. The distance is convex: regula falsi (Illinois) on its slope. */
+/* The place of a capsule's axis nearest to a triangle. The distance is convex: regula falsi (Illinois) on its
+ * slope. */
 static double nearest_along(const palp_tool *tool, const double *const corner[3]) {
     enum { ROUNDS = 12 };
     double low = 0.0, high = tool->length_m, t = 0.0;
@@ -80,12 +84,14 @@ double contact_slid(const contact_set *set, const contact *c, const double *x) {
     return fabs(nearest_along(&set->pose[c->tool], corner) - c->along);
 }
 
-/* 1 where the tool meets a surface with this normal from above, less where it comes from the side, 0 where it is behind. */
+/* 1 where the tool meets a surface with this normal from above, less where it comes from the side, 0 where it
+ * is behind. */
 static double fading(const palp_tool *tool, const double normal[3], const contact *c) {
     double to[3], length = sqrt(dot3(normal, normal));
     along3(tool->position_m, c->along, tool->axis, to);
     along3(to, -1.0, c->point, to);
-    double cosine = length > 0.0 && c->distance > 0.0 ? dot3(to, normal) / (length * c->distance * STEEP) : 0.0;
+    double cosine =
+        length > 0.0 && c->distance > 0.0 ? dot3(to, normal) / (length * c->distance * STEEP) : 0.0;
     return cosine >= 1.0 ? 1.0 : cosine > 0.0 ? cosine * cosine * (3.0 - 2.0 * cosine) : 0.0;
 }
 
@@ -118,8 +124,8 @@ static const contact_touch *find_touch(const contact_set *set, const contact *c,
     return NULL;
 }
 
-/* How a point of the tool that was at place has moved since the last committed state: with its position, and with its
- * axis by the smallest turn. */
+/* How a point of the tool that was at place has moved since the last committed state: with its position, and
+ * with its axis by the smallest turn. */
 static void tool_moved(const palp_tool *was, const palp_tool *is, const double place[3], double moved[3]) {
     double arm[3], turn[3], once[3], twice[3];
     along3(is->position_m, -1.0, was->position_m, moved);
@@ -136,8 +142,8 @@ static void tool_moved(const palp_tool *was, const palp_tool *is, const double p
         moved[k] += once[k] + twice[k] / (1.0 + cosine);
 }
 
-/* Where friction's spring starts from, and the share of the step it has been touching for. False for a tool that came
- * from below the surface. */
+/* Where friction's spring starts from, and the share of the step it has been touching for. False for a tool
+ * that came from below the surface. */
 static bool anchor(const contact_set *set, const double *committed, contact *c, size_t *cursor) {
     const palp_tool *pose = &set->pose[c->tool], *was = &set->now.pose[c->tool];
     bool known = (size_t)c->tool < set->now.n_tools && was->shape == pose->shape;
@@ -253,7 +259,8 @@ static void box(const palp_tool *tool, double slack, double low[3], double high[
 static bool overlap(const double low[3], const double high[3], const double *const corner[3]) {
     const double *a = corner[0], *b = corner[1], *c = corner[2];
     for (int k = 0; k < 3; k++)
-        if ((a[k] < low[k] && b[k] < low[k] && c[k] < low[k]) || (a[k] > high[k] && b[k] > high[k] && c[k] > high[k]))
+        if ((a[k] < low[k] && b[k] < low[k] && c[k] < low[k]) ||
+            (a[k] > high[k] && b[k] > high[k] && c[k] > high[k]))
             return false;
     return true;
 }

@@ -1,5 +1,5 @@
-/* contact_internal.h: tools on a surface of nodes and triangles, of a network or of anything else that has such. Internal.
- * Places of nodes are x[3 n_nodes], m. */
+/* contact_internal.h: tools on a surface of nodes and triangles, of a network or of anything else that has
+ * such. Internal. Places of nodes are x[3 n_nodes], m. */
 #ifndef CONTACT_INTERNAL_H
 #define CONTACT_INTERNAL_H
 
@@ -14,7 +14,7 @@
 typedef struct contact {
     int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1, share = {1, 0, 0} */
     int32_t corners;
-    double along;          /* place of the nearest sphere on a capsule's axis, m; for a triangle it stays for a step */
+    double along; /* place of the nearest sphere on a capsule's axis, m; for a triangle it stays for a step */
     double stiffness;      /* N/m */
     double stick_share[3]; /* barycentric coordinates of the point that friction acts on, for a step */
     double anchor[3];      /* friction's spring starts here and goes with the tool */
@@ -23,17 +23,18 @@ typedef struct contact {
     double entry;          /* share of the step that it has been touching for */
     /* of the last evaluation */
     double depth, pressure; /* m, N */
-    double share[3];       /* barycentric coordinates of the nearest point */
-    double gradient[3][3]; /* of the shares on the triangle, 1/m; on an edge or in a corner those of the edge, none */
-    double distance;       /* from the point to the sphere's centre, negative if that is below the triangle, m */
+    double share[3];        /* barycentric coordinates of the nearest point */
+    double gradient[3][3]; /* of the shares on the triangle, 1/m; on an edge or in a corner those of the edge,
+                              none */
+    double distance; /* from the point to the sphere's centre, negative if that is below the triangle, m */
     double point[3];
-    double normal[3];      /* unit vector from the tool into the tissue */
+    double normal[3];         /* unit vector from the tool into the tissue */
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
-    double stretch[3];     /* of friction's spring, m */
-    double friction[3];    /* friction force on the tissue, N */
-    double kept;           /* share of its spring's stretch that slipping has left: 1 = it sticks */
+    double stretch[3];        /* of friction's spring, m */
+    double friction[3];       /* friction force on the tissue, N */
+    double kept;              /* share of its spring's stretch that slipping has left: 1 = it sticks */
     double friction_tangent[6];
-    double drag[3];        /* friction that slips, d friction / d way along the normal, N/m; 0 if it sticks */
+    double drag[3]; /* friction that slips, d friction / d way along the normal, N/m; 0 if it sticks */
 } contact;
 
 /* A contact that touched, with friction's spring. */
@@ -45,12 +46,13 @@ typedef struct contact_touch {
 /* What a state remembers. */
 typedef struct contact_state {
     size_t n_tools, n_touches;
-    palp_tool *pose;          /* [max_tools] */
-    palp_tool_force *felt;    /* [max_tools] */
-    contact_touch *touch;     /* [max_contacts] */
+    palp_tool *pose;       /* [max_tools] */
+    palp_tool_force *felt; /* [max_tools] */
+    contact_touch *touch;  /* [max_contacts] */
 } contact_state;
 
-/* Nodes that may touch a tool, and the triangles around each node: around[first[i]] to around[first[i + 1]]. */
+/* Nodes that may touch a tool, and the triangles around each node: around[first[i]] to around[first[i + 1]].
+ */
 typedef struct contact_points {
     size_t n;
     const int32_t *node; /* [n] */
@@ -62,27 +64,27 @@ typedef struct contact_set {
     palp_contact_settings settings;
     size_t n_nodes, max_tools, max_contacts;
     size_t n_tools;
-    palp_tool *tool;         /* [max_tools] as told */
-    palp_tool *pose;         /* [max_tools] as the present evaluation has them */
-    double share;            /* of their way from the committed state */
-    contact *contact;        /* [max_contacts] */
+    palp_tool *tool;  /* [max_tools] as told */
+    palp_tool *pose;  /* [max_tools] as the present evaluation has them */
+    double share;     /* of their way from the committed state */
+    contact *contact; /* [max_contacts] */
     size_t n_contacts;
-    const int32_t *surface;  /* [3 n_surface] triangles, outward; the caller's */
+    const int32_t *surface; /* [3 n_surface] triangles, outward; the caller's */
     size_t n_surface;
-    int32_t *triangles;      /* [n_nodes] of the surface that meet in a node */
-    const double *unit;      /* [n_nodes] a node's own stiffness over that of an element, 1/m; the caller's */
-    double modulus;          /* instantaneous stiffness of an element at rest, N; set by the caller before place */
-    double edge;             /* mean edge of the surface at rest, m */
-    contact_points points;   /* if first is not NULL tools of all shapes touch these nodes, not triangles */
+    int32_t *triangles; /* [n_nodes] of the surface that meet in a node */
+    const double *unit; /* [n_nodes] a node's own stiffness over that of an element, 1/m; the caller's */
+    double modulus;     /* instantaneous stiffness of an element at rest, N; set by the caller before place */
+    double edge;        /* mean edge of the surface at rest, m */
+    contact_points points; /* if first is not NULL tools of all shapes touch these nodes, not triangles */
     contact_state now, next;
 } contact_set;
 
 /* ---- contact_set.c ---- */
 
 /* rest and surface at rest; edge: taken where there are no triangles. Its arrays are of the arena. */
-palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest, size_t n_surface,
-                               const int32_t *surface, const double *unit, double edge, size_t max_tools,
-                               const palp_contact_settings *settings);
+palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest,
+                               size_t n_surface, const int32_t *surface, const double *unit, double edge,
+                               size_t max_tools, const palp_contact_settings *settings);
 void contact_set_reset(contact_set *set);
 
 /* Another surface on the same nodes. */
@@ -91,7 +93,8 @@ void contact_set_surface(contact_set *set, size_t n, const int32_t *surface);
 /* The poses for the next step, copied. ERR_ARGUMENT: see palp_network_set_tools. */
 palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools);
 
-/* Tools at a share of their way from the committed state, where nodes were at committed; contacts as they are at x. */
+/* Tools at a share of their way from the committed state, where nodes were at committed; contacts as they are
+ * at x. */
 void contact_set_place(contact_set *set, double share, const double *committed, const double *x);
 
 /* Has a tool come or moved since the committed state? */
@@ -100,14 +103,16 @@ bool contact_set_moved(const contact_set *set);
 /* Forces at x, added to force[3 n_nodes]; *squares as network_term residual. */
 void contact_set_evaluate(contact_set *set, const double *x, double *force, double *squares);
 
-/* If a contact's point moved so far that it is not the nearest to the tool any more: looks for contacts anew at x. */
+/* If a contact's point moved so far that it is not the nearest to the tool any more: looks for contacts anew
+ * at x. */
 bool contact_set_refresh(contact_set *set, const double *committed, const double *x);
 
 /* The step is solved at x: what lasts into set->next. swap: next becomes now. */
 void contact_set_finish(contact_set *set, const double *x);
 void contact_set_swap(contact_set *set);
 
-/* After finish, of a state whose forces are off by error: what of it friction's springs remember, of all of them, N. */
+/* After finish, of a state whose forces are off by error: what of it friction's springs remember, of all of
+ * them, N. */
 double contact_set_doubt(contact_set *set, double error);
 
 /* Adds a force on the tissue, size times force, at a point of it to what the tool in this pose feels. */
@@ -125,7 +130,8 @@ double contact_travel(const contact_set *set, const palp_tool *pose, size_t tool
 /* From a point to the nearest of a sphere's centre or a capsule's axis, m; from a plane, 0 behind it. */
 double contact_distance(const palp_tool *tool, const double point[3]);
 
-/* How far along a capsule the place that is nearest to the contact's triangle now is from where it is taken, m. */
+/* How far along a capsule the place that is nearest to the contact's triangle now is from where it is taken,
+ * m. */
 double contact_slid(const contact_set *set, const contact *c, const double *x);
 
 /* ---- contact_point.c ---- */

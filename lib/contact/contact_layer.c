@@ -3,10 +3,11 @@
 
 #include <string.h>
 
-contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tools, const palp_contact_settings *settings,
-                         contact_set *set) {
+contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tools,
+                         const palp_contact_settings *settings, contact_set *set) {
     contact_layer *l = arena_take(memory, 1, sizeof *l);
-    if (!l || skin_make(memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit, settings->subdivisions, &l->skin)) {
+    if (!l || skin_make(memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit,
+                        settings->subdivisions, &l->skin)) {
         memory->failed = true;
         return NULL;
     }
@@ -23,7 +24,8 @@ contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tool
     l->stencil = arena_take(memory, s->room, sizeof *l->stencil);
     l->share = arena_take(memory, 3 * s->room, sizeof *l->share);
     l->half = arena_take(memory, 27 * s->room, sizeof *l->half);
-    contact_set_create(set, memory, s->n, s->rest, s->n_triangles, s->triangle, s->unit, net->extent, max_tools, settings);
+    contact_set_create(set, memory, s->n, s->rest, s->n_triangles, s->triangle, s->unit, net->extent,
+                       max_tools, settings);
     return l;
 }
 
@@ -42,13 +44,14 @@ static void list_active(contact_layer *l, const contact_set *set) {
         }
 }
 
-/* Is a node so near a tool, on its way through this step, that a vertex of the node may touch it? Elements stretch to twice
- * their length at most here. */
+/* Is a node so near a tool, on its way through this step, that a vertex of the node may touch it? Elements
+ * stretch to twice their length at most here. */
 static bool may_touch(const contact_layer *l, const contact_set *set, const double *x) {
     for (size_t i = 0; i < set->n_tools; i++) {
         const palp_tool *tool = &set->tool[i];
         double around = tool->shape == PALP_TOOL_PLANE ? 0.0 : tool->radius_m;
-        if (contact_distance(tool, x) <= around + set->edge + 2.0 * l->skin.reach + contact_travel(set, tool, i))
+        if (contact_distance(tool, x) <=
+            around + set->edge + 2.0 * l->skin.reach + contact_travel(set, tool, i))
             return true;
     }
     return false;
@@ -116,7 +119,8 @@ void layer_evaluate(contact_layer *l, contact_set *set, const double *next, doub
     give(l, force);
 }
 
-void layer_times(const contact_layer *l, const contact_set *set, contact_product *times, const double *u, double *out) {
+void layer_times(const contact_layer *l, const contact_set *set, contact_product *times, const double *u,
+                 double *out) {
     for (size_t i = 0; i < l->n_active; i++)
         skin_take_vertex(&l->skin, l->active[i], u, l->in + 3 * l->active[i]);
     for (size_t i = 0; i < set->n_contacts; i++)
@@ -141,7 +145,8 @@ static void half_blocks(const contact_layer *l, const contact *c, size_t n) {
 }
 
 /* Adds the block of nodes i and j <= i of a contact's n to that of the pair. */
-static void add_pair(const contact_layer *l, const contact *c, size_t n, size_t i, size_t j, size_t *n_touched) {
+static void add_pair(const contact_layer *l, const contact *c, size_t n, size_t i, size_t j,
+                     size_t *n_touched) {
     const uint32_t pair = skin_pair(&l->skin, l->stencil[j], l->stencil[i]);
     double *block = l->block + 9 * (size_t)pair;
     if (!l->is_touched[pair])

@@ -1,4 +1,5 @@
-/* contact_point.c: one contact: how deep it is, its pressure, Coulomb friction by return mapping, its tangent. */
+/* contact_point.c: one contact: how deep it is, its pressure, Coulomb friction by return mapping, its
+ * tangent. */
 #include "contact_internal.h"
 
 #include <string.h>
@@ -36,7 +37,8 @@ void contact_nearest(const double *const corner[3], const double p[3], double sh
     else if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0)
         memcpy(found, (double[]){-d6 / (d2 - d6), 0.0, d2 / (d2 - d6)}, sizeof found);
     else if (va <= 0.0 && d4 >= d3 && d5 >= d6)
-        memcpy(found, (double[]){0.0, (d5 - d6) / (d4 - d3 + d5 - d6), (d4 - d3) / (d4 - d3 + d5 - d6)}, sizeof found);
+        memcpy(found, (double[]){0.0, (d5 - d6) / (d4 - d3 + d5 - d6), (d4 - d3) / (d4 - d3 + d5 - d6)},
+               sizeof found);
     memcpy(share, found, sizeof found);
 }
 
@@ -157,8 +159,9 @@ double contact_energy(const contact_set *set, const contact *c) {
     return c->stiffness * (0.5 * d * (d - smooth) + smooth * smooth / 6.0);
 }
 
-/* Tangent of the pressure along the normal, and across it where the point cannot give way on its triangle: all round in a
- * corner, across an edge on one. A capsule is straight along its axis. Returns the pressure's slope by the depth. */
+/* Tangent of the pressure along the normal, and across it where the point cannot give way on its triangle:
+ * all round in a corner, across an edge on one. A capsule is straight along its axis. Returns the pressure's
+ * slope by the depth. */
 static double normal_force(const contact_set *set, const palp_tool *tool, contact *c) {
     double slope, edge[3] = {0.0}, length = 0.0;
     c->pressure = penalty(set, c, &slope);
@@ -180,9 +183,9 @@ static double normal_force(const contact_set *set, const palp_tool *tool, contac
     return slope;
 }
 
-/* A spring as stiff as the penalty from the anchor to the point, along the surface; where it pulls harder than
- * friction holds, it slips (return mapping). The part of the tangent by which slip follows the pressure, which has this slope, has no
- * mirror image and stands apart, as drag: factors are of symmetric matrices. */
+/* A spring as stiff as the penalty from the anchor to the point, along the surface; where it pulls harder
+ * than friction holds, it slips (return mapping). The part of the tangent by which slip follows the pressure,
+ * which has this slope, has no mirror image and stands apart, as drag: factors are of symmetric matrices. */
 static void friction_force(contact *c, double coefficient, double slope, const double *x) {
     double u[3], stiffness = c->entry * c->stiffness, turn[3];
     contact_point(c, c->stick_share, x, u);
@@ -241,7 +244,8 @@ void contact_times(const contact *c, const double *u, double *out) {
     }
 }
 
-/* The pressure falls by its slope times the way along the normal, which leads into the tissue, and friction with it. */
+/* The pressure falls by its slope times the way along the normal, which leads into the tissue, and friction
+ * with it. */
 void contact_whole_times(const contact *c, const double *u, double *out) {
     double at_point[3];
     contact_times(c, u, out);
@@ -257,7 +261,9 @@ void contact_block(const contact *c, int a, int b, double k[9]) {
     double both = c->distance * dot3(ga, gb);
     for (int i = 0; i < 9; i++) {
         int row = i / 3, col = i % 3;
-        k[i] = c->share[a] * c->share[b] * c->normal_tangent[full[i]] + c->stick_share[a] * c->stick_share[b] * c->friction_tangent[full[i]] +
-               c->pressure * (n[row] * ga[col] * c->share[b] + c->share[a] * gb[row] * n[col] + both * n[row] * n[col]);
+        k[i] = c->share[a] * c->share[b] * c->normal_tangent[full[i]] +
+               c->stick_share[a] * c->stick_share[b] * c->friction_tangent[full[i]] +
+               c->pressure *
+                   (n[row] * ga[col] * c->share[b] + c->share[a] * gb[row] * n[col] + both * n[row] * n[col]);
     }
 }

@@ -3,8 +3,10 @@
 
 #include <string.h>
 
-static const double LINGERS = 0.98; /* of its doubt, at least, that a spring which slips keeps from step to step */
-static const double SLID = 0.1; /* of an edge: a contact point that the solution moved so far is looked for again */
+static const double LINGERS =
+    0.98; /* of its doubt, at least, that a spring which slips keeps from step to step */
+static const double SLID =
+    0.1; /* of an edge: a contact point that the solution moved so far is looked for again */
 
 /* ---- making -------------------------------------------------------------------------------------- */
 
@@ -25,9 +27,9 @@ static double mean_edge(const double *rest, size_t n_surface, const int32_t *sur
     return length / (3.0 * (double)n_surface);
 }
 
-palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest, size_t n_surface,
-                               const int32_t *surface, const double *unit, double edge, size_t max_tools,
-                               const palp_contact_settings *settings) {
+palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest,
+                               size_t n_surface, const int32_t *surface, const double *unit, double edge,
+                               size_t max_tools, const palp_contact_settings *settings) {
     size_t all = max_tools * (n_surface > n_nodes ? n_surface : n_nodes), most = settings->max_contacts;
     set->settings = *settings;
     set->n_nodes = n_nodes;
@@ -62,7 +64,8 @@ void contact_set_reset(contact_set *set) {
 /* ---- tools --------------------------------------------------------------------------------------- */
 
 static bool tool_sound(const palp_tool *t) {
-    if (t->shape > PALP_TOOL_PLANE || !finite3(t->position_m) || !(t->friction >= 0.0) || !isfinite(t->friction))
+    if (t->shape > PALP_TOOL_PLANE || !finite3(t->position_m) || !(t->friction >= 0.0) ||
+        !isfinite(t->friction))
         return false;
     if (t->shape != PALP_TOOL_PLANE && !positive(t->radius_m))
         return false;
@@ -194,8 +197,8 @@ static double held(const contact_set *set, const contact *c) {
     return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
 }
 
-/* A spring that slips forgets what it was off by across its way, and is off along it by what that was solved to, as is one that
- * starts; never by more than from one side of what it holds to the other. */
+/* A spring that slips forgets what it was off by across its way, and is off along it by what that was solved
+ * to, as is one that starts; never by more than from one side of what it holds to the other. */
 double contact_set_doubt(contact_set *set, double error) {
     double all = 0.0, sum = 0.0;
     contact_touch *t = set->next.touch;

@@ -18,7 +18,8 @@ static const contact_set *const_set_of(const network_term *term) {
 }
 
 /* The nodes that corner j of a contact depends on. */
-static size_t corner_nodes(const contact_term *t, const contact *c, int j, const int32_t **node, const double **weight) {
+static size_t corner_nodes(const contact_term *t, const contact *c, int j, const int32_t **node,
+                           const double **weight) {
     static const double ONE = 1.0;
     if (t->layer)
         return layer_corner(t->layer, c->node[j], node, weight);
@@ -100,7 +101,8 @@ static bool term_refresh(network_term *term, palp_network *net) {
 
 /* ---- tangent and energy -------------------------------------------------------------------------- */
 
-static void term_blocks(const network_term *term, const palp_network *net, network_block_taker take, void *user) {
+static void term_blocks(const network_term *term, const palp_network *net, network_block_taker take,
+                        void *user) {
     const contact_term *t = (const contact_term *)term;
     const contact_set *set = &t->set;
     double k[9];
@@ -136,7 +138,8 @@ static void term_times(const network_term *term, const palp_network *net, const 
     add_times(term, contact_times, u, out);
 }
 
-static void term_whole_times(const network_term *term, const palp_network *net, const double *u, double *out) {
+static void term_whole_times(const network_term *term, const palp_network *net, const double *u,
+                             double *out) {
     (void)net;
     add_times(term, contact_whole_times, u, out);
 }
@@ -180,8 +183,8 @@ static void follow(contact_term *t, const contact *c, const double *x, double *m
     }
 }
 
-/* Does the tool lose the tissue: of the contacts that touched none does? One of several that comes off as the tool slides on
- * is let go. */
+/* Does the tool lose the tissue: of the contacts that touched none does? One of several that comes off as the
+ * tool slides on is let go. */
 static bool lost(contact_set *set, int32_t tool, const double *x) {
     bool touched = false, touches = false;
     for (size_t i = 0; i < set->n_contacts; i++) {
@@ -230,7 +233,8 @@ static void term_weigh(const network_term *term, const palp_network *net, double
     }
 }
 
-static void term_share_residual(network_term *term, palp_network *net, const double *weight, const double *residual) {
+static void term_share_residual(network_term *term, palp_network *net, const double *weight,
+                                const double *residual) {
     contact_term *t = (contact_term *)term;
     contact_set *set = &t->set;
     for (size_t i = 0; i < set->n_contacts; i++) {
@@ -241,8 +245,10 @@ static void term_share_residual(network_term *term, palp_network *net, const dou
             size_t n = corner_nodes(t, c, j, &node, &share);
             for (size_t k = 0; k < n; k++) {
                 size_t at = 3 * (size_t)node[k];
-                double all = weight[node[k]], part = all > 0.0 ? share[k] * c->share[j] * c->stiffness / all : 0.0;
-                contact_feel(&set->pose[c->tool], net->next.x + at, -part, residual + at, &set->next.felt[c->tool]);
+                double all = weight[node[k]],
+                       part = all > 0.0 ? share[k] * c->share[j] * c->stiffness / all : 0.0;
+                contact_feel(&set->pose[c->tool], net->next.x + at, -part, residual + at,
+                             &set->next.felt[c->tool]);
             }
         }
     }
@@ -277,7 +283,8 @@ contact_set *contact_of(const palp_network *net) {
 }
 
 /* NULL: out of memory. */
-static network_term *term_new(const palp_network *net, size_t max_tools, const palp_contact_settings *settings) {
+static network_term *term_new(const palp_network *net, size_t max_tools,
+                              const palp_contact_settings *settings) {
     contact_term *t = network_term_new(&CONTACT, sizeof *t);
     if (!t)
         return NULL;
@@ -288,8 +295,8 @@ static network_term *term_new(const palp_network *net, size_t max_tools, const p
     if (settings->subdivisions > 0)
         t->layer = layer_new(memory, net, max_tools, settings, &t->set);
     else
-        contact_set_create(&t->set, memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit, net->extent,
-                           max_tools, settings);
+        contact_set_create(&t->set, memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit,
+                           net->extent, max_tools, settings);
     return &t->term;
 }
 

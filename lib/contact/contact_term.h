@@ -8,18 +8,18 @@
 /* A contact_set on a skin's vertices in place of the nodes. */
 typedef struct contact_layer {
     skin skin;
-    double *x, *committed;  /* [3 skin.n] places of vertices */
-    double *in, *out;       /* [3 skin.n] of those in contact; out is zero between uses */
-    int32_t *near;          /* [skin.n] vertices near tools */
-    int32_t *active;        /* [n_active] those of contacts */
-    bool *is_active;        /* [skin.n] */
+    double *x, *committed; /* [3 skin.n] places of vertices */
+    double *in, *out;      /* [3 skin.n] of those in contact; out is zero between uses */
+    int32_t *near;         /* [skin.n] vertices near tools */
+    int32_t *active;       /* [n_active] those of contacts */
+    bool *is_active;       /* [skin.n] */
     size_t n_active;
-    double *block;          /* [9 n_pairs], zero between uses */
-    bool *is_touched;       /* [n_pairs] */
-    uint32_t *touched;      /* [n_pairs] */
-    int32_t *stencil;       /* [room] */
-    double *share;          /* [3 room] */
-    double *half;           /* [27 room] */
+    double *block;     /* [9 n_pairs], zero between uses */
+    bool *is_touched;  /* [n_pairs] */
+    uint32_t *touched; /* [n_pairs] */
+    int32_t *stencil;  /* [room] */
+    double *share;     /* [3 room] */
+    double *half;      /* [27 room] */
 } contact_layer;
 
 typedef struct contact_term {
@@ -31,14 +31,15 @@ typedef struct contact_term {
 } contact_term;
 
 /* A layer and the set on it; NULL: the memory has failed. */
-contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tools, const palp_contact_settings *settings,
-                         contact_set *set);
+contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tools,
+                         const palp_contact_settings *settings, contact_set *set);
 
 /* As the functions of the set and of the term, from places and to forces of nodes. */
 void layer_place(contact_layer *l, contact_set *set, double share, const double *now, const double *next);
 bool layer_refresh(contact_layer *l, contact_set *set, const double *now, const double *next);
 void layer_evaluate(contact_layer *l, contact_set *set, const double *next, double *force, double *squares);
-void layer_times(const contact_layer *l, const contact_set *set, contact_product *times, const double *u, double *out);
+void layer_times(const contact_layer *l, const contact_set *set, contact_product *times, const double *u,
+                 double *out);
 void layer_blocks(const contact_layer *l, const contact_set *set, network_block_taker take, void *user);
 
 /* Places of the vertices in contact; those of others are of some time before. */

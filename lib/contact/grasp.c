@@ -11,10 +11,10 @@ typedef struct grasped {
 
 typedef struct grasp {
     network_term term;
-    double stiffness;  /* of a spring, in units of its node's own */
+    double stiffness; /* of a spring, in units of its node's own */
     size_t max, n;
     grasped *now, *next; /* [n of max] */
-    double *target;    /* [3 n] as the present evaluation has them */
+    double *target;      /* [3 n] as the present evaluation has them */
 } grasp;
 
 static void grasp_reset(network_term *term, palp_network *net) {
@@ -89,7 +89,8 @@ static void grasp_finish(network_term *term, palp_network *net) {
 
 /* ---- tangent and energy -------------------------------------------------------------------------- */
 
-static void grasp_blocks(const network_term *term, const palp_network *net, network_block_taker take, void *user) {
+static void grasp_blocks(const network_term *term, const palp_network *net, network_block_taker take,
+                         void *user) {
     const grasp *t = (const grasp *)term;
     double k[9] = {0.0};
     for (size_t i = 0; i < t->n; i++) {
@@ -124,7 +125,8 @@ static void grasp_weigh(const network_term *term, const palp_network *net, doubl
         weight[t->now[i].node] += spring_of(t, net, t->now[i].node);
 }
 
-static void grasp_share_residual(network_term *term, palp_network *net, const double *weight, const double *residual) {
+static void grasp_share_residual(network_term *term, palp_network *net, const double *weight,
+                                 const double *residual) {
     grasp *t = (grasp *)term;
     for (size_t i = 0; i < t->n; i++) {
         grasped *g = &t->next[i];
@@ -231,7 +233,8 @@ palp_status palp_network_release(palp_network *net, size_t n, const int32_t *nod
     return PALP_OK;
 }
 
-palp_status palp_network_grasp_force(const palp_network *net, size_t n, const int32_t *nodes, double force_N[3]) {
+palp_status palp_network_grasp_force(const palp_network *net, size_t n, const int32_t *nodes,
+                                     double force_N[3]) {
     if (!nodes_sound(net, n, nodes) || !force_N)
         return PALP_ERR_ARGUMENT;
     force_N[0] = force_N[1] = force_N[2] = 0.0;

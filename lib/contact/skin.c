@@ -1,4 +1,5 @@
-/* skin.c: a subdivided surface that tools touch: what its vertices have of the nodes, which nodes meet on a triangle. */
+/* skin.c: a subdivided surface that tools touch: what its vertices have of the nodes, which nodes meet on a
+ * triangle. */
 #include "skin.h"
 
 #include "subdivide.h"
@@ -7,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The stiffness of a triangle's corners, each node's shared among its triangles, to the vertices of the parts it became. */
+/* The stiffness of a triangle's corners, each node's shared among its triangles, to the vertices of the parts
+ * it became. */
 static bool share_unit(skin *s, size_t n_surface, const int32_t *surface, const double *unit) {
     int32_t *count = calloc(s->n_nodes + 1, sizeof *count);
     if (!count)
@@ -161,8 +163,8 @@ static bool keep(arena *memory, const subdivided *finer, skin *s) {
     return true;
 }
 
-palp_status skin_make(arena *memory, size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface,
-                      const double *unit, size_t subdivisions, skin *s) {
+palp_status skin_make(arena *memory, size_t n_nodes, const double *rest, size_t n_surface,
+                      const int32_t *surface, const double *unit, size_t subdivisions, skin *s) {
     subdivided finer;
     bool made = subdivide_make(n_nodes, rest, n_surface, surface, subdivisions, &finer);
     if (!made)

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double SHARP = 0.766; /* cosine between the normals of two triangles: an edge of more than 40 degrees is sharp */
+static const double SHARP =
+    0.766; /* cosine between the normals of two triangles: an edge of more than 40 degrees is sharp */
 
 typedef struct edge {
     int32_t low, high;   /* vertices */
@@ -184,9 +185,11 @@ static bool list_stars(const finer *f, star **stars, int32_t **ends) {
     return true;
 }
 
-/* A vertex by its own weight and that of each neighbour: where two sharp edges meet those along them; where more do, itself. */
+/* A vertex by its own weight and that of each neighbour: where two sharp edges meet those along them; where
+ * more do, itself. */
 static void add_star(finer *f, const star *s, const int32_t *ends, int32_t v, bool limit) {
-    const double pi = acos(-1.0), n = s->edges, c = 0.375 + 0.25 * cos(2.0 * pi / n), beta = (0.625 - c * c) / n;
+    const double pi = acos(-1.0), n = s->edges, c = 0.375 + 0.25 * cos(2.0 * pi / n),
+                 beta = (0.625 - c * c) / n;
     double each = limit ? 1.0 / (n + 0.375 / beta) : beta;
     int32_t taken = s->edges;
     if (taken == 0)
@@ -284,8 +287,8 @@ static bool begin(finer *f, size_t n_nodes, const double *rest, size_t n_surface
     return true;
 }
 
-bool subdivide_make(size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface, size_t subdivisions,
-                    subdivided *out) {
+bool subdivide_make(size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface,
+                    size_t subdivisions, subdivided *out) {
     finer f = {0};
     bool made = begin(&f, n_nodes, rest, n_surface, surface);
     if (made)

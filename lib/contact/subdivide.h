@@ -16,18 +16,20 @@ typedef struct weight_rows {
     double *weight;  /* [room] */
 } weight_rows;
 
-/* A surface by its nodes: vertices, the first n_nodes of them of a node each, and triangles, outward as those it was made from. */
+/* A surface by its nodes: vertices, the first n_nodes of them of a node each, and triangles, outward as those
+ * it was made from. */
 typedef struct subdivided {
     weight_rows vertex;
     size_t n_triangles;
     int32_t *triangle; /* [3 n_triangles]; those of triangle i of the mesh stand together */
 } subdivided;
 
-/* The surface with its nodes moved to their limits, then subdivided so many times, each vertex on the limit surface; false: out
- * of memory, nothing to free. Moving the nodes first spreads each vertex over more of them, which leaves a quarter of the
- * ripple. Edges of more than 40 degrees at rest and borders stay sharp. */
-bool subdivide_make(size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface, size_t subdivisions,
-                    subdivided *out);
+/* The surface with its nodes moved to their limits, then subdivided so many times, each vertex on the limit
+ * surface; false: out of memory, nothing to free. Moving the nodes first spreads each vertex over more of
+ * them, which leaves a quarter of the ripple. Edges of more than 40 degrees at rest and borders stay sharp.
+ */
+bool subdivide_make(size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface,
+                    size_t subdivisions, subdivided *out);
 void subdivide_free(subdivided *s);
 
 #endif

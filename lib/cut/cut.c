@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double LOOSE = 1e-3;    /* spring of a loose node, of its stiffness at rest */
-static const double MECHANISM = 1e-6; /* diagonal of any other node of a cut network */
+static const double LOOSE = 1e-3;       /* spring of a loose node, of its stiffness at rest */
+static const double MECHANISM = 1e-6;   /* diagonal of any other node of a cut network */
 static const double SMALL_STRAIN = 0.1; /* where the stiffness is taken: a law may start from 0 */
 
 /* ---- what is loose ------------------------------------------------------------------------------- */
@@ -23,7 +23,8 @@ static void find_loose(network_term *term, palp_network *net) {
         if (cut->fixed[i])
             cut->loose[cut->root[i]] = 0;
     cut->n_loose = 0;
-    for (size_t i = 0; i < net->n_nodes; i++) { /* a root is the lowest node of its part: it is known by now */
+    for (size_t i = 0; i < net->n_nodes;
+         i++) { /* a root is the lowest node of its part: it is known by now */
         cut->loose[i] = cut->loose[cut->root[i]];
         cut->n_loose += cut->loose[i];
         cut->diagonal[i] = cut->n_cut == 0 ? 0.0 : cut->stiffness[i] * (cut->loose[i] ? LOOSE : MECHANISM);
@@ -42,7 +43,8 @@ static void mark(network_cut *cut, size_t element) {
     cut->cut[cut->n_cut++] = (int32_t)element;
 }
 
-/* What follows from the elements that were marked since the last time. The next step starts from the state as it is. */
+/* What follows from the elements that were marked since the last time. The next step starts from the state as
+ * it is. */
 static size_t update(palp_network *net, network_cut *cut) {
     size_t news = cut->n_cut - cut->n_known;
     for (size_t k = cut->n_known; k < cut->n_cut; k++) {

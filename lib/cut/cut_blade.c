@@ -1,15 +1,17 @@
 /* cut_blade.c: which elements cross a triangle.
  *
- * Ties are broken as if the tissue were shifted by an infinitesimal step along one fixed direction (simulation of
- * simplicity, Edelsbrunner and Muecke 1990): a node exactly on the blade is on one side of it, the same for every
- * element that meets in it and for both triangles of a sweep, whatever the order of corners and ends. */
+ * Ties are broken as if the tissue were shifted by an infinitesimal step along one fixed direction
+ * (simulation of simplicity, Edelsbrunner and Muecke 1990): a node exactly on the blade is on one side of it,
+ * the same for every element that meets in it and for both triangles of a sweep, whatever the order of
+ * corners and ends. */
 #include "cut_internal.h"
 
 #include <math.h>
 
 /* 1, 1/p and 1/p^2 with p^3 = p + 1: no lattice direction is at right angles to it. */
 static const double SHIFT[3] = {1.0, 0.7548776662466927, 0.5698402909980532};
-static const double ROUNDING = 1e-14; /* of the sum of the terms' sizes: below it a determinant is taken for 0 */
+static const double ROUNDING =
+    1e-14; /* of the sum of the terms' sizes: below it a determinant is taken for 0 */
 
 static void subtract(const double *a, const double *b, double out[3]) {
     for (size_t k = 0; k < 3; k++)
@@ -57,8 +59,8 @@ static int passes(const double *p, const double *q, const double *a, const doubl
     return fabs(d) > ROUNDING * (size + size_b) ? -sign(d) : 0;
 }
 
-/* The same for the edge between corners i and j, the edge always taken the same way round, so that the two triangles
- * of a sweep see the very same number. */
+/* The same for the edge between corners i and j, the edge always taken the same way round, so that the two
+ * triangles of a sweep see the very same number. */
 static int passes_edge(const double *p, const double *q, const double *corners, size_t i, size_t j) {
     const double *a = corners + 3 * i, *b = corners + 3 * j;
     bool swap = a[0] != b[0] ? a[0] > b[0] : a[1] != b[1] ? a[1] > b[1] : a[2] > b[2];
@@ -67,7 +69,8 @@ static int passes_edge(const double *p, const double *q, const double *corners, 
 
 bool cut_crosses(const double *p, const double *q, const double *corners) {
     int first = passes_edge(p, q, corners, 0, 1);
-    return first != 0 && passes_edge(p, q, corners, 1, 2) == first && passes_edge(p, q, corners, 2, 0) == first;
+    return first != 0 && passes_edge(p, q, corners, 1, 2) == first &&
+           passes_edge(p, q, corners, 2, 0) == first;
 }
 
 void cut_sides(size_t n, const double *x, const double corners[9], signed char *side) {

@@ -1,15 +1,17 @@
-/* experiment_join.c: a recording that goes on in another file, under load: one run again, as what its arms remember is in the first. */
+/* experiment_join.c: a recording that goes on in another file, under load: one run again, as what its arms
+ * remember is in the first. */
 #include "experiment_internal.h"
 #include "segments_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SAMPLES_MIN = 16 };        /* of either part */
-static const double SOON = 10.0;  /* steps of the clock, after which it is another recording */
-static const double LOADED = 0.1; /* of the largest force: with less the one before is forgotten, or nearly so */
-static const double AWAY = 2e-3;  /* of the way: where the plate may be beside where its motion leads */
-static const double ODDS = 6.0;   /* standard deviations of the noise */
+enum { SAMPLES_MIN = 16 };       /* of either part */
+static const double SOON = 10.0; /* steps of the clock, after which it is another recording */
+static const double LOADED =
+    0.1; /* of the largest force: with less the one before is forgotten, or nearly so */
+static const double AWAY = 2e-3; /* of the way: where the plate may be beside where its motion leads */
+static const double ODDS = 6.0;  /* standard deviations of the noise */
 
 typedef struct columns {
     size_t n;
@@ -18,8 +20,11 @@ typedef struct columns {
 } columns;
 
 static columns columns_of(const palp_experiment *e) {
-    return (columns){.n = palp_experiment_rows(e), .time = palp_experiment_column(e, "time_s"), .low = HUGE_VAL,
-                     .high = -HUGE_VAL, .depth = palp_experiment_column(e, "depth_mm"),
+    return (columns){.n = palp_experiment_rows(e),
+                     .time = palp_experiment_column(e, "time_s"),
+                     .low = HUGE_VAL,
+                     .high = -HUGE_VAL,
+                     .depth = palp_experiment_column(e, "depth_mm"),
                      .force = palp_experiment_column(e, "force_N")};
 }
 
@@ -39,18 +44,21 @@ static bool measure(columns *c) {
 /* Whether b begins where and when a ends, with its force. */
 static bool goes_on(columns *a, columns *b) {
     const size_t last = a->n - 1;
-    if (fmin((double)a->n, (double)b->n) < SAMPLES_MIN || !a->time || !a->depth || !a->force || !b->time || !b->depth || !b->force)
+    if (fmin((double)a->n, (double)b->n) < SAMPLES_MIN || !a->time || !a->depth || !a->force || !b->time ||
+        !b->depth || !b->force)
         return false;
     double step = (a->time[last] - a->time[0]) / (double)last, gap = b->time[0] - a->time[last];
     if (!(gap > 0.0 && gap < SOON * step && measure(a) && measure(b)))
         return false;
-    double force = a->force[last], next = b->force[0], noise = fmax(a->white, b->white), peak = fmax(a->peak, b->peak);
+    double force = a->force[last], next = b->force[0], noise = fmax(a->white, b->white),
+           peak = fmax(a->peak, b->peak);
     if (!(fmin(force, next) > LOADED * peak + ODDS * noise))
         return false;
     double speed = (a->depth[last] - a->depth[last - 2]) / (a->time[last] - a->time[last - 2]);
     double way = b->depth[0] - a->depth[last], range = fmax(a->high, b->high) - fmin(a->low, b->low);
     double moves = fmax(fabs(force - a->force[last - 3]), fabs(b->force[3] - next)) * fmax(1.0, gap / step);
-    return fabs(way - speed * gap) < fabs(speed) * gap + AWAY * range && fabs(next - force) < moves + ODDS * noise;
+    return fabs(way - speed * gap) < fabs(speed) * gap + AWAY * range &&
+           fabs(next - force) < moves + ODDS * noise;
 }
 
 static const char *specimen_of(const palp_experiment *e) {
@@ -71,9 +79,10 @@ static palp_status copy_keys(const palp_experiment *a, const palp_experiment *b,
     const char *key;
     json_t *value;
     for (size_t i = 0; i < 2; i++)
-        json_object_foreach(from[i]->header, key, value)
-            if ((strncmp(key, "end.", 4) == 0) == (i == 1) && json_object_set_new(to->header, key, json_deep_copy(value)))
-                return PALP_ERR_NO_MEMORY;
+        json_object_foreach(
+            from[i]->header, key,
+            value) if ((strncmp(key, "end.", 4) == 0) == (i == 1) &&
+                       json_object_set_new(to->header, key, json_deep_copy(value))) return PALP_ERR_NO_MEMORY;
     return PALP_OK;
 }
 
@@ -95,7 +104,8 @@ static palp_status fill(const palp_experiment *a, const palp_experiment *b, palp
     return status;
 }
 
-static palp_status join_two(const palp_experiment *first, const palp_experiment *second, palp_experiment **both) {
+static palp_status join_two(const palp_experiment *first, const palp_experiment *second,
+                            palp_experiment **both) {
     palp_status status = palp_experiment_create(first->rows + second->rows, both);
     if (!status)
         status = fill(first, second, *both);
@@ -107,7 +117,8 @@ static palp_status join_two(const palp_experiment *first, const palp_experiment 
 }
 
 /* Joins what begins with run j to the first of these that it goes on with; *done: there is one. */
-static palp_status join_to_one_before(size_t n, const palp_experiment *const *run, palp_experiment **whole, size_t *of, size_t j, bool *done) {
+static palp_status join_to_one_before(size_t n, const palp_experiment *const *run, palp_experiment **whole,
+                                      size_t *of, size_t j, bool *done) {
     const palp_experiment *second = whole[j] ? whole[j] : run[j];
     *done = false;
     for (size_t i = 0; i < n && of[j] == j; i++) {
@@ -129,7 +140,8 @@ static palp_status join_to_one_before(size_t n, const palp_experiment *const *ru
     return PALP_OK;
 }
 
-palp_status palp_experiment_join(size_t n, const palp_experiment *const *run, palp_experiment **whole, size_t *of) {
+palp_status palp_experiment_join(size_t n, const palp_experiment *const *run, palp_experiment **whole,
+                                 size_t *of) {
     palp_status status = run && whole && of ? PALP_OK : PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n && !status; i++) {
         status = run[i] ? PALP_OK : PALP_ERR_ARGUMENT;

@@ -57,7 +57,8 @@ static palp_status copy_columns(palp_recording *r, const palp_experiment *e, pal
         r->force_N[i] = f[i];
         r->use[i] = 1;
         if (!segments_sample_valid(t, d, f, i))
-            return palp_error_set(error, PALP_ERR_INPUT, "%s: sample %zu: not finite, beyond 1e12, or time_s does not increase",
+            return palp_error_set(error, PALP_ERR_INPUT,
+                                  "%s: sample %zu: not finite, beyond 1e12, or time_s does not increase",
                                   r->name, i + 1);
     }
     return PALP_OK;
@@ -74,7 +75,8 @@ static void read_header(palp_recording *r, const palp_experiment *e,
         r->radius_m = 1e-3 * value;
     if (!palp_experiment_get_string(e, "specimen.name", &text))
         snprintf(r->specimen, sizeof r->specimen, "%s", text);
-    r->contact_found = !palp_experiment_get_string(e, "contact.rule", &text) && strcmp(text, "as_recorded") != 0;
+    r->contact_found =
+        !palp_experiment_get_string(e, "contact.rule", &text) && strcmp(text, "as_recorded") != 0;
     if (!palp_experiment_get_number(e, "contact.sd_mm", &value))
         r->contact_sd_m = 1e-3 * fmax(value, 0.0);
     if (settings->height_m > 0.0)
@@ -82,8 +84,8 @@ static void read_header(palp_recording *r, const palp_experiment *e,
     r->faulted = !palp_experiment_get_string(e, "end.fault", &text) && strcmp(text, "samples_lost") != 0;
 }
 
-/* A run of missing samples that chance makes less often than once in n recordings, in steps: each is missing with the same
- * chance. */
+/* A run of missing samples that chance makes less often than once in n recordings, in steps: each is missing
+ * with the same chance. */
 static double chance_steps(size_t n, size_t missing) {
     double part = (double)missing / (double)(n + missing);
     return missing ? 2.0 * log((double)n) / -log(part) : 0.0;
@@ -162,7 +164,9 @@ palp_recording_kind palp_recording_kind_of(const palp_pieces *pieces) {
     k += dwell;
     while (k < n && (piece[k].motion == PALP_MOTION_REST || piece[k].motion == PALP_MOTION_UNLOAD))
         k++;
-    return k < n || !(ramp || dwell) ? PALP_RECORDING_OTHER : dwell ? PALP_RECORDING_RAMP_HOLD : PALP_RECORDING_STATIC;
+    return k < n || !(ramp || dwell) ? PALP_RECORDING_OTHER
+           : dwell                   ? PALP_RECORDING_RAMP_HOLD
+                                     : PALP_RECORDING_STATIC;
 }
 
 /* The sample from which on the plate is only taken back; r->n if it is not. */
@@ -179,18 +183,20 @@ static double speed(const palp_recording *r, size_t from, size_t to) {
     return (r->depth_m[to] - r->depth_m[from]) / (r->time_s[to] - r->time_s[from]);
 }
 
-/* Whether a force is held while the depth goes on. By its path alone a depth that comes to rest at last may be the ramp and the hold of
- * a press; but then the plate was much faster before the force was held. Where a sensor ends it was not. */
+/* Whether a force is held while the depth goes on. By its path alone a depth that comes to rest at last may
+ * be the ramp and the hold of a press; but then the plate was much faster before the force was held. Where a
+ * sensor ends it was not. */
 static bool is_creep(const palp_recording *r, size_t start, size_t end) {
     static const double slower = 0.5;
     if (r->kind != PALP_RECORDING_RAMP_HOLD || r->creep.n == 0)
         return r->creep.n > 0;
-    const size_t held = r->creep.piece[0].first, from = start < held ? start : held - 1; /* a ramp goes before it */
+    const size_t held = r->creep.piece[0].first,
+                 from = start < held ? start : held - 1; /* a ramp goes before it */
     return held < end && speed(r, held, end) < slower * speed(r, from, held);
 }
 
-/* What was done, and where the motion starts and ends. What follows a press that ends by taking the plate back is left out: it
- * says how the plate leaves, which no law of pressing tells. */
+/* What was done, and where the motion starts and ends. What follows a press that ends by taking the plate
+ * back is left out: it says how the plate leaves, which no law of pressing tells. */
 static palp_status find_motion(palp_recording *r) {
     palp_pieces pieces;
     size_t start, end;

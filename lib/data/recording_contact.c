@@ -72,8 +72,8 @@ static size_t stretch_end(const palp_recording *r, size_t first, double length) 
 }
 
 /* Where the rising force leads back to, by its first 3 % of the way. Where the first 6 % lead elsewhere the
- * force bends, and it bends on within the noise: that counts three times. Where samples are few, five of each, as long as
- * they are in the first quarter of the way. False: too few samples. */
+ * force bends, and it bends on within the noise: that counts three times. Where samples are few, five of
+ * each, as long as they are in the first quarter of the way. False: too few samples. */
 static bool extrapolate(const palp_recording *r, size_t first, double deepest, double zero, double *at,
                         double *sd) {
     enum { FEWEST = 5 };

@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-/* Shares of the way at which the first motion has begun and has come to its end, and the depth is left for good. */
+/* Shares of the way at which the first motion has begun and has come to its end, and the depth is left for
+ * good. */
 static const double BEGUN = 2e-3, ARRIVED = 0.998, LEFT = 0.95;
 
 segments_cone segments_cone_open(void) {
@@ -52,5 +53,6 @@ size_t segments_press_end(size_t n, const double *depth, double deepest, size_t 
 
 bool segments_sample_valid(const double *time, const double *depth, const double *force, size_t i) {
     static const double most = 1e12;
-    return fabs(time[i]) <= most && fabs(depth[i]) <= most && fabs(force[i]) <= most && (i == 0 || time[i] > time[i - 1]);
+    return fabs(time[i]) <= most && fabs(depth[i]) <= most && fabs(force[i]) <= most &&
+           (i == 0 || time[i] > time[i - 1]);
 }

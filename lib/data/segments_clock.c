@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Parts: of the differences, which are small enough to be one step; of a step, by which a multiple may be missed; of the
- * differences, which must be multiples. */
+/* Parts: of the differences, which are small enough to be one step; of a step, by which a multiple may be
+ * missed; of the differences, which must be multiples. */
 static const double SMALL = 0.1, OFF = 0.1, REGULAR = 0.9;
 
 /* Sum of the whole steps in the differences; 0 if too few are such. */

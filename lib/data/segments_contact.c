@@ -1,6 +1,6 @@
-/* segments_contact.c: the air and the contact of a press about which nothing is known: where zero is, which way is
- * down, whether the load cell drifts. recording_contact.c answers another question: of a recording whose depth 0 is
- * said to be contact, whether that is so. */
+/* segments_contact.c: the air and the contact of a press about which nothing is known: where zero is, which
+ * way is down, whether the load cell drifts. recording_contact.c answers another question: of a recording
+ * whose depth 0 is said to be contact, whether that is so. */
 #include "base/statistics.h"
 #include "segments_internal.h"
 
@@ -39,7 +39,8 @@ palp_status palp_press_create(size_t n, const double *time_s, const double *dept
     press->mean_N = malloc(n * sizeof *press->mean_N);
     double step_s;
     size_t missing;
-    palp_status status = press->mean_N ? palp_segments_clock(n, time_s, &step_s, &missing) : PALP_ERR_NO_MEMORY;
+    palp_status status =
+        press->mean_N ? palp_segments_clock(n, time_s, &step_s, &missing) : PALP_ERR_NO_MEMORY;
     if (!status)
         status = palp_segments_noise(n, time_s, 10.0 * step_s, force_N, PALP_NOISE_TRIMMED, &press->noise_N);
     if (status) {
@@ -91,7 +92,8 @@ static size_t leaves(const palp_press *p, const palp_air *air, double sds) {
 static double exactness(const palp_press *p, const palp_air *air) {
     size_t early = smaller(leaves(p, air, DOUBTFUL), air->contact);
     size_t late = smaller(air->contact + p->window / 2, p->n - 1);
-    return fmax(fabs(p->depth[air->contact] - p->depth[early]), fabs(p->depth[late] - p->depth[air->contact]));
+    return fmax(fabs(p->depth[air->contact] - p->depth[early]),
+                fabs(p->depth[late] - p->depth[air->contact]));
 }
 
 /* What is found to be air then says what air is. */
@@ -99,9 +101,13 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
     if (!p)
         return (palp_air){0};
     palp_air air = {0};
-    double least_sd = fmax(p->noise_N / sqrt((double)p->window), 1e-6 * fabs(p->mean_N[p->peak] - p->mean_N[0]));
+    double least_sd =
+        fmax(p->noise_N / sqrt((double)p->window), 1e-6 * fabs(p->mean_N[p->peak] - p->mean_N[0]));
     size_t rest = palp_press_rest(p);
-    size_t n = smaller(approach ? (size_t)(APPROACH_AIR * (double)p->peak) : rest >= REST_LEAST ? rest : 5 * p->window, p->peak);
+    size_t n = smaller(approach             ? (size_t)(APPROACH_AIR * (double)p->peak)
+                       : rest >= REST_LEAST ? rest
+                                            : 5 * p->window,
+                       p->peak);
     fit_air(p, n > 2 ? n : 2, approach, least_sd, &air);
     air.contact = leaves(p, &air, BEYOND);
     for (int round = 0; !approach && round < ROUNDS; round++) {

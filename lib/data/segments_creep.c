@@ -3,9 +3,10 @@
 
 #include <math.h>
 
-static const double DRIFT = 0.01; /* of the depth's range: what the depth goes on by at least */
+static const double DRIFT = 0.01;  /* of the depth's range: what the depth goes on by at least */
 static const double BEGINS = 0.02; /* of the stretch: what still may belong to the ramp before it */
-static const double SLOWER = 0.5;  /* of the speed before it: what moves so fast is pressed on, whatever the force does */
+static const double SLOWER =
+    0.5; /* of the speed before it: what moves so fast is pressed on, whatever the force does */
 
 static double range_of(size_t n, const double *x) {
     double low = x[0], high = x[0];
@@ -25,15 +26,17 @@ static size_t later(const double *time, size_t i, size_t last, double s) {
 }
 
 /* Where a force is held from a ramp on, and the depth goes on more slowly than on it. */
-static bool creeps(const palp_piece *ramp, const palp_piece *dwell, const double *time, const double *depth, double least) {
+static bool creeps(const palp_piece *ramp, const palp_piece *dwell, const double *time, const double *depth,
+                   double least) {
     double lasts = time[dwell->last] - time[dwell->first], came = time[ramp->last] - time[ramp->first];
     size_t from = later(time, dwell->first, dwell->last, BEGINS * lasts);
     double drift = depth[dwell->last] - depth[from], way = depth[ramp->last] - depth[ramp->first];
-    return ramp->motion == PALP_MOTION_RAMP && dwell->motion == PALP_MOTION_DWELL && depth[from] > 0.0 && drift > least &&
-           drift / lasts < SLOWER * way / came;
+    return ramp->motion == PALP_MOTION_RAMP && dwell->motion == PALP_MOTION_DWELL && depth[from] > 0.0 &&
+           drift > least && drift / lasts < SLOWER * way / came;
 }
 
-palp_status palp_segments_creep(size_t n, const double *time_s, const double *depth, const double *force_N, palp_pieces *creep) {
+palp_status palp_segments_creep(size_t n, const double *time_s, const double *depth, const double *force_N,
+                                palp_pieces *creep) {
     if (!depth || !force_N || !creep)
         return PALP_ERR_ARGUMENT;
     palp_status status = palp_segments_pieces(n, time_s, force_N, creep);

@@ -4,11 +4,12 @@
 
 #include <palpate/segments.h>
 
-/* Masks (use[i] = 0) lone samples further from both neighbours than sigma noise sds and three times what the curve moves
- * there; how many. */
+/* Masks (use[i] = 0) lone samples further from both neighbours than sigma noise sds and three times what the
+ * curve moves there; how many. */
 size_t segments_mask_spikes(size_t n, const double *force, double noise, double sigma, unsigned char *use);
 
-/* Lines through the first sample of a piece of a path: the slopes with which all samples so far are within a tolerance. */
+/* Lines through the first sample of a piece of a path: the slopes with which all samples so far are within a
+ * tolerance. */
 typedef struct segments_cone {
     double low, high;
 } segments_cone;
@@ -23,20 +24,23 @@ void segments_bends(size_t n, const double *depth, double *bend);
 /* The first sample after i whose depth is not within a distance of that at i; n if there is none. */
 size_t segments_still_end(size_t n, const double *depth, size_t i, double within);
 
-/* First motion into the specimen, from the larger of the start and 0 to the deepest: its first and last sample. */
+/* First motion into the specimen, from the larger of the start and 0 to the deepest: its first and last
+ * sample. */
 void segments_ramp(size_t n, const double *depth, double deepest, size_t *start, size_t *end);
 
-/* The last sample at the deepest before the plate is taken back; n if it stays. ramp_end: the ramp's last sample. */
+/* The last sample at the deepest before the plate is taken back; n if it stays. ramp_end: the ramp's last
+ * sample. */
 size_t segments_press_end(size_t n, const double *depth, double deepest, size_t ramp_end);
 
-/* Contact, its depth and its sd where the rise after the air leads back to; as they are where there are too few samples. */
+/* Contact, its depth and its sd where the rise after the air leads back to; as they are where there are too
+ * few samples. */
 void segments_refine_contact(const palp_press *press, palp_air *air);
 
 /* Whether the plate moved through air before the contact: by more than 3 sds of it, and without a force. */
 bool segments_air_seen(const palp_press *press, const palp_air *air);
 
-/* Whether sample i can be used: time in s, depth in mm and force in N finite, none beyond 1e12 either way, so that sums of
- * squares stay finite, and its time after that of the sample before. */
+/* Whether sample i can be used: time in s, depth in mm and force in N finite, none beyond 1e12 either way, so
+ * that sums of squares stay finite, and its time after that of the sample before. */
 bool segments_sample_valid(const double *time, const double *depth, const double *force, size_t i);
 
 #endif

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A Gaussian's sd over its median size, and its variance without the outer 5 %; sds beyond which it has nothing. */
+/* A Gaussian's sd over its median size, and its variance without the outer 5 %; sds beyond which it has
+ * nothing. */
 static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76, BEYOND = 4.5;
 
 /* Root mean square of those up to a limit. */
@@ -19,7 +20,8 @@ static double trimmed_rms(const double *x, size_t n, double limit) {
     return sqrt(sum / kept);
 }
 
-/* The median of those that a Gaussian of that median would have: a burst in a tenth of the samples hardly moves it. */
+/* The median of those that a Gaussian of that median would have: a burst in a tenth of the samples hardly
+ * moves it. */
 static double trimmed_median(double *bend, size_t n, double middle) {
     enum { ROUNDS = 4 };
     for (int round = 0; round < ROUNDS && middle > 0.0; round++) {
@@ -44,7 +46,8 @@ static double by_median(double *bend, size_t n) {
     double middle = statistics_quantile(bend, n, 0.5), quarter = statistics_quantile(bend, n, 0.25);
     double most = statistics_quantile(bend, n, 0.85);
     bool coarse = quarter >= 0.9 * middle || most > 5.0 * middle;
-    return coarse ? trimmed_rms(bend, n, statistics_quantile(bend, n, 0.99)) : SD_OF_MEDIAN * trimmed_median(bend, n, middle);
+    return coarse ? trimmed_rms(bend, n, statistics_quantile(bend, n, 0.99))
+                  : SD_OF_MEDIAN * trimmed_median(bend, n, middle);
 }
 
 static double by_most(double *bend, size_t n) {
@@ -53,7 +56,8 @@ static double by_most(double *bend, size_t n) {
     return trimmed_rms(bend, used, limit) / sqrt(KEPT_VARIANCE);
 }
 
-/* How far a sample is from the line through its neighbours, in the size of an even path's second difference. */
+/* How far a sample is from the line through its neighbours, in the size of an even path's second difference.
+ */
 static double bend_at(const double *time, const double *force, size_t i) {
     double even = fabs(force[i - 1] - 2.0 * force[i] + force[i + 1]);
     if (!time)

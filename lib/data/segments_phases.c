@@ -10,8 +10,8 @@ static const double CORNER = 0.2, EARLY = 5.0;
 static const double TURN = 0.25; /* of the range of an oscillation: what a turn in it returns by */
 
 const char *palp_phase_name(palp_phase phase) {
-    static const char *const names[] = {"air",    "ramp",     "corner", "early_dwell", "late_dwell",
-                                        "unload", "recovery", "reload"};
+    static const char *const names[] = {"air",        "ramp",   "corner",   "early_dwell",
+                                        "late_dwell", "unload", "recovery", "reload"};
     return (unsigned)phase < PALP_PHASE_COUNT ? names[phase] : "unknown";
 }
 
@@ -31,7 +31,9 @@ static palp_phase moving(walk *w, bool back) {
 /* In the air it is air or recovery, whatever moves. */
 static void put(walk *w, size_t i, palp_phase phase) {
     w->touched = w->touched || w->depth[i] > 0.0;
-    w->phase[i] = (unsigned char)(w->depth[i] > 0.0 ? phase : w->touched ? PALP_PHASE_RECOVERY : PALP_PHASE_AIR);
+    w->phase[i] = (unsigned char)(w->depth[i] > 0.0 ? phase
+                                  : w->touched      ? PALP_PHASE_RECOVERY
+                                                    : PALP_PHASE_AIR);
 }
 
 /* A motion from one sample to another; it begins with a corner but where it only comes out of the air. */
@@ -46,7 +48,10 @@ static void walk_still(walk *w, size_t first, size_t last) {
     double early = w->motion_s > 0.0 ? EARLY * w->motion_s : HUGE_VAL;
     for (size_t i = first; i < last; i++) {
         double since = w->time[i] - w->time[first];
-        put(w, i, since < CORNER * w->motion_s ? PALP_PHASE_CORNER : since < early ? PALP_PHASE_EARLY_DWELL : PALP_PHASE_LATE_DWELL);
+        put(w, i,
+            since < CORNER * w->motion_s ? PALP_PHASE_CORNER
+            : since < early              ? PALP_PHASE_EARLY_DWELL
+                                         : PALP_PHASE_LATE_DWELL);
     }
 }
 
@@ -96,7 +101,8 @@ static void walk_piece(walk *w, const palp_pieces *pieces, size_t k) {
         walk_motion(w, piece->first, piece->last, piece->motion == PALP_MOTION_UNLOAD, !comes);
 }
 
-/* A dwell from where its force is reached; the motion before it began where the plate came from the air, or stood. */
+/* A dwell from where its force is reached; the motion before it began where the plate came from the air, or
+ * stood. */
 static void walk_creep(walk *w, const palp_piece *piece) {
     size_t start = piece->first;
     while (start > 0 && (w->phase[start - 1] == PALP_PHASE_RAMP || w->phase[start - 1] == PALP_PHASE_RELOAD ||
@@ -117,7 +123,8 @@ static palp_status walk_creeps(walk *w, size_t n, const double *force) {
     return PALP_OK;
 }
 
-palp_status palp_segments_phases(size_t n, const double *time, const double *depth, const double *force, unsigned char *phase) {
+palp_status palp_segments_phases(size_t n, const double *time, const double *depth, const double *force,
+                                 unsigned char *phase) {
     palp_pieces pieces;
     if (!time || !depth || !phase)
         return PALP_ERR_ARGUMENT;

@@ -5,18 +5,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Parts of the path's range: what counts as still; what a turn must return by. Of its deepest: what is hardly touched. */
+/* Parts of the path's range: what counts as still; what a turn must return by. Of its deepest: what is hardly
+ * touched. */
 static const double STILL = 2e-3, TURN = 0.012, SHALLOW = 0.02;
-static const double PRELOADED = 0.15; /* likewise, where it stands at the start */
-static const double NOISE = 6.0;      /* sds of the depth that are still, too */
+static const double PRELOADED = 0.15;  /* likewise, where it stands at the start */
+static const double NOISE = 6.0;       /* sds of the depth that are still, too */
 static const double LASTS = 1.0 / 6.0; /* of the motion before a dwell: how long it must last at least */
-static const double HALTS = 0.04;     /* of the motion after it, where that goes on the same way */
-static const double RESTS = 0.02;     /* of the motion after it, a rest at the start */
-static const double SLOWER = 0.25;    /* of the speed beside it: what moves so fast is not still */
-static const double OVERSHOOT = 0.05; /* of the ramp before: a way back that settles into the dwell */
-static const double ALIKE = 2.0;      /* legs of one oscillation differ by less than this factor from its middle one */
-static const double ENDS = 0.4;       /* of its time, at most, is spent in the outer twentieths of an oscillation's leg */
-static const double SWEPT = 1.5;      /* by which factor the length of a sweep's legs changes */
+static const double HALTS = 0.04;      /* of the motion after it, where that goes on the same way */
+static const double RESTS = 0.02;      /* of the motion after it, a rest at the start */
+static const double SLOWER = 0.25;     /* of the speed beside it: what moves so fast is not still */
+static const double OVERSHOOT = 0.05;  /* of the ramp before: a way back that settles into the dwell */
+static const double ALIKE =
+    2.0; /* legs of one oscillation differ by less than this factor from its middle one */
+static const double ENDS =
+    0.4; /* of its time, at most, is spent in the outer twentieths of an oscillation's leg */
+static const double SWEPT = 1.5; /* by which factor the length of a sweep's legs changes */
 
 enum { LEGS = 4 }; /* the fewest of an oscillation */
 
@@ -73,7 +76,8 @@ static bool find_turns(path *p) {
     for (size_t i = 1; i < p->n; i++) {
         high = p->depth[i] > p->depth[high] ? i : high;
         low = p->depth[i] < p->depth[low] ? i : low;
-        bool down = way >= 0 && p->depth[high] - p->depth[i] > back, up = way <= 0 && p->depth[i] - p->depth[low] > back;
+        bool down = way >= 0 && p->depth[high] - p->depth[i] > back,
+             up = way <= 0 && p->depth[i] - p->depth[low] > back;
         if (!down && !up)
             continue;
         size_t at = down ? high : low;
@@ -123,7 +127,8 @@ static size_t oscillation(const path *p, size_t leg) {
 }
 
 static bool is_sweep(const path *p, size_t leg, size_t end) {
-    double first = leg_time(p, leg) + leg_time(p, leg + 1), last = leg_time(p, end - 1) + leg_time(p, end - 2);
+    double first = leg_time(p, leg) + leg_time(p, leg + 1),
+           last = leg_time(p, end - 1) + leg_time(p, end - 2);
     return first > SWEPT * last || last > SWEPT * first;
 }
 
@@ -162,7 +167,8 @@ static size_t cut(const path *p, size_t from, size_t to, stretch *s) {
     for (size_t first = from, last; first < to; first = last) {
         segments_cone cone = segments_cone_open();
         for (last = first; last < to; last++)
-            if (!segments_cone_take(&cone, p->time[last + 1] - p->time[first], p->depth[last + 1] - p->depth[first], p->still))
+            if (!segments_cone_take(&cone, p->time[last + 1] - p->time[first],
+                                    p->depth[last + 1] - p->depth[first], p->still))
                 break;
         double way = p->depth[last] - p->depth[first];
         s[n++] = (stretch){first, last, fabs(way) <= 2.5 * p->still ? 0 : way > 0.0 ? 1 : -1};
@@ -199,7 +205,8 @@ static size_t drop_short(const path *p, stretch *s, size_t n) {
 /* A ramp that overshoots settles into its dwell. */
 static size_t drop_overshoots(const path *p, stretch *s, size_t n) {
     for (size_t k = 1; k + 1 < n; k++)
-        if (s[k].way == -s[k - 1].way && s[k + 1].way == 0 && fabs(travel(p, &s[k])) < OVERSHOOT * fabs(travel(p, &s[k - 1])))
+        if (s[k].way == -s[k - 1].way && s[k + 1].way == 0 &&
+            fabs(travel(p, &s[k])) < OVERSHOOT * fabs(travel(p, &s[k - 1])))
             s[k].way = 0;
     return merge(s, n);
 }
@@ -217,7 +224,10 @@ static void name_stretch(path *p, const stretch *s) {
     double shallow = SHALLOW * fmax(p->deepest, 0.0);
     if (s->way == 0) {
         double middle = 0.5 * (p->depth[s->first] + p->depth[s->last]);
-        add(p, middle <= (s->first == 0 ? PRELOADED * fmax(p->deepest, 0.0) : shallow) ? PALP_MOTION_REST : PALP_MOTION_DWELL, s->first, s->last);
+        add(p,
+            middle <= (s->first == 0 ? PRELOADED * fmax(p->deepest, 0.0) : shallow) ? PALP_MOTION_REST
+                                                                                    : PALP_MOTION_DWELL,
+            s->first, s->last);
     } else if (s->way < 0) {
         add(p, PALP_MOTION_UNLOAD, s->first, s->last);
     } else if (p->depth[s->last] <= shallow) {
@@ -229,21 +239,24 @@ static void name_stretch(path *p, const stretch *s) {
     }
 }
 
-/* Without what belongs to the oscillation after it: the start of its first leg after a rest or a dwell, and the first turn. */
+/* Without what belongs to the oscillation after it: the start of its first leg after a rest or a dwell, and
+ * the first turn. */
 static size_t without_start(const path *p, const stretch *s, size_t n, double leg) {
     size_t k = n > 0 && s[n - 1].way == 0 ? n - 1 : n;
-    return k > 1 && s[k - 1].way != 0 && s[k - 2].way == 0 && fabs(travel(p, &s[k - 1])) < 1.3 * leg ? k - 1 : n;
+    return k > 1 && s[k - 1].way != 0 && s[k - 2].way == 0 && fabs(travel(p, &s[k - 1])) < 1.3 * leg ? k - 1
+                                                                                                     : n;
 }
 
-/* Samples from one to another, which do not oscillate; what follows is an oscillation of so long a leg, or nothing (0). Where
- * the oscillation begins. */
+/* Samples from one to another, which do not oscillate; what follows is an oscillation of so long a leg, or
+ * nothing (0). Where the oscillation begins. */
 static size_t straight(path *p, size_t from, size_t to, double leg) {
     stretch *s = malloc((to - from + 1) * sizeof *s);
     if (!s) {
         p->whole = false;
         return to;
     }
-    size_t n = drop_overshoots(p, s, drop_short(p, s, cut(p, from, to, s))), own = leg > 0.0 ? without_start(p, s, n, leg) : n;
+    size_t n = drop_overshoots(p, s, drop_short(p, s, cut(p, from, to, s))),
+           own = leg > 0.0 ? without_start(p, s, n, leg) : n;
     for (size_t k = 0; k < own; k++)
         name_stretch(p, &s[k]);
     to = own < n ? s[own].first : to;

@@ -1,4 +1,5 @@
-/* segments_rise.c: where a press touches, by the force that rises after the air: level + a (depth - contact)^p. */
+/* segments_rise.c: where a press touches, by the force that rises after the air: level + a (depth -
+ * contact)^p. */
 #include "segments_internal.h"
 
 #include <math.h>
@@ -90,7 +91,8 @@ static double weighted(const rise *r, double noise, double *sd) {
 void segments_refine_contact(const palp_press *press, palp_air *air) {
     rise r = {press, air->contact, press->depth[press->peak] > press->depth[0] ? 1.0 : -1.0, 0.0};
     double level = air->level_N, top = press->mean_N[press->peak], sd;
-    double part_N = fmax(FIRST_PART * fabs(top - level), fmin(CLEAR * press->noise_N, MOST_PART * fabs(top - level)));
+    double part_N =
+        fmax(FIRST_PART * fabs(top - level), fmin(CLEAR * press->noise_N, MOST_PART * fabs(top - level)));
     while (r.n < press->peak && fabs(press->mean_N[r.n] - level) < part_N)
         r.n++;
     r.farthest = way(&r, r.n);
@@ -104,7 +106,8 @@ void segments_refine_contact(const palp_press *press, palp_air *air) {
         air->contact++;
 }
 
-/* The force on the first of the way to the contact is that of the air, as exactly as the noise lets it be told. */
+/* The force on the first of the way to the contact is that of the air, as exactly as the noise lets it be
+ * told. */
 bool segments_air_seen(const palp_press *press, const palp_air *air) {
     rise r = {press, air->contact, air->contact_depth > press->depth[0] ? 1.0 : -1.0, 0.0};
     double travel = fabs(air->contact_depth - press->depth[0]), sum = 0.0, count = 0.0, rest = 0.0;
@@ -119,5 +122,6 @@ bool segments_air_seen(const palp_press *press, const palp_air *air) {
         }
     }
     double sd = press->noise_N * sqrt(1.0 / fmax(count, 1.0) + 1.0 / fmax(rest, 1.0));
-    return count > 0.0 && fabs(sum / count) <= 4.0 * sd + 1e-4 * fabs(press->mean_N[press->peak] - air->level_N);
+    return count > 0.0 &&
+           fabs(sum / count) <= 4.0 * sd + 1e-4 * fabs(press->mean_N[press->peak] - air->level_N);
 }

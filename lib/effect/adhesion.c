@@ -3,9 +3,9 @@
 
 #include <math.h>
 
-/* value: force, reach. The traction of Xu and Needleman (1993): the pull grows with the gap, is strongest where the gap is
- * the reach, and fades beyond. Without a reach the surface stays on the plate up to that force;
- * there is no derivative by a reach of 0. */
+/* value: force, reach. The traction of Xu and Needleman (1993): the pull grows with the gap, is strongest
+ * where the gap is the reach, and fades beyond. Without a reach the surface stays on the plate up to that
+ * force; there is no derivative by a reach of 0. */
 static void bond(const double *value, double gap, effect_bond *out) {
     out->strongest = out->pull = value[0];
     out->reach = value[1];
@@ -19,8 +19,9 @@ static void bond(const double *value, double gap, effect_bond *out) {
     out->by_value[1] = -out->by_gap * x;
 }
 
-/* Where plates let go with a jump the force is not fitted, as which sample is the last before it has no derivative: between
- * the strongest pull that was recorded and what would be too strong, both to three standard deviations of the noise. */
+/* Where plates let go with a jump the force is not fitted, as which sample is the last before it has no
+ * derivative: between the strongest pull that was recorded and what would be too strong, both to three
+ * standard deviations of the noise. */
 static bool read_pull(const effect_data *data, effect_read *out) {
     double noise = 3.0 * data->white;
     out->low = fmax(0.0, data->pull[0] - noise);
@@ -34,18 +35,26 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
     const bool jumps = read_pull(data, &read);
     for (size_t k = 0; k < (jumps ? 4u : 2u); k++) /* the strongest of a noisy record is more than the pull */
         for (size_t j = 0; j < 4; j++)
-            effect_start_at(out, jumps ? read.low + places[k] * (read.high - read.low) : data->pulled / (1.0 + (double)k),
-                            parts[j] * data->deepest, 0.0);
+            effect_start_at(
+                out, jumps ? read.low + places[k] * (read.high - read.low) : data->pulled / (1.0 + (double)k),
+                parts[j] * data->deepest, 0.0);
     return PALP_OK;
 }
 
 const effect_row effect_adhesion = {
-    .info = {.id = "adhesion", .name = "adhesion", .place = PALP_EFFECT_CONTACT,
+    .info = {.id = "adhesion",
+             .name = "adhesion",
+             .place = PALP_EFFECT_CONTACT,
              .means = "The specimen sticks to the plate, which pulls it on withdrawal until it lets go.",
              .seen_by = "withdrawal past contact",
              .n_parameters = 2,
              .parameter = {{"force_N", 1, 0, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true},
-                           {"reach_mm", 1e-3, 0, 1e3, 1e-4, .scale = PALP_SCALE_LENGTH, .logarithmic = true, .optional = true}},
+                           {"reach_mm", 1e-3, 0, 1e3, 1e-4, .scale = PALP_SCALE_LENGTH, .logarithmic = true,
+                            .optional = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_BIAS),
-             .in_lumped = true, .in_network = true},
-    .bond = bond, .need = EFFECT_NEEDS_WITHDRAWAL, .starts = starts, .read = read_pull};
+             .in_lumped = true,
+             .in_network = true},
+    .bond = bond,
+    .need = EFFECT_NEEDS_WITHDRAWAL,
+    .starts = starts,
+    .read = read_pull};

@@ -7,11 +7,18 @@ static void map(const double *value, const effect_press *at, effect_surface *out
 }
 
 const effect_row effect_contact_offset = {
-    .info = {.id = "contact_offset", .name = "contact offset", .place = PALP_EFFECT_CONTACT,
+    .info = {.id = "contact_offset",
+             .name = "contact offset",
+             .place = PALP_EFFECT_CONTACT,
              .means = "The surface is not where depth 0 was said to be.",
              .seen_by = "free air before contact",
              .n_parameters = 1,
-             .parameter = {{"offset_mm", 1e-3, -1e3, 1e3, 1e-4, .scale = PALP_SCALE_LENGTH, .strength = true}},
+             .parameter = {{"offset_mm", 1e-3, -1e3, 1e3, 1e-4, .scale = PALP_SCALE_LENGTH,
+                            .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_BIAS, PALP_EFFECT_TOE_REGION),
-             .in_lumped = true, .in_network = true},
-    .stage = 1, .map = map, .as_scatter = true, .of_runs = true};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 1,
+    .map = map,
+    .as_scatter = true,
+    .of_runs = true};

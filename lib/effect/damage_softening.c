@@ -1,7 +1,8 @@
 /* damage_softening.c: a spring that is softer below the largest strain so far (Ogden and Roxburgh 1999). */
 #include "effect_internal.h"
 
-static void history(const double *value, element_damage *damage, element_damage by_value[PALP_EFFECT_PARAMETERS]) {
+static void history(const double *value, element_damage *damage,
+                    element_damage by_value[PALP_EFFECT_PARAMETERS]) {
     damage->softening = value[0];
     damage->sharpness = value[1];
     by_value[0].softening = 1.0;
@@ -17,12 +18,19 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_damage_softening = {
-    .info = {.id = "damage_softening", .name = "damage softening (Mullins)", .place = PALP_EFFECT_SPECIMEN,
-             .means = "Once pressed, the specimen is softer on the way back and the next time, up to the depth it has seen.",
+    .info = {.id = "damage_softening",
+             .name = "damage softening (Mullins)",
+             .place = PALP_EFFECT_SPECIMEN,
+             .means = "Once pressed, the specimen is softer on the way back and the next time, up to the "
+                      "depth it has seen.",
              .seen_by = "unloading, and loading again",
              .n_parameters = 2,
              .parameter = {{"softening", 1, 0, 0.9, 0.2, .strength = true},
                            {"sharpness", 1, 0.02, 20, 0.5, .logarithmic = true}},
              EFFECT_ALIKE(PALP_EFFECT_PERMANENT_SET, PALP_EFFECT_COULOMB_FRICTION),
-             .in_lumped = true, .in_network = true},
-    .history = history, .starts = starts, .need = EFFECT_NEEDS_UNLOADING, .least = 0.1};
+             .in_lumped = true,
+             .in_network = true},
+    .history = history,
+    .starts = starts,
+    .need = EFFECT_NEEDS_UNLOADING,
+    .least = 0.1};

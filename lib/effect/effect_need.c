@@ -5,63 +5,81 @@
 #include <math.h>
 
 static const double TURNED = 0.1; /* of the deepest: a way back that is a motion in the other direction */
-static const double CLEAR = 1.0 / 3.0; /* of the highest frequency of a line: by so much its alias lies above what changes slowly */
+static const double CLEAR =
+    1.0 / 3.0; /* of the highest frequency of a line: by so much its alias lies above what changes slowly */
 
 static bool nyquist(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     const palp_effect_parameter *frequency = &row->info.parameter[1];
     const double rate = (1.0 + CLEAR) * frequency->high, periods = data->duration * frequency->low;
     if (data->shown.rate < rate)
-        snprintf(lack, EFFECT_LACK_MAX, "%.3g samples a second: %.3g are needed to tell %.0f to %.0f Hz from what changes slowly", data->shown.rate, rate,
-                 frequency->low, frequency->high);
+        snprintf(lack, EFFECT_LACK_MAX,
+                 "%.3g samples a second: %.3g are needed to tell %.0f to %.0f Hz from what changes slowly",
+                 data->shown.rate, rate, frequency->low, frequency->high);
     else
-        snprintf(lack, EFFECT_LACK_MAX, "the longest run holds %.2g periods of %.0f Hz: %.0f are needed, in a run of %.2g s", periods, frequency->low,
-                 row->least, row->least / frequency->low);
+        snprintf(lack, EFFECT_LACK_MAX,
+                 "the longest run holds %.2g periods of %.0f Hz: %.0f are needed, in a run of %.2g s",
+                 periods, frequency->low, row->least, row->least / frequency->low);
     return data->shown.rate >= rate && periods >= row->least;
 }
 
 static bool rates(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     const effect_shown *shown = &data->shown;
-    snprintf(lack, EFFECT_LACK_MAX, "the plate presses at one speed (the fastest is %.2g times the slowest), with no pause or way back; needed: %s",
+    snprintf(lack, EFFECT_LACK_MAX,
+             "the plate presses at one speed (the fastest is %.2g times the slowest), with no pause or way "
+             "back; needed: %s",
              shown->speeds, row->info.seen_by);
     return shown->speeds >= row->least || shown->back >= TURNED;
 }
 
 static bool reversal(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
-    snprintf(lack, EFFECT_LACK_MAX, "the plate goes back by %.2g %% of the depth, %.2g %% are needed; needed: %s", 100.0 * data->shown.back,
-             100.0 * row->least, row->info.seen_by);
+    snprintf(lack, EFFECT_LACK_MAX,
+             "the plate goes back by %.2g %% of the depth, %.2g %% are needed; needed: %s",
+             100.0 * data->shown.back, 100.0 * row->least, row->info.seen_by);
     return data->shown.back >= row->least;
 }
 
 static bool depths(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
-    snprintf(lack, EFFECT_LACK_MAX, "all dwells and runs go to one depth (the deepest is %.3g times the least deep); needed: %s", data->shown.depths,
-             row->info.seen_by);
+    snprintf(lack, EFFECT_LACK_MAX,
+             "all dwells and runs go to one depth (the deepest is %.3g times the least deep); needed: %s",
+             data->shown.depths, row->info.seen_by);
     return data->shown.depths >= row->least || data->shown.back >= TURNED;
 }
 
 static bool periods(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     const double room = 0.5 * data->deepest / data->shown.stride;
-    snprintf(lack, EFFECT_LACK_MAX, "the travel has %.2g periods of two samples each, %.0f are needed; needed: %s", room, row->least, row->info.seen_by);
+    snprintf(lack, EFFECT_LACK_MAX,
+             "the travel has %.2g periods of two samples each, %.0f are needed; needed: %s", room, row->least,
+             row->info.seen_by);
     return room >= row->least;
 }
 
 bool effect_need_met(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     switch (row->need) {
-    case EFFECT_NEEDS_RATES: return rates(row, data, lack);
-    case EFFECT_NEEDS_REVERSAL: return reversal(row, data, lack);
-    case EFFECT_NEEDS_UNLOADING: return reversal(row, data, lack) || data->shown.again;
-    case EFFECT_NEEDS_DEPTHS: return depths(row, data, lack);
-    case EFFECT_NEEDS_NYQUIST: return nyquist(row, data, lack);
-    case EFFECT_NEEDS_PERIODS: return periods(row, data, lack);
+    case EFFECT_NEEDS_RATES:
+        return rates(row, data, lack);
+    case EFFECT_NEEDS_REVERSAL:
+        return reversal(row, data, lack);
+    case EFFECT_NEEDS_UNLOADING:
+        return reversal(row, data, lack) || data->shown.again;
+    case EFFECT_NEEDS_DEPTHS:
+        return depths(row, data, lack);
+    case EFFECT_NEEDS_NYQUIST:
+        return nyquist(row, data, lack);
+    case EFFECT_NEEDS_PERIODS:
+        return periods(row, data, lack);
     case EFFECT_NEEDS_WITHDRAWAL:
-        snprintf(lack, EFFECT_LACK_MAX, "no plate withdraws until the force is gone; needed: %s", row->info.seen_by);
+        snprintf(lack, EFFECT_LACK_MAX, "no plate withdraws until the force is gone; needed: %s",
+                 row->info.seen_by);
         return data->n_releases > 0 || data->pulled > 0.0;
     case EFFECT_NEEDS_COLUMN:
         snprintf(lack, EFFECT_LACK_MAX, "no run has a %s that changes", row->info.column);
         return data->change_of(data, row->info.column) > 0.0;
     case EFFECT_NEEDS_WEIGHT:
-        snprintf(lack, EFFECT_LACK_MAX, "a press of unknown stiffness is no known weight; needed: %s", row->info.seen_by);
+        snprintf(lack, EFFECT_LACK_MAX, "a press of unknown stiffness is no known weight; needed: %s",
+                 row->info.seen_by);
         return false;
-    case EFFECT_NEEDS_NOTHING: break;
+    case EFFECT_NEEDS_NOTHING:
+        break;
     }
     return true;
 }

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old, double output_old,
-                   effect_reading *out) {
+static void sensor(const double *value, const effect_moment *at, double input, double input_old,
+                   double output_old, effect_reading *out) {
     (void)at, (void)input_old, (void)output_old;
     out->force = input;
     if (!(value[0] > 0.0) || fabs(input) <= value[0])
@@ -21,11 +21,17 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_force_saturation = {
-    .info = {.id = "force_saturation", .name = "saturation of the sensor", .place = PALP_EFFECT_SENSOR,
+    .info = {.id = "force_saturation",
+             .name = "saturation of the sensor",
+             .place = PALP_EFFECT_SENSOR,
              .means = "The force sensor's range ends: it does not read beyond this force.",
              .seen_by = "forces up to the sensor's end",
              .n_parameters = 1,
              .parameter = {{"force_N", 1, 0, 1e12, 10, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_FRAME_COMPLIANCE),
-             .in_lumped = true, .in_network = true},
-    .stage = 9, .sensor = sensor, .bends = true, .starts = starts};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 9,
+    .sensor = sensor,
+    .bends = true,
+    .starts = starts};

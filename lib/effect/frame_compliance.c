@@ -15,11 +15,19 @@ static bool read_frame(const effect_data *data, effect_read *out) {
 }
 
 const effect_row effect_frame_compliance = {
-    .info = {.id = "frame_compliance", .name = "frame compliance", .place = PALP_EFFECT_FRAME,
-             .means = "The frame gives way under load: the specimen is pressed less deep than the encoder says.",
+    .info = {.id = "frame_compliance",
+             .name = "frame compliance",
+             .place = PALP_EFFECT_FRAME,
+             .means =
+                 "The frame gives way under load: the specimen is pressed less deep than the encoder says.",
              .seen_by = "a rigid block, or specimens of two heights",
              .n_parameters = 1,
-             .parameter = {{"compliance_mm_N", 1e-3, 0, 1e12, 1e-5, .scale = PALP_SCALE_COMPLIANCE, .strength = true}},
+             .parameter = {{"compliance_mm_N", 1e-3, 0, 1e12, 1e-5, .scale = PALP_SCALE_COMPLIANCE,
+                            .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_STRAIN_DEPENDENT_ARM, PALP_EFFECT_SENSOR_GAIN),
-             .in_lumped = true, .in_network = true},
-    .stage = 2, .map = map, .gives_way = true, .read = read_frame};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 2,
+    .map = map,
+    .gives_way = true,
+    .read = read_frame};

@@ -1,7 +1,8 @@
 /* permanent_set.c: a spring that does not come back to its full length. */
 #include "effect_internal.h"
 
-static void history(const double *value, element_damage *damage, element_damage by_value[PALP_EFFECT_PARAMETERS]) {
+static void history(const double *value, element_damage *damage,
+                    element_damage by_value[PALP_EFFECT_PARAMETERS]) {
     damage->set = value[0];
     by_value[0].set = 1.0;
 }
@@ -14,11 +15,17 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_permanent_set = {
-    .info = {.id = "permanent_set", .name = "permanent set", .place = PALP_EFFECT_SPECIMEN,
+    .info = {.id = "permanent_set",
+             .name = "permanent set",
+             .place = PALP_EFFECT_SPECIMEN,
              .means = "Once pressed, the specimen does not come back to its full height.",
              .seen_by = "unloading to contact, and loading again",
              .n_parameters = 1,
              .parameter = {{"fraction", 1, 0, 0.8, 0.1, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_CONTACT_OFFSET),
-             .in_lumped = true, .in_network = true},
-    .history = history, .starts = starts, .need = EFFECT_NEEDS_UNLOADING, .least = 0.1};
+             .in_lumped = true,
+             .in_network = true},
+    .history = history,
+    .starts = starts,
+    .need = EFFECT_NEEDS_UNLOADING,
+    .least = 0.1};

@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-static const double END = 1e-6; /* of the slip at either end, where the foundation or its derivative would be a limit */
+static const double END =
+    1e-6; /* of the slip at either end, where the foundation or its derivative would be a limit */
 
 static void foundation(const double *value, double at, effect_number *out) {
     double slip = fmax(value[0], END);
@@ -21,11 +22,14 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_plate_slip = {
-    .info = {.id = "plate_slip", .name = "slip at the plates", .place = PALP_EFFECT_CONTACT,
+    .info = {.id = "plate_slip",
+             .name = "slip at the plates",
+             .place = PALP_EFFECT_CONTACT,
              .means = "The specimen slides sideways at the plates.",
              .seen_by = "a network whose shape is known; plates dry and greased",
              .n_parameters = 1,
              .parameter = {{"slip", 1, 0, 1, 0.5, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_GAIN, PALP_EFFECT_FRAME_COMPLIANCE),
              .in_network = true},
-    .foundation = foundation, .starts = starts};
+    .foundation = foundation,
+    .starts = starts};

@@ -45,12 +45,19 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_poroelastic = {
-    .info = {.id = "poroelastic", .name = "poroelastic consolidation", .place = PALP_EFFECT_SPECIMEN,
+    .info = {.id = "poroelastic",
+             .name = "poroelastic consolidation",
+             .place = PALP_EFFECT_SPECIMEN,
              .means = "Liquid is pressed out of pores; the force falls as it drains.",
              .seen_by = "holds as long as the time, ramps a hundredth of it",
              .n_parameters = 2,
              .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE, .strength = true},
                            {"time_s", 1, 1e-12, 1e12, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POWER_LAW_RELAXATION),
-             .in_lumped = true, .in_network = true},
-    .stage = 2, .spectrum = spectrum, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 2,
+    .spectrum = spectrum,
+    .starts = starts,
+    .need = EFFECT_NEEDS_RATES,
+    .least = 1.5};

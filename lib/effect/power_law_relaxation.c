@@ -48,12 +48,19 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_power_law_relaxation = {
-    .info = {.id = "power_law_relaxation", .name = "power-law relaxation (springpot)", .place = PALP_EFFECT_SPECIMEN,
+    .info = {.id = "power_law_relaxation",
+             .name = "power-law relaxation (springpot)",
+             .place = PALP_EFFECT_SPECIMEN,
              .means = "The specimen relaxes over many decades of time, as a power of it.",
              .seen_by = "holds and ramps over several decades of time",
              .n_parameters = 2,
              .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE_1_S, .strength = true},
                            {"exponent", 1, 0.02, 0.9, 0.2, .strength = false}},
              EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POROELASTIC),
-             .in_lumped = true, .in_network = true},
-    .stage = 1, .spectrum = spectrum, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 1,
+    .spectrum = spectrum,
+    .starts = starts,
+    .need = EFFECT_NEEDS_RATES,
+    .least = 1.5};

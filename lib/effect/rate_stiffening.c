@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-static const double FIRST = 0.01; /* strain rate from which on decades count where a file does not tell, 1/s */
+static const double FIRST =
+    0.01; /* strain rate from which on decades count where a file does not tell, 1/s */
 
 /* value: stiffening by each decade, strain rate from which on they count. */
 static void spring(const double *value, double rate, effect_number *out) {
@@ -21,12 +22,20 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_rate_stiffening = {
-    .info = {.id = "rate_stiffening", .name = "rate stiffening", .place = PALP_EFFECT_SPECIMEN,
+    .info = {.id = "rate_stiffening",
+             .name = "rate stiffening",
+             .place = PALP_EFFECT_SPECIMEN,
              .means = "The specimen's spring is stiffer the faster the plate moves.",
              .seen_by = "ramps at several rates, one in a decade",
              .n_parameters = 2,
              .parameter = {{"per_decade", 1, 0, 2, 0.05, .strength = true},
-                           {"from_per_s", 1, 0, 1e12, 0.01, .scale = PALP_SCALE_STRAIN_RATE, .logarithmic = true, .optional = true}},
-             EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POWER_LAW_RELAXATION, PALP_EFFECT_COULOMB_FRICTION),
-             .in_lumped = true, .in_network = true},
-    .spring = spring, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};
+                           {"from_per_s", 1, 0, 1e12, 0.01, .scale = PALP_SCALE_STRAIN_RATE,
+                            .logarithmic = true, .optional = true}},
+             EFFECT_ALIKE(PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_POWER_LAW_RELAXATION,
+                          PALP_EFFECT_COULOMB_FRICTION),
+             .in_lumped = true,
+             .in_network = true},
+    .spring = spring,
+    .starts = starts,
+    .need = EFFECT_NEEDS_RATES,
+    .least = 1.5};

@@ -7,12 +7,20 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_relaxation_arm = {
-    .info = {.id = "relaxation_arm", .name = "another relaxation time", .place = PALP_EFFECT_SPECIMEN,
+    .info = {.id = "relaxation_arm",
+             .name = "another relaxation time",
+             .place = PALP_EFFECT_SPECIMEN,
              .means = "The specimen relaxes with one more relaxation time.",
              .seen_by = "holds as long as the time, ramps as short",
              .n_parameters = 2,
              .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE, .strength = true},
                            {"time_s", 1, 1e-12, 1e12, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},
-             EFFECT_ALIKE(PALP_EFFECT_POWER_LAW_RELAXATION, PALP_EFFECT_POROELASTIC, PALP_EFFECT_SENSOR_DRIFT),
-             .in_lumped = true, .in_network = true, .repeats = true},
-    .arm = true, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};
+             EFFECT_ALIKE(PALP_EFFECT_POWER_LAW_RELAXATION, PALP_EFFECT_POROELASTIC,
+                          PALP_EFFECT_SENSOR_DRIFT),
+             .in_lumped = true,
+             .in_network = true,
+             .repeats = true},
+    .arm = true,
+    .starts = starts,
+    .need = EFFECT_NEEDS_RATES,
+    .least = 1.5};

@@ -1,19 +1,24 @@
 /* sensor_bias.c: a zero of the sensor that is off in all runs. */
 #include "effect_internal.h"
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old, double output_old,
-                   effect_reading *out) {
+static void sensor(const double *value, const effect_moment *at, double input, double input_old,
+                   double output_old, effect_reading *out) {
     (void)at, (void)input_old, (void)output_old;
     out->force = input + value[0];
     out->by_value[0] = 1.0;
 }
 
 const effect_row effect_sensor_bias = {
-    .info = {.id = "sensor_bias", .name = "bias of the sensor", .place = PALP_EFFECT_SENSOR,
+    .info = {.id = "sensor_bias",
+             .name = "bias of the sensor",
+             .place = PALP_EFFECT_SENSOR,
              .means = "The force sensor has a zero that is off by the same in all runs.",
              .seen_by = "free air",
              .n_parameters = 1,
              .parameter = {{"force_N", 1, -1e12, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_CONTACT_OFFSET),
-             .in_lumped = true, .in_network = true},
-    .stage = 6, .sensor = sensor, .of_runs = true};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 6,
+    .sensor = sensor,
+    .of_runs = true};

@@ -1,8 +1,8 @@
 /* sensor_gain.c: a sensor that reads too much or too little by a factor. */
 #include "effect_internal.h"
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old, double output_old,
-                   effect_reading *out) {
+static void sensor(const double *value, const effect_moment *at, double input, double input_old,
+                   double output_old, effect_reading *out) {
     (void)at, (void)input_old, (void)output_old;
     out->by_input = 1.0 + value[0];
     out->force = input * out->by_input;
@@ -10,11 +10,17 @@ static void sensor(const double *value, const effect_moment *at, double input, d
 }
 
 const effect_row effect_sensor_gain = {
-    .info = {.id = "sensor_gain", .name = "gain of the sensor", .place = PALP_EFFECT_SENSOR,
+    .info = {.id = "sensor_gain",
+             .name = "gain of the sensor",
+             .place = PALP_EFFECT_SENSOR,
              .means = "The force sensor reads too much or too little by a factor.",
              .seen_by = "a known weight on the sensor",
              .n_parameters = 1,
              .parameter = {{"gain", 1, -0.9, 10, 0.05, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SESSION_AGEING, PALP_EFFECT_FRAME_COMPLIANCE),
-             .in_lumped = true, .in_network = true},
-    .stage = 1, .sensor = sensor, .of_runs = true, .need = EFFECT_NEEDS_WEIGHT};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 1,
+    .sensor = sensor,
+    .of_runs = true,
+    .need = EFFECT_NEEDS_WEIGHT};

@@ -4,8 +4,8 @@
 #include <math.h>
 
 /* T dy/dt + y = x, exact for x linear between the samples. */
-static void sensor(const double *value, const effect_moment *at, double input, double input_old, double output_old,
-                   effect_reading *out) {
+static void sensor(const double *value, const effect_moment *at, double input, double input_old,
+                   double output_old, effect_reading *out) {
     double decay, mean, late = output_old - input_old, rise = input - input_old;
     out->force = input;
     if (at->step == 0.0)
@@ -30,11 +30,19 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_sensor_lag = {
-    .info = {.id = "sensor_lag", .name = "lag of the sensor", .place = PALP_EFFECT_SENSOR,
+    .info = {.id = "sensor_lag",
+             .name = "lag of the sensor",
+             .place = PALP_EFFECT_SENSOR,
              .means = "The force sensor is late, as behind a low-pass filter of this time.",
              .seen_by = "fast ramps in both directions, and their ends",
              .n_parameters = 1,
              .parameter = {{"time_s", 1, 0, 1e9, 0.01, .scale = PALP_SCALE_TIME, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_PLATE_INERTIA, PALP_EFFECT_RELAXATION_ARM),
-             .in_lumped = true, .in_network = true},
-    .stage = 5, .sensor = sensor, .remembers = true, .starts = starts, .need = EFFECT_NEEDS_RATES, .least = 1.5};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 5,
+    .sensor = sensor,
+    .remembers = true,
+    .starts = starts,
+    .need = EFFECT_NEEDS_RATES,
+    .least = 1.5};

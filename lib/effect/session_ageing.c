@@ -7,11 +7,17 @@ static void specimen(const double *value, double session_s, effect_number *out) 
 }
 
 const effect_row effect_session_ageing = {
-    .info = {.id = "session_ageing", .name = "ageing in the session", .place = PALP_EFFECT_CONTACT,
+    .info = {.id = "session_ageing",
+             .name = "ageing in the session",
+             .place = PALP_EFFECT_CONTACT,
              .means = "The specimen grows stiffer or softer during the session.",
              .seen_by = "the first test again at the end",
              .n_parameters = 1,
-             .parameter = {{"per_hour", 1.0 / 3600, -1e9, 1e9, 0.05 / 3600, .scale = PALP_SCALE_RATE, .strength = true}},
+             .parameter = {{"per_hour", 1.0 / 3600, -1e9, 1e9, 0.05 / 3600, .scale = PALP_SCALE_RATE,
+                            .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_GAIN, PALP_EFFECT_DAMAGE_SOFTENING),
-             .in_lumped = true, .in_network = true},
-    .specimen = specimen, .as_scatter = true, .of_runs = true};
+             .in_lumped = true,
+             .in_network = true},
+    .specimen = specimen,
+    .as_scatter = true,
+    .of_runs = true};

@@ -9,12 +9,17 @@ static void arms(const double *value, palp_arm *arm, effect_arm by_value[PALP_EF
 }
 
 const effect_row effect_strain_dependent_arm = {
-    .info = {.id = "strain_dependent_arm", .name = "strain-dependent arms", .place = PALP_EFFECT_SPECIMEN,
+    .info = {.id = "strain_dependent_arm",
+             .name = "strain-dependent arms",
+             .place = PALP_EFFECT_SPECIMEN,
              .means = "How stiff the arms are, or how fast they relax, depends on strain.",
              .seen_by = "holds at several depths",
              .n_parameters = 2,
              .parameter = {{"stiffness_per_strain", 1, -0.95, 100, 1, .strength = true},
                            {"time_per_strain", 1, -0.95, 100, 1, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_FRAME_COMPLIANCE, PALP_EFFECT_RATE_STIFFENING),
-             .in_lumped = true, .in_network = true},
-    .arms = arms, .need = EFFECT_NEEDS_DEPTHS, .least = 1.1};
+             .in_lumped = true,
+             .in_network = true},
+    .arms = arms,
+    .need = EFFECT_NEEDS_DEPTHS,
+    .least = 1.1};

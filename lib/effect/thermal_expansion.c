@@ -10,11 +10,18 @@ static void map(const double *value, const effect_press *at, effect_surface *out
 }
 
 const effect_row effect_thermal_expansion = {
-    .info = {.id = "thermal_expansion", .name = "thermal expansion of the frame", .place = PALP_EFFECT_FRAME,
+    .info = {.id = "thermal_expansion",
+             .name = "thermal expansion of the frame",
+             .place = PALP_EFFECT_FRAME,
              .means = "The frame grows with its temperature and moves the plate towards the specimen.",
              .seen_by = "a column temperature_C that changes within a run, best in a hold",
              .n_parameters = 1,
-             .parameter = {{"expansion_um_K", 1e-6, -1e3, 1e3, 2e-6, .scale = PALP_SCALE_LENGTH, .strength = true}},
+             .parameter = {{"expansion_um_K", 1e-6, -1e3, 1e3, 2e-6, .scale = PALP_SCALE_LENGTH,
+                            .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_DRIFT, PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_CONTACT_OFFSET),
-             .in_lumped = true, .in_network = true, .column = COLUMN},
-    .stage = 1, .map = map, .need = EFFECT_NEEDS_COLUMN};
+             .in_lumped = true,
+             .in_network = true,
+             .column = COLUMN},
+    .stage = 1,
+    .map = map,
+    .need = EFFECT_NEEDS_COLUMN};

@@ -24,11 +24,16 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
 }
 
 const effect_row effect_toe_region = {
-    .info = {.id = "toe_region", .name = "toe region of an uneven surface", .place = PALP_EFFECT_CONTACT,
+    .info = {.id = "toe_region",
+             .name = "toe region of an uneven surface",
+             .place = PALP_EFFECT_CONTACT,
              .means = "The surface is uneven: the force begins more softly than the law says.",
              .seen_by = "a slow ramp through contact",
              .n_parameters = 1,
              .parameter = {{"length_mm", 1e-3, 0, 1e3, 2e-4, .scale = PALP_SCALE_LENGTH, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_CONTACT_OFFSET),
-             .in_lumped = true, .in_network = true},
-    .stage = 3, .map = map, .starts = starts};
+             .in_lumped = true,
+             .in_network = true},
+    .stage = 3,
+    .map = map,
+    .starts = starts};

@@ -7,13 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double MOST_LEFT = 0.2;   /* of the gap: if more is left, the effects do not account for it */
+static const double MOST_LEFT = 0.2; /* of the gap: if more is left, the effects do not account for it */
 
 /* Of all work, about; of the rest one can say no more beforehand. */
 static const double OPENING = 0.05, SEARCH = 0.6, AGAIN = 0.15, DESCRIPTION = 0.15, CLOSING = 0.05;
 
 palp_explain_settings palp_explain_settings_default(void) {
-    palp_explain_settings s = {.contact = PALP_CONTACT_FREE, .max_effects = 4, .false_alarm = 0.05, .seed = 1};
+    palp_explain_settings s = {
+        .contact = PALP_CONTACT_FREE, .max_effects = 4, .false_alarm = 0.05, .seed = 1};
     memset(s.candidate, 1, sizeof s.candidate);
     return s;
 }
@@ -37,7 +38,8 @@ void palp_explanation_free(palp_explanation *e) {
 
 /* ---- the procedure ---- */
 
-/* Whether the specimen recovers between the runs of a session from what the model as given has of damage or set. */
+/* Whether the specimen recovers between the runs of a session from what the model as given has of damage or
+ * set. */
 static palp_status find_recovery(explain_search *s) {
     explain_fit kept;
     bool may = false;
@@ -59,8 +61,8 @@ static palp_status find_recovery(explain_search *s) {
     return status;
 }
 
-static palp_status start(explain_search *s, const palp_model *model, size_t n, const palp_explain_input *inputs,
-                         palp_error *error) {
+static palp_status start(explain_search *s, const palp_model *model, size_t n,
+                         const palp_explain_input *inputs, palp_error *error) {
     palp_status status = explain_data_create(n, inputs, s->settings, model, &s->data, error);
     if (status)
         return status;
@@ -165,7 +167,8 @@ static palp_status conclude(explain_search *s, double noise_level_N, palp_explan
     return status;
 }
 
-static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold, palp_effect_id taken) {
+static palp_status keep_step(const explain_search *s, palp_explanation *e, double threshold,
+                             palp_effect_id taken) {
     palp_explain_step *grown = realloc(e->step, (e->n_steps + 1) * sizeof *grown);
     if (!grown)
         return PALP_ERR_NO_MEMORY;
@@ -183,15 +186,16 @@ static palp_status keep_step(const explain_search *s, palp_explanation *e, doubl
 }
 
 /* Takes out an effect as explain_drop does, and says why. */
-static palp_status drop(explain_search *s, palp_explanation *e, double threshold, double gain, bool last, palp_effect_id *dropped) {
+static palp_status drop(explain_search *s, palp_explanation *e, double threshold, double gain, bool last,
+                        palp_effect_id *dropped) {
     palp_status status = explain_drop(s, threshold, gain, last, dropped);
     if (!status && *dropped != PALP_EFFECT_COUNT)
         mark(e, *dropped, "is superfluous beside what was added later");
     return status;
 }
 
-/* Takes back a law that what was added later makes superfluous, and an effect: of those that gain less than the one taken last; of all
- * where the law was taken back. */
+/* Takes back a law that what was added later makes superfluous, and an effect: of those that gain less than
+ * the one taken last; of all where the law was taken back. */
 static palp_status tidy(explain_search *s, palp_explanation *e, double threshold, palp_effect_id *dropped) {
     const bool changed = s->law_changed;
     palp_status status = explain_law_review(s, &e->law);
@@ -199,15 +203,16 @@ static palp_status tidy(explain_search *s, palp_explanation *e, double threshold
     return status ? status : drop(s, e, threshold, back ? HUGE_VAL : s->taken_gain, back, dropped);
 }
 
-/* Another law, or a stiffness of each specimen, instead of the best trial, if it gains more, or if that accuses the contact or the
- * instrument of what is nothing beside that law. */
+/* Another law, or a stiffness of each specimen, instead of the best trial, if it gains more, or if that
+ * accuses the contact or the instrument of what is nothing beside that law. */
 static palp_status change_law(explain_search *s, double threshold, size_t best, bool *changed) {
     explain_trial law = {.tried = true}, specimens = {.tried = true};
     palp_status status = s->law_fixed ? PALP_OK : explain_law_try(s, threshold, &law);
     if (!status)
         status = explain_specimens_try(s, threshold, &specimens);
     double gain = best == PALP_EFFECT_COUNT ? -HUGE_VAL : s->trial[best].gain;
-    const bool differ = !status && specimens.fit.product && specimens.gain > gain && !(law.fit.product && law.gain > specimens.gain);
+    const bool differ = !status && specimens.fit.product && specimens.gain > gain &&
+                        !(law.fit.product && law.gain > specimens.gain);
     bool stands = true;
     if (!status && law.fit.product && !differ && best != PALP_EFFECT_COUNT && law.gain <= gain)
         status = explain_law_spares(s, &law, &s->trial[best], threshold, &stands);
@@ -219,8 +224,8 @@ static palp_status change_law(explain_search *s, double threshold, size_t best, 
     return status;
 }
 
-/* Adds effects as long as one is accepted; what later ones make superfluous is taken out again. share: of all work; a step
- * is told as half of what is left, since how many there will be is not known. */
+/* Adds effects as long as one is accepted; what later ones make superfluous is taken out again. share: of all
+ * work; a step is told as half of what is left, since how many there will be is not known. */
 static palp_status search(explain_search *s, palp_explanation *e, double share) {
     palp_status status = PALP_OK;
     bool out[PALP_EFFECT_COUNT] = {false}; /* was dropped once */
@@ -282,8 +287,14 @@ typedef struct outcome {
 /* Moves it aside, or back. */
 static void exchange(explain_search *s, palp_explanation *e, outcome *o) {
     const outcome was = *o;
-    *o = (outcome){.fit = s->fit, .memory = *s->memory, .law = e->law, .first_material = s->first_material, .given = s->given,
-                   .n_steps = e->n_steps, .n_candidates = e->n_candidates, .step = e->step};
+    *o = (outcome){.fit = s->fit,
+                   .memory = *s->memory,
+                   .law = e->law,
+                   .first_material = s->first_material,
+                   .given = s->given,
+                   .n_steps = e->n_steps,
+                   .n_candidates = e->n_candidates,
+                   .step = e->step};
     memcpy(o->candidate, e->candidate, sizeof o->candidate);
     s->fit = was.fit;
     *s->memory = was.memory;
@@ -297,8 +308,8 @@ static void exchange(explain_search *s, palp_explanation *e, outcome *o) {
     memcpy(e->candidate, was.candidate, sizeof e->candidate);
 }
 
-/* Effects beside another law may stand for effects beside the given one, which it kept from being seen: the search once
- * more with the given law, and the better of the two. */
+/* Effects beside another law may stand for effects beside the given one, which it kept from being seen: the
+ * search once more with the given law, and the better of the two. */
 static palp_status search_again(explain_search *s, palp_explanation *e, const explain_fit *base) {
     outcome *o = calloc(1, sizeof *o);
     const palp_model *given = s->data.given;
@@ -383,15 +394,17 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
 }
 
 palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
-                         const palp_explain_settings *settings, palp_explanation *explanation, palp_error *error) {
+                         const palp_explain_settings *settings, palp_explanation *explanation,
+                         palp_error *error) {
     if (!model || !inputs || !settings || !explanation)
         return palp_error_null(error);
     memset(explanation, 0, sizeof *explanation);
     if (n == 0)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no runs to explain");
     if (model->n_effects + settings->max_effects + 2 > PALP_EFFECTS_MAX)
-        return palp_error_set(error, PALP_ERR_LIMIT, "%zu effects in the model and up to %zu more: at most %d",
-                              model->n_effects, settings->max_effects, PALP_EFFECTS_MAX - 2);
+        return palp_error_set(error, PALP_ERR_LIMIT,
+                              "%zu effects in the model and up to %zu more: at most %d", model->n_effects,
+                              settings->max_effects, PALP_EFFECTS_MAX - 2);
     explain_search *s = calloc(1, sizeof *s);
     explain_memory *memory = calloc(1, sizeof *memory);
     palp_status status = s && memory ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -401,7 +414,10 @@ palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_i
     if (used.contact == PALP_CONTACT_KNOWN) /* to be exact */
         used.candidate[PALP_EFFECT_CONTACT_OFFSET] = 0;
     if (!status) {
-        *s = (explain_search){.settings = &used, .worth = 4.0, .memory = memory, .n_given = model->n_effects,
+        *s = (explain_search){.settings = &used,
+                              .worth = 4.0,
+                              .memory = memory,
+                              .n_given = model->n_effects,
                               .as_given = model};
         status = start(s, model, n, inputs, error);
         if (!status)

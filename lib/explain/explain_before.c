@@ -1,5 +1,5 @@
-/* explain_before.c: what is left without what a search has found: without the effects, or with one contact or one gain for
- * all runs. */
+/* explain_before.c: what is left without what a search has found: without the effects, or with one contact or
+ * one gain for all runs. */
 #include "explain_result.h"
 
 #include <math.h>
@@ -19,7 +19,8 @@ palp_status explain_before_find(const explain_search *s, explain_fit *base, palp
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? PALP_OK : PALP_ERR_NO_MEMORY;
     base->scatter = none;
-    memset(base->contact, 0, s->data.n_runs * sizeof *base->contact); /* every surface where the model has it */
+    memset(base->contact, 0,
+           s->data.n_runs * sizeof *base->contact); /* every surface where the model has it */
     if (!status)
         status = refit(&s->data, base, residual);
     if (!status) {
@@ -35,8 +36,10 @@ palp_status explain_before_find(const explain_search *s, explain_fit *base, palp
 static palp_status in_common(const explain_search *s, int which, palp_explain_scatter *out) {
     enum { PLAIN = 10 }; /* nats that leave no doubt */
     explain_fit fit = {.n_columns = 0};
-    const explain_scatter *now = &s->fit.scatter, hidden = explain_hidden_scatter(&s->data), none = explain_no_scatter(&s->data);
-    const double own[3] = {now->zero, now->contact, now->gain}, noise[3] = {hidden.zero, hidden.contact, hidden.gain};
+    const explain_scatter *now = &s->fit.scatter, hidden = explain_hidden_scatter(&s->data),
+                          none = explain_no_scatter(&s->data);
+    const double own[3] = {now->zero, now->contact, now->gain},
+                 noise[3] = {hidden.zero, hidden.contact, hidden.gain};
     const double left = explain_fitted_rms(&s->data, s->residual);
     *out = (palp_explain_scatter){.sd = own[which], .without_N = left};
     if (which == 1 && s->settings->contact != PALP_CONTACT_FREE)
@@ -46,8 +49,11 @@ static palp_status in_common(const explain_search *s, int which, palp_explain_sc
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;
     fit.spread = s->settings;
-    *(which == 0 ? &fit.scatter.zero : which == 1 ? &fit.scatter.contact : &fit.scatter.gain) =
-        which == 0 ? none.zero : which == 1 ? none.contact : none.gain;
+    *(which == 0   ? &fit.scatter.zero
+      : which == 1 ? &fit.scatter.contact
+                   : &fit.scatter.gain) = which == 0   ? none.zero
+                                          : which == 1 ? none.contact
+                                                       : none.gain;
     if (!status && which == 1)
         memset(fit.contact, 0, s->data.n_runs * sizeof *fit.contact);
     if (!status)

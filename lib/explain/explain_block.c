@@ -1,4 +1,5 @@
-/* explain_block.c: runs that press no specimen: in air, and on a rigid block, which shows how far the frame gives way. */
+/* explain_block.c: runs that press no specimen: in air, and on a rigid block, which shows how far the frame
+ * gives way. */
 #include "explain_data.h"
 #include "base/file.h"
 #include "data/segments_internal.h"
@@ -7,9 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double STIFFER = 10.0; /* travel to the same force is so much shorter on a block than on a specimen */
-static const double NOTHING = 0.01; /* of the largest force: a run that went half as deep and has less was in air */
-static const double LOADED = 0.1;   /* of a run's largest force: the block is pressed */
+static const double STIFFER =
+    10.0; /* travel to the same force is so much shorter on a block than on a specimen */
+static const double NOTHING =
+    0.01; /* of the largest force: a run that went half as deep and has less was in air */
+static const double LOADED = 0.1; /* of a run's largest force: the block is pressed */
 
 /* What is known of a run before it is one of the specimen. */
 typedef struct outline {
@@ -21,8 +24,10 @@ typedef struct outline {
 
 static palp_status outline_of(const palp_explain_input *input, outline *o, palp_error *error) {
     const palp_experiment *e = input->experiment;
-    *o = (outline){.n = palp_experiment_rows(e), .time = palp_experiment_column(e, "time_s"),
-                   .depth = palp_experiment_column(e, "depth_mm"), .force = palp_experiment_column(e, "force_N")};
+    *o = (outline){.n = palp_experiment_rows(e),
+                   .time = palp_experiment_column(e, "time_s"),
+                   .depth = palp_experiment_column(e, "depth_mm"),
+                   .force = palp_experiment_column(e, "force_N")};
     if (!o->time || !o->depth || !o->force || o->n < EXPLAIN_SAMPLES_MIN)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: fewer than %d samples of time_s, depth_mm, force_N",
                               input->name ? input->name : "run", EXPLAIN_SAMPLES_MIN);
@@ -30,7 +35,8 @@ static palp_status outline_of(const palp_explain_input *input, outline *o, palp_
     o->deepest = o->depth[0];
     for (size_t i = 0; i < o->n; i++) {
         if (!segments_sample_valid(o->time, o->depth, o->force, i))
-            return palp_error_set(error, PALP_ERR_INPUT, "%s: row %zu: not finite, beyond 1e12, or time_s does not increase",
+            return palp_error_set(error, PALP_ERR_INPUT,
+                                  "%s: row %zu: not finite, beyond 1e12, or time_s does not increase",
                                   input->name ? input->name : "run", i + 1);
         o->deepest = fmax(o->deepest, o->depth[i]);
         if (i)
@@ -40,7 +46,8 @@ static palp_status outline_of(const palp_explain_input *input, outline *o, palp_
     return palp_segments_noise(o->n, o->time, step, o->force, PALP_NOISE_MEDIAN, &o->white);
 }
 
-/* Depth at which the run first has that force, and keeps it for two samples; NAN: it begins there, or has it never. */
+/* Depth at which the run first has that force, and keeps it for two samples; NAN: it begins there, or has it
+ * never. */
 static double depth_at(const outline *o, double force) {
     for (size_t i = 1; i + 1 < o->n && o->force[0] < force; i++)
         if (o->force[i] >= force && o->force[i + 1] >= force) {
@@ -53,17 +60,21 @@ static double depth_at(const outline *o, double force) {
 /* Whether a has to go so much less far than b from a tenth of a force to all of it. */
 static bool much_stiffer(const outline *a, const outline *b) {
     double force = 0.5 * fmin(a->peak, b->peak);
-    double near = depth_at(a, force) - depth_at(a, 0.1 * force), far = depth_at(b, force) - depth_at(b, 0.1 * force);
+    double near = depth_at(a, force) - depth_at(a, 0.1 * force),
+           far = depth_at(b, force) - depth_at(b, 0.1 * force);
     return 0.1 * force > 3.0 * fmax(a->white, b->white) && near >= 0.0 && far > STIFFER * near;
 }
 
-palp_status explain_kinds_find(size_t n, const palp_explain_input *inputs, explain_kind *kind, palp_error *error) {
+palp_status explain_kinds_find(size_t n, const palp_explain_input *inputs, explain_kind *kind,
+                               palp_error *error) {
     outline *all = calloc(n, sizeof *all);
     palp_status status = all ? PALP_OK : PALP_ERR_NO_MEMORY;
     double peak = 0.0, deepest = 0.0;
     for (size_t r = 0; r < n && !status; r++) {
         const char *told = explain_text_of(inputs[r].experiment, "specimen.kind");
-        kind[r] = strcmp(told, "none") == 0 ? EXPLAIN_AIR : strcmp(told, "rigid") == 0 ? EXPLAIN_BLOCK : EXPLAIN_SPECIMEN;
+        kind[r] = strcmp(told, "none") == 0    ? EXPLAIN_AIR
+                  : strcmp(told, "rigid") == 0 ? EXPLAIN_BLOCK
+                                               : EXPLAIN_SPECIMEN;
         status = outline_of(&inputs[r], &all[r], error);
         if (kind[r] == EXPLAIN_SPECIMEN) {
             peak = fmax(peak, all[r].peak);
@@ -90,7 +101,8 @@ typedef struct sums {
     double n, f, d, ff, fd;
 } sums;
 
-/* A line of depth over force, with a contact of each run's own: what a run adds to its slope's numerator and denominator. */
+/* A line of depth over force, with a contact of each run's own: what a run adds to its slope's numerator and
+ * denominator. */
 static void add_line(const sums *s, double *over, double *under) {
     if (s->n > 0.0) {
         *over += s->fd - s->f * s->d / s->n;
@@ -136,8 +148,8 @@ static double slope_without(size_t n_runs, const sums *part, size_t run, size_t 
 }
 
 /* By the jackknife over the parts of the runs, with Student's 97.5 % quantile of as few. */
-palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, const explain_kind *kind, explain_frame *frame,
-                                  palp_error *error) {
+palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, const explain_kind *kind,
+                                  explain_frame *frame, palp_error *error) {
     static const double STUDENT = 2.365, EQUATIONS = 0.01;
     sums *part = calloc(n * PARTS, sizeof *part);
     palp_status status = part ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -158,14 +170,18 @@ palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, co
             for (size_t k = 0; k < PARTS; k++)
                 square += pow(slope_without(blocks, part, r, k) - all, 2) * (count - 1.0) / count;
         double reach = hypot(STUDENT * sqrt(square), EQUATIONS * all);
-        *frame = (explain_frame){.n_runs = blocks, .compliance = fmax(0.0, all), .low = fmax(0.0, all - reach),
-                                 .high = fmax(0.0, all) + reach, .evidence = 0.5 * all * all / fmax(square, 1e-300)};
+        *frame = (explain_frame){.n_runs = blocks,
+                                 .compliance = fmax(0.0, all),
+                                 .low = fmax(0.0, all - reach),
+                                 .high = fmax(0.0, all) + reach,
+                                 .evidence = 0.5 * all * all / fmax(square, 1e-300)};
     }
     free(part);
     return status;
 }
 
-palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_frame *frame, palp_error *error) {
+palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_frame *frame,
+                               palp_error *error) {
     if (n == 0 || !runs || !frame)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no run on a block");
     explain_kind *kind = calloc(n, sizeof *kind);
@@ -177,7 +193,8 @@ palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_fr
     if (status)
         return status;
     if (!(found.compliance > 0.0) || !isfinite(found.high))
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: shows no frame that gives way", runs[0].name ? runs[0].name : "run");
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: shows no frame that gives way",
+                              runs[0].name ? runs[0].name : "run");
     *frame = (palp_frame){.compliance_m_N = found.compliance, .low_m_N = found.low, .high_m_N = found.high};
     return PALP_OK;
 }
@@ -202,6 +219,9 @@ bool explain_frame_add(const explain_data *data, const palp_explain_settings *se
 palp_explain_effect explain_frame_effect(const explain_data *data) {
     const explain_frame *f = &data->frame;
     return (palp_explain_effect){.effect = {.id = PALP_EFFECT_FRAME_COMPLIANCE, .value = {f->compliance}},
-                                 .low = {f->low}, .high = {f->high}, .n_class = 1,
-                                 .alike = {PALP_EFFECT_FRAME_COMPLIANCE}, .evidence = f->evidence};
+                                 .low = {f->low},
+                                 .high = {f->high},
+                                 .n_class = 1,
+                                 .alike = {PALP_EFFECT_FRAME_COMPLIANCE},
+                                 .evidence = f->evidence};
 }

@@ -1,4 +1,5 @@
-/* explain_candidate.c: one effect of the catalogue added to a fit: from where its search starts, and the refit. */
+/* explain_candidate.c: one effect of the catalogue added to a fit: from where its search starts, and the
+ * refit. */
 #include "explain_search.h"
 #include "explain_noise.h"
 
@@ -11,8 +12,8 @@ static palp_status wave_in_depth(const effect_data *facts, double wave[3]) {
     return explain_line_in_depth(facts->runs, facts->residual, &wave[0], &wave[1], &wave[2]);
 }
 
-palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual, effect_starts *s,
-                                const char **reason) {
+palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual,
+                                effect_starts *s, const char **reason) {
     const effect_row *row = effect_row_of(id);
     effect_data facts = explain_facts(data);
     facts.residual = residual;
@@ -29,8 +30,8 @@ palp_status explain_starts_find(palp_effect_id id, const explain_data *data, con
     return PALP_OK;
 }
 
-/* A strong effect may have led the plain model's own parameters and the contacts astray: those as given, and all
- * surfaces near where the model has them. */
+/* A strong effect may have led the plain model's own parameters and the contacts astray: those as given, and
+ * all surfaces near where the model has them. */
 static palp_status go_back(explain_fit *fit, const explain_data *data) {
     explain_fit given;
     palp_status status = explain_fit_create(data->given, data, &given);
@@ -45,8 +46,8 @@ static palp_status go_back(explain_fit *fit, const explain_data *data) {
     return PALP_OK;
 }
 
-/* An offset of the contact begins at what the runs' own have in common, and they beside it: on the way there from nothing, with
- * their own where they are, all surfaces would be led away. */
+/* An offset of the contact begins at what the runs' own have in common, and they beside it: on the way there
+ * from nothing, with their own where they are, all surfaces would be led away. */
 static palp_status begin_at_mean(const explain_fit *base, const explain_data *data, explain_fit *fit) {
     const size_t last = fit->n_columns - 1;
     double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES], mean = 0.0, square = 0.0;
@@ -61,13 +62,14 @@ static palp_status begin_at_mean(const explain_fit *base, const explain_data *da
         fit->contact[r] = own[1] - fit->x[last];
         square += data->run[r].held_out ? 0.0 : (fit->contact[r] * fit->contact[r] + sd[1] * sd[1]) / runs;
     }
-    fit->scatter.contact = fmin(fit->scatter.contact, fmax(explain_hidden_scatter(data).contact, sqrt(square)));
+    fit->scatter.contact =
+        fmin(fit->scatter.contact, fmax(explain_hidden_scatter(data).contact, sqrt(square)));
     return explain_fit_to_model(fit);
 }
 
 /* base, or back at the parameters as given, with the effect at a start. */
-static palp_status added_at(const explain_fit *base, const explain_data *data, const palp_effect *effect, bool back,
-                            explain_fit *fit) {
+static palp_status added_at(const explain_fit *base, const explain_data *data, const palp_effect *effect,
+                            bool back, explain_fit *fit) {
     palp_model model = base->model;
     model.effects[model.n_effects++] = *effect;
     palp_status status = explain_fit_beside(base, &model, data, fit);
@@ -86,7 +88,8 @@ static palp_status added_at(const explain_fit *base, const explain_data *data, c
 }
 
 static palp_status hum_multistart(const explain_fit *base, const explain_data *data, const double *residual,
-                                  const palp_explain_settings *settings, explain_multistart *m, const char **reason) {
+                                  const palp_explain_settings *settings, explain_multistart *m,
+                                  const char **reason) {
     explain_fit *added = &m->start[0].fit;
     if (base->hum_Hz > 0.0) {
         *reason = "is in the model already";
@@ -137,8 +140,8 @@ static void multistart_keep(explain_multistart *r, size_t n) {
         explain_fit_free(&r->start[--r->n].fit);
 }
 
-/* One from a start, from the base's parameters (what one more step promises), or from those as given (after rounds
- * of improvement). A start without a solution does not take part. */
+/* One from a start, from the base's parameters (what one more step promises), or from those as given (after
+ * rounds of improvement). A start without a solution does not take part. */
 static palp_status multistart_enter(explain_multistart *r, const explain_fit *base, const explain_data *data,
                                     const palp_effect *start, size_t rounds_back) {
     explain_start *new = &r->start[r->n];
@@ -167,10 +170,11 @@ static palp_status multistart_run(explain_multistart *r, const explain_data *dat
     return status;
 }
 
-/* One from each start. What a specimen keeps from a press may be gone before the next run, which no file tells: where runs follow
- * each other on it both are tried. */
-static palp_status multistart_enter_all(explain_multistart *r, const explain_fit *base, const explain_data *data,
-                                        const effect_starts *s, size_t rounds_back) {
+/* One from each start. What a specimen keeps from a press may be gone before the next run, which no file
+ * tells: where runs follow each other on it both are tried. */
+static palp_status multistart_enter_all(explain_multistart *r, const explain_fit *base,
+                                        const explain_data *data, const effect_starts *s,
+                                        size_t rounds_back) {
     palp_status status = PALP_OK;
     explain_fit other = *base; /* reads base's, and owns nothing */
     other.renewed = !base->renewed;
@@ -183,7 +187,8 @@ static palp_status multistart_enter_all(explain_multistart *r, const explain_fit
 }
 
 /* base with the effect of *like in it, whose strengths are nothing: as good as base itself. */
-static palp_status added_at_zero(const explain_fit *base, const explain_fit *like, const explain_data *data, explain_fit *fit) {
+static palp_status added_at_zero(const explain_fit *base, const explain_fit *like, const explain_data *data,
+                                 explain_fit *fit) {
     palp_model model = base->model;
     palp_effect *effect = &model.effects[model.n_effects++];
     *effect = like->model.effects[like->model.n_effects - 1];
@@ -200,8 +205,10 @@ static palp_status added_at_zero(const explain_fit *base, const explain_fit *lik
     return status;
 }
 
-/* A model with one effect more is never worse than base: where no start has come so far, one goes on from base itself. */
-static palp_status multistart_from_base(explain_multistart *r, const explain_fit *base, const explain_data *data, size_t rounds) {
+/* A model with one effect more is never worse than base: where no start has come so far, one goes on from
+ * base itself. */
+static palp_status multistart_from_base(explain_multistart *r, const explain_fit *base,
+                                        const explain_data *data, size_t rounds) {
     multistart_sort(r);
     explain_start *new = &r->start[r->n];
     if (r->n == 0 || r->start[0].chi2 < explain_chi2(data, base) * (double)explain_samples(data))
@@ -222,15 +229,17 @@ static palp_status multistart_fill(explain_multistart *r, const explain_fit *bas
     multistart_keep(r, AHEAD);
     while (r->n > 0 && !(r->start[r->n - 1].chi2 < worth))
         explain_fit_free(&r->start[--r->n].fit);
-    bool back = explain_chi2(data, base) > POOR && base->model.kind != PALP_MODEL_NETWORK; /* whose fits are dear */
+    bool back =
+        explain_chi2(data, base) > POOR && base->model.kind != PALP_MODEL_NETWORK; /* whose fits are dear */
     if (!status && back)
         status = multistart_enter_all(r, base, data, s, BACK);
     return status;
 }
 
-palp_status explain_candidate_multistart(const explain_fit *base, const explain_data *data, const double *residual,
-                                         const palp_explain_settings *settings, palp_effect_id id, double worth,
-                                         explain_multistart *m, const char **reason) {
+palp_status explain_candidate_multistart(const explain_fit *base, const explain_data *data,
+                                         const double *residual, const palp_explain_settings *settings,
+                                         palp_effect_id id, double worth, explain_multistart *m,
+                                         const char **reason) {
     enum { REFINED = 4, ROUNDS = 4, FINALISTS = 2 };
     const palp_effect_info *info = palp_effect_look_up(id);
     m->n = 0;
@@ -238,7 +247,8 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
     if (data->one_speed) /* nothing can be told from the law */
         return PALP_ERR_UNSUPPORTED;
     if (!explain_carries(&base->model, info) || (explain_has(base, id) && !info->repeats)) {
-        *reason = explain_carries(&base->model, info) ? "is in the model already" : "a model of this kind cannot have it";
+        *reason = explain_carries(&base->model, info) ? "is in the model already"
+                                                      : "a model of this kind cannot have it";
         return PALP_ERR_UNSUPPORTED;
     }
     if (effect_row_of(id)->line)
@@ -246,8 +256,9 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
     effect_starts s;
     palp_status status = explain_starts_find(id, data, residual, &s, reason);
     worth = explain_chi2(data, base) * (double)explain_samples(data) - worth;
-    if (effect_row_of(id)->as_scatter || effect_row_of(id)->bond) /* the scatter of the runs may hide it: that shrinks later; where a
-                                                                    * surface lets go, a step from afar promises nothing */
+    if (effect_row_of(id)->as_scatter ||
+        effect_row_of(id)->bond) /* the scatter of the runs may hide it: that shrinks later; where a
+                                  * surface lets go, a step from afar promises nothing */
         worth = HUGE_VAL;
     if (!status)
         status = multistart_fill(m, base, data, &s, worth);
@@ -265,7 +276,8 @@ palp_status explain_candidate_multistart(const explain_fit *base, const explain_
     return status;
 }
 
-static palp_status finish_one(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings, palp_effect_id id, bool all) {
+static palp_status finish_one(explain_fit *fit, const explain_data *data,
+                              const palp_explain_settings *settings, palp_effect_id id, bool all) {
     if (all && !effect_row_of(id)->line)
         return explain_fit_settle(fit, data, settings);
     explain_fit_scatter(fit, data, settings);

@@ -6,7 +6,8 @@
 #include <string.h>
 
 static const double COSINE = 0.9; /* above it effects are alike, unless the runs clearly prefer one */
-static const double LIKELY = 3.0; /* nats, at least: what the best of all candidates gains by chance may be more */
+static const double LIKELY =
+    3.0; /* nats, at least: what the best of all candidates gains by chance may be more */
 
 static double dot(size_t n, const double *a, const double *b) {
     double sum = 0.0;
@@ -23,7 +24,8 @@ static void take_off(size_t n, size_t k, const double *basis, double *v) {
     }
 }
 
-/* Orthonormal basis [k n] of what the fit's parameters can do to the forces; columns that add nothing are 0. */
+/* Orthonormal basis [k n] of what the fit's parameters can do to the forces; columns that add nothing are 0.
+ */
 static palp_status make_basis(const explain_fit *fit, const explain_data *data, double *basis) {
     size_t n = data->n, k = fit->n_columns;
     double *gradient = malloc((k + 1) * data->longest * sizeof *gradient);
@@ -54,7 +56,8 @@ static double cosine(size_t n, const double *a, const double *b) {
     return length > 0.0 ? dot(n, a, b) / length : 0.0;
 }
 
-palp_status explain_class_find(const explain_search *full, const explain_search *rest, double threshold, palp_explain_effect *out) {
+palp_status explain_class_find(const explain_search *full, const explain_search *rest, double threshold,
+                               palp_explain_effect *out) {
     const double likely = fmax(LIKELY, threshold);
     size_t n = full->data.n, k = rest->fit.n_columns;
     palp_effect_id self = out->effect.id;
@@ -63,7 +66,8 @@ palp_status explain_class_find(const explain_search *full, const explain_search 
     out->alike[0] = self;
     if (effect_row_of(self)->line)
         return PALP_OK;
-    double *basis = malloc((k + 2) * n * sizeof *basis), *y = basis ? basis + k * n : NULL, *u = basis ? y + n : NULL;
+    double *basis = malloc((k + 2) * n * sizeof *basis), *y = basis ? basis + k * n : NULL,
+           *u = basis ? y + n : NULL;
     palp_status status = basis ? make_basis(&rest->fit, &rest->data, basis) : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n && !status; i++)
         y[i] = full->force[i] - rest->force[i];

@@ -1,4 +1,5 @@
-/* explain_cross.c: how well a fit to the other runs predicts each, or of one run a fit to its other parts each part. */
+/* explain_cross.c: how well a fit to the other runs predicts each, or of one run a fit to its other parts
+ * each part. */
 #include "explain_fit.h"
 #include "base/dense.h"
 
@@ -6,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Log score of run r, whose sums are among h and g if counted, predicted by a fit to the others. work: [3 k k + 3 k]. */
-static double predicted_score(const explain_fit *fit, size_t r, bool counted, const double *h, const double *g,
-                              double *work) {
+/* Log score of run r, whose sums are among h and g if counted, predicted by a fit to the others. work: [3 k k
+ * + 3 k]. */
+static double predicted_score(const explain_fit *fit, size_t r, bool counted, const double *h,
+                              const double *g, double *work) {
     size_t k = fit->n_columns;
-    double *own = work, *rest = own + k * k, *factor = rest + k * k, *own_g = factor + k * k, *move = own_g + k,
-           *after = move + k, chi2, logdet, share = counted ? 1.0 : 0.0;
+    double *own = work, *rest = own + k * k, *factor = rest + k * k, *own_g = factor + k * k,
+           *move = own_g + k, *after = move + k, chi2, logdet, share = counted ? 1.0 : 0.0;
     explain_normal_of(fit, r, own, own_g, &chi2, &logdet);
     for (size_t i = 0; i < k * k; i++)
         rest[i] = h[i] - share * own[i];
@@ -86,7 +88,8 @@ static void find_parts(void *user, size_t r, const double *column) {
     free(part);
 }
 
-/* Log likelihood of what has these products, parameters and the run's own contact, zero, gain and hum integrated out. work: [m m] */
+/* Log likelihood of what has these products, parameters and the run's own contact, zero, gain and hum
+ * integrated out. work: [m m] */
 static double evidence(const explain_fit *fit, const double *product, double *work) {
     const explain_scatter *s = &fit->scatter;
     const double sd[EXPLAIN_NUISANCES] = {s->zero, s->contact, s->gain, fit->hum_N, fit->hum_N, s->stiffness};
@@ -138,7 +141,8 @@ static palp_status leave_parts_out(const explain_fit *fit, const explain_data *d
 
 /* ---- two fits ---- */
 
-palp_status explain_paired(const explain_data *data, const explain_fit *a, const explain_fit *b, explain_pair *pair) {
+palp_status explain_paired(const explain_data *data, const explain_fit *a, const explain_fit *b,
+                           explain_pair *pair) {
     const bool alone = explain_fitted_runs(data) == 1;
     size_t n = alone ? PARTS : data->n_runs, counted = 0;
     double *score = malloc(2 * n * sizeof *score), squares = 0.0, most = -HUGE_VAL;
@@ -157,7 +161,9 @@ palp_status explain_paired(const explain_data *data, const explain_fit *a, const
         counted++;
     }
     for (size_t r = 0; r < n; r++)
-        squares += status || (!alone && data->run[r].held_out) ? 0.0 : pow(score[r] - pair->gain / (double)counted, 2);
+        squares += status || (!alone && data->run[r].held_out)
+                       ? 0.0
+                       : pow(score[r] - pair->gain / (double)counted, 2);
     pair->rest = pair->gain - most;
     pair->se = counted > 1 ? sqrt(squares * (double)counted / (double)(counted - 1)) : 0.0;
     free(score);

@@ -14,9 +14,14 @@ palp_forward_run explain_forward_run(const explain_run *run, double contact, exp
     if (run->fresh || history->renewed)
         palp_load_history_free(&history->load);
     history->load.peak_p = history->slope;
-    return (palp_forward_run){
-        .n = run->n, .time_s = run->time, .depth_m = run->depth, .session_s = run->session,
-        .n_columns = run->n_columns, .column = run->column, .history = &history->load, .contact_m = contact};
+    return (palp_forward_run){.n = run->n,
+                              .time_s = run->time,
+                              .depth_m = run->depth,
+                              .session_s = run->session,
+                              .n_columns = run->n_columns,
+                              .column = run->column,
+                              .history = &history->load,
+                              .contact_m = contact};
 }
 
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event) {
@@ -87,13 +92,18 @@ static palp_status mask_spikes(explain_data *data, size_t r) {
     for (size_t i = 1; i + 1 < run->n && !status; i++)
         if (!run->use[i])
             status = explain_event_add(
-                data, &(palp_explain_event){.run = r, .samples = 1, .from_s = run->time[i], .to_s = run->time[i],
-                                            .size_N = run->force[i] - 0.5 * (run->force[i - 1] + run->force[i + 1]),
-                                            .kind = "spike"});
+                data,
+                &(palp_explain_event){.run = r,
+                                      .samples = 1,
+                                      .from_s = run->time[i],
+                                      .to_s = run->time[i],
+                                      .size_N = run->force[i] - 0.5 * (run->force[i - 1] + run->force[i + 1]),
+                                      .kind = "spike"});
     return status;
 }
 
-/* The run's force where the plate is farthest away: the median of a few samples; 0 if that is not above the surface. */
+/* The run's force where the plate is farthest away: the median of a few samples; 0 if that is not above the
+ * surface. */
 static double zero_of(const explain_run *run) {
     enum { FEW = 5 };
     double force[FEW];
@@ -106,15 +116,17 @@ static double zero_of(const explain_run *run) {
     return run->depth[away] <= 0.0 && n > 0 ? statistics_median(force, n) : 0.0;
 }
 
-/* Where a plate that sticks lets go, the force jumps; when it does is no matter of a sample, so the surroundings of
- * the jump do not count: a part of the pull before it, and as much after. The run's zero is no pull. */
+/* Where a plate that sticks lets go, the force jumps; when it does is no matter of a sample, so the
+ * surroundings of the jump do not count: a part of the pull before it, and as much after. The run's zero is
+ * no pull. */
 static palp_status mask_releases(explain_data *data, size_t r) {
     explain_run *run = &data->run[r];
     palp_status status = PALP_OK;
     const double zero = zero_of(run);
     for (size_t i = 1; i + 1 < run->n && !status; i++) {
         double jump = run->force[i + 1] - run->force[i], pull = zero - run->force[i];
-        const bool alone = fabs(run->force[i - 1] - zero) < 0.5 * pull; /* a sample that is odd, of noise with heavy tails */
+        const bool alone =
+            fabs(run->force[i - 1] - zero) < 0.5 * pull; /* a sample that is odd, of noise with heavy tails */
         if (alone || !(pull > 12.0 * run->white && jump > 0.5 * pull && run->depth[i + 1] <= run->depth[i]))
             continue;
         size_t start = i, reach, end = i + 1;
@@ -123,20 +135,25 @@ static palp_status mask_releases(explain_data *data, size_t r) {
         reach = (i - start) / 5 + 3;
         for (size_t k = i > reach ? i - reach : 0; k <= i + reach && k < run->n; end = ++k)
             run->use[k] = 0;
-        double next = pull + fmax(0.0, run->force[i - 1] - run->force[i]); /* it let go before the next sample */
+        double next =
+            pull + fmax(0.0, run->force[i - 1] - run->force[i]); /* it let go before the next sample */
         data->pull_most = data->n_releases ? fmin(data->pull_most, next) : next;
         data->pull = fmax(data->pull, pull);
         data->n_releases++;
-        status = explain_event_add(data, &(palp_explain_event){.run = r, .samples = end - start, .from_s = run->time[i],
-                                                               .to_s = run->time[i + 1], .size_N = jump,
+        status = explain_event_add(data, &(palp_explain_event){.run = r,
+                                                               .samples = end - start,
+                                                               .from_s = run->time[i],
+                                                               .to_s = run->time[i + 1],
+                                                               .size_N = jump,
                                                                .kind = "release"});
         i = end;
     }
     return status;
 }
 
-/* By means of three samples: the strongest pull after the largest force, as the run's force differs from that where the plate is
- * farthest away; where the plate comes so far that one could show, what noise hides at least. */
+/* By means of three samples: the strongest pull after the largest force, as the run's force differs from that
+ * where the plate is farthest away; where the plate comes so far that one could show, what noise hides at
+ * least. */
 static void find_pull(explain_data *data, const explain_run *run) {
     size_t most = 1;
     double pull = -HUGE_VAL, least = HUGE_VAL;
@@ -171,8 +188,8 @@ static bool same_path(const explain_data *data, const explain_run *a, const expl
     return true;
 }
 
-/* How long the session was. A run that does not say when it began, began with the first; where that is by a clock whose zero is
- * ages ago, the session begins with it. */
+/* How long the session was. A run that does not say when it began, began with the first; where that is by a
+ * clock whose zero is ages ago, the session begins with it. */
 static void find_span(explain_data *data) {
     const double ages = 1e3;
     double first = HUGE_VAL, last = 0.0;
@@ -232,7 +249,8 @@ static void count_replicates(explain_data *data) {
     for (size_t r = 1; r < data->n_runs; r++) {
         bool found = false;
         for (size_t s = 0; s < r && !found; s++)
-            found = !data->run[r].held_out && !data->run[s].held_out && same_path(data, &data->run[r], &data->run[s]);
+            found = !data->run[r].held_out && !data->run[s].held_out &&
+                    same_path(data, &data->run[r], &data->run[s]);
         data->n_replicates += found;
     }
 }
@@ -245,8 +263,8 @@ static void take_contact(explain_data *data, double sd) {
     data->n_contact_told++;
 }
 
-/* Whether it begins in the middle of a press, whose first part is in no file: what the arms remember of that is not known. Of a smaller
- * part the run's own zero and gain take it in. */
+/* Whether it begins in the middle of a press, whose first part is in no file: what the arms remember of that
+ * is not known. Of a smaller part the run's own zero and gain take it in. */
 static bool begins_under_load(const explain_run *run) {
     const double part = 0.25; /* of the run's largest depth and force */
     double deepest = 0.0, peak = 0.0;
@@ -257,7 +275,8 @@ static bool begins_under_load(const explain_run *run) {
     return run->depth[0] > part * deepest && run->force[0] > part * peak;
 }
 
-static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *input, bool air, palp_error *error) {
+static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *input, bool air,
+                            palp_error *error) {
     const palp_experiment *e = input->experiment;
     explain_run *run = &data->run[r];
     snprintf(run->name, sizeof run->name, "%s", input->name ? input->name : "run");
@@ -266,11 +285,14 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
         return status;
     double height = explain_number_of(e, "specimen.height_mm", 1e3 * data->height);
     if (fabs(1e-3 * height - data->height) > 1e-3 * data->height)
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm", run->name,
-                              height, 1e3 * data->height);
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm",
+                              run->name, height, 1e3 * data->height);
     if (!air && begins_under_load(run))
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: begins under load (%.3g N at %.3g mm), and no other file ends there: what was pressed before is "
-                              "missing. Give that recording too, or leave this one out", run->name, run->force[0], 1e3 * run->depth[0]);
+        return palp_error_set(error, PALP_ERR_INPUT,
+                              "%s: begins under load (%.3g N at %.3g mm), and no other file ends there: what "
+                              "was pressed before is "
+                              "missing. Give that recording too, or leave this one out",
+                              run->name, run->force[0], 1e3 * run->depth[0]);
     run->session = explain_number_of(e, "session.start_s", NAN);
     take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
     status = palp_segments_phases(run->n, run->time, run->depth, run->force, run->phase);
@@ -293,8 +315,9 @@ static void find_largest_strains(explain_data *data) {
 }
 
 /* In the order in which they were made; kind[n], by input: those on a block are left out. */
-static palp_status take_runs(explain_data *data, size_t n, const palp_explain_input *inputs, const explain_kind *kind,
-                             const palp_explain_settings *settings, palp_error *error) {
+static palp_status take_runs(explain_data *data, size_t n, const palp_explain_input *inputs,
+                             const explain_kind *kind, const palp_explain_settings *settings,
+                             palp_error *error) {
     size_t *order = malloc(n * sizeof *order);
     bool *fresh = malloc(n * sizeof *fresh);
     palp_status status = order && fresh ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -331,14 +354,17 @@ static palp_status take_inputs(explain_data *data, size_t n, const palp_explain_
     if (!status)
         status = take_runs(data, n, inputs, kind, settings, error);
     if (!status && explain_fitted_runs(data) == 0)
-        status = palp_error_set(error, PALP_ERR_INPUT, "%s: no run is left in which the specimen is pressed: a rigid block shows the frame alone",
-                                inputs[0].name ? inputs[0].name : "run");
+        status = palp_error_set(
+            error, PALP_ERR_INPUT,
+            "%s: no run is left in which the specimen is pressed: a rigid block shows the frame alone",
+            inputs[0].name ? inputs[0].name : "run");
     free(kind);
     return status;
 }
 
-palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
-                                const palp_model *model, explain_data *data, palp_error *error) {
+palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
+                                const palp_explain_settings *settings, const palp_model *model,
+                                explain_data *data, palp_error *error) {
     *data = (explain_data){.given = model};
     data->run = calloc(n, sizeof *data->run);
     palp_status status = data->run ? explain_height(model, &data->height, error) : PALP_ERR_NO_MEMORY;
@@ -424,14 +450,24 @@ static double change_of(const effect_data *facts, const char *column) {
 }
 
 effect_data explain_facts(const explain_data *data) {
-    return (effect_data){.duration = data->duration, .step = data->step, .deepest = data->deepest,
-                         .fastest = data->fastest, .peak = data->peak, .height = data->height, .white = hypot(data->run[0].white, data->correlated), .n_releases = data->n_releases,
-                         .pull = {data->pull, data->pull_most}, .pulled = data->pulled,
-                         .shown = data->shown, .frame = {data->frame.low, data->frame.high}, .runs = data, .change_of = change_of};
+    return (effect_data){.duration = data->duration,
+                         .step = data->step,
+                         .deepest = data->deepest,
+                         .fastest = data->fastest,
+                         .peak = data->peak,
+                         .height = data->height,
+                         .white = hypot(data->run[0].white, data->correlated),
+                         .n_releases = data->n_releases,
+                         .pull = {data->pull, data->pull_most},
+                         .pulled = data->pulled,
+                         .shown = data->shown,
+                         .frame = {data->frame.low, data->frame.high},
+                         .runs = data,
+                         .change_of = change_of};
 }
 
-palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i), void *work,
-                         const palp_status *status) {
+palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i),
+                         void *work, const palp_status *status) {
     if (settings->loop)
         settings->loop(settings->loop_user, n, task, work);
     for (size_t i = 0; i < n && !settings->loop; i++)

@@ -12,7 +12,7 @@ enum { EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * P
 typedef struct explain_run {
     char name[PALP_NAME_MAX];
     size_t n;
-    size_t n_columns;             /* that effects read, the experiment's own: [n_columns] */
+    size_t n_columns; /* that effects read, the experiment's own: [n_columns] */
     palp_forward_column column[PALP_EFFECT_COUNT];
     double start;                 /* time of the recording at which time[0] = 0 is */
     double *time, *depth, *force; /* depth: nothing is pressed where the specimen is "none" */
@@ -21,7 +21,7 @@ typedef struct explain_run {
     double session, white;        /* when it began; sd of a sample's white noise */
     bool fresh;                   /* on a specimen that no run before it pressed */
     size_t specimen;              /* which of the data's it presses, as the files name them */
-    double largest_strain;                  /* largest strain of the earlier runs on its specimen, by depth */
+    double largest_strain;        /* largest strain of the earlier runs on its specimen, by depth */
     double *keep, *take, *weight; /* [n] the filter that makes its noise white (explain_noise.h) */
     bool held_out;                /* kept out of the fit */
 } explain_run;
@@ -33,7 +33,8 @@ typedef struct explain_frame {
     double evidence; /* that it gives way at all, nats */
 } explain_frame;
 
-/* The inputs, those that go on under load where another ends as one; made: their experiments, or NULL. (explain_join.c) */
+/* The inputs, those that go on under load where another ends as one; made: their experiments, or NULL.
+ * (explain_join.c) */
 typedef struct explain_joined {
     size_t n;
     palp_explain_input *input; /* [n] */
@@ -51,47 +52,54 @@ typedef struct explain_data {
     explain_run *run;
     const palp_model *given;                /* the model to be explained */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
-    double step, fastest, span;             /* typical time between samples; largest speed; of the session, s */
-    double stride;                          /* largest way between two samples, of the run where it is least, m */
-    double correlated, correlation_time;    /* of the noise */
-    effect_shown shown;                     /* how the plate moves in them */
-    bool one_speed;                         /* all runs press at one speed, without a pause or a way back */
-    size_t n_specimens;                     /* that the files of the runs that are fitted name; at least 1 */
-    size_t n_replicates;                    /* runs whose plate goes as in one before */
-    double pull, pull_most;                 /* the strongest recorded before a plate let go; what would be too strong */
-    double pulled;                          /* strongest pull of a withdrawal, and what noise hides at least; 0 = no plate goes so far */
+    double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
+    double stride;              /* largest way between two samples, of the run where it is least, m */
+    double correlated, correlation_time; /* of the noise */
+    effect_shown shown;                  /* how the plate moves in them */
+    bool one_speed;                      /* all runs press at one speed, without a pause or a way back */
+    size_t n_specimens;                  /* that the files of the runs that are fitted name; at least 1 */
+    size_t n_replicates;                 /* runs whose plate goes as in one before */
+    double pull, pull_most; /* the strongest recorded before a plate let go; what would be too strong */
+    double
+        pulled; /* strongest pull of a withdrawal, and what noise hides at least; 0 = no plate goes so far */
     size_t n_releases;
     explain_frame frame;
-    size_t n_contact_told;                  /* runs that say how exact their contact is, */
-    double contact_told;                    /* and the root of the mean of its squares, m */
+    size_t n_contact_told; /* runs that say how exact their contact is, */
+    double contact_told;   /* and the root of the mean of its squares, m */
     size_t n_events;
     palp_explain_event *event;
 } explain_data;
 
-palp_status explain_data_create(size_t n, const palp_explain_input *inputs, const palp_explain_settings *settings,
-                                const palp_model *model, explain_data *data, palp_error *error);
+palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
+                                const palp_explain_settings *settings, const palp_model *model,
+                                explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
-size_t explain_samples(const explain_data *data);    /* of the runs that are not held out */
-bool explain_may_recover(const explain_data *data, palp_effect_id id); /* of what it does a specimen may keep something from run to run */
+size_t explain_samples(const explain_data *data); /* of the runs that are not held out */
+bool explain_may_recover(
+    const explain_data *data,
+    palp_effect_id id); /* of what it does a specimen may keep something from run to run */
 size_t explain_fitted_runs(const explain_data *data); /* how many are not */
-effect_data explain_facts(const explain_data *data); /* without what a fit leaves of them */
+effect_data explain_facts(const explain_data *data);  /* without what a fit leaves of them */
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
 
-/* task(work, i) for all i < n by the caller's loop, or one after the other; each sets status[i], the first error counts. */
-palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i), void *work,
-                         const palp_status *status);
+/* task(work, i) for all i < n by the caller's loop, or one after the other; each sets status[i], the first
+ * error counts. */
+palp_status explain_each(const palp_explain_settings *settings, size_t n, void (*task)(void *work, size_t i),
+                         void *work, const palp_status *status);
 
 /* run->white from x[n], its force or its residual. */
 palp_status explain_white_noise(explain_run *run, const double *x);
 
-/* What a specimen keeps from run to run; zero-initialised before the first, palp_load_history_free after the last. */
+/* What a specimen keeps from run to run; zero-initialised before the first, palp_load_history_free after the
+ * last. */
 typedef struct explain_history {
     bool renewed; /* between the runs it recovers: it keeps nothing */
     palp_load_history load;
     double slope[EXPLAIN_COLUMNS];
 } explain_history;
 
-/* For the runs one after the other, in their order, all with one model. contact: by how much deeper its surface lies, m. */
+/* For the runs one after the other, in their order, all with one model. contact: by how much deeper its
+ * surface lies, m. */
 palp_forward_run explain_forward_run(const explain_run *run, double contact, explain_history *history);
 
 /* ---- how the plate moves (explain_shown.c) ---- */
@@ -102,14 +110,16 @@ void explain_shown_find(explain_data *data);
 
 typedef enum explain_kind { EXPLAIN_SPECIMEN, EXPLAIN_AIR, EXPLAIN_BLOCK } explain_kind;
 
-/* What each input presses, as its file says (specimen.kind "none" or "rigid"), or else as its force shows beside the others'. */
-palp_status explain_kinds_find(size_t n, const palp_explain_input *inputs, explain_kind *kind, palp_error *error);
+/* What each input presses, as its file says (specimen.kind "none" or "rigid"), or else as its force shows
+ * beside the others'. */
+palp_status explain_kinds_find(size_t n, const palp_explain_input *inputs, explain_kind *kind,
+                               palp_error *error);
 
-palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, const explain_kind *kind, explain_frame *frame,
-                                  palp_error *error);
+palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, const explain_kind *kind,
+                                  explain_frame *frame, palp_error *error);
 
-/* Adds the frame's compliance that blocks show to a model that has none, if the specimen's runs can feel it: true. It is no
- * parameter of the fits then. As what it is told: */
+/* Adds the frame's compliance that blocks show to a model that has none, if the specimen's runs can feel it:
+ * true. It is no parameter of the fits then. As what it is told: */
 bool explain_frame_add(const explain_data *data, const palp_explain_settings *settings, palp_model *model);
 palp_explain_effect explain_frame_effect(const explain_data *data);
 
@@ -125,11 +135,13 @@ void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *orde
 const char *explain_text_of(const palp_experiment *e, const char *key);
 double explain_number_of(const palp_experiment *e, const char *key, double otherwise);
 
-/* ---- what a model gives (explain_predict.c): as palp_forward_force, for a network by forward_network_force ---- */
+/* ---- what a model gives (explain_predict.c): as palp_forward_force, for a network by forward_network_force
+ * ---- */
 
 bool explain_carries(const palp_model *model, const palp_effect_info *info);
-palp_status explain_height(const palp_model *model, double *height, palp_error *error); /* m, of a network its mesh's */
-palp_status explain_predict(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
-                            palp_error *error);
+palp_status explain_height(const palp_model *model, double *height,
+                           palp_error *error); /* m, of a network its mesh's */
+palp_status explain_predict(const palp_model *model, const palp_forward_run *run, double *force,
+                            double *gradient, palp_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* explain_describe.c: each accepted effect compared with the fit without it, and against those that could stand in its
- * place. */
+/* explain_describe.c: each accepted effect compared with the fit without it, and against those that could
+ * stand in its place. */
 #include "explain_result.h"
 
 #include <math.h>
@@ -69,7 +69,8 @@ static void place_task(void *user, size_t c) {
         return;
     }
     bool there = stands(&p->full->fit.model, c) && !palp_effect_look_up((palp_effect_id)c)->repeats;
-    if (effect_row_of(self)->line || there || p->i >= p->full->memory->n || !p->full->memory->step[p->i].has[c])
+    if (effect_row_of(self)->line || there || p->i >= p->full->memory->n ||
+        !p->full->memory->step[p->i].has[c])
         return;
     t->tried = true;
     palp_status status = stand_in(p, c, &t->fit);
@@ -90,7 +91,8 @@ static palp_status try_places(const explain_search *full, explain_search *rest, 
 
 /* Share of the squared gap that opens when the effect is taken out again. */
 static void closed_by(const explain_search *s, const explain_search *rest, palp_explain_effect *out) {
-    double with = explain_fitted_rms(&s->data, s->residual), less = explain_fitted_rms(&s->data, rest->residual);
+    double with = explain_fitted_rms(&s->data, s->residual),
+           less = explain_fitted_rms(&s->data, rest->residual);
     double noise_level_N = explain_noise_level(&s->data), open = less * less - noise_level_N * noise_level_N;
     out->gap_closed = open > 0.0 ? fmin(1.0, fmax(0.0, (less * less - with * with) / open)) : 0.0;
 }
@@ -106,7 +108,8 @@ palp_status explain_describe(explain_search *s, palp_explanation *e) {
         out->n_class = 1;
         out->recovers = s->fit.renewed && explain_may_recover(&s->data, out->effect.id);
         status = explain_search_without(s, i, &rest);
-        if (status == PALP_ERR_NOT_CONVERGED) { /* without it the model does not run: nothing to compare with */
+        if (status ==
+            PALP_ERR_NOT_CONVERGED) { /* without it the model does not run: nothing to compare with */
             explain_search_free(&rest);
             status = PALP_OK;
             continue;

@@ -1,5 +1,5 @@
-/* explain_diagnostics.c: diagnostics of the residual with the effects: its order from sample to sample, lines, steps, and
- * how much of it any smooth curve could still take off. */
+/* explain_diagnostics.c: diagnostics of the residual with the effects: its order from sample to sample,
+ * lines, steps, and how much of it any smooth curve could still take off. */
 #include "base/statistics.h"
 #include "explain_result.h"
 #include "explain_noise.h"
@@ -86,7 +86,8 @@ static void find_curves(const explain_data *data, palp_explanation *e) {
         const explain_run *run = &data->run[r];
         for (size_t i = 0; i < run->n; i++) {
             size_t a = i ? i - 1 : 0, b = i + 1 < run->n ? i + 1 : i;
-            double speed = (run->depth[b] - run->depth[a]) / (run->time[b] - run->time[a]), y = e->run[r].after_N[i];
+            double speed = (run->depth[b] - run->depth[a]) / (run->time[b] - run->time[a]),
+                   y = e->run[r].after_N[i];
             if (!run->use[i])
                 continue;
             curve_add(&depth, run->depth[i], y);
@@ -101,7 +102,8 @@ static void find_curves(const explain_data *data, palp_explanation *e) {
 
 /* ---- steps that stay ---- */
 
-/* The means of two stretches before and two after a sample: a step lies between, and none within either side. */
+/* The means of two stretches before and two after a sample: a step lies between, and none within either side.
+ */
 static palp_status find_slips(explain_data *data, size_t r, const double *y) {
     enum { HALF = 12 };
     const explain_run *run = &data->run[r];
@@ -109,12 +111,18 @@ static palp_status find_slips(explain_data *data, size_t r, const double *y) {
     palp_status status = PALP_OK;
     for (size_t i = 2 * HALF; i + 2 * HALF < run->n && !status; i++) {
         double a = statistics_mean(y + i - 2 * HALF, HALF), b = statistics_mean(y + i - HALF, HALF);
-        double c = statistics_mean(y + i + 1, HALF), d = statistics_mean(y + i + 1 + HALF, HALF), step = c - b;
+        double c = statistics_mean(y + i + 1, HALF), d = statistics_mean(y + i + 1 + HALF, HALF),
+               step = c - b;
         bool sudden = fabs(y[i + 1] - y[i - 1]) > 0.7 * fabs(step);
-        if (!(fabs(step) > least && sudden && fabs(b - a) < 0.25 * fabs(step) && fabs(d - c) < 0.25 * fabs(step)))
+        if (!(fabs(step) > least && sudden && fabs(b - a) < 0.25 * fabs(step) &&
+              fabs(d - c) < 0.25 * fabs(step)))
             continue;
-        status = explain_event_add(data, &(palp_explain_event){.run = r, .samples = 1, .from_s = run->time[i - 1],
-                                                               .to_s = run->time[i + 1], .size_N = step, .kind = "slip"});
+        status = explain_event_add(data, &(palp_explain_event){.run = r,
+                                                               .samples = 1,
+                                                               .from_s = run->time[i - 1],
+                                                               .to_s = run->time[i + 1],
+                                                               .size_N = step,
+                                                               .kind = "slip"});
         i += 2 * HALF;
     }
     return status;

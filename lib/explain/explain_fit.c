@@ -11,7 +11,8 @@ static const double TURN = 6.28318530717958647692;
 
 /* ---- coordinates ---- */
 
-static void set_coordinate(explain_fit *fit, size_t k, double low, double high, double unit, bool logarithmic) {
+static void set_coordinate(explain_fit *fit, size_t k, double low, double high, double unit,
+                           bool logarithmic) {
     fit->logarithmic[k] = logarithmic;
     fit->low[k] = logarithmic ? log(low) : low;
     fit->high[k] = logarithmic ? log(high) : high;
@@ -21,16 +22,26 @@ static void set_coordinate(explain_fit *fit, size_t k, double low, double high, 
 /* How large a parameter of that kind these runs let one expect. */
 static double size_of(palp_effect_scale scale, const explain_data *data) {
     switch (scale) {
-    case PALP_SCALE_TIME: return data->duration;
-    case PALP_SCALE_LENGTH: return data->deepest;
-    case PALP_SCALE_FORCE: return data->peak;
-    case PALP_SCALE_FORCE_1_S: return data->peak * fmax(1.0, data->duration);
-    case PALP_SCALE_FORCE_RATE: return data->peak / data->duration;
-    case PALP_SCALE_COMPLIANCE: return data->deepest / data->peak;
-    case PALP_SCALE_MASS: return data->peak * data->duration * data->duration / data->deepest;
-    case PALP_SCALE_RATE: return 1.0 / data->span;
-    case PALP_SCALE_STRAIN_RATE: return data->fastest / data->height;
-    case PALP_SCALE_NONE: break;
+    case PALP_SCALE_TIME:
+        return data->duration;
+    case PALP_SCALE_LENGTH:
+        return data->deepest;
+    case PALP_SCALE_FORCE:
+        return data->peak;
+    case PALP_SCALE_FORCE_1_S:
+        return data->peak * fmax(1.0, data->duration);
+    case PALP_SCALE_FORCE_RATE:
+        return data->peak / data->duration;
+    case PALP_SCALE_COMPLIANCE:
+        return data->deepest / data->peak;
+    case PALP_SCALE_MASS:
+        return data->peak * data->duration * data->duration / data->deepest;
+    case PALP_SCALE_RATE:
+        return 1.0 / data->span;
+    case PALP_SCALE_STRAIN_RATE:
+        return data->fastest / data->height;
+    case PALP_SCALE_NONE:
+        break;
     }
     return 1.0;
 }
@@ -40,7 +51,8 @@ bool explain_is_period(const effect_row *row, size_t p) {
 }
 
 /* Within what these runs can mean. value: the model's; one that is read off the data stays there. */
-static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t p, double value, const explain_data *data) {
+static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t p, double value,
+                       const explain_data *data) {
     const palp_effect_parameter *q = &row->info.parameter[p];
     const effect_data facts = explain_facts(data);
     double low = q->low, high = q->high, size = size_of(q->scale, data), unit = 30.0 * size;
@@ -58,7 +70,8 @@ static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t
             low = fmin(2.0 * data->stride, 0.5 * high);
         }
     }
-    if (q->scale == PALP_SCALE_STRAIN_RATE) { /* some run is faster; it may be far below all of them, as a dwell tells */
+    if (q->scale ==
+        PALP_SCALE_STRAIN_RATE) { /* some run is faster; it may be far below all of them, as a dwell tells */
         low = 1e-6 * size;
         high = size;
     }
@@ -85,12 +98,16 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     double stiffness = data->peak * data->height / data->deepest, strain = data->deepest / data->height;
     size_t k = 0;
     for (; k < model->material.law.n; k++) {
-        const bool plain = model->material.law.kind == PALP_LAW_POLYNOMIAL, spline = model->material.law.kind == PALP_LAW_SPLINE;
-        double unit = plain ? 100.0 * stiffness / pow(strain, (double)k) : 100.0 * fabs(model->material.law.coefficients[k]);
-        set_coordinate(fit, k, spline ? EXPLAIN_SOFTEST * stiffness : -HUGE_VAL, HUGE_VAL, unit + 1e-9 * stiffness, false);
+        const bool plain = model->material.law.kind == PALP_LAW_POLYNOMIAL,
+                   spline = model->material.law.kind == PALP_LAW_SPLINE;
+        double unit = plain ? 100.0 * stiffness / pow(strain, (double)k)
+                            : 100.0 * fabs(model->material.law.coefficients[k]);
+        set_coordinate(fit, k, spline ? EXPLAIN_SOFTEST * stiffness : -HUGE_VAL, HUGE_VAL,
+                       unit + 1e-9 * stiffness, false);
     }
     for (size_t j = 0; j < model->material.n_arms; j++) {
-        set_coordinate(fit, k++, 1e-4 * stiffness * (model->material.quasi_linear ? EXPLAIN_SOFTEST : 1.0), 1e3 * stiffness, 5.0, true);
+        set_coordinate(fit, k++, 1e-4 * stiffness * (model->material.quasi_linear ? EXPLAIN_SOFTEST : 1.0),
+                       1e3 * stiffness, 5.0, true);
         set_coordinate(fit, k++, 0.003 * data->step, 1e3 * data->duration, 5.0, true);
     }
     for (size_t i = 0; i < model->n_effects; i++) {
@@ -222,8 +239,8 @@ static void hum_columns(const explain_fit *fit, const explain_run *run, double *
     }
 }
 
-/* By how much the run's force grows as its specimen's law does: every law is so many times stiffer as its coefficients together are,
- * of Ogden's as those before each exponent. */
+/* By how much the run's force grows as its specimen's law does: every law is so many times stiffer as its
+ * coefficients together are, of Ogden's as those before each exponent. */
 static void law_column(const palp_law *law, size_t n, const double *gradient, double *column) {
     memset(column, 0, n * sizeof *column);
     for (size_t k = 0; k < law->n; k += law->kind == PALP_LAW_OGDEN ? 2 : 1)
@@ -231,11 +248,12 @@ static void law_column(const palp_law *law, size_t n, const double *gradient, do
             column[i] += law->coefficients[k] * gradient[k * n + i];
 }
 
-/* The run's surface is at contact and its gain at own_gain; its residual as if they were where the model has them, so that its contact
- * and its gain as a whole have the scatter of all. work: [(n_columns + 3 parameters and more) n] */
+/* The run's surface is at contact and its gain at own_gain; its residual as if they were where the model has
+ * them, so that its contact and its gain as a whole have the scatter of all. work: [(n_columns + 3 parameters
+ * and more) n] */
 static palp_status run_products(explain_fit *fit, const explain_run *run, const palp_forward_run *path,
-                                const palp_model *full, double own_gain, size_t offset, size_t gain, double *force, double *gradient,
-                                double *column, double *product) {
+                                const palp_model *full, double own_gain, size_t offset, size_t gain,
+                                double *force, double *gradient, double *column, double *product) {
     size_t n = run->n, k = fit->n_columns, m = fit->m;
     palp_status status = explain_predict(full, path, force, gradient, NULL);
     if (status)
@@ -264,7 +282,8 @@ static void find_residual(const explain_fit *fit, const explain_run *run, size_t
     explain_nuisances(fit, r, own, sd);
     for (size_t i = 0; i < run->n; i++) {
         double turn = TURN * fit->hum_Hz * run->time[i];
-        double more = own[0] + (own[1] - fit->contact[r]) * contact[i] + (own[2] - fit->gain[r]) * gain[i] + own[5] * law[i];
+        double more = own[0] + (own[1] - fit->contact[r]) * contact[i] + (own[2] - fit->gain[r]) * gain[i] +
+                      own[5] * law[i];
         if (fit->hum_Hz > 0.0)
             more += own[3] * sin(turn) + own[4] * cos(turn);
         residual[i] = run->use[i] ? run->force[i] - force[i] - more : 0.0;
@@ -280,8 +299,8 @@ typedef struct evaluation {
     double *force, *residual;     /* NULL, or [n] */
     explain_visit *visit;
     void *user;
-    bool together, remembers;     /* all runs one after the other; a specimen keeps something from run to run */
-    palp_status *status;          /* [n_runs] */
+    bool together, remembers; /* all runs one after the other; a specimen keeps something from run to run */
+    palp_status *status;      /* [n_runs] */
 } evaluation;
 
 /* work: [2 + columns + m, n] */
@@ -293,8 +312,8 @@ static palp_status evaluate_run(const evaluation *e, size_t r, explain_history *
     palp_forward_run path = explain_forward_run(run, e->fit->contact[r], history);
     palp_model full = e->full;
     explain_add_gain(&full, e->fit->gain[r]);
-    palp_status status = run_products(e->fit, run, &path, &full, e->fit->gain[r], e->offset, e->gain, work, gradient, column,
-                                      e->fit->product + r * m * m);
+    palp_status status = run_products(e->fit, run, &path, &full, e->fit->gain[r], e->offset, e->gain, work,
+                                      gradient, column, e->fit->product + r * m * m);
     size_t at = 0;
     for (size_t i = 0; i < r; i++)
         at += e->data->run[i].n;
@@ -304,7 +323,8 @@ static palp_status evaluate_run(const evaluation *e, size_t r, explain_history *
         memcpy(e->force + at, work, n * sizeof *work);
     if (e->residual && !status) {
         law_column(of, n, gradient, law);
-        find_residual(e->fit, run, r, work, gradient + n * e->offset, gradient + n * e->gain, law, e->residual + at);
+        find_residual(e->fit, run, r, work, gradient + n * e->offset, gradient + n * e->gain, law,
+                      e->residual + at);
     }
     return status;
 }
@@ -332,7 +352,12 @@ static palp_status evaluate(explain_fit *fit, const explain_data *data, double *
                             explain_visit *visit, void *user) {
     static const palp_explain_settings alone = {.loop = NULL};
     const bool spreads = fit->spread && fit->spread->loop && !visit;
-    evaluation e = {.fit = fit, .data = data, .force = force, .residual = residual, .visit = visit, .user = user,
+    evaluation e = {.fit = fit,
+                    .data = data,
+                    .force = force,
+                    .residual = residual,
+                    .visit = visit,
+                    .user = user,
                     .together = !spreads};
     palp_status status = augment(&fit->model, &e.full, &e.offset, &e.gain);
     if (status)
@@ -350,7 +375,8 @@ static palp_status evaluate(explain_fit *fit, const explain_data *data, double *
     return status;
 }
 
-palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, double *force, double *residual) {
+palp_status explain_fit_evaluate(explain_fit *fit, const explain_data *data, double *force,
+                                 double *residual) {
     return evaluate(fit, data, force, residual, NULL, NULL);
 }
 

@@ -41,7 +41,8 @@ static palp_status refit_without(const explain_data *data, size_t r, explain_fit
 static palp_status leave_out(const left_out *l, size_t r) {
     const explain_data *data = &l->search->data;
     explain_fit fit = {.n_columns = 0};
-    double *force = malloc(2 * data->n * sizeof *force), limit = l->some ? HUGE_VAL : 1.01 * deepest_without(data, r);
+    double *force = malloc(2 * data->n * sizeof *force),
+           limit = l->some ? HUGE_VAL : 1.01 * deepest_without(data, r);
     palp_status status = force ? explain_fit_copy(l->fit, data->n_runs, &fit) : PALP_ERR_NO_MEMORY;
     if (!status && !l->some && data->n_runs > 1)
         status = refit_without(data, r, &fit);
@@ -71,7 +72,10 @@ static void leave_out_task(void *user, size_t r) {
 
 palp_status explain_held_out(const explain_search *s, const explain_fit *fit, double *rms_N) {
     size_t n = s->data.n_runs;
-    left_out l = {.search = s, .fit = fit, .square = calloc(2 * n, sizeof(double)), .status = calloc(n, sizeof *l.status)};
+    left_out l = {.search = s,
+                  .fit = fit,
+                  .square = calloc(2 * n, sizeof(double)),
+                  .status = calloc(n, sizeof *l.status)};
     palp_status status = l.square && l.status ? PALP_OK : PALP_ERR_NO_MEMORY;
     double square = 0.0, count = 0.0;
     for (size_t r = 0; r < n; r++)

@@ -32,7 +32,7 @@ typedef struct improvement {
     const explain_data *data;
     palp_model model;
     double *product;
-    double *work; /* [k k + k] */
+    double *work;      /* [k k + k] */
     double best, last; /* chi2 of them, and of those tried last */
     size_t evaluations;
 } improvement;
@@ -75,10 +75,18 @@ static palp_status descend(explain_fit *fit, const explain_data *data, size_t ro
         explain_fit_total(fit, data, h, g, &chi2, i.work);
         i.last = chi2 += explain_fit_wall(fit, data);
         keep(&i);
-        const levenberg problem = {.n = k, .evaluations = rounds, .low = fit->low, .high = fit->high, .walls = &walls,
+        const levenberg problem = {.n = k,
+                                   .evaluations = rounds,
+                                   .low = fit->low,
+                                   .high = fit->high,
+                                   .walls = &walls,
                                    .reach = reach,
-                                   .stop_absolute = 0.02, .stop_relative = 1e-7, .stop_rise = RISE,
-                                   .evaluate = evaluate, .keep = keep, .user = &i};
+                                   .stop_absolute = 0.02,
+                                   .stop_relative = 1e-7,
+                                   .stop_rise = RISE,
+                                   .evaluate = evaluate,
+                                   .keep = keep,
+                                   .user = &i};
         status = levenberg_solve(&problem, x, h, g, &chi2);
         memcpy(fit->x, x, k * sizeof *x);
         memcpy(fit->product, i.product, room * sizeof *i.product);
@@ -91,7 +99,8 @@ static palp_status descend(explain_fit *fit, const explain_data *data, size_t ro
     return status;
 }
 
-/* *at to where it should be, at most so far from 0; but for less than what is as good as straight; whether it moved. */
+/* *at to where it should be, at most so far from 0; but for less than what is as good as straight; whether it
+ * moved. */
 static bool move(double *at, double to, double most, double straight) {
     to = fmin(most, fmax(-most, to));
     if (!(fabs(to - *at) > straight))
@@ -100,15 +109,17 @@ static bool move(double *at, double to, double most, double straight) {
     return true;
 }
 
-/* Every run's surface to where the fit finds it, at most a quarter of the deepest away, and its gain where a sensor bends; whether one
- * moved. */
+/* Every run's surface to where the fit finds it, at most a quarter of the deepest away, and its gain where a
+ * sensor bends; whether one moved. */
 static bool find_nuisances(explain_fit *fit, const explain_data *data) {
     const double deepest = 0.25 * data->deepest, gain = explain_bends(&fit->model) ? 0.5 : 0.0;
     bool moved = false;
     for (size_t r = 0; r < data->n_runs; r++) {
         double own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
         explain_nuisances(fit, r, own, sd);
-        moved = move(&fit->contact[r], own[1], deepest, fmin(0.1 * fit->scatter.contact, 1e-3 * data->deepest)) || moved;
+        moved =
+            move(&fit->contact[r], own[1], deepest, fmin(0.1 * fit->scatter.contact, 1e-3 * data->deepest)) ||
+            moved;
         moved = move(&fit->gain[r], own[2], gain, fmin(0.1 * fit->scatter.gain, 1e-3)) || moved;
     }
     return moved;
@@ -128,7 +139,8 @@ palp_status explain_fit_improve(explain_fit *fit, const explain_data *data, size
     return status;
 }
 
-palp_status explain_fit_settle(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
+palp_status explain_fit_settle(explain_fit *fit, const explain_data *data,
+                               const palp_explain_settings *settings) {
     palp_status status = PALP_OK;
     for (size_t rounds = 15; rounds > 2 && !status; rounds /= 5) {
         status = explain_fit_improve(fit, data, rounds);
@@ -138,7 +150,8 @@ palp_status explain_fit_settle(explain_fit *fit, const explain_data *data, const
     return status;
 }
 
-palp_status explain_fit_settle_anew(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
+palp_status explain_fit_settle_anew(explain_fit *fit, const explain_data *data,
+                                    const palp_explain_settings *settings) {
     fit->spread = settings;
     palp_status status = explain_fit_products(fit, data, NULL);
     return status ? status : explain_fit_settle(fit, data, settings);

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double EQUATIONS = 0.01; /* of a parameter: what samples of a path and an effect's equations are good for */
+static const double EQUATIONS =
+    0.01; /* of a parameter: what samples of a path and an effect's equations are good for */
 
 /* Student's 97.5 % quantile, to 1 %: Cornish and Fisher, exact below. */
 static double student(size_t freedom) {
@@ -17,8 +18,8 @@ static double student(size_t freedom) {
     return freedom <= 4 ? few[freedom - 1] : 1.96 + 2.372 / f + 2.823 / (f * f);
 }
 
-/* Squared half width of parameter at's interval: what the noise allows (factor: of the normal matrix) and what the
- * runs, each counted as one, agree on; the wider. unit: [k] work. */
+/* Squared half width of parameter at's interval: what the noise allows (factor: of the normal matrix) and
+ * what the runs, each counted as one, agree on; the wider. unit: [k] work. */
 static double square_reach(const explain_fit *fit, const explain_data *data, const double *factor,
                            const double *gradient, size_t at, double inflation, double *unit) {
     size_t k = fit->n_columns, counted = 0;
@@ -42,7 +43,8 @@ static double square_reach(const explain_fit *fit, const explain_data *data, con
     return fmax(noise, pow(student(counted - 1), 2) * between * n / (n - 1.0));
 }
 
-palp_status explain_reaches_find(const explain_fit *fit, const explain_data *data, double *reach, double *rise) {
+palp_status explain_reaches_find(const explain_fit *fit, const explain_data *data, double *reach,
+                                 double *rise) {
     size_t k = fit->n_columns;
     double *h = malloc((2 * k + 2 + data->n_runs) * k * sizeof *h), chi2, logdet;
     if (!h)
@@ -66,7 +68,8 @@ palp_status explain_reaches_find(const explain_fit *fit, const explain_data *dat
 
 static const double WIDE = 0.2; /* of a parameter: half widths beyond which the likelihood is followed */
 
-/* One end of a parameter's interval: where the best chi2 of all fits with that parameter fixed rises by so much. */
+/* One end of a parameter's interval: where the best chi2 of all fits with that parameter fixed rises by so
+ * much. */
 typedef struct interval_end {
     size_t at;
     double sign, reach, rise; /* reach: first that of a quadratic likelihood */
@@ -132,9 +135,10 @@ static void end_task(void *user, size_t i) {
     explain_fit_free(&fit);
 }
 
-/* Narrows or widens below[n_columns] and above[n_columns] of the added effects' parameters where they are wide. A
- * network's fits are too dear. */
-static palp_status follow_likelihood(const explain_search *s, const double *rise, double *below, double *above) {
+/* Narrows or widens below[n_columns] and above[n_columns] of the added effects' parameters where they are
+ * wide. A network's fits are too dear. */
+static palp_status follow_likelihood(const explain_search *s, const double *rise, double *below,
+                                     double *above) {
     const explain_fit *fit = &s->fit;
     size_t n = 0, columns = fit->n_columns;
     interval_work *w = calloc(1, sizeof *w);
@@ -166,7 +170,8 @@ static palp_status scan_bonds(const explain_search *s, double *below, double *ab
     for (size_t i = s->n_given; i < fit->model.n_effects; i++) {
         const size_t at = explain_first_column(&fit->model, i);
         double low[2], high[2];
-        if (fit->model.kind == PALP_MODEL_NETWORK || !effect_row_of(fit->model.effects[i].id)->bond || !(fit->low[at] < fit->high[at]))
+        if (fit->model.kind == PALP_MODEL_NETWORK || !effect_row_of(fit->model.effects[i].id)->bond ||
+            !(fit->low[at] < fit->high[at]))
             continue;
         palp_status status = explain_scan_bond(s, at, low, high);
         if (status == PALP_ERR_NO_MEMORY)
@@ -199,7 +204,8 @@ palp_status explain_intervals(const explain_search *s, palp_explanation *e) {
             double high = fmin(fit->high[at], fit->x[at] + hypot(above[at], least));
             const effect_data facts = explain_facts(data);
             effect_read read;
-            if (p == 0 && effect_row_of(id)->read && effect_row_of(id)->read(&facts, &read)) { /* off the data, not fitted */
+            if (p == 0 && effect_row_of(id)->read &&
+                effect_row_of(id)->read(&facts, &read)) { /* off the data, not fitted */
                 low = read.low - least;
                 high = read.high + least;
             }

@@ -4,10 +4,13 @@
 #include <stdlib.h>
 
 palp_status explain_join(size_t n, const palp_explain_input *inputs, explain_joined *joined) {
-    *joined = (explain_joined){.input = malloc(n * sizeof *joined->input), .made = malloc(n * sizeof *joined->made),
-                               .of = malloc(n * sizeof *joined->of), .first = malloc(n * sizeof *joined->first)};
+    *joined = (explain_joined){.input = malloc(n * sizeof *joined->input),
+                               .made = malloc(n * sizeof *joined->made),
+                               .of = malloc(n * sizeof *joined->of),
+                               .first = malloc(n * sizeof *joined->first)};
     const palp_experiment **run = malloc(n * sizeof *run);
-    palp_status status = joined->input && joined->made && joined->of && joined->first && run ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_status status =
+        joined->input && joined->made && joined->of && joined->first && run ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n && !status; i++)
         run[i] = inputs[i].experiment;
     if (!status)

@@ -1,5 +1,6 @@
-/* explain_knots.c: a spline law with more knots where it bends most: at a knee a few do what many do that are evenly spread. Each
- * costs what an even one does, and besides what choosing its place among all knots does. */
+/* explain_knots.c: a spline law with more knots where it bends most: at a knee a few do what many do that are
+ * evenly spread. Each costs what an even one does, and besides what choosing its place among all knots does.
+ */
 #include "explain_search.h"
 
 #include <math.h>
@@ -48,7 +49,8 @@ static size_t sharpest(const palp_law *law, size_t at[PLACES]) {
     return n;
 }
 
-static palp_status fit_with(const explain_search *s, const explain_fit *from, const palp_law *law, explain_fit *fit) {
+static palp_status fit_with(const explain_search *s, const explain_fit *from, const palp_law *law,
+                            explain_fit *fit) {
     palp_model model = from->model;
     model.material.law = *law;
     palp_status status = explain_fit_beside(from, &model, &s->data, fit);

@@ -1,5 +1,5 @@
-/* explain_law.c: the material's law as a candidate: another family of stiffness laws beside the same effects, or arms that
- * the elastic force drives (Fung's quasi-linear ones) in place of the strain. */
+/* explain_law.c: the material's law as a candidate: another family of stiffness laws beside the same effects,
+ * or arms that the elastic force drives (Fung's quasi-linear ones) in place of the strain. */
 #include "explain_search.h"
 #include "base/dense.h"
 
@@ -11,14 +11,18 @@
 static const struct family {
     palp_law_kind kind;
     size_t n;
-} families[] = {{PALP_LAW_POLYNOMIAL, 2}, {PALP_LAW_POLYNOMIAL, 3}, {PALP_LAW_POLYNOMIAL, 4}, {PALP_LAW_POLYNOMIAL, 5},
-                {PALP_LAW_POLYNOMIAL, 6}, {PALP_LAW_SPLINE, 8}, {PALP_LAW_SPLINE, 14}, {PALP_LAW_SPLINE, 27}};
+} families[] = {{PALP_LAW_POLYNOMIAL, 2}, {PALP_LAW_POLYNOMIAL, 3}, {PALP_LAW_POLYNOMIAL, 4},
+                {PALP_LAW_POLYNOMIAL, 5}, {PALP_LAW_POLYNOMIAL, 6}, {PALP_LAW_SPLINE, 8},
+                {PALP_LAW_SPLINE, 14},    {PALP_LAW_SPLINE, 27}};
 
-static double price(const explain_search *s, size_t n) { return 0.5 * (double)n * log((double)s->data.n); }
+static double price(const explain_search *s, size_t n) {
+    return 0.5 * (double)n * log((double)s->data.n);
+}
 
-/* The law of that family nearest to one that is there, over the strains of these runs, if the surface were higher by a strain;
- * what it is before that is not known. ERR_ARGUMENT: there is none. */
-static palp_status resemble(const palp_law *from, const struct family *family, double deepest, double higher, palp_law *law) {
+/* The law of that family nearest to one that is there, over the strains of these runs, if the surface were
+ * higher by a strain; what it is before that is not known. ERR_ARGUMENT: there is none. */
+static palp_status resemble(const palp_law *from, const struct family *family, double deepest, double higher,
+                            palp_law *law) {
     enum { PLACES = 200 };
     double strain[PLACES], force[PLACES], value[PALP_LAW_MAX], left, most = fmax(from->strain_max, deepest);
     palp_status status;
@@ -82,8 +86,10 @@ static void give(const explain_data *data, const palp_law *law, bool quasi_linea
             model->effects[i].value[0] *= scale;
 }
 
-/* The effects at hand with another law and other arms. ERR_ARGUMENT: it promises less than its coefficients cost. */
-static palp_status fit_with(const explain_search *s, const palp_law *law, bool quasi_linear, bool anyhow, explain_fit *fit) {
+/* The effects at hand with another law and other arms. ERR_ARGUMENT: it promises less than its coefficients
+ * cost. */
+static palp_status fit_with(const explain_search *s, const palp_law *law, bool quasi_linear, bool anyhow,
+                            explain_fit *fit) {
     const double samples = (double)explain_samples(&s->data);
     double promised = 0.0;
     palp_model model = s->fit.model;
@@ -103,7 +109,8 @@ static palp_status fit_with(const explain_search *s, const palp_law *law, bool q
 bool explain_law_believed(const explain_search *s, const explain_trial *t, double threshold) {
     const double cost = t->raw_gain - t->gain;
     bool gains = t->gain > fmax(0.0, (t->inflation - 1.0) * cost) && t->raw_gain > t->inflation * threshold;
-    return t->fit.product && gains && (explain_fitted_runs(&s->data) == 1 || t->held_out_gain > t->held_out_se);
+    return t->fit.product && gains &&
+           (explain_fitted_runs(&s->data) == 1 || t->held_out_gain > t->held_out_se);
 }
 
 void explain_law_free(explain_trial *t) {
@@ -120,8 +127,9 @@ static bool has_arms(const palp_model *model) {
     return any;
 }
 
-/* The effects at hand with arms that are driven otherwise. A spline's knots of next to no stiffness begin at a tenth of that at half the
- * deepest strain: arms that the elastic force drives are counted by the stiffness at the surface. */
+/* The effects at hand with arms that are driven otherwise. A spline's knots of next to no stiffness begin at
+ * a tenth of that at half the deepest strain: arms that the elastic force drives are counted by the stiffness
+ * at the surface. */
 static palp_status fit_driven(const explain_search *s, explain_fit *fit) {
     static const double FIRST = 0.1;
     const palp_material *now = &s->fit.model.material;
@@ -129,20 +137,25 @@ static palp_status fit_driven(const explain_search *s, explain_fit *fit) {
     double typical, stiffness[PALP_LAW_MAX];
     palp_law_stiffness(&law, 0.5 * s->data.deepest / s->data.height, &typical, NULL);
     for (size_t i = 0; i < law.n; i++)
-        stiffness[i] = law.kind == PALP_LAW_SPLINE && !now->quasi_linear ? fmax(law.coefficients[i], FIRST * typical) : law.coefficients[i];
+        stiffness[i] = law.kind == PALP_LAW_SPLINE && !now->quasi_linear
+                           ? fmax(law.coefficients[i], FIRST * typical)
+                           : law.coefficients[i];
     palp_status status = palp_law_set_coefficients(&law, stiffness);
     if (!status)
         status = fit_with(s, &law, !now->quasi_linear, true, fit);
     return status ? status : explain_fit_settle(fit, &s->data, s->settings);
 }
 
-/* Keeps the trial of another law in *best if it is believed and gains more; more: nats that it costs beside its coefficients. */
-static palp_status consider(const explain_search *s, double threshold, double more, palp_status status, explain_trial *t, explain_trial *best) {
+/* Keeps the trial of another law in *best if it is believed and gains more; more: nats that it costs beside
+ * its coefficients. */
+static palp_status consider(const explain_search *s, double threshold, double more, palp_status status,
+                            explain_trial *t, explain_trial *best) {
     if (!status)
         status = explain_trial_examine(s, PALP_EFFECT_COUNT, t);
     t->raw_gain -= more;
     t->gain -= more;
-    const bool better = !status && explain_law_believed(s, t, threshold) && (!best->fit.product || t->gain > best->gain);
+    const bool better =
+        !status && explain_law_believed(s, t, threshold) && (!best->fit.product || t->gain > best->gain);
     explain_trial other = better ? *best : *t;
     if (better)
         *best = *t;
@@ -159,7 +172,8 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
     for (size_t f = 0; f < sizeof families / sizeof *families && !status; f++) {
         explain_trial t = {.tried = true};
         palp_law law;
-        if (families[f].n <= now->n || resemble(now, &families[f], s->data.deepest / s->data.height, 0.0, &law))
+        if (families[f].n <= now->n ||
+            resemble(now, &families[f], s->data.deepest / s->data.height, 0.0, &law))
             continue;
         status = fit_with(s, &law, s->fit.model.material.quasi_linear, false, &t.fit);
         status = consider(s, threshold, 0.0, status, &t, best);
@@ -169,7 +183,8 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
         status = fit_driven(s, &t.fit);
         status = consider(s, threshold, log(2.0), status, &t, best); /* a choice of two */
     }
-    if (!status && now->kind == PALP_LAW_SPLINE && explain_fitted_runs(&s->data) > 1) { /* one alone accuses no instrument */
+    if (!status && now->kind == PALP_LAW_SPLINE &&
+        explain_fitted_runs(&s->data) > 1) { /* one alone accuses no instrument */
         explain_trial t = {.tried = true};
         status = explain_knots_add(s, &t.fit);
         status = consider(s, threshold, explain_knots_cost(s, t.fit.model.material.law.n), status, &t, best);
@@ -177,12 +192,14 @@ palp_status explain_law_try(const explain_search *s, double threshold, explain_t
     return status;
 }
 
-palp_status explain_law_spares(const explain_search *s, const explain_trial *law, const explain_trial *t, double threshold, bool *stands) {
+palp_status explain_law_spares(const explain_search *s, const explain_trial *law, const explain_trial *t,
+                               double threshold, bool *stands) {
     explain_fit fit = {.n_columns = 0};
     palp_model model = law->fit.model;
     const size_t last = t->fit.model.n_effects;
     *stands = true;
-    if (last == model.n_effects || palp_effect_look_up(t->fit.model.effects[last - 1].id)->place == PALP_EFFECT_SPECIMEN)
+    if (last == model.n_effects ||
+        palp_effect_look_up(t->fit.model.effects[last - 1].id)->place == PALP_EFFECT_SPECIMEN)
         return PALP_OK;
     model.effects[model.n_effects++] = t->fit.model.effects[last - 1];
     palp_status status = explain_fit_beside(&law->fit, &model, &s->data, &fit);
@@ -198,13 +215,16 @@ palp_status explain_law_spares(const explain_search *s, const explain_trial *law
 
 /* ---- a surface that all runs have elsewhere ---- */
 
-/* The fit with all surfaces higher (a length), and the law that goes with them. ERR_ARGUMENT: there is none. */
-static palp_status raise_surfaces(const explain_search *s, const explain_fit *from, double higher, explain_fit *fit) {
+/* The fit with all surfaces higher (a length), and the law that goes with them. ERR_ARGUMENT: there is none.
+ */
+static palp_status raise_surfaces(const explain_search *s, const explain_fit *from, double higher,
+                                  explain_fit *fit) {
     const palp_law *law = &from->model.material.law;
     const struct family same = {law->kind, law->n};
     palp_model model = from->model;
     palp_law raised;
-    palp_status status = resemble(law, &same, s->data.deepest / s->data.height, higher / s->data.height, &raised);
+    palp_status status =
+        resemble(law, &same, s->data.deepest / s->data.height, higher / s->data.height, &raised);
     if (!status) {
         give(&s->data, &raised, model.material.quasi_linear, &model);
         status = explain_fit_beside(from, &model, &s->data, fit);
@@ -235,14 +255,16 @@ static palp_status walk(const explain_search *s, explain_fit *fit, double step, 
 palp_status explain_refit_anywhere(explain_search *s) {
     palp_status status = explain_refit(s);
     const palp_law_kind kind = s->fit.model.material.law.kind;
-    const bool other_laws = s->fit.model.kind != PALP_MODEL_NETWORK && (kind == PALP_LAW_POLYNOMIAL || kind == PALP_LAW_SPLINE);
+    const bool other_laws =
+        s->fit.model.kind != PALP_MODEL_NETWORK && (kind == PALP_LAW_POLYNOMIAL || kind == PALP_LAW_SPLINE);
     bool moved = false;
     if (status || !other_laws || s->settings->contact != PALP_CONTACT_FREE)
         return status;
     double step = fmin(0.05 * s->data.deepest, s->fit.scatter.contact);
     for (int round = 0; round < 2 && !status; round++, step /= 3.0) {
         status = walk(s, &s->fit, step, &moved);
-        if (!status && (kind == PALP_LAW_POLYNOMIAL || explain_fitted_runs(&s->data) > 1)) /* of one contact a spline takes in the rest */
+        if (!status && (kind == PALP_LAW_POLYNOMIAL ||
+                        explain_fitted_runs(&s->data) > 1)) /* of one contact a spline takes in the rest */
             status = walk(s, &s->fit, -step, &moved);
     }
     return status || !moved ? status : explain_refit(s);
@@ -268,12 +290,15 @@ palp_status explain_law_review(explain_search *s, palp_explain_law *found) {
     if (!s->law_changed)
         return PALP_OK;
     double *residual = malloc(s->data.n * sizeof *residual);
-    palp_status status = residual ? fit_with(s, &s->first_material.law, s->first_material.quasi_linear, true, &fit) : PALP_ERR_NO_MEMORY;
+    palp_status status = residual
+                             ? fit_with(s, &s->first_material.law, s->first_material.quasi_linear, true, &fit)
+                             : PALP_ERR_NO_MEMORY;
     if (!status)
         status = explain_fit_evaluate(&fit, &s->data, NULL, residual);
     if (!status) {
         found->without_N = explain_fitted_rms(&s->data, residual);
-        found->evidence = s->fit.score - fit.score - price(s, s->fit.model.material.law.n - s->first_material.law.n);
+        found->evidence =
+            s->fit.score - fit.score - price(s, s->fit.model.material.law.n - s->first_material.law.n);
     }
     if (!status && !(found->evidence > 0.0)) {
         explain_fit_free(&s->fit);

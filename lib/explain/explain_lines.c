@@ -67,9 +67,11 @@ static double power_at(const explain_data *data, const double *y, double frequen
 }
 
 enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3, OUTSTANDING_ALIAS = 10 }; /* times the typical power */
-static const double LOWEST = 40.0, HIGHEST = 70.0; /* Hz */
-static const double PERIODS = 10.0; /* of the lowest: the band then has the widths of seven lines, and a typical power */
-static const double NYQUIST = 140.0; /* samples a second: with fewer the mains are seen by an alias, as much else is */
+static const double LOWEST = 40.0, HIGHEST = 70.0;                            /* Hz */
+static const double PERIODS =
+    10.0; /* of the lowest: the band then has the widths of seven lines, and a typical power */
+static const double NYQUIST =
+    140.0; /* samples a second: with fewer the mains are seen by an alias, as much else is */
 
 bool explain_line_visible(const explain_data *data) {
     const effect_data facts = explain_facts(data);
@@ -102,7 +104,8 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
         }
     }
     typical = statistics_median(power, GRID);
-    const bool stands_out = !explain_line_resolved(data) || best > (data->shown.rate < NYQUIST ? OUTSTANDING_ALIAS : OUTSTANDING) * typical,
+    const bool stands_out = !explain_line_resolved(data) ||
+                            best > (data->shown.rate < NYQUIST ? OUTSTANDING_ALIAS : OUTSTANDING) * typical,
                within = centre > LOWEST && centre < HIGHEST;
     best = 0.0;
     for (int k = -40; k <= 40; k++) {
@@ -155,8 +158,8 @@ static palp_status thin(const explain_data *data, const double *residual, thinne
     return PALP_OK;
 }
 
-palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
-                                  double *phase) {
+palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period,
+                                  double *amplitude, double *phase) {
     thinned t;
     palp_status status = thin(data, residual, &t);
     if (status)

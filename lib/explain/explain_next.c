@@ -16,9 +16,9 @@ typedef struct protocol {
 } protocol;
 
 static const protocol protocols[] = {
-    {"ramp_hold", 1.0, 1.0, 3.0, 0},   {"ramp_hold", 0.5, 1.0, 3.0, 0}, {"ramp_hold", 1.0, 0.03, 0.6, 0},
-    {"static", 1.0, 0.03, 0.02, 0},    {"cyclic", 1.0, 0.3, 0.0, 4},    {"cyclic", 0.6, 0.8, 0.0, 10},
-    {"cyclic", 1.2, 0.3, 0.0, 2},      {"free", 0.6, 0.8, 0.05, 0},
+    {"ramp_hold", 1.0, 1.0, 3.0, 0}, {"ramp_hold", 0.5, 1.0, 3.0, 0}, {"ramp_hold", 1.0, 0.03, 0.6, 0},
+    {"static", 1.0, 0.03, 0.02, 0},  {"cyclic", 1.0, 0.3, 0.0, 4},    {"cyclic", 0.6, 0.8, 0.0, 10},
+    {"cyclic", 1.2, 0.3, 0.0, 2},    {"free", 0.6, 0.8, 0.05, 0},
 };
 
 typedef struct path {
@@ -73,8 +73,8 @@ static double separation(const path *p, const double *a, const double *b) {
     return sqrt(fmax(0.0, left) / n);
 }
 
-palp_status explain_next_find(const explain_search *full, const explain_search *rest, const palp_explain_effect *out,
-                              palp_explain_next *next) {
+palp_status explain_next_find(const explain_search *full, const explain_search *rest,
+                              const palp_explain_effect *out, palp_explain_next *next) {
     path *p = malloc(sizeof *p);
     double *force = malloc(2 * SAMPLES * sizeof *force);
     palp_status status = p && force ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -94,9 +94,13 @@ palp_status explain_next_find(const explain_search *full, const explain_search *
             if (!(apart > next->separation_N))
                 continue;
             bool ramp = strcmp(q->kind, "ramp_hold") == 0, air = strcmp(q->kind, "free") == 0;
-            *next = (palp_explain_next){.wanted = true, .kind = q->kind, .hold_s = ramp || air ? q->hold * full->data.duration : 0.0,
+            *next = (palp_explain_next){.wanted = true,
+                                        .kind = q->kind,
+                                        .hold_s = ramp || air ? q->hold * full->data.duration : 0.0,
                                         .depth_mm = 1e3 * q->depth * full->data.deepest,
-                                        .rate_mm_s = 1e3 * q->rate * full->data.fastest, .cycles = q->cycles, .separation_N = apart,
+                                        .rate_mm_s = 1e3 * q->rate * full->data.fastest,
+                                        .cycles = q->cycles,
+                                        .separation_N = apart,
                                         .between = {out->effect.id, out->alike[c]}};
         }
     }

@@ -1,4 +1,5 @@
-/* explain_noise.c: the noise of the runs: white from sample to sample, correlated in stretches that stand still. */
+/* explain_noise.c: the noise of the runs: white from sample to sample, correlated in stretches that stand
+ * still. */
 #include "explain_noise.h"
 #include "base/dense.h"
 #include "base/statistics.h"
@@ -8,9 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The filter of white + exponentially correlated noise (a scalar Kalman filter): its innovations are white. */
-static double make_filter(const explain_run *run, double white, double correlated, double correlation_time, size_t from,
-                          size_t to, double *keep, double *take, double *weight) {
+/* The filter of white + exponentially correlated noise (a scalar Kalman filter): its innovations are white.
+ */
+static double make_filter(const explain_run *run, double white, double correlated, double correlation_time,
+                          size_t from, size_t to, double *keep, double *take, double *weight) {
     double variance = correlated * correlated, p = variance, noise = white * white, logdet = 0.0;
     for (size_t i = from; i < to; i++) {
         double fade = i > from ? exp(-(run->time[i] - run->time[i - 1]) / correlation_time) : 0.0;
@@ -29,7 +31,8 @@ static double make_filter(const explain_run *run, double white, double correlate
     return logdet;
 }
 
-static void filter(size_t from, size_t to, const double *keep, const double *take, const double *weight, double *x) {
+static void filter(size_t from, size_t to, const double *keep, const double *take, const double *weight,
+                   double *x) {
     double state = 0.0;
     for (size_t i = from; i < to; i++) {
         state *= keep[i];
@@ -87,7 +90,8 @@ static size_t find_pieces(const explain_data *data, piece *list) {
                 double length = fmin(longest, fmax(shortest, 2.0 * (run->time[from] - start)));
                 while (to < end && run->time[to] < run->time[from] + length)
                     to++;
-                if (to - from >= LEAST && run->time[to - 1] - run->time[from] > 0.45 * shortest && count < PIECES_MAX)
+                if (to - from >= LEAST && run->time[to - 1] - run->time[from] > 0.45 * shortest &&
+                    count < PIECES_MAX)
                     list[count++] = (piece){r, from, to};
                 from = to;
             }
@@ -97,15 +101,18 @@ static size_t find_pieces(const explain_data *data, piece *list) {
     return count;
 }
 
-/* Correlated noise, in units of what differs from sample to sample; white: what of that it leaves for white noise. */
+/* Correlated noise, in units of what differs from sample to sample; white: what of that it leaves for white
+ * noise. */
 typedef struct mixture {
     double share, time, white;
 } mixture;
 
-/* Neighbours differ by correlated noise also: second differences hold 6 parts of the variance of white noise, and of noise whose
- * neighbours correlate by f, 6 - 8 f + 2 f f. false: there would be more of them than there are. */
+/* Neighbours differ by correlated noise also: second differences hold 6 parts of the variance of white noise,
+ * and of noise whose neighbours correlate by f, 6 - 8 f + 2 f f. false: there would be more of them than
+ * there are. */
 static bool mix(const explain_data *data, double share, double correlation_time, mixture *m) {
-    const double f = exp(-data->step / correlation_time), rest = 1.0 - share * share * (6.0 - 8.0 * f + 2.0 * f * f) / 6.0;
+    const double f = exp(-data->step / correlation_time),
+                 rest = 1.0 - share * share * (6.0 - 8.0 * f + 2.0 * f * f) / 6.0;
     *m = (mixture){share, correlation_time, sqrt(fmax(LEAST_WHITE, rest))};
     return rest > -0.2;
 }
@@ -115,7 +122,8 @@ static double piece_score(const explain_run *run, const double *residual, const 
                           double *work, size_t longest) {
     double *keep = work, *take = work + longest, *weight = work + 2 * longest, *column[TREND + 1];
     double middle = 0.5 * (run->time[p->from] + run->time[p->to - 1]), half = run->time[p->to - 1] - middle;
-    double logdet = make_filter(run, m->white * run->white, m->share * run->white, m->time, p->from, p->to, keep, take, weight);
+    double logdet = make_filter(run, m->white * run->white, m->share * run->white, m->time, p->from, p->to,
+                                keep, take, weight);
     for (size_t k = 0; k <= TREND; k++)
         column[k] = work + (3 + k) * longest;
     for (size_t i = p->from; i < p->to; i++) {
@@ -165,8 +173,8 @@ static void score_runs(const pauses *p, const mixture *m, double *score) {
     }
 }
 
-/* What correlated noise gains over none. An instrument has it in all its runs: of several the one that gains most does not
- * count, so that what happened in one run is not taken for noise. */
+/* What correlated noise gains over none. An instrument has it in all its runs: of several the one that gains
+ * most does not count, so that what happened in one run is not taken for noise. */
 static double correlated_gain(const pauses *p, const mixture *m) {
     double sum = 0.0, most = 0.0;
     size_t runs = 0;
@@ -187,7 +195,8 @@ static bool look_around(const pauses *p, int reach, double span, mixture *best, 
     for (int i = -reach; i <= reach; i++)
         for (int j = -reach; j <= reach; j++) {
             mixture m;
-            bool can_be = mix(p->data, share * pow(span, i + 0.5 * j), from.time * pow(span, j), &m); /* as much of it between neighbours */
+            bool can_be = mix(p->data, share * pow(span, i + 0.5 * j), from.time * pow(span, j),
+                              &m); /* as much of it between neighbours */
             double gain = can_be ? correlated_gain(p, &m) : -HUGE_VAL;
             if (gain > *most + (best->share == 0.0 ? 5.0 : 0.0)) {
                 *most = gain;
@@ -214,8 +223,8 @@ static mixture find_correlated(const pauses *p) {
     return best;
 }
 
-/* Whether a piece steps from one level to another by more than this noise does: medians of a few samples before and after, so
- * that a single odd sample is none. */
+/* Whether a piece steps from one level to another by more than this noise does: medians of a few samples
+ * before and after, so that a single odd sample is none. */
 static bool steps_in(const explain_run *run, const double *residual, const piece *p, const mixture *m) {
     enum { FEW = 3 };
     static const double ODDS = 5.0; /* standard deviations */
@@ -227,7 +236,8 @@ static bool steps_in(const explain_run *run, const double *residual, const piece
             after[k] = residual[i + k];
             whole = whole && run->use[i - 1 - k] && run->use[i + k];
         }
-        double wander = 1.0 - exp(-far / m->time), unit = run->white * run->white; /* 1.57: of a median, for a mean */
+        double wander = 1.0 - exp(-far / m->time),
+               unit = run->white * run->white; /* 1.57: of a median, for a mean */
         double variance = 2.0 * unit * (1.57 / FEW * m->white * m->white + m->share * m->share * wander);
         double step = statistics_median(after, FEW) - statistics_median(before, FEW);
         if (whole && step * step > ODDS * ODDS * variance)
@@ -236,7 +246,8 @@ static bool steps_in(const explain_run *run, const double *residual, const piece
     return false;
 }
 
-/* Noise wanders. What steps from level to level in several runs is structure, which a model may yet account for. */
+/* Noise wanders. What steps from level to level in several runs is structure, which a model may yet account
+ * for. */
 static bool steps(const pauses *p, const mixture *m) {
     size_t stepping = 0;
     const double *own = p->residual;
@@ -251,8 +262,8 @@ static bool steps(const pauses *p, const mixture *m) {
 
 /* ---- white noise ---- */
 
-/* Neighbours at the run's largest force that do not differ at all may be beyond what the sensor reads: they tell of no noise, if there
- * are others. */
+/* Neighbours at the run's largest force that do not differ at all may be beyond what the sensor reads: they
+ * tell of no noise, if there are others. */
 palp_status explain_white_noise(explain_run *run, const double *x) {
     const size_t n = run->n;
     const double step = (run->time[n - 1] - run->time[0]) / (double)(n - 1);
@@ -263,15 +274,16 @@ palp_status explain_white_noise(explain_run *run, const double *x) {
     for (size_t i = 0; i < n; i++)
         most = fmax(most, fabs(run->force[i]));
     for (size_t i = 0; i < n; i++) {
-        const bool alike = (i > 0 && run->force[i - 1] == run->force[i]) || (i + 1 < n && run->force[i + 1] == run->force[i]);
+        const bool alike = (i > 0 && run->force[i - 1] == run->force[i]) ||
+                           (i + 1 < n && run->force[i + 1] == run->force[i]);
         if (alike && fabs(run->force[i]) == most)
             continue;
         time[kept] = run->time[i];
         rest[kept++] = x[i];
     }
     const bool some = kept >= EXPLAIN_SAMPLES_MIN;
-    palp_status status =
-        palp_segments_noise(some ? kept : n, some ? time : run->time, step, some ? rest : x, PALP_NOISE_MEDIAN, &run->white);
+    palp_status status = palp_segments_noise(some ? kept : n, some ? time : run->time, step, some ? rest : x,
+                                             PALP_NOISE_MEDIAN, &run->white);
     free(time);
     return status;
 }
@@ -297,7 +309,8 @@ palp_status explain_noise_find(explain_data *data, const double *residual) {
     palp_status status = list && work ? find_white(data, residual) : PALP_ERR_NO_MEMORY;
     if (!status) {
         double *without = work + 7 * data->longest;
-        const pauses p = {data, residual, list, find_pieces(data, list), work, without, without + data->n_runs};
+        const pauses p = {
+            data, residual, list, find_pieces(data, list), work, without, without + data->n_runs};
         mixture m = find_correlated(&p);
         if (m.share > 0.0 && steps(&p, &m))
             m = (mixture){.time = m.time, .white = 1.0};

@@ -1,5 +1,5 @@
-/* explain_noise.h: the noise of the runs and the lines in it. residual[data->n] holds all runs one after the other.
- * Internal. */
+/* explain_noise.h: the noise of the runs and the lines in it. residual[data->n] holds all runs one after the
+ * other. Internal. */
 #ifndef EXPLAIN_NOISE_H
 #define EXPLAIN_NOISE_H
 
@@ -12,10 +12,12 @@ enum {
 
 /* ---- explain_noise.c ---- */
 
-/* From a residual: white noise of each run, correlated noise (exponential correlation) of all, and the filters. */
+/* From a residual: white noise of each run, correlated noise (exponential correlation) of all, and the
+ * filters. */
 palp_status explain_noise_find(explain_data *data, const double *residual);
 
-/* In place: each of x[count n] with the noise's correlation taken out and in units of its sd; masked samples become 0. */
+/* In place: each of x[count n] with the noise's correlation taken out and in units of its sd; masked samples
+ * become 0. */
 void explain_whiten(const explain_run *run, size_t count, double *x);
 
 /* ---- explain_lines.c ---- */
@@ -23,14 +25,16 @@ void explain_whiten(const explain_run *run, size_t count, double *x);
 /* Whether the runs are sampled fast and long enough to show the mains. */
 bool explain_line_visible(const explain_data *data);
 
-/* Whether they are long enough for one line of the mains' band to stand out from the rest of it. In shorter ones a line is as wide as the band. */
+/* Whether they are long enough for one line of the mains' band to stand out from the rest of it. In shorter
+ * ones a line is as wide as the band. */
 bool explain_line_resolved(const explain_data *data);
 
-/* Strongest line of a residual over time, 40 to 70 Hz, and over depth. ERR_UNSUPPORTED: there is none; it is next to what is stronger outside; or it could
- * stand out and does not. */
-palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency, double *amplitude);
-palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period, double *amplitude,
-                                  double *phase);
+/* Strongest line of a residual over time, 40 to 70 Hz, and over depth. ERR_UNSUPPORTED: there is none; it is
+ * next to what is stronger outside; or it could stand out and does not. */
+palp_status explain_line_in_time(const explain_data *data, const double *residual, double *frequency,
+                                 double *amplitude);
+palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period,
+                                  double *amplitude, double *phase);
 
 /* Takes a line of that frequency off each run's residual. */
 void explain_line_take(const explain_data *data, double frequency, double *residual);

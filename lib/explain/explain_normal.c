@@ -51,7 +51,8 @@ void explain_normal_of(const explain_fit *fit, size_t r, double *h, double *g, d
     }
 }
 
-void explain_nuisances(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES], double sd_out[EXPLAIN_NUISANCES]) {
+void explain_nuisances(const explain_fit *fit, size_t r, double own[EXPLAIN_NUISANCES],
+                       double sd_out[EXPLAIN_NUISANCES]) {
     enum { Q = EXPLAIN_NUISANCES };
     double sd[Q], factor[Q * Q];
     const double *product = fit->product + r * fit->m * fit->m;
@@ -129,21 +130,23 @@ void explain_fit_total(const explain_fit *fit, const explain_data *data, double 
 /* What the noise of one sample hides. */
 explain_scatter explain_hidden_scatter(const explain_data *data) {
     const double noise = explain_noise_level(data), share = fmin(0.25, noise / data->peak);
-    return (explain_scatter){.zero = 0.3 * noise, .contact = share * data->deepest, .gain = share, .stiffness = share};
+    return (explain_scatter){
+        .zero = 0.3 * noise, .contact = share * data->deepest, .gain = share, .stiffness = share};
 }
 
 explain_scatter explain_no_scatter(const explain_data *data) {
     explain_scatter hidden = explain_hidden_scatter(data);
     double share = 1.0 / sqrt((double)data->n);
-    return (explain_scatter){share * hidden.zero, share * hidden.contact, share * hidden.gain, share * hidden.stiffness};
+    return (explain_scatter){share * hidden.zero, share * hidden.contact, share * hidden.gain,
+                             share * hidden.stiffness};
 }
 
 enum { SCATTERS = 4 }; /* zero, contact, gain, stiffness */
 
 /* What is expected of each, and as how many runs that counts: what the caller expects as six, what a run's
  * file says and what the noise hides as one. */
-static void expect_scatter(const explain_data *data, const palp_explain_settings *settings, double expected[SCATTERS],
-                           double trust[SCATTERS], double most[SCATTERS]) {
+static void expect_scatter(const explain_data *data, const palp_explain_settings *settings,
+                           double expected[SCATTERS], double trust[SCATTERS], double most[SCATTERS]) {
     const double many = 6.0;
     const explain_scatter hidden = explain_hidden_scatter(data);
     const double noise[SCATTERS] = {hidden.zero, hidden.contact, hidden.gain, hidden.stiffness};
@@ -165,14 +168,16 @@ static void expect_scatter(const explain_data *data, const palp_explain_settings
         expected[1] = most[1] = explain_no_scatter(data).contact;
 }
 
-/* From the runs' nuisance parameters, whatever their size; that of the stiffness only where the specimens have laws of their own. */
+/* From the runs' nuisance parameters, whatever their size; that of the stiffness only where the specimens
+ * have laws of their own. */
 void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
     enum { ROUNDS = 400 };
     static const size_t nuisance[SCATTERS] = {0, 1, 2, 5};
     const int n = fit->scatter.stiffness > 0.0 ? SCATTERS : SCATTERS - 1;
     double moved = 1.0;
     double expected[SCATTERS], trust[SCATTERS], most[SCATTERS];
-    double *scatter[SCATTERS] = {&fit->scatter.zero, &fit->scatter.contact, &fit->scatter.gain, &fit->scatter.stiffness};
+    double *scatter[SCATTERS] = {&fit->scatter.zero, &fit->scatter.contact, &fit->scatter.gain,
+                                 &fit->scatter.stiffness};
     const double start[SCATTERS] = {0.01 * data->peak, 0.05 * data->deepest, 0.02, 0.02};
     expect_scatter(data, settings, expected, trust, most);
     for (int i = 0; i < n; i++)
@@ -206,12 +211,13 @@ void explain_fit_scatter(explain_fit *fit, const explain_data *data, const palp_
 
 double explain_students_gain(double gain, size_t n, double trust, double known) {
     const double own = (double)n - 1.0, share = own / (own + known), freedom = (own + known) / share;
-    const double wallace = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0), square = expm1(2.0 * gain / ((double)n + trust));
+    const double wallace = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0),
+                 square = expm1(2.0 * gain / ((double)n + trust));
     return n > 1 ? fmin(gain, 0.5 * wallace * wallace * freedom * log1p(share * square)) : fmin(gain, 0.0);
 }
 
-double explain_gain_of_mean(const explain_fit *fit, const explain_data *data, const palp_explain_settings *settings, const effect_row *row,
-                            double gain) {
+double explain_gain_of_mean(const explain_fit *fit, const explain_data *data,
+                            const palp_explain_settings *settings, const effect_row *row, double gain) {
     const int i = row->info.place == PALP_EFFECT_CONTACT ? 1 : row->as_scatter ? 2 : 0;
     const double scatter[] = {fit->scatter.zero, fit->scatter.contact, fit->scatter.gain};
     const double n = (double)explain_fitted_runs(data);
@@ -219,6 +225,8 @@ double explain_gain_of_mean(const explain_fit *fit, const explain_data *data, co
     expect_scatter(data, settings, expected, trust, most);
     if (!(most[i] > expected[i])) /* no run has one of its own */
         return gain;
-    const double told = trust[i] * expected[i] * expected[i], own = (n + trust[i]) * scatter[i] * scatter[i] - told;
-    return explain_students_gain(gain, explain_fitted_runs(data), trust[i], told * (n - 1.0) / fmax(own, 1e-3 * told));
+    const double told = trust[i] * expected[i] * expected[i],
+                 own = (n + trust[i]) * scatter[i] * scatter[i] - told;
+    return explain_students_gain(gain, explain_fitted_runs(data), trust[i],
+                                 told * (n - 1.0) / fmax(own, 1e-3 * told));
 }

@@ -11,8 +11,8 @@
 
 enum { NULLS = 4000 };
 
-/* Effects at which the search starts, and those half way from each to the next, since the search goes on between them; as
- * directions beside s->fit: the derivative by the strength. */
+/* Effects at which the search starts, and those half way from each to the next, since the search goes on
+ * between them; as directions beside s->fit: the derivative by the strength. */
 typedef struct directions {
     size_t n;
     palp_effect effect[PALP_EFFECT_COUNT * 2 * EFFECT_STARTS];
@@ -22,7 +22,8 @@ static palp_effect half_way(const palp_effect_info *info, const palp_effect *a, 
     palp_effect effect = *a;
     for (size_t p = 0; p < info->n_parameters; p++) {
         double product = a->value[p] * b->value[p];
-        effect.value[p] = product > 0.0 ? copysign(sqrt(product), a->value[p]) : 0.5 * (a->value[p] + b->value[p]);
+        effect.value[p] =
+            product > 0.0 ? copysign(sqrt(product), a->value[p]) : 0.5 * (a->value[p] + b->value[p]);
     }
     return effect;
 }
@@ -70,14 +71,18 @@ static palp_status strength_column(const explain_fit *fit, const palp_effect *ef
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* Whitened columns of run r: its zero, contact, gain; the model's parameters; rich others of a law and arms; the directions. */
-static palp_status make_columns(const explain_search *s, const directions *d, size_t rich, size_t r, double *column) {
+/* Whitened columns of run r: its zero, contact, gain; the model's parameters; rich others of a law and arms;
+ * the directions. */
+static palp_status make_columns(const explain_search *s, const directions *d, size_t rich, size_t r,
+                                double *column) {
     const explain_run *run = &s->data.run[r];
     const palp_model *model = &s->fit.model;
-    static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET}, gain = {.id = PALP_EFFECT_SENSOR_GAIN};
+    static const palp_effect offset = {.id = PALP_EFFECT_CONTACT_OFFSET},
+                             gain = {.id = PALP_EFFECT_SENSOR_GAIN};
     size_t n = run->n, k = s->fit.n_columns;
     const double contact = s->fit.contact[r];
-    double *work = malloc((k + PALP_EFFECT_PARAMETERS + 2) * n * sizeof *work), own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
+    double *work = malloc((k + PALP_EFFECT_PARAMETERS + 2) * n * sizeof *work), own[EXPLAIN_NUISANCES],
+           sd[EXPLAIN_NUISANCES];
     explain_history history = {.renewed = s->fit.renewed, .load.peak = run->largest_strain};
     palp_forward_run path = explain_forward_run(run, contact, &history);
     palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -93,7 +98,8 @@ static palp_status make_columns(const explain_search *s, const directions *d, si
     if (!status && rich > 0)
         status = explain_rich_columns(s, r, column + (3 + k) * n);
     for (size_t i = 0; i < d->n && !status; i++)
-        status = strength_column(&s->fit, &d->effect[i], run, contact, own[2], work, column + (3 + k + rich + i) * n);
+        status = strength_column(&s->fit, &d->effect[i], run, contact, own[2], work,
+                                 column + (3 + k + rich + i) * n);
     if (!status)
         explain_whiten(run, 3 + k + rich + d->n, column);
     palp_load_history_free(&history.load);
@@ -150,18 +156,23 @@ static void sum_task(void *user, size_t r) {
 
 /* What is left of the directions; [n] of each, squared. */
 typedef struct left_of {
-    double *product;                               /* [n n] beside the model, and room for n more */
-    double *whole, *beside_own, *beside_law, *beside_all; /* of the column; beside the runs' own; the richest law; arms too */
+    double *product; /* [n n] beside the model, and room for n more */
+    double *whole, *beside_own, *beside_law,
+        *beside_all; /* of the column; beside the runs' own; the richest law; arms too */
 } left_of;
 
-/* Of the sum over all runs, [rest rest]: the model's parameters, the richest law's and arms, the directions. */
-static void find_left(const explain_search *s, size_t n, size_t rich, double *g, const double *was, left_of *left) {
-    const size_t k = s->fit.n_columns, law = rich ? explain_rich_law(&s->data) : 0, at = k + rich, rest = at + n;
+/* Of the sum over all runs, [rest rest]: the model's parameters, the richest law's and arms, the directions.
+ */
+static void find_left(const explain_search *s, size_t n, size_t rich, double *g, const double *was,
+                      left_of *left) {
+    const size_t k = s->fit.n_columns, law = rich ? explain_rich_law(&s->data) : 0, at = k + rich,
+                 rest = at + n;
     for (size_t i = 0; i < n; i++) {
         left->whole[i] = was[at + i];
         left->beside_own[i] = g[(at + i) * rest + at + i];
     }
-    for (size_t p = 0; p < at; p++) /* columns that say the same twice: what rounding leaves of them must not count */
+    for (size_t p = 0; p < at;
+         p++) /* columns that say the same twice: what rounding leaves of them must not count */
         g[p * rest + p] += 1e-10 * was[p];
     eliminate(g, rest, 0, k);
     for (size_t i = 0; i < n; i++)
@@ -178,7 +189,11 @@ static void find_left(const explain_search *s, size_t n, size_t rich, double *g,
 /* By elimination run by run (nuisance parameters) and then of all that the runs have in common. */
 static palp_status find_products(const explain_search *s, const directions *d, size_t rich, left_of *left) {
     size_t rest = s->fit.n_columns + rich + d->n, m = OWN + rest, n = s->data.n_runs;
-    sums w = {.search = s, .directions = d, .rich = rich, .m = m, .product = calloc(n * m * (m + 1), sizeof *w.product),
+    sums w = {.search = s,
+              .directions = d,
+              .rich = rich,
+              .m = m,
+              .product = calloc(n * m * (m + 1), sizeof *w.product),
               .status = calloc(n, sizeof *w.status)};
     double *g = calloc(rest * (rest + 1), sizeof *g), *was = g ? g + rest * rest : NULL;
     palp_status status = w.product && w.status && g ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -227,21 +242,22 @@ static palp_status simulate(const explain_search *s, size_t n, const left_of *of
             score[k] = fmax(score[k], scale[i] > 0.0 ? 0.5 * x * x : 0.0);
         }
     }
-    *threshold = statistics_kth(score, NULLS, (size_t)fmin(NULLS - 1, (1.0 - s->settings->false_alarm) * NULLS));
+    *threshold =
+        statistics_kth(score, NULLS, (size_t)fmin(NULLS - 1, (1.0 - s->settings->false_alarm) * NULLS));
     free(score);
     return PALP_OK;
 }
 
-/* What is left of direction i beside its rivals: of an instrument every law and all arms, of a material every law, of a surface,
- * which is half a law itself and competes with it by evidence, the model at hand. */
+/* What is left of direction i beside its rivals: of an instrument every law and all arms, of a material every
+ * law, of a surface, which is half a law itself and competes with it by evidence, the model at hand. */
 static double beside_rivals(const left_of *left, size_t n, size_t i, palp_effect_place place) {
     if (place == PALP_EFFECT_SPECIMEN)
         return left->beside_law[i];
     return place == PALP_EFFECT_CONTACT ? left->product[i * n + i] : left->beside_all[i];
 }
 
-/* The share of each effect that is left; of several starts the largest. Of what each run has one of its own, as
- * its contact, only that is asked for which the runs have in common. */
+/* The share of each effect that is left; of several starts the largest. Of what each run has one of its own,
+ * as its contact, only that is asked for which the runs have in common. */
 static void find_shares(const directions *d, const left_of *left, double *share) {
     for (size_t i = 0; i < d->n; i++) {
         const effect_row *row = effect_row_of(d->effect[i].id);

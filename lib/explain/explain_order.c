@@ -1,4 +1,5 @@
-/* explain_order.c: the runs in the order in which they were made, and which of them found a specimen as new. */
+/* explain_order.c: the runs in the order in which they were made, and which of them found a specimen as new.
+ */
 #include "explain_data.h"
 
 #include <math.h>
@@ -40,7 +41,8 @@ void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *orde
         count++;
     }
     for (size_t i = 0; i < n; i++) {
-        const palp_experiment *e = inputs[order[i]].experiment, *before = i ? inputs[order[i - 1]].experiment : NULL;
+        const palp_experiment *e = inputs[order[i]].experiment,
+                              *before = i ? inputs[order[i - 1]].experiment : NULL;
         fresh[i] = !before || !explain_same_specimen(before, e) || !(start_of(e) > start_of(before));
     }
 }

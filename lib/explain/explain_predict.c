@@ -31,8 +31,8 @@ static palp_status predict_network(const palp_model *model, const palp_forward_r
     return lost ? PALP_ERR_NOT_CONVERGED : status;
 }
 
-palp_status explain_predict(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
-                            palp_error *error) {
+palp_status explain_predict(const palp_model *model, const palp_forward_run *run, double *force,
+                            double *gradient, palp_error *error) {
     if (model->kind == PALP_MODEL_NETWORK)
         return predict_network(model, run, force, gradient, error);
     return palp_forward_force(model, run, force, gradient, error);

@@ -7,16 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Means of the residual over blocks of samples: of noise they shrink as the blocks grow, of anything else they do not. */
-enum { BLOCKS_MIN = 8, TIMES = 4 };     /* fewest blocks; a block's length over that of the next shorter */
+/* Means of the residual over blocks of samples: of noise they shrink as the blocks grow, of anything else
+ * they do not. */
+enum { BLOCKS_MIN = 8, TIMES = 4 };  /* fewest blocks; a block's length over that of the next shorter */
 static const double KNOWN_TO = 0.25; /* of its variance: how well the noise is known from pauses */
-static const double PULLS = 0.3; /* of a release: a model that pulls so much there follows it */
-static const double TOLD = 0.66; /* noise levels in a run: equations and the samples of a path are not better than that */
+static const double PULLS = 0.3;     /* of a release: a model that pulls so much there follows it */
+static const double TOLD =
+    0.66; /* noise levels in a run: equations and the samples of a path are not better than that */
 
-/* What a normal number exceeds with that probability, at most a half, to 5e-4 (Abramowitz and Stegun 26.2.23). */
+/* What a normal number exceeds with that probability, at most a half, to 5e-4 (Abramowitz and
+ * Stegun 26.2.23). */
 static double normal_above(double alarm) {
     double t = sqrt(-2.0 * log(alarm));
-    return t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+    return t - (2.515517 + t * (0.802853 + t * 0.010328)) /
+                   (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
 }
 
 /* What chi2 of so many blocks stays below with probability 1 - alarm (Wilson and Hilferty). */
@@ -48,8 +52,8 @@ static blocks sum_blocks(const explain_run *run, const double *x, const double *
     return b;
 }
 
-/* Variance of x as neighbours differ, which what changes slowly is not in: of sixteenths of the run that which a quarter of
- * them exceed, so that a fast ramp of a few samples does not pass for noise. */
+/* Variance of x as neighbours differ, which what changes slowly is not in: of sixteenths of the run that
+ * which a quarter of them exceed, so that a fast ramp of a few samples does not pass for noise. */
 static double by_neighbours(const explain_run *run, const double *x) {
     enum { STRETCHES = 16, EXCEEDED = STRETCHES / 4 };
     double mean[STRETCHES];
@@ -120,8 +124,8 @@ palp_status explain_rest_inflation(const explain_data *data, const double *resid
 
 /* ---- the verdict ---- */
 
-/* Mean square pull of the releases in run r, whose model gives force, that the model does not follow: a pull that grows
- * evenly up to the jump; *most: the largest jump. */
+/* Mean square pull of the releases in run r, whose model gives force, that the model does not follow: a pull
+ * that grows evenly up to the jump; *most: the largest jump. */
 static double missed_pulls(const explain_data *data, size_t r, const double *force, double *most) {
     const explain_run *run = &data->run[r];
     double sum = 0.0;
@@ -143,7 +147,8 @@ static double missed_pulls(const explain_data *data, size_t r, const double *for
     return sum / (double)run->n;
 }
 
-palp_status explain_rest_find(const explain_search *s, const double *force, const double *residual, explain_rest *rest) {
+palp_status explain_rest_find(const explain_search *s, const double *force, const double *residual,
+                              explain_rest *rest) {
     const explain_data *data = &s->data;
     double *x = malloc(data->longest * sizeof *x), sum = 0.0, runs = 0.0;
     *rest = (explain_rest){.run = data->n_runs};

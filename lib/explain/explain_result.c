@@ -1,5 +1,5 @@
-/* explain_result.c: what the search found, as the caller gets it: the runs with their residuals, where they are large,
- * the candidates. */
+/* explain_result.c: what the search found, as the caller gets it: the runs with their residuals, where they
+ * are large, the candidates. */
 #include "explain_result.h"
 #include "base/file.h"
 
@@ -59,8 +59,8 @@ void explain_phase_shares(const explain_data *data, palp_explanation *e, double 
             size_t i = full ? e->n_phase_shares - 1 : e->n_phase_shares++;
             for (; i > 0 && e->phase_share[i - 1].share < sum[p]; i--)
                 e->phase_share[i] = e->phase_share[i - 1];
-            e->phase_share[i] = (palp_explain_phase_share){.run = r, .phase = (palp_phase)p, .share = sum[p],
-                                                            .remaining = fmax(0.0, left[p])};
+            e->phase_share[i] = (palp_explain_phase_share){
+                .run = r, .phase = (palp_phase)p, .share = sum[p], .remaining = fmax(0.0, left[p])};
         }
     }
     for (size_t i = 0; i < e->n_phase_shares; i++) {

@@ -16,13 +16,16 @@ size_t explain_list_candidates(const explain_search *s, double threshold, palp_e
 
 /* ---- the accepted effects ---- */
 
-/* What would do as well as out->effect: rest is the search at the fit without it, its trials done; threshold (nats): what the best of
- * all candidates gains by chance, within which none is preferred. (explain_class.c) */
-palp_status explain_class_find(const explain_search *full, const explain_search *rest, double threshold, palp_explain_effect *out);
+/* What would do as well as out->effect: rest is the search at the fit without it, its trials done; threshold
+ * (nats): what the best of all candidates gains by chance, within which none is preferred. (explain_class.c)
+ */
+palp_status explain_class_find(const explain_search *full, const explain_search *rest, double threshold,
+                               palp_explain_effect *out);
 
-/* The run that tells out->effect from one of its class best; stays as it is if none does better. (explain_next.c) */
-palp_status explain_next_find(const explain_search *full, const explain_search *rest, const palp_explain_effect *out,
-                              palp_explain_next *next);
+/* The run that tells out->effect from one of its class best; stays as it is if none does better.
+ * (explain_next.c) */
+palp_status explain_next_find(const explain_search *full, const explain_search *rest,
+                              const palp_explain_effect *out, palp_explain_next *next);
 
 /* Each with its evidence and its class. (explain_describe.c) */
 palp_status explain_describe(explain_search *s, palp_explanation *e);

@@ -1,5 +1,6 @@
-/* explain_scan.c: the interval of a bond to the plate. Which sample is the last before it lets go changes with its force and its
- * reach from one to the next: the likelihood is a staircase, of which slopes say nothing. It is summed over a grid of both. */
+/* explain_scan.c: the interval of a bond to the plate. Which sample is the last before it lets go changes
+ * with its force and its reach from one to the next: the likelihood is a staircase, of which slopes say
+ * nothing. It is summed over a grid of both. */
 #include "explain_result.h"
 
 #include <math.h>
@@ -11,9 +12,9 @@ static const double OUT = 0.025; /* of the likelihood, on either side of an inte
 
 typedef struct scan {
     const explain_search *search;
-    size_t at;                              /* column of the force; the reach's is the next */
-    double force[FORCES], reach[REACHES];   /* in search coordinates, rising */
-    double chi2[CELLS], most;               /* of force i and reach j: i * REACHES + j; the least of all */
+    size_t at;                            /* column of the force; the reach's is the next */
+    double force[FORCES], reach[REACHES]; /* in search coordinates, rising */
+    double chi2[CELLS], most;             /* of force i and reach j: i * REACHES + j; the least of all */
     palp_status status[FORCES];
 } scan;
 
@@ -46,11 +47,12 @@ static void force_task(void *user, size_t i) {
     }
 }
 
-/* The refit of the other numbers crosses none of their own steps, so that beside any force and reach a release may be a sample early
- * or late: what that costs says nothing of the two. */
+/* The refit of the other numbers crosses none of their own steps, so that beside any force and reach a
+ * release may be a sample early or late: what that costs says nothing of the two. */
 static double likelihood(const scan *w, size_t i, size_t j) {
     const explain_data *data = &w->search->data;
-    const double widened = fmax(1.0, w->most / (double)explain_samples(data)), step = pow(w->force[i] / explain_noise_level(data), 2);
+    const double widened = fmax(1.0, w->most / (double)explain_samples(data)),
+                 step = pow(w->force[i] / explain_noise_level(data), 2);
     return exp(-0.5 * fmax(0.0, w->chi2[i * REACHES + j] - w->most - step) / widened);
 }
 
@@ -106,7 +108,8 @@ palp_status explain_scan_bond(const explain_search *s, size_t at, double low[2],
     }
     if (!status) { /* closer */
         force_ends(w, SLIGHT, &first, &last);
-        status = scan_forces(w, w->force[first > 0 ? first - 1 : 0], w->force[last + 1 < FORCES ? last + 1 : last]);
+        status = scan_forces(w, w->force[first > 0 ? first - 1 : 0],
+                             w->force[last + 1 < FORCES ? last + 1 : last]);
     }
     if (!status) {
         double likely[REACHES] = {0.0};

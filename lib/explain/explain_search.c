@@ -46,8 +46,10 @@ palp_status explain_refit(explain_search *s) {
 
 /* ---- candidates ---- */
 
-/* Whether the runs agree that the last effect is there, and by how much what is left widens the scatter of its strength. */
-static palp_status weigh_strength(explain_fit *fit, const explain_data *data, bool *from_zero, double *widening) {
+/* Whether the runs agree that the last effect is there, and by how much what is left widens the scatter of
+ * its strength. */
+static palp_status weigh_strength(explain_fit *fit, const explain_data *data, bool *from_zero,
+                                  double *widening) {
     double reach[EXPLAIN_COLUMNS], rise[EXPLAIN_COLUMNS];
     const size_t last = fit->model.n_effects - 1, first = explain_first_column(&fit->model, last);
     const palp_effect_info *info = palp_effect_look_up(fit->model.effects[last].id);
@@ -137,8 +139,8 @@ static void multistart(work *w, size_t i) {
     t->multistart = calloc(1, sizeof *t->multistart);
     w->status[i] = PALP_ERR_NO_MEMORY;
     if (t->multistart)
-        w->status[i] = explain_candidate_multistart(&s->fit, &s->data, s->residual, s->settings, (palp_effect_id)i,
-                                                    s->worth, t->multistart, &t->reason);
+        w->status[i] = explain_candidate_multistart(&s->fit, &s->data, s->residual, s->settings,
+                                                    (palp_effect_id)i, s->worth, t->multistart, &t->reason);
     if (w->status[i] == PALP_ERR_UNSUPPORTED) {
         explain_multistart_free(t->multistart);
         w->status[i] = PALP_OK;
@@ -157,7 +159,8 @@ static void finish(work *w, size_t i) {
     if (!t->multistart || t->multistart->n == 0)
         return;
     bool all = t->multistart->start[0].chi2 <= w->behind;
-    w->status[i] = explain_candidate_finish(&s->fit, t->multistart, &s->data, s->settings, (palp_effect_id)i, all, &t->fit);
+    w->status[i] = explain_candidate_finish(&s->fit, t->multistart, &s->data, s->settings, (palp_effect_id)i,
+                                            all, &t->fit);
     if (!w->status[i])
         w->status[i] = explain_trial_examine(s, (palp_effect_id)i, t);
 }
@@ -170,7 +173,8 @@ static void finish_task(void *user, size_t i) {
 
 palp_status explain_try_all(explain_search *s) {
     work w = {.search = s};
-    double samples = (double)explain_samples(&s->data), start = explain_chi2(&s->data, &s->fit) * samples, best = start;
+    double samples = (double)explain_samples(&s->data), start = explain_chi2(&s->data, &s->fit) * samples,
+           best = start;
     s->worth = fmax(s->worth, 0.02 * (start - samples));
     explain_trials_free(s);
     palp_status status = explain_each(s->settings, PALP_EFFECT_COUNT, multistart_task, &w, w.status);

@@ -25,15 +25,18 @@ void explain_multistart_free(explain_multistart *m);
 bool explain_has(const explain_fit *fit, palp_effect_id id);
 
 /* Where an effect's search starts. ERR_UNSUPPORTED: these runs cannot have it (reason). */
-palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual, effect_starts *s,
-                                const char **reason);
+palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual,
+                                effect_starts *s, const char **reason);
 
-/* Refines the few best starts, if chi2 promises to fall by worth. ERR_UNSUPPORTED: these runs cannot have it (reason). */
-palp_status explain_candidate_multistart(const explain_fit *base, const explain_data *data, const double *residual,
-                                         const palp_explain_settings *settings, palp_effect_id id, double worth,
-                                         explain_multistart *m, const char **reason);
+/* Refines the few best starts, if chi2 promises to fall by worth. ERR_UNSUPPORTED: these runs cannot have it
+ * (reason). */
+palp_status explain_candidate_multistart(const explain_fit *base, const explain_data *data,
+                                         const double *residual, const palp_explain_settings *settings,
+                                         palp_effect_id id, double worth, explain_multistart *m,
+                                         const char **reason);
 
-/* Refits the last few and moves the best one to *added, which is never worse than base; not all: the first as it is. */
+/* Refits the last few and moves the best one to *added, which is never worse than base; not all: the first as
+ * it is. */
 palp_status explain_candidate_finish(const explain_fit *base, explain_multistart *m, const explain_data *data,
                                      const palp_explain_settings *settings, palp_effect_id id, bool all,
                                      explain_fit *added);
@@ -42,8 +45,8 @@ palp_status explain_candidate_finish(const explain_fit *base, explain_multistart
 
 typedef struct explain_trial {
     bool tried;
-    explain_multistart *multistart;    /* while it runs */
-    explain_fit fit;                   /* product NULL: could not be had, reason says why */
+    explain_multistart *multistart; /* while it runs */
+    explain_fit fit;                /* product NULL: could not be had, reason says why */
     const char *reason;
     double raw_gain, gain;             /* log likelihood gained; less what its parameters cost */
     double held_out_gain, held_out_se; /* in held-out log score; paired standard error over the runs */
@@ -52,7 +55,7 @@ typedef struct explain_trial {
     double inflation;                  /* of the evidence's scatter, by what is left beside noise */
     double beside_zeros;               /* gain, if the zeros of the runs may wander without it and with it */
     double explained;                  /* rms difference of the forces */
-    bool from_zero;                    /* the interval of a strength, as the runs scatter, is away from zero */
+    bool from_zero; /* the interval of a strength, as the runs scatter, is away from zero */
 } explain_trial;
 
 /* What was found when each effect was added: models whose last effect is the candidate. */
@@ -70,20 +73,23 @@ typedef struct explain_search {
     explain_data data;
     const palp_explain_settings *settings;
     explain_memory *memory;
-    size_t n_given;           /* effects of the given model */
-    double opened;            /* rms that the model as given leaves, N */
-    double worth;             /* chi2 that a candidate must promise to be tried */
-    double taken_gain;        /* raw_gain of the trial taken last */
-    double step_share;        /* of all work, one explain_try_all is */
-    bool law_fixed;           /* another law is no candidate */
-    bool law_changed;         /* the law at hand is of another family than first_material's, the given one refitted, or its arms are driven otherwise */
+    size_t n_given;    /* effects of the given model */
+    double opened;     /* rms that the model as given leaves, N */
+    double worth;      /* chi2 that a candidate must promise to be tried */
+    double taken_gain; /* raw_gain of the trial taken last */
+    double step_share; /* of all work, one explain_try_all is */
+    bool law_fixed;    /* another law is no candidate */
+    bool law_changed;  /* the law at hand is of another family than first_material's, the given one refitted,
+                          or its arms are driven otherwise */
     palp_material first_material;
-    palp_model given;         /* as it was given but for that law and those arms */
+    palp_model given; /* as it was given but for that law and those arms */
     const palp_model *as_given;
     explain_fit fit;          /* at hand */
-    double *force, *residual; /* [n] of it, and what is left beside it and the runs' own contacts, zeros, gains and hum */
-    double *first;            /* [n] residual of the model as given, refitted; NULL in a search without an effect */
-    double share[PALP_EFFECT_COUNT]; /* of each effect's column, left beside the richest material that these runs could carry */
+    double *force, *residual; /* [n] of it, and what is left beside it and the runs' own contacts, zeros,
+                                 gains and hum */
+    double *first; /* [n] residual of the model as given, refitted; NULL in a search without an effect */
+    double share[PALP_EFFECT_COUNT]; /* of each effect's column, left beside the richest material that these
+                                        runs could carry */
     explain_trial trial[PALP_EFFECT_COUNT];
 } explain_search;
 
@@ -101,7 +107,8 @@ palp_status explain_trial_examine(const explain_search *s, palp_effect_id id, ex
 
 /* ---- the law (explain_law.c) ---- */
 
-/* The family of laws that gains most beside the effects at hand; best->fit.product NULL: none gains what it costs. */
+/* The family of laws that gains most beside the effects at hand; best->fit.product NULL: none gains what it
+ * costs. */
 palp_status explain_law_try(const explain_search *s, double threshold, explain_trial *best);
 palp_status explain_law_take(explain_search *s, explain_trial *law);
 
@@ -109,35 +116,40 @@ palp_status explain_law_take(explain_search *s, explain_trial *law);
 bool explain_law_believed(const explain_search *s, const explain_trial *t, double threshold);
 void explain_law_free(explain_trial *law);
 
-/* The spline law at hand with a few more knots at its sharpest bends, refitted; and what looking for those places costs, nats.
- * ERR_ARGUMENT: there are none. (explain_knots.c) */
+/* The spline law at hand with a few more knots at its sharpest bends, refitted; and what looking for those
+ * places costs, nats. ERR_ARGUMENT: there are none. (explain_knots.c) */
 palp_status explain_knots_add(const explain_search *s, explain_fit *fit);
 double explain_knots_cost(const explain_search *s, size_t n);
 
-/* Whether the effect of trial t, of the contact or the instrument, gains more than chance beside that law too. */
-palp_status explain_law_spares(const explain_search *s, const explain_trial *law, const explain_trial *t, double threshold, bool *stands);
+/* Whether the effect of trial t, of the contact or the instrument, gains more than chance beside that law
+ * too. */
+palp_status explain_law_spares(const explain_search *s, const explain_trial *law, const explain_trial *t,
+                               double threshold, bool *stands);
 
 /* ---- specimens (explain_specimens.c) ---- */
 
-/* A stiffness of each specimen beside the effects at hand, where the files name several; trial->fit.product NULL: it does not gain
- * what it must, or the runs of one specimen differ as much as those of different ones. */
+/* A stiffness of each specimen beside the effects at hand, where the files name several; trial->fit.product
+ * NULL: it does not gain what it must, or the runs of one specimen differ as much as those of different ones.
+ */
 palp_status explain_specimens_try(const explain_search *s, double threshold, explain_trial *trial);
 palp_status explain_specimens_take(explain_search *s, explain_trial *trial);
 
 /* Whether what the runs have of their own (nuisance parameter q) is their specimens'. */
 bool explain_of_specimens(const explain_fit *fit, const explain_data *data, size_t q);
 
-/* The law near the surface and where all runs have it stand in for each other, so that a fit may hold on to a place that is not the
- * best: a refit that also moves it to surfaces higher or lower, with the law that goes with them, as long as that is more likely. */
+/* The law near the surface and where all runs have it stand in for each other, so that a fit may hold on to a
+ * place that is not the best: a refit that also moves it to surfaces higher or lower, with the law that goes
+ * with them, as long as that is more likely. */
 palp_status explain_refit_anywhere(explain_search *s);
 
-/* What the changed law is good for beside the effects at hand; one that is not needed any more is taken back. */
+/* What the changed law is good for beside the effects at hand; one that is not needed any more is taken back.
+ */
 palp_status explain_law_review(explain_search *s, palp_explain_law *found);
 
 /* ---- explain_held_out.c ---- */
 
-/* rms of what the fit, refitted without each run, leaves of that run where no other run is less deep; with runs
- * held out, what the fit leaves of them. */
+/* rms of what the fit, refitted without each run, leaves of that run where no other run is less deep; with
+ * runs held out, what the fit leaves of them. */
 palp_status explain_held_out(const explain_search *s, const explain_fit *fit, double *rms_N);
 
 /* ---- what can be told from noise (explain_rest.c) ---- */
@@ -148,25 +160,27 @@ typedef struct explain_rest {
     size_t run;
 } explain_rest;
 
-/* Of a fit's force[n] and residual[n]: structure that noise has not, at the settings' chance of a false alarm; and listed releases,
- * around which samples do not count, that the force does not follow. */
-palp_status explain_rest_find(const explain_search *s, const double *force, const double *residual, explain_rest *rest);
-bool explain_rest_matters(const explain_search *s, const explain_rest *rest); /* in some run it is beyond the practical limit */
+/* Of a fit's force[n] and residual[n]: structure that noise has not, at the settings' chance of a false
+ * alarm; and listed releases, around which samples do not count, that the force does not follow. */
+palp_status explain_rest_find(const explain_search *s, const double *force, const double *residual,
+                              explain_rest *rest);
+bool explain_rest_matters(const explain_search *s,
+                          const explain_rest *rest); /* in some run it is beyond the practical limit */
 
 /* By how much what a residual[n] has beside noise widens the scatter of sums over it; 1: it is noise. */
 palp_status explain_rest_inflation(const explain_data *data, const double *residual, double *inflation);
 
 /* ---- zeros that wander (explain_wander.c) ---- */
 
-/* What the fit gains if the zeros of the runs may wander, with its parameters moved by a step and its scatter found anew, nats, less what
- * their pace costs. */
-palp_status explain_wander_find(const explain_fit *fit, const explain_data *data, const palp_explain_settings *settings,
-                                double *gain);
+/* What the fit gains if the zeros of the runs may wander, with its parameters moved by a step and its scatter
+ * found anew, nats, less what their pace costs. */
+palp_status explain_wander_find(const explain_fit *fit, const explain_data *data,
+                                const palp_explain_settings *settings, double *gain);
 
 /* ---- explain_null.c ---- */
 
-/* Gain in log likelihood that chance alone reaches beside s->fit, over all candidates, with probability false_alarm.
- * share: NULL, or [PALP_EFFECT_COUNT] zeros: s->share. */
+/* Gain in log likelihood that chance alone reaches beside s->fit, over all candidates, with probability
+ * false_alarm. share: NULL, or [PALP_EFFECT_COUNT] zeros: s->share. */
 palp_status explain_null_threshold(const explain_search *s, double *threshold, double *share);
 
 /* ---- what these runs can show (explain_share.c) ---- */
@@ -207,14 +221,17 @@ bool explain_unconfirmed(const char *reason);
 /* The one that gains most of those that may; PALP_EFFECT_COUNT: none. */
 size_t explain_best_trial(const explain_search *s, double threshold, palp_status *status);
 
-/* Where the fit leaves something that is no noise and no trial may be accepted: of those that explain no more than what an effect's
- * equations are good for, and have all else, the one that gains most and leaves nothing; PALP_EFFECT_COUNT: none. */
+/* Where the fit leaves something that is no noise and no trial may be accepted: of those that explain no more
+ * than what an effect's equations are good for, and have all else, the one that gains most and leaves
+ * nothing; PALP_EFFECT_COUNT: none. */
 palp_status explain_completing_trial(explain_search *s, double threshold, size_t *best);
 palp_status explain_take(explain_search *s, size_t i);
 
-/* Takes out an effect without which the model loses no more than chance gives, or one that gains less than that and would not be added
- * again beside the others; *dropped is PALP_EFFECT_COUNT: there is none. last: the one added last may be it too. */
-palp_status explain_drop(explain_search *s, double threshold, double gain, bool last, palp_effect_id *dropped);
+/* Takes out an effect without which the model loses no more than chance gives, or one that gains less than
+ * that and would not be added again beside the others; *dropped is PALP_EFFECT_COUNT: there is none. last:
+ * the one added last may be it too. */
+palp_status explain_drop(explain_search *s, double threshold, double gain, bool last,
+                         palp_effect_id *dropped);
 
 /* Of two arms either may have been added; the one nearer to a given arm takes that one's place. */
 palp_status explain_keep_given_arms(explain_search *s);

@@ -1,5 +1,5 @@
-/* explain_share.c: how much of an effect these runs can show at all: what is left of its column beside the richest law, arms,
- * contacts and zeros that they could carry, and not only beside the model at hand. */
+/* explain_share.c: how much of an effect these runs can show at all: what is left of its column beside the
+ * richest law, arms, contacts and zeros that they could carry, and not only beside the model at hand. */
 #include "explain_search.h"
 #include "explain_noise.h"
 #include "base/file.h"
@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of an effect of which a twentieth is left, a fault of the law as large as a twentieth of the effect looks the same, and no law is
- * known better than to some percent. */
+/* Of an effect of which a twentieth is left, a fault of the law as large as a twentieth of the effect looks
+ * the same, and no law is known better than to some percent. */
 static const double LEAST = 0.05;
 
 size_t explain_rich_law(const explain_data *data) {
@@ -25,24 +25,29 @@ size_t explain_rich_arms(const explain_search *s) {
 }
 
 /* Chebyshev's polynomials of depth, all of them 0 at the surface: [n_law n]. */
-static void law_columns(const explain_data *data, const explain_run *run, double contact, size_t n_law, double *column) {
+static void law_columns(const explain_data *data, const explain_run *run, double contact, size_t n_law,
+                        double *column) {
     for (size_t i = 0; i < run->n; i++) {
-        double x = fmin(1.0, fmax(0.0, (run->depth[i] - contact) / data->deepest)), turn = acos(2.0 * x - 1.0);
+        double x = fmin(1.0, fmax(0.0, (run->depth[i] - contact) / data->deepest)),
+               turn = acos(2.0 * x - 1.0);
         for (size_t j = 0; j < n_law; j++)
             column[j * run->n + i] = x * cos((double)j * turn);
     }
 }
 
-/* Arms of times from two samples to three times the longest run: [n_arms n], the derivatives by their stiffness. */
+/* Arms of times from two samples to three times the longest run: [n_arms n], the derivatives by their
+ * stiffness. */
 static palp_status arm_columns(const explain_search *s, size_t r, size_t n_arms, double *column) {
     const explain_run *run = &s->data.run[r];
-    const double low = 2.0 * s->data.step, high = 3.0 * s->data.duration, slight = 1e-6 * s->data.peak * s->data.height / s->data.deepest;
+    const double low = 2.0 * s->data.step, high = 3.0 * s->data.duration,
+                 slight = 1e-6 * s->data.peak * s->data.height / s->data.deepest;
     palp_model model = s->fit.model;
     palp_material *m = &model.material;
     const size_t n = run->n, first = m->law.n + 2 * m->n_arms, given = m->n_arms;
     for (size_t j = 0; j < n_arms; j++) {
         double part = n_arms > 1 ? (double)j / (double)(n_arms - 1) : 0.5;
-        m->arms[m->n_arms++] = (palp_arm){.stiffness_N = slight, .viscosity_Ns = slight * low * pow(high / low, part)};
+        m->arms[m->n_arms++] =
+            (palp_arm){.stiffness_N = slight, .viscosity_Ns = slight * low * pow(high / low, part)};
     }
     double *force = malloc((1 + palp_forward_parameter_count(&model)) * n * sizeof *force);
     explain_history history = {.renewed = s->fit.renewed, .load.peak = run->largest_strain};
@@ -68,13 +73,14 @@ palp_status explain_rich_columns(const explain_search *s, size_t r, double *colu
     return arm_columns(s, r, explain_rich_arms(s), column + n_law * run->n);
 }
 
-/* Of the specimen's own effects the evidence is widened by what their estimates lean on the law's faults (explain_widen.c); only
- * the instrument and the contact are not to be accused of them at all. */
+/* Of the specimen's own effects the evidence is widened by what their estimates lean on the law's faults
+ * (explain_widen.c); only the instrument and the contact are not to be accused of them at all. */
 bool explain_shows(const explain_search *s, palp_effect_id id) {
     const effect_row *row = effect_row_of(id);
     const effect_data facts = explain_facts(&s->data);
     effect_read off;
-    return row->info.place == PALP_EFFECT_SPECIMEN || row->line || (row->read && row->read(&facts, &off)) || s->share[id] >= LEAST;
+    return row->info.place == PALP_EFFECT_SPECIMEN || row->line || (row->read && row->read(&facts, &off)) ||
+           s->share[id] >= LEAST;
 }
 
 /* Whether these runs lack something for an effect, whatever is left of it; what, in words. */
@@ -99,9 +105,13 @@ void explain_say_blind(const explain_search *s, palp_effect_id id, char text[PAL
     if (lacks(s, id, lack))
         snprintf(text, PALP_EXPLAIN_REASON, "%s", lack);
     else if (s->data.one_speed)
-        snprintf(text, PALP_EXPLAIN_REASON, "the runs press at one speed, with no pause or way back: %.2g %% of it is left beside the law and arms; "
-                 "needed: %s", percent, palp_effect_look_up(id)->seen_by);
+        snprintf(text, PALP_EXPLAIN_REASON,
+                 "the runs press at one speed, with no pause or way back: %.2g %% of it is left beside the "
+                 "law and arms; "
+                 "needed: %s",
+                 percent, palp_effect_look_up(id)->seen_by);
     else
-        snprintf(text, PALP_EXPLAIN_REASON, "%.2g %% of it is left beside the richest law, arms, contacts and zeros; needed: %s", percent,
-                 palp_effect_look_up(id)->seen_by);
+        snprintf(text, PALP_EXPLAIN_REASON,
+                 "%.2g %% of it is left beside the richest law, arms, contacts and zeros; needed: %s",
+                 percent, palp_effect_look_up(id)->seen_by);
 }

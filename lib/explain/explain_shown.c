@@ -1,10 +1,12 @@
-/* explain_shown.c: how the plate moves in the runs, as far as it decides which effects they can show at all. */
+/* explain_shown.c: how the plate moves in the runs, as far as it decides which effects they can show at all.
+ */
 #include "explain_data.h"
 
 #include <math.h>
 
 static const double PRESSED = 0.05; /* of the deepest: from there on a run presses */
-static const double ONE_SPEED = 1.5; /* with less between the fastest and the slowest nothing that knows time is told from the law */
+static const double ONE_SPEED =
+    1.5; /* with less between the fastest and the slowest nothing that knows time is told from the law */
 
 /* Widens the range of a run's mean speeds over twentieths of the time that it presses. */
 static void add_speeds(const explain_run *run, double deepest, double *slowest, double *fastest) {

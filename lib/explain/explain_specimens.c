@@ -1,5 +1,5 @@
-/* explain_specimens.c: where the files name several specimens, a stiffness of each as a candidate: what the runs have of their own is
- * the specimens' if it is alike in the runs of one. */
+/* explain_specimens.c: where the files name several specimens, a stiffness of each as a candidate: what the
+ * runs have of their own is the specimens' if it is alike in the runs of one. */
 #include "explain_result.h"
 
 #include <math.h>
@@ -13,7 +13,8 @@ static const double PLAIN = 10.0; /* nats that leave no doubt */
 /* ---- between specimens, or between runs ---- */
 
 /* Log likelihood of the runs' own values, if specimens differ by an sd and the runs of one by another. */
-static double likelihood(const explain_data *data, const double *own, const double *sd, double between, double within) {
+static double likelihood(const explain_data *data, const double *own, const double *sd, double between,
+                         double within) {
     double sum = 0.0;
     for (size_t from = 0, to = 0; from < data->n_runs; from = to) {
         double weights = 0.0, weighted = 0.0;
@@ -69,7 +70,8 @@ palp_status explain_specimens_try(const explain_search *s, double threshold, exp
     if (!status)
         status = explain_trial_examine(s, PALP_EFFECT_COUNT, trial);
     trial->gain -= price;
-    if (status || !explain_law_believed(s, trial, threshold) || !explain_of_specimens(&trial->fit, &s->data, LAW))
+    if (status || !explain_law_believed(s, trial, threshold) ||
+        !explain_of_specimens(&trial->fit, &s->data, LAW))
         explain_law_free(trial);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
@@ -107,9 +109,12 @@ static palp_status as_one(const explain_search *s, palp_explain_specimens *out) 
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* Spread between specimens of the law's coefficients and the arms, if all their force differs by a share and the law by another. */
-static palp_status find_between(const palp_material *material, double whole, double law, palp_explanation *e) {
-    const size_t n = material->law.n + 2 * material->n_arms, step = material->law.kind == PALP_LAW_OGDEN ? 2 : 1;
+/* Spread between specimens of the law's coefficients and the arms, if all their force differs by a share and
+ * the law by another. */
+static palp_status find_between(const palp_material *material, double whole, double law,
+                                palp_explanation *e) {
+    const size_t n = material->law.n + 2 * material->n_arms,
+                 step = material->law.kind == PALP_LAW_OGDEN ? 2 : 1;
     double *x = calloc(2 * n, sizeof *x), *y = x ? x + n : NULL, *between = malloc(n * n * sizeof *between);
     if (x && between) {
         for (size_t k = 0; k < material->law.n; k += step) {
@@ -143,14 +148,16 @@ static void find_stiffnesses(const explain_search *s, bool whole, bool law, palp
             count += 1.0;
         }
         for (size_t r = from; r < to; r++)
-            e->run[r].stiffness = (1.0 + (whole ? sum[0] / count : 0.0)) * (1.0 + (law ? sum[1] / count : 0.0));
+            e->run[r].stiffness =
+                (1.0 + (whole ? sum[0] / count : 0.0)) * (1.0 + (law ? sum[1] / count : 0.0));
     }
 }
 
 palp_status explain_specimens_find(const explain_search *s, palp_explanation *e) {
     palp_explain_specimens *out = &e->specimens;
     palp_status status = PALP_OK;
-    *out = (palp_explain_specimens){.n = s->data.n_specimens, .without_N = explain_fitted_rms(&s->data, s->residual)};
+    *out = (palp_explain_specimens){.n = s->data.n_specimens,
+                                    .without_N = explain_fitted_rms(&s->data, s->residual)};
     if (s->fit.scatter.stiffness > 0.0)
         status = as_one(s, out);
     const bool whole = e->gain.found && explain_of_specimens(&s->fit, &s->data, WHOLE);

@@ -5,15 +5,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char ONE_RUN[] = "helps in one experiment only",
-                  ALONE[] = "helps to predict the other parts of this recording: another recording would have to confirm it",
-                  WITHIN[] = "is within what an effect's equations are good for";
+static const char
+    ONE_RUN[] = "helps in one experiment only",
+    ALONE[] =
+        "helps to predict the other parts of this recording: another recording would have to confirm it",
+    WITHIN[] = "is within what an effect's equations are good for";
 
-/* What an effect's equations are good for: of the first gap, and of the noise level beside an effect that is there. */
+/* What an effect's equations are good for: of the first gap, and of the noise level beside an effect that is
+ * there. */
 static const double SHADOW = 0.06, SLIGHT = 0.25;
 static const double PLAIN = 10.0; /* nats that a slight one of the instrument needs */
 
-/* Whether coordinate k is at that end of what it may be, to a hundredth of it: the search was still on its way there. */
+/* Whether coordinate k is at that end of what it may be, to a hundredth of it: the search was still on its
+ * way there. */
 static bool at(const explain_fit *fit, size_t k, double end) {
     return isfinite(end) && fabs(fit->x[k] - end) <= 0.01 * (fit->logarithmic[k] ? 1.0 : fabs(end));
 }
@@ -31,7 +35,8 @@ static bool at_an_end(const explain_fit *fit) {
         const size_t k = first + p;
         const bool counts = q->strength || q->scale == PALP_SCALE_TIME || q->scale == PALP_SCALE_LENGTH;
         const bool two_sided = explain_is_period(row, p) || q->low < 0.0;
-        if (counts && fit->low[k] < fit->high[k] && ((two_sided && at(fit, k, fit->low[k])) || at(fit, k, fit->high[k])))
+        if (counts && fit->low[k] < fit->high[k] &&
+            ((two_sided && at(fit, k, fit->low[k])) || at(fit, k, fit->high[k])))
             return true;
     }
     return false;
@@ -60,7 +65,8 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
         return "its estimate is at the end of what these runs can mean";
     const bool alone = explain_fitted_runs(&s->data) == 1; /* parts of it are left out in turn */
     if (!(t->held_out_gain > t->held_out_se))
-        return alone ? "does not help to predict a part of the recording left out by more than its standard error"
+        return alone ? "does not help to predict a part of the recording left out by more than its standard "
+                       "error"
                      : "does not help to predict an experiment left out by more than its standard error";
     if (!(t->held_out_rest > 0.0))
         return alone ? "helps in one part of the recording only" : ONE_RUN;
@@ -77,7 +83,9 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
     return NULL;
 }
 
-bool explain_unconfirmed(const char *reason) { return reason == ONE_RUN || reason == ALONE; }
+bool explain_unconfirmed(const char *reason) {
+    return reason == ONE_RUN || reason == ALONE;
+}
 
 size_t explain_best_trial(const explain_search *s, double threshold, palp_status *status) {
     size_t best = PALP_EFFECT_COUNT;
@@ -85,15 +93,15 @@ size_t explain_best_trial(const explain_search *s, double threshold, palp_status
         const explain_trial *t = &s->trial[i];
         if (!t->tried || !t->fit.product || !explain_shows(s, (palp_effect_id)i))
             continue;
-        if (!explain_judged(s, t, threshold) &&
-            (best == PALP_EFFECT_COUNT || t->gain > s->trial[best].gain))
+        if (!explain_judged(s, t, threshold) && (best == PALP_EFFECT_COUNT || t->gain > s->trial[best].gain))
             best = i;
     }
     return best;
 }
 
 /* Whether the trial's fit leaves something that is no noise. work: [2 n] */
-static palp_status leaves_something(const explain_search *s, explain_trial *t, double *work, bool *something) {
+static palp_status leaves_something(const explain_search *s, explain_trial *t, double *work,
+                                    bool *something) {
     explain_rest rest;
     palp_status status = explain_fit_evaluate(&t->fit, &s->data, work, work + s->data.n);
     if (!status)
@@ -113,7 +121,8 @@ palp_status explain_completing_trial(explain_search *s, double threshold, size_t
     for (size_t i = 0; i < PALP_EFFECT_COUNT && !status; i++) {
         explain_trial *t = &s->trial[i];
         bool something = true;
-        if (!t->fit.product || !explain_shows(s, (palp_effect_id)i) || explain_judged(s, t, threshold) != WITHIN)
+        if (!t->fit.product || !explain_shows(s, (palp_effect_id)i) ||
+            explain_judged(s, t, threshold) != WITHIN)
             continue;
         if (*best == PALP_EFFECT_COUNT || t->gain > s->trial[*best].gain)
             status = leaves_something(s, t, work, &something);
@@ -154,8 +163,10 @@ static bool needless(const explain_trial *t, double threshold) {
     return t->fit.product && (!(t->gain > 0.0 && t->raw_gain > threshold) || !(t->held_out_gain > 0.0));
 }
 
-/* Takes added effect i out if it is needless, or if it gains less than that and would not be added again, now that there are others. */
-static palp_status drop_one(explain_search *s, size_t i, double threshold, double gain, palp_effect_id *dropped) {
+/* Takes added effect i out if it is needless, or if it gains less than that and would not be added again, now
+ * that there are others. */
+static palp_status drop_one(explain_search *s, size_t i, double threshold, double gain,
+                            palp_effect_id *dropped) {
     explain_search rest;
     palp_effect_id id = explain_added(s, i).id;
     palp_status status = explain_search_without(s, i, &rest);
@@ -177,7 +188,8 @@ static palp_status drop_one(explain_search *s, size_t i, double threshold, doubl
     return runs ? status : PALP_OK;
 }
 
-palp_status explain_drop(explain_search *s, double threshold, double gain, bool last, palp_effect_id *dropped) {
+palp_status explain_drop(explain_search *s, double threshold, double gain, bool last,
+                         palp_effect_id *dropped) {
     palp_status status = PALP_OK;
     *dropped = PALP_EFFECT_COUNT;
     for (size_t i = 0; i + !last < explain_added_count(s) && !status && *dropped == PALP_EFFECT_COUNT; i++)
@@ -187,9 +199,12 @@ palp_status explain_drop(explain_search *s, double threshold, double gain, bool 
 
 /* ---- which arm is the added one ---- */
 
-static double strangeness(double time, double given_time) { return fabs(log(time / given_time)); }
+static double strangeness(double time, double given_time) {
+    return fabs(log(time / given_time));
+}
 
-/* A given arm and added effect i that should change places: the given one then is nearer to what it was given. */
+/* A given arm and added effect i that should change places: the given one then is nearer to what it was
+ * given. */
 static size_t arm_to_swap(const explain_search *s, const palp_effect *added) {
     const palp_material *now = &s->fit.model.material, *given = &s->data.given->material;
     size_t best = PALP_ARMS_MAX;

@@ -1,4 +1,5 @@
-/* explain_wall.c: a law that falls below a little of its stiffness before PALP_MODEL_STRAIN makes no model. */
+/* explain_wall.c: a law that falls below a little of its stiffness before PALP_MODEL_STRAIN makes no model.
+ */
 #include "explain_fit.h"
 #include "model/model_internal.h"
 
@@ -7,11 +8,16 @@
 #include <string.h>
 
 enum { PLACES = 200 };
-static const double MARGIN = 1e-3; /* a polynomial stays off the end by it; a knot goes beyond, where its bound takes it back */
+static const double MARGIN =
+    1e-3; /* a polynomial stays off the end by it; a knot goes beyond, where its bound takes it back */
 
-static double typical(const explain_data *data) { return data->peak * data->height / data->deepest; }
+static double typical(const explain_data *data) {
+    return data->peak * data->height / data->deepest;
+}
 
-static double place(int i) { return fmax(1e-6, PALP_MODEL_STRAIN * i / PLACES); }
+static double place(int i) {
+    return fmax(1e-6, PALP_MODEL_STRAIN * i / PLACES);
+}
 
 double explain_fit_wall(const explain_fit *fit, const explain_data *data) {
     const double low = EXPLAIN_SOFTEST * typical(data), sd = 1e-7 * typical(data);
@@ -24,11 +30,14 @@ double explain_fit_wall(const explain_fit *fit, const explain_data *data) {
     return chi2;
 }
 
-/* A polynomial at those places, of a spline, which is monotone between them, its knots; other laws are not linear. */
+/* A polynomial at those places, of a spline, which is monotone between them, its knots; other laws are not
+ * linear. */
 palp_status explain_walls_find(const explain_fit *fit, const explain_data *data, levenberg_walls *walls) {
     const palp_law *law = &fit->model.material.law;
     const bool spline = law->kind == PALP_LAW_SPLINE;
-    const size_t n = fit->n_columns, count = law->kind == PALP_LAW_POLYNOMIAL ? PLACES + 1 : spline ? law->n : 0;
+    const size_t n = fit->n_columns, count = law->kind == PALP_LAW_POLYNOMIAL ? PLACES + 1
+                                             : spline                         ? law->n
+                                                                              : 0;
     *walls = (levenberg_walls){.count = count};
     if (count == 0)
         return PALP_OK;

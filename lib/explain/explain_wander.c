@@ -7,23 +7,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A zero that jumps, warms up, wanders or follows the room goes on from where it was: each run's is a random walk, of one pace in all
- * runs, the likeliest. The slowest that is tried goes, within the longest run, SLOWEST times as far as the mean of its samples scatters, and
- * each other one FASTER times as far as the one before it. */
+/* A zero that jumps, warms up, wanders or follows the room goes on from where it was: each run's is a random
+ * walk, of one pace in all runs, the likeliest. The slowest that is tried goes, within the longest run,
+ * SLOWEST times as far as the mean of its samples scatters, and each other one FASTER times as far as the one
+ * before it. */
 enum { PACES = 12 };
 static const double SLOWEST = 2.0, FASTER = 2.0;
 
 typedef struct walks {
     const explain_data *data;
     size_t m;
-    double rate[PACES];    /* by which a walk's variance grows, in units of the noise's, 1/s */
-    double *product;       /* [PACES n_runs m m] of the fit's columns beside it */
+    double rate[PACES]; /* by which a walk's variance grows, in units of the noise's, 1/s */
+    double *product;    /* [PACES n_runs m m] of the fit's columns beside it */
     double logdet[PACES];
     palp_status status;
 } walks;
 
-/* The run with the filter (a scalar Kalman filter) of white noise of sd 1 and a random walk that begins at 0, for what is whitened
- * already. filter: [3 n]. The log determinant of the covariance. */
+/* The run with the filter (a scalar Kalman filter) of white noise of sd 1 and a random walk that begins at 0,
+ * for what is whitened already. filter: [3 n]. The log determinant of the covariance. */
 static double make_walk(const explain_run *run, double rate, double *filter, explain_run *walk) {
     double variance = 0.0, logdet = 0.0;
     *walk = *run;
@@ -63,8 +64,10 @@ static void sum_run(void *user, size_t r, const double *column) {
     free(x);
 }
 
-/* Of the best parameters, as the products predict them, the scatter of what each run has of its own being what they say. */
-static palp_status find_score(explain_fit *fit, const explain_data *data, const palp_explain_settings *settings, double *score) {
+/* Of the best parameters, as the products predict them, the scatter of what each run has of its own being
+ * what they say. */
+static palp_status find_score(explain_fit *fit, const explain_data *data,
+                              const palp_explain_settings *settings, double *score) {
     double chi2, samples = (double)explain_samples(data);
     explain_fit_scatter(fit, data, settings);
     palp_status status = explain_fit_predict(fit, data, &chi2);
@@ -72,7 +75,8 @@ static palp_status find_score(explain_fit *fit, const explain_data *data, const 
     return status;
 }
 
-/* The largest of so many numbers at even distances, or that of the parabola through it and those beside it. */
+/* The largest of so many numbers at even distances, or that of the parabola through it and those beside it.
+ */
 static double peak_of(size_t n, const double *y) {
     size_t best = 0;
     for (size_t k = 1; k < n; k++)
@@ -83,8 +87,8 @@ static double peak_of(size_t n, const double *y) {
     return y[best] + (bend > 0.0 ? 0.5 * slope * slope / bend : 0.0);
 }
 
-palp_status explain_wander_find(const explain_fit *fit, const explain_data *data, const palp_explain_settings *settings,
-                                double *gain) {
+palp_status explain_wander_find(const explain_fit *fit, const explain_data *data,
+                                const palp_explain_settings *settings, double *gain) {
     const size_t m = fit->m, room = data->n_runs * m * m;
     const double samples = (double)data->longest, least = SLOWEST * SLOWEST / (samples * data->duration);
     explain_fit beside = {.n_columns = 0};

@@ -6,8 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An estimate is off by the sum of influence times what is left. Of noise alone the squares of that sum over stretches of the
- * runs add up to the sum of squared influence; what a wrong model leaves adds up to more where the estimate leans on it. */
+/* An estimate is off by the sum of influence times what is left. Of noise alone the squares of that sum over
+ * stretches of the runs add up to the sum of squared influence; what a wrong model leaves adds up to more
+ * where the estimate leans on it. */
 typedef struct influence {
     const explain_fit *fit;
     const explain_data *data;

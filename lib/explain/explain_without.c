@@ -37,8 +37,9 @@ palp_status explain_search_without(const explain_search *full, size_t i, explain
     rest->opened = full->opened;
     rest->force = malloc(bytes);
     rest->residual = malloc(bytes);
-    palp_status status = rest->force && rest->residual ? without(&full->fit, &full->data, full->n_given, i, &rest->fit)
-                                                       : PALP_ERR_NO_MEMORY;
+    palp_status status = rest->force && rest->residual
+                             ? without(&full->fit, &full->data, full->n_given, i, &rest->fit)
+                             : PALP_ERR_NO_MEMORY;
     rest->fit.spread = full->settings;
     if (!status)
         status = explain_fit_products(&rest->fit, &rest->data, NULL);

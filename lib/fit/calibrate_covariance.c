@@ -1,4 +1,5 @@
-/* calibrate_covariance.c: how well a calibrated network is known, from how well the lumped model is that it was calibrated to. */
+/* calibrate_covariance.c: how well a calibrated network is known, from how well the lumped model is that it
+ * was calibrated to. */
 #include <palpate/calibrate.h>
 
 #include "base/dense.h"
@@ -9,21 +10,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Normal equations of A dphi = G dtheta: what changes of the network's numbers make what the lumped model's changes make of the
- * forces. Each run counts the same. */
+/* Normal equations of A dphi = G dtheta: what changes of the network's numbers make what the lumped model's
+ * changes make of the forces. Each run counts the same. */
 typedef struct carrying {
     const palp_model *lumped, *network;
-    size_t from, to;       /* numbers of the lumped model, of the network */
+    size_t from, to;        /* numbers of the lumped model, of the network */
     double *square, *right; /* A'A [to to], A'G [to from] by columns; then what solves them */
-    double miss, missed;    /* what the network misses of the lumped model's force, as a part of it: sum of squares, count */
+    double miss, missed;    /* what the network misses of the lumped model's force, as a part of it: sum of
+                               squares, count */
 } carrying;
 
 static size_t count(const palp_model *model) {
     return model->material.law.n + 2 * model->material.n_arms;
 }
 
-/* The part of the force that the network misses, squared, at every force alike: a miss is not chance but the same in each press, and
- * largest on the way there, where the force is still small. Forces below a twentieth of the largest do not count. */
+/* The part of the force that the network misses, squared, at every force alike: a miss is not chance but the
+ * same in each press, and largest on the way there, where the force is still small. Forces below a twentieth
+ * of the largest do not count. */
 static void add_miss(carrying *c, size_t n, const double *network_N, const double *lumped_N) {
     double peak = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -37,7 +40,8 @@ static void add_miss(carrying *c, size_t n, const double *network_N, const doubl
     }
 }
 
-static void add_run(carrying *c, size_t n, const double *network_N, const double *a, const double *lumped_N, const double *g) {
+static void add_run(carrying *c, size_t n, const double *network_N, const double *a, const double *lumped_N,
+                    const double *g) {
     double square = 0.0;
     for (size_t i = 0; i < n; i++)
         square += lumped_N[i] * lumped_N[i];
@@ -52,11 +56,13 @@ static void add_run(carrying *c, size_t n, const double *network_N, const double
 }
 
 static palp_status take_run(carrying *c, const palp_forward_run *run, palp_error *error) {
-    const size_t n = run->n, a = palp_forward_parameter_count(c->network), g = palp_forward_parameter_count(c->lumped);
+    const size_t n = run->n, a = palp_forward_parameter_count(c->network),
+                 g = palp_forward_parameter_count(c->lumped);
     double *room = malloc((2 + a + g) * n * sizeof *room + 1);
     if (!room)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
-    double *network_N = room, *lumped_N = room + n, *by_network = room + 2 * n, *by_lumped = by_network + a * n;
+    double *network_N = room, *lumped_N = room + n, *by_network = room + 2 * n,
+           *by_lumped = by_network + a * n;
     palp_status status = forward_network_force(c->network, run, network_N, by_network, error);
     if (!status)
         status = palp_forward_force(c->lumped, run, lumped_N, by_lumped, error);
@@ -112,14 +118,16 @@ static palp_status add_misfit(const carrying *c, double *covariance) {
     return status;
 }
 
-palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model *network, size_t n_runs, const palp_forward_run *runs,
-                                      double *covariance, double *between, palp_error *error) {
+palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model *network, size_t n_runs,
+                                      const palp_forward_run *runs, double *covariance, double *between,
+                                      palp_error *error) {
     if (!lumped || !network || !runs || !covariance)
         return palp_error_null(error);
     carrying c = {.lumped = lumped, .network = network, .from = count(lumped), .to = count(network)};
-    if (!lumped->covariance || n_runs == 0 || lumped->kind != PALP_MODEL_LUMPED || network->kind != PALP_MODEL_NETWORK ||
-        (between && !lumped->between))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model with its covariance, a network and runs are needed");
+    if (!lumped->covariance || n_runs == 0 || lumped->kind != PALP_MODEL_LUMPED ||
+        network->kind != PALP_MODEL_NETWORK || (between && !lumped->between))
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "a lumped model with its covariance, a network and runs are needed");
     c.square = calloc(c.to * (c.to + c.from) + 1, sizeof *c.square);
     c.right = c.square + c.to * c.to;
     palp_status status = c.square ? PALP_OK : palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");

@@ -28,7 +28,8 @@ static palp_status reserve(force_curve *c, const palp_network *net, size_t n) {
     if (n <= c->capacity)
         return PALP_OK;
     n = n > 2 * c->capacity ? n : 2 * c->capacity;
-    if (!grow(&c->depth, n) || !grow(&c->force, n) || !grow(&c->slope, n) || !grow(&c->gradient, n * PALP_LAW_MAX))
+    if (!grow(&c->depth, n) || !grow(&c->force, n) || !grow(&c->slope, n) ||
+        !grow(&c->gradient, n * PALP_LAW_MAX))
         return PALP_ERR_NO_MEMORY;
     c->capacity = n;
     return PALP_OK;
@@ -81,7 +82,8 @@ static double next_depth(double depth, double step, double depth_max) {
 
 palp_status force_curve_trace(force_curve *c, palp_network *net, double depth_max, double tolerance) {
     enum { FEWEST = 12 };
-    const double shortest = 2e-4 * depth_max, nearest = 2e-3 * depth_max; /* for the error; to a branch's end */
+    const double shortest = 2e-4 * depth_max,
+                 nearest = 2e-3 * depth_max;               /* for the error; to a branch's end */
     double step = depth_max / (16.0 * FEWEST), peak = 0.0; /* nothing tells the error of the first one */
     palp_step_info info;
     palp_network_reset(net);
@@ -147,7 +149,8 @@ static size_t lagrange(const force_curve *c, size_t i, double d, double weight[4
     return n;
 }
 
-void force_curve_sample(const force_curve *c, size_t n, const double *depth, double *force, double *gradient) {
+void force_curve_sample(const force_curve *c, size_t n, const double *depth, double *force,
+                        double *gradient) {
     size_t i = 0, p = c->n_parameters;
     for (size_t j = 0; j < n; j++) {
         double weight[4], d = fmin(depth[j], c->depth[c->n - 1]);

@@ -36,7 +36,8 @@ palp_status force_curve_steps(force_curve *curve, palp_network *net, size_t n, c
 
 /* Samples the curve at depth[n] (increasing): force[n] and, if not NULL, gradient by columns
  * [n_parameters n]. Beyond the last depth reached the force stays as it was there. */
-void force_curve_sample(const force_curve *curve, size_t n, const double *depth, double *force, double *gradient);
+void force_curve_sample(const force_curve *curve, size_t n, const double *depth, double *force,
+                        double *gradient);
 
 /* The static stage: a law against a curve of force by depth. */
 typedef struct static_stage {
@@ -51,13 +52,15 @@ typedef struct static_stage {
     palp_calibration *result;
 } static_stage;
 
-/* palp_calibrate_static by any solve: checks what is given, runs it and fills *result; on an error that is freed. */
-palp_status static_stage_solve(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
-                               const double *target_N, const palp_static_settings *settings, palp_calibration *result,
+/* palp_calibrate_static by any solve: checks what is given, runs it and fills *result; on an error that is
+ * freed. */
+palp_status static_stage_solve(palp_network *network, const palp_material *start, size_t n,
+                               const double *depth_m, const double *target_N,
+                               const palp_static_settings *settings, palp_calibration *result,
                                palp_status (*solve)(static_stage *));
 
-/* Runs the curve of a material, with its gradient by the law's coefficients unless NULL, and notes it in the result.
- * A curve that ends early keeps its last force, which a fit then sees as a large residual. */
+/* Runs the curve of a material, with its gradient by the law's coefficients unless NULL, and notes it in the
+ * result. A curve that ends early keeps its last force, which a fit then sees as a large residual. */
 palp_status static_stage_run(static_stage *stage, const palp_material *material, double *gradient);
 
 /* What the fit of palp_calibrate_relaxation sees at its first guess: the weighted residual[n_samples],

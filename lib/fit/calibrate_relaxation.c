@@ -28,9 +28,9 @@ typedef struct relaxation {
     palp_calibration *result;
     size_t n;
     relaxation_parameter parameter[RELAXATION_PARAMETERS_MAX];
-    step_slopes slopes;     /* columns: the parameters */
-    double *weight, *force; /* [n_elements], [n_samples] */
-    double best; /* weighted sum of squares */
+    step_slopes slopes;          /* columns: the parameters */
+    double *weight, *force;      /* [n_elements], [n_samples] */
+    double best;                 /* weighted sum of squares */
     double *residual, *jacobian; /* where linearize puts them, else NULL */
 } relaxation;
 
@@ -82,7 +82,8 @@ static palp_status advance_sensitivities(relaxation *s, double scale, double *gr
 }
 
 /* Next time to solve at: graded steps, never past a sample or a corner, even on a ramp; in a hold they grow
- * with the time since the ramp. Both constants leave a tenth of the tolerance on the material of Table 4.5. */
+ * with the time since the ramp. Both constants leave a tenth of the tolerance on the material of Table 4.5.
+ */
 static double next_time(const relaxation *s, const palp_target *target, size_t sample, double t) {
     size_t corner = 0;
     while (corner + 2 < target->path.n && target->path.time_s[corner + 1] <= t)
@@ -175,7 +176,8 @@ static palp_status residuals(void *user, const double *p, double *r, double *jac
         const palp_target *target = &s->target[t];
         double root = sqrt(weight_of(target));
         if (!status)
-            status = run_target(s, target, scale, s->force + first, jacobian ? jacobian + first : NULL, s->n_samples);
+            status = run_target(s, target, scale, s->force + first, jacobian ? jacobian + first : NULL,
+                                s->n_samples);
         bool lost = calibration_lost(status) || status == PALP_ERR_ARGUMENT;
         if (status && (!lost || s->result->n_iterations == 0))
             return status;
@@ -201,7 +203,8 @@ static double longest_path(const relaxation *s) {
     return longest;
 }
 
-/* Stiffnesses in units of their first guess, so that the solver takes the same way in newtons and in nanonewtons. */
+/* Stiffnesses in units of their first guess, so that the solver takes the same way in newtons and in
+ * nanonewtons. */
 typedef struct plain_numbers {
     relaxation *stage;
     double unit[RELAXATION_PARAMETERS_MAX];
@@ -237,7 +240,8 @@ static size_t plain_bounds(plain_numbers *plain, double *u, double *row, double 
 }
 
 static palp_status fit(relaxation *s) {
-    double p[RELAXATION_PARAMETERS_MAX], floor[2 * RELAXATION_PARAMETERS_MAX], norm; /* two bounds of a time */
+    double p[RELAXATION_PARAMETERS_MAX], floor[2 * RELAXATION_PARAMETERS_MAX],
+        norm; /* two bounds of a time */
     double *row = malloc(2 * s->n * s->n * sizeof *row + 1);
     plain_numbers plain = {.stage = s};
     if (!row)
@@ -313,8 +317,14 @@ palp_status relaxation_linearize(palp_network *network, const palp_material *sta
                                  const palp_target *targets, const palp_relaxation_settings *settings,
                                  size_t *n_parameters, double *residual, double *jacobian) {
     palp_calibration result = {0};
-    relaxation s = {.net = network, .start = start, .settings = settings, .n_targets = n_targets, .target = targets,
-                    .result = &result, .residual = residual, .jacobian = jacobian};
+    relaxation s = {.net = network,
+                    .start = start,
+                    .settings = settings,
+                    .n_targets = n_targets,
+                    .target = targets,
+                    .result = &result,
+                    .residual = residual,
+                    .jacobian = jacobian};
     palp_status status = prepare(&s, linearize);
     *n_parameters = s.n;
     palp_calibration_free(&result);
@@ -326,8 +336,12 @@ palp_status palp_calibrate_relaxation(palp_network *network, const palp_material
                                       palp_calibration *result) {
     if (!network || !start || !targets || !settings || !result)
         return PALP_ERR_ARGUMENT;
-    relaxation s = {.net = network, .start = start, .settings = settings, .n_targets = n_targets,
-                    .target = targets, .result = result};
+    relaxation s = {.net = network,
+                    .start = start,
+                    .settings = settings,
+                    .n_targets = n_targets,
+                    .target = targets,
+                    .result = result};
     memset(result, 0, sizeof *result);
     palp_status status = prepare(&s, fit);
     if (!status)

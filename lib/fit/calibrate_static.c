@@ -156,13 +156,20 @@ static palp_status solve_checked(static_stage *s, palp_status (*solve)(static_st
     return status;
 }
 
-palp_status static_stage_solve(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
-                               const double *target_N, const palp_static_settings *settings, palp_calibration *result,
+palp_status static_stage_solve(palp_network *network, const palp_material *start, size_t n,
+                               const double *depth_m, const double *target_N,
+                               const palp_static_settings *settings, palp_calibration *result,
                                palp_status (*solve)(static_stage *)) {
     if (!network || !start || !depth_m || !target_N || !settings || !result)
         return PALP_ERR_ARGUMENT;
-    static_stage s = {.net = network, .start = start, .settings = settings, .n = n,
-                      .depth = depth_m, .target = target_N, .result = result, .tolerance = settings->curve_tolerance};
+    static_stage s = {.net = network,
+                      .start = start,
+                      .settings = settings,
+                      .n = n,
+                      .depth = depth_m,
+                      .target = target_N,
+                      .result = result,
+                      .tolerance = settings->curve_tolerance};
     memset(result, 0, sizeof *result);
     if (s.tolerance == 0.0)
         s.tolerance = network->reuse_factor ? 1e-4 : 1e-6;
@@ -174,8 +181,8 @@ palp_status static_stage_solve(palp_network *network, const palp_material *start
     return status;
 }
 
-palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
-                                  const double *target_N, const palp_static_settings *settings,
-                                  palp_calibration *result) {
+palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n,
+                                  const double *depth_m, const double *target_N,
+                                  const palp_static_settings *settings, palp_calibration *result) {
     return static_stage_solve(network, start, n, depth_m, target_N, settings, result, least_squares_fit);
 }

@@ -1,5 +1,5 @@
-/* calibrate_two_level.c: the static stage for a network too large to trace many times: a coarse one of the same body takes
- * the law, the large one only tells by how much it differs. */
+/* calibrate_two_level.c: the static stage for a network too large to trace many times: a coarse one of the
+ * same body takes the law, the large one only tells by how much it differs. */
 #include "calibrate_internal.h"
 
 #include <palpate/realtime.h>
@@ -18,14 +18,14 @@ typedef struct two_level {
     const palp_static_settings *settings;
     size_t n;
     const double *depth, *target;
-    double share;               /* law of the large network over that of the coarse one: the same material */
-    palp_material material;     /* of the coarse one */
-    double *wanted, *ratio;     /* [n] of the coarse network; fine force over coarse */
+    double share;                /* law of the large network over that of the coarse one: the same material */
+    palp_material material;      /* of the coarse one */
+    double *wanted, *ratio;      /* [n] of the coarse network; fine force over coarse */
     size_t n_presses, n_reached; /* of the large network, at samples (i + 1) n / n_presses - 1 */
-    size_t n_stable;             /* of these, up to the first that left the branch from rest for another stable one */
-    double strain_max;           /* of the large one in them */
-    double *force;               /* [n] of it, in this round */
-    double least;                /* squares of the best round */
+    size_t n_stable;   /* of these, up to the first that left the branch from rest for another stable one */
+    double strain_max; /* of the large one in them */
+    double *force;     /* [n] of it, in this round */
+    double least;      /* squares of the best round */
     palp_calibration *result;
 } two_level;
 
@@ -33,8 +33,9 @@ static size_t sample_of(const two_level *c, size_t press) {
     return (press + 1) * c->n / c->n_presses - 1;
 }
 
-/* Sum of the elements' rest lengths, each times its element's factor. The energy of an even strain is proportional to this sum and to
- * the law: networks of one body are the same material when their laws are inversely proportional to it. */
+/* Sum of the elements' rest lengths, each times its element's factor. The energy of an even strain is
+ * proportional to this sum and to the law: networks of one body are the same material when their laws are
+ * inversely proportional to it. */
 static double shared_length(const palp_network *net) {
     double sum = 0.0;
     for (size_t i = 0; i < net->n_elements; i++)
@@ -42,9 +43,9 @@ static double shared_length(const palp_network *net) {
     return sum;
 }
 
-/* Presses the large network down its branch. With PALP_BRANCH_CONTINUE as far as each step is solved at once: where it is not,
- * the network has begun to buckle. With PALP_BRANCH_STABLE each descends as long as it takes to the next stable place.
- * force[n_presses]. */
+/* Presses the large network down its branch. With PALP_BRANCH_CONTINUE as far as each step is solved at once:
+ * where it is not, the network has begun to buckle. With PALP_BRANCH_STABLE each descends as long as it takes
+ * to the next stable place. force[n_presses]. */
 static palp_status press_fine(two_level *c, const palp_material *material, double *force) {
     palp_tick_info info;
     const bool descends = c->fine->settings.branch == PALP_BRANCH_STABLE;
@@ -54,7 +55,8 @@ static palp_status press_fine(two_level *c, const palp_material *material, doubl
         status = palp_realtime_reset(c->realtime);
     c->n_stable = c->n_presses;
     for (c->n_reached = 0; c->n_reached < c->n_presses && !status; c->n_reached++) {
-        status = palp_realtime_step(c->realtime, c->depth[sample_of(c, c->n_reached)], INFINITY, &budget, &info);
+        status =
+            palp_realtime_step(c->realtime, c->depth[sample_of(c, c->n_reached)], INFINITY, &budget, &info);
         if (calibration_lost(status) || (!status && !info.converged)) {
             status = PALP_OK;
             break;
@@ -75,7 +77,8 @@ static void spread_ratio(two_level *c, const double *fine, const double *coarse)
             p++;
         size_t right = sample_of(c, p), left = p > 0 ? sample_of(c, p - 1) : right;
         double at_right = fine[p] / coarse[right], at_left = p > 0 ? fine[p - 1] / coarse[left] : at_right;
-        double share = right > left ? (c->depth[i] - c->depth[left]) / (c->depth[right] - c->depth[left]) : 1.0;
+        double share =
+            right > left ? (c->depth[i] - c->depth[left]) / (c->depth[right] - c->depth[left]) : 1.0;
         c->ratio[i] = i > last ? at_right : at_left + share * (at_right - at_left);
     }
 }
@@ -107,8 +110,9 @@ static void keep(two_level *c, const palp_calibrate_iteration *it) {
     report_stability(c);
 }
 
-/* *miss: largest difference from the target as far as the branch from rest was followed, of the target's peak. The best round is
- * that of the least squares, with the force at that branch's end for all beyond: what another branch gives is no merit. */
+/* *miss: largest difference from the target as far as the branch from rest was followed, of the target's
+ * peak. The best round is that of the least squares, with the force at that branch's end for all beyond: what
+ * another branch gives is no merit. */
 static palp_status report(two_level *c, const palp_material *fine, const double *coarse, double *miss) {
     palp_calibration *r = c->result;
     palp_calibrate_iteration it = {.material = *fine};
@@ -139,7 +143,8 @@ static palp_status improve(two_level *c, double *miss) {
     palp_static_settings settings = *c->settings;
     palp_calibration coarse;
     settings.progress = NULL;
-    palp_status status = palp_calibrate_static(c->coarse, &c->material, c->n, c->depth, c->wanted, &settings, &coarse);
+    palp_status status =
+        palp_calibrate_static(c->coarse, &c->material, c->n, c->depth, c->wanted, &settings, &coarse);
     if (status)
         return status;
     palp_material material = c->material = coarse.material;
@@ -167,13 +172,20 @@ static palp_status allocate(two_level *c) {
     return calibration_set_target(c->result, c->n, c->depth, c->target);
 }
 
-palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start, size_t n,
-                                   const double *depth_m, const double *target_N,
-                                   const palp_static_settings *settings, palp_calibration *result) {
+palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse, const palp_material *start,
+                                     size_t n, const double *depth_m, const double *target_N,
+                                     const palp_static_settings *settings, palp_calibration *result) {
     if (!network || !coarse || !start || !depth_m || !target_N || !settings || !result)
         return PALP_ERR_ARGUMENT;
-    two_level c = {.fine = network, .coarse = coarse, .settings = settings, .n = n, .depth = depth_m, .target = target_N,
-                   .n_presses = n < PRESSES ? n : PRESSES, .result = result, .material = *start,
+    two_level c = {.fine = network,
+                   .coarse = coarse,
+                   .settings = settings,
+                   .n = n,
+                   .depth = depth_m,
+                   .target = target_N,
+                   .n_presses = n < PRESSES ? n : PRESSES,
+                   .result = result,
+                   .material = *start,
                    .share = shared_length(coarse) / shared_length(network)};
     palp_realtime_settings realtime = palp_realtime_settings_default();
     double miss = HUGE_VAL, before = HUGE_VAL;

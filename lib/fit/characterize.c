@@ -102,18 +102,23 @@ static palp_status fill_covariance(const fit_problem *p, palp_lumped_fit *fit) {
         return PALP_ERR_NO_MEMORY;
     for (size_t a = 0; a < n; a++)
         for (size_t b = 0; b <= a; b++) {
-            size_t i = a < p->n_springs ? a : p->n_springs + 3 * ((a - p->n_springs) / 2) + (a - p->n_springs) % 2;
-            size_t j = b < p->n_springs ? b : p->n_springs + 3 * ((b - p->n_springs) / 2) + (b - p->n_springs) % 2;
-            double scale = (a < p->n_springs ? 1.0 : fit->estimate[i].value) * (b < p->n_springs ? 1.0 : fit->estimate[j].value);
-            double most = sqrt(fmax(fit->correlation[i * m + i], 0.0) * fmax(fit->correlation[j * m + j], 0.0));
+            size_t i =
+                a < p->n_springs ? a : p->n_springs + 3 * ((a - p->n_springs) / 2) + (a - p->n_springs) % 2;
+            size_t j =
+                b < p->n_springs ? b : p->n_springs + 3 * ((b - p->n_springs) / 2) + (b - p->n_springs) % 2;
+            double scale = (a < p->n_springs ? 1.0 : fit->estimate[i].value) *
+                           (b < p->n_springs ? 1.0 : fit->estimate[j].value);
+            double most =
+                sqrt(fmax(fit->correlation[i * m + i], 0.0) * fmax(fit->correlation[j * m + j], 0.0));
             fit->covariance[a * n + b] = fit->covariance[b * n + a] =
-                scale * fmax(fmin(fit->correlation[i * m + j], most), -most); /* but for rounding it is within them */
+                scale *
+                fmax(fmin(fit->correlation[i * m + j], most), -most); /* but for rounding it is within them */
         }
     return PALP_OK;
 }
 
-palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, const double *strain, double *stiffness_N,
-                                      double *sd_N) {
+palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, const double *strain,
+                                      double *stiffness_N, double *sd_N) {
     if (!fit || !strain || !stiffness_N || !sd_N || fit->spring_N || !fit->covariance)
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++) {
@@ -216,8 +221,8 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
     return PALP_OK;
 }
 
-palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                               palp_lumped_fit *fit) {
+palp_status fit_fill_residuals(size_t n, const palp_recording *recordings,
+                               const palp_characterize_settings *settings, palp_lumped_fit *fit) {
     palp_status status = PALP_OK;
     for (size_t r = 0; r < n && !status; r++) {
         const palp_recording *rec = &recordings[r];
@@ -245,7 +250,8 @@ palp_status fit_solve_and_merge(fit_problem *p, double *v, fit_curvature *c, pal
             return status;
         fit_sort_arms(p, v);
         status = fit_find_curvature(p, v, c);
-        if (status || !fit->converged || p->n_arms < 2 || fit_weakest_arm(p, v, c->covariance, fit_inflation(c)) == p->n_arms)
+        if (status || !fit->converged || p->n_arms < 2 ||
+            fit_weakest_arm(p, v, c->covariance, fit_inflation(c)) == p->n_arms)
             return status;
         p->n_arms--;
         fit->n_merged++;
@@ -294,8 +300,8 @@ static palp_status free_contacts(fit_problem *p, double *v, fit_curvature *c, pa
 }
 
 palp_status fit_finish(fit_problem *p, const double *v, const fit_curvature *c, size_t n,
-                          const palp_recording *recordings, const palp_characterize_settings *settings,
-                          palp_lumped_fit *fit) {
+                       const palp_recording *recordings, const palp_characterize_settings *settings,
+                       palp_lumped_fit *fit) {
     fit->n_runs = n;
     fit->constrained = p->least > 0.0;
     fit->rms_N = calloc(n, sizeof(double));
@@ -313,15 +319,16 @@ palp_status fit_finish(fit_problem *p, const double *v, const fit_curvature *c, 
 }
 
 palp_status fit_failed(palp_error *error, palp_status status, const char *recording) {
-    const char *what = status == PALP_ERR_SINGULAR
-                           ? "the recordings do not tell the numbers of this law and these arms apart: take fewer arms or a simpler law, "
-                             "or add recordings of other depths and speeds"
-                           : palp_status_text(status);
+    const char *what = status == PALP_ERR_SINGULAR ? "the recordings do not tell the numbers of this law and "
+                                                     "these arms apart: take fewer arms or a simpler law, "
+                                                     "or add recordings of other depths and speeds"
+                                                   : palp_status_text(status);
     return error && error->text[0] ? status : palp_error_set(error, status, "%s: %s", recording, what);
 }
 
-palp_status palp_characterize_fit(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                            palp_lumped_fit *fit, palp_error *error) {
+palp_status palp_characterize_fit(size_t n, const palp_recording *recordings,
+                                  const palp_characterize_settings *settings, palp_lumped_fit *fit,
+                                  palp_error *error) {
     if (!recordings || !settings || !fit)
         return palp_error_null(error);
     fit_problem p;

@@ -14,7 +14,8 @@ void fit_problem_free(fit_problem *p) {
 }
 
 static double strain_of(const palp_recording *rec, size_t i) {
-    return (rec->depth_m[i] > 0.0 ? rec->depth_m[i] : 0.0) / rec->height_m; /* one-sided: in the air the specimen rests */
+    return (rec->depth_m[i] > 0.0 ? rec->depth_m[i] : 0.0) /
+           rec->height_m; /* one-sided: in the air the specimen rests */
 }
 
 /* The path of the plate in straight pieces: from sample `from` on every depth is within a tolerance of one
@@ -54,8 +55,9 @@ static bool goes_straight(straight *s, const palp_recording *rec, size_t i) {
     return false;
 }
 
-/* The same for the recording's path. Where a force is held, the plate wavers as the force's noise is answered: it goes straight on,
- * in blocks that are long against it; short ones would take the answer to the noise for the specimen's. */
+/* The same for the recording's path. Where a force is held, the plate wavers as the force's noise is
+ * answered: it goes straight on, in blocks that are long against it; short ones would take the answer to the
+ * noise for the specimen's. */
 static bool goes_on(straight *s, const palp_recording *rec, size_t i) {
     for (size_t k = 0; k < rec->creep.n; k++) {
         const palp_piece *creep = &rec->creep.piece[k];
@@ -69,15 +71,15 @@ static bool goes_on(straight *s, const palp_recording *rec, size_t i) {
 }
 
 /* A block moves by less than a three-hundredth of the way and lasts less than a fiftieth of the time since
- * the last corner, so that the force is as good as linear in it. In the air before a press nothing happens. Even samples meet these limits
- * exactly: which side of them they are on must not be rounding's. */
+ * the last corner, so that the force is as good as linear in it. In the air before a press nothing happens.
+ * Even samples meet these limits exactly: which side of them they are on must not be rounding's. */
 static bool same_block(const palp_recording *rec, size_t first, size_t i, size_t corner, bool pressed) {
-    bool late = rec->time_s[i] - rec->time_s[first] > (1.0 + 1e-6) * 0.02 * (rec->time_s[first] - rec->time_s[corner]);
+    bool late = rec->time_s[i] - rec->time_s[first] >
+                (1.0 + 1e-6) * 0.02 * (rec->time_s[first] - rec->time_s[corner]);
     if (rec->depth_m[first] <= 0.0)
         return rec->depth_m[i] <= 0.0 && !(pressed && late);
     return rec->use[i] == rec->use[first] &&
-           fabs(rec->depth_m[i] - rec->depth_m[first]) < (1.0 - 1e-6) * rec->deepest_m / 300.0 &&
-           !late;
+           fabs(rec->depth_m[i] - rec->depth_m[first]) < (1.0 - 1e-6) * rec->deepest_m / 300.0 && !late;
 }
 
 /* Adds the mean of samples first to end - 1, count of which speak for it. */
@@ -116,7 +118,8 @@ static palp_status cut(fit_run *run, const palp_recording *rec, const palp_chara
         size_t from = path.from;
         for (end = first + 1; end < rec->n; end++) {
             corner = !goes_on(&path, rec, end);
-            if (corner || fit_counts(rec, settings, end) != take || !same_block(rec, first, end, from, pressed))
+            if (corner || fit_counts(rec, settings, end) != take ||
+                !same_block(rec, first, end, from, pressed))
                 break;
         }
         if (take)
@@ -127,8 +130,9 @@ static palp_status cut(fit_run *run, const palp_recording *rec, const palp_chara
     return PALP_OK;
 }
 
-/* The encoder's count: the least step between neighbours, or difference of two steps, of which all steps are multiples; 0 = the depth is
- * not in counts. A plate that is told in equal steps has such a one too, but at a few corners only another step follows. */
+/* The encoder's count: the least step between neighbours, or difference of two steps, of which all steps are
+ * multiples; 0 = the depth is not in counts. A plate that is told in equal steps has such a one too, but at a
+ * few corners only another step follows. */
 static double count_of(const palp_recording *rec) {
     const double rounding = 1e-9 * rec->deepest_m, whole = 1e-3;
     double least = HUGE_VAL, before = 0.0;
@@ -195,13 +199,17 @@ static palp_status choose_times(fit_problem *p, palp_error *error) {
     if (s->arms == PALP_ARMS_FREE)
         return PALP_OK;
     if (s->arms == PALP_ARMS_FRACTIONAL && s->spring == PALP_SPRING_PER_RUN)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a fractional element goes with one law of all recordings");
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "a fractional element goes with one law of all recordings");
     double wanted = s->arms == PALP_ARMS_LOG ? ceil(each * decades - 1e-9) + 1.0 : PALP_ARMS_MAX;
     if (wanted > PALP_ARMS_MAX)
-        return palp_error_set(error, PALP_ERR_LIMIT, "%g arms a decade over %.3g decades of time are more than %d", each, decades, PALP_ARMS_MAX);
+        return palp_error_set(error, PALP_ERR_LIMIT,
+                              "%g arms a decade over %.3g decades of time are more than %d", each, decades,
+                              PALP_ARMS_MAX);
     p->n_arms = p->n_times = (size_t)wanted;
     /* A fractional element goes on to faster times than a free arm could be told at. */
-    double faster = s->arms == PALP_ARMS_LOG ? 0.0 : 1.0, step = faster > 0.0 ? (decades + faster) / (PALP_ARMS_MAX - 1) : 1.0 / each;
+    double faster = s->arms == PALP_ARMS_LOG ? 0.0 : 1.0,
+           step = faster > 0.0 ? (decades + faster) / (PALP_ARMS_MAX - 1) : 1.0 / each;
     for (size_t j = 0; j < p->n_times; j++)
         p->time[j] = p->tau_min * pow(10.0, step * (double)j - faster);
     return PALP_OK;

@@ -1,4 +1,5 @@
-/* fit_contact.c: contacts that were not quite where they were taken for: nuisance parameters beside the fit's own. */
+/* fit_contact.c: contacts that were not quite where they were taken for: nuisance parameters beside the fit's
+ * own. */
 #include "base/arena.h"
 #include "base/dense.h"
 #include "fit_internal.h"
@@ -16,8 +17,8 @@ static void place(const fit_problem *p, const fit_contacts *c, double more) {
         }
 }
 
-palp_status fit_contacts_differentiate(const fit_problem *p, const fit_contacts *c, const double *v, double *by_shift,
-                                       double *other) {
+palp_status fit_contacts_differentiate(const fit_problem *p, const fit_contacts *c, const double *v,
+                                       double *by_shift, double *other) {
     const double h = 1e-4 * p->strain_max;
     place(p, c, h);
     palp_status status = fit_evaluate(p, v, by_shift, NULL);
@@ -31,8 +32,8 @@ palp_status fit_contacts_differentiate(const fit_problem *p, const fit_contacts 
 }
 
 /* Square of the parameters and the shifts together, square[(n + k)^2], and the pull, J'r. */
-static void sum_up(const fit_problem *p, const fit_contacts *c, const double *r, const double *jacobian, const double *by_shift,
-                   double *square, double *pull) {
+static void sum_up(const fit_problem *p, const fit_contacts *c, const double *r, const double *jacobian,
+                   const double *by_shift, double *square, double *pull) {
     size_t n = fit_parameter_count(p), m = p->n_blocks, k = c->n, all = n + k;
     memset(square, 0, all * all * sizeof *square);
     memset(pull, 0, all * sizeof *pull);
@@ -62,7 +63,8 @@ static double prior_sd(const fit_problem *p, const fit_contacts *c, size_t q) {
     return hypot(own, c->scatter);
 }
 
-/* From the mean square of the shifts; few runs may scatter little by chance: what the air says of contacts is one run more then. */
+/* From the mean square of the shifts; few runs may scatter little by chance: what the air says of contacts is
+ * one run more then. */
 static void learn_scatter(const fit_problem *p, fit_contacts *c, double sum) {
     double n = (double)c->n, air = 0.0, least = 1e-12 * p->strain_max * p->strain_max;
     for (size_t r = 0; r < p->n_runs; r++)
@@ -70,14 +72,15 @@ static void learn_scatter(const fit_problem *p, fit_contacts *c, double sum) {
     c->scatter = sqrt(fmax(fmax(sum / n, (sum + air) / (n + 1.0)), least));
 }
 
-/* One Gauss-Newton step of all; the shifts take it, and their scatter is learned from them. *moved: largest change. */
+/* One Gauss-Newton step of all; the shifts take it, and their scatter is learned from them. *moved: largest
+ * change. */
 static palp_status step(fit_problem *p, double *v, fit_contacts *c, double *moved) {
     size_t n = fit_parameter_count(p), m = p->n_blocks, all = n + c->n;
     arena memory = {0};
     double *r = arena_take(&memory, m, sizeof *r), *jacobian = arena_take(&memory, m * n, sizeof *r),
            *by_shift = arena_take(&memory, m, sizeof *r), *other = arena_take(&memory, m, sizeof *r),
-           *square = arena_take(&memory, all * all, sizeof *r), *inverse = arena_take(&memory, all * all, sizeof *r),
-           *pull = arena_take(&memory, all, sizeof *r);
+           *square = arena_take(&memory, all * all, sizeof *r),
+           *inverse = arena_take(&memory, all * all, sizeof *r), *pull = arena_take(&memory, all, sizeof *r);
     palp_status status = memory.failed ? PALP_ERR_NO_MEMORY : fit_evaluate(p, v, r, jacobian);
     if (!status)
         status = fit_contacts_differentiate(p, c, v, by_shift, other);

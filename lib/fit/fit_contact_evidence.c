@@ -1,6 +1,7 @@
-/* fit_contact_evidence.c: do the runs show that their contacts are not where they were taken for? What a fit with known contacts
- * leaves, as far as neither its parameters nor a zero force within its sd explains it, is held against contacts that scatter: the
- * Bayes factor of the two, integrated over the contacts and over the logarithm of their scatter. */
+/* fit_contact_evidence.c: do the runs show that their contacts are not where they were taken for? What a fit
+ * with known contacts leaves, as far as neither its parameters nor a zero force within its sd explains it, is
+ * held against contacts that scatter: the Bayes factor of the two, integrated over the contacts and over the
+ * logarithm of their scatter. */
 #include "base/arena.h"
 #include "base/dense.h"
 #include "fit_internal.h"
@@ -15,15 +16,16 @@ typedef struct judged {
     size_t n, m, runs, all;      /* parameters, blocks, runs, numbers */
     double *residual, *jacobian; /* [m], [m n] */
     double *by_shift, *other;    /* [m] */
-    double *row;                 /* [n + 2] of one block: derivatives by the parameters, its run's zero and contact */
-    double *square, *pull;       /* [all all], [all]: J'J and J'r of all numbers */
-    double *a, *inverse;         /* [all all] */
-    double widen;                /* factor on the variance of a block, for misfit and correlation */
+    double *row; /* [n + 2] of one block: derivatives by the parameters, its run's zero and contact */
+    double *square, *pull; /* [all all], [all]: J'J and J'r of all numbers */
+    double *a, *inverse;   /* [all all] */
+    double widen;          /* factor on the variance of a block, for misfit and correlation */
 } judged;
 
 static palp_status take_memory(judged *j) {
     size_t square = j->all * j->all;
-    double **arrays[] = {&j->residual, &j->jacobian, &j->by_shift, &j->other, &j->row, &j->square, &j->pull, &j->a, &j->inverse};
+    double **arrays[] = {&j->residual, &j->jacobian, &j->by_shift, &j->other,  &j->row,
+                         &j->square,   &j->pull,     &j->a,        &j->inverse};
     const size_t sizes[] = {j->m, j->m * j->n, j->m, j->m, j->n + 2, square, j->all, square, square};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
         *arrays[i] = arena_take(&j->memory, sizes[i], sizeof(double));
@@ -55,7 +57,8 @@ static void sum_up(judged *j) {
         }
 }
 
-/* The residual with all numbers free, contacts within a tenth of the strains: what it has of misfit and correlation is not theirs. */
+/* The residual with all numbers free, contacts within a tenth of the strains: what it has of misfit and
+ * correlation is not theirs. */
 static palp_status find_widening(judged *j) {
     double wide = 1.0 / (0.01 * j->p->strain_max * j->p->strain_max);
     memcpy(j->a, j->square, j->all * j->all * sizeof *j->a);
@@ -78,15 +81,16 @@ static palp_status find_widening(judged *j) {
     return PALP_OK;
 }
 
-/* Information of the contacts alone: the other numbers are eliminated, and it comes first in square and pull, in the widened
- * variances: square[runs runs], pull[runs]. */
+/* Information of the contacts alone: the other numbers are eliminated, and it comes first in square and pull,
+ * in the widened variances: square[runs runs], pull[runs]. */
 static palp_status eliminate(judged *j) {
     size_t n = j->n + j->runs, all = j->all, runs = j->runs;
     for (size_t a = 0; a < n; a++)
         for (size_t b = 0; b < n; b++)
             j->a[a * n + b] = j->square[a * all + b] + (a == b && a >= j->n ? j->widen : 0.0);
     palp_status status = fit_invert(n, j->a, j->inverse);
-    for (size_t q = 0; q < runs && !status; q++) { /* the rows of the contacts: less their part in the others */
+    for (size_t q = 0; q < runs && !status;
+         q++) { /* the rows of the contacts: less their part in the others */
         double *row = j->square + (n + q) * all, *half = j->a;
         dense_times(n, n, 1.0, j->inverse, row, 0.0, half);
         j->pull[n + q] -= dense_dot(n, half, j->pull);
@@ -103,7 +107,8 @@ static palp_status eliminate(judged *j) {
     return status;
 }
 
-/* log of how much likelier contacts with this scatter, beside what the recordings say of them, are than known ones. */
+/* log of how much likelier contacts with this scatter, beside what the recordings say of them, are than known
+ * ones. */
 static double log_factor(judged *j, double scatter) {
     size_t runs = j->runs;
     double *m = j->a, *push = j->inverse;
@@ -111,7 +116,8 @@ static double log_factor(judged *j, double scatter) {
         double t = hypot(j->p->run[q].contact_sd, scatter);
         push[q] = t * j->pull[q];
         for (size_t o = 0; o < runs; o++)
-            m[q * runs + o] = t * hypot(j->p->run[o].contact_sd, scatter) * j->square[q * runs + o] + (q == o ? 1.0 : 0.0);
+            m[q * runs + o] =
+                t * hypot(j->p->run[o].contact_sd, scatter) * j->square[q * runs + o] + (q == o ? 1.0 : 0.0);
     }
     if (!dense_cholesky(runs, m))
         return -HUGE_VAL;

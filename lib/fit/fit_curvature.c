@@ -1,4 +1,5 @@
-/* fit_curvature.c: how well a fit's numbers are known: curvature of its chi2, noise that is correlated, contacts that are off. */
+/* fit_curvature.c: how well a fit's numbers are known: curvature of its chi2, noise that is correlated,
+ * contacts that are off. */
 #include "base/dense.h"
 #include "fit_internal.h"
 
@@ -45,13 +46,15 @@ static palp_status earlier_contact(const fit_problem *p, const double *v, double
     return status;
 }
 
-/* The residual's slopes by the strain of a run's blocks, for a plate whose place wanders in time seconds: arms that relax faster do not
- * answer. */
-static palp_status slopes_by_place(const fit_problem *p, const double *v, size_t r, double time, double *slope) {
+/* The residual's slopes by the strain of a run's blocks, for a plate whose place wanders in time seconds:
+ * arms that relax faster do not answer. */
+static palp_status slopes_by_place(const fit_problem *p, const double *v, size_t r, double time,
+                                   double *slope) {
     const fit_run *run = &p->run[r];
     const double *arm = v + p->n_springs;
     palp_law law;
-    palp_status status = p->settings->spring == PALP_SPRING_PER_RUN ? palp_law_polynomial(1, &v[r], &law) : fit_law(p, v, &law);
+    palp_status status = p->settings->spring == PALP_SPRING_PER_RUN ? palp_law_polynomial(1, &v[r], &law)
+                                                                    : fit_law(p, v, &law);
     double answer = 0.0, force;
     for (size_t j = 0; j < p->n_arms; j++)
         answer += exp(arm[2 * j]) / (1.0 + time / exp(arm[2 * j + 1]));
@@ -62,9 +65,10 @@ static palp_status slopes_by_place(const fit_problem *p, const double *v, size_t
     return status;
 }
 
-/* Covariance sum[n n] of the parameters by places of a run's blocks that are correlated over time seconds; moves[n blocks] by rows is
- * what a residual of each block moves them by; work[3 blocks]. */
-static void sum_wander(const fit_run *run, size_t n, const double *moves, double time, const double *slope, double *work, double *sum) {
+/* Covariance sum[n n] of the parameters by places of a run's blocks that are correlated over time seconds;
+ * moves[n blocks] by rows is what a residual of each block moves them by; work[3 blocks]. */
+static void sum_wander(const fit_run *run, size_t n, const double *moves, double time, const double *slope,
+                       double *work, double *sum) {
     double *near = work, *decay = work + run->n, *row = work + 2 * run->n;
     for (size_t i = 0; i < run->n; i++)
         decay[i] = i ? exp((run->time[i - 1] - run->time[i]) / time) : 0.0;
@@ -86,15 +90,17 @@ static void sum_wander(const fit_run *run, size_t n, const double *moves, double
     }
 }
 
-/* A plate wanders within a count of its encoder, as slowly as it likes: by the time that is worst for the parameters together, each
- * then by as much as the time that is worst for itself. */
-static palp_status add_wander(const fit_problem *p, const double *v, const double *jacobian, size_t r, size_t first, fit_curvature *c) {
+/* A plate wanders within a count of its encoder, as slowly as it likes: by the time that is worst for the
+ * parameters together, each then by as much as the time that is worst for itself. */
+static palp_status add_wander(const fit_problem *p, const double *v, const double *jacobian, size_t r,
+                              size_t first, fit_curvature *c) {
     const fit_run *run = &p->run[r];
     size_t n = fit_parameter_count(p), blocks = run->n;
     double *moves = calloc(n * blocks + 4 * blocks + 2 * n * n + n, sizeof *moves), most = 0.0;
     if (!moves)
         return PALP_ERR_NO_MEMORY;
-    double *slope = moves + n * blocks, *work = slope + blocks, *sum = work + 3 * blocks, *worst = sum + n * n, *own = worst + n * n;
+    double *slope = moves + n * blocks, *work = slope + blocks, *sum = work + 3 * blocks,
+           *worst = sum + n * n, *own = worst + n * n;
     for (size_t a = 0; a < n; a++)
         for (size_t i = 0; i < blocks; i++)
             for (size_t b = 0; b < n; b++)
@@ -164,7 +170,8 @@ void fit_sum_residual(const fit_problem *p, const double *residual, fit_curvatur
 /* Covariance of all parameters where they are of fewer: T (T' square T)^-1 T'. */
 static palp_status invert_reduced(const fit_problem *p, const double *square, double *covariance) {
     size_t n = fit_parameter_count(p), q = p->n_reduced;
-    double *half = malloc((2 * n * q + 2 * q * q) * sizeof *half), *back = half + n * q, *small = back + n * q, *inverse = small + q * q;
+    double *half = malloc((2 * n * q + 2 * q * q) * sizeof *half), *back = half + n * q,
+           *small = back + n * q, *inverse = small + q * q;
     if (!half)
         return PALP_ERR_NO_MEMORY;
     dense_product(n, q, n, square, p->reduced, half);
@@ -190,7 +197,8 @@ palp_status fit_find_curvature(const fit_problem *p, const double *v, fit_curvat
     if (!status) {
         fit_sum_residual(p, r, c);
         dense_transposed_product(n, n, m, jacobian, jacobian, square);
-        status = p->n_reduced ? invert_reduced(p, square, c->covariance) : fit_invert(n, square, c->covariance);
+        status =
+            p->n_reduced ? invert_reduced(p, square, c->covariance) : fit_invert(n, square, c->covariance);
     }
     if (!status)
         status = find_systematic(p, v, r, jacobian, c);

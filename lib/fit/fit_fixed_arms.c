@@ -1,4 +1,5 @@
-/* fit_fixed_arms.c: arms at fixed times, even in log: a spectrum that is not negative, or that of a fractional element. */
+/* fit_fixed_arms.c: arms at fixed times, even in log: a spectrum that is not negative, or that of a
+ * fractional element. */
 #include "base/dense.h"
 #include "fit_internal.h"
 #include "solve/least_squares.h"
@@ -34,10 +35,12 @@ static palp_status normal_make(const fit_problem *p, normal *e) {
 
 /* ---- a spectrum that is not negative ---- */
 
-/* Least |L' x - L^-1 right| with L L' the gram matrix, each column once more with the other sign where it may be negative. */
+/* Least |L' x - L^-1 right| with L L' the gram matrix, each column once more with the other sign where it may
+ * be negative. */
 static palp_status solve_positive(const normal *e, double *solution) {
     size_t n = e->n, all = n + e->springs;
-    double *l = calloc(n * n + all * n + n + all, sizeof *l), *a = l + n * n, *b = a + all * n, *x = b + n, residual;
+    double *l = calloc(n * n + all * n + n + all, sizeof *l), *a = l + n * n, *b = a + all * n, *x = b + n,
+           residual;
     if (!l)
         return PALP_ERR_NO_MEMORY;
     memcpy(l, e->gram, n * n * sizeof *l);
@@ -91,13 +94,15 @@ static palp_status solve_log(fit_problem *p, const normal *e, double *v) {
 
 /* ---- a fractional element ---- */
 
-/* The spectrum of an element of unit stiffness by the logarithm of the time, log x from that of the element. */
+/* The spectrum of an element of unit stiffness by the logarithm of the time, log x from that of the element.
+ */
 static double density(double a, double log_x) {
     return sin(PI * a) / (2.0 * PI * (cosh(a * log_x) + cos(PI * a)));
 }
 
-/* Arms of the trapezoidal rule, a step apart, which for smooth spectra is exact but for exp(-pi^2 / step). All from one on to ever
- * slower or faster times as one: *size of it, log of its time, slow ones by their mean rate, fast ones by their viscosity. */
+/* Arms of the trapezoidal rule, a step apart, which for smooth spectra is exact but for exp(-pi^2 / step).
+ * All from one on to ever slower or faster times as one: *size of it, log of its time, slow ones by their
+ * mean rate, fast ones by their viscosity. */
 static double tail(const double *theta, double log_time, double step, double *size) {
     enum { ARMS = 1000 };
     double sum = 0.0;
@@ -150,7 +155,7 @@ static void place(const fit_problem *p, const double *springs, const double *the
 typedef struct fractional {
     const fit_problem *problem;
     double unit[FIT_PARAMETERS_MAX], springs[FIT_PARAMETERS_MAX], *v, *jacobian; /* [n_blocks n_parameters] */
-    double origin; /* of log K */
+    double origin;                                                               /* of log K */
 } fractional;
 
 static void take(fractional *f, const double *u, double *theta) {
@@ -179,7 +184,8 @@ static palp_status evaluate(void *user, const double *u, double *residual, doubl
     return status;
 }
 
-/* What a fit with this time and exponent leaves, springs and stiffness by least squares; HUGE_VAL if that is negative. */
+/* What a fit with this time and exponent leaves, springs and stiffness by least squares; HUGE_VAL if that is
+ * negative. */
 static double try_start(const fit_problem *p, const normal *e, double *theta, double *solution) {
     size_t n = e->springs + 1;
     double weight[2 * PALP_ARMS_MAX], l[(PALP_LAW_MAX + 1) * (PALP_LAW_MAX + 1)];
@@ -195,7 +201,8 @@ static double try_start(const fit_problem *p, const normal *e, double *theta, do
             solution[a] += of * e->right[row];
             for (size_t b = 0; b <= a; b++)
                 for (size_t k = 0; k < (b < e->springs ? 1 : p->n_times); k++)
-                    l[a * n + b] += of * (b < e->springs ? 1.0 : exp(weight[2 * k])) * e->gram[row * e->n + b + k];
+                    l[a * n + b] +=
+                        of * (b < e->springs ? 1.0 : exp(weight[2 * k])) * e->gram[row * e->n + b + k];
         }
         l[a * n + a] *= 1.0 + 1e-12;
     }
@@ -214,7 +221,9 @@ static palp_status start(const fit_problem *p, const normal *e, double *v, doubl
     double best = HUGE_VAL, solution[PALP_LAW_MAX + 1];
     for (size_t i = 0; i < START_TIMES; i++)
         for (size_t k = 1; k <= EXPONENTS; k++) {
-            double at[3] = {0.0, log(p->tau_min) + log(p->tau_max / p->tau_min) * (double)i / (START_TIMES - 1), 0.1 * (double)k};
+            double at[3] = {0.0,
+                            log(p->tau_min) + log(p->tau_max / p->tau_min) * (double)i / (START_TIMES - 1),
+                            0.1 * (double)k};
             double left = try_start(p, e, at, solution);
             if (left >= best)
                 continue;
@@ -227,8 +236,9 @@ static palp_status start(const fit_problem *p, const normal *e, double *v, doubl
 
 enum { STRAINS = 40, ROWS = 6 + STRAINS };
 
-/* log tau within a thousand times the times, the exponent within 0.02 to 0.98, log K not below a millionth of the stiffness; K(e) > 0
- * at some strains, as a slow element is as good as a spring, which is then taken from the law's. unit: of the springs. */
+/* log tau within a thousand times the times, the exponent within 0.02 to 0.98, log K not below a millionth of
+ * the stiffness; K(e) > 0 at some strains, as a slow element is as good as a spring, which is then taken from
+ * the law's. unit: of the springs. */
 static size_t bound(const fit_problem *p, const double *unit, double *row, double *floor) {
     size_t n = p->n_reduced, k = p->n_springs;
     const double span = log(p->tau_max / p->tau_min) + log(1e3);
@@ -250,11 +260,13 @@ static size_t bound(const fit_problem *p, const double *unit, double *row, doubl
     return linear ? ROWS : 6;
 }
 
-static palp_status solve_fractional(fit_problem *p, const normal *e, double *v, double *theta, bool *converged) {
+static palp_status solve_fractional(fit_problem *p, const normal *e, double *v, double *theta,
+                                    bool *converged) {
     size_t n = fit_parameter_count(p), q = p->n_springs + 3, ns = p->n_springs;
     fractional f = {.problem = p, .v = v, .origin = log(p->stiffness)};
     arena memory = {0};
-    double *u = arena_take(&memory, q, sizeof *u), *row = arena_take(&memory, ROWS * q, sizeof *u), floor[ROWS], norm;
+    double *u = arena_take(&memory, q, sizeof *u), *row = arena_take(&memory, ROWS * q, sizeof *u),
+           floor[ROWS], norm;
     f.jacobian = arena_take(&memory, p->n_blocks * n, sizeof *u);
     p->n_reduced = q;
     p->reduced = arena_take(&p->memory, n * q, sizeof *p->reduced);
@@ -268,9 +280,14 @@ static palp_status solve_fractional(fit_problem *p, const normal *e, double *v, 
         u[ns] = theta[0] - f.origin;
         u[ns + 1] = theta[1] - log(p->tau_max);
         u[ns + 2] = theta[2];
-        least_squares problem = {.n_parameters = q, .n_residuals = p->n_blocks, .max_evaluations = 10 * p->settings->max_evaluations,
-                                 .stop_relative = 1e-7, .evaluate = evaluate, .user = &f,
-                                 .constraint = row, .floor = floor};
+        least_squares problem = {.n_parameters = q,
+                                 .n_residuals = p->n_blocks,
+                                 .max_evaluations = 10 * p->settings->max_evaluations,
+                                 .stop_relative = 1e-7,
+                                 .evaluate = evaluate,
+                                 .user = &f,
+                                 .constraint = row,
+                                 .floor = floor};
         problem.n_constraints = bound(p, f.unit, row, floor);
         status = least_squares_solve(&problem, u, &norm, converged);
     }
@@ -287,7 +304,8 @@ palp_status fit_solve_spectrum(fit_problem *p, double *v, double *theta, bool *c
     palp_status status = normal_make(p, &e);
     *converged = true;
     if (!status)
-        status = p->settings->arms == PALP_ARMS_LOG ? solve_log(p, &e, v) : solve_fractional(p, &e, v, theta, converged);
+        status = p->settings->arms == PALP_ARMS_LOG ? solve_log(p, &e, v)
+                                                    : solve_fractional(p, &e, v, theta, converged);
     free(e.gram);
     return status;
 }
@@ -312,12 +330,14 @@ static palp_status covariance_of(const fit_problem *p, const fit_curvature *c, d
     return status;
 }
 
-palp_status fit_estimate_fractional(const fit_problem *p, const double *theta, const fit_curvature *c, palp_lumped_fit *fit) {
+palp_status fit_estimate_fractional(const fit_problem *p, const double *theta, const fit_curvature *c,
+                                    palp_lumped_fit *fit) {
     static const char *const names[3] = {"K_frac", "tau_frac", "exponent"}, *const units[3] = {"N", "s", "1"};
     const double z = 1.959963984540054;
     size_t q = p->n_reduced, ns = p->n_springs;
     double *covariance = calloc(q * q, sizeof *covariance);
-    palp_status status = covariance ? covariance_of(p, c, fit->inflation * fit->inflation, covariance) : PALP_ERR_NO_MEMORY;
+    palp_status status =
+        covariance ? covariance_of(p, c, fit->inflation * fit->inflation, covariance) : PALP_ERR_NO_MEMORY;
     for (size_t k = 0; k < 3 && !status; k++) {
         palp_estimate *e = &fit->estimate[ns + k];
         double sd = sqrt(fmax(covariance[(ns + k) * q + ns + k], 0.0));

@@ -15,12 +15,13 @@ typedef struct fit_run {
     double *count;                 /* [n] samples; 0 = the block only carries the history */
     double noise;                  /* sd of a sample, N, > 0 */
     double zero_sd;                /* of the force that was taken for zero, N */
-    double air_sd;           /* of the contact's strain by the air before it, where contact_sd is 0 */
-    double contact_sd;             /* of the strain, by the depth that was taken for contact; 0 where the air spoke for it */
-    double place_sd;               /* of the strain, as the plate may be anywhere within a count of its encoder */
-    double end;                    /* last time from the start, s */
-    double peak;                   /* largest |force| of a block, N */
-    bool leaves;                   /* the plate goes back and does not pull: it leaves a specimen that lags behind */
+    double air_sd;                 /* of the contact's strain by the air before it, where contact_sd is 0 */
+    double
+        contact_sd; /* of the strain, by the depth that was taken for contact; 0 where the air spoke for it */
+    double place_sd; /* of the strain, as the plate may be anywhere within a count of its encoder */
+    double end;      /* last time from the start, s */
+    double peak;     /* largest |force| of a block, N */
+    bool leaves;     /* the plate goes back and does not pull: it leaves a specimen that lags behind */
 } fit_run;
 
 typedef struct fit_problem {
@@ -29,18 +30,18 @@ typedef struct fit_problem {
     fit_run *run;
     const palp_characterize_settings *settings;
     double height_m, strain_max;
-    double stiffness;        /* largest force by depth of all runs, N: what is large and small */
+    double stiffness; /* largest force by depth of all runs, N: what is large and small */
     double tau_min, tau_max;
-    size_t n_springs;        /* parameters of the spring */
-    palp_law law;            /* kind and shape; a constant with PALP_SPRING_PER_RUN */
+    size_t n_springs; /* parameters of the spring */
+    palp_law law;     /* kind and shape; a constant with PALP_SPRING_PER_RUN */
     size_t n_arms;
-    double least;            /* K(e) stays above this share of the stiffness of all; 0 = it is free */
-    size_t n_times;          /* arms at fixed times: LOG and FRACTIONAL; 0 = free ones */
+    double least;               /* K(e) stays above this share of the stiffness of all; 0 = it is free */
+    size_t n_times;             /* arms at fixed times: LOG and FRACTIONAL; 0 = free ones */
     double time[PALP_ARMS_MAX]; /* [n_times] rising, even in log */
-    size_t n_reduced;        /* and of how many parameters they then are; 0 = of all */
-    double *reduced;         /* [n_parameters n_reduced] by columns: derivatives of the parameters by those */
+    size_t n_reduced;           /* and of how many parameters they then are; 0 = of all */
+    double *reduced; /* [n_parameters n_reduced] by columns: derivatives of the parameters by those */
     const unsigned char *held_out; /* [n_blocks] 1 = not fitted; NULL = all are */
-    double stop_relative;    /* a fit stops where chi2 no longer falls by this part of it */
+    double stop_relative;          /* a fit stops where chi2 no longer falls by this part of it */
 } fit_problem;
 
 enum { FIT_PARAMETERS_MAX = 512 };
@@ -58,18 +59,21 @@ size_t fit_parameter_count(const fit_problem *problem);
  * springs, log K_j, log tau_j ... jacobian may be NULL. */
 palp_status fit_evaluate(const fit_problem *problem, const double *p, double *residual, double *jacobian);
 
-/* Response of an arm of unit stiffness to a run's strain, and its derivative by log tau; slope may be NULL. */
+/* Response of an arm of unit stiffness to a run's strain, and its derivative by log tau; slope may be NULL.
+ */
 void fit_arm_response(const fit_run *run, double tau, double *response, double *slope);
 
-/* Whether a recording's force says that its contact pulls: by more than its noise, its zero and a share of its peak. */
+/* Whether a recording's force says that its contact pulls: by more than its noise, its zero and a share of
+ * its peak. */
 bool fit_pulls(const palp_recording *recording);
 
 /* Whether its plate goes back, beyond the last withdrawal, and does not pull. */
 bool fit_leaves(const palp_recording *recording);
 
-/* Residuals of run r, whose first block is first, with a plate that leaves a specimen which lags behind it. */
-palp_status fit_run_one_sided(const fit_problem *problem, const palp_law *law, const double *p, size_t r, size_t first,
-                              double *residual, double *jacobian);
+/* Residuals of run r, whose first block is first, with a plate that leaves a specimen which lags behind it.
+ */
+palp_status fit_run_one_sided(const fit_problem *problem, const palp_law *law, const double *p, size_t r,
+                              size_t first, double *residual, double *jacobian);
 
 /* The same for the force: at[n] are the plate's strains and become forces. */
 void fit_force_one_sided(const palp_material *material, size_t n, const double *time, double *at);
@@ -115,10 +119,11 @@ palp_status fit_finish(fit_problem *problem, const double *v, const fit_curvatur
                        const palp_recording *recordings, const palp_characterize_settings *settings,
                        palp_lumped_fit *fit);
 
-/* Normal equations of springs and arms at n_times times, gram[columns^2] whole below its diagonal and right[columns], the caller's
- * and 0: the spring's columns, n_springs or one for a law that is not linear, then the arms'. *total: the forces' own square. */
-palp_status fit_normal_equations(const fit_problem *problem, size_t n_times, const double *time, double *gram, double *right,
-                                 double *total);
+/* Normal equations of springs and arms at n_times times, gram[columns^2] whole below its diagonal and
+ * right[columns], the caller's and 0: the spring's columns, n_springs or one for a law that is not linear,
+ * then the arms'. *total: the forces' own square. */
+palp_status fit_normal_equations(const fit_problem *problem, size_t n_times, const double *time, double *gram,
+                                 double *right, double *total);
 size_t fit_spring_columns(const fit_problem *problem);
 
 /* Springs of a solution of these. */
@@ -128,34 +133,38 @@ void fit_springs_of(const fit_problem *problem, const double *solution, double *
 palp_status fit_solve_spectrum(fit_problem *problem, double *p, double *theta, bool *converged);
 
 /* In place of the arms' estimates those of FRACTIONAL. */
-palp_status fit_estimate_fractional(const fit_problem *problem, const double *theta, const fit_curvature *c, palp_lumped_fit *fit);
+palp_status fit_estimate_fractional(const fit_problem *problem, const double *theta, const fit_curvature *c,
+                                    palp_lumped_fit *fit);
 
-/* Inverse of the symmetric a[n n], which is destroyed, scaled to a unit diagonal first, with the least ridge from rounding size on
- * that makes it positive definite: along what the data do not tell, variances are very large, never negative. ERR_SINGULAR: it is
- * indefinite by more than rounding, or not finite. */
+/* Inverse of the symmetric a[n n], which is destroyed, scaled to a unit diagonal first, with the least ridge
+ * from rounding size on that makes it positive definite: along what the data do not tell, variances are very
+ * large, never negative. ERR_SINGULAR: it is indefinite by more than rounding, or not finite. */
 palp_status fit_invert(size_t n, double *a, double *inverse);
 
-/* Where contact is against where it was taken for, in strain, a nuisance parameter beside the fit's: one for all runs, or one
- * a run with a scatter that is learned from the runs (as its mean square, estimates and their variances together). */
+/* Where contact is against where it was taken for, in strain, a nuisance parameter beside the fit's: one for
+ * all runs, or one a run with a scatter that is learned from the runs (as its mean square, estimates and
+ * their variances together). */
 typedef struct fit_contacts {
     arena memory;
     bool common;
-    size_t n;                /* 1 or n_runs */
-    double *plain;           /* [n_blocks] strains of the recordings */
+    size_t n;                 /* 1 or n_runs */
+    double *plain;            /* [n_blocks] strains of the recordings */
     double *shift, *shift_sd; /* [n] later contact is positive */
-    double *sd;              /* [n_runs] what the recordings say of their contacts */
+    double *sd;               /* [n_runs] what the recordings say of their contacts */
     double scatter, misfit;
-    double *covariance;      /* [n_parameters^2] of the fit's parameters with the shifts free */
+    double *covariance; /* [n_parameters^2] of the fit's parameters with the shifts free */
 } fit_contacts;
 
 palp_status fit_contacts_create(const fit_problem *problem, bool common, fit_contacts *contacts);
 void fit_contacts_free(fit_contacts *contacts);
 
-/* Residual by shift by[n_blocks], by differences: a run's blocks depend on its own shift alone. other: scratch, as large. */
-palp_status fit_contacts_differentiate(const fit_problem *problem, const fit_contacts *contacts, const double *p, double *by,
-                                       double *other);
+/* Residual by shift by[n_blocks], by differences: a run's blocks depend on its own shift alone. other:
+ * scratch, as large. */
+palp_status fit_contacts_differentiate(const fit_problem *problem, const fit_contacts *contacts,
+                                       const double *p, double *by, double *other);
 
-/* log of how much likelier what a fit p with known contacts leaves is with contacts that differ from run to run. */
+/* log of how much likelier what a fit p with known contacts leaves is with contacts that differ from run to
+ * run. */
 palp_status fit_contacts_weigh(const fit_problem *problem, const double *p, double *log_evidence);
 
 /* From a fit p with known contacts; the problem's strains are then those of the contacts found. */
@@ -165,22 +174,22 @@ palp_status fit_contacts_solve(fit_problem *problem, double *p, fit_contacts *co
 palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);
 
-/* The first arm that cannot be told from the next, or from none; n_arms if all can. Two arms are one if their times differ
- * by less than two sds, or by less than 15 %; an arm is nothing if the sd of log K is above 2. covariance[n n] of the
- * parameters v[n], times in rising order; widen: factor on the sds. */
+/* The first arm that cannot be told from the next, or from none; n_arms if all can. Two arms are one if their
+ * times differ by less than two sds, or by less than 15 %; an arm is nothing if the sd of log K is above 2.
+ * covariance[n n] of the parameters v[n], times in rising order; widen: factor on the sds. */
 size_t fit_weakest_arm(const fit_problem *problem, const double *v, const double *covariance, double widen);
 
 /* The candidate to take by its losses, loss[candidates groups] (0: a group without any): the first
- * whose losses are typically within two standard errors of the best one's, or within a fifth (a tenth in rms):
- * less than that is not worth a parameter. score[candidates]: mean losses; sd[candidates]: standard error of the
- * difference to the best. */
+ * whose losses are typically within two standard errors of the best one's, or within a fifth (a tenth in
+ * rms): less than that is not worth a parameter. score[candidates]: mean losses; sd[candidates]: standard
+ * error of the difference to the best. */
 size_t fit_choose(size_t candidates, size_t groups, const double *loss, double *score, double *sd);
 
 /* What a user of recordings is told of a status; what is in error already stays. */
 palp_status fit_failed(palp_error *error, palp_status status, const char *recording);
 
 /* rms_N and absolute_N, which are 0 so far, of the fit's material over the samples that count. */
-palp_status fit_fill_residuals(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                               palp_lumped_fit *fit);
+palp_status fit_fill_residuals(size_t n, const palp_recording *recordings,
+                               const palp_characterize_settings *settings, palp_lumped_fit *fit);
 
 #endif

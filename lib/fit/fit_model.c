@@ -53,7 +53,8 @@ palp_status fit_material(const fit_problem *p, const double *v, palp_material *m
     return fit_law(p, v, &material->law);
 }
 
-/* Spring force of run r and, unless NULL, its derivatives by the spring's parameters: one where each run has its own. */
+/* Spring force of run r and, unless NULL, its derivatives by the spring's parameters: one where each run has
+ * its own. */
 static void spring(const fit_problem *p, const palp_law *law, const double *v, size_t r, double e,
                    double *force, double *derivative) {
     if (p->settings->spring == PALP_SPRING_PER_RUN) {

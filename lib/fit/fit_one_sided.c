@@ -1,5 +1,5 @@
-/* fit_one_sided.c: a plate that withdraws faster than the specimen recovers leaves it, as contact cannot pull; the surface then lags
- * behind, free of force, and the plate meets it again on its next way down. */
+/* fit_one_sided.c: a plate that withdraws faster than the specimen recovers leaves it, as contact cannot
+ * pull; the surface then lags behind, free of force, and the plate meets it again on its next way down. */
 #include "fit_internal.h"
 
 #include <math.h>
@@ -8,7 +8,8 @@
 
 /* ---- whether a recording pulls ---- */
 
-/* Mean force from sample i on of as many neighbours in touch as speak for it, and whether there are so many. */
+/* Mean force from sample i on of as many neighbours in touch as speak for it, and whether there are so many.
+ */
 static bool mean_of(const palp_recording *rec, size_t i, size_t many, double *mean) {
     double sum = 0.0;
     for (size_t k = i; k < i + many; k++) {
@@ -47,10 +48,11 @@ bool fit_leaves(const palp_recording *rec) {
 
 /* ---- where the surface is ---- */
 
-/* The strain at which law(e) + push + stiffness (e - start) is 0, above the plate's, where it is negative: Newton in a bracket. It ends
- * a little beyond the strain of before, as a free surface recovers: where a law that falls is free again, farther in, none jumps to.
- * False: there is no such strain, and *strain stays. */
-static bool free_strain(const palp_law *law, double plate, double push, double start, double stiffness, double *strain) {
+/* The strain at which law(e) + push + stiffness (e - start) is 0, above the plate's, where it is negative:
+ * Newton in a bracket. It ends a little beyond the strain of before, as a free surface recovers: where a law
+ * that falls is free again, farther in, none jumps to. False: there is no such strain, and *strain stays. */
+static bool free_strain(const palp_law *law, double plate, double push, double start, double stiffness,
+                        double *strain) {
     const double close = 1e-12, most = fmin(0.999, fmax(plate, start) + 0.1 * fabs(start));
     double low = plate, high = most, e = fmin(fmax(start, low), high), last = 0.0;
     for (int i = 0; i < 100; i++) {
@@ -73,10 +75,11 @@ static bool free_strain(const palp_law *law, double plate, double push, double s
     return true;
 }
 
-/* Force where the plate has moved from the strain of before to *strain, of arms that have rest[n] without that motion and take gain[n] by
- * a strain of 1. Where it would pull, the surface leaves the plate: *strain is then where it is free, the force 0, and *tangent, unless
- * NULL, its derivative by the strain there. */
-static double press(const palp_law *law, size_t n, const double *rest, const double *gain, double before, double *strain, double *tangent) {
+/* Force where the plate has moved from the strain of before to *strain, of arms that have rest[n] without
+ * that motion and take gain[n] by a strain of 1. Where it would pull, the surface leaves the plate: *strain
+ * is then where it is free, the force 0, and *tangent, unless NULL, its derivative by the strain there. */
+static double press(const palp_law *law, size_t n, const double *rest, const double *gain, double before,
+                    double *strain, double *tangent) {
     double force, push = 0.0, stiffness = 0.0;
     for (size_t j = 0; j < n; j++) {
         push += rest[j];
@@ -110,21 +113,24 @@ void fit_force_one_sided(const palp_material *material, size_t n, const double *
 
 /* ---- a run of the fit ---- */
 
-/* A specimen with its derivatives by the parameters that move it: its springs, then log K_j and log tau_j of each arm. */
+/* A specimen with its derivatives by the parameters that move it: its springs, then log K_j and log tau_j of
+ * each arm. */
 typedef struct surface {
     const palp_law *law;
-    size_t n_springs, n_arms, n;  /* n: of all these */
-    const double *arm;            /* log K_j, log tau_j in turn */
-    double strain, *strain_p;     /* [n] */
-    double *q, *q_p;              /* [n_arms] the arms' forces, [n_arms n] */
-    double *rest, *rest_p;        /* the same after a step without motion */
-    double *gain, *gain_p;        /* [n_arms] by a strain of 1, [2 n_arms] by log K_j and log tau_j */
-    double *by_spring;            /* [n_springs] */
+    size_t n_springs, n_arms, n; /* n: of all these */
+    const double *arm;           /* log K_j, log tau_j in turn */
+    double strain, *strain_p;    /* [n] */
+    double *q, *q_p;             /* [n_arms] the arms' forces, [n_arms n] */
+    double *rest, *rest_p;       /* the same after a step without motion */
+    double *gain, *gain_p;       /* [n_arms] by a strain of 1, [2 n_arms] by log K_j and log tau_j */
+    double *by_spring;           /* [n_springs] */
 } surface;
 
 static palp_status take_memory(arena *memory, surface *s) {
-    double **arrays[] = {&s->strain_p, &s->q, &s->q_p, &s->rest, &s->rest_p, &s->gain, &s->gain_p, &s->by_spring};
-    const size_t sizes[] = {s->n, s->n_arms, s->n_arms * s->n, s->n_arms, s->n_arms * s->n, s->n_arms, 2 * s->n_arms, s->n_springs};
+    double **arrays[] = {&s->strain_p, &s->q,    &s->q_p,    &s->rest,
+                         &s->rest_p,   &s->gain, &s->gain_p, &s->by_spring};
+    const size_t sizes[] = {s->n,      s->n_arms,     s->n_arms * s->n, s->n_arms, s->n_arms * s->n,
+                            s->n_arms, 2 * s->n_arms, s->n_springs};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
         *arrays[i] = arena_take(memory, sizes[i] + 1, sizeof(double));
     return memory->failed ? PALP_ERR_NO_MEMORY : PALP_OK;
@@ -187,16 +193,18 @@ static double advance(surface *s, double plate, double dt, double *force_p, doub
     return force;
 }
 
-palp_status fit_run_one_sided(const fit_problem *p, const palp_law *law, const double *v, size_t r, size_t first, double *residual,
-                              double *jacobian) {
+palp_status fit_run_one_sided(const fit_problem *p, const palp_law *law, const double *v, size_t r,
+                              size_t first, double *residual, double *jacobian) {
     const fit_run *run = &p->run[r];
     bool own = p->settings->spring == PALP_SPRING_PER_RUN;
     size_t m = p->n_blocks;
     arena memory = {0};
     palp_law plain = *law;
-    surface s = {.law = &plain, .n_springs = own ? 1 : p->n_springs, .n_arms = p->n_arms, .arm = v + p->n_springs};
+    surface s = {
+        .law = &plain, .n_springs = own ? 1 : p->n_springs, .n_arms = p->n_arms, .arm = v + p->n_springs};
     s.n = s.n_springs + 2 * s.n_arms;
-    double *force_p = arena_take(&memory, s.n, sizeof *force_p), *work = arena_take(&memory, s.n, sizeof *work);
+    double *force_p = arena_take(&memory, s.n, sizeof *force_p),
+           *work = arena_take(&memory, s.n, sizeof *work);
     palp_status status = take_memory(&memory, &s);
     if (own && !status)
         status = palp_law_polynomial(1, &v[r], &plain);

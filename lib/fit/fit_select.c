@@ -10,7 +10,8 @@
 
 enum { FOLDS = 5, GROUPS = 40 };
 
-static const double COARSE = 1e-5; /* where a fit stops that is only compared: losses within a fifth are alike */
+static const double COARSE =
+    1e-5; /* where a fit stops that is only compared: losses within a fifth are alike */
 
 /* Blocks in groups (of one recording, neighbours in log time), groups in folds. With three recordings and
  * one law for all, a fold is a recording. */
@@ -26,8 +27,8 @@ typedef struct folds {
     bool by_run;
 } folds;
 
-/* Of a long recording every so many blocks speak, the others carry the history only: some hundred of them in a group tell
- * losses apart that differ by a fifth. */
+/* Of a long recording every so many blocks speak, the others carry the history only: some hundred of them in
+ * a group tell losses apart that differ by a fifth. */
 static void thin(fit_problem *p) {
     enum { ENOUGH = 200 * GROUPS };
     for (size_t r = 0; r < p->n_runs; r++)
@@ -35,8 +36,8 @@ static void thin(fit_problem *p) {
             p->run[r].count[i] *= i % every == 0;
 }
 
-/* Weights of the blocks in the groups: 1, or more for those that go deeper than all before them, so that a third of the groups
- * at least are theirs: they tell the law, and a sweep has few of them. */
+/* Weights of the blocks in the groups: 1, or more for those that go deeper than all before them, so that a
+ * third of the groups at least are theirs: they tell the law, and a sweep has few of them. */
 static void weigh_blocks(const fit_run *run, double *weight) {
     double deepest = 0.0, deeper = 0.0, rest = 0.0;
     for (size_t b = 0; b < run->n; b++) {
@@ -127,10 +128,12 @@ static double others_strain(const fit_problem *p, size_t but) {
     return most;
 }
 
-/* What the fit of the rest would leave of the blocks of a fold, by one Gauss-Newton step from the fit of all, exact for
- * what is linear: d = (J'J - Jf'Jf)^-1 Jf' rf, and rf + Jf d is left. square = J'J; work[3 n n + 2 n]. */
-static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, const double *residual, const double *jacobian,
-                            const double *square, double *work, double *loss, double *count, double *all) {
+/* What the fit of the rest would leave of the blocks of a fold, by one Gauss-Newton step from the fit of all,
+ * exact for what is linear: d = (J'J - Jf'Jf)^-1 Jf' rf, and rf + Jf d is left. square = J'J; work[3 n n + 2
+ * n]. */
+static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, const double *residual,
+                            const double *jacobian, const double *square, double *work, double *loss,
+                            double *count, double *all) {
     size_t n = fit_parameter_count(p), m = p->n_blocks;
     double *rest = work, *inverse = rest + n * n, *pull = inverse + n * n, *step = pull + n;
     memcpy(rest, square, n * n * sizeof *rest);
@@ -166,9 +169,10 @@ static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, c
     return status;
 }
 
-/* One fit, and all folds from its derivatives. arms[2 n_arms]: of the law before, to start from, if *started; then of this
- * one. */
-static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *started, double *loss, double *left) {
+/* One fit, and all folds from its derivatives. arms[2 n_arms]: of the law before, to start from, if *started;
+ * then of this one. */
+static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *started, double *loss,
+                                  double *left) {
     size_t n = fit_parameter_count(p), m = p->n_blocks, bytes = 2 * p->n_arms * sizeof *arms;
     double *v = calloc(n + m + m * n + 4 * n * n + 2 * n + f->n_groups, sizeof *v), chi2;
     bool done;
@@ -195,8 +199,8 @@ static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *
     return status;
 }
 
-/* Mean over the groups of log(loss a / loss b), and its standard error: the logarithm keeps a few groups of a large
- * loss, a corner or a first sample, from hiding all others. */
+/* Mean over the groups of log(loss a / loss b), and its standard error: the logarithm keeps a few groups of a
+ * large loss, a corner or a first sample, from hiding all others. */
 static double log_ratio(size_t groups, const double *a, const double *b, double *error) {
     double sum = 0.0, square = 0.0, used = 0.0;
     for (size_t g = 0; g < groups; g++) {
@@ -238,9 +242,9 @@ size_t fit_choose(size_t candidates, size_t groups, const double *loss, double *
     return chosen;
 }
 
-static palp_status select_best(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                               bool arms, size_t candidates, double *score, double *sd, size_t *chosen,
-                               palp_error *error) {
+static palp_status select_best(size_t n, const palp_recording *recordings,
+                               const palp_characterize_settings *settings, bool arms, size_t candidates,
+                               double *score, double *sd, size_t *chosen, palp_error *error) {
     folds f = {.loss = NULL};
     palp_characterize_settings largest = *settings;
     double one[PALP_LAW_MAX] = {1.0};
@@ -270,8 +274,9 @@ static palp_status select_best(size_t n, const palp_recording *recordings, const
     return status ? fit_failed(error, status, recordings[0].name) : PALP_OK;
 }
 
-palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                             size_t max_arms, double *score, double *sd, size_t *best, palp_error *error) {
+palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings,
+                                          const palp_characterize_settings *settings, size_t max_arms,
+                                          double *score, double *sd, size_t *best, palp_error *error) {
     if (!recordings || !settings || !score || !sd || !best)
         return palp_error_null(error);
     if (max_arms > PALP_ARMS_MAX)
@@ -279,9 +284,9 @@ palp_status palp_characterize_select_arms(size_t n, const palp_recording *record
     return select_best(n, recordings, settings, true, max_arms + 1, score, sd, best, error);
 }
 
-palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                               size_t max_degree, double *score, double *sd, size_t *best,
-                               palp_error *error) {
+palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings,
+                                            const palp_characterize_settings *settings, size_t max_degree,
+                                            double *score, double *sd, size_t *best, palp_error *error) {
     if (!recordings || !settings || !score || !sd || !best)
         return palp_error_null(error);
     if (max_degree + 1 > PALP_LAW_MAX)
@@ -305,8 +310,8 @@ static double rms_excess(size_t groups, const double *a, const double *b, double
     return mean;
 }
 
-/* By how much law a leaves more than law b, in squares of the noise, and the standard error of that by the noise: that of
- * 2 sum (a - b) b, widened as fit_inflation widens intervals. */
+/* By how much law a leaves more than law b, in squares of the noise, and the standard error of that by the
+ * noise: that of 2 sum (a - b) b, widened as fit_inflation widens intervals. */
 static double squares_excess(const fit_problem *p, const double *a, const double *b, double *error) {
     fit_curvature c = {0};
     double sum = 0.0, apart = 0.0;
@@ -319,8 +324,9 @@ static double squares_excess(const fit_problem *p, const double *a, const double
     return sum;
 }
 
-/* Of blocks of recordings that were all fitted, the first law that leaves no more than the best one by two standard errors: a law
- * that misses some percent of the noise over thousands of them moves its arms by several sds. */
+/* Of blocks of recordings that were all fitted, the first law that leaves no more than the best one by two
+ * standard errors: a law that misses some percent of the noise over thousands of them moves its arms by
+ * several sds. */
 static size_t choose_by_blocks(const folds *f, const fit_problem *p, size_t laws) {
     size_t best = 0, chosen = 0, m = p->n_blocks;
     double error;
@@ -332,9 +338,9 @@ static size_t choose_by_blocks(const folds *f, const fit_problem *p, size_t laws
     return chosen;
 }
 
-/* Of recordings left out, which have a zero force and a contact of their own, the first law that leaves no more than the best one by
- * two standard errors, or a tenth, in the mean of the groups' rms: a law is for its forces, large ones above all, where arms are for a
- * spectrum and go by logarithms. */
+/* Of recordings left out, which have a zero force and a contact of their own, the first law that leaves no
+ * more than the best one by two standard errors, or a tenth, in the mean of the groups' rms: a law is for its
+ * forces, large ones above all, where arms are for a spectrum and go by logarithms. */
 static size_t choose_by_runs(const folds *f, size_t laws) {
     size_t best = 0, chosen = 0, groups = f->n_groups;
     double error, typical = 0.0, used = 0.0, *loss = f->loss;
@@ -345,7 +351,8 @@ static size_t choose_by_runs(const folds *f, size_t laws) {
         typical += sqrt(loss[best * groups + g]);
         used += loss[best * groups + g] > 0.0;
     }
-    while (chosen < best && rms_excess(groups, loss + chosen * groups, loss + best * groups, &error) > fmax(2.0 * error, 0.1 * typical / fmax(used, 1.0)))
+    while (chosen < best && rms_excess(groups, loss + chosen * groups, loss + best * groups, &error) >
+                                fmax(2.0 * error, 0.1 * typical / fmax(used, 1.0)))
         chosen++;
     return chosen;
 }
@@ -361,8 +368,9 @@ static void lose(const folds *f, const fit_problem *p, double *loss, double *lef
         }
 }
 
-palp_status palp_characterize_select_law(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                                         size_t n_laws, const palp_law *law, double *score, double *sd, size_t *best,
+palp_status palp_characterize_select_law(size_t n, const palp_recording *recordings,
+                                         const palp_characterize_settings *settings, size_t n_laws,
+                                         const palp_law *law, double *score, double *sd, size_t *best,
                                          palp_error *error) {
     if (!recordings || !settings || !law || !score || !sd || !best)
         return palp_error_null(error);

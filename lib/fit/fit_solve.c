@@ -12,7 +12,7 @@ enum { TIMES = 14, STARTS_MAX = 16 };
 /* Normal equations of springs and arms at fixed times on the grid. */
 typedef struct scan {
     const fit_problem *problem;
-    size_t n_springs; /* columns of the spring: its parameters, or one for a law that is not linear */
+    size_t n_springs;        /* columns of the spring: its parameters, or one for a law that is not linear */
     size_t n_times, columns; /* n_springs + n_times */
     double tau[PALP_ARMS_MAX];
     double *gram, *right; /* [columns^2], [columns] */
@@ -84,9 +84,10 @@ static palp_status sum_up(scan *s) {
     return PALP_OK;
 }
 
-palp_status fit_normal_equations(const fit_problem *p, size_t n_times, const double *time, double *gram, double *right,
-                                 double *total) {
-    scan s = {.problem = p, .n_times = n_times, .n_springs = fit_spring_columns(p), .gram = gram, .right = right};
+palp_status fit_normal_equations(const fit_problem *p, size_t n_times, const double *time, double *gram,
+                                 double *right, double *total) {
+    scan s = {
+        .problem = p, .n_times = n_times, .n_springs = fit_spring_columns(p), .gram = gram, .right = right};
     s.columns = s.n_springs + n_times;
     memcpy(s.tau, time, n_times * sizeof *time);
     palp_status status = sum_up(&s);
@@ -168,7 +169,10 @@ static palp_status try_choices(scan *s) {
 }
 
 palp_status fit_scan(const fit_problem *p, size_t n_starts, double *start, size_t *found) {
-    scan s = {.problem = p, .n_times = TIMES, .start = start, .n_starts = n_starts < STARTS_MAX ? n_starts : STARTS_MAX};
+    scan s = {.problem = p,
+              .n_times = TIMES,
+              .start = start,
+              .n_starts = n_starts < STARTS_MAX ? n_starts : STARTS_MAX};
     if (p->n_arms > TIMES)
         return PALP_ERR_LIMIT;
     s.n_springs = fit_spring_columns(p);
@@ -186,7 +190,8 @@ palp_status fit_scan(const fit_problem *p, size_t n_starts, double *start, size_
     return status;
 }
 
-/* Parameters without units, v = origin + unit u, so that the solver takes the same way in newtons and in nanonewtons. */
+/* Parameters without units, v = origin + unit u, so that the solver takes the same way in newtons and in
+ * nanonewtons. */
 typedef struct plain_numbers {
     const fit_problem *problem;
     double unit[FIT_PARAMETERS_MAX], origin[FIT_PARAMETERS_MAX], v[FIT_PARAMETERS_MAX];
@@ -267,7 +272,8 @@ static size_t constrain(const fit_problem *p, double *row, double *floor) {
     return rows;
 }
 
-static palp_status polish(const fit_problem *p, size_t max_evaluations, double *v, double *chi2, bool *converged) {
+static palp_status polish(const fit_problem *p, size_t max_evaluations, double *v, double *chi2,
+                          bool *converged) {
     size_t n = fit_parameter_count(p), most = 4 * p->n_arms + GRID + PALP_LAW_MAX;
     double *row = calloc(most * n + most, sizeof *row), norm = 0.0;
     if (!row)
@@ -324,8 +330,8 @@ static palp_status polish_starts(fit_problem *p, double *v, double *chi2, bool *
     return status;
 }
 
-/* K(e) > 0 over the strains measured, where the fit came out otherwise: at some strains, by as much as it takes to be so between
- * them. */
+/* K(e) > 0 over the strains measured, where the fit came out otherwise: at some strains, by as much as it
+ * takes to be so between them. */
 static palp_status keep_positive(fit_problem *p, double *v, double *chi2, bool *converged) {
     const double least = 1e-3, most = 0.1;
     palp_law law;

@@ -1,5 +1,6 @@
-/* fit_spread.c: see fit_spread.h. Everything is in numbers u = L' x in which the specimens' own covariances are 1 in the
- * (harmonic) mean, so that the eigenvalues of "between" are variances in units of what a specimen's runs leave open. */
+/* fit_spread.c: see fit_spread.h. Everything is in numbers u = L' x in which the specimens' own covariances
+ * are 1 in the (harmonic) mean, so that the eigenvalues of "between" are variances in units of what a
+ * specimen's runs leave open. */
 #include "fit_spread.h"
 
 #include "base/arena.h"
@@ -14,11 +15,12 @@ enum { ROUNDS = 500 };
 typedef struct whitened {
     fit_spread *s;
     arena memory;
-    double *l;            /* [n n] lower triangle in rows, zeros above */
-    double *u, *v, *w;    /* [n_specimens n], [n_specimens n n] twice: numbers, covariances, weights (v + between)^-1 */
+    double *l; /* [n n] lower triangle in rows, zeros above */
+    double *u, *v,
+        *w; /* [n_specimens n], [n_specimens n n] twice: numbers, covariances, weights (v + between)^-1 */
     double *between, *mean, *covariance; /* [n n], [n], [n n] */
-    double *a, *b, *sum;  /* [n n] scratch */
-    double *value;        /* [n] eigenvalues */
+    double *a, *b, *sum;                 /* [n n] scratch */
+    double *value;                       /* [n] eigenvalues */
 } whitened;
 
 static palp_status take_memory(whitened *h) {
@@ -110,7 +112,8 @@ static bool find_mean(whitened *h) {
     return true;
 }
 
-/* Adds to sum what specimen i says of "between": E[b b'] = m m' + B - B (W - W C W) B with m = B W (u - mean). */
+/* Adds to sum what specimen i says of "between": E[b b'] = m m' + B - B (W - W C W) B with m = B W (u -
+ * mean). */
 static void add_moment(whitened *h, size_t i) {
     size_t n = h->s->n;
     const double *w = h->w + i * n * n, *b = h->between;
@@ -121,12 +124,12 @@ static void add_moment(whitened *h, size_t i) {
     dense_times(n, n, 1.0, b, m, 0.0, apart);
     for (size_t k = 0; k < n * n; k++)
         h->sum[k] += apart[k / n] * apart[k % n] + b[k];
-    dense_product(n, n, n, w, b, h->a);                 /* G = W B */
-    dense_transposed_product(n, n, n, h->a, b, h->b);   /* B W B */
+    dense_product(n, n, n, w, b, h->a);               /* G = W B */
+    dense_transposed_product(n, n, n, h->a, b, h->b); /* B W B */
     for (size_t k = 0; k < n * n; k++)
         h->sum[k] -= h->b[k];
-    dense_product(n, n, n, h->covariance, h->a, h->b);  /* C G */
-    double *last = h->w + i * n * n;                    /* its weight is no longer needed */
+    dense_product(n, n, n, h->covariance, h->a, h->b); /* C G */
+    double *last = h->w + i * n * n;                   /* its weight is no longer needed */
     dense_transposed_product(n, n, n, h->a, h->b, last);
     for (size_t k = 0; k < n * n; k++)
         h->sum[k] += last[k];
@@ -162,11 +165,12 @@ static void start(whitened *h) {
             h->mean[k] += h->u[i * n + k] / (double)m;
     for (size_t i = 0; i < m; i++)
         for (size_t k = 0; k < n * n; k++)
-            h->between[k] += (h->u[i * n + k / n] - h->mean[k / n]) * (h->u[i * n + k % n] - h->mean[k % n]) / (double)(m - 1);
+            h->between[k] += (h->u[i * n + k / n] - h->mean[k / n]) * (h->u[i * n + k % n] - h->mean[k % n]) /
+                             (double)(m - 1);
 }
 
-/* What the largest of so many variances, 1 in truth, reaches by chance in one case of twenty: of a Wishart matrix,
- * by the Tracy-Widom law with Johnstone's centre and scale. */
+/* What the largest of so many variances, 1 in truth, reaches by chance in one case of twenty: of a Wishart
+ * matrix, by the Tracy-Widom law with Johnstone's centre and scale. */
 static double reached_by_chance(size_t dimensions, size_t freedom) {
     double a = sqrt((double)freedom - 0.5), b = sqrt((double)dimensions - 0.5);
     return ((a + b) * (a + b) + 0.9793 * (a + b) * cbrt(1.0 / a + 1.0 / b)) / (double)freedom;
@@ -177,7 +181,8 @@ static palp_status keep_directions(whitened *h) {
     size_t n = h->s->n, most = h->s->n_specimens - 1 < n ? h->s->n_specimens - 1 : n, kept = 0;
     memcpy(h->a, h->between, n * n * sizeof *h->a);
     palp_status status = dense_eigen(n, h->a, h->value);
-    while (!status && kept < most && 1.0 + h->value[n - 1 - kept] > reached_by_chance(n - kept, h->s->n_specimens - 1 - kept))
+    while (!status && kept < most &&
+           1.0 + h->value[n - 1 - kept] > reached_by_chance(n - kept, h->s->n_specimens - 1 - kept))
         kept++;
     memset(h->between, 0, n * n * sizeof *h->between);
     for (size_t k = n - kept; k < n && !status; k++)

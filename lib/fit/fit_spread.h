@@ -1,8 +1,9 @@
-/* fit_spread.h: specimens differ: the mean of their numbers and how these scatter about it, a random-effects estimate.
- * Specimen i has the numbers x_i, which its own runs tell up to a covariance V_i; x_i is normal about the mean with the
- * covariance "between". That is found by restricted maximum likelihood, by the EM algorithm (Laird and Ware 1982), started
- * at the sample's covariance, in the directions in which the specimens differ by more than chance does in one case of
- * twenty: the largest root of a Wishart matrix (Johnstone 2001). Internal. */
+/* fit_spread.h: specimens differ: the mean of their numbers and how these scatter about it, a random-effects
+ * estimate. Specimen i has the numbers x_i, which its own runs tell up to a covariance V_i; x_i is normal
+ * about the mean with the covariance "between". That is found by restricted maximum likelihood, by the EM
+ * algorithm (Laird and Ware 1982), started at the sample's covariance, in the directions in which the
+ * specimens differ by more than chance does in one case of twenty: the largest root of a Wishart matrix
+ * (Johnstone 2001). Internal. */
 #ifndef FIT_SPREAD_H
 #define FIT_SPREAD_H
 
@@ -11,11 +12,11 @@
 
 typedef struct fit_spread {
     size_t n, n_specimens;
-    const double *x, *v;     /* [n_specimens n], [n_specimens n n], caller's */
-    double *mean;            /* [n] caller's, as are the others, [n n] */
-    double *mean_covariance; /* of the mean */
+    const double *x, *v;      /* [n_specimens n], [n_specimens n n], caller's */
+    double *mean;             /* [n] caller's, as are the others, [n n] */
+    double *mean_covariance;  /* of the mean */
     double *between, *within; /* within: V of a specimen, as the harmonic mean of all */
-    size_t n_directions;     /* in which specimens differ; 0: between is 0 */
+    size_t n_directions;      /* in which specimens differ; 0: between is 0 */
 } fit_spread;
 
 /* ERR_SINGULAR: a direction that no specimen tells. */

@@ -1,5 +1,5 @@
-/* moduli.c: recordings whose depth is replaced by the force over G that their tip has at it: then they are those of a linear
- * solid, which the lumped fit knows, and G is its stiffness. */
+/* moduli.c: recordings whose depth is replaced by the force over G that their tip has at it: then they are
+ * those of a linear solid, which the lumped fit knows, and G is its stiffness. */
 #include <palpate/characterize.h>
 #include <palpate/moduli.h>
 
@@ -26,19 +26,23 @@ static palp_indentation with_poisson(const palp_indentation *tip, double poisson
 }
 
 /* Force over G at the deepest. */
-static palp_status reach(const palp_recording *r, const palp_indentation *tip, double poisson, double *force_m2) {
+static palp_status reach(const palp_recording *r, const palp_indentation *tip, double poisson,
+                         double *force_m2) {
     palp_indentation in = with_poisson(tip, poisson);
     return palp_indentation_force(&in, 1, &r->deepest_m, force_m2);
 }
 
-/* A copy that shares all arrays but depth_m, which is the force over G over area_m2, of a specimen of height 1. */
-static palp_status linear_run(const palp_recording *from, const palp_indentation *tip, double poisson, double area_m2, palp_recording *to) {
+/* A copy that shares all arrays but depth_m, which is the force over G over area_m2, of a specimen of
+ * height 1. */
+static palp_status linear_run(const palp_recording *from, const palp_indentation *tip, double poisson,
+                              double area_m2, palp_recording *to) {
     palp_indentation in = with_poisson(tip, poisson);
     double near[2] = {from->deepest_m, 0.99 * from->deepest_m}, force[2];
     *to = *from;
     to->height_m = 1.0;
     to->depth_m = malloc((from->n + 1) * sizeof(double));
-    palp_status status = to->depth_m ? palp_indentation_force(&in, from->n, from->depth_m, to->depth_m) : PALP_ERR_NO_MEMORY;
+    palp_status status =
+        to->depth_m ? palp_indentation_force(&in, from->n, from->depth_m, to->depth_m) : PALP_ERR_NO_MEMORY;
     status = status ? status : palp_indentation_force(&in, 2, near, force);
     for (size_t i = 0; !status && i < from->n; i++)
         to->depth_m[i] = from->depth_m[i] > 0 ? to->depth_m[i] / area_m2 : from->depth_m[i] / from->deepest_m;
@@ -50,8 +54,9 @@ static palp_status linear_run(const palp_recording *from, const palp_indentation
 }
 
 /* One constant law for recordings [n] that are those of different tips. */
-static palp_status fit_linear(size_t n, const palp_recording *const *run, const palp_indentation *const *tip, const palp_moduli_settings *settings,
-                              double poisson, double *area_m2, palp_lumped_fit *fit, palp_error *error) {
+static palp_status fit_linear(size_t n, const palp_recording *const *run, const palp_indentation *const *tip,
+                              const palp_moduli_settings *settings, double poisson, double *area_m2,
+                              palp_lumped_fit *fit, palp_error *error) {
     palp_characterize_settings s = palp_characterize_settings_default();
     palp_recording *linear = calloc(n, sizeof *linear);
     palp_status status = linear ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -91,8 +96,9 @@ static palp_status moved_run(const palp_recording *from, double shift_m, palp_re
 }
 
 /* Squares of the residuals over the noise, of a run whose contact is later by shift_m. */
-static palp_status squares(const palp_recording *r, const palp_indentation *tip, const palp_moduli_settings *settings, double poisson,
-                           double shift_m, double *chi2, palp_error *error) {
+static palp_status squares(const palp_recording *r, const palp_indentation *tip,
+                           const palp_moduli_settings *settings, double poisson, double shift_m, double *chi2,
+                           palp_error *error) {
     palp_recording moved;
     palp_lumped_fit fit = {0};
     double area = 0, used = 0;
@@ -108,7 +114,8 @@ static palp_status squares(const palp_recording *r, const palp_indentation *tip,
     return status;
 }
 
-/* How much earlier the contact may be, with a step to spare: a third of the depth, less where the tip's tables end before. */
+/* How much earlier the contact may be, with a step to spare: a third of the depth, less where the tip's
+ * tables end before. */
 static double earliest(const palp_recording *r, const palp_indentation *tip, double poisson, double step) {
     double low = -r->deepest_m / 3, force = 0;
     palp_recording deeper = *r;
@@ -121,12 +128,15 @@ static double earliest(const palp_recording *r, const palp_indentation *tip, dou
     return low;
 }
 
-/* Golden section for the shift of least squares, within a third of the depth; its sd by how fast they grow, over what they are.
- * ERR_LIMIT: it would be where the tip's tables have ended. */
-static palp_status find_contact(const palp_recording *r, const palp_indentation *tip, const palp_moduli_settings *settings, double poisson,
-                                palp_recording *found, palp_error *error) {
-    const double golden = 0.6180339887498949, step = 0.02 * r->deepest_m, first = earliest(r, tip, poisson, step);
-    double low = first, high = r->deepest_m / 3, x[3] = {high - golden * (high - low), low + golden * (high - low), 0}, y[3];
+/* Golden section for the shift of least squares, within a third of the depth; its sd by how fast they grow,
+ * over what they are. ERR_LIMIT: it would be where the tip's tables have ended. */
+static palp_status find_contact(const palp_recording *r, const palp_indentation *tip,
+                                const palp_moduli_settings *settings, double poisson, palp_recording *found,
+                                palp_error *error) {
+    const double golden = 0.6180339887498949, step = 0.02 * r->deepest_m,
+                 first = earliest(r, tip, poisson, step);
+    double low = first, high = r->deepest_m / 3,
+           x[3] = {high - golden * (high - low), low + golden * (high - low), 0}, y[3];
     palp_status status = squares(r, tip, settings, poisson, x[0], &y[0], error);
     status = status ? status : squares(r, tip, settings, poisson, x[1], &y[1], error);
     for (int i = 0; i < 18 && !status; i++) {
@@ -157,8 +167,9 @@ static bool is_curved(const palp_indentation *tip) {
 }
 
 /* The recordings, with contact found for curved tips; free_contacts. */
-static palp_status find_contacts(size_t n, const palp_recording *recordings, const palp_indentation *tips, const palp_moduli_settings *settings,
-                                 double poisson, palp_recording *found, palp_moduli *m, palp_error *error) {
+static palp_status find_contacts(size_t n, const palp_recording *recordings, const palp_indentation *tips,
+                                 const palp_moduli_settings *settings, double poisson, palp_recording *found,
+                                 palp_moduli *m, palp_error *error) {
     palp_status status = PALP_OK;
     m->largest_shift_m = 0;
     for (size_t i = 0; i < n && !status; i++) {
@@ -178,14 +189,15 @@ static palp_status find_contacts(size_t n, const palp_recording *recordings, con
 /* The runs of one tip: its own long-term modulus at a ratio taken for known. */
 typedef struct group {
     const palp_indentation *tip;
-    const palp_recording *deepest; /* of its runs */
-    double log_modulus, sd;        /* at reference, of the logarithm */
+    const palp_recording *deepest;       /* of its runs */
+    double log_modulus, sd;              /* at reference, of the logarithm */
     double log_reach[POISSON_STEPS + 1]; /* log force over G by Poisson's ratio */
 } group;
 
 static bool same_tip(const palp_indentation *a, const palp_indentation *b) {
     bool size = a->tip == PALP_TIP_CONE ? a->half_angle_rad == b->half_angle_rad : a->radius_m == b->radius_m;
-    return a->tip == b->tip && size && a->thickness_m == b->thickness_m && a->floor_slides == b->floor_slides && a->tip_sticks == b->tip_sticks &&
+    return a->tip == b->tip && size && a->thickness_m == b->thickness_m &&
+           a->floor_slides == b->floor_slides && a->tip_sticks == b->tip_sticks &&
            a->specimen_radius_m == b->specimen_radius_m;
 }
 
@@ -201,8 +213,8 @@ static size_t count_tips(size_t n, const palp_indentation *tips) {
 }
 
 /* The runs with the tip of run `first`: into run[] and tip[]. */
-static size_t gather(size_t n, const palp_recording *recordings, const palp_indentation *tips, size_t first, const palp_recording **run,
-                     const palp_indentation **tip) {
+static size_t gather(size_t n, const palp_recording *recordings, const palp_indentation *tips, size_t first,
+                     const palp_recording **run, const palp_indentation **tip) {
     size_t count = 0;
     for (size_t i = 0; i < n; i++)
         if (same_tip(&tips[i], &tips[first])) {
@@ -230,8 +242,8 @@ static palp_status fill_reach(group *g) {
     return status;
 }
 
-static palp_status group_make(size_t n, const palp_recording **run, const palp_indentation **tip, const palp_moduli_settings *settings, int at,
-                              group *g, palp_error *error) {
+static palp_status group_make(size_t n, const palp_recording **run, const palp_indentation **tip,
+                              const palp_moduli_settings *settings, int at, group *g, palp_error *error) {
     palp_lumped_fit fit = {0};
     double area = 0;
     palp_status status = fit_linear(n, run, tip, settings, ratio_at(at), &area, &fit, error);
@@ -252,7 +264,8 @@ static double disagreement(size_t n, const group *g, int at, int reference) {
     double sum = 0, weight = 0, chi2 = 0;
     for (int again = 0; again < 2; again++)
         for (size_t i = 0; i < n; i++) {
-            double w = 1.0 / (g[i].sd * g[i].sd), x = g[i].log_modulus + g[i].log_reach[reference] - g[i].log_reach[at];
+            double w = 1.0 / (g[i].sd * g[i].sd),
+                   x = g[i].log_modulus + g[i].log_reach[reference] - g[i].log_reach[at];
             if (again == 0) {
                 sum += w * x;
                 weight += w;
@@ -275,19 +288,23 @@ static void find_best(size_t n, const group *g, int *reference, palp_modulus *po
         low--;
     for (high = best; high < POISSON_STEPS && chi2[high + 1] <= bound;)
         high++;
-    double step = ratio_at(1) - ratio_at(0), left = ratio_at(best) - ratio_at(low), right = ratio_at(high) - ratio_at(best);
-    *poisson = (palp_modulus){ratio_at(best), fmax(fmax(left, right), step) / 1.96, ratio_at(low), ratio_at(high)};
+    double step = ratio_at(1) - ratio_at(0), left = ratio_at(best) - ratio_at(low),
+           right = ratio_at(high) - ratio_at(best);
+    *poisson =
+        (palp_modulus){ratio_at(best), fmax(fmax(left, right), step) / 1.96, ratio_at(low), ratio_at(high)};
     *reference = best;
 }
 
-static palp_status find_poisson(size_t n, const palp_recording *recordings, const palp_indentation *tips, const palp_moduli_settings *settings,
-                                double guess, palp_moduli *m, palp_error *error) {
+static palp_status find_poisson(size_t n, const palp_recording *recordings, const palp_indentation *tips,
+                                const palp_moduli_settings *settings, double guess, palp_moduli *m,
+                                palp_error *error) {
     const palp_recording **run = malloc(n * sizeof *run);
     const palp_indentation **tip = malloc(n * sizeof *tip);
     group *g = calloc(m->n_tips, sizeof *g);
     int reference = (int)lround((guess - POISSON_LOW) / (POISSON_HIGH - POISSON_LOW) * POISSON_STEPS);
     palp_status status = run && tip && g ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (int again = 0; again < 2 && !status; again++) { /* a curved tip's shape of force depends a little on the ratio */
+    for (int again = 0; again < 2 && !status;
+         again++) { /* a curved tip's shape of force depends a little on the ratio */
         size_t made = 0;
         for (size_t i = 0; i < n && !status; i++) {
             size_t count = gather(n, recordings, tips, i, run, tip);
@@ -319,8 +336,10 @@ static palp_modulus times(palp_modulus m, double factor) {
 static void fill_moduli(const palp_lumped_fit *fit, double area_m2, double by_poisson, palp_moduli *m) {
     const palp_material *material = &fit->material;
     size_t n = fit->n_parameters;
-    double sum = material->law.coefficients[0], variance = fit->covariance[0], more = by_poisson * m->poisson.sd;
-    palp_modulus last = modulus(sum / area_m2, variance / (area_m2 * area_m2) + pow(more * sum / area_m2, 2.0));
+    double sum = material->law.coefficients[0], variance = fit->covariance[0],
+           more = by_poisson * m->poisson.sd;
+    palp_modulus last =
+        modulus(sum / area_m2, variance / (area_m2 * area_m2) + pow(more * sum / area_m2, 2.0));
     m->n_arms = material->n_arms;
     for (size_t j = 0; j < m->n_arms; j++) {
         sum += material->arms[j].stiffness_N;
@@ -338,8 +357,11 @@ static void fill_moduli(const palp_lumped_fit *fit, double area_m2, double by_po
 }
 
 /* What the deepest run's modulus would be at another ratio. */
-static palp_status fill_range(const palp_recording *r, const palp_indentation *tip, palp_moduli *m, double *by_poisson) {
-    double at[5] = {m->poisson.value, 0.5, 0.3, fmin(m->poisson.value, 0.49) + 0.01, fmax(fmin(m->poisson.value, 0.49) - 0.01, 0.0)}, force[5];
+static palp_status fill_range(const palp_recording *r, const palp_indentation *tip, palp_moduli *m,
+                              double *by_poisson) {
+    double at[5] = {m->poisson.value, 0.5, 0.3, fmin(m->poisson.value, 0.49) + 0.01,
+                    fmax(fmin(m->poisson.value, 0.49) - 0.01, 0.0)},
+           force[5];
     palp_status status = PALP_OK;
     for (int i = 0; i < 5 && !status; i++)
         status = reach(r, tip, at[i], &force[i]);
@@ -372,8 +394,8 @@ static double misfit_of(size_t n, const palp_recording *recordings, const palp_l
     return force > 0 ? sqrt(miss / force) : 0;
 }
 
-static palp_status fit_all(size_t n, const palp_recording *recordings, const palp_indentation *tips, const palp_moduli_settings *settings,
-                           palp_moduli *m, palp_error *error) {
+static palp_status fit_all(size_t n, const palp_recording *recordings, const palp_indentation *tips,
+                           const palp_moduli_settings *settings, palp_moduli *m, palp_error *error) {
     const palp_recording **run = malloc(n * sizeof *run);
     const palp_indentation **tip = malloc(n * sizeof *tip);
     palp_lumped_fit fit = {0};
@@ -402,9 +424,11 @@ static palp_status fit_all(size_t n, const palp_recording *recordings, const pal
     return status;
 }
 
-/* The ratio hangs on contacts of curved tips, and they on the ratio, a little: Aitken's step of two rounds ends that. */
-static palp_status find_both(size_t n, const palp_recording *recordings, const palp_indentation *tips, const palp_moduli_settings *settings,
-                             palp_recording *found, palp_moduli *m, palp_error *error) {
+/* The ratio hangs on contacts of curved tips, and they on the ratio, a little: Aitken's step of two rounds
+ * ends that. */
+static palp_status find_both(size_t n, const palp_recording *recordings, const palp_indentation *tips,
+                             const palp_moduli_settings *settings, palp_recording *found, palp_moduli *m,
+                             palp_error *error) {
     double p[4] = {0.45, 0, 0, 0};
     palp_status status = PALP_OK;
     for (int k = 0; k < 3 && !status; k++) {
@@ -420,8 +444,8 @@ static palp_status find_both(size_t n, const palp_recording *recordings, const p
     return status;
 }
 
-palp_status palp_moduli_fit(size_t n, const palp_recording *recordings, const palp_indentation *tips, const palp_moduli_settings *settings,
-                            palp_moduli *moduli, palp_error *error) {
+palp_status palp_moduli_fit(size_t n, const palp_recording *recordings, const palp_indentation *tips,
+                            const palp_moduli_settings *settings, palp_moduli *moduli, palp_error *error) {
     if (!recordings || !tips || !settings || !moduli)
         return palp_error_null(error);
     memset(moduli, 0, sizeof *moduli);
@@ -430,14 +454,16 @@ palp_status palp_moduli_fit(size_t n, const palp_recording *recordings, const pa
     moduli->n_tips = count_tips(n, tips);
     if (isnan(settings->poisson) && moduli->n_tips < 2)
         return palp_error_set(error, PALP_ERR_INPUT,
-                              "%s: one tip on one thickness gives no Poisson's ratio: it takes runs with tips of another shape or size",
+                              "%s: one tip on one thickness gives no Poisson's ratio: it takes runs with "
+                              "tips of another shape or size",
                               recordings[0].name);
     moduli->poisson = (palp_modulus){settings->poisson, 0, settings->poisson, settings->poisson};
     palp_recording *found = calloc(n, sizeof *found);
     palp_status status = found ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status)
-        status = isnan(settings->poisson) ? find_both(n, recordings, tips, settings, found, moduli, error)
-                                          : find_contacts(n, recordings, tips, settings, settings->poisson, found, moduli, error);
+        status = isnan(settings->poisson)
+                     ? find_both(n, recordings, tips, settings, found, moduli, error)
+                     : find_contacts(n, recordings, tips, settings, settings->poisson, found, moduli, error);
     status = status ? status : fit_all(n, found, tips, settings, moduli, error);
     for (size_t i = 0; found && i < n; i++)
         free(found[i].depth_m);

@@ -8,7 +8,8 @@ static double time_of(const palp_arm *arm) {
     return arm->viscosity_Ns / arm->stiffness_N;
 }
 
-size_t relaxation_list(const palp_material *start, const palp_relaxation_settings *settings, relaxation_parameter *list) {
+size_t relaxation_list(const palp_material *start, const palp_relaxation_settings *settings,
+                       relaxation_parameter *list) {
     size_t n = 0, arms = start->n_arms;
     if (settings->fit_scale)
         list[n++] = (relaxation_parameter){RELAXATION_SCALE, 0, 0};
@@ -26,7 +27,8 @@ size_t relaxation_list(const palp_material *start, const palp_relaxation_setting
     return n;
 }
 
-void relaxation_first_guess(size_t n, const relaxation_parameter *list, const palp_material *start, double *p) {
+void relaxation_first_guess(size_t n, const relaxation_parameter *list, const palp_material *start,
+                            double *p) {
     for (size_t k = 0; k < n; k++) {
         const palp_arm *arm = &start->arms[list[k].first];
         switch (list[k].role) {
@@ -61,8 +63,8 @@ static void set_arm(relaxation_role role, double value, palp_arm *arm, double *t
         arm->gamma = value;
 }
 
-palp_status relaxation_material(size_t n, const relaxation_parameter *list, const palp_material *start, const double *p,
-                                palp_material *material) {
+palp_status relaxation_material(size_t n, const relaxation_parameter *list, const palp_material *start,
+                                const double *p, palp_material *material) {
     double time[PALP_ARMS_MAX];
     *material = *start;
     for (size_t j = 0; j < start->n_arms; j++)
@@ -79,8 +81,8 @@ palp_status relaxation_material(size_t n, const relaxation_parameter *list, cons
     return palp_material_check(material, NULL);
 }
 
-size_t relaxation_bounds(size_t n, const relaxation_parameter *list, const palp_material *start, double longest,
-                         double *row, double *floor) {
+size_t relaxation_bounds(size_t n, const relaxation_parameter *list, const palp_material *start,
+                         double longest, double *row, double *floor) {
     size_t rows = 0;
     memset(row, 0, 2 * n * n * sizeof *row);
     for (size_t k = 0; k < n; k++) {

@@ -34,8 +34,8 @@ static void divide(fit_problem *p, const size_t *specimen, const double *factor)
 }
 
 /* Best factor of the model's force for each specimen, from the weighted residual, model less measured. */
-static void find_ratios(const fit_problem *p, const size_t *specimen, size_t n_specimens, const double *residual,
-                        double *product, double *square, double *ratio) {
+static void find_ratios(const fit_problem *p, const size_t *specimen, size_t n_specimens,
+                        const double *residual, double *product, double *square, double *ratio) {
     memset(product, 0, n_specimens * sizeof *product);
     memset(square, 0, n_specimens * sizeof *square);
     for (size_t r = 0, row = 0; r < p->n_runs; r++)
@@ -50,7 +50,8 @@ static void find_ratios(const fit_problem *p, const size_t *specimen, size_t n_s
 }
 
 /* Fits all recordings and divides each specimen's by its factor, in turn; v[parameters]: the last fit. */
-static palp_status level(fit_problem *p, const size_t *specimen, size_t n_specimens, double *v, double *factor) {
+static palp_status level(fit_problem *p, const size_t *specimen, size_t n_specimens, double *v,
+                         double *factor) {
     enum { ROUNDS = 6 };
     double *residual = malloc((p->n_blocks + 3 * n_specimens) * sizeof *residual), chi2, mean = 0.0;
     double *ratio = residual ? residual + p->n_blocks : NULL, moved = 1.0;
@@ -82,7 +83,8 @@ static palp_status level(fit_problem *p, const size_t *specimen, size_t n_specim
 
 /* ---- one specimen ---- */
 
-/* The whole: parameters of each specimen are the law's coefficients, K_j and log tau_j; in a fit log K_j stands for K_j. */
+/* The whole: parameters of each specimen are the law's coefficients, K_j and log tau_j; in a fit log K_j
+ * stands for K_j. */
 typedef struct specimens {
     size_t n_runs, n;
     const palp_recording *recordings;
@@ -91,10 +93,10 @@ typedef struct specimens {
     palp_specimens_fit *fit;
     fit_problem all; /* of one level */
     size_t n_parameters;
-    double *shape;   /* [n_parameters] the fit of all */
-    double *x, *v;   /* [n n_parameters], [n n_parameters^2] */
+    double *shape;                           /* [n_parameters] the fit of all */
+    double *x, *v;                           /* [n n_parameters], [n n_parameters^2] */
     double *mean, *mean_covariance, *within; /* as of fit_spread */
-    double chi2;     /* reduced, mean of the specimens */
+    double chi2;                             /* reduced, mean of the specimens */
 } specimens;
 
 /* The specimen's recordings as a problem, divided by its factor and with the bounds of all. */
@@ -131,7 +133,8 @@ static void store(specimens *s, size_t k, const fit_problem *p, const double *v,
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             size_t a = i > j ? i : j, b = i > j ? j : i;
-            s->v[k * n * n + i * n + j] = unit[a] * unit[b] * (widen * c->covariance[a * n + b] + c->systematic[a * n + b]);
+            s->v[k * n * n + i * n + j] =
+                unit[a] * unit[b] * (widen * c->covariance[a * n + b] + c->systematic[a * n + b]);
         }
     s->chi2 += c->chi2 / (double)c->freedom / (double)s->n;
 }
@@ -236,8 +239,14 @@ static palp_status give_one(specimens *s, palp_error *error) {
 static palp_status give(specimens *s, palp_error *error) {
     const size_t n = s->n_parameters;
     palp_specimens_fit *fit = s->fit;
-    fit_spread spread = {.n = n, .n_specimens = s->n, .x = s->x, .v = s->v, .mean = s->mean,
-                         .mean_covariance = s->mean_covariance, .between = fit->between, .within = fit->within};
+    fit_spread spread = {.n = n,
+                         .n_specimens = s->n,
+                         .x = s->x,
+                         .v = s->v,
+                         .mean = s->mean,
+                         .mean_covariance = s->mean_covariance,
+                         .between = fit->between,
+                         .within = fit->within};
     palp_status status = fit_spread_find(&spread);
     fit->n_spread = spread.n_directions;
     for (size_t k = 0; k < s->n && !status; k++) {
@@ -311,17 +320,23 @@ static palp_status solve(specimens *s, palp_error *error) {
 }
 
 palp_status palp_characterize_specimens(size_t n, const palp_recording *recordings, const size_t *specimen,
-                                        const palp_characterize_settings *settings, palp_specimens_fit *fit, palp_error *error) {
+                                        const palp_characterize_settings *settings, palp_specimens_fit *fit,
+                                        palp_error *error) {
     if (!recordings || !specimen || !settings || !fit)
         return palp_error_null(error);
     palp_error own = {PALP_OK, ""};
-    specimens s = {.n_runs = n, .n = count_specimens(n, specimen), .recordings = recordings, .specimen = specimen,
-                   .settings = settings, .fit = fit};
+    specimens s = {.n_runs = n,
+                   .n = count_specimens(n, specimen),
+                   .recordings = recordings,
+                   .specimen = specimen,
+                   .settings = settings,
+                   .fit = fit};
     memset(fit, 0, sizeof *fit);
     if (settings->arms != PALP_ARMS_FREE)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "arms of several specimens are free ones");
     if (s.n < 2 || settings->spring != PALP_SPRING_LAW)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "two specimens or more are needed, each with a recording, and one law");
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "two specimens or more are needed, each with a recording, and one law");
     palp_status status = fit_problem_create(&s.all, n, recordings, settings, error);
     if (status)
         return status;
@@ -331,7 +346,8 @@ palp_status palp_characterize_specimens(size_t n, const palp_recording *recordin
     if (status) {
         palp_specimens_fit_free(fit);
         if (own.text[0] || status == PALP_ERR_INPUT)
-            palp_error_set(error, status, "%s", own.text[0] ? own.text : "the mean of the specimens is no material");
+            palp_error_set(error, status, "%s",
+                           own.text[0] ? own.text : "the mean of the specimens is no material");
         else
             fit_failed(error, status, recordings[0].name);
     }
@@ -339,7 +355,8 @@ palp_status palp_characterize_specimens(size_t n, const palp_recording *recordin
 }
 
 palp_status palp_characterize_level(size_t n, const palp_recording *recordings, const size_t *specimen,
-                                    const palp_characterize_settings *settings, double *factor, palp_error *error) {
+                                    const palp_characterize_settings *settings, double *factor,
+                                    palp_error *error) {
     if (!recordings || !specimen || !settings || !factor)
         return palp_error_null(error);
     fit_problem p;
@@ -359,13 +376,15 @@ palp_status palp_characterize_level(size_t n, const palp_recording *recordings, 
 /* ---- K(e) ---- */
 
 /* Sd of K at the strain by another covariance. */
-static palp_status sd_by(const palp_specimens_fit *fit, double *covariance, double strain, double *stiffness, double *sd) {
+static palp_status sd_by(const palp_specimens_fit *fit, double *covariance, double strain, double *stiffness,
+                         double *sd) {
     palp_lumped_fit other = fit->mean;
     other.covariance = covariance;
     return palp_lumped_fit_stiffness(&other, 1, &strain, stiffness, sd);
 }
 
-palp_status palp_specimens_fit_stiffness(const palp_specimens_fit *fit, size_t n, const double *strain, palp_specimens_point *point) {
+palp_status palp_specimens_fit_stiffness(const palp_specimens_fit *fit, size_t n, const double *strain,
+                                         palp_specimens_point *point) {
     if (!fit || !strain || !point || fit->n_specimens < 2)
         return PALP_ERR_ARGUMENT;
     const size_t freedom = fit->n_specimens - 1;

@@ -5,11 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double TURN = 0.1;                /* of the oscillation's range: what the path returns by */
-static const double OCTAVES = 1.189207115002721; /* a quarter of one: by how much the frequency changes in a stretch */
+static const double TURN = 0.1; /* of the oscillation's range: what the path returns by */
+static const double OCTAVES =
+    1.189207115002721; /* a quarter of one: by how much the frequency changes in a stretch */
 
 enum { FEWEST = 3, MOST = 100 }; /* cycles of a stretch */
-enum { SETTLES = 4 }; /* of the cycles of one length, one in so many at the start: what was before still relaxes */
+enum {
+    SETTLES = 4
+}; /* of the cycles of one length, one in so many at the start: what was before still relaxes */
 
 void palp_spectrum_free(palp_spectrum *spectrum) {
     if (!spectrum)
@@ -49,8 +52,10 @@ static double period(const palp_recording *r, const size_t *peak, size_t cycle) 
     return r->time_s[peak[cycle + 1]] - r->time_s[peak[cycle]];
 }
 
-/* The end of the stretch that begins with a peak: a quarter of an octave on, or as few or as many cycles as there may be. */
-static size_t stretch_end(const palp_recording *r, const size_t *peak, size_t from, size_t last, bool sweeps) {
+/* The end of the stretch that begins with a peak: a quarter of an octave on, or as few or as many cycles as
+ * there may be. */
+static size_t stretch_end(const palp_recording *r, const size_t *peak, size_t from, size_t last,
+                          bool sweeps) {
     size_t to = from + FEWEST;
     for (; to < last && to < from + MOST; to++) {
         double ratio = period(r, peak, to - 1) / period(r, peak, from);
@@ -81,13 +86,15 @@ static palp_status measure_piece(const palp_recording *r, const palp_piece *piec
     if (!peak)
         return PALP_ERR_NO_MEMORY;
     bool sweeps = piece->motion == PALP_MOTION_SWEEP;
-    size_t n = find_peaks(r, piece->first, piece->last, peak), edge = n > FEWEST + 3, last = n - (n > 0) - edge;
+    size_t n = find_peaks(r, piece->first, piece->last, peak), edge = n > FEWEST + 3,
+           last = n - (n > 0) - edge;
     size_t from = sweeps ? edge : edge + n / SETTLES;
     palp_status status = PALP_OK;
     while (!status && n > FEWEST && from + FEWEST <= last) {
         size_t end = stretch_end(r, peak, from, last, sweeps);
-        const spectrum_stretch stretch = {peak[from], peak[end], (double)(end - from), period(r, peak, from),
-                                          period(r, peak, end - 1), sweeps};
+        const spectrum_stretch stretch = {
+            peak[from], peak[end], (double)(end - from), period(r, peak, from), period(r, peak, end - 1),
+            sweeps};
         status = add(r, &stretch, to);
         from = end;
     }

@@ -6,13 +6,18 @@
 #include <complex.h>
 #include <math.h>
 
-/* Functions that path and force are sums of: Legendre polynomials (the drift), then Re and -Im of e^(i phase) times 1, x and x^2,
- * then the harmonics. x goes from -1 to 1 over the stretch. */
+/* Functions that path and force are sums of: Legendre polynomials (the drift), then Re and -Im of e^(i phase)
+ * times 1, x and x^2, then the harmonics. x goes from -1 to 1 over the stretch. */
 enum { DRIFT_MAX = 8, ORDERS = 3, HARMONICS = 2, COLUMNS_MAX = DRIFT_MAX + 1 + 2 * ORDERS + 2 * HARMONICS };
-enum { BINS = 64, ROUNDS = 30, FEW = 4, HARMONIC_FEW = 12 }; /* bins of a cycle; samples of one, and with harmonics */
+enum {
+    BINS = 64,
+    ROUNDS = 30,
+    FEW = 4,
+    HARMONIC_FEW = 12
+}; /* bins of a cycle; samples of one, and with harmonics */
 
-/* Samples, or means of neighbours where there are very many: path and force lose alike by it. The phase goes by
- * phase(x) = turn (e^(chirp x) - 1) / chirp. */
+/* Samples, or means of neighbours where there are very many: path and force lose alike by it. The phase goes
+ * by phase(x) = turn (e^(chirp x) - 1) / chirp. */
 typedef struct stretch {
     size_t n;
     double *x, *depth, *force; /* [n] */
@@ -26,7 +31,8 @@ static size_t first_wave(const stretch *s) {
 }
 
 static void fill(const palp_recording *r, const spectrum_stretch *from, stretch *s) {
-    size_t each = (size_t)fmax(floor((double)(from->last - from->first) / (BINS * from->cycles)), 1.0), count = 0;
+    size_t each = (size_t)fmax(floor((double)(from->last - from->first) / (BINS * from->cycles)), 1.0),
+           count = 0;
     double t = 0.0, d = 0.0, f = 0.0;
     for (size_t i = from->first; i < from->last; i++) {
         if (!r->use[i])
@@ -106,7 +112,8 @@ static bool follow(stretch *s) {
         if (!solve(s) || cabs(wave(s, s->of_depth, 0)) == 0.0)
             return false;
         double complex first = wave(s, s->of_depth, 1) / wave(s, s->of_depth, 0);
-        double complex second = s->orders > 2 ? wave(s, s->of_depth, 2) / wave(s, s->of_depth, 0) - 0.5 * first * first : 0.0;
+        double complex second =
+            s->orders > 2 ? wave(s, s->of_depth, 2) / wave(s, s->of_depth, 0) - 0.5 * first * first : 0.0;
         double turn = s->turn + cimag(first);
         s->chirp = s->orders > 2 ? (s->turn * s->chirp + 2.0 * cimag(second)) / turn : 0.0;
         s->turn = turn;
@@ -118,8 +125,9 @@ static bool follow(stretch *s) {
     return false;
 }
 
-/* Variance of a sample of what the columns leave of the force, but for what the plate's own deviations ask for, with the noise's
- * own at least; wider for a residual that goes on from sample to sample, which holds fewer independent ones. */
+/* Variance of a sample of what the columns leave of the force, but for what the plate's own deviations ask
+ * for, with the noise's own at least; wider for a residual that goes on from sample to sample, which holds
+ * fewer independent ones. */
 static double left(const stretch *s, double stiffness, double noise) {
     double own = 0.0, next = 0.0, last = 0.0, freedom = fmax((double)s->n - (double)s->columns, 1.0);
     for (size_t i = 0; i < s->n; i++) {
@@ -135,11 +143,12 @@ static double left(const stretch *s, double stiffness, double noise) {
     return fmax(own / freedom, noise * noise) * (1.0 + rho) / (1.0 - rho);
 }
 
-/* The stiffness at the middle's frequency. A stretch whose frequency and amplitude change sees, beside K(w), by the second order
- * of K about w, -i K' a / half - i/2 K'' w', a: relative growth of the amplitude; K' and K'' follow from how K changes along
- * the stretch. */
+/* The stiffness at the middle's frequency. A stretch whose frequency and amplitude change sees, beside K(w),
+ * by the second order of K about w, -i K' a / half - i/2 K'' w', a: relative growth of the amplitude; K' and
+ * K'' follow from how K changes along the stretch. */
 static double complex stiffness(const stretch *s) {
-    double complex d = wave(s, s->of_depth, 0), d1 = wave(s, s->of_depth, 1) / d, k = wave(s, s->of_force, 0) / d;
+    double complex d = wave(s, s->of_depth, 0), d1 = wave(s, s->of_depth, 1) / d,
+                   k = wave(s, s->of_force, 0) / d;
     if (s->orders < 3 || fabs(s->chirp) < 0.01)
         return k;
     double complex d2 = wave(s, s->of_depth, 2) / d, k1 = wave(s, s->of_force, 1) / d - k * d1;
@@ -147,7 +156,8 @@ static double complex stiffness(const stretch *s) {
     return k + I * slope * d1 / s->turn + I * (k2 / s->chirp - 0.5 * k1) / s->turn;
 }
 
-static void conclude(const palp_recording *r, const spectrum_stretch *from, const stretch *s, palp_spectrum_point *p) {
+static void conclude(const palp_recording *r, const spectrum_stretch *from, const stretch *s,
+                     palp_spectrum_point *p) {
     const double pi = 3.14159265358979323846;
     size_t k = first_wave(s), m = s->columns, each = (from->last - from->first) / s->n;
     double complex value = stiffness(s);
@@ -157,9 +167,14 @@ static void conclude(const palp_recording *r, const spectrum_stretch *from, cons
         variance += s->inverse[(k + 4) * m + k + 4] / (s->chirp * s->turn * s->chirp * s->turn);
     double sd = sqrt(variance * left(s, creal(value), noise)) / amplitude;
     *p = (palp_spectrum_point){.frequency_Hz = s->turn / s->half_s / (2.0 * pi),
-                               .from_s = r->time_s[from->first], .to_s = r->time_s[from->last], .cycles = from->cycles,
-                               .amplitude_m = amplitude, .storage_N_m = creal(value), .storage_sd_N_m = sd,
-                               .loss_N_m = cimag(value), .loss_sd_N_m = sd};
+                               .from_s = r->time_s[from->first],
+                               .to_s = r->time_s[from->last],
+                               .cycles = from->cycles,
+                               .amplitude_m = amplitude,
+                               .storage_N_m = creal(value),
+                               .storage_sd_N_m = sd,
+                               .loss_N_m = cimag(value),
+                               .loss_sd_N_m = sd};
     fill_row(s, 0.0);
     for (size_t j = 0; j <= s->drift; j++) {
         p->depth_m += s->row[j] * s->of_depth[j];
@@ -183,7 +198,8 @@ static palp_status make(arena *memory, const spectrum_stretch *from, stretch *s)
     return memory->failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-palp_status spectrum_fit(const palp_recording *r, const spectrum_stretch *from, palp_spectrum_point *point, bool *found) {
+palp_status spectrum_fit(const palp_recording *r, const spectrum_stretch *from, palp_spectrum_point *point,
+                         bool *found) {
     const double pi = 3.14159265358979323846;
     stretch s = {.n = 0};
     arena memory = {0};

@@ -12,6 +12,7 @@ typedef struct spectrum_stretch {
 } spectrum_stretch;
 
 /* *found: whether the stretch tells anything. ERR_NO_MEMORY. */
-palp_status spectrum_fit(const palp_recording *recording, const spectrum_stretch *stretch, palp_spectrum_point *point, bool *found);
+palp_status spectrum_fit(const palp_recording *recording, const spectrum_stretch *stretch,
+                         palp_spectrum_point *point, bool *found);
 
 #endif

@@ -286,7 +286,8 @@ palp_status palp_lumped_oscillation(const palp_material *material, double height
         double storage = tangent, loss = material->dashpot_Ns * w;
         for (size_t j = 0; j < material->n_arms; j++) {
             const palp_arm *arm = &material->arms[j];
-            double x = w * arm->viscosity_Ns / arm->stiffness_N * (1.0 + arm->gamma * fabs(strain)), part = 1.0 / (1.0 + x * x);
+            double x = w * arm->viscosity_Ns / arm->stiffness_N * (1.0 + arm->gamma * fabs(strain)),
+                   part = 1.0 / (1.0 + x * x);
             storage += arm->stiffness_N * drive[j] * x * x * part;
             loss += arm->stiffness_N * drive[j] * x * part;
         }

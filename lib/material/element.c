@@ -15,7 +15,8 @@ void element_decay(double x, double *decay, double *mean) {
 }
 
 double element_mean_slope(double x, double decay, double mean) {
-    return x < 1e-4 ? -0.5 + x / 3.0 : (decay - mean) / x; /* the series, where the difference is rounding's */
+    return x < 1e-4 ? -0.5 + x / 3.0
+                    : (decay - mean) / x; /* the series, where the difference is rounding's */
 }
 
 void element_step_prepare(const palp_material *material, double dt, element_step *step) {
@@ -78,9 +79,9 @@ element_drive element_arm_drive(const palp_material *material, size_t arm, doubl
 
 /* q = decay q_old + gain (e - e_old): the common arm, no strain dependence. */
 PALP_CLONES
-static void linear_arm(double decay, double gain, size_t n, const double *restrict e, const double *restrict e_old,
-                       const double *restrict q_old, double *restrict q, double *restrict force,
-                       double *restrict tangent) {
+static void linear_arm(double decay, double gain, size_t n, const double *restrict e,
+                       const double *restrict e_old, const double *restrict q_old, double *restrict q,
+                       double *restrict force, double *restrict tangent) {
     for (size_t i = 0; i < n; i++) {
         q[i] = decay * q_old[i] + gain * (e[i] - e_old[i]);
         force[i] += q[i];
@@ -89,16 +90,19 @@ static void linear_arm(double decay, double gain, size_t n, const double *restri
 }
 
 /* The drive of an arm as the step began. */
-static element_drive old_drive(const palp_material *material, size_t arm, const element_history *old, size_t i) {
-    return element_arm_drive(material, arm, old->strain[i], material->quasi_linear ? old->elastic[i] : 0.0, 0.0, 0.0);
+static element_drive old_drive(const palp_material *material, size_t arm, const element_history *old,
+                               size_t i) {
+    return element_arm_drive(material, arm, old->strain[i], material->quasi_linear ? old->elastic[i] : 0.0,
+                             0.0, 0.0);
 }
 
 /* The same with a drive s(e), and with tau (1 + gamma |e|) taken at the mean of both strains. */
-static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t n, const double *e,
-                          const element_history *old, element_history *new, double *force, double *tangent) {
+static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t n,
+                          const double *e, const element_history *old, element_history *new, double *force,
+                          double *tangent) {
     const palp_arm *arm = &material->arms[j];
     const double *q_old = old->arm + j * old->stride;
-    double *q = new->arm + j * new->stride, tau = arm->viscosity_Ns / arm->stiffness_N;
+    double *q = new->arm + j *new->stride, tau = arm->viscosity_Ns / arm->stiffness_N;
     for (size_t i = 0; i < n; i++) {
         double slope = 0.0, elastic = material->quasi_linear ? new->elastic[i] : 0.0;
         if (material->quasi_linear)
@@ -113,7 +117,10 @@ static void nonlinear_arm(const palp_material *material, const element_step *ste
             gain = arm->stiffness_N * mean;
             /* d/de of decay and gain through x: dx/de = -x gamma sign(e) / (2 stretch) */
             double dx = -0.5 * x * (e[i] < 0.0 ? -arm->gamma : arm->gamma) / stretch;
-            turn = isinf(x) ? 0.0 : dx * (-decay * q_old[i] + arm->stiffness_N * element_mean_slope(x, decay, mean) * ds);
+            turn =
+                isinf(x)
+                    ? 0.0
+                    : dx * (-decay * q_old[i] + arm->stiffness_N * element_mean_slope(x, decay, mean) * ds);
         }
         q[i] = decay * q_old[i] + gain * ds;
         force[i] += q[i];
@@ -156,7 +163,7 @@ void element_trial(const palp_material *material, const element_step *step, size
             nonlinear_arm(material, step, j, n, e, old, new, force, tangent);
         else
             linear_arm(step->decay[j], step->gain[j], n, e, old->strain, old->arm + j * old->stride,
-                       new->arm + j * new->stride, force, tangent);
+                       new->arm + j *new->stride, force, tangent);
     }
     if (step->dashpot > 0.0)
         for (size_t i = 0; i < n; i++) {
@@ -170,7 +177,8 @@ bool element_energy(const palp_material *material, const element_step *step, siz
     for (size_t j = 0; j < material->n_arms; j++)
         if (material->arms[j].gamma != 0.0)
             return false;
-    if ((material->formulation == PALP_SEDEF2008 && material->n_arms > 0) || step->damage || step->rate_factor != 1.0)
+    if ((material->formulation == PALP_SEDEF2008 && material->n_arms > 0) || step->damage ||
+        step->rate_factor != 1.0)
         return false;
     palp_law_force(&material->law, n, e, work, NULL, energy);
     for (size_t i = 0; i < n; i++) {
@@ -187,9 +195,10 @@ bool element_energy(const palp_material *material, const element_step *step, siz
 }
 
 /* Arms of constant time, driven by e (1 + beta |e| / 2): what the step has at hand is theirs. */
-static void constant_partials(const palp_arm *arm, double dt, double decay, double gain, size_t n, const double *e,
-                              const double *e_old, const double *q_old, double *p) {
-    const double x = dt * arm->stiffness_N / arm->viscosity_Ns, mean = gain / arm->stiffness_N, weight = isinf(x) ? 0.0 : x;
+static void constant_partials(const palp_arm *arm, double dt, double decay, double gain, size_t n,
+                              const double *e, const double *e_old, const double *q_old, double *p) {
+    const double x = dt * arm->stiffness_N / arm->viscosity_Ns, mean = gain / arm->stiffness_N,
+                 weight = isinf(x) ? 0.0 : x;
     const double turn = arm->stiffness_N * element_mean_slope(x, decay, mean);
     for (size_t i = 0; i < n; i++) {
         double a = arm->beta * fabs(e[i]), a_old = arm->beta * fabs(e_old[i]);
@@ -212,8 +221,8 @@ static element_drive drive_at(const palp_material *material, size_t j, double e)
     return element_arm_drive(material, j, e, elastic, tangent, 0.0);
 }
 
-void element_arm_partials(const palp_material *material, const element_step *step, size_t j, size_t n, const double *e,
-                          const double *e_old, const double *q_old, double *p) {
+void element_arm_partials(const palp_material *material, const element_step *step, size_t j, size_t n,
+                          const double *e, const double *e_old, const double *q_old, double *p) {
     const palp_arm *arm = &material->arms[j];
     if (!material->quasi_linear && arm->gamma == 0.0) {
         constant_partials(arm, step->dt, step->decay[j], step->gain[j], n, e, e_old, q_old, p);

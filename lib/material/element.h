@@ -15,16 +15,16 @@ typedef struct element_damage {
 /* Constants of a step of dt seconds; arms with strain-dependent times take theirs per element. */
 typedef struct element_step {
     double dt;
-    double decay[PALP_ARMS_MAX]; /* exp(-dt / tau_j) */
-    double gain[PALP_ARMS_MAX];  /* K_j (1 - exp(-dt / tau_j)) tau_j / dt, N */
-    double dashpot;              /* b / dt, N */
-    double carry;                /* PALP_SEDEF2008: share of the previous force vector, Eq. 5.11 */
-    double rate_factor;                /* factor of the spring's force; prepare gives 1 */
-    const element_damage *damage;    /* prepare gives NULL: the spring does not damage */
+    double decay[PALP_ARMS_MAX];  /* exp(-dt / tau_j) */
+    double gain[PALP_ARMS_MAX];   /* K_j (1 - exp(-dt / tau_j)) tau_j / dt, N */
+    double dashpot;               /* b / dt, N */
+    double carry;                 /* PALP_SEDEF2008: share of the previous force vector, Eq. 5.11 */
+    double rate_factor;           /* factor of the spring's force; prepare gives 1 */
+    const element_damage *damage; /* prepare gives NULL: the spring does not damage */
 } element_step;
 
-/* Steps that were prepared, for one material: even samples have few different steps, but for rounding. Zero-initialised =
- * none. */
+/* Steps that were prepared, for one material: even samples have few different steps, but for rounding.
+ * Zero-initialised = none. */
 enum { ELEMENT_STEPS = 8 };
 typedef struct element_steps {
     size_t n, next;
@@ -35,8 +35,8 @@ typedef struct element_steps {
 const element_step *element_steps_of(const palp_material *material, double dt, element_steps *steps);
 
 /* palp_element_advance by a prepared step, without its checks. */
-void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from, double strain,
-                     palp_element_state *to, double *tangent_N);
+void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from,
+                     double strain, palp_element_state *to, double *tangent_N);
 
 /* What n elements remember, structure of arrays. */
 typedef struct element_history {
@@ -69,28 +69,35 @@ typedef struct element_drive {
 element_drive element_arm_drive(const palp_material *material, size_t arm, double e, double elastic,
                                 double tangent, double energy);
 
-/* Partial derivatives of an arm's force q at the end of a step, PALP_HISTORY: by the strain, the strain and force before
- * it, the drive, log K with tau held, log tau with K held, beta and gamma. */
+/* Partial derivatives of an arm's force q at the end of a step, PALP_HISTORY: by the strain, the strain and
+ * force before it, the drive, log K with tau held, log tau with K held, beta and gamma. */
 typedef enum element_partial {
-    ELEMENT_STRAIN, ELEMENT_STRAIN_OLD, ELEMENT_ARM_OLD, ELEMENT_DRIVE,
-    ELEMENT_LOG_STIFFNESS, ELEMENT_LOG_TIME, ELEMENT_BETA, ELEMENT_GAMMA, ELEMENT_PARTIALS
+    ELEMENT_STRAIN,
+    ELEMENT_STRAIN_OLD,
+    ELEMENT_ARM_OLD,
+    ELEMENT_DRIVE,
+    ELEMENT_LOG_STIFFNESS,
+    ELEMENT_LOG_TIME,
+    ELEMENT_BETA,
+    ELEMENT_GAMMA,
+    ELEMENT_PARTIALS
 } element_partial;
 
 /* Of n elements, partial[ELEMENT_PARTIALS n]. */
-void element_arm_partials(const palp_material *material, const element_step *step, size_t arm, size_t n, const double *e,
-                          const double *e_old, const double *q_old, double *partial);
+void element_arm_partials(const palp_material *material, const element_step *step, size_t arm, size_t n,
+                          const double *e, const double *e_old, const double *q_old, double *partial);
 
 /* d/dx of (1 - exp(-x)) / x, both functions of it given by element_decay. */
 double element_mean_slope(double x, double decay, double mean);
 
 /* Force of a damaged spring and its derivatives; factor: what softening makes of it. */
 typedef struct element_damaged {
-    double force, peak;                                 /* peak: with e in it */
-    double by_strain, by_peak;                          /* peak: the old one, 0 where e is the new one */
+    double force, peak;        /* peak: with e in it */
+    double by_strain, by_peak; /* peak: the old one, 0 where e is the new one */
     double by_set, by_softening, by_sharpness;
     double inner, factor, factor_by_energy, factor_by_peak_energy; /* inner: the strain that the law sees */
 } element_damaged;
 void element_damage_force(const palp_law *law, const element_damage *damage, double e, double peak,
-                        element_damaged *out);
+                          element_damaged *out);
 
 #endif

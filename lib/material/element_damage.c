@@ -1,12 +1,14 @@
-/* element_damage.c: a spring that its largest strain so far has softened and set (Ogden and Roxburgh 1999). */
+/* element_damage.c: a spring that its largest strain so far has softened and set (Ogden and Roxburgh 1999).
+ */
 #include "element.h"
 
 #include <math.h>
 
 /* Strain that the law of a spring sees below its peak, and its derivatives. */
-static void set_strain(const element_damage *damage, double e, double peak, element_damaged *out, double *by_strain,
-                       double *by_peak) {
-    double rest = 1.0 - damage->set, seen = (fabs(e) - damage->set * peak) / rest, sign = e < 0.0 ? -1.0 : 1.0;
+static void set_strain(const element_damage *damage, double e, double peak, element_damaged *out,
+                       double *by_strain, double *by_peak) {
+    double rest = 1.0 - damage->set, seen = (fabs(e) - damage->set * peak) / rest,
+           sign = e < 0.0 ? -1.0 : 1.0;
     if (seen < damage->slack * fabs(e)) {
         out->inner = damage->slack * e;
         *by_strain = damage->slack;
@@ -19,7 +21,7 @@ static void set_strain(const element_damage *damage, double e, double peak, elem
 }
 
 void element_damage_force(const palp_law *law, const element_damage *damage, double e, double peak,
-                        element_damaged *out) {
+                          element_damaged *out) {
     const double slope_of_erf = 1.12837916709551257390; /* 2 / sqrt(pi) */
     double law_force, tangent, energy, peak_force, peak_energy, by_strain = 1.0, by_peak = 0.0;
     *out = (element_damaged){.peak = fmax(fabs(e), peak), .inner = e, .factor = 1.0};

@@ -1,8 +1,9 @@
 /* indentation.c: contact of a rigid tip and an elastic layer. With p(r) the pressure, its Hankel transform
  * P(x) = int_0^a phi(t) cos(x t) dt, the dual integral equations become, for t of 0 to a,
- *   phi(t) - (2 / pi) int_0^a phi(s) int_0^inf M(x h) cos(x t) cos(x s) dx ds = 2 G / (pi (1 - nu)) (depth - g(t)),
- * where 1 - M is the layer's compliance over the half-space's and g(t) = t int_0^t f'(r) / sqrt(t^2 - r^2) dr of the tip's
- * profile f. Force = 2 pi int phi dt; where the profile is smooth at the edge of contact, phi(a) = 0 there. */
+ *   phi(t) - (2 / pi) int_0^a phi(s) int_0^inf M(x h) cos(x t) cos(x s) dx ds = 2 G / (pi (1 - nu)) (depth -
+ * g(t)), where 1 - M is the layer's compliance over the half-space's and g(t) = t int_0^t f'(r) / sqrt(t^2 -
+ * r^2) dr of the tip's profile f. Force = 2 pi int phi dt; where the profile is smooth at the edge of
+ * contact, phi(a) = 0 there. */
 #include <palpate/indentation.h>
 
 #include "base/dense.h"
@@ -15,11 +16,11 @@
 #define PI 3.14159265358979323846
 
 enum {
-    NODES = 32,          /* of Gauss' rule over the contact */
-    PANELS = 32,         /* of the wave numbers, PANEL_NODES each */
+    NODES = 32,  /* of Gauss' rule over the contact */
+    PANELS = 32, /* of the wave numbers, PANEL_NODES each */
     PANEL_NODES = 8,
     WAVES = PANELS * PANEL_NODES,
-    CURVE = 32           /* contact radii from which a curved tip's force is interpolated */
+    CURVE = 32 /* contact radii from which a curved tip's force is interpolated */
 };
 static const double WAVE_MAX = 20.0; /* times h: M is below 1e-13 beyond */
 
@@ -70,11 +71,11 @@ static double softness(double u, double poisson, bool slides) {
 
 /* What does not change with the contact's radius. */
 typedef struct layer {
-    double x[NODES], w[NODES];           /* of the contact, 0 to 1 */
-    double wave[WAVES], weight[WAVES];   /* wave numbers times h; Gauss' weight times M */
-    double cosine[(NODES + 1) * WAVES];  /* scratch: of the nodes and of the edge */
+    double x[NODES], w[NODES];          /* of the contact, 0 to 1 */
+    double wave[WAVES], weight[WAVES];  /* wave numbers times h; Gauss' weight times M */
+    double cosine[(NODES + 1) * WAVES]; /* scratch: of the nodes and of the edge */
     double kernel[(NODES + 1) * NODES], system[NODES * NODES], edge[NODES];
-    double solution[2 * NODES];          /* of a depth of 1 and of the profile */
+    double solution[2 * NODES]; /* of a depth of 1 and of the profile */
 } layer;
 
 static void layer_set(layer *l, const palp_indentation *in) {
@@ -94,12 +95,14 @@ static double profile(const palp_indentation *in, double t) {
     return in->tip == PALP_TIP_CONE ? 0.5 * PI * t / tan(in->half_angle_rad) : 0.0;
 }
 
-/* The kernel between the nodes and the edge of a contact of a / h = ratio is a product of cosines, which carry the root of
- * their weight; that is not negative. The system is that of the unknowns times the roots of their weights. */
+/* The kernel between the nodes and the edge of a contact of a / h = ratio is a product of cosines, which
+ * carry the root of their weight; that is not negative. The system is that of the unknowns times the roots of
+ * their weights. */
 static bool factor(layer *l, double ratio) {
     for (size_t i = 0; i <= NODES; i++)
         for (size_t q = 0; q < WAVES; q++)
-            l->cosine[i * WAVES + q] = sqrt(l->weight[q]) * cos(ratio * l->wave[q] * (i < NODES ? l->x[i] : 1.0));
+            l->cosine[i * WAVES + q] =
+                sqrt(l->weight[q]) * cos(ratio * l->wave[q] * (i < NODES ? l->x[i] : 1.0));
     dense_transposed_product(NODES + 1, NODES, WAVES, l->cosine, l->cosine, l->kernel);
     for (size_t j = 0; j < NODES; j++) {
         const double *column = &l->kernel[j * (NODES + 1)];
@@ -110,8 +113,8 @@ static bool factor(layer *l, double ratio) {
     return dense_cholesky(NODES, l->system);
 }
 
-/* What a contact of radius a has: depth, force over G, and the change of force with depth, the stiffness of a flat punch
- * of this radius. */
+/* What a contact of radius a has: depth, force over G, and the change of force with depth, the stiffness of a
+ * flat punch of this radius. */
 typedef struct contact {
     double depth_m, force_m2, slope_m;
 } contact;
@@ -146,7 +149,8 @@ static palp_status widest(layer *l, const palp_indentation *in, double depth_m, 
     contact c = {0, 0, 0};
     double limit = in->tip == PALP_TIP_SPHERE ? in->radius_m : HUGE_VAL;
     palp_status status = PALP_OK;
-    *a = in->tip == PALP_TIP_SPHERE ? sqrt(in->radius_m * depth_m) : 2.0 / PI * depth_m * tan(in->half_angle_rad);
+    *a = in->tip == PALP_TIP_SPHERE ? sqrt(in->radius_m * depth_m)
+                                    : 2.0 / PI * depth_m * tan(in->half_angle_rad);
     *a = *a < 0.9 * limit ? *a : 0.9 * limit;
     while (!status && !((status = solve(l, in, *a, &c)) || c.depth_m >= depth_m))
         *a = 1.05 * *a < limit ? 1.05 * *a : 0.5 * (*a + limit);
@@ -176,7 +180,8 @@ static double between(const contact *c, double depth_m, double power) {
            s * s * ((1.0 + 2.0 * r) * c[i + 1].force_m2 - r * step * c[i + 1].slope_m);
 }
 
-static palp_status curved(layer *l, const palp_indentation *in, size_t n, const double *depth_m, double *force_m2) {
+static palp_status curved(layer *l, const palp_indentation *in, size_t n, const double *depth_m,
+                          double *force_m2) {
     contact c[CURVE + 1];
     double deepest = 0, a = 0;
     for (size_t i = 0; i < n; i++)
@@ -187,20 +192,24 @@ static palp_status curved(layer *l, const palp_indentation *in, size_t n, const 
         status = solve(l, in, a * part * part, &c[i]);
     }
     for (size_t i = 0; !status && i < n; i++)
-        force_m2[i] = depth_m[i] > 0 ? indentation_factor(in, depth_m[i]) * between(c, depth_m[i], in->tip == PALP_TIP_CONE ? 2.0 : 1.5) : 0.0;
+        force_m2[i] = depth_m[i] > 0 ? indentation_factor(in, depth_m[i]) *
+                                           between(c, depth_m[i], in->tip == PALP_TIP_CONE ? 2.0 : 1.5)
+                                     : 0.0;
     return status;
 }
 
 /* ---- any tip ---- */
 
 static bool valid(const palp_indentation *in) {
-    if (!in || !palp_tip_name(in->tip) || !(in->thickness_m > 0) || !(in->poisson > -1.0) || !(in->poisson <= 0.5))
+    if (!in || !palp_tip_name(in->tip) || !(in->thickness_m > 0) || !(in->poisson > -1.0) ||
+        !(in->poisson <= 0.5))
         return false;
     if (in->tip == PALP_TIP_CONE)
         return in->half_angle_rad > 0 && in->half_angle_rad < 0.5 * PI;
     if (!(in->specimen_radius_m >= 0) || !isfinite(in->specimen_radius_m))
         return false;
-    return in->radius_m > 0 && isfinite(in->radius_m) && (in->tip != PALP_TIP_PLATE || isfinite(in->thickness_m));
+    return in->radius_m > 0 && isfinite(in->radius_m) &&
+           (in->tip != PALP_TIP_PLATE || isfinite(in->thickness_m));
 }
 
 /* Force over depth of a plate or of a flat punch. */
@@ -215,7 +224,8 @@ static palp_status straight(layer *l, const palp_indentation *in, double *slope_
     return status;
 }
 
-palp_status palp_indentation_force(const palp_indentation *in, size_t n, const double *depth_m, double *force_m2) {
+palp_status palp_indentation_force(const palp_indentation *in, size_t n, const double *depth_m,
+                                   double *force_m2) {
     bool fine = valid(in) && (n == 0 || (depth_m && force_m2));
     for (size_t i = 0; fine && i < n; i++)
         fine = isfinite(depth_m[i]);

@@ -1,4 +1,5 @@
-/* indentation_factor.c: what the contact of a wide layer at small strain lacks, by interpolation in tables of CalculiX. */
+/* indentation_factor.c: what the contact of a wide layer at small strain lacks, by interpolation in tables of
+ * CalculiX. */
 #include "indentation_internal.h"
 #include "indentation_tables.h"
 
@@ -48,26 +49,33 @@ static double large(size_t nu, double ratio, double part) {
 /* The deepest press of a tip that the fits hold. */
 static double deepest_of(const palp_indentation *in) {
     if (in->tip == PALP_TIP_SPHERE)
-        return SPHERE_DEPTH * in->radius_m * in->thickness_m / (in->radius_m + SPHERE_SHARE * in->thickness_m);
-    return in->tip == PALP_TIP_CONE ? CONE_DEPTH * in->thickness_m : fmin(0.2 * in->thickness_m, 0.25 * in->radius_m);
+        return SPHERE_DEPTH * in->radius_m * in->thickness_m /
+               (in->radius_m + SPHERE_SHARE * in->thickness_m);
+    return in->tip == PALP_TIP_CONE ? CONE_DEPTH * in->thickness_m
+                                    : fmin(0.2 * in->thickness_m, 0.25 * in->radius_m);
 }
 
-/* Of a sphere or cone the factor is so near to 1 that a few terms fit it (data/tips/make_tables.py has the same). */
+/* Of a sphere or cone the factor is so near to 1 that a few terms fit it (data/tips/make_tables.py has the
+ * same). */
 static double large_curved(const palp_indentation *in, double depth_m) {
-    double p = fmax(depth_m, 0.0) / deepest_of(in), n = 10.0 * (fmax(in->poisson, table_nu[0]) - 0.4), sum = 1.0;
+    double p = fmax(depth_m, 0.0) / deepest_of(in), n = 10.0 * (fmax(in->poisson, table_nu[0]) - 0.4),
+           sum = 1.0;
     if (in->tip == PALP_TIP_SPHERE) {
-        double x = log(in->radius_m / in->thickness_m), s = sqrt(p), term[LARGE_TERMS] = {s, s * n, s * n * n, s * x, s * x * n, p, p * n, p * x, p * x * n};
+        double x = log(in->radius_m / in->thickness_m), s = sqrt(p),
+               term[LARGE_TERMS] = {s, s * n, s * n * n, s * x, s * x * n, p, p * n, p * x, p * x * n};
         for (size_t i = 0; i < LARGE_TERMS; i++)
             sum += large_sphere[i] * term[i];
         return sum;
     }
-    double c = 1.0 / tan(in->half_angle_rad), term[LARGE_TERMS] = {1.0, n, n * n, p, p * n, c, c * n, c * p, c * p * n};
+    double c = 1.0 / tan(in->half_angle_rad),
+           term[LARGE_TERMS] = {1.0, n, n * n, p, p * n, c, c * n, c * p, c * p * n};
     for (size_t i = 0; i < LARGE_TERMS; i++)
         sum += large_cone[i] * term[i];
     return sum;
 }
 
-/* By the punch's share of the specimen's radius, which is 0 for a wide layer; through the four points around it. */
+/* By the punch's share of the specimen's radius, which is 0 for a wide layer; through the four points around
+ * it. */
 static double wide(size_t nu, double ratio, double share) {
     double at[TABLE_AROUND + 1] = {0}, row[TABLE_RATIO];
     for (size_t k = 0; k < TABLE_AROUND; k++)

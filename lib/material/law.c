@@ -1,4 +1,5 @@
-/* law.c: stiffness laws: makers, the polynomial law, and the door to the other kinds, each by its own formula. */
+/* law.c: stiffness laws: makers, the polynomial law, and the door to the other kinds, each by its own
+ * formula. */
 #include "base/clones.h"
 #include "law_internal.h"
 
@@ -232,7 +233,8 @@ static void polynomial_stiffness(const palp_law *law, double a, double *stiffnes
     *slope = d;
 }
 
-void law_kind_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N, double *energy_N) {
+void law_kind_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                    double *energy_N) {
     switch (law->kind) {
     case PALP_LAW_POLYNOMIAL:
         polynomial_force(law, n, e, force_N, tangent_N);

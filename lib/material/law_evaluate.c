@@ -1,4 +1,5 @@
-/* law_evaluate.c: a law at any strain: its kind's formula, and beyond the strain it was measured to its tangent there. */
+/* law_evaluate.c: a law at any strain: its kind's formula, and beyond the strain it was measured to its
+ * tangent there. */
 #include "law_internal.h"
 
 #include <math.h>
@@ -19,7 +20,8 @@ static bool is_beyond(const palp_law *law, double a) {
     return law->strain_max > 0.0 && a > law->strain_max;
 }
 
-static void go_on(const range_end *end, double e, double beyond, double *force, double *tangent, double *energy) {
+static void go_on(const range_end *end, double e, double beyond, double *force, double *tangent,
+                  double *energy) {
     *force = copysign(end->force + end->tangent * beyond, e);
     if (tangent)
         *tangent = end->tangent;
@@ -28,7 +30,8 @@ static void go_on(const range_end *end, double e, double beyond, double *force, 
 }
 
 /* Changes what is beyond only. */
-static void force_beyond(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N, double *energy_N) {
+static void force_beyond(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                         double *energy_N) {
     size_t i = 0;
     while (i < n && fabs(e[i]) <= law->strain_max)
         i++;
@@ -94,8 +97,10 @@ void palp_law_gradient(const palp_law *law, double e, double *dforce) {
 /* Adds the integral of palp_law_gradient between two strains, by Gauss and Legendre. */
 static void add_integral(const palp_law *law, double from, double to, double *out) {
     enum { POINTS = 8 };
-    static const double at[POINTS / 2] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674, 0.96028985649753623};
-    static const double weight[POINTS / 2] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447, 0.10122853629037626};
+    static const double at[POINTS / 2] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674,
+                                          0.96028985649753623};
+    static const double weight[POINTS / 2] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
+                                              0.10122853629037626};
     const double half = 0.5 * (to - from);
     double row[PALP_LAW_MAX];
     for (size_t i = 0; i < POINTS; i++) {

@@ -5,7 +5,7 @@
 #include <math.h>
 
 /* With stretch s = 1 - a the invariants of Eq. 3.70 factor as
- *   I1 - 3 = a^2 (3 - a) / s,  I2 - 3 = a^2 (3 - 2 a) / s^2,
+ *   I1 - 3 = a^2 (3 - a) / s, I2 - 3 = a^2 (3 - 2 a) / s^2,
  * and K = -(dW/ds)/a has no cancellation as a goes to 0. All three sums are per unit of area. */
 typedef struct response {
     double energy, stiffness, slope; /* W, K, dK/da */
@@ -116,7 +116,8 @@ static double rate_slope(double a) {
     return sum;
 }
 
-/* dK/dalpha of the same term, from K = (s^(-alpha/2 - 1) - s^(alpha - 1)) / a, and its slope (may be NULL) d2K/(da dalpha). */
+/* dK/dalpha of the same term, from K = (s^(-alpha/2 - 1) - s^(alpha - 1)) / a, and its slope (may be NULL)
+ * d2K/(da dalpha). */
 static double ogden_exponent_gradient(double alpha, double a, double *slope) {
     double l = log1p(-a), s = 1.0 - a;
     double rate = a > 0.0 ? -l / a : 1.0;

@@ -15,7 +15,8 @@ palp_status law_check(const palp_law *law);
  * gradients are of K(a), and dslope (may be NULL) of dK/da. */
 
 /* Of the law's kind, as if it had no end of its range. */
-void law_kind_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N, double *energy_N);
+void law_kind_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                    double *energy_N);
 void law_kind_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);
 void law_kind_gradient(const palp_law *law, double a, double *dstiffness, double *dslope);
 

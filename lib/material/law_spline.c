@@ -203,10 +203,11 @@ void law_spline_gradient(const palp_law *law, double a, double *dstiffness, doub
     add_slope(law, i + 1, t * (3.0 * t - 2.0), dslope);
 }
 
-/* Adds what the energy from the begin of interval i to a strain within it has of the coefficients of its ends and of their slopes; three
- * points of Gauss and Legendre, exact for K(a) a. */
+/* Adds what the energy from the begin of interval i to a strain within it has of the coefficients of its ends
+ * and of their slopes; three points of Gauss and Legendre, exact for K(a) a. */
 static void add_energy(const palp_law *law, size_t i, double to, double *by_stiffness, double *by_slope) {
-    static const double at[3] = {0.11270166537925831, 0.5, 0.88729833462074169}, weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+    static const double at[3] = {0.11270166537925831, 0.5, 0.88729833462074169},
+                        weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
     const double from = law->strain[i];
     for (size_t j = 0; j < 3; j++) {
         const double u = at[j] * (to - from), w = weight[j] * (to - from) * (from + u);

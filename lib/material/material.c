@@ -14,9 +14,11 @@ static palp_status check_arm(const palp_material *material, size_t j, palp_error
     if (!(arm->beta > -1.0) || !isfinite(arm->beta) || !(arm->gamma > -1.0) || !isfinite(arm->gamma))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "arm %zu: strain dependence must be above -1", j + 1);
     if (material->quasi_linear && arm->beta != 0.0)
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "a quasi-linear material takes no stiffness per strain");
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "a quasi-linear material takes no stiffness per strain");
     if (material->formulation == PALP_SEDEF2008 && (arm->beta != 0.0 || arm->gamma != 0.0))
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "formulation sedef2008 takes no strain-dependent arms");
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "formulation sedef2008 takes no strain-dependent arms");
     return PALP_OK;
 }
 
@@ -47,8 +49,8 @@ palp_status palp_material_check(const palp_material *material, palp_error *error
     return PALP_OK;
 }
 
-void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from, double strain,
-                     palp_element_state *to, double *tangent_N) {
+void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from,
+                     double strain, palp_element_state *to, double *tangent_N) {
     palp_element_state start = *from, end = *from;
     double force, tangent, elastic_old;
     palp_law_force(&material->law, 1, &start.strain, &elastic_old, NULL, NULL);
@@ -65,7 +67,8 @@ void element_advance(const palp_material *material, const element_step *step, co
 
 /* Whether palp_element_advance can take the step. */
 static bool step_sound(const palp_material *material, double strain, double dt) {
-    bool rate = material->dashpot_Ns > 0.0 || (material->formulation == PALP_SEDEF2008 && material->n_arms > 0);
+    bool rate =
+        material->dashpot_Ns > 0.0 || (material->formulation == PALP_SEDEF2008 && material->n_arms > 0);
     return dt >= 0.0 && isfinite(strain) && !(dt == 0.0 && rate);
 }
 

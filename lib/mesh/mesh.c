@@ -248,7 +248,8 @@ palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const
     for (size_t i = 0; i < n; i++)
         if (nodes[i] < 0 || (size_t)nodes[i] >= mesh->n_nodes)
             return PALP_ERR_ARGUMENT;
-    node_set set = {.name = copy_of(mesh, strlen(name) + 1, 1, name), .nodes = arena_take(&mesh->memory, n, sizeof *nodes)};
+    node_set set = {.name = copy_of(mesh, strlen(name) + 1, 1, name),
+                    .nodes = arena_take(&mesh->memory, n, sizeof *nodes)};
     node_set *old = find_set(mesh, name);
     node_set *sets = old ? mesh->sets : realloc(mesh->sets, (mesh->n_sets + 1) * sizeof *sets);
     mesh->sets = sets ? sets : mesh->sets;
@@ -361,7 +362,8 @@ size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b) {
         else
             last = middle;
     }
-    if (first == mesh->n_elements || sorted_pair(mesh, first)[0] != low || sorted_pair(mesh, first)[1] != high)
+    if (first == mesh->n_elements || sorted_pair(mesh, first)[0] != low ||
+        sorted_pair(mesh, first)[1] != high)
         return mesh->n_elements;
     return mesh->order ? mesh->order[first] : first;
 }

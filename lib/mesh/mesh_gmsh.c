@@ -149,8 +149,8 @@ static palp_status check_connected(const gmsh_file *r, const palp_mesh *mesh) {
         return PALP_OK;
     const gmsh_node *from = node_of_index(r, 0), *to = node_of_index(r, other);
     return gmsh_fail(r, to->line,
-                     "the mesh falls into %zu parts: no elements lead from node %lld to node %lld",
-                     parts, from->tag, to->tag);
+                     "the mesh falls into %zu parts: no elements lead from node %lld to node %lld", parts,
+                     from->tag, to->tag);
 }
 
 /* ---- sets ---------------------------------------------------------------------------------------- */

@@ -70,8 +70,7 @@ bool gmsh_next(gmsh_file *r);
 palp_status gmsh_line(gmsh_file *r);
 
 /* The next token of the line as a number; what says in an error what is expected, "a node tag". */
-palp_status gmsh_integer(gmsh_file *r, const char *what, long long low, long long high,
-                         long long *value);
+palp_status gmsh_integer(gmsh_file *r, const char *what, long long low, long long high, long long *value);
 palp_status gmsh_count(gmsh_file *r, const char *what, size_t *count); /* 0 to INT32_MAX */
 palp_status gmsh_number(gmsh_file *r, const char *what, double *value);
 palp_status gmsh_line_end(gmsh_file *r);

@@ -65,8 +65,7 @@ palp_status gmsh_fail_token(const gmsh_file *r, const char *expected) {
     int length = (int)strcspn(r->at, " \t");
     if (length == 0)
         return gmsh_fail(r, r->line, "the line ends where %s is expected", expected);
-    return gmsh_fail(r, r->line, "%s is expected, not '%.*s'", expected, length < 40 ? length : 40,
-                     r->at);
+    return gmsh_fail(r, r->line, "%s is expected, not '%.*s'", expected, length < 40 ? length : 40, r->at);
 }
 
 void gmsh_skip(gmsh_file *r) {
@@ -74,8 +73,7 @@ void gmsh_skip(gmsh_file *r) {
         r->at++;
 }
 
-palp_status gmsh_integer(gmsh_file *r, const char *what, long long low, long long high,
-                         long long *value) {
+palp_status gmsh_integer(gmsh_file *r, const char *what, long long low, long long high, long long *value) {
     gmsh_skip(r);
     char *stop;
     errno = 0;

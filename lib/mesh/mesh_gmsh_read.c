@@ -177,8 +177,7 @@ static palp_status sort_nodes(gmsh_file *r) {
     for (size_t i = 1; i < r->nodes.n; i++)
         if (nodes[i].tag == nodes[i - 1].tag && (!again || nodes[i].line < again->line))
             again = &nodes[i];
-    return again ? gmsh_fail(r, again->line, "node tag %lld is given a second time", again->tag)
-                 : PALP_OK;
+    return again ? gmsh_fail(r, again->line, "node tag %lld is given a second time", again->tag) : PALP_OK;
 }
 
 static palp_status read_nodes(gmsh_file *r) {

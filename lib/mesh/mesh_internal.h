@@ -22,7 +22,7 @@ struct palp_mesh {
     size_t n_tetrahedra, n_triangles;
     int32_t *tetrahedra, *triangles; /* [4 n_tetrahedra], [3 n_triangles], or NULL */
     double *scale;                   /* [n_elements] factor of each element's force, or NULL = all 1 */
-    bool split;                      /* some tetrahedra are parts of hexahedra, to whose symmetry they do not keep */
+    bool split; /* some tetrahedra are parts of hexahedra, to whose symmetry they do not keep */
     size_t n_sets;
     node_set *sets; /* [n_sets] */
 };
@@ -63,16 +63,17 @@ bool mesh_length_ok(const double a[3], const double b[3], double size_m);
 /* The diagonal of the box around n_nodes points x_m[3 n_nodes]. */
 double mesh_diagonal(size_t n_nodes, const double *x_m);
 
-/* The element between two nodes of a mesh whose elements are sorted or have an order, as those of lattices and files; n_elements
- * if there is none. */
+/* The element between two nodes of a mesh whose elements are sorted or have an order, as those of lattices
+ * and files; n_elements if there is none. */
 size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b);
 
-/* Number of connected parts; root[n_nodes] is the lowest node of each node's part. Only elements with alive[e] != 0
- * connect; NULL = all. */
+/* Number of connected parts; root[n_nodes] is the lowest node of each node's part. Only elements with
+ * alive[e] != 0 connect; NULL = all. */
 size_t mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,
                   int32_t *root);
 
-/* Number of connected parts of a mesh, and the lowest node that no elements lead to from node 0; n_nodes if there is none. ERR_NO_MEMORY. */
+/* Number of connected parts of a mesh, and the lowest node that no elements lead to from node 0; n_nodes if
+ * there is none. ERR_NO_MEMORY. */
 palp_status mesh_part_away(const palp_mesh *mesh, size_t *parts, size_t *away);
 
 #endif

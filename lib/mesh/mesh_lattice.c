@@ -45,8 +45,9 @@ static void fill_node(palp_mesh *mesh, const size_t nodes[3], const double size_
     }
 }
 
-/* Elements of one offset stand together for so many nodes: those of a row are parallel, and their ends follow each other, so that
- * loops over them need no indices; what is farther apart is not in the nearest cache any more. */
+/* Elements of one offset stand together for so many nodes: those of a row are parallel, and their ends follow
+ * each other, so that loops over them need no indices; what is farther apart is not in the nearest cache any
+ * more. */
 enum { STRETCH = 128 };
 
 static void fill(palp_mesh *mesh, const size_t nodes[3], const double size_m[3], int n_offsets,
@@ -92,7 +93,8 @@ static palp_status add_tetrahedra(palp_mesh *mesh, const size_t nodes[3]) {
         for (size_t j = 0; j + 1 < nodes[1]; j++)
             for (size_t k = 0; k + 1 < nodes[2]; k++) {
                 size_t o = i * sx + j * sy + k;
-                const size_t at[8] = {o, o + sx, o + sx + sy, o + sy, o + 1, o + sx + 1, o + sx + sy + 1, o + sy + 1};
+                const size_t at[8] = {o,     o + sx,     o + sx + sy,     o + sy,
+                                      o + 1, o + sx + 1, o + sx + sy + 1, o + sy + 1};
                 int32_t node[8];
                 for (size_t c = 0; c < 8; c++)
                     node[c] = (int32_t)at[c];

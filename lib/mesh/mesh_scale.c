@@ -1,4 +1,5 @@
-/* mesh_scale.c: element factors with which springs along a mesh of tetrahedra stand for an isotropic solid. */
+/* mesh_scale.c: element factors with which springs along a mesh of tetrahedra stand for an isotropic solid.
+ */
 #include "base/file.h"
 #include "mesh_internal.h"
 
@@ -12,7 +13,8 @@ static const unsigned char component[CUBE][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}
                                                  {0, 2, 2}, {1, 1, 1}, {1, 1, 2}, {1, 2, 2}, {2, 2, 2}};
 static const double times[CUBE] = {1, 3, 3, 3, 6, 3, 1, 3, 3, 1};
 
-/* Factors are fitted in sweeps, until one brings next to nothing; none falls below a share of its first guess. */
+/* Factors are fitted in sweeps, until one brings next to nothing; none falls below a share of its first
+ * guess. */
 enum { SWEEPS = 200 };
 static const double ENOUGH = 1e-4, LEAST = 0.2;
 static const double SHORTEST = 0.2; /* element across a face, of the face's longest edge */
@@ -165,8 +167,10 @@ static void subtract_solid(const palp_mesh *mesh, double area_m2, double *unbala
     }
 }
 
-static void add_element(const palp_mesh *mesh, size_t i, double factor, const double w[CUBE], double *unbalance) {
-    double *a = unbalance + CUBE * (size_t)mesh->pairs[2 * i], *b = unbalance + CUBE * (size_t)mesh->pairs[2 * i + 1];
+static void add_element(const palp_mesh *mesh, size_t i, double factor, const double w[CUBE],
+                        double *unbalance) {
+    double *a = unbalance + CUBE * (size_t)mesh->pairs[2 * i],
+           *b = unbalance + CUBE * (size_t)mesh->pairs[2 * i + 1];
     for (size_t j = 0; j < CUBE; j++) {
         a[j] -= factor * w[j];
         b[j] += factor * w[j];
@@ -180,8 +184,8 @@ static double square_of(size_t n_nodes, const double *weight, const double *unba
     return sum;
 }
 
-/* Each element in turn takes the factor that is best for its two nodes: coordinate descent on the weighted least
- * squares; the squares of cube_of add up to 1. */
+/* Each element in turn takes the factor that is best for its two nodes: coordinate descent on the weighted
+ * least squares; the squares of cube_of add up to 1. */
 static void sweep(palp_mesh *mesh, const double *weight, const double *least, double *unbalance) {
     double n[3], w[CUBE];
     for (size_t i = 0; i < mesh->n_elements; i++) {
@@ -210,7 +214,8 @@ static void match_energy(palp_mesh *mesh, double area_m2) {
 
 static palp_status fit(palp_mesh *mesh, double area_m2) {
     double *unbalance = calloc(CUBE * mesh->n_nodes, sizeof *unbalance);
-    double *weight = malloc(mesh->n_nodes * sizeof *weight); /* of a node: 1 / its volume^(4/3), as of stress */
+    double *weight =
+        malloc(mesh->n_nodes * sizeof *weight); /* of a node: 1 / its volume^(4/3), as of stress */
     double *least = malloc(mesh->n_elements * sizeof *least), n[3], w[CUBE];
     bool ok = unbalance && weight && least;
     if (ok)
@@ -246,9 +251,10 @@ static palp_status scale_by_volume(palp_mesh *mesh, double area_m2, palp_error *
     for (size_t i = 0; i < mesh->n_elements; i++) {
         mesh->scale[i] /= direction(mesh, mesh->pairs + 2 * i, n) * area_m2;
         if (!(mesh->scale[i] > 0.0 && isfinite(mesh->scale[i])))
-            return palp_error_set(error, PALP_ERR_INPUT,
-                                  "the element between nodes %ld and %ld has no tetrahedra of any volume around it",
-                                  (long)mesh->pairs[2 * i], (long)mesh->pairs[2 * i + 1]);
+            return palp_error_set(
+                error, PALP_ERR_INPUT,
+                "the element between nodes %ld and %ld has no tetrahedra of any volume around it",
+                (long)mesh->pairs[2 * i], (long)mesh->pairs[2 * i + 1]);
     }
     match_energy(mesh, area_m2);
     return PALP_OK;
@@ -285,7 +291,8 @@ static double mean_section(const palp_mesh *mesh) {
 }
 
 palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2, palp_error *error) {
-    if (!mesh || mesh->scale || (unsigned)scaling > PALP_SCALING_CONTINUUM || !(area_m2 >= 0.0) || !isfinite(area_m2))
+    if (!mesh || mesh->scale || (unsigned)scaling > PALP_SCALING_CONTINUUM || !(area_m2 >= 0.0) ||
+        !isfinite(area_m2))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a mesh is scaled once, by an area of 0 or more");
     if (scaling == PALP_SCALING_NONE)
         return PALP_OK;

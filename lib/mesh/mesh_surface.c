@@ -35,8 +35,8 @@ static void orient(const double *x, size_t n, int32_t *t) {
     }
 }
 
-/* Six tetrahedra from the lowest node to the faces it is not on; each face is split at its own lowest node, so that
- * neighbours agree (Dompierre et al. 1999). In a lattice these are Kuhn's. */
+/* Six tetrahedra from the lowest node to the faces it is not on; each face is split at its own lowest node,
+ * so that neighbours agree (Dompierre et al. 1999). In a lattice these are Kuhn's. */
 static void split_hexahedron(const int32_t node[8], int32_t *t) {
     static const unsigned char faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
@@ -53,7 +53,8 @@ static void split_hexahedron(const int32_t node[8], int32_t *t) {
         if (quad[first] == lowest)
             continue;
         for (size_t i = 1; i < 3; i++) {
-            const int32_t corners[4] = {lowest, quad[first], quad[(first + i) % 4], quad[(first + i + 1) % 4]};
+            const int32_t corners[4] = {lowest, quad[first], quad[(first + i) % 4],
+                                        quad[(first + i + 1) % 4]};
             memcpy(t, corners, sizeof corners);
             t += 4;
         }
@@ -100,7 +101,8 @@ palp_status mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour) {
     if (n_faces > INT32_MAX)
         return PALP_ERR_LIMIT;
     size_t *first = calloc(mesh->n_nodes + 2, sizeof *first);
-    int32_t *face = malloc((n_faces + 1) * sizeof *face), *key = malloc((2 * n_faces + 1) * sizeof *key), node[3];
+    int32_t *face = malloc((n_faces + 1) * sizeof *face), *key = malloc((2 * n_faces + 1) * sizeof *key),
+            node[3];
     bool ok = first && face && key;
     for (size_t i = 0; i < n_faces && ok; i++) { /* counting sort by the lowest node */
         sorted_face(mesh->tetrahedra + i / 4 * 4, i % 4, node);

@@ -1,4 +1,5 @@
-/* model_covariance.c: how well a model's numbers are known, and of what its arms are the spectrum, in its JSON. */
+/* model_covariance.c: how well a model's numbers are known, and of what its arms are the spectrum, in its
+ * JSON. */
 #include "base/json.h"
 #include "base/statistics.h"
 #include "model_internal.h"
@@ -22,7 +23,8 @@ bool palp_model_covariance_valid(size_t n, const double *c) {
 }
 
 /* The member of root, if it has one. */
-static palp_status square_read(const palp_json *root, const char *key, const palp_material *material, double **covariance) {
+static palp_status square_read(const palp_json *root, const char *key, const palp_material *material,
+                               double **covariance) {
     palp_json rows, row;
     size_t n = palp_model_covariance_size(material), count = 0, width = 0;
     *covariance = NULL;
@@ -37,12 +39,15 @@ static palp_status square_read(const palp_json *root, const char *key, const pal
         if (!status)
             status = palp_json_numbers(&row, n, &width, c + i * n);
         if (!status && width != n)
-            status = palp_json_fail(&row, PALP_ERR_INPUT, "has %zu numbers, not one for each of the %zu parameters", width, n);
+            status = palp_json_fail(&row, PALP_ERR_INPUT,
+                                    "has %zu numbers, not one for each of the %zu parameters", width, n);
     }
     if (!status && count != n)
-        status = palp_json_fail(&rows, PALP_ERR_INPUT, "has %zu rows, not one for each of the %zu parameters", count, n);
+        status = palp_json_fail(&rows, PALP_ERR_INPUT, "has %zu rows, not one for each of the %zu parameters",
+                                count, n);
     if (!status && !palp_model_covariance_valid(n, c))
-        status = palp_json_fail(&rows, PALP_ERR_INPUT, "is no covariance: it must be symmetric, with nothing above its diagonal's");
+        status = palp_json_fail(&rows, PALP_ERR_INPUT,
+                                "is no covariance: it must be symmetric, with nothing above its diagonal's");
     if (status)
         free(c);
     else
@@ -51,7 +56,8 @@ static palp_status square_read(const palp_json *root, const char *key, const pal
 }
 
 bool palp_model_fractional_valid(const double fractional[3]) {
-    return fractional[0] > 0 && isfinite(fractional[0]) && fractional[1] > 0 && isfinite(fractional[1]) && fractional[2] > 0 && fractional[2] < 1;
+    return fractional[0] > 0 && isfinite(fractional[0]) && fractional[1] > 0 && isfinite(fractional[1]) &&
+           fractional[2] > 0 && fractional[2] < 1;
 }
 
 palp_status palp_model_fractional_check(const palp_json *root) {
@@ -66,15 +72,18 @@ palp_status palp_model_fractional_check(const palp_json *root) {
         status = status ? status : palp_json_number(&number, &fractional[k]);
     }
     if (!status && !palp_model_fractional_valid(fractional))
-        status = palp_json_fail(&element, PALP_ERR_INPUT, "wants a stiffness and a time above 0 and an exponent between 0 and 1");
+        status = palp_json_fail(&element, PALP_ERR_INPUT,
+                                "wants a stiffness and a time above 0 and an exponent between 0 and 1");
     return status;
 }
 
-palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material, double **covariance) {
+palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material,
+                                       double **covariance) {
     return square_read(root, "covariance", material, covariance);
 }
 
-palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between, size_t *n_specimens) {
+palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between,
+                                    size_t *n_specimens) {
     static const char *const keys[] = {"count", "between"};
     palp_json specimens, count;
     double value = 0.0;
@@ -97,7 +106,8 @@ palp_status palp_model_between_read(const palp_json *root, const palp_material *
     return status;
 }
 
-palp_status palp_model_unmeasured(size_t n, const double *covariance, const double *between, size_t n_specimens, double *total) {
+palp_status palp_model_unmeasured(size_t n, const double *covariance, const double *between,
+                                  size_t n_specimens, double *total) {
     if (!covariance || !between || !total || n_specimens < 2)
         return PALP_ERR_ARGUMENT;
     double t = statistics_student_95(n_specimens - 1) / 1.959963984540054;

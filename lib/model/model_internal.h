@@ -6,7 +6,8 @@
 
 #include "base/json.h"
 
-/* K must be positive up to here, and over the strains it was measured to, in a model that is read or written. */
+/* K must be positive up to here, and over the strains it was measured to, in a model that is read or written.
+ */
 #define PALP_MODEL_STRAIN 0.4
 
 /* The lowest K there, N. */
@@ -39,10 +40,12 @@ bool palp_model_fractional_valid(const double fractional[3]);
 palp_status palp_model_fractional_check(const palp_json *root);
 
 /* "covariance" of a model whose material is known, malloc'ed; NULL without it. */
-palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material, double **covariance);
+palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material,
+                                       double **covariance);
 
 /* "specimens" of it: how they differ, malloc'ed, and how many; NULL and 0 without. */
-palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between, size_t *n_specimens);
+palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between,
+                                    size_t *n_specimens);
 
 /* What palp_model_read does with the value of a file. */
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh);

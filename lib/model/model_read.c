@@ -220,7 +220,8 @@ static palp_status scaling_read(const palp_json *at, palp_mesh_source *source) {
     while (kind <= PALP_SCALING_CONTINUUM && strcmp(name, palp_model_scalings[kind]) != 0)
         kind++;
     if (!status && kind > PALP_SCALING_CONTINUUM)
-        status = palp_json_fail(&value, PALP_ERR_INPUT, "must be \"none\", \"volume\" or \"continuum\", not \"%s\"", name);
+        status = palp_json_fail(&value, PALP_ERR_INPUT,
+                                "must be \"none\", \"volume\" or \"continuum\", not \"%s\"", name);
     if (!status)
         source->scaling = (palp_mesh_scaling)kind;
     if (!status && palp_json_member(at, "area_mm2", &value)) {
@@ -291,10 +292,10 @@ static palp_status network_read(const palp_json *root, palp_model *model, palp_m
 
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
     /* the last three are a network's only */
-    static const char *const keys[] = {"palpate", "kind",       "specimen",     "stiffness",
-                                       "arms",    "dashpot_Ns", "quasi_linear", "formulation",
-                                       "effects", "fractional", "covariance", "specimens", "mesh", "density_kg_m3",
-                                       "volume_modulus_Pa"};
+    static const char *const keys[] = {"palpate", "kind",          "specimen",         "stiffness",
+                                       "arms",    "dashpot_Ns",    "quasi_linear",     "formulation",
+                                       "effects", "fractional",    "covariance",       "specimens",
+                                       "mesh",    "density_kg_m3", "volume_modulus_Pa"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;
@@ -346,7 +347,8 @@ palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_sourc
 }
 
 /* Either of the two, of the other NULL. */
-static palp_status read_known(const char *path, double **covariance, double **between, size_t *n_specimens, palp_error *error) {
+static palp_status read_known(const char *path, double **covariance, double **between, size_t *n_specimens,
+                              palp_error *error) {
     palp_json_file file;
     palp_json root;
     palp_model model;
@@ -369,7 +371,8 @@ palp_status palp_model_read_covariance(const char *path, double **covariance, pa
     return read_known(path, covariance, NULL, NULL, error);
 }
 
-palp_status palp_model_read_between(const char *path, double **between, size_t *n_specimens, palp_error *error) {
+palp_status palp_model_read_between(const char *path, double **between, size_t *n_specimens,
+                                    palp_error *error) {
     if (!path || !between || !n_specimens)
         return palp_error_null(error);
     *between = NULL;

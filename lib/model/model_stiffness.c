@@ -108,7 +108,8 @@ static palp_status limit_read(const palp_json *stiffness, palp_law *law) {
         return PALP_OK;
     palp_status status = palp_json_positive(&value, &strain_max);
     if (!status && (palp_law_limit(law, strain_max) || law->strain_max != strain_max))
-        status = palp_json_fail(&value, PALP_ERR_INPUT, "is %g, where the force no longer rises: beyond it the law could not go on",
+        status = palp_json_fail(&value, PALP_ERR_INPUT,
+                                "is %g, where the force no longer rises: beyond it the law could not go on",
                                 strain_max);
     return status;
 }

@@ -17,11 +17,12 @@ static palp_status law_check(const palp_model *model, palp_error *error) {
                               "the hyperelastic law's area is not that of the specimen's radius");
     double lowest_N = palp_model_lowest(law);
     if (!(lowest_N > 0))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "the stiffness falls to %.6g N below strain %g", lowest_N,
-                              fmax(PALP_MODEL_STRAIN, law->strain_max));
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the stiffness falls to %.6g N below strain %g",
+                              lowest_N, fmax(PALP_MODEL_STRAIN, law->strain_max));
     palp_law limited = *law;
     if (palp_law_limit(&limited, law->strain_max) || limited.strain_max != law->strain_max)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "the force does not rise at strain_max, %g", law->strain_max);
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the force does not rise at strain_max, %g",
+                              law->strain_max);
     return PALP_OK;
 }
 
@@ -61,10 +62,12 @@ static palp_status model_check(const palp_model *model, palp_error *error) {
         status = law_check(model, error);
     if (!status && model->fractional && !palp_model_fractional_valid(model->fractional))
         status = palp_error_set(error, PALP_ERR_ARGUMENT, "the fractional element is none");
-    if (!status && model->covariance && !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->covariance))
+    if (!status && model->covariance &&
+        !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->covariance))
         status = palp_error_set(error, PALP_ERR_ARGUMENT, "the covariance is none");
     if (!status && model->between &&
-        (model->n_specimens < 2 || !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->between)))
+        (model->n_specimens < 2 ||
+         !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->between)))
         status = palp_error_set(error, PALP_ERR_ARGUMENT, "the spread of the specimens is none");
     return status ? status : palp_model_effects_check(model, error);
 }

@@ -42,8 +42,8 @@ void palp_network_free(palp_network *net) {
 
 static palp_status allocate(palp_network *net) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
-    double **by_axis[] = {&net->motion, &net->fint, &net->outer, &net->diagonal, &net->unbalanced, &net->rhs, &net->dx,
-                          &net->start, &net->way[0], &net->way[1]};
+    double **by_axis[] = {&net->motion, &net->fint, &net->outer, &net->diagonal, &net->unbalanced,
+                          &net->rhs,    &net->dx,   &net->start, &net->way[0],   &net->way[1]};
     double **by_element[] = {&net->inverse_rest, &net->inverse_length, &net->tangent};
     for (size_t i = 0; i < sizeof by_axis / sizeof *by_axis; i++)
         *by_axis[i] = arena_take(&net->memory, n3, sizeof(double));
@@ -83,7 +83,8 @@ static palp_status apply_support(palp_network *net, const palp_support *support,
     return PALP_OK;
 }
 
-static palp_status number_unknowns(palp_network *net, size_t n, const palp_support *supports, palp_error *error) {
+static palp_status number_unknowns(palp_network *net, size_t n, const palp_support *supports,
+                                   palp_error *error) {
     for (size_t i = 0; i < n; i++) {
         palp_status status = apply_support(net, &supports[i], error);
         if (status)
@@ -97,8 +98,8 @@ static palp_status number_unknowns(palp_network *net, size_t n, const palp_suppo
     return PALP_OK;
 }
 
-/* Each tetrahedron's mass to its corners, a quarter each. Hexahedra, whose tetrahedra favour some corners, and
- * meshes without cells, as large as their box: by the rest length of a node's elements. */
+/* Each tetrahedron's mass to its corners, a quarter each. Hexahedra, whose tetrahedra favour some corners,
+ * and meshes without cells, as large as their box: by the rest length of a node's elements. */
 static void share_mass(palp_network *net) {
     double low[3], high[3], total = 0.0, volume = mesh_volume(net->mesh, net->mass);
     if (volume > 0.0 && !net->mesh->split) {
@@ -133,14 +134,15 @@ static void measure_rest(palp_network *net) {
                              (b[2] - a[2]) * (b[2] - a[2]));
         net->inverse_rest[i] = 1.0 / length;
     }
-    for (size_t i = 0; i < 2 * net->n_elements; i++) /* a third of the trace of a node's block of the tangent */
+    for (size_t i = 0; i < 2 * net->n_elements;
+         i++) /* a third of the trace of a node's block of the tangent */
         net->unit[net->pair[i]] += (net->scale ? net->scale[i / 2] : 1.0) * net->inverse_rest[i / 2] / 3.0;
     if (net->mass)
         share_mass(net);
 }
 
-static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supports, const palp_support *supports,
-                         palp_error *error) {
+static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supports,
+                         const palp_support *supports, palp_error *error) {
     palp_status status = mesh_copy(mesh, &net->mesh);
     if (status)
         return status;
@@ -173,14 +175,17 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     if (!status && net->settings.volume_modulus_Pa > 0.0)
         status = network_add_volume(net, net->settings.volume_modulus_Pa);
     if (status == PALP_ERR_UNSUPPORTED)
-        return palp_error_set(error, status, "a volume modulus needs a mesh of tetrahedra, with an element along every edge (in a "
-                                             "lattice 26 neighbours, of hexahedra the diagonals too)");
+        return palp_error_set(
+            error, status,
+            "a volume modulus needs a mesh of tetrahedra, with an element along every edge (in a "
+            "lattice 26 neighbours, of hexahedra the diagonals too)");
     return status;
 }
 
 static bool settings_in_range(const palp_network_settings *s) {
-    return s->tolerance > 0.0 && isfinite(s->tolerance) && s->max_iterations >= 1 && s->density_kg_m3 >= 0.0 &&
-           isfinite(s->density_kg_m3) && s->volume_modulus_Pa >= 0.0 && isfinite(s->volume_modulus_Pa) && s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 &&
+    return s->tolerance > 0.0 && isfinite(s->tolerance) && s->max_iterations >= 1 &&
+           s->density_kg_m3 >= 0.0 && isfinite(s->density_kg_m3) && s->volume_modulus_Pa >= 0.0 &&
+           isfinite(s->volume_modulus_Pa) && s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 &&
            s->check_strain >= 0.0 && s->branch <= PALP_BRANCH_STABLE && s->solver <= PALP_SOLVER_SUPERNODAL &&
            s->integrator <= PALP_GENERALIZED_ALPHA;
 }

@@ -29,8 +29,8 @@ double network_residual(palp_network *net, double *scale) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
             net->rhs[net->dof[i]] = r[i] + net->outer[i];
-    /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and those of terms to
-     * that times their stiffness, which may be large */
+    /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and those of
+     * terms to that times their stiffness, which may be large */
     *scale = net->settings.tolerance * sqrt(net->force_squares) + 2e-15 * sqrt(net->tangent_squares) +
              1e-15 * sqrt(squares);
     return sqrt(network_dot(net->rhs, net->rhs, net->n_free));
@@ -65,8 +65,8 @@ static void add_own(palp_network *net, int32_t node, const double k[9]) {
             value[*slot++] += k[3 * row + col];
 }
 
-/* Adds a term's block to the solver's values; that of nodes which no element joins is left out. An element's slots are
- * of its second node by its first. */
+/* Adds a term's block to the solver's values; that of nodes which no element joins is left out. An element's
+ * slots are of its second node by its first. */
 static void add_block(void *user, int32_t row, int32_t column, const double k[9]) {
     palp_network *net = user;
     if (row == column) {
@@ -76,7 +76,8 @@ static void add_block(void *user, int32_t row, int32_t column, const double k[9]
     size_t e = palp_mesh_element_between(net->mesh, row, column);
     const bool element = e < net->n_elements;
     const uint32_t *slot =
-        element ? net->slot + 9 * e : network_other_slots(net, row < column ? row : column, row < column ? column : row);
+        element ? net->slot + 9 * e
+                : network_other_slots(net, row < column ? row : column, row < column ? column : row);
     const bool as_is = element ? net->pair[2 * e] == column : column < row;
     double *value = linsys_values(net->ls);
     for (int i = 0; i < 9 && slot; i++)
@@ -135,7 +136,8 @@ palp_status network_factor(palp_network *net, double shift, int *negative) {
 }
 
 /* k (vb - va) of element i. */
-static void block_times(const palp_network *net, size_t i, const double *va, const double *vb, double out[3]) {
+static void block_times(const palp_network *net, size_t i, const double *va, const double *vb,
+                        double out[3]) {
     double k[6], d[3] = {vb[0] - va[0], vb[1] - va[1], vb[2] - va[2]};
     element_block(net, i, k);
     out[0] = k[0] * d[0] + k[1] * d[1] + k[3] * d[2];
@@ -183,8 +185,8 @@ double network_drive_force(const palp_network *net) {
     return -network_dot(net->motion, net->fint, n) - network_dot(net->motion, net->outer, n);
 }
 
-/* u times the tangent of the terms times u; of their diagonal on the free axes, as the plate's own reaction is that of
- * elements and outer forces alone. */
+/* u times the tangent of the terms times u; of their diagonal on the free axes, as the plate's own reaction
+ * is that of elements and outer forces alone. */
 static double term_curvature(const palp_network *net, const double *u) {
     double sum = 0.0, *pull = net->unbalanced;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)

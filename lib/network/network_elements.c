@@ -1,5 +1,6 @@
-/* network_elements.c: the loops over all elements: their forces, and their tangent times a vector. They go by chunks that
- * stay in the cache, each axis in an array of its own, so that all but fetching from and adding to nodes is vectorized. */
+/* network_elements.c: the loops over all elements: their forces, and their tangent times a vector. They go by
+ * chunks that stay in the cache, each axis in an array of its own, so that all but fetching from and adding
+ * to nodes is vectorized. */
 #include "base/clones.h"
 #include "network_internal.h"
 
@@ -13,7 +14,8 @@ enum { CHUNK = NETWORK_CHUNK, LANES = 8, RUN = 4 };
 /* Of a chunk's elements; and where what is found of them goes. */
 typedef struct chunk {
     size_t at, n; /* elements at to at + n */
-    double d[3][CHUNK + LANES], square[CHUNK + LANES]; /* by axis: difference of their nodes, later force; its square */
+    double d[3][CHUNK + LANES],
+        square[CHUNK + LANES]; /* by axis: difference of their nodes, later force; its square */
     double *strain, *inverse_length, *force, *tangent;
     element_history next;
 } chunk;
@@ -65,7 +67,8 @@ palp_status network_make_runs(palp_network *net) {
     return PALP_OK;
 }
 
-/* Several of a vector at once; they are only kept in variables, as no function takes them alike with and without AVX. */
+/* Several of a vector at once; they are only kept in variables, as no function takes them alike with and
+ * without AVX. */
 typedef double four __attribute__((vector_size(4 * sizeof(double))));
 typedef double two __attribute__((vector_size(2 * sizeof(double))));
 typedef float four_floats __attribute__((vector_size(4 * sizeof(float))));
@@ -73,20 +76,20 @@ typedef float four_floats __attribute__((vector_size(4 * sizeof(float))));
 #define LOAD(v, p) memcpy(&(v), p, sizeof(v))
 #define STORE(p, v) memcpy(p, &(v), sizeof(v))
 #define ADD_TO(p, v) (LOAD(sum, p), sum += (v), STORE(p, sum))
-#define DELIVER(lanes)                                                                                                   \
-    do {                                                                                                                 \
-        lanes v0, v1, v2, sum;                                                                                           \
-        LOAD(v0, f0 + i), LOAD(v1, f1 + i), LOAD(v2, f2 + i);                                                            \
-        ADD_TO(out + low + i, v0), ADD_TO(out1 + low + i, v1), ADD_TO(out2 + low + i, v2);                               \
-        ADD_TO(out + high + i, -v0), ADD_TO(out1 + high + i, -v1), ADD_TO(out2 + high + i, -v2);                         \
-        i += (int32_t)(sizeof(lanes) / sizeof(double));                                                                  \
+#define DELIVER(lanes)                                                                                       \
+    do {                                                                                                     \
+        lanes v0, v1, v2, sum;                                                                               \
+        LOAD(v0, f0 + i), LOAD(v1, f1 + i), LOAD(v2, f2 + i);                                                \
+        ADD_TO(out + low + i, v0), ADD_TO(out1 + low + i, v1), ADD_TO(out2 + low + i, v2);                   \
+        ADD_TO(out + high + i, -v0), ADD_TO(out1 + high + i, -v1), ADD_TO(out2 + high + i, -v2);             \
+        i += (int32_t)(sizeof(lanes) / sizeof(double));                                                      \
     } while (0)
 
-/* d = what x, by axis, has at the second nodes less what it has at the first, and its square. What is written behind a run is the next
- * one's, or room. */
+/* d = what x, by axis, has at the second nodes less what it has at the first, and its square. What is written
+ * behind a run is the next one's, or room. */
 PALP_CLONES
-static void fetch_runs(size_t n, const network_run *run, const double *x, size_t stride, double *d0, double *d1, double *d2,
-                       double *square) {
+static void fetch_runs(size_t n, const network_run *run, const double *x, size_t stride, double *d0,
+                       double *d1, double *d2, double *square) {
     const double *x1 = x + stride, *x2 = x1 + stride;
     for (size_t r = 0; r < n; r++) {
         const int32_t low = run[r].low, high = run[r].high;
@@ -105,8 +108,8 @@ static void fetch_runs(size_t n, const network_run *run, const double *x, size_t
 
 /* Adds f to out, by axis, at the first nodes and takes it from the second. */
 PALP_CLONES
-static void deliver_runs(size_t n, const network_run *run, const double *f0, const double *f1, const double *f2, double *out,
-                         size_t stride) {
+static void deliver_runs(size_t n, const network_run *run, const double *f0, const double *f1,
+                         const double *f2, double *out, size_t stride) {
     double *out1 = out + stride, *out2 = out1 + stride;
     for (size_t r = 0; r < n; r++) {
         const int32_t low = run[r].low, high = run[r].high;
@@ -147,8 +150,8 @@ static void fetch(const palp_network *net, const double *x, chunk *c) {
     const int32_t *pair = net->pair + 2 * c->at;
     if (net->run) {
         const size_t *first = net->first_run + c->at / CHUNK;
-        fetch_runs(first[1] - first[0], net->run + first[0], net->straight, straight_stride(net), c->d[0], c->d[1], c->d[2],
-                   c->square);
+        fetch_runs(first[1] - first[0], net->run + first[0], net->straight, straight_stride(net), c->d[0],
+                   c->d[1], c->d[2], c->square);
         return;
     }
     for (size_t i = 0; i < c->n; i++) {
@@ -160,13 +163,14 @@ static void fetch(const palp_network *net, const double *x, chunk *c) {
     }
 }
 
-/* Adds to the first nodes, takes from the second ones. Elements come grouped by their first node mostly, whose share is
- * summed apart: adding to memory each time would wait for the last addition. */
+/* Adds to the first nodes, takes from the second ones. Elements come grouped by their first node mostly,
+ * whose share is summed apart: adding to memory each time would wait for the last addition. */
 static void deliver(const palp_network *net, const chunk *c, double *out) {
     const int32_t *pair = net->pair + 2 * c->at;
     if (net->run) {
         const size_t *first = net->first_run + c->at / CHUNK, stride = straight_stride(net);
-        deliver_runs(first[1] - first[0], net->run + first[0], c->d[0], c->d[1], c->d[2], net->straight + 3 * stride, stride);
+        deliver_runs(first[1] - first[0], net->run + first[0], c->d[0], c->d[1], c->d[2],
+                     net->straight + 3 * stride, stride);
         return;
     }
     for (size_t i = 0; i < c->n;) {
@@ -199,8 +203,8 @@ static chunk chunk_at(const palp_network *net, size_t at) {
 /* ---- forces -------------------------------------------------------------------------------------- */
 
 PALP_CLONES
-static void measure(size_t n, const double *restrict square, const double *restrict inverse_rest, double *restrict strain,
-                    double *restrict inverse_length) {
+static void measure(size_t n, const double *restrict square, const double *restrict inverse_rest,
+                    double *restrict strain, double *restrict inverse_length) {
     for (size_t i = 0; i < n; i++) {
         double length = sqrt(square[i]);
         strain[i] = length * inverse_rest[i] - 1.0;
@@ -210,8 +214,8 @@ static void measure(size_t n, const double *restrict square, const double *restr
 
 /* d becomes the force on the first node. */
 PALP_CLONES
-static void point_forces(size_t n, const double *restrict force, const double *restrict inverse_length, double *restrict d0,
-                         double *restrict d1, double *restrict d2) {
+static void point_forces(size_t n, const double *restrict force, const double *restrict inverse_length,
+                         double *restrict d0, double *restrict d1, double *restrict d2) {
     for (size_t i = 0; i < n; i++) {
         const double pull = force[i] * inverse_length[i];
         d0[i] *= pull;
@@ -221,7 +225,8 @@ static void point_forces(size_t n, const double *restrict force, const double *r
 }
 
 PALP_CLONES
-static void point_along(size_t n, const double *restrict d, const double *restrict inverse_length, double *restrict direction) {
+static void point_along(size_t n, const double *restrict d, const double *restrict inverse_length,
+                        double *restrict direction) {
     for (size_t i = 0; i < n; i++)
         direction[i] = d[i] * inverse_length[i];
 }
@@ -275,11 +280,12 @@ static size_t count_collapsed(size_t n, const double *strain) {
 }
 
 static element_history history_at(const element_history *h, size_t at) {
-    return (element_history){h->strain + at, h->elastic ? h->elastic + at : NULL, h->arm + at, h->peak ? h->peak + at : NULL,
-                             h->stride};
+    return (element_history){h->strain + at, h->elastic ? h->elastic + at : NULL, h->arm + at,
+                             h->peak ? h->peak + at : NULL, h->stride};
 }
 
-/* A chunk that leaves what is found of it in the network; with room only strain, force and history, and those only if they are kept. */
+/* A chunk that leaves what is found of it in the network; with room only strain, force and history, and those
+ * only if they are kept. */
 static chunk chunk_keeping(palp_network *net, size_t at, bool keep, chunk_room *room) {
     chunk c = chunk_at(net, at);
     c.inverse_length = room ? room->inverse_length : net->inverse_length + at;
@@ -337,8 +343,8 @@ static void lay_out_dead(palp_network *net) {
 /* along and across of the elements' blocks */
 PALP_CLONES
 static void find_blocks(size_t n, const double *restrict force, const double *restrict inverse_length,
-                        const double *restrict tangent, const double *restrict inverse_rest, float *restrict along,
-                        float *restrict across) {
+                        const double *restrict tangent, const double *restrict inverse_rest,
+                        float *restrict along, float *restrict across) {
     for (size_t i = 0; i < n; i++) {
         const double pull = force[i] * inverse_length[i];
         along[i] = (float)((tangent[i] * inverse_rest[i] - pull) * (inverse_length[i] * inverse_length[i]));
@@ -348,7 +354,8 @@ static void find_blocks(size_t n, const double *restrict force, const double *re
 
 /* Numbers of the elements of runs to where they belong, to[n]. */
 PALP_CLONES
-static void pack_runs(size_t n, const network_run *run, const uint32_t *to, const float *from, float *element) {
+static void pack_runs(size_t n, const network_run *run, const uint32_t *to, const float *from,
+                      float *element) {
     for (size_t r = 0; r < n; r++) {
         float *e = element + to[r];
         int32_t i = 0;
@@ -422,9 +429,9 @@ bool network_element_forces(palp_network *net, const network_blocks *blocks) {
 /* d = minus the elements' blocks times d */
 PALP_CLONES
 static void blocks_times(size_t n, const double *restrict force, const double *restrict inverse_length,
-                         const double *restrict tangent, const double *restrict inverse_rest, const double *restrict n0,
-                         const double *restrict n1, const double *restrict n2, double *restrict d0, double *restrict d1,
-                         double *restrict d2) {
+                         const double *restrict tangent, const double *restrict inverse_rest,
+                         const double *restrict n0, const double *restrict n1, const double *restrict n2,
+                         double *restrict d0, double *restrict d1, double *restrict d2) {
     for (size_t i = 0; i < n; i++) {
         double across = -force[i] * inverse_length[i], stiffness = -tangent[i] * inverse_rest[i] - across;
         double along = stiffness * (n0[i] * d0[i] + n1[i] * d1[i] + n2[i] * d2[i]);
@@ -443,8 +450,8 @@ void network_tangent_times(const palp_network *net, const double *u, double *out
         chunk c = chunk_at(net, at);
         const double *n = net->direction + at;
         fetch(net, u, &c);
-        blocks_times(c.n, net->force + at, net->inverse_length + at, net->tangent + at, net->inverse_rest + at, n, n + m,
-                     n + 2 * m, c.d[0], c.d[1], c.d[2]);
+        blocks_times(c.n, net->force + at, net->inverse_length + at, net->tangent + at,
+                     net->inverse_rest + at, n, n + m, n + 2 * m, c.d[0], c.d[1], c.d[2]);
         deliver(net, &c, out);
     }
     end_exchange(net, out);

@@ -8,7 +8,8 @@ typedef struct foundation {
     double *stiffness; /* [3 n_nodes] N/m */
 } foundation;
 
-static void foundation_residual(const network_term *term, const palp_network *net, double *r, double *squares) {
+static void foundation_residual(const network_term *term, const palp_network *net, double *r,
+                                double *squares) {
     const double *k = ((const foundation *)term)->stiffness;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0) {
@@ -32,9 +33,8 @@ static bool foundation_energy(const network_term *term, const palp_network *net,
     return true;
 }
 
-static const network_term_kind FOUNDATION = {.residual = foundation_residual,
-                                             .diagonal = foundation_diagonal,
-                                             .energy = foundation_energy};
+static const network_term_kind FOUNDATION = {
+    .residual = foundation_residual, .diagonal = foundation_diagonal, .energy = foundation_energy};
 
 static foundation *find(const palp_network *net) {
     return (foundation *)network_find_term(net, &FOUNDATION);

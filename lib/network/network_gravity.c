@@ -18,7 +18,8 @@ static bool gravity_energy(const network_term *term, const palp_network *net, do
     const double *g = ((const gravity *)term)->acceleration;
     for (size_t i = 0; i < net->n_nodes; i++) {
         const double *x = net->next.x + 3 * i, *rest = net->rest + 3 * i;
-        *energy -= net->mass[i] * (g[0] * (x[0] - rest[0]) + g[1] * (x[1] - rest[1]) + g[2] * (x[2] - rest[2]));
+        *energy -=
+            net->mass[i] * (g[0] * (x[0] - rest[0]) + g[1] * (x[1] - rest[1]) + g[2] * (x[2] - rest[2]));
     }
     return true;
 }

@@ -9,13 +9,13 @@
 
 /* One state of nodes and elements; terms keep their own. */
 typedef struct network_state {
-    double *x;              /* [3 n_nodes] positions, m */
-    double *velocity;       /* [3 n_nodes], mass only */
-    double *acceleration;   /* [3 n_nodes], mass only */
-    double *inner;          /* [3 n_nodes] force of elements and outer terms on each node, N */
-    double *element;        /* [n_elements] element force, tension positive, N */
+    double *x;            /* [3 n_nodes] positions, m */
+    double *velocity;     /* [3 n_nodes], mass only */
+    double *acceleration; /* [3 n_nodes], mass only */
+    double *inner;        /* [3 n_nodes] force of elements and outer terms on each node, N */
+    double *element;      /* [n_elements] element force, tension positive, N */
     element_history history;
-    double *vector;         /* [3 n_elements] force on the first node, PALP_SEDEF2008 only */
+    double *vector; /* [3 n_elements] force on the first node, PALP_SEDEF2008 only */
     double depth, time, force;
 } network_state;
 
@@ -38,26 +38,27 @@ struct palp_network {
     const double *rest;   /* mesh's */
     const int32_t *pair;  /* mesh's */
     double *inverse_rest; /* [n_elements] 1 / rest length */
-    network_run *run;     /* all elements in order, none over the end of a chunk; or NULL: they are too short to be worth it */
-    size_t *first_run;    /* [n_chunks + 1] of each chunk of elements, the number of runs last */
-    double *straight;     /* [6 network_stride] with runs: a vector by axis, and a sum */
-    double *scale;        /* [n_elements] factor of each element's force, 0 = cut; or NULL = all 1 */
-    const int32_t *dead;  /* [n_dead] elements that are cut; a term's */
+    network_run *run;  /* all elements in order, none over the end of a chunk; or NULL: they are too short to
+                          be worth it */
+    size_t *first_run; /* [n_chunks + 1] of each chunk of elements, the number of runs last */
+    double *straight;  /* [6 network_stride] with runs: a vector by axis, and a sum */
+    double *scale;     /* [n_elements] factor of each element's force, 0 = cut; or NULL = all 1 */
+    const int32_t *dead; /* [n_dead] elements that are cut; a term's */
     size_t n_dead;
     const int32_t *surface; /* [3 n_surface] triangles of the surface as it now is, outward */
     size_t n_surface;
     size_t surface_changes; /* counts what replaced the surface */
     bool surface_stays;     /* a term has made its own of it: nothing may replace it */
-    double *motion;       /* [3 n_nodes] displacement per depth, 0 unless driven */
-    bool driven;          /* some axis is */
-    int32_t *dof;         /* [3 n_nodes] unknown, or -1 */
-    double *mass;         /* [n_nodes] kg, or NULL */
-    double *unit;         /* [n_nodes] a node's own stiffness over that of an element, mean of directions, 1/m */
+    double *motion;         /* [3 n_nodes] displacement per depth, 0 unless driven */
+    bool driven;            /* some axis is */
+    int32_t *dof;           /* [3 n_nodes] unknown, or -1 */
+    double *mass;           /* [n_nodes] kg, or NULL */
+    double *unit; /* [n_nodes] a node's own stiffness over that of an element, mean of directions, 1/m */
     const element_damage *damage; /* of every element's spring, or NULL; caller's */
-    double rate_factor;   /* of every spring's force in the next try */
-    double extent;        /* largest rest dimension, m */
-    double height;        /* rest dimension along the plate's motion, m */
-    size_t resets;        /* counts the returns to rest */
+    double rate_factor;           /* of every spring's force in the next try */
+    double extent;                /* largest rest dimension, m */
+    double height;                /* rest dimension along the plate's motion, m */
+    size_t resets;                /* counts the returns to rest */
 
     network_term *terms[NETWORK_TERMS];
     size_t n_terms;
@@ -66,40 +67,42 @@ struct palp_network {
     uint32_t *slot;       /* [9 n_elements] value slots of block (b, a) by rows */
     uint32_t *slot_node;  /* [6 n_nodes] of the lower triangle of a node's own block */
     double *node_block;   /* [6 n_nodes] */
-    int32_t *other_pair;  /* [2 n_other_pairs] nodes, low and high, that no element joins and a term may; sorted; or NULL */
+    int32_t *other_pair;  /* [2 n_other_pairs] nodes, low and high, that no element joins and a term may;
+                             sorted; or NULL */
     uint32_t *other_slot; /* [9 n_other_pairs] as slot */
     size_t n_other_pairs;
-    bool reuse_factor;    /* factors are dear: keep one as long as it contracts */
-    bool factored;        /* the factor belongs to this network state or one near it */
+    bool reuse_factor; /* factors are dear: keep one as long as it contracts */
+    bool factored;     /* the factor belongs to this network state or one near it */
 
     /* of the last evaluation, at next */
     element_step step;
-    double modulus;       /* instantaneous stiffness of an element at rest, N */
-    double *direction;    /* [3 n_elements] unit vector first -> second node: all x, all y, all z */
+    double modulus;         /* instantaneous stiffness of an element at rest, N */
+    double *direction;      /* [3 n_elements] unit vector first -> second node: all x, all y, all z */
     double *inverse_length; /* [n_elements] */
-    double *strain, *force; /* [n_elements] of the state that was next then; force without the carried vector */
+    double *strain,
+        *force;           /* [n_elements] of the state that was next then; force without the carried vector */
     double *own_force;    /* [n_elements] force where a vector is carried, or NULL */
     double *tangent;      /* [n_elements] */
     double *fint;         /* [3 n_nodes] force of the elements */
     double *outer;        /* [3 n_nodes] force of terms, on supported nodes too */
     double outer_squares; /* as the squares of a term's residual */
     double force_squares, tangent_squares; /* sums over the elements, N^2 */
-    double *diagonal;     /* [3 n_nodes] of the tangent, by terms, N/m */
-    double *unbalanced;   /* [3 n_nodes] all forces, scratch */
-    double *rhs, *dx, *start; /* [n_free] residual, direction, unknowns it starts from */
-    double *scratch;      /* [2 n_elements] */
+    double *diagonal;                      /* [3 n_nodes] of the tangent, by terms, N/m */
+    double *unbalanced;                    /* [3 n_nodes] all forces, scratch */
+    double *rhs, *dx, *start;              /* [n_free] residual, direction, unknowns it starts from */
+    double *scratch;                       /* [2 n_elements] */
 
     network_state now, next;
-    unsigned char *mark;  /* a state saved, see network_mark_save */
-    double *way[2];       /* [3 n_nodes] waypoints of a step that is approached in parts */
+    unsigned char *mark; /* a state saved, see network_mark_save */
+    double *way[2];      /* [3 n_nodes] waypoints of a step that is approached in parts */
     double *past[NETWORK_PAST];
     double past_depth[NETWORK_PAST], past_time[NETWORK_PAST];
     size_t n_past;
-    bool no_approach;     /* the caller makes its own smaller steps */
-    bool exact;           /* the factor is that of the solved step at hand */
-    bool left_branch;     /* STABLE: the step met an indefinite tangent */
-    bool trial;           /* next holds a solved step */
-    bool trial_stable;    /* its tangent is positive definite, as far as was assessed */
+    bool no_approach;  /* the caller makes its own smaller steps */
+    bool exact;        /* the factor is that of the solved step at hand */
+    bool left_branch;  /* STABLE: the step met an indefinite tangent */
+    bool trial;        /* next holds a solved step */
+    bool trial_stable; /* its tangent is positive definite, as far as was assessed */
     bool trial_checked;
 
     bool buckled;
@@ -111,8 +114,8 @@ struct palp_network {
 /* The solver for the tangent's pattern, and where each block of it goes. */
 palp_status network_make_pattern(palp_network *net);
 
-/* Room in it for blocks between more pairs of nodes, low <= high, sorted by low, then high; those that have it already are
- * passed over. Once for each network. */
+/* Room in it for blocks between more pairs of nodes, low <= high, sorted by low, then high; those that have
+ * it already are passed over. Once for each network. */
 palp_status network_add_pairs(palp_network *net, size_t n, const int32_t *low, const int32_t *high);
 
 /* Value slots of such a pair's block (high, low) by rows, or NULL. */
@@ -139,20 +142,24 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
 /* The runs, where they are long enough. */
 palp_status network_make_runs(palp_network *net);
 
-/* The elements' part of the tangent in single precision: the block of element i is along d d' + across 1, d from node to node. */
+/* The elements' part of the tangent in single precision: the block of element i is along d d' + across 1, d
+ * from node to node. */
 typedef struct network_blocks {
     float *element;        /* along, across; of element i from place[i] on, spacing apart */
     const uint32_t *place; /* [n_elements] */
     size_t spacing;
-    const uint32_t *run_place; /* [runs] place of each run's first element, where those of all runs follow each other; or NULL */
-    bool trial;            /* strain, force and history need not be kept */
+    const uint32_t *run_place; /* [runs] place of each run's first element, where those of all runs follow
+                                  each other; or NULL */
+    bool trial;                /* strain, force and history need not be kept */
 } network_blocks;
 
-/* Geometry and forces of the elements at next.x and their sums on nodes. False: one has collapsed. With blocks these are made unless
- * blocks->element is NULL, and neither direction, inverse_length nor tangent need be, which takes less memory and time. */
+/* Geometry and forces of the elements at next.x and their sums on nodes. False: one has collapsed. With
+ * blocks these are made unless blocks->element is NULL, and neither direction, inverse_length nor tangent
+ * need be, which takes less memory and time. */
 bool network_element_forces(palp_network *net, const network_blocks *blocks);
 
-/* out = tangent of the last evaluation (of one without blocks) times u, [3 n_nodes] both, fixed axes included. */
+/* out = tangent of the last evaluation (of one without blocks) times u, [3 n_nodes] both, fixed axes
+ * included. */
 void network_tangent_times(const palp_network *net, const double *u, double *out);
 
 /* Sum of a[i] b[i]. */
@@ -163,10 +170,12 @@ double network_distance(const double *a, const double *b, size_t n);
 
 /* ---- network_assemble.c ---- */
 
-/* Geometry, element forces, nodal sums and terms at next.x. False: a collapsed element or a non-finite force. */
+/* Geometry, element forces, nodal sums and terms at next.x. False: a collapsed element or a non-finite force.
+ */
 bool network_evaluate(palp_network *net);
-bool network_evaluate_blocks(palp_network *net, const network_blocks *blocks); /* as network_element_forces with blocks */
-void network_evaluate_terms(palp_network *net); /* the terms alone */
+bool network_evaluate_blocks(palp_network *net,
+                             const network_blocks *blocks); /* as network_element_forces with blocks */
+void network_evaluate_terms(palp_network *net);             /* the terms alone */
 
 /* |residual|_2 of the unknowns into rhs (K dx = rhs), and the scale it is judged by. */
 double network_residual(palp_network *net, double *scale);
@@ -214,11 +223,12 @@ double network_largest_strain(const palp_network *net, const double *strain);
 /* The tetrahedra that are inside out or flat with the nodes at x; of part of parts of them, 0 of 1 = all. */
 size_t network_count_inverted(const palp_network *net, const double *x, size_t part, size_t parts);
 
-/* Has a term had its points taken anew (network_term refresh)? It is then to be evaluated and solved again. */
+/* Has a term had its points taken anew (network_term refresh)? It is then to be evaluated and solved again.
+ */
 bool network_refresh(palp_network *net);
 
-/* Extrapolates next.x along the path (depth, or time in a dwell) through the last two states, curved: three; and
- * evaluates. False if they do not lead there. */
+/* Extrapolates next.x along the path (depth, or time in a dwell) through the last two states, curved: three;
+ * and evaluates. False if they do not lead there. */
 bool network_extrapolate(palp_network *net, double depth, double time, bool curved);
 
 /* ---- network.c ---- */
@@ -234,15 +244,15 @@ network_term *network_inertia_new(const palp_network *net);
 /* Weight of the network's mass, m/s^2; NULL: out of memory. */
 network_term *network_gravity_new(const double acceleration_m_s2[3]);
 
-/* Springs that resist what the free axes of a node set move: share times the stiffness at rest of the elements that meet
- * in the node. They add up over calls. */
+/* Springs that resist what the free axes of a node set move: share times the stiffness at rest of the
+ * elements that meet in the node. They add up over calls. */
 palp_status network_set_foundation(palp_network *net, const char *set, double share);
 
 /* Their stiffness [3 n_nodes], N/m, or NULL. */
 const double *network_foundation(const palp_network *net);
 
-/* Tetrahedra that resist a change of their volume (network_volume.c), of this modulus. ERR_UNSUPPORTED: the mesh has none, one
- * that is flat, or one whose edges are not all elements. */
+/* Tetrahedra that resist a change of their volume (network_volume.c), of this modulus. ERR_UNSUPPORTED: the
+ * mesh has none, one that is flat, or one whose edges are not all elements. */
 palp_status network_add_volume(palp_network *net, double modulus_Pa);
 bool network_has_volume(const palp_network *net);
 

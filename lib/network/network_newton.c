@@ -4,9 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-static const double SLOW = 0.3;      /* a kept factor that contracts less is rebuilt */
-static const double NEAR = 1e3;      /* times the tolerance: so close, the last step's factor will do */
-static const double AT_FOLD = 10.0;  /* times the tolerance: taken where Newton's own direction finds nothing better */
+static const double SLOW = 0.3; /* a kept factor that contracts less is rebuilt */
+static const double NEAR = 1e3; /* times the tolerance: so close, the last step's factor will do */
+static const double AT_FOLD =
+    10.0; /* times the tolerance: taken where Newton's own direction finds nothing better */
 static const double SHORTEST = 1e-7; /* energy line search: smallest step */
 static const double STUCK = 0.02;    /* residual line search: a shorter step is a standstill, not progress */
 enum { STANDSTILL = 6 };             /* full iterations in a row that bring next to nothing */
@@ -148,7 +149,8 @@ static bool leave_saddle(palp_network *net) {
     gather(net, net->start);
     for (double reach = 0.02 * net->extent; reach > 1e-9 * net->extent; reach *= 0.5)
         for (int sign = 1; sign >= -1; sign -= 2)
-            if (move(net, sign * reach / largest) && (!known || (network_energy(net, &energy) && energy < start)))
+            if (move(net, sign * reach / largest) &&
+                (!known || (network_energy(net, &energy) && energy < start)))
                 return true;
     return false;
 }

@@ -12,7 +12,8 @@ static const int32_t *joined(const palp_network *net, size_t i) {
 
 /* Neighbours of each node with a higher or the same number, ascending: [first[a], first[a + 1]). */
 static palp_status neighbours(const palp_network *net, size_t **first, int32_t **list) {
-    size_t n = net->n_nodes, n_pairs = net->n_elements + net->n_other_pairs, *count = calloc(n + 2, sizeof *count);
+    size_t n = net->n_nodes, n_pairs = net->n_elements + net->n_other_pairs,
+           *count = calloc(n + 2, sizeof *count);
     int32_t *out = malloc((n + n_pairs + 1) * sizeof *out);
     if (!count || !out) {
         free(count);
@@ -79,7 +80,8 @@ static palp_status make_linsys(palp_network *net) {
         row = malloc((nz + 1) * sizeof *row);
         if (row)
             fill_pattern(net, first, list, column, row);
-        status = row ? linsys_create(net->settings.solver, net->n_free, column, row, &net->ls) : PALP_ERR_NO_MEMORY;
+        status = row ? linsys_create(net->settings.solver, net->n_free, column, row, &net->ls)
+                     : PALP_ERR_NO_MEMORY;
     }
     free(first);
     free(list);
@@ -92,7 +94,8 @@ static uint32_t slot_of(const palp_network *net, size_t i, size_t j) {
     int32_t a = net->dof[i], b = net->dof[j];
     if (a < 0 || b < 0)
         return (uint32_t)linsys_value_count(net->ls); /* the bin */
-    return (uint32_t)(a > b ? linsys_slot(net->ls, (size_t)a, (size_t)b) : linsys_slot(net->ls, (size_t)b, (size_t)a));
+    return (uint32_t)(a > b ? linsys_slot(net->ls, (size_t)a, (size_t)b)
+                            : linsys_slot(net->ls, (size_t)b, (size_t)a));
 }
 
 static palp_status find_slots(palp_network *net) {
@@ -100,7 +103,8 @@ static palp_status find_slots(palp_network *net) {
         return PALP_ERR_LIMIT;
     for (size_t i = 0; i < net->n_elements + net->n_other_pairs; i++) {
         const int32_t *pair = joined(net, i);
-        uint32_t *slot = i < net->n_elements ? net->slot + 9 * i : net->other_slot + 9 * (i - net->n_elements);
+        uint32_t *slot =
+            i < net->n_elements ? net->slot + 9 * i : net->other_slot + 9 * (i - net->n_elements);
         for (size_t r = 0; r < 3; r++)
             for (size_t c = 0; c < 3; c++)
                 slot[3 * r + c] = slot_of(net, 3 * (size_t)pair[1] + r, 3 * (size_t)pair[0] + c);

@@ -17,7 +17,8 @@ static palp_status observe(const run *r, double time) {
     if (beyond > 0.0 && r->info->beyond == 0.0)
         r->info->beyond_s = time;
     r->info->beyond = fmax(r->info->beyond, beyond);
-    if (r->settings->observer && r->settings->observer(r->settings->user, time, net->now.depth, net->now.force))
+    if (r->settings->observer &&
+        r->settings->observer(r->settings->user, time, net->now.depth, net->now.force))
         return PALP_ERR_STOPPED;
     return PALP_OK;
 }
@@ -58,12 +59,13 @@ static double measure(const run *r, const network_state *s) {
 /* Of the error of a run in dt. */
 static double order_of(const palp_network *net) {
     bool arms = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
-    bool first = arms || net->material.dashpot_Ns > 0.0 || (net->mass && net->settings.integrator == PALP_BACKWARD_EULER);
+    bool first = arms || net->material.dashpot_Ns > 0.0 ||
+                 (net->mass && net->settings.integrator == PALP_BACKWARD_EULER);
     return first ? 1.0 : 2.0;
 }
 
-/* Step doubling: a whole step and two halves; a method of order p errs by 1 / (2^p - 1) of the difference, and
- * the halves are kept. */
+/* Step doubling: a whole step and two halves; a method of order p errs by 1 / (2^p - 1) of the difference,
+ * and the halves are kept. */
 static palp_status doubled_step(run *r, double t, double h, double *error) {
     palp_network *net = r->net;
     palp_status status = advance(r, t + h, h, false);
@@ -85,12 +87,13 @@ static bool may_shrink(palp_status status) {
 
 /* A step that first meets a loss of stability is cut until its depth is known to check_strain. */
 static bool locates_buckling(const palp_network *net, bool before) {
-    return net->buckled && !before && fabs(net->unstable_depth - net->checked_depth) >
-                                           net->settings.check_strain * net->height;
+    return net->buckled && !before &&
+           fabs(net->unstable_depth - net->checked_depth) > net->settings.check_strain * net->height;
 }
 
-/* However exact a longer step would be, the record shall show the curve: 50 samples of a moving plate, some 25 a decade of
- * a dwell. A path of many segments, as a recording is, shows the most of it by its own corners. */
+/* However exact a longer step would be, the record shall show the curve: 50 samples of a moving plate, some
+ * 25 a decade of a dwell. A path of many segments, as a recording is, shows the most of it by its own
+ * corners. */
 enum { SEGMENT_SAMPLES = 50, PATH_SAMPLES = 2000 };
 
 static double samples_of_segment(const palp_path *path) {
@@ -121,7 +124,8 @@ static palp_status adaptive_segment(run *r, double from, double to, double *step
             network_mark_restore(r->net);
             return status;
         }
-        double scale = r->path->depth_m ? fmax(r->info->peak_force_N, fabs(r->net->now.force)) : r->net->height;
+        double scale =
+            r->path->depth_m ? fmax(r->info->peak_force_N, fabs(r->net->now.force)) : r->net->height;
         double ratio = status ? 64.0 : error / (r->settings->tolerance * scale + 1e-300);
         bool cut = !status && locates_buckling(r->net, buckled);
         if ((ratio > 1.0 || cut) && h > smallest) {
@@ -169,7 +173,8 @@ palp_status palp_network_run(palp_network *network, const palp_path *path, const
     for (size_t i = 0; i + 1 < path->n && !status; i++) {
         double from = path->time_s[i], to = path->time_s[i + 1];
         double step = settings->dt_min_s > 0.0 ? settings->dt_min_s : (to - from) / samples_of_segment(path);
-        status = settings->tolerance > 0.0 ? adaptive_segment(&r, from, to, &step) : fixed_segment(&r, from, to);
+        status =
+            settings->tolerance > 0.0 ? adaptive_segment(&r, from, to, &step) : fixed_segment(&r, from, to);
     }
     if (info)
         *info = local;

@@ -1,4 +1,5 @@
-/* network_state.c: the states of a network: made, set back to rest, put aside, saved to a buffer and restored. */
+/* network_state.c: the states of a network: made, set back to rest, put aside, saved to a buffer and
+ * restored. */
 #include "network_internal.h"
 
 #include <stdlib.h>
@@ -42,10 +43,32 @@ void network_pass(network_cursor *c, void *data, size_t bytes) {
 static void pass_now(palp_network *net, network_cursor *c) {
     network_state *s = &net->now;
     const size_t n3 = 3 * net->n_nodes * sizeof(double), m = net->n_elements * sizeof(double);
-    void *arrays[] = {s->x, s->inner, s->velocity, s->acceleration, s->element, s->history.strain, s->history.elastic,
-                      s->history.arm, s->history.peak, s->vector, &s->depth, &s->time, &s->force};
-    const size_t bytes[] = {n3, n3, n3, n3, m, m, m, m * net->material.n_arms, m, 3 * m, sizeof s->depth,
-                            sizeof s->time, sizeof s->force};
+    void *arrays[] = {s->x,
+                      s->inner,
+                      s->velocity,
+                      s->acceleration,
+                      s->element,
+                      s->history.strain,
+                      s->history.elastic,
+                      s->history.arm,
+                      s->history.peak,
+                      s->vector,
+                      &s->depth,
+                      &s->time,
+                      &s->force};
+    const size_t bytes[] = {n3,
+                            n3,
+                            n3,
+                            n3,
+                            m,
+                            m,
+                            m,
+                            m * net->material.n_arms,
+                            m,
+                            3 * m,
+                            sizeof s->depth,
+                            sizeof s->time,
+                            sizeof s->force};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (arrays[i])
             network_pass(c, arrays[i], bytes[i]);
@@ -192,7 +215,8 @@ void network_mark_restore(palp_network *net) {
 
 /* ---- a buffer of the caller's -------------------------------------------------------------------- */
 
-/* Stands before the state. All but the sum of the state's bytes must be the same in what saves and in what restores. */
+/* Stands before the state. All but the sum of the state's bytes must be the same in what saves and in what
+ * restores. */
 typedef struct header {
     uint64_t magic, size, like, sum;
 } header;
@@ -214,11 +238,23 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes) {
 static uint64_t fingerprint(const palp_network *net) {
     const palp_material *m = &net->material;
     const size_t n3 = 3 * net->n_nodes;
-    const uint64_t number[] = {net->n_nodes, net->n_elements, net->n_free, net->n_terms, net->now.history.peak != NULL,
-                               m->law.kind, m->law.n, m->n_arms, m->quasi_linear, m->formulation,
+    const uint64_t number[] = {net->n_nodes,
+                               net->n_elements,
+                               net->n_free,
+                               net->n_terms,
+                               net->now.history.peak != NULL,
+                               m->law.kind,
+                               m->law.n,
+                               m->n_arms,
+                               m->quasi_linear,
+                               m->formulation,
                                net->settings.integrator};
-    const double value[] = {m->law.area_m2, m->law.strain_max, m->dashpot_Ns, net->settings.density_kg_m3,
-                            net->settings.volume_modulus_Pa, net->settings.spectral_radius};
+    const double value[] = {m->law.area_m2,
+                            m->law.strain_max,
+                            m->dashpot_Ns,
+                            net->settings.density_kg_m3,
+                            net->settings.volume_modulus_Pa,
+                            net->settings.spectral_radius};
     const double *scale = palp_mesh_element_scale(net->mesh);
     uint64_t sum = network_sum(NETWORK_SUM, number, sizeof number);
     sum = network_sum(sum, value, sizeof value);

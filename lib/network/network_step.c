@@ -25,7 +25,8 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
     double c0 = 1.0 + step / last, c1 = -step / last, c2 = 0.0;
     if (curved && net->n_past > 1 && !(dwell && net->past_depth[1] != depth)) {
         double s2 = dwell ? net->past_time[1] : net->past_depth[1];
-        if ((s1 - s2) * step > 0.01 * last * step) { /* of a step much shorter, as a trembling plate's, it says nothing */
+        if ((s1 - s2) * step >
+            0.01 * last * step) { /* of a step much shorter, as a trembling plate's, it says nothing */
             c0 = (s - s1) * (s - s2) / ((s0 - s1) * (s0 - s2));
             c1 = (s - s0) * (s - s2) / ((s1 - s0) * (s1 - s2));
             c2 = (s - s0) * (s - s1) / ((s2 - s0) * (s2 - s1));
@@ -99,8 +100,8 @@ static palp_status equilibrium(palp_network *net, palp_step_info *info) {
     return status;
 }
 
-/* Goes to the depth and to where terms go in parts, each started from the secant through the last two: history and
- * time stay those of the whole step, so this only finds a better place to start Newton from. */
+/* Goes to the depth and to where terms go in parts, each started from the secant through the last two:
+ * history and time stay those of the whole step, so this only finds a better place to start Newton from. */
 static palp_status approach(palp_network *net, double depth, palp_step_info *info) {
     size_t size = 3 * net->n_nodes * sizeof(double);
     double reached = 0.0, before = 0.0, part = 0.25;
@@ -158,7 +159,8 @@ static palp_status solve(palp_network *net, double depth, double time, palp_step
             NETWORK_EACH_TERM(net, begin, net);
         status = from_linear(net, depth, moves, info);
     }
-    bool ended = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
+    bool ended =
+        status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
     if (ended && has_paths(net, false) && !net->no_approach && net->settings.branch == PALP_BRANCH_CONTINUE)
         status = snap(net, depth, moves, info);
     return status;
@@ -192,7 +194,8 @@ static void start_accelerations(palp_network *net) {
         return;
     for (size_t i = 0; i < 3 * net->n_nodes; i++) {
         s->inner[i] = net->fint[i] + net->outer[i];
-        s->acceleration[i] = net->dof[i] >= 0 && net->mass[i / 3] > 0.0 ? s->inner[i] / net->mass[i / 3] : 0.0;
+        s->acceleration[i] =
+            net->dof[i] >= 0 && net->mass[i / 3] > 0.0 ? s->inner[i] / net->mass[i / 3] : 0.0;
     }
     NETWORK_EACH_TERM(net, begin, net);
 }
@@ -209,7 +212,8 @@ palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
     for (size_t j = 0; j < net->material.n_arms; j++)
         net->modulus += net->material.arms[j].stiffness_N;
     NETWORK_EACH_TERM(net, begin, net);
-    if (net->mass && net->settings.integrator == PALP_GENERALIZED_ALPHA && net->now.time == 0.0 && isfinite(dt_s))
+    if (net->mass && net->settings.integrator == PALP_GENERALIZED_ALPHA && net->now.time == 0.0 &&
+        isfinite(dt_s))
         start_accelerations(net);
     network_set_diagonal(net, 0.0);
     net->next.depth = depth_m;
@@ -226,7 +230,8 @@ void network_finish(palp_network *net) {
     if (net->step.carry > 0.0)
         for (size_t i = 0; i < net->n_elements; i++)
             for (size_t k = 0; k < 3; k++)
-                net->next.element[i] += net->step.carry * net->now.vector[3 * i + k] * net->direction[k * net->n_elements + i];
+                net->next.element[i] +=
+                    net->step.carry * net->now.vector[3 * i + k] * net->direction[k * net->n_elements + i];
     NETWORK_EACH_TERM(net, finish, net);
 }
 
@@ -274,7 +279,8 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
         network_finish(net);
         local.force_N = net->next.force;
         local.inverted = network_count_inverted(net, net->next.x, 0, 1);
-        local.beyond = palp_law_beyond(&net->material.law, network_largest_strain(net, net->next.history.strain));
+        local.beyond =
+            palp_law_beyond(&net->material.law, network_largest_strain(net, net->next.history.strain));
         assess_stability(net, &local);
         net->trial = true;
     } else {
@@ -332,7 +338,8 @@ palp_status palp_network_step_force(palp_network *net, double force_N, double dt
         palp_status status = palp_network_try(net, depth, dt_s, &local);
         total.iterations += local.iterations;
         local.iterations = total.iterations;
-        if (!status && fabs(local.force_N - force_N) <= 1e-10 * fabs(force_N) + 1e-14 * stiffness * net->extent) {
+        if (!status &&
+            fabs(local.force_N - force_N) <= 1e-10 * fabs(force_N) + 1e-14 * stiffness * net->extent) {
             palp_network_commit(net);
             if (info)
                 *info = local;

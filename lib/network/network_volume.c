@@ -1,6 +1,6 @@
 /* network_volume.c: tetrahedra that resist a change of their volume, which springs between nodes do not.
- * Energy per volume at rest w(J) = k (J - 1 - ln J), J the volume over that at rest: k (J - 1)^2 / 2 near rest, without end
- * towards J = 0. */
+ * Energy per volume at rest w(J) = k (J - 1 - ln J), J the volume over that at rest: k (J - 1)^2 / 2 near
+ * rest, without end towards J = 0. */
 #include "mesh/mesh_internal.h"
 #include "network_internal.h"
 
@@ -15,9 +15,9 @@ typedef struct volume {
     size_t n;
     const int32_t *node; /* [4 n], the mesh's */
     double *rest;        /* [n] m^3 */
-    double *edge;        /* [9 n] from a tetrahedron's first node to the three others, at the last evaluation */
-    double *slope;       /* [n] dw/dJ there, Pa */
-    double *curve;       /* [n] d2w/dJ2 over the volume at rest, Pa/m^3 */
+    double *edge;  /* [9 n] from a tetrahedron's first node to the three others, at the last evaluation */
+    double *slope; /* [n] dw/dJ there, Pa */
+    double *curve; /* [n] d2w/dJ2 over the volume at rest, Pa/m^3 */
 } volume;
 
 /* Energy per volume and its slope; *curve: the second derivative. */
@@ -109,13 +109,15 @@ static void volume_times(const network_term *term, const palp_network *net, cons
     }
 }
 
-/* Block of nodes 1 + a and 1 + b: curve g g' and, for two nodes, slope times the third edge's cross product. */
+/* Block of nodes 1 + a and 1 + b: curve g g' and, for two nodes, slope times the third edge's cross product.
+ */
 static void block_between(const volume *t, size_t i, const double g[9], size_t a, size_t b, double k[9]) {
     for (size_t j = 0; j < 9; j++)
         k[j] = t->curve[i] * g[3 * a + j / 3] * g[3 * b + j % 3];
     if (a == b)
         return;
-    const double *c = t->edge + 9 * i + 3 * (3 - a - b), s = ((b + 3 - a) % 3 == 1 ? -1.0 : 1.0) * t->slope[i] / 6.0;
+    const double *c = t->edge + 9 * i + 3 * (3 - a - b),
+                 s = ((b + 3 - a) % 3 == 1 ? -1.0 : 1.0) * t->slope[i] / 6.0;
     k[1] -= s * c[2];
     k[2] += s * c[1];
     k[3] += s * c[2];
@@ -151,7 +153,8 @@ static void volume_blocks_part(const network_term *term, const palp_network *net
     }
 }
 
-static void volume_blocks(const network_term *term, const palp_network *net, network_block_taker take, void *user) {
+static void volume_blocks(const network_term *term, const palp_network *net, network_block_taker take,
+                          void *user) {
     volume_blocks_part(term, net, 0, 1, take, user);
 }
 

@@ -5,22 +5,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DIRECT = 1000 };            /* unknowns of which a factor is cheaper than a cycle with levels; */
-enum { TOUCHED = 200 };            /* with tools, whose contacts only levels follow from tick to tick */
-static const double SHARE = 0.03;  /* of its residual that a round of conjugate gradients may end with */
-static const double CURVED = 0.1;  /* a tick that left less of its residual may be extrapolated by a parabola, */
+enum { DIRECT = 1000 };           /* unknowns of which a factor is cheaper than a cycle with levels; */
+enum { TOUCHED = 200 };           /* with tools, whose contacts only levels follow from tick to tick */
+static const double SHARE = 0.03; /* of its residual that a round of conjugate gradients may end with */
+static const double CURVED =
+    0.1; /* a tick that left less of its residual may be extrapolated by a parabola, */
 static const double STRAIGHT = 0.5; /* less than this by a line */
-static const double SUDDEN = 2.0;  /* times the residual of the last tick's first guess: the path has turned */
+static const double SUDDEN = 2.0; /* times the residual of the last tick's first guess: the path has turned */
 static const double OVERRUN = 0.5; /* of its slope that a move may have against it at its end */
-static const double ASIDE = 0.15;  /* of what is between two places along it: so far is the next one from both */
-static const double SAFETY = 3.0;  /* of the error estimate */
-static const double MARGIN = 0.5;  /* of the error that a budget allows: corrections that leave less are enough */
-static const double NEAR = 0.7;    /* of the error that it allows: a tick that ends there may be followed by one that corrects */
-static const double ANCHORED = 6.0; /* of a tick's error, what friction may remember of it */
-static const double INSTANT = 1e-3; /* s, of the step whose tangent the first factor is of */
+static const double ASIDE =
+    0.15; /* of what is between two places along it: so far is the next one from both */
+static const double SAFETY = 3.0; /* of the error estimate */
+static const double MARGIN =
+    0.5; /* of the error that a budget allows: corrections that leave less are enough */
+static const double NEAR =
+    0.7; /* of the error that it allows: a tick that ends there may be followed by one that corrects */
+static const double ANCHORED = 6.0;                 /* of a tick's error, what friction may remember of it */
+static const double INSTANT = 1e-3;                 /* s, of the step whose tangent the first factor is of */
 enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end, */
-enum { SINGLE_ROUNDS = 60 };       /* rounds where tools touch: of one correction each, as no tangent tells what comes to slip */
-enum { DESCENT = 20000 };          /* corrections to a stable branch, in as many rounds as it takes */
+enum {
+    SINGLE_ROUNDS = 60
+}; /* rounds where tools touch: of one correction each, as no tangent tells what comes to slip */
+enum { DESCENT = 20000 }; /* corrections to a stable branch, in as many rounds as it takes */
 
 palp_realtime_settings palp_realtime_settings_default(void) {
     return (palp_realtime_settings){.refresh_share = 0.15, .background = false};
@@ -39,8 +45,9 @@ void palp_realtime_free(palp_realtime *rt) {
 
 static palp_status allocate(palp_realtime *rt) {
     const palp_network *net = rt->net;
-    double **arrays[] = {&rt->r, &rt->z, &rt->p, &rt->q, &rt->move, &rt->adjoint, &rt->weight, &rt->adjoint_r, &rt->adjoint_z,
-                          &rt->tissue, &rt->adjoint_at[0], &rt->adjoint_at[1]};
+    double **arrays[] = {
+        &rt->r,      &rt->z,         &rt->p,         &rt->q,      &rt->move,          &rt->adjoint,
+        &rt->weight, &rt->adjoint_r, &rt->adjoint_z, &rt->tissue, &rt->adjoint_at[0], &rt->adjoint_at[1]};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         *arrays[i] = arena_take(&rt->memory, 3 * net->n_nodes, sizeof **arrays[i]);
     rt->touching = arena_take(&rt->memory, MULTIGRID_COUPLINGS, sizeof *rt->touching);
@@ -57,8 +64,10 @@ static palp_status allocate(palp_realtime *rt) {
         rt->filled = rt->filled || net->terms[i]->kind->blocks_part;
     if (!status && rt->filled)
         status = multigrid_make_room(rt->mg);
-    if (!status && (!(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)) ||
-                    !(rt->adjoint_half = arena_take(&rt->memory, multigrid_half_size(rt->mg), sizeof *rt->adjoint_half))))
+    if (!status &&
+        (!(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)) ||
+         !(rt->adjoint_half =
+               arena_take(&rt->memory, multigrid_half_size(rt->mg), sizeof *rt->adjoint_half))))
         status = PALP_ERR_NO_MEMORY;
     if (!status && net->run)
         status = realtime_place_runs(rt);
@@ -111,7 +120,8 @@ static void time_parts(palp_realtime *rt) {
     rt->times = (realtime_times){middle - start, realtime_clock() - middle, middle - start};
 }
 
-palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings *settings, palp_realtime **realtime) {
+palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings *settings,
+                                 palp_realtime **realtime) {
     if (!net || !settings || !realtime)
         return PALP_ERR_ARGUMENT;
     if (!(settings->refresh_share > 0.0 && settings->refresh_share < 1.0))
@@ -127,7 +137,8 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
         double tick = 2.0 * ((double)net->n_elements + multigrid_cycle_work(rt->mg));
         rt->piece = settings->refresh_share / (1.0 - settings->refresh_share) * tick;
         status = begin(rt);
-        if (!status) /* the same once more into the other set, whose memory a tick would else be the first to use */
+        if (!status) /* the same once more into the other set, whose memory a tick would else be the first to
+                        use */
             status = realtime_refresh_now(rt);
         time_parts(rt);
     }
@@ -148,12 +159,12 @@ palp_network *palp_realtime_network(const palp_realtime *rt) {
 typedef struct tick {
     palp_budget budget;
     palp_tick_info info;
-    double start;         /* clock, s */
-    double norm, scale;   /* |residual| of next.x, and where it is converged */
-    double first;         /* the first norm */
-    double place_error;   /* of this tick's positions, in the norm of the tangent */
-    double fresh_error;   /* of the force, by them, N */
-    bool near;            /* the estimated error is nearly as large as the budget allows */
+    double start;       /* clock, s */
+    double norm, scale; /* |residual| of next.x, and where it is converged */
+    double first;       /* the first norm */
+    double place_error; /* of this tick's positions, in the norm of the tangent */
+    double fresh_error; /* of the force, by them, N */
+    bool near;          /* the estimated error is nearly as large as the budget allows */
 } tick;
 
 /* Evaluates next.x, once terms have made it follow them. */
@@ -171,13 +182,14 @@ static bool tangent_wanted(const palp_realtime *rt, bool last) {
 }
 
 static bool predict(palp_realtime *rt, const palp_budget *budget) {
-    const bool enough = rt->idle && !rt->near && budget->force_error > 0.0 && !realtime_touched(rt->net); /* as in the last tick */
+    const bool enough = rt->idle && !rt->near && budget->force_error > 0.0 &&
+                        !realtime_touched(rt->net); /* as in the last tick */
     const bool tangent = tangent_wanted(rt, enough);
     palp_network *net = rt->net;
     double depth = net->next.depth, move = depth - net->now.depth;
     const bool trial = budget->force_error == 0.0; /* else it may well be enough */
-    bool extrapolated =
-        rt->contraction < STRAIGHT && network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
+    bool extrapolated = rt->contraction < STRAIGHT &&
+                        network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
     if (extrapolated && follow(rt, tangent, trial))
         return true;
     for (int straight = 1; straight >= 0; straight--) {
@@ -198,12 +210,15 @@ static void spread_residual(const palp_network *net, double *r) {
 
 /* The force error that the budget allows, N. */
 static double most_error(const palp_realtime *rt, const tick *t) {
-    return t->budget.force_error > 0.0 ? t->budget.force_error * (fabs(t->info.force_N) + realtime_outer_force(rt->net)) : 0.0;
+    return t->budget.force_error > 0.0
+               ? t->budget.force_error * (fabs(t->info.force_N) + realtime_outer_force(rt->net))
+               : 0.0;
 }
 
-/* Residual, force and their judgement at next.x. Force by virtual work: exact but for the product of two errors, that
- * of the positions and that of the adjoint, both known in the norm of the tangent. What tools and hands feel is the tissue's
- * own force on nodes of stiffness k: off by no more than sqrt(k) times the first of them. */
+/* Residual, force and their judgement at next.x. Force by virtual work: exact but for the product of two
+ * errors, that of the positions and that of the adjoint, both known in the norm of the tangent. What tools
+ * and hands feel is the tissue's own force on nodes of stiffness k: off by no more than sqrt(k) times the
+ * first of them. */
 static void assess(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     t->norm = network_residual(net, &t->scale);
@@ -225,10 +240,11 @@ static bool descends(const palp_realtime *rt) {
     return rt->net->settings.branch == PALP_BRANCH_STABLE;
 }
 
-/* Corrections that the budget leaves room for. The first is always made: a state that is only extrapolated goes
- * astray. */
+/* Corrections that the budget leaves room for. The first is always made: a state that is only extrapolated
+ * goes astray. */
 static size_t room(const palp_realtime *rt, const tick *t) {
-    size_t own = descends(rt) ? DESCENT : CORRECTIONS, most = t->budget.corrections > 0 ? t->budget.corrections : own;
+    size_t own = descends(rt) ? DESCENT : CORRECTIONS,
+           most = t->budget.corrections > 0 ? t->budget.corrections : own;
     size_t left = most > t->info.corrections ? most - t->info.corrections : 0;
     if (!(t->budget.seconds > 0.0))
         return left;
@@ -248,8 +264,8 @@ static double part_between(double at_low, double at_high) {
     return fmin(fmax(at_low / (at_low - at_high), ASIDE), 1.0 - ASIDE);
 }
 
-/* next.x = start + move, or less of it where that is unsound or runs past the least energy along it, as where a contact
- * stiffens or comes to stick: then to where the slope is small beside that at the start. */
+/* next.x = start + move, or less of it where that is unsound or runs past the least energy along it, as where
+ * a contact stiffens or comes to stick: then to where the slope is small beside that at the start. */
 static bool go(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     double alpha = 1.0, start = realtime_clock();
@@ -286,10 +302,14 @@ static bool go(palp_realtime *rt, tick *t) {
     return false;
 }
 
-/* Error of the positions, in the norm of the tangent, with which the budget's force error is met; 0: it sets none. */
+/* Error of the positions, in the norm of the tangent, with which the budget's force error is met; 0: it sets
+ * none. */
 static double enough(palp_realtime *rt, const tick *t) {
-    const double error = SAFETY * realtime_doubt(rt) * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
-    return t->budget.force_error > 0.0 ? fmax(0.0, MARGIN * most_error(rt, t) - rt->remembered - rt->anchored) / error : 0.0;
+    const double error =
+        SAFETY * realtime_doubt(rt) * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
+    return t->budget.force_error > 0.0
+               ? fmax(0.0, MARGIN * most_error(rt, t) - rt->remembered - rt->anchored) / error
+               : 0.0;
 }
 
 static void correct(palp_realtime *rt, tick *t) {
@@ -304,7 +324,8 @@ static void correct(palp_realtime *rt, tick *t) {
         double start = realtime_clock();
         if (!rt->fresh && !realtime_evaluate(rt, true, true)) /* the prediction was thought to be enough */
             return;
-        size_t done = touched ? realtime_solve_touched(rt, 1, SHARE) : realtime_solve(rt, left, SHARE, enough(rt, t));
+        size_t done =
+            touched ? realtime_solve_touched(rt, 1, SHARE) : realtime_solve(rt, left, SHARE, enough(rt, t));
         if (done == 0)
             return;
         learn(&rt->times.correction, (realtime_clock() - start) / (double)done);
@@ -319,8 +340,8 @@ static void correct(palp_realtime *rt, tick *t) {
     }
 }
 
-/* Of an error in a tick's positions the arms remember what they relax in it: for the plate to the first order, as they stand in another
- * equilibrium than all springs. */
+/* Of an error in a tick's positions the arms remember what they relax in it: for the plate to the first
+ * order, as they stand in another equilibrium than all springs. */
 static void remember(palp_realtime *rt, const tick *t) {
     const palp_network *net = rt->net;
     const double leak = realtime_leak(net);
@@ -332,8 +353,8 @@ static void remember(palp_realtime *rt, const tick *t) {
         rt->remembered += leak * rt->forgets * t->place_error;
 }
 
-/* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. A tick that had to correct while those
- * around it need not leaves it to them. */
+/* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. A tick that had
+ * to correct while those around it need not leaves it to them. */
 static void look_ahead(palp_realtime *rt, tick *t) {
     if (rt->idle && t->info.corrections > 0)
         return;
@@ -373,9 +394,9 @@ static size_t count_inverted(palp_realtime *rt) {
     return sum;
 }
 
-/* A hand that stops or turns makes the path's continuation a bad guess, and what slips on the way back from there is remembered.
- * Where tools touch, and the guess leaves so much more than that of the tick before, the tick starts from where the nodes
- * are, if that leaves less. */
+/* A hand that stops or turns makes the path's continuation a bad guess, and what slips on the way back from
+ * there is remembered. Where tools touch, and the guess leaves so much more than that of the tick before, the
+ * tick starts from where the nodes are, if that leaves less. */
 static void stay_if_nearer(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     const size_t size = 3 * net->n_nodes * sizeof *rt->q;

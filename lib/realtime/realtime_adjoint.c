@@ -1,17 +1,22 @@
-/* realtime_adjoint.c: the adjoint dx / d depth, which makes the force's error a product of two: how it is corrected now and then, and what
- * is known of its own error, of the factor's, and of what the arms remember. */
+/* realtime_adjoint.c: the adjoint dx / d depth, which makes the force's error a product of two: how it is
+ * corrected now and then, and what is known of its own error, of the factor's, and of what the arms remember.
+ */
 #include "realtime_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double DOUBTED = 0.5;    /* of the worst that a factor was found to do, what an error is taken to be */
-static const double PUT_RIGHT = 0.5;  /* of the adjoint's error by a correction with a factor that is not a bad one */
-static const double FADES = 0.7;      /* of the rate at which the adjoint changes, what is believed on the next interval */
-static const double ROUNDING = 1e-8;  /* of an error's energy, what single precision leaves */
-static const double STEP = 1e-3;      /* of the network's size, in which the adjoint's change is found */
+static const double DOUBTED =
+    0.5; /* of the worst that a factor was found to do, what an error is taken to be */
+static const double PUT_RIGHT =
+    0.5; /* of the adjoint's error by a correction with a factor that is not a bad one */
+static const double FADES =
+    0.7; /* of the rate at which the adjoint changes, what is believed on the next interval */
+static const double ROUNDING = 1e-8; /* of an error's energy, what single precision leaves */
+static const double STEP = 1e-3;     /* of the network's size, in which the adjoint's change is found */
 
-/* The four parts of a correction of the adjoint: its residual, that times the factor in two halves, and the step along it. */
+/* The four parts of a correction of the adjoint: its residual, that times the factor in two halves, and the
+ * step along it. */
 static void adjoint_residual(palp_realtime *rt) {
     realtime_tangent_times(rt, rt->adjoint, rt->adjoint_r);
     for (size_t i = 0; i < 3 * rt->net->n_nodes; i++)
@@ -30,8 +35,8 @@ static void adjoint_direction(palp_realtime *rt) {
     multigrid_apply_rest(rt->mg, rt->adjoint_r, rt->adjoint_half, rt->adjoint_z);
 }
 
-/* What it was off by was found some ticks ago. A correction is not believed to put right more than its share of that, and what it
- * has become off by for each m not to fall below FADES of what it was before. */
+/* What it was off by was found some ticks ago. A correction is not believed to put right more than its share
+ * of that, and what it has become off by for each m not to fall below FADES of what it was before. */
 static void adjoint_move(palp_realtime *rt) {
     const size_t n = 3 * rt->net->n_nodes;
     const double *z = rt->adjoint_z;
@@ -39,7 +44,8 @@ static void adjoint_move(palp_realtime *rt) {
     double rz = network_dot(rt->adjoint_r, z, n), curvature = network_dot(z, rt->q, n);
     if (!(rz > 0.0) || !(curvature > 0.0))
         return;
-    const double found = realtime_doubt(rt) * sqrt(rz), far = fmax(rt->adjoint_found, 0.5 * rt->adjoint_farthest);
+    const double found = realtime_doubt(rt) * sqrt(rz),
+                 far = fmax(rt->adjoint_found, 0.5 * rt->adjoint_farthest);
     if (far > 0.0)
         rt->adjoint_rate = fmax(found / far, FADES * rt->adjoint_rate);
     rt->adjoint_error = (1.0 - PUT_RIGHT / rt->doubt) * found;
@@ -65,7 +71,8 @@ static double forgotten(const palp_network *net, double e) {
     if (m->quasi_linear)
         palp_law_force(&m->law, 1, &e, &elastic, &tangent, NULL);
     for (size_t j = 0; j < m->n_arms; j++)
-        sum += (1.0 - net->step.decay[j]) * net->step.gain[j] * element_arm_drive(m, j, e, elastic, tangent, 0.0).slope;
+        sum += (1.0 - net->step.decay[j]) * net->step.gain[j] *
+               element_arm_drive(m, j, e, elastic, tangent, 0.0).slope;
     return sum;
 }
 
@@ -77,7 +84,8 @@ static bool forgets_evenly(const palp_material *m) {
     return even;
 }
 
-/* What arms that forget would push the nodes with, if these had gone along the adjoint: of one of FORCE_PARTS of the elements. */
+/* What arms that forget would push the nodes with, if these had gone along the adjoint: of one of FORCE_PARTS
+ * of the elements. */
 static void memory_force(palp_realtime *rt, size_t part) {
     const palp_network *net = rt->net;
     const double *x = net->now.x, *a = rt->adjoint, same = forgotten(net, 0.0);
@@ -85,7 +93,8 @@ static void memory_force(palp_realtime *rt, size_t part) {
     double *out = rt->adjoint_r;
     if (part == 0)
         memset(out, 0, 3 * net->n_nodes * sizeof *out);
-    for (size_t i = part * net->n_elements / FORCE_PARTS; i < (part + 1) * net->n_elements / FORCE_PARTS; i++) {
+    for (size_t i = part * net->n_elements / FORCE_PARTS; i < (part + 1) * net->n_elements / FORCE_PARTS;
+         i++) {
         const size_t p = 3 * (size_t)net->pair[2 * i], q = 3 * (size_t)net->pair[2 * i + 1];
         double square = 0.0, along = 0.0;
         for (size_t k = 0; k < 3; k++) {
@@ -93,7 +102,8 @@ static void memory_force(palp_realtime *rt, size_t part) {
             along += (x[q + k] - x[p + k]) * (a[q + k] - a[p + k]);
         }
         const double stiffness = even ? same : forgotten(net, sqrt(square) * net->inverse_rest[i] - 1.0);
-        const double size = (net->scale ? net->scale[i] : 1.0) * stiffness * net->inverse_rest[i] * along / square;
+        const double size =
+            (net->scale ? net->scale[i] : 1.0) * stiffness * net->inverse_rest[i] * along / square;
         for (size_t k = 0; k < 3; k++) {
             out[q + k] -= size * (x[q + k] - x[p + k]);
             out[p + k] += size * (x[q + k] - x[p + k]);
@@ -109,14 +119,15 @@ static void memory_half(palp_realtime *rt) {
 
 static void memory_size(palp_realtime *rt) {
     adjoint_direction(rt);
-    const double leak = realtime_leak(rt->net), square = network_dot(rt->adjoint_r, rt->adjoint_z, 3 * rt->net->n_nodes);
+    const double leak = realtime_leak(rt->net),
+                 square = network_dot(rt->adjoint_r, rt->adjoint_z, 3 * rt->net->n_nodes);
     if (leak > 0.0)
         rt->forgets = sqrt(fabs(square)) / leak;
 }
 
 void realtime_improve_adjoint(palp_realtime *rt, int part) {
-    static void (*const correct[ADJOINT_PARTS])(palp_realtime *) = {adjoint_residual, adjoint_half, adjoint_direction,
-                                                                    adjoint_move};
+    static void (*const correct[ADJOINT_PARTS])(palp_realtime *) = {adjoint_residual, adjoint_half,
+                                                                    adjoint_direction, adjoint_move};
     static void (*const measure[2])(palp_realtime *) = {memory_half, memory_size};
     if (part < ADJOINT_PARTS)
         correct[part](rt);
@@ -156,8 +167,8 @@ static void find_rate(palp_realtime *rt) {
     network_evaluate(net);
 }
 
-/* Of an error that the factor has been applied to again and again the part is left that it is worst at; of a good factor's nothing but
- * rounding. */
+/* Of an error that the factor has been applied to again and again the part is left that it is worst at; of a
+ * good factor's nothing but rounding. */
 static void find_doubt(palp_realtime *rt) {
     enum { ROUNDS = 12 };
     const palp_network *net = rt->net;
@@ -184,7 +195,8 @@ void realtime_begin_adjoint(palp_realtime *rt, bool made) {
     memcpy(rt->adjoint, rt->net->motion, n * sizeof *rt->adjoint);
     for (size_t i = 0; i < 2; i++)
         memcpy(rt->adjoint_at[i], rt->net->now.x, n * sizeof *rt->adjoint);
-    rt->adjoint_error = rt->adjoint_rate = rt->adjoint_far = rt->adjoint_farthest = rt->adjoint_found = rt->forgets = 0.0;
+    rt->adjoint_error = rt->adjoint_rate = rt->adjoint_far = rt->adjoint_farthest = rt->adjoint_found =
+        rt->forgets = 0.0;
     rt->adjoint_due = 0;
     rt->adjoint_parts = rt->net->material.n_arms > 0 ? ADJOINT_PARTS + FORCE_PARTS + 2 : ADJOINT_PARTS;
     rt->doubt = 1.0;

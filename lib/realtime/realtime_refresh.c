@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double PAUSE = 1.0; /* units an element that a factor in use is left alone: work that the ticks do not have */
+static const double PAUSE =
+    1.0; /* units an element that a factor in use is left alone: work that the ticks do not have */
 
 static void copy_element(const palp_network *net, float *element, const multigrid_source *source, size_t i) {
     float *e = element + source->place[i];
@@ -50,8 +51,8 @@ bool realtime_touches(const network_term *term) {
     return term->kind->blocks && !term->kind->blocks_part;
 }
 
-/* What terms add to the tangent of the last evaluation: own blocks into net->node_block, couplings, of which it returns
- * the number. */
+/* What terms add to the tangent of the last evaluation: own blocks into net->node_block, couplings, of which
+ * it returns the number. */
 static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
     gathering g = {net->node_block, to, 0};
     memset(g.node, 0, 6 * net->n_nodes * sizeof *g.node);
@@ -70,7 +71,8 @@ static void take_further(void *user, int32_t row, int32_t column, const double k
     multigrid_add_block(user, row, column, k);
 }
 
-/* A part of the blocks of terms on all nodes, into the next numbers: those of a later part may be of a later tick. */
+/* A part of the blocks of terms on all nodes, into the next numbers: those of a later part may be of a later
+ * tick. */
 static void gather_further(palp_realtime *rt, size_t part, size_t parts) {
     const palp_network *net = rt->net;
     if (part == 0)

@@ -25,7 +25,8 @@ bool realtime_evaluate(palp_realtime *rt, bool tangent, bool trial) {
     const multigrid_source source = multigrid_input(rt->mg);
     rt->fresh = tangent;
     rt->kept = !trial;
-    const network_blocks blocks = {tangent ? rt->element : NULL, source.place, source.spacing, rt->run_place, trial};
+    const network_blocks blocks = {tangent ? rt->element : NULL, source.place, source.spacing, rt->run_place,
+                                   trial};
     if (tangent)
         multigrid_place_nodes(rt->mg, rt->net->next.x, rt->element);
     return network_evaluate_blocks(rt->net, &blocks);
@@ -85,7 +86,9 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enou
         double rz = network_dot(rt->r, rt->z, n), beta = before > 0.0 ? rz / before : 0.0;
         if (!(rz > 0.0) || isinf(rz))
             break;
-        const double ratio = sqrt(rz / square); /* least where a residual is rough, as corrections leave it: later guesses' are not */
+        const double ratio = sqrt(
+            rz /
+            square); /* least where a residual is rough, as corrections leave it: later guesses' are not */
         rt->error_ratio = rt->filled && done > 1 ? fmax(rt->error_ratio, ratio) : ratio;
         before = rz;
         for (size_t i = 0; i < n; i++)

@@ -42,9 +42,9 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
         network_pass(c, rt->adjoint_at[i], 3 * rt->net->n_nodes * sizeof **rt->adjoint_at);
     network_pass(c, rt->tissue, 3 * rt->net->n_nodes * sizeof *rt->tissue);
     network_pass(c, rt->adjoint_half, multigrid_half_size(rt->mg) * sizeof *rt->adjoint_half);
-    double *numbers[] = {&rt->adjoint_error, &rt->adjoint_rate, &rt->adjoint_far, &rt->adjoint_farthest, &rt->adjoint_found,
-                         &rt->forgets, &rt->doubt, &rt->error_ratio, &rt->remembered, &rt->anchored, &rt->guessed,
-                         &rt->contraction};
+    double *numbers[] = {&rt->adjoint_error, &rt->adjoint_rate, &rt->adjoint_far, &rt->adjoint_farthest,
+                         &rt->adjoint_found, &rt->forgets,      &rt->doubt,       &rt->error_ratio,
+                         &rt->remembered,    &rt->anchored,     &rt->guessed,     &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
     network_pass(c, &rt->idle, sizeof rt->idle);
@@ -66,8 +66,8 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     }
 }
 
-/* Stands before the network's state; what follows that is summed here. All but the sum must be the same in what saves and
- * in what restores. */
+/* Stands before the network's state; what follows that is summed here. All but the sum must be the same in
+ * what saves and in what restores. */
 typedef struct header {
     uint64_t magic, network, size, sum;
 } header;

@@ -1,4 +1,5 @@
-/* realtime_touch.c: what touches the tissue from outside: how hard, where, and whether staying is nearer to equilibrium there. */
+/* realtime_touch.c: what touches the tissue from outside: how hard, where, and whether staying is nearer to
+ * equilibrium there. */
 #include "realtime_internal.h"
 
 #include <math.h>

@@ -1,16 +1,17 @@
-/* realtime_touched.c: corrections where tools touch. What touches, sticks or slips changes with every correction, so the forces are
- * looked at anew after each, from which conjugate gradients would have to start again. So a tick keeps the directions that it went,
- * with what the tissue's tangent makes of each: that hardly changes within a tick. What the tools add is made anew. A correction
- * leaves no residual along any direction (Galerkin's condition; with a symmetric tangent that stays the same it is that of
- * conjugate gradients). The tangent need not be symmetric: friction that slips follows the pressure. */
+/* realtime_touched.c: corrections where tools touch. What touches, sticks or slips changes with every
+ * correction, so the forces are looked at anew after each, from which conjugate gradients would have to start
+ * again. So a tick keeps the directions that it went, with what the tissue's tangent makes of each: that
+ * hardly changes within a tick. What the tools add is made anew. A correction leaves no residual along any
+ * direction (Galerkin's condition; with a symmetric tangent that stays the same it is that of conjugate
+ * gradients). The tangent need not be symmetric: friction that slips follows the pressure. */
 #include "base/dense.h"
 #include "realtime_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Solves a x = b for x in place of b; a[m m] by columns is spoilt. Without pivoting: the k-th pivot is the curvature along direction
- * k less what those before it take of it. False: one is not positive. */
+/* Solves a x = b for x in place of b; a[m m] by columns is spoilt. Without pivoting: the k-th pivot is the
+ * curvature along direction k less what those before it take of it. False: one is not positive. */
 static bool eliminate(size_t m, double *a, double *b) {
     for (size_t k = 0; k < m; k++) {
         if (!(a[k + k * m] > 0.0))
@@ -33,7 +34,8 @@ static bool eliminate(size_t m, double *a, double *b) {
 /* Adds to the move what leaves no residual along the directions. False where that does not lead downhill. */
 static bool move_along(palp_realtime *rt) {
     const size_t n = 3 * rt->net->n_nodes, m = rt->n_directions;
-    double a[REALTIME_DIRECTIONS * REALTIME_DIRECTIONS], along[REALTIME_DIRECTIONS], size[REALTIME_DIRECTIONS], slope = 0.0;
+    double a[REALTIME_DIRECTIONS * REALTIME_DIRECTIONS], along[REALTIME_DIRECTIONS],
+        size[REALTIME_DIRECTIONS], slope = 0.0;
     for (size_t i = 0; i < m; i++)
         memcpy(a + i * m, rt->curvature[i], m * sizeof *a);
     dense_transposed_times(n, m, 1.0, rt->direction, rt->r, 0.0, along);
@@ -73,7 +75,8 @@ static void use_directions(palp_realtime *rt) {
 
 /* rt->z over size becomes another direction, and if there is no room the only one. */
 static void add_direction(palp_realtime *rt, double size) {
-    const size_t n = 3 * rt->net->n_nodes, last = rt->n_directions < REALTIME_DIRECTIONS ? rt->n_directions : 0;
+    const size_t n = 3 * rt->net->n_nodes,
+                 last = rt->n_directions < REALTIME_DIRECTIONS ? rt->n_directions : 0;
     double *direction = rt->direction + last * n, row[REALTIME_DIRECTIONS];
     for (size_t i = 0; i < n; i++)
         direction[i] = rt->z[i] / size;

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bound is the worst error seen, on held-out and snapshot paths, times 1 + CAUTION / held-out paths: of n paths like
- * it a new one exceeds the worst with probability 1 / (n + 1). */
+/* The bound is the worst error seen, on held-out and snapshot paths, times 1 + CAUTION / held-out paths: of n
+ * paths like it a new one exceeds the worst with probability 1 / (n + 1). */
 static const double CAUTION = 2.0;
 
 palp_reduce_settings palp_reduce_settings_default(void) {
@@ -41,8 +41,8 @@ palp_status reduced_allocate(palp_reduced *r) {
     size_t n3 = 3 * r->n_nodes, m = r->n_elements, k = r->modes;
     r->rest = doubles(r, n3);
     r->lift = doubles(r, n3);
-    double **by_element[] = {&r->weight, &r->inverse_rest, &r->reach, &r->strain, &r->force, &r->tangent,
-                             &r->inverse_length};
+    double **by_element[] = {&r->weight, &r->inverse_rest, &r->reach,         &r->strain,
+                             &r->force,  &r->tangent,      &r->inverse_length};
     for (size_t i = 0; i < sizeof by_element / sizeof *by_element; i++)
         *by_element[i] = doubles(r, m);
     double **vectors[] = {&r->gap_rest, &r->gap_lift, &r->direction, &r->vector};
@@ -96,8 +96,9 @@ palp_status reduced_prepare(palp_reduced *r) {
     return status;
 }
 
-palp_status reduced_make(const palp_network *net, const contact_set *contacts, size_t modes, const double *basis,
-                         const double *lift, size_t n, const int32_t *element, const double *weight, palp_reduced **out) {
+palp_status reduced_make(const palp_network *net, const contact_set *contacts, size_t modes,
+                         const double *basis, const double *lift, size_t n, const int32_t *element,
+                         const double *weight, palp_reduced **out) {
     palp_reduced *r = calloc(1, sizeof *r);
     if (!r)
         return PALP_ERR_NO_MEMORY;
@@ -173,7 +174,8 @@ static void find_range(palp_reduced *r, size_t n_paths, palp_snapshots *const *s
         }
 }
 
-/* Length of the difference of the plate's and the tools' forces at sample i, and of the full network's own. */
+/* Length of the difference of the plate's and the tools' forces at sample i, and of the full network's own.
+ */
 static double force_difference(const palp_snapshots *t, size_t i, double force, const palp_tool_force *tools,
                                double *size) {
     double plate = force - t->force[i], difference = plate * plate, own = t->force[i] * t->force[i];
@@ -199,8 +201,8 @@ palp_status palp_reduced_compare(palp_reduced *r, const palp_snapshots *t, palp_
         palp_reduced_info info = {.force_N = 0.0};
         double since = i ? t->time[i - 1] : 0.0, size;
         if (t->time[i] > since || t->depth[i] != 0.0 || t->n_tools > 0)
-            status = palp_reduced_step(r, t->depth[i], t->n_tools, t->tools + i * t->n_tools, t->time[i] - since,
-                                       tools, &info);
+            status = palp_reduced_step(r, t->depth[i], t->n_tools, t->tools + i * t->n_tools,
+                                       t->time[i] - since, tools, &info);
         double difference = force_difference(t, i, info.force_N, tools, &size);
         squares += difference * difference;
         result->worst_N = fmax(result->worst_N, difference);
@@ -212,8 +214,9 @@ palp_status palp_reduced_compare(palp_reduced *r, const palp_snapshots *t, palp_
     return status;
 }
 
-static palp_status measure_error(palp_reduced *r, size_t n_paths, palp_snapshots *const *snapshots, size_t n_held_out,
-                                 palp_snapshots *const *held_out, palp_reduce_error *error_held_out) {
+static palp_status measure_error(palp_reduced *r, size_t n_paths, palp_snapshots *const *snapshots,
+                                 size_t n_held_out, palp_snapshots *const *held_out,
+                                 palp_reduce_error *error_held_out) {
     palp_reduced_summary *s = &r->summary;
     for (size_t t = 0; t < n_paths && n_held_out > 0; t++) {
         palp_reduce_error e;
@@ -242,27 +245,30 @@ static palp_status measure_error(palp_reduced *r, size_t n_paths, palp_snapshots
 }
 
 static bool settings_in_range(const palp_reduce_settings *s) {
-    return s->modes > 0 && s->elements > 0 && s->static_modes <= s->modes && s->tolerance >= 0.0 && s->tolerance < 1.0 &&
-           s->element_tolerance >= 0.0 && s->element_tolerance < 1.0;
+    return s->modes > 0 && s->elements > 0 && s->static_modes <= s->modes && s->tolerance >= 0.0 &&
+           s->tolerance < 1.0 && s->element_tolerance >= 0.0 && s->element_tolerance < 1.0;
 }
 
 static palp_status check_create(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                                size_t n_held_out, palp_snapshots *const *held_out, const palp_reduce_settings *settings,
-                                palp_error *error) {
+                                size_t n_held_out, palp_snapshots *const *held_out,
+                                const palp_reduce_settings *settings, palp_error *error) {
     bool sound = n_paths > 0 && settings_in_range(settings);
     for (size_t i = 0; i < n_paths; i++)
         sound = sound && snapshots[i]->n_nodes == net->n_nodes;
     for (size_t i = 0; i < n_held_out; i++)
         sound = sound && held_out[i]->n_nodes == net->n_nodes;
     if (!sound)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a setting is out of range, or a path is of another network");
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "a setting is out of range, or a path is of another network");
     bool vectors = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
     if (net->mass || net->damage || network_foundation(net) || network_has_volume(net) || vectors)
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "a network with mass, damage, a volume modulus or the formulation sedef2008 cannot be reduced");
+        return palp_error_set(
+            error, PALP_ERR_UNSUPPORTED,
+            "a network with mass, damage, a volume modulus or the formulation sedef2008 cannot be reduced");
     const contact_set *contacts = contact_of(net);
     if (contacts && contacts->settings.subdivisions > 0)
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "a network whose tools touch a subdivided surface cannot be reduced");
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "a network whose tools touch a subdivided surface cannot be reduced");
     return PALP_OK;
 }
 
@@ -278,7 +284,7 @@ static palp_status reduce(palp_network *net, size_t n_paths, palp_snapshots *con
         status = PALP_ERR_ARGUMENT; /* nothing moves on these paths */
     if (!status)
         status = reduced_ecsw(net, n_paths, snapshots, settings, modes, basis, lift, &samples, &n, &element,
-                                  &weight, &residual);
+                              &weight, &residual);
     if (!status)
         status = reduced_make(net, contacts, modes, basis, lift, n, element, weight, out);
     if (!status) {
@@ -294,9 +300,10 @@ static palp_status reduce(palp_network *net, size_t n_paths, palp_snapshots *con
     return status;
 }
 
-palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots, size_t n_held_out,
-                                palp_snapshots *const *held_out, const palp_reduce_settings *settings,
-                                palp_reduced **reduced, palp_reduce_error *error_held_out, palp_error *error) {
+palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
+                                size_t n_held_out, palp_snapshots *const *held_out,
+                                const palp_reduce_settings *settings, palp_reduced **reduced,
+                                palp_reduce_error *error_held_out, palp_error *error) {
     if (!net || !snapshots || (n_held_out > 0 && !held_out) || !settings || !reduced)
         return palp_error_null(error);
     palp_status status = check_create(net, n_paths, snapshots, n_held_out, held_out, settings, error);

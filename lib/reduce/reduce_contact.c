@@ -1,5 +1,5 @@
-/* reduce_contact.c: the surface of a reduced model, on which tools act as they do on a network's. Its places are
- * worked out only near the tools. */
+/* reduce_contact.c: the surface of a reduced model, on which tools act as they do on a network's. Its places
+ * are worked out only near the tools. */
 #include "base/dense.h"
 #include "mesh/mesh_internal.h"
 #include "reduce_internal.h"
@@ -58,8 +58,9 @@ static palp_status enable(palp_reduced *r, reduced_contact *surface) {
     for (size_t i = 0; i < surface->n; i++)
         surface->unit[i] = r->unit[surface->node[i]];
     contact_set *contacts = &surface->contacts;
-    palp_status status = contact_set_create(contacts, &r->memory, surface->n, surface->rest, r->n_triangles,
-                                            surface->triangle, surface->unit, 0.0, r->max_tools, &r->contact_settings);
+    palp_status status =
+        contact_set_create(contacts, &r->memory, surface->n, surface->rest, r->n_triangles, surface->triangle,
+                           surface->unit, 0.0, r->max_tools, &r->contact_settings);
     palp_law_stiffness(&r->material.law, 0.0, &contacts->modulus, NULL);
     for (size_t j = 0; j < r->material.n_arms; j++)
         contacts->modulus += r->material.arms[j].stiffness_N;
@@ -103,8 +104,8 @@ static void tool_box(const palp_tool *tool, double margin, double low[3], double
     }
 }
 
-/* The nodes that could touch in this step: those whose last known place is in the box of a tool, wide enough for
- * its travel and for what the places may be out of date. */
+/* The nodes that could touch in this step: those whose last known place is in the box of a tool, wide enough
+ * for its travel and for what the places may be out of date. */
 static void find_near(palp_reduced *r, double margin) {
     reduced_contact *surface = r->surface;
     const contact_set *contacts = &surface->contacts;
@@ -205,7 +206,8 @@ void reduced_contact_stiffness(const palp_reduced *r, double *stiffness) {
     for (size_t i = 0, k = 0; i <= contacts->n_contacts; i++) {
         bool touches = i < contacts->n_contacts && contacts->contact[i].depth > 0.0;
         if (touches) {
-            contact_rows(r, &contacts->contact[i], rows + CORNERS * k * r->modes, scaled + CORNERS * k * r->modes);
+            contact_rows(r, &contacts->contact[i], rows + CORNERS * k * r->modes,
+                         scaled + CORNERS * k * r->modes);
             k++;
         }
         if (k > 0 && (k == AT_ONCE || i == contacts->n_contacts)) {

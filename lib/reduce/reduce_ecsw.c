@@ -1,6 +1,6 @@
 /* reduce_ecsw.c: which elements stand for all, and with what weight: energy-conserving sampling and weighting
- * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), fitted to forces and to tangents, since in
- * equilibrium most of the reduced forces vanish. */
+ * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), fitted to forces and to tangents,
+ * since in equilibrium most of the reduced forces vanish. */
 #include "base/dense.h"
 #include "solve/nnls.h"
 #include "reduce_internal.h"
@@ -11,10 +11,10 @@
 #include <string.h>
 
 enum {
-    DIRECTIONS = 4,      /* random ones a sample, for the forces; as many pairs for the tangents */
+    DIRECTIONS = 4, /* random ones a sample, for the forces; as many pairs for the tangents */
     LINES = 2 * DIRECTIONS + 1,
     CANDIDATES_MAX = 200000,
-    SPARE = 3            /* equations an element at most kept, halves of it */
+    SPARE = 3 /* equations an element at most kept, halves of it */
 };
 
 typedef struct sampling {
@@ -22,15 +22,15 @@ typedef struct sampling {
     palp_network *net;
     size_t modes, n_candidates, rows, row;
     const double *basis, *lift;
-    int32_t *candidate;  /* [n_candidates] elements */
-    double *a;           /* [rows n_candidates] by columns */
-    double *b;           /* [rows] */
-    double *spread;      /* [modes] root mean square of the samples' coordinates */
-    double *solution;    /* [n_candidates] weights */
-    double *x, *fields;  /* [3 n_nodes], [3 n_nodes 3 DIRECTIONS] */
-    double *drive;       /* [3 n_nodes] the lift, scaled to unit energy at rest as the basis is */
-    double *mix;         /* [modes 3 DIRECTIONS] coordinates of the fields */
-    double *work;        /* [n_elements] what each element adds to a row */
+    int32_t *candidate; /* [n_candidates] elements */
+    double *a;          /* [rows n_candidates] by columns */
+    double *b;          /* [rows] */
+    double *spread;     /* [modes] root mean square of the samples' coordinates */
+    double *solution;   /* [n_candidates] weights */
+    double *x, *fields; /* [3 n_nodes], [3 n_nodes 3 DIRECTIONS] */
+    double *drive;      /* [3 n_nodes] the lift, scaled to unit energy at rest as the basis is */
+    double *mix;        /* [modes 3 DIRECTIONS] coordinates of the fields */
+    double *work;       /* [n_elements] what each element adds to a row */
     uint64_t seed;
 } sampling;
 
@@ -39,7 +39,8 @@ static void expand(const sampling *s, const double *q, double *out) {
     dense_transposed_times(s->modes, 3 * s->net->n_nodes, 1.0, s->basis, q, 0.0, out);
 }
 
-/* The network at a sample's reduced state, with the history of the one before; then that history is its own. */
+/* The network at a sample's reduced state, with the history of the one before; then that history is its own.
+ */
 static bool place_sample(sampling *s, const double *q, double depth, double dt) {
     palp_network *net = s->net;
     expand(s, q, s->x);
@@ -93,8 +94,9 @@ static void tangent_row(sampling *s, const double *u, const double *v) {
         double across = net->force[i] * net->inverse_length[i], both = 0.0;
         for (size_t k = 0; k < 3; k++)
             both += (u[b + k] - u[a + k]) * (v[b + k] - v[a + k]);
-        s->work[i] = (net->tangent[i] * net->inverse_rest[i] - across) * stretch(net, i, u) * stretch(net, i, v) +
-                     across * both;
+        s->work[i] =
+            (net->tangent[i] * net->inverse_rest[i] - across) * stretch(net, i, u) * stretch(net, i, v) +
+            across * both;
     }
     keep_row(s);
 }
@@ -160,8 +162,10 @@ static void scale_drive(sampling *s) {
         s->drive[i] = s->lift[i] / sqrt(energy);
 }
 
-static palp_status sampling_make(sampling *s, const palp_reduce_settings *settings, const reduced_samples *samples) {
-    size_t n = s->net->n_elements, n3 = 3 * s->net->n_nodes, wanted = SPARE * settings->elements / (2 * LINES) + 1;
+static palp_status sampling_make(sampling *s, const palp_reduce_settings *settings,
+                                 const reduced_samples *samples) {
+    size_t n = s->net->n_elements, n3 = 3 * s->net->n_nodes,
+           wanted = SPARE * settings->elements / (2 * LINES) + 1;
     s->rows = LINES * (wanted < samples->n ? wanted : samples->n);
     s->n_candidates = n < CANDIDATES_MAX ? n : CANDIDATES_MAX;
     s->candidate = arena_take(&s->memory, s->n_candidates, sizeof *s->candidate);
@@ -214,9 +218,9 @@ static palp_status keep_all(size_t n, int32_t **element, double **weight) {
 }
 
 palp_status reduced_ecsw(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                             const palp_reduce_settings *settings, size_t modes, const double *basis,
-                             const double *lift, const reduced_samples *samples, size_t *n, int32_t **element,
-                             double **weight, double *residual) {
+                         const palp_reduce_settings *settings, size_t modes, const double *basis,
+                         const double *lift, const reduced_samples *samples, size_t *n, int32_t **element,
+                         double **weight, double *residual) {
     *element = NULL;
     *weight = NULL;
     *residual = 0.0;

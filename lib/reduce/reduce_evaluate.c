@@ -32,7 +32,8 @@ static bool measure(palp_reduced *r) {
 bool reduced_evaluate(palp_reduced *r, double *drive) {
     if (!measure(r))
         return false;
-    element_trial(&r->material, &r->step, r->n_elements, r->strain, &r->now.history, &r->next.history, r->force, r->tangent);
+    element_trial(&r->material, &r->step, r->n_elements, r->strain, &r->now.history, &r->next.history,
+                  r->force, r->tangent);
     *drive = 0.0;
     memset(r->rhs, 0, r->modes * sizeof *r->rhs);
     for (size_t i = 0; i < 3 * r->n_elements; i++) {
@@ -62,6 +63,7 @@ void reduced_stiffness(palp_reduced *r, size_t from, size_t to, double *stiffnes
         size_t rows = 3 * (last - first), modes = r->modes;
         for (size_t i = first; i < last; i++)
             scale_gap(r, i, r->scaled + 3 * (i - first) * r->modes);
-        dense_add_outer(modes, modes, rows, 1.0, r->scaled, modes, r->gap + 3 * first * modes, modes, stiffness, modes);
+        dense_add_outer(modes, modes, rows, 1.0, r->scaled, modes, r->gap + 3 * first * modes, modes,
+                        stiffness, modes);
     }
 }

@@ -1,6 +1,7 @@
 /* reduce_file.c: a reduced model as JSON, and its arrays in a binary file beside it.
- * The binary file: "PALPRED1", the number 0x01020304 twice as it stands in this machine's memory (4 bytes each), the
- * sizes (8 bytes each: nodes, modes, elements, triangles), then the arrays of `arrays` below, one after the other. */
+ * The binary file: "PALPRED1", the number 0x01020304 twice as it stands in this machine's memory (4 bytes
+ * each), the sizes (8 bytes each: nodes, modes, elements, triangles), then the arrays of `arrays` below, one
+ * after the other. */
 #include "reduce_internal.h"
 
 #include "base/json.h"
@@ -92,31 +93,35 @@ static json_t *number_or_null(double value) {
 }
 
 static json_t *error_json(const palp_reduced_summary *s) {
-    double worst = s->held_out_paths ? s->held_out_worst : INFINITY, rms = s->held_out_paths ? s->held_out_rms : INFINITY;
-    return json_pack("{s:f, s:f, s:o, s:o, s:f, s:o}", "element_residual", s->element_residual, "snapshot_worst",
-                     s->snapshot_worst, "held_out_worst", number_or_null(worst), "held_out_rms", number_or_null(rms),
-                     "held_out_peak_N", s->held_out_peak_N, "bound", number_or_null(s->bound));
+    double worst = s->held_out_paths ? s->held_out_worst : INFINITY,
+           rms = s->held_out_paths ? s->held_out_rms : INFINITY;
+    return json_pack("{s:f, s:f, s:o, s:o, s:f, s:o}", "element_residual", s->element_residual,
+                     "snapshot_worst", s->snapshot_worst, "held_out_worst", number_or_null(worst),
+                     "held_out_rms", number_or_null(rms), "held_out_peak_N", s->held_out_peak_N, "bound",
+                     number_or_null(s->bound));
 }
 
 static json_t *tools_json(const palp_reduced *r) {
     const palp_contact_settings *c = &r->contact_settings;
-    return r->max_tools == 0 ? json_null()
-                             : json_pack("{s:I, s:f, s:f, s:f, s:I}", "at_once", (json_int_t)r->max_tools, "stiffness",
-                                         c->stiffness, "grasp_stiffness", c->grasp_stiffness, "smoothing",
-                                         c->smoothing, "max_contacts", (json_int_t)c->max_contacts);
+    return r->max_tools == 0
+               ? json_null()
+               : json_pack("{s:I, s:f, s:f, s:f, s:I}", "at_once", (json_int_t)r->max_tools, "stiffness",
+                           c->stiffness, "grasp_stiffness", c->grasp_stiffness, "smoothing", c->smoothing,
+                           "max_contacts", (json_int_t)c->max_contacts);
 }
 
 static json_t *root_json(const palp_reduced *r, json_t *network, const char *file, sums check) {
     const palp_reduced_summary *s = &r->summary;
     char sum[24];
     snprintf(sum, sizeof sum, "%016llx", (unsigned long long)check.checksum);
-    return json_pack("{s:{s:i}, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o, s:o, s:{s:s, s:I, s:s}}",
-                     "palpate", "reduced", 1, "network", network, "nodes", (json_int_t)r->n_nodes, "unknowns",
-                     (json_int_t)s->unknowns, "network_elements", (json_int_t)s->network_elements, "modes",
-                     (json_int_t)r->modes, "elements", (json_int_t)r->n_elements, "triangles",
-                     (json_int_t)r->n_triangles, "snapshot_paths", (json_int_t)s->snapshot_paths, "held_out_paths",
-                     (json_int_t)s->held_out_paths, "height_mm", 1e3 * s->height_m, "error", error_json(s), "tools",
-                     tools_json(r), "arrays", "file", file, "bytes", (json_int_t)check.bytes, "checksum", sum);
+    return json_pack(
+        "{s:{s:i}, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o, s:o, s:{s:s, s:I, s:s}}", "palpate",
+        "reduced", 1, "network", network, "nodes", (json_int_t)r->n_nodes, "unknowns",
+        (json_int_t)s->unknowns, "network_elements", (json_int_t)s->network_elements, "modes",
+        (json_int_t)r->modes, "elements", (json_int_t)r->n_elements, "triangles", (json_int_t)r->n_triangles,
+        "snapshot_paths", (json_int_t)s->snapshot_paths, "held_out_paths", (json_int_t)s->held_out_paths,
+        "height_mm", 1e3 * s->height_m, "error", error_json(s), "tools", tools_json(r), "arrays", "file",
+        file, "bytes", (json_int_t)check.bytes, "checksum", sum);
 }
 
 /* The model with its arrays' name and checksum; the arrays are written. */
@@ -137,7 +142,8 @@ static palp_status pair_write(const palp_reduced *r, const char *model, const ch
     return PALP_ERR_NO_MEMORY;
 }
 
-palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, const char *path, palp_error *error) {
+palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, const char *path,
+                               palp_error *error) {
     if (!r || !model || !path)
         return palp_error_null(error);
     char beside[PALP_PATH_MAX], *network = NULL;
@@ -188,7 +194,8 @@ static palp_status version_read(const palp_json *root) {
     palp_json palpate, version;
     if (!json_is_object(root->value) || !palp_json_member(root, "palpate", &palpate) ||
         !json_is_object(palpate.value) || !palp_json_member(&palpate, "reduced", &version))
-        return palp_json_fail(root, PALP_ERR_INPUT, "no reduced model: it lacks \"palpate\": {\"reduced\": 1}");
+        return palp_json_fail(root, PALP_ERR_INPUT,
+                              "no reduced model: it lacks \"palpate\": {\"reduced\": 1}");
     if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
         return palp_json_fail(&version, PALP_ERR_INPUT, "is not 1, the version that this build reads");
     return PALP_OK;
@@ -208,9 +215,13 @@ static palp_status sizes_read(const palp_json *root, palp_reduced *r) {
     const struct {
         const char *key;
         size_t *to;
-    } counts[] = {{"nodes", &r->n_nodes}, {"modes", &r->modes}, {"elements", &r->n_elements},
-                  {"triangles", &r->n_triangles}, {"unknowns", &r->summary.unknowns},
-                  {"network_elements", &r->summary.network_elements}, {"snapshot_paths", &r->summary.snapshot_paths},
+    } counts[] = {{"nodes", &r->n_nodes},
+                  {"modes", &r->modes},
+                  {"elements", &r->n_elements},
+                  {"triangles", &r->n_triangles},
+                  {"unknowns", &r->summary.unknowns},
+                  {"network_elements", &r->summary.network_elements},
+                  {"snapshot_paths", &r->summary.snapshot_paths},
                   {"held_out_paths", &r->summary.held_out_paths}};
     palp_status status = PALP_OK;
     for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
@@ -227,8 +238,8 @@ static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
     static const char *const keys[] = {"element_residual", "held_out_worst", "held_out_rms",
                                        "held_out_peak_N",  "bound",          "snapshot_worst"};
     static const double absent[] = {NAN, 0.0, 0.0, NAN, INFINITY, NAN};
-    double *const to[] = {&s->element_residual, &s->held_out_worst, &s->held_out_rms, &s->held_out_peak_N, &s->bound,
-                          &s->snapshot_worst};
+    double *const to[] = {&s->element_residual, &s->held_out_worst, &s->held_out_rms,
+                          &s->held_out_peak_N,  &s->bound,          &s->snapshot_worst};
     palp_json at;
     palp_status status = palp_json_require(root, "error", &at);
     if (!status)
@@ -239,7 +250,8 @@ static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
 }
 
 static palp_status tools_read(const palp_json *root, palp_reduced *r) {
-    static const char *const keys[] = {"stiffness", "grasp_stiffness", "smoothing", "at_once", "max_contacts"};
+    static const char *const keys[] = {"stiffness", "grasp_stiffness", "smoothing", "at_once",
+                                       "max_contacts"};
     palp_contact_settings *c = &r->contact_settings;
     double *const number[] = {&c->stiffness, &c->grasp_stiffness, &c->smoothing};
     size_t *const count[] = {&r->max_tools, &c->max_contacts};
@@ -257,7 +269,8 @@ static palp_status tools_read(const palp_json *root, palp_reduced *r) {
 }
 
 /* What does not fit the header: a sentence, or NULL. */
-static const char *bytes_wrong(const palp_reduced *r, const char *bytes, size_t size, size_t want, const char *sum) {
+static const char *bytes_wrong(const palp_reduced *r, const char *bytes, size_t size, size_t want,
+                               const char *sum) {
     unsigned char head[HEAD];
     char is[24];
     head_make(r, head);
@@ -361,11 +374,12 @@ static palp_status arrays_read(const palp_json *root, palp_reduced *r, palp_erro
     return status;
 }
 
-static palp_status reduced_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh, palp_reduced *r,
-                                     palp_error *error) {
-    static const char *const keys[] = {"palpate", "network", "nodes", "unknowns", "network_elements",
-                                       "modes", "elements", "triangles", "snapshot_paths", "held_out_paths",
-                                       "height_mm", "error", "tools", "arrays"};
+static palp_status reduced_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh,
+                                     palp_reduced *r, palp_error *error) {
+    static const char *const keys[] = {
+        "palpate",   "network",  "nodes",     "unknowns",       "network_elements",
+        "modes",     "elements", "triangles", "snapshot_paths", "held_out_paths",
+        "height_mm", "error",    "tools",     "arrays"};
     palp_status status = version_read(root);
     if (!status)
         status = palp_json_keys(root, sizeof keys / sizeof *keys, keys);
@@ -382,8 +396,8 @@ static palp_status reduced_from_json(const palp_json *root, palp_model *model, p
     return status ? status : arrays_read(root, r, error);
 }
 
-palp_status palp_reduced_read(const char *path, palp_model *model, palp_mesh_source *mesh, palp_reduced **reduced,
-                              palp_error *error) {
+palp_status palp_reduced_read(const char *path, palp_model *model, palp_mesh_source *mesh,
+                              palp_reduced **reduced, palp_error *error) {
     if (!path || !reduced)
         return palp_error_null(error);
     palp_json_file file;

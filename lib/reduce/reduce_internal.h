@@ -1,5 +1,6 @@
 /* reduce_internal.h: the reduced model's inside, shared by its own files and its tests.
- * Coordinates q[modes]: x = rest + depth lift + basis q. The basis is orthonormal in the stiffness at rest. */
+ * Coordinates q[modes]: x = rest + depth lift + basis q. The basis is orthonormal in the stiffness at rest.
+ */
 #ifndef REDUCE_INTERNAL_H
 #define REDUCE_INTERNAL_H
 
@@ -22,7 +23,7 @@ struct palp_snapshots {
 
 /* One state of the reduced model. */
 typedef struct reduced_state {
-    double *q;              /* [modes] */
+    double *q;               /* [modes] */
     element_history history; /* of the kept elements */
     double depth, time, force;
 } reduced_state;
@@ -32,36 +33,36 @@ typedef struct reduced_contact {
     contact_set contacts;
     size_t n, n_near;
     double *x, *next_x, *rest; /* [3 n] places committed, sought, at rest, m */
-    double *force;       /* [3 n] of the tools, N */
-    double *unit;        /* [n] as of the reduced model */
-    int32_t *node;       /* [n] nodes of the reduced model */
-    int32_t *triangle;   /* [3 n_triangles] */
-    int32_t *near;       /* [n_near] of the n, whose places are up to date */
-    double *row;         /* [modes 3 REDUCED_BLOCK] scratch */
-    double speed, lift;  /* farthest that a node moves per unit q and depth */
-    double drift;        /* farthest that one can have moved since all places were up to date, m */
+    double *force;             /* [3 n] of the tools, N */
+    double *unit;              /* [n] as of the reduced model */
+    int32_t *node;             /* [n] nodes of the reduced model */
+    int32_t *triangle;         /* [3 n_triangles] */
+    int32_t *near;             /* [n_near] of the n, whose places are up to date */
+    double *row;               /* [modes 3 REDUCED_BLOCK] scratch */
+    double speed, lift;        /* farthest that a node moves per unit q and depth */
+    double drift;              /* farthest that one can have moved since all places were up to date, m */
 } reduced_contact;
 
 struct palp_reduced {
-    arena memory;          /* of all arrays, those of the surface too */
+    arena memory; /* of all arrays, those of the surface too */
     palp_material material;
     palp_reduced_summary summary;
     size_t n_nodes, modes, n_elements, n_triangles;
-    double *rest, *lift;   /* [3 n_nodes] m; displacement per depth */
-    double *basis;         /* [3 n_nodes modes], a row a coordinate of a node */
-    unsigned char *fixed;  /* [3 n_nodes] 1 = fixed or driven */
-    int32_t *triangles;    /* [3 n_triangles] of the surface */
-    int32_t *pair;         /* [2 n_elements] nodes of the kept elements */
-    double *weight;        /* [n_elements] */
-    double *low, *high;    /* [modes + 1] range in the snapshots; the last is the depth's */
-    size_t max_tools;      /* 0 = tools cannot touch it */
+    double *rest, *lift;  /* [3 n_nodes] m; displacement per depth */
+    double *basis;        /* [3 n_nodes modes], a row a coordinate of a node */
+    unsigned char *fixed; /* [3 n_nodes] 1 = fixed or driven */
+    int32_t *triangles;   /* [3 n_triangles] of the surface */
+    int32_t *pair;        /* [2 n_elements] nodes of the kept elements */
+    double *weight;       /* [n_elements] */
+    double *low, *high;   /* [modes + 1] range in the snapshots; the last is the depth's */
+    size_t max_tools;     /* 0 = tools cannot touch it */
     palp_contact_settings contact_settings;
-    double *unit;          /* [n_nodes] a node's own stiffness over that of an element, 1/m */
-    reduced_contact *surface;    /* NULL where max_tools is 0 */
+    double *unit;             /* [n_nodes] a node's own stiffness over that of an element, 1/m */
+    reduced_contact *surface; /* NULL where max_tools is 0 */
 
     /* of the kept elements: difference of their ends' rows */
-    double *gap_rest, *gap_lift; /* [3 n_elements] */
-    double *gap;                 /* [modes 3 n_elements], a column a coordinate */
+    double *gap_rest, *gap_lift;  /* [3 n_elements] */
+    double *gap;                  /* [modes 3 n_elements], a column a coordinate */
     double *inverse_rest, *reach; /* [n_elements] 1 / rest length; weight times size of gap */
 
     double tolerance;
@@ -69,25 +70,26 @@ struct palp_reduced {
     /* of the last evaluation, at next */
     element_step step;
     double *strain, *force, *tangent, *inverse_length; /* [n_elements] */
-    double *direction, *vector;   /* [3 n_elements] */
-    double *rhs, *dq, *start;     /* [modes] */
-    double *stiffness, *factor;   /* [modes modes] of the elements, kept; with the contacts, factored */
-    double *scaled;               /* [modes 3 REDUCED_BLOCK] */
-    int *pivot;                   /* [modes] */
-    double *work;                 /* [64 modes] */
-    bool definite;                /* the factor is Cholesky's */
-    bool stiff;                   /* stiffness holds a tangent */
-    size_t refreshed;             /* elements of the next stiffness summed so far */
-    double *coming;               /* [modes modes] it */
+    double *direction, *vector;                        /* [3 n_elements] */
+    double *rhs, *dq, *start;                          /* [modes] */
+    double *stiffness, *factor; /* [modes modes] of the elements, kept; with the contacts, factored */
+    double *scaled;             /* [modes 3 REDUCED_BLOCK] */
+    int *pivot;                 /* [modes] */
+    double *work;               /* [64 modes] */
+    bool definite;              /* the factor is Cholesky's */
+    bool stiff;                 /* stiffness holds a tangent */
+    size_t refreshed;           /* elements of the next stiffness summed so far */
+    double *coming;             /* [modes modes] it */
     reduced_state now, next;
-    double *past;                 /* [modes] q of the state before now */
-    double past_step, peak;       /* s from past to now; largest force since the reset */
+    double *past;           /* [modes] q of the state before now */
+    double past_step, peak; /* s from past to now; largest force since the reset */
 };
 
-/* A reduced model with this basis [3 n_nodes modes] (rows of fixed coordinates 0) and these elements of the network:
- * element[n] with weight[n]; lift[3 n_nodes]. contacts: the network's tools, or NULL. Copies. */
-palp_status reduced_make(const palp_network *net, const contact_set *contacts, size_t modes, const double *basis,
-                         const double *lift, size_t n, const int32_t *element, const double *weight, palp_reduced **out);
+/* A reduced model with this basis [3 n_nodes modes] (rows of fixed coordinates 0) and these elements of the
+ * network: element[n] with weight[n]; lift[3 n_nodes]. contacts: the network's tools, or NULL. Copies. */
+palp_status reduced_make(const palp_network *net, const contact_set *contacts, size_t modes,
+                         const double *basis, const double *lift, size_t n, const int32_t *element,
+                         const double *weight, palp_reduced **out);
 
 /* Allocates for the sizes given; then reduced_prepare from rest, lift, basis, pair and weight. */
 palp_status reduced_allocate(palp_reduced *reduced);
@@ -96,16 +98,17 @@ palp_status reduced_prepare(palp_reduced *reduced);
 /* Coordinate i of the nodes at (q, depth). */
 double reduced_coordinate(const palp_reduced *reduced, const double *q, double depth, size_t i);
 
-/* At next (q, depth) with the history of now: energy's derivatives rhs = -dE/dq and *drive = dE/ddepth of the elements.
- * False: an element has collapsed. */
+/* At next (q, depth) with the history of now: energy's derivatives rhs = -dE/dq and *drive = dE/ddepth of the
+ * elements. False: an element has collapsed. */
 bool reduced_evaluate(palp_reduced *reduced, double *drive);
 
 /* Adds the tangent of elements [from, to) at the last evaluation to k[modes modes]. */
 void reduced_stiffness(palp_reduced *reduced, size_t from, size_t to, double *k);
 
-/* Tools on the surface. make: at the end of building, after which all memory is there. begin: poses for the step from
- * now to next. evaluate adds to rhs and *drive, stiffness to a tangent. refresh: contacts had to be looked for again,
- * solve once more. commit gives force[n_tools] (or NULL), adds their squares, returns the contacts. */
+/* Tools on the surface. make: at the end of building, after which all memory is there. begin: poses for the
+ * step from now to next. evaluate adds to rhs and *drive, stiffness to a tangent. refresh: contacts had to be
+ * looked for again, solve once more. commit gives force[n_tools] (or NULL), adds their squares, returns the
+ * contacts. */
 palp_status reduced_contact_make(palp_reduced *reduced);
 void reduced_contact_reset(palp_reduced *reduced);
 palp_status reduced_contact_begin(palp_reduced *reduced, size_t n_tools, const palp_tool *tools);
@@ -116,21 +119,21 @@ size_t reduced_contact_commit(palp_reduced *reduced, palp_tool_force *force, dou
 
 /* The samples of all snapshots in reduced coordinates. */
 typedef struct reduced_samples {
-    size_t n;       /* of all paths */
-    double *q;      /* [modes n] */
+    size_t n;  /* of all paths */
+    double *q; /* [modes n] */
 } reduced_samples;
 
-/* Shapes (reduce_pod.c): at most settings->modes of them into *basis [3 n_nodes *modes], malloc'ed, with the samples'
- * coordinates and *lift. */
+/* Shapes (reduce_pod.c): at most settings->modes of them into *basis [3 n_nodes *modes], malloc'ed, with the
+ * samples' coordinates and *lift. */
 palp_status reduced_pod(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                          const palp_reduce_settings *settings, size_t *modes, double **basis, double **lift,
-                          reduced_samples *samples);
+                        const palp_reduce_settings *settings, size_t *modes, double **basis, double **lift,
+                        reduced_samples *samples);
 
 /* Elements and weights (reduce_ecsw.c), malloc'ed; *residual as of nnls_solve. */
 palp_status reduced_ecsw(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                             const palp_reduce_settings *settings, size_t modes, const double *basis,
-                             const double *lift, const reduced_samples *samples, size_t *n, int32_t **element,
-                             double **weight, double *residual);
+                         const palp_reduce_settings *settings, size_t modes, const double *basis,
+                         const double *lift, const reduced_samples *samples, size_t *n, int32_t **element,
+                         double **weight, double *residual);
 
 /* The network at rest, fully relaxed, evaluated (network_evaluate). */
 void reduced_at_rest(palp_network *net);

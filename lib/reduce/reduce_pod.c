@@ -21,7 +21,8 @@ static void rest_times(const palp_network *net, const double *u, double *out) {
     memset(out, 0, 3 * net->n_nodes * sizeof *out);
     for (size_t i = 0; i < net->n_elements; i++) {
         size_t a = 3 * (size_t)net->pair[2 * i], b = 3 * (size_t)net->pair[2 * i + 1];
-        const double n[3] = {net->direction[i], net->direction[net->n_elements + i], net->direction[2 * net->n_elements + i]};
+        const double n[3] = {net->direction[i], net->direction[net->n_elements + i],
+                             net->direction[2 * net->n_elements + i]};
         double stretch = n[0] * (u[b] - u[a]) + n[1] * (u[b + 1] - u[a + 1]) + n[2] * (u[b + 2] - u[a + 2]);
         double force = net->tangent[i] * net->inverse_rest[i] * stretch;
         for (size_t k = 0; k < 3; k++) {
@@ -64,13 +65,15 @@ static size_t worth_keeping(size_t n, const double *w, double tolerance, size_t 
     for (size_t i = 0; i < n; i++)
         sum += fmax(w[i], 0.0);
     size_t first = 0;
-    while (first < n && (left + fmax(w[first], 0.0) <= tolerance * tolerance * sum || w[first] <= ROUNDING * w[n - 1]))
+    while (first < n &&
+           (left + fmax(w[first], 0.0) <= tolerance * tolerance * sum || w[first] <= ROUNDING * w[n - 1]))
         left += fmax(w[first++], 0.0);
     return n - first < most ? n - first : most;
 }
 
 /* columns[rows count] = u z / sqrt(w) of the count largest. */
-static void combine(size_t rows, size_t n, const double *u, double *z, const double *w, size_t count, double *columns) {
+static void combine(size_t rows, size_t n, const double *u, double *z, const double *w, size_t count,
+                    double *columns) {
     for (size_t j = n - count; j < n; j++)
         for (size_t i = 0; i < n; i++)
             z[j * n + i] /= sqrt(w[j]);
@@ -104,8 +107,8 @@ static void orthonormalize(const palp_network *net, size_t count, double *column
 }
 
 /* Shapes of the samples: columns[3 n_nodes *count]. */
-static palp_status proper_modes(const palp_network *net, size_t n, const double *u, double tolerance, size_t most,
-                                double *columns, size_t *count) {
+static palp_status proper_modes(const palp_network *net, size_t n, const double *u, double tolerance,
+                                size_t most, double *columns, size_t *count) {
     size_t n3 = 3 * net->n_nodes;
     double *stiff = malloc((n3 * n + 1) * sizeof *stiff), *c = malloc((n * n + n + 1) * sizeof *c);
     palp_status status = stiff && c ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -135,8 +138,10 @@ static double distance_to_tool(const palp_tool *tool, const double x[3]) {
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - tool->radius_m;
 }
 
-/* Free coordinates of the surface nodes that a tool came within an element's length of, into list (if not NULL). */
-static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots, size_t *list) {
+/* Free coordinates of the surface nodes that a tool came within an element's length of, into list (if not
+ * NULL). */
+static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
+                      size_t *list) {
     size_t n_triangles = palp_mesh_triangle_count(net->mesh), n = 0;
     const int32_t *triangles = palp_mesh_triangles(net->mesh);
     unsigned char *near = calloc(net->n_nodes + 1, 1);
@@ -160,8 +165,8 @@ static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *c
     return n;
 }
 
-/* What unit loads at the coordinates list[n] do beyond the count columns there are: their compliance e' K^-1 e less
- * what the columns hold of it, its largest eigenvectors. Appends at most `most` columns. */
+/* What unit loads at the coordinates list[n] do beyond the count columns there are: their compliance e' K^-1
+ * e less what the columns hold of it, its largest eigenvectors. Appends at most `most` columns. */
 static palp_status static_modes(palp_network *net, size_t n, const size_t *list, size_t most, double *columns,
                                 size_t *count) {
     size_t n3 = 3 * net->n_nodes;
@@ -199,10 +204,11 @@ static void by_rows(size_t n3, size_t count, const double *columns, double *rows
 }
 
 static palp_status find_columns(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                                const palp_reduce_settings *settings, size_t n, const double *u, double *columns,
-                                size_t *count) {
+                                const palp_reduce_settings *settings, size_t n, const double *u,
+                                double *columns, size_t *count) {
     size_t loads = settings->static_modes < settings->modes ? settings->static_modes : settings->modes;
-    palp_status status = proper_modes(net, n, u, settings->tolerance, settings->modes - loads, columns, count);
+    palp_status status =
+        proper_modes(net, n, u, settings->tolerance, settings->modes - loads, columns, count);
     size_t *list = malloc((3 * net->n_nodes + 1) * sizeof *list);
     if (!status && !list)
         status = PALP_ERR_NO_MEMORY;
@@ -216,12 +222,13 @@ static palp_status find_columns(palp_network *net, size_t n_paths, palp_snapshot
 }
 
 palp_status reduced_pod(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                          const palp_reduce_settings *settings, size_t *modes, double **basis, double **lift,
-                          reduced_samples *samples) {
+                        const palp_reduce_settings *settings, size_t *modes, double **basis, double **lift,
+                        reduced_samples *samples) {
     size_t n3 = 3 * net->n_nodes, n = 0, count = 0;
     for (size_t t = 0; t < n_paths; t++)
         n += snapshots[t]->n;
-    double *u = malloc((n3 * n + 1) * sizeof *u), *columns = malloc((n3 * settings->modes + 1) * sizeof *columns);
+    double *u = malloc((n3 * n + 1) * sizeof *u),
+           *columns = malloc((n3 * settings->modes + 1) * sizeof *columns);
     double *stiff = malloc((n3 + 1) * sizeof *stiff), *rows = NULL, *q = NULL;
     *lift = calloc(n3 + 1, sizeof **lift);
     palp_status status = u && columns && stiff && *lift ? find_lift(net, *lift) : PALP_ERR_NO_MEMORY;

@@ -53,11 +53,11 @@ typedef struct recorder {
     palp_realtime *realtime; /* or NULL */
     void *saved;             /* [saved_size] bytes: the network before a step; with realtime */
     size_t saved_size;
-    palp_tool_force *force;  /* [n_tools] */
+    palp_tool_force *force; /* [n_tools] */
 } recorder;
 
-/* To equilibrium; with the kept factor where there is one, which is much faster for large networks. What does not
- * converge so is left to Newton. */
+/* To equilibrium; with the kept factor where there is one, which is much faster for large networks. What does
+ * not converge so is left to Newton. */
 static palp_status step(const recorder *rec, double depth, double dt) {
     const palp_budget budget = {.corrections = CORRECTIONS};
     palp_tick_info info;
@@ -93,8 +93,8 @@ static palp_status record_sample(const recorder *rec, palp_snapshots *t, size_t 
     return PALP_OK;
 }
 
-static palp_status record(const recorder *rec, const palp_tool_path *path, palp_network_observer observer, void *user,
-                          palp_snapshots *t, palp_error *error) {
+static palp_status record(const recorder *rec, const palp_tool_path *path, palp_network_observer observer,
+                          void *user, palp_snapshots *t, palp_error *error) {
     palp_status status = PALP_OK;
     for (size_t i = 0; !status && i < t->n; i++) {
         t->time[i] = path->time_s[i];
@@ -111,13 +111,15 @@ static palp_status record(const recorder *rec, const palp_tool_path *path, palp_
 }
 
 palp_status palp_snapshots_record(palp_network *net, palp_realtime *realtime, const palp_tool_path *path,
-                                 palp_network_observer observer, void *user, palp_snapshots **snapshots,
-                                 palp_error *error) {
+                                  palp_network_observer observer, void *user, palp_snapshots **snapshots,
+                                  palp_error *error) {
     if (!net || !path || !snapshots)
         return palp_error_null(error);
     if (!path_sound(path) || (realtime && palp_realtime_network(realtime) != net))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a path needs finite numbers at increasing times from 0 s on");
-    recorder rec = {.net = net, .realtime = realtime, .saved_size = realtime ? palp_network_state_size(net) : 1};
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "a path needs finite numbers at increasing times from 0 s on");
+    recorder rec = {
+        .net = net, .realtime = realtime, .saved_size = realtime ? palp_network_state_size(net) : 1};
     palp_snapshots *t = snapshots_new(net, path);
     rec.force = calloc(path->n_tools + 1, sizeof *rec.force);
     rec.saved = malloc(rec.saved_size);

@@ -5,9 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-static const double SLOW = 0.3;              /* a kept tangent that contracts less is renewed at once */
-static const double SHORTEST = 0.02;         /* line search */
-enum { TICKS = 24 };                         /* in so many steps the tangent is renewed, a share in each */
+static const double SLOW = 0.3;      /* a kept tangent that contracts less is renewed at once */
+static const double SHORTEST = 0.02; /* line search */
+enum { TICKS = 24 };                 /* in so many steps the tangent is renewed, a share in each */
 
 static void renew_stiffness(palp_reduced *r) {
     memset(r->stiffness, 0, r->modes * r->modes * sizeof *r->stiffness);
@@ -130,7 +130,9 @@ static palp_status solve(palp_reduced *r, double share, progress *p) {
         if (!status && !(r->surface && reduced_contact_refresh(r)))
             return PALP_OK;
     }
-    return status ? status : evaluate(r, &p->drive, &p->residual, &p->scale) ? newton(r, p) : PALP_ERR_COLLAPSED;
+    return status                                            ? status
+           : evaluate(r, &p->drive, &p->residual, &p->scale) ? newton(r, p)
+                                                             : PALP_ERR_COLLAPSED;
 }
 
 /* How far beyond its range in the snapshots a coordinate is, in widths of it; the large coordinates count. */
@@ -166,8 +168,8 @@ static palp_status check_step(const palp_reduced *r, double depth, double dt) {
     return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
 }
 
-palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, const palp_tool *tools, double dt_s,
-                              palp_tool_force *force, palp_reduced_info *info) {
+palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, const palp_tool *tools,
+                              double dt_s, palp_tool_force *force, palp_reduced_info *info) {
     if (!r || (n_tools > 0 && !tools))
         return PALP_ERR_ARGUMENT;
     progress p = {.iterations = 0};

@@ -67,7 +67,8 @@ palp_status palp_forward_set(palp_model *model, const double *parameter) {
 
 /* ---- the sensor ---- */
 
-palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, double fastest, forward_sensor *s) {
+palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, double fastest,
+                                  forward_sensor *s) {
     *s = (forward_sensor){.plan = plan, .n_columns = n_columns, .fastest = fastest};
     s->block = calloc((2 * plan->n_effects + 1) * n_columns + 1, sizeof *s->block);
     if (!s->block)
@@ -119,7 +120,8 @@ static double mean_velocity(const palp_forward_run *run, size_t i) {
     return (run->depth_m[i + 1] - run->depth_m[i]) / (run->time_s[i + 1] - run->time_s[i]);
 }
 
-/* What is before at one neighbour of sample i and after at the other, or half way to each, at the sample itself. */
+/* What is before at one neighbour of sample i and after at the other, or half way to each, at the sample
+ * itself. */
 static double between(const palp_forward_run *run, size_t i, double before, double after) {
     const double *t = run->time_s, share = (t[i] - t[i - 1]) / (t[i + 1] - t[i - 1]);
     return before + share * (after - before);
@@ -130,25 +132,31 @@ static double parabola_velocity(const palp_forward_run *run, size_t i) {
     return between(run, i, mean_velocity(run, i - 1), mean_velocity(run, i));
 }
 
-/* What the parabolas of both neighbours make of it tells how the speed bends: of even samples it is that of the quartic through
- * five. It stays between what it is on either side: where a path comes to rest at once it does not swing over. */
+/* What the parabolas of both neighbours make of it tells how the speed bends: of even samples it is that of
+ * the quartic through five. It stays between what it is on either side: where a path comes to rest at once it
+ * does not swing over. */
 static double velocity_at(const palp_forward_run *run, size_t i) {
     if (run->n < 2)
         return 0.0;
     if (i == 0 || i + 1 == run->n)
         return mean_velocity(run, i ? i - 1 : 0);
-    const double come = mean_velocity(run, i - 1), go = mean_velocity(run, i), parabola = parabola_velocity(run, i);
+    const double come = mean_velocity(run, i - 1), go = mean_velocity(run, i),
+                 parabola = parabola_velocity(run, i);
     if (i == 1 || i + 2 == run->n)
         return parabola;
     const double around = between(run, i, parabola_velocity(run, i - 1), parabola_velocity(run, i + 1));
     return fmin(fmax(come, go), fmax(fmin(come, go), (4.0 * parabola - around) / 3.0));
 }
 
-/* Where the instrument is at sample i: its velocity, and the acceleration of the parabola through it and its neighbours, at the
- * ends none. */
+/* Where the instrument is at sample i: its velocity, and the acceleration of the parabola through it and its
+ * neighbours, at the ends none. */
 effect_moment forward_moment(const palp_forward_run *run, size_t i) {
     const double *t = run->time_s, *d = run->depth_m;
-    effect_moment m = {.time = t[i], .since = t[i] - t[0], .depth = d[i], .hum_phase = run->hum_phase, .velocity = velocity_at(run, i)};
+    effect_moment m = {.time = t[i],
+                       .since = t[i] - t[0],
+                       .depth = d[i],
+                       .hum_phase = run->hum_phase,
+                       .velocity = velocity_at(run, i)};
     m.step = i ? t[i] - t[i - 1] : 0.0;
     if (i > 0 && i + 1 < run->n)
         m.acceleration = 2.0 * (mean_velocity(run, i) - mean_velocity(run, i - 1)) / (t[i + 1] - t[i - 1]);
@@ -178,7 +186,8 @@ static double change_of(const palp_forward_run *run, const char *column, size_t 
     return 0.0;
 }
 
-static forward_place place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share, double velocity) {
+static forward_place place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share,
+                              double velocity) {
     const double *t = run->time_s, *d = run->depth_m;
     forward_place place = {.time = share < 1.0 ? t[i - 1] + (t[i] - t[i - 1]) * share : t[i],
                            .depth = share < 1.0 ? d[i - 1] + (d[i] - d[i - 1]) * share : d[i],
@@ -188,7 +197,8 @@ static forward_place place_at(const forward_plan *plan, const palp_forward_run *
     return place;
 }
 
-forward_place forward_place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share) {
+forward_place forward_place_at(const forward_plan *plan, const palp_forward_run *run, size_t i,
+                               double share) {
     return place_at(plan, run, i, share, forward_moment(run, i).velocity);
 }
 
@@ -201,7 +211,8 @@ palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
     for (size_t c = 0; c < run->n_columns; c++)
         for (size_t i = 0; i < run->n; i++)
             if (!isfinite(run->column[c].value[i]))
-                return palp_error_set(error, PALP_ERR_ARGUMENT, "sample %zu: %s is not finite", i, run->column[c].name);
+                return palp_error_set(error, PALP_ERR_ARGUMENT, "sample %zu: %s is not finite", i,
+                                      run->column[c].name);
     if (!isfinite(run->session_s) || !isfinite(run->hum_phase) || !isfinite(run->contact_m))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "session_s, hum_phase or contact_m is not finite");
     return PALP_OK;

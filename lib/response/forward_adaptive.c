@@ -1,6 +1,6 @@
-/* forward_adaptive.c: a run of a network solved at chosen samples. Between them the force on the plate is a cubic in
- * time, set right by the tangent for what the recorded depth differs from its own cubic; the sensor reads every
- * sample. Where the plate meets, pulls or leaves the specimen every sample is solved. */
+/* forward_adaptive.c: a run of a network solved at chosen samples. Between them the force on the plate is a
+ * cubic in time, set right by the tangent for what the recorded depth differs from its own cubic; the sensor
+ * reads every sample. Where the plate meets, pulls or leaves the specimen every sample is solved. */
 #include "base/file.h"
 #include "base/statistics.h"
 #include "data/segments_internal.h"
@@ -10,22 +10,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double GROWTH = 0.22;    /* step over the time since the last corner or contact */
-static const double REACH = 0.08;     /* step of depth over the deepest; */
-static const double REACH_DAMAGED = 0.02; /* of springs that are damaged: they bend the force at their old peaks */
-static const double STRAIGHT = 5e-4, ROUGH = 3e-3; /* of the deepest: a path within one, with noise the other, is straight */
+static const double GROWTH = 0.22; /* step over the time since the last corner or contact */
+static const double REACH = 0.08;  /* step of depth over the deepest; */
+static const double REACH_DAMAGED =
+    0.02; /* of springs that are damaged: they bend the force at their old peaks */
+static const double STRAIGHT = 5e-4,
+                    ROUGH = 3e-3; /* of the deepest: a path within one, with noise the other, is straight */
 
 typedef struct adaptive {
     const palp_forward_run *run;
     forward_network *network;
     forward_plate plate, kept;
-    size_t n_columns, block;    /* block: doubles of the plate's rows */
-    size_t n, *at;              /* [run->n] samples solved */
+    size_t n_columns, block;     /* block: doubles of the plate's rows */
+    size_t n, *at;               /* [run->n] samples solved */
     unsigned char *end, *corner; /* [run->n] solved samples over which nothing is interpolated; samples */
-    double *force, *slope, *row; /* [run->n], [run->n], [run->n n_columns] of the solved samples, on the plate */
-    size_t gone;                 /* a plate that lets go from this sample on does not come back */
-    double *plate_rows;          /* [block] kept */
-    double reach, stride;       /* deepest; longest step of depth */
+    double *force, *slope,
+        *row;             /* [run->n], [run->n], [run->n n_columns] of the solved samples, on the plate */
+    size_t gone;          /* a plate that lets go from this sample on does not come back */
+    double *plate_rows;   /* [block] kept */
+    double reach, stride; /* deepest; longest step of depth */
 } adaptive;
 
 /* ---- corners ---- */
@@ -55,8 +58,8 @@ static double straightness(const adaptive *k) {
     return fmin(fmax(low, 3.0 * statistics_median(bend, n - 2)), ROUGH * k->reach);
 }
 
-/* Grows a straight piece from each corner while a line through its first sample passes all others closely; the
- * next corner is the sample farthest from the chord. */
+/* Grows a straight piece from each corner while a line through its first sample passes all others closely;
+ * the next corner is the sample farthest from the chord. */
 static void find_corners(adaptive *k) {
     const palp_forward_run *run = k->run;
     const double *t = run->time_s, *d = run->depth_m, close = straightness(k);
@@ -82,14 +85,15 @@ static size_t next_sample(const adaptive *k, size_t i, size_t grade) {
     size_t j = i + 1;
     if (k->corner[i] || k->plate.bond != 0.0)
         return j;
-    while (j + 1 < k->run->n && !k->corner[j] && !k->corner[j + 1] && t[j + 1] - t[i] <= GROWTH * (t[i] - t[grade]) &&
-           fabs(d[j + 1] - d[i]) <= k->stride)
+    while (j + 1 < k->run->n && !k->corner[j] && !k->corner[j + 1] &&
+           t[j + 1] - t[i] <= GROWTH * (t[i] - t[grade]) && fabs(d[j + 1] - d[i]) <= k->stride)
         j++;
     return j;
 }
 
 static void add_sample(adaptive *k, size_t i, bool end) {
-    const bool first = i == 0, beside = (!first && k->corner[i - 1]) || (i + 1 < k->run->n && k->corner[i + 1]);
+    const bool first = i == 0,
+               beside = (!first && k->corner[i - 1]) || (i + 1 < k->run->n && k->corner[i + 1]);
     k->at[k->n] = i;
     k->end[k->n] = end || first || k->corner[i] || beside;
     k->force[k->n] = k->plate.force;
@@ -128,8 +132,8 @@ static palp_status every_sample(adaptive *k, size_t i, size_t j) {
     return status;
 }
 
-/* The last straight piece into the air, in which all the rest of the run is: the plate is ahead of the surface, which
- * comes ever more slowly. */
+/* The last straight piece into the air, in which all the rest of the run is: the plate is ahead of the
+ * surface, which comes ever more slowly. */
 static size_t find_gone(const adaptive *k) {
     size_t i = k->run->n;
     for (; i > 0; i--) {
@@ -145,7 +149,9 @@ static size_t find_gone(const adaptive *k) {
 }
 
 /* Apart, pressed, or pulled on a bond. */
-static int state_of(const forward_plate *plate) { return !plate->touching ? 0 : plate->bond == 0.0 ? 1 : 2; }
+static int state_of(const forward_plate *plate) {
+    return !plate->touching ? 0 : plate->bond == 0.0 ? 1 : 2;
+}
 
 static palp_status solve(adaptive *k, palp_error *error) {
     const palp_forward_run *run = k->run;
@@ -253,11 +259,14 @@ static palp_status allocate(adaptive *k) {
     return PALP_OK;
 }
 
-palp_status forward_run_adaptive(const forward_plan *plan, forward_network *network, const palp_forward_run *run,
-                              double *force_N, double *gradient, palp_error *error) {
+palp_status forward_run_adaptive(const forward_plan *plan, forward_network *network,
+                                 const palp_forward_run *run, double *force_N, double *gradient,
+                                 palp_error *error) {
     forward_specimen specimen = forward_network_specimen(network);
-    adaptive k = {.run = run, .network = network, .n_columns = specimen.n_columns,
-               .block = (3 + FORWARD_WORK) * specimen.n_columns};
+    adaptive k = {.run = run,
+                  .network = network,
+                  .n_columns = specimen.n_columns,
+                  .block = (3 + FORWARD_WORK) * specimen.n_columns};
     palp_status status = forward_check_run(run, error);
     if (status || run->n == 0)
         return status;

@@ -14,16 +14,18 @@ static double variance_at(const double *gradient, const double *covariance, size
     return fmax(sum, 0.0);
 }
 
-palp_status palp_forward_band(const palp_model *model, const palp_forward_run *run, const double *covariance, double *force_N,
-                              double *sd_N, palp_error *error) {
+palp_status palp_forward_band(const palp_model *model, const palp_forward_run *run, const double *covariance,
+                              double *force_N, double *sd_N, palp_error *error) {
     if (!model || !run || !covariance || !force_N || !sd_N)
         return palp_error_null(error);
-    const size_t m = model->material.law.n + 2 * model->material.n_arms, columns = palp_forward_parameter_count(model);
+    const size_t m = model->material.law.n + 2 * model->material.n_arms,
+                 columns = palp_forward_parameter_count(model);
     double *gradient = malloc((run->n * columns + 1) * sizeof *gradient);
     if (!gradient)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
-    palp_status status = model->kind == PALP_MODEL_NETWORK ? forward_network_force(model, run, force_N, gradient, error)
-                                                           : palp_forward_force(model, run, force_N, gradient, error);
+    palp_status status = model->kind == PALP_MODEL_NETWORK
+                             ? forward_network_force(model, run, force_N, gradient, error)
+                             : palp_forward_force(model, run, force_N, gradient, error);
     for (size_t i = 0; i < run->n && !status; i++)
         sd_N[i] = sqrt(variance_at(gradient, covariance, run->n, m, i));
     free(gradient);

@@ -5,14 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A surface left alone is followed in steps of EARLY of the shortest relaxation time, or of the samples' step if that is
- * longer, as what relaxes faster is in equilibrium within it; later of LATER of the time since it was left. They are
- * rounded down to powers of two so that parameters do not move them; LATER times a whole number of steps is never such a
- * power. */
+/* A surface left alone is followed in steps of EARLY of the shortest relaxation time, or of the samples' step
+ * if that is longer, as what relaxes faster is in equilibrium within it; later of LATER of the time since it
+ * was left. They are rounded down to powers of two so that parameters do not move them; LATER times a whole
+ * number of steps is never such a power. */
 static const double EARLY = 0.1, LATER = 0.047;
 static const double AT_ONCE = 4e-15; /* share of a step after its start: no earlier one can be told from it */
 static const double STRAIN_LOW = -0.95, STRAIN_HIGH = 0.999; /* where implicit strains are looked for */
-enum { EVENTS = 8 }; /* most events in one step: more would be rounding's; from half of them on a bond parts at its strongest pull */
+enum {
+    EVENTS = 8
+}; /* most events in one step: more would be rounding's; from half of them on a bond parts at its strongest
+      pull */
 
 /* ---- pressed ---- */
 
@@ -87,8 +90,8 @@ static palp_status parting(void *user, double share, double *value, double *slop
     return PALP_OK;
 }
 
-/* The plate lets go at minus the adhesion, which effects change themselves: adds to the derivatives of the strain there
- * and of the force beyond it. */
+/* The plate lets go at minus the adhesion, which effects change themselves: adds to the derivatives of the
+ * strain there and of the force beyond it. */
 static void add_pull(const forward_plate *p, const forward_surface *s, double *strain_p, double *force_p) {
     effect_bond bond;
     const size_t column = forward_bond_at(p, 0.0, &bond);
@@ -114,8 +117,8 @@ static palp_status find_parting(equation *q, double *share) {
 
 static palp_status part(forward_plate *p) {
     const size_t n = p->specimen.n_columns;
-    double share, step = forward_step_time(p), force_dt, *share_p = p->work + n,
-           *strain_p = p->work + 2 * n, *force_p = p->work + 3 * n;
+    double share, step = forward_step_time(p), force_dt, *share_p = p->work + n, *strain_p = p->work + 2 * n,
+                  *force_p = p->work + 3 * n;
     equation q = {.plate = p};
     palp_status status = find_parting(&q, &share);
     if (status)

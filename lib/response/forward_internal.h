@@ -11,8 +11,8 @@
 /* Of an arm that is off, N: it adds nothing to any force, and still has derivatives. */
 #define FORWARD_NO_STIFFNESS 1e-200
 
-/* An effect of the model, with its parameters and the column of the first; its factor of the specimen's force at the time
- * of the session. */
+/* An effect of the model, with its parameters and the column of the first; its factor of the specimen's force
+ * at the time of the session. */
 typedef struct forward_effect {
     const effect_row *row;
     const palp_effect *effect;
@@ -44,9 +44,9 @@ typedef struct forward_plan {
     palp_material material;                  /* with what the effects make of its arms */
     size_t arm_column[PALP_ARMS_MAX];        /* of K_j; the next is b_j, or for an effect's arm its time */
     bool arm_timed[PALP_ARMS_MAX];           /* the latter */
-    bool gives_way; /* the surface's depth depends on the force */
-    bool damaged;      /* loading damages the spring, as damage tells */
-    bool sets;      /* and does not come back to its length */
+    bool gives_way;                          /* the surface's depth depends on the force */
+    bool damaged;                            /* loading damages the spring, as damage tells */
+    bool sets;                               /* and does not come back to its length */
     element_damage damage;
     size_t n_damage_slopes;
     forward_damage_slope damage_slope[PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS];
@@ -111,10 +111,10 @@ forward_specimen forward_lumped_specimen(forward_lumped *lumped);
 void forward_lumped_take_history(forward_lumped *lumped, const palp_load_history *history);
 void forward_lumped_leave_history(const forward_lumped *lumped, palp_load_history *history);
 
-/* Of one element: adds to force_p what the spring's own parameters change, strain and peak held; rate_factor and of_effect:
- * of the rate, by forward_rate_factor. */
-void forward_spring_own(const forward_plan *plan, const element_damaged *spring, double peak, double rate_factor,
-                        const effect_number *of_effect, double *force_p);
+/* Of one element: adds to force_p what the spring's own parameters change, strain and peak held; rate_factor
+ * and of_effect: of the rate, by forward_rate_factor. */
+void forward_spring_own(const forward_plan *plan, const element_damaged *spring, double peak,
+                        double rate_factor, const effect_number *of_effect, double *force_p);
 
 /* The law's coefficients move the drive of a quasi-linear arm, K(e) e / K(0), from strain e[0] to e[1]. */
 void forward_quasi_linear_own(const palp_law *law, const double e[2], double drive, double *row);
@@ -126,15 +126,16 @@ palp_status forward_network_create(forward_plan *plan, const palp_network_settin
                                    double whole, bool sloped, forward_network **network, palp_error *error);
 palp_status forward_network_add_slopes(forward_network *network); /* of one made sloped: derivatives */
 
-/* How the run finds the specimen, before the first step, and how it leaves it. ERR_ARGUMENT: that of another mesh. */
+/* How the run finds the specimen, before the first step, and how it leaves it. ERR_ARGUMENT: that of another
+ * mesh. */
 palp_status forward_network_take_history(forward_network *network, const palp_load_history *history);
 palp_status forward_network_leave_history(const forward_network *network, palp_load_history *history);
 void forward_network_free(forward_network *network);
 forward_specimen forward_network_specimen(forward_network *network);
 
-/* palp_forward_network with derivatives (gradient may be NULL). The network is solved at chosen samples, its force
- * on the plate interpolated between them; where the plate meets or leaves it, at every one (forward_adaptive.c).
- * ERR_UNSUPPORTED: mass, or PALP_SEDEF2008. */
+/* palp_forward_network with derivatives (gradient may be NULL). The network is solved at chosen samples, its
+ * force on the plate interpolated between them; where the plate meets or leaves it, at every one
+ * (forward_adaptive.c). ERR_UNSUPPORTED: mass, or PALP_SEDEF2008. */
 palp_status forward_network_force(const palp_model *model, const palp_forward_run *run, double *force_N,
                                   double *gradient, palp_error *error);
 
@@ -143,8 +144,8 @@ void forward_network_keep(forward_network *network);
 void forward_network_back(forward_network *network);
 double forward_network_slope(const forward_network *network);
 
-/* Derivatives of a network's force, carried through its steps (forward_slopes.c). A spectrum's arms are those from
- * first on; mode[n]. */
+/* Derivatives of a network's force, carried through its steps (forward_slopes.c). A spectrum's arms are those
+ * from first on; mode[n]. */
 typedef struct forward_spectrum {
     size_t first, n, column, n_values;
     effect_mode mode[PALP_ARMS_MAX];
@@ -162,9 +163,11 @@ const double *forward_slopes_history(const forward_slopes *slopes);
 
 /* Of the trial at hand, whose network_weights are weight[n_elements], stiffness and net->fint; then as
  * forward_specimen. advance makes them those of the state, before the network's commit. */
-void forward_slopes_find(forward_slopes *slopes, const double *weight, double stiffness, const effect_number *of_effect);
+void forward_slopes_find(forward_slopes *slopes, const double *weight, double stiffness,
+                         const effect_number *of_effect);
 void forward_slopes_hold(forward_slopes *slopes, double *force_p, double *force_dt);
-void forward_slopes_advance(forward_slopes *slopes, const double *strain_p, const double *dt_p, double *force_p);
+void forward_slopes_advance(forward_slopes *slopes, const double *strain_p, const double *dt_p,
+                            double *force_p);
 
 /* ---- the plate (forward_contact.c, inside: forward_plate.h) ---- */
 
@@ -227,7 +230,8 @@ typedef struct forward_sensor {
     double *force_p, *block; /* block: the first and all stages' rows */
 } forward_sensor;
 
-palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, double fastest, forward_sensor *sensor);
+palp_status forward_sensor_create(const forward_plan *plan, size_t n_columns, double fastest,
+                                  forward_sensor *sensor);
 void forward_sensor_free(forward_sensor *sensor);
 
 /* Takes a force and sensor->force_p through the stages. */
@@ -244,8 +248,9 @@ void forward_times(const palp_forward_run *run, double *shortest, double *whole)
 palp_status forward_check_run(const palp_forward_run *run, palp_error *error);
 
 /* The same for a network, solved at chosen samples (forward_adaptive.c). */
-palp_status forward_run_adaptive(const forward_plan *plan, forward_network *network, const palp_forward_run *run,
-                              double *force_N, double *gradient, palp_error *error);
+palp_status forward_run_adaptive(const forward_plan *plan, forward_network *network,
+                                 const palp_forward_run *run, double *force_N, double *gradient,
+                                 palp_error *error);
 
 /* The whole chain of one recording; gradient is NULL or takes the specimen's columns (forward.c). */
 palp_status forward_run(const forward_plan *plan, const forward_specimen *specimen,

@@ -47,7 +47,7 @@ struct forward_lumped {
     state now, next;
     slopes d;
     bool still; /* no parameter has moved the surface so far: modes that are not timed have no slopes */
-    element_damaged spring; /* of the trial, where derivatives are asked for */
+    element_damaged spring;                    /* of the trial, where derivatives are asked for */
     effect_number of_effect[PALP_EFFECTS_MAX]; /* of the trial's rate */
 };
 
@@ -111,8 +111,8 @@ static void find_spring(forward_lumped *l) {
     palp_law_force(law, 1, &e, &l->spring.force, &l->spring.by_strain, NULL);
 }
 
-void forward_spring_own(const forward_plan *plan, const element_damaged *s, double peak_strain, double rate_factor,
-                        const effect_number *of_effect, double *force_p) {
+void forward_spring_own(const forward_plan *plan, const element_damaged *s, double peak_strain,
+                        double rate_factor, const effect_number *of_effect, double *force_p) {
     const palp_law *law = &plan->material.law;
     double row[PALP_LAW_MAX], inner[PALP_LAW_MAX], peak[PALP_LAW_MAX], force = s->force / s->factor;
     palp_law_gradient(law, s->inner, row);
@@ -133,12 +133,14 @@ void forward_spring_own(const forward_plan *plan, const element_damaged *s, doub
     for (size_t i = 0; i < plan->n_damage_slopes; i++) {
         const element_damage *by = &plan->damage_slope[i].by;
         force_p[plan->damage_slope[i].column] +=
-            rate_factor * (by->set * s->by_set + by->softening * s->by_softening + by->sharpness * s->by_sharpness);
+            rate_factor *
+            (by->set * s->by_set + by->softening * s->by_softening + by->sharpness * s->by_sharpness);
     }
 }
 
 static void arm_partials(const forward_lumped *l, size_t j, double partial[ELEMENT_PARTIALS]) {
-    element_arm_partials(&l->plan->material, &l->step, j, 1, &l->next.strain, &l->now.strain, &l->now.arm[j], partial);
+    element_arm_partials(&l->plan->material, &l->step, j, 1, &l->next.strain, &l->now.strain, &l->now.arm[j],
+                         partial);
 }
 
 void forward_quasi_linear_own(const palp_law *law, const double e[2], double drive, double *row) {
@@ -154,22 +156,25 @@ void forward_quasi_linear_own(const palp_law *law, const double e[2], double dri
 }
 
 /* Slopes of arm j's force at the end of the trial, into the row, which may be where they were. */
-static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p, const double *dt_p, double *row) {
+static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p, const double *dt_p,
+                       double *row) {
     const double *old = l->d.arm + j * l->n_columns, *strain_old = l->d.strain;
     double p[ELEMENT_PARTIALS];
     forward_arm_slope own[FORWARD_ARM_SLOPES];
     arm_partials(l, j, p);
     for (size_t k = 0; k < l->n_columns; k++)
-        row[k] = p[ELEMENT_ARM_OLD] * old[k] + p[ELEMENT_STRAIN] * strain_p[k] + p[ELEMENT_STRAIN_OLD] * strain_old[k];
+        row[k] = p[ELEMENT_ARM_OLD] * old[k] + p[ELEMENT_STRAIN] * strain_p[k] +
+                 p[ELEMENT_STRAIN_OLD] * strain_old[k];
     const size_t n = forward_arm_slopes(l->plan, j, own);
     for (size_t i = 0; i < n; i++) {
         const effect_arm *by = &own[i].by;
-        row[own[i].column] += by->log_stiffness * p[ELEMENT_LOG_STIFFNESS] + by->log_time * p[ELEMENT_LOG_TIME] +
-                              by->beta * p[ELEMENT_BETA] + by->gamma * p[ELEMENT_GAMMA];
+        row[own[i].column] += by->log_stiffness * p[ELEMENT_LOG_STIFFNESS] +
+                              by->log_time * p[ELEMENT_LOG_TIME] + by->beta * p[ELEMENT_BETA] +
+                              by->gamma * p[ELEMENT_GAMMA];
     }
     if (l->plan->material.quasi_linear)
-        forward_quasi_linear_own(&l->plan->material.law, (double[2]){l->now.strain, l->next.strain}, p[ELEMENT_DRIVE],
-                                 row);
+        forward_quasi_linear_own(&l->plan->material.law, (double[2]){l->now.strain, l->next.strain},
+                                 p[ELEMENT_DRIVE], row);
     for (size_t k = 0; dt_p && k < l->n_columns; k++)
         row[k] -= p[ELEMENT_LOG_TIME] / l->step.dt * dt_p[k];
 }
@@ -231,7 +236,8 @@ static void propagate(forward_lumped *l, const double *strain_p, const double *d
     const size_t n = l->n_columns;
     const slopes *d = &l->d;
     find_spring(l);
-    double by_strain = l->step.rate_factor * l->spring.by_strain, by_peak = l->step.rate_factor * l->spring.by_peak;
+    double by_strain = l->step.rate_factor * l->spring.by_strain,
+           by_peak = l->step.rate_factor * l->spring.by_peak;
     double dashpot = l->step.dashpot, rise = l->next.strain - l->now.strain;
     l->still = l->still && !dt_p && all_zero(n, strain_p);
     for (size_t k = 0; k < n; k++)
@@ -282,7 +288,8 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
 
 /* ---- making one ---- */
 
-/* Rates of the modes beside those of the run: with 32 of them over seven decades of time a power law is exact to 1e-4. */
+/* Rates of the modes beside those of the run: with 32 of them over seven decades of time a power law is exact
+ * to 1e-4. */
 static const double SLOWER = 0.07, FASTER = 70.0;
 
 static void add_modes(forward_lumped *l, const forward_effect *f, double shortest, double whole) {

@@ -14,14 +14,14 @@ struct forward_network {
     element_damage damage;
     size_t n_spectra;
     forward_spectrum spectrum[FORWARD_SPECTRA];
-    bool sloped;    /* every trial's slope is asked for */
-    bool found;     /* slopes of the trial */
+    bool sloped;                               /* every trial's slope is asked for */
+    bool found;                                /* slopes of the trial */
     effect_number of_effect[PALP_EFFECTS_MAX]; /* of its rate */
-    double slope, committed; /* of the trial, of the state: d force / d surface strain */
-    double strain, peak[2];  /* surface strain of the trial; its largest so far, and that kept */
-    double *peak_p[2];       /* [n_columns] derivatives of peak */
-    double rest, *rest_p;    /* surface strain before it is touched */
-    double *weight; /* [n_elements] of the trial */
+    double slope, committed;                   /* of the trial, of the state: d force / d surface strain */
+    double strain, peak[2]; /* surface strain of the trial; its largest so far, and that kept */
+    double *peak_p[2];      /* [n_columns] derivatives of peak */
+    double rest, *rest_p;   /* surface strain before it is touched */
+    double *weight;         /* [n_elements] of the trial */
     forward_slopes *slopes; /* NULL: no derivatives */
 };
 
@@ -97,17 +97,19 @@ double forward_network_slope(const forward_network *p) {
 
 /* The relaxation modulus of an effect as arms of the elements, as many as there is room for, over the times
  * that the steps can tell. */
-static palp_status add_spectrum(forward_network *f, forward_plan *plan, const forward_effect *from, size_t room,
-                                double shortest, double whole, palp_error *error) {
+static palp_status add_spectrum(forward_network *f, forward_plan *plan, const forward_effect *from,
+                                size_t room, double shortest, double whole, palp_error *error) {
     if ((effect_is_off(from->effect) && !f->sloped) || whole == 0.0)
         return PALP_OK;
     if (room < EFFECT_MODES_MIN)
         return palp_error_set(error, PALP_ERR_LIMIT,
-                              "%s: the network's arms leave no room for it (%d in all)",
-                              from->row->info.id, PALP_ARMS_MAX);
+                              "%s: the network's arms leave no room for it (%d in all)", from->row->info.id,
+                              PALP_ARMS_MAX);
     const effect_range range = {room, 0.1 / whole, 5.0 / shortest};
     forward_spectrum *g = &f->spectrum[f->n_spectra++];
-    *g = (forward_spectrum){.first = plan->material.n_arms, .n = room, .column = from->column,
+    *g = (forward_spectrum){.first = plan->material.n_arms,
+                            .n = room,
+                            .column = from->column,
                             .n_values = from->row->info.n_parameters};
     from->row->spectrum(from->effect->value, &range, g->mode);
     for (size_t i = 0; i < room; i++) {
@@ -128,8 +130,8 @@ static palp_status add_spectra(forward_network *f, forward_plan *plan, double sh
     return status;
 }
 
-/* The effect that lets the nodes at the plates slide, NULL: they are held fast. A foundation that is fast has derivatives only
- * as a limit. */
+/* The effect that lets the nodes at the plates slide, NULL: they are held fast. A foundation that is fast has
+ * derivatives only as a limit. */
 static const forward_effect *slip_of(const forward_network *f) {
     for (size_t i = 0; i < f->plan->n_effects; i++)
         if (f->plan->effect[i].row->foundation && (f->sloped || !effect_is_off(f->plan->effect[i].effect)))
@@ -247,7 +249,8 @@ static palp_status move_to(forward_network *f, double strain, double dt, const d
     return status;
 }
 
-/* Largest strains of the elements of one that was pressed slowly; what it was pressed to has no derivatives here. */
+/* Largest strains of the elements of one that was pressed slowly; what it was pressed to has no derivatives
+ * here. */
 static palp_status press_before(forward_network *f, double strain) {
     enum { STEPS = 16 };
     const size_t size = f->net->n_elements * sizeof *f->weight;
@@ -302,7 +305,8 @@ palp_status forward_network_leave_history(const forward_network *f, palp_load_hi
     const size_t n = f->slopes ? f->plan->n_columns : 0, m = f->net->n_elements;
     if (!history || !f->plan->damaged)
         return PALP_OK;
-    struct palp_load_history_elements *e = realloc(history->elements, sizeof *e + (1 + n) * m * sizeof *e->peak);
+    struct palp_load_history_elements *e =
+        realloc(history->elements, sizeof *e + (1 + n) * m * sizeof *e->peak);
     if (!e)
         return PALP_ERR_NO_MEMORY;
     e->n = m;

@@ -54,7 +54,8 @@ palp_status forward_network_force(const palp_model *model, const palp_forward_ru
     if (!status) {
         status = forward_network_take_history(network, run->history);
         if (status)
-            palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
+            palp_error_set(error, status, "the specimen as earlier runs left it: %s",
+                           palp_status_text(status));
     }
     if (!status)
         status = forward_run_adaptive(&plan, network, run, force_N, gradient, error);

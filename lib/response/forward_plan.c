@@ -40,8 +40,8 @@ static palp_status add_effect(forward_plan *plan, size_t i, palp_error *error) {
     plan->effect[at] = (forward_effect){.row = row, .effect = effect, .column = column};
     plan->n_spectra += row->spectrum != NULL;
     if (plan->n_spectra > FORWARD_SPECTRA)
-        return palp_error_set(error, PALP_ERR_LIMIT, "%s: the model has %d such effects already", row->info.id,
-                              FORWARD_SPECTRA);
+        return palp_error_set(error, PALP_ERR_LIMIT, "%s: the model has %d such effects already",
+                              row->info.id, FORWARD_SPECTRA);
     return row->arm ? add_arm(plan, effect->value, column, error) : PALP_OK;
 }
 

@@ -18,9 +18,9 @@ size_t forward_bond_at(const forward_plate *p, double gap, effect_bond *bond) {
     return column;
 }
 
-/* The surface lags behind the plate so far that the bond pulls it with the specimen's force: of several places the nearest, which
- * Newton's steps from there approach from one side, as the bond's stiffness falls with the gap. ERR_NOT_CONVERGED: there is none, the
- * plate lets go. */
+/* The surface lags behind the plate so far that the bond pulls it with the specimen's force: of several
+ * places the nearest, which Newton's steps from there approach from one side, as the bond's stiffness falls
+ * with the gap. ERR_NOT_CONVERGED: there is none, the plate lets go. */
 static palp_status cling(const forward_plate *p, double *strain, double *force, double *slope) {
     enum { STEPS = 100 };
     const double height = p->specimen.height;
@@ -42,7 +42,9 @@ static palp_status cling(const forward_plate *p, double *strain, double *force, 
         move = fmax(-0.5 * reach, fmin(0.5 * reach, move));
         at += move;
         *strain = at;
-        if (fabs(move) <= CLOSE * reach) /* a network's force is no better known; Newton's next step is the square of that */
+        if (fabs(move) <=
+            CLOSE *
+                reach) /* a network's force is no better known; Newton's next step is the square of that */
             return forward_ask(p, at, 1.0, true, force, slope);
     }
     return PALP_ERR_NOT_CONVERGED;
@@ -53,7 +55,8 @@ static void take_cling(forward_plate *p, double strain, double force, double slo
     forward_surface s = forward_held(p, 1.0, force);
     effect_bond bond;
     const size_t column = forward_bond_at(p, strain - s.strain, &bond);
-    const double stiffness = bond.by_gap * p->specimen.height, rise = slope + stiffness * (1.0 - s.by_force * slope);
+    const double stiffness = bond.by_gap * p->specimen.height,
+                 rise = slope + stiffness * (1.0 - s.by_force * slope);
     if (n) {
         double *strain_p = p->work + n, *force_p = p->work + 2 * n, force_dt;
         forward_own_slopes(p, &s, strain_p);

@@ -1,5 +1,5 @@
-/* forward_slopes.c: derivatives of a network's force by all parameters of the model, carried through its steps: what
- * each of them changes itself. */
+/* forward_slopes.c: derivatives of a network's force by all parameters of the model, carried through its
+ * steps: what each of them changes itself. */
 #include "forward_internal.h"
 #include "step_slopes.h"
 
@@ -84,9 +84,9 @@ static void quasi_linear_own(forward_slopes *s, size_t j) {
 static void spectrum_own(forward_slopes *s, const forward_spectrum *g) {
     for (size_t i = 0; i < g->n; i++)
         for (size_t v = 0; v < g->n_values; v++) {
-            const effect_arm by = {
-                .log_stiffness = g->mode[i].weight_by[v] / s->step.net->material.arms[g->first + i].stiffness_N,
-                .log_time = -g->mode[i].rate_by[v] / g->mode[i].rate};
+            const effect_arm by = {.log_stiffness = g->mode[i].weight_by[v] /
+                                                    s->step.net->material.arms[g->first + i].stiffness_N,
+                                   .log_time = -g->mode[i].rate_by[v] / g->mode[i].rate};
             step_slopes_add_arm(&s->step, g->column + v, g->first + i, &by);
         }
 }
@@ -160,7 +160,8 @@ static void add_time(forward_slopes *s, size_t k, double dt_p) {
         step->partial[k * step->m + i] += dt_p * s->by_time[i];
     for (size_t j = 0; j < step->n_arms && dt > 0.0; j++)
         for (size_t i = 0; i < step->m; i++)
-            step->fixed[(k * step->n_arms + j) * step->m + i] -= dt_p / dt * step_slopes_by(step, j, ELEMENT_LOG_TIME)[i];
+            step->fixed[(k * step->n_arms + j) * step->m + i] -=
+                dt_p / dt * step_slopes_by(step, j, ELEMENT_LOG_TIME)[i];
 }
 
 void forward_slopes_advance(forward_slopes *s, const double *strain_p, const double *dt_p, double *force_p) {

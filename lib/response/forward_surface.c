@@ -18,7 +18,8 @@ forward_surface forward_held(const forward_plate *p, double share, double force)
         if (!f->row->map)
             continue;
         const double rise = p->change[1][i] - p->change[0][i];
-        const effect_press at = {depth, force, share == 1.0 ? p->change[1][i] : p->change[0][i] + share * rise};
+        const effect_press at = {depth, force,
+                                 share == 1.0 ? p->change[1][i] : p->change[0][i] + share * rise};
         effect_surface out = {.depth = depth, .by_depth = 1.0};
         f->row->map(f->effect->value, &at, &out);
         depth = out.depth;
@@ -55,7 +56,7 @@ double forward_step_time(const forward_plate *p) {
 }
 
 palp_status forward_ask(const forward_plate *p, double strain, double share, bool moved, double *force,
-                       double *slope) {
+                        double *slope) {
     forward_move move = {strain, (share - p->done) * forward_step_time(p),
                          moved ? p->velocity / p->specimen.height : 0.0};
     palp_status status = p->specimen.attempt(p->specimen.self, &move, force, slope);
@@ -85,7 +86,7 @@ void forward_hold(const forward_plate *p, double force, double *force_p, double 
 }
 
 void forward_take(forward_plate *p, double strain, double share, double force, const double *strain_p,
-                 const double *share_p) {
+                  const double *share_p) {
     const size_t n = p->specimen.n_columns;
     double *dt_p = p->work; /* the first row: nothing else is kept there across a take */
     bool timed = false;

@@ -54,7 +54,8 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
 static palp_status check(const palp_specimen_settings *s, palp_error *error) {
     bool good = isfinite(s->start_m) && s->scale > 0.0 && isfinite(s->scale) && s->table_N_m >= 0.0 &&
                 isfinite(s->table_N_m) && isfinite(s->session_s) && s->step_s > 0.0 &&
-                s->span_s >= s->step_s && isfinite(s->span_s) && s->fastest_m_s >= 0.0 && isfinite(s->fastest_m_s);
+                s->span_s >= s->step_s && isfinite(s->span_s) && s->fastest_m_s >= 0.0 &&
+                isfinite(s->fastest_m_s);
     return good ? PALP_OK : palp_error_set(error, PALP_ERR_ARGUMENT, "settings out of their range");
 }
 

@@ -1,5 +1,5 @@
-/* step_slopes.c: derivatives carried through a network's steps: at fixed positions from the elements' histories,
- * then at equilibrium by the tangent of the step. */
+/* step_slopes.c: derivatives carried through a network's steps: at fixed positions from the elements'
+ * histories, then at equilibrium by the tangent of the step. */
 #include "step_slopes.h"
 
 #include <math.h>
@@ -10,7 +10,8 @@ palp_status step_slopes_create(palp_network *net, size_t n, size_t n_arms, step_
     const size_t m = net->n_elements, rows = n * m, arms = n_arms * m;
     *s = (step_slopes){.net = net, .n = n, .m = m, .n_arms = n_arms};
     s->n_state = rows + n * arms + (net->damage ? rows : 0);
-    s->state = calloc(s->n_state + rows + n * arms + ELEMENT_PARTIALS * arms + m + 3 * net->n_nodes, sizeof *s->state);
+    s->state = calloc(s->n_state + rows + n * arms + ELEMENT_PARTIALS * arms + m + 3 * net->n_nodes,
+                      sizeof *s->state);
     if (!s->state)
         return PALP_ERR_NO_MEMORY;
     s->strain = s->state;
@@ -51,7 +52,8 @@ void step_slopes_carry(step_slopes *s, size_t k) {
     for (size_t i = 0; i < s->m && net->step.dashpot > 0.0; i++)
         partial[i] -= net->step.dashpot * strain[i];
     for (size_t j = 0; j < s->n_arms; j++) {
-        const double *arm_old = step_slopes_by(s, j, ELEMENT_ARM_OLD), *strain_old = step_slopes_by(s, j, ELEMENT_STRAIN_OLD);
+        const double *arm_old = step_slopes_by(s, j, ELEMENT_ARM_OLD),
+                     *strain_old = step_slopes_by(s, j, ELEMENT_STRAIN_OLD);
         const double *arm = s->arm + (k * s->n_arms + j) * s->m;
         double *fixed = s->fixed + (k * s->n_arms + j) * s->m;
         for (size_t i = 0; i < s->m; i++) {
@@ -63,11 +65,12 @@ void step_slopes_carry(step_slopes *s, size_t k) {
 
 void step_slopes_add_arm(step_slopes *s, size_t k, size_t j, const effect_arm *own) {
     double *partial = s->partial + k * s->m, *fixed = s->fixed + (k * s->n_arms + j) * s->m;
-    const double *stiffness = step_slopes_by(s, j, ELEMENT_LOG_STIFFNESS), *time = step_slopes_by(s, j, ELEMENT_LOG_TIME),
-                 *beta = step_slopes_by(s, j, ELEMENT_BETA), *gamma = step_slopes_by(s, j, ELEMENT_GAMMA);
+    const double *stiffness = step_slopes_by(s, j, ELEMENT_LOG_STIFFNESS),
+                 *time = step_slopes_by(s, j, ELEMENT_LOG_TIME), *beta = step_slopes_by(s, j, ELEMENT_BETA),
+                 *gamma = step_slopes_by(s, j, ELEMENT_GAMMA);
     for (size_t i = 0; i < s->m; i++) {
-        double change =
-            own->log_stiffness * stiffness[i] + own->log_time * time[i] + own->beta * beta[i] + own->gamma * gamma[i];
+        double change = own->log_stiffness * stiffness[i] + own->log_time * time[i] + own->beta * beta[i] +
+                        own->gamma * gamma[i];
         fixed[i] += change;
         partial[i] += change;
     }
@@ -99,7 +102,8 @@ static void displace(step_slopes *s, size_t k, double stiffer, double depth_p) {
         }
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
-            net->dx[net->dof[i]] = u[i] - (stiffer != 0.0 ? stiffer * spring[i] * (net->next.x[i] - net->rest[i]) : 0.0);
+            net->dx[net->dof[i]] =
+                u[i] - (stiffer != 0.0 ? stiffer * spring[i] * (net->next.x[i] - net->rest[i]) : 0.0);
     linsys_solve(net->ls, net->dx);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         u[i] = depth_p * s->drive[i] + (net->dof[i] >= 0 ? net->dx[net->dof[i]] : 0.0);
@@ -112,10 +116,12 @@ void step_slopes_equilibrate(step_slopes *s, size_t k, double stiffer, double de
     for (size_t i = 0; i < s->m; i++) {
         const double *a = net->fint + 3 * net->pair[2 * i], *b = net->fint + 3 * net->pair[2 * i + 1];
         const double n[3] = {net->direction[i], net->direction[s->m + i], net->direction[2 * s->m + i]};
-        strain[i] = (n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])) * net->inverse_rest[i];
+        strain[i] =
+            (n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])) * net->inverse_rest[i];
     }
     for (size_t j = 0; j < s->n_arms; j++) {
-        const double *by = step_slopes_by(s, j, ELEMENT_STRAIN), *fixed = s->fixed + (k * s->n_arms + j) * s->m;
+        const double *by = step_slopes_by(s, j, ELEMENT_STRAIN),
+                     *fixed = s->fixed + (k * s->n_arms + j) * s->m;
         double *arm = s->arm + (k * s->n_arms + j) * s->m;
         for (size_t i = 0; i < s->m; i++)
             arm[i] = fixed[i] + by[i] * strain[i];

@@ -1,5 +1,6 @@
-/* step_slopes.h: derivatives of a network's elements and of its force by parameters, carried from step to step.
- * The caller says what a parameter, a column, changes of the elements itself. PALP_HISTORY, no mass. Internal. */
+/* step_slopes.h: derivatives of a network's elements and of its force by parameters, carried from step to
+ * step. The caller says what a parameter, a column, changes of the elements itself. PALP_HISTORY, no mass.
+ * Internal. */
 #ifndef STEP_SLOPES_H
 #define STEP_SLOPES_H
 
@@ -15,9 +16,9 @@ typedef struct step_slopes {
     double *strain, *arm, *peak; /* of the last step; peak NULL: the springs are not damaged */
     double *partial, *fixed;     /* of the trial with the nodes held: element force and arms */
     double *by;                  /* [n_arms ELEMENT_PARTIALS m] of the arms, by element_arm_partials */
-    double *by_peak;             /* [m] of the element force: the caller's to fill if the springs are damaged */
-    double *drive;               /* [3 n_nodes] displacement per depth */
-    const double *weight;        /* [m] the caller's */
+    double *by_peak;      /* [m] of the element force: the caller's to fill if the springs are damaged */
+    double *drive;        /* [3 n_nodes] displacement per depth */
+    const double *weight; /* [m] the caller's */
 } step_slopes;
 
 /* n columns of a network at rest whose material has n_arms; step_slopes_free. ERR_NO_MEMORY. */
@@ -34,10 +35,12 @@ const double *step_slopes_by(const step_slopes *slopes, size_t j, element_partia
 void step_slopes_carry(step_slopes *slopes, size_t k);
 void step_slopes_add_arm(step_slopes *slopes, size_t k, size_t j, const effect_arm *own);
 
-/* Derivative of the force by column k at a fixed depth; stiffer: that of the logarithm of the network's foundation. */
+/* Derivative of the force by column k at a fixed depth; stiffer: that of the logarithm of the network's
+ * foundation. */
 double step_slopes_force(const step_slopes *slopes, size_t k, double stiffer);
 
-/* The state's derivatives by column k become the trial's, at equilibrium; depth_p: that of the depth. Uses net->fint. */
+/* The state's derivatives by column k become the trial's, at equilibrium; depth_p: that of the depth. Uses
+ * net->fint. */
 void step_slopes_equilibrate(step_slopes *slopes, size_t k, double stiffer, double depth_p);
 
 #endif

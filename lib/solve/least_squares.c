@@ -70,7 +70,8 @@ static void swap(double **a, double **b) {
     *b = old;
 }
 
-/* The point at hand is the best so far; its residuals and derivatives are no longer in d->r and d->jacobian. */
+/* The point at hand is the best so far; its residuals and derivatives are no longer in d->r and d->jacobian.
+ */
 static void keep(descent *d, double value, double miss) {
     d->best_value = value;
     d->best_excess = miss;
@@ -122,7 +123,8 @@ static double objective(unsigned n, const double *y, double *gradient, void *use
 }
 
 /* floor - row . p <= 0 */
-static void constraints(unsigned rows, double *result, unsigned n, const double *y, double *gradient, void *user) {
+static void constraints(unsigned rows, double *result, unsigned n, const double *y, double *gradient,
+                        void *user) {
     descent *d = user;
     const least_squares *problem = d->problem;
     to_parameters(d, y, d->p);
@@ -221,17 +223,20 @@ static palp_status descend_in_rounds(descent *d, bool *converged) {
             return d->status;
         if (result == NLOPT_OUT_OF_MEMORY)
             return PALP_ERR_NO_MEMORY;
-        bool better = d->best_excess < missed || before - d->best_value > 2.0 * problem->stop_relative * before;
+        bool better =
+            d->best_excess < missed || before - d->best_value > 2.0 * problem->stop_relative * before;
         bool too_far = d->overshot && d->damping < MOST_DAMPING;
         *converged = down_to_rounding(d) || (!better && !too_far);
         if (d->overshot != better)
-            d->damping = better ? fmax(LEAST_DAMPING, 0.1 * d->damping) : fmax(FELT_DAMPING, 100.0 * d->damping);
+            d->damping =
+                better ? fmax(LEAST_DAMPING, 0.1 * d->damping) : fmax(FELT_DAMPING, 100.0 * d->damping);
     }
     return PALP_OK;
 }
 
 palp_status least_squares_solve(const least_squares *problem, double *p, double *norm, bool *converged) {
-    descent d = {.problem = problem, .best_value = HUGE_VAL, .best_excess = HUGE_VAL, .damping = LEAST_DAMPING};
+    descent d = {
+        .problem = problem, .best_value = HUGE_VAL, .best_excess = HUGE_VAL, .damping = LEAST_DAMPING};
     size_t n = problem->n_parameters;
     palp_status status = allocate(&d);
     *converged = false;

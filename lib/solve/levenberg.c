@@ -9,8 +9,8 @@
 
 static const double FIRST_DAMPING = 1e-6, LEAST_DAMPING = 1e-9, FELT_DAMPING = 1e-3, MOST_DAMPING = 1e4;
 
-bool levenberg_step(size_t n, const double *x, const double *low, const double *high, const double *h, const double *g,
-                    double damping, double *work, double *step) {
+bool levenberg_step(size_t n, const double *x, const double *low, const double *high, const double *h,
+                    const double *g, double damping, double *work, double *step) {
     memcpy(work, h, n * n * sizeof *work);
     for (size_t i = 0; i < n; i++) {
         bool stuck = (x[i] <= low[i] && g[i] <= 0.0) || (x[i] >= high[i] && g[i] >= 0.0);
@@ -35,16 +35,18 @@ static double missing(size_t n, const levenberg_walls *walls, size_t i, const do
     return walls->least[i] - dense_dot(n, row, x) - dense_dot(n, row, step);
 }
 
-/* The least way, in units in which the matrix is 1, by the problem's dual (Lawson and Hanson 1974, chapter 23, "least distance
- * programming"). */
-palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const double *x, const double *factor, double *step) {
+/* The least way, in units in which the matrix is 1, by the problem's dual (Lawson and Hanson 1974, chapter
+ * 23, "least distance programming"). */
+palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const double *x, const double *factor,
+                              double *step) {
     const size_t count = walls ? walls->count : 0, rows = n + 1;
     double worst = 0.0, residual;
     for (size_t i = 0; i < count; i++)
         worst = fmax(worst, missing(n, walls, i, x, step));
     if (!(worst > 0.0))
         return PALP_OK;
-    double *column = malloc((rows * (count + 1) + count) * sizeof *column), *way = column + rows * count, *force = way + rows;
+    double *column = malloc((rows * (count + 1) + count) * sizeof *column), *way = column + rows * count,
+           *force = way + rows;
     if (!column)
         return PALP_ERR_NO_MEMORY;
     worst = 0.0;

@@ -32,7 +32,8 @@ static palp_status make(palp_solver solver, size_t n, const size_t *column, cons
     return linsys_band_make(n, column, row, made);
 }
 
-palp_status linsys_create(palp_solver solver, size_t n, const size_t *column, const int32_t *row, linsys **out) {
+palp_status linsys_create(palp_solver solver, size_t n, const size_t *column, const int32_t *row,
+                          linsys **out) {
     linsys *ls = malloc(sizeof *ls);
     if (!ls)
         return PALP_ERR_NO_MEMORY;

@@ -15,7 +15,7 @@ enum { BLOCK = 24, INNER = 16, SMALL_BAND = 40 };
  * stride = band + 2 BLOCK: whole blocks fit beside the band, and what a block update spills above the
  * diagonal lands behind it. */
 typedef struct band {
-    arena memory;      /* of all but position */
+    arena memory; /* of all but position */
     size_t n, width, stride;
     double *value;
     double *panel;     /* [width BLOCK] */
@@ -104,8 +104,8 @@ static void solve_panel(double *a, size_t ld, size_t n, size_t rows, const doubl
 
 /* target -= L (L D)' on the lower triangle: the square below its first half in one product, then both
  * halves likewise, down to one block. Panel's leading dimension is ldp. */
-static void update_trailing(const double *lower, size_t ld, const double *panel, size_t ldp, size_t n, size_t rows,
-                            double *target) {
+static void update_trailing(const double *lower, size_t ld, const double *panel, size_t ldp, size_t n,
+                            size_t rows, double *target) {
     bool small = rows <= BLOCK;
     size_t half = small ? rows : (rows / 2 + 7) / 8 * 8, skip = small ? 0 : half;
     dense_add_outer(rows - skip, half, n, -1.0, lower + skip, ld, panel, ldp, target + skip, ld);
@@ -218,7 +218,8 @@ static void band_destroy(void *self) {
     free(b);
 }
 
-static const linsys_ops BAND_OPS = {band_factor, band_begin, band_advance, band_solve, band_slot, band_destroy};
+static const linsys_ops BAND_OPS = {band_factor, band_begin, band_advance,
+                                    band_solve,  band_slot,  band_destroy};
 
 palp_status linsys_band_make(size_t n, const size_t *column, const int32_t *row, linsys_made *made) {
     band *b = calloc(1, sizeof *b);

@@ -113,8 +113,13 @@ static void solve_simplicial(const cholmod_factor *factor, double *x) {
 
 static void solve_super(solver *s) {
 #ifdef PALP_GPL
-    cholmod_dense b = {.nrow = s->n, .ncol = 1, .nzmax = s->n, .d = s->n, .x = s->work,
-                       .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+    cholmod_dense b = {.nrow = s->n,
+                       .ncol = 1,
+                       .nzmax = s->n,
+                       .d = s->n,
+                       .x = s->work,
+                       .xtype = CHOLMOD_REAL,
+                       .dtype = CHOLMOD_DOUBLE};
     cholmod_dense *x = cholmod_solve(CHOLMOD_LDLt, s->super, &b, &s->common);
     if (x) {
         memcpy(s->work, x->x, s->n * sizeof *s->work);
@@ -142,9 +147,10 @@ static const linsys_ops SOLVER_OPS = {solver_factor, NULL, NULL, solver_solve, s
 /* Builds s->matrix: the permuted pattern, every column's rows ascending. */
 static palp_status build_matrix(solver *s, const size_t *column, const int32_t *row) {
     size_t nz = column[s->n];
-    s->matrix = cholmod_allocate_sparse(s->n, s->n, nz, 1, 1, s->supernodal ? -1 : 1, CHOLMOD_PATTERN, &s->common);
-    cholmod_triplet *t = cholmod_allocate_triplet(s->n, s->n, nz, s->supernodal ? -1 : 1, CHOLMOD_PATTERN,
-                                                  &s->common);
+    s->matrix =
+        cholmod_allocate_sparse(s->n, s->n, nz, 1, 1, s->supernodal ? -1 : 1, CHOLMOD_PATTERN, &s->common);
+    cholmod_triplet *t =
+        cholmod_allocate_triplet(s->n, s->n, nz, s->supernodal ? -1 : 1, CHOLMOD_PATTERN, &s->common);
     if (!s->matrix || !t) {
         cholmod_free_triplet(&t, &s->common);
         return PALP_ERR_NO_MEMORY;

@@ -7,7 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The pivots of a factor: how many are negative, and the least and the largest by size, or of their inverses. */
+/* The pivots of a factor: how many are negative, and the least and the largest by size, or of their inverses.
+ */
 typedef struct linsys_pivots {
     int negative;
     double least, largest;
@@ -17,7 +18,8 @@ typedef struct linsys_pivots {
 typedef struct linsys_ops {
     palp_status (*factor)(void *self, linsys_pivots *pivots);
     void (*begin)(void *self);
-    palp_status (*advance)(void *self, double flops, linsys_pivots *pivots, bool *done); /* pivots: when done */
+    palp_status (*advance)(void *self, double flops, linsys_pivots *pivots,
+                           bool *done); /* pivots: when done */
     void (*solve)(void *self, double *b);
     size_t (*slot)(const void *self, size_t row, size_t column); /* row >= column */
     void (*destroy)(void *self);

@@ -108,8 +108,8 @@ static palp_status make_finest(multigrid *mg, const int32_t *dof) {
     return level_allocate(&mg->memory, l, false);
 }
 
-/* Coarse nodes: no two of them neighbours, every other node beside one. number[n]: theirs, or -1. On a lattice every
- * second one along each axis. */
+/* Coarse nodes: no two of them neighbours, every other node beside one. number[n]: theirs, or -1. On a
+ * lattice every second one along each axis. */
 static size_t choose_coarse(const mg_level *l, int32_t *number) {
     size_t n = 0;
     for (size_t i = 0; i < l->n; i++)
@@ -172,7 +172,8 @@ static palp_status make_weights(arena *memory, mg_level *l, const int32_t *numbe
 }
 
 /* Followers of each coarse node: list[first[i]] to list[first[i + 1]]. */
-static palp_status followers(arena *scratch, const mg_level *l, size_t n_coarse, uint32_t **first, int32_t **list) {
+static palp_status followers(arena *scratch, const mg_level *l, size_t n_coarse, uint32_t **first,
+                             int32_t **list) {
     uint32_t *f = *first = arena_take(scratch, n_coarse + 2, sizeof *f);
     int32_t *out = *list = arena_take(scratch, l->up_first[l->n], sizeof *out);
     if (scratch->failed)
@@ -224,7 +225,8 @@ static void coarse_pattern(const mg_level *fine, mg_level *l, const uint32_t *fi
     l->first[l->n] = at;
 }
 
-static palp_status make_coarse(arena *memory, mg_level *fine, mg_level *l, const int32_t *number, size_t n_coarse) {
+static palp_status make_coarse(arena *memory, mg_level *fine, mg_level *l, const int32_t *number,
+                               size_t n_coarse) {
     arena scratch = {NULL, false};
     uint32_t *first;
     int32_t *list, *mark = arena_take(&scratch, n_coarse, sizeof *mark);
@@ -256,8 +258,8 @@ static size_t unknowns(const mg_level *l) {
     return n;
 }
 
-/* If there are more than direct unknowns: coarser levels until the factor is cheap beside them or nothing is won. x[3 n_nodes] is
- * overwritten. */
+/* If there are more than direct unknowns: coarser levels until the factor is cheap beside them or nothing is
+ * won. x[3 n_nodes] is overwritten. */
 static palp_status make_levels(multigrid *mg, size_t direct, double *x, int32_t *number) {
     const size_t coarsest = unknowns(&mg->level[0]) > direct && direct > COARSEST ? COARSEST : direct;
     mg->n_levels = 1;
@@ -379,8 +381,9 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
 }
 
 static multigrid_source source_of(multigrid *mg, int set) {
-    return (multigrid_source){mg->element[set], mg->place, mg->spacing, mg->n_floats, mg->node[set], mg->coupling[set],
-                              &mg->n_couplings[set], mg->between[set], mg->beside[set], mg->n_between, mg->n_beside};
+    return (multigrid_source){mg->element[set], mg->place,         mg->spacing,           mg->n_floats,
+                              mg->node[set],    mg->coupling[set], &mg->n_couplings[set], mg->between[set],
+                              mg->beside[set],  mg->n_between,     mg->n_beside};
 }
 
 multigrid_source multigrid_input(multigrid *mg) {

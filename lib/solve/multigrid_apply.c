@@ -5,7 +5,8 @@
 
 typedef multigrid_four four;
 
-/* Of row i the blocks before the diagonal: s less them times x; and the transposed ones times x from what they meet of rest. */
+/* Of row i the blocks before the diagonal: s less them times x; and the transposed ones times x from what
+ * they meet of rest. */
 static inline four subtract(const mg_level *l, const float *block, size_t i, four s) {
     for (uint32_t k = l->first[i]; k < l->middle[i]; k++, block += BLOCK_FLOATS)
         s -= multigrid_times(block, multigrid_load(l->x + 4 * l->column[k]));

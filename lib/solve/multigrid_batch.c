@@ -1,14 +1,16 @@
-/* multigrid_batch.c: elements of the finest level by batches of neighbouring parallel ones: element k of a batch joins nodes
- * low + k and high + k. So the loops over them have no indices and are vectorized. A lattice, numbered along its axes, has nearly
- * all of its elements in full batches; elements that are missing in one have blocks of 0. */
+/* multigrid_batch.c: elements of the finest level by batches of neighbouring parallel ones: element k of a
+ * batch joins nodes low + k and high + k. So the loops over them have no indices and are vectorized. A
+ * lattice, numbered along its axes, has nearly all of its elements in full batches; elements that are missing
+ * in one have blocks of 0. */
 #include "base/clones.h"
 #include "multigrid_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Batches of one direction stand together for so many nodes: a later batch would wait for what one just before it has stored partly
- * in the same place, and what is farther apart is not in the nearest cache any more. */
+/* Batches of one direction stand together for so many nodes: a later batch would wait for what one just
+ * before it has stored partly in the same place, and what is farther apart is not in the nearest cache any
+ * more. */
 enum { STRETCH = 128 };
 static const double SPARSE = 2.0; /* places an element: with more it is not worth it */
 
@@ -75,16 +77,18 @@ palp_status multigrid_make_batches(multigrid *mg) {
     return mg->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-/* A batch's numbers at once; they are only kept in variables, as no function takes them alike with and without AVX. */
+/* A batch's numbers at once; they are only kept in variables, as no function takes them alike with and
+ * without AVX. */
 typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float))));
 
 #define LOAD(v, p) memcpy(&(v), p, sizeof(eight))
 #define ADD_TO(p, v) (LOAD(sum, p), sum += (v), memcpy(p, &sum, sizeof(eight)))
 
-/* out += the batches' blocks times x, both by axis, [3 stride], as the nodes' places are; with the sign of the tangent turned. */
+/* out += the batches' blocks times x, both by axis, [3 stride], as the nodes' places are; with the sign of
+ * the tangent turned. */
 PALP_CLONES
-static void batches_times(size_t n, const int32_t *batch, const float *element, const float *place, size_t stride,
-                          const float *x, float *out) {
+static void batches_times(size_t n, const int32_t *batch, const float *element, const float *place,
+                          size_t stride, const float *x, float *out) {
     const float *x1 = x + stride, *x2 = x1 + stride, *place1 = place + stride, *place2 = place1 + stride;
     float *out1 = out + stride, *out2 = out1 + stride;
     for (size_t i = 0; i < n; i++) {

@@ -1,5 +1,5 @@
-/* multigrid_between.c: further blocks between the two nodes of each element, and of all nodes' own. They stand by batches as the
- * elements do. */
+/* multigrid_between.c: further blocks between the two nodes of each element, and of all nodes' own. They
+ * stand by batches as the elements do. */
 #include "base/clones.h"
 #include "multigrid_internal.h"
 
@@ -28,7 +28,8 @@ static inline size_t apart(const multigrid *mg) {
 /* Where the first of those of the k-th sorted element stands. */
 static inline size_t place_of(const multigrid *mg, uint32_t k) {
     const size_t slot = mg->slot[k];
-    return mg->n_batches > 0 ? slot / MULTIGRID_BATCH * (9 * MULTIGRID_BATCH) + slot % MULTIGRID_BATCH : 9 * (size_t)k;
+    return mg->n_batches > 0 ? slot / MULTIGRID_BATCH * (9 * MULTIGRID_BATCH) + slot % MULTIGRID_BATCH
+                             : 9 * (size_t)k;
 }
 
 void multigrid_add_block(multigrid *mg, int32_t row, int32_t column, const double block[9]) {
@@ -44,7 +45,8 @@ void multigrid_add_block(multigrid *mg, int32_t row, int32_t column, const doubl
         to[k * apart(mg)] += (float)block[row < column ? k : 3 * (k % 3) + k / 3];
 }
 
-void multigrid_between(const multigrid *mg, int set, size_t i, size_t j, uint32_t k, float block[BLOCK_FLOATS]) {
+void multigrid_between(const multigrid *mg, int set, size_t i, size_t j, uint32_t k,
+                       float block[BLOCK_FLOATS]) {
     const float *from = mg->between[set] + place_of(mg, k);
     for (size_t r = 0; r < 3; r++)
         for (size_t c = 0; c < 3; c++)
@@ -60,7 +62,8 @@ typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float)))
 
 /* out -= the blocks between nodes times x, by axis. */
 PALP_CLONES
-static void batches_subtract(size_t n, const int32_t *batch, const float *between, size_t stride, const float *x, float *out) {
+static void batches_subtract(size_t n, const int32_t *batch, const float *between, size_t stride,
+                             const float *x, float *out) {
     enum { B = MULTIGRID_BATCH };
     const float *x1 = x + stride, *x2 = x1 + stride;
     float *out1 = out + stride, *out2 = out1 + stride;
@@ -87,7 +90,8 @@ static void batches_subtract(size_t n, const int32_t *batch, const float *betwee
 static void elements_subtract(const multigrid *mg, const float *x, float *rest) {
     for (size_t i = 0; i < mg->n_nodes; i++)
         for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
-            const float *b = mg->between[mg->used] + place_of(mg, k), *u = x + 4 * i, *v = x + 4 * (size_t)mg->high[k];
+            const float *b = mg->between[mg->used] + place_of(mg, k), *u = x + 4 * i,
+                        *v = x + 4 * (size_t)mg->high[k];
             float *low = rest + 4 * i, *high = rest + 4 * (size_t)mg->high[k];
             for (size_t c = 0; c < 3; c++) {
                 low[c] -= b[3 * c] * v[0] + b[3 * c + 1] * v[1] + b[3 * c + 2] * v[2];

@@ -1,5 +1,5 @@
-/* multigrid_finest.c: the finest level of a cycle, on the elements: a step of damped Jacobi, but Gauss-Seidel at the nodes that
- * something stiff touches, the patch: down first, up last. */
+/* multigrid_finest.c: the finest level of a cycle, on the elements: a step of damped Jacobi, but Gauss-Seidel
+ * at the nodes that something stiff touches, the patch: down first, up last. */
 #include "multigrid_internal.h"
 
 #include <string.h>
@@ -32,7 +32,8 @@ static inline four solve_own(const multigrid *mg, size_t i, four s) {
 static inline void subtract_coupling(const multigrid_coupling *c, bool turned, const float *x, float *r) {
     const size_t along = turned ? 3 : 1, across = turned ? 1 : 3;
     for (size_t i = 0; i < 3; i++)
-        r[i] -= c->block[across * i] * x[0] + c->block[across * i + along] * x[1] + c->block[across * i + 2 * along] * x[2];
+        r[i] -= c->block[across * i] * x[0] + c->block[across * i + along] * x[1] +
+                c->block[across * i + 2 * along] * x[2];
 }
 
 /* The further block of nodes i and j, which entry k joins, times v. */
@@ -84,7 +85,8 @@ static void relax_up(multigrid *mg, size_t i) {
     if (multigrid_has_between(mg, mg->used)) {
         left -= own_times(mg->beside[mg->used] + 6 * i, x);
         for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
-            left -= between_times(mg, i, (size_t)l->column[k], k, multigrid_load(l->x + 4 * (size_t)l->column[k]));
+            left -= between_times(mg, i, (size_t)l->column[k], k,
+                                  multigrid_load(l->x + 4 * (size_t)l->column[k]));
     }
     for (uint32_t k = l->first[i]; k < l->first[i + 1]; k++)
         left += entry_times(mg, i, k, multigrid_load(l->x + 4 * (size_t)l->column[k]) - own);
@@ -104,8 +106,8 @@ static void relax_patch_up(multigrid *mg) {
 
 /* ---- damped Jacobi ------------------------------------------------------------------------------- */
 
-/* Of a step before the coarser levels and one behind them. The elements' part of the tangent is at most twice that of its own
- * blocks, as that of a single element is; a step is a contraction up to 2.7. */
+/* Of a step before the coarser levels and one behind them. The elements' part of the tangent is at most twice
+ * that of its own blocks, as that of a single element is; a step is a contraction up to 2.7. */
 static const float DAMPING = 0.74F;
 
 /* rest less these elements' part of the tangent times x, those from node i to higher ones */
@@ -115,7 +117,8 @@ static inline void subtract_elements(const multigrid *mg, const float *element, 
     four sum = multigrid_load(mg->rest + 4 * i);
     for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
         const size_t j = 4 * (size_t)mg->high[k];
-        const four f = element_times(element + 2 * (size_t)k, multigrid_load(place + j) - here, multigrid_load(x + j) - own);
+        const four f = element_times(element + 2 * (size_t)k, multigrid_load(place + j) - here,
+                                     multigrid_load(x + j) - own);
         sum += f;
         multigrid_store(mg->rest + j, multigrid_load(mg->rest + j) - f);
     }
@@ -153,7 +156,8 @@ void multigrid_finest_down(multigrid *mg) {
         relax_down(mg, (size_t)mg->patch[k]);
     for (size_t i = 0; i < l->n; i++)
         if (!mg->patched[i])
-            multigrid_store(l->x + 4 * i, multigrid_all(DAMPING) * solve_own(mg, i, multigrid_load(mg->rest + 4 * i)));
+            multigrid_store(l->x + 4 * i,
+                            multigrid_all(DAMPING) * solve_own(mg, i, multigrid_load(mg->rest + 4 * i)));
     find_rest(mg);
     memset(l[1].r, 0, 4 * l[1].n * sizeof *l[1].r);
     for (size_t i = 0; i < l->n; i++)
@@ -167,8 +171,9 @@ void multigrid_finest_up(multigrid *mg) {
     find_rest(mg);
     for (size_t i = 0; i < l->n; i++)
         if (!mg->patched[i])
-            multigrid_store(l->x + 4 * i, multigrid_load(l->x + 4 * i) +
-                                              multigrid_all(DAMPING) * solve_own(mg, i, multigrid_load(mg->rest + 4 * i)));
+            multigrid_store(l->x + 4 * i,
+                            multigrid_load(l->x + 4 * i) +
+                                multigrid_all(DAMPING) * solve_own(mg, i, multigrid_load(mg->rest + 4 * i)));
     relax_patch_up(mg);
 }
 

@@ -9,70 +9,83 @@
 
 enum { MULTIGRID_LEVELS = 12, BLOCK_FLOATS = 12, MULTIGRID_BATCH = 8 };
 
-/* A row is a node. Blocks are three columns of four floats, vectors four floats a node, the fourth is of no meaning. The finest level
- * has elements in place of blocks. */
+/* A row is a node. Blocks are three columns of four floats, vectors four floats a node, the fourth is of no
+ * meaning. The finest level has elements in place of blocks. */
 typedef struct mg_level {
     size_t n;
-    uint32_t *first;       /* [n + 1] entries of each row, its own block apart, columns ascending */
-    uint32_t *middle;      /* [n] first entry behind the diagonal */
-    int32_t *column;       /* [first[n]] */
-    unsigned char *axes;   /* [n] bits of the free axes */
-    uint32_t *low_first;   /* [n + 1] of those before the diagonal alone, */
-    float *block[2];       /* [12 low_first[n]] the blocks: those behind it are the same, transposed; not on the finest */
-    float *inverse[2];     /* [12 n] of the own blocks */
-    float *own[2];         /* [12 n] own blocks */
-    float *x, *r;          /* [4 n] */
-    uint32_t *up_first;    /* [n + 1] to the next coarser level */
-    int32_t *up;           /* [up_first[n]] nodes there */
-    float *weight;         /* [up_first[n]] */
-    uint32_t *local_first; /* [n + 1] row i of (D / 2 + L) P, L before the diagonal: each block's share of each node that is followed */
-    uint16_t *local;       /* [local_first[n]] goes to this place of the row; */
+    uint32_t *first;     /* [n + 1] entries of each row, its own block apart, columns ascending */
+    uint32_t *middle;    /* [n] first entry behind the diagonal */
+    int32_t *column;     /* [first[n]] */
+    unsigned char *axes; /* [n] bits of the free axes */
+    uint32_t *low_first; /* [n + 1] of those before the diagonal alone, */
+    float *block[2];     /* [12 low_first[n]] the blocks: those behind it are the same, transposed; not on the
+                            finest */
+    float *inverse[2];   /* [12 n] of the own blocks */
+    float *own[2];       /* [12 n] own blocks */
+    float *x, *r;        /* [4 n] */
+    uint32_t *up_first;  /* [n + 1] to the next coarser level */
+    int32_t *up;         /* [up_first[n]] nodes there */
+    float *weight;       /* [up_first[n]] */
+    uint32_t *local_first;  /* [n + 1] row i of (D / 2 + L) P, L before the diagonal: each block's share of
+                               each node that is followed */
+    uint16_t *local;        /* [local_first[n]] goes to this place of the row; */
     uint32_t *target_first; /* [n + 1] for each node that node i follows, each place */
-    uint32_t *target;      /* [target_first[n]] to this block of the next level */
+    uint32_t *target;       /* [target_first[n]] to this block of the next level */
 } mg_level;
 
 typedef enum mg_stage {
-    MG_IDLE, MG_CLEAR, MG_ELEMENTS, MG_NODES, MG_INVERT, MG_COARSEN, MG_FILL, MG_FACTOR, MG_DONE
+    MG_IDLE,
+    MG_CLEAR,
+    MG_ELEMENTS,
+    MG_NODES,
+    MG_INVERT,
+    MG_COARSEN,
+    MG_FILL,
+    MG_FACTOR,
+    MG_DONE
 } mg_stage;
 
 struct multigrid {
-    arena memory;          /* of all arrays, those of the levels too */
+    arena memory; /* of all arrays, those of the levels too */
     size_t n_nodes, n_elements, n_levels;
-    uint32_t *place;       /* [n_elements] of each element: slot */
-    uint32_t *after;       /* [n_nodes + 1] sorted elements from a node to higher ones: after[i] to after[i + 1] */
-    int32_t *high;         /* [n_elements] the higher node */
-    uint32_t *slot;        /* [n_elements] of an element sorted so, where in element[] its two numbers begin, spacing apart */
+    uint32_t *place; /* [n_elements] of each element: slot */
+    uint32_t *after; /* [n_nodes + 1] sorted elements from a node to higher ones: after[i] to after[i + 1] */
+    int32_t *high;   /* [n_elements] the higher node */
+    uint32_t *slot; /* [n_elements] of an element sorted so, where in element[] its two numbers begin, spacing
+                       apart */
     size_t spacing;
-    float *element[2];     /* [n_floats] */
+    float *element[2];          /* [n_floats] */
     size_t n_floats, n_batches; /* batches: 0 unless the elements stand by them */
-    size_t nodes;          /* in element[]: the nodes' places less origin, by axis where there are batches, else four a node */
-    double origin[3];      /* the mean place at rest, m: near it single precision is finest */
-    int32_t *batch;        /* [2 n_batches] the first low and the first high node */
-    float *straight;       /* [6 (n_nodes + MULTIGRID_BATCH)] a vector by axis, and its product */
-    uint32_t *through;     /* [first[n_nodes]] element of each entry of the finest level */
-    float *node[2];        /* [6 n_nodes] */
+    size_t nodes; /* in element[]: the nodes' places less origin, by axis where there are batches, else four a
+                     node */
+    double origin[3];                /* the mean place at rest, m: near it single precision is finest */
+    int32_t *batch;                  /* [2 n_batches] the first low and the first high node */
+    float *straight;                 /* [6 (n_nodes + MULTIGRID_BATCH)] a vector by axis, and its product */
+    uint32_t *through;               /* [first[n_nodes]] element of each entry of the finest level */
+    float *node[2];                  /* [6 n_nodes] */
     multigrid_coupling *coupling[2]; /* [MULTIGRID_COUPLINGS] */
     int32_t n_couplings[2];
-    int32_t *coupled;      /* [n_nodes] a node's first coupling to a higher one in the set being made, or -1 */
-    float *between[2], *beside[2]; /* [n_between] further blocks, rows of the lower node, [n_beside] own ones; or NULL and 0 */
+    int32_t *coupled; /* [n_nodes] a node's first coupling to a higher one in the set being made, or -1 */
+    float *between[2], *beside[2]; /* [n_between] further blocks, rows of the lower node, [n_beside] own ones;
+                                      or NULL and 0 */
     size_t n_between, n_beside;
-    float *touched;        /* [6 n_nodes] own blocks and couplings of the set in use, as last touched */
+    float *touched; /* [6 n_nodes] own blocks and couplings of the set in use, as last touched */
     multigrid_coupling *touching;
     int32_t n_touching, *first_touching; /* [n_nodes] */
-    int32_t *patch;        /* [n_patch] ascending, of the finest level: the nodes that something stiff touches */
+    int32_t *patch; /* [n_patch] ascending, of the finest level: the nodes that something stiff touches */
     size_t n_patch;
-    bool *patched;         /* [n_nodes] is it one? */
-    float *rest;           /* [4 n_nodes] right-hand side less what is known already */
+    bool *patched; /* [n_nodes] is it one? */
+    float *rest;   /* [4 n_nodes] right-hand side less what is known already */
     mg_level level[MULTIGRID_LEVELS];
-    int32_t *dof;          /* [3 n of the coarsest level] unknown of the factor, or -1 */
+    int32_t *dof; /* [3 n of the coarsest level] unknown of the factor, or -1 */
     size_t n_direct;
     linsys *factor[2];
-    double *rhs;           /* [n_direct] */
-    int used;              /* set of numbers that serves */
-    bool definite[2];      /* without what may make it indefinite */
-    mg_stage stage;        /* of the making: level and row next */
+    double *rhs;      /* [n_direct] */
+    int used;         /* set of numbers that serves */
+    bool definite[2]; /* without what may make it indefinite */
+    mg_stage stage;   /* of the making: level and row next */
     size_t at_level, at;
-    float *row;            /* [12 row_max] one row of A P */
+    float *row; /* [12 row_max] one row of A P */
 };
 
 /* Where the sums of nodes stand by axis. */
@@ -99,7 +112,8 @@ static inline uint32_t multigrid_entry(const mg_level *l, int32_t row, int32_t c
 }
 
 /* d, along and across of the k-th sorted element, which is node i's. */
-static inline void multigrid_element(const multigrid *mg, const float *element, size_t i, uint32_t k, float e[5]) {
+static inline void multigrid_element(const multigrid *mg, const float *element, size_t i, uint32_t k,
+                                     float e[5]) {
     const size_t across = mg->n_batches > 0 ? multigrid_stride(mg) : 1, along = mg->n_batches > 0 ? 1 : 4;
     const float *x = element + mg->nodes, *low = x + along * i, *high = x + along * (size_t)mg->high[k];
     for (size_t c = 0; c < 3; c++)
@@ -135,7 +149,8 @@ static inline multigrid_four multigrid_times(const float *b, multigrid_four v) {
 }
 
 static inline multigrid_four multigrid_turned_times(const float *b, multigrid_four v) {
-    const multigrid_four p = multigrid_load(b) * v, q = multigrid_load(b + 4) * v, r = multigrid_load(b + 8) * v;
+    const multigrid_four p = multigrid_load(b) * v, q = multigrid_load(b + 4) * v,
+                         r = multigrid_load(b + 8) * v;
     return (multigrid_four){p[0], q[0], r[0], 0.0F} + (multigrid_four){p[1], q[1], r[1], 0.0F} +
            (multigrid_four){p[2], q[2], r[2], 0.0F};
 }
@@ -161,14 +176,15 @@ static inline void multigrid_pass_up(const mg_level *l, size_t i, multigrid_four
     }
 }
 
-static inline multigrid_four multigrid_take_down(const mg_level *l, size_t i, const float *coarse, multigrid_four x) {
+static inline multigrid_four multigrid_take_down(const mg_level *l, size_t i, const float *coarse,
+                                                 multigrid_four x) {
     for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
         x += multigrid_all(l->weight[k]) * multigrid_load(coarse + 4 * (size_t)l->up[k]);
     return x;
 }
 
-/* ---- multigrid_finest.c: the two halves of a cycle on the finest level: from its r to what is left of it on the next one, and
- * with what that has become to its x ---- */
+/* ---- multigrid_finest.c: the two halves of a cycle on the finest level: from its r to what is left of it on
+ * the next one, and with what that has become to its x ---- */
 
 void multigrid_finest_down(multigrid *mg);
 void multigrid_finest_up(multigrid *mg);
@@ -190,7 +206,8 @@ static inline bool multigrid_has_between(const multigrid *mg, int set) {
 }
 
 /* That of nodes i and j, which the k-th sorted element joins. */
-void multigrid_between(const multigrid *mg, int set, size_t i, size_t j, uint32_t k, float block[BLOCK_FLOATS]);
+void multigrid_between(const multigrid *mg, int set, size_t i, size_t j, uint32_t k,
+                       float block[BLOCK_FLOATS]);
 
 /* rest[4 n_nodes] less these blocks of the set in use times x[4 n_nodes] */
 void multigrid_between_subtract(multigrid *mg, const float *x, float *rest);
@@ -200,10 +217,12 @@ void multigrid_between_subtract(multigrid *mg, const float *x, float *rest);
 /* Where the numbers of the products go, for all levels. */
 palp_status multigrid_make_products(multigrid *mg);
 
-/* Adds what row i of A contributes to P' A P of the set being made; how many entries it has touched in each row. */
+/* Adds what row i of A contributes to P' A P of the set being made; how many entries it has touched in each
+ * row. */
 size_t multigrid_coarsen(multigrid *mg, size_t level, size_t i);
 
-/* Entry k of row i, before the diagonal, in the set being made: a level's block, or made from the element into room[12]. */
+/* Entry k of row i, before the diagonal, in the set being made: a level's block, or made from the element
+ * into room[12]. */
 const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room);
 
 #endif

@@ -1,12 +1,12 @@
-/* multigrid_make.c: the numbers: blocks of the finest level from the elements, Galerkin products, the factor. All
- * of it in pieces, so that a tick may do a part; and what contacts change of those in use. */
+/* multigrid_make.c: the numbers: blocks of the finest level from the elements, Galerkin products, the factor.
+ * All of it in pieces, so that a tick may do a part; and what contacts change of those in use. */
 #include "multigrid_internal.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Work units, some nanoseconds each: */
-static const double ROW_WORK = 6.0;    /* an own block inverted, a block cleared */
+static const double ROW_WORK = 6.0;     /* an own block inverted, a block cleared */
 static const double ELEMENT_WORK = 3.0; /* both blocks of an element */
 static const double ENTRY_WORK = 20.0;  /* an entry of a row of P' A P */
 static const double FLOP_WORK = 0.025;  /* of a factor */
@@ -22,7 +22,8 @@ static int made(const multigrid *mg) {
 /* Is there an entry for it? */
 static bool joined(const multigrid *mg, const multigrid_coupling *c) {
     const mg_level *l = &mg->level[0];
-    return l->first[c->low] < l->first[c->low + 1] && l->column[multigrid_entry(l, c->low, c->high)] == c->high;
+    return l->first[c->low] < l->first[c->low + 1] &&
+           l->column[multigrid_entry(l, c->low, c->high)] == c->high;
 }
 
 void multigrid_begin(multigrid *mg, bool definite) {
@@ -91,7 +92,8 @@ static void add_node(multigrid *mg, size_t i) {
     mg_level *l = &mg->level[0];
     add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->node[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
     if (multigrid_has_between(mg, made(mg)))
-        add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->beside[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
+        add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->beside[made(mg)] + 6 * i, 1.0F, l->axes[i],
+                  l->axes[i]);
 }
 
 /* Takes what is not between free axes out of a block. */
@@ -109,7 +111,8 @@ static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
         for (unsigned c = 0; c < 3; c++)
             a[r][c] = l->axes[i] >> r & l->axes[i] >> c & 1U ? (double)b[4 * c + r] : r == c ? 1.0 : 0.0;
     double c00 = a[1][1] * a[2][2] - a[1][2] * a[1][2], c01 = a[0][2] * a[1][2] - a[0][1] * a[2][2];
-    double c02 = a[0][1] * a[1][2] - a[0][2] * a[1][1], determinant = a[0][0] * c00 + a[0][1] * c01 + a[0][2] * c02;
+    double c02 = a[0][1] * a[1][2] - a[0][2] * a[1][1],
+           determinant = a[0][0] * c00 + a[0][1] * c01 + a[0][2] * c02;
     double minor = a[0][0] * a[1][1] - a[0][1] * a[0][1];
     if (!(a[0][0] > 0.0) || !(minor > 0.0) || !(determinant > 0.0) || isinf(determinant))
         return false;
@@ -123,9 +126,9 @@ static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
     return true;
 }
 
-/* b[12]: own block i, of which sweeps take the inverse. On the finest level of several the further blocks' own ones count one and
- * a half times: with the others those are at most four times their own, where an element's are twice, and damped Jacobi is to remain a
- * contraction. */
+/* b[12]: own block i, of which sweeps take the inverse. On the finest level of several the further blocks'
+ * own ones count one and a half times: with the others those are at most four times their own, where an
+ * element's are twice, and damped Jacobi is to remain a contraction. */
 static void block_of_sweep(const multigrid *mg, const mg_level *l, int set, size_t i, float *b) {
     memcpy(b, l->own[set] + BLOCK_FLOATS * i, BLOCK_FLOATS * sizeof *b);
     if (l == mg->level && mg->n_levels > 1 && multigrid_has_between(mg, set))
@@ -135,7 +138,8 @@ static void block_of_sweep(const multigrid *mg, const mg_level *l, int set, size
 static bool invert(multigrid *mg, mg_level *l, size_t i) {
     const int set = made(mg);
     float b[BLOCK_FLOATS];
-    mask(l->own[set] + BLOCK_FLOATS * i, l->axes[i], l->axes[i]); /* of a coarse row, as followers have brought them */
+    mask(l->own[set] + BLOCK_FLOATS * i, l->axes[i],
+         l->axes[i]); /* of a coarse row, as followers have brought them */
     for (uint32_t k = l->first[i]; l != mg->level && k < l->middle[i]; k++)
         mask(l->block[set] + multigrid_low(l, i, k), l->axes[i], l->axes[l->column[k]]);
     block_of_sweep(mg, l, set, i, b);
@@ -145,7 +149,8 @@ static bool invert(multigrid *mg, mg_level *l, size_t i) {
 /* A row's share of the factor's values; its units. */
 static double clear_values(multigrid *mg, size_t i) {
     linsys *ls = mg->factor[made(mg)];
-    const size_t n = mg->level[mg->n_levels - 1].n, count = linsys_value_count(ls), from = count * i / n, to = count * (i + 1) / n;
+    const size_t n = mg->level[mg->n_levels - 1].n, count = linsys_value_count(ls), from = count * i / n,
+                 to = count * (i + 1) / n;
     if (i == 0)
         linsys_begin(ls);
     memset(linsys_values(ls) + from, 0, (to - from) * sizeof(double));

@@ -1,8 +1,9 @@
-/* multigrid_product.c: the Galerkin products P' A P = S + S' with S = P' (D / 2 + L) P, A = D + L + L', row by row of L. Where each
- * number goes is found once, when the levels are made. */
+/* multigrid_product.c: the Galerkin products P' A P = S + S' with S = P' (D / 2 + L) P, A = D + L + L', row
+ * by row of L. Where each number goes is found once, when the levels are made. */
 #include "multigrid_internal.h"
 
-/* Where a block of S goes: to the coarse row's own, with its transpose; or to this block, transposed where S has it behind the diagonal. */
+/* Where a block of S goes: to the coarse row's own, with its transpose; or to this block, transposed where S
+ * has it behind the diagonal. */
 static const uint32_t OWN = UINT32_MAX, TURNED = UINT32_C(1) << 31;
 
 /* Of the rows of (D / 2 + L) P: whom they have. */
@@ -54,7 +55,8 @@ static uint32_t find_target(const mg_level *coarse, int32_t row, int32_t column)
     if (row == column)
         return OWN;
     const int32_t low = row < column ? row : column, high = row < column ? column : row;
-    return (coarse->low_first[high] + multigrid_entry(coarse, high, low) - coarse->first[high]) | (row < column ? TURNED : 0);
+    return (coarse->low_first[high] + multigrid_entry(coarse, high, low) - coarse->first[high]) |
+           (row < column ? TURNED : 0);
 }
 
 static void list(mg_level *l, const mg_level *coarse, places *p) {
@@ -74,7 +76,8 @@ static void list(mg_level *l, const mg_level *coarse, places *p) {
 static palp_status make_product(arena *memory, mg_level *l, const mg_level *coarse, size_t *longest) {
     arena scratch = {NULL, false};
     size_t locals, targets;
-    places p = {arena_take(&scratch, coarse->n, sizeof *p.mark), arena_take(&scratch, coarse->n, sizeof *p.column), 0};
+    places p = {arena_take(&scratch, coarse->n, sizeof *p.mark),
+                arena_take(&scratch, coarse->n, sizeof *p.column), 0};
     for (size_t i = 0; i < coarse->n && !scratch.failed; i++)
         p.mark[i] = -1;
     const size_t row = scratch.failed ? 0 : count(l, &p, &locals, &targets);
@@ -127,7 +130,8 @@ static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
                     b[4 * c + r] += i < j ? list[k].block[3 * r + c] : list[k].block[3 * c + r];
 }
 
-const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k, float *room) {
+const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_t i, uint32_t k,
+                                   float *room) {
     if (l != mg->level)
         return l->block[1 - mg->used] + multigrid_low(l, i, k);
     float e[5];
@@ -157,12 +161,13 @@ static inline void add(float *to, float factor, const float *block) {
 static inline void add_turned(float *to, float factor, const float *b) {
     const multigrid_four w = multigrid_all(factor);
     for (size_t c = 0; c < 3; c++)
-        multigrid_store(to + 4 * c, multigrid_load(to + 4 * c) + w * (multigrid_four){b[c], b[4 + c], b[8 + c], 0.0F});
+        multigrid_store(to + 4 * c,
+                        multigrid_load(to + 4 * c) + w * (multigrid_four){b[c], b[4 + c], b[8 + c], 0.0F});
 }
 
 /* row += factor times block times the weights of node j. */
-static inline const uint16_t *spread(float *row, const mg_level *l, size_t j, float factor, const float *block,
-                                     const uint16_t *local) {
+static inline const uint16_t *spread(float *row, const mg_level *l, size_t j, float factor,
+                                     const float *block, const uint16_t *local) {
     for (uint32_t k = l->up_first[j]; k < l->up_first[j + 1]; k++)
         add(row + (size_t)BLOCK_FLOATS * *local++, factor * l->weight[k], block);
     return local;
@@ -178,7 +183,8 @@ size_t multigrid_coarsen(multigrid *mg, size_t level, size_t i) {
     memset(mg->row, 0, BLOCK_FLOATS * n * sizeof *mg->row);
     local = spread(mg->row, l, i, 0.5F, l->own[set] + BLOCK_FLOATS * i, local);
     for (uint32_t k = l->first[i]; k < l->middle[i]; k++)
-        local = spread(mg->row, l, (size_t)l->column[k], 1.0F, multigrid_entry_block(mg, l, i, k, room), local);
+        local =
+            spread(mg->row, l, (size_t)l->column[k], 1.0F, multigrid_entry_block(mg, l, i, k, room), local);
     for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
         for (size_t j = 0; j < n; j++, target++) {
             const bool own = *target == OWN;

@@ -16,17 +16,17 @@ typedef struct nnls {
     size_t rows, most, used;
     int n;
     const double *a, *b;
-    double *q;        /* [rows most] orthonormal */
-    double *r;        /* [most most] upper triangle by columns */
-    double *projected; /* [most] q' b */
-    double *s;        /* [most] least squares of the columns in use */
-    double *x;        /* [most] theirs */
-    int *column;      /* [most] which they are */
-    double *rest;     /* [rows] b - a x */
-    double *gradient; /* [n] a' rest */
-    unsigned char *barred; /* [n] in use, or tried in vain */
+    double *q;              /* [rows most] orthonormal */
+    double *r;              /* [most most] upper triangle by columns */
+    double *projected;      /* [most] q' b */
+    double *s;              /* [most] least squares of the columns in use */
+    double *x;              /* [most] theirs */
+    int *column;            /* [most] which they are */
+    double *rest;           /* [rows] b - a x */
+    double *gradient;       /* [n] a' rest */
+    unsigned char *barred;  /* [n] in use, or tried in vain */
     int *shortlist, listed; /* [listed] columns of the largest gradients at the last look at all */
-    double floor;          /* their gradients are to be above it, else all are looked at again */
+    double floor;           /* their gradients are to be above it, else all are looked at again */
 } nnls;
 
 static void find_rest(nnls *p) {
@@ -75,8 +75,8 @@ static int best_listed(nnls *p) {
     return best;
 }
 
-/* The unused column that promises most, near enough; -1: none promises anything. All columns are looked at only
- * where the short list is used up. */
+/* The unused column that promises most, near enough; -1: none promises anything. All columns are looked at
+ * only where the short list is used up. */
 static int best_column(nnls *p) {
     int j = best_listed(p);
     if (j >= 0)

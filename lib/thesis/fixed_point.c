@@ -1,4 +1,5 @@
-/* fixed_point.c: the stiffness law by the loop of Figure 5.6, which multiplies the law's curve by target over force. */
+/* fixed_point.c: the stiffness law by the loop of Figure 5.6, which multiplies the law's curve by target over
+ * force. */
 #include <palpate/thesis.h>
 
 #include "base/dense.h"
@@ -7,7 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A law through the guessed curve. The fit has a constant term, which is dropped: that is what reproduces Table 5.1. */
+/* A law through the guessed curve. The fit has a constant term, which is dropped: that is what reproduces
+ * Table 5.1. */
 static palp_status law_of(size_t n, const double *strain, const double *guess, palp_law *law) {
     double fit[PALP_LAW_MAX + 1], norm;
     palp_status status = dense_polynomial(n, strain, guess, 0, law->n, fit, &norm);
@@ -51,8 +53,8 @@ static palp_status solve(static_stage *s) {
     return status;
 }
 
-palp_status palp_thesis_fixed_point(palp_network *network, const palp_material *start, size_t n, const double *depth_m,
-                                    const double *target_N, const palp_static_settings *settings,
-                                    palp_calibration *result) {
+palp_status palp_thesis_fixed_point(palp_network *network, const palp_material *start, size_t n,
+                                    const double *depth_m, const double *target_N,
+                                    const palp_static_settings *settings, palp_calibration *result) {
     return static_stage_solve(network, start, n, depth_m, target_N, settings, result, solve);
 }

@@ -88,8 +88,9 @@ static palp_status search(fit_problem *p, const palp_lumped_fit *fits, palp_lump
 }
 
 /* A fit of every recording on its own gives the ranges and K_inf. */
-static palp_status fit_each(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                            palp_lumped_fit *fits, palp_error *error) {
+static palp_status fit_each(size_t n, const palp_recording *recordings,
+                            const palp_characterize_settings *settings, palp_lumped_fit *fits,
+                            palp_error *error) {
     palp_status status = PALP_OK;
     for (size_t r = 0; r < n && !status; r++) {
         status = palp_characterize_fit(1, &recordings[r], settings, &fits[r], error);
@@ -100,8 +101,9 @@ static palp_status fit_each(size_t n, const palp_recording *recordings, const pa
     return status;
 }
 
-static palp_status grid_result(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                               const palp_lumped_fit *fits, palp_lumped_fit *fit) {
+static palp_status grid_result(size_t n, const palp_recording *recordings,
+                               const palp_characterize_settings *settings, const palp_lumped_fit *fits,
+                               palp_lumped_fit *fit) {
     double middle = 0.0;
     fit->n_runs = n;
     fit->spring_N = malloc(n * sizeof(double));
@@ -118,8 +120,9 @@ static palp_status grid_result(size_t n, const palp_recording *recordings, const
     return status ? status : fit_fill_residuals(n, recordings, settings, fit);
 }
 
-palp_status palp_thesis_grid(size_t n, const palp_recording *recordings, const palp_characterize_settings *settings,
-                          palp_lumped_fit *fit, palp_error *error) {
+palp_status palp_thesis_grid(size_t n, const palp_recording *recordings,
+                             const palp_characterize_settings *settings, palp_lumped_fit *fit,
+                             palp_error *error) {
     if (!recordings || !settings || !fit)
         return palp_error_null(error);
     memset(fit, 0, sizeof *fit);

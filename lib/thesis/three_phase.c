@@ -159,7 +159,8 @@ static palp_status match_steady_force(three_phase *s) {
 }
 
 static bool same(const palp_material *a, const palp_material *b) {
-    return a->arms[0].stiffness_N == b->arms[0].stiffness_N && a->arms[0].viscosity_Ns == b->arms[0].viscosity_Ns &&
+    return a->arms[0].stiffness_N == b->arms[0].stiffness_N &&
+           a->arms[0].viscosity_Ns == b->arms[0].viscosity_Ns &&
            memcmp(a->law.coefficients, b->law.coefficients, sizeof a->law.coefficients) == 0;
 }
 
@@ -219,11 +220,13 @@ palp_three_phase_settings palp_three_phase_settings_default(void) {
         .max_evaluations = 80, .dt_s = 1e-3, .error_bound = 0.01, .steady_slope_N_s = 1e-3};
 }
 
-palp_status palp_thesis_three_phase(palp_network *network, const palp_material *start, const palp_target *target,
-                                    const palp_three_phase_settings *settings, palp_calibration *result) {
+palp_status palp_thesis_three_phase(palp_network *network, const palp_material *start,
+                                    const palp_target *target, const palp_three_phase_settings *settings,
+                                    palp_calibration *result) {
     if (!network || !start || !target || !settings || !result)
         return PALP_ERR_ARGUMENT;
-    three_phase s = {.net = network, .target = target, .settings = settings, .result = result, .material = *start};
+    three_phase s = {
+        .net = network, .target = target, .settings = settings, .result = result, .material = *start};
     memset(result, 0, sizeof *result);
     palp_status status = check(start, target, settings);
     if (!status)

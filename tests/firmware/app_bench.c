@@ -111,7 +111,9 @@ static void sense(bench *b) {
 
 static void advance(bench *b, bool renewed) {
     const bool on = renewed && b->out.motor_on;
-    const plant_out out = {.place = b->out.place, .duty = on ? b->out.duty : 0, .motor = on ? PLANT_MOTOR_ON : PLANT_MOTOR_BRAKED};
+    const plant_out out = {.place = b->out.place,
+                           .duty = on ? b->out.duty : 0,
+                           .motor = on ? PLANT_MOTOR_ON : PLANT_MOTOR_BRAKED};
     palp_error error = {PALP_OK, ""};
     if (plant_step(b->plant, &out, &b->in, &error))
         fail_msg("%s", error.text);

@@ -189,14 +189,9 @@ static void test_nothing_there(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_line),
-    cmocka_unit_test(test_stops),
-    cmocka_unit_test(test_wall),
-    cmocka_unit_test(test_air),
-    cmocka_unit_test(test_no_air),
-    cmocka_unit_test(test_no_slope),
-    cmocka_unit_test(test_classes),
-    cmocka_unit_test(test_rigid),
-    cmocka_unit_test(test_nothing_there),
-    {0},
+    cmocka_unit_test(test_line),          cmocka_unit_test(test_stops),
+    cmocka_unit_test(test_wall),          cmocka_unit_test(test_air),
+    cmocka_unit_test(test_no_air),        cmocka_unit_test(test_no_slope),
+    cmocka_unit_test(test_classes),       cmocka_unit_test(test_rigid),
+    cmocka_unit_test(test_nothing_there), {0},
 };

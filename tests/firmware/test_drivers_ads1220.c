@@ -4,7 +4,8 @@
 
 /* Bytes over SPI, the first in front; a sample is there while DRDY is low. */
 static void test_cell(void **state) {
-    static const int16_t bytes[][3] = {{0x00, 0x00, 0x20}, {0xff, 0xff, 0xe0}, {0x0f, 0x42, 0x40}, {0x7f, 0xff, 0xff}, {0x80, 0, 0}};
+    static const int16_t bytes[][3] = {
+        {0x00, 0x00, 0x20}, {0xff, 0xff, 0xe0}, {0x0f, 0x42, 0x40}, {0x7f, 0xff, 0xff}, {0x80, 0, 0}};
     static const int16_t counts[] = {1, -1, 31250, 32767, -32768};
     app_inputs in;
     (void)state;

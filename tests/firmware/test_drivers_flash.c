@@ -1,4 +1,5 @@
-/* test_drivers_flash.c: the parameters' flash on fake registers: erased at the start only, programmed word by word. */
+/* test_drivers_flash.c: the parameters' flash on fake registers: erased at the start only, programmed word by
+ * word. */
 #include "drivers_make.h"
 
 static void test_blank_is_left(void **state) {

@@ -14,7 +14,8 @@ static void shift(void) {
     const bool clock = fake_pin(PIN_SENSOR_CLOCK);
     if (clock && !hx711.clock) {
         hx711.bits++;
-        fake_set_pin(PIN_SENSOR_DATA, hx711.bits > 24 || ((uint32_t)hx711.sample >> (24 - hx711.bits) & 1u) != 0);
+        fake_set_pin(PIN_SENSOR_DATA,
+                     hx711.bits > 24 || ((uint32_t)hx711.sample >> (24 - hx711.bits) & 1u) != 0);
     }
     hx711.clock = clock;
 }

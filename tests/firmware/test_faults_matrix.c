@@ -13,10 +13,12 @@ typedef struct cause {
 } cause;
 
 /* X(name, plant_fault): the plant's, seen with the tick after next: it has sensed the next already. */
+/* clang-format off */
 #define PLANT_CAUSES(X)                                                                                      \
     X(obstacle, PLANT_OBSTACLE)                                                                              \
     X(hot, PLANT_HOT) X(silent, PLANT_SILENT) X(saturated, PLANT_SATURATED) X(emergency, PLANT_EMERGENCY)    \
     X(encoder, PLANT_ENCODER) X(driver, PLANT_DRIVER)
+/* clang-format on */
 #define MAKE_AND_LIFT(name, fault)                                                                           \
     static void make_##name(bench *b) {                                                                      \
         plant_inject(b->plant, fault);                                                                       \
@@ -123,7 +125,8 @@ static bool restarts(uint8_t fault) {
 
 /* There is nothing to stop in IDLE, but the motion that would begin is stopped in its first tick. */
 static bool waits_for_home(uint8_t fault, uint8_t from) {
-    return from == PALP_WIRE_STATE_IDLE && !restarts(fault) && fault != PALP_WIRE_FAULT_STACK_GUARD && fault != PALP_WIRE_FAULT_EMERGENCY_STOP;
+    return from == PALP_WIRE_STATE_IDLE && !restarts(fault) && fault != PALP_WIRE_FAULT_STACK_GUARD &&
+           fault != PALP_WIRE_FAULT_EMERGENCY_STOP;
 }
 
 /* ---- what must be so ---- */

@@ -198,12 +198,8 @@ static void test_saturated(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_product),
-    cmocka_unit_test(test_range),
-    cmocka_unit_test(test_rows),
-    cmocka_unit_test(test_tare),
-    cmocka_unit_test(test_tared),
-    cmocka_unit_test(test_tare_samples),
-    cmocka_unit_test(test_saturated),
-    {0},
+    cmocka_unit_test(test_product),   cmocka_unit_test(test_range),
+    cmocka_unit_test(test_rows),      cmocka_unit_test(test_tare),
+    cmocka_unit_test(test_tared),     cmocka_unit_test(test_tare_samples),
+    cmocka_unit_test(test_saturated), {0},
 };

@@ -1,4 +1,5 @@
-/* test_force_control.c: FORCE segments in the simulated indenter: to a force, held, on six softnesses; limits. */
+/* test_force_control.c: FORCE segments in the simulated indenter: to a force, held, on six softnesses;
+ * limits. */
 #include "app_bench.h"
 
 #include <math.h>
@@ -26,8 +27,8 @@ static void open_soft(bench *b, double scale, uint64_t seed) {
     bench_contact(b);
 }
 
-/* Runs the segments; the largest distance of the true force from what is wanted, during the ramps and the holds of FORCE
- * (from 0.2 s after the ramp on), of the target. */
+/* Runs the segments; the largest distance of the true force from what is wanted, during the ramps and the
+ * holds of FORCE (from 0.2 s after the ramp on), of the target. */
 typedef struct tracking {
     double ramp, hold, overshoot;
 } tracking;
@@ -41,7 +42,8 @@ static tracking follow(bench *b, uint8_t segments, double target_N) {
         bench_tick(b);
         const trajectory *now = &b->app.trajectory;
         const double off = plant_look(b->plant).force_N - (double)now->wanted_N;
-        if (b->app.phase != 2 || !now->wants || now->list[now->current].kind != PALP_WIRE_SEGMENT_FORCE || now->current == now->count)
+        if (b->app.phase != 2 || !now->wants || now->list[now->current].kind != PALP_WIRE_SEGMENT_FORCE ||
+            now->current == now->count)
             continue;
         held = now->tick > 0 ? held + 1 : 0;
         if (held == 0 && (double)now->wanted_N > 0.1 * target_N)
@@ -64,7 +66,8 @@ static void test_tracks_on_six_softnesses(void **state) {
             const double target = (stiff ? 3.5 : 1.0) * scale[i];
             palp_wire_message creep = to_force(0, target, target, 10000);
             palp_wire_message steps[] = {to_force(0, 0.2 * target, 0.2 * target, 2000),
-                                         to_force(1, target, target, 3000), to_force(2, 0.2 * target, target, 3000)};
+                                         to_force(1, target, target, 3000),
+                                         to_force(2, 0.2 * target, target, 3000)};
             bench b;
             open_soft(&b, scale[i], 1 + i);
             bench_accepted(&b, &creep);
@@ -72,9 +75,10 @@ static void test_tracks_on_six_softnesses(void **state) {
             for (int k = 0; k < 3; k++)
                 bench_accepted(&b, &steps[k]);
             const tracking three = follow(&b, 3, target);
-            print_message("%.2f x, %5.2f N: ramp %.2f %%, hold %.2f %%, over %.2f %%; steps: ramp %.2f %%, hold %.2f %%\n",
-                          scale[i], target, 100 * one.ramp, 100 * one.hold, 100 * one.overshoot, 100 * three.ramp,
-                          100 * three.hold);
+            print_message("%.2f x, %5.2f N: ramp %.2f %%, hold %.2f %%, over %.2f %%; steps: ramp %.2f %%, "
+                          "hold %.2f %%\n",
+                          scale[i], target, 100 * one.ramp, 100 * one.hold, 100 * one.overshoot,
+                          100 * three.ramp, 100 * three.hold);
             assert_true(one.ramp < 0.01 && one.hold < 0.01 && one.overshoot < 0.02);
             assert_true(three.ramp < 0.02 && three.hold < 0.01);
             bench_close(&b);
@@ -84,7 +88,8 @@ static void test_tracks_on_six_softnesses(void **state) {
 
 /* Turns at a force: no dwell there, and the way back begins. */
 static void test_turns_at_a_force(void **state) {
-    palp_wire_message up = to_force(0, 1.5, 1.5, 0), back = bench_move(1, 0, 5), start = bench_start(2, -0.5, 0, 0);
+    palp_wire_message up = to_force(0, 1.5, 1.5, 0), back = bench_move(1, 0, 5),
+                      start = bench_start(2, -0.5, 0, 0);
     double most = 0;
     bench b;
     (void)state;
@@ -103,8 +108,9 @@ static void test_turns_at_a_force(void **state) {
 
 /* Refused: no force, more than the limit. Nothing there to press: the end of the travel stops it. */
 static void test_limits_of_force(void **state) {
-    palp_wire_message none = to_force(0, 0, 1, 100), backwards = to_force(0, -1, 1, 100), slow = to_force(0, 1, 0, 100),
-                      much = to_force(0, 24.1, 1, 100), some = to_force(0, 5, 5, 100), start = bench_start(1, -0.5, 0, 0);
+    palp_wire_message none = to_force(0, 0, 1, 100), backwards = to_force(0, -1, 1, 100),
+                      slow = to_force(0, 1, 0, 100), much = to_force(0, 24.1, 1, 100),
+                      some = to_force(0, 5, 5, 100), start = bench_start(1, -0.5, 0, 0);
     palp_wire_message limits = bench_limits((palp_wire_limits){.force_uN = 4900000});
     bench b;
     (void)state;

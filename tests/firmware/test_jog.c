@@ -51,10 +51,11 @@ static void test_ranges(void **state) {
     bench_close(&b);
 }
 
-/* STOP: no deeper; out of a specimen that is known, else back to where it began. The withdrawal after a run keeps its own
- * rate, whatever a jog was asked for. */
+/* STOP: no deeper; out of a specimen that is known, else back to where it began. The withdrawal after a run
+ * keeps its own rate, whatever a jog was asked for. */
 static void test_stopped(void **state) {
-    palp_wire_message slow = jog(20, 0.5), deep = jog(15, 2), ramp = bench_move(0, 3, 3), start = bench_start(1, -1, 0, 0);
+    palp_wire_message slow = jog(20, 0.5), deep = jog(15, 2), ramp = bench_move(0, 3, 3),
+                      start = bench_start(1, -1, 0, 0);
     bench b;
     (void)state;
     bench_open(&b, NULL);
@@ -108,14 +109,15 @@ static void test_meets_a_block(void **state) {
     bench_close(&b);
 }
 
-/* HALT: in the very tick, from every state that may move, latched; cleared at once, since no switch is pressed. */
+/* HALT: in the very tick, from every state that may move, latched; cleared at once, since no switch is
+ * pressed. */
 static void test_halt(void **state) {
-    static const uint8_t from[] = {PALP_WIRE_STATE_IDLE, PALP_WIRE_STATE_HOMING, PALP_WIRE_STATE_READY,
-                                   PALP_WIRE_STATE_APPROACH, PALP_WIRE_STATE_RUN, PALP_WIRE_STATE_JOG};
+    static const uint8_t from[] = {PALP_WIRE_STATE_IDLE,     PALP_WIRE_STATE_HOMING, PALP_WIRE_STATE_READY,
+                                   PALP_WIRE_STATE_APPROACH, PALP_WIRE_STATE_RUN,    PALP_WIRE_STATE_JOG};
     (void)state;
     for (size_t i = 0; i < sizeof from; i++) {
-        palp_wire_message ramp = bench_move(0, 5, 2), start = bench_start(1, 0, 0, 0), find = bench_find_contact(5, 0),
-                          down = jog(13, 1);
+        palp_wire_message ramp = bench_move(0, 5, 2), start = bench_start(1, 0, 0, 0),
+                          find = bench_find_contact(5, 0), down = jog(13, 1);
         bench b;
         bench_open(&b, NULL);
         bench_until(&b, PALP_WIRE_STATE_IDLE, 200);

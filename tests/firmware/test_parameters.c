@@ -1,4 +1,5 @@
-/* test_parameters.c: the machine's parameters over the wire: ranges, what follows from them, flash that is written a word a tick. */
+/* test_parameters.c: the machine's parameters over the wire: ranges, what follows from them, flash that is
+ * written a word a tick. */
 #include "app_bench.h"
 
 #include <setjmp.h>
@@ -131,8 +132,10 @@ static void test_saved(void **state) {
     assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_SAVE), PALP_WIRE_RESULT_DONE);
     flash[b.out.store_at] &= b.out.store_word;
     uint32_t words = 1;
-    static const uint8_t refused[] = {PALP_WIRE_TYPE_HOME, PALP_WIRE_TYPE_TARE, PALP_WIRE_TYPE_SAVE, PALP_WIRE_TYPE_JOG,
-                                      PALP_WIRE_TYPE_SET_PARAMETER, PALP_WIRE_TYPE_SET_CALIBRATION, PALP_WIRE_TYPE_START};
+    static const uint8_t refused[] = {PALP_WIRE_TYPE_HOME,          PALP_WIRE_TYPE_TARE,
+                                      PALP_WIRE_TYPE_SAVE,          PALP_WIRE_TYPE_JOG,
+                                      PALP_WIRE_TYPE_SET_PARAMETER, PALP_WIRE_TYPE_SET_CALIBRATION,
+                                      PALP_WIRE_TYPE_START};
     for (size_t i = 0; i < sizeof refused; i++, words++) {
         assert_int_equal(bench_simple(&b, refused[i]), PALP_WIRE_RESULT_STATE);
         assert_true(b.out.stores);
@@ -197,7 +200,8 @@ static void test_cannot_be_saved(void **state) {
     for (int k = 0; k < 13; k++) {
         assert_int_equal(set(&b, friction, bits_of(0.2f + 0.01f * (float)k)), PALP_WIRE_RESULT_DONE);
         assert_int_equal(configuration(&b).room, 12 - k);
-        assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_SAVE), k < 12 ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_FULL);
+        assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_SAVE),
+                         k < 12 ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_FULL);
         if (b.out.stores)
             flash[b.out.store_at] &= b.out.store_word;
         while (b.app.store.writing)
@@ -242,14 +246,16 @@ static palp_wire_message any_parameter(bench *b, uint8_t n) {
     const uint8_t id = (uint8_t)random_below(n);
     p = parameter(b, id);
     const float low = number_of(p.low), high = number_of(p.high), share = (float)random_below(1001) / 1000.0f;
-    const float value = random_below(3) == 0 ? number_of(p.standard) : low + (high - low) * share * share * share;
+    const float value =
+        random_below(3) == 0 ? number_of(p.standard) : low + (high - low) * share * share * share;
     m.as.set_parameter = (palp_wire_set_parameter){id, random_below(20) == 0 ? 0x7fc00000u : bits_of(value)};
     return m;
 }
 
 static palp_wire_message any_command(bench *b, uint8_t n) {
-    static const uint8_t types[] = {PALP_WIRE_TYPE_HOME, PALP_WIRE_TYPE_STOP, PALP_WIRE_TYPE_TARE, PALP_WIRE_TYPE_CLEAR_FAULT,
-                                    PALP_WIRE_TYPE_SAVE, PALP_WIRE_TYPE_JOG, PALP_WIRE_TYPE_FIND_CONTACT, PALP_WIRE_TYPE_START};
+    static const uint8_t types[] = {PALP_WIRE_TYPE_HOME,         PALP_WIRE_TYPE_STOP, PALP_WIRE_TYPE_TARE,
+                                    PALP_WIRE_TYPE_CLEAR_FAULT,  PALP_WIRE_TYPE_SAVE, PALP_WIRE_TYPE_JOG,
+                                    PALP_WIRE_TYPE_FIND_CONTACT, PALP_WIRE_TYPE_START};
     palp_wire_message m = {.type = types[random_below(sizeof types)]};
     if (random_below(2) == 0)
         return any_parameter(b, n);
@@ -260,8 +266,8 @@ static palp_wire_message any_command(bench *b, uint8_t n) {
     return m.type == PALP_WIRE_TYPE_START ? bench_start(1, -1, 0, 0) : m;
 }
 
-/* Whatever it is set to, nothing drives but in a state that may (bench_tick), nothing is written meanwhile, and back at what is
- * compiled in it is as before. */
+/* Whatever it is set to, nothing drives but in a state that may (bench_tick), nothing is written meanwhile,
+ * and back at what is compiled in it is as before. */
 static void test_any_machine(void **state) {
     static bench b;
     (void)state;
@@ -283,6 +289,8 @@ static void test_any_machine(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_ranges),        cmocka_unit_test(test_what_follows),   cmocka_unit_test(test_saved),
-    cmocka_unit_test(test_other_records), cmocka_unit_test(test_cannot_be_saved), cmocka_unit_test(test_full_is_full), cmocka_unit_test(test_any_machine), {0},
+    cmocka_unit_test(test_ranges),          cmocka_unit_test(test_what_follows),
+    cmocka_unit_test(test_saved),           cmocka_unit_test(test_other_records),
+    cmocka_unit_test(test_cannot_be_saved), cmocka_unit_test(test_full_is_full),
+    cmocka_unit_test(test_any_machine),     {0},
 };

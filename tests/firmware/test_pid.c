@@ -170,7 +170,8 @@ static void test_table(void **state) {
         assert_true(k == 0 || g->stiffness_N_m > gains_table[k - 1].stiffness_N_m);
         assert_true(k == 0 || g->feed_N_m > gains_table[k - 1].feed_N_m);
         assert_int_equal(gains_class(gains_table, g->stiffness_N_m), k);
-        assert_int_equal(gains_class(gains_table, 1.001f * g->stiffness_N_m), k < GAINS_CLASSES - 1 ? k + 1 : k);
+        assert_int_equal(gains_class(gains_table, 1.001f * g->stiffness_N_m),
+                         k < GAINS_CLASSES - 1 ? k + 1 : k);
     }
     assert_int_equal(gains_class(gains_table, 477), GAINS_MIDDLE);
     assert_int_equal(gains_class(gains_table, 0), 0);
@@ -178,16 +179,10 @@ static void test_table(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_feed_forward),
-    cmocka_unit_test(test_friction),
-    cmocka_unit_test(test_proportional),
-    cmocka_unit_test(test_integral),
-    cmocka_unit_test(test_derivative),
-    cmocka_unit_test(test_no_kick),
-    cmocka_unit_test(test_limit),
-    cmocka_unit_test(test_windup),
-    cmocka_unit_test(test_windup_feed),
-    cmocka_unit_test(test_recovers),
-    cmocka_unit_test(test_table),
-    {0},
+    cmocka_unit_test(test_feed_forward), cmocka_unit_test(test_friction),
+    cmocka_unit_test(test_proportional), cmocka_unit_test(test_integral),
+    cmocka_unit_test(test_derivative),   cmocka_unit_test(test_no_kick),
+    cmocka_unit_test(test_limit),        cmocka_unit_test(test_windup),
+    cmocka_unit_test(test_windup_feed),  cmocka_unit_test(test_recovers),
+    cmocka_unit_test(test_table),        {0},
 };

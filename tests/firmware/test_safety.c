@@ -58,7 +58,8 @@ static void test_holds_in_ready(void **state) {
     }
 }
 
-/* No host: it lets go after its timeout, without a fault; the position stays known, and a command holds it again. */
+/* No host: it lets go after its timeout, without a fault; the position stays known, and a command holds it
+ * again. */
 static void test_lets_go_without_a_host(void **state) {
     palp_wire_message find = bench_find_contact(5, 0);
     bench b;
@@ -165,7 +166,8 @@ static void test_unfit_stays_unfit(void **state) {
             bench_run(&b, 99); /* one tick has sensed the signal's loss still */
             assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_CLEAR_FAULT), PALP_WIRE_RESULT_PERSISTS);
             bench_run(&b, 5);
-            const bool fit = failed[i] == APP_ENCODER_FAILED; /* it has its signal again; no crystal comes back */
+            const bool fit =
+                failed[i] == APP_ENCODER_FAILED; /* it has its signal again; no crystal comes back */
             assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_CLEAR_FAULT),
                              fit ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_PERSISTS);
             if (fit)
@@ -229,8 +231,11 @@ static palp_wire_message wave(uint8_t kind, double amplitude_mm) {
 /* Segments that leave the travel are refused at START, not met an hour later; contact is 12 mm below home. */
 static void test_start_checks_the_travel(void **state) {
     palp_wire_message go = bench_move(0, 5, 5), start = bench_start(2, -1, 0, 0);
-    palp_wire_message wrong[] = {bench_move(1, 18.1, 5), bench_move(1, -12.1, 5), bench_move(1, 18.1, 5),
-                                 wave(PALP_WIRE_SEGMENT_SINE, 13.1), wave(PALP_WIRE_SEGMENT_SINE, -13.1),
+    palp_wire_message wrong[] = {bench_move(1, 18.1, 5),
+                                 bench_move(1, -12.1, 5),
+                                 bench_move(1, 18.1, 5),
+                                 wave(PALP_WIRE_SEGMENT_SINE, 13.1),
+                                 wave(PALP_WIRE_SEGMENT_SINE, -13.1),
                                  wave(PALP_WIRE_SEGMENT_SWEEP, 13.1)};
     palp_wire_message right[] = {bench_move(1, 17.9, 5), bench_move(1, -11.9, 5),
                                  wave(PALP_WIRE_SEGMENT_SINE, 12.9)};
@@ -253,7 +258,8 @@ static void test_start_checks_the_travel(void **state) {
         assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_STOP), PALP_WIRE_RESULT_DONE);
         bench_until(&b, PALP_WIRE_STATE_READY, 1000);
     }
-    right[0] = bench_move(1, 6, 5); /* 18 mm below home: within the machine's travel, not within the session's */
+    right[0] =
+        bench_move(1, 6, 5); /* 18 mm below home: within the machine's travel, not within the session's */
     bench_accepted(&b, &right[0]);
     bench_accepted(&b, &narrow);
     assert_int_equal(bench_command(&b, &start), PALP_WIRE_RESULT_RANGE);
@@ -265,10 +271,10 @@ static palp_wire_limits_now limits_of(bench *b) {
     return bench_answer(b, PALP_WIRE_TYPE_LIMITS_NOW)->as.limits_now;
 }
 
-#define ALIKE(a, b)                                                                                                   \
-    ((a).force_uN == (b).force_uN && (a).travel_nm == (b).travel_nm && (a).following_nm == (b).following_nm &&         \
-     (a).temperature_cC == (b).temperature_cC && (a).host_timeout_ms == (b).host_timeout_ms &&                         \
-     (a).overflow_samples == (b).overflow_samples)
+#define ALIKE(a, b)                                                                                          \
+    ((a).force_uN == (b).force_uN && (a).travel_nm == (b).travel_nm &&                                       \
+     (a).following_nm == (b).following_nm && (a).temperature_cC == (b).temperature_cC &&                     \
+     (a).host_timeout_ms == (b).host_timeout_ms && (a).overflow_samples == (b).overflow_samples)
 
 static void test_limits_end_with_the_session(void **state) {
     palp_wire_message narrow = bench_limits((palp_wire_limits){1000000, 20000000, 500000, 9000, 700, 10});

@@ -1,6 +1,6 @@
-/* test_safety_fuzz.c: a million commands, faults and restarts in no order: the motor is on in no state that does not
- * drive or hold it, READY holds still, and whatever has happened, commands alone bring the plate home.
- * check: all */
+/* test_safety_fuzz.c: a million commands, faults and restarts in no order: the motor is on in no state that
+ * does not drive or hold it, READY holds still, and whatever has happened, commands alone bring the plate
+ * home. check: all */
 #include "faults_make.h"
 
 #include <math.h>
@@ -25,7 +25,8 @@ static int32_t about(int32_t low, int32_t high) {
 static palp_wire_message any_segment(void) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_SEGMENT};
     m.as.segment = (palp_wire_segment){.index = (uint8_t)chance(4),
-                                       .kind = (uint8_t)(chance(PALP_WIRE_SEGMENT_KIND_COUNT + 1) | (chance(4) ? 0 : PALP_WIRE_SEGMENT_SMOOTH)),
+                                       .kind = (uint8_t)(chance(PALP_WIRE_SEGMENT_KIND_COUNT + 1) |
+                                                         (chance(4) ? 0 : PALP_WIRE_SEGMENT_SMOOTH)),
                                        .target_nm = about(-12000000, 20000000),
                                        .rate_nm_s = (uint32_t)about(1, 260000000),
                                        .acceleration_um_s2 = (uint32_t)about(1000, 51000000),
@@ -48,8 +49,9 @@ static palp_wire_message any_limits(void) {
 }
 
 static palp_wire_message any_command(void) {
-    static const uint8_t often[] = {PALP_WIRE_TYPE_HOME,         PALP_WIRE_TYPE_FIND_CONTACT, PALP_WIRE_TYPE_START,
-                                    PALP_WIRE_TYPE_CLEAR_FAULT,  PALP_WIRE_TYPE_HELLO,        PALP_WIRE_TYPE_SEGMENT,
+    static const uint8_t often[] = {PALP_WIRE_TYPE_HOME,         PALP_WIRE_TYPE_FIND_CONTACT,
+                                    PALP_WIRE_TYPE_START,        PALP_WIRE_TYPE_CLEAR_FAULT,
+                                    PALP_WIRE_TYPE_HELLO,        PALP_WIRE_TYPE_SEGMENT,
                                     PALP_WIRE_TYPE_FIND_CONTACT, PALP_WIRE_TYPE_START};
     palp_wire_message m = {.type = chance(2) ? often[chance(sizeof often)]
                                              : (uint8_t)(1 + chance(PALP_WIRE_TYPE_TRIGGER))};
@@ -76,7 +78,8 @@ static palp_wire_message any_command(void) {
     case PALP_WIRE_TYPE_SEGMENT:
         return any_segment();
     case PALP_WIRE_TYPE_FIND_CONTACT:
-        m.as.find_contact = (palp_wire_find_contact){(uint32_t)about(0, 11000000), about(0, 1000000), about(0, 30000000)};
+        m.as.find_contact =
+            (palp_wire_find_contact){(uint32_t)about(0, 11000000), about(0, 1000000), about(0, 30000000)};
         break;
     case PALP_WIRE_TYPE_START:
         m.as.start = (palp_wire_start){(uint8_t)chance(5), about(-11000000, 3000000), chance(50), chance(50)};
@@ -193,7 +196,8 @@ static void bring_home(bench *b) {
 
 /* Chance alone hardly ever gets as far as a run: there in order, and on from there. */
 static void begin_run(bench *b) {
-    palp_wire_message find = bench_find_contact(5, 0), first = bench_move(0, 2, 5), start = bench_start(1, -1, 20, 20);
+    palp_wire_message find = bench_find_contact(5, 0), first = bench_move(0, 2, 5),
+                      start = bench_start(1, -1, 20, 20);
     bring_home(b);
     (void)send(b, &find);
     for (int k = 0; k < 20000 && supervisor_moving(b->app.supervisor.state); k++)

@@ -1,4 +1,5 @@
-/* test_stepper.c: the cheap machine: steps that are counted, a force sensor that says something 80 times a second. */
+/* test_stepper.c: the cheap machine: steps that are counted, a force sensor that says something 80 times a
+ * second. */
 #include "app_bench.h"
 
 #include <math.h>
@@ -42,7 +43,8 @@ static void make_ready(bench *b) {
 
 /* Home, contact, a ramp and a dwell: the plate is where it should be, the force what the specimen gives. */
 static void check_session(uint8_t which, double heard_per_tick) {
-    palp_wire_message ramp = bench_move(0, 3, 2), hold = bench_hold(1, 2000), start = bench_start(2, -1, 500, 500);
+    palp_wire_message ramp = bench_move(0, 3, 2), hold = bench_hold(1, 2000),
+                      start = bench_start(2, -1, 500, 500);
     palp_wire_message find = bench_find_contact(0.5, 0);
     plant_settings s = cheap(which, PLANT_MODEL);
     uint32_t heard = 0, ticks = 0;
@@ -138,7 +140,8 @@ static void test_rail(void **state) {
     bench_close(&b);
 }
 
-/* How fast a program may be follows from the stiffness that was found: what passes the limit adds less than it again. */
+/* How fast a program may be follows from the stiffness that was found: what passes the limit adds less than
+ * it again. */
 static void test_program(void **state) {
     palp_wire_message find = bench_find_contact(0.5, 0), start = bench_start(1, -1, 0, 0);
     plant_settings s = cheap(PLANT_STEPPER, PLANT_RIGID);
@@ -150,7 +153,8 @@ static void test_program(void **state) {
     bench_until(&b, PALP_WIRE_STATE_READY, 60000);
     const double k = (double)b.app.stiffness_N_m, safe_mm_s = 1e3 * 20 / (k * 0.0645);
     print_message("%.3g N/m: at most %.2f mm/s\n", k, safe_mm_s);
-    palp_wire_message faster = bench_move(0, 1, 1.02 * safe_mm_s), slower = bench_move(0, 1, 0.98 * safe_mm_s);
+    palp_wire_message faster = bench_move(0, 1, 1.02 * safe_mm_s),
+                      slower = bench_move(0, 1, 0.98 * safe_mm_s);
     bench_accepted(&b, &faster);
     assert_int_equal(bench_command(&b, &start), PALP_WIRE_RESULT_RANGE);
     bench_accepted(&b, &slower);
@@ -169,7 +173,8 @@ static void test_creep(void **state) {
     bench b;
     double off_N = 0, before_N = 0;
     (void)state;
-    force.as.segment = (palp_wire_segment){.kind = PALP_WIRE_SEGMENT_FORCE, .target_nm = 1000000, .rate_nm_s = 500000, .duration_ms = 10000};
+    force.as.segment = (palp_wire_segment){
+        .kind = PALP_WIRE_SEGMENT_FORCE, .target_nm = 1000000, .rate_nm_s = 500000, .duration_ms = 10000};
     bench_open(&b, &s);
     make_ready(&b);
     bench_accepted(&b, &find);

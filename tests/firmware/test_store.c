@@ -32,7 +32,8 @@ static store start(void) {
     return s;
 }
 
-/* Writes value + i at place i; the supply goes after so many words. False: it was cut, or there was no room. */
+/* Writes value + i at place i; the supply goes after so many words. False: it was cut, or there was no room.
+ */
 static bool save(store *s, uint32_t value, uint32_t words) {
     uint32_t at, word;
     if (!store_begin(s, VALUES))
@@ -57,7 +58,7 @@ static void assert_holds(const store *s, uint32_t value) {
 
 static void test_check(void **state) {
     (void)state;
-    assert_int_equal(store_check(0, 0x34333231), 0x9be3e0a3); /* CRC-32 of "1234" */
+    assert_int_equal(store_check(0, 0x34333231), 0x9be3e0a3);                          /* CRC-32 of "1234" */
     assert_int_equal(store_check(store_check(0, 0x34333231), 0x38373635), 0x9ae0daaf); /* of "12345678" */
 }
 
@@ -174,7 +175,8 @@ static void test_worn_out(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_check),       cmocka_unit_test(test_empty),  cmocka_unit_test(test_room),
-    cmocka_unit_test(test_cut),         cmocka_unit_test(test_cut_erasure), cmocka_unit_test(test_damage),
+    cmocka_unit_test(test_check),       cmocka_unit_test(test_empty),
+    cmocka_unit_test(test_room),        cmocka_unit_test(test_cut),
+    cmocka_unit_test(test_cut_erasure), cmocka_unit_test(test_damage),
     cmocka_unit_test(test_worn_out),    {0},
 };

@@ -10,15 +10,15 @@
 /* What is wanted, written apart from the code: a row a state, a column an event; "-" means nothing. Events:
  * STARTED HOME HOMED FIND_CONTACT START JOG DONE STOP FAULT CLEAR. */
 static const char *const next_wanted[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] = {
-    {"idle", "-", "-", "-", "-", "-", "-", "-", "fault", "-"},                /* boot */
-    {"-", "homing", "ready", "-", "-", "-", "-", "idle", "fault", "-"},       /* idle */
-    {"-", "-", "ready", "-", "-", "-", "-", "idle", "fault", "-"},            /* homing */
-    {"-", "homing", "-", "approach", "run", "jog", "-", "idle", "fault", "-"},  /* ready */
-    {"-", "-", "-", "-", "-", "-", "retract", "retract", "fault", "-"},       /* approach */
-    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* run */
-    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* retract */
-    {"-", "-", "-", "-", "-", "-", "-", "-", "-", "idle"},                    /* fault */
-    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},         /* jog */
+    {"idle", "-", "-", "-", "-", "-", "-", "-", "fault", "-"},                 /* boot */
+    {"-", "homing", "ready", "-", "-", "-", "-", "idle", "fault", "-"},        /* idle */
+    {"-", "-", "ready", "-", "-", "-", "-", "idle", "fault", "-"},             /* homing */
+    {"-", "homing", "-", "approach", "run", "jog", "-", "idle", "fault", "-"}, /* ready */
+    {"-", "-", "-", "-", "-", "-", "retract", "retract", "fault", "-"},        /* approach */
+    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},          /* run */
+    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},          /* retract */
+    {"-", "-", "-", "-", "-", "-", "-", "-", "-", "idle"},                     /* fault */
+    {"-", "-", "-", "-", "-", "-", "ready", "retract", "fault", "-"},          /* jog */
 };
 
 /* The states that watch for a fault: Boot Idle Homing reaDy Approach rUn reTract - Jog. */
@@ -39,8 +39,10 @@ static const struct watch {
     {PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE, "....AUT.J"},
     {PALP_WIRE_FAULT_WATCHDOG_RESET, "B........"},
     {PALP_WIRE_FAULT_STACK_GUARD, "BIHDAUT.J"},
-    {PALP_WIRE_FAULT_EMERGENCY_STOP, ".IHDAUT.J"}, {PALP_WIRE_FAULT_ENCODER_LOST, "..HDAUT.J"},
-    {PALP_WIRE_FAULT_DRIVER_FAULT, "..HDAUT.J"},   {PALP_WIRE_FAULT_BROWN_OUT, "B........"},
+    {PALP_WIRE_FAULT_EMERGENCY_STOP, ".IHDAUT.J"},
+    {PALP_WIRE_FAULT_ENCODER_LOST, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_DRIVER_FAULT, "..HDAUT.J"},
+    {PALP_WIRE_FAULT_BROWN_OUT, "B........"},
 };
 
 static void test_every_event(void **state) {
@@ -89,8 +91,8 @@ static void test_first_fault_wins(void **state) {
     assert_int_equal(s.fault, PALP_WIRE_FAULT_NONE);
 }
 
-/* The motor is on in no state that a fault would not stop, and moves in none that the lack of a host would not:
- * READY, which it leaves by itself then (test_app), holds the plate. */
+/* The motor is on in no state that a fault would not stop, and moves in none that the lack of a host would
+ * not: READY, which it leaves by itself then (test_app), holds the plate. */
 static void test_the_motor_is_watched(void **state) {
     (void)state;
     for (uint8_t s = 0; s < PALP_WIRE_STATE_COUNT; s++) {

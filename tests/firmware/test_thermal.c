@@ -137,13 +137,7 @@ static void test_derating(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_table),
-    cmocka_unit_test(test_clamped),
-    cmocka_unit_test(test_broken),
-    cmocka_unit_test(test_filter),
-    cmocka_unit_test(test_winding),
-    cmocka_unit_test(test_cools),
-    cmocka_unit_test(test_long),
-    cmocka_unit_test(test_derating),
-    {0},
+    cmocka_unit_test(test_table),  cmocka_unit_test(test_clamped),  cmocka_unit_test(test_broken),
+    cmocka_unit_test(test_filter), cmocka_unit_test(test_winding),  cmocka_unit_test(test_cools),
+    cmocka_unit_test(test_long),   cmocka_unit_test(test_derating), {0},
 };

@@ -200,7 +200,8 @@ static void check_sine(uint32_t frequency_mHz) {
     l.contact_m = LOOP_AIR_M;
     l.known = true;
     for (uint8_t i = 0; i < 2; i++) {
-        assert_int_equal(trajectory_check(&segments[i], machine_indenter.speed_m_s, 24.0f), PALP_WIRE_RESULT_DONE);
+        assert_int_equal(trajectory_check(&segments[i], machine_indenter.speed_m_s, 24.0f),
+                         PALP_WIRE_RESULT_DONE);
         trajectory_set(&t, i, &segments[i]);
     }
     trajectory_begin(&t, 2, -LOOP_AIR_M);

@@ -97,7 +97,8 @@ static void check_stroke(double start, double end, double rate, double accelerat
     assert_true(r.position_m == (float)end);
 }
 
-/* With smooth corners: twice as long for each, there at the end, and the acceleration changes by no more in a tick than its law does. */
+/* With smooth corners: twice as long for each, there at the end, and the acceleration changes by no more in a
+ * tick than its law does. */
 static void check_smooth(double end, double rate, double acceleration) {
     palp_wire_segment wire = {.kind = PALP_WIRE_SEGMENT_MOVE | PALP_WIRE_SEGMENT_SMOOTH,
                               .target_nm = (int32_t)(1e9 * end),
@@ -115,7 +116,8 @@ static void check_smooth(double end, double rate, double acceleration) {
         assert_true(fabs((double)r.velocity_m_s) <= peak * (1 + 1e-6));
         assert_true(fabs((double)r.acceleration_m_s2) <= acceleration * (1 + 1e-6));
         assert_true(fabs((double)r.acceleration_m_s2 - before) <= 1.001e-3 * jerk + 1e-6 * acceleration);
-        assert_near((double)r.position_m - place, 1e-3 * 0.5 * (velocity + (double)r.velocity_m_s), 1e-6 * acceleration * 0.1 + 3e-8);
+        assert_near((double)r.position_m - place, 1e-3 * 0.5 * (velocity + (double)r.velocity_m_s),
+                    1e-6 * acceleration * 0.1 + 3e-8);
         place = (double)r.position_m;
         velocity = (double)r.velocity_m_s;
         before = (double)r.acceleration_m_s2;
@@ -422,16 +424,8 @@ static void test_bits(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_real),
-    cmocka_unit_test(test_stroke),
-    cmocka_unit_test(test_smooth),
-    cmocka_unit_test(test_plateau),
-    cmocka_unit_test(test_sine),
-    cmocka_unit_test(test_wave_derivatives),
-    cmocka_unit_test(test_sweep),
-    cmocka_unit_test(test_lists),
-    cmocka_unit_test(test_empty),
-    cmocka_unit_test(test_cycles),
-    cmocka_unit_test(test_bits),
-    {0},
+    cmocka_unit_test(test_real),    cmocka_unit_test(test_stroke), cmocka_unit_test(test_smooth),
+    cmocka_unit_test(test_plateau), cmocka_unit_test(test_sine),   cmocka_unit_test(test_wave_derivatives),
+    cmocka_unit_test(test_sweep),   cmocka_unit_test(test_lists),  cmocka_unit_test(test_empty),
+    cmocka_unit_test(test_cycles),  cmocka_unit_test(test_bits),   {0},
 };

@@ -1,4 +1,5 @@
-/* test_trigger.c: a camera's pulses: in, they mark samples or start runs; out, they go with samples of a recording. */
+/* test_trigger.c: a camera's pulses: in, they mark samples or start runs; out, they go with samples of a
+ * recording. */
 #include "app_bench.h"
 
 #include <setjmp.h>
@@ -12,7 +13,8 @@ static palp_wire_message trigger(uint8_t in, uint8_t out, uint16_t every) {
 
 /* A run to 2 mm, samples streaming. */
 static void begin(bench *b, palp_wire_message wanted) {
-    palp_wire_message streaming = bench_stream(true), ramp = bench_move(0, 2, 5), start = bench_start(1, -5, 100, 50); /* 4 mm from where it stands */
+    palp_wire_message streaming = bench_stream(true), ramp = bench_move(0, 2, 5),
+                      start = bench_start(1, -5, 100, 50); /* 4 mm from where it stands */
     bench_open(b, NULL);
     bench_contact(b);
     bench_accepted(b, &wanted);
@@ -56,7 +58,8 @@ static void test_marks(void **state) {
     }
 }
 
-/* It waits at its start, however long; the pulse's sample is the first. A pulse on the way there starts nothing. */
+/* It waits at its start, however long; the pulse's sample is the first. A pulse on the way there starts
+ * nothing. */
 static void test_starts(void **state) {
     bench b;
     (void)state;
@@ -81,7 +84,8 @@ static void test_starts(void **state) {
     bench_close(&b);
 }
 
-/* One with the first sample of the recording, and with every 25th after it; the output is that of the flag. */
+/* One with the first sample of the recording, and with every 25th after it; the output is that of the flag.
+ */
 static void test_gives(void **state) {
     static const uint16_t every[] = {0, 25, 1};
     (void)state;

@@ -1,4 +1,5 @@
-/* fuzz_experiment.c: libFuzzer's harness for experiments, and what makes recordings of them; run.sh builds and runs it. */
+/* fuzz_experiment.c: libFuzzer's harness for experiments, and what makes recordings of them; run.sh builds
+ * and runs it. */
 #include "fuzz.h"
 
 #include <palpate/recording.h>

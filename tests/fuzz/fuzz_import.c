@@ -7,7 +7,14 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[256];
-    import_options o = {.format = -1, .protocol = -1, .separator = -1, .skip_lines = SIZE_MAX, .height_mm = 1, .radius_mm = 1, .from_s = NAN, .to_s = NAN};
+    import_options o = {.format = -1,
+                        .protocol = -1,
+                        .separator = -1,
+                        .skip_lines = SIZE_MAX,
+                        .height_mm = 1,
+                        .radius_mm = 1,
+                        .from_s = NAN,
+                        .to_s = NAN};
     import_sources all = {0};
     int code = import_read(&o, fuzz_file(path, ".txt", data, size), &all);
     for (size_t i = 0; code == 0 && i < all.n; i++) {

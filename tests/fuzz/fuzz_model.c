@@ -1,4 +1,5 @@
-/* fuzz_model.c: libFuzzer's harness for model files, whose copy must be a model too; run.sh builds and runs it. */
+/* fuzz_model.c: libFuzzer's harness for model files, whose copy must be a model too; run.sh builds and runs
+ * it. */
 #include "fuzz.h"
 
 #include <palpate/model.h>

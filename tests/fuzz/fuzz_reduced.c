@@ -1,4 +1,5 @@
-/* fuzz_reduced.c: libFuzzer's harness for reduced models: the JSON, a NUL, the arrays; run.sh builds and runs it. */
+/* fuzz_reduced.c: libFuzzer's harness for reduced models: the JSON, a NUL, the arrays; run.sh builds and runs
+ * it. */
 #include "fuzz.h"
 
 #include <palpate/reduce.h>

@@ -99,7 +99,7 @@ static void draw_noise(hidden_case *c, const judge *j, double *moved, random_sta
     c->correlated = c->white * random_uniform(rng, 0.3, 0.7);
     c->correlation_time = random_log(rng, 0.2, 3);
     c->noise_level = sqrt(c->white * c->white + c->correlated * c->correlated +
-                    pow(repeat * judge_rms(j, j->force), 2) + pow(judge_rms(j, moved), 2));
+                          pow(repeat * judge_rms(j, j->force), 2) + pow(judge_rms(j, moved), 2));
 }
 
 static size_t class_size(const double cosine[EFFECTS]) {
@@ -221,7 +221,8 @@ static bool law_positive(const world *w) {
 
 /* A cube of such a material, and the lumped model that comes nearest to it; false if that is none, or not
  * found. */
-static bool draw_cube(world *network, world *plain, const session *s, enum network_kind kind, random_state *rng) {
+static bool draw_cube(world *network, world *plain, const session *s, enum network_kind kind,
+                      random_state *rng) {
     for (size_t i = 0; i < plain->n_arms && kind == BENT; i++)
         plain->arms[i].stiffness *= random_uniform(rng, 2, 5);
     *network = *plain;
@@ -263,9 +264,9 @@ static bool find_geometry(hidden_case *c, const judge *j, enum network_kind kind
 
 /* c->world is the cube. The effect is measured beside the lumped model, and acts on the cube. */
 static bool add_network(hidden_case *c, const judge *j, bool raw, random_state *rng) {
-    static const int ids[] = {CONTACT_OFFSET,   TOE_REGION, ADHESION,    SESSION_AGEING, PLATE_INERTIA,
-                              COULOMB_FRICTION, SENSOR_LAG, SENSOR_BIAS, SENSOR_DRIFT,   FORCE_SATURATION,
-                              MAINS_HUM,        DRIVE_RIPPLE};
+    static const int ids[] = {CONTACT_OFFSET, TOE_REGION,       ADHESION,   SESSION_AGEING,
+                              PLATE_INERTIA,  COULOMB_FRICTION, SENSOR_LAG, SENSOR_BIAS,
+                              SENSOR_DRIFT,   FORCE_SATURATION, MAINS_HUM,  DRIVE_RIPPLE};
     enum network_kind kind = (enum network_kind)c->plan.effect;
     if (!find_geometry(c, j, kind))
         return false;

@@ -1,6 +1,6 @@
 /* compare.c: the generator's physics beside the library's, effect by effect, on the generator's sessions.
- * Prints the largest rms difference over a few materials, in noise levels; exit code 1 above the limit. Alone here
- * in linking the library. */
+ * Prints the largest rms difference over a few materials, in noise levels; exit code 1 above the limit. Alone
+ * here in linking the library. */
 #include "hidden.h"
 
 #include <math.h>
@@ -9,9 +9,11 @@
 #include <string.h>
 
 enum { MATERIALS = 3, NOTHING = -2, PARTICLES = -1 }; /* ids before the effects' */
-static const double NOISE_LEVEL = 2e-3, STRONG = 10, AS_MANY = 17.945; /* of the peak; noise levels; a cube's elements */
+static const double NOISE_LEVEL = 2e-3, STRONG = 10,
+                    AS_MANY = 17.945; /* of the peak; noise levels; a cube's elements */
 
-/* In noise levels. What jumps where the plate comes to rest cannot be had exactly from depths at the samples. */
+/* In noise levels. What jumps where the plate comes to rest cannot be had exactly from depths at the samples.
+ */
 static double limit(int id) {
     return id == COULOMB_FRICTION || id == RATE_STIFFENING || id == PLATE_INERTIA ? 0.6 : 0.05;
 }
@@ -30,9 +32,8 @@ static bool library_model(const world *w, palp_model *m, palp_mesh_source *mesh)
     m->height_m = w->height;
     m->kind = w->cube ? PALP_MODEL_NETWORK : PALP_MODEL_LUMPED;
     m->mesh = mesh;
-    *mesh = (palp_mesh_source){.nodes = {3, 3, 3},
-                               .size_m = {w->height, w->height, w->height},
-                               .neighbourhood = PALP_NEIGHBOURS_26};
+    *mesh = (palp_mesh_source){
+        .nodes = {3, 3, 3}, .size_m = {w->height, w->height, w->height}, .neighbourhood = PALP_NEIGHBOURS_26};
     if (palp_law_polynomial(LAW, w->law, &m->material.law))
         return false;
     for (size_t i = 0; i < w->n_arms; i++) {
@@ -134,8 +135,9 @@ static bool look(int id, uint64_t i, difference *out) {
 
 int main(void) {
     int failed = 0;
-    printf("Difference from the library, in noise levels of %g of the peak force; effects at %g noise levels\n", NOISE_LEVEL,
-           STRONG);
+    printf(
+        "Difference from the library, in noise levels of %g of the peak force; effects at %g noise levels\n",
+        NOISE_LEVEL, STRONG);
     printf("%-22s %8s %8s %8s  largest in\n", "effect", "rms", "largest", "limit");
     for (int id = NOTHING; id < EFFECTS; id++) {
         difference d = {0, 0, ""};

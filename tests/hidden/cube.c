@@ -20,18 +20,13 @@ typedef struct bundle {
 
 static const bundle bundles[CUBE] = {
     {2, 1, true, {{0, 0, 0}, {0, 0, 0}}}, /* held centre, edge, corner to the node below */
-    {8, 1, true, {{0, 1, 0}, {0, 0, 0}}},
-    {8, 1, true, {{0, 0, 1}, {0, 0, 1}}},
+    {8, 1, true, {{0, 1, 0}, {0, 0, 0}}},      {8, 1, true, {{0, 0, 1}, {0, 0, 1}}},
     {8, ROOT2, true, {{1, 1, 0}, {0, 0, 0}}}, /* centre to edge, and so on: diagonals of faces */
-    {8, ROOT2, true, {{1, 0, 0}, {0, 0, 0}}},
-    {16, ROOT2, true, {{0, 0, 1}, {1, 0, 1}}},
-    {16, ROOT2, true, {{0, 1, 0}, {1, 0, 0}}},
-    {8, ROOT3, true, {{1, 0, 1}, {1, 0, 1}}}, /* of space */
-    {8, ROOT3, true, {{1, 0, 0}, {1, 0, 0}}},
-    {16, ROOT3, true, {{1, 0, 0}, {1, 1, 0}}},
+    {8, ROOT2, true, {{1, 0, 0}, {0, 0, 0}}},  {16, ROOT2, true, {{0, 0, 1}, {1, 0, 1}}},
+    {16, ROOT2, true, {{0, 1, 0}, {1, 0, 0}}}, {8, ROOT3, true, {{1, 0, 1}, {1, 0, 1}}}, /* of space */
+    {8, ROOT3, true, {{1, 0, 0}, {1, 0, 0}}},  {16, ROOT3, true, {{1, 0, 0}, {1, 1, 0}}},
     {4, 1, false, {{1, 1, 0}, {0, 0, 0}}}, /* within the middle layer */
-    {8, 1, false, {{0, -1, 1}, {1, 0, 1}}},
-    {4, ROOT2, false, {{1, 0, 1}, {1, 0, 1}}},
+    {8, 1, false, {{0, -1, 1}, {1, 0, 1}}},    {4, ROOT2, false, {{1, 0, 1}, {1, 0, 1}}},
     {4, ROOT2, false, {{1, 1, 0}, {1, 1, 0}}},
 };
 
@@ -51,10 +46,10 @@ static pulled pull(const bundle *b, const double bulge[2], double apart) {
         twice[0] += s[1] * s[1], twice[1] += s[1] * s[2], twice[2] += s[2] * s[2];
     }
     double length = sqrt(square), a = by[0] / length, c = by[1] / length;
-    return (pulled){.strain = length / b->rest - 1,
-                    .d = {a, c, b->across ? apart / length : 0},
-                    .dd = {(twice[0] - a * a) / length, (twice[1] - a * c) / length,
-                           (twice[2] - c * c) / length}};
+    return (pulled){
+        .strain = length / b->rest - 1,
+        .d = {a, c, b->across ? apart / length : 0},
+        .dd = {(twice[0] - a * a) / length, (twice[1] - a * c) / length, (twice[2] - c * c) / length}};
 }
 
 /* Force and stiffness of an element at the end of a step; q: of its arms, by the implicit midpoint rule. */

@@ -107,7 +107,8 @@ typedef struct run {
 typedef struct session {
     size_t n_runs, n;
     double deepest;
-    bool lasting; /* one specimen all the time: it keeps its damage and set from run to run; else a new one each */
+    bool lasting; /* one specimen all the time: it keeps its damage and set from run to run; else a new one
+                     each */
     run run[RUNS];
 } session;
 
@@ -127,9 +128,10 @@ void session_seed(session *s, random_state *r, double height);
 typedef struct wear {
     double most, energy;
 } wear;
-/* Recorded force of every sample; steps of at most h. kept: NULL (a new specimen), or before and after the run. noise (may be NULL) is added before the converter
- * clips. real: with the run's own shift and gain. */
-void world_run(const world *w, const run *r, double h, bool real, const double *noise, wear *kept, double *force);
+/* Recorded force of every sample; steps of at most h. kept: NULL (a new specimen), or before and after the
+ * run. noise (may be NULL) is added before the converter clips. real: with the run's own shift and gain. */
+void world_run(const world *w, const run *r, double h, bool real, const double *noise, wear *kept,
+               double *force);
 void world_session(const world *w, const session *s, double h, bool real, const double *noise, double *force);
 
 /* ---- a specimen of particles (cube.c) ---- */
@@ -239,7 +241,7 @@ typedef struct hidden_case {
     hidden_effect effect[2];
     visible foreign; /* or the network's geometry; and its likeness to the catalogue */
     double foreign_cosine[EFFECTS];
-    double *force;  /* recorded */
+    double *force;          /* recorded */
     random_state left_over; /* for the given model's numbers */
 } hidden_case;
 

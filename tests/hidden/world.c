@@ -390,7 +390,8 @@ static void put_on(sim *s, const wear *kept) {
     s->strain = s->w->value[PERMANENT_SET][0] * kept->most;
 }
 
-void world_run(const world *w, const run *r, double h, bool real, const double *noise, wear *kept, double *force) {
+void world_run(const world *w, const run *r, double h, bool real, const double *noise, wear *kept,
+               double *force) {
     sim *s = malloc(sizeof *s);
     if (!s || !begin(s, w, r, h, real))
         abort();
@@ -419,6 +420,7 @@ void world_session(const world *w, const session *s, double h, bool real, const 
     wear kept = {0, 0};
     for (size_t i = 0; i < s->n_runs; i++) {
         const run *r = &s->run[i];
-        world_run(w, r, h, real, noise ? noise + r->first : NULL, s->lasting ? &kept : NULL, force + r->first);
+        world_run(w, r, h, real, noise ? noise + r->first : NULL, s->lasting ? &kept : NULL,
+                  force + r->first);
     }
 }

@@ -116,7 +116,9 @@ static void effect_write(FILE *f, const hidden_case *c, const hidden_effect *e) 
     fprintf(f, "{\"id\": \"%s\", \"parameters\": {", kind->id);
     for (size_t k = 0; k < kind->n; k++)
         fprintf(f, "%s\"%s\": %.9g", k ? ", " : "", kind->key[k], c->world.value[e->id][k] / kind->unit[k]);
-    fprintf(f, "}, \"noise_levels_aimed_at\": %g, \"noise_levels_raw\": %.4g, \"noise_levels_left\": %.4g, \"class\": ",
+    fprintf(f,
+            "}, \"noise_levels_aimed_at\": %g, \"noise_levels_raw\": %.4g, \"noise_levels_left\": %.4g, "
+            "\"class\": ",
             e->strength, e->seen.raw / c->noise_level, e->seen.left / c->noise_level);
     class_write(f, e);
     fprintf(f, ", \"cosine\": ");
@@ -127,9 +129,11 @@ static void effect_write(FILE *f, const hidden_case *c, const hidden_effect *e) 
 static void outside_write(FILE *f, const hidden_case *c) {
     const world *w = &c->world;
     fprintf(f,
-            ", \"outside\": {\"name\": \"%s\", \"size\": %.6g, \"noise_levels_raw\": %.4g, \"noise_levels_left\": %.4g, "
+            ", \"outside\": {\"name\": \"%s\", \"size\": %.6g, \"noise_levels_raw\": %.4g, "
+            "\"noise_levels_left\": %.4g, "
             "\"cosine\": ",
-            foreign_name(w->foreign), w->foreign_size, c->foreign.raw / c->noise_level, c->foreign.left / c->noise_level);
+            foreign_name(w->foreign), w->foreign_size, c->foreign.raw / c->noise_level,
+            c->foreign.left / c->noise_level);
     cosines_write(f, c->foreign_cosine);
     fprintf(f, "}");
 }
@@ -137,7 +141,9 @@ static void outside_write(FILE *f, const hidden_case *c) {
 /* Its geometry: what is true of it whatever else is. */
 static void network_write(FILE *f, const hidden_case *c) {
     static const char *const kinds[NETWORK_KINDS] = {"mild", "bent", "faulty"};
-    fprintf(f, ", \"network\": {\"kind\": \"%s\", \"noise_levels_raw\": %.4g, \"noise_levels_left\": %.4g, \"class\": [",
+    fprintf(f,
+            ", \"network\": {\"kind\": \"%s\", \"noise_levels_raw\": %.4g, \"noise_levels_left\": %.4g, "
+            "\"class\": [",
             kinds[c->plan.effect], c->foreign.raw / c->noise_level, c->foreign.left / c->noise_level);
     for (int i = 0, n = 0; i < EFFECTS; i++)
         if (c->foreign_cosine[i] > 0.9)
@@ -148,12 +154,13 @@ static void network_write(FILE *f, const hidden_case *c) {
 }
 
 void truth_write(FILE *f, const hidden_case *c) {
-    static const char *const names[GROUPS] = {"single", "null", "two", "outside", "thesis_protocol", "network"};
-    fprintf(
-        f,
-        "{\"case\": \"%s\", \"group\": \"%s\", \"noise_level_N\": %.6g, \"white_N\": %.6g, \"correlated_N\": %.6g, "
-        "\"peak_N\": %.6g, \"rows\": %zu, \"effects\": [",
-        c->name, names[c->plan.group], c->noise_level, c->white, c->correlated, c->peak, c->session.n);
+    static const char *const names[GROUPS] = {"single",          "null",   "two", "outside",
+                                              "thesis_protocol", "network"};
+    fprintf(f,
+            "{\"case\": \"%s\", \"group\": \"%s\", \"noise_level_N\": %.6g, \"white_N\": %.6g, "
+            "\"correlated_N\": %.6g, "
+            "\"peak_N\": %.6g, \"rows\": %zu, \"effects\": [",
+            c->name, names[c->plan.group], c->noise_level, c->white, c->correlated, c->peak, c->session.n);
     for (size_t i = 0; i < c->n_effects; i++) {
         fprintf(f, "%s", i ? ", " : "");
         effect_write(f, c, &c->effect[i]);

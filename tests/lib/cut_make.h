@@ -25,7 +25,8 @@ static inline void step_to(palp_network *net, double depth, double dt) {
 }
 
 /* A blade as a rectangle: corner, two edges. */
-static inline size_t cut_rectangle(palp_network *net, const double o[3], const double u[3], const double v[3]) {
+static inline size_t cut_rectangle(palp_network *net, const double o[3], const double u[3],
+                                   const double v[3]) {
     double first[9], second[9];
     size_t a = 0, b = 0;
     for (size_t k = 0; k < 3; k++) {
@@ -41,7 +42,8 @@ static inline size_t cut_rectangle(palp_network *net, const double o[3], const d
 
 /* All of the plane y = height, or its part x <= reach. */
 static inline size_t cut_level(palp_network *net, double height, double reach) {
-    return cut_rectangle(net, (double[]){-1.0, height, -1.0}, (double[]){1.0 + reach, 0, 0}, (double[]){0, 0, 2.0});
+    return cut_rectangle(net, (double[]){-1.0, height, -1.0}, (double[]){1.0 + reach, 0, 0},
+                         (double[]){0, 0, 2.0});
 }
 
 static inline size_t count_alive(const palp_network *net) {
@@ -59,7 +61,8 @@ static inline void random_blade(uint64_t *seed, double size, double corners[9]) 
         corners[i] = middle[i % 3] + size * HEIGHT * (palp_random_uniform(seed) - 0.5);
 }
 
-/* The same elements as a network of its own: only whole ones, only nodes that one of them meets and that are held. */
+/* The same elements as a network of its own: only whole ones, only nodes that one of them meets and that are
+ * held. */
 static inline palp_network *afresh(const palp_network *net, const palp_material *m, int32_t **place) {
     size_t n = node_count(net), n_nodes = 0, n_elements = 0;
     const palp_mesh *mesh = palp_network_mesh(net);

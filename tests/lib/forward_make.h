@@ -95,7 +95,8 @@ static inline void all_phases(samples *s, size_t n) {
     go(s, 20.2, -2.01, n);
 }
 
-/* With every column that an effect of the catalogue reads: a slow wave. The columns are good until the next call. */
+/* With every column that an effect of the catalogue reads: a slow wave. The columns are good until the next
+ * call. */
 static inline palp_forward_run run_of(const samples *s) {
     static double wave[SAMPLES_MAX];
     static palp_forward_column column[PALP_EFFECT_COUNT];
@@ -105,8 +106,13 @@ static inline palp_forward_run run_of(const samples *s) {
     for (int id = 0; id < PALP_EFFECT_COUNT; id++)
         if (palp_effect_look_up((palp_effect_id)id)->column)
             column[n++] = (palp_forward_column){palp_effect_look_up((palp_effect_id)id)->column, wave};
-    return (palp_forward_run){.n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .session_s = 5000.0,
-                              .hum_phase = 0.3, .n_columns = n, .column = column};
+    return (palp_forward_run){.n = s->n,
+                              .time_s = s->time_s,
+                              .depth_m = s->depth_m,
+                              .session_s = 5000.0,
+                              .hum_phase = 0.3,
+                              .n_columns = n,
+                              .column = column};
 }
 
 /* Runs into s->force_N. */
@@ -125,8 +131,8 @@ typedef palp_status force_function(const palp_model *model, const palp_forward_r
 
 /* d force[i] / d parameter k by central differences with their error of second order taken out, or one-sided
  * where the parameter ends at its bound. */
-static inline void difference(force_function *press, const palp_model *model, const samples *s, size_t k, double h,
-                              double *slope) {
+static inline void difference(force_function *press, const palp_model *model, const samples *s, size_t k,
+                              double h, double *slope) {
     static const double central[4][2] = {{1, 8}, {-1, -8}, {2, -1}, {-2, 1}},
                         forward[5][2] = {{0, -25}, {1, 48}, {2, -36}, {3, 16}, {4, -3}};
     double at[COLUMNS_MAX];
@@ -164,8 +170,8 @@ static inline double scale_of(const palp_model *model, size_t k, double value) {
 
 /* exact's gradient against differences of press. share: step of the differences over the parameter's size;
  * tolerance: of the largest slope of the column. */
-static inline void check_slopes(const char *what, force_function *exact, force_function *press, const palp_model *model,
-                                const samples *s, double share, double tolerance) {
+static inline void check_slopes(const char *what, force_function *exact, force_function *press,
+                                const palp_model *model, const samples *s, double share, double tolerance) {
     static double gradient[COLUMNS_MAX * SAMPLES_MAX], wanted[SAMPLES_MAX], force[SAMPLES_MAX];
     double at[COLUMNS_MAX];
     palp_forward_run run = run_of(s);
@@ -181,8 +187,8 @@ static inline void check_slopes(const char *what, force_function *exact, force_f
             largest = fmax(largest, fabs(wanted[i]));
         for (size_t i = 0; i < s->n; i++)
             ck_assert_msg(fabs(gradient[k * s->n + i] - wanted[i]) <= tolerance * largest,
-                          "%s, parameter %zu, at %g s, %g mm: %.9g, not %.9g (largest %g)", what, k, s->time_s[i],
-                          1e3 * s->depth_m[i], gradient[k * s->n + i], wanted[i], largest);
+                          "%s, parameter %zu, at %g s, %g mm: %.9g, not %.9g (largest %g)", what, k,
+                          s->time_s[i], 1e3 * s->depth_m[i], gradient[k * s->n + i], wanted[i], largest);
     }
 }
 
@@ -190,9 +196,8 @@ static inline void check_slopes(const char *what, force_function *exact, force_f
 static inline const palp_mesh_source *lattice_source(size_t nodes, palp_neighbourhood neighbourhood) {
     static palp_mesh_source sources[8][3];
     palp_mesh_source *source = &sources[nodes][neighbourhood / 10];
-    *source = (palp_mesh_source){.nodes = {nodes, nodes, nodes},
-                                 .size_m = {HEIGHT, HEIGHT, HEIGHT},
-                                 .neighbourhood = neighbourhood};
+    *source = (palp_mesh_source){
+        .nodes = {nodes, nodes, nodes}, .size_m = {HEIGHT, HEIGHT, HEIGHT}, .neighbourhood = neighbourhood};
     return source;
 }
 

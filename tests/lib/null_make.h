@@ -11,7 +11,8 @@
 #define REFUSED(call) ck_assert_int_eq(call, PALP_ERR_ARGUMENT)
 #define NOTHING(told) ck_assert(told)
 
-/* What else the calls are given; opaque and large things are storage, which a call that is refused does not look at. */
+/* What else the calls are given; opaque and large things are storage, which a call that is refused does not
+ * look at. */
 static union {
     double aligned;
     unsigned char bytes[1 << 16];

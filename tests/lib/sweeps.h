@@ -1,4 +1,5 @@
-/* sweeps.h: a ramp, a dwell, an oscillation about its depth and a withdrawal into the air, of a lumped material. */
+/* sweeps.h: a ramp, a dwell, an oscillation about its depth and a withdrawal into the air, of a lumped
+ * material. */
 #ifndef SWEEPS_H
 #define SWEEPS_H
 
@@ -6,11 +7,13 @@
 
 typedef struct sweep {
     palp_material material;
-    double depth_mm, amplitude_mm, dwell_s, from_Hz, to_Hz, time_s, rate_Hz, noise_N; /* to_Hz = from_Hz: a sine */
+    double depth_mm, amplitude_mm, dwell_s, from_Hz, to_Hz, time_s, rate_Hz,
+        noise_N; /* to_Hz = from_Hz: a sine */
     uint64_t seed;
 } sweep;
 
-/* From 1 s in the air, a ramp of 1 s, and after the oscillation half a second back into the air at twice the speed. */
+/* From 1 s in the air, a ramp of 1 s, and after the oscillation half a second back into the air at twice the
+ * speed. */
 static inline double sweep_depth(const sweep *s, double t) {
     const double turn = 6.283185307179586, start = 2.0 + s->dwell_s, rise = log(s->to_Hz / s->from_Hz);
     if (t <= start)
@@ -22,7 +25,8 @@ static inline double sweep_depth(const sweep *s, double t) {
     return s->depth_mm + s->amplitude_mm * sin(turn * cycles);
 }
 
-/* The specimen is 24 mm high and 12 mm in radius. The plate does not pull: where the force would, it has let go. */
+/* The specimen is 24 mm high and 12 mm in radius. The plate does not pull: where the force would, it has let
+ * go. */
 static inline palp_experiment *record_sweep(const sweep *s) {
     size_t n = 1 + (size_t)lround((3.5 + s->dwell_s + s->time_s) * s->rate_Hz);
     palp_experiment *e;
@@ -35,7 +39,8 @@ static inline palp_experiment *record_sweep(const sweep *s) {
     for (size_t i = 0; i < n; i++) {
         time[i] = (double)i / s->rate_Hz;
         depth[i] = sweep_depth(s, time[i]);
-        bad += palp_element_advance(&s->material, &at, fmax(depth[i], 0.0) / 24.0, i ? 1.0 / s->rate_Hz : 0.0, &at, NULL) != PALP_OK;
+        bad += palp_element_advance(&s->material, &at, fmax(depth[i], 0.0) / 24.0, i ? 1.0 / s->rate_Hz : 0.0,
+                                    &at, NULL) != PALP_OK;
         force[i] = fmax(at.force_N, 0.0) + (s->noise_N > 0.0 ? s->noise_N * palp_random_normal(&state) : 0.0);
     }
     ck_assert_int_eq(bad, 0);

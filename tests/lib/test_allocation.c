@@ -316,7 +316,8 @@ static palp_status calibrate_relaxation(palp_error *error) {
     const double time_s[4] = {0.5, 1.0, 2.0, 3.0}, force_N[4] = {1.0, 2.0, 1.8, 1.7};
     palp_target target = {.n = 4, .time_s = time_s, .force_N = force_N};
     palp_relaxation_settings settings = palp_relaxation_settings_default();
-    palp_three_phase_settings phases = {.max_evaluations = 4, .dt_s = 0.5, .error_bound = 0.01, .steady_slope_N_s = 1e-3};
+    palp_three_phase_settings phases = {
+        .max_evaluations = 4, .dt_s = 0.5, .error_bound = 0.01, .steady_slope_N_s = 1e-3};
     palp_material start = with_arms(2);
     palp_network *network = NULL;
     palp_status status = palp_path_ramp_hold(0.005, 1.0, 10.0, &target.path);

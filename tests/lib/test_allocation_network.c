@@ -59,7 +59,8 @@ static palp_status network_with_tools(palp_error *error) {
     if (!status)
         status = palp_network_enable_tools(network, 2, 1, &contact);
     if (!status)
-        status = palp_network_grasp(network, 1, (const int32_t[]){13}, (const double[]){0.0121, 0.012, 0.012});
+        status =
+            palp_network_grasp(network, 1, (const int32_t[]){13}, (const double[]){0.0121, 0.012, 0.012});
     size_t calls = heap.calls;
     for (int i = 0; i < 3 && !status; i++) {
         tool.position_m[2] += 1e-4;
@@ -234,7 +235,8 @@ static palp_status ticks(palp_realtime *realtime, void *buffer, size_t size) {
     palp_tick_info info;
     size_t refreshed = 0;
     for (int i = 1; i <= 150 && !status; i++) {
-        palp_budget budget = {.corrections = (size_t)(i % 3), .force_error = 1e-6, .seconds = i % 2 ? 1.0 : 0.0};
+        palp_budget budget = {
+            .corrections = (size_t)(i % 3), .force_error = 1e-6, .seconds = i % 2 ? 1.0 : 0.0};
         status = palp_realtime_step(realtime, 2e-5 * i, 1e-3, &budget, &info);
         refreshed += info.refreshed;
     }

@@ -1,5 +1,6 @@
-/* test_null.c: the rule of palpate/status.h about pointers: a call that lacks one it needs is refused. A row leaves out one
- * pointer; tests/install/symbols.sh sees to it that every function with pointers has its rows. */
+/* test_null.c: the rule of palpate/status.h about pointers: a call that lacks one it needs is refused. A row
+ * leaves out one pointer; tests/install/symbols.sh sees to it that every function with pointers has its rows.
+ */
 #include "null_make.h"
 
 static char *made_text;
@@ -10,20 +11,32 @@ START_TEST(null_in_characterize) {
     REFUSED(palp_characterize_fit(2, (void *)storage, (void *)storage, NULL, NULL));
     REFUSED(palp_characterize_select_arms(2, NULL, (void *)storage, 2, numbers, numbers, &count, NULL));
     REFUSED(palp_characterize_select_arms(2, (void *)storage, NULL, 2, numbers, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
-    REFUSED(palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL, NULL));
-    REFUSED(palp_characterize_select_law(2, NULL, (void *)storage, 2, &material.law, numbers, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, NULL, 2, &material.law, numbers, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, NULL, numbers, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, NULL, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, numbers, NULL, &count, NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, numbers, numbers, NULL, NULL));
+    REFUSED(
+        palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
+    REFUSED(
+        palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
+    REFUSED(
+        palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL, NULL));
+    REFUSED(palp_characterize_select_law(2, NULL, (void *)storage, 2, &material.law, numbers, numbers, &count,
+                                         NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, NULL, 2, &material.law, numbers, numbers, &count,
+                                         NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, NULL, numbers, numbers,
+                                         &count, NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, NULL, numbers,
+                                         &count, NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, numbers, NULL,
+                                         &count, NULL));
+    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, numbers,
+                                         numbers, NULL, NULL));
     REFUSED(palp_characterize_select_degree(2, NULL, (void *)storage, 2, numbers, numbers, &count, NULL));
     REFUSED(palp_characterize_select_degree(2, (void *)storage, NULL, 2, numbers, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
-    REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL, NULL));
+    REFUSED(
+        palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
+    REFUSED(
+        palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
+    REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL,
+                                            NULL));
     REFUSED(palp_characterize_specimens(2, NULL, &count, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_characterize_specimens(2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_characterize_specimens(2, (void *)storage, &count, NULL, (void *)storage, NULL));

@@ -10,17 +10,25 @@ START_TEST(null_in_calibrate) {
     REFUSED(palp_calibrate_static(net, &material, 2, numbers, NULL, (void *)storage, (void *)storage));
     REFUSED(palp_calibrate_static(net, &material, 2, numbers, numbers, NULL, (void *)storage));
     REFUSED(palp_calibrate_static(net, &material, 2, numbers, numbers, (void *)storage, NULL));
-    REFUSED(palp_calibrate_two_level(NULL, net, &material, 2, numbers, numbers, (void *)storage, (void *)storage));
-    REFUSED(palp_calibrate_two_level(net, NULL, &material, 2, numbers, numbers, (void *)storage, (void *)storage));
+    REFUSED(palp_calibrate_two_level(NULL, net, &material, 2, numbers, numbers, (void *)storage,
+                                     (void *)storage));
+    REFUSED(palp_calibrate_two_level(net, NULL, &material, 2, numbers, numbers, (void *)storage,
+                                     (void *)storage));
     REFUSED(palp_calibrate_two_level(net, net, NULL, 2, numbers, numbers, (void *)storage, (void *)storage));
-    REFUSED(palp_calibrate_two_level(net, net, &material, 2, NULL, numbers, (void *)storage, (void *)storage));
-    REFUSED(palp_calibrate_two_level(net, net, &material, 2, numbers, NULL, (void *)storage, (void *)storage));
+    REFUSED(
+        palp_calibrate_two_level(net, net, &material, 2, NULL, numbers, (void *)storage, (void *)storage));
+    REFUSED(
+        palp_calibrate_two_level(net, net, &material, 2, numbers, NULL, (void *)storage, (void *)storage));
     REFUSED(palp_calibrate_two_level(net, net, &material, 2, numbers, numbers, NULL, (void *)storage));
     REFUSED(palp_calibrate_two_level(net, net, &material, 2, numbers, numbers, (void *)storage, NULL));
-    REFUSED(palp_calibrate_covariance(NULL, (void *)storage, 1, (void *)storage, (double *)storage, NULL, NULL));
-    REFUSED(palp_calibrate_covariance((void *)storage, NULL, 1, (void *)storage, (double *)storage, NULL, NULL));
-    REFUSED(palp_calibrate_covariance((void *)storage, (void *)storage, 1, NULL, (double *)storage, NULL, NULL));
-    REFUSED(palp_calibrate_covariance((void *)storage, (void *)storage, 1, (void *)storage, NULL, NULL, NULL));
+    REFUSED(
+        palp_calibrate_covariance(NULL, (void *)storage, 1, (void *)storage, (double *)storage, NULL, NULL));
+    REFUSED(
+        palp_calibrate_covariance((void *)storage, NULL, 1, (void *)storage, (double *)storage, NULL, NULL));
+    REFUSED(
+        palp_calibrate_covariance((void *)storage, (void *)storage, 1, NULL, (double *)storage, NULL, NULL));
+    REFUSED(
+        palp_calibrate_covariance((void *)storage, (void *)storage, 1, (void *)storage, NULL, NULL, NULL));
     REFUSED(palp_calibrate_relaxation(NULL, &material, 2, (void *)storage, (void *)storage, (void *)storage));
     REFUSED(palp_calibrate_relaxation(net, NULL, 2, (void *)storage, (void *)storage, (void *)storage));
     REFUSED(palp_calibrate_relaxation(net, &material, 2, NULL, (void *)storage, (void *)storage));
@@ -81,14 +89,15 @@ END_TEST
 
 START_TEST(null_in_network) {
     palp_supports_default(NULL);
-    REFUSED(palp_network_create(NULL, &material, 2, (void *)storage, (void *)storage, (palp_network **)pointers,
-            NULL));
-    REFUSED(palp_network_create(mesh, NULL, 2, (void *)storage, (void *)storage, (palp_network **)pointers, NULL));
+    REFUSED(palp_network_create(NULL, &material, 2, (void *)storage, (void *)storage,
+                                (palp_network **)pointers, NULL));
+    REFUSED(palp_network_create(mesh, NULL, 2, (void *)storage, (void *)storage, (palp_network **)pointers,
+                                NULL));
     REFUSED(palp_network_create(mesh, &material, 2, NULL, (void *)storage, (palp_network **)pointers, NULL));
     REFUSED(palp_network_create(mesh, &material, 2, (void *)storage, NULL, (palp_network **)pointers, NULL));
     REFUSED(palp_network_create(mesh, &material, 2, (void *)storage, (void *)storage, NULL, NULL));
-    REFUSED(palp_network_from_model(NULL, mesh, 2, (void *)storage, (void *)storage, (palp_network **)pointers,
-            NULL));
+    REFUSED(palp_network_from_model(NULL, mesh, 2, (void *)storage, (void *)storage,
+                                    (palp_network **)pointers, NULL));
     REFUSED(palp_network_from_model(&model, mesh, 2, (void *)storage, (void *)storage, NULL, NULL));
     palp_network_reset(NULL);
     REFUSED(palp_network_set_material(NULL, &material));
@@ -145,20 +154,23 @@ START_TEST(null_in_realtime) {
 END_TEST
 
 START_TEST(null_in_reduce) {
-    REFUSED(palp_snapshots_record(NULL, (void *)storage, (void *)storage, NULL, NULL, (palp_snapshots **)pointers,
-            NULL));
+    REFUSED(palp_snapshots_record(NULL, (void *)storage, (void *)storage, NULL, NULL,
+                                  (palp_snapshots **)pointers, NULL));
     REFUSED(palp_snapshots_record(net, (void *)storage, NULL, NULL, NULL, (palp_snapshots **)pointers, NULL));
     REFUSED(palp_snapshots_record(net, (void *)storage, (void *)storage, NULL, NULL, NULL, NULL));
-    REFUSED(palp_reduced_create(NULL, 2, (palp_snapshots *const *)pointers, 2, (palp_snapshots *const *)pointers,
-            (void *)storage, (palp_reduced **)pointers, (void *)storage, NULL));
-    REFUSED(palp_reduced_create(net, 2, NULL, 2, (palp_snapshots *const *)pointers, (void *)storage, (palp_reduced
-            **)pointers, (void *)storage, NULL));
-    REFUSED(palp_reduced_create(net, 2, (palp_snapshots *const *)pointers, 2, NULL, (void *)storage, (palp_reduced
-            **)pointers, (void *)storage, NULL));
-    REFUSED(palp_reduced_create(net, 2, (palp_snapshots *const *)pointers, 2, (palp_snapshots *const *)pointers, NULL,
-            (palp_reduced **)pointers, (void *)storage, NULL));
-    REFUSED(palp_reduced_create(net, 2, (palp_snapshots *const *)pointers, 2, (palp_snapshots *const *)pointers, (void
-            *)storage, NULL, (void *)storage, NULL));
+    REFUSED(palp_reduced_create(NULL, 2, (palp_snapshots *const *)pointers, 2,
+                                (palp_snapshots *const *)pointers, (void *)storage, (palp_reduced **)pointers,
+                                (void *)storage, NULL));
+    REFUSED(palp_reduced_create(net, 2, NULL, 2, (palp_snapshots *const *)pointers, (void *)storage,
+                                (palp_reduced **)pointers, (void *)storage, NULL));
+    REFUSED(palp_reduced_create(net, 2, (palp_snapshots *const *)pointers, 2, NULL, (void *)storage,
+                                (palp_reduced **)pointers, (void *)storage, NULL));
+    REFUSED(palp_reduced_create(net, 2, (palp_snapshots *const *)pointers, 2,
+                                (palp_snapshots *const *)pointers, NULL, (palp_reduced **)pointers,
+                                (void *)storage, NULL));
+    REFUSED(palp_reduced_create(net, 2, (palp_snapshots *const *)pointers, 2,
+                                (palp_snapshots *const *)pointers, (void *)storage, NULL, (void *)storage,
+                                NULL));
     REFUSED(palp_reduced_compare(NULL, (void *)storage, (void *)storage));
     REFUSED(palp_reduced_compare((void *)storage, NULL, (void *)storage));
     REFUSED(palp_reduced_compare((void *)storage, (void *)storage, NULL));

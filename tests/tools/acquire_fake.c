@@ -42,7 +42,7 @@ static void send_block(fake *f) {
     palp_wire_samples *b = &f->block.as.samples;
     bool lost = f->settings.lose_tick && f->recorded > f->settings.lose_tick &&
                 f->recorded <= f->settings.lose_tick +
-                                    (f->settings.lose_ticks ? f->settings.lose_ticks : PALP_WIRE_SAMPLES);
+                                   (f->settings.lose_ticks ? f->settings.lose_ticks : PALP_WIRE_SAMPLES);
     if (b->count > 0 && f->streaming) {
         if (lost) {
             f->sequence++;

@@ -29,7 +29,8 @@ void peer_send(peer *p, palp_wire_message *m) {
     m->sequence = p->sequence++;
     size_t n = palp_wire_encode(m, frame);
     if (once(&p->settings.damage)) {
-        frame[n / 2] ^= frame[n / 2] == 0x10 ? 0x20 : 0x10; /* a zero would end the frame there: two bad ones */
+        frame[n / 2] ^=
+            frame[n / 2] == 0x10 ? 0x20 : 0x10; /* a zero would end the frame there: two bad ones */
     }
     send_bytes(p->fd, frame, n);
 }

@@ -1,5 +1,5 @@
-/* rig_make.h: the surroundings of the tests of the virtual indenter: the program itself as its firmware, in a folder of its own.
- * To be included first, after _GNU_SOURCE. */
+/* rig_make.h: the surroundings of the tests of the virtual indenter: the program itself as its firmware, in a
+ * folder of its own. To be included first, after _GNU_SOURCE. */
 #ifndef RIG_MAKE_H
 #define RIG_MAKE_H
 

@@ -1,4 +1,5 @@
-/* test_acquire_file.c: the file that acquire writes: what it holds, and what is left when the writing fails. */
+/* test_acquire_file.c: the file that acquire writes: what it holds, and what is left when the writing fails.
+ */
 /* link: -pthread */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_make.h"
@@ -81,7 +82,8 @@ static void test_file(void **state) {
 
 /* All the columns that there are; each force by its row of the matrix, what is tared taken off. */
 static void test_columns(void **state) {
-    acquire_file *f = new_file("columns.csv", ACQUIRE_RAW | ACQUIRE_FORCES | ACQUIRE_TEMPERATURE | ACQUIRE_TRIGGER);
+    acquire_file *f =
+        new_file("columns.csv", ACQUIRE_RAW | ACQUIRE_FORCES | ACQUIRE_TEMPERATURE | ACQUIRE_TRIGGER);
     palp_wire_samples b = block_at(2000);
     (void)state;
     f->scale.tare[0] = 100;

@@ -129,20 +129,21 @@ static void test_protocol_file(void **state) {
     acquire_motion options = acquire_motion_none();
     (void)state;
     options.hold_s = 7;
-    acquire_plan *plan = read_protocol("{\"palpate\": {\"protocol\": 1}, \"hold_s\": 100, \"air_s\": 0.5, "
-                                       "\"rate_mm_s\": 2, \"order\": \"random\",\n"
-                                       " \"order_seed\": 5, \"repeat_first\": true, \"runs\": [\n"
-                                       "  {\"kind\": \"ramp_hold\", \"depth_mm\": 2, \"ramp_s\": 0.5},\n"
-                                       "  {\"kind\": \"ramp_hold\", \"depth_mm\": 2, \"hold_s\": 3},\n"
-                                       "  {\"kind\": \"segments\", \"name\": \"steps\", \"segments\": [\n"
-                                       "    {\"move_to_mm\": 1, \"rate_mm_s\": 4}, {\"hold_s\": 2}, "
-                                       "{\"sine_mm\": 0.1, \"frequency_Hz\": 2, \"cycles\": 4},\n"
-                                       "    {\"cycle_to_mm\": 3, \"rate_mm_s\": 1, \"cycles\": 2}, "
-                                       "{\"move_to_mm\": -0.5, \"rate_mm_s\": 1}]},\n"
-                                       "  {\"kind\": \"segments\", \"name\": \"creep\", \"air_mm\": 1, \"segments\": [\n"
-                                       "    {\"force_N\": 1.5, \"ramp_s\": 0.5, \"duration_s\": 20}]},\n"
-                                       "  {\"kind\": \"free\", \"hold_s\": 1}]}",
-                                       &options, &code);
+    acquire_plan *plan =
+        read_protocol("{\"palpate\": {\"protocol\": 1}, \"hold_s\": 100, \"air_s\": 0.5, "
+                      "\"rate_mm_s\": 2, \"order\": \"random\",\n"
+                      " \"order_seed\": 5, \"repeat_first\": true, \"runs\": [\n"
+                      "  {\"kind\": \"ramp_hold\", \"depth_mm\": 2, \"ramp_s\": 0.5},\n"
+                      "  {\"kind\": \"ramp_hold\", \"depth_mm\": 2, \"hold_s\": 3},\n"
+                      "  {\"kind\": \"segments\", \"name\": \"steps\", \"segments\": [\n"
+                      "    {\"move_to_mm\": 1, \"rate_mm_s\": 4}, {\"hold_s\": 2}, "
+                      "{\"sine_mm\": 0.1, \"frequency_Hz\": 2, \"cycles\": 4},\n"
+                      "    {\"cycle_to_mm\": 3, \"rate_mm_s\": 1, \"cycles\": 2}, "
+                      "{\"move_to_mm\": -0.5, \"rate_mm_s\": 1}]},\n"
+                      "  {\"kind\": \"segments\", \"name\": \"creep\", \"air_mm\": 1, \"segments\": [\n"
+                      "    {\"force_N\": 1.5, \"ramp_s\": 0.5, \"duration_s\": 20}]},\n"
+                      "  {\"kind\": \"free\", \"hold_s\": 1}]}",
+                      &options, &code);
     assert_int_equal(code, CLI_OK);
     assert_int_equal(plan->n, 5);
     near(plan->run[0].motion.rate_mm_s, 4, 0); /* its own ramp time before all else */
@@ -221,6 +222,6 @@ const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_thesis_protocol),
     cmocka_unit_test(test_protocol_file),
     cmocka_unit_test(test_strange_keys),
-        cmocka_unit_test(test_examples),
+    cmocka_unit_test(test_examples),
     {0},
 };

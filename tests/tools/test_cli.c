@@ -406,7 +406,7 @@ const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_parse_good),
     cmocka_unit_test(test_parse_bad),
     cmocka_unit_test(test_output_of_many),
-        cmocka_unit_test(test_help_lists_every_option),
+    cmocka_unit_test(test_help_lists_every_option),
     cmocka_unit_test(test_status_codes),
     cmocka_unit_test(test_file),
     cmocka_unit_test(test_table),

@@ -1,4 +1,5 @@
-/* test_explain_words.c: what palpate explain says of results that contradict themselves, or that are no numbers. */
+/* test_explain_words.c: what palpate explain says of results that contradict themselves, or that are no
+ * numbers. */
 #include "explain/page.h"
 
 #include <math.h>
@@ -41,28 +42,39 @@ static bool has_word(const char *text, const char *word) {
 }
 
 /* A result with this verdict, gap and closed share; one effect, if closed is any. */
-static char *result_of(const char *verdict, const char *before, const char *after, const char *rest, const char *closed) {
+static char *result_of(const char *verdict, const char *before, const char *after, const char *rest,
+                       const char *closed) {
     char *text = malloc(4096), effect[1024] = "";
     assert_non_null(text);
     if (closed)
         snprintf(effect, sizeof effect,
-                 "{\"id\": \"sensor_lag\", \"class\": [\"sensor_lag\"], \"parameters\": {\"time_s\": %s}, \"intervals\": {\"time_s\": [3, %s]}, "
+                 "{\"id\": \"sensor_lag\", \"class\": [\"sensor_lag\"], \"parameters\": {\"time_s\": %s}, "
+                 "\"intervals\": {\"time_s\": [3, %s]}, "
                  "\"evidence\": %s, \"evidence_standard_error\": null, \"gap_closed\": %s}",
                  before, after, rest, closed);
-    snprintf(text, 4096,
-             "{\"verdict\": \"%s\", \"effects\": [%s], \"null_threshold\": null, \"gap\": {\"noise_level_N\": 0.004, \"before_N\": %s, "
-             "\"after_N\": %s, \"heldout_before_N\": %s, \"heldout_after_N\": %s, \"unexplained_N\": %s, \"closed\": %s}, "
-             "\"scatter\": [{\"id\": \"zero_scatter\", \"sd_N\": %s, \"gap_before_N\": %s, \"gap_after_N\": %s}], "
-             "\"noise_level\": {\"white_N\": %s, \"correlated_N\": 0, \"correlation_s\": null, \"gain_scatter\": null, "
-             "\"contact_scatter_mm\": null}, \"profile\": {\"experiments\": [{\"experiment\": \"a.csv\", \"after_N\": %s}, {\"experiment\": "
-             "\"b.csv\", \"after_N\": null}]}, \"rejected\": [{\"id\": \"toe_region\", \"reason\": \"r\", \"score\": %s, \"explained_N\": null}], "
-             "\"steps\": [{\"taken\": null, \"rejected\": [{\"id\": \"toe_region\", \"reason\": \"r\", \"score\": %s, \"explained_N\": null}]}], "
-             "\"next_experiment\": null}",
-             verdict, effect, before, after, before, after, rest, closed ? closed : "null", rest, before, after, rest, after, rest, rest);
+    snprintf(
+        text, 4096,
+        "{\"verdict\": \"%s\", \"effects\": [%s], \"null_threshold\": null, \"gap\": {\"noise_level_N\": "
+        "0.004, \"before_N\": %s, "
+        "\"after_N\": %s, \"heldout_before_N\": %s, \"heldout_after_N\": %s, \"unexplained_N\": %s, "
+        "\"closed\": %s}, "
+        "\"scatter\": [{\"id\": \"zero_scatter\", \"sd_N\": %s, \"gap_before_N\": %s, \"gap_after_N\": %s}], "
+        "\"noise_level\": {\"white_N\": %s, \"correlated_N\": 0, \"correlation_s\": null, \"gain_scatter\": "
+        "null, "
+        "\"contact_scatter_mm\": null}, \"profile\": {\"experiments\": [{\"experiment\": \"a.csv\", "
+        "\"after_N\": %s}, {\"experiment\": "
+        "\"b.csv\", \"after_N\": null}]}, \"rejected\": [{\"id\": \"toe_region\", \"reason\": \"r\", "
+        "\"score\": %s, \"explained_N\": null}], "
+        "\"steps\": [{\"taken\": null, \"rejected\": [{\"id\": \"toe_region\", \"reason\": \"r\", \"score\": "
+        "%s, \"explained_N\": null}]}], "
+        "\"next_experiment\": null}",
+        verdict, effect, before, after, before, after, rest, closed ? closed : "null", rest, before, after,
+        rest, after, rest, rest);
     return text;
 }
 
-static void check(const char *verdict, const char *before, const char *after, const char *rest, const char *closed) {
+static void check(const char *verdict, const char *before, const char *after, const char *rest,
+                  const char *closed) {
     static const char *const never[] = {"nan", "-nan", "inf", "-inf", "null"};
     char *result = result_of(verdict, before, after, rest, closed), *text = said_of(result);
     for (size_t i = 0; i < sizeof never / sizeof *never; i++)
@@ -89,10 +101,12 @@ static void test_no_number_is_none(void **state) {
     for (size_t v = 0; v < sizeof verdict / sizeof *verdict; v++)
         for (size_t c = 0; c < sizeof closed / sizeof *closed; c++)
             for (size_t n = 0; n < NUMBERS * NUMBERS; n++)
-                check(verdict[v], number[n % NUMBERS], number[n / NUMBERS], number[(3 * n + c) % NUMBERS], closed[c]);
+                check(verdict[v], number[n % NUMBERS], number[n / NUMBERS], number[(3 * n + c) % NUMBERS],
+                      closed[c]);
 }
 
-static bool says(const char *verdict, const char *before, const char *after, const char *rest, const char *closed, const char *what) {
+static bool says(const char *verdict, const char *before, const char *after, const char *rest,
+                 const char *closed, const char *what) {
     char *result = result_of(verdict, before, after, rest, closed), *text = said_of(result);
     bool found = strstr(text, what) != NULL;
     free(text);
@@ -103,7 +117,8 @@ static bool says(const char *verdict, const char *before, const char *after, con
 static void test_sentences_agree_with_their_numbers(void **state) {
     (void)state;
     const char *shape = "of a shape that noise has not";
-    assert_true(says("unexplained", "0.1", "0.003", "0.002", NULL, shape)); /* what is left is less than the noise of 4 mN */
+    assert_true(says("unexplained", "0.1", "0.003", "0.002", NULL,
+                     shape)); /* what is left is less than the noise of 4 mN */
     assert_false(says("unexplained", "0.1", "0.05", "0.049", NULL, shape));
     assert_false(says("unexplained", "0.1", "0.003", "0", NULL, "structure remain"));
     assert_true(says("explained", "0.1", "0.003", "0", "0.9", "falls from 100 mN, rms, to 3 mN"));
@@ -113,7 +128,8 @@ static void test_sentences_agree_with_their_numbers(void **state) {
     assert_true(says("explained", "0.1", "0.003", "0", "1.7", "closes 100 % of the gap"));
     assert_true(says("explained", "0.1", "0.003", "0", "-2", "closes 0 % of the gap"));
     assert_true(says("explained", "0.1", "0.003", "0", NULL, "another law of the material"));
-    assert_false(says("explained", "5", "2", "0", "1", "(3 to 2)")); /* an interval whose ends are exchanged */
+    assert_false(
+        says("explained", "5", "2", "0", "1", "(3 to 2)")); /* an interval whose ends are exchanged */
     assert_true(says("explained", "5", "4", "0", "1", "(3 to 4)"));
 }
 

@@ -83,7 +83,8 @@ static void test_info(void **state) {
     says(out, "serial             4711\n");
     assert_int_equal(run(&its, info, json), CLI_OK);
     json_t *it = printed();
-    assert_true(number(it, "serial") == 4711 && number(it, "count_um") == 1 && number(it, "protocol") == PALP_WIRE_VERSION);
+    assert_true(number(it, "serial") == 4711 && number(it, "count_um") == 1 &&
+                number(it, "protocol") == PALP_WIRE_VERSION);
     json_decref(it);
 }
 
@@ -172,12 +173,8 @@ static void test_failures(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_info),
-    cmocka_unit_test(test_status),
-    cmocka_unit_test(test_gains),
-    cmocka_unit_test(test_home),
-    cmocka_unit_test(test_tare),
-    cmocka_unit_test(test_clear),
-    cmocka_unit_test(test_failures),
-    {0},
+    cmocka_unit_test(test_info),     cmocka_unit_test(test_status),
+    cmocka_unit_test(test_gains),    cmocka_unit_test(test_home),
+    cmocka_unit_test(test_tare),     cmocka_unit_test(test_clear),
+    cmocka_unit_test(test_failures), {0},
 };

@@ -49,13 +49,16 @@ static void test_number(void **state) {
         const char *text;
         import_dialect dialect;
         double value; /* NAN = it is no number */
-    } cases[] = {{"1.5", {',', '.', ','}, 1.5},      {"-.5e-3", {',', '.', ','}, -0.5e-3},   {"1,234.5", {';', '.', ','}, 1234.5},
-                 {"1.234,5", {';', ',', '.'}, 1234.5}, {"1 234,5", {';', ',', ' '}, 1234.5}, {"12'345.5", {';', '.', ','}, 12345.5},
-                 {"+2,25E2", {'\t', ',', '.'}, 225},  {"5.0 mm", {';', '.', ','}, 5},        {"12 %", {';', '.', ','}, 12},
-                 {"1D3", {';', '.', ','}, 1000},      {"1,23.5", {';', '.', ','}, NAN},       {"1,2345", {';', '.', ','}, NAN},
-                 {"", {';', '.', ','}, NAN},          {"-", {';', '.', ','}, NAN},            {"x", {';', '.', ','}, NAN},
-                 {"nan", {';', '.', ','}, NAN},       {"0x10", {';', '.', ','}, NAN},         {"1e999", {';', '.', ','}, NAN},
-                 {"1.2.3", {';', '.', ','}, NAN},     {"5 apples", {';', '.', ','}, NAN}};
+    } cases[] = {{"1.5", {',', '.', ','}, 1.5},        {"-.5e-3", {',', '.', ','}, -0.5e-3},
+                 {"1,234.5", {';', '.', ','}, 1234.5}, {"1.234,5", {';', ',', '.'}, 1234.5},
+                 {"1 234,5", {';', ',', ' '}, 1234.5}, {"12'345.5", {';', '.', ','}, 12345.5},
+                 {"+2,25E2", {'\t', ',', '.'}, 225},   {"5.0 mm", {';', '.', ','}, 5},
+                 {"12 %", {';', '.', ','}, 12},        {"1D3", {';', '.', ','}, 1000},
+                 {"1,23.5", {';', '.', ','}, NAN},     {"1,2345", {';', '.', ','}, NAN},
+                 {"", {';', '.', ','}, NAN},           {"-", {';', '.', ','}, NAN},
+                 {"x", {';', '.', ','}, NAN},          {"nan", {';', '.', ','}, NAN},
+                 {"0x10", {';', '.', ','}, NAN},       {"1e999", {';', '.', ','}, NAN},
+                 {"1.2.3", {';', '.', ','}, NAN},      {"5 apples", {';', '.', ','}, NAN}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         double x = 0;
@@ -71,15 +74,21 @@ static void test_clock(void **state) {
         const char *text;
         double seconds;
         bool dated;
-    } cases[] = {{"10:11:12", 36672, false},          {"0:01,5", 1.5, false},
-                 {"1970-01-02T00:00:01.25", 86401.25, true}, {"01.03.2000 00:00:00", 951868800, true},
-                 {"3/1/2000 1:00:00 PM", 951915600, true},   {"2000/03/01", 951868800, true}, {"12:30:00 AM", 1800, false}};
-    static const char *const wrong[] = {"", "10", "10.5", "10:", ":10", "10:xx", "99.99.9999 10:00:00", "abc"};
+    } cases[] = {{"10:11:12", 36672, false},
+                 {"0:01,5", 1.5, false},
+                 {"1970-01-02T00:00:01.25", 86401.25, true},
+                 {"01.03.2000 00:00:00", 951868800, true},
+                 {"3/1/2000 1:00:00 PM", 951915600, true},
+                 {"2000/03/01", 951868800, true},
+                 {"12:30:00 AM", 1800, false}};
+    static const char *const wrong[] = {"",   "10", "10.5", "10:", ":10", "10:xx", "99.99.9999 10:00:00",
+                                        "abc"};
     double x;
     bool dated;
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        if (!import_clock(cases[i].text, &x, &dated) || fabs(x - cases[i].seconds) > 1e-6 || dated != cases[i].dated) {
+        if (!import_clock(cases[i].text, &x, &dated) || fabs(x - cases[i].seconds) > 1e-6 ||
+            dated != cases[i].dated) {
             fail_msg("\"%s\": %.9g", cases[i].text, x);
         }
     }
@@ -92,9 +101,22 @@ static void test_names(void **state) {
     static const struct {
         const char *name;
         int role;
-    } cases[] = {{"Pr\xC3\xBC" "fzeit (s)", TIME}, {"Standardweg [mm]", DEPTH}, {"Force (N)", FORCE}, {"d\xC3\xA9placement / mm", DEPTH},
-                 {"for\xC3\xA7" "a (kN)", FORCE}, {"Spannung in N/mm\xC2\xB2", STRESS}, {"Stauchung in %", STRAIN}, {"Deformaci\xC3\xB3n (mm)", DEPTH},
-                 {"time_ms", TIME}, {"Carico, N", FORCE}, {"Kanal 3 [mN]", FORCE}, {"Timestamp (ms)", TIME}};
+    } cases[] = {{"Pr\xC3\xBC"
+                  "fzeit (s)",
+                  TIME},
+                 {"Standardweg [mm]", DEPTH},
+                 {"Force (N)", FORCE},
+                 {"d\xC3\xA9placement / mm", DEPTH},
+                 {"for\xC3\xA7"
+                  "a (kN)",
+                  FORCE},
+                 {"Spannung in N/mm\xC2\xB2", STRESS},
+                 {"Stauchung in %", STRAIN},
+                 {"Deformaci\xC3\xB3n (mm)", DEPTH},
+                 {"time_ms", TIME},
+                 {"Carico, N", FORCE},
+                 {"Kanal 3 [mN]", FORCE},
+                 {"Timestamp (ms)", TIME}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const import_unit *unit = import_unit_of_name(cases[i].name);
@@ -123,12 +145,8 @@ static void test_digits(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_split),
-        cmocka_unit_test(test_split_wide),
-        cmocka_unit_test(test_number),
-        cmocka_unit_test(test_clock),
-        cmocka_unit_test(test_names),
-        cmocka_unit_test(test_digits),
+        cmocka_unit_test(test_split), cmocka_unit_test(test_split_wide), cmocka_unit_test(test_number),
+        cmocka_unit_test(test_clock), cmocka_unit_test(test_names),      cmocka_unit_test(test_digits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -89,7 +89,8 @@ static void test_effects_of_lumped(void **state) {
         {"adhesion \"force_N\": 0.2, \"reach_mm\": 0.4", 0, 0},
         {"frame_compliance \"compliance_mm_N\": 0.1", 0, 0},
         {"plate_inertia \"mass_kg\": 0.05", 6e-4, 1e-3},
-        {"coulomb_friction \"force_N\": 0.1", 1.7e-3, 1e-3}, /* it fades below 1e-3 of 16 mm/s, which the plant has yet to see */
+        {"coulomb_friction \"force_N\": 0.1", 1.7e-3,
+         1e-3}, /* it fades below 1e-3 of 16 mm/s, which the plant has yet to see */
         {"sensor_lag \"time_s\": 0.05", 0, 0},
         {"sensor_bias \"force_N\": 0.3", 0, 0},
         {"sensor_drift \"force_N_s\": 0.05", 0, 0},

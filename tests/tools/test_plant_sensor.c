@@ -108,10 +108,7 @@ static void test_thermistor(void **state) {
 }
 
 const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_sensor_inverse),
-    cmocka_unit_test(test_noise_drift_hum),
-    cmocka_unit_test(test_range_and_rails),
-    cmocka_unit_test(test_range_clips_noise),
-    cmocka_unit_test(test_thermistor),
-    {0},
+    cmocka_unit_test(test_sensor_inverse),  cmocka_unit_test(test_noise_drift_hum),
+    cmocka_unit_test(test_range_and_rails), cmocka_unit_test(test_range_clips_noise),
+    cmocka_unit_test(test_thermistor),      {0},
 };

@@ -80,7 +80,8 @@ static pid_t start_host(const char *port, bool shimmed) {
     pid_t child = fork();
     if (child == 0) { /* no setenv: the device's thread may have been in malloc */
         if (shimmed)
-            execlp("env", "env", preload, "ASAN_OPTIONS=verify_asan_link_order=0", self, "host", port, (char *)NULL);
+            execlp("env", "env", preload, "ASAN_OPTIONS=verify_asan_link_order=0", self, "host", port,
+                   (char *)NULL);
         else
             execl(self, self, "host", port, (char *)NULL);
         _exit(127);

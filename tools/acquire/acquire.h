@@ -86,7 +86,8 @@ const char *acquire_kind_name(acquire_kind kind); /* "ramp_hold" */
 acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acquire_motion *motion,
                               const char *name, char why[ACQUIRE_TEXT]);
 
-/* The 13 experiments of the thesis, and a recording of air before and after; defaults: hold_s and the like. */
+/* The 13 experiments of the thesis, and a recording of air before and after; defaults: hold_s and the like.
+ */
 bool acquire_plan_seed(acquire_plan *plan, const acquire_motion *defaults, char why[ACQUIRE_TEXT]);
 
 /* Reads a protocol file; options come before what it says for all its runs. An exit code. (acquire_read.c) */
@@ -104,8 +105,8 @@ bool acquire_segment_add(acquire_run *run, uint8_t kind, double target_mm, const
 void acquire_segments_make(acquire_run *run);
 double acquire_run_length_s(const acquire_run *run); /* of the recording, the way back included */
 
-/* What is known of the plan before anything moves (acquire_path.c): the runs as lines of a table; as JSON also the path of each,
- * points of time and depth, and of time and force where that is what is asked for. */
+/* What is known of the plan before anything moves (acquire_path.c): the runs as lines of a table; as JSON
+ * also the path of each, points of time and depth, and of time and force where that is what is asked for. */
 void acquire_plan_print(const acquire_plan *plan, FILE *to);
 json_t *acquire_plan_json(const acquire_plan *plan);
 
@@ -139,7 +140,8 @@ typedef struct acquire_scale {
     int32_t contact; /* counts at depth 0 */
     double row_N[PALP_WIRE_CHANNELS], tare[PALP_WIRE_CHANNELS];
     double contact_N; /* this much over the force in the air is contact */
-    double matrix[PALP_WIRE_CHANNELS][PALP_WIRE_CHANNELS]; /* of all axes, where ACQUIRE_FORCES asks for them */
+    double matrix[PALP_WIRE_CHANNELS]
+                 [PALP_WIRE_CHANNELS]; /* of all axes, where ACQUIRE_FORCES asks for them */
 } acquire_scale;
 
 typedef struct acquire_sample {
@@ -170,12 +172,13 @@ typedef struct acquire_file {
     acquire_scale scale;
     acquire_figures figures;
     uint32_t first_tick, last_tick;
-    bool waits, over;     /* samples came before those of the recording, the last at before_tick; and after them */
+    bool waits,
+        over; /* samples came before those of the recording, the last at before_tick; and after them */
     uint32_t before_tick;
-    bool in_session;       /* there was a recording before, and its first sample at session_tick */
+    bool in_session; /* there was a recording before, and its first sample at session_tick */
     uint32_t session_tick;
-    double start_s;        /* of this recording since then */
-    acquire_sample last;   /* the newest sample */
+    double start_s;      /* of this recording since then */
+    acquire_sample last; /* the newest sample */
     off_t at;            /* bytes written */
     int error;           /* errno of what could not be written; nothing is written from then on */
     double written_s;    /* wall clock */
@@ -184,10 +187,10 @@ typedef struct acquire_file {
 } acquire_file;
 
 /* Creates the file with its header (keys and values of an object), marked as interrupted until it is closed.
- * *file is zero before the first recording of a session. now_tick: on the device. An exit code: a file of that
- * name stays unless force. */
-int acquire_file_open(acquire_file *file, const char *path, bool force, unsigned columns, const acquire_scale *scale,
-                      uint32_t now_tick, json_t *header);
+ * *file is zero before the first recording of a session. now_tick: on the device. An exit code: a file of
+ * that name stays unless force. */
+int acquire_file_open(acquire_file *file, const char *path, bool force, unsigned columns,
+                      const acquire_scale *scale, uint32_t now_tick, json_t *header);
 /* Takes the samples that are part of the recording; returns how many. */
 size_t acquire_file_add(acquire_file *file, const palp_wire_samples *block);
 void acquire_file_keep(acquire_file *file); /* writes what has waited for half a second */
@@ -223,7 +226,7 @@ void acquire_live_draw(const acquire_live *live, int rows, int columns, FILE *to
 /* ---- the session (acquire_run.c) ---- */
 
 typedef struct acquire_options {
-    const char *command; /* whose session it is, for messages */
+    const char *command;            /* whose session it is, for messages */
     const char *port, *where, *out; /* as given; what link_open takes */
     int baud;
     const char *specimen, *specimen_kind;               /* name and kind, or NULL */
@@ -245,8 +248,8 @@ typedef struct acquire_options {
  * done, the caller's. */
 int acquire_session(const acquire_options *options, const acquire_plan *plan, json_t **summary);
 
-/* Shows what the device senses, ten times a second of its clock, until Ctrl-C: one line that changes on a terminal, else rows of
- * CSV on stdout. Moves nothing (acquire_monitor.c). An exit code. */
+/* Shows what the device senses, ten times a second of its clock, until Ctrl-C: one line that changes on a
+ * terminal, else rows of CSV on stdout. Moves nothing (acquire_monitor.c). An exit code. */
 int acquire_monitor(const acquire_options *options);
 
 #endif

@@ -48,7 +48,8 @@ static void flush(acquire_file *f) {
             if (ftruncate(f->fd, f->at + (off_t)done) != 0)
                 done = 0; /* nothing more can be done for it */
             size_t rows = count_lines(f->text + done, f->n - done);
-            f->figures.samples -= rows < f->figures.samples ? rows : f->figures.samples; /* they are not there */
+            f->figures.samples -=
+                rows < f->figures.samples ? rows : f->figures.samples; /* they are not there */
         }
     }
     f->at += (off_t)done;
@@ -124,7 +125,8 @@ static size_t end_text(const acquire_file *f, const char *fault, double winding_
     n += end_number(text + n, "end.bad_samples", 0, known ? (double)g->bad : NAN);
     n += end_number(text + n, "end.peak_N", 4, g->samples ? g->peak_N : NAN);
     n += end_number(text + n, "end.contact_mm", 4, known ? g->contact_mm : NAN);
-    n += end_number(text + n, "end.error_rms_mm", 5, g->errors ? sqrt(g->error_square / (double)g->errors) : NAN);
+    n += end_number(text + n, "end.error_rms_mm", 5,
+                    g->errors ? sqrt(g->error_square / (double)g->errors) : NAN);
     n += end_number(text + n, "end.error_most_mm", 5, g->errors ? g->error_most_mm : NAN);
     n += end_number(text + n, "end.winding_C", 1, winding_C);
     n += end_number(text + n, "session.start_s", 3, f->start_s);
@@ -164,8 +166,8 @@ static void put_header(acquire_file *f, json_t *header) {
     put_names(f);
 }
 
-int acquire_file_open(acquire_file *f, const char *path, bool force, unsigned columns, const acquire_scale *scale,
-                      uint32_t now_tick, json_t *header) {
+int acquire_file_open(acquire_file *f, const char *path, bool force, unsigned columns,
+                      const acquire_scale *scale, uint32_t now_tick, json_t *header) {
     f->columns = columns;
     f->started = f->waits = f->over = false;
     f->scale = *scale;
@@ -192,7 +194,8 @@ int acquire_file_open(acquire_file *f, const char *path, bool force, unsigned co
 
 /* ---- samples ---- */
 
-static double along(const acquire_scale *s, const double row[PALP_WIRE_CHANNELS], const int16_t adc[PALP_WIRE_CHANNELS]) {
+static double along(const acquire_scale *s, const double row[PALP_WIRE_CHANNELS],
+                    const int16_t adc[PALP_WIRE_CHANNELS]) {
     double sum = 0;
     for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
         sum += row[c] * ((double)adc[c] - s->tare[c]);
@@ -257,12 +260,14 @@ static void put_sample(acquire_file *f, const acquire_sample *x, const palp_wire
                       f->scale.count_mm == 1e-3 ? 3 : 6, x->error_mm, (long)b->position[i], adc[0], adc[1],
                       adc[2], adc[3], adc[4], adc[5], b->duty[i], (unsigned)b->flags[i]);
     for (size_t axis = 0; (f->columns & ACQUIRE_FORCES) && axis < PALP_WIRE_CHANNELS; axis++)
-        n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%.*f", axis < 3 ? 5 : 7, along(&f->scale, f->scale.matrix[axis], adc));
+        n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%.*f", axis < 3 ? 5 : 7,
+                      along(&f->scale, f->scale.matrix[axis], adc));
     if (f->columns & ACQUIRE_TEMPERATURE)
         n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%.2f", 1e-2 * b->case_cC);
     if (f->columns & ACQUIRE_TRIGGER)
-        n += snprintf(row + n, (size_t)(ROW_MAX - n), ",%d,%d", (b->flags[i] & PALP_WIRE_FLAG_TRIGGER_IN) != 0,
-                      (b->flags[i] & PALP_WIRE_FLAG_TRIGGER_OUT) != 0);
+        n +=
+            snprintf(row + n, (size_t)(ROW_MAX - n), ",%d,%d", (b->flags[i] & PALP_WIRE_FLAG_TRIGGER_IN) != 0,
+                     (b->flags[i] & PALP_WIRE_FLAG_TRIGGER_OUT) != 0);
     put_row(f, row, n < ROW_MAX ? n : ROW_MAX - 1);
 }
 
@@ -274,7 +279,8 @@ static void start_clock(acquire_file *f, uint32_t tick) {
     f->start_s = f->scale.tick_s * (tick - f->session_tick);
 }
 
-/* A sample before or after those of the recording: what is missing next to it may have been of the recording. */
+/* A sample before or after those of the recording: what is missing next to it may have been of the recording.
+ */
 static void take_other(acquire_file *f, uint32_t tick, uint32_t step) {
     if (!f->started) {
         f->waits = true;

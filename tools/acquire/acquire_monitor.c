@@ -28,8 +28,8 @@ static void print(const session *s, const palp_wire_samples *b, const monitor *m
                now->contact_known ? place_mm - contact_mm : place_mm, error_um, s->case_C, winding_C,
                now->fault ? palp_wire_fault_name(now->fault) : "");
     else
-        printf("%.3f,%.3f,%s,%.5f,%.1f,%.2f,%.2f,%s,%s\n", time_s, place_mm, depth, force_N, error_um, s->case_C,
-               winding_C, palp_wire_state_name(b->state), palp_wire_fault_name(now->fault));
+        printf("%.3f,%.3f,%s,%.5f,%.1f,%.2f,%.2f,%s,%s\n", time_s, place_mm, depth, force_N, error_um,
+               s->case_C, winding_C, palp_wire_state_name(b->state), palp_wire_fault_name(now->fault));
 }
 
 static void heard(const session *s, const palp_wire_message *message, void *context) {

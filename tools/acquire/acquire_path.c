@@ -3,7 +3,12 @@
 
 #include <math.h>
 
-enum { CYCLES = 200, PERIODS = 40, WAVE = 24, WAVE_MOST = 2000 }; /* of a path: most that are drawn one by one */
+enum {
+    CYCLES = 200,
+    PERIODS = 40,
+    WAVE = 24,
+    WAVE_MOST = 2000
+}; /* of a path: most that are drawn one by one */
 
 void acquire_plan_print(const acquire_plan *plan, FILE *to) {
     fprintf(to, "%-28s %-10s %10s %10s %10s\n", "run", "kind", "deepest_mm", "length_s", "rest_s");
@@ -53,7 +58,8 @@ static void add_waves(path *p, const palp_wire_segment *s, double amplitude_mm) 
     const double points = fmin(fmax(WAVE * fmin(periods, PERIODS), WAVE), WAVE_MOST);
     for (int i = 1; i <= points; i++) {
         double t = length_s * i / points;
-        add(p->depth, from_s + t, middle_mm + amplitude_mm * sin(2 * acos(-1) * sweep_phase(f0_Hz, f1_Hz, length_s, t)));
+        add(p->depth, from_s + t,
+            middle_mm + amplitude_mm * sin(2 * acos(-1) * sweep_phase(f0_Hz, f1_Hz, length_s, t)));
     }
     p->time_s = from_s + length_s;
 }
@@ -98,10 +104,10 @@ static json_t *run_json(const acquire_run *r) {
         add_segment(&p, &r->segment[i]);
     go(&p, fabs(p.depth_mm - r->start_mm) / ACQUIRE_BACK_MM_S, r->start_mm);
     go(&p, r->motion.after_s, r->start_mm);
-    return json_pack("{ss ss sf sf sf sb so so}", "name", r->name, "kind", acquire_kind_name(r->kind), "deepest_mm",
-                     r->deepest_mm, "length_s", acquire_run_length_s(r), "rest_s",
-                     isnan(r->motion.rest_s) ? 0.0 : r->motion.rest_s, "repeat", r->repeat, "path", p.depth, "force",
-                     p.force);
+    return json_pack("{ss ss sf sf sf sb so so}", "name", r->name, "kind", acquire_kind_name(r->kind),
+                     "deepest_mm", r->deepest_mm, "length_s", acquire_run_length_s(r), "rest_s",
+                     isnan(r->motion.rest_s) ? 0.0 : r->motion.rest_s, "repeat", r->repeat, "path", p.depth,
+                     "force", p.force);
 }
 
 json_t *acquire_plan_json(const acquire_plan *plan) {

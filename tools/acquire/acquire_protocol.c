@@ -166,7 +166,8 @@ static void number_names(acquire_plan *plan) {
 }
 
 /* A specimen recovers a little more slowly than it relaxes, after a short press as after a long one: before
- * the next it rests as long as the last took, and at least as long as the phantom of the thesis needs (to 0.5 %). */
+ * the next it rests as long as the last took, and at least as long as the phantom of the thesis needs (to 0.5
+ * %). */
 static void fill_rests(acquire_plan *plan) {
     const double least_s = 200;
     double needed_s = 0;

@@ -98,7 +98,8 @@ static int read_segment(const acquire_json *j, const char *where, const json_t *
     size_t form = form_of(object);
     acquire_motion m = acquire_motion_none();
     if (form == FORMS)
-        return acquire_json_fail(j, where, "needs one of move_to_mm, hold_s, cycle_to_mm, sine_mm, sweep_mm, force_N");
+        return acquire_json_fail(j, where,
+                                 "needs one of move_to_mm, hold_s, cycle_to_mm, sine_mm, sweep_mm, force_N");
     m.acceleration_mm_s2 = r->motion.acceleration_mm_s2;
     int code = read_segment_keys(j, where, object, form, &m);
     if (code)

@@ -37,17 +37,21 @@ static outcome set_calibration(session *s) {
 /* Off is how a device begins; one that knows no triggers is asked for none. */
 static outcome set_trigger(session *s) {
     const acquire_options *o = s->options;
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_TRIGGER,
-                           .as.trigger = {(uint8_t)o->trigger_in, o->trigger_out, (uint16_t)o->trigger_every}};
+    palp_wire_message m = {
+        .type = PALP_WIRE_TYPE_TRIGGER,
+        .as.trigger = {(uint8_t)o->trigger_in, o->trigger_out, (uint16_t)o->trigger_every}};
     return o->trigger_in || o->trigger_out ? session_order(s, &m, "take the triggers") : GOES_ON;
 }
 
 /* What it is set to, as each recording says. */
 static outcome read_calibration(session *s) {
     enum { CALIBRATED = 13 }; /* of the parameters, up to moving_kg; the device tells of them first */
-    outcome end = session_from_device(s, device_parameters_read(&s->device, CALIBRATED, &s->calibration), "answer");
+    outcome end =
+        session_from_device(s, device_parameters_read(&s->device, CALIBRATED, &s->calibration), "answer");
     if (end == GOES_ON && s->calibration.now.source == 2)
-        session_tell(s, true, "what the device has kept is damaged: it uses what is compiled in; see palpate calibrate-device show");
+        session_tell(s, true,
+                     "what the device has kept is damaged: it uses what is compiled in; see palpate "
+                     "calibrate-device show");
     return end;
 }
 
@@ -71,7 +75,8 @@ outcome session_home(session *s) {
 }
 
 static outcome read_axis(session *s, uint8_t axis, double row_N[PALP_WIRE_CHANNELS]) {
-    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = axis}}, got = {0};
+    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = axis}},
+                      got = {0};
     outcome end = session_ask(s, &ask, &got);
     for (size_t c = 0; c < PALP_WIRE_CHANNELS && end == GOES_ON; c++) {
         row_N[c] = 1e-9 * got.as.calibration.row[c];

@@ -1,5 +1,5 @@
-/* acquire_reconnect.c: a link that breaks while nothing moves and nothing is recorded is opened again, if the device has gone on
- * meanwhile: its home, tare and contact then still hold. */
+/* acquire_reconnect.c: a link that breaks while nothing moves and nothing is recorded is opened again, if the
+ * device has gone on meanwhile: its home, tare and contact then still hold. */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_session.h"
 
@@ -36,12 +36,15 @@ static outcome wait_for_it(session *s, double patience_s) {
 /* The device is the one that it was; its samples go on or stay off. */
 static outcome go_on(session *s, uint32_t serial, const palp_wire_status *then) {
     const palp_wire_status *now = &s->device.status;
-    const bool quiet = s->quiet, moved = then->contact_known && (!now->contact_known || now->contact != then->contact);
+    const bool quiet = s->quiet,
+               moved = then->contact_known && (!now->contact_known || now->contact != then->contact);
     if (s->device.info.serial != serial)
         return session_fail(s, "another device answers at %s", s->options->where);
     if (now->tick - then->tick > INT32_MAX || moved)
-        return session_fail(s, "the device has restarted while it was not connected: home, tare and contact are lost");
-    session_tell(s, false, "connected again after %.1f s of the device's time", s->scale.tick_s * (now->tick - then->tick));
+        return session_fail(
+            s, "the device has restarted while it was not connected: home, tare and contact are lost");
+    session_tell(s, false, "connected again after %.1f s of the device's time",
+                 s->scale.tick_s * (now->tick - then->tick));
     outcome end = session_configure(s);
     return end || !quiet ? end : session_stream(s, false);
 }

@@ -17,8 +17,8 @@ static void check_contact(const session *s) {
     if (s->run->kind == ACQUIRE_FREE || isnan(at_mm) || (at_mm > early_mm && at_mm < late_mm))
         return;
     session_tell(s, true, "%s: contact at %.2f mm: the specimen %s", s->file.path, at_mm,
-                at_mm > 0 ? "has not recovered (raise --rest-s), or has moved"
-                          : "has risen or moved; let it settle and start again");
+                 at_mm > 0 ? "has not recovered (raise --rest-s), or has moved"
+                           : "has risen or moved; let it settle and start again");
 }
 
 static void say_run(const session *s) {
@@ -27,19 +27,23 @@ static void say_run(const session *s) {
     if (g->lost + g->bad > 0)
         snprintf(missing, sizeof missing, ", %zu lost, %zu without a reading", g->lost, g->bad);
     session_tell(s, false, "%s: %zu samples, %.4g mm, %.4g N, error %.2g mm rms%s", s->file.path, g->samples,
-                 g->deepest_mm, g->peak_N, g->errors ? sqrt(g->error_square / (double)g->errors) : 0.0, missing);
+                 g->deepest_mm, g->peak_N, g->errors ? sqrt(g->error_square / (double)g->errors) : 0.0,
+                 missing);
 }
 
-/* What the device holds a run to: a force that passes its limit is to rise by no more than that limit until the motor is off. */
+/* What the device holds a run to: a force that passes its limit is to rise by no more than that limit until
+ * the motor is off. */
 static outcome out_of_range(session *s) {
     static const double BLIND_S = 2e-3; /* until the motor is off */
     const double k = 1e-3 * s->device.status.stiffness_mN_m, force_N = 1e-6 * s->limits.force_uN;
     const double moving_kg = device_parameter_value(&s->calibration, "moving_kg", 0);
     char speed[80] = "";
     if (k > 0 && moving_kg > 0)
-        snprintf(speed, sizeof speed, "faster than %.3g mm/s into its %.4g N/m, ", 1e3 * force_N / (sqrt(k * moving_kg) + BLIND_S * k), k);
-    return session_fail(s, "the device refuses %s: it would move %sbeyond %g N, or out of its travel of %g mm", s->run->name, speed,
-                        force_N, 1e-6 * s->limits.travel_nm);
+        snprintf(speed, sizeof speed, "faster than %.3g mm/s into its %.4g N/m, ",
+                 1e3 * force_N / (sqrt(k * moving_kg) + BLIND_S * k), k);
+    return session_fail(s,
+                        "the device refuses %s: it would move %sbeyond %g N, or out of its travel of %g mm",
+                        s->run->name, speed, force_N, 1e-6 * s->limits.travel_nm);
 }
 
 static outcome start_run(session *s) {
@@ -98,8 +102,8 @@ static void note_loss(session *s) {
     const acquire_figures *g = &s->file.figures;
     const size_t missing = g->lost + g->bad, all = g->samples + missing;
     if (s->lossy++ == 0)
-        snprintf(s->why, sizeof s->why, "%.300s lacks %zu of %zu samples (%.0f %%): record it again", s->file.path,
-                 missing, all, 100.0 * (double)missing / (double)all);
+        snprintf(s->why, sizeof s->why, "%.300s lacks %zu of %zu samples (%.0f %%): record it again",
+                 s->file.path, missing, all, 100.0 * (double)missing / (double)all);
 }
 
 /* Closes what the run has recorded; a run of which nothing came leaves no file. */

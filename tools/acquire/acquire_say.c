@@ -92,8 +92,9 @@ static void limits(const session *s, json_t *to) {
     number(to, "limits.overflow_samples", s->limits.overflow_samples);
 }
 
-static const char *const row_keys[PALP_WIRE_CHANNELS] = {"device.row_Fx_N",  "device.row_Fy_N",  "device.row_Fz_N",
-                                                         "device.row_Tx_Nm", "device.row_Ty_Nm", "device.row_Tz_Nm"};
+static const char *const row_keys[PALP_WIRE_CHANNELS] = {"device.row_Fx_N",  "device.row_Fy_N",
+                                                         "device.row_Fz_N",  "device.row_Tx_Nm",
+                                                         "device.row_Ty_Nm", "device.row_Tz_Nm"};
 
 static void calibration(const session *s, json_t *to) {
     const device_parameters *p = &s->calibration;
@@ -102,7 +103,8 @@ static void calibration(const session *s, json_t *to) {
     char id[12];
     snprintf(id, sizeof id, "%08x", (unsigned)p->now.id);
     string(to, "calibration.id", id);
-    string(to, "calibration.source", p->now.stored_id && changed ? "flash, changed" : device_source_text(p->now.source));
+    string(to, "calibration.source",
+           p->now.stored_id && changed ? "flash, changed" : device_source_text(p->now.source));
     if (day > 0)
         clock_time(to, "calibration.date", (time_t)day * 86400);
     positive(to, "calibration.frame_mm_N", 1e3 * device_parameter_value(p, "compliance_m_N", 0));

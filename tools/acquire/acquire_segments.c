@@ -113,5 +113,6 @@ void acquire_segments_make(acquire_run *r) {
 }
 
 double acquire_run_length_s(const acquire_run *r) {
-    return r->motion.air_s + r->press_s + fabs(r->at_mm - r->start_mm) / ACQUIRE_BACK_MM_S + r->motion.after_s;
+    return r->motion.air_s + r->press_s + fabs(r->at_mm - r->start_mm) / ACQUIRE_BACK_MM_S +
+           r->motion.after_s;
 }

@@ -63,7 +63,8 @@ static void hear(const palp_wire_message *m, unsigned lost_frames, void *context
 
 bool session_moving(const session *s) {
     return s->state == PALP_WIRE_STATE_HOMING || s->state == PALP_WIRE_STATE_APPROACH ||
-           s->state == PALP_WIRE_STATE_RUN || s->state == PALP_WIRE_STATE_RETRACT || s->state == PALP_WIRE_STATE_JOG;
+           s->state == PALP_WIRE_STATE_RUN || s->state == PALP_WIRE_STATE_RETRACT ||
+           s->state == PALP_WIRE_STATE_JOG;
 }
 
 /* A link that broke while nothing moved and nothing was recorded may come back. */
@@ -85,8 +86,9 @@ static outcome faulted(session *s) {
     bool same_clock = now->state == PALP_WIRE_STATE_FAULT && ticks - (f->last_tick - f->first_tick) < 60000;
     if (f->fd >= 0 && f->started) {
         s->faulted_s = same_clock ? s->scale.tick_s * ticks : f->figures.duration_s;
-        f->figures.lost +=
-            same_clock && !f->over && now->fault_tick != f->last_tick ? now->fault_tick - f->last_tick - 1 : 0;
+        f->figures.lost += same_clock && !f->over && now->fault_tick != f->last_tick
+                               ? now->fault_tick - f->last_tick - 1
+                               : 0;
     }
     return FAULTED;
 }
@@ -160,7 +162,8 @@ static outcome ask_how_it_is(session *s) {
 }
 
 bool session_is_to_stop(const session *s) {
-    return stops > s->stops_seen || (!s->stopping && s->watcher.stops && s->watcher.stops(s, s->watcher.context));
+    return stops > s->stops_seen ||
+           (!s->stopping && s->watcher.stops && s->watcher.stops(s, s->watcher.context));
 }
 
 outcome session_listen(session *s) {

@@ -13,7 +13,8 @@ typedef struct session session;
 
 enum { ACQUIRE_WORDS = CLI_PATH_MAX + 2 * ACQUIRE_TEXT };
 
-/* Somebody who looks on, or nobody (NULL): told of every message, and asked often whether it is to be stopped. */
+/* Somebody who looks on, or nobody (NULL): told of every message, and asked often whether it is to be
+ * stopped. */
 typedef struct session_watcher {
     void (*heard)(const session *s, const palp_wire_message *m, void *context);
     bool (*stops)(const session *s, void *context);
@@ -27,9 +28,9 @@ struct session {
     const acquire_plan *plan;
     device device;
     acquire_scale scale;
-    palp_wire_limits_now limits; /* in force */
+    palp_wire_limits_now limits;   /* in force */
     device_parameters calibration; /* the first of them */
-    acquire_file file; /* of the run in progress */
+    acquire_file file;             /* of the run in progress */
     acquire_live live;
     const acquire_run *run;
     time_t began;
@@ -39,10 +40,10 @@ struct session {
     uint8_t state;
     uint32_t tick, status_tick;
     double case_C;
-    double heard_s, asked_s; /* wall clock; asked: also when samples came */
-    bool quiet;              /* it is to send no samples */
+    double heard_s, asked_s;          /* wall clock; asked: also when samples came */
+    bool quiet;                       /* it is to send no samples */
     outcome (*reconnect)(session *s); /* session_reconnect where a link that broke is waited for, or NULL */
-    bool stopping;           /* a wish to stop is being obeyed */
+    bool stopping;                    /* a wish to stop is being obeyed */
     int stops_seen;
     size_t lossy;     /* runs of which too much is missing; the first of them in why */
     double faulted_s; /* into the recording; -1 = not in one */
@@ -73,12 +74,13 @@ bool session_is_to_stop(const session *s);
 
 outcome session_listen(session *s); /* takes what comes within a moment */
 
-/* A link that broke (acquire_reconnect.c): tries it once; waits for it for options->reconnect_s, and goes on as before. */
+/* A link that broke (acquire_reconnect.c): tries it once; waits for it for options->reconnect_s, and goes on
+ * as before. */
 bool session_reopen(session *s);
 outcome session_reconnect(session *s);
 
 /* Before a run (acquire_ready.c). Each leaves what it does in s->doing. */
-outcome session_end_last(session *s); /* a session that was cut off may have left it moving */
+outcome session_end_last(session *s);  /* a session that was cut off may have left it moving */
 outcome session_configure(session *s); /* limits, calibration, gains; samples come from then on */
 outcome session_read_scale(session *s);
 outcome session_home(session *s);
@@ -100,7 +102,8 @@ int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]);
 json_t *session_header(const session *s); /* of the run in progress */
 void session_note_run(session *s, const char *cause);
 json_t *session_summary(session *s, const char *cause);
-void session_tell(const session *s, bool warning, const char *format, ...); /* a line on stderr, and to who looks on */
+void session_tell(const session *s, bool warning, const char *format,
+                  ...);                                       /* a line on stderr, and to who looks on */
 void session_line(const session *s, char line[ACQUIRE_TEXT]); /* for the terminal */
 
 #endif

@@ -78,23 +78,27 @@ static const char *model_of(const acquire_setup *u) {
 static int set_columns(const char *name, acquire_setup *u) {
     const unsigned named = u->channels ? acquire_columns(u->channels) : 0;
     u->session.columns |= named | (u->raw ? ACQUIRE_RAW : 0);
-    return !u->channels || named ? CLI_OK
-                                 : cli_usage_error(name, "--channels wants forces, temperature or both with a comma, not \"%s\"",
-                                                   u->channels);
+    return !u->channels || named
+               ? CLI_OK
+               : cli_usage_error(name,
+                                 "--channels wants forces, temperature or both with a comma, not \"%s\"",
+                                 u->channels);
 }
 
 int acquire_setup_check(const char *name, acquire_setup *u) {
     u->session.baud = (int)u->baud;
     u->session.gains = u->gains == 0 ? PALP_WIRE_GAINS_AUTO : u->gains - 1;
     if (!u->session.port)
-        return cli_usage_error(name, "name the device with --port; palpate acquire --list shows the serial ports");
+        return cli_usage_error(name,
+                               "name the device with --port; palpate acquire --list shows the serial ports");
     if (!u->session.out)
         return cli_usage_error(name, "name a folder by --out DIR");
     if (!is_rig(u) && rig_options_given(&u->rig))
         return cli_usage_error(name, "--%s needs --port rig", rig_options_given(&u->rig));
     const int code = set_columns(name, u);
-    return code || !u->calibration ? code
-                                   : acquire_calibration_read(u->calibration, u->session.row, u->session.calibration);
+    return code || !u->calibration
+               ? code
+               : acquire_calibration_read(u->calibration, u->session.row, u->session.calibration);
 }
 
 /* path NULL: the phantom of the thesis. */

@@ -27,10 +27,11 @@ acquire_setup acquire_setup_default(void);
 /* The options, headings included; how many. Those of the rig are rig_options_list's. */
 size_t acquire_setup_device(acquire_setup *setup, cli_option *list);
 size_t acquire_setup_specimen(acquire_setup *setup, cli_option *list);
-size_t acquire_setup_columns(acquire_setup *setup, cli_option *list); /* of the recordings; without a heading */
+size_t acquire_setup_columns(acquire_setup *setup,
+                             cli_option *list); /* of the recordings; without a heading */
 
-/* After the options were read; exit codes. check: a device and a folder are named. prepare: what the virtual indenter's model
- * says of the specimen. open: starts it, if it is one. */
+/* After the options were read; exit codes. check: a device and a folder are named. prepare: what the virtual
+ * indenter's model says of the specimen. open: starts it, if it is one. */
 int acquire_setup_check(const char *name, acquire_setup *setup);
 int acquire_setup_prepare(const char *name, acquire_setup *setup);
 int acquire_setup_open(const char *name, acquire_setup *setup);

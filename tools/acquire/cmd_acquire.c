@@ -49,7 +49,8 @@ static size_t plate_options(choice *c, cli_option *list) {
         cli_positive("sweep-s", "S", 1e6, &m->duration_s, "time of the sweep (default 60)"),
         cli_positive("acceleration-mm-s2", "A", 1e6, &m->acceleration_mm_s2,
                      "rounds the corners (default 500)"),
-        cli_flag("smooth", &c->smooth, "corners without a jump of the acceleration; each takes twice as long"),
+        cli_flag("smooth", &c->smooth,
+                 "corners without a jump of the acceleration; each takes twice as long"),
         cli_number("air-mm", "MM", 0, 1000, &m->air_mm, "begin so far above contact (default 1)"),
         cli_number("air-s", "S", 0, 1e6, &m->air_s, "and rest there for so long before (default 1)"),
         cli_number("after-s", "S", 0, 1e6, &m->after_s, "and after the run (default 1)"),
@@ -70,10 +71,12 @@ static size_t session_options(choice *c, cli_option *list) {
                    "took, at least 200)"),
         cli_number("reconnect-s", "S", 0, 1e6, &o->reconnect_s,
                    "wait so long for a cable that is pulled while nothing moves (60)"),
-        cli_choice("trigger-in", "mark|start", &c->trigger_in,
-                   "a pulse at the indenter's input marks its sample; with start each run\nalso waits for one"),
-        cli_count("trigger-out", "N", 0, 65535, &o->trigger_every,
-                  "a pulse with the first sample of each run and then with every Nth\n(0: with the first only)"),
+        cli_choice(
+            "trigger-in", "mark|start", &c->trigger_in,
+            "a pulse at the indenter's input marks its sample; with start each run\nalso waits for one"),
+        cli_count(
+            "trigger-out", "N", 0, 65535, &o->trigger_every,
+            "a pulse with the first sample of each run and then with every Nth\n(0: with the first only)"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -97,7 +100,8 @@ static int parse(int argc, char **argv, choice *c) {
     cli_option options[OWN_OPTIONS + RIG_OPTIONS];
     size_t n = acquire_setup_device(&c->setup, options), words;
     options[n++] = cli_flag("list", &c->list, "list the serial ports instead");
-    options[n++] = cli_flag("monitor", &c->monitor, "only show force, place and temperatures, until Ctrl-C; moves nothing");
+    options[n++] = cli_flag("monitor", &c->monitor,
+                            "only show force, place and temperatures, until Ctrl-C; moves nothing");
     n += plate_options(c, options + n);
     n += session_options(c, options + n);
     n += acquire_setup_specimen(&c->setup, options + n);

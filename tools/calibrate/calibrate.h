@@ -44,7 +44,7 @@ typedef struct calibrate_state {
     double height_m; /* of the mesh */
     calibrate_method static_method, relaxation_method;
     bool does_static, does_relaxation;
-    size_t n_static; /* the static target */
+    size_t n_static;    /* the static target */
     bool static_lumped; /* it is the lumped model's */
     double *depth_m, *force_N;
     size_t n_presses;
@@ -53,7 +53,8 @@ typedef struct calibrate_state {
     double strain_max; /* largest |element strain| in the presses */
     bool buckled;
     double stable_m, unstable_m;
-    double *lumped_covariance, *lumped_between, *covariance, *between; /* of the lumped model, of the network; NULL: not known */
+    double *lumped_covariance, *lumped_between, *covariance,
+        *between; /* of the lumped model, of the network; NULL: not known */
     size_t n_specimens;
 } calibrate_state;
 
@@ -63,7 +64,7 @@ int calibrate_targets(const calibrate_options *o, calibrate_state *s); /* curves
 int calibrate_static(const calibrate_options *o, calibrate_state *s);
 int calibrate_relaxation(const calibrate_options *o, calibrate_state *s);
 int calibrate_compare(const calibrate_options *o, calibrate_state *s); /* fills press[].network */
-int calibrate_known(const calibrate_options *o, calibrate_state *s);   /* the model's covariance and between */
+int calibrate_known(const calibrate_options *o, calibrate_state *s); /* the model's covariance and between */
 int calibrate_report(const calibrate_options *o, const calibrate_state *s);
 int calibrate_plot(const calibrate_options *o, const calibrate_state *s);
 

@@ -1,4 +1,5 @@
-/* calibrate_known.c: how well the network is known, carried over from the lumped model that it was calibrated to. */
+/* calibrate_known.c: how well the network is known, carried over from the lumped model that it was calibrated
+ * to. */
 #include "calibrate.h"
 
 #include <math.h>
@@ -47,7 +48,8 @@ static palp_forward_run as_forward(const known_run *run) {
     return (palp_forward_run){.n = SAMPLES, .time_s = run->time_s, .depth_m = run->depth_m};
 }
 
-/* The curves that were met: the static one, and of the presses the shallowest, one between and the deepest. */
+/* The curves that were met: the static one, and of the presses the shallowest, one between and the deepest.
+ */
 static size_t list_runs(const calibrate_state *s, known_run *run) {
     size_t n = 0, last = s->n_presses - 1, of[SHOWN] = {0, last / 2, last};
     if (s->does_static)
@@ -66,7 +68,8 @@ static const char *reason_not(const calibrate_state *s) {
             return "the presses are measured ones";
     if (s->model.material.formulation != PALP_HISTORY)
         return "the formulation sedef2008 has no derivatives";
-    return palp_mesh_node_count(s->mesh) > NODES_MAX ? "the network is so large that it would take long" : NULL;
+    return palp_mesh_node_count(s->mesh) > NODES_MAX ? "the network is so large that it would take long"
+                                                     : NULL;
 }
 
 static palp_status carry(calibrate_state *s, palp_error *error) {
@@ -81,7 +84,8 @@ static palp_status carry(calibrate_state *s, palp_error *error) {
         return PALP_ERR_NO_MEMORY;
     s->lumped.covariance = s->lumped_covariance;
     s->lumped.between = s->lumped_between;
-    palp_status status = palp_calibrate_covariance(&s->lumped, &s->model, n, forward, s->covariance, s->between, error);
+    palp_status status =
+        palp_calibrate_covariance(&s->lumped, &s->model, n, forward, s->covariance, s->between, error);
     if (status)
         return status;
     s->model.covariance = s->covariance;

@@ -32,10 +32,14 @@ static void plot_residual(plot_book *book, const palp_calibration *c, bool relax
         y[i] = value > 0 ? value : NAN;
     }
     const plot_series series = {NULL, PLOT_LINE_POINTS, 0, c->n_iterations, x, y};
-    const plot_figure figure = {.title = title, .n_panels = 1,
-                                .panel = {{.x_label = "evaluation of the curve",
-                                           .y_label = relaxation ? "rms error (% of the peak)" : "residual, 2-norm (N)",
-                                           .y_scale = PLOT_LOG, .n_series = 1, .series = &series}}};
+    const plot_figure figure = {
+        .title = title,
+        .n_panels = 1,
+        .panel = {{.x_label = "evaluation of the curve",
+                   .y_label = relaxation ? "rms error (% of the peak)" : "residual, 2-norm (N)",
+                   .y_scale = PLOT_LOG,
+                   .n_series = 1,
+                   .series = &series}}};
     if (largest(c->n_iterations, y) > 0)
         plot_draw(book, name, &figure);
     free(work);
@@ -59,9 +63,13 @@ static void plot_phases(plot_book *book, const palp_calibration *c) {
     const plot_series series[] = {{"peak force", PLOT_LINE_POINTS, 0, c->n_iterations, work, work + n},
                                   {"steady time", PLOT_LINE_POINTS, 1, c->n_iterations, work, work + 2 * n},
                                   {"steady force", PLOT_LINE_POINTS, 2, c->n_iterations, work, work + 3 * n}};
-    const plot_figure figure = {.title = "Convergence of the three phases", .n_panels = 1,
-                                .panel = {{.x_label = "iteration", .y_label = "error (%)", .y_scale = PLOT_LOG,
-                                           .n_series = 3, .series = series}}};
+    const plot_figure figure = {.title = "Convergence of the three phases",
+                                .n_panels = 1,
+                                .panel = {{.x_label = "iteration",
+                                           .y_label = "error (%)",
+                                           .y_scale = PLOT_LOG,
+                                           .n_series = 3,
+                                           .series = series}}};
     plot_draw(book, "relaxation_convergence", &figure);
     free(work);
 }
@@ -87,10 +95,14 @@ static void plot_fit(plot_book *book, const calibrate_state *s) {
     const plot_series curve[] = {{"wanted", PLOT_POINTS, 0, MARKS, mark, wanted},
                                  {"network", PLOT_LINE, 1, CURVE_POINTS, depth, force}};
     const plot_series residual = {NULL, PLOT_LINE, 1, CURVE_POINTS, depth, miss};
-    const plot_figure figure = {.title = "Static press: the wanted curve and the calibrated network", .n_panels = 2,
-                                .panel = {{.x_label = "", .y_label = "force (N)", .n_series = 2, .series = curve},
-                                          {.x_label = "depth (mm)", .y_label = "network - wanted (mN)",
-                                           .n_series = 1, .series = &residual}}};
+    const plot_figure figure = {
+        .title = "Static press: the wanted curve and the calibrated network",
+        .n_panels = 2,
+        .panel = {{.x_label = "", .y_label = "force (N)", .n_series = 2, .series = curve},
+                  {.x_label = "depth (mm)",
+                   .y_label = "network - wanted (mN)",
+                   .n_series = 1,
+                   .series = &residual}}};
     plot_draw(book, "static_fit", &figure);
 }
 
@@ -106,9 +118,13 @@ static void plot_law(plot_book *book, const calibrate_state *s) {
     }
     const plot_series series[] = {{"lumped model", PLOT_LINE, 0, LAW_POINTS, strain, lumped},
                                   {"element", PLOT_LINE, 1, LAW_POINTS, strain, element}};
-    const plot_figure figure = {.title = "Stiffness law K(e) of the lumped model and of an element", .n_panels = 1,
-                                .panel = {{.x_label = "strain e", .y_label = "stiffness K (N)", .y_scale = PLOT_LOG,
-                                           .n_series = 2, .series = series}}};
+    const plot_figure figure = {.title = "Stiffness law K(e) of the lumped model and of an element",
+                                .n_panels = 1,
+                                .panel = {{.x_label = "strain e",
+                                           .y_label = "stiffness K (N)",
+                                           .y_scale = PLOT_LOG,
+                                           .n_series = 2,
+                                           .series = series}}};
     plot_draw(book, "stiffness", &figure);
 }
 
@@ -149,9 +165,11 @@ static void plot_relaxation(plot_book *book, const calibrate_state *s, bool log_
     }
     const plot_figure figure = {.title = "Ramp and hold: wanted (circles) and the calibrated network (lines)",
                                 .n_panels = 1,
-                                .panel = {{.x_label = "time (s)", .y_label = "force (N)",
+                                .panel = {{.x_label = "time (s)",
+                                           .y_label = "force (N)",
                                            .x_scale = log_time ? PLOT_LOG : PLOT_LINEAR,
-                                           .n_series = 2 * shown, .series = series}}};
+                                           .n_series = 2 * shown,
+                                           .series = series}}};
     plot_draw(book, log_time ? "relaxation_log" : "relaxation_linear", &figure);
 }
 
@@ -159,7 +177,8 @@ int calibrate_plot(const calibrate_options *o, const calibrate_state *s) {
     plot_book book = {.command = NAME, .folder = o->plot};
     plot_law(&book, s);
     if (s->does_static) {
-        plot_residual(&book, &s->static_result, false, "static_convergence", "Convergence of the static stage");
+        plot_residual(&book, &s->static_result, false, "static_convergence",
+                      "Convergence of the static stage");
         plot_fit(&book, s);
     }
     if (s->does_relaxation) {

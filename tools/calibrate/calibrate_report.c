@@ -30,8 +30,7 @@ static json_t *arms_json(const palp_material *material) {
     return list;
 }
 
-static json_t *iteration_json(calibrate_method method, bool relaxation,
-                              const palp_calibrate_iteration *it) {
+static json_t *iteration_json(calibrate_method method, bool relaxation, const palp_calibrate_iteration *it) {
     json_t *entry = json_object();
     if (method == METHOD_THREE_PHASE) {
         json_object_set_new(entry, "phase", json_integer(it->phase));

@@ -8,8 +8,8 @@
 static const char NAME[] = "calibrate";
 static const double PI = 3.14159265358979323846;
 
-/* What stands around the specimen stands around the network too; the numbers of a material effect are the lumped
- * specimen's, not an element's. The plain models are compared. */
+/* What stands around the specimen stands around the network too; the numbers of a material effect are the
+ * lumped specimen's, not an element's. The plain models are compared. */
 static void sort_effects(const calibrate_options *o, calibrate_state *s) {
     bool recorded = o->n_words > 1;
     size_t kept = 0;
@@ -19,39 +19,42 @@ static void sort_effects(const calibrate_options *o, calibrate_state *s) {
             s->model.effects[kept++] = s->lumped.effects[i];
             continue;
         }
-        cli_warning(NAME, "%s: its effect %s is left out: %s", o->lumped, info->id,
-                    recorded   ? "the runs are met by a plain network"
-                    : o->start ? "the network keeps those of --start"
-                               : "only the stiffness law and the arms become the network's; palpate explain finds the "
-                                 "network's own");
+        cli_warning(
+            NAME, "%s: its effect %s is left out: %s", o->lumped, info->id,
+            recorded ? "the runs are met by a plain network"
+            : o->start
+                ? "the network keeps those of --start"
+                : "only the stiffness law and the arms become the network's; palpate explain finds the "
+                  "network's own");
     }
     if (!o->start)
         s->model.n_effects = kept;
     for (size_t i = 0; o->start && i < s->model.n_effects; i++) {
         const palp_effect_info *info = palp_effect_look_up(s->model.effects[i].id);
         if (info->place == PALP_EFFECT_SPECIMEN)
-            cli_warning(NAME, "%s: the network is calibrated without its effect %s, which stays in the model", o->start,
-                        info->id);
+            cli_warning(NAME, "%s: the network is calibrated without its effect %s, which stays in the model",
+                        o->start, info->id);
     }
 }
 
 static int read_models(const calibrate_options *o, calibrate_state *s) {
-    int code = open_model_of(NAME, o->lumped, PALP_MODEL_LUMPED,
-                             "is a network; name the lumped model to meet (a network to start from goes to --start)",
-                             &s->lumped, NULL);
+    int code =
+        open_model_of(NAME, o->lumped, PALP_MODEL_LUMPED,
+                      "is a network; name the lumped model to meet (a network to start from goes to --start)",
+                      &s->lumped, NULL);
     if (code)
         return code;
     if (s->does_relaxation && s->lumped.material.n_arms == 0)
         return cli_failure(NAME, "%s: has no arms to relax; use --stage static", o->lumped);
-    if (s->does_relaxation && s->relaxation_method == METHOD_THREE_PHASE &&
-        s->lumped.material.n_arms > 1) {
+    if (s->does_relaxation && s->relaxation_method == METHOD_THREE_PHASE && s->lumped.material.n_arms > 1) {
         return cli_failure(NAME, "%s: has %zu arms, --method three_phase handles one; use --method nlopt",
                            o->lumped, s->lumped.material.n_arms);
     }
     s->model = s->lumped;
     s->model.kind = PALP_MODEL_NETWORK;
     if (o->start) {
-        code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK, "--start wants a network model", &s->model, &s->source);
+        code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK, "--start wants a network model", &s->model,
+                             &s->source);
         code = code ? code : open_refuse_mass(NAME, o->start, &s->model);
     }
     if (code == CLI_OK)
@@ -94,19 +97,25 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
     return CLI_OK; /* else that of --start */
 }
 
-/* The modulus that the tissue has at rest, as a network of this section has to have it, times the ratio that was asked for. */
+/* The modulus that the tissue has at rest, as a network of this section has to have it, times the ratio that
+ * was asked for. */
 static int choose_volume(const calibrate_options *o, calibrate_state *s) {
     const palp_mesh_source *mesh = &s->source;
-    double rest = 0.0, own = mesh->kind == PALP_MESH_LATTICE ? mesh->size_m[0] * mesh->size_m[2] : mesh->area_m2;
+    double rest = 0.0,
+           own = mesh->kind == PALP_MESH_LATTICE ? mesh->size_m[0] * mesh->size_m[2] : mesh->area_m2;
     if (!(o->volume > 0))
         return CLI_OK; /* that of --start */
     palp_law_stiffness(&s->lumped.material.law, 0.0, &rest, NULL);
     if (!(own > 0))
         own = PI * s->lumped.radius_m * s->lumped.radius_m;
     if (!(own > 0))
-        return cli_failure(NAME, "%s: gives no radius_mm to tell the modulus that --volume is a multiple of; give --area-mm2", o->lumped);
+        return cli_failure(
+            NAME,
+            "%s: gives no radius_mm to tell the modulus that --volume is a multiple of; give --area-mm2",
+            o->lumped);
     if (!(rest > 0))
-        return cli_failure(NAME, "%s: its law has no stiffness at rest, which --volume is a multiple of", o->lumped);
+        return cli_failure(NAME, "%s: its law has no stiffness at rest, which --volume is a multiple of",
+                           o->lumped);
     s->model.volume_modulus_Pa = o->volume * rest / own;
     return CLI_OK;
 }

@@ -49,7 +49,8 @@ static size_t finest_side(const palp_mesh_source *source) {
     return finest;
 }
 
-/* A lattice of the same box with at most COARSE nodes a side takes what a large one would take too long for. */
+/* A lattice of the same box with at most COARSE nodes a side takes what a large one would take too long for.
+ */
 enum { COARSE = 7 };
 
 static bool is_large(const calibrate_state *s) {
@@ -87,7 +88,8 @@ static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, 
         return PALP_OK;
     palp_status status = coarse_network(o, s, START, start, &network);
     if (!status)
-        status = palp_calibrate_static(network, start, s->n_static, s->depth_m, s->force_N, &settings, &result);
+        status =
+            palp_calibrate_static(network, start, s->n_static, s->depth_m, s->force_N, &settings, &result);
     if (!status)
         start->law = result.material.law;
     palp_calibration_free(&result);
@@ -96,13 +98,13 @@ static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, 
 }
 
 /* Of a lattice so large that it is not traced again and again: a coarse one takes the law. */
-static palp_status two_level_static(const calibrate_options *o, calibrate_state *s, const palp_material *start,
-                                  const palp_static_settings *settings) {
+static palp_status two_level_static(const calibrate_options *o, calibrate_state *s,
+                                    const palp_material *start, const palp_static_settings *settings) {
     palp_network *coarse = NULL;
     palp_status status = coarse_network(o, s, COARSE, start, &coarse);
     if (!status)
-        status = palp_calibrate_two_level(s->network, coarse, start, s->n_static, s->depth_m, s->force_N, settings,
-                                        &s->static_result);
+        status = palp_calibrate_two_level(s->network, coarse, start, s->n_static, s->depth_m, s->force_N,
+                                          settings, &s->static_result);
     palp_network_free(coarse);
     return status;
 }
@@ -150,8 +152,10 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     double deepest_m = s->depth_m[s->n_static - 1];
     note_buckling(s, c->buckled, c->stable_m, c->unstable_m);
     if (c->reached_m < 0.999 * deepest_m)
-        cli_warning(NAME, "the network's branch of equilibria ends at %.4g mm: beyond it the fit to %.4g mm is not met",
-                    1e3 * c->reached_m, 1e3 * deepest_m);
+        cli_warning(
+            NAME,
+            "the network's branch of equilibria ends at %.4g mm: beyond it the fit to %.4g mm is not met",
+            1e3 * c->reached_m, 1e3 * deepest_m);
     return CLI_OK;
 }
 
@@ -177,7 +181,8 @@ static double deepest_press(const calibrate_state *s) {
 
 static void relaxation_start(const calibrate_options *o, const calibrate_state *s, palp_material *start) {
     size_t n = o->arms ? o->arms : s->lumped.material.n_arms;
-    double ratio = stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest_press(s) / s->height_m);
+    double ratio =
+        stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest_press(s) / s->height_m);
     bool three_phase = s->relaxation_method == METHOD_THREE_PHASE;
     bool arms_given = o->start && s->model.material.n_arms == n && n > 0;
     *start = s->model.material;
@@ -204,7 +209,8 @@ static void scale_arms(palp_material *material, double factor) {
 }
 
 /* The same material on a coarse lattice of the same box, whose fewer elements bear more each. */
-static palp_status coarse_material(const calibrate_state *s, const palp_material *fine, palp_material *coarse) {
+static palp_status coarse_material(const calibrate_state *s, const palp_material *fine,
+                                   palp_material *coarse) {
     double factor = 1;
     for (size_t k = 0; k < 3; k++)
         factor *= k == 1 || s->source.nodes[k] <= COARSE ? 1 : (double)s->source.nodes[k] / COARSE;
@@ -213,7 +219,8 @@ static palp_status coarse_material(const calibrate_state *s, const palp_material
     return palp_law_scale(&fine->law, factor, &coarse->law);
 }
 
-/* The relaxed force of the network with this material, at CURVE depths to the deepest, by ticks that need no factor of it. */
+/* The relaxed force of the network with this material, at CURVE depths to the deepest, by ticks that need no
+ * factor of it. */
 enum { CURVE = 30 };
 static palp_status relaxed_curve(const calibrate_state *s, const palp_material *material, double deepest_m,
                                  double depth_m[CURVE], double force_N[CURVE]) {
@@ -235,10 +242,11 @@ static palp_status relaxed_curve(const calibrate_state *s, const palp_material *
     return status;
 }
 
-/* Of a large lattice: a coarse one takes the law of the large one's curve, then the arms beside it, which come back by the ratio
- * of both laws. */
-static palp_status arms_of_coarse(const calibrate_options *o, calibrate_state *s, const palp_material *start, double deepest_m,
-                                  const palp_target *targets, const palp_relaxation_settings *settings) {
+/* Of a large lattice: a coarse one takes the law of the large one's curve, then the arms beside it, which
+ * come back by the ratio of both laws. */
+static palp_status arms_of_coarse(const calibrate_options *o, calibrate_state *s, const palp_material *start,
+                                  double deepest_m, const palp_target *targets,
+                                  const palp_relaxation_settings *settings) {
     const palp_static_settings how = palp_static_settings_default();
     const double strain = deepest_m / s->height_m;
     double depth_m[CURVE], force_N[CURVE];
@@ -273,7 +281,8 @@ static palp_status fit_arms(const calibrate_options *o, calibrate_state *s, cons
     settings.user = bar;
     if (is_large(s))
         return arms_of_coarse(o, s, start, deepest_press(s), targets, &settings);
-    return palp_calibrate_relaxation(s->network, start, s->n_presses, targets, &settings, &s->relaxation_result);
+    return palp_calibrate_relaxation(s->network, start, s->n_presses, targets, &settings,
+                                     &s->relaxation_result);
 }
 
 int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
@@ -283,7 +292,8 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     if (s->relaxation_method == METHOD_THREE_PHASE && s->n_presses > 1)
         return cli_usage_error(NAME, "--method three_phase takes one run; start it once for each");
     if (is_large(s) && s->relaxation_method != METHOD_THREE_PHASE)
-        cli_warning(NAME, "a lattice of %d nodes a side takes the arms of so large a one (doc/meshes.md)", COARSE);
+        cli_warning(NAME, "a lattice of %d nodes a side takes the arms of so large a one (doc/meshes.md)",
+                    COARSE);
     relaxation_start(o, s, &start);
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *press = &s->press[i];
@@ -293,8 +303,9 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
                                    .force_N = press->target.force_N};
     }
     progress_start(&bar, "relaxation stage");
-    palp_status status = s->relaxation_method == METHOD_THREE_PHASE ? three_phases(o, s, &start, targets, &bar)
-                                                                    : fit_arms(o, s, &start, targets, &bar);
+    palp_status status = s->relaxation_method == METHOD_THREE_PHASE
+                             ? three_phases(o, s, &start, targets, &bar)
+                             : fit_arms(o, s, &start, targets, &bar);
     progress_finish(&bar);
     if (status)
         return stage_failed(o, "relaxation", status);
@@ -357,8 +368,9 @@ static palp_status compare(calibrate_state *s, press_target *press, progress *ba
     const press_watch watch = {bar, note_strain, s};
     palp_run_info info;
     palp_network_reset(s->network);
-    palp_status status = is_large(s) ? press_large(s, press, bar)
-                                     : press_network(s->network, &press->path, &settings, &watch, &press->network, &info);
+    palp_status status =
+        is_large(s) ? press_large(s, press, bar)
+                    : press_network(s->network, &press->path, &settings, &watch, &press->network, &info);
     double stable_m = 0, unstable_m = 0;
     bool buckled = palp_network_buckled(s->network, &stable_m, &unstable_m);
     note_buckling(s, buckled, stable_m, unstable_m);
@@ -382,7 +394,9 @@ static void limit_range(calibrate_state *s) {
     }
     if (palp_law_limit(law, top) || law->strain_max < top) {
         palp_law_limit(law, 0);
-        cli_warning(NAME, "the element's force no longer rises at its largest strain of %.3g: the model does not say how far it holds",
+        cli_warning(NAME,
+                    "the element's force no longer rises at its largest strain of %.3g: the model does not "
+                    "say how far it holds",
                     top);
     }
 }

@@ -191,8 +191,9 @@ static int press_from_run(const char *file, const palp_experiment *run, press_ta
 /* By its path: one press, with or without a dwell. */
 static palp_status kind_of(const palp_experiment *run, palp_recording_kind *kind) {
     palp_pieces pieces;
-    palp_status status = palp_segments_pieces(palp_experiment_rows(run), palp_experiment_column(run, "time_s"),
-                                              palp_experiment_column(run, "depth_mm"), &pieces);
+    palp_status status =
+        palp_segments_pieces(palp_experiment_rows(run), palp_experiment_column(run, "time_s"),
+                             palp_experiment_column(run, "depth_mm"), &pieces);
     if (status == PALP_OK) {
         *kind = palp_recording_kind_of(&pieces);
         palp_pieces_free(&pieces);
@@ -208,15 +209,18 @@ static int read_run(const char *file, calibrate_state *s) {
         return code;
     palp_status status = kind_of(run, &kind);
     if (status) {
-        code = status == PALP_ERR_ARGUMENT ? cli_failure(NAME, "%s: fewer than two samples", file) : cli_status(NAME, status, NULL);
+        code = status == PALP_ERR_ARGUMENT ? cli_failure(NAME, "%s: fewer than two samples", file)
+                                           : cli_status(NAME, status, NULL);
     } else if (kind == PALP_RECORDING_STATIC && s->does_static) {
         code = static_from_run(file, run, s);
     } else if (kind == PALP_RECORDING_RAMP_HOLD && s->does_relaxation && s->n_presses < PRESSES_MAX) {
         code = press_from_run(file, run, &s->press[s->n_presses++]);
     } else {
-        static const char *const kinds[] = {"one press without a dwell", "a press and a dwell", "more than one press"};
-        code = cli_failure(NAME, "%s: its path is %s, which is of no use here; leave it out or choose another --stage", file,
-                           kinds[kind]);
+        static const char *const kinds[] = {"one press without a dwell", "a press and a dwell",
+                                            "more than one press"};
+        code = cli_failure(
+            NAME, "%s: its path is %s, which is of no use here; leave it out or choose another --stage", file,
+            kinds[kind]);
     }
     palp_experiment_free(run);
     return code;

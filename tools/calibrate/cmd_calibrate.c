@@ -63,8 +63,8 @@ static size_t fit_options(calibrate_options *o, cli_option *to) {
         cli_flag("strain-dependent", &o->strain_dependent,
                  "arms whose stiffness grows with strain, K (1 + beta |e|)"),
         cli_in("start", "NETWORK.json", &o->start,
-                 "first guess; --stage relaxation takes its law (default: a static\n"
-                 "stage runs first), and its mesh unless --nodes or --mesh is given"),
+               "first guess; --stage relaxation takes its law (default: a static\n"
+               "stage runs first), and its mesh unless --nodes or --mesh is given"),
     };
     memcpy(to, options, sizeof options);
     return sizeof options / sizeof options[0];
@@ -231,7 +231,8 @@ static void state_free(calibrate_state *s) {
         record_free(&s->press[i].network);
         free(s->press[i].wanted_N);
     }
-    double *const arrays[] = {s->depth_m, s->force_N, s->lumped_covariance, s->lumped_between, s->covariance, s->between};
+    double *const arrays[] = {s->depth_m,        s->force_N,    s->lumped_covariance,
+                              s->lumped_between, s->covariance, s->between};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
     palp_network_free(s->network);
@@ -240,8 +241,13 @@ static void state_free(calibrate_state *s) {
 }
 
 int cmd_calibrate(int argc, char **argv) {
-    calibrate_options o = {
-        .scaling = -1, .stage = STAGE_ALL, .degree = 4, .knots = 8, .steps = 97000, .ramp_s = 1, .hold_s = 200};
+    calibrate_options o = {.scaling = -1,
+                           .stage = STAGE_ALL,
+                           .degree = 4,
+                           .knots = 8,
+                           .steps = 97000,
+                           .ramp_s = 1,
+                           .hold_s = 200};
     cli_keep_command(argc, argv, o.command);
     int code = parse(argc, argv, &o);
     if (code == CLI_OK)

@@ -15,14 +15,15 @@ typedef struct machine_options {
     cli_list weights_g;
     size_t channel; /* of the sensor, from 1, that is calibrated alone; 0: all by their matrix */
     double gravity_m_s2, average_s, force_N; /* 0: not given */
-    const char *out; /* of show: a file */
+    const char *out;                         /* of show: a file */
     size_t n_words;
     const char *word[MACHINE_WORDS]; /* behind the action */
 } machine_options;
 
 #define MACHINE_NAME "calibrate-device"
 
-/* Into IDLE, where parameters can be set: lets go of a plate that is held. An exit code, after one line if it is not 0. */
+/* Into IDLE, where parameters can be set: lets go of a plate that is held. An exit code, after one line if it
+ * is not 0. */
 int machine_idle(device *d);
 int machine_failure(device *d, device_result result);
 /* Reads a line; true for yes. --yes says it without asking; the end of the input is a no. */
@@ -33,8 +34,10 @@ typedef struct machine_result {
     const char *step;
     json_t *figures;
 } machine_result;
-void machine_tell(machine_result *r, const char *name, double value, double half, const char *what); /* half NAN: no interval */
-int machine_finish(const machine_options *o, machine_result *r, int code); /* the exit code; frees the figures */
+void machine_tell(machine_result *r, const char *name, double value, double half,
+                  const char *what); /* half NAN: no interval */
+int machine_finish(const machine_options *o, machine_result *r,
+                   int code); /* the exit code; frees the figures */
 /* Waits for Enter; false at the end of the input. machine_ready_unless: not with --yes. */
 bool machine_ready(const char *prompt);
 bool machine_ready_unless(const machine_options *o, const char *prompt);

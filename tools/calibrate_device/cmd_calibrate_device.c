@@ -12,8 +12,9 @@ enum { OWN_OPTIONS = 16 };
 static const struct {
     const char *name;
     int (*run)(const machine_options *o, session *s);
-} actions[] = {{"show", machine_show},    {"set", machine_set},     {"load", machine_load}, {"standard", machine_standard},
-               {"weights", step_weights}, {"block", step_block},    {"air", step_air},      {"gains", step_gains}};
+} actions[] = {
+    {"show", machine_show},    {"set", machine_set},  {"load", machine_load}, {"standard", machine_standard},
+    {"weights", step_weights}, {"block", step_block}, {"air", step_air},      {"gains", step_gains}};
 static const char LIST[] = "show, set, load, standard, weights, block, air or gains";
 
 enum { ACTIONS = sizeof actions / sizeof actions[0] };
@@ -24,13 +25,18 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
     size_t n = acquire_setup_device(&o->setup, options), n_words = 0;
     const cli_option own[] = {
         cli_heading("Steps"),
-        cli_numbers("weights-g", "G,G,...", 1e5, &o->weights_g, "masses that are put on the sensor one after the other"),
+        cli_numbers("weights-g", "G,G,...", 1e5, &o->weights_g,
+                    "masses that are put on the sensor one after the other"),
         cli_flag("hanging", &o->hanging, "they hang from the plate (default: they lie on it, turned up)"),
-        cli_count("channel", "1..6", 1, 6, &o->channel, "only this input has a sensor, a load cell (default: all six, by their matrix)"),
+        cli_count("channel", "1..6", 1, 6, &o->channel,
+                  "only this input has a sensor, a load cell (default: all six, by their matrix)"),
         cli_positive("gravity-m-s2", "G", 20, &o->gravity_m_s2, "where the device stands (default 9.80665)"),
-        cli_positive("average-s", "S", 60, &o->average_s, "each reading is the mean of S seconds (default 1)"),
-        cli_positive("force-N", "F", 1000, &o->force_N, "that the block is pressed with (default 40 % of the sensor's)"),
-        cli_text("out-folder", "DIR", &o->setup.session.out, "folder of the runs that block and gains record (default .)"),
+        cli_positive("average-s", "S", 60, &o->average_s,
+                     "each reading is the mean of S seconds (default 1)"),
+        cli_positive("force-N", "F", 1000, &o->force_N,
+                     "that the block is pressed with (default 40 % of the sensor's)"),
+        cli_text("out-folder", "DIR", &o->setup.session.out,
+                 "folder of the runs that block and gains record (default .)"),
         cli_heading("Output"),
         cli_flag("yes", &o->yes, "keep results in the device without asking"),
         cli_out("out", "FILE.json", &o->out, "what it is then set to, as a file that load takes"),
@@ -43,11 +49,16 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
     const cli_command command = {
         NAME,
         "ACTION --port PORT [options]\n"
-        "       ACTION: weights | block | air | gains | show | set NAME=VALUE ... | load FILE.json | standard",
-        "Calibrates an indenter, a step at a time and best in this order: known masses on the sensor (weights),\n"
-        "a press on a rigid block for the frame and the motor (block), the plate in the air for friction and\n"
-        "noise (air), a sweep above something soft for the gains (gains). Shows what the device is set to, sets\n"
-        "it by name, from a file, or back to what is compiled in. Keeps it in the device's flash, after asking.\n"
+        "       ACTION: weights | block | air | gains | show | set NAME=VALUE ... | load FILE.json | "
+        "standard",
+        "Calibrates an indenter, a step at a time and best in this order: known masses on the sensor "
+        "(weights),\n"
+        "a press on a rigid block for the frame and the motor (block), the plate in the air for friction "
+        "and\n"
+        "noise (air), a sweep above something soft for the gains (gains). Shows what the device is set to, "
+        "sets\n"
+        "it by name, from a file, or back to what is compiled in. Keeps it in the device's flash, after "
+        "asking.\n"
         "Every recording says the calibration that it was made with.",
         "  palpate calibrate-device weights --weights-g 50,100,200,500 --port /dev/ttyACM0\n"
         "  palpate calibrate-device show --port /dev/ttyACM0 --out machine.json\n"

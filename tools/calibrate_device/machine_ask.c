@@ -26,14 +26,16 @@ int machine_idle(device *d) {
         }
         if (d->status.state != PALP_WIRE_STATE_BOOT)
             result = device_do(d, PALP_WIRE_TYPE_STOP, NULL);
-        result = result == DEVICE_OK && device_poll(d, IDLE_POLL_MS) == DEVICE_CLOSED ? DEVICE_CLOSED : result;
+        result =
+            result == DEVICE_OK && device_poll(d, IDLE_POLL_MS) == DEVICE_CLOSED ? DEVICE_CLOSED : result;
         result = result ? result : device_do(d, PALP_WIRE_TYPE_GET_STATUS, &got);
     }
     if (result)
         return machine_failure(d, result);
     return d->status.state == PALP_WIRE_STATE_IDLE
                ? CLI_OK
-               : cli_failure(NAME, "the device does not come to rest: it is in %s", palp_wire_state_name(d->status.state));
+               : cli_failure(NAME, "the device does not come to rest: it is in %s",
+                             palp_wire_state_name(d->status.state));
 }
 
 bool machine_agrees(const machine_options *o, const char *question) {

@@ -32,16 +32,19 @@ static json_t *file_of(const device *d, const device_parameters *p) {
     device_date(device_parameter_value(p, "calibration_day", 0), date);
     memcpy(board, d->info.board, PALP_WIRE_NAME);
     return json_pack("{s{si} ss sI ss ss ss? ss? si so}", "palpate", "machine", 1, "board", board, "serial",
-                     (json_int_t)d->info.serial, "id", id, "source", device_source_text(p->now.source), "stored_id",
-                     p->now.stored_id ? stored : NULL, "date", *date ? date : NULL, "damaged_records", (int)p->now.bad,
-                     "parameters", values(p));
+                     (json_int_t)d->info.serial, "id", id, "source", device_source_text(p->now.source),
+                     "stored_id", p->now.stored_id ? stored : NULL, "date", *date ? date : NULL,
+                     "damaged_records", (int)p->now.bad, "parameters", values(p));
 }
 
 static void print(const device_parameters *p) {
     char date[16], value[24], standard[24], low[24], high[24];
     device_date(device_parameter_value(p, "calibration_day", 0), date);
-    printf("calibration %08x, from %s, of %s%s\n", (unsigned)p->now.id, device_source_text(p->now.source), *date ? date : "no date",
-           p->now.id == p->now.stored_id ? "" : p->now.stored_id ? "; changed since it was kept" : "; not kept");
+    printf("calibration %08x, from %s, of %s%s\n", (unsigned)p->now.id, device_source_text(p->now.source),
+           *date ? date : "no date",
+           p->now.id == p->now.stored_id ? ""
+           : p->now.stored_id            ? "; changed since it was kept"
+                                         : "; not kept");
     printf("%-20s %12s %12s %12s %12s\n", "name", "value", "compiled in", "least", "most");
     for (size_t i = 0; i < p->n; i++) {
         const device_parameter *one = &p->one[i];
@@ -86,14 +89,15 @@ static int read_word(const device_parameters *p, const char *word, machine_chang
     const unsigned long index = word[length] == '.' ? strtoul(word + length + 1, &rest, 10) : 0;
     change->one = device_parameter_find(p, name, index);
     if (!device_parameter_find(p, name, 0))
-        return cli_usage_error(NAME, "the device has no parameter %s; calibrate-device show lists them", name);
+        return cli_usage_error(NAME, "the device has no parameter %s; calibrate-device show lists them",
+                               name);
     if ((word[length] == '.' && rest != equals) || !change->one)
         return cli_usage_error(NAME, "%s has %u values: name one as %s.0 to %s.%u", name,
                                (unsigned)device_parameter_find(p, name, 0)->count, name, name,
                                device_parameter_find(p, name, 0)->count - 1u);
     if (word[length] != '.' && change->one->count > 1)
-        return cli_usage_error(NAME, "%s has %u values: name one as %s.0 to %s.%u", name, (unsigned)change->one->count, name, name,
-                               change->one->count - 1u);
+        return cli_usage_error(NAME, "%s has %u values: name one as %s.0 to %s.%u", name,
+                               (unsigned)change->one->count, name, name, change->one->count - 1u);
     if (!cli_read_number(equals + 1, &change->value))
         return cli_usage_error(NAME, "%s wants a number, not \"%s\"", name, equals + 1);
     return CLI_OK;
@@ -121,8 +125,8 @@ static int check(size_t n, const machine_change *change) {
         device_parameter_text(one->value, old);
         device_parameter_text(value, new);
         if (value != one->value)
-            fprintf(stderr, one->count > 1 ? "%s.%u: %s instead of %s\n" : "%s%.0u: %s instead of %s\n", one->name,
-                    one->count > 1 ? (unsigned)one->index : 0u, new, old);
+            fprintf(stderr, one->count > 1 ? "%s.%u: %s instead of %s\n" : "%s%.0u: %s instead of %s\n",
+                    one->name, one->count > 1 ? (unsigned)one->index : 0u, new, old);
     }
     return CLI_OK;
 }
@@ -175,8 +179,8 @@ int machine_standard(const machine_options *o, session *s) {
 
 /* ---- a file ---- */
 
-static int take_number(const acquire_json *j, const char *where, const json_t *value, const device_parameter *one,
-                       machine_change *change) {
+static int take_number(const acquire_json *j, const char *where, const json_t *value,
+                       const device_parameter *one, machine_change *change) {
     *change = (machine_change){one, json_number_value(value)};
     return json_is_number(value) ? CLI_OK : acquire_json_fail(j, where, "must be a number");
 }

@@ -1,4 +1,5 @@
-/* machine_result.c: what a step found: told on the terminal, as JSON at the end; and questions to whoever stands beside it. */
+/* machine_result.c: what a step found: told on the terminal, as JSON at the end; and questions to whoever
+ * stands beside it. */
 #include "calibrate_device.h"
 #include "shared/json_out.h"
 
@@ -7,8 +8,8 @@
 static const char NAME[] = MACHINE_NAME;
 
 void machine_tell(machine_result *r, const char *name, double value, double half, const char *what) {
-    json_t *one = json_pack("{so so so}", "value", json_number_or_null(value), "low", json_number_or_null(value - half), "high",
-                            json_number_or_null(value + half));
+    json_t *one = json_pack("{so so so}", "value", json_number_or_null(value), "low",
+                            json_number_or_null(value - half), "high", json_number_or_null(value + half));
     if (!r->figures)
         r->figures = json_object();
     json_object_set_new(r->figures, name, one);
@@ -19,8 +20,8 @@ void machine_tell(machine_result *r, const char *name, double value, double half
 }
 
 int machine_finish(const machine_options *o, machine_result *r, int code) {
-    json_t *all = json_pack("{s{si} ss so sb}", "palpate", "calibrate_device", 1, "step", r->step, "figures", r->figures ? r->figures : json_object(), "kept",
-                            code == CLI_OK);
+    json_t *all = json_pack("{s{si} ss so sb}", "palpate", "calibrate_device", 1, "step", r->step, "figures",
+                            r->figures ? r->figures : json_object(), "kept", code == CLI_OK);
     r->figures = NULL;
     if (o->json) {
         int printed = json_print(NAME, all);

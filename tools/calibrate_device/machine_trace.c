@@ -23,8 +23,12 @@ void machine_trace_heard(const session *s, const palp_wire_message *m, void *con
         if (t->n == t->room && !grow(t))
             return;
         machine_sample *one = &t->list[t->n++];
-        *one = (machine_sample){.tick = b->tick + i,       .position = b->position[i], .duty = b->duty[i],
-                                .error = b->error[i],      .state = b->state,          .flags = b->flags[i]};
+        *one = (machine_sample){.tick = b->tick + i,
+                                .position = b->position[i],
+                                .duty = b->duty[i],
+                                .error = b->error[i],
+                                .state = b->state,
+                                .flags = b->flags[i]};
         for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
             one->adc[c] = b->adc[PALP_WIRE_CHANNELS * i + c];
     }
@@ -72,8 +76,8 @@ static bool invert(normal *m) {
     return true;
 }
 
-bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const double *y, double sd, machine_figure *c,
-                 double *residual) {
+bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const double *y, double sd,
+                 machine_figure *c, double *residual) {
     normal m = {.n = terms};
     double right[MACHINE_TERMS] = {0}, square = 0;
     for (size_t i = 0; i < n; i++)

@@ -1,4 +1,5 @@
-/* machine_trace.h: what a step of the calibration measures with: samples as they came, a line through points, its interval. */
+/* machine_trace.h: what a step of the calibration measures with: samples as they came, a line through points,
+ * its interval. */
 #ifndef PALPATE_MACHINE_TRACE_H
 #define PALPATE_MACHINE_TRACE_H
 
@@ -29,10 +30,11 @@ typedef struct machine_figure {
 
 enum { MACHINE_TERMS = 4 };
 
-/* y = sum of coefficients times x[i][], by least squares; half: Student's t times the standard error, the residual's sd taken
- * to be at least sd. False: the points do not tell the coefficients apart. residual (may be NULL): y minus the line. */
-bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const double *y, double sd, machine_figure *coefficient,
-                 double *residual);
+/* y = sum of coefficients times x[i][], by least squares; half: Student's t times the standard error, the
+ * residual's sd taken to be at least sd. False: the points do not tell the coefficients apart. residual (may
+ * be NULL): y minus the line. */
+bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const double *y, double sd,
+                 machine_figure *coefficient, double *residual);
 
 double machine_student(size_t degrees); /* 97.5 % quantile */
 

@@ -1,13 +1,20 @@
-/* step_air.c: the plate up and down in the air: friction, drag and balance of the drive, how even it is; the sensor's noise. */
+/* step_air.c: the plate up and down in the air: friction, drag and balance of the drive, how even it is; the
+ * sensor's noise. */
 #include "calibrate_device.h"
 
 #include <math.h>
 
 static const char NAME[] = MACHINE_NAME;
 
-enum { RATES = 3, REPEATS = 2, PASSES = RATES * REPEATS, BLOCK = 20 /* ticks of a mean, of which the ripple is the sd */ };
+enum {
+    RATES = 3,
+    REPEATS = 2,
+    PASSES = RATES * REPEATS,
+    BLOCK = 20 /* ticks of a mean, of which the ripple is the sd */
+};
 
-static const double RATE_MM_S[RATES] = {2, 5, 10}, TOP_MM = 2, STROKE_MM = 10, MARGIN = 0.2 /* of the stroke, at both ends */;
+static const double RATE_MM_S[RATES] = {2, 5, 10}, TOP_MM = 2, STROKE_MM = 10,
+                    MARGIN = 0.2 /* of the stroke, at both ends */;
 static const double FULL = 32767, REST_S = 1;
 
 typedef struct airing {
@@ -15,8 +22,9 @@ typedef struct airing {
     session *s;
     machine_trace *trace;
     double motor_N, low_mm, high_mm;
-    size_t n;                                        /* pairs of passes */
-    double rate_m_s[PASSES], half_N[PASSES], mean_N[PASSES]; /* half of what down and up differ by, and their mean */
+    size_t n; /* pairs of passes */
+    double rate_m_s[PASSES], half_N[PASSES],
+        mean_N[PASSES]; /* half of what down and up differ by, and their mean */
     double ripple_N, noise_N;
 } airing;
 
@@ -26,7 +34,8 @@ typedef struct pass {
 
 static outcome jog(session *s, double to_mm, double rate_mm_s) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_JOG};
-    m.as.jog = (palp_wire_jog){.to_nm = (int32_t)lrint(1e6 * to_mm), .rate_nm_s = (uint32_t)lrint(1e6 * rate_mm_s)};
+    m.as.jog =
+        (palp_wire_jog){.to_nm = (int32_t)lrint(1e6 * to_mm), .rate_nm_s = (uint32_t)lrint(1e6 * rate_mm_s)};
     outcome end = session_order(s, &m, "jog");
     return end ? end : session_settle(s, 60);
 }
@@ -39,7 +48,8 @@ static bool middle(const airing *a, pass *p) {
     size_t n = 0, first = 0, last = 0;
     for (size_t i = 0; i < t->n; i++) {
         const double at_mm = mm * t->list[i].position;
-        if (t->list[i].state != PALP_WIRE_STATE_JOG || at_mm < a->low_mm + margin || at_mm > a->high_mm - margin)
+        if (t->list[i].state != PALP_WIRE_STATE_JOG || at_mm < a->low_mm + margin ||
+            at_mm > a->high_mm - margin)
             continue;
         const double force_N = a->motor_N * t->list[i].duty / FULL;
         first = n ? first : i;
@@ -123,12 +133,16 @@ static int keep(const airing *a, const device_parameters *p, machine_result *res
         x[i][0] = one[i][0] = 1;
         x[i][1] = a->rate_m_s[i];
     }
-    if (!machine_fit(a->n, 2, x, a->half_N, 0, line, NULL) || !machine_fit(a->n, 1, one, a->mean_N, 0, &lift, NULL))
+    if (!machine_fit(a->n, 2, x, a->half_N, 0, line, NULL) ||
+        !machine_fit(a->n, 1, one, a->mean_N, 0, &lift, NULL))
         return cli_failure(NAME, "the passes do not tell friction from drag");
     machine_tell(result, "friction_N", line[0].value, line[0].half, "of the drive, at any speed");
-    machine_tell(result, "motor_drag_Ns_m", line[1].value, line[1].half, "with the motor's own, for each m/s");
-    machine_tell(result, "lift_N", lift.value, lift.half, "of the balance: above 0 the plate rises without current");
-    machine_tell(result, "ripple_N", a->ripple_N, NAN, "of the motor's force at an even speed, means of 20 ms");
+    machine_tell(result, "motor_drag_Ns_m", line[1].value, line[1].half,
+                 "with the motor's own, for each m/s");
+    machine_tell(result, "lift_N", lift.value, lift.half,
+                 "of the balance: above 0 the plate rises without current");
+    machine_tell(result, "ripple_N", a->ripple_N, NAN,
+                 "of the motor's force at an even speed, means of 20 ms");
     machine_tell(result, "noise_N", a->noise_N, NAN, "of the sensor, standard deviation of a sample");
     const machine_change change[] = {{device_parameter_find(p, "friction_N", 0), fmax(0, line[0].value)},
                                      {device_parameter_find(p, "lift_N", 0), lift.value},
@@ -145,10 +159,16 @@ int step_air(const machine_options *o, session *s) {
     device_result read = device_parameters_read(&s->device, DEVICE_PARAMETERS, &p);
     if (read)
         return machine_failure(&s->device, read);
-    airing a = {.o = o, .s = s, .trace = &trace, .motor_N = device_parameter_value(&p, "motor_N", 0), .low_mm = TOP_MM};
+    airing a = {.o = o,
+                .s = s,
+                .trace = &trace,
+                .motor_N = device_parameter_value(&p, "motor_N", 0),
+                .low_mm = TOP_MM};
     a.high_mm = fmin(TOP_MM + STROKE_MM, 1e3 * device_parameter_value(&p, "travel_m", 0) - TOP_MM);
     char prompt[160];
-    snprintf(prompt, sizeof prompt, "Nothing may be in the plate's way for %.0f mm below home; it will move. Press Enter.", a.high_mm + 1);
+    snprintf(prompt, sizeof prompt,
+             "Nothing may be in the plate's way for %.0f mm below home; it will move. Press Enter.",
+             a.high_mm + 1);
     if (!machine_ready_unless(o, prompt))
         return cli_failure(NAME, "cancelled: nothing is changed");
     s->watcher = (session_watcher){machine_trace_heard, NULL, NULL, &trace};

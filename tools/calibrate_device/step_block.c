@@ -9,9 +9,11 @@ static const char NAME[] = MACHINE_NAME;
 
 enum { MEAN = 50 /* ticks of a point */, DOWN = 1, UP = 3 /* of the segments */ };
 
-static const double FULL = 32767, SHARE = 0.4 /* of the highest force */, AIR_MM = 0.05, RAMP_S = 5, HOLD_S = 1, BACK = 0.1;
+static const double FULL = 32767, SHARE = 0.4 /* of the highest force */, AIR_MM = 0.05, RAMP_S = 5,
+                    HOLD_S = 1, BACK = 0.1;
 static const double SOFT_N_M = 1e4;
-static const double LOADED = 0.1, TURNED = 0.7; /* of the force: it is pressed; on the way back friction has turned round */
+static const double LOADED = 0.1,
+                    TURNED = 0.7; /* of the force: it is pressed; on the way back friction has turned round */
 
 static bool move(acquire_run *r, double to_mm, double seconds) {
     acquire_motion m = r->motion;
@@ -34,7 +36,8 @@ static bool plan_press(acquire_plan *plan, double depth_mm) {
 
 /* ---- the motor: its force by its duty against what the sensor reads, up and down apart ---- */
 
-static bool motor_share(const session *s, const machine_trace *t, double force_N, double motor_N, machine_figure c[3]) {
+static bool motor_share(const session *s, const machine_trace *t, double force_N, double motor_N,
+                        machine_figure c[3]) {
     const size_t points = t->n / MEAN;
     double(*x)[MACHINE_TERMS] = calloc(points + 1, sizeof *x), *y = calloc(points + 1, sizeof *y);
     double read = 0, given = 0;
@@ -44,8 +47,8 @@ static bool motor_share(const session *s, const machine_trace *t, double force_N
         const machine_sample *one = &t->list[i];
         const unsigned part = one->flags >> 8;
         const double N = acquire_force_N(&s->scale, one->adc);
-        if (!(one->flags & PALP_WIRE_FLAG_TRAJECTORY) || N < LOADED * force_N || N > TURNED * force_N || (part != DOWN && part != UP) ||
-            part != last) {
+        if (!(one->flags & PALP_WIRE_FLAG_TRAJECTORY) || N < LOADED * force_N || N > TURNED * force_N ||
+            (part != DOWN && part != UP) || part != last) {
             in = 0;
             read = given = 0;
             last = part;
@@ -82,8 +85,8 @@ static int frame_of(const char *folder, palp_frame *frame) {
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }
 
-static int keep(const machine_options *o, session *s, const machine_trace *trace, double force_N, const device_parameters *p,
-                machine_result *result) {
+static int keep(const machine_options *o, session *s, const machine_trace *trace, double force_N,
+                const device_parameters *p, machine_result *result) {
     const double motor_N = device_parameter_value(p, "motor_N", 0);
     palp_frame frame;
     machine_figure c[3];
@@ -93,7 +96,8 @@ static int keep(const machine_options *o, session *s, const machine_trace *trace
     if (!motor_share(s, trace, force_N, motor_N, c))
         return cli_failure(NAME, "the press was too short to tell the motor's force");
     const double share = c[2].value, half = motor_N * c[2].half / (share * share);
-    machine_tell(result, "frame_mm_N", 1e3 * frame.compliance_m_N, 5e2 * (frame.high_m_N - frame.low_m_N), "how far the frame gives way");
+    machine_tell(result, "frame_mm_N", 1e3 * frame.compliance_m_N, 5e2 * (frame.high_m_N - frame.low_m_N),
+                 "how far the frame gives way");
     machine_tell(result, "motor_N", motor_N / share, half, "force of the motor at full duty, by the sensor");
     const machine_change change[] = {{device_parameter_find(p, "compliance_m_N", 0), frame.compliance_m_N},
                                      {device_parameter_find(p, "motor_N", 0), motor_N / share},
@@ -125,7 +129,9 @@ int step_block(const machine_options *o, session *s) {
     const double force_N = o->force_N > 0 ? o->force_N : SHARE * device_parameter_value(&p, "force_N", 0);
     char prompt[160];
     o->plan->n = 0;
-    snprintf(prompt, sizeof prompt, "A rigid block (steel, flat) under the plate; it will be pressed with %.3g N. Press Enter.", force_N);
+    snprintf(prompt, sizeof prompt,
+             "A rigid block (steel, flat) under the plate; it will be pressed with %.3g N. Press Enter.",
+             force_N);
     if (!machine_ready_unless(o, prompt))
         return cli_failure(NAME, "cancelled: nothing is changed");
     s->watcher = (session_watcher){machine_trace_heard, NULL, NULL, &trace};

@@ -1,4 +1,5 @@
-/* step_gains.c: a sweep in the air above the specimen: mass, drag and friction of the drive, and the gains that follow from them. */
+/* step_gains.c: a sweep in the air above the specimen: mass, drag and friction of the drive, and the gains
+ * that follow from them. */
 #include "calibrate_device.h"
 
 #include <math.h>
@@ -7,10 +8,17 @@
 
 static const char NAME[] = MACHINE_NAME;
 
-enum { WIDTH = 8 /* ticks: half of the triangle that all signals are averaged by */, STEP = 8 /* from one point to the next */, CLASSES = 6, TERMS = 4, PARTS = 8 };
+enum {
+    WIDTH = 8 /* ticks: half of the triangle that all signals are averaged by */,
+    STEP = 8 /* from one point to the next */,
+    CLASSES = 6,
+    TERMS = 4,
+    PARTS = 8
+};
 
 static const double FULL = 32767, AIR_MM = 4, AMPLITUDE_MM = 0.5, FROM_HZ = 2, TO_HZ = 20, SWEEP_S = 10;
-static const double EQUATIONS = 0.005; /* delays within a tick, friction that is not quite the same at any speed */
+static const double EQUATIONS =
+    0.005; /* delays within a tick, friction that is not quite the same at any speed */
 static const double ONE_WAY = 0.999, WORSE = 1.2;
 
 /* force = mass * acceleration + drag * velocity + friction * its direction + lift */
@@ -70,7 +78,8 @@ static double direction_at(const signals *g, size_t i) {
     return way > 0 ? 1 : way < 0 ? -1 : 0;
 }
 
-/* All by the same triangle, under which a second difference over its width is the mean of the accelerations. */
+/* All by the same triangle, under which a second difference over its width is the mean of the accelerations.
+ */
 static void averaged(const signals *g, size_t i, double x[MACHINE_TERMS], double *force_N) {
     const double width_s = WIDTH * g->tick_s;
     x[0] = (place(g, i + WIDTH) - 2 * place(g, i) + place(g, i - WIDTH)) / (width_s * width_s);
@@ -113,7 +122,8 @@ static bool make_points(const signals *g, points *p) {
     return p->x && p->y && p->n > 10 * PARTS;
 }
 
-/* What a part of the sweep, which has frequencies of its own, would change: the jackknife sees what the model lacks, too. */
+/* What a part of the sweep, which has frequencies of its own, would change: the jackknife sees what the model
+ * lacks, too. */
 static bool widen(const points *p, machine_figure c[TERMS]) {
     double square[TERMS] = {0};
     points some = {0, malloc(p->n * sizeof *p->x), malloc(p->n * sizeof *p->y)};
@@ -131,7 +141,8 @@ static bool widen(const points *p, machine_figure c[TERMS]) {
             square[j] += pow(without[j].value - c[j].value, 2) * (PARTS - 1) / PARTS;
     }
     for (size_t j = 0; j < TERMS; j++)
-        c[j].half = hypot(fmax(c[j].half, machine_student(PARTS - 1) * sqrt(square[j])), EQUATIONS * c[j].value);
+        c[j].half =
+            hypot(fmax(c[j].half, machine_student(PARTS - 1) * sqrt(square[j])), EQUATIONS * c[j].value);
     free(some.x);
     free(some.y);
     return good;
@@ -163,7 +174,8 @@ static int measure(session *s, machine_trace *trace, double motor_N, drive *d) {
 
 /* ---- gains ---- */
 
-/* Three equal poles -w: the one in use says w and, in kp, the stiffness that the class is for; doc/control.md. */
+/* Three equal poles -w: the one in use says w and, in kp, the stiffness that the class is for;
+ * doc/control.md. */
 static bool class_gains(const device_parameters *p, size_t k, const drive *d, machine_change change[3]) {
     const double old_kg = device_parameter_value(p, "moving_kg", 0), m = d->mass_kg.value;
     const double w = cbrt(device_parameter_value(p, "ki_N_ms", k) / old_kg);
@@ -181,7 +193,8 @@ static int keep(const machine_options *o, session *s, const device_parameters *p
         if (!class_gains(p, k, d, &change[n]))
             return cli_failure(NAME, "no gains of class %zu hold so light a plate with so much drag", k);
     change[n++] = (machine_change){device_parameter_find(p, "moving_kg", 0), d->mass_kg.value};
-    change[n++] = (machine_change){device_parameter_find(p, "motor_drag_Ns_m", 0), fmax(0, d->drag_Ns_m.value)};
+    change[n++] =
+        (machine_change){device_parameter_find(p, "motor_drag_Ns_m", 0), fmax(0, d->drag_Ns_m.value)};
     change[n++] = (machine_change){device_parameter_find(p, "friction_N", 0), fmax(0, d->friction_N.value)};
     change[n++] = (machine_change){device_parameter_find(p, "calibration_day", 0), machine_today()};
     return machine_change_all(o, &s->device, n, change);
@@ -195,7 +208,8 @@ static void tell(machine_result *r, const drive *d) {
 }
 
 /* With what was found, and once more with the gains that it gives. */
-static int calibrate(const machine_options *o, session *s, machine_trace *trace, const device_parameters *p, machine_result *result) {
+static int calibrate(const machine_options *o, session *s, machine_trace *trace, const device_parameters *p,
+                     machine_result *result) {
     const double motor_N = device_parameter_value(p, "motor_N", 0);
     drive before, after;
     int code = measure(s, trace, motor_N, &before);
@@ -222,8 +236,10 @@ int step_gains(const machine_options *o, session *s) {
         return machine_failure(&s->device, read);
     if (!plan_sweep(o->plan))
         return cli_failure(NAME, "the sweep has no room");
-    if (!machine_ready_unless(o, "Something soft under the plate, 6 mm or more below home; the plate will touch it and then shake "
-                                 "above it. Press Enter."))
+    if (!machine_ready_unless(
+            o,
+            "Something soft under the plate, 6 mm or more below home; the plate will touch it and then shake "
+            "above it. Press Enter."))
         return cli_failure(NAME, "cancelled: nothing is changed");
     s->watcher = (session_watcher){machine_trace_heard, NULL, NULL, &trace};
     int code = calibrate(o, s, &trace, &p, &result);

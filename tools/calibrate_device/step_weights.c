@@ -59,8 +59,8 @@ static outcome weigh(weighing *w, double mass_g) {
     station *at = &w->station[w->n];
     at->force_N = (w->o->hanging ? -1e-3 : 1e-3) * mass_g * gravity(w->o);
     if (mass_g > 0)
-        snprintf(prompt, sizeof prompt, "%s %g g %s the sensor, let it come to rest, then press Enter.", w->o->hanging ? "Hang" : "Put",
-                 mass_g, w->o->hanging ? "below" : "on");
+        snprintf(prompt, sizeof prompt, "%s %g g %s the sensor, let it come to rest, then press Enter.",
+                 w->o->hanging ? "Hang" : "Put", mass_g, w->o->hanging ? "below" : "on");
     else
         snprintf(prompt, sizeof prompt, "Take everything off the sensor, then press Enter.");
     if (!machine_ready(prompt))
@@ -126,7 +126,8 @@ static void tell(const weighing *w, const weighed *r, machine_result *result) {
     machine_tell(result, w->o->channel ? "counts_N" : "reads_N_N", r->slope.value, r->slope.half,
                  w->o->channel ? "counts a newton" : "a newton reads as so many, with the matrix in use");
     machine_tell(result, "zero", r->zero.value, r->zero.half, "reading with nothing on it");
-    machine_tell(result, "linearity_percent", r->linearity_percent, NAN, "farthest from the line, of the largest force");
+    machine_tell(result, "linearity_percent", r->linearity_percent, NAN,
+                 "farthest from the line, of the largest force");
     machine_tell(result, "drift_N", r->drift_N, NAN, "of the zero, from the first to the last");
     machine_tell(result, "noise_N", r->noise_N, NAN, "standard deviation of a sample");
 }

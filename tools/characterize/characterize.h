@@ -23,21 +23,27 @@ enum {
 
 typedef enum characterize_method { METHOD_NLOPT, METHOD_GRID } characterize_method;
 
-typedef enum characterize_specimens_by { SPECIMENS_AUTO, SPECIMENS_ONE, SPECIMENS_NAME, SPECIMENS_FOLDER, SPECIMENS_FILE } characterize_specimens_by;
+typedef enum characterize_specimens_by {
+    SPECIMENS_AUTO,
+    SPECIMENS_ONE,
+    SPECIMENS_NAME,
+    SPECIMENS_FOLDER,
+    SPECIMENS_FILE
+} characterize_specimens_by;
 
 typedef struct characterize_options {
     const char *words[CHARACTERIZE_RUNS_MAX]; /* RUN.csv ... */
     size_t n_words;
     const char *arms_text, *degree_text, *out, *plot, *spectrum;
-    int contact; /* 0 = auto, known, common, free */
+    int contact;                 /* 0 = auto, known, common, free */
     int law_choice, law, method; /* 0 = auto, else 1 + palp_law_kind; palp_law_kind; characterize_method */
     size_t arms, degree, knots, per_decade;
     palp_arms_form arms_form; /* of the model; what comes before it has free arms by evidence */
     bool arms_auto, law_auto, degree_auto, degree_given;
     bool shared_arms, per_depth, dwell_only, fit_filtered, json;
-    int specimens_by;        /* characterize_specimens_by */
+    int specimens_by;                                   /* characterize_specimens_by */
     double filter_Hz, height_mm, radius_mm, contact_mm; /* 0, 0, 0, NaN = not given */
-    int tip, floor;                          /* -1 = the files', else palp_tip_kind; 0 = bonded, slides */
+    int tip, floor; /* -1 = the files', else palp_tip_kind; 0 = bonded, slides */
     bool tip_sticks, small_strain;
     double tip_radius_mm, tip_angle_deg, poisson; /* 0, 0, NaN = not given */
     char command[CLI_COMMAND_MAX];
@@ -54,7 +60,8 @@ typedef struct characterize_gap {
     double strain, run_N, low_N, high_N, plain_N, joint_N;
 } characterize_gap;
 
-/* K of the model's law at a strain with its 95 % band; the force is K times the strain, and so is its band. */
+/* K of the model's law at a strain with its 95 % band; the force is K times the strain, and so is its band.
+ */
 typedef struct characterize_known {
     double strain, stiffness_N, low_N, high_N;
 } characterize_known;
@@ -73,17 +80,17 @@ typedef struct characterize_body {
 typedef struct characterize_state {
     size_t n, n_static, n_hold; /* runs: static, then ramp and hold by depth, then others */
     palp_recording run[CHARACTERIZE_RUNS_MAX];
-    bool has_tip;                                  /* each run names the tip that pressed */
-    palp_indentation tip[CHARACTERIZE_RUNS_MAX];   /* of each run */
-    palp_moduli moduli;                            /* of the layer under it */
-    size_t n_tip_specimens;                  /* under a tip, 0 = one */
-    palp_moduli each[CHARACTERIZE_RUNS_MAX]; /* of each of them */
-    double between_Pa[2];                    /* sd between them, long-term and instantaneous shear modulus */
+    bool has_tip;                                /* each run names the tip that pressed */
+    palp_indentation tip[CHARACTERIZE_RUNS_MAX]; /* of each run */
+    palp_moduli moduli;                          /* of the layer under it */
+    size_t n_tip_specimens;                      /* under a tip, 0 = one */
+    palp_moduli each[CHARACTERIZE_RUNS_MAX];     /* of each of them */
+    double between_Pa[2]; /* sd between them, long-term and instantaneous shear modulus */
     double *filtered_N[CHARACTERIZE_RUNS_MAX]; /* NULL = not even enough */
     double cutoff_Hz;
     palp_law plain[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1]; /* [static run][degree]; n = 0: not fitted */
     double norm_N[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1];
-    size_t degree, n_arms;             /* of the final model */
+    size_t degree, n_arms;                   /* of the final model */
     characterize_scores degrees, arms, laws; /* n = 0: not asked for */
     palp_law law[SELECT_LAWS_MAX];           /* [laws.n] first guesses */
     palp_contact_form contact;
@@ -100,16 +107,16 @@ typedef struct characterize_state {
     double gap_before_percent, gap_after_percent;
     double peak_N[CHARACTERIZE_RUNS_MAX],
         largest_N[CHARACTERIZE_RUNS_MAX]; /* force; |residual| of the model */
-    size_t n_band; /* 0: no intervals */
+    size_t n_band;                        /* 0: no intervals */
     characterize_known band[CHARACTERIZE_BAND];
     palp_spectrum spectrum[CHARACTERIZE_RUNS_MAX]; /* of each run; n = 0: it does not oscillate */
     size_t n_spread;
     characterize_spread spread[CHARACTERIZE_SPREAD_MAX];
     size_t n_specimens, specimen[CHARACTERIZE_RUNS_MAX]; /* of each run, from 0 */
     characterize_body body[CHARACTERIZE_RUNS_MAX];       /* [n_specimens] */
-    double factor[CHARACTERIZE_RUNS_MAX];                /* [n_specimens] about the stress of each by that of all */
-    palp_specimens_fit specimens;                        /* but its mean, which is final */
-    size_t n_points; /* 0: one specimen, or no more spread than chance */
+    double factor[CHARACTERIZE_RUNS_MAX]; /* [n_specimens] about the stress of each by that of all */
+    palp_specimens_fit specimens;         /* but its mean, which is final */
+    size_t n_points;                      /* 0: one specimen, or no more spread than chance */
     palp_specimens_point point[CHARACTERIZE_BAND];
     size_t n_warnings;
     char warning[CHARACTERIZE_WARNINGS_MAX][256];
@@ -130,22 +137,29 @@ double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const pa
 /* Each returns an exit code, after one line on stderr if it is not 0. */
 int characterize_read(const characterize_options *o, characterize_state *s);  /* runs and their findings */
 int characterize_model(const characterize_options *o, characterize_state *s); /* all fits */
-palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring, size_t n_arms);
+palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring,
+                                                 size_t n_arms);
 size_t characterize_depths(const characterize_state *s); /* different ones held, to 2 % */
 int characterize_choose_law(const characterize_options *o, characterize_state *s); /* --law auto */
-int characterize_contacts(const characterize_options *o, characterize_state *s); /* --contact; the runs' depths follow */
+int characterize_contacts(const characterize_options *o,
+                          characterize_state *s); /* --contact; the runs' depths follow */
 palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law);
-palp_status characterize_guess_polynomial(const characterize_state *s, size_t n, palp_law *law); /* of n coefficients */
+palp_status characterize_guess_polynomial(const characterize_state *s, size_t n,
+                                          palp_law *law); /* of n coefficients */
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law);
-int characterize_tip_read(const characterize_options *o, const palp_experiment *experiment, const palp_recording *run, characterize_state *s); /* of run s->n */
-int characterize_tip_fit(const characterize_options *o, characterize_state *s); /* the layer's moduli, where a tip is named */
+int characterize_tip_read(const characterize_options *o, const palp_experiment *experiment,
+                          const palp_recording *run, characterize_state *s); /* of run s->n */
+int characterize_tip_fit(const characterize_options *o,
+                         characterize_state *s); /* the layer's moduli, where a tip is named */
 void characterize_tip_print(const characterize_state *s);
 json_t *characterize_tip_json(const characterize_state *s); /* null without a tip */
 /* Several specimens: n_specimens is 1 where there is one, and then none of these changes anything. */
-int characterize_group(const characterize_options *o, characterize_state *s); /* runs as of one size */
+int characterize_group(const characterize_options *o, characterize_state *s);      /* runs as of one size */
 int characterize_find_level(const characterize_options *o, characterize_state *s); /* factor */
-void characterize_level(characterize_state *s, bool on); /* divides each specimen's forces by its factor, or takes that back */
-palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings, palp_error *error);
+void characterize_level(characterize_state *s,
+                        bool on); /* divides each specimen's forces by its factor, or takes that back */
+palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings,
+                                       palp_error *error);
 const char *characterize_specimen_name(const characterize_state *s, size_t k);
 void characterize_print_specimens(const characterize_state *s);
 json_t *characterize_json_specimens(const characterize_state *s);
@@ -153,13 +167,16 @@ void characterize_plot_specimens(plot_book *book, const characterize_state *s);
 
 int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
 size_t characterize_spectrum_points(const characterize_state *s); /* of all runs */
-double characterize_modulus(const palp_recording *r, double stiffness_N_m); /* Pa, of the cylinder; NaN without a radius */
+double characterize_modulus(const palp_recording *r,
+                            double stiffness_N_m); /* Pa, of the cylinder; NaN without a radius */
 /* What a model of these arms has where a run oscillates about a depth. */
-palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m, size_t n,
-                                        const double *frequency_Hz, double *storage_N_m, double *loss_N_m);
+palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m,
+                                        size_t n, const double *frequency_Hz, double *storage_N_m,
+                                        double *loss_N_m);
 int characterize_measure_spectra(characterize_state *s);
 void characterize_print_spectrum(const characterize_state *s);
-int characterize_write_spectrum(const char *path, const characterize_state *s);  /* CSV: measured points, then the model's */
+int characterize_write_spectrum(const char *path,
+                                const characterize_state *s); /* CSV: measured points, then the model's */
 json_t *characterize_spectrum_json(const characterize_state *s);
 void characterize_plot_spectrum(plot_book *book, const characterize_state *s);
 int characterize_print(const characterize_options *o, const characterize_state *s);

@@ -36,10 +36,12 @@ static void find_band(characterize_state *s) {
     double strain[CHARACTERIZE_BAND], stiffness[CHARACTERIZE_BAND], sd[CHARACTERIZE_BAND];
     for (size_t i = 0; i < CHARACTERIZE_BAND; i++)
         strain[i] = characterize_strain_max(s) * (double)i / (CHARACTERIZE_BAND - 1);
-    bool known = s->has_final && palp_lumped_fit_stiffness(&s->final, CHARACTERIZE_BAND, strain, stiffness, sd) == PALP_OK;
+    bool known = s->has_final &&
+                 palp_lumped_fit_stiffness(&s->final, CHARACTERIZE_BAND, strain, stiffness, sd) == PALP_OK;
     s->n_band = known ? CHARACTERIZE_BAND : 0;
     for (size_t i = 0; i < s->n_band; i++)
-        s->band[i] = (characterize_known){strain[i], stiffness[i], stiffness[i] - 1.96 * sd[i], stiffness[i] + 1.96 * sd[i]};
+        s->band[i] = (characterize_known){strain[i], stiffness[i], stiffness[i] - 1.96 * sd[i],
+                                          stiffness[i] + 1.96 * sd[i]};
 }
 
 /* ---- the model against its runs ---- */

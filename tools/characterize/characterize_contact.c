@@ -1,4 +1,5 @@
-/* characterize_contact.c: contacts that differ from run to run, found beside the law and the arms before all other fits. */
+/* characterize_contact.c: contacts that differ from run to run, found beside the law and the arms before all
+ * other fits. */
 #include "characterize.h"
 
 #include <math.h>
@@ -18,18 +19,21 @@ static void move_contacts(characterize_state *s, const palp_lumped_fit *fit) {
     }
 }
 
-/* Contacts are judged by the law that is asked for, or by one that can follow any: what a law misses is not to be taken for
- * contacts. Its choice comes after them. */
-static void choose_settings(const characterize_options *o, characterize_state *s, palp_characterize_settings *settings) {
+/* Contacts are judged by the law that is asked for, or by one that can follow any: what a law misses is not
+ * to be taken for contacts. Its choice comes after them. */
+static void choose_settings(const characterize_options *o, characterize_state *s,
+                            palp_characterize_settings *settings) {
     enum { RICH = 5 };
     *settings = characterize_settings(o, PALP_SPRING_LAW, s->n_arms);
     settings->starts = 2;
-    palp_status status = o->law_auto ? characterize_guess_polynomial(s, RICH, &settings->law) : characterize_guess(o, s, &settings->law);
+    palp_status status = o->law_auto ? characterize_guess_polynomial(s, RICH, &settings->law)
+                                     : characterize_guess(o, s, &settings->law);
     if (status)
         s->contact = PALP_CONTACT_KNOWN; /* no law to judge them by: the fit will say why */
 }
 
-/* A stiffer specimen or a wider tip is no earlier contact: runs that each have their own tell nothing of contacts. */
+/* A stiffer specimen or a wider tip is no earlier contact: runs that each have their own tell nothing of
+ * contacts. */
 static bool alike(const characterize_state *s) {
     bool same = s->n_tip_specimens < 2 && s->n_specimens < s->n;
     for (size_t i = 1; i < s->n && s->has_tip; i++)
@@ -39,12 +43,15 @@ static bool alike(const characterize_state *s) {
 }
 
 int characterize_contacts(const characterize_options *o, characterize_state *s) {
-    static const palp_contact_form forms[] = {PALP_CONTACT_AUTO, PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON, PALP_CONTACT_FREE};
+    static const palp_contact_form forms[] = {PALP_CONTACT_AUTO, PALP_CONTACT_KNOWN, PALP_CONTACT_COMMON,
+                                              PALP_CONTACT_FREE};
     palp_characterize_settings settings;
     palp_error error = {PALP_OK, ""};
     palp_lumped_fit fit = {0};
     palp_contact_form form = o->method == METHOD_NLOPT ? forms[o->contact] : PALP_CONTACT_KNOWN;
-    s->contact = (form == PALP_CONTACT_AUTO && !alike(s)) || (form != PALP_CONTACT_COMMON && s->n < 2) ? PALP_CONTACT_KNOWN : form;
+    s->contact = (form == PALP_CONTACT_AUTO && !alike(s)) || (form != PALP_CONTACT_COMMON && s->n < 2)
+                     ? PALP_CONTACT_KNOWN
+                     : form;
     choose_settings(o, s, &settings);
     if (s->contact == PALP_CONTACT_KNOWN)
         return CLI_OK;
@@ -56,7 +63,9 @@ int characterize_contacts(const characterize_options *o, characterize_state *s) 
         s->contact_scatter_m = fit.contact_scatter_m;
         move_contacts(s, &fit);
         if (s->contact == PALP_CONTACT_FREE)
-            characterize_warn(s, "contacts differ from run to run by %.3g mm (sd): each is found with the model; --contact known takes those of the runs",
+            characterize_warn(s,
+                              "contacts differ from run to run by %.3g mm (sd): each is found with the "
+                              "model; --contact known takes those of the runs",
                               1e3 * fit.contact_scatter_m);
     }
     palp_lumped_fit_free(&fit);

@@ -2,7 +2,6 @@
 #include "characterize.h"
 #include "shared/json_out.h"
 
-
 static const char NAME[] = "characterize";
 
 static void set(json_t *to, const char *key, double value) {
@@ -261,7 +260,10 @@ static json_t *whole(const characterize_options *o, const characterize_state *s)
     json_object_set_new(all, "constrained", json_boolean(f->constrained));
     json_object_set_new(all, "converged", json_boolean(f->converged));
     set(all, "strain_max", characterize_strain_max(s));
-    set_text(all, "contact", s->contact == PALP_CONTACT_FREE ? "free" : s->contact == PALP_CONTACT_COMMON ? "common" : "known");
+    set_text(all, "contact",
+             s->contact == PALP_CONTACT_FREE     ? "free"
+             : s->contact == PALP_CONTACT_COMMON ? "common"
+                                                 : "known");
     set(all, "contact_scatter_mm", 1e3 * s->contact_scatter_m);
     set(all, "gap_before_percent", s->gap_before_percent);
     set(all, "gap_after_percent", s->gap_after_percent);

@@ -117,11 +117,12 @@ static palp_status list_laws(characterize_state *s) {
     static const struct {
         palp_law_kind kind;
         size_t size;
-    } list[] = {{PALP_LAW_POLYNOMIAL, 1},     {PALP_LAW_NEO_HOOKEAN, 0}, {PALP_LAW_POLYNOMIAL, 2}, {PALP_LAW_MOONEY_RIVLIN2, 0},
-                {PALP_LAW_POLYNOMIAL, 3},     {PALP_LAW_YEOH, 0},        {PALP_LAW_SPLINE, 3},     {PALP_LAW_POLYNOMIAL, 4},
-                {PALP_LAW_OGDEN, 0},          {PALP_LAW_SPLINE, 4},      {PALP_LAW_POLYNOMIAL, 5}, {PALP_LAW_MOONEY_RIVLIN5, 0},
-                {PALP_LAW_SPLINE, 5},         {PALP_LAW_POLYNOMIAL, 6},  {PALP_LAW_SPLINE, 6},     {PALP_LAW_POLYNOMIAL, 7},
-                {PALP_LAW_SPLINE, 8}};
+    } list[] = {{PALP_LAW_POLYNOMIAL, 1},     {PALP_LAW_NEO_HOOKEAN, 0}, {PALP_LAW_POLYNOMIAL, 2},
+                {PALP_LAW_MOONEY_RIVLIN2, 0}, {PALP_LAW_POLYNOMIAL, 3},  {PALP_LAW_YEOH, 0},
+                {PALP_LAW_SPLINE, 3},         {PALP_LAW_POLYNOMIAL, 4},  {PALP_LAW_OGDEN, 0},
+                {PALP_LAW_SPLINE, 4},         {PALP_LAW_POLYNOMIAL, 5},  {PALP_LAW_MOONEY_RIVLIN5, 0},
+                {PALP_LAW_SPLINE, 5},         {PALP_LAW_POLYNOMIAL, 6},  {PALP_LAW_SPLINE, 6},
+                {PALP_LAW_POLYNOMIAL, 7},     {PALP_LAW_SPLINE, 8}};
     palp_status status = PALP_OK;
     s->laws.n = 0;
     for (size_t i = 0; i < sizeof list / sizeof list[0] && status == PALP_OK; i++) {
@@ -151,12 +152,13 @@ int characterize_choose_law(const characterize_options *o, characterize_state *s
     settings.starts = 1;
     palp_status status = list_laws(s);
     if (status == PALP_OK)
-        status = palp_characterize_select_law(s->n, s->run, &settings, s->laws.n, s->law, s->laws.score, s->laws.sd, &s->laws.best,
-                                              &error);
+        status = palp_characterize_select_law(s->n, s->run, &settings, s->laws.n, s->law, s->laws.score,
+                                              s->laws.sd, &s->laws.best, &error);
     if (status)
         return cli_status(NAME, status, &error);
     if (one_ramp(s))
-        characterize_warn(s, "one ramp to one depth at one speed: K(e) and arms faster than the ramp cannot be told apart; add a slow "
+        characterize_warn(s, "one ramp to one depth at one speed: K(e) and arms faster than the ramp cannot "
+                             "be told apart; add a slow "
                              "static press, or other depths and speeds");
     return CLI_OK;
 }

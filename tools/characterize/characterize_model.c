@@ -41,8 +41,9 @@ static int choose_degree(const characterize_options *o, characterize_state *s) {
     palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, s->n_static ? 0 : 2);
     const double one = 1;
     palp_law_polynomial(1, &one, &settings.law);
-    palp_status status = palp_characterize_select_degree(s->n_static ? s->n_static : s->n, s->run, &settings,
-                                            DEGREE_MAX - 1, s->degrees.score, s->degrees.sd, &best, &error);
+    palp_status status =
+        palp_characterize_select_degree(s->n_static ? s->n_static : s->n, s->run, &settings, DEGREE_MAX - 1,
+                                        s->degrees.score, s->degrees.sd, &best, &error);
     s->degrees.first = 1;
     s->degrees.n = status ? 0 : DEGREE_MAX;
     s->degrees.best = s->degree = best + 1;
@@ -62,9 +63,11 @@ static double whole_ratio(const palp_lumped_fit *fit, const palp_recording *run)
     return sqrt(square / count);
 }
 
-/* Fits each number of arms to tell its residual, and how many arms the one chosen really tells apart: that one from all starts,
- * the others, which are only told of, from the best. Where the data told fewer arms apart, fits of the numbers between end alike. */
-static palp_status try_arms(characterize_state *s, palp_characterize_settings settings, size_t most, progress *bar) {
+/* Fits each number of arms to tell its residual, and how many arms the one chosen really tells apart: that
+ * one from all starts, the others, which are only told of, from the best. Where the data told fewer arms
+ * apart, fits of the numbers between end alike. */
+static palp_status try_arms(characterize_state *s, palp_characterize_settings settings, size_t most,
+                            progress *bar) {
     palp_error error = {PALP_OK, ""};
     palp_status status = PALP_OK;
     size_t n = 0, starts = settings.starts, apart = most + 1;
@@ -101,10 +104,12 @@ static int choose_arms(const characterize_options *o, characterize_state *s, pro
     s->n_arms = n ? o->arms : 0;
     if (!o->arms_auto || n == 0)
         return CLI_OK;
-    palp_characterize_settings settings = characterize_settings(o, s->n_hold == n ? PALP_SPRING_PER_RUN : PALP_SPRING_LAW, 0);
+    palp_characterize_settings settings =
+        characterize_settings(o, s->n_hold == n ? PALP_SPRING_PER_RUN : PALP_SPRING_LAW, 0);
     palp_status status = characterize_guess(o, s, &settings.law);
     for (bool again = status == PALP_OK; again; again = status == PALP_ERR_SINGULAR && most-- > 1)
-        status = palp_characterize_select_arms(n, run, &settings, most, s->arms.score, s->arms.sd, &s->arms.best, &error);
+        status = palp_characterize_select_arms(n, run, &settings, most, s->arms.score, s->arms.sd,
+                                               &s->arms.best, &error);
     status = status ? status : try_arms(s, settings, most, bar);
     s->arms.n = status ? 0 : most + 1;
     if (status == PALP_OK && s->n_arms < s->arms.best) {
@@ -119,7 +124,8 @@ static int fit_single(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
     palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_PER_RUN, s->n_arms);
     for (size_t i = 0; i < s->n_hold && !o->shared_arms; i++) {
-        palp_status status = palp_characterize_fit(1, &s->run[s->n_static + i], &settings, &s->single[i], &error);
+        palp_status status =
+            palp_characterize_fit(1, &s->run[s->n_static + i], &settings, &s->single[i], &error);
         if (status)
             return cli_status(NAME, status, &error);
         s->n_single++;
@@ -145,8 +151,10 @@ static int fit_shared(const characterize_options *o, characterize_state *s) {
 
 /* ---- the joint fit ---- */
 
-/* A law that is not linear in its numbers stands still but for its size in a spectrum: those of a fit with free arms. */
-static palp_status guess_law(const characterize_state *s, palp_characterize_settings *settings, palp_error *error) {
+/* A law that is not linear in its numbers stands still but for its size in a spectrum: those of a fit with
+ * free arms. */
+static palp_status guess_law(const characterize_state *s, palp_characterize_settings *settings,
+                             palp_error *error) {
     palp_lumped_fit fit;
     palp_status status = palp_characterize_fit(s->n, s->run, settings, &fit, error);
     if (status)
@@ -190,12 +198,14 @@ static int assemble_grid(characterize_state *s) {
     return status ? cli_status(NAME, status, NULL) : CLI_OK;
 }
 
-/* The law holds to the deepest strain of the runs, and goes on along its tangent from there; where its force no longer rises
- * there, from the last strain where it does. */
+/* The law holds to the deepest strain of the runs, and goes on along its tangent from there; where its force
+ * no longer rises there, from the last strain where it does. */
 static void limit_range(characterize_state *s) {
     double top = characterize_strain_max(s);
     if (palp_law_limit(&s->material.law, top) == PALP_OK && s->material.law.strain_max < top)
-        characterize_warn(s, "the force of the law no longer rises from a strain of %.3g on, of %.3g measured: the model goes on along its tangent from there",
+        characterize_warn(s,
+                          "the force of the law no longer rises from a strain of %.3g on, of %.3g measured: "
+                          "the model goes on along its tangent from there",
                           s->material.law.strain_max, top);
 }
 
@@ -210,7 +220,8 @@ static void warn_undetermined(characterize_state *s, const palp_lumped_fit *fit)
     for (size_t j = 0; j < fit->n_estimates && used < sizeof names; j++)
         if (!fit->estimate[j].determined) {
             const char *before = told == 0 ? "" : told + 1 < total ? ", " : " and ";
-            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", before, fit->estimate[j].name);
+            used +=
+                (size_t)snprintf(names + used, sizeof names - used, "%s%s", before, fit->estimate[j].name);
             told++;
         }
     if (total > 0)
@@ -232,9 +243,12 @@ static void warn_misfit(characterize_state *s, const palp_lumped_fit *fit) {
         }
     }
     if (worst < fit->n_runs)
-        characterize_warn(s, "%s: the model leaves %.2g %% of the peak (rms), %.2g times the noise: this law and these arms do not follow "
-                             "the runs; --arms auto may, else palpate explain tells what is missing",
-                          s->run[worst].name, 100 * most, characterize_noise_ratio(fit, worst, &s->run[worst]));
+        characterize_warn(s,
+                          "%s: the model leaves %.2g %% of the peak (rms), %.2g times the noise: this law "
+                          "and these arms do not follow "
+                          "the runs; --arms auto may, else palpate explain tells what is missing",
+                          s->run[worst].name, 100 * most,
+                          characterize_noise_ratio(fit, worst, &s->run[worst]));
 }
 
 static void judge(characterize_state *s) {
@@ -282,7 +296,8 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     progress_update(&bar, 0.5);
     code = code ? code : characterize_contacts(o, s);
     characterize_level(s, false);
-    code = code || s->contact == PALP_CONTACT_KNOWN ? code : fit_plain(o, s); /* from the contacts that were found */
+    code = code || s->contact == PALP_CONTACT_KNOWN ? code
+                                                    : fit_plain(o, s); /* from the contacts that were found */
     code = code ? code : fit_single(o, s);
     progress_update(&bar, 0.65);
     code = code ? code : fit_shared(o, s);

@@ -24,7 +24,8 @@ static size_t static_marks(const palp_recording *r, double *strain, double *forc
 }
 
 /* Means of polynomial minus measured over stretches of the press, in hundredths of the force. */
-static size_t miss_of(const palp_recording *r, const palp_law *law, double peak_N, double *strain, double *miss) {
+static size_t miss_of(const palp_recording *r, const palp_law *law, double peak_N, double *strain,
+                      double *miss) {
     size_t n = 0, every = r->n / CURVE_POINTS + 1, count = 0;
     double sum = 0, sum_e = 0;
     for (size_t i = 0; i < r->n && n < CURVE_POINTS; i++) {
@@ -66,11 +67,14 @@ static void plot_static(plot_book *book, const characterize_state *s) {
         force[k + 1] = (plot_series){titles[k], PLOT_LINE, (int)k, CURVE_POINTS, curve_e, curve[k]};
         residual[k] = (plot_series){NULL, PLOT_LINE, (int)k, m, miss_e[k], miss[k]};
     }
-    const plot_figure figure = {.title = "Ramp without a dwell: polynomials F(e) of degree 2 to 5", .n_panels = 2,
-                                .panel = {{.x_label = "", .y_label = "force (N)", .n_series = SHOWN + 1,
-                                           .series = force},
-                                          {.x_label = "strain e", .y_label = "fit - measured (% of the peak)",
-                                           .n_series = SHOWN, .series = residual}}};
+    const plot_figure figure = {
+        .title = "Ramp without a dwell: polynomials F(e) of degree 2 to 5",
+        .n_panels = 2,
+        .panel = {{.x_label = "", .y_label = "force (N)", .n_series = SHOWN + 1, .series = force},
+                  {.x_label = "strain e",
+                   .y_label = "fit - measured (% of the peak)",
+                   .n_series = SHOWN,
+                   .series = residual}}};
     plot_draw(book, "static_polynomials", &figure);
 }
 
@@ -97,9 +101,9 @@ static void plot_stiffness(plot_book *book, const characterize_state *s) {
     }
     const plot_series band = {"95 % band", PLOT_BAND, 0, s->n_band, at, ends};
     const plot_series points = {"ramp and hold", PLOT_BARS, PLOT_BLACK, n, strain, k};
-    plot_runs_stiffness(book, "stiffness_law",
-                        "Stiffness law K(e), and K_inf of single depths with 95 % intervals",
-                        characterize_strain_max(s), n_lines, line, s->n_band ? &band : NULL, n ? &points : NULL);
+    plot_runs_stiffness(
+        book, "stiffness_law", "Stiffness law K(e), and K_inf of single depths with 95 % intervals",
+        characterize_strain_max(s), n_lines, line, s->n_band ? &band : NULL, n ? &points : NULL);
 }
 
 /* ---- how many arms ---- */
@@ -113,10 +117,17 @@ static void plot_scores(plot_book *book, const char *name, const char *title, co
     const plot_series score[] = {{"held out", PLOT_LINE_POINTS, 0, c->n, x, c->score},
                                  {"taken", PLOT_LINE_POINTS, 1, 1, x + best, c->score + best}};
     const plot_series ratio = {NULL, PLOT_LINE_POINTS, 2, c->n, x, c->rms_noise};
-    plot_figure figure = {.title = title, .n_panels = rms ? 2 : 1,
-                          .panel = {{.x_label = rms ? "" : label, .y_label = "held-out error / noise variance",
-                                     .y_scale = PLOT_LOG, .n_series = 2, .series = score},
-                                    {.x_label = label, .y_label = "rms / noise", .y_scale = PLOT_LOG, .n_series = 1,
+    plot_figure figure = {.title = title,
+                          .n_panels = rms ? 2 : 1,
+                          .panel = {{.x_label = rms ? "" : label,
+                                     .y_label = "held-out error / noise variance",
+                                     .y_scale = PLOT_LOG,
+                                     .n_series = 2,
+                                     .series = score},
+                                    {.x_label = label,
+                                     .y_label = "rms / noise",
+                                     .y_scale = PLOT_LOG,
+                                     .n_series = 1,
                                      .series = &ratio}}};
     figure.panel[0].x_counts = figure.panel[1].x_counts = true;
     plot_draw(book, name, &figure);
@@ -127,7 +138,8 @@ static void plot_scores(plot_book *book, const char *name, const char *title, co
 static int make_curves(const characterize_state *s, run_curve *curve) {
     for (size_t i = 0; i < s->n; i++) {
         const palp_recording *r = &s->run[i];
-        curve[i] = (run_curve){r, s->filtered_N[i], s->has_final ? malloc(r->n * sizeof(double)) : NULL, NULL};
+        curve[i] =
+            (run_curve){r, s->filtered_N[i], s->has_final ? malloc(r->n * sizeof(double)) : NULL, NULL};
         if (curve[i].fit_N && palp_lumped_fit_force(&s->final, i, r, curve[i].fit_N))
             return cli_failure(NAME, "%s: the fit's force could not be computed", r->name);
     }
@@ -141,7 +153,8 @@ static void plot_timed(plot_book *book, size_t n, const run_curve *curve, bool f
              RUN_FILTER_ORDER, cutoff_Hz);
     plot_runs_recorded(book, title, n, curve);
     if (fitted)
-        plot_runs_fitted(book, "Ramp and hold: raw (light) and the fitted model", "Force against depth: raw (light) and the fitted model",
+        plot_runs_fitted(book, "Ramp and hold: raw (light) and the fitted model",
+                         "Force against depth: raw (light) and the fitted model",
                          "Residuals of the fitted model", n, curve);
 }
 
@@ -149,12 +162,12 @@ static void plot_all(plot_book *book, const characterize_state *s, const run_cur
     if (s->n > s->n_static)
         plot_timed(book, s->n - s->n_static, curve + s->n_static, s->has_final, s->cutoff_Hz);
     if (s->n_static > 0) {
-        plot_runs_depth(book, "recordings_static", "Ramps without a dwell: raw (light) and filtered", s->n_static,
-                        curve, false);
+        plot_runs_depth(book, "recordings_static", "Ramps without a dwell: raw (light) and filtered",
+                        s->n_static, curve, false);
         plot_static(book, s);
         if (s->has_final)
-            plot_runs_depth(book, "fit_static", "Ramps without a dwell: raw (light) and the fitted model", s->n_static,
-                            curve, true);
+            plot_runs_depth(book, "fit_static", "Ramps without a dwell: raw (light) and the fitted model",
+                            s->n_static, curve, true);
     }
     plot_stiffness(book, s);
     characterize_plot_spectrum(book, s);

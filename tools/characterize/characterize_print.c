@@ -19,7 +19,8 @@ static void with_half(char text[2 * DIGITS_TEXT], const palp_estimate *e) {
     if (!e->determined)
         strcpy(text, "?");
     else
-        snprintf(text, 2 * DIGITS_TEXT, "%s +-%s", digits_text(value, e->value, half), digits_text(more, half, half));
+        snprintf(text, 2 * DIGITS_TEXT, "%s +-%s", digits_text(value, e->value, half),
+                 digits_text(more, half, half));
 }
 
 /* ---- tables ---- */
@@ -90,8 +91,8 @@ static void print_estimates(const palp_lumped_fit *f) {
         double half = 0.5 * (e->high - e->low);
         char value[DIGITS_TEXT], low[DIGITS_TEXT], high[DIGITS_TEXT];
         if (e->determined)
-            printf("  %-10s %14s   %s to %s %s\n", e->name, digits_text(value, e->value, half), digits_text(low, e->low, half),
-                   digits_text(high, e->high, half), e->unit);
+            printf("  %-10s %14s   %s to %s %s\n", e->name, digits_text(value, e->value, half),
+                   digits_text(low, e->low, half), digits_text(high, e->high, half), e->unit);
         else
             printf("  %-10s %14s   not determined by these data (%.1g to %.1g %s)\n", e->name, "-", e->low,
                    e->high, e->unit);
@@ -154,8 +155,8 @@ static void print_final(const characterize_state *s) {
     }
     printf("  %-*s  rms (mN)   rms / noise   largest |residual| / peak\n", width, "run");
     for (size_t i = 0; i < f->n_runs; i++)
-        printf("  %-*s %9.4g  %12.4g  %22.3f %%\n", width, s->run[i].name, 1e3 * f->rms_N[i], characterize_noise_ratio(f, i, &s->run[i]),
-               100 * s->largest_N[i] / s->peak_N[i]);
+        printf("  %-*s %9.4g  %12.4g  %22.3f %%\n", width, s->run[i].name, 1e3 * f->rms_N[i],
+               characterize_noise_ratio(f, i, &s->run[i]), 100 * s->largest_N[i] / s->peak_N[i]);
     printf("  total |residual| %.6g N; intervals widened %.3g times for misfit and coloured noise\n",
            characterize_total(f), f->inflation);
 }
@@ -168,8 +169,8 @@ static void print_band(const characterize_state *s) {
     for (size_t i = s->n_band / 5; i < s->n_band; i += s->n_band / 5) {
         const characterize_known *at = &s->band[i];
         double e = at->strain;
-        printf("  %6.4f  %10.5g   %8.5g to %-8.5g  %10.5g   %8.5g to %.5g\n", e, at->stiffness_N, at->low_N, at->high_N,
-               at->stiffness_N * e, at->low_N * e, at->high_N * e);
+        printf("  %6.4f  %10.5g   %8.5g to %-8.5g  %10.5g   %8.5g to %.5g\n", e, at->stiffness_N, at->low_N,
+               at->high_N, at->stiffness_N * e, at->low_N * e, at->high_N * e);
     }
 }
 
@@ -204,9 +205,9 @@ static void print_gap(const characterize_state *s) {
 static void print_spread(const characterize_state *s) {
     if (s->n_spread == 0)
         return;
-    printf(
-        "Spread of the %zu ramps without a dwell\n  strain   mean force (N)   sd (%%)   lowest (N)   highest (N)\n",
-        s->n_static);
+    printf("Spread of the %zu ramps without a dwell\n  strain   mean force (N)   sd (%%)   lowest (N)   "
+           "highest (N)\n",
+           s->n_static);
     for (size_t i = 0; i < s->n_spread; i++) {
         const characterize_spread *at = &s->spread[i];
         printf("  %6.3f  %15.5g  %7.2f  %11.5g  %12.5g\n", at->strain, at->mean_N,
@@ -220,8 +221,8 @@ static void print_laws(const characterize_state *s) {
     printf("The law by the error on what was left out of the fit (mean square over the noise variance)\n");
     printf("  law               parameters         error  s.e. of the excess\n");
     for (size_t k = 0; k < s->laws.n; k++)
-        printf("  %-16s %11zu  %12.5g  %18.3g%s\n", palp_law_kind_name(s->law[k].kind), s->law[k].n, s->laws.score[k],
-               s->laws.sd[k], k == s->laws.best ? "   taken" : "");
+        printf("  %-16s %11zu  %12.5g  %18.3g%s\n", palp_law_kind_name(s->law[k].kind), s->law[k].n,
+               s->laws.score[k], s->laws.sd[k], k == s->laws.best ? "   taken" : "");
 }
 
 int characterize_print(const characterize_options *o, const characterize_state *s) {

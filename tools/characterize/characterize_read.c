@@ -34,7 +34,8 @@ static void tell(const palp_recording *r) {
     add(&line, "; zero %.3g +- %.2g mN", 1e3 * r->zero_N, 1.96e3 * r->zero_sd_N);
     add(&line, "; noise %.3g mN", 1e3 * r->noise_N, 0);
     if (r->n_missing > 0)
-        add(&line, "; %.0f samples missing (%.2g %%)", (double)r->n_missing, 100.0 * (double)r->n_missing / (double)(r->n + r->n_missing));
+        add(&line, "; %.0f samples missing (%.2g %%)", (double)r->n_missing,
+            100.0 * (double)r->n_missing / (double)(r->n + r->n_missing));
     if (r->n_gaps > 0)
         add(&line, "; %.0f gap(s), the longest %.3g s", (double)r->n_gaps, r->longest_gap_s);
     if (r->n_spikes > 0)
@@ -53,7 +54,8 @@ static void tell(const palp_recording *r) {
 /* ---- reading ---- */
 
 /* Adds the run to the state, unless there is no specimen in it. */
-static int take_one(const characterize_options *o, const char *file, const palp_experiment *experiment, characterize_state *s) {
+static int take_one(const characterize_options *o, const char *file, const palp_experiment *experiment,
+                    characterize_state *s) {
     palp_error error = {PALP_OK, ""};
     palp_recording_settings settings = palp_recording_settings_default();
     settings.height_m = 1e-3 * o->height_mm;
@@ -83,7 +85,8 @@ static int join(const characterize_options *o, palp_experiment **run) {
     for (size_t i = 0; i < o->n_words; i++) {
         const bool part = of[i] != i;
         if (part)
-            fprintf(stderr, "palpate %s: %s: goes on where %s ends, and is taken as one run with it\n", NAME, o->words[i], o->words[of[i]]);
+            fprintf(stderr, "palpate %s: %s: goes on where %s ends, and is taken as one run with it\n", NAME,
+                    o->words[i], o->words[of[i]]);
         if (part || whole[i]) {
             palp_experiment_free(run[i]);
             run[i] = whole[i];

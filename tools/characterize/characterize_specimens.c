@@ -1,5 +1,5 @@
-/* characterize_specimens.c: several specimens in one call: which run is of which, one height and area for all, their mean and
- * how they differ. */
+/* characterize_specimens.c: several specimens in one call: which run is of which, one height and area for
+ * all, their mean and how they differ. */
 #include "characterize.h"
 
 #include <math.h>
@@ -21,7 +21,8 @@ static bool same_folder(const char *a, const char *b) {
 
 /* A radius that is not given may be any. */
 static bool same_size(const palp_recording *a, const palp_recording *b) {
-    return close_to(a->height_m, b->height_m) && (a->radius_m == 0 || b->radius_m == 0 || close_to(a->radius_m, b->radius_m));
+    return close_to(a->height_m, b->height_m) &&
+           (a->radius_m == 0 || b->radius_m == 0 || close_to(a->radius_m, b->radius_m));
 }
 
 static bool same_specimen(const characterize_options *o, const palp_recording *a, const palp_recording *b) {
@@ -53,13 +54,19 @@ static int add_to(characterize_state *s, size_t r, size_t k) {
     if (k == s->n_specimens)
         s->body[s->n_specimens++] = (characterize_body){.height_m = run->height_m};
     if (!close_to(body->height_m, run->height_m))
-        return cli_failure(NAME, "%s: of a height of %g mm, but \"%s\", the same specimen, of %g mm; say by --specimens which run is of "
-                                 "which, or give --specimen-height-mm",
-                           run->name, 1e3 * run->height_m, characterize_specimen_name(s, k), 1e3 * body->height_m);
+        return cli_failure(NAME,
+                           "%s: of a height of %g mm, but \"%s\", the same specimen, of %g mm; say by "
+                           "--specimens which run is of "
+                           "which, or give --specimen-height-mm",
+                           run->name, 1e3 * run->height_m, characterize_specimen_name(s, k),
+                           1e3 * body->height_m);
     if (body->radius_m > 0 && run->radius_m > 0 && !close_to(body->radius_m, run->radius_m))
-        return cli_failure(NAME, "%s: of a radius of %g mm, but \"%s\", the same specimen, of %g mm; say by --specimens which run is of "
-                                 "which, or give --specimen-radius-mm",
-                           run->name, 1e3 * run->radius_m, characterize_specimen_name(s, k), 1e3 * body->radius_m);
+        return cli_failure(NAME,
+                           "%s: of a radius of %g mm, but \"%s\", the same specimen, of %g mm; say by "
+                           "--specimens which run is of "
+                           "which, or give --specimen-radius-mm",
+                           run->name, 1e3 * run->radius_m, characterize_specimen_name(s, k),
+                           1e3 * body->radius_m);
     body->radius_m = fmax(body->radius_m, run->radius_m);
     body->n_runs++;
     s->specimen[r] = k;
@@ -78,17 +85,20 @@ static int pool(characterize_state *s) {
         differ = differ || !close_to(s->body[k].height_m, s->body[0].height_m);
     }
     if (sized < s->n_specimens && (differ || sized > 0))
-        return cli_failure(NAME, "specimens of different size are pooled in stress, which needs the area of each; add lines # specimen.radius_mm: R, "
+        return cli_failure(NAME, "specimens of different size are pooled in stress, which needs the area of "
+                                 "each; add lines # specimen.radius_mm: R, "
                                  "or give --specimen-radius-mm");
     for (size_t r = 0; r < s->n; r++) {
         const characterize_body *body = &s->body[s->specimen[r]];
         s->run[r].radius_m = body->radius_m;
-        palp_recording_scale(&s->run[r], height / body->height_m, sized ? area / (body->radius_m * body->radius_m) : 1.0);
+        palp_recording_scale(&s->run[r], height / body->height_m,
+                             sized ? area / (body->radius_m * body->radius_m) : 1.0);
     }
     return CLI_OK;
 }
 
-/* Runs of one size each with a name of its own: a specimen for each run tells nothing of how the runs of one agree. */
+/* Runs of one size each with a name of its own: a specimen for each run tells nothing of how the runs of one
+ * agree. */
 static bool each_its_own(const characterize_state *s) {
     for (size_t r = 0; r < s->n; r++)
         for (size_t q = 0; q < r; q++)
@@ -101,7 +111,10 @@ int characterize_group(const characterize_options *options, characterize_state *
     characterize_options own = *options, *o = &own;
     int code = CLI_OK;
     if (o->specimens_by == SPECIMENS_AUTO && each_its_own(s)) {
-        fprintf(stderr, "palpate %s: each run names a specimen of its own: taken as runs of one; --specimens name tells them apart\n", NAME);
+        fprintf(stderr,
+                "palpate %s: each run names a specimen of its own: taken as runs of one; --specimens name "
+                "tells them apart\n",
+                NAME);
         o->specimens_by = SPECIMENS_ONE;
     }
     for (size_t r = 0; r < s->n && code == CLI_OK; r++) {
@@ -110,8 +123,12 @@ int characterize_group(const characterize_options *options, characterize_state *
             before++;
         code = add_to(s, r, before < r ? s->specimen[before] : s->n_specimens);
     }
-    if (code == CLI_OK && s->n_specimens > 1 && s->has_tip) { /* a tip's force is no stress: only the moduli are pooled */
-        characterize_warn(s, "%zu specimens under a tip: their moduli are pooled; the lumped model is that of all runs as of one", s->n_specimens);
+    if (code == CLI_OK && s->n_specimens > 1 &&
+        s->has_tip) { /* a tip's force is no stress: only the moduli are pooled */
+        characterize_warn(s,
+                          "%zu specimens under a tip: their moduli are pooled; the lumped model is that of "
+                          "all runs as of one",
+                          s->n_specimens);
         s->n_tip_specimens = s->n_specimens;
         s->n_specimens = 1;
     }
@@ -159,17 +176,24 @@ static void fill_points(characterize_state *s) {
 }
 
 /* Each specimen's own numbers, where its runs tell them; else one fit of all, as of one specimen. */
-palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings, palp_error *error) {
+palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings,
+                                       palp_error *error) {
     palp_error why = {PALP_OK, ""};
     palp_characterize_settings known = *settings;
     known.contact = PALP_CONTACT_KNOWN;
     palp_status status = s->n_specimens < 2 ? PALP_ERR_ARGUMENT
-                                            : palp_characterize_specimens(s->n, s->run, s->specimen, &known, &s->specimens, &why);
+                                            : palp_characterize_specimens(s->n, s->run, s->specimen, &known,
+                                                                          &s->specimens, &why);
     if (s->n_specimens < 2 || status || s->specimens.n_spread == 0) {
         if (s->n_specimens > 1 && status)
-            characterize_warn(s, "the specimens could not be fitted one by one (%s): all runs are fitted as of one", why.text);
+            characterize_warn(
+                s, "the specimens could not be fitted one by one (%s): all runs are fitted as of one",
+                why.text);
         else if (s->n_specimens > 1)
-            characterize_warn(s, "the %zu specimens do not differ by more than chance: the model is that of all runs as of one", s->n_specimens);
+            characterize_warn(s,
+                              "the %zu specimens do not differ by more than chance: the model is that of all "
+                              "runs as of one",
+                              s->n_specimens);
         palp_specimens_fit_free(&s->specimens);
         return palp_characterize_fit(s->n, s->run, settings, &s->final, error);
     }
@@ -189,15 +213,17 @@ static size_t estimate_of(const palp_lumped_fit *fit, size_t i) {
 }
 
 static void print_points(const characterize_state *s) {
-    printf("  K_inf of the mean specimen; sd between specimens with its 95 %% interval, and within one (what its runs leave open)\n");
-    printf("  strain   K_inf (N)   95 %% of the mean     between (%%)   95 %% interval    within (%%)   95 %% of specimens (N)\n");
+    printf("  K_inf of the mean specimen; sd between specimens with its 95 %% interval, and within one (what "
+           "its runs leave open)\n");
+    printf("  strain   K_inf (N)   95 %% of the mean     between (%%)   95 %% interval    within (%%)   95 "
+           "%% of specimens (N)\n");
     for (size_t i = s->n_points / 5; i < s->n_points; i += s->n_points / 5) {
         const palp_specimens_point *at = &s->point[i];
         double k = at->stiffness_N, part = 100 / k;
         printf("  %6.4f  %10.5g   %8.5g to %-8.5g   %11.3g   %5.3g to %-6.3g  %10.3g   %8.5g to %.5g\n",
-               characterize_strain_max(s) * (double)i / (double)(s->n_points - 1), k, k - 1.96 * at->sd_N, k + 1.96 * at->sd_N,
-               part * at->between_N, part * at->between_low, part * at->between_high, part * at->within_N, k - 1.96 * at->new_sd_N,
-               k + 1.96 * at->new_sd_N);
+               characterize_strain_max(s) * (double)i / (double)(s->n_points - 1), k, k - 1.96 * at->sd_N,
+               k + 1.96 * at->sd_N, part * at->between_N, part * at->between_low, part * at->between_high,
+               part * at->within_N, k - 1.96 * at->new_sd_N, k + 1.96 * at->new_sd_N);
     }
 }
 
@@ -209,13 +235,14 @@ void characterize_print_specimens(const characterize_state *s) {
         int length = (int)strlen(characterize_specimen_name(s, k));
         width = length > width ? length : width;
     }
-    printf("Specimens: %zu, in stress and strain; forces are of the mean size, height %.4g mm", s->n_specimens, 1e3 * s->run[0].height_m);
+    printf("Specimens: %zu, in stress and strain; forces are of the mean size, height %.4g mm",
+           s->n_specimens, 1e3 * s->run[0].height_m);
     printf(s->run[0].radius_m > 0 ? " and radius %.4g mm\n" : "\n", 1e3 * s->run[0].radius_m);
     printf("  %-*s  height (mm)  radius (mm)  runs   stress by that of all\n", width, "specimen");
     for (size_t k = 0; k < s->n_specimens; k++) {
         const characterize_body *body = &s->body[k];
-        printf("  %-*s  %11.4g  %11.4g  %4zu  %22.4g\n", width, characterize_specimen_name(s, k), 1e3 * body->height_m, 1e3 * body->radius_m,
-               body->n_runs, s->factor[k]);
+        printf("  %-*s  %11.4g  %11.4g  %4zu  %22.4g\n", width, characterize_specimen_name(s, k),
+               1e3 * body->height_m, 1e3 * body->radius_m, body->n_runs, s->factor[k]);
     }
     if (s->n_points == 0)
         return;
@@ -223,8 +250,8 @@ void characterize_print_specimens(const characterize_state *s) {
     printf("  parameter        mean   sd between specimens   sd within one\n");
     for (size_t i = 0; i < n; i++) {
         const palp_estimate *e = &s->final.estimate[estimate_of(&s->final, i)];
-        printf("  %-9s  %10.5g  %21.4g  %14.4g %s\n", e->name, e->value, sqrt(s->specimens.between[i * n + i]),
-               sqrt(s->specimens.within[i * n + i]), e->unit);
+        printf("  %-9s  %10.5g  %21.4g  %14.4g %s\n", e->name, e->value,
+               sqrt(s->specimens.between[i * n + i]), sqrt(s->specimens.within[i * n + i]), e->unit);
     }
     print_points(s);
 }
@@ -249,8 +276,10 @@ static json_t *parameters_json(const characterize_state *s) {
     json_t *list = json_array();
     for (size_t i = 0; i < n; i++) {
         const palp_estimate *e = &s->final.estimate[estimate_of(&s->final, i)];
-        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:o}", "name", e->name, "unit", e->unit, "mean", json_number_or_null(e->value),
-                                              "between_sd", json_number_or_null(sqrt(s->specimens.between[i * n + i])), "within_sd",
+        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:o}", "name", e->name, "unit", e->unit,
+                                              "mean", json_number_or_null(e->value), "between_sd",
+                                              json_number_or_null(sqrt(s->specimens.between[i * n + i])),
+                                              "within_sd",
                                               json_number_or_null(sqrt(s->specimens.within[i * n + i]))));
     }
     return list;
@@ -285,12 +314,14 @@ json_t *characterize_json_specimens(const characterize_state *s) {
     if (s->n_specimens < 2)
         return json_null();
     return json_pack("{s:I, s:o, s:o, s:b, s:o, s:o, s:o}", "count", (json_int_t)s->n_specimens, "height_mm",
-                     json_number_or_null(1e3 * s->run[0].height_m), "radius_mm", json_number_or_null(1e3 * s->run[0].radius_m), "differ",
-                     s->n_points > 0, "each", bodies_json(s), "parameters", parameters_json(s), "stiffness", points_json(s));
+                     json_number_or_null(1e3 * s->run[0].height_m), "radius_mm",
+                     json_number_or_null(1e3 * s->run[0].radius_m), "differ", s->n_points > 0, "each",
+                     bodies_json(s), "parameters", parameters_json(s), "stiffness", points_json(s));
 }
 
 void characterize_plot_specimens(plot_book *book, const characterize_state *s) {
-    double at[CHARACTERIZE_BAND], own[2 * CHARACTERIZE_BAND], new[2 * CHARACTERIZE_BAND], mean[CHARACTERIZE_BAND];
+    double at[CHARACTERIZE_BAND], own[2 * CHARACTERIZE_BAND], new[2 * CHARACTERIZE_BAND],
+        mean[CHARACTERIZE_BAND];
     const size_t n = s->n_points;
     for (size_t i = 0; i < n; i++) {
         const palp_specimens_point *p = &s->point[i];
@@ -304,8 +335,10 @@ void characterize_plot_specimens(plot_book *book, const characterize_state *s) {
     const plot_series series[] = {{"95 % of specimens", PLOT_BAND, 1, n, at, new},
                                   {"95 % of the mean", PLOT_BAND, 0, n, at, own},
                                   {"mean specimen", PLOT_LINE, 0, n, at, mean}};
-    const plot_figure figure = {.title = "Force at rest of the mean specimen, and of specimens not measured", .n_panels = 1,
-                                .panel = {{.x_label = "strain e", .y_label = "force (N)", .n_series = 3, .series = series}}};
+    const plot_figure figure = {
+        .title = "Force at rest of the mean specimen, and of specimens not measured",
+        .n_panels = 1,
+        .panel = {{.x_label = "strain e", .y_label = "force (N)", .n_series = 3, .series = series}}};
     if (n)
         plot_draw(book, "specimens", &figure);
 }

@@ -20,8 +20,9 @@ double characterize_modulus(const palp_recording *r, double stiffness_N_m) {
     return r->radius_m > 0 ? stiffness_N_m * r->height_m / (pi * r->radius_m * r->radius_m) : NAN;
 }
 
-palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m, size_t n,
-                                        const double *frequency_Hz, double *storage_N_m, double *loss_N_m) {
+palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m,
+                                        size_t n, const double *frequency_Hz, double *storage_N_m,
+                                        double *loss_N_m) {
     double height = s->run[0].height_m;
     return palp_lumped_oscillation(m, height, depth_m / height, n, frequency_Hz, storage_N_m, loss_N_m);
 }
@@ -49,8 +50,9 @@ void characterize_print_spectrum(const characterize_state *s) {
             const palp_spectrum_point *p = &s->spectrum[i].point[k];
             double storage = NAN, loss = NAN;
             characterize_model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
-            printf("  %14.5g   %9.5g +-%-8.2g %9.5g   %9.4g +-%-8.2g %9.4g   %s\n", p->frequency_Hz, p->storage_N_m,
-                   Z95 * p->storage_sd_N_m, storage, p->loss_N_m, Z95 * p->loss_sd_N_m, loss, s->run[i].name);
+            printf("  %14.5g   %9.5g +-%-8.2g %9.5g   %9.4g +-%-8.2g %9.4g   %s\n", p->frequency_Hz,
+                   p->storage_N_m, Z95 * p->storage_sd_N_m, storage, p->loss_N_m, Z95 * p->loss_sd_N_m, loss,
+                   s->run[i].name);
         }
     }
 }
@@ -96,8 +98,8 @@ json_t *characterize_spectrum_json(const characterize_state *s) {
 
 /* ---- frequencies of the model's curve ---- */
 
-/* From what the longest run sees, or the lowest frequency driven, to twice the highest; of runs that do not oscillate to what
- * the fastest ramp sees. */
+/* From what the longest run sees, or the lowest frequency driven, to twice the highest; of runs that do not
+ * oscillate to what the fastest ramp sees. */
 static void range_of(const characterize_state *s, double *low, double *high) {
     bool driven = characterize_spectrum_points(s) > 0;
     *low = HUGE_VAL;
@@ -131,11 +133,14 @@ static void write_name(FILE *to, const char *name) {
 static void write_points(FILE *to, const characterize_state *s, size_t run) {
     for (size_t k = 0; k < s->spectrum[run].n; k++) {
         const palp_spectrum_point *p = &s->spectrum[run].point[k];
-        double storage = Z95 * p->storage_sd_N_m, loss = Z95 * p->loss_sd_N_m, pascal = characterize_modulus(&s->run[run], 1.0);
+        double storage = Z95 * p->storage_sd_N_m, loss = Z95 * p->loss_sd_N_m,
+               pascal = characterize_modulus(&s->run[run], 1.0);
         write_name(to, cli_base(s->run[run].name));
-        fprintf(to, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p->frequency_Hz, 1e3 * p->depth_m, p->storage_N_m, p->storage_N_m - storage,
-                p->storage_N_m + storage, p->loss_N_m, p->loss_N_m - loss, p->loss_N_m + loss);
-        fprintf(to, isfinite(pascal) ? ",%.9g,%.9g\n" : ",,\n", pascal * p->storage_N_m, pascal * p->loss_N_m);
+        fprintf(to, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p->frequency_Hz, 1e3 * p->depth_m,
+                p->storage_N_m, p->storage_N_m - storage, p->storage_N_m + storage, p->loss_N_m,
+                p->loss_N_m - loss, p->loss_N_m + loss);
+        fprintf(to, isfinite(pascal) ? ",%.9g,%.9g\n" : ",,\n", pascal * p->storage_N_m,
+                pascal * p->loss_N_m);
     }
 }
 
@@ -148,7 +153,8 @@ static int write_model(FILE *to, const characterize_state *s) {
     size_t n = 1 + (size_t)ceil(10 * log10(high / low));
     for (size_t k = 0; k < n; k++) {
         double storage, loss, frequency = low * pow(10, (double)k / 10);
-        palp_status status = characterize_model_spectrum(s, &s->material, depth, 1, &frequency, &storage, &loss);
+        palp_status status =
+            characterize_model_spectrum(s, &s->material, depth, 1, &frequency, &storage, &loss);
         if (status)
             return cli_status(NAME, status, NULL);
         fprintf(to, "model,%.9g,%.9g,%.9g,,,%.9g,,", frequency, 1e3 * depth, storage, loss);
@@ -162,7 +168,8 @@ int characterize_write_spectrum(const char *path, const characterize_state *s) {
     int code = cli_file_open(NAME, path, &file);
     if (code)
         return code;
-    fputs("run,frequency_Hz,depth_mm,storage_N_m,storage_low_N_m,storage_high_N_m,loss_N_m,loss_low_N_m,loss_high_N_m,storage_Pa,loss_Pa\n",
+    fputs("run,frequency_Hz,depth_mm,storage_N_m,storage_low_N_m,storage_high_N_m,loss_N_m,loss_low_N_m,loss_"
+          "high_N_m,storage_Pa,loss_Pa\n",
           file.stream);
     for (size_t i = 0; i < s->n; i++)
         write_points(file.stream, s, i);
@@ -186,8 +193,8 @@ typedef struct spectrum_plot {
     size_t points;
 } spectrum_plot;
 
-static void add_series(spectrum_plot *plot, const char *title, plot_style style, int colour, size_t n, const double *x,
-                       const double *storage, const double *loss) {
+static void add_series(spectrum_plot *plot, const char *title, plot_style style, int colour, size_t n,
+                       const double *x, const double *storage, const double *loss) {
     plot->series[0][plot->n] = (plot_series){title, style, colour, n, x, storage};
     plot->series[1][plot->n++] = (plot_series){NULL, style, colour, n, x, loss};
 }
@@ -210,8 +217,8 @@ static void add_points(const characterize_state *s, size_t run, int colour, spec
     add_series(plot, cli_base(s->run[run].name), PLOT_BARS, colour, n, x, storage, loss);
 }
 
-static bool add_model(const characterize_state *s, const palp_material *m, double depth_m, const char *title, plot_style style,
-                      int colour, size_t at, spectrum_plot *plot) {
+static bool add_model(const characterize_state *s, const palp_material *m, double depth_m, const char *title,
+                      plot_style style, int colour, size_t at, spectrum_plot *plot) {
     double *storage = plot->curve[0][at], *loss = plot->curve[1][at];
     if (characterize_model_spectrum(s, m, depth_m, CURVE, plot->frequency, storage, loss))
         return false;
@@ -245,11 +252,19 @@ void characterize_plot_spectrum(plot_book *book, const characterize_state *s) {
         add_points(s, i, colour, plot);
         shown++;
     }
-    const plot_figure figure = {.title = "Storage and loss stiffness: measured with 95 % intervals, and the model's", .n_panels = 2,
-                                .panel = {{.x_label = "", .y_label = "storage K' (N/m)", .x_scale = PLOT_LOG,
-                                           .n_series = plot->n, .series = plot->series[0]},
-                                          {.x_label = "frequency (Hz)", .y_label = "loss K\" (N/m)", .x_scale = PLOT_LOG,
-                                           .n_series = plot->n, .series = plot->series[1]}}};
+    const plot_figure figure = {
+        .title = "Storage and loss stiffness: measured with 95 % intervals, and the model's",
+        .n_panels = 2,
+        .panel = {{.x_label = "",
+                   .y_label = "storage K' (N/m)",
+                   .x_scale = PLOT_LOG,
+                   .n_series = plot->n,
+                   .series = plot->series[0]},
+                  {.x_label = "frequency (Hz)",
+                   .y_label = "loss K\" (N/m)",
+                   .x_scale = PLOT_LOG,
+                   .n_series = plot->n,
+                   .series = plot->series[1]}}};
     plot_draw(book, "spectrum", &figure);
     free(plot);
 }

@@ -53,7 +53,8 @@ void characterize_warn(characterize_state *s, const char *format, ...) {
 
 /* A spring for each run is constant, which K(e) is not on the ramp: such fits see the hold only, as in
  * Section 4.3.3; the ramp is for the joint law. */
-palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring, size_t n_arms) {
+palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring,
+                                                 size_t n_arms) {
     palp_characterize_settings settings = palp_characterize_settings_default();
     settings.spring = spring;
     settings.n_arms = n_arms;

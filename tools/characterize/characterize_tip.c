@@ -20,35 +20,45 @@ static double number_of(double option, const palp_experiment *run, const char *k
 /* What of the tip's size is missing, in words; NULL if nothing. */
 static const char *missing(const palp_indentation *tip) {
     if (tip->tip == PALP_TIP_CONE)
-        return tip->half_angle_rad > 0 && tip->half_angle_rad < 90 * RADIAN ? NULL : "--tip-angle-deg, or a line # tip.half_angle_deg: A in the file, of 0 to 90";
+        return tip->half_angle_rad > 0 && tip->half_angle_rad < 90 * RADIAN
+                   ? NULL
+                   : "--tip-angle-deg, or a line # tip.half_angle_deg: A in the file, of 0 to 90";
     if (tip->radius_m > 0)
         return NULL;
-    return tip->tip == PALP_TIP_PLATE ? "the specimen's radius; add a line # specimen.radius_mm: R" : "--tip-radius-mm, or a line # tip.radius_mm: R in the file";
+    return tip->tip == PALP_TIP_PLATE ? "the specimen's radius; add a line # specimen.radius_mm: R"
+                                      : "--tip-radius-mm, or a line # tip.radius_mm: R in the file";
 }
 
-int characterize_tip_read(const characterize_options *o, const palp_experiment *experiment, const palp_recording *run, characterize_state *s) {
+int characterize_tip_read(const characterize_options *o, const palp_experiment *experiment,
+                          const palp_recording *run, characterize_state *s) {
     const char *text = NULL;
     palp_indentation *tip = &s->tip[s->n];
     bool in_file = palp_experiment_get_string(experiment, "tip.kind", &text) == PALP_OK;
-    *tip = (palp_indentation){.thickness_m = run->height_m, .floor_slides = o->floor == 1, .tip_sticks = o->tip_sticks};
+    *tip = (palp_indentation){
+        .thickness_m = run->height_m, .floor_slides = o->floor == 1, .tip_sticks = o->tip_sticks};
     if (o->tip >= 0)
         tip->tip = (palp_tip_kind)o->tip;
     else if (in_file && !palp_tip_find(text, &tip->tip))
-        return cli_failure(NAME, "%s: tip.kind is \"%s\"; it is plate, flat, sphere or cone", run->name, text);
+        return cli_failure(NAME, "%s: tip.kind is \"%s\"; it is plate, flat, sphere or cone", run->name,
+                           text);
     bool known = o->tip >= 0 || in_file;
     if (s->n > 0 && known != s->has_tip)
-        return cli_failure(NAME, "%s: %s, but %s: %s; give --tip for all", run->name, known ? "names its tip" : "names no tip", s->run[0].name, known ? "none" : "one");
+        return cli_failure(NAME, "%s: %s, but %s: %s; give --tip for all", run->name,
+                           known ? "names its tip" : "names no tip", s->run[0].name, known ? "none" : "one");
     s->has_tip = known;
     if (!known)
         return CLI_OK;
-    tip->radius_m = tip->tip == PALP_TIP_PLATE ? run->radius_m : 1e-3 * number_of(o->tip_radius_mm, experiment, "tip.radius_mm");
+    tip->radius_m = tip->tip == PALP_TIP_PLATE
+                        ? run->radius_m
+                        : 1e-3 * number_of(o->tip_radius_mm, experiment, "tip.radius_mm");
     if (tip->tip != PALP_TIP_PLATE && !tip->floor_slides)
         tip->large_strain = !o->small_strain;
     if (tip->tip == PALP_TIP_FLAT && !tip->floor_slides)
         tip->specimen_radius_m = run->radius_m;
     tip->half_angle_rad = RADIAN * number_of(o->tip_angle_deg, experiment, "tip.half_angle_deg");
     const char *what = missing(tip);
-    return what ? cli_failure(NAME, "%s: a %s tip needs %s", run->name, palp_tip_name(tip->tip), what) : CLI_OK;
+    return what ? cli_failure(NAME, "%s: a %s tip needs %s", run->name, palp_tip_name(tip->tip), what)
+                : CLI_OK;
 }
 
 /* ---- the fit ---- */
@@ -59,10 +69,14 @@ static bool too_deep(const palp_indentation *tip, double depth_m) {
     if (tip->large_strain)
         return false;
     switch (tip->tip) {
-    case PALP_TIP_FLAT: return depth > 0.05 || depth_m > 0.13 * tip->radius_m;
-    case PALP_TIP_SPHERE: return depth > 0.03 || depth_m > 0.08 * tip->radius_m;
-    case PALP_TIP_CONE: return depth > 0.03 || tip->half_angle_rad < 72 * RADIAN;
-    default: return depth > 0.05;
+    case PALP_TIP_FLAT:
+        return depth > 0.05 || depth_m > 0.13 * tip->radius_m;
+    case PALP_TIP_SPHERE:
+        return depth > 0.03 || depth_m > 0.08 * tip->radius_m;
+    case PALP_TIP_CONE:
+        return depth > 0.03 || tip->half_angle_rad < 72 * RADIAN;
+    default:
+        return depth > 0.05;
     }
 }
 
@@ -77,26 +91,39 @@ static void judge(const characterize_options *o, characterize_state *s) {
     const palp_moduli *m = &s->moduli;
     size_t deep = first_too_deep(s);
     if (!m->poisson_found && isnan(o->poisson))
-        characterize_warn(s, "one tip on one thickness cannot give both modulus and Poisson's ratio: 0.5 (incompressible) is assumed; give --poisson, or runs with a tip of another size too");
+        characterize_warn(
+            s, "one tip on one thickness cannot give both modulus and Poisson's ratio: 0.5 (incompressible) "
+               "is assumed; give --poisson, or runs with a tip of another size too");
     if (m->poisson_found && m->poisson.high - m->poisson.low > 0.2)
-        characterize_warn(s, "Poisson's ratio is not determined by these tips (%.2f to %.2f)", m->poisson.low, m->poisson.high);
+        characterize_warn(s, "Poisson's ratio is not determined by these tips (%.2f to %.2f)", m->poisson.low,
+                          m->poisson.high);
     if (m->misfit > 0.05)
-        characterize_warn(s, "the tip's force by one shear modulus leaves %.2g %% of the force (rms): the contact, the tip or the layer is another, or the material is not linear", 100 * m->misfit);
+        characterize_warn(s,
+                          "the tip's force by one shear modulus leaves %.2g %% of the force (rms): the "
+                          "contact, the tip or the layer is another, or the material is not linear",
+                          100 * m->misfit);
     for (size_t i = 0; i < s->n; i++)
         if (s->tip[i].tip != PALP_TIP_PLATE && s->tip[i].specimen_radius_m == 0 && s->run[i].radius_m > 0 &&
             s->run[i].radius_m < (m->widest_contact + 1.5) * s->tip[i].thickness_m) {
-            characterize_warn(s, "%s: the specimen's edge is near the tip, which these moduli do not know: they come out low", s->run[i].name);
+            characterize_warn(
+                s,
+                "%s: the specimen's edge is near the tip, which these moduli do not know: they come out low",
+                s->run[i].name);
             break;
         }
     if (deep < s->n)
-        characterize_warn(s, "%s: pressed to %.2g of the layer's thickness: the moduli are those of small strain, and off by more than 2 %% from there on", s->run[deep].name,
-                          s->run[deep].deepest_m / s->tip[deep].thickness_m);
+        characterize_warn(s,
+                          "%s: pressed to %.2g of the layer's thickness: the moduli are those of small "
+                          "strain, and off by more than 2 %% from there on",
+                          s->run[deep].name, s->run[deep].deepest_m / s->tip[deep].thickness_m);
 }
 
 /* With Poisson's ratio found where it can be. */
 static palp_moduli_settings settings_of(const characterize_options *o, const characterize_state *s) {
     palp_moduli_settings settings = palp_moduli_settings_default();
-    settings.n_arms = o->arms_form == PALP_ARMS_FREE || s->material.n_arms < 3 ? s->material.n_arms : 3; /* with free times in any case */
+    settings.n_arms = o->arms_form == PALP_ARMS_FREE || s->material.n_arms < 3
+                          ? s->material.n_arms
+                          : 3; /* with free times in any case */
     settings.dwell_only = o->dwell_only;
     settings.contact_known = o->contact == 1 || !isnan(o->contact_mm);
     settings.poisson = o->poisson;
@@ -148,16 +175,24 @@ int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
             s->tip[i].specimen_radius_m = less ? 0 : s->tip[i].specimen_radius_m;
         }
         if (less == 0 && !o->small_strain && first_too_deep(s) < s->n)
-            characterize_warn(s, "no correction for large strain: its tables hold for punches of 0.2 to 2 thicknesses pressed to 0.2 thicknesses and 0.25 radii, "
-                                 "spheres R of 0.3 to 4 thicknesses h pressed to 0.16 h R / (R + 0.1 h), cones of 70 to 80 degrees pressed to 0.15 h");
+            characterize_warn(s, "no correction for large strain: its tables hold for punches of 0.2 to 2 "
+                                 "thicknesses pressed to 0.2 thicknesses and 0.25 radii, "
+                                 "spheres R of 0.3 to 4 thicknesses h pressed to 0.16 h R / (R + 0.1 h), "
+                                 "cones of 70 to 80 degrees pressed to 0.15 h");
         status = fit(o, s, &error);
     }
     if (status == PALP_ERR_UNSUPPORTED)
-        return cli_failure(NAME, "%s: --tip-sticks goes with a plate or a flat punch and a bonded floor", s->run[0].name);
+        return cli_failure(NAME, "%s: --tip-sticks goes with a plate or a flat punch and a bonded floor",
+                           s->run[0].name);
     if (status == PALP_ERR_LIMIT && o->tip_sticks)
-        return cli_failure(NAME, "%s: --tip-sticks is known for punches of 0.2 to 2 thicknesses and plates of 0.2 to 4 heights", s->run[0].name);
+        return cli_failure(
+            NAME,
+            "%s: --tip-sticks is known for punches of 0.2 to 2 thicknesses and plates of 0.2 to 4 heights",
+            s->run[0].name);
     if (status == PALP_ERR_LIMIT)
-        return cli_failure(NAME, "%s: the contact is wider than %g thicknesses of the layer: take --tip plate", s->run[0].name, PALP_INDENTATION_WIDEST);
+        return cli_failure(NAME,
+                           "%s: the contact is wider than %g thicknesses of the layer: take --tip plate",
+                           s->run[0].name, PALP_INDENTATION_WIDEST);
     if (status == PALP_OK && s->n_tip_specimens > 1)
         status = pool(o, s, &error);
     if (status)
@@ -169,21 +204,31 @@ int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
 /* ---- telling ---- */
 
 static void print_modulus(const char *name, const palp_modulus *m) {
-    double scale = m->value >= 1e6 ? 1e-6 : m->value >= 1e3 ? 1e-3 : 1, half = 0.5 * scale * (m->high - m->low);
+    double scale = m->value >= 1e6   ? 1e-6
+                   : m->value >= 1e3 ? 1e-3
+                                     : 1,
+           half = 0.5 * scale * (m->high - m->low);
     char value[DIGITS_TEXT], low[DIGITS_TEXT], high[DIGITS_TEXT];
-    printf("  %-28s %12s   %s to %s %s\n", name, digits_text(value, scale * m->value, half), digits_text(low, scale * m->low, half),
-           digits_text(high, scale * m->high, half), scale == 1 ? "Pa" : scale > 1e-5 ? "kPa" : "MPa");
+    printf("  %-28s %12s   %s to %s %s\n", name, digits_text(value, scale * m->value, half),
+           digits_text(low, scale * m->low, half), digits_text(high, scale * m->high, half),
+           scale == 1     ? "Pa"
+           : scale > 1e-5 ? "kPa"
+                          : "MPa");
 }
 
 void characterize_tip_print(const characterize_state *s) {
     const palp_moduli *m = &s->moduli;
     if (!s->has_tip)
         return;
-    printf("Moduli of the layer under %s tip%s (layer %s; %s; the tip %s)\n", m->n_tips > 1 ? "the" : palp_tip_name(s->tip[0].tip),
-           m->n_tips > 1 ? "s" : "", s->tip[0].tip == PALP_TIP_PLATE || s->tip[0].floor_slides ? "sliding on its floor" : "bonded to its floor",
-           s->tip[0].large_strain ? "neo-Hookean" : "small strain", s->tip[0].tip_sticks ? "sticks" : "slides");
+    printf("Moduli of the layer under %s tip%s (layer %s; %s; the tip %s)\n",
+           m->n_tips > 1 ? "the" : palp_tip_name(s->tip[0].tip), m->n_tips > 1 ? "s" : "",
+           s->tip[0].tip == PALP_TIP_PLATE || s->tip[0].floor_slides ? "sliding on its floor"
+                                                                     : "bonded to its floor",
+           s->tip[0].large_strain ? "neo-Hookean" : "small strain",
+           s->tip[0].tip_sticks ? "sticks" : "slides");
     if (m->poisson_found)
-        printf("  %-28s %12.3f   %.3f to %.3f, by the agreement of %zu tips\n", "Poisson's ratio", m->poisson.value, m->poisson.low, m->poisson.high, m->n_tips);
+        printf("  %-28s %12.3f   %.3f to %.3f, by the agreement of %zu tips\n", "Poisson's ratio",
+               m->poisson.value, m->poisson.low, m->poisson.high, m->n_tips);
     else
         printf("  %-28s %12.3f   assumed: these runs do not tell\n", "Poisson's ratio", m->poisson.value);
     print_modulus("G_inf, shear, long-term", &m->shear_inf_Pa);
@@ -191,27 +236,36 @@ void characterize_tip_print(const characterize_state *s) {
     print_modulus("E_inf = 2 (1 + nu) G_inf", &m->young_inf_Pa);
     print_modulus("E_0 = 2 (1 + nu) G_0", &m->young_0_Pa);
     for (size_t k = 0; k < s->n_tip_specimens; k++)
-        printf("  of %-25s %12.5g   G_0 %.5g Pa, each by its own runs\n", characterize_specimen_name(s, k), s->each[k].shear_inf_Pa.value, s->each[k].shear_0_Pa.value);
+        printf("  of %-25s %12.5g   G_0 %.5g Pa, each by its own runs\n", characterize_specimen_name(s, k),
+               s->each[k].shear_inf_Pa.value, s->each[k].shear_0_Pa.value);
     if (s->n_tip_specimens > 1)
-        printf("  sd between specimens         %12.3g   G_0 %.3g Pa; the moduli above are the mean's, with its interval by how they differ\n", s->between_Pa[0], s->between_Pa[1]);
+        printf("  sd between specimens         %12.3g   G_0 %.3g Pa; the moduli above are the mean's, with "
+               "its interval by how they differ\n",
+               s->between_Pa[0], s->between_Pa[1]);
     if (!m->poisson_found)
-        printf("  G_inf would be %.4g Pa with a ratio of 0.5, %.4g Pa with 0.3\n", m->shear_low_Pa, m->shear_high_Pa);
+        printf("  G_inf would be %.4g Pa with a ratio of 0.5, %.4g Pa with 0.3\n", m->shear_low_Pa,
+               m->shear_high_Pa);
     if (m->largest_shift_m > 0)
-        printf("  contact of the tip found with the moduli, up to %.3g mm from that of the runs (--contact known takes those)\n", 1e3 * m->largest_shift_m);
-    printf("  contact up to %.3g, depth up to %.3g thicknesses; residual %.2g %% of the force (rms)\n", m->widest_contact, m->largest_depth, 100 * m->misfit);
+        printf("  contact of the tip found with the moduli, up to %.3g mm from that of the runs (--contact "
+               "known takes those)\n",
+               1e3 * m->largest_shift_m);
+    printf("  contact up to %.3g, depth up to %.3g thicknesses; residual %.2g %% of the force (rms)\n",
+           m->widest_contact, m->largest_depth, 100 * m->misfit);
 }
 
 static json_t *modulus_json(const palp_modulus *m) {
-    return json_pack("{s:o, s:o, s:o, s:o}", "value", json_number_or_null(m->value), "sd", json_number_or_null(m->sd), "low", json_number_or_null(m->low),
-                     "high", json_number_or_null(m->high));
+    return json_pack("{s:o, s:o, s:o, s:o}", "value", json_number_or_null(m->value), "sd",
+                     json_number_or_null(m->sd), "low", json_number_or_null(m->low), "high",
+                     json_number_or_null(m->high));
 }
 
 static json_t *tip_json(const characterize_state *s, size_t i) {
     const palp_indentation *tip = &s->tip[i];
     bool cone = tip->tip == PALP_TIP_CONE;
-    return json_pack("{s:s, s:s, s:o, s:o, s:f}", "file", s->run[i].name, "kind", palp_tip_name(tip->tip), "radius_mm",
-                     cone ? json_null() : json_real(1e3 * tip->radius_m), "half_angle_deg", cone ? json_real(tip->half_angle_rad / RADIAN) : json_null(),
-                     "thickness_mm", 1e3 * tip->thickness_m);
+    return json_pack("{s:s, s:s, s:o, s:o, s:f}", "file", s->run[i].name, "kind", palp_tip_name(tip->tip),
+                     "radius_mm", cone ? json_null() : json_real(1e3 * tip->radius_m), "half_angle_deg",
+                     cone ? json_real(tip->half_angle_rad / RADIAN) : json_null(), "thickness_mm",
+                     1e3 * tip->thickness_m);
 }
 
 json_t *characterize_tip_json(const characterize_state *s) {
@@ -225,7 +279,8 @@ json_t *characterize_tip_json(const characterize_state *s) {
         json_array_append_new(arms, json_pack("{s:f, s:f}", "shear_Pa", m->arm_Pa[j], "tau_s", m->tau_s[j]));
     json_t *each = json_array();
     for (size_t k = 0; k < s->n_tip_specimens; k++)
-        json_array_append_new(each, json_pack("{s:s, s:o, s:o}", "name", characterize_specimen_name(s, k), "shear_inf_Pa", modulus_json(&s->each[k].shear_inf_Pa),
+        json_array_append_new(each, json_pack("{s:s, s:o, s:o}", "name", characterize_specimen_name(s, k),
+                                              "shear_inf_Pa", modulus_json(&s->each[k].shear_inf_Pa),
                                               "shear_0_Pa", modulus_json(&s->each[k].shear_0_Pa)));
     json_object_set_new(to, "specimens", each);
     json_object_set_new(to, "tips", tips);

@@ -12,24 +12,40 @@ static int parse(int argc, char **argv, characterize_options *o) {
     const cli_option options[] = {
         cli_heading("Model"),
         cli_text("arms", "N|auto|log:N|fractional", &o->arms_text,
-                 "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\nof the fit); log:N: N a decade at fixed times, none "
+                 "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\nof the fit); log:N: "
+                 "N a decade at fixed times, none "
                  "negative; fractional:\na spring and a springpot in series, as 16 arms of their spectrum"),
-        cli_choice("law", "auto|polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden", &o->law_choice,
+        cli_choice("law", "auto|polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden",
+                   &o->law_choice,
                    "form of the stiffness law K(e), F = K(e) e (default auto: form and size by the\n"
                    "error on samples left out of the fit; with --degree a polynomial, with\n"
                    "--knots a spline)"),
-        cli_text("degree", "N|auto", &o->degree_text, "degree of the force polynomial F(e), 2 to 7, so that K(e) has one degree\nless, as Table 4.1 of Sedef 2008 counts (polynomial: default 5, no more terms than\nthere are depths); auto: by the error on samples left out"),
+        cli_text("degree", "N|auto", &o->degree_text,
+                 "degree of the force polynomial F(e), 2 to 7, so that K(e) has one degree\nless, as Table "
+                 "4.1 of Sedef 2008 counts (polynomial: default 5, no more terms than\nthere are depths); "
+                 "auto: by the error on samples left out"),
         cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 5)"),
         cli_heading("Fit"),
-        cli_flag("shared-arms", &o->shared_arms, "one set of arms for all depths only, no fit of each depth alone"),
-        cli_flag("per-depth", &o->per_depth, "each depth alone, no table of shared arms (default: both tables)"),
-        cli_choice("method", "nlopt|grid", &o->method, "nlopt: weighted least squares from several starts (default); grid:\nthe procedure of Sedef 2008, Section 4.3.3, with one or two arms"),
-        cli_flag("hold-only", &o->dwell_only, "leave the ramp out of the fit of the model too (fits with a K_inf for\neach depth see the hold only: on the ramp K(e) is not constant)"),
-        cli_flag("fit-filtered", &o->fit_filtered, "fit the filtered force instead of the raw one (biased; for comparison)"),
+        cli_flag("shared-arms", &o->shared_arms,
+                 "one set of arms for all depths only, no fit of each depth alone"),
+        cli_flag("per-depth", &o->per_depth,
+                 "each depth alone, no table of shared arms (default: both tables)"),
+        cli_choice("method", "nlopt|grid", &o->method,
+                   "nlopt: weighted least squares from several starts (default); grid:\nthe procedure of "
+                   "Sedef 2008, Section 4.3.3, with one or two arms"),
+        cli_flag("hold-only", &o->dwell_only,
+                 "leave the ramp out of the fit of the model too (fits with a K_inf for\neach depth see the "
+                 "hold only: on the ramp K(e) is not constant)"),
+        cli_flag("fit-filtered", &o->fit_filtered,
+                 "fit the filtered force instead of the raw one (biased; for comparison)"),
         cli_heading("Recordings"),
-        cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz, "cut-off of the zero-phase Butterworth filter of the figures, Hz\n(default 10, at most a fifth of the sampling rate)"),
-        cli_positive("specimen-height-mm", "H", 1e4, &o->height_mm, "height of the specimen, mm, instead of the files'"),
-        cli_positive("specimen-radius-mm", "R", 1e4, &o->radius_mm, "radius of the specimen, mm, instead of the files'"),
+        cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz,
+                     "cut-off of the zero-phase Butterworth filter of the figures, Hz\n(default 10, at most "
+                     "a fifth of the sampling rate)"),
+        cli_positive("specimen-height-mm", "H", 1e4, &o->height_mm,
+                     "height of the specimen, mm, instead of the files'"),
+        cli_positive("specimen-radius-mm", "R", 1e4, &o->radius_mm,
+                     "radius of the specimen, mm, instead of the files'"),
         cli_choice("specimens", "auto|one|name|folder|file", &o->specimens_by,
                    "which runs are of one specimen: those of one specimen.name and size (auto,\n"
                    "default; one where each run has its own name), all (one), those of one name,\n"
@@ -39,31 +55,43 @@ static int parse(int argc, char **argv, characterize_options *o) {
                    "whether contact is where the runs have it: known; off by the same in all\n"
                    "(common); or by its own in each, by a scatter that the runs tell (free;\n"
                    "default auto: free where the runs show it, be they two)"),
-        cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm, "recorded depth at contact, mm, instead of the one found"),
+        cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm,
+                   "recorded depth at contact, mm, instead of the one found"),
         cli_heading("Tip: moduli of the layer under it"),
         cli_choice("tip", "plate|flat|sphere|cone", &o->tip,
-                   "what pressed: a plate over the whole face, else a flat punch, sphere or cone on\na wide layer (default: the files' tip.kind, if any)"),
-        cli_positive("tip-radius-mm", "R", 1e4, &o->tip_radius_mm, "of the punch or sphere, mm, instead of the files' tip.radius_mm"),
-        cli_positive("tip-angle-deg", "A", 90, &o->tip_angle_deg, "of the cone, axis to flank, instead of the files' tip.half_angle_deg"),
+                   "what pressed: a plate over the whole face, else a flat punch, sphere or cone on\na wide "
+                   "layer (default: the files' tip.kind, if any)"),
+        cli_positive("tip-radius-mm", "R", 1e4, &o->tip_radius_mm,
+                     "of the punch or sphere, mm, instead of the files' tip.radius_mm"),
+        cli_positive("tip-angle-deg", "A", 90, &o->tip_angle_deg,
+                     "of the cone, axis to flank, instead of the files' tip.half_angle_deg"),
         cli_number("poisson", "NU", 0, 0.5, &o->poisson,
-                   "Poisson's ratio, taken for known (default: found, where tips of different size\npressed; else 0.5)"),
+                   "Poisson's ratio, taken for known (default: found, where tips of different size\npressed; "
+                   "else 0.5)"),
         cli_choice("floor", "bonded|slides", &o->floor, "how the layer lies on its support (default bonded)"),
-        cli_flag("tip-sticks", &o->tip_sticks, "friction holds the punch's face, or the specimen is glued to both plates (default:\nthey slide)"),
-        cli_flag("small-strain", &o->small_strain, "no correction of the tip for large strain (default: of a neo-Hookean layer)"),
+        cli_flag("tip-sticks", &o->tip_sticks,
+                 "friction holds the punch's face, or the specimen is glued to both plates (default:\nthey "
+                 "slide)"),
+        cli_flag("small-strain", &o->small_strain,
+                 "no correction of the tip for large strain (default: of a neo-Hookean layer)"),
         cli_heading("Output"),
         cli_out("out", "LUMPED.json", &o->out, "the lumped model"),
-        cli_out("spectrum", "FILE.csv", &o->spectrum, "storage and loss by frequency: of runs that oscillate, and of the model"),
-        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp characterize.json", "SVG figures by gnuplot, and the result as characterize.json"),
+        cli_out("spectrum", "FILE.csv", &o->spectrum,
+                "storage and loss by frequency: of runs that oscillate, and of the model"),
+        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp characterize.json",
+                       "SVG figures by gnuplot, and the result as characterize.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
     };
     const cli_command command = {
         NAME,
         "RUN.csv ... [options]",
-        "Finds a generalized Maxwell solid, with 95 % intervals, from raw static, ramp-and-hold and creep runs.\n"
+        "Finds a generalized Maxwell solid, with 95 % intervals, from raw static, ramp-and-hold and creep "
+        "runs.\n"
         "Contact, zero force and noise of each run are found first and told on standard error.",
         "  palpate characterize static.csv hold_*.csv --out lumped.json --plot figures\n"
         "  palpate characterize hold_*.csv --arms 2 --shared-arms --json\n",
-        options, sizeof options / sizeof options[0]};
+        options,
+        sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, o->words, CHARACTERIZE_RUNS_MAX, &o->n_words);
     return code == CLI_OK && o->n_words == 0
                ? cli_usage_error(NAME, "name a RUN.csv; see palpate characterize --help")
@@ -94,8 +122,10 @@ static int read_arms(characterize_options *o) {
     }
     if (strncmp(o->arms_text, "log:", 4) != 0)
         return number_or_auto("arms", o->arms_text, 0, PALP_ARMS_MAX, &o->arms, &o->arms_auto);
-    if (!cli_read_number(o->arms_text + 4, &value) || value != floor(value) || value < 1 || value > PALP_ARMS_MAX)
-        return cli_usage_error(NAME, "--arms log:N takes a whole number from 1 to %d, not \"%s\"", PALP_ARMS_MAX, o->arms_text + 4);
+    if (!cli_read_number(o->arms_text + 4, &value) || value != floor(value) || value < 1 ||
+        value > PALP_ARMS_MAX)
+        return cli_usage_error(NAME, "--arms log:N takes a whole number from 1 to %d, not \"%s\"",
+                               PALP_ARMS_MAX, o->arms_text + 4);
     o->arms_form = PALP_ARMS_LOG;
     o->per_decade = (size_t)value;
     return CLI_OK;
@@ -137,7 +167,8 @@ static int write_model(const characterize_options *o, const characterize_state *
     model.material = s->material;
     double fractional[3];
     if (o->arms_form == PALP_ARMS_FRACTIONAL && s->has_final) {
-        const palp_estimate *element = &s->final.estimate[s->final.n_estimates - 3]; /* the last three: K_frac, tau_frac, exponent */
+        const palp_estimate *element =
+            &s->final.estimate[s->final.n_estimates - 3]; /* the last three: K_frac, tau_frac, exponent */
         for (size_t k = 0; k < 3; k++)
             fractional[k] = element[k].value;
         model.fractional = fractional;
@@ -147,7 +178,9 @@ static int write_model(const characterize_options *o, const characterize_state *
     model.n_specimens = s->n_points > 0 ? s->n_specimens : 0;
     palp_status status = o->out ? palp_model_write(&model, o->out, &error) : PALP_OK;
     if (status && palp_law_minimum(&s->material.law, characterize_strain_max(s)) <= 0)
-        return cli_failure(NAME, "%s: not written: K(e) falls to zero within the measured strain of %.3g; take another --degree or --law",
+        return cli_failure(NAME,
+                           "%s: not written: K(e) falls to zero within the measured strain of %.3g; take "
+                           "another --degree or --law",
                            o->out, characterize_strain_max(s));
     return status ? cli_status(NAME, status, &error) : CLI_OK;
 }

@@ -19,7 +19,8 @@ static const char NAME[] = "explain";
 static int parse(int argc, char **argv, explain_options *o) {
     const cli_option options[] = {
         cli_heading("What is explained"),
-        cli_in("model", "MODEL.json", &o->model, "the model, lumped or a network, that misses something (needed)"),
+        cli_in("model", "MODEL.json", &o->model,
+               "the model, lumped or a network, that misses something (needed)"),
         cli_text("hold-out", "auto|FILES", &o->hold_out,
                  "runs kept out of the fit, between commas (default auto: each in turn)"),
         cli_text("candidates", "IDS", &o->candidates, "effects to try, between commas (default: all)"),
@@ -31,7 +32,8 @@ static int parse(int argc, char **argv, explain_options *o) {
                    "all, if at all (common); or off by its own in each, by a scatter that the runs\n"
                    "tell (free, default)"),
         cli_heading("When it believes"),
-        cli_count("max-effects", "N", 0, PALP_EXPLAIN_EFFECTS, &o->max_effects, "most effects to add (default 4)"),
+        cli_count("max-effects", "N", 0, PALP_EXPLAIN_EFFECTS, &o->max_effects,
+                  "most effects to add (default 4)"),
         cli_number("false-alarm", "P", 1e-4, 0.5, &o->false_alarm,
                    "chance that an effect is named where none is (default 0.05)"),
         cli_number("good-enough", "PERCENT", 0, 100, &o->good_enough,
@@ -43,16 +45,21 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_flag("json", &o->json, "everything that was found as one JSON object on standard output"),
         cli_out("result", "RESULT.json", &o->result, "the same into a file"),
         cli_out("report", "PAGE.html", &o->report, "the story on one page"),
-        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp explain.json", "result and figure into a folder, for palpate report"),
+        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp explain.json",
+                       "result and figure into a folder, for palpate report"),
         cli_out("next", "PROTOCOL.json", &o->next, "the next experiment, for palpate acquire"),
     };
     const cli_command command = {
-        NAME, "--model MODEL.json RUN.csv ... [options]",
-        "Refits a model to runs, finds where they disagree, names the missing effect from the catalogue, adds it and\n"
-        "shows the gap shrink. It may also say that nothing is missing, that two effects cannot be told apart and\n"
+        NAME,
+        "--model MODEL.json RUN.csv ... [options]",
+        "Refits a model to runs, finds where they disagree, names the missing effect from the catalogue, "
+        "adds it and\n"
+        "shows the gap shrink. It may also say that nothing is missing, that two effects cannot be told "
+        "apart and\n"
         "which experiment would, or that something is missing which it does not know.",
         "  palpate explain --model lumped.json runs/*.csv --out explained.json --report page.html\n",
-        options, sizeof options / sizeof options[0]};
+        options,
+        sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, o->words, EXPLAIN_RUNS_MAX, &o->n_words);
     if (code == CLI_OK && (!o->model || o->n_words == 0))
         return cli_usage_error(NAME, "needs --model MODEL.json and runs; see palpate explain --help");
@@ -84,7 +91,8 @@ static int choose_candidates(const explain_options *o, palp_explain_settings *s)
     return CLI_OK;
 }
 
-static int choose_held_out(const explain_options *o, palp_explain_settings *s, size_t held_out[EXPLAIN_RUNS_MAX]) {
+static int choose_held_out(const explain_options *o, palp_explain_settings *s,
+                           size_t held_out[EXPLAIN_RUNS_MAX]) {
     char name[CLI_PATH_MAX];
     if (!o->hold_out || strcmp(o->hold_out, "auto") == 0)
         return CLI_OK;
@@ -105,7 +113,8 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
     palp_error error;
     int code = CLI_OK;
     palp_model model = e->model;
-    palp_law_limit(&model.material.law, model.material.law.strain_max); /* of the coefficients that were found */
+    palp_law_limit(&model.material.law,
+                   model.material.law.strain_max); /* of the coefficients that were found */
     if (o->out && palp_model_write(&model, o->out, &error))
         code = cli_status(NAME, error.status, &error);
     if (code == CLI_OK && o->result)
@@ -139,8 +148,8 @@ static int read_runs(const explain_options *o, palp_explain_input *input, palp_e
     return CLI_OK;
 }
 
-/* The fit's law holds as deep as the runs go; that they go beyond what the given one was measured to is told, but for the
- * little by which contacts differ. */
+/* The fit's law holds as deep as the runs go; that they go beyond what the given one was measured to is told,
+ * but for the little by which contacts differ. */
 static void extend_range(palp_model *model, size_t n, palp_experiment *const *run) {
     palp_law *law = &model->material.law;
     double deepest = 0, given = law->strain_max;
@@ -150,7 +159,9 @@ static void extend_range(palp_model *model, size_t n, palp_experiment *const *ru
             deepest = fmax(deepest, 1e-3 * depth_mm[i] / model->height_m);
     }
     if (deepest > 1.02 * given)
-        cli_warning(NAME, "beyond the measured strain of %.4g: these runs go to %.4g, and the law is fitted to there", given, deepest);
+        cli_warning(
+            NAME, "beyond the measured strain of %.4g: these runs go to %.4g, and the law is fitted to there",
+            given, deepest);
     if (deepest > given)
         palp_law_limit(law, deepest);
 }

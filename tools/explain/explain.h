@@ -14,7 +14,7 @@ enum { EXPLAIN_RUNS_MAX = 512, EXPLAIN_ROWS = 50000 };
 typedef struct explain_options {
     const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *result, *report, *plot, *next;
     size_t n_words, max_effects, jobs, every; /* every: 0 = so many that EXPLAIN_ROWS remain */
-    int contact; /* a palp_contact_form */
+    int contact;                              /* a palp_contact_form */
     double false_alarm, good_enough;
     bool json;
     char command[CLI_COMMAND_MAX];
@@ -38,7 +38,8 @@ int explain_page(const explain_options *o, const palp_explanation *e);
 /* Recorded minus model, run by run, as explain_residuals. (explain_figure.c) */
 void explain_figure(plot_book *book, const palp_explanation *e);
 
-/* explain.json and explain_residuals.svg into the folder of --plot, for palpate report; an exit code. (explain_page.c) */
+/* explain.json and explain_residuals.svg into the folder of --plot, for palpate report; an exit code.
+ * (explain_page.c) */
 int explain_plot(const explain_options *o, const palp_explanation *e);
 
 /* Keeps one sample in every of a run, which is replaced. (explain_thin.c) */

@@ -1,5 +1,5 @@
-/* explain_figure.c: recorded minus model over time, run by run, as given and with the effects: small panels of one
- * scale. */
+/* explain_figure.c: recorded minus model over time, run by run, as given and with the effects: small panels
+ * of one scale. */
 #include "explain.h"
 
 #include <math.h>
@@ -34,7 +34,8 @@ static void make_curve(const palp_explain_run *run, const double *y, curve *c) {
     double start = run->time_s[0], width = (run->time_s[run->n - 1] - start) / BINS;
     for (size_t i = 0, next; i < run->n; i = next) {
         double bin = floor(0.999999 * (run->time_s[i] - start) / width), sum = 0, low = y[i], high = y[i];
-        for (next = i; next < run->n && floor(0.999999 * (run->time_s[next] - start) / width) == bin; next++) {
+        for (next = i; next < run->n && floor(0.999999 * (run->time_s[next] - start) / width) == bin;
+             next++) {
             sum += y[next];
             low = fmin(low, y[next]);
             high = fmax(high, y[next]);
@@ -69,7 +70,8 @@ static void short_name(const char *name, char text[48]) {
         snprintf(text, 48, "%.18s...%s", name, name + n - 19);
 }
 
-static plot_panel make_panel(panel *p, const palp_explain_run *run, const palp_explanation *e, double most_mN) {
+static plot_panel make_panel(panel *p, const palp_explain_run *run, const palp_explanation *e,
+                             double most_mN) {
     const double level = 1e3 * e->gap.noise_level_N;
     bool two = e->n_effects > 0;
     char name[48];
@@ -90,8 +92,13 @@ static plot_panel make_panel(panel *p, const palp_explain_run *run, const palp_e
         {NULL, PLOT_BAND, PLOT_BLUE, p->after.n, p->after.time_s, p->after.band},
         {NULL, PLOT_LINE, PLOT_BLUE, p->after.n, p->after.time_s, p->after.mean}};
     memcpy(p->series, series, sizeof series);
-    return (plot_panel){.x_label = "time (s)", .y_label = "mN", .n_series = two ? SERIES : 3, .series = p->series,
-                        .title = p->title, .y_low = -most_mN, .y_high = most_mN};
+    return (plot_panel){.x_label = "time (s)",
+                        .y_label = "mN",
+                        .n_series = two ? SERIES : 3,
+                        .series = p->series,
+                        .title = p->title,
+                        .y_low = -most_mN,
+                        .y_high = most_mN};
 }
 
 /* ---- the figure ---- */
@@ -115,7 +122,9 @@ static size_t choose(const palp_explanation *e, size_t shown[PANELS]) {
 void explain_figure(plot_book *book, const palp_explanation *e) {
     size_t shown[PANELS], n = choose(e, shown);
     panel *p = calloc(PANELS, sizeof *p);
-    plot_figure figure = {.n_panels = n, .columns = COLUMNS, .width = 600 * COLUMNS,
+    plot_figure figure = {.n_panels = n,
+                          .columns = COLUMNS,
+                          .width = 600 * COLUMNS,
                           .height = 230 * (unsigned)((n + COLUMNS - 1) / COLUMNS)};
 
     double most = 2 * e->gap.noise_level_N;

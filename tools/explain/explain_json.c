@@ -58,8 +58,8 @@ static json_t *noise_level_json(const palp_explanation *e) {
     return parts;
 }
 
-static void add_scatter(json_t *list, const char *id, const char *key, double value, const palp_explain_scatter *from,
-                        const palp_explanation *e) {
+static void add_scatter(json_t *list, const char *id, const char *key, double value,
+                        const palp_explain_scatter *from, const palp_explanation *e) {
     json_t *object = json_object();
     if (!from->found) {
         json_decref(object);
@@ -80,7 +80,8 @@ static json_t *scatter_json(const palp_explanation *e) {
     add_scatter(list, "contact_scatter", "sd_mm", 1e3 * e->contact.sd, &e->contact, e);
     add_scatter(list, "gain_scatter", "sd_share", e->gain.sd, &e->gain, e);
     const palp_explain_specimens *s = &e->specimens;
-    const palp_explain_scatter specimens = {.without_N = s->without_N, .evidence = s->evidence, .found = s->found};
+    const palp_explain_scatter specimens = {
+        .without_N = s->without_N, .evidence = s->evidence, .found = s->found};
     add_scatter(list, "specimen_stiffness", "sd_share", s->sd, &specimens, e);
     return list;
 }

@@ -1,5 +1,5 @@
-/* explain_spectrum.c: how large the waves in recorded minus model are, over time and over depth. A wave is fitted in
- * stretches of so many of its periods, each with a mean and a phase of its own. */
+/* explain_spectrum.c: how large the waves in recorded minus model are, over time and over depth. A wave is
+ * fitted in stretches of so many of its periods, each with a mean and a phase of its own. */
 #include "explain.h"
 #include "shared/json_out.h"
 
@@ -9,7 +9,8 @@ enum { WAVES_MAX = 256, SAMPLES = 20000 }; /* about so many samples are used for
 
 static const double TURN = 6.28318530717958647692;
 
-/* Waves from low to high cycles per second or mm, each ratio times the last, in stretches of so many cycles. */
+/* Waves from low to high cycles per second or mm, each ratio times the last, in stretches of so many cycles.
+ */
 typedef struct band {
     double low, high, ratio, cycles;
     bool over_depth;
@@ -93,8 +94,8 @@ static json_t *spectrum(const palp_explanation *e, const band *l, const char *ke
             after[n++] = amplitude[1];
         }
     }
-    return json_pack("{s:o, s:o, s:o}", key, json_numbers(n, x), "before_N", json_numbers(n, before), "after_N",
-                     json_numbers(n, after));
+    return json_pack("{s:o, s:o, s:o}", key, json_numbers(n, x), "before_N", json_numbers(n, before),
+                     "after_N", json_numbers(n, after));
 }
 
 json_t *explain_spectrum(const palp_explanation *e) {
@@ -110,7 +111,7 @@ json_t *explain_spectrum(const palp_explanation *e) {
         }
     }
     band in_time = {12 / longest, fastest / 3, 1.06, 12, false},
-           in_depth = {4 / (deep - shallow), 200 / (deep - shallow), 1.06, 3, true};
+         in_depth = {4 / (deep - shallow), 200 / (deep - shallow), 1.06, 3, true};
     return json_pack("{s:o, s:o}", "time", spectrum(e, &in_time, "frequency_Hz"), "depth",
                      spectrum(e, &in_depth, "period_mm"));
 }

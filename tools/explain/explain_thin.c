@@ -1,11 +1,13 @@
-/* explain_thin.c: every so-many-th sample of a run: picked, not averaged, so that what is fast keeps its size. */
+/* explain_thin.c: every so-many-th sample of a run: picked, not averaged, so that what is fast keeps its
+ * size. */
 #include "explain.h"
 
 static const char *const NUMBERS[] = {"specimen.height_mm", "specimen.radius_mm", "session.start_s",
                                       "protocol.order",     "protocol.repeat",    "protocol.depth_mm",
                                       "protocol.rate_mm_s", "protocol.ramp_s",    "protocol.hold_s",
                                       "protocol.cycles",    "contact.sd_mm"};
-static const char *const TEXTS[] = {"specimen.kind", "specimen.name", "protocol.kind", "contact.rule", "end.fault"};
+static const char *const TEXTS[] = {"specimen.kind", "specimen.name", "protocol.kind", "contact.rule",
+                                    "end.fault"};
 
 static palp_status copy_keys(const palp_experiment *from, palp_experiment *to) {
     palp_status status = PALP_OK;

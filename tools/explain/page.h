@@ -12,23 +12,28 @@
 enum { PAGE_LINE = 512 };
 
 /* ---- page_found.c ---- */
-#define PAGE_RESIDUALS                                                                                \
-    "Recorded minus model: orange as given, blue with the effects (lines: means, tint: lowest and "           \
+#define PAGE_RESIDUALS                                                                                       \
+    "Recorded minus model: orange as given, blue with the effects (lines: means, tint: lowest and "          \
     "highest), grey the noise level. At most the twelve runs with the largest gap."
-void page_in_short(FILE *to, const json_t *result); /* of palpate explain: the verdict and what is missing, in a box; links to #explain */
-void page_found(FILE *to, const json_t *result); /* of palpate explain: the verdict, what is missing, in which phases */
-void page_how(FILE *to, const json_t *result);   /* likewise: the candidates, the residual, what to measure next */
+void page_in_short(FILE *to, const json_t *result); /* of palpate explain: the verdict and what is missing, in
+                                                       a box; links to #explain */
+void page_found(FILE *to,
+                const json_t *result); /* of palpate explain: the verdict, what is missing, in which phases */
+void page_how(FILE *to,
+              const json_t *result); /* likewise: the candidates, the residual, what to measure next */
 
 /* ---- page_words.c ---- */
-/* As a sentence; unexplained_N: what is more than noise, which where it agrees is below the practical limit. */
+/* As a sentence; unexplained_N: what is more than noise, which where it agrees is below the practical limit.
+ */
 const char *page_verdict(const char *name, double unexplained_N);
-const char *page_effect(const char *id);             /* its name in words */
+const char *page_effect(const char *id);         /* its name in words */
 const char *page_effect_means(const char *id);   /* what it does, a sentence */
 const char *page_effect_seen_by(const char *id); /* what an experiment must contain */
 void page_parameter(const char *key, char name[48], char unit[16]);
 void page_phase(const char *id, char text[32]);
 const char *page_force(double force_N, char text[32]); /* in N to pN; returns text */
-void page_names(const json_t *ids, size_t from, const char *between, char line[PAGE_LINE]); /* those from one on */
+void page_names(const json_t *ids, size_t from, const char *between,
+                char line[PAGE_LINE]); /* those from one on */
 void page_paragraph(FILE *to, const char *format, ...);
 
 /* ---- page_story.c ---- */
@@ -43,9 +48,11 @@ typedef struct page_story {
 void page_story_tell(const json_t *all, page_story *story);
 bool page_one_recording(const json_t *all);
 
-/* Of the candidates that gain anything and were not taken the one that gains most after last, or NULL; last NULL: the first. */
+/* Of the candidates that gain anything and were not taken the one that gains most after last, or NULL; last
+ * NULL: the first. */
 const json_t *page_candidate(const json_t *all, const json_t *last);
-void explain_say(FILE *to, const json_t *all); /* the story, effects, candidates and the next step: for a terminal */
+void explain_say(FILE *to,
+                 const json_t *all); /* the story, effects, candidates and the next step: for a terminal */
 
 /* Whether a member is a number at all; one that is, within 0 and 1. */
 bool page_has_share(const json_t *object, const char *key);

@@ -10,8 +10,9 @@ static void row(FILE *to, const page_bar *bar, double noise_level_N, double most
     html_text(to, bar->label);
     fputs("</td>", to);
     html_bars(to, bar->before / most, bar->after / most, noise_level_N / most);
-    fprintf(to, "<td class=\"t\">%s%s%s</td></tr>\n", isfinite(bar->before) ? page_force(bar->before, before) : "",
-            both ? " \u2192 " : "", isfinite(bar->after) ? page_force(bar->after, after) : "");
+    fprintf(to, "<td class=\"t\">%s%s%s</td></tr>\n",
+            isfinite(bar->before) ? page_force(bar->before, before) : "", both ? " \u2192 " : "",
+            isfinite(bar->after) ? page_force(bar->after, after) : "");
 }
 
 void page_bars(FILE *to, const char *caption, size_t n, const page_bar *bar, double noise_level_N) {

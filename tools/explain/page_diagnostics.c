@@ -1,5 +1,5 @@
-/* page_diagnostics.c: diagnostics of the residual: waves over time and depth, free curves, order from sample to sample,
- * events. */
+/* page_diagnostics.c: diagnostics of the residual: waves over time and depth, free curves, order from sample
+ * to sample, events. */
 #include "page.h"
 
 #include <math.h>
@@ -18,7 +18,8 @@ static size_t numbers(const json_t *list, double scale, double to[POINTS]) {
     return n;
 }
 
-static void spectrum(FILE *to, const json_t *waves, const char *key, const char *label, bool two, const char *caption) {
+static void spectrum(FILE *to, const json_t *waves, const char *key, const char *label, bool two,
+                     const char *caption) {
     double x[POINTS], before[POINTS], after[POINTS];
     size_t n = numbers(json_object_get(waves, key), 1, x);
     if (n < 2 || numbers(json_object_get(waves, "before_N"), 1e3, before) != n ||
@@ -28,9 +29,14 @@ static void spectrum(FILE *to, const json_t *waves, const char *key, const char 
     const plot_series series[] = {{NULL, PLOT_LINE, PLOT_ORANGE, n, x, before},
                                   {NULL, PLOT_LINE, PLOT_BLUE, n, x, after}};
     const plot_figure figure = {.n_panels = 1,
-                                .panel = {{.x_label = label, .y_label = "amplitude (mN)", .x_scale = PLOT_LOG_FINE,
-                                           .y_scale = PLOT_LOG_FINE, .n_series = two ? 2 : 1, .series = series}},
-                                .width = 580, .height = 260};
+                                .panel = {{.x_label = label,
+                                           .y_label = "amplitude (mN)",
+                                           .x_scale = PLOT_LOG_FINE,
+                                           .y_scale = PLOT_LOG_FINE,
+                                           .n_series = two ? 2 : 1,
+                                           .series = series}},
+                                .width = 580,
+                                .height = 260};
     html_draw(to, &figure, caption);
 }
 
@@ -38,22 +44,26 @@ static void line_text(const json_t *line, const char *key, const char *what, cha
     char force[32];
     double prominence = json_number_at(line, "prominence");
     if (!(json_number_at(line, key) > 0)) {
-        snprintf(text, PAGE_LINE, "No wave over %s could be looked for.", strcmp(what, "Hz") == 0 ? "time" : "depth");
+        snprintf(text, PAGE_LINE, "No wave over %s could be looked for.",
+                 strcmp(what, "Hz") == 0 ? "time" : "depth");
         return;
     }
-    snprintf(text, PAGE_LINE, "Strongest wave of the residual: %.4g %s, %s, %.2g times the usual power there.",
-             json_number_at(line, key), what, page_force(json_number_at(line, "amplitude_N"), force), prominence);
+    snprintf(
+        text, PAGE_LINE, "Strongest wave of the residual: %.4g %s, %s, %.2g times the usual power there.",
+        json_number_at(line, key), what, page_force(json_number_at(line, "amplitude_N"), force), prominence);
 }
 
 static void waves(FILE *to, const json_t *all, bool two) {
-    const json_t *spectra = json_object_get(all, "spectrum"), *diagnostics = json_object_get(all, "residual_diagnostics");
+    const json_t *spectra = json_object_get(all, "spectrum"),
+                 *diagnostics = json_object_get(all, "residual_diagnostics");
     char text[PAGE_LINE], caption[2 * PAGE_LINE];
     fputs("<div class=\"figures\">\n", to);
     line_text(json_object_get(diagnostics, "line_in_time"), "frequency_Hz", "Hz", text);
     snprintf(caption, sizeof caption, "Waves over time: amplitude against frequency. %s", text);
     spectrum(to, json_object_get(spectra, "time"), "frequency_Hz", "frequency (Hz)", two, caption);
     line_text(json_object_get(diagnostics, "line_in_depth"), "period_mm", "mm from crest to crest", text);
-    snprintf(caption, sizeof caption, "Waves over depth, while the plate moves: amplitude against period. %s", text);
+    snprintf(caption, sizeof caption, "Waves over depth, while the plate moves: amplitude against period. %s",
+             text);
     spectrum(to, json_object_get(spectra, "depth"), "period_mm", "period (mm)", two, caption);
     fputs("</div>\n", to);
 }
@@ -61,9 +71,11 @@ static void waves(FILE *to, const json_t *all, bool two) {
 /* ---- free curves ---- */
 
 static void free_curves(FILE *to, const json_t *all, bool two) {
-    static const char *const labels[] = {"the whole residual", "above the noise level", "a curve of depth takes off",
-                                         "a curve of time takes off", "a curve of speed takes off"};
-    const json_t *curves = json_object_get(json_object_get(all, "residual_diagnostics"), "free_curves"), *gap = json_object_get(all, "gap");
+    static const char *const labels[] = {"the whole residual", "above the noise level",
+                                         "a curve of depth takes off", "a curve of time takes off",
+                                         "a curve of speed takes off"};
+    const json_t *curves = json_object_get(json_object_get(all, "residual_diagnostics"), "free_curves"),
+                 *gap = json_object_get(all, "gap");
     const double size[] = {json_number_at(gap, "after_N"), json_number_at(gap, "unexplained_N"),
                            json_number_at(curves, "depth_N"), json_number_at(curves, "time_N"),
                            json_number_at(curves, "rate_N")};
@@ -73,9 +85,10 @@ static void free_curves(FILE *to, const json_t *all, bool two) {
         strcpy(bar[i].label, labels[i]);
     }
     page_bars(to,
-                "The most that an effect nobody has thought of could still explain, rms: free curves of depth, of time "
-                "within a run, of the plate's speed.",
-                5, bar, json_number_at(gap, "noise_level_N"));
+              "The most that an effect nobody has thought of could still explain, rms: free curves of depth, "
+              "of time "
+              "within a run, of the plate's speed.",
+              5, bar, json_number_at(gap, "noise_level_N"));
 }
 
 /* ---- tables ---- */
@@ -85,10 +98,13 @@ static void order(FILE *to, const json_t *all) {
     char phase[32];
     if (json_array_size(list) == 0)
         return;
-    fputs("<details><summary>From sample to sample: correlation and runs test, place by place</summary>\n", to);
-    page_paragraph(to, "White noise has a correlation of 0 from sample to sample and a runs test within 2 standard "
-                         "deviations; correlated noise, a part of the noise level, has not.");
-    html_table(to, NULL, "experiment|~phase|share of the first gap (%)|correlation|runs test (standard deviations)");
+    fputs("<details><summary>From sample to sample: correlation and runs test, place by place</summary>\n",
+          to);
+    page_paragraph(
+        to, "White noise has a correlation of 0 from sample to sample and a runs test within 2 standard "
+            "deviations; correlated noise, a part of the noise level, has not.");
+    html_table(to, NULL,
+               "experiment|~phase|share of the first gap (%)|correlation|runs test (standard deviations)");
     for (size_t i = 0; (place = json_array_get(list, i)) != NULL; i++) {
         page_phase(json_text_at(place, "phase"), phase);
         html_row(to, "%s|~%s|%.2f|%.2f|%.1f", cli_base(json_text_at(place, "experiment")), phase,
@@ -110,14 +126,15 @@ static void events(FILE *to, const json_t *all) {
     html_table(to, "Events: they do not count against the model", "experiment|~what|from (s)|to (s)|size");
     for (size_t i = 0; i < n && i < EVENTS; i++) {
         event = json_array_get(list, i);
-        html_row(to, "%s|~%s|%.3f|%.3f|%s", cli_base(json_text_at(event, "experiment")), json_text_at(event, "kind"),
-                 json_number_at(event, "from_s"), json_number_at(event, "to_s"),
+        html_row(to, "%s|~%s|%.3f|%.3f|%s", cli_base(json_text_at(event, "experiment")),
+                 json_text_at(event, "kind"), json_number_at(event, "from_s"), json_number_at(event, "to_s"),
                  page_force(json_number_at(event, "size_N"), force));
     }
     html_table_end(to);
     if (n > EVENTS)
         page_paragraph(to, "And %zu more.", n - EVENTS);
-    fputs("<p class=\"about\">spike: a lone sample far from its neighbours; release: the plate lets go of the specimen; slip: "
+    fputs("<p class=\"about\">spike: a lone sample far from its neighbours; release: the plate lets go of "
+          "the specimen; slip: "
           "the residual steps and stays.</p>\n",
           to);
 }

@@ -12,8 +12,9 @@ static void ranked(FILE *to, const json_t *all) {
     const json_t *one = page_candidate(all, NULL);
     char next[2 * PAGE_LINE];
     for (int n = 1; n <= PAGE_CANDIDATES && one; n++, one = page_candidate(all, one))
-        page_paragraph(to, "%d. %s (the natural logarithm of the likelihood grows by %.3g): %s.", n, page_effect(json_text_at(one, "id")),
-                       json_number_at(one, "score"), json_text_at(one, "reason"));
+        page_paragraph(to, "%d. %s (the natural logarithm of the likelihood grows by %.3g): %s.", n,
+                       page_effect(json_text_at(one, "id")), json_number_at(one, "score"),
+                       json_text_at(one, "reason"));
     page_next_text(all, next);
     page_paragraph(to, "Next: %s", next);
 }
@@ -25,7 +26,8 @@ typedef struct in_words {
 
 static void parameter_words(const json_t *effect, const char *key, double value, in_words *w) {
     const json_t *pair = json_object_get(json_object_get(effect, "intervals"), key);
-    double low = json_number_value(json_array_get(pair, 0)), high = json_number_value(json_array_get(pair, 1)), half = 0.5 * (high - low);
+    double low = json_number_value(json_array_get(pair, 0)),
+           high = json_number_value(json_array_get(pair, 1)), half = 0.5 * (high - low);
     page_parameter(key, w->name, w->unit);
     digits_text(w->value, value, half);
     digits_text(w->low, low, half);
@@ -42,8 +44,9 @@ static void effect_in_short(FILE *to, const json_t *effect) {
         in_words w;
         parameter_words(effect, key, json_number_value(value), &w);
         if (used < sizeof line)
-            used += (size_t)snprintf(line + used, sizeof line - used, "%s%s %s%s%s (%s to %s)", used ? ", " : "", w.name, w.value,
-                                     w.unit[0] ? " " : "", w.unit, w.low, w.high);
+            used +=
+                (size_t)snprintf(line + used, sizeof line - used, "%s%s %s%s%s (%s to %s)", used ? ", " : "",
+                                 w.name, w.value, w.unit[0] ? " " : "", w.unit, w.low, w.high);
     }
     page_paragraph(to, "%s: %s Here: %s.", page_effect(id), page_effect_means(id), line);
 }
@@ -83,15 +86,17 @@ static void gap_bars(FILE *to, const json_t *all) {
     };
     char caption[PAGE_LINE], closed[80] = "";
     if (some && page_has_share(gap, "closed"))
-        snprintf(closed, sizeof closed, " Of the gap above the noise level %.0f %% is closed.", 100 * page_share(gap, "closed"));
-    snprintf(caption, sizeof caption,
-             "The gap, rms: orange the model as given, refitted%s.%s%s", some ? ", blue with the effects" : "",
+        snprintf(closed, sizeof closed, " Of the gap above the noise level %.0f %% is closed.",
+                 100 * page_share(gap, "closed"));
+    snprintf(caption, sizeof caption, "The gap, rms: orange the model as given, refitted%s.%s%s",
+             some ? ", blue with the effects" : "",
              one ? "" : " Below: experiments that the fit did not see.", closed);
     page_bars(to, caption, one ? 1 : sizeof bar / sizeof bar[0], bar, json_number_at(gap, "noise_level_N"));
 }
 
 /* "12 %", or "-" where it is none. */
-static const char *amount(const json_t *object, const char *key, double per, const char *unit, char text[32]) {
+static const char *amount(const json_t *object, const char *key, double per, const char *unit,
+                          char text[32]) {
     double value = per * json_number_at(object, key);
     snprintf(text, 32, isfinite(value) ? "%.2g %s" : "-", value, unit);
     return text;
@@ -102,7 +107,8 @@ static void noise_level_table(FILE *to, const json_t *all) {
     char white[32], correlated[32], over[32], text[32];
     html_table(to, "What the noise level is made of", "part|~size");
     html_row(to, "white noise of a sample|~%s", page_force(json_number_at(parts, "white_N"), white));
-    html_row(to, "correlated noise|~%s over %s", page_force(json_number_at(parts, "correlated_N"), correlated),
+    html_row(to, "correlated noise|~%s over %s",
+             page_force(json_number_at(parts, "correlated_N"), correlated),
              amount(parts, "correlation_s", 1, "s", over));
     if (page_one_recording(all)) {
         html_table_end(to);
@@ -147,14 +153,19 @@ static void effect_card(FILE *to, const json_t *effect) {
     parameter_rows(to, effect);
     html_table_end(to);
     if (page_has_share(effect, "gap_closed"))
-        page_paragraph(to, "It closes %.0f %% of the squared gap above the noise level that is open without it.",
-                       100 * page_share(effect, "gap_closed"));
-    if (isfinite(json_number_at(effect, "evidence")) && isfinite(json_number_at(effect, "evidence_standard_error")))
         page_paragraph(to,
-                       "With it the experiments left out are more likely: the natural logarithm of their likelihood grows by %.0f "
-                       "\u00b1 %.0f.", json_number_at(effect, "evidence"), json_number_at(effect, "evidence_standard_error"));
+                       "It closes %.0f %% of the squared gap above the noise level that is open without it.",
+                       100 * page_share(effect, "gap_closed"));
+    if (isfinite(json_number_at(effect, "evidence")) &&
+        isfinite(json_number_at(effect, "evidence_standard_error")))
+        page_paragraph(to,
+                       "With it the experiments left out are more likely: the natural logarithm of their "
+                       "likelihood grows by %.0f "
+                       "\u00b1 %.0f.",
+                       json_number_at(effect, "evidence"), json_number_at(effect, "evidence_standard_error"));
     if (json_is_true(json_object_get(effect, "recovers")))
-        page_paragraph(to, "The specimen recovers between the runs of the session: each run begins as on a new one.");
+        page_paragraph(
+            to, "The specimen recovers between the runs of the session: each run begins as on a new one.");
     page_paragraph(to, "Would do as well: %s.", alike[0] ? alike : "no other effect of the catalogue");
     fputs("</div>\n", to);
 }

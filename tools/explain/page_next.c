@@ -48,13 +48,15 @@ static void draw(FILE *to, const json_t *run) {
     const double ends[2] = {0, p.time[p.n - 1]}, contact[2] = {0, 0};
     const plot_series series[] = {{NULL, PLOT_LINE, PLOT_BLUE, p.n, p.time, p.depth},
                                   {"contact", PLOT_DASHED, PLOT_BLACK, 2, ends, contact}};
-    const plot_figure figure = {.n_panels = 1,
-                                .panel = {{.x_label = "time (s)", .y_label = "depth (mm)", .n_series = 2,
-                                           .series = series}},
-                                .width = 630, .height = 240};
+    const plot_figure figure = {
+        .n_panels = 1,
+        .panel = {{.x_label = "time (s)", .y_label = "depth (mm)", .n_series = 2, .series = series}},
+        .width = 630,
+        .height = 240};
     fputs("<div class=\"figures\">", to);
     html_draw(to, &figure,
-              "The next experiment: depth of the plate over time. The protocol file is written by --next, and run by "
+              "The next experiment: depth of the plate over time. The protocol file is written by --next, "
+              "and run by "
               "palpate acquire --protocol.");
     fputs("</div>\n", to);
 }
@@ -83,10 +85,13 @@ static void repeat_words(const json_t *all, char text[2 * PAGE_LINE]) {
         if (!worst || json_number_at(run, "after_N") > json_number_at(worst, "after_N"))
             worst = run;
     if (json_array_size(runs) == 1)
-        snprintf(text, 2 * PAGE_LINE, "Press again the same way, and once more at another depth and speed: what comes back is no accident.");
+        snprintf(text, 2 * PAGE_LINE,
+                 "Press again the same way, and once more at another depth and speed: what comes back is no "
+                 "accident.");
     else
         snprintf(text, 2 * PAGE_LINE,
-                 "For what has no name no experiment can be computed. Repeat %s, where most is left (%s rms): what comes back is no "
+                 "For what has no name no experiment can be computed. Repeat %s, where most is left (%s "
+                 "rms): what comes back is no "
                  "accident.",
                  worst ? cli_base(json_text_at(worst, "experiment")) : "an experiment",
                  page_force(worst ? json_number_at(worst, "after_N") : NAN, force));
@@ -100,7 +105,8 @@ void page_next_text(const json_t *all, char text[2 * PAGE_LINE]) {
     if (json_is_object(run)) {
         kind_words(run, what);
         snprintf(text, 2 * PAGE_LINE,
-                 "Measure %.300s. Both %.300s fit the runs there are; in this run the forces they predict are %s apart, rms, after a zero "
+                 "Measure %.300s. Both %.300s fit the runs there are; in this run the forces they predict "
+                 "are %s apart, rms, after a zero "
                  "and a gain of the run's own (the noise level is %s).",
                  what, both, page_force(json_number_at(next, "separation_N"), apart),
                  page_force(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
@@ -110,7 +116,9 @@ void page_next_text(const json_t *all, char text[2 * PAGE_LINE]) {
         repeat_words(all, text);
     } else {
         snprintf(text, 2 * PAGE_LINE, "Nothing is left to be told apart.%s",
-                 json_array_size(json_object_get(all, "not_identifiable")) > 0 ? " What these runs cannot show, the page and the result list." : "");
+                 json_array_size(json_object_get(all, "not_identifiable")) > 0
+                     ? " What these runs cannot show, the page and the result list."
+                     : "");
     }
 }
 

@@ -12,7 +12,8 @@ enum { PHASES = PALP_PHASE_COUNT, ROWS = 30 };
 typedef struct grid {
     size_t n;
     const json_t *run[EXPLAIN_RUNS_MAX];
-    double before[EXPLAIN_RUNS_MAX][PHASES], after[EXPLAIN_RUNS_MAX][PHASES], total[EXPLAIN_RUNS_MAX], by_phase[PHASES];
+    double before[EXPLAIN_RUNS_MAX][PHASES], after[EXPLAIN_RUNS_MAX][PHASES], total[EXPLAIN_RUNS_MAX],
+        by_phase[PHASES];
 } grid;
 
 static int phase_of(const char *name) {
@@ -61,8 +62,8 @@ static size_t largest(const double *value, size_t n) {
 static void half_cell(FILE *to, double share, double most, const char *rgb) {
     double part = sqrt(fmin(1, share / most));
     if (share >= 0.05)
-        fprintf(to, "<b style=\"background:rgba(%s,%.2f)%s\">%.*f</b>", rgb, part, part > 0.75 ? ";color:#fff" : "",
-                share >= 9.95 ? 0 : 1, share);
+        fprintf(to, "<b style=\"background:rgba(%s,%.2f)%s\">%.*f</b>", rgb, part,
+                part > 0.75 ? ";color:#fff" : "", share >= 9.95 ? 0 : 1, share);
 }
 
 static void grid_row(FILE *to, const grid *g, size_t r, double most, bool two) {
@@ -112,9 +113,12 @@ static void draw_grid(FILE *to, const grid *g, bool two) {
             grid_row(to, g, r, most, two);
     html_table_end(to);
     fprintf(to,
-            "<figcaption>Share of the first gap in %%, squared and above the noise level, by experiment and phase: orange as "
-            "given%s. Empty: the experiment has no such phase, or nothing above the noise level in it. A corner is the first "
-            "0.2 s after the motion changes; recovery is the time back at or above contact.</figcaption></figure>\n",
+            "<figcaption>Share of the first gap in %%, squared and above the noise level, by experiment and "
+            "phase: orange as "
+            "given%s. Empty: the experiment has no such phase, or nothing above the noise level in it. A "
+            "corner is the first "
+            "0.2 s after the motion changes; recovery is the time back at or above "
+            "contact.</figcaption></figure>\n",
             blue ? ", blue what remains of it with the effects" : "");
 }
 
@@ -129,10 +133,12 @@ static void in_words(FILE *to, const json_t *all, const grid *g) {
     page_phase(json_text_at(place, "phase"), worst);
     page_phase(palp_phase_name((palp_phase)phase), common);
     page_paragraph(to,
-                     "Of all that is above the noise level %.0f %% is in the phase \u201c%s\u201d of the experiments, and %.0f %% in "
-                     "one experiment, %s. The largest single place is %s, \u201c%s\u201d: %.0f %%.",
-                     g->by_phase[phase], common, g->total[run], cli_base(json_text_at(g->run[run], "experiment")),
-                     cli_base(json_text_at(place, "experiment")), worst, 100 * json_number_at(place, "share"));
+                   "Of all that is above the noise level %.0f %% is in the phase \u201c%s\u201d of the "
+                   "experiments, and %.0f %% in "
+                   "one experiment, %s. The largest single place is %s, \u201c%s\u201d: %.0f %%.",
+                   g->by_phase[phase], common, g->total[run],
+                   cli_base(json_text_at(g->run[run], "experiment")),
+                   cli_base(json_text_at(place, "experiment")), worst, 100 * json_number_at(place, "share"));
 }
 
 /* ---- by depth and speed ---- */
@@ -157,8 +163,8 @@ static void speed_label(const json_t *bin, char text[64]) {
         snprintf(text, 64, "%s, above %g mm/s", way, slow);
 }
 
-static void profile(FILE *to, const json_t *all, const char *key, bool two, void label(const json_t *, char *),
-                    const char *caption) {
+static void profile(FILE *to, const json_t *all, const char *key, bool two,
+                    void label(const json_t *, char *), const char *caption) {
     const json_t *bins = json_object_get(json_object_get(all, "profile"), key), *bin;
     page_bar bar[16];
     size_t n = 0;

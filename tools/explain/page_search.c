@@ -23,11 +23,11 @@ static size_t collect(const json_t *step, candidate list[CANDIDATES]) {
     size_t n = 0, first;
     if (json_is_string(taken))
         list[n++] = (candidate){json_string_value(taken), NULL, json_number_at(step, "score"),
-                              json_number_at(step, "explained_N")};
+                                json_number_at(step, "explained_N")};
     first = n;
     for (size_t i = 0; (s = json_array_get(rejected, i)) != NULL && n < CANDIDATES; i++)
         list[n++] = (candidate){json_text_at(s, "id"), json_text_at(s, "reason"), json_number_at(s, "score"),
-                              json_number_at(s, "explained_N")};
+                                json_number_at(s, "explained_N")};
     qsort(list + first, n - first, sizeof *list, by_score);
     return n;
 }
@@ -59,14 +59,16 @@ static void candidate_row(FILE *to, const candidate *s, double best, double thre
 }
 
 static void rows(FILE *to, const candidate *list, size_t n, double best, double threshold) {
-    html_table(to, NULL, "candidate|~score, on a logarithmic scale|score|would explain, rms|~what became of it");
+    html_table(to, NULL,
+               "candidate|~score, on a logarithmic scale|score|would explain, rms|~what became of it");
     for (size_t i = 0; i < n; i++)
         candidate_row(to, &list[i], best, threshold);
     html_table_end(to);
 }
 
 /* Those that score first; the others behind a fold. */
-static void step_section(FILE *to, const json_t *step, size_t number, const char *beside, double best, double threshold) {
+static void step_section(FILE *to, const json_t *step, size_t number, const char *beside, double best,
+                         double threshold) {
     candidate list[CANDIDATES];
     size_t n = collect(step, list), shown = 0;
     while (shown < n && shown < TOP && (list[shown].score > 0 || !list[shown].reason))
@@ -95,7 +97,8 @@ static bool is_effect(const json_t *all, const char *id) {
 
 /* Those added in a step and not kept: why. */
 static void taken_back(FILE *to, const json_t *all) {
-    const json_t *steps = json_object_get(all, "steps"), *rejected = json_object_get(all, "rejected"), *step, *s;
+    const json_t *steps = json_object_get(all, "steps"), *rejected = json_object_get(all, "rejected"), *step,
+                 *s;
     for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
         const char *id = json_text_at(step, "taken");
         for (size_t k = 0; !is_effect(all, id) && (s = json_array_get(rejected, k)) != NULL; k++)
@@ -108,9 +111,12 @@ static void blind(FILE *to, const json_t *all) {
     const json_t *list = json_object_get(all, "not_identifiable");
     if (json_array_size(list) == 0)
         return;
-    page_paragraph(to, "What an effect does is compared with all that a stiffness law, arms, and the runs' own contacts, zeros and gains could do "
-                       "in these runs. Of which less than a twentieth is left, a law that is a little wrong would look the same: it is not named.");
-    html_table(to, "What these runs cannot show, whether it is there or not", "effect|~why, and what an experiment needs to show it");
+    page_paragraph(to, "What an effect does is compared with all that a stiffness law, arms, and the runs' "
+                       "own contacts, zeros and gains could do "
+                       "in these runs. Of which less than a twentieth is left, a law that is a little wrong "
+                       "would look the same: it is not named.");
+    html_table(to, "What these runs cannot show, whether it is there or not",
+               "effect|~why, and what an experiment needs to show it");
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *one = json_array_get(list, i);
         bool bare = json_is_string(one); /* as results were written before */
@@ -127,18 +133,21 @@ void page_search(FILE *to, const json_t *all) {
     if (isfinite(threshold))
         snprintf(chance, sizeof chance, " (%.2g)", threshold);
     fputs("<h3>The candidates and their scores</h3>\n<div class=\"candidates\">\n", to);
-    page_paragraph(to,
-                     "Each effect of the catalogue was added to the model and refitted with everything else over all "
-                     "experiments at once. The score is the natural logarithm of how many times more likely it makes the "
-                     "recordings, less a price for its parameters; the dashed line is what the best of all candidates gains by "
-                     "chance%s. The best one that also "
-                     "predicts experiments left out of the fit and changes the forces by enough is added, and the others "
-                     "are tried again beside it.",
-                     chance);
+    page_paragraph(
+        to,
+        "Each effect of the catalogue was added to the model and refitted with everything else over all "
+        "experiments at once. The score is the natural logarithm of how many times more likely it makes the "
+        "recordings, less a price for its parameters; the dashed line is what the best of all candidates "
+        "gains by "
+        "chance%s. The best one that also "
+        "predicts experiments left out of the fit and changes the forces by enough is added, and the others "
+        "are tried again beside it.",
+        chance);
     for (size_t i = 0; (step = json_array_get(steps, i)) != NULL; i++) {
         step_section(to, step, i + 1, beside, best, threshold);
         size_t n = strlen(beside);
-        snprintf(beside + n, sizeof beside - n, "%s%s", i ? ", " : " with ", page_effect(json_text_at(step, "taken")));
+        snprintf(beside + n, sizeof beside - n, "%s%s", i ? ", " : " with ",
+                 page_effect(json_text_at(step, "taken")));
     }
     fputs("</div>\n", to);
     taken_back(to, all);

@@ -1,5 +1,5 @@
-/* page_story.c: what palpate explain found, in sentences: the terminal prints them, and the page begins with them. A number that
- * is none, or that contradicts another, is not printed. */
+/* page_story.c: what palpate explain found, in sentences: the terminal prints them, and the page begins with
+ * them. A number that is none, or that contradicts another, is not printed. */
 #include "page.h"
 #include "shared/digits.h"
 
@@ -37,7 +37,8 @@ static void effect_names(const json_t *all, char line[PAGE_LINE]) {
     size_t n = 0;
     line[0] = '\0';
     for (size_t i = 0; (effect = json_array_get(list, i)) != NULL && n < PAGE_LINE; i++)
-        n += (size_t)snprintf(line + n, PAGE_LINE - n, "%s%s", i ? ", " : "", page_effect(json_text_at(effect, "id")));
+        n += (size_t)snprintf(line + n, PAGE_LINE - n, "%s%s", i ? ", " : "",
+                              page_effect(json_text_at(effect, "id")));
 }
 
 /* ---- the gap ---- */
@@ -59,32 +60,41 @@ static void add_gap(page_story *story, const json_t *all) {
     page_force(after, to);
     page_force(noise, alone);
     if (names[0])
-        add(story, "Once that is added, recorded minus model%s %s from %s, rms, to %s. Noise alone makes %s.", where,
-            after <= before ? "falls" : "goes up", from, to, alone);
+        add(story, "Once that is added, recorded minus model%s %s from %s, rms, to %s. Noise alone makes %s.",
+            where, after <= before ? "falls" : "goes up", from, to, alone);
     else if (page_one_recording(all))
-        add(story, "With its numbers refitted, recorded minus model is %s, rms. Noise alone makes %s.", to, alone);
+        add(story, "With its numbers refitted, recorded minus model is %s, rms. Noise alone makes %s.", to,
+            alone);
     else
         add(story,
-            "With its numbers refitted, recorded minus model%s is %s, rms, if all runs have one zero, contact and gain, and %s if each "
-            "has its own. Noise alone makes %s.", where, from, to, alone);
+            "With its numbers refitted, recorded minus model%s is %s, rms, if all runs have one zero, "
+            "contact and gain, and %s if each "
+            "has its own. Noise alone makes %s.",
+            where, from, to, alone);
 }
 
 static void add_rest(page_story *story, const json_t *all) {
     const json_t *gap = json_object_get(all, "gap");
     double rest = json_number_at(gap, "unexplained_N"), after = json_number_at(gap, "heldout_after_N"),
            noise = json_number_at(gap, "noise_level_N");
-    bool some = json_array_size(json_object_get(all, "effects")) > 0, below = after <= noise, known = isfinite(rest) && rest > 0;
+    bool some = json_array_size(json_object_get(all, "effects")) > 0, below = after <= noise,
+         known = isfinite(rest) && rest > 0;
     char force[32];
     page_force(rest, force);
     if (is_verdict(all, "agrees") && known)
-        add(story, "What is above that, %s, is less than two thirds of the noise level or the practical limit.", force);
+        add(story,
+            "What is above that, %s, is less than two thirds of the noise level or the practical limit.",
+            force);
     if (!is_verdict(all, "unexplained") && !is_verdict(all, "suspected"))
         return;
     if (known)
         add(story, "Beyond noise %s, rms, of structure remain%s.", force,
-            below ? ": together with the noise no more than was expected of it, but of a shape that noise has not" : "");
+            below ? ": together with the noise no more than was expected of it, but of a shape that noise "
+                    "has not"
+                  : "");
     if (is_verdict(all, "suspected"))
-        add(story, "An effect is named when a second experiment confirms it; until then its candidates are ranked.");
+        add(story,
+            "An effect is named when a second experiment confirms it; until then its candidates are ranked.");
     else
         add(story, some ? "The effects named are there, but they are not all."
                         : "No effect is named: none closes enough of the gap to be more than a mimic.");
@@ -101,15 +111,20 @@ static void add_law(page_story *story, const json_t *all) {
     page_force(json_number_at(law, "gap_after_N"), after);
     const bool driven = json_is_true(json_object_get(law, "better_quasi_linear")),
                others = driven != json_is_true(json_object_get(law, "given_quasi_linear")),
-               same = json_number_at(law, "better_coefficients") == json_number_at(law, "given_coefficients") &&
-                      strcmp(json_text_at(law, "better"), json_text_at(law, "given")) == 0;
+               same =
+                   json_number_at(law, "better_coefficients") == json_number_at(law, "given_coefficients") &&
+                   strcmp(json_text_at(law, "better"), json_text_at(law, "given")) == 0;
     if (others)
-        add(story, "%s", driven ? "The arms are quasi-linear: the elastic force drives them, not the strain (Fung)."
-                                : "The arms are linear: the strain drives them, not the elastic force.");
+        add(story, "%s",
+            driven ? "The arms are quasi-linear: the elastic force drives them, not the strain (Fung)."
+                   : "The arms are linear: the strain drives them, not the elastic force.");
     if (!same)
-        add(story, "The stiffness law is another one: a %s with %.0f coefficients in place of a %s with %.0f.", json_text_at(law, "better"),
-            json_number_at(law, "better_coefficients"), json_text_at(law, "given"), json_number_at(law, "given_coefficients"));
-    add(story, "The %s would leave %s, rms, this one leaves %s.", others ? "given material" : "given law", before, after);
+        add(story,
+            "The stiffness law is another one: a %s with %.0f coefficients in place of a %s with %.0f.",
+            json_text_at(law, "better"), json_number_at(law, "better_coefficients"),
+            json_text_at(law, "given"), json_number_at(law, "given_coefficients"));
+    add(story, "The %s would leave %s, rms, this one leaves %s.", others ? "given material" : "given law",
+        before, after);
 }
 
 static bool has_scatter(const json_t *all, const char *id) {
@@ -124,7 +139,8 @@ static void add_scatter(page_story *story, const json_t *all) {
     static const struct {
         const char *id, *what, *key, *unit;
         double per;
-    } kinds[] = {{"zero_scatter", "zeros of the runs", "sd_N", "N", 1}, {"contact_scatter", "contacts of the runs", "sd_mm", "mm", 1},
+    } kinds[] = {{"zero_scatter", "zeros of the runs", "sd_N", "N", 1},
+                 {"contact_scatter", "contacts of the runs", "sd_mm", "mm", 1},
                  {"gain_scatter", "gains of the runs", "sd_share", "%", 100},
                  {"specimen_stiffness", "stiffnesses of the specimens", "sd_share", "%", 100}};
     const json_t *list = json_object_get(all, "scatter"), *one;
@@ -136,8 +152,9 @@ static void add_scatter(page_story *story, const json_t *all) {
                 continue;
             page_force(json_number_at(one, "gap_before_N"), before);
             page_force(json_number_at(one, "gap_after_N"), after);
-            add(story, "The %s differ by %.3g %s (standard deviation): one for all would leave %s, rms, not %s.", kinds[k].what, sd,
-                kinds[k].unit, before, after);
+            add(story,
+                "The %s differ by %.3g %s (standard deviation): one for all would leave %s, rms, not %s.",
+                kinds[k].what, sd, kinds[k].unit, before, after);
         }
 }
 
@@ -148,7 +165,8 @@ static void add_classes(page_story *story, const json_t *all) {
     for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
         page_names(json_object_get(effect, "class"), 1, " or ", alike);
         if (alike[0])
-            add(story, "What is called %s here could as well be %s: these runs cannot tell.", page_effect(json_text_at(effect, "id")), alike);
+            add(story, "What is called %s here could as well be %s: these runs cannot tell.",
+                page_effect(json_text_at(effect, "id")), alike);
     }
 }
 
@@ -156,9 +174,13 @@ void page_story_tell(const json_t *all, page_story *story) {
     bool law_alone = is_verdict(all, "explained") && json_array_size(json_object_get(all, "effects")) == 0;
     bool specimens = has_scatter(all, "specimen_stiffness") && !json_is_object(json_object_get(all, "law"));
     story->n = 0;
-    add(story, "%s", law_alone ? specimens ? "With a stiffness of each specimen what remains is at the noise level: no effect is missing."
-                                           : "With another law of the material what remains is at the noise level: no effect is missing."
-                               : page_verdict(json_text_at(all, "verdict"), json_number_at(json_object_get(all, "gap"), "unexplained_N")));
+    add(story, "%s",
+        law_alone ? specimens ? "With a stiffness of each specimen what remains is at the noise level: no "
+                                "effect is missing."
+                              : "With another law of the material what remains is at the noise level: no "
+                                "effect is missing."
+                  : page_verdict(json_text_at(all, "verdict"),
+                                 json_number_at(json_object_get(all, "gap"), "unexplained_N")));
     add_gap(story, all);
     add_law(story, all);
     add_scatter(story, all);
@@ -173,8 +195,8 @@ static void say_effect(FILE *to, const json_t *effect) {
     const char *key;
     fprintf(to, "  %s:", json_text_at(effect, "id"));
     json_object_foreach(json_object_get(effect, "parameters"), key, value) {
-        const json_t *pair = json_object_get(json_object_get(effect, "intervals"), key), *low = json_array_get(pair, 0),
-                     *high = json_array_get(pair, 1);
+        const json_t *pair = json_object_get(json_object_get(effect, "intervals"), key),
+                     *low = json_array_get(pair, 0), *high = json_array_get(pair, 1);
         if (json_is_number(value))
             fprintf(to, " %s %.4g", key, json_number_value(value));
         if (json_is_number(low) && json_is_number(high) && json_number_value(low) <= json_number_value(high))
@@ -206,8 +228,8 @@ const json_t *page_candidate(const json_t *all, const json_t *last) {
 static void say_candidates(FILE *to, const json_t *all) {
     const json_t *one = page_candidate(all, NULL);
     for (int n = 0; n < PAGE_CANDIDATES && one; n++, one = page_candidate(all, one))
-        fprintf(to, "candidate %s: evidence %.3g nats; not taken: %s\n", json_text_at(one, "id"), json_number_at(one, "score"),
-                json_text_at(one, "reason"));
+        fprintf(to, "candidate %s: evidence %.3g nats; not taken: %s\n", json_text_at(one, "id"),
+                json_number_at(one, "score"), json_text_at(one, "reason"));
 }
 
 void explain_say(FILE *to, const json_t *all) {

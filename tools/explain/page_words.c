@@ -24,8 +24,10 @@ const char *page_verdict(const char *verdict, double unexplained_N) {
     static const char *const text[][2] = {
         {"agrees", "Nothing is missing that these runs could show."},
         {"explained", "With the effects below, what remains is at the noise level."},
-        {"ambiguous", "The effects below close the gap, but others would do as well; they are named with each."},
-        {"suspected", "Something is missing; this recording suggests candidates, and a second one would have to confirm them."},
+        {"ambiguous",
+         "The effects below close the gap, but others would do as well; they are named with each."},
+        {"suspected", "Something is missing; this recording suggests candidates, and a second one would have "
+                      "to confirm them."},
         {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
     };
     if (strcmp(verdict, "agrees") == 0 && unexplained_N > 0)
@@ -90,7 +92,8 @@ void page_names(const json_t *ids, size_t from, const char *between, char line[P
     line[0] = '\0';
     for (size_t i = from; i < json_array_size(ids) && n < PAGE_LINE; i++) {
         const char *id = json_string_value(json_array_get(ids, i));
-        n += (size_t)snprintf(line + n, PAGE_LINE - n, "%s%s", i > from ? between : "", id ? page_effect(id) : "-");
+        n += (size_t)snprintf(line + n, PAGE_LINE - n, "%s%s", i > from ? between : "",
+                              id ? page_effect(id) : "-");
     }
 }
 

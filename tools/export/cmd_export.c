@@ -109,11 +109,13 @@ int cmd_export(int argc, char **argv) {
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
     code = open_model_of("export", path, PALP_MODEL_NETWORK,
-                         "a lumped model has no mesh; make a network of it by palpate calibrate", &model, &source);
+                         "a lumped model has no mesh; make a network of it by palpate calibrate", &model,
+                         &source);
     if (code)
         return code;
     if (model.volume_modulus_Pa > 0)
-        return cli_failure("export", "%s: has volume_modulus_Pa, which no spring of the deck can stand for", path);
+        return cli_failure("export", "%s: has volume_modulus_Pa, which no spring of the deck can stand for",
+                           path);
     palp_status status = palp_model_mesh(&model, &mesh, &error);
     if (status)
         return cli_status("export", status, &error);

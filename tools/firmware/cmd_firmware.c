@@ -37,9 +37,11 @@ static int parse(int argc, char **argv, firmware_options *o) {
         NAME,
         "info|status|gains|home|tare|self-test|clear-fault|flash --port PORT [--json]",
         "Asks an indenter who it is (info), how it is (status) and for its table of gains; finds its home,\n"
-        "tares its force sensor in the air, leaves a latched fault once its cause is gone. self-test moves the plate\n"
+        "tares its force sensor in the air, leaves a latched fault once its cause is gone. self-test moves "
+        "the plate\n"
         "3 mm, with nothing below it, and judges sensor, encoder, motor and line. flash writes the board's\n"
-        "image through the chip's boot loader, over its serial port by stm32flash or (--port dfu) USB by dfu-util.",
+        "image through the chip's boot loader, over its serial port by stm32flash or (--port dfu) USB by "
+        "dfu-util.",
         "  palpate firmware info --port /dev/ttyACM0\n"
         "  palpate firmware clear-fault --port /dev/ttyACM0\n"
         "  palpate firmware flash --port /dev/ttyUSB0\n",
@@ -48,7 +50,8 @@ static int parse(int argc, char **argv, firmware_options *o) {
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, &o->action, 1, &n);
     if (code == CLI_OK && n == 0)
-        return cli_usage_error(NAME, "say what to do: info, status, gains, home, tare, self-test, clear-fault or flash");
+        return cli_usage_error(
+            NAME, "say what to do: info, status, gains, home, tare, self-test, clear-fault or flash");
     return code == CLI_OK && !o->port ? cli_usage_error(NAME, "name the device with --port") : code;
 }
 
@@ -247,8 +250,9 @@ int cmd_firmware(int argc, char **argv) {
     static const struct {
         const char *name;
         int (*run)(const firmware_options *o, device *d);
-    } actions[] = {{"info", run_info}, {"status", run_status}, {"gains", run_gains},
-                   {"home", run_home}, {"tare", run_tare},     {"clear-fault", run_clear}, {"self-test", run_self_test}};
+    } actions[] = {{"info", run_info},          {"status", run_status}, {"gains", run_gains},
+                   {"home", run_home},          {"tare", run_tare},     {"clear-fault", run_clear},
+                   {"self-test", run_self_test}};
     firmware_options o = {.baud = LINK_BAUD, .samples = 1000};
     device d;
     int code = parse(argc, argv, &o);
@@ -265,6 +269,7 @@ int cmd_firmware(int argc, char **argv) {
             return code;
         }
     }
-    return cli_usage_error(NAME, "no such action: %s; one of info, status, gains, home, tare, self-test, clear-fault, flash",
-                           o.action);
+    return cli_usage_error(
+        NAME, "no such action: %s; one of info, status, gains, home, tare, self-test, clear-fault, flash",
+        o.action);
 }

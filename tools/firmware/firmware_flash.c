@@ -1,4 +1,5 @@
-/* firmware_flash.c: the board's image, written through the chip's own boot loader by the programs that speak with it. */
+/* firmware_flash.c: the board's image, written through the chip's own boot loader by the programs that speak
+ * with it. */
 #define _POSIX_C_SOURCE 200809L
 #include "firmware_flash.h"
 
@@ -28,7 +29,8 @@ static uint32_t word(const unsigned char *byte) {
 /* It begins with where its stack ends and where it starts, an odd address: what anything else hardly does. */
 static bool begins_as_image(const unsigned char first[VECTORS], long size) {
     const uint32_t stack = word(first), start = word(first + 4);
-    return stack > RAM && stack <= RAM + RAM_MOST && start % 2 == 1 && start > FLASH && start < FLASH + (uint32_t)size;
+    return stack > RAM && stack <= RAM + RAM_MOST && start % 2 == 1 && start > FLASH &&
+           start < FLASH + (uint32_t)size;
 }
 
 static int check_image(const char *name, const char *path) {
@@ -40,7 +42,8 @@ static int check_image(const char *name, const char *path) {
     const long size = good ? ftell(f) : 0;
     fclose(f);
     if (!good || size > FLASH_MOST || !begins_as_image(first, size))
-        return cli_failure(name, "%s is no image for the indenter's board; make firmware builds %s", path, IMAGE);
+        return cli_failure(name, "%s is no image for the indenter's board; make firmware builds %s", path,
+                           IMAGE);
     return CLI_OK;
 }
 
@@ -54,7 +57,8 @@ static int find_image(const char *name, const char *given, char path[RIG_PATH]) 
 
 /* ---- the program ---- */
 
-/* Its exit code; what it says goes to standard error. -1: it is not installed, or something else, in errno. */
+/* Its exit code; what it says goes to standard error. -1: it is not installed, or something else, in errno.
+ */
 static int run(const char **argv) {
     posix_spawn_file_actions_t files;
     pid_t child;
@@ -73,7 +77,8 @@ static int run(const char **argv) {
 static int run_tool(const char *name, const char **argv, const char *hint) {
     const int code = run(argv);
     if (code < 0 && errno == ENOENT)
-        return cli_failure(name, "there is no %s: install it (on Debian: sudo apt install %s)", argv[0], argv[0]);
+        return cli_failure(name, "there is no %s: install it (on Debian: sudo apt install %s)", argv[0],
+                           argv[0]);
     if (code < 0)
         return cli_failure(name, "%s: %s", argv[0], strerror(errno));
     if (code > 0)
@@ -85,14 +90,17 @@ int firmware_flash(const char *name, const char *port, const char *image) {
     char path[RIG_PATH];
     const bool usb = strcmp(port, "dfu") == 0;
     const char *over_serial[] = {"stm32flash", "-b", "115200", "-w", path, "-v", port, NULL};
-    const char *over_usb[] = {"dfu-util", "-a", "0", "-d", "0483:df11", "-s", "0x08000000:leave", "-D", path, NULL};
+    const char *over_usb[] = {"dfu-util",         "-a", "0",  "-d", "0483:df11", "-s",
+                              "0x08000000:leave", "-D", path, NULL};
     const char *colon = strchr(port, ':');
     if (!usb && colon && strncmp(port, "/dev/", 5) != 0)
-        return cli_usage_error(name, "flash wants a serial port such as /dev/ttyUSB0, or dfu, not \"%s\"", port);
+        return cli_usage_error(name, "flash wants a serial port such as /dev/ttyUSB0, or dfu, not \"%s\"",
+                               port);
     int code = find_image(name, image, path);
-    code = code             ? code
-           : usb            ? run_tool(name, over_usb, "is the board at USB, and was it reset with BOOT0 high?")
-                            : run_tool(name, over_serial, "was the board reset with BOOT0 high, and is the port right and free?");
+    code = code  ? code
+           : usb ? run_tool(name, over_usb, "is the board at USB, and was it reset with BOOT0 high?")
+                 : run_tool(name, over_serial,
+                            "was the board reset with BOOT0 high, and is the port right and free?");
     if (code == CLI_OK)
         fprintf(stderr, "palpate %s: %s is written and verified; %s\n", name, path,
                 usb ? "the board starts it" : "BOOT0 low and a reset start it");

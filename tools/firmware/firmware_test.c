@@ -1,4 +1,5 @@
-/* firmware_test.c: the self-test: what the indenter senses at rest, and how it homes and moves, each with a verdict. */
+/* firmware_test.c: the self-test: what the indenter senses at rest, and how it homes and moves, each with a
+ * verdict. */
 #include "firmware_test.h"
 
 #include "shared/cli.h"
@@ -11,7 +12,8 @@
 enum { REST_SAMPLES = 1000, AXIS_Z = 2 };
 static const double HANG_S = 120; /* wall clock: nothing takes so long */
 static const double MOVE_MM = 3, MOVE_MM_S = 2;
-/* Verdicts, in shares of what the device says of itself: its range of force, its limit of the following error. */
+/* Verdicts, in shares of what the device says of itself: its range of force, its limit of the following
+ * error. */
 static const double NOISE_SHARE = 1e-3, ERROR_SHARE = 0.1, DUTY_MOST = 0.5;
 static const double COLDEST_C = -10, HOTTEST_C = 60;
 
@@ -64,9 +66,11 @@ static void begin(self_test *t) {
 
 /* ---- verdicts ---- */
 
-static void judge(self_test *t, const char *what, double value, const char *unit, bool good, const char *advice) {
-    json_array_append_new(t->checks, json_pack("{ss so ss sb ss}", "check", what, "value", json_number_or_null(value), "unit",
-                                               unit, "good", good, "advice", good ? "" : advice));
+static void judge(self_test *t, const char *what, double value, const char *unit, bool good,
+                  const char *advice) {
+    json_array_append_new(t->checks,
+                          json_pack("{ss so ss sb ss}", "check", what, "value", json_number_or_null(value),
+                                    "unit", unit, "good", good, "advice", good ? "" : advice));
     t->all_good = t->all_good && good;
 }
 
@@ -84,18 +88,25 @@ static size_t dead_channels(const self_test *t) {
 
 static void judge_rest(self_test *t) {
     const double case_C = 1e-2 * t->device->status.case_cC, range_N = 1e-6 * t->device->info.force_uN;
-    judge(t, "samples without a reading", (double)t->now.bad, "", t->now.bad == 0, "the converter does not answer, or a channel is at its rail: see its wires");
-    judge(t, "channels that never change", (double)dead_channels(t), "", dead_channels(t) == 0, "pull each gauge's wire in turn: its channel is not connected");
+    judge(t, "samples without a reading", (double)t->now.bad, "", t->now.bad == 0,
+          "the converter does not answer, or a channel is at its rail: see its wires");
+    judge(t, "channels that never change", (double)dead_channels(t), "", dead_channels(t) == 0,
+          "pull each gauge's wire in turn: its channel is not connected");
     judge(t, "noise of the force", noise_N(&t->now), "N", noise_N(&t->now) < NOISE_SHARE * range_N,
           "see grounds and shields; is something touching the plate?");
-    judge(t, "case of the motor", case_C, "C", case_C > COLDEST_C && case_C < HOTTEST_C, "see the thermistor's wires and divider");
+    judge(t, "case of the motor", case_C, "C", case_C > COLDEST_C && case_C < HOTTEST_C,
+          "see the thermistor's wires and divider");
 }
 
 static void judge_motion(self_test *t, double way_mm) {
-    const double count_mm = 1e-9 * t->device->info.count_pm, error_mm = count_mm * sqrt(t->now.error_square / fmax((double)t->now.n, 1));
-    judge(t, "home switch closed away from home", (double)t->now.closed, "samples", t->now.closed == 0, "it sticks, or its wire is open");
-    judge(t, "way by the encoder", way_mm, "mm", fabs(way_mm - MOVE_MM) < 0.02, "see the encoder's wires and its interpolator");
-    judge(t, "error on the way", error_mm, "mm", error_mm < ERROR_SHARE * t->following_mm, "friction, or gains of another machine");
+    const double count_mm = 1e-9 * t->device->info.count_pm,
+                 error_mm = count_mm * sqrt(t->now.error_square / fmax((double)t->now.n, 1));
+    judge(t, "home switch closed away from home", (double)t->now.closed, "samples", t->now.closed == 0,
+          "it sticks, or its wire is open");
+    judge(t, "way by the encoder", way_mm, "mm", fabs(way_mm - MOVE_MM) < 0.02,
+          "see the encoder's wires and its interpolator");
+    judge(t, "error on the way", error_mm, "mm", error_mm < ERROR_SHARE * t->following_mm,
+          "friction, or gains of another machine");
     judge(t, "largest share of the motor's force", t->now.duty_most, "", t->now.duty_most < DUTY_MOST,
           "something holds the carriage, or coil, driver or supply are not what the parameters say");
 }
@@ -104,7 +115,8 @@ static void judge_line(self_test *t) {
     const palp_wire_status *s = &t->device->status;
     const double damaged = s->bad_frames + (double)t->device->lost_frames;
     judge(t, "damaged frames", damaged, "", damaged == 0, "see the serial cable, its length and its ground");
-    judge(t, "missed ticks", s->missed_ticks, "", s->missed_ticks == 0, "the processor does too much: see tick_cost of status");
+    judge(t, "missed ticks", s->missed_ticks, "", s->missed_ticks == 0,
+          "the processor does too much: see tick_cost of status");
 }
 
 /* ---- doing it ---- */
@@ -138,7 +150,8 @@ static device_result rest(self_test *t) {
 }
 
 static device_result jog(self_test *t, double to_mm) {
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_JOG, .as.jog = {(int32_t)lrint(1e6 * to_mm), (uint32_t)lrint(1e6 * MOVE_MM_S)}};
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_JOG,
+                           .as.jog = {(int32_t)lrint(1e6 * to_mm), (uint32_t)lrint(1e6 * MOVE_MM_S)}};
     return settle(t, device_command(t->device, &m, NULL));
 }
 
@@ -148,7 +161,8 @@ static double place_mm(const self_test *t) {
 
 static device_result move(self_test *t) {
     device_result result = settle(t, device_do(t->device, PALP_WIRE_TYPE_HOME, NULL));
-    judge(t, "home", result || !t->device->status.homed ? 0 : 1, "found", !result && t->device->status.homed, "see the home switch and the motor's leads");
+    judge(t, "home", result || !t->device->status.homed ? 0 : 1, "found", !result && t->device->status.homed,
+          "see the home switch and the motor's leads");
     if (result || !t->device->status.homed)
         return result;
     const double from_mm = place_mm(t);
@@ -168,7 +182,8 @@ static device_result read_limits(self_test *t) {
 }
 
 static device_result read_row(self_test *t) {
-    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = AXIS_Z}}, got = {0};
+    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = AXIS_Z}},
+                      got = {0};
     const device_result result = device_command(t->device, &ask, &got);
     for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
         t->row_N[c] = 1e-9 * got.as.calibration.row[c];
@@ -176,7 +191,8 @@ static device_result read_row(self_test *t) {
 }
 
 static device_result run(self_test *t) {
-    palp_wire_message on = {.type = PALP_WIRE_TYPE_STREAM, .as.stream = {1}}, off = {.type = PALP_WIRE_TYPE_STREAM};
+    palp_wire_message on = {.type = PALP_WIRE_TYPE_STREAM, .as.stream = {1}},
+                      off = {.type = PALP_WIRE_TYPE_STREAM};
     device_result result = read_row(t);
     result = result ? result : read_limits(t);
     result = result ? result : device_command(t->device, &on, NULL);
@@ -195,9 +211,10 @@ static void print(const self_test *t) {
     json_array_foreach(t->checks, i, check) {
         const bool good = json_is_true(json_object_get(check, "good"));
         const char *advice = json_string_value(json_object_get(check, "advice"));
-        printf("%-5s %-36s %.4g %s%s%s\n", good ? "good" : "BAD", json_string_value(json_object_get(check, "check")),
-               json_number_value(json_object_get(check, "value")), json_string_value(json_object_get(check, "unit")),
-               good ? "" : "; ", advice);
+        printf("%-5s %-36s %.4g %s%s%s\n", good ? "good" : "BAD",
+               json_string_value(json_object_get(check, "check")),
+               json_number_value(json_object_get(check, "value")),
+               json_string_value(json_object_get(check, "unit")), good ? "" : "; ", advice);
     }
 }
 
@@ -214,8 +231,8 @@ int firmware_self_test(const char *name, device *d, bool json) {
         print(&t);
     json_decref(t.checks);
     if (d->status.state == PALP_WIRE_STATE_FAULT) {
-        cli_failure(name, "the device stopped: %s (%s); see to it, then palpate firmware clear-fault", palp_wire_fault_name(d->status.fault),
-                    palp_wire_fault_text(d->status.fault));
+        cli_failure(name, "the device stopped: %s (%s); see to it, then palpate firmware clear-fault",
+                    palp_wire_fault_name(d->status.fault), palp_wire_fault_text(d->status.fault));
         return CLI_DEVICE_FAULT;
     }
     if (result)

@@ -16,33 +16,41 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         cli_text("out", "DIR", &o->out, "folder of the experiments; made if need be"),
         cli_flag("force", &o->force, "replace recordings that are there"),
         cli_heading("The file"),
-        cli_choice("format", "mach1|instron|csv", &o->format, "what wrote it (default: seen from its first lines)"),
+        cli_choice("format", "mach1|instron|csv", &o->format,
+                   "what wrote it (default: seen from its first lines)"),
         cli_text("map", "LIST", &o->map,
                  "time=COL,depth=COL,force=COL (or strain=, stress=, deflection=):\n"
                  "names or numbers from 1 of the columns (default: by their names)"),
         cli_text("units", "LIST", &o->units,
                  "time=s|ms|min,depth=mm|um|nm|m|%|stretch,force=N|mN|gf|kPa|...\n"
                  "(default: as the columns' names or a row below them say)"),
-        cli_positive("rate", "HZ", 1e9, &o->rate_Hz, "samples a second, for a table without a time, or with a wrong one\n"
-                                                     "(default: as the file says)"),
+        cli_positive("rate", "HZ", 1e9, &o->rate_Hz,
+                     "samples a second, for a table without a time, or with a wrong one\n"
+                     "(default: as the file says)"),
         cli_count("skip-lines", "N", 0, 1e9, &o->skip_lines,
                   "lines above the names (csv; default: the names are above the\n"
                   "first row of numbers)"),
-        cli_choice("separator", ",|;|tab|space", &o->separator, "between columns (csv; default: seen from the file)"),
-        cli_flag("strict", &o->strict, "refuse rows that are no numbers or repeat a time (default: they are\n"
-                                       "left out, and counted)"),
+        cli_choice("separator", ",|;|tab|space", &o->separator,
+                   "between columns (csv; default: seen from the file)"),
+        cli_flag("strict", &o->strict,
+                 "refuse rows that are no numbers or repeat a time (default: they are\n"
+                 "left out, and counted)"),
         cli_number("from", "S", -1e12, 1e12, &o->from_s, "leave out what was recorded before this time, s"),
         cli_number("to", "S", -1e12, 1e12, &o->to_s, "and after this one"),
         cli_heading("Specimen"),
-        cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm, "height, mm (default: as the file says)"),
+        cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm,
+                     "height, mm (default: as the file says)"),
         cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius, mm (default likewise)"),
-        cli_positive("specimen-area-mm2", "MM2", 1e8, &o->area_mm2, "cross-section, mm2, in place of the radius"),
+        cli_positive("specimen-area-mm2", "MM2", 1e8, &o->area_mm2,
+                     "cross-section, mm2, in place of the radius"),
         cli_text("specimen-name", "NAME", &o->specimen, "what the specimen is called"),
-        cli_text("specimen-kind", "KIND", &o->kind, "cylinder, rigid, none (air: needs no height) or another word"),
+        cli_text("specimen-kind", "KIND", &o->kind,
+                 "cylinder, rigid, none (air: needs no height) or another word"),
         cli_choice("tip", "plate|flat|sphere|cone", &o->tip,
                    "what pressed, for palpate characterize: a plate over the whole face, else a\n"
                    "flat punch, sphere or cone on a wide layer (default: as the file says)"),
-        cli_positive("tip-radius-mm", "R", 1e4, &o->tip_radius_mm, "of the punch or sphere, mm (default: as the file says)"),
+        cli_positive("tip-radius-mm", "R", 1e4, &o->tip_radius_mm,
+                     "of the punch or sphere, mm (default: as the file says)"),
         cli_positive("tip-angle-deg", "A", 90, &o->tip_angle_deg, "of the cone, axis to flank"),
         cli_heading("Recording"),
         cli_choice("protocol", "static|ramp_hold|cyclic|other", &o->protocol,
@@ -54,7 +62,8 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         cli_choice("contact", "auto|air|start|recorded", &o->contact,
                    "where depth and force are 0 (default auto: after the free air, else\n"
                    "where the plate rests before it moves; instron: as recorded)"),
-        cli_positive("spring-N-m", "N/m", 1e6, &o->spring_N_m, "of a cantilever whose deflection is recorded (default: likewise)"),
+        cli_positive("spring-N-m", "N/m", 1e6, &o->spring_N_m,
+                     "of a cantilever whose deflection is recorded (default: likewise)"),
         cli_text("session-start", "TIME", &o->session,
                  "when the session began, 2024-03-01T10:00:00 or 10:00:00: its runs get\n"
                  "their time after that (default of a folder: the first run's)"),
@@ -63,14 +72,16 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
     const cli_command command = {
         NAME,
         "FILE|FOLDER ... --out DIR [options]",
-        "Turns other testers' recordings into experiments: time_s, depth_mm (positive into the specimen, 0 at\n"
+        "Turns other testers' recordings into experiments: time_s, depth_mm (positive into the specimen, 0 "
+        "at\n"
         "contact), force_N (positive = compression), one DIR/FILE.csv each. A table on stderr says what was\n"
         "understood. The files of a FOLDER are a session, in the order in which they were recorded.",
         "  palpate import sample_*.csv --out runs\n"
         "  palpate import mach1/*.csv --specimen-height-mm 2 --out runs\n"
-        "  palpate import log.txt --map time=1,depth=3,force=4 --units time=ms,depth=um,force=gf \\\n"
-        "      --specimen-height-mm 24 --out runs\n",
-        options, sizeof options / sizeof options[0]};
+        " palpate import log.txt --map time=1,depth=3,force=4 --units time=ms,depth=um,force=gf \\\n"
+        " --specimen-height-mm 24 --out runs\n",
+        options,
+        sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, files, (size_t)argc, n);
     if (code)
         return code;
@@ -81,7 +92,8 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
 
 /* quantity=value between commas, each quantity once. */
 static int check_list(const char *option, const char *list) {
-    static const char *const quantities[ROLES] = {"time=", "depth=", "force=", "stress=", "strain=", "deflection="};
+    static const char *const quantities[ROLES] = {
+        "time=", "depth=", "force=", "stress=", "strain=", "deflection="};
     bool seen[ROLES] = {false};
     for (const char *at = list; at;) {
         size_t end = strcspn(at, ","), i = 0;
@@ -121,7 +133,8 @@ static int check_names(const import_options *o, const import_sources *all) {
                                        "%s and %s would both become %s.csv: import them into two folders",
                                        all->source[j]->file, s->file, s->name);
         }
-        snprintf(path, sizeof path, "%s/%s.csv", o->out, s->name); /* cut short, it is refused when it is written */
+        snprintf(path, sizeof path, "%s/%s.csv", o->out,
+                 s->name); /* cut short, it is refused when it is written */
         code = cli_output_check(NAME, path, o->force, o->n_files, o->files);
     }
     return code;
@@ -267,7 +280,13 @@ static int import_all(import_options *o, import_sources *all) {
 }
 
 int cmd_import(int argc, char **argv) {
-    import_options o = {.format = -1, .protocol = -1, .separator = -1, .tip = -1, .skip_lines = SIZE_MAX, .from_s = NAN, .to_s = NAN};
+    import_options o = {.format = -1,
+                        .protocol = -1,
+                        .separator = -1,
+                        .tip = -1,
+                        .skip_lines = SIZE_MAX,
+                        .from_s = NAN,
+                        .to_s = NAN};
     import_sources all = {0};
     names list = {0};
     size_t n = 0;

@@ -1,4 +1,5 @@
-/* import.h: the parts of palpate import: a file's text, its tables, what their columns are, signs and contact. */
+/* import.h: the parts of palpate import: a file's text, its tables, what their columns are, signs and
+ * contact. */
 #ifndef PALPATE_IMPORT_H
 #define PALPATE_IMPORT_H
 
@@ -23,10 +24,10 @@ typedef struct import_options {
     const char *map, *units, *negate, *kind, *specimen, *session, *license, *out;
     double height_mm, radius_mm, area_mm2, spring_N_m, rate_Hz, tip_radius_mm, tip_angle_deg;
     double from_s, to_s; /* NAN: no from or to */
-    size_t skip_lines; /* SIZE_MAX = find the names */
-    bool force;        /* replaces recordings */
-    bool strict;       /* refuses what would be dropped */
-    bool folder;       /* a folder was named: its files are one session */
+    size_t skip_lines;   /* SIZE_MAX = find the names */
+    bool force;          /* replaces recordings */
+    bool strict;         /* refuses what would be dropped */
+    bool folder;         /* a folder was named: its files are one session */
     size_t n_files;
     const char **files; /* that are imported */
 } import_options;
@@ -35,22 +36,24 @@ typedef struct import_options {
 
 /* A file in memory as UTF-8, line by line. Splitting a line changes it. */
 typedef struct import_text {
-    const char *file; /* for messages */
-    char *text;       /* NUL-terminated */
-    char **lines;     /* [n] in it, without their ends */
+    const char *file;        /* for messages */
+    char *text;              /* NUL-terminated */
+    char **lines;            /* [n] in it, without their ends */
     size_t n, longest, line; /* line = number of the line last returned by import_line, from 1 */
-    size_t size;      /* of the file, bytes */
-    uint32_t crc32;   /* of the file */
+    size_t size;             /* of the file, bytes */
+    uint32_t crc32;          /* of the file */
 } import_text;
 
-/* In a folder a file without a table, such as a licence or a picture, is left out, which is said; one that is named is a fault. */
+/* In a folder a file without a table, such as a licence or a picture, is left out, which is said; one that is
+ * named is a fault. */
 bool import_left_out(const import_options *o, const char *file);
 
 int import_text_read(const char *file, import_text *text); /* an exit code */
 void import_text_free(import_text *text);
-char *import_line(import_text *text);                       /* the next; NULL at the end of the file */
-char *import_read_stream(FILE *stream, size_t *size);       /* all of it with a NUL after it; NULL = out of memory */
-int import_sheet_read(import_text *text, size_t *size);     /* a spreadsheet becomes its text; all else stays */
+char *import_line(import_text *text); /* the next; NULL at the end of the file */
+char *import_read_stream(FILE *stream,
+                         size_t *size); /* all of it with a NUL after it; NULL = out of memory */
+int import_sheet_read(import_text *text, size_t *size); /* a spreadsheet becomes its text; all else stays */
 
 /* ---- how rows are written ---- */
 
@@ -68,14 +71,24 @@ size_t import_split(char *line, char separator, char *fields[IMPORT_COLUMNS]);
 bool import_number(const char *field, const import_dialect *d, double *value);
 bool import_number_unit(const char *field, const import_dialect *d, double *value, const char **rest);
 
-/* A time of day or since the start, h:mm:ss or mm:ss with a fraction, after a date or not (dated: s since 1970). */
+/* A time of day or since the start, h:mm:ss or mm:ss with a fraction, after a date or not (dated: s since
+ * 1970). */
 bool import_clock(const char *text, double *seconds, bool *dated);
 
 /* ---- words ---- */
 
 typedef enum import_dimension {
-    UNIT_TIME, UNIT_LENGTH, UNIT_FORCE, UNIT_STRESS, UNIT_RATIO, UNIT_VOLT, UNIT_AREA, UNIT_SPRING, UNIT_SLOPE,
-    UNIT_RATE, UNIT_OTHER
+    UNIT_TIME,
+    UNIT_LENGTH,
+    UNIT_FORCE,
+    UNIT_STRESS,
+    UNIT_RATIO,
+    UNIT_VOLT,
+    UNIT_AREA,
+    UNIT_SPRING,
+    UNIT_SLOPE,
+    UNIT_RATE,
+    UNIT_OTHER
 } import_dimension;
 
 typedef struct import_unit {
@@ -90,13 +103,25 @@ const import_unit *import_unit_of_name(const char *name); /* of a column's name:
 bool import_unit_fits(const import_unit *unit, int role);
 void import_plain(const char *from, bool lower, char *to, size_t room); /* without accents */
 
-/* How surely a column of this name and unit (NULL = none) is a quantity: 0 = not, 1 = by its unit, up to 4. */
+/* How surely a column of this name and unit (NULL = none) is a quantity: 0 = not, 1 = by its unit, up to 4.
+ */
 int import_name_rank(const char *name, const import_unit *unit, int role);
 
 bool import_names_gap(const char *name); /* a column's, whose depth is the height that is left */
 
-enum { PART_HEIGHT, PART_DIAMETER, PART_RADIUS, PART_AREA, PART_SPRING, PART_SENSITIVITY, PART_RATE, PART_INTERVAL, PART_TIP_RADIUS,
-       PART_TIP_DIAMETER, PARTS };
+enum {
+    PART_HEIGHT,
+    PART_DIAMETER,
+    PART_RADIUS,
+    PART_AREA,
+    PART_SPRING,
+    PART_SENSITIVITY,
+    PART_RATE,
+    PART_INTERVAL,
+    PART_TIP_RADIUS,
+    PART_TIP_DIAMETER,
+    PARTS
+};
 int import_part_rank(const char *name, int part); /* of a setting, likewise */
 
 /* ---- one table of a file and, later, the recording it holds ---- */
@@ -110,7 +135,7 @@ typedef struct import_source {
     uint32_t crc32;
     size_t n_settings;
     char setting[IMPORT_SETTINGS][2][IMPORT_WORD]; /* key, value */
-    double stamp_s;    /* when it began, s since 1970 or of the day; NAN = the file does not say */
+    double stamp_s; /* when it began, s since 1970 or of the day; NAN = the file does not say */
     bool stamp_dated;
     /* the table: value[row * n_columns + column], NAN = no number; line[row] = of the file */
     import_dialect dialect;
@@ -119,15 +144,15 @@ typedef struct import_source {
     bool clock[IMPORT_COLUMNS]; /* its numbers were times of day */
     double *value;
     size_t *line;
-    size_t group, groups;       /* of specimens side by side: which, from 1, and of how many; 0 = not so */
-    bool rated;                 /* the time is by the rate of sampling */
-    size_t used[ROLES];            /* which column it is, or IMPORT_NONE */
+    size_t group, groups; /* of specimens side by side: which, from 1, and of how many; 0 = not so */
+    bool rated;           /* the time is by the rate of sampling */
+    size_t used[ROLES];   /* which column it is, or IMPORT_NONE */
     const import_unit *unit[ROLES];
-    bool listed[ROLES];            /* by --map */
-    bool seconds_assumed;          /* the time's column does not say its unit */
+    bool listed[ROLES];   /* by --map */
+    bool seconds_assumed; /* the time's column does not say its unit */
     size_t bad, bad_line, doubled, doubled_line, restarts, segments; /* rows left out; first line of each */
-    size_t lost;                   /* samples missing between those that are there, */
-    double step_s;                 /* by the step of the clock */
+    size_t lost;      /* samples missing between those that are there, */
+    double step_s;    /* by the step of the clock */
     const char *skip; /* why a Mach-1 block holds nothing to import; else NULL */
     /* the recording: [rows] each; signs and zero applied by import_contact */
     double *time_s, *depth_mm, *force_N;
@@ -135,19 +160,19 @@ typedef struct import_source {
     const char *height_from, *radius_from; /* in words */
     const char *tip;                       /* what pressed; NULL = nothing says */
     double tip_radius_mm, tip_angle_deg;   /* 0 = nothing says */
-    bool gap, piezo; /* the depth column is the height itself; is that of a cantilever's base */
-    double depth_sign, force_sign;         /* -1 = reversed */
+    bool gap, piezo;               /* the depth column is the height itself; is that of a cantilever's base */
+    double depth_sign, force_sign; /* -1 = reversed */
     import_contact rule;
-    bool agreed;                           /* the rule is that of all presses like it */
-    const char *sign_rule, *contact_rule;  /* in words; free_air, find_contact, ... */
-    const char *contact_from;              /* name of the approach that shows the contact; NULL = itself */
-    double first_mm, last_mm;              /* positions as recorded, but for the sign */
-    double contact_mm, contact_sd_mm;      /* position there that is depth 0 */
-    double zero_N;                         /* force recorded, but for the sign, that is force 0 */
-    double preload_N;                      /* approach: force it ends at */
+    bool agreed;                          /* the rule is that of all presses like it */
+    const char *sign_rule, *contact_rule; /* in words; free_air, find_contact, ... */
+    const char *contact_from;             /* name of the approach that shows the contact; NULL = itself */
+    double first_mm, last_mm;             /* positions as recorded, but for the sign */
+    double contact_mm, contact_sd_mm;     /* position there that is depth 0 */
+    double zero_N;                        /* force recorded, but for the sign, that is force 0 */
+    double preload_N;                     /* approach: force it ends at */
     const char *protocol;
-    char phases[IMPORT_WORD];              /* in words */
-    double start_s;                        /* of the session; NAN = no session */
+    char phases[IMPORT_WORD]; /* in words */
+    double start_s;           /* of the session; NAN = no session */
 } import_source;
 
 typedef struct import_sources {
@@ -155,18 +180,22 @@ typedef struct import_sources {
     import_source **source;
 } import_sources;
 
-/* Reads a file's tables, one or more, and appends them. An exit code, after one line on stderr if it is not 0. */
+/* Reads a file's tables, one or more, and appends them. An exit code, after one line on stderr if it is not
+ * 0. */
 int import_read(const import_options *o, const char *file, import_sources *all);
-import_source *import_append(import_sources *all, const import_text *text, import_format format); /* NULL = out of memory */
+import_source *import_append(import_sources *all, const import_text *text,
+                             import_format format); /* NULL = out of memory */
 void import_free_source(import_source *s);
 void import_free(import_sources *all);
-int import_mach1_read(import_text *text, import_sources *all); /* the tester's own file, or its table as CSV */
+int import_mach1_read(import_text *text,
+                      import_sources *all); /* the tester's own file, or its table as CSV */
 bool import_mach1_starts(const import_text *text);
 int import_table_read(const import_options *o, import_text *text, import_format format, import_sources *all);
 
 void import_set_names(import_source *s, char *const *fields, size_t n);
-int import_add_row(import_source *s, char *const *fields, size_t n, size_t line); /* what is no number becomes NAN */
-double *import_new_row(import_source *s, size_t line);                            /* to be filled; NULL = out of memory */
+int import_add_row(import_source *s, char *const *fields, size_t n,
+                   size_t line);                       /* what is no number becomes NAN */
+double *import_new_row(import_source *s, size_t line); /* to be filled; NULL = out of memory */
 
 /* Settings: "key: value" between semicolons. */
 void import_copy_word(char to[IMPORT_WORD], const char *from, size_t n);
@@ -201,11 +230,11 @@ bool import_is_approach(const import_source *s); /* a Mach-1's search for the co
  * start, whose contact was found before. */
 int import_signs(const import_options *o, import_source *s);
 int import_contact_rule(const import_options *o, import_source *s); /* for signs that are found */
-void import_contact_agree(import_sources *all);                     /* one rule, that of most, for presses that are alike */
+void import_contact_agree(import_sources *all); /* one rule, that of most, for presses that are alike */
 int import_contact_find(const import_options *o, const import_sources *all, import_source *s);
 
-/* Height, radius, spring constant and when it began, of the settings and options; then whether the height is known and
- * the depth fits it. */
+/* Height, radius, spring constant and when it began, of the settings and options; then whether the height is
+ * known and the depth fits it. */
 void import_specimen(const import_options *o, import_source *s);
 void import_tip(const import_options *o, import_source *s);
 int import_specimen_check(const import_options *o, const import_source *s);

@@ -1,4 +1,5 @@
-/* import_columns.c: which column of a file is time, depth and force, and in which unit; the recording they make. */
+/* import_columns.c: which column of a file is time, depth and force, and in which unit; the recording they
+ * make. */
 #include "import.h"
 
 #include <math.h>
@@ -7,8 +8,10 @@
 
 static const char NAME[] = "import";
 static const char *const roles[ROLES] = {"time", "depth", "force", "stress", "strain", "deflection"};
-static const char *const units_of[QUANTITIES] = {"s", "mm (or um, m, %, stretch, ...)", "N (or mN, gf, kPa, ...)"};
-static const char *const units_of_stress = "kPa (or Pa, MPa, ...)", *const units_of_strain = "1 (or %, stretch)";
+static const char *const units_of[QUANTITIES] = {"s", "mm (or um, m, %, stretch, ...)",
+                                                 "N (or mN, gf, kPa, ...)"};
+static const char *const units_of_stress = "kPa (or Pa, MPa, ...)", *const units_of_strain =
+                                                                        "1 (or %, stretch)";
 
 static const double ALIKE = 1e-3; /* of its range: two columns of the same */
 
@@ -37,8 +40,8 @@ static void list_columns(const import_source *s, char *to, size_t room) {
     size_t n = 0;
     *to = '\0';
     for (size_t j = 0; j < s->n_columns && n + 16 < room; j++) {
-        int more = snprintf(to + n, room - n, "%s%zu%s%.40s%s", j ? ", " : "", j + 1, *s->column[j] ? " \"" : "", s->column[j],
-                            *s->column[j] ? "\"" : "");
+        int more = snprintf(to + n, room - n, "%s%zu%s%.40s%s", j ? ", " : "", j + 1,
+                            *s->column[j] ? " \"" : "", s->column[j], *s->column[j] ? "\"" : "");
         n += more > 0 ? (size_t)more : 0;
     }
 }
@@ -51,7 +54,8 @@ static int find_named(import_source *s, int role, const char *wanted) {
     for (size_t j = 0; j < s->n_columns; j++) {
         const char *name = s->column[j], *bracket = strstr(name, " (");
         size_t n = strlen(wanted);
-        if (strcmp(name, wanted) == 0 || (bracket && (size_t)(bracket - name) == n && strncmp(name, wanted, n) == 0)) {
+        if (strcmp(name, wanted) == 0 ||
+            (bracket && (size_t)(bracket - name) == n && strncmp(name, wanted, n) == 0)) {
             s->used[role] = j;
             return CLI_OK;
         }
@@ -62,8 +66,8 @@ static int find_named(import_source *s, int role, const char *wanted) {
         return CLI_OK;
     }
     list_columns(s, columns, sizeof columns);
-    return cli_failure(NAME, "%s: no column \"%s\" for --map %s: a name (without commas) or a number of %s", s->file, wanted,
-                       roles[role], columns);
+    return cli_failure(NAME, "%s: no column \"%s\" for --map %s: a name (without commas) or a number of %s",
+                       s->file, wanted, roles[role], columns);
 }
 
 /* ---- which column is what ---- */
@@ -138,7 +142,9 @@ static int rank_of(const import_source *s, size_t j, int role) {
 static int ambiguous(const import_source *s, int role, size_t a, size_t b) {
     char columns[1024];
     list_columns(s, columns, sizeof columns);
-    return cli_failure(NAME, "%s: columns %zu \"%s\" and %zu \"%s\" could both be the %s; say which by --map %s=NAME or NUMBER of %s",
+    return cli_failure(NAME,
+                       "%s: columns %zu \"%s\" and %zu \"%s\" could both be the %s; say which by --map "
+                       "%s=NAME or NUMBER of %s",
                        s->file, a + 1, s->column[a], b + 1, s->column[b], roles[role], roles[role], columns);
 }
 
@@ -188,10 +194,13 @@ static int find_unit(const import_options *o, import_source *s, int role, int qu
     s->unit[role] = unit;
     if (*wanted && !(unit && import_unit_fits(unit, role)))
         return cli_usage_error(NAME, "--units %s=%s: no such unit of it", roles[quantity], wanted);
-    const char *units = role == STRESS ? units_of_stress : role == STRAIN ? units_of_strain : units_of[quantity];
+    const char *units = role == STRESS   ? units_of_stress
+                        : role == STRAIN ? units_of_strain
+                                         : units_of[quantity];
     if (!(unit && import_unit_fits(unit, role)))
         return quiet ? CLI_FAILURE
-                     : cli_failure(NAME, "%s: column \"%s\" does not say its unit; say it by --units %s=%s", s->file,
+                     : cli_failure(NAME, "%s: column \"%s\" does not say its unit; say it by --units %s=%s",
+                                   s->file,
                                    *s->column[s->used[role]] ? s->column[s->used[role]] : "without a name",
                                    roles[role == STRESS || role == STRAIN ? role : quantity], units);
     return CLI_OK;
@@ -200,11 +209,13 @@ static int find_unit(const import_options *o, import_source *s, int role, int qu
 static int not_there(const import_source *s, int role) {
     char columns[1024];
     list_columns(s, columns, sizeof columns);
-    return cli_failure(NAME, "%s: no column is named as a %s; say which by --map %s=NAME or NUMBER of %s%s", s->file, roles[role],
-                       roles[role], columns, role == TIME ? ", or how often was sampled by --rate HZ" : "");
+    return cli_failure(NAME, "%s: no column is named as a %s; say which by --map %s=NAME or NUMBER of %s%s",
+                       s->file, roles[role], roles[role], columns,
+                       role == TIME ? ", or how often was sampled by --rate HZ" : "");
 }
 
-/* Whether another role stands in for a quantity: no column is named as it, or --units says that its column is the other. */
+/* Whether another role stands in for a quantity: no column is named as it, or --units says that its column is
+ * the other. */
 static bool instead(const import_options *o, import_source *s, int quantity, int other) {
     char unit[IMPORT_WORD];
     listed(o->units, quantity, unit);
@@ -225,7 +236,8 @@ static int find_all(const import_options *o, import_source *s, bool quiet) {
         code = *wanted ? find_named(s, role, wanted) : CLI_OK;
     }
     for (int role = 0; code == CLI_OK && role < ROLES; role++) {
-        bool direct = (role == STRESS && s->used[FORCE] != IMPORT_NONE) || (role == STRAIN && s->used[DEPTH] != IMPORT_NONE);
+        bool direct = (role == STRESS && s->used[FORCE] != IMPORT_NONE) ||
+                      (role == STRAIN && s->used[DEPTH] != IMPORT_NONE);
         if (role == TIME && s->rated)
             s->used[TIME] = s->n_columns - 1;
         else if (!s->listed[role])
@@ -245,7 +257,9 @@ static int settle(const import_options *o, import_source *s, bool quiet) {
     if (bent && s->used[DEPTH] == s->used[DEFLECTION])
         return quiet ? CLI_FAILURE : not_there(s, DEPTH);
     int use[QUANTITIES] = {TIME, instead(o, s, DEPTH, STRAIN) ? STRAIN : DEPTH,
-                           bent ? DEFLECTION : instead(o, s, FORCE, STRESS) ? STRESS : FORCE};
+                           bent                           ? DEFLECTION
+                           : instead(o, s, FORCE, STRESS) ? STRESS
+                                                          : FORCE};
     for (int q = 0; code == CLI_OK && q < QUANTITIES; q++) {
         if (s->used[use[q]] == IMPORT_NONE)
             return quiet ? CLI_FAILURE : not_there(s, q);
@@ -267,7 +281,8 @@ static int settle(const import_options *o, import_source *s, bool quiet) {
 
 /* The column of a gap, or of the size left, that moves as the depth does: it tells the height too. */
 static void prefer_gap(import_source *s) {
-    for (size_t j = 0; j < s->n_columns && s->height_mm <= 0 && s->used[DEPTH] != IMPORT_NONE && !s->listed[DEPTH]; j++) {
+    for (size_t j = 0;
+         j < s->n_columns && s->height_mm <= 0 && s->used[DEPTH] != IMPORT_NONE && !s->listed[DEPTH]; j++) {
         const import_unit *unit = unit_of(s, j);
         bool length = unit && unit->dimension == UNIT_LENGTH;
         if (length && import_names_gap(s->column[j]) && same_data(s, s->used[DEPTH], j))

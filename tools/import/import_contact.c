@@ -10,7 +10,7 @@ static const char NAME[] = "import";
 
 enum { REST_LEAST = 5, LAST = 11 };
 
-static const double unmistakable = 8; /* noise sds that the force must rise by to tell a sign */
+static const double unmistakable = 8;  /* noise sds that the force must rise by to tell a sign */
 static const double same_place = 0.02; /* of the travel of the run that starts where an approach ended */
 
 static double average(const double *x, size_t n) {
@@ -192,7 +192,8 @@ void import_contact_agree(import_sources *all) {
         for (int count = 1; count >= 0; count--) {
             for (size_t j = i; j < all->n; j++) {
                 import_source *other = all->source[j];
-                if (other->skip || other->agreed || import_is_approach(other) != import_is_approach(s) || !same_press(s, other))
+                if (other->skip || other->agreed || import_is_approach(other) != import_is_approach(s) ||
+                    !same_press(s, other))
                     continue;
                 air += count && other->rule == CONTACT_AIR;
                 start += count && other->rule == CONTACT_START;
@@ -222,7 +223,8 @@ static void choose(const import_options *o, const import_sources *all, const pal
     s->preload_N = average(s->force_N + s->rows - last, last) - s->zero_N;
 }
 
-/* Depth and force from contact on; a gap says there how high the specimen is, and a cantilever that bends comes less deep. */
+/* Depth and force from contact on; a gap says there how high the specimen is, and a cantilever that bends
+ * comes less deep. */
 static void shift(import_source *s) {
     double bend_mm_N = s->piezo && s->spring_N_m > 0 ? 1e3 / s->spring_N_m : 0;
     if (s->gap && s->height_mm <= 0) {
@@ -230,7 +232,8 @@ static void shift(import_source *s) {
         s->height_from = "the gap at contact";
     }
     for (size_t i = 0; i < s->rows; i++) {
-        double force_N = fmax(fabs(s->force_N[i]), fabs(s->zero_N)), depth_mm = fmax(fabs(s->depth_mm[i]), fabs(s->contact_mm));
+        double force_N = fmax(fabs(s->force_N[i]), fabs(s->zero_N)),
+               depth_mm = fmax(fabs(s->depth_mm[i]), fabs(s->contact_mm));
         s->force_N[i] = import_digits(s->force_N[i] - s->zero_N, force_N);
         s->depth_mm[i] = import_digits(s->depth_mm[i] - s->contact_mm, depth_mm);
         s->depth_mm[i] -= bend_mm_N * s->force_N[i];

@@ -54,7 +54,8 @@ size_t import_split(char *line, char separator, char *fields[IMPORT_COLUMNS]) {
 
 /* ---- numbers ---- */
 
-/* The number at the start of a field without what groups its thousands, with a point; its length in the field, 0 = none. */
+/* The number at the start of a field without what groups its thousands, with a point; its length in the
+ * field, 0 = none. */
 static size_t copy_number(const char *field, const import_dialect *d, char copy[IMPORT_WORD]) {
     size_t i = 0, n = 0, group = 0;
     bool grouped = false, point = false, any = false;
@@ -70,7 +71,8 @@ static size_t copy_number(const char *field, const import_dialect *d, char copy[
                 return 0;
             copy[n++] = '.';
             point = true;
-        } else if (!point && any && (field[i] == '\'' || field[i] == d->thousands) && field[i] && digit(field[i + 1])) {
+        } else if (!point && any && (field[i] == '\'' || field[i] == d->thousands) && field[i] &&
+                   digit(field[i + 1])) {
             if (grouped ? group != 3 : group > 3)
                 return 0;
             grouped = true;
@@ -151,7 +153,9 @@ static size_t read_date(const char *text, double *seconds) {
                 day = month;
                 month = other;
             }
-            *seconds = month >= 1 && month <= 12 && day >= 1 && day <= 31 ? 86400 * days_from_1970(year, month, day) : NAN;
+            *seconds = month >= 1 && month <= 12 && day >= 1 && day <= 31
+                           ? 86400 * days_from_1970(year, month, day)
+                           : NAN;
             return isfinite(*seconds) ? n : 0;
         }
     }
@@ -178,10 +182,14 @@ bool import_clock(const char *text, double *seconds, bool *dated) {
             fraction += scale * (*text - '0');
     }
     text += strspn(text, " ");
-    bool afternoon = (*text == 'P' || *text == 'p') && part[0] < 12, midnight = (*text == 'A' || *text == 'a') && part[0] == 12;
+    bool afternoon = (*text == 'P' || *text == 'p') && part[0] < 12,
+         midnight = (*text == 'A' || *text == 'a') && part[0] == 12;
     if (*text && !strchr("AaPpZ", *text))
         return false;
-    *seconds = parts == 3 ? 3600 * (part[0] + (afternoon ? 12 : midnight ? -12 : 0)) + 60 * part[1] + part[2] + fraction
+    *seconds = parts == 3 ? 3600 * (part[0] + (afternoon  ? 12
+                                               : midnight ? -12
+                                                          : 0)) +
+                                60 * part[1] + part[2] + fraction
                           : 60 * part[0] + part[1] + fraction;
     *seconds += date;
     return true;
@@ -224,7 +232,7 @@ static size_t score(const import_text *text, char separator, char *scratch) {
 
 /* What a comma or a point must be, by the numbers that have it. */
 typedef struct evidence {
-    size_t decimal[2], thousands[2];                            /* of '.' and ',' */
+    size_t decimal[2], thousands[2];                         /* of '.' and ',' */
     bool either[IMPORT_COLUMNS][2], without[IMPORT_COLUMNS]; /* 1,234 could be both; 987 */
 } evidence;
 
@@ -246,8 +254,8 @@ static void weigh(const char *field, size_t column, evidence *e) {
         bool follows = memchr(field, marks[1 - m], (size_t)(first - field)) != NULL;
         if (second || last_mark > first) {
             e->thousands[m]++;
-        } else if (follows || after != 3 || before == 0 || before > 3 || (before == 1 && field[lead] == '0') ||
-                   first[4] == 'e' || first[4] == 'E') {
+        } else if (follows || after != 3 || before == 0 || before > 3 ||
+                   (before == 1 && field[lead] == '0') || first[4] == 'e' || first[4] == 'E') {
             e->decimal[m]++;
         } else {
             e->either[column][m] = true;
@@ -255,7 +263,8 @@ static void weigh(const char *field, size_t column, evidence *e) {
     }
 }
 
-/* Where nothing else tells: 1,234 in each number of a column has a decimal comma, 1,234 among 987 groups thousands. */
+/* Where nothing else tells: 1,234 in each number of a column has a decimal comma, 1,234 among 987 groups
+ * thousands. */
 static bool groups(const evidence *e, size_t mark, bool *any) {
     for (size_t j = 0; j < IMPORT_COLUMNS; j++) {
         *any = *any || e->either[j][mark];
@@ -305,7 +314,8 @@ void import_dialect_find(const import_text *text, int chosen, char *scratch, imp
         size_t n = import_split(scratch, dialect->separator, fields);
         for (size_t j = 0; j < n; j++) {
             size_t first = strspn(fields[j], "-0123456789");
-            if (first > 0 && first <= 4 && fields[j][first] == ' ' && strspn(fields[j] + first + 1, "0123456789") == 3 &&
+            if (first > 0 && first <= 4 && fields[j][first] == ' ' &&
+                strspn(fields[j] + first + 1, "0123456789") == 3 &&
                 like_number(fields[j], dialect->separator)) {
                 dialect->thousands = ' ';
             }

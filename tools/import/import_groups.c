@@ -1,11 +1,14 @@
-/* import_groups.c: specimens side by side in one table: groups of columns that repeat, and one source made of each. */
+/* import_groups.c: specimens side by side in one table: groups of columns that repeat, and one source made of
+ * each. */
 #include "import_table.h"
 
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
 
-enum { SHARED = 2 }; /* columns at most that stand before the groups and are of all: a number of the row, a time */
+enum {
+    SHARED = 2
+}; /* columns at most that stand before the groups and are of all: a number of the row, a time */
 
 /* A name without what numbers its specimen: "Force (N) Run #1" and "Force (N) Run #2" are the same. */
 static void bare_name(const char *name, char to[IMPORT_WORD]) {
@@ -27,7 +30,8 @@ static bool repeats(const import_source *s, size_t from, size_t width) {
             return false;
     }
     size_t rest = (s->n_columns - from) % width;
-    for (size_t j = from + rest; rest > 0 && j < from + width; j++) /* the last group may lack an empty column at its end */
+    for (size_t j = from + rest; rest > 0 && j < from + width;
+         j++) /* the last group may lack an empty column at its end */
         if (*s->column[j])
             return false;
     return true;
@@ -42,7 +46,8 @@ static bool whole_group(import_source *s, size_t from, size_t width, bool timed)
     int shared = table_roles(fields, from), group = table_roles(fields + from, width);
     if (timed && n < IMPORT_COLUMNS)
         fields[n++] = time;
-    return table_roles(fields, n) == QUANTITIES && (group == QUANTITIES || (group == QUANTITIES - 1 && (shared == 1 || timed)));
+    return table_roles(fields, n) == QUANTITIES &&
+           (group == QUANTITIES || (group == QUANTITIES - 1 && (shared == 1 || timed)));
 }
 
 import_groups import_groups_find(import_source *s, bool timed) {
@@ -74,7 +79,8 @@ int import_groups_take(const import_source *all, const import_groups *g, size_t 
     to->groups = g->n;
     for (size_t j = 0; j < to->n_columns; j++) {
         size_t at = place(g, group, j);
-        memcpy(to->column[j], at < all->n_columns ? all->column[at] : "", at < all->n_columns ? IMPORT_WORD : 1);
+        memcpy(to->column[j], at < all->n_columns ? all->column[at] : "",
+               at < all->n_columns ? IMPORT_WORD : 1);
         to->clock[j] = at < all->n_columns && all->clock[at];
     }
     for (size_t i = 0; i < all->rows; i++) {

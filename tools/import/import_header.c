@@ -10,7 +10,10 @@ enum { NEAR = 3, ABOVE = 12 };
 /* Characters of a comment's sign before a line's text: "#", "//", "% " */
 static size_t comment_sign(const char *text) {
     size_t n = strspn(text, " ");
-    return text[n] == '#' ? n + strspn(text + n, "#") : strncmp(text + n, "//", 2) == 0 ? n + 2 : strncmp(text + n, "% ", 2) == 0 ? n + 2 : 0;
+    return text[n] == '#'                    ? n + strspn(text + n, "#")
+           : strncmp(text + n, "//", 2) == 0 ? n + 2
+           : strncmp(text + n, "% ", 2) == 0 ? n + 2
+                                             : 0;
 }
 
 size_t table_fields(const table_scanner *c, size_t line, char *fields[IMPORT_COLUMNS]) {
@@ -54,8 +57,8 @@ static size_t split_wide(const table_scanner *c, size_t line, char *fields[IMPOR
     return import_split(c->scratch, '\t', fields);
 }
 
-/* The fields of a line of names: of a table between blanks, by another sign if only that gives the table's width. A key
- * before them, "columns:", is none. */
+/* The fields of a line of names: of a table between blanks, by another sign if only that gives the table's
+ * width. A key before them, "columns:", is none. */
 static size_t names_of(const table_scanner *c, size_t line, size_t width, char *fields[IMPORT_COLUMNS]) {
     static const char others[] = "\t;,";
     size_t n = table_fields(c, line, fields);
@@ -122,8 +125,8 @@ static bool has_number(const table_scanner *c, char *const *fields, size_t n) {
     return false;
 }
 
-/* The line above the rows that names most of time, depth and force, the lowest of them; else the lowest that has a field
- * for most columns and no number. */
+/* The line above the rows that names most of time, depth and force, the lowest of them; else the lowest that
+ * has a field for most columns and no number. */
 void table_find_names(const table_scanner *c, table_block *b) {
     char *fields[IMPORT_COLUMNS];
     size_t other = IMPORT_NONE, seen = 0;
@@ -168,7 +171,8 @@ static void list_names(const table_scanner *c, const table_block *b, import_sour
         char *name;
         size_t column;
         strcpy(c->scratch, c->text->lines[line] + strspn(c->text->lines[line], "# "));
-        if (name_of_column(c->scratch, &column, &name) && column <= s->n_columns && isalpha((unsigned char)*name))
+        if (name_of_column(c->scratch, &column, &name) && column <= s->n_columns &&
+            isalpha((unsigned char)*name))
             import_copy_word(s->column[column - 1], name, strlen(name));
     }
 }
@@ -188,7 +192,8 @@ void table_set_columns(const table_scanner *c, const table_block *b, import_sour
     if (b->roles < 2)
         list_names(c, b, s);
     n = b->units == IMPORT_NONE ? 0 : names_of(c, b->units, b->width, fields);
-    size_t label = n > 0 && is_unit_label(fields[0]), more = label && n == s->n_columns + 1; /* beside the units, or in a column's place */
+    size_t label = n > 0 && is_unit_label(fields[0]),
+           more = label && n == s->n_columns + 1; /* beside the units, or in a column's place */
     for (size_t j = label; j < n && j - more < s->n_columns; j++)
         add_unit(s->column[j - more], fields[j]);
 }

@@ -38,7 +38,7 @@ static int read_rows(import_source *s, import_text *text, bool block) {
     return block ? cli_failure(NAME, "%s:%zu: the file ends before <END DATA>", s->file, text->line) : CLI_OK;
 }
 
-/* "time_s,pos_mm,force_N  # key: value; key: value", then rows. */
+/* "time_s,pos_mm,force_N # key: value; key: value", then rows. */
 static int read_table(import_source *s, import_text *text) {
     char *line = import_line(text), *settings = strchr(line, '#'), *fields[IMPORT_COLUMNS];
     s->dialect = (import_dialect){',', '.', ','};
@@ -74,8 +74,8 @@ static void name_block(import_source *s, size_t number) {
     s->name[n < room ? n : room] = '\0';
 }
 
-/* <INFO> ... <END INFO>, <Function>, settings, <DATA>, names, rows, <END DATA>, and again. The settings of the first part,
- * when the session began among them, hold for all blocks. */
+/* <INFO> ... <END INFO>, <Function>, settings, <DATA>, names, rows, <END DATA>, and again. The settings of
+ * the first part, when the session began among them, hold for all blocks. */
 static int read_blocks(import_text *text, import_sources *all) {
     import_source *head = calloc(1, sizeof *head), *s;
     size_t blocks = 0, common = 0;
@@ -108,7 +108,8 @@ int import_mach1_read(import_text *text, import_sources *all) {
     if (starts(text, ORIGINAL))
         return read_blocks(text, all);
     if (!starts(text, "time_s,"))
-        return cli_failure(NAME, "%s:1: not a Mach-1 file: it starts neither with %s nor with %s", text->file, ORIGINAL, TABLE);
+        return cli_failure(NAME, "%s:1: not a Mach-1 file: it starts neither with %s nor with %s", text->file,
+                           ORIGINAL, TABLE);
     import_source *s = import_append(all, text, IMPORT_MACH1);
     return s ? read_table(s, text) : cli_failure(NAME, "%s: out of memory", text->file);
 }

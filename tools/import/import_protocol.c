@@ -20,7 +20,8 @@ static void say_pieces(const palp_pieces *pieces, char to[IMPORT_WORD]) {
     for (size_t k = 0; k < pieces->n && length + 20 < IMPORT_WORD; k++) {
         palp_motion motion = pieces->piece[k].motion;
         if (few || count[motion] > 0) {
-            int n = snprintf(to + length, IMPORT_WORD - length, "%s%s", length ? ", " : "", palp_motion_name(motion));
+            int n = snprintf(to + length, IMPORT_WORD - length, "%s%s", length ? ", " : "",
+                             palp_motion_name(motion));
             length += n > 0 ? (size_t)n : 0;
             if (!few && count[motion] > 1) {
                 n = snprintf(to + length, IMPORT_WORD - length, " x%zu", count[motion]);
@@ -45,10 +46,13 @@ static const char *of_pieces(const palp_pieces *pieces) {
 
 int import_protocol(const import_options *o, import_source *s) {
     palp_pieces pieces;
-    if (palp_segments_clock(s->rows, s->time_s, &s->step_s, &s->lost) || palp_segments_pieces(s->rows, s->time_s, s->depth_mm, &pieces))
+    if (palp_segments_clock(s->rows, s->time_s, &s->step_s, &s->lost) ||
+        palp_segments_pieces(s->rows, s->time_s, s->depth_mm, &pieces))
         return cli_failure("import", "%s: out of memory", s->file);
     say_pieces(&pieces, s->phases);
-    s->protocol = o->protocol >= 0 ? protocols[o->protocol] : import_is_approach(s) ? "free" : of_pieces(&pieces);
+    s->protocol = o->protocol >= 0        ? protocols[o->protocol]
+                  : import_is_approach(s) ? "free"
+                                          : of_pieces(&pieces);
     palp_pieces_free(&pieces);
     return CLI_OK;
 }

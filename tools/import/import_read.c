@@ -35,7 +35,8 @@ int import_read(const import_options *o, const char *file, import_sources *all) 
     } else if (code == CLI_OK) {
         size_t first = all->n;
         import_format format = o->format >= 0 ? (import_format)o->format : detect(&text);
-        code = format == IMPORT_MACH1 ? import_mach1_read(&text, all) : import_table_read(o, &text, format, all);
+        code =
+            format == IMPORT_MACH1 ? import_mach1_read(&text, all) : import_table_read(o, &text, format, all);
         for (size_t i = first; i < all->n; i++) {
             import_specimen(o, all->source[i]);
             import_tip(o, all->source[i]);

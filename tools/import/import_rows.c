@@ -1,4 +1,5 @@
-/* import_rows.c: the rows of a table as a recording in s, mm and N: what is no row is left out, tables that go on are joined. */
+/* import_rows.c: the rows of a table as a recording in s, mm and N: what is no row is left out, tables that
+ * go on are joined. */
 #include "import.h"
 
 #include <math.h>
@@ -35,8 +36,8 @@ static double range_of(const import_source *s, size_t column) {
     return high - low;
 }
 
-/* Whether b is the next part of a: its time goes on or starts anew, and the plate is where it was; not where all of a began,
- * if the time starts anew: that is the next specimen. */
+/* Whether b is the next part of a: its time goes on or starts anew, and the plate is where it was; not where
+ * all of a began, if the time starts anew: that is the next specimen. */
 static bool goes_on(const import_source *a, const import_source *b) {
     size_t time = used_for(a, TIME), depth = used_for(a, DEPTH);
     double within = GOES_ON * fmax(range_of(a, depth), range_of(b, depth));
@@ -75,7 +76,8 @@ int import_join(const import_options *o, import_sources *all, size_t first) {
     size_t kept = first;
     for (size_t i = first; i < all->n; i++) {
         import_source *s = all->source[i], *before = i > first ? all->source[kept - 1] : NULL;
-        bool whole = before && import_columns_find(o, s, true) == CLI_OK && import_columns_find(o, before, true) == CLI_OK;
+        bool whole = before && import_columns_find(o, s, true) == CLI_OK &&
+                     import_columns_find(o, before, true) == CLI_OK;
         if (whole && goes_on(before, s)) {
             bool good = append_rows(before, s);
             free(s->value);
@@ -101,7 +103,8 @@ static int refuse_bad(const import_source *s, size_t i) {
     for (int q = 0; q < QUANTITIES; q++) {
         size_t column = used_for(s, q);
         if (!isfinite(*cell(s, i, column)))
-            return cli_failure(NAME, "%s:%zu: the %s (column %zu) is not a number", s->file, s->line[i], quantities[q], column + 1);
+            return cli_failure(NAME, "%s:%zu: the %s (column %zu) is not a number", s->file, s->line[i],
+                               quantities[q], column + 1);
     }
     return CLI_OK;
 }
@@ -154,7 +157,8 @@ static int sift(const import_options *o, import_source *s) {
         }
         if (!(t > last)) {
             if (o->strict)
-                return cli_failure(NAME, "%s:%zu: time does not increase (%.9g after %.9g)", s->file, s->line[i], t, last);
+                return cli_failure(NAME, "%s:%zu: time does not increase (%.9g after %.9g)", s->file,
+                                   s->line[i], t, last);
             s->doubled_line = s->doubled++ ? s->doubled_line : s->line[i];
             continue;
         }
@@ -174,7 +178,8 @@ static double factor_of(const import_source *s, int q, double *offset) {
     double area_m2 = 3.14159265358979323846 * s->radius_mm * s->radius_mm * 1e-6;
     *offset = 0;
     if (q == DEPTH && s->used[STRAIN] != IMPORT_NONE) {
-        bool stretch = strcmp(s->unit[STRAIN]->name, "stretch") == 0 || strstr(s->column[s->used[STRAIN]], "tretch");
+        bool stretch =
+            strcmp(s->unit[STRAIN]->name, "stretch") == 0 || strstr(s->column[s->used[STRAIN]], "tretch");
         *offset = stretch ? 1 / s->unit[STRAIN]->factor : 0; /* of no strain */
         return s->unit[STRAIN]->factor * s->height_mm;
     }
@@ -211,7 +216,8 @@ static int fill(import_source *s, int q, double *to) {
     for (size_t i = 0; i < s->rows; i++) {
         to[i] = scaled(*cell(s, i, column) - offset, factor);
         if (!isfinite(to[i]))
-            return cli_failure(NAME, "%s:%zu: the %s (column %zu) is too large", s->file, s->line[i], quantities[q], column + 1);
+            return cli_failure(NAME, "%s:%zu: the %s (column %zu) is too large", s->file, s->line[i],
+                               quantities[q], column + 1);
     }
     return CLI_OK;
 }
@@ -244,9 +250,13 @@ static int check_sizes(const import_source *s) {
     if (s->used[STRAIN] != IMPORT_NONE && s->height_mm <= 0)
         return cli_failure(NAME, "%s: the depth is a strain: give --specimen-height-mm", s->file);
     if (s->used[STRESS] != IMPORT_NONE && s->radius_mm <= 0)
-        return cli_failure(NAME, "%s: the force is a stress: give --specimen-radius-mm or --specimen-area-mm2", s->file);
-    if (s->used[DEFLECTION] != IMPORT_NONE && s->unit[DEFLECTION]->dimension == UNIT_VOLT && s->slope_mm_V <= 0)
-        return cli_failure(NAME, "%s: the deflection is in volts and the file tells no sensitivity (m/V): convert it", s->file);
+        return cli_failure(
+            NAME, "%s: the force is a stress: give --specimen-radius-mm or --specimen-area-mm2", s->file);
+    if (s->used[DEFLECTION] != IMPORT_NONE && s->unit[DEFLECTION]->dimension == UNIT_VOLT &&
+        s->slope_mm_V <= 0)
+        return cli_failure(
+            NAME, "%s: the deflection is in volts and the file tells no sensitivity (m/V): convert it",
+            s->file);
     return CLI_OK;
 }
 

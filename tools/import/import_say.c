@@ -30,11 +30,13 @@ static void say_column(const import_source *s, int role, bool reversed, char to[
         n--;
     memcpy(name, s->column[column], n);
     name[n] = '\0';
-    snprintf(to, WIDEST, "%zu %s%s%.9s%s", column + 1, name, n ? ", " : "", s->unit[role]->name, reversed ? ", reversed" : "");
+    snprintf(to, WIDEST, "%zu %s%s%.9s%s", column + 1, name, n ? ", " : "", s->unit[role]->name,
+             reversed ? ", reversed" : "");
 }
 
 static int role_of(const import_source *s, int quantity) {
-    static const int instead[QUANTITIES][3] = {{TIME, TIME, TIME}, {STRAIN, DEPTH, DEPTH}, {FORCE, STRESS, DEFLECTION}};
+    static const int instead[QUANTITIES][3] = {
+        {TIME, TIME, TIME}, {STRAIN, DEPTH, DEPTH}, {FORCE, STRESS, DEFLECTION}};
     int k = 0;
     while (k < 2 && s->used[instead[quantity][k]] == IMPORT_NONE)
         k++;
@@ -47,7 +49,8 @@ static void fill(const import_source *s, row *r) {
     say_column(s, TIME, false, r->field[2]);
     say_column(s, role_of(s, DEPTH), s->depth_sign < 0, r->field[3]);
     say_column(s, role_of(s, FORCE), s->force_sign < 0, r->field[4]);
-    snprintf(r->field[5], WIDEST, "%s at %.5g +- %.2g mm, %.3g N", s->contact_rule, s->contact_mm, s->contact_sd_mm, s->zero_N);
+    snprintf(r->field[5], WIDEST, "%s at %.5g +- %.2g mm, %.3g N", s->contact_rule, s->contact_mm,
+             s->contact_sd_mm, s->zero_N);
     snprintf(r->field[6], WIDEST, "%.59s", *s->phases ? s->phases : s->protocol);
 }
 
@@ -61,26 +64,35 @@ static void print_row(const row *r, const size_t width[FIELDS]) {
 
 static void note(const import_source *s) {
     if (s->bad > 0)
-        cli_warning("import", "%s: %zu of %zu rows are not numbers and were left out, the first at line %zu", s->name, s->bad,
-                    s->bad + s->doubled + s->rows, s->bad_line);
+        cli_warning("import", "%s: %zu of %zu rows are not numbers and were left out, the first at line %zu",
+                    s->name, s->bad, s->bad + s->doubled + s->rows, s->bad_line);
     if (s->doubled > 0)
-        cli_warning("import", "%s: %zu of %zu rows do not come later than the row before and were left out, the first at line %zu",
+        cli_warning("import",
+                    "%s: %zu of %zu rows do not come later than the row before and were left out, the first "
+                    "at line %zu",
                     s->name, s->doubled, s->bad + s->doubled + s->rows, s->doubled_line);
     if (20 * s->lost > s->rows)
-        cli_warning("import", "%s: %zu samples are missing (%.2g %% of those that the clock's step of %.4g s tells of)", s->name, s->lost,
-                    100.0 * (double)s->lost / (double)(s->lost + s->rows), s->step_s);
+        cli_warning("import",
+                    "%s: %zu samples are missing (%.2g %% of those that the clock's step of %.4g s tells of)",
+                    s->name, s->lost, 100.0 * (double)s->lost / (double)(s->lost + s->rows), s->step_s);
     if (s->restarts > 0)
-        cli_warning("import", "%s: the clock starts anew %zu time%s within the run; it was made to go on", s->name, s->restarts,
-                    s->restarts > 1 ? "s" : "");
+        cli_warning("import", "%s: the clock starts anew %zu time%s within the run; it was made to go on",
+                    s->name, s->restarts, s->restarts > 1 ? "s" : "");
     if (s->tip && s->tip_radius_mm > 0)
-        fprintf(stderr, "palpate import: %s: the tip is a %s, radius %.5g mm\n", s->name, s->tip, s->tip_radius_mm);
+        fprintf(stderr, "palpate import: %s: the tip is a %s, radius %.5g mm\n", s->name, s->tip,
+                s->tip_radius_mm);
     if (s->groups > 1 && s->group == 1)
-        fprintf(stderr, "palpate import: %s: the columns of %s repeat: %zu specimens side by side, a run each; one alone by --map time=NUMBER,depth=NUMBER,force=NUMBER\n",
+        fprintf(stderr,
+                "palpate import: %s: the columns of %s repeat: %zu specimens side by side, a run each; one "
+                "alone by --map time=NUMBER,depth=NUMBER,force=NUMBER\n",
                 s->name, cli_base(s->file), s->groups);
     if (s->seconds_assumed)
-        cli_warning("import", "%s: the time has no unit and is taken as seconds; else say it by --units time=ms", s->name);
+        cli_warning("import",
+                    "%s: the time has no unit and is taken as seconds; else say it by --units time=ms",
+                    s->name);
     if (s->height_from && strncmp(s->height_from, "--", 2) != 0) {
-        fprintf(stderr, "palpate import: %s: height %.5g mm by \"%s\"", s->name, s->height_mm, s->height_from);
+        fprintf(stderr, "palpate import: %s: height %.5g mm by \"%s\"", s->name, s->height_mm,
+                s->height_from);
         if (s->radius_mm > 0 && s->radius_from)
             fprintf(stderr, ", radius %.5g mm by \"%s\"", s->radius_mm, s->radius_from);
         fputc('\n', stderr);

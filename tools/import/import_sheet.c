@@ -33,18 +33,25 @@ char *import_read_stream(FILE *stream, size_t *size) {
     return NULL;
 }
 
-/* What turns a kind of spreadsheet into text; the first that is installed is taken. FILE stands for the file's name. */
+/* What turns a kind of spreadsheet into text; the first that is installed is taken. FILE stands for the
+ * file's name. */
 static const struct kind {
     const char *magic;
     size_t n;
     const char *name;
     const char *const helper[HELPERS][7];
     const char *install;
-} kinds[] = {{"PK\003\004", 4, ".xlsx",
-              {{"xlsx2csv", "-a", "-d", "tab", "FILE", NULL}, {"ssconvert", "-T", "Gnumeric_stf:stf_csv", "FILE", "fd://1", NULL}},
+} kinds[] = {{"PK\003\004",
+              4,
+              ".xlsx",
+              {{"xlsx2csv", "-a", "-d", "tab", "FILE", NULL},
+               {"ssconvert", "-T", "Gnumeric_stf:stf_csv", "FILE", "fd://1", NULL}},
               "xlsx2csv (Debian package xlsx2csv) or ssconvert (gnumeric)"},
-             {"\xD0\xCF\x11\xE0", 4, ".xls",
-              {{"xls2csv", "-d", "utf-8", "-c\t", "FILE", NULL}, {"ssconvert", "-T", "Gnumeric_stf:stf_csv", "FILE", "fd://1", NULL}},
+             {"\xD0\xCF\x11\xE0",
+              4,
+              ".xls",
+              {{"xls2csv", "-d", "utf-8", "-c\t", "FILE", NULL},
+               {"ssconvert", "-T", "Gnumeric_stf:stf_csv", "FILE", "fd://1", NULL}},
               "xls2csv (Debian package catdoc) or ssconvert (gnumeric)"}};
 
 /* Starts a helper with its output in a pipe; errno, 0 = it runs. */
@@ -111,7 +118,8 @@ int import_sheet_read(import_text *text, size_t *size) {
             return CLI_OK;
         }
     }
-    return missing ? cli_failure(NAME, "%s: to read an %s file, install %s; or export the sheet as CSV", text->file, kind->name,
-                                 kind->install)
-                   : cli_failure(NAME, "%s: the %s file cannot be read; export the sheet as CSV", text->file, kind->name);
+    return missing ? cli_failure(NAME, "%s: to read an %s file, install %s; or export the sheet as CSV",
+                                 text->file, kind->name, kind->install)
+                   : cli_failure(NAME, "%s: the %s file cannot be read; export the sheet as CSV", text->file,
+                                 kind->name);
 }

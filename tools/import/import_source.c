@@ -124,7 +124,8 @@ static bool grow(import_source *s) {
 
 /* A time of day that falls by half a day has passed midnight. */
 static double after_midnight(const import_source *s, size_t j, double seconds) {
-    double before = s->rows > 1 ? s->value[(s->rows - 2) * s->n_columns + j] : NAN; /* the last row is the new one */
+    double before =
+        s->rows > 1 ? s->value[(s->rows - 2) * s->n_columns + j] : NAN; /* the last row is the new one */
     double days = isfinite(before) ? floor((before - seconds) / 86400 + 0.5) : 0;
     return days > 0 ? seconds + 86400 * days : seconds;
 }

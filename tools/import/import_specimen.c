@@ -12,9 +12,11 @@ static const double PI = 3.14159265358979323846;
 
 /* ---- sizes ---- */
 
-/* A setting's number in mm, mm2, N/m, Hz ...: by the unit behind the number, else in the key, else one of these. */
+/* A setting's number in mm, mm2, N/m, Hz ...: by the unit behind the number, else in the key, else one of
+ * these. */
 static bool setting_value(const import_source *s, size_t i, import_dimension dimension, double *value) {
-    const import_dialect *d = &s->dialect, swapped = {d->separator, d->decimal == '.' ? ',' : '.', d->decimal};
+    const import_dialect *d = &s->dialect,
+                         swapped = {d->separator, d->decimal == '.' ? ',' : '.', d->decimal};
     const char *text = s->setting[i][1], *rest;
     bool number = import_number_unit(text, d, value, &rest) && *rest != '.' && *rest != ',';
     if (!number && !import_number_unit(text, &swapped, value, &rest)) { /* header and rows differ */
@@ -48,7 +50,8 @@ static void use_size(import_source *s) {
     const char *size = import_setting(s, "Size"), *rest;
     double length, diameter;
     if (size && import_number_unit(size, &s->dialect, &length, &rest) && *rest == ' ' &&
-        import_number_unit(rest + strspn(rest, " "), &s->dialect, &diameter, &rest) && length > 0 && diameter > 0 &&
+        import_number_unit(rest + strspn(rest, " "), &s->dialect, &diameter, &rest) && length > 0 &&
+        diameter > 0 &&
         !(*rest && import_number_unit(rest + strspn(rest, " "), &s->dialect, &diameter, &rest))) {
         s->height_mm = s->height_mm > 0 ? s->height_mm : length;
         s->height_from = s->height_from ? s->height_from : "Size";
@@ -59,8 +62,9 @@ static void use_size(import_source *s) {
 
 /* When it began, by a setting that is a date or a time of day. */
 static void find_stamp(import_source *s) {
-    static const char *const words[] = {"date", "time", "datum", "zeit", "fecha", "data", "hora", "heure", "ora", "beginn",
-                                        "start", "started", "test date", "test time", "run date", "recorded"};
+    static const char *const words[] = {"date",      "time",      "datum",    "zeit",    "fecha", "data",
+                                        "hora",      "heure",     "ora",      "beginn",  "start", "started",
+                                        "test date", "test time", "run date", "recorded"};
     double date = NAN, time = NAN;
     for (size_t i = 0; i < s->n_settings; i++) {
         char key[IMPORT_WORD];
@@ -84,7 +88,8 @@ void import_specimen(const import_options *o, import_source *s) {
     s->height_mm = import_part(s, PART_HEIGHT, &key);
     s->height_from = key;
     key = NULL;
-    double diameter = import_part(s, PART_DIAMETER, &key), radius = diameter > 0 ? 0 : import_part(s, PART_RADIUS, &key);
+    double diameter = import_part(s, PART_DIAMETER, &key),
+           radius = diameter > 0 ? 0 : import_part(s, PART_RADIUS, &key);
     double area = diameter + radius > 0 ? 0 : import_part(s, PART_AREA, &key);
     s->radius_mm = diameter > 0 ? diameter / 2 : radius > 0 ? radius : sqrt(area / PI);
     s->radius_from = key;
@@ -148,11 +153,14 @@ int import_session(const import_options *o, import_sources *all) {
         dated = dated && all->source[i]->stamp_dated;
     }
     if (o->session && !import_clock(o->session, &began, &begun_dated))
-        return cli_usage_error(NAME, "--session-start wants a date and time or a time of day, such as 2024-03-01T10:00:00, not \"%s\"",
-                               o->session);
+        return cli_usage_error(
+            NAME,
+            "--session-start wants a date and time or a time of day, such as 2024-03-01T10:00:00, not \"%s\"",
+            o->session);
     for (size_t i = 0; i < all->n; i++) {
         import_source *s = all->source[i];
-        day = told && !(dated && (begun_dated || !o->session)) ? 86400 : 0; /* only the time of day is compared */
+        day = told && !(dated && (begun_dated || !o->session)) ? 86400
+                                                               : 0; /* only the time of day is compared */
         s->start_s = told ? s->stamp_s : file_time(s);
         s->start_s = day > 0 && s->start_s > day ? fmod(s->start_s, day) : s->start_s;
         first = fmin(first, s->start_s);
@@ -161,11 +169,13 @@ int import_session(const import_options *o, import_sources *all) {
         return cli_failure(NAME, "--session-start: not every file says when it began");
     began = isfinite(began) ? (dated && begun_dated ? began : fmod(began, 86400)) : first;
     if (!told)
-        cli_warning(NAME, "not every file says when it began: the order is that in which the files were written");
+        cli_warning(NAME,
+                    "not every file says when it began: the order is that in which the files were written");
     for (size_t i = 0; i < all->n; i++) {
         all->source[i]->start_s -= began;
         if (all->source[i]->start_s < 0)
-            return cli_failure(NAME, "%s: began %.0f s before --session-start", all->source[i]->file, -all->source[i]->start_s);
+            return cli_failure(NAME, "%s: began %.0f s before --session-start", all->source[i]->file,
+                               -all->source[i]->start_s);
     }
     qsort(all->source, all->n, sizeof *all->source, by_start);
     return CLI_OK;

@@ -1,4 +1,5 @@
-/* import_table.c: the tables of any text file: which lines are rows; all lines but rows and their names are settings. */
+/* import_table.c: the tables of any text file: which lines are rows; all lines but rows and their names are
+ * settings. */
 #include "import_table.h"
 
 #include <ctype.h>
@@ -61,7 +62,8 @@ static bool find_blocks(table_scanner *c) {
         size_t width;
         if (!is_row(c, line, &width))
             continue;
-        if (!b || (width > b->width && b->rows <= SIDE_ROWS && line > b->last) || header_between(c, b->last, line)) {
+        if (!b || (width > b->width && b->rows <= SIDE_ROWS && line > b->last) ||
+            header_between(c, b->last, line)) {
             b = new_block(c, b ? b->last : c->begin, line, width);
             if (!b)
                 return false;
@@ -79,7 +81,8 @@ static const table_block *main_block(const table_scanner *c) {
     const table_block *best = NULL;
     for (size_t i = 0; i < c->n; i++) {
         const table_block *b = &c->blocks[i];
-        bool whole = b->roles == QUANTITIES && b->rows > SIDE_ROWS, best_whole = best && best->roles == QUANTITIES && best->rows > SIDE_ROWS;
+        bool whole = b->roles == QUANTITIES && b->rows > SIDE_ROWS,
+             best_whole = best && best->roles == QUANTITIES && best->rows > SIDE_ROWS;
         if (!best || (whole != best_whole ? whole : b->rows > best->rows))
             best = b;
     }
@@ -92,7 +95,8 @@ static const table_block *main_block(const table_scanner *c) {
 static void add_line(const table_scanner *c, size_t line, import_source *s) {
     char *fields[IMPORT_COLUMNS], value[2 * IMPORT_WORD];
     size_t n = c->dialect.separator == ' ' ? 0 : table_fields(c, line, fields);
-    if (n >= 2 && (table_is_number(c, fields[1]) || !strchr(fields[1], ':')) && isalpha((unsigned char)*fields[0])) {
+    if (n >= 2 && (table_is_number(c, fields[1]) || !strchr(fields[1], ':')) &&
+        isalpha((unsigned char)*fields[0])) {
         snprintf(value, sizeof value, "%.90s %.90s", fields[1], n > 2 ? fields[2] : "");
         import_add_setting(s, fields[0], value);
         return;
@@ -122,8 +126,8 @@ static void add_row_setting(const table_scanner *c, size_t line, import_source *
         import_add_setting(s, fields[0], text);
 }
 
-/* A small table beside the recording: names of the specimen's sizes, and the numbers under them, of its first row or of that
- * of a specimen. */
+/* A small table beside the recording: names of the specimen's sizes, and the numbers under them, of its first
+ * row or of that of a specimen. */
 static void add_side_table(const table_scanner *c, const table_block *b, size_t row, import_source *s) {
     char *fields[IMPORT_COLUMNS];
     import_source *side = calloc(1, sizeof *side);
@@ -140,7 +144,8 @@ static void add_side_table(const table_scanner *c, const table_block *b, size_t 
 }
 
 /* Of all lines before the last row of the source that are no rows of a table. */
-static void add_all_settings(const table_scanner *c, const table_block *own, const import_groups *groups, size_t group, import_source *s) {
+static void add_all_settings(const table_scanner *c, const table_block *own, const import_groups *groups,
+                             size_t group, import_source *s) {
     for (size_t i = 0; i < c->n && &c->blocks[i] <= own; i++) {
         const table_block *b = &c->blocks[i];
         for (size_t line = b->above; line < b->first; line++)
@@ -173,7 +178,8 @@ static int read_rows(const table_scanner *c, const table_block *b, import_source
 }
 
 /* Whether a block is more of the main table: of the same columns, or without names and as wide. */
-static bool continues(const table_scanner *c, const table_block *b, const table_block *whole, const import_source *reference) {
+static bool continues(const table_scanner *c, const table_block *b, const table_block *whole,
+                      const import_source *reference) {
     import_source *own = calloc(1, sizeof *own);
     bool same = own != NULL && b->rows > SIDE_ROWS;
     if (same && b->names == IMPORT_NONE && b > whole) {
@@ -187,7 +193,8 @@ static bool continues(const table_scanner *c, const table_block *b, const table_
 }
 
 /* The rows of a block; where its columns repeat, one source of each group. */
-static int add_source(const table_scanner *c, const table_block *b, const import_source *reference, const import_groups *groups, import_sources *all) {
+static int add_source(const table_scanner *c, const table_block *b, const import_source *reference,
+                      const import_groups *groups, import_sources *all) {
     import_source *s = import_append(all, c->text, reference->format), *part = s;
     if (!s)
         return cli_failure(NAME, "%s: out of memory", c->text->file);
@@ -200,7 +207,8 @@ static int add_source(const table_scanner *c, const table_block *b, const import
         part = import_append(all, c->text, reference->format);
         if (part)
             add_all_settings(c, b, groups, k, part);
-        code = part ? import_groups_take(s, groups, k, part) : cli_failure(NAME, "%s: out of memory", c->text->file);
+        code = part ? import_groups_take(s, groups, k, part)
+                    : cli_failure(NAME, "%s: out of memory", c->text->file);
     }
     return code;
 }
@@ -217,7 +225,8 @@ static void drop_whole(import_sources *all, size_t first) {
     all->n = kept;
 }
 
-static int add_sources(const import_options *o, const table_scanner *c, import_format format, import_sources *all) {
+static int add_sources(const import_options *o, const table_scanner *c, import_format format,
+                       import_sources *all) {
     const table_block *whole = main_block(c);
     const import_groups one = {1, 0, 0};
     import_groups groups = one;
@@ -254,8 +263,10 @@ int import_table_read(const import_options *o, import_text *text, import_format 
     if (!find_blocks(&c))
         code = cli_failure(NAME, "%s: out of memory", text->file);
     else if (c.n == 0)
-        code = import_left_out(o, text->file) ? CLI_OK : cli_failure(NAME, "%s:%zu: no row of numbers up to the end of the file%s", text->file, text->n,
-                           o->separator >= 0 ? "; is --separator right?" : "");
+        code = import_left_out(o, text->file)
+                   ? CLI_OK
+                   : cli_failure(NAME, "%s:%zu: no row of numbers up to the end of the file%s", text->file,
+                                 text->n, o->separator >= 0 ? "; is --separator right?" : "");
     else
         code = add_sources(o, &c, format, all);
     free(c.scratch);

@@ -8,8 +8,8 @@
 typedef struct table_block {
     size_t above, first, last; /* lines, from 0; last = after the last row */
     size_t width, rows;
-    size_t names, units;       /* lines; IMPORT_NONE = there is none */
-    int roles;                 /* how many of time, depth and force its names tell */
+    size_t names, units; /* lines; IMPORT_NONE = there is none */
+    int roles;           /* how many of time, depth and force its names tell */
 } table_block;
 
 typedef struct table_scanner {
@@ -36,8 +36,8 @@ typedef struct import_groups {
 import_groups import_groups_find(import_source *s, bool timed); /* timed: the rate of sampling is known */
 int import_groups_take(const import_source *all, const import_groups *g, size_t group, import_source *to);
 
-/* The lines that name the block's columns and say their units; then the columns of a source, and units behind the numbers
- * of a row. */
+/* The lines that name the block's columns and say their units; then the columns of a source, and units behind
+ * the numbers of a row. */
 void table_find_names(const table_scanner *c, table_block *b);
 void table_set_columns(const table_scanner *c, const table_block *b, import_source *s);
 void table_add_units(const table_scanner *c, size_t line, import_source *s);

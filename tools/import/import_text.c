@@ -71,12 +71,16 @@ static char *from_utf16(const unsigned char *from, size_t size, int order, size_
 
 /* Bytes of the UTF-8 character at text; 0 = it is none. */
 static size_t utf8_bytes(const unsigned char *text) {
-    size_t n = *text < 0x80 ? 1 : (*text & 0xE0) == 0xC0 && *text >= 0xC2 ? 2 : (*text & 0xF0) == 0xE0 ? 3 : (*text & 0xF8) == 0xF0 ? 4 : 0;
+    size_t n = *text < 0x80                              ? 1
+               : (*text & 0xE0) == 0xC0 && *text >= 0xC2 ? 2
+               : (*text & 0xF0) == 0xE0                  ? 3
+               : (*text & 0xF8) == 0xF0                  ? 4
+                                                         : 0;
     for (size_t i = 1; i < n; i++)
         if ((text[i] & 0xC0) != 0x80)
             return 0;
-    if ((*text == 0xE0 && text[1] < 0xA0) || (*text == 0xED && text[1] > 0x9F) || (*text == 0xF0 && text[1] < 0x90) ||
-        *text > 0xF4 || (*text == 0xF4 && text[1] > 0x8F)) {
+    if ((*text == 0xE0 && text[1] < 0xA0) || (*text == 0xED && text[1] > 0x9F) ||
+        (*text == 0xF0 && text[1] < 0x90) || *text > 0xF4 || (*text == 0xF4 && text[1] > 0x8F)) {
         return 0;
     }
     return n;
@@ -108,8 +112,11 @@ static size_t simplify(char *text) {
     static const struct {
         const char *is;
         char between_digits, else_;
-    } signs[] = {{"\xC2\xA0", '\'', ' '},     {"\xE2\x80\xAF", '\'', ' '},  {"\xE2\x80\x89", '\'', ' '},
-                 {"\xE2\x80\x99", '\'', '\''}, {"\xE2\x88\x92", '-', '-'}};
+    } signs[] = {{"\xC2\xA0", '\'', ' '},
+                 {"\xE2\x80\xAF", '\'', ' '},
+                 {"\xE2\x80\x89", '\'', ' '},
+                 {"\xE2\x80\x99", '\'', '\''},
+                 {"\xE2\x88\x92", '-', '-'}};
     char *to = text;
     for (const char *at = text; *at;) {
         size_t k = 0, n_signs = sizeof signs / sizeof signs[0];
@@ -169,7 +176,8 @@ static int index_lines(import_text *text, char *at) {
         char end = at[n];
         at[n] = '\0';
         size_t stamp = strspn(at, "0123456789:.");
-        if (stamp > 0 && strncmp(at + stamp, " -> ", 4) == 0) /* of a serial monitor, before the line itself */
+        if (stamp > 0 &&
+            strncmp(at + stamp, " -> ", 4) == 0) /* of a serial monitor, before the line itself */
             text->lines[text->n - 1] = at + stamp + 4;
         at += n + (end != '\0');
         at += end == '\r' && *at == '\n';

@@ -8,9 +8,10 @@ static const char *const holders[] = {"tip", "indenter", "probe", "punch", "eind
 static const struct kind_word {
     palp_tip_kind kind;
     const char *text;
-} kinds[] = {{PALP_TIP_SPHERE, "spher"},  {PALP_TIP_SPHERE, "ball"},  {PALP_TIP_SPHERE, "kugel"},   {PALP_TIP_SPHERE, "bead"},
-             {PALP_TIP_SPHERE, "sfer"},   {PALP_TIP_SPHERE, "esfer"}, {PALP_TIP_FLAT, "flat"},      {PALP_TIP_FLAT, "cylind"},
-             {PALP_TIP_FLAT, "zylind"},   {PALP_TIP_CONE, "cone"},    {PALP_TIP_CONE, "conical"},   {PALP_TIP_CONE, "kegel"}};
+} kinds[] = {{PALP_TIP_SPHERE, "spher"}, {PALP_TIP_SPHERE, "ball"},  {PALP_TIP_SPHERE, "kugel"},
+             {PALP_TIP_SPHERE, "bead"},  {PALP_TIP_SPHERE, "sfer"},  {PALP_TIP_SPHERE, "esfer"},
+             {PALP_TIP_FLAT, "flat"},    {PALP_TIP_FLAT, "cylind"},  {PALP_TIP_FLAT, "zylind"},
+             {PALP_TIP_CONE, "cone"},    {PALP_TIP_CONE, "conical"}, {PALP_TIP_CONE, "kegel"}};
 
 static bool is_of_tip(const char *plain) {
     for (size_t k = 0; k < sizeof holders / sizeof *holders; k++)

@@ -16,7 +16,8 @@ static size_t page_options(choice *c, cli_option *list) {
     acquire_options *o = &c->setup.session;
     const cli_option all[] = {
         cli_heading("Page and output"),
-        cli_count("page-port", "N", 0, 65535, &c->page_port, "port of the page (default 0: one that is free)"),
+        cli_count("page-port", "N", 0, 65535, &c->page_port,
+                  "port of the page (default 0: one that is free)"),
         cli_text("out", "DIR", &o->out, "folder of the recordings; made if need be"),
     };
     memcpy(list, all, sizeof all);
@@ -30,16 +31,18 @@ static int parse(int argc, char **argv, choice *c) {
     n += page_options(c, options + n);
     n += acquire_setup_columns(&c->setup, options + n);
     rig_options_list(&c->setup.rig, options + n);
-    const cli_command command = {
-        NAME,
-        "--port PORT --out DIR [options]",
-        "Serves a page, to this machine's browsers only, by which an indenter is driven: force, depth and faults\n"
-        "live, homing, taring, moving by hand, runs, an emergency stop. Prints the page's address, which holds a\n"
-        "token: who does not have it is refused. Goes on when the page is closed; Ctrl-C withdraws the plate and ends.",
-        "  palpate panel --port rig --out runs\n"
-        "  palpate panel --port /dev/ttyACM0 --specimen-height-mm 24 --out runs\n",
-        options,
-        n + RIG_OPTIONS};
+    const cli_command command = {NAME,
+                                 "--port PORT --out DIR [options]",
+                                 "Serves a page, to this machine's browsers only, by which an indenter is "
+                                 "driven: force, depth and faults\n"
+                                 "live, homing, taring, moving by hand, runs, an emergency stop. Prints the "
+                                 "page's address, which holds a\n"
+                                 "token: who does not have it is refused. Goes on when the page is closed; "
+                                 "Ctrl-C withdraws the plate and ends.",
+                                 "  palpate panel --port rig --out runs\n"
+                                 "  palpate panel --port /dev/ttyACM0 --specimen-height-mm 24 --out runs\n",
+                                 options,
+                                 n + RIG_OPTIONS};
     return cli_parse(&command, argc, argv, NULL, 0, &words);
 }
 

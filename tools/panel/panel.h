@@ -25,8 +25,8 @@ typedef enum panel_what {
 
 typedef struct panel_command {
     panel_what what;
-    double by_mm, rate_mm_s;   /* of JOG; by: positive = down */
-    char file[CLI_PATH_MAX];   /* of START: the protocol */
+    double by_mm, rate_mm_s; /* of JOG; by: positive = down */
+    char file[CLI_PATH_MAX]; /* of START: the protocol */
 } panel_command;
 
 /* What is drawn: the mean of a block of samples. */
@@ -34,7 +34,7 @@ typedef struct panel_point {
     double time_s;             /* of the device */
     double place_mm, depth_mm; /* below home; below contact, NAN = not known */
     double force_N, error_mm;
-    unsigned run;              /* 0 = not of a recording */
+    unsigned run; /* 0 = not of a recording */
 } panel_point;
 
 /* What the owner has seen last. */
@@ -85,7 +85,7 @@ typedef struct panel {
     bool waiting, busy; /* a command is to be taken; or is under way */
     bool stop;          /* what is under way is to end */
     panel_view view;
-    size_t notes;  /* so far; the last PANEL_NOTES are kept */
+    size_t notes; /* so far; the last PANEL_NOTES are kept */
     panel_note note[PANEL_NOTES];
     size_t points; /* likewise */
     panel_point point[PANEL_POINTS];
@@ -96,7 +96,7 @@ typedef struct panel {
 
 /* False where another command has not ended yet: none is kept for later. */
 bool panel_ask(panel *p, const panel_command *command);
-void panel_stop(panel *p);     /* ends what is under way, by withdrawing */
+void panel_stop(panel *p); /* ends what is under way, by withdrawing */
 bool panel_take(panel *p, panel_command *command);
 void panel_done(panel *p);
 bool panel_is_to_stop(panel *p);
@@ -107,7 +107,8 @@ void panel_see(panel *p, const panel_view *view);
 json_t *panel_live(panel *p, size_t point, size_t note);
 const char *panel_advice(uint8_t fault); /* what to do */
 
-/* Takes the current from the motor without the owner, whatever that is doing. True once the device has said that it stopped. */
+/* Takes the current from the motor without the owner, whatever that is doing. True once the device has said
+ * that it stopped. */
 bool panel_emergency(panel *p);
 
 /* ---- the owner (panel_owner.c) ---- */
@@ -137,14 +138,16 @@ panel_reply panel_answer(panel *p, const panel_request *request);
 
 char *panel_page(size_t *n); /* from malloc; NULL = out of memory */
 
-/* Runs this program with these arguments until it ends; the exit code, -1 where it could not be started. out, words: what it
- * printed on the two, from malloc. argv ends with NULL; argv[0] is set. job: whose child it is; or NULL. */
+/* Runs this program with these arguments until it ends; the exit code, -1 where it could not be started. out,
+ * words: what it printed on the two, from malloc. argv ends with NULL; argv[0] is set. job: whose child it
+ * is; or NULL. */
 int panel_child(const char **argv, char **out, char **words, panel *job);
 
 /* ---- what is in the folder (panel_runs.c) ---- */
 
 /* The path of a file there that has this end, and whose name leads nowhere else. folder: "" or "fits/". */
-bool panel_file(const panel *p, const char *folder, const char *name, const char *end, char path[CLI_PATH_MAX]);
+bool panel_file(const panel *p, const char *folder, const char *name, const char *end,
+                char path[CLI_PATH_MAX]);
 json_t *panel_runs(const panel *p);
 json_t *panel_curve(const char *path, char why[ACQUIRE_TEXT]); /* NULL and why */
 

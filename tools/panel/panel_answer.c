@@ -104,14 +104,16 @@ static panel_reply post_job(panel *p, const panel_request *q) {
 
 /* ---- a protocol: what the page's form makes ---- */
 
-/* Tried by the very program that would run it; its words without the name of the file, which nobody has given. */
+/* Tried by the very program that would run it; its words without the name of the file, which nobody has
+ * given. */
 static panel_reply try_plan(panel *p, const char *file) {
     const acquire_options *o = &p->setup->session;
     char height[32], *out, *words;
     const char *kind = o->specimen_kind ? o->specimen_kind : "cylinder";
     snprintf(height, sizeof height, "%.17g", o->height_mm > 0 ? o->height_mm : 1000);
-    const char *argv[] = {NULL, "acquire", "--dry-run", "--json", "--protocol", file, "--specimen-height-mm", height,
-                          "--specimen-kind", kind, NULL};
+    const char *argv[] = {
+        NULL,   "acquire",         "--dry-run", "--json", "--protocol", file, "--specimen-height-mm",
+        height, "--specimen-kind", kind,        NULL};
     int code = panel_child(argv, &out, &words, NULL);
     panel_reply r;
     if (code == CLI_OK) {
@@ -119,7 +121,9 @@ static panel_reply try_plan(panel *p, const char *file) {
         out = NULL;
     } else {
         char *at = words ? strstr(words, file) : NULL;
-        const char *why = at ? at + strlen(file) : words && *words ? words : "the protocol could not be tried";
+        const char *why = at                ? at + strlen(file)
+                          : words && *words ? words
+                                            : "the protocol could not be tried";
         why += *why == ':';
         r = wrong(BAD, "%.*s", (int)strcspn(why, "\n"), why);
     }
@@ -139,7 +143,8 @@ static bool write_all(int fd, const char *text) {
     return true;
 }
 
-/* As the first protocol.json, protocol_2.json ... that is not there yet: it stays beside what is recorded by it. */
+/* As the first protocol.json, protocol_2.json ... that is not there yet: it stays beside what is recorded by
+ * it. */
 static bool keep_protocol(const panel *p, const char *text, char file[CLI_PATH_MAX]) {
     int fd = -1;
     for (int k = 1; fd < 0 && k < 100000 && (k == 1 || errno == EEXIST); k++) {
@@ -221,11 +226,11 @@ panel_reply panel_answer(panel *p, const panel_request *q) {
         bool post;
         const char *path;
         panel_reply (*answer)(panel *p, const panel_request *q);
-    } answers[] = {{false, "/", get_page},    {false, "/live", get_live}, {true, "/plan", post_plan},
-                   {false, "/runs", get_runs}, {false, "/curve", get_curve}, {false, "/made", get_made},
-                   {true, "/job", post_job},
-                   {true, "/start", post_start}, {true, "/do", post_do},     {true, "/jog", post_jog},
-                   {true, "/stop", post_stop},   {true, "/emergency", post_emergency}};
+    } answers[] = {
+        {false, "/", get_page},     {false, "/live", get_live},   {true, "/plan", post_plan},
+        {false, "/runs", get_runs}, {false, "/curve", get_curve}, {false, "/made", get_made},
+        {true, "/job", post_job},   {true, "/start", post_start}, {true, "/do", post_do},
+        {true, "/jog", post_jog},   {true, "/stop", post_stop},   {true, "/emergency", post_emergency}};
     for (size_t i = 0; i < sizeof answers / sizeof answers[0]; i++)
         if (answers[i].post == q->post && strcmp(answers[i].path, q->path) == 0)
             return answers[i].answer(p, q);

@@ -1,5 +1,5 @@
-/* panel_http.c: the server, on this machine only: who may ask, and the bytes of a request. A thread for each connection: none
- * waits for another, which the emergency stop needs. */
+/* panel_http.c: the server, on this machine only: who may ask, and the bytes of a request. A thread for each
+ * connection: none waits for another, which the emergency stop needs. */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 
@@ -39,7 +39,8 @@ static bool is_token(const panel *p, const char *text) {
     return different == 0;
 }
 
-/* A page of another site may send a request here, by a name of its own that leads to this machine; never with our names. */
+/* A page of another site may send a request here, by a name of its own that leads to this machine; never with
+ * our names. */
 static bool is_here(const panel *p, const char *text, const char *scheme) {
     char here[64];
     for (int i = 0; i < 2; i++) {
@@ -67,9 +68,10 @@ static enum MHD_Result send_reply(struct MHD_Connection *c, const panel_reply *r
         {"Referrer-Policy", "no-referrer"},
         {"X-Content-Type-Options", "nosniff"},
         {"X-Frame-Options", "DENY"},
-        {"Content-Security-Policy", "default-src 'none'; connect-src 'self'; script-src 'unsafe-inline'; "
-                                    "style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; base-uri 'none'; "
-                                    "form-action 'none'"},
+        {"Content-Security-Policy",
+         "default-src 'none'; connect-src 'self'; script-src 'unsafe-inline'; "
+         "style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; base-uri 'none'; "
+         "form-action 'none'"},
     };
     struct MHD_Response *response =
         MHD_create_response_from_buffer(reply->n, reply->text, MHD_RESPMEM_MUST_FREE);
@@ -112,7 +114,8 @@ static enum MHD_Result handle(void *context, struct MHD_Connection *c, const cha
     (void)version;
     if (!a) { /* the headers: what is not allowed is not even read */
         if (!is_allowed(p, c))
-            return refuse(c, MHD_HTTP_FORBIDDEN, "Open the address that palpate panel printed, with its token.\n");
+            return refuse(c, MHD_HTTP_FORBIDDEN,
+                          "Open the address that palpate panel printed, with its token.\n");
         *own = calloc(1, sizeof *a);
         return *own ? MHD_YES : MHD_NO;
     }
@@ -128,7 +131,8 @@ static enum MHD_Result handle(void *context, struct MHD_Connection *c, const cha
     return reply.text ? send_reply(c, &reply) : refuse(c, MHD_HTTP_INTERNAL_SERVER_ERROR, "out of memory\n");
 }
 
-static void forget(void *context, struct MHD_Connection *c, void **own, enum MHD_RequestTerminationCode code) {
+static void forget(void *context, struct MHD_Connection *c, void **own,
+                   enum MHD_RequestTerminationCode code) {
     (void)context;
     (void)c;
     (void)code;
@@ -157,8 +161,8 @@ static struct MHD_Daemon *start(panel_server *s, unsigned port) {
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, &before);
     struct MHD_Daemon *d = MHD_start_daemon(
-        MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_THREAD_PER_CONNECTION, (uint16_t)port, NULL, NULL, handle, s,
-        MHD_OPTION_SOCK_ADDR, (struct sockaddr *)&here, MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS,
+        MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_THREAD_PER_CONNECTION, (uint16_t)port, NULL, NULL, handle,
+        s, MHD_OPTION_SOCK_ADDR, (struct sockaddr *)&here, MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS,
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_S, MHD_OPTION_NOTIFY_COMPLETED, forget, NULL,
         MHD_OPTION_LISTENING_ADDRESS_REUSE, 1U, MHD_OPTION_END);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -174,9 +178,11 @@ panel_server *panel_server_open(const char *name, panel *p, unsigned port) {
     }
     s->panel = p;
     s->daemon = start(s, port);
-    const union MHD_DaemonInfo *info = s->daemon ? MHD_get_daemon_info(s->daemon, MHD_DAEMON_INFO_BIND_PORT) : NULL;
+    const union MHD_DaemonInfo *info =
+        s->daemon ? MHD_get_daemon_info(s->daemon, MHD_DAEMON_INFO_BIND_PORT) : NULL;
     if (!info) {
-        cli_failure(name, "port %u of this machine cannot be used for the page; choose another by --page-port", port);
+        cli_failure(
+            name, "port %u of this machine cannot be used for the page; choose another by --page-port", port);
         free(s);
         return NULL;
     }
@@ -197,8 +203,9 @@ bool panel_server_there(const char *name) {
 #else
 
 bool panel_server_there(const char *name) {
-    cli_failure(name, "this palpate was built without libmicrohttpd, which the page needs; install libmicrohttpd-dev "
-                      "and build it again");
+    cli_failure(
+        name, "this palpate was built without libmicrohttpd, which the page needs; install libmicrohttpd-dev "
+              "and build it again");
     return false;
 }
 

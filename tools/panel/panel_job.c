@@ -1,4 +1,5 @@
-/* panel_job.c: what takes long and moves nothing: fits, explain, the report; one at a time, as children of a thread of its own. */
+/* panel_job.c: what takes long and moves nothing: fits, explain, the report; one at a time, as children of a
+ * thread of its own. */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 
@@ -148,7 +149,8 @@ bool panel_job_start(panel *p, panel_job_what what, const char *names, char why[
         p->job.started = p->job.cancelled = false;
         p->job.what = what;
         p->job.n = 0;
-        for (const char *at = names; at && *at && p->job.n < PANEL_JOB_RUNS; at += at[strcspn(at, ",")] == ',') {
+        for (const char *at = names; at && *at && p->job.n < PANEL_JOB_RUNS;
+             at += at[strcspn(at, ",")] == ',') {
             size_t n = strcspn(at, ",");
             char *to = p->job.run[p->job.n];
             snprintf(to, sizeof p->job.run[0], "%.*s", (int)n, at);
@@ -161,7 +163,8 @@ bool panel_job_start(panel *p, panel_job_what what, const char *names, char why[
     }
     bool started = p->job.started && free_now;
     pthread_mutex_unlock(&p->lock);
-    snprintf(why, ACQUIRE_TEXT, free_now ? "choose runs in the list first" : "a calculation is under way already");
+    snprintf(why, ACQUIRE_TEXT,
+             free_now ? "choose runs in the list first" : "a calculation is under way already");
     return started;
 }
 

@@ -1,4 +1,5 @@
-/* panel_owner.c: the one thread that speaks with the indenter: does what the pages ask for, and shows what comes. */
+/* panel_owner.c: the one thread that speaks with the indenter: does what the pages ask for, and shows what
+ * comes. */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 
@@ -156,7 +157,8 @@ static outcome clear(owner *o) {
     device_result result = device_do(&s->device, PALP_WIRE_TYPE_CLEAR_FAULT, NULL);
     o->configured = false; /* it may have restarted */
     if (result == DEVICE_REFUSED && s->device.refusal == PALP_WIRE_RESULT_PERSISTS)
-        return session_fail(s, "the cause of %s is still there", palp_wire_fault_name(s->device.status.fault));
+        return session_fail(s, "the cause of %s is still there",
+                            palp_wire_fault_name(s->device.status.fault));
     device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got);
     return configure(o);
 }

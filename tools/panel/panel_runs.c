@@ -1,4 +1,5 @@
-/* panel_runs.c: what is in the folder: recordings with their figures and fits, a curve thinned to be drawn. */
+/* panel_runs.c: what is in the folder: recordings with their figures and fits, a curve thinned to be drawn.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 
@@ -9,7 +10,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-bool panel_file(const panel *p, const char *folder, const char *name, const char *end, char path[CLI_PATH_MAX]) {
+bool panel_file(const panel *p, const char *folder, const char *name, const char *end,
+                char path[CLI_PATH_MAX]) {
     size_t n = name ? strlen(name) : 0, m = strlen(end);
     if (n <= m || strcmp(name + n - m, end) != 0 || name[0] == '.' || strchr(name, '/'))
         return false;
@@ -51,9 +53,10 @@ static json_t *fit_of(const panel *p, const char *name, const struct stat *recor
 }
 
 static json_t *run_json(const panel *p, const char *name, const char *path, const struct stat *file) {
-    static const char *const keys[] = {"protocol.kind",     "protocol.depth_mm",  "specimen.height_mm", "end.fault",
-                                       "end.samples",       "end.lost_samples",   "end.peak_N",         "end.contact_mm",
-                                       "end.error_rms_mm",  "acquire.time",       "protocol.repeat"};
+    static const char *const keys[] = {"protocol.kind", "protocol.depth_mm", "specimen.height_mm",
+                                       "end.fault",     "end.samples",       "end.lost_samples",
+                                       "end.peak_N",    "end.contact_mm",    "end.error_rms_mm",
+                                       "acquire.time",  "protocol.repeat"};
     json_t *header = read_header(path), *run = json_pack("{ss}", "name", name);
     if (!json_object_get(header, "palpate.experiment")) {
         json_decref(header);

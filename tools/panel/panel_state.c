@@ -107,22 +107,33 @@ void panel_add(panel *p, const panel_point *point, const panel_view *view) {
 const char *panel_advice(uint8_t fault) {
     static const char *const advice[PALP_WIRE_FAULT_COUNT] = {
         [PALP_WIRE_FAULT_NONE] = "",
-        [PALP_WIRE_FAULT_OVER_FORCE] = "Press less deep or more slowly, or raise --limit-force-N if the sensor bears it.",
+        [PALP_WIRE_FAULT_OVER_FORCE] =
+            "Press less deep or more slowly, or raise --limit-force-N if the sensor bears it.",
         [PALP_WIRE_FAULT_OVER_TRAVEL] = "Clear the fault, then home the plate.",
         [PALP_WIRE_FAULT_OVER_TEMPERATURE] = "Let the motor cool down; then clear the fault.",
         [PALP_WIRE_FAULT_FOLLOWING_ERROR] = "See whether something blocks the plate; then clear the fault.",
         [PALP_WIRE_FAULT_SENSOR_SILENT] = "See to the force sensor's cable and supply; then clear the fault.",
         [PALP_WIRE_FAULT_SENSOR_SATURATED] = "Take the load off the sensor; if it stays, see to its cable.",
-        [PALP_WIRE_FAULT_ENCODER_JUMP] = "See to the encoder's cable; then clear the fault and home the plate.",
-        [PALP_WIRE_FAULT_HOST_TIMEOUT] = "This computer was silent for too long. Clear the fault and start again.",
-        [PALP_WIRE_FAULT_STREAM_OVERFLOW] = "This computer was too slow for the samples. Close other programs, then clear the fault.",
-        [PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE] = "The stimulus leaves the travel. Clear the fault; press less deep.",
-        [PALP_WIRE_FAULT_WATCHDOG_RESET] = "The firmware restarted. Clear the fault and home the plate; please report it.",
-        [PALP_WIRE_FAULT_STACK_GUARD] = "The firmware restarted. Clear the fault and home the plate; please report it.",
-        [PALP_WIRE_FAULT_EMERGENCY_STOP] = "Release the switch if it is pressed. When all is safe, clear the fault.",
-        [PALP_WIRE_FAULT_ENCODER_LOST] = "See to the encoder's cable; then clear the fault and home the plate.",
-        [PALP_WIRE_FAULT_DRIVER_FAULT] = "The motor's driver is too hot or short-circuited. See to it, then clear the fault.",
-        [PALP_WIRE_FAULT_BROWN_OUT] = "See to the processor's supply; then clear the fault and home the plate.",
+        [PALP_WIRE_FAULT_ENCODER_JUMP] =
+            "See to the encoder's cable; then clear the fault and home the plate.",
+        [PALP_WIRE_FAULT_HOST_TIMEOUT] =
+            "This computer was silent for too long. Clear the fault and start again.",
+        [PALP_WIRE_FAULT_STREAM_OVERFLOW] =
+            "This computer was too slow for the samples. Close other programs, then clear the fault.",
+        [PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE] =
+            "The stimulus leaves the travel. Clear the fault; press less deep.",
+        [PALP_WIRE_FAULT_WATCHDOG_RESET] =
+            "The firmware restarted. Clear the fault and home the plate; please report it.",
+        [PALP_WIRE_FAULT_STACK_GUARD] =
+            "The firmware restarted. Clear the fault and home the plate; please report it.",
+        [PALP_WIRE_FAULT_EMERGENCY_STOP] =
+            "Release the switch if it is pressed. When all is safe, clear the fault.",
+        [PALP_WIRE_FAULT_ENCODER_LOST] =
+            "See to the encoder's cable; then clear the fault and home the plate.",
+        [PALP_WIRE_FAULT_DRIVER_FAULT] =
+            "The motor's driver is too hot or short-circuited. See to it, then clear the fault.",
+        [PALP_WIRE_FAULT_BROWN_OUT] =
+            "See to the processor's supply; then clear the fault and home the plate.",
     };
     return fault < PALP_WIRE_FAULT_COUNT && advice[fault] ? advice[fault] : "";
 }
@@ -143,18 +154,19 @@ static json_t *state_json(const panel *p) {
     char calibration[40] = "", date[16];
     device_date(v->calibration_day, date);
     if (v->calibration)
-        snprintf(calibration, sizeof calibration, "%08x%s%s", (unsigned)v->calibration, *date ? " of " : ", never measured", date);
-    return json_pack("{ss ss ss ss ss sb sb sb sb sb sb so so so so so so sf sf so sI so}", "calibration", calibration, "state",
-                     v->gone ? "gone" : palp_wire_state_name(v->state), "fault", palp_wire_fault_name(now->fault),
-                     "fault_text", palp_wire_fault_text(now->fault), "advice", panel_advice(now->fault), "homed",
-                     now->homed, "contact_known", now->contact_known, "busy", p->busy || p->waiting, "stopping", p->stop,
-                     "recording", v->recording, "gone", v->gone, "doing", json_string(v->doing), "contact_mm",
-                     now->contact_known ? real(count_mm * now->contact) : json_null(), "place_mm", real(v->place_mm),
-                     "stiffness_N_m", now->contact_known ? real(1e-3 * now->stiffness_mN_m) : json_null(), "case_C",
-                     real(v->case_C), "winding_C", real(1e-2 * now->winding_cC), "travel_mm",
-                     1e-6 * v->info.travel_nm, "limit_N", 1e-6 * v->limits.force_uN, "limit_C",
-                     real(1e-2 * v->limits.temperature_cC), "runs", (json_int_t)v->runs, "run",
-                     v->recording ? run : (json_decref(run), json_null()));
+        snprintf(calibration, sizeof calibration, "%08x%s%s", (unsigned)v->calibration,
+                 *date ? " of " : ", never measured", date);
+    return json_pack(
+        "{ss ss ss ss ss sb sb sb sb sb sb so so so so so so sf sf so sI so}", "calibration", calibration,
+        "state", v->gone ? "gone" : palp_wire_state_name(v->state), "fault", palp_wire_fault_name(now->fault),
+        "fault_text", palp_wire_fault_text(now->fault), "advice", panel_advice(now->fault), "homed",
+        now->homed, "contact_known", now->contact_known, "busy", p->busy || p->waiting, "stopping", p->stop,
+        "recording", v->recording, "gone", v->gone, "doing", json_string(v->doing), "contact_mm",
+        now->contact_known ? real(count_mm * now->contact) : json_null(), "place_mm", real(v->place_mm),
+        "stiffness_N_m", now->contact_known ? real(1e-3 * now->stiffness_mN_m) : json_null(), "case_C",
+        real(v->case_C), "winding_C", real(1e-2 * now->winding_cC), "travel_mm", 1e-6 * v->info.travel_nm,
+        "limit_N", 1e-6 * v->limits.force_uN, "limit_C", real(1e-2 * v->limits.temperature_cC), "runs",
+        (json_int_t)v->runs, "run", v->recording ? run : (json_decref(run), json_null()));
 }
 
 /* Those since the number that a page has, thinned where it is far behind. */
@@ -190,8 +202,8 @@ static json_t *notes_json(const panel *p, size_t since) {
 static json_t *job_json(const panel *p) {
     static const char *const names[] = {"fit", "explain", "report"};
     const panel_job *j = &p->job;
-    return json_pack("{ss sb sb sI}", "what", names[j->what], "running", j->running, "good", j->good && !j->cancelled, "done",
-                     (json_int_t)j->done);
+    return json_pack("{ss sb sb sI}", "what", names[j->what], "running", j->running, "good",
+                     j->good && !j->cancelled, "done", (json_int_t)j->done);
 }
 
 json_t *panel_live(panel *p, size_t point, size_t note) {

@@ -39,9 +39,9 @@ static int parse(int argc, char **argv, reduce_options *o) {
     const cli_option options[] = {
         cli_heading("Runs to take snapshots of"),
         cli_in("runs", "RUN.csv[,...]", &o->runs,
-                 "what the plate does (time_s, depth_mm), or a ball (tool_x_mm,\n"
-                 "tool_y_mm, tool_z_mm of its centre in the mesh, key tool.radius_mm);\n"
-                 "further files may follow as plain words"),
+               "what the plate does (time_s, depth_mm), or a ball (tool_x_mm,\n"
+               "tool_y_mm, tool_z_mm of its centre in the mesh, key tool.radius_mm);\n"
+               "further files may follow as plain words"),
         cli_number("hold-out", "SHARE", 0, 0.9, &o->hold_out,
                    "share of the runs that is held out and measures the error\n"
                    "(default 0.25, at least one; 0 = none, the error is then unknown)"),
@@ -57,10 +57,12 @@ static int parse(int argc, char **argv, reduce_options *o) {
         cli_count("elements", "N", 1, 1e7, &o->settings.elements, "most elements to keep (default 1200)"),
         cli_positive("element-tolerance", "REL", 0.5, &o->settings.element_tolerance,
                      "relative error of their forces in the snapshots (default 3e-3)"),
-        cli_count("static-modes", "N", 0, 2000, &o->settings.static_modes,
-                  "of the coordinates, so many answer loads at single nodes where the\ntool touched (default 0)"),
+        cli_count(
+            "static-modes", "N", 0, 2000, &o->settings.static_modes,
+            "of the coordinates, so many answer loads at single nodes where the\ntool touched (default 0)"),
         cli_heading("Output"),
-        cli_out("out", "REDUCED.json", &o->out, "the reduced model; its arrays go beside it, into REDUCED.bin"),
+        cli_out("out", "REDUCED.json", &o->out,
+                "the reduced model; its arrays go beside it, into REDUCED.bin"),
         cli_flag("json", &o->json, "a summary as JSON on standard output"),
     };
     const cli_command command = {
@@ -130,7 +132,8 @@ static int check_depths(const reduction *r) {
         for (size_t k = 0; k < r->run[i].n; k++) {
             double depth = r->run[i].depth_m[k];
             if (depth > 0 && r->free_top)
-                return cli_failure(NAME, "%s: depth_mm is above 0, but nothing drives the top; --supports plate",
+                return cli_failure(NAME,
+                                   "%s: depth_mm is above 0, but nothing drives the top; --supports plate",
                                    r->run[i].file);
             if (depth >= high[1] - low[1])
                 return cli_failure(NAME, "%s: depth_mm reaches %g, beyond the network's height of %g mm",
@@ -150,8 +153,8 @@ static palp_status make_network(const reduction *r, palp_network **net, palp_err
     settings.tolerance = 1e-7;
     settings.density_kg_m3 = r->model.density_kg_m3;
     settings.volume_modulus_Pa = r->model.volume_modulus_Pa;
-    palp_status status =
-        palp_network_create(r->mesh, &r->model.material, r->free_top ? 1 : 2, supports, &settings, net, error);
+    palp_status status = palp_network_create(r->mesh, &r->model.material, r->free_top ? 1 : 2, supports,
+                                             &settings, net, error);
     if (!status && r->tools)
         status = palp_network_enable_tools(*net, 1, 0, &contact);
     return status;
@@ -217,8 +220,8 @@ static int reduce(reduction *r) {
         list[r->run[i].held_out][n[r->run[i].held_out]++] = r->run[i].snapshots;
     palp_status status = make_network(r, &net, &error);
     if (!status)
-        status = palp_reduced_create(net, n[0], list[0], n[1], list[1], &r->options->settings, &r->reduced, held,
-                                     &error);
+        status = palp_reduced_create(net, n[0], list[0], n[1], list[1], &r->options->settings, &r->reduced,
+                                     held, &error);
     palp_network_free(net);
     if (status)
         return cli_status(NAME, status, &error);
@@ -245,20 +248,21 @@ static json_t *error_json(const reduction *r) {
 static int print_json(const reduction *r) {
     palp_reduced_summary s = palp_reduced_describe(r->reduced);
     bool known = s.held_out_paths > 0;
-    return json_print(NAME, json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o, s:o, s:o, s:o}", "unknowns",
-                                      (json_int_t)s.unknowns, "modes", (json_int_t)s.modes, "network_elements",
-                                      (json_int_t)s.network_elements, "elements", (json_int_t)s.elements,
-                                      "snapshot_runs", (json_int_t)s.snapshot_paths, "held_out_runs",
-                                      (json_int_t)s.held_out_paths, "element_residual", s.element_residual,
-                                      "held_out_worst", json_number_or_null(known ? s.held_out_worst : INFINITY), "held_out_rms",
-                                      json_number_or_null(known ? s.held_out_rms : INFINITY), "bound",
-                                      json_number_or_null(s.bound), "held_out", error_json(r)));
+    return json_print(NAME,
+                      json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o, s:o, s:o, s:o}", "unknowns",
+                                (json_int_t)s.unknowns, "modes", (json_int_t)s.modes, "network_elements",
+                                (json_int_t)s.network_elements, "elements", (json_int_t)s.elements,
+                                "snapshot_runs", (json_int_t)s.snapshot_paths, "held_out_runs",
+                                (json_int_t)s.held_out_paths, "element_residual", s.element_residual,
+                                "held_out_worst", json_number_or_null(known ? s.held_out_worst : INFINITY),
+                                "held_out_rms", json_number_or_null(known ? s.held_out_rms : INFINITY),
+                                "bound", json_number_or_null(s.bound), "held_out", error_json(r)));
 }
 
 static void print_text(const reduction *r) {
     palp_reduced_summary s = palp_reduced_describe(r->reduced);
-    printf("%zu of %zu coordinates, %zu of %zu elements, from snapshots of %zu runs\n", s.modes, s.unknowns, s.elements,
-           s.network_elements, s.snapshot_paths);
+    printf("%zu of %zu coordinates, %zu of %zu elements, from snapshots of %zu runs\n", s.modes, s.unknowns,
+           s.elements, s.network_elements, s.snapshot_paths);
     for (size_t i = 0; i < r->n; i++) {
         const reduce_run *run = &r->run[i];
         if (run->held_out)
@@ -277,9 +281,10 @@ static int answer(const reduction *r) {
     if (status)
         return cli_status(NAME, status, &error);
     if (s.held_out_paths > 0 && s.held_out_worst > POOR)
-        cli_warning(NAME,
-                    "the error on the runs held out is %.2g %%; add runs near them, or raise --modes or --elements",
-                    100 * s.held_out_worst);
+        cli_warning(
+            NAME,
+            "the error on the runs held out is %.2g %%; add runs near them, or raise --modes or --elements",
+            100 * s.held_out_worst);
     if (o->json)
         return print_json(r);
     print_text(r);
@@ -307,7 +312,8 @@ static int run(const reduce_options *o, reduction *r) {
 }
 
 int cmd_reduce(int argc, char **argv) {
-    reduce_options o = {.hold_out = 0.25, .samples = 100, .jobs = 1, .settings = palp_reduce_settings_default()};
+    reduce_options o = {
+        .hold_out = 0.25, .samples = 100, .jobs = 1, .settings = palp_reduce_settings_default()};
     int code = parse(argc, argv, &o);
     if (code)
         return code == CLI_HELP ? CLI_OK : code;

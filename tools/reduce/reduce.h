@@ -27,7 +27,7 @@ typedef struct reduce_run {
     palp_tool *tool;          /* [n], or NULL: the plate alone */
     bool held_out;            /* its snapshots measure the error only */
     palp_snapshots *snapshots;
-    palp_reduce_error error;  /* held_out only */
+    palp_reduce_error error; /* held_out only */
 } reduce_run;
 
 /* Reads a run, at most samples of its rows, evenly chosen; an exit code. */

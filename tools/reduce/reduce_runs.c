@@ -17,7 +17,8 @@ void reduce_run_free(reduce_run *run) {
 }
 
 /* The ball's radius and friction; a run with one of the columns must have all. */
-static int tool_read(const char *file, const palp_experiment *from, palp_tool *tool, const double *column[3]) {
+static int tool_read(const char *file, const palp_experiment *from, palp_tool *tool,
+                     const double *column[3]) {
     size_t there = 0;
     double radius_mm = 0;
     for (int k = 0; k < 3; k++) {
@@ -36,10 +37,11 @@ static int tool_read(const char *file, const palp_experiment *from, palp_tool *t
     return tool->friction >= 0 ? CLI_OK : cli_failure(NAME, "%s: tool.friction must not be negative", file);
 }
 
-static int fill(const palp_experiment *from, size_t samples, const palp_tool *tool, const double *const column[3],
-                reduce_run *run) {
+static int fill(const palp_experiment *from, size_t samples, const palp_tool *tool,
+                const double *const column[3], reduce_run *run) {
     size_t rows = palp_experiment_rows(from), n = rows < samples ? rows : samples;
-    const double *time_s = palp_experiment_column(from, "time_s"), *depth_mm = palp_experiment_column(from, "depth_mm");
+    const double *time_s = palp_experiment_column(from, "time_s"),
+                 *depth_mm = palp_experiment_column(from, "depth_mm");
     run->n = n;
     run->time_s = malloc(n * sizeof *run->time_s);
     run->depth_m = malloc(n * sizeof *run->depth_m);
@@ -67,8 +69,9 @@ int reduce_run_read(const char *file, size_t samples, reduce_run *run) {
     int code = open_run(NAME, file, &from);
     if (code)
         return code;
-    code = palp_experiment_rows(from) < 2 ? cli_failure(NAME, "%s: needs at least two samples to follow", file)
-                                          : tool_read(file, from, &tool, column);
+    code = palp_experiment_rows(from) < 2
+               ? cli_failure(NAME, "%s: needs at least two samples to follow", file)
+               : tool_read(file, from, &tool, column);
     if (code == CLI_OK)
         code = fill(from, samples, &tool, column, run);
     palp_experiment_free(from);

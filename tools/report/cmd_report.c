@@ -22,9 +22,11 @@ static int parse(int argc, char **argv, report_options *o) {
         NAME,
         "DIR|FILES ... --out REPORT.html",
         "Puts recordings, their fits, parameters with intervals, the stiffness law, what explain found, a\n"
-        "network's calibration, simulations beside recordings, and the checksums of all files on one page that\n"
+        "network's calibration, simulations beside recordings, and the checksums of all files on one page "
+        "that\n"
         "needs nothing else.\n"
-        "Of a folder it takes all *.csv, *.json and *.svg; characterize, explain and calibrate leave theirs by\n"
+        "Of a folder it takes all *.csv, *.json and *.svg; characterize, explain and calibrate leave theirs "
+        "by\n"
         "--plot. A file of - is standard input.",
         "  palpate characterize runs/*.csv --out work/lumped.json --plot work\n"
         "  palpate explain --model work/lumped.json runs/*.csv --plot work\n"

@@ -74,7 +74,8 @@ size_t report_count(const report *r, report_kind kind);
 int report_pairs(report *r);   /* simulations beside recordings */
 int report_figures(report *r); /* draws what was not among the files; adds them as figures */
 
-/* The figure of a name ("fit_log") among the files that is not on the page yet; report_figure puts it there. */
+/* The figure of a name ("fit_log") among the files that is not on the page yet; report_figure puts it there.
+ */
 void report_place(FILE *to, report_file *figure, const char *caption);
 report_file *report_find_figure(const report *r, const char *name); /* NULL = none */
 void report_figure(FILE *to, report *r, const char *name, const char *caption);

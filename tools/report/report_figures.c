@@ -46,9 +46,11 @@ static void add_band(report_pair *p, double shift) {
         const double *edge = palp_experiment_column(p->simulation->experiment, columns[end]);
         size_t from = 0, to = 0;
         p->band_N = edge && !p->band_N ? malloc(2 * r->n * sizeof *p->band_N) : p->band_N;
-        for (size_t i = 0; edge && p->band_N && palp_experiment_rows(p->simulation->experiment) == s->n && i < r->n; i++) {
+        for (size_t i = 0;
+             edge && p->band_N && palp_experiment_rows(p->simulation->experiment) == s->n && i < r->n; i++) {
             double t = r->time_s[i] + shift;
-            p->band_N[end * r->n + i] = p->force_N[i] + value_at(s, edge, t, &from) - value_at(s, force, t, &to);
+            p->band_N[end * r->n + i] =
+                p->force_N[i] + value_at(s, edge, t, &from) - value_at(s, force, t, &to);
         }
     }
 }
@@ -178,9 +180,11 @@ static void draw_static(report *r, plot_book *book) {
         return;
     fill(r, n, curve, raw, fit);
     if (raw)
-        plot_runs_depth(book, "recordings_static", "Ramps without a dwell: raw (light) and filtered", n, curve, false);
+        plot_runs_depth(book, "recordings_static", "Ramps without a dwell: raw (light) and filtered", n,
+                        curve, false);
     if (fit)
-        plot_runs_depth(book, "fit_static", "Ramps without a dwell (light) and the lumped model", n, curve, true);
+        plot_runs_depth(book, "fit_static", "Ramps without a dwell (light) and the lumped model", n, curve,
+                        true);
     release(n, curve);
 }
 
@@ -194,8 +198,8 @@ static void draw_pairs(report *r, plot_book *book) {
                 curve[n++] = (run_curve){own, NULL, r->pair[i].force_N, r->pair[i].band_N};
         }
         if (n > 0 && is_static) {
-            plot_runs_depth(book, "simulated_static", "Ramps without a dwell: recorded (light) and simulated", n,
-                            curve, true);
+            plot_runs_depth(book, "simulated_static", "Ramps without a dwell: recorded (light) and simulated",
+                            n, curve, true);
         } else if (n > 0) {
             const char *title = "Recorded (light) and simulated";
             plot_runs_time(book, "simulated_linear", title, n, curve, PLOT_TIME_LINEAR, true);

@@ -167,7 +167,8 @@ static void measured_row(FILE *to, const report_file *f) {
     const palp_recording *r = &f->recording;
     char text[256];
     if (r->n == 0) {
-        html_row(to, f->note[0] ? "%s|~could not be used: %s" : "%s|~no specimen%s||||||||||", cli_base(f->path), f->note);
+        html_row(to, f->note[0] ? "%s|~could not be used: %s" : "%s|~no specimen%s||||||||||",
+                 cli_base(f->path), f->note);
         return;
     }
     findings(r, text, sizeof text);
@@ -189,8 +190,10 @@ static void warnings(FILE *to, const report *r) {
         }
     }
     if (count > 0)
-        fputs("</ul>\n<p>c0, c1, c2 are the coefficients of a polynomial stiffness law K(e) = c0 + c1 e + c2 e<sup>2</sup> of the strain e; K_1, b_1 "
-              "and tau_1 the spring, the dashpot and the relaxation time of the first arm; K_inf [1] the stiffness at the depth of "
+        fputs("</ul>\n<p>c0, c1, c2 are the coefficients of a polynomial stiffness law K(e) = c0 + c1 e + c2 "
+              "e<sup>2</sup> of the strain e; K_1, b_1 "
+              "and tau_1 the spring, the dashpot and the relaxation time of the first arm; K_inf [1] the "
+              "stiffness at the depth of "
               "the first hold.</p></div>\n",
               to);
 }
@@ -222,7 +225,7 @@ static void curves(FILE *to, report *r) {
     fputs("<div class=\"figures\">\n", to);
     report_figure(to, r, "recordings_linear", "Force over time.");
     report_figure(to, r, "recordings_log",
-                "The same over the logarithm of time, where each arm takes its decade.");
+                  "The same over the logarithm of time, where each arm takes its decade.");
     report_figure(to, r, "recordings_first", "The first ten seconds.");
     report_figure(to, r, "recordings_static", "Force over depth in the slow press.");
     fputs("</div>\n<p class=\"about\">Light: raw samples, thinned to the lowest and highest of each stretch. "
@@ -250,7 +253,7 @@ static void explanations(FILE *to, report *r) {
 
 static const char *kind_name(report_kind kind) {
     static const char *const names[] = {"not used",     "recording", "simulation", "model",
-                                        "characterize", "calibrate", "explain", "figure"};
+                                        "characterize", "calibrate", "explain",    "figure"};
     return names[kind];
 }
 

@@ -17,8 +17,10 @@ static void table_spread(FILE *to, const json_t *all) {
         return;
     html_table(to, "Spread of the static presses", "strain|mean force (N)|sd (%)|lowest (N)|highest (N)");
     for (size_t i = 0; (at = json_array_get(list, i)) != NULL; i++)
-        html_row(to, "%.3f|%#.4g|%.2f|%#.4g|%#.4g", json_number_at(at, "strain"), json_number_at(at, "mean_N"),
-                 100 * json_number_at(at, "sd_N") / json_number_at(at, "mean_N"), json_number_at(at, "low_N"), json_number_at(at, "high_N"));
+        html_row(to, "%.3f|%#.4g|%.2f|%#.4g|%#.4g", json_number_at(at, "strain"),
+                 json_number_at(at, "mean_N"),
+                 100 * json_number_at(at, "sd_N") / json_number_at(at, "mean_N"), json_number_at(at, "low_N"),
+                 json_number_at(at, "high_N"));
     html_table_end(to);
 }
 
@@ -50,7 +52,8 @@ static void table_static(FILE *to, const json_t *all) {
         const json_t *list = json_object_get(one, "polynomials");
         for (size_t k = 0; (polynomial = json_array_get(list, k)) != NULL; k++) {
             coefficients(json_object_get(polynomial, "coefficients_N"), line, sizeof line);
-            html_row(to, "%.0f|%.4g|~%s", json_number_at(polynomial, "degree"), json_number_at(polynomial, "norm_N"), line);
+            html_row(to, "%.0f|%.4g|~%s", json_number_at(polynomial, "degree"),
+                     json_number_at(polynomial, "norm_N"), line);
         }
         html_table_end(to);
     }
@@ -67,7 +70,8 @@ static void table_scores(FILE *to, const json_t *list, const char *key, const ch
         char ratio[32];
         html_number(ratio, json_object_get(row, "rms_noise"), 4);
         html_row(to, "%.0f|%.5g|%.3g|%s|~%s", json_number_at(row, key), json_number_at(row, "held_out"),
-                 json_number_at(row, "excess_sd"), ratio, json_is_true(json_object_get(row, "taken")) ? "taken" : "");
+                 json_number_at(row, "excess_sd"), ratio,
+                 json_is_true(json_object_get(row, "taken")) ? "taken" : "");
     }
     html_table_end(to);
 }
@@ -81,14 +85,15 @@ void report_fits(FILE *to, report *r) {
     report_figure(to, r, "fit_linear", "The model (dark) over the raw samples (light).");
     report_figure(to, r, "fit_log", "The same over the logarithm of time.");
     report_figure(to, r, "fit_first", "The first ten seconds, with the ramp.");
-    report_figure(to, r, "fit_depth", "Force against depth, loops included: the model (dark) over the raw samples (light).");
+    report_figure(to, r, "fit_depth",
+                  "Force against depth, loops included: the model (dark) over the raw samples (light).");
     report_figure(to, r, "residuals",
-                "Model minus measured in units of the noise of a sample; means of short stretches.");
+                  "Model minus measured in units of the noise of a sample; means of short stretches.");
     report_figure(to, r, "fit_static", "The slow press: the model with its arms at work.");
     report_figure(to, r, "static_polynomials",
-                "Plain polynomials through the slow press, as if it were at rest.");
+                  "Plain polynomials through the slow press, as if it were at rest.");
     report_figure(to, r, "arms_score",
-                "More arms always fit better; these errors are of samples that the fit did not see.");
+                  "More arms always fit better; these errors are of samples that the fit did not see.");
     report_figure(to, r, "degree_score", "Which degree of the force polynomial.");
     fputs("</div>\n", to);
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++) {
@@ -109,10 +114,12 @@ static void estimate_row(FILE *to, const json_t *e) {
     double half = 0.5 * (high - low);
     char value[DIGITS_TEXT], from[DIGITS_TEXT], end[DIGITS_TEXT];
     if (json_is_true(json_object_get(e, "determined")))
-        html_row(to, "%s|%s|%s to %s|~%s", json_text_at(e, "name"), digits_text(value, json_number_at(e, "value"), half),
-                 digits_text(from, low, half), digits_text(end, high, half), json_text_at(e, "unit"));
+        html_row(to, "%s|%s|%s to %s|~%s", json_text_at(e, "name"),
+                 digits_text(value, json_number_at(e, "value"), half), digits_text(from, low, half),
+                 digits_text(end, high, half), json_text_at(e, "unit"));
     else
-        html_row(to, "%s|not determined|%.1g to %.1g|~%s", json_text_at(e, "name"), low, high, json_text_at(e, "unit"));
+        html_row(to, "%s|not determined|%.1g to %.1g|~%s", json_text_at(e, "name"), low, high,
+                 json_text_at(e, "unit"));
 }
 
 static void table_estimates(FILE *to, const char *caption, const json_t *list) {
@@ -159,7 +166,8 @@ static void cell(const json_t *list, const char *name, char line[64]) {
             double half = 0.5 * (json_number_at(e, "high") - json_number_at(e, "low"));
             char value[DIGITS_TEXT], more[DIGITS_TEXT];
             if (json_is_true(json_object_get(e, "determined")))
-                snprintf(line, 64, "%.28s \u00b1 %.28s", digits_text(value, json_number_at(e, "value"), half), digits_text(more, half, half));
+                snprintf(line, 64, "%.28s \u00b1 %.28s", digits_text(value, json_number_at(e, "value"), half),
+                         digits_text(more, half, half));
             else
                 strcpy(line, "not determined");
             return;
@@ -261,8 +269,8 @@ static void table_gap(FILE *to, const json_t *all) {
                "strain|ramp and hold (N)|static polynomial (N)|model (N)");
     for (size_t i = 0; (g = json_array_get(list, i)) != NULL; i++) {
         html_number(plain, json_object_get(g, "static_plain_N"), 4);
-        html_row(to, "%.4f|%#.4g|%s|%#.4g", json_number_at(g, "strain"), json_number_at(g, "ramp_hold_N"), plain,
-                 json_number_at(g, "joint_N"));
+        html_row(to, "%.4f|%#.4g|%s|%#.4g", json_number_at(g, "strain"), json_number_at(g, "ramp_hold_N"),
+                 plain, json_number_at(g, "joint_N"));
     }
     html_table_end(to);
 }
@@ -284,20 +292,26 @@ static void table_specimens(FILE *to, const json_t *all) {
     const json_t *about = json_object_get(all, "specimens"), *list = json_object_get(about, "each"), *at;
     if (json_array_size(list) == 0)
         return;
-    html_table(to, "Specimens, pooled in stress and strain", "specimen|height (mm)|radius (mm)|runs|stress by that of all");
+    html_table(to, "Specimens, pooled in stress and strain",
+               "specimen|height (mm)|radius (mm)|runs|stress by that of all");
     for (size_t i = 0; (at = json_array_get(list, i)) != NULL; i++)
-        html_row(to, "%s|%.4g|%.4g|%.0f|%.4g", json_text_at(at, "name"), json_number_at(at, "height_mm"), json_number_at(at, "radius_mm"),
-                 json_number_at(at, "runs"), json_number_at(at, "factor"));
+        html_row(to, "%s|%.4g|%.4g|%.0f|%.4g", json_text_at(at, "name"), json_number_at(at, "height_mm"),
+                 json_number_at(at, "radius_mm"), json_number_at(at, "runs"), json_number_at(at, "factor"));
     html_table_end(to);
     list = json_object_get(about, "stiffness");
     if (json_array_size(list) == 0)
         return;
-    html_table(to, "K_inf of the mean specimen; standard deviation between specimens and within one (what its runs leave open)",
-               "strain|K_inf (N)|95 % of the mean (N)|between (%)|within (%)|95 % of specimens not measured (N)");
-    for (size_t i = json_array_size(list) / 5; (at = json_array_get(list, i)) != NULL; i += json_array_size(list) / 5) {
+    html_table(
+        to,
+        "K_inf of the mean specimen; standard deviation between specimens and within one (what its runs "
+        "leave open)",
+        "strain|K_inf (N)|95 % of the mean (N)|between (%)|within (%)|95 % of specimens not measured (N)");
+    for (size_t i = json_array_size(list) / 5; (at = json_array_get(list, i)) != NULL;
+         i += json_array_size(list) / 5) {
         double k = json_number_at(at, "stiffness_N");
-        html_row(to, "%.3f|%#.4g|%#.4g to %#.4g|%.3g|%.3g|%#.4g to %#.4g", json_number_at(at, "strain"), k, json_number_at(at, "mean_low_N"),
-                 json_number_at(at, "mean_high_N"), 100 * json_number_at(at, "between_sd_N") / k, 100 * json_number_at(at, "within_sd_N") / k,
+        html_row(to, "%.3f|%#.4g|%#.4g to %#.4g|%.3g|%.3g|%#.4g to %#.4g", json_number_at(at, "strain"), k,
+                 json_number_at(at, "mean_low_N"), json_number_at(at, "mean_high_N"),
+                 100 * json_number_at(at, "between_sd_N") / k, 100 * json_number_at(at, "within_sd_N") / k,
                  json_number_at(at, "specimen_low_N"), json_number_at(at, "specimen_high_N"));
     }
     html_table_end(to);
@@ -319,13 +333,15 @@ void report_law(FILE *to, report *r) {
     }
     fputs("<div class=\"figures\">\n", to);
     report_figure(to, r, "stiffness_law",
-                "F = K(e) e at rest. A static press that is not slow enough has the arms' force in it.");
+                  "F = K(e) e at rest. A static press that is not slow enough has the arms' force in it.");
     fputs("<div>", to);
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++)
         table_gap(to, f->json);
     fputs("</div>\n", to);
-    report_figure(to, r, "specimens", "Force at rest, K_inf times the strain, of the mean specimen: where 95 % of the means lie that the data "
-                                      "allow, and where 95 % of the specimens lie that were not measured.");
+    report_figure(to, r, "specimens",
+                  "Force at rest, K_inf times the strain, of the mean specimen: where 95 % of the means lie "
+                  "that the data "
+                  "allow, and where 95 % of the specimens lie that were not measured.");
     fputs("<div>", to);
     for (size_t i = 0; (f = report_find(r, REPORT_CHARACTERIZE, i)) != NULL; i++)
         table_specimens(to, f->json);
@@ -359,8 +375,8 @@ static void calibrated_depths(FILE *to, const json_t *all) {
         html_table(to, "Network against its target, ramp and hold",
                    "depth (mm)|peak (N)|largest error (% of the peak)");
         for (size_t i = 0; (depth = json_array_get(depths, i)) != NULL; i++)
-            html_row(to, "%.4g|%#.4g|%.3f", json_number_at(depth, "depth_mm"), json_number_at(depth, "peak_N"),
-                     json_number_at(depth, "max_error_percent"));
+            html_row(to, "%.4g|%#.4g|%.3f", json_number_at(depth, "depth_mm"),
+                     json_number_at(depth, "peak_N"), json_number_at(depth, "max_error_percent"));
         html_table_end(to);
     }
 }
@@ -415,7 +431,8 @@ void report_simulations(FILE *to, report *r) {
     }
     html_table_end(to);
     fputs("<div class=\"figures\">\n", to);
-    report_figure(to, r, "simulated_linear", "Simulated (dark) over recorded (light); its 95 % band, if it was simulated with --band.");
+    report_figure(to, r, "simulated_linear",
+                  "Simulated (dark) over recorded (light); its 95 % band, if it was simulated with --band.");
     report_figure(to, r, "simulated_log", "The same over the logarithm of time.");
     report_figure(to, r, "simulated_static", "The slow press.");
     fputs("</div>\n", to);

@@ -31,16 +31,16 @@ static int parse(int argc, char **argv, options *o) {
     cli_option list[OWN + RIG_OPTIONS] = {
         cli_heading("Run"),
         cli_in("model", "MODEL.json", &o->model,
-                 "what is pressed, lumped or network (default: the seed's phantom,\n"
-                 "lumped, two arms)"),
+               "what is pressed, lumped or network (default: the seed's phantom,\n"
+               "lumped, two arms)"),
         cli_text("port", "pty|tcp:PORT|file:PATH", &o->port,
                  "where the indenter answers: a pseudo-terminal (default), a TCP port\n"
                  "of this machine, or a file that takes what it sends"),
         cli_positive("until-s", "S", 1e6, &o->until_s,
                      "end after S seconds of the device's time (default: Ctrl-C)"),
         cli_in("script", "FILE", &o->script,
-                 "bytes to feed it as if a host sent them: lines of a tick and\n"
-                 "hexadecimal digits"),
+               "bytes to feed it as if a host sent them: lines of a tick and\n"
+               "hexadecimal digits"),
         cli_flag("force", &o->force, "let the log or the port's file replace a recording"),
     };
     rig_options_list(&o->rig, list + OWN);
@@ -69,7 +69,8 @@ static int check_port(const options *o) {
     long number = strncmp(port, "tcp:", 4) == 0 ? strtol(port + 4, &end, 10) : -1;
     bool good = strcmp(port, "pty") == 0 || (number > 0 && number < 65536 && *end == '\0');
     return good ? CLI_OK
-                : cli_usage_error(NAME, "--port wants pty, file:PATH or tcp:PORT (1 to 65535), not \"%s\"", port);
+                : cli_usage_error(NAME, "--port wants pty, file:PATH or tcp:PORT (1 to 65535), not \"%s\"",
+                                  port);
 }
 
 /* The firmware runs in a folder of its own. */

@@ -104,7 +104,8 @@ static device_result from_link(device *d, link_result result) {
     return result == LINK_TIMEOUT ? DEVICE_TIMEOUT : DEVICE_CLOSED;
 }
 
-/* A processor under QEMU sends byte by byte: a reader that wakes for each takes most of the machine's time. */
+/* A processor under QEMU sends byte by byte: a reader that wakes for each takes most of the machine's time.
+ */
 static void nap(void) {
     const struct timespec t = {.tv_nsec = 1000000L * NAP_MS};
     nanosleep(&t, NULL);
@@ -118,7 +119,8 @@ static device_result pump(device *d, double timeout_s, pending *p) {
     int timeout_ms = timeout_s > 0 ? (int)ceil(1e3 * timeout_s) : 0;
     if (timeout_ms > NAP_MS && d->info.simulated)
         nap();
-    device_result result = from_link(d, d->link ? link_read(d->link, byte, sizeof byte, &n, timeout_ms) : LINK_CLOSED);
+    device_result result =
+        from_link(d, d->link ? link_read(d->link, byte, sizeof byte, &n, timeout_ms) : LINK_CLOSED);
     for (size_t i = 0; i < n; i++)
         if (palp_wire_decode(&d->decoder, byte[i], &m) && m.type >= PALP_WIRE_TYPE_ACK)
             take(d, &m, p);
@@ -247,8 +249,9 @@ static void say_other_version(device *d, const char *where, const palp_wire_mess
     char protocol[20] = "another protocol";
     if (info->type)
         snprintf(protocol, sizeof protocol, "protocol %u", (unsigned)info->as.info.protocol);
-    snprintf(d->why, sizeof d->why, "%s: the device speaks %s, this palpate %d; bring both to the same release", where,
-             protocol, PALP_WIRE_VERSION);
+    snprintf(d->why, sizeof d->why,
+             "%s: the device speaks %s, this palpate %d; bring both to the same release", where, protocol,
+             PALP_WIRE_VERSION);
 }
 
 /* HELLO until INFO comes. */

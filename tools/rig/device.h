@@ -48,8 +48,8 @@ typedef enum device_result {
 device_result device_open(const char *where, int baud, device *d);
 void device_close(device *d);
 
-/* The same again, where the link has broken; what is known of the device stays until it says otherwise. After a failure it is
- * closed, and may be tried again. device_halt may be called meanwhile. */
+/* The same again, where the link has broken; what is known of the device stays until it says otherwise. After
+ * a failure it is closed, and may be tried again. device_halt may be called meanwhile. */
 device_result device_reopen(const char *where, int baud, device *d);
 
 /* Sends a command until it is acknowledged (the same sequence number each time, so that the device does it
@@ -64,8 +64,8 @@ device_result device_do(device *d, palp_wire_type type, palp_wire_message *answe
  * device from missing us (ALIVE, by its clock and ours). */
 device_result device_poll(device *d, int timeout_ms);
 
-/* Sends HALT, at once: the one call that another thread may make while one is in the others. Nothing says whether it came; the
- * state does, and it may be sent again. */
+/* Sends HALT, at once: the one call that another thread may make while one is in the others. Nothing says
+ * whether it came; the state does, and it may be sent again. */
 device_result device_halt(device *d);
 
 #endif

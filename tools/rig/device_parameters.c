@@ -33,8 +33,13 @@ static device_result read_one(device *d, uint8_t id, device_parameter *one) {
     palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_PARAMETER, .as.get_parameter = {.id = id}}, got = {0};
     device_result result = device_command(d, &ask, &got);
     const palp_wire_parameter *p = &got.as.parameter;
-    *one = (device_parameter){.id = id, .index = p->index, .count = p->count, .value = number_of(p->value),
-                              .standard = number_of(p->standard), .low = number_of(p->low), .high = number_of(p->high)};
+    *one = (device_parameter){.id = id,
+                              .index = p->index,
+                              .count = p->count,
+                              .value = number_of(p->value),
+                              .standard = number_of(p->standard),
+                              .low = number_of(p->low),
+                              .high = number_of(p->high)};
     memcpy(one->name, p->name, sizeof p->name);
     return result;
 }
@@ -101,7 +106,8 @@ device_result device_save(device *d) {
     device_result result = device_do(d, PALP_WIRE_TYPE_SAVE, NULL);
     result = result ? result : wait_for_save(d, &now);
     if (result == DEVICE_OK && (now.saving != 0 || now.id != now.stored_id)) {
-        snprintf(d->why, sizeof d->why, "the device could not write its flash: what was there before still is");
+        snprintf(d->why, sizeof d->why,
+                 "the device could not write its flash: what was there before still is");
         d->refusal = PALP_WIRE_RESULT_DONE;
         result = DEVICE_REFUSED;
     }

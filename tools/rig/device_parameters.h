@@ -30,7 +30,8 @@ double device_parameter_value(const device_parameters *p, const char *name, size
 
 /* In IDLE. DEVICE_REFUSED: why says the range. */
 device_result device_parameter_set(device *d, const device_parameter *one, double value);
-void device_parameter_refuse(const device_parameter *one, double value, char why[DEVICE_TEXT]); /* these words */
+void device_parameter_refuse(const device_parameter *one, double value,
+                             char why[DEVICE_TEXT]); /* these words */
 /* Into flash, in IDLE; waits until it is there. DEVICE_REFUSED: it did not come out as it should. */
 device_result device_save(device *d);
 

@@ -179,7 +179,8 @@ palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error 
     p->push_m_s2 = (p->drive.velocity_m_s - before_m_s) / TICK;
     p->tick++;
     p->place = out->motor == PLANT_MOTOR_ON ? out->place : p->place;
-    p->said = stepper && sensor_gather(&p->sensor, p->settings.machine == PLANT_STEPPER_FAST, read_force(p), p->tick);
+    p->said = stepper &&
+              sensor_gather(&p->sensor, p->settings.machine == PLANT_STEPPER_FAST, read_force(p), p->tick);
     sense(p, in);
     return status ? plant_fail(error, status, "%s: %s at %.4g mm (%.4g s)", p->specimen.path,
                                palp_status_text(status), 1e3 * reach(p), TICK * p->tick)

@@ -29,8 +29,9 @@ typedef struct plant_sensor {
     double noise_N; /* sd on z of white noise on every channel */
     double hum_N;   /* 50 Hz amplitude on z */
     double bias_N, drift_N_s;
-    double range_N; /* the amplifier clips z and noise here, short of the converter's rails; 0 = it does not */
-    double gain;    /* 1 */
+    double
+        range_N; /* the amplifier clips z and noise here, short of the converter's rails; 0 = it does not */
+    double gain; /* 1 */
     uint64_t seed;
 } plant_sensor;
 
@@ -38,7 +39,8 @@ typedef enum plant_specimen { PLANT_MODEL, PLANT_RIGID, PLANT_AIR } plant_specim
 
 typedef struct plant_settings {
     plant_actuator actuator;
-    uint8_t machine; /* PLANT_VOICE_COIL; PLANT_STEPPER...: one in the place of the motor; its sensor has one channel, and is slow */
+    uint8_t machine; /* PLANT_VOICE_COIL; PLANT_STEPPER...: one in the place of the motor; its sensor has one
+                        channel, and is slow */
     plant_sensor sensor;
     plant_specimen specimen;
     const char *model; /* path, with PLANT_MODEL; NULL = the phantom of the thesis, N = 2 */
@@ -72,7 +74,8 @@ typedef enum plant_fault {
 } plant_fault;
 void plant_inject(plant *p, plant_fault fault);
 void plant_lift(plant *p, plant_fault fault);
-void plant_put(plant *p, double force_N); /* what a weight on the sensor gives it from now on, besides the specimen */
+void plant_put(plant *p,
+               double force_N); /* what a weight on the sensor gives it from now on, besides the specimen */
 
 /* First record, before any tick and again after a restart of the firmware (the encoder counts from there);
  * then one record a tick: the plant under this output for 1 ms. What the plant does not know (events, rx,

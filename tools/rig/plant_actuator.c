@@ -33,23 +33,23 @@ typedef enum key_sign { POSITIVE, NOT_NEGATIVE, ANY_SIGN } key_sign;
 
 /* X(key in the file, member, units of the file in an SI unit, sign) */
 #define ACTUATOR_KEYS(X)                                                                                     \
-    X("force_constant_N_A", force_constant_N_A, 1, POSITIVE)                                                    \
-    X("resistance_ohm", resistance_ohm, 1, POSITIVE)                                                            \
-    X("supply_V", supply_V, 1, POSITIVE)                                                                        \
-    X("current_A", current_A, 1, POSITIVE)                                                                      \
-    X("moving_kg", moving_kg, 1, POSITIVE)                                                                      \
-    X("viscous_Ns_m", viscous_Ns_m, 1, NOT_NEGATIVE)                                                                 \
-    X("coulomb_N", coulomb_N, 1, NOT_NEGATIVE)                                                                       \
+    X("force_constant_N_A", force_constant_N_A, 1, POSITIVE)                                                 \
+    X("resistance_ohm", resistance_ohm, 1, POSITIVE)                                                         \
+    X("supply_V", supply_V, 1, POSITIVE)                                                                     \
+    X("current_A", current_A, 1, POSITIVE)                                                                   \
+    X("moving_kg", moving_kg, 1, POSITIVE)                                                                   \
+    X("viscous_Ns_m", viscous_Ns_m, 1, NOT_NEGATIVE)                                                         \
+    X("coulomb_N", coulomb_N, 1, NOT_NEGATIVE)                                                               \
     X("lift_N", lift_N, 1, ANY_SIGN)                                                                         \
-    X("backlash_mm", backlash_m, 1e3, NOT_NEGATIVE)                                                                  \
-    X("travel_mm", travel_m, 1e3, POSITIVE)                                                                     \
-    X("count_mm", count_m, 1e3, POSITIVE)                                                                       \
-    X("start_mm", start_m, 1e3, NOT_NEGATIVE)                                                                        \
-    X("compliance_mm_N", compliance_m_N, 1e3, NOT_NEGATIVE)                                                          \
-    X("winding_K_W", winding_K_W, 1, POSITIVE)                                                                  \
-    X("winding_J_K", winding_J_K, 1, POSITIVE)                                                                  \
-    X("case_K_W", case_K_W, 1, POSITIVE)                                                                        \
-    X("case_J_K", case_J_K, 1, POSITIVE)                                                                        \
+    X("backlash_mm", backlash_m, 1e3, NOT_NEGATIVE)                                                          \
+    X("travel_mm", travel_m, 1e3, POSITIVE)                                                                  \
+    X("count_mm", count_m, 1e3, POSITIVE)                                                                    \
+    X("start_mm", start_m, 1e3, NOT_NEGATIVE)                                                                \
+    X("compliance_mm_N", compliance_m_N, 1e3, NOT_NEGATIVE)                                                  \
+    X("winding_K_W", winding_K_W, 1, POSITIVE)                                                               \
+    X("winding_J_K", winding_J_K, 1, POSITIVE)                                                               \
+    X("case_K_W", case_K_W, 1, POSITIVE)                                                                     \
+    X("case_J_K", case_J_K, 1, POSITIVE)                                                                     \
     X("ambient_C", ambient_C, 1, NOT_NEGATIVE)
 
 typedef struct actuator_file {
@@ -79,7 +79,8 @@ static palp_status bad_key(const actuator_file *f, const char *key, const char *
 
 static palp_status read_number(const actuator_file *f, const char *key, double unit, key_sign sign,
                                double *value) {
-    static const char *const must[] = {"must be a positive number", "must be a number, 0 or more", "must be a number"};
+    static const char *const must[] = {"must be a positive number", "must be a number, 0 or more",
+                                       "must be a number"};
     const json_t *found = json_object_get(f->root, key);
     if (!found)
         return PALP_OK;

@@ -33,7 +33,8 @@ typedef struct sensor {
     double z_counts[PALP_WIRE_CHANNELS]; /* N a count: how they are read */
     double rest[PALP_WIRE_CHANNELS];     /* counts without any: the mounting strains it sideways */
     double noise_counts;                 /* sd of each channel */
-    /* Of a stepper's sensor: one channel; of an HX711 80 times a second, the mean of 50 ms; of a fast one each tick. */
+    /* Of a stepper's sensor: one channel; of an HX711 80 times a second, the mean of 50 ms; of a fast one
+     * each tick. */
     double gathered, n_gathered, said[4]; /* of the sample in progress; the last four */
     int16_t held;
 } sensor;

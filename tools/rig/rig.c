@@ -66,7 +66,8 @@ static int open_log(loop *l) {
     int code = cli_file_open(l->name, path, &l->log);
     if (code)
         return code;
-    fputs("time_s,carriage_mm,velocity_mm_s,depth_mm,force_N,winding_C,case_C,current_A,duty,motor_on,trigger_out\n",
+    fputs("time_s,carriage_mm,velocity_mm_s,depth_mm,force_N,winding_C,case_C,current_A,duty,motor_on,"
+          "trigger_out\n",
           l->log.stream);
     return CLI_OK;
 }
@@ -74,9 +75,9 @@ static int open_log(loop *l) {
 static void log_tick(loop *l, const plant_out *out) {
     if (l->log.stream) {
         plant_truth t = plant_look(l->plant);
-        fprintf(l->log.stream, "%.3f,%.7g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,%.5g,%d,%d\n", t.time_s, 1e3 * t.carriage_m,
-                1e3 * t.velocity_m_s, 1e3 * t.depth_m, t.force_N, t.winding_C, t.case_C, t.current_A,
-                out->duty / 32767.0, out->motor == PLANT_MOTOR_ON, out->trigger);
+        fprintf(l->log.stream, "%.3f,%.7g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,%.5g,%d,%d\n", t.time_s,
+                1e3 * t.carriage_m, 1e3 * t.velocity_m_s, 1e3 * t.depth_m, t.force_N, t.winding_C, t.case_C,
+                t.current_A, out->duty / 32767.0, out->motor == PLANT_MOTOR_ON, out->trigger);
     }
 }
 
@@ -165,7 +166,8 @@ static int advance(loop *l, const plant_out *out) {
     l->figures.cost = out->cost > l->figures.cost ? out->cost : l->figures.cost;
     log_tick(l, out);
     rig_feed_record(&l->feed, l->plant, &l->in);
-    l->in.rx_count += (uint8_t)rig_port_read(&l->port, l->in.rx + l->in.rx_count, PLANT_LINK_RX - l->in.rx_count);
+    l->in.rx_count +=
+        (uint8_t)rig_port_read(&l->port, l->in.rx + l->in.rx_count, PLANT_LINK_RX - l->in.rx_count);
     l->in.events |= all ? 0 : PLANT_EVENT_STALL_TX;
     return CLI_OK;
 }
@@ -211,7 +213,8 @@ static int run_plant(loop *l) {
     palp_status status = plant_create(&l->settings->plant, &l->plant, &error);
     int code = status ? cli_status(l->name, status, &error) : rig_feed_open(l->name, l->settings, &l->feed);
     code = code ? code : open_log(l);
-    code = code ? code : rig_port_open(l->name, l->settings->port, &l->port, l->port_name, sizeof l->port_name);
+    code =
+        code ? code : rig_port_open(l->name, l->settings->port, &l->port, l->port_name, sizeof l->port_name);
     if (code == CLI_OK) {
         int64_t start_ns = now_ns();
         code = rig_process_start(l->name, l->settings, &l->process);

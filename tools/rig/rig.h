@@ -26,7 +26,8 @@ typedef struct rig_settings {
     const char *script;   /* a file of "TICK HEXBYTES" lines to feed in place of a host, or NULL */
     const char *log;      /* CSV of the plant's truth every tick, or NULL */
     const char *store;    /* a file that is the flash with the parameters; NULL: it is forgotten at the end */
-    const char *weight;   /* a file with the newtons that lie on the sensor, read 50 times a second of the device; or NULL */
+    const char *weight;   /* a file with the newtons that lie on the sensor, read 50 times a second of the
+                             device; or NULL */
     double until_s;       /* stop after this device time; 0 = until closed */
     double trigger_s;     /* a pulse at the trigger's input each time that so much has passed; 0 = none */
     double patience_s;    /* for an answer of the firmware; 15, as a full port may hold it up for 10 */

@@ -146,8 +146,8 @@ void rig_feed_plant(const rig_feed *f, uint32_t tick, plant *p) {
     }
 }
 
-/* A command that narrows the travel to so much beyond where the plate is. The zero before it ends whatever frame
- * of the host's it comes into the middle of. */
+/* A command that narrows the travel to so much beyond where the plate is. The zero before it ends whatever
+ * frame of the host's it comes into the middle of. */
 static void narrow_travel(rig_feed *f, const plant *p, double beyond_m) {
     palp_wire_message limits = {.type = PALP_WIRE_TYPE_LIMITS, .sequence = 0xf1f1};
     limits.as.limits.travel_nm = (int32_t)fmax(1e9 * (plant_look(p).carriage_m + beyond_m), 1);

@@ -33,7 +33,8 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
                    "the image under QEMU, or the same code as a process (default auto:\n"
                    "QEMU where it is installed)"),
         cli_choice("machine", "voice-coil|stepper|stepper-fast", &o->machine,
-                   "of doc/indenter.md: the voice coil (default), or the stepper with the\nslow or the fast load cell amplifier"),
+                   "of doc/indenter.md: the voice coil (default), or the stepper with the\nslow or the fast "
+                   "load cell amplifier"),
         cli_flag("paced", &o->paced, "at real time (default: as fast as it goes)"),
         cli_choice("specimen", "model|rigid|none", &o->specimen,
                    "the model (default), a rigid block to see the frame, or air"),
@@ -54,8 +55,10 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
         cli_text("inject", "FAULT@S[-S]", &o->inject,
                  "a fault at S seconds of the device's time, lifted at the second;\n"
                  "more of them: over_force@3.5,sensor_silent@7-8"),
-        cli_positive("trigger-every-s", "S", 1e6, &o->trigger_s, "a camera: a pulse at the trigger's input every S seconds"),
-        cli_text("weight", "FILE", &o->weight, "what lies on the sensor, N: a number in FILE, which may change"),
+        cli_positive("trigger-every-s", "S", 1e6, &o->trigger_s,
+                     "a camera: a pulse at the trigger's input every S seconds"),
+        cli_text("weight", "FILE", &o->weight,
+                 "what lies on the sensor, N: a number in FILE, which may change"),
         cli_text("store", "FILE", &o->store, "keeps what it has been told to save (default: it forgets it)"),
         cli_out("log", "FILE.csv", &o->log, "what is true, tick by tick"),
     };

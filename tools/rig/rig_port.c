@@ -63,7 +63,8 @@ int rig_port_open(const char *command, const char *wanted, rig_port *port, char 
         port->kind = RIG_PORT_PTY;
         port->connection = open_pty(name, size);
     }
-    bool open = port->listener >= 0 || (port->connection >= 0 && fcntl(port->connection, F_SETFL, O_NONBLOCK) == 0);
+    bool open =
+        port->listener >= 0 || (port->connection >= 0 && fcntl(port->connection, F_SETFL, O_NONBLOCK) == 0);
     return code || open ? code : cli_failure(command, "%s: %s", wanted, strerror(errno));
 }
 

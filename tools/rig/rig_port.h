@@ -23,16 +23,17 @@ typedef struct rig_port {
     int failed;     /* errno of a write that failed, 0 = none */
 } rig_port;
 
-/* "pty", "tcp:PORT" (of this machine), "file:PATH" or "fd:NUMBER". name: what to connect to, such as "pty:/dev/pts/5".
- * Exit codes, after one line on stderr under command; rig_port_close must follow in any case. */
+/* "pty", "tcp:PORT" (of this machine), "file:PATH" or "fd:NUMBER". name: what to connect to, such as
+ * "pty:/dev/pts/5". Exit codes, after one line on stderr under command; rig_port_close must follow in any
+ * case. */
 int rig_port_open(const char *command, const char *wanted, rig_port *port, char *name, size_t size);
 int rig_port_close(rig_port *port);
 
 /* At most so many of the bytes that have come; takes whoever connects. */
 size_t rig_port_read(rig_port *port, uint8_t *byte, size_t most);
 
-/* Writes n bytes, at most PLANT_LINK_TX, after those it holds; false while a full port makes it hold some, and then no
- * more may be written, but n = 0. Where nobody listens they are dropped, as on a line. */
+/* Writes n bytes, at most PLANT_LINK_TX, after those it holds; false while a full port makes it hold some,
+ * and then no more may be written, but n = 0. Where nobody listens they are dropped, as on a line. */
 bool rig_port_write(rig_port *port, const uint8_t *byte, size_t n);
 
 #endif

@@ -114,8 +114,8 @@ static void become(const rig_settings *s, const rig_process *p, pid_t parent) {
     /* clang-format off */
     const char *const under_qemu[] = {
         QEMU, "-M", "netduinoplus2", "-kernel", s->image, "-display", "none", "-monitor", "none",
-        "-icount", "shift=3,sleep=off", "-semihosting-config", "enable=on,target=native,arg=in,arg=out,arg=store",
-        "-serial", "none", NULL};
+        "-icount", "shift=3,sleep=off", "-semihosting-config",
+        "enable=on,target=native,arg=in,arg=out,arg=store", "-serial", "none", NULL};
     const char *const as_process[] = {s->image, "in", "out", "store", NULL};
     /* clang-format on */
     const char *const *wanted = s->firmware == RIG_QEMU ? under_qemu : as_process;

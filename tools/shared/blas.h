@@ -7,9 +7,9 @@
 /* OpenBLAS starts no threads of its own from here on: a result does not depend on their number. */
 void blas_one_thread(void);
 
-/* How many threads of a command (its name) may call it: wanted, or 1 with a warning where BLAS has no locks. OpenBLAS
- * without threads of its own is built without them (Debian's serial variant, 0.3.21): threads that call it at once spoil
- * each other's scratch memory. */
+/* How many threads of a command (its name) may call it: wanted, or 1 with a warning where BLAS has no locks.
+ * OpenBLAS without threads of its own is built without them (Debian's serial variant, 0.3.21): threads that
+ * call it at once spoil each other's scratch memory. */
 size_t blas_jobs(const char *name, size_t wanted);
 
 #endif

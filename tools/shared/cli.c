@@ -70,7 +70,8 @@ cli_option cli_out(const char *name, const char *value, const char **to, const c
     return (cli_option){CLI_OUT, name, value, help, {.text = to}, 0, 0, NULL};
 }
 
-cli_option cli_out_folder(const char *name, const char *value, const char **to, const char *files, const char *help) {
+cli_option cli_out_folder(const char *name, const char *value, const char **to, const char *files,
+                          const char *help) {
     return (cli_option){CLI_OUT_FOLDER, name, value, help, {.text = to}, 0, 0, files};
 }
 
@@ -199,7 +200,8 @@ static const bool *own_force(const cli_command *command) {
 static bool wants_force(const cli_command *command) {
     bool outputs = false;
     for (size_t i = 0; i < command->n_options; i++)
-        outputs = outputs || command->options[i].type == CLI_OUT || command->options[i].type == CLI_OUT_FOLDER;
+        outputs =
+            outputs || command->options[i].type == CLI_OUT || command->options[i].type == CLI_OUT_FOLDER;
     return outputs && !own_force(command);
 }
 
@@ -227,7 +229,8 @@ static int unknown_option(const cli_command *command, const char *typed) {
             names[n++] = command->options[i].name;
     near = cli_nearest(word, n, names);
     return near ? cli_usage_error(command->name, "no such option: %s; did you mean --%s?", typed, near)
-                : cli_usage_error(command->name, "no such option: %s; see palpate %s --help", typed, command->name);
+                : cli_usage_error(command->name, "no such option: %s; see palpate %s --help", typed,
+                                  command->name);
 }
 
 static int bad_option(const cli_command *command, int code, char **argv) {
@@ -332,7 +335,8 @@ static size_t distance(const char *a, const char *b) {
     for (size_t i = 1; i <= n; i++) {
         now[0] = i;
         for (size_t j = 1; j <= m; j++) {
-            size_t best = above[j - 1] + (a[i - 1] != b[j - 1]), other = above[j] < now[j - 1] ? above[j] : now[j - 1];
+            size_t best = above[j - 1] + (a[i - 1] != b[j - 1]),
+                   other = above[j] < now[j - 1] ? above[j] : now[j - 1];
             bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
             best = other + 1 < best ? other + 1 : best;
             now[j] = swapped && two[j - 2] + 1 < best ? two[j - 2] + 1 : best;

@@ -51,13 +51,15 @@ cli_option cli_heading(const char *text); /* of a group of options, in the help 
 cli_option cli_flag(const char *name, bool *to, const char *help);
 cli_option cli_text(const char *name, const char *value, const char **to, const char *help);
 
-/* The name of a file that is read ("-": standard input; several between commas) or written ("-": standard output). A
- * command that has an output takes --force, which lets it replace a recording; it may have such a flag of its own. */
+/* The name of a file that is read ("-": standard input; several between commas) or written ("-": standard
+ * output). A command that has an output takes --force, which lets it replace a recording; it may have such a
+ * flag of its own. */
 cli_option cli_in(const char *name, const char *value, const char **to, const char *help);
 cli_option cli_out(const char *name, const char *value, const char **to, const char *help);
 
 /* A folder of outputs; files: what may be written there, as "*.svg result.json". */
-cli_option cli_out_folder(const char *name, const char *value, const char **to, const char *files, const char *help);
+cli_option cli_out_folder(const char *name, const char *value, const char **to, const char *files,
+                          const char *help);
 
 /* choices: "first|second|third"; *to is the index. */
 cli_option cli_choice(const char *name, const char *choices, int *to, const char *help);
@@ -81,8 +83,8 @@ typedef struct cli_command {
     size_t n_options;
 } cli_command;
 
-/* Reads argv[1] on into the options' targets and the other words into words[max_words], "-" as standard input. CLI_OK;
- * CLI_USAGE after one line on stderr; CLI_HELP after the help on stdout. */
+/* Reads argv[1] on into the options' targets and the other words into words[max_words], "-" as standard
+ * input. CLI_OK; CLI_USAGE after one line on stderr; CLI_HELP after the help on stdout. */
 int cli_parse(const cli_command *command, int argc, char **argv, const char **words, size_t max_words,
               size_t *n_words);
 
@@ -118,9 +120,11 @@ int cli_flush(const char *name);
 /* The outputs of a command line: none is an input, a recording or another output. An exit code. */
 int cli_outputs_check(const cli_command *command, bool force, const char *const words[], size_t n_words);
 
-/* Refuses an output that is one of the inputs (a file, or of a folder what palpate report takes), and, unless forced, one
- * that would replace a recording: an experiment that no simulation wrote. cli_parse does so for CLI_OUT. */
-int cli_output_check(const char *name, const char *path, bool force, size_t n_inputs, const char *const inputs[]);
+/* Refuses an output that is one of the inputs (a file, or of a folder what palpate report takes), and, unless
+ * forced, one that would replace a recording: an experiment that no simulation wrote. cli_parse does so for
+ * CLI_OUT. */
+int cli_output_check(const char *name, const char *path, bool force, size_t n_inputs,
+                     const char *const inputs[]);
 
 /* The name that a mistyped word is likely to mean; NULL = none. */
 const char *cli_nearest(const char *word, size_t n, const char *const name[]);

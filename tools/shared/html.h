@@ -17,12 +17,13 @@ void html_table_end(FILE *to);
 void html_card(FILE *to, const char *label, const char *format, ...);
 void html_number(char text[32], const json_t *value, int digits); /* "-" if it is no number */
 
-/* A cell of a table with a bar for each value that is not NAN (orange as given, blue with the effects) and a dashed
- * line at mark; 1 is the cell's width. */
+/* A cell of a table with a bar for each value that is not NAN (orange as given, blue with the effects) and a
+ * dashed line at mark; 1 is the cell's width. */
 void html_bars(FILE *to, double before, double after, double mark);
 
-/* A figure in its frame, caption below; svg is the text of an SVG from "<svg" on. html_svg makes it part of the page and is
- * for figures drawn now; html_image is for one from a file: an image, in which a browser runs and loads nothing. */
+/* A figure in its frame, caption below; svg is the text of an SVG from "<svg" on. html_svg makes it part of
+ * the page and is for figures drawn now; html_image is for one from a file: an image, in which a browser runs
+ * and loads nothing. */
 void html_svg(FILE *to, const char *svg, const char *caption);
 void html_image(FILE *to, const char *svg, const char *caption);
 

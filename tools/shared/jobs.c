@@ -30,7 +30,8 @@ void jobs_run(void *user, size_t n, void (*task)(void *work, size_t i), void *wo
     pthread_t thread[THREADS_MAX];
     queue q = {.n = n, .task = task, .work = work};
     pthread_mutex_init(&q.lock, NULL);
-    while (started + 1 < jobs && started < THREADS_MAX && pthread_create(&thread[started], NULL, worker, &q) == 0)
+    while (started + 1 < jobs && started < THREADS_MAX &&
+           pthread_create(&thread[started], NULL, worker, &q) == 0)
         started++;
     worker(&q);
     while (started > 0)

@@ -5,7 +5,8 @@
 #include <palpate/experiment.h>
 #include <palpate/model.h>
 
-/* Each returns an exit code; command is its name for the line. mesh is as of palp_model_read. The caller frees *run. */
+/* Each returns an exit code; command is its name for the line. mesh is as of palp_model_read. The caller
+ * frees *run. */
 int open_model(const char *command, const char *file, palp_model *model, palp_mesh_source *mesh);
 int open_run(const char *command, const char *file, palp_experiment **run);
 
@@ -13,11 +14,11 @@ int open_run(const char *command, const char *file, palp_experiment **run);
 int open_refuse_mass(const char *command, const char *file, const palp_model *model);
 
 /* A model of one kind; the line of another is "file: otherwise". */
-int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise, palp_model *model,
-                  palp_mesh_source *mesh);
+int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise,
+                  palp_model *model, palp_mesh_source *mesh);
 
-/* The run's specimen.kind where that is none ("none": air, "rigid": a block to see the frame), as palpate acquire
- * records them beside those of the specimen; else NULL. */
+/* The run's specimen.kind where that is none ("none": air, "rigid": a block to see the frame), as palpate
+ * acquire records them beside those of the specimen; else NULL. */
 const char *open_no_specimen(const palp_experiment *run);
 
 #endif

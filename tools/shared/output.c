@@ -22,14 +22,16 @@ static bool stands_together(const char *a, const char *b) {
         snprintf(folder[i], CLI_PATH_MAX, "%.*s", n ? n : 2, n ? path[i] : "./");
         there = stat(folder[i], &entry[i]) == 0 && there;
     }
-    return there ? entry[0].st_dev == entry[1].st_dev && entry[0].st_ino == entry[1].st_ino : strcmp(folder[0], folder[1]) == 0;
+    return there ? entry[0].st_dev == entry[1].st_dev && entry[0].st_ino == entry[1].st_ino
+                 : strcmp(folder[0], folder[1]) == 0;
 }
 
 static bool same_file(const char *a, const char *b) {
     struct stat one, other;
     bool there = stat(a, &one) == 0, too = stat(b, &other) == 0;
     if (there && too)
-        return strcmp(a, b) == 0 || (one.st_dev == other.st_dev && one.st_ino == other.st_ino && S_ISREG(one.st_mode));
+        return strcmp(a, b) == 0 ||
+               (one.st_dev == other.st_dev && one.st_ino == other.st_ino && S_ISREG(one.st_mode));
     return !there && !too && strcmp(cli_base(a), cli_base(b)) == 0 && stands_together(a, b);
 }
 
@@ -74,7 +76,8 @@ static bool is_recording(const char *path) {
     return experiment && !simulated;
 }
 
-int cli_output_check(const char *name, const char *path, bool force, size_t n_inputs, const char *const inputs[]) {
+int cli_output_check(const char *name, const char *path, bool force, size_t n_inputs,
+                     const char *const inputs[]) {
     if (strncmp(path, "/dev/", 5) == 0)
         return CLI_OK;
     for (size_t i = 0; i < n_inputs; i++)
@@ -99,18 +102,22 @@ static bool matches(const char *patterns, const char *base) {
 }
 
 /* What is there of a folder's outputs, and the outputs named by themselves. */
-static int check_folder(const cli_command *command, const cli_option *o, bool force, size_t n, const char *const others[]) {
+static int check_folder(const cli_command *command, const cli_option *o, bool force, size_t n,
+                        const char *const others[]) {
     char path[CLI_PATH_MAX];
     const char *folder = *o->to.text;
     int code = CLI_OK;
     for (size_t i = 0; i < n && code == CLI_OK; i++) {
         snprintf(path, sizeof path, "%s/", folder);
         if (matches(o->files, cli_base(others[i])) && stands_together(others[i], path))
-            code = cli_failure(command->name, "%s: is an input or named twice: --%s would replace it", others[i], o->name);
+            code = cli_failure(command->name, "%s: is an input or named twice: --%s would replace it",
+                               others[i], o->name);
     }
     DIR *open = opendir(folder);
     for (struct dirent *entry; open && code == CLI_OK && (entry = readdir(open)) != NULL;) {
-        int length = matches(o->files, entry->d_name) ? snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) : 0;
+        int length = matches(o->files, entry->d_name)
+                         ? snprintf(path, sizeof path, "%s/%s", folder, entry->d_name)
+                         : 0;
         if (length > 0 && (size_t)length < sizeof path)
             code = cli_output_check(command->name, path, force, n, others);
     }

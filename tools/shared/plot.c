@@ -76,9 +76,10 @@ static void write_axis(FILE *to, char axis, plot_scale scale, const char *label)
     if (scale != PLOT_LINEAR)
         fprintf(to, "set logscale %c\n", axis);
     if (scale == PLOT_LOG_FINE)
-        fprintf(to, "set %crange [*:*] noextend\nset for [k=-9:9] %ctics add (10.**k, 2*10.**k, 5*10.**k)\n", axis, axis);
-    fprintf(to, "set format %c '%s'\nset %clabel ", axis,
-            scale == PLOT_LOG && axis == 'x' ? "10^{%L}" : "%g", axis);
+        fprintf(to, "set %crange [*:*] noextend\nset for [k=-9:9] %ctics add (10.**k, 2*10.**k, 5*10.**k)\n",
+                axis, axis);
+    fprintf(to, "set format %c '%s'\nset %clabel ", axis, scale == PLOT_LOG && axis == 'x' ? "10^{%L}" : "%g",
+            axis);
     quote(to, "", label, " noenhanced\n");
 }
 
@@ -98,7 +99,8 @@ static void write_panel(FILE *to, const plot_panel *p) {
         fprintf(to, "set yrange [%.7g:%.7g]\n", p->y_low, p->y_high);
     write_axis(to, 'x', p->x_scale, p->x_label);
     write_axis(to, 'y', p->y_scale, p->y_label);
-    fputs(key ? "set key outside right top vertical Left reverse noenhanced samplen 2 width 2\n" : "unset key\n",
+    fputs(key ? "set key outside right top vertical Left reverse noenhanced samplen 2 width 2\n"
+              : "unset key\n",
           to);
     for (size_t i = 0; i < p->n_series; i++)
         write_series(to, i, &p->series[i]);
@@ -119,10 +121,13 @@ static size_t longest_title(const plot_figure *figure) {
 /* Panel k of two, one above the other: both as wide as leaves room for the key. */
 static void write_margins(FILE *to, const plot_figure *figure, size_t k) {
     enum { LETTER = 10, SAMPLE = 70 };
-    double width = figure->width ? figure->width : 900, key = (double)(LETTER * longest_title(figure) + SAMPLE) / width;
+    double width = figure->width ? figure->width : 900,
+           key = (double)(LETTER * longest_title(figure) + SAMPLE) / width;
     if (k == 0)
         fprintf(to, "set bmargin at screen 0.44\nset tmargin at screen 0.93\nset rmargin at screen %.3f\n",
-                key < 0.22 ? 0.78 : key > 0.5 ? 0.5 : 1 - key);
+                key < 0.22  ? 0.78
+                : key > 0.5 ? 0.5
+                            : 1 - key);
     else
         fputs("unset title\nset bmargin at screen 0.12\nset tmargin at screen 0.36\n", to);
 }
@@ -139,7 +144,8 @@ static void write_script(FILE *to, const plot_figure *figure) {
     if (figure->title)
         quote(to, "set title ", figure->title, " noenhanced\n");
     if (n > 1)
-        fprintf(to, pair ? "set multiplot\n" : "set multiplot layout %zu,%zu\n", (n + columns - 1) / columns, columns);
+        fprintf(to, pair ? "set multiplot\n" : "set multiplot layout %zu,%zu\n", (n + columns - 1) / columns,
+                columns);
     for (size_t k = 0; k < n; k++) {
         if (pair)
             write_margins(to, figure, k);
@@ -220,7 +226,8 @@ plot_result plot_svg(const plot_figure *figure, char **svg) {
 /* ---- figures of a command ---- */
 
 /* Script and figure, both or neither. */
-static plot_result save(const plot_book *book, const char *name, const plot_figure *figure, const char *text) {
+static plot_result save(const plot_book *book, const char *name, const plot_figure *figure,
+                        const char *text) {
     char path[2][CLI_PATH_MAX];
     palp_file script, svg;
     palp_error error;

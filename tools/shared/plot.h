@@ -27,7 +27,11 @@ typedef struct plot_series {
     const double *x, *y; /* caller's */
 } plot_series;
 
-typedef enum plot_scale { PLOT_LINEAR, PLOT_LOG, PLOT_LOG_FINE /* labels at 1, 2 and 5 of every decade */ } plot_scale;
+typedef enum plot_scale {
+    PLOT_LINEAR,
+    PLOT_LOG,
+    PLOT_LOG_FINE /* labels at 1, 2 and 5 of every decade */
+} plot_scale;
 
 typedef struct plot_panel {
     const char *x_label, *y_label;

@@ -31,8 +31,8 @@ static double abscissa(const palp_recording *r, const axis *a, size_t i) {
     return a->depth ? 1e3 * r->depth_m[i] : r->time_s[i] - r->ramp_start_s;
 }
 
-/* Bin of a sample: even in time or log time, or for a depth in the count of samples and in the way, a part of it, that the plate
- * has gone; -1 = not drawn. */
+/* Bin of a sample: even in time or log time, or for a depth in the count of samples and in the way, a part of
+ * it, that the plate has gone; -1 = not drawn. */
 static long bin_of(const palp_recording *r, const axis *a, size_t i, double gone) {
     double x = abscissa(r, a, i), at = 0;
     if (!r->use[i] || x < a->from || x > a->to)
@@ -113,7 +113,8 @@ static bool named(size_t k, size_t n) {
 static bool depths_differ(size_t n, const run_curve *run) {
     for (size_t k = 0; k < n; k++) {
         const palp_recording *r = run[k].recording;
-        if (r->kind != PALP_RECORDING_RAMP_HOLD || (k > 0 && fabs(r->deepest_m - run[k - 1].recording->deepest_m) < 0.02 * r->deepest_m))
+        if (r->kind != PALP_RECORDING_RAMP_HOLD ||
+            (k > 0 && fabs(r->deepest_m - run[k - 1].recording->deepest_m) < 0.02 * r->deepest_m))
             return false;
     }
     return true;
@@ -125,14 +126,16 @@ static void name_curve(const run_curve *run, bool by_depth, char title[32]) {
     else {
         const char *name = cli_base(run->recording->name), *dot = strrchr(name, '.');
         int n = dot && dot > name ? (int)(dot - name) : (int)strlen(name), from = n > 24 ? n - 24 : 0;
-        snprintf(title, 32, "%s%.*s", from ? ".." : "", n - from, name + from); /* names differ at their ends */
+        snprintf(title, 32, "%s%.*s", from ? ".." : "", n - from,
+                 name + from); /* names differ at their ends */
     }
 }
 
 /* Where the fit's force may lie, behind the curves. */
 static void add_band(curves *c, const run_curve *run, size_t k, const axis *a) {
     const palp_recording *r = run->recording;
-    double *x = c->work + 8 * a->bins * c->n + 6 * a->bins * k, *low = x + 2 * a->bins, *high = low + 2 * a->bins;
+    double *x = c->work + 8 * a->bins * c->n + 6 * a->bins * k, *low = x + 2 * a->bins,
+           *high = low + 2 * a->bins;
     size_t n = 0, every = r->n / (2 * a->bins) + 1;
     for (size_t i = 0; i < r->n; i += every) {
         if (bin_of(r, a, i, 0) >= 0 && isfinite(run->band_N[i]) && isfinite(run->band_N[r->n + i])) {
@@ -142,7 +145,8 @@ static void add_band(curves *c, const run_curve *run, size_t k, const axis *a) {
         }
     }
     memmove(low + n, high, n * sizeof *high);
-    c->series[c->used++] = (plot_series){k == 0 ? "95 % band" : NULL, PLOT_BAND, colour_of(k, c->n), n, x, low};
+    c->series[c->used++] =
+        (plot_series){k == 0 ? "95 % band" : NULL, PLOT_BAND, colour_of(k, c->n), n, x, low};
 }
 
 static void add_curve(curves *c, const run_curve *run, size_t k, const axis *a, const double *force_N,
@@ -173,10 +177,14 @@ static void draw_curves(plot_book *book, const char *name, const char *title, si
             if (over)
                 add_curve(&c, &run[k], k, &a, over, PLOT_LINE, true);
         }
-        const plot_figure figure = {.title = title, .n_panels = 1,
-                                    .panel = {{.x_label = a.depth ? "depth (mm)" : "time from the start of the ramp (s)",
-                                               .y_label = "force (N)", .x_scale = a.log ? PLOT_LOG : PLOT_LINEAR,
-                                               .n_series = c.used, .series = c.series}}};
+        const plot_figure figure = {
+            .title = title,
+            .n_panels = 1,
+            .panel = {{.x_label = a.depth ? "depth (mm)" : "time from the start of the ramp (s)",
+                       .y_label = "force (N)",
+                       .x_scale = a.log ? PLOT_LOG : PLOT_LINEAR,
+                       .n_series = c.used,
+                       .series = c.series}}};
         plot_draw(book, name, &figure);
     } else {
         book->result = PLOT_FAILED;
@@ -259,10 +267,13 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
                 (plot_series){named(k, n) ? c.title[k] : NULL, PLOT_LINE, colour_of(k, n), points, x, y};
         }
     }
-    const plot_figure figure = {.title = title, .n_panels = 1,
+    const plot_figure figure = {.title = title,
+                                .n_panels = 1,
                                 .panel = {{.x_label = "time from the start of the ramp (s)",
                                            .y_label = "mean of (fit - measured) / noise of a sample",
-                                           .x_scale = PLOT_LOG, .n_series = c.used, .series = c.series}}};
+                                           .x_scale = PLOT_LOG,
+                                           .n_series = c.used,
+                                           .series = c.series}}};
     if (c.used > 0)
         plot_draw(book, name, &figure);
     curves_free(&c);
@@ -276,8 +287,8 @@ void plot_runs_recorded(plot_book *book, const char *title, size_t n, const run_
     plot_runs_time(book, "recordings_first", title, n, run, PLOT_TIME_FIRST, false);
 }
 
-void plot_runs_fitted(plot_book *book, const char *title, const char *depth_title, const char *residual_title, size_t n,
-                      const run_curve *run) {
+void plot_runs_fitted(plot_book *book, const char *title, const char *depth_title, const char *residual_title,
+                      size_t n, const run_curve *run) {
     plot_runs_time(book, "fit_linear", title, n, run, PLOT_TIME_LINEAR, true);
     plot_runs_time(book, "fit_log", title, n, run, PLOT_TIME_LOG, true);
     plot_runs_time(book, "fit_first", title, n, run, PLOT_TIME_FIRST, true);
@@ -288,7 +299,8 @@ void plot_runs_fitted(plot_book *book, const char *title, const char *depth_titl
 /* ---- the stiffness law ---- */
 
 void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max,
-                         size_t n_lines, const law_line *line, const plot_series *band, const plot_series *points) {
+                         size_t n_lines, const law_line *line, const plot_series *band,
+                         const plot_series *points) {
     double strain[LAW_POINTS], stiffness[LINES_MAX][LAW_POINTS];
     plot_series series[LINES_MAX + 2];
     size_t lines = n_lines < LINES_MAX ? n_lines : LINES_MAX, n = 0;
@@ -305,9 +317,12 @@ void plot_runs_stiffness(plot_book *book, const char *name, const char *title, d
                           stiffness[k]};
     if (points)
         series[n++] = *points;
-    const plot_figure figure = {.title = title, .n_panels = 1,
-                                .panel = {{.x_label = "strain e", .y_label = "stiffness K (N per unit strain)",
-                                           .n_series = n, .series = series}}};
+    const plot_figure figure = {.title = title,
+                                .n_panels = 1,
+                                .panel = {{.x_label = "strain e",
+                                           .y_label = "stiffness K (N per unit strain)",
+                                           .n_series = n,
+                                           .series = series}}};
     plot_draw(book, name, &figure);
 }
 

@@ -17,7 +17,8 @@ typedef struct run_curve {
     const double *band_N;       /* [2 n] the lowest, then the highest force of the fit; NULL = none */
 } run_curve;
 
-/* Whether a stands before b in tables and keys: ramps without a dwell, ramps and holds by depth, then others. */
+/* Whether a stands before b in tables and keys: ramps without a dwell, ramps and holds by depth, then others.
+ */
 bool run_before(const palp_recording *a, const palp_recording *b);
 
 typedef enum plot_time { PLOT_TIME_LINEAR, PLOT_TIME_LOG, PLOT_TIME_FIRST } plot_time;
@@ -26,8 +27,8 @@ typedef enum plot_time { PLOT_TIME_LINEAR, PLOT_TIME_LOG, PLOT_TIME_FIRST } plot
 void plot_runs_recorded(plot_book *book, const char *title, size_t n, const run_curve *run);
 
 /* fit_linear, fit_log and fit_first, then fit_depth and residuals, each with a title of its own. */
-void plot_runs_fitted(plot_book *book, const char *title, const char *depth_title, const char *residual_title, size_t n,
-                      const run_curve *run);
+void plot_runs_fitted(plot_book *book, const char *title, const char *depth_title, const char *residual_title,
+                      size_t n, const run_curve *run);
 
 /* Force against time from the start of the ramp: raw in a light tint, and over it the fit if fit, else
  * the filtered curve. PLOT_TIME_FIRST: the first 10 s. */
@@ -48,7 +49,8 @@ typedef struct law_line {
     bool dashed;
 } law_line;
 void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max,
-                         size_t n_lines, const law_line *line, const plot_series *band, const plot_series *points);
+                         size_t n_lines, const law_line *line, const plot_series *band,
+                         const plot_series *points);
 
 /* The low-passed force of each stretch between gaps, malloc'ed; NULL where the samples are not even, the
  * cut-off is beyond them, or there is no memory. */

@@ -235,12 +235,14 @@ void press_warn_beyond(const char *name, const palp_law *law, double largest_str
     char from[48] = "";
     if (first_s >= 0)
         snprintf(from, sizeof from, " from t = %.4g s", first_s);
-    cli_warning(name, "beyond the measured strain of %.4g%s, to %.4g: the law goes on along its tangent there, not measured",
+    cli_warning(name,
+                "beyond the measured strain of %.4g%s, to %.4g: the law goes on along its tangent there, not "
+                "measured",
                 law->strain_max, from, largest_strain);
 }
 
 void press_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,
-                           palp_branch branch) {
+                        palp_branch branch) {
     cli_warning(name, "the network buckles between %.4g and %.4g mm (strain %.4g..%.4g); %s", 1e3 * stable_m,
                 1e3 * unstable_m, stable_m / height_m, unstable_m / height_m,
                 branch == PALP_BRANCH_STABLE

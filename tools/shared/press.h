@@ -34,10 +34,12 @@ typedef struct press_watch {
 palp_status press_network(palp_network *network, const palp_path *path, const press_settings *settings,
                           const press_watch *watch, record *curve, palp_run_info *info);
 
-/* The one warning about a run that goes beyond the strain that its law was measured to; first_s < 0: told no time. */
+/* The one warning about a run that goes beyond the strain that its law was measured to; first_s < 0: told no
+ * time. */
 void press_warn_beyond(const char *name, const palp_law *law, double largest_strain, double first_s);
 
 /* The one warning about a network that buckled between two depths. */
-void press_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m, palp_branch branch);
+void press_warn_buckled(const char *name, double stable_m, double unstable_m, double height_m,
+                        palp_branch branch);
 
 #endif

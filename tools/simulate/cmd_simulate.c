@@ -21,7 +21,8 @@ static int parse(int argc, char **argv, simulate_options *o) {
                      "speed of the plate, mm/s (static 0.1, cyclic 1; ramp_hold: instead of\n"
                      "--ramp-s)"),
         cli_positive("ramp-s", "S", 1e9, &o->ramp_s, "time of the ramp, s (ramp_hold, creep; default 1)"),
-        cli_number("hold-s", "S", 0, 1e9, &o->hold_s, "time held after it, s (ramp_hold, creep; default 200)"),
+        cli_number("hold-s", "S", 0, 1e9, &o->hold_s,
+                   "time held after it, s (ramp_hold, creep; default 200)"),
         cli_count("cycles", "N", 1, 1e5, &o->cycles, "presses and returns (cyclic; default 3)"),
         cli_positive("force-N", "F", 1e6, &o->force_N, "force on the plate, N (creep)"),
         cli_flag("relaxed", &o->relaxed, "every sample fully relaxed, at no particular rate (static)"),
@@ -33,7 +34,8 @@ static int parse(int argc, char **argv, simulate_options *o) {
         cli_choice("branch", "continue|stable", &o->branch,
                    "which equilibrium to follow where the network buckles: the one\n"
                    "Newton's method follows (default), or descend to a stable one"),
-        cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes, "nodes along x, y, z, instead of the model's lattice"),
+        cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes,
+                   "nodes along x, y, z, instead of the model's lattice"),
         cli_choice("solver", "auto|band|simplicial|supernodal", &o->solver, "sparse solver (default auto)"),
         cli_heading("Tester"),
         cli_positive("sample-Hz", "F", 1e9, &o->sample_Hz,
@@ -42,14 +44,16 @@ static int parse(int argc, char **argv, simulate_options *o) {
                    "S seconds of free air before contact, at the speed of the first\n"
                    "ramp (needs --sample-Hz)"),
         cli_number("noise-N", "SD", 0, 1e6, &o->noise_N, "white Gaussian noise on the force, N"),
-        cli_count("seed", "N", 0, 9e15, &o->seed, "which noise (default 1); the same seed gives the same run"),
+        cli_count("seed", "N", 0, 9e15, &o->seed,
+                  "which noise (default 1); the same seed gives the same run"),
         cli_number("hum-N", "A", 0, 1e6, &o->hum_N, "mains hum on the force: amplitude, N, at 50 Hz"),
         cli_text("spike", "T,F", &o->spike, "F newtons more on the sample at T s; more pairs: T,F,T,F"),
         cli_number("clip-N", "F", 0, 1e6, &o->clip_N, "the sensor ends at F and -F newtons"),
         cli_text("drop", "T0,T1", &o->drop, "samples from T0 to before T1 s are lost; more pairs likewise"),
         cli_heading("Output"),
         cli_out("out", "RUN.csv", &o->out, "the run (default: standard output)"),
-        cli_out_folder("vtu", "DIR", &o->vtu, "network.pvd network_*.vtu", "frames for ParaView into DIR/network.pvd (network)"),
+        cli_out_folder("vtu", "DIR", &o->vtu, "network.pvd network_*.vtu",
+                       "frames for ParaView into DIR/network.pvd (network)"),
         cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "a frame every N steps only (default 1)"),
         cli_flag("band", &o->band,
                  "columns force_low_N and force_high_N: the 95 % band of the force by the\n"
@@ -63,7 +67,8 @@ static int parse(int argc, char **argv, simulate_options *o) {
         "Presses a lumped or network model and writes time_s, depth_mm, force_N.",
         "  palpate simulate network.json --protocol ramp_hold --depth-mm 6 --hold-s 50 --out run.csv\n"
         "  palpate simulate network.json --like measured.csv --out simulated.csv\n",
-        options, sizeof options / sizeof options[0]};
+        options,
+        sizeof options / sizeof options[0]};
     const char *words[1] = {NULL};
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, words, 1, &n);
@@ -232,7 +237,8 @@ static int run_plain(const simulate_options *o, simulation *s) {
     if (code || !pulls(o, s))
         return code;
     if (o->vtu) {
-        cli_warning(NAME, "the plate pulls at the specimen on its way back, as it never leaves it in the frames of --vtu; without --vtu it does");
+        cli_warning(NAME, "the plate pulls at the specimen on its way back, as it never leaves it in the "
+                          "frames of --vtu; without --vtu it does");
         return code;
     }
     record_free(&s->curve);

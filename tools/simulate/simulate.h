@@ -28,12 +28,14 @@ typedef struct simulation {
     palp_mesh *mesh; /* network only, as is network */
     palp_network *network;
     palp_reduced *reduced; /* instead of both */
-    double height_m; /* of what is pressed */
+    double height_m;       /* of what is pressed */
     record curve;
-    bool recorded;   /* the curve has the tester's samples, and the air before them */
-    double *low_N, *high_N; /* [curve.n] --band: where 95 % of the forces are that the model's own data allow */
+    bool recorded; /* the curve has the tester's samples, and the air before them */
+    double *low_N,
+        *high_N; /* [curve.n] --band: where 95 % of the forces are that the model's own data allow */
     palp_run_info info;
-    double beyond_s, strain_max; /* first time beyond the measured strain, < 0 = never; largest strain there */
+    double beyond_s,
+        strain_max; /* first time beyond the measured strain, < 0 = never; largest strain there */
     bool buckled;
     double stable_m, unstable_m;
 } simulation;
@@ -41,12 +43,13 @@ typedef struct simulation {
 /* Each returns an exit code, after one line on stderr if it is not 0. */
 int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
 int simulate_network(const simulate_options *o, simulation *s);
-int simulate_effects(const simulate_options *o, simulation *s); /* instead: a model that has some, or a plate that leaves its specimen */
+int simulate_effects(const simulate_options *o,
+                     simulation *s); /* instead: a model that has some, or a plate that leaves its specimen */
 int simulate_reduced(const simulate_options *o, simulation *s); /* instead: a reduced model */
 bool simulate_is_reduced(const char *path);
 int simulate_band_check(const simulate_options *o, const simulation *s);
 int simulate_band(const simulate_options *o, simulation *s); /* low_N, high_N of the finished curve */
-void simulate_judge_range(simulation *s); /* after the run: the warning and beyond_s */
+void simulate_judge_range(simulation *s);                    /* after the run: the warning and beyond_s */
 int simulate_report(const simulate_options *o, const simulation *s);
 
 /* The tester: even samples, free air, a sensor that is not perfect. check reads its options; resample

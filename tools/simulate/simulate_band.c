@@ -6,15 +6,21 @@
 static const char NAME[] = "simulate";
 
 int simulate_band_check(const simulate_options *o, const simulation *s) {
-    const char *option = o->protocol == 3 ? "protocol creep" : o->relaxed ? "relaxed" : o->drop ? "drop" : NULL;
+    const char *option = o->protocol == 3 ? "protocol creep"
+                         : o->relaxed     ? "relaxed"
+                         : o->drop        ? "drop"
+                                          : NULL;
     if (option)
         return cli_usage_error(NAME, "--band does not go with --%s", option);
-    return s->reduced ? cli_usage_error(NAME, "--band needs a lumped model or a network; %s is reduced", o->model) : CLI_OK;
+    return s->reduced
+               ? cli_usage_error(NAME, "--band needs a lumped model or a network; %s is reduced", o->model)
+               : CLI_OK;
 }
 
 static palp_status find(simulation *s, const double *covariance, palp_error *error) {
     const size_t n = s->curve.n;
-    const palp_forward_run run = {.n = n, .time_s = s->curve.time_s, .depth_m = s->curve.depth_m, .parts = s->model.n_effects ? 8 : 1};
+    const palp_forward_run run = {
+        .n = n, .time_s = s->curve.time_s, .depth_m = s->curve.depth_m, .parts = s->model.n_effects ? 8 : 1};
     double *force = malloc(n * sizeof *force);
     s->low_N = malloc(n * sizeof *s->low_N);
     s->high_N = malloc(n * sizeof *s->high_N);
@@ -30,10 +36,11 @@ static palp_status find(simulation *s, const double *covariance, palp_error *err
     return status;
 }
 
-/* The covariance that the band is of: of a model that is the mean of several specimens, that of one that was not measured. A file
- * that says how specimens differ, but not how well their mean is known, gives a band of the first alone; *part says so. NULL: of
- * neither. */
-static palp_status read_covariance(const simulate_options *o, const simulation *s, double **covariance, bool *part, palp_error *error) {
+/* The covariance that the band is of: of a model that is the mean of several specimens, that of one that was
+ * not measured. A file that says how specimens differ, but not how well their mean is known, gives a band of
+ * the first alone; *part says so. NULL: of neither. */
+static palp_status read_covariance(const simulate_options *o, const simulation *s, double **covariance,
+                                   bool *part, palp_error *error) {
     double *between = NULL;
     size_t n_specimens = 0, n = s->model.material.law.n + 2 * s->model.material.n_arms;
     palp_status status = palp_model_read_covariance(o->model, covariance, error);
@@ -54,9 +61,15 @@ int simulate_band(const simulate_options *o, simulation *s) {
     bool part = false;
     palp_status status = read_covariance(o, s, &covariance, &part, &error);
     if (status == PALP_OK && !covariance)
-        return cli_failure(NAME, "%s: does not say how well it is known (no \"covariance\"); palpate characterize --out and palpate calibrate --out write it", o->model);
+        return cli_failure(NAME,
+                           "%s: does not say how well it is known (no \"covariance\"); palpate characterize "
+                           "--out and palpate calibrate --out write it",
+                           o->model);
     if (status == PALP_OK && part)
-        cli_warning(NAME, "%s: does not say how well the mean of its specimens is known (no \"covariance\"): the band holds what specimens differ by, and is too narrow by the rest", o->model);
+        cli_warning(NAME,
+                    "%s: does not say how well the mean of its specimens is known (no \"covariance\"): the "
+                    "band holds what specimens differ by, and is too narrow by the rest",
+                    o->model);
     status = status ? status : find(s, covariance, &error);
     free(covariance);
     return status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;

@@ -62,7 +62,8 @@ static palp_status answer_to_tolerance(const simulate_options *o, simulation *s,
 }
 
 /* A column of the run that is followed, at the times of this one; NULL: it has none. */
-static palp_status follow_column(const palp_experiment *like, const char *name, const palp_forward_run *run, double **value) {
+static palp_status follow_column(const palp_experiment *like, const char *name, const palp_forward_run *run,
+                                 double **value) {
     const double *t = palp_experiment_column(like, "time_s"), *v = palp_experiment_column(like, name);
     const size_t n = palp_experiment_rows(like);
     *value = t && v && n ? malloc((run->n + 1) * sizeof **value) : NULL;

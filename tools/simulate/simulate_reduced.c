@@ -16,13 +16,14 @@ bool simulate_is_reduced(const char *path) {
 
 static int check(const simulate_options *o, const simulation *s) {
     if (o->vtu || o->nodes.n > 0 || o->solver || o->branch)
-        return cli_usage_error(NAME, "--vtu, --nodes, --solver and --branch are for a full network; %s is reduced",
-                               o->model);
+        return cli_usage_error(
+            NAME, "--vtu, --nodes, --solver and --branch are for a full network; %s is reduced", o->model);
     if (s->path.force_N)
         return cli_usage_error(NAME, "%s is a reduced model: it follows a depth, not a force", o->model);
     if (!(s->height_m > 0))
-        return cli_failure(NAME, "%s has a free top that no plate presses; step it from a program (palpate/reduce.h)",
-                           o->model);
+        return cli_failure(
+            NAME, "%s has a free top that no plate presses; step it from a program (palpate/reduce.h)",
+            o->model);
     return CLI_OK;
 }
 

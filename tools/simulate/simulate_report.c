@@ -109,8 +109,9 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
     return status;
 }
 
-/* With --band also "band": that of the largest and of the last force. Of a model that says to which strain it was measured also "strain_max" and "beyond": null, or from when and to which strain
- * the run went beyond it. */
+/* With --band also "band": that of the largest and of the last force. Of a model that says to which strain it
+ * was measured also "strain_max" and "beyond": null, or from when and to which strain the run went beyond it.
+ */
 static json_t *summary(const simulate_options *o, const simulation *s) {
     const record *c = &s->curve;
     json_t *buckling = json_null();
@@ -132,11 +133,15 @@ static json_t *summary(const simulate_options *o, const simulation *s) {
         peak = fabs(c->force_N[i]) > fabs(c->force_N[peak]) ? i : peak;
     if (s->low_N)
         json_object_set_new(all, "band",
-                            json_pack("{s:f, s:f, s:f, s:f}", "peak_low_N", s->low_N[peak], "peak_high_N", s->high_N[peak],
-                                      "final_low_N", s->low_N[c->n - 1], "final_high_N", s->high_N[c->n - 1]));
+                            json_pack("{s:f, s:f, s:f, s:f}", "peak_low_N", s->low_N[peak], "peak_high_N",
+                                      s->high_N[peak], "final_low_N", s->low_N[c->n - 1], "final_high_N",
+                                      s->high_N[c->n - 1]));
     if (s->model.material.law.strain_max > 0) {
         json_object_set_new(all, "strain_max", json_real(s->model.material.law.strain_max));
-        json_object_set_new(all, "beyond", s->beyond_s < 0 ? json_null() : json_pack("{s:f, s:f}", "from_s", s->beyond_s, "strain", s->strain_max));
+        json_object_set_new(all, "beyond",
+                            s->beyond_s < 0
+                                ? json_null()
+                                : json_pack("{s:f, s:f}", "from_s", s->beyond_s, "strain", s->strain_max));
     }
     return all;
 }

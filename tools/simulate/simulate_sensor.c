@@ -137,7 +137,8 @@ static void disturb(const simulate_options *o, record *c) {
         if (o->hum_N > 0)
             c->force_N[i] += o->hum_N * sin(2 * PI * SIMULATE_HUM_HZ * c->time_s[i]);
         if (o->noise_N > 0)
-            c->force_N[i] = round_to_noise(c->force_N[i] + o->noise_N * palp_random_normal_at(o->seed, i), o->noise_N);
+            c->force_N[i] =
+                round_to_noise(c->force_N[i] + o->noise_N * palp_random_normal_at(o->seed, i), o->noise_N);
     }
     add_spikes(&o->spikes, c);
     for (size_t i = 0; o->clip_N > 0 && i < c->n; i++)

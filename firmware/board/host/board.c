@@ -1,7 +1,7 @@
 /* board.c: the firmware as a process of this machine, in lockstep with the simulated plant:
  *   indenter_host PLANT_TO_FIRMWARE FIRMWARE_TO_PLANT [FLASH]
- * The first two are FIFOs; FLASH is a file that keeps the parameters. Exit code 0 after PLANT_EVENT_QUIT, 1 when something failed or the plant has gone, 2 for wrong
- * arguments. */
+ * The first two are FIFOs; FLASH is a file that keeps the parameters. Exit code 0 after PLANT_EVENT_QUIT, 1
+ * when something failed or the plant has gone, 2 for wrong arguments. */
 #include "process.h"
 #include "simulated.h"
 

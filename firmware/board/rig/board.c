@@ -1,11 +1,11 @@
-/* board.c: the firmware's view of the STM32F405 under QEMU: its tick, startup, watchdog and reset are those of the
- * real board; sensors, motor and the line to the host are the plant at the other end of two FIFOs (QEMU makes a dozen
- * system calls of each byte that its UART sends). To be run as
- *   qemu-system-arm -M netduinoplus2 -kernel rig.elf -display none -monitor none -serial none
- *       -icount shift=3,sleep=off
+/* board.c: the firmware's view of the STM32F405 under QEMU: its tick, startup, watchdog and reset are those
+ * of the real board; sensors, motor and the line to the host are the plant at the other end of two FIFOs
+ * (QEMU makes a dozen system calls of each byte that its UART sends). To be run as qemu-system-arm -M
+ * netduinoplus2 -kernel rig.elf -display none -monitor none -serial none -icount shift=3,sleep=off
  *       -semihosting-config enable=on,target=native,arg=PLANT_TO_FIRMWARE,arg=FIRMWARE_TO_PLANT,arg=FLASH
- * with the FIFOs there before it starts and no space in their names. FLASH, a file that keeps the parameters, may be left out. The plant opens them in the same order.
- * The exit code is 0 after PLANT_EVENT_QUIT, 1 when the plant has gone. Costs are right for shift=3. */
+ * with the FIFOs there before it starts and no space in their names. FLASH, a file that keeps the parameters,
+ * may be left out. The plant opens them in the same order. The exit code is 0 after PLANT_EVENT_QUIT, 1 when
+ * the plant has gone. Costs are right for shift=3. */
 #include "drivers.h"
 #include "semihosting.h"
 #include "simulated.h"

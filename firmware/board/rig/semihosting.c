@@ -10,7 +10,15 @@ enum {
     SYS_GET_CMDLINE = 0x15,
     SYS_EXIT = 0x18
 };
-enum { OPEN_READ = 1, OPEN_UPDATE = 3, OPEN_WRITE = 5, OPEN_NEW = 7, COMMAND_LINE = 512, EXIT_GOOD = 0x20026, EXIT_BAD = 0x20023 };
+enum {
+    OPEN_READ = 1,
+    OPEN_UPDATE = 3,
+    OPEN_WRITE = 5,
+    OPEN_NEW = 7,
+    COMMAND_LINE = 512,
+    EXIT_GOOD = 0x20026,
+    EXIT_BAD = 0x20023
+};
 
 /* Handles. */
 static struct {
@@ -96,7 +104,8 @@ void semihosting_recall(uint32_t *word, uint32_t n) {
 }
 
 void semihosting_keep(uint32_t at, const uint32_t *word, uint32_t n) {
-    if (fifo.keeps && (!seek_word(at) || call3(SYS_WRITE, fifo.store, (uintptr_t)word, n * sizeof *word) != 0))
+    if (fifo.keeps &&
+        (!seek_word(at) || call3(SYS_WRITE, fifo.store, (uintptr_t)word, n * sizeof *word) != 0))
         give_up("rig.elf: the file of the parameters cannot be written\n");
 }
 

@@ -1,11 +1,12 @@
-/* sensor_ads1220.c: a load cell and an ADS1220 at 1200 samples a second, gain 128, its reference the cell's supply: a new sample each
- * tick. SPI1 in bytes, data read at falling edges. */
+/* sensor_ads1220.c: a load cell and an ADS1220 at 1200 samples a second, gain 128, its reference the cell's
+ * supply: a new sample each tick. SPI1 in bytes, data read at falling edges. */
 #include "sensor_cell.h"
 
 enum { WORD_POLLS = 400, RESET_POLLS = 20000, SHIFT = 5 };
 enum { RESET = 0x06, START = 0x08, WRITE_ALL = 0x43 };
 
-/* Inputs 0 and 1, gain 128; 1200 a second (turbo), without an end; reference at REFP0 and REFN0; nothing else. */
+/* Inputs 0 and 1, gain 128; 1200 a second (turbo), without an end; reference at REFP0 and REFN0; nothing
+ * else. */
 static const uint8_t settings[] = {WRITE_ALL, 0x0e, 0xb4, 0x40, 0x00, START};
 
 static uint8_t exchange(uint8_t byte) {
@@ -25,7 +26,8 @@ bool cell_start(void) {
     SPI1->CR1 |= SPI_CR1_SPE;
     gpio_write(PIN_SENSOR_CS, false);
     (void)exchange(RESET);
-    (void)wait_for(&GPIO(PIN_SENSOR_BUSY / 16)->IDR, 1u << PIN_SENSOR_BUSY % 16, 0, RESET_POLLS); /* 50 us and more */
+    (void)wait_for(&GPIO(PIN_SENSOR_BUSY / 16)->IDR, 1u << PIN_SENSOR_BUSY % 16, 0,
+                   RESET_POLLS); /* 50 us and more */
     for (size_t i = 0; i < sizeof settings; i++)
         (void)exchange(settings[i]);
     return true;

@@ -1,5 +1,6 @@
-/* sensor_hx711.c: a load cell and an HX711 at 80 samples a second (its RATE high): it converts by itself, each sample settled over the four
- * before; its line is low when one is there, which 24 pulses shift out and a 25th ends: gain 128 for the next. */
+/* sensor_hx711.c: a load cell and an HX711 at 80 samples a second (its RATE high): it converts by itself,
+ * each sample settled over the four before; its line is low when one is there, which 24 pulses shift out and
+ * a 25th ends: gain 128 for the next. */
 #include "sensor_cell.h"
 
 enum { BITS = 24, HALF_READS = 6 /* of a pin, at least 0.2 us; 60 us high would switch it off */ };

@@ -1,15 +1,16 @@
-/* steps.c: in the place of motor and encoder: a stepper's driver by step and direction (TMC2209, A4988, DRV8825). TIM1 gives the
- * steps of a tick as one burst of pulses within its first four fifths, counted by its repetition counter: where the plate is
- * follows from what was given. The emergency stop ends a burst in hardware, at TIM1's break input; how many pulses had gone nobody
- * knows then, and the position is lost, as it is when the driver is off. */
+/* steps.c: in the place of motor and encoder: a stepper's driver by step and direction (TMC2209, A4988,
+ * DRV8825). TIM1 gives the steps of a tick as one burst of pulses within its first four fifths, counted by
+ * its repetition counter: where the plate is follows from what was given. The emergency stop ends a burst in
+ * hardware, at TIM1's break input; how many pulses had gone nobody knows then, and the position is lost, as
+ * it is when the driver is off. */
 #include "../stm32f405/drivers.h"
 
 enum {
     TIMER_HZ = 21000000,
-    BURST = 16800,  /* of the timer, for all pulses: 0.8 ms */
-    PULSE = 210,    /* 10 us high, at the end of each step, long after the direction was set */
+    BURST = 16800,   /* of the timer, for all pulses: 0.8 ms */
+    PULSE = 210,     /* 10 us high, at the end of each step, long after the direction was set */
     STEPS_MOST = 12, /* a tick; what is asked for beyond falls behind, and is a following error */
-    LOST_TICKS = 3  /* told for so long: one alone passes for a glitch */
+    LOST_TICKS = 3   /* told for so long: one alone passes for a glitch */
 };
 
 static struct {
@@ -36,7 +37,7 @@ static void burst(uint32_t n) {
     TIM1->ARR = BURST / n - 1;
     TIM1->CCR[0] = BURST / n - PULSE;
     TIM1->RCR = n - 1;
-    TIM1->EGR = TIM_EGR_UG; /* takes these over */
+    TIM1->EGR = TIM_EGR_UG;     /* takes these over */
     TIM1->BDTR |= TIM_BDTR_MOE; /* stays off while the emergency stop is pressed */
     TIM1->CR1 = TIM_CR1_OPM | TIM_CR1_CEN;
 }

@@ -55,10 +55,10 @@ bool encoder_lost(void);    /* its alarm, now */
 /* motor.c; ../stepper/steps.c */
 void motor_start(uint32_t clock_hz);
 void motor_drive(const app_outputs *outputs);
-void motor_brake(void);       /* its ends joined: no current but what its own motion makes */
-void motor_off(void);         /* its ends open */
-bool motor_stopped(void);     /* once after each pulse at the emergency stop, however short */
-bool motor_fault(void);       /* the driver's alarm, now */
+void motor_brake(void);   /* its ends joined: no current but what its own motion makes */
+void motor_off(void);     /* its ends open */
+bool motor_stopped(void); /* once after each pulse at the emergency stop, however short */
+bool motor_fault(void);   /* the driver's alarm, now */
 
 /* supply.c: the processor's supply */
 void supply_start(void);

@@ -1,6 +1,7 @@
-/* flash.c: the end of sector 10 and the beginning of sector 11 keep the parameters. RM0090, 3.6: wait, unlock, program or erase,
- * wait, lock. While it is at work the processor waits for its next instruction: for a word 16 us, 0.1 ms at most; for an erasure of
- * 128 KiB 1 to 4 s, which is why that is done at the start only, before the watchdog and the tick. */
+/* flash.c: the end of sector 10 and the beginning of sector 11 keep the parameters. RM0090, 3.6: wait,
+ * unlock, program or erase, wait, lock. While it is at work the processor waits for its next instruction: for
+ * a word 16 us, 0.1 ms at most; for an erasure of 128 KiB 1 to 4 s, which is why that is done at the start
+ * only, before the watchdog and the tick. */
 #include "drivers.h"
 
 enum { FIRST_SECTOR = 10, PROGRAM_POLLS = 20000, ERASE_POLLS = 80000000 };

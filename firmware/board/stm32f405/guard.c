@@ -1,5 +1,5 @@
-/* guard.c: address 0, where the chip shows its flash a second time: a read or write through a null pointer is to
- * be a fault, which restarts with the motor off, and not a vector taken for a number. */
+/* guard.c: address 0, where the chip shows its flash a second time: a read or write through a null pointer is
+ * to be a fault, which restarts with the motor off, and not a vector taken for a number. */
 #include "drivers.h"
 
 /* PM0214, 4.2: a region of 2^(SIZE + 1) bytes, here the whole second view, without any access. */

@@ -1,6 +1,6 @@
 /* motor.c: an H-bridge by sign and magnitude (DRV8874 in its PH/EN mode): TIM1's PWM, a direction, an enable
- * (nSLEEP). While it is enabled and the PWM low, both of its outputs are low: the motor brakes. The emergency stop
- * also reaches TIM1's break input: it holds the PWM low, and so brakes, without any program. */
+ * (nSLEEP). While it is enabled and the PWM low, both of its outputs are low: the motor brakes. The emergency
+ * stop also reaches TIM1's break input: it holds the PWM low, and so brakes, without any program. */
 #include "drivers.h"
 
 /* No whole number of periods fits a control tick: 20.62 do. What a conversion of the sensor catches of the

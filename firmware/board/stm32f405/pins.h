@@ -2,13 +2,13 @@
 #ifndef PINS_H
 #define PINS_H
 
-#define PIN(port, number) ((port) * 16 + (number))
+#define PIN(port, number) ((port)*16 + (number))
 enum { PORT_A, PORT_B, PORT_C };
 
 enum {
     PIN_SENSOR_CS = PIN(PORT_A, 4),
-    PIN_SENSOR_CLOCK = PIN(PORT_A, 5), /* SPI1_SCK */
-    PIN_SENSOR_DATA = PIN(PORT_A, 6),  /* SPI1_MISO */
+    PIN_SENSOR_CLOCK = PIN(PORT_A, 5),   /* SPI1_SCK */
+    PIN_SENSOR_DATA = PIN(PORT_A, 6),    /* SPI1_MISO */
     PIN_SENSOR_COMMAND = PIN(PORT_A, 7), /* SPI1_MOSI; of the ADS1220 alone */
     PIN_SENSOR_CONVERT = PIN(PORT_B, 0),
     PIN_SENSOR_BUSY = PIN(PORT_B, 1), /* pulled up: an open wire is a converter that never ends */
@@ -25,8 +25,8 @@ enum {
     PIN_THERMISTOR = PIN(PORT_C, 0),    /* ADC1_IN10 */
     PIN_TRIGGER_IN = PIN(PORT_C, 8),    /* pulled down; rising edges */
     PIN_TRIGGER_OUT = PIN(PORT_C, 9),
-    PIN_UART_TX = PIN(PORT_A, 9),       /* USART1_TX */
-    PIN_UART_RX = PIN(PORT_A, 10)       /* USART1_RX */
+    PIN_UART_TX = PIN(PORT_A, 9), /* USART1_TX */
+    PIN_UART_RX = PIN(PORT_A, 10) /* USART1_RX */
 };
 
 enum { ALTERNATE_TIM1 = 1, ALTERNATE_TIM3 = 2, ALTERNATE_SPI1 = 5, ALTERNATE_USART1 = 7 };

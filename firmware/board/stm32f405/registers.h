@@ -186,7 +186,7 @@ enum {
     TIM_SMCR_ENCODER = 3u << 0,      /* counts on both edges of both inputs */
     TIM_CCMR1_INPUTS = 1u | 1u << 8, /* TI1 and TI2 */
     TIM_CCMR1_FILTERS = 3u << 4 | 3u << 12,
-    TIM_CCMR1_PWM = 6u << 4 | 1u << 3, /* mode 1, preloaded */
+    TIM_CCMR1_PWM = 6u << 4 | 1u << 3,      /* mode 1, preloaded */
     TIM_CCMR1_PWM_LATE = 7u << 4 | 1u << 3, /* mode 2: high at the end of each period; preloaded */
     TIM_SR_BIF = 1u << 7,
     TIM_CCER_CC1E = 1u << 0,

@@ -1,8 +1,12 @@
-/* supply.c: the processor's own supply. At 2.9 V a warning comes by interrupt, while the program still runs as it
- * should; at 2.8 V the chip holds itself in reset, if its option bytes say so: as sold they do not. */
+/* supply.c: the processor's own supply. At 2.9 V a warning comes by interrupt, while the program still runs
+ * as it should; at 2.8 V the chip holds itself in reset, if its option bytes say so: as sold they do not. */
 #include "drivers.h"
 
-enum { KEY_1 = 0x08192a3b, KEY_2 = 0x4c5d6e7f, OPTION_POLLS = 40000000 /* seconds: done once in a board's life */ };
+enum {
+    KEY_1 = 0x08192a3b,
+    KEY_2 = 0x4c5d6e7f,
+    OPTION_POLLS = 40000000 /* seconds: done once in a board's life */
+};
 
 /* BOR level 3, the highest. RM0090, 3.6.2: unlock, write, start, wait. */
 static void reset_level(void) {

@@ -86,7 +86,8 @@ static double full_strength(const truth *t, const solid *s, int id, double peak)
 void effect_put(const truth *t, solid *s, int id, double strength, const double shape[VALUES], double peak) {
     double *value = s->effect[id];
     memcpy(value, shape, VALUES * sizeof *value);
-    value[0] = id == FORCE_SATURATION ? (1 - 0.6 * strength) * peak : shape[0] * strength * full_strength(t, s, id, peak);
+    value[0] = id == FORCE_SATURATION ? (1 - 0.6 * strength) * peak
+                                      : shape[0] * strength * full_strength(t, s, id, peak);
     if (id == RELAXATION_ARM)
         s->arms[s->n_arms++] = (arm){value[0], value[1]};
 }
@@ -107,7 +108,8 @@ static void hide(const truth *t, const secret *what, double strength, solid *s) 
     if (what->outside == NO_OUTSIDE)
         return;
     s->outside = what->outside;
-    s->outside_size = what->outside == SLIP ? 0.5 * strength : (what->outside == WALK ? 2 : 0.5) * strength * what->peak;
+    s->outside_size =
+        what->outside == SLIP ? 0.5 * strength : (what->outside == WALK ? 2 : 0.5) * strength * what->peak;
     s->outside_place = what->place;
     s->outside_run = what->run;
     s->seed = what->seed;
@@ -184,7 +186,8 @@ static void draw_runs(truth *t, random_state *rng) {
     double common = random_uniform(rng, -0.5, 0.5) * t->lab->scatter;
     for (size_t i = 0; i < t->session.n_runs; i++) {
         run *r = &t->session.run[i];
-        double own = fmax(-t->lab->scatter, fmin(t->lab->scatter, common + 0.5 * t->lab->scatter * random_normal(rng)));
+        double own = fmax(-t->lab->scatter,
+                          fmin(t->lab->scatter, common + 0.5 * t->lab->scatter * random_normal(rng)));
         r->shift = own * lab_travel(t->lab);
         r->gain = fmax(-0.4, (t->lab->differ > 0 ? t->lab->differ : 1e-3) * random_normal(rng));
         t->zero[i] = 2 * t->white * random_normal(rng);
@@ -194,7 +197,8 @@ static void draw_runs(truth *t, random_state *rng) {
 static double draw_noise(const truth *t, random_state *rng) {
     if (t->lab->kind != STUDENT)
         return t->white * random_normal(rng);
-    double a = random_normal(rng), b = random_normal(rng), c = random_normal(rng); /* three degrees of freedom */
+    double a = random_normal(rng), b = random_normal(rng),
+           c = random_normal(rng); /* three degrees of freedom */
     return t->white * random_normal(rng) / sqrt(a * a + b * b + c * c);
 }
 

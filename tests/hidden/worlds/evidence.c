@@ -1,5 +1,6 @@
-/* evidence.c: how much the recordings say for what is hidden: half of what chi2 falls by when it is put in, beside the richest plain
- * model of the data: a free law (hats), its arms and more of them, a contact, a zero and a gain of each run's own. */
+/* evidence.c: how much the recordings say for what is hidden: half of what chi2 falls by when it is put in,
+ * beside the richest plain model of the data: a free law (hats), its arms and more of them, a contact, a zero
+ * and a gain of each run's own. */
 #include "worlds.h"
 
 #include <math.h>
@@ -154,7 +155,8 @@ void search_free(search *h) {
     free(h->force);
 }
 
-/* Nats for s beside the plain solid: half of chi2's fall less half the logarithm of the samples for each parameter. */
+/* Nats for s beside the plain solid: half of chi2's fall less half the logarithm of the samples for each
+ * parameter. */
 double search_evidence(search *h, const solid *s, size_t n_parameters) {
     session_press(s, &h->beside.truth->session, h->with);
     return nuisance_left(&h->beside, h->with, h->force, h->left) -

@@ -13,7 +13,8 @@ static void header_write(FILE *f, const truth *t, size_t i) {
     if (kind != THREE)
         fprintf(f, "# specimen.height_mm: %.9g\n", 1e3 * t->lab->height);
     if (kind == FULL) {
-        fprintf(f, "# specimen.kind: \"cylinder\"\n# protocol.kind: \"%s\"\n# protocol.order: %d\n", r->kind, r->order);
+        fprintf(f, "# specimen.kind: \"cylinder\"\n# protocol.kind: \"%s\"\n# protocol.order: %d\n", r->kind,
+                r->order);
         fprintf(f, "# session.start_s: %.9g\n", r->session);
     }
     if (kind == FULL && t->lab->differ > 0)
@@ -52,15 +53,22 @@ static void effect_line(FILE *f, const truth *t) {
     const effect_kind *kind = &effect_kinds[t->effect];
     fprintf(f, "{\"id\": \"%s\", \"parameters\": {", kind->id);
     for (size_t k = 0; k < kind->n; k++)
-        fprintf(f, "%s\"%s\": %.9g", k ? ", " : "", kind->key[k], t->solid.effect[t->effect][k] / kind->unit[k]);
+        fprintf(f, "%s\"%s\": %.9g", k ? ", " : "", kind->key[k],
+                t->solid.effect[t->effect][k] / kind->unit[k]);
     fprintf(f, "}}");
 }
 
 void truth_line(FILE *f, const truth *t) {
-    static const char *const outside[OUTSIDES] = {"", "wave in one run", "zeros that warm up", "specimen slips in one run",
-                                                  "zeros that wander", "zeros that jump", "zeros that follow the room"};
-    fprintf(f, "{\"case\": \"%s\", \"world\": \"%s\", \"noise_N\": %.6g, \"rows\": %zu, \"arms\": %zu, ", t->name, t->lab->name,
-            sqrt(t->white * t->white + t->step * t->step / 12), t->session.n, t->solid.n_arms);
+    static const char *const outside[OUTSIDES] = {"",
+                                                  "wave in one run",
+                                                  "zeros that warm up",
+                                                  "specimen slips in one run",
+                                                  "zeros that wander",
+                                                  "zeros that jump",
+                                                  "zeros that follow the room"};
+    fprintf(f, "{\"case\": \"%s\", \"world\": \"%s\", \"noise_N\": %.6g, \"rows\": %zu, \"arms\": %zu, ",
+            t->name, t->lab->name, sqrt(t->white * t->white + t->step * t->step / 12), t->session.n,
+            t->solid.n_arms);
     fprintf(f, "\"characterize\": \"--specimen-height-mm %.9g%s\", \"effect\": ", 1e3 * t->lab->height,
             t->effect == RELAXATION_ARM ? " --arms 1" : "");
     if (t->effect == EFFECTS)

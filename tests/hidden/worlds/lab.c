@@ -1,27 +1,33 @@
-/* lab.c: the laboratories, and what they run. Durations are counted in samples, so that a protocol suits its tester. */
+/* lab.c: the laboratories, and what they run. Durations are counted in samples, so that a protocol suits its
+ * tester. */
 #include "worlds.h"
 
 #include <math.h>
 #include <string.h>
 
 const lab laboratories[LABS] = {
-    {"force_microscope", "2 kHz, 5e-9 N, 1.5 um, law of a sphere, headers without keys", 2000, 1e-5, 5e-9, 0.15, 4e-3, 0.05, 0, GAUSS,
-     HERTZ, RICH, THREE},
-    {"impact_bench", "10 kHz, 1 N, 1 mm, Fung's law", 10000, 5e-3, 1, 0.2, 2e-3, 0.02, 0, GAUSS, FUNG, RICH, FULL},
-    {"hour_long", "1 Hz, 100 N, 15 mm, law with a knee, heavy tails", 1, 0.1, 100, 0.15, 3e-3, 0.05, 0, STUDENT, PIECEWISE, RICH, HEIGHT},
-    {"large_press", "20 Hz, 1 kN, 0.1 m, Fung's law, heavy tails, contacts up to a fifth of the travel", 20, 0.4, 1e3, 0.25, 3e-3, 0.2, 0,
-     STUDENT, FUNG, RICH, HEIGHT},
-    {"cheap", "10 Hz, 3 N, 6 mm, Fung's law, a force step of 3 noise sd", 10, 0.03, 3, 0.2, 3e-3, 0.05, 0, QUANTIZED, FUNG, RICH, HEIGHT},
-    {"rumble", "50 Hz, 12 N, 4 mm, law with a knee, correlated noise, headers without keys", 50, 0.02, 12, 0.2, 4e-3, 0.03, 0, CORRELATED,
-     PIECEWISE, RICH, THREE},
-    {"specimens", "100 Hz, 20 N, 5 mm, Fung's law, another specimen in each run, 10 % stiffer or softer", 100, 0.02, 20, 0.25, 2e-3, 0.02,
-     0.1, GAUSS, FUNG, RICH, FULL},
-    {"family", "40 Hz, 5 N, 5 mm, law and noise of the library's families", 40, 0.025, 5, 0.2, 3e-3, 0.02, 0, GAUSS, QUADRATIC, RICH, FULL},
-    {"one_recording", "100 Hz, 10 N, 4 mm, Fung's law, a single recording", 100, 0.02, 10, 0.2, 3e-3, 0.02, 0, GAUSS, FUNG, ONE_RUN, HEIGHT},
-    {"one_speed", "10 Hz, 8 N, 5 mm, law with a knee, four presses at one speed, no unloading", 10, 0.025, 8, 0.2, 4e-3, 0.05, 0, GAUSS,
-     PIECEWISE, ONE_SPEED, HEIGHT},
-    {"no_unloading", "30 Hz, 8 N, 5 mm, Fung's law, ramps and holds at three speeds, no unloading", 30, 0.025, 8, 0.2, 3e-3, 0.05, 0, GAUSS,
-     FUNG, NO_UNLOADING, HEIGHT},
+    {"force_microscope", "2 kHz, 5e-9 N, 1.5 um, law of a sphere, headers without keys", 2000, 1e-5, 5e-9,
+     0.15, 4e-3, 0.05, 0, GAUSS, HERTZ, RICH, THREE},
+    {"impact_bench", "10 kHz, 1 N, 1 mm, Fung's law", 10000, 5e-3, 1, 0.2, 2e-3, 0.02, 0, GAUSS, FUNG, RICH,
+     FULL},
+    {"hour_long", "1 Hz, 100 N, 15 mm, law with a knee, heavy tails", 1, 0.1, 100, 0.15, 3e-3, 0.05, 0,
+     STUDENT, PIECEWISE, RICH, HEIGHT},
+    {"large_press", "20 Hz, 1 kN, 0.1 m, Fung's law, heavy tails, contacts up to a fifth of the travel", 20,
+     0.4, 1e3, 0.25, 3e-3, 0.2, 0, STUDENT, FUNG, RICH, HEIGHT},
+    {"cheap", "10 Hz, 3 N, 6 mm, Fung's law, a force step of 3 noise sd", 10, 0.03, 3, 0.2, 3e-3, 0.05, 0,
+     QUANTIZED, FUNG, RICH, HEIGHT},
+    {"rumble", "50 Hz, 12 N, 4 mm, law with a knee, correlated noise, headers without keys", 50, 0.02, 12,
+     0.2, 4e-3, 0.03, 0, CORRELATED, PIECEWISE, RICH, THREE},
+    {"specimens", "100 Hz, 20 N, 5 mm, Fung's law, another specimen in each run, 10 % stiffer or softer", 100,
+     0.02, 20, 0.25, 2e-3, 0.02, 0.1, GAUSS, FUNG, RICH, FULL},
+    {"family", "40 Hz, 5 N, 5 mm, law and noise of the library's families", 40, 0.025, 5, 0.2, 3e-3, 0.02, 0,
+     GAUSS, QUADRATIC, RICH, FULL},
+    {"one_recording", "100 Hz, 10 N, 4 mm, Fung's law, a single recording", 100, 0.02, 10, 0.2, 3e-3, 0.02, 0,
+     GAUSS, FUNG, ONE_RUN, HEIGHT},
+    {"one_speed", "10 Hz, 8 N, 5 mm, law with a knee, four presses at one speed, no unloading", 10, 0.025, 8,
+     0.2, 4e-3, 0.05, 0, GAUSS, PIECEWISE, ONE_SPEED, HEIGHT},
+    {"no_unloading", "30 Hz, 8 N, 5 mm, Fung's law, ramps and holds at three speeds, no unloading", 30, 0.025,
+     8, 0.2, 3e-3, 0.05, 0, GAUSS, FUNG, NO_UNLOADING, HEIGHT},
 };
 
 double lab_travel(const lab *l) {

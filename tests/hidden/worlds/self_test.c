@@ -49,7 +49,8 @@ static void test_laws(void) {
         snprintf(what, sizeof what, "law, %s: force at the full travel", names[k]);
         check(what, solid_spring(&s, 0.2), 10, 1e-9);
         snprintf(what, sizeof what, "law, %s: force is the slope of the energy", names[k]);
-        check(what, (solid_energy(&s, 0.1501) - solid_energy(&s, 0.1499)) / 0.0002, solid_spring(&s, 0.15), 1e-4);
+        check(what, (solid_energy(&s, 0.1501) - solid_energy(&s, 0.1499)) / 0.0002, solid_spring(&s, 0.15),
+              1e-4);
     }
 }
 
@@ -72,7 +73,8 @@ static void test_press(void) {
     check("permanent_set: on the way back", force_at(&s, &r, 3.5), 10 * (0.1 - 0.05) / 0.75 / 0.2, 1e-6);
 }
 
-/* An arm pulls the surface after the plate has left, until the specimen is at rest again: nothing pulls the plate. */
+/* An arm pulls the surface after the plate has left, until the specimen is at rest again: nothing pulls the
+ * plate. */
 static void test_release(void) {
     solid s = linear();
     run r = press(4e-3, 1);
@@ -94,7 +96,8 @@ static void test_release(void) {
     free(force);
 }
 
-/* Of noise alone half of chi2 is left for each sample that no column takes; what a run may have of its own leaves nothing. */
+/* Of noise alone half of chi2 is left for each sample that no column takes; what a run may have of its own
+ * leaves nothing. */
 static void test_evidence(const lab *l) {
     truth t;
     search h;
@@ -103,7 +106,9 @@ static void test_evidence(const lab *l) {
         abort();
     double tails = l->kind == STUDENT ? 0.3 : 0.1;
     snprintf(what, sizeof what, "%s: chi2 of a sample of noise", l->name);
-    check(what, 2 * nuisance_left(&h.beside, t.force, h.force, h.left) / (double)(h.beside.n - h.beside.n_columns), 1, tails);
+    check(what,
+          2 * nuisance_left(&h.beside, t.force, h.force, h.left) / (double)(h.beside.n - h.beside.n_columns),
+          1, tails);
     for (size_t i = 0; i < t.session.n_runs; i++)
         t.session.run[i].shift += 1e-4 * lab_travel(l) * (double)i;
     snprintf(what, sizeof what, "%s: contacts, zeros and law leave nothing", l->name);
@@ -132,7 +137,8 @@ static void test_draw(const lab *l) {
     truth again, first;
     if (!truth_draw(&first, l, 6, 3, 0) || !truth_draw(&again, l, 6, 3, 0))
         abort();
-    check("draw: a seed makes the same case", memcmp(first.force, again.force, first.session.n * sizeof *first.force), 0, 0);
+    check("draw: a seed makes the same case",
+          memcmp(first.force, again.force, first.session.n * sizeof *first.force), 0, 0);
     truth_free(&first);
     truth_free(&again);
 }

@@ -1,5 +1,5 @@
-/* solid.c: the true specimen and tester: a generalized Maxwell solid in small steps, arms by the implicit midpoint rule, the free
- * surface by bisection, the sensor's lag as a differential equation. */
+/* solid.c: the true specimen and tester: a generalized Maxwell solid in small steps, arms by the implicit
+ * midpoint rule, the free surface by bisection, the sensor's lag as a differential equation. */
 #include "worlds.h"
 
 #include <math.h>
@@ -165,7 +165,8 @@ void solid_press(const solid *s, const run *r, size_t number, double *force) {
     double h = 1 / r->Hz / (double)steps, d, v, a, output = 0, old = 0;
     state at = {.s = s, .step = h};
     for (size_t i = 0; i < r->n; i++) {
-        for (size_t k = i == 0 ? steps - 1 : 0; k < steps; k++) { /* the first sample is of a specimen at rest */
+        for (size_t k = i == 0 ? steps - 1 : 0; k < steps;
+             k++) { /* the first sample is of a specimen at rest */
             double t = ((double)i - 1 + (double)(k + 1) / (double)steps) / r->Hz;
             path_at(r, t, &hint, &d, &v, &a);
             at.factor = (1 + r->gain) * outside_factor(s, r, number, t);

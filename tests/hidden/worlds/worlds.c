@@ -8,7 +8,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Of each laboratory: nulls, effects, what is outside the catalogue; where little can be told apart, fewer. */
+/* Of each laboratory: nulls, effects, what is outside the catalogue; where little can be told apart, fewer.
+ */
 typedef struct share {
     int of[3];
 } share;
@@ -20,7 +21,8 @@ static share share_of(const lab *l, bool quick) {
     return l->protocol == RICH ? (share){{3, 4, 2}} : (share){{2, 2, 0}};
 }
 
-static bool one_case(const lab *l, uint64_t seed, uint64_t stream, int number, int kind, const char *out, FILE *truths) {
+static bool one_case(const lab *l, uint64_t seed, uint64_t stream, int number, int kind, const char *out,
+                     FILE *truths) {
     truth t;
     char path[1024];
     if (!truth_draw(&t, l, seed, stream, kind))
@@ -40,8 +42,10 @@ static bool all_cases(uint64_t seed, bool quick, const char *out, FILE *truths) 
         share s = share_of(&laboratories[i], quick);
         for (int kind = 0; kind < 3; kind++)
             for (int k = 0; k < s.of[kind]; k++)
-                if (!one_case(&laboratories[i], seed, 1000 * (i + 1) + 100 * (uint64_t)kind + (uint64_t)k, ++number, kind, out, truths)) {
-                    fprintf(stderr, "worlds: case %d of %s could not be made\n", number, laboratories[i].name);
+                if (!one_case(&laboratories[i], seed, 1000 * (i + 1) + 100 * (uint64_t)kind + (uint64_t)k,
+                              ++number, kind, out, truths)) {
+                    fprintf(stderr, "worlds: case %d of %s could not be made\n", number,
+                            laboratories[i].name);
                     return false;
                 }
     }

@@ -1,5 +1,6 @@
-/* worlds.h: laboratories that are not ours: what is true of a case, its specimen and its tester. SI units. Nothing here
- * comes from the library; names, keys and units of effects (kinds.c), paths and random numbers are those of ../hidden.h. */
+/* worlds.h: laboratories that are not ours: what is true of a case, its specimen and its tester. SI units.
+ * Nothing here comes from the library; names, keys and units of effects (kinds.c), paths and random numbers
+ * are those of ../hidden.h. */
 #ifndef WORLDS_H
 #define WORLDS_H
 
@@ -16,7 +17,8 @@ enum outside_id { NO_OUTSIDE, WAVE, WARM_UP, SLIP, WALK, JUMP, ROOM, OUTSIDES };
 typedef struct solid {
     double height, top; /* top: strain of the laboratory's full travel */
     enum law_kind law;
-    double size, shape, hat[HATS]; /* spring's force at top; exponent, or place of the knee; added force at the hats */
+    double size, shape,
+        hat[HATS]; /* spring's force at top; exponent, or place of the knee; added force at the hats */
     size_t n_arms;
     arm arms[SOLID_ARMS];
     double effect[EFFECTS][VALUES]; /* as the catalogue has them, in SI; the first 0 = off */
@@ -26,9 +28,10 @@ typedef struct solid {
     uint64_t seed; /* of what wanders */
 } solid;
 
-double solid_spring(const solid *s, double e);        /* force of the law at strain e */
-double solid_energy(const solid *s, double e);        /* its integral over e */
-/* What the tester would record of run r without noise, in force[r->n]; r->shift, r->gain: contact and stiffness of this run. */
+double solid_spring(const solid *s, double e); /* force of the law at strain e */
+double solid_energy(const solid *s, double e); /* its integral over e */
+/* What the tester would record of run r without noise, in force[r->n]; r->shift, r->gain: contact and
+ * stiffness of this run. */
 void solid_press(const solid *s, const run *r, size_t number, double *force);
 /* Adds what is outside the catalogue to the force; before: of the specimen, at the force itself (SLIP). */
 double outside_factor(const solid *s, const run *r, size_t number, double t);
@@ -57,14 +60,14 @@ double lab_travel(const lab *l);
 typedef struct truth {
     const lab *lab;
     char name[32];
-    int effect;                   /* EFFECTS: none */
+    int effect; /* EFFECTS: none */
     enum outside_id outside;
     solid solid;
     session session;
-    double white, step, keep;     /* noise: sd, quantum of the force, correlation from sample to sample */
-    double zero[RUNS];            /* of each run */
+    double white, step, keep;         /* noise: sd, quantum of the force, correlation from sample to sample */
+    double zero[RUNS];                /* of each run */
     double evidence, cosine[EFFECTS]; /* nats of what is hidden; how alike each effect is to it */
-    double *force;                /* as recorded */
+    double *force;                    /* as recorded */
 } truth;
 
 /* false without memory. kind: 0 a null, 1 an effect, 2 outside the catalogue. */
@@ -81,19 +84,22 @@ typedef struct nuisance {
 } nuisance;
 bool nuisance_make(nuisance *u, const truth *t, const solid *plain);
 void nuisance_free(nuisance *u);
-/* Whitens the difference of the forces with and without, takes off what the nuisance columns do. Half of what chi2 falls by. */
+/* Whitens the difference of the forces with and without, takes off what the nuisance columns do. Half of what
+ * chi2 falls by. */
 double nuisance_left(const nuisance *u, const double *with, const double *without, double *left);
 
 /* Tries what could be hidden beside a plain solid. */
 typedef struct search {
     solid plain;
     nuisance beside;
-    double *force, *with, *left, peak; /* of the plain solid, of the other, of what is left; the largest force */
+    double *force, *with, *left,
+        peak; /* of the plain solid, of the other, of what is left; the largest force */
 } search;
 bool search_make(search *h, const truth *t, const solid *plain);
 void search_free(search *h);
 double search_evidence(search *h, const solid *s, size_t n_parameters);
-bool evidence_classes(search *h, const solid *hidden, double cosine[EFFECTS]); /* its likeness to each effect */
+bool evidence_classes(search *h, const solid *hidden,
+                      double cosine[EFFECTS]); /* its likeness to each effect */
 
 void session_press(const solid *s, const session *runs, double *force);
 /* The effect at strength s (0 to 1) and of a shape that was drawn; peak: largest force without it. */

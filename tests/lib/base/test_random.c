@@ -14,7 +14,8 @@ START_TEST(splitmix64_gives_its_published_numbers) {
     for (int i = 0; i < 3; i++)
         ck_assert_uint_eq(palp_random_next(&state), expected[i]);
     state = 1234567;
-    ck_assert_double_eq_tol(palp_random_uniform(&state), 6457827717110365317.0 / 18446744073709551616.0, 1e-15);
+    ck_assert_double_eq_tol(palp_random_uniform(&state), 6457827717110365317.0 / 18446744073709551616.0,
+                            1e-15);
 }
 END_TEST
 

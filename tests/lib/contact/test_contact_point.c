@@ -1,4 +1,5 @@
-/* test_contact_point.c: one contact alone: the nearest point, and force and tangent as derivatives of its energy. */
+/* test_contact_point.c: one contact alone: the nearest point, and force and tangent as derivatives of its
+ * energy. */
 #include "contact/contact_internal.h"
 
 #include <check.h>
@@ -61,7 +62,8 @@ static void place(setting *s, const double position[3], double radius, double fr
     s->set.pose = &s->tool;
     s->set.settings.smoothing = 0.05;
     s->set.edge = 2.0;
-    s->c = (contact){.node = {0, 1, 2}, .corners = 3, .stiffness = 7.0, .entry = 1.0, .stick_share = {0.2, 0.5, 0.3}};
+    s->c = (contact){
+        .node = {0, 1, 2}, .corners = 3, .stiffness = 7.0, .entry = 1.0, .stick_share = {0.2, 0.5, 0.3}};
 }
 
 static double energy_at(setting *s, const double *x) {
@@ -76,7 +78,8 @@ static void force_at(setting *s, const double *x, double force[9]) {
         force[i] = s->c.share[i / 3] * s->c.pressure * s->c.normal[i % 3];
 }
 
-/* A central difference over h is off by its square; on a kink (two parts of the triangle, the smoothing's end) by more. */
+/* A central difference over h is off by its square; on a kink (two parts of the triangle, the smoothing's
+ * end) by more. */
 static void check_derivatives(setting *s, double *x) {
     const double h = 1e-5;
     double force[9], low[9], high[9], block[9], unit[9], product[9];
@@ -130,8 +133,8 @@ START_TEST(pressure_is_the_slope_of_the_energy) {
 }
 END_TEST
 
-/* What lets the triangle out of the tool along the normal takes its share of the pressure from friction that slips, and nothing from
- * friction that sticks: the part of the tangent that is not symmetric. */
+/* What lets the triangle out of the tool along the normal takes its share of the pressure from friction that
+ * slips, and nothing from friction that sticks: the part of the tangent that is not symmetric. */
 static void check_drag(const setting *s, const double *x, bool slips) {
     const double out = 1e-3;
     double along[9], moved[9], product[9] = {0.0}, symmetric[9] = {0.0};
@@ -153,8 +156,8 @@ static void check_drag(const setting *s, const double *x, bool slips) {
     ck_assert(slips ? largest > 0.1 : largest == 0.0);
 }
 
-/* Friction's spring is along the surface and as stiff as the penalty for the share of the step that it touched;
- * beyond the coefficient times the pressure it slips. */
+/* Friction's spring is along the surface and as stiff as the penalty for the share of the step that it
+ * touched; beyond the coefficient times the pressure it slips. */
 START_TEST(friction_sticks_and_slips) {
     const double x[9] = {0, 0, 0, 1, 0, 0, 0.5, 0, 0.8}, position[3] = {0.5, -0.4, 0.3};
     const double pull = 7.0 * 0.75 * 0.05, pressure = 7.0 * (0.2 - 0.05);
@@ -175,7 +178,8 @@ START_TEST(friction_sticks_and_slips) {
             ck_assert_double_eq_tol(s.c.stretch[k], share * 0.75 * 0.05 * along[k], 1e-12);
             for (int l = 0; l <= k; l++, i++) {
                 double surface = k == l && k != 1, turn = slips ? along[k] * along[l] : 0.0;
-                ck_assert_double_eq_tol(s.c.friction_tangent[i], share * 7.0 * 0.75 * (surface - turn), 1e-12);
+                ck_assert_double_eq_tol(s.c.friction_tangent[i], share * 7.0 * 0.75 * (surface - turn),
+                                        1e-12);
             }
         }
         check_drag(&s, x, slips);

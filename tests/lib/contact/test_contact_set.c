@@ -1,5 +1,5 @@
-/* test_contact_set.c: tools over one or two triangles by hand: which contacts there are, how stiff, where friction's spring
- * starts and what the tool feels. */
+/* test_contact_set.c: tools over one or two triangles by hand: which contacts there are, how stiff, where
+ * friction's spring starts and what the tool feels. */
 #include "contact/contact_internal.h"
 
 #include <check.h>
@@ -23,13 +23,15 @@ static void make(surface *s, size_t n_triangles) {
     memset(s, 0, sizeof *s);
     memcpy(s->x, PLACE, sizeof s->x);
     ck_assert_int_eq(
-        contact_set_create(&s->set, &s->memory, 4, PLACE, n_triangles, TRIANGLE, UNIT, 9.0, TOOLS, &settings), PALP_OK);
+        contact_set_create(&s->set, &s->memory, 4, PLACE, n_triangles, TRIANGLE, UNIT, 9.0, TOOLS, &settings),
+        PALP_OK);
     s->set.modulus = 0.25;
     ck_assert_double_eq_tol(s->set.edge, EDGE[n_triangles - 1], 1e-12);
 }
 
 static palp_tool sphere(double x, double y, double z, double radius) {
-    return (palp_tool){.shape = PALP_TOOL_SPHERE, .position_m = {x, y, z}, .radius_m = radius, .friction = 0.3};
+    return (palp_tool){
+        .shape = PALP_TOOL_SPHERE, .position_m = {x, y, z}, .radius_m = radius, .friction = 0.3};
 }
 
 /* The contacts of one tool at a share of its way, evaluated. */
@@ -48,7 +50,8 @@ static void commit(surface *s) {
 
 /* Each node's stiffness is shared by the triangles that meet in it. */
 START_TEST(a_triangle_is_as_stiff_as_its_share_of_its_nodes) {
-    static const double alone = 20.0 * 0.25 * (1.0 + 2.0 + 3.0), shared = 20.0 * 0.25 * (1.0 + 2.0 / 2 + 3.0 / 2);
+    static const double alone = 20.0 * 0.25 * (1.0 + 2.0 + 3.0),
+                        shared = 20.0 * 0.25 * (1.0 + 2.0 / 2 + 3.0 / 2);
     for (size_t n = 1; n <= 2; n++) {
         surface s;
         make(&s, n);
@@ -76,7 +79,8 @@ START_TEST(a_contact_from_the_side_fades) {
 }
 END_TEST
 
-/* Half an edge from the tool's surface, and as far as it has come in this step, over the face and beyond each corner. */
+/* Half an edge from the tool's surface, and as far as it has come in this step, over the face and beyond each
+ * corner. */
 START_TEST(contacts_are_looked_for_within_reach) {
     static const double from[4][3] = {{0.25, 0.0, 0.25}, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}};
     static const double to[4][3] = {{0, 1, 0}, {-0.48, 0.6, -0.64}, {-0.48, 0.6, 0.64}, {0.64, 0.6, -0.48}};
@@ -130,7 +134,8 @@ START_TEST(a_capsule_touches_at_one_place) {
     }
     surface s;
     make(&s, 1);
-    palp_tool needle = capsule((double[]){-9.8, 0.1, 0.3}, (double[]){1, 0, 0}, 10.0, 0.15); /* its end is near */
+    palp_tool needle =
+        capsule((double[]){-9.8, 0.1, 0.3}, (double[]){1, 0, 0}, 10.0, 0.15); /* its end is near */
     ck_assert_uint_eq(meet(&s, &needle, 1.0), 1);
     ck_assert_double_eq(s.set.contact[0].along, 10.0);
     arena_free(&s.memory);
@@ -156,8 +161,8 @@ START_TEST(a_share_of_the_way_is_straight_and_turns) {
 }
 END_TEST
 
-/* A sphere comes from 0.03 above the surface to 0.01 below it and 0.05 along it: touching for a quarter of the step, its
- * spring is taken along from the place where the surface was. */
+/* A sphere comes from 0.03 above the surface to 0.01 below it and 0.05 along it: touching for a quarter of
+ * the step, its spring is taken along from the place where the surface was. */
 START_TEST(friction_begins_where_the_tool_came_from) {
     surface s;
     make(&s, 1);
@@ -185,14 +190,16 @@ START_TEST(friction_begins_where_the_tool_came_from) {
 }
 END_TEST
 
-/* A capsule that turns about the vertical by an angle of sine 0.6 about its position and moves: so does the anchor. */
+/* A capsule that turns about the vertical by an angle of sine 0.6 about its position and moves: so does the
+ * anchor. */
 START_TEST(friction_turns_with_a_capsule) {
     surface s;
     make(&s, 1);
     const double position[3] = {0.2, 0.09, 0.3}, moved[3] = {0.01, 0.0, 0.02};
     double to[3];
     along3(position, 1.0, moved, to);
-    palp_tool was = capsule(position, (double[]){1, 0, 0}, 0.4, 0.1), is = capsule(to, (double[]){0.8, 0, 0.6}, 0.4, 0.1);
+    palp_tool was = capsule(position, (double[]){1, 0, 0}, 0.4, 0.1),
+              is = capsule(to, (double[]){0.8, 0, 0.6}, 0.4, 0.1);
     meet(&s, &was, 1.0);
     commit(&s);
     ck_assert_uint_eq(meet(&s, &is, 1.0), 1);
@@ -258,14 +265,15 @@ START_TEST(a_capsule_reaches_as_far_as_it_turns) {
 }
 END_TEST
 
-/* From above a tool may go half an edge through the face. One that begins below it is no contact; one that is new has
- * its stiffness by its share of the step. */
+/* From above a tool may go half an edge through the face. One that begins below it is no contact; one that is
+ * new has its stiffness by its share of the step. */
 START_TEST(a_tool_far_through_or_from_below_is_none) {
     static const double through[] = {0.4, 0.6};
     for (int i = 0; i < 4; i++) {
         surface s;
         make(&s, 1);
-        palp_tool above = sphere(0.25, 0.3, 0.25, 0.2), is = sphere(0.25, -through[i % 2] * EDGE[0], 0.25, 0.2);
+        palp_tool above = sphere(0.25, 0.3, 0.25, 0.2),
+                  is = sphere(0.25, -through[i % 2] * EDGE[0], 0.25, 0.2);
         if (i < 2) {
             meet(&s, &above, 1.0);
             commit(&s);
@@ -282,7 +290,8 @@ START_TEST(a_tool_far_through_or_from_below_is_none) {
 }
 END_TEST
 
-/* A sliver whose height is a millionth of its edge is a triangle, of a billionth of an edge none; however large the mesh. */
+/* A sliver whose height is a millionth of its edge is a triangle, of a billionth of an edge none; however
+ * large the mesh. */
 START_TEST(slivers_are_triangles) {
     for (int none = 0; none < 2; none++) {
         surface s;
@@ -298,8 +307,8 @@ START_TEST(slivers_are_triangles) {
 }
 END_TEST
 
-/* The triangle moves under a capsule that lies on it: the place along a capsule is looked for again once it is 0.1 of an edge
- * from where it was. */
+/* The triangle moves under a capsule that lies on it: the place along a capsule is looked for again once it
+ * is 0.1 of an edge from where it was. */
 START_TEST(a_place_that_slid_is_looked_for_again) {
     for (int far = 0; far < 2; far++) {
         surface s;

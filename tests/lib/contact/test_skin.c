@@ -1,5 +1,5 @@
-/* test_skin.c: the smooth surface that tools touch: Loop's scheme against what is known of it, and how little of the mesh is
- * felt through it. */
+/* test_skin.c: the smooth surface that tools touch: Loop's scheme against what is known of it, and how little
+ * of the mesh is felt through it. */
 #include "tool_make.h"
 #include "contact/skin.h"
 
@@ -69,23 +69,27 @@ START_TEST(weights_are_means) {
 }
 END_TEST
 
-/* In the middle of a face each node has six neighbours: the limit of a vertex is half itself and a twelfth of each (Loop 1987), here
- * of nodes that were moved by the same means before. The corners of a cube stay, its edges and faces stay straight and plane; and a
- * limit does not depend on how often the surface was subdivided on the way there. */
+/* In the middle of a face each node has six neighbours: the limit of a vertex is half itself and a twelfth of
+ * each (Loop 1987), here of nodes that were moved by the same means before. The corners of a cube stay, its
+ * edges and faces stay straight and plane; and a limit does not depend on how often the surface was
+ * subdivided on the way there. */
 START_TEST(limits_are_loops) {
     const size_t n = 7;
     made once, twice;
     make(&once, cube(n, PALP_NEIGHBOURS_26), 1);
     make(&twice, cube(n, PALP_NEIGHBOURS_26), 2);
-    const int32_t middle = (int32_t)((3 * n + 6) * n + 3), corner = (int32_t)(6 * n), edge = (int32_t)((3 * n + 6) * n);
+    const int32_t middle = (int32_t)((3 * n + 6) * n + 3), corner = (int32_t)(6 * n),
+                  edge = (int32_t)((3 * n + 6) * n);
     ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle), 0.25 + 6.0 / 144.0, 1e-14);
-    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle + 1), 1.0 / 12.0 + 2.0 / 144.0, 1e-14);
+    ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)middle, middle + 1), 1.0 / 12.0 + 2.0 / 144.0,
+                            1e-14);
     ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)corner, corner), 1.0, 1e-14);
     ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)edge, edge), 4.0 / 9.0 + 2.0 / 36.0, 1e-14);
     ck_assert_double_eq_tol(weight_of(&once.skin, (size_t)edge, edge + (int32_t)(n * n)), 2.0 / 9.0, 1e-14);
     for (size_t v = 0; v < once.skin.n; v++)
         for (int k = 0; k < 3; k++)
-            ck_assert_double_eq_tol(once.skin.rest[3 * v + (size_t)k], twice.skin.rest[3 * v + (size_t)k], 1e-15);
+            ck_assert_double_eq_tol(once.skin.rest[3 * v + (size_t)k], twice.skin.rest[3 * v + (size_t)k],
+                                    1e-15);
     for (size_t v = 0; v < twice.skin.n; v++) {
         bool on_a_face = twice.skin.around_first[v] == twice.skin.around_first[v + 1]; /* or inside */
         for (size_t k = 0; k < 3; k++) {
@@ -101,8 +105,9 @@ END_TEST
 
 /* ---- what is felt -------------------------------------------------------------------------------- */
 
-/* Of a smooth sphere that is led across two edges of a mesh, around its middle: its mean force, and over that the largest less
- * the smallest force, normal and lateral; of the force less its mean over the way of an edge, which the whole block's shape gives it. */
+/* Of a smooth sphere that is led across two edges of a mesh, around its middle: its mean force, and over that
+ * the largest less the smallest force, normal and lateral; of the force less its mean over the way of an
+ * edge, which the whole block's shape gives it. */
 typedef struct felt {
     double mean, normal, lateral;
 } felt;
@@ -128,8 +133,10 @@ static felt slide(const palp_contact_settings *touch, double radius, double pres
     double force[3][PLACES], mean = 0.0;
     palp_network *net = block(7, &m, 0.0, touch);
     for (int i = -2; i < PLACES; i++) {
-        double aside = edge * ((double)(i < 0 ? 0 : i) / EDGE - 1.0), deep = press * (i < 0 ? (3.0 + i) / 3.0 : 1.0);
-        palp_tool tool = sphere(0.5 * HEIGHT + 3e-4 + aside, HEIGHT - deep, 0.5 * HEIGHT + 7e-4 + (across ? aside : 0.0), radius, 0);
+        double aside = edge * ((double)(i < 0 ? 0 : i) / EDGE - 1.0),
+               deep = press * (i < 0 ? (3.0 + i) / 3.0 : 1.0);
+        palp_tool tool = sphere(0.5 * HEIGHT + 3e-4 + aside, HEIGHT - deep,
+                                0.5 * HEIGHT + 7e-4 + (across ? aside : 0.0), radius, 0);
         palp_tool_force now = step(net, &tool, 0.01);
         for (int k = 0; k < 3 && i >= 0; k++)
             force[k][i] = now.force_N[k];
@@ -147,8 +154,10 @@ START_TEST(a_sphere_feels_little_of_the_mesh) {
         felt smooth = slide(&touch, 0.005, 0.0015, across);
         ck_assert_double_gt(triangles.normal, 0.05);
         ck_assert_double_gt(triangles.lateral, 0.05);
-        ck_assert_msg(smooth.normal < 0.012 && smooth.lateral < 0.015, "ripple %g, lateral %g", smooth.normal, smooth.lateral);
-        ck_assert_double_eq_tol(smooth.mean, triangles.mean, 0.03 * triangles.mean); /* and as much of the tissue */
+        ck_assert_msg(smooth.normal < 0.012 && smooth.lateral < 0.015, "ripple %g, lateral %g", smooth.normal,
+                      smooth.lateral);
+        ck_assert_double_eq_tol(smooth.mean, triangles.mean,
+                                0.03 * triangles.mean); /* and as much of the tissue */
         felt large[2];
         for (int finer = 0; finer < 2; finer++) {
             touch.subdivisions = finer ? 2 : 0;
@@ -166,15 +175,16 @@ START_TEST(a_small_sphere_feels_little_of_the_mesh) {
     palp_contact_settings touch = palp_contact_settings_default();
     touch.subdivisions = 3;
     felt smooth = slide(&touch, 0.003, 0.001, true);
-    ck_assert_msg(smooth.normal < 0.012 && smooth.lateral < 0.012, "ripple %g, lateral %g", smooth.normal, smooth.lateral);
+    ck_assert_msg(smooth.normal < 0.012 && smooth.lateral < 0.012, "ripple %g, lateral %g", smooth.normal,
+                  smooth.lateral);
 }
 END_TEST
 
 START_TEST(forces_balance_and_work_comes_back) {
     palp_contact_settings penalty = palp_contact_settings_default();
     palp_material m = quartic(0);
-    const palp_tool tools[] = {sphere(0.0101, HEIGHT, 0.0117, 0.005, 0.3), capsule(0.0081, HEIGHT, 0.0088, 0.004, 0.3),
-                               plane(HEIGHT, 0.3)};
+    const palp_tool tools[] = {sphere(0.0101, HEIGHT, 0.0117, 0.005, 0.3),
+                               capsule(0.0081, HEIGHT, 0.0088, 0.004, 0.3), plane(HEIGHT, 0.3)};
     penalty.subdivisions = 1;
     for (int t = 0; t < 3; t++) {
         palp_network *net = block(5, &m, 0.0, &penalty);

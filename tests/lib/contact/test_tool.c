@@ -1,4 +1,5 @@
-/* test_tool.c: tools, held nodes and gravity: balances of force and moment, the tangent, where a tool is felt. */
+/* test_tool.c: tools, held nodes and gravity: balances of force and moment, the tangent, where a tool is
+ * felt. */
 #include "tool_make.h"
 
 START_TEST(all_forces_and_moments_balance) {
@@ -7,7 +8,8 @@ START_TEST(all_forces_and_moments_balance) {
     penalty.gravity_m_s2[1] = -9.81;
     penalty.gravity_m_s2[2] = 2.0;
     palp_network *net = block(5, &m, 1000.0, &penalty);
-    palp_tool tools[3] = {sphere(0.007, 0.0235, 0.008, 0.003, 0.4), capsule(0.013, 0.0238, 0.013, 0.002, 0.2),
+    palp_tool tools[3] = {sphere(0.007, 0.0235, 0.008, 0.003, 0.4),
+                          capsule(0.013, 0.0238, 0.013, 0.002, 0.2),
                           {PALP_TOOL_PLANE, {0.001, 0.012, 0.012}, {1, 0, 0}, 0, 0, 0.3}};
     const int32_t held[2] = {4 * 25 + 4 * 5 + 4, 4 * 25 + 2 * 5 + 1};
     double target[6], sum[6];
@@ -97,7 +99,8 @@ static void evaluate_terms(palp_network *net) {
 /* Largest difference of -dF v by central differences and by the terms' products, over the largest of it. */
 static double times_error(palp_network *net, const double *v, double h) {
     size_t n = 3 * net->n_nodes;
-    double *x = malloc(n * sizeof *x), *f = malloc(n * sizeof *f), *kv = calloc(n, sizeof *kv), worst = 0.0, size = 0.0;
+    double *x = malloc(n * sizeof *x), *f = malloc(n * sizeof *f), *kv = calloc(n, sizeof *kv), worst = 0.0,
+           size = 0.0;
     ck_assert(x && f && kv);
     memcpy(x, net->next.x, n * sizeof *x);
     term_times(net, v, kv);
@@ -119,9 +122,10 @@ static double times_error(palp_network *net, const double *v, double h) {
 }
 
 START_TEST(tangent_is_the_derivative) {
-    const palp_tool tools[][2] = {{sphere(0.0075, 0.0232, 0.0083, 0.004, 0), plane(0.0239, 0)},
-                                  {capsule(0.0075, 0.0232, 0.0083, 0.003, 0), sphere(0.021, 0.0236, 0.021, 0.002, 0)},
-                                  {plane(0.0237, 1e9), plane(0.0239, 0)}}; /* which sticks */
+    const palp_tool tools[][2] = {
+        {sphere(0.0075, 0.0232, 0.0083, 0.004, 0), plane(0.0239, 0)},
+        {capsule(0.0075, 0.0232, 0.0083, 0.003, 0), sphere(0.021, 0.0236, 0.021, 0.002, 0)},
+        {plane(0.0237, 1e9), plane(0.0239, 0)}}; /* which sticks */
     for (size_t t = 0; t < 6; t++) {
         palp_network *net = unsettled(tools[t % 3], 2, t / 3);
         size_t n = 3 * net->n_nodes;
@@ -167,10 +171,12 @@ END_TEST
 
 /* The assembled matrix is that of the products: K^-1 (K v) = v. */
 static void assembled_is_that_of_the_products(size_t subdivisions) {
-    const palp_tool tools[2] = {sphere(0.0075, 0.0232, 0.0083, 0.004, 0.2), capsule(0.012, 0.0235, 0.014, 0.002, 0.5)};
+    const palp_tool tools[2] = {sphere(0.0075, 0.0232, 0.0083, 0.004, 0.2),
+                                capsule(0.012, 0.0235, 0.014, 0.002, 0.5)};
     palp_network *net = unsettled(tools, 2, subdivisions);
     size_t n = net->n_free;
-    double *x = malloc(3 * net->n_nodes * sizeof *x), *v = malloc(n * sizeof *v), *r = calloc(n, sizeof *r), scale;
+    double *x = malloc(3 * net->n_nodes * sizeof *x), *v = malloc(n * sizeof *v), *r = calloc(n, sizeof *r),
+           scale;
     double *full = calloc(3 * net->n_nodes, sizeof *full), *kv = calloc(3 * net->n_nodes, sizeof *kv);
     memcpy(x, net->next.x, 3 * net->n_nodes * sizeof *x);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -210,8 +216,8 @@ END_TEST
 
 START_TEST(one_sided) {
     palp_material m = quartic(0);
-    const palp_tool tools[] = {sphere(0.011, HEIGHT, 0.012, 0.004, 0.3), capsule(0.008, HEIGHT, 0.009, 0.003, 0.3),
-                               plane(HEIGHT, 0.3)};
+    const palp_tool tools[] = {sphere(0.011, HEIGHT, 0.012, 0.004, 0.3),
+                               capsule(0.008, HEIGHT, 0.009, 0.003, 0.3), plane(HEIGHT, 0.3)};
     for (int t = 0; t < 3; t++) {
         palp_network *net = block(5, &m, 0.0, NULL);
         palp_tool tool = tools[t];
@@ -237,7 +243,8 @@ END_TEST
 
 /* A sphere of a tenth of an edge is felt in the middle of a triangle and on an edge, much as on a node. */
 START_TEST(smaller_than_the_mesh) {
-    const double edge = HEIGHT / 4.0, at[][2] = {{2.0, 2.0}, {2.5, 2.0}, {2.5, 2.5}, {2.33, 2.67}, {2.67, 2.33}};
+    const double edge = HEIGHT / 4.0,
+                 at[][2] = {{2.0, 2.0}, {2.5, 2.0}, {2.5, 2.5}, {2.33, 2.67}, {2.67, 2.33}};
     palp_material m = linear();
     double force[5];
     for (int i = 0; i < 5; i++) {
@@ -303,8 +310,10 @@ START_TEST(on_tetrahedra) {
         for (int k = 1; k < 3 && i % 3 == 0; k++) {
             bool joined = false;
             for (size_t e = 0; e < net->n_elements && !joined; e++)
-                joined = (net->pair[2 * e] == net->surface[i] && net->pair[2 * e + 1] == net->surface[i + (size_t)k]) ||
-                         (net->pair[2 * e + 1] == net->surface[i] && net->pair[2 * e] == net->surface[i + (size_t)k]);
+                joined = (net->pair[2 * e] == net->surface[i] &&
+                          net->pair[2 * e + 1] == net->surface[i + (size_t)k]) ||
+                         (net->pair[2 * e + 1] == net->surface[i] &&
+                          net->pair[2 * e] == net->surface[i + (size_t)k]);
             ck_assert(joined);
         }
     palp_network_free(net);
@@ -349,7 +358,8 @@ START_TEST(refuses_what_makes_no_sense) {
     ck_assert_int_eq(palp_network_grasp(net, 2, nodes, target), PALP_ERR_LIMIT);
     ck_assert_int_eq(palp_network_grasp(net, 1, nodes + 2, target), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_grasp(net, 1, nodes, (double[]){0, INFINITY, 0}), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_network_grasp(net, 2, nodes, (double[]){0, 0, 0, 0, INFINITY, 0}), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_network_grasp(net, 2, nodes, (double[]){0, 0, 0, 0, INFINITY, 0}),
+                     PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_release(net, 1, nodes), PALP_OK);
     ck_assert_int_eq(palp_network_grasp_force(net, 1, nodes, force), PALP_OK);
     ck_assert_double_eq(force[0], 0.0);

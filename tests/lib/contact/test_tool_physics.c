@@ -1,4 +1,5 @@
-/* test_tool_physics.c: tools against the balance of energy, Coulomb's law, the plate's force, Hertz's exponent. */
+/* test_tool_physics.c: tools against the balance of energy, Coulomb's law, the plate's force, Hertz's
+ * exponent. */
 #include "tool_make.h"
 
 /* ---- energy -------------------------------------------------------------------------------------- */
@@ -32,7 +33,8 @@ START_TEST(smooth_contact_does_no_work_on_a_closed_path) {
                                capsule(0.0081, HEIGHT, 0.0088, 0.004, 0)};
     for (int i = 0; i < 3; i++) {
         double coarse = fabs(loop_work(tools[i], 15)), fine = fabs(loop_work(tools[i], 60));
-        if (tools[i].shape == PALP_TOOL_CAPSULE) { /* drawn to the middle of triangles it is not quite the nearest */
+        if (tools[i].shape ==
+            PALP_TOOL_CAPSULE) { /* drawn to the middle of triangles it is not quite the nearest */
             ck_assert_double_lt(fine, 5e-3);
             continue;
         }
@@ -116,7 +118,8 @@ START_TEST(friction_holds_a_sphere_back) {
 }
 END_TEST
 
-/* A smooth sphere pressed deep and dragged: tissue slides off it and snaps, and each step ends in an equilibrium. */
+/* A smooth sphere pressed deep and dragged: tissue slides off it and snaps, and each step ends in an
+ * equilibrium. */
 START_TEST(snaps_off_a_small_tool) {
     palp_material m = quartic(1);
     palp_network *net = block(7, &m, 0.0, NULL);
@@ -137,7 +140,8 @@ END_TEST
 
 /* ---- what others say ----------------------------------------------------------------------------- */
 
-/* A rough plane is a plate that holds the top: the stiffer the penalty, the nearer to the driven plate's force. */
+/* A rough plane is a plate that holds the top: the stiffer the penalty, the nearer to the driven plate's
+ * force. */
 START_TEST(rough_plane_is_the_driven_plate) {
     palp_material m = quartic(0);
     palp_network *plate = cube_network(5, &m, NULL);

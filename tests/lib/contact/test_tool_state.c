@@ -1,4 +1,5 @@
-/* test_tool_state.c: grasped nodes, what a state remembers of contact, cuts, and networks placed elsewhere. */
+/* test_tool_state.c: grasped nodes, what a state remembers of contact, cuts, and networks placed elsewhere.
+ */
 #include "tool_make.h"
 
 #include <palpate/cut.h>
@@ -19,7 +20,8 @@ START_TEST(grasped_nodes_follow_their_targets) {
         ck_assert_int_eq(palp_network_step(net, 0.0, INFINITY, NULL), PALP_OK);
     }
     for (int k = 0; k < 6; k++)
-        ck_assert_double_eq_tol(palp_network_positions(net)[3 * nodes[k / 3] + k % 3], target[k], 0.02 * 3e-3);
+        ck_assert_double_eq_tol(palp_network_positions(net)[3 * nodes[k / 3] + k % 3], target[k],
+                                0.02 * 3e-3);
     ck_assert_int_eq(palp_network_grasp_force(net, 2, nodes, force), PALP_OK);
     ck_assert_int_eq(palp_network_reaction(net, "bottom", reaction), PALP_OK);
     ck_assert_double_lt(force[1], -0.1); /* the tissue pulls the hand back down */
@@ -132,11 +134,13 @@ START_TEST(save_and_restore_keep_friction_and_grasps) {
 }
 END_TEST
 
-/* What a grasp holds is not loose: restored with the grasp, whether it was enabled before the cutting or after. */
+/* What a grasp holds is not loose: restored with the grasp, whether it was enabled before the cutting or
+ * after. */
 START_TEST(restore_knows_what_a_grasp_holds) {
     palp_material m = quartic(0);
     const palp_contact_settings penalty = palp_contact_settings_default();
-    const double level[2][9] = {{-1, 0.015, -1, -1, 0.015, 1, 1, 0.015, 1}, {-1, 0.015, -1, 1, 0.015, 1, 1, 0.015, -1}};
+    const double level[2][9] = {{-1, 0.015, -1, -1, 0.015, 1, 1, 0.015, 1},
+                                {-1, 0.015, -1, 1, 0.015, 1, 1, 0.015, -1}};
     const int32_t node = 124;
     for (int first = 0; first < 2; first++) {
         palp_network *net, *other;
@@ -180,7 +184,8 @@ END_TEST
 
 /* ---- after a cut --------------------------------------------------------------------------------- */
 
-/* A sphere on a slit as deep as half the block: softer than on whole tissue, in balance, and felt on the new faces. */
+/* A sphere on a slit as deep as half the block: softer than on whole tissue, in balance, and felt on the new
+ * faces. */
 START_TEST(contact_follows_the_surface_of_a_cut) {
     palp_material m = quartic(0);
     palp_tool tool = sphere(0.0121, HEIGHT - 1.5e-3, 0.0118, 0.004, 0.2);
@@ -220,11 +225,13 @@ static void turn(const double r[9], const double t[3], const double *v, double o
 
 /* A model's network turned and moved, tools likewise: the same forces and moments, turned. */
 START_TEST(placed_elsewhere_it_feels_the_same) {
-    static const double one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, at_origin[3] = {0}, moved[3] = {0.1, -0.03, 0.2};
+    static const double one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, at_origin[3] = {0},
+                        moved[3] = {0.1, -0.03, 0.2};
     static const double turned[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6};
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
     const palp_contact_settings penalty = palp_contact_settings_default();
-    const palp_tool tools[2] = {sphere(0.008, 0.0236, 0.009, 0.004, 0.3), capsule(0.014, 0.0236, 0.013, 0.002, 0.3)};
+    const palp_tool tools[2] = {sphere(0.008, 0.0236, 0.009, 0.004, 0.3),
+                                capsule(0.014, 0.0236, 0.013, 0.002, 0.3)};
     palp_tool_force felt[2][2];
     palp_model model;
     palp_mesh_source source;
@@ -283,7 +290,8 @@ START_TEST(models_make_networks) {
     net = NULL;
     model.n_effects = 1;
     ck_assert_int_eq(palp_effect_default(PALP_EFFECT_PLATE_SLIP, &model.effects[0]), PALP_OK);
-    ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_ERR_UNSUPPORTED);
+    ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error),
+                     PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(error.text, "plate_slip"));
     ck_assert_int_eq(palp_effect_default(PALP_EFFECT_MAINS_HUM, &model.effects[0]), PALP_OK);
     ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, &error), PALP_OK);
@@ -300,8 +308,8 @@ START_TEST(models_make_networks) {
 }
 END_TEST
 
-/* A plane that pressed draws back by 5 % of an edge: the guess of the nodes it touched goes along, and of no others. One that
- * draws back by 15 % is not followed. */
+/* A plane that pressed draws back by 5 % of an edge: the guess of the nodes it touched goes along, and of no
+ * others. One that draws back by 15 % is not followed. */
 START_TEST(a_guess_follows_a_tool_that_draws_back) {
     for (int far = 0; far < 2; far++) {
         palp_material m = linear();

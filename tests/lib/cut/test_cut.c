@@ -25,7 +25,8 @@ START_TEST(cut_through_bears_no_force) {
 }
 END_TEST
 
-/* Cut while pressed, half through, then led to the relaxed state: as a network that never had the elements. */
+/* Cut while pressed, half through, then led to the relaxed state: as a network that never had the elements.
+ */
 START_TEST(half_through_is_as_built_without) {
     palp_material m = quartic(_i == 0 ? 0 : 2);
     palp_network *net = cuttable(5, &m);
@@ -103,7 +104,7 @@ START_TEST(mechanisms_bear_nothing) {
     palp_material m = quartic(0);
     palp_network *net = cuttable(4, &m), *part = cuttable(4, &m);
     const int32_t node = 2 * 16 + 2 * 4 + 1; /* inside */
-    int32_t all[26], n_all = 0; /* by neighbour: the last two are not in line */
+    int32_t all[26], n_all = 0;              /* by neighbour: the last two are not in line */
     for (int32_t other = 0; other < 64; other++) {
         size_t e = palp_mesh_element_between(palp_network_mesh(net), node, other);
         if (e < element_count(net))
@@ -130,7 +131,8 @@ END_TEST
 
 /* Three parallel springs of 10, 20 and 24 mm from fixed feet to one plate, K = 2 N: strain d / L each. */
 static palp_network *bundle(void) {
-    static const double x[] = {0, 0.014, 0, 0.01, 0.004, 0, 0.02, 0, 0, 0, HEIGHT, 0, 0.01, HEIGHT, 0, 0.02, HEIGHT, 0};
+    static const double x[] = {0, 0.014,  0, 0.01, 0.004,  0, 0.02, 0,      0,
+                               0, HEIGHT, 0, 0.01, HEIGHT, 0, 0.02, HEIGHT, 0};
     static const int32_t pairs[] = {0, 3, 1, 4, 2, 5, 0, 1, 1, 2};
     palp_mesh *mesh = NULL;
     palp_material m = {.n_arms = 0};
@@ -155,7 +157,8 @@ START_TEST(a_bundle_tears_one_by_one) {
     size_t left = 3;
     ck_assert_int_eq(palp_network_enable_cutting(net), PALP_OK);
     ck_assert_int_eq(palp_network_set_tearing(net, by_force ? 0.0 : 0.3, by_force ? 0.6 : 0.0), PALP_OK);
-    for (int k = 1; k <= 80; k++) { /* 0.1 mm upwards each; strain 0.3, 0.6 N, is reached at 3, 6 and 7.2 mm */
+    for (int k = 1; k <= 80;
+         k++) { /* 0.1 mm upwards each; strain 0.3, 0.6 N, is reached at 3, 6 and 7.2 mm */
         double up = 1e-4 * k, force = 0.0;
         size_t torn = 9, n = 0, expected = 0;
         step_to(net, -up, 1.0);
@@ -177,8 +180,8 @@ START_TEST(a_bundle_tears_one_by_one) {
 }
 END_TEST
 
-/* Two springs in a row bear the same force: the shorter rest length stretches as much, both tear at once and the
- * node between them is loose. Pressing tears nothing. */
+/* Two springs in a row bear the same force: the shorter rest length stretches as much, both tear at once and
+ * the node between them is loose. Pressing tears nothing. */
 START_TEST(a_chain_tears_in_tension_only) {
     palp_material m = quartic(0);
     palp_network *net = column_of(3, &m);

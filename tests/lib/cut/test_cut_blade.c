@@ -35,7 +35,8 @@ START_TEST(the_order_of_corners_plays_no_part) {
     palp_mesh *mesh = NULL;
     palp_material m = quartic(0);
     palp_network_settings settings = palp_network_settings_default();
-    ck_assert_int_eq(palp_mesh_lattice((size_t[]){5, 5, 5}, (double[]){1, 1, 1}, PALP_NEIGHBOURS_26, &mesh), PALP_OK);
+    ck_assert_int_eq(palp_mesh_lattice((size_t[]){5, 5, 5}, (double[]){1, 1, 1}, PALP_NEIGHBOURS_26, &mesh),
+                     PALP_OK);
     palp_network *net = network_on(mesh, &m, &settings);
     palp_mesh_free(mesh);
     ck_assert_int_eq(palp_network_enable_cutting(net), PALP_OK);
@@ -58,13 +59,15 @@ START_TEST(the_order_of_corners_plays_no_part) {
 }
 END_TEST
 
-/* A blade's edge along a lattice line, its diagonal too: the rectangle x, z in (0, 1/2) at y between two layers.
- * Whatever the diagonal, each vertical element with its foot in the half open rectangle is cut once, none twice. */
+/* A blade's edge along a lattice line, its diagonal too: the rectangle x, z in (0, 1/2) at y between two
+ * layers. Whatever the diagonal, each vertical element with its foot in the half open rectangle is cut once,
+ * none twice. */
 START_TEST(the_seam_of_a_sweep_lets_nothing_through) {
     palp_material m = quartic(0);
     palp_mesh *mesh = NULL;
     palp_network_settings settings = palp_network_settings_default();
-    ck_assert_int_eq(palp_mesh_lattice((size_t[]){5, 3, 5}, (double[]){1, 0.5, 1}, PALP_NEIGHBOURS_6, &mesh), PALP_OK);
+    ck_assert_int_eq(palp_mesh_lattice((size_t[]){5, 3, 5}, (double[]){1, 0.5, 1}, PALP_NEIGHBOURS_6, &mesh),
+                     PALP_OK);
     palp_network *net = network_on(mesh, &m, &settings);
     palp_mesh_free(mesh);
     ck_assert_int_eq(palp_network_enable_cutting(net), PALP_OK);
@@ -84,14 +87,15 @@ START_TEST(the_seam_of_a_sweep_lets_nothing_through) {
 }
 END_TEST
 
-/* Springs that pass the seam of two triangles within some roundings of it, on either side: each is cut by one of the
- * two, whatever the order of their corners. A chain below the blade joins their feet. */
+/* Springs that pass the seam of two triangles within some roundings of it, on either side: each is cut by one
+ * of the two, whatever the order of their corners. A chain below the blade joins their feet. */
 START_TEST(at_its_seam_a_sweep_cuts_once) {
     enum { SPRINGS = 20000 };
     static const int turn[3][3] = {{0, 1, 2}, {1, 2, 0}, {2, 1, 0}};
     static double x[6 * SPRINGS];
     static int32_t pair[4 * SPRINGS];
-    const double corner[4][3] = {{0.011, 0.1003, -0.37}, {1.31, 0.087, -0.211}, {1.07, 0.153, 0.83}, {-0.13, 0.21, 0.617}};
+    const double corner[4][3] = {
+        {0.011, 0.1003, -0.37}, {1.31, 0.087, -0.211}, {1.07, 0.153, 0.83}, {-0.13, 0.21, 0.617}};
     uint64_t seed = 3 + (uint64_t)_i;
     palp_material m = quartic(0);
     palp_mesh *mesh = NULL;
@@ -100,7 +104,8 @@ START_TEST(at_its_seam_a_sweep_cuts_once) {
         double up = 0.1 + palp_random_uniform(&seed), down = 0.1 + palp_random_uniform(&seed);
         double along[3] = {palp_random_uniform(&seed) - 0.5, 1, palp_random_uniform(&seed) - 0.5};
         for (size_t k = 0; k < 3; k++) {
-            double at = corner[0][k] + t * (corner[2][k] - corner[0][k]) + off * (corner[1][k] - corner[3][k]);
+            double at =
+                corner[0][k] + t * (corner[2][k] - corner[0][k]) + off * (corner[1][k] - corner[3][k]);
             x[6 * i + k] = at - down * along[k];
             x[6 * i + 3 + k] = at + up * along[k];
         }
@@ -201,7 +206,8 @@ START_TEST(nodes_on_the_blade_are_on_one_side) {
     static const double shift[3] = {1.0, 0.7548776662466927, 0.5698402909980532};
     uint64_t seed = 4;
     for (int trial = 0; trial < 2000; trial++) {
-        double corners[9], u[3], v[3], x[3], s = palp_random_uniform(&seed), t = palp_random_uniform(&seed), d = 0.0;
+        double corners[9], u[3], v[3], x[3], s = palp_random_uniform(&seed), t = palp_random_uniform(&seed),
+                                             d = 0.0;
         signed char side;
         for (int i = 0; i < 9; i++)
             corners[i] = palp_random_uniform(&seed) - 0.5;

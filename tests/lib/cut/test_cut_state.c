@@ -1,4 +1,5 @@
-/* test_cut_state.c: cuts through commits, resets and copies, loose parts, budgets; the surface that is left. */
+/* test_cut_state.c: cuts through commits, resets and copies, loose parts, budgets; the surface that is left.
+ */
 #include "cut_make.h"
 
 /* ---- state --------------------------------------------------------------------------------------- */
@@ -110,7 +111,8 @@ START_TEST(a_walk_ends_where_a_fresh_network_is) {
         if (!r.alive[e])
             ck_assert_int_eq(palp_network_cut_elements(fresh, 1, &(int32_t){(int32_t)e}), PALP_OK);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        fresh->now.x[i] = net->now.x[i] + (net->dof[i] < 0 ? 0.0 : 1e-6 * HEIGHT * (palp_random_uniform(&seed) - 0.5));
+        fresh->now.x[i] =
+            net->now.x[i] + (net->dof[i] < 0 ? 0.0 : 1e-6 * HEIGHT * (palp_random_uniform(&seed) - 0.5));
     fresh->now.depth = net->now.depth;
     for (int k = 0; k < 4; k++)
         step_to(fresh, 0.02 * HEIGHT, INFINITY);
@@ -222,7 +224,8 @@ START_TEST(a_tool_moves_a_loose_part) {
     palp_network_settings settings = palp_network_settings_default();
     palp_contact_settings contact = palp_contact_settings_default();
     palp_network *net;
-    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .position_m = {-0.01, 0.75 * HEIGHT, 0.5 * HEIGHT}, .radius_m = 0.008};
+    palp_tool tool = {
+        .shape = PALP_TOOL_SPHERE, .position_m = {-0.01, 0.75 * HEIGHT, 0.5 * HEIGHT}, .radius_m = 0.008};
     ck_assert_int_eq(palp_network_create(mesh, &m, 1, &bottom, &settings, &net, NULL), PALP_OK);
     palp_mesh_free(mesh);
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &contact), PALP_OK);
@@ -269,7 +272,9 @@ START_TEST(cuts_within_a_budget) {
             random_blade(&seed, 1.0, corners);
             ck_assert_int_eq(palp_network_cut(net, corners, NULL), PALP_OK);
         }
-        ck_assert_int_eq(palp_realtime_step(realtime, 0.05 * HEIGHT * fmin(1.0, k / 30.0), 0.002, &budget, &info), PALP_OK);
+        ck_assert_int_eq(
+            palp_realtime_step(realtime, 0.05 * HEIGHT * fmin(1.0, k / 30.0), 0.002, &budget, &info),
+            PALP_OK);
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             ck_assert(isfinite(net->now.x[i]) && isfinite(net->now.inner[i]));
     }
@@ -307,7 +312,8 @@ static bool has_cut_edge(const palp_network *net, const int32_t *t) {
     return false;
 }
 
-/* It encloses the volume of the tetrahedra without a cut edge, at rest, and every edge is walked both ways. */
+/* It encloses the volume of the tetrahedra without a cut edge, at rest, and every edge is walked both ways.
+ */
 static void check_surface(const palp_network *net) {
     const palp_mesh *mesh = palp_network_mesh(net);
     const double *x = palp_mesh_positions(mesh);

@@ -1,12 +1,13 @@
-/* test_cut_terms.c: all terms together: a network's forces are the slopes of its energy, its tangent theirs. */
+/* test_cut_terms.c: all terms together: a network's forces are the slopes of its energy, its tangent theirs.
+ */
 #include "contact/contact_internal.h"
 #include "cut_make.h"
 
 enum { SIDE = 4, INNER = 2 * 16 + 2 * 4 + 1 };
 static const double CHANGE = 1e-7; /* m */
 
-/* A block that rests on a foundation, pressed by a sphere, weighed, held at a node, with one node cut loose; within a
- * step from a state that it has moved to. */
+/* A block that rests on a foundation, pressed by a sphere, weighed, held at a node, with one node cut loose;
+ * within a step from a state that it has moved to. */
 static palp_network *everything(void) {
     palp_mesh *mesh = cube(SIDE, PALP_NEIGHBOURS_26);
     palp_material m = quartic(2);
@@ -29,7 +30,8 @@ static palp_network *everything(void) {
             around[n++] = (int32_t)(e / 2);
     ck_assert_uint_eq(n, 26);
     ck_assert_int_eq(palp_network_cut_elements(net, n, around), PALP_OK);
-    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .position_m = {0.008, HEIGHT + 0.0075, 0.0085}, .radius_m = 0.008};
+    palp_tool tool = {
+        .shape = PALP_TOOL_SPHERE, .position_m = {0.008, HEIGHT + 0.0075, 0.0085}, .radius_m = 0.008};
     ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
     double target[3];
     for (size_t k = 0; k < 3; k++)
@@ -75,27 +77,32 @@ START_TEST(forces_are_slopes_of_the_energy) {
         network_tangent_times(net, unit, product);
         for (size_t i = 0; i < N; i++)
             if (net->dof[i] >= 0)
-                ck_assert_double_eq_tol(product[i], (force[0][i] - force[1][i]) / (2.0 * CHANGE), 1e-4 * fabs(product[j]));
+                ck_assert_double_eq_tol(product[i], (force[0][i] - force[1][i]) / (2.0 * CHANGE),
+                                        1e-4 * fabs(product[j]));
     }
     palp_network_free(net);
 }
 END_TEST
 
-/* A node that hangs on nothing has a thousandth of the springs it had: 6 along an edge, 12 across a face, 8 across a cell, at
- * a strain of 0.1, arms included. */
+/* A node that hangs on nothing has a thousandth of the springs it had: 6 along an edge, 12 across a face, 8
+ * across a cell, at a strain of 0.1, arms included. */
 START_TEST(a_loose_node_has_a_weak_spring) {
     palp_network *net = everything();
-    double law = 0.54 - 2.34 * 0.1 + 33.25 * 0.01 - 124.03 * 0.001 + 177.63 * 0.0001, energy, force[3 * SIDE * SIDE * SIDE];
-    double stiffness = 1e-3 * (law + 0.4 + 0.15) / (HEIGHT / (SIDE - 1)) * (6.0 + 12.0 / sqrt(2.0) + 8.0 / sqrt(3.0));
+    double law = 0.54 - 2.34 * 0.1 + 33.25 * 0.01 - 124.03 * 0.001 + 177.63 * 0.0001, energy,
+           force[3 * SIDE * SIDE * SIDE];
+    double stiffness =
+        1e-3 * (law + 0.4 + 0.15) / (HEIGHT / (SIDE - 1)) * (6.0 + 12.0 / sqrt(2.0) + 8.0 / sqrt(3.0));
     ck_assert_double_eq_tol(cut_spring(cut_of(net), INNER), stiffness, 1e-9 * stiffness);
     ck_assert_double_eq(cut_spring(cut_of(net), INNER + 1), 0.0);
-    ck_assert_double_eq_tol(cut_of(net)->diagonal[INNER + 1], 1e-3 * stiffness, 1e-12 * stiffness); /* inner as well */
+    ck_assert_double_eq_tol(cut_of(net)->diagonal[INNER + 1], 1e-3 * stiffness,
+                            1e-12 * stiffness); /* inner as well */
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
     moved(net, 3 * INNER, 0.0, &energy, force);
     double before = force[3 * INNER];
     moved(net, 3 * INNER, 1e-3, &energy, force); /* its mass pulls too: m / dt^2 of the step of 10 ms */
     double inertia = net->mass[INNER] / 1e-4 * 1e-3;
-    double rest[3 * SIDE * SIDE * SIDE] = {0.0}, squares = 0.0, wanted = 0.0; /* how far rounding leaves it uncertain */
+    double rest[3 * SIDE * SIDE * SIDE] = {0.0}, squares = 0.0,
+                                  wanted = 0.0; /* how far rounding leaves it uncertain */
     const network_term *term = &cut_of(net)->term;
     term->kind->residual(term, net, rest, &squares);
     for (size_t k = 0; k < 3; k++)
@@ -106,11 +113,13 @@ START_TEST(a_loose_node_has_a_weak_spring) {
 }
 END_TEST
 
-/* What is left of the residual on the nodes that a hand and a tool press on goes to them, in the shares of their springs. */
+/* What is left of the residual on the nodes that a hand and a tool press on goes to them, in the shares of
+ * their springs. */
 START_TEST(hands_and_tools_take_what_is_left) {
     palp_network *net = everything();
     const size_t corner = net->n_nodes - 1;
-    double weight[SIDE * SIDE * SIDE] = {0.0}, residual[3 * SIDE * SIDE * SIDE], wanted[3] = {0.0}, hand[3], felt[3];
+    double weight[SIDE * SIDE * SIDE] = {0.0}, residual[3 * SIDE * SIDE * SIDE], wanted[3] = {0.0}, hand[3],
+                                felt[3];
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
     ck_assert(network_evaluate(net));
     network_finish(net);

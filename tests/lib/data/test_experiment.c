@@ -349,7 +349,8 @@ static palp_experiment *part(int first) {
     return e;
 }
 
-/* What goes on in other files is one run, whichever comes first: its rows in turn, the keys of the first part, and how the last ended. */
+/* What goes on in other files is one run, whichever comes first: its rows in turn, the keys of the first
+ * part, and how the last ended. */
 START_TEST(run_in_three_files_is_one) {
     static const size_t orders[][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     const size_t *order = orders[_i], alone = 3;

@@ -369,7 +369,8 @@ static palp_experiment *times(double depth_factor, double force_factor) {
     return e;
 }
 
-/* A force of +-0.004 N, whose noise is 0.016 / sqrt(6) N, and a step of so many sds above its first sample. */
+/* A force of +-0.004 N, whose noise is 0.016 / sqrt(6) N, and a step of so many sds above its first sample.
+ */
 static palp_experiment *a_step_of(double sds) {
     take t = clean();
     palp_experiment *e = record(&t);

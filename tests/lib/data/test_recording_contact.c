@@ -1,5 +1,5 @@
-/* test_recording_contact.c: contact, zero force, clipping and the noise's lines of recordings made by formula, against
- * formulas. */
+/* test_recording_contact.c: contact, zero force, clipping and the noise's lines of recordings made by
+ * formula, against formulas. */
 #include "data/recording_internal.h"
 
 #include <check.h>
@@ -19,8 +19,13 @@ typedef struct made {
 static made *make(size_t n) {
     made *m = calloc(1, sizeof *m);
     ck_assert_ptr_nonnull(m);
-    m->r = (palp_recording){.n = n, .time_s = m->time, .depth_m = m->depth, .force_N = m->force, .use = m->use,
-                            .height_m = 0.024, .noise_N = 1e-4};
+    m->r = (palp_recording){.n = n,
+                            .time_s = m->time,
+                            .depth_m = m->depth,
+                            .force_N = m->force,
+                            .use = m->use,
+                            .height_m = 0.024,
+                            .noise_N = 1e-4};
     for (size_t i = 0; i < n; i++) {
         m->time[i] = 1e-3 * (double)i;
         m->use[i] = 1;
@@ -28,7 +33,8 @@ static made *make(size_t n) {
     return m;
 }
 
-/* From -air samples above 0 to 2.05 mm: a thousandth, 3 and 6 percent of that are 0.2, 6.15 and 12.3 samples. */
+/* From -air samples above 0 to 2.05 mm: a thousandth, 3 and 6 percent of that are 0.2, 6.15 and 12.3 samples.
+ */
 static made *press(size_t air, double zero_N) {
     made *m = make(air + 206);
     for (size_t i = 0; i < m->r.n; i++) {
@@ -39,7 +45,8 @@ static made *press(size_t air, double zero_N) {
 }
 
 /* Where a line through n points crosses zero, and the sd of that. */
-static double crossing(size_t n, const double *x, const double *y, double zero, double noise, double zero_sd, double *sd) {
+static double crossing(size_t n, const double *x, const double *y, double zero, double noise, double zero_sd,
+                       double *sd) {
     double s = (double)n, sx = 0, sy = 0, sxx = 0, sxy = 0;
     for (size_t i = 0; i < n; i++) {
         sx += x[i];
@@ -54,8 +61,8 @@ static double crossing(size_t n, const double *x, const double *y, double zero, 
     return at;
 }
 
-/* The specimen begins at sample `touch`, whose depth is not 0. The window's sum passes 12 sds, 1.2e-3 N, with the second
- * sample of the rise: from there on it is extrapolated. */
+/* The specimen begins at sample `touch`, whose depth is not 0. The window's sum passes 12 sds, 1.2e-3 N, with
+ * the second sample of the rise: from there on it is extrapolated. */
 static void contact_at(size_t touch, double beyond_m) {
     const palp_recording_settings settings = palp_recording_settings_default();
     made *m = press(100, 0.3);
@@ -81,12 +88,13 @@ START_TEST(contact_is_the_crossing_of_the_first_of_the_rise) {
     contact_at(104, 0.0);
     contact_at(110, 0.0);
     contact_at(120, 0.0);
-    contact_at(110, 2e-6); /* less than a thousandth of the way from the start, 3.05 mm: not yet past contact */
+    contact_at(110,
+               2e-6); /* less than a thousandth of the way from the start, 3.05 mm: not yet past contact */
 }
 END_TEST
 
-/* Contact is looked for up to half the largest force: a force that falls back to zero at 0.4 of it had not met the specimen
- * yet, at 0.6 of it the specimen lets go for a while. */
+/* Contact is looked for up to half the largest force: a force that falls back to zero at 0.4 of it had not
+ * met the specimen yet, at 0.6 of it the specimen lets go for a while. */
 START_TEST(contact_comes_before_half_the_force) {
     for (int later = 0; later < 2; later++) {
         const palp_recording_settings settings = palp_recording_settings_default();
@@ -158,7 +166,8 @@ START_TEST(a_nominal_contact_is_doubted_by_what_the_rise_says) {
     for (size_t i = 0; i < m->r.n; i++)
         m->force[i] = SLOPE_N_M * (m->depth[i] + 3e-5);
     recording_find_contact(&m->r, &settings);
-    double sd, at = crossing(7, m->depth + 1, m->force + 1, 0.0, 1e-4, 0.0, &sd); /* from the first that moved */
+    double sd,
+        at = crossing(7, m->depth + 1, m->force + 1, 0.0, 1e-4, 0.0, &sd); /* from the first that moved */
     ck_assert_int_eq(m->r.contact_rule, PALP_CONTACT_NOMINAL);
     ck_assert_double_eq_tol(at, -3e-5, 1e-12);
     ck_assert_double_eq_tol(m->r.contact_sd_m, hypot(sd, at), 1e-11);
@@ -171,7 +180,8 @@ START_TEST(a_nominal_contact_is_doubted_by_what_the_rise_says) {
 }
 END_TEST
 
-/* Ten parts of ten samples, each at a level of its own: the sd of their mean, unless white noise says more. */
+/* Ten parts of ten samples, each at a level of its own: the sd of their mean, unless white noise says more.
+ */
 START_TEST(zero_force_that_is_not_white) {
     const palp_recording_settings settings = palp_recording_settings_default();
     for (int big = 0; big < 2; big++) {
@@ -179,7 +189,8 @@ START_TEST(zero_force_that_is_not_white) {
         made *m = make(400);
         for (size_t i = 0; i < m->r.n; i++) {
             m->depth[i] = i < 100 ? 0.0 : STEP_M * (double)(i - 99);
-            m->force[i] = 0.5 + (i < 100 ? 3.0 * level * ((i / 10) % 2 ? 1.0 : -1.0) : 0.1 * (double)(i - 99));
+            m->force[i] =
+                0.5 + (i < 100 ? 3.0 * level * ((i / 10) % 2 ? 1.0 : -1.0) : 0.1 * (double)(i - 99));
         }
         recording_find_contact(&m->r, &settings);
         double parts = 3.0 * level * sqrt(10.0 / 9.0 / 10.0);
@@ -235,13 +246,13 @@ START_TEST(clipping_is_a_flat_top_while_the_plate_moves) {
     ck_assert_uint_eq(clipped(4, 0.002, 1.0), 0);
     ck_assert_uint_eq(clipped(20, 0.020, 1.0), 20);
     ck_assert_uint_eq(clipped(19, 0.020, 1.0), 0);
-    ck_assert_uint_eq(clipped(20, 0.002, 0.0), 0); /* a hold of an elastic specimen */
+    ck_assert_uint_eq(clipped(20, 0.002, 0.0), 0);  /* a hold of an elastic specimen */
     ck_assert_uint_eq(clipped(20, 0.002, 0.02), 0); /* 0.4 of the converter's steps */
 }
 END_TEST
 
-/* Of a converter with ten steps on the way the force stays on its largest for a third of the way at least, by which it should
- * have risen by three of them. */
+/* Of a converter with ten steps on the way the force stays on its largest for a third of the way at least, by
+ * which it should have risen by three of them. */
 START_TEST(a_coarse_converter_is_not_clipping) {
     for (size_t flat = 290; flat <= 320; flat += 30) {
         made *m = make(1001);
@@ -270,11 +281,19 @@ static palp_recording tail(double (*noise)(size_t i)) {
     free(m);
     return r;
 }
-static double alternating(size_t i) { return i % 2 ? 1e-3 : -1e-3; }
-static double pairs(size_t i) { return i % 4 < 2 ? 1e-3 : -1e-3; }
-static double blocks(size_t i) { return i % 8 < 4 ? 1e-3 : -1e-3; }
+static double alternating(size_t i) {
+    return i % 2 ? 1e-3 : -1e-3;
+}
+static double pairs(size_t i) {
+    return i % 4 < 2 ? 1e-3 : -1e-3;
+}
+static double blocks(size_t i) {
+    return i % 8 < 4 ? 1e-3 : -1e-3;
+}
 static double hum_Hz;
-static double hum(size_t i) { return 2e-3 * cos(2.0 * 3.14159265358979 * hum_Hz * 1e-3 * (double)i + 0.7); }
+static double hum(size_t i) {
+    return 2e-3 * cos(2.0 * 3.14159265358979 * hum_Hz * 1e-3 * (double)i + 0.7);
+}
 
 START_TEST(correlation_from_sample_to_sample) {
     ck_assert_double_eq_tol(tail(alternating).correlation, -1.0, 2e-3);
@@ -284,7 +303,8 @@ START_TEST(correlation_from_sample_to_sample) {
 }
 END_TEST
 
-/* A plate that moves to the end leaves no still stretch to tell it from: a thousandth of the way is motion. */
+/* A plate that moves to the end leaves no still stretch to tell it from: a thousandth of the way is motion.
+ */
 START_TEST(correlation_is_of_a_still_end) {
     for (int still = 0; still < 2; still++) {
         made *m = make(2000);

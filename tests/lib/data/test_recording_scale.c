@@ -1,5 +1,5 @@
-/* test_recording_scale.c: force, length and time in other units give the same recording: its contact, zero, noise, kind and
- * motion scale. */
+/* test_recording_scale.c: force, length and time in other units give the same recording: its contact, zero,
+ * noise, kind and motion scale. */
 #include "recordings.h"
 
 static palp_recording scaled(const take *t, double force, double length, double time) {
@@ -16,8 +16,10 @@ static palp_recording scaled(const take *t, double force, double length, double 
 }
 
 START_TEST(scales_change_nothing) {
-    static const double forces[] = {1e-9, 1e-3, 1.0, 1e3}, lengths[] = {1e-4, 1.0, 10.0}, times[] = {1e-3, 1.0, 1e3};
-    take t = {two_arms(8.9, 2.3, 3.5, 0.63, 21.0), 4.0, 1.0, 6.0, 1.0, 100.0, _i ? 0.004 : 0.0, "ramp_hold", 11};
+    static const double forces[] = {1e-9, 1e-3, 1.0, 1e3}, lengths[] = {1e-4, 1.0, 10.0},
+                        times[] = {1e-3, 1.0, 1e3};
+    take t = {
+        two_arms(8.9, 2.3, 3.5, 0.63, 21.0), 4.0, 1.0, 6.0, 1.0, 100.0, _i ? 0.004 : 0.0, "ramp_hold", 11};
     palp_recording one = scaled(&t, 1.0, 1.0, 1.0);
     ck_assert_int_eq(one.kind, PALP_RECORDING_RAMP_HOLD);
     for (size_t k = 0; k < 36; k++) {
@@ -37,7 +39,8 @@ START_TEST(scales_change_nothing) {
 }
 END_TEST
 
-/* Two recordings of the same press, but for the noise: zero and contact by the same rule, within what their sds say. */
+/* Two recordings of the same press, but for the noise: zero and contact by the same rule, within what their
+ * sds say. */
 START_TEST(identical_runs_are_found_alike) {
     double low = HUGE_VAL, high = -HUGE_VAL, sd = 0.0;
     for (uint64_t seed = 1; seed <= 24; seed++) {

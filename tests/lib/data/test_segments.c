@@ -25,23 +25,28 @@ START_TEST(noise_by_the_median_of_the_bends) {
     for (size_t i = 0; i < BENDS; i++)
         bend[i] = (double)(i + 1);
     integrate(BENDS, bend, force);
-    ck_assert_double_eq_tol(noise_of(BENDS + 2, NULL, force, PALP_NOISE_MEDIAN), 1.4826 * 11.0 / sqrt(6.0), 1e-12);
+    ck_assert_double_eq_tol(noise_of(BENDS + 2, NULL, force, PALP_NOISE_MEDIAN), 1.4826 * 11.0 / sqrt(6.0),
+                            1e-12);
     ck_assert_double_eq(noise_of(2, NULL, force, PALP_NOISE_MEDIAN), 0.0);
 }
 END_TEST
 
 /* Either many bends of one size, or a seventh far beyond the middle; the largest does not count. */
 START_TEST(noise_of_a_coarse_converter) {
-    const double even[BENDS] = {1, 2, 3, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 11, 12, 13, 14, 15, 16, 17, 1000};
+    const double even[BENDS] = {1,  2,  3,  10, 10, 10, 10, 10, 10, 10,  10,
+                                10, 10, 11, 12, 13, 14, 15, 16, 17, 1000};
     const double wide[BENDS] = {1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 40, 50, 60, 70};
     const double neither[BENDS] = {1, 1, 1, 1, 1, 8, 9, 9, 9, 9, 10, 10, 10, 10, 10, 10, 10, 10, 49, 60, 70};
     double force[BENDS + 2];
     integrate(BENDS, even, force);
-    ck_assert_double_eq_tol(noise_of(BENDS + 2, NULL, force, PALP_NOISE_MEDIAN), sqrt(2414.0 / 20.0 / 6.0), 1e-12);
+    ck_assert_double_eq_tol(noise_of(BENDS + 2, NULL, force, PALP_NOISE_MEDIAN), sqrt(2414.0 / 20.0 / 6.0),
+                            1e-12);
     integrate(BENDS, wide, force);
-    ck_assert_double_eq_tol(noise_of(BENDS + 2, NULL, force, PALP_NOISE_MEDIAN), sqrt(7750.0 / 20.0 / 6.0), 1e-12);
+    ck_assert_double_eq_tol(noise_of(BENDS + 2, NULL, force, PALP_NOISE_MEDIAN), sqrt(7750.0 / 20.0 / 6.0),
+                            1e-12);
     integrate(BENDS, neither, force);
-    ck_assert_double_eq_tol(noise_of(BENDS + 2, NULL, force, PALP_NOISE_MEDIAN), 1.4826 * 9.0 / sqrt(6.0), 1e-12); /* without 60 and 70 */
+    ck_assert_double_eq_tol(noise_of(BENDS + 2, NULL, force, PALP_NOISE_MEDIAN), 1.4826 * 9.0 / sqrt(6.0),
+                            1e-12); /* without 60 and 70 */
 }
 END_TEST
 
@@ -52,7 +57,8 @@ START_TEST(noise_without_the_largest_twentieth) {
     force[0] = force[1] = 0.0;
     for (size_t i = 0; i < 40; i++)
         force[i + 2] = bend[i * 7 % 40] + 2.0 * force[i + 1] - force[i];
-    ck_assert_double_eq_tol(noise_of(42, NULL, force, PALP_NOISE_TRIMMED), sqrt(19019.0 / 38.0 / 0.76 / 6.0), 1e-6);
+    ck_assert_double_eq_tol(noise_of(42, NULL, force, PALP_NOISE_TRIMMED), sqrt(19019.0 / 38.0 / 0.76 / 6.0),
+                            1e-6);
 }
 END_TEST
 
@@ -67,9 +73,12 @@ START_TEST(a_gap_tells_no_noise) {
         double bend = i == 9 || i == 10 ? 1e6 : (double)(k * 8 % BENDS + 1);
         force[i + 2] = bend + 2.0 * force[i + 1] - force[i];
     }
-    ck_assert_double_eq_tol(noise_of(BENDS + 4, time, force, PALP_NOISE_MEDIAN), 1.4826 * 11.0 / sqrt(6.0), 1e-6);
-    ck_assert_double_eq_tol(noise_of(BENDS + 4, NULL, force, PALP_NOISE_MEDIAN), 1.4826 * 11.0 / sqrt(6.0), 1e-6); /* nor so few */
-    ck_assert_double_gt(noise_of(BENDS + 4, NULL, force, PALP_NOISE_TRIMMED), noise_of(BENDS + 4, time, force, PALP_NOISE_TRIMMED));
+    ck_assert_double_eq_tol(noise_of(BENDS + 4, time, force, PALP_NOISE_MEDIAN), 1.4826 * 11.0 / sqrt(6.0),
+                            1e-6);
+    ck_assert_double_eq_tol(noise_of(BENDS + 4, NULL, force, PALP_NOISE_MEDIAN), 1.4826 * 11.0 / sqrt(6.0),
+                            1e-6); /* nor so few */
+    ck_assert_double_gt(noise_of(BENDS + 4, NULL, force, PALP_NOISE_TRIMMED),
+                        noise_of(BENDS + 4, time, force, PALP_NOISE_TRIMMED));
 }
 END_TEST
 
@@ -88,14 +97,10 @@ static size_t spikes_in(const double f[9], size_t *where) {
 START_TEST(a_spike_is_beyond_the_noise_and_three_times_the_curve) {
     for (int over = 0; over < 2; over++) {
         double at = over ? 0.1 : -0.1;
-        const double f[][9] = {{0, 0, 0, 0, 8.0 + at, 0, 0, 0, 0},
-                               {0, 0, 0, 0, -8.0 - at, 0, 0, 0, 0},
-                               {-1, -1, -1, 0, 11.0 + at, 0, 0, 0, 0},
-                               {1, 1, 1, 0, 11.0 + at, 0, 0, 0, 0},
-                               {0, 0, 0, 0, 11.0 + at, 0, -1, -1, -1},
-                               {0, 0, 0, 0, 11.0 + at, 0, 1, 1, 1},
-                               {0, 0, 0, 0, 10.0 + at, 2, 2, 2, 2},
-                               {2, 2, 2, 2, 10.0 + at, 0, 0, 0, 0}};
+        const double f[][9] = {{0, 0, 0, 0, 8.0 + at, 0, 0, 0, 0},     {0, 0, 0, 0, -8.0 - at, 0, 0, 0, 0},
+                               {-1, -1, -1, 0, 11.0 + at, 0, 0, 0, 0}, {1, 1, 1, 0, 11.0 + at, 0, 0, 0, 0},
+                               {0, 0, 0, 0, 11.0 + at, 0, -1, -1, -1}, {0, 0, 0, 0, 11.0 + at, 0, 1, 1, 1},
+                               {0, 0, 0, 0, 10.0 + at, 2, 2, 2, 2},    {2, 2, 2, 2, 10.0 + at, 0, 0, 0, 0}};
         for (size_t k = 0; k < sizeof f / sizeof *f; k++) {
             size_t where = 4;
             ck_assert_uint_eq(spikes_in(f[k], &where), (size_t)over);
@@ -139,7 +144,8 @@ START_TEST(bends_and_stillness) {
     ck_assert_uint_eq(segments_still_end(6, depth, 0, 3.5), 3);
     ck_assert_uint_eq(segments_still_end(6, depth, 2, 3.5), 6);
     ck_assert_uint_eq(segments_still_end(6, depth, 5, 1.0), 6);
-    ck_assert_uint_eq(segments_still_end(3, (double[]){2.0, 1.6, 1.5}, 0, 0.5), 2); /* a move upwards ends it too */
+    ck_assert_uint_eq(segments_still_end(3, (double[]){2.0, 1.6, 1.5}, 0, 0.5),
+                      2); /* a move upwards ends it too */
 }
 END_TEST
 
@@ -207,10 +213,11 @@ START_TEST(phases_of_a_path) {
     const struct {
         double until;
         palp_phase phase;
-    } wanted[] = {{2.0, PALP_PHASE_AIR},       {4.01, PALP_PHASE_RAMP},     {4.41, PALP_PHASE_CORNER},
-                  {14.01, PALP_PHASE_EARLY_DWELL}, {19.01, PALP_PHASE_LATE_DWELL}, {19.21, PALP_PHASE_CORNER},
-                  {20.01, PALP_PHASE_UNLOAD},  {20.21, PALP_PHASE_CORNER},  {21.01, PALP_PHASE_RELOAD},
-                  {21.81, PALP_PHASE_CORNER},  {23.0, PALP_PHASE_UNLOAD},   {99.0, PALP_PHASE_RECOVERY}};
+    } wanted[] = {
+        {2.0, PALP_PHASE_AIR},           {4.01, PALP_PHASE_RAMP},        {4.41, PALP_PHASE_CORNER},
+        {14.01, PALP_PHASE_EARLY_DWELL}, {19.01, PALP_PHASE_LATE_DWELL}, {19.21, PALP_PHASE_CORNER},
+        {20.01, PALP_PHASE_UNLOAD},      {20.21, PALP_PHASE_CORNER},     {21.01, PALP_PHASE_RELOAD},
+        {21.81, PALP_PHASE_CORNER},      {23.0, PALP_PHASE_UNLOAD},      {99.0, PALP_PHASE_RECOVERY}};
     static const double scales[] = {1.0, 1e-3, 1e3};
     double time[MOST], depth[MOST], scaled[MOST];
     unsigned char phase[MOST], again[MOST];
@@ -221,7 +228,8 @@ START_TEST(phases_of_a_path) {
         while (time[i] > wanted[k].until)
             k++;
         if (wanted[k].until - time[i] > 0.1 && (k == 0 || time[i] - wanted[k - 1].until > 0.1))
-            ck_assert_msg(phase[i] == wanted[k].phase, "%g s: %s", time[i], palp_phase_name((palp_phase)phase[i]));
+            ck_assert_msg(phase[i] == wanted[k].phase, "%g s: %s", time[i],
+                          palp_phase_name((palp_phase)phase[i]));
     }
     for (size_t k = 0; k < 3; k++) {
         for (size_t i = 0; i < n; i++)
@@ -266,7 +274,8 @@ typedef struct pressing {
     double time[MOST], depth[MOST], force[MOST];
 } pressing;
 
-/* 0.01 a sample down; air of 0.5 with a drift and a noise of +-ripple, then stiffness times the way beyond TOUCH. */
+/* 0.01 a sample down; air of 0.5 with a drift and a noise of +-ripple, then stiffness times the way beyond
+ * TOUCH. */
 static palp_press make_press(pressing *p, size_t n, double drift, double ripple, double stiffness) {
     palp_press press;
     for (size_t i = 0; i < n; i++) {
@@ -304,7 +313,8 @@ START_TEST(contact_is_where_the_rise_leads_back_to) {
 }
 END_TEST
 
-/* The first 55 samples say what may be air, all of it but the last window what it is: here a step of 1.5e-3 N in it. */
+/* The first 55 samples say what may be air, all of it but the last window what it is: here a step of 1.5e-3 N
+ * in it. */
 START_TEST(the_air_that_is_found_says_what_air_is) {
     static pressing p;
     palp_press press = make_press(&p, SAMPLES, 0.0, 1e-3, 1.0);
@@ -388,7 +398,8 @@ START_TEST(a_trend_is_no_air) {
         ck_assert(palp_press_starts_in_air(&press) == !over);
         palp_press_free(&press);
     }
-    palp_press few = make_press(&p, 39, 0.0, 1.0, 0.0); /* its window is of three samples, five of them are too few */
+    palp_press few =
+        make_press(&p, 39, 0.0, 1.0, 0.0); /* its window is of three samples, five of them are too few */
     ck_assert(!palp_press_starts_in_air(&few));
     palp_press_free(&few);
     few = make_press(&p, 40, 0.0, 1.0, 0.0);
@@ -397,7 +408,8 @@ START_TEST(a_trend_is_no_air) {
 }
 END_TEST
 
-/* Rest of 100 samples, then 4000 - 100 straight down: the means at the ends of the first twentieth tell the slope. */
+/* Rest of 100 samples, then 4000 - 100 straight down: the means at the ends of the first twentieth tell the
+ * slope. */
 START_TEST(a_force_is_a_travel) {
     static pressing p;
     palp_press press;
@@ -410,7 +422,8 @@ START_TEST(a_force_is_a_travel) {
     ck_assert_int_eq(palp_press_create(MOST, p.time, p.depth, p.force, &press), PALP_OK);
     size_t peak = press.peak, way = peak - 100; /* in steps */
     ck_assert_uint_eq(peak, MOST - 1);
-    size_t from = 100 + (size_t)floor(1e-3 * (double)way) + 1, to = 100 + (size_t)floor(0.05 * (double)way) + 1;
+    size_t from = 100 + (size_t)floor(1e-3 * (double)way) + 1,
+           to = 100 + (size_t)floor(0.05 * (double)way) + 1;
     double mean_from = 0.0;
     for (size_t i = from - 5; i <= from + 5; i++)
         mean_from += (i < 100 ? 0.0 : 0.02 * (double)(i - 100)) / 11.0;

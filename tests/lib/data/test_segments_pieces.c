@@ -1,4 +1,5 @@
-/* test_segments_pieces.c: what the plate did by its path alone: at any scale, in noise, with samples missing. */
+/* test_segments_pieces.c: what the plate did by its path alone: at any scale, in noise, with samples missing.
+ */
 #include <palpate/random.h>
 #include <palpate/segments.h>
 
@@ -21,12 +22,25 @@ typedef struct course {
 
 static const course courses[] = {
     {"rest ramp dwell", {{0, 0}, {1, 0}, {2, 5}, {30, 5}}, 4, 0, 0, 0, 0},
-    {"rest ramp dwell", {{0, 0}, {1, 0}, {11, 5}, {15, 5}}, 4, 0, 0, 0, 0}, /* the dwell is shorter than its ramp */
+    {"rest ramp dwell", {{0, 0}, {1, 0}, {11, 5}, {15, 5}}, 4, 0, 0, 0, 0}, /* the dwell is shorter than its
+                                                                               ramp */
     {"ramp dwell", {{0, 0}, {10, 5}, {12.5, 5}}, 3, 0, 0, 0, 0},
     {"ramp", {{0, 0}, {10, 5}}, 2, 0, 0, 0, 0},
     {"approach ramp", {{0, -2}, {14, 5}}, 2, 0, 0, 0, 0},
-    {"rest approach ramp dwell unload rest", {{0, -1}, {1, -1}, {2.2, 5}, {40, 5}, {41.2, -1}, {42, -1}}, 6, 0, 0, 0, 0},
-    {"ramp dwell ramp dwell ramp dwell", {{0, 0}, {1, 1}, {20, 1}, {21, 2}, {40, 2}, {41, 3}, {60, 3}}, 7, 0, 0, 0, 0},
+    {"rest approach ramp dwell unload rest",
+     {{0, -1}, {1, -1}, {2.2, 5}, {40, 5}, {41.2, -1}, {42, -1}},
+     6,
+     0,
+     0,
+     0,
+     0},
+    {"ramp dwell ramp dwell ramp dwell",
+     {{0, 0}, {1, 1}, {20, 1}, {21, 2}, {40, 2}, {41, 3}, {60, 3}},
+     7,
+     0,
+     0,
+     0,
+     0},
     {"ramp dwell unload dwell unload", {{0, 0}, {2, 4}, {20, 4}, {21, 2}, {30, 2}, {31, 0}}, 6, 0, 0, 0, 0},
     {"ramp unload", {{0, 0}, {10, 5}, {20, 0}}, 3, 0, 0, 0, 0},
     {"ramp", {{0, 0}, {0.5, 2}, {60, 5}}, 3, 0, 0, 0, 0}, /* fast, then slowly: never still */
@@ -43,7 +57,8 @@ static double depth_at(const course *c, double t) {
     if (t >= end[0] && c->amplitude != 0.0) {
         double s = t - end[0], slope = (c->last_Hz - c->first_Hz) / c->wave_s;
         double phase = 2.0 * PI * (c->first_Hz * s + 0.5 * slope * s * s);
-        return c->amplitude < 0.0 ? end[1] - c->amplitude * (1.0 - cos(phase)) : end[1] + c->amplitude * sin(phase);
+        return c->amplitude < 0.0 ? end[1] - c->amplitude * (1.0 - cos(phase))
+                                  : end[1] + c->amplitude * sin(phase);
     }
     while (k + 1 < c->n_corners && t > c->corner[k][0])
         k++;
@@ -116,7 +131,8 @@ START_TEST(scales_change_nothing) {
 }
 END_TEST
 
-/* Half of the samples missing at random, and noise of the depth: the same pieces, which begin at about the same time. */
+/* Half of the samples missing at random, and noise of the depth: the same pieces, which begin at about the
+ * same time. */
 START_TEST(missing_samples_and_noise_change_nothing) {
     const course *c = &courses[_i];
     for (uint64_t seed = 1; seed <= 10; seed++) {
@@ -133,9 +149,12 @@ START_TEST(missing_samples_and_noise_change_nothing) {
                 depth2[m++] = depth[i];
             }
         pieces_of(m, time2, depth2, text2, began2);
-        ck_assert_msg(strcmp(text, c->pieces) == 0, "course %d, seed %d: %s, not %s", _i, (int)seed, text, c->pieces);
-        ck_assert_msg(strcmp(text2, c->pieces) == 0, "course %d, seed %d: %s, not %s with half missing", _i, (int)seed, text2, c->pieces);
-        for (size_t k = 0; k < 16 && began[k] > 0.0; k++) /* 0.2 % of the range on a ramp of 10 s, and what is missing */
+        ck_assert_msg(strcmp(text, c->pieces) == 0, "course %d, seed %d: %s, not %s", _i, (int)seed, text,
+                      c->pieces);
+        ck_assert_msg(strcmp(text2, c->pieces) == 0, "course %d, seed %d: %s, not %s with half missing", _i,
+                      (int)seed, text2, c->pieces);
+        for (size_t k = 0; k < 16 && began[k] > 0.0;
+             k++) /* 0.2 % of the range on a ramp of 10 s, and what is missing */
             ck_assert_double_eq_tol(began2[k], began[k], 0.2);
     }
 }

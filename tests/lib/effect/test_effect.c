@@ -12,7 +12,8 @@ START_TEST(catalogue_is_whole) {
         ck_assert_ptr_nonnull(info);
         ck_assert_int_eq(palp_effect_parse(info->id, &found), PALP_OK);
         ck_assert_int_eq((int)found, i);
-        ck_assert(info->name[0] && info->means[0] && info->seen_by[0] && (info->in_lumped || info->in_network));
+        ck_assert(info->name[0] && info->means[0] && info->seen_by[0] &&
+                  (info->in_lumped || info->in_network));
         ck_assert_uint_ge(info->n_parameters, 1);
         for (size_t k = 0; k < info->n_parameters; k++) {
             const palp_effect_parameter *p = &info->parameter[k];

@@ -1,4 +1,5 @@
-/* test_thermal_expansion.c: a frame that grows with a recorded temperature: forces, derivatives, and found by explain. */
+/* test_thermal_expansion.c: a frame that grows with a recorded temperature: forces, derivatives, and found by
+ * explain. */
 #include "forward_make.h"
 
 #include <palpate/experiment.h>
@@ -7,7 +8,8 @@
 static samples s;
 
 static palp_forward_run warm_run(double *temperature, palp_forward_column *column) {
-    palp_forward_run run = {.n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .n_columns = 1, .column = column};
+    palp_forward_run run = {
+        .n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .n_columns = 1, .column = column};
     for (size_t i = 0; i < s.n; i++)
         temperature[i] = 22 + 0.7 * s.time_s[i];
     *column = (palp_forward_column){"temperature_C", temperature};
@@ -21,13 +23,15 @@ START_TEST(is_a_depth_that_grows) {
     palp_model plain = lumped_model(2), warm = plain;
     add_effect(&warm, PALP_EFFECT_THERMAL_EXPANSION, 0)->value[0] = 5e-6;
     all_phases(&s, 40);
-    palp_forward_run run = warm_run(temperature, &column), same = {.n = s.n, .time_s = s.time_s, .depth_m = depth};
+    palp_forward_run run = warm_run(temperature, &column),
+                     same = {.n = s.n, .time_s = s.time_s, .depth_m = depth};
     for (size_t i = 0; i < s.n; i++)
         depth[i] = s.depth_m[i] + 5e-6 * (temperature[i] - temperature[0]);
     ck_assert_int_eq(palp_forward_force(&plain, &same, wanted, NULL, NULL), PALP_OK);
     ck_assert_int_eq(palp_forward_force(&warm, &run, s.force_N, NULL, NULL), PALP_OK);
     for (size_t i = 0; i < s.n; i++)
-        ck_assert_msg(fabs(s.force_N[i] - wanted[i]) < 1e-12, "%g, not %g, at %g s", s.force_N[i], wanted[i], s.time_s[i]);
+        ck_assert_msg(fabs(s.force_N[i] - wanted[i]) < 1e-12, "%g, not %g, at %g s", s.force_N[i], wanted[i],
+                      s.time_s[i]);
     ck_assert_double_gt(fabs(s.force_N[3 * s.n / 4] - wanted[0]), 1e-3);
 }
 END_TEST
@@ -68,7 +72,8 @@ END_TEST
 
 /* ---- found in recordings ---- */
 
-static palp_experiment *recording(const palp_model *truth, double depth_mm, bool has_temperature, uint64_t seed) {
+static palp_experiment *recording(const palp_model *truth, double depth_mm, bool has_temperature,
+                                  uint64_t seed) {
     static double temperature[SAMPLES_MAX];
     palp_forward_column column;
     palp_experiment *e = NULL;

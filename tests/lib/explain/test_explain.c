@@ -27,7 +27,8 @@ static void ramp_hold(samples *s, double depth_mm, double rate_mm_s, double hold
 
 static palp_load_history worn; /* of the specimen so far */
 
-static palp_experiment *record(const palp_model *m, double depth_mm, double rate_mm_s, double hold_s, double session_s) {
+static palp_experiment *record(const palp_model *m, double depth_mm, double rate_mm_s, double hold_s,
+                               double session_s) {
     static samples s;
     palp_experiment *e;
     ramp_hold(&s, depth_mm, rate_mm_s, hold_s);
@@ -54,7 +55,8 @@ static void session(const palp_model *m) {
     state = 7;
     worn.peak = 0;
     for (size_t r = 0; r < RUNS; r++)
-        input[r] = (palp_explain_input){record(m, plan[r][0], plan[r][1], plan[r][2], 300 * (double)r), "run.csv"};
+        input[r] =
+            (palp_explain_input){record(m, plan[r][0], plan[r][1], plan[r][2], 300 * (double)r), "run.csv"};
 }
 
 static void session_end(void) {
@@ -115,7 +117,9 @@ START_TEST(a_hidden_effect_is_named) {
     static const struct {
         palp_effect_id id;
         double strength;
-    } hidden[] = {{PALP_EFFECT_SENSOR_BIAS, 0.05}, {PALP_EFFECT_COULOMB_FRICTION, 0.06}, {PALP_EFFECT_SENSOR_LAG, 0.05}};
+    } hidden[] = {{PALP_EFFECT_SENSOR_BIAS, 0.05},
+                  {PALP_EFFECT_COULOMB_FRICTION, 0.06},
+                  {PALP_EFFECT_SENSOR_LAG, 0.05}};
     palp_model truth = with(hidden[_i].id, hidden[_i].strength);
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e;
@@ -132,8 +136,10 @@ START_TEST(a_hidden_effect_is_named) {
 }
 END_TEST
 
-/* Beside the given arm one of 6 s is a banana: a parabola's interval would hold zero, the likelihood's does not. */
-/* A plain model lets the contacts of the runs differ instead, and a trial that keeps those contacts never finds the toe. */
+/* Beside the given arm one of 6 s is a banana: a parabola's interval would hold zero, the likelihood's does
+ * not. */
+/* A plain model lets the contacts of the runs differ instead, and a trial that keeps those contacts never
+ * finds the toe. */
 START_TEST(a_toe_is_no_scatter_of_contacts) {
     palp_model truth = with(PALP_EFFECT_TOE_REGION, 1.2e-3);
     palp_explain_settings s = palp_explain_settings_default();
@@ -189,7 +195,8 @@ START_TEST(an_interval_follows_the_likelihood) {
 }
 END_TEST
 
-/* The plain fit's arm goes to the hidden one, which is stronger; what is called added is the hidden one all the same. */
+/* The plain fit's arm goes to the hidden one, which is stronger; what is called added is the hidden one all
+ * the same. */
 START_TEST(the_added_arm_is_the_hidden_one) {
     palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 4, 1.5);
     palp_explain_settings s = palp_explain_settings_default();
@@ -257,7 +264,8 @@ static double apart(const palp_model *a, const palp_model *b, const samples *pat
 
 START_TEST(the_next_run_tells_more_than_those_at_hand) {
     static samples path;
-    palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.072, 6), m = guess(); /* so weak that others do as well */
+    palp_model truth = shaped(PALP_EFFECT_RELAXATION_ARM, 0.072, 6),
+               m = guess(); /* so weak that others do as well */
     palp_explain_settings s = palp_explain_settings_default();
     palp_explanation e, other;
     palp_error error;
@@ -269,7 +277,8 @@ START_TEST(the_next_run_tells_more_than_those_at_hand) {
     memset(s.candidate, 0, sizeof s.candidate); /* the look-alike alone */
     s.candidate[e.next.between[1]] = 1;
     ck_assert_int_eq(palp_explain(&m, 3, input, &s, &other, &error), PALP_OK);
-    ck_assert_msg(other.n_effects == 1, "%s: %s", palp_effect_look_up(other.candidate[0].id)->id, other.candidate[0].reason);
+    ck_assert_msg(other.n_effects == 1, "%s: %s", palp_effect_look_up(other.candidate[0].id)->id,
+                  other.candidate[0].reason);
     ck_assert_int_eq(other.effect[0].effect.id, e.next.between[1]);
     double at_hand = 0, rate = e.next.rate_mm_s;
     for (size_t r = 0; r < 3; r++) {
@@ -323,7 +332,8 @@ static void backwards(void *user, size_t n, void (*task)(void *work, size_t i), 
 /* Candidates enough to be in another order. */
 static void only_friction_and_its_like(palp_explain_settings *s) {
     memset(s->candidate, 0, sizeof s->candidate);
-    s->candidate[PALP_EFFECT_COULOMB_FRICTION] = s->candidate[PALP_EFFECT_SENSOR_LAG] = s->candidate[PALP_EFFECT_SENSOR_GAIN] = 1;
+    s->candidate[PALP_EFFECT_COULOMB_FRICTION] = s->candidate[PALP_EFFECT_SENSOR_LAG] =
+        s->candidate[PALP_EFFECT_SENSOR_GAIN] = 1;
     s->candidate[PALP_EFFECT_TOE_REGION] = s->candidate[PALP_EFFECT_RELAXATION_ARM] = 1;
 }
 
@@ -362,7 +372,8 @@ START_TEST(a_run_held_out_is_not_fitted) {
     palp_explanation e;
     session(&truth);
     for (size_t i = 0; i < palp_experiment_rows(input[2].experiment); i++)
-        palp_experiment_column((palp_experiment *)(uintptr_t)input[2].experiment, "force_N")[i] += sin(0.7 * (double)i); /* nonsense, that no zero, contact or gain is */
+        palp_experiment_column((palp_experiment *)(uintptr_t)input[2].experiment, "force_N")[i] +=
+            sin(0.7 * (double)i); /* nonsense, that no zero, contact or gain is */
     s.held_out = held_out;
     s.n_held_out = 1;
     explain(&s, &e);
@@ -433,7 +444,8 @@ START_TEST(one_run_suspects) {
 }
 END_TEST
 
-/* A bump in one place of the only recording gains far more than chance does, but is none of what the candidates do: nobody is suspected. */
+/* A bump in one place of the only recording gains far more than chance does, but is none of what the
+ * candidates do: nobody is suspected. */
 START_TEST(a_bump_in_one_run_suspects_nobody) {
     palp_model m = guess();
     palp_explain_settings s = palp_explain_settings_default();

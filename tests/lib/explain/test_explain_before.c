@@ -1,4 +1,5 @@
-/* test_explain_before.c: what would be left if the runs had one zero, contact or gain: each finding needs what it stands for. check: once */
+/* test_explain_before.c: what would be left if the runs had one zero, contact or gain: each finding needs
+ * what it stands for. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -24,13 +25,15 @@ static void session(size_t n, const double *zero, const double *contact, const d
         go(s, 1 + ramp_s, depth, 60);
         go(s, 9 + ramp_s, depth, 60);
         go(s, 11 + 2 * ramp_s, -1, 60);
-        palp_forward_run run = {.n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .contact_m = 1e-3 * contact[r]};
+        palp_forward_run run = {
+            .n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .contact_m = 1e-3 * contact[r]};
         ck_assert_int_eq(palp_forward_force(&truth, &run, s->force_N, NULL, NULL), PALP_OK);
         ck_assert_int_eq(palp_experiment_create(s->n / skip, &e), PALP_OK);
         for (size_t i = 0; i < s->n / skip; i++) {
             palp_experiment_column(e, "time_s")[i] = s->time_s[i * skip];
             palp_experiment_column(e, "depth_mm")[i] = 1e3 * s->depth_m[i * skip];
-            palp_experiment_column(e, "force_N")[i] = gain[r] * s->force_N[i * skip] + zero[r] + NOISE * white_noise(&state);
+            palp_experiment_column(e, "force_N")[i] =
+                gain[r] * s->force_N[i * skip] + zero[r] + NOISE * white_noise(&state);
         }
         input[r] = (palp_explain_input){e, "run.csv"};
     }
@@ -48,7 +51,8 @@ static void explain(size_t n, palp_contact_form contact, palp_explanation *e) {
 }
 
 static const double none[RUNS] = {0, 0, 0, 0}, ones[RUNS] = {1, 1, 1, 1};
-static const double zeros[RUNS] = {0.05, -0.06, 0.03, -0.04}, contacts[RUNS] = {0.4, -0.3, 0.2, -0.35}, gains[RUNS] = {1.05, 0.94, 1.03, 0.96};
+static const double zeros[RUNS] = {0.05, -0.06, 0.03, -0.04}, contacts[RUNS] = {0.4, -0.3, 0.2, -0.35},
+                    gains[RUNS] = {1.05, 0.94, 1.03, 0.96};
 
 /* Only one of the three differs: it is found, with as much left without it as the model as given leaves. */
 START_TEST(what_differs_is_found) {
@@ -68,8 +72,9 @@ START_TEST(what_differs_is_found) {
 }
 END_TEST
 
-/* However far apart the surfaces are: in common they leave what they leave where they are told to be exact, but for how the runs are
- * weighed. A fit that began at the surfaces found apart would leave 5 % more of twice the contacts, 32 % of four times. */
+/* However far apart the surfaces are: in common they leave what they leave where they are told to be exact,
+ * but for how the runs are weighed. A fit that began at the surfaces found apart would leave 5 % more of
+ * twice the contacts, 32 % of four times. */
 START_TEST(surfaces_in_common_are_where_the_model_has_them) {
     palp_explanation found, known;
     for (int times = 2; times <= 4; times += 2) {

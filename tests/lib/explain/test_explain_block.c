@@ -1,5 +1,6 @@
-/* test_explain_block.c: runs beside those of the specimen that press none: on a rigid block, which shows the frame alone, and in
- * air, which shows the sensor. The specimen is a spring on a frame, by its own formula. */
+/* test_explain_block.c: runs beside those of the specimen that press none: on a rigid block, which shows the
+ * frame alone, and in air, which shows the sensor. The specimen is a spring on a frame, by its own formula.
+ */
 #include "forward_make.h"
 
 #include "explain/explain_data.h"
@@ -17,9 +18,10 @@ static double force_of(on what, double depth, double frame) {
     return depth / ((what == ON_BLOCK ? 0 : HEIGHT / SPRING) + frame);
 }
 
-/* Presses to depth_mm at speed_mm_s, holds ten seconds, withdraws; header: a file that says what is pressed. */
-static palp_experiment *record(on what, double depth_mm, double speed_mm_s, double frame, double drift, bool header,
-                               uint64_t *noise) {
+/* Presses to depth_mm at speed_mm_s, holds ten seconds, withdraws; header: a file that says what is pressed.
+ */
+static palp_experiment *record(on what, double depth_mm, double speed_mm_s, double frame, double drift,
+                               bool header, uint64_t *noise) {
     static samples s;
     static const char *const kinds[] = {"cylinder", "rigid", "none"};
     palp_experiment *e;
@@ -36,8 +38,8 @@ static palp_experiment *record(on what, double depth_mm, double speed_mm_s, doub
     for (size_t i = 0; i < s.n; i++) {
         palp_experiment_column(e, "time_s")[i] = s.time_s[i];
         palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-        palp_experiment_column(e, "force_N")[i] =
-            force_of(what, s.depth_m[i] - contact, frame) + zero + drift * s.time_s[i] + WHITE * white_noise(noise);
+        palp_experiment_column(e, "force_N")[i] = force_of(what, s.depth_m[i] - contact, frame) + zero +
+                                                  drift * s.time_s[i] + WHITE * white_noise(noise);
     }
     return e;
 }
@@ -51,7 +53,8 @@ static void make(double frame, double drift, bool header) {
     for (size_t r = 0; r < PRESSES; r++)
         input[r] = (palp_explain_input){
             record(ON_SPECIMEN, depth_mm[r], speed_mm_s[r], frame, drift, header, &noise), "press"};
-    input[3] = (palp_explain_input){record(ON_BLOCK, 2e3 * frame, 20 * frame * 1e3, frame, drift, header, &noise), "block"};
+    input[3] = (palp_explain_input){
+        record(ON_BLOCK, 2e3 * frame, 20 * frame * 1e3, frame, drift, header, &noise), "block"};
     input[4] = (palp_explain_input){record(IN_AIR, 4.5, 0.3, frame, drift, header, &noise), "air"};
 }
 
@@ -72,7 +75,8 @@ START_TEST(what_is_pressed_is_told_by_the_file_or_the_force) {
 }
 END_TEST
 
-/* A law that stiffens a hundredfold, to three depths, one run begun in contact and one with a spike: no block. */
+/* A law that stiffens a hundredfold, to three depths, one run begun in contact and one with a spike: no
+ * block. */
 START_TEST(a_stiffening_specimen_is_no_block) {
     explain_kind kind[3];
     palp_explain_input presses[3];

@@ -1,4 +1,5 @@
-/* test_explain_data.c: what explain reads off the runs, the slope of their chi2, classes and the null threshold. */
+/* test_explain_data.c: what explain reads off the runs, the slope of their chi2, classes and the null
+ * threshold. */
 #include "explain/explain_noise.h"
 #include "explain/explain_result.h"
 #include "forward_make.h"
@@ -35,11 +36,13 @@ static palp_experiment *record(const palp_model *m, double gain, double zero, do
     return e;
 }
 
-static void begin(const palp_model *m, const double gain[RUNS], const double zero[RUNS], double spike, double pull) {
+static void begin(const palp_model *m, const double gain[RUNS], const double zero[RUNS], double spike,
+                  double pull) {
     palp_explain_input input[RUNS];
     settings = palp_explain_settings_default();
     for (size_t r = 0; r < RUNS; r++)
-        input[r] = (palp_explain_input){record(m, gain[r], zero[r], r == 1 ? spike : 0, r == 2 ? pull : 0), "run.csv"};
+        input[r] = (palp_explain_input){record(m, gain[r], zero[r], r == 1 ? spike : 0, r == 2 ? pull : 0),
+                                        "run.csv"};
     ck_assert_int_eq(explain_data_create(RUNS, input, &settings, m, &data, NULL), PALP_OK);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
@@ -126,8 +129,8 @@ END_TEST
 
 /* ---- chi2's slope ---- */
 
-/* With no nuisance but the zero g is minus half the slope of chi2 by the search coordinates, and h, the residual being
- * small, half its curvature. */
+/* With no nuisance but the zero g is minus half the slope of chi2 by the search coordinates, and h, the
+ * residual being small, half its curvature. */
 START_TEST(the_slope_of_chi2) {
     enum { LAW = 5, K = LAW + 2 + 1 };
     palp_model m = lumped_model(1);
@@ -157,7 +160,8 @@ START_TEST(the_slope_of_chi2) {
         ck_assert_int_eq(explain_fit_to_model(&fit), PALP_OK);
         ck_assert_int_eq(explain_fit_products(&fit, &data, NULL), PALP_OK);
         explain_fit_total(&fit, &data, h, g, &chi2, work);
-        ck_assert_double_eq_tol(-2 * g[k], (moved[0] - moved[1]) / (2 * step), 1e-4 * sqrt(h[k * K + k] * chi2));
+        ck_assert_double_eq_tol(-2 * g[k], (moved[0] - moved[1]) / (2 * step),
+                                1e-4 * sqrt(h[k * K + k] * chi2));
     }
     explain_fit_free(&fit);
     explain_data_free(&data);
@@ -167,8 +171,8 @@ END_TEST
 
 /* ---- a profile likelihood ---- */
 
-/* Of a linear model and a bias chi2 is a parabola: followed, the interval ends where the normal matrix says. A network's is
- * not followed. */
+/* Of a linear model and a bias chi2 is a parabola: followed, the interval ends where the normal matrix says.
+ * A network's is not followed. */
 START_TEST(a_likelihood_that_is_followed_ends_where_a_parabola_does) {
     palp_model m = linear_model(8);
     explain_search *s = calloc(1, sizeof *s);
@@ -208,7 +212,8 @@ END_TEST
 START_TEST(a_zero_and_a_gain_separate_nothing) {
     palp_model m = linear_model(8);
     explain_search *full = calloc(1, sizeof *full), *rest = calloc(1, sizeof *rest);
-    palp_explain_effect out = {.effect = {.id = PALP_EFFECT_SENSOR_BIAS}, .n_class = 2,
+    palp_explain_effect out = {.effect = {.id = PALP_EFFECT_SENSOR_BIAS},
+                               .n_class = 2,
                                .alike = {PALP_EFFECT_SENSOR_BIAS, PALP_EFFECT_SENSOR_DRIFT}};
     palp_explain_next next = {.wanted = false};
     double product = 0, rate = 1e-4;
@@ -226,8 +231,10 @@ START_TEST(a_zero_and_a_gain_separate_nothing) {
     add_effect(&t->fit.model, PALP_EFFECT_SENSOR_DRIFT, 0)->value[0] = rate;
     ck_assert_int_eq(explain_next_find(full, rest, &out, &next), PALP_OK);
     ck_assert_str_eq(next.kind, "ramp_hold");
-    /* a line's rms about its mean over the run, which goes there and back from the air; the force takes off little of it */
-    double way_mm = next.depth_mm + 0.3 * 1e3 * data.deepest, lasts = next.hold_s + 2 * way_mm / next.rate_mm_s;
+    /* a line's rms about its mean over the run, which goes there and back from the air; the force takes off
+     * little of it */
+    double way_mm = next.depth_mm + 0.3 * 1e3 * data.deepest,
+           lasts = next.hold_s + 2 * way_mm / next.rate_mm_s;
     ck_assert_double_lt(next.separation_N, 1.2 * rate * lasts / sqrt(12));
     ck_assert_double_gt(next.separation_N, 0.8 * rate * lasts / sqrt(12));
     ck_assert_int_eq(next.between[0], PALP_EFFECT_SENSOR_BIAS);
@@ -262,7 +269,8 @@ START_TEST(alike_by_the_cosine) {
     ck_assert_ptr_nonnull(v);
     *full = *rest = (explain_search){.data = data, .settings = &settings};
     ck_assert_int_eq(explain_fit_create(&m, &data, &rest->fit), PALP_OK);
-    ck_assert_int_eq(explain_fit_products(&rest->fit, &data, column), PALP_OK); /* linear: the column, times 8 */
+    ck_assert_int_eq(explain_fit_products(&rest->fit, &data, column),
+                     PALP_OK); /* linear: the column, times 8 */
     for (size_t i = 0; i < n; i++) {
         a[i] = cos(0.03 * (double)i);
         b[i] = sin(0.05 * (double)i);
@@ -282,7 +290,8 @@ START_TEST(alike_by_the_cosine) {
         for (size_t i = 0; i < n; i++) {
             rest->force[i] = sin((double)i);
             full->force[i] = rest->force[i] + a[i] + 3 * column[i];
-            v[5 * n + i] = rest->force[i] + cos(angle) * a[i] / sqrt(length[0]) + sin(angle) * b[i] / sqrt(length[1]) - column[i];
+            v[5 * n + i] = rest->force[i] + cos(angle) * a[i] / sqrt(length[0]) +
+                           sin(angle) * b[i] / sqrt(length[1]) - column[i];
         }
         ck_assert_int_eq(explain_class_find(full, rest, 0.0, &out), PALP_OK);
         ck_assert_uint_eq(out.n_class, alike ? 2 : 1);
@@ -320,8 +329,8 @@ static void search_end(explain_search *s) {
     free(s);
 }
 
-/* A lag shows at the corners. What is left there, as a lag that changes its sign from corner to corner, hardly widens sums over all
- * samples, but the evidence of a lag. */
+/* A lag shows at the corners. What is left there, as a lag that changes its sign from corner to corner,
+ * hardly widens sums over all samples, but the evidence of a lag. */
 START_TEST(evidence_is_widened_where_the_effect_leans) {
     palp_model m = linear_model(8), lagging = m;
     explain_search *s = calloc(1, sizeof *s);
@@ -367,7 +376,8 @@ START_TEST(a_pull_is_searched_from_every_start) {
     const char *reason;
     begin(&m, ones, none, 0, 9e-4);
     explain_search *s = search_make(&m);
-    ck_assert_int_eq(explain_candidate_multistart(&s->fit, &s->data, s->residual, &settings, PALP_EFFECT_ADHESION, 1e9, &found, &reason),
+    ck_assert_int_eq(explain_candidate_multistart(&s->fit, &s->data, s->residual, &settings,
+                                                  PALP_EFFECT_ADHESION, 1e9, &found, &reason),
                      PALP_OK);
     ck_assert_uint_gt(found.n, 0);
     explain_multistart_free(&found);
@@ -375,7 +385,8 @@ START_TEST(a_pull_is_searched_from_every_start) {
 }
 END_TEST
 
-/* A lag that is not in the data gains what chance gives at most and is taken out at the end; one that is there stays. */
+/* A lag that is not in the data gains what chance gives at most and is taken out at the end; one that is
+ * there stays. */
 START_TEST(a_needless_effect_is_taken_out) {
     for (int there = 0; there < 2; there++) {
         palp_model m = linear_model(8), lagging = m;
@@ -387,7 +398,8 @@ START_TEST(a_needless_effect_is_taken_out) {
         begin(&m, ones, none, 0, 0);
         explain_search *s = search_make(&lagging);
         s->memory = memory;
-        for (size_t r = 0, at = 0; there && r < RUNS; at += data.run[r++].n) /* what the lagging model leaves is the noise */
+        for (size_t r = 0, at = 0; there && r < RUNS;
+             at += data.run[r++].n) /* what the lagging model leaves is the noise */
             for (size_t i = 0; i < data.run[r].n; i++)
                 data.run[r].force[i] = s->force[at + i] + 1e-4 * cos(2.0 * (double)(at + i));
         ck_assert_int_eq(explain_drop(s, 6, -HUGE_VAL, true, &dropped), PALP_OK);
@@ -399,10 +411,12 @@ START_TEST(a_needless_effect_is_taken_out) {
 }
 END_TEST
 
-/* Starts that are eight orders of magnitude astray do not make a candidate worse than the fit that it is added to: there the
- * effect is nothing. The scatter is found in turn with the rest, which leaves some hundredths of a nat. */
+/* Starts that are eight orders of magnitude astray do not make a candidate worse than the fit that it is
+ * added to: there the effect is nothing. The scatter is found in turn with the rest, which leaves some
+ * hundredths of a nat. */
 START_TEST(a_candidate_is_never_worse_than_its_base) {
-    static const palp_effect_id id[] = {PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_SENSOR_LAG, PALP_EFFECT_FRAME_COMPLIANCE};
+    static const palp_effect_id id[] = {PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_SENSOR_LAG,
+                                        PALP_EFFECT_FRAME_COMPLIANCE};
     palp_model m = linear_model(8);
     begin(&m, ones, none, 0, 0);
     explain_search *s = search_make(&m);
@@ -415,8 +429,10 @@ START_TEST(a_candidate_is_never_worse_than_its_base) {
         add_effect(&astray, id[i], 1e8);
         ck_assert_int_eq(explain_fit_beside(&s->fit, &astray, &s->data, start), PALP_OK);
         ck_assert_int_eq(explain_fit_products(start, &s->data, NULL), PALP_OK);
-        ck_assert_int_eq(explain_candidate_finish(&s->fit, &found, &s->data, &settings, id[i], true, &added), PALP_OK);
-        ck_assert_msg(added.score > s->fit.score - 0.1, "%s: %g, without it %g", palp_effect_look_up(id[i])->id, added.score, s->fit.score);
+        ck_assert_int_eq(explain_candidate_finish(&s->fit, &found, &s->data, &settings, id[i], true, &added),
+                         PALP_OK);
+        ck_assert_msg(added.score > s->fit.score - 0.1, "%s: %g, without it %g",
+                      palp_effect_look_up(id[i])->id, added.score, s->fit.score);
         explain_fit_free(&added);
         explain_multistart_free(&found);
     }
@@ -424,11 +440,15 @@ START_TEST(a_candidate_is_never_worse_than_its_base) {
 }
 END_TEST
 
-/* A scatter that was found beside effects is told without them only if one value for all runs leaves more than the plain model. */
+/* A scatter that was found beside effects is told without them only if one value for all runs leaves more
+ * than the plain model. */
 START_TEST(a_scatter_without_its_effects) {
     explain_search s = {.opened = 2.0};
-    palp_explanation e = {.n_effects = 1, .zero = {.found = true, .without_N = 2.5}, .contact = {.found = true, .without_N = 1.5},
-                          .gain = {.found = false, .without_N = 2.5}, .gap = {.after_N = 1, .heldout_before_N = 3, .heldout_after_N = 1}};
+    palp_explanation e = {.n_effects = 1,
+                          .zero = {.found = true, .without_N = 2.5},
+                          .contact = {.found = true, .without_N = 1.5},
+                          .gain = {.found = false, .without_N = 2.5},
+                          .gap = {.after_N = 1, .heldout_before_N = 3, .heldout_after_N = 1}};
     explain_disown(&s, &e);
     ck_assert_uint_eq(e.n_effects, 0);
     ck_assert_double_eq(e.gap.after_N, 2);
@@ -439,8 +459,8 @@ END_TEST
 
 /* ---- the null threshold ---- */
 
-/* Of one candidate half the square of a normal number, of two the larger of two: quantiles 1.92 and 2.50 at a chance of
- * 0.05; the simulated ones have a standard error of 0.06 and 0.07. */
+/* Of one candidate half the square of a normal number, of two the larger of two: quantiles 1.92 and 2.50 at a
+ * chance of 0.05; the simulated ones have a standard error of 0.06 and 0.07. */
 START_TEST(chance_gains_half_a_squared_normal_number) {
     palp_model m = linear_model(8);
     explain_search *s = calloc(1, sizeof *s);

@@ -1,5 +1,5 @@
-/* test_explain_driven.c: arms that the elastic force drives (Fung) beside a law that stiffens, where the given model's are linear,
- * or the reverse: that is a law of the material, and no effect is accused of it. */
+/* test_explain_driven.c: arms that the elastic force drives (Fung) beside a law that stiffens, where the
+ * given model's are linear, or the reverse: that is a law of the material, and no effect is accused of it. */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -8,7 +8,8 @@ enum { RUNS = 4, KNOTS = 5 };
 
 static const double SD = 0.01, FIRST = 3; /* N */
 
-/* Ten times as stiff at a strain of 0.25 as at the surface, or from next to nothing there; the arms are as stiff as quasi-linear ones at half of that. */
+/* Ten times as stiff at a strain of 0.25 as at the surface, or from next to nothing there; the arms are as
+ * stiff as quasi-linear ones at half of that. */
 static palp_model soft_tissue(bool quasi_linear, double first) {
     static const double strain[KNOTS] = {0, 0.0625, 0.125, 0.1875, 0.25};
     const double stiffness[KNOTS] = {first, 5.3, 9.5, 17, 30};
@@ -39,10 +40,11 @@ static palp_experiment *record(const palp_model *m, size_t r, uint64_t *state) {
     return samples_experiment(&s);
 }
 
-/* What is said of runs of a tissue of which the given model has all but what drives its arms, if that differs, and the first
- * stiffness, of which few samples tell. */
+/* What is said of runs of a tissue of which the given model has all but what drives its arms, if that
+ * differs, and the first stiffness, of which few samples tell. */
 static palp_explanation answer(bool quasi_linear, bool given, uint64_t state) {
-    const palp_model truth = soft_tissue(quasi_linear, FIRST), m = soft_tissue(given, given ? FIRST : 0.01 * FIRST);
+    const palp_model truth = soft_tissue(quasi_linear, FIRST),
+                     m = soft_tissue(given, given ? FIRST : 0.01 * FIRST);
     palp_explain_settings settings = palp_explain_settings_default();
     palp_explain_input input[RUNS];
     palp_explanation e;
@@ -60,10 +62,12 @@ static void check_arms(bool quasi_linear, bool given) {
     const palp_material *found = &e.model.material;
     ck_assert_int_eq(found->quasi_linear, quasi_linear);
     ck_assert_int_eq(e.law.found, quasi_linear != given);
-    ck_assert_msg(e.n_effects == 0, "%s is accused", e.n_effects ? palp_effect_look_up(e.effect[0].effect.id)->id : "");
+    ck_assert_msg(e.n_effects == 0, "%s is accused",
+                  e.n_effects ? palp_effect_look_up(e.effect[0].effect.id)->id : "");
     ck_assert_int_eq(e.verdict, quasi_linear != given ? PALP_EXPLAIN_EXPLAINED : PALP_EXPLAIN_AGREES);
     ck_assert_msg(e.gap.after_N < 1.05 * SD, "%g N are left", e.gap.after_N);
-    ck_assert_msg(!e.law.found || e.law.without_N > 3 * SD, "with the given arms %g N are left", e.law.without_N);
+    ck_assert_msg(!e.law.found || e.law.without_N > 3 * SD, "with the given arms %g N are left",
+                  e.law.without_N);
     for (size_t j = 0; j < 2; j++) {
         const palp_arm *is = &found->arms[j], *was = &truth.material.arms[j];
         const double time = is->viscosity_Ns / is->stiffness_N * was->stiffness_N / was->viscosity_Ns;

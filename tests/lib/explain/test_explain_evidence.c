@@ -1,5 +1,5 @@
-/* test_explain_evidence.c: what a gain in log likelihood counts: beside a scatter that few runs tell, and beside noise that is more
- * than was thought. */
+/* test_explain_evidence.c: what a gain in log likelihood counts: beside a scatter that few runs tell, and
+ * beside noise that is more than was thought. */
 #include "explain/explain_noise.h"
 #include "explain/explain_search.h"
 #include "forward_make.h"
@@ -39,8 +39,8 @@ static void forget(void) {
 
 /* ---- the mean of what each run has of its own ---- */
 
-/* Of runs' own values whose mean is 0: the likeliest scatter with a mean of their own and without, each learned from them and from one run more, for
- * which noise hides so many times what they scatter by. */
+/* Of runs' own values whose mean is 0: the likeliest scatter with a mean of their own and without, each
+ * learned from them and from one run more, for which noise hides so many times what they scatter by. */
 START_TEST(few_runs_have_a_mean_by_chance_as_often_as_asked) {
     enum { DRAWS = 20000 };
     static const double hidden[] = {0, 0.3, 1};
@@ -66,7 +66,8 @@ START_TEST(few_runs_have_a_mean_by_chance_as_often_as_asked) {
 }
 END_TEST
 
-/* Zeros of mean 0.3 N and a standard error so many times less: whether a bias is named where nothing else may be. */
+/* Zeros of mean 0.3 N and a standard error so many times less: whether a bias is named where nothing else may
+ * be. */
 static bool bias_is_named(double times) {
     static const double own[RUNS] = {1.2, -0.4, 0.6, -1.5, 0.9, -1.1, 0.3}; /* of mean 0 and sd 1.03 */
     const palp_model m = lumped_model(1);
@@ -85,7 +86,8 @@ static bool bias_is_named(double times) {
     return named;
 }
 
-/* 3.9 standard errors of seven runs are as rare as 2.7 of many, which are not worth a parameter of 2800 samples. */
+/* 3.9 standard errors of seven runs are as rare as 2.7 of many, which are not worth a parameter of 2800
+ * samples. */
 START_TEST(zeros_that_happen_to_have_a_mean_are_no_bias) {
     ck_assert(!bias_is_named(3.9));
     ck_assert(bias_is_named(12));
@@ -94,7 +96,8 @@ END_TEST
 
 /* ---- noise that is more than was thought ---- */
 
-/* Of heavy tails (Student's t, three degrees of freedom) the noise's robust size is too small, and every gain too large by as much. */
+/* Of heavy tails (Student's t, three degrees of freedom) the noise's robust size is too small, and every gain
+ * too large by as much. */
 START_TEST(heavy_tails_count_in_full) {
     const palp_model m = linear_model(40);
     const double zero[RUNS] = {0};
@@ -107,7 +110,8 @@ START_TEST(heavy_tails_count_in_full) {
     double *residual = calloc(data.n, sizeof *residual);
     ck_assert_ptr_nonnull(residual);
     for (size_t i = 0; i < data.n; i++) {
-        const double a = palp_random_normal(&state), b = palp_random_normal(&state), c = palp_random_normal(&state);
+        const double a = palp_random_normal(&state), b = palp_random_normal(&state),
+                     c = palp_random_normal(&state);
         residual[i] = NOISE * palp_random_normal(&state) / sqrt(a * a + b * b + c * c);
         squares += residual[i] * residual[i];
     }

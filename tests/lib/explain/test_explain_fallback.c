@@ -5,8 +5,8 @@
 
 enum { RUNS = 2 };
 
-/* On a frame that gives way the specimen, which softens, snaps through: beyond a depth of about a fifth of its height
- * there is no equilibrium. */
+/* On a frame that gives way the specimen, which softens, snaps through: beyond a depth of about a fifth of
+ * its height there is no equilibrium. */
 static palp_model on_a_frame(void) {
     static const double softening[] = {8, -40}; /* N */
     palp_model m = lumped_model(0);
@@ -72,7 +72,8 @@ static void end(void) {
     free(force);
 }
 
-/* The noise level is the instrument's noise: a run's own contact and gain are no part of it, however they scatter. */
+/* The noise level is the instrument's noise: a run's own contact and gain are no part of it, however they
+ * scatter. */
 START_TEST(the_noise_level_is_the_noise) {
     palp_model m = on_a_frame();
     double white = 0;

@@ -1,4 +1,5 @@
-/* test_explain_fit.c: the sums of a fit against the covariances they stand for, with runs that are random numbers. */
+/* test_explain_fit.c: the sums of a fit against the covariances they stand for, with runs that are random
+ * numbers. */
 #include "base/dense.h"
 #include "explain/explain_result.h"
 
@@ -25,7 +26,8 @@ static void begin(size_t n_runs) {
     const double stiffness = 8;
     memset(run, 0, sizeof run);
     memset(&fit, 0, sizeof fit);
-    data = (explain_data){.n_runs = n_runs, .n = n_runs * N, .run = run, .peak = 1, .deepest = 1, .height = 1};
+    data =
+        (explain_data){.n_runs = n_runs, .n = n_runs * N, .run = run, .peak = 1, .deepest = 1, .height = 1};
     fit.n_columns = K;
     fit.m = M;
     fit.scatter = (explain_scatter){0.25, 0.4, 0.6, 0};
@@ -172,7 +174,8 @@ static void invert(const double h[K * K], double inverse[K * K]) {
     memcpy(inverse, i, sizeof i);
 }
 
-/* A run left out is normal about what the others' parameters predict, with their uncertainty beside its own. */
+/* A run left out is normal about what the others' parameters predict, with their uncertainty beside its own.
+ */
 START_TEST(a_run_is_predicted_by_the_others) {
     double score[4];
     begin(4);
@@ -198,8 +201,8 @@ START_TEST(a_run_is_predicted_by_the_others) {
 }
 END_TEST
 
-/* Two fits of the same runs: the sum of the scores' differences, its standard error as of that many numbers, and the
- * sum without the largest. */
+/* Two fits of the same runs: the sum of the scores' differences, its standard error as of that many numbers,
+ * and the sum without the largest. */
 START_TEST(a_pair_of_fits) {
     double a[4], b[4], gain = 0, squares = 0, most = -HUGE_VAL;
     explain_pair pair;
@@ -223,8 +226,8 @@ START_TEST(a_pair_of_fits) {
 }
 END_TEST
 
-/* A law that falls below a thousandth of the typical stiffness meets a wall: of a polynomial at all strains, of a spline at its
- * knots. */
+/* A law that falls below a thousandth of the typical stiffness meets a wall: of a polynomial at all strains,
+ * of a spline at its knots. */
 START_TEST(the_wall_below_a_law) {
     static const double soft = 5e-4, line[] = {2, -3}, strain[] = {0, 0.3}, stiffness[] = {1, 2};
     levenberg_walls walls;
@@ -258,7 +261,8 @@ START_TEST(an_estimate_at_its_end) {
     static const struct {
         double bias;
         bool taken;
-    } cases[] = {{0.5, true}, {1.9, true}, {1.99, false}, {2, false}, {-0.9, true}, {-0.94, true}, {-0.945, false}};
+    } cases[] = {{0.5, true},  {1.9, true},   {1.99, false},  {2, false},
+                 {-0.9, true}, {-0.94, true}, {-0.945, false}};
     palp_explain_settings settings = palp_explain_settings_default();
     explain_search *s = calloc(1, sizeof *s);
     ck_assert_ptr_nonnull(s);
@@ -268,8 +272,17 @@ START_TEST(an_estimate_at_its_end) {
     fit.low[1] = -0.95;
     fit.high[1] = 2;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        explain_trial t = {.tried = true, .fit = fit, .raw_gain = 30, .gain = 20, .inflation = 1, .beside_zeros = 20, .held_out_gain = 20,
-                           .held_out_se = 5, .held_out_rest = 10, .explained = 1, .from_zero = true};
+        explain_trial t = {.tried = true,
+                           .fit = fit,
+                           .raw_gain = 30,
+                           .gain = 20,
+                           .inflation = 1,
+                           .beside_zeros = 20,
+                           .held_out_gain = 20,
+                           .held_out_se = 5,
+                           .held_out_rest = 10,
+                           .explained = 1,
+                           .from_zero = true};
         t.fit.x[1] = cases[i].bias;
         const char *reason = explain_judged(s, &t, 5);
         if (cases[i].taken)
@@ -319,9 +332,13 @@ static double half_width(size_t n_runs, double size, bool alike, double *noise, 
     return 0.5 * (high - low);
 }
 
-/* The wider of what the noise allows and what the runs agree on, with a hundredth of the parameter beside it. */
+/* The wider of what the noise allows and what the runs agree on, with a hundredth of the parameter beside it.
+ */
 START_TEST(intervals_by_noise_and_by_runs) {
-    static const struct { size_t n; double student; } rows[] = {{2, 12.706}, {3, 4.303}, {4, 3.182}, {7, 2.447}};
+    static const struct {
+        size_t n;
+        double student;
+    } rows[] = {{2, 12.706}, {3, 4.303}, {4, 3.182}, {7, 2.447}};
     double noise, between;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         double wide = half_width(rows[k].n, 3, false, &noise, &between);
@@ -337,8 +354,9 @@ END_TEST
 
 /* ---- scatter ---- */
 
-/* Columns so large that a run's nuisance parameters are known: they and the expectation make the scatter, whatever its
- * size. What the caller expects counts as six runs, what the noise hides as one; no contact is a quarter of the travel. */
+/* Columns so large that a run's nuisance parameters are known: they and the expectation make the scatter,
+ * whatever its size. What the caller expects counts as six runs, what the noise hides as one; no contact is a
+ * quarter of the travel. */
 START_TEST(scatter_between_runs) {
     palp_explain_settings settings = palp_explain_settings_default();
     const double own[3][3] = {{2e-4, 4e-6, 3e-3}, {-3e-4, -2e-6, 4e-3}, {1e-4, 5e-6, -5e-3}}, white = 1e-3;

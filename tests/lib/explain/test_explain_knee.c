@@ -1,5 +1,5 @@
-/* test_explain_knee.c: a law with a knee, in correlated noise that hides little of what changes from sample to sample: a law
- * of more knots follows it, and what one of too few misses is no uneven surface. */
+/* test_explain_knee.c: a law with a knee, in correlated noise that hides little of what changes from sample
+ * to sample: a law of more knots follows it, and what one of too few misses is no uneven surface. */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -18,7 +18,8 @@ static palp_model knee_model(void) {
     palp_model m = linear_model(20);
     double strain[KNOTS], stiffness[KNOTS];
     for (size_t i = 0; i < KNOTS; i++)
-        strain[i] = i <= BEFORE ? KNEE * (double)i / BEFORE : KNEE + 5e-4 * pow(240, (double)(i - BEFORE) / (KNOTS - BEFORE - 1));
+        strain[i] = i <= BEFORE ? KNEE * (double)i / BEFORE
+                                : KNEE + 5e-4 * pow(240, (double)(i - BEFORE) / (KNOTS - BEFORE - 1));
     for (size_t i = 0; i < KNOTS; i++)
         stiffness[i] = 20 * (strain[i] <= KNEE ? 1 : 3 - 2 * KNEE / strain[i]);
     ck_assert_int_eq(palp_law_spline(KNOTS, strain, stiffness, &m.material.law), PALP_OK);
@@ -72,7 +73,8 @@ static palp_experiment *record(const palp_model *m, size_t r, double sd, uint64_
     return e;
 }
 
-/* What is said of the runs of that model, if a polynomial is the law that is given. sd, state: of the noise. */
+/* What is said of the runs of that model, if a polynomial is the law that is given. sd, state: of the noise.
+ */
 static palp_explanation answer(const palp_model *truth, double sd, uint64_t state) {
     static const double law[] = {38.5, -662, 6371, -15284};
     palp_explain_settings settings = palp_explain_settings_default();
@@ -92,21 +94,23 @@ static palp_explanation answer(const palp_model *truth, double sd, uint64_t stat
 }
 
 START_TEST(a_knee_of_the_law_is_no_toe) {
-    static const uint64_t noises[] = {2, 47}; /* the stiffness at the surface, of which the runs say little, is driven to zero */
+    static const uint64_t noises[] = {
+        2, 47}; /* the stiffness at the surface, of which the runs say little, is driven to zero */
     const palp_model m = knee_model();
     const double sd = 0.02;
     for (size_t k = 0; k < sizeof noises / sizeof *noises; k++) {
         palp_explanation e = answer(&m, sd, noises[k]);
         ck_assert(e.law.found);
         ck_assert_msg(e.gap.after_N < 1.05 * sd, "noise %zu: %g N are left", k, e.gap.after_N);
-        ck_assert_msg(e.n_effects == 0, "noise %zu: a toe of %g mm is named", k, 1e3 * e.effect[0].effect.value[0]);
+        ck_assert_msg(e.n_effects == 0, "noise %zu: a toe of %g mm is named", k,
+                      1e3 * e.effect[0].effect.value[0]);
         palp_explanation_free(&e);
     }
 }
 END_TEST
 
-/* Of 14 knots the spacing is a thirteenth of the strain: at the knee it is at most half of that, whether a few more were put there
- * or twice as many everywhere. */
+/* Of 14 knots the spacing is a thirteenth of the strain: at the knee it is at most half of that, whether a
+ * few more were put there or twice as many everywhere. */
 START_TEST(knots_are_close_at_a_knee) {
     const palp_model m = knee_model();
     palp_explanation e = answer(&m, 0.05, 1);

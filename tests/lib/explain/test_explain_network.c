@@ -21,7 +21,8 @@ static void session(const palp_model *m) {
         go(&s, 0.5 + plan[r][1], plan[r][0], 100);
         go(&s, 15, plan[r][0], 150);
         go(&s, 15 + plan[r][1], -0.5, 100);
-        palp_forward_run run = {.n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = 200 * (double)r};
+        palp_forward_run run = {
+            .n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = 200 * (double)r};
         ck_assert_int_eq(palp_forward_network(m, NULL, &run, s.force_N, NULL), PALP_OK);
         ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
         for (size_t i = 0; i < s.n; i++) {
@@ -37,12 +38,13 @@ static void session(const palp_model *m) {
     }
 }
 
-/* What is made of runs of truth by a network that is ten per cent off. The candidates are some of each stage. */
+/* What is made of runs of truth by a network that is ten per cent off. The candidates are some of each stage.
+ */
 static void explain(const palp_model *truth, palp_explanation *e) {
-    static const palp_effect_id candidates[] = {PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_STRAIN_DEPENDENT_ARM,
-                                              PALP_EFFECT_RATE_STIFFENING, PALP_EFFECT_FRAME_COMPLIANCE,
-                                              PALP_EFFECT_SENSOR_LAG,      PALP_EFFECT_SENSOR_BIAS,
-                                              PALP_EFFECT_PLATE_SLIP};
+    static const palp_effect_id candidates[] = {PALP_EFFECT_RELAXATION_ARM,  PALP_EFFECT_STRAIN_DEPENDENT_ARM,
+                                                PALP_EFFECT_RATE_STIFFENING, PALP_EFFECT_FRAME_COMPLIANCE,
+                                                PALP_EFFECT_SENSOR_LAG,      PALP_EFFECT_SENSOR_BIAS,
+                                                PALP_EFFECT_PLATE_SLIP};
     palp_explain_settings settings = palp_explain_settings_default();
     palp_model guess = lattice_model(1, 3);
     palp_error error = {.text = ""};

@@ -1,5 +1,5 @@
-/* test_explain_network_wear.c: damage hidden in a session of a network: its elements stay worn from run to run, and
- * explain finds it so. check: all */
+/* test_explain_network_wear.c: damage hidden in a session of a network: its elements stay worn from run to
+ * run, and explain finds it so. check: all */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -27,8 +27,11 @@ static void session(const palp_model *truth) {
         go(&s, 1.5, depth[r], 75);
         go(&s, 8, depth[r], 100);
         go(&s, 9.5, -0.5, 75);
-        palp_forward_run run = {
-            .n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = 200 * (double)r, .history = &wear};
+        palp_forward_run run = {.n = s.n,
+                                .time_s = s.time_s,
+                                .depth_m = s.depth_m,
+                                .session_s = 200 * (double)r,
+                                .history = &wear};
         ck_assert_int_eq(palp_forward_network(truth, NULL, &run, s.force_N, NULL), PALP_OK);
         ck_assert_int_eq(palp_experiment_create(s.n, &e), PALP_OK);
         for (size_t i = 0; i < s.n; i++) {
@@ -46,7 +49,7 @@ static void session(const palp_model *truth) {
 
 START_TEST(damage_stays_from_run_to_run) {
     static const palp_effect_id candidates[] = {PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_PERMANENT_SET,
-                                              PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_COULOMB_FRICTION};
+                                                PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_COULOMB_FRICTION};
     palp_explain_settings settings = palp_explain_settings_default();
     palp_model truth = network_model(), guess = truth;
     palp_explanation e;

@@ -21,12 +21,29 @@ static unsigned char use[RUNS][2 * MOST];
 
 /* Runs of n samples each, some in the air, evenly dt apart, at rest. */
 static void begin(size_t n_runs, size_t n, double dt) {
-    data = (explain_data){.n_runs = n_runs, .n = n_runs * n, .longest = n, .run = run, .peak = 1, .deepest = 5e-3,
-                          .height = 0.024, .correlation_time = 1, .step = dt, .duration = (double)n * dt, .shown = {.rate = 1 / dt}};
+    data = (explain_data){.n_runs = n_runs,
+                          .n = n_runs * n,
+                          .longest = n,
+                          .run = run,
+                          .peak = 1,
+                          .deepest = 5e-3,
+                          .height = 0.024,
+                          .correlation_time = 1,
+                          .step = dt,
+                          .duration = (double)n * dt,
+                          .shown = {.rate = 1 / dt}};
     for (size_t r = 0; r < n_runs; r++) {
         double *b = block[r];
-        run[r] = (explain_run){.n = n, .time = b, .depth = b + n, .force = b + 2 * n, .keep = b + 3 * n, .take = b + 4 * n,
-                               .weight = b + 5 * n, .use = use[r], .phase = use[r] + n, .white = 1};
+        run[r] = (explain_run){.n = n,
+                               .time = b,
+                               .depth = b + n,
+                               .force = b + 2 * n,
+                               .keep = b + 3 * n,
+                               .take = b + 4 * n,
+                               .weight = b + 5 * n,
+                               .use = use[r],
+                               .phase = use[r] + n,
+                               .white = 1};
         memset(use[r], 1, n);
         memset(use[r] + n, PALP_PHASE_RAMP, n);
         for (size_t i = 0; i < n; i++) {
@@ -45,7 +62,8 @@ static void make_noise(const explain_run *of, double white, double correlated, d
     double wander = correlated * palp_random_normal(&state);
     for (size_t i = 0; i < of->n; i++) {
         double fade = i ? exp(-(of->time[i] - of->time[i - 1]) / time) : 0;
-        wander = fade * wander + sqrt(1 - fade * fade) * (i ? correlated * palp_random_normal(&state) : wander);
+        wander =
+            fade * wander + sqrt(1 - fade * fade) * (i ? correlated * palp_random_normal(&state) : wander);
         to[i] = wander + white * palp_random_normal(&state);
     }
 }
@@ -94,11 +112,13 @@ START_TEST(noise_that_is_nowhere_white) {
     ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
     ck_assert_double_eq_tol(hypot(run[0].white, data.correlated), 5e-3, 5e-4);
     ck_assert_double_eq_tol(data.correlation_time, 0.09, 0.02);
-    ck_assert_double_eq_tol(explain_facts(&data).white, 5e-3, 5e-4); /* what effects know of a sample's noise */
+    ck_assert_double_eq_tol(explain_facts(&data).white, 5e-3,
+                            5e-4); /* what effects know of a sample's noise */
 }
 END_TEST
 
-/* What happens in a tenth of the samples is no noise of the instrument: a burst of any size, a kink; nor is what a model misses in all. */
+/* What happens in a tenth of the samples is no noise of the instrument: a burst of any size, a kink; nor is
+ * what a model misses in all. */
 START_TEST(neither_a_burst_nor_a_misfit_is_noise) {
     enum { N = 5000 };
     static const double bursts[] = {3, 5, 10, 100, 0};
@@ -109,8 +129,12 @@ START_TEST(neither_a_burst_nor_a_misfit_is_noise) {
         make_noise(&run[r], 2e-3, 0, 1, own);
         for (size_t i = 0; i < N; i++) {
             const double since = fmod(run[r].time[i], 2.0);
-            own[i] += bursts[_i] > 0 && i >= N / 2 && i < N / 2 + N / 10 ? 2e-3 * bursts[_i] * palp_random_normal(&state) : 0;
-            own[i] += bursts[_i] > 0 ? 0 : 0.05 * exp(-run[r].time[i] / 10) - 0.1 * fmin(since, 0.2); /* relaxes, has kinks */
+            own[i] += bursts[_i] > 0 && i >= N / 2 && i < N / 2 + N / 10
+                          ? 2e-3 * bursts[_i] * palp_random_normal(&state)
+                          : 0;
+            own[i] += bursts[_i] > 0 ? 0
+                                     : 0.05 * exp(-run[r].time[i] / 10) -
+                                           0.1 * fmin(since, 0.2); /* relaxes, has kinks */
         }
     }
     ck_assert_int_eq(explain_noise_find(&data, residual), PALP_OK);
@@ -134,8 +158,8 @@ START_TEST(correlated_noise_is_alike_in_all_runs) {
 }
 END_TEST
 
-/* The filter W of a run with samples at uneven times has W V W' = 1, V the noise's covariance; a masked sample has
- * neither part in it. */
+/* The filter W of a run with samples at uneven times has W V W' = 1, V the noise's covariance; a masked
+ * sample has neither part in it. */
 START_TEST(whitened_noise_is_white) {
     enum { N = 150, MASKED = 70 };
     static double w[N * N], v[N * N], t[N * N], one[N * N];
@@ -151,8 +175,9 @@ START_TEST(whitened_noise_is_white) {
     explain_whiten(run, N, w);
     for (size_t k = 0; k < N; k++)
         for (size_t i = 0; i < N; i++)
-            v[k * N + i] = pow(data.correlated, 2) * exp(-fabs(run->time[k] - run->time[i]) / data.correlation_time) +
-                           (i == k ? pow(run->white, 2) : 0);
+            v[k * N + i] =
+                pow(data.correlated, 2) * exp(-fabs(run->time[k] - run->time[i]) / data.correlation_time) +
+                (i == k ? pow(run->white, 2) : 0);
     dense_product(N, N, N, w, v, t); /* W V, then (W V) W' by the transposed of both */
     for (size_t i = 0; i < N; i++)
         for (size_t j = 0; j < N; j++) {
@@ -189,7 +214,8 @@ START_TEST(the_mains_over_time) {
 }
 END_TEST
 
-/* From three periods on the mains may be asked for, from ten on they must stand out; what is strongest outside their band is no line of theirs. */
+/* From three periods on the mains may be asked for, from ten on they must stand out; what is strongest
+ * outside their band is no line of theirs. */
 START_TEST(the_mains_need_three_periods) {
     double frequency = 0, amplitude;
     begin(2, 300, 0.001);
@@ -260,7 +286,8 @@ static palp_explanation *diagnosed(void) {
     return e;
 }
 
-/* 20 samples of alternating sign: 20 runs where 11 are expected, of a variance of 2 m n (2 m n - N) / (N N (N - 1)). */
+/* 20 samples of alternating sign: 20 runs where 11 are expected, of a variance of 2 m n (2 m n - N) / (N N (N
+ * - 1)). */
 START_TEST(order_from_sample_to_sample) {
     begin(1, 26, 0.1);
     for (size_t i = 0; i < 26; i++) {
@@ -276,13 +303,14 @@ START_TEST(order_from_sample_to_sample) {
         residual[i] = i < 8 ? 1 : -1; /* 5 of one sign, then 15 of the other */
     e = diagnosed();
     ck_assert_double_eq_tol(e->phase_share[0].lag1, (18 - 1) / 20.0, 1e-12);
-    ck_assert_double_eq_tol(e->phase_share[0].runs_z, (2 - 150 / 20.0 - 1) / sqrt(150.0 * 130.0 / (400.0 * 19.0)), 1e-12);
+    ck_assert_double_eq_tol(e->phase_share[0].runs_z,
+                            (2 - 150 / 20.0 - 1) / sqrt(150.0 * 130.0 / (400.0 * 19.0)), 1e-12);
     free(e);
 }
 END_TEST
 
-/* A residual of depth alone, in steps of a bin, beside one that alternates: the curve takes off the first, less what as
- * many bins take off by chance. */
+/* A residual of depth alone, in steps of a bin, beside one that alternates: the curve takes off the first,
+ * less what as many bins take off by chance. */
 START_TEST(free_curves) {
     enum { EACH = 40, BINS = 24, N = EACH * BINS };
     double square = 0;

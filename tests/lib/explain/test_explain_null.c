@@ -1,5 +1,5 @@
-/* test_explain_null.c: how often chance alone makes a candidate, in simulated runs in which nothing is missing.
- * check: all */
+/* test_explain_null.c: how often chance alone makes a candidate, in simulated runs in which nothing is
+ * missing. check: all */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -38,8 +38,8 @@ static palp_experiment *record(const palp_model *m, double depth_mm, double ramp
     return e;
 }
 
-/* More log likelihood than the threshold: the score is less by half a logarithm of the samples for each parameter, and
- * for the mains' line one parameter and the frequencies looked at. */
+/* More log likelihood than the threshold: the score is less by half a logarithm of the samples for each
+ * parameter, and for the mains' line one parameter and the frequencies looked at. */
 static bool beyond_chance(const palp_explain_candidate *candidate, double threshold, double rows) {
     bool hum = candidate->id == PALP_EFFECT_MAINS_HUM;
     double parameters = hum ? 1 : (double)palp_effect_look_up(candidate->id)->n_parameters;
@@ -72,7 +72,8 @@ START_TEST(chance_passes_the_threshold_as_often_as_asked) {
         double rows = 0;
         bool any = false;
         for (size_t r = 0; r < RUNS; r++) {
-            input[r] = (palp_explain_input){record(&truth, plan[r][0], plan[r][1], 100 * (double)r), "run.csv"};
+            input[r] =
+                (palp_explain_input){record(&truth, plan[r][0], plan[r][1], 100 * (double)r), "run.csv"};
             rows += (double)palp_experiment_rows(input[r].experiment);
         }
         ck_assert_int_eq(palp_explain(&guess, RUNS, input, &s, &e, NULL), PALP_OK);
@@ -85,8 +86,10 @@ START_TEST(chance_passes_the_threshold_as_often_as_asked) {
             palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
     }
     interval(beyond, NULLS, &low, &high);
-    printf("beyond the threshold: %zu of %d nulls (99 %%: %.3f to %.3f); named: %zu\n", beyond, NULLS, low, high, named);
-    ck_assert_msg(low <= s.false_alarm && s.false_alarm <= high, "%zu of %d beyond the threshold", beyond, NULLS);
+    printf("beyond the threshold: %zu of %d nulls (99 %%: %.3f to %.3f); named: %zu\n", beyond, NULLS, low,
+           high, named);
+    ck_assert_msg(low <= s.false_alarm && s.false_alarm <= high, "%zu of %d beyond the threshold", beyond,
+                  NULLS);
     ck_assert_uint_le(named, beyond);
 }
 END_TEST

@@ -1,5 +1,5 @@
-/* test_explain_pull.c: plates that pull: the specimen is a spring that stiffens, behind a traction that is not the effect's own:
- * it holds at once, and fades with the gap as a bell. */
+/* test_explain_pull.c: plates that pull: the specimen is a spring that stiffens, behind a traction that is
+ * not the effect's own: it holds at once, and fades with the gap as a bell. */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -34,7 +34,8 @@ static double pulled(double strongest, double reach, double depth) {
     return HUGE_VAL;
 }
 
-/* Presses to depth_mm in as many s, dwells, and withdraws at half a millimetre a second, into the air unless it stays. */
+/* Presses to depth_mm in as many s, dwells, and withdraws at half a millimetre a second, into the air unless
+ * it stays. */
 static palp_experiment *record(double depth_mm, double strongest, double reach, bool stays, uint64_t *noise) {
     static samples s;
     palp_experiment *e;
@@ -53,13 +54,17 @@ static palp_experiment *record(double depth_mm, double strongest, double reach, 
         }
         palp_experiment_column(e, "time_s")[i] = s.time_s[i];
         palp_experiment_column(e, "depth_mm")[i] = 1e3 * depth;
-        const double way = i ? depth - s.depth_m[i - 1] : 0, rubs = way > 0 ? tester.friction : way < 0 ? -tester.friction : 0;
-        palp_experiment_column(e, "force_N")[i] = (stuck || depth > 0 ? force : 0) + rubs + tester.noise * white_noise(noise);
+        const double way = i ? depth - s.depth_m[i - 1] : 0, rubs = way > 0   ? tester.friction
+                                                                    : way < 0 ? -tester.friction
+                                                                              : 0;
+        palp_experiment_column(e, "force_N")[i] =
+            (stuck || depth > 0 ? force : 0) + rubs + tester.noise * white_noise(noise);
     }
     return e;
 }
 
-static void explain(double strongest, double reach, const palp_explain_settings *settings, palp_explanation *e) {
+static void explain(double strongest, double reach, const palp_explain_settings *settings,
+                    palp_explanation *e) {
     static const double depth_mm[RUNS] = {2, 3, 4, 3.5};
     static const double given[3] = {8.8, 5, 44};
     palp_explain_input input[RUNS];
@@ -67,7 +72,8 @@ static void explain(double strongest, double reach, const palp_explain_settings 
     uint64_t noise = 7;
     ck_assert_int_eq(palp_law_polynomial(3, given, &m.material.law), PALP_OK);
     for (size_t r = 0; r < RUNS; r++)
-        input[r] = (palp_explain_input){record(depth_mm[r], strongest, reach, tester.seldom && r % 2, &noise), "run"};
+        input[r] = (palp_explain_input){record(depth_mm[r], strongest, reach, tester.seldom && r % 2, &noise),
+                                        "run"};
     ck_assert_int_eq(palp_explain(&m, RUNS, input, settings, e, NULL), PALP_OK);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
@@ -80,7 +86,8 @@ static size_t releases(const palp_explanation *e) {
     return n;
 }
 
-/* With a jump, and without: the traction fades more slowly than the spring gives way. What its other shape leaves is told. */
+/* With a jump, and without: the traction fades more slowly than the spring gives way. What its other shape
+ * leaves is told. */
 START_TEST(a_pull_is_named) {
     static const struct {
         double force, reach;
@@ -92,14 +99,17 @@ START_TEST(a_pull_is_named) {
     settings.candidate[PALP_EFFECT_ADHESION] = settings.candidate[PALP_EFFECT_SENSOR_BIAS] = true;
     settings.candidate[PALP_EFFECT_COULOMB_FRICTION] = settings.candidate[PALP_EFFECT_CONTACT_OFFSET] = true;
     explain(cases[_i].force, cases[_i].reach, &settings, &e);
-    ck_assert_msg(e.verdict != PALP_EXPLAIN_AGREES && e.n_effects == 1 && e.effect[0].effect.id == PALP_EFFECT_ADHESION,
+    ck_assert_msg(e.verdict != PALP_EXPLAIN_AGREES && e.n_effects == 1 &&
+                      e.effect[0].effect.id == PALP_EFFECT_ADHESION,
                   "%s, %zu effects", palp_explain_verdict_name(e.verdict), e.n_effects);
     double force = e.effect[0].effect.value[0];
-    ck_assert_msg(fabs(force - cases[_i].force) < 0.2 * cases[_i].force, "%g, not %g N", force, cases[_i].force);
+    ck_assert_msg(fabs(force - cases[_i].force) < 0.2 * cases[_i].force, "%g, not %g N", force,
+                  cases[_i].force);
     const double low = e.effect[0].low[0], high = e.effect[0].high[0];
-    ck_assert_msg(low <= cases[_i].force && cases[_i].force <= high && high - low < 0.5 * cases[_i].force, "%g N is in %g to %g N",
-                  cases[_i].force, low, high);
-    ck_assert_msg(releases(&e) > 0 || cases[_i].reach > 1e-4 || cases[_i].force < 0.05, "no release is listed");
+    ck_assert_msg(low <= cases[_i].force && cases[_i].force <= high && high - low < 0.5 * cases[_i].force,
+                  "%g N is in %g to %g N", cases[_i].force, low, high);
+    ck_assert_msg(releases(&e) > 0 || cases[_i].reach > 1e-4 || cases[_i].force < 0.05,
+                  "no release is listed");
     palp_explanation_free(&e);
 }
 END_TEST
@@ -112,8 +122,8 @@ START_TEST(a_release_must_be_accounted_for) {
     memset(settings.candidate, 0, sizeof settings.candidate);
     explain(0.056, 1e-5, &settings, &e);
     ck_assert_uint_gt(releases(&e), 0);
-    ck_assert_msg(e.verdict == PALP_EXPLAIN_UNEXPLAINED && e.unexplained_N > 0, "%s, %g N", palp_explain_verdict_name(e.verdict),
-                  e.unexplained_N);
+    ck_assert_msg(e.verdict == PALP_EXPLAIN_UNEXPLAINED && e.unexplained_N > 0, "%s, %g N",
+                  palp_explain_verdict_name(e.verdict), e.unexplained_N);
     palp_explanation_free(&e);
     explain(0.0, 1e-5, &settings, &e);
     ck_assert_uint_eq(releases(&e), 0);
@@ -122,8 +132,8 @@ START_TEST(a_release_must_be_accounted_for) {
 }
 END_TEST
 
-/* Beside a friction a pull that changes the forces, over all samples, by less than a quarter of the noise: it is named where nothing else
- * accounts for a release. */
+/* Beside a friction a pull that changes the forces, over all samples, by less than a quarter of the noise: it
+ * is named where nothing else accounts for a release. */
 START_TEST(a_slight_pull_is_named_where_it_accounts_for_what_is_left) {
     palp_explain_settings settings = palp_explain_settings_default();
     palp_explanation e;
@@ -132,11 +142,12 @@ START_TEST(a_slight_pull_is_named_where_it_accounts_for_what_is_left) {
     settings.candidate[PALP_EFFECT_ADHESION] = settings.candidate[PALP_EFFECT_COULOMB_FRICTION] = true;
     explain(0.05, 1e-5, &settings, &e);
     ck_assert_uint_gt(releases(&e), 0);
-    ck_assert_msg(e.verdict == PALP_EXPLAIN_EXPLAINED && e.n_effects == 2, "%s, %zu effects, %g N", palp_explain_verdict_name(e.verdict),
-                  e.n_effects, e.unexplained_N);
+    ck_assert_msg(e.verdict == PALP_EXPLAIN_EXPLAINED && e.n_effects == 2, "%s, %zu effects, %g N",
+                  palp_explain_verdict_name(e.verdict), e.n_effects, e.unexplained_N);
     ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_COULOMB_FRICTION);
     ck_assert_int_eq(e.effect[1].effect.id, PALP_EFFECT_ADHESION);
-    ck_assert(e.step[1].candidate[0].id == PALP_EFFECT_ADHESION && e.step[1].candidate[0].explained_N < 0.25 * slow.noise);
+    ck_assert(e.step[1].candidate[0].id == PALP_EFFECT_ADHESION &&
+              e.step[1].candidate[0].explained_N < 0.25 * slow.noise);
     ck_assert(e.effect[1].low[0] <= 0.05 && 0.05 <= e.effect[1].high[0]);
     palp_explanation_free(&e);
 }

@@ -1,5 +1,5 @@
-/* test_explain_recovery.c: a session whose specimen keeps its permanent set from run to run, and one whose specimen has recovered
- * before each run: the files say the same of both. check: once */
+/* test_explain_recovery.c: a session whose specimen keeps its permanent set from run to run, and one whose
+ * specimen has recovered before each run: the files say the same of both. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -24,7 +24,10 @@ static void session(const palp_model *truth, bool recovers) {
         go(&s, 2 * ramp_s + 3, -1, 60);
         go(&s, 3 * ramp_s + 3, depth, 60);
         go(&s, 4 * ramp_s + 3, -1, 60);
-        palp_forward_run run = {.n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .session_s = 300 * (double)r,
+        palp_forward_run run = {.n = s.n,
+                                .time_s = s.time_s,
+                                .depth_m = s.depth_m,
+                                .session_s = 300 * (double)r,
                                 .history = recovers ? NULL : &kept};
         ck_assert_int_eq(palp_forward_force(truth, &run, s.force_N, NULL, NULL), PALP_OK);
         ck_assert_int_eq(palp_experiment_create(s.n, &made[r]), PALP_OK);
@@ -61,7 +64,8 @@ static void found_as(bool recovers) {
     ck_assert_uint_eq(e.n_effects, 1);
     ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_PERMANENT_SET);
     ck_assert(e.effect[0].recovers == recovers);
-    ck_assert_msg(e.effect[0].low[0] < SET && SET < e.effect[0].high[0], "%g to %g", e.effect[0].low[0], e.effect[0].high[0]);
+    ck_assert_msg(e.effect[0].low[0] < SET && SET < e.effect[0].high[0], "%g to %g", e.effect[0].low[0],
+                  e.effect[0].high[0]);
     ck_assert_double_eq_tol(e.gap.after_N, WHITE, 0.2 * WHITE);
     explain(&e.model, &again);
     ck_assert_uint_eq(again.n_effects, 0);

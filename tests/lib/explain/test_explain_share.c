@@ -1,5 +1,5 @@
-/* test_explain_share.c: an effect is named only where these runs could show it beside the richest law and arms, not beside the
- * model at hand. check: once */
+/* test_explain_share.c: an effect is named only where these runs could show it beside the richest law and
+ * arms, not beside the model at hand. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -29,7 +29,8 @@ static void record(const palp_model *truth) {
     uint64_t state = 5;
     for (size_t r = 0; r < RUNS; r++) {
         samples *s = &recorded[r];
-        palp_forward_run run = {.n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .contact_m = 2e-5 * (double)r};
+        palp_forward_run run = {
+            .n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .contact_m = 2e-5 * (double)r};
         ck_assert_int_eq(palp_forward_force(truth, &run, s->force_N, NULL, NULL), PALP_OK);
         for (size_t i = 0; i < s->n; i++)
             s->force_N[i] += 2e-3 * white_noise(&state);
@@ -75,7 +76,8 @@ START_TEST(what_a_law_takes_in_is_not_named) {
     record(&truth);
     explain(&m, &e);
     const palp_explain_candidate *frame = candidate_of(&e, PALP_EFFECT_FRAME_COMPLIANCE),
-                                 *lag = candidate_of(&e, PALP_EFFECT_SENSOR_LAG), *gain = candidate_of(&e, PALP_EFFECT_SENSOR_GAIN);
+                                 *lag = candidate_of(&e, PALP_EFFECT_SENSOR_LAG),
+                                 *gain = candidate_of(&e, PALP_EFFECT_SENSOR_GAIN);
     for (size_t i = 0; i < e.n_effects; i++)
         ck_assert_int_ne(e.effect[i].effect.id, PALP_EFFECT_FRAME_COMPLIANCE);
     ck_assert(!frame->identifiable && !gain->identifiable && lag->identifiable);
@@ -94,8 +96,11 @@ START_TEST(loading_at_one_speed_names_no_instrument) {
     static const struct {
         palp_effect_id id;
         double strength, second;
-    } hidden[] = {{PALP_EFFECT_SENSOR_LAG, 0.4, 0}, {PALP_EFFECT_COULOMB_FRICTION, 0.05, 0}, {PALP_EFFECT_DRIVE_RIPPLE, 0.05, 1e-3},
-                  {PALP_EFFECT_SENSOR_DRIFT, 0.01, 0}, {PALP_EFFECT_FRAME_COMPLIANCE, 1e-4, 0}};
+    } hidden[] = {{PALP_EFFECT_SENSOR_LAG, 0.4, 0},
+                  {PALP_EFFECT_COULOMB_FRICTION, 0.05, 0},
+                  {PALP_EFFECT_DRIVE_RIPPLE, 0.05, 1e-3},
+                  {PALP_EFFECT_SENSOR_DRIFT, 0.01, 0},
+                  {PALP_EFFECT_FRAME_COMPLIANCE, 1e-4, 0}};
     palp_explanation e;
     palp_model truth = lumped_model(1), m = truth;
     palp_effect *effect = add_effect(&truth, hidden[_i].id, 1);
@@ -108,13 +113,15 @@ START_TEST(loading_at_one_speed_names_no_instrument) {
     ck_assert_uint_eq(e.n_effects, 0);
     for (size_t k = 0; k < e.n_candidates; k++)
         ck_assert_msg(!e.candidate[k].identifiable, "%s", palp_effect_look_up(e.candidate[k].id)->id);
-    if (hidden[_i].id != PALP_EFFECT_DRIVE_RIPPLE) /* some wave is finer than any law, and still not to be told from one */
+    if (hidden[_i].id !=
+        PALP_EFFECT_DRIVE_RIPPLE) /* some wave is finer than any law, and still not to be told from one */
         ck_assert_double_lt(candidate_of(&e, hidden[_i].id)->share, 0.05);
     palp_explanation_free(&e);
 }
 END_TEST
 
-/* Ramps at three speeds that end in their holds: a friction's step at the end of a ramp is a fast relaxation's, whatever is left of it. */
+/* Ramps at three speeds that end in their holds: a friction's step at the end of a ramp is a fast
+ * relaxation's, whatever is left of it. */
 START_TEST(friction_needs_a_way_back) {
     static const double plan[RUNS][2] = {{4, 1}, {6, 4}, {7, 12}, {5, 2}};
     palp_explanation e;
@@ -125,7 +132,8 @@ START_TEST(friction_needs_a_way_back) {
         recorded[r].n -= 60;
     record(&truth);
     explain(&m, &e);
-    const palp_explain_candidate *friction = candidate_of(&e, PALP_EFFECT_COULOMB_FRICTION), *set = candidate_of(&e, PALP_EFFECT_PERMANENT_SET),
+    const palp_explain_candidate *friction = candidate_of(&e, PALP_EFFECT_COULOMB_FRICTION),
+                                 *set = candidate_of(&e, PALP_EFFECT_PERMANENT_SET),
                                  *lag = candidate_of(&e, PALP_EFFECT_SENSOR_LAG);
     for (size_t i = 0; i < e.n_effects; i++)
         ck_assert_int_ne(e.effect[i].effect.id, PALP_EFFECT_COULOMB_FRICTION);
@@ -137,7 +145,8 @@ END_TEST
 
 /* A softening law where the given one is straight: whatever is answered, its parts go together. */
 START_TEST(the_parts_of_an_answer_go_together) {
-    static const double plan[RUNS][2] = {{4, 4}, {6, 3}, {7, 14}, {4, 4}}, softens[] = {8.2, -9, 8}, straight = 8;
+    static const double plan[RUNS][2] = {{4, 4}, {6, 3}, {7, 14}, {4, 4}}, softens[] = {8.2, -9, 8},
+                        straight = 8;
     palp_explanation e;
     palp_model truth = lumped_model(1), m = truth;
     ck_assert_int_eq(palp_law_polynomial(3, softens, &truth.material.law), PALP_OK);

@@ -1,5 +1,5 @@
-/* test_explain_specimens.c: runs of several specimens, which their files name: what differs between these is theirs, before an effect
- * or an instrument is accused. check: once */
+/* test_explain_specimens.c: runs of several specimens, which their files name: what differs between these is
+ * theirs, before an effect or an instrument is accused. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -19,7 +19,8 @@ static void begin(void) {
 }
 
 /* law, whole: how many times as stiff each specimen's law, or all of it, is; gain: of each run's sensor. */
-static void session(const palp_model *plain, const double *law, const double *whole, const double *gain, bool named) {
+static void session(const palp_model *plain, const double *law, const double *whole, const double *gain,
+                    bool named) {
     static const double plan[EACH][2] = {{6, 3}, {4, 0.6}}; /* mm, mm/s */
     static samples s;
     uint64_t state = 11;
@@ -42,7 +43,8 @@ static void session(const palp_model *plain, const double *law, const double *wh
         for (size_t i = 0; i < s.n; i++) {
             palp_experiment_column(made[r], "time_s")[i] = s.time_s[i];
             palp_experiment_column(made[r], "depth_mm")[i] = 1e3 * s.depth_m[i];
-            palp_experiment_column(made[r], "force_N")[i] = fmin(range, gain[r] * s.force_N[i] + 2e-3 * white_noise(&state));
+            palp_experiment_column(made[r], "force_N")[i] =
+                fmin(range, gain[r] * s.force_N[i] + 2e-3 * white_noise(&state));
         }
         snprintf(name[r], sizeof name[r], "piece %zu", k);
         if (named)
@@ -101,7 +103,8 @@ START_TEST(specimens_that_differ_as_a_whole_are_no_gain) {
 }
 END_TEST
 
-/* The stiff specimens reach the end of its range and the soft ones do not; of the higher one the mean of all would not. */
+/* The stiff specimens reach the end of its range and the soft ones do not; of the higher one the mean of all
+ * would not. */
 START_TEST(a_sensor_that_ends_is_found_beside_them) {
     palp_model plain = lumped_model(1);
     palp_explanation e;
@@ -131,7 +134,8 @@ START_TEST(gains_within_a_specimen_are_the_sensors) {
 }
 END_TEST
 
-/* Nothing names a specimen: there is one, and a law that changes from run to run is no effect of the catalogue. */
+/* Nothing names a specimen: there is one, and a law that changes from run to run is no effect of the
+ * catalogue. */
 START_TEST(unnamed_runs_have_one_specimen) {
     palp_model plain = lumped_model(1);
     palp_explanation e;

@@ -8,7 +8,8 @@ enum { RUNS = 4, PLACES = 100 };
 
 static const double STIFFNESS = 18, WHITE = 2e-2; /* N; with less of it no fit stays there */
 
-/* A specimen of arms and a straight spring, whose surface is at surface_mm; pressed to 4 mm, held, and let go. */
+/* A specimen of arms and a straight spring, whose surface is at surface_mm; pressed to 4 mm, held, and let
+ * go. */
 static palp_experiment *record(double surface_mm, double seconds, uint64_t *noise) {
     static samples s;
     palp_model m = linear_model(STIFFNESS);
@@ -30,7 +31,8 @@ static palp_experiment *record(double surface_mm, double seconds, uint64_t *nois
 }
 
 /* What is said of runs with these surfaces if a law is given as if the surface were higher by so much. */
-static palp_explanation answer(const double surface_mm[RUNS], double higher_mm, palp_explain_settings settings) {
+static palp_explanation answer(const double surface_mm[RUNS], double higher_mm,
+                               palp_explain_settings settings) {
     double strain[PLACES], force[PLACES], value[4], left;
     palp_explain_input input[RUNS];
     palp_explanation e;
@@ -68,7 +70,8 @@ START_TEST(where_the_law_has_the_surface_is_no_matter) {
 }
 END_TEST
 
-/* Far from where they were said to be, and near each other: an offset of all, not a scatter from run to run. */
+/* Far from where they were said to be, and near each other: an offset of all, not a scatter from run to run.
+ */
 START_TEST(what_surfaces_have_in_common_is_an_offset) {
     static const double surface_mm[RUNS] = {0.93, 0.95, 0.92, 0.94};
     palp_explanation e = answer(surface_mm, 0, palp_explain_settings_default());

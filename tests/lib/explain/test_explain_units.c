@@ -1,6 +1,6 @@
-/* test_explain_units.c: what explain answers does not depend on the units of force, length and time, on the order of the runs,
- * their names, or the clock's zero. The runs say nothing but time, depth and force, and have contacts of their own.
- * check: once */
+/* test_explain_units.c: what explain answers does not depend on the units of force, length and time, on the
+ * order of the runs, their names, or the clock's zero. The runs say nothing but time, depth and force, and
+ * have contacts of their own. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -14,7 +14,8 @@ enum { RUNS = 4, FILES = RUNS + 1 };
 typedef struct units {
     double force, length, time, zero_s;
     bool backwards;
-    size_t cut; /* in the middle of the hold the second run goes on in another file: 1, behind it; 2, at first; 0 = it does not */
+    size_t cut; /* in the middle of the hold the second run goes on in another file: 1, behind it; 2, at
+                   first; 0 = it does not */
 } units;
 
 static samples recorded[RUNS];
@@ -36,7 +37,8 @@ static void make(palp_effect_id id, double strength, double more) {
         go(s, 11 + ramp_s, plan[r][0], 80);
         go(s, 11 + 2 * ramp_s, -1, 60);
         go(s, 12 + 2 * ramp_s, -1, 20);
-        palp_forward_run run = {.n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .contact_m = 1e-3 * plan[r][2]};
+        palp_forward_run run = {
+            .n = s->n, .time_s = s->time_s, .depth_m = s->depth_m, .contact_m = 1e-3 * plan[r][2]};
         ck_assert_int_eq(palp_forward_force(&truth, &run, s->force_N, NULL, NULL), PALP_OK);
         for (size_t i = 0; i < s->n; i++)
             s->force_N[i] += 2e-3 * white_noise(&state);
@@ -66,8 +68,9 @@ static palp_experiment *in_units(const samples *s, const units *u, size_t from, 
 
 /* few: of all effects only those that look like these. */
 static void explain(const units *u, bool few, palp_explanation *e) {
-    static const palp_effect_id likes[] = {PALP_EFFECT_SENSOR_LAG, PALP_EFFECT_RELAXATION_ARM, PALP_EFFECT_COULOMB_FRICTION,
-                                           PALP_EFFECT_RATE_STIFFENING, PALP_EFFECT_POWER_LAW_RELAXATION};
+    static const palp_effect_id likes[] = {PALP_EFFECT_SENSOR_LAG, PALP_EFFECT_RELAXATION_ARM,
+                                           PALP_EFFECT_COULOMB_FRICTION, PALP_EFFECT_RATE_STIFFENING,
+                                           PALP_EFFECT_POWER_LAW_RELAXATION};
     palp_explain_settings settings = palp_explain_settings_default();
     for (int id = 0; id < PALP_EFFECT_COUNT && few; id++)
         settings.candidate[id] = 0;
@@ -101,11 +104,12 @@ static void explain(const units *u, bool few, palp_explanation *e) {
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
 }
 
-/* Either half of a run, cut at any sample, says what is the matter: the first is a shorter run, the second is refused by its name,
- * in whatever units, where enough was pressed before. */
+/* Either half of a run, cut at any sample, says what is the matter: the first is a shorter run, the second is
+ * refused by its name, in whatever units, where enough was pressed before. */
 START_TEST(the_second_half_of_a_run_alone_is_refused) {
     static const units all[] = {{1, 1, 1, 0, false, 0}, {1e-9, 1e-4, 1e3, 1.7e9, false, 0}};
-    static const size_t cuts[] = {50, 70, 100, 170}; /* early and late in the ramp, in the hold, in the withdrawal */
+    static const size_t cuts[] = {50, 70, 100,
+                                  170}; /* early and late in the ramp, in the hold, in the withdrawal */
     const units *u = &all[_i % 2];
     const size_t cut = cuts[_i / 2];
     palp_explain_settings settings = palp_explain_settings_default();
@@ -117,7 +121,8 @@ START_TEST(the_second_half_of_a_run_alone_is_refused) {
     make(PALP_EFFECT_SENSOR_LAG, 0, 0);
     input[0] = (palp_explain_input){in_units(&recorded[0], u, 0, recorded[0].n), "whole.csv"};
     for (int first = 0; first < 2; first++) {
-        palp_experiment *half = first ? in_units(&recorded[1], u, 0, cut) : in_units(&recorded[1], u, cut, recorded[1].n);
+        palp_experiment *half =
+            first ? in_units(&recorded[1], u, 0, cut) : in_units(&recorded[1], u, cut, recorded[1].n);
         input[1] = (palp_explain_input){half, "half.csv"};
         palp_status status = palp_explain(&m, 2, input, &settings, &e, &error);
         ck_assert_msg(status == (first ? PALP_OK : PALP_ERR_INPUT), "%s", error.text);
@@ -132,10 +137,11 @@ START_TEST(the_second_half_of_a_run_alone_is_refused) {
 END_TEST
 
 static const units plain = {1, 1, 1, 0, false, 0};
-static const units others[] = {
-    {1e3, 10, 1, 0, false, 0},  {1, 1e-4, 1e-3, 0, false, 0}, {1, 1, 1, 1.7e9, false, 1}, /* the first three for nothing, too */
-    {1e-9, 1, 1, 0, false, 0},  {1, 1, 1e3, 0, false, 0},     {1, 1, 1, 0, true, 0},
-    {1, 1, 1, 0, false, 2},     {1e-9, 1e-4, 1e-3, 0, false, 0}};
+static const units others[] = {{1e3, 10, 1, 0, false, 0},      {1, 1e-4, 1e-3, 0, false, 0},
+                               {1, 1, 1, 1.7e9, false, 1}, /* the first three for nothing, too */
+                               {1e-9, 1, 1, 0, false, 0},      {1, 1, 1e3, 0, false, 0},
+                               {1, 1, 1, 0, true, 0},          {1, 1, 1, 0, false, 2},
+                               {1e-9, 1e-4, 1e-3, 0, false, 0}};
 enum { OTHERS = sizeof others / sizeof *others };
 
 START_TEST(a_lag_is_named_in_any_units) {
@@ -156,7 +162,8 @@ START_TEST(a_lag_is_named_in_any_units) {
     ck_assert_double_eq_tol(first.effect[0].effect.value[0], 0.15, 0.01);
     ck_assert_double_eq_tol(e.effect[0].effect.value[0], wanted, 1e-4 * wanted);
     if (u->time == 1) /* the mains have a frequency: what is looked for there goes with the clock */
-        ck_assert_double_eq_tol(e.contact.sd, u->length * first.contact.sd, 1e-3 * u->length * first.contact.sd);
+        ck_assert_double_eq_tol(e.contact.sd, u->length * first.contact.sd,
+                                1e-3 * u->length * first.contact.sd);
     ck_assert(e.contact.found);
     for (size_t k = 0; k < e.n_candidates && u->time == 1 && u->length == 1; k++)
         ck_assert_double_eq_tol(e.candidate[k].share, first.candidate[k].share, 2e-3);
@@ -168,7 +175,9 @@ END_TEST
 static const struct {
     palp_effect_id id;
     double strength, more;
-} timed[] = {{PALP_EFFECT_COULOMB_FRICTION, 0.06, 0}, {PALP_EFFECT_RATE_STIFFENING, 0.08, 0.01}, {PALP_EFFECT_POWER_LAW_RELAXATION, 1.5, 0.3}};
+} timed[] = {{PALP_EFFECT_COULOMB_FRICTION, 0.06, 0},
+             {PALP_EFFECT_RATE_STIFFENING, 0.08, 0.01},
+             {PALP_EFFECT_POWER_LAW_RELAXATION, 1.5, 0.3}};
 enum { TIMED = sizeof timed / sizeof *timed };
 
 /* In the units of the force; of the power law what is left of it after ten seconds of the first clock. */

@@ -5,15 +5,15 @@
 #include "forward_make.h"
 #include <string.h>
 
-palp_status __real_explain_predict(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
-                                   palp_error *error);
-palp_status __wrap_explain_predict(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
-                                   palp_error *error);
+palp_status __real_explain_predict(const palp_model *model, const palp_forward_run *run, double *force,
+                                   double *gradient, palp_error *error);
+palp_status __wrap_explain_predict(const palp_model *model, const palp_forward_run *run, double *force,
+                                   double *gradient, palp_error *error);
 
 static size_t followed, beyond; /* all, and those whose law pulls where it is pressed */
 
-palp_status __wrap_explain_predict(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
-                                   palp_error *error) {
+palp_status __wrap_explain_predict(const palp_model *model, const palp_forward_run *run, double *force,
+                                   double *gradient, palp_error *error) {
     bool pulls = false;
     for (int i = 0; i <= 40; i++) {
         double stiffness;
@@ -25,7 +25,8 @@ palp_status __wrap_explain_predict(const palp_model *model, const palp_forward_r
     return __real_explain_predict(model, run, force, gradient, error);
 }
 
-/* A press and a withdrawal of a specimen that stiffens with the fifth power; soft: its force by strain at first, N. */
+/* A press and a withdrawal of a specimen that stiffens with the fifth power; soft: its force by strain at
+ * first, N. */
 static palp_experiment *record(double depth_mm, double soft, uint64_t *noise) {
     static samples s;
     palp_experiment *e;
@@ -37,7 +38,8 @@ static palp_experiment *record(double depth_mm, double soft, uint64_t *noise) {
         double strain = fmax(0, s.depth_m[i] / HEIGHT);
         palp_experiment_column(e, "time_s")[i] = s.time_s[i];
         palp_experiment_column(e, "depth_mm")[i] = 1e3 * s.depth_m[i];
-        palp_experiment_column(e, "force_N")[i] = soft * strain + 9000 * pow(strain, 5) + 1e-2 * white_noise(noise);
+        palp_experiment_column(e, "force_N")[i] =
+            soft * strain + 9000 * pow(strain, 5) + 1e-2 * white_noise(noise);
     }
     return e;
 }
@@ -83,7 +85,8 @@ START_TEST(such_a_law_is_not_followed) {
 }
 END_TEST
 
-/* The soft beginning wants knots below zero: the others are found all the same, with those at the least there is. */
+/* The soft beginning wants knots below zero: the others are found all the same, with those at the least there
+ * is. */
 START_TEST(other_knots_move_beside_one_at_its_end) {
     enum { KNOTS = 14 };
     double strain[KNOTS], stiffness[KNOTS], chi2[2];
@@ -95,7 +98,9 @@ START_TEST(other_knots_move_beside_one_at_its_end) {
     ck_assert_int_eq(palp_law_spline(KNOTS, strain, stiffness, &law), PALP_OK);
     fit_runs(&law, -2, chi2);
     ck_assert_uint_eq(beyond, 0);
-    ck_assert_double_lt(chi2[1], 100.0); /* no such law leaves noise; a fit that stays where it first meets the end leaves 4000 */
+    ck_assert_double_lt(
+        chi2[1],
+        100.0); /* no such law leaves noise; a fit that stays where it first meets the end leaves 4000 */
 }
 END_TEST
 

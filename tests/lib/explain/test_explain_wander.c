@@ -14,7 +14,8 @@ static double still(size_t r, double share) {
     return 0.1 * (double)(r % 3);
 }
 
-/* By two noise levels in every second run, in one direction, at one place: as near to a drift of all runs as such zeros come. */
+/* By two noise levels in every second run, in one direction, at one place: as near to a drift of all runs as
+ * such zeros come. */
 static double some_jump(size_t r, double share) {
     return r % 2 == 0 && share > 0.45 ? -2 * NOISE : 0;
 }
@@ -37,7 +38,8 @@ static void record(const palp_model *m, zero_of *zero) {
         const size_t ramp = 40 + 20 * r, rest = EACH - 2 * ramp - 20;
         start(&s, 0, -1);
         for (size_t i = 1; i < EACH; i++) {
-            const double up = 6.0 * (double)i / (double)ramp, down = 6.0 * ((double)EACH - (double)i - 20.0) / (double)ramp;
+            const double up = 6.0 * (double)i / (double)ramp,
+                         down = 6.0 * ((double)EACH - (double)i - 20.0) / (double)ramp;
             s.time_s[i] = 0.05 * (double)i;
             s.depth_m[i] = 1e-3 * fmax(-1, fmin(5, fmin(up, i > ramp + rest ? down : 6.0) - 1));
         }
@@ -79,7 +81,8 @@ static double gain_of(const palp_model *m, zero_of *zero, size_t n) {
     return gain;
 }
 
-/* One that jumps in the middle could gain an eighth of the samples times the square of its size in noise levels, if its place were known. */
+/* One that jumps in the middle could gain an eighth of the samples times the square of its size in noise
+ * levels, if its place were known. */
 START_TEST(zeros_gain_where_they_wander) {
     const palp_model m = linear_model(40);
     const double known = EACH / 8.0 * 4;
@@ -109,7 +112,8 @@ START_TEST(zeros_that_jump_are_no_drift) {
     ck_assert_uint_eq(drifts(some_jump, &e), 0);
     bool said = false;
     for (size_t k = 0; k < e.n_candidates; k++)
-        said = said || strcmp(e.candidate[k].reason, "gains no more than zeros that wander in the runs would") == 0;
+        said = said ||
+               strcmp(e.candidate[k].reason, "gains no more than zeros that wander in the runs would") == 0;
     ck_assert(said);
     palp_explanation_free(&e);
 }

@@ -1,4 +1,5 @@
-/* test_calibrate_covariance.c: a calibrated network knows its force as well as the lumped model that it was calibrated to. */
+/* test_calibrate_covariance.c: a calibrated network knows its force as well as the lumped model that it was
+ * calibrated to. */
 #include "recordings.h"
 
 #include <stdio.h>
@@ -16,7 +17,8 @@ static palp_material truth(void) {
 static palp_lumped_fit fit_once(uint64_t seed) {
     palp_recording r[2];
     for (uint64_t q = 0; q < 2; q++) {
-        take t = {truth(), 4.0 + 2.0 * (double)q, 1.0 + (double)q, 15.0, 1.0, 20.0, NOISE_N, "ramp_hold", 500 * seed + q};
+        take t = {truth(), 4.0 + 2.0 * (double)q, 1.0 + (double)q, 15.0, 1.0, 20.0,
+                  NOISE_N, "ramp_hold",           500 * seed + q};
         r[q] = prepare(record(&t));
     }
     palp_lumped_fit f = fit(2, r, with_law(polynomial(3, (double[3]){5.0, 1.0, 1.0}), 1));
@@ -24,21 +26,25 @@ static palp_lumped_fit fit_once(uint64_t seed) {
     return f;
 }
 
-static const palp_mesh_source LATTICE = {.kind = PALP_MESH_LATTICE, .nodes = {3, 3, 3}, .size_m = {0.024, 0.024, 0.024},
+static const palp_mesh_source LATTICE = {.kind = PALP_MESH_LATTICE,
+                                         .nodes = {3, 3, 3},
+                                         .size_m = {0.024, 0.024, 0.024},
                                          .neighbourhood = PALP_NEIGHBOURS_26};
 
 /* Ramp to a depth in so many seconds, and a dwell. */
 static void press(double depth_m, double ramp_s, double hold_s, size_t n, double *time_s, double *at_m) {
     for (size_t i = 0; i < n; i++) {
         double part = (double)i / (double)(n - 1);
-        time_s[i] = part < 0.5 ? 2.0 * part * ramp_s : ramp_s + hold_s * (2.0 * part - 1.0) * (2.0 * part - 1.0);
+        time_s[i] =
+            part < 0.5 ? 2.0 * part * ramp_s : ramp_s + hold_s * (2.0 * part - 1.0) * (2.0 * part - 1.0);
         at_m[i] = depth_m * fmin(time_s[i] / ramp_s, 1.0);
     }
 }
 
 /* The network's material by both stages, as the lumped model's forces ask for. */
 static palp_model calibrated(const palp_model *lumped) {
-    palp_model model = {.kind = PALP_MODEL_NETWORK, .height_m = 0.024, .material = lumped->material, .mesh = &LATTICE};
+    palp_model model = {
+        .kind = PALP_MODEL_NETWORK, .height_m = 0.024, .material = lumped->material, .mesh = &LATTICE};
     palp_network *network;
     palp_calibration c;
     double depth[DEPTHS], force[DEPTHS], strain, time_s[SAMPLES], at_m[SAMPLES], wanted[SAMPLES];
@@ -82,9 +88,11 @@ static void know(const palp_model *lumped, const palp_model *network, double *co
     ck_assert_msg(status == PALP_OK, "%s", error.text);
 }
 
-/* Of a press of another depth and speed: sds of both models, and noisy samples of the truth within the network's band. */
+/* Of a press of another depth and speed: sds of both models, and noisy samples of the truth within the
+ * network's band. */
 START_TEST(the_network_knows_its_force_as_the_lumped_model_does) {
-    double time_s[HELD], depth_m[HELD], force[HELD], sd[2][HELD], wanted[HELD], covariance[49], held = 0.0, count = 0.0, plain = 0.0;
+    double time_s[HELD], depth_m[HELD], force[HELD], sd[2][HELD], wanted[HELD], covariance[49],
+        held = 0.0, count = 0.0, plain = 0.0;
     const palp_material truth_of = truth();
     press(5.5e-3, 2.0, 10.0, HELD, time_s, depth_m);
     const palp_forward_run run = {.n = HELD, .time_s = time_s, .depth_m = depth_m};
@@ -92,7 +100,8 @@ START_TEST(the_network_knows_its_force_as_the_lumped_model_does) {
     for (uint64_t world = 1; world <= WORLDS; world++) {
         uint64_t state = 31 * world;
         palp_lumped_fit f = fit_once(world);
-        palp_model lumped = {.kind = PALP_MODEL_LUMPED, .height_m = 0.024, .material = f.material, .covariance = f.covariance};
+        palp_model lumped = {
+            .kind = PALP_MODEL_LUMPED, .height_m = 0.024, .material = f.material, .covariance = f.covariance};
         palp_model network = calibrated(&lumped);
         know(&lumped, &network, covariance, NULL);
         ck_assert_int_eq(palp_forward_band(&lumped, &run, f.covariance, force, sd[0], NULL), PALP_OK);
@@ -107,17 +116,24 @@ START_TEST(the_network_knows_its_force_as_the_lumped_model_does) {
         }
         palp_lumped_fit_free(&f);
     }
-    printf("the network's band holds %.1f %% of the noisy samples, %.1f %% of the force without noise\n", 100 * held / count, 100 * plain / count);
+    printf("the network's band holds %.1f %% of the noisy samples, %.1f %% of the force without noise\n",
+           100 * held / count, 100 * plain / count);
     ck_assert_double_ge(held / count, 0.90);
     ck_assert_double_ge(plain / count, 0.88);
     ck_assert_double_le(held / count, 0.99);
 }
 END_TEST
 
-/* The spread of specimens goes over likewise: of lumped specimens 10 % stiffer or softer, networks whose force is so. */
+/* The spread of specimens goes over likewise: of lumped specimens 10 % stiffer or softer, networks whose
+ * force is so. */
 START_TEST(the_spread_goes_over) {
-    double p[5], covariance[25] = {0}, between[25], to[49], to_between[49], time_s[HELD], depth_m[HELD], force[HELD], sd[HELD];
-    palp_model lumped = {.kind = PALP_MODEL_LUMPED, .height_m = 0.024, .material = truth(), .covariance = covariance, .between = between};
+    double p[5], covariance[25] = {0}, between[25], to[49], to_between[49], time_s[HELD], depth_m[HELD],
+                 force[HELD], sd[HELD];
+    palp_model lumped = {.kind = PALP_MODEL_LUMPED,
+                         .height_m = 0.024,
+                         .material = truth(),
+                         .covariance = covariance,
+                         .between = between};
     ck_assert_int_eq(palp_forward_get(&lumped, p), PALP_OK);
     for (int i = 0; i < 25; i++)
         between[i] = 0.01 * p[i / 5] * p[i % 5];
@@ -128,11 +144,14 @@ START_TEST(the_spread_goes_over) {
     ck_assert_int_eq(palp_forward_band(&network, &run, to_between, force, sd, NULL), PALP_OK);
     for (int i = 1; i < HELD; i++)
         ck_assert_double_eq_tol(sd[i], 0.1 * force[i], 0.005 * force[HELD / 2]);
-    ck_assert_int_eq(palp_calibrate_covariance(&network, &lumped, 1, &run, to, NULL, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_calibrate_covariance(&network, &lumped, 1, &run, to, NULL, NULL),
+                     PALP_ERR_ARGUMENT);
     lumped.between = NULL;
-    ck_assert_int_eq(palp_calibrate_covariance(&lumped, &network, 1, &run, to, to_between, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_calibrate_covariance(&lumped, &network, 1, &run, to, to_between, NULL),
+                     PALP_ERR_ARGUMENT);
     lumped.covariance = NULL;
-    ck_assert_int_eq(palp_calibrate_covariance(&lumped, &network, 1, &run, to, NULL, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_calibrate_covariance(&lumped, &network, 1, &run, to, NULL, NULL),
+                     PALP_ERR_ARGUMENT);
 }
 END_TEST
 

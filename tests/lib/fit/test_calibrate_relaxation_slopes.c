@@ -94,7 +94,8 @@ static void check_derivatives_on(palp_network *network, const palp_material *mat
     records_free(&r);
 }
 
-static void check_derivatives(const palp_material *material, bool beta, bool gamma, bool shared, double dt_s) {
+static void check_derivatives(const palp_material *material, bool beta, bool gamma, bool shared,
+                              double dt_s) {
     check_derivatives_on(network_of(material), material, beta, gamma, shared, dt_s);
 }
 

@@ -1,4 +1,5 @@
-/* test_calibrate_scale.c: other units of force, length and time change the numbers of a calibration by their factors only. */
+/* test_calibrate_scale.c: other units of force, length and time change the numbers of a calibration by their
+ * factors only. */
 #include <palpate/calibrate.h>
 
 #include <check.h>
@@ -9,11 +10,13 @@ typedef struct scale {
     double force, length, time;
 } scale;
 
-static const scale scales[] = {{1e-9, 1, 1}, {1e-4, 1, 1}, {1e3, 1, 1}, {1, 1e-4, 1}, {1, 10, 1}, {1, 1, 1e-3}, {1, 1, 1e3},
-                               {1e-9, 1e-4, 1e-3}, {1e3, 10, 1e3}};
+static const scale scales[] = {{1e-9, 1, 1}, {1e-4, 1, 1}, {1e3, 1, 1},        {1, 1e-4, 1},  {1, 10, 1},
+                               {1, 1, 1e-3}, {1, 1, 1e3},  {1e-9, 1e-4, 1e-3}, {1e3, 10, 1e3}};
 enum { SCALES = sizeof scales / sizeof scales[0], SAMPLES = 60 };
 
-#define NEAR(got, want) ck_assert_msg(fabs((got) - (want)) <= 1e-6 * fabs(want), "scale %d: %s is %.9g, not %.9g", _i, #got, (got), (want))
+#define NEAR(got, want)                                                                                      \
+    ck_assert_msg(fabs((got) - (want)) <= 1e-6 * fabs(want), "scale %d: %s is %.9g, not %.9g", _i, #got,     \
+                  (got), (want))
 
 static palp_network *cube(scale by, const palp_material *m) {
     const size_t nodes[3] = {3, 3, 3};
@@ -72,7 +75,8 @@ static palp_calibration relaxation_stage(scale by) {
     palp_relaxation_settings settings = palp_relaxation_settings_default();
     palp_target target = {.n = SAMPLES, .time_s = time, .force_N = force};
     palp_calibration c;
-    ck_assert_int_eq(palp_path_ramp_hold(0.2 * 0.024 * by.length, 1.0 * by.time, 20.0 * by.time, &target.path), PALP_OK);
+    ck_assert_int_eq(
+        palp_path_ramp_hold(0.2 * 0.024 * by.length, 1.0 * by.time, 20.0 * by.time, &target.path), PALP_OK);
     for (int i = 0; i < SAMPLES; i++) {
         double t = 0.35 * (i + 1);
         time[i] = t * by.time;

@@ -7,8 +7,8 @@
 #include <string.h>
 
 /* Both ways of the static stage. */
-typedef palp_status static_method(palp_network *, const palp_material *, size_t, const double *, const double *,
-                                  const palp_static_settings *, palp_calibration *);
+typedef palp_status static_method(palp_network *, const palp_material *, size_t, const double *,
+                                  const double *, const palp_static_settings *, palp_calibration *);
 static static_method *const METHODS[2] = {palp_calibrate_static, palp_thesis_fixed_point};
 
 /* The thesis' F_REFERENCE: Eq. 4.3 at n strains. */
@@ -248,8 +248,7 @@ START_TEST(progress_and_stop) {
         for (size_t most = 2; most < 7; most++) {
             w = (watch){0};
             settings.max_evaluations = most;
-            ck_assert_int_eq(METHODS[method](network, &start, N, depth, target, &settings, &result),
-                             PALP_OK);
+            ck_assert_int_eq(METHODS[method](network, &start, N, depth, target, &settings, &result), PALP_OK);
             ck_assert_uint_eq(result.n_iterations, most); /* both need more */
             ck_assert_int_eq(w.calls, (int)most);
             ck_assert_double_eq(w.residual, result.iterations[most - 1].residual_N);

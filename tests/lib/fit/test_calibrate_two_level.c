@@ -1,4 +1,5 @@
-/* test_calibrate_two_level.c: the static stage of large networks through a coarse one of the same body. check: once */
+/* test_calibrate_two_level.c: the static stage of large networks through a coarse one of the same body.
+ * check: once */
 #include "fit/calibrate_internal.h"
 #include "network_make.h"
 
@@ -42,12 +43,13 @@ static palp_status carry_with(size_t fine, size_t coarse, palp_branch branch, do
     return status;
 }
 
-static palp_status carry(size_t fine, size_t coarse, palp_branch branch, const curve *c, palp_calibration *result) {
+static palp_status carry(size_t fine, size_t coarse, palp_branch branch, const curve *c,
+                         palp_calibration *result) {
     return carry_with(fine, coarse, branch, 0.0, c, result);
 }
 
-/* Another network with the law that was found, stepped by its factor, gives the force of the result within tolerance
- * of its peak. Returns the largest difference from the target, of its peak. */
+/* Another network with the law that was found, stepped by its factor, gives the force of the result within
+ * tolerance of its peak. Returns the largest difference from the target, of its peak. */
 static double pressed_anew(size_t fine, double volume, const curve *c, double tolerance,
                            const palp_calibration *result) {
     const palp_network_settings how = with_volume(volume);
@@ -92,7 +94,8 @@ START_TEST(the_branchs_end_is_told) {
 }
 END_TEST
 
-/* With the stable branch the same lattice goes all the way: the law is as good before the fold, and where it was is told. */
+/* With the stable branch the same lattice goes all the way: the law is as good before the fold, and where it
+ * was is told. */
 START_TEST(the_stable_branch_goes_on) {
     const curve c = lumped_curve(0.0097);
     palp_calibration result;
@@ -108,8 +111,8 @@ START_TEST(the_stable_branch_goes_on) {
 }
 END_TEST
 
-/* What tetrahedra resist does not grow with the number of elements, as what these do: a law is another's of the same material by the
- * lengths that share in it. */
+/* What tetrahedra resist does not grow with the number of elements, as what these do: a law is another's of
+ * the same material by the lengths that share in it. */
 START_TEST(a_volume_is_the_same_on_both_levels) {
     const curve c = lumped_curve(0.009);
     palp_calibration result;
@@ -146,8 +149,9 @@ START_TEST(two_levels_refuse) {
     palp_calibration result;
     ck_assert_int_eq(palp_calibrate_two_level(net, net, &start, 0, c.depth, c.force, &settings, &result),
                      PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_calibrate_two_level(net, net, &start, SAMPLES, c.force, c.depth, &settings, &result),
-                     PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(
+        palp_calibrate_two_level(net, net, &start, SAMPLES, c.force, c.depth, &settings, &result),
+        PALP_ERR_ARGUMENT);
     ck_assert_ptr_null(result.force_N);
     palp_network_free(net);
 }

@@ -233,7 +233,8 @@ START_TEST(force_is_that_of_the_material) {
 END_TEST
 
 /* The residuals' derivatives against central differences, for a law and for a spring a run. */
-static void jacobian_is_right(size_t n, const palp_recording *r, palp_characterize_settings s, const double *v) {
+static void jacobian_is_right(size_t n, const palp_recording *r, palp_characterize_settings s,
+                              const double *v) {
     fit_problem p;
     ck_assert_int_eq(fit_problem_create(&p, n, r, &s, NULL), PALP_OK);
     size_t parameters = fit_parameter_count(&p), m = p.n_blocks;

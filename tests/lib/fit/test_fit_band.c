@@ -17,7 +17,8 @@ static palp_material truth(void) {
 static palp_lumped_fit fit_once(uint64_t seed) {
     palp_recording r[3];
     for (uint64_t q = 0; q < 3; q++) {
-        take t = {truth(), 3.0 + 2.0 * (double)q, 1.0 + (double)q, 15.0, 1.0, 50.0, 0.01, "ramp_hold", 1000 * seed + q};
+        take t = {truth(), 3.0 + 2.0 * (double)q, 1.0 + (double)q, 15.0, 1.0, 50.0,
+                  0.01,    "ramp_hold",           1000 * seed + q};
         r[q] = prepare(record(&t));
     }
     palp_lumped_fit f = fit(3, r, with_law(polynomial(3, (double[3]){5.0, 1.0, 1.0}), 1));
@@ -73,7 +74,8 @@ START_TEST(the_band_is_that_of_the_derivatives) {
 }
 END_TEST
 
-/* Of many fits to other noise, how often the band holds the force without noise: of a press that no fit saw, and of K(e). */
+/* Of many fits to other noise, how often the band holds the force without noise: of a press that no fit saw,
+ * and of K(e). */
 START_TEST(the_band_covers) {
     double time_s[SAMPLES], depth_m[SAMPLES], force[SAMPLES], sd[SAMPLES], wanted[SAMPLES];
     double strain[8], k[8], k_sd[8], known, count = 0.0, covered = 0.0, law_count = 0.0, law_covered = 0.0;
@@ -99,8 +101,8 @@ START_TEST(the_band_covers) {
         }
         palp_lumped_fit_free(&f);
     }
-    printf("the band holds the force of a press not seen in %.1f %%, K(e) in %.1f %%\n", 100 * covered / count,
-           100 * law_covered / law_count);
+    printf("the band holds the force of a press not seen in %.1f %%, K(e) in %.1f %%\n",
+           100 * covered / count, 100 * law_covered / law_count);
     ck_assert_double_ge(covered / count, 0.90); /* 95 % of 60 fits whose samples go together: +- 3 % */
     ck_assert_double_le(covered / count, 0.995);
     ck_assert_double_ge(law_covered / law_count, 0.90);
@@ -114,7 +116,8 @@ START_TEST(what_has_no_band_is_refused) {
     take t = {truth(), 5.0, 1.0, 15.0, 1.0, 50.0, 0.01, "ramp_hold", 3};
     r = prepare(record(&t));
     palp_lumped_fit f = fit(1, &r, with_arms(1));
-    ck_assert_int_eq(palp_lumped_fit_stiffness(&f, 1, strain, k, sd), PALP_ERR_ARGUMENT); /* a spring for each run */
+    ck_assert_int_eq(palp_lumped_fit_stiffness(&f, 1, strain, k, sd),
+                     PALP_ERR_ARGUMENT); /* a spring for each run */
     palp_lumped_fit_free(&f);
     palp_recording_free(&r);
     palp_lumped_fit good = fit_once(1);
@@ -131,9 +134,12 @@ END_TEST
 /* A network of 27 nodes: sd^2 = sum of dF/da C_ab dF/db, with derivatives by differences of whole presses. */
 START_TEST(the_band_of_a_network_is_that_of_the_derivatives) {
     enum { N = 8, P = 5 };
-    const palp_mesh_source lattice = {.kind = PALP_MESH_LATTICE, .nodes = {3, 3, 3}, .size_m = {0.024, 0.024, 0.024},
+    const palp_mesh_source lattice = {.kind = PALP_MESH_LATTICE,
+                                      .nodes = {3, 3, 3},
+                                      .size_m = {0.024, 0.024, 0.024},
                                       .neighbourhood = PALP_NEIGHBOURS_26};
-    const palp_model m = {.kind = PALP_MODEL_NETWORK, .height_m = 0.024, .material = truth(), .mesh = &lattice};
+    const palp_model m = {
+        .kind = PALP_MODEL_NETWORK, .height_m = 0.024, .material = truth(), .mesh = &lattice};
     double time_s[N], depth_m[N], force[N], sd[N], at[2][N], by[P][N], p[P], covariance[P * P];
     for (int i = 0; i < N; i++) {
         time_s[i] = 0.5 * i;

@@ -57,11 +57,12 @@ START_TEST(scattered_contacts_are_found) {
         given += pow(shifts[q], 2);
         ck_assert_double_gt(f.contact_sd_m[q], 0.0);
     }
-    ck_assert_msg(left < 0.01 * given, "shifts are off by %g of %g mm", sqrt(left / RUNS), sqrt(given / RUNS));
+    ck_assert_msg(left < 0.01 * given, "shifts are off by %g of %g mm", sqrt(left / RUNS),
+                  sqrt(given / RUNS));
     ck_assert_double_gt(f.contact_scatter_m, 0.05e-3);
     ck_assert_double_lt(f.contact_scatter_m, 0.2e-3);
-    ck_assert_msg(error_of(&f, 1.0) < 0.01 && error_of(&f, 1.0) < 0.5 * error_of(&known, 1.0), "K off by %g, with known contacts by %g",
-                  error_of(&f, 1.0), error_of(&known, 1.0));
+    ck_assert_msg(error_of(&f, 1.0) < 0.01 && error_of(&f, 1.0) < 0.5 * error_of(&known, 1.0),
+                  "K off by %g, with known contacts by %g", error_of(&f, 1.0), error_of(&known, 1.0));
     ck_assert_double_eq_tol(f.material.arms[0].stiffness_N, 2.4, 0.02);
     ck_assert_double_lt(fabs(f.rms_N[0] - 0.004), 0.0015);
     palp_lumped_fit_free(&known);
@@ -94,8 +95,8 @@ START_TEST(a_common_contact_is_found) {
     palp_lumped_fit f = fit_with(PALP_CONTACT_COMMON, 1.0, r);
     for (int q = 0; q < RUNS; q++)
         ck_assert_double_eq(f.contact_m[q], f.contact_m[0]);
-    ck_assert_msg(fabs(f.contact_m[0] - 0.1e-3) < fmax(3.0 * f.contact_sd_m[0], 0.01e-3), "%g +- %g mm", 1e3 * f.contact_m[0],
-                  1e3 * f.contact_sd_m[0]);
+    ck_assert_msg(fabs(f.contact_m[0] - 0.1e-3) < fmax(3.0 * f.contact_sd_m[0], 0.01e-3), "%g +- %g mm",
+                  1e3 * f.contact_m[0], 1e3 * f.contact_sd_m[0]);
     ck_assert_double_lt(fabs(f.contact_m[0] - 0.1e-3), 0.03e-3);
     palp_lumped_fit_free(&f);
     free_all(RUNS, r);
@@ -119,7 +120,8 @@ START_TEST(other_units_find_the_same) {
 }
 END_TEST
 
-/* Two sessions of an indenter that each find contact in the air to some micrometres: their recorded depth has its zero off. */
+/* Two sessions of an indenter that each find contact in the air to some micrometres: their recorded depth has
+ * its zero off. */
 static void two_sessions(const double shift_mm[2], uint64_t seed, palp_recording r[2]) {
     palp_material m = {.n_arms = 1, .arms = {{2.4, 4.8, 0, 0}}};
     m.law = polynomial(3, TRUTH);
@@ -140,7 +142,8 @@ static palp_characterize_settings by_evidence(void) {
     return s;
 }
 
-/* Freed where they differ, by about as much as they do. What both have alike, the law's slope has too: the intervals say so. */
+/* Freed where they differ, by about as much as they do. What both have alike, the law's slope has too: the
+ * intervals say so. */
 START_TEST(contacts_of_two_sessions_are_found) {
     enum { CASES = 10 };
     static const double by[2] = {0.004, -0.003};
@@ -155,9 +158,11 @@ START_TEST(contacts_of_two_sessions_are_found) {
         ck_assert_ptr_nonnull(f.contact_m);
         ck_assert_double_lt(f.reduced_chi2, 1.2);
         ck_assert_double_gt(known.reduced_chi2, f.reduced_chi2);
-        ck_assert_double_eq_tol(1e3 * (r[0].contact_m + f.contact_m[0] - r[1].contact_m - f.contact_m[1]), 0.007, 0.002); /* the zero forces are off, too */
+        ck_assert_double_eq_tol(1e3 * (r[0].contact_m + f.contact_m[0] - r[1].contact_m - f.contact_m[1]),
+                                0.007, 0.002); /* the zero forces are off, too */
         for (int q = 0; q < 2; q++)
-            ck_assert_double_lt(fabs(1e3 * (r[q].contact_m + f.contact_m[q]) - by[q]), 4.0 * 1e3 * f.contact_sd_m[q]);
+            ck_assert_double_lt(fabs(1e3 * (r[q].contact_m + f.contact_m[q]) - by[q]),
+                                4.0 * 1e3 * f.contact_sd_m[q]);
         for (int k = 0; k < 3; k++)
             square += pow((f.material.law.coefficients[k] - TRUTH[k]) / f.estimate[k].sd, 2) / (3 * CASES);
         palp_lumped_fit_free(&known);

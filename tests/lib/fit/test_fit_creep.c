@@ -1,24 +1,31 @@
-/* test_fit_creep.c: a force that is held while the depth goes on: found, blocked and fitted, against the closed form of creep. */
+/* test_fit_creep.c: a force that is held while the depth goes on: found, blocked and fitted, against the
+ * closed form of creep. */
 #include "recordings.h"
 
 static const double SPRING = 8.5, HELD = 1.0, NOISE = 0.002, TOUCH = 1.0, REACHED = 1.001;
 
-/* Air to 1 s, then the force at once, held to 61 s. The depth wavers, too, as that of a plate does that answers its force sensor. */
+/* Air to 1 s, then the force at once, held to 61 s. The depth wavers, too, as that of a plate does that
+ * answers its force sensor. */
 static palp_recording creep(size_t n_arms, double waver_mm) {
-    const palp_generalized_maxwell model = {.spring_Pa = SPRING, .n_arms = n_arms, .arms = {{2.5847711, 3.6146}, {0.6853036, 23.964533}}};
+    const palp_generalized_maxwell model = {
+        .spring_Pa = SPRING, .n_arms = n_arms, .arms = {{2.5847711, 3.6146}, {0.6853036, 23.964533}}};
     palp_retardation spectrum;
     palp_experiment *e;
     enum { N = 61001 };
     uint64_t state = 5;
     double answer = 0.0;
-    ck_assert_int_eq(palp_retardation_spectrum(&model, &spectrum), PALP_OK); /* newtons in place of pascals: strain by force */
+    ck_assert_int_eq(palp_retardation_spectrum(&model, &spectrum),
+                     PALP_OK); /* newtons in place of pascals: strain by force */
     ck_assert_int_eq(palp_experiment_create(N, &e), PALP_OK);
-    double *t = palp_experiment_column(e, "time_s"), *d = palp_experiment_column(e, "depth_mm"), *f = palp_experiment_column(e, "force_N");
+    double *t = palp_experiment_column(e, "time_s"), *d = palp_experiment_column(e, "depth_mm"),
+           *f = palp_experiment_column(e, "force_N");
     for (size_t i = 0; i < N; i++) {
         bool held = i > 1000;
         t[i] = 1e-3 * (double)i;
         answer = 0.9 * answer + 0.4 * palp_random_normal(&state);
-        d[i] = held ? 24.0 * palp_generalized_maxwell_creep(&spectrum, HELD, t[i] - TOUCH - 5e-4) + waver_mm * answer : t[i] - TOUCH;
+        d[i] = held ? 24.0 * palp_generalized_maxwell_creep(&spectrum, HELD, t[i] - TOUCH - 5e-4) +
+                          waver_mm * answer
+                    : t[i] - TOUCH;
         f[i] = (held ? HELD : 0.0) + NOISE * palp_random_normal(&state);
     }
     palp_experiment_set_number(e, "specimen.height_mm", 24.0);
@@ -53,9 +60,18 @@ START_TEST(creep_that_comes_to_rest_is_creep) {
 }
 END_TEST
 
-/* A dwell in which the force relaxes, until it stands still to the eye, is none; nor is a press that never stands still. */
+/* A dwell in which the force relaxes, until it stands still to the eye, is none; nor is a press that never
+ * stands still. */
 START_TEST(a_dwell_is_no_creep) {
-    take t = {two_arms(SPRING, 2.5847711, 3.6146, 0.6853036, 23.964533), 3.0, 1.0, 200.0, 1.0, 100.0, NOISE, "ramp_hold", 3};
+    take t = {two_arms(SPRING, 2.5847711, 3.6146, 0.6853036, 23.964533),
+              3.0,
+              1.0,
+              200.0,
+              1.0,
+              100.0,
+              NOISE,
+              "ramp_hold",
+              3};
     palp_recording r = prepare(record(&t));
     ck_assert_int_eq(r.kind, PALP_RECORDING_RAMP_HOLD);
     ck_assert_uint_eq(r.creep.n, 0);
@@ -97,7 +113,8 @@ START_TEST(creep_tells_the_arms) {
     ck_assert_uint_eq(f.material.n_arms, 2);
     for (size_t k = 0; k < 5; k++) {
         const palp_estimate *e = &f.estimate[which[k]];
-        ck_assert_msg(fabs(e->value / truth[k] - 1.0) < 0.02 && e->high / e->low < 1.1, "%s: %g of %g", e->name, e->value, truth[k]);
+        ck_assert_msg(fabs(e->value / truth[k] - 1.0) < 0.02 && e->high / e->low < 1.1, "%s: %g of %g",
+                      e->name, e->value, truth[k]);
     }
     palp_lumped_fit_free(&f);
     palp_recording_free(&r);

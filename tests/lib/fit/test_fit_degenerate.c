@@ -10,19 +10,29 @@ typedef struct made {
     palp_recording r;
 } made;
 
-/* A specimen of 20 mm with a spring of 40 N and an arm of 20 N and 0.3 s, pressed by 2 mm in 0.5 s, then held. */
+/* A specimen of 20 mm with a spring of 40 N and an arm of 20 N and 0.3 s, pressed by 2 mm in 0.5 s, then
+ * held. */
 static void press(made *m) {
     const double ramp = 0.5, tau = 0.3;
     *m = (made){0};
     for (size_t i = 0; i < MOST; i++) {
         double t = m->time[i] = 0.01 * (double)i, loaded = fmin(t, ramp);
         m->depth[i] = 2e-3 * loaded / ramp;
-        m->force[i] = 40.0 * m->depth[i] / 0.02 + 20.0 * 0.1 / ramp * tau * (exp(-(t - loaded) / tau) - exp(-t / tau));
+        m->force[i] =
+            40.0 * m->depth[i] / 0.02 + 20.0 * 0.1 / ramp * tau * (exp(-(t - loaded) / tau) - exp(-t / tau));
         m->use[i] = 1;
     }
-    m->r = (palp_recording){.kind = PALP_RECORDING_RAMP_HOLD, .n = MOST, .time_s = m->time, .depth_m = m->depth,
-                            .force_N = m->force, .use = m->use, .height_m = 0.02, .deepest_m = 2e-3, .noise_N = 1e-3,
-                            .ramp_end_s = ramp, .contact_rule = PALP_CONTACT_NOMINAL};
+    m->r = (palp_recording){.kind = PALP_RECORDING_RAMP_HOLD,
+                            .n = MOST,
+                            .time_s = m->time,
+                            .depth_m = m->depth,
+                            .force_N = m->force,
+                            .use = m->use,
+                            .height_m = 0.02,
+                            .deepest_m = 2e-3,
+                            .noise_N = 1e-3,
+                            .ramp_end_s = ramp,
+                            .contact_rule = PALP_CONTACT_NOMINAL};
 }
 
 /* Gram matrix of n columns of random numbers of which the last `dependent` are sums of all others. */
@@ -102,8 +112,8 @@ START_TEST(a_singular_fit_says_what_to_do) {
 }
 END_TEST
 
-/* An arm that starts far too weak wants a step beyond all numbers; it must not be taken for the way back to the constraints that the
- * start does not meet. */
+/* An arm that starts far too weak wants a step beyond all numbers; it must not be taken for the way back to
+ * the constraints that the start does not meet. */
 START_TEST(a_step_back_to_the_constraints_stays_within_all_numbers) {
     static made m;
     palp_characterize_settings s = with_arms(1);
@@ -138,7 +148,8 @@ START_TEST(stiffness_stays_positive_wherever_it_would_fall_below_zero) {
         ck_assert_int_eq(fit_problem_create(&p, 1, &m.r, &s, NULL), PALP_OK);
         ck_assert_int_eq(fit_solve(&p, v, &chi2, &converged), PALP_OK);
         ck_assert_int_eq(fit_law(&p, v, &law), PALP_OK);
-        ck_assert_msg(palp_law_minimum(&law, 0.1) > 0.0, "dip at %g: K falls to %g", dip, palp_law_minimum(&law, 0.1));
+        ck_assert_msg(palp_law_minimum(&law, 0.1) > 0.0, "dip at %g: K falls to %g", dip,
+                      palp_law_minimum(&law, 0.1));
         fit_problem_free(&p);
     }
 }

@@ -1,12 +1,14 @@
-/* test_fit_encoder.c: a plate that is held wanders within a count of its encoder, which the depth does not tell: intervals cover the
- * truth all the same. A path of equal steps that no encoder has made has no counts. */
+/* test_fit_encoder.c: a plate that is held wanders within a count of its encoder, which the depth does not
+ * tell: intervals cover the truth all the same. A path of equal steps that no encoder has made has no counts.
+ */
 #include "recordings.h"
 
 enum { SESSIONS = 40, ESTIMATES = 6 };
 
 static const double COUNT_MM = 0.001, RAMP_S = 1.0137; /* 11.8 counts a sample */
 
-/* Ramp and hold of 40 s. The plate's place within a count goes to and fro evenly, with a period and a start of the session's own. */
+/* Ramp and hold of 40 s. The plate's place within a count goes to and fro evenly, with a period and a start
+ * of the session's own. */
 static palp_recording session(uint64_t seed, bool counted) {
     const double rate_Hz = 250.0, pi = 3.14159265358979323846;
     const size_t air = 250, n = air + 1 + (size_t)(41.0 * rate_Hz);
@@ -14,16 +16,20 @@ static palp_recording session(uint64_t seed, bool counted) {
     palp_element_state s = {0};
     palp_experiment *e;
     uint64_t state = 900 + seed;
-    double period = 4.0 * pow(20.0, palp_random_uniform(&state)), phase = 2.0 * pi * palp_random_uniform(&state);
+    double period = 4.0 * pow(20.0, palp_random_uniform(&state)),
+           phase = 2.0 * pi * palp_random_uniform(&state);
     ck_assert_int_eq(palp_experiment_create(n, &e), PALP_OK);
     double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
            *force = palp_experiment_column(e, "force_N");
     for (size_t i = 0; i < n; i++) {
         time[i] = (double)i / rate_Hz;
-        double t = time[i] - (double)air / rate_Hz, way = 3.0 * fmin(t / RAMP_S, 1.0), wander = t < RAMP_S ? 0.0 : 2.0 / pi * asin(sin(2.0 * pi * t / period + phase));
+        double t = time[i] - (double)air / rate_Hz, way = 3.0 * fmin(t / RAMP_S, 1.0),
+               wander = t < RAMP_S ? 0.0 : 2.0 / pi * asin(sin(2.0 * pi * t / period + phase));
         double place = counted ? way + COUNT_MM * (0.5 + 0.49 * wander) : way;
         depth[i] = counted ? COUNT_MM * floor(place / COUNT_MM + 1e-6) : way;
-        ck_assert_int_eq(palp_element_advance(&m, &s, fmax(place, 0.0) / 24.0, i ? 1.0 / rate_Hz : 0.0, &s, NULL), PALP_OK);
+        ck_assert_int_eq(
+            palp_element_advance(&m, &s, fmax(place, 0.0) / 24.0, i ? 1.0 / rate_Hz : 0.0, &s, NULL),
+            PALP_OK);
         force[i] = s.force_N + 0.001 * palp_random_normal(&state);
     }
     palp_experiment_set_number(e, "specimen.height_mm", 24.0);

@@ -1,16 +1,25 @@
-/* test_fit_fixed_arms.c: arms at fixed times: a spectrum that is not negative, and that of a fractional element. */
+/* test_fit_fixed_arms.c: arms at fixed times: a spectrum that is not negative, and that of a fractional
+ * element. */
 #include "recordings.h"
 
-/* exp(z^2) erfc(z): the relaxation of a fractional Maxwell element whose exponent is a half, at z = sqrt(t / tau). */
+/* exp(z^2) erfc(z): the relaxation of a fractional Maxwell element whose exponent is a half, at z = sqrt(t /
+ * tau). */
 static double relaxes(double z) {
-    return z < 5.0 ? exp(z * z) * erfc(z) : (1.0 - 0.5 / (z * z) + 0.75 / (z * z * z * z)) / (z * sqrt(3.14159265358979323846));
+    return z < 5.0 ? exp(z * z) * erfc(z)
+                   : (1.0 - 0.5 / (z * z) + 0.75 / (z * z * z * z)) / (z * sqrt(3.14159265358979323846));
 }
 
-/* A step of a tenth of the height, held for 200 s, of a spring of 8 N and an element of 5 N and 2 s, exactly, in any units. */
+/* A step of a tenth of the height, held for 200 s, of a spring of 8 N and an element of 5 N and 2 s, exactly,
+ * in any units. */
 static palp_recording step(double force, double time, double noise) {
     enum { SAMPLES = 20001 };
-    palp_recording r = {.name = "step", .height_m = 0.024, .n = SAMPLES, .deepest_m = 0.0024, .kind = PALP_RECORDING_RAMP_HOLD,
-                        .noise_N = force * noise, .contact_rule = PALP_CONTACT_GIVEN};
+    palp_recording r = {.name = "step",
+                        .height_m = 0.024,
+                        .n = SAMPLES,
+                        .deepest_m = 0.0024,
+                        .kind = PALP_RECORDING_RAMP_HOLD,
+                        .noise_N = force * noise,
+                        .contact_rule = PALP_CONTACT_GIVEN};
     uint64_t state = 3;
     r.time_s = calloc(SAMPLES, sizeof(double));
     r.depth_m = calloc(SAMPLES, sizeof(double));
@@ -21,7 +30,8 @@ static palp_recording step(double force, double time, double noise) {
         double t = 0.01 * (double)i;
         r.time_s[i] = time * t;
         r.depth_m[i] = r.deepest_m;
-        r.force_N[i] = force * (0.1 * (8.0 + 5.0 * relaxes(sqrt(t / 2.0))) + noise * palp_random_normal(&state));
+        r.force_N[i] =
+            force * (0.1 * (8.0 + 5.0 * relaxes(sqrt(t / 2.0))) + noise * palp_random_normal(&state));
         r.use[i] = 1;
     }
     return r;
@@ -37,7 +47,8 @@ static palp_lumped_fit fit_as(palp_arms_form form, const palp_recording *r, doub
 
 /* The law, the stiffness, the time and the exponent of the element to a percent, in any units. */
 START_TEST(a_fractional_element_is_found) {
-    static const double force[3] = {1.0, 1e-6, 1.0}, time[3] = {1.0, 1.0, 1e3}, truth[4] = {8.0, 5.0, 2.0, 0.5};
+    static const double force[3] = {1.0, 1e-6, 1.0}, time[3] = {1.0, 1.0, 1e3},
+                        truth[4] = {8.0, 5.0, 2.0, 0.5};
     palp_recording r = step(force[_i], time[_i], 1e-4);
     palp_lumped_fit f = fit_as(PALP_ARMS_FRACTIONAL, &r, force[_i]);
     ck_assert(f.converged);
@@ -74,12 +85,14 @@ START_TEST(a_spectrum_even_in_log_time_follows_it) {
 }
 END_TEST
 
-/* The spectrum of a polymer, one arm a decade, as pyvisco's verification publishes it (github NREL/pyvisco at 8755fc5,
- * verification/time_master/prony_terms_KPf_MD.csv: parts of 1739.03 MPa at 0.01 s to 1e4 s; the slower ones are the spring here):
- * from the relaxation that it makes, with noise of 1e-6, each part comes back within 2 % and the moduli within 1e-4. */
+/* The spectrum of a polymer, one arm a decade, as pyvisco's verification publishes it (github NREL/pyvisco at
+ * 8755fc5, verification/time_master/prony_terms_KPf_MD.csv: parts of 1739.03 MPa at 0.01 s to 1e4 s; the
+ * slower ones are the spring here): from the relaxation that it makes, with noise of 1e-6, each part comes
+ * back within 2 % and the moduli within 1e-4. */
 START_TEST(a_published_spectrum_comes_back) {
     enum { ARMS = 7, SAMPLES = 4000 };
-    static const double part[ARMS] = {0.05456514, 0.01990923, 0.02259133, 0.01145233, 0.01162351, 0.01134698, 0.01228268};
+    static const double part[ARMS] = {0.05456514, 0.01990923, 0.02259133, 0.01145233,
+                                      0.01162351, 0.01134698, 0.01228268};
     double spring = 1.0, frequency[4] = {1e-4, 1e-2, 1.0, 10.0}, found[4], loss[4];
     uint64_t state = 8;
     palp_recording r = step(1.0, 1.0, 0.0);

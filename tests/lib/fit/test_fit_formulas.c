@@ -19,9 +19,17 @@ static void press(made *m, size_t n, size_t ramp) {
         m->force[i] = 40.0 * m->depth[i] / 0.02;
         m->use[i] = 1;
     }
-    m->r = (palp_recording){.kind = PALP_RECORDING_RAMP_HOLD, .n = n, .time_s = m->time, .depth_m = m->depth,
-                            .force_N = m->force, .use = m->use, .height_m = 0.02, .deepest_m = 2e-3, .noise_N = 1e-3,
-                            .ramp_end_s = 5.0 + 0.01 * (double)ramp, .contact_rule = PALP_CONTACT_NOMINAL};
+    m->r = (palp_recording){.kind = PALP_RECORDING_RAMP_HOLD,
+                            .n = n,
+                            .time_s = m->time,
+                            .depth_m = m->depth,
+                            .force_N = m->force,
+                            .use = m->use,
+                            .height_m = 0.02,
+                            .deepest_m = 2e-3,
+                            .noise_N = 1e-3,
+                            .ramp_end_s = 5.0 + 0.01 * (double)ramp,
+                            .contact_rule = PALP_CONTACT_NOMINAL};
 }
 
 static fit_problem problem_of(const made *m, const palp_characterize_settings *s) {
@@ -68,12 +76,14 @@ END_TEST
 
 /* How many samples a block from sample `at` may have whose path is straight from sample `corner` on. */
 static double longest_block(size_t at, size_t corner, double step_m) {
-    double by_time = 0.02 * ((double)at - (double)corner), by_depth = step_m > 0.0 ? 2e-3 / 300.0 / step_m : by_time;
+    double by_time = 0.02 * ((double)at - (double)corner),
+           by_depth = step_m > 0.0 ? 2e-3 / 300.0 / step_m : by_time;
     return fmin(by_time, by_depth) + 1.0;
 }
 
 /* Blocks are the means of their samples, as long as they may be. */
-static void blocks_are_right(const made *m, const fit_run *run, size_t n, size_t turn, double (*longest)(size_t at)) {
+static void blocks_are_right(const made *m, const fit_run *run, size_t n, size_t turn,
+                             double (*longest)(size_t at)) {
     size_t at = 1; /* the first sample is not in contact */
     ck_assert_double_eq(run->count[0], 0.0);
     for (size_t b = 1; b < run->n; b++) {
@@ -99,8 +109,8 @@ static void blocks_are_right(const made *m, const fit_run *run, size_t n, size_t
     ck_assert_uint_eq(at, n);
 }
 
-/* The ramp's 2e-6 m a sample pass the tolerance of 1e-6 m with the second sample of the hold, so the first is the
- * corner. */
+/* The ramp's 2e-6 m a sample pass the tolerance of 1e-6 m with the second sample of the hold, so the first is
+ * the corner. */
 static double in_ramp_and_hold(size_t at) {
     return at < 1001 ? longest_block(at, 0, 2e-6) : longest_block(at, 1001, 0.0);
 }
@@ -133,7 +143,8 @@ START_TEST(what_counts) {
     palp_characterize_settings s = with_arms(1);
     press(&m, 1101, 100);
     m.use[50] = 0;
-    ck_assert(!fit_counts(&m.r, &s, 0) && fit_counts(&m.r, &s, 1) && !fit_counts(&m.r, &s, 50) && fit_counts(&m.r, &s, 51));
+    ck_assert(!fit_counts(&m.r, &s, 0) && fit_counts(&m.r, &s, 1) && !fit_counts(&m.r, &s, 50) &&
+              fit_counts(&m.r, &s, 51));
     s.dwell_only = true;
     ck_assert(!fit_counts(&m.r, &s, 99) && fit_counts(&m.r, &s, 100));
     m.r.kind = PALP_RECORDING_STATIC;
@@ -164,9 +175,16 @@ static palp_lumped_fit spring_of(made *m, double (*wrong)(size_t i), sums *q) {
     return fit(1, &m->r, with_arms(0));
 }
 
-static double nothing(size_t i) { (void)i; return 0.0; }
-static double jagged(size_t i) { return i % 2 ? 0.03 : -0.03; }
-static double slow(size_t i) { return 0.03 * sin(0.3 * (double)i); }
+static double nothing(size_t i) {
+    (void)i;
+    return 0.0;
+}
+static double jagged(size_t i) {
+    return i % 2 ? 0.03 : -0.03;
+}
+static double slow(size_t i) {
+    return 0.03 * sin(0.3 * (double)i);
+}
 
 static void interval_is(const palp_estimate *e, double value, double sd) {
     ck_assert_double_eq_tol(e->value, value, 1e-9 * value);
@@ -240,7 +258,9 @@ START_TEST(the_interval_of_an_arm) {
         double noise = wide ? 0.3 : 1e-3;
         state = (palp_element_state){0};
         for (size_t i = 0; i < 3001; i++) {
-            ck_assert_int_eq(palp_element_advance(&truth, &state, m.depth[i] / 0.02, i ? 0.01 : 0.0, &state, NULL), PALP_OK);
+            ck_assert_int_eq(
+                palp_element_advance(&truth, &state, m.depth[i] / 0.02, i ? 0.01 : 0.0, &state, NULL),
+                PALP_OK);
             m.force[i] = state.force_N + noise * palp_random_normal(&seed);
         }
         m.r.noise_N = noise;
@@ -264,7 +284,8 @@ static void press_of_an_arm(made *m, double tau) {
     press(m, 3001, 100);
     ck_assert_int_eq(palp_law_polynomial(1, &(double){40.0}, &truth.law), PALP_OK);
     for (size_t i = 0; i < 3001; i++) {
-        ck_assert_int_eq(palp_element_advance(&truth, &state, m->depth[i] / 0.02, i ? 0.01 : 0.0, &state, NULL), PALP_OK);
+        ck_assert_int_eq(
+            palp_element_advance(&truth, &state, m->depth[i] / 0.02, i ? 0.01 : 0.0, &state, NULL), PALP_OK);
         m->force[i] = state.force_N;
     }
 }
@@ -288,7 +309,8 @@ START_TEST(times_stay_within_their_bounds) {
 }
 END_TEST
 
-/* Two arms for one whose time is between two of the grid: the pairs with a negative arm fit no worse, but come last. */
+/* Two arms for one whose time is between two of the grid: the pairs with a negative arm fit no worse, but
+ * come last. */
 START_TEST(a_first_guess_has_no_negative_arm) {
     static made m;
     palp_characterize_settings s = with_arms(2);
@@ -321,7 +343,8 @@ START_TEST(an_arm_follows_its_closed_form) {
     press(&m, 2001, 100);
     fit_problem p = problem_of(&m, &s);
     const fit_run *run = &p.run[0];
-    double *response = malloc(3 * run->n * sizeof *response), *slope = response + run->n, *other = slope + run->n;
+    double *response = malloc(3 * run->n * sizeof *response), *slope = response + run->n,
+           *other = slope + run->n;
     const double tau = 0.7, rate = 0.1, end = 1.0;
     fit_arm_response(run, tau, response, slope);
     fit_arm_response(run, tau * exp(1e-6), other, NULL);

@@ -6,7 +6,8 @@ static const double AREA = 4.5e-4;
 
 /* In the order of preference, each with first guesses far from the truth; newtons times force. */
 static size_t candidates(double force, palp_law law[LAWS]) {
-    const double ones[7] = {10.0 * force, 1e-3 * force, 1e-3 * force, 1e-3 * force, 1e-3 * force, 1e-3 * force, 1e-3 * force};
+    const double ones[7] = {10.0 * force, 1e-3 * force, 1e-3 * force, 1e-3 * force,
+                            1e-3 * force, 1e-3 * force, 1e-3 * force};
     const double pascals[5] = {3000.0 * force, 100.0 * force, 100.0 * force, 100.0 * force, 100.0 * force};
     const double knots[4] = {0.0, 0.125, 0.25, 0.375};
     const double flat[4] = {10.0 * force, 10.0 * force, 10.0 * force, 10.0 * force};
@@ -24,7 +25,8 @@ static size_t candidates(double force, palp_law law[LAWS]) {
     return n;
 }
 
-static palp_recording press(palp_law law, size_t n_arms, double depth_mm, double ramp_s, double hold_s, uint64_t seed) {
+static palp_recording press(palp_law law, size_t n_arms, double depth_mm, double ramp_s, double hold_s,
+                            uint64_t seed) {
     palp_material m = phantom();
     m.law = law;
     m.n_arms = n_arms;
@@ -69,12 +71,13 @@ START_TEST(the_law_that_made_the_runs_is_chosen) {
     if (_i < 2)
         truth = polynomial(_i == 0 ? 1 : 3, c);
     else
-        ck_assert_int_eq(palp_law_hyperelastic(_i == 2 ? PALP_LAW_NEO_HOOKEAN : PALP_LAW_YEOH, _i == 2 ? 1 : 3,
-                                               _i == 2 ? neo : yeoh, AREA, &truth),
+        ck_assert_int_eq(palp_law_hyperelastic(_i == 2 ? PALP_LAW_NEO_HOOKEAN : PALP_LAW_YEOH,
+                                               _i == 2 ? 1 : 3, _i == 2 ? neo : yeoh, AREA, &truth),
                          PALP_OK);
     palp_recording r[5];
     for (uint64_t q = 0; q < 5; q++)
-        r[q] = q == 0 ? press(truth, 2, 9.0, 90.0, 0.0, 40 + q) : press(truth, 2, 9.0 - 1.5 * (double)q, 1.0, 60.0, 40 + q);
+        r[q] = q == 0 ? press(truth, 2, 9.0, 90.0, 0.0, 40 + q)
+                      : press(truth, 2, 9.0 - 1.5 * (double)q, 1.0, 60.0, 40 + q);
     ck_assert_uint_eq(chosen(5, r, 2, 1.0, law), want[_i]);
     rescale(5, r, 1e-6, 1e-3);
     ck_assert_uint_eq(chosen(5, r, 2, 1e-6, law), want[_i]);
@@ -95,7 +98,8 @@ START_TEST(a_law_of_no_family_is_met) {
     ck_assert_int_eq(palp_law_spline(9, grid, k, &truth), PALP_OK);
     palp_recording r[4];
     for (uint64_t q = 0; q < 4; q++)
-        r[q] = q == 0 ? press(truth, 2, 9.0, 90.0, 0.0, 60) : press(truth, 2, 9.0 - 2.0 * (double)q, 1.0, 60.0, 60 + q);
+        r[q] = q == 0 ? press(truth, 2, 9.0, 90.0, 0.0, 60)
+                      : press(truth, 2, 9.0 - 2.0 * (double)q, 1.0, 60.0, 60 + q);
     size_t best = chosen(4, r, 2, 1.0, law);
     palp_lumped_fit f = fit(4, r, with_law(law[best], 2));
     double worst = 0.0, want, got, top = 9.0 / 24.0;
@@ -132,10 +136,13 @@ START_TEST(bad_requests_are_refused) {
     double score[LAWS], sd[LAWS];
     size_t count = candidates(1.0, law), best;
     palp_characterize_settings s = with_law(law[0], 0);
-    ck_assert_int_eq(palp_characterize_select_law(1, &r, &s, 0, law, score, sd, &best, NULL), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_characterize_select_law(0, &r, &s, count, law, score, sd, &best, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_characterize_select_law(1, &r, &s, 0, law, score, sd, &best, NULL),
+                     PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_characterize_select_law(0, &r, &s, count, law, score, sd, &best, NULL),
+                     PALP_ERR_ARGUMENT);
     s.spring = PALP_SPRING_PER_RUN;
-    ck_assert_int_eq(palp_characterize_select_law(1, &r, &s, count, law, score, sd, &best, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_characterize_select_law(1, &r, &s, count, law, score, sd, &best, NULL),
+                     PALP_ERR_ARGUMENT);
     palp_recording_free(&r);
 }
 END_TEST

@@ -1,5 +1,5 @@
-/* test_fit_one_sided.c: a plate that withdraws faster than a solid of one arm recovers, against the closed form of its free recovery
- * and of the time at which the plate meets it again. check: valgrind */
+/* test_fit_one_sided.c: a plate that withdraws faster than a solid of one arm recovers, against the closed
+ * form of its free recovery and of the time at which the plate meets it again. check: valgrind */
 #include "recordings.h"
 #include "fit/fit_internal.h"
 
@@ -7,9 +7,9 @@
 static const double K = 8.0, K1 = 6.0, TAU = 1.5, DEPTH = 3.0, RISE = 2.0, HEIGHT = 24.0;
 
 typedef struct solid {
-    double rate;             /* strain a second */
+    double rate;              /* strain a second */
     double left, left_strain; /* when the plate left, from the first corner on, and at which strain */
-    double met;              /* when it met the surface again, from the second corner on */
+    double met;               /* when it met the surface again, from the second corner on */
 } solid;
 
 /* The arm's force after a time t of a ramp from q. */
@@ -73,7 +73,8 @@ static palp_recording cycles(double noise, uint64_t seed) {
         double t = (double)i / rate_Hz - air;
         time[i] = (double)i / rate_Hz;
         depth[i] = DEPTH / RISE * (t < RISE ? t : t < 2.0 * RISE ? 2.0 * RISE - t : t - 2.0 * RISE);
-        force[i] = (t > 0.0 ? force_at(&s, t) : 0.0) + (noise > 0.0 ? noise * palp_random_normal(&seed) : 0.0);
+        force[i] =
+            (t > 0.0 ? force_at(&s, t) : 0.0) + (noise > 0.0 ? noise * palp_random_normal(&seed) : 0.0);
     }
     palp_experiment_set_number(e, "specimen.height_mm", HEIGHT);
     return prepare(e);
@@ -127,7 +128,8 @@ START_TEST(with_noise_the_truth_is_within_four_sds) {
     ck_assert_uint_eq(f.n_estimates, 4);
     for (size_t k = 0; k < 4; k++) {
         double off = (f.estimate[k].value - truth[k]) / f.estimate[k].sd;
-        ck_assert_msg(fabs(off) < 4.0, "%s: %g, off by %.1f sds", f.estimate[k].name, f.estimate[k].value, off);
+        ck_assert_msg(fabs(off) < 4.0, "%s: %g, off by %.1f sds", f.estimate[k].name, f.estimate[k].value,
+                      off);
         ck_assert_double_lt(f.estimate[k].sd, 0.02 * truth[k]);
     }
     ck_assert_double_eq_tol(f.rms_N[0], 0.004, 0.0004);
@@ -145,7 +147,8 @@ START_TEST(a_contact_that_pulls_is_left_to_pull) {
     double least = 0.0;
     for (size_t i = 0; i < r.n; i++) {
         double dt = i ? r.time_s[i] - r.time_s[i - 1] : 0.0;
-        ck_assert_int_eq(palp_element_advance(&m, &s, fmax(r.depth_m[i], 0.0) / r.height_m, dt, &s, NULL), PALP_OK);
+        ck_assert_int_eq(palp_element_advance(&m, &s, fmax(r.depth_m[i], 0.0) / r.height_m, dt, &s, NULL),
+                         PALP_OK);
         r.force_N[i] = s.force_N;
         least = fmin(least, s.force_N);
     }
@@ -159,7 +162,8 @@ START_TEST(a_contact_that_pulls_is_left_to_pull) {
 }
 END_TEST
 
-/* A law that a fit tries on its way may pull near rest and be free of force far inside: the surface does not jump there. */
+/* A law that a fit tries on its way may pull near rest and be free of force far inside: the surface does not
+ * jump there. */
 START_TEST(a_surface_goes_no_way_that_nothing_pushed_it) {
     const double pulling[] = {-2.0, 10.0}, time[] = {0.0, 1.0, 2.0, 3.0};
     const palp_material m = {.law = polynomial(2, pulling), .n_arms = 1, .arms = {{0.1, 0.1 * TAU, 0, 0}}};

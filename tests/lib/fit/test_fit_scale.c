@@ -1,12 +1,14 @@
-/* test_fit_scale.c: other units of force, length and time change the numbers of a fit by their factors and by nothing else. */
+/* test_fit_scale.c: other units of force, length and time change the numbers of a fit by their factors and by
+ * nothing else. */
 #include "recordings.h"
 
 typedef struct scale {
     double force, length, time;
 } scale;
 
-static const scale scales[] = {{1e-9, 1, 1}, {1e-6, 1, 1}, {1e-3, 1, 1}, {1e3, 1, 1}, {1, 1e-4, 1}, {1, 1e-2, 1}, {1, 10, 1},
-                               {1, 1, 1e-3}, {1, 1, 1e3}, {1e-9, 1e-4, 1e-3}, {1e3, 10, 1e3}};
+static const scale scales[] = {{1e-9, 1, 1}, {1e-6, 1, 1},       {1e-3, 1, 1},  {1e3, 1, 1},
+                               {1, 1e-4, 1}, {1, 1e-2, 1},       {1, 10, 1},    {1, 1, 1e-3},
+                               {1, 1, 1e3},  {1e-9, 1e-4, 1e-3}, {1e3, 10, 1e3}};
 enum { SCALES = sizeof scales / sizeof scales[0] };
 
 static palp_recording scaled(const take *t, scale by) {
@@ -33,7 +35,9 @@ static void runs_of(scale by, palp_recording r[3]) {
     }
 }
 
-#define NEAR(got, want) ck_assert_msg(fabs((got) - (want)) <= 1e-6 * fabs(want), "scale %d: %s is %.9g, not %.9g", _i, #got, (got), (want))
+#define NEAR(got, want)                                                                                      \
+    ck_assert_msg(fabs((got) - (want)) <= 1e-6 * fabs(want), "scale %d: %s is %.9g, not %.9g", _i, #got,     \
+                  (got), (want))
 
 START_TEST(a_recording_scales) {
     const scale by = scales[_i], one = {1, 1, 1};
@@ -60,7 +64,8 @@ START_TEST(a_fit_scales) {
     palp_recording r[3], base[3];
     runs_of(by, r);
     runs_of(one, base);
-    palp_lumped_fit f = fit(3, r, with_law(polynomial(3, (double[3]){by.force, 0.1 * by.force, 0.1 * by.force}), 2));
+    palp_lumped_fit f =
+        fit(3, r, with_law(polynomial(3, (double[3]){by.force, 0.1 * by.force, 0.1 * by.force}), 2));
     palp_lumped_fit g = fit(3, base, with_law(polynomial(3, (double[3]){1.0, 0.1, 0.1}), 2));
     ck_assert_uint_eq(f.n_parameters, g.n_parameters);
     for (size_t k = 0; k < 3; k++)

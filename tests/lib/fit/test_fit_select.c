@@ -94,10 +94,13 @@ START_TEST(bad_requests_are_refused) {
     size_t best;
     ck_assert_int_eq(palp_characterize_select_arms(1, &r, &s, PALP_ARMS_MAX + 1, score, sd, &best, &error),
                      PALP_ERR_LIMIT);
-    ck_assert_int_eq(palp_characterize_select_degree(1, &r, &s, 3, score, sd, &best, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_characterize_select_degree(1, &r, &s, 3, score, sd, &best, &error),
+                     PALP_ERR_ARGUMENT);
     s.spring = PALP_SPRING_LAW;
-    ck_assert_int_eq(palp_characterize_select_degree(1, &r, &s, PALP_LAW_MAX, score, sd, &best, &error), PALP_ERR_LIMIT);
-    ck_assert_int_eq(palp_characterize_select_degree(0, &r, &s, 3, score, sd, &best, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_characterize_select_degree(1, &r, &s, PALP_LAW_MAX, score, sd, &best, &error),
+                     PALP_ERR_LIMIT);
+    ck_assert_int_eq(palp_characterize_select_degree(0, &r, &s, 3, score, sd, &best, &error),
+                     PALP_ERR_ARGUMENT);
     palp_recording_free(&r);
 }
 END_TEST

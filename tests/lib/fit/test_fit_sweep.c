@@ -23,8 +23,10 @@ START_TEST(a_sweep_tells_the_arms_of_the_phantom) {
     palp_lumped_fit f = fit(1, &r, with_law(polynomial(3, LAW), 2));
     ck_assert_uint_eq(f.material.n_arms, 2);
     for (size_t j = 0; j < 2; j++) {
-        ck_assert_double_eq_tol(f.material.arms[j].stiffness_N, s.material.arms[j].stiffness_N, 0.005 * s.material.arms[j].stiffness_N);
-        ck_assert_double_eq_tol(f.material.arms[j].viscosity_Ns, s.material.arms[j].viscosity_Ns, 0.02 * s.material.arms[j].viscosity_Ns);
+        ck_assert_double_eq_tol(f.material.arms[j].stiffness_N, s.material.arms[j].stiffness_N,
+                                0.005 * s.material.arms[j].stiffness_N);
+        ck_assert_double_eq_tol(f.material.arms[j].viscosity_Ns, s.material.arms[j].viscosity_Ns,
+                                0.02 * s.material.arms[j].viscosity_Ns);
     }
     ck_assert_double_lt(f.rms_N[0], 1.05 * s.noise_N);
     palp_lumped_fit_free(&f);
@@ -47,7 +49,8 @@ START_TEST(the_ramp_of_a_sweep_tells_the_law) {
     palp_recording r = prepare(record_sweep(&s));
     palp_characterize_settings settings = with_law(law[0], 2);
     settings.starts = 1;
-    ck_assert_int_eq(palp_characterize_select_law(1, &r, &settings, LAWS, law, score, sd, &best, NULL), PALP_OK);
+    ck_assert_int_eq(palp_characterize_select_law(1, &r, &settings, LAWS, law, score, sd, &best, NULL),
+                     PALP_OK);
     ck_assert_uint_eq(best, 2);
     ck_assert_double_lt(score[2], 1.3);
     ck_assert_double_gt(score[0], 5.0);

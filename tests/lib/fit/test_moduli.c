@@ -1,4 +1,5 @@
-/* test_moduli.c: presses of a layer of known moduli with each tip give them back, in any units; two tips give Poisson's ratio. */
+/* test_moduli.c: presses of a layer of known moduli with each tip give them back, in any units; two tips give
+ * Poisson's ratio. */
 #include "recordings.h"
 
 typedef struct layer_truth {
@@ -8,18 +9,26 @@ typedef struct layer_truth {
 static const layer_truth TRUTH = {2000, 1500, 3, 0.42, 0.002};
 
 static palp_indentation tip_of(palp_tip_kind kind, double radius_mm) {
-    return (palp_indentation){.tip = kind, .radius_m = 1e-3 * radius_mm, .half_angle_rad = 1.2, .thickness_m = 24e-3, .poisson = 0.1};
+    return (palp_indentation){.tip = kind,
+                              .radius_m = 1e-3 * radius_mm,
+                              .half_angle_rad = 1.2,
+                              .thickness_m = 24e-3,
+                              .poisson = 0.1};
 }
 
 /* A ramp of 1 s to depth_mm and 40 s of hold, of lengths times a factor. */
-static palp_recording press(layer_truth truth, palp_indentation tip, double depth_mm, double length, uint64_t seed) {
+static palp_recording press(layer_truth truth, palp_indentation tip, double depth_mm, double length,
+                            uint64_t seed) {
     palp_material none = two_arms(1.0, 1e-9, 1e-9, 1e-9, 1e-6);
     take t = {none, depth_mm, 1.0, 40.0, 1.0, 50.0, 0.0, "ramp_hold", seed};
     palp_experiment *e = record(&t);
     size_t n = palp_experiment_rows(e);
-    double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"), *force = palp_experiment_column(e, "force_N");
+    double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
+           *force = palp_experiment_column(e, "force_N");
     double *reach = malloc(n * sizeof *reach), peak = 0;
-    palp_material m = {.n_arms = 1, .arms = {{truth.arm_Pa, truth.arm_Pa * truth.tau_s, 0, 0}}, .law = polynomial(1, &truth.shear_Pa)};
+    palp_material m = {.n_arms = 1,
+                       .arms = {{truth.arm_Pa, truth.arm_Pa * truth.tau_s, 0, 0}},
+                       .law = polynomial(1, &truth.shear_Pa)};
     tip.poisson = truth.poisson;
     for (size_t i = 0; i < n; i++) {
         depth[i] *= length;

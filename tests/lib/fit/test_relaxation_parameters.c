@@ -1,4 +1,5 @@
-/* test_relaxation_parameters.c: what the relaxation stage fits, its bounds, and a material by its parameters. */
+/* test_relaxation_parameters.c: what the relaxation stage fits, its bounds, and a material by its parameters.
+ */
 #include "fit/relaxation_parameters.h"
 
 #include <check.h>
@@ -11,7 +12,8 @@ static palp_material two_arms(void) {
     return m;
 }
 
-static size_t list_of(const palp_material *m, bool scale, bool dependence, bool one, relaxation_parameter *list) {
+static size_t list_of(const palp_material *m, bool scale, bool dependence, bool one,
+                      relaxation_parameter *list) {
     palp_relaxation_settings settings = palp_relaxation_settings_default();
     settings.fit_scale = scale;
     settings.fit_beta = settings.fit_gamma = dependence;
@@ -20,8 +22,9 @@ static size_t list_of(const palp_material *m, bool scale, bool dependence, bool 
 }
 
 START_TEST(first_guess_is_the_start) {
-    static const double wanted[2][9] = {{1.0, 0.4, -0.69314718055994531, 0.1, 2.9957322735539909, 1.5, 0.5},
-                                        {1.0, 0.4, -0.69314718055994531, 0.1, 2.9957322735539909, 1.5, 0.5, 2.5, 0.75}};
+    static const double wanted[2][9] = {
+        {1.0, 0.4, -0.69314718055994531, 0.1, 2.9957322735539909, 1.5, 0.5},
+        {1.0, 0.4, -0.69314718055994531, 0.1, 2.9957322735539909, 1.5, 0.5, 2.5, 0.75}};
     palp_material start = two_arms(), same;
     relaxation_parameter list[RELAXATION_PARAMETERS_MAX];
     double p[RELAXATION_PARAMETERS_MAX];
@@ -76,8 +79,15 @@ START_TEST(bounds_of_parameters) {
     palp_material start = two_arms();
     relaxation_parameter list[RELAXATION_PARAMETERS_MAX];
     double row[2 * N * N], floor[2 * N];
-    const double wanted[ROWS] = {0.05, 0.4e-6, log(1e-5 * longest[_i]), -log(_i ? 1.0 : 1000.0), 0.1e-6,
-                                 log(1e-5 * longest[_i]), -log(late[_i]), 0.0, 0.0};
+    const double wanted[ROWS] = {0.05,
+                                 0.4e-6,
+                                 log(1e-5 * longest[_i]),
+                                 -log(_i ? 1.0 : 1000.0),
+                                 0.1e-6,
+                                 log(1e-5 * longest[_i]),
+                                 -log(late[_i]),
+                                 0.0,
+                                 0.0};
     ck_assert_uint_eq(list_of(&start, true, true, true, list), N);
     ck_assert_uint_eq(relaxation_bounds(N, list, &start, longest[_i], row, floor), ROWS);
     for (size_t r = 0; r < ROWS; r++) {

@@ -1,4 +1,5 @@
-/* test_specimens.c: several specimens: their mean, how they differ, and what holds for one that was not measured. */
+/* test_specimens.c: several specimens: their mean, how they differ, and what holds for one that was not
+ * measured. */
 #include "recordings.h"
 
 #include <stdio.h>
@@ -18,7 +19,8 @@ static palp_material specimen_of(double stiffer, double slower) {
 }
 
 static palp_material draw(double spread, uint64_t *state) {
-    double stiffer = 1.0 + spread * palp_random_normal(state), slower = exp(spread * palp_random_normal(state));
+    double stiffer = 1.0 + spread * palp_random_normal(state),
+           slower = exp(spread * palp_random_normal(state));
     return specimen_of(stiffer, slower);
 }
 
@@ -28,7 +30,8 @@ static void measure(uint64_t world, double spread, size_t n, palp_recording *r, 
     for (size_t k = 0; k < n; k++) {
         palp_material m = draw(spread, &state);
         for (size_t q = 0; q < 2; q++) {
-            take t = {m, 4.0 + 3.0 * (double)q, 1.0 + (double)q, 15.0, 1.0, 25.0, 0.01, "ramp_hold", 7777 * world + 2 * k + q};
+            take t = {m,    4.0 + 3.0 * (double)q, 1.0 + (double)q,         15.0, 1.0, 25.0,
+                      0.01, "ramp_hold",           7777 * world + 2 * k + q};
             r[2 * k + q] = prepare(record(&t));
             specimen[2 * k + q] = k;
         }
@@ -48,7 +51,8 @@ static palp_specimens_fit fit_world(uint64_t world, double spread, size_t n) {
     return f;
 }
 
-/* Specimens that differ by 20 %: how often the intervals hold the mean and the spread, and the band a specimen not measured. */
+/* Specimens that differ by 20 %: how often the intervals hold the mean and the spread, and the band a
+ * specimen not measured. */
 START_TEST(the_spread_and_the_mean_are_covered) {
     const double spread = 0.2, strain[POINTS] = {0.05, 0.12, 0.2, 0.28};
     double mean = 0, between = 0, new = 0, held = 0, holds = 0;
@@ -85,8 +89,8 @@ START_TEST(the_spread_and_the_mean_are_covered) {
         palp_specimens_fit_free(&f);
     }
     double n = POINTS * WORLDS;
-    printf("mean held in %.1f %%, spread in %.1f %%, K of a new specimen in %.1f %%, its force in %.1f %%\n", 100 * mean / n,
-           100 * between / n, 100 * new / n, 100 * held / holds);
+    printf("mean held in %.1f %%, spread in %.1f %%, K of a new specimen in %.1f %%, its force in %.1f %%\n",
+           100 * mean / n, 100 * between / n, 100 * new / n, 100 * held / holds);
     ck_assert_double_ge(mean / n, 0.85); /* 95 % of 20 worlds whose points go together: +- 5 % */
     ck_assert_double_ge(between / n, 0.85);
     ck_assert_double_ge(new / n, 0.85);
@@ -114,7 +118,8 @@ START_TEST(no_spread_is_none) {
 }
 END_TEST
 
-/* As of another height and area, stress and strain are the same: so are the numbers, in that specimen's newtons. */
+/* As of another height and area, stress and strain are the same: so are the numbers, in that specimen's
+ * newtons. */
 START_TEST(a_recording_of_another_size_is_the_same_stress) {
     take t = {specimen_of(1.0, 1.0), 5.0, 1.0, 15.0, 1.0, 25.0, 0.01, "ramp_hold", 5};
     palp_recording r = prepare(record(&t));
@@ -126,9 +131,11 @@ START_TEST(a_recording_of_another_size_is_the_same_stress) {
     ck_assert_double_eq_tol(r.radius_m, 0.02, 1e-15);
     palp_lumped_fit scaled = fit(1, &r, settings);
     for (size_t i = 0; i < one.n_parameters; i++)
-        ck_assert_double_eq_tol(sqrt(scaled.covariance[i * one.n_parameters + i]), 4.0 * sqrt(one.covariance[i * one.n_parameters + i]),
+        ck_assert_double_eq_tol(sqrt(scaled.covariance[i * one.n_parameters + i]),
+                                4.0 * sqrt(one.covariance[i * one.n_parameters + i]),
                                 1e-4 * sqrt(scaled.covariance[i * one.n_parameters + i]));
-    ck_assert_double_eq_tol(scaled.material.arms[0].stiffness_N, 4.0 * one.material.arms[0].stiffness_N, 1e-4);
+    ck_assert_double_eq_tol(scaled.material.arms[0].stiffness_N, 4.0 * one.material.arms[0].stiffness_N,
+                            1e-4);
     palp_lumped_fit_free(&one);
     palp_lumped_fit_free(&scaled);
     palp_recording_free(&r);
@@ -146,7 +153,8 @@ START_TEST(what_are_no_specimens_is_refused) {
     ck_assert_int_eq(palp_characterize_specimens(2, r, gap, &settings, &f, NULL), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_characterize_level(2, r, gap, &settings, factor, NULL), PALP_ERR_ARGUMENT);
     settings.spring = PALP_SPRING_PER_RUN;
-    ck_assert_int_eq(palp_characterize_specimens(2, r, (size_t[2]){0, 1}, &settings, &f, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_characterize_specimens(2, r, (size_t[2]){0, 1}, &settings, &f, NULL),
+                     PALP_ERR_ARGUMENT);
     free_all(2, r);
 }
 END_TEST

@@ -25,8 +25,10 @@ static palp_recording blank(size_t n, double length) {
     return r;
 }
 
-/* The exact force of a specimen, relaxed at 10 % until then, under a sine of 1 % that begins, with its transients. */
-static palp_recording sine(const palp_material *m, double frequency, size_t cycles, size_t each, double length) {
+/* The exact force of a specimen, relaxed at 10 % until then, under a sine of 1 % that begins, with its
+ * transients. */
+static palp_recording sine(const palp_material *m, double frequency, size_t cycles, size_t each,
+                           double length) {
     palp_recording r = blank(cycles * each + 1, length);
     double w = 2.0 * PI * frequency;
     for (size_t i = 0; i < r.n; i++) {
@@ -36,7 +38,8 @@ static palp_recording sine(const palp_material *m, double frequency, size_t cycl
         r.force_N[i] = m->law.coefficients[0] * e + m->dashpot_Ns * 0.01 * w * cos(w * t);
         for (size_t j = 0; j < m->n_arms; j++) {
             double tau = m->arms[j].viscosity_Ns / m->arms[j].stiffness_N, x = w * tau;
-            r.force_N[i] += m->arms[j].stiffness_N * 0.01 * x / (1.0 + x * x) * (x * sin(w * t) + cos(w * t) - exp(-t / tau));
+            r.force_N[i] += m->arms[j].stiffness_N * 0.01 * x / (1.0 + x * x) *
+                            (x * sin(w * t) + cos(w * t) - exp(-t / tau));
         }
     }
     return r;
@@ -44,13 +47,16 @@ static palp_recording sine(const palp_material *m, double frequency, size_t cycl
 
 static double error_of(const palp_material *m, const palp_recording *r, const palp_spectrum_point *p) {
     double storage, loss;
-    ck_assert_int_eq(palp_lumped_oscillation(m, r->height_m, p->depth_m / r->height_m, 1, &p->frequency_Hz, &storage, &loss), PALP_OK);
+    ck_assert_int_eq(palp_lumped_oscillation(m, r->height_m, p->depth_m / r->height_m, 1, &p->frequency_Hz,
+                                             &storage, &loss),
+                     PALP_OK);
     return hypot(p->storage_N_m - storage, p->loss_N_m - loss) / hypot(storage, loss);
 }
 
 /* Five decades, in one set of units and in others: to 1e-6, and so is the frequency. */
 START_TEST(a_sine_has_the_stiffness_of_the_closed_form) {
-    static const double force[4] = {1.0, 1e-9, 1e3, 1.0}, length[4] = {1.0, 1e-4, 10.0, 1.0}, time[4] = {1.0, 1.0, 1.0, 1e3};
+    static const double force[4] = {1.0, 1e-9, 1e3, 1.0}, length[4] = {1.0, 1e-4, 10.0, 1.0},
+                        time[4] = {1.0, 1.0, 1.0, 1e3};
     palp_material m = solid(force[_i], time[_i]);
     for (int k = -2; k <= 3; k++) {
         double frequency = 1.7 * pow(10.0, k) / time[_i];
@@ -67,8 +73,9 @@ START_TEST(a_sine_has_the_stiffness_of_the_closed_form) {
 }
 END_TEST
 
-/* A law that bends, arms, a sweep of two decades, at 2 kHz so that straight steps between samples are of no account. Nothing but
- * noise is missed: of the stiffness half a percent of its size where there is none, else two sds in nearly all stretches. */
+/* A law that bends, arms, a sweep of two decades, at 2 kHz so that straight steps between samples are of no
+ * account. Nothing but noise is missed: of the stiffness half a percent of its size where there is none, else
+ * two sds in nearly all stretches. */
 START_TEST(a_sweep_has_the_stiffness_of_the_closed_form) {
     sweep t = {phantom(), 3.0, 0.3, 10.0, 0.1, 10.0, 60.0, 2000.0, _i ? 0.004 : 0.0, 7};
     palp_spectrum s;
@@ -79,10 +86,13 @@ START_TEST(a_sweep_has_the_stiffness_of_the_closed_form) {
     ck_assert_uint_gt(s.n, 10);
     for (size_t k = 0; k < s.n; k++) {
         double storage, loss, sd = s.point[k].storage_sd_N_m, e = s.point[k].depth_m / r.height_m;
-        ck_assert_int_eq(palp_lumped_oscillation(&t.material, r.height_m, e, 1, &s.point[k].frequency_Hz, &storage, &loss), PALP_OK);
+        ck_assert_int_eq(
+            palp_lumped_oscillation(&t.material, r.height_m, e, 1, &s.point[k].frequency_Hz, &storage, &loss),
+            PALP_OK);
         beyond += fabs(s.point[k].storage_N_m - storage) > 2.0 * sd;
         beyond += fabs(s.point[k].loss_N_m - loss) > 2.0 * sd;
-        worst = fmax(worst, hypot(s.point[k].storage_N_m - storage, s.point[k].loss_N_m - loss) / hypot(storage, loss));
+        worst = fmax(worst, hypot(s.point[k].storage_N_m - storage, s.point[k].loss_N_m - loss) /
+                                hypot(storage, loss));
     }
     ck_assert_double_lt(worst, _i ? 0.005 : 2e-4);
     if (_i)
@@ -120,8 +130,12 @@ START_TEST(an_uneven_triangle_has_it_too) {
     for (size_t i = 0; i < whole.n; i++) {
         double time = whole.time_s[i] - 12.0, cycle = 0.5 * time - floor(0.5 * time);
         if (time > 0.0 && time < 40.0)
-            whole.depth_m[i] = 3e-3 + 3e-4 * (cycle < 0.25 ? 4.0 * cycle : cycle < 0.75 ? 2.0 - 4.0 * cycle : 4.0 * cycle - 4.0);
-        ck_assert_int_eq(palp_element_advance(&t.material, &at, fmax(whole.depth_m[i], 0.0) / 0.024, i ? 5e-4 : 0.0, &at, NULL), PALP_OK);
+            whole.depth_m[i] = 3e-3 + 3e-4 * (cycle < 0.25   ? 4.0 * cycle
+                                              : cycle < 0.75 ? 2.0 - 4.0 * cycle
+                                                             : 4.0 * cycle - 4.0);
+        ck_assert_int_eq(palp_element_advance(&t.material, &at, fmax(whole.depth_m[i], 0.0) / 0.024,
+                                              i ? 5e-4 : 0.0, &at, NULL),
+                         PALP_OK);
         if (palp_random_uniform(&state) < 1.0 / 3.0)
             continue;
         r.time_s[r.n] = whole.time_s[i];

@@ -53,7 +53,8 @@ static inline palp_material material_of(int kind) {
     return m;
 }
 
-static inline palp_element_state advance(const palp_material *m, palp_element_state from, double strain, double dt) {
+static inline palp_element_state advance(const palp_material *m, palp_element_state from, double strain,
+                                         double dt) {
     palp_element_state to;
     ck_assert_int_eq(palp_element_advance(m, &from, strain, dt, &to, NULL), PALP_OK);
     return to;

@@ -1,4 +1,5 @@
-/* test_closed_form_lumped.c: the closed forms of lumped materials against their equations, integrated here. */
+/* test_closed_form_lumped.c: the closed forms of lumped materials against their equations, integrated here.
+ */
 #include "closed_form_make.h"
 
 #include <stdbool.h>

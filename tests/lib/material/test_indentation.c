@@ -1,4 +1,5 @@
-/* test_indentation.c: a tip on an elastic layer against the half-space, published tables, thin layers and itself. */
+/* test_indentation.c: a tip on an elastic layer against the half-space, published tables, thin layers and
+ * itself. */
 #include <palpate/indentation.h>
 
 #include <check.h>
@@ -7,7 +8,8 @@
 static const double PI = 3.14159265358979323846;
 
 static palp_indentation of(palp_tip_kind tip, double thickness_m, double poisson) {
-    return (palp_indentation){.tip = tip, .radius_m = 2e-3, .half_angle_rad = 1.0, .thickness_m = thickness_m, .poisson = poisson};
+    return (palp_indentation){
+        .tip = tip, .radius_m = 2e-3, .half_angle_rad = 1.0, .thickness_m = thickness_m, .poisson = poisson};
 }
 
 static double force(palp_indentation in, double depth_m) {
@@ -24,13 +26,15 @@ START_TEST(a_half_space_has_its_closed_forms) {
     double nu = 0.1 * _i, d = 1e-6, a = 2e-3;
     near_to(force(of(PALP_TIP_FLAT, INFINITY, nu), d), 4 * a * d / (1 - nu), 1e-12);
     near_to(force(of(PALP_TIP_CONE, INFINITY, nu), d), 4 / PI * tan(1.0) * d * d / (1 - nu), 1e-9);
-    near_to(force(of(PALP_TIP_SPHERE, INFINITY, nu), d), 8.0 / 3.0 * sqrt(a) * pow(d, 1.5) / (1 - nu), 2e-4); /* Hertz: a paraboloid */
+    near_to(force(of(PALP_TIP_SPHERE, INFINITY, nu), d), 8.0 / 3.0 * sqrt(a) * pow(d, 1.5) / (1 - nu),
+            2e-4); /* Hertz: a paraboloid */
     near_to(force(of(PALP_TIP_PLATE, 0.01, nu), d), 2 * (1 + nu) * PI * a * a * d / 0.01, 1e-12);
     near_to(force(of(PALP_TIP_FLAT, 1e3, nu), d), 4 * a * d / (1 - nu), 1e-5); /* a thick layer */
 }
 END_TEST
 
-/* Hayes, Keer, Herrmann and Mockros 1972: F = 4 G a kappa d / (1 - nu); their figures are within 1 % up to a / h = 2. */
+/* Hayes, Keer, Herrmann and Mockros 1972: F = 4 G a kappa d / (1 - nu); their figures are within 1 % up to a
+ * / h = 2. */
 START_TEST(the_flat_punch_has_the_published_factors) {
     static const double kappa[] = {1.281, 1.683, 2.211, 2.855, 3.609, 4.469, 5.441, 6.528, 7.735, 9.069};
     palp_indentation in = of(PALP_TIP_FLAT, 1.0, 0.5);
@@ -49,7 +53,8 @@ START_TEST(a_thin_layer_is_compressed_without_spreading) {
 }
 END_TEST
 
-/* Lengths times a factor: forces over G grow with its square. One call for many depths, in any order, is many calls. */
+/* Lengths times a factor: forces over G grow with its square. One call for many depths, in any order, is many
+ * calls. */
 START_TEST(scale_and_order_change_nothing) {
     double depth[4] = {3e-4, -1e-4, 1e-4, 2e-4}, one[4], scaled[4], factor = 1e-5;
     palp_indentation in = of((palp_tip_kind)_i, 4e-3, 0.45), small = in;
@@ -79,7 +84,8 @@ END_TEST
 
 /* Published closed forms and what CalculiX' tables must tend to. */
 START_TEST(the_tables_meet_what_is_known) {
-    palp_indentation plate = of(PALP_TIP_PLATE, 2e-3, 0.5), glued = plate, flat = of(PALP_TIP_FLAT, 2e-3, 0.45), other = flat;
+    palp_indentation plate = of(PALP_TIP_PLATE, 2e-3, 0.5), glued = plate,
+                     flat = of(PALP_TIP_FLAT, 2e-3, 0.45), other = flat;
     glued.tip_sticks = true; /* Gent and Lindley 1959: 1 + 2 (R / 2 h)^2 */
     near_to(force(glued, 1e-5) / force(plate, 1e-5), 1.5, 0.06);
     glued.thickness_m = plate.thickness_m = 0.5e-3;
@@ -109,11 +115,17 @@ START_TEST(the_tables_meet_what_is_known) {
 }
 END_TEST
 
-/* A sphere as thick as its layer, Poisson's ratio 0.3, deep: CalculiX with three times the elements of the tables', which is at no place of
- * theirs. A shallow press is as at small strain, and the depth of the tables ends where the header says. */
+/* A sphere as thick as its layer, Poisson's ratio 0.3, deep: CalculiX with three times the elements of the
+ * tables', which is at no place of theirs. A shallow press is as at small strain, and the depth of the tables
+ * ends where the header says. */
 START_TEST(a_deep_sphere_is_that_of_finite_elements) {
     static const double depth[3] = {0.05, 0.075, 0.1}, wanted[3] = {0.054055, 0.105769, 0.172297};
-    palp_indentation in = {.tip = PALP_TIP_SPHERE, .radius_m = 1, .thickness_m = 1, .poisson = 0.3, .large_strain = true}, small = in;
+    palp_indentation in = {.tip = PALP_TIP_SPHERE,
+                           .radius_m = 1,
+                           .thickness_m = 1,
+                           .poisson = 0.3,
+                           .large_strain = true},
+                     small = in;
     double d = 0.16 / 1.1 + 1e-3, f;
     small.large_strain = false;
     near_to(force(in, depth[_i]), wanted[_i], 0.015);
@@ -129,7 +141,8 @@ START_TEST(a_deep_sphere_is_that_of_finite_elements) {
 }
 END_TEST
 
-/* At small strain: CalculiX with 8 and with 16 elements in the contact, 0.134832 and 0.135476, is on its way here. */
+/* At small strain: CalculiX with 8 and with 16 elements in the contact, 0.134832 and 0.135476, is on its way
+ * here. */
 START_TEST(a_sphere_at_small_strain_is_that_of_finite_elements) {
     palp_indentation in = {.tip = PALP_TIP_SPHERE, .radius_m = 1, .thickness_m = 1, .poisson = 0.49};
     near_to(force(in, 0.07), 2 * 0.135476 - 0.134832, 0.003);
@@ -138,9 +151,10 @@ END_TEST
 
 START_TEST(bad_numbers_are_refused) {
     double d = 1e-4, f, a;
-    palp_indentation bad[] = {of(PALP_TIP_FLAT, 0, 0.3),    of(PALP_TIP_FLAT, NAN, 0.3),       of(PALP_TIP_PLATE, INFINITY, 0.3),
-                              of(PALP_TIP_FLAT, 0.01, 0.51), of(PALP_TIP_FLAT, 0.01, NAN),      of(PALP_TIP_FLAT, 0.01, -1),
-                              of((palp_tip_kind)9, 0.01, 0.3), of(PALP_TIP_CONE, 0.01, 0.3),    of(PALP_TIP_SPHERE, 0.01, 0.3)};
+    palp_indentation bad[] = {
+        of(PALP_TIP_FLAT, 0, 0.3),       of(PALP_TIP_FLAT, NAN, 0.3),  of(PALP_TIP_PLATE, INFINITY, 0.3),
+        of(PALP_TIP_FLAT, 0.01, 0.51),   of(PALP_TIP_FLAT, 0.01, NAN), of(PALP_TIP_FLAT, 0.01, -1),
+        of((palp_tip_kind)9, 0.01, 0.3), of(PALP_TIP_CONE, 0.01, 0.3), of(PALP_TIP_SPHERE, 0.01, 0.3)};
     bad[7].half_angle_rad = 1.6;
     bad[8].radius_m = 0;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

@@ -1,4 +1,5 @@
-/* test_law_range.c: a law beyond the strain it was measured to: its tangent goes on, in every path that evaluates it. */
+/* test_law_range.c: a law beyond the strain it was measured to: its tangent goes on, in every path that
+ * evaluates it. */
 #include "law_make.h"
 #include "material/law_internal.h"
 
@@ -61,7 +62,8 @@ START_TEST(derivatives_beyond_meet_finite_differences) {
     static const double beyond[] = {1e-3, 0.01, 0.2, 0.6, 0.9};
     palp_law law = limited(_i);
     for (int i = 0; i < 10; i++) {
-        double a = law.strain_max + beyond[i / 2], e = i % 2 ? -a : a, h = fmin(2e-4, 0.2 * beyond[i / 2]), f, t, w, k, slope;
+        double a = law.strain_max + beyond[i / 2], e = i % 2 ? -a : a, h = fmin(2e-4, 0.2 * beyond[i / 2]), f,
+               t, w, k, slope;
         palp_law_force(&law, 1, &e, &f, &t, &w);
         palp_law_stiffness(&law, e, &k, &slope);
         ck_assert_double_le(fabs(t - derivative(force_at, &law, e, h)), 1e-9 * k);
@@ -73,14 +75,16 @@ START_TEST(derivatives_beyond_meet_finite_differences) {
 }
 END_TEST
 
-/* Central differences that straddle the end: the tangent is continuous, so they meet it to the size of their step. */
+/* Central differences that straddle the end: the tangent is continuous, so they meet it to the size of their
+ * step. */
 START_TEST(the_tangent_holds_across_the_end) {
     palp_law law = limited(_i);
     for (int i = -4; i <= 4; i++) {
         double h = 1e-5, e = law.strain_max + 0.25 * i * h, f, t;
         palp_law_force(&law, 1, &e, &f, &t, NULL);
         double want = (force_at(&law, e + h) - force_at(&law, e - h)) / (2 * h);
-        ck_assert_double_le(fabs(t - want), 1e-3 * stiffness_at(&law, e)); /* F'' h of these laws is below 1e-3 K */
+        ck_assert_double_le(fabs(t - want),
+                            1e-3 * stiffness_at(&law, e)); /* F'' h of these laws is below 1e-3 K */
     }
 }
 END_TEST
@@ -107,7 +111,8 @@ START_TEST(gradients_by_coefficients_beyond_meet_finite_differences) {
         double k = stiffness_at(&law, e);
         palp_law_gradient(&law, e, g);
         for (size_t j = 0; j < law.n; j++)
-            ck_assert_double_le(fabs(g[j] - by_coefficient(force_at, &law, e, j)), 1e-8 * fabs(k * e / law.coefficients[j]));
+            ck_assert_double_le(fabs(g[j] - by_coefficient(force_at, &law, e, j)),
+                                1e-8 * fabs(k * e / law.coefficients[j]));
     }
 }
 END_TEST
@@ -119,7 +124,8 @@ START_TEST(gradients_of_the_energy_meet_finite_differences) {
         double e = part[i] * law.strain_max, g[PALP_LAW_MAX], energy = energy_at(&law, e);
         law_energy_gradient(&law, e, g);
         for (size_t j = 0; j < law.n; j++)
-            ck_assert_double_le(fabs(g[j] - by_coefficient(energy_at, &law, e, j)), 1e-8 * fabs(energy / law.coefficients[j]));
+            ck_assert_double_le(fabs(g[j] - by_coefficient(energy_at, &law, e, j)),
+                                1e-8 * fabs(energy / law.coefficients[j]));
     }
 }
 END_TEST
@@ -158,9 +164,11 @@ START_TEST(elements_have_the_tangent_of_their_force_across_the_end) {
     static const palp_arm arms[2] = {{3.0, 0.6, 0.5, 0.0}, {1.0, 4.0, 0.2, 0.7}};
     palp_material m = {.law = limited(0), .n_arms = 2, .arms = {arms[0], arms[1]}};
     if (_i == 1)
-        m = (palp_material){.law = limited(3), .n_arms = 1, .arms = {{3.0, 0.6, 0.0, 0.5}}, .quasi_linear = true};
+        m = (palp_material){
+            .law = limited(3), .n_arms = 1, .arms = {{3.0, 0.6, 0.0, 0.5}}, .quasi_linear = true};
     if (_i == 2)
-        m = (palp_material){.law = limited(9), .n_arms = 1, .arms = {{3.0, 0.6, 0.0, 0.0}}, .formulation = PALP_SEDEF2008};
+        m = (palp_material){
+            .law = limited(9), .n_arms = 1, .arms = {{3.0, 0.6, 0.0, 0.0}}, .formulation = PALP_SEDEF2008};
     palp_element_state start = {0}, low, high, mid;
     ck_assert_int_eq(palp_element_advance(&m, &start, 0.2, 0.1, &start, NULL), PALP_OK);
     for (int i = -3; i <= 6; i++) {

@@ -1,10 +1,12 @@
-/* test_mesh_plates.c: a sphere of tetrahedra between two plates that touch it, against Hertz, on three meshes. */
+/* test_mesh_plates.c: a sphere of tetrahedra between two plates that touch it, against Hertz, on three
+ * meshes. */
 #include "network_make.h"
 
 #include <palpate/tool.h>
 
 static const double RADIUS = 12e-3, MODULUS = 18e3, AREA = 4.5e-4; /* m, Pa, m^2 */
-static const char *const MESHES[] = {"data/meshes/ball_4.msh", "data/meshes/ball_3.msh", "data/meshes/ball_2.6.msh"};
+static const char *const MESHES[] = {"data/meshes/ball_4.msh", "data/meshes/ball_3.msh",
+                                     "data/meshes/ball_2.6.msh"};
 
 /* The node nearest to the centre is held; friction does the rest. */
 static palp_network *ball(const char *path) {
@@ -35,7 +37,8 @@ static palp_network *ball(const char *path) {
 
 /* F = 4/3 E / (1 - nu^2) sqrt(R) (d / 2)^(3/2) for two plates that come together by d. */
 START_TEST(spheres_press_as_hertz_says) {
-    const double approach = 2e-3, hertz = 4.0 / 3.0 * MODULUS / (1.0 - 1.0 / 16.0) * sqrt(RADIUS) * pow(1e-3, 1.5);
+    const double approach = 2e-3,
+                 hertz = 4.0 / 3.0 * MODULUS / (1.0 - 1.0 / 16.0) * sqrt(RADIUS) * pow(1e-3, 1.5);
     palp_network *net = ball(MESHES[_i]);
     palp_tool_force force[2];
     for (int i = 1; i <= 8; i++) {

@@ -1,11 +1,12 @@
-/* test_mesh_scale.c: factors of the elements of meshes of tetrahedra, against the solid that they stand for. */
+/* test_mesh_scale.c: factors of the elements of meshes of tetrahedra, against the solid that they stand for.
+ */
 #include "mesh/mesh_internal.h"
 #include "network_make.h"
 
 #include <stdio.h>
 
-static const double AREA = 4.5e-4;   /* m^2 */
-static const double MODULUS = 1e3;   /* Pa, of the solids */
+static const double AREA = 4.5e-4; /* m^2 */
+static const double MODULUS = 1e3; /* Pa, of the solids */
 
 static palp_mesh *read_mesh(const char *name) {
     char path[64];
@@ -28,7 +29,8 @@ static palp_mesh *scaled_mesh(const char *name, palp_mesh_scaling scaling) {
 static double length_of(const palp_mesh *mesh, size_t i, double n[3]) {
     double square = 0.0;
     for (size_t k = 0; k < 3; k++) {
-        n[k] = mesh->x_m[3 * (size_t)mesh->pairs[2 * i + 1] + k] - mesh->x_m[3 * (size_t)mesh->pairs[2 * i] + k];
+        n[k] =
+            mesh->x_m[3 * (size_t)mesh->pairs[2 * i + 1] + k] - mesh->x_m[3 * (size_t)mesh->pairs[2 * i] + k];
         square += n[k] * n[k];
     }
     for (size_t k = 0; k < 3; k++)
@@ -57,8 +59,9 @@ static double small_stiffness(const palp_mesh *mesh, double stiffness_N) {
 static const struct {
     const char *mesh;
     double solid_N;
-} BODIES[] = {{"box_tetra", 0.6020},   {"cylinder_tetra", 0.4694}, {"sphere_4.4", 0.2845}, {"sphere_3.8", 0.2845},
-              {"sphere_3.2", 0.2845}, {"liver_9", 1.710},         {"liver_7.5", 1.710},   {"liver_6.5", 1.710}};
+} BODIES[] = {{"box_tetra", 0.6020},  {"cylinder_tetra", 0.4694}, {"sphere_4.4", 0.2845},
+              {"sphere_3.8", 0.2845}, {"sphere_3.2", 0.2845},     {"liver_9", 1.710},
+              {"liver_7.5", 1.710},   {"liver_6.5", 1.710}};
 enum { N_BODIES = sizeof BODIES / sizeof *BODIES };
 
 START_TEST(networks_are_as_stiff_as_the_solid) {
@@ -77,7 +80,8 @@ START_TEST(even_strain_has_the_solids_energy) {
     for (size_t s = 0; s < sizeof strains / sizeof *strains; s++) {
         const double *e = strains[s];
         double trace = e[0] + e[1] + e[2], springs = 0.0, n[3];
-        double square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 2.0 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
+        double square =
+            e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 2.0 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
         double solid = 0.5 * 0.4 * MODULUS * (trace * trace + 2.0 * square) * mesh_volume(mesh, NULL);
         for (size_t i = 0; i < mesh->n_elements; i++) {
             double length = length_of(mesh, i, n);
@@ -92,7 +96,8 @@ START_TEST(even_strain_has_the_solids_energy) {
 }
 END_TEST
 
-/* Without the fit the mesh shows: the same cylinder, cut into regular tetrahedra, is a fifth too stiff by volume. */
+/* Without the fit the mesh shows: the same cylinder, cut into regular tetrahedra, is a fifth too stiff by
+ * volume. */
 START_TEST(volume_alone_feels_the_mesh) {
     palp_mesh *mesh = scaled_mesh("cylinder_tetra", PALP_SCALING_VOLUME);
     double sum = 0.0, n[3];
@@ -108,7 +113,8 @@ END_TEST
 
 /* ---- against the lattice ------------------------------------------------------------------------- */
 
-/* The lattice's law on the lattice meshed as tetrahedra: one factor does for all depths to a strain of 0.3. */
+/* The lattice's law on the lattice meshed as tetrahedra: one factor does for all depths to a strain of 0.3.
+ */
 START_TEST(lattice_of_tetrahedra_presses_as_the_lattice) {
     palp_material m = quartic(0);
     palp_mesh *mesh = scaled_mesh("box_tetra", PALP_SCALING_CONTINUUM);
@@ -141,7 +147,8 @@ START_TEST(scaling_refuses) {
     mesh = cube(3, PALP_NEIGHBOURS_26);
     ck_assert_int_eq(palp_mesh_scale(mesh, PALP_SCALING_VOLUME, 0.0, &error), PALP_ERR_UNSUPPORTED);
     palp_mesh_free(mesh);
-    ck_assert_int_eq(palp_mesh_create(2, (double[]){0, 0, 0, 0, 1, 0}, 1, (int32_t[]){0, 1}, &mesh, NULL), PALP_OK);
+    ck_assert_int_eq(palp_mesh_create(2, (double[]){0, 0, 0, 0, 1, 0}, 1, (int32_t[]){0, 1}, &mesh, NULL),
+                     PALP_OK);
     ck_assert_int_eq(palp_mesh_scale(mesh, PALP_SCALING_VOLUME, 0.0, NULL), PALP_ERR_UNSUPPORTED);
     palp_mesh_free(mesh);
     mesh = read_mesh("box_tetra");
@@ -171,7 +178,8 @@ END_TEST
 
 /* Area 0 is the mesh's volume over its height; factors go with 1 / area; a copy has them too. */
 START_TEST(area_and_copies) {
-    palp_mesh *one = scaled_mesh("box_tetra", PALP_SCALING_CONTINUUM), *own = read_mesh("box_tetra"), *copy = NULL;
+    palp_mesh *one = scaled_mesh("box_tetra", PALP_SCALING_CONTINUUM), *own = read_mesh("box_tetra"),
+              *copy = NULL;
     ck_assert_int_eq(palp_mesh_scale(own, PALP_SCALING_CONTINUUM, 0.0, NULL), PALP_OK);
     ck_assert_int_eq(mesh_copy(one, &copy), PALP_OK);
     ck_assert_uint_eq(palp_mesh_element_count(copy), palp_mesh_element_count(one));

@@ -20,8 +20,9 @@ static palp_mesh *mesh_of(int kind) {
         status = palp_mesh_lattice(kind == CUBOID ? (size_t[]){4, 3, 6} : (size_t[]){2, 7, 2}, SIZE,
                                    kind == CUBOID ? PALP_NEIGHBOURS_26 : PALP_NEIGHBOURS_6, &mesh);
     else
-        status = palp_mesh_read_gmsh(kind == TETRA ? "data/meshes/cylinder_tetra.msh" : "data/meshes/box_hexa.msh",
-                                     1e-3, kind == HEXA_DIAGONALS, &mesh, NULL);
+        status =
+            palp_mesh_read_gmsh(kind == TETRA ? "data/meshes/cylinder_tetra.msh" : "data/meshes/box_hexa.msh",
+                                1e-3, kind == HEXA_DIAGONALS, &mesh, NULL);
     ck_assert_int_eq(status, PALP_OK);
     return mesh;
 }
@@ -37,7 +38,9 @@ static double cylinder_volume(const palp_mesh *mesh) {
 }
 
 static double expected_volume(int kind, const palp_mesh *mesh) {
-    return kind <= SLAB ? SIZE[0] * SIZE[1] * SIZE[2] : kind == TETRA ? cylinder_volume(mesh) : 0.024 * 0.024 * 0.024;
+    return kind <= SLAB    ? SIZE[0] * SIZE[1] * SIZE[2]
+           : kind == TETRA ? cylinder_volume(mesh)
+                           : 0.024 * 0.024 * 0.024;
 }
 
 /* a . (b x c) */
@@ -186,7 +189,8 @@ START_TEST(a_file_wound_the_other_way_is_turned) {
     const char *path = "tests/data/mesh/good_tetra.msh";
     ck_assert_int_eq(palp_mesh_read_gmsh(path, 1e-3, false, &mesh, NULL), PALP_OK);
     for (size_t i = 0; i < palp_mesh_tetrahedron_count(mesh); i++)
-        ck_assert_double_gt(tetrahedron_volume(palp_mesh_positions(mesh), palp_mesh_tetrahedra(mesh) + 4 * i), 0.0);
+        ck_assert_double_gt(tetrahedron_volume(palp_mesh_positions(mesh), palp_mesh_tetrahedra(mesh) + 4 * i),
+                            0.0);
     ck_assert_uint_eq(palp_mesh_triangle_count(mesh), 6);
     palp_mesh_free(mesh);
 }

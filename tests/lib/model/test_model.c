@@ -97,9 +97,10 @@ static void comes_back(const palp_model *model) {
 }
 
 START_TEST(scaling_comes_back) {
-    palp_model model = read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
-                                 "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"file\", "
-                                 "\"path\": \"a.msh\", \"scaling\": \"continuum\", \"area_mm2\": 452.5}}");
+    palp_model model =
+        read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
+                  "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"file\", "
+                  "\"path\": \"a.msh\", \"scaling\": \"continuum\", \"area_mm2\": 452.5}}");
     ck_assert_int_eq(source.scaling, PALP_SCALING_CONTINUUM);
     ck_assert_double_eq(source.area_m2, 452.5e-6);
     comes_back(&model);
@@ -209,8 +210,10 @@ static void refused_covariance(const char *rows, const char *why) {
     palp_model model;
     FILE *f = fopen(scratch_path("rows.json"), "w");
     ck_assert_ptr_nonnull(f);
-    fprintf(f, "{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24},\n"
-               "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [8, 3]}, \"covariance\": %s}\n", rows);
+    fprintf(f,
+            "{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24},\n"
+            "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [8, 3]}, \"covariance\": %s}\n",
+            rows);
     fclose(f);
     ck_assert_int_eq(palp_model_read(scratch_path("rows.json"), &model, NULL, &error), PALP_ERR_INPUT);
     ck_assert_msg(strstr(error.text, why) != NULL, "%s: %s", rows, error.text);
@@ -219,7 +222,8 @@ static void refused_covariance(const char *rows, const char *why) {
 START_TEST(the_spread_of_specimens_comes_back) {
     double c[4] = {4, 1, 1, 9}, b[4] = {2, 0.5, 0.5, 1}, total[4], *back = NULL;
     size_t n = 0;
-    palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = 0.024, .covariance = c, .between = b, .n_specimens = 6};
+    palp_model model = {
+        .kind = PALP_MODEL_LUMPED, .height_m = 0.024, .covariance = c, .between = b, .n_specimens = 6};
     ck_assert_int_eq(palp_law_polynomial(2, (double[]){8, 3}, &model.material.law), PALP_OK);
     const char *path = scratch_path("out.json");
     ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_OK);
@@ -249,8 +253,10 @@ static void refused_specimens(const char *value, const char *why) {
     palp_error error = {PALP_OK, ""};
     const char *path = scratch_path("specimens.json");
     FILE *f = fopen(path, "w");
-    fprintf(f, "{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24},\n"
-               "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [8, 3]}, \"specimens\": %s}\n", value);
+    fprintf(f,
+            "{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24},\n"
+            "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [8, 3]}, \"specimens\": %s}\n",
+            value);
     fclose(f);
     ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), PALP_ERR_INPUT);
     ck_assert_msg(strstr(error.text, why) != NULL, "%s", error.text);
@@ -376,8 +382,9 @@ START_TEST(source_may_be_left_out) {
     ck_assert_ptr_null(json);
     ck_assert_int_eq(palp_model_read(path, &model, &source, NULL), PALP_OK);
     ck_assert_ptr_eq(model.mesh, &source);
-    model = read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24}, "
-                      "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [2]}}");
+    model =
+        read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"lumped\", \"specimen\": {\"height_mm\": 24}, "
+                  "\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [2]}}");
     ck_assert_ptr_null(model.mesh);
 }
 END_TEST
@@ -407,8 +414,9 @@ END_TEST
 
 /* The longest path that fits is looked for; one byte more is an error, in the model and beside a folder. */
 START_TEST(too_long_a_path_is_an_error) {
-    static const char before[] = "{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": {\"kind\": "
-                                 "\"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"file\", \"path\": \"";
+    static const char before[] =
+        "{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": {\"kind\": "
+        "\"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"file\", \"path\": \"";
     static char text[sizeof before + PALP_PATH_MAX + 8];
     palp_error error;
     palp_model model;
@@ -418,7 +426,8 @@ START_TEST(too_long_a_path_is_an_error) {
         memset(text + sizeof before - 1, 'a', n);
         strcpy(text + sizeof before - 1 + n, "\"}}");
         const char *path = scratch_write("long.json", text, strlen(text));
-        ck_assert_int_eq(palp_model_read(path, &model, &source, &error), n < PALP_PATH_MAX ? PALP_OK : PALP_ERR_INPUT);
+        ck_assert_int_eq(palp_model_read(path, &model, &source, &error),
+                         n < PALP_PATH_MAX ? PALP_OK : PALP_ERR_INPUT);
         if (n == PALP_PATH_MAX)
             ck_assert_ptr_nonnull(strstr(error.text, "mesh.path must be the path of a Gmsh file"));
         else
@@ -469,8 +478,8 @@ START_TEST(mesh_file_is_found_from_any_folder) {
     ck_assert_int_eq(mkdir(scratch_path("out"), 0777), 0);
     scratch_write("in/t.msh", tetrahedron, sizeof tetrahedron - 1);
     palp_model model = read_text(sample);
-    source =
-        (palp_mesh_source){.kind = PALP_MESH_FILE, .path = "in/t.msh", .scale_m = 0.01, .hex_diagonals = true};
+    source = (palp_mesh_source){
+        .kind = PALP_MESH_FILE, .path = "in/t.msh", .scale_m = 0.01, .hex_diagonals = true};
     strcpy(source.folder, scratch_folder);
     ck_assert_int_eq(palp_model_write(&model, scratch_path("a.json"), NULL), PALP_OK);
     path_in(scratch_path("a.json"), "in/t.msh");

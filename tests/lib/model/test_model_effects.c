@@ -131,7 +131,8 @@ END_TEST
 
 START_TEST(what_may_be_left_out_is_zero) {
     palp_model model;
-    ck_assert_int_eq(palp_model_read(model_of("{\"id\": \"adhesion\", \"parameters\": {\"force_N\": 0.5}}"), &model, NULL, NULL),
+    ck_assert_int_eq(palp_model_read(model_of("{\"id\": \"adhesion\", \"parameters\": {\"force_N\": 0.5}}"),
+                                     &model, NULL, NULL),
                      PALP_OK);
     ck_assert_double_eq(model.effects[0].value[0], 0.5);
     ck_assert_double_eq(model.effects[0].value[1], 0.0);

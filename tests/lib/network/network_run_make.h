@@ -5,7 +5,8 @@
 #include "network/network_internal.h"
 #include "network_make.h"
 
-static inline palp_network *heavy_on(size_t n_arms, palp_integrator integrator, palp_branch branch, double radius) {
+static inline palp_network *heavy_on(size_t n_arms, palp_integrator integrator, palp_branch branch,
+                                     double radius) {
     palp_material m = quartic(n_arms);
     palp_network_settings settings = palp_network_settings_default();
     settings.density_kg_m3 = 1070.0;

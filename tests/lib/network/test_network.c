@@ -268,7 +268,8 @@ START_TEST(eighteen_neighbours) {
 }
 END_TEST
 
-/* A free corner of a lattice pulled through its box: the tetrahedra that it turns inside out are counted, and only they. */
+/* A free corner of a lattice pulled through its box: the tetrahedra that it turns inside out are counted, and
+ * only they. */
 START_TEST(inverted_tetrahedra_are_counted) {
     palp_material m = quartic(0);
     palp_mesh *mesh = cube(3, PALP_NEIGHBOURS_26);
@@ -290,7 +291,8 @@ START_TEST(inverted_tetrahedra_are_counted) {
     ck_assert_uint_gt(around, 0);
     ck_assert_int_eq(palp_network_step(net, 0.2 * HEIGHT, INFINITY, &info), PALP_OK);
     ck_assert_uint_eq(info.inverted, 0);
-    ck_assert_int_eq(palp_network_step(net, 0.6 * HEIGHT, INFINITY, &info), PALP_OK); /* a box is half as wide */
+    ck_assert_int_eq(palp_network_step(net, 0.6 * HEIGHT, INFINITY, &info),
+                     PALP_OK); /* a box is half as wide */
     ck_assert_uint_eq(info.inverted, around);
     palp_network_free(net);
     palp_mesh_free(mesh);

@@ -1,9 +1,10 @@
-/* test_network_bits.c: loops that exist in several versions (base/clones.h) give the bits of plain ones, whichever version
- * this processor takes: those written out here are compiled for the smallest. */
+/* test_network_bits.c: loops that exist in several versions (base/clones.h) give the bits of plain ones,
+ * whichever version this processor takes: those written out here are compiled for the smallest. */
 #include "network/network_internal.h"
 #include "network_make.h"
 
-#define SAME(a, b) ck_assert_msg(memcmp(&(a), &(b), sizeof(double)) == 0, "element %zu: %.17g not %.17g", i, a, b)
+#define SAME(a, b)                                                                                           \
+    ck_assert_msg(memcmp(&(a), &(b), sizeof(double)) == 0, "element %zu: %.17g not %.17g", i, a, b)
 
 static palp_network *pressed(size_t n, const palp_material *m) {
     palp_network_settings settings = palp_network_settings_default();
@@ -46,11 +47,13 @@ START_TEST(geometry_and_force_of_every_element) {
 }
 END_TEST
 
-/* A lattice's elements stand in runs, of every length up to a side: what they bring to the nodes is the sum over the elements. */
+/* A lattice's elements stand in runs, of every length up to a side: what they bring to the nodes is the sum
+ * over the elements. */
 START_TEST(runs_bring_the_sum_over_elements) {
     palp_material m = quartic(2);
     palp_network *net = pressed((size_t)_i, &m);
-    double *sum = calloc(3 * net->n_nodes, sizeof *sum), *u = calloc(3 * net->n_nodes, sizeof *u), largest = 0.0;
+    double *sum = calloc(3 * net->n_nodes, sizeof *sum), *u = calloc(3 * net->n_nodes, sizeof *u),
+           largest = 0.0;
     ck_assert(sum && u && net->run);
     for (size_t e = 0; e < net->n_elements; e++)
         for (size_t k = 0; k < 3; k++) {
@@ -89,10 +92,13 @@ START_TEST(blocks_leave_the_forces) {
     ck_assert(network_evaluate_blocks(net, &blocks));
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         SAME(net->fint[i], before[i]);
-    for (size_t i = 0; i < n; i++) { /* length and tangent are those of the evaluation before, which is the same */
+    for (size_t i = 0; i < n;
+         i++) { /* length and tangent are those of the evaluation before, which is the same */
         const float *e = element + (n - 1 - i);
-        double across = net->force[i] * net->inverse_length[i], along = net->tangent[i] * net->inverse_rest[i] - across;
-        ck_assert(e[0] == (float)(along * (net->inverse_length[i] * net->inverse_length[i])) && e[n] == (float)across);
+        double across = net->force[i] * net->inverse_length[i],
+               along = net->tangent[i] * net->inverse_rest[i] - across;
+        ck_assert(e[0] == (float)(along * (net->inverse_length[i] * net->inverse_length[i])) &&
+                  e[n] == (float)across);
     }
     free(element);
     free(place);
@@ -101,15 +107,16 @@ START_TEST(blocks_leave_the_forces) {
 }
 END_TEST
 
-/* A trial leaves strain, force and history of every element as they were; its forces on nodes and its blocks, which go by runs where
- * these stand together, are the same to the bit. */
+/* A trial leaves strain, force and history of every element as they were; its forces on nodes and its blocks,
+ * which go by runs where these stand together, are the same to the bit. */
 START_TEST(trials_keep_nothing) {
     palp_material m = quartic(2);
     palp_network *net = pressed(7, &m);
     const size_t n = net->n_elements, runs = net->first_run[(n + NETWORK_CHUNK - 1) / NETWORK_CHUNK];
     float *element = calloc(4 * n, sizeof *element);
     uint32_t *place = calloc(n, sizeof *place), *run_place = calloc(runs, sizeof *run_place);
-    double *before = calloc(3 * net->n_nodes, sizeof *before), *kept[] = {net->strain, net->force, net->next.history.arm};
+    double *before = calloc(3 * net->n_nodes, sizeof *before),
+           *kept[] = {net->strain, net->force, net->next.history.arm};
     const size_t sizes[] = {n, n, 2 * n};
     ck_assert(element && place && run_place && before);
     for (size_t i = 0; i < n; i++)

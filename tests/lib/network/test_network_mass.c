@@ -1,4 +1,5 @@
-/* test_network_mass.c: the mass of tetrahedra and hexahedra; ramps that stop, and swinging, with real density. */
+/* test_network_mass.c: the mass of tetrahedra and hexahedra; ramps that stop, and swinging, with real
+ * density. */
 #include "mesh/mesh_internal.h"
 #include "network/network_internal.h"
 #include "network_make.h"
@@ -22,13 +23,15 @@ static palp_material tissue(size_t n_arms) {
     static const palp_arm arms[] = {{.stiffness_N = 2.58, .viscosity_Ns = 3.61},
                                     {.stiffness_N = 0.685, .viscosity_Ns = 23.96}};
     palp_material m = {.n_arms = n_arms};
-    ck_assert_int_eq(palp_law_polynomial(5, (double[]){8.18, -0.70, 47.47, -131.36, 146.89}, &m.law), PALP_OK);
+    ck_assert_int_eq(palp_law_polynomial(5, (double[]){8.18, -0.70, 47.47, -131.36, 146.89}, &m.law),
+                     PALP_OK);
     for (size_t j = 0; j < n_arms; j++)
         m.arms[j] = arms[j];
     return m;
 }
 
-static palp_network *body_network(const palp_mesh *mesh, size_t n_arms, double density, palp_integrator integrator) {
+static palp_network *body_network(const palp_mesh *mesh, size_t n_arms, double density,
+                                  palp_integrator integrator) {
     palp_material m = tissue(n_arms);
     palp_network_settings settings = palp_network_settings_default();
     palp_support supports[2];
@@ -67,14 +70,16 @@ static void check_mass(const palp_network *net, double volume, const double cent
 }
 
 START_TEST(mass_is_that_of_the_body) {
-    const double section = 9.0 * sin(acos(-1.0) / 9.0) * 144e-6; /* a polygon of 18 corners on a circle of 12 mm */
+    const double section =
+        9.0 * sin(acos(-1.0) / 9.0) * 144e-6; /* a polygon of 18 corners on a circle of 12 mm */
     palp_mesh *mesh = read_mesh("data/meshes/cylinder_tetra.msh", false, PALP_SCALING_NONE);
     palp_network *net = body_network(mesh, 0, DENSITY, PALP_BACKWARD_EULER);
     check_mass(net, section * 24e-3, (double[]){0.0, 12e-3, 0.0});
     palp_network_free(net);
     palp_mesh_free(mesh);
     for (int cell = 0; cell < 2; cell++) {
-        mesh = read_mesh(cell ? "data/meshes/box_tetra.msh" : "data/meshes/box_hexa.msh", true, PALP_SCALING_NONE);
+        mesh = read_mesh(cell ? "data/meshes/box_tetra.msh" : "data/meshes/box_hexa.msh", true,
+                         PALP_SCALING_NONE);
         net = body_network(mesh, 0, DENSITY, PALP_BACKWARD_EULER);
         check_mass(net, 13824e-9, (double[]){12e-3, 12e-3, 12e-3});
         palp_network_free(net);
@@ -104,7 +109,8 @@ END_TEST
 
 /* ---- ramps --------------------------------------------------------------------------------------- */
 
-/* A 1 s ramp to a strain of 0.2 and a hold: against the massless network within 1 % of the force, and settled on it. */
+/* A 1 s ramp to a strain of 0.2 and a hold: against the massless network within 1 % of the force, and settled
+ * on it. */
 START_TEST(ramps_do_not_ring) {
     const size_t n_arms = (size_t)(_i / 2);
     palp_network *net = cylinder(n_arms, DENSITY, INTEGRATORS[_i % 2]),
@@ -165,8 +171,8 @@ START_TEST(swinging_gains_no_energy) {
         for (int i = 0; i < 150; i++) {
             ck_assert_int_eq(palp_network_step(net, 0.19 * 24e-3, steps[s], NULL), PALP_OK);
             double energy = total_energy(net);
-            ck_assert_msg(energy <= (euler ? before : first) * (1.0 + 1e-9), "dt %g, step %d: %.12g J after %.12g J",
-                          steps[s], i, energy, before);
+            ck_assert_msg(energy <= (euler ? before : first) * (1.0 + 1e-9),
+                          "dt %g, step %d: %.12g J after %.12g J", steps[s], i, energy, before);
             before = energy;
         }
         ck_assert_double_lt(before, first);
@@ -210,7 +216,8 @@ START_TEST(error_control_knows_the_order) {
 }
 END_TEST
 
-/* Nothing holds the body: it falls by g t^2 / 2, which generalized alpha gives exactly from the first step on. */
+/* Nothing holds the body: it falls by g t^2 / 2, which generalized alpha gives exactly from the first step
+ * on. */
 START_TEST(free_fall_from_the_first_step) {
     palp_material m = tissue(1);
     palp_network_settings settings = palp_network_settings_default();

@@ -48,7 +48,9 @@ START_TEST(energy_is_the_work_across_the_end) {
     ck_assert_int_eq(palp_realtime_create(net, &settings, &rt), PALP_OK);
     for (int i = 1; i <= STEPS; i++) {
         for (int k = 0; k < 3; k++) {
-            ck_assert_int_eq(palp_realtime_step(rt, (0.01 * i + 1e-4 * (k - 1)) * HEIGHT, INFINITY, &exact, &info), PALP_OK);
+            ck_assert_int_eq(
+                palp_realtime_step(rt, (0.01 * i + 1e-4 * (k - 1)) * HEIGHT, INFINITY, &exact, &info),
+                PALP_OK);
             ck_assert(info.converged);
             energy[k] = palp_realtime_energy(rt);
             force[k] = info.force_N;
@@ -63,7 +65,8 @@ START_TEST(energy_is_the_work_across_the_end) {
 }
 END_TEST
 
-/* Newtons a millionth: every number is the same. Beyond the range a network follows its law's tangent, not the quartic. */
+/* Newtons a millionth: every number is the same. Beyond the range a network follows its law's tangent, not
+ * the quartic. */
 START_TEST(scale_changes_nothing_and_the_limit_matters) {
     palp_material m[3] = {limited(0.15, 1.0), limited(0.15, 1e-6), limited(0.0, 1.0)};
     palp_network *net[3];

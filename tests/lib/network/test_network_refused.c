@@ -108,8 +108,9 @@ START_TEST(nothing_need_be_driven) {
     palp_supports_default(s);
     s[1].axis[1] = PALP_FIXED;
     palp_network_settings settings = palp_network_settings_default();
-    ck_assert_int_eq(palp_mesh_lattice((size_t[]){3, 3, 3}, (double[]){0.024, 0.024, 0.024}, PALP_NEIGHBOURS_26, &mesh),
-                     PALP_OK);
+    ck_assert_int_eq(
+        palp_mesh_lattice((size_t[]){3, 3, 3}, (double[]){0.024, 0.024, 0.024}, PALP_NEIGHBOURS_26, &mesh),
+        PALP_OK);
     ck_assert_int_eq(palp_network_create(mesh, &m, 2, s, &settings, &net, NULL), PALP_OK);
     ck_assert_int_eq(palp_network_step(net, 0.001, 0.1, &info), PALP_OK);
     ck_assert_double_eq(info.force_N, 0.0);

@@ -367,7 +367,9 @@ START_TEST(a_path_of_many_pieces_takes_a_step_for_each) {
     palp_network *net = cube_network(3, &m, NULL);
     double whole[2];
     ends(net, 0.0, 1e-8, whole);
-    palp_path path = {.n = PIECES + 1, .time_s = malloc((PIECES + 1) * sizeof(double)), .depth_m = malloc((PIECES + 1) * sizeof(double))};
+    palp_path path = {.n = PIECES + 1,
+                      .time_s = malloc((PIECES + 1) * sizeof(double)),
+                      .depth_m = malloc((PIECES + 1) * sizeof(double))};
     for (size_t i = 0; i <= PIECES; i++) {
         path.time_s[i] = 11.0 * (double)i / PIECES;
         path.depth_m[i] = 0.3 * HEIGHT * fmin(path.time_s[i], 1.0);

@@ -175,7 +175,8 @@ START_TEST(depths_beyond_collapse_give_a_status) {
 }
 END_TEST
 
-/* A network of three nodes a side and what is changed of it: the mesh, the supports, the material or a setting. */
+/* A network of three nodes a side and what is changed of it: the mesh, the supports, the material or a
+ * setting. */
 enum { LIKE, WIDER, UNDRIVEN, STIFFER, OTHER_ARM, DENSER, LIKENESSES };
 
 static palp_network *network_like(int change) {
@@ -186,8 +187,9 @@ static palp_network *network_like(int change) {
     palp_support supports[2];
     palp_supports_default(supports);
     const double width = change == WIDER ? 1.1 * HEIGHT : HEIGHT;
-    ck_assert_int_eq(palp_mesh_lattice((size_t[]){3, 3, 3}, (double[]){width, HEIGHT, HEIGHT}, PALP_NEIGHBOURS_26, &mesh),
-                     PALP_OK);
+    ck_assert_int_eq(
+        palp_mesh_lattice((size_t[]){3, 3, 3}, (double[]){width, HEIGHT, HEIGHT}, PALP_NEIGHBOURS_26, &mesh),
+        PALP_OK);
     if (change == UNDRIVEN)
         supports[1].motion[1] = -0.5;
     if (change == STIFFER)
@@ -210,7 +212,8 @@ START_TEST(a_state_goes_into_a_like_network_only) {
     for (int change = LIKE; change < LIKENESSES; change++) {
         palp_network *other = network_like(change);
         snapshot rest = snapshot_take(other);
-        ck_assert_msg(palp_network_restore(other, saved, size) == (change == LIKE ? PALP_OK : PALP_ERR_ARGUMENT),
+        ck_assert_msg(palp_network_restore(other, saved, size) ==
+                          (change == LIKE ? PALP_OK : PALP_ERR_ARGUMENT),
                       "change %d", change);
         ck_assert_int_eq(still_at(other, &rest), change != LIKE);
         snapshot_free(&rest);
@@ -234,7 +237,8 @@ START_TEST(a_damaged_state_is_refused) {
         unsigned char bit = (unsigned char)(1u << i % 8);
         saved[i] ^= bit;
         palp_status status = palp_network_restore(net, saved, size);
-        ck_assert_msg(status == (i < 24 ? PALP_ERR_ARGUMENT : PALP_ERR_INPUT), "byte %zu: %s", i, palp_status_name(status));
+        ck_assert_msg(status == (i < 24 ? PALP_ERR_ARGUMENT : PALP_ERR_INPUT), "byte %zu: %s", i,
+                      palp_status_name(status));
         saved[i] ^= bit;
     }
     ck_assert(still_at(net, &before));

@@ -32,15 +32,16 @@ static double energy_at(palp_network *net, const double *x, const double *along,
     return energy;
 }
 
-/* Forces are the slope of the energy, and the tangent that of the forces, assembled or times a vector, with sound tetrahedra and
- * where they are flat. */
+/* Forces are the slope of the energy, and the tangent that of the forces, assembled or times a vector, with
+ * sound tetrahedra and where they are flat. */
 START_TEST(derivatives) {
     const palp_material m = quartic(0);
     const double sizes[] = {0.3, 1.0, 8.0}, h = 1e-8;
     for (size_t s = 0; s < 3; s++) {
         palp_network *net = solid(4, &m, MODULUS);
         const size_t n = 3 * net->n_nodes;
-        double *x = calloc(n, sizeof *x), *u = calloc(n, sizeof *u), *k = calloc(n, sizeof *k), *low = calloc(n, sizeof *low), scale;
+        double *x = calloc(n, sizeof *x), *u = calloc(n, sizeof *u), *k = calloc(n, sizeof *k),
+               *low = calloc(n, sizeof *low), scale;
         ck_assert(x && u && k && low);
         ck_assert_int_eq(network_begin(net, 0.0, INFINITY), PALP_OK);
         disorder(net, sizes[s]);
@@ -77,7 +78,8 @@ START_TEST(derivatives) {
 }
 END_TEST
 
-/* Nothing gives way sideways: all of the volume goes with the depth, and the plate feels k A (1 / J - 1) more. */
+/* Nothing gives way sideways: all of the volume goes with the depth, and the plate feels k A (1 / J - 1)
+ * more. */
 START_TEST(confined) {
     const palp_material m = quartic(0);
     const palp_support supports[] = {{"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}},
@@ -101,7 +103,8 @@ START_TEST(confined) {
             force[with] = info.force_N;
             palp_network_free(net);
         }
-        ck_assert_double_eq_tol(force[1] - force[0], MODULUS * HEIGHT * HEIGHT * (1.0 / ratio - 1.0), 1e-9 * force[1]);
+        ck_assert_double_eq_tol(force[1] - force[0], MODULUS * HEIGHT * HEIGHT * (1.0 / ratio - 1.0),
+                                1e-9 * force[1]);
     }
     palp_mesh_free(mesh);
 }
@@ -156,15 +159,17 @@ static double to_and_fro(int i) {
     return 0.003 + 0.002 * sin(0.025 * i);
 }
 
-/* The preconditioner has the tetrahedra: a single correction after each step of a plate that goes to and fro leaves ten times less than
- * without them (1.4e-4 of the peak with 7 nodes a side, of one level, 1.9e-4 with 11), and a state restored goes on with the same bits. */
+/* The preconditioner has the tetrahedra: a single correction after each step of a plate that goes to and fro
+ * leaves ten times less than without them (1.4e-4 of the peak with 7 nodes a side, of one level, 1.9e-4 with
+ * 11), and a state restored goes on with the same bits. */
 START_TEST(preconditioned) {
     const palp_budget all = {.force_error = 1e-9}, one = {.corrections = 1};
     palp_realtime_settings settings = palp_realtime_settings_default();
     palp_material m = quartic(0);
     for (size_t n = 7; n <= 11; n += 4) {
         const double share = 7.0 / (double)n * 7.0 / (double)n;
-        double c[5] = {0.0611 * share, 0.0153 * share, 0.510 * share, -1.516 * share, 0.797 * share}, worst = 0.0, peak = 0.0;
+        double c[5] = {0.0611 * share, 0.0153 * share, 0.510 * share, -1.516 * share, 0.797 * share},
+               worst = 0.0, peak = 0.0;
         ck_assert_int_eq(palp_law_polynomial(5, c, &m.law), PALP_OK);
         palp_network *net = solid(n, &m, 1.42e4), *same = solid(n, &m, 1.42e4);
         palp_realtime *exact, *rt;
@@ -210,7 +215,8 @@ START_TEST(refused) {
     palp_supports_default(supports);
     palp_mesh *mesh = cube(3, PALP_NEIGHBOURS_18);
     settings.volume_modulus_Pa = MODULUS;
-    ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, &error), PALP_ERR_UNSUPPORTED);
+    ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, &error),
+                     PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(error.text, "26 neighbours"));
     palp_mesh_free(mesh);
     net = solid(3, &m, MODULUS);
@@ -220,7 +226,8 @@ START_TEST(refused) {
     const double wrong[] = {-1.0, NAN, INFINITY};
     for (size_t i = 0; i < 3; i++) {
         settings.volume_modulus_Pa = wrong[i];
-        ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, &error), PALP_ERR_ARGUMENT);
+        ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, &error),
+                         PALP_ERR_ARGUMENT);
     }
     palp_mesh_free(mesh);
 }

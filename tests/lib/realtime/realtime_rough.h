@@ -1,4 +1,5 @@
-/* realtime_rough.h: a rough sphere on a random way over a cube, stepped within budgets beside the converged answer. */
+/* realtime_rough.h: a rough sphere on a random way over a cube, stepped within budgets beside the converged
+ * answer. */
 #ifndef REALTIME_ROUGH_H
 #define REALTIME_ROUGH_H
 
@@ -39,13 +40,15 @@ static inline rough_way rough_way_make(uint64_t seed) {
 }
 
 static inline palp_tool rough_tool(const rough_way *w, double time) {
-    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = w->radius, .friction = w->friction, .axis = {0, 1, 0}};
+    palp_tool tool = {
+        .shape = PALP_TOOL_SPHERE, .radius_m = w->radius, .friction = w->friction, .axis = {0, 1, 0}};
     for (int k = 0; k < 3; k++) {
         double aside = 0.0;
         for (int j = 0; j < WAVES; j++)
             aside += w->size[k][j] * (sin(w->rate[k][j] * time + w->phase[k][j]) - sin(w->phase[k][j]));
-        tool.position_m[k] = (k == 1 ? HEIGHT + w->radius + 2e-4 - w->press * fmin(1.0, time / 0.1) + 0.35 * aside
-                                     : w->middle[k] + aside);
+        tool.position_m[k] =
+            (k == 1 ? HEIGHT + w->radius + 2e-4 - w->press * fmin(1.0, time / 0.1) + 0.35 * aside
+                    : w->middle[k] + aside);
     }
     return tool;
 }
@@ -57,12 +60,13 @@ typedef struct rough_error {
 } rough_error;
 
 static inline double apart(const double a[3], const double b[3]) {
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                (a[2] - b[2]) * (a[2] - b[2]));
 }
 
 /* One tick; the force on the tool. */
-static inline void rough_tick(palp_realtime *rt, const palp_tool *tool, const palp_budget *budget, palp_tick_info *info,
-                              double force[3]) {
+static inline void rough_tick(palp_realtime *rt, const palp_tool *tool, const palp_budget *budget,
+                              palp_tick_info *info, double force[3]) {
     palp_tool_force felt;
     ck_assert_int_eq(palp_network_set_tools(net_of(rt), 1, tool), PALP_OK);
     ck_assert_int_eq(palp_realtime_step(rt, 0.0, 1e-3, budget, info), PALP_OK);
@@ -70,9 +74,11 @@ static inline void rough_tick(palp_realtime *rt, const palp_tool *tool, const pa
     memcpy(force, felt.force_N, 3 * sizeof *force);
 }
 
-/* Follows tool(way, time) with so many corrections a tick, beside truth[n][3]; allowed: of the peak, beyond the estimate. */
-static inline rough_error rough_run(palp_realtime *rt, palp_tool (*tool)(const rough_way *, double), const rough_way *w,
-                                    size_t n, size_t corrections, double (*truth)[3], double allowed) {
+/* Follows tool(way, time) with so many corrections a tick, beside truth[n][3]; allowed: of the peak, beyond
+ * the estimate. */
+static inline rough_error rough_run(palp_realtime *rt, palp_tool (*tool)(const rough_way *, double),
+                                    const rough_way *w, size_t n, size_t corrections, double (*truth)[3],
+                                    double allowed) {
     const palp_budget budget = {.corrections = corrections};
     const double none[3] = {0.0};
     rough_error e = {0};
@@ -92,8 +98,8 @@ static inline rough_error rough_run(palp_realtime *rt, palp_tool (*tool)(const r
     return e;
 }
 
-static inline void rough_truth(palp_realtime *rt, palp_tool (*tool)(const rough_way *, double), const rough_way *w, size_t n,
-                               double (*truth)[3]) {
+static inline void rough_truth(palp_realtime *rt, palp_tool (*tool)(const rough_way *, double),
+                               const rough_way *w, size_t n, double (*truth)[3]) {
     for (size_t i = 0; i < n; i++) {
         palp_tool at = tool(w, 1e-3 * (double)(i + 1));
         rough_tick(rt, &at, &ALL, NULL, truth[i]);
@@ -105,11 +111,13 @@ static inline int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Random ways from one seed to another, at most ROUGH_WAYS: the estimate holds in every tick, to 2e-4 of the peak. median[n]: of the
- * ways' errors, each a root mean square, with each number of corrections: a mean over ways would be that of the one or two of them that
- * stick where the converged answer slips for some ticks, many times as far off as the others. Returns how often a way's error
- * is larger by a tenth than with the number of corrections before. */
-static inline size_t rough_ways(uint64_t from, uint64_t to, const size_t *corrections, size_t n, double *median) {
+/* Random ways from one seed to another, at most ROUGH_WAYS: the estimate holds in every tick, to 2e-4 of the
+ * peak. median[n]: of the ways' errors, each a root mean square, with each number of corrections: a mean over
+ * ways would be that of the one or two of them that stick where the converged answer slips for some ticks,
+ * many times as far off as the others. Returns how often a way's error is larger by a tenth than with the
+ * number of corrections before. */
+static inline size_t rough_ways(uint64_t from, uint64_t to, const size_t *corrections, size_t n,
+                                double *median) {
     static double truth[ROUGH_TICKS][3], error[ROUGH_BUDGETS][ROUGH_WAYS];
     size_t rises = 0;
     ck_assert(to - from <= ROUGH_WAYS && n <= ROUGH_BUDGETS);
@@ -121,8 +129,8 @@ static inline size_t rough_ways(uint64_t from, uint64_t to, const size_t *correc
         for (size_t k = 0; k < n; k++) {
             rt = cube_on_a_table(w.nodes, w.n_arms);
             rough_error e = rough_run(rt, rough_tool, &w, ROUGH_TICKS, corrections[k], truth, 2e-4);
-            ck_assert_msg(e.beyond == 0, "seed %d, %zu corrections: beyond the estimate in %zu ticks", (int)seed,
-                          corrections[k], e.beyond);
+            ck_assert_msg(e.beyond == 0, "seed %d, %zu corrections: beyond the estimate in %zu ticks",
+                          (int)seed, corrections[k], e.beyond);
             error[k][seed - from] = e.mean;
             rises += k > 0 && e.mean > 1.1 * error[k - 1][seed - from];
             drop(rt);

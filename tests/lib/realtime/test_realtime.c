@@ -30,7 +30,7 @@ static void compare_with_step(size_t n, const palp_material *m) {
     palp_realtime *net = realtime_cube(n, m, false);
     palp_network *reference = cube_network(n, m, NULL);
     size_t n3 = 3 * node_count(net_of(net));
-    for (size_t i = 1; i < TICKS; i += n > 7 ? 4 : 1) {
+    for (size_t i = 1; i<TICKS; i += n> 7 ? 4 : 1) {
         palp_tick_info info;
         ck_assert_int_eq(palp_realtime_step(net, path_depth(i), DT, &ALL, &info), PALP_OK);
         ck_assert_int_eq(palp_network_step(reference, path_depth(i), DT, NULL), PALP_OK);
@@ -39,8 +39,9 @@ static void compare_with_step(size_t n, const palp_material *m) {
         double force = palp_network_force(reference);
         ck_assert_double_eq_tol(info.force_N, force, 1e-8 * fabs(force));
         ck_assert_double_eq(info.force_N, palp_network_force(net_of(net)));
-        ck_assert_double_le(largest_difference(palp_network_positions(net_of(net)), palp_network_positions(reference), n3),
-                            1e-9 * HEIGHT);
+        ck_assert_double_le(
+            largest_difference(palp_network_positions(net_of(net)), palp_network_positions(reference), n3),
+            1e-9 * HEIGHT);
     }
     drop(net);
     palp_network_free(reference);
@@ -296,15 +297,18 @@ START_TEST(mass_settles) {
 }
 END_TEST
 
-/* Far past where the tangent is definite: every tick ends, nothing blows up, the force stays that of such a press. */
+/* Far past where the tangent is definite: every tick ends, nothing blows up, the force stays that of such a
+ * press. */
 START_TEST(past_buckling) {
     palp_material m = quartic(2);
     palp_realtime *net = realtime_cube(9, &m, false);
     palp_budget budget = {.corrections = 2};
     for (size_t i = 1; i <= 400; i++) {
         palp_tick_info info;
-        ck_assert_int_eq(palp_realtime_step(net, 0.45 * HEIGHT * (double)i / 400.0, DT, &budget, &info), PALP_OK);
-        ck_assert(isfinite(info.force_N) && isfinite(palp_realtime_energy(net)) && isfinite(info.force_error_N));
+        ck_assert_int_eq(palp_realtime_step(net, 0.45 * HEIGHT * (double)i / 400.0, DT, &budget, &info),
+                         PALP_OK);
+        ck_assert(isfinite(info.force_N) && isfinite(palp_realtime_energy(net)) &&
+                  isfinite(info.force_error_N));
         ck_assert_double_lt(fabs(info.force_N), 500.0);
     }
     drop(net);
@@ -332,7 +336,8 @@ START_TEST(unordered_mesh) {
     palp_mesh *mesh = NULL;
     palp_material m = quartic(2);
     palp_network_settings settings = palp_network_settings_default();
-    ck_assert_int_eq(palp_mesh_read_gmsh("data/meshes/cylinder_tetra.msh", 1e-3, false, &mesh, NULL), PALP_OK);
+    ck_assert_int_eq(palp_mesh_read_gmsh("data/meshes/cylinder_tetra.msh", 1e-3, false, &mesh, NULL),
+                     PALP_OK);
     palp_realtime *net = realtime_on(network_on(mesh, &m, &settings), false);
     palp_network *reference = network_on(mesh, &m, &settings);
     palp_mesh_free(mesh);
@@ -392,7 +397,8 @@ START_TEST(refused) {
         ck_assert_int_eq(palp_realtime_step(rt, 1e-3, DT, &budget, NULL), PALP_ERR_ARGUMENT);
         ck_assert_int_eq(palp_realtime_step(rt, 1e-3, DT, &other, NULL), PALP_ERR_ARGUMENT);
     }
-    ck_assert_int_eq(palp_realtime_step(rt, 2.0 * HEIGHT, DT, &ALL, NULL) != PALP_OK || isfinite(palp_network_force(net)),
+    ck_assert_int_eq(palp_realtime_step(rt, 2.0 * HEIGHT, DT, &ALL, NULL) != PALP_OK ||
+                         isfinite(palp_network_force(net)),
                      1);
     size_t size = palp_realtime_state_size(rt), plain = palp_network_state_size(net);
     void *saved = malloc(size);
@@ -427,7 +433,8 @@ START_TEST(refused) {
 }
 END_TEST
 
-/* What PALP_SEDEF2008 carries from the last step as a vector is in an element's force along its direction, as that now is. */
+/* What PALP_SEDEF2008 carries from the last step as a vector is in an element's force along its direction, as
+ * that now is. */
 START_TEST(carried_force_is_along_the_element) {
     palp_network_settings settings = palp_network_settings_default();
     palp_material m = quartic(1);

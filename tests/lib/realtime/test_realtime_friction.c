@@ -1,11 +1,13 @@
-/* test_realtime_friction.c: friction under a budget of corrections: more of them help, the estimate holds, and what slips is
- * held by Coulomb's law. */
+/* test_realtime_friction.c: friction under a budget of corrections: more of them help, the estimate holds,
+ * and what slips is held by Coulomb's law. */
 #include "realtime_rough.h"
 
-/* 5 mm in radius, pressed 1.5 mm within 0.3 s, then slid at 10 mm/s by a hand that trembles 0.1 mm at 8 Hz. */
+/* 5 mm in radius, pressed 1.5 mm within 0.3 s, then slid at 10 mm/s by a hand that trembles 0.1 mm at 8 Hz.
+ */
 static palp_tool trembling(const rough_way *w, double time) {
     double slid = fmax(0.0, time - 0.3);
-    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = 0.005, .friction = w->friction, .axis = {0, 1, 0}};
+    palp_tool tool = {
+        .shape = PALP_TOOL_SPHERE, .radius_m = 0.005, .friction = w->friction, .axis = {0, 1, 0}};
     tool.position_m[0] = 0.007 + 0.01 * slid + 1e-4 * sin(16.0 * 3.14159265 * slid);
     tool.position_m[1] = HEIGHT + 0.005 - 0.0015 * fmin(1.0, time / 0.3);
     tool.position_m[2] = 0.0121;
@@ -27,8 +29,9 @@ START_TEST(more_corrections_help) {
             rt = cube_on_a_table(nodes[k], 2);
             rough_error e = rough_run(rt, trembling, &way, N, corrections[b], truth, 1e-6);
             ck_assert_uint_eq(e.beyond, 0);
-            ck_assert_msg(e.most < most[b] && e.mean <= (b == 1 ? 0.5 : 1.0) * before, "%zu nodes a side, %zu corrections: %g, mean %g after %g",
-                          nodes[k], corrections[b], e.most, e.mean, before);
+            ck_assert_msg(e.most < most[b] && e.mean <= (b == 1 ? 0.5 : 1.0) * before,
+                          "%zu nodes a side, %zu corrections: %g, mean %g after %g", nodes[k], corrections[b],
+                          e.most, e.mean, before);
             before = e.mean;
             drop(rt);
         }
@@ -36,7 +39,8 @@ START_TEST(more_corrections_help) {
 }
 END_TEST
 
-/* On a subdivided surface the estimate holds as well, and one correction leaves less than half of what it does on triangles. */
+/* On a subdivided surface the estimate holds as well, and one correction leaves less than half of what it
+ * does on triangles. */
 START_TEST(smooth_surface) {
     enum { N = 600 };
     static double truth[N][3];
@@ -70,8 +74,8 @@ START_TEST(random_ways) {
 }
 END_TEST
 
-/* A sphere whose points all come to touch in a few ticks and then stick: what they were off by as they first touched stays, and
- * is told. */
+/* A sphere whose points all come to touch in a few ticks and then stick: what they were off by as they first
+ * touched stays, and is told. */
 START_TEST(what_sticks_at_first_touch_stays) {
     const size_t corrections = 3;
     double median;
@@ -79,8 +83,8 @@ START_TEST(what_sticks_at_first_touch_stays) {
 }
 END_TEST
 
-/* A plane that presses and drags the whole top until all of it slips: what holds it back is the coefficient times what
- * presses, to rounding, whatever the budget left of the corrections before. */
+/* A plane that presses and drags the whole top until all of it slips: what holds it back is the coefficient
+ * times what presses, to rounding, whatever the budget left of the corrections before. */
 START_TEST(plateau) {
     const double friction = 0.2;
     palp_realtime *rt = cube_on_a_table(5, 0);
@@ -88,7 +92,9 @@ START_TEST(plateau) {
     double force[3];
     for (int i = 1; i <= 400; i++) {
         double aside = fmax(0.0, 2e-5 * (i - 100)), down = 1e-5 * fmin(100.0, i);
-        palp_tool tool = {.shape = PALP_TOOL_PLANE, .position_m = {aside, HEIGHT - down, 0.3 * aside}, .axis = {0, -1, 0},
+        palp_tool tool = {.shape = PALP_TOOL_PLANE,
+                          .position_m = {aside, HEIGHT - down, 0.3 * aside},
+                          .axis = {0, -1, 0},
                           .friction = friction};
         palp_budget budget = {.corrections = i <= 380 ? 2 : 0};
         rough_tick(rt, &tool, &budget, &info, force);

@@ -1,5 +1,5 @@
-/* test_realtime_parts.c: conjugate gradients, the adjoint, the judgement of a tick and its pieces, one by one, against
- * formulas. */
+/* test_realtime_parts.c: conjugate gradients, the adjoint, the judgement of a tick and its pieces, one by
+ * one, against formulas. */
 #define _POSIX_C_SOURCE 200809L
 #include "contact/contact_internal.h"
 #include "realtime_make.h"
@@ -44,8 +44,8 @@ static double *copy(const double *v, size_t n) {
     return memcpy(c, v, n * sizeof *c);
 }
 
-/* With the tangent's own factor, which is of single precision, one correction solves; what it says of the error is that of
- * the start in the norm of the tangent. */
+/* With the tangent's own factor, which is of single precision, one correction solves; what it says of the
+ * error is that of the start in the norm of the tangent. */
 START_TEST(one_correction_with_the_factor_of_the_tangent) {
     palp_realtime *rt = pressed(SMALL);
     const palp_network *net = net_of(rt);
@@ -55,7 +55,8 @@ START_TEST(one_correction_with_the_factor_of_the_tangent) {
     ck_assert_double_le(size_of(rt->r, n), 1e-5 * first);
     network_tangent_times(net, rt->move, rt->q);
     for (size_t i = 0; i < n; i++)
-        ck_assert_double_eq_tol(net->dof[i] < 0 ? rt->move[i] : rt->q[i], net->dof[i] < 0 ? 0.0 : before[i], 1e-5);
+        ck_assert_double_eq_tol(net->dof[i] < 0 ? rt->move[i] : rt->q[i], net->dof[i] < 0 ? 0.0 : before[i],
+                                1e-5);
     double error = sqrt(product(before, rt->move, n));
     ck_assert_double_eq_tol(rt->error_ratio, error / first, 1e-5 * error / first);
     free(before);
@@ -63,8 +64,8 @@ START_TEST(one_correction_with_the_factor_of_the_tangent) {
 }
 END_TEST
 
-/* After any number of corrections the residual is at right angles to all that was moved, and is what the move leaves, to the single
- * precision of their products. */
+/* After any number of corrections the residual is at right angles to all that was moved, and is what the move
+ * leaves, to the single precision of their products. */
 START_TEST(corrections_are_conjugate) {
     for (size_t limit = 1; limit <= 5; limit++) {
         palp_realtime *rt = pressed(LEVELS);
@@ -98,9 +99,11 @@ START_TEST(corrections_end_at_their_share) {
         ck_assert_double_lt(left, share);
         ck_assert_uint_eq(realtime_solve(again, 100, left * 1.01, 0.0), limit);
         share = left;
-        drop(again); /* or once the error in the tangent's norm is small enough, which the first correction tells */
+        drop(again); /* or once the error in the tangent's norm is small enough, which the first correction
+                        tells */
         again = pressed(LEVELS);
-        ck_assert_uint_eq(realtime_solve(again, limit, 0.0, 1.01 * rt->error_ratio * size_of(rt->r, n)), limit);
+        ck_assert_uint_eq(realtime_solve(again, limit, 0.0, 1.01 * rt->error_ratio * size_of(rt->r, n)),
+                          limit);
         ck_assert_double_eq(size_of(again->r, n), size_of(rt->r, n));
         drop(rt);
         drop(again);
@@ -108,7 +111,8 @@ START_TEST(corrections_end_at_their_share) {
 }
 END_TEST
 
-/* Where the tangent is not definite: along the preconditioned residual, no farther than 2 thousandths of the size. */
+/* Where the tangent is not definite: along the preconditioned residual, no farther than 2 thousandths of the
+ * size. */
 START_TEST(a_little_way_where_the_tangent_is_not_definite) {
     for (int small = 0; small < 2; small++) {
         palp_realtime *rt = pressed(SMALL);
@@ -120,7 +124,9 @@ START_TEST(a_little_way_where_the_tangent_is_not_definite) {
             float *along = rt->element + source.place[e], *across = along + source.spacing;
             double square = 0.0;
             for (size_t k = 0; k < 3; k++)
-                square += pow(net->next.x[3 * net->pair[2 * e + 1] + (int)k] - net->next.x[3 * net->pair[2 * e] + (int)k], 2.0);
+                square += pow(net->next.x[3 * net->pair[2 * e + 1] + (int)k] -
+                                  net->next.x[3 * net->pair[2 * e] + (int)k],
+                              2.0);
             *along = -*along - *across / (float)square;
             *across = 0.0F;
         }
@@ -145,8 +151,9 @@ static void improve_adjoint(palp_realtime *rt) {
         realtime_improve_adjoint(rt, part);
 }
 
-/* An adjoint that is off by e is put right by the tangent's factor; its error was sqrt(e K e), of which half is believed to be left, and
- * which has come by where the nodes went since: on the next interval by no less than seven tenths for each m. */
+/* An adjoint that is off by e is put right by the tangent's factor; its error was sqrt(e K e), of which half
+ * is believed to be left, and which has come by where the nodes went since: on the next interval by no less
+ * than seven tenths for each m. */
 START_TEST(the_adjoint_is_put_right) {
     palp_realtime *rt = pressed(SMALL);
     palp_network *net = net_of(rt);
@@ -165,7 +172,8 @@ START_TEST(the_adjoint_is_put_right) {
     improve_adjoint(rt);
     ck_assert_double_eq_tol(rt->adjoint_error, 0.5 * error, 1e-5 * error);
     ck_assert_double_eq_tol(rt->adjoint_rate, error / 2e-3, 1e-5 * error / 2e-3);
-    memcpy(net->next.x, net->now.x, n * sizeof *net->next.x); /* they went 0.1 m from where the residual was found */
+    memcpy(net->next.x, net->now.x,
+           n * sizeof *net->next.x); /* they went 0.1 m from where the residual was found */
     net->next.x[0] += 0.1;
     realtime_follow_adjoint(rt);
     ck_assert_double_eq_tol(realtime_adjoint_error(rt), (0.5 + 0.1 / 2e-3) * error, 1e-4 * error);
@@ -180,8 +188,8 @@ START_TEST(the_adjoint_is_put_right) {
 }
 END_TEST
 
-/* A tick takes at least one correction; where the clock leaves no room it takes no other. What parts of it take is a mean
- * that gives a tenth to the last, and that no more than three times the mean. */
+/* A tick takes at least one correction; where the clock leaves no room it takes no other. What parts of it
+ * take is a mean that gives a tenth to the last, and that no more than three times the mean. */
 START_TEST(time_leaves_room) {
     const double endless = 1e9, nothing = 1e-30;
     palp_material m = quartic(0);
@@ -219,23 +227,27 @@ START_TEST(time_leaves_room) {
 }
 END_TEST
 
-/* What a tick says of its residual and of the force's error, under a plate and under a plane on a free top. */
+/* What a tick says of its residual and of the force's error, under a plate and under a plane on a free top.
+ */
 START_TEST(a_tick_is_judged) {
     for (int tool = 0; tool < 2; tool++) {
         palp_material m = quartic(1);
-        palp_realtime *rt = tool ? cube_on_a_table(LEVELS, 1) : realtime_on(cube_network(LEVELS, &m, NULL), false);
+        palp_realtime *rt =
+            tool ? cube_on_a_table(LEVELS, 1) : realtime_on(cube_network(LEVELS, &m, NULL), false);
         palp_network *net = net_of(rt);
         const palp_budget one = {.corrections = 1};
         palp_tick_info info;
         double remembered = 0.0;
         for (size_t tick = 1; tick <= 3; tick++) {
             double down = 3e-4 * (double)tick;
-            palp_tool plane = {.shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - down, 0}, .axis = {0, -1, 0}};
+            palp_tool plane = {
+                .shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - down, 0}, .axis = {0, -1, 0}};
             if (tool)
                 ck_assert_int_eq(palp_network_set_tools(net, 1, &plane), PALP_OK);
             ck_assert_int_eq(palp_realtime_step(rt, tool ? 0.0 : down, DT, &one, &info), PALP_OK);
             double left = 0.0, scale, squares = 0.0, stiffness = 0.0;
-            double norm = network_residual(net, &scale); /* of the last evaluation, which is the committed state */
+            double norm =
+                network_residual(net, &scale); /* of the last evaluation, which is the committed state */
             for (size_t i = 0; i < net->n_elements; i++)
                 squares += net->force[i] * net->force[i];
             for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -249,11 +261,14 @@ START_TEST(a_tick_is_judged) {
                 if (contact_of(net)->triangles[i] > 0 && net->rest[3 * i + 1] > 0.99 * HEIGHT)
                     stiffness += 3.0 * net->unit[i] * (0.54 + 0.4);
             const double places = 3.0 * realtime_doubt(rt) * rt->error_ratio * norm;
-            double fresh = places * (tool ? sqrt(stiffness) : rt->adjoint_error + rt->adjoint_rate * rt->adjoint_far);
+            double fresh =
+                places * (tool ? sqrt(stiffness) : rt->adjoint_error + rt->adjoint_rate * rt->adjoint_far);
             ck_assert_double_gt(fresh, 0.0);
-            ck_assert_double_eq_tol(info.force_error_N, fresh + remembered, 0.02 * tool * fresh + 1e-9 * fresh);
+            ck_assert_double_eq_tol(info.force_error_N, fresh + remembered,
+                                    0.02 * tool * fresh + 1e-9 * fresh);
             double decay = exp(-DT / 0.5); /* 0.2 N s / 0.4 N */
-            remembered = decay * remembered + (1.0 - decay) * (info.force_error_N - remembered + (tool ? 0.0 : rt->forgets * places));
+            remembered = decay * remembered + (1.0 - decay) * (info.force_error_N - remembered +
+                                                               (tool ? 0.0 : rt->forgets * places));
             ck_assert_double_eq_tol(rt->remembered, remembered, 1e-12 * remembered);
         }
         drop(rt);
@@ -261,7 +276,8 @@ START_TEST(a_tick_is_judged) {
 }
 END_TEST
 
-/* A tick's share of work on the next factor, which is begun when that share of a unit an element has passed. */
+/* A tick's share of work on the next factor, which is begun when that share of a unit an element has passed.
+ */
 START_TEST(a_piece_is_its_share_of_a_tick) {
     palp_material m = quartic(0);
     palp_realtime_settings settings = {.refresh_share = 0.2};
@@ -311,7 +327,8 @@ START_TEST(tangent_of_a_tick_is_of_its_end) {
 }
 END_TEST
 
-/* From the start both sets of the factor's numbers have been made, so that no tick waits for memory that nothing has used yet. */
+/* From the start both sets of the factor's numbers have been made, so that no tick waits for memory that
+ * nothing has used yet. */
 START_TEST(both_sets_are_made_at_the_start) {
     palp_material m = quartic(0);
     palp_realtime *rt = realtime_on(cube_network(LEVELS, &m, NULL), false);
@@ -350,11 +367,12 @@ static palp_network *corner_network(size_t *around) {
     return net;
 }
 
-/* Tetrahedra inside out: within so many ticks as there are parts a tick says what a step says, forth and back, and what goes on
- * from a saved state says the same at every tick. */
+/* Tetrahedra inside out: within so many ticks as there are parts a tick says what a step says, forth and
+ * back, and what goes on from a saved state says the same at every tick. */
 START_TEST(inverted_tetrahedra_are_counted) {
     size_t around = 0, middle = 0;
-    palp_realtime *rt = realtime_on(corner_network(&around), false), *other = realtime_on(corner_network(&around), false);
+    palp_realtime *rt = realtime_on(corner_network(&around), false),
+                  *other = realtime_on(corner_network(&around), false);
     palp_tick_info info, again;
     palp_step_info step;
     size_t size = palp_realtime_state_size(rt);

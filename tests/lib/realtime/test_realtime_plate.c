@@ -1,6 +1,5 @@
-/* test_realtime_plate.c: a plate on random ways over lattices and meshes, with and without tetrahedra that keep their volume: the estimate
- * of the force's error holds in every tick.
- * check: all */
+/* test_realtime_plate.c: a plate on random ways over lattices and meshes, with and without tetrahedra that
+ * keep their volume: the estimate of the force's error holds in every tick. check: all */
 #include "realtime_make.h"
 
 #include <palpate/random.h>
@@ -67,12 +66,16 @@ static palp_realtime *way_realtime(const way *w, double *height) {
         mesh = cube(w->nodes, PALP_NEIGHBOURS_26);
     }
     palp_network *net = network_on(mesh, &m, &settings);
-    *height = !w->file ? HEIGHT : strncmp(w->file, "liver", 5) == 0 ? 0.030 : strncmp(w->file, "sphere", 6) == 0 ? 0.018 : HEIGHT;
+    *height = !w->file                             ? HEIGHT
+              : strncmp(w->file, "liver", 5) == 0  ? 0.030
+              : strncmp(w->file, "sphere", 6) == 0 ? 0.018
+                                                   : HEIGHT;
     palp_mesh_free(mesh);
     return realtime_on(net, false);
 }
 
-/* Converged forces, as far as the path does not come to where several answers are; returns how many ticks that is. */
+/* Converged forces, as far as the path does not come to where several answers are; returns how many ticks
+ * that is. */
 static size_t way_truth(const way *w, double *force, double *peak) {
     double height;
     palp_realtime *rt = way_realtime(w, &height);
@@ -80,7 +83,8 @@ static size_t way_truth(const way *w, double *force, double *peak) {
     *peak = 0.0;
     for (; n < WAY_TICKS; n++) {
         palp_tick_info info;
-        if (palp_realtime_step(rt, height * way_strain(w, n), w->dt, &ALL, &info) || info.buckled || !info.converged)
+        if (palp_realtime_step(rt, height * way_strain(w, n), w->dt, &ALL, &info) || info.buckled ||
+            !info.converged)
             break;
         force[n] = info.force_N;
         *peak = fmax(*peak, fabs(force[n]));
@@ -90,7 +94,8 @@ static size_t way_truth(const way *w, double *force, double *peak) {
 }
 
 /* The largest error beyond the estimate, of the peak. */
-static double way_beyond(const way *w, size_t n, const double *force, double peak, const palp_budget *budget) {
+static double way_beyond(const way *w, size_t n, const double *force, double peak,
+                         const palp_budget *budget) {
     double height, beyond = 0.0;
     palp_realtime *rt = way_realtime(w, &height);
     for (size_t i = 0; i < n; i++) {
@@ -103,12 +108,13 @@ static double way_beyond(const way *w, size_t n, const double *force, double pea
     return beyond;
 }
 
-/* ALLOWED, of the peak: where a scaled mesh is about to fold its adjoint changes faster than ticks look at it, and the estimate of a tick that
- * makes no correction can be short by so much. */
+/* ALLOWED, of the peak: where a scaled mesh is about to fold its adjoint changes faster than ticks look at
+ * it, and the estimate of a tick that makes no correction can be short by so much. */
 static void check_ways(uint64_t from, uint64_t to, bool volume) {
     static const double ALLOWED = 2e-4;
-    static const palp_budget budgets[] = {{.force_error = 1e-2}, {.force_error = 1e-3}, {.force_error = 1e-4}, {.corrections = 1},
-                                          {.corrections = 2},    {.corrections = 4},    {.corrections = 10}};
+    static const palp_budget budgets[] = {{.force_error = 1e-2}, {.force_error = 1e-3}, {.force_error = 1e-4},
+                                          {.corrections = 1},    {.corrections = 2},    {.corrections = 4},
+                                          {.corrections = 10}};
     static double force[WAY_TICKS];
     size_t ticks = 0;
     for (uint64_t seed = from; seed < to; seed++) {
@@ -118,7 +124,8 @@ static void check_ways(uint64_t from, uint64_t to, bool volume) {
         ticks += n;
         for (size_t k = 0; k < sizeof budgets / sizeof *budgets; k++) {
             const double beyond = way_beyond(&w, n, force, peak, &budgets[k]);
-            ck_assert_msg(beyond <= ALLOWED, "seed %d, budget %zu: %g of the peak beyond the estimate", (int)seed, k, beyond);
+            ck_assert_msg(beyond <= ALLOWED, "seed %d, budget %zu: %g of the peak beyond the estimate",
+                          (int)seed, k, beyond);
         }
     }
     ck_assert_uint_gt(ticks, (to - from) * WAY_TICKS / 2); /* most of a path is looked at */

@@ -1,7 +1,9 @@
-/* test_realtime_snap.c: where a branch of equilibria ends, a network with PALP_BRANCH_STABLE goes down to the next stable one. */
+/* test_realtime_snap.c: where a branch of equilibria ends, a network with PALP_BRANCH_STABLE goes down to the
+ * next stable one. */
 #include "realtime_make.h"
 
-/* Two bars of half span A and rise B (a von Mises truss), pressed in the middle through a long spring: all of the same K. */
+/* Two bars of half span A and rise B (a von Mises truss), pressed in the middle through a long spring: all of
+ * the same K. */
 #define A 0.010
 #define B 0.003
 #define SPRING 0.3
@@ -27,7 +29,8 @@ static palp_network *truss(palp_branch branch) {
     return net;
 }
 
-/* Force of the two bars upwards on what presses the apex at height y; the spring's at that height, pressed in by depth. */
+/* Force of the two bars upwards on what presses the apex at height y; the spring's at that height, pressed in
+ * by depth. */
 static double bars(double y) {
     double rest = hypot(A, B), length = hypot(A, y);
     return -2.0 * K * (length - rest) / rest * y / length;
@@ -49,7 +52,8 @@ static double down_from(double y, double depth) {
     return low;
 }
 
-/* By steps and by ticks: the apex is where the closed form has it, before the snap and after it, and what is felt jumps. */
+/* By steps and by ticks: the apex is where the closed form has it, before the snap and after it, and what is
+ * felt jumps. */
 START_TEST(truss_snaps_to_its_other_side) {
     for (int ticks = 0; ticks < 2; ticks++) {
         palp_network *net = truss(PALP_BRANCH_STABLE);
@@ -59,7 +63,8 @@ START_TEST(truss_snaps_to_its_other_side) {
         for (int i = 1; i <= 400; i++) {
             const double depth = 5e-5 * i;
             ck_assert_int_eq(ticks ? palp_realtime_step(rt, depth, INFINITY, &ALL, NULL)
-                                   : palp_network_step(net, depth, INFINITY, NULL), PALP_OK);
+                                   : palp_network_step(net, depth, INFINITY, NULL),
+                             PALP_OK);
             double wanted = down_from(y, depth);
             ck_assert_double_eq_tol(palp_network_positions(net)[7], wanted, 1e-8);
             ck_assert_double_eq_tol(palp_network_force(net), spring(wanted, depth), 1e-8);
@@ -78,10 +83,10 @@ START_TEST(truss_snaps_to_its_other_side) {
 }
 END_TEST
 
-/* 11 nodes a side fold near 9.15 mm. Ticks of a few corrections at a depth beyond it: the energy falls in each of them, and they
- * end at rest, at a smaller force than before, as one tick without limit does; the branch that a plain network follows ends there. There
- * are several stable branches below it, of 60.3, 63.79 and 63.82 N and energies that are 0.3 % apart: the way there decides which one
- * is reached. */
+/* 11 nodes a side fold near 9.15 mm. Ticks of a few corrections at a depth beyond it: the energy falls in
+ * each of them, and they end at rest, at a smaller force than before, as one tick without limit does; the
+ * branch that a plain network follows ends there. There are several stable branches below it, of 60.3, 63.79
+ * and 63.82 N and energies that are 0.3 % apart: the way there decides which one is reached. */
 START_TEST(lattice_goes_down_to_a_stable_branch) {
     const palp_budget few = {.corrections = 10};
     palp_network_settings settings = palp_network_settings_default();
@@ -97,7 +102,8 @@ START_TEST(lattice_goes_down_to_a_stable_branch) {
     }
     const double top = info.force_N;
     ck_assert_int_eq(palp_realtime_step(straight, 9.2e-3, INFINITY, &ALL, &once), PALP_OK);
-    ck_assert_msg(once.converged && once.buckled, "%d %d %zu %g %g", once.converged, once.buckled, once.corrections, once.residual, once.force_N);
+    ck_assert_msg(once.converged && once.buckled, "%d %d %zu %g %g", once.converged, once.buckled,
+                  once.corrections, once.residual, once.force_N);
     ck_assert_double_lt(once.force_N, 0.98 * top);
     double energy = INFINITY;
     info.converged = false;

@@ -4,7 +4,8 @@
 
 /* A sphere comes down on the middle of the top, slides and stays. */
 static void place_tool(const palp_realtime *rt, size_t tick, double friction) {
-    double down = 0.0016 * fmin(1.0, (double)tick / 60.0), aside = tick < 60 ? 0.0 : 2e-5 * (double)(tick - 60);
+    double down = 0.0016 * fmin(1.0, (double)tick / 60.0),
+           aside = tick < 60 ? 0.0 : 2e-5 * (double)(tick - 60);
     palp_tool tool = {.shape = PALP_TOOL_SPHERE,
                       .position_m = {0.5 * HEIGHT + fmin(aside, 8e-4), HEIGHT + 0.0041 - down, 0.51 * HEIGHT},
                       .axis = {0, 1, 0},
@@ -22,7 +23,8 @@ static palp_tool_force tick_with_tool(palp_realtime *rt, size_t tick, const palp
     return felt;
 }
 
-/* Converged as by palp_network_step; with two corrections as near as the estimate says, and soon at rest there. */
+/* Converged as by palp_network_step; with two corrections as near as the estimate says, and soon at rest
+ * there. */
 START_TEST(tool_is_felt) {
     const size_t nodes[] = {5, 8};
     for (size_t k = 0; k < 2; k++) {
@@ -43,8 +45,8 @@ START_TEST(tool_is_felt) {
                 ck_assert_double_eq_tol(a.force_N[j], c.force_N[j], 1e-6 * peak + 1e-12);
             }
             last = fabs(b.force_N[1] - c.force_N[1]);
-            ck_assert_msg(last <= info.force_error_N + 1e-6 * peak, "tick %zu: off by %g, estimate %g", i, last,
-                          info.force_error_N);
+            ck_assert_msg(last <= info.force_error_N + 1e-6 * peak, "tick %zu: off by %g, estimate %g", i,
+                          last, info.force_error_N);
         }
         ck_assert_double_le(last, 1e-3 * peak);
         ck_assert_double_gt(peak, 0.1);
@@ -55,8 +57,8 @@ START_TEST(tool_is_felt) {
 }
 END_TEST
 
-/* A rough sphere that sticks and slips. What it feels is the tissue's own force: where a correction is not enough for
- * the stiff springs between them, these are off by many times more. */
+/* A rough sphere that sticks and slips. What it feels is the tissue's own force: where a correction is not
+ * enough for the stiff springs between them, these are off by many times more. */
 START_TEST(rough_tool_within_a_tick) {
     const palp_budget few[2] = {{.corrections = 1}, {.corrections = 2}};
     const double most[2] = {0.2, 0.05};
@@ -82,7 +84,8 @@ START_TEST(rough_tool_within_a_tick) {
 }
 END_TEST
 
-/* A plane that pressed leaves at once at 50 mm/s: the tissue, which is slow to know, must not have lost it meanwhile. */
+/* A plane that pressed leaves at once at 50 mm/s: the tissue, which is slow to know, must not have lost it
+ * meanwhile. */
 START_TEST(sudden_withdrawal) {
     const palp_budget two = {.corrections = 2};
     palp_realtime *net = cube_on_a_table(7, 2), *reference = cube_on_a_table(7, 2);
@@ -113,7 +116,8 @@ START_TEST(taken_away) {
     palp_realtime *net = cube_on_a_table(7, 2);
     palp_tool_force felt;
     for (size_t i = 1; i < 70; i++) {
-        palp_tool tool = {.shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - 3e-5 * (double)i, 0}, .axis = {0, -1, 0}};
+        palp_tool tool = {
+            .shape = PALP_TOOL_PLANE, .position_m = {0, HEIGHT - 3e-5 * (double)i, 0}, .axis = {0, -1, 0}};
         if (i > 60)
             tool.position_m[1] = 2.0 * HEIGHT;
         ck_assert_int_eq(palp_network_set_tools(net_of(net), 1, &tool), PALP_OK);

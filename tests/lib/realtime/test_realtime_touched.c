@@ -6,7 +6,8 @@ static double size_of(const double *v, size_t n) {
     return sqrt(network_dot(v, v, n));
 }
 
-/* A cube that a sphere slid on and is about to slide on further, its factor that of the tangent there; r random on the free axes. */
+/* A cube that a sphere slid on and is about to slide on further, its factor that of the tangent there; r
+ * random on the free axes. */
 static palp_realtime *slid(size_t n, double friction) {
     palp_realtime *rt = cube_on_a_table(n, 0);
     palp_network *net = net_of(rt);
@@ -29,8 +30,8 @@ static palp_realtime *slid(size_t n, double friction) {
     return rt;
 }
 
-/* A rough sphere's blocks and a foundation's springs are in the factor of a network so small that there are no levels: with them
- * it solves, but for what is not symmetric. */
+/* A rough sphere's blocks and a foundation's springs are in the factor of a network so small that there are
+ * no levels: with them it solves, but for what is not symmetric. */
 START_TEST(blocks_of_terms_are_in_the_factor) {
     palp_realtime *rt = slid(4, 0.5);
     const size_t n = 3 * net_of(rt)->n_nodes;
@@ -44,8 +45,8 @@ START_TEST(blocks_of_terms_are_in_the_factor) {
 }
 END_TEST
 
-/* Without friction the tangent is symmetric: corrections in the directions so far are conjugate gradients, in one round or one
- * by one. */
+/* Without friction the tangent is symmetric: corrections in the directions so far are conjugate gradients, in
+ * one round or one by one. */
 START_TEST(directions_of_a_smooth_tool_are_conjugate) {
     enum { CORRECTIONS = 4 };
     palp_realtime *rt = slid(6, 0.0);
@@ -75,12 +76,14 @@ START_TEST(directions_of_a_smooth_tool_are_conjugate) {
 }
 END_TEST
 
-/* A tool that slips: corrections one by one, more of them than there is room for, solve with the unsymmetric part in the tangent. */
+/* A tool that slips: corrections one by one, more of them than there is room for, solve with the unsymmetric
+ * part in the tangent. */
 START_TEST(corrections_follow_what_slips) {
     palp_realtime *rt = slid(6, 0.9);
     const size_t n = 3 * net_of(rt)->n_nodes;
     const double first = size_of(rt->r, n);
-    double *sum = calloc(n, sizeof *sum), *left = malloc(n * sizeof *left), *symmetric = malloc(n * sizeof *symmetric);
+    double *sum = calloc(n, sizeof *sum), *left = malloc(n * sizeof *left),
+           *symmetric = malloc(n * sizeof *symmetric);
     memcpy(left, rt->r, n * sizeof *left);
     for (size_t i = 0; i < REALTIME_DIRECTIONS + 4; i++) {
         ck_assert_uint_eq(realtime_solve_touched(rt, 1, 0.0), 1);

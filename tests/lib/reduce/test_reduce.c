@@ -23,7 +23,9 @@ static palp_reduced *whole(palp_network *net) {
         element[i] = (int32_t)i;
         weight[i] = 1.0;
     }
-    ck_assert_int_eq(reduced_make(net, contact_of(net), n, basis, lift, net->n_elements, element, weight, &reduced), PALP_OK);
+    ck_assert_int_eq(
+        reduced_make(net, contact_of(net), n, basis, lift, net->n_elements, element, weight, &reduced),
+        PALP_OK);
     ck_assert_int_eq(palp_reduced_set_limits(reduced, 1e-11, 50), PALP_OK);
     free(basis);
     free(weight);
@@ -128,8 +130,8 @@ static double energy_at(palp_reduced *r, const double *q, double depth, double *
     return sum;
 }
 
-/* Forces are the derivatives of an energy, the tangent that of the forces and symmetric: by finite differences, in a state
- * with a history and out of equilibrium. */
+/* Forces are the derivatives of an energy, the tangent that of the forces and symmetric: by finite
+ * differences, in a state with a history and out of equilibrium. */
 START_TEST(energy_consistent) {
     palp_material m = material_of(QLV_DASHPOT);
     palp_network *net = cube_network(5, &m, NULL);
@@ -178,7 +180,8 @@ START_TEST(energy_consistent) {
 }
 END_TEST
 
-/* The kept elements' tangent, where a state was sampled, is that of all: their stretching and their turning under load. */
+/* The kept elements' tangent, where a state was sampled, is that of all: their stretching and their turning
+ * under load. */
 START_TEST(kept_elements_have_the_tangent_of_all) {
     enum { MODES = 3 };
     palp_material m = quartic(0);
@@ -197,7 +200,9 @@ START_TEST(kept_elements_have_the_tangent_of_all) {
         element[i] = (int32_t)i;
         weight[i] = 1.0;
     }
-    ck_assert_int_eq(reduced_make(net, NULL, MODES, few->basis, few->lift, net->n_elements, element, weight, &all), PALP_OK);
+    ck_assert_int_eq(
+        reduced_make(net, NULL, MODES, few->basis, few->lift, net->n_elements, element, weight, &all),
+        PALP_OK);
     palp_reduced *both[] = {few, all};
     ck_assert_int_eq(palp_reduced_step(all, 0.004, 0, NULL, INFINITY, NULL, NULL), PALP_OK);
     for (size_t i = 0; i < 2; i++) {
@@ -221,7 +226,8 @@ END_TEST
 
 START_TEST(settings_are_checked) {
     palp_material m = quartic(1), sedef = sedef2008();
-    palp_network *net = cube_network(3, &m, NULL), *other = cube_network(4, &m, NULL), *old = cube_network(3, &sedef, NULL);
+    palp_network *net = cube_network(3, &m, NULL), *other = cube_network(4, &m, NULL),
+                 *old = cube_network(3, &sedef, NULL);
     palp_snapshots *path = press(net, 0.002, 0.01, 0.5);
     palp_reduce_settings good = palp_reduce_settings_default(), bad[4] = {good, good, good, good};
     palp_reduced *reduced = NULL;
@@ -231,14 +237,19 @@ START_TEST(settings_are_checked) {
     bad[2].element_tolerance = NAN;
     bad[3].static_modes = good.modes + 1;
     for (size_t i = 0; i < 4; i++)
-        ck_assert_int_eq(palp_reduced_create(net, 1, &path, 0, NULL, &bad[i], &reduced, NULL, &error), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_reduced_create(net, 0, NULL, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_reduced_create(other, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_reduced_create(old, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_UNSUPPORTED);
+        ck_assert_int_eq(palp_reduced_create(net, 1, &path, 0, NULL, &bad[i], &reduced, NULL, &error),
+                         PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_reduced_create(net, 0, NULL, 0, NULL, &good, &reduced, NULL, &error),
+                     PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_reduced_create(other, 1, &path, 0, NULL, &good, &reduced, NULL, &error),
+                     PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_reduced_create(old, 1, &path, 0, NULL, &good, &reduced, NULL, &error),
+                     PALP_ERR_UNSUPPORTED);
     palp_contact_settings smooth = palp_contact_settings_default();
     smooth.subdivisions = 1;
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &smooth), PALP_OK);
-    ck_assert_int_eq(palp_reduced_create(net, 1, &path, 0, NULL, &good, &reduced, NULL, &error), PALP_ERR_UNSUPPORTED);
+    ck_assert_int_eq(palp_reduced_create(net, 1, &path, 0, NULL, &good, &reduced, NULL, &error),
+                     PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_null(reduced);
     palp_snapshots *none = NULL;
     const double back[] = {0.1, 0.1}, depth[] = {0.0, 0.0};
@@ -276,8 +287,8 @@ static void check_refused(const char *text) {
 START_TEST(files) {
     palp_network *net;
     palp_material m = quartic(2);
-    const palp_mesh_source mesh = {.nodes = {5, 5, 5}, .size_m = {HEIGHT, HEIGHT, HEIGHT},
-                                   .neighbourhood = PALP_NEIGHBOURS_26};
+    const palp_mesh_source mesh = {
+        .nodes = {5, 5, 5}, .size_m = {HEIGHT, HEIGHT, HEIGHT}, .neighbourhood = PALP_NEIGHBOURS_26};
     palp_mesh_source mesh_back;
     palp_model model = {.kind = PALP_MODEL_NETWORK, .height_m = HEIGHT, .material = m, .mesh = &mesh}, back;
     palp_reduced *reduced = under_a_ball(&net), *copy = NULL;
@@ -285,7 +296,8 @@ START_TEST(files) {
     scratch_setup();
     ck_assert_int_eq(palp_reduced_write(reduced, &model, scratch_path("r.json"), &error), PALP_OK);
     ck_assert_int_eq(scratch_entries(scratch_folder, 0), 2);
-    ck_assert_msg(!palp_reduced_read(scratch_path("r.json"), &back, &mesh_back, &copy, &error), "%s", error.text);
+    ck_assert_msg(!palp_reduced_read(scratch_path("r.json"), &back, &mesh_back, &copy, &error), "%s",
+                  error.text);
     ck_assert_ptr_eq(back.mesh, &mesh_back);
     ck_assert_mem_eq(mesh_back.nodes, mesh.nodes, sizeof mesh.nodes);
     palp_reduced_summary a = palp_reduced_describe(reduced), b = palp_reduced_describe(copy);
@@ -322,16 +334,23 @@ START_TEST(files) {
 }
 END_TEST
 
-/* A number that is none anywhere in the arrays, or a node that there is not, is refused though the checksum is right. */
+/* A number that is none anywhere in the arrays, or a node that there is not, is refused though the checksum
+ * is right. */
 START_TEST(arrays_of_a_file_are_checked) {
     palp_network *net;
     palp_material m = quartic(2);
-    const palp_mesh_source mesh = {.nodes = {5, 5, 5}, .size_m = {HEIGHT, HEIGHT, HEIGHT}, .neighbourhood = PALP_NEIGHBOURS_26};
+    const palp_mesh_source mesh = {
+        .nodes = {5, 5, 5}, .size_m = {HEIGHT, HEIGHT, HEIGHT}, .neighbourhood = PALP_NEIGHBOURS_26};
     const palp_model model = {.kind = PALP_MODEL_NETWORK, .height_m = HEIGHT, .material = m, .mesh = &mesh};
     palp_reduced *r = under_a_ball(&net);
     const size_t n = r->n_nodes;
-    double *last[] = {r->rest + 3 * n - 1, r->lift + 3 * n - 1, r->basis + 3 * n * r->modes - 1, r->weight + r->n_elements - 1,
-                      r->low + r->modes, r->high + r->modes, r->unit + n - 1};
+    double *last[] = {r->rest + 3 * n - 1,
+                      r->lift + 3 * n - 1,
+                      r->basis + 3 * n * r->modes - 1,
+                      r->weight + r->n_elements - 1,
+                      r->low + r->modes,
+                      r->high + r->modes,
+                      r->unit + n - 1};
     int32_t *node[] = {r->pair + 2 * r->n_elements - 1, r->triangles + 3 * r->n_triangles - 1};
     scratch_setup();
     for (size_t i = 0; i < sizeof last / sizeof *last + 4; i++) {

@@ -97,8 +97,9 @@ START_TEST(lift_is_the_linear_answer) {
 }
 END_TEST
 
-/* Snapshots along four orthonormal shapes of energies 1, 0.008, 0.006, 0.004: what a tolerance leaves out is counted
- * together. The shapes come back, the largest first, and the samples' coordinates are their sizes, sign apart. */
+/* Snapshots along four orthonormal shapes of energies 1, 0.008, 0.006, 0.004: what a tolerance leaves out is
+ * counted together. The shapes come back, the largest first, and the samples' coordinates are their sizes,
+ * sign apart. */
 START_TEST(shapes_hold_all_but_the_tolerance) {
     enum { N = 4 };
     static const double energy[N] = {0.006, 1.0, 0.004, 0.008};
@@ -133,7 +134,8 @@ START_TEST(shapes_hold_all_but_the_tolerance) {
             for (size_t i = 0; i < n3; i++)
                 ck_assert_double_eq_tol(sign * basis[i * modes + k], shape[i], 1e-8);
             for (size_t j = 0; j < N; j++)
-                ck_assert_double_eq_tol(sign * samples.q[j * modes + k], j == order[k] ? 1e-3 * sqrt(energy[j]) : 0.0, 1e-12);
+                ck_assert_double_eq_tol(sign * samples.q[j * modes + k],
+                                        j == order[k] ? 1e-3 * sqrt(energy[j]) : 0.0, 1e-12);
         }
         free(basis);
         free(lift);
@@ -146,13 +148,14 @@ START_TEST(shapes_hold_all_but_the_tolerance) {
 }
 END_TEST
 
-/* Shapes of energies that are ten powers of ten apart, of which the samples tell the smaller one with some 1e-11 of the
- * larger: they are orthonormal to rounding. */
+/* Shapes of energies that are ten powers of ten apart, of which the samples tell the smaller one with some
+ * 1e-11 of the larger: they are orthonormal to rounding. */
 START_TEST(shapes_are_orthonormal_to_rounding) {
     palp_material m;
     palp_network *net = at_rest(&m);
     size_t n3 = 3 * net->n_nodes, modes;
-    double *v = orthonormal(net, 2), *basis, *lift, *column = malloc(2 * n3 * sizeof *column), *scratch = malloc(n3 * sizeof *scratch);
+    double *v = orthonormal(net, 2), *basis, *lift, *column = malloc(2 * n3 * sizeof *column),
+           *scratch = malloc(n3 * sizeof *scratch);
     palp_snapshots *t = by_hand(net, 3, 0);
     palp_reduce_settings settings = of_samples(2, 1e-8);
     reduced_samples samples;
@@ -164,7 +167,8 @@ START_TEST(shapes_are_orthonormal_to_rounding) {
     for (size_t i = 0; i < 2 * n3; i++)
         column[i] = basis[i % n3 * 2 + i / n3];
     for (size_t i = 0; i < 4; i++)
-        ck_assert_double_eq_tol(in_stiffness(net, column + i / 2 * n3, column + i % 2 * n3, scratch), i % 3 == 0, 1e-13);
+        ck_assert_double_eq_tol(in_stiffness(net, column + i / 2 * n3, column + i % 2 * n3, scratch),
+                                i % 3 == 0, 1e-13);
     free(v);
     free(basis);
     free(lift);
@@ -209,8 +213,8 @@ START_TEST(shapes_are_beside_the_lift) {
 }
 END_TEST
 
-/* Two samples far from rest, few elements that fit them to rounding: there the plate's force and the forces along the
- * shapes are those of all elements. */
+/* Two samples far from rest, few elements that fit them to rounding: there the plate's force and the forces
+ * along the shapes are those of all elements. */
 START_TEST(kept_elements_have_the_forces_of_all) {
     enum { MODES = 2, N = 2 };
     palp_material m;
@@ -229,7 +233,9 @@ START_TEST(kept_elements_have_the_forces_of_all) {
         t->x[i] = net->rest[i % n3] + t->depth[i / n3] * net->motion[i % n3] + 5e-3 * v[i];
     ck_assert_int_eq(reduced_pod(net, 1, &t, &settings, &modes, &basis, &lift, &samples), PALP_OK);
     ck_assert_uint_eq(modes, MODES);
-    ck_assert_int_eq(reduced_ecsw(net, 1, &t, &settings, modes, basis, lift, &samples, &n, &element, &weight, &residual), PALP_OK);
+    ck_assert_int_eq(
+        reduced_ecsw(net, 1, &t, &settings, modes, basis, lift, &samples, &n, &element, &weight, &residual),
+        PALP_OK);
     ck_assert_double_le(residual, 1e-10);
     ck_assert_uint_le(n, settings.elements);
     element_step_prepare(&net->material, INFINITY, &net->step);
@@ -243,7 +249,8 @@ START_TEST(kept_elements_have_the_forces_of_all) {
             for (size_t k = 0; k <= MODES; k++) {
                 double work = 0.0;
                 for (size_t c = 0; c < 3; c++) {
-                    double gap = k == MODES ? lift[b + c] - lift[a + c] : basis[(b + c) * MODES + k] - basis[(a + c) * MODES + k];
+                    double gap = k == MODES ? lift[b + c] - lift[a + c]
+                                            : basis[(b + c) * MODES + k] - basis[(a + c) * MODES + k];
                     work += net->force[e] * net->direction[c * net->n_elements + e] * gap;
                 }
                 all[k] += work;
@@ -265,8 +272,9 @@ START_TEST(kept_elements_have_the_forces_of_all) {
 }
 END_TEST
 
-/* Static shapes: of the loads on the surface nodes that a tool was within an element's length of, and of no others. One
- * node, three loads, three shapes: they hold its compliance, so that a load on it moves it as in the full network. */
+/* Static shapes: of the loads on the surface nodes that a tool was within an element's length of, and of no
+ * others. One node, three loads, three shapes: they hold its compliance, so that a load on it moves it as in
+ * the full network. */
 START_TEST(static_shapes_answer_loads_near_a_tool) {
     palp_material m = quartic(0);
     palp_network *net = block(NODES, &m);
@@ -298,7 +306,8 @@ START_TEST(static_shapes_answer_loads_near_a_tool) {
             double moved = 0.0;
             for (size_t j = 0; j < modes; j++)
                 moved += basis[i * modes + j] * basis[load * modes + j];
-            ck_assert_double_eq_tol(moved, net->dof[i] < 0 ? 0.0 : net->dx[net->dof[i]], 1e-8 * net->dx[net->dof[load]]);
+            ck_assert_double_eq_tol(moved, net->dof[i] < 0 ? 0.0 : net->dx[net->dof[i]],
+                                    1e-8 * net->dx[net->dof[load]]);
         }
     }
     free(basis);
@@ -309,7 +318,8 @@ START_TEST(static_shapes_answer_loads_near_a_tool) {
 }
 END_TEST
 
-/* A capsule whose box, with its margin of four edges and what it travels, ends between the nodes on one side of it. */
+/* A capsule whose box, with its margin of four edges and what it travels, ends between the nodes on one side
+ * of it. */
 START_TEST(places_near_a_tool_are_those_in_its_box) {
     palp_network *net;
     palp_reduced *r = under_a_ball(&net);
@@ -318,11 +328,16 @@ START_TEST(places_near_a_tool_are_those_in_its_box) {
     for (size_t side = 0; side < 6; side++) {
         size_t axis = side % 3, n = 0, inside = 0;
         double margin = 4.0 * edge + 0.003 + 2.0 * length, squares;
-        palp_tool is = {.shape = PALP_TOOL_CAPSULE, .radius_m = radius, .length_m = length, .position_m = {0.01, 0.01, 0.01}}, was;
+        palp_tool is = {.shape = PALP_TOOL_CAPSULE,
+                        .radius_m = radius,
+                        .length_m = length,
+                        .position_m = {0.01, 0.01, 0.01}},
+                  was;
         double beyond = side < 3 ? 0.55 * HEIGHT - margin - radius : 0.55 * HEIGHT + margin + radius;
         memcpy(is.axis, along, sizeof is.axis);
         /* the end that is nearer to the block is where the box begins */
-        is.position_m[axis] = side < 3 ? beyond - fmax(0.0, length * along[axis]) : beyond - fmin(0.0, length * along[axis]);
+        is.position_m[axis] =
+            side < 3 ? beyond - fmax(0.0, length * along[axis]) : beyond - fmin(0.0, length * along[axis]);
         was = is;
         was.position_m[axis] += side < 3 ? -0.003 : 0.003;
         contact_set_reset(&surface->contacts);
@@ -330,7 +345,8 @@ START_TEST(places_near_a_tool_are_those_in_its_box) {
         reduced_contact_commit(r, NULL, &squares);
         ck_assert_int_eq(reduced_contact_begin(r, 1, &is), PALP_OK);
         for (size_t i = 0; i < surface->n; i++) {
-            bool in = side < 3 ? surface->rest[3 * i + axis] < 0.55 * HEIGHT : surface->rest[3 * i + axis] > 0.55 * HEIGHT;
+            bool in = side < 3 ? surface->rest[3 * i + axis] < 0.55 * HEIGHT
+                               : surface->rest[3 * i + axis] > 0.55 * HEIGHT;
             bool listed = n < surface->n_near && surface->near[n] == (int32_t)i;
             ck_assert_msg(in == listed, "side %zu, node %zu", side, i);
             n += listed;
@@ -373,7 +389,9 @@ START_TEST(places_are_taken_anew_once_they_may_be_far_off) {
         surface->x[0] = 7.0;
         surface->drift = (all ? 2.001 : 1.999) * surface->contacts.edge;
         ck_assert_int_eq(reduced_contact_begin(r, 1, &far), PALP_OK);
-        ck_assert_double_eq(surface->x[0], all ? reduced_coordinate(r, r->now.q, r->now.depth, 3 * (size_t)surface->node[0]) : 7.0);
+        ck_assert_double_eq(surface->x[0],
+                            all ? reduced_coordinate(r, r->now.q, r->now.depth, 3 * (size_t)surface->node[0])
+                                : 7.0);
         ck_assert(all ? surface->drift == 0.0 : surface->drift > 0.0);
     }
     palp_reduced_free(r);

@@ -49,8 +49,9 @@ static void check_unseen(palp_reduced *reduced, const palp_snapshots *unseen, do
 START_TEST(plate_on_paths_held_out) {
     palp_material m = quartic(2);
     palp_network *net = cube_network(6, &m, NULL);
-    palp_snapshots *paths[] = {press(net, 0.0048, 0.024, 1.0), press(net, 0.003, 0.006, 2.0), press(net, 0.0055, 0.05, 0.5),
-                              press(net, 0.004, 0.012, 1.0), press(net, 0.0052, 0.04, 0.7), press(net, 0.0045, 0.02, 0.4)};
+    palp_snapshots *paths[] = {press(net, 0.0048, 0.024, 1.0), press(net, 0.003, 0.006, 2.0),
+                               press(net, 0.0055, 0.05, 0.5),  press(net, 0.004, 0.012, 1.0),
+                               press(net, 0.0052, 0.04, 0.7),  press(net, 0.0045, 0.02, 0.4)};
     palp_reduce_settings settings = palp_reduce_settings_default();
     palp_reduced *reduced = reduce(net, 3, paths, 2, paths + 3, &settings);
     check_unseen(reduced, paths[5], 0.005);
@@ -64,11 +65,15 @@ START_TEST(tool_on_paths_held_out) {
     const double near = 0.009, mid = 0.012, far = 0.015, depth = 0.001;
     palp_material m = quartic(1);
     palp_network *net = block(7, &m);
-    palp_snapshots *paths[] = {slide(net, near, near, far, near, depth), slide(net, far, mid, near, mid, 0.9 * depth),
-                              slide(net, near, far, far, far, depth), slide(net, near, far, near, near, depth),
-                              slide(net, mid, near, mid, far, 0.8 * depth), slide(net, far, far, far, near, depth),
-                              slide(net, near, near, far, far, 0.9 * depth), slide(net, far, near, near, far, 0.95 * depth),
-                              slide(net, 0.010, near, 0.014, 0.014, 0.85 * depth)};
+    palp_snapshots *paths[] = {slide(net, near, near, far, near, depth),
+                               slide(net, far, mid, near, mid, 0.9 * depth),
+                               slide(net, near, far, far, far, depth),
+                               slide(net, near, far, near, near, depth),
+                               slide(net, mid, near, mid, far, 0.8 * depth),
+                               slide(net, far, far, far, near, depth),
+                               slide(net, near, near, far, far, 0.9 * depth),
+                               slide(net, far, near, near, far, 0.95 * depth),
+                               slide(net, 0.010, near, 0.014, 0.014, 0.85 * depth)};
     palp_reduce_settings settings = palp_reduce_settings_default();
     settings.elements = 400;
     settings.element_tolerance = 1e-2;
@@ -93,9 +98,11 @@ START_TEST(knows_its_range) {
     ck_assert_int_eq(palp_reduced_step(reduced, 0.004, 0, NULL, 0.3, NULL, &out), PALP_OK);
     ck_assert_double_lt(in.outside, 0.1);
     ck_assert_double_ge(out.outside, 1.0); /* as far again as the 2 mm of the snapshots */
-    double floor_N = palp_reduced_describe(reduced).held_out_peak_N, bound = palp_reduced_describe(reduced).bound;
+    double floor_N = palp_reduced_describe(reduced).held_out_peak_N,
+           bound = palp_reduced_describe(reduced).bound;
     ck_assert_double_gt(floor_N, 0.1);
-    ck_assert_double_ge(in.force_error_N, bound * floor_N); /* also at a force below that of the held-out path */
+    ck_assert_double_ge(in.force_error_N,
+                        bound * floor_N); /* also at a force below that of the held-out path */
     ck_assert_double_gt(out.force_error_N, 1.9 * bound * out.force_N);
     palp_reduced_free(reduced);
     free_all(2, paths);

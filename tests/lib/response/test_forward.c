@@ -196,7 +196,8 @@ END_TEST
 
 START_TEST(adhesion_pulls_and_lets_go) {
     palp_model m = linear_model(12);
-    *add_effect(&m, PALP_EFFECT_ADHESION, 1) = (palp_effect){PALP_EFFECT_ADHESION, {0.3}}; /* at -0.025, -0.6 mm */
+    *add_effect(&m, PALP_EFFECT_ADHESION, 1) =
+        (palp_effect){PALP_EFFECT_ADHESION, {0.3}}; /* at -0.025, -0.6 mm */
     start(&s, 0, -1);
     go(&s, 1, 2, 31);
     go(&s, 2, -2, 41);

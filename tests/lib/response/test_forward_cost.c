@@ -1,4 +1,5 @@
-/* test_forward_cost.c: how often a recording asks the specimen for a force: a few times for each sample, whatever the model. */
+/* test_forward_cost.c: how often a recording asks the specimen for a force: a few times for each sample,
+ * whatever the model. */
 #include "response/forward_internal.h"
 #include "forward_make.h"
 
@@ -32,7 +33,8 @@ static size_t asked_most(const palp_model *m) {
     for (size_t i = 0; i < s.n; i++) {
         const forward_place place = forward_place_at(&plan, &run, i, 1);
         asked = 0;
-        ck_assert_int_eq(i ? forward_plate_move(&plate, &place) : forward_plate_start(&plate, &place), PALP_OK);
+        ck_assert_int_eq(i ? forward_plate_move(&plate, &place) : forward_plate_start(&plate, &place),
+                         PALP_OK);
         s.force_N[i] = plate.force;
         ck_assert(isfinite(plate.force));
         most = asked > most ? asked : most;
@@ -56,13 +58,15 @@ static void presses(void) {
 
 /* ---- tests ---- */
 
-/* A law that a search tries on its way: at small strains the surface pulls, so that the plate lets go of it in step after step. */
+/* A law that a search tries on its way: at small strains the surface pulls, so that the plate lets go of it
+ * in step after step. */
 START_TEST(a_law_that_falls_off_the_plate) {
     static const double law[] = {-4000, 15700};
     palp_model m = linear_model(1);
     ck_assert_int_eq(palp_law_polynomial(2, law, &m.material.law), PALP_OK);
     ck_assert_int_eq(palp_law_limit(&m.material.law, 0.3228), PALP_OK);
-    *add_effect(&m, PALP_EFFECT_POWER_LAW_RELAXATION, 1) = (palp_effect){PALP_EFFECT_POWER_LAW_RELAXATION, {1186, 0.32}};
+    *add_effect(&m, PALP_EFFECT_POWER_LAW_RELAXATION, 1) =
+        (palp_effect){PALP_EFFECT_POWER_LAW_RELAXATION, {1186, 0.32}};
     presses();
     ck_assert_uint_le(asked_most(&m), 150);
 }

@@ -50,7 +50,8 @@ START_TEST(inertia_and_friction_in_air) {
         s.depth_m[i] = -0.1 + 3e-3 * (s.time_s[i] - 2) * (s.time_s[i] - 2);
     }
     press_model(&m, &s);
-    double fastest = fabs(s.depth_m[1] - s.depth_m[0]) / (s.time_s[1] - s.time_s[0]); /* of the ends the interval's */
+    double fastest =
+        fabs(s.depth_m[1] - s.depth_m[0]) / (s.time_s[1] - s.time_s[0]); /* of the ends the interval's */
     fastest = fmax(fastest, (s.depth_m[39] - s.depth_m[38]) / (s.time_s[39] - s.time_s[38]));
     for (size_t i = 1; i + 1 < s.n; i++)
         fastest = fmax(fastest, 6e-3 * fabs(s.time_s[i] - 2));
@@ -75,13 +76,15 @@ START_TEST(speed_of_a_swing) {
     }
     press_model(&m, &s);
     for (size_t i = 2; i + 2 < s.n; i++) {
-        double factor = s.force_N[i] / (9 * s.depth_m[i] / HEIGHT), v = (pow(10, (factor - 1) / stiffer) - 1) * from * HEIGHT;
+        double factor = s.force_N[i] / (9 * s.depth_m[i] / HEIGHT),
+               v = (pow(10, (factor - 1) / stiffer) - 1) * from * HEIGHT;
         ck_assert_double_eq_tol(v, fabs(2e-3 * turn / dt * sin(turn * (double)i)), 1e-2 * 2e-3 * turn / dt);
     }
 }
 END_TEST
 
-/* Where the plate stops at once its speed does not swing over: friction is what it was, half of it at the corner, and none. */
+/* Where the plate stops at once its speed does not swing over: friction is what it was, half of it at the
+ * corner, and none. */
 START_TEST(a_stop_is_no_way_back) {
     palp_model m = linear_model(9);
     add_effect(&m, PALP_EFFECT_COULOMB_FRICTION, 1)->value[0] = 0.2;

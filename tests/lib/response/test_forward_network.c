@@ -32,8 +32,8 @@ START_TEST(column_is_four_lumped_models) {
     static samples lumped;
     const palp_effect_id id = (palp_effect_id)_i;
     const palp_effect_info *info = palp_effect_look_up(id);
-    const bool added = effect_row_of(id)->sensor && id != PALP_EFFECT_SENSOR_LAG && id != PALP_EFFECT_SENSOR_GAIN &&
-                       id != PALP_EFFECT_FORCE_SATURATION;
+    const bool added = effect_row_of(id)->sensor && id != PALP_EFFECT_SENSOR_LAG &&
+                       id != PALP_EFFECT_SENSOR_GAIN && id != PALP_EFFECT_FORCE_SATURATION;
     if (!info->in_lumped || !info->in_network)
         return;
     palp_model net = network_model(2, 2, PALP_NEIGHBOURS_6), plain = lumped_model(2);

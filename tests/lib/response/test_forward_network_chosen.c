@@ -1,5 +1,5 @@
-/* test_forward_network_chosen.c: the force of a network at chosen samples against every sample, and its derivatives
- * against finite differences. check: once */
+/* test_forward_network_chosen.c: the force of a network at chosen samples against every sample, and its
+ * derivatives against finite differences. check: once */
 #include "response/forward_internal.h"
 #include "forward_make.h"
 
@@ -9,7 +9,8 @@
 /* A strength that tells on the test's force and keeps away from kinks. */
 static palp_effect *add_telling(palp_model *m, palp_effect_id id) {
     palp_effect *effect = add_effect(m, id, 1.07);
-    if (id == PALP_EFFECT_RELAXATION_ARM || id == PALP_EFFECT_POWER_LAW_RELAXATION || id == PALP_EFFECT_POROELASTIC)
+    if (id == PALP_EFFECT_RELAXATION_ARM || id == PALP_EFFECT_POWER_LAW_RELAXATION ||
+        id == PALP_EFFECT_POROELASTIC)
         effect->value[0] = 0.04;
     if (id == PALP_EFFECT_FRAME_COMPLIANCE)
         effect->value[0] = 8e-4;
@@ -25,8 +26,8 @@ static palp_effect *add_telling(palp_model *m, palp_effect_id id) {
 /* ---- derivatives ---- */
 
 /* Solves every sample. */
-static palp_status force_at_all(const palp_model *model, const palp_forward_run *run, double *force, double *gradient,
-                                palp_error *error) {
+static palp_status force_at_all(const palp_model *model, const palp_forward_run *run, double *force,
+                                double *gradient, palp_error *error) {
     (void)gradient;
     return palp_forward_network(model, NULL, run, force, error);
 }
@@ -86,15 +87,17 @@ START_TEST(chosen_samples_give_the_force_of_all) {
     add_telling(&m, (palp_effect_id)_i);
     two_presses(&s, 0);
     palp_forward_run run = run_of(&s);
-    bool worn = _i == PALP_EFFECT_DAMAGE_SOFTENING || _i == PALP_EFFECT_PERMANENT_SET; /* bends at the old peaks */
+    bool worn =
+        _i == PALP_EFFECT_DAMAGE_SOFTENING || _i == PALP_EFFECT_PERMANENT_SET; /* bends at the old peaks */
     double peak = 0;
     ck_assert_int_eq(palp_forward_network(&m, NULL, &run, s.force_N, NULL), PALP_OK);
     ck_assert_int_eq(forward_network_force(&m, &run, chosen, NULL, NULL), PALP_OK);
     for (size_t i = 0; i < s.n; i++)
         peak = fmax(peak, s.force_N[i]);
     for (size_t i = 0; i < s.n; i++)
-        ck_assert_msg(fabs(chosen[i] - s.force_N[i]) <= (worn ? 1e-3 : 3e-4) * peak, "%s at %g s, %g mm: %.9g, not %.9g", info->id,
-                      s.time_s[i], 1e3 * s.depth_m[i], chosen[i], s.force_N[i]);
+        ck_assert_msg(fabs(chosen[i] - s.force_N[i]) <= (worn ? 1e-3 : 3e-4) * peak,
+                      "%s at %g s, %g mm: %.9g, not %.9g", info->id, s.time_s[i], 1e3 * s.depth_m[i],
+                      chosen[i], s.force_N[i]);
 }
 END_TEST
 

@@ -1,5 +1,5 @@
-/* test_forward_pull.c: a plate that pulls a surface on a bond with a reach, against formulas of its own: a spring behind a
- * traction of Xu and Needleman, read by its parameter, the gap. */
+/* test_forward_pull.c: a plate that pulls a surface on a bond with a reach, against formulas of its own: a
+ * spring behind a traction of Xu and Needleman, read by its parameter, the gap. */
 #include "forward_ramp.h"
 
 /* The traction at a gap, both in terms of the strongest and the reach. */
@@ -12,8 +12,8 @@ static double plate_at(double force, double reach, double k, double x) {
     return -force * traction(x) / k - reach * x;
 }
 
-/* Force of a spring that the plate at depth < 0 pulls, on the way from contact: the first gap that belongs to the depth; 0
- * where the plate has let go. */
+/* Force of a spring that the plate at depth < 0 pulls, on the way from contact: the first gap that belongs to
+ * the depth; 0 where the plate has let go. */
 static double pulled(double force, double reach, double k, double depth) {
     double step = 1e-4, x = 0;
     while (x < 40 && plate_at(force, reach, k, x + step) > depth) {
@@ -47,9 +47,11 @@ START_TEST(a_spring_is_pulled_and_let_go) {
     press_model(&m, &s);
     double most = 0;
     for (size_t i = 0; i < s.n; i++) {
-        double depth = s.depth_m[i], wanted = depth > 0 ? k * depth : s.time_s[i] > 1 ? pulled(force, reach[_i], k, depth) : 0;
-        ck_assert_msg(fabs(s.force_N[i] - wanted) <= 1e-7, "reach %g, depth %g: %g, not %g", reach[_i], depth, s.force_N[i],
-                      wanted);
+        double depth = s.depth_m[i], wanted = depth > 0         ? k * depth
+                                              : s.time_s[i] > 1 ? pulled(force, reach[_i], k, depth)
+                                                                : 0;
+        ck_assert_msg(fabs(s.force_N[i] - wanted) <= 1e-7, "reach %g, depth %g: %g, not %g", reach[_i], depth,
+                      s.force_N[i], wanted);
         most = fmax(most, -s.force_N[i]);
     }
     ck_assert_double_lt(fabs(most - force), 0.02 * force);
@@ -71,7 +73,8 @@ START_TEST(the_plate_comes_back_before_it_has_let_go) {
 }
 END_TEST
 
-/* A surface that recovers meets the plate again in the step in which it let go, and is let go of again: the step ends all the same. */
+/* A surface that recovers meets the plate again in the step in which it let go, and is let go of again: the
+ * step ends all the same. */
 START_TEST(a_weak_bond_lets_go_in_a_long_step) {
     const double force = 1e-3;
     palp_model m = lumped_model(2);
@@ -111,7 +114,8 @@ END_TEST
 /* Neither a sample at contact nor one near where it lets go. */
 START_TEST(derivatives_are_exact) {
     static const palp_effect_id beside[] = {PALP_EFFECT_FRAME_COMPLIANCE, PALP_EFFECT_PERMANENT_SET,
-                                            PALP_EFFECT_SESSION_AGEING, PALP_EFFECT_TOE_REGION, PALP_EFFECT_SENSOR_LAG};
+                                            PALP_EFFECT_SESSION_AGEING, PALP_EFFECT_TOE_REGION,
+                                            PALP_EFFECT_SENSOR_LAG};
     palp_model m = lumped_model(2);
     all_phases(&s, 17);
     *add_effect(&m, PALP_EFFECT_ADHESION, 1) = (palp_effect){PALP_EFFECT_ADHESION, {0.11, 6e-4}};

@@ -56,7 +56,8 @@ START_TEST(two_recordings_are_as_one) {
 END_TEST
 
 /* The second run's forces after the first, and its gradient if wanted. */
-static void both(const palp_model *m, const samples *first, const samples *second, double *force, double *gradient) {
+static void both(const palp_model *m, const samples *first, const samples *second, double *force,
+                 double *gradient) {
     static double other[SAMPLES_MAX], slopes[COLUMNS_MAX * SAMPLES_MAX];
     double peak_p[COLUMNS_MAX] = {0};
     palp_load_history wear = {.peak_p = peak_p};

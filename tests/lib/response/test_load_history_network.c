@@ -1,5 +1,5 @@
-/* test_load_history_network.c: damage and permanent set of a network's elements from run to run: two presses in one
- * recording, or in two; their derivatives. */
+/* test_load_history_network.c: damage and permanent set of a network's elements from run to run: two presses
+ * in one recording, or in two; their derivatives. */
 #include "response/forward_internal.h"
 #include "forward_make.h"
 
@@ -54,8 +54,8 @@ static double largest(size_t n, const double *force) {
     return peak;
 }
 
-/* Damage with arms that have forgotten; damage and set with hardly an arm: what is slack still has a thousandth of its
- * springs, by which a surface left alone creeps back. */
+/* Damage with arms that have forgotten; damage and set with hardly an arm: what is slack still has a
+ * thousandth of its springs, by which a surface left alone creeps back. */
 START_TEST(two_recordings_are_as_one) {
     static samples one, first, second;
     static const double deep[] = {4, 6.5};
@@ -104,7 +104,8 @@ START_TEST(depth_alone_tells_most) {
 END_TEST
 
 /* The second run after the first, at chosen samples. */
-static void chosen(const palp_model *m, const samples *first, const samples *second, double *force, double *gradient) {
+static void chosen(const palp_model *m, const samples *first, const samples *second, double *force,
+                   double *gradient) {
     static double other[SAMPLES_MAX], slopes[COLUMNS_MAX * SAMPLES_MAX];
     double peak_p[COLUMNS_MAX] = {0};
     palp_load_history wear = {.peak_p = peak_p};
@@ -130,7 +131,8 @@ END_TEST
 
 START_TEST(the_gradient_goes_from_run_to_run) {
     static samples first, second;
-    static double gradient[COLUMNS_MAX * SAMPLES_MAX], here[SAMPLES_MAX], force[2][SAMPLES_MAX], wanted[SAMPLES_MAX];
+    static double gradient[COLUMNS_MAX * SAMPLES_MAX], here[SAMPLES_MAX], force[2][SAMPLES_MAX],
+        wanted[SAMPLES_MAX];
     palp_model m = worn_model(2), moved = m;
     double at[COLUMNS_MAX];
     size_t n = palp_forward_parameter_count(&m);
@@ -149,8 +151,8 @@ START_TEST(the_gradient_goes_from_run_to_run) {
         double most = largest(second.n, wanted);
         for (size_t i = 0; i < second.n; i++)
             ck_assert_msg(fabs(gradient[k * second.n + i] - wanted[i]) <= 2e-3 * most,
-                          "parameter %zu, sample %zu, %g mm: %.9g, not %.9g (largest %g)", k, i, 1e3 * second.depth_m[i],
-                          gradient[k * second.n + i], wanted[i], most);
+                          "parameter %zu, sample %zu, %g mm: %.9g, not %.9g (largest %g)", k, i,
+                          1e3 * second.depth_m[i], gradient[k * second.n + i], wanted[i], most);
     }
 }
 END_TEST

@@ -154,8 +154,8 @@ START_TEST(effects_together_in_small_steps) {
 }
 END_TEST
 
-/* A plate that goes to and fro about the surface meets it anywhere in a step, and then presses no harder than the
- * step is long. */
+/* A plate that goes to and fro about the surface meets it anywhere in a step, and then presses no harder than
+ * the step is long. */
 START_TEST(meets_anywhere_in_a_step) {
     const double dt = 5e-5, fast = 5e-7, pace = 3e-9; /* m a step */
     palp_model m = lumped_model(2);

@@ -1,4 +1,5 @@
-/* multigrid_dense.h: a body for the tests of the multigrid, and the same cycle with dense matrices in double precision. */
+/* multigrid_dense.h: a body for the tests of the multigrid, and the same cycle with dense matrices in double
+ * precision. */
 #ifndef MULTIGRID_DENSE_H
 #define MULTIGRID_DENSE_H
 
@@ -13,14 +14,16 @@
 
 enum { SIDE = 7, NODES = SIDE * SIDE * SIDE, PAIRS_MAX = 13 * NODES, LEVELS_MAX = 4, COUPLED = 5 };
 
-/* A lattice with its nodes a little off their places: the bottom held, one node of the top held along one axis. */
+/* A lattice with its nodes a little off their places: the bottom held, one node of the top held along one
+ * axis. */
 typedef struct body {
     size_t n_pairs;
     double x[3 * NODES], node[6 * NODES];
     int32_t dof[3 * NODES], pair[2 * PAIRS_MAX];
     float element[5 * PAIRS_MAX]; /* n, along, across */
     multigrid_coupling coupling[COUPLED];
-    double further[6 * PAIRS_MAX]; /* g of both ends of a pair, whose energy grows by (g . x)^2 / 2; 0: none */
+    double
+        further[6 * PAIRS_MAX]; /* g of both ends of a pair, whose energy grows by (g . x)^2 / 2; 0: none */
     uint64_t seed;
 } body;
 
@@ -35,7 +38,8 @@ static inline void make_body(body *b, double off, double across) {
             b->dof[3 * i + k] = at[1] == 0 || (i == NODES - 1 && k == 2) ? -1 : unknowns++;
         }
         for (int j = 0; j < i; j++) {
-            const int far[3] = {abs(at[0] - j % SIDE), abs(at[1] - j / SIDE % SIDE), abs(at[2] - j / SIDE / SIDE)};
+            const int far[3] = {abs(at[0] - j % SIDE), abs(at[1] - j / SIDE % SIDE),
+                                abs(at[2] - j / SIDE / SIDE)};
             if (far[0] <= 1 && far[1] <= 1 && far[2] <= 1) {
                 bool turned = (i + j) % 3 == 0; /* either end may come first */
                 b->pair[2 * b->n_pairs] = turned ? i : j;
@@ -167,10 +171,11 @@ typedef struct dense_level {
     unsigned char *free;     /* [3 n] */
     const mg_level *weights; /* to the next level */
     double *more;            /* [9 n] added to own blocks that are inverted; or NULL */
-    const bool *swept;       /* [n] nodes that Gauss-Seidel is for, the others being damped Jacobi's; NULL: all */
+    const bool *swept; /* [n] nodes that Gauss-Seidel is for, the others being damped Jacobi's; NULL: all */
 } dense_level;
 
-static inline void add_to_matrix(double *a, size_t i, size_t j, double block[3][3], double times, bool turned) {
+static inline void add_to_matrix(double *a, size_t i, size_t j, double block[3][3], double times,
+                                 bool turned) {
     for (size_t r = 0; r < 3; r++)
         for (size_t c = 0; c < 3; c++)
             a[(3 * i + r) * 3 * NODES + 3 * j + c] += times * (turned ? block[c][r] : block[r][c]);
@@ -222,7 +227,8 @@ static inline void finest_matrix(const body *b, bool coupled, bool definite, den
     }
     for (size_t e = 0; e < b->n_pairs && b->further[0] != 0.0 && !definite; e++)
         for (size_t i = 0; i < 36; i++) {
-            const size_t p = i / 18, q = i / 9 % 2, row = (size_t)b->pair[2 * e + p], column = (size_t)b->pair[2 * e + q];
+            const size_t p = i / 18, q = i / 9 % 2, row = (size_t)b->pair[2 * e + p],
+                         column = (size_t)b->pair[2 * e + q];
             const double product = b->further[6 * e + 3 * p + i / 3 % 3] * b->further[6 * e + 3 * q + i % 3];
             l->a[(3 * row + i / 3 % 3) * 3 * NODES + 3 * column + i % 3] += product;
             if (p == q)
@@ -248,11 +254,13 @@ static inline void coarse_matrix(const multigrid *mg, size_t level, const dense_
     for (size_t i = 0; i < 3 * fine->n; i++)
         for (size_t j = 0; j < 3 * fine->n; j++)
             for (uint32_t k = w->up_first[j / 3]; k < w->up_first[j / 3 + 1]; k++)
-                half[i * 3 * l->n + 3 * (size_t)w->up[k] + j % 3] += fine->a[i * 3 * fine->n + j] * (double)w->weight[k];
+                half[i * 3 * l->n + 3 * (size_t)w->up[k] + j % 3] +=
+                    fine->a[i * 3 * fine->n + j] * (double)w->weight[k];
     for (size_t i = 0; i < 3 * fine->n; i++)
         for (uint32_t k = w->up_first[i / 3]; k < w->up_first[i / 3 + 1]; k++)
             for (size_t j = 0; j < 3 * l->n; j++)
-                l->a[(3 * (size_t)w->up[k] + i % 3) * 3 * l->n + j] += (double)w->weight[k] * half[i * 3 * l->n + j];
+                l->a[(3 * (size_t)w->up[k] + i % 3) * 3 * l->n + j] +=
+                    (double)w->weight[k] * half[i * 3 * l->n + j];
     for (size_t i = 0, found = 0; i < fine->n; i++) /* a coarse node is free as the one it stands for */
         if (stands_for(w, i, found))
             memcpy(l->free + 3 * found++, fine->free + 3 * i, 3);
@@ -274,7 +282,8 @@ static inline void solve(size_t n, size_t lda, const double *a, const unsigned c
 }
 
 /* left = r - a x where free, of nodes from to end */
-static inline void find_residual(const dense_level *l, size_t from, size_t end, const double *r, const double *x, double *left) {
+static inline void find_residual(const dense_level *l, size_t from, size_t end, const double *r,
+                                 const double *x, double *left) {
     for (size_t i = 3 * from; i < 3 * end; i++)
         left[i] = l->free[i] ? r[i] - dense_dot(3 * l->n, l->a + i * 3 * l->n, x) : 0;
 }
@@ -359,10 +368,12 @@ static inline void check_cycle(multigrid *mg, const dense_level *l, uint64_t *se
     for (size_t i = 0; i < 3 * NODES; i++)
         largest = fmax(largest, fabs(wanted[i]));
     for (size_t i = 0; i < 3 * NODES; i++)
-        ck_assert_msg(fabs(z[i] - wanted[i]) < 2e-5 * largest, "unknown %zu: %g, not %g (largest %g)", i, z[i], wanted[i], largest);
+        ck_assert_msg(fabs(z[i] - wanted[i]) < 2e-5 * largest, "unknown %zu: %g, not %g (largest %g)", i,
+                      z[i], wanted[i], largest);
 }
 
-static inline void make_levels(const multigrid *mg, const body *b, bool coupled, bool definite, dense_level *l) {
+static inline void make_levels(const multigrid *mg, const body *b, bool coupled, bool definite,
+                               dense_level *l) {
     finest_matrix(b, coupled, definite, l);
     l[0].swept = mg->patched;
     for (size_t k = 0; k < multigrid_levels(mg); k++) {

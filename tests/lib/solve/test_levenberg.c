@@ -44,13 +44,21 @@ static void keep(void *user) {
     memcpy(f->best, f->at, sizeof f->best);
 }
 
-static const double free_low[N_MAX] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, free_high[N_MAX] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+static const double free_low[N_MAX] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
+                    free_high[N_MAX] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
 
-static palp_status solve(model *f, const double *low, const double *high, const double *reach, size_t evaluations,
-                         double *x, double *chi2) {
+static palp_status solve(model *f, const double *low, const double *high, const double *reach,
+                         size_t evaluations, double *x, double *chi2) {
     double h[N_MAX * N_MAX], g[N_MAX];
-    levenberg problem = {.n = f->n, .evaluations = evaluations, .low = low, .high = high, .reach = reach,
-                         .stop_relative = 1e-14, .evaluate = evaluate, .keep = keep, .user = f};
+    levenberg problem = {.n = f->n,
+                         .evaluations = evaluations,
+                         .low = low,
+                         .high = high,
+                         .reach = reach,
+                         .stop_relative = 1e-14,
+                         .evaluate = evaluate,
+                         .keep = keep,
+                         .user = f};
     palp_status status = evaluate(f, x, h, g, chi2);
     if (!status)
         status = levenberg_solve(&problem, x, h, g, chi2);
@@ -96,20 +104,30 @@ START_TEST(a_bound_holds_and_the_others_move_beside_it) {
 }
 END_TEST
 
-/* With x0 + x1 >= 4 and 2 x1 >= -6, of which the second is in no way: on the first the residuals pull both alike. Then
- * from where the first does not hold. */
+/* With x0 + x1 >= 4 and 2 x1 >= -6, of which the second is in no way: on the first the residuals pull both
+ * alike. Then from where the first does not hold. */
 START_TEST(along_a_wall) {
     double row[4] = {1, 1, 0, 2}, least[2] = {4, -6};
     const levenberg_walls walls = {.count = 2, .row = row, .least = least};
     for (int from = 0; from < 2; from++) {
         model f = {.n = 2, .m = 4, .residuals = line};
         double x[2] = {from ? -5 : 9, from ? 7 : 30}, chi2, h[4], g[2];
-        const levenberg problem = {.n = 2, .evaluations = 20, .low = free_low, .high = free_high, .walls = &walls, .reach = free_high,
-                                   .stop_relative = 1e-14, .stop_rise = 1e-9, .evaluate = evaluate, .keep = keep, .user = &f};
+        const levenberg problem = {.n = 2,
+                                   .evaluations = 20,
+                                   .low = free_low,
+                                   .high = free_high,
+                                   .walls = &walls,
+                                   .reach = free_high,
+                                   .stop_relative = 1e-14,
+                                   .stop_rise = 1e-9,
+                                   .evaluate = evaluate,
+                                   .keep = keep,
+                                   .user = &f};
         ck_assert_int_eq(evaluate(&f, x, h, g, &chi2), PALP_OK);
         ck_assert_int_eq(levenberg_solve(&problem, x, h, g, &chi2), PALP_OK);
         ck_assert_double_eq_tol(x[0] + x[1], 4.0, 1e-9);
-        ck_assert_double_eq_tol(4 * x[0] + 6 * x[1] - 14, 6 * x[0] + 14 * x[1] - 29, 1e-8); /* both pull alike */
+        ck_assert_double_eq_tol(4 * x[0] + 6 * x[1] - 14, 6 * x[0] + 14 * x[1] - 29,
+                                1e-8); /* both pull alike */
         ck_assert_uint_le(f.calls, 6);
     }
 }
@@ -155,7 +173,7 @@ START_TEST(a_decay_is_found_around_where_it_has_no_solution) {
     ck_assert_double_eq_tol(x[1], 2.0, 1e-7);
     ck_assert_double_eq_tol(x[2], 1.0, 1e-7);
     ck_assert_double_lt(chi2, 1e-14);
-    ck_assert_mem_eq(f.best, x, sizeof x); /* what was kept last is what is returned */
+    ck_assert_mem_eq(f.best, x, sizeof x);  /* what was kept last is what is returned */
     ck_assert_uint_lt(f.kept + 1, f.calls); /* some were not */
 }
 END_TEST

@@ -1,4 +1,5 @@
-/* test_multigrid.c: the preconditioner against the same cycle written with dense matrices in double precision. */
+/* test_multigrid.c: the preconditioner against the same cycle written with dense matrices in double
+ * precision. */
 #include "multigrid_dense.h"
 
 static body b;
@@ -24,7 +25,8 @@ START_TEST(coarse_nodes_are_apart_and_near) {
 }
 END_TEST
 
-/* The weights w have sum 1 and are where w' (D D' + 0.05 |d|^2) w is stationary under it: its gradient is the same for all. */
+/* The weights w have sum 1 and are where w' (D D' + 0.05 |d|^2) w is stationary under it: its gradient is the
+ * same for all. */
 START_TEST(weights_are_the_nearest_mean) {
     double place[3 * NODES];
     make_body(&b, 0.4, 0.1);
@@ -40,7 +42,8 @@ START_TEST(weights_are_the_nearest_mean) {
             for (uint32_t q = l->up_first[i]; q < l->up_first[i + 1]; q++) {
                 double dot = 0;
                 for (size_t c = 0; c < 3; c++)
-                    dot += (place[3 * l->up[p] + (int)c] - b.x[3 * i + c]) * (place[3 * l->up[q] + (int)c] - b.x[3 * i + c]);
+                    dot += (place[3 * l->up[p] + (int)c] - b.x[3 * i + c]) *
+                           (place[3 * l->up[q] + (int)c] - b.x[3 * i + c]);
                 gradient += dot * (p == q ? 1.05 : 1.0) * (double)l->weight[q];
             }
             sum += (double)l->weight[p];
@@ -54,7 +57,8 @@ START_TEST(weights_are_the_nearest_mean) {
 }
 END_TEST
 
-/* Plain, with contacts, without what is not definite, with springs on nodes, of which the stiff ones are a patch. */
+/* Plain, with contacts, without what is not definite, with springs on nodes, of which the stiff ones are a
+ * patch. */
 START_TEST(cycle_is_that_of_dense_matrices) {
     dense_level l[LEVELS_MAX];
     make_body(&b, 0.4, _i == 2 ? 3.0 : 0.1);
@@ -96,8 +100,9 @@ START_TEST(touched_nodes_change_the_finest_level) {
 }
 END_TEST
 
-/* With further blocks, of what acts on all nodes: plain, with contacts, without what is not definite, of which they are a part; of elements
- * that stand by batches and, as the nodes are shuffled, of those that do not. */
+/* With further blocks, of what acts on all nodes: plain, with contacts, without what is not definite, of
+ * which they are a part; of elements that stand by batches and, as the nodes are shuffled, of those that do
+ * not. */
 START_TEST(further_blocks) {
     dense_level l[LEVELS_MAX];
     const bool coupled = _i % 3 > 0, definite = _i % 3 == 2;
@@ -162,7 +167,8 @@ START_TEST(one_set_serves_while_the_other_is_made) {
 }
 END_TEST
 
-/* The share of an error that a cycle leaves in the long run, in the energy norm of the tangent, on an even lattice. */
+/* The share of an error that a cycle leaves in the long run, in the energy norm of the tangent, on an even
+ * lattice. */
 START_TEST(contraction) {
     static const double wanted[2] = {0.6691, 0.7329};
     static double r[3 * NODES], z[3 * NODES], x[3 * NODES];
@@ -232,7 +238,8 @@ static void plain_batches(const multigrid *mg, const float *element, const doubl
             float n[3], d[3];
             for (size_t c = 0; c < 3; c++) { /* behind the last node there is nothing */
                 n[c] = place[c * multigrid_stride(mg) + high] - place[c * multigrid_stride(mg) + low];
-                d[c] = (high < NODES ? (float)x[3 * high + c] : 0.0F) - (low < NODES ? (float)x[3 * low + c] : 0.0F);
+                d[c] = (high < NODES ? (float)x[3 * high + c] : 0.0F) -
+                       (low < NODES ? (float)x[3 * low + c] : 0.0F);
             }
             float along = e[0] * (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
             for (size_t c = 0; c < 3; c++)
@@ -245,8 +252,8 @@ static void plain_batches(const multigrid *mg, const float *element, const doubl
     }
 }
 
-/* A lattice's elements stand by batches, whose product has the bits of a plain one, whichever version of it this processor takes;
- * those of nodes in no order do not. */
+/* A lattice's elements stand by batches, whose product has the bits of a plain one, whichever version of it
+ * this processor takes; those of nodes in no order do not. */
 START_TEST(batches_of_parallel_elements) {
     static double x[3 * NODES], out[3 * NODES], place[3 * NODES];
     static float plain[3 * NODES];
@@ -264,7 +271,8 @@ START_TEST(batches_of_parallel_elements) {
     for (size_t i = 0; i < 3 * NODES; i++)
         ck_assert_msg(out[i] == (double)plain[i], "%zu: %.9g not %.9g", i, out[i], (double)plain[i]);
     multigrid_free(mg);
-    for (size_t e = 0; e < 2 * b.n_pairs; e++) /* each number once, as 7 divides NODES; none is parallel any more */
+    for (size_t e = 0; e < 2 * b.n_pairs;
+         e++) /* each number once, as 7 divides NODES; none is parallel any more */
         b.pair[e] = (100 * b.pair[e] + 7 * b.pair[e] * b.pair[e]) % NODES;
     memcpy(place, b.x, sizeof place);
     for (size_t i = 0; i < NODES; i++)

@@ -1,4 +1,5 @@
-/* test_nnls.c: least squares with unknowns that are not negative, judged by the conditions of Kuhn and Tucker. */
+/* test_nnls.c: least squares with unknowns that are not negative, judged by the conditions of Kuhn and
+ * Tucker. */
 #include "solve/nnls.h"
 
 #include <check.h>
@@ -20,7 +21,8 @@ static void make(size_t rows, size_t n, uint32_t seed, double *a, double *b) {
 }
 
 /* rest = b - a x; returns its length. */
-static double find_rest(size_t rows, size_t n, const double *a, const double *b, const double *x, double *rest) {
+static double find_rest(size_t rows, size_t n, const double *a, const double *b, const double *x,
+                        double *rest) {
     double sum = 0.0;
     for (size_t i = 0; i < rows; i++) {
         rest[i] = b[i];

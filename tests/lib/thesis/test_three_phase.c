@@ -99,7 +99,8 @@ START_TEST(table_5_2) {
 }
 END_TEST
 
-/* Phases 2 and 3 at 6 mm with nodes that stand still in the dwell, phase by phase and after three global iterations. */
+/* Phases 2 and 3 at 6 mm with nodes that stand still in the dwell, phase by phase and after three global
+ * iterations. */
 START_TEST(tables_5_3_to_5_5) {
     static const struct {
         int phase;
@@ -122,7 +123,8 @@ START_TEST(tables_5_3_to_5_5) {
         ck_assert_int_eq(it->phase, rows[i].phase);
         ck_assert_double_eq_tol(error, rows[i].error_percent, 0.02);
         ck_assert_double_eq_tol(error, rows[i].thesis_percent, 0.95);
-        ck_assert_double_eq_tol(it->material.arms[0].viscosity_Ns, rows[i].viscosity_Ns, 0.02 * rows[i].viscosity_Ns);
+        ck_assert_double_eq_tol(it->material.arms[0].viscosity_Ns, rows[i].viscosity_Ns,
+                                0.02 * rows[i].viscosity_Ns);
     }
     ck_assert_double_eq_tol(result.iterations[20].peak_error_percent, 3.3, 0.25);
     ck_assert_double_eq_tol(result.iterations[20].steady_time_error_percent, 2.2, 0.2);
@@ -241,14 +243,14 @@ START_TEST(bad_input) {
     palp_calibration result;
 #define STATUS(material, target, how, wanted)                                                                \
     do {                                                                                                     \
-        ck_assert_int_eq(palp_thesis_three_phase(network, material, target, how, &result), wanted);           \
+        ck_assert_int_eq(palp_thesis_three_phase(network, material, target, how, &result), wanted);          \
         ck_assert_ptr_null(result.iterations);                                                               \
     } while (0)
 #define SETTING(member, value, wanted)                                                                       \
     do {                                                                                                     \
         changed = settings;                                                                                  \
         changed.member = value;                                                                              \
-        STATUS(&start, &r.target, &changed, wanted);                                                        \
+        STATUS(&start, &r.target, &changed, wanted);                                                         \
     } while (0)
     SETTING(dt_s, 0.0, PALP_ERR_ARGUMENT);
     SETTING(dt_s, NAN, PALP_ERR_ARGUMENT);
