@@ -31,12 +31,13 @@ palpate.h: thesis explain fit response reduce realtime | palpate
 firmware/core: wire |
 firmware/board: firmware/core |
 tools/shared: |
+tools/indenter: |
 tools/rig: tools/shared firmware/board |
-tools/acquire: tools/rig |
+tools/acquire: tools/indenter tools/rig |
 tools/panel: tools/acquire |
 tools/calibrate_device: tools/acquire |
 tools/report: tools/explain |
-tools/firmware: tools/rig |
+tools/firmware: tools/indenter tools/rig |
 tools/*: tools/shared |
 tools: tools/* |
 TABLE

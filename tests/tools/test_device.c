@@ -2,7 +2,7 @@
  */
 /* link: -pthread -Wl,--wrap=link_now_s,--wrap=link_read */
 #define _POSIX_C_SOURCE 200809L
-#include "rig/device.h"
+#include "indenter/device.h"
 #include "device_peer.h"
 
 #include <setjmp.h>

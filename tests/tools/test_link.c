@@ -7,7 +7,7 @@
 /* link: -Wl,--wrap=sp_free_port_list,--wrap=sp_get_port_name,--wrap=sp_get_port_description */
 /* link: -Wl,--wrap=read,--wrap=write,--wrap=send,--wrap=poll */
 #define _XOPEN_SOURCE 700
-#include "rig/link.h"
+#include "indenter/link.h"
 #include "link_fake.h"
 
 #include <arpa/inet.h>

@@ -2,7 +2,7 @@
  * preloaded. */
 /* link: -pthread */
 #define _XOPEN_SOURCE 700
-#include "rig/device.h"
+#include "indenter/device.h"
 #include "device_peer.h"
 
 #include <errno.h>

@@ -3,7 +3,7 @@
 #define PALPATE_ACQUIRE_H
 
 #include "shared/cli.h"
-#include "rig/device_parameters.h"
+#include "indenter/device_parameters.h"
 
 #include <jansson.h>
 #include <stdint.h>

@@ -4,7 +4,7 @@
 
 #include "acquire/acquire_setup.h"
 #include "machine_trace.h"
-#include "rig/device_parameters.h"
+#include "indenter/device_parameters.h"
 
 enum { MACHINE_WORDS = 64 };
 

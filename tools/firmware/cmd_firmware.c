@@ -4,7 +4,7 @@
 #include "firmware_test.h"
 #include "shared/cli.h"
 #include "shared/commands.h"
-#include "rig/device.h"
+#include "indenter/device.h"
 #include "shared/json_out.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef PALPATE_FIRMWARE_TEST_H
 #define PALPATE_FIRMWARE_TEST_H
 
-#include "rig/device.h"
+#include "indenter/device.h"
 
 /* A second at rest, then home and 3 mm down and back, with a verdict on each thing that shows; prints them.
  * An exit code: CLI_FAILURE where something is not as it should be, CLI_DEVICE_FAULT where a fault stopped
