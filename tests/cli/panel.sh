@@ -1,5 +1,5 @@
 #!/bin/sh
-# panel.sh: palpate panel against the virtual indenter: who may ask, runs, stops, faults, two pages, what is on disk.
+# panel.sh: palpate panel against the virtual indenter: who may ask, runs, stops, faults, two pages, what is on disk. check: asan
 . tests/cli/common
 
 wrong() { # text, arguments...

@@ -22,7 +22,8 @@ async function order(path, body) {
 async function emergency() {
   $("emergency").classList.add("pressed");
   const got = await order("/emergency");
-  if (got && !got.stopped) note("The indenter has not answered to the emergency stop: press its switch.", true);
+  if (!got) note("The panel has not answered to the emergency stop: press the indenter's switch.", true);
+  else if (!got.stopped) note("The indenter has not answered to the emergency stop: press its switch.", true);
 }
 
 function note(text, bad) {
@@ -144,6 +145,16 @@ const clock = s => s < 100 ? shown(s, 1) + " s" : Math.floor(s / 60) + " min " +
 const moves = { homing: 1, approach: 1, run: 1, retract: 1, jog: 1 };
 const words = { boot: "starting", idle: "motor off", homing: "homing", ready: "ready", approach: "searching", run: "running", retract: "withdrawing", jog: "moving", fault: "stopped by a fault", gone: "disconnected" };
 
+/* The panel is silent: nothing is known, and no order can be given but the emergency stop. */
+function showLost() {
+  $("lost").hidden = false;
+  $("fault").hidden = true;
+  $("state").textContent = "not known";
+  $("state").className = $("state").dataset.state = $("doing").textContent = "";
+  for (const b of document.querySelectorAll("[data-do], [data-jog], [data-job], #stop, #start")) b.disabled = true;
+  document.body.classList.add("stale");
+}
+
 function showState(s) {
   $("state").textContent = words[s.state] || s.state;
   $("state").className = s.state === "fault" || s.state === "gone" ? "fault" : moves[s.state] ? "moves" : s.state === "ready" ? "ready" : "";
@@ -166,6 +177,7 @@ function showState(s) {
   for (const b of document.querySelectorAll("[data-jog], [data-do=hold], [data-do=contact]")) b.disabled = b.disabled || !s.homed;
   $("stop").disabled = !s.busy;
   $("start").disabled = s.busy || s.gone || s.state === "fault" || !planGood;
+  document.body.classList.toggle("stale", s.gone);
 }
 
 function showNumbers() {
@@ -224,7 +236,7 @@ async function poll() {
     const known = now.runs + " " + got.job.done + " " + got.job.running;
     if (known !== knownRuns) { knownRuns = known; listRuns(); }
   } catch (e) {
-    if (Date.now() - heard > 3000) $("lost").hidden = false;
+    if (Date.now() - heard > 3000) showLost();
     if (!(e instanceof TypeError) && e.name !== "TimeoutError") console.error(e);
   }
   setTimeout(poll, 100);
@@ -470,7 +482,7 @@ async function plan() {
     planGood = false;
     picture.show([]);
   }
-  if (now) showState(now);
+  if (now && $("lost").hidden) showState(now);
 }
 
 function loadProtocol(text) {

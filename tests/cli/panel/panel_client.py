@@ -23,9 +23,9 @@ class Panel:
         self.notes = []
         self.note = 0
 
-    def ask(self, method, path, body=None, headers=None, token=True):
+    def ask(self, method, path, body=None, headers=None, token=True, patience_s=PATIENCE_S):
         """Status, headers and text of one request on a connection of its own."""
-        c = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
+        c = http.client.HTTPConnection("127.0.0.1", self.port, timeout=patience_s)
         given = dict({"X-Palpate-Token": self.token} if token else {}, **(headers or {}))
         c.request(method, path, body=body if body is None or isinstance(body, str) else json.dumps(body), headers=given)
         r = c.getresponse()

@@ -98,8 +98,17 @@ try:
     b.click("[data-job=report]")
     b.until(f"{NOTES}.includes('The report is written')")
     assert p.ask("GET", "/made?name=report.html")[0] == 200
+
+    print("the panel ends: what it showed is dimmed, and nothing can be ordered")
+    dimmed = "Number(getComputedStyle(document.querySelector('.readouts')).opacity) < 0.5"
+    assert not b.run(dimmed) and b.run(f"{STATE} === 'ready'")
+    assert p.end() == 0
+    b.until(dimmed)
+    assert b.run("document.querySelector('#state').innerText") == "not known" and not b.run("document.querySelector('#lost').hidden")
+    assert b.run("[...document.querySelectorAll('[data-do], [data-jog], #stop, #start')].every(b => b.disabled)")
+    b.click("#emergency")
+    b.until(f"{NOTES}.includes('press the indenter')")
 finally:
     b.close()
     sys.stdout.flush()
-    code = p.end() if p.process.poll() is None else p.process.returncode
-assert code == 0, code
+    p.process.kill()

@@ -4,6 +4,7 @@ import os
 import re
 import socket
 import sys
+import threading
 
 from panel_client import Panel, protocol, ramp
 
@@ -25,7 +26,12 @@ def who_may_ask(p):
         for headers, token in (({}, False), ({"X-Palpate-Token": "0" * 32}, False), ({"X-Palpate-Token": p.token[:-1]}, False),
                                ({"Host": "evil.example"}, True), ({"Host": f"evil.example:{p.port}"}, True),
                                ({"Host": f"127.0.0.1:{p.port}0"}, True), ({"Origin": "http://evil.example"}, True),
-                               ({"Origin": "null"}, True), ({"Origin": f"https://{here}"}, True)):
+                               ({"Origin": "null"}, True), ({"Origin": f"https://{here}"}, True),
+                               ({"Host": "evil.example:9000", "Origin": "http://evil.example:9000"}, True),
+                               ({"Host": "localhost.evil.example"}, True), ({"Host": "localhost:"}, True), ({"Host": "localhost:9000x"}, True),
+                               ({"Host": f"127.0.0.1.evil.example:{p.port}"}, True), ({"Host": ""}, True),
+                               ({"Host": "localhost:9000", "Origin": f"http://localhost:{p.port}"}, True),
+                               ({"Origin": f"http://localhost:{p.port + 1}"}, True)):
             status, _, text = p.ask(method, path, "" if method == "POST" else None, headers, token)
             assert status == 403, f"{method} {path} with {headers}: {status}"
             assert p.token not in text
@@ -33,7 +39,8 @@ def who_may_ask(p):
     status, headers, text = p.ask("GET", f"/?token={p.token}", token=False)
     assert status == 200 and "<title>palpate panel</title>" in text and "frame-ancestors 'none'" in headers["Content-Security-Policy"]
     assert not re.search(r"(src|href)\s*=\s*[\"']?(https?:)?//", text), "the page fetches something"
-    for host in (here, f"localhost:{p.port}"):
+    # by ssh -L the browser knows this machine by another port, and names it in Host and Origin alike
+    for host in (here, f"localhost:{p.port}", "localhost:9000", "127.0.0.1:1", "localhost"):
         assert p.ask("GET", "/live", headers={"Host": host, "Origin": f"http://{host}"})[0] == 200
     assert p.ask("GET", "/nothing")[0] == 404
     assert p.ask("GET", "/stop")[0] == 404, "an order by GET"
@@ -138,16 +145,64 @@ def stopped(p):
     assert p.state()["state"] == "ready"
 
 
+def unknown_leave(p):
+    """A connection that has not shown the token is closed long before one that has and idles likewise."""
+    known = socket.create_connection(("127.0.0.1", p.port))
+    request = f"GET /live HTTP/1.1\r\nHost: 127.0.0.1:{p.port}\r\nX-Palpate-Token: {p.token}\r\n\r\n".encode()
+    for again in (False, True):
+        known.sendall(request)
+        answer = known.makefile("rb")
+        assert b" 200 " in answer.readline()
+        length = [int(line.split()[1]) for line in iter(answer.readline, b"\r\n") if line.lower().startswith(b"content-length")]
+        answer.read(length[0])
+        if not again:
+            unknown = socket.create_connection(("127.0.0.1", p.port))
+            assert unknown.recv(1) == b""
+    known.close()
+
+
+def crowd(p, busy):
+    """64 connections that send a byte now and then, for ever, and never a token; they come again when they are closed."""
+    held = []
+    while not busy.is_set():
+        while len(held) < 64:
+            held.append(socket.create_connection(("127.0.0.1", p.port)))
+        for c in list(held):
+            try:
+                c.sendall(b"G")
+            except OSError:
+                held.remove(c)
+        busy.wait(0.5)
+    for c in held:
+        c.close()
+
+
 def emergency(p):
-    """At once, while other requests hang and a run goes on; latched until it is cleared."""
-    hanging = []
-    for _ in range(20):
-        c = socket.create_connection(("127.0.0.1", p.port))
-        c.sendall(f"POST /start HTTP/1.1\r\nHost: 127.0.0.1:{p.port}\r\nX-Palpate-Token: {p.token}\r\nContent-Length: 1000\r\n\r\n{{".encode())
-        hanging.append(c)
+    """At once, while other requests hang, unknown connections crowd the server and a run goes on; latched until it is cleared."""
     p.post("/start", protocol(ramp(2, 1000)))
     p.until("held", lambda s: s["recording"] and s["run"]["elapsed_s"] > 0.6)
-    p.post("/emergency")
+    hanging, answers = [], []
+    for _ in range(80):  # each says whether it was admitted, then hangs before its body
+        c = socket.create_connection(("127.0.0.1", p.port))
+        c.sendall(f"POST /start HTTP/1.1\r\nHost: 127.0.0.1:{p.port}\r\nX-Palpate-Token: {p.token}\r\nExpect: 100-continue\r\n"
+                  "Content-Length: 1000\r\n\r\n".encode())
+        answers.append(c.makefile("rb").readline().split()[1])
+        hanging.append(c)
+    assert sorted(set(answers)) == [b"100", b"503"], "the places of the emergency stop are given away"
+    ended = threading.Event()
+    others = threading.Thread(target=crowd, args=(p, ended))
+    others.start()
+    try:
+        for _ in range(3):
+            status, _, text = p.ask("POST", "/emergency", "", patience_s=60)
+            assert status == 200 and json.loads(text)["stopped"], (status, text)
+    finally:
+        ended.set()
+        others.join()
+    for c in hanging:
+        c.close()
+    while p.ask("GET", "/live")[0] == 503:  # until the server has noticed
+        pass
     s = p.until("a fault", lambda s: s["state"] == "fault" and not s["busy"])
     assert s["fault"] == "emergency_stop" and s["advice"], s
     header, _ = rows("runs/ramp_hold_2mm_3.csv")
@@ -156,8 +211,6 @@ def emergency(p):
     p.post("/start", protocol(ramp(2, 1)))
     assert p.idle()["state"] == "fault" and len(p.notes) == said + 1 and "emergency_stop" in p.notes[-1]["text"], p.notes
     assert p.do("clear")["state"] in ("ready", "idle")
-    for c in hanging:
-        c.close()
 
 
 def faulted(p):
@@ -195,7 +248,7 @@ def killed():
 
 p = Panel("--contact-mm", "2", "--limit-force-N", "2")
 try:
-    for part in (who_may_ask, bad_orders, make_ready, one_run, listed, stopped, emergency, faulted, ended):
+    for part in (who_may_ask, bad_orders, make_ready, one_run, listed, stopped, unknown_leave, emergency, faulted, ended):
         print(part.__name__)
         sys.stdout.flush()
         part(p)
