@@ -20,6 +20,9 @@ MANDIR     ?= $(PREFIX)/share/man
 BASHDIR    ?= $(PREFIX)/share/bash-completion/completions
 ZSHDIR     ?= $(PREFIX)/share/zsh/site-functions
 DOCDIR     ?= $(PREFIX)/share/doc/palpate
+UDEVDIR    ?= $(PREFIX)/lib/udev/rules.d
+# Where the command looks for its images: beside the folder that it lies in, whatever LIBDIR is.
+IMAGEDIR    = $(BINDIR)/../lib/palpate
 OBJCOPY    ?= objcopy
 PKG_CONFIG ?= pkg-config
 # GPL=1: also CHOLMOD's supernodal module, which makes the result GPL.
@@ -257,17 +260,18 @@ $(BUILD)/man/%: doc/%.scd
 	$(Q)scdoc <$< >$@
 man: $(MAN_PAGES) ## the manual pages (needs scdoc)
 
-install: all ## into PREFIX (default /usr/local), under DESTDIR if given
+install: all $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if given
 	install -d '$(D)$(BINDIR)' '$(D)$(LIBDIR)/pkgconfig' '$(D)$(INCLUDEDIR)/palpate'
 	install -m 755 $(TOOL) '$(D)$(BINDIR)'
 	install -D -m 644 tools/completion/palpate.bash '$(D)$(BASHDIR)/palpate'
 	install -D -m 644 tools/completion/_palpate '$(D)$(ZSHDIR)/_palpate'
 	install -m 644 $(HEADERS) '$(D)$(INCLUDEDIR)/palpate'
 	install -m 644 $(STATIC) $(SHARED) '$(D)$(LIBDIR)'
-	install -d '$(D)$(LIBDIR)/palpate'
-	install -m 755 $(FW)/indenter_host '$(D)$(LIBDIR)/palpate'
+	install -D -m 644 tools/indenter/70-palpate.rules '$(D)$(UDEVDIR)/70-palpate.rules'
+	install -d '$(D)$(IMAGEDIR)'
+	install -m 755 $(FW)/indenter_host '$(D)$(IMAGEDIR)'
 	for f in $(DOCUMENTS); do install -D -m 644 $$f "$(D)$(DOCDIR)/$$f" || exit 1; done
-	if [ -e $(FW)/rig.elf ]; then install -m 644 $(FW)/rig.elf $(FW)/indenter.elf $(FW)/indenter.bin $(FW)/stepper_hx711.bin $(FW)/stepper_ads1220.bin '$(D)$(LIBDIR)/palpate'; fi
+	$(if $(FW_IMAGES),install -m 644 $(FW_IMAGES) '$(D)$(IMAGEDIR)')
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/libpalpate.so'
 	@sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR:$(PREFIX)/%=$${prefix}/%)|' -e 's|@VERSION@|$(VERSION)|' \
@@ -283,9 +287,9 @@ uninstall: ## removes what install put there
 	rm -f $(foreach f,$(notdir $(STATIC) $(SHARED)) $(SONAME) libpalpate.so,'$(D)$(LIBDIR)/$(f)')
 	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
-	rm -f $(foreach f,indenter_host rig.elf indenter.elf indenter.bin stepper_hx711.bin stepper_ads1220.bin,'$(D)$(LIBDIR)/palpate/$(f)')
+	rm -f '$(D)$(UDEVDIR)/70-palpate.rules' $(foreach f,indenter_host $(FW_IMAGE_NAMES),'$(D)$(IMAGEDIR)/$(f)')
 	rm -f $(foreach f,$(DOCUMENTS),'$(D)$(DOCDIR)/$(f)')
-	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(LIBDIR)/palpate' $(foreach f,/doc/pictures /doc/schema /doc /examples/poke /examples /,'$(D)$(DOCDIR)$(f)')
+	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(IMAGEDIR)' $(foreach f,/doc/pictures /doc/schema /doc /examples/poke /examples /,'$(D)$(DOCDIR)$(f)')
 
 # ---- the rest ------------------------------------------------------------------------------------
 .PHONY: dist symbols libs clean help

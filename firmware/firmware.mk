@@ -32,11 +32,13 @@ FW_LD := firmware/board/stm32f405/stm32f405.ld
 .PHONY: firmware firmware-host flash
 # Without the compiler nothing of the rest would say anything useful. The headers are newlib's, a package of its own.
 HAS_ARM := $(shell printf '\043include <string.h>\n' | $(ARM)gcc -E - >/dev/null 2>&1 && echo yes)
+FW_IMAGE_NAMES := indenter.elf indenter.bin stepper_hx711.bin stepper_ads1220.bin rig.elf
+FW_IMAGES := $(if $(HAS_ARM),$(addprefix $(FW)/,$(FW_IMAGE_NAMES)))
 ifeq ($(HAS_ARM),)
 firmware:
 	@echo "there is no $(ARM)gcc with newlib: tools/install-deps all installs it, or set ARM=prefix-" >&2; exit 1
 else
-firmware: $(FW)/indenter.bin $(FW)/stepper_hx711.bin $(FW)/stepper_ads1220.bin $(FW)/rig.elf ## the board's firmware and the image for QEMU, under build/firmware/
+firmware: $(FW_IMAGES) ## the board's firmware and the image for QEMU, under build/firmware/
 	@firmware/budget.sh $(ARM) $(FW)/indenter.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_ELF_SRC)))
 	@firmware/budget.sh $(ARM) $(FW)/stepper_hx711.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_HX711_SRC)))
 	@firmware/budget.sh $(ARM) $(FW)/stepper_ads1220.elf $(patsubst %.o,%.ci,$(call fw_arm,$(FW_ADS1220_SRC)))

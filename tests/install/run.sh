@@ -10,9 +10,24 @@ stage=$work/stage lib=$work/stage/usr/local/lib
 
 fail() { echo "$*"; exit 1; }
 
+rm -f "$BUILD"/firmware/*.bin # an install makes them
 $MAKE --no-print-directory install BUILD="$BUILD" DESTDIR="$stage" PREFIX=/usr/local
 [ "$("$stage/usr/local/bin/palpate" --version)" = "palpate $(sed -n 's/.*PALP_VERSION "\(.*\)"/\1/p' include/palpate/version.h)" ] ||
     fail "the installed command does not tell its version"
+
+rules=$stage/usr/local/lib/udev/rules.d/70-palpate.rules
+grep -q '"0483".*"df11".*uaccess' "$rules" || fail "no rule for the boot loader"
+
+# The installed command finds an image for each kind of board, where there was a compiler to make it.
+mkdir "$work/bin"
+printf '#!/bin/sh\necho "$*" >"%s/flashed"\n' "$work" >"$work/bin/stm32flash"
+chmod +x "$work/bin/stm32flash"
+if command -v arm-none-eabi-gcc >/dev/null; then
+    for board in stm32f405 stepper_hx711 stepper_ads1220; do
+        PATH=$work/bin:$PATH "$stage/usr/local/bin/palpate" firmware flash --port /dev/ttyUSB7 --board $board || fail "no image for $board"
+        grep -q -- '-w .*/lib/palpate/.*\.bin ' "$work/flashed" || fail "$board was given $(cat "$work/flashed")"
+    done
+fi
 
 export PKG_CONFIG_SYSROOT_DIR="$stage" PKG_CONFIG_PATH="$lib/pkgconfig"
 flags=$(pkg-config --cflags palpate)

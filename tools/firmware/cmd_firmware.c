@@ -17,6 +17,7 @@ enum { HOMING_S = 120, AXIS_Z = 2 };
 
 typedef struct firmware_options {
     const char *action, *port, *image;
+    int board; /* -1: not given */
     size_t baud, samples;
     bool json;
 } firmware_options;
@@ -29,7 +30,10 @@ static int parse(int argc, char **argv, firmware_options *o) {
             "/dev/ttyACM0, pty:PATH, tcp:HOST:PORT or unix:PATH; palpate acquire\n--list shows the ports"),
         cli_count("baud", "N", 1200, 4e6, &o->baud, "of a serial port (default 921600)"),
         cli_count("samples", "N", 1, 4096, &o->samples, "ticks that tare averages (default 1000)"),
-        cli_in("image", "FILE.bin", &o->image, "what flash writes (default: the one that came with palpate)"),
+        cli_choice("board", "stm32f405|stepper_hx711|stepper_ads1220", &o->board,
+                   "kind of board that flash writes to (default: what its firmware says)"),
+        cli_in("image", "FILE.bin", &o->image,
+               "what flash writes (default: the board's, which came with palpate)"),
         cli_heading("Output"),
         cli_flag("json", &o->json, "as JSON"),
     };
@@ -253,13 +257,14 @@ int cmd_firmware(int argc, char **argv) {
     } actions[] = {{"info", run_info},          {"status", run_status}, {"gains", run_gains},
                    {"home", run_home},          {"tare", run_tare},     {"clear-fault", run_clear},
                    {"self-test", run_self_test}};
-    firmware_options o = {.baud = LINK_BAUD, .samples = 1000};
+    static const char *const boards[] = {"stm32f405", "stepper_hx711", "stepper_ads1220"};
+    firmware_options o = {.board = -1, .baud = LINK_BAUD, .samples = 1000};
     device d;
     int code = parse(argc, argv, &o);
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
     if (strcmp(o.action, "flash") == 0)
-        return firmware_flash(NAME, o.port, o.image);
+        return firmware_flash(NAME, o.port, o.board < 0 ? NULL : boards[o.board], o.image);
     for (size_t i = 0; i < sizeof actions / sizeof actions[0]; i++) {
         if (strcmp(o.action, actions[i].name) == 0) {
             if (device_open(o.port, (int)o.baud, &d) != DEVICE_OK)

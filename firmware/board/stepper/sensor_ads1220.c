@@ -1,6 +1,7 @@
 /* sensor_ads1220.c: a load cell and an ADS1220 at 1200 samples a second, gain 128, its reference the cell's
  * supply: a new sample each tick. SPI1 in bytes, data read at falling edges. */
 #include "sensor_cell.h"
+#include "../identity.h"
 
 enum { WORD_POLLS = 400, RESET_POLLS = 20000, SHIFT = 5 };
 enum { RESET = 0x06, START = 0x08, WRITE_ALL = 0x43 };
@@ -47,3 +48,5 @@ int32_t cell_take(void) {
 const machine *hal_machine(void) {
     return &machine_stepper_fast;
 }
+
+IDENTITY("stepper_ads1220")

@@ -32,7 +32,3 @@ bool gauge_read(int16_t adc[PALP_WIRE_CHANNELS], bool *held) {
     adc[0] = cell.held;
     return cell.waited < SILENT_TICKS;
 }
-
-const char *hal_board_name(void) {
-    return "stepper";
-}

@@ -2,6 +2,7 @@
  * each sample settled over the four before; its line is low when one is there, which 24 pulses shift out and
  * a 25th ends: gain 128 for the next. */
 #include "sensor_cell.h"
+#include "../identity.h"
 
 enum { BITS = 24, HALF_READS = 6 /* of a pin, at least 0.2 us; 60 us high would switch it off */ };
 enum { SHIFT = 6 };
@@ -37,3 +38,5 @@ int32_t cell_take(void) {
 const machine *hal_machine(void) {
     return &machine_stepper;
 }
+
+IDENTITY("stepper_hx711")

@@ -1,4 +1,5 @@
 /* sensor_ad7606.c: six of the eight channels of an AD7606 over SPI1: serial mode, DOUTA, +-10 V. */
+#include "../identity.h"
 #include "drivers.h"
 
 /* In polls of some eight cycles: BUSY rises 45 ns after CONVST and falls 4 us later; a word takes 1.5 us. */
@@ -65,9 +66,7 @@ bool gauge_read(int16_t adc[PALP_WIRE_CHANNELS], bool *held) {
     return false;
 }
 
-const char *hal_board_name(void) {
-    return "stm32f405";
-}
+IDENTITY("stm32f405")
 
 const machine *hal_machine(void) {
     return &machine_indenter;
