@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 
 /* The group that may use the port: dialout on Debian, uucp elsewhere. */
@@ -74,6 +75,8 @@ struct sp_port *link_serial_open(const char *name, int baud, int *fd, char why[L
     bool mine = sp_get_port_handle(port, fd) == SP_OK && flock(*fd, LOCK_EX | LOCK_NB) == 0;
     if (!mine)
         say_why(name, errno, why);
+    else
+        (void)ioctl(*fd, TIOCEXCL); /* the lock keeps palpate out, also that of root; this, other programs */
     if (!mine || !configure(port, name, baud, why)) {
         link_serial_close(port);
         return NULL;
