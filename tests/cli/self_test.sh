@@ -21,7 +21,17 @@ bad() { [ "$(grep -c ^BAD out)" -eq 1 ] && grep -q "^BAD  $1" out || fail "not \
 
 for machine in voice-coil stepper stepper-fast; do
     tested 0 --machine $machine
-    [ "$(grep -c ^good out)" -eq 11 ] && [ "$(wc -l <out)" -eq 11 ] || fail "$machine: $(cat out)"
+    [ "$(grep -c ^good out)" -eq 12 ] && [ "$(wc -l <out)" -eq 12 ] || fail "$machine: $(cat out)"
+done
+# A specimen below the plate is touched and told, not pressed: 3 mm into it would take 1.5 N.
+echo '{"palpate": {"actuator": 1}, "start_mm": 0.5}' >high.json
+for at in 1.5 2 4.5; do
+    for machine in voice-coil stepper; do
+        tested 1 --machine $machine --actuator high.json --contact-mm $at --log log.csv
+        bad " free way below home"
+        awk -F, 'NR > 1 && NF == 11 && $5 > force { force = $5 } END { print force; exit !(force > 0 && force < 0.3) }' log.csv >force ||
+            fail "$machine at $at mm: pressed by $(cat force) N"
+    done
 done
 tested 1 --noise-N 0.05
 bad " noise of the force"

@@ -12,6 +12,7 @@
 enum { REST_SAMPLES = 1000, AXIS_Z = 2 };
 static const double HANG_S = 120; /* wall clock: nothing takes so long */
 static const double MOVE_MM = 3, MOVE_MM_S = 2;
+static const double ROOM_MM = 5, TOUCH_NOISES = 5; /* free below home; force of a touch, in noise levels */
 /* Verdicts, in shares of what the device says of itself: its range of force, its limit of the following
  * error. */
 static const double NOISE_SHARE = 1e-3, ERROR_SHARE = 0.1, DUTY_MOST = 0.5;
@@ -22,6 +23,7 @@ typedef struct figures {
     double mean[PALP_WIRE_CHANNELS], square[PALP_WIRE_CHANNELS], force_square, force_mean;
     int16_t low[PALP_WIRE_CHANNELS], high[PALP_WIRE_CHANNELS];
     double error_square, duty_most;
+    int32_t deepest;
 } figures;
 
 typedef struct self_test {
@@ -51,6 +53,7 @@ static void take(self_test *t, const palp_wire_samples *b, size_t i) {
     f->bad += (b->flags[i] & PALP_WIRE_FLAG_SENSOR_BAD) != 0;
     f->closed += (b->flags[i] & PALP_WIRE_FLAG_HOME_SWITCH) != 0;
     f->error_square += (double)b->error[i] * b->error[i];
+    f->deepest = f->n == 1 || b->position[i] > f->deepest ? b->position[i] : f->deepest;
     f->duty_most = fmax(f->duty_most, fabs(b->duty[i] / 32767.0));
 }
 
@@ -129,7 +132,8 @@ static device_result look(self_test *t) {
 
 static bool moves(const self_test *t) {
     const uint8_t s = t->device->status.state;
-    return s == PALP_WIRE_STATE_HOMING || s == PALP_WIRE_STATE_JOG || s == PALP_WIRE_STATE_RETRACT;
+    return s == PALP_WIRE_STATE_HOMING || s == PALP_WIRE_STATE_APPROACH || s == PALP_WIRE_STATE_JOG ||
+           s == PALP_WIRE_STATE_RETRACT;
 }
 
 static device_result settle(self_test *t, device_result result) {
@@ -159,11 +163,31 @@ static double place_mm(const self_test *t) {
     return 1e-9 * t->device->info.count_pm * t->device->status.position;
 }
 
+/* Down until something is touched; the search withdraws by itself. *clear: nothing was. */
+static device_result seek_obstacle(self_test *t, double noise, bool *clear) {
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_FIND_CONTACT};
+    m.as.find_contact.rate_nm_s = (uint32_t)lrint(1e6 * MOVE_MM_S);
+    m.as.find_contact.force_uN = (int32_t)lrint(1e6 * TOUCH_NOISES * noise);
+    m.as.find_contact.travel_nm = (int32_t)lrint(1e6 * (ROOM_MM - place_mm(t)));
+    begin(t);
+    const device_result result = settle(t, device_command(t->device, &m, NULL));
+    const double deepest_mm = 1e-9 * t->device->info.count_pm * t->now.deepest;
+    *clear = !result && !t->device->status.contact_known && deepest_mm > ROOM_MM - 0.1;
+    judge(t, "free way below home", deepest_mm, "mm", *clear,
+          "take away what is under the plate: it was touched, and the plate has withdrawn");
+    return result;
+}
+
 static device_result move(self_test *t) {
+    const double noise = noise_N(&t->now);
+    bool clear;
     device_result result = settle(t, device_do(t->device, PALP_WIRE_TYPE_HOME, NULL));
     judge(t, "home", result || !t->device->status.homed ? 0 : 1, "found", !result && t->device->status.homed,
           "see the home switch and the motor's leads");
-    if (result || !t->device->status.homed)
+    if (result || !t->all_good) /* a bad sensor would not feel a specimen */
+        return result;
+    result = seek_obstacle(t, noise, &clear);
+    if (result || !clear)
         return result;
     const double from_mm = place_mm(t);
     begin(t);
