@@ -14,46 +14,22 @@ enum { N = PALP_WIRE_CHANNELS };
 /* The same count as machine_stepper has; and the cell's and plate's own weight, which a tare takes off. */
 static const double SLOW_COUNT_N = 1.5e-3, SLOW_REST = 700;
 
-/* Solves a x = b by elimination with row pivots; b becomes x. */
-static bool solve(double a[N][N], double b[N]) {
-    for (int k = 0; k < N; k++) {
-        int pivot = k;
-        for (int i = k + 1; i < N; i++)
-            pivot = fabs(a[i][k]) > fabs(a[pivot][k]) ? i : pivot;
-        if (a[pivot][k] == 0)
-            return false;
-        for (int j = 0; j < N; j++) {
-            double held = a[k][j];
-            a[k][j] = a[pivot][j];
-            a[pivot][j] = held;
-        }
-        double held = b[k];
-        b[k] = b[pivot];
-        b[pivot] = held;
-        for (int i = k + 1; i < N; i++) {
-            double factor = a[i][k] / a[k][k];
-            for (int j = k; j < N; j++)
-                a[i][j] -= factor * a[k][j];
-            b[i] -= factor * b[k];
-        }
-    }
-    for (int k = N - 1; k >= 0; k--) {
-        for (int j = k + 1; j < N; j++)
-            b[k] -= a[k][j] * b[j];
-        b[k] /= a[k][k];
-    }
-    return true;
-}
+/* LAPACK's: solves A X = B, both by columns; b becomes x. */
+void dgesv_(const int *n, const int *columns, double *a, const int *lda, int *pivots, double *b,
+            const int *ldb, int *info);
 
 /* The counts that read as value on an axis and 0 on the others. */
 static bool counts_of(const force_sensor *f, int axis, double value, double counts[N]) {
-    double matrix[N][N];
+    const int n = N, one = 1;
+    int pivots[N], info;
+    double columns[N][N];
     for (int i = 0; i < N; i++) {
         counts[i] = i == axis ? value : 0;
         for (int j = 0; j < N; j++)
-            matrix[i][j] = (double)f->matrix[i][j];
+            columns[j][i] = (double)f->matrix[i][j];
     }
-    return solve(matrix, counts);
+    dgesv_(&n, &one, columns[0], &n, pivots, counts, &n, &info);
+    return info == 0;
 }
 
 bool sensor_start(const plant_sensor *settings, sensor *s) {
