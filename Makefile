@@ -4,7 +4,8 @@
 .SECONDARY:
 
 VERSION   := $(shell sed -n 's/^.define PALP_VERSION "\(.*\)"/\1/p' include/palpate/version.h)
-SOVERSION := $(firstword $(subst ., ,$(VERSION)))
+# The part of the version that a change of the interface raises: 0.1 of 0.1.0, 1 of 1.2.0.
+SOVERSION := $(shell sed -n 's/^.define PALP_VERSION "\(0[.][0-9]*\|[1-9][0-9]*\)[.].*/\1/p' include/palpate/version.h)
 
 # ---- what a user may set -------------------------------------------------------------------------
 ifeq ($(origin CC),default)
@@ -297,8 +298,9 @@ libs: # what a program of the command's parts is linked with
 	@echo "$(LIBS) $(SERIAL_LIBS) $(HTTP_LIBS)"
 dist: ## palpate-VERSION.tar.gz of the last commit
 	git archive --format=tar.gz --prefix=palpate-$(VERSION)/ -o palpate-$(VERSION).tar.gz HEAD
-symbols: ## rewrites lib/palpate.map, the list of exported functions, from the public headers
-	@tests/install/symbols.sh --map >lib/palpate.map.part && mv lib/palpate.map.part lib/palpate.map
+symbols: ## rewrites lib/palpate.map and lib/palpate.abi, exported functions and declarations, from the public headers
+	@for kind in map abi; do tests/install/symbols.sh --$$kind >lib/palpate.$$kind.part && \
+	    mv lib/palpate.$$kind.part lib/palpate.$$kind || { rm -f lib/palpate.$$kind.part; exit 1; }; done
 clean: ## removes build/
 	rm -rf '$(BUILD)'
 help: ## this list

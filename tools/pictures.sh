@@ -2,6 +2,7 @@
 # pictures.sh: what `make pictures` runs: makes every picture of doc/pictures/ from the product itself.
 #   press.png, cut.png          the window of examples/poke, moved by press.poke and cut.poke
 #   explain.png                 the page that palpate explain writes in `make demo`
+#   press.json, explain.json    the figures in the picture of that name; tests/install/pictures.sh compares them with the README
 #   panel.png                   the page of palpate panel, in the middle of a run of the virtual indenter
 #   static.svg, relaxation.svg  palpate calibrate on the thesis' phantom
 #   table_4_2.svg and so on    tables of the thesis over depth (data/sedef2008/compare.py)
@@ -34,17 +35,33 @@ server=$!
 for second in 1 2 3 4 5 6 7 8 9 10; do [ -s "$work/display" ] && break; sleep 1; done
 DISPLAY=:$(cat "$work/display") LIBGL_ALWAYS_SOFTWARE=1
 export DISPLAY LIBGL_ALWAYS_SOFTWARE
+# figures NAME: keeps the JSON on standard input as NAME.json, with the version and the sum of NAME.png, to which it belongs.
+figures() {
+    python3 -c '
+import hashlib, json, sys
+name, version = sys.argv[1:]
+picture = hashlib.sha256(open(name + ".png", "rb").read()).hexdigest()
+json.dump({"version": version, "picture_sha256": picture, "figures": json.load(sys.stdin)}, open(name + ".json", "w"), indent=2)
+open(name + ".json", "a").write("\n")' "$out/$1" "$("$palpate" --version | sed 's/palpate //')"
+}
 window() { # NAME FRAMES: how many frames NAME.poke lasts
-    "$poke" --script "$out/$1.poke" --frames "$2" --size 1200x750 --screenshot "$work/$1.png" >/dev/null
+    "$poke" --script "$out/$1.poke" --frames "$2" --size 1200x750 --screenshot "$work/$1.png" --json "$work/$1.json" >/dev/null
     compress "$work/$1.png" "$out/$1.png"
 }
 window press 277
+figures press <"$work/press.json"
 window cut 122
 
-[ -s build/demo/explain.html ] || PALPATE=$palpate tools/demo.sh >/dev/null
+PALPATE=$palpate tools/demo.sh >/dev/null
 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1060,1105 --screenshot="$work/explain.png" \
     "file://$PWD/build/demo/explain.html" >/dev/null 2>&1
 compress "$work/explain.png" "$out/explain.png"
+python3 -c '
+import json, sys
+found = json.load(sys.stdin)
+gap = {key[:-2] + "_mN": 1000 * value for key, value in found["gap"].items() if key.endswith("_N")}
+effects = [{key: effect[key] for key in ("id", "parameters", "intervals")} for effect in found["effects"]]
+json.dump({"verdict": found["verdict"], "effects": effects, "gap": gap}, sys.stdout)' <build/demo/explain.json | figures explain
 
 "$palpate" panel --port rig --firmware host --contact-mm 2 --out "$work/runs" >"$work/address" 2>/dev/null &
 server="$server $!"

@@ -143,7 +143,7 @@ static void draw_state(const body *b, poke_mode mode, const char *name) {
     text(at, y + 5.6 * LINE, SMALL, LEFT, "%zu nodes", palp_network_loose(b->net, NULL));
     text(at, y + 6.6 * LINE, SMALL, LEFT, "(%.3f, %.3f, %.3f) N", b->force_N[0], b->force_N[1],
          b->force_N[2]);
-    text(at, y + 7.6 * LINE, SMALL, LEFT, "%.2f ms, residual %.0e", 1e3 * b->tick_seconds, b->tick.residual);
+    text(at, y + 7.6 * LINE, SMALL, LEFT, "%.2f ms, median of 1 s", 1e3 * body_tick_median(b));
 }
 
 static void draw_keys(const body *b, const view *v) {

@@ -15,7 +15,7 @@ static const char DEFAULT_MODEL[] = "data/models/phantom_11.json";
 enum { WIDTH = 1280, HEIGHT = 800, SIZE_MAX_PIXELS = 16384 };
 
 typedef struct options {
-    const char *model, *script, *screenshot;
+    const char *model, *script, *screenshot, *json;
     long frames; /* 0 = until the window is closed */
     int width, height;
 } options;
@@ -212,6 +212,22 @@ static void report(const body *b) {
            b->failed);
 }
 
+/* The figures of the last frame, as the panel shows them. */
+static bool save_figures(const char *path, const body *b) {
+    palp_error error = {PALP_OK, ""};
+    palp_file file;
+    palp_status status = palp_file_begin(&file, path, &error);
+    if (!status) {
+        fprintf(file.stream, "{\"nodes\": %zu, \"force_N\": %.3f, \"tick_ms\": %.2f}\n",
+                palp_mesh_node_count(b->mesh), b->curve_N[(b->curve_end - 1) % POKE_CURVE],
+                1e3 * body_tick_median(b));
+        status = palp_file_commit(&file, false, &error);
+    }
+    if (status)
+        fprintf(stderr, "poke: %s\n", error.text);
+    return status == PALP_OK;
+}
+
 /* ---- the command line ---------------------------------------------------------------------------- */
 
 static void usage(FILE *to) {
@@ -222,6 +238,7 @@ static void usage(FILE *to) {
             "  --script FILE      what to do instead of the mouse (examples/poke/script.c says how)\n"
             "  --frames N         end after so many frames (60 a second of the model's time)\n"
             "  --screenshot FILE  the last of them as FILE.png or FILE.ppm\n"
+            "  --json FILE        the figures that the panel shows at the end\n"
             "  --size WxH         of the window, pixels (default %dx%d)\n"
             "  --help             this text\n",
             DEFAULT_MODEL, WIDTH, HEIGHT);
@@ -239,6 +256,8 @@ static bool read_option(const char *name, const char *value, options *o) {
         o->script = value;
     } else if (strcmp(name, "--screenshot") == 0) {
         o->screenshot = value;
+    } else if (strcmp(name, "--json") == 0) {
+        o->json = value;
     } else if (strcmp(name, "--frames") == 0) {
         o->frames = strtol(value, &end, 10);
         return *value && !*end && o->frames >= 1;
@@ -301,6 +320,7 @@ int main(int n, char **arguments) {
     bool ok = window && run(window, &a, s, &o);
     if (ok)
         report(&a.body);
+    ok = ok && (!o.json || a.body.curve_end == 0 || save_figures(o.json, &a.body));
     glfwTerminate();
     scene_free(a.scene);
     script_free(s);

@@ -4,7 +4,7 @@
 
 #include <palpate/palpate.h>
 
-enum { POKE_CURVE = 600, POKE_GRASPED = 64 };
+enum { POKE_CURVE = 600, POKE_GRASPED = 64, POKE_TICKS = 8, POKE_TIMES = 60 * POKE_TICKS };
 
 typedef enum poke_mode { POKE_PRESS, POKE_GRASP, POKE_CUT } poke_mode;
 
@@ -31,8 +31,9 @@ typedef struct body {
     double force_N[3];          /* of the tissue on the sphere or the hand */
     double curve_N[POKE_CURVE]; /* its size at the last frames, the newest at curve_end - 1 */
     size_t curve_end;
-    palp_tick_info tick; /* of the last tick */
-    double tick_seconds; /* the longest of the last frame */
+    palp_tick_info tick;             /* of the last tick */
+    double tick_seconds[POKE_TIMES]; /* what the ticks of the last second took, the newest at n_ticks - 1 */
+    size_t n_ticks;
     double time;
     size_t failed; /* ticks that found no state */
 } body;
@@ -44,6 +45,8 @@ void body_reset(body *b);
 
 /* One frame of seconds in ticks; within: end each by the clock (a window), not by counted work (a script). */
 void body_step(body *b, double seconds, bool within);
+
+double body_tick_median(const body *b); /* of the last second's ticks, s */
 
 void body_grasp(body *b, const double at[3],
                 double radius); /* surface nodes within the radius, the nearest at least */

@@ -55,6 +55,9 @@ export DISPLAY LIBGL_ALWAYS_SOFTWARE
 poke 0 "$MODEL" --frames 3 # by the mouse, which does nothing
 grep -q ' 0 cut, 0 torn, 0 loose, 0 ticks failed' out || fail "left alone: $(cat out)"
 
+code=1
+refuses "nowhere/a.json" "$MODEL" --frames 1 --json nowhere/a.json
+
 cat >press.poke <<'END'
 press 12 32 12 1
 press 12 25 12 20   # a sphere of 3.36 mm: 2.36 mm deep
@@ -70,7 +73,12 @@ force=$(sed -n 's/.* force \([-.0-9]*\) \([-.0-9]*\) \([-.0-9]*\) N.*/\2/p' out)
 cp out press.out
 awk -v f="$force" 'BEGIN { exit !(f > 0.05 && f < 5) }' || fail "the press is felt with $force N"
 grep -q ' 0 cut, 0 torn, 0 loose, 0 ticks failed' out || fail "after a press: $(cat out)"
-poke 0 "$MODEL" --script press.poke --frames 31 --size 640x480 --screenshot press.png
+poke 0 "$MODEL" --script press.poke --frames 31 --size 640x480 --screenshot press.png --json press.json
+python3 - "$force" <<'END' || fail "the figures of the press: $(cat press.json)"
+import json, sys
+shown = json.load(open("press.json"))
+assert shown["nodes"] == 27 and shown["force_N"] >= float(sys.argv[1]) - 0.001 and shown["tick_ms"] > 0, shown
+END
 cmp -s out press.out || fail "the same script gave another result: $(cat out)"
 [ "$(head -c 4 press.png | od -An -tx1 | tr -d ' ')" = 89504e47 ] || fail "press.png is no PNG"
 tail -c 8 press.png | od -An -tx1 | tr -d ' \n' | grep -q 49454e44ae426082 || fail "press.png is cut short"
