@@ -296,8 +296,9 @@ uninstall: ## removes what install put there
 .PHONY: dist symbols libs clean help
 libs: # what a program of the command's parts is linked with
 	@echo "$(LIBS) $(SERIAL_LIBS) $(HTTP_LIBS)"
+DISTDIR ?= .
 dist: ## palpate-VERSION.tar.gz of the last commit
-	git archive --format=tar.gz --prefix=palpate-$(VERSION)/ -o palpate-$(VERSION).tar.gz HEAD
+	git archive --format=tar.gz --prefix=palpate-$(VERSION)/ -o '$(DISTDIR)/palpate-$(VERSION).tar.gz' HEAD
 symbols: ## rewrites lib/palpate.map and lib/palpate.abi, exported functions and declarations, from the public headers
 	@for kind in map abi; do tests/install/symbols.sh --$$kind >lib/palpate.$$kind.part && \
 	    mv lib/palpate.$$kind.part lib/palpate.$$kind || { rm -f lib/palpate.$$kind.part; exit 1; }; done

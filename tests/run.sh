@@ -116,6 +116,7 @@ check)
     add "public headers" "sh tests/install/headers.sh"
     add "manual pages" "sh tests/install/manual.sh"
     add "what documents name" "sh tests/install/documents.sh"
+    add "figures of the pictures" "sh tests/install/pictures.sh"
     add "columns of the sources" "sh tests/format.sh"
     add "layers" "sh tests/layers.sh"
     add "layers, what they find" "sh tests/layers.sh --self-test"
@@ -137,6 +138,7 @@ rest)
         # A processor type that valgrind knows, whatever the real one is.
         if tagged "$t" valgrind; then add "valgrind ${t%.c}" "OPENBLAS_CORETYPE=Haswell $memcheck $BUILD/${t%.c}"; fi
     done
+    add "packed tree" "sh tests/install/dist.sh"
     add "format of the sources" "sh tests/format.sh --style"
     add "fuzzed readers" "sh tests/fuzz/run.sh"
     ;;
