@@ -4,7 +4,7 @@
 .SECONDARY:
 
 VERSION   := $(shell sed -n 's/^.define PALP_VERSION "\(.*\)"/\1/p' include/palpate/version.h)
-# The part of the version that a change of the interface raises: 0.1 of 0.1.0, 1 of 1.2.0.
+# What a change of the interface raises: the minor version before 1.0, the major version from then on.
 SOVERSION := $(shell sed -n 's/^.define PALP_VERSION "\(0[.][0-9]*\|[1-9][0-9]*\)[.].*/\1/p' include/palpate/version.h)
 
 # ---- what a user may set -------------------------------------------------------------------------
