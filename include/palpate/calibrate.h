@@ -1,4 +1,4 @@
-/* calibrate.h: find the element material with which a network gives a wanted force curve. */
+/* calibrate.h: find the element material with which a network gives a wanted force curve. May change. */
 #ifndef PALPATE_CALIBRATE_H
 #define PALPATE_CALIBRATE_H
 

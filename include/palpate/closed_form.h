@@ -1,4 +1,4 @@
-/* closed_form.h: closed-form responses of viscoelastic models (Section 3.1.2, Eq. 3.20-3.56, 4.7). */
+/* closed_form.h: closed-form responses of viscoelastic models (Section 3.1.2, Eq. 3.20-3.56, 4.7). Stable. */
 #ifndef PALPATE_CLOSED_FORM_H
 #define PALPATE_CLOSED_FORM_H
 

@@ -1,4 +1,4 @@
-/* cut.h: cutting and tearing a network while it runs, and the surface that is left to draw. */
+/* cut.h: cutting and tearing a network while it runs, and the surface that is left to draw. Stable. */
 #ifndef PALPATE_CUT_H
 #define PALPATE_CUT_H
 

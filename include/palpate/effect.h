@@ -1,6 +1,6 @@
 /* effect.h: the catalogue of effects: what can be added to the plain model of a specimen (a nonlinear
  * spring beside Maxwell arms, pressed by a rigid, frictionless, exact instrument). The equations are in
- * doc/effects.md. */
+ * doc/effects.md. Stable. */
 #ifndef PALPATE_EFFECT_H
 #define PALPATE_EFFECT_H
 

@@ -1,4 +1,4 @@
-/* experiment.h: the experiment CSV: "# key: JSON value" lines, a name row, numbers. */
+/* experiment.h: the experiment CSV: "# key: JSON value" lines, a name row, numbers. Stable. */
 #ifndef PALPATE_EXPERIMENT_H
 #define PALPATE_EXPERIMENT_H
 

@@ -1,5 +1,5 @@
 /* explain.h: find what a model misses in measured runs, name it from the catalogue of effects, and add it.
- * doc/explain.md says how, and what it can and cannot tell. */
+ * doc/explain.md says how, and what it can and cannot tell. May change. */
 #ifndef PALPATE_EXPLAIN_H
 #define PALPATE_EXPLAIN_H
 

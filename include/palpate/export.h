@@ -1,4 +1,4 @@
-/* export.h: marks what the shared library exports; everything else is hidden. */
+/* export.h: marks what the shared library exports; everything else is hidden. Stable. */
 #ifndef PALPATE_EXPORT_H
 #define PALPATE_EXPORT_H
 

@@ -1,4 +1,4 @@
-/* file.h: reading a whole file, and writing one that is never half there. */
+/* file.h: reading a whole file, and writing one that is never half there. Stable. */
 #ifndef PALPATE_FILE_H
 #define PALPATE_FILE_H
 

@@ -1,5 +1,5 @@
 /* forward.h: what an instrument would record: the depth that its encoder reads to the force that its sensor
- * reads, through the contact, the lumped specimen and every effect of the model, with derivatives. */
+ * reads, through the contact, the lumped specimen and every effect of the model, with derivatives. May change. */
 #ifndef PALPATE_FORWARD_H
 #define PALPATE_FORWARD_H
 

@@ -1,5 +1,5 @@
 /* indentation.h: the force of a tip pressed into an elastic layer, small strain: plate, flat punch, sphere,
- * cone. */
+ * cone. May change. */
 #ifndef PALPATE_INDENTATION_H
 #define PALPATE_INDENTATION_H
 

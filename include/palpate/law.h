@@ -1,4 +1,4 @@
-/* law.h: stiffness laws, F = K(|e|) e, behind one interface with value, derivative and energy. */
+/* law.h: stiffness laws, F = K(|e|) e, behind one interface with value, derivative and energy. Stable. */
 #ifndef PALPATE_LAW_H
 #define PALPATE_LAW_H
 

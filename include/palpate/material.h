@@ -1,5 +1,5 @@
 /* material.h: the generalized Maxwell solid, a nonlinear spring beside N Maxwell arms, as one
- * element advances it in time. */
+ * element advances it in time. Stable. */
 #ifndef PALPATE_MATERIAL_H
 #define PALPATE_MATERIAL_H
 

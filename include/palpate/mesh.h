@@ -1,4 +1,4 @@
-/* mesh.h: particles, the elements between them, and named sets of particles. */
+/* mesh.h: particles, the elements between them, and named sets of particles. Stable. */
 #ifndef PALPATE_MESH_H
 #define PALPATE_MESH_H
 

@@ -1,4 +1,4 @@
-/* model.h: the model JSON, lumped or network. */
+/* model.h: the model JSON, lumped or network. Stable. */
 #ifndef PALPATE_MODEL_H
 #define PALPATE_MODEL_H
 

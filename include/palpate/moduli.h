@@ -1,5 +1,5 @@
 /* moduli.h: shear modulus and Poisson's ratio of a layer from presses with a plate, flat punch, sphere or
- * cone. */
+ * cone. May change. */
 #ifndef PALPATE_MODULI_H
 #define PALPATE_MODULI_H
 

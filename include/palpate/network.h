@@ -1,4 +1,4 @@
-/* network.h: a network of generalized Maxwell solids between particles, and its time stepping. */
+/* network.h: a network of generalized Maxwell solids between particles, and its time stepping. Stable. */
 #ifndef PALPATE_NETWORK_H
 #define PALPATE_NETWORK_H
 

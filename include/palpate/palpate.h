@@ -1,4 +1,4 @@
-/* palpate.h: the whole library. */
+/* palpate.h: the whole library. version.h says what "Stable" and "May change" mean in the headers. */
 #ifndef PALPATE_H
 #define PALPATE_H
 

@@ -1,4 +1,4 @@
-/* reduce.h: a network too large for a tick, reduced: few coordinates, few of its elements. */
+/* reduce.h: a network too large for a tick, reduced: few coordinates, few of its elements. May change. */
 #ifndef PALPATE_REDUCE_H
 #define PALPATE_REDUCE_H
 

@@ -1,5 +1,5 @@
 /* segments.h: what the path and the force of a recording tell before any model: noise, air, contact, phases.
- * Lengths are in any one unit, which results are then in too; arrays are the caller's and only read. */
+ * Lengths are in any one unit, which results are then in too; arrays are the caller's and only read. May change. */
 #ifndef PALPATE_SEGMENTS_H
 #define PALPATE_SEGMENTS_H
 

@@ -1,4 +1,4 @@
-/* solver.h: how a network's linear systems are solved. */
+/* solver.h: how a network's linear systems are solved. Stable. */
 #ifndef PALPATE_SOLVER_H
 #define PALPATE_SOLVER_H
 

@@ -1,5 +1,5 @@
 /* specimen.h: a model pressed step by step where the path is not known in advance: a haptic loop, a simulated
- * instrument. The physics are those of forward.h: one-sided contact and all the model's effects. */
+ * instrument. The physics are those of forward.h: one-sided contact and all the model's effects. May change. */
 #ifndef PALPATE_SPECIMEN_H
 #define PALPATE_SPECIMEN_H
 

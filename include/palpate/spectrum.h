@@ -1,5 +1,5 @@
 /* spectrum.h: storage and loss stiffness of a specimen against frequency, by its recordings alone: no model,
- * no protocol. What a model has instead is palp_lumped_oscillation. */
+ * no protocol. What a model has instead is palp_lumped_oscillation. May change. */
 #ifndef PALPATE_SPECTRUM_H
 #define PALPATE_SPECTRUM_H
 

@@ -1,4 +1,4 @@
-/* status.h: what a fallible call returns, and the one-line error of calls that read files. */
+/* status.h: what a fallible call returns, and the one-line error of calls that read files. Stable. */
 #ifndef PALPATE_STATUS_H
 #define PALPATE_STATUS_H
 

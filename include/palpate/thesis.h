@@ -1,5 +1,5 @@
 /* thesis.h: the procedures of the thesis (Sedef 2008) as printed, kept to reproduce its tables;
- * characterize.h and calibrate.h have those to use. */
+ * characterize.h and calibrate.h have those to use. May change. */
 #ifndef PALPATE_THESIS_H
 #define PALPATE_THESIS_H
 

@@ -1,4 +1,4 @@
-/* tool.h: rigid tools that touch a network, gravity, and nodes that are grasped. */
+/* tool.h: rigid tools that touch a network, gravity, and nodes that are grasped. Stable. */
 #ifndef PALPATE_TOOL_H
 #define PALPATE_TOOL_H
 

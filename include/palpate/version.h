@@ -1,9 +1,13 @@
-/* version.h: the library's version. */
+/* version.h: the library's version. Stable. */
 #ifndef PALPATE_VERSION_H
 #define PALPATE_VERSION_H
 
 #include <palpate/export.h>
 
+/* A change of what the headers declare changes the library's soname: before 1.0 with the minor version, from
+ * then on with the major one. The first comment of each header says what to expect of the next minor version.
+ * Stable: it is meant to stay as it is; what has to go is kept beside the new one for one minor version.
+ * May change: names, structures and results may differ. */
 #define PALP_VERSION "0.1.0"
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* vtu.h: the deforming network for ParaView: VTK XML unstructured grids and a .pvd series. */
+/* vtu.h: the deforming network for ParaView: VTK XML unstructured grids and a .pvd series. Stable. */
 #ifndef PALPATE_VTU_H
 #define PALPATE_VTU_H
 

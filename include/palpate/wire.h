@@ -1,5 +1,5 @@
 /* wire.h: the messages between an indenter and its host: framing, check, and the one list of messages.
- * Freestanding: the firmware compiles lib/wire/wire.c as it is. doc/protocol.md has every byte. */
+ * Freestanding: the firmware compiles lib/wire/wire.c as it is. doc/protocol.md has every byte. Stable. */
 #ifndef PALPATE_WIRE_H
 #define PALPATE_WIRE_H
 
