@@ -9,21 +9,21 @@
 extern "C" {
 #endif
 
-/* One evaluation of the curve (or one iteration of the thesis' loops, palpate/thesis.h). */
+/* One evaluation of the force curve; in palpate/thesis.h one iteration of the thesis' loops. */
 typedef struct palp_calibrate_iteration {
-    int phase;              /* palp_thesis_three_phase: 1, 2, 3; else 0 */
-    double residual_N;      /* 2-norm over the samples */
-    double relative_rms;    /* relaxation, what it minimises: rms over the targets of
-                               each one's rms force error over its peak (with default weights) */
-    palp_material material; /* that gave it */
-    /* palp_thesis_three_phase, absolute; NaN where that phase does not measure it */
+    int phase;           /* palp_thesis_three_phase: 1, 2, 3; else 0 */
+    double residual_N;   /* 2-norm over the samples */
+    double relative_rms; /* relaxation stage: the quantity that is minimised, the rms over the targets of each
+                            one's rms force error divided by its peak (default weights) */
+    palp_material material; /* with which it was evaluated */
+    /* palp_thesis_three_phase: absolute values; NaN in the phases that do not measure them */
     double peak_error_percent, steady_time_error_percent, steady_force_error_percent;
 } palp_calibrate_iteration;
 
 /* The result; free with palp_calibration_free. */
 typedef struct palp_calibration {
     palp_material material; /* the best found */
-    double residual_N;      /* of it */
+    double residual_N;      /* of that material */
     size_t n_iterations;
     palp_calibrate_iteration *iterations;
     size_t n_samples;                     /* static: of the curve */
@@ -64,16 +64,16 @@ PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_mat
                                            const double *depth_m, const double *target_N,
                                            const palp_static_settings *settings, palp_calibration *result);
 
-/* The same for a network of many thousand nodes (100,000 unknowns take a minute), in rounds on two levels.
- * coarse, a network of some hundred nodes with the same body and supports, is calibrated; the large one is
- * pressed at 24 depths with its law times the ratio of the summed lengths of their elements, coarse over
- * large: the same material. The ratio of the two forces hardly depends on the law, and corrects the target of
- * the next round. It ends when the target is met to 1e-4 of its peak or a round brings no improvement; the
- * best round is the result, and the large network has its law. A large network buckles at a smaller depth,
- * between its many nodes; its branch ends where a press is not solved at once (reached_m, buckled). With
- * PALP_BRANCH_STABLE it is pressed on, down to the next stable branch (stable_m, unstable_m), whose force
- * jumps: it is in force_N, the law is that of the branch from rest. ERR_NOT_CONVERGED too where not even the
- * first depth is reached. */
+/* The same for a network of many thousand nodes, in rounds on two levels (100,000 unknowns take a minute).
+ * coarse is a network of some hundred nodes with the same body and supports. Each round fits the law of the
+ * coarse network. The large network gets that law, scaled by the ratio of the summed lengths of their
+ * elements, coarse over large, and is pressed at 24 depths. The ratio of the two forces hardly depends on
+ * the law and corrects the target of the next round. The rounds end when the target is met to 1e-4 of its
+ * peak or when one brings no improvement. The best round is the result, and the large network has its law. A
+ * large network buckles at a smaller depth than a coarse one. Its branch ends where a press does not
+ * converge at once (reached_m, buckled). With PALP_BRANCH_STABLE it is pressed further, down to the next
+ * stable branch (stable_m, unstable_m). The force jumps there; force_N contains the jump, and the law is
+ * that of the branch from rest. ERR_NOT_CONVERGED too if not even the first depth is reached. */
 PALP_API palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse,
                                               const palp_material *start, size_t n, const double *depth_m,
                                               const double *target_N, const palp_static_settings *settings,
@@ -114,10 +114,10 @@ PALP_API palp_status palp_calibrate_relaxation(palp_network *network, const palp
                                                const palp_relaxation_settings *settings,
                                                palp_calibration *result);
 
-/* How well a network is known that was calibrated to a lumped model: from lumped->covariance, by the
- * derivatives of both models' forces in runs (those that were met), the covariance of the network's numbers,
- * [n n] in the order of palp_model.covariance, and from lumped->between, where between is not NULL, how
- * specimens differ. What the network's force misses of the lumped model's is added as a factor on all of its
+/* The covariance of a calibrated network's parameters, [n n] in the order of palp_model.covariance. It
+ * follows from lumped->covariance and the derivatives of both models' forces in the runs of the calibration.
+ * If between is not NULL, it receives the spread between specimens, from lumped->between, likewise. The
+ * force error that the calibration left is added as the variance of a factor on the network's whole
  * stiffness. Errors of palp_forward_band; ERR_SINGULAR: runs without force. */
 PALP_API palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model *network,
                                                size_t n_runs, const palp_forward_run *runs,

@@ -1,4 +1,5 @@
-/* characterize.h: a lumped generalized Maxwell solid from recordings (Chapter 4), with intervals. May change. */
+/* characterize.h: a lumped generalized Maxwell solid from recordings (Chapter 4), with intervals. May change.
+ */
 #ifndef PALPATE_CHARACTERIZE_H
 #define PALPATE_CHARACTERIZE_H
 

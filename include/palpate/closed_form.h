@@ -9,14 +9,14 @@ extern "C" {
 #endif
 
 /* The loadings, all starting from rest at t = 0:
- *   creep a stress of stress_Pa, held; gives strain
- *   relaxation a strain, held; gives stress, Pa
- *   ramp strain rate_1_s t; gives stress, Pa
- *   ramp_hold strain rate_1_s min(t, ramp_s); gives stress, Pa
- * Everything is 0 for t < 0. Where the response jumps at t = 0, t = 0 gives the value just after; at
- * t = ramp_s a dashpot still gives its force (the peak). The linear models know no area: with N for Pa
- * and N s for Pa s throughout, stress is force (Eq. 4.6). Moduli and viscosities are > 0 unless it is
- * said that they may be 0; nothing is checked. Where the thesis errs, see doc/thesis-errata.md. */
+ *   creep        constant stress stress_Pa; gives strain
+ *   relaxation   constant strain; gives stress, Pa
+ *   ramp         strain rate_1_s t; gives stress, Pa
+ *   ramp_hold    strain rate_1_s min(t, ramp_s); gives stress, Pa
+ * Everything is 0 for t < 0. Where the response jumps at t = 0, its value there is the one just after the
+ * jump. At t = ramp_s a dashpot still gives its force (the peak). The linear models have no area: with N for
+ * Pa and N s for Pa s throughout, stress is force (Eq. 4.6). Moduli and viscosities are > 0 unless they are
+ * said to be >= 0; nothing is checked. doc/thesis-errata.md lists the errors of the thesis' equations. */
 
 /* A spring and a dashpot, in series (Maxwell model, or one arm of a solid) or parallel (Voigt). */
 typedef struct palp_spring_dashpot {
@@ -69,11 +69,11 @@ PALP_API double palp_generalized_maxwell_ramp_hold(const palp_generalized_maxwel
 
 /* Creep of the generalized Maxwell solid, which the thesis has for one arm only (Eq. 3.42):
  *   strain(t) = stress (J_0 + fluidity t + sum_k J_k (1 - exp(-t / tau_k))).
- * With r_j = 1 / tau_j of the arms the relaxation function has the transform
- *   s E(s) = E_inf + sum_j E_j s / (s + r_j),
+ * The relaxation function has the transform
+ *   s E(s) = E_inf + sum_j E_j s / (s + r_j), with r_j = 1 / tau_j of the arms,
  * and the creep compliance is its reciprocal, s J(s) = 1 / (s E(s)). On s = -p the transform rises from
- * minus to plus infinity between neighbouring r_j, so that its zeros p_k interlace them:
- * p_1 < r_1 < p_2 < r_2 ... Each is found by bisection; then
+ * minus to plus infinity between neighbouring r_j. Its zeros p_k therefore interlace them, p_1 < r_1 < p_2 <
+ * r_2 ..., and each is found by bisection. Then
  *   J_0 = 1 / (E_inf + sum_j E_j), tau_k = 1 / p_k, J_k = 1 / (p_k sum_j E_j r_j / (r_j - p_k)^2).
  * With E_inf = 0 the solid is a liquid: p_1 = 0 becomes the flow term, fluidity = 1 / sum_j eta_j. */
 typedef struct palp_retardation {
@@ -91,16 +91,16 @@ PALP_API palp_status palp_retardation_spectrum(const palp_generalized_maxwell *m
                                                palp_retardation *spectrum);
 PALP_API double palp_generalized_maxwell_creep(const palp_retardation *spectrum, double stress_Pa, double t);
 
-/* Force of the nonlinear lumped solid (Eq. 4.7, for one arm 5.24 and 5.25, for two 6.1) under a strain
- * that rises to strain in ramp_s and is held, at time_s[n] (any order), into the caller's force_N[n]:
- *   F(t) = K(|e|) e + sum_j q_j(t), e = strain min(t, ramp_s) / ramp_s,
- * that is with K at the strain of the moment, K(A t) A t on the ramp, where the thesis gives the hold
- * part only. strain is positive in compression and may be negative. ramp_s = 0 is a step. The arms may
- * have beta: q_j' + q_j / tau_j = K_j (1 + beta |e|) e' is still a closed form on a ramp. A parallel
- * dashpot adds its constant force on the ramp. The formulation does not matter, this is what
- * PALP_HISTORY reproduces.
- * ERR_UNSUPPORTED: gamma or quasi_linear (no closed form); ERR_ARGUMENT: no material, ramp_s < 0,
- * strain not finite, or ramp_s = 0 with a dashpot. */
+/* Force of the nonlinear lumped solid in a ramp and hold (Eq. 4.7; 5.24 and 5.25 for one arm, 6.1 for two).
+ * The strain rises to strain within ramp_s and then stays. The force at time_s[n], in any order, goes to the
+ * caller's force_N[n]:
+ *   F(t) = K(|e|) e + sum_j q_j(t), e = strain min(t, ramp_s) / ramp_s.
+ * K is taken at the present strain; the thesis gives the hold only. strain is positive in compression and
+ * may be negative. ramp_s = 0 is a step. With beta an arm obeys q_j' + q_j / tau_j = K_j (1 + beta |e|) e',
+ * which has a closed form on a ramp too. A parallel dashpot adds its constant force on the ramp. The
+ * formulation is ignored: this is the exact solution, which PALP_HISTORY reproduces.
+ * ERR_UNSUPPORTED: gamma or quasi_linear (no closed form); ERR_ARGUMENT: no material, ramp_s < 0, strain not
+ * finite, or ramp_s = 0 with a dashpot. */
 PALP_API palp_status palp_lumped_ramp_hold(const palp_material *material, double strain, double ramp_s,
                                            size_t n, const double *time_s, double *force_N);
 

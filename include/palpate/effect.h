@@ -55,14 +55,13 @@ typedef enum palp_effect_place {
     PALP_EFFECT_SENSOR    /* the instrument's force sensor */
 } palp_effect_place;
 
-/* What of a recording the size of a parameter goes with. */
+/* Which quantity of a recording the typical size of a parameter is proportional to. */
 typedef enum palp_effect_scale {
     PALP_SCALE_NONE,
     PALP_SCALE_TIME,       /* its duration */
     PALP_SCALE_LENGTH,     /* its depth */
     PALP_SCALE_FORCE,      /* its force */
-    PALP_SCALE_FORCE_1_S,  /* its force, had it been seen after one second: beyond that it falls by a power of
-                              time */
+    PALP_SCALE_FORCE_1_S,  /* its force one second after the load; it decays as a power of time */
     PALP_SCALE_FORCE_RATE, /* force over duration */
     PALP_SCALE_COMPLIANCE, /* depth over force */
     PALP_SCALE_MASS,       /* force over depth, times duration twice */
@@ -76,15 +75,15 @@ enum { PALP_EFFECT_PARAMETERS = 3, PALP_EFFECTS_MAX = 8 };
 typedef struct palp_effect_parameter {
     const char *key;  /* "compliance_mm_N" */
     double unit;      /* SI per file unit: 1e-3 m/N per mm/N */
-    double low, high; /* bounds of what a file may say, SI; a search keeps to what its recordings can mean */
-    double typical;   /* of a parameter that is no strength: what it is where nothing else is said, SI */
+    double low, high; /* bounds of the value in a file, SI; a search may use narrower ones */
+    double typical;   /* default of a parameter that is not the strength of the effect, SI */
     palp_effect_scale scale;
     bool logarithmic; /* searched in its logarithm: a time, a length */
-    bool strength;    /* with all strengths at zero the effect is off, whatever the others are */
-    bool optional;    /* a file may leave it out: it is 0 then */
+    bool strength; /* the effect is off when all of its strengths are zero, whatever its other parameters */
+    bool optional; /* a file may leave it out: it is 0 then */
 } palp_effect_parameter;
 
-/* What the catalogue tells of an effect. */
+/* What the catalogue says of an effect. */
 typedef struct palp_effect_info {
     const char *id;
     palp_effect_place place;

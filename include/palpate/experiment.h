@@ -18,9 +18,9 @@ typedef struct palp_experiment palp_experiment; /* opaque; palp_experiment_free 
 PALP_API palp_status palp_experiment_create(size_t rows, palp_experiment **experiment);
 PALP_API void palp_experiment_free(palp_experiment *experiment); /* NULL is fine */
 
-/* Reads a file. ERR_INPUT with "file:line: ..." for a line that is no "# key: value", no number
- * (NaN and infinities too), a row of the wrong width, a missing column, times that do not increase,
- * a truncated last row, or a version other than 1. Unknown keys and columns are kept. */
+/* Reads a file. Unknown keys and columns are kept. ERR_INPUT with "file:line: ..." for: a line that is no "#
+ * key: value"; something that is no number, or NaN or infinite; a row of the wrong width; a missing column;
+ * times that do not increase; a truncated last row; a version other than 1. */
 PALP_API palp_status palp_experiment_read(const char *path, palp_experiment **experiment, palp_error *error);
 
 /* Writes to a temporary name beside path, then renames: path is never half a file. Numbers keep
@@ -52,12 +52,12 @@ PALP_API palp_status palp_experiment_set_number(palp_experiment *experiment, con
 PALP_API palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key,
                                                 const char *value);
 
-/* Runs that are in several files: one that begins under load, where and when another ends and with its force,
- * of the same specimen (specimen.name), goes on with that one. of[n]: which of the n each is a part of, the
- * one in which its run begins; itself where there is no other part. whole[n]: at the place where such a run
- * begins, all of it, which the caller frees; NULL elsewhere. It has the rows of its parts in turn, the
- * columns that all have, the keys of the first part, and those of the last that start with "end.".
- * ERR_NO_MEMORY: there is nothing to free. */
+/* Joins runs that are spread over several files. A recording continues another one if it begins under load
+ * at the time, depth and force at which that one ends, and is of the same specimen (specimen.name). of[i] is
+ * the recording that begins the run which recording i is a part of; i itself if it stands alone. whole[i] is
+ * the joined run where one begins at i, which the caller frees, and NULL elsewhere. A joined run has the
+ * rows of its parts in turn, the columns that all parts have, and the keys of the first part. From the last
+ * part it has the keys that start with "end.". ERR_NO_MEMORY: there is nothing to free. */
 PALP_API palp_status palp_experiment_join(size_t n, const palp_experiment *const *run,
                                           palp_experiment **whole, size_t *of);
 

@@ -1,5 +1,6 @@
-/* forward.h: what an instrument would record: the depth that its encoder reads to the force that its sensor
- * reads, through the contact, the lumped specimen and every effect of the model, with derivatives. May change. */
+/* forward.h: the forward model of an instrument: from the depth that its encoder reads to the force that its
+ * sensor reads. Contact, specimen and every effect of the model act in between; derivatives are exact. May
+ * change. */
 #ifndef PALPATE_FORWARD_H
 #define PALPATE_FORWARD_H
 
@@ -10,9 +11,9 @@
 extern "C" {
 #endif
 
-/* What earlier presses left in a specimen, of which damage and permanent set depend. Zero-initialised = a
- * fresh one. Of a network the elements keep their own largest strains: palp_load_history_free. With peak
- * alone it is one that was slowly pressed to there. */
+/* The load history of a specimen, on which damage and permanent set depend. Zero-initialised: a fresh
+ * specimen. In a network each element keeps its own largest strain; free it with palp_load_history_free.
+ * With peak alone it is a specimen that was slowly pressed to that strain. */
 typedef struct palp_load_history {
     double peak;    /* largest strain so far, of a network's surface */
     double *peak_p; /* [n_parameters] its derivatives, caller's; NULL with no gradient */
@@ -27,50 +28,49 @@ typedef struct palp_forward_column {
     const double *value; /* [n] in the unit of the recording; caller's */
 } palp_forward_column;
 
-/* What is known of one recording beside its samples. Zero-initialised but for the first three = no session.
- */
+/* One recording for the forward model. All members but the first three may be zero. */
 typedef struct palp_forward_run {
     size_t n;
-    const double *time_s, *depth_m; /* as the encoder reads them, 0 = nominal contact; caller's */
-    double session_s;               /* when in the session it began (session_ageing) */
-    double hum_phase;               /* of mains_hum at time 0, rad */
-    size_t parts;                   /* steps of the specimen from sample to sample; 0 = 1 */
-    size_t n_columns;               /* what it does not have is taken to stay as it was at the first sample */
+    const double *time_s, *depth_m;    /* as the encoder reads them, 0 = nominal contact; caller's */
+    double session_s;                  /* when in the session it began (session_ageing) */
+    double hum_phase;                  /* of mains_hum at time 0, rad */
+    size_t parts;                      /* steps of the specimen from sample to sample; 0 = 1 */
+    size_t n_columns;                  /* a column that is missing is taken as constant */
     const palp_forward_column *column; /* [n_columns] */
-    palp_load_history *history; /* NULL, or how the run finds the specimen, and then how it leaves it */
-    double contact_m;           /* the surface of this run lies so much deeper than the model's */
+    palp_load_history *history;        /* NULL, or in: the state before the run; out: the state after it */
+    double contact_m;                  /* depth of this run's surface below that of the model */
 } palp_forward_run;
 
-/* Parameters of a model in one vector: law coefficients, then K_j, b_j of each arm, then each effect's own
- * parameters, all SI and plain (no logarithms). */
+/* The parameters of a model as one vector: law coefficients, then K_j, b_j of each arm, then the parameters
+ * of each effect. All are in SI units, none is a logarithm. */
 PALP_API size_t palp_forward_parameter_count(const palp_model *model);
 PALP_API palp_status palp_forward_get(const palp_model *model, double *parameter);
 PALP_API palp_status palp_forward_set(palp_model *model,
                                       const double *parameter); /* ERR_ARGUMENT: makes no model */
 
-/* force_N[n] of a lumped model, and by columns d force / d parameter where gradient[n * n_parameters] is not
- * NULL. The specimen starts at rest at the first sample, as run->history says (its surface then lies where
- * the permanent set left it). The contact is one-sided: a plate that the specimen does not stick to cannot
- * pull, and a specimen left behind recovers on its own. Linear in depth between the samples. With no effects
- * and depths that never leave the specimen: palp_lumped_run to the bit. An effect whose strengths are 0
- * changes nothing. Derivatives are exact; at a kink (zero strength, a sample at contact) one of the two
- * sides. ERR_ARGUMENT: no model, times that do not increase. ERR_NOT_CONVERGED: an implicit effect has no
- * solution. ERR_UNSUPPORTED: a network, or PALP_SEDEF2008. */
+/* The force of a lumped model, force_N[n]. If gradient is not NULL, gradient[n * n_parameters] receives d
+ * force / d parameter by columns. The specimen starts at rest at the first sample, with run->history if
+ * there is one; its surface then lies where the permanent set left it. Contact is one-sided: the plate
+ * cannot pull unless the specimen sticks to it, and a specimen that it has left recovers on its own. Depth
+ * is linear between the samples. Without effects, and if the plate never leaves the specimen, the result is
+ * that of palp_lumped_run to the bit. An effect whose strengths are 0 changes nothing. At a kink (zero
+ * strength, a sample at contact) the derivative is that of one side. ERR_ARGUMENT: no model, times that do
+ * not increase. ERR_NOT_CONVERGED: an implicit effect has no solution. ERR_UNSUPPORTED: a network, or
+ * PALP_SEDEF2008. */
 PALP_API palp_status palp_forward_force(const palp_model *model, const palp_forward_run *run, double *force_N,
                                         double *gradient, palp_error *error);
 
-/* Beside the force how well it is known: sd_N[n], from the covariance of the model's material
- * (palp_model.covariance) by the derivatives of the force; effects count as known. 95 % of the forces that
- * the data allow are within 1.96 sd of force_N; the noise of a sensor is not in it. A network is solved with
- * derivatives by all of its numbers: no mass, no PALP_SEDEF2008. Errors of palp_forward_force, of a network
- * those of palp_forward_network. */
+/* The force and its standard deviation sd_N[n], from the covariance of the model's material
+ * (palp_model.covariance) and the derivatives of the force. Effects are taken as known. The 95 % interval is
+ * force_N -+ 1.96 sd_N; sensor noise is not included. For a network: neither mass nor PALP_SEDEF2008. Errors
+ * of palp_forward_force, or for a network of palp_forward_network. */
 PALP_API palp_status palp_forward_band(const palp_model *model, const palp_forward_run *run,
                                        const double *covariance, double *force_N, double *sd_N,
                                        palp_error *error);
 
-/* palp_forward_force for a network model, without derivatives; settings may be NULL (density is the model's).
- * A material effect's numbers are those of every element, as the model's law and arms are. Errors of
- * palp_network_step too; ERR_ARGUMENT: the load history is that of another mesh. */
+/* palp_forward_force for a network model, without derivatives; settings may be NULL, and the density is the
+ * model's. Parameters of a material effect are those of every element, as law and arms are. Errors of
+ * palp_network_step too; ERR_ARGUMENT: a load history of another mesh. */
 PALP_API palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
                                           const palp_forward_run *run, double *force_N, palp_error *error);
 

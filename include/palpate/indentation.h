@@ -12,19 +12,20 @@
 extern "C" {
 #endif
 
-/* PLATE covers the whole face of the specimen, a cylinder. The others touch a part of the face of a layer
- * that is wide. */
+/* PLATE covers the whole face of a cylindrical specimen. The others touch a part of the face of a wide
+ * layer. */
 typedef enum palp_tip_kind { PALP_TIP_PLATE, PALP_TIP_FLAT, PALP_TIP_SPHERE, PALP_TIP_CONE } palp_tip_kind;
 
-PALP_API const char *
-palp_tip_name(palp_tip_kind kind); /* "plate", "flat", "sphere", "cone"; NULL for another */
+/* "plate", "flat", "sphere", "cone"; NULL for another kind. */
+PALP_API const char *palp_tip_name(palp_tip_kind kind);
 PALP_API bool palp_tip_find(const char *name, palp_tip_kind *kind);
 
-/* A tip on a layer of an elastic material; lengths in m. Zeros below the floor: the tip slides without
- * friction on a wide layer at small strain. What follows comes from tables of CalculiX (data/tips), for a
- * bonded floor: ERR_UNSUPPORTED for a sphere or cone that sticks or with a specimen's radius, ERR_LIMIT
- * beyond the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to 4 heights, a sphere of 0.3 to 4
- * thicknesses, a cone of 70 to 80 degrees; below a Poisson's ratio of 0.3 they are as at 0.3. */
+/* A tip on an elastic layer; lengths in m. With all members after poisson zero, the tip slides without
+ * friction on a wide bonded layer, at small strain. Other cases are interpolated in tables computed with
+ * CalculiX (data/tips), for a bonded layer. ERR_UNSUPPORTED: a sphere or cone that sticks, or with a
+ * specimen_radius_m. ERR_LIMIT beyond the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to 4
+ * heights, a sphere of 0.3 to 4 thicknesses, a cone of 70 to 80 degrees. Below a Poisson's ratio of 0.3 the
+ * tables' values at 0.3 are used. */
 typedef struct palp_indentation {
     palp_tip_kind tip;
     double radius_m;       /* flat punch, sphere: > 0. Plate: of the specimen, > 0 */
@@ -39,11 +40,11 @@ typedef struct palp_indentation {
     double specimen_radius_m; /* flat: of the cylinder under it, not below its own; 0 = wide */
 } palp_indentation;
 
-/* Force at depth_m[n] over the shear modulus: force_m2[n], in m2, times G in Pa is N. 0 at depths <= 0.
- * Plate: Young's modulus times strain times area. Others: the dual integral equations of the contact of a
- * layer (Lebedev and Ufliand 1958; Hayes and others 1972), solved to some 1e-6, of which the half-space (flat
- * 4 G a d / (1 - nu); Hertz; Sneddon) is the limit of a thick layer. A sphere is a sphere and no paraboloid.
- * ERR_ARGUMENT: a number out of its range or not finite; ERR_LIMIT: a contact wider than
+/* Force divided by the shear modulus, force_m2[n], at depth_m[n]: times G in Pa it is the force in N. 0 at
+ * depths <= 0. Plate: Young's modulus times strain times area. Other tips: the dual integral equations of
+ * the contact of a layer (Lebedev and Ufliand 1958; Hayes and others 1972), solved to some 1e-6. Their limit
+ * for a thick layer is the half-space (flat 4 G a d / (1 - nu); Hertz; Sneddon). A sphere is a true sphere,
+ * not a paraboloid. ERR_ARGUMENT: a number out of its range or not finite; ERR_LIMIT: a contact wider than
  * PALP_INDENTATION_WIDEST thicknesses; ERR_NO_MEMORY. */
 PALP_API palp_status palp_indentation_force(const palp_indentation *indentation, size_t n,
                                             const double *depth_m, double *force_m2);

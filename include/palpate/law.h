@@ -40,9 +40,9 @@ typedef struct palp_law {
     double strain[PALP_LAW_MAX];       /* spline only: knots, strain[0] = 0, increasing */
     double slope[PALP_LAW_MAX];        /* spline only: dK/da at the knots, N; derived by the maker */
     double area_m2;                    /* hyperelastic only: initial cross-section */
-    double strain_max; /* it was measured to this |strain|; beyond it the force goes on along its
-                          tangent there, of every kind. 0 = not known: the kind's own formula
-                          everywhere. See palp_law_limit */
+    /* Largest |strain| of the measurement; beyond it the force continues along its tangent (palp_law_limit).
+     * 0 = not known: the formula of the kind holds everywhere. */
+    double strain_max;
 } palp_law;
 
 /* K(a) = sum c_N[i] a^i, i < n, 1 <= n <= PALP_LAW_MAX. ERR_ARGUMENT: n = 0 or a coefficient is not
@@ -62,15 +62,13 @@ PALP_API palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const d
  * as of the makers; *law is then untouched. */
 PALP_API palp_status palp_law_set_coefficients(palp_law *law, const double *c);
 
-/* Says to which strain the law was measured: from there on the force is a straight line with the force and
- * the slope that it has there, so that it rises at every strain. Where it hardly rises at strain_max (by less
- * than a hundredth of K per unit strain) the range ends before, where it does; law->strain_max tells. 0 lifts
- * the limit. ERR_ARGUMENT: not finite, negative, or the force rises nowhere below it. A maker makes a law
- * without a limit. */
+/* Sets the strain to which the law was measured. Beyond it the force is a straight line with the force and
+ * slope that it has there. If the slope of the force at strain_max is below a hundredth of K, the limit is
+ * moved down to where it is not; law->strain_max is the limit used. 0 removes the limit; a maker makes a law
+ * without one. ERR_ARGUMENT: not finite, negative, or a force that rises nowhere below it. */
 PALP_API palp_status palp_law_limit(palp_law *law, double strain_max);
 
-/* How far |e| is beyond the strain that the law was measured to; 0 within it, and where that strain is not
- * known. */
+/* By how much |e| exceeds the strain of the measurement; 0 within it, and where it is not known. */
 PALP_API double palp_law_beyond(const palp_law *law, double e);
 
 /* The same law with every coefficient times factor (Ogden's alpha untouched); *scaled may be *law.
@@ -87,9 +85,9 @@ PALP_API void palp_law_stiffness(const palp_law *law, double e, double *stiffnes
 PALP_API void palp_law_force(const palp_law *law, size_t n, const double *e, double *force_N,
                              double *tangent_N, double *energy_N);
 
-/* dforce[k] = d(K(|e|) e) / d coefficients[k], k < law->n, at one strain; for a spline with the slopes
- * following the knots (at their kinks, a flat interval or a knot that is an extremum, as if the slope
- * stayed 0). */
+/* dforce[k] = d(K(|e|) e) / d coefficients[k], k < law->n, at one strain. The slopes of a spline follow its
+ * knots. Where they have a kink (a flat interval, or a knot that is an extremum) they are taken as constant
+ * 0. */
 PALP_API void palp_law_gradient(const palp_law *law, double e, double *dforce);
 
 /* The lowest K(a), N, for 0 <= a <= strain_max, searched on a fine grid and a spline's knots. A law with

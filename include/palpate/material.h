@@ -53,11 +53,11 @@ typedef struct palp_element_state {
     double arm_N[PALP_ARMS_MAX]; /* q_j */
 } palp_element_state;
 
-/* Advances one element (or a lumped specimen) from *from to strain in dt_s: writes *to (may be
- * from) and, if tangent_N is not NULL, dF/de at the end of the step. dt_s = 0 is an instantaneous
- * step, dt_s = INFINITY a fully relaxed one. ERR_ARGUMENT: dt_s < 0 or NaN, strain not finite, a law or
- * arms beyond their arrays (the rest is palp_material_check's, once and not at every step), or dt_s = 0 with
- * a parallel dashpot or PALP_SEDEF2008. */
+/* Advances one element, or a lumped specimen, from *from to strain within dt_s. Writes *to, which may be
+ * from, and if tangent_N is not NULL dF/de at the end of the step. dt_s = 0 is an instantaneous step, dt_s =
+ * INFINITY a fully relaxed one. Only what could overrun an array is checked here; call palp_material_check
+ * once for everything else. ERR_ARGUMENT: dt_s < 0 or NaN, strain not finite, a law or arms beyond their
+ * arrays, or dt_s = 0 with a parallel dashpot or PALP_SEDEF2008. */
 PALP_API palp_status palp_element_advance(const palp_material *material, const palp_element_state *from,
                                           double strain, double dt_s, palp_element_state *to,
                                           double *tangent_N);

@@ -34,22 +34,20 @@ typedef enum palp_neighbourhood {
 PALP_API palp_status palp_mesh_lattice(const size_t nodes[3], const double size_m[3],
                                        palp_neighbourhood neighbourhood, palp_mesh **mesh);
 
-/* A mesh from arrays: x_m[3 n_nodes], pairs[2 n_elements] (node indices). Copies. No sets.
- * ERR_INPUT with a line in error for an element of zero length (below 1e-12 of the mesh's size), an
- * index out of range, a pair given twice, a node without an element, or more than one connected part.
- * error may be NULL. */
+/* A mesh from arrays: x_m[3 n_nodes], pairs[2 n_elements] (node indices). Copies; makes no sets. error may
+ * be NULL. ERR_INPUT with a line in error for: an element shorter than 1e-12 of the mesh's size, an index
+ * out of range, a pair given twice, a node without an element, more than one connected part. */
 PALP_API palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_elements,
                                       const int32_t *pairs, palp_mesh **mesh, palp_error *error);
 
-/* Reads a Gmsh 4.1 ASCII file: tetrahedra (type 4) and hexahedra (type 5), elements along their
- * edges, each once; with hex_diagonals also the face and space diagonals of hexahedra. scale_m is
- * the length of the file's unit in metres (0.001 for millimetres). Named physical groups become
- * node sets (of the nodes of their entities' elements); if the file names none called so, "bottom"
- * and "top" are the nodes at the lowest and highest y within 1e-6 of the height. Nodes that no
- * tetrahedron or hexahedron uses are left out, the others numbered in the order of their tags; a group
- * of left out nodes only gives no set. ERR_INPUT with "file:line: ..." for anything malformed, a node
- * that is not there, given twice or twice in an element, an element given twice or of zero length, more than
- * one connected part, volume elements of other types, a partitioned or binary file, another version. */
+/* Reads a Gmsh 4.1 ASCII file: tetrahedra (type 4) and hexahedra (type 5). Their edges become elements, each
+ * once; with hex_diagonals the face and space diagonals of hexahedra too. scale_m is the length of the
+ * file's unit in metres (0.001 for millimetres). Named physical groups become node sets. If none is called
+ * "bottom" or "top", these are the nodes within 1e-6 of the height from the lowest and the highest y. Nodes
+ * that no tetrahedron or hexahedron uses are left out, and a group of such nodes makes no set. The other
+ * nodes are numbered in the order of their tags. ERR_INPUT with "file:line: ..." for: anything malformed; a
+ * missing or repeated node; a node twice in an element; an element given twice or of zero length; more than
+ * one connected part; volume elements of other types; a partitioned or binary file; another version. */
 PALP_API palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diagonals,
                                          palp_mesh **mesh, palp_error *error);
 
@@ -58,8 +56,9 @@ PALP_API void palp_mesh_free(palp_mesh *mesh); /* NULL is allowed */
 PALP_API size_t palp_mesh_node_count(const palp_mesh *mesh);
 PALP_API size_t palp_mesh_element_count(const palp_mesh *mesh);
 PALP_API const double *palp_mesh_positions(const palp_mesh *mesh); /* [3 n_nodes], m, at rest; the mesh's */
-PALP_API const int32_t *
-palp_mesh_pairs(const palp_mesh *mesh); /* [2 n_elements], the nodes of each; the mesh's */
+
+/* [2 n_elements], the two nodes of each element; the mesh's. */
+PALP_API const int32_t *palp_mesh_pairs(const palp_mesh *mesh);
 
 /* Tetrahedra that fill the mesh, four nodes each, positive volume; mesh's. A lattice's boxes are six each,
  * with edges between Moore neighbours; a Gmsh file's hexahedra likewise. 0 for a mesh from arrays. */
@@ -70,17 +69,17 @@ PALP_API const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh);
 PALP_API size_t palp_mesh_triangle_count(const palp_mesh *mesh);
 PALP_API const int32_t *palp_mesh_triangles(const palp_mesh *mesh);
 
-/* How the elements of a mesh of tetrahedra share in a solid's stiffness. An element's force is its factor
- * times what the material says, F = s (K(|e|) e + sum q), so K / area is the modulus of the solid (Poisson's
- * ratio 1/4) at small strain, whatever the mesh. */
+/* How the stiffness of a solid is shared among the elements of a mesh of tetrahedra. Each element has a
+ * factor s: F = s (K(|e|) e + sum q). With it K / area is the Young's modulus of the solid (Poisson's ratio
+ * 1/4) at small strain, whatever the mesh. */
 typedef enum palp_mesh_scaling {
     PALP_SCALING_NONE,   /* all factors 1: what K means depends on the mesh */
     PALP_SCALING_VOLUME, /* s = V / (L area), V the volume of the tetrahedra around the edge (Van Gelder 1998)
                           */
-    PALP_SCALING_CONTINUUM /* elements across the faces too, between the corners opposite a face that two
-                              tetrahedra share, and factors fitted to the nodal forces of the evenly strained
-                              solid, by least squares, none below a fifth of its part by volume
-                              (doc/meshes.md) */
+    PALP_SCALING_CONTINUUM /* adds elements across faces, between the two corners opposite a face that two
+                              tetrahedra share; the factors are fitted by least squares to the nodal forces of
+                              an evenly strained solid, none below a fifth of that by volume (doc/meshes.md)
+                            */
 } palp_mesh_scaling;
 
 /* Scales the elements, once. area_m2 = 0: the mesh's volume over its height (y). ERR_UNSUPPORTED if an edge

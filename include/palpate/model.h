@@ -15,8 +15,8 @@ typedef enum palp_mesh_kind { PALP_MESH_LATTICE, PALP_MESH_FILE } palp_mesh_kind
 
 enum { PALP_PATH_MAX = 4096, PALP_SPECIMEN_KIND_MAX = 32 };
 
-/* How a network model's mesh is made: 8 KB, kept once beside the models that point to it. A relative path is
- * taken from the model file's folder. */
+/* How the mesh of a network model is made. It takes 8 KB, so models point to it. A relative path is taken
+ * from the folder of the model file. */
 typedef struct palp_mesh_source {
     palp_mesh_kind kind;
     size_t nodes[3];                  /* lattice */
@@ -41,40 +41,40 @@ typedef struct palp_model {
                                      = none, and there is neither a mesh to make nor a model to write */
     double density_kg_m3;         /* network only, 0 = massless */
     double volume_modulus_Pa;     /* network only, 0 = none: see palp_network_settings */
-    const double
-        *fractional; /* [3] K_frac in N, tau_frac in s and exponent of the fractional element whose spectrum
-                        the arms are, for who reads the file, or NULL; the caller's; NULL when it is read */
-    const double *
-        covariance; /* how well the material is known, or NULL; the caller's. Of the law's coefficients, then
-                       K_j and b_j of each arm (the order of palp_forward_get): [n n], n = law.n + 2 n_arms */
-    const double
-        *between; /* [n n] how specimens differ from this, the mean of n_specimens, or NULL; the caller's */
+    /* [3] K_frac in N, tau_frac in s and exponent of the fractional element that the arms approximate; NULL =
+     * none. The caller's; written only, and NULL when a model is read. */
+    const double *fractional;
+    /* Covariance [n n] of the material's n = law.n + 2 n_arms parameters: the law's coefficients, then K_j
+     * and b_j of each arm (the order of palp_forward_get). NULL = not known; the caller's. */
+    const double *covariance;
+    /* [n n] covariance between specimens, if this is the mean of n_specimens; NULL = none; the caller's. */
+    const double *between;
     size_t n_specimens; /* with between, 2 or more */
     size_t n_effects;   /* what is added to the plain model; run by palp_forward_* */
     palp_effect effects[PALP_EFFECTS_MAX];
 } palp_model;
 
-/* Reads and checks a model. mesh (may be NULL: nobody needs it) is the caller's; a network's is filled, also
- * where its reading fails, and the model points to it. ERR_INPUT with "file:line: ..." (Jansson's line for
- * syntax; for a wrong value the line where its key stands, as nearly as can be told) for malformed JSON, a
- * missing or unknown key, a wrong unit in a key ("height_m"), a non-physical number, K(a) <= 0 for a in [0,
- * 0.4]. ERR_LIMIT for a folder that does not fit in the source. ERR_UNSUPPORTED for an effect that this build
- * does not know, or that a model of its kind cannot carry. */
+/* Reads and checks a model. mesh is the caller's, and may be NULL if the mesh is not needed. For a network
+ * it is filled, even if reading then fails, and the model points to it. ERR_INPUT with "file:line: ...":
+ * malformed JSON, a missing or unknown key, a wrong unit in a key ("height_m"), a non-physical number, K(a)
+ * <= 0 for a in [0, 0.4]. The line is that of the syntax error, or of the key with the wrong value.
+ * ERR_LIMIT: a folder name that does not fit in the source. ERR_UNSUPPORTED: an effect that this build does
+ * not know, or that a model of its kind cannot have. */
 PALP_API palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_source *mesh,
                                      palp_error *error);
 
-/* The covariance in a model file, malloc'ed, the caller frees it; NULL where the file has none.
- * palp_model_read checks it and leaves the model's NULL: numbers that are changed are no longer known so
- * well. Errors of palp_model_read. */
+/* The covariance in a model file, malloc'ed, for the caller to free; NULL if the file has none.
+ * palp_model_read checks it but leaves model->covariance NULL, since it would no longer hold for a model
+ * that the caller changes. Errors of palp_model_read. */
 PALP_API palp_status palp_model_read_covariance(const char *path, double **covariance, palp_error *error);
 
-/* How specimens differ, likewise; *n_specimens 0 where the file does not say. */
+/* The covariance between specimens, likewise; *n_specimens is 0 if the file does not have it. */
 PALP_API palp_status palp_model_read_between(const char *path, double **between, size_t *n_specimens,
                                              palp_error *error);
 
-/* The covariance of a specimen that was not measured: that of the mean and the spread together, widened by
- * Student's t so that 1.96 sd hold 95 % of such specimens. total[n n] may be the covariance itself, which is
- * widened already. */
+/* The covariance for a specimen that was not measured: that of the mean plus that between specimens, widened
+ * by Student's t so that +-1.96 sd contain 95 % of such specimens. covariance is already widened in this
+ * way. total[n n] may be covariance itself. */
 PALP_API palp_status palp_model_unmeasured(size_t n, const double *covariance, const double *between,
                                            size_t n_specimens, double *total);
 

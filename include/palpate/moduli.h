@@ -14,13 +14,13 @@ extern "C" {
 typedef struct palp_moduli_settings {
     size_t n_arms;      /* of the relaxation, 0 = elastic */
     bool dwell_only;    /* leave the ramps out */
-    bool contact_known; /* a curved tip's contact is where the recording has it; else it is found with the
+    bool contact_known; /* take the contact of a sphere or cone from the recording; else it is fitted with the
                            moduli */
-    double poisson; /* that is taken for known; NaN = find it, which needs tips of different shape or size */
+    double poisson;     /* known Poisson's ratio; NaN = fit it, which needs tips of different shape or size */
 } palp_moduli_settings;
 
-PALP_API palp_moduli_settings
-palp_moduli_settings_default(void); /* elastic, with the ramps, incompressible: 0.5 */
+/* Elastic, with the ramps, incompressible: 0.5. */
+PALP_API palp_moduli_settings palp_moduli_settings_default(void);
 
 /* A value with its sd and 95 % interval. */
 typedef struct palp_modulus {
@@ -31,17 +31,17 @@ typedef struct palp_modulus {
 typedef struct palp_moduli {
     palp_modulus shear_inf_Pa, shear_0_Pa; /* long-term and instantaneous shear modulus */
     palp_modulus young_inf_Pa, young_0_Pa; /* 2 (1 + nu) G */
-    palp_modulus poisson;                  /* sd 0 and low = high = value: taken for known */
+    palp_modulus poisson;                  /* sd 0 and low = high = value if it was given */
     bool poisson_found;
-    size_t n_tips; /* that differ in shape, size or thickness of the layer */
-    double shear_low_Pa,
-        shear_high_Pa; /* long-term shear modulus were nu 0.5, and 0.3: what one tip leaves open */
+    size_t n_tips; /* number of tips that differ in shape, size or thickness of the layer */
+    double shear_low_Pa, shear_high_Pa; /* long-term shear modulus for a Poisson's ratio of 0.5 and of 0.3,
+                                           between which a single tip cannot decide */
     size_t n_arms;
     double arm_Pa[PALP_ARMS_MAX], tau_s[PALP_ARMS_MAX];
     double largest_depth;   /* over the layer's thickness; 0 for a half-space */
     double widest_contact;  /* radius of contact over the layer's thickness */
-    double largest_shift_m; /* of the contacts that were found, against the recordings' */
-    double misfit; /* rms residual over the rms force, of all runs: large where one modulus does not describe
+    double largest_shift_m; /* largest difference of a fitted contact from that of its recording */
+    double misfit; /* rms residual over the rms force, of all runs; large if one modulus does not describe
                       them */
     bool converged;
 } palp_moduli;

@@ -1,4 +1,5 @@
-/* random.h: random numbers, the same for a seed on every machine: SplitMix64 (Steele, Lea, Flood 2014). Stable. */
+/* random.h: random numbers, the same for a seed on every machine: SplitMix64 (Steele, Lea, Flood 2014).
+ * Stable. */
 #ifndef PALPATE_RANDOM_H
 #define PALPATE_RANDOM_H
 

@@ -1,4 +1,5 @@
-/* realtime.h: stepping a network within a haptic tick: best state reached, with an estimate of its error. Stable. */
+/* realtime.h: stepping a network within a haptic tick: best state reached, with an estimate of its error.
+ * Stable. */
 #ifndef PALPATE_REALTIME_H
 #define PALPATE_REALTIME_H
 

@@ -1,4 +1,5 @@
-/* recording.h: a raw recording made ready for a fit: contact, zero force, noise, what is wrong with it. May change. */
+/* recording.h: a raw recording made ready for a fit: contact, zero force, noise, what is wrong with it. May
+ * change. */
 #ifndef PALPATE_RECORDING_H
 #define PALPATE_RECORDING_H
 
@@ -12,10 +13,10 @@ extern "C" {
 
 enum { PALP_NAME_MAX = 256 };
 
-/* What was done, by the path: one press and perhaps the way back; one press and a dwell; anything else. */
-/* STATIC: a ramp without a dwell, at whatever rate; that the specimen was at rest on it nothing here tells.
- * RAMP_HOLD: a ramp and one dwell. CREEP: a force held while the depth goes on. OTHER: cycles, sweeps,
- * several ramps. */
+/* The kind of an experiment, by its path. */
+/* STATIC: a ramp without a dwell, at any rate; whether the specimen was in equilibrium is not checked.
+ * RAMP_HOLD: a ramp and one dwell. CREEP: a constant force while the depth continues to grow. OTHER: cycles,
+ * sweeps, several ramps. */
 typedef enum palp_recording_kind {
     PALP_RECORDING_STATIC,
     PALP_RECORDING_RAMP_HOLD,
@@ -26,17 +27,16 @@ typedef enum palp_recording_kind {
 /* How contact (depth 0) and zero force were found. */
 typedef enum palp_contact_rule {
     PALP_CONTACT_GIVEN,    /* by the caller, or by the file's contact.rule (palpate import) */
-    PALP_CONTACT_FREE_AIR, /* the mean force in the air is zero force; contact is recorded depth 0, unless the
-                              rising force leads back to a depth more than 3 sds from it, which then is
-                              contact */
-    PALP_CONTACT_NOMINAL   /* the plate was never in the air: contact is recorded depth 0; zero force is the
-                              mean of the rest there, or 0 without one; the contact's sd is the file's
+    PALP_CONTACT_FREE_AIR, /* zero force is the mean force in the air; contact is recorded depth 0, or the
+                              depth to which the rising force extrapolates if that is more than 3 sds away */
+    PALP_CONTACT_NOMINAL   /* the plate was never in the air: contact is recorded depth 0, and zero force the
+                              mean while the plate rests there, or 0; the contact's sd is the file's
                               contact.sd_mm or follows from the beginning of the rise */
 } palp_contact_rule;
 
-/* What a fit takes for known of the contacts of several recordings. KNOWN: they are where the recordings have
- * them. COMMON: all are off by the same. FREE: each run's is off by its own, by a scatter that is learned
- * from the runs. AUTO: FREE where the runs show it, else KNOWN; of palp_explain, FREE. */
+/* What a fit assumes about the contacts of several recordings. KNOWN: they are right. COMMON: all are off by
+ * the same amount. FREE: each is off by an amount of its own, with a standard deviation estimated from the
+ * runs. AUTO: FREE if the runs give evidence for it, else KNOWN; in palp_explain always FREE. */
 typedef enum palp_contact_form {
     PALP_CONTACT_KNOWN,
     PALP_CONTACT_COMMON,
@@ -67,37 +67,38 @@ typedef struct palp_recording {
     unsigned char *use;              /* [n] 0 = masked: a spike, clipped, withdrawal */
     double deepest_m;                /* largest depth */
     double ramp_start_s, ramp_end_s; /* first motion into the specimen: its start and its end */
-    palp_pieces creep;               /* where a force was held while the depth went on; owned */
-    double end_s;                    /* of the press: from the last withdrawal on, samples are masked */
+    palp_pieces creep;  /* where the force was constant while the depth continued to grow; owned */
+    double end_s;       /* end of the press: samples from the last withdrawal on are masked */
     bool contact_found; /* the file says that its depth and force are already relative to contact */
     palp_contact_rule contact_rule;
     double contact_m, contact_sd_m; /* recorded depth at contact */
     double zero_N, zero_sd_N;       /* recorded force at zero */
     double noise_N;                 /* sd of a sample's white noise, from differences */
-    double correlation;             /* of the noise from sample to sample, in a still end; 0 without one */
-    double hum_Hz, hum_N;           /* strongest line in 45-65 Hz and its amplitude; 0 if none stands out */
+    double correlation;   /* of the noise between neighbouring samples, from a final dwell; 0 without one */
+    double hum_Hz, hum_N; /* strongest line in 45-65 Hz and its amplitude; 0 if none stands out */
     size_t n_spikes, n_clipped;
-    size_t n_missing; /* samples that the clock's step tells of and that are not there */
-    size_t n_gaps;    /* time steps over 3 of the clock's, and over what samples missing by chance make */
+    size_t n_missing; /* samples missing on a regular clock */
+    size_t
+        n_gaps; /* time steps longer than 3 of the clock's and longer than randomly missing samples explain */
     double longest_gap_s;
     bool faulted; /* the file has an end.fault that ended it */
     bool uneven;  /* one time step in a hundred is off the median by over 1 % (gaps aside) */
 } palp_recording;
 
-/* Prepares an experiment; name is copied (the file's name, for messages). ERR_INPUT with a line for a
- * recording that cannot be used: depth or force in the wrong sign, no motion, no height, force that never
- * leaves its noise, fewer than 16 samples, numbers that are not finite, times that do not increase. */
+/* Prepares an experiment; name, the file's name for messages, is copied. ERR_INPUT with a line for a
+ * recording that cannot be used: depth or force of the wrong sign, no motion, no height, a force that stays
+ * within its noise, fewer than 16 samples, a number that is not finite, times that do not increase. */
 PALP_API palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,
                                             const palp_recording_settings *settings,
                                             palp_recording *recording, palp_error *error);
 PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, zeroes; NULL is fine */
 
-/* As of a specimen whose lengths are length times as large and whose area is force times as large, so that
- * stress and strain stay: depth, height and contact, and force, its zero and noise. The radius follows the
- * area. */
+/* Scales a recording to a specimen whose lengths are length times and whose area is force times as large:
+ * stress and strain stay. Depth, height and contact change, and force, its zero and its noise. The radius
+ * follows the area. */
 PALP_API void palp_recording_scale(palp_recording *recording, double length, double force);
 
-/* The kind that the pieces of a path make; PALP_RECORDING_OTHER for NULL. */
+/* The kind of a path with these pieces; PALP_RECORDING_OTHER for NULL. */
 PALP_API palp_recording_kind palp_recording_kind_of(const palp_pieces *pieces);
 
 /* Zero-phase low-pass: a Butterworth filter of an even order 2..8, run forward and backward (so twice

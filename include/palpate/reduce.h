@@ -1,4 +1,5 @@
-/* reduce.h: a network too large for a tick, reduced: few coordinates, few of its elements. May change. */
+/* reduce.h: reduced models of networks that are too large for a tick: few coordinates (POD) and few elements
+ * (ECSW). May change. */
 #ifndef PALPATE_REDUCE_H
 #define PALPATE_REDUCE_H
 
@@ -29,7 +30,8 @@ typedef struct palp_reduce_settings {
     double tolerance;         /* of the shapes: share of the energy norm that may be left out; 1e-3 */
     size_t elements;          /* most elements kept; at least the network's own number = all; 1200 */
     double element_tolerance; /* of the sampled forces on the snapshot paths, relative; 3e-3 */
-    size_t static_modes;      /* of the modes, this many answer unit loads where tools have touched; 0 */
+    size_t static_modes; /* number of the modes that are responses to unit loads at places that tools touched;
+                            0 */
 } palp_reduce_settings;
 
 PALP_API palp_reduce_settings palp_reduce_settings_default(void);
@@ -91,11 +93,11 @@ typedef struct palp_reduced_info {
     bool converged;       /* false: the best state reached within the iterations */
     double residual;      /* relative */
     double force_N;       /* reaction conjugate to depth */
-    double force_error_N; /* bound times the largest force since the reset, at least held_out_peak_N; grown by
-                             outside */
-    double outside;  /* 0: within the snapshots; else by how much of its range a coordinate is beyond it */
-    size_t contacts; /* nodes in touch */
-    double beyond;   /* as of palp_step_info, of the elements that are kept */
+    double force_error_N; /* bound times the largest force since the reset, or held_out_peak_N if that is
+                             larger; grows with outside */
+    double outside;       /* 0: within the snapshots; else by how much of its range a coordinate exceeds it */
+    size_t contacts;      /* nodes in touch */
+    double beyond;        /* as of palp_step_info, of the elements that are kept */
 } palp_reduced_info;
 
 /* One step to depth_m with n_tools tools in these poses after dt_s seconds (INFINITY = relaxed), committed.
@@ -114,8 +116,9 @@ PALP_API void palp_reduced_reset(palp_reduced *reduced); /* undeformed, no histo
 PALP_API palp_status palp_reduced_positions(const palp_reduced *reduced, size_t n, const int32_t *nodes,
                                             double *x_m);
 PALP_API size_t palp_reduced_node_count(const palp_reduced *reduced);
-PALP_API size_t
-palp_reduced_triangle_count(const palp_reduced *reduced); /* of the surface, as palp_mesh_triangles */
+
+/* Triangles of the surface, as palp_mesh_triangles. */
+PALP_API size_t palp_reduced_triangle_count(const palp_reduced *reduced);
 PALP_API const int32_t *palp_reduced_triangles(const palp_reduced *reduced);
 
 /* Writes path, JSON, and beside it the arrays, little-endian, as path's name with .bin for .json; both under

@@ -1,5 +1,5 @@
-/* spectrum.h: storage and loss stiffness of a specimen against frequency, by its recordings alone: no model,
- * no protocol. What a model has instead is palp_lumped_oscillation. May change. */
+/* spectrum.h: storage and loss stiffness against frequency, measured from recordings without a model or
+ * protocol. palp_lumped_oscillation gives those of a model. May change. */
 #ifndef PALPATE_SPECTRUM_H
 #define PALPATE_SPECTRUM_H
 
@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-/* What a stretch of an oscillation tells. Where the plate goes by d cos(w t), the force follows by
- * d (storage cos(w t) - loss sin(w t)). Intervals are value -+ 1.96 sd. */
+/* The result of one stretch of an oscillation. If the plate moves as d cos(w t), the force is d (storage
+ * cos(w t) - loss sin(w t)). 95 % intervals are value -+ 1.96 sd. */
 typedef struct palp_spectrum_point {
     double frequency_Hz; /* in the middle of the stretch */
     double from_s, to_s, cycles;
@@ -23,12 +23,13 @@ typedef struct palp_spectrum {
     palp_spectrum_point *point; /* [n] owned, in the order of time */
 } palp_spectrum;
 
-/* The spectrum of a recording: of each cycle and sweep of its path (palp_segments_pieces), in stretches of a
- * quarter of an octave, or three cycles where those last longer, or a hundred. Path and force of a stretch
- * are fitted by the driven frequency, how it and the amplitude change, its two first harmonics and a slow
- * drift; storage and loss are the ratio of both at the driven frequency. The first and the last cycle are
- * left out, of cycles of one length the first quarter, and stretches in which the plate leaves the specimen.
- * n = 0 where nothing oscillates. palp_spectrum_free. ERR_ARGUMENT, ERR_NO_MEMORY. */
+/* The spectrum of a recording: each cycle and sweep of its path (palp_segments_pieces) is cut into
+ * stretches. A stretch spans a quarter of an octave, or three cycles if those take longer, and at most a
+ * hundred cycles. Path and force of a stretch are fitted by the driven frequency, its change, the change of
+ * the amplitude, the first two harmonics and a slow drift. Storage and loss are the ratio of force to path
+ * at the driven frequency. Left out are the first and the last cycle, the first quarter of cycles of
+ * constant length, and stretches in which the plate leaves the specimen. n = 0 if nothing oscillates.
+ * palp_spectrum_free. ERR_ARGUMENT, ERR_NO_MEMORY. */
 PALP_API palp_status palp_spectrum_measure(const palp_recording *recording, palp_spectrum *spectrum);
 PALP_API void palp_spectrum_free(palp_spectrum *spectrum); /* frees what is owned, zeroes; NULL is fine */
 

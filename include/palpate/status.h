@@ -30,9 +30,9 @@ typedef enum palp_status {
         PALP_STATUS_COUNT
 } palp_status;
 
-/* The rule for pointers, of every call: one that the call needs and is NULL gives PALP_ERR_ARGUMENT where a
- * status is returned, else 0, false, NULL or, of a double, NaN; nothing is changed. What may be NULL is said
- * at the call: palp_error *, info and user of all of them, what is freed, and arrays of no element. */
+/* NULL pointers: a call that gets NULL for something it needs changes nothing. It returns PALP_ERR_ARGUMENT,
+ * or 0, false, NULL or, for a double, NaN. May be NULL in all calls: palp_error *, info, user, what is to be
+ * freed, and arrays without elements. Other pointers that may be NULL are named at the call. */
 
 /* One English line for a status, "unknown status" for a value outside the list. Never NULL. */
 PALP_API const char *palp_status_text(palp_status status);

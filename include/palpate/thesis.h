@@ -1,5 +1,5 @@
-/* thesis.h: the procedures of the thesis (Sedef 2008) as printed, kept to reproduce its tables;
- * characterize.h and calibrate.h have those to use. May change. */
+/* thesis.h: the procedures of the thesis (Sedef 2008) as printed, to reproduce its tables. For other uses
+ * there are characterize.h and calibrate.h. May change. */
 #ifndef PALPATE_THESIS_H
 #define PALPATE_THESIS_H
 
@@ -42,10 +42,10 @@ typedef struct palp_three_phase_settings {
 /* 80 runs of 1 ms steps, 0.01, 1e-3 N/s, nodes in equilibrium throughout. */
 PALP_API palp_three_phase_settings palp_three_phase_settings_default(void);
 
-/* Figure 5.21, one arm and one ramp and hold from rest: peak force by K1 and b1, time to the steady state by
- * b1, force there by the law's scale, again until all three are within error_bound. The network's material is
- * replaced by the result. ERR_UNSUPPORTED: not one arm; ERR_ARGUMENT: another path, a record without force or
- * that ends with its ramp. */
+/* Figure 5.21, one arm and one ramp and hold from rest. In turn K1 and b1 are changed for the peak force, b1
+ * for the time to the steady state, and the law's scale for the force there. This is repeated until all
+ * three errors are within error_bound. The network's material is replaced by the result. ERR_UNSUPPORTED:
+ * not one arm; ERR_ARGUMENT: another path, a record without force or that ends with its ramp. */
 PALP_API palp_status palp_thesis_three_phase(palp_network *network, const palp_material *start,
                                              const palp_target *target,
                                              const palp_three_phase_settings *settings,

@@ -10,7 +10,7 @@ stable() { first "$1" | grep -q '\bStable\.'; }
 for h in include/palpate/*.h; do
     stable "${h##*/}" || first "${h##*/}" | grep -q "\bMay change\." || [ "$h" = include/palpate/palpate.h ] ||
         { echo "$h: the first comment does not say Stable. or May change."; exit 1; }
-    ! stable "${h##*/}" || for used in $(sed -n 's/^#include <palpate/\([^>]*\)>.*/\1/p' "$h"); do
+    ! stable "${h##*/}" || for used in $(sed -n 's|^.include <palpate/\([^>]*\)>.*|\1|p' "$h"); do
         stable "$used" || { echo "$h is stable and includes $used, which may change"; exit 1; }
     done
     name=palpate/${h##*/}
