@@ -1,4 +1,5 @@
-/* device.c: handshake, commands that are repeated until they are answered, and what arrives meanwhile. */
+/* device.c: the handshake, commands repeated until they are answered, and the frames that arrive meanwhile.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "device.h"
 
@@ -13,15 +14,15 @@ enum {
     HELLO_TRIES = 24, /* 6 s: a PTY may be noticed only after a second */
     TRIES = 12,
     WRITE_MS = 1000,
-    ALIVE_MS = 500, /* of our clock, and of the device's, which may be faster where it is simulated */
+    ALIVE_MS = 500, /* by our clock and by the device's; a simulated device may run faster than ours */
     READ_SIZE = 4096,
     NAP_MS = 1
 };
 
-/* A command under way. */
+/* A command that waits for its answer. */
 typedef struct pending {
     const palp_wire_message *command;
-    palp_wire_message *answer; /* NULL: the ACK is enough */
+    palp_wire_message *answer; /* NULL: an ACK is enough */
     bool acked, answered, mistaken;
     uint8_t result;
 } pending;
@@ -30,7 +31,7 @@ typedef struct pending {
 
 static unsigned count_losses(device *d, const palp_wire_message *m) {
     unsigned gap = (uint16_t)(m->sequence - d->device_sequence - 1);
-    if (!d->heard || gap >= 0x8000) { /* the first, or it has started anew */
+    if (!d->heard || gap >= 0x8000) { /* this is the first frame, or the device has restarted */
         gap = 0;
     }
     if (d->heard && m->lost > d->device_lost)
@@ -104,14 +105,14 @@ static device_result from_link(device *d, link_result result) {
     return result == LINK_TIMEOUT ? DEVICE_TIMEOUT : DEVICE_CLOSED;
 }
 
-/* A processor under QEMU sends byte by byte: a reader that wakes for each takes most of the machine's time.
- */
+/* A processor under QEMU sends byte by byte. A reader that wakes for each byte would take most of the
+ * computer's time. */
 static void nap(void) {
     const struct timespec t = {.tv_nsec = 1000000L * NAP_MS};
     nanosleep(&t, NULL);
 }
 
-/* One read, at least a byte within timeout_s. */
+/* Reads once; waits at most timeout_s for the first byte. */
 static device_result pump(device *d, double timeout_s, pending *p) {
     uint8_t byte[READ_SIZE];
     palp_wire_message m;
@@ -129,7 +130,7 @@ static device_result pump(device *d, double timeout_s, pending *p) {
 
 /* ---- what is sent ---- */
 
-/* After a zero, so that what the line made up before does not spoil it. */
+/* A zero goes first: it ends whatever noise on the line looked like the beginning of a frame. */
 static device_result send_frame(device *d, const palp_wire_message *m) {
     uint8_t frame[1 + PALP_WIRE_FRAME_MAX] = {0};
     size_t n = palp_wire_encode(m, frame + 1);
@@ -151,7 +152,7 @@ device_result device_halt(device *d) {
     return result == LINK_OK ? DEVICE_OK : result == LINK_TIMEOUT ? DEVICE_TIMEOUT : DEVICE_CLOSED;
 }
 
-/* An ACK of another version alone does not say which: INFO is worth waiting for. */
+/* An ACK alone does not say which other version the device has; INFO does, so it is waited for. */
 static bool done(const pending *p) {
     bool is_final = p->result != PALP_WIRE_RESULT_DONE && p->result != PALP_WIRE_RESULT_VERSION;
     return p->acked && (p->answered || !p->answer || is_final);
@@ -188,7 +189,7 @@ static device_result command_within(device *d, palp_wire_message *command, palp_
             return result;
         if (p.acked && (p.result != PALP_WIRE_RESULT_DONE || !answer || p.answered))
             return p.result == PALP_WIRE_RESULT_DONE ? DEVICE_OK : refused(d, &p);
-        if (p.acked || p.mistaken) { /* its answer got lost, or the device knows the number from before */
+        if (p.acked || p.mistaken) { /* its answer was lost, or the device has seen this number before */
             command->sequence = d->sequence++;
             p.acked = p.mistaken = false;
         }
@@ -206,7 +207,7 @@ device_result device_do(device *d, palp_wire_type type, palp_wire_message *answe
     return device_command(d, &command, answer);
 }
 
-/* Seconds until the device should hear from us; not above 0 = now. */
+/* Seconds until the next ALIVE is due; 0 or less: now. */
 static double until_alive(const device *d) {
     double left_s = d->alive_s + 1e-3 * ALIVE_MS - link_now_s();
     return d->device_tick - d->alive_tick >= ALIVE_MS ? 0 : left_s;
@@ -254,7 +255,7 @@ static void say_other_version(device *d, const char *where, const palp_wire_mess
              PALP_WIRE_VERSION);
 }
 
-/* HELLO until INFO comes. */
+/* Sends HELLO until INFO comes. */
 static device_result shake_hands(const char *where, device *d) {
     palp_wire_message hello = {.type = PALP_WIRE_TYPE_HELLO, .as.hello = {.protocol = PALP_WIRE_VERSION}},
                       info = {0};
@@ -278,7 +279,7 @@ static device_result open_link(const char *where, int baud, device *d, link_t **
 }
 
 device_result device_open(const char *where, int baud, device *d) {
-    *d = (device){.sequence = (uint16_t)(time(NULL) ^ getpid())}; /* not the last session's */
+    *d = (device){.sequence = (uint16_t)(time(NULL) ^ getpid())}; /* differs from that of the last session */
     device_result result = open_link(where, baud, d, &d->link);
     if (result)
         return result;
@@ -289,7 +290,7 @@ device_result device_open(const char *where, int baud, device *d) {
     return result;
 }
 
-/* The old one first, which may still hold the port. */
+/* The old link is closed first: it may still hold the port. */
 static void change_link(device *d, link_t *next) {
     pthread_mutex_lock(&d->writing);
     link_close(d->link);

@@ -1,4 +1,4 @@
-/* device_parameters.h: what can be set of an indenter, by name: read, set, kept in its flash. */
+/* device_parameters.h: the parameters of an indenter, by name: read, set, saved in its flash. */
 #ifndef PALPATE_DEVICE_PARAMETERS_H
 #define PALPATE_DEVICE_PARAMETERS_H
 
@@ -19,20 +19,21 @@ typedef struct device_parameters {
     device_parameter one[DEVICE_PARAMETERS];
 } device_parameters;
 
-/* Reads the first at_most of them; all: DEVICE_PARAMETERS. */
+/* Reads the first at_most parameters; DEVICE_PARAMETERS reads all. */
 device_result device_parameters_read(device *d, size_t at_most, device_parameters *p);
 device_result device_configuration(device *d, palp_wire_configuration *now);
 
-/* NULL: there is none of that name and index. */
+/* NULL: there is no parameter of that name and index. */
 const device_parameter *device_parameter_find(const device_parameters *p, const char *name, size_t index);
-/* Its value; NAN: there is none. */
+/* The same parameter's value; NAN where there is none. */
 double device_parameter_value(const device_parameters *p, const char *name, size_t index);
 
-/* In IDLE. DEVICE_REFUSED: why says the range. */
+/* In state IDLE only. DEVICE_REFUSED: why has the range. */
 device_result device_parameter_set(device *d, const device_parameter *one, double value);
 void device_parameter_refuse(const device_parameter *one, double value,
                              char why[DEVICE_TEXT]); /* these words */
-/* Into flash, in IDLE; waits until it is there. DEVICE_REFUSED: it did not come out as it should. */
+/* Saves the parameters in flash, in state IDLE only, and waits until that is done. DEVICE_REFUSED: what the
+ * flash holds afterwards is not what was written. */
 device_result device_save(device *d);
 
 /* "compiled in", "flash", "compiled in, flash damaged". */
@@ -41,7 +42,7 @@ const char *device_source_text(uint8_t source);
 /* Days since 1970-01-01 as 2026-03-01; empty for 0 and NAN. */
 void device_date(double day, char text[16]);
 
-/* The shortest text that gives just this number back. */
+/* The shortest text that reads back as exactly this number. */
 void device_parameter_text(float value, char text[24]);
 double device_parameter_plain(float value); /* the number of that text */
 

@@ -38,7 +38,8 @@ double link_now_s(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Until fd is ready for events or has failed, which the next read or write tells: 1; 0 = not by until_s. */
+/* Waits until fd is ready for events or has failed; the next read or write says which. Returns 1, or 0 if
+ * neither happened by until_s. */
 static int wait_for(int fd, short events, double until_s) {
     for (;;) {
         struct pollfd one = {.fd = fd, .events = events};
@@ -105,7 +106,7 @@ static int connect_to(int family, const struct sockaddr *address, socklen_t leng
         errno = failed;
         return -1;
     }
-    if (family != AF_UNIX) { /* commands are small and want to go at once */
+    if (family != AF_UNIX) { /* commands are small and must not wait for more bytes */
         setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     }
     return fd;
@@ -234,7 +235,7 @@ static ssize_t write_some(link_t *l, const void *buffer, size_t size) {
     return l->socket ? send(l->fd, buffer, size, MSG_NOSIGNAL) : write(l->fd, buffer, size);
 }
 
-/* After a failed read or write; error 0 = the end of the bytes. */
+/* The result after a failed read or write; error 0: end of file. */
 static link_result went_wrong(link_t *l, int error) {
     static const int gone[] = {0, EIO, ENXIO, ENODEV, EPIPE, ECONNRESET, ENOTCONN, ETIMEDOUT};
     for (size_t i = 0; i < sizeof gone / sizeof gone[0]; i++) {

@@ -17,17 +17,17 @@ enum { LINK_TEXT = 256, LINK_BAUD = 921600 };
 link_result link_open(const char *where, int baud, link_t **made, char why[LINK_TEXT]);
 void link_close(link_t *l);
 
-/* Reads what is there, at least one byte within timeout_ms; *got bytes. Retries EINTR. LINK_CLOSED: unplugged
- * or the other end went away; link_error says how. */
+/* Reads what is there, *got bytes; waits at most timeout_ms for the first. LINK_CLOSED: unplugged, or the
+ * other end has gone; link_error has the reason. */
 link_result link_read(link_t *l, void *buffer, size_t size, size_t *got, int timeout_ms);
 /* Writes all of it within timeout_ms. */
 link_result link_write(link_t *l, const void *buffer, size_t size, int timeout_ms);
 const char *link_error(const link_t *l);
 
-/* Ports that libserialport sees, one a line with its description, on stdout. Returns how many; -1 = error. */
+/* Prints the serial ports, one a line with its description. Returns how many there are; -1: error. */
 int link_list(void);
 
-/* Seconds of a clock that only goes forward. */
+/* Seconds of a clock that is never set back. */
 double link_now_s(void);
 
 #endif

@@ -76,7 +76,9 @@ struct sp_port *link_serial_open(const char *name, int baud, int *fd, char why[L
     if (!mine)
         say_why(name, errno, why);
     else
-        (void)ioctl(*fd, TIOCEXCL); /* the lock keeps palpate out, also that of root; this, other programs */
+        (void)ioctl(
+            *fd,
+            TIOCEXCL); /* flock keeps other palpates out, even root's; this keeps out all other programs */
     if (!mine || !configure(port, name, baud, why)) {
         link_serial_close(port);
         return NULL;

@@ -1,4 +1,4 @@
-/* link_serial.h: a link's door to libserialport. */
+/* link_serial.h: what a link needs of libserialport. */
 #ifndef PALPATE_LINK_SERIAL_H
 #define PALPATE_LINK_SERIAL_H
 
@@ -8,7 +8,8 @@
 
 struct sp_port;
 
-/* Opens it raw, 8N1, without flow control, for us alone; *fd is for poll(). NULL and why on failure. */
+/* Opens a port raw, 8N1, without flow control and closed to other programs; *fd is for poll(). On failure
+ * NULL, and why has the reason. */
 struct sp_port *link_serial_open(const char *name, int baud, int *fd, char why[LINK_TEXT]);
 void link_serial_close(struct sp_port *port);
 

@@ -1,4 +1,5 @@
-/* panel.h: the parts of palpate panel: what its threads share, the indenter's owner, the pages' requests. */
+/* panel.h: the parts of palpate panel: the data its threads share, the thread that owns the indenter, the
+ * requests of the pages. */
 #ifndef PALPATE_PANEL_H
 #define PALPATE_PANEL_H
 
@@ -29,7 +30,7 @@ typedef struct panel_command {
     char file[CLI_PATH_MAX]; /* of START: the protocol */
 } panel_command;
 
-/* What is drawn: the mean of a block of samples. */
+/* A point of the plots: the mean of a block of samples. */
 typedef struct panel_point {
     double time_s;             /* of the device */
     double place_mm, depth_mm; /* below home; below contact, NAN = not known */
@@ -37,7 +38,7 @@ typedef struct panel_point {
     unsigned run; /* 0 = not of a recording */
 } panel_point;
 
-/* What the owner has seen last. */
+/* The newest state that the owner has seen. */
 typedef struct panel_view {
     palp_wire_status status;
     palp_wire_limits_now limits;
@@ -59,13 +60,13 @@ typedef struct panel_note {
     bool bad;
 } panel_note;
 
-/* What takes long and moves nothing. */
+/* A calculation: it takes long and moves nothing. */
 enum { PANEL_JOB_RUNS = 256 };
 typedef enum panel_job_what { PANEL_FIT, PANEL_EXPLAIN, PANEL_REPORT } panel_job_what;
 
 typedef struct panel_job {
     panel_job_what what;
-    bool started, running, cancelled; /* started: its thread is to be joined */
+    bool started, running, cancelled; /* started: its thread must be joined */
     bool good;                        /* the last one */
     size_t done;                      /* jobs that have ended */
     pthread_t thread;
@@ -74,7 +75,7 @@ typedef struct panel_job {
     char run[PANEL_JOB_RUNS][ACQUIRE_NAME + 8];
 } panel_job;
 
-/* One thread owns the indenter; those of the requests ask it by what the lock guards. */
+/* One thread owns the indenter. The threads of the requests ask it by the fields that the lock guards. */
 typedef struct panel {
     acquire_setup *setup;
     device *device; /* for device_halt alone */
@@ -82,10 +83,10 @@ typedef struct panel {
     unsigned port;
     pthread_mutex_t lock;
     panel_command command;
-    bool waiting, busy; /* a command is to be taken; or is under way */
-    bool stop;          /* what is under way is to end */
+    bool waiting, busy; /* a command waits to be taken; one is being carried out */
+    bool stop;          /* the command that is being carried out must end */
     panel_view view;
-    size_t notes; /* so far; the last PANEL_NOTES are kept */
+    size_t notes; /* counted from the start; the last PANEL_NOTES are kept */
     panel_note note[PANEL_NOTES];
     size_t points; /* likewise */
     panel_point point[PANEL_POINTS];
@@ -94,26 +95,26 @@ typedef struct panel {
 
 /* ---- what is shared (panel_state.c) ---- */
 
-/* False where another command has not ended yet: none is kept for later. */
+/* False while another command has not ended: a command is never kept for later. */
 bool panel_ask(panel *p, const panel_command *command);
-void panel_stop(panel *p); /* ends what is under way, by withdrawing */
+void panel_stop(panel *p); /* ends the command in progress; the plate withdraws */
 bool panel_take(panel *p, panel_command *command);
 void panel_done(panel *p);
 bool panel_is_to_stop(panel *p);
 void panel_say(panel *p, bool bad, const char *format, ...);
 void panel_add(panel *p, const panel_point *point, const panel_view *view);
 void panel_see(panel *p, const panel_view *view);
-/* State, the points and notes since those numbers. The caller's. */
+/* State, and the points and notes after those numbers. The caller frees it. */
 json_t *panel_live(panel *p, size_t point, size_t note);
 const char *panel_advice(uint8_t fault); /* what to do */
 
-/* Takes the current from the motor without the owner, whatever that is doing. True once the device has said
- * that it stopped. */
+/* Takes the current from the motor, whatever the owner is doing. True once the device has confirmed that it
+ * stopped. */
 bool panel_emergency(panel *p);
 
 /* ---- the owner (panel_owner.c) ---- */
 
-/* Connected, until Ctrl-C; an exit code. Does what the pages ask for. */
+/* Connects, and does what the pages ask for, until Ctrl-C. Returns an exit code. */
 int panel_own(panel *p, session *s);
 
 /* ---- requests (panel_answer.c) ---- */
@@ -138,14 +139,15 @@ panel_reply panel_answer(panel *p, const panel_request *request);
 
 char *panel_page(size_t *n); /* from malloc; NULL = out of memory */
 
-/* Runs this program with these arguments until it ends; the exit code, -1 where it could not be started. out,
- * words: what it printed on the two, from malloc. argv ends with NULL; argv[0] is set. job: whose child it
- * is; or NULL. */
+/* Runs this program with these arguments until it ends. Returns its exit code, -1 where it did not start.
+ * out, words: its stdout and stderr, from malloc. argv ends with NULL; argv[0] is set here. job: notes the
+ * child there; may be NULL. */
 int panel_child(const char **argv, char **out, char **words, panel *job);
 
 /* ---- what is in the folder (panel_runs.c) ---- */
 
-/* The path of a file there that has this end, and whose name leads nowhere else. folder: "" or "fits/". */
+/* The path of a file in the output folder whose name ends so and has no folder in it. folder: "" or "fits/".
+ */
 bool panel_file(const panel *p, const char *folder, const char *name, const char *end,
                 char path[CLI_PATH_MAX]);
 json_t *panel_runs(const panel *p);
@@ -153,9 +155,9 @@ json_t *panel_curve(const char *path, char why[ACQUIRE_TEXT]); /* NULL and why *
 
 /* ---- fits, explain, the report (panel_job.c) ---- */
 
-#define PANEL_MODEL "all_runs.json" /* of all runs that were chosen, in fits/ */
+#define PANEL_MODEL "all_runs.json" /* of all chosen runs together, in fits/ */
 
-/* runs: names between commas. False and why where none can be done now. */
+/* runs: names between commas. False, and why, where no calculation can begin now. */
 bool panel_job_start(panel *p, panel_job_what what, const char *runs, char why[ACQUIRE_TEXT]);
 void panel_job_cancel(panel *p);
 void panel_job_close(panel *p);
@@ -164,7 +166,8 @@ void panel_job_close(panel *p);
 
 typedef struct panel_server panel_server;
 
-bool panel_server_there(const char *name); /* or this program was built without; after one line on stderr */
+bool panel_server_there(
+    const char *name); /* false: this program was built without a server; says so on stderr */
 
 /* Listens on 127.0.0.1 (port 0 = any that is free), sets p->port; NULL after one line on stderr. */
 panel_server *panel_server_open(const char *name, panel *p, unsigned port);

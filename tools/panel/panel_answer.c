@@ -1,4 +1,4 @@
-/* panel_answer.c: what the page asks for, by its path. */
+/* panel_answer.c: the answers to the page's requests, by path. */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 #include "shared/json_out.h"
@@ -76,7 +76,7 @@ static panel_reply get_curve(panel *p, const panel_request *q) {
     return curve ? json_reply(OK, curve) : wrong(BAD, "%s", why);
 }
 
-/* What a calculation has left: pages, models, the next experiment. */
+/* Results of a calculation: pages, models, the next experiment. */
 static panel_reply get_made(panel *p, const panel_request *q) {
     const char *name = q->query(q->context, "name");
     char path[CLI_PATH_MAX];
@@ -104,8 +104,8 @@ static panel_reply post_job(panel *p, const panel_request *q) {
 
 /* ---- a protocol: what the page's form makes ---- */
 
-/* Tried by the very program that would run it; its words without the name of the file, which nobody has
- * given. */
+/* Tries the protocol with the program that would run it. Its message loses the file's name, which the user
+ * never gave. */
 static panel_reply try_plan(panel *p, const char *file) {
     const acquire_options *o = &p->setup->session;
     char height[32], *out, *words;
@@ -143,8 +143,8 @@ static bool write_all(int fd, const char *text) {
     return true;
 }
 
-/* As the first protocol.json, protocol_2.json ... that is not there yet: it stays beside what is recorded by
- * it. */
+/* Writes the protocol to the first of protocol.json, protocol_2.json ... that does not exist yet. It stays
+ * beside the recordings made by it. */
 static bool keep_protocol(const panel *p, const char *text, char file[CLI_PATH_MAX]) {
     int fd = -1;
     for (int k = 1; fd < 0 && k < 100000 && (k == 1 || errno == EEXIST); k++) {
@@ -158,7 +158,7 @@ static bool keep_protocol(const panel *p, const char *text, char file[CLI_PATH_M
     return fd >= 0 && close(fd) == 0 && good;
 }
 
-/* Tries it; where it is kept, the file stays. */
+/* Tries it; the file stays only where keep says so and it is good. */
 static panel_reply with_protocol(panel *p, const panel_request *q, bool keep, char file[CLI_PATH_MAX]) {
     if (!keep_protocol(p, q->body, file))
         return wrong(FAILED_HERE, "%s: %s", file, strerror(errno));

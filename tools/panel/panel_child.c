@@ -1,4 +1,4 @@
-/* panel_child.c: this program once more, as a child with other arguments: what it prints is the answer. */
+/* panel_child.c: runs this program as a child with other arguments, and returns what it prints. */
 #define _XOPEN_SOURCE 700
 #include "panel.h"
 
@@ -21,7 +21,7 @@ typedef struct text {
     size_t n, size;
 } text;
 
-/* False at the end of what the child says. */
+/* False at the end of the child's output. */
 static bool take(text *t, int fd) {
     if (t->n + 4096 > t->size) {
         char *more = t->size < TEXT_MAX ? realloc(t->at, 2 * t->size + 8192) : NULL;
@@ -77,7 +77,7 @@ static void note_child(panel *job, pid_t child) {
         pthread_mutex_lock(&job->lock);
         job->job.child = child;
         if (child > 0)
-            setpriority(PRIO_PROCESS, (id_t)child, 10); /* the samples come first */
+            setpriority(PRIO_PROCESS, (id_t)child, 10); /* recording samples goes before calculating */
         pthread_mutex_unlock(&job->lock);
     }
 }

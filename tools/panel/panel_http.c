@@ -40,7 +40,7 @@ struct panel_server {
     visitor visitor[CONNECTIONS];
 };
 
-/* What has come of a request so far. */
+/* The part of a request that has arrived so far. */
 typedef struct arriving {
     size_t n;
     bool too_long;
@@ -49,7 +49,7 @@ typedef struct arriving {
 
 /* ---- who may ask ---- */
 
-/* In a time that does not tell how much of it is right. */
+/* Takes the same time for every wrong token, so that a guess learns nothing from it. */
 static bool is_token(const panel *p, const char *text) {
     unsigned different = 0;
     if (!text || strlen(text) != PANEL_TOKEN - 1)
@@ -247,7 +247,7 @@ static bool make_token(char token[PANEL_TOKEN]) {
     return good;
 }
 
-/* Its threads hear no Ctrl-C: that is for the one that owns the indenter. */
+/* Ctrl-C is blocked in its threads: the thread that owns the indenter takes it. */
 static struct MHD_Daemon *start(panel_server *s, unsigned port) {
     struct sockaddr_in here = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
     sigset_t all, before;

@@ -1,5 +1,5 @@
-/* panel_job.c: what takes long and moves nothing: fits, explain, the report; one at a time, as children of a
- * thread of its own. */
+/* panel_job.c: the calculations: fits, explain, the report. One runs at a time, as child processes that a
+ * thread waits for. */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 
@@ -36,7 +36,7 @@ static void runs(line *l, const panel *p) {
         file(l, p, "", p->job.run[i], ".csv");
 }
 
-/* Each fit of one run, then that of all of them. */
+/* Fits each run alone, then all of them together. */
 static void fit_line(line *l, const panel *p, size_t i) {
     char *model = place(l);
     const char *name = p->job.run[i];
@@ -54,7 +54,7 @@ static void all_line(line *l, const panel *p) {
     file(l, p, "fits/", PANEL_MODEL, ".json");
 }
 
-/* No next experiment of an earlier time stays. */
+/* The next experiment of an earlier result must not stay. */
 static void explain_line(line *l, const panel *p) {
     char old[CLI_PATH_MAX];
     if (panel_file(p, "fits/", "next.json", ".json", old))
@@ -88,7 +88,7 @@ static bool is_cancelled(panel *p) {
     return cancelled;
 }
 
-/* False after its last words became a note. */
+/* False after a failure, whose message has become a note. */
 static bool run_line(panel *p, line *l) {
     char *out = NULL, *words = NULL;
     int code = is_cancelled(p) ? -1 : panel_child(l->argv, &out, &words, p);
@@ -121,7 +121,7 @@ static void *work(void *context) {
             memset(l, 0, sizeof *l);
             word(l, NULL);
             fit_line(l, p, i);
-            run_line(p, l); /* one that does not fit alone may be of use beside others */
+            run_line(p, l); /* a run that cannot be fitted alone may be of use with others */
         }
         if (p->job.n > 1)
             make(p, l, all_line, &good);

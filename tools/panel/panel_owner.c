@@ -1,5 +1,5 @@
-/* panel_owner.c: the one thread that speaks with the indenter: does what the pages ask for, and shows what
- * comes. */
+/* panel_owner.c: the one thread that talks to the indenter: it carries out the pages' commands and keeps what
+ * they show. */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 
@@ -109,7 +109,7 @@ static outcome find_contact(owner *o) {
     return end;
 }
 
-/* Not in the specimen, whose force would then be none. */
+/* Not in the specimen: its force would then count as zero. */
 static outcome tare(owner *o) {
     const session *s = o->session;
     const palp_wire_status *now = &s->device.status;
@@ -121,7 +121,7 @@ static outcome tare(owner *o) {
     return end;
 }
 
-/* Only what is not known yet, so that a specimen is searched for once. */
+/* Only the steps that are missing, so that contact is searched for once. */
 static outcome prepare(owner *o, bool all) {
     const palp_wire_status *now = &o->session->device.status;
     outcome end = session_status(o->session);
@@ -165,7 +165,7 @@ static outcome clear(owner *o) {
 
 /* ---- runs ---- */
 
-/* Beside what is there already: nothing is overwritten. */
+/* A number makes the name new: nothing is overwritten. */
 static void rename_run(const acquire_options *options, acquire_run *r) {
     char path[CLI_PATH_MAX], name[ACQUIRE_NAME - 8];
     snprintf(name, sizeof name, "%.*s", (int)sizeof name - 1, r->name);
@@ -235,7 +235,7 @@ static outcome execute(owner *o, const panel_command *c) {
 
 /* ---- how it went ---- */
 
-/* A fault between commands is told once. */
+/* A fault between commands is reported once. */
 static void conclude(owner *o, outcome end, bool asked) {
     session *s = o->session;
     char words[ACQUIRE_WORDS];
@@ -271,7 +271,7 @@ static void do_command(owner *o, const panel_command *c) {
     panel_done(o->panel);
 }
 
-/* The cable may be in again; a device that has restarted has lost what it was told. */
+/* Tries whether the cable is back. A device that has restarted must be configured again. */
 static void come_back(owner *o) {
     session *s = o->session;
     const uint32_t tick = s->tick;

@@ -1,5 +1,5 @@
-/* panel_page.c: the page, of the bytes of page.html, page.css and page.js, which make puts into page_bytes.h.
- */
+/* panel_page.c: the page, put together from page.html, page.css and page.js, which make writes into
+ * page_bytes.h. */
 #include "panel.h"
 
 #include "page_bytes.h"

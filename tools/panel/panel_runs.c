@@ -1,5 +1,5 @@
-/* panel_runs.c: what is in the folder: recordings with their figures and fits, a curve thinned to be drawn.
- */
+/* panel_runs.c: the recordings in the folder with their figures and fits, and a recording's curve thinned for
+ * drawing. */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 
@@ -39,7 +39,7 @@ static json_t *read_header(const char *path) {
     return header;
 }
 
-/* Of a fit no older than the recording: its law, arms and warnings. */
+/* Law, arms and warnings of the recording's fit, unless the fit is older than the recording. */
 static json_t *fit_of(const panel *p, const char *name, const struct stat *recorded) {
     char model[ACQUIRE_NAME + 16], path[CLI_PATH_MAX];
     struct stat made;
@@ -111,7 +111,7 @@ static void add(json_t *list[3], double *const column[3], size_t i) {
         json_array_append_new(list[k], json_real(column[k][i]));
 }
 
-/* Of each stretch of rows those with the least and the greatest force, in their order: no peak is lost. */
+/* Keeps of each stretch of rows the two with the least and the greatest force, so that no peak is lost. */
 static void thin(json_t *list[3], double *const column[3], size_t rows) {
     const size_t step = rows / (PANEL_SHOWN / 2) + 1;
     for (size_t from = 0; from < rows; from += step) {

@@ -1,4 +1,5 @@
-/* panel_state.c: what the thread that owns the indenter and those of the requests share. */
+/* panel_state.c: the data shared between the thread that owns the indenter and the threads of the requests.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
 
@@ -66,7 +67,7 @@ static bool has_stopped(panel *p) {
     return stopped;
 }
 
-/* A frame may be damaged on its way, so it is sent until the device says that it stands. */
+/* A frame may be damaged on its way, so HALT is sent until the device reports that it stopped. */
 bool panel_emergency(panel *p) {
     const struct timespec wait = {.tv_nsec = 1000000L * HALT_WAIT_MS};
     bool stopped = false;
@@ -169,7 +170,7 @@ static json_t *state_json(const panel *p) {
         (json_int_t)v->runs, "run", v->recording ? run : (json_decref(run), json_null()));
 }
 
-/* Those since the number that a page has, thinned where it is far behind. */
+/* The points after the number that a page has, thinned where there are many. */
 static json_t *points_json(const panel *p, size_t since) {
     static const char *const names[] = {"time_s", "place_mm", "depth_mm", "force_N", "error_mm", "run"};
     json_t *list[6], *to = json_pack("{sI}", "next", (json_int_t)p->points);
