@@ -1,5 +1,5 @@
-/* cmd_firmware.c: palpate firmware: asks an indenter on the bench who and how it is; tares, homes, clears a
- * fault. */
+/* cmd_firmware.c: palpate firmware: identity, status and gains of an indenter; home, tare, self-test, clear a
+ * fault, flash. */
 #include "firmware_flash.h"
 #include "firmware_test.h"
 #include "shared/cli.h"
@@ -93,7 +93,7 @@ static int print_object(const firmware_options *o, json_t *object) {
     return CLI_OK;
 }
 
-/* Objects of the same members: a table. */
+/* A table of objects with the same members. */
 static int print_table(const firmware_options *o, json_t *rows) {
     size_t i;
     const char *key;

@@ -10,11 +10,10 @@
 #include <string.h>
 
 enum { REST_SAMPLES = 1000, AXIS_Z = 2 };
-static const double HANG_S = 120; /* wall clock: nothing takes so long */
+static const double HANG_S = 120; /* wall clock: no step takes so long */
 static const double MOVE_MM = 3, MOVE_MM_S = 2;
 static const double ROOM_MM = 5, TOUCH_NOISES = 5; /* free below home; force of a touch, in noise levels */
-/* Verdicts, in shares of what the device says of itself: its range of force, its limit of the following
- * error. */
+/* Thresholds, as shares of the device's own figures: its range of force, its limit of the following error. */
 static const double NOISE_SHARE = 1e-3, ERROR_SHARE = 0.1, DUTY_MOST = 0.5;
 static const double COLDEST_C = -10, HOTTEST_C = 60;
 
@@ -81,7 +80,7 @@ static double noise_N(const figures *f) {
     return f->n > 1 ? sqrt(f->force_square / (double)(f->n - 1)) : NAN;
 }
 
-/* Channels that the force is made of, and that say the same all the time. */
+/* How many channels that enter the force never change. */
 static size_t dead_channels(const self_test *t) {
     size_t n = 0;
     for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)

@@ -4,9 +4,9 @@
 
 #include "indenter/device.h"
 
-/* A second at rest, then home and 3 mm down and back, with a verdict on each thing that shows; prints them.
- * An exit code: CLI_FAILURE where something is not as it should be, CLI_DEVICE_FAULT where a fault stopped
- * it. */
+/* A second at rest, home, a search for an obstacle, then 3 mm down and back; prints a verdict on each check.
+ * Returns an exit code: CLI_FAILURE after a bad verdict, CLI_DEVICE_FAULT where a fault stopped the indenter.
+ */
 int firmware_self_test(const char *name, device *d, bool json);
 
 #endif

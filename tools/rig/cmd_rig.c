@@ -31,7 +31,7 @@ static int parse(int argc, char **argv, options *o) {
     cli_option list[OWN + RIG_OPTIONS] = {
         cli_heading("Run"),
         cli_in("model", "MODEL.json", &o->model,
-               "what is pressed, lumped or network (default: the seed's phantom,\n"
+               "what is pressed, lumped or network (default: the phantom of the thesis,\n"
                "lumped, two arms)"),
         cli_text("port", "pty|tcp:PORT|file:PATH", &o->port,
                  "where the indenter answers: a pseudo-terminal (default), a TCP port\n"
@@ -73,7 +73,7 @@ static int check_port(const options *o) {
                                   port);
 }
 
-/* The firmware runs in a folder of its own. */
+/* Made absolute, since the firmware runs in a folder of its own. */
 static const char *absolute(const char *port, char whole[RIG_PATH]) {
     char here[RIG_PATH];
     int n = 0;
@@ -83,7 +83,7 @@ static const char *absolute(const char *port, char whole[RIG_PATH]) {
     return n > 0 && n < RIG_PATH ? whole : port;
 }
 
-/* Once it runs: what, and where it answers. */
+/* Prints, once it runs, the firmware and the port. */
 static void say_port(const char *port, void *context) {
     fprintf(stderr, "running %s\n", (const char *)context);
     printf("%s\n", port);

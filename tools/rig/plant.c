@@ -1,4 +1,4 @@
-/* plant.c: the simulated indenter as a whole: what the firmware's output of a tick does to it. */
+/* plant.c: the simulated indenter as a whole: a tick under the firmware's output. */
 #include "plant_internal.h"
 #include "plant_specimen.h"
 
@@ -9,21 +9,21 @@
 
 enum { SUBSTEPS = 20, JUMP_COUNTS = 5000 };
 static const double TICK = 1e-3, HOT_C = 120, DUTY_FULL = 32767;
-static const double OBSTACLE = 0.98; /* of what the sensor can tell: over every limit, short of the rails */
+static const double OBSTACLE = 0.98; /* share of the sensor's range: above every limit, below the rails */
 
 struct plant {
     plant_settings settings;
     drive drive;
     sensor sensor;
     specimen specimen;
-    double plate_m;        /* of the plate from the home switch, the frame being stiff */
-    double push_m_s2;      /* acceleration of the carriage, mean of the last tick: within it, it jumps */
+    double plate_m;        /* of the plate from the home switch, for a stiff frame */
+    double push_m_s2;      /* acceleration of the carriage, mean of the last tick, within which it jumps */
     double zero_m;         /* where the encoder counts from */
     double put_N;          /* a weight on the sensor */
     int32_t jumped;        /* counts */
     int32_t counted;       /* when the encoder lost its signal */
-    int32_t place;         /* a stepper's, counts: what it was told, whether it followed or not */
-    bool said;             /* its sensor has something new */
+    int32_t place;         /* of a stepper, counts: steps it was given, whether it followed or not */
+    bool said;             /* its sensor has a new sample */
     uint32_t tick, faults; /* bits 1 << plant_fault */
 };
 
@@ -79,7 +79,7 @@ static bool stepped(const plant *p) {
 }
 
 static int32_t counts(const plant *p) {
-    if (stepped(p)) /* its own count, which nothing makes jump */
+    if (stepped(p)) /* the count of its own steps, which never jumps */
         return p->place;
     return (int32_t)floor((p->drive.carriage_m - p->zero_m) / p->settings.actuator.count_m) + p->jumped;
 }
@@ -115,7 +115,7 @@ static double reach(const plant *p) {
     return p->plate_m - p->settings.contact_m;
 }
 
-/* The plate within its play below the carriage: friction holds it, a larger force pushes it against the
+/* The plate within its play below the carriage. Friction holds it; a larger force pushes it against the
  * carriage. */
 static void follow(plant *p) {
     const plant_actuator *a = &p->settings.actuator;
@@ -123,7 +123,7 @@ static void follow(plant *p) {
     p->plate_m = p->specimen.force_N > a->coulomb_N ? high : fmin(fmax(p->plate_m, high), low);
 }
 
-/* What the model's sensor makes of the force, or the amplifier of what is harder. */
+/* The force as the model's sensor reads it, with the weight. An obstacle brings it near the sensor's range. */
 static double read_force(const plant *p) {
     const palp_specimen_motion motion = {TICK * p->tick, p->drive.carriage_m - p->settings.contact_m,
                                          p->drive.velocity_m_s, p->push_m_s2};

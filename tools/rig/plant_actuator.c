@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double STOP_M = 1e-3;   /* the hard stops stand so far beyond the travel */
+static const double STOP_M = 1e-3;   /* the hard stops are so far beyond the travel */
 static const double DRAG_M_S = 0.2;  /* how fast PLANT_PUSHED drags the carriage, */
 static const double BEYOND_M = 5e-4; /* and how far beyond its travel */
 
@@ -58,7 +58,7 @@ typedef struct actuator_file {
     palp_error *error;
 } actuator_file;
 
-/* The line on which a key stands for the first time; 1 where it cannot be told. */
+/* The first line with this key; 1 where none is found. */
 static int key_line(const char *path, const char *key) {
     char text[512], quoted[64];
     int line = 0, found = 0;
@@ -149,7 +149,7 @@ static double limited(double x, double most) {
     return fmin(fmax(x, -most), most);
 }
 
-/* What drives the carriage, friction included, is force_N - drag_Ns_m * velocity. */
+/* The carriage's driving force, friction included, is force_N - drag_Ns_m * velocity. */
 typedef struct push {
     double force_N, drag_Ns_m;
 } push;
@@ -163,8 +163,8 @@ static push motor_push(const plant_actuator *a, const drive *d, bool on, double 
     return (push){k * volt / r, a->viscous_Ns_m + k * k / r};
 }
 
-/* Friction stops the carriage exactly where its velocity would cross zero; what then moves it again must
- * exceed the friction. */
+/* Friction stops the carriage exactly where its velocity would cross zero. Only a force above the friction
+ * moves it again. */
 static double next_velocity(const plant_actuator *a, double v, push f, double dt) {
     double friction = v > 0 || (v == 0 && f.force_N > 0) ? a->coulomb_N : -a->coulomb_N;
     if (v == 0 && fabs(f.force_N) <= a->coulomb_N)

@@ -1,4 +1,4 @@
-/* plant_fail.c: what went wrong, for the one who called. */
+/* plant_fail.c: the plant's error messages. */
 #include "plant_internal.h"
 
 #include <stdarg.h>

@@ -20,8 +20,8 @@ typedef struct drive {
 
 drive drive_start(const plant_actuator *a);
 
-/* dt_s of a motor (PLANT_MOTOR_*) under a voltage against the specimen's force. */
-/* dt_s of a stepper that goes at a speed, whatever it meets. */
+/* Advances a motor (PLANT_MOTOR_*) under a voltage by dt_s against the specimen's force. */
+/* Advances a stepper at a speed by dt_s, whatever force it meets. */
 void drive_step(const plant_actuator *a, drive *d, double speed_m_s, double dt_s);
 void drive_advance(const plant_actuator *a, drive *d, uint8_t motor, double volt, double load_N, double dt_s);
 
@@ -30,19 +30,19 @@ void drive_advance(const plant_actuator *a, drive *d, uint8_t motor, double volt
 typedef struct sensor {
     plant_sensor settings;
     double counts_N[PALP_WIRE_CHANNELS]; /* of a pure z force, each channel: a column of the inverse matrix */
-    double z_counts[PALP_WIRE_CHANNELS]; /* N a count: how they are read */
-    double rest[PALP_WIRE_CHANNELS];     /* counts without any: the mounting strains it sideways */
+    double z_counts[PALP_WIRE_CHANNELS]; /* N a count: the sensor's own matrix row */
+    double rest[PALP_WIRE_CHANNELS];     /* counts without force: its mounting strains it sideways */
     double noise_counts;                 /* sd of each channel */
-    /* Of a stepper's sensor: one channel; of an HX711 80 times a second, the mean of 50 ms; of a fast one
-     * each tick. */
+    /* Of a stepper's sensor, which has one channel: an HX711 gives the mean of 50 ms 80 times a second, the
+     * fast one a sample each tick. */
     double gathered, n_gathered, said[4]; /* of the sample in progress; the last four */
     int16_t held;
 } sensor;
 
-/* For the matrix that the firmware starts with; false where it has no inverse. */
+/* For the matrix that the firmware starts with. False where it has no inverse. */
 bool sensor_start(const plant_sensor *settings, sensor *s);
 
-/* A tick of a stepper's: true where it has something new, then in held. */
+/* A tick of a stepper's sensor: true where it has a new sample, which is then in held. */
 bool sensor_gather(sensor *s, bool fast, double force_N, uint32_t tick);
 
 /* The z force that brings the first channel to its rail. */

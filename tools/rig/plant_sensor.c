@@ -7,7 +7,7 @@
 
 static const double PI = 3.14159265358979323846;
 static const double HUM_HZ = 50, TICK = 1e-3;
-static const double SIDE_N = 0.1; /* Fx at rest: as on a real sensor, no force is not all counts 0 */
+static const double SIDE_N = 0.1; /* Fx at rest: a real sensor, too, does not read 0 without force */
 
 enum { N = PALP_WIRE_CHANNELS };
 
@@ -52,7 +52,7 @@ double sensor_range(const sensor *s) {
     return INT16_MAX / (s->settings.gain * largest);
 }
 
-/* What the bridge gives of the force on the plate, before any noise. */
+/* The bridge's reading of the force on the plate, without noise. */
 static double bridge(const plant_sensor *s, double force_N, double time_s) {
     double z = s->gain * force_N + s->bias_N + s->drift_N_s * time_s;
     return z + (s->hum_N > 0 ? s->hum_N * sin(2 * PI * HUM_HZ * time_s) : 0);

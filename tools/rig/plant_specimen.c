@@ -1,4 +1,4 @@
-/* plant_specimen.c: the specimen of the plant: its model with the frame's compliance in it. */
+/* plant_specimen.c: the specimen of the plant: its model in series with the frame's compliance. */
 #include "plant_specimen.h"
 #include "plant_internal.h"
 
@@ -7,7 +7,7 @@
 
 static const double BLOCK_M = 0.1; /* height of a rigid block */
 
-/* The seed's phantom by two arms: data/sedef2008/lumped_n2.json. */
+/* The phantom of the thesis with two arms: data/sedef2008/lumped_n2.json. */
 static palp_model seed_phantom(void) {
     palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = 0.024, .radius_m = 0.012};
     static const double coefficients_N[] = {8.18, -0.70, 47.47, -131.36, 146.89};
@@ -25,7 +25,7 @@ static palp_model rigid_block(double stiffness_N_m) {
     return model;
 }
 
-/* The actuator's frame and the model's give way one behind the other. */
+/* The compliances of the actuator's frame and of the model's are in series. */
 static palp_status add_compliance(palp_model *model, double compliance_m_N, specimen *s, palp_error *error) {
     size_t i = 0;
     while (i < model->n_effects && model->effects[i].id != PALP_EFFECT_FRAME_COMPLIANCE)
@@ -40,7 +40,7 @@ static palp_status add_compliance(palp_model *model, double compliance_m_N, spec
     return PALP_OK;
 }
 
-/* The amplifier does it, behind its noise. */
+/* The amplifier clips instead, after the noise. */
 static void move_saturation(palp_model *model, specimen *s) {
     for (size_t i = 0; i < model->n_effects; i++) {
         if (model->effects[i].id == PALP_EFFECT_FORCE_SATURATION) {

@@ -10,7 +10,7 @@ typedef struct specimen {
     palp_specimen *pressed; /* NULL: air */
     const char *path;       /* of its model, for errors */
     bool slow;              /* a network takes one step a control tick, everything else one a substep */
-    double compliance_m_N;  /* of the frame in series, the model's own with the actuator's */
+    double compliance_m_N;  /* of the frame: the model's and the actuator's in series */
     double range_N;         /* force_saturation of its model, left to the amplifier; 0 = none */
     double force_N;         /* on the plate; negative where it sticks */
 } specimen;
@@ -22,7 +22,7 @@ void specimen_free(specimen *s);
 /* Advances by dt_s to where a plate behind a stiff frame would be reach_m into the specimen. */
 palp_status specimen_advance(specimen *s, double reach_m, double dt_s);
 
-/* What the sensor of its model reads of the force. */
+/* The force as its model's sensor reads it. */
 double specimen_sense(const specimen *s, const palp_specimen_motion *motion);
 
 #endif

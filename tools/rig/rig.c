@@ -30,7 +30,7 @@ typedef struct loop {
     bool booted;
     rig_port port;
     char port_name[RIG_NOTE];
-    plant_in in; /* the last record fed */
+    plant_in in; /* the last record sent to the firmware */
     int64_t start_ns;
     rig_figures figures;
 } loop;
@@ -47,7 +47,7 @@ static int64_t now_ns(void) {
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-/* Waits until the tick's time has come, or counts by how much it is late. */
+/* Waits for the tick's time, or counts by how much it is late. */
 static void pace(loop *l) {
     int64_t due_ns = l->start_ns + (int64_t)l->in.tick * TICK_NS, late_ns = now_ns() - due_ns;
     struct timespec due = {.tv_sec = (time_t)(due_ns / 1000000000), .tv_nsec = (long)(due_ns % 1000000000)};
@@ -81,7 +81,7 @@ static void log_tick(loop *l, const plant_out *out) {
     }
 }
 
-/* Where the run has failed, its rows up to there are kept. */
+/* Keeps the rows up to a failure of the run. */
 static int close_log(loop *l, int code) {
     int closed = l->log.stream ? cli_file_close(l->name, &l->log) : CLI_OK;
     return code ? code : closed;
@@ -126,7 +126,7 @@ static int feed(loop *l) {
                : cli_failure(l->name, "the firmware takes no records");
 }
 
-/* Why the board has started: what it was told to do to itself. */
+/* Why the board restarted: by the event that the plant asked for. */
 static uint8_t reset_cause(const loop *l) {
     const uint8_t events = l->booted ? l->in.events : 0;
     return (events & PLANT_EVENT_HANG)        ? APP_RESET_WATCHDOG
@@ -174,7 +174,7 @@ static int advance(loop *l, const plant_out *out) {
 
 /* ---- a run ---- */
 
-/* What still waited in the firmware when it was told to end. */
+/* Bytes for the host that were still in the firmware at the end. */
 static int take_rest(loop *l) {
     static const volatile int never;
     plant_out out = {.tx_count = 0};

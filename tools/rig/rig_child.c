@@ -22,7 +22,7 @@ static void on_close(int number) {
     closed = 1;
 }
 
-/* The child: no Ctrl-C of the terminal's reaches it; SIGTERM, also at its parent's death, ends it. */
+/* The child: Ctrl-C at the terminal does not reach it. SIGTERM ends it, and so does its parent's end. */
 static void be_rig(const char *name, const rig_settings *settings, pid_t parent) {
     struct sigaction act = {.sa_handler = on_close};
     sigaction(SIGTERM, &act, NULL);
@@ -34,7 +34,7 @@ static void be_rig(const char *name, const rig_settings *settings, pid_t parent)
     _exit(code);
 }
 
-/* False if the child ends before its first bytes come, or they do not come. */
+/* False if the child ends before its first bytes, or sends none in time. */
 static bool wait_for_bytes(int fd, pid_t *child, int *code) {
     struct pollfd one = {.fd = fd, .events = POLLIN};
     int status, ready;

@@ -1,4 +1,4 @@
-/* rig_feed.c: what the virtual indenter is fed besides the plant: faults at their time, a script of bytes. */
+/* rig_feed.c: inputs of the virtual indenter besides the plant: faults at their time, a script of bytes. */
 #define _POSIX_C_SOURCE 200809L
 #include "shared/cli.h"
 #include "rig_internal.h"
@@ -82,7 +82,7 @@ void rig_feed_free(rig_feed *f) {
 
 enum { WEIGHT_TICKS = 20 };
 
-/* How a fault is brought about: in the plant, by an event for as long as it lasts or once, by a command. */
+/* How a fault is caused: in the plant, by an event (lasting or once), or by a command. */
 typedef enum effect_kind { IN_PLANT, BY_EVENT, BY_EVENT_ONCE, BY_COMMAND } effect_kind;
 
 static const struct {
@@ -123,7 +123,7 @@ static bool lasts(const rig_injection *i, uint32_t tick) {
     return tick >= tick_of(i->time_s) && (i->until_s <= 0 || tick < tick_of(i->until_s));
 }
 
-/* Nothing, where the file is not there or holds no number. */
+/* No weight where the file does not exist or holds no number. */
 static double read_weight(const char *path) {
     double force_N = 0;
     FILE *file = fopen(path, "r");
@@ -146,8 +146,8 @@ void rig_feed_plant(const rig_feed *f, uint32_t tick, plant *p) {
     }
 }
 
-/* A command that narrows the travel to so much beyond where the plate is. The zero before it ends whatever
- * frame of the host's it comes into the middle of. */
+/* A command that narrows the travel to so much beyond the plate's place. The zero before it ends a frame of
+ * the host's that it may interrupt. */
 static void narrow_travel(rig_feed *f, const plant *p, double beyond_m) {
     palp_wire_message limits = {.type = PALP_WIRE_TYPE_LIMITS, .sequence = 0xf1f1};
     limits.as.limits.travel_nm = (int32_t)fmax(1e9 * (plant_look(p).carriage_m + beyond_m), 1);
@@ -164,9 +164,9 @@ static void feed_events(rig_feed *f, const plant *p, plant_in *in) {
         if ((kind == BY_EVENT && lasts(one, in->tick)) || (kind == BY_EVENT_ONCE && once))
             in->events |= (uint8_t)effects[one->fault].what;
         if (once && one->fault == PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE)
-            narrow_travel(f, p, -1e-4); /* the reference is then outside */
+            narrow_travel(f, p, -1e-4); /* the reference is then outside the travel */
         else if (once && one->fault == PALP_WIRE_FAULT_OVER_TRAVEL)
-            narrow_travel(f, p, 2e-3); /* there before the plate has been off its reference for long */
+            narrow_travel(f, p, 2e-3); /* seen before the plate has been off its reference for long */
         f->done |= once ? 1u << i : 0;
     }
 }

@@ -1,4 +1,4 @@
-/* rig_internal.h: the parts of the virtual indenter: the firmware's process, and what it is fed. */
+/* rig_internal.h: the parts of the virtual indenter: the firmware's process, and its inputs. */
 #ifndef PALPATE_RIG_INTERNAL_H
 #define PALPATE_RIG_INTERNAL_H
 
@@ -11,19 +11,19 @@
 typedef struct rig_process {
     pid_t pid;
     int to, from; /* FIFOs */
-    int text;     /* what it says, on stdout or stderr; ends when it does */
+    int text;     /* its output on stdout and stderr; at its end when the process ends */
     char folder[RIG_PATH];
-    char line[RIG_NOTE], last[RIG_NOTE]; /* being collected; the last one */
+    char line[RIG_NOTE], last[RIG_NOTE]; /* the line being collected; the last whole one */
     size_t n;
 } rig_process;
 
 /* Starts it in a folder of its own; an exit code. rig_process_end must follow in any case. */
 int rig_process_start(const char *name, const rig_settings *settings, rig_process *p);
 
-/* Takes what it says; false once it has ended. */
+/* Takes its output; false once it has ended. */
 bool rig_process_listen(rig_process *p);
 
-/* Lets it end within a second, else kills it; removes the folder. */
+/* Lets it end within a second, otherwise kills it; removes the folder. */
 void rig_process_end(rig_process *p);
 
 /* ---- what the firmware is fed besides the plant: rig_feed.c ---- */
@@ -39,16 +39,16 @@ typedef struct rig_feed {
     rig_line *line;
     uint8_t *byte;                           /* of all lines */
     size_t at;                               /* within the next line */
-    uint8_t limits[PALP_WIRE_FRAME_MAX + 1]; /* a frame of our own to send first */
+    uint8_t limits[PALP_WIRE_FRAME_MAX + 1]; /* a frame of the rig's to send first */
     size_t limits_n, limits_at;
-    uint32_t done; /* of the injections that happen once: a bit each */
+    uint32_t done; /* a bit for each injection that happens once and has */
 } rig_feed;
 
 /* Reads the script, if any; an exit code. rig_feed_free must follow in any case. */
 int rig_feed_open(const char *name, const rig_settings *settings, rig_feed *f);
 void rig_feed_free(rig_feed *f);
 
-/* Brings about the faults that show in the record of a tick: before the plant's step to it. */
+/* Causes the faults of a tick. To be called before the plant's step to it. */
 void rig_feed_plant(const rig_feed *f, uint32_t tick, plant *p);
 
 /* Completes the record with events and bytes. */

@@ -65,7 +65,7 @@ void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]) {
     memcpy(list, options, sizeof options);
 }
 
-/* Whether an option was given, by what its target held before. */
+/* Whether an option was given: its target no longer holds the default. */
 static bool given(const cli_option *o) {
     switch (o->type) {
     case CLI_FLAG:
@@ -111,7 +111,7 @@ static int fault_number(const char *name, size_t length) {
     return 0;
 }
 
-/* FAULT@S or FAULT@S-S; what is behind it, or NULL. */
+/* Reads FAULT@S or FAULT@S-S; returns the text after it, or NULL. */
 static const char *read_injection(const char *text, rig_injection *one) {
     char *end;
     size_t length = strcspn(text, "@,");
@@ -160,7 +160,7 @@ static void set(double *to, double value, double unit) {
         *to = value / unit;
 }
 
-/* The cheap machine counts its own steps. */
+/* The stepper's machine counts its own steps. */
 static const double STEPPER_COUNT_M = 0.625e-6;
 
 static int set_plant(const char *name, const rig_options *o, const char *model, plant_settings *p) {

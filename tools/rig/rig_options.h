@@ -7,7 +7,7 @@
 
 enum { RIG_OPTIONS = 22 }; /* a heading and the options */
 
-/* What the options say, as cli_parse leaves it; rig_options_settings makes settings of it. */
+/* The options' values, as cli_parse leaves them; rig_options_settings makes settings of them. */
 typedef struct rig_options {
     const char *actuator, *inject, *log, *store, *weight;
     int machine, specimen, firmware; /* index of the choice; -1 = not given */
@@ -21,16 +21,16 @@ typedef struct rig_options {
 /* The defaults are those of rig_settings_default(); NAN or -1 = not given. */
 rig_options rig_options_default(void);
 
-/* Writes the options into list, to stand behind a command's own; *o must outlive the parsing. */
+/* Writes the options into list, after a command's own. *o must outlive the parsing. */
 void rig_options_list(rig_options *o, cli_option list[RIG_OPTIONS]);
 
-/* The first option that was given, without the dashes, or NULL: for a command that has no rig to give it to.
- */
+/* The first option that was given, without its dashes, or NULL. For a command that runs without a rig, and
+ * refuses them. */
 const char *rig_options_given(const rig_options *o);
 
-/* Settings from the options: reads the actuator, checks that the model is there, takes the faults apart.
- * model may be NULL: the seed's phantom. The settings point at the options' texts. An exit code, after one
- * line on stderr under name. */
+/* Makes settings of the options: reads the actuator, checks that the model's file exists, parses the faults.
+ * model may be NULL: the phantom of the thesis. The settings point at the options' texts. Returns an exit
+ * code, after one line on stderr under name. */
 int rig_options_settings(const char *name, const rig_options *o, const char *model, rig_settings *settings);
 
 #endif

@@ -19,7 +19,7 @@ enum { PATIENCE_MS = 10000 };
 
 /* ---- opening ---- */
 
-/* Opened and closed once, its other end reads as hung up until somebody opens it. */
+/* After the other end was opened and closed once, it reads as hung up until somebody opens it. */
 static int open_pty(char *name, size_t size) {
     struct termios raw;
     int fd = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -68,7 +68,7 @@ int rig_port_open(const char *command, const char *wanted, rig_port *port, char 
     return code || open ? code : cli_failure(command, "%s: %s", wanted, strerror(errno));
 }
 
-/* A write that failed is told now. */
+/* A write that failed is reported now. */
 static int close_file(rig_port *port) {
     if (!port->failed)
         return cli_file_close(port->command, &port->file);
@@ -109,7 +109,7 @@ size_t rig_port_read(rig_port *port, uint8_t *byte, size_t most) {
     return n > 0 ? (size_t)n : 0;
 }
 
-/* What happens at it within its patience. */
+/* Waits at most its patience for an event at the port. */
 static short wait_for_room(const rig_port *port) {
     struct pollfd p = {port->connection, POLLOUT, 0};
     while (poll(&p, 1, port->patience_ms) < 0 && errno == EINTR) {

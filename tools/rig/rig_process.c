@@ -86,10 +86,11 @@ bool rig_find(rig_settings *settings, char note[RIG_NOTE]) {
 
 /* ---- started ---- */
 
-/* A folder for the FIFOs. */
+/* Makes a folder for the FIFOs. */
 static bool make_folder(char folder[RIG_PATH]) {
     const char *base = getenv("TMPDIR");
-    if (!base || *base != '/' || strlen(base) > FOLDER_MOST || strchr(base, ',')) { /* QEMU parts at commas */
+    if (!base || *base != '/' || strlen(base) > FOLDER_MOST ||
+        strchr(base, ',')) { /* QEMU splits its arguments at commas */
         base = "/tmp";
     }
     snprintf(folder, RIG_PATH, "%s/palpate.XXXXXX", base);
@@ -98,7 +99,7 @@ static bool make_folder(char folder[RIG_PATH]) {
     return made;
 }
 
-/* QEMU's two threads wait for each other all the time: faster on one processor than on two. */
+/* QEMU's two threads wait for each other all the time, which is faster on one processor than on two. */
 static void stay_on_one_processor(void) {
     cpu_set_t here;
     int cpu = sched_getcpu();
@@ -131,14 +132,14 @@ static void become(const rig_settings *s, const rig_process *p, pid_t parent) {
     _exit(127);
 }
 
-/* Held open at both ends, so that neither opening them nor a restart of the firmware waits or ends them. */
+/* Both ends stay open here, so that neither opening them waits nor a restart of the firmware closes them. */
 static int open_fifo(const char *folder, const char *name) {
     char path[RIG_PATH + 8];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     return mkfifo(path, 0600) == 0 ? open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC) : -1;
 }
 
-/* The flash: a file in the folder, which goes with it, or elsewhere. */
+/* The flash: a file in the folder, which is removed with it, or one elsewhere. */
 static bool link_store(const char *folder, const char *store) {
     char path[RIG_PATH + 8], here[RIG_PATH], whole[2 * RIG_PATH + 2];
     if (!store)
@@ -217,7 +218,7 @@ static void close_one(int fd) {
         close(fd);
 }
 
-/* With its FIFOs closed it ends by itself; it has when nobody holds its text's other end any more. */
+/* With its FIFOs closed it ends by itself. It has ended when its output is at the end. */
 static void part(rig_process *p) {
     double until_s = now_s() + 1e-3 * PARTING_MS;
     struct pollfd one = {.fd = p->text, .events = POLLIN};
