@@ -40,12 +40,16 @@ static int parse(int argc, char **argv, firmware_options *o) {
     const cli_command command = {
         NAME,
         "info|status|gains|home|tare|self-test|clear-fault|flash --port PORT [--json]",
-        "Asks an indenter who it is (info), how it is (status) and for its table of gains; finds its home,\n"
-        "tares its force sensor in the air, leaves a latched fault once its cause is gone. self-test moves "
-        "the plate\n"
-        "3 mm, with nothing below it, and judges sensor, encoder, motor and line. flash writes the board's\n"
-        "image through the chip's boot loader, over its serial port by stm32flash or (--port dfu) USB by "
-        "dfu-util.",
+        "Acts on an indenter on the bench. info, status and gains print its identity, its state and its "
+        "table of "
+        "gains.\n"
+        "home finds the home switch; tare zeroes the force in the air; clear-fault leaves a latched fault "
+        "once its\n"
+        "cause is gone. self-test judges sensor, encoder, motor and line; it moves the plate 3 mm and wants "
+        "nothing\n"
+        "below it. flash writes the board's image through the chip's boot loader, by stm32flash, or by "
+        "dfu-util\n"
+        "with --port dfu.",
         "  palpate firmware info --port /dev/ttyACM0\n"
         "  palpate firmware clear-fault --port /dev/ttyACM0\n"
         "  palpate firmware flash --port /dev/ttyUSB0\n",

@@ -33,12 +33,13 @@ static int parse(int argc, char **argv, choice *c) {
     rig_options_list(&c->setup.rig, options + n);
     const cli_command command = {NAME,
                                  "--port PORT --out DIR [options]",
-                                 "Serves a page, to this machine's browsers only, by which an indenter is "
-                                 "driven: force, depth and faults\n"
-                                 "live, homing, taring, moving by hand, runs, an emergency stop. Prints the "
-                                 "page's address, which holds a\n"
-                                 "token: who does not have it is refused. Goes on when the page is closed; "
-                                 "Ctrl-C withdraws the plate and ends.",
+                                 "Serves a page that drives an indenter, to the browsers of this machine "
+                                 "only. The page shows force, depth and\n"
+                                 "faults as they come; it homes, tares, moves the plate, starts runs and "
+                                 "has an emergency stop. Prints the\n"
+                                 "page's address with a token; a request without the token is refused. "
+                                 "Closing the page ends nothing; Ctrl-C\n"
+                                 "withdraws the plate and ends.",
                                  "  palpate panel --port rig --out runs\n"
                                  "  palpate panel --port /dev/ttyACM0 --specimen-height-mm 24 --out runs\n",
                                  options,
