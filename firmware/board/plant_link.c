@@ -1,7 +1,7 @@
 /* plant_link.c: the lockstep records, byte for byte. */
 #include "plant_link.h"
 
-/* Each takes the next place in the record and returns the one behind it. */
+/* Each writes or reads at the place given and returns the place after it. */
 static uint8_t *put16(uint8_t *byte, uint32_t value) {
     byte[0] = (uint8_t)value;
     byte[1] = (uint8_t)(value >> 8);

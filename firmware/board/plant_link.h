@@ -15,7 +15,7 @@ enum {
     PLANT_LINK_TX = 92
 };
 
-/* What the plant asks the simulated board to do to itself at this tick. */
+/* What the plant asks of the simulated board at this tick. */
 enum {
     PLANT_EVENT_DEAF = 1,       /* drop what the host sends */
     PLANT_EVENT_STALL_TX = 2,   /* send nothing to the host */
@@ -32,7 +32,7 @@ enum {
     PLANT_ENCODER_LOST = 4, /* alarms of encoder and driver */
     PLANT_DRIVER_FAULT = 8,
     PLANT_TRIGGER = 16,    /* a pulse has come in */
-    PLANT_FORCE_HELD = 32, /* the sensor has nothing new */
+    PLANT_FORCE_HELD = 32, /* the sensor has no new sample */
     PLANT_SENSOR_SILENT = 128
 };
 
@@ -56,22 +56,22 @@ typedef struct plant_in {
     uint8_t machine;
 } plant_in;
 
-/* Firmware to plant, 116 bytes. boot = 1 in the first record after a start or restart: it asks for the
- * first plant_in. cost: processor instructions spent on the last tick; stack_free: bytes of the stack never
- * used so far (0 = not known). After PLANT_EVENT_QUIT come records with what still waits for the host, up to
- * one without bytes. */
+/* Firmware to plant, 116 bytes. boot = 1 in the first record after a start or restart: it asks for the first
+ * plant_in. cost: processor instructions of the last tick. stack_free: bytes of the stack never used so far
+ * (0 = not known). After PLANT_EVENT_QUIT the remaining bytes for the host follow, up to a record without
+ * any. */
 typedef struct plant_out {
-    uint32_t tick; /* that of the plant_in before; 0 with boot */
+    uint32_t tick; /* tick of the plant_in before; 0 with boot */
     int16_t duty;  /* 32767 = full */
     uint8_t motor; /* PLANT_MOTOR_* */
     uint8_t boot;
     uint32_t cost;
     uint16_t version; /* PLANT_LINK_VERSION */
     uint16_t stack_free;
-    uint8_t tx_count; /* bytes for the host in tx: at most what 921600 baud carry in a tick */
+    uint8_t tx_count; /* bytes for the host in tx: at most those that 921600 baud carry in a tick */
     uint8_t tx[PLANT_LINK_TX];
     uint8_t trigger; /* 1: a pulse goes out */
-    int32_t place;   /* a stepper's, by the next tick: counts */
+    int32_t place;   /* steps for a stepper until the next tick, counts */
 } plant_out;
 
 /* Packed by hand, so that both sides agree whatever their compilers do. plant_link.c */

@@ -25,7 +25,7 @@ static void take_bytes(void) {
     simulated.out.tx_count = (uint8_t)ring_take(simulated.transmit, simulated.out.tx, PLANT_LINK_TX);
 }
 
-/* Sends what waits first. */
+/* Sends the bytes that wait first. */
 static void quit(void) {
     while (simulated.transmit != NULL && ring_used(simulated.transmit) > 0) {
         take_bytes();
@@ -52,8 +52,9 @@ static void exchange(void) {
     simulated_read(in);
     plant_link_get_in(in, &simulated.in);
     for (int i = 0; i < simulated.in.rx_count && i < PLANT_LINK_RX; i++)
-        (void)ring_put(&simulated.received,
-                       simulated.in.rx[i]); /* what does not fit fails its frame's check */
+        (void)ring_put(
+            &simulated.received,
+            simulated.in.rx[i]); /* bytes that do not fit are lost; their frame then fails its check */
     do_events(simulated.in.events);
 }
 

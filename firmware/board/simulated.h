@@ -1,13 +1,13 @@
-/* simulated.h: a board whose sensors and motor are the simulated plant. simulated.c is the same for the image
- * under QEMU (rig) and for the process (host), so that both do the same; below is what they differ in. */
+/* simulated.h: a board whose sensors and motor are the simulated plant. simulated.c is shared by the image
+ * under QEMU (rig) and the process (host); the functions below differ between them. */
 #ifndef SIMULATED_H
 #define SIMULATED_H
 
 #include "hal.h"
 #include "plant_link.h"
 
-uint8_t simulated_boot(void); /* the first record, before the first tick; APP_RESET_* by the plant */
-/* At every tick: the last output to the plant, the next input from it. The figures are the plant's to see. */
+uint8_t simulated_boot(void); /* exchanges the first record; returns the plant's APP_RESET_* */
+/* At every tick: sends the last output and the figures to the plant, and takes the next input from it. */
 void simulated_tick(uint32_t last_cost, uint16_t stack_free);
 void simulated_drive(const app_outputs *outputs);
 bool simulated_late(void); /* once after PLANT_EVENT_LATE */

@@ -123,7 +123,8 @@ static void follow(plant *p) {
     p->plate_m = p->specimen.force_N > a->coulomb_N ? high : fmin(fmax(p->plate_m, high), low);
 }
 
-/* The force as the model's sensor reads it, with the weight. An obstacle brings it near the sensor's range. */
+/* The force as the model's sensor reads it, with the weight. An obstacle brings it near the sensor's range.
+ */
 static double read_force(const plant *p) {
     const palp_specimen_motion motion = {TICK * p->tick, p->drive.carriage_m - p->settings.contact_m,
                                          p->drive.velocity_m_s, p->push_m_s2};

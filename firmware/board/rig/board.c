@@ -1,11 +1,11 @@
-/* board.c: the firmware's view of the STM32F405 under QEMU: its tick, startup, watchdog and reset are those
- * of the real board; sensors, motor and the line to the host are the plant at the other end of two FIFOs
- * (QEMU makes a dozen system calls of each byte that its UART sends). To be run as qemu-system-arm -M
+/* board.c: the firmware's view of the STM32F405 under QEMU. Tick, startup, watchdog and reset are those of
+ * the real board. Sensors, motor and the line to the host are the plant at the other end of two FIFOs, since
+ * QEMU makes a dozen system calls for each byte that its UART sends. Run it by qemu-system-arm -M
  * netduinoplus2 -kernel rig.elf -display none -monitor none -serial none -icount shift=3,sleep=off
- *       -semihosting-config enable=on,target=native,arg=PLANT_TO_FIRMWARE,arg=FIRMWARE_TO_PLANT,arg=FLASH
- * with the FIFOs there before it starts and no space in their names. FLASH, a file that keeps the parameters,
- * may be left out. The plant opens them in the same order. The exit code is 0 after PLANT_EVENT_QUIT, 1 when
- * the plant has gone. Costs are right for shift=3. */
+ * -semihosting-config enable=on,target=native,arg=PLANT_TO_FIRMWARE,arg=FIRMWARE_TO_PLANT,arg=FLASH. The
+ * FIFOs must exist before, without a space in their names; the plant opens them in the same order. FLASH, a
+ * file that keeps the parameters, may be left out. The exit code is 0 after PLANT_EVENT_QUIT, 1 when the
+ * plant has gone. Costs are right for shift=3. */
 #include "drivers.h"
 #include "semihosting.h"
 #include "simulated.h"
@@ -20,7 +20,7 @@ static struct {
 
 uint8_t hal_init(void) {
     gpio_start();
-    (void)clock_start(); /* tried for the sake of trying: QEMU has no RCC and always runs at full speed */
+    (void)clock_start(); /* run for the code's sake: QEMU has no RCC and is always at full speed */
     rig.cause = reset_cause();
     TIM2->CR1 = TIM_CR1_CEN;
     semihosting_open();
@@ -70,7 +70,8 @@ void motor_off(void) {
 void supply_interrupt(void) {
 }
 
-/* QEMU's TIM2 counts nanoseconds of virtual time, which passes by instructions. To be called every 4 s. */
+/* QEMU's TIM2 counts nanoseconds of virtual time, in proportion to instructions. It must be read every 4 s.
+ */
 uint32_t board_cycles(void) {
     const uint32_t now = TIM2->CNT;
     rig.ns += now - rig.last_ns;

@@ -1,4 +1,4 @@
-/* semihosting.c: calls by the instruction that a debugger or QEMU takes. */
+/* semihosting.c: system calls by the instruction that a debugger or QEMU intercepts. */
 #include "semihosting.h"
 
 enum {
@@ -40,7 +40,7 @@ static int32_t call3(uint32_t operation, uintptr_t a, uintptr_t b, uintptr_t c) 
     return call(operation, (uintptr_t)block);
 }
 
-/* Ends the word at its first space; where the next one begins, or its end. */
+/* Ends the word at its first space. Returns where the next word begins, or the end. */
 static char *cut_word(char *word) {
     while (*word != ' ' && *word != '\0')
         word++;

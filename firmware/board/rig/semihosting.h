@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Opens the two FIFOs that the command line names, plant-to-firmware first; waits for the other side. Where
- * one of these fails, it says so on the simulator's standard error and ends it. */
+/* Opens the two FIFOs that the command line names, plant-to-firmware first, and waits for the other side. A
+ * failure of a call below is printed on the simulator's standard error and ends it. */
 void semihosting_open(void);
 void semihosting_read(uint8_t *byte, uint32_t n);
 void semihosting_write(const uint8_t *byte, uint32_t n);

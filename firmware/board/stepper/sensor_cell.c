@@ -1,5 +1,4 @@
-/* sensor_cell.c: the one channel of a load cell, as the first of six. What has come stays until something new
- * does. */
+/* sensor_cell.c: the one channel of a load cell, as the first of six. A sample stays until the next one. */
 #include "sensor_cell.h"
 
 enum { SILENT_TICKS = 70 /* after five samples of the slowest */ };

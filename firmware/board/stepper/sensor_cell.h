@@ -5,7 +5,7 @@
 #include "../stm32f405/drivers.h"
 
 bool cell_start(void);
-bool cell_there(void);   /* it has a sample that was not taken yet */
-int32_t cell_take(void); /* that one: counts of the machine's count_nN, and beyond 16 bits */
+bool cell_there(void);   /* there is a sample that was not taken yet */
+int32_t cell_take(void); /* takes it: counts of the machine's count_nN; may exceed 16 bits */
 
 #endif

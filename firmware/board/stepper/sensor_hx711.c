@@ -1,6 +1,6 @@
-/* sensor_hx711.c: a load cell and an HX711 at 80 samples a second (its RATE high): it converts by itself,
- * each sample settled over the four before; its line is low when one is there, which 24 pulses shift out and
- * a 25th ends: gain 128 for the next. */
+/* sensor_hx711.c: a load cell and an HX711 at 80 samples a second (its RATE high). It converts by itself;
+ * each sample settles over the four before. Its line is low when a sample is ready. 24 pulses shift it out,
+ * and a 25th selects gain 128 for the next. */
 #include "sensor_cell.h"
 #include "../identity.h"
 
@@ -9,7 +9,7 @@ enum { SHIFT = 6 };
 
 bool cell_start(void) {
     gpio_output(PIN_SENSOR_CLOCK, false);
-    gpio_input(PIN_SENSOR_DATA, PULL_UP); /* an open wire has never anything new */
+    gpio_input(PIN_SENSOR_DATA, PULL_UP); /* an open wire never has a new sample */
     return true;
 }
 

@@ -1,16 +1,16 @@
-/* steps.c: in the place of motor and encoder: a stepper's driver by step and direction (TMC2209, A4988,
+/* steps.c: in the place of motor and encoder a stepper's driver by step and direction (TMC2209, A4988,
  * DRV8825). TIM1 gives the steps of a tick as one burst of pulses within its first four fifths, counted by
- * its repetition counter: where the plate is follows from what was given. The emergency stop ends a burst in
- * hardware, at TIM1's break input; how many pulses had gone nobody knows then, and the position is lost, as
- * it is when the driver is off. */
+ * its repetition counter. The plate's position is the sum of the steps given. The emergency stop ends a burst
+ * in hardware, at TIM1's break input. How many pulses were given is then not known, and the position is lost,
+ * as it is when the driver is off. */
 #include "../stm32f405/drivers.h"
 
 enum {
     TIMER_HZ = 21000000,
     BURST = 16800,   /* of the timer, for all pulses: 0.8 ms */
     PULSE = 210,     /* 10 us high, at the end of each step, long after the direction was set */
-    STEPS_MOST = 12, /* a tick; what is asked for beyond falls behind, and is a following error */
-    LOST_TICKS = 3   /* told for so long: one alone passes for a glitch */
+    STEPS_MOST = 12, /* a tick; a faster reference leaves the plate behind: a following error */
+    LOST_TICKS = 3   /* in so many ticks: one alone counts as a glitch */
 };
 
 static struct {
@@ -48,7 +48,7 @@ void motor_drive(const app_outputs *outputs) {
     uint32_t n = (uint32_t)(down ? way : -way);
     n = n < STEPS_MOST ? n : STEPS_MOST;
     motor_brake();
-    if (n == 0 || (TIM1->CR1 & TIM_CR1_CEN) != 0) /* a burst that is not over is a tick that came too early */
+    if (n == 0 || (TIM1->CR1 & TIM_CR1_CEN) != 0) /* a burst that has not ended: the tick came too early */
         return;
     gpio_write(PIN_MOTOR_DIRECTION, down);
     burst(n);

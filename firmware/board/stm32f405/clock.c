@@ -1,4 +1,4 @@
-/* clock.c: 168 MHz from an 8 MHz crystal, with two steps to fall back to. */
+/* clock.c: 168 MHz from an 8 MHz crystal, with two fallbacks. */
 #include "drivers.h"
 
 /* Of half a microsecond: 20 ms for a crystal, which takes some 2; 1 ms for a PLL, which takes 0.3. */
@@ -18,7 +18,7 @@ static void use_internal(void) {
     (void)wait_for(&RCC->CFGR, RCC_CFGR_SWS, 0, CLOCK_POLLS);
 }
 
-/* Of revision A the prefetch gives wrong instructions (errata sheet ES0182). */
+/* The prefetch of revision A gives wrong instructions (errata sheet ES0182). */
 static uint32_t flash_speedup(void) {
     return FLASH_ACR_CACHES | (*IDCODE >> 16 == IDCODE_REVISION_A ? 0 : (uint32_t)FLASH_ACR_PREFETCH);
 }
@@ -50,6 +50,6 @@ clock_state clock_start(void) {
     RCC->CR &= ~(uint32_t)RCC_CR_HSEON;
     if (pll_start(false))
         return (clock_state){CLOCK_FULL_HZ, CLOCK_FULL_HZ / 2, false};
-    use_internal(); /* enough to say so */
+    use_internal(); /* enough to report it */
     return (clock_state){CLOCK_HSI_HZ, CLOCK_HSI_HZ, false};
 }

@@ -10,7 +10,8 @@
 
 /* clock.c */
 enum { CLOCK_HSI_HZ = 16000000, CLOCK_FULL_HZ = 168000000 };
-/* 168 MHz from the crystal; else from the internal oscillator (1 % off), else that one as it is. */
+/* 168 MHz from the crystal; without it from the internal oscillator (1 % off), or else that oscillator's own
+ * rate. */
 typedef struct clock_state {
     uint32_t hz;     /* of the processor and of TIM1 */
     uint32_t bus_hz; /* of USART1 and SPI1 */
@@ -31,7 +32,7 @@ bool gpio_read(uint8_t pin);
 /* tick.c: SysTick at CONTROL_HZ. The board's board_tick() runs in its interrupt, first. */
 void tick_start(uint32_t clock_hz);
 uint32_t tick_now(void);   /* ticks since tick_start */
-void tick_renew(void);     /* the motor's output is good until the tick after next, which brakes it */
+void tick_renew(void);     /* the motor's output holds until the tick after next, which brakes it */
 uint32_t tick_spent(void); /* cycles between the last wake and the sleep after it */
 void tick_interrupt(void);
 void board_tick(void);
@@ -41,23 +42,23 @@ uint32_t board_cycles(void); /* a free-running count; instructions where simulat
 void uart_start(uint32_t bus_hz);
 void uart_interrupt(void);
 
-/* sensor_ad7606.c, which also says which board and machine it is on; ../stepper/sensor_cell.c */
+/* sensor_ad7606.c, which also names the board and its machine; ../stepper/sensor_cell.c */
 bool gauge_start(void);   /* false: it does not come out of its reset */
 void gauge_convert(void); /* all channels, at once */
-/* False: no answer; adc is then 0. held: nothing new since the last. */
+/* False: no answer; adc is then 0. held: no new sample since the last call. */
 bool gauge_read(int16_t adc[PALP_WIRE_CHANNELS], bool *held);
 
 /* encoder.c; ../stepper/steps.c */
 bool encoder_start(void);   /* false: its alarm is on */
-int32_t encoder_read(void); /* counts since encoder_start; to be called within 32767 of them */
+int32_t encoder_read(void); /* counts since encoder_start; must be called at least every 32767 counts */
 bool encoder_lost(void);    /* its alarm, now */
 
 /* motor.c; ../stepper/steps.c */
 void motor_start(uint32_t clock_hz);
 void motor_drive(const app_outputs *outputs);
-void motor_brake(void);   /* its ends joined: no current but what its own motion makes */
+void motor_brake(void);   /* its ends joined: no current but that of its own motion */
 void motor_off(void);     /* its ends open */
-bool motor_stopped(void); /* once after each pulse at the emergency stop, however short */
+bool motor_stopped(void); /* true once after each pulse at the emergency stop, however short */
 bool motor_fault(void);   /* the driver's alarm, now */
 
 /* supply.c: the processor's supply */
@@ -81,7 +82,7 @@ bool switches_emergency(void);
 
 /* trigger.c: a camera's wires */
 void trigger_start(void);
-bool trigger_came(void); /* once after each rising edge, or several since the last call */
+bool trigger_came(void); /* true once for all rising edges since the last call */
 void trigger_give(bool high);
 
 /* watchdog.c */

@@ -1,7 +1,7 @@
 /* flash.c: the end of sector 10 and the beginning of sector 11 keep the parameters. RM0090, 3.6: wait,
- * unlock, program or erase, wait, lock. While it is at work the processor waits for its next instruction: for
- * a word 16 us, 0.1 ms at most; for an erasure of 128 KiB 1 to 4 s, which is why that is done at the start
- * only, before the watchdog and the tick. */
+ * unlock, program or erase, wait, lock. The processor stands still meanwhile: 16 us for a word, 0.1 ms at
+ * most. Erasing 128 KiB takes 1 to 4 s, so that is done at the start only, before the watchdog and the tick.
+ */
 #include "drivers.h"
 
 enum { FIRST_SECTOR = 10, PROGRAM_POLLS = 20000, ERASE_POLLS = 80000000 };
@@ -11,7 +11,7 @@ static bool ready(uint32_t polls) {
     return wait_for(&FLASH->SR, FLASH_SR_BSY, 0, polls);
 }
 
-/* With what is to be done, by words of 32 bits; errors of before would forbid it. */
+/* Begins an operation by words of 32 bits. Flags of earlier errors would forbid it. */
 static bool unlock(uint32_t what) {
     if (!ready(PROGRAM_POLLS))
         return false;
@@ -24,7 +24,7 @@ static bool unlock(uint32_t what) {
     return true;
 }
 
-/* What the cache holds of a sector is not what an erasure leaves. */
+/* The cache still holds the sector as it was before it was erased. */
 static void forget_cached(void) {
     const uint32_t as_it_was = FLASH->ACR;
     FLASH->ACR = as_it_was & ~(uint32_t)FLASH_ACR_DATA_CACHE;

@@ -3,9 +3,9 @@
  * stop also reaches TIM1's break input: it holds the PWM low, and so brakes, without any program. */
 #include "drivers.h"
 
-/* No whole number of periods fits a control tick: 20.62 do. What a conversion of the sensor catches of the
- * current's ripple so differs from tick to tick, as noise of 93 Hz and above; it would else be an offset that
- * changes with the duty. */
+/* A control tick has 20.62 periods, not a whole number. The ripple of the current so reaches the sensor's
+ * samples as noise of 93 Hz and above. With a whole number it would be an offset that changes with the duty.
+ */
 enum { PWM_HZ = 20618, FULL = 32767 };
 
 static bool down; /* the direction */
@@ -29,7 +29,7 @@ void motor_start(uint32_t clock_hz) {
     TIM1->SR = 0; /* its pins have just been connected */
 }
 
-/* The new magnitude waits for the period's end: the old one must not be seen the other way meanwhile. */
+/* The new magnitude waits for the period's end; the old one must not act in the new direction meanwhile. */
 static void set_direction(bool to_down) {
     if (to_down == down)
         return;

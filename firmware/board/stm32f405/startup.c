@@ -7,7 +7,7 @@ typedef void handler(void);
 extern uint32_t data_start[], data_end[], data_image[], bss_start[], bss_end[], stack_top[];
 int main(void);
 
-/* Straight from the vector, whatever the state of the stack: a new one, and the old pointer as argument. */
+/* Called by the vector, whatever the state of the stack: begins a new one, and passes the old pointer on. */
 __attribute__((naked)) static void fault_entry(void) {
     __asm volatile("mrs r0, msp\n\t"
                    "ldr r1, =stack_top\n\t"

@@ -1,5 +1,5 @@
-/* supply.c: the processor's own supply. At 2.9 V a warning comes by interrupt, while the program still runs
- * as it should; at 2.8 V the chip holds itself in reset, if its option bytes say so: as sold they do not. */
+/* supply.c: the processor's own supply. At 2.9 V an interrupt warns while the program still runs. At 2.8 V
+ * the chip holds itself in reset, where its option bytes are set so; in a new chip they are not. */
 #include "drivers.h"
 
 enum {

@@ -1,5 +1,5 @@
-/* trigger.c: a pulse in, of any length, and one out, which lasts until the next tick. The edge is kept by the
- * chip: its interrupt is not enabled in the NVIC, only its pending bit is looked at. */
+/* trigger.c: a pulse in, of any length, and one out, which lasts until the next tick. The chip latches the
+ * edge: its interrupt is not enabled in the NVIC, and only the pending bit is read. */
 #include "drivers.h"
 
 enum { LINE = PIN_TRIGGER_IN % 16, EDGE = 1 << LINE };

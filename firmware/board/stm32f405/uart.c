@@ -35,8 +35,8 @@ void serial_send(ring *transmit) {
     NVIC->ISPR[USART1_IRQ / 32] = 1u << USART1_IRQ % 32;
 }
 
-/* One byte on the chip, whose data register is full then; a tick's worth where it never is. ring_get() would
- * do, but this is what the firmware does most often. */
+/* Sends one byte on the chip, whose data register is then full; under QEMU, where it never is, all bytes of a
+ * tick. It replaces ring_get() because nothing else runs as often. */
 static void send_some(ring *from) {
     const uint8_t *byte = from->byte;
     const uint32_t mask = from->size - 1, end = from->head;
