@@ -1,7 +1,7 @@
 /* main.c: the firmware's loop, the same on every board. */
 #include "hal.h"
 
-enum { RECEIVE_MOST = 128 }; /* bytes a tick; the line brings 92 */
+enum { RECEIVE_MOST = 128 }; /* bytes a tick; the line carries 92 */
 
 static app indenter;
 
@@ -11,7 +11,7 @@ static void receive(void) {
         app_receive(&indenter, byte);
 }
 
-/* One control tick; cost: of the last. Its own cost. */
+/* One control tick. cost: of the last tick; returns its own. */
 static uint32_t turn(uint32_t cost) {
     app_inputs inputs = {.position = 0};
     app_outputs outputs;

@@ -1,4 +1,4 @@
-/* app.c: a control tick, from what was sensed to what the motor gets. */
+/* app.c: a control tick, from the sensors to the motor's output. */
 #include "app_internal.h"
 
 #include "real.h"
@@ -14,7 +14,8 @@ void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_c
     a->standard = m;
     memcpy(a->gains, gains_table, sizeof a->gains);
     a->identity = *who;
-    /* With a clock that is 1 % wrong every time constant would be, unseen. A sensor that failed is silent. */
+    /* A clock that is 1 % wrong would change every time constant unnoticed, so such a board moves nothing. A
+     * sensor that failed to start counts as silent. */
     a->unfit = failed & (APP_CLOCK_FAILED | APP_ENCODER_FAILED);
     watch_limits_begin(a);
     a->softness = GAINS_MIDDLE;
@@ -69,7 +70,7 @@ static void sense_force(app *a, const app_inputs *in) {
 }
 
 static void sense(app *a, const app_inputs *in) {
-    a->elapsed = 1 + (a->sensed ? in->missed : 0); /* before the first tick there was none to miss */
+    a->elapsed = 1 + (a->sensed ? in->missed : 0); /* no tick can be missed before the first */
     a->tick += a->elapsed;
     a->missed_ticks += a->elapsed - 1;
     if (in->cost > a->cost_most)
@@ -81,7 +82,7 @@ static void sense(app *a, const app_inputs *in) {
     a->sensed = true;
 }
 
-/* The motor's force for this tick's reference, as a share of its full. */
+/* The motor's force for this tick's reference, as a share of its full force. */
 static float drive(app *a) {
     const machine *m = &a->machine;
     if (m->stepper)
@@ -99,7 +100,7 @@ void app_tick(app *a, const app_inputs *in, app_outputs *out) {
     if (a->unfit == 0)
         (void)supervisor_take(&a->supervisor, SUPERVISOR_STARTED);
     watch_inputs(a);
-    if (app_moving(a) && a->force.tare_left == 0) /* a tare is waited for */
+    if (app_moving(a) && a->force.tare_left == 0) /* the end of a tare is awaited */
         motion_step(a);
     watch_reference(a);
     a->duty = app_drives(a) ? drive(a) : 0.0f;

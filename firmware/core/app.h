@@ -18,7 +18,7 @@ typedef struct app_inputs {
     int16_t adc[PALP_WIRE_CHANNELS];
     uint16_t thermistor; /* 12-bit counts */
     bool sensor_silent, home_switch, emergency_stop;
-    bool force_held;                 /* adc is still what a tick before sensed: the sensor has nothing new */
+    bool force_held;                 /* adc holds an earlier reading: the sensor has no new one */
     bool encoder_lost, driver_fault; /* their alarms */
     bool trigger;                    /* a pulse has come in since the last tick */
     bool stack_intact;
@@ -28,19 +28,19 @@ typedef struct app_inputs {
 } app_inputs;
 
 typedef struct app_outputs {
-    int32_t place; /* of a stepper: where it is to be by the next tick, in counts as those of position */
+    int32_t place; /* of a stepper: its place at the next tick, in counts of position */
     int16_t duty;  /* 32767 = full force towards the specimen */
-    bool motor_on; /* else the board shorts the motor, which brakes it without any current from the supply */
+    bool motor_on; /* false: the board shorts the motor, which brakes it without current from the supply */
     bool trigger;  /* a pulse goes out until the next tick */
-    bool stores;   /* a word is to be programmed into the store's flash; never while the motor is on */
+    bool stores;   /* a word must be programmed into the store's flash; never while the motor is on */
     uint32_t store_at, store_word;
 } app_outputs;
 
-/* Why the processor started; what did not come up, a bit each. */
+/* Why the processor started; which parts failed to start, a bit each. */
 enum { APP_RESET_POWER = 0, APP_RESET_WATCHDOG = 1, APP_RESET_STACK = 2, APP_RESET_BROWN_OUT = 3 };
 enum { APP_CLOCK_FAILED = 1, APP_SENSOR_FAILED = 2, APP_ENCODER_FAILED = 4 };
 
-/* Who we are, for INFO. */
+/* The board's identity, for INFO. */
 typedef struct app_identity {
     const char *board;
     uint32_t serial;
@@ -66,7 +66,7 @@ typedef struct calibrated {
 } calibrated;
 
 typedef struct app {
-    /* what it can be told to be, by SET_PARAMETER (app_parameters.c) */
+    /* its figures in use, which SET_PARAMETER changes (app_parameters.c) */
     machine machine;
     const struct machine *standard; /* as it was compiled in */
     gains gains[GAINS_CLASSES];     /* softest first */
@@ -125,13 +125,13 @@ typedef struct app {
     uint8_t transmit[APP_TRANSMIT];
 } app;
 
-/* reset_cause: APP_RESET_*; failed: APP_*_FAILED. Any reset but by power starts in FAULT; a board that did
- * not come up stays in BOOT (or FAULT): for good without its crystal, until its encoder has a signal. */
+/* reset_cause: APP_RESET_*; failed: APP_*_FAILED. Any reset but by power starts in FAULT. A board whose start
+ * failed stays in BOOT or FAULT: for good without its crystal, otherwise until its encoder has a signal. */
 void app_init(app *a, const machine *m, const app_identity *who, uint8_t reset_cause, uint8_t failed);
-/* Takes the parameters of the last good record in flash, whose words (store.h) stay there: to be called after
- * app_init, before the first tick. */
+/* Takes the parameters of the last good record in flash. stored: its words (store.h), which must stay. To be
+ * called after app_init and before the first tick. */
 void app_load(app *a, const uint32_t *stored);
-/* False: what has come from the host is to wait for the next tick, which bounds the cost of one. */
+/* False: bytes from the host must wait for the next tick, which bounds the cost of a tick. */
 bool app_listens(const app *a);
 void app_receive(app *a, uint8_t byte);
 void app_tick(app *a, const app_inputs *in, app_outputs *out);

@@ -1,4 +1,4 @@
-/* app_command.c: what the host asks for: whether it may, and doing it. */
+/* app_command.c: the host's commands: whether the state permits each, and its effect. */
 #include "app_internal.h"
 
 #include "real.h"
@@ -68,8 +68,7 @@ static uint8_t done_if(bool good) {
     return good ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE;
 }
 
-/* A new host has asked for nothing yet. What still moves does so within the limits that it was started with.
- */
+/* A new host has set nothing yet. A motion in progress keeps the limits that it was started with. */
 static uint8_t hello(app *a, const palp_wire_hello *asked) {
     if (asked->protocol != PALP_WIRE_VERSION)
         return PALP_WIRE_RESULT_VERSION;
@@ -165,7 +164,7 @@ static uint8_t select_gains(app *a, const palp_wire_select_gains *asked) {
     return PALP_WIRE_RESULT_DONE;
 }
 
-/* What is 0 is left to us. */
+/* A field of 0 stands for the firmware's own choice. */
 static uint8_t find_contact(app *a, const palp_wire_find_contact *asked) {
     const float rate = asked->rate_nm_s > 0 ? (float)asked->rate_nm_s * 1e-9f : SEARCH_RATE_M_S;
     const float threshold = asked->force_uN != 0 ? (float)asked->force_uN * 1e-6f : SEARCH_FORCE_N;
@@ -236,7 +235,7 @@ static uint8_t start(app *a, const palp_wire_start *asked) {
     return PALP_WIRE_RESULT_DONE;
 }
 
-/* Up, and down to where the specimen is known to begin, nothing is met. */
+/* Nothing is met on the way up, nor down to a known contact. */
 static float fastest_jog(const app *a, float to_m) {
     const bool free = to_m <= a->position_m || (a->contact_known && to_m <= a->contact_m);
     const float most = free ? JOG_RATE_FREE_M_S : a->machine.search_m_s;
@@ -344,8 +343,8 @@ static void answer(app *a, const palp_wire_message *c) {
     }
 }
 
-/* The host repeats a command whose answer it missed: the answer is repeated, not the deed. Only a HELLO is
- * always new: another host may begin with the same number. */
+/* The host repeats a command whose answer it missed. Then only the answer is repeated, not the action. A
+ * HELLO is always new, since another host may begin with the same number. */
 void command_take(app *a, const palp_wire_message *c) {
     const bool again = a->command_seen && c->sequence == a->command_sequence && c->type == a->command_type &&
                        c->type != PALP_WIRE_TYPE_HELLO;

@@ -1,10 +1,10 @@
-/* app_internal.h: what the parts of the app share. */
+/* app_internal.h: shared by the parts of the app. */
 #ifndef APP_INTERNAL_H
 #define APP_INTERNAL_H
 
 #include "app.h"
 
-#define MOTION_RATE_M_S 0.005f /* to the start of a run and back, at least */
+#define MOTION_RATE_M_S 0.005f /* least speed to the start of a run and back */
 #define MOTION_AIR_M 1e-3f     /* a search for contact ends so far above it */
 
 /* ---- app_command.c ---- */
@@ -13,19 +13,20 @@ void command_take(app *a, const palp_wire_message *command);
 /* ---- app_parameters.c ---- */
 uint8_t parameters_set(app *a, const palp_wire_set_parameter *asked); /* a palp_wire_result */
 bool parameters_get(const app *a, uint8_t id, palp_wire_parameter *one);
-void parameters_changed(app *a);                 /* what follows from them */
-uint8_t parameters_save(app *a);                 /* begins to */
-bool parameters_write(app *a, app_outputs *out); /* a word a tick of those being saved; false: none */
+void parameters_changed(app *a); /* what follows from them */
+uint8_t parameters_save(app *a); /* begins to */
+bool parameters_write(app *a,
+                      app_outputs *out); /* one word a tick of the parameters being saved; false: none */
 palp_wire_configuration parameters_state(const app *a);
 
 /* ---- app_watch.c ---- */
 void watch_limits_begin(app *a);   /* the machine's own */
-void watch_inputs(app *a);         /* what is wrong with what was sensed */
-void watch_reference(app *a);      /* and with where the motion is to go */
+void watch_inputs(app *a);         /* faults seen in the sensors */
+void watch_reference(app *a);      /* and in the reference of the motion */
 bool watch_persists(const app *a); /* what CLEAR_FAULT would have to leave alone */
 bool watch_out_of_travel(const app *a);
 bool watch_pressed(
-    const app *a); /* a stepper holds what it presses, too hard: it is to be homed away from it */
+    const app *a); /* a stepper holds a force that is too large, and must be homed away from it */
 
 /* ---- app_motion.c ---- */
 void motion_begin(app *a);                /* from rest, where the plate is, or is held */

@@ -5,18 +5,18 @@
 
 #define ACCELERATION_M_S2 5.0f
 #define HOME_RATE_M_S 0.01f
-#define HOME_SLOW_M_S 0.002f  /* 2 um a tick: the edge is known to that */
+#define HOME_SLOW_M_S 0.002f  /* 2 um a tick, which is how well the edge is known */
 #define HOME_REST_M 1e-3f     /* where homing ends */
 #define HOME_OFF_M 5e-4f      /* at least so far off the switch, */
 #define HOME_OFF_MOST_M 3e-3f /* which has to open within this */
-#define BEYOND_M 3e-4f        /* the plate may be so far out of its travel, */
-#define STOP_M 1e-3f          /* and lie at a hard stop so far when it is to be homed */
+#define BEYOND_M 3e-4f        /* the plate may be so far outside its travel, */
+#define STOP_M 1e-3f          /* and so far at a hard stop when it is homed */
 
 enum { HOME_LEAVE, HOME_SEEK, HOME_LEAVE_AGAIN, HOME_SEEK_SLOWLY, HOME_BACK_OFF };
 enum { HOME_SURE = 3 /* ticks in a row that the switch is closed */ };
 enum { RUN_TO_START, RUN_WAIT, RUN_AIR, RUN_FOLLOW, RUN_WITHDRAW, RUN_AFTER };
 
-/* A motor that holds the plate goes on with what it holds it by. */
+/* A motor that holds the plate keeps the force that holds it. */
 void motion_begin(app *a) {
     a->phase = 0;
     a->phase_ticks = 0;
@@ -32,8 +32,8 @@ static void next_phase(app *a) {
     a->phase_ticks = 0;
 }
 
-/* A tick towards a place, from any velocity, to rest there; true once there. The root is the speed from
- * which it can still stop in time: v dt + v^2 / (2 a) = way. */
+/* One tick towards a place, from any velocity, to rest there; true once there. The root is the largest speed
+ * that still stops in time: v dt + v^2 / (2 a) = way. */
 static bool move_toward(reference *r, float to_m, float rate_m_s) {
     const float step = ACCELERATION_M_S2 * TICK_S, way = to_m - r->position_m;
     const float most = __builtin_sqrtf(step * step + 2.0f * ACCELERATION_M_S2 * real_abs(way)) - step;
@@ -55,7 +55,7 @@ static bool rest(app *a, uint32_t ticks) {
 
 /* ---- homing ---- */
 
-/* Goes on until it is off the switch by HOME_OFF_M. */
+/* Moves until it is off the switch by HOME_OFF_M. */
 static bool leave_switch(app *a) {
     const float off_m = a->reference.position_m + HOME_OFF_M;
     if (a->in.home_switch && a->back_m < off_m)
@@ -73,7 +73,7 @@ static void set_home(app *a, int32_t counts, float next_m) {
     a->back_m = next_m;
 }
 
-/* Upwards until the switch is closed for long enough not to be a glitch; the edge is where that began. */
+/* Moves up until the switch is closed for longer than a glitch. The edge is where it closed. */
 static bool seek_switch(app *a, float rate_m_s, float next_m) {
     (void)move_toward(&a->reference, a->from_m - 2.0f * a->machine.travel_m, rate_m_s);
     if (!a->in.home_switch)
@@ -108,7 +108,7 @@ static void home_step(app *a) {
 }
 
 void motion_bounds(const app *a, float *low_m, float *high_m) {
-    if (a->supervisor.state != PALP_WIRE_STATE_HOMING) { /* anywhere while nobody knows where that is */
+    if (a->supervisor.state != PALP_WIRE_STATE_HOMING) { /* no bounds while the position is not known */
         *low_m = a->homed ? -BEYOND_M : -1.0f;
         *high_m = a->homed ? a->limits.travel_m + BEYOND_M : 1.0f;
     } else if (a->phase > HOME_SEEK) {
@@ -135,7 +135,7 @@ static void contact_is_known(app *a) {
         a->softness = gains_class(a->gains, a->stiffness_N_m);
 }
 
-/* Not by a reading that is none: one at its rail would pass for something hard. */
+/* Invalid readings are left out: one at its rail would look like something hard. */
 static void approach_step(app *a) {
     const bool at_end = move_toward(&a->reference, a->contact.end_m, a->rate_m_s);
     if (a->answering && !a->saturated && !a->in.force_held)
@@ -204,7 +204,7 @@ bool motion_follows(const app *a) {
     return a->supervisor.state == PALP_WIRE_STATE_RUN && a->phase == RUN_FOLLOW;
 }
 
-/* With the first sample of a recording, and where every says so with others after it. */
+/* A pulse at the first sample of a recording, and then one after every so many samples. */
 bool motion_pulse(app *a) {
     const bool records = motion_records(a), first = records && !a->recorded;
     a->recorded = records;

@@ -102,7 +102,7 @@ static bool write_bits(app *a, const row *r, uint8_t index, uint32_t bits) {
     return true;
 }
 
-/* As they are compiled in: at the same places of another app. */
+/* The compiled-in values, at the same places of another app. */
 static uint32_t standard_bits(const app *a, const row *r, uint8_t index) {
     const size_t at = place(r, index), matrix = offsetof(app, force.matrix), table = offsetof(app, gains);
     uint32_t bits = 0;
@@ -115,7 +115,7 @@ static uint32_t standard_bits(const app *a, const row *r, uint8_t index) {
     return bits;
 }
 
-/* A sensor that is blind along the axis of the press would let any force pass. */
+/* A sensor that reads 0 along the press would not notice any force. */
 static bool sees(const app *a) {
     for (int i = 0; i < PALP_WIRE_CHANNELS; i++)
         if (a->force.matrix[FORCE_Z][i] != 0.0f)
@@ -141,7 +141,7 @@ bool parameters_get(const app *a, uint8_t id, palp_wire_parameter *one) {
     return true;
 }
 
-/* Positions in metres may mean another place now, and limits be others. */
+/* Positions in metres may now be other places, and limits may have changed. */
 void parameters_changed(app *a) {
     uint32_t check = 0;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
@@ -192,7 +192,7 @@ uint8_t parameters_save(app *a) {
     return store_begin(&a->store, COUNT) ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_FULL;
 }
 
-/* No parameter changes meanwhile: what would is refused while it is written. */
+/* No parameter changes while it is written: such commands are refused. */
 bool parameters_write(app *a, app_outputs *out) {
     uint8_t index = 0;
     if (app_drives(a))

@@ -1,4 +1,4 @@
-/* app_report.c: what the host is told. */
+/* app_report.c: the messages to the host: identity, status, samples. */
 #include "app_internal.h"
 
 #include "real.h"
@@ -127,7 +127,7 @@ void report_status(app *a) {
     (void)stream_send(&a->stream, &m);
 }
 
-/* A change of state is told as soon as there is room; the rest only where there is plenty. */
+/* A change of state is reported as soon as there is room, a regular status only where there is plenty. */
 static void report_changes(app *a) {
     palp_wire_message m;
     const bool changed = a->told_state != a->supervisor.state;
@@ -155,8 +155,8 @@ static uint16_t flags(const app *a) {
     return (uint16_t)bits;
 }
 
-/* No tick sends more than a frame of samples, the answers to one command or a status; and the samples up to
- * a change of state come before the status that tells of it. */
+/* No tick sends more than a frame of samples, the answers to one command, or a status. The samples up to a
+ * change of state are sent before its status. */
 void report_tick(app *a, int16_t duty) {
     const float error_m = app_drives(a) ? a->reference.position_m - a->position_m : 0.0f;
     sample one = {.tick = a->tick,

@@ -1,4 +1,4 @@
-/* app_watch.c: what is wrong, and which of it stops. */
+/* app_watch.c: finds what is wrong, and stops by the fault that matters most. */
 #include "app_internal.h"
 
 #include "real.h"
@@ -8,7 +8,7 @@ enum {
     FIT_TICKS = 100 /* with a signal, before an encoder that had none is trusted */
 };
 
-/* Which is the reason where several are the case in one tick: first what makes the others untrustworthy. */
+/* Which fault is latched where several begin in one tick: first those that make the others doubtful. */
 static const uint8_t order[] = {
     PALP_WIRE_FAULT_STACK_GUARD,      PALP_WIRE_FAULT_EMERGENCY_STOP,       PALP_WIRE_FAULT_DRIVER_FAULT,
     PALP_WIRE_FAULT_ENCODER_LOST,     PALP_WIRE_FAULT_ENCODER_JUMP,         PALP_WIRE_FAULT_SENSOR_SILENT,
@@ -32,7 +32,7 @@ static bool noted(const app *a, uint8_t fault) {
     return (a->causes & 1U << fault) != 0;
 }
 
-/* Ticks in a row in which something was seen to be the case. */
+/* Counts the ticks in a row for which a condition holds. */
 static uint32_t lasting(uint32_t ticks, bool is_the_case) {
     return is_the_case ? ticks + 1 : 0;
 }
@@ -49,7 +49,7 @@ static bool from_below(const app *a) {
     return a->saturated ? a->force.matrix[FORCE_Z][0] * (float)a->in.adc[0] > 0.0f : a->force_N > 0.0f;
 }
 
-/* A stepper on its way home, upwards: a force from below becomes less by it. */
+/* A stepper on its way up, to home: that makes a force from below smaller. */
 static bool leaves(const app *a) {
     return a->machine.stepper && a->supervisor.state == PALP_WIRE_STATE_HOMING && !a->in.home_switch &&
            a->reference.velocity_m_s <= 0.0f && from_below(a);
@@ -72,7 +72,7 @@ static void watch_encoder(app *a) {
     note(a, PALP_WIRE_FAULT_ENCODER_LOST, a->encoder_ticks >= BAD_READINGS);
 }
 
-/* A position that has jumped, or was not counted, is lost in every state, also where that is not a fault. */
+/* A position that jumped or was not counted is lost in every state, even where that is no fault. */
 static void watch_position(app *a) {
     float low_m, high_m;
     const bool jumped = !a->machine.stepper && real_abs(a->velocity_m_s) > a->machine.speed_m_s;
@@ -87,13 +87,13 @@ static bool host_is_gone(const app *a) {
     return a->host_ticks > (uint32_t)a->limits.host_timeout_ms * CONTROL_HZ / 1000;
 }
 
-/* Counted while the motor is on only: then nobody but the host can know that something goes wrong. */
+/* Counted only while the motor is on. */
 static void watch_motion(app *a) {
     const bool on = app_drives(a);
     const float error_m = real_abs(a->reference.position_m - a->position_m);
     a->following_ticks = lasting(a->following_ticks, on && error_m > a->limits.following_m);
     a->host_ticks = on ? a->host_ticks + a->elapsed : 0;
-    /* A motor that is held back for its heat falls behind before it is too hot. */
+    /* A motor that is derated for its heat falls behind before it is too hot. */
     note(a,
          thermal_derating(&a->thermal, &a->machine) < 1.0f ? PALP_WIRE_FAULT_OVER_TEMPERATURE
                                                            : PALP_WIRE_FAULT_FOLLOWING_ERROR,
@@ -128,7 +128,7 @@ void watch_reference(app *a) {
     stop_for(a);
 }
 
-/* A plate out of its travel may be where no hand reaches: it is to be homed from there. */
+/* A plate outside its travel may be out of reach, so homing must work from there. */
 bool watch_persists(const app *a) {
     const uint8_t fault = a->supervisor.fault;
     return a->unfit != 0 || (noted(a, fault) && fault != PALP_WIRE_FAULT_OVER_TRAVEL && !watch_pressed(a));

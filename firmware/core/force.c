@@ -13,10 +13,10 @@ static const int32_t matrix_nN[FORCE_AXES][PALP_WIRE_CHANNELS] = {
     {-150, 3670, -110, 3550, -70, 3610},
 };
 
-/* Codes this near to an end of the converter's range are no reading. */
+/* Codes this near to an end of the converter's range are not valid readings. */
 enum { RAIL = 32752 };
 
-/* A calibration's largest entry, which its way through a float and back leaves within an int32_t. */
+/* Largest entry of a calibration: converted to float and back it still fits an int32_t. */
 enum { MOST_NN = 2000000000 };
 
 void force_init(force_sensor *f) {
@@ -57,7 +57,7 @@ bool force_set_row(force_sensor *f, uint8_t axis, const int32_t row_nN[PALP_WIRE
     return true;
 }
 
-/* Nearest whole nN: what force_set_row was given, up to a float's 24 bits. */
+/* Nearest whole nN: the row given to force_set_row, within a float's 24 bits. */
 bool force_get_row(const force_sensor *f, uint8_t axis, int32_t row_nN[PALP_WIRE_CHANNELS]) {
     if (axis >= FORCE_AXES)
         return false;

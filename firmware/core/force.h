@@ -14,12 +14,12 @@ typedef struct force_sensor {
 } force_sensor;
 
 void force_init(force_sensor *f); /* the matrix of the simulated sensor (doc/indenter.md), no tare */
-/* The same, but where a count of the only channel is so many nN its row z says so; 0: there are six. */
+/* The same for a sensor of one channel, whose count is count_nN along z; 0: six channels. */
 void force_begin(force_sensor *f, int32_t count_nN);
 /* Entry number i of that matrix, row by row. */
 float force_standard(int32_t count_nN, uint8_t i);
 float force_axis(const force_sensor *f, const int16_t adc[PALP_WIRE_CHANNELS], uint8_t axis);
-/* False, and nothing done: no such axis; a row of zeros, or of more than 2 N a count. */
+/* False, and no change: no such axis, a row of zeros, or more than 2 N a count. */
 bool force_set_row(force_sensor *f, uint8_t axis, const int32_t row_nN[PALP_WIRE_CHANNELS]);
 bool force_get_row(const force_sensor *f, uint8_t axis, int32_t row_nN[PALP_WIRE_CHANNELS]);
 /* Averages samples (1..FORCE_TARE_MOST) ticks; the old tare holds until tare_left is 0. */

@@ -12,10 +12,10 @@ enum { CONTROL_HZ = 1000 };
 typedef struct machine {
     float count_m;         /* metres an encoder count */
     float travel_m;        /* from home to the lower end */
-    float speed_m_s;       /* most that the drive can reach: beyond it the encoder has jumped */
+    float speed_m_s;       /* most that the drive can reach: a faster change is a jump of the encoder */
     float force_N;         /* of the sensor, and so of any limit */
     float motor_N;         /* force at full duty and standstill */
-    float motor_drag_Ns_m; /* what back-EMF and friction take from it at speed */
+    float motor_drag_Ns_m; /* force lost with speed, by back-EMF and friction */
     float moving_kg;
     float friction_N;
     float supply_V, resistance_ohm, force_constant_N_A; /* of the motor, for its heat */
@@ -26,16 +26,16 @@ typedef struct machine {
     uint16_t following_ticks;
     uint16_t host_timeout_ms;
     uint16_t overflow_samples; /* lost in a run before it is a fault */
-    float search_m_s;          /* most towards what is not known: a search, a jog */
-    /* of a machine with a stepper, which goes where it is told, and holds, without any control */
+    float search_m_s;          /* most of a search or a jog, towards what may be met */
+    /* of a machine with a stepper, which follows its steps and holds without control */
     bool stepper;
     int32_t count_nN;    /* of the one channel of its sensor; 0: six channels */
-    float force_delay_s; /* oldest that what the sensor says may be, */
+    float force_delay_s; /* largest age of the sensor's reading, */
     float force_lag_s;   /* and on average */
 } machine;
 
 extern const machine machine_indenter;     /* the one of doc/indenter.md */
-extern const machine machine_stepper;      /* the cheap one, at its end: an HX711, */
+extern const machine machine_stepper;      /* the stepper's machine with an HX711, */
 extern const machine machine_stepper_fast; /* and an ADS1220 */
 
 #endif

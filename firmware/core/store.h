@@ -1,6 +1,5 @@
-/* store.h: the machine's parameters in flash: a log of records in two areas. A record is only ever added, and
- * an area erased only while the last good record is in the other, so that a cut of the supply never takes it.
- */
+/* store.h: the machine's parameters in flash: a log of records in two areas. Records are only added. An area
+ * is erased only while the last good record is in the other, so that a power failure never loses it. */
 #ifndef STORE_H
 #define STORE_H
 
@@ -26,26 +25,26 @@ typedef struct store {
     bool spare;             /* the other area is blank */
     uint8_t bad;            /* records that fail their check */
     /* of the record being written */
-    bool writing, failed; /* failed: the last one did not come out as it should */
+    bool writing, failed; /* failed: the last record does not read back as written */
     uint32_t at, n, check;
 } store;
 
 /* CRC-32 (ISO-HDLC) of words, each from its lowest byte: begin with 0, feed word by word. */
 uint32_t store_check(uint32_t check, uint32_t word);
 
-/* Looks at what is there. */
+/* Reads the areas, and finds the last good record and the free place. */
 void store_open(store *s, const uint32_t *memory);
 /* The last good record's values, n of them; NULL where there is none. */
 const uint32_t *store_values(const store *s, uint32_t *n);
 /* Begins a record of n values; false: no room. */
 bool store_begin(store *s, uint32_t n);
-/* While writing: the value that is wanted next, by its number; and, given that, the next word to be
- * programmed and where. False: all were, and what is there now has been looked at. */
+/* While a record is written: the number of the next value that is needed; with that value, the next word to
+ * program and its place. False: all words are written, and the record has been read back. */
 uint32_t store_wants(const store *s);
 bool store_step(store *s, uint32_t value, uint32_t *at, uint32_t *word);
 
-/* The area that is to be erased at the start, before anything can move: the one without the last good record,
- * where something is in it; STORE_AREAS = none. So there is room for six records in each session at least. */
+/* The area to erase at the start, before anything can move: the one without the last good record, unless it
+ * is blank; STORE_AREAS = none. So each session has room for at least six records. */
 uint32_t store_to_erase(const uint32_t *memory);
 
 #endif

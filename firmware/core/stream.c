@@ -9,7 +9,7 @@ void stream_init(stream *s, uint8_t *byte, uint32_t size) {
     s->block[0].type = s->block[1].type = PALP_WIRE_TYPE_SAMPLES;
 }
 
-/* A frame that finds no room takes no number: a gap in the numbers was made by the line. */
+/* A frame that finds no room takes no number, so that a gap in the numbers means a loss on the line. */
 static bool send_leaving(stream *s, palp_wire_message *message, uint32_t reserve) {
     uint8_t frame[PALP_WIRE_FRAME_MAX];
     const size_t most = palp_wire_payload_size(message->type) + PALP_WIRE_FRAME_MAX - PALP_WIRE_PAYLOAD_MAX;

@@ -31,12 +31,12 @@ typedef struct sample {
 void stream_init(stream *s, uint8_t *byte, uint32_t size);
 /* Queues an answer; false = no room. sequence and lost are filled in. */
 bool stream_send(stream *s, palp_wire_message *message);
-/* The same for what may as well be left out: never takes the reserve. */
+/* The same for a frame that may be left out: it never uses the reserve. */
 bool stream_offer(stream *s, palp_wire_message *message);
 /* Adds a sample while on. A full block becomes due, and so does one of another state or one that a tick is
  * missing after. */
 void stream_sample(stream *s, const sample *one, uint8_t state, int16_t case_cC);
-void stream_end_block(stream *s); /* what has been gathered is due, however little */
+void stream_end_block(stream *s); /* the gathered samples are due, however few */
 /* Queues the block that is due, the most expensive of all frames; where there is no room all of it is lost.
  * False if none was due. Once a tick. */
 bool stream_turn(stream *s);

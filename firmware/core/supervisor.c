@@ -1,7 +1,7 @@
 /* supervisor.c: the tables of states, events and faults. */
 #include "supervisor.h"
 
-/* What is not listed means nothing in that state. BOOT is never returned to, so its 0 can say so. */
+/* Events that are not listed mean nothing in a state. No event leads back to BOOT, so its 0 marks them. */
 #define TO(state) PALP_WIRE_STATE_##state
 static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] = {
     [TO(BOOT)] = {[SUPERVISOR_STARTED] = TO(IDLE), [SUPERVISOR_FAULT] = TO(FAULT)},
@@ -30,10 +30,10 @@ static const uint8_t next_state[PALP_WIRE_STATE_COUNT][SUPERVISOR_EVENT_COUNT] =
 #undef TO
 
 /* Which states watch for a fault. The motor is on in HELD: in MOVING, and in READY, where it holds the plate.
- * READY promises that a motion may begin. No host for long ends it without a fault: the plate is let go.
- * IDLE promises nothing (the sensor may just be being mounted, the carriage be pushed by hand): what is
- * wrong then stops the HOME that would begin, in its first tick, before the motor is on.
- * The reference is not bounded while HOMING: where the ends are is not known yet. */
+ * In READY a motion may begin at any time; a host that is silent for long ends it without a fault, and the
+ * plate is let go. In IDLE the sensor may be away for mounting, and the carriage pushed by hand. A fault then
+ * stops the next HOME in its first tick, before the motor is on. The reference has no bounds while HOMING,
+ * since the ends are not known yet. */
 #define IN(state) (1U << PALP_WIRE_STATE_##state)
 #define MOVING (IN(HOMING) | IN(APPROACH) | IN(RUN) | IN(RETRACT) | IN(JOG))
 #define HELD (IN(READY) | MOVING)

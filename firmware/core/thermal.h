@@ -8,11 +8,11 @@
 
 enum {
     THERMAL_TICKS = 64
-}; /* of heat gathered for a step of the winding, too small for a float by the tick */
+}; /* ticks of heat summed for a step of the winding; one tick is too small for a float */
 
 typedef struct thermal {
-    float case_C;         /* filtered thermistor; as it was while broken */
-    float rise_K;         /* of the winding over the case; 0 at the start, which only the case tells of */
+    float case_C;         /* filtered thermistor; keeps its value while broken */
+    float rise_K;         /* of the winding over the case; starts at 0, since only the case is measured */
     float heat_W;         /* sum of the ticks since the last step of the winding */
     uint16_t ticks;       /* these */
     bool started, broken; /* broken: the thermistor reads open or short */

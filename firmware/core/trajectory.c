@@ -8,7 +8,7 @@ enum { PERIOD = 1000000000, MOST_CYCLES = 65535 };
 
 /* ---- stroke ---- */
 
-/* To the next whole number, held where it no longer fits. */
+/* The next whole number, limited to the type's range. */
 static uint32_t round_up(float x) {
     if (x >= 4e9f)
         return 4000000000u;
