@@ -9,7 +9,7 @@
 
 enum { SUBSTEPS = 20, JUMP_COUNTS = 5000 };
 static const double TICK = 1e-3, HOT_C = 120, DUTY_FULL = 32767;
-static const double OBSTACLE = 0.98; /* share of the sensor's range: above every limit, below the rails */
+static const double OBSTACLE = 0.98; /* of what the sensor can tell: over every limit, short of the rails */
 
 struct plant {
     plant_settings settings;
@@ -115,7 +115,7 @@ static double reach(const plant *p) {
     return p->plate_m - p->settings.contact_m;
 }
 
-/* The plate within its play below the carriage. Friction holds it; a larger force pushes it against the
+/* The plate within its play below the carriage: friction holds it, a larger force pushes it against the
  * carriage. */
 static void follow(plant *p) {
     const plant_actuator *a = &p->settings.actuator;
@@ -123,8 +123,7 @@ static void follow(plant *p) {
     p->plate_m = p->specimen.force_N > a->coulomb_N ? high : fmin(fmax(p->plate_m, high), low);
 }
 
-/* The force as the model's sensor reads it, with the weight. An obstacle brings it near the sensor's range.
- */
+/* What the model's sensor makes of the force, or the amplifier of what is harder. */
 static double read_force(const plant *p) {
     const palp_specimen_motion motion = {TICK * p->tick, p->drive.carriage_m - p->settings.contact_m,
                                          p->drive.velocity_m_s, p->push_m_s2};
